@@ -59,7 +59,8 @@ typedef enum fathom_map_kind {
     FATHOM_MAP_IRIDESCENCE_THICKNESS, /* from iridescence_thickness_min, at 0, to _max, at 1 */
     FATHOM_MAP_DIFFUSE_TRANSMISSION,
     FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR,
-    FATHOM_MAP_BUMP, /* a height, which tilts the shading normal by its slopes */
+    FATHOM_MAP_CLEARCOAT_NORMAL, /* as FATHOM_MAP_NORMAL, of the clear coat; without it a coat is flat */
+    FATHOM_MAP_BUMP,             /* a height, which tilts the shading normal by its slopes */
     FATHOM_MAPS
 } fathom_map_kind;
 
@@ -118,8 +119,9 @@ typedef struct fathom_material {
                           part, and its index counts over empty space */
     float opacity;     /* coverage by chance; default 1 */
     bool multiscatter; /* rough lobes get back what they lose to multiple scattering; default true */
-    float opacity_cutoff; /* > 0: opacity below it is 0, other is 1; default 0: coverage by chance */
-    float normal_scale;   /* either model: factor of the x and y of FATHOM_MAP_NORMAL; default 1 */
+    float opacity_cutoff;         /* > 0: opacity below it is 0, other is 1; default 0: coverage by chance */
+    float normal_scale;           /* either model: factor of the x and y of FATHOM_MAP_NORMAL; default 1 */
+    float clearcoat_normal_scale; /* the same of FATHOM_MAP_CLEARCOAT_NORMAL; default 1 */
     float bump_scale; /* either model: the height in units of length where FATHOM_MAP_BUMP is 1; default 1 */
     fathom_map maps[FATHOM_MAPS];
 } fathom_material;

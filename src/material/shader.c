@@ -63,6 +63,13 @@ static float again(float f0, float f90, float mean) {
     return reflected * reflected * mean / (1 - reflected * (1 - mean));
 }
 
+bool shader_coat_has_normal(const fathom_material *m) {
+    static const int kinds[] = {FATHOM_MAP_NORMAL, FATHOM_MAP_BUMP, FATHOM_MAP_CLEARCOAT_NORMAL};
+    bool has = false;
+    for (int k = 0; k < 3; ++k) has |= m->maps[kinds[k]].texture != FATHOM_NONE;
+    return has && m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->clearcoat > 0;
+}
+
 /* Below the coat: shader.h's C. */
 static void prepare_coat(const fathom_material *m, shader *out) {
     float all[ENERGY_NODES], edge[ENERGY_NODES];
@@ -73,7 +80,9 @@ static void prepare_coat(const fathom_material *m, shader *out) {
         out->below_coat[k] = 1 - m->clearcoat * (0.04f * (all[k] - edge[k]) + edge[k]);
     out->coat = m->clearcoat;
     out->coat_alpha = fmaxf(alpha, SHADER_SMOOTH_ALPHA);
-    out->lobes |= SHADER_COATED | (alpha < SHADER_SMOOTH_ALPHA ? SHADER_MIRROR : SHADER_COAT);
+    const bool turned = shader_coat_has_normal(m);
+    out->lobes |= SHADER_COATED | (turned ? SHADER_TURNED : 0);
+    out->lobes |= alpha < SHADER_SMOOTH_ALPHA && !turned ? SHADER_MIRROR : SHADER_COAT;
 }
 
 /* Albedos of the base's facets, and their means. */

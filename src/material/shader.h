@@ -37,6 +37,10 @@
  * albedo. With `multiscatter`, Lambert's part is over <(1 - R) C> instead of <1 - R>; the others lose what
  * goes round under the coat.
  *
+ * A coat over a normal map, or with one, has a normal of its own (KHR_materials_clearcoat): its cosines are
+ * those, and it is no mirror but a lobe of SHADER_SMOOTH_ALPHA at least. Where light or viewer is below the
+ * horizon of what it covers it reflects nothing.
+ *
  * Fibres (KHR_materials_sheen) lie between these and the coat: sheenColor D / (4 n·v n·l (1 + Λ(v) + Λ(l)))
  * with α = max(sheenRoughness, 0.07)², see kernels/sheen.h. All below counts by min(s(n·v), s(n·l)), s(mu) =
  * 1 - max(sheenColor) E(mu), E the fibres' albedo: light between fibres and base is lost, none is gained.
@@ -132,8 +136,11 @@ enum {
     SHADER_FILM = 1u << 17,       /* reflectances are those of a thin film */
     SHADER_LEAF = 1u << 18,       /* diffuse transmission */
     SHADER_DISPERSIVE = 1u << 19, /* refraction depends on the channel */
+    SHADER_TURNED = 1u << 20,     /* the clear coat has a normal of its own */
 };
 
+/* A clear coat over a normal map, or with one. */
+bool shader_coat_has_normal(const fathom_material *material);
 void shader_prepare(const fathom_material *material, shader *out);
 /* A surface that is not there: rays pass straight. */
 void shader_prepare_hole(shader *out);
@@ -172,6 +179,8 @@ typedef struct shader_block {
     float coat[LANES], coat_alpha[LANES];
     float below_sheen[LANES], sheen_part[LANES], sheen_lambda[LANES]; /* at the viewer's cosine */
     uint32_t blinn[LANES], from_behind[LANES], even[LANES];
+    lanes3 coat_axes[3];     /* with SHADER_TURNED: the coat's frame, z its normal, in that of the block */
+    lanes3 coat_v;           /* v in it */
     uint32_t lobes;          /* of all lanes */
     uint32_t channel[LANES]; /* of the path, 1 to 3, or 0; read where some material is dispersive */
 } shader_block;

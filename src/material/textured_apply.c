@@ -28,6 +28,7 @@ static const struct {
     [FATHOM_MAP_IRIDESCENCE] = {offsetof(fathom_material, iridescence), NONE, 1, true},
     [FATHOM_MAP_IRIDESCENCE_THICKNESS] = {NONE, NONE, 0, false},
     [FATHOM_MAP_DIFFUSE_TRANSMISSION] = {offsetof(fathom_material, diffuse_transmission), NONE, 1, true},
+    [FATHOM_MAP_CLEARCOAT_NORMAL] = {NONE, NONE, 0, false},
     [FATHOM_MAP_BUMP] = {NONE, NONE, 0, false},
     [FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR] = {offsetof(fathom_material, diffuse_transmission_color), NONE, 3,
                                                true},

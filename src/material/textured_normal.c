@@ -12,8 +12,8 @@ static const fathom_mesh *mesh_of(const world *w, uint32_t geometry) {
 static const fathom_map *map_of_frame(const material_plan *p) {
     const fathom_map *maps = p->material->maps;
     const bool own = p->directed && maps[FATHOM_MAP_ANISOTROPY].texture != FATHOM_NONE;
-    return &maps[own && maps[FATHOM_MAP_NORMAL].texture == FATHOM_NONE ? FATHOM_MAP_ANISOTROPY
-                                                                       : FATHOM_MAP_NORMAL];
+    if (maps[FATHOM_MAP_NORMAL].texture != FATHOM_NONE) return &maps[FATHOM_MAP_NORMAL];
+    return &maps[own ? FATHOM_MAP_ANISOTROPY : FATHOM_MAP_CLEARCOAT_NORMAL];
 }
 
 fathom_status texturing_make_tangents(fathom_context *context, texturing *t) {
@@ -68,13 +68,13 @@ static bool find_frame(const points *p, unsigned i, const lookup *l, vec3_f32 n,
 /* The normal is seen under no more than this cosine from its horizon. */
 #define FACES_VIEWER 0x1p-6f
 
-/* As a normal map has it; `outside` without one. */
-static vec3_f32 mapped_normal(const points *p, unsigned i, vec3_f32 outside) {
+/* As a normal map of this kind has it; `outside` without one. */
+static vec3_f32 mapped_normal(const points *p, unsigned i, int kind, float scale, vec3_f32 outside) {
     const material_plan *plan = p->plan[i];
-    const unsigned at = plan->of[FATHOM_MAP_NORMAL];
+    const unsigned at = plan->of[kind];
     vec3_f32 t, b;
     if (at == NO_LOOKUP || !find_frame(p, i, &plan->lookups[at], outside, &t, &b)) return outside;
-    const float *rgb = p->values[i][at], scale = plan->material->normal_scale, z = 2 * rgb[2] - 1;
+    const float *rgb = p->values[i][at], z = 2 * rgb[2] - 1;
     const vec3_f32 n = scale_f32(z > 0x1p-6f ? z : 0x1p-6f, outside);
     return madd_f32(madd_f32(n, scale * (2 * rgb[0] - 1), t), scale * (2 * rgb[1] - 1), b);
 }
@@ -103,12 +103,9 @@ static vec3_f32 slope_of_bump(const points *p, unsigned i, vec3_f32 n) {
     return area != 0 && finite_f32(slope) ? slope : (vec3_f32){0, 0, 0};
 }
 
-static void turn_normal(const points *p, unsigned i, surface_block *s) {
-    const vec3_f32 outside = lane(p->g->local.ns, i);
-    const float side = dot_f32(outside, lane(s->ns, i)) < 0 ? -1 : 1;
-    vec3_f32 n = mapped_normal(p, i, outside);
-    if (!make_unit(&n)) return;
-    if (p->plan[i]->of[FATHOM_MAP_BUMP] != NO_LOOKUP) n = sub_f32(n, slope_of_bump(p, i, outside));
+/* Sets the normal n of the outside, not unit, as the viewer's side has it. */
+static void set_normal(const points *p, unsigned i, const surface_block *s, vec3_f32 n, float (*to)[LANES]) {
+    const float side = dot_f32(lane(p->g->local.ns, i), lane(s->base, i)) < 0 ? -1 : 1;
     if (!make_unit(&n)) return;
     n = scale_f32(side, n);
     const float facing = dot_f32(n, lane(s->v, i));
@@ -116,20 +113,40 @@ static void turn_normal(const points *p, unsigned i, surface_block *s) {
         n = madd_f32(n, FACES_VIEWER - facing, lane(s->v, i));
         if (!make_unit(&n)) return;
     }
-    s->ns[0][i] = n.x, s->ns[1][i] = n.y, s->ns[2][i] = n.z;
+    to[0][i] = n.x, to[1][i] = n.y, to[2][i] = n.z;
+}
+
+static void turn_normal(const points *p, unsigned i, surface_block *s) {
+    const fathom_material *m = p->plan[i]->material;
+    const vec3_f32 outside = lane(p->g->local.ns, i);
+    vec3_f32 n = mapped_normal(p, i, FATHOM_MAP_NORMAL, m->normal_scale, outside);
+    if (p->plan[i]->of[FATHOM_MAP_BUMP] != NO_LOOKUP && make_unit(&n))
+        n = sub_f32(n, slope_of_bump(p, i, outside));
+    set_normal(p, i, s, n, s->ns);
+}
+
+/* KHR_materials_clearcoat: the coat does not have the normals of what it covers. */
+static void turn_coat(const points *p, unsigned i, surface_block *s) {
+    const float scale = p->plan[i]->material->clearcoat_normal_scale;
+    const vec3_f32 outside = lane(p->g->local.ns, i);
+    for (int c = 0; c < 3; ++c) s->coat[c][i] = s->base[c][i];
+    if (p->plan[i]->of[FATHOM_MAP_CLEARCOAT_NORMAL] != NO_LOOKUP)
+        set_normal(p, i, s, mapped_normal(p, i, FATHOM_MAP_CLEARCOAT_NORMAL, scale, outside), s->coat);
 }
 
 void texturing_turn_normals(const points *p, surface_block *s) {
-    uint32_t mapped = 0;
+    uint32_t mapped = 0, coated = 0;
     for (uint32_t left = p->lanes; left; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctz(left);
-        if (p->plan[i]->of[FATHOM_MAP_NORMAL] != NO_LOOKUP || p->plan[i]->of[FATHOM_MAP_BUMP] != NO_LOOKUP)
-            mapped |= 1u << i;
+        const uint8_t *of = p->plan[i]->of;
+        if (of[FATHOM_MAP_NORMAL] != NO_LOOKUP || of[FATHOM_MAP_BUMP] != NO_LOOKUP) mapped |= 1u << i;
+        if (shader_coat_has_normal(p->plan[i]->material)) coated |= 1u << i;
     }
-    if (!mapped) return;
+    if (!(mapped | coated)) return;
     memcpy(s->base, s->ns, sizeof s->base);
-    s->mapped = mapped;
+    s->mapped = mapped, s->coated = coated;
     for (; mapped; mapped &= mapped - 1) turn_normal(p, (unsigned)__builtin_ctz(mapped), s);
+    for (; coated; coated &= coated - 1) turn_coat(p, (unsigned)__builtin_ctz(coated), s);
 }
 
 void texturing_direct(const points *p, unsigned i, const fathom_material *m, surface_block *s) {

@@ -194,6 +194,8 @@ static const fathom_parameter metallic_rows[] = {
      .help = "Above 0: where `opacity` is below it there is no surface, and elsewhere all of it."},
     {"normal_scale", F32, MATERIAL(normal_scale), HARD, -1e3, 1e3, 1, NULL, "Surface",
      .help = "Factor of the slopes of `normalTexture`."},
+    {"clearcoat_normal_scale", F32, MATERIAL(clearcoat_normal_scale), HARD, -1e3, 1e3, 1, NULL, "Surface",
+     .help = "Factor of the slopes of `clearcoatNormalTexture`."},
     {"bump_scale", F32, MATERIAL(bump_scale), SOFT, -1e6, 1e6, 1, "LENGTH", "Surface",
      .help = "Height of the surface in units of length where `bumpTexture` is 1."},
     {"multiscatter", BOOL, MATERIAL(multiscatter), HARD, 0, 1, true, NULL, "Surface",

@@ -18,8 +18,10 @@ typedef struct surface_block {
     uint32_t smooth[LANES];   /* all ones: the side of a light is judged by ns, not ng; else 0 */
     uint32_t count;           /* lanes [0, count) are points; the others repeat the last */
     uint32_t mapped;          /* bits: lanes whose ns a normal map has turned */
+    uint32_t coated;          /* bits: lanes of which a clear coat has a normal of its own */
     uint32_t directed;        /* bits: lanes with a tangent that materials ask for */
     lanes3 base;  /* where some are: ns without the map. The side of a light is judged by it, too */
+    lanes3 coat;  /* the normal of those coats, unit, on the viewer's side as ns */
     lanes3 along; /* the tangent of directed lanes, turned by the material; not quite in the surface */
 } surface_block;
 

@@ -79,6 +79,7 @@ static const glb_key keys[] = {
     NUMBER(CLEARCOAT, "clearcoatRoughnessFactor", clearcoat_roughness, 0),
     IMAGE(CLEARCOAT, "clearcoatTexture", CLEARCOAT, 0),
     IMAGE(CLEARCOAT, "clearcoatRoughnessTexture", CLEARCOAT_ROUGHNESS, 1),
+    IMAGE(CLEARCOAT, "clearcoatNormalTexture", CLEARCOAT_NORMAL, -1),
     COLOR(SHEEN, "sheenColorFactor", sheen_color, 0),
     NUMBER(SHEEN, "sheenRoughnessFactor", sheen_roughness, 0),
     IMAGE(SHEEN, "sheenColorTexture", SHEEN_COLOR, -1),
@@ -260,6 +261,8 @@ static void put_map(file_writer *t, const shape *s, const glb_key *key) {
     const fathom_map *map = &s->m.maps[key->map];
     file_writer_print(t, "\"%s\":{\"index\":%u,\"texCoord\":%u", key->name, map->texture, map->uv_set);
     if (key->map == FATHOM_MAP_NORMAL) file_writer_print(t, ",\"scale\":%.9g", (double)s->m.normal_scale);
+    if (key->map == FATHOM_MAP_CLEARCOAT_NORMAL)
+        file_writer_print(t, ",\"scale\":%.9g", (double)s->m.clearcoat_normal_scale);
     put_transform(t, map->transform);
     file_writer_print(t, "}");
 }

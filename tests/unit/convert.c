@@ -53,8 +53,9 @@ static const fathom_material *worn(const fathom_scene *scene) {
 
 /* glTF has no place for these; the slopes' factor stands at their image there. */
 static bool in_format(int format, const char *name) {
-    static const char *const lacking[] = {"priority", "multiscatter", "normal_scale"};
-    for (int i = 0; i < 3; ++i) {
+    static const char *const lacking[] = {"priority", "multiscatter", "normal_scale",
+                                          "clearcoat_normal_scale", "bump_scale"};
+    for (size_t i = 0; i < sizeof lacking / sizeof *lacking; ++i) {
         if (format == GLB && strcmp(name, lacking[i]) == 0) return false;
     }
     return true;
@@ -158,6 +159,7 @@ static int channel_of(int kind) {
     case FATHOM_MAP_METALLIC:
     case FATHOM_MAP_ROUGHNESS:
     case FATHOM_MAP_OPACITY:
+    case FATHOM_MAP_BUMP:
     case FATHOM_MAP_SHININESS: return -1;
     default: return 0;
     }

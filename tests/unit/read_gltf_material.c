@@ -206,12 +206,16 @@ static void textures_become_maps(void **state) {
             "'sampler':0}],'materials':[{'alphaMode':'MASK','alphaCutoff':0.25,'pbrMetallicRoughness':{"
             "'baseColorTexture':{'index':0,'texCoord':1},'metallicRoughnessTexture':{'index':0}},"
             "'normalTexture':{'index':1,'scale':0.5},'emissiveTexture':{'index':0,'extensions':{"
-            "'KHR_texture_transform':{'offset':[0,1],'rotation':1.5707963267948966,'scale':[0.5,0.5]}}}}]"));
+            "'KHR_texture_transform':{'offset':[0,1],'rotation':1.5707963267948966,'scale':[0.5,0.5]}}},"
+            "'extensions':{'KHR_materials_clearcoat':{'clearcoatNormalTexture':{'index':1,'scale':0.25}}}}"
+            "]"));
     fathom_scene *scene = read_triangle(f, json);
     const fathom_material *m = &scene->materials.items[1].value;
     const fathom_map *maps = m->maps;
     assert_int_equal(scene->textures.count, 3); /* sRGB, linear, and with the sampler */
     assert_true(m->opacity_cutoff == 0.25f && m->normal_scale == 0.5f && m->opacity == 1);
+    assert_true(m->clearcoat_normal_scale == 0.25f);
+    assert_int_equal(maps[FATHOM_MAP_CLEARCOAT_NORMAL].texture, maps[FATHOM_MAP_NORMAL].texture);
     assert_true(maps[FATHOM_MAP_COLOR].uv_set == 1 && maps[FATHOM_MAP_OPACITY].channel == 3);
     assert_int_equal(maps[FATHOM_MAP_COLOR].texture, maps[FATHOM_MAP_OPACITY].texture);
     assert_int_equal(scene->textures.items[maps[FATHOM_MAP_COLOR].texture].color_space, FATHOM_COLOR_SRGB);

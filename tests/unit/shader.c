@@ -150,6 +150,8 @@ static void samples_follow_the_density(void **state) {
     half.opacity = 0.5f;
     fathom_material coated = metallic(0.5f, 0.6f);
     coated.clearcoat = 0.8f, coated.clearcoat_roughness = 0.3f;
+    fathom_material tilted = coated;
+    tilted.maps[FATHOM_MAP_CLEARCOAT_NORMAL].texture = 0;
     fathom_material brushed_wall = brushed(0, 0.3f), fire = glassy(0.5f, 1, 1.5f, 1);
     brushed_wall.transmission = 0.7f, fire.dispersion = 3;
     const struct {
@@ -181,6 +183,7 @@ static void samples_follow_the_density(void **state) {
         {"leaf", leaf(), 1},
         {"fire", fire, 1},
         {"coated", coated, 2},
+        {"coat with a normal of its own", tilted, 2},
         {"glass 0.4", glassy(0.4f, 1, 1.5f, 1), 1},
         {"glass 0.8", glassy(0.8f, 1, 1.2f, 0.5f), 1},
         {"light glass 0.6", glassy(0.6f, 1, 0.8f, 1), 1},
@@ -216,7 +219,7 @@ static void put(lanes3 to, int i, vec3_f32 v) { to[0][i] = v.x, to[1][i] = v.y, 
 /* ng and ns may be anything that surface_block allows: ng faces the viewer, ns may not. */
 static void random_surface(random_state *r, surface_block *s) {
     memset(s, 0, sizeof *s);
-    s->count = LANES, s->directed = 0x0f0f;
+    s->count = LANES, s->directed = 0x0f0f, s->coated = 0x3333;
     const bool one = random_unit(r) < 0.5;
     for (int i = 0; i < LANES; ++i) {
         vec3_f32 ng = {0, 0, 1}, v = random_direction(r), ns = random_direction(r);
@@ -227,6 +230,7 @@ static void random_surface(random_state *r, surface_block *s) {
         put(s->ns, i, random_unit(r) < 0.5 ? ng : ns);
         put(s->v, i, v);
         put(s->along, i, random_direction(r));
+        put(s->coat, i, random_direction(r));
         s->material[i] = one ? 0 : (uint32_t)random_in(r, 0, 8);
         s->entering[i] = random_unit(r) < 0.5 ? ~0u : 0, s->smooth[i] = random_unit(r) < 0.3 ? ~0u : 0;
     }
@@ -260,6 +264,7 @@ static fathom_material random_material(random_state *r) {
     m.emissive[0] = m.emissive_strength = CHOICE(r, 0, 1, 1e30f);
     m.attenuation_color[0] = CHOICE(r, 0, 1, 0.5f), m.opacity = CHOICE(r, 0, 0.3f, 1, 1);
     m.clearcoat = CHOICE(r, 0, 0, 0.5f, 1), m.clearcoat_roughness = CHOICE(r, 0, 0.012f, 0.3f, 1);
+    if (random_unit(r) < 0.3) m.maps[FATHOM_MAP_CLEARCOAT_NORMAL].texture = 0;
     if (random_unit(r) < 0.5) return m;
     m.sheen_color[0] = CHOICE(r, 0, 0.5f, 1), m.sheen_roughness = CHOICE(r, 0, 0.07f, 0.4f, 1);
     m.anisotropy = CHOICE(r, 0, 0.5f, 1), m.iridescence = CHOICE(r, 0, 0, 0.5f, 1);

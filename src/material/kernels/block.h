@@ -148,6 +148,27 @@ static void stretch_frames(const surface_block *s, shader_block *restrict out) {
     }
 }
 
+/* The coats' own frames, where they have normals that face the viewer; else those of the block. */
+static void turn_coats(const surface_block *s, shader_block *restrict out) {
+    memset(out->coat_axes, 0, sizeof out->coat_axes);
+    for (int i = 0; i < LANES; ++i) {
+        for (int k = 0; k < 3; ++k) out->coat_axes[k][k][i] = 1;
+        float n[3] = {dot_lane(out->t, s->coat, i), dot_lane(out->b, s->coat, i),
+                      dot_lane(out->n, s->coat, i)};
+        const float up = n[0] * out->v[0][i] + n[1] * out->v[1][i] + n[2] * out->v[2][i];
+        if (!(out->at[i]->lobes & SHADER_TURNED) || !(s->coated >> i & 1) || !(up > 0)) continue;
+        float t[3], b[3];
+        across(n[0], n[1], n[2], t, b);
+        for (int c = 0; c < 3; ++c)
+            out->coat_axes[0][c][i] = t[c], out->coat_axes[1][c][i] = b[c], out->coat_axes[2][c][i] = n[c];
+    }
+    into_coat(out, out->v, out->coat_v);
+    for (int i = 0; i < LANES; ++i) {
+        out->coat_v[2][i] = out->coat_v[2][i] > 0x1p-23f ? out->coat_v[2][i] : 0x1p-23f;
+        out->below_coat[i] = curve_at(out->at[i]->below_coat, out->coat_v[2][i]);
+    }
+}
+
 /* Glass of the classic model: as MODEL.md has it. */
 static void set_classic(const surface_block *s, int i, shader_block *out) {
     const shader *m = out->at[i];
@@ -284,6 +305,7 @@ static void make(const surface_block *s, shader_block *out) {
     for (int i = 0; i < LANES; ++i) out->missing[i] = out->under[i] = 0, out->below_coat[i] = 1;
     if (out->lobes & (SHADER_EVEN | SHADER_COATED))
         read_curves(out, out->v[2], out->missing, out->under, out->below_coat);
+    if (out->lobes & SHADER_TURNED) turn_coats(s, out);
     if (out->lobes & SHADER_STRETCHED) stretch_curves(out, out->v, out->missing, out->under);
     if (out->lobes & SHADER_SHEEN) {
         for (int i = 0; i < LANES; ++i) {

@@ -4,16 +4,51 @@
 
 #include "material/kernels/facets.h"
 
-/* The light that passes the clear coat twice, and the light that it reflects. */
-static inline void add_coat(const shader_block *b, const incidence *at, const lanes3 h,
-                            const float rise[LANES], float (*restrict f)[LANES], float *restrict density) {
+/* From the block's frame to that of the coat. */
+static inline void into_coat(const shader_block *b, const lanes3 from, float (*restrict to)[LANES]) {
+    for (int k = 0; k < 3; ++k) {
+        for (int i = 0; i < LANES; ++i) {
+            const lanes3 *axis = &b->coat_axes[k];
+            to[k][i] = (*axis)[0][i] * from[0][i] + (*axis)[1][i] * from[1][i] + (*axis)[2][i] * from[2][i];
+        }
+    }
+}
+
+static inline void out_of_coat(const shader_block *b, const lanes3 from, float (*restrict to)[LANES]) {
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LANES; ++i)
+            to[c][i] = b->coat_axes[0][c][i] * from[0][i] + b->coat_axes[1][c][i] * from[1][i] +
+                       b->coat_axes[2][c][i] * from[2][i];
+    }
+}
+
+/* The light that passes the clear coat twice, and the light that it reflects; v, l and h in its frame. */
+static inline void add_coat_as(const shader_block *b, incidence *at, const lanes3 v, const lanes3 l,
+                               const lanes3 h, const float below[LANES], const float rise[LANES],
+                               float (*restrict f)[LANES], float *restrict density) {
     for (int i = 0; i < LANES; ++i) {
-        float d, value = mirrored_facets(b, b->coat_alpha[i], i, at->l, h, &d);
-        uint32_t open = at->reflected[i] & (b->at[i]->lobes & SHADER_COAT ? ~0u : 0);
+        float d, value = mirrored_facets(v, b->coat_alpha[i], i, l, h, &d);
+        uint32_t open =
+            at->reflected[i] & (b->at[i]->lobes & SHADER_COAT ? ~0u : 0) & (l[2][i] > 0 ? ~0u : 0);
+        at->coated[i] = open;
         value = chosen(open, value * b->coat[i] * (0.04f + 0.96f * rise[i]), 0);
-        for (int c = 0; c < 3; ++c) f[c][i] = f[c][i] * (b->below_coat[i] * at->below_coat[i]) + value;
+        for (int c = 0; c < 3; ++c) f[c][i] = f[c][i] * (b->below_coat[i] * below[i]) + value;
         density[i] += chosen(open, b->take[SHADER_TAKE_COAT][i] * d, 0);
     }
+}
+
+static inline void add_coat(const shader_block *b, incidence *at, const lanes3 h, const float rise[LANES],
+                            float (*restrict f)[LANES], float *restrict density) {
+    lanes3 own_l, own_h;
+    float below[LANES];
+    if (!(b->lobes & SHADER_TURNED)) {
+        add_coat_as(b, at, b->v, at->l, h, at->below_coat, rise, f, density);
+        return;
+    }
+    into_coat(b, at->l, own_l);
+    into_coat(b, h, own_h);
+    for (int i = 0; i < LANES; ++i) below[i] = curve_at(b->at[i]->below_coat, own_l[2][i]);
+    add_coat_as(b, at, b->coat_v, own_l, own_h, below, rise, f, density);
 }
 
 #endif

@@ -38,10 +38,10 @@ static inline float both_ways(float d, float z, float lz, float to, float from, 
     return d * lz / (2 * (z * from + lz * to));
 }
 
-static inline float mirrored_facets(const shader_block *b, float alpha, int i, const lanes3 l, const lanes3 h,
+static inline float mirrored_facets(const lanes3 v, float alpha, int i, const lanes3 l, const lanes3 h,
                                     float *density) {
-    float a2 = alpha * alpha, z = b->v[2][i], lz = l[2][i];
-    float to = smith(a2, b->v[0][i], b->v[1][i], z), from = smith(a2, l[0][i], l[1][i], lz);
+    float a2 = alpha * alpha, z = v[2][i], lz = l[2][i];
+    float to = smith(a2, v[0][i], v[1][i], z), from = smith(a2, l[0][i], l[1][i], lz);
     float d = ggx(a2, h[0][i], h[1][i], h[2][i]);
     return both_ways(d, z, lz, to, from, density);
 }
@@ -61,7 +61,7 @@ static inline __attribute__((always_inline)) float ggx_of(const shader_block *b,
 
 static inline __attribute__((always_inline)) float facets_of(const shader_block *b, bool rare, int i,
                                                              const lanes3 l, const lanes3 h, float *density) {
-    if (!is_stretched(b, rare, i)) return mirrored_facets(b, b->alpha[i], i, l, h, density);
+    if (!is_stretched(b, rare, i)) return mirrored_facets(b->v, b->alpha[i], i, l, h, density);
     float z = b->v[2][i], lz = l[2][i], to = smith_stretched(b, i, b->v[0][i], b->v[1][i], z);
     float from = smith_stretched(b, i, l[0][i], l[1][i], lz);
     return both_ways(ggx_stretched(b, i, h[0][i], h[1][i], h[2][i]), z, lz, to, from, density);
@@ -106,8 +106,8 @@ static inline void set_mirrored(const shader_block *b, const incidence *at, lane
     set_half(b, l, h, rise);
 }
 
-/* Light through a thin wall: the reflection of l mirrored to the viewer's side, times the light that the layer
- * lets through. */
+/* Light through a thin wall: the reflection of l mirrored to the viewer's side, times the light that the
+ * layer lets through. */
 static inline __attribute__((always_inline)) void add_thin(const shader_block *b, bool rare,
                                                            const incidence *at, float (*restrict f)[LANES],
                                                            float *restrict density) {

@@ -19,6 +19,7 @@ static inline float power5(float x) {
 typedef struct incidence {
     _Alignas(64) lanes3 l;                   /* in the block's frame */
     uint32_t reflected[LANES], cross[LANES]; /* all ones: l is on the viewer's side, or on the other */
+    uint32_t coated[LANES];                  /* the clear coat reflects l */
     float missing[LANES], under[LANES], below_coat[LANES]; /* of the materials, at l */
 } incidence;
 

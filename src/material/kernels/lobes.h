@@ -38,7 +38,10 @@ add_lobes_as(const surface_block *s, const shader_block *b, bool rare, const lan
     float rise[LANES] = {0};
     const uint32_t lobes = b->lobes;
     for (int i = 0; i < LANES; ++i) f[0][i] = f[1][i] = f[2][i] = density[i] = 0;
-    for (int i = 0; i < LANES; ++i) at->missing[i] = at->under[i] = 0, at->below_coat[i] = 1;
+    for (int i = 0; i < LANES; ++i) {
+        at->missing[i] = at->under[i] = 0, at->below_coat[i] = 1;
+        at->coated[i] = 0;
+    }
     if (lobes & (SHADER_EVEN | SHADER_COATED))
         read_curves(b, at->l[2], at->missing, at->under, at->below_coat);
     if (lobes & SHADER_STRETCHED) stretch_curves(b, at->l, at->missing, at->under);

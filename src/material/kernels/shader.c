@@ -47,21 +47,21 @@ static void sample_evenly(const lanes3 u, float (*restrict l)[LANES]) {
     }
 }
 
-static inline void mirror_about(const shader_block *b, int i, float x, float y, float z, lanes3 l) {
-    float twice = 2 * (b->v[0][i] * x + b->v[1][i] * y + b->v[2][i] * z);
-    l[0][i] = twice * x - b->v[0][i];
-    l[1][i] = twice * y - b->v[1][i];
-    l[2][i] = twice * z - b->v[2][i];
+static inline void mirror_about(const lanes3 v, int i, float x, float y, float z, lanes3 l) {
+    float twice = 2 * (v[0][i] * x + v[1][i] * y + v[2][i] * z);
+    l[0][i] = twice * x - v[0][i];
+    l[1][i] = twice * y - v[1][i];
+    l[2][i] = twice * z - v[2][i];
 }
 
 /* Visible normals by spherical caps (Dupuy & Benyoub 2023). In the space where the distribution is a
  * hemisphere, h = cap + v with the cap's z + v.z = (1-u)(1+v.z); sines come from what is left of 1, not from
  * squares that cancel. */
-static void sample_facets(const shader_block *b, const float along[LANES], const float alphas[LANES],
-                          const lanes3 u, float (*restrict h)[LANES]) {
+static void sample_facets(const lanes3 v, const float along[LANES], const float alphas[LANES], const lanes3 u,
+                          float (*restrict h)[LANES]) {
     for (int i = 0; i < LANES; ++i) {
         float ax = along[i], ay = alphas[i], cosine, sine;
-        float x = ax * b->v[0][i], y = ay * b->v[1][i], z = b->v[2][i];
+        float x = ax * v[0][i], y = ay * v[1][i], z = v[2][i];
         float unit = 1 / sqrtf(x * x + y * y + z * z);
         x *= unit, y *= unit, z *= unit;
         float up = (1 - u[1][i]) * (1 + z);
@@ -111,7 +111,7 @@ static void sample_highlight(const shader_block *b, const lanes3 u, float (*rest
         float x = root(square) * cosine, y = root(square) * sine, z = root(1 - square);
         float mx = -b->v[0][i], my = -b->v[1][i], mz = b->v[2][i];
         across(mx, my, mz, t, a);
-        mirror_about(b, i, x, y, z, l);
+        mirror_about(b->v, i, x, y, z, l);
         l[0][i] = chosen(b->blinn[i], l[0][i], t[0] * x + a[0] * y + mx * z);
         l[1][i] = chosen(b->blinn[i], l[1][i], t[1] * x + a[1] * y + my * z);
         l[2][i] = chosen(b->blinn[i], l[2][i], t[2] * x + a[2] * y + mz * z);
@@ -124,6 +124,15 @@ static void take_lanes(const uint32_t lobe[LANES], uint32_t first, uint32_t last
         uint32_t mask = (lobe[i] >= first) & (lobe[i] <= last) ? ~0u : 0;
         for (int c = 0; c < 3; ++c) to[c][i] = chosen(mask, from[c][i], to[c][i]);
     }
+}
+
+static void sample_coat(const shader_block *b, const lanes3 u, float (*restrict l)[LANES]) {
+    const bool turned = b->lobes & SHADER_TURNED;
+    lanes3 h, own;
+    const float(*v)[LANES] = turned ? b->coat_v : b->v;
+    sample_facets(v, b->coat_alpha, b->coat_alpha, u, h);
+    for (int i = 0; i < LANES; ++i) mirror_about(v, i, h[0][i], h[1][i], h[2][i], turned ? own : l);
+    if (turned) out_of_coat(b, own, l);
 }
 
 /* In the block's frame; the normal, where no rough lobe is chosen. */
@@ -144,19 +153,18 @@ static void sample_rough(const shader_block *b, const lanes3 u, const uint32_t l
         take_lanes(lobe, SHADER_TAKE_SHEEN, SHADER_TAKE_SHEEN, l, out);
     }
     if (lobes & SHADER_COAT) {
-        sample_facets(b, b->coat_alpha, b->coat_alpha, u, h);
-        for (int i = 0; i < LANES; ++i) mirror_about(b, i, h[0][i], h[1][i], h[2][i], l);
+        sample_coat(b, u, l);
         take_lanes(lobe, SHADER_TAKE_COAT, SHADER_TAKE_COAT, l, out);
     }
     if (!(lobes & (SHADER_GGX | SHADER_THIN | SHADER_REFRACT))) return;
     if (lobes & SHADER_STRETCHED) {
         float along[LANES];
         for (int i = 0; i < LANES; ++i) along[i] = is_stretched(b, true, i) ? b->at[i]->along : b->alpha[i];
-        sample_facets(b, along, b->alpha, u, h);
+        sample_facets(b->v, along, b->alpha, u, h);
     } else {
-        sample_facets(b, b->alpha, b->alpha, u, h);
+        sample_facets(b->v, b->alpha, b->alpha, u, h);
     }
-    for (int i = 0; i < LANES; ++i) mirror_about(b, i, h[0][i], h[1][i], h[2][i], l);
+    for (int i = 0; i < LANES; ++i) mirror_about(b->v, i, h[0][i], h[1][i], h[2][i], l);
     take_lanes(lobe, SHADER_TAKE_GGX, SHADER_TAKE_GGX, l, out);
     if (!(lobes & (SHADER_THIN | SHADER_REFRACT))) return;
     sample_cross(b, h, l);
@@ -199,10 +207,11 @@ static inline uint32_t is(uint32_t lobe, uint32_t take) { return lobe == take ? 
 /* True when the direction is on the side that its lobe is for; a facet's may not be, and other lobes'
  * densities do not count for it. */
 static inline uint32_t meant(const incidence *at, uint32_t lobe, int i) {
-    uint32_t front = is(lobe, SHADER_TAKE_DIFFUSE) | is(lobe, SHADER_TAKE_GGX) | is(lobe, SHADER_TAKE_COAT) |
-                     is(lobe, SHADER_TAKE_SHEEN);
+    uint32_t front = is(lobe, SHADER_TAKE_DIFFUSE) | is(lobe, SHADER_TAKE_GGX) | is(lobe, SHADER_TAKE_SHEEN);
+    uint32_t coat = is(lobe, SHADER_TAKE_COAT);
     uint32_t back = is(lobe, SHADER_TAKE_BEHIND) | is(lobe, SHADER_TAKE_CROSS);
-    return (front & at->reflected[i]) | (back & at->cross[i]) | is(lobe, SHADER_TAKE_HIGHLIGHT);
+    return (front & at->reflected[i]) | (coat & at->coated[i]) | (back & at->cross[i]) |
+           is(lobe, SHADER_TAKE_HIGHLIGHT);
 }
 
 static void sample(const surface_block *s, const shader_block *b, const lanes3 u,

@@ -34,7 +34,7 @@ typedef struct factors {
     gltf_layers layers;                                           /* and these */
     alpha_mode alpha;
     fathom_map maps[FATHOM_MAPS];
-    float normal_scale;
+    float normal_scale, coat_normal_scale;
 } factors;
 
 static const factors default_factors = {.to = {.metallic = 1,
@@ -170,11 +170,24 @@ static fathom_status read_volume(gltf *g, const gltf_value *extensions, factors 
     gltf_value volume;
     fathom_status status = gltf_object(g, extensions, "KHR_materials_volume", &volume);
     if (status == FATHOM_OK) status = gltf_number(g, &volume, "thicknessFactor", 0, 1e30, &f->thickness);
+    if (json_object_get(volume.json, "thicknessTexture"))
+        gltf_note(g, &volume, "thicknessTexture",
+                  "the thickness of a volume is what its mesh has; the texture does not matter");
     if (status == FATHOM_OK)
         status = gltf_numbers(g, &volume, "attenuationColor", 3, 0, 1, f->attenuation_color);
     if (status == FATHOM_OK)
         status = gltf_number(g, &volume, "attenuationDistance", 0, 1e30, &f->attenuation_distance);
     return status;
+}
+
+static fathom_status read_normal(gltf *g, const gltf_value *at, const char *key, int kind, float *scale,
+                                 factors *f) {
+    gltf_value info;
+    double number = 1;
+    fathom_status status = gltf_object(g, at, key, &info);
+    if (status == FATHOM_OK) status = gltf_number(g, &info, "scale", -1e3, 1e3, &number);
+    *scale = (float)number;
+    return status == FATHOM_OK ? read_map(g, at, key, (use){.kind = kind}, f) : status;
 }
 
 static fathom_status read_clearcoat(gltf *g, const gltf_value *extensions, factors *f) {
@@ -188,8 +201,9 @@ static fathom_status read_clearcoat(gltf *g, const gltf_value *extensions, facto
     if (status == FATHOM_OK)
         status = read_map(g, &coat, "clearcoatRoughnessTexture",
                           (use){.kind = FATHOM_MAP_CLEARCOAT_ROUGHNESS, .channel = 1}, f);
-    if (json_object_get(coat.json, "clearcoatNormalTexture"))
-        gltf_note(g, &coat, "clearcoatNormalTexture", "a clear coat has the normal of what it covers");
+    if (status == FATHOM_OK)
+        status = read_normal(g, &coat, "clearcoatNormalTexture", FATHOM_MAP_CLEARCOAT_NORMAL,
+                             &f->coat_normal_scale, f);
     return status;
 }
 
@@ -231,16 +245,6 @@ static fathom_status read_sides(gltf *g, const gltf_value *at) {
     return status;
 }
 
-static fathom_status read_normal(gltf *g, const gltf_value *at, factors *f) {
-    gltf_value info;
-    double scale = 1;
-    fathom_status status = gltf_object(g, at, "normalTexture", &info);
-    if (status == FATHOM_OK) status = gltf_number(g, &info, "scale", -1e3, 1e3, &scale);
-    f->normal_scale = (float)scale;
-    return status == FATHOM_OK ? read_map(g, at, "normalTexture", (use){.kind = FATHOM_MAP_NORMAL}, f)
-                               : status;
-}
-
 /* An unlit material sends out its base colour, and has no emission besides. */
 static fathom_status read_factors(gltf *g, const gltf_value *at, factors *f) {
     fathom_status status = read_unlit(g, at, f);
@@ -249,7 +253,8 @@ static fathom_status read_factors(gltf *g, const gltf_value *at, factors *f) {
     if (status == FATHOM_OK) status = gltf_numbers(g, at, "emissiveFactor", 3, 0, 1, f->to.emissive);
     if (status == FATHOM_OK && !f->to.unlit)
         status = read_map(g, at, "emissiveTexture", (use){.kind = FATHOM_MAP_EMISSIVE, .color = true}, f);
-    if (status == FATHOM_OK) status = read_normal(g, at, f);
+    if (status == FATHOM_OK)
+        status = read_normal(g, at, "normalTexture", FATHOM_MAP_NORMAL, &f->normal_scale, f);
     return status == FATHOM_OK ? read_sides(g, at) : status;
 }
 
@@ -263,6 +268,7 @@ static void make(factors *f, fathom_material *material, fathom_material *classic
     metallic_to_classic(&f->to, classic);
     memcpy(material->maps, f->maps, sizeof material->maps);
     material->normal_scale = f->normal_scale;
+    material->clearcoat_normal_scale = f->coat_normal_scale;
     material->thickness = (float)f->thickness;
     if (!f->to.unlit) gltf_layers_set(&f->layers, material);
     material->clearcoat = (float)f->clearcoat;

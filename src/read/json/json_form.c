@@ -121,7 +121,7 @@ const form form_camera = {
     .name = "camera", .parts = {view_keys, camera_keys}, .rules = {view_rules, camera_rules}};
 
 /* Filled in by form_prepare(). */
-enum { FILLED_KEYS = 32 };
+enum { FILLED_KEYS = 48 };
 static form_key image_keys[FILLED_KEYS], classic_keys[FILLED_KEYS], metallic_keys[FILLED_KEYS];
 const form form_image = {.name = "image", .parts = {image_keys}};
 
@@ -167,6 +167,7 @@ static const form_key metallic_textures[] = {
     TEXTURE("specularColorTexture", FATHOM_MAP_SPECULAR_COLOR),
     TEXTURE("clearcoatTexture", FATHOM_MAP_CLEARCOAT),
     TEXTURE("clearcoatRoughnessTexture", FATHOM_MAP_CLEARCOAT_ROUGHNESS),
+    TEXTURE("clearcoatNormalTexture", FATHOM_MAP_CLEARCOAT_NORMAL),
     TEXTURE("sheenColorTexture", FATHOM_MAP_SHEEN_COLOR),
     TEXTURE("sheenRoughnessTexture", FATHOM_MAP_SHEEN_ROUGHNESS),
     TEXTURE("anisotropyTexture", FATHOM_MAP_ANISOTROPY),

@@ -11,7 +11,7 @@ static const double rounding = 2.25 * 0x1p-24;
 /* n turns to the viewer: the geometric normal decides, and takes the shading normal with it. */
 static void surfaces(const local_block *b, bool automatic, surface_block *restrict s) {
     const double scale = automatic ? 1 : 0;
-    s->mapped = s->directed = 0;
+    s->mapped = s->directed = s->coated = 0;
     for (int i = 0; i < LANES; ++i) {
         double x = b->n[0][i], y = b->n[1][i], z = b->n[2][i], px = b->p[0][i], py = b->p[1][i],
                pz = b->p[2][i];
