@@ -1,6 +1,7 @@
 /* fathom_scene_write(): which format, and what of the scene it cannot hold. */
 #include "write/write.h"
 
+#include "read/json/json_form.h"
 #include "scene/motion/motion.h"
 #include "scene/settings.h"
 
@@ -134,10 +135,28 @@ static size_t count_maps(const fathom_scene *scene, bool sheared) {
     return count;
 }
 
+/* Models read colours as sRGB and numbers as linear; an alpha is the same in either. */
+static bool has_own_space(const fathom_scene *scene, const fathom_map *map, int kind) {
+    const fathom_color_space usual = form_map_is_color(kind) ? FATHOM_COLOR_SRGB : FATHOM_COLOR_LINEAR;
+    const fathom_color_space space = scene->textures.items[map->texture].color_space;
+    return space == FATHOM_COLOR_NAMED || (space != usual && map->channel != 3);
+}
+
 static size_t count_spaces(const fathom_scene *scene) {
     size_t count = 0;
+    for (size_t i = 0; i < scene->materials.count; ++i) {
+        for (int k = 0; k < FATHOM_MAPS; ++k) {
+            const fathom_map *map = &scene->materials.items[i].value.maps[k];
+            count += map->texture != FATHOM_NONE && has_own_space(scene, map, k);
+        }
+    }
+    return count;
+}
+
+static size_t count_filters(const fathom_scene *scene) {
+    size_t count = 0;
     for (size_t i = 0; i < scene->textures.count; ++i)
-        count += scene->textures.items[i].color_space == FATHOM_COLOR_NAMED;
+        count += scene->textures.items[i].filter != FATHOM_TEXTURE_TRILINEAR;
     return count;
 }
 
@@ -194,7 +213,9 @@ static void note_lost(const fathom_scene *scene, const size_t *ways, format_id f
         {MODELS, count_named(scene), "the name of a shape is left out; those of groups stay"},
         {MODELS, count_shadowless(scene), "a mesh that casts no shadow casts one"},
         {MODELS, count_settings(scene), "a setting of the image is left out"},
-        {MODELS, count_spaces(scene), "the named color space of an image is left out"},
+        {MODELS, count_spaces(scene),
+         "the color space of an image is left out: colours are read as sRGB, and numbers as linear"},
+        {OBJ, count_filters(scene), "the filter of an image is left out"},
         {PLY, scene->materials.count - 1, "a material is left out"},
         {PLY, count_maps(scene, false), "an image on a surface is left out"},
         {MESHES, count_arrays(scene, offsetof(fathom_mesh, colors)),

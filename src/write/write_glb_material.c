@@ -211,6 +211,9 @@ static shape shape_of(const glb *g, fathom_id id) {
         notes_add(g->notes, lost, "",
                   "an image that glTF has no place for, by its parameter or its channel, "
                   "is left out");
+    if (s.blends && has_map(&s.m, FATHOM_MAP_COLOR) && !has_map(&s.m, FATHOM_MAP_OPACITY))
+        notes_add(g->notes, 1, "",
+                  "the alpha of a material's colour image, if it has one, counts as opacity");
     if (classic && !is_lambert(given))
         notes_add(g->notes, 1, "",
                   "a material of the model classic becomes its nearest metallicRoughness "

@@ -396,6 +396,21 @@ static void tell(void *user, const char *text) {
     snprintf(told + strlen(told), sizeof told - strlen(told), "%s\n", text);
 }
 
+/* A colour image that is linear, not filtered, and whose alpha does not count. */
+static void add_odd_image(fathom_scene *scene) {
+    static const char pixel[] = "P6\n1 1\n255\n\x80\x80\x80";
+    const fathom_texture texture = {.size = sizeof texture,
+                                    .bytes = pixel,
+                                    .byte_count = sizeof pixel - 1,
+                                    .color_space = FATHOM_COLOR_LINEAR,
+                                    .filter = FATHOM_TEXTURE_NEAREST};
+    fathom_material m;
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.opacity = 0.5f;
+    assert_ok(context, fathom_scene_add_texture(scene, &texture, &m.maps[FATHOM_MAP_COLOR].texture));
+    assert_ok(context, fathom_scene_add_material(scene, "odd", &m, NULL));
+}
+
 static void what_a_format_lacks_is_told(void **state) {
     (void)state;
     const struct {
@@ -403,12 +418,16 @@ static void what_a_format_lacks_is_told(void **state) {
     } cases[] = {
         {"a.ply", "the camera is left out"},
         {"a.ply", "a light is left out (3 such)"},
-        {"a.ply", "a material is left out (1 such)"},
+        {"a.ply", "a material is left out (2 such)"},
         {"a.obj", "a place of a group that is placed several times has triangles of its own (2 such)"},
         {"a.obj", "the second uv set of a mesh is left out (2 such)"},
+        {"a.obj", "the filter of an image is left out (2 such)"},
+        {"a.glb", "the color space of an image is left out"},
+        {"a.glb", "the alpha of a material's colour image, if it has one, counts as opacity (1 such)"},
         {"a.glb", "the background is left out (1 such)"}};
     const float grey[3] = {0.1f, 0.1f, 0.1f};
     fathom_scene *scene = rich_scene(false);
+    add_odd_image(scene);
     assert_ok(context, fathom_scene_set_background(scene, grey));
     fathom_context_on_warning(context, tell, NULL);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
@@ -416,12 +435,13 @@ static void what_a_format_lacks_is_told(void **state) {
         assert_ok(context, fathom_scene_write(scene, in_folder(cases[i].name)));
         if (!strstr(told, cases[i].lacks))
             fail_msg("%s: \"%s\" is not in \"%s\"", cases[i].name, cases[i].lacks, told);
-        unlink(in_folder(cases[i].name)), unlink(in_folder("a.mtl")), unlink(in_folder("a-0"));
+        unlink(in_folder(cases[i].name)), unlink(in_folder("a.mtl"));
+        unlink(in_folder("a-0")), unlink(in_folder("a-1"));
     }
     told[0] = 0;
     assert_ok(context, fathom_scene_write(scene, in_folder("a.json")));
     assert_string_equal(told, "");
-    unlink(in_folder("a.json")), unlink(in_folder("a-0"));
+    unlink(in_folder("a.json")), unlink(in_folder("a-0")), unlink(in_folder("a-1"));
     fathom_context_on_warning(context, NULL, NULL);
     fathom_scene_destroy(scene);
 }
