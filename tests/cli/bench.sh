@@ -41,6 +41,9 @@ camera=$(number r.json camera) mirrored=$(number r.json reflection) shadow=$(num
 [ "$(number r.json anyRays)" -eq "$shadow" ] || die 'shadow rays'
 [ "$(grep -vc '^#' r.csv)" -eq 5 ] || die 'expected a header and four rows'
 awk -F, '!/^#/ { if (n++ && NF != columns) exit 1; columns = NF }' r.csv || die 'rows of different length'
+run 0 bench render scene.json --integrator path --spp 4 --threads 1 --repeats 1 --quiet --json r.json
+[ "$(number r.json closestRays)" -gt "$(number r.json camera)" ] || die 'expected paths that go on'
+refused 2 '--integrator: expected classic|path' bench render scene.json --integrator photons
 said render/index.html 'Against the bare calls'
 not_said render/index.html '<script'
 

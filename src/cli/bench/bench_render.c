@@ -23,6 +23,7 @@ typedef struct bench_render_settings {
     args_list tracers;
     args_counts triangles, spp, threads;
     double seconds;
+    fathom_integrator integrator;
 } bench_render_settings;
 
 /* One scene or generated mesh. */
@@ -280,7 +281,7 @@ static fathom_status measure_source(fathom_context *context, const bench_render_
     fathom_read_options read;
     fathom_read_options_default(&read);
     read.width = asked->all.size.width, read.height = asked->all.size.height;
-    read.choose_integrator = true, read.integrator = FATHOM_INTEGRATOR_CLASSIC; /* whose rays are recorded */
+    read.choose_integrator = true, read.integrator = asked->integrator;
     const phases_options options = {asked->all.repeats, asked->seconds, NULL};
     struct stat info;
     source from = {.name = name, .file_bytes = stat(path, &info) == 0 ? (uint64_t)info.st_size : 0};
@@ -372,6 +373,8 @@ static const args_option options[] = {
     {"triangles", 't', "N,N", take_counts, FIELD(triangles), 1, MOST_TRIANGLES,
      "generated spheres of so many triangles, such as 10k,100k,1M, after SCENE or instead of it; a file of "
      "each is made in $TMPDIR and removed"},
+    {"integrator", 0, "classic|path", take_choice, FIELD(integrator), 0, 0,
+     "how light moves, whatever SCENE says (classic)"},
     BENCH_SIZE,
     {"spp", 0, "N,N", take_counts, FIELD(spp), 1, 65536, "samples a pixel, one run each (1,16)"},
     {"threads", 0, "N,N", take_counts, FIELD(threads), 1, 1024,
