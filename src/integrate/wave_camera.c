@@ -3,7 +3,14 @@
 static void place(const render_plan *plan, const wave_square *s, square_samples *out) {
     out->alike = plan->settings.pattern == FATHOM_PATTERN_GRID;
     const uint32_t count = out->alike ? 1 : LANES;
-    for (uint32_t k = 0; k < count; ++k)
+    const bool sobol = plan->settings.pattern == FATHOM_PATTERN_SOBOL;
+    if (sobol) {
+        const sample_key first = wave_square_key(s, 0);
+        uint64_t pixel[LANES];
+        plan->sample_kernels->square(&plan->sampler, first.x, first.y, pixel);
+        plan->sample_kernels->places(pixel, first.index, out->x, out->y);
+    }
+    for (uint32_t k = 0; !sobol && k < count; ++k)
         sample_2d(&plan->sampler, wave_square_key(s, k), SAMPLE_PIXEL, &out->x[k], &out->y[k]);
     for (uint32_t k = 0; !plan->filter.box && k < count; ++k) {
         out->x[k] = filter_place(&plan->filter, out->x[k]);

@@ -4,7 +4,7 @@
 #include "sample/sobol.h"
 
 uint64_t sample_pixel_hash(const sampler *s, uint32_t x, uint32_t y) {
-    return mix(mix(s->seed + 0x9e3779b97f4a7c15u) ^ ((uint64_t)y << 32 | x));
+    return pixel_hash(mix(s->seed + 0x9e3779b97f4a7c15u), x, y);
 }
 
 /* The first dimension has none of its own. */
@@ -27,9 +27,9 @@ static void stratified(uint32_t n, uint32_t index, uint64_t hash, double *u, dou
 }
 
 static void sobol(uint32_t index, uint64_t hash, double *u, double *v) {
-    uint32_t i = scramble(index, (uint32_t)hash);
-    *u = unit_from(scramble(reverse_bits(i), (uint32_t)(hash >> 32)));
-    *v = unit_from(scramble(sobol_second(i), (uint32_t)mix(hash + 1)));
+    uint32_t a, b;
+    sobol_point(index, hash, &a, &b);
+    *u = unit_from(a), *v = unit_from(b);
 }
 
 void sample_2d(const sampler *s, sample_key key, sample_dimension dimension, double *u, double *v) {

@@ -12,6 +12,11 @@ static inline uint64_t mix(uint64_t h) {
     return h ^ (h >> 31);
 }
 
+/* seed: mixed. */
+static inline uint64_t pixel_hash(uint64_t seed, uint32_t x, uint32_t y) {
+    return mix(seed ^ ((uint64_t)y << 32 | x));
+}
+
 static inline uint32_t reverse_bits(uint32_t v) {
     v = (v >> 1 & 0x55555555u) | (v & 0x55555555u) << 1;
     v = (v >> 2 & 0x33333333u) | (v & 0x33333333u) << 2;
@@ -22,27 +27,33 @@ static inline uint32_t reverse_bits(uint32_t v) {
 
 /* A permutation of 32-bit numbers in which each bit is changed by lower ones only: on reversed bits that is a
  * nested uniform scramble. */
-static inline uint32_t scramble(uint32_t v, uint32_t seed) {
-    v = reverse_bits(v);
+static inline uint32_t permute(uint32_t v, uint32_t seed) {
     v += seed;
     v ^= v * 0x6c50b47cu;
     v ^= v * 0xb82f1e52u;
     v ^= v * 0xc7afe638u;
     v ^= v * 0x8d22f6e6u;
-    return reverse_bits(v);
+    return v;
 }
 
-/* The second dimension of the Sobol sequence, of the primitive polynomial x + 1. Bit i of the index adds row
- * i of Pascal's triangle modulo 2, the highest bit first: the triangle of 2^k rows is that of 2^(k-1) rows
- * three times, so the sum takes five steps. */
+/* The second dimension of the Sobol sequence, of the primitive polynomial x + 1, in reversed bits. Bit i of
+ * the index adds row i of Pascal's triangle modulo 2, the highest bit first: the triangle of 2^k rows is that
+ * of 2^(k-1) rows three times, so the sum takes five steps. The first dimension is the index itself. */
 static inline uint32_t sobol_second(uint32_t index) {
-    uint32_t v = reverse_bits(index);
-    v ^= (v & 0x55555555u) << 1;
-    v ^= (v & 0x33333333u) << 2;
-    v ^= (v & 0x0f0f0f0fu) << 4;
-    v ^= (v & 0x00ff00ffu) << 8;
-    v ^= (v & 0x0000ffffu) << 16;
+    uint32_t v = index;
+    v ^= v >> 1 & 0x55555555u;
+    v ^= v >> 2 & 0x33333333u;
+    v ^= v >> 4 & 0x0f0f0f0fu;
+    v ^= v >> 8 & 0x00ff00ffu;
+    v ^= v >> 16;
     return v;
+}
+
+/* Point `index` of the sequence in a scrambled order, each dimension scrambled. */
+static inline void sobol_point(uint32_t index, uint64_t hash, uint32_t *u, uint32_t *v) {
+    const uint32_t k = reverse_bits(permute(reverse_bits(index), (uint32_t)hash));
+    *u = reverse_bits(permute(k, (uint32_t)(hash >> 32)));
+    *v = reverse_bits(permute(sobol_second(k), (uint32_t)mix(hash + 1)));
 }
 
 #endif

@@ -99,12 +99,32 @@ static void blocks_hold_the_numbers_of_single_samples(void **state) {
     }
 }
 
+static void squares_hold_the_numbers_of_their_pixels(void **state) {
+    (void)state;
+    for (unsigned k = 0; sample_kernels_at(k); ++k) {
+        for (uint32_t index = 3; index < 3000000; index *= 7) {
+            uint64_t pixel[LANES];
+            double x[LANES], y[LANES];
+            sample_kernels_at(k)->square(&sobol, 77 + index, 9, pixel);
+            sample_kernels_at(k)->places(pixel, index, x, y);
+            for (uint32_t i = 0; i < LANES; ++i) {
+                const sample_key key = {77 + index + i % 4, 9 + i / 4, index};
+                double u, v;
+                sample_2d(&sobol, key, SAMPLE_PIXEL, &u, &v);
+                assert_true(pixel[i] == sample_pixel_hash(&sobol, key.x, key.y));
+                assert_true(x[i] == u && y[i] == v);
+            }
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_cell_of_a_grid_holds_one_sample),
         cmocka_unit_test(every_run_of_a_power_of_two_is_stratified_in_every_dimension),
         cmocka_unit_test(dimensions_are_independent_of_each_other),
         cmocka_unit_test(blocks_hold_the_numbers_of_single_samples),
+        cmocka_unit_test(squares_hold_the_numbers_of_their_pixels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,19 +6,25 @@
 /* Rounded down, so that 1 is never reached. */
 static inline float unit_from(uint32_t bits) { return (float)(int32_t)(bits >> 8) * 0x1p-24f; }
 
+static void square(const sampler *s, uint32_t left, uint32_t top, uint64_t *restrict out) {
+    const uint64_t seed = mix(s->seed + 0x9e3779b97f4a7c15u);
+    for (uint32_t i = 0; i < LANES; ++i) out[i] = pixel_hash(seed, left + i % 4, top + i / 4);
+}
+
+static void places(const uint64_t pixel[LANES], uint32_t index, double *restrict x, double *restrict y) {
+    uint32_t u[LANES], v[LANES];
+    for (int i = 0; i < LANES; ++i) sobol_point(index, pixel[i], &u[i], &v[i]);
+    for (int i = 0; i < LANES; ++i) x[i] = u[i] * 0x1p-32, y[i] = v[i] * 0x1p-32;
+}
+
 static void pairs(const uint64_t pixel[LANES], const uint32_t index[LANES], uint32_t dimension,
                   float *restrict u, float *restrict v) {
     const uint64_t of = dimension * 0xd1342543de82ef95u;
-    uint32_t low[LANES], high[LANES], third[LANES];
     for (int i = 0; i < LANES; ++i) {
-        const uint64_t hash = mix(pixel[i] ^ of), more = mix(hash + 1);
-        low[i] = (uint32_t)hash, high[i] = (uint32_t)(hash >> 32), third[i] = (uint32_t)more;
-    }
-    for (int i = 0; i < LANES; ++i) {
-        const uint32_t k = scramble(index[i], low[i]);
-        u[i] = unit_from(scramble(reverse_bits(k), high[i]));
-        v[i] = unit_from(scramble(sobol_second(k), third[i]));
+        uint32_t a, b;
+        sobol_point(index[i], mix(pixel[i] ^ of), &a, &b);
+        u[i] = unit_from(a), v[i] = unit_from(b);
     }
 }
 
-const sample_kernels KERNEL(sample_kernels) = {.pairs = pairs};
+const sample_kernels KERNEL(sample_kernels) = {.square = square, .places = places, .pairs = pairs};
