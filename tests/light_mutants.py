@@ -9,12 +9,12 @@ SHAPE, TREE, PICK, LOBES = "light/shape.h", "light/tree.c", "light/kernels/tree.
 VOLUMES, MET, CARRIED = "integrate/path_volumes.c", "integrate/path_met.c", "integrate/path.h"
 FACETS, DIFFUSE, SHEEN, FILM = ("material/kernels/" + name for name in ("facets.h", "diffuse.h", "sheen.h", "film.h"))
 MUTANTS = [
-    ("MIS weights add up to 0.99", CARRIED, "rectangle", "return 1 / (1 + ratio * ratio);", "return 0.99f / (1 + ratio * ratio);"),
+    ("MIS weights add up to 0.99", "integrate/path_kernels.h", "rectangle", "return 1 / (1 + ratio * ratio);", "return 0.99f / (1 + ratio * ratio);"),
     ("emission counts whole where lights were asked for, too", MET, "rectangle",
      "const float share = path_power_heuristic(p->density[slot], met->density);",
      "const float share = met->density < 0 ? met->density : 1;"),
-    ("lights count whole where rays find them, too", PATH, "rectangle",
-     "power_heuristic(light->density[i], density[i]) : 1;", "1 + 0 * density[i] : 1;"),
+    ("lights count whole where rays find them, too", "integrate/kernels/path.c", "rectangle",
+     "path_power_heuristic(asked, density[i]), 1);", "1 + 0 * density[i], 1);"),
     ("emission by the balance heuristic, lights by the power heuristic", MET, "rectangle",
      "const float share = path_power_heuristic(p->density[slot], met->density);",
      "const float share = p->density[slot] < INFINITY ? p->density[slot] / (p->density[slot] + met->density) : 1;"),

@@ -25,6 +25,14 @@ static void numbers(const path_wave *p, const vertex_block *v, sample_purpose pu
     p->wave.run.plan->sample_kernels->pairs(pixel, index, sample_at_vertex(p->depth, purpose), u[0], u[1]);
 }
 
+/* Which light, and which lobe: numbers where there is a choice. */
+static void choices(const path_wave *p, const vertex_block *v, float u[2][LANES]) {
+    if (v->shader.lobes == SHADER_DIFFUSE && !emitters_choose(p->wave.run.plan->emitters))
+        memset(u, 0, 2 * sizeof *u);
+    else
+        numbers(p, v, SAMPLE_CHOICE, u);
+}
+
 /* ---- vertices ---- */
 
 static float width_at(const path_wave *p, const vertex_block *v, unsigned i) {
@@ -78,38 +86,11 @@ static void ask(const vertex_block *v, emitter_query *out) {
     }
 }
 
-/* Shadow rays begin clear of the surface, on the light's side, and end where the sample lies. */
-static void aim(const surface_block *s, const emitter_sample *light, light_block *ray,
-                uint32_t behind[LANES]) {
-    for (int i = 0; i < LANES; ++i) {
-        float along = 0, to[3], square = 0;
-        for (int c = 0; c < 3; ++c) along += light->direction[c][i] * s->ng[c][i];
-        behind[i] = along < 0 ? ~0u : 0;
-        const float off = along < 0 ? -s->offset[i] : s->offset[i];
-        const bool far = light->distance[i] == INFINITY;
-        const float distance = far ? 1 : light->distance[i];
-        for (int c = 0; c < 3; ++c) {
-            ray->origin[c][i] = surface_start(s->p[c][i], off, s->ng[c][i]);
-            to[c] = light->direction[c][i] * distance - (far ? 0 : ray->origin[c][i] - s->p[c][i]);
-            square += to[c] * to[c];
-        }
-        const float length = sqrtf(square), inverse = 1 / length;
-        for (int c = 0; c < 3; ++c)
-            ray->direction[c][i] = length > 0 ? to[c] * inverse : light->direction[c][i];
-        ray->distance[i] = far ? INFINITY : length;
-    }
-}
-
-static void weigh(const path_wave *p, const vertex_block *v, const emitter_sample *light, const lanes3 f,
-                  const float density[LANES], lanes3 gain) {
-    for (int i = 0; i < LANES; ++i) {
-        const bool any = light->density[i] > 0 && !is_done(p, v->path.slot[i]);
-        const float share = light->sized[i] && any ? path_power_heuristic(light->density[i], density[i]) : 1;
-        const float scale = any ? share / light->density[i] : 0;
-        for (int c = 0; c < 3; ++c)
-            gain[c][i] =
-                limited(v->path.weight[c][i] * limited(f[c][i] * limited(light->radiance[c][i] * scale)));
-    }
+/* Lanes that may only pass what they meet, as masks; see is_done(). */
+static void find_done(const path_wave *p, const vertex_block *v, uint32_t done[LANES]) {
+    memset(done, 0, LANES * sizeof *done);
+    for (unsigned i = 0; p->wave.run.plan->covered && i < LANES; ++i)
+        done[i] = is_done(p, v->path.slot[i]) ? ~0u : 0;
 }
 
 /* Light from outside ends in no closed mesh. Where other lights lie is not known. */
@@ -140,15 +121,16 @@ static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
     light_block ray;
     lanes3 u, f, gain;
     float density[LANES];
-    uint32_t behind[LANES];
+    uint32_t behind[LANES], done[LANES];
     shadow_depths depths;
     numbers(p, v, SAMPLE_LIGHT, u);
     memcpy(u[2], choice, sizeof u[2]);
     ask(v, &query);
     emitters_sample(plan->emitters, &query, u, &light);
     plan->shader_kernels->evaluate(&v->surface, &v->shader, light.direction, f, density);
-    weigh(p, v, &light, f, density, gain);
-    aim(&v->surface, &light, &ray, behind);
+    find_done(p, v, done);
+    plan->path_kernels->weigh(&v->path, &light, f, density, done, gain);
+    plan->path_kernels->aim(&v->surface, &light, &ray, behind);
     if (p->media) path_dim_lights(p, v, &ray, behind, gain);
     if (plan->dispersive) path_part_lights(p, v, behind, gain);
     note_depths(v, &light, &ray, behind, &depths);
@@ -269,7 +251,7 @@ static bool scatter(path_wave *p) {
     if (!wave_reserve_paths(w, &w->next, w->vertex_count) || !wave_begin_shadows(w)) return false;
     for (size_t b = 0; b < wave_blocks(w->vertex_count); ++b) {
         float choice[2][LANES];
-        numbers(p, &w->vertices[b], SAMPLE_CHOICE, choice);
+        choices(p, &w->vertices[b], choice);
         if (lit) push_light(p, b, choice[0]);
         push_paths(p, b, choice[1]);
     }
@@ -298,6 +280,7 @@ static bool step(path_wave *p) {
     wave *w = &p->wave;
     const bool first = p->depth == 0, last = p->depth >= w->run.plan->max_depth && !w->run.plan->covered;
     if (!wave_trace(w, 0, w->now.count, first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
+    if (!first && !wave_sort_hits(w)) return false;
     if (!wave_surfaces(w, first)) return false;
     if (first && w->run.samples.first && w->run.plan->camera_moves) find_depths(p);
     w->next.count = 0;
@@ -308,20 +291,35 @@ static bool step(path_wave *p) {
     return true;
 }
 
+static void fill(float *to, size_t count, float value) {
+    for (size_t k = 0; k < count; ++k) to[k] = value;
+}
+
+static void begin_keys(path_wave *p, const wave_batch *batch) {
+    const render_plan *plan = p->wave.run.plan;
+    for (uint32_t s = 0; s < batch->count; ++s) {
+        const sample_key first = wave_square_key(&batch->squares[s], 0);
+        plan->sample_kernels->square(&plan->sampler, first.x, first.y, &p->pixel[s * LANES]);
+        for (uint32_t k = 0; k < LANES; ++k) p->index[s * LANES + k] = first.index;
+        for (uint32_t k = 0; p->wave.times && k < LANES; ++k)
+            p->wave.times[s * LANES + k] = wave_time_of(plan, wave_square_key(&batch->squares[s], k));
+    }
+}
+
 static void begin(path_wave *p, const wave_batch *batch) {
     const render_plan *plan = p->wave.run.plan;
-    for (uint32_t k = 0; k < batch->count * LANES; ++k) {
-        const sample_key key = wave_square_key(&batch->squares[k / LANES], k % LANES);
-        p->pixel[k] = sample_pixel_hash(&plan->sampler, key.x, key.y);
-        p->index[k] = key.index;
-        if (p->wave.times) p->wave.times[k] = wave_time_of(plan, key);
-        p->density[k] = INFINITY;
-        p->p[0][k] = plan->camera.eye.x, p->p[1][k] = plan->camera.eye.y, p->p[2][k] = plan->camera.eye.z;
-        p->n[0][k] = p->n[1][k] = p->n[2][k] = 0;
-        p->width[k] = plan->pixel_width, p->spread[k] = plan->pixel_spread;
-        p->passes[k] = 0, p->passed[k] = 0;
-    }
-    for (uint32_t k = 0; p->wave.run.samples.first && k < batch->count * LANES; ++k) {
+    const size_t count = batch->count * LANES;
+    begin_keys(p, batch);
+    fill(p->density, count, INFINITY);
+    fill(p->p[0], count, plan->camera.eye.x);
+    fill(p->p[1], count, plan->camera.eye.y);
+    fill(p->p[2], count, plan->camera.eye.z);
+    for (int c = 0; c < 3; ++c) fill(p->n[c], count, 0);
+    fill(p->width, count, plan->pixel_width);
+    fill(p->spread, count, plan->pixel_spread);
+    fill(p->passed, count, 0);
+    memset(p->passes, 0, count * sizeof *p->passes);
+    for (size_t k = 0; p->wave.run.samples.first && k < count; ++k) {
         p->smooth[k] = true;
         p->tint[0][k] = p->tint[1][k] = p->tint[2][k] = 1;
     }

@@ -40,12 +40,6 @@ static inline uint32_t path_scattered(const path_wave *p, uint32_t slot) {
     return p->depth - p->passes[slot];
 }
 
-/* a^2 / (a^2 + b^2). `a` may be infinite, and is not 0. */
-static inline float path_power_heuristic(float a, float b) {
-    const float ratio = b / a;
-    return 1 / (1 + ratio * ratio);
-}
-
 static inline bool path_sends_light(const shader *s) {
     return s->emission[0] > 0 || s->emission[1] > 0 || s->emission[2] > 0;
 }

@@ -101,7 +101,7 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
                                  plan->groups.count ? &plan->groups : NULL, &plan->emitters);
     if (status == FATHOM_OK) status = watertight_create(context, plan->tracer, &plan->watertight);
     if (status != FATHOM_OK) return status;
-    plan->background = !emitters_none(plan->emitters);
+    plan->background = emitters_any_outside(plan->emitters);
     plan->camera_moves = motion_camera_moves(&plan->scene->camera);
     plan->moves = plan->world->moves || plan->camera_moves;
     plan->unshadowed = !casts_all_shadows(plan->world);
@@ -201,6 +201,7 @@ static void choose_kernels(render_plan *plan) {
     plan->shader_kernels = shader_kernels_best();
     plan->light_kernels = light_kernels_best();
     plan->kernels = integrate_kernels_best();
+    plan->path_kernels = path_kernels_best();
 }
 
 /* Half a pixel in the middle of the image: the samples of a pixel do the other half of the filtering. */

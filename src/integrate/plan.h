@@ -7,6 +7,7 @@
 #include "film/pixel_sums.h"
 #include "integrate/kernels.h"
 #include "integrate/parts.h"
+#include "integrate/path_kernels.h"
 #include "light/emitters.h"
 #include "material/textured.h"
 #include "sample/sample.h"
@@ -29,6 +30,7 @@ typedef struct render_plan {
     const sample_kernels *sample_kernels;
     const shader_kernels *shader_kernels;
     const integrate_kernels *kernels;
+    const path_kernels *path_kernels;
     sampler sampler;
     shade_camera camera;
     pixel_filter filter;

@@ -122,6 +122,9 @@ float wave_time_of(const render_plan *plan, sample_key key);
 void wave_camera_when(const render_plan *plan, float time, shade_camera *out);
 /* Closest hits of the rays [begin, end) of `now`; begin is a multiple of 16. False: stopped. */
 bool wave_trace(wave *w, size_t begin, size_t end, trace_coherence coherence);
+/* Brings hits of one geometry together. Only where each sample has one ray, so that its sums do not depend on
+ * their order. False: out of memory. */
+bool wave_sort_hits(wave *w);
 /* Vertices of all hits of `now`; the integrator's stages see them and the misses. first: of the camera's
  * rays.
  */

@@ -112,14 +112,6 @@ static void look_up_radiance(const emitters *e, const lane_choices *c, const lan
     }
 }
 
-static void put_face(shape_faces *to, int i, const shape_face *f) {
-    for (int k = 0; k < 4; ++k) {
-        const vec3_f64 corner = f->corner[k];
-        to->corner[k][0][i] = corner.x, to->corner[k][1][i] = corner.y, to->corner[k][2][i] = corner.z;
-    }
-    to->clear[i] = f->clear, to->slope[i] = f->slope;
-}
-
 /* Lanes that chose none get the first one's face. */
 static void sample_faces(const emitters *e, const lane_choices *c, emitter_sample *out) {
     const float *radiance[LANES];
@@ -140,9 +132,9 @@ static void sample_faces(const emitters *e, const lane_choices *c, emitter_sampl
             light = radiance_of(e, run, c->emitter[i] - run->first);
             quads |= face.quad;
         }
-        for (int k = 0; last == FATHOM_NONE && k < LANES; ++k) put_face(&faces, k, &face);
+        for (int k = 0; last == FATHOM_NONE && k < LANES; ++k) shape_faces_put(&faces, k, &face);
         last = c->emitter[i], radiance[i] = light;
-        put_face(&faces, i, &face);
+        shape_faces_put(&faces, i, &face);
     }
     load_points(c, p);
     e->shapes->faces(&faces, p, c->u, quads, &answers, direction, distance);
@@ -385,6 +377,10 @@ static unsigned choose_parts(const emitters *e, const emitter_query *from, const
 void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out) {
     lane_choices c = {.from = from, .u = u};
     double left[LANES];
+    if (!emitters_choose(e)) {
+        emitters_sample_one(e, from, u, out);
+        return;
+    }
     const unsigned finite = choose_parts(e, from, u, left, out);
     if (finite) choose_finite(e, finite, left, &c, out);
     for (unsigned lanes = e->groups ? c.faces | c.balls | c.lamps : 0; lanes; lanes &= lanes - 1) {

@@ -21,6 +21,8 @@ void emitters_destroy(emitters *e);
 
 /* Nothing sends out any light. */
 bool emitters_none(const emitters *e);
+/* Rays that leave the scene may meet light. */
+bool emitters_any_outside(const emitters *e);
 
 /* The most that comes from outside in any direction, by channel. */
 void emitters_brightest_outside(const emitters *e, float out[3]);
@@ -45,7 +47,9 @@ typedef struct emitter_sample {
     uint8_t group[LANES];  /* where groups are asked for, as emitters_outside_group() */
 } emitter_sample;
 
-/* u: three numbers in [0,1) a lane; the third chooses the light. */
+/* Whether there is a choice of lights. */
+bool emitters_choose(const emitters *e);
+/* u: three numbers in [0,1) a lane; the third chooses the light, and is read where emitters_choose(). */
 void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out);
 
 /* A point of an emitter that a ray met by chance. */

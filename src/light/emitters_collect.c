@@ -377,11 +377,14 @@ fathom_status emitters_create(fathom_context *context, const world *w, const tex
     if (!w->scene->in_studio) memcpy(e->background, w->scene->background, sizeof e->background);
     fathom_status status = collect(context, e);
     if (status == FATHOM_OK) status = emitters_open_skies(context, e);
+    if (status == FATHOM_OK) {
+        share(e);
+        if (!emitters_prepare_one(e)) status = fail_memory(context, sizeof *e->one.face);
+    }
     if (status != FATHOM_OK) {
         emitters_destroy(e);
         return status;
     }
-    share(e);
     emitters_note_groups(e, groups);
     *out = e;
     return FATHOM_OK;
@@ -392,6 +395,7 @@ void emitters_destroy(emitters *e) {
     tree_destroy(&e->lights);
     if (e->run_of) free(e->run_of - 1);
     free(e->emission);
+    free(e->one.face);
     free(e->runs);
     free(e->slot_of);
     free(e->lamps);
@@ -401,6 +405,8 @@ void emitters_destroy(emitters *e) {
     free(e->skies);
     free(e);
 }
+
+bool emitters_any_outside(const emitters *e) { return e->chance[EMITTER_OUTSIDE] > 0; }
 
 bool emitters_none(const emitters *e) {
     double sum = 0;

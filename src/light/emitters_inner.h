@@ -47,6 +47,14 @@ typedef struct emitter_sky {
     uint8_t group;
 } emitter_sky;
 
+/* The light of a scene that has one; see emitters_one.c. */
+typedef struct emitter_one {
+    shape_faces *face; /* in all lanes; NULL: it is none */
+    bool quad;
+    const float *radiance;
+    bool sky; /* the background alone */
+} emitter_one;
+
 struct emitters {
     const world *w;
     const texturing *texturing; /* NULL: no emission varies over a surface */
@@ -59,6 +67,7 @@ struct emitters {
     uint32_t *slot_of;      /* by emitter: its leaf; FATHOM_NONE: it sends out nothing */
     uint32_t finite_count;  /* leaves */
     uint32_t only;          /* the emitter, if there is one leaf; else FATHOM_NONE */
+    emitter_one one;
     tree lights;
     const shape_kernels *shapes;
     const light_kernels *points;
@@ -77,6 +86,9 @@ struct emitters {
 };
 
 /* After all have been found. */
+bool emitters_prepare_one(emitters *e);
+/* As emitters_sample(), where emitters_choose() is false. */
+void emitters_sample_one(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out);
 void emitters_note_groups(emitters *e, const light_groups *groups);
 uint8_t emitters_group_of(const emitters *e, uint32_t emitter);
 /* Reads the environments. */

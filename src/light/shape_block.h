@@ -10,6 +10,14 @@ typedef struct shape_faces {
     double clear[LANES], slope[LANES]; /* see shape_face */
 } shape_faces;
 
+static inline void shape_faces_put(shape_faces *to, int i, const shape_face *f) {
+    for (int k = 0; k < 4; ++k) {
+        const vec3_f64 corner = f->corner[k];
+        to->corner[k][0][i] = corner.x, to->corner[k][1][i] = corner.y, to->corner[k][2][i] = corner.z;
+    }
+    to->clear[i] = f->clear, to->slope[i] = f->slope;
+}
+
 typedef struct shape_balls {
     _Alignas(64) lanes3_f64 center;
     double radius[LANES], clear[LANES], slope[LANES];
@@ -27,6 +35,8 @@ typedef struct shape_kernels {
     /* Points outside of spheres alone. */
     void (*balls)(const shape_balls *b, const lanes3_f64 p, const lanes3 u, shape_answers *out,
                   lanes3 direction, float *distance);
+    /* By the cosine to the normals n, evenly where they are 0; densities are of the directions in float. */
+    void (*sky)(const lanes3 n, const lanes3 u, lanes3 direction, double density[LANES]);
 } shape_kernels;
 
 const shape_kernels *shape_kernels_best(void);

@@ -64,4 +64,18 @@ static void balls(const shape_balls *restrict b, const lanes3_f64 p, const lanes
     put(out, direction, distance);
 }
 
-const shape_kernels KERNEL(shape_kernels) = {.faces = faces, .balls = balls};
+static void sky(const lanes3 n, const lanes3 u, float (*restrict direction)[LANES],
+                double density[restrict LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        vec3_f64 unit = {(double)n[0][i], (double)n[1][i], (double)n[2][i]};
+        const double square = dot_f64(unit, unit), length = sqrt(square > 0 ? square : 1);
+        unit = scale_f64(1 / length, unit);
+        const vec3_f64 to = shape_all_sample(unit, (double)u[0][i], (double)u[1][i]);
+        direction[0][i] = (float)to.x, direction[1][i] = (float)to.y, direction[2][i] = (float)to.z;
+        const vec3_f64 as_traced = {(double)direction[0][i], (double)direction[1][i],
+                                    (double)direction[2][i]};
+        density[i] = shape_all_density(unit, as_traced);
+    }
+}
+
+const shape_kernels KERNEL(shape_kernels) = {.faces = faces, .balls = balls, .sky = sky};

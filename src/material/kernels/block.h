@@ -298,9 +298,22 @@ static void weigh_lobes(shader_block *restrict out) {
     }
 }
 
+/* The sum of all lobes where there is one; see make(). */
+static void take_diffuse(shader_block *restrict out) {
+    memset(out->take, 0, sizeof out->take);
+    for (int i = 0; i < LANES; ++i) {
+        const float d = mean(out->diffuse, i);
+        out->take[SHADER_TAKE_DIFFUSE][i] = d / (0x1p-126f + d);
+    }
+}
+
 static void make(const surface_block *s, shader_block *out) {
     set_materials(s, out);
     set_frames(s, out);
+    if (out->lobes == SHADER_DIFFUSE) {
+        take_diffuse(out);
+        return;
+    }
     if (out->lobes & SHADER_STRETCHED) stretch_frames(s, out);
     for (int i = 0; i < LANES; ++i) out->missing[i] = out->under[i] = 0, out->below_coat[i] = 1;
     if (out->lobes & (SHADER_EVEN | SHADER_COATED))

@@ -13,6 +13,11 @@ static void evaluate(const surface_block *s, const shader_block *b, const lanes3
 
 /* The lobe whose part of [0,1) holds u. Where rounding leaves u beyond all parts, the last lobe is taken. */
 static void choose_lobes(const shader_block *b, const float u[LANES], uint32_t *restrict lobe) {
+    if (b->lobes == SHADER_DIFFUSE) {
+        for (int i = 0; i < LANES; ++i)
+            lobe[i] = b->take[SHADER_TAKE_DIFFUSE][i] > 0 ? SHADER_TAKE_DIFFUSE : SHADER_TAKES;
+        return;
+    }
     for (int i = 0; i < LANES; ++i) {
         float end = 0;
         uint32_t found = SHADER_TAKES;

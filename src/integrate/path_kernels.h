@@ -1,0 +1,28 @@
+/* What path tracing does to a block of sixteen vertices at once; see base/kernel.h. */
+#ifndef INTEGRATE_PATH_KERNELS_H
+#define INTEGRATE_PATH_KERNELS_H
+
+#include "integrate/kernels.h"
+#include "light/emitters.h"
+#include "surface/surface.h"
+
+/* a^2 / (a^2 + b^2). `a` may be infinite, and is not 0. */
+static inline float path_power_heuristic(float a, float b) {
+    const float ratio = b / a;
+    return 1 / (1 + ratio * ratio);
+}
+
+typedef struct path_kernels {
+    /* Shadow rays begin clear of the surface, on the light's side, and end where the sample lies. */
+    void (*aim)(const surface_block *s, const emitter_sample *light, light_block *ray,
+                uint32_t behind[LANES]);
+
+    /* What samples gain from light: f and density are the BSDFs', those of its direction. done: all ones
+     * where paths have had their bounces. */
+    void (*weigh)(const path_block *path, const emitter_sample *light, const lanes3 f,
+                  const float density[LANES], const uint32_t done[LANES], lanes3 gain);
+} path_kernels;
+
+const path_kernels *path_kernels_best(void);
+
+#endif
