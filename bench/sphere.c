@@ -4,8 +4,8 @@
  * A ray from E along d hits the sphere around C where D = R² d·d - |f×d|² >= 0, f = E - C, if it does not
  * start past it. D is first formed in double: with u = 2^-53, f and the cross product's terms are off by 4 u
  * |f||d|, which moves |f×d|² by 8 u |f||d| |f×d|, and the products and sums round by 6 u of R² d·d + |f×d|²;
- * 16 u stands for both. Cases that this cannot decide are computed in binary128, whose bound, the same with u = 2^-113,
- * has left no ray undecided.
+ * 16 u stands for both. Cases that this cannot decide are computed in binary128, whose bound, the same with u
+ * = 2^-113, has left no ray undecided.
  *
  * The band in which float inputs cannot tell: inputs off by a relative v = 2^-24 each move 1 - l²/R², l the
  * line's distance from the centre, by v (2 Σ|l_i| s_i + 2 l²) / R² with s_i = |E_i| + |t d_i| + |C_i| at the
