@@ -2,7 +2,9 @@
  *
  * Two times of three it waits until a temporary file appears in FOLDER, and kills within a few milliseconds
  * then: while a file is written. Otherwise the moment is anywhere in the given time. Prints what it did, and
- * ends with the command's exit code where the command was faster, else with 137. */
+ * ends with the command's exit code where the command was faster, else with 137, and only once the command's
+ * own processes have ended: an image helper whose parent was killed keeps its file locked until it notices.
+ */
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
@@ -12,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/inotify.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -72,6 +75,7 @@ int main(int argc, char **argv) {
     if (watch < 0 || inotify_add_watch(watch, argv[3], IN_CREATE) < 0 || !span) return 2;
     bool writing = random_below(&state, 3) > 0;
     uint32_t moment = random_below(&state, span * 1000), later = random_below(&state, WRITING_MICROSECONDS);
+    if (prctl(PR_SET_CHILD_SUBREAPER, 1) != 0) return 2;
     pid_t child = fork();
     if (child == 0) {
         execvp(argv[4], argv + 4);
@@ -85,6 +89,7 @@ int main(int argc, char **argv) {
     kill(child, SIGKILL);
     int status;
     waitpid(child, &status, 0);
+    while (wait(NULL) > 0) continue;
     close(watch);
     printf("%s after %u us%s\n", WIFSIGNALED(status) ? "killed" : "ended", moment,
            writing ? ", writing" : "");
