@@ -11,7 +11,7 @@ fathom, scene, spp, size, simulated_spp, folder = sys.argv[1:]
 # As in src/job/ranks/ranks.c.
 LOOK = 0.001  # seconds between two looks for messages
 LEFT_SHARE, REQUEST_SECONDS, ANSWER_SECONDS, MOST_UNITS = 4, 0.003, 8e-6, 1024
-# Of rank 0's processor: a request with the results that come before it and the answer, and each of its squares. Measured
+# Time of rank 0's processor: a request with the results that come before it and the answer, and each of its squares. Measured
 # with 8 ranks, of 28,812 requests.
 REQUEST_COST, SQUARE_COST = 8e-6, 0.07e-6
 SQUARES = 64  # of a tile
@@ -63,7 +63,7 @@ def tile_times():
 
 
 class Squares:
-    """What is not handed out yet. `least`: squares of the smallest unit."""
+    """The work that is not handed out yet. `least`: squares of the smallest unit."""
 
     def __init__(self, times, samples, ranks):
         self.times, self.ranks = times, ranks

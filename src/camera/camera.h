@@ -8,8 +8,8 @@
 
 #include "trace/trace.h"
 
-/* d(x, y) = corner + x across + y down, x and y in pixels from the image's top left; not yet unit. Of a
- * parallel view it is where the ray begins, from the eye. */
+/* d(x, y) = corner + x across + y down, x and y in pixels from the image's top left; not yet unit. In a
+ * parallel view it is the ray's origin, from the eye. */
 typedef struct shade_camera {
     vec3_f32 eye; /* in the world's coordinates */
     vec3_f64 corner, across, down;

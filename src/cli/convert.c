@@ -64,7 +64,7 @@ const command command_convert = {
             "  .glb   meshes, instances, materials, images, lights and the camera\n"
             "  .obj   meshes with instances placed, and materials in an .mtl next to it\n"
             "  .ply   meshes with instances placed\n"
-            "What is left out is said, and counted. A camera and lights that a render adds\n"
+            "Losses are named and counted. A camera and lights that a render adds\n"
             "to IN are not written: it adds them to OUT as well.\n",
     .examples = "  fathom convert model.gltf model.glb\n"
                 "  fathom convert walk.glb pose.json --time 1.5\n",

@@ -7,7 +7,7 @@
 /* Sums of samples by brightness, three channels each; cascade k is for about 2^-10 * 8^k (fireflies.c). */
 #define FIREFLY_CASCADES 12u
 
-/* What a file's header says of them. */
+/* The entry of a file's header. */
 #define FIREFLY_TEXT 256
 
 /* Adds the samples of 16 slots from `from` on to the cascades' sums, three of each, from `slot` on. */

@@ -1,4 +1,4 @@
-/* What path tracing does to a block of sixteen vertices at once; see base/kernel.h. */
+/* Steps of path tracing for a block of sixteen vertices at once; see base/kernel.h. */
 #ifndef INTEGRATE_PATH_KERNELS_H
 #define INTEGRATE_PATH_KERNELS_H
 
@@ -17,7 +17,7 @@ typedef struct path_kernels {
     void (*aim)(const surface_block *s, const emitter_sample *light, light_block *ray,
                 uint32_t behind[LANES]);
 
-    /* What samples gain from light: f and density are the BSDFs', those of its direction. done: all ones
+    /* The gain of samples from light: f and density are the BSDFs', those of its direction. done: all ones
      * where paths have had their bounces. */
     void (*weigh)(const path_block *path, const emitter_sample *light, const lanes3 f,
                   const float density[LANES], const uint32_t done[LANES], lanes3 gain);

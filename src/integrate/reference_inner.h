@@ -64,7 +64,7 @@ typedef struct reference_primitive {
                            triangle: the last twice */
 } reference_primitive;
 
-/* What of light the layers over a material reflect, by the cosine in even steps. */
+/* The share of light that the layers over a material reflect, by the cosine in even steps. */
 enum { REFERENCE_STEPS = 128 };
 typedef struct reference_layers {
     double coat[REFERENCE_STEPS + 1],
@@ -123,7 +123,8 @@ const char *reference_lacks(const fathom_material *m);
 bool reference_layers_make(const fathom_material *m, reference_layers **out);
 /* KHR_materials_sheen's D V. */
 double reference_fibres(const fathom_material *m, double nl, double nv, double nh);
-/* What a thin film (KHR_materials_iridescence) on a surface of reflectance f0 reflects at this cosine. */
+/* The reflectance of a thin film (KHR_materials_iridescence) on a surface of reflectance f0 at this cosine.
+ */
 vec3_f64 reference_film(const fathom_material *m, vec3_f64 f0, double cosine);
 vec3_f64 reference_emission(const fathom_material *m);
 reference_scatter reference_scatter_of(const reference_surface *s);

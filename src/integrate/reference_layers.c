@@ -69,7 +69,7 @@ bool reference_layers_make(const fathom_material *m, reference_layers **out) {
 
 static double squared(double x) { return x * x; }
 
-/* What three receptors see of a wave of this phase, in linear Rec.709. */
+/* The response of three receptors to a wave of this phase, in linear Rec.709. */
 static vec3_f64 seen(double way, double shift) {
     static const double value[4] = {5.4856e-13, 4.4201e-13, 5.2481e-13, 9.7470e-14};
     static const double place[4] = {1.6810e6, 1.7953e6, 2.2084e6, 2.2399e6};
@@ -85,7 +85,7 @@ static vec3_f64 seen(double way, double shift) {
                    0.0556434 * x - 0.2040259 * y + 1.0572252 * z);
 }
 
-/* What is reflected in each channel of a base that reflects f0 in all. */
+/* The reflectance of each channel over a base that reflects f0 in all. */
 static vec3_f64 film_over(double index, double nanometres, double f0, double cosine) {
     const double inside2 = 1 - (1 - cosine * cosine) / (index * index);
     if (inside2 < 0) return gray(1);

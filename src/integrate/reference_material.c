@@ -166,7 +166,7 @@ static double value_at(const double *table, double cosine) {
 
 static double coat_reflects(double cosine) { return 0.04 + 0.96 * pow(1 - fmin(cosine, 1), 5); }
 
-/* What remains of light that passes the layers from l and to v. */
+/* The share of light that passes the layers from l and to v. */
 static double below_layers(const reference_surface *s, double nl, double nv, double *below_coat) {
     *below_coat = 1;
     if (!s->layers) return 1;
@@ -176,7 +176,7 @@ static double below_layers(const reference_surface *s, double nl, double nv, dou
     return *below_coat * (1 - most * fmin(all, 1));
 }
 
-/* What the layers themselves reflect; f without the cosine. */
+/* The reflection of the layers themselves: f without the cosine. */
 static vec3_f64 layers_reflect(const reference_surface *s, vec3_f64 l, vec3_f64 h, double below_coat) {
     const fathom_material *m = s->material;
     if (!s->layers) return gray(0);

@@ -11,7 +11,7 @@ static unsigned bin_of(const trace_hits *hits, size_t i) {
     return geometry == TRACE_PLANE || hits->instance[i] != FATHOM_NONE ? BIN_OTHERS : geometry % BIN_OTHERS;
 }
 
-/* What is read of rays that have been traced. */
+/* The rows that are read of traced rays. */
 static void move(const wave *w, size_t from, size_t to) {
     const trace_block *a = &w->now.rays[from / LANES];
     trace_block *b = &w->next.rays[to / LANES];

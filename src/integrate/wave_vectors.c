@@ -16,7 +16,7 @@ bool wave_create_vectors(wave *w) {
     return w->cameras;
 }
 
-/* u grows to the right and v upwards, in pixels. What is behind the camera at one of the times does not move.
+/* u grows to the right and v upwards, in pixels. A point behind the camera at one of the times does not move.
  */
 static void keep(first_hits *f, uint32_t slot, const shade_camera *cameras, const vec3_f64 from_eye[TIMES]) {
     double x[TIMES], y[TIMES];

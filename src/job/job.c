@@ -82,7 +82,7 @@ static bool render_unit(job *j, render_wave_fn render, worker *self, const work_
     return hand_over(j, self, &done, began, &before);
 }
 
-/* What is not finished, and this process's, of a tile's part of a wave. */
+/* The squares of a tile's part of a wave that are this process's and not finished. */
 static work_unit unit_of(const job *j, const wave_region *region) {
     const wave_share *share = j->options->share;
     const checkpoint *saving = j->options->saving;

@@ -47,7 +47,7 @@ typedef struct emitter_sample {
     uint8_t group[LANES];  /* where groups are asked for, as emitters_outside_group() */
 } emitter_sample;
 
-/* Whether there is a choice of lights. */
+/* True when there is a choice of lights. */
 bool emitters_choose(const emitters *e);
 /* u: three numbers in [0,1) a lane; the third chooses the light, and is read where emitters_choose(). */
 void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out);

@@ -180,7 +180,7 @@ static void drop_strangers(shape *s, size_t *lost) {
     }
 }
 
-/* Whether alpha counts is not part of the material where it is 1 everywhere but in the vertices' colours. */
+/* A material does not tell that alpha counts where only the vertices' colours have one. */
 static bool has_alpha_vertices(const fathom_scene *scene, fathom_id material) {
     for (size_t i = 0; i < scene->meshes.count; ++i) {
         const fathom_mesh *mesh = &scene->meshes.items[i];

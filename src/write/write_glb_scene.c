@@ -1,4 +1,4 @@
-/* What binary glTF holds besides meshes and materials: textures, lights, the camera. */
+/* Binary glTF besides meshes and materials: textures, lights, the camera. */
 #include "write/write_glb.h"
 
 #include "math/frame.h"

@@ -111,7 +111,7 @@ static void put_image(const write_library *l, file_writer *t, const struct mtl_i
     file_writer_print(t, " %s\n", l->images->items[l->images->of_texture[map->texture]].name);
 }
 
-/* Whether the format can say how the image lies, and which part of it counts. */
+/* True when the format can say how the image lies, and which part of it counts. */
 static bool is_plain(const fathom_scene *scene, const fathom_map *map, bool color) {
     const fathom_texture *texture = &scene->textures.items[map->texture];
     return map->uv_set == 0 && !map->inverted && map->transform[1] == 0 && map->transform[3] == 0 &&

@@ -13,7 +13,7 @@ typedef struct write_library {
     note_list *notes;
 } write_library;
 
-/* Whether the file's v is one minus the scene's, so that images lie upright in most readers: those of OBJ
+/* True when the file's v is one minus the scene's, so that images lie upright in most readers: those of OBJ
  * files do already. */
 bool write_mtl_flips(const fathom_scene *scene);
 /* Writes the whole file or none. */

@@ -72,7 +72,7 @@ static void assert_all_vectors(const fathom_film *film, const double expected[4]
     for (int i = 0; i < SIDE * SIDE; ++i) assert_vectors(film, i, expected);
 }
 
-/* To the right and up by (dx, dy): what it shows moves to the left and down. */
+/* Pans to the right and up by (dx, dy): the picture moves to the left and down. */
 static void a_camera_that_moves_along_a_plane_shifts_all_pixels(void **state) {
     (void)state;
     stage s = empty();

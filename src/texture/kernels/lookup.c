@@ -93,7 +93,7 @@ INLINE pair pair_at(float t, uint32_t size, fathom_wrap mode) {
     return p;
 }
 
-/* Of a column and of a row: a texel lies at the level's offset and both. */
+/* Offsets of a column and of a row: a texel lies at the level's offset and both. */
 INLINE uint64_t column_of(const pyramid_level *l, uint32_t x) {
     return (uint64_t)(x / PYRAMID_TILE * PYRAMID_TILE_TEXELS + x % PYRAMID_TILE) << l->shift;
 }

@@ -10,7 +10,7 @@
 
 enum { SIDE = 16, PIXELS = SIDE * SIDE };
 
-/* Of a square in an image so wide. Pixels are independent: errors add up by their squares. */
+/* The error of a square in an image so wide. Pixels are independent: errors add up by their squares. */
 static sample_mean mean_of(const reference_estimate *pixels, uint32_t side, uint32_t width, int channel,
                            uint32_t samples) {
     const uint32_t count = side * side;
