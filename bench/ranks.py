@@ -27,24 +27,39 @@ def run(*command):
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def render(ranks, samples, repeats=3):
+ROUNDS = 9
+PARTS, RANKS = "parts", "ranks"
+
+
+def render(kind, count, samples):
+    """Processor seconds of one process (kind None), of parts at the same time, or of ranks."""
     out = os.path.join(folder, "out.exr")
-    command = [fathom, "render", scene, "-o", out, "--spp", str(samples), "--threads", "1", "--quiet"]
-    if ranks:
-        command = ["mpirun", "--oversubscribe", "-n", str(ranks)] + command + ["--mpi"]
-    return min(run(*command) for _ in range(repeats))
+    command = [fathom, "render", scene, "--spp", str(samples), "--threads", "1", "--quiet", "-o"]
+    if kind == PARTS:
+        script = f'for k in $(seq {count}); do "$@" {folder}/$k.part --part $k/{count} --split tiles & done; wait'
+        seconds = run("sh", "-c", script, "sh", *command)
+        for k in range(count):
+            os.remove(f"{folder}/{k + 1}.part")
+        return seconds
+    return run(*(["mpirun", "--oversubscribe", "-n", str(count)] if kind else []), *command, out, *(["--mpi"] if kind else []))
 
 
 def measure():
-    """The start is measured by a sample a pixel: each process reads the scene, builds, and joins the others."""
-    one, one_start = render(0, spp), render(0, 1)
-    print("|ranks|processor time, s|of it start (1 sample a pixel)|more than one process|more than one process's rendering|")
+    """The least of rounds in which all take turns: other work on the machine only adds. The start is measured by a sample a
+    pixel: each process reads the scene, builds, and joins the others. Parts send no messages."""
+    kinds = [(None, 1)] + [(kind, count) for kind in (PARTS, RANKS) for count in (2, 4, 8)]
+    times = {(kind, samples): [] for kind in kinds for samples in (spp, 1)}
+    for _ in range(ROUNDS):
+        for kind, samples in times:
+            times[kind, samples].append(render(*kind, samples))
+    print("|processes|processor time, s|of it start|more than one process|more than one process's rendering|")
     print("|---|---|---|---|---|")
-    print(f"|one process|{one:.2f}|{one_start:.2f}| | |")
-    for ranks in (1, 2, 4, 8):
-        all_, start = render(ranks, spp), render(ranks, 1)
-        work, more = one - one_start, all_ - start
-        print(f"|{ranks}|{all_:.2f}|{start:.2f}|{100 * (all_ / one - 1):+.1f} %|{100 * (more / work - 1):+.1f} %|")
+    one, one_start = min(times[kinds[0], spp]), min(times[kinds[0], 1])
+    for kind in kinds:
+        all_, start = min(times[kind, spp]), min(times[kind, 1])
+        name = f"{kind[1]} {kind[0]}" if kind[0] else "one"
+        print(f"|{name}|{all_:.2f}|{start:.2f}|{100 * (all_ / one - 1):+.1f} %|"
+              f"{100 * ((all_ - start) / (one - one_start) - 1):+.1f} %|", flush=True)
 
 
 def tile_times():

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Many processes on one image: what 2, 4 and 8 ranks of this machine take more than one process does, as processor time
-# (the machine has fewer processors than ranks); and the efficiency of up to 1,024 ranks, simulated from the measured times
+# Many processes on one image: the processor time of 2, 4 and 8 ranks, and of as many parts, over that of one process
+# (the machine has fewer processors); and the efficiency of up to 1,024 ranks, simulated from the measured times
 # of the tiles of one image.
 # usage: BUILD=build/release sh bench/ranks.sh [SCENE [SPP [WIDTHxHEIGHT of the simulated image [its SPP]]]]
 # (default scenes/light/cornell-box.json, 32, 1920x1080, 4)
