@@ -119,6 +119,35 @@ static void only_models_without_light_stand_in_it(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* A ball with an emission of 1, which an image may scale by 0. */
+static float mean_of_emissive(bool image) {
+    static const char black[] = "P6\n1 1\n255\n\0\0\0";
+    const fathom_texture texture = {.size = sizeof texture, .bytes = black, .byte_count = sizeof black - 1};
+    fathom_scene *scene;
+    fathom_sphere ball;
+    fathom_material m;
+    fathom_sphere_default(&ball);
+    fathom_material_default(&m);
+    assert_ok(context, fathom_scene_create(context, &scene));
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    m.emissive[0] = m.emissive[1] = m.emissive[2] = 1;
+    if (image)
+        assert_ok(context, fathom_scene_add_texture(scene, &texture, &m.maps[FATHOM_MAP_EMISSIVE].texture));
+    assert_ok(context, fathom_scene_add_material(scene, "m", &m, &ball.material));
+    assert_ok(context, fathom_scene_add_sphere(scene, 0, &ball, NULL));
+    assert_ok(context, fathom_scene_complete(scene));
+    const float mean = mean_of(scene);
+    fathom_scene_destroy(scene);
+    return mean;
+}
+
+/* The corners of the picture show the wall, or nothing: the ball covers at most pi / 4 of it. */
+static void an_image_of_emission_is_no_lamp(void **state) {
+    (void)state;
+    assert_true(mean_of_emissive(true) > 0.05f);
+    assert_true(mean_of_emissive(false) < 0.79f);
+}
+
 /* Black pixels say what the studio could add unseen: its brightest panel is above 4. */
 static void errors_know_how_bright_it_is(void **state) {
     (void)state;
@@ -147,6 +176,7 @@ int main(void) {
         cmocka_unit_test(it_turns_with_the_viewer),
         cmocka_unit_test(a_background_alone_lights_a_model_without_lights),
         cmocka_unit_test(only_models_without_light_stand_in_it),
+        cmocka_unit_test(an_image_of_emission_is_no_lamp),
         cmocka_unit_test(errors_know_how_bright_it_is),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);

@@ -191,7 +191,9 @@ static fathom_status light_everything(fathom_scene *scene) {
     return status;
 }
 
-static bool emits(const fathom_material *m) {
+/* An image of emission is a display or a signal, as on most models: it does not light the scene. */
+static bool is_lamp(const fathom_material *m) {
+    if (m->maps[FATHOM_MAP_EMISSIVE].texture != FATHOM_NONE) return false;
     const bool classic = m->model == FATHOM_MODEL_CLASSIC;
     const float *rgb = classic ? m->k_e : m->emissive;
     return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0;
@@ -211,7 +213,7 @@ static bool lights_itself(const fathom_scene *scene) {
     if (scene->settings.integrator == FATHOM_INTEGRATOR_CLASSIC) return false;
     if (background_shines(scene)) return true;
     for (size_t i = 0; i < scene->objects.count; ++i) {
-        if (emits(&scene->materials.items[scene_object_material(scene, (fathom_id)i)].value)) return true;
+        if (is_lamp(&scene->materials.items[scene_object_material(scene, (fathom_id)i)].value)) return true;
     }
     return false;
 }
