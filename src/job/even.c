@@ -106,7 +106,7 @@ static bool take_samples(even *e, const wave_square *squares, uint32_t count) {
     return !e->batch.count || run_batch(e);
 }
 
-static bool render(job *j, worker *self, const wave_region *r, uint64_t todo) {
+static bool render(job *j, worker *self, const wave_region *r, uint64_t remaining) {
     even e = {.job = j, .self = self, .region = r, .range = range_of(j)};
     wave_square squares[WAVE_SQUARES];
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) e.samples[s] = e.range.end - e.range.begin;
@@ -114,7 +114,7 @@ static bool render(job *j, worker *self, const wave_region *r, uint64_t todo) {
         e.stacks[i].nodes = self->nodes + i * sum_stack_depth(e.range);
     self->share_bytes = 0;
     pixel_sums_clear(self->sums);
-    return take_samples(&e, squares, wave_list_squares(r, todo, squares));
+    return take_samples(&e, squares, wave_list_squares(r, remaining, squares));
 }
 
 /* A single leaf is summed in place. */
