@@ -189,12 +189,10 @@ void texturing_classic(const texturing *t, const surface_gather *g, const float 
         if (!p.varies[i]) continue;
         texturing_apply(p.plan[i], p.values[i], p.color[i], &m);
         classic = m;
-        if (is_classic(&m)) {
+        if (is_classic(&m))
             texturing_dissolve(&classic);
-        } else {
-            const metallic_factors factors = metallic_factors_of(&m);
-            metallic_to_classic(&factors, &classic);
-        }
+        else
+            metallic_to_classic(&m, &classic);
         bsdf_prepare(&classic, t->w->scene->ambient, &made[i]);
         at[i] = &made[i];
     }

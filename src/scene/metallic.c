@@ -25,7 +25,6 @@
  *
  * - cover: all of the above is scaled by it, and k_t gets what is left with ior 1, which passes straight on.
  *   With T > 0 the refraction's ior stays.
- * - unlit: k_e = b, nothing else.
  * - emission: k_e = its colour times its strength.
  * - ior 0: F0 is the specular colour, no refraction. Older workflows are carried over so. */
 #include "scene/metallic.h"
@@ -47,81 +46,34 @@ static double exponent_of(double alpha) {
 
 static double lobe_norm(double n) { return (n + 2) * (n + 4) / (8 * (exp2(-n / 2) + n)); }
 
-static void map_lit(const metallic_factors *f, fathom_material *out) {
-    double m = f->metallic, alpha = f->roughness * f->roughness;
-    double ratio = f->ior > 0 ? (f->ior - 1) / (f->ior + 1) : 1, w = mirror_share(alpha);
-    double n = exponent_of(alpha), scale = lobe_norm(n), diffuse[3], f0[3];
-    double cover = f->cover;
-    bool refracts = cover > 0 && f->transmission > 0 && f->ior > 0 && m < 1;
-    bool straight = cover < 1 && !refracts;
-    out->fresnel = f->ior > 0 && m < 0.5 && !straight;
+void metallic_to_classic(const fathom_material *f, fathom_material *out) {
+    const double m = (double)f->metallic, alpha = (double)f->roughness * (double)f->roughness,
+                 ior = (double)f->ior, transmission = (double)f->transmission,
+                 cover = (double)material_opacity(f);
+    const double ratio = ior > 0 ? (ior - 1) / (ior + 1) : 1, w = mirror_share(alpha), n = exponent_of(alpha);
+    const bool refracts = cover > 0 && transmission > 0 && ior > 0 && m < 1,
+               straight = cover < 1 && !refracts;
+    double scale = lobe_norm(n), f0[3];
+    fathom_material_default(out);
+    out->fresnel = ior > 0 && m < 0.5 && !straight;
     for (int i = 0; i < 3; ++i) {
-        double layer = f->specular * fmin(ratio * ratio * f->specular_color[i], 1), b = f->base[i];
+        const double specular = (double)f->specular_factor, tint = (double)f->specular_color[i],
+                     b = (double)f->base_color[i], layer = specular * fmin(ratio * ratio * tint, 1),
+                     diffuse = (1 - m) * (1 - transmission) * (1 - layer) * b;
         f0[i] = (1 - m) * layer + m * b;
-        diffuse[i] = (1 - m) * (1 - f->transmission) * (1 - layer) * b;
-        if (f0[i] > 0) scale = fmin(scale, (1 - diffuse[i]) / f0[i]);
-        double mirror = out->fresnel ? fmin(f->specular * f->specular_color[i], 1) : f0[i];
+        if (f0[i] > 0) scale = fmin(scale, (1 - diffuse) / f0[i]);
+        const double mirror = out->fresnel ? fmin(specular * tint, 1) : f0[i];
+        const double inward = out->fresnel ? 1 : 1 - layer;
         out->k_r[i] = (float)(cover * w * mirror);
-        double inward = out->fresnel ? 1 : 1 - layer;
-        out->k_t[i] = (float)(cover * (1 - m) * f->transmission * inward * b + 1 - cover);
-        out->k_d[i] = (float)(cover * diffuse[i]);
-        out->k_a[i] = (float)(cover * (diffuse[i] + (1 - w) * f0[i]));
+        out->k_t[i] = (float)(cover * (1 - m) * transmission * inward * b + 1 - cover);
+        out->k_d[i] = (float)(cover * diffuse);
+        out->k_a[i] = (float)(cover * (diffuse + (1 - w) * f0[i]));
+        out->k_e[i] = (float)fmin(cover * (double)f->emissive_strength * (double)f->emissive[i], 1e30);
     }
     for (int i = 0; i < 3; ++i) {
         out->k_s[i] = (float)(cover * scale * f0[i]);
         if (out->k_s[i] > 0) out->specular = FATHOM_SPECULAR_BLINN;
     }
     out->shininess = (float)n;
-    out->ior = straight || !(f->ior > 0) ? 1 : (float)f->ior;
-}
-
-void metallic_to_classic(const metallic_factors *f, fathom_material *out) {
-    fathom_material_default(out);
-    double cover = f->cover;
-    for (int i = 0; i < 3; ++i)
-        out->k_e[i] = (float)fmin(cover * f->emissive_strength * f->emissive[i], 1e30);
-    if (!f->unlit) {
-        map_lit(f, out);
-        return;
-    }
-    out->ior = 1;
-    for (int i = 0; i < 3; ++i) {
-        out->k_a[i] = out->k_d[i] = 0;
-        out->k_e[i] = (float)(cover * f->base[i]);
-        out->k_t[i] = (float)(1 - cover);
-    }
-}
-
-metallic_factors metallic_factors_of(const fathom_material *m) {
-    metallic_factors f = {.cover = (double)material_opacity(m),
-                          .metallic = (double)m->metallic,
-                          .roughness = (double)m->roughness,
-                          .emissive_strength = (double)m->emissive_strength,
-                          .ior = (double)m->ior,
-                          .transmission = (double)m->transmission,
-                          .specular = (double)m->specular_factor};
-    for (int c = 0; c < 3; ++c) {
-        f.base[c] = (double)m->base_color[c];
-        f.emissive[c] = (double)m->emissive[c];
-        f.specular_color[c] = (double)m->specular_color[c];
-    }
-    return f;
-}
-
-void metallic_to_material(const metallic_factors *f, fathom_material *out) {
-    fathom_material_default(out);
-    out->model = FATHOM_MODEL_METALLIC_ROUGHNESS;
-    out->metallic = (float)f->metallic;
-    out->roughness = (float)f->roughness;
-    out->emissive_strength = f->unlit ? 1 : (float)f->emissive_strength;
-    out->ior = (float)f->ior;
-    out->transmission = f->unlit ? 0 : (float)f->transmission;
-    out->specular_factor = f->unlit ? 0 : (float)f->specular;
-    out->opacity = (float)f->cover;
-    for (int c = 0; c < 3; ++c) {
-        out->base_color[c] = f->unlit ? 0 : (float)f->base[c];
-        out->emissive[c] = (float)(f->unlit ? f->base[c] : f->emissive[c]);
-        out->specular_color[c] = (float)f->specular_color[c];
-    }
-    if (f->unlit) out->metallic = 0;
+    out->ior = straight || !(ior > 0) ? 1 : (float)ior;
 }

@@ -131,41 +131,34 @@ float material_opacity(const fathom_material *m) {
     return m->opacity_cutoff > 0 ? (m->opacity >= m->opacity_cutoff ? 1.0f : 0.0f) : m->opacity;
 }
 
-fathom_status scene_add_material_as(fathom_scene *scene, const char *name, const fathom_material *material,
-                                    const fathom_material *classic, fathom_id *out) {
-    fathom_status status = scene_check_material(scene->context, material);
-    if (status == FATHOM_OK) status = scene_check_material(scene->context, classic);
-    for (int k = 0; k < FATHOM_MAPS && status == FATHOM_OK; ++k) {
+static fathom_status check_textures(const fathom_scene *scene, const fathom_material *material) {
+    for (int k = 0; k < FATHOM_MAPS; ++k) {
         const fathom_id texture = material->maps[k].texture;
         if (texture != FATHOM_NONE && texture >= scene->textures.count)
-            status = fail(scene->context, FATHOM_BAD_INPUT, "maps[%d]: there is no texture %u", k, texture);
+            return fail(scene->context, FATHOM_BAD_INPUT, "maps[%d]: there is no texture %u", k, texture);
     }
-    if (status != FATHOM_OK) return status;
-    scene_named_material entry = {.value = *material, .classic = *classic};
-    status = copy_text(scene->context, name, &entry.name);
-    if (status != FATHOM_OK) return status;
-    if (!array_push(&scene->materials, entry)) {
-        free(entry.name);
-        return fail_memory(scene->context, sizeof entry);
-    }
-    scene->has_maps |= material_has_maps(material);
-    if (out) *out = (fathom_id)(scene->materials.count - 1);
     return FATHOM_OK;
 }
 
 fathom_status fathom_scene_add_material_sized(fathom_scene *scene, const char *name,
                                               const fathom_material *material, size_t size, fathom_id *out) {
     if (!scene) return FATHOM_BAD_USAGE;
-    fathom_material item;
-    fathom_status status = SIZED_ITEM(scene->context, fathom_material, material, size, &item);
-    if (status == FATHOM_OK) status = scene_check_material(scene->context, &item);
+    scene_named_material entry = {.name = NULL};
+    fathom_status status = SIZED_ITEM(scene->context, fathom_material, material, size, &entry.value);
+    if (status == FATHOM_OK) status = scene_check_material(scene->context, &entry.value);
+    if (status == FATHOM_OK) status = check_textures(scene, &entry.value);
+    if (status == FATHOM_OK) status = copy_text(scene->context, name, &entry.name);
     if (status != FATHOM_OK) return status;
-    fathom_material classic = item;
-    if (item.model == FATHOM_MODEL_METALLIC_ROUGHNESS) {
-        const metallic_factors factors = metallic_factors_of(&item);
-        metallic_to_classic(&factors, &classic);
+    entry.classic = entry.value;
+    if (entry.value.model == FATHOM_MODEL_METALLIC_ROUGHNESS)
+        metallic_to_classic(&entry.value, &entry.classic);
+    if (!array_push(&scene->materials, entry)) {
+        free(entry.name);
+        return fail_memory(scene->context, sizeof entry);
     }
-    return scene_add_material_as(scene, name, &item, &classic, out);
+    scene->has_maps |= material_has_maps(&entry.value);
+    if (out) *out = (fathom_id)(scene->materials.count - 1);
+    return FATHOM_OK;
 }
 
 fathom_id scene_find_material(const fathom_scene *scene, const char *name) {

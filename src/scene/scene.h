@@ -126,10 +126,6 @@ fathom_status scene_add_mesh_checked(fathom_scene *scene, fathom_id group, const
 /* Checks the keys of vertices and normals; *facts come to hold for every key. */
 fathom_status mesh_check_vertex_keys(fathom_context *context, const fathom_mesh *m, mesh_facts *facts);
 
-/* fathom_scene_add_material() with what the classic integrator takes for the material. */
-fathom_status scene_add_material_as(fathom_scene *scene, const char *name, const fathom_material *material,
-                                    const fathom_material *classic, fathom_id *out);
-
 /* The material with this name, FATHOM_NONE when there is none. */
 fathom_id scene_find_material(const fathom_scene *scene, const char *name);
 

@@ -2,108 +2,9 @@
  * Numbers are written so that they read back as the same float. */
 #include "write/write_glb.h"
 
+#include "read/gltf/gltf_keys.h"
+
 #include <string.h>
-
-/* ---- the keys ---- */
-
-typedef enum holder {
-    PBR,
-    CORE,
-    IOR,
-    SPECULAR,
-    TRANSMISSION,
-    VOLUME,
-    CLEARCOAT,
-    SHEEN,
-    ANISOTROPY,
-    IRIDESCENCE,
-    DISPERSION,
-    DIFFUSE_TRANSMISSION,
-    STRENGTH,
-    GLOSSINESS,
-    UNLIT,
-    HOLDERS
-} holder;
-
-static const char *const holder_names[HOLDERS] = {"pbrMetallicRoughness",
-                                                  NULL,
-                                                  "KHR_materials_ior",
-                                                  "KHR_materials_specular",
-                                                  "KHR_materials_transmission",
-                                                  "KHR_materials_volume",
-                                                  "KHR_materials_clearcoat",
-                                                  "KHR_materials_sheen",
-                                                  "KHR_materials_anisotropy",
-                                                  "KHR_materials_iridescence",
-                                                  "KHR_materials_dispersion",
-                                                  "KHR_materials_diffuse_transmission",
-                                                  "KHR_materials_emissive_strength",
-                                                  "KHR_materials_pbrSpecularGlossiness",
-                                                  "KHR_materials_unlit"};
-
-/* A number or a colour; or, without a count, an image. */
-typedef struct glb_key {
-    holder of;
-    const char *name;
-    size_t offset; /* in fathom_material */
-    unsigned count;
-    double fallback;  /* what glTF takes for an absent number */
-    int map, channel; /* channel: -1 for a colour */
-} glb_key;
-
-#define NUMBER(holder, name, member, fallback)                                                               \
-    { holder, name, offsetof(fathom_material, member), 1, fallback, 0, 0 }
-#define COLOR(holder, name, member, fallback)                                                                \
-    { holder, name, offsetof(fathom_material, member), 3, fallback, 0, 0 }
-#define IMAGE(holder, name, map, channel)                                                                    \
-    { holder, name, 0, 0, 0, FATHOM_MAP_##map, channel }
-static const glb_key keys[] = {
-    NUMBER(PBR, "metallicFactor", metallic, 1),
-    NUMBER(PBR, "roughnessFactor", roughness, 1),
-    IMAGE(PBR, "baseColorTexture", COLOR, -1),
-    IMAGE(PBR, "metallicRoughnessTexture", METALLIC, 2),
-    COLOR(CORE, "emissiveFactor", emissive, 0),
-    IMAGE(CORE, "emissiveTexture", EMISSIVE, -1),
-    IMAGE(CORE, "normalTexture", NORMAL, -1),
-    NUMBER(IOR, "ior", ior, 1.5),
-    NUMBER(SPECULAR, "specularFactor", specular_factor, 1),
-    COLOR(SPECULAR, "specularColorFactor", specular_color, 1),
-    IMAGE(SPECULAR, "specularTexture", SPECULAR, 3),
-    IMAGE(SPECULAR, "specularColorTexture", SPECULAR_COLOR, -1),
-    NUMBER(TRANSMISSION, "transmissionFactor", transmission, 0),
-    IMAGE(TRANSMISSION, "transmissionTexture", TRANSMISSION, 0),
-    NUMBER(VOLUME, "thicknessFactor", thickness, 0),
-    COLOR(VOLUME, "attenuationColor", attenuation_color, 1),
-    NUMBER(VOLUME, "attenuationDistance", attenuation_distance, 0),
-    NUMBER(CLEARCOAT, "clearcoatFactor", clearcoat, 0),
-    NUMBER(CLEARCOAT, "clearcoatRoughnessFactor", clearcoat_roughness, 0),
-    IMAGE(CLEARCOAT, "clearcoatTexture", CLEARCOAT, 0),
-    IMAGE(CLEARCOAT, "clearcoatRoughnessTexture", CLEARCOAT_ROUGHNESS, 1),
-    IMAGE(CLEARCOAT, "clearcoatNormalTexture", CLEARCOAT_NORMAL, -1),
-    COLOR(SHEEN, "sheenColorFactor", sheen_color, 0),
-    NUMBER(SHEEN, "sheenRoughnessFactor", sheen_roughness, 0),
-    IMAGE(SHEEN, "sheenColorTexture", SHEEN_COLOR, -1),
-    IMAGE(SHEEN, "sheenRoughnessTexture", SHEEN_ROUGHNESS, 3),
-    NUMBER(ANISOTROPY, "anisotropyStrength", anisotropy, 0),
-    NUMBER(ANISOTROPY, "anisotropyRotation", anisotropy_rotation, 0),
-    IMAGE(ANISOTROPY, "anisotropyTexture", ANISOTROPY, 0),
-    NUMBER(IRIDESCENCE, "iridescenceFactor", iridescence, 0),
-    NUMBER(IRIDESCENCE, "iridescenceIor", iridescence_ior, 1.3),
-    NUMBER(IRIDESCENCE, "iridescenceThicknessMinimum", iridescence_thickness_min, 100),
-    NUMBER(IRIDESCENCE, "iridescenceThicknessMaximum", iridescence_thickness_max, 400),
-    IMAGE(IRIDESCENCE, "iridescenceTexture", IRIDESCENCE, 0),
-    IMAGE(IRIDESCENCE, "iridescenceThicknessTexture", IRIDESCENCE_THICKNESS, 1),
-    NUMBER(DISPERSION, "dispersion", dispersion, 0),
-    NUMBER(DIFFUSE_TRANSMISSION, "diffuseTransmissionFactor", diffuse_transmission, 0),
-    COLOR(DIFFUSE_TRANSMISSION, "diffuseTransmissionColorFactor", diffuse_transmission_color, 1),
-    IMAGE(DIFFUSE_TRANSMISSION, "diffuseTransmissionTexture", DIFFUSE_TRANSMISSION, 3),
-    IMAGE(DIFFUSE_TRANSMISSION, "diffuseTransmissionColorTexture", DIFFUSE_TRANSMISSION_COLOR, -1),
-    NUMBER(STRENGTH, "emissiveStrength", emissive_strength, 1),
-    COLOR(GLOSSINESS, "specularFactor", specular_color, 1),
-    IMAGE(GLOSSINESS, "diffuseTexture", COLOR, -1),
-    IMAGE(GLOSSINESS, "specularGlossinessTexture", SPECULAR_COLOR, -1),
-};
-enum { KEYS = sizeof keys / sizeof *keys };
 
 /* ---- a material in glTF's terms ---- */
 
@@ -172,8 +73,8 @@ static void drop_strangers(shape *s, size_t *lost) {
                       !metal->inverted && !rough->inverted;
     if (!both) drop_map(s, FATHOM_MAP_METALLIC, lost);
     if (!both && !s->glossy) drop_map(s, FATHOM_MAP_ROUGHNESS, lost);
-    for (size_t i = 0; i < KEYS; ++i) {
-        const glb_key *key = &keys[i];
+    for (size_t i = 0; i < gltf_key_count; ++i) {
+        const gltf_key *key = &gltf_keys[i];
         if (key->count || key->channel < 0 || key->map == FATHOM_MAP_METALLIC) continue;
         if (maps[key->map].channel != (uint32_t)key->channel || maps[key->map].inverted)
             drop_map(s, key->map, lost);
@@ -229,13 +130,14 @@ static shape shape_of(const glb *g, fathom_id id) {
 
 /* ---- text ---- */
 
-static float number_of(const fathom_material *m, const glb_key *key, unsigned i) {
+static float number_of(const fathom_material *m, const gltf_key *key, unsigned i) {
     return ((const float *)(const void *)((const char *)m + key->offset))[i];
 }
 
-static bool is_given(const shape *s, const glb_key *key) {
-    const bool tint = key->of == SPECULAR && (key->count == 3 || key->map == FATHOM_MAP_SPECULAR_COLOR);
-    const bool replaced = s->glossy ? key->of == PBR || key->of == IOR || tint : key->of == GLOSSINESS;
+static bool is_given(const shape *s, const gltf_key *key) {
+    const bool tint = key->of == GLTF_SPECULAR && (key->count == 3 || key->map == FATHOM_MAP_SPECULAR_COLOR);
+    const bool replaced =
+        s->glossy ? key->of == GLTF_PBR || key->of == GLTF_IOR || tint : key->of == GLTF_GLOSSINESS;
     if (replaced) return false;
     if (!key->count) return has_map(&s->m, key->map);
     for (unsigned i = 0; i < key->count; ++i) {
@@ -260,7 +162,7 @@ static void put_transform(file_writer *t, const float m[6]) {
                       (double)m[2], (double)m[5], turn.radians, turn.scale[0], turn.scale[1]);
 }
 
-static void put_map(file_writer *t, const shape *s, const glb_key *key) {
+static void put_map(file_writer *t, const shape *s, const gltf_key *key) {
     const fathom_map *map = &s->m.maps[key->map];
     file_writer_print(t, "\"%s\":{\"index\":%u,\"texCoord\":%u", key->name, map->texture, map->uv_set);
     if (key->map == FATHOM_MAP_NORMAL) file_writer_print(t, ",\"scale\":%.9g", (double)s->m.normal_scale);
@@ -277,25 +179,25 @@ static void put_base(file_writer *t, const shape *s) {
     if (s->glossy) file_writer_print(t, ",\"glossinessFactor\":%.17g", 1 - (double)s->m.roughness);
 }
 
-static void put_keys(file_writer *t, const shape *s, holder of, const char *comma) {
-    for (size_t i = 0; i < KEYS; ++i) {
-        if (keys[i].of != of || !is_given(s, &keys[i])) continue;
+static void put_keys(file_writer *t, const shape *s, gltf_holder of, const char *comma) {
+    for (size_t i = 0; i < gltf_key_count; ++i) {
+        if (gltf_keys[i].of != of || !is_given(s, &gltf_keys[i])) continue;
         float values[3];
-        for (unsigned k = 0; k < keys[i].count; ++k) values[k] = number_of(&s->m, &keys[i], k);
+        for (unsigned k = 0; k < gltf_keys[i].count; ++k) values[k] = number_of(&s->m, &gltf_keys[i], k);
         file_writer_print(t, "%s", comma);
-        if (keys[i].count)
-            put_floats(t, keys[i].name, values, keys[i].count);
+        if (gltf_keys[i].count)
+            put_floats(t, gltf_keys[i].name, values, gltf_keys[i].count);
         else
-            put_map(t, s, &keys[i]);
+            put_map(t, s, &gltf_keys[i]);
         comma = ",";
     }
 }
 
 /* A bit for each holder. */
 static unsigned holders_of(const shape *s) {
-    unsigned used = (s->unlit ? 1u << UNLIT : 0) | 1u << (s->glossy ? GLOSSINESS : PBR);
-    for (size_t i = 0; i < KEYS; ++i) {
-        if (is_given(s, &keys[i])) used |= 1u << keys[i].of;
+    unsigned used = (s->unlit ? 1u << GLTF_UNLIT : 0) | 1u << (s->glossy ? GLTF_GLOSSINESS : GLTF_PBR);
+    for (size_t i = 0; i < gltf_key_count; ++i) {
+        if (is_given(s, &gltf_keys[i])) used |= 1u << gltf_keys[i].of;
     }
     return used;
 }
@@ -309,21 +211,21 @@ static void put_material(file_writer *t, const char *name, const shape *s) {
         write_quoted(t, name);
     }
     if (!s->glossy) {
-        file_writer_print(t, ",\"%s\":{", holder_names[PBR]);
+        file_writer_print(t, ",\"%s\":{", gltf_holder_names[GLTF_PBR]);
         put_base(t, s);
-        put_keys(t, s, PBR, ",");
+        put_keys(t, s, GLTF_PBR, ",");
         file_writer_print(t, "}");
     }
-    put_keys(t, s, CORE, ",");
+    put_keys(t, s, GLTF_CORE, ",");
     if (s->m.opacity_cutoff > 0)
         file_writer_print(t, ",\"alphaMode\":\"MASK\",\"alphaCutoff\":%.9g", (double)s->m.opacity_cutoff);
     else if (s->blends)
         file_writer_print(t, ",\"alphaMode\":\"BLEND\"");
-    for (int h = CORE + 1; h < HOLDERS; ++h) {
+    for (int h = GLTF_CORE + 1; h < GLTF_HOLDERS; ++h) {
         if (!(used >> h & 1)) continue;
-        file_writer_print(t, "%s\"%s\":{", open, holder_names[h]);
-        if (h == GLOSSINESS) put_base(t, s);
-        put_keys(t, s, (holder)h, h == GLOSSINESS ? "," : "");
+        file_writer_print(t, "%s\"%s\":{", open, gltf_holder_names[h]);
+        if (h == GLTF_GLOSSINESS) put_base(t, s);
+        put_keys(t, s, (gltf_holder)h, h == GLTF_GLOSSINESS ? "," : "");
         file_writer_print(t, "}");
         open = ",";
     }
@@ -362,8 +264,8 @@ void glb_put_materials(glb *g, file_writer *t) {
                   {glb_has_lights(g), "KHR_lights_punctual"}};
     const char *comma = "";
     file_writer_print(t, "],\n\"extensionsUsed\":[");
-    for (int h = CORE + 1; h < HOLDERS; ++h) {
-        if (used >> h & 1) file_writer_print(t, "%s\"%s\"", comma, holder_names[h]), comma = ",";
+    for (int h = GLTF_CORE + 1; h < GLTF_HOLDERS; ++h) {
+        if (used >> h & 1) file_writer_print(t, "%s\"%s\"", comma, gltf_holder_names[h]), comma = ",";
     }
     for (size_t i = 0; i < sizeof others / sizeof *others; ++i) {
         if (others[i].used) file_writer_print(t, "%s\"%s\"", comma, others[i].name), comma = ",";

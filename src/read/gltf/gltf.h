@@ -119,6 +119,7 @@ typedef struct gltf_camera {
 } gltf_camera;
 
 typedef struct gltf {
+    fathom_status status; /* the first failure; from then on all calls below leave things as they are */
     fathom_scene *scene;
     fathom_context *context;
     fathom_id group;
@@ -157,7 +158,12 @@ typedef struct gltf {
 
 /* ---- gltf_json.c ----
  * Getters leave *out, which holds the default, if the member is absent. They fail with FATHOM_BAD_INPUT and
- * the place: "file:3: meshes[2].name: is a number; expected a string". */
+ * the place: "file:3: meshes[2].name: is a number; expected a string".
+ *
+ * Failures are kept in g->status: readers go on with the defaults, which are empty, and ask gltf_fine()
+ * before they use an index, call the scene or begin a long loop. */
+
+static inline bool gltf_fine(const gltf *g) { return g->status == FATHOM_OK; }
 
 /* A place for messages, with the memory of its path. */
 typedef struct gltf_spot {
@@ -169,9 +175,12 @@ typedef struct gltf_spot {
  * itself. */
 const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *key, gltf_spot *spot);
 #define gltf_fail(g, at, key, ...)                                                                           \
-    fail_at((g)->context, FATHOM_BAD_INPUT, gltf_place(g, at, key, &(gltf_spot){.place.line = 0}),           \
-            __VA_ARGS__)
-/* Adds the place to the error that a call of the scene left. */
+    (gltf_fine(g)                                                                                            \
+         ? ((g)->status = fail_at((g)->context, FATHOM_BAD_INPUT,                                            \
+                                  gltf_place(g, at, key, &(gltf_spot){.place.line = 0}), __VA_ARGS__))       \
+         : (g)->status)
+fathom_status gltf_fail_memory(gltf *g, size_t bytes);
+/* Takes over the status of a call of the scene, and adds the place to its error. */
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status);
 /* True when the file requires the extension. */
 bool gltf_requires(const gltf *g, const char *name);

@@ -31,10 +31,17 @@ const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *
     return &spot->place;
 }
 
+fathom_status gltf_fail_memory(gltf *g, size_t bytes) {
+    if (gltf_fine(g)) g->status = fail_memory(g->context, bytes);
+    return g->status;
+}
+
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status) {
     gltf_spot spot;
-    if (status != FATHOM_BAD_INPUT) return status;
-    return fail_within(g->context, status, gltf_place(g, at, key, &spot));
+    if (!gltf_fine(g)) return g->status;
+    g->status =
+        status == FATHOM_BAD_INPUT ? fail_within(g->context, status, gltf_place(g, at, key, &spot)) : status;
+    return g->status;
 }
 
 void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...) {
@@ -71,8 +78,9 @@ static const char *kind_name(const json_t *json) {
     return "something unknown";
 }
 
-static fathom_status fail_kind(gltf *g, const gltf_value *at, const char *expected) {
-    return gltf_fail(g, at, NULL, "is %s; expected %s", kind_name(at->json), expected);
+static void fail_kind(gltf *g, gltf_value *at, const char *expected) {
+    gltf_fail(g, at, NULL, "is %s; expected %s", kind_name(at->json), expected);
+    at->json = NULL;
 }
 
 gltf_value gltf_member(const gltf_value *parent, const char *key) {
@@ -81,123 +89,123 @@ gltf_value gltf_member(const gltf_value *parent, const char *key) {
 
 fathom_status gltf_object(gltf *g, const gltf_value *parent, const char *key, gltf_value *out) {
     *out = gltf_member(parent, key);
-    return !out->json || json_is_object(out->json) ? FATHOM_OK : fail_kind(g, out, "an object");
+    if (out->json && !json_is_object(out->json)) fail_kind(g, out, "an object");
+    return g->status;
 }
 
 fathom_status gltf_array(gltf *g, const gltf_value *parent, const char *key, gltf_value *out) {
     *out = gltf_member(parent, key);
-    return !out->json || json_is_array(out->json) ? FATHOM_OK : fail_kind(g, out, "an array");
+    if (out->json && !json_is_array(out->json)) fail_kind(g, out, "an array");
+    return g->status;
 }
 
 fathom_status gltf_item(gltf *g, const gltf_value *array, size_t index, gltf_value *out) {
     *out = (gltf_value){.json = json_array_get(array->json, index), .parent = array, .index = index};
-    return json_is_object(out->json) ? FATHOM_OK : fail_kind(g, out, "an object");
+    if (!json_is_object(out->json)) fail_kind(g, out, "an object");
+    return g->status;
 }
 
 fathom_status gltf_extension(gltf *g, const gltf_value *parent, const char *name, gltf_value *holder,
                              gltf_value *out) {
-    fathom_status status = gltf_object(g, parent, "extensions", holder);
-    return status == FATHOM_OK ? gltf_object(g, holder, name, out) : status;
+    gltf_object(g, parent, "extensions", holder);
+    return gltf_object(g, holder, name, out);
 }
 
 size_t gltf_count(const gltf_value *array) { return json_array_size(array->json); }
 
-static fathom_status number_of(gltf *g, const gltf_value *v, double lowest, double highest, double *out) {
-    if (!json_is_number(v->json)) return fail_kind(g, v, "a number");
-    double value = json_number_value(v->json);
-    if (!(value >= lowest && value <= highest)) {
-        if (isinf(lowest) || isinf(highest)) {
-            return gltf_fail(g, v, NULL, "is %g; expected a number %s %g", value,
-                             isinf(highest) ? ">=" : "<=", isinf(highest) ? lowest : highest);
-        }
-        return gltf_fail(g, v, NULL, "is %g; expected a number in [%g, %g]", value, lowest, highest);
-    }
-    *out = value;
-    return FATHOM_OK;
+static void number_of(gltf *g, gltf_value *v, double lowest, double highest, double *out) {
+    const double value = json_number_value(v->json);
+    if (!json_is_number(v->json))
+        fail_kind(g, v, "a number");
+    else if (value >= lowest && value <= highest)
+        *out = value;
+    else if (isinf(lowest) || isinf(highest))
+        gltf_fail(g, v, NULL, "is %g; expected a number %s %g", value,
+                  isinf(highest) ? ">=" : "<=", isinf(highest) ? lowest : highest);
+    else
+        gltf_fail(g, v, NULL, "is %g; expected a number in [%g, %g]", value, lowest, highest);
 }
 
 fathom_status gltf_number(gltf *g, const gltf_value *parent, const char *key, double lowest, double highest,
                           double *out) {
     gltf_value v = gltf_member(parent, key);
-    return v.json ? number_of(g, &v, lowest, highest, out) : FATHOM_OK;
+    if (v.json) number_of(g, &v, lowest, highest, out);
+    return g->status;
 }
 
 fathom_status gltf_numbers(gltf *g, const gltf_value *parent, const char *key, size_t n, double lowest,
                            double highest, double *out) {
     gltf_value array;
-    fathom_status status = gltf_array(g, parent, key, &array);
-    if (status != FATHOM_OK || !array.json) return status;
-    if (gltf_count(&array) != n) {
+    gltf_array(g, parent, key, &array);
+    if (!array.json) return g->status;
+    if (gltf_count(&array) != n)
         return gltf_fail(g, &array, NULL, "has %zu entries; expected %zu numbers", gltf_count(&array), n);
-    }
-    for (size_t i = 0; i < n && status == FATHOM_OK; ++i) {
+    for (size_t i = 0; i < n && gltf_fine(g); ++i) {
         gltf_value v = {.json = json_array_get(array.json, i), .parent = &array, .index = i};
-        status = number_of(g, &v, lowest, highest, &out[i]);
+        number_of(g, &v, lowest, highest, &out[i]);
     }
-    return status;
+    return g->status;
 }
 
 /* 3.0 counts as an integer: some languages write only one kind of number. */
-static fathom_status integer_of(gltf *g, const gltf_value *v, uint64_t lowest, uint64_t highest,
-                                uint64_t *out) {
-    if (!json_is_number(v->json)) return fail_kind(g, v, "an integer");
-    double real = json_number_value(v->json);
-    bool whole = json_is_integer(v->json) || (fabs(real) < 0x1p53 && floor(real) == real);
-    if (!whole) return gltf_fail(g, v, NULL, "is %g; expected an integer", real);
-    int64_t value = json_is_integer(v->json) ? (int64_t)json_integer_value(v->json) : (int64_t)real;
-    if (value < 0 || (uint64_t)value < lowest || (uint64_t)value > highest) {
-        return gltf_fail(g, v, NULL, "is %lld; expected an integer in [%llu, %llu]", (long long)value,
-                         (unsigned long long)lowest, (unsigned long long)highest);
-    }
-    *out = (uint64_t)value;
-    return FATHOM_OK;
+static void integer_of(gltf *g, gltf_value *v, uint64_t lowest, uint64_t highest, uint64_t *out) {
+    const double real = json_number_value(v->json);
+    const bool whole = json_is_integer(v->json) || (fabs(real) < 0x1p53 && floor(real) == real);
+    const int64_t value = json_is_integer(v->json) ? (int64_t)json_integer_value(v->json)
+                          : whole                  ? (int64_t)real
+                                                   : 0;
+    if (!json_is_number(v->json))
+        fail_kind(g, v, "an integer");
+    else if (!whole)
+        gltf_fail(g, v, NULL, "is %g; expected an integer", real);
+    else if (value < 0 || (uint64_t)value < lowest || (uint64_t)value > highest)
+        gltf_fail(g, v, NULL, "is %lld; expected an integer in [%llu, %llu]", (long long)value,
+                  (unsigned long long)lowest, (unsigned long long)highest);
+    else
+        *out = (uint64_t)value;
 }
 
 fathom_status gltf_integer(gltf *g, const gltf_value *parent, const char *key, uint64_t lowest,
                            uint64_t highest, uint64_t *out) {
     gltf_value v = gltf_member(parent, key);
-    return v.json ? integer_of(g, &v, lowest, highest, out) : FATHOM_OK;
+    if (v.json) integer_of(g, &v, lowest, highest, out);
+    return g->status;
 }
 
-static fathom_status index_of(gltf *g, const gltf_value *v, const gltf_value *into, uint32_t *out) {
+static void index_of(gltf *g, gltf_value *v, const gltf_value *into, uint32_t *out) {
+    const long long below = json_integer_value(v->json); /* 0: it is no integer */
     uint64_t index = 0;
-    if (json_is_integer(v->json) && json_integer_value(v->json) < 0)
-        return gltf_fail(g, v, NULL, "is %lld; expected an index into %s, which has %zu entries",
-                         (long long)json_integer_value(v->json), into->key, gltf_count(into));
-    fathom_status status = integer_of(g, v, 0, INT64_MAX, &index);
-    if (status != FATHOM_OK) return status;
-    if (index >= gltf_count(into) || index >= GLTF_ABSENT) {
-        return gltf_fail(g, v, NULL, "is %llu; expected an index into %s, which has %zu entries",
-                         (unsigned long long)index, into->key, gltf_count(into));
-    }
-    *out = (uint32_t)index;
-    return FATHOM_OK;
+    if (below >= 0) integer_of(g, v, 0, INT64_MAX, &index);
+    if (below < 0 || index >= gltf_count(into) || index >= GLTF_ABSENT)
+        gltf_fail(g, v, NULL, "is %lld; expected an index into %s, which has %zu entries",
+                  below < 0 ? below : (long long)index, into->key, gltf_count(into));
+    if (gltf_fine(g)) *out = (uint32_t)index;
 }
 
 fathom_status gltf_index(gltf *g, const gltf_value *parent, const char *key, const gltf_value *into,
                          uint32_t *out) {
     gltf_value v = gltf_member(parent, key);
-    return v.json ? index_of(g, &v, into, out) : FATHOM_OK;
+    if (v.json) index_of(g, &v, into, out);
+    return g->status;
 }
 
 fathom_status gltf_index_item(gltf *g, const gltf_value *array, size_t i, const gltf_value *into,
                               uint32_t *out) {
     gltf_value v = {.json = json_array_get(array->json, i), .parent = array, .index = i};
-    return index_of(g, &v, into, out);
+    index_of(g, &v, into, out);
+    return g->status;
 }
 
 fathom_status gltf_text(gltf *g, const gltf_value *parent, const char *key, const char **out) {
     gltf_value v = gltf_member(parent, key);
-    if (!v.json) return FATHOM_OK;
-    if (!json_is_string(v.json)) return fail_kind(g, &v, "a string");
-    *out = json_string_value(v.json);
-    return FATHOM_OK;
+    if (v.json && !json_is_string(v.json)) fail_kind(g, &v, "a string");
+    if (v.json) *out = json_string_value(v.json);
+    return g->status;
 }
 
 fathom_status gltf_flag(gltf *g, const gltf_value *parent, const char *key, bool *out) {
     gltf_value v = gltf_member(parent, key);
-    if (!v.json) return FATHOM_OK;
-    if (!json_is_boolean(v.json)) return fail_kind(g, &v, "true or false");
-    *out = json_is_true(v.json);
-    return FATHOM_OK;
+    if (v.json && !json_is_boolean(v.json)) fail_kind(g, &v, "true or false");
+    if (v.json) *out = json_is_true(v.json);
+    return g->status;
 }
