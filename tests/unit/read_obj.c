@@ -332,17 +332,79 @@ static void far_meshes_keep_their_digits(void **state) {
 static void omissions_are_reported(void **state) {
     (void)state;
     fathom_scene *scene = read_text(
-        SQUARE "f 1 2 3\nl 1 2\nl 2 3\np 1\nf 1 2\ncurv 0 1 1 2\nmtllib none.mtl\nusemtl x\nusemtl y\n");
+        SQUARE "f 1 2 3\nl 1 2\nl 2 3\np 1\nf 1 2\nl 3\ncurv 0 1 1 2\nmtllib none.mtl\nusemtl x\nusemtl y\n");
     const char *expected[] = {
-        ":6: lines and points are not rendered (3 such",
-        ":9: faces of less than 3 corners are left out (1 such", ":10: statements that are not read",
-        ":11: mtllib: there is no file \"none.mtl\"", ":12: usemtl: no material \"x\" is defined"};
+        ":6: lines have no width, and are shown as thin rods (2 such",
+        ":8: points have no size, and are shown as small balls (1 such",
+        ":9: faces of less than 3 corners are left out (1 such", ":10: lines of less than 2 corners are left out (1 such",
+        ":11: statements that are not read", ":12: mtllib: there is no file \"none.mtl\"", ":13: usemtl: no material \"x\" is defined"};
     for (size_t i = 0; i < sizeof expected / sizeof *expected; ++i) {
         if (!strstr(mesh_warnings, expected[i])) fail_msg("no \"%s\" in:\n%s", expected[i], mesh_warnings);
     }
     size_t lines = 0;
     for (const char *c = mesh_warnings; (c = strchr(c, '\n')) != NULL; ++c) ++lines;
-    assert_int_equal(lines, 5);
+    assert_int_equal(lines, 7);
+    fathom_scene_destroy(scene);
+}
+
+/* Every vertex of the balls or rods, of `each` vertices, lies at a distance from the line between its two ends.
+ */
+static void expect_distance(const fathom_mesh *mesh, uint32_t triangles, uint32_t each, const vec3_f64 ends[][2],
+                            double distance) {
+    assert_int_equal(mesh->triangle_count, triangles);
+    for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
+        const vec3_f64 *of = ends[i / each], p = sub_f64(widen(load_f32(mesh->positions + 3 * i)), of[0]),
+                       along = sub_f64(of[1], of[0]);
+        const double whole = dot_f64(along, along), u = whole > 0 ? dot_f64(p, along) / whole : 0;
+        assert_near(length_f64(sub_f64(p, scale_f64(fmin(fmax(u, 0), 1), along))), distance, 0x1p-21);
+    }
+}
+
+/* A line is a rod of a thousandth of the diagonal (5), whose tips are as far from its ends as its sides from
+ * the line. Coordinates up to 4 are rounded by 2^-22. */
+static void lines_are_rods_and_points_are_balls(void **state) {
+    (void)state;
+    static const vec3_f64 points[][2] = {{{0, 0, 0}, {0, 0, 0}}},
+                          lines[][2] = {{{0, 0, 0}, {4, 0, 0}}, {{4, 0, 0}, {4, 3, 0}}};
+    const char *const ways[] = {"l 1 2 3\n", "l -3 -2\nl 2 3\n", "vt 0 0\nl 1/1 2/1 3\n"};
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i) {
+        char text[256];
+        snprintf(text, sizeof text, "v 0 0 0\nv 4 0 0\nv 4 3 0\n%sp 1\n", ways[i]);
+        fathom_scene *scene = read_text(text);
+        assert_int_equal(scene->meshes.count, 2);
+        /* One point alone has no diagonal: its ball has radius 1. */
+        expect_distance(mesh_at(scene, 0), 20, 12, points, 1);
+        expect_distance(mesh_at(scene, 1), 2 * 24, 14, lines, 0.005);
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Programs for scans write no elements at all. */
+static void vertices_alone_are_a_cloud_of_points(void **state) {
+    (void)state;
+    fathom_scene *scene = read_text("v 0 0 0 1 0 0\nv 4 0 0 1 1 1\nv 4 3 0 1 1 1\n");
+    const fathom_mesh *mesh = mesh_at(scene, 0);
+    assert_int_equal(scene->meshes.count, 1);
+    assert_int_equal(mesh->triangle_count, 3 * 20);
+    for (uint32_t i = 0; i < mesh->vertex_count; ++i) assert_true(mesh->colors[3 * i + 1] == (i >= 12));
+    expect_warning("vertices without faces are points; they have no size, and are shown as small balls (3 such)");
+    fathom_scene_destroy(scene);
+}
+
+/* Points of one material are one mesh, in the file's order, whatever the pieces that it is read in. */
+static void points_keep_their_materials(void **state) {
+    (void)state;
+    static const char library[] = "newmtl a\nKd 1 0 0\nnewmtl b\nKd 0 1 0\n";
+    mesh_write("a.mtl", library, strlen(library));
+    fathom_scene *scene =
+        read_text("mtllib a.mtl\n" SQUARE "usemtl b\np 1\nusemtl a\np 2 3\nusemtl b\np 4\nl 1 2\n");
+    static const char *const names[] = {"b", "a", "b"};
+    static const uint32_t triangles[] = {40, 40, 24};
+    assert_int_equal(scene->meshes.count, 3);
+    for (uint32_t i = 0; i < 3; ++i) {
+        assert_int_equal(mesh_at(scene, i)->triangle_count, triangles[i]);
+        assert_string_equal(scene->materials.items[mesh_at(scene, i)->material].name, names[i]);
+    }
     fathom_scene_destroy(scene);
 }
 
@@ -448,6 +510,9 @@ int main(void) {
         cmocka_unit_test(polygons_are_triangulated),
         cmocka_unit_test(far_meshes_keep_their_digits),
         cmocka_unit_test(omissions_are_reported),
+        cmocka_unit_test(lines_are_rods_and_points_are_balls),
+        cmocka_unit_test(vertices_alone_are_a_cloud_of_points),
+        cmocka_unit_test(points_keep_their_materials),
         cmocka_unit_test(missing_libraries_are_reported),
         cmocka_unit_test(byte_order_mark_and_line_ends_change_nothing),
         cmocka_unit_test(any_line_end_counts_a_line),

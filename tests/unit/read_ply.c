@@ -350,6 +350,42 @@ static void clouds_of_points_are_balls(void **state) {
     }
 }
 
+/* With faces or without: a rod of a thousandth of the diagonal, 5, in its ends' colours. */
+static void edges_are_rods(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < 2 * FLAVOURS; ++flavour) {
+        const bool faces = flavour < FLAVOURS;
+        char lines[256];
+        ply_maker m;
+        snprintf(lines, sizeof lines, "%selement edge 2\nproperty %s\nproperty ushort vertex2\nproperty %s\n%s", XYZ,
+                 faces ? "int vertex1" : "uchar quality", faces ? "uchar quality" : "int vertex1",
+                 faces ? FACES(1) : "");
+        ply_header(&m, (ply_flavour)(flavour % FLAVOURS), lines, 0);
+        const double corners[4][2] = {{0, 0}, {4, 0}, {4, 3}, {0, 3}};
+        for (int i = 0; i < 4; ++i) ROW(&m, "fff", corners[i][0], corners[i][1], 0);
+        if (faces)
+            ROW(&m, "isb isb", 0, 1, 7, 1, 2, 7);
+        else
+            ROW(&m, "bsi bsi", 7, 1, 0, 7, 2, 1);
+        if (faces) ROW(&m, "biiii", 4, 0, 1, 2, 3);
+        fathom_scene *scene = ply_read(&m);
+        assert_int_equal(scene->meshes.count, faces ? 2 : 1);
+        const fathom_mesh *mesh = mesh_at(scene, faces);
+        assert_int_equal(mesh->triangle_count, 2 * 24);
+        for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
+            const vec3_f64 p = widen(load_f32(mesh->positions + 3 * i));
+            const double x = fmin(fmax(p.x, 0), 4), y = fmin(fmax(p.y, 0), 3);
+            /* From the first edge, then from the second. Coordinates up to 4 are rounded by 2^-22. */
+            assert_near(i < 14 ? length_f64((vec3_f64){p.x - x, p.y, p.z})
+                               : length_f64((vec3_f64){p.x - 4, p.y - y, p.z}),
+                        0.005, 0x1p-21);
+        }
+        expect_warning("edges have no width, and are shown as thin rods (2 such)");
+        expect_warning("element edge: the property quality is not used (2 such)");
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* Whole numbers are as screens show them; floats are linear. */
 static void vertex_colours_are_read(void **state) {
     (void)state;
@@ -483,6 +519,7 @@ int main(void) {
         cmocka_unit_test(blanks_in_text_change_nothing),
         cmocka_unit_test(byte_order_mark_and_line_ends_change_nothing),
         cmocka_unit_test(clouds_of_points_are_balls),
+        cmocka_unit_test(edges_are_rods),
         cmocka_unit_test(unused_properties_are_reported),
         cmocka_unit_test(vertex_colours_are_read),
         cmocka_unit_test(extra_rows_are_reported),

@@ -23,7 +23,7 @@ obj_statement obj_classify(const char **p) {
     } keywords[] = {{"v", 1, OBJ_S_POSITION},     {"vt", 2, OBJ_S_UV},           {"vn", 2, OBJ_S_NORMAL},
                     {"f", 1, OBJ_S_FACE},         {"g", 1, OBJ_S_NAME},          {"o", 1, OBJ_S_NAME},
                     {"s", 1, OBJ_S_SMOOTHING},    {"usemtl", 6, OBJ_S_MATERIAL}, {"l", 1, OBJ_S_LINE},
-                    {"mtllib", 6, OBJ_S_LIBRARY}, {"p", 1, OBJ_S_LINE}};
+                    {"mtllib", 6, OBJ_S_LIBRARY}, {"p", 1, OBJ_S_POINT}};
     const char *at = text_skip(*p);
     *p = at;
     if (*at == '\n' || *at == '#') return OBJ_S_EMPTY;
@@ -81,6 +81,7 @@ static void scan_piece(obj_reader *r, obj_piece *piece) {
         case OBJ_S_EMPTY:
         case OBJ_S_FACE:
         case OBJ_S_LINE:
+        case OBJ_S_POINT:
         case OBJ_S_NAME:
         case OBJ_S_UNKNOWN: break;
         }
@@ -148,7 +149,9 @@ static fathom_status cut_pieces(obj_reader *r) {
 /* Joins what the pieces counted. */
 static void note_tallies(obj_reader *r) {
     static const char *const texts[OBJ_TALLIES] = {
-        [OBJ_T_LINES] = "lines and points are not rendered",
+        [OBJ_T_LINES] = "lines have no width, and are shown as thin rods",
+        [OBJ_T_POINTS] = "points have no size, and are shown as small balls",
+        [OBJ_T_SHORT] = "lines of less than 2 corners are left out",
         [OBJ_T_SMALL] = "faces of less than 3 corners are left out",
         [OBJ_T_BEHIND] = "what follows x y z of a vertex is not read",
         [OBJ_T_NO_UV] = "vt: a face names texture coordinates that the file does not have; it gets none",
@@ -183,6 +186,8 @@ static void release(obj_reader *r) {
         array_free(&piece->runs);
         array_free(&piece->polygons);
         for (int k = 0; k < OBJ_KINDS; ++k) array_free(&piece->corners[k]);
+        for (int k = 0; k < OBJ_STROKES; ++k)
+            array_free(&piece->strokes[k].corners), array_free(&piece->strokes[k].runs);
     }
     free(r->pieces);
     for (int k = 0; k < OBJ_KINDS; ++k) {

@@ -2,8 +2,8 @@
  * (obj.c) counts vertices and finds the material and smoothing group that each piece starts with, so
  * that every piece knows its indices, negative ones too. Parse (obj_parse.c) writes vertices to their places
  * and triangles to their piece. Then polygons are split, smooth normals made (obj_smooth.c), and triangles
- * sorted into one mesh for each material (obj_build.c). Pieces are cut by size, so no result depends on the
- * thread count. */
+ * sorted into one mesh for each material (obj_build.c). Points and lines follow, with meshes of their own
+ * (obj_strokes.c). Pieces are cut by size, so no result depends on the thread count. */
 #ifndef READ_OBJ_H
 #define READ_OBJ_H
 
@@ -88,7 +88,9 @@ typedef struct obj_run {
 
 /* The kinds of things that are left out. */
 enum {
-    OBJ_T_LINES,  /* l and p */
+    OBJ_T_LINES,  /* l, shown as rods */
+    OBJ_T_POINTS, /* of p, shown as balls */
+    OBJ_T_SHORT,  /* l of less than 2 corners */
     OBJ_T_SMALL,  /* faces of less than 3 corners */
     OBJ_T_BEHIND, /* other words after the numbers of a vertex */
     OBJ_T_NO_UV,  /* faces that name texture coordinates the file does not have */
@@ -96,6 +98,20 @@ enum {
     OBJ_T_UNKNOWN, /* statements that are not read */
     OBJ_TALLIES
 };
+
+/* The kinds of elements without an area. */
+enum { OBJ_POINTS, OBJ_LINES, OBJ_STROKES };
+
+/* Successive points or lines of a piece with the same material. */
+typedef struct obj_stroke_run {
+    size_t first, count; /* of the corners */
+    uint32_t slot;
+} obj_stroke_run;
+
+typedef struct obj_strokes {
+    ARRAY(uint32_t) corners; /* indices of positions: one a point, two a line */
+    ARRAY(obj_stroke_run) runs;
+} obj_strokes;
 
 /* A count, and the first place. */
 typedef struct obj_tally {
@@ -116,6 +132,7 @@ typedef struct obj_piece {
     ARRAY(uint32_t) corners[OBJ_KINDS];
     ARRAY(obj_run) runs;
     ARRAY(polygon_fan) polygons;
+    obj_strokes strokes[OBJ_STROKES];
     double lower[3], upper[3]; /* of the positions */
     obj_tally tallies[OBJ_TALLIES];
     bool colored; /* some vertex has a colour */
@@ -143,6 +160,7 @@ typedef struct obj_reader {
     float *values[OBJ_KINDS]; /* total[] of them, then 16 bytes of padding */
     bool adopted[OBJ_KINDS];  /* values[] belong to the scene */
     float *colors;            /* linear RGB of each vertex, white where it has none; NULL: none has */
+    fathom_id colored;        /* the material where vertices have colours and elements no material */
     vec3_f64 origin;
     bool moving; /* vertices are stored a second time, from the origin */
 } obj_reader;
@@ -154,7 +172,8 @@ typedef enum obj_statement {
     OBJ_S_UV,
     OBJ_S_NORMAL,
     OBJ_S_FACE,
-    OBJ_S_LINE, /* or points */
+    OBJ_S_LINE,
+    OBJ_S_POINT,
     OBJ_S_NAME, /* g and o, which change nothing here */
     OBJ_S_SMOOTHING,
     OBJ_S_MATERIAL,
@@ -180,5 +199,10 @@ fathom_status obj_parse(obj_reader *r);
 bool obj_keep_indices(obj_piece *piece, int kind);
 fathom_status obj_smooth(obj_reader *r);
 fathom_status obj_build(obj_reader *r);
+/* What a mesh has of its material, the reader's options and the file. facts: of the vertices. */
+fathom_status obj_add_mesh(const obj_reader *r, uint32_t slot, fathom_mesh *mesh, mesh_facts facts);
+/* Points and lines as small balls and thin rods. *added: whether there are any. A file of vertices alone is
+ * a cloud of points. */
+fathom_status obj_add_strokes(obj_reader *r, bool *added);
 
 #endif

@@ -18,7 +18,6 @@ typedef struct obj_builder {
     obj_reader *r;
     ARRAY(obj_mesh) meshes; /* in order of appearance */
     uint32_t *mesh_of;      /* slot × has uvs × has normals -> mesh + 1 */
-    fathom_id colored;      /* the material where vertices have colours and faces no material */
 } obj_builder;
 
 static uint32_t *mesh_slot(const obj_builder *b, const obj_run *run) {
@@ -97,7 +96,7 @@ static void copy_pieces(void *user, size_t begin, size_t end, unsigned worker) {
 
 static fathom_status adopt_values(obj_builder *b) {
     for (int k = 0; k < OBJ_KINDS; ++k) {
-        bool used = k == OBJ_POSITION;
+        bool used = k == OBJ_POSITION && b->meshes.count;
         for (size_t i = 0; i < b->meshes.count; ++i) used = used || b->meshes.items[i].has[k];
         if (!used) continue;
         b->r->adopted[k] = true;
@@ -111,6 +110,17 @@ static fathom_status adopt_values(obj_builder *b) {
 static const uint32_t *shared_indices(const obj_builder *b, const obj_mesh *mesh, int kind) {
     if (mesh->indices[kind]) return mesh->indices[kind];
     return b->r->total[kind] < b->r->total[OBJ_POSITION] ? mesh->indices[OBJ_POSITION] : NULL;
+}
+
+fathom_status obj_add_mesh(const obj_reader *r, uint32_t slot, fathom_mesh *mesh, mesh_facts facts) {
+    store_f64(mesh->origin, r->origin);
+    mesh->material = r->slots.items[slot].material;
+    mesh->flags = r->options.flags;
+    if (r->colors && !mesh->material) mesh->material = r->colored;
+    if (absent_material(&r->scene->materials.items[mesh->material].classic))
+        mesh->flags |= FATHOM_CASTS_NO_SHADOW;
+    fathom_status status = mesh_look_at_triangles(r->scene->context, r->file.path, mesh, &facts);
+    return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, mesh, &facts, NULL) : status;
 }
 
 /* facts: of the vertices, which all meshes share. */
@@ -133,32 +143,19 @@ static fathom_status add_mesh(const obj_builder *b, const obj_mesh *from, mesh_f
         mesh.normal_count = (uint32_t)r->total[OBJ_NORMAL];
         mesh.normal_indices = shared_indices(b, from, OBJ_NORMAL);
     }
-    store_f64(mesh.origin, r->origin);
-    mesh.material = r->slots.items[from->slot].material;
-    mesh.flags = r->options.flags;
     mesh.colors = r->colors;
     mesh.color_stride = 3 * sizeof(float);
-    if (r->colors && !mesh.material) mesh.material = b->colored;
-    if (absent_material(&r->scene->materials.items[mesh.material].classic))
-        mesh.flags |= FATHOM_CASTS_NO_SHADOW;
-    fathom_status status = mesh_look_at_triangles(r->scene->context, r->file.path, &mesh, &facts);
-    return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, &mesh, &facts, NULL) : status;
+    return obj_add_mesh(r, from->slot, &mesh, facts);
 }
 
 static fathom_status add_meshes(obj_builder *b) {
     fathom_status status = place_runs(b);
-    if (status == FATHOM_OK && !b->meshes.count) {
-        return fail_file(b->r->scene->context, FATHOM_BAD_INPUT, b->r->file.path,
-                         "it has no faces (%llu vertices); expected at least one f statement with 3 corners",
-                         (unsigned long long)b->r->total[OBJ_POSITION]);
-    }
     if (status == FATHOM_OK) status = allocate_meshes(b);
     if (status != FATHOM_OK) return status;
     loop_parallel(b->r->threads, b->r->piece_count, 1, copy_pieces, b);
     status = adopt_values(b);
-    if (status == FATHOM_OK && b->r->colors) status = read_colored_material(b->r->scene, &b->colored);
     mesh_facts facts;
-    if (status == FATHOM_OK)
+    if (status == FATHOM_OK && b->meshes.count)
         status = mesh_look_at_vertices(b->r->scene->context, b->r->file.path, b->r->values[OBJ_POSITION],
                                        3 * sizeof(float), (uint32_t)b->r->total[OBJ_POSITION], &facts);
     for (size_t i = 0; i < b->meshes.count && status == FATHOM_OK; ++i) {
@@ -169,7 +166,15 @@ static fathom_status add_meshes(obj_builder *b) {
 
 fathom_status obj_build(obj_reader *r) {
     obj_builder b = {.r = r};
-    fathom_status status = add_meshes(&b);
+    bool strokes = false;
+    fathom_status status = r->colors ? read_colored_material(r->scene, &r->colored) : FATHOM_OK;
+    if (status == FATHOM_OK) status = add_meshes(&b);
+    if (status == FATHOM_OK) status = obj_add_strokes(r, &strokes);
+    if (status == FATHOM_OK && !b.meshes.count && !strokes) {
+        status = fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
+                           "it has no faces (%llu vertices); expected at least one f statement with 3 corners",
+                           (unsigned long long)r->total[OBJ_POSITION]);
+    }
     array_free(&b.meshes);
     free(b.mesh_of);
     return status;

@@ -17,7 +17,8 @@ typedef struct obj_parser {
     obj_piece *piece;
     uint64_t seen[OBJ_KINDS]; /* in the whole file */
     uint32_t slot, group;
-    unsigned absent; /* the parts of the face that the file has no data for */
+    const char *keyword; /* of the element that is read: f, l or p */
+    unsigned absent;     /* the parts of the element that the file has no data for */
     size_t next_material;
     ARRAY(obj_corner) face;
 } obj_parser;
@@ -68,9 +69,10 @@ static const char *read_vector(obj_parser *s, int kind, const char *p) {
     return p;
 }
 
-static void tally(obj_parser *s, int kind, const char *at) {
+static void tally(obj_parser *s, int kind, size_t times, const char *at) {
     obj_tally *t = &s->piece->tallies[kind];
-    if (!t->count++) t->first = text_skip(at);
+    if (!t->count) t->first = text_skip(at);
+    t->count += times;
 }
 
 /* Of the vertex read last. */
@@ -94,7 +96,7 @@ static void read_behind(obj_parser *s, const char *at) {
     else if (count == 3)
         s->piece->colored = true;
     else if (weight != 1 && !s->r->colors)
-        tally(s, OBJ_T_BEHIND, at);
+        tally(s, OBJ_T_BEHIND, 1, at);
 }
 
 /* An index of a corner: from 1, or negative, counted back from the last vertex above. */
@@ -104,10 +106,10 @@ static bool read_index(obj_parser *s, int kind, const char **p, uint32_t *out) {
     text_fault *fault = &s->r->fault;
     size_t corner = s->face.count + 1;
     if (!number_read_integer(p, &index))
-        return text_found(fault, at, "f", "corner %zu: %s: expected an index", corner, kinds[kind]);
+        return text_found(fault, at, s->keyword, "corner %zu: %s: expected an index", corner, kinds[kind]);
     int64_t found = index > 0 ? index - 1 : (int64_t)s->seen[kind] + index;
     if (index == 0)
-        return text_wrong(fault, at, "f", "corner %zu: %s: 0 is no index; the first is 1", corner,
+        return text_wrong(fault, at, s->keyword, "corner %zu: %s: 0 is no index; the first is 1", corner,
                           kinds[kind]);
     if (index < 0 ? found >= 0 : (uint64_t)found < s->r->total[kind]) {
         *out = (uint32_t)found;
@@ -118,11 +120,11 @@ static bool read_index(obj_parser *s, int kind, const char **p, uint32_t *out) {
         return true;
     }
     if (index < 0)
-        return text_wrong(fault, at, "f",
+        return text_wrong(fault, at, s->keyword,
                           "corner %zu: %s: index %lld goes back beyond the first; there are %llu above",
                           corner, kinds[kind], (long long)index, (unsigned long long)s->seen[kind]);
-    return text_wrong(fault, at, "f", "corner %zu: %s: index %lld is out of range; the file has %llu", corner,
-                      kinds[kind], (long long)index, (unsigned long long)s->r->total[kind]);
+    return text_wrong(fault, at, s->keyword, "corner %zu: %s: index %lld is out of range; the file has %llu",
+                      corner, kinds[kind], (long long)index, (unsigned long long)s->r->total[kind]);
 }
 
 /* v, v/vt, v//vn or v/vt/vn; `parts` gets a bit for each kind. */
@@ -137,7 +139,7 @@ static bool read_corner(obj_parser *s, const char **p, obj_corner *out, unsigned
         *parts |= 1u << kind;
     }
     if (text_is_break(**p)) return true;
-    return text_found(&s->r->fault, at, "f", "corner %zu: expected v, v/vt, v//vn or v/vt/vn",
+    return text_found(&s->r->fault, at, s->keyword, "corner %zu: expected v, v/vt, v//vn or v/vt/vn",
                       s->face.count + 1);
 }
 
@@ -200,11 +202,11 @@ static bool push_face(obj_parser *s, const char *at, unsigned parts) {
     obj_piece *piece = s->piece;
     size_t n = s->face.count;
     if (n < 3) {
-        tally(s, OBJ_T_SMALL, at);
+        tally(s, OBJ_T_SMALL, 1, at);
         return true;
     }
-    if (s->absent >> OBJ_UV & 1) tally(s, OBJ_T_NO_UV, at);
-    if (s->absent >> OBJ_NORMAL & 1) tally(s, OBJ_T_NO_NORMAL, at);
+    if (s->absent >> OBJ_UV & 1) tally(s, OBJ_T_NO_UV, 1, at);
+    if (s->absent >> OBJ_NORMAL & 1) tally(s, OBJ_T_NO_NORMAL, 1, at);
     obj_run *run = run_for(s, parts);
     polygon_fan polygon = {piece->corners[OBJ_POSITION].count / 3, (uint32_t)n};
     if (!run || !push_kind(s, run, OBJ_UV) || !push_kind(s, run, OBJ_NORMAL) ||
@@ -214,11 +216,13 @@ static bool push_face(obj_parser *s, const char *at, unsigned parts) {
     return true;
 }
 
-static const char *read_face(obj_parser *s, const char *p) {
-    const char *first = p;
-    unsigned parts = 0;
+/* The corners of an element up to the end of its line, and the parts that they have, which those of a face
+ * have in common. NULL after a fault. */
+static const char *read_corners(obj_parser *s, const char *keyword, const char *p, unsigned *parts) {
+    s->keyword = keyword;
     s->face.count = 0;
     s->absent = 0;
+    *parts = 0;
     for (;;) {
         const char *at = text_skip(p);
         p = at;
@@ -226,20 +230,52 @@ static const char *read_face(obj_parser *s, const char *p) {
         obj_corner corner = {{0}};
         unsigned of_corner;
         if (!read_corner(s, &p, &corner, &of_corner)) return NULL;
-        if (s->face.count && of_corner != parts) {
-            text_wrong(&s->r->fault, at, "f",
+        if (s->face.count && of_corner != *parts && *keyword == 'f') {
+            text_wrong(&s->r->fault, at, keyword,
                        "corner %zu: it has other parts (v/vt/vn) than corner 1; expected the same in all",
                        s->face.count + 1);
             return NULL;
         }
-        parts = of_corner;
+        *parts = of_corner;
         if (s->face.count == s->face.capacity && !array_room(&s->face, 1)) {
             text_no_memory(&s->r->fault);
             return NULL;
         }
         s->face.items[s->face.count++] = corner;
     }
-    return push_face(s, first, parts & ~s->absent) || text_no_memory(&s->r->fault) ? p : NULL;
+    return p;
+}
+
+static const char *read_face(obj_parser *s, const char *first) {
+    unsigned parts;
+    const char *p = read_corners(s, "f", first, &parts);
+    return p && (push_face(s, first, parts & ~s->absent) || text_no_memory(&s->r->fault)) ? p : NULL;
+}
+
+static bool push_strokes(obj_parser *s, int kind) {
+    const size_t count = kind == OBJ_LINES ? 2 * (s->face.count - 1) : s->face.count;
+    obj_strokes *strokes = &s->piece->strokes[kind];
+    const obj_stroke_run run = {strokes->corners.count, 0, s->slot};
+    const bool goes_on = strokes->runs.count && strokes->runs.items[strokes->runs.count - 1].slot == s->slot;
+    if ((!goes_on && !array_push(&strokes->runs, run)) || !array_room(&strokes->corners, count)) return false;
+    for (size_t i = 0; i < count; ++i)
+        strokes->corners.items[strokes->corners.count++] =
+            s->face.items[kind == OBJ_LINES ? (i + 1) / 2 : i].index[OBJ_POSITION];
+    strokes->runs.items[strokes->runs.count - 1].count += count;
+    return true;
+}
+
+/* Their texture coordinates have no surface to lie on. */
+static const char *read_stroke(obj_parser *s, int kind, const char *first) {
+    unsigned parts;
+    const char *p = read_corners(s, kind == OBJ_LINES ? "l" : "p", first, &parts);
+    if (!p) return NULL;
+    if (kind == OBJ_LINES && s->face.count < 2) {
+        tally(s, OBJ_T_SHORT, 1, first);
+        return p;
+    }
+    tally(s, kind == OBJ_LINES ? OBJ_T_LINES : OBJ_T_POINTS, kind == OBJ_LINES ? 1 : s->face.count, first);
+    return !s->face.count || push_strokes(s, kind) || text_no_memory(&s->r->fault) ? p : NULL;
 }
 
 static const char *read_smoothing(obj_parser *s, const char *p) {
@@ -265,9 +301,10 @@ static const char *read_statement(obj_parser *s, obj_statement statement, const 
         if (s->next_material < s->piece->materials.count)
             s->slot = s->piece->materials.items[s->next_material++].slot;
         return p;
-    case OBJ_S_LINE: tally(s, OBJ_T_LINES, p); return p;
+    case OBJ_S_LINE: return read_stroke(s, OBJ_LINES, p);
+    case OBJ_S_POINT: return read_stroke(s, OBJ_POINTS, p);
     case OBJ_S_UNKNOWN:
-        if (p < s->piece->end) tally(s, OBJ_T_UNKNOWN, p);
+        if (p < s->piece->end) tally(s, OBJ_T_UNKNOWN, 1, p);
         return p;
     case OBJ_S_EMPTY:
     case OBJ_S_NAME:

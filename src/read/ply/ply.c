@@ -141,19 +141,40 @@ static fathom_status keep_map(ply_reader *r) {
     return scene_adopt_file(r->scene, kept, release_map, kept);
 }
 
-static fathom_status show_points(ply_reader *r, fathom_mesh *mesh) {
-    const strokes s = {.positions = mesh->positions,
-                       .position_stride = mesh->position_stride,
-                       .colors = mesh->colors,
-                       .color_stride = mesh->color_stride,
-                       .color_channels = mesh->color_channels,
-                       .count = mesh->vertex_count};
-    notes_add(&r->notes, s.count, "", "points have no size, and are shown as small balls");
-    mesh->uvs = NULL;
-    fathom_status status = strokes_make(r->scene, &s, mesh);
-    return status == FATHOM_OK
-               ? status
-               : fail_within(r->scene->context, status, &(fathom_place){.file = r->file.path});
+static fathom_status check_and_add(ply_reader *r, const fathom_mesh *mesh) {
+    mesh_facts facts;
+    fathom_context *context = r->scene->context;
+    fathom_status status = mesh_look_at_vertices(context, r->file.path, mesh->positions,
+                                                 mesh->position_stride, mesh->vertex_count, &facts);
+    if (status == FATHOM_OK) status = mesh_look_at_triangles(context, r->file.path, mesh, &facts);
+    return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, mesh, &facts, NULL) : status;
+}
+
+/* Vertices with nothing between them are a cloud of points. */
+static bool is_cloud(const ply_reader *r) { return r->face_element == SIZE_MAX && !r->edges; }
+
+/* The vertices of `mesh`, or the edges between them. */
+static fathom_status add_strokes(ply_reader *r, fathom_mesh mesh) {
+    const uint64_t count =
+        r->edges ? r->header.elements.items[r->edge_element].count : (uint64_t)mesh.vertex_count;
+    if (count >= UINT32_MAX)
+        return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
+                         "has %llu edges; more than can be shown", (unsigned long long)count);
+    const strokes s = {.positions = mesh.positions,
+                       .position_stride = mesh.position_stride,
+                       .colors = mesh.colors,
+                       .color_stride = mesh.color_stride,
+                       .color_channels = mesh.color_channels,
+                       .indices = r->edges,
+                       .count = (uint32_t)count,
+                       .lines = r->edges};
+    notes_add(&r->notes, s.count, "",
+              s.lines ? "edges have no width, and are shown as thin rods"
+                      : "points have no size, and are shown as small balls");
+    fathom_status status = strokes_make(r->scene, &s, &mesh);
+    if (status != FATHOM_OK)
+        return fail_within(r->scene->context, status, &(fathom_place){.file = r->file.path});
+    return mesh.triangle_count ? check_and_add(r, &mesh) : FATHOM_OK;
 }
 
 /* The image that a comment of the header names, as the colour of the surface. In these files v grows upwards.
@@ -187,16 +208,11 @@ static fathom_status read_texture(ply_reader *r) {
     return fathom_scene_add_material(r->scene, "texture", &material, &r->options.material);
 }
 
-static fathom_status add_mesh(ply_reader *r) {
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
-    mesh.positions = r->arrays[PLY_POSITIONS].values;
-    mesh.position_stride = r->arrays[PLY_POSITIONS].stride;
-    mesh.vertex_count = r->vertex_count;
+static fathom_status add_surface(ply_reader *r, fathom_mesh mesh) {
     mesh.indices = r->indices;
     mesh.triangle_count = (uint32_t)r->triangle_count;
     ply_array *normals = &r->arrays[PLY_NORMALS];
-    if (!r->points && !normals->present && r->options.smooth && !r->options.flat) {
+    if (!normals->present && r->options.smooth && !r->options.flat) {
         normals->present = true;
         fathom_status status = allocate_arrays(r);
         if (status == FATHOM_OK)
@@ -213,6 +229,15 @@ static fathom_status add_mesh(ply_reader *r) {
         mesh.uv_stride = r->arrays[PLY_UVS].stride;
         mesh.uv_count = r->vertex_count;
     }
+    return check_and_add(r, &mesh);
+}
+
+static fathom_status add_meshes(ply_reader *r) {
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = r->arrays[PLY_POSITIONS].values;
+    mesh.position_stride = r->arrays[PLY_POSITIONS].stride;
+    mesh.vertex_count = r->vertex_count;
     store_f64(mesh.origin, r->origin);
     mesh.material = r->options.material == FATHOM_NONE ? 0 : r->options.material;
     if (r->arrays[PLY_COLORS].present) {
@@ -224,14 +249,16 @@ static fathom_status add_mesh(ply_reader *r) {
         }
     }
     mesh.flags = r->options.flags;
-    mesh_facts facts;
-    fathom_context *context = r->scene->context;
-    fathom_status status = r->points ? show_points(r, &mesh) : FATHOM_OK;
-    if (status != FATHOM_OK) return status;
-    status = mesh_look_at_vertices(context, r->file.path, mesh.positions, mesh.position_stride,
-                                   mesh.vertex_count, &facts);
-    if (status == FATHOM_OK) status = mesh_look_at_triangles(context, r->file.path, &mesh, &facts);
-    return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, &mesh, &facts, NULL) : status;
+    fathom_status status = r->triangle_count ? add_surface(r, mesh) : FATHOM_OK;
+    return status == FATHOM_OK && (r->edges || is_cloud(r)) ? add_strokes(r, mesh) : status;
+}
+
+static fathom_status allocate_edges(ply_reader *r) {
+    if (r->edge_element == SIZE_MAX) return FATHOM_OK;
+    const uint64_t count = r->header.elements.items[r->edge_element].count; /* at most the bytes of the file */
+    r->edges = calloc((size_t)count, PLY_ENDS * sizeof *r->edges);
+    return r->edges ? FATHOM_OK
+                    : fail_memory(r->scene->context, (size_t)count * PLY_ENDS * sizeof *r->edges);
 }
 
 static fathom_status read_mapped(ply_reader *r) {
@@ -241,14 +268,15 @@ static fathom_status read_mapped(ply_reader *r) {
     status = read_texture(r);
     if (status != FATHOM_OK) return status;
     choose_arrays(r);
-    status = r->header.format == PLY_ASCII ? ply_read_ascii(r) : ply_read_binary(r);
+    status = allocate_edges(r);
+    if (status == FATHOM_OK) status = r->header.format == PLY_ASCII ? ply_read_ascii(r) : ply_read_binary(r);
     if (status != FATHOM_OK) return status;
-    if (!r->triangle_count && !r->points) {
+    if (!r->triangle_count && !r->edges && !is_cloud(r)) {
         return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
                          "no faces: expected at least one with 3 corners or more");
     }
     status = keep_map(r);
-    return status == FATHOM_OK ? add_mesh(r) : status;
+    return status == FATHOM_OK ? add_meshes(r) : status;
 }
 
 static void release(ply_reader *r) {
@@ -258,6 +286,7 @@ static void release(ply_reader *r) {
         array_free(&r->pieces[i].row);
     }
     free(r->pieces);
+    free(r->edges);
     for (size_t i = 0; i < r->header.elements.count; ++i) array_free(&r->header.elements.items[i].properties);
     array_free(&r->header.elements);
     text_close(&r->file);

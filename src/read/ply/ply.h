@@ -56,6 +56,9 @@ typedef struct ply_header {
 /* The meaning of a vertex property for the mesh. */
 enum { PLY_X, PLY_Y, PLY_Z, PLY_NX, PLY_NY, PLY_NZ, PLY_U, PLY_V, PLY_R, PLY_G, PLY_B, PLY_ROLES };
 
+/* The meaning of an edge's property: its two vertices. */
+enum { PLY_FROM, PLY_TO, PLY_ENDS };
+
 /* The mesh's arrays. */
 enum { PLY_POSITIONS, PLY_NORMALS, PLY_UVS, PLY_COLORS, PLY_ARRAYS };
 
@@ -86,9 +89,8 @@ typedef struct ply_reader {
     note_list notes;
     unsigned threads;
     ply_header header;
-    size_t vertex_element, face_element;
+    size_t vertex_element, face_element, edge_element; /* SIZE_MAX: none with rows */
     bool strips;         /* the face element is tristrips */
-    bool points;         /* there is no face element: face_element is SIZE_MAX */
     const char *texture; /* in the header, up to the end of its line; NULL: none */
     size_t index_list;   /* the face element's property */
     int role[PLY_ROLES]; /* the vertex element's property; -1: none */
@@ -103,6 +105,7 @@ typedef struct ply_reader {
     size_t piece_count;
     uint32_t *indices; /* the scene's */
     size_t triangle_count;
+    uint32_t *edges; /* two vertices each; NULL: none */
 } ply_reader;
 
 /* Opens the file as text: gives the header, and the rows if they are text, line feeds. */
@@ -136,6 +139,8 @@ static inline bool ply_push_index(ply_reader *r, ply_faces *faces, int64_t index
 /* Adds the triangles of the row, and begins another. False without memory. */
 bool ply_end_row(ply_reader *r, ply_faces *faces);
 fathom_status ply_allocate_triangles(ply_reader *r, uint64_t count);
+/* Checks the vertices of edge number `i`, and stores them. */
+bool ply_put_edge(ply_reader *r, uint64_t i, const double values[PLY_ENDS], const void *at);
 /* Splits the polygons of all pieces and joins them. */
 fathom_status ply_join_faces(ply_reader *r);
 

@@ -19,7 +19,7 @@ typedef struct ascii_reader {
     ply_reader *r;
     const char **starts; /* of each piece, and the end of the last one */
     ascii_piece *pieces;
-    uint64_t vertex_begin, face_begin, rows; /* those that the header promises */
+    uint64_t vertex_begin, face_begin, edge_begin, rows; /* those that the header promises */
 } ascii_reader;
 
 static const char *line_after(const char *p, const char *end) {
@@ -109,15 +109,24 @@ static bool read_properties(ply_reader *r, size_t index, ascii_piece *piece, con
     return r->moving || end_row(r, element, piece, p);
 }
 
+/* True when the row, counted from the element's first (those before it wrap), is one of the element. */
+static bool is_of(const ply_reader *r, size_t element, uint64_t row) {
+    return element != SIZE_MAX && row < r->header.elements.items[element].count;
+}
+
 static bool read_row(const ascii_reader *a, size_t piece, uint64_t row, const char *at,
                      scene_bounds *bounds) {
     ply_reader *r = a->r;
-    const uint64_t vertex = row - a->vertex_begin, face = row - a->face_begin; /* those before wrap */
+    const uint64_t vertex = row - a->vertex_begin, edge = row - a->edge_begin;
     double values[PLY_ROLES] = {0};
     if (vertex < r->vertex_count)
         return read_properties(r, r->vertex_element, &a->pieces[piece], at, NULL, values) &&
                ply_put_vertex(r, (uint32_t)vertex, values, at, bounds);
-    if (r->moving || r->points || face >= r->header.elements.items[r->face_element].count) return true;
+    if (r->moving) return true;
+    if (is_of(r, r->edge_element, edge))
+        return read_properties(r, r->edge_element, &a->pieces[piece], at, NULL, values) &&
+               ply_put_edge(r, edge, values, at);
+    if (!is_of(r, r->face_element, row - a->face_begin)) return true;
     return read_properties(r, r->face_element, &a->pieces[piece], at, &r->pieces[piece], NULL) &&
            ply_end_row(r, &r->pieces[piece]);
 }
@@ -156,6 +165,7 @@ static fathom_status place_rows(ascii_reader *a) {
     for (size_t i = 0; i < r->header.elements.count; ++i) {
         if (i == r->vertex_element) a->vertex_begin = a->rows;
         if (i == r->face_element) a->face_begin = a->rows;
+        if (i == r->edge_element) a->edge_begin = a->rows;
         a->rows += r->header.elements.items[i].count;
     }
     if (rows < a->rows)

@@ -23,7 +23,7 @@ typedef struct ply_rows {
 typedef struct binary_reader {
     ply_reader *r;
     bool big; /* the most significant byte comes first */
-    ply_rows vertices, faces;
+    ply_rows vertices, faces, edges;
     atomic_bool refused; /* copy_triangles() found an index out of range */
 } binary_reader;
 
@@ -177,7 +177,9 @@ static void free_rows(const ply_rows *rows) { free(rows->offsets), free(rows->bl
 static bool find_all_rows(binary_reader *b) {
     ply_reader *r = b->r;
     const unsigned char *p = (const unsigned char *)r->header.body;
-    size_t last = r->points || r->vertex_element > r->face_element ? r->vertex_element : r->face_element;
+    size_t last = r->vertex_element;
+    if (r->face_element != SIZE_MAX && r->face_element > last) last = r->face_element;
+    if (r->edge_element != SIZE_MAX && r->edge_element > last) last = r->edge_element;
     for (size_t i = 0; i <= last; ++i) {
         ply_rows rows;
         bool found = find_rows(b, &r->header.elements.items[i], p, &rows);
@@ -186,6 +188,8 @@ static bool find_all_rows(binary_reader *b) {
             b->vertices = rows;
         else if (i == r->face_element)
             b->faces = rows;
+        else if (i == r->edge_element)
+            b->edges = rows;
         else
             free_rows(&rows);
         if (!found) return false;
@@ -361,14 +365,39 @@ static fathom_status read_faces(binary_reader *b) {
     return ply_join_faces(r);
 }
 
+/* ---- edges ---- */
+
+static bool read_edge(const binary_reader *b, uint64_t number, const unsigned char *row,
+                      const size_t *offsets, void *user) {
+    (void)user;
+    const ply_element *element = b->edges.element;
+    double ends[PLY_ENDS] = {0};
+    for (size_t i = 0; i < element->properties.count; ++i) {
+        const ply_property *property = &element->properties.items[i];
+        if (property->role >= 0) ends[property->role] = load(row + offsets[i], property->type, b->big);
+    }
+    return ply_put_edge(b->r, number, ends, row);
+}
+
+static void read_edges(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    const binary_reader *b = user;
+    for (size_t block = begin; block < end; ++block) each_row(b, &b->edges, block, read_edge, NULL);
+}
+
 fathom_status ply_read_binary(ply_reader *r) {
     binary_reader b = {.r = r, .big = r->header.format == PLY_BIG};
     bool found = find_all_rows(&b);
     for (int a = 0; found && a < PLY_ARRAYS; ++a) use_in_place(&b, &r->arrays[a]);
     fathom_status status = found ? ply_read_vertices(r, b.vertices.block_count, 16, read_vertices, &b)
                                  : text_status(&r->file, &r->fault);
-    if (status == FATHOM_OK && !r->points) status = read_faces(&b);
+    if (status == FATHOM_OK && r->face_element != SIZE_MAX) status = read_faces(&b);
+    if (status == FATHOM_OK) {
+        loop_parallel(r->threads, b.edges.block_count, 1, read_edges, &b);
+        status = text_status(&r->file, &r->fault);
+    }
     free_rows(&b.vertices);
+    free_rows(&b.edges);
     free_rows(&b.faces);
     return status;
 }

@@ -54,6 +54,18 @@ bool ply_end_row(ply_reader *r, ply_faces *faces) {
     return true;
 }
 
+bool ply_put_edge(ply_reader *r, uint64_t i, const double values[PLY_ENDS], const void *at) {
+    for (int end = 0; end < PLY_ENDS; ++end) {
+        const double index = values[end];
+        if (!(index >= 0 && index < (double)r->vertex_count) || index != floor(index))
+            return text_wrong(&r->fault, at, end == PLY_FROM ? "vertex1" : "vertex2",
+                              "edge %llu: expected a number of a vertex, of which there are %u, found %g",
+                              (unsigned long long)i, r->vertex_count, index);
+        r->edges[2 * i + (unsigned)end] = (uint32_t)index;
+    }
+    return true;
+}
+
 static void join_pieces(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     ply_reader *r = user;

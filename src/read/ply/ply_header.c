@@ -236,7 +236,10 @@ static bool find_roles(ply_reader *r) {
         }
     }
     drop_partial_colors(r, vertex);
-    return true;
+    return r->vertex_count ||
+           text_wrong(&r->fault, r->file.begin, NULL,
+                      "no vertices: expected an element vertex that is not empty, and an element face or "
+                      "tristrips");
 }
 
 static bool find_faces(ply_reader *r) {
@@ -248,12 +251,7 @@ static bool find_faces(ply_reader *r) {
         r->strips = strips != SIZE_MAX && elements[strips].count > 0;
         if (r->strips) r->face_element = strips;
     }
-    if (!r->vertex_count)
-        return text_wrong(&r->fault, r->file.begin, NULL,
-                          "no vertices: expected an element vertex that is not empty, and an element face or "
-                          "tristrips");
-    r->points = r->face_element == SIZE_MAX || !elements[r->face_element].count;
-    if (r->points) {
+    if (r->face_element == SIZE_MAX || !elements[r->face_element].count) {
         r->face_element = SIZE_MAX;
         return true;
     }
@@ -265,6 +263,22 @@ static bool find_faces(ply_reader *r) {
     }
     r->index_list = (size_t)list;
     return true;
+}
+
+/* An element edge that lacks one of its two vertices is noted as not read. */
+static void find_edges(ply_reader *r) {
+    static const char *const names[PLY_ENDS] = {"vertex1", "vertex2"};
+    r->edge_element = find_element(&r->header, "edge");
+    if (r->edge_element == SIZE_MAX) return;
+    const ply_element *edge = &r->header.elements.items[r->edge_element];
+    int found[PLY_ENDS];
+    bool good = edge->count > 0;
+    for (int end = 0; end < PLY_ENDS; ++end) {
+        found[end] = find_property(edge, names[end]);
+        good = good && found[end] >= 0 && !edge->properties.items[found[end]].is_list;
+    }
+    for (int end = 0; good && end < PLY_ENDS; ++end) edge->properties.items[found[end]].role = end;
+    if (!good) r->edge_element = SIZE_MAX;
 }
 
 /* Mends header lines that end in a carriage return alone, and the rows after them if they are text. */
@@ -302,7 +316,10 @@ fathom_status ply_read_header(ply_reader *r) {
     r->header.body = read_lines(r);
     if (r->header.body) {
         if (r->header.format != PLY_ASCII) r->file.binary = r->header.body;
-        if (find_roles(r) && find_faces(r)) check_counts(r);
+        if (find_roles(r) && find_faces(r)) {
+            find_edges(r);
+            check_counts(r);
+        }
     }
     return text_status(&r->file, &r->fault);
 }
@@ -314,11 +331,14 @@ static bool is_color(const char *name) {
                       strlen(name)) >= 0;
 }
 
-static void note_properties(ply_reader *r, const ply_element *element, bool vertices) {
+static void note_properties(ply_reader *r, size_t index) {
+    const ply_element *element = &r->header.elements.items[index];
+    const bool alpha = index == r->vertex_element && r->role[PLY_R] >= 0;
     bool colors = false;
     for (size_t i = 0; i < element->properties.count; ++i) {
         const char *name = element->properties.items[i].name;
-        if (vertices ? element->properties.items[i].role >= 0 : i == r->index_list) continue;
+        if (element->properties.items[i].role >= 0 || (index == r->face_element && i == r->index_list))
+            continue;
         if (is_color(name))
             colors = true;
         else
@@ -327,15 +347,14 @@ static void note_properties(ply_reader *r, const ply_element *element, bool vert
     }
     if (colors)
         notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false,
-                     "%s colours are not used%s", vertices ? "vertex" : "face",
-                     vertices && r->role[PLY_R] >= 0 ? " for opacity: alpha" : "");
+                     "%.40s colours are not used%s", element->name, alpha ? " for opacity: alpha" : "");
 }
 
 void ply_note_unused(ply_reader *r) {
     for (size_t i = 0; i < r->header.elements.count; ++i) {
         const ply_element *element = &r->header.elements.items[i];
-        if (i == r->vertex_element || i == r->face_element)
-            note_properties(r, element, i == r->vertex_element);
+        if (i == r->vertex_element || i == r->face_element || i == r->edge_element)
+            note_properties(r, i);
         else
             notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false,
                          "element %.40s is not read", element->name);
