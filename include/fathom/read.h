@@ -39,9 +39,10 @@ typedef struct fathom_read_options {
      * file does not give follow it, and so do automatic lights. Default: the file's, else path tracing. */
     bool choose_integrator;
     fathom_integrator integrator;
-    /* The time, in seconds, at which glTF files stand, their animations posed by it; without choose_time they
-     * rest, as their nodes say, or stand at 0 with an animation. A file without animations rests;
-     * FATHOM_BAD_USAGE where no file of the scene has one. */
+    /* The time, in seconds, of the image. glTF files stand as it poses their animations; without choose_time
+     * they rest, as their nodes say, or stand at 0 with an animation. The shutter of scene JSON opens at it
+     * and stays open as long as the file says; without choose_time it opens when the file says.
+     * FATHOM_BAD_USAGE where no file of the scene has an animation and nothing has motion. */
     bool choose_time;
     double time;
     /* The animation to pose: its name, else its number, counted from 0. FATHOM_BAD_USAGE, with a list of what

@@ -132,11 +132,15 @@ static bool has_motion(const fathom_scene *scene) {
     return false;
 }
 
-/* Motion that no shutter was meant for is likely a slip; a shutter of scene JSON that is shut is not. */
+/* The shutter opens at the time that is asked for, and stays open as long as is asked for, else as long as the
+ * file says. Motion that no time and no shutter were meant for is likely a slip; a shutter of scene JSON that is
+ * shut is not. */
 static fathom_status open_shutter(fathom_scene *scene, const char *path) {
-    const double open = scene->asked->time, length = scene->asked->shutter;
-    if (length > 0) {
-        scene->camera.shutter[0] = open, scene->camera.shutter[1] = open + length;
+    const fathom_read_options *asked = scene->asked;
+    double *shutter = scene->camera.shutter;
+    const double length = asked->shutter > 0 ? asked->shutter : shutter[1] - shutter[0];
+    if (asked->shutter > 0 || asked->choose_time) {
+        shutter[0] = asked->time, shutter[1] = asked->time + length;
         /* A camera with keys stands as the shutter opens. */
         const fathom_camera camera = scene->camera;
         return camera.key_count ? fathom_scene_set_camera(scene, &camera) : FATHOM_OK;
@@ -144,7 +148,7 @@ static fathom_status open_shutter(fathom_scene *scene, const char *path) {
     if (!scene->has_shutter && has_motion(scene))
         warn(scene->context,
              "%s: has motion, and no shutter: all is still, where it is at time 0; give the camera a shutter "
-             "[OPEN, CLOSE], or --shutter SECONDS",
+             "[OPEN, CLOSE], or --time SECONDS, --shutter SECONDS",
              path);
     return FATHOM_OK;
 }
@@ -169,9 +173,14 @@ static fathom_status check_asked(const fathom_scene *scene, const char *path) {
                          "has nothing that moves while a shutter is open; animations of .gltf and .glb files "
                          "do, and motion in scene JSON");
     }
-    if ((asked->animation || (asked->choose_time && !(asked->shutter > 0))) && !scene->has_animations) {
+    if (asked->animation && !scene->has_animations) {
         return fail_file(scene->context, FATHOM_BAD_USAGE, path,
                          "has no animations to pose; .gltf and .glb files may have them");
+    }
+    if (asked->choose_time && !scene->has_animations && !has_motion(scene)) {
+        return fail_file(scene->context, FATHOM_BAD_USAGE, path,
+                         "has nothing that moves, and is the same at all times; animations of .gltf and .glb "
+                         "files move, and motion in scene JSON");
     }
     if (asked->up != FATHOM_UP_Y && scene->has_camera) {
         warn(scene->context, "%s: has a camera of its own, so nothing follows from which axis is up", path);

@@ -44,7 +44,8 @@ render '--time 0.5 --threads 1' a.png
 same half.png a.png
 refused 2 'there is no animation "walk"; expected one of 0 "slide"' render moving.gltf -o a.png --animation walk
 write_scene
-refused 2 'has no animations to pose' render scene.json -o a.png --time 1
+refused 2 'has nothing that moves, and is the same at all times' render scene.json -o a.png --time 1
+refused 2 'has no animations to pose' render scene.json -o a.png --animation walk
 
 # Frames are the images of their times.
 # shellcheck disable=SC2086
@@ -80,6 +81,40 @@ rm ./*.exr
 run 0 render moving.json --size 16x16 --spp 1 -o a.png
 said err.txt 'moving.json: has motion, and no shutter: all is still, where it is at time 0; give the camera a shutter'
 refused 2 'has nothing that moves while a shutter is open' render still.gltf -o a.png --shutter 1
+
+# A time alone shows motion where it is then: placements, vertices and cameras, to the last bit.
+at_time() { # time, x of the ball, y of the triangle's corner, z of the camera
+    cat >moves.json <<JSON
+{ "camera": { "eye": [0, 0, 1], "target": [0, 0, 0], "motion": [ { "time": 0, "eye": [0, 0, 4], "target": [0, 0, 0] }, { "time": 2, "eye": [0, 0, 6], "target": [0, 0, 0] } ], "d": 1, "h": 1 },
+  "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 0.5, "motion": [ { "time": 0 }, { "time": 2, "translation": [1, 0, 0] } ] },
+               { "type": "mesh", "positions": [[-1, 0, 0], [0, 0, 0], [-1, 1, 0]], "indices": [[0, 1, 2]],
+                 "vertexKeys": [ { "time": 0, "positions": [[-1, 0, 0], [0, 0, 0], [-1, 1, 0]] }, { "time": 2, "positions": [[-1, 0, 0], [0, 0, 0], [-1, -1, 0]] } ] } ] }
+JSON
+    cat >stands.json <<JSON
+{ "camera": { "eye": [0, 0, $4], "target": [0, 0, 0], "d": 1, "h": 1 },
+  "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 0.5, "translation": [$2, 0, 0] },
+               { "type": "mesh", "positions": [[-1, 0, 0], [0, 0, 0], [-1, $3, 0]], "indices": [[0, 1, 2]] } ] }
+JSON
+    run 0 render moves.json --size 32x32 --spp 4 --time "$1" -o moves.exr
+    silent err.txt
+    run 0 render stands.json --size 32x32 --spp 4 -o stands.exr
+    run 0 compare moves.exr stands.exr
+    rm moves.exr stands.exr
+}
+at_time 0.5 0.25 0.5 4.5
+at_time 1.5 0.75 -0.5 5.5
+at_time 9 1 -1 6
+
+# A file's own shutter opens at that time and stays open as long; frames do the same.
+sed 's/"d": 1,/"d": 1, "shutter": [5, 5.5],/' moves.json >own.json
+run 0 render own.json --size 32x32 --spp 4 --time 0.5 -o own.exr
+run 0 render moves.json --size 32x32 --spp 4 --time 0.5 --shutter 0.5 -o a.exr
+run 0 compare own.exr a.exr
+run 0 render own.json --size 32x32 --spp 4 --frames 0-1 --fps 2 -o 'own.#.exr'
+run 0 compare own.1.exr a.exr
+run 1 compare own.0.exr own.1.exr
+rm ./*.exr
+refused 2 'stands.json: has nothing that moves' render stands.json -o a.png --time 1
 
 # Units scale the scene; an image without lamps looks the same.
 run 0 info moving.gltf --unit cm --json

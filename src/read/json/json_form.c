@@ -108,7 +108,6 @@ static const form_rule camera_rules[] = {
     {FORM_NEEDS, "focalLength", {"fStop"}},
     {FORM_EXCLUDES, "lensRadius", {"fStop"}},
     {FORM_NEEDS, "bladeRotation", {"blades"}},
-    {FORM_NEEDS, "motion", {"shutter"}},
     END_RULES,
 };
 static const form_key camera_key_keys[] = {
