@@ -73,9 +73,10 @@ fathom_read_options command_read_options(const command_model *model);
         settings, "camera", "NAME|N", take_text, camera, 0, 0,                                               \
         "which camera of a .gltf or .glb file: the name of its node, its own, or its number from 0 in "      \
         "the list that fathom info prints (the first perspective one, else the first)"),                     \
-        COMMAND_MODEL_ROW(settings, "time", "SECONDS", take_given_f64, time, -1e9, 1e9,                      \
-                          "show what moves at this time: the animation of .gltf and .glb files, and motion of "    \
-                          "scene JSON, whose shutter then opens at it (at rest; 0)"),              \
+        COMMAND_MODEL_ROW(                                                                                   \
+            settings, "time", "SECONDS", take_given_f64, time, -1e9, 1e9,                                    \
+            "show what moves at this time: the animation of .gltf and .glb files, and motion of "            \
+            "scene JSON, whose shutter then opens at it (at rest; 0)"),                                      \
         COMMAND_MODEL_ROW(settings, "shutter", "SECONDS", take_f64, shutter, 0, 1e9,                         \
                           "blur what moves while the shutter is open, from --time on; it replaces the "      \
                           "shutter of scene JSON (still)"),                                                  \

@@ -132,9 +132,9 @@ static bool has_motion(const fathom_scene *scene) {
     return false;
 }
 
-/* The shutter opens at the time that is asked for, and stays open as long as is asked for, else as long as the
- * file says. Motion that no time and no shutter were meant for is likely a slip; a shutter of scene JSON that is
- * shut is not. */
+/* The shutter opens at the time that is asked for, and stays open as long as is asked for, else as long as
+ * the file says. Motion that no time and no shutter were meant for is likely a slip; a shutter of scene JSON
+ * that is shut is not. */
 static fathom_status open_shutter(fathom_scene *scene, const char *path) {
     const fathom_read_options *asked = scene->asked;
     double *shutter = scene->camera.shutter;

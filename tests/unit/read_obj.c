@@ -333,11 +333,13 @@ static void omissions_are_reported(void **state) {
     (void)state;
     fathom_scene *scene = read_text(
         SQUARE "f 1 2 3\nl 1 2\nl 2 3\np 1\nf 1 2\nl 3\ncurv 0 1 1 2\nmtllib none.mtl\nusemtl x\nusemtl y\n");
-    const char *expected[] = {
-        ":6: lines have no width, and are shown as thin rods (2 such",
-        ":8: points have no size, and are shown as small balls (1 such",
-        ":9: faces of less than 3 corners are left out (1 such", ":10: lines of less than 2 corners are left out (1 such",
-        ":11: statements that are not read", ":12: mtllib: there is no file \"none.mtl\"", ":13: usemtl: no material \"x\" is defined"};
+    const char *expected[] = {":6: lines have no width, and are shown as thin rods (2 such",
+                              ":8: points have no size, and are shown as small balls (1 such",
+                              ":9: faces of less than 3 corners are left out (1 such",
+                              ":10: lines of less than 2 corners are left out (1 such",
+                              ":11: statements that are not read",
+                              ":12: mtllib: there is no file \"none.mtl\"",
+                              ":13: usemtl: no material \"x\" is defined"};
     for (size_t i = 0; i < sizeof expected / sizeof *expected; ++i) {
         if (!strstr(mesh_warnings, expected[i])) fail_msg("no \"%s\" in:\n%s", expected[i], mesh_warnings);
     }
@@ -347,10 +349,11 @@ static void omissions_are_reported(void **state) {
     fathom_scene_destroy(scene);
 }
 
-/* Every vertex of the balls or rods, of `each` vertices, lies at a distance from the line between its two ends.
+/* Every vertex of the balls or rods, of `each` vertices, lies at a distance from the line between its two
+ * ends.
  */
-static void expect_distance(const fathom_mesh *mesh, uint32_t triangles, uint32_t each, const vec3_f64 ends[][2],
-                            double distance) {
+static void expect_distance(const fathom_mesh *mesh, uint32_t triangles, uint32_t each,
+                            const vec3_f64 ends[][2], double distance) {
     assert_int_equal(mesh->triangle_count, triangles);
     for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
         const vec3_f64 *of = ends[i / each], p = sub_f64(widen(load_f32(mesh->positions + 3 * i)), of[0]),
@@ -387,7 +390,8 @@ static void vertices_alone_are_a_cloud_of_points(void **state) {
     assert_int_equal(scene->meshes.count, 1);
     assert_int_equal(mesh->triangle_count, 3 * 20);
     for (uint32_t i = 0; i < mesh->vertex_count; ++i) assert_true(mesh->colors[3 * i + 1] == (i >= 12));
-    expect_warning("vertices without faces are points; they have no size, and are shown as small balls (3 such)");
+    expect_warning(
+        "vertices without faces are points; they have no size, and are shown as small balls (3 such)");
     fathom_scene_destroy(scene);
 }
 

@@ -357,7 +357,8 @@ static void edges_are_rods(void **state) {
         const bool faces = flavour < FLAVOURS;
         char lines[256];
         ply_maker m;
-        snprintf(lines, sizeof lines, "%selement edge 2\nproperty %s\nproperty ushort vertex2\nproperty %s\n%s", XYZ,
+        snprintf(lines, sizeof lines,
+                 "%selement edge 2\nproperty %s\nproperty ushort vertex2\nproperty %s\n%s", XYZ,
                  faces ? "int vertex1" : "uchar quality", faces ? "uchar quality" : "int vertex1",
                  faces ? FACES(1) : "");
         ply_header(&m, (ply_flavour)(flavour % FLAVOURS), lines, 0);

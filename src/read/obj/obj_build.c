@@ -171,9 +171,10 @@ fathom_status obj_build(obj_reader *r) {
     if (status == FATHOM_OK) status = add_meshes(&b);
     if (status == FATHOM_OK) status = obj_add_strokes(r, &strokes);
     if (status == FATHOM_OK && !b.meshes.count && !strokes) {
-        status = fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
-                           "it has no faces (%llu vertices); expected at least one f statement with 3 corners",
-                           (unsigned long long)r->total[OBJ_POSITION]);
+        status =
+            fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
+                      "it has no faces (%llu vertices); expected at least one f statement with 3 corners",
+                      (unsigned long long)r->total[OBJ_POSITION]);
     }
     array_free(&b.meshes);
     free(b.mesh_of);

@@ -27,10 +27,11 @@ static fathom_status add_slot(const stroke_sorter *s, uint32_t slot, const uint3
     fathom_mesh mesh;
     mesh_facts facts;
     fathom_mesh_default(&mesh);
-    fathom_status status = count / each < UINT32_MAX
-                               ? strokes_make(r->scene, &drawn, &mesh)
-                               : fail(r->scene->context, FATHOM_BAD_INPUT,
-                                      "has %zu points or lines of one material; more than can be shown", count / each);
+    fathom_status status =
+        count / each < UINT32_MAX
+            ? strokes_make(r->scene, &drawn, &mesh)
+            : fail(r->scene->context, FATHOM_BAD_INPUT,
+                   "has %zu points or lines of one material; more than can be shown", count / each);
     if (status != FATHOM_OK)
         return fail_within(r->scene->context, status, &(fathom_place){.file = r->file.path});
     if (!mesh.triangle_count) return FATHOM_OK;
@@ -50,7 +51,8 @@ static void sort_corners(stroke_sorter *s) {
                 const obj_stroke_run *run = &from->runs.items[k];
                 size_t *at = &s->ends[slots[run->slot].same_as];
                 if (pass)
-                    memcpy(s->corners + *at, from->corners.items + run->first, run->count * sizeof *s->corners);
+                    memcpy(s->corners + *at, from->corners.items + run->first,
+                           run->count * sizeof *s->corners);
                 *at += run->count;
             }
         }

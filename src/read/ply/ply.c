@@ -255,10 +255,10 @@ static fathom_status add_meshes(ply_reader *r) {
 
 static fathom_status allocate_edges(ply_reader *r) {
     if (r->edge_element == SIZE_MAX) return FATHOM_OK;
-    const uint64_t count = r->header.elements.items[r->edge_element].count; /* at most the bytes of the file */
+    const uint64_t count =
+        r->header.elements.items[r->edge_element].count; /* at most the bytes of the file */
     r->edges = calloc((size_t)count, PLY_ENDS * sizeof *r->edges);
-    return r->edges ? FATHOM_OK
-                    : fail_memory(r->scene->context, (size_t)count * PLY_ENDS * sizeof *r->edges);
+    return r->edges ? FATHOM_OK : fail_memory(r->scene->context, (size_t)count * PLY_ENDS * sizeof *r->edges);
 }
 
 static fathom_status read_mapped(ply_reader *r) {

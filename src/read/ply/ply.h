@@ -90,7 +90,7 @@ typedef struct ply_reader {
     unsigned threads;
     ply_header header;
     size_t vertex_element, face_element, edge_element; /* SIZE_MAX: none with rows */
-    bool strips;         /* the face element is tristrips */
+    bool strips;                                       /* the face element is tristrips */
     const char *texture; /* in the header, up to the end of its line; NULL: none */
     size_t index_list;   /* the face element's property */
     int role[PLY_ROLES]; /* the vertex element's property; -1: none */
