@@ -12,27 +12,25 @@
 #include <string.h>
 
 /* "2.0" and any "2.x": a later minor version stays readable unless minVersion says otherwise. */
-static fathom_status check_version(gltf *g) {
+static void check_version(gltf *g) {
     gltf_value asset;
     const char *version = NULL, *least = NULL;
-    fathom_status status = gltf_object(g, &g->root, "asset", &asset);
-    if (status == FATHOM_OK) status = gltf_text(g, &asset, "version", &version);
-    if (status == FATHOM_OK) status = gltf_text(g, &asset, "minVersion", &least);
-    if (status != FATHOM_OK) return status;
+    gltf_object(g, &g->root, "asset", &asset);
+    gltf_text(g, &asset, "version", &version);
+    gltf_text(g, &asset, "minVersion", &least);
     /* glTF 1 has objects where 2 has arrays, and its files need not say which they are. */
     const bool first =
         version ? strncmp(version, "1.", 2) == 0 : json_is_object(json_object_get(g->root.json, "meshes"));
-    if (first || json_is_number(json_object_get(asset.json, "version")))
-        return gltf_fail(
-            g, &asset, "version",
-            "the file is glTF 1.0, which is not read; expected glTF 2.0: export the model again, or "
-            "convert it, for instance by gltf-pipeline");
-    if (!version) return gltf_fail(g, &asset, "version", "is missing; expected a glTF file with \"2.0\"");
-    if (strncmp(version, "2.", 2) != 0)
-        return gltf_fail(g, &asset, "version", "is \"%.40s\"; expected \"2.0\"", version);
-    if (least && strcmp(least, "2.0") != 0)
-        return gltf_fail(g, &asset, "minVersion", "is \"%.40s\"; 2.0 is what is understood", least);
-    return FATHOM_OK;
+    if (first)
+        gltf_fail(g, &asset, "version",
+                  "the file is glTF 1.0, which is not read; expected glTF 2.0: export the model again, or "
+                  "convert it, for instance by gltf-pipeline");
+    else if (!version)
+        gltf_fail(g, &asset, "version", "is missing; expected a glTF file with \"2.0\"");
+    else if (strncmp(version, "2.", 2) != 0)
+        gltf_fail(g, &asset, "version", "is \"%.40s\"; expected \"2.0\"", version);
+    else if (least && strcmp(least, "2.0") != 0)
+        gltf_fail(g, &asset, "minVersion", "is \"%.40s\"; 2.0 is what is understood", least);
 }
 
 /* True when the extension is followed. */
@@ -49,20 +47,19 @@ static bool is_known(const char *name) {
 }
 
 /* FATHOM_BAD_INPUT when the file requires an extension that is not followed. */
-static fathom_status check_extensions(gltf *g) {
+static void check_extensions(gltf *g) {
     gltf_value required;
-    fathom_status status = gltf_array(g, &g->root, "extensionsRequired", &required);
-    for (size_t i = 0; i < gltf_count(&required) && status == FATHOM_OK; ++i) {
+    gltf_array(g, &g->root, "extensionsRequired", &required);
+    for (size_t i = 0; i < gltf_count(&required); ++i) {
         const char *name = json_string_value(json_array_get(required.json, i));
-        if (name && is_known(name)) continue;
-        gltf_value at = {.parent = &required, .index = i};
-        if (!name) return gltf_fail(g, &at, NULL, "is not a string; expected the name of an extension");
-        status = gltf_fail(g, &at, NULL,
-                           "the file cannot be read without the extension \"%.80s\", which is not supported; "
-                           "export it without",
-                           name);
+        const gltf_value at = {.parent = &required, .index = i};
+        if (!name) gltf_fail(g, &at, NULL, "is not a string; expected the name of an extension");
+        if (name && !is_known(name))
+            gltf_fail(g, &at, NULL,
+                      "the file cannot be read without the extension \"%.80s\", which is not supported; "
+                      "export it without",
+                      name);
     }
-    return status;
 }
 
 bool gltf_requires(const gltf *g, const char *name) {
@@ -99,7 +96,7 @@ static void note_extensions(gltf *g, const gltf_value *v) {
     }
 }
 
-static fathom_status open_arrays(gltf *g) {
+static void open_arrays(gltf *g) {
     const struct {
         const char *key;
         gltf_value *out;
@@ -108,18 +105,16 @@ static fathom_status open_arrays(gltf *g) {
                   {"scenes", &g->scenes},        {"cameras", &g->cameras},   {"images", &g->images},
                   {"textures", &g->textures},    {"samplers", &g->samplers}, {"skins", &g->skins},
                   {"animations", &g->animations}};
-    fathom_status status = FATHOM_OK;
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays && status == FATHOM_OK; ++i) {
-        status = gltf_array(g, &g->root, arrays[i].key, arrays[i].out);
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i) {
+        gltf_array(g, &g->root, arrays[i].key, arrays[i].out);
         if (gltf_count(arrays[i].out) >= GLTF_EMPTY)
-            return gltf_fail(g, arrays[i].out, NULL, "has more than 2^32 - 3 entries");
+            gltf_fail(g, arrays[i].out, NULL, "has more than 2^32 - 3 entries");
     }
-    if (status == FATHOM_OK)
-        status = gltf_extension(g, &g->root, "KHR_lights_punctual", &g->extensions, &g->punctual);
-    return status == FATHOM_OK ? gltf_array(g, &g->punctual, "lights", &g->lights) : status;
+    gltf_extension(g, &g->root, "KHR_lights_punctual", &g->extensions, &g->punctual);
+    gltf_array(g, &g->punctual, "lights", &g->lights);
 }
 
-static fathom_status make_tables(gltf *g) {
+static void make_tables(gltf *g) {
     size_t buffers = gltf_count(&g->buffers), materials = gltf_count(&g->materials) + 1,
            meshes = gltf_count(&g->meshes), accessors = gltf_count(&g->accessors);
     g->buffer_table = calloc(buffers + 1, sizeof *g->buffer_table);
@@ -129,27 +124,26 @@ static fathom_status make_tables(gltf *g) {
     g->mesh_table = calloc(meshes + 1, sizeof *g->mesh_table);
     g->array_table = calloc(accessors + 1, sizeof *g->array_table);
     if (!g->buffer_table || !g->image_table || !g->material_table || !g->mesh_table || !g->array_table ||
-        !g->view_table)
-        return fail_memory(g->context, (buffers + materials + meshes + accessors) * sizeof *g->array_table);
+        !g->view_table) {
+        gltf_fail_memory(g, (buffers + materials + meshes + accessors) * sizeof *g->array_table);
+        return;
+    }
     for (size_t i = 0; i < materials; ++i) g->material_table[i].id = FATHOM_NONE;
     for (size_t i = 0; i < meshes; ++i) g->mesh_table[i] = FATHOM_NONE;
-    return FATHOM_OK;
 }
 
-static fathom_status close_source(gltf *g, gltf_source *source, fathom_status status) {
-    if (!source || source->shared) return status;
-    status = file_finish(g->context, &source->map, status);
+static void close_source(gltf *g, gltf_source *source) {
+    if (!source || source->shared) return;
+    g->status = file_finish(g->context, &source->map, g->status);
     free(source);
-    return status;
 }
 
 /* Closes the sources that the scene did not take over. */
-static fathom_status finish(gltf *g, fathom_status status) {
+static void finish(gltf *g) {
     for (size_t i = 0; g->buffer_table && i < gltf_count(&g->buffers); ++i) {
-        const gltf_buffer *buffer = &g->buffer_table[i];
-        if (buffer->owns_source) status = close_source(g, buffer->source, status);
+        if (g->buffer_table[i].owns_source) close_source(g, g->buffer_table[i].source);
     }
-    status = close_source(g, g->source, status);
+    close_source(g, g->source);
     gltf_moments_close(g);
     array_free(&g->moments);
     free(g->view_table);
@@ -161,23 +155,23 @@ static fathom_status finish(gltf *g, fathom_status status) {
     free(g->array_table);
     array_free(&g->seen_cameras);
     json_arena_release(&g->arena);
-    return status;
 }
 
 fathom_status read_gltf(fathom_scene *scene, fathom_id group, const char *path,
                         const read_mesh_options *options) {
     gltf g = {.scene = scene, .context = scene->context, .group = group, .path = path, .options = options};
-    fathom_status status = gltf_open(&g);
-    if (status == FATHOM_OK) status = check_version(&g);
-    if (status == FATHOM_OK) status = check_extensions(&g);
-    if (status == FATHOM_OK) status = open_arrays(&g);
-    if (status == FATHOM_OK) status = make_tables(&g);
-    if (status == FATHOM_OK) status = gltf_variant_choose(&g);
-    if (status == FATHOM_OK) status = gltf_nodes_place(&g);
-    if (status == FATHOM_OK && options->surroundings) status = gltf_camera_take(&g);
-    if (status == FATHOM_OK) {
+    gltf_open(&g);
+    if (gltf_fine(&g)) check_version(&g);
+    check_extensions(&g);
+    open_arrays(&g);
+    if (gltf_fine(&g)) make_tables(&g);
+    if (gltf_fine(&g)) gltf_variant_choose(&g);
+    if (gltf_fine(&g)) gltf_nodes_place(&g);
+    if (gltf_fine(&g) && options->surroundings) gltf_camera_take(&g);
+    if (gltf_fine(&g)) {
         note_extensions(&g, &g.root);
         notes_tell(&g.notes, g.context, path);
     }
-    return finish(&g, status);
+    finish(&g);
+    return g.status;
 }

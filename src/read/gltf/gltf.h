@@ -222,15 +222,15 @@ fathom_status gltf_flag(gltf *g, const gltf_value *parent, const char *key, bool
 /* ---- gltf_buffer.c ---- */
 
 /* Opens the file, finds its chunks and parses its JSON into g->root. */
-fathom_status gltf_open(gltf *g);
+void gltf_open(gltf *g);
 fathom_status gltf_buffer_load(gltf *g, uint32_t index, gltf_buffer **out);
 /* Gives the buffer's bytes to the scene. Call before anything of the scene points into them. */
-fathom_status gltf_buffer_share(gltf *g, gltf_buffer *buffer);
+void gltf_buffer_share(gltf *g, gltf_buffer *buffer);
 /* True when it is a data URI; its bytes, which belong to the scene. */
 bool gltf_is_data(const char *uri);
-fathom_status gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out);
+void gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out);
 /* The path of the file that a uri names; release it with free(). NULL: there is no such file. */
-fathom_status gltf_file_path(gltf *g, const gltf_value *at, const char *uri, char **path);
+char *gltf_file_path(gltf *g, const gltf_value *at, const char *uri);
 
 /* ---- gltf_view.c ---- */
 
@@ -251,7 +251,8 @@ enum {
     GLTF_TAKES_FLOAT = 1u << 0,
     GLTF_TAKES_SIGNED = 1u << 1,   /* byte and short */
     GLTF_TAKES_UNSIGNED = 1u << 2, /* ubyte and ushort */
-    GLTF_TAKES_UINT = 1u << 3
+    GLTF_TAKES_UINT = 1u << 3,
+    GLTF_TAKES_QUANTIZED = GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED
 };
 
 /* Counts memory (below 2^40 bytes) that a value takes beyond the document and its files. FATHOM_BAD_INPUT
@@ -261,10 +262,10 @@ fathom_status gltf_charge(gltf *g, const gltf_value *at, const char *key, uint64
 fathom_status gltf_allocate(gltf *g, const gltf_value *at, const char *key, uint64_t bytes, void **out);
 
 /* The accessor that member `key` of `user` names, as an array; components and `takes` say what is expected:
- * indices with GLTF_TAKES_UINT, which are not checked, else floats. *present is false where there is no such
- * member. */
-fathom_status gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned components,
-                              unsigned takes, bool *present, gltf_elements *out);
+ * indices with GLTF_TAKES_UINT, which are not checked, else floats. False, and *out is empty, where there is
+ * no such member, or reading has failed. */
+bool gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned components, unsigned takes,
+                     gltf_elements *out);
 
 /* ---- gltf_choice.c ---- */
 
@@ -273,25 +274,21 @@ fathom_status gltf_array_read(gltf *g, const gltf_value *user, const char *key, 
 void gltf_print_names(const gltf_value *array, char out[GLTF_LIST]);
 /* The item with this name, else this number. FATHOM_BAD_USAGE, with a list of what there is, where there is
  * none such or there are several. what: "animation". */
-fathom_status gltf_choose(gltf *g, const gltf_value *array, const char *what, const char *wanted,
-                          uint32_t *out);
+uint32_t gltf_choose(gltf *g, const gltf_value *array, const char *what, const char *wanted);
 
 /* ---- gltf_variant.c ---- */
 
 /* Sets g->variant by what is asked for. */
-fathom_status gltf_variant_choose(gltf *g);
+void gltf_variant_choose(gltf *g);
 /* *material, the primitive's own, becomes that of the variant if it has one for it. */
-fathom_status gltf_variant_material(gltf *g, const gltf_value *primitive, uint32_t *material);
+void gltf_variant_material(gltf *g, const gltf_value *primitive, uint32_t *material);
 
 /* ---- gltf_transform.c ---- */
 
-/* Close it even when it could not be opened. */
-fathom_status gltf_moment_open(gltf *g, double time, gltf_moment *m);
-void gltf_moment_close(gltf_moment *m, const gltf *g);
 /* NULL: no animation poses it. */
 const gltf_pose *gltf_pose_of(const gltf_moment *m, uint32_t node);
 /* g->parents must have no cycle. */
-fathom_status gltf_node_world(gltf *g, gltf_moment *m, uint32_t node, const affine_f64 **out);
+affine_f64 gltf_node_world(gltf *g, gltf_moment *m, uint32_t node);
 affine_f64 gltf_compose(double parts[GLTF_PARTS][4]);
 /* True when a quaternion is not zero. */
 bool gltf_is_rotation(const double r[4]);
@@ -301,12 +298,12 @@ bool gltf_is_rotation(const double r[4]);
 /* How long the shutter is open, in seconds; 0: nothing is animated, or stands. */
 double gltf_shutter(const gltf *g);
 /* Fills in g->moments and g->key_times. */
-fathom_status gltf_moments_open(gltf *g);
+void gltf_moments_open(gltf *g);
 void gltf_moments_close(gltf *g);
 /* True when the `count` shapes of one node at the moments differ. */
 bool gltf_shapes_move(const gltf_shape *shapes, size_t count);
 /* The node's maps to the world, at all moments. */
-fathom_status gltf_node_way(gltf *g, uint32_t node, gltf_way *out);
+void gltf_node_way(gltf *g, uint32_t node, gltf_way *out);
 /* The way of a thing that `inner` places inside one that goes `way`. */
 void gltf_way_of(const gltf_way *way, const affine_f64 *inner, gltf_way *out);
 bool gltf_way_moves(const gltf_way *way);
@@ -320,26 +317,26 @@ const char *gltf_name(const gltf_value *at);
 /* ---- gltf_animation.c ---- */
 
 /* Sets g->animation by what is asked for. */
-fathom_status gltf_animation_choose(gltf *g);
+void gltf_animation_choose(gltf *g);
 /* Poses the nodes by g->animation at the moment's time. */
-fathom_status gltf_animation_pose(gltf *g, gltf_moment *m);
+void gltf_animation_pose(gltf *g, gltf_moment *m);
 /* The unit quaternion at the part u in [0,1] of the shorter arc from a to b, which become unit. */
 void gltf_slerp(double a[4], double b[4], double u, double out[4]);
 
 /* ---- gltf_morph.c, gltf_skin.c ---- */
 
 /* Weights: posed, else the node's, else the mesh's. node may be NULL. */
-fathom_status gltf_weights_read(gltf *g, const gltf_pose *pose, const gltf_value *node,
-                                const gltf_value *mesh, gltf_shape *out);
+void gltf_weights_read(gltf *g, const gltf_pose *pose, const gltf_value *node, const gltf_value *mesh,
+                       gltf_shape *out);
 /* Each replaces the floats of an attribute by new ones, if the shape moves them: in `to`, tightly packed, or
  * where that is NULL in new memory of the scene. */
-fathom_status gltf_morph(gltf *g, const gltf_value *primitive, const gltf_shape *shape, const char *key,
-                         unsigned components, gltf_elements *floats, float *to);
+void gltf_morph(gltf *g, const gltf_value *primitive, const gltf_shape *shape, const char *key,
+                unsigned components, gltf_elements *floats, float *to);
 typedef enum gltf_kind { GLTF_POINT, GLTF_NORMAL, GLTF_TANGENT } gltf_kind;
-fathom_status gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *joints,
-                              gltf_kind kind, gltf_elements *floats, float *to);
+void gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *joints, gltf_kind kind,
+                     gltf_elements *floats, float *to);
 /* The joints of skin `index` at a moment of g; they live as long as it. */
-fathom_status gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index, const gltf_joints **out);
+const gltf_joints *gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index);
 
 /* Makes a copy of these the elements of the accessor that member `key` of `user` names, which must be
  * described by it. normalized: divided by the largest number of the accessor's type already. */
@@ -352,24 +349,23 @@ fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, 
 fathom_status gltf_draco_read(gltf *g, const gltf_value *primitive);
 
 /* The components of the accessor that member `key` of `user` names, 1 to 4; 0: there is no such member. */
-fathom_status gltf_components(gltf *g, const gltf_value *user, const char *key, unsigned *out);
+unsigned gltf_components(gltf *g, const gltf_value *user, const char *key);
 
 /* ---- what the document holds ---- */
 
 /* The group that holds mesh `index`, made when first asked for, or GLTF_EMPTY. With shapes, one for each
  * moment: a group of its own. */
-fathom_status gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes, fathom_id *out);
-/* The texture that member `key` of `parent` describes; color: its numbers are sRGB. *there is false, and *out
- * as it was, where there is none or it cannot be read, which is noted. */
-fathom_status gltf_map(gltf *g, const gltf_value *parent, const char *key, bool color, bool *there,
-                       fathom_map *out);
-/* Material `index`; GLTF_ABSENT is the file format's default one. */
-fathom_status gltf_material_make(gltf *g, uint32_t index, gltf_material *out);
+fathom_id gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes);
+/* The texture that member `key` of `parent` describes; color: its numbers are sRGB. False where there is none
+ * or it cannot be read, which is noted. */
+bool gltf_map(gltf *g, const gltf_value *parent, const char *key, bool color, fathom_map *out);
+/* Material `index`; GLTF_ABSENT is the file format's default one. False: reading has failed. */
+bool gltf_material_make(gltf *g, uint32_t index, gltf_material *out);
 /* Walks the nodes of the scene. */
-fathom_status gltf_nodes_place(gltf *g);
-fathom_status gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *to_world);
-fathom_status gltf_camera_note(gltf *g, const gltf_value *node);
+void gltf_nodes_place(gltf *g);
+void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *to_world);
+void gltf_camera_note(gltf *g, const gltf_value *node);
 /* Gives the scene the requested camera, else the first perspective one, of those noted. */
-fathom_status gltf_camera_take(gltf *g);
+void gltf_camera_take(gltf *g);
 
 #endif

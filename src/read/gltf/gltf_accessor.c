@@ -47,7 +47,7 @@ fathom_status gltf_charge(gltf *g, const gltf_value *at, const char *key, uint64
     /* Sums of sizes that are in memory: no overflow, as `bytes` is below 2^40. */
     uint64_t most = FREE + FACTOR * g->file_bytes;
     g->charged += bytes;
-    if (g->charged <= most) return FATHOM_OK;
+    if (g->charged <= most) return g->status;
     return gltf_fail(
         g, at, key,
         "brings what the file asks for to %llu bytes of memory; expected at most %u times the %llu "
@@ -56,8 +56,9 @@ fathom_status gltf_charge(gltf *g, const gltf_value *at, const char *key, uint64
 }
 
 fathom_status gltf_allocate(gltf *g, const gltf_value *at, const char *key, uint64_t bytes, void **out) {
-    fathom_status status = gltf_charge(g, at, key, bytes);
-    return status == FATHOM_OK ? scene_allocate(g->scene, (size_t)bytes, out) : status;
+    *out = NULL;
+    if (gltf_charge(g, at, key, bytes) == FATHOM_OK) g->status = scene_allocate(g->scene, (size_t)bytes, out);
+    return g->status;
 }
 
 /* ---- conversion ---- */
@@ -130,51 +131,44 @@ static const char *type_name(component type) { return types[type - GLTF_BYTE].na
 
 /* ---- accessors ---- */
 
-static fathom_status read_component_type(gltf *g, const gltf_value *at, component *out) {
+static void read_component_type(gltf *g, const gltf_value *at, component *out) {
     uint64_t type = 0;
-    fathom_status status = gltf_integer(g, at, "componentType", 0, UINT32_MAX, &type);
-    if (status != FATHOM_OK) return status;
-    if (type < GLTF_BYTE || type > GLTF_FLOAT || !types[type - GLTF_BYTE].size) {
-        return gltf_fail(g, at, "componentType",
-                         "is %llu; expected 5120 (byte), 5121 (unsigned byte), 5122 (short), 5123 (unsigned "
-                         "short), 5125 (unsigned int) or 5126 (float)",
-                         (unsigned long long)type);
-    }
-    *out = (component)type;
-    return FATHOM_OK;
+    *out = GLTF_FLOAT;
+    gltf_integer(g, at, "componentType", 0, UINT32_MAX, &type);
+    if (type < GLTF_BYTE || type > GLTF_FLOAT || !types[type - GLTF_BYTE].size)
+        gltf_fail(g, at, "componentType",
+                  "is %llu; expected 5120 (byte), 5121 (unsigned byte), 5122 (short), 5123 (unsigned "
+                  "short), 5125 (unsigned int) or 5126 (float)",
+                  (unsigned long long)type);
+    else
+        *out = (component)type;
 }
 
 /* The part of a buffer that `user` (an accessor or a part of a sparse one) uses: `count` elements of
  * `element` bytes at its byteOffset. `strided`: the view's byteStride applies. */
-static fathom_status open_span(gltf *g, const gltf_value *user, uint64_t count, unsigned element,
-                               bool strided, span *out) {
+static void open_span(gltf *g, const gltf_value *user, uint64_t count, unsigned element, bool strided,
+                      span *out) {
     uint32_t index = GLTF_ABSENT;
     gltf_value view;
     gltf_view from;
-    uint64_t offset = 0, stride = element;
-    fathom_status status = gltf_index(g, user, "bufferView", &g->views, &index);
-    if (status == FATHOM_OK) status = gltf_integer(g, user, "byteOffset", 0, INT64_MAX, &offset);
-    if (status != FATHOM_OK || index == GLTF_ABSENT) return status;
-    status = gltf_view_open(g, index, &view, &from);
-    if (status == FATHOM_OK && strided) status = gltf_integer(g, &view, "byteStride", 1, 252, &stride);
-    if (status != FATHOM_OK) return status;
-    out->buffer = from.buffer;
-    if (stride < element) {
-        return gltf_fail(g, &view, "byteStride", "is %llu; the elements of %s[%zu] have %u bytes",
-                         (unsigned long long)stride, user->parent->key ? user->parent->key : "sparse",
-                         user->index, element);
-    }
-    uint64_t need;
-    bool beyond =
+    uint64_t offset = 0, stride = element, need;
+    gltf_index(g, user, "bufferView", &g->views, &index);
+    gltf_integer(g, user, "byteOffset", 0, INT64_MAX, &offset);
+    if (!gltf_fine(g) || index == GLTF_ABSENT) return;
+    gltf_view_open(g, index, &view, &from);
+    if (strided) gltf_integer(g, &view, "byteStride", 1, 252, &stride);
+    if (stride < element)
+        gltf_fail(g, &view, "byteStride", "is %llu; the elements of %s[%zu] have %u bytes",
+                  (unsigned long long)stride, user->parent->key ? user->parent->key : "sparse", user->index,
+                  element);
+    const bool beyond =
         __builtin_mul_overflow(stride, count - 1, &need) || __builtin_add_overflow(need, element, &need);
-    if (beyond || offset > from.length || need > from.length - offset) {
-        return gltf_fail(
-            g, user, NULL, "needs %llu bytes from byte %llu of bufferViews[%u], which has %llu bytes",
-            (unsigned long long)need, (unsigned long long)offset, index, (unsigned long long)from.length);
-    }
-    out->bytes = from.bytes + offset;
-    out->stride = (uint32_t)stride;
-    return FATHOM_OK;
+    if (beyond || offset > from.length || need > from.length - offset)
+        gltf_fail(g, user, NULL, "needs %llu bytes from byte %llu of bufferViews[%u], which has %llu bytes",
+                  (unsigned long long)need, (unsigned long long)offset, index,
+                  (unsigned long long)from.length);
+    if (gltf_fine(g))
+        *out = (span){.bytes = from.bytes + offset, .stride = (uint32_t)stride, .buffer = from.buffer};
 }
 
 static uint32_t sparse_index(const accessor *a, uint32_t i) {
@@ -184,43 +178,38 @@ static uint32_t sparse_index(const accessor *a, uint32_t i) {
     return index;
 }
 
-static fathom_status check_sparse_indices(gltf *g, const gltf_value *at, const accessor *a) {
+static void check_sparse_indices(gltf *g, const gltf_value *at, const accessor *a) {
     uint64_t lowest = 0;
     for (uint32_t i = 0; i < a->sparse_count; ++i) {
-        uint32_t index = sparse_index(a, i);
-        if (index < lowest || index >= a->count) {
-            return gltf_fail(g, at, "indices", "entry %u is %u; expected them to rise and stay below %u", i,
-                             index, a->count);
-        }
+        const uint32_t index = sparse_index(a, i);
+        if (index < lowest || index >= a->count)
+            gltf_fail(g, at, "indices", "entry %u is %u; expected them to rise and stay below %u", i, index,
+                      a->count);
         lowest = (uint64_t)index + 1;
     }
-    return FATHOM_OK;
 }
 
-static fathom_status open_sparse(gltf *g, const gltf_value *at, accessor *out) {
+static void open_sparse(gltf *g, const gltf_value *at, accessor *out) {
     gltf_value sparse, indices, values;
-    fathom_status status = gltf_object(g, at, "sparse", &sparse);
-    if (status != FATHOM_OK || !sparse.json) return status;
     uint64_t count = 0;
-    status = gltf_integer(g, &sparse, "count", 1, out->count, &count);
-    if (status == FATHOM_OK) status = gltf_object(g, &sparse, "indices", &indices);
-    if (status == FATHOM_OK) status = gltf_object(g, &sparse, "values", &values);
-    if (status != FATHOM_OK) return status;
+    gltf_object(g, at, "sparse", &sparse);
+    if (!sparse.json) return;
+    gltf_integer(g, &sparse, "count", 1, out->count, &count);
+    gltf_object(g, &sparse, "indices", &indices);
+    gltf_object(g, &sparse, "values", &values);
     if (!count || !indices.json || !values.json)
-        return gltf_fail(g, &sparse, NULL, "is not whole; expected count, indices and values");
-    status = read_component_type(g, &indices, &out->sparse_type);
-    if (status == FATHOM_OK && !(takes_bit(out->sparse_type) & (GLTF_TAKES_UNSIGNED | GLTF_TAKES_UINT)))
-        return gltf_fail(g, &indices, "componentType", "is %s; expected an unsigned type",
-                         type_name(out->sparse_type));
-    unsigned element = component_size(out->type) * out->components;
-    if (status == FATHOM_OK)
-        status = open_span(g, &indices, count, component_size(out->sparse_type), false, &out->sparse_indices);
-    if (status == FATHOM_OK) status = open_span(g, &values, count, element, false, &out->sparse_values);
-    if (status != FATHOM_OK) return status;
+        gltf_fail(g, &sparse, NULL, "is not whole; expected count, indices and values");
+    read_component_type(g, &indices, &out->sparse_type);
+    if (!(takes_bit(out->sparse_type) & (GLTF_TAKES_UNSIGNED | GLTF_TAKES_UINT)))
+        gltf_fail(g, &indices, "componentType", "is %s; expected an unsigned type",
+                  type_name(out->sparse_type));
+    if (!gltf_fine(g)) return;
+    open_span(g, &indices, count, component_size(out->sparse_type), false, &out->sparse_indices);
+    open_span(g, &values, count, component_size(out->type) * out->components, false, &out->sparse_values);
     if (!out->sparse_indices.bytes || !out->sparse_values.bytes)
-        return gltf_fail(g, &sparse, NULL, "lacks a bufferView; expected one in indices and in values");
-    out->sparse_count = (uint32_t)count;
-    return check_sparse_indices(g, &sparse, out);
+        gltf_fail(g, &sparse, NULL, "lacks a bufferView; expected one in indices and in values");
+    out->sparse_count = gltf_fine(g) ? (uint32_t)count : 0;
+    check_sparse_indices(g, &sparse, out);
 }
 
 /* "SCALAR" 1, "VEC2" 2…, "MAT4" 16; 0 for other matrices and anything else. */
@@ -233,68 +222,61 @@ static unsigned components_of(const char *type) {
 }
 
 /* All but where the elements are. */
-static fathom_status open_head(gltf *g, const gltf_value *at, accessor *out) {
+static void open_head(gltf *g, const gltf_value *at, accessor *out) {
     const char *type = "";
     uint64_t count = 0;
-    fathom_status status = read_component_type(g, at, &out->type);
-    if (status == FATHOM_OK) status = gltf_text(g, at, "type", &type);
+    read_component_type(g, at, &out->type);
+    gltf_text(g, at, "type", &type);
     /* Vertex ids have 32 bits, and the last one means none. */
-    if (status == FATHOM_OK) status = gltf_integer(g, at, "count", 1, UINT32_MAX - 1, &count);
-    if (status == FATHOM_OK) status = gltf_flag(g, at, "normalized", &out->normalized);
-    if (status != FATHOM_OK) return status;
-    if (!count) return gltf_fail(g, at, "count", "is missing; expected the number of elements");
+    gltf_integer(g, at, "count", 1, UINT32_MAX - 1, &count);
+    gltf_flag(g, at, "normalized", &out->normalized);
+    if (!count) gltf_fail(g, at, "count", "is missing; expected the number of elements");
     out->count = (uint32_t)count;
     out->components = components_of(type);
     if (!out->components)
-        return gltf_fail(g, at, "type", "is \"%.40s\"; expected SCALAR, VEC2, VEC3, VEC4 or MAT4", type);
-    return FATHOM_OK;
+        gltf_fail(g, at, "type", "is \"%.40s\"; expected SCALAR, VEC2, VEC3, VEC4 or MAT4", type);
 }
 
-static fathom_status open_elements(gltf *g, const gltf_value *at, accessor *out) {
-    fathom_status status =
-        open_span(g, at, out->count, component_size(out->type) * out->components, true, &out->elements);
-    if (status == FATHOM_OK && !out->elements.bytes && out->count > ZEROS_MAX)
-        return gltf_fail(
-            g, at, "count",
-            "is %u, and there is no bufferView; expected at most %d elements of nothing but zeros",
-            out->count, ZEROS_MAX);
-    return status == FATHOM_OK ? open_sparse(g, at, out) : status;
+static void open_elements(gltf *g, const gltf_value *at, accessor *out) {
+    open_span(g, at, out->count, component_size(out->type) * out->components, true, &out->elements);
+    if (!out->elements.bytes && out->count > ZEROS_MAX)
+        gltf_fail(g, at, "count",
+                  "is %u, and there is no bufferView; expected at most %d elements of nothing but zeros",
+                  out->count, ZEROS_MAX);
+    if (gltf_fine(g)) open_sparse(g, at, out);
 }
 
-/* The accessor that member `key` of `user` names; components and `takes` say what is expected. *index is
- * GLTF_ABSENT if there is no such member. */
-static fathom_status open_accessor(gltf *g, const gltf_value *user, const char *key, unsigned components,
-                                   unsigned takes, uint32_t *index, accessor *out) {
+/* The accessor that member `key` of `user` names, as `out`, all but its elements. False: there is none, or
+ * reading has failed. */
+static bool find_accessor(gltf *g, const gltf_value *user, const char *key, uint32_t *index, gltf_value *at,
+                          accessor *out) {
     *index = GLTF_ABSENT;
-    fathom_status status = gltf_index(g, user, key, &g->accessors, index);
-    if (status != FATHOM_OK || *index == GLTF_ABSENT) return status;
-    gltf_value at;
     *out = (accessor){.count = 0};
-    status = gltf_item(g, &g->accessors, *index, &at);
-    if (status == FATHOM_OK) status = open_head(g, &at, out);
-    if (status == FATHOM_OK && !g->array_table[*index][(takes & GLTF_TAKES_UINT) != 0].values)
-        status = open_elements(g, &at, out);
-    if (status != FATHOM_OK) return status;
-    if (out->components == components && takes & takes_bit(out->type)) return FATHOM_OK;
-    return gltf_fail(g, user, key, "is accessors[%u] of %u × %s; expected %u × %s%s%s", *index,
-                     out->components, type_name(out->type), components,
-                     takes & GLTF_TAKES_FLOAT ? "float" : "unsigned int",
-                     takes & GLTF_TAKES_SIGNED ? ", byte, short" : "",
-                     takes & GLTF_TAKES_UNSIGNED ? ", unsigned byte, unsigned short" : "");
+    gltf_index(g, user, key, &g->accessors, index);
+    if (!gltf_fine(g) || *index == GLTF_ABSENT) return false;
+    gltf_item(g, &g->accessors, *index, at);
+    open_head(g, at, out);
+    return gltf_fine(g);
 }
 
-fathom_status gltf_components(gltf *g, const gltf_value *user, const char *key, unsigned *out) {
+static void check_kind(gltf *g, const gltf_value *user, const char *key, uint32_t index, unsigned components,
+                       unsigned takes, const accessor *a) {
+    if (a->components == components && takes & takes_bit(a->type)) return;
+    gltf_fail(g, user, key, "is accessors[%u] of %u × %s; expected %u × %s%s%s", index, a->components,
+              type_name(a->type), components, takes & GLTF_TAKES_FLOAT ? "float" : "unsigned int",
+              takes & GLTF_TAKES_SIGNED ? ", byte, short" : "",
+              takes & GLTF_TAKES_UNSIGNED ? ", unsigned byte, unsigned short" : "");
+}
+
+unsigned gltf_components(gltf *g, const gltf_value *user, const char *key) {
     uint32_t index = GLTF_ABSENT;
     gltf_value at;
     const char *type = "";
-    *out = 0;
-    fathom_status status = gltf_index(g, user, key, &g->accessors, &index);
-    if (status != FATHOM_OK || index == GLTF_ABSENT) return status;
-    status = gltf_item(g, &g->accessors, index, &at);
-    if (status == FATHOM_OK) status = gltf_text(g, &at, "type", &type);
-    *out = components_of(type);
-    if (status == FATHOM_OK && !*out) *out = 1;
-    return status;
+    gltf_index(g, user, key, &g->accessors, &index);
+    if (!gltf_fine(g) || index == GLTF_ABSENT) return 0;
+    gltf_item(g, &g->accessors, index, &at);
+    gltf_text(g, &at, "type", &type);
+    return components_of(type) ? components_of(type) : 1;
 }
 
 /* ---- as arrays ---- */
@@ -324,16 +306,17 @@ static void convert(gltf *g, const accessor *a, conversion *c, loop_body body) {
 
 /* The elements as floats or integers: in place where the file holds them aligned, else converted into memory
  * of the scene that is charged to member `key` of `user`. Integers are tightly packed. */
-static fathom_status make_array(gltf *g, const gltf_value *user, const char *key, const accessor *a,
-                                bool integers, gltf_elements *out) {
+static void make_array(gltf *g, const gltf_value *user, const char *key, const accessor *a, bool integers,
+                       gltf_elements *out) {
     const size_t packed = (size_t)a->components * 4;
     *out = (gltf_elements){.values = a->elements.bytes, .stride = a->elements.stride, .count = a->count};
     bool plain = a->type == (integers ? GLTF_UINT : GLTF_FLOAT) && !a->sparse_count;
-    if (plain && is_aligned(&a->elements) && (!integers || out->stride == packed))
-        return gltf_buffer_share(g, a->elements.buffer);
+    if (plain && is_aligned(&a->elements) && (!integers || out->stride == packed)) {
+        gltf_buffer_share(g, a->elements.buffer);
+        return;
+    }
     void *memory;
-    fathom_status status = gltf_allocate(g, user, key, (uint64_t)a->count * packed, &memory);
-    if (status != FATHOM_OK) return status;
+    if (gltf_allocate(g, user, key, (uint64_t)a->count * packed, &memory) != FATHOM_OK) return;
     conversion c = {.components = a->components,
                     .divisor = a->normalized ? types[a->type - GLTF_BYTE].divisor : 1,
                     .lowest = a->normalized ? -1 : -INFINITY,
@@ -341,60 +324,59 @@ static fathom_status make_array(gltf *g, const gltf_value *user, const char *key
                     .integers = integers ? memory : NULL};
     convert(g, a, &c, integers ? types[a->type - GLTF_BYTE].integers : types[a->type - GLTF_BYTE].floats);
     out->values = memory, out->stride = packed;
-    return FATHOM_OK;
 }
 
-static fathom_status look_at_floats(gltf *g, unsigned components, gltf_elements *floats) {
-    if (components == 3)
-        return mesh_look_at_vertices(g->context, "entry", floats->values, floats->stride, floats->count,
-                                     &floats->facts);
-    return mesh_check_finite(g->context, "entry", floats->values, floats->stride, components, floats->count);
+/* Keeps what was made for the accessor; floats are looked at first. */
+static void keep_array(gltf *g, const gltf_value *user, const char *key, bool integers, unsigned components,
+                       gltf_elements *made, gltf_elements *kept) {
+    if (gltf_fine(g) && !integers && components == 3)
+        gltf_within(g, user, key,
+                    mesh_look_at_vertices(g->context, "entry", made->values, made->stride, made->count,
+                                          &made->facts));
+    else if (gltf_fine(g) && !integers)
+        gltf_within(
+            g, user, key,
+            mesh_check_finite(g->context, "entry", made->values, made->stride, components, made->count));
+    if (gltf_fine(g)) *kept = *made;
 }
 
-fathom_status gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned components,
-                              unsigned takes, bool *present, gltf_elements *out) {
+bool gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned components, unsigned takes,
+                     gltf_elements *out) {
     const bool integers = takes & GLTF_TAKES_UINT;
     accessor from;
-    uint32_t index = GLTF_ABSENT;
-    fathom_status status = open_accessor(g, user, key, components, takes, &index, &from);
-    *present = index != GLTF_ABSENT;
-    if (status != FATHOM_OK || !*present) return status;
+    gltf_value at;
+    uint32_t index;
+    *out = (gltf_elements){.values = NULL};
+    if (!find_accessor(g, user, key, &index, &at, &from)) return false;
     gltf_elements *kept = &g->array_table[index][integers];
-    if (!kept->values) {
-        status = make_array(g, user, key, &from, integers, out);
-        if (status != FATHOM_OK) return status;
-        if (!integers) status = gltf_within(g, user, key, look_at_floats(g, components, out));
-        if (status != FATHOM_OK) return status;
-        *kept = *out;
+    if (!kept->values) open_elements(g, &at, &from);
+    check_kind(g, user, key, index, components, takes, &from);
+    if (gltf_fine(g) && !kept->values) {
+        make_array(g, user, key, &from, integers, out);
+        keep_array(g, user, key, integers, components, out, kept);
     }
-    *out = *kept;
-    return FATHOM_OK;
+    if (gltf_fine(g)) *out = *kept;
+    return gltf_fine(g);
 }
 
 fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, bool integers,
                               unsigned components, bool normalized, uint32_t count, const void *values) {
-    uint32_t index = GLTF_ABSENT;
+    const size_t total = (size_t)count * components;
+    uint32_t index;
     gltf_value at;
-    accessor a = {.count = 0};
+    accessor a;
     void *memory;
-    fathom_status status = gltf_index(g, user, key, &g->accessors, &index);
-    if (status == FATHOM_OK) status = gltf_item(g, &g->accessors, index, &at);
-    if (status == FATHOM_OK) status = open_head(g, &at, &a);
-    if (status != FATHOM_OK) return status;
+    if (!find_accessor(g, user, key, &index, &at, &a)) return g->status;
     if (a.count != count || a.components != components)
         return gltf_fail(g, user, key, "is accessors[%u] of %u × %u numbers; what is unpacked has %u × %u",
                          index, a.count, a.components, count, components);
     gltf_elements *kept = &g->array_table[index][integers];
-    if (kept->values) return FATHOM_OK;
-    const size_t total = (size_t)count * components;
-    status = gltf_allocate(g, user, key, total * 4, &memory);
-    if (status != FATHOM_OK) return status;
+    if (kept->values || gltf_allocate(g, user, key, total * 4, &memory) != FATHOM_OK) return g->status;
     memcpy(memory, values, total * 4);
     const float divisor = a.normalized && !normalized && !integers ? types[a.type - GLTF_BYTE].divisor : 1;
     float *floats = memory;
     for (size_t i = 0; divisor != 1 && i < total; ++i) floats[i] = fmaxf(floats[i] / divisor, -1);
     gltf_elements made = {.values = memory, .stride = (size_t)components * 4, .count = count};
-    if (!integers) status = gltf_within(g, user, key, look_at_floats(g, components, &made));
-    if (status == FATHOM_OK) *kept = made;
-    return status;
+    keep_array(g, user, key, integers, components, &made, kept);
+    return g->status;
 }

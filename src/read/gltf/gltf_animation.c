@@ -103,54 +103,47 @@ static void evaluate(const sampler *s, double t, double *out) {
 
 /* ---- samplers ---- */
 
-static fathom_status read_interpolation(gltf *g, sampler *s) {
+static void read_interpolation(gltf *g, sampler *s) {
     static const char *const names[] = {"STEP", "LINEAR", "CUBICSPLINE"};
     const char *name = names[LINEAR];
-    fathom_status status = gltf_text(g, &s->at, "interpolation", &name);
-    if (status != FATHOM_OK) return status;
+    gltf_text(g, &s->at, "interpolation", &name);
     for (unsigned i = 0; i < 3; ++i) {
         s->way = (interpolation)i;
-        if (strcmp(name, names[i]) == 0) return FATHOM_OK;
+        if (strcmp(name, names[i]) == 0) return;
     }
-    return gltf_fail(g, &s->at, "interpolation", "is \"%.40s\"; expected LINEAR, STEP or CUBICSPLINE", name);
+    gltf_fail(g, &s->at, "interpolation", "is \"%.40s\"; expected LINEAR, STEP or CUBICSPLINE", name);
 }
 
-static fathom_status check_times(gltf *g, const sampler *s) {
+static void check_times(gltf *g, const sampler *s) {
     for (uint32_t k = 1; k < s->times.count; ++k) {
         if (!(time_of(s, k) > time_of(s, k - 1)))
-            return gltf_fail(g, &s->at, "input", "has %g s after %g s, at key %u; expected times that rise",
-                             time_of(s, k), time_of(s, k - 1), k);
+            gltf_fail(g, &s->at, "input", "has %g s after %g s, at key %u; expected times that rise",
+                      time_of(s, k), time_of(s, k - 1), k);
     }
-    return FATHOM_OK;
 }
 
 /* As many values as the keys ask for; of weights, a whole number for each key. */
-static fathom_status check_values(gltf *g, sampler *s) {
+static void check_values(gltf *g, sampler *s) {
     const uint64_t items = s->times.count * (uint64_t)(s->way == CUBICSPLINE ? 3 : 1);
     if (s->scalars) s->per_key = (size_t)(s->values.count / items);
-    if (s->per_key && s->values.count == items * (s->scalars ? s->per_key : 1)) return FATHOM_OK;
-    return gltf_fail(g, &s->at, "output", "has %u entries; expected %llu%s for %u keys%s", s->values.count,
-                     (unsigned long long)items,
-                     s->scalars ? ", or that times the number of morph targets," : "", s->times.count,
-                     s->way == CUBICSPLINE ? " of a cubic spline, three for each" : "");
+    if (s->per_key && s->values.count == items * (s->scalars ? s->per_key : 1)) return;
+    gltf_fail(g, &s->at, "output", "has %u entries; expected %llu%s for %u keys%s", s->values.count,
+              (unsigned long long)items, s->scalars ? ", or that times the number of morph targets," : "",
+              s->times.count, s->way == CUBICSPLINE ? " of a cubic spline, three for each" : "");
 }
 
-static fathom_status read_sampler(gltf *g, const gltf_value *samplers, uint32_t index, int part, sampler *s) {
-    const unsigned whole = GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED;
-    bool times = false, values = false;
+static void read_sampler(gltf *g, const gltf_value *samplers, uint32_t index, int part, sampler *s) {
     s->turns = part == GLTF_ROTATION, s->scalars = part == GLTF_PARTS;
     s->per_key = s->scalars ? 1 : s->turns ? 4 : 3;
-    fathom_status status = gltf_item(g, samplers, index, &s->at);
-    if (status == FATHOM_OK) status = read_interpolation(g, s);
-    if (status == FATHOM_OK)
-        status = gltf_array_read(g, &s->at, "input", 1, GLTF_TAKES_FLOAT, &times, &s->times);
-    if (status == FATHOM_OK)
-        status = gltf_array_read(g, &s->at, "output", (unsigned)s->per_key, whole, &values, &s->values);
-    if (status != FATHOM_OK) return status;
+    gltf_item(g, samplers, index, &s->at);
+    read_interpolation(g, s);
+    const bool times = gltf_array_read(g, &s->at, "input", 1, GLTF_TAKES_FLOAT, &s->times),
+               values = gltf_array_read(g, &s->at, "output", (unsigned)s->per_key, GLTF_TAKES_QUANTIZED,
+                                        &s->values);
     if (!times || !values)
-        return gltf_fail(g, &s->at, NULL, "is not whole; expected input and output, indices into accessors");
-    status = check_times(g, s);
-    return status == FATHOM_OK ? check_values(g, s) : status;
+        gltf_fail(g, &s->at, NULL, "is not whole; expected input and output, indices into accessors");
+    if (gltf_fine(g)) check_times(g, s);
+    if (gltf_fine(g)) check_values(g, s);
 }
 
 /* ---- channels ---- */
@@ -165,23 +158,23 @@ static gltf_pose *pose_for(gltf *g, gltf_moment *m, uint32_t node) {
     return &m->poses.items[m->pose_of[node] - 1];
 }
 
-static fathom_status pose_weights(gltf *g, const sampler *s, double t, gltf_pose *pose) {
+static void pose_weights(gltf *g, const sampler *s, double t, gltf_pose *pose) {
     const size_t bytes = s->per_key * sizeof(double);
-    fathom_status status = gltf_charge(g, &s->at, NULL, bytes);
-    if (status != FATHOM_OK) return status;
+    if (gltf_charge(g, &s->at, NULL, bytes) != FATHOM_OK) return;
     free(pose->weights);
     pose->weights = malloc(bytes);
     pose->weight_count = pose->weights ? s->per_key : 0;
-    if (!pose->weights) return fail_memory(g->context, bytes);
-    evaluate(s, t, pose->weights);
-    return FATHOM_OK;
+    if (pose->weights)
+        evaluate(s, t, pose->weights);
+    else
+        gltf_fail_memory(g, bytes);
 }
 
-static fathom_status pose_part(gltf *g, const sampler *s, double t, int part, gltf_pose *pose) {
+static void pose_part(gltf *g, const sampler *s, double t, int part, gltf_pose *pose) {
     evaluate(s, t, pose->parts[part]);
     pose->given[part] = true;
-    if (part != GLTF_ROTATION || gltf_is_rotation(pose->parts[part])) return FATHOM_OK;
-    return gltf_fail(g, &s->at, "output", "is a rotation of zero at %g s; expected unit quaternions", t);
+    if (part == GLTF_ROTATION && !gltf_is_rotation(pose->parts[part]))
+        gltf_fail(g, &s->at, "output", "is a rotation of zero at %g s; expected unit quaternions", t);
 }
 
 /* GLTF_PARTS: weights; -1, and noted: nothing that is followed. */
@@ -211,54 +204,58 @@ static double time_to_pose(gltf *g, const gltf_moment *m, const sampler *s, uint
     return open;
 }
 
-static fathom_status pose_channel(gltf *g, gltf_moment *m, const gltf_value *samplers,
-                                  const gltf_value *channel) {
+static void pose_channel(gltf *g, gltf_moment *m, const gltf_value *samplers, const gltf_value *channel) {
     gltf_value target;
     const char *path = "";
     uint32_t node = GLTF_ABSENT, index = GLTF_ABSENT;
-    fathom_status status = gltf_object(g, channel, "target", &target);
-    if (status == FATHOM_OK) status = gltf_text(g, &target, "path", &path);
-    if (status == FATHOM_OK) status = gltf_index(g, &target, "node", &g->nodes, &node);
-    if (status == FATHOM_OK) status = gltf_index(g, channel, "sampler", samplers, &index);
-    if (status != FATHOM_OK) return status;
-    if (index == GLTF_ABSENT)
-        return gltf_fail(g, channel, "sampler", "is missing; expected an index into samplers");
+    gltf_object(g, channel, "target", &target);
+    gltf_text(g, &target, "path", &path);
+    gltf_index(g, &target, "node", &g->nodes, &node);
+    gltf_index(g, channel, "sampler", samplers, &index);
+    if (index == GLTF_ABSENT) gltf_fail(g, channel, "sampler", "is missing; expected an index into samplers");
+    if (!gltf_fine(g)) return;
     const int part = find_path(g, &target, path);
     /* Without a node it is an extension's. */
-    if (part < 0 || node == GLTF_ABSENT) return FATHOM_OK;
+    if (part < 0 || node == GLTF_ABSENT) return;
     sampler s;
-    status = read_sampler(g, samplers, index, part, &s);
-    if (status != FATHOM_OK) return status;
-    gltf_pose *pose = pose_for(g, m, node);
-    if (!pose) return fail_memory(g->context, sizeof *pose);
+    read_sampler(g, samplers, index, part, &s);
+    gltf_pose *pose = gltf_fine(g) ? pose_for(g, m, node) : NULL;
+    if (!pose) {
+        gltf_fail_memory(g, sizeof *pose);
+        return;
+    }
     const double time = time_to_pose(g, m, &s, node);
-    return part == GLTF_PARTS ? pose_weights(g, &s, time, pose) : pose_part(g, &s, time, part, pose);
+    if (part == GLTF_PARTS)
+        pose_weights(g, &s, time, pose);
+    else
+        pose_part(g, &s, time, part, pose);
 }
 
-fathom_status gltf_animation_pose(gltf *g, gltf_moment *m) {
+void gltf_animation_pose(gltf *g, gltf_moment *m) {
     gltf_value animation, channels, samplers;
-    fathom_status status = gltf_item(g, &g->animations, g->animation, &animation);
-    if (status == FATHOM_OK) status = gltf_array(g, &animation, "channels", &channels);
-    if (status == FATHOM_OK) status = gltf_array(g, &animation, "samplers", &samplers);
-    for (size_t i = 0; i < gltf_count(&channels) && status == FATHOM_OK; ++i) {
+    gltf_item(g, &g->animations, g->animation, &animation);
+    gltf_array(g, &animation, "channels", &channels);
+    gltf_array(g, &animation, "samplers", &samplers);
+    for (size_t i = 0; i < gltf_count(&channels) && gltf_fine(g); ++i) {
         gltf_value channel;
-        status = gltf_item(g, &channels, i, &channel);
-        if (status == FATHOM_OK) status = pose_channel(g, m, &samplers, &channel);
+        gltf_item(g, &channels, i, &channel);
+        pose_channel(g, m, &samplers, &channel);
     }
     g->posed = true;
-    return status;
 }
 
 /* ---- which one ---- */
 
-fathom_status gltf_animation_choose(gltf *g) {
+void gltf_animation_choose(gltf *g) {
     const fathom_read_options *asked = g->scene->asked;
     const size_t count = gltf_count(&g->animations);
     g->animation = GLTF_ABSENT;
-    if (!count) return FATHOM_OK;
+    if (!count) return;
     g->scene->has_animations = true;
-    if (asked && asked->animation)
-        return gltf_choose(g, &g->animations, "animation", asked->animation, &g->animation);
+    if (asked && asked->animation) {
+        g->animation = gltf_choose(g, &g->animations, "animation", asked->animation);
+        return;
+    }
     if (asked && (asked->choose_time || asked->shutter > 0)) g->animation = 0;
     char list[GLTF_LIST];
     gltf_print_names(&g->animations, list);
@@ -268,5 +265,4 @@ fathom_status gltf_animation_choose(gltf *g) {
         gltf_note_all(g, &g->animations,
                       "animations, of which the first is posed; --animation NAME|N takes another of %s",
                       list);
-    return FATHOM_OK;
 }

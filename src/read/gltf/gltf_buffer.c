@@ -21,66 +21,71 @@ static uint32_t word_at(const unsigned char *bytes, size_t at) {
 }
 
 #define fail_byte(g, position, ...)                                                                          \
-    fail_at((g)->context, FATHOM_BAD_INPUT,                                                                  \
-            &(const fathom_place){.file = (g)->path, .has_byte = true, .byte = position}, __VA_ARGS__)
+    ((g)->status =                                                                                           \
+         fail_at((g)->context, FATHOM_BAD_INPUT,                                                             \
+                 &(const fathom_place){.file = (g)->path, .has_byte = true, .byte = position}, __VA_ARGS__))
 
 /* `at`: where the text begins in a GLB; 0 for a .gltf file. */
-static fathom_status parse_json(gltf *g, const char *text, size_t size, size_t at) {
+static void parse_json(gltf *g, const char *text, size_t size, size_t at) {
     json_error_t error;
     g->text = text, g->text_at = at;
     /* Duplicate keys are an error: which of them counts would be a guess. */
     g->root = (gltf_value){.json = json_arena_read(&g->arena, text, size, JSON_REJECT_DUPLICATES, &error)};
-    if (g->arena.lacked) return fail_memory(g->context, size);
-    if (!g->root.json) {
-        if (at) {
-            return fail_byte(g, at + (size_t)(error.position > 0 ? error.position : 0),
-                             "JSON chunk, line %d, column %d: %s", error.line, error.column,
-                             json_syntax_text(&error));
-        }
-        return json_syntax_fail(g->context, g->path, &error);
-    }
-    if (json_is_object(g->root.json)) return FATHOM_OK;
-    return fail_file(g->context, FATHOM_BAD_INPUT, g->path, "the JSON is an array; expected a glTF object");
+    if (g->arena.lacked)
+        gltf_fail_memory(g, size);
+    else if (!g->root.json && at)
+        fail_byte(g, at + (size_t)(error.position > 0 ? error.position : 0),
+                  "JSON chunk, line %d, column %d: %s", error.line, error.column, json_syntax_text(&error));
+    else if (!g->root.json)
+        g->status = json_syntax_fail(g->context, g->path, &error);
+    else if (!json_is_object(g->root.json))
+        g->status =
+            fail_file(g->context, FATHOM_BAD_INPUT, g->path, "the JSON is an array; expected a glTF object");
 }
 
-static fathom_status check_header(gltf *g, const file_map *map, size_t *length) {
-    if (map->size < HEADER_SIZE) return fail_byte(g, map->size, "the file ends inside the GLB header");
-    uint32_t version = word_at(map->bytes, 4);
-    if (version == 1)
-        return fail_byte(
-            g, 4,
-            "the file is glTF 1.0, which is not read; expected glTF 2.0: export the model again, or "
-            "convert it, for instance by gltf-pipeline");
-    if (version != 2) return fail_byte(g, 4, "GLB version %u; expected 2", version);
-    *length = word_at(map->bytes, 8);
-    if (*length > map->size) {
-        return fail_byte(g, 8, "the header says %zu bytes, the file ends after %zu: it is cut short", *length,
-                         map->size);
-    }
-    if (*length < HEADER_SIZE + CHUNK_HEADER_SIZE)
-        return fail_byte(g, 8, "the header's length leaves no room for a JSON chunk");
-    return FATHOM_OK;
+/* The length that the file says it has, as far as it is there. */
+static size_t read_header(gltf *g, const file_map *map) {
+    const uint32_t version = map->size < HEADER_SIZE ? 0 : word_at(map->bytes, 4);
+    const size_t length = map->size < HEADER_SIZE ? 0 : word_at(map->bytes, 8);
+    if (map->size < HEADER_SIZE)
+        fail_byte(g, map->size, "the file ends inside the GLB header");
+    else if (version == 1)
+        fail_byte(g, 4,
+                  "the file is glTF 1.0, which is not read; expected glTF 2.0: export the model again, or "
+                  "convert it, for instance by gltf-pipeline");
+    else if (version != 2)
+        fail_byte(g, 4, "GLB version %u; expected 2", version);
+    else if (length > map->size)
+        fail_byte(g, 8, "the header says %zu bytes, the file ends after %zu: it is cut short", length,
+                  map->size);
+    else if (length < HEADER_SIZE + CHUNK_HEADER_SIZE)
+        fail_byte(g, 8, "the header's length leaves no room for a JSON chunk");
+    return length;
 }
 
 /* The JSON chunk comes first, the BIN chunk second; other chunks are skipped, as the format asks. */
-static fathom_status read_chunks(gltf *g, const file_map *map, size_t length) {
+static void read_chunks(gltf *g, const file_map *map) {
+    const size_t length = read_header(g, map);
     size_t json_at = 0, json_size = 0;
-    for (size_t at = HEADER_SIZE, i = 0; at < length; ++i) {
-        if (length - at < CHUNK_HEADER_SIZE) return fail_byte(g, at, "the file ends inside a chunk header");
-        uint32_t size = word_at(map->bytes, at), type = word_at(map->bytes, at + 4);
-        size_t data = at + CHUNK_HEADER_SIZE;
-        if (size > length - data) {
-            return fail_byte(g, at, "the chunk has %u bytes; only %zu are left", size, length - data);
+    for (size_t at = HEADER_SIZE, i = 0; at < length && gltf_fine(g); ++i) {
+        if (length - at < CHUNK_HEADER_SIZE) {
+            fail_byte(g, at, "the file ends inside a chunk header");
+            break;
         }
-        if (i == 0 && type != chunk_json)
-            return fail_byte(g, at + 4, "the first chunk is not JSON; expected the type 0x4E4F534A");
+        const uint32_t size = word_at(map->bytes, at), type = word_at(map->bytes, at + 4);
+        const size_t data = at + CHUNK_HEADER_SIZE;
+        if (size > length - data)
+            fail_byte(g, at, "the chunk has %u bytes; only %zu are left", size, length - data);
+        else if (i == 0 && type != chunk_json)
+            fail_byte(g, at + 4, "the first chunk is not JSON; expected the type 0x4E4F534A");
         if (i == 0) json_at = data, json_size = size;
         if (i == 1 && type == chunk_bin) g->binary = map->bytes + data, g->binary_size = size;
         at = data + size;
     }
+    if (!gltf_fine(g)) return;
     /* The standard pads with spaces, older writers with zeros, which no JSON parser takes. */
     while (json_size && map->bytes[json_at + json_size - 1] == 0) --json_size;
-    return parse_json(g, (const char *)map->bytes + json_at, json_size, json_at);
+    parse_json(g, (const char *)map->bytes + json_at, json_size, json_at);
 }
 
 static void release_source(void *data) {
@@ -90,26 +95,25 @@ static void release_source(void *data) {
     free(source);
 }
 
-fathom_status gltf_open(gltf *g) {
-    g->source = calloc(1, sizeof *g->source);
-    if (!g->source) return fail_memory(g->context, sizeof *g->source);
-    fathom_status status = file_open(g->context, g->path, &g->source->map);
-    if (status != FATHOM_OK) return status;
-    const file_map *map = &g->source->map;
-    g->file_bytes = map->size;
-    if (map->size >= 4 && memcmp(map->bytes, "glTF", 4) == 0) {
-        size_t length = 0;
-        status = check_header(g, map, &length);
-        return status == FATHOM_OK ? read_chunks(g, map, length) : status;
-    }
+void gltf_open(gltf *g) {
     char extension[16];
-    file_extension(g->path, extension);
-    if (strcmp(extension, "glb") == 0)
-        return fail_byte(g, 0, "expected the magic number \"glTF\" of a binary glTF file");
-    /* A byte order mark is against the standard but harmless. */
+    g->source = calloc(1, sizeof *g->source);
+    g->status = g->source ? file_open(g->context, g->path, &g->source->map)
+                          : fail_memory(g->context, sizeof *g->source);
+    if (!gltf_fine(g)) return;
+    const file_map *map = &g->source->map;
     const char *end = (const char *)map->bytes + map->size;
-    const char *text = text_after_mark((const char *)map->bytes, end);
-    return parse_json(g, text, (size_t)(end - text), 0);
+    g->file_bytes = map->size;
+    file_extension(g->path, extension);
+    if (map->size >= 4 && memcmp(map->bytes, "glTF", 4) == 0) {
+        read_chunks(g, map);
+    } else if (strcmp(extension, "glb") == 0) {
+        fail_byte(g, 0, "expected the magic number \"glTF\" of a binary glTF file");
+    } else {
+        /* A byte order mark is against the standard but harmless. */
+        const char *text = text_after_mark((const char *)map->bytes, end);
+        parse_json(g, text, (size_t)(end - text), 0);
+    }
 }
 
 /* ---- buffers ---- */
@@ -145,27 +149,25 @@ static size_t decode_base64(const char *text, size_t length, unsigned char *out,
 
 bool gltf_is_data(const char *uri) { return strncasecmp(uri, "data:", 5) == 0; }
 
-fathom_status gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
-    const char *comma = strchr(uri, ',');
+void gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
     static const char mark[] = ";base64";
     const size_t mark_length = sizeof mark - 1;
+    const char *comma = strchr(uri, ',');
     if (!comma || (size_t)(comma - uri) < mark_length ||
         strncasecmp(comma - mark_length, mark, mark_length) != 0) {
-        return gltf_fail(g, at, "uri", "is a data URI without \";base64,\"; expected base64");
+        gltf_fail(g, at, "uri", "is a data URI without \";base64,\"; expected base64");
+        return;
     }
-    const char *text = comma + 1;
-    size_t length = strlen(text), size;
+    const size_t length = strlen(comma + 1);
+    size_t size;
     void *bytes;
-    fathom_status status = scene_allocate(g->scene, (length + 3) / 4 * 3, &bytes);
-    if (status != FATHOM_OK) return status;
-    size_t good = decode_base64(text, length, bytes, &size);
-    if (good != length) {
-        return gltf_fail(g, at, "uri", "is not base64 from its character %zu on",
-                         (size_t)(text - uri) + good);
-    }
-    out->bytes = bytes;
-    out->size = size;
-    return FATHOM_OK;
+    if (gltf_fine(g)) g->status = scene_allocate(g->scene, (length + 3) / 4 * 3, &bytes);
+    if (!gltf_fine(g)) return;
+    const size_t good = decode_base64(comma + 1, length, bytes, &size);
+    if (good != length)
+        gltf_fail(g, at, "uri", "is not base64 from its character %zu on", (size_t)(comma + 1 - uri) + good);
+    else
+        *out = (gltf_buffer){.bytes = bytes, .size = size};
 }
 
 /* "my%20mesh.bin" -> "my mesh.bin", in place. */
@@ -187,87 +189,84 @@ static bool has_scheme(const char *uri) {
     return colon && (!slash || colon < slash);
 }
 
-/* Wherever the file is. */
-static fathom_status path_of(gltf *g, const gltf_value *at, const char *uri, char **path) {
-    *path = NULL;
+/* Wherever the file is; NULL: reading has failed. */
+static char *path_of(gltf *g, const gltf_value *at, const char *uri) {
+    char *path = NULL, *name = strdup(uri);
     if (has_scheme(uri)) {
-        return gltf_fail(g, at, "uri", "is \"%.80s\"; expected a file next to this one or a data URI", uri);
+        gltf_fail(g, at, "uri", "is \"%.80s\"; expected a file next to this one or a data URI", uri);
+    } else if (!name) {
+        gltf_fail_memory(g, strlen(uri));
+    } else if (gltf_fine(g)) {
+        decode_percent(name);
+        gltf_within(g, at, "uri", read_beside(g->scene, g->path, name, &path));
     }
-    char *name = strdup(uri);
-    if (!name) return fail_memory(g->context, strlen(uri));
-    decode_percent(name);
-    fathom_status status = read_beside(g->scene, g->path, name, path);
     free(name);
-    return gltf_within(g, at, "uri", status);
+    return path;
 }
 
-fathom_status gltf_file_path(gltf *g, const gltf_value *at, const char *uri, char **path) {
-    fathom_status status = path_of(g, at, uri, path);
-    if (status == FATHOM_OK && access(*path, F_OK) != 0) {
-        free(*path);
-        *path = NULL;
-    }
-    return status;
-}
-
-static fathom_status load_file(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
-    char *path;
-    fathom_status status = path_of(g, at, uri, &path);
-    if (status != FATHOM_OK) return status;
-    gltf_source *source = calloc(1, sizeof *source);
-    status = source ? file_open(g->context, path, &source->map) : fail_memory(g->context, sizeof *source);
+char *gltf_file_path(gltf *g, const gltf_value *at, const char *uri) {
+    char *path = path_of(g, at, uri);
+    if (!path || access(path, F_OK) == 0) return path;
     free(path);
-    if (status != FATHOM_OK) {
+    return NULL;
+}
+
+static void load_file(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
+    char *path = path_of(g, at, uri);
+    if (!path) return;
+    gltf_source *source = calloc(1, sizeof *source);
+    if (source)
+        gltf_within(g, at, "uri", file_open(g->context, path, &source->map));
+    else
+        gltf_fail_memory(g, sizeof *source);
+    free(path);
+    if (!gltf_fine(g)) {
         free(source);
-        return gltf_within(g, at, "uri", status);
+        return;
     }
     g->file_bytes += source->map.size;
     *out = (gltf_buffer){source->map.bytes, source->map.size, source, true};
-    return FATHOM_OK;
 }
 
-static fathom_status load(gltf *g, const gltf_value *at, gltf_buffer *out) {
+static void load(gltf *g, const gltf_value *at, gltf_buffer *out) {
     const char *uri = NULL;
-    fathom_status status = gltf_text(g, at, "uri", &uri);
-    if (status != FATHOM_OK) return status;
-    if (uri) return gltf_is_data(uri) ? gltf_data_uri(g, at, uri, out) : load_file(g, at, uri, out);
-    if (at->index || !g->binary) {
-        return gltf_fail(g, at, NULL, "has no uri%s",
-                         at->index ? "; only the first buffer may lack one, as the GLB's BIN chunk"
-                                   : ", and the file has no BIN chunk");
-    }
-    *out = (gltf_buffer){g->binary, g->binary_size, g->source, false};
-    return FATHOM_OK;
+    gltf_text(g, at, "uri", &uri);
+    if (uri && gltf_is_data(uri))
+        gltf_data_uri(g, at, uri, out);
+    else if (uri)
+        load_file(g, at, uri, out);
+    else if (at->index || !g->binary)
+        gltf_fail(g, at, NULL, "has no uri%s",
+                  at->index ? "; only the first buffer may lack one, as the GLB's BIN chunk"
+                            : ", and the file has no BIN chunk");
+    else
+        *out = (gltf_buffer){g->binary, g->binary_size, g->source, false};
 }
 
 fathom_status gltf_buffer_load(gltf *g, uint32_t index, gltf_buffer **out) {
-    gltf_buffer *buffer = *out = &g->buffer_table[index];
-    if (buffer->bytes) return FATHOM_OK;
     gltf_value at;
-    fathom_status status = gltf_item(g, &g->buffers, index, &at);
     uint64_t size = 0;
-    if (status == FATHOM_OK) status = gltf_integer(g, &at, "byteLength", 1, INT64_MAX, &size);
-    if (status != FATHOM_OK) return status;
-    if (!size) return gltf_fail(g, &at, "byteLength", "is missing; expected the buffer's size");
-    status = load(g, &at, buffer);
-    if (status != FATHOM_OK) return status;
-    if (buffer->size < size) {
-        return gltf_fail(g, &at, "byteLength", "is %llu; there are only %llu bytes: the data is cut short",
-                         (unsigned long long)size, (unsigned long long)buffer->size);
-    }
-    buffer->size = size;
-    return FATHOM_OK;
+    gltf_buffer *buffer = *out = &g->buffer_table[index];
+    if (!gltf_fine(g) || buffer->bytes) return g->status;
+    gltf_item(g, &g->buffers, index, &at);
+    gltf_integer(g, &at, "byteLength", 1, INT64_MAX, &size);
+    if (!size) gltf_fail(g, &at, "byteLength", "is missing; expected the buffer's size");
+    if (gltf_fine(g)) load(g, &at, buffer);
+    if (buffer->size < size)
+        gltf_fail(g, &at, "byteLength", "is %llu; there are only %llu bytes: the data is cut short",
+                  (unsigned long long)size, (unsigned long long)buffer->size);
+    if (gltf_fine(g)) buffer->size = size;
+    return g->status;
 }
 
-fathom_status gltf_buffer_share(gltf *g, gltf_buffer *buffer) {
+void gltf_buffer_share(gltf *g, gltf_buffer *buffer) {
     gltf_source *source = buffer ? buffer->source : NULL;
-    if (!source || source->shared) return FATHOM_OK;
+    if (!gltf_fine(g) || !source || source->shared) return;
     source->shared = true;
-    fathom_status status = scene_adopt_file(g->scene, source, release_source, &source->map);
-    if (status == FATHOM_OK) return FATHOM_OK;
+    g->status = scene_adopt_file(g->scene, source, release_source, &source->map);
+    if (gltf_fine(g)) return;
     /* It is released already. */
     buffer->source = NULL;
     buffer->bytes = NULL;
     if (!buffer->owns_source) g->source = NULL;
-    return status;
 }

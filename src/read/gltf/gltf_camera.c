@@ -19,63 +19,62 @@ static const char *name_of(const gltf_value *value) {
     return json_string_value(json_object_get(value->json, "name"));
 }
 
-static fathom_status read_type(gltf *g, const gltf_value *camera, bool *orthographic) {
+static bool is_orthographic(gltf *g, const gltf_value *camera) {
     const char *type = "perspective";
-    fathom_status status = gltf_text(g, camera, "type", &type);
-    if (status != FATHOM_OK) return status;
-    *orthographic = strcmp(type, "orthographic") == 0;
-    if (*orthographic || strcmp(type, "perspective") == 0) return FATHOM_OK;
-    return gltf_fail(g, camera, "type", "is \"%.40s\"; expected perspective or orthographic", type);
+    gltf_text(g, camera, "type", &type);
+    const bool orthographic = strcmp(type, "orthographic") == 0;
+    if (!orthographic && strcmp(type, "perspective") != 0)
+        gltf_fail(g, camera, "type", "is \"%.40s\"; expected perspective or orthographic", type);
+    return orthographic;
 }
 
 /* Names are no longer than the document, but many nodes may hold the same camera. */
-static fathom_status charge(gltf *g, const gltf_value *node, const char *own_name) {
+static void charge(gltf *g, const gltf_value *node, const char *own_name) {
     const size_t kept = sizeof(gltf_camera) + sizeof(scene_camera);
-    return gltf_charge(g, node, "camera", 3 * kept + (own_name ? strlen(own_name) : 0));
+    gltf_charge(g, node, "camera", 3 * kept + (own_name ? strlen(own_name) : 0));
 }
 
-fathom_status gltf_camera_note(gltf *g, const gltf_value *node) {
+void gltf_camera_note(gltf *g, const gltf_value *node) {
     gltf_value camera;
     gltf_camera noted = {.node = (uint32_t)node->index, .index = GLTF_ABSENT};
-    bool orthographic = false;
-    fathom_status status = gltf_index(g, node, "camera", &g->cameras, &noted.index);
-    if (status != FATHOM_OK || noted.index == GLTF_ABSENT) return status;
-    status = gltf_item(g, &g->cameras, noted.index, &camera);
-    if (status == FATHOM_OK) status = read_type(g, &camera, &orthographic);
-    if (status == FATHOM_OK) status = charge(g, node, name_of(&camera));
-    if (status != FATHOM_OK) return status;
-    if (!array_push(&g->seen_cameras, noted)) return fail_memory(g->context, sizeof noted);
-    return scene_note_camera(g->scene, name_of(node), name_of(&camera), orthographic);
+    gltf_index(g, node, "camera", &g->cameras, &noted.index);
+    if (noted.index == GLTF_ABSENT) return;
+    gltf_item(g, &g->cameras, noted.index, &camera);
+    const bool orthographic = is_orthographic(g, &camera);
+    charge(g, node, name_of(&camera));
+    if (!gltf_fine(g)) return;
+    if (array_push(&g->seen_cameras, noted))
+        g->status = scene_note_camera(g->scene, name_of(node), name_of(&camera), orthographic);
+    else
+        gltf_fail_memory(g, sizeof noted);
 }
 
 /* Half the width and height of the view; a file may mirror it, which says nothing here. */
-static fathom_status read_orthographic(gltf *g, const gltf_value *camera, double *high, double *aspect) {
+static void read_orthographic(gltf *g, const gltf_value *camera, double *high, double *aspect) {
     gltf_value orthographic;
     double across = 0, up = 0;
-    fathom_status status = gltf_object(g, camera, "orthographic", &orthographic);
-    if (status == FATHOM_OK) status = gltf_number(g, &orthographic, "xmag", -1e30, 1e30, &across);
-    if (status == FATHOM_OK) status = gltf_number(g, &orthographic, "ymag", -1e30, 1e30, &up);
-    if (status != FATHOM_OK) return status;
+    gltf_object(g, camera, "orthographic", &orthographic);
+    gltf_number(g, &orthographic, "xmag", -1e30, 1e30, &across);
+    gltf_number(g, &orthographic, "ymag", -1e30, 1e30, &up);
     if (!(across * up != 0))
-        return gltf_fail(g, &orthographic, NULL, "has xmag %g and ymag %g; expected numbers other than 0",
-                         across, up);
+        gltf_fail(g, &orthographic, NULL, "has xmag %g and ymag %g; expected numbers other than 0", across,
+                  up);
     *high = 2 * fabs(up) * gltf_unit(g);
     *aspect = fabs(across / up);
-    return FATHOM_OK;
 }
 
-static fathom_status read_perspective(gltf *g, const gltf_value *camera, double *fovy, double *aspect) {
+static void read_perspective(gltf *g, const gltf_value *camera, double *high, double *aspect) {
     gltf_value perspective;
-    *fovy = *aspect = 0;
-    fathom_status status = gltf_object(g, camera, "perspective", &perspective);
-    if (status == FATHOM_OK) status = gltf_number(g, &perspective, "yfov", 0, INFINITY, fovy);
-    if (status == FATHOM_OK) status = gltf_number(g, &perspective, "aspectRatio", 0, INFINITY, aspect);
-    if (status != FATHOM_OK) return status;
-    if (!(*fovy > 0 && *fovy < pi))
-        return gltf_fail(g, &perspective, "yfov", "is %g; expected radians between 0 and pi", *fovy);
+    double fovy = 0;
+    *aspect = 0;
+    gltf_object(g, camera, "perspective", &perspective);
+    gltf_number(g, &perspective, "yfov", 0, INFINITY, &fovy);
+    gltf_number(g, &perspective, "aspectRatio", 0, INFINITY, aspect);
+    if (!(fovy > 0 && fovy < pi))
+        gltf_fail(g, &perspective, "yfov", "is %g; expected radians between 0 and pi", fovy);
     if (json_object_get(perspective.json, "aspectRatio") && !(*aspect > 0))
-        return gltf_fail(g, &perspective, "aspectRatio", "is %g; expected a number > 0", *aspect);
-    return FATHOM_OK;
+        gltf_fail(g, &perspective, "aspectRatio", "is %g; expected a number > 0", *aspect);
+    *high = 2 * tan(fovy / 2);
 }
 
 /* Scale does not change it, but for its place. */
@@ -88,7 +87,7 @@ static affine_f64 frame_of(const gltf *g, const affine_f64 *to_world) {
                          {frame.x.z, frame.y.z, frame.z.z, frame.origin.z}}};
 }
 
-static fathom_status set_camera(gltf *g, const gltf_value *node, fathom_camera camera, gltf_way *way) {
+static void set_camera(gltf *g, const gltf_value *node, fathom_camera camera, gltf_way *way) {
     for (size_t k = 0; k < way->count; ++k) way->at[k] = frame_of(g, &way->at[k]);
     for (int i = 0; i < 3; ++i) {
         const double *row = way->at[0].m[i];
@@ -99,29 +98,27 @@ static fathom_status set_camera(gltf *g, const gltf_value *node, fathom_camera c
         camera.key_count = (uint32_t)way->count, camera.key_times = g->key_times;
         camera.key_frames = &way->at[0].m[0][0];
     }
-    return gltf_within(g, node, NULL, fathom_scene_set_camera(g->scene, &camera));
+    gltf_within(g, node, NULL, fathom_scene_set_camera(g->scene, &camera));
 }
 
-fathom_status gltf_camera_take(gltf *g) {
-    fathom_status status = scene_choose_camera(g->scene, g->path);
-    if (status != FATHOM_OK || g->scene->camera_taken == FATHOM_NONE) return status;
+void gltf_camera_take(gltf *g) {
+    g->status = scene_choose_camera(g->scene, g->path);
+    if (!gltf_fine(g) || g->scene->camera_taken == FATHOM_NONE) return;
     const gltf_camera *taken = &g->seen_cameras.items[g->scene->camera_taken];
     gltf_value node, at;
     gltf_way way;
     fathom_camera camera = {.d = 1,
                             .orthographic = g->scene->cameras.items[g->scene->camera_taken].orthographic};
-    double fovy, aspect;
-    status = gltf_item(g, &g->nodes, taken->node, &node);
-    if (status == FATHOM_OK) status = gltf_item(g, &g->cameras, taken->index, &at);
-    if (status == FATHOM_OK && camera.orthographic) {
-        status = read_orthographic(g, &at, &camera.h, &aspect);
-    } else if (status == FATHOM_OK) {
-        status = read_perspective(g, &at, &fovy, &aspect);
-        camera.h = 2 * tan(fovy / 2);
-    }
-    if (status == FATHOM_OK) status = gltf_node_way(g, taken->node, &way);
-    if (status != FATHOM_OK) return status;
+    double aspect;
+    gltf_item(g, &g->nodes, taken->node, &node);
+    gltf_item(g, &g->cameras, taken->index, &at);
+    if (camera.orthographic)
+        read_orthographic(g, &at, &camera.h, &aspect);
+    else
+        read_perspective(g, &at, &camera.h, &aspect);
+    gltf_node_way(g, taken->node, &way);
+    if (!gltf_fine(g)) return;
     g->scene->camera_aspect = aspect;
     if (aspect > 0) image_size_follow(&g->scene->settings, aspect, false, false);
-    return set_camera(g, &node, camera, &way);
+    set_camera(g, &node, camera, &way);
 }

@@ -25,26 +25,24 @@ void gltf_print_names(const gltf_value *array, char out[GLTF_LIST]) {
     if (i < count) snprintf(out + used, GLTF_LIST - used, " and %zu more", count - i);
 }
 
-fathom_status gltf_choose(gltf *g, const gltf_value *array, const char *what, const char *wanted,
-                          uint32_t *out) {
+uint32_t gltf_choose(gltf *g, const gltf_value *array, const char *what, const char *wanted) {
     const size_t count = gltf_count(array), digits = strspn(wanted, "0123456789");
-    size_t found = 0;
+    size_t found = 0, first = 0;
     char list[GLTF_LIST];
     for (size_t i = 0; i < count; ++i) {
         const char *name = name_of(array, i);
-        if (name && strcmp(name, wanted) == 0 && !found++) *out = (uint32_t)i;
+        if (name && strcmp(name, wanted) == 0 && !found++) first = i;
     }
-    if (found == 1) return FATHOM_OK;
+    if (found == 1) return (uint32_t)first;
     const unsigned long number = digits && digits < 10 && !wanted[digits] ? strtoul(wanted, NULL, 10) : count;
-    if (!found && number < count) {
-        *out = (uint32_t)number;
-        return FATHOM_OK;
-    }
+    if (!found && number < count) return (uint32_t)number;
     gltf_print_names(array, list);
     if (found)
-        return fail_file(g->context, FATHOM_BAD_USAGE, g->path,
-                         "%zu %ss are called \"%.60s\"; expected the number of one of %s", found, what,
-                         wanted, list);
-    return fail_file(g->context, FATHOM_BAD_USAGE, g->path, "there is no %s \"%.60s\"; expected one of %s",
-                     what, wanted, list);
+        g->status = fail_file(g->context, FATHOM_BAD_USAGE, g->path,
+                              "%zu %ss are called \"%.60s\"; expected the number of one of %s", found, what,
+                              wanted, list);
+    else
+        g->status = fail_file(g->context, FATHOM_BAD_USAGE, g->path,
+                              "there is no %s \"%.60s\"; expected one of %s", what, wanted, list);
+    return GLTF_ABSENT;
 }

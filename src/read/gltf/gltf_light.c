@@ -19,69 +19,59 @@
 
 static const double pi = 3.14159265358979324;
 
-static fathom_status read_type(gltf *g, const gltf_value *at, fathom_light_type *out) {
+static fathom_light_type read_type(gltf *g, const gltf_value *at) {
     const char *type = "";
-    fathom_status status = gltf_text(g, at, "type", &type);
-    if (status != FATHOM_OK) return status;
-    if (strcmp(type, "point") == 0)
-        *out = FATHOM_LIGHT_POINT;
-    else if (strcmp(type, "directional") == 0)
-        *out = FATHOM_LIGHT_DIRECTIONAL;
-    else if (strcmp(type, "spot") == 0)
-        *out = FATHOM_LIGHT_SPOT;
-    else
-        return gltf_fail(g, at, "type", "is \"%.40s\"; expected point, directional or spot", type);
-    return FATHOM_OK;
+    gltf_text(g, at, "type", &type);
+    if (strcmp(type, "point") == 0) return FATHOM_LIGHT_POINT;
+    if (strcmp(type, "directional") == 0) return FATHOM_LIGHT_DIRECTIONAL;
+    if (strcmp(type, "spot") == 0) return FATHOM_LIGHT_SPOT;
+    gltf_fail(g, at, "type", "is \"%.40s\"; expected point, directional or spot", type);
+    return FATHOM_LIGHT_POINT;
 }
 
-static fathom_status read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
+static void read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
     gltf_value spot;
     double inner = 0, outer = pi / 4;
     /* One float step above pi/2, which exporters write for a right angle. */
     const double right_angle = 1.57079637050628662;
-    fathom_status status = gltf_object(g, at, "spot", &spot);
-    if (status == FATHOM_OK) status = gltf_number(g, &spot, "innerConeAngle", 0, right_angle, &inner);
-    if (status == FATHOM_OK) status = gltf_number(g, &spot, "outerConeAngle", 0, right_angle, &outer);
-    if (status != FATHOM_OK) return status;
+    gltf_object(g, at, "spot", &spot);
+    gltf_number(g, &spot, "innerConeAngle", 0, right_angle, &inner);
+    gltf_number(g, &spot, "outerConeAngle", 0, right_angle, &outer);
     out->inner_angle = (float)inner;
     out->outer_angle = (float)outer;
     if (!(out->inner_angle < out->outer_angle))
-        return gltf_fail(g, &spot, "innerConeAngle", "is %g; expected less than outerConeAngle, %g", inner,
-                         outer);
-    return FATHOM_OK;
+        gltf_fail(g, &spot, "innerConeAngle", "is %g; expected less than outerConeAngle, %g", inner, outer);
 }
 
-static fathom_status read_light(gltf *g, const gltf_value *at, fathom_light *out) {
+static void read_light(gltf *g, const gltf_value *at, fathom_light *out) {
     double color[3] = {1, 1, 1}, intensity = 1;
     fathom_light_default(out);
-    fathom_status status = read_type(g, at, &out->type);
-    if (status == FATHOM_OK) status = gltf_numbers(g, at, "color", 3, 0, INFINITY, color);
-    if (status == FATHOM_OK) status = gltf_number(g, at, "intensity", 0, INFINITY, &intensity);
-    if (status == FATHOM_OK && out->type == FATHOM_LIGHT_SPOT) status = read_cone(g, at, out);
+    out->type = read_type(g, at);
+    gltf_numbers(g, at, "color", 3, 0, INFINITY, color);
+    gltf_number(g, at, "intensity", 0, INFINITY, &intensity);
+    if (out->type == FATHOM_LIGHT_SPOT) read_cone(g, at, out);
     for (int i = 0; i < 3; ++i) out->intensity[i] = (float)(color[i] * intensity / pi);
     if (json_object_get(at->json, "range"))
         gltf_note(g, at, "range", "the range of lights is ignored; they fall off for ever");
-    return status;
 }
 
-fathom_status gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *way) {
-    const double unit = gltf_unit(g);
+void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *way) {
     const affine_f64 *to_world = &way->at[0];
     gltf_value extensions, punctual, at;
     uint32_t index = GLTF_ABSENT;
     fathom_light light;
-    fathom_status status = gltf_extension(g, node, "KHR_lights_punctual", &extensions, &punctual);
-    if (status == FATHOM_OK) status = gltf_index(g, &punctual, "light", &g->lights, &index);
-    if (status != FATHOM_OK || index == GLTF_ABSENT) return status;
-    status = gltf_item(g, &g->lights, index, &at);
-    if (status == FATHOM_OK) status = read_light(g, &at, &light);
-    if (status != FATHOM_OK) return status;
+    gltf_extension(g, node, "KHR_lights_punctual", &extensions, &punctual);
+    gltf_index(g, &punctual, "light", &g->lights, &index);
+    if (index == GLTF_ABSENT) return;
+    gltf_item(g, &g->lights, index, &at);
+    read_light(g, &at, &light);
+    if (!gltf_fine(g)) return;
     if (gltf_way_moves(way))
         gltf_note(g, node, NULL,
                   "the light \"%.40s\" moves while the shutter is open, and is not blurred; it stands as "
                   "the shutter opens",
                   gltf_name(node));
-    store_f64(light.position, scale_f64(unit, affine_point(to_world, (vec3_f64){0, 0, 0})));
+    store_f64(light.position, scale_f64(gltf_unit(g), affine_point(to_world, (vec3_f64){0, 0, 0})));
     store_f64(light.direction, normalize_f64(affine_vector(to_world, (vec3_f64){0, 0, -1})));
-    return gltf_within(g, node, NULL, fathom_scene_add_light(g->scene, &light, NULL));
+    gltf_within(g, node, NULL, fathom_scene_add_light(g->scene, &light, NULL));
 }

@@ -67,11 +67,9 @@ static void set_map(const fathom_map *map, int kind, int channel, bool inverted,
 
 /* Some images are of two parameters. */
 static void read_image(gltf *g, const gltf_value *at, const gltf_key *key, draft *d) {
-    bool there;
-    fathom_map map, *found;
+    fathom_map map;
     if (!json_object_get(at->json, key->name)) return;
-    gltf_map(g, at, key->name, form_map_is_color(key->map), &there, &map);
-    found = there ? &map : NULL;
+    const fathom_map *found = gltf_map(g, at, key->name, form_map_is_color(key->map), &map) ? &map : NULL;
     set_map(found, key->map, key->channel, false, d);
     if (key->map == FATHOM_MAP_COLOR && d->alpha != ALPHA_OPAQUE)
         set_map(found, FATHOM_MAP_OPACITY, 3, false, d);
@@ -207,8 +205,9 @@ static unsigned flags_of(const scene_named_material *made) {
     return clear && !material_has_maps(&made->value) ? FATHOM_CASTS_NO_SHADOW : 0;
 }
 
-fathom_status gltf_material_make(gltf *g, uint32_t index, gltf_material *out) {
+bool gltf_material_make(gltf *g, uint32_t index, gltf_material *out) {
     const bool given = index != GLTF_ABSENT;
+    if (!gltf_fine(g)) return false;
     gltf_material *kept = &g->material_table[given ? index : gltf_count(&g->materials)];
     if (kept->id == FATHOM_NONE) {
         gltf_value at = {.json = NULL};
@@ -219,10 +218,10 @@ fathom_status gltf_material_make(gltf *g, uint32_t index, gltf_material *out) {
         read_material(g, &at, &d);
         if (gltf_fine(g))
             gltf_within(g, &at, NULL, fathom_scene_add_material(g->scene, name, &d.m, &kept->id));
-        if (!gltf_fine(g)) return g->status;
+        if (!gltf_fine(g)) return false;
         kept->flags = flags_of(&g->scene->materials.items[kept->id]);
         kept->blends = d.alpha != ALPHA_OPAQUE;
     }
     *out = *kept;
-    return FATHOM_OK;
+    return true;
 }

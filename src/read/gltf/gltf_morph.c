@@ -32,69 +32,61 @@ static void add_target(void *user, size_t begin, size_t end, unsigned worker) {
     }
 }
 
-/* The displacements of target k; *present is false where it has none of this attribute. */
-static fathom_status read_target(gltf *g, const gltf_value *targets, size_t k, const char *key,
-                                 uint32_t count, bool *present, gltf_elements *out) {
+/* The displacements of target k; false where it has none of this attribute. */
+static bool read_target(gltf *g, const gltf_value *targets, size_t k, const char *key, uint32_t count,
+                        gltf_elements *out) {
     gltf_value target;
-    fathom_status status = gltf_item(g, targets, k, &target);
-    if (status == FATHOM_OK)
-        status = gltf_array_read(g, &target, key, 3,
-                                 GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED, present, out);
-    if (status != FATHOM_OK || !*present || out->count == count) return status;
-    return gltf_fail(g, &target, key, "has %u entries; expected as many as the mesh has, %u", out->count,
-                     count);
+    gltf_item(g, targets, k, &target);
+    if (!gltf_array_read(g, &target, key, 3, GLTF_TAKES_QUANTIZED, out)) return false;
+    if (out->count != count)
+        gltf_fail(g, &target, key, "has %u entries; expected as many as the mesh has, %u", out->count, count);
+    return gltf_fine(g);
 }
 
-fathom_status gltf_morph(gltf *g, const gltf_value *primitive, const gltf_shape *shape, const char *key,
-                         unsigned components, gltf_elements *floats, float *to) {
+void gltf_morph(gltf *g, const gltf_value *primitive, const gltf_shape *shape, const char *key,
+                unsigned components, gltf_elements *floats, float *to) {
     gltf_value targets;
     const unsigned threads = fathom_context_threads(g->context);
+    const size_t bytes = components * sizeof(float);
     morph m = {.base = &(gltf_elements){.values = floats->values, .stride = floats->stride},
                .components = components};
-    fathom_status status = gltf_array(g, primitive, "targets", &targets);
-    for (size_t k = 0; k < gltf_count(&targets) && k < shape->weight_count && status == FATHOM_OK; ++k) {
+    gltf_array(g, primitive, "targets", &targets);
+    for (size_t k = 0; k < gltf_count(&targets) && k < shape->weight_count && gltf_fine(g); ++k) {
         gltf_elements delta;
-        bool present = false;
         m.weight = (float)shape->weights[k];
-        if (m.weight == 0) continue;
-        status = read_target(g, &targets, k, key, floats->count, &present, &delta);
-        if (status != FATHOM_OK || !present) continue;
+        if (m.weight == 0 || !read_target(g, &targets, k, key, floats->count, &delta)) continue;
         if (!m.to) {
             void *memory = to;
-            if (!to)
-                status = gltf_allocate(g, primitive, NULL,
-                                       (uint64_t)floats->count * components * sizeof(float), &memory);
-            if (status != FATHOM_OK) return status;
+            if (!to &&
+                gltf_allocate(g, primitive, NULL, floats->count * (uint64_t)bytes, &memory) != FATHOM_OK)
+                return;
             m.to = memory;
             loop_parallel(threads, floats->count, 1u << 14, copy_base, &m);
         }
         m.target = &delta;
         loop_parallel(threads, floats->count, 1u << 14, add_target, &m);
     }
-    if (m.to) floats->values = m.to, floats->stride = components * sizeof(float);
-    return status;
+    if (m.to) floats->values = m.to, floats->stride = bytes;
 }
 
 /* ---- weights ---- */
 
-static fathom_status read_weights(gltf *g, const gltf_value *at, double **out, size_t *count) {
-    gltf_value list;
-    fathom_status status = gltf_array(g, at, "weights", &list);
-    *count = gltf_count(&list);
-    if (status != FATHOM_OK || !*count) return status;
-    *out = malloc(*count * sizeof **out);
-    if (!*out) return fail_memory(g->context, *count * sizeof **out);
-    return gltf_numbers(g, at, "weights", *count, -1e30, 1e30, *out);
-}
-
-fathom_status gltf_weights_read(gltf *g, const gltf_pose *pose, const gltf_value *node,
-                                const gltf_value *mesh, gltf_shape *out) {
+void gltf_weights_read(gltf *g, const gltf_pose *pose, const gltf_value *node, const gltf_value *mesh,
+                       gltf_shape *out) {
     const bool posed = pose && pose->weights;
     const gltf_value *from = node && json_object_get(node->json, "weights") ? node : mesh;
-    if (!posed) return read_weights(g, from, &out->weights, &out->weight_count);
-    out->weights = malloc(pose->weight_count * sizeof *out->weights);
-    if (!out->weights) return fail_memory(g->context, pose->weight_count * sizeof *out->weights);
-    memcpy(out->weights, pose->weights, pose->weight_count * sizeof *out->weights);
-    out->weight_count = pose->weight_count;
-    return FATHOM_OK;
+    gltf_value list = {.json = NULL};
+    if (!posed) gltf_array(g, from, "weights", &list);
+    const size_t count = posed ? pose->weight_count : gltf_count(&list);
+    if (!count || !gltf_fine(g)) return;
+    out->weights = malloc(count * sizeof *out->weights);
+    if (!out->weights) {
+        gltf_fail_memory(g, count * sizeof *out->weights);
+        return;
+    }
+    out->weight_count = count;
+    if (posed)
+        memcpy(out->weights, pose->weights, count * sizeof *out->weights);
+    else
+        gltf_numbers(g, from, "weights", count, -1e30, 1e30, out->weights);
 }

@@ -3,6 +3,7 @@
 #include "read/gltf/gltf.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Poses are compared at 8 to 64 intervals, twice as many as the keys that they are for may have, and at no
@@ -15,20 +16,30 @@ double gltf_shutter(const gltf *g) {
 
 static uint64_t moment_bytes(const gltf *g) { return gltf_count(&g->nodes) * sizeof(gltf_world); }
 
-static fathom_status open_at(gltf *g, double time) {
-    gltf_moment m;
-    fathom_status status = FATHOM_OK;
-    if (g->moments.count) status = gltf_charge(g, &g->animations, NULL, moment_bytes(g));
-    if (status != FATHOM_OK) return status;
-    if (!array_room(&g->moments, 1)) return fail_memory(g->context, sizeof m);
-    status = gltf_moment_open(g, time, &m);
-    array_push(&g->moments, m);
-    if (status != FATHOM_OK || g->animation == GLTF_ABSENT) return status;
-    return gltf_animation_pose(g, &g->moments.items[g->moments.count - 1]);
+static void open_at(gltf *g, double time) {
+    const size_t nodes = gltf_count(&g->nodes);
+    if (g->moments.count) gltf_charge(g, &g->animations, NULL, moment_bytes(g));
+    if (!gltf_fine(g)) return;
+    gltf_moment m = {.time = time, .worlds = calloc(nodes + 1, sizeof *m.worlds)};
+    if (!m.worlds || !array_push(&g->moments, m)) {
+        free(m.worlds);
+        gltf_fail_memory(g, nodes * sizeof *m.worlds);
+        return;
+    }
+    if (g->animation != GLTF_ABSENT) gltf_animation_pose(g, &g->moments.items[g->moments.count - 1]);
+}
+
+static void close_moment(gltf_moment *m, const gltf *g) {
+    for (size_t i = 0; m->skins && i < gltf_count(&g->skins); ++i) free(m->skins[i].matrices);
+    free(m->skins);
+    for (size_t i = 0; i < m->poses.count; ++i) free(m->poses.items[i].weights);
+    array_free(&m->poses);
+    free(m->pose_of);
+    free(m->worlds);
 }
 
 void gltf_moments_close(gltf *g) {
-    for (size_t i = 0; i < g->moments.count; ++i) gltf_moment_close(&g->moments.items[i], g);
+    for (size_t i = 0; i < g->moments.count; ++i) close_moment(&g->moments.items[i], g);
     g->moments.count = 0;
 }
 
@@ -42,17 +53,15 @@ typedef struct curve {
     size_t at;
 } curve;
 
-static fathom_status point_of(const curve *c, size_t moment, double out[3]) {
+static void point_of(const curve *c, size_t moment, double out[3]) {
     gltf_moment *m = &c->g->moments.items[moment];
     out[1] = out[2] = 0;
     if (c->weights) {
         out[0] = gltf_pose_of(m, c->node)->weights[c->at];
-        return FATHOM_OK;
+        return;
     }
-    const affine_f64 *world;
-    fathom_status status = gltf_node_world(c->g, m, c->node, &world);
-    for (int i = 0; i < 3 && status == FATHOM_OK; ++i) out[i] = world->m[i][c->at];
-    return status;
+    const affine_f64 world = gltf_node_world(c->g, m, c->node);
+    for (int i = 0; i < 3; ++i) out[i] = world.m[i][c->at];
 }
 
 static double distance(const double a[3], const double b[3]) {
@@ -61,12 +70,11 @@ static double distance(const double a[3], const double b[3]) {
 
 /* *stride shrinks to 1 if need be. Positions are sums of products of doubles: 2^-40 of their size is far
  * above the rounding and far below what shows. */
-static fathom_status fit_curve(const curve *c, size_t *stride) {
+static void fit_curve(const curve *c, size_t *stride) {
     double points[INTERVALS_MOST + 1][3], way = 0, size = 0;
     const size_t intervals = c->g->moments.count - 1;
     for (size_t i = 0; i <= intervals; ++i) {
-        fathom_status status = point_of(c, i, points[i]);
-        if (status != FATHOM_OK) return status;
+        point_of(c, i, points[i]);
         way = fmax(way, distance(points[i], points[0]));
         size = fmax(size, length_f64(load_f64(points[i])));
     }
@@ -79,17 +87,13 @@ static fathom_status fit_curve(const curve *c, size_t *stride) {
         /* Begins again with twice the keys. */
         if (!(distance(between, points[i]) <= slack)) *stride /= 2, i = 0;
     }
-    return FATHOM_OK;
 }
 
-static fathom_status fit_node(gltf *g, uint32_t node, size_t *stride) {
+static void fit_node(gltf *g, uint32_t node, size_t *stride) {
     const gltf_pose *pose = gltf_pose_of(&g->moments.items[0], node);
-    fathom_status status = FATHOM_OK;
-    for (size_t k = 0; k < 4 && status == FATHOM_OK; ++k)
-        status = fit_curve(&(curve){.g = g, .node = node, .at = k}, stride);
-    for (size_t k = 0; pose && pose->weights && k < pose->weight_count && status == FATHOM_OK; ++k)
-        status = fit_curve(&(curve){.g = g, .node = node, .at = k, .weights = true}, stride);
-    return status;
+    for (size_t k = 0; k < 4 && gltf_fine(g); ++k) fit_curve(&(curve){.g = g, .node = node, .at = k}, stride);
+    for (size_t k = 0; pose && pose->weights && k < pose->weight_count && gltf_fine(g); ++k)
+        fit_curve(&(curve){.g = g, .node = node, .at = k, .weights = true}, stride);
 }
 
 /* Keeps the poses that are a stride apart. */
@@ -99,41 +103,40 @@ static void thin(gltf *g, size_t stride) {
         if (i % stride == 0)
             g->moments.items[kept++] = g->moments.items[i];
         else
-            gltf_moment_close(&g->moments.items[i], g);
+            close_moment(&g->moments.items[i], g);
     }
     g->moments.count = kept;
 }
 
-static fathom_status open_even(gltf *g, double time, double shutter, size_t intervals) {
-    fathom_status status = FATHOM_OK;
+static void open_even(gltf *g, double time, double shutter, size_t intervals) {
     if (g->moments.count) g->charged -= (g->moments.count - 1) * moment_bytes(g);
     gltf_moments_close(g);
-    for (size_t i = 0; i <= intervals && status == FATHOM_OK; ++i)
-        status = open_at(g, time + shutter * ((double)i / (double)intervals));
-    return status;
+    for (size_t i = 0; i <= intervals && gltf_fine(g); ++i)
+        open_at(g, time + shutter * ((double)i / (double)intervals));
 }
 
-static fathom_status list_times(gltf *g) {
+static void list_times(gltf *g) {
     void *times;
-    fathom_status status = scene_allocate_items(g->scene, g->moments.count, sizeof(double), &times);
-    if (status != FATHOM_OK) return status;
+    g->status = scene_allocate_items(g->scene, g->moments.count, sizeof(double), &times);
     g->key_times = times;
-    for (size_t i = 0; i < g->moments.count; ++i) g->key_times[i] = g->moments.items[i].time;
-    return FATHOM_OK;
+    for (size_t i = 0; times && i < g->moments.count; ++i) g->key_times[i] = g->moments.items[i].time;
 }
 
-fathom_status gltf_moments_open(gltf *g) {
+void gltf_moments_open(gltf *g) {
     const double time = g->scene->asked ? g->scene->asked->time : 0, shutter = gltf_shutter(g);
-    if (!(shutter > 0)) return open_at(g, time);
+    if (!(shutter > 0)) {
+        open_at(g, time);
+        return;
+    }
     size_t stride = 1;
     for (size_t intervals = INTERVALS_FIRST; stride == 1 && intervals <= INTERVALS_MOST; intervals *= 2) {
-        fathom_status status = open_even(g, time, shutter, intervals);
-        if (status == FATHOM_OK && intervals < g->keys_inside && intervals < INTERVALS_MOST) continue;
+        open_even(g, time, shutter, intervals);
+        if (!gltf_fine(g)) return;
+        if (intervals < g->keys_inside && intervals < INTERVALS_MOST) continue;
         stride = intervals;
-        for (uint32_t i = 0; i < gltf_count(&g->nodes) && status == FATHOM_OK; ++i)
-            status = fit_node(g, i, &stride);
-        if (status != FATHOM_OK) return status;
+        for (uint32_t i = 0; i < gltf_count(&g->nodes); ++i) fit_node(g, i, &stride);
     }
+    if (!gltf_fine(g)) return;
     if (stride == 1) {
         gltf_note_all(g, &g->animations,
                       "animations, of which one moves things so unevenly while the shutter is open that %d "
@@ -141,7 +144,7 @@ fathom_status gltf_moments_open(gltf *g) {
                       INTERVALS_MOST + 1);
     }
     thin(g, stride);
-    return list_times(g);
+    list_times(g);
 }
 
 /* ---- keys ---- */
@@ -163,15 +166,9 @@ const char *gltf_name(const gltf_value *at) {
     return name ? name : "";
 }
 
-fathom_status gltf_node_way(gltf *g, uint32_t node, gltf_way *out) {
-    fathom_status status = FATHOM_OK;
+void gltf_node_way(gltf *g, uint32_t node, gltf_way *out) {
     out->count = g->moments.count;
-    for (size_t k = 0; k < out->count && status == FATHOM_OK; ++k) {
-        const affine_f64 *world;
-        status = gltf_node_world(g, &g->moments.items[k], node, &world);
-        out->at[k] = *world;
-    }
-    return status;
+    for (size_t k = 0; k < out->count; ++k) out->at[k] = gltf_node_world(g, &g->moments.items[k], node);
 }
 
 void gltf_way_of(const gltf_way *way, const affine_f64 *inner, gltf_way *out) {

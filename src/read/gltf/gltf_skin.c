@@ -25,62 +25,62 @@ static const float *element(const gltf_elements *e, size_t i) {
 
 /* ---- joints ---- */
 
-static fathom_status read_inverse(gltf *g, const gltf_value *skin, uint32_t joints, gltf_elements *out) {
-    bool present;
-    fathom_status status =
-        gltf_array_read(g, skin, "inverseBindMatrices", 16, GLTF_TAKES_FLOAT, &present, out);
-    if (status != FATHOM_OK || !present) return status;
+/* False: there are none. */
+static bool read_inverse(gltf *g, const gltf_value *skin, uint32_t joints, gltf_elements *out) {
+    if (!gltf_array_read(g, skin, "inverseBindMatrices", 16, GLTF_TAKES_FLOAT, out)) return false;
     if (out->count < joints)
-        return gltf_fail(g, skin, "inverseBindMatrices", "has %u entries; expected one for each of %u joints",
-                         out->count, joints);
-    for (uint32_t i = 0; i < joints; ++i) {
+        gltf_fail(g, skin, "inverseBindMatrices", "has %u entries; expected one for each of %u joints",
+                  out->count, joints);
+    for (uint32_t i = 0; i < joints && gltf_fine(g); ++i) {
         const float *m = element(out, i);
         if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
-            return gltf_fail(g, skin, "inverseBindMatrices",
-                             "entry %u has the last row %g %g %g %g; expected 0 0 0 1", i, (double)m[3],
-                             (double)m[7], (double)m[11], (double)m[15]);
+            gltf_fail(g, skin, "inverseBindMatrices",
+                      "entry %u has the last row %g %g %g %g; expected 0 0 0 1", i, (double)m[3],
+                      (double)m[7], (double)m[11], (double)m[15]);
     }
-    return FATHOM_OK;
+    return gltf_fine(g);
 }
 
-static fathom_status fill_joints(gltf *g, gltf_moment *m, const gltf_value *skin, const gltf_value *list,
-                                 gltf_joints *out) {
-    gltf_elements inverse = {.values = NULL};
-    fathom_status status = read_inverse(g, skin, out->count, &inverse);
-    for (uint32_t i = 0; i < out->count && status == FATHOM_OK; ++i) {
+static void fill_joints(gltf *g, gltf_moment *m, const gltf_value *skin, const gltf_value *list,
+                        gltf_joints *out) {
+    gltf_elements inverse;
+    const bool bound = read_inverse(g, skin, out->count, &inverse);
+    for (uint32_t i = 0; i < out->count && gltf_fine(g); ++i) {
         uint32_t node = GLTF_ABSENT;
-        const affine_f64 *world;
-        status = gltf_index_item(g, list, i, &g->nodes, &node);
-        if (status == FATHOM_OK) status = gltf_node_world(g, m, node, &world);
-        if (status != FATHOM_OK) break;
-        if (i == 0 && m == g->moments.items) out->origin = affine_point(world, (vec3_f64){0, 0, 0});
-        affine_f64 moved = *world,
-                   bind = inverse.values ? affine_of(element(&inverse, i)) : affine_identity();
+        gltf_index_item(g, list, i, &g->nodes, &node);
+        if (!gltf_fine(g)) return;
+        affine_f64 moved = gltf_node_world(g, m, node),
+                   bind = bound ? affine_of(element(&inverse, i)) : affine_identity();
+        if (i == 0 && m == g->moments.items) out->origin = affine_point(&moved, (vec3_f64){0, 0, 0});
         moved.m[0][3] -= out->origin.x, moved.m[1][3] -= out->origin.y, moved.m[2][3] -= out->origin.z;
         out->matrices[i] = affine_compose(&moved, &bind);
     }
-    return status;
 }
 
-fathom_status gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index, const gltf_joints **out) {
-    const gltf_joints *first = NULL;
-    if (!m->skins) m->skins = calloc(gltf_count(&g->skins) + 1, sizeof *m->skins);
-    if (!m->skins) return fail_memory(g->context, gltf_count(&g->skins) * sizeof *m->skins);
-    gltf_joints *joints = &m->skins[index];
-    *out = joints;
-    if (joints->matrices) return FATHOM_OK;
+const gltf_joints *gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index) {
     gltf_value skin, list;
-    fathom_status status = FATHOM_OK;
-    if (m != g->moments.items) status = gltf_skin_read(g, g->moments.items, index, &first);
-    if (status == FATHOM_OK) status = gltf_item(g, &g->skins, index, &skin);
-    if (status == FATHOM_OK) status = gltf_array(g, &skin, "joints", &list);
-    if (status != FATHOM_OK) return status;
-    if (!gltf_count(&list)) return gltf_fail(g, &skin, "joints", "is empty; expected at least one node");
+    if (!m->skins) m->skins = calloc(gltf_count(&g->skins) + 1, sizeof *m->skins);
+    if (!m->skins) {
+        gltf_fail_memory(g, gltf_count(&g->skins) * sizeof *m->skins);
+        return NULL;
+    }
+    gltf_joints *joints = &m->skins[index];
+    if (joints->matrices) return joints;
+    if (m != g->moments.items) {
+        const gltf_joints *first = gltf_skin_read(g, g->moments.items, index);
+        if (first) joints->origin = first->origin;
+    }
+    gltf_item(g, &g->skins, index, &skin);
+    gltf_array(g, &skin, "joints", &list);
+    if (!gltf_count(&list)) gltf_fail(g, &skin, "joints", "is empty; expected at least one node");
+    if (!gltf_fine(g)) return NULL;
     joints->count = (uint32_t)gltf_count(&list);
-    if (first) joints->origin = first->origin;
     joints->matrices = malloc(joints->count * sizeof *joints->matrices);
-    if (!joints->matrices) return fail_memory(g->context, joints->count * sizeof *joints->matrices);
-    return fill_joints(g, m, &skin, &list, joints);
+    if (joints->matrices)
+        fill_joints(g, m, &skin, &list, joints);
+    else
+        gltf_fail_memory(g, joints->count * sizeof *joints->matrices);
+    return joints;
 }
 
 /* ---- vertices ---- */
@@ -135,30 +135,28 @@ static void carry(void *user, size_t begin, size_t end, unsigned worker) {
     }
 }
 
-static fathom_status check_places(gltf *g, const gltf_value *attributes, const char *key,
-                                  const gltf_elements *e, uint32_t joints) {
-    for (size_t i = 0; i < e->count; ++i) {
-        for (int k = 0; k < 4; ++k) {
-            if (!(element(e, i)[k] < (float)joints))
-                return gltf_fail(g, attributes, key, "entry %zu names joint %g; the skin has %u", i,
-                                 (double)element(e, i)[k], joints);
-        }
+static void check_places(gltf *g, const gltf_value *attributes, const char *key, const gltf_elements *e,
+                         uint32_t joints) {
+    for (size_t i = 0; i < 4 * (size_t)e->count; ++i) {
+        const float joint = element(e, i / 4)[i % 4];
+        if (!(joint < (float)joints))
+            gltf_fail(g, attributes, key, "entry %zu names joint %g; the skin has %u", i / 4, (double)joint,
+                      joints);
     }
-    return FATHOM_OK;
 }
 
-static fathom_status check_count(gltf *g, const gltf_value *attributes, const char *key,
-                                 const gltf_elements *e, uint32_t vertices) {
-    if (e->count == vertices) return FATHOM_OK;
-    return gltf_fail(g, attributes, key, "has %u entries; expected as many as POSITION has, %u", e->count,
-                     vertices);
+/* Four numbers for each vertex. */
+static void read_set(gltf *g, const gltf_value *attributes, const char *key, unsigned takes,
+                     uint32_t vertices, gltf_elements *out) {
+    if (gltf_array_read(g, attributes, key, 4, takes, out) && out->count != vertices)
+        gltf_fail(g, attributes, key, "has %u entries; expected as many as POSITION has, %u", out->count,
+                  vertices);
 }
 
 /* JOINTS_0 and WEIGHTS_0, and so on as long as there are both. */
-static fathom_status read_sets(gltf *g, const gltf_value *attributes, uint32_t vertices, skinning *s) {
-    for (unsigned n = 0;; ++n) {
+static void read_sets(gltf *g, const gltf_value *attributes, uint32_t vertices, skinning *s) {
+    for (unsigned n = 0; gltf_fine(g); ++n) {
         char places[32], weights[32];
-        bool has_places = false, has_weights = false;
         snprintf(places, sizeof places, "JOINTS_%u", n);
         snprintf(weights, sizeof weights, "WEIGHTS_%u", n);
         if (!json_object_get(attributes->json, places) || !json_object_get(attributes->json, weights)) break;
@@ -166,34 +164,25 @@ static fathom_status read_sets(gltf *g, const gltf_value *attributes, uint32_t v
             gltf_note(g, attributes, places, "joints beyond the first %d of a vertex are left out", SETS * 4);
             break;
         }
-        fathom_status status =
-            gltf_array_read(g, attributes, places, 4, GLTF_TAKES_UNSIGNED, &has_places, &s->places[n]);
-        if (status == FATHOM_OK)
-            status = gltf_array_read(g, attributes, weights, 4, GLTF_TAKES_FLOAT | GLTF_TAKES_UNSIGNED,
-                                     &has_weights, &s->weights[n]);
-        if (status == FATHOM_OK) status = check_count(g, attributes, places, &s->places[n], vertices);
-        if (status == FATHOM_OK) status = check_count(g, attributes, weights, &s->weights[n], vertices);
-        if (status == FATHOM_OK)
-            status = check_places(g, attributes, places, &s->places[n], s->joints->count);
-        if (status != FATHOM_OK) return status;
+        read_set(g, attributes, places, GLTF_TAKES_UNSIGNED, vertices, &s->places[n]);
+        read_set(g, attributes, weights, GLTF_TAKES_FLOAT | GLTF_TAKES_UNSIGNED, vertices, &s->weights[n]);
+        if (gltf_fine(g)) check_places(g, attributes, places, &s->places[n], s->joints->count);
         s->sets = n + 1;
     }
-    if (s->sets) return FATHOM_OK;
-    return gltf_fail(g, attributes, NULL, "lacks JOINTS_0 or WEIGHTS_0; expected both in a mesh with a skin");
+    if (!s->sets)
+        gltf_fail(g, attributes, NULL, "lacks JOINTS_0 or WEIGHTS_0; expected both in a mesh with a skin");
 }
 
-fathom_status gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *joints,
-                              gltf_kind kind, gltf_elements *floats, float *to) {
+void gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *joints, gltf_kind kind,
+                     gltf_elements *floats, float *to) {
     skinning s = {
         .joints = joints, .kind = kind, .from = *floats, .components = kind == GLTF_TANGENT ? 4 : 3};
+    const size_t bytes = s.components * sizeof(float);
     void *memory = to;
-    fathom_status status = read_sets(g, attributes, floats->count, &s);
-    if (status == FATHOM_OK && !to)
-        status = gltf_allocate(g, attributes, NULL, (uint64_t)floats->count * s.components * sizeof(float),
-                               &memory);
-    if (status != FATHOM_OK) return status;
+    read_sets(g, attributes, floats->count, &s);
+    if (gltf_fine(g) && !to) gltf_allocate(g, attributes, NULL, floats->count * (uint64_t)bytes, &memory);
+    if (!gltf_fine(g)) return;
     s.to = memory;
     loop_parallel(fathom_context_threads(g->context), floats->count, 1u << 12, carry, &s);
-    floats->values = memory, floats->stride = s.components * sizeof(float);
-    return FATHOM_OK;
+    floats->values = memory, floats->stride = bytes;
 }
