@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "base/sized.h"
 #include "scene/camera/camera.h"
+#include "scene/motion/motion.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -132,6 +133,28 @@ static bool has_motion(const fathom_scene *scene) {
     return false;
 }
 
+/* Whoever knows no motion, such as a writer of models, sees vertices where they are as the shutter opens. */
+static fathom_status pose_vertices(fathom_scene *scene) {
+    const double open = scene->camera.shutter[0];
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < scene->meshes.count && status == FATHOM_OK; ++i) {
+        fathom_mesh *mesh = &scene->meshes.items[i];
+        const size_t points = 3 * (size_t)mesh->vertex_count, normals = 3 * (size_t)mesh->normal_count;
+        void *posed = NULL, *turned = NULL;
+        if (!mesh->key_count) continue;
+        status = scene_allocate_items(scene, points, sizeof(float), &posed);
+        if (status == FATHOM_OK && mesh->normals)
+            status = scene_allocate_items(scene, normals, sizeof(float), &turned);
+        if (status != FATHOM_OK) return status;
+        motion_rows(mesh, mesh->key_positions, points, open, posed);
+        mesh->positions = posed, mesh->position_stride = 3 * sizeof(float);
+        if (!mesh->normals) continue;
+        motion_rows(mesh, mesh->key_normals, normals, open, turned);
+        mesh->normals = turned, mesh->normal_stride = 3 * sizeof(float);
+    }
+    return status;
+}
+
 /* The shutter opens at the time that is asked for, and stays open as long as is asked for, else as long as
  * the file says. Motion that no time and no shutter were meant for is likely a slip; a shutter of scene JSON
  * that is shut is not. */
@@ -193,6 +216,7 @@ static fathom_status read_and_complete(fathom_scene *scene, const char *path) {
     fathom_status status = read_any(scene, path);
     if (status == FATHOM_OK) status = check_asked(scene, path);
     if (status == FATHOM_OK) status = open_shutter(scene, path);
+    if (status == FATHOM_OK) status = pose_vertices(scene);
     if (status != FATHOM_OK) return status;
     status = fathom_scene_complete(scene);
     if (status == FATHOM_OK) status = fathom_scene_check(scene);

@@ -165,6 +165,108 @@ static void placed_copies_are_framed_by_their_vertices(void **state) {
     }
 }
 
+/* ---- motion ---- */
+
+static const double times[3] = {0, 1, 2};
+
+/* The group at three times. */
+static void place_moving(fathom_id group, const affine_f64 at[3]) {
+    fathom_instance instance;
+    double maps[3][12];
+    for (int k = 0; k < 3; ++k) memcpy(maps[k], at[k].m, sizeof maps[k]);
+    fathom_instance_default(&instance);
+    instance.group = group;
+    instance.key_count = 3, instance.key_times = times, instance.key_transforms = maps[0];
+    assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
+}
+
+static void complete_with_shutter(double open, double close) {
+    scene->camera.shutter[0] = open, scene->camera.shutter[1] = close;
+    scene->has_camera = false;
+    assert_ok(context, fathom_scene_complete(scene));
+}
+
+/* There and back again, next to a body that rests: while the shutter is open all ways to the turning point
+ * are in view, and with the shutter shut the place alone where it is then. */
+static void what_moves_is_framed_wherever_it_is_seen(void **state) {
+    (void)state;
+    const fathom_id group = add_group();
+    const affine_f64 rest = affine_translation((vec3_f64){0, 3, 0}),
+                     at[3] = {affine_identity(), affine_translation((vec3_f64){9, 1, 2}), affine_identity()};
+    static const struct {
+        double open, close, share[3]; /* of the way to the turning point: the outermost ones */
+    } cases[] = {{0, 2, {0, 1, 0}},
+                 {0.25, 0.5, {0.25, 0.5, 0.5}},
+                 {0.75, 1.5, {0.75, 1, 0.5}},
+                 {1, 1, {1, 1, 1}},
+                 {5, 9, {0, 0, 0}}};
+    add_body(group, (double[3]){0, 0, 0});
+    place(group, FATHOM_ROOT, &rest);
+    place_moving(group, at);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        points p = {.count = 0};
+        note_body(&p, &rest);
+        for (int k = 0; k < 3; ++k) {
+            const double u = cases[i].share[k];
+            const affine_f64 there = affine_translation((vec3_f64){9 * u, u, 2 * u});
+            note_body(&p, &there);
+        }
+        complete_with_shutter(cases[i].open, cases[i].close);
+        assert_framed(&p, 16);
+    }
+}
+
+/* Between two keys a turn reaches beyond both. Sixteen looks at 80 degrees are 5 apart, which between two of
+ * them miss at most 1 - cos 2.5, a thousandth, of the distance from the axis: below 7, at least 3 from the
+ * eye. */
+static void turns_stay_in_view(void **state) {
+    (void)state;
+    const fathom_id group = add_group();
+    const vec3_f64 axis = {0, 0, 1};
+    const affine_f64 at[3] = {affine_identity(), affine_rotation_axis(axis, 1.4),
+                              affine_rotation_axis(axis, 1.4)};
+    points p = {.count = 0};
+    add_body(group, (double[3]){0, 0, 0});
+    place_moving(group, at);
+    complete_with_shutter(0, 1);
+    for (int i = 0; i <= 1000; i += 125) {
+        const affine_f64 there = affine_rotation_axis(axis, 1.4 * i / 1000);
+        note_body(&p, &there);
+    }
+    assert_framed(&p, 16);
+    for (int i = 0; i <= 1000; i += 7) {
+        const affine_f64 there = affine_rotation_axis(axis, 1.4 * i / 1000);
+        points q = {.count = 0};
+        note_body(&q, &there);
+        const extent e = extent_of(&q);
+        for (int k = 0; k < 2; ++k) assert_true(e.high[k] <= 0.9 + 0.005 && e.low[k] >= -0.9 - 0.005);
+    }
+}
+
+/* A body that grows to twice its size: at both ends of the shutter's time, or as large as it is half way. */
+static void moving_vertices_are_framed_as_they_are_then(void **state) {
+    (void)state;
+    const double shutters[2][2] = {{0, 1}, {0.5, 0.5}};
+    float keys[2][6][3];
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    for (int i = 0; i < 6; ++i) {
+        for (int k = 0; k < 3; ++k) keys[0][i][k] = body[i][k], keys[1][i][k] = 2 * body[i][k];
+    }
+    mesh.positions = body[0], mesh.vertex_count = 6, mesh.indices = faces, mesh.triangle_count = 4;
+    mesh.key_count = 2, mesh.key_times = times, mesh.key_positions = keys[0][0];
+    assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+    for (int i = 0; i < 2; ++i) {
+        points p = {.count = 0};
+        const affine_f64 from = affine_scaling(i ? (vec3_f64){1.5, 1.5, 1.5} : (vec3_f64){1, 1, 1}),
+                         to = affine_scaling(i ? (vec3_f64){1.5, 1.5, 1.5} : (vec3_f64){2, 2, 2});
+        note_body(&p, &from);
+        note_body(&p, &to);
+        complete_with_shutter(shutters[i][0], shutters[i][1]);
+        assert_framed(&p, 16);
+    }
+}
+
 /* A mesh whose origin is at Earth's radius. */
 static void far_scenes_are_framed_as_near_ones(void **state) {
     (void)state;
@@ -348,6 +450,9 @@ int main(void) {
         TEST(deep_scenes_are_centred),
         TEST(placed_copies_are_framed_by_their_vertices),
         TEST(far_scenes_are_framed_as_near_ones),
+        TEST(what_moves_is_framed_wherever_it_is_seen),
+        TEST(turns_stay_in_view),
+        TEST(moving_vertices_are_framed_as_they_are_then),
         TEST(balls_touch_the_view),
         TEST(any_scale_is_framed_alike),
         TEST(too_many_copies_stay_in_view),

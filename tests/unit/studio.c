@@ -2,6 +2,7 @@
 #include "light/studio.h"
 #include "light/environment.h"
 #include "random.h"
+#include "scene/camera/camera.h"
 #include "unit_folder.h"
 
 #include <fathom/fathom.h>
@@ -146,10 +147,140 @@ static float wall_behind_emissive(bool image) {
     return corner;
 }
 
-static void an_image_of_emission_is_no_lamp(void **state) {
+/* Nor is a body that shines on nothing: both have the wall behind them, and the one that shines is brighter.
+ */
+static void an_emission_that_meets_nothing_is_no_lamp(void **state) {
     (void)state;
     assert_true(wall_behind_emissive(true) > 0.01f);
-    assert_true(wall_behind_emissive(false) == 0);
+    assert_true(wall_behind_emissive(false) == wall_behind_emissive(true));
+}
+
+/* By 20,000 directions spread evenly; panels have edges of a few degrees. */
+static void its_luminance_is_what_lamps_are_held_against(void **state) {
+    (void)state;
+    enum { DIRECTIONS = 20000 };
+    studio s;
+    double sum = 0;
+    studio_open(&s);
+    for (int i = 0; i < DIRECTIONS; ++i) {
+        const double y = 1 - (2 * i + 1.0) / DIRECTIONS, r = sqrt(1 - y * y), turn = 2.39996322972865332 * i;
+        float rgb[3];
+        studio_radiance(&s, vec_f64(r * cos(turn), y, r * sin(turn)), rgb);
+        sum += 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
+    }
+    assert_near(sum / DIRECTIONS, STUDIO_LUMINANCE, 1e-3);
+}
+
+/* ---- lamps ---- */
+
+static fathom_id add_emission(fathom_scene *scene, float radiance) {
+    fathom_material m;
+    fathom_id id;
+    fathom_material_default(&m);
+    for (int c = 0; c < 3; ++c) m.k_e[c] = radiance;
+    assert_ok(context, fathom_scene_add_material(scene, "m", &m, &id));
+    return id;
+}
+
+/* A parallelogram. */
+static void add_wall(fathom_scene *scene, vec3_f64 c, vec3_f64 u, vec3_f64 v, fathom_id material) {
+    fathom_quad q;
+    fathom_quad_default(&q);
+    const vec3_f64 corner[4] = {c, add_f64(c, u), add_f64(add_f64(c, u), v), add_f64(c, v)};
+    for (int k = 0; k < 4; ++k) store_f64(q.corners[k], corner[k]);
+    q.material = material;
+    assert_ok(context, fathom_scene_add_quad(scene, FATHOM_ROOT, &q, NULL));
+}
+
+/* A room of edge s, open at the front, with a lamp of a tenth of its ceiling in the middle of it. */
+static bool room_has_studio(double s, float radiance) {
+    fathom_scene *scene;
+    assert_ok(context, fathom_scene_create(context, &scene));
+    const fathom_id lamp = add_emission(scene, radiance);
+    const vec3_f64 x = {s, 0, 0}, y = {0, s, 0}, z = {0, 0, s}, o = {0, 0, 0};
+    const double part = sqrt(0.1);
+    add_wall(scene, o, x, y, 0);
+    add_wall(scene, o, x, z, 0);
+    add_wall(scene, o, y, z, 0);
+    add_wall(scene, x, y, z, 0);
+    add_wall(scene, y, x, z, 0);
+    add_wall(scene, (vec3_f64){0.5 * (1 - part) * s, 0.999 * s, 0.5 * (1 - part) * s}, scale_f64(part, x),
+             scale_f64(part, z), lamp);
+    assert_ok(context, fathom_scene_complete(scene));
+    const bool out = scene->in_studio;
+    fathom_scene_destroy(scene);
+    return out;
+}
+
+/* A lamp shines from both sides, each pi L / 10 of a wall. Of the lower side's light a fifth leaves by the
+ * front; all of the upper side's meets the ceiling, but so near that the points may miss it. So the mean of
+ * five walls is an irradiance from 0.8 pi L / 50 to 1.8 pi L / 50, against a sixteenth of 0.696 pi: lamps and
+ * studio part between L = 1.2 and L = 2.7. */
+static void a_room_is_lit_by_its_lamps_unless_they_are_dim(void **state) {
+    (void)state;
+    for (double size = 1e-6; size < 1e7; size *= 1e4) {
+        assert_false(room_has_studio(size, 20));
+        assert_false(room_has_studio(size, 3));
+        assert_true(room_has_studio(size, 1.1f));
+        assert_true(room_has_studio(size, 0.05f));
+    }
+}
+
+/* A slab with its corners in the order that lets its faces look outwards, and a display on its front. */
+static fathom_scene *open_telephone(float radiance, bool before_wall) {
+    static const float corners[8][3] = {{0, 0, 0},   {1, 0, 0},   {0, 2, 0},   {1, 2, 0},
+                                        {0, 0, .1f}, {1, 0, .1f}, {0, 2, .1f}, {1, 2, .1f}};
+    static const uint32_t sides[36] = {0, 2, 1, 1, 2, 3, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5,
+                                       0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 4, 5, 6, 5, 7, 6};
+    fathom_scene *scene;
+    fathom_mesh mesh;
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    assert_ok(context, fathom_scene_create(context, &scene));
+    assert_ok(context, fathom_scene_add_group(scene, "telephone", &instance.group));
+    fathom_mesh_default(&mesh);
+    mesh.positions = corners[0], mesh.vertex_count = 8;
+    mesh.indices = sides, mesh.triangle_count = 10;
+    assert_ok(context, fathom_scene_add_mesh(scene, instance.group, &mesh, NULL));
+    mesh.indices = sides + 30, mesh.triangle_count = 2, mesh.material = add_emission(scene, radiance);
+    assert_ok(context, fathom_scene_add_mesh(scene, instance.group, &mesh, NULL));
+    instance.transform[0] = -1; /* mirrored */
+    assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
+    if (before_wall) add_wall(scene, (vec3_f64){-2, -1, 1}, vec_f64(3, 0, 0), vec_f64(0, 4, 0), 0);
+    assert_ok(context, fathom_scene_complete(scene));
+    return scene;
+}
+
+static void a_display_lights_what_it_faces_alone(void **state) {
+    (void)state;
+    fathom_scene *scene = open_telephone(1000, false);
+    double irradiance;
+    assert_ok(context, scene_measure_lamps(scene, &irradiance));
+    assert_near(irradiance, 0, 0);
+    assert_true(scene->in_studio);
+    fathom_scene_destroy(scene);
+    scene = open_telephone(1000, true);
+    assert_false(scene->in_studio);
+    fathom_scene_destroy(scene);
+}
+
+/* Two small squares at a distance of 1: radiance times area, times the cosine at the receiver. Their sizes
+ * change the distance by less than 1e-4 of it. */
+static void irradiance_of_small_squares_has_a_closed_form(void **state) {
+    (void)state;
+    const double edge = 0.01, slope = 0.5 * sqrt(3);
+    for (int tilted = 0; tilted < 2; ++tilted) {
+        fathom_scene *scene;
+        double irradiance;
+        assert_ok(context, fathom_scene_create(context, &scene));
+        add_wall(scene, vec_f64(0, 0, 0), vec_f64(edge, 0, 0), vec_f64(0, edge, 0), add_emission(scene, 3));
+        add_wall(scene, vec_f64(0, 0, 1), vec_f64(edge, 0, 0),
+                 vec_f64(0, edge * (tilted ? 0.5 : 1), tilted ? edge * slope : 0), 0);
+        assert_ok(context, scene_measure_lamps(scene, &irradiance));
+        assert_near(irradiance, 3 * edge * edge * (tilted ? 0.5 : 1),
+                    (tilted ? 0.03 : 3e-4) * 3 * edge * edge);
+        fathom_scene_destroy(scene);
+    }
 }
 
 /* Black pixels say what the studio could add unseen: its brightest panel is above 4. */
@@ -180,7 +311,11 @@ int main(void) {
         cmocka_unit_test(it_turns_with_the_viewer),
         cmocka_unit_test(a_background_alone_lights_a_model_without_lights),
         cmocka_unit_test(only_models_without_light_stand_in_it),
-        cmocka_unit_test(an_image_of_emission_is_no_lamp),
+        cmocka_unit_test(an_emission_that_meets_nothing_is_no_lamp),
+        cmocka_unit_test(its_luminance_is_what_lamps_are_held_against),
+        cmocka_unit_test(a_room_is_lit_by_its_lamps_unless_they_are_dim),
+        cmocka_unit_test(a_display_lights_what_it_faces_alone),
+        cmocka_unit_test(irradiance_of_small_squares_has_a_closed_form),
         cmocka_unit_test(errors_know_how_bright_it_is),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);

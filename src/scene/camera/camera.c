@@ -191,14 +191,6 @@ static fathom_status light_everything(fathom_scene *scene) {
     return status;
 }
 
-/* An image of emission is a display or a signal, as on most models: it does not light the scene. */
-static bool is_lamp(const fathom_material *m) {
-    if (m->maps[FATHOM_MAP_EMISSIVE].texture != FATHOM_NONE) return false;
-    const bool classic = m->model == FATHOM_MODEL_CLASSIC;
-    const float *rgb = classic ? m->k_e : m->emissive;
-    return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0;
-}
-
 static bool background_shines(const fathom_scene *scene) {
     const float *behind = scene->background;
     return scene->has_background && (behind[0] > 0 || behind[1] > 0 || behind[2] > 0);
@@ -208,14 +200,15 @@ bool scene_replaces_lights(const fathom_scene *scene) {
     return scene->in_studio || (scene->lights_made && background_shines(scene));
 }
 
-/* Path tracing lights a scene by its surfaces and its background. */
-static bool lights_itself(const fathom_scene *scene) {
-    if (scene->settings.integrator == FATHOM_INTEGRATOR_CLASSIC) return false;
-    if (background_shines(scene)) return true;
-    for (size_t i = 0; i < scene->objects.count; ++i) {
-        if (is_lamp(&scene->materials.items[scene_object_material(scene, (fathom_id)i)].value)) return true;
-    }
-    return false;
+/* Path tracing lights a scene by its background and its surfaces, unless these are mere displays and signals
+ * that leave the scene around them dark. */
+static fathom_status lights_itself(const fathom_scene *scene, bool *out) {
+    *out = false;
+    if (scene->settings.integrator == FATHOM_INTEGRATOR_CLASSIC) return FATHOM_OK;
+    double irradiance = 0;
+    fathom_status status = scene_measure_lamps(scene, &irradiance);
+    *out = background_shines(scene) || irradiance >= LAMPS_SHARE * STUDIO_LUMINANCE * 3.14159265358979324;
+    return status;
 }
 
 fathom_status fathom_scene_complete(fathom_scene *scene) {
@@ -226,7 +219,7 @@ fathom_status fathom_scene_complete(fathom_scene *scene) {
         status = frame_everything(scene);
         if (status != FATHOM_OK) return status;
     }
-    const bool lit =
-        scene->lights.count || scene->environments.count || scene->has_lights || lights_itself(scene);
-    return lit ? FATHOM_OK : light_everything(scene);
+    bool lit = scene->lights.count || scene->environments.count || scene->has_lights;
+    if (!lit) status = lights_itself(scene, &lit);
+    return lit || status != FATHOM_OK ? status : light_everything(scene);
 }

@@ -26,6 +26,17 @@ fathom_status scene_choose_camera(fathom_scene *scene, const char *path);
 fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, double across, double up,
                               bool *empty, vec3_f64 *eye);
 
+/* ---- light ---- */
+
+/* The mean irradiance that even emission, as luminance, brings to what does not shine, by sight alone: an
+ * estimate from a few hundred points, without shadows. 0 where nothing shines but by images. */
+fathom_status scene_measure_lamps(const fathom_scene *scene, double *out);
+
+/* The luminance of the built-in studio (light/studio.h), the mean of all directions. */
+#define STUDIO_LUMINANCE 0.696
+/* Lamps that light the scene by themselves bring at least this share of what the studio would. */
+#define LAMPS_SHARE (1.0 / 16)
+
 /* ---- the shape of images ---- */
 
 typedef struct image_size {

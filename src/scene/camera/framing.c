@@ -31,6 +31,7 @@ typedef struct directions {
 
 typedef struct step {
     uint32_t group;
+    bool moves; /* it, or a group around it */
     directions along;
 } step;
 
@@ -39,11 +40,14 @@ typedef struct walk {
     const scene_graph *graph;
     const scene_bounds *of_group;
     ARRAY(step) stack;
+    const double *times; /* at which all must be in view, the shutter's opening first */
+    uint32_t time_count, time;
     uint64_t vertices; /* that may still be looked at */
     uint32_t places;   /* that may still be stepped into */
     double reach[SIDES];
     unsigned threads;
-    extent_boxes *boxes; /* for each mesh */
+    extent_boxes *boxes; /* for each mesh, or each of its keys */
+    size_t *first_boxes; /* of each mesh */
 } walk;
 
 static directions through(const directions *d, const affine_f64 *map) {
@@ -71,11 +75,34 @@ static void add_box(walk *w, const directions *d, const scene_bounds *box) {
     for (int i = 0; i < 8 && !bounds_is_empty(box); ++i) add_point(w, d, bounds_corner(box, i));
 }
 
+/* How far the mesh reaches as it is at a key. */
+static bool reach_of_key(walk *w, const extent_sides *sides, uint32_t index, uint32_t key,
+                         double most[SIDES]) {
+    fathom_mesh mesh = w->scene->meshes.items[index];
+    extent_boxes *boxes = &w->boxes[w->first_boxes[index] + key];
+    if (mesh.key_count) {
+        mesh.positions = mesh.key_positions + 3 * (size_t)mesh.vertex_count * key;
+        mesh.position_stride = 3 * sizeof(float);
+    }
+    if (!boxes->items && !extent_make_boxes(w->threads, &mesh, boxes)) return false;
+    extent_of_mesh(sides, &mesh, boxes, most);
+    return true;
+}
+
+/* Between two keys no vertex reaches farther than the mean of how far it does at either; the mean of the two
+ * farthest is as near as that, where one vertex is both. */
+static bool reach_between(walk *w, const extent_sides *sides, uint32_t index, uint32_t key, double u) {
+    double a[SIDES], b[SIDES];
+    for (int i = 0; i < SIDES; ++i) a[i] = b[i] = -INFINITY;
+    if (!reach_of_key(w, sides, index, key, a) || !reach_of_key(w, sides, index, key + 1, b)) return false;
+    for (int i = 0; i < SIDES; ++i) w->reach[i] = fmax(w->reach[i], (1 - u) * a[i] + u * b[i]);
+    return true;
+}
+
 /* A mesh that does not reach beyond the rest of the scene needs no boxes. */
 static bool add_mesh(walk *w, const directions *d, uint32_t index) {
     const fathom_mesh *mesh = &w->scene->meshes.items[index];
     const mesh_facts *facts = &w->scene->mesh_facts.items[index];
-    extent_boxes *boxes = &w->boxes[index];
     extent_sides sides;
     extent_box all;
     for (int i = 0; i < SIDES; ++i) {
@@ -84,9 +111,10 @@ static bool add_mesh(walk *w, const directions *d, uint32_t index) {
     }
     for (int k = 0; k < 3; ++k) all.lower[k] = facts->lower[k], all.upper[k] = facts->upper[k];
     if (!extent_box_beyond(&sides, &all, w->reach)) return true;
-    if (!boxes->items && !extent_make_boxes(w->threads, mesh, boxes)) return false;
-    extent_of_mesh(&sides, mesh, boxes, w->reach);
-    return true;
+    double u = 0;
+    const uint32_t key =
+        mesh->key_count ? motion_key(mesh->key_times, mesh->key_count, w->times[w->time], &u) : 0;
+    return u > 0 ? reach_between(w, &sides, index, key, u) : reach_of_key(w, &sides, index, key, w->reach);
 }
 
 static bool add_object(walk *w, const directions *d, fathom_id id) {
@@ -117,31 +145,39 @@ static bool add_object(walk *w, const directions *d, fathom_id id) {
 
 /* ---- groups ---- */
 
-static bool add_instance(walk *w, const directions *d, const fathom_instance *instance) {
-    const affine_f64 map = motion_place(instance, w->scene->camera.shutter[0]);
-    const step inner = {instance->group, through(d, &map)};
+static bool add_instance(walk *w, const directions *d, bool moves, const fathom_instance *instance) {
+    const affine_f64 map = motion_place(instance, w->times[w->time]);
+    const step inner = {instance->group, moves || motion_is_moving(instance, w->scene->camera.shutter),
+                        through(d, &map)};
     if (!w->places) {
-        add_box(w, &inner.along, &w->of_group[instance->group]);
+        if (!w->time || inner.moves) add_box(w, &inner.along, &w->of_group[instance->group]);
         return true;
     }
     --w->places;
     return array_push(&w->stack, inner);
 }
 
+static bool has_keys(const fathom_scene *scene, fathom_id id) {
+    const scene_object object = scene->objects.items[id];
+    return object.kind == SCENE_MESH && scene->meshes.items[object.index].key_count > 1;
+}
+
+/* After the first time only what moves is looked at again. */
 static bool add_group(walk *w, const step *at) {
     const uint32_t *objects = w->graph->objects.first + at->group,
                    *instances = w->graph->instances.first + at->group;
     const uint64_t items = (uint64_t)(objects[1] - objects[0]) + (instances[1] - instances[0]);
     if (items > w->vertices) {
-        add_box(w, &at->along, &w->of_group[at->group]);
+        if (!w->time || at->moves) add_box(w, &at->along, &w->of_group[at->group]);
         return true;
     }
     w->vertices -= items;
     for (uint32_t i = objects[0]; i < objects[1]; ++i) {
+        if (w->time && !at->moves && !has_keys(w->scene, w->graph->objects.items[i])) continue;
         if (!add_object(w, &at->along, w->graph->objects.items[i])) return false;
     }
     for (uint32_t i = instances[0]; i < instances[1]; ++i) {
-        if (!add_instance(w, &at->along, &w->scene->instances.items[w->graph->instances.items[i]]))
+        if (!add_instance(w, &at->along, at->moves, &w->scene->instances.items[w->graph->instances.items[i]]))
             return false;
     }
     return true;
@@ -156,11 +192,14 @@ static bool measure(walk *w, const frame_f64 *axes, vec3_f64 center, const doubl
         root.along.offset[i] = -dot_f64(root.along.normal[i], center);
         w->reach[i] = -INFINITY;
     }
-    w->vertices = VERTICES_MOST, w->places = PLACES_MOST, w->stack.count = 0;
-    bool fine = array_push(&w->stack, root);
-    while (fine && w->stack.count) {
-        const step at = w->stack.items[--w->stack.count];
-        fine = add_group(w, &at);
+    bool fine = true;
+    for (w->time = 0; fine && w->time < w->time_count; ++w->time) {
+        w->vertices = VERTICES_MOST, w->places = PLACES_MOST, w->stack.count = 0;
+        fine = array_push(&w->stack, root);
+        while (fine && w->stack.count) {
+            const step at = w->stack.items[--w->stack.count];
+            fine = add_group(w, &at);
+        }
     }
     return fine;
 }
@@ -264,6 +303,69 @@ static fathom_status fail_place(const fathom_scene *scene, const scene_bounds *b
         box->lower.x, box->lower.y, box->lower.z, box->upper.x, box->upper.y, box->upper.z);
 }
 
+/* ---- times ---- */
+
+/* Even ones, in case things turn between two keys, and keys, up to so many. */
+enum { EVEN_TIMES = 17, TIMES_MOST = 128 };
+
+typedef struct time_list {
+    double items[TIMES_MOST];
+    uint32_t count;
+} time_list;
+
+/* Keys while the shutter is open. */
+static void add_keys(const double shutter[2], const double *keys, uint32_t count, time_list *times) {
+    for (uint32_t k = 0; k < count; ++k) {
+        bool known = !(keys[k] > shutter[0] && keys[k] < shutter[1]);
+        for (uint32_t i = 0; i < times->count && !known; ++i) known = times->items[i] == keys[k];
+        if (!known && times->count < TIMES_MOST) times->items[times->count++] = keys[k];
+    }
+}
+
+/* The shutter's opening alone where nothing moves. */
+static void choose_times(const fathom_scene *scene, time_list *times) {
+    const double *shutter = scene->camera.shutter;
+    *times = (time_list){{shutter[0]}, 1};
+    bool moves = false;
+    for (size_t i = 0; i < scene->instances.count; ++i) {
+        const fathom_instance *instance = &scene->instances.items[i];
+        if (!motion_is_moving(instance, shutter)) continue;
+        moves = true;
+        add_keys(shutter, instance->key_times, instance->key_count, times);
+    }
+    for (size_t i = 0; i < scene->meshes.count && shutter[1] > shutter[0]; ++i) {
+        const fathom_mesh *mesh = &scene->meshes.items[i];
+        moves |= mesh->key_count > 1;
+        add_keys(shutter, mesh->key_times, mesh->key_count, times);
+    }
+    if (times->count > TIMES_MOST - EVEN_TIMES) times->count = TIMES_MOST - EVEN_TIMES;
+    for (int i = 1; i < EVEN_TIMES && moves; ++i)
+        times->items[times->count++] = shutter[0] + (shutter[1] - shutter[0]) * i / (EVEN_TIMES - 1);
+}
+
+/* ---- everything ---- */
+
+static bool prepare_boxes(walk *w) {
+    const fathom_scene *scene = w->scene;
+    size_t count = 0;
+    w->first_boxes = malloc((scene->meshes.count + 1) * sizeof *w->first_boxes);
+    if (!w->first_boxes) return false;
+    for (size_t i = 0; i < scene->meshes.count; ++i) {
+        w->first_boxes[i] = count;
+        count += scene->meshes.items[i].key_count ? scene->meshes.items[i].key_count : 1;
+    }
+    w->first_boxes[scene->meshes.count] = count;
+    w->boxes = calloc(count + 1, sizeof *w->boxes);
+    return w->boxes;
+}
+
+static void release(walk *w) {
+    array_free(&w->stack);
+    for (size_t i = 0; w->boxes && i < w->first_boxes[w->scene->meshes.count]; ++i) free(w->boxes[i].items);
+    free(w->boxes);
+    free(w->first_boxes);
+}
+
 fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, double across, double up,
                               bool *empty, vec3_f64 *eye) {
     scene_graph graph;
@@ -274,16 +376,19 @@ fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, 
     status = graph_bounds(scene, &graph, &of_group);
     if (status == FATHOM_OK && !bounds_is_empty(&of_group[FATHOM_ROOT])) {
         *empty = false;
-        walk w = {.scene = scene, .graph = &graph, .of_group = of_group};
-        w.threads = fathom_context_threads(scene->context);
-        w.boxes = calloc(scene->meshes.count + 1, sizeof *w.boxes);
-        if (!w.boxes || !find_eye(&w, axes, (double[2]){across, up}, eye))
+        time_list times;
+        choose_times(scene, &times);
+        walk w = {.scene = scene,
+                  .graph = &graph,
+                  .of_group = of_group,
+                  .times = times.items,
+                  .time_count = times.count,
+                  .threads = fathom_context_threads(scene->context)};
+        if (!prepare_boxes(&w) || !find_eye(&w, axes, (double[2]){across, up}, eye))
             status = fail_memory(scene->context, sizeof *w.stack.items);
         else if (!finite_f64(*eye))
             status = fail_place(scene, &of_group[FATHOM_ROOT]);
-        array_free(&w.stack);
-        for (size_t i = 0; i < scene->meshes.count && w.boxes; ++i) free(w.boxes[i].items);
-        free(w.boxes);
+        release(&w);
     }
     free(of_group);
     graph_destroy(&graph);

@@ -146,6 +146,14 @@ scene_bounds motion_bounds(const fathom_instance *instance, const double shutter
     return all;
 }
 
+void motion_rows(const fathom_mesh *mesh, const float *rows, size_t count, double time, float *out) {
+    double u;
+    const uint32_t k = motion_key(mesh->key_times, mesh->key_count, time, &u);
+    const float *a = rows + k * count, *b = rows + (k + (u > 0)) * count;
+    for (size_t i = 0; i < count; ++i)
+        out[i] = u > 0 ? (float)((1 - u) * (double)a[i] + u * (double)b[i]) : a[i];
+}
+
 /* ---- the camera ---- */
 
 fathom_camera motion_camera(const fathom_camera *camera, double time) {

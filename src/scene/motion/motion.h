@@ -39,6 +39,9 @@ bool motion_is_moving(const fathom_instance *instance, const double shutter[2]);
 scene_bounds motion_bounds(const fathom_instance *instance, const double shutter[2],
                            const scene_bounds *inside);
 
+/* The positions, or the normals, of a mesh with keys at a time: `count` numbers. rows: those of all keys. */
+void motion_rows(const fathom_mesh *mesh, const float *rows, size_t count, double time, float *out);
+
 /* The camera at a time, without keys. */
 fathom_camera motion_camera(const fathom_camera *camera, double time);
 bool motion_camera_moves(const fathom_camera *camera);

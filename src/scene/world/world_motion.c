@@ -151,18 +151,6 @@ void world_move_instance(const world *w, const world_instance *instance, float t
 
 /* ---- vertices ---- */
 
-static void mix_rows(const float *a, const float *b, double u, size_t count, float *out) {
-    for (size_t i = 0; i < count; ++i)
-        out[i] = u > 0 ? (float)((1 - u) * (double)a[i] + u * (double)b[i]) : a[i];
-}
-
-/* Rows of all vertices, or of all normals, at a time. */
-static void rows_when(const fathom_mesh *m, const float *rows, size_t count, double time, float *out) {
-    double u;
-    const uint32_t k = motion_key(m->key_times, m->key_count, time, &u);
-    mix_rows(rows + k * count, rows + (k + (u > 0)) * count, u, count, out);
-}
-
 /* The share of an interval by which a key misses the steps around it, 0 to 1/2; the vertices are off by at
  * most that part of what they turn aside there. */
 static double misses(const fathom_mesh *m, const double shutter[2], uint32_t steps) {
@@ -226,8 +214,8 @@ bool world_add_vertex_motion(world *w, world_geometry *geometry, fathom_mesh *me
     for (size_t k = 0; k < steps; ++k) {
         const double u = still ? 0 : (double)k / (double)(steps - 1);
         const double time = shutter[0] + u * (shutter[1] - shutter[0]);
-        rows_when(mesh, mesh->key_positions, points, time, made.positions + k * points);
-        if (made.normals) rows_when(mesh, mesh->key_normals, normals, time, made.normals + k * normals);
+        motion_rows(mesh, mesh->key_positions, points, time, made.positions + k * points);
+        if (made.normals) motion_rows(mesh, mesh->key_normals, normals, time, made.normals + k * normals);
     }
     mesh->positions = made.positions, mesh->position_stride = 3 * sizeof(float);
     if (made.normals) mesh->normals = made.normals, mesh->normal_stride = 3 * sizeof(float);

@@ -1,0 +1,205 @@
+/* How brightly the emission of a model lights the model itself: the mean irradiance over what does not shine,
+ * from points spread evenly over both, by area. Nothing is in the way between two points, but a surface is
+ * lit on its front alone: so the display on a telephone does not light the telephone, whose surfaces all face
+ * away from it. */
+#include "scene/camera/camera.h"
+
+#include "scene/graph.h"
+#include "scene/motion/motion.h"
+
+#include <float.h>
+#include <stdlib.h>
+
+/* The most points on each, triangles read of one mesh, triangles read in all, and groups entered. */
+enum { PATCHES = 256, TRIANGLES_OF_MESH = 4096, TRIANGLES_MOST = 1 << 22, PLACES_MOST = 1 << 16 };
+
+typedef struct surface {
+    double radiance;
+    double front; /* 1; -1 where its place mirrors it */
+    bool both;    /* light counts on both sides */
+} surface;
+
+typedef struct patch {
+    vec3_f64 at, normal;
+    surface of;
+} patch;
+
+typedef struct patches {
+    patch items[PATCHES];
+    uint32_t count;
+    double area, passed; /* of everything, and up to where the second walk has come */
+} patches;
+
+typedef struct place {
+    uint32_t group;
+    affine_f64 to_world;
+    fathom_id material; /* that replaces those inside */
+} place;
+
+typedef struct lamp_walk {
+    const fathom_scene *scene;
+    const scene_graph *graph;
+    ARRAY(place) stack;
+    uint32_t triangles, places; /* that may still be looked at */
+    bool spreads;               /* the second walk, which puts the points where the first found area */
+    patches lamps, others;
+} lamp_walk;
+
+/* An image of emission is a display or a signal, as on most models: it does not count. */
+static double radiance_of(const fathom_material *m) {
+    if (m->maps[FATHOM_MAP_EMISSIVE].texture != FATHOM_NONE) return 0;
+    const bool classic = m->model == FATHOM_MODEL_CLASSIC;
+    const float *rgb = classic ? m->k_e : m->emissive;
+    const double luminance = 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
+    return classic ? luminance : luminance * (double)m->emissive_strength;
+}
+
+/* ---- points ---- */
+
+/* The low-discrepancy sequence of Roberts, folded into the triangle. */
+static void put_patch(patches *list, const surface *of, vec3_f64 normal, const vec3_f64 corner[3]) {
+    const double i = list->count + 1.0;
+    double u = fmod(0.7548776662466927 * i, 1), v = fmod(0.5698402909980532 * i, 1);
+    if (u + v > 1) u = 1 - u, v = 1 - v;
+    const vec3_f64 at =
+        madd_f64(madd_f64(corner[0], u, sub_f64(corner[1], corner[0])), v, sub_f64(corner[2], corner[0]));
+    list->items[list->count++] = (patch){at, scale_f64(of->front, normal), *of};
+}
+
+/* A triangle that stands for `weight` like it. */
+static void add_triangle(lamp_walk *w, const vec3_f64 corner[3], double weight, const surface *of) {
+    patches *list = of->radiance > 0 ? &w->lamps : &w->others;
+    const vec3_f64 n = cross_f64(sub_f64(corner[1], corner[0]), sub_f64(corner[2], corner[0]));
+    const double area = 0.5 * length_f64(n) * weight, step = list->area / PATCHES;
+    if (!(area > 0) || isinf(area)) return;
+    if (!w->spreads) {
+        list->area += area;
+        return;
+    }
+    list->passed += area;
+    while (list->count < PATCHES && (list->count + 0.5) * step < list->passed)
+        put_patch(list, of, normalize_f64(n), corner);
+}
+
+/* ---- shapes ---- */
+
+static void add_placed(lamp_walk *w, const affine_f64 *map, const vec3_f64 corner[3], double weight,
+                       const surface *of) {
+    const vec3_f64 moved[3] = {affine_point(map, corner[0]), affine_point(map, corner[1]),
+                               affine_point(map, corner[2])};
+    add_triangle(w, moved, weight, of);
+}
+
+/* Squares that touch it, of its area in all. */
+static void add_sphere(lamp_walk *w, const affine_f64 *map, const fathom_sphere *s, const surface *of) {
+    enum { SQUARES = 16 };
+    const double side = sqrt(4 * 3.14159265358979324 / SQUARES) * s->radius;
+    for (int i = 0; i < SQUARES; ++i) {
+        const double z = 1 - (2 * i + 1.0) / SQUARES, r = sqrt(1 - z * z), turn = 2.39996322972865332 * i;
+        const vec3_f64 n = {r * cos(turn), r * sin(turn), z};
+        const frame_f64 f = frame_from(n, n, (vec3_f64){0, 1, 0});
+        const vec3_f64 across = scale_f64(side, f.x), up = scale_f64(side, f.y),
+                       middle = madd_f64(load_f64(s->center), s->radius, n),
+                       first = madd_f64(madd_f64(middle, -0.5, across), -0.5, up),
+                       last = add_f64(add_f64(first, across), up);
+        add_placed(w, map, (vec3_f64[]){first, add_f64(first, across), last}, 1, of);
+        add_placed(w, map, (vec3_f64[]){first, last, add_f64(first, up)}, 1, of);
+    }
+}
+
+/* Which side of a quad is its front means nothing to whoever wrote it. */
+static void add_quad(lamp_walk *w, const affine_f64 *map, const fathom_quad *q, surface of) {
+    of.both = true;
+    const vec3_f64 c[4] = {load_f64(q->corners[0]), load_f64(q->corners[1]), load_f64(q->corners[2]),
+                           load_f64(q->corners[3])};
+    add_placed(w, map, (vec3_f64[]){c[0], c[1], c[2]}, 1, &of);
+    add_placed(w, map, (vec3_f64[]){c[0], c[2], c[3]}, 1, &of);
+}
+
+static void add_mesh(lamp_walk *w, const affine_f64 *map, const fathom_mesh *mesh, const surface *of) {
+    const uint32_t every = (mesh->triangle_count - 1) / TRIANGLES_OF_MESH + 1;
+    for (uint32_t t = 0; t < mesh->triangle_count && w->triangles; t += every, --w->triangles) {
+        vec3_f64 corner[3];
+        for (int k = 0; k < 3; ++k)
+            corner[k] = add_f64(load_f64(mesh->origin),
+                                widen(load_f32(mesh_vertex(mesh, mesh->indices[3 * (size_t)t + (size_t)k]))));
+        add_placed(w, map, corner, fmin(every, mesh->triangle_count - t), of);
+    }
+}
+
+static void add_object(lamp_walk *w, const place *at, fathom_id id) {
+    const scene_object object = w->scene->objects.items[id];
+    const fathom_id material =
+        at->material != FATHOM_NONE ? at->material : scene_object_material(w->scene, id);
+    const double(*m)[4] = at->to_world.m;
+    const vec3_f64 x = {m[0][0], m[1][0], m[2][0]}, y = {m[0][1], m[1][1], m[2][1]},
+                   z = {m[0][2], m[1][2], m[2][2]};
+    const surface of = {.front = dot_f64(cross_f64(x, y), z) < 0 ? -1 : 1,
+                        .radiance = radiance_of(&w->scene->materials.items[material].value)};
+    switch (object.kind) {
+    case SCENE_SPHERE: add_sphere(w, &at->to_world, &w->scene->spheres.items[object.index], &of); break;
+    case SCENE_QUAD: add_quad(w, &at->to_world, &w->scene->quads.items[object.index], of); break;
+    case SCENE_MESH: add_mesh(w, &at->to_world, &w->scene->meshes.items[object.index], &of); break;
+    case SCENE_PLANE: break;
+    }
+}
+
+/* ---- the scene ---- */
+
+static bool walk_all(lamp_walk *w, bool spreads) {
+    const scene_graph *graph = w->graph;
+    const place root = {FATHOM_ROOT, affine_identity(), FATHOM_NONE};
+    w->spreads = spreads, w->triangles = TRIANGLES_MOST, w->places = PLACES_MOST;
+    bool fine = array_push(&w->stack, root);
+    while (fine && w->stack.count) {
+        const place at = w->stack.items[--w->stack.count];
+        for (uint32_t i = graph->objects.first[at.group]; i < graph->objects.first[at.group + 1]; ++i)
+            add_object(w, &at, graph->objects.items[i]);
+        for (uint32_t i = graph->instances.first[at.group];
+             fine && w->places && i < graph->instances.first[at.group + 1]; ++i, --w->places) {
+            const fathom_instance *instance = &w->scene->instances.items[graph->instances.items[i]];
+            const affine_f64 map = motion_place(instance, w->scene->camera.shutter[0]);
+            const place inner = {instance->group, affine_compose(&at.to_world, &map),
+                                 at.material != FATHOM_NONE ? at.material : instance->material};
+            fine = array_push(&w->stack, inner);
+        }
+    }
+    return fine;
+}
+
+/* A lamp's patch is a disc of its area, seen from straight ahead: no point is too near to it. */
+static double irradiance_at(const lamp_walk *w, const patch *to) {
+    const double area = w->lamps.area / PATCHES;
+    double sum = 0;
+    for (uint32_t i = 0; i < w->lamps.count; ++i) {
+        const patch *lamp = &w->lamps.items[i];
+        const vec3_f64 way = sub_f64(lamp->at, to->at), d = normalize_f64(way);
+        const double met = dot_f64(d, to->normal), square = dot_f64(way, way) + area / 3.14159265358979324;
+        const double share = to->of.both ? fabs(met) : fmax(met, 0);
+        sum += lamp->of.radiance * area * fabs(dot_f64(d, lamp->normal)) * share / square;
+    }
+    return sum;
+}
+
+static bool any_lamp(const fathom_scene *scene) {
+    for (size_t i = 0; i < scene->materials.count; ++i) {
+        if (radiance_of(&scene->materials.items[i].value) > 0) return true;
+    }
+    return false;
+}
+
+fathom_status scene_measure_lamps(const fathom_scene *scene, double *out) {
+    scene_graph graph;
+    *out = 0;
+    if (!any_lamp(scene)) return FATHOM_OK;
+    fathom_status status = graph_create(scene, &graph);
+    if (status != FATHOM_OK) return status;
+    lamp_walk w = {.scene = scene, .graph = &graph};
+    if (!walk_all(&w, false) || !walk_all(&w, true))
+        status = fail_memory(scene->context, sizeof *w.stack.items);
+    for (uint32_t i = 0; i < w.others.count; ++i)
+        *out += irradiance_at(&w, &w.others.items[i]) / w.others.count;
+    array_free(&w.stack);
+    graph_destroy(&graph);
+    return status;
+}
