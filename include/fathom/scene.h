@@ -393,10 +393,10 @@ FATHOM_API fathom_status fathom_scene_set_background(fathom_scene *scene, const 
 FATHOM_API fathom_status fathom_scene_set_ambient(fathom_scene *scene, const float rgb[3]);
 FATHOM_API fathom_status fathom_scene_set_name(fathom_scene *scene, const char *name);
 
-/* Puts a camera that frames everything, and lights, where the scene has none. Under path tracing, a background
- * is a light, and so are emissive materials that bring the scene a sixteenth or more of the built-in studio's
- * light. The scene fills 90 % of the
- * tighter direction of an image of the size in its settings; see fathom_scene_set_settings(). */
+/* Puts a camera that frames everything, and lights, where the scene has none. Under path tracing, a
+ * background is a light, and so are emissive materials that bring the scene a sixteenth or more of the
+ * built-in studio's light. The scene fills 90 % of the tighter direction of an image of the size in its
+ * settings; see fathom_scene_set_settings(). */
 FATHOM_API fathom_status fathom_scene_complete(fathom_scene *scene);
 
 /* All that can only be checked once the scene is whole: cycles, absent geometry…
