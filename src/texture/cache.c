@@ -86,20 +86,61 @@ static fathom_status open_image(texture_cache *cache, fathom_context *context, c
     return plan_image(cache, context, img);
 }
 
-/* Images go to memory in their order, up to three quarters of the limit; the disk has the others, and the
- * remaining quarter to show them. */
-static fathom_status place_images(texture_cache *cache, fathom_context *context, uint64_t limit) {
-    uint64_t sizes[2] = {0, 0};
+/* A part of an image's pyramid. */
+typedef struct cache_part {
+    cache_image *image;
+    unsigned part;
+    bool unused; /* no texture filters between levels, and it is not the first */
+    uint64_t bytes;
+} cache_part;
+
+/* Small ones first: each level of an image is looked up about as often as the next. */
+static int compare_parts(const void *a, const void *b) {
+    const cache_part *x = a, *y = b;
+    if (x->unused != y->unused) return x->unused ? 1 : -1;
+    if (x->bytes != y->bytes) return x->bytes < y->bytes ? -1 : 1;
+    if (x->image != y->image) return x->image < y->image ? -1 : 1;
+    return x->part < y->part ? -1 : x->part > y->part;
+}
+
+static bool uses_levels(const texture_cache *cache, const cache_image *img) {
+    bool found = false;
+    for (size_t i = 0; i < cache->count; ++i)
+        found |= cache->slots[i].image == img && cache->slots[i].filter == FATHOM_TEXTURE_TRILINEAR;
+    return found;
+}
+
+static size_t list_parts(const texture_cache *cache, cache_part *parts, uint64_t *bytes) {
+    size_t count = 0;
     for (size_t i = 0; i < cache->image_count; ++i) {
         cache_image *img = &cache->images[i];
-        const bool disk = sizes[0] + img->plan.bytes > limit / 4 * 3;
-        img->store = disk ? &cache->disk : &cache->memory;
-        img->offset = sizes[disk];
-        sizes[disk] += img->plan.bytes;
+        const bool levels = uses_levels(cache, img);
+        for (unsigned k = 0; k <= img->plan.tail; ++k) {
+            const uint64_t size = pyramid_part_bytes(&img->plan, k);
+            parts[count++] = (cache_part){img, k, k && !levels, size};
+            *bytes += size;
+        }
     }
-    fathom_status status = store_open(context, sizes[0], 0, &cache->memory);
-    if (status == FATHOM_OK) status = store_open(context, sizes[1], limit - sizes[0], &cache->disk);
-    return status;
+    qsort(parts, count, sizeof *parts, compare_parts);
+    return count;
+}
+
+/* Memory has all, or the smaller parts, up to three quarters of the limit; then the disk has the others, and
+ * what is left of the limit to show them. */
+static fathom_status place_images(texture_cache *cache, fathom_context *context, uint64_t limit) {
+    const size_t room = cache->image_count * PYRAMID_LEVELS * sizeof(cache_part);
+    cache_part *parts = malloc(room + 1);
+    uint64_t all = 0, kept = 0, at = 0;
+    if (!parts) return fail_memory(context, room);
+    const size_t count = list_parts(cache, parts, &all);
+    const uint64_t most = all <= limit ? limit : limit / 4 * 3;
+    for (size_t i = 0; i < count; ++i) {
+        pyramid_place(&parts[i].image->plan, parts[i].part, at);
+        at += parts[i].bytes;
+        if (at <= most) kept = at;
+    }
+    free(parts);
+    return store_open(context, kept, at - kept, limit - kept, &cache->store);
 }
 
 static fathom_status open_all(texture_cache *cache, fathom_context *context, const fathom_scene *scene) {
@@ -123,8 +164,7 @@ fathom_status texture_cache_open(fathom_context *context, const fathom_scene *sc
                              .config = config && *config ? config : NULL,
                              .threads = fathom_context_threads(context),
                              .count = count,
-                             .memory.descriptor = -1,
-                             .disk.descriptor = -1};
+                             .store = {.memory = -1, .disk = -1}};
     pthread_mutex_init(&cache->lock, NULL);
     cache->slots = calloc(count + 1, sizeof *cache->slots);
     cache->images = calloc(count + 1, sizeof *cache->images);
@@ -143,8 +183,7 @@ void texture_cache_close(texture_cache *cache) {
         cache_close_source(&cache->images[i]);
         pthread_mutex_destroy(&cache->images[i].lock);
     }
-    store_close(&cache->memory);
-    store_close(&cache->disk);
+    store_close(&cache->store);
     for (int i = 0; i < 4; ++i) free(cache->tables[i / 2][i % 2]);
     free(cache->slots);
     free(cache->images);
@@ -168,7 +207,7 @@ void texture_size(const texture_cache *cache, fathom_id texture, uint32_t *width
 /* Decodes the image, unless it is a mip-mapped file. */
 static fathom_status be_decoded(texture_cache *cache, fathom_context *context, cache_image *img) {
     if (__atomic_load_n(&img->decoded, __ATOMIC_ACQUIRE) || img->info.mipmapped) return FATHOM_OK;
-    if (cache_fill(cache, img, img->offset >> PYRAMID_CHUNK_SHIFT)) return FATHOM_OK;
+    if (cache_fill(cache, img, img->plan.levels[0].offset >> PYRAMID_CHUNK_SHIFT)) return FATHOM_OK;
     return texture_cache_check(cache, context);
 }
 

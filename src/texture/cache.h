@@ -11,8 +11,6 @@ typedef struct cache_image {
     pyramid plan;
     image_texture_info info;
     pyramid_decoding decoding;
-    store *store;
-    uint64_t offset;            /* in the store */
     image_texture *source;      /* a mip-mapped file that is open; guarded by the cache's lock */
     pthread_mutex_t lock;       /* held while it is decoded whole */
     bool decoded, broken;       /* atomic */
@@ -35,7 +33,7 @@ struct texture_cache {
     size_t count, image_count;
     cache_slot *slots;
     cache_image *images;
-    store memory, disk;
+    store store;
     float *tables[2][2];  /* of 8 and 16 bits; linear and sRGB; NULL: not needed */
     pthread_mutex_t lock; /* held while tiles of a mip-mapped file are read; guards the members below */
     cache_image *open[CACHE_OPEN];
@@ -48,13 +46,13 @@ struct texture_cache {
 /* Has the store hold a chunk with texels of the image; decodes the image if need be. False when it is broken.
  * Any thread. */
 bool cache_fill(texture_cache *cache, cache_image *img, uint64_t chunk);
-/* The same of up to four texels of `size` bytes. at[i] is where texel i may be read: in the store, or in
- * `copy`. */
+/* The same of up to four texels of `size` bytes, which that many lookups are about to ask for. at[i] is where
+ * texel i may be read: in the store, or in `copy`. */
 typedef struct cache_copy {
     _Alignas(16) unsigned char bytes[2048]; /* two rows of a tile and more, of texels up to 16 bytes */
 } cache_copy;
 bool cache_fetch(texture_cache *cache, cache_image *img, const uint64_t *places, unsigned count, size_t size,
-                 cache_copy *copy, const unsigned char **at);
+                 unsigned lookups, cache_copy *copy, const unsigned char **at);
 
 /* Opens the image's file, or bytes, in the helper. On failure `why` says why; "": memory is lacking. */
 fathom_status cache_open_source(const texture_cache *cache, const fathom_texture *t, image_texture **out,

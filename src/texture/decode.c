@@ -18,8 +18,7 @@
 static int descriptor_of(const fathom_texture *t) {
     const int descriptor = memfd_create("fathom-texture", MFD_CLOEXEC);
     if (descriptor < 0) return -1;
-    store s = {.descriptor = descriptor};
-    if (store_write(&s, 0, t->bytes, t->byte_count)) return descriptor;
+    if (store_write_file(descriptor, 0, t->bytes, t->byte_count)) return descriptor;
     close(descriptor);
     return -1;
 }
@@ -95,9 +94,10 @@ typedef struct filling {
 
 static bool write_tiles(void *user, uint64_t offset, const void *bytes, size_t size) {
     filling *f = user;
-    if (store_write(f->img->store, f->img->offset + offset, bytes, size)) return true;
+    store *s = &f->cache->store;
+    if (store_write(s, offset, bytes, size)) return true;
     snprintf(f->why.text, sizeof f->why.text, "its tiles cannot be kept: %s%s", strerror(errno),
-             f->img->store->dropping ? "; name a larger folder in $TMPDIR" : "");
+             offset >= s->kept ? "; name a larger folder in $TMPDIR" : "");
     return false;
 }
 
@@ -146,6 +146,14 @@ static fathom_status read_rows(filling *f, image_texture *source, pyramid_builde
     return status;
 }
 
+/* Says that the store holds the part. */
+static void fill_part(const filling *f, unsigned part) {
+    const pyramid *p = &f->img->plan;
+    const uint64_t end = p->levels[part].offset + pyramid_part_bytes(p, part);
+    for (uint64_t at = p->levels[part].offset; at < end; at += PYRAMID_CHUNK)
+        store_fill(&f->cache->store, at >> PYRAMID_CHUNK_SHIFT);
+}
+
 /* Decodes the whole image and makes its levels. */
 static fathom_status fill_all(filling *f) {
     cache_image *img = f->img;
@@ -165,9 +173,7 @@ static fathom_status fill_all(filling *f) {
     }
     pyramid_builder_close(b, img->mean, &img->least_alpha);
     image_calls.texture.close(source);
-    const uint64_t first = img->offset >> PYRAMID_CHUNK_SHIFT;
-    for (uint64_t i = 0; status == FATHOM_OK && i < img->plan.bytes >> PYRAMID_CHUNK_SHIFT; ++i)
-        store_fill(img->store, first + i);
+    for (unsigned i = 0; status == FATHOM_OK && i <= img->plan.tail; ++i) fill_part(f, i);
     if (status == FATHOM_OK) __atomic_store_n(&img->decoded, true, __ATOMIC_RELEASE);
     return status;
 }
@@ -214,19 +220,18 @@ static fathom_status fill_tail(filling *f) {
     fathom_status status = FATHOM_OK;
     for (unsigned i = p->tail; status == FATHOM_OK && i < p->count; ++i)
         status = fill_region(f, &(image_region){i, 0, 0, p->levels[i].width, p->levels[i].height});
-    for (uint64_t at = 0; status == FATHOM_OK && at < p->tail_bytes; at += PYRAMID_CHUNK)
-        store_fill(f->img->store, (f->img->offset + at) >> PYRAMID_CHUNK_SHIFT);
+    if (status == FATHOM_OK) fill_part(f, p->tail);
     return status;
 }
 
 /* The tiles in a chunk of a mip-mapped file. */
 static fathom_status fill_chunk(filling *f, uint64_t chunk) {
     const pyramid *p = &f->img->plan;
-    const uint64_t at = (chunk << PYRAMID_CHUNK_SHIFT) - f->img->offset;
+    const uint64_t at = chunk << PYRAMID_CHUNK_SHIFT;
     fathom_status status = FATHOM_OK;
-    if (at < p->tail_bytes) return fill_tail(f);
     unsigned i = 0;
-    while (i + 1 < p->tail && p->levels[i + 1].offset <= at) ++i;
+    while (i < p->tail && at - p->levels[i].offset >= pyramid_part_bytes(p, i)) ++i;
+    if (i == p->tail) return fill_tail(f);
     const pyramid_level *l = &p->levels[i];
     const uint64_t tile = (uint64_t)PYRAMID_TILE_TEXELS << l->shift, first = (at - l->offset) / tile;
     const uint64_t end = first + PYRAMID_CHUNK / tile;
@@ -239,7 +244,7 @@ static fathom_status fill_chunk(filling *f, uint64_t chunk) {
                                                 y1 < l->height ? y1 : l->height});
         t += in_row;
     }
-    if (status == FATHOM_OK) store_fill(f->img->store, chunk);
+    if (status == FATHOM_OK) store_fill(&f->cache->store, chunk);
     return status;
 }
 
@@ -257,15 +262,15 @@ static void keep_failure(texture_cache *cache, cache_image *img, fathom_status s
 
 static bool is_broken(const cache_image *img) { return __atomic_load_n(&img->broken, __ATOMIC_ACQUIRE); }
 
-static bool is_filled(const cache_image *img, uint64_t chunk) {
-    return __atomic_load_n(&img->store->filled[chunk], __ATOMIC_ACQUIRE);
+static bool is_filled(const texture_cache *cache, uint64_t chunk) {
+    return __atomic_load_n(&cache->store.filled[chunk], __ATOMIC_ACQUIRE);
 }
 
 /* While the helper decodes one image, another thread may make the levels of another. */
 static void fill_image(texture_cache *cache, cache_image *img, uint64_t chunk) {
     filling f = {.cache = cache, .img = img};
     pthread_mutex_lock(&img->lock);
-    const bool needed = !is_broken(img) && !is_filled(img, chunk);
+    const bool needed = !is_broken(img) && !is_filled(cache, chunk);
     const fathom_status status = needed ? fill_all(&f) : FATHOM_OK;
     if (status != FATHOM_OK) {
         pthread_mutex_lock(&cache->lock);
@@ -278,7 +283,7 @@ static void fill_image(texture_cache *cache, cache_image *img, uint64_t chunk) {
 static void fill_tiles(texture_cache *cache, cache_image *img, uint64_t chunk) {
     filling f = {.cache = cache, .img = img};
     pthread_mutex_lock(&cache->lock);
-    const bool needed = !is_broken(img) && !is_filled(img, chunk);
+    const bool needed = !is_broken(img) && !is_filled(cache, chunk);
     const fathom_status status = needed ? fill_chunk(&f, chunk) : FATHOM_OK;
     if (status != FATHOM_OK) keep_failure(cache, img, status, &f.why);
     pthread_mutex_unlock(&cache->lock);
@@ -286,7 +291,7 @@ static void fill_tiles(texture_cache *cache, cache_image *img, uint64_t chunk) {
 
 bool cache_fill(texture_cache *cache, cache_image *img, uint64_t chunk) {
     if (is_broken(img)) return false;
-    if (is_filled(img, chunk)) return true;
+    if (is_filled(cache, chunk)) return true;
     if (img->info.mipmapped)
         fill_tiles(cache, img, chunk);
     else
@@ -295,7 +300,7 @@ bool cache_fill(texture_cache *cache, cache_image *img, uint64_t chunk) {
 }
 
 /* One read of all that lies between, where that is little: the texels of a filter mostly share a tile. */
-static bool copy_texels(const cache_image *img, const uint64_t *places, unsigned count, size_t size,
+static bool copy_texels(const store *s, const uint64_t *places, unsigned count, size_t size,
                         cache_copy *copy, const unsigned char **at) {
     uint64_t low = places[0], high = places[0];
     for (unsigned i = 1; i < count; ++i) {
@@ -305,22 +310,22 @@ static bool copy_texels(const cache_image *img, const uint64_t *places, unsigned
     const bool close = high - low + size <= sizeof copy->bytes;
     for (unsigned i = 0; i < count; ++i) {
         at[i] = copy->bytes + (close ? places[i] - low : i * size);
-        if (!close && !store_read(img->store, img->offset + places[i], copy->bytes + i * size, size))
-            return false;
+        if (!close && !store_read(s, places[i], copy->bytes + i * size, size)) return false;
     }
-    return !close || store_read(img->store, img->offset + low, copy->bytes, high - low + size);
+    return !close || store_read(s, low, copy->bytes, high - low + size);
 }
 
 bool cache_fetch(texture_cache *cache, cache_image *img, const uint64_t *places, unsigned count, size_t size,
-                 cache_copy *copy, const unsigned char **at) {
+                 unsigned lookups, cache_copy *copy, const unsigned char **at) {
+    store *s = &cache->store;
     bool mapped = true;
     for (unsigned i = 0; i < count; ++i) {
-        const uint64_t chunk = (img->offset + places[i]) >> PYRAMID_CHUNK_SHIFT;
+        const uint64_t chunk = places[i] >> PYRAMID_CHUNK_SHIFT;
         if (!cache_fill(cache, img, chunk)) return false;
-        const bool again = i > 0 && chunk == (img->offset + places[i - 1]) >> PYRAMID_CHUNK_SHIFT;
-        if (img->store->dropping && !again) mapped &= store_admit(img->store, chunk);
+        const bool again = i > 0 && chunk == places[i - 1] >> PYRAMID_CHUNK_SHIFT;
+        if (!again) mapped &= store_admit(s, chunk, lookups);
     }
-    if (!mapped && copy_texels(img, places, count, size, copy, at)) return true;
-    for (unsigned i = 0; i < count; ++i) at[i] = img->store->bytes + img->offset + places[i];
+    if (!mapped && copy_texels(s, places, count, size, copy, at)) return true;
+    for (unsigned i = 0; i < count; ++i) at[i] = s->bytes + places[i];
     return true;
 }

@@ -35,14 +35,19 @@ void pyramid_plan(pyramid *p, uint32_t width, uint32_t height, unsigned channels
         if (w == 1 && h == 1) break;
     }
     for (unsigned i = p->tail; i < p->count; ++i) {
-        p->levels[i].offset = p->bytes;
-        p->bytes += (level_bytes(&p->levels[i]) + 15) & ~(uint64_t)15;
+        p->levels[i].offset = p->tail_bytes;
+        p->tail_bytes += (level_bytes(&p->levels[i]) + 15) & ~(uint64_t)15;
     }
-    p->bytes = p->tail_bytes = whole_chunks(p->bytes);
-    for (unsigned i = 0; i < p->tail; ++i) {
-        p->levels[i].offset = p->bytes;
-        p->bytes += whole_chunks(level_bytes(&p->levels[i]));
-    }
+    p->tail_bytes = whole_chunks(p->tail_bytes);
+}
+
+uint64_t pyramid_part_bytes(const pyramid *p, unsigned part) {
+    return part == p->tail ? p->tail_bytes : whole_chunks(level_bytes(&p->levels[part]));
+}
+
+void pyramid_place(pyramid *p, unsigned part, uint64_t offset) {
+    const unsigned end = part == p->tail ? p->count : part + 1;
+    for (unsigned i = part; i < end; ++i) p->levels[i].offset += offset;
 }
 
 /* ---- numbers ---- */

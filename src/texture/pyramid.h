@@ -15,25 +15,30 @@
 
 /* Texel (x, y) of a level is the one of index (y / 64 * across + x / 64) * 64² + y % 64 * stride + x % 64. */
 typedef struct pyramid_level {
-    uint64_t offset; /* of its first texel, in bytes */
+    uint64_t offset; /* of its first texel, in bytes; in the tail from its begin until it is placed */
     uint32_t width, height;
     uint32_t across, stride;
     unsigned shift; /* a texel has 2^shift bytes */
     image_texel type;
 } pyramid_level;
 
-/* Levels that fit in a tile come first in memory, as plain rows: the tail. */
+/* Levels that fit in a tile lie together, as plain rows: the tail. It and each level before it have places of
+ * their own, in whole chunks: part `tail` is the tail, and the others are the levels of their number. */
 typedef struct pyramid {
     unsigned channels;    /* 1, or 4 */
     unsigned count, tail; /* levels; the first of the tail */
-    uint64_t tail_bytes;  /* in whole chunks */
-    uint64_t bytes;
+    uint64_t tail_bytes;
     pyramid_level levels[PYRAMID_LEVELS];
 } pyramid;
 
 /* first: the type of level 0; other: that of the others. */
 void pyramid_plan(pyramid *p, uint32_t width, uint32_t height, unsigned channels, image_texel first,
                   image_texel other);
+
+/* Bytes of a part. */
+uint64_t pyramid_part_bytes(const pyramid *p, unsigned part);
+/* Says where a part lies; once for each. */
+void pyramid_place(pyramid *p, unsigned part, uint64_t offset);
 
 /* The colours that numbers stand for. */
 typedef struct pyramid_decoding {

@@ -571,11 +571,10 @@ static void mip_mapped_files_are_read_in_parts(void **state) {
     write_texture("n.ppm", FATHOM_COLOR_SRGB, "n.tx");
     const fathom_texture t = texture_of("n.tx", FATHOM_COLOR_SRGB);
     opened o = open_textures(&t, 1, ALL);
-    const cache_image *img = &o.cache->images[0];
     float rgba[4];
     uint64_t filled = 0;
     look(o.cache, 0, 0.01f, 0.01f, 0, rgba);
-    for (uint64_t i = 0; i < img->plan.bytes >> PYRAMID_CHUNK_SHIFT; ++i) filled += img->store->filled[i];
+    for (uint64_t i = 0; i < o.cache->store.size >> PYRAMID_CHUNK_SHIFT; ++i) filled += o.cache->store.filled[i];
     assert_int_equal(filled, 1);
     close_textures(&o);
     unlink(in_folder("n.ppm")), unlink(in_folder("n.tx"));
@@ -688,11 +687,40 @@ static void no_result_depends_on_what_was_dropped(void **state) {
     put_images();
     opened all = open_images(ALL), few = open_images(1000000);
     assert_true(lookups_hash(all.cache, 1) == lookups_hash(few.cache, 1));
-    assert_true(all.cache->disk.size == 0 && all.cache->disk.dropped == 0);
-    assert_true(few.cache->disk.dropped > IMAGES);
-    assert_true(few.cache->memory.size + few.cache->disk.resident <= 1000000);
+    assert_true(all.cache->store.size == all.cache->store.kept && all.cache->store.dropped == 0);
+    assert_true(few.cache->store.dropped > IMAGES);
+    assert_true(few.cache->store.kept + few.cache->store.resident <= 1000000);
     assert_ok(context, texture_cache_check(few.cache, context));
     close_textures(&all), close_textures(&few);
+    remove_images();
+}
+
+/* Whole levels are in memory, from the smallest on, of all images alike; where no texture filters between
+ * levels, the first goes before the others. */
+static void memory_has_the_levels_that_are_looked_up_most(void **state) {
+    (void)state;
+    put_images();
+    opened o = open_images(1000000);
+    uint64_t kept = 0, least = UINT64_MAX;
+    for (unsigned i = 0; i < IMAGES; ++i) {
+        const pyramid *p = &o.cache->images[i].plan;
+        for (unsigned k = 0; k <= p->tail; ++k) {
+            const uint64_t bytes = pyramid_part_bytes(p, k);
+            if (p->levels[k].offset < o.cache->store.kept)
+                kept = bytes > kept ? bytes : kept;
+            else
+                least = bytes < least ? bytes : least;
+        }
+    }
+    assert_true(kept > 0 && least < UINT64_MAX && kept <= least);
+    close_textures(&o);
+    fathom_texture t[2] = {texture_of(image_name(0), FATHOM_COLOR_SRGB), texture_of(image_name(1), FATHOM_COLOR_SRGB)};
+    t[0].filter = FATHOM_TEXTURE_LINEAR;
+    o = open_textures(t, 2, ALL);
+    const pyramid *linear = &o.cache->images[0].plan, *trilinear = &o.cache->images[1].plan;
+    assert_true(linear->tail > 0 && linear->levels[0].offset < linear->levels[linear->tail].offset);
+    assert_true(trilinear->levels[0].offset > trilinear->levels[trilinear->tail].offset);
+    close_textures(&o);
     remove_images();
 }
 
@@ -723,7 +751,7 @@ static void no_result_depends_on_threads(void **state) {
         pthread_join(threads[i].thread, NULL);
         assert_true(threads[i].hash == lookups_hash(alone.cache, i / 2));
     }
-    assert_true(shared.cache->disk.dropped > 0);
+    assert_true(shared.cache->store.dropped > 0);
     close_textures(&alone), close_textures(&shared);
     remove_images();
 }
@@ -864,6 +892,7 @@ int main(void) {
         cmocka_unit_test(premultiplied_colors_are_divided_by_alpha),
         cmocka_unit_test(no_result_depends_on_what_was_dropped),
         cmocka_unit_test(no_result_depends_on_threads),
+        cmocka_unit_test(memory_has_the_levels_that_are_looked_up_most),
         cmocka_unit_test(files_that_are_no_textures_are_named),
         cmocka_unit_test(broken_data_is_reported_after_the_lookup),
         cmocka_unit_test(wrong_descriptions_are_refused),

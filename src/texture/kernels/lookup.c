@@ -107,20 +107,13 @@ INLINE uint64_t place_of(const pyramid_level *l, uint32_t x, uint32_t y) {
     return l->offset + column_of(l, x) + row_of(l, y);
 }
 
-/* Where the texels may be read. False: the image is broken. */
-INLINE bool reachable(texture_cache *cache, cache_image *img, const pyramid_level *l, const uint64_t *places,
-                      unsigned count, cache_copy *copy, const unsigned char **at) {
-    const store *s = img->store;
-    unsigned used = STORE_USED;
-    for (unsigned i = 0; i < count; ++i) {
-        used &= store_state(s, (img->offset + places[i]) >> PYRAMID_CHUNK_SHIFT);
-        at[i] = s->bytes + img->offset + places[i];
-    }
-    if (__builtin_expect(used == STORE_USED, 1)) return true;
-    return cache_fetch(cache, img, places, count, (size_t)1 << l->shift, copy, at);
-}
-
 /* ---- filters ---- */
+
+/* Chunks that the lookups of a block begin in; of two levels each. */
+typedef struct block_chunks {
+    unsigned count;
+    uint64_t chunks[2 * TEXTURE_BLOCK];
+} block_chunks;
 
 typedef struct lookup {
     texture_cache *cache;
@@ -130,7 +123,29 @@ typedef struct lookup {
     float share;  /* of the next level */
     float chance; /* negative: none */
     bool broken;
+    const block_chunks *block; /* NULL: it is alone */
 } lookup;
+
+/* The lookups of the block in a chunk, this one among them. */
+static unsigned neighbours(const lookup *at, uint64_t chunk) {
+    unsigned count = 0;
+    for (unsigned i = 0; at->block && i < at->block->count; ++i) count += at->block->chunks[i] == chunk;
+    return count ? count : 1;
+}
+
+/* Where the texels may be read. False: the image is broken. */
+INLINE bool reachable(const lookup *look, const pyramid_level *l, const uint64_t *places, unsigned count,
+                      cache_copy *copy, const unsigned char **at) {
+    const store *s = &look->cache->store;
+    unsigned used = STORE_USED;
+    for (unsigned i = 0; i < count; ++i) {
+        used &= store_state(s, places[i] >> PYRAMID_CHUNK_SHIFT);
+        at[i] = s->bytes + places[i];
+    }
+    if (__builtin_expect(used == STORE_USED, 1)) return true;
+    return cache_fetch(look->cache, look->slot->image, places, count, (size_t)1 << l->shift,
+                       neighbours(look, places[0] >> PYRAMID_CHUNK_SHIFT), copy, at);
+}
 
 INLINE rgba_f32 between(const unsigned char *const at[4], const pair *x, const pair *y, image_texel type,
                         unsigned channels, const float *color, const float *alpha) {
@@ -162,7 +177,7 @@ static rgba_f32 bilinear(lookup *at, unsigned level) {
     const uint64_t p[4] = {left + top, right + top, left + low, right + low};
     const unsigned char *texels[4];
     cache_copy copy;
-    if (!reachable(at->cache, img, l, p, 4, &copy, texels)) {
+    if (!reachable(at, l, p, 4, &copy, texels)) {
         at->broken = true;
         return grey(0);
     }
@@ -180,7 +195,7 @@ static rgba_f32 single(lookup *at, unsigned level, uint32_t x, uint32_t y) {
     const uint64_t p = place_of(l, x, y);
     const unsigned char *from;
     cache_copy copy;
-    if (!reachable(at->cache, img, l, &p, 1, &copy, &from)) {
+    if (!reachable(at, l, &p, 1, &copy, &from)) {
         at->broken = true;
         return grey(0);
     }
@@ -229,7 +244,7 @@ INLINE unsigned level_of(const cache_slot *slot, float width, float *share) {
 
 INLINE lookup begin(texture_cache *cache, const cache_slot *slot, float u, float v, float width,
                     const float *chance) {
-    lookup at = {cache, slot, wrapped(u, slot->wrap_u), wrapped(v, slot->wrap_v), 0, 0, -1, false};
+    lookup at = {cache, slot, wrapped(u, slot->wrap_u), wrapped(v, slot->wrap_v), 0, 0, -1, false, NULL};
     at.level = level_of(slot, width, &at.share);
     if (!chance || slot->filter == FATHOM_TEXTURE_NEAREST) return at;
     at.chance = *chance;
@@ -251,12 +266,14 @@ INLINE rgba_f32 finish(lookup *at) {
 }
 
 /* Asks for the memory of the texels at the place, and of those below. */
-INLINE void fetch_ahead(const lookup *at, unsigned level) {
+INLINE void fetch_ahead(const lookup *at, unsigned level, block_chunks *block) {
     const cache_image *img = at->slot->image;
     const pyramid_level *l = &img->plan.levels[level];
     const uint32_t x = (uint32_t)(at->u * (float)(l->width - 1)),
                    y = (uint32_t)(at->v * (float)(l->height - 1));
-    const unsigned char *from = img->store->bytes + img->offset + place_of(l, x, y);
+    const uint64_t place = place_of(l, x, y);
+    const unsigned char *from = at->cache->store.bytes + place;
+    block->chunks[block->count++] = place >> PYRAMID_CHUNK_SHIFT;
     __builtin_prefetch(from);
     __builtin_prefetch(from + ((size_t)l->stride << l->shift));
 }
@@ -277,11 +294,13 @@ static void mean(texture_cache *cache, const cache_slot *slot, float u, float v,
 
 static void look_up(texture_cache *cache, const texture_queries *q, float rgba[4][TEXTURE_BLOCK]) {
     lookup at[TEXTURE_BLOCK];
+    block_chunks block = {.count = 0};
     for (unsigned i = 0; i < q->count; ++i) {
         at[i] = begin(cache, &cache->slots[q->texture[i]], q->u[i], q->v[i], q->width[i],
                       q->stochastic ? &q->chance[i] : NULL);
-        fetch_ahead(&at[i], at[i].level);
-        if (at[i].share > 0) fetch_ahead(&at[i], at[i].level + 1);
+        at[i].block = &block;
+        fetch_ahead(&at[i], at[i].level, &block);
+        if (at[i].share > 0) fetch_ahead(&at[i], at[i].level + 1, &block);
     }
     for (unsigned i = 0; i < q->count; ++i) {
         const rgba_f32 found = finish(&at[i]);
