@@ -300,8 +300,8 @@ bool cache_fill(texture_cache *cache, cache_image *img, uint64_t chunk) {
 }
 
 /* One read of all that lies between, where that is little: the texels of a filter mostly share a tile. */
-static bool copy_texels(const store *s, const uint64_t *places, unsigned count, size_t size,
-                        cache_copy *copy, const unsigned char **at) {
+static bool copy_texels(const store *s, const uint64_t *places, unsigned count, size_t size, cache_copy *copy,
+                        const unsigned char **at) {
     uint64_t low = places[0], high = places[0];
     for (unsigned i = 1; i < count; ++i) {
         low = places[i] < low ? places[i] : low;

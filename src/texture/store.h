@@ -2,8 +2,9 @@
  * next to each other, so that no address ever changes.
  *
  * Each chunk has a state. Lookups read the mapped texels only while the chunk's state is not STORE_ABSENT;
- * memory stays, and chunks on the disk are dropped when they have not been used for long. Dropping a chunk takes its memory alone: a thread that is still reading it gets the
- * same bytes, again from the file. So lookups need no lock and no count of readers.
+ * memory stays, and chunks on the disk are dropped when they have not been used for long. Dropping a chunk
+ * takes its memory alone: a thread that is still reading it gets the same bytes, again from the file. So
+ * lookups need no lock and no count of readers.
  *
  * Mapping a chunk and dropping another for it costs as much as STORE_READS short reads of the file. So once
  * the limit is reached, a chunk is mapped when that many lookups have read it from the file, or when a block

@@ -574,7 +574,8 @@ static void mip_mapped_files_are_read_in_parts(void **state) {
     float rgba[4];
     uint64_t filled = 0;
     look(o.cache, 0, 0.01f, 0.01f, 0, rgba);
-    for (uint64_t i = 0; i < o.cache->store.size >> PYRAMID_CHUNK_SHIFT; ++i) filled += o.cache->store.filled[i];
+    for (uint64_t i = 0; i < o.cache->store.size >> PYRAMID_CHUNK_SHIFT; ++i)
+        filled += o.cache->store.filled[i];
     assert_int_equal(filled, 1);
     close_textures(&o);
     unlink(in_folder("n.ppm")), unlink(in_folder("n.tx"));
@@ -714,7 +715,8 @@ static void memory_has_the_levels_that_are_looked_up_most(void **state) {
     }
     assert_true(kept > 0 && least < UINT64_MAX && kept <= least);
     close_textures(&o);
-    fathom_texture t[2] = {texture_of(image_name(0), FATHOM_COLOR_SRGB), texture_of(image_name(1), FATHOM_COLOR_SRGB)};
+    fathom_texture t[2] = {texture_of(image_name(0), FATHOM_COLOR_SRGB),
+                           texture_of(image_name(1), FATHOM_COLOR_SRGB)};
     t[0].filter = FATHOM_TEXTURE_LINEAR;
     o = open_textures(t, 2, ALL);
     const pyramid *linear = &o.cache->images[0].plan, *trilinear = &o.cache->images[1].plan;
