@@ -8,7 +8,7 @@
 
 /* Curves at roughnesses (j / ROUGH_STEPS)^2; the first is a mirror's. */
 enum { ROUGH_STEPS = 72, AROUND = 12, ALONG = 32 };
-static float tables[ROUGH_STEPS + 1][2][ENERGY_NODES];
+static energy_node nodes[ROUGH_STEPS][ENERGY_NODES];
 static float means[ROUGH_STEPS + 1][2];
 static double parts[ENERGY_STEPS], slopes[ENERGY_STEPS]; /* of the mean */
 
@@ -77,15 +77,19 @@ static float mean_of(const float curve[ENERGY_NODES]) {
 }
 
 static void fill(void) {
+    float tables[2][2][ENERGY_NODES];
     fill_parts();
     for (int j = 0; j <= ROUGH_STEPS; ++j) {
+        float(*const now)[ENERGY_NODES] = tables[j % 2], (*const before)[ENERGY_NODES] = tables[(j + 1) % 2];
         const float y = (float)j / ROUGH_STEPS, alpha = y * y * (y * y);
         for (int k = 0; k < ENERGY_NODES; ++k) {
-            tables[j][0][k] = 1, tables[j][1][k] = power5(1 - cosine_at(k));
-            if (alpha > 0.5f * SHADER_SMOOTH_ALPHA)
-                albedo(alpha, cosine_at(k), &tables[j][0][k], &tables[j][1][k]);
+            now[0][k] = 1, now[1][k] = power5(1 - cosine_at(k));
+            if (alpha > 0.5f * SHADER_SMOOTH_ALPHA) albedo(alpha, cosine_at(k), &now[0][k], &now[1][k]);
+            if (j > 0)
+                nodes[j - 1][k] = (energy_node){before[0][k], before[1][k], now[0][k] - before[0][k],
+                                                now[1][k] - before[1][k]};
         }
-        for (int c = 0; c < 2; ++c) means[j][c] = mean_of(tables[j][c]);
+        for (int c = 0; c < 2; ++c) means[j][c] = mean_of(now[c]);
     }
 }
 
@@ -100,13 +104,14 @@ static int row_of(float alpha, float *part) {
     return j;
 }
 
-void energy_curves(float alpha, float all[ENERGY_NODES], float edge[ENERGY_NODES]) {
-    float t;
-    const int j = row_of(alpha, &t);
-    for (int k = 0; k < ENERGY_NODES; ++k) {
-        all[k] = tables[j][0][k] + t * (tables[j + 1][0][k] - tables[j][0][k]);
-        edge[k] = tables[j][1][k] + t * (tables[j + 1][1][k] - tables[j][1][k]);
-    }
+static const energy_node zeros[ENERGY_NODES];
+const energy_curve energy_none = {zeros, 0};
+
+energy_curve energy_curve_of(float alpha) {
+    energy_curve curve;
+    const int j = row_of(alpha, &curve.part);
+    curve.nodes = nodes[j];
+    return curve;
 }
 
 void energy_means(float alpha, float *all, float *edge) {

@@ -6,10 +6,29 @@
  * between. */
 enum { ENERGY_STEPS = 64, ENERGY_NODES = ENERGY_STEPS + 1 };
 
+/* A node of the curves between two roughnesses: at the lower one, and how far it is to the other. */
+typedef struct energy_node {
+    float all, edge, all_step, edge_step;
+} energy_node;
+
 /* Albedos of the GGX lobe of this alpha: `all`, the albedo E(mu) for a reflectance of 1, and `edge`, for
- * Schlick's (1 - v·h)^5. A reflectance f0 + (f90 - f0) (1 - v·h)^5 has the albedo f0 (all - edge) + f90 edge.
- * Within 5e-4 for roughnesses from 0.03 on; below SHADER_SMOOTH_ALPHA those of a mirror. */
-void energy_curves(float alpha, float all[ENERGY_NODES], float edge[ENERGY_NODES]);
+ * Schlick's (1 - v·h)^5, as ENERGY_NODES nodes of tables that stay, and the part of the steps. A reflectance
+ * f0 + (f90 - f0) (1 - v·h)^5 has the albedo f0 (all - edge) + f90 edge. Within 5e-4 for roughnesses from
+ * 0.03 on; below SHADER_SMOOTH_ALPHA those of a mirror. */
+typedef struct energy_curve {
+    const energy_node *nodes;
+    float part;
+} energy_curve;
+energy_curve energy_curve_of(float alpha);
+/* One of zeros, which needs no tables. */
+extern const energy_curve energy_none;
+
+static inline float energy_all(const energy_curve *c, int k) {
+    return c->nodes[k].all + c->part * c->nodes[k].all_step;
+}
+static inline float energy_edge(const energy_curve *c, int k) {
+    return c->nodes[k].edge + c->part * c->nodes[k].edge_step;
+}
 
 /* The means of these curves. */
 void energy_means(float alpha, float *all, float *edge);

@@ -72,30 +72,41 @@ bool shader_coat_has_normal(const fathom_material *m) {
 
 /* Below the coat: shader.h's C. */
 static void prepare_coat(const fathom_material *m, shader *out) {
-    float all[ENERGY_NODES], edge[ENERGY_NODES];
     const float alpha = m->clearcoat_roughness * m->clearcoat_roughness;
     if (!(m->clearcoat > 0)) return;
-    energy_curves(alpha, all, edge);
-    for (int k = 0; k < ENERGY_NODES; ++k)
-        out->below_coat[k] = 1 - m->clearcoat * (0.04f * (all[k] - edge[k]) + edge[k]);
-    out->coat = m->clearcoat;
+    out->coat_facets = energy_curve_of(alpha);
+    out->coat = out->coat_strength = m->clearcoat;
     out->coat_alpha = fmaxf(alpha, SHADER_SMOOTH_ALPHA);
     const bool turned = shader_coat_has_normal(m);
     out->lobes |= SHADER_COATED | (turned ? SHADER_TURNED : 0);
     out->lobes |= alpha < SHADER_SMOOTH_ALPHA && !turned ? SHADER_MIRROR : SHADER_COAT;
 }
 
-/* Albedos of the base's facets, and their means. */
-static void find_albedos(float alpha, shader *out, float all[ENERGY_NODES], float edge[ENERGY_NODES],
-                         float *mean, float *mean_edge) {
+/* Means of the albedos of the base's facets. */
+static void find_means(float alpha, shader *out, float *mean, float *mean_edge) {
     if (!(out->lobes & SHADER_STRETCHED)) {
-        energy_curves(alpha, all, edge);
+        out->facets = energy_curve_of(alpha);
         energy_means(alpha, mean, mean_edge);
         return;
     }
+    float all[ENERGY_NODES], edge[ENERGY_NODES];
     energy_stretched(out->along, out->alpha, &out->stretch);
     energy_stretched_curves(&out->stretch, all, edge);
     *mean = energy_mean(all), *mean_edge = energy_mean(edge);
+}
+
+/* The mean of what reaches the base through layer and coat. */
+static float mean_below_coat(const shader *out) {
+    float all[ENERGY_NODES], edge[ENERGY_NODES];
+    if (out->lobes & SHADER_STRETCHED) {
+        energy_stretched_curves(&out->stretch, all, edge);
+    } else {
+        for (int k = 0; k < ENERGY_NODES; ++k)
+            all[k] = energy_all(&out->facets, k), edge[k] = energy_edge(&out->facets, k);
+    }
+    for (int k = 0; k < ENERGY_NODES; ++k)
+        all[k] = shader_under(out, all[k], edge[k]) * shader_below_coat(out, k);
+    return energy_mean(all);
 }
 
 /* <S> of a channel, of metal and dielectric together where a film covers both. */
@@ -105,22 +116,13 @@ static float again_film(const shader *out, int c, float mean) {
 }
 
 static void prepare_even(const fathom_material *m, const mixture *x, float alpha, shader *out) {
-    float all[ENERGY_NODES], edge[ENERGY_NODES], mean, mean_edge;
-    find_albedos(alpha, out, all, edge, &mean, &mean_edge);
+    float mean, mean_edge;
+    find_means(alpha, out, &mean, &mean_edge);
     const float lost = 1 - mean, layer_again = again(out->layer0, out->layer90, mean);
     out->layer_again = layer_again;
-    for (int k = 0; k < ENERGY_NODES; ++k) {
-        out->missing[k] = 1 - all[k];
-        out->under[k] =
-            1 - (out->layer0 * (all[k] - edge[k]) + out->layer90 * edge[k] + layer_again * (1 - all[k]));
-    }
     const float scale = lost > 1e-6f ? 1 / (3.14159265f * lost) : 0;
     float below = 1 - (out->layer0 * (mean - mean_edge) + out->layer90 * mean_edge + layer_again * lost);
-    if (out->lobes & SHADER_COATED) {
-        float base[ENERGY_NODES];
-        for (int k = 0; k < ENERGY_NODES; ++k) base[k] = out->under[k] * out->below_coat[k];
-        below = energy_mean(base);
-    }
+    if (out->lobes & SHADER_COATED) below = mean_below_coat(out);
     for (int c = 0; c < 3; ++c) {
         const float plain =
             mixed(again(x->layer[c], m->specular_factor, mean), again(m->base_color[c], 1, mean), x->metal);
@@ -226,18 +228,17 @@ void shader_emission(const fathom_material *m, float out[3]) {
     }
 }
 
-/* But for the curves that prepare_even() sets: textured surfaces prepare a shader for each point. */
-static void clear(const fathom_material *m, shader *out) {
-    const bool even = m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->multiscatter;
-    memset(out, 0, even ? offsetof(shader, missing) : offsetof(shader, below_coat));
-    memset(out->leaf, 0, offsetof(shader, stretch) - offsetof(shader, leaf));
+/* Textured surfaces prepare a shader for each point: large members that the lobes do not use stay as they
+ * are. */
+static void clear(shader *out) {
+    memset(out, 0, offsetof(shader, stretch));
+    out->facets = out->coat_facets = energy_none;
 }
 
 void shader_prepare(const fathom_material *m, shader *out) {
-    clear(m, out);
+    clear(out);
     out->model = m->model, out->alpha = out->ior = out->eta = 1;
     shader_emission(m, out->emission);
-    for (int k = 0; k < ENERGY_NODES; ++k) out->below_coat[k] = 1;
     switch (m->model) {
     case FATHOM_MODEL_CLASSIC: prepare_classic(m, out); break;
     case FATHOM_MODEL_METALLIC_ROUGHNESS: prepare_metallic(m, out); break;
@@ -247,6 +248,7 @@ void shader_prepare(const fathom_material *m, shader *out) {
 
 void shader_prepare_hole(shader *out) {
     memset(out, 0, sizeof *out);
+    out->facets = out->coat_facets = energy_none;
     out->alpha = out->ior = out->eta = out->hole = 1;
     out->transmits = true;
     out->lobes = SHADER_STRAIGHT;

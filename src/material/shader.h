@@ -99,9 +99,9 @@ typedef struct shader {
     float coat, coat_alpha;         /* strength of the clear coat; its GGX lobe's alpha */
     float hole;                     /* 1 - opacity; the other factors are times opacity */
     float missing_share;            /* of `missing`, what is reflected */
-    float missing[ENERGY_NODES];    /* 1 - E(mu): what the first scattering leaves */
-    float under[ENERGY_NODES];      /* 1 - R(mu): what the layer lets through to the base */
-    float below_coat[ENERGY_NODES]; /* what the clear coat lets through; 1 without one */
+    energy_curve facets;            /* albedos of the GGX lobe, unless stretched */
+    energy_curve coat_facets;       /* of the clear coat */
+    float coat_strength;            /* as `coat`, but not times opacity */
     float leaf[3];                  /* Lambert's reflectance of light from the other side; as `diffuse` */
     float along;                    /* alpha along the tangent; `alpha` is across it */
     float layer_again;              /* what the layer reflects of light that scatters more than once */
@@ -138,6 +138,17 @@ enum {
     SHADER_DISPERSIVE = 1u << 19, /* refraction depends on the channel */
     SHADER_TURNED = 1u << 20,     /* the clear coat has a normal of its own */
 };
+
+/* What the layer lets through to the base, 1 - R(mu), of its facets' albedos there; and what the clear coat lets
+ * through at node k of the curves, 1 without one. */
+
+static inline float shader_under(const shader *m, float all, float edge) {
+    return 1 - (m->layer0 * (all - edge) + m->layer90 * edge + m->layer_again * (1 - all));
+}
+static inline float shader_below_coat(const shader *m, int k) {
+    const float all = energy_all(&m->coat_facets, k), edge = energy_edge(&m->coat_facets, k);
+    return 1 - m->coat_strength * (0.04f * (all - edge) + edge);
+}
 
 /* A clear coat over a normal map, or with one. */
 bool shader_coat_has_normal(const fathom_material *material);

@@ -165,7 +165,7 @@ static void turn_coats(const surface_block *s, shader_block *restrict out) {
     into_coat(out, out->v, out->coat_v);
     for (int i = 0; i < LANES; ++i) {
         out->coat_v[2][i] = out->coat_v[2][i] > 0x1p-23f ? out->coat_v[2][i] : 0x1p-23f;
-        out->below_coat[i] = curve_at(out->at[i]->below_coat, out->coat_v[2][i]);
+        out->below_coat[i] = below_coat_at(out->at[i], out->coat_v[2][i]);
     }
 }
 
@@ -183,7 +183,7 @@ static void coat_flat(const shader *m, int i, shader_block *out) {
     const float coat = m->lobes & SHADER_COAT ? 0 : m->coat * (0.04f + 0.96f * rise);
     for (int c = 0; c < 3; ++c) {
         out->mirror_share[c][i] += coat;
-        out->pass_share[c][i] *= out->below_coat[i] * curve_at(m->below_coat, fminf(fabsf(far), 1));
+        out->pass_share[c][i] *= out->below_coat[i] * below_coat_at(m, fminf(fabsf(far), 1));
     }
 }
 

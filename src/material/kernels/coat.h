@@ -47,7 +47,7 @@ static inline void add_coat(const shader_block *b, incidence *at, const lanes3 h
     }
     into_coat(b, at->l, own_l);
     into_coat(b, h, own_h);
-    for (int i = 0; i < LANES; ++i) below[i] = curve_at(b->at[i]->below_coat, own_l[2][i]);
+    for (int i = 0; i < LANES; ++i) below[i] = below_coat_at(b->at[i], own_l[2][i]);
     add_coat_as(b, at, b->coat_v, own_l, own_h, below, rise, f, density);
 }
 

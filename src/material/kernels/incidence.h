@@ -48,20 +48,42 @@ static inline void judge_sides(const surface_block *s, const shader_block *b, co
     if (s->mapped) judge_mapped(s, l, out);
 }
 
+/* The node of the curves below a cosine, and the part of the way to the next one. */
+static inline int node_at(float cosine, float *part) {
+    const float x = sqrtf(sqrtf(fabsf(cosine))) * ENERGY_STEPS;
+    const int k = (int)x < ENERGY_STEPS - 1 ? (int)x : ENERGY_STEPS - 1;
+    *part = x - (float)k;
+    return k;
+}
+
 static inline float curve_at(const float curve[ENERGY_NODES], float cosine) {
-    float x = sqrtf(sqrtf(fabsf(cosine))) * ENERGY_STEPS;
-    int k = (int)x < ENERGY_STEPS - 1 ? (int)x : ENERGY_STEPS - 1;
-    return curve[k] + (x - (float)k) * (curve[k + 1] - curve[k]);
+    float t;
+    const int k = node_at(cosine, &t);
+    return curve[k] + t * (curve[k + 1] - curve[k]);
+}
+
+static inline float below_coat_at(const shader *m, float cosine) {
+    float t;
+    const int k = node_at(cosine, &t);
+    const float low = shader_below_coat(m, k), high = shader_below_coat(m, k + 1);
+    return low + t * (high - low);
 }
 
 /* The materials' curves at the cosines. */
 static inline void read_curves(const shader_block *b, const float cosine[LANES], float *restrict missing,
                                float *restrict under, float *restrict below_coat) {
-    for (int i = 0; i < LANES; ++i) {
-        missing[i] = curve_at(b->at[i]->missing, cosine[i]);
-        under[i] = curve_at(b->at[i]->under, cosine[i]);
-        below_coat[i] = curve_at(b->at[i]->below_coat, cosine[i]);
+    for (int i = 0; i < LANES && b->lobes & SHADER_EVEN; ++i) {
+        const shader *m = b->at[i];
+        float t, all[2], edge[2];
+        const int k = node_at(cosine[i], &t);
+        for (int j = 0; j < 2; ++j)
+            all[j] = energy_all(&m->facets, k + j), edge[j] = energy_edge(&m->facets, k + j);
+        const float low = shader_under(m, all[0], edge[0]), high = shader_under(m, all[1], edge[1]);
+        missing[i] = (1 - all[0]) + t * ((1 - all[1]) - (1 - all[0]));
+        under[i] = low + t * (high - low);
     }
+    for (int i = 0; i < LANES && b->lobes & SHADER_COATED; ++i)
+        below_coat[i] = below_coat_at(b->at[i], cosine[i]);
 }
 
 /* ---- Schlick ---- */

@@ -38,7 +38,7 @@ static inline void stretch_albedos(const shader *m, float x, float y, float z, f
     *all = out[0], *edge = out[1];
 }
 
-/* Replaces what read_curves() found, which are the means around the normal. */
+/* Replaces what read_curves() found, which does not know these lobes. */
 static inline void stretch_curves(const shader_block *b, const lanes3 d, float *restrict missing,
                                   float *restrict under) {
     for (int i = 0; i < LANES; ++i) {
@@ -47,7 +47,7 @@ static inline void stretch_curves(const shader_block *b, const lanes3 d, float *
         if (!(m->lobes & SHADER_STRETCHED) || !m->even) continue;
         stretch_albedos(m, d[0][i], d[1][i], d[2][i], &all, &edge);
         missing[i] = 1 - all;
-        under[i] = 1 - (m->layer0 * (all - edge) + m->layer90 * edge + m->layer_again * (1 - all));
+        under[i] = shader_under(m, all, edge);
     }
 }
 
