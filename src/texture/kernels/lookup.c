@@ -4,6 +4,9 @@
 
 #include <math.h>
 #include <string.h>
+#ifdef __F16C__
+#include <immintrin.h>
+#endif
 
 /* R, G, B and alpha. */
 typedef float rgba_f32 __attribute__((vector_size(16)));
@@ -13,8 +16,13 @@ typedef uint32_t rgba_u32 __attribute__((vector_size(16)));
 
 /* ---- texels ---- */
 
+#ifdef __F16C__
+INLINE float from_half(const uint16_t *n) { return _cvtsh_ss(*n); }
+
+INLINE rgba_f32 from_halves(const uint16_t n[4]) { return _mm_cvtph_ps(_mm_loadl_epi64((const void *)n)); }
+#else
 /* Finite halves. Denormals are built by a subtraction, so that no operand is denormal as a float. */
-INLINE rgba_f32 from_halves(rgba_u32 half) {
+INLINE rgba_f32 lifted_halves(rgba_u32 half) {
     const rgba_u32 magnitude = (half & 0x7fff) << 13, sign = (half & 0x8000) << 16;
     const rgba_u32 small = (rgba_u32)(magnitude < (1u << 23));
     const rgba_u32 normal = magnitude + (112u << 23), shifted = magnitude + (113u << 23);
@@ -28,6 +36,11 @@ INLINE rgba_f32 from_halves(rgba_u32 half) {
     memcpy(&out, &bits, sizeof out);
     return out;
 }
+
+INLINE float from_half(const uint16_t *n) { return lifted_halves((rgba_u32){*n})[0]; }
+
+INLINE rgba_f32 from_halves(const uint16_t n[4]) { return lifted_halves((rgba_u32){n[0], n[1], n[2], n[3]}); }
+#endif
 
 INLINE rgba_f32 grey(float value) { return (rgba_f32){value, value, value, 1}; }
 
@@ -53,8 +66,8 @@ INLINE rgba_f32 texel_at(const unsigned char *at, image_texel type, unsigned cha
     }
     case IMAGE_TEXEL_HALF: {
         const uint16_t *n = (const void *)at;
-        if (channels == 1) return grey(from_halves((rgba_u32){*n})[0]);
-        return from_halves((rgba_u32){n[0], n[1], n[2], n[3]});
+        if (channels == 1) return grey(from_half(n));
+        return from_halves(n);
     }
     case IMAGE_TEXEL_FLOAT: break;
     }
