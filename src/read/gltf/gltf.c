@@ -144,6 +144,7 @@ static void finish(gltf *g) {
         if (g->buffer_table[i].owns_source) close_source(g, g->buffer_table[i].source);
     }
     close_source(g, g->source);
+    gltf_draco_close(g);
     gltf_moments_close(g);
     array_free(&g->moments);
     free(g->view_table);

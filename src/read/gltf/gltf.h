@@ -137,6 +137,7 @@ typedef struct gltf {
     gltf_buffer *buffer_table;                                  /* for each buffer */
     gltf_buffer *image_table;        /* for each image that is a data URI: its bytes, once decoded */
     gltf_buffer *view_table;         /* for each buffer view that is compressed: unpacked */
+    struct gltf_draco *draco;        /* meshes that are being unpacked; NULL: none was */
     gltf_material *material_table;   /* for each material, then the default one */
     gltf_elements (*array_table)[2]; /* for each accessor: floats, indices */
     fathom_id *mesh_table;           /* for each mesh: the group, FATHOM_NONE (not made) or GLTF_EMPTY */
@@ -347,6 +348,7 @@ fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, 
 
 /* Unpacks a primitive that is compressed, as elements of its accessors. */
 fathom_status gltf_draco_read(gltf *g, const gltf_value *primitive);
+void gltf_draco_close(gltf *g);
 
 /* The components of the accessor that member `key` of `user` names, 1 to 4; 0: there is no such member. */
 unsigned gltf_components(gltf *g, const gltf_value *user, const char *key);

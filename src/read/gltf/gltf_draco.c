@@ -1,6 +1,9 @@
 /* KHR_draco_mesh_compression: a process of its own unpacks each mesh (helper/draco.cpp), because Draco's
  * library is not made for broken files. Its answer is checked like a file, and becomes the arrays of
- * the accessors that the primitive names. */
+ * the accessors that the primitive names.
+ *
+ * While one primitive is read, processes unpack those that come after it in the file, as many at once as there
+ * are threads. What fails ahead says nothing until the primitive itself is read. */
 #include "read/gltf/gltf_draco.h"
 
 #include "image/helper/helper.h"
@@ -9,6 +12,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <spawn.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -33,22 +37,17 @@ static bool write_all(int file, const unsigned char *bytes, uint64_t size) {
 }
 
 /* 0, or why it could not be started. */
-static int run(const char *path, int from, int to, int *status) {
+static int start(const char *path, int from, int to, pid_t *child) {
     posix_spawn_file_actions_t actions;
-    pid_t child;
     int failed = posix_spawn_file_actions_init(&actions);
     if (failed) return failed;
     failed = posix_spawn_file_actions_adddup2(&actions, from, STDIN_FILENO);
     if (!failed) failed = posix_spawn_file_actions_adddup2(&actions, to, STDOUT_FILENO);
     if (!failed)
         failed =
-            posix_spawn(&child, path, &actions, NULL, (char *[]){(char *)(uintptr_t)path, NULL}, environ);
+            posix_spawn(child, path, &actions, NULL, (char *[]){(char *)(uintptr_t)path, NULL}, environ);
     posix_spawn_file_actions_destroy(&actions);
-    if (failed) return failed;
-    while (waitpid(child, status, 0) < 0) {
-        if (errno != EINTR) return errno;
-    }
-    return 0;
+    return failed;
 }
 
 static fathom_status fail_broken(gltf *g, const gltf_value *at, int status, int answer) {
@@ -61,24 +60,117 @@ static fathom_status fail_broken(gltf *g, const gltf_value *at, int status, int 
     return gltf_fail(g, at, NULL, "cannot be unpacked by Draco: %s", n > 0 ? text : "the data is broken");
 }
 
-/* Has the bytes unpacked into the file `answer`. */
-static fathom_status unpack(gltf *g, const gltf_value *at, const gltf_view *packed, int question,
-                            int answer) {
+/* ---- several at once ---- */
+
+/* Of a buffer view. */
+typedef struct draco_job {
+    bool started;
+    pid_t child;
+    int answer; /* a file */
+} draco_job;
+
+struct gltf_draco {
+    size_t mesh, primitive; /* the next to look at */
+    unsigned running;       /* started, and not waited for */
+    draco_job jobs[];
+};
+
+static bool be_open(gltf *g) {
+    const size_t bytes = sizeof *g->draco + gltf_count(&g->views) * sizeof *g->draco->jobs;
+    if (!g->draco) g->draco = calloc(1, bytes);
+    if (!g->draco) gltf_fail_memory(g, bytes);
+    return gltf_fine(g);
+}
+
+static void forget(gltf *g, draco_job *job) {
+    if (job->answer >= 0) close(job->answer);
+    *job = (draco_job){.started = false};
+    --g->draco->running;
+}
+
+void gltf_draco_close(gltf *g) {
+    for (size_t i = 0; g->draco && g->draco->running && i < gltf_count(&g->views); ++i) {
+        draco_job *job = &g->draco->jobs[i];
+        if (!job->started) continue;
+        kill(job->child, SIGKILL);
+        while (waitpid(job->child, NULL, 0) < 0 && errno == EINTR) continue;
+        forget(g, job);
+    }
+    free(g->draco);
+}
+
+/* Has the view's bytes unpacked into the job's file. */
+static fathom_status start_job(gltf *g, const gltf_value *at, uint32_t view) {
     char path[PATH_MAX];
-    int status = 0;
+    gltf_value view_at;
+    gltf_view packed;
+    draco_job job = {.started = true};
+    if (gltf_view_open(g, view, &view_at, &packed) != FATHOM_OK) return g->status;
     if (!helper_find_file(DRACO_FILE, path))
         return gltf_fail(
             g, at, NULL,
             "needs Draco, without which this Fathom was built (Debian: libdraco-dev); build it with, or "
             "export the model without compression");
-    if (question < 0 || answer < 0 || !write_all(question, packed->bytes, packed->length))
-        return fail_file(g->context, FATHOM_OUT_OF_RESOURCES, g->path, "no memory for a mesh to unpack: %s",
-                         strerror(errno));
-    const int failed = run(path, question, answer, &status);
+    const int question = memfd_create("fathom-draco", MFD_CLOEXEC);
+    job.answer = memfd_create("fathom-draco", MFD_CLOEXEC);
+    fathom_status status = FATHOM_OK;
+    if (question < 0 || job.answer < 0 || !write_all(question, packed.bytes, packed.length))
+        status = fail_file(g->context, FATHOM_OUT_OF_RESOURCES, g->path,
+                           "no memory for a mesh to unpack: %s", strerror(errno));
+    const int failed = status == FATHOM_OK ? start(path, question, job.answer, &job.child) : 0;
     if (failed)
-        return fail_file(g->context, FATHOM_OUT_OF_RESOURCES, path, "cannot be started: %s",
-                         strerror(failed));
-    return status ? fail_broken(g, at, status, answer) : FATHOM_OK;
+        status = fail_file(g->context, FATHOM_OUT_OF_RESOURCES, path, "cannot be started: %s",
+                           strerror(failed));
+    if (question >= 0) close(question);
+    if (status == FATHOM_OK) {
+        g->draco->jobs[view] = job;
+        ++g->draco->running;
+    } else if (job.answer >= 0) {
+        close(job.answer);
+    }
+    return status;
+}
+
+/* The view of the next primitive of the file that is compressed, without judging it. */
+static bool find_next(gltf *g, uint32_t *view) {
+    struct gltf_draco *d = g->draco;
+    for (; d->mesh < gltf_count(&g->meshes); ++d->mesh, d->primitive = 0) {
+        const json_t *list = json_object_get(json_array_get(g->meshes.json, d->mesh), "primitives");
+        while (d->primitive < json_array_size(list)) {
+            const json_t *one = json_object_get(json_array_get(list, d->primitive++), "extensions");
+            const json_t *number = json_object_get(json_object_get(one, extension), "bufferView");
+            if (!json_is_integer(number) || (uint64_t)json_integer_value(number) >= gltf_count(&g->views))
+                continue;
+            *view = (uint32_t)json_integer_value(number);
+            if (!d->jobs[*view].started) return true;
+        }
+    }
+    return false;
+}
+
+static void start_ahead(gltf *g) {
+    uint32_t view;
+    while (g->draco->running < fathom_context_threads(g->context) && find_next(g, &view)) {
+        start_job(g, &g->meshes, view);
+        g->status = FATHOM_OK;
+    }
+}
+
+/* Unpacks a view into a file, which the caller closes. */
+static fathom_status unpack(gltf *g, const gltf_value *at, uint32_t view, int *answer) {
+    draco_job *job = &g->draco->jobs[view];
+    int status = 0;
+    if (!job->started) start_job(g, at, view);
+    if (!job->started) return gltf_fine(g) ? FATHOM_OUT_OF_RESOURCES : g->status;
+    start_ahead(g);
+    pid_t ended;
+    do ended = waitpid(job->child, &status, 0);
+    while (ended < 0 && errno == EINTR);
+    *answer = job->answer;
+    job->answer = -1;
+    forget(g, job);
+    start_ahead(g);
+    return status || ended < 0 ? fail_broken(g, at, status, *answer) : FATHOM_OK;
 }
 
 /* ---- the answer ---- */
@@ -159,25 +251,22 @@ static fathom_status take_answer(gltf *g, const gltf_value *primitive, const glt
 }
 
 fathom_status gltf_draco_read(gltf *g, const gltf_value *primitive) {
-    gltf_value holder, at, view_at;
-    gltf_view packed;
+    gltf_value holder, at;
     uint32_t view = GLTF_ABSENT;
+    int unpacked = -1;
     fathom_status status = gltf_extension(g, primitive, extension, &holder, &at);
     if (status != FATHOM_OK || !at.json) return status;
     status = gltf_index(g, &at, "bufferView", &g->views, &view);
     if (status == FATHOM_OK && view == GLTF_ABSENT)
         return gltf_fail(g, &at, "bufferView", "is missing; expected the compressed mesh");
-    if (status == FATHOM_OK) status = gltf_view_open(g, view, &view_at, &packed);
     if (status != FATHOM_OK) return status;
     if (!helper_find_file(DRACO_FILE, (char[PATH_MAX]){""}) && !gltf_requires(g, extension)) {
         gltf_note(g, primitive, NULL, "Draco is not part of this build; what is not compressed is taken");
         return FATHOM_OK;
     }
-    const int question = memfd_create("fathom-draco", MFD_CLOEXEC),
-              reply = memfd_create("fathom-draco", MFD_CLOEXEC);
-    status = unpack(g, &at, &packed, question, reply);
-    if (status == FATHOM_OK) status = take_answer(g, primitive, &at, reply);
-    if (question >= 0) close(question);
-    if (reply >= 0) close(reply);
+    if (!be_open(g)) return g->status;
+    status = unpack(g, &at, view, &unpacked);
+    if (status == FATHOM_OK) status = take_answer(g, primitive, &at, unpacked);
+    if (unpacked >= 0) close(unpacked);
     return status;
 }
