@@ -33,8 +33,9 @@ static bool processor_has(isa_set set) {
     case ISA_AVX: return __builtin_cpu_supports("avx");
     case ISA_AVX2: return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("f16c");
     case ISA_AVX512:
-        return processor_has(ISA_AVX2) && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-               __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
+        return processor_has(ISA_AVX2) && __builtin_cpu_supports("avx512f") &&
+               __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
+               __builtin_cpu_supports("avx512bw");
     }
     return false;
 }

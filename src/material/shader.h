@@ -139,8 +139,8 @@ enum {
     SHADER_TURNED = 1u << 20,     /* the clear coat has a normal of its own */
 };
 
-/* What the layer lets through to the base, 1 - R(mu), of its facets' albedos there; and what the clear coat lets
- * through at node k of the curves, 1 without one. */
+/* What the layer lets through to the base, 1 - R(mu), of its facets' albedos there; and what the clear coat
+ * lets through at node k of the curves, 1 without one. */
 
 static inline float shader_under(const shader *m, float all, float edge) {
     return 1 - (m->layer0 * (all - edge) + m->layer90 * edge + m->layer_again * (1 - all));

@@ -143,6 +143,19 @@ static fathom_status place_images(texture_cache *cache, fathom_context *context,
     return store_open(context, kept, at - kept, limit - kept, &cache->store);
 }
 
+/* Texels that are worth a further helper, which takes a tenth of a second to start. */
+#define HELPER_TEXELS ((uint64_t)1 << 24)
+
+/* More helpers load their libraries while the scene is made ready. */
+static void start_helpers(texture_cache *cache) {
+    uint64_t texels = 0;
+    for (size_t i = 0; i < cache->image_count; ++i)
+        texels += (uint64_t)cache->images[i].info.width * cache->images[i].info.height;
+    const uint64_t wanted = 1 + texels / HELPER_TEXELS;
+    cache->helpers = wanted < cache->threads ? (unsigned)wanted : cache->threads;
+    if (cache->helpers > 1) helper_prefetch(cache->helpers);
+}
+
 static fathom_status open_all(texture_cache *cache, fathom_context *context, const fathom_scene *scene) {
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; status == FATHOM_OK && i < cache->count; ++i) {
@@ -170,6 +183,7 @@ fathom_status texture_cache_open(fathom_context *context, const fathom_scene *sc
     cache->images = calloc(count + 1, sizeof *cache->images);
     fathom_status status = cache->slots && cache->images ? FATHOM_OK : fail_memory(context, bytes);
     if (status == FATHOM_OK) status = open_all(cache, context, scene);
+    if (status == FATHOM_OK) start_helpers(cache);
     if (status == FATHOM_OK) status = place_images(cache, context, limit);
     if (status == FATHOM_OK) return status;
     texture_cache_close(cache);

@@ -11,8 +11,8 @@ typedef struct cache_image {
     pyramid plan;
     image_texture_info info;
     pyramid_decoding decoding;
-    image_texture *source;      /* a mip-mapped file that is open; guarded by the cache's lock */
-    pthread_mutex_t lock;       /* held while it is decoded whole */
+    image_texture *source;      /* a mip-mapped file that is open; guarded by the lock */
+    pthread_mutex_t lock;       /* held while it is decoded, whole or in parts */
     bool decoded, broken;       /* atomic */
     float mean[4], least_alpha; /* once it is decoded */
 } cache_image;
@@ -28,14 +28,14 @@ typedef struct cache_slot {
 
 struct texture_cache {
     const struct texture_kernels *kernels;
-    const char *config; /* of OpenColorIO; NULL: the built-in one */
-    unsigned threads;
+    const char *config;        /* of OpenColorIO; NULL: the built-in one */
+    unsigned threads, helpers; /* processes that decode at once */
     size_t count, image_count;
     cache_slot *slots;
     cache_image *images;
     store store;
     float *tables[2][2];  /* of 8 and 16 bits; linear and sRGB; NULL: not needed */
-    pthread_mutex_t lock; /* held while tiles of a mip-mapped file are read; guards the members below */
+    pthread_mutex_t lock; /* guards the members below; taken while an image's is held, never before one */
     cache_image *open[CACHE_OPEN];
     unsigned next_open;
     fathom_status status; /* of the first failure */

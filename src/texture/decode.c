@@ -30,7 +30,8 @@ fathom_status cache_open_source(const texture_cache *cache, const fathom_texture
                                      .config = cache->config,
                                      .most_side = FATHOM_TEXTURE_SIDE,
                                      .most_texels = FATHOM_TEXTURE_TEXELS,
-                                     .threads = cache->threads};
+                                     .threads = cache->threads,
+                                     .helpers = cache->helpers};
     if (t->color_space == FATHOM_COLOR_NAMED) request.space = t->color_space_name;
     if (!t->file && (request.descriptor = descriptor_of(t)) < 0) {
         snprintf(why->text, sizeof why->text, "out of memory");
@@ -46,7 +47,23 @@ void cache_close_source(cache_image *img) {
     img->source = NULL;
 }
 
-/* Under the lock. Files that were open longest are closed for others. */
+/* Files that were open longest are closed for others, unless they are read at the moment. */
+static void remember_source(texture_cache *cache, cache_image *img) {
+    pthread_mutex_lock(&cache->lock);
+    for (unsigned tries = 0; tries < CACHE_OPEN; ++tries) {
+        cache_image **place = &cache->open[cache->next_open++ % CACHE_OPEN], *old = *place;
+        if (old && pthread_mutex_trylock(&old->lock) != 0) continue;
+        *place = img;
+        if (old) {
+            cache_close_source(old);
+            pthread_mutex_unlock(&old->lock);
+        }
+        break;
+    }
+    pthread_mutex_unlock(&cache->lock);
+}
+
+/* Under the image's lock. */
 static fathom_status reopen(texture_cache *cache, cache_image *img, image_message *why) {
     image_texture_info again;
     if (img->source) return FATHOM_OK;
@@ -59,16 +76,16 @@ static fathom_status reopen(texture_cache *cache, cache_image *img, image_messag
         snprintf(why->text, sizeof why->text, "was changed while it was in use");
         return FATHOM_BAD_INPUT;
     }
-    cache_image **place = &cache->open[cache->next_open++ % CACHE_OPEN];
-    if (*place) cache_close_source(*place);
-    *place = img;
+    remember_source(cache, img);
     return FATHOM_OK;
 }
 
 static void forget_source(texture_cache *cache, cache_image *img) {
+    pthread_mutex_lock(&cache->lock);
     for (unsigned i = 0; i < CACHE_OPEN; ++i) {
         if (cache->open[i] == img) cache->open[i] = NULL;
     }
+    pthread_mutex_unlock(&cache->lock);
     cache_close_source(img);
 }
 
@@ -248,15 +265,16 @@ static fathom_status fill_chunk(filling *f, uint64_t chunk) {
     return status;
 }
 
-/* Under the lock of the cache. */
 static void keep_failure(texture_cache *cache, cache_image *img, fathom_status status,
                          const image_message *why) {
+    pthread_mutex_lock(&cache->lock);
     if (cache->status == FATHOM_OK) {
         cache->failed = cache_name(img->texture);
         cache->why = *why;
         if (!why->text[0]) snprintf(cache->why.text, sizeof cache->why.text, "out of memory");
         __atomic_store_n(&cache->status, status, __ATOMIC_RELEASE);
     }
+    pthread_mutex_unlock(&cache->lock);
     __atomic_store_n(&img->broken, true, __ATOMIC_RELEASE);
 }
 
@@ -266,36 +284,33 @@ static bool is_filled(const texture_cache *cache, uint64_t chunk) {
     return __atomic_load_n(&cache->store.filled[chunk], __ATOMIC_ACQUIRE);
 }
 
-/* While the helper decodes one image, another thread may make the levels of another. */
-static void fill_image(texture_cache *cache, cache_image *img, uint64_t chunk) {
-    filling f = {.cache = cache, .img = img};
-    pthread_mutex_lock(&img->lock);
-    const bool needed = !is_broken(img) && !is_filled(cache, chunk);
-    const fathom_status status = needed ? fill_all(&f) : FATHOM_OK;
-    if (status != FATHOM_OK) {
-        pthread_mutex_lock(&cache->lock);
-        keep_failure(cache, img, status, &f.why);
-        pthread_mutex_unlock(&cache->lock);
+/* A thread that would wait for an image decodes the next one meanwhile, which its material mostly has as
+ * well. Images that fail here fail again when they are looked up. */
+static void fill_another(texture_cache *cache, const cache_image *busy) {
+    for (cache_image *img = cache->images; img < cache->images + cache->image_count; ++img) {
+        if (img <= busy || img->info.mipmapped || __atomic_load_n(&img->decoded, __ATOMIC_ACQUIRE) ||
+            is_broken(img) || pthread_mutex_trylock(&img->lock) != 0)
+            continue;
+        filling f = {.cache = cache, .img = img};
+        if (!img->decoded) fill_all(&f);
+        pthread_mutex_unlock(&img->lock);
+        return;
     }
-    pthread_mutex_unlock(&img->lock);
-}
-
-static void fill_tiles(texture_cache *cache, cache_image *img, uint64_t chunk) {
-    filling f = {.cache = cache, .img = img};
-    pthread_mutex_lock(&cache->lock);
-    const bool needed = !is_broken(img) && !is_filled(cache, chunk);
-    const fathom_status status = needed ? fill_chunk(&f, chunk) : FATHOM_OK;
-    if (status != FATHOM_OK) keep_failure(cache, img, status, &f.why);
-    pthread_mutex_unlock(&cache->lock);
 }
 
 bool cache_fill(texture_cache *cache, cache_image *img, uint64_t chunk) {
     if (is_broken(img)) return false;
     if (is_filled(cache, chunk)) return true;
-    if (img->info.mipmapped)
-        fill_tiles(cache, img, chunk);
-    else
-        fill_image(cache, img, chunk);
+    if (pthread_mutex_trylock(&img->lock) != 0) {
+        if (cache->helpers > 1 && !img->info.mipmapped) fill_another(cache, img);
+        pthread_mutex_lock(&img->lock);
+    }
+    filling f = {.cache = cache, .img = img};
+    fathom_status status = FATHOM_OK;
+    if (!is_broken(img) && !is_filled(cache, chunk))
+        status = img->info.mipmapped ? fill_chunk(&f, chunk) : fill_all(&f);
+    if (status != FATHOM_OK) keep_failure(cache, img, status, &f.why);
+    pthread_mutex_unlock(&img->lock);
     return !is_broken(img);
 }
 

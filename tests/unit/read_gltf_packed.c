@@ -65,6 +65,47 @@ static void draco_unpacks_to_what_was_packed(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* Meshes of one primitive each; all but the last have the whole data. */
+static void write_draco_meshes(fixture *f, int count, size_t last_size) {
+    uint8_t bytes[16 * sizeof draco];
+    char json[8192];
+    int at = snprintf(
+        json, sizeof json,
+        "{" ASSET ",'extensionsRequired':['KHR_draco_mesh_compression'],'buffers':[{'byteLength':%zu}],"
+        "'accessors':[{'componentType':5126,'type':'VEC3','count':4},{'componentType':5125,'type':"
+        "'SCALAR','count':6}],'bufferViews':[",
+        (size_t)count * sizeof draco);
+    for (int i = 0; i < count; ++i) {
+        memcpy(bytes + (size_t)i * sizeof draco, draco, sizeof draco);
+        at +=
+            snprintf(json + at, sizeof json - (size_t)at, "%s{'buffer':0,'byteOffset':%zu,'byteLength':%zu}",
+                     i ? "," : "", (size_t)i * sizeof draco, i + 1 < count ? sizeof draco : last_size);
+    }
+    at += snprintf(json + at, sizeof json - (size_t)at, "],'meshes':[");
+    for (int i = 0; i < count; ++i)
+        at += snprintf(json + at, sizeof json - (size_t)at,
+                       "%s{'primitives':[{'attributes':{'POSITION':0},'indices':1,'extensions':{"
+                       "'KHR_draco_mesh_compression':{'bufferView':%d,'attributes':{'POSITION':0}}}}]}",
+                       i ? "," : "", i);
+    snprintf(json + at, sizeof json - (size_t)at, "]}");
+    write_glb(f, json, bytes, (size_t)count * sizeof draco);
+}
+
+static void draco_meshes_unpack_together(void **state) {
+    fixture *f = *state;
+    if (!has_draco()) skip();
+    fathom_context_set_threads(f->context, 3);
+    write_draco_meshes(f, 8, sizeof draco);
+    fathom_scene *scene = read_file(f);
+    assert_int_equal(scene->meshes.count, 8);
+    for (size_t i = 0; i < 8; ++i) {
+        const fathom_mesh *mesh = &scene->meshes.items[i];
+        assert_int_equal(mesh->triangle_count, 2);
+        assert_memory_equal(mesh_vertex(mesh, 0), mesh_vertex(&scene->meshes.items[0], 0), 3 * sizeof(float));
+    }
+    fathom_scene_destroy(scene);
+}
+
 static void assert_refused(fixture *f, const char *text) {
     fathom_scene *scene;
     fathom_read_options asked;
@@ -77,6 +118,9 @@ static void assert_refused(fixture *f, const char *text) {
 static void broken_draco_is_refused(void **state) {
     fixture *f = *state;
     if (!has_draco()) skip();
+    write_draco_meshes(f, 3, sizeof draco / 2);
+    assert_refused(
+        f, "meshes[2].primitives[0].extensions.KHR_draco_mesh_compression: cannot be unpacked by Draco: ");
     for (size_t cut = 1; cut < sizeof draco - 3; cut += 16) {
         write_draco(f, draco, cut, 4, 0);
         assert_refused(f, "KHR_draco_mesh_compression: cannot be unpacked by Draco: ");
@@ -165,6 +209,7 @@ int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
         TEST(draco_unpacks_to_what_was_packed),
+        TEST(draco_meshes_unpack_together),
         TEST(broken_draco_is_refused),
 #if HAS_MESHOPT
         TEST(meshopt_unpacks_to_what_was_packed),

@@ -23,17 +23,23 @@ extern char **environ;
 
 typedef enum helper_state { HELPER_NONE, HELPER_STARTING, HELPER_READY, HELPER_FAILED } helper_state;
 
-static struct {
-    pthread_mutex_t lock; /* guards the other members; held during a request */
+/* One for each request that may be under way at a time; the first serves whatever is no texture. */
+typedef struct helper_process {
+    pthread_mutex_t lock; /* guards the other members but `open`; held during a request */
     helper_state state;
     pid_t owner; /* the process that started it, to tell a forked child */
     pid_t child;
     int socket;
     wire_memory memory;
-    uint64_t process;     /* counts the helpers, from 1 */
+    uint64_t process;     /* counts the starts: a multiple of HELPERS_MOST, and its number, from 1 */
+    unsigned open;        /* textures; atomic */
     char libraries[1024]; /* from its first reply */
     char why[1024];       /* the last start failed */
-} helper = {.lock = PTHREAD_MUTEX_INITIALIZER, .socket = -1, .memory = {.descriptor = -1}};
+} helper_process;
+
+static helper_process helpers[HELPERS_MOST] = {[0 ... HELPERS_MOST - 1] = {.lock = PTHREAD_MUTEX_INITIALIZER,
+                                                                           .socket = -1,
+                                                                           .memory = {.descriptor = -1}}};
 
 static void say(char text[1024], const char *format, ...) __attribute__((format(printf, 2, 3)));
 static void say(char text[1024], const char *format, ...) {
@@ -54,7 +60,7 @@ static const char *const places[] = {"", IMAGE_LIBRARY_FOLDER "/", "../lib/", ".
 static bool own_file(char path[PATH_MAX]) {
     Dl_info info;
     struct link_map *map = NULL;
-    if (!dladdr1((void *)(uintptr_t)&helper, &info, (void **)&map, RTLD_DL_LINKMAP) || !map) return false;
+    if (!dladdr1((void *)(uintptr_t)&helpers, &info, (void **)&map, RTLD_DL_LINKMAP) || !map) return false;
     return realpath(map->l_name[0] ? map->l_name : "/proc/self/exe", path) != NULL;
 }
 
@@ -98,30 +104,30 @@ static double limit_seconds(void) {
 }
 
 /* Under the lock. Ends the helper and releases its resources. A forked child only releases its copies. */
-static void end(void) {
-    if (helper.socket >= 0) close(helper.socket);
-    helper.socket = -1;
-    wire_memory_release(&helper.memory);
-    if (helper.child > 0 && helper.owner == getpid()) {
-        kill(helper.child, SIGKILL);
-        while (waitpid(helper.child, NULL, 0) < 0 && errno == EINTR) continue;
+static void end(helper_process *h) {
+    if (h->socket >= 0) close(h->socket);
+    h->socket = -1;
+    wire_memory_release(&h->memory);
+    if (h->child > 0 && h->owner == getpid()) {
+        kill(h->child, SIGKILL);
+        while (waitpid(h->child, NULL, 0) < 0 && errno == EINTR) continue;
     }
-    helper.child = 0;
+    h->child = 0;
 }
 
 /* Under the lock. Says how the helper ended. */
-static void say_end(char text[1024], const char *doing) {
+static void say_end(helper_process *h, char text[1024], const char *doing) {
     int status;
     pid_t found = 0;
     for (int i = 0; i < 50 && found == 0; ++i) { /* its socket closes just before it ends */
-        found = waitpid(helper.child, &status, WNOHANG);
+        found = waitpid(h->child, &status, WNOHANG);
         if (found == 0) usleep(2000);
     }
-    if (found != helper.child) {
+    if (found != h->child) {
         say(text, "the image helper ended %s", doing);
         return;
     }
-    helper.child = 0;
+    h->child = 0;
     const char *name = WIFSIGNALED(status) ? sigabbrev_np(WTERMSIG(status)) : NULL;
     if (name)
         say(text,
@@ -142,7 +148,7 @@ static int move_up(int descriptor) {
 
 /* The helper's output is discarded, and it gets no other descriptor of this process: a pipe that it held open
  * would keep its reader waiting. */
-static bool spawn(const char *path, int socket, int memory) {
+static bool spawn(helper_process *h, const char *path, int socket, int memory) {
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
     sigset_t none;
@@ -160,84 +166,91 @@ static bool spawn(const char *path, int socket, int memory) {
     posix_spawn_file_actions_adddup2(&actions, socket, WIRE_SOCKET);
     posix_spawn_file_actions_adddup2(&actions, memory, WIRE_MEMORY);
     posix_spawn_file_actions_addclosefrom_np(&actions, WIRE_MEMORY + 1);
-    int failed = posix_spawn(&helper.child, path, &actions, &attributes, arguments, environ);
+    int failed = posix_spawn(&h->child, path, &actions, &attributes, arguments, environ);
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
-    if (failed) helper.child = 0;
+    if (failed) h->child = 0;
     return !failed;
 }
 
 /* Under the lock. */
-static void start(void) {
+static void start(helper_process *h) {
     char path[PATH_MAX];
     int sockets[2] = {-1, -1};
-    end();
-    helper.state = HELPER_FAILED;
-    if (!find_program(path, helper.why)) return;
+    end(h);
+    h->state = HELPER_FAILED;
+    if (!find_program(path, h->why)) return;
     bool made = socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, sockets) == 0;
-    helper.socket = move_up(sockets[0]);
+    h->socket = move_up(sockets[0]);
     int theirs = move_up(sockets[1]);
-    helper.memory.descriptor = move_up(memfd_create("fathom-image", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+    h->memory.descriptor = move_up(memfd_create("fathom-image", MFD_CLOEXEC | MFD_ALLOW_SEALING));
     /* A mapping of memory that shrinks would end this process. */
-    made = made && helper.socket >= 0 && theirs >= 0 && helper.memory.descriptor >= 0 &&
-           fcntl(helper.memory.descriptor, F_ADD_SEALS, F_SEAL_SHRINK) == 0 &&
-           spawn(path, theirs, helper.memory.descriptor);
+    made = made && h->socket >= 0 && theirs >= 0 && h->memory.descriptor >= 0 &&
+           fcntl(h->memory.descriptor, F_ADD_SEALS, F_SEAL_SHRINK) == 0 &&
+           spawn(h, path, theirs, h->memory.descriptor);
     if (theirs >= 0) close(theirs);
     if (made) {
-        helper.state = HELPER_STARTING;
-        helper.owner = getpid();
-        ++helper.process;
+        h->state = HELPER_STARTING;
+        h->owner = getpid();
+        h->process += h->process ? HELPERS_MOST : (uint64_t)(h - helpers) + 1;
         return;
     }
-    say(helper.why, "the image helper cannot be started: %s", strerror(errno));
-    end();
+    say(h->why, "the image helper cannot be started: %s", strerror(errno));
+    end(h);
 }
 
 /* Under the lock. Receives the helper's first reply; waits for it if `wait`. */
-static void come_up(bool wait) {
+static void come_up(helper_process *h, bool wait) {
     wire_reply hello;
     int milliseconds = wait ? (int)(1000 * limit_seconds()) : 0;
-    wire_result result = wire_receive(helper.socket, &hello, sizeof hello, milliseconds, NULL);
+    wire_result result = wire_receive(h->socket, &hello, sizeof hello, milliseconds, NULL);
     if (result == WIRE_LATE && !wait) return;
     hello.text[sizeof hello.text - 1] = '\0';
-    helper.state = HELPER_FAILED;
+    h->state = HELPER_FAILED;
     if (result == WIRE_LATE)
-        say(helper.why, "the image helper was not ready after %g seconds", limit_seconds());
+        say(h->why, "the image helper was not ready after %g seconds", limit_seconds());
     else if (result == WIRE_GONE)
-        say_end(helper.why, "while it loaded its libraries");
+        say_end(h, h->why, "while it loaded its libraries");
     else if (hello.version != WIRE_VERSION)
-        say(helper.why, "the image helper is of another build");
+        say(h->why, "the image helper is of another build");
     else if (hello.status != FATHOM_OK)
-        say(helper.why, "%s", hello.text);
+        say(h->why, "%s", hello.text);
     else {
-        say(helper.libraries, "%s", hello.text);
-        helper.state = HELPER_READY;
+        say(h->libraries, "%s", hello.text);
+        h->state = HELPER_READY;
     }
-    if (helper.state == HELPER_FAILED) end();
+    if (h->state == HELPER_FAILED) end(h);
 }
 
 /* Under the lock. A child of fork() starts a helper of its own. */
-static void disown(void) {
-    if (helper.state == HELPER_NONE || helper.owner == getpid()) return;
-    end();
-    helper.state = HELPER_NONE;
+static void disown(helper_process *h) {
+    if (h->state == HELPER_NONE || h->owner == getpid()) return;
+    end(h);
+    h->state = HELPER_NONE;
 }
 
-void image_prefetch(void) {
-    pthread_mutex_lock(&helper.lock);
-    disown();
-    if (helper.state == HELPER_NONE || helper.state == HELPER_FAILED) start();
-    pthread_mutex_unlock(&helper.lock);
+static void prefetch(helper_process *h) {
+    pthread_mutex_lock(&h->lock);
+    disown(h);
+    if (h->state == HELPER_NONE || h->state == HELPER_FAILED) start(h);
+    pthread_mutex_unlock(&h->lock);
+}
+
+void image_prefetch(void) { prefetch(&helpers[0]); }
+
+void helper_prefetch(unsigned count) {
+    for (unsigned i = 0; i < count && i < HELPERS_MOST; ++i) prefetch(&helpers[i]);
 }
 
 fathom_status image_prefetch_status(fathom_context *context) {
     char why[1024];
-    if (pthread_mutex_trylock(&helper.lock) != 0) return FATHOM_OK; /* somebody waits for it */
-    disown();
-    if (helper.state == HELPER_STARTING) come_up(false);
-    bool failed = helper.state == HELPER_FAILED;
-    if (failed) say(why, "%s", helper.why);
-    pthread_mutex_unlock(&helper.lock);
+    helper_process *h = &helpers[0];
+    if (pthread_mutex_trylock(&h->lock) != 0) return FATHOM_OK; /* somebody waits for it */
+    disown(h);
+    if (h->state == HELPER_STARTING) come_up(h, false);
+    bool failed = h->state == HELPER_FAILED;
+    if (failed) say(why, "%s", h->why);
+    pthread_mutex_unlock(&h->lock);
     return failed ? fail_helper(context, why) : FATHOM_OK;
 }
 
@@ -249,54 +262,75 @@ static fathom_status fail_text(helper_exchange *e, const char *text) {
 }
 
 /* Under the lock: a helper that is ready. */
-static fathom_status be_ready(helper_exchange *e) {
-    disown();
-    if (e->process && (helper.state != HELPER_READY || e->process != helper.process))
+static fathom_status be_ready(helper_process *h, helper_exchange *e) {
+    disown(h);
+    if (e->process && (h->state != HELPER_READY || e->process != h->process))
         return fail_text(e, "the image helper ended before");
-    if (helper.state == HELPER_NONE || helper.state == HELPER_FAILED) start();
-    if (helper.state == HELPER_STARTING) come_up(true);
-    return helper.state == HELPER_READY ? FATHOM_OK : fail_text(e, helper.why);
+    if (h->state == HELPER_NONE || h->state == HELPER_FAILED) start(h);
+    if (h->state == HELPER_STARTING) come_up(h, true);
+    return h->state == HELPER_READY ? FATHOM_OK : fail_text(e, h->why);
 }
 
 /* Under the lock. */
-static fathom_status exchange(helper_exchange *e) {
-    if (e->request.size && !wire_memory_reach(&helper.memory, e->request.size, true))
+static fathom_status exchange(helper_process *h, helper_exchange *e) {
+    if (e->request.size && !wire_memory_reach(&h->memory, e->request.size, true))
         return fail_text(e, errno == ENOMEM || errno == ENOSPC ? "out of memory" : strerror(errno));
-    if (e->bytes) memcpy(helper.memory.bytes, e->bytes, e->request.size);
+    if (e->bytes) memcpy(h->memory.bytes, e->bytes, e->request.size);
     wire_result result = WIRE_GONE;
-    if (wire_send(helper.socket, &e->request, sizeof e->request, e->descriptor))
-        result = wire_receive(helper.socket, &e->reply, sizeof e->reply, (int)(1000 * limit_seconds()), NULL);
+    if (wire_send(h->socket, &e->request, sizeof e->request, e->descriptor))
+        result = wire_receive(h->socket, &e->reply, sizeof e->reply, (int)(1000 * limit_seconds()), NULL);
     e->reply.text[sizeof e->reply.text - 1] = '\0';
     if (result == WIRE_CAME) return (fathom_status)e->reply.status;
     if (result == WIRE_LATE)
         say(e->reply.text, "the image helper gave no answer for %g seconds", limit_seconds());
     else
-        say_end(e->reply.text, "at work");
-    end();
-    helper.state = HELPER_NONE;
+        say_end(h, e->reply.text, "at work");
+    end(h);
+    h->state = HELPER_NONE;
     return FATHOM_OUT_OF_RESOURCES;
 }
 
+/* The one that has what the request is about; else, of those that it may take, one with the fewest open
+ * textures. */
+static helper_process *choose(const helper_exchange *e) {
+    helper_process *best = &helpers[e->process ? (e->process - 1) % HELPERS_MOST : 0];
+    for (unsigned i = 1; !e->process && i < e->helpers && i < HELPERS_MOST; ++i) {
+        if (__atomic_load_n(&helpers[i].open, __ATOMIC_RELAXED) <
+            __atomic_load_n(&best->open, __ATOMIC_RELAXED))
+            best = &helpers[i];
+    }
+    return best;
+}
+
+static void count_open(helper_process *h, const helper_exchange *e, fathom_status status) {
+    if (e->request.op == WIRE_TEXTURE && status == FATHOM_OK)
+        __atomic_add_fetch(&h->open, 1, __ATOMIC_RELAXED);
+    if (e->request.op == WIRE_END_TEXTURE) __atomic_sub_fetch(&h->open, 1, __ATOMIC_RELAXED);
+}
+
 fathom_status helper_ask(helper_exchange *e) {
-    pthread_mutex_lock(&helper.lock);
+    helper_process *h = choose(e);
+    pthread_mutex_lock(&h->lock);
     e->reply = (wire_reply){.text = ""};
-    fathom_status status = be_ready(e);
-    if (status == FATHOM_OK) status = exchange(e);
+    fathom_status status = be_ready(h, e);
+    if (status == FATHOM_OK) status = exchange(h, e);
     if (status == FATHOM_OK && e->take) {
-        status = wire_memory_reach(&helper.memory, e->reply.size, false)
-                     ? e->take(e->user, helper.memory.bytes, &e->reply)
+        status = wire_memory_reach(&h->memory, e->reply.size, false)
+                     ? e->take(e->user, h->memory.bytes, &e->reply)
                      : fail_text(e, "out of memory");
     }
-    e->process = helper.process;
-    pthread_mutex_unlock(&helper.lock);
+    e->process = h->process;
+    count_open(h, e, status);
+    pthread_mutex_unlock(&h->lock);
     return status;
 }
 
 fathom_status image_libraries(fathom_context *context, char out[256]) {
     helper_exchange none = {.descriptor = -1};
-    pthread_mutex_lock(&helper.lock);
-    fathom_status status = be_ready(&none);
-    if (status == FATHOM_OK) snprintf(out, 256, "%.255s", helper.libraries);
-    pthread_mutex_unlock(&helper.lock);
+    helper_process *h = &helpers[0];
+    pthread_mutex_lock(&h->lock);
+    fathom_status status = be_ready(h, &none);
+    if (status == FATHOM_OK) snprintf(out, 256, "%.255s", h->libraries);
+    pthread_mutex_unlock(&h->lock);
     return status == FATHOM_OK ? status : fail_helper(context, none.reply.text);
 }

@@ -1,4 +1,5 @@
-/* The image helper's process: started on first use, serves one request at a time, abandoned when it fails. */
+/* The image helper's processes: each is started on first use, serves one request at a time, and is abandoned
+ * when it fails. Textures may use several at once. */
 #ifndef IMAGE_HELPER_H
 #define IMAGE_HELPER_H
 
@@ -16,6 +17,7 @@ typedef struct helper_exchange {
     const void *bytes; /* request.size bytes for the shared memory; NULL: none */
     int descriptor;    /* sent with it; -1: none */
     uint64_t process;  /* the helper that owns request.object; 0: any */
+    unsigned helpers;  /* of process 0: how many it may choose from; 0: the first */
     wire_reply reply;
     /* Called with reply.size bytes of shared memory when the reply is OK, before the next request; or NULL.
      */
@@ -27,6 +29,10 @@ typedef struct helper_exchange {
  * reason. FATHOM_OUT_OF_RESOURCES: there is no helper, or it ended, or took too long; then it is ended, and
  * the next call starts a new one. Sets e->process on FATHOM_OK. */
 fathom_status helper_ask(helper_exchange *e);
+
+#define HELPERS_MOST 64u
+/* Starts so many helpers, unless they were; waits for none. */
+void helper_prefetch(unsigned count);
 
 /* The path of a file of the installation's library folder, "fathom/fathom_mpi.so". */
 bool helper_find_file(const char *name, char path[PATH_MAX]);

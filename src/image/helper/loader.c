@@ -223,6 +223,7 @@ static fathom_status open_texture(const image_texture_request *request, image_te
     helper_exchange e = {
         .request = {.op = WIRE_TEXTURE, .threads = request->threads, .count = request->most_texels},
         .descriptor = request->descriptor,
+        .helpers = request->helpers,
         .take = take_info,
         .user = info};
     wire_put_text(&b, whole_path(request->path, file));

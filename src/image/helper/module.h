@@ -7,7 +7,7 @@
 #include "image/image.h"
 
 /* Grows with every change of this file: a module of another build is refused, not called. */
-#define IMAGE_MODULE_VERSION 7
+#define IMAGE_MODULE_VERSION 8
 #define IMAGE_MODULE_SYMBOL "fathom_image_module"
 
 typedef struct image_message {
@@ -78,6 +78,7 @@ typedef struct image_texture_request {
         *space; /* texels are converted from this space to linear Rec.709; NULL: they stay as they are */
     uint64_t most_side, most_texels; /* larger images are refused */
     unsigned threads;
+    unsigned helpers; /* processes that the library may choose from; 0: one */
 } image_texture_request;
 
 typedef struct image_texture_info {

@@ -2,8 +2,8 @@
  * library is not made for broken files. Its answer is checked like a file, and becomes the arrays of
  * the accessors that the primitive names.
  *
- * While one primitive is read, processes unpack those that come after it in the file, as many at once as there
- * are threads. What fails ahead says nothing until the primitive itself is read. */
+ * While one primitive is read, processes unpack those that come after it in the file, as many at once as
+ * there are threads. What fails ahead says nothing until the primitive itself is read. */
 #include "read/gltf/gltf_draco.h"
 
 #include "image/helper/helper.h"
@@ -44,8 +44,7 @@ static int start(const char *path, int from, int to, pid_t *child) {
     failed = posix_spawn_file_actions_adddup2(&actions, from, STDIN_FILENO);
     if (!failed) failed = posix_spawn_file_actions_adddup2(&actions, to, STDOUT_FILENO);
     if (!failed)
-        failed =
-            posix_spawn(child, path, &actions, NULL, (char *[]){(char *)(uintptr_t)path, NULL}, environ);
+        failed = posix_spawn(child, path, &actions, NULL, (char *[]){(char *)(uintptr_t)path, NULL}, environ);
     posix_spawn_file_actions_destroy(&actions);
     return failed;
 }
@@ -115,12 +114,12 @@ static fathom_status start_job(gltf *g, const gltf_value *at, uint32_t view) {
     job.answer = memfd_create("fathom-draco", MFD_CLOEXEC);
     fathom_status status = FATHOM_OK;
     if (question < 0 || job.answer < 0 || !write_all(question, packed.bytes, packed.length))
-        status = fail_file(g->context, FATHOM_OUT_OF_RESOURCES, g->path,
-                           "no memory for a mesh to unpack: %s", strerror(errno));
+        status = fail_file(g->context, FATHOM_OUT_OF_RESOURCES, g->path, "no memory for a mesh to unpack: %s",
+                           strerror(errno));
     const int failed = status == FATHOM_OK ? start(path, question, job.answer, &job.child) : 0;
     if (failed)
-        status = fail_file(g->context, FATHOM_OUT_OF_RESOURCES, path, "cannot be started: %s",
-                           strerror(failed));
+        status =
+            fail_file(g->context, FATHOM_OUT_OF_RESOURCES, path, "cannot be started: %s", strerror(failed));
     if (question >= 0) close(question);
     if (status == FATHOM_OK) {
         g->draco->jobs[view] = job;
