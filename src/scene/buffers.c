@@ -2,6 +2,7 @@
 #include "scene/scene.h"
 
 #include "base/clock.h"
+#include "scene/mesh/mesh_array.h"
 
 #include <stdlib.h>
 
@@ -23,28 +24,16 @@ static void add(piece_list *list, const void *start, uint64_t bytes) {
     if (start) list->items[list->count++] = (piece){(uintptr_t)start, (uintptr_t)start + bytes};
 }
 
-static void add_vectors(piece_list *list, const float *start, uint32_t count, size_t stride, size_t floats) {
-    if (count) add(list, start, (uint64_t)(count - 1) * stride + floats * sizeof(float));
-}
-
 /* mapped: shading reads texture coordinates. */
 static void add_mesh(piece_list *list, const fathom_mesh *m, unsigned which, bool mapped) {
-    const uint64_t index_bytes = (uint64_t)m->triangle_count * 3 * sizeof(uint32_t);
-    if (which & SCENE_TRACED) {
-        add_vectors(list, m->positions, m->vertex_count, m->position_stride, 3);
-        add(list, m->indices, index_bytes);
-    }
-    if (which & SCENE_SHADED) {
-        add_vectors(list, m->normals, m->normal_count, m->normal_stride, 3);
-        add(list, m->normal_indices, index_bytes);
-    }
-    if (which & SCENE_SHADED && m->colors)
-        add_vectors(list, m->colors, m->vertex_count, m->color_stride, m->color_channels);
-    if (which & (mapped ? SCENE_SHADED : SCENE_UNREAD)) {
-        add_vectors(list, m->uvs, m->uv_count, m->uv_stride, 2);
-        add(list, m->uv_indices, index_bytes);
-        if (m->uvs_1) add_vectors(list, m->uvs_1, m->vertex_count, m->uv_1_stride, 2);
-        if (m->tangents) add_vectors(list, m->tangents, m->vertex_count, m->tangent_stride, 4);
+    for (int k = 0; k < MESH_ARRAYS; ++k) {
+        const mesh_array a = mesh_array_of(m, (mesh_kind)k);
+        const unsigned use = k == MESH_POSITIONS   ? SCENE_TRACED
+                             : a.mapped && !mapped ? SCENE_UNREAD
+                                                   : SCENE_SHADED;
+        if (!(which & use) || !a.count) continue;
+        add(list, a.values, (uint64_t)(a.count - 1) * a.stride + a.width * sizeof(float));
+        add(list, a.indices, (uint64_t)m->triangle_count * 3 * sizeof(uint32_t));
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include "base/hash.h"
 #include "base/threads.h"
+#include "scene/mesh/mesh_array.h"
 #include "scene/settings.h"
 
 #include <stdlib.h>
@@ -158,37 +159,25 @@ static bool add_array(pieces *p, const void *data, size_t rows, size_t row, size
     return true;
 }
 
-static bool add_rows(pieces *p, const float *data, size_t count, size_t stride, size_t numbers) {
-    return add_array(p, data, count, numbers * sizeof(float), stride ? stride : numbers * sizeof(float));
-}
-
-static bool add_vectors(pieces *p, const float *data, size_t count, size_t stride) {
-    return add_rows(p, data, count, stride, 3);
-}
-
-/* What shading reads where materials take parameters from images. */
-static bool add_coordinates(pieces *p, const fathom_mesh *m) {
+/* The arrays that are read only where materials take parameters from images, or the others. */
+static bool add_arrays(pieces *p, const fathom_mesh *m, bool mapped) {
     const size_t corners = (size_t)m->triangle_count * 3, each = sizeof(uint32_t);
-    return add_rows(p, m->uvs, m->uv_count, m->uv_stride, 2) &&
-           add_array(p, m->uvs ? m->uv_indices : NULL, corners, each, each) &&
-           add_rows(p, m->uvs_1, m->vertex_count, m->uv_1_stride, 2) &&
-           add_rows(p, m->tangents, m->vertex_count, m->tangent_stride, 4);
+    for (int k = 0; k < MESH_ARRAYS; ++k) {
+        const mesh_array a = mesh_array_of(m, (mesh_kind)k);
+        if (a.mapped != mapped) continue;
+        if (!add_array(p, a.values, a.count, a.width * sizeof(float), a.stride) ||
+            !add_array(p, a.indices, corners, each, each))
+            return false;
+    }
+    return true;
 }
 
 static bool add_keys(pieces *p, const fathom_mesh *m) {
+    const size_t vector = 3 * sizeof(float);
     if (!m->key_count) return true;
     return add_array(p, m->key_times, m->key_count, sizeof(double), sizeof(double)) &&
-           add_vectors(p, m->key_positions, m->key_count * (size_t)m->vertex_count, 0) &&
-           add_vectors(p, m->key_normals, m->key_count * (size_t)m->normal_count, 0);
-}
-
-static bool add_mesh(pieces *p, const fathom_mesh *m) {
-    const size_t corners = (size_t)m->triangle_count * 3, each = sizeof(uint32_t);
-    return add_vectors(p, m->positions, m->vertex_count, m->position_stride) &&
-           add_array(p, m->indices, corners, each, each) &&
-           add_vectors(p, m->normals, m->normal_count, m->normal_stride) &&
-           add_array(p, m->normals ? m->normal_indices : NULL, corners, each, each) &&
-           add_rows(p, m->colors, m->vertex_count, m->color_stride, m->color_channels) && add_keys(p, m);
+           add_array(p, m->key_positions, m->key_count * (size_t)m->vertex_count, vector, vector) &&
+           add_array(p, m->key_normals, m->key_count * (size_t)m->normal_count, vector, vector);
 }
 
 /* Rows with gaps are packed first: the bytes between them belong to another array, or to none. */
@@ -218,8 +207,9 @@ static void hash_pieces(void *user, size_t begin, size_t end, unsigned worker) {
 
 static bool hash_arrays(const fathom_scene *scene, pieces *p) {
     for (size_t i = 0; i < scene->meshes.count; ++i) {
-        if (!add_mesh(p, &scene->meshes.items[i])) return false;
-        if (scene->has_maps && !add_coordinates(p, &scene->meshes.items[i])) return false;
+        const fathom_mesh *m = &scene->meshes.items[i];
+        if (!add_arrays(p, m, false) || !add_keys(p, m)) return false;
+        if (scene->has_maps && !add_arrays(p, m, true)) return false;
     }
     p->hashes = malloc((p->list.count + 1) * sizeof *p->hashes);
     if (!p->hashes) return false;

@@ -1,5 +1,6 @@
 /* Adding shapes: what is wrong with one alone is found here. */
 #include "base/sized.h"
+#include "scene/mesh/mesh_array.h"
 #include "scene/motion/motion.h"
 #include "scene/scene.h"
 
@@ -149,26 +150,16 @@ fathom_status fathom_scene_add_plane_sized(fathom_scene *scene, fathom_id group,
 
 /* ---- meshes ---- */
 
-/* Arrays with an entry a vertex. */
-static fathom_status check_vertex_arrays(fathom_context *context, const fathom_mesh *m) {
-    const struct {
-        const char *name;
-        const float *values;
-        size_t stride;
-        unsigned components;
-    } arrays[] = {{"uvs_1", m->uvs_1, m->uv_1_stride, 2},
-                  {"colors", m->colors, m->color_stride, m->color_channels},
-                  {"tangents", m->tangents, m->tangent_stride, 4}};
-    fathom_status status = FATHOM_OK;
-    if (m->colors && (m->color_channels < 3 || m->color_channels > 4))
-        return fail_field(context, FATHOM_BAD_INPUT, "color_channels", "expected 3 or 4, found %u",
-                          m->color_channels);
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays && status == FATHOM_OK; ++i) {
-        if (arrays[i].values)
-            status = mesh_check_finite(context, arrays[i].name, arrays[i].values, arrays[i].stride,
-                                       arrays[i].components, m->vertex_count);
-    }
-    return status;
+/* An array other than the positions. */
+static fathom_status check_array(fathom_context *context, const fathom_mesh *m, mesh_kind kind) {
+    const mesh_array a = mesh_array_of(m, kind);
+    if (!a.values) return FATHOM_OK;
+    if (!a.indices && a.count < m->vertex_count)
+        return fail_field(context, FATHOM_BAD_INPUT, a.name, "there are %u for %u vertices", a.count,
+                          m->vertex_count);
+    fathom_status status = mesh_check_finite(context, a.name, a.values, a.stride, a.width, a.count);
+    if (status != FATHOM_OK || !a.indices) return status;
+    return mesh_check_indices(context, a.index_name, a.indices, (size_t)m->triangle_count * 3, a.count);
 }
 
 fathom_status mesh_check_vertex_keys(fathom_context *context, const fathom_mesh *m, mesh_facts *facts) {
@@ -200,45 +191,22 @@ static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m, m
         return fail_field(context, FATHOM_BAD_INPUT, "indices", "the mesh has no triangles");
     if (!finite_f64(load_f64(m->origin)))
         return fail_field(context, FATHOM_BAD_INPUT, "origin", "expected three finite numbers");
-    if (m->normals && !m->normal_indices && m->normal_count < m->vertex_count) {
-        return fail_field(context, FATHOM_BAD_INPUT, "normals", "there are %u for %u vertices",
-                          m->normal_count, m->vertex_count);
-    }
-    if (m->uvs && !m->uv_indices && m->uv_count < m->vertex_count) {
-        return fail_field(context, FATHOM_BAD_INPUT, "uvs", "there are %u for %u vertices", m->uv_count,
-                          m->vertex_count);
-    }
-    size_t corners = (size_t)m->triangle_count * 3;
+    if (m->colors && (m->color_channels < 3 || m->color_channels > 4))
+        return fail_field(context, FATHOM_BAD_INPUT, "color_channels", "expected 3 or 4, found %u",
+                          m->color_channels);
     fathom_status status =
         mesh_look_at_vertices(context, "positions", m->positions, m->position_stride, m->vertex_count, facts);
     if (status == FATHOM_OK) status = mesh_look_at_triangles(context, "indices", m, facts);
-    if (status == FATHOM_OK && m->normals) {
-        status = mesh_check_finite(context, "normals", m->normals, m->normal_stride, 3, m->normal_count);
-        if (status == FATHOM_OK && m->normal_indices) {
-            status =
-                mesh_check_indices(context, "normal_indices", m->normal_indices, corners, m->normal_count);
-        }
-    }
-    if (status == FATHOM_OK && m->uvs) {
-        status = mesh_check_finite(context, "uvs", m->uvs, m->uv_stride, 2, m->uv_count);
-        if (status == FATHOM_OK && m->uv_indices) {
-            status = mesh_check_indices(context, "uv_indices", m->uv_indices, corners, m->uv_count);
-        }
-    }
-    if (status == FATHOM_OK && m->key_count) status = mesh_check_vertex_keys(context, m, facts);
-    return status == FATHOM_OK ? check_vertex_arrays(context, m) : status;
+    for (int k = MESH_NORMALS; k < MESH_ARRAYS && status == FATHOM_OK; ++k)
+        status = check_array(context, m, (mesh_kind)k);
+    return status == FATHOM_OK && m->key_count ? mesh_check_vertex_keys(context, m, facts) : status;
 }
 
 static void default_strides(fathom_mesh *mesh) {
-    if (!mesh->position_stride) mesh->position_stride = 3 * sizeof(float);
-    if (!mesh->normal_stride) mesh->normal_stride = 3 * sizeof(float);
-    if (!mesh->uv_stride) mesh->uv_stride = 2 * sizeof(float);
-    if (!mesh->uv_1_stride) mesh->uv_1_stride = 2 * sizeof(float);
     if (!mesh->colors) mesh->color_channels = 3;
-    if (!mesh->color_stride) mesh->color_stride = mesh->color_channels * sizeof(float);
-    if (!mesh->tangent_stride) mesh->tangent_stride = 4 * sizeof(float);
     if (!mesh->normals) mesh->normal_indices = NULL;
     if (!mesh->uvs) mesh->uv_indices = NULL;
+    mesh_array_pack(mesh);
 }
 
 /* The mesh's strides are set. */
@@ -277,17 +245,33 @@ fathom_status fathom_scene_add_mesh_shared_sized(fathom_scene *scene, fathom_id 
     return status == FATHOM_OK ? add_mesh(scene, group, &stored, &facts, out) : status;
 }
 
-/* Copies `count` items of `stride` bytes; the last one only as far as its `size` bytes reach. */
-static fathom_status copy_array(fathom_scene *scene, const void *from, size_t stride, size_t size,
-                                size_t count, const void **out) {
-    *out = NULL;
-    if (!from || !count) return FATHOM_OK;
-    void *to;
-    fathom_status status = scene_allocate_items(scene, count, stride, &to);
-    if (status != FATHOM_OK) return status;
-    memcpy(to, from, stride * (count - 1) + size);
-    *out = to;
-    return FATHOM_OK;
+/* Copies `count` items of `stride` bytes; the last one only as far as its `size` bytes reach. NULL where
+ * there are none, or *status is a failure. */
+static const void *copied(fathom_scene *scene, const void *from, size_t stride, size_t size, size_t count,
+                          fathom_status *status) {
+    void *to = NULL;
+    if (!from || !count || *status != FATHOM_OK) return NULL;
+    *status = scene_allocate_items(scene, count, stride, &to);
+    if (to) memcpy(to, from, stride * (count - 1) + size);
+    return to;
+}
+
+static fathom_status copy_arrays(fathom_scene *scene, fathom_mesh *m) {
+    const size_t word = sizeof(uint32_t), vector = 3 * sizeof(float), corners = (size_t)m->triangle_count * 3;
+    const uint32_t **indices[] = {&m->indices, &m->normal_indices, &m->uv_indices};
+    fathom_status status = FATHOM_OK;
+    for (int k = 0; k < MESH_ARRAYS; ++k) {
+        const mesh_array a = mesh_array_of(m, (mesh_kind)k);
+        mesh_array_set(m, (mesh_kind)k,
+                       copied(scene, a.values, a.stride, a.width * sizeof(float), a.count, &status));
+    }
+    for (size_t i = 0; i < 3; ++i) *indices[i] = copied(scene, *indices[i], word, word, corners, &status);
+    if (!m->key_count) return status;
+    m->key_positions =
+        copied(scene, m->key_positions, vector, vector, m->key_count * (size_t)m->vertex_count, &status);
+    m->key_normals =
+        copied(scene, m->key_normals, vector, vector, m->key_count * (size_t)m->normal_count, &status);
+    return status == FATHOM_OK ? motion_copy_keys(scene, m->key_count, 0, &m->key_times, NULL) : status;
 }
 
 fathom_status fathom_scene_add_mesh_sized(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
@@ -298,33 +282,6 @@ fathom_status fathom_scene_add_mesh_sized(fathom_scene *scene, fathom_id group, 
     fathom_status status = read_mesh(scene, mesh, size, &copy, &facts);
     if (status != FATHOM_OK) return status;
     if (!scene_keeps_uvs(scene)) copy.uvs = NULL, copy.uv_indices = NULL, copy.uv_count = 0;
-    size_t corners = (size_t)copy.triangle_count * 3, word = sizeof(uint32_t);
-    const struct {
-        const void *from;
-        size_t stride, size, count;
-    } arrays[11] = {
-        {copy.positions, copy.position_stride, 12, copy.vertex_count},
-        {copy.normals, copy.normal_stride, 12, copy.normal_count},
-        {copy.uvs, copy.uv_stride, 8, copy.uv_count},
-        {copy.indices, word, word, corners},
-        {copy.normal_indices, word, word, corners},
-        {copy.uv_indices, word, word, corners},
-        {copy.uvs_1, copy.uv_1_stride, 8, copy.vertex_count},
-        {copy.colors, copy.color_stride, copy.color_channels * sizeof(float), copy.vertex_count},
-        {copy.tangents, copy.tangent_stride, 16, copy.vertex_count},
-        {copy.key_count ? copy.key_positions : NULL, 12, 12, copy.key_count * (size_t)copy.vertex_count},
-        {copy.key_count ? copy.key_normals : NULL, 12, 12, copy.key_count * (size_t)copy.normal_count}};
-    const void *copies[11];
-    for (int i = 0; i < 11; ++i) {
-        status =
-            copy_array(scene, arrays[i].from, arrays[i].stride, arrays[i].size, arrays[i].count, &copies[i]);
-        if (status != FATHOM_OK) return status;
-    }
-    copy.positions = copies[0], copy.normals = copies[1], copy.uvs = copies[2];
-    copy.indices = copies[3], copy.normal_indices = copies[4], copy.uv_indices = copies[5];
-    copy.uvs_1 = copies[6], copy.colors = copies[7], copy.tangents = copies[8];
-    copy.key_positions = copies[9], copy.key_normals = copies[10];
-    if (copy.key_count) status = motion_copy_keys(scene, copy.key_count, 0, &copy.key_times, NULL);
-    if (status != FATHOM_OK) return status;
-    return add_mesh(scene, group, &copy, &facts, out);
+    status = copy_arrays(scene, &copy);
+    return status == FATHOM_OK ? add_mesh(scene, group, &copy, &facts, out) : status;
 }

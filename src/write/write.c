@@ -160,11 +160,10 @@ static size_t count_filters(const fathom_scene *scene) {
     return count;
 }
 
-static size_t count_arrays(const fathom_scene *scene, size_t offset) {
+static size_t count_arrays(const fathom_scene *scene, mesh_kind kind) {
     size_t count = 0;
     for (size_t i = 0; i < scene->meshes.count; ++i)
-        count +=
-            *(const float *const *)(const void *)((const char *)&scene->meshes.items[i] + offset) != NULL;
+        count += mesh_array_of(&scene->meshes.items[i], kind).values != NULL;
     return count;
 }
 
@@ -218,11 +217,9 @@ static void note_lost(const fathom_scene *scene, const size_t *ways, format_id f
         {OBJ, count_filters(scene), "the filter of an image is left out"},
         {PLY, scene->materials.count - 1, "a material is left out"},
         {PLY, count_maps(scene, false), "an image on a surface is left out"},
-        {MESHES, count_arrays(scene, offsetof(fathom_mesh, colors)),
-         "the vertex colours of a mesh are left out"},
-        {MESHES, count_arrays(scene, offsetof(fathom_mesh, uvs_1)),
-         "the second uv set of a mesh is left out"},
-        {MESHES, count_arrays(scene, offsetof(fathom_mesh, tangents)), "the tangents of a mesh are left out"},
+        {MESHES, count_arrays(scene, MESH_COLORS), "the vertex colours of a mesh are left out"},
+        {MESHES, count_arrays(scene, MESH_UVS_1), "the second uv set of a mesh is left out"},
+        {MESHES, count_arrays(scene, MESH_TANGENTS), "the tangents of a mesh are left out"},
     };
     for (size_t i = 0; i < sizeof facts / sizeof *facts; ++i) {
         if (facts[i].lacking & format && facts[i].count)

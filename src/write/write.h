@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "read/mesh/text.h"
 #include "scene/graph.h"
+#include "scene/mesh/mesh_array.h"
 
 #include <fathom/parameter.h>
 
@@ -45,21 +46,10 @@ static inline vec3_f32 write_item(const float *base, size_t stride, size_t i) {
     return load_f32((const float *)(const void *)((const char *)base + stride * i));
 }
 
-/* The arrays that have an entry a vertex. */
-typedef enum write_array {
-    WRITE_POSITION,
-    WRITE_NORMAL,
-    WRITE_UV,
-    WRITE_UV_1,
-    WRITE_COLOR,
-    WRITE_TANGENT,
-    WRITE_ARRAYS
-} write_array;
-
 /* Numbers of an entry, 0 where the mesh has none. */
-unsigned write_mesh_width(const fathom_mesh *mesh, write_array kind);
+unsigned write_mesh_width(const fathom_mesh *mesh, mesh_kind kind);
 /* The entry of a vertex. */
-void write_mesh_entry(const write_mesh *m, write_array kind, uint32_t vertex, float out[4]);
+void write_mesh_entry(const write_mesh *m, mesh_kind kind, uint32_t vertex, float out[4]);
 
 vec3_f32 write_mesh_position(const write_mesh *m, uint32_t vertex);
 vec3_f32 write_mesh_normal(const write_mesh *m, uint32_t vertex); /* the mesh has normals, or facets is set */

@@ -13,7 +13,7 @@ static size_t glb_align(size_t size) { return (size + GLB_ALIGNMENT - 1) / GLB_A
 
 /* Numbers of an entry. */
 static unsigned glb_width(const fathom_mesh *mesh, int kind) {
-    return kind == GLB_INDEX ? 1 : write_mesh_width(mesh, (write_array)kind);
+    return kind == GLB_INDEX ? 1 : write_mesh_width(mesh, (mesh_kind)kind);
 }
 
 void glb_sizes(const glb_mesh *m, size_t sizes[GLB_ARRAYS]) {
@@ -89,7 +89,7 @@ static size_t format_array(const void *user, size_t begin, size_t end, char *out
     for (size_t i = begin; i < end; ++i, out += size) {
         const uint32_t corner = a->kind == GLB_INDEX ? write_mesh_index(a->mesh, i) : 0;
         float v[4];
-        if (a->kind != GLB_INDEX) write_mesh_entry(a->mesh, (write_array)a->kind, (uint32_t)i, v);
+        if (a->kind != GLB_INDEX) write_mesh_entry(a->mesh, (mesh_kind)a->kind, (uint32_t)i, v);
         memcpy(out, a->kind == GLB_INDEX ? (const void *)&corner : v, size);
     }
     return (end - begin) * size;
@@ -97,19 +97,9 @@ static size_t format_array(const void *user, size_t begin, size_t end, char *out
 
 /* The array itself if it already has glTF's layout, else NULL. */
 static const void *array_in_place(const write_mesh *m, int kind) {
-    const fathom_mesh *mesh = m->mesh;
-    const struct {
-        const float *base;
-        size_t stride;
-    } arrays[GLB_INDEX] = {{mesh->positions, mesh->position_stride},
-                           {mesh->normals, mesh->normal_stride},
-                           {mesh->uvs, mesh->uv_stride},
-                           {mesh->uvs_1, mesh->uv_1_stride},
-                           {mesh->colors, mesh->color_stride},
-                           {mesh->tangents, mesh->tangent_stride}};
-    if (kind == GLB_INDEX) return m->indices ? m->indices : mesh->indices;
-    if (m->positions || arrays[kind].stride != glb_width(mesh, kind) * sizeof(float)) return NULL;
-    return arrays[kind].base;
+    if (kind == GLB_INDEX) return m->indices ? m->indices : m->mesh->indices;
+    const mesh_array a = mesh_array_of(m->mesh, (mesh_kind)kind);
+    return m->positions || a.stride != a.width * sizeof(float) ? NULL : a.values;
 }
 
 static void put_aligned(write_stream *s, const void *bytes, size_t size) {
@@ -168,7 +158,7 @@ static void put_arrays(const glb *g, file_writer *t, bool views) {
                 file_writer_print(t, "\"bufferView\":%u,\"componentType\":%d,\"count\":%zu,\"type\":\"%s\"",
                                   view, kind == GLB_INDEX ? 5125 : 5126, count,
                                   types[glb_width(m->vertices.mesh, kind)]);
-            if (kind == WRITE_POSITION && !views) put_box(t, &m->vertices);
+            if (kind == MESH_POSITIONS && !views) put_box(t, &m->vertices);
             file_writer_print(t, "}");
             ++view;
         }

@@ -6,8 +6,8 @@
 
 #include "write/image.h"
 
-/* The arrays of a mesh in the binary chunk: a write_array, then the indices. */
-enum { GLB_INDEX = WRITE_ARRAYS, GLB_ARRAYS };
+/* The arrays of a mesh in the binary chunk: a mesh_kind, then the indices. */
+enum { GLB_INDEX = MESH_ARRAYS, GLB_ARRAYS };
 
 typedef struct glb_mesh {
     write_mesh vertices; /* .mesh is NULL: not placed, not written */

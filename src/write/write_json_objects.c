@@ -14,7 +14,7 @@ static const form_object_values usual = {.casts_shadow = true,
 /* Rows of one array of a mesh, of `count` numbers from `from` on. */
 typedef struct rows {
     const write_mesh *mesh;
-    write_array kind;
+    mesh_kind kind;
     unsigned from, count;
     const double *origin; /* added in double; NULL: floats as they are */
 } rows;
@@ -89,8 +89,8 @@ static void put_keys(json_out *o, const write_mesh *m, const double *origin) {
         if (mesh->normals) then.normals = mesh->key_normals + (size_t)3 * k * mesh->normal_count;
         file_writer_print(o->stream.file, "%s{\"time\":", k ? ",\n" : ",\n\"vertexKeys\":[");
         form_put_number(o->stream.file, mesh->key_times[k]);
-        put_rows(o, "positions", &(rows){&at, WRITE_POSITION, 0, 3, origin});
-        if (mesh->normals) put_rows(o, "normals", &(rows){&at, WRITE_NORMAL, 0, 3, NULL});
+        put_rows(o, "positions", &(rows){&at, MESH_POSITIONS, 0, 3, origin});
+        if (mesh->normals) put_rows(o, "normals", &(rows){&at, MESH_NORMALS, 0, 3, NULL});
         file_writer_print(o->stream.file, "}");
     }
     if (mesh->key_count) file_writer_print(o->stream.file, "]");
@@ -99,16 +99,16 @@ static void put_keys(json_out *o, const write_mesh *m, const double *origin) {
 static fathom_status put_mesh(json_out *o, fathom_id object, const fathom_mesh *mesh) {
     static const struct {
         const char *key;
-        write_array kind;
+        mesh_kind kind;
         unsigned from, count;
-    } arrays[] = {{"normals", WRITE_NORMAL, 0, 3},  {"uvs", WRITE_UV, 0, 2},
-                  {"uvs1", WRITE_UV_1, 0, 2},       {"colors", WRITE_COLOR, 0, 3},
-                  {"opacities", WRITE_COLOR, 3, 1}, {"tangents", WRITE_TANGENT, 0, 4}};
+    } arrays[] = {{"normals", MESH_NORMALS, 0, 3},  {"uvs", MESH_UVS, 0, 2},
+                  {"uvs1", MESH_UVS_1, 0, 2},       {"colors", MESH_COLORS, 0, 3},
+                  {"opacities", MESH_COLORS, 3, 1}, {"tangents", MESH_TANGENTS, 0, 4}};
     const double *origin = origin_of(o->scene, object, mesh);
     write_mesh m;
     fathom_status status = write_mesh_prepare(o->scene->context, mesh, false, &m);
     if (status != FATHOM_OK) return status;
-    put_rows(o, "positions", &(rows){&m, WRITE_POSITION, 0, 3, origin});
+    put_rows(o, "positions", &(rows){&m, MESH_POSITIONS, 0, 3, origin});
     file_writer_print(o->stream.file, ",\n\"indices\":[");
     write_items(&o->stream, mesh->triangle_count, ROW_MOST, format_triangles, &m);
     file_writer_print(o->stream.file, "]");

@@ -109,36 +109,19 @@ void write_mesh_uv(const write_mesh *m, uint32_t vertex, float uv[2]) {
     memcpy(uv, (const char *)m->mesh->uvs + m->mesh->uv_stride * i, 2 * sizeof *uv);
 }
 
-unsigned write_mesh_width(const fathom_mesh *mesh, write_array kind) {
-    switch (kind) {
-    case WRITE_POSITION: return 3;
-    case WRITE_NORMAL: return mesh->normals ? 3 : 0;
-    case WRITE_UV: return mesh->uvs ? 2 : 0;
-    case WRITE_UV_1: return mesh->uvs_1 ? 2 : 0;
-    case WRITE_COLOR: return mesh->colors ? mesh->color_channels : 0;
-    case WRITE_TANGENT: return mesh->tangents ? 4 : 0;
-    case WRITE_ARRAYS: break;
-    }
-    return 0;
+unsigned write_mesh_width(const fathom_mesh *mesh, mesh_kind kind) {
+    const mesh_array a = mesh_array_of(mesh, kind);
+    return a.values ? a.width : 0;
 }
 
-void write_mesh_entry(const write_mesh *m, write_array kind, uint32_t vertex, float out[4]) {
-    const fathom_mesh *mesh = m->mesh;
-    const struct {
-        const float *base;
-        size_t stride;
-    } arrays[WRITE_ARRAYS] = {[WRITE_UV_1] = {mesh->uvs_1, mesh->uv_1_stride},
-                              [WRITE_COLOR] = {mesh->colors, mesh->color_stride},
-                              [WRITE_TANGENT] = {mesh->tangents, mesh->tangent_stride}};
-    if (kind == WRITE_POSITION)
-        store_f32(out, write_mesh_position(m, vertex));
-    else if (kind == WRITE_NORMAL)
+void write_mesh_entry(const write_mesh *m, mesh_kind kind, uint32_t vertex, float out[4]) {
+    const mesh_array a = mesh_array_of(m->mesh, kind);
+    if (kind == MESH_NORMALS)
         store_f32(out, write_mesh_normal(m, vertex));
-    else if (kind == WRITE_UV)
+    else if (kind == MESH_UVS)
         write_mesh_uv(m, vertex, out);
     else
-        memcpy(out, (const char *)arrays[kind].base + arrays[kind].stride * position_index(m, vertex),
-               write_mesh_width(mesh, kind) * sizeof *out);
+        memcpy(out, (const char *)a.values + a.stride * position_index(m, vertex), a.width * sizeof *out);
 }
 
 uint32_t write_mesh_index(const write_mesh *m, size_t corner) {

@@ -1,0 +1,33 @@
+/* The arrays of floats of a mesh, as one table: whoever copies, checks, counts or writes all of them goes
+ * through it. */
+#ifndef SCENE_MESH_ARRAY_H
+#define SCENE_MESH_ARRAY_H
+
+#include <fathom/scene.h>
+
+typedef enum mesh_kind {
+    MESH_POSITIONS,
+    MESH_NORMALS,
+    MESH_UVS,
+    MESH_UVS_1,
+    MESH_COLORS,
+    MESH_TANGENTS,
+    MESH_ARRAYS
+} mesh_kind;
+
+typedef struct mesh_array {
+    const char *name, *index_name; /* of the members */
+    const float *values;           /* NULL: none */
+    size_t stride;
+    unsigned width; /* floats of an entry */
+    uint32_t count;
+    const uint32_t *indices; /* of its own, 3 a triangle; NULL: an entry a vertex */
+    bool mapped;             /* shading reads it where materials take parameters from images alone */
+} mesh_array;
+
+mesh_array mesh_array_of(const fathom_mesh *mesh, mesh_kind kind);
+void mesh_array_set(fathom_mesh *mesh, mesh_kind kind, const float *values);
+/* Strides of 0 become those of tightly packed entries. */
+void mesh_array_pack(fathom_mesh *mesh);
+
+#endif
