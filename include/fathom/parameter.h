@@ -61,12 +61,6 @@ FATHOM_API fathom_status fathom_settings_set_text(fathom_context *context, fatho
 /* FATHOM_BAD_USAGE when `size` is too small; 128 is enough for all but texts. */
 FATHOM_API fathom_status fathom_settings_get_text(fathom_context *context, const fathom_settings *settings,
                                                   const char *name, char *out, size_t size);
-/* The same of settings that are numbers: as many as the setting has. */
-FATHOM_API fathom_status fathom_settings_set_numbers(fathom_context *context, fathom_settings *settings,
-                                                     const char *name, const double *values, size_t count);
-FATHOM_API fathom_status fathom_settings_get_numbers(fathom_context *context, const fathom_settings *settings,
-                                                     const char *name, double *values, size_t count);
-
 #ifdef __cplusplus
 }
 #endif

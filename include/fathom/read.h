@@ -66,12 +66,9 @@ FATHOM_API fathom_status fathom_scene_read_with(fathom_context *context, const c
                                                 const fathom_read_options *options, fathom_scene **out);
 
 /* FATHOM_BAD_INPUT when a file that the scene was mapped from has been truncated or changed since it was
- * read, or may have been: what was made of the scene is then not to be trusted, now or later.
- * A file with a new time stamp and the same bytes is only warned about. A hash remembers the bytes: the first
- * MiB of each file at the first call, and 100 MB more for each second from ten seconds after it was opened
- * on. Until the hash is complete, a new time stamp counts as a change. Bytes that were written and put back
- * between two calls are not seen. fathom_scene_read() and
- * fathom_render() ask this themselves, the latter every second; whoever traces rays by fathom/trace.h may. */
+ * read, by its size and its time stamp: what was made of the scene is then not to be trusted, now or later.
+ * fathom_scene_read() and fathom_render() ask this themselves, the latter every second; whoever traces rays
+ * by fathom/trace.h may. */
 FATHOM_API fathom_status fathom_scene_check_files(const fathom_scene *scene);
 
 typedef enum fathom_generator {

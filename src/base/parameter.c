@@ -83,7 +83,7 @@ void parameter_set_number(const fathom_parameter *p, void *base, unsigned i, dou
     }
 }
 
-bool parameter_is_number(const fathom_parameter *p) {
+static bool is_number(const fathom_parameter *p) {
     return p->type >= FATHOM_PARAMETER_U32 && p->type <= FATHOM_PARAMETER_F64;
 }
 
@@ -170,7 +170,7 @@ static bool is_worded(const fathom_parameter *p, unsigned value) {
 static fathom_status check(fathom_context *context, const fathom_parameter *p, const void *base) {
     char name[PARAMETER_NAME], expected[PARAMETER_TEXT];
     const bool words = p->type == FATHOM_PARAMETER_WORD || p->type == FATHOM_PARAMETER_WORDS;
-    if (!words && !parameter_is_number(p)) return FATHOM_OK;
+    if (!words && !is_number(p)) return FATHOM_OK;
     for (unsigned i = 0; i < parameter_count(p); ++i) {
         const double x = parameter_number(p, base, i);
         if (words ? is_worded(p, (unsigned)x) : allowed(p, x)) continue;
@@ -370,7 +370,7 @@ static void print_number(const fathom_parameter *p, double x, char out[32]) {
         print_real(p, x, out);
 }
 
-size_t parameter_print_numbers(const fathom_parameter *p, const double *values, char *out, size_t room) {
+static size_t print_numbers(const fathom_parameter *p, const double *values, char *out, size_t room) {
     size_t used = 0;
     for (unsigned i = 0; i < parameter_count(p); ++i) {
         char number[32];
@@ -410,5 +410,5 @@ size_t parameter_print(const fathom_parameter *p, const void *base, char *out, s
     case FATHOM_PARAMETER_F32:
     case FATHOM_PARAMETER_F64: break;
     }
-    return parameter_print_numbers(p, values, out, room);
+    return print_numbers(p, values, out, room);
 }

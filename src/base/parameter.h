@@ -26,8 +26,6 @@ void parameter_name(const fathom_parameter *p, char between, char out[PARAMETER_
 unsigned parameter_count(const fathom_parameter *p);
 double parameter_number(const fathom_parameter *p, const void *base, unsigned i);
 void parameter_set_number(const fathom_parameter *p, void *base, unsigned i, double number);
-/* True if the member is made of numbers. */
-bool parameter_is_number(const fathom_parameter *p);
 /* Copies the member from one struct to another. */
 void parameter_copy(const fathom_parameter *p, const void *from, void *to);
 
@@ -42,9 +40,6 @@ fathom_status parameters_check(fathom_context *context, parameter_table table, c
 bool parameter_read(const fathom_parameter *p, const char *text, void *base, char wrong[PARAMETER_WRONG]);
 /* As text that parameter_read() takes. Returns the length without the limit of `room`. */
 size_t parameter_print(const fathom_parameter *p, const void *base, char *out, size_t room);
-
-/* The same of numbers that are in no struct. */
-size_t parameter_print_numbers(const fathom_parameter *p, const double *values, char *out, size_t room);
 
 /* Digits up to `end`; moves *text past it. False: no number, too large, or followed by something else. */
 bool text_read_u64(const char **text, char end, uint64_t *out);

@@ -16,4 +16,14 @@ int words_find(const char *words, const char *word, size_t length);
 /* Part i of "a|b|c" and its length; NULL behind the last. */
 const char *words_at(const char *words, unsigned i, size_t *length);
 
+/* The known name nearest to one that was misspelt: at most a third of its letters differ, whatever their
+ * case, and at least one may. Offer each; `best` is the first of the nearest, or NULL. */
+typedef struct text_search {
+    const char *wanted, *best;
+    size_t distance;
+} text_search;
+
+text_search text_search_begin(const char *wanted);
+void text_search_offer(text_search *search, const char *candidate);
+
 #endif

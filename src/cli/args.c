@@ -22,45 +22,12 @@ static bool wrong_at(args_problem *problem, const char *option, size_t length) {
     return args_wrong(problem, "%.*s: %.460s", (int)length, option, inner.text);
 }
 
-/* The number of letters to insert, delete, replace or swap with a neighbour that turn a into b. Only the
- * first NEAREST_LENGTH letters of each count. */
-#define NEAREST_LENGTH 31
-static size_t edit_distance(const char *a, const char *b) {
-    size_t rows[NEAREST_LENGTH + 1][NEAREST_LENGTH + 1];
-    size_t n = strnlen(a, NEAREST_LENGTH), m = strnlen(b, NEAREST_LENGTH);
-    for (size_t i = 0; i <= n; ++i) rows[i][0] = i;
-    for (size_t k = 0; k <= m; ++k) rows[0][k] = k;
-    for (size_t i = 1; i <= n; ++i) {
-        for (size_t k = 1; k <= m; ++k) {
-            size_t best = rows[i - 1][k - 1] + (a[i - 1] != b[k - 1]);
-            if (rows[i - 1][k] + 1 < best) best = rows[i - 1][k] + 1;
-            if (rows[i][k - 1] + 1 < best) best = rows[i][k - 1] + 1;
-            bool swapped = i > 1 && k > 1 && a[i - 1] == b[k - 2] && a[i - 2] == b[k - 1];
-            if (swapped && rows[i - 2][k - 2] + 1 < best) best = rows[i - 2][k - 2] + 1;
-            rows[i][k] = best;
-        }
-    }
-    return rows[n][m];
-}
-
-static size_t length_difference(const char *a, const char *b) {
-    size_t n = strnlen(a, NEAREST_LENGTH), m = strnlen(b, NEAREST_LENGTH);
-    return n > m ? n - m : m - n;
-}
-
 const char *args_nearest(const char *wanted, const char *const *names, size_t count) {
-    const char *nearest = NULL;
-    size_t best = (strnlen(wanted, NEAREST_LENGTH) + 2) / 3 + 1;
+    text_search search = text_search_begin(wanted);
     for (size_t i = 0; i < count; ++i) {
-        /* The difference of the lengths is a lower bound for the edits. */
-        if (!names[i] || length_difference(wanted, names[i]) >= best) continue;
-        size_t distance = edit_distance(wanted, names[i]);
-        if (distance < best) {
-            best = distance;
-            nearest = names[i];
-        }
+        if (names[i]) text_search_offer(&search, names[i]);
     }
-    return nearest;
+    return search.best;
 }
 
 const args_option *args_options(const args_spec *spec) { return spec->table ? spec->table() : spec->options; }

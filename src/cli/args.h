@@ -86,7 +86,7 @@ const args_option *args_options(const args_spec *spec);
 /* --help or -h is among the arguments, before "--". */
 bool args_ask_help(int argc, char **argv);
 
-/* The entry that `wanted` was probably meant to be, at most a third of its letters away; NULL: none. */
+/* The entry that `wanted` was probably meant to be (base/text.h); NULL: none. */
 const char *args_nearest(const char *wanted, const char *const *names, size_t count);
 
 /* Always false, for `return args_wrong(…)`. The text follows the option's name: "--spp: " + text. */

@@ -148,23 +148,18 @@ static fathom_status find(fathom_context *context, const fathom_settings *settin
                       "there is no \"%.60s\"; expected a name in fathom_settings_parameters()", name);
 }
 
-static fathom_status set(fathom_context *context, fathom_settings *settings, const fathom_parameter *p,
-                         const char *value, fathom_settings *full) {
-    char wrong[PARAMETER_WRONG], name[PARAMETER_NAME];
-    if (parameter_read(p, value, full, wrong)) {
-        sized_write(settings, full, sizeof *full);
-        return FATHOM_OK;
-    }
-    parameter_name(p, ' ', name);
-    return fail_field(context, FATHOM_BAD_INPUT, name, "%s", wrong);
-}
-
 fathom_status fathom_settings_set_text(fathom_context *context, fathom_settings *settings, const char *name,
                                        const char *value) {
+    char wrong[PARAMETER_WRONG], shown[PARAMETER_NAME];
     const fathom_parameter *p;
     fathom_settings full;
     fathom_status status = find(context, settings, name, value, &p, &full);
-    return status == FATHOM_OK ? set(context, settings, p, value, &full) : status;
+    if (status != FATHOM_OK) return status;
+    parameter_name(p, ' ', shown);
+    if (!parameter_read(p, value, &full, wrong))
+        return fail_field(context, FATHOM_BAD_INPUT, shown, "%s", wrong);
+    sized_write(settings, &full, sizeof full);
+    return FATHOM_OK;
 }
 
 fathom_status fathom_settings_get_text(fathom_context *context, const fathom_settings *settings,
@@ -177,33 +172,4 @@ fathom_status fathom_settings_get_text(fathom_context *context, const fathom_set
     if (length < size) return FATHOM_OK;
     return fail_field(context, FATHOM_BAD_USAGE, name, "its text takes %zu bytes, found room for %zu",
                       length + 1, size);
-}
-
-static fathom_status find_numbers(fathom_context *context, const fathom_settings *settings, const char *name,
-                                  const double *values, size_t count, const fathom_parameter **out,
-                                  fathom_settings *full) {
-    fathom_status status = find(context, settings, name, values, out, full);
-    if (status != FATHOM_OK || (parameter_is_number(*out) && count == parameter_count(*out))) return status;
-    return fail_field(context, FATHOM_BAD_USAGE, name, "expected %u numbers, found %zu",
-                      parameter_is_number(*out) ? parameter_count(*out) : 0, count);
-}
-
-fathom_status fathom_settings_set_numbers(fathom_context *context, fathom_settings *settings,
-                                          const char *name, const double *values, size_t count) {
-    const fathom_parameter *p;
-    fathom_settings full;
-    char text[PARAMETER_TEXT];
-    fathom_status status = find_numbers(context, settings, name, values, count, &p, &full);
-    if (status != FATHOM_OK) return status;
-    parameter_print_numbers(p, values, text, sizeof text);
-    return set(context, settings, p, text, &full);
-}
-
-fathom_status fathom_settings_get_numbers(fathom_context *context, const fathom_settings *settings,
-                                          const char *name, double *values, size_t count) {
-    const fathom_parameter *p;
-    fathom_settings full;
-    fathom_status status = find_numbers(context, settings, name, values, count, &p, &full);
-    for (unsigned i = 0; status == FATHOM_OK && i < count; ++i) values[i] = parameter_number(p, &full, i);
-    return status;
 }

@@ -11,15 +11,6 @@ const form *form_variant(const form *f, int id) {
     return *variant;
 }
 
-const form_key *form_key_at(const form *f, size_t offset) {
-    for (const form_key *const *part = f->parts; *part; ++part) {
-        for (const form_key *key = *part; key->name; ++key) {
-            if (key->kind == FORM_OBJECT && key->offset == offset) return key;
-        }
-    }
-    return NULL;
-}
-
 /* ---- which keys ---- */
 
 static size_t numbers_in(const form_key *key) {

@@ -11,8 +11,6 @@
 void form_put(file_writer *t, const form *f, const void *values, const void *usual, const char **comma);
 /* The variant of this id. */
 const form *form_variant(const form *f, int id);
-/* The key of an object at this place in the struct; NULL: there is none. */
-const form_key *form_key_at(const form *f, size_t offset);
 /* Decimal text that reads back as the same number. */
 void form_put_number(file_writer *t, double number);
 

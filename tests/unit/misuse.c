@@ -129,7 +129,6 @@ static void null_for_settings(void **state) {
     (void)state;
     stage s = one_sphere();
     char text[32];
-    double number = 1;
     assert_non_null(fathom_settings_parameters(NULL));
     assert_non_null(fathom_material_parameters(FATHOM_MODEL_CLASSIC, NULL));
     refuses(fathom_settings_check(NULL, &s.settings));
@@ -141,10 +140,6 @@ static void null_for_settings(void **state) {
     refuses(fathom_settings_get_text(NULL, &s.settings, "spp", text, sizeof text));
     names("settings", fathom_settings_get_text(s.context, NULL, "spp", text, sizeof text));
     names("value", fathom_settings_get_text(s.context, &s.settings, "spp", NULL, 0));
-    refuses(fathom_settings_set_numbers(NULL, &s.settings, "spp", &number, 1));
-    names("value", fathom_settings_set_numbers(s.context, &s.settings, "spp", NULL, 1));
-    refuses(fathom_settings_get_numbers(NULL, &s.settings, "spp", &number, 1));
-    names("value", fathom_settings_get_numbers(s.context, &s.settings, "spp", NULL, 1));
     stage_close(&s);
 }
 

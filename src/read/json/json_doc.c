@@ -2,7 +2,6 @@
 
 #include "base/parameter.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -40,54 +39,7 @@ fathom_status doc_expected(const doc *d, const where *at, json_t *value, const c
     return doc_fail(d, at, "expected %s, found %.*s...", expected, (int)most, place.value);
 }
 
-/* ---- the known name nearest to a misspelt one ---- */
-
-typedef struct near_search {
-    const char *wanted, *best; /* best: NULL while nothing is near enough */
-    size_t distance;
-} near_search;
-
-/* Longer names are not compared. */
-enum { NEAR_LENGTH = 64 };
-
-static size_t least(size_t a, size_t b) { return a < b ? a : b; }
-
-static bool alike(char a, char b) { return tolower((unsigned char)a) == tolower((unsigned char)b); }
-
-/* The number of letters to change, add, remove or swap with their neighbour (optimal string alignment
- * distance), ignoring case. Three rows of its table suffice. */
-static size_t edit_distance(const char *a, const char *b) {
-    size_t rows[3][NEAR_LENGTH + 1], length = strlen(b);
-    size_t *before = rows[0], *last = rows[1], *row = rows[2];
-    for (size_t j = 0; j <= length; ++j) row[j] = j;
-    for (size_t i = 1; i <= strlen(a); ++i) {
-        size_t *spare = before;
-        before = last, last = row, row = spare;
-        row[0] = i;
-        for (size_t j = 1; j <= length; ++j) {
-            size_t changed = last[j - 1] + (alike(a[i - 1], b[j - 1]) ? 0u : 1u);
-            row[j] = least(changed, least(row[j - 1], last[j]) + 1);
-            bool swapped = i > 1 && j > 1 && alike(a[i - 1], b[j - 2]) && alike(a[i - 2], b[j - 1]);
-            if (swapped) row[j] = least(row[j], before[j - 2] + 1);
-        }
-    }
-    return row[length];
-}
-
-static near_search near_begin(const char *wanted) {
-    /* Allows a third of the letters to be wrong, but at least one. */
-    size_t length = strlen(wanted);
-    return (near_search){.wanted = wanted, .distance = (length < 6 ? 1 : length / 3) + 1};
-}
-
-/* The first of several candidates at equal distance wins. */
-static void near_offer(near_search *search, const char *candidate) {
-    if (strlen(search->wanted) > NEAR_LENGTH || strlen(candidate) > NEAR_LENGTH) return;
-    size_t distance = edit_distance(search->wanted, candidate);
-    if (distance >= search->distance) return;
-    search->distance = distance;
-    search->best = candidate;
-}
+/* ---- names that are not known ---- */
 
 /* Appends to a list in text, with `mark` around the word. */
 static void list_word(char *text, size_t room, const char *word, const char *mark) {
@@ -97,12 +49,12 @@ static void list_word(char *text, size_t room, const char *word, const char *mar
 
 fathom_status doc_unknown_name(const doc *d, const where *at, const char *what, const char *name,
                                json_t *names) {
-    near_search search = near_begin(name);
+    text_search search = text_search_begin(name);
     char all[TEXT_ROOM] = "";
     const char *key;
     json_t *value;
     json_object_foreach(names, key, value) {
-        near_offer(&search, key);
+        text_search_offer(&search, key);
         list_word(all, sizeof all, key, "\"");
     }
     if (search.best) {
@@ -113,11 +65,11 @@ fathom_status doc_unknown_name(const doc *d, const where *at, const char *what, 
 }
 
 static fathom_status fail_unknown_key(const doc *d, const where *at, const form *f) {
-    near_search search = near_begin(at->key);
+    text_search search = text_search_begin(at->key);
     char all[TEXT_ROOM] = "";
     for (const form_key *const *part = f->parts; *part; ++part) {
         for (const form_key *key = *part; key->name; ++key) {
-            near_offer(&search, key->name);
+            text_search_offer(&search, key->name);
             list_word(all, sizeof all, key->name, "");
         }
     }
