@@ -1,20 +1,7 @@
 /* The grid of extreme cases: each gives its rows, nothing is wrong in them, and a tracer with a fault is
  * found. */
 #include "verify/extremes/extremes.h"
-#include "unit.h"
-
-static fathom_context *context;
-
-static int open_context(void **state) {
-    (void)state;
-    return fathom_context_create(&context) == FATHOM_OK ? 0 : -1;
-}
-
-static int close_context(void **state) {
-    (void)state;
-    fathom_context_destroy(context);
-    return 0;
-}
+#include "unit_context.h"
 
 static unsigned group_of(const char *name) {
     for (unsigned g = 0; g < extremes_groups(); ++g) {

@@ -1,22 +1,9 @@
 /* Generated meshes: their counts, that they are whole, and that nothing but the options decides them. */
 #include "scene/graph.h"
-#include "unit.h"
+#include "unit_context.h"
 
 #include <fathom/read.h>
 #include <unistd.h>
-
-static fathom_context *context;
-
-static int set_up(void **state) {
-    (void)state;
-    return (int)fathom_context_create(&context);
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    fathom_context_destroy(context);
-    return 0;
-}
 
 static fathom_scene *generate(fathom_generator kind, uint64_t triangles, uint64_t seed) {
     fathom_scene *scene;
@@ -419,5 +406,5 @@ int main(void) {
         cmocka_unit_test(bad_options_are_refused),
         cmocka_unit_test(too_much_for_the_memory_is_a_status),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, open_context, close_context);
 }

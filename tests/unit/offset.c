@@ -2,22 +2,7 @@
  * long run is bench/offset.sh. */
 #include "offset.h"
 
-#include "unit.h"
-
-static fathom_context *context;
-static fathom_scene *scene;
-
-static int open_all(void **state) {
-    (void)state;
-    return fathom_context_create(&context) != FATHOM_OK || fathom_scene_create(context, &scene) != FATHOM_OK;
-}
-
-static int close_all(void **state) {
-    (void)state;
-    fathom_scene_destroy(scene);
-    fathom_context_destroy(context);
-    return 0;
-}
+#include "unit_scene.h"
 
 static offset_counts run(offset_shape shape, bool instance, uint64_t rays) {
     offset_counts counts = {0};
@@ -59,5 +44,5 @@ int main(void) {
         cmocka_unit_test(in_the_world),
         cmocka_unit_test(in_instances),
     };
-    return cmocka_run_group_tests(tests, open_all, close_all);
+    return cmocka_run_group_tests(tests, open_scene, close_scene);
 }

@@ -3,9 +3,7 @@
 
 #include "math/vec.h"
 #include "random.h"
-#include "unit.h"
-
-static fathom_context *context;
+#include "unit_context.h"
 
 static void smooth(const float (*p)[3], uint32_t vertices, const uint32_t *indices, size_t triangles,
                    float (*out)[3]) {
@@ -116,17 +114,6 @@ static void normals_do_not_depend_on_thread_count(void **state) {
     free(p);
 }
 
-static int setup(void **state) {
-    (void)state;
-    return fathom_context_create(&context) == FATHOM_OK ? 0 : -1;
-}
-
-static int teardown(void **state) {
-    (void)state;
-    fathom_context_destroy(context);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cube_has_normals_along_its_diagonals),
@@ -135,5 +122,5 @@ int main(void) {
         cmocka_unit_test(cancelled_corners_get_a_triangles_normal),
         cmocka_unit_test(normals_do_not_depend_on_thread_count),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, open_context, close_context);
 }

@@ -1,30 +1,13 @@
 /* What the arrays of meshes take, and what of mapped files is let go. */
 #include "base/memory.h"
 #include "scene/scene.h"
-#include "unit.h"
+#include "unit_scene.h"
 
 #include <fathom/read.h>
 #include <unistd.h>
 
 #define VERTICES 5u
 #define ROW 8u /* floats: position, normal, uv */
-
-static fathom_context *context;
-static fathom_scene *scene;
-
-static int open_scene(void **state) {
-    (void)state;
-    assert_int_equal(fathom_context_create(&context), FATHOM_OK);
-    assert_ok(context, fathom_scene_create(context, &scene));
-    return 0;
-}
-
-static int close_scene(void **state) {
-    (void)state;
-    fathom_scene_destroy(scene);
-    fathom_context_destroy(context);
-    return 0;
-}
 
 static uint64_t bytes_of(unsigned which) {
     uint64_t bytes;

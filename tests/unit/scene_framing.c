@@ -3,22 +3,7 @@
 #include "random.h"
 #include "scene/camera/extent.h"
 #include "scene/scene.h"
-#include "unit.h"
-
-static fathom_context *context;
-static fathom_scene *scene;
-
-static int set_up(void **state) {
-    (void)state;
-    return fathom_context_create(&context) != FATHOM_OK || fathom_scene_create(context, &scene) != FATHOM_OK;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    fathom_scene_destroy(scene);
-    fathom_context_destroy(context);
-    return 0;
-}
+#include "unit_scene.h"
 
 /* ---- scenes of points, told apart from what holds them ---- */
 
@@ -444,7 +429,7 @@ static void skipped_runs_never_change_the_reach(void **state) {
 }
 
 int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, open_scene, close_scene)
     const struct CMUnitTest tests[] = {
         TEST(the_scene_fills_nine_tenths_of_the_tighter_direction),
         TEST(deep_scenes_are_centred),

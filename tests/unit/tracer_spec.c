@@ -1,18 +1,6 @@
 /* Tracers by name: what is understood, what is refused, and what there is. */
 #include "trace/spec.h"
-#include "unit.h"
-
-static fathom_context *context;
-
-static int open_context(void **state) {
-    (void)state;
-    return fathom_context_create(&context) == FATHOM_OK ? 0 : -1;
-}
-static int close_context(void **state) {
-    (void)state;
-    fathom_context_destroy(context);
-    return 0;
-}
+#include "unit_context.h"
 
 /* Another spelling of the same tracer. */
 static void is_alike(const char *text, const char *full) {
