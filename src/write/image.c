@@ -52,6 +52,13 @@ fathom_status write_images_open(const fathom_scene *scene, bool skies, write_ima
     return status;
 }
 
+fathom_status write_image_open_one(const fathom_scene *scene, fathom_id texture, write_images *out) {
+    uint32_t index;
+    *out = (write_images){.items = calloc(2, sizeof *out->items)};
+    if (!out->items) return fail_memory(scene->context, 2 * sizeof *out->items);
+    return add_image(scene->context, &scene->textures.items[texture], out, &index);
+}
+
 void write_images_close(write_images *images) {
     for (uint32_t i = 0; i < images->count; ++i) {
         file_close(&images->items[i].map);

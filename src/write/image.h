@@ -23,6 +23,8 @@ typedef struct write_images {
 
 /* Release with write_images_close() even after a failure. */
 fathom_status write_images_open(const fathom_scene *scene, bool skies, write_images *out);
+/* That of one texture alone. */
+fathom_status write_image_open_one(const fathom_scene *scene, fathom_id texture, write_images *out);
 /* Names each image for a file at `path`: images in its folder, or below it, stay where they are; others are
  * copied next to it. */
 fathom_status write_images_beside(const fathom_scene *scene, const char *path, write_images *images);

@@ -188,7 +188,23 @@ static size_t count_settings(const fathom_scene *scene) {
     return count;
 }
 
-static void note_lost(const fathom_scene *scene, const size_t *ways, format_id format, note_list *notes) {
+/* Vertices of meshes whose colour, or its fourth number, is not in [0, 1] or not 1. */
+static size_t count_colors(const fathom_scene *scene, bool opacities) {
+    size_t count = 0;
+    for (size_t i = 0; i < scene->meshes.count; ++i) {
+        const fathom_mesh *m = &scene->meshes.items[i];
+        if (!m->colors || (opacities && m->color_channels < 4)) continue;
+        for (size_t k = 0; k < m->vertex_count; ++k) {
+            const float *c = (const float *)(const void *)((const char *)m->colors + m->color_stride * k);
+            count += opacities ? c[3] != 1 : c[0] > 1 || c[1] > 1 || c[2] > 1;
+        }
+    }
+    return count;
+}
+
+static void note_lost(const fathom_scene *scene, const scene_graph *graph, const size_t *ways,
+                      format_id format, note_list *notes) {
+    const bool image = format == PLY && write_ply_image(scene, graph);
     const size_t cameras = scene->cameras.count, taken = cameras && scene->camera_taken != FATHOM_NONE;
     const struct {
         unsigned lacking;
@@ -216,8 +232,9 @@ static void note_lost(const fathom_scene *scene, const size_t *ways, format_id f
          "the color space of an image is left out: colours are read as sRGB, and numbers as linear"},
         {OBJ, count_filters(scene), "the filter of an image is left out"},
         {PLY, scene->materials.count - 1, "a material is left out"},
-        {PLY, count_maps(scene, false), "an image on a surface is left out"},
-        {MESHES, count_arrays(scene, MESH_COLORS), "the vertex colours of a mesh are left out"},
+        {PLY, count_maps(scene, false) - image, "an image on a surface is left out"},
+        {OBJ, count_colors(scene, false), "the colour of a vertex is cut to 1"},
+        {MESHES, count_colors(scene, true), "the opacity of a vertex is left out"},
         {MESHES, count_arrays(scene, MESH_UVS_1), "the second uv set of a mesh is left out"},
         {MESHES, count_arrays(scene, MESH_TANGENTS), "the tangents of a mesh are left out"},
     };
@@ -260,7 +277,7 @@ static fathom_status write_as(const fathom_scene *scene, const scene_graph *grap
     fathom_status status = notes ? FATHOM_OK : fail_memory(scene->context, sizeof *notes);
     if (status == FATHOM_OK) status = write_count_ways(scene, graph, &ways);
     if (status == FATHOM_OK && format->id != JSON) status = check_shapes(scene, ways, path, notes);
-    if (status == FATHOM_OK) note_lost(scene, ways, format->id, notes);
+    if (status == FATHOM_OK) note_lost(scene, graph, ways, format->id, notes);
     if (status == FATHOM_OK) status = format->write(scene, graph, path, notes);
     if (status == FATHOM_OK) notes_tell(notes, scene->context, path);
     free(ways);

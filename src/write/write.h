@@ -19,6 +19,9 @@ fathom_status write_glb(const fathom_scene *scene, const scene_graph *graph, con
                         note_list *notes);
 fathom_status write_ply(const fathom_scene *scene, const scene_graph *graph, const char *path,
                         note_list *notes);
+/* The one image that a PLY file can have: the colour of all triangles. NULL: they have none in common, or one
+ * that PLY has no place for. */
+const fathom_map *write_ply_image(const fathom_scene *scene, const scene_graph *graph);
 fathom_status write_obj(const fathom_scene *scene, const scene_graph *graph, const char *path,
                         note_list *notes);
 fathom_status write_json(const fathom_scene *scene, const scene_graph *graph, const char *path,

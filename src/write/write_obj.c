@@ -30,6 +30,15 @@ static char *put_line(char *out, const char *key, const float *numbers, int coun
     return out;
 }
 
+/* As screens show it, which is how readers take it: the inverse of sRGB's curve. */
+static void put_color(const fathom_mesh *m, size_t vertex, float out[3]) {
+    const float *linear = (const float *)(const void *)((const char *)m->colors + m->color_stride * vertex);
+    for (int k = 0; k < 3; ++k) {
+        const double c = fmin((double)linear[k], 1);
+        out[k] = (float)(c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1 / 2.4) - 0.055);
+    }
+}
+
 /* The lines of one kind of a placed mesh. */
 typedef struct obj_part {
     const obj *o;
@@ -44,7 +53,7 @@ static size_t format_vertices(const void *user, size_t begin, size_t end, char *
     const fathom_mesh *m = at->mesh;
     char *start = out;
     for (size_t i = begin; i < end; ++i) {
-        float v[3];
+        float v[6];
         if (part->kind == POSITIONS)
             store_f32(v, write_placed_position(at, write_item(m->positions, m->position_stride, i)));
         else if (part->kind == NORMALS)
@@ -52,7 +61,11 @@ static size_t format_vertices(const void *user, size_t begin, size_t end, char *
         else
             memcpy(v, (const char *)m->uvs + m->uv_stride * i, 2 * sizeof *v);
         if (part->kind == UVS && part->o->flips) v[1] = 1 - v[1];
-        out = put_line(out, keys[part->kind], v, part->kind == UVS ? 2 : 3);
+        if (part->kind == POSITIONS && m->colors) put_color(m, i, v + 3);
+        out = put_line(out, keys[part->kind], v,
+                       part->kind == UVS                      ? 2
+                       : part->kind == POSITIONS && m->colors ? 6
+                                                              : 3);
     }
     return (size_t)(out - start);
 }
@@ -103,7 +116,7 @@ static void put_head(obj *o, const write_placement *at) {
 static fathom_status put_placement(void *user, const write_placement *at) {
     obj *o = user;
     const fathom_mesh *m = at->mesh;
-    size_t line = 3 * WRITE_NUMBER_BYTES + 8;
+    const size_t line = (m->colors ? 6 : 3) * WRITE_NUMBER_BYTES + 8;
     put_head(o, at);
     obj_part part = {o, at, POSITIONS};
     write_items(&o->stream, m->vertex_count, line, format_vertices, &part);

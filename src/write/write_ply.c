@@ -1,5 +1,8 @@
-/* PLY: little-endian binary, instances are placed. Normals and uvs are written if any mesh has them. A vertex
- * has one normal, so flat meshes among smooth ones get a vertex for each corner, with the facet's normal. */
+/* PLY: little-endian binary, instances are placed. Normals, uvs and colours are written if any mesh has them.
+ * A vertex has one normal, so flat meshes among smooth ones get a vertex for each corner, with the facet's
+ * normal. An image that all triangles have in common is named in a comment, and lies as the uvs say: v grows
+ * upwards. */
+#include "write/image.h"
 #include "write/write.h"
 
 #include <stdio.h>
@@ -12,7 +15,9 @@ typedef struct ply {
     const char *path;
     write_stream stream;
     write_mesh *meshes; /* one for each of the scene's meshes */
-    bool normals, uvs;
+    bool normals, uvs, colors;
+    const fathom_map *map;      /* of the image; NULL: none */
+    write_images images;        /* that one */
     size_t vertices, triangles; /* in all */
     size_t first_vertex;        /* of the placement being written */
 } ply;
@@ -25,6 +30,7 @@ static fathom_status count_mesh(ply *p, uint32_t index, size_t ways, bool prepar
     write_mesh *m = &p->meshes[index];
     p->normals |= mesh->normals != NULL;
     p->uvs |= mesh->uvs != NULL;
+    p->colors |= mesh->colors != NULL;
     if (!prepare) return FATHOM_OK;
     fathom_status status = write_mesh_prepare(p->scene->context, mesh, p->normals && !mesh->normals, m);
     p->vertices = write_add(p->vertices, write_multiply(ways, m->vertex_count));
@@ -58,22 +64,66 @@ static fathom_status count_all(ply *p) {
     return status;
 }
 
+/* ---- the image ---- */
+
+typedef struct image_search {
+    const fathom_scene *scene;
+    fathom_id material; /* of all triangles; FATHOM_NONE: none seen yet */
+    bool differs;       /* they have several, or some have no uvs */
+} image_search;
+
+static fathom_status look_at_placement(void *user, const write_placement *at) {
+    image_search *search = user;
+    if (search->material == FATHOM_NONE) search->material = at->material;
+    search->differs |= search->material != at->material || !at->mesh->uvs;
+    return FATHOM_OK;
+}
+
+const fathom_map *write_ply_image(const fathom_scene *scene, const scene_graph *graph) {
+    image_search search = {scene, FATHOM_NONE, false};
+    if (write_each_placement(scene, graph, look_at_placement, &search) != FATHOM_OK || search.differs ||
+        search.material == FATHOM_NONE)
+        return NULL;
+    const fathom_map *map = &scene->materials.items[search.material].value.maps[FATHOM_MAP_COLOR];
+    if (map->texture == FATHOM_NONE || map->uv_set) return NULL;
+    const fathom_texture *texture = &scene->textures.items[map->texture];
+    return texture->wrap_u == FATHOM_WRAP_REPEAT && texture->wrap_v == FATHOM_WRAP_REPEAT ? map : NULL;
+}
+
+static fathom_status put_image(ply *p) {
+    if (!p->map) return FATHOM_OK;
+    fathom_status status = write_image_open_one(p->scene, p->map->texture, &p->images);
+    return status == FATHOM_OK ? write_images_beside(p->scene, p->path, &p->images) : status;
+}
+
+/* Readers let v grow upwards where a file names an image. */
+static void place_on_image(const ply *p, float uv[2]) {
+    const float *m = p->map->transform, u = uv[0], v = uv[1];
+    uv[0] = m[0] * u + m[1] * v + m[2];
+    uv[1] = 1 - (m[3] * u + m[4] * v + m[5]);
+}
+
 /* ---- writing ---- */
 
+#define HEADER_BYTES 1024
+
 /* Returns the length. `blanks` follow the comment. */
-static int format_header(const ply *p, int blanks, char text[512]) {
-    return snprintf(text, 512,
-                    "ply\nformat binary_little_endian 1.0\ncomment Fathom %s%*s\nelement vertex %zu\n"
-                    "property float x\nproperty float y\nproperty float z\n%s%selement face %zu\n"
-                    "property list uchar uint vertex_indices\nend_header\n",
-                    fathom_version(), blanks, "", p->vertices,
-                    p->normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
-                    p->uvs ? "property float s\nproperty float t\n" : "", p->triangles);
+static int format_header(const ply *p, int blanks, char text[HEADER_BYTES]) {
+    return snprintf(
+        text, HEADER_BYTES,
+        "ply\nformat binary_little_endian 1.0\n%s%.255s%scomment Fathom %s%*s\nelement vertex %zu\n"
+        "property float x\nproperty float y\nproperty float z\n%s%s%selement face %zu\n"
+        "property list uchar uint vertex_indices\nend_header\n",
+        p->map ? "comment TextureFile " : "", p->map ? p->images.items[0].name : "", p->map ? "\n" : "",
+        fathom_version(), blanks, "", p->vertices,
+        p->normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
+        p->uvs ? "property float s\nproperty float t\n" : "",
+        p->colors ? "property float red\nproperty float green\nproperty float blue\n" : "", p->triangles);
 }
 
 /* Padded to a multiple of 4 bytes, so that the vertices can be used in the mapped file. */
 static void put_header(ply *p) {
-    char text[512];
+    char text[HEADER_BYTES];
     int length = format_header(p, 0, text);
     length = format_header(p, (4 - length % 4) % 4, text);
     file_writer_put(p->stream.file, text, (size_t)length);
@@ -85,11 +135,17 @@ typedef struct ply_part {
     const write_placement *at;
 } ply_part;
 
+/* White where the mesh has none. */
+static void put_color(const write_mesh *mesh, uint32_t vertex, float out[4]) {
+    out[0] = out[1] = out[2] = 1;
+    if (mesh->mesh->colors) write_mesh_entry(mesh, WRITE_COLOR, vertex, out);
+}
+
 static size_t format_vertices(const void *user, size_t begin, size_t end, char *out) {
     const ply_part *part = user;
     char *start = out;
     for (uint32_t i = (uint32_t)begin; i < end; ++i) {
-        float numbers[8];
+        float numbers[12] = {0}; /* a colour may have a fourth */
         size_t count = 3;
         store_f32(numbers, write_placed_position(part->at, write_mesh_position(part->mesh, i)));
         if (part->p->normals) {
@@ -97,6 +153,8 @@ static size_t format_vertices(const void *user, size_t begin, size_t end, char *
             count += 3;
         }
         if (part->p->uvs) write_mesh_uv(part->mesh, i, numbers + count), count += 2;
+        if (part->p->map) place_on_image(part->p, numbers + count - 2);
+        if (part->p->colors) put_color(part->mesh, i, numbers + count), count += 3;
         memcpy(out, numbers, count * sizeof *numbers);
         out += count * sizeof *numbers;
     }
@@ -122,7 +180,7 @@ static size_t format_faces(const void *user, size_t begin, size_t end, char *out
 static fathom_status put_vertices(void *user, const write_placement *at) {
     ply *p = user;
     ply_part part = {p, &p->meshes[at->mesh_index], at};
-    write_items(&p->stream, part.mesh->vertex_count, 8 * sizeof(float), format_vertices, &part);
+    write_items(&p->stream, part.mesh->vertex_count, 11 * sizeof(float), format_vertices, &part);
     return FATHOM_OK;
 }
 
@@ -146,11 +204,13 @@ static fathom_status put_all(ply *p) {
 fathom_status write_ply(const fathom_scene *scene, const scene_graph *graph, const char *path,
                         note_list *notes) {
     (void)notes;
-    ply p = {.scene = scene, .graph = graph, .path = path};
+    ply p = {.scene = scene, .graph = graph, .path = path, .map = write_ply_image(scene, graph)};
     p.meshes = calloc(scene->meshes.count, sizeof *p.meshes);
     if (!p.meshes) return fail_memory(scene->context, scene->meshes.count * sizeof *p.meshes);
     fathom_status status = count_all(&p);
+    if (status == FATHOM_OK) status = put_image(&p);
     if (status == FATHOM_OK) status = put_all(&p);
+    write_images_close(&p.images);
     for (size_t i = 0; i < scene->meshes.count; ++i) write_mesh_free(&p.meshes[i]);
     free(p.meshes);
     return status;

@@ -387,6 +387,78 @@ static void scene_json_survives_conversion(void **state) {
     }
 }
 
+/* ---- vertex colours and images of mesh files ---- */
+
+/* Of two meshes one has colours and one has none; one of the colours is black, one above 1. */
+static void mesh_files_keep_vertex_colours(void **state) {
+    (void)state;
+    static const float colors[12] = {0.001f, 0.5f, 0.2f, 1, 0, 0, 0, 1, 0.4f, 2.5f, 0.7f, 0.8f};
+    static const char *const names[] = {"a.ply", "a.obj"};
+    fathom_scene *scene;
+    assert_ok(context, fathom_scene_create(context, &scene));
+    for (int i = 0; i < 2; ++i) {
+        fathom_mesh mesh = triangle(0);
+        mesh.colors = i ? NULL : colors, mesh.color_channels = 4;
+        assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+    }
+    for (int format = 0; format < 2; ++format) {
+        fathom_scene *back;
+        assert_ok(context, fathom_scene_write(scene, in_folder(names[format])));
+        assert_ok(context, fathom_scene_read(context, in_folder(names[format]), &back));
+        const fathom_mesh *got = &back->meshes.items[0];
+        assert_non_null(got->colors);
+        assert_int_equal(got->vertex_count, 6);
+        for (uint32_t v = 0; v < 6; ++v) {
+            const float *c = (const float *)(const void *)((const char *)got->colors + got->color_stride * v);
+            /* OBJ: two roundings to float, about a curve whose slope is at most 2.4. */
+            for (uint32_t k = 0; k < 3; ++k)
+                assert_near(c[k], v < 3 ? fminf(colors[4 * v + k], format ? 1 : 4) : 1,
+                            format ? 4 * 0x1p-24 : 0);
+        }
+        fathom_scene_destroy(back);
+        unlink(in_folder(names[format])), unlink(in_folder("a.mtl"));
+    }
+    fathom_scene_destroy(scene);
+}
+
+/* Wherever it lies: turned, scaled and moved. The reader's v is one minus the file's. */
+static void ply_keeps_an_image_of_all_triangles(void **state) {
+    (void)state;
+    static const char pixel[] = "P6\n1 1\n255\n\x80\x80\x80";
+    const fathom_texture texture = {.size = sizeof texture, .bytes = pixel, .byte_count = sizeof pixel - 1};
+    static const float turned[6] = {0.5f, 0.25f, 0.125f, -0.25f, 2, 0.75f};
+    fathom_scene *back;
+    fathom_material m;
+    fathom_material_default(&m);
+    m.maps[FATHOM_MAP_COLOR].texture = 0;
+    memcpy(m.maps[FATHOM_MAP_COLOR].transform, turned, sizeof turned);
+    fathom_scene *scene = wearing(&m, &texture);
+    assert_ok(context, fathom_scene_write(scene, in_folder("a.ply")));
+    assert_ok(context, fathom_scene_read(context, in_folder("a.ply"), &back));
+    const fathom_mesh *mesh = &back->meshes.items[0];
+    const fathom_map *map = &back->materials.items[mesh->material].value.maps[FATHOM_MAP_COLOR];
+    assert_int_not_equal(map->texture, FATHOM_NONE);
+    for (uint32_t i = 0; i < 3; ++i) {
+        const float *t = map->transform, *in = uvs + 2 * i,
+                    *uv = (const float *)(const void *)((const char *)mesh->uvs + mesh->uv_stride * i);
+        for (int k = 0; k < 2; ++k) {
+            const float *from = turned + 3 * k;
+            assert_true(t[3 * k] * uv[0] + t[3 * k + 1] * uv[1] + t[3 * k + 2] ==
+                        from[0] * in[0] + from[1] * in[1] + from[2]);
+        }
+    }
+    fathom_scene_destroy(back);
+    /* Another material, and it is no longer that of all. */
+    fathom_mesh other = triangle(0);
+    assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &other, NULL));
+    assert_ok(context, fathom_scene_write(scene, in_folder("a.ply")));
+    assert_ok(context, fathom_scene_read(context, in_folder("a.ply"), &back));
+    assert_int_equal(back->textures.count, 0);
+    fathom_scene_destroy(back);
+    fathom_scene_destroy(scene);
+    unlink(in_folder("a.ply")), unlink(in_folder("a-0")), unlink(in_folder("a-0.png"));
+}
+
 /* ---- what is left out ---- */
 
 static char told[4096];
@@ -421,6 +493,8 @@ static void what_a_format_lacks_is_told(void **state) {
         {"a.ply", "a material is left out (2 such)"},
         {"a.obj", "a place of a group that is placed several times has triangles of its own (2 such)"},
         {"a.obj", "the second uv set of a mesh is left out (2 such)"},
+        {"a.obj", "the opacity of a vertex is left out (2 such)"},
+        {"a.ply", "an image on a surface is left out (2 such)"},
         {"a.obj", "the filter of an image is left out (2 such)"},
         {"a.glb", "the color space of an image is left out"},
         {"a.glb", "the alpha of a material's colour image, if it has one, counts as opacity (1 such)"},
@@ -453,6 +527,8 @@ int main(void) {
         cmocka_unit_test(every_image_reads_back),
         cmocka_unit_test(mtl_keeps_metal_and_its_images),
         cmocka_unit_test(mtl_makes_glass_of_transmission),
+        cmocka_unit_test(mesh_files_keep_vertex_colours),
+        cmocka_unit_test(ply_keeps_an_image_of_all_triangles),
         cmocka_unit_test(renders_survive_conversion),
         cmocka_unit_test(scene_json_survives_conversion),
         cmocka_unit_test(what_a_format_lacks_is_told),
