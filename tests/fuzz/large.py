@@ -158,6 +158,10 @@ def obj():
         "blank": corners + " " * MEGABYTE + "\nf 1 2 3\n",
         "smooth_fan": fill(lambda i: "v 1 %d 0\n" % i, "", "".join("f 1 %d %d\n" % (i, i + 1) for i in range(2, 30000))),
         "digits": "v " + "9" * MEGABYTE + " 0 0\n",
+        "points": fill(lambda i: " 1", "v 0 0 0\np", "\n"),
+        "coloured_lines": fill(lambda i: f" {i % 2 + 1}", "v 0 0 0 1 0 0\nv 1 0 0\nl", "\n"),
+        "short_lines": fill(lambda i: f"usemtl m{i % 97}\nl 1 2\nl 1\n", corners),
+        "cloud": fill(lambda i: "v 9e9 %d 0\n" % (i % 10)),
         "newmtl": (materials + "").encode() + b"\xff" + fill(lambda i: f"newmtl m{i}\n").encode(),
     }
 
@@ -175,6 +179,8 @@ def ply():
     return {
         "polygon": ply_of("binary_little_endian", f"element vertex 50000\n{xyz}" + face % (1, "uint uint"),
                           ring + struct.pack("<I50000I", 50000, *range(50000))),
+        "edges": ply_of("binary_little_endian", f"element vertex 3\n{xyz}element edge {MEGABYTE // 2}\nproperty uchar "
+                        "vertex1\nproperty uchar vertex2\n", small + b"\x00\x02" * (MEGABYTE // 2)),
         "strip": ply_of("binary_little_endian", f"element vertex 3\n{xyz}element tristrips 1\nproperty list uint int "
                         "vertex_indices\n", small + struct.pack("<I", 250000) + struct.pack("<5i", 0, 1, 2, 1, 0) * 50000),
         "properties": ply_of("ascii", f"element vertex 3\n{xyz}" + fill(lambda i: f"property int a{i}\n"), b""),
