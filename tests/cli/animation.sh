@@ -105,6 +105,11 @@ at_time 0.5 0.25 0.5 4.5
 at_time 1.5 0.75 -0.5 5.5
 at_time 9 1 -1 6
 
+# A model of that time has its vertices there.
+run 0 convert moves.json posed.obj --time 0.5
+said posed.obj 'v -1 0.5 0'
+rm posed.obj posed.mtl
+
 # A file's own shutter opens at that time and stays open as long; frames do the same.
 sed 's/"d": 1,/"d": 1, "shutter": [5, 5.5],/' moves.json >own.json
 run 0 render own.json --size 32x32 --spp 4 --time 0.5 -o own.exr

@@ -493,7 +493,7 @@ static void what_a_format_lacks_is_told(void **state) {
         {"a.ply", "a material is left out (2 such)"},
         {"a.obj", "a place of a group that is placed several times has triangles of its own (2 such)"},
         {"a.obj", "the second uv set of a mesh is left out (2 such)"},
-        {"a.obj", "the opacity of a vertex is left out (2 such)"},
+        {"a.obj", "the opacity of a vertex is left out (4 such)"},
         {"a.ply", "an image on a surface is left out (2 such)"},
         {"a.obj", "the filter of an image is left out (2 such)"},
         {"a.glb", "the color space of an image is left out"},
