@@ -264,6 +264,24 @@ static void a_display_lights_what_it_faces_alone(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* A mean over an infinite plane says nothing of its part next to the lamp. */
+static void a_lamp_over_a_plane_lights_it(void **state) {
+    (void)state;
+    for (int lamp = 0; lamp < 2; ++lamp) {
+        fathom_scene *scene;
+        fathom_plane plane;
+        assert_ok(context, fathom_scene_create(context, &scene));
+        fathom_plane_default(&plane);
+        plane.normal[1] = 1;
+        assert_ok(context, fathom_scene_add_plane(scene, FATHOM_ROOT, &plane, NULL));
+        add_wall(scene, vec_f64(0, 3, 0), vec_f64(1, 0, 0), vec_f64(0, 0, 1),
+                 lamp ? add_emission(scene, 0.01f) : 0);
+        assert_ok(context, fathom_scene_complete(scene));
+        assert_true(scene->in_studio == !lamp);
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* Two small squares at a distance of 1: radiance times area, times the cosine at the receiver. Their sizes
  * change the distance by less than 1e-4 of it. */
 static void irradiance_of_small_squares_has_a_closed_form(void **state) {
@@ -315,6 +333,7 @@ int main(void) {
         cmocka_unit_test(its_luminance_is_what_lamps_are_held_against),
         cmocka_unit_test(a_room_is_lit_by_its_lamps_unless_they_are_dim),
         cmocka_unit_test(a_display_lights_what_it_faces_alone),
+        cmocka_unit_test(a_lamp_over_a_plane_lights_it),
         cmocka_unit_test(irradiance_of_small_squares_has_a_closed_form),
         cmocka_unit_test(errors_know_how_bright_it_is),
     };

@@ -29,7 +29,8 @@ fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, 
 /* ---- light ---- */
 
 /* The mean irradiance that even emission, as luminance, brings to what does not shine, by sight alone: an
- * estimate from a few hundred points, without shadows. 0 where nothing shines but by images. */
+ * estimate from a few hundred points, without shadows. 0 where nothing shines but by images. INFINITY where
+ * something shines and there is a plane: its mean has no bound, and files of models have none. */
 fathom_status scene_measure_lamps(const fathom_scene *scene, double *out);
 
 /* The luminance of the built-in studio (light/studio.h), the mean of all directions. */

@@ -192,6 +192,10 @@ fathom_status scene_measure_lamps(const fathom_scene *scene, double *out) {
     scene_graph graph;
     *out = 0;
     if (!any_lamp(scene)) return FATHOM_OK;
+    if (scene->planes.count) {
+        *out = INFINITY;
+        return FATHOM_OK;
+    }
     fathom_status status = graph_create(scene, &graph);
     if (status != FATHOM_OK) return status;
     lamp_walk w = {.scene = scene, .graph = &graph};
