@@ -70,6 +70,7 @@ static void files_without_faces_are_refused(void **state) {
     expect_error("# nothing\n", "it has no faces (0 vertices)");
     expect_error(TRIANGLE "f 1 2\n", "a.obj: it has no faces (3 vertices)");
     expect_error(TRIANGLE "l 1\n", "it has no faces");
+    expect_error("v 3.4e38 0 0\nv -3.4e38 0 0\n", "a.obj: has points as far out as 3.4e+38");
     expect_error(TRIANGLE "l 1 4\n", "a.obj:4: l: corner 2: v: index 4 is out of range; the file has 3");
     expect_error(TRIANGLE "p 1 x\n", "a.obj:4: p: corner 2: v: expected an index, found \"x\"");
     expect_error_with("\x7f"

@@ -2,6 +2,7 @@
 
 #include "math/frame.h"
 
+#include <float.h>
 #include <string.h>
 
 /* A ball is an icosahedron, and a rod a prism of six sides with a tip at either end; normals make both look
@@ -86,23 +87,33 @@ static void put_rod(pen *p, uint32_t from, uint32_t to) {
     }
 }
 
-static double radius_for(const strokes *s) {
+/* *reach: the largest coordinate of what is made. */
+static double radius_for(const strokes *s, double *reach) {
     scene_bounds bounds = bounds_empty();
     const size_t corners = (size_t)s->count * (s->lines ? 2 : 1);
     for (size_t i = 0; i < corners; ++i) bounds_add(&bounds, position_of(s, vertex_of(s, i)));
-    const double diagonal = 2 * bounds_radius(&bounds);
-    if (!(diagonal > 0)) return 1;
-    return diagonal * (s->lines ? 1e-3 : fmin(fmax(0.5 / sqrt(s->count), 1 / 2000.0), 1 / 200.0));
+    const double diagonal = 2 * bounds_radius(&bounds),
+                 share = s->lines ? 1e-3 : fmin(fmax(0.5 / sqrt(s->count), 1 / 2000.0), 1 / 200.0),
+                 radius = diagonal > 0 ? diagonal * share : 1;
+    *reach =
+        radius + fmax(fmax(-bounds.lower.x, bounds.upper.x),
+                      fmax(fmax(-bounds.lower.y, bounds.upper.y), fmax(-bounds.lower.z, bounds.upper.z)));
+    return radius;
 }
 
 fathom_status strokes_make(fathom_scene *scene, const strokes *s, fathom_mesh *mesh) {
     const uint64_t vertices = (uint64_t)s->count * (s->lines ? ROD_VERTICES : BALL_VERTICES),
                    triangles = (uint64_t)s->count * (s->lines ? ROD_TRIANGLES : BALL_TRIANGLES);
-    pen p = {.s = s, .radius = radius_for(s)};
+    double reach;
+    pen p = {.s = s, .radius = radius_for(s, &reach)};
     void *arrays[4] = {NULL};
     if (vertices >= UINT32_MAX || triangles > UINT32_MAX / 3)
         return fail(scene->context, FATHOM_BAD_INPUT, "has %u %s; more than can be shown", s->count,
                     s->lines ? "lines" : "points");
+    if (s->count && !(reach <= (double)FLT_MAX))
+        return fail(scene->context, FATHOM_BAD_INPUT,
+                    "has %s as far out as %g: what is to show them would leave the range of float",
+                    s->lines ? "lines" : "points", reach - p.radius);
     fathom_status status = scene_allocate_items(scene, vertices, 3 * sizeof(float), &arrays[0]);
     if (status == FATHOM_OK) status = scene_allocate_items(scene, vertices, 3 * sizeof(float), &arrays[1]);
     if (status == FATHOM_OK)

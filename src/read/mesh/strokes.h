@@ -22,7 +22,8 @@ typedef struct strokes {
  * bounds of the points in use, a line is a rod of radius D / 1000, and one of n points a ball of radius D /
  * (2 sqrt(n)), which is about half the distance of points that are spread over a surface, but at least D /
  * 2000 and at most D / 200; 1 where all points are one. A line without length is left out: *mesh may have no
- * triangles. FATHOM_BAD_INPUT: more than 2^32 vertices. */
+ * triangles. FATHOM_BAD_INPUT: more than 2^32 vertices, or some
+ * that leave the range of float. */
 fathom_status strokes_make(fathom_scene *scene, const strokes *s, fathom_mesh *mesh);
 
 #endif
