@@ -138,7 +138,7 @@ typedef struct ply_part {
 /* White where the mesh has none. */
 static void put_color(const write_mesh *mesh, uint32_t vertex, float out[4]) {
     out[0] = out[1] = out[2] = 1;
-    if (mesh->mesh->colors) write_mesh_entry(mesh, WRITE_COLOR, vertex, out);
+    if (mesh->mesh->colors) write_mesh_entry(mesh, MESH_COLORS, vertex, out);
 }
 
 static size_t format_vertices(const void *user, size_t begin, size_t end, char *out) {
