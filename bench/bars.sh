@@ -2,7 +2,7 @@
 # How often the stated 95 % interval of a pixel's value holds the true value: 12 path traced scenes, 8 seeds each.
 # usage: BUILD=build/release sh bench/bars.sh [SIZE [REFERENCE_SPP]]      (64x36, 8192)
 # Values are those of all pixels and channels. They are told apart by what the render itself says of them: trusted,
-# doubtful (error.doubt above 0.98), and bounds, where all samples of a square are alike.
+# doubtful (error.doubt above 0.98), and alike, where all samples of a square are.
 set -eu
 cd "$(dirname "$0")/.."
 program=$(cd "${BUILD:-build/release}" && pwd)/bin/fathom

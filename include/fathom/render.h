@@ -49,12 +49,12 @@ enum {
     FATHOM_AOV_SAMPLES = 1u << 6, /* samples: how many the pixel is the mean of, as an id channel. In files
                                      these four end in ".V", since Blender reads single letters alone */
     /* error.R error.G error.B: standard error of R, G and B, by four groups of samples with independent
-     * scrambles, and by those of the neighbours in a square of 4 x 4 pixels. The mean ± 2.09 of it (Student's
-     * t with 19 degrees of freedom) is meant to hold the true value in 95 % of pixels. Infinite below 4
-     * samples. Where all samples of a square are alike: by the rule of three, what the brightest emission of
-     * the scene could add unseen, over 2.09. error.doubt, [0, 1]: above 0.98 the error is not to be trusted,
-     * because few of the 32 x 32 pixels around carry nearly all variance; 1 says that it is such a bound.
-     * Needs the pattern Sobol, and path tracing, target_error or max_time */
+     * scrambles, and by those of the 12 x 12 pixels around. The mean ± 1.96 of it is meant to hold the true
+     * value in 95 % of pixels. Infinite below 4 samples. Where all samples of a square of 4 x 4 pixels are
+     * alike: by the rule of three, what the brightest emission of the scene could add unseen, over 1.96.
+     * error.doubt, [0, 1]: above 0.98 the error is not to be trusted, because the pixel's own samples differ
+     * by far more than it says (a rare bright path), or because the pixels around say nothing about it; 1
+     * says that it is such a bound. Needs the pattern Sobol, and path tracing, target_error or max_time */
     FATHOM_AOV_ERROR = 1u << 7,
     /* The light of a pixel in three parts, R G B each: emission.R… is what reaches the camera without being
      * scattered, of surfaces and of the surroundings; direct.R… what was scattered once, and indirect.R…

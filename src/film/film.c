@@ -136,7 +136,10 @@ static fathom_status take_pixels(fathom_context *context, fathom_film *film, con
     fathom_status status = check_memory(context, film);
     if (status == FATHOM_OK) film->pixels = memory_take(film->bytes);
     film->group_channels = calloc(LIGHT_GROUPS, sizeof *film->group_channels);
-    if (status == FATHOM_OK && (!film->scene_name || !film->pixels || !film->group_channels))
+    const size_t rows = film_error_rows(film);
+    film->error_rows = rows ? malloc(rows) : NULL;
+    if (status == FATHOM_OK &&
+        (!film->scene_name || !film->pixels || !film->group_channels || (rows && !film->error_rows)))
         status = fail_memory(context, film->bytes);
     if (status != FATHOM_OK) {
         fathom_film_destroy(film);
@@ -222,6 +225,7 @@ fathom_status film_copy(fathom_context *context, const fathom_film *film, fathom
     pthread_mutex_t *lock = (pthread_mutex_t *)(uintptr_t)&film->lock;
     pthread_mutex_lock(lock);
     memcpy((*out)->pixels, film->pixels, film->bytes);
+    (*out)->whole = film->whole, (*out)->settled = film->settled;
     pthread_mutex_unlock(lock);
     return FATHOM_OK;
 }
@@ -232,6 +236,7 @@ void fathom_film_destroy(fathom_film *film) {
     for (int k = 0; k < MATTE_KINDS; ++k) free(film->manifests[k]);
     free(film->scene_name);
     free(film->group_channels);
+    free(film->error_rows);
     pthread_mutex_destroy(&film->lock);
     array_free(&film->left_out);
     free(film);

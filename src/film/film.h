@@ -40,6 +40,13 @@ typedef struct film_channel {
     void *data; /* float or uint32_t, width * height */
 } film_channel;
 
+/* The error of the whole image. */
+typedef struct film_error {
+    double error;    /* as fathom_settings has target_error, of the pixels whose samples are not all alike */
+    double doubtful; /* share of these of which error.doubt is above FILM_DOUBTFUL */
+    double unseen;   /* the most that a pixel whose samples are all alike may lack, at 95 % */
+} film_error;
+
 struct fathom_film {
     uint32_t width, height, x, y, full_width, full_height;
     film_channel channels[FILM_CHANNELS];
@@ -62,9 +69,12 @@ struct fathom_film {
     bool interrupted;
     float background[3], brightest[3]; /* the second: emission, of any surface or the surroundings */
     char *scene_name;
-    char fireflies[FIREFLY_TEXT]; /* what was done about them; "": nothing was asked for */
-    left_out_list left_out;       /* of the render that filled it */
-    pthread_mutex_t lock;         /* of the pixels, while it is rendered */
+    char fireflies[FIREFLY_TEXT];  /* what was done about them; "": nothing was asked for */
+    left_out_list left_out;        /* of the render that filled it */
+    struct error_sums *error_rows; /* room for film_settle_errors(); NULL without error channels */
+    film_error whole;              /* once it is settled */
+    bool settled;
+    pthread_mutex_t lock; /* of the pixels, while it is rendered */
 };
 
 fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
@@ -94,25 +104,21 @@ typedef struct film_outputs {
 double film_write_seconds(fathom_context *context, const fathom_film *film, const film_outputs *outputs,
                           double allowed);
 
-/* The error of the whole image, from its error channels. */
-typedef struct film_error {
-    double error;    /* as fathom_settings has target_error, of the pixels whose samples are not all alike */
-    double doubtful; /* share of these of which error.doubt is above FILM_DOUBTFUL */
-    double unseen;   /* the most that a pixel whose samples are all alike may lack, at 95 % */
-} film_error;
-
 #define FILM_DOUBTFUL 0.98f
-/* Student's t of 95 % with FILM_OWN + FILM_NEAR degrees of freedom. */
-#define FILM_ERROR_T 2.0930240544083
-/* Degrees of freedom of a pixel's own variance, and of that of its square. */
-#define FILM_OWN 3
-#define FILM_NEAR 16
+/* The normal distribution's quantile for 95 %. */
+#define FILM_ERROR_T 1.9599639845400542
+/* Until errors are settled, error.doubt of a pixel is the sum over channels of the products that estimate its
+ * squared variance, over this and over the sum of its squared variances: at most 3/4 where groups are equal.
+ */
+#define FILM_ERROR_PRODUCTS 2.0
 
 /* Once all pixels are in: turns the errors of pixels, each by its own groups of samples, into those that the
  * film promises (film_error.c). */
 void film_settle_errors(fathom_film *film);
+/* Bytes of error_rows. */
+size_t film_error_rows(const fathom_film *film);
 
-/* False: the film has no error channels, or not yet an error. */
+/* False: the film has no error channels, or their errors are not settled, or not finite. */
 bool film_error_of(const fathom_film *film, film_error *out);
 /* One over the squared unit of target_error, for a pixel of this mean of R, G and B. */
 double film_error_weight(double grey);

@@ -1,20 +1,35 @@
 /* The error channels of a film.
  *
- * A pixel's own groups of samples tell its variance v with FILM_OWN degrees of freedom. Where light comes
- * from few bright samples, that is often far too small: the pixel has met none of them yet. Its neighbours
- * may have. So the stated variance is (a v + b m) / (a + b), with m the mean over the square of 4 × 4 pixels
- * (Smyth, "Linear models and empirical Bayes methods", 2004: moderated t), a = FILM_OWN, b = FILM_NEAR. Over
- * a square its mean is that of v: unbiased. Measured at 16 samples a pixel, intervals by v hold the truth in
- * 91 % of pixels, and moderated ones in 95.5 % (bench/README.md, Rendering to an error). At the edge of a
- * crop, m is of the pixels inside.
+ * A pixel's own groups of samples tell its variance v with 3 degrees of freedom. Where light comes from few
+ * bright samples, that is often far too small: the pixel has met none of them yet. Its neighbours may have.
+ * The stated variance is w v + (1 - w) m, with m the mean over the 12 × 12 pixels of its square of 4 × 4 and
+ * the eight squares around: the linear estimate of least squared error (Bühlmann, "Experience rating and
+ * credibility", 1967). The weight is the part of the differences between the v of these pixels that is due
+ * to different pixels, not to noise:
  *
- * Doubt. Neighbours do not help where even they have met nothing. Then the variance of a whole wave hangs on
- * few of its pixels. (sum of v)² / sum of v² is how many pixels carry it: n, where n have the same v and the
- * others none. The doubt of a wave is 1 - that over its pixels. */
+ *     w = (mean of s - q) / (mean of v² - q), at least 0 and at most 1
+ *
+ * q is the mean of v v' over all pairs of two pixels, which estimates the squared mean of their variances. s
+ * is, of each pixel, the mean of the products of two estimates of its variance that share no group
+ * (pixel_sums_error()), and estimates the mean of the squared variances. Both are unbiased whatever the
+ * distribution of the samples is. So rare bright samples, which make v noisy, are told from edges, whose
+ * pixels differ. One weight serves R, G and B: each of the three terms is a sum over them. At the edge of a
+ * crop m is of the pixels inside. Pixels in squares all of whose samples are alike keep their bounds, and do
+ * not count.
+ *
+ * Doubt. An interval fails most often in two places (bench/README.md, Errors of pixels). Where the pixel met
+ * a bright sample that few of its neighbours met, its own v is several times the stated variance. Where w is
+ * near 1, the neighbours say nothing, and v alone is known too badly. The doubt is the larger of w and
+ * 1 - exp(-v / stated variance): above FILM_DOUBTFUL from a ratio of 3.9 on.
+ *
+ * The image. Its error is a sum over pixels, and is taken from v before that: the weight of a pixel in the
+ * sum depends on how bright it is, and the variance of a lamp's edge, shared with a black pixel next to it,
+ * would count a thousandfold. */
 #include "film/film.h"
 #include "film/pixel_sums.h"
 
 #include <math.h>
+#include <string.h>
 
 double film_error_weight(double grey) {
     double norm = grey < 1 ? fmax(grey, 0.01) : grey * grey;
@@ -24,93 +39,130 @@ double film_error_weight(double grey) {
 /* The error is a bound on what was never seen, or unknown. */
 static bool is_bound(const fathom_film *film, size_t pixel) { return film->doubt[pixel] >= 1; }
 
-static bool is_known(const fathom_film *film, size_t pixel) { return isfinite(film->error[0][pixel]); }
+static double error_of(const fathom_film *film, int c, size_t pixel) { return (double)film->error[c][pixel]; }
+
+static bool is_known(const fathom_film *film, size_t pixel) {
+    return isfinite(error_of(film, 0, pixel) + error_of(film, 1, pixel) + error_of(film, 2, pixel));
+}
 
 static double variance(const fathom_film *film, int c, size_t pixel) {
-    const double error = (double)film->error[c][pixel];
+    const double error = error_of(film, c, pixel);
     return is_bound(film, pixel) ? 0 : error * error;
 }
 
-/* ---- what pixels may take from their neighbours ---- */
+/* All samples are alike. */
+static bool is_alike(const fathom_film *film, size_t pixel) {
+    return !(variance(film, 0, pixel) + variance(film, 1, pixel) + variance(film, 2, pixel) > 0);
+}
+
+/* ---- squares ---- */
+
+/* Over pixels: how many; of each channel v and v²; of all channels the products of two estimates. */
+struct error_sums {
+    double pixels, sum[3], squares[3], products;
+};
+
+static uint32_t squares_between(uint32_t from, uint32_t to) { return (to + 3) / 4 - from / 4; }
+
+static uint32_t squares_across(const fathom_film *film) {
+    return squares_between(film->x, film->x + film->width);
+}
+
+size_t film_error_rows(const fathom_film *film) {
+    return film->settings.aovs & FATHOM_AOV_ERROR
+               ? 3 * (size_t)squares_across(film) * sizeof *film->error_rows
+               : 0;
+}
 
 typedef struct pixel_list {
     size_t items[LANES];
     uint32_t count;
 } pixel_list;
 
-/* The pixels of a square whose errors are known. */
-static pixel_list known_pixels(const fathom_film *film, const wave_region *r, const wave_square *square) {
+/* The pixels of a square of the film whose errors are known; none if the samples of all are alike. */
+static pixel_list list_pixels(const fathom_film *film, uint32_t column, uint32_t row) {
+    const uint32_t left = (film->x / 4 + column) * 4, top = (film->y / 4 + row) * 4;
     pixel_list list = {.count = 0};
-    for (uint32_t left = wave_square_pixels(r, square); left; left &= left - 1) {
-        const uint32_t k = (uint32_t)__builtin_ctz(left), x = square->left + k % 4, y = square->top + k / 4;
-        const size_t pixel = (size_t)(y - film->y) * film->width + (x - film->x);
-        if (is_known(film, pixel)) list.items[list.count++] = pixel;
+    bool alike = true;
+    for (uint32_t y = max_u32(top, film->y); y < min_u32(top + 4, film->y + film->height); ++y) {
+        for (uint32_t x = max_u32(left, film->x); x < min_u32(left + 4, film->x + film->width); ++x) {
+            const size_t pixel = (size_t)(y - film->y) * film->width + (x - film->x);
+            if (!is_known(film, pixel)) continue;
+            list.items[list.count++] = pixel;
+            alike = alike && is_alike(film, pixel);
+        }
     }
+    if (alike) list.count = 0;
     return list;
 }
 
-static bool all_are_bounds(const fathom_film *film, const pixel_list *square) {
-    bool all = true;
-    for (uint32_t i = 0; i < square->count; ++i) all = all && is_bound(film, square->items[i]);
+static void add_pixel(const fathom_film *film, size_t pixel, struct error_sums *to) {
+    double squares = 0;
+    for (int c = 0; c < 3; ++c) {
+        const double v = variance(film, c, pixel);
+        to->sum[c] += v, to->squares[c] += v * v, squares += v * v;
+    }
+    if (!is_bound(film, pixel)) to->products += FILM_ERROR_PRODUCTS * (double)film->doubt[pixel] * squares;
+    to->pixels += 1;
+}
+
+static struct error_sums *sums_at(const fathom_film *film, uint32_t column, uint32_t row) {
+    return film->error_rows + (size_t)(row % 3) * squares_across(film) + column;
+}
+
+static void sum_row(const fathom_film *film, uint32_t row) {
+    for (uint32_t i = 0; i < squares_across(film); ++i) {
+        const pixel_list pixels = list_pixels(film, i, row);
+        struct error_sums sums = {.pixels = 0};
+        for (uint32_t k = 0; k < pixels.count; ++k) add_pixel(film, pixels.items[k], &sums);
+        *sums_at(film, i, row) = sums;
+    }
+}
+
+/* Over the square and those around it. */
+static struct error_sums sum_around(const fathom_film *film, uint32_t column, uint32_t row, uint32_t rows) {
+    struct error_sums all = {.pixels = 0};
+    for (uint32_t j = row ? row - 1 : 0; j <= row + 1 && j < rows; ++j) {
+        for (uint32_t i = column ? column - 1 : 0; i <= column + 1 && i < squares_across(film); ++i) {
+            const struct error_sums *one = sums_at(film, i, j);
+            all.pixels += one->pixels, all.products += one->products;
+            for (int c = 0; c < 3; ++c) all.sum[c] += one->sum[c], all.squares[c] += one->squares[c];
+        }
+    }
     return all;
 }
 
-static void moderate(fathom_film *film, const pixel_list *square, double doubt) {
-    double mean[3] = {0};
+/* The weight of a pixel's own variance. */
+static double own_weight(const struct error_sums *s) {
+    double of_pixels = s->products / s->pixels, of_all = 0;
     for (int c = 0; c < 3; ++c) {
-        for (uint32_t i = 0; i < square->count; ++i)
-            mean[c] += variance(film, c, square->items[i]) / square->count;
+        const double pairs = s->sum[c] * s->sum[c] - s->squares[c],
+                     q = s->pixels > 1 ? fmax(pairs, 0) / (s->pixels * (s->pixels - 1)) : 0;
+        of_pixels -= q, of_all += s->squares[c] / s->pixels - q;
     }
-    for (uint32_t i = 0; i < square->count; ++i) {
-        const size_t pixel = square->items[i];
-        for (int c = 0; c < 3; ++c) {
-            const double sum = FILM_OWN * variance(film, c, pixel) + FILM_NEAR * mean[c];
-            film->error[c][pixel] = (float)sqrt(sum / (FILM_OWN + FILM_NEAR));
-        }
-        film->doubt[pixel] = (float)doubt;
-    }
+    return of_all > 0 ? fmin(fmax(of_pixels / of_all, 0), 1) : 0;
 }
 
-/* ---- waves ---- */
-
-typedef struct wave_sums {
-    double sum, squares, pixels;
-} wave_sums;
-
-static void add_variances(const fathom_film *film, const pixel_list *square, wave_sums *to) {
-    for (uint32_t i = 0; i < square->count; ++i) {
-        double v = 0;
-        for (int c = 0; c < 3; ++c) v += variance(film, c, square->items[i]);
-        to->sum += v, to->squares += v * v;
+static void settle_pixel(fathom_film *film, size_t pixel, const struct error_sums *around, double weight) {
+    double own = 0, stated = 0;
+    float error[3];
+    for (int c = 0; c < 3; ++c) {
+        const double v = variance(film, c, pixel),
+                     all = weight * v + (1 - weight) * around->sum[c] / around->pixels;
+        own += v, stated += all, error[c] = (float)sqrt(all);
     }
-    to->pixels += square->count;
+    for (int c = 0; c < 3; ++c) film->error[c][pixel] = error[c];
+    const double doubt = fmax(weight, stated > 0 ? 1 - exp(-own / stated) : 0);
+    film->doubt[pixel] = (float)fmin(doubt, 1 - 0x1p-20);
 }
 
-static double doubt_of(const wave_sums *w) {
-    const double carry = w->squares > 0 ? w->sum * w->sum / w->squares : w->pixels;
-    return fmin(fmax(1 - carry / w->pixels, 0), 1 - 0x1p-20);
-}
-
-static void settle_wave(fathom_film *film, const wave_region *r) {
-    wave_sums sums = {.sum = 0};
-    wave_square squares[WAVE_SQUARES];
-    pixel_list lists[WAVE_SQUARES];
-    const uint32_t count = wave_list_squares(r, wave_region_bits(r), squares);
-    for (uint32_t s = 0; s < count; ++s) {
-        lists[s] = known_pixels(film, r, &squares[s]);
-        if (all_are_bounds(film, &lists[s]))
-            lists[s].count = 0;
-        else
-            add_variances(film, &lists[s], &sums);
-    }
-    for (uint32_t s = 0; s < count; ++s) moderate(film, &lists[s], doubt_of(&sums));
-}
-
-void film_settle_errors(fathom_film *film) {
-    const wave_grid grid = film_waves(film);
-    for (uint32_t i = 0; film->doubt && i < grid.count; ++i) {
-        const wave_region r = wave_grid_region(&grid, i);
-        settle_wave(film, &r);
+static void settle_row(fathom_film *film, uint32_t row, uint32_t rows) {
+    for (uint32_t i = 0; i < squares_across(film); ++i) {
+        const pixel_list pixels = list_pixels(film, i, row);
+        if (!pixels.count) continue;
+        const struct error_sums around = sum_around(film, i, row, rows);
+        const double weight = own_weight(&around);
+        for (uint32_t k = 0; k < pixels.count; ++k) settle_pixel(film, pixels.items[k], &around, weight);
     }
 }
 
@@ -125,20 +177,45 @@ static double pixel_error(const fathom_film *film, size_t pixel) {
     return squares * film_error_weight(grey);
 }
 
-bool film_error_of(const fathom_film *film, film_error *out) {
+static double image_error(const fathom_film *film) {
     const size_t pixels = (size_t)film->width * film->height;
-    double squares = 0, doubtful = 0, count = 0;
-    *out = (film_error){.error = 0};
-    for (size_t i = 0; film->doubt && i < pixels; ++i) {
+    double squares = 0, count = 0;
+    for (size_t i = 0; i < pixels; ++i) {
+        if (is_bound(film, i)) continue;
+        squares += pixel_error(film, i);
+        ++count;
+    }
+    return count > 0 ? sqrt(squares / count) : 0;
+}
+
+static void find_doubtful(const fathom_film *film, film_error *out) {
+    const size_t pixels = (size_t)film->width * film->height;
+    double doubtful = 0, count = 0;
+    for (size_t i = 0; i < pixels; ++i) {
         if (is_bound(film, i)) {
-            for (int c = 0; c < 3; ++c)
-                out->unseen = fmax(out->unseen, FILM_ERROR_T * (double)film->error[c][i]);
+            for (int c = 0; c < 3; ++c) out->unseen = fmax(out->unseen, FILM_ERROR_T * error_of(film, c, i));
             continue;
         }
-        squares += pixel_error(film, i);
         doubtful += film->doubt[i] > FILM_DOUBTFUL;
         ++count;
     }
-    if (count > 0) out->error = sqrt(squares / count), out->doubtful = doubtful / count;
-    return film->doubt && isfinite(out->error) && isfinite(out->unseen);
+    if (count > 0) out->doubtful = doubtful / count;
+}
+
+void film_settle_errors(fathom_film *film) {
+    if (!film->doubt) return;
+    const uint32_t rows = squares_between(film->y, film->y + film->height);
+    film->whole = (film_error){.error = image_error(film)};
+    sum_row(film, 0);
+    for (uint32_t row = 0; row < rows; ++row) {
+        if (row + 1 < rows) sum_row(film, row + 1);
+        settle_row(film, row, rows);
+    }
+    find_doubtful(film, &film->whole);
+    film->settled = true;
+}
+
+bool film_error_of(const fathom_film *film, film_error *out) {
+    *out = film->whole;
+    return film->settled && isfinite(out->error) && isfinite(out->unseen);
 }

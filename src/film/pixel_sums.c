@@ -139,6 +139,26 @@ double pixel_sums_error(const pixel_sums *sums, uint32_t slot, uint32_t samples,
     return grey;
 }
 
+/* Two groups of m and n samples have means whose difference has the variance σ² (1/m + 1/n). */
+static double variance_by(const pixel_sums *sums, int c, uint32_t slot, uint32_t samples, uint32_t a,
+                          uint32_t b) {
+    const double m = samples_of_group(sums, samples, a), n = samples_of_group(sums, samples, b),
+                 d = sums->rgb[a][c][slot] / m - sums->rgb[b][c][slot] / n;
+    return d * d / ((1 / m + 1 / n) * samples);
+}
+
+/* The squared variance of the mean, summed over the channels: the mean over the three ways to part four
+ * groups into pairs of the product of the variances by both pairs. No group is in both: unbiased. */
+static double squared_variance(const pixel_sums *sums, uint32_t slot, uint32_t samples) {
+    double sum = 0;
+    for (int c = 0; c < 3; ++c) {
+        for (uint32_t g = 1; g < SAMPLE_GROUPS; ++g)
+            sum += variance_by(sums, c, slot, samples, 0, g) *
+                   variance_by(sums, c, slot, samples, g == 1 ? 2 : 1, g == 3 ? 2 : 3) / 3;
+    }
+    return sum;
+}
+
 /* ---- to the film ---- */
 
 static void store_hits(const hit_sums *hits, uint32_t slot, double scale, size_t pixel, fathom_film *film) {
@@ -197,9 +217,17 @@ static void store_error(const pixel_sums *sums, uint32_t slot, uint32_t samples,
     double squared[3];
     const double grey = pixel_sums_error(sums, slot, samples, squared);
     const bool known = isfinite(squared[0]);
+    double squares = 0;
+    for (int c = 0; c < 3; ++c) {
+        squares += squared[c] * squared[c];
+        film->error[c][pixel] = (float)sqrt(squared[c]);
+    }
     film->doubt[pixel] = known ? 0 : 1;
-    for (int c = 0; c < 3; ++c) film->error[c][pixel] = (float)sqrt(squared[c]);
-    if (known && are_alike(squared, grey)) store_bound(samples, pixel, film);
+    if (known && are_alike(squared, grey))
+        store_bound(samples, pixel, film);
+    else if (known && squares > 0)
+        film->doubt[pixel] =
+            (float)fmin(squared_variance(sums, slot, samples) / (FILM_ERROR_PRODUCTS * squares), 0.99);
 }
 
 static void store_pixel(const pixel_sums *sums, uint32_t slot, sums_count count, uint32_t x, uint32_t y,

@@ -55,8 +55,12 @@ static double variance_of_film(const fathom_film *film) {
     return sum / ((double)pixels * (double)pixels);
 }
 
+static bool is_alike(const fathom_film *film, size_t i) {
+    return film->doubt[i] >= 1 || !(film->error[0][i] + film->error[1][i] + film->error[2][i] > 0);
+}
+
 static void count_pixel(const fathom_film *film, const fathom_film *truth, size_t i, coverage_row *row) {
-    coverage_count *to = film->doubt[i] >= 1              ? &row->bounds
+    coverage_count *to = is_alike(film, i)                ? &row->alike
                          : film->doubt[i] > FILM_DOUBTFUL ? &row->doubtful
                                                           : &row->trusted;
     for (int c = 0; c < 3; ++c) {

@@ -17,7 +17,9 @@ typedef struct coverage_row {
     double light; /* mean of the images over that of the reference */
     double t;     /* (mean - truth) / its standard error, over seeds */
     uint32_t seeds;
-    coverage_count trusted, doubtful, bounds; /* by error.doubt: render.h */
+    /* By error.doubt: render.h. The last: all samples of a square are alike, so that the error is a bound on
+     * what was not seen, or 0. */
+    coverage_count trusted, doubtful, alike;
 } coverage_row;
 
 #define COVERAGE_ROWS 4

@@ -49,7 +49,7 @@ cmp -s one.txt two.txt || die 'errors depend on threads or tracer'
 
 # Stated errors: a row for each way of sampling that states some; one scene's classic light has no even ones.
 run 0 bench error scene.json --adaptive --size 24x16 --max-spp 16 --reference-spp 16 --seeds 2 --json c.json
-for text in 'trusted' 'doubtful' 'bounds'; do said out.txt "$text"; done
+for text in 'trusted' 'doubtful' 'alike'; do said out.txt "$text"; done
 for key in coverage targetError meanSpp light t values held; do said c.json "\"$key\": "; done
 refused 2 '--adaptive: no --csv or --report' bench error scene.json --adaptive --size 24x16 --csv c.csv
 

@@ -302,8 +302,8 @@ static void errors_are_stated(void **state) {
         if (doubt[i] < 1) continue;
         ++bounds;
         /* From 4 to 64 samples: 1 - 0.05^(1/n) of a star of 4 over the background of 0.01, or over a pale
-         * star of 0.5, over Student's t. */
-        assert_true((double)error[i] < 0.5272 * 3.99 / 2.0930 && (double)error[i] > 0.0457 * 3.5 / 2.0931);
+         * star of 0.5, over the normal quantile. */
+        assert_true((double)error[i] < 0.5272 * 3.99 / 1.9599 && (double)error[i] > 0.0457 * 3.5 / 1.9600);
     }
     assert_true(bounds > estimates && estimates > 0);
     fathom_film_destroy(film);

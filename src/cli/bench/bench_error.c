@@ -245,44 +245,62 @@ static void pack_coverage(const bench_error_settings *asked, const coverage_row 
     json_t *list = json_array();
     for (unsigned i = 0; i < count; ++i) {
         const coverage_row *r = &rows[i];
-        json_array_append_new(list, json_of(JSON("targetError", r->target), JSON("spp", r->spp),
-                                            JSON("meanSpp", r->mean_spp), JSON("seeds", r->seeds),
-                                            JSON("light", r->light), JSON("t", r->t),
-                                            JSON("trusted", pack_count(&r->trusted)),
-                                            JSON("doubtful", pack_count(&r->doubtful)),
-                                            JSON("bounds", pack_count(&r->bounds))));
+        json_array_append_new(
+            list, json_of(JSON("targetError", r->target), JSON("spp", r->spp), JSON("meanSpp", r->mean_spp),
+                          JSON("seeds", r->seeds), JSON("light", r->light), JSON("t", r->t),
+                          JSON("trusted", pack_count(&r->trusted)),
+                          JSON("doubtful", pack_count(&r->doubtful)), JSON("alike", pack_count(&r->alike))));
     }
     json_add(root, JSON("scene", asked->all.scene), JSON("referenceSpp", reference_spp),
              JSON("coverage", list), JSON("interrupted", interrupted));
 }
 
-static void print_share(const json_t *row, const char *name, double all) {
+typedef struct share {
+    double values, held;
+} share;
+
+static share share_of(const json_t *row, const char *name) {
     const json_t *count = json_at(row, name);
-    const double values = json_number_at(count, "values");
-    if (values > 0)
-        printf("  %5.1f %% %7.2f %%", 100 * values / all, 100 * json_number_at(count, "held") / values);
+    return (share){json_number_at(count, "values"), json_number_at(count, "held")};
+}
+
+static void print_part(double part, double of) {
+    if (of > 0)
+        printf(" %7.2f %%", 100 * part / of);
     else
-        printf("  %5.1f %% %9s", 0.0, "-");
+        printf(" %9s", "-");
+}
+
+/* Pixels whose samples are all alike have no interval to speak of, and are told apart. */
+static void print_shares(const json_t *row) {
+    const share trusted = share_of(row, "trusted"), doubtful = share_of(row, "doubtful"),
+                alike = share_of(row, "alike"),
+                all = {trusted.values + doubtful.values, trusted.held + doubtful.held};
+    print_part(all.held, all.values);
+    print_part(trusted.held, trusted.values);
+    print_part(doubtful.values, all.values);
+    print_part(doubtful.values - doubtful.held, doubtful.values);
+    print_part(alike.values, all.values + alike.values);
+    print_part(alike.held, alike.values);
+    putchar('\n');
 }
 
 static void print_coverage(const json_t *root) {
     size_t i;
     json_t *row;
     print_name(stdout, json_text_at(root, "scene"));
-    json_print(root,
-               ", reference of {referenceSpp:.0f} samples a pixel\n"
-               "values of pixels, by what is said of their error, and how often the stated 95 % interval "
-               "holds the truth\n");
-    printf("%8s %8s %6s %8s %7s  %17s  %17s  %17s\n", "target", "spp", "seeds", "light", "t", "trusted",
-           "doubtful", "bounds");
+    json_print(
+        root,
+        ", reference of {referenceSpp:.0f} samples a pixel\n"
+        "how often the stated 95 % interval of a pixel's value holds the truth: of all, of those that "
+        "error.doubt\n"
+        "trusts, which share it marks, and how often these fail; pixels whose samples are all alike are "
+        "apart\n");
+    printf("%8s %8s %6s %8s %7s %9s %9s %9s %9s %9s %9s\n", "target", "spp", "seeds", "light", "t", "all",
+           "trusted", "doubtful", "of it fail", "alike", "of it hold");
     json_array_foreach(json_object_get(root, "coverage"), i, row) {
-        const double all = json_number_at(row, "trusted.values") + json_number_at(row, "doubtful.values") +
-                           json_number_at(row, "bounds.values");
         json_print(row, "{targetError:8.2g} {meanSpp:8.1f} {seeds:6.0f} {light:8.4f} {t:7.2f}");
-        print_share(row, "trusted", all);
-        print_share(row, "doubtful", all);
-        print_share(row, "bounds", all);
-        putchar('\n');
+        print_shares(row);
     }
 }
 
@@ -413,7 +431,8 @@ const command command_bench_error = {
             "a shared machine it says more than the clock.\n"
             "With --adaptive: renders by even path tracing with 16 and 64 samples a pixel and\n"
             "to errors of 0.1 and 0.05, --max-spp at most, by each of the seeds, and tells\n"
-            "how often the stated 95 % interval of a value holds the reference's, and how far\n"
+            "how often the stated 95 % interval of a value holds the reference's, how often\n"
+            "it does not where error.doubt marks the pixel, and how far\n"
             "the mean of all images is from it: t is that over its standard error.\n"
             "Ctrl-C stops and writes the results of the seeds that are complete, or of the\n"
             "samples of the first seed that all patterns have; the exit code is 5.\n",
