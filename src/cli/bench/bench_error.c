@@ -432,8 +432,8 @@ const command command_bench_error = {
             "With --adaptive: renders by even path tracing with 16 and 64 samples a pixel and\n"
             "to errors of 0.1 and 0.05, --max-spp at most, by each of the seeds, and tells\n"
             "how often the stated 95 % interval of a value holds the reference's, how often\n"
-            "it does not where error.doubt marks the pixel, and how far\n"
-            "the mean of all images is from it: t is that over its standard error.\n"
+            "it does not where error.doubt marks the pixel, and how far the mean of all\n"
+            "images is from it: t is that over its standard error.\n"
             "Ctrl-C stops and writes the results of the seeds that are complete, or of the\n"
             "samples of the first seed that all patterns have; the exit code is 5.\n",
     .examples = "  fathom bench error scenes/example.json --size 480x270 --report results\n"
