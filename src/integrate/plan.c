@@ -116,10 +116,6 @@ static fathom_status plan_reference(fathom_context *context, render_plan *plan) 
     if (plan->parts.hits || plan->parts.layers || plan->parts.matte_count)
         return fail_field(context, FATHOM_BAD_USAGE, "aovs",
                           "the reference integrator makes none but samples");
-    if (plan->texturing)
-        return fail_field(context, FATHOM_BAD_USAGE, "integrator",
-                          "the reference integrator knows neither textures nor vertex colours, which this "
-                          "scene has; use path");
     const reference_settings settings = {.width = s->width,
                                          .height = s->height,
                                          .region = settings_region_of(s),

@@ -304,7 +304,9 @@ static fathom_status check(const reference_scene *r) {
     if (scene->in_studio) return lacking(scene, "lights", 0, "the built-in studio");
     if (scene->environments.count && !r->settings.environment)
         return lacking(scene, "lights", 0, "environment images");
-    if (largest(color_of(scene->ambient)) > 0) return lacking(scene, "ambient", 0, "ambient light");
+    if (scene->has_maps) return lacking(scene, "textures", 0, "textures");
+    for (size_t i = 0; i < scene->meshes.count; ++i)
+        if (scene->meshes.items[i].colors) return lacking(scene, "meshes", i, "vertex colours");
     for (size_t i = 0; i < r->primitives.count; ++i) {
         const reference_primitive *p = &r->primitives.items[i];
         const fathom_id material = r->places.items[p->place].material;
@@ -317,12 +319,12 @@ static fathom_status check(const reference_scene *r) {
     return FATHOM_OK;
 }
 
-static fathom_status make_layers(reference_scene *r) {
+static fathom_status make_albedos(reference_scene *r) {
     const size_t count = r->scene->materials.count;
-    bool made = (r->layers = calloc(count + 1, sizeof *r->layers)) != NULL;
+    bool made = (r->albedos = calloc(count + 1, sizeof *r->albedos)) != NULL;
     for (size_t i = 0; i < count && made; ++i)
-        made = reference_layers_make(&r->scene->materials.items[i].value, &r->layers[i]);
-    return made ? FATHOM_OK : fail_memory(r->scene->context, sizeof(reference_layers));
+        made = reference_albedos_make(&r->scene->materials.items[i].value, &r->albedos[i]);
+    return made ? FATHOM_OK : fail_memory(r->scene->context, sizeof(reference_albedos));
 }
 
 fathom_status reference_open(const fathom_scene *scene, const reference_settings *settings,
@@ -333,7 +335,7 @@ fathom_status reference_open(const fathom_scene *scene, const reference_settings
     r->scene = scene, r->settings = *settings;
     fathom_status status = reference_gather(r);
     if (status == FATHOM_OK) status = check(r);
-    if (status == FATHOM_OK) status = make_layers(r);
+    if (status == FATHOM_OK) status = make_albedos(r);
     if (status == FATHOM_OK)
         *out = r;
     else
@@ -343,8 +345,8 @@ fathom_status reference_open(const fathom_scene *scene, const reference_settings
 
 void reference_close(reference_scene *r) {
     if (!r) return;
-    for (size_t i = 0; r->layers && i < r->scene->materials.count; ++i) free(r->layers[i]);
-    free(r->layers);
+    for (size_t i = 0; r->albedos && i < r->scene->materials.count; ++i) free(r->albedos[i]);
+    free(r->albedos);
     array_free(&r->places);
     array_free(&r->links);
     array_free(&r->primitives);

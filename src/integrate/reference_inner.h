@@ -64,12 +64,18 @@ typedef struct reference_primitive {
                            triangle: the last twice */
 } reference_primitive;
 
-/* The share of light that the layers over a material reflect, by the cosine in even steps. */
-enum { REFERENCE_STEPS = 128 };
-typedef struct reference_layers {
+/* Albedos of a metallic-roughness material's layers. Curves over the cosine mu are given at mu = (k /
+ * REFERENCE_STEPS)^2, and those of facets at even turns from the way of the larger alpha to the other. */
+enum { REFERENCE_STEPS = 128, REFERENCE_TURNS = 8 };
+typedef struct reference_albedos {
     double coat[REFERENCE_STEPS + 1],
-        sheen[REFERENCE_STEPS + 1]; /* times the coat's strength; of white fibres */
-} reference_layers;
+        sheen[REFERENCE_STEPS + 1];                          /* times the coat's strength; of white fibres */
+    double facets[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1]; /* of a reflectance of 1 */
+    double edge[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1];   /* of (1 - v·h)^5 */
+    /* Of `multiscatter` (Kulla & Conty 2017), see reference_energy.c. */
+    vec3_f64 again;
+    double again_base, low, high, below, lost;
+} reference_albedos;
 
 struct reference_scene {
     const fathom_scene *scene;
@@ -77,10 +83,10 @@ struct reference_scene {
     ARRAY(reference_place) places;
     ARRAY(reference_link) links;
     ARRAY(reference_primitive) primitives;
-    ARRAY(uint32_t) planes;    /* of the primitives */
-    reference_layers **layers; /* by material; NULL: it has none */
-    bvh_item *items;           /* the others */
-    bvh_tree tree;             /* its leaves hold items */
+    ARRAY(uint32_t) planes;      /* of the primitives */
+    reference_albedos **albedos; /* by material; NULL: it has none that need albedos */
+    bvh_item *items;             /* the others */
+    bvh_tree tree;               /* its leaves hold items */
 };
 
 /* Where a ray meets a surface. The normals are unit and point to the viewer's side. */
@@ -90,7 +96,7 @@ typedef struct reference_surface {
     vec3_f64 along;             /* of anisotropy: unit, across the shading normal */
     bool behind;                /* the viewer is on the side that the shape's own normal does not point to */
     const fathom_material *material;
-    const reference_layers *layers; /* NULL: none */
+    const reference_albedos *albedos; /* NULL: none */
     double ratio, turn; /* indices of the far side over the viewer's, for reflectances and for directions */
     double t;
 } reference_surface;
@@ -119,8 +125,15 @@ typedef struct reference_scatter {
 
 /* The first parameter of the material that the reference refuses; NULL: none. */
 const char *reference_lacks(const fathom_material *m);
-/* *out: NULL where there are none. False without memory. */
-bool reference_layers_make(const fathom_material *m, reference_layers **out);
+/* Of dielectric and metal. */
+typedef struct reference_reflectances {
+    vec3_f64 dielectric, metal;
+    double base; /* what the dielectric leaves to the base under it */
+} reference_reflectances;
+/* Schlick's, with the film, for the cosine between v and h. slant: that of the cosine in the thinner medium,
+ * negative at total reflection. */
+reference_reflectances reference_reflect(const fathom_material *m, double ior, double slant, double cosine);
+double reference_alpha(const fathom_material *m);
 /* KHR_materials_sheen's D V. */
 double reference_fibres(const fathom_material *m, double nl, double nv, double nh);
 /* The reflectance of a thin film (KHR_materials_iridescence) on a surface of reflectance f0 at this cosine.
@@ -130,6 +143,18 @@ vec3_f64 reference_emission(const fathom_material *m);
 reference_scatter reference_scatter_of(const reference_surface *s);
 /* f |n·l| of everything but beams, for the unit direction l that light arrives from. */
 vec3_f64 reference_evaluate(const reference_surface *s, vec3_f64 l);
+
+/* ---- reference_energy.c: albedos ---- */
+
+/* *out: NULL where the material needs none. False without memory. */
+bool reference_albedos_make(const fathom_material *m, reference_albedos **out);
+/* The value of a curve of reference_albedos. */
+double reference_curve(const double *curve, double cosine);
+/* (1 - E(v)) (1 - E(l)) / (pi <1 - E>); 0 without `multiscatter`. */
+double reference_again(const reference_surface *s, vec3_f64 l);
+/* The share of light from l that reaches the base and then v; plain: without `multiscatter`. */
+double reference_base(const reference_surface *s, vec3_f64 l, double plain);
+
 /* True when the surface bounds a volume, so that light refracts. */
 bool reference_refracts(const fathom_material *m);
 /* What remains of light after so long a way through the volume. */

@@ -1,7 +1,5 @@
-/* Fibres and films of the reference (KHR_materials_sheen, _iridescence), and what layers reflect in all. */
+/* Fibres and films of the reference (KHR_materials_sheen, _iridescence). */
 #include "integrate/reference_inner.h"
-
-#include <stdlib.h>
 
 /* ---- fibres ---- */
 
@@ -21,48 +19,6 @@ double reference_fibres(const fathom_material *m, double nl, double nv, double n
     const double rough = fmax((double)m->sheen_roughness, 0.07), alpha = rough * rough;
     const double d = (2 + 1 / alpha) * pow(fmax(1 - nh * nh, 0), 0.5 / alpha) / (2 * PI);
     return d / (4 * nl * nv * (1 + shadowed(nl, alpha) + shadowed(nv, alpha)));
-}
-
-/* By midpoints over the hemisphere of l. */
-static double fibres_reflect(const fathom_material *m, double nv) {
-    enum { RINGS = 64, AROUND = 32 };
-    double sum = 0;
-    for (int i = 0; i < RINGS * AROUND; ++i) {
-        const double nl = (i / AROUND + 0.5) / RINGS, phi = PI * (i % AROUND + 0.5) / AROUND;
-        const double lv = nl * nv + sqrt((1 - nl * nl) * (1 - nv * nv)) * cos(phi);
-        sum += reference_fibres(m, nl, nv, (nl + nv) / sqrt(2 + 2 * lv)) * nl;
-    }
-    return sum * 2 * PI / (RINGS * AROUND);
-}
-
-/* ---- the clear coat ---- */
-
-/* By midpoints over half vectors, as many as D has of them: F G2 (v·h) / ((n·v) (n·h)). */
-static double coat_reflects(const fathom_material *m, double nv) {
-    enum { RINGS = 64, AROUND = 64 };
-    const double rough = (double)m->clearcoat_roughness, alpha = rough * rough, a2 = alpha * alpha;
-    double sum = 0;
-    for (int i = 0; i < RINGS * AROUND; ++i) {
-        const double u = (i / AROUND + 0.5) / RINGS, phi = PI * (i % AROUND + 0.5) / AROUND;
-        const double nh = sqrt((1 - u) / (1 - u + a2 * u));
-        const double vh = nh * nv + sqrt((1 - nh * nh) * (1 - nv * nv)) * cos(phi), nl = 2 * vh * nh - nv;
-        const double g = nl * sqrt(nv * nv * (1 - a2) + a2) + nv * sqrt(nl * nl * (1 - a2) + a2);
-        if (vh > 0 && nl > 0) sum += (0.04 + 0.96 * pow(1 - vh, 5)) * 2 * nl * nv / g * vh / (nv * nh);
-    }
-    return sum / (RINGS * AROUND);
-}
-
-bool reference_layers_make(const fathom_material *m, reference_layers **out) {
-    const bool sheen = largest(color_of(m->sheen_color)) > 0;
-    *out = NULL;
-    if (m->model == FATHOM_MODEL_CLASSIC || !(sheen || m->clearcoat > 0)) return true;
-    *out = calloc(1, sizeof **out);
-    for (int i = 0; *out && i <= REFERENCE_STEPS; ++i) {
-        const double cosine = fmax(i, 0.01) / REFERENCE_STEPS;
-        if (sheen) (*out)->sheen[i] = fibres_reflect(m, cosine);
-        if (m->clearcoat > 0) (*out)->coat[i] = (double)m->clearcoat * coat_reflects(m, cosine);
-    }
-    return *out;
 }
 
 /* ---- films: Belcour & Barla (2017), as KHR_materials_iridescence has them ---- */

@@ -1,6 +1,7 @@
 /* Scattering: the classic model of MODEL.md, and glTF's metallic-roughness (glTF 2.0, appendix B;
- * KHR_materials_ior, _specular, _transmission, _volume and those of reference_layers.c). n is the shading
- * normal, on the viewer's side; v points to the viewer, l to where light arrives from, h halves them. */
+ * KHR_materials_ior, _specular, _transmission, _volume; reference_layers.c and reference_energy.c have
+ * others). n is the shading normal, on the viewer's side; v points to the viewer, l to where light arrives
+ * from, h halves them. */
 #include "integrate/reference_inner.h"
 
 /* ---- what is implemented ---- */
@@ -17,9 +18,6 @@ const char *reference_lacks(const fathom_material *m) {
         return "clearcoat or sheen_color with transmission";
     if (m->iridescence > 0 && (reference_refracts(m) || !plain))
         return "iridescence with refraction, specular_factor or specular_color";
-    if (m->multiscatter && m->roughness > 0 &&
-        (m->metallic > 0 || m->specular_factor > 0 || m->transmission > 0))
-        return "multiscatter";
     if (reference_refracts(m) && m->ior != 1 && !plain)
         return "specular_factor or specular_color with refraction";
     return NULL;
@@ -109,19 +107,10 @@ static vec3_f64 classic_evaluate(const reference_surface *s, vec3_f64 l) {
 
 /* ---- metallic-roughness ---- */
 
-typedef struct reflectances {
-    vec3_f64 dielectric, metal;
-    double base; /* of the dielectric: what the reflection leaves to the base under it */
-} reflectances;
-
-/* Schlick's, for the cosine between v and h. Refraction takes the cosine on the side of the smaller index, so
- * that both ways of a path reflect alike. */
-static reflectances reflect_of(const reference_surface *s, double cosine) {
-    const fathom_material *m = s->material;
-    const double weight = (double)m->specular_factor, ior = reference_refracts(m) ? s->ratio : (double)m->ior;
-    const double slant = reference_refracts(m) && s->ratio < 1 ? far_cosine(cosine, s->ratio) : cosine;
+reference_reflectances reference_reflect(const fathom_material *m, double ior, double slant, double cosine) {
+    const double weight = (double)m->specular_factor, mix = (double)m->iridescence;
     const double rise = pow(1 - fmin(fmax(slant, 0), 1), 5), metal_rise = pow(1 - fmin(cosine, 1), 5);
-    const double root = (ior - 1) / (ior + 1), mix = (double)m->iridescence;
+    const double root = (ior - 1) / (ior + 1);
     const vec3_f64 f0 = scale_f64(root * root, color_of(m->specular_color)), one = gray(1);
     const vec3_f64 f0_limited = {fmin(f0.x, 1), fmin(f0.y, 1), fmin(f0.z, 1)},
                    color = color_of(m->base_color);
@@ -129,10 +118,19 @@ static reflectances reflect_of(const reference_surface *s, double cosine) {
     vec3_f64 metal = blend(color, one, metal_rise);
     if (mix > 0) dielectric = blend(dielectric, reference_film(m, f0_limited, cosine), mix);
     if (mix > 0) metal = blend(metal, reference_film(m, color, cosine), mix);
-    return (reflectances){dielectric, metal, 1 - largest(dielectric)};
+    return (reference_reflectances){dielectric, metal, 1 - largest(dielectric)};
 }
 
-static double alpha_of(const fathom_material *m) { return (double)m->roughness * (double)m->roughness; }
+/* Refraction takes the cosine on the side of the smaller index, so that both ways of a path reflect alike.
+ * The colour's own index decides on total reflection; at normal incidence all colours reflect as `ior` has
+ * it. */
+static reference_reflectances reflect_of(const reference_surface *s, double cosine) {
+    const bool refracts = reference_refracts(s->material);
+    const double slant = refracts && s->turn < 1 ? far_cosine(cosine, s->turn) : cosine;
+    return reference_reflect(s->material, refracts ? s->ratio : (double)s->material->ior, slant, cosine);
+}
+
+double reference_alpha(const fathom_material *m) { return (double)m->roughness * (double)m->roughness; }
 
 /* GGX's D times G over 4 nl nv, with Smith's height-correlated G; of two alphas as KHR_materials_anisotropy
  * has them. l may be on either side. */
@@ -147,21 +145,19 @@ static double lobe_of(const reference_surface *s, vec3_f64 h, vec3_f64 l, double
 }
 
 static double base_lobe(const reference_surface *s, vec3_f64 h, vec3_f64 l) {
-    const double across = alpha_of(s->material), part = (double)s->material->anisotropy;
+    const double across = reference_alpha(s->material), part = (double)s->material->anisotropy;
     return lobe_of(s, h, l, across + (1 - across) * part * part, across);
 }
 
 /* Light passes by one direction instead of being scattered. */
 static bool passes_clear(const reference_surface *s) {
-    return alpha_of(s->material) == 0 || (reference_refracts(s->material) && s->ratio == 1);
+    return reference_alpha(s->material) == 0 || (reference_refracts(s->material) && s->ratio == 1);
 }
 
 /* ---- what lies over it: a clear coat (index 1.5) over fibres over all else ---- */
 
-static double value_at(const double *table, double cosine) {
-    const double at = fmin(fabs(cosine), 1) * REFERENCE_STEPS;
-    const int low = (int)fmin(at, REFERENCE_STEPS - 1);
-    return table[low] + (at - low) * (table[low + 1] - table[low]);
+static bool is_covered(const fathom_material *m) {
+    return m->clearcoat > 0 || largest(color_of(m->sheen_color)) > 0;
 }
 
 static double coat_reflects(double cosine) { return 0.04 + 0.96 * pow(1 - fmin(cosine, 1), 5); }
@@ -169,20 +165,20 @@ static double coat_reflects(double cosine) { return 0.04 + 0.96 * pow(1 - fmin(c
 /* The share of light that passes the layers from l and to v. */
 static double below_layers(const reference_surface *s, double nl, double nv, double *below_coat) {
     *below_coat = 1;
-    if (!s->layers) return 1;
+    if (!is_covered(s->material)) return 1;
     const double most = largest(color_of(s->material->sheen_color));
-    const double all = fmax(value_at(s->layers->sheen, nl), value_at(s->layers->sheen, nv));
-    *below_coat = (1 - value_at(s->layers->coat, nl)) * (1 - value_at(s->layers->coat, nv));
+    const double all = fmax(reference_curve(s->albedos->sheen, nl), reference_curve(s->albedos->sheen, nv));
+    *below_coat = (1 - reference_curve(s->albedos->coat, nl)) * (1 - reference_curve(s->albedos->coat, nv));
     return *below_coat * (1 - most * fmin(all, 1));
 }
 
 /* The reflection of the layers themselves: f without the cosine. */
 static vec3_f64 layers_reflect(const reference_surface *s, vec3_f64 l, vec3_f64 h, double below_coat) {
     const fathom_material *m = s->material;
-    if (!s->layers) return gray(0);
+    if (!is_covered(m)) return gray(0);
     const double nl = dot_f64(s->normal, l), nv = dot_f64(s->normal, s->to_viewer);
     const double rough = (double)m->clearcoat_roughness, alpha = rough * rough;
-    const double all = fmax(value_at(s->layers->sheen, nl), value_at(s->layers->sheen, nv));
+    const double all = fmax(reference_curve(s->albedos->sheen, nl), reference_curve(s->albedos->sheen, nv));
     const double coat = (double)m->clearcoat * coat_reflects(dot_f64(h, l)) * lobe_of(s, h, l, alpha, alpha);
     const double fibres = reference_fibres(m, nl, nv, dot_f64(s->normal, h)) / fmax(all, 1);
     return madd_f64(gray(coat), below_coat * fibres, color_of(m->sheen_color));
@@ -196,13 +192,13 @@ static reference_scatter metallic_scatter(const reference_surface *s) {
     const double metallic = (double)m->metallic, through = (1 - metallic) * (double)m->transmission;
     const double diffuse = 1 - metallic - through, behind = diffuse * (double)m->diffuse_transmission;
     const double nv = dot_f64(s->normal, s->to_viewer);
-    const reflectances f = reflect_of(s, nv);
-    const bool smooth = alpha_of(m) == 0, clear = passes_clear(s);
+    const reference_reflectances f = reflect_of(s, nv);
+    const bool smooth = reference_alpha(m) == 0, clear = passes_clear(s);
     double below_coat;
     const double below = below_layers(s, nv, nv, &below_coat);
-    reference_scatter out = {.front = smooth && !s->layers ? largest(base) * (diffuse - behind) : 1,
+    reference_scatter out = {.front = smooth && !is_covered(m) ? largest(base) * (diffuse - behind) : 1,
                              .back = (clear ? 0 : through * largest(base)) + behind * largest(leaf)};
-    if (s->layers && m->clearcoat_roughness == 0)
+    if (m->clearcoat > 0 && m->clearcoat_roughness == 0)
         add_beam(&out, mirror_direction(s), gray((double)m->clearcoat * coat_reflects(nv)));
     if (smooth) add_beam(&out, mirror_direction(s), scale_f64(below, blend(f.dielectric, f.metal, metallic)));
     if (clear)
@@ -220,10 +216,12 @@ static vec3_f64 diffuse_of(const fathom_material *m, bool behind, double base) {
 
 static vec3_f64 metallic_reflect(const reference_surface *s, vec3_f64 l, vec3_f64 h) {
     const fathom_material *m = s->material;
-    const reflectances f = reflect_of(s, dot_f64(h, s->to_viewer));
-    const double lobe = base_lobe(s, h, l);
-    const vec3_f64 dielectric = madd_f64(diffuse_of(m, false, f.base), lobe, f.dielectric);
-    return blend(dielectric, scale_f64(lobe, f.metal), (double)m->metallic);
+    const reference_reflectances f = reflect_of(s, dot_f64(h, s->to_viewer));
+    const double lobe = base_lobe(s, h, l), again = reference_again(s, l);
+    const vec3_f64 diffuse = diffuse_of(m, false, reference_base(s, l, f.base));
+    const vec3_f64 once =
+        blend(madd_f64(diffuse, lobe, f.dielectric), scale_f64(lobe, f.metal), (double)m->metallic);
+    return again > 0 ? madd_f64(once, again, s->albedos->again) : once;
 }
 
 /* Thin walls: the reflected lobe, mirrored to the far side. Others: Walter et al. 2007, equation 21, times
@@ -244,7 +242,9 @@ static vec3_f64 metallic_transmit(const reference_surface *s, vec3_f64 l) {
     const fathom_material *m = s->material;
     const vec3_f64 front = madd_f64(l, -2 * dot_f64(s->normal, l), s->normal);
     const vec3_f64 h = normalize_f64(add_f64(s->to_viewer, front));
-    vec3_f64 sum = diffuse_of(m, true, reflect_of(s, dot_f64(h, s->to_viewer)).base);
+    const double again = reference_refracts(m) ? 0 : reference_again(s, l) * (double)m->transmission;
+    vec3_f64 sum = diffuse_of(m, true, reference_base(s, l, reflect_of(s, dot_f64(h, s->to_viewer)).base));
+    if (again > 0) sum = madd_f64(sum, again * (1 - s->albedos->again_base), color_of(m->base_color));
     if (!passes_clear(s) && m->transmission > 0) {
         double cosine;
         const double lobe = transmitted_lobe(s, l, front, &cosine);

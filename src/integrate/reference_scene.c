@@ -264,7 +264,7 @@ static void make_surface(const reference_scene *r, const query *q, reference_sur
     out->point = madd_f64(q->origin, q->hit.t, q->direction);
     out->to_viewer = neg_f64(q->direction);
     out->material = &r->scene->materials.items[at.material].value;
-    out->layers = r->layers[at.material];
+    out->albedos = r->albedos[at.material];
     out->t = q->hit.t;
     vec3_f64 own = cross_f64(sub_f64(c[1], c[0]), sub_f64(c[3], c[0]));
     if (p->kind == SCENE_SPHERE) own = sub_f64(affine_point(&at.to_object, out->point), c[0]);

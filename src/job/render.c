@@ -225,7 +225,7 @@ static fathom_status render_scene(fathom_context *context, const fathom_scene *s
         warn(context, "environments are left out, which only the integrator `path` renders: %zu",
              scene->environments.count);
     if (status == FATHOM_OK && parts_ambient(scene) && !scene->lights_made &&
-        settings->integrator == FATHOM_INTEGRATOR_PATH)
+        settings->integrator != FATHOM_INTEGRATOR_CLASSIC)
         warn(context, "ambient light is left out, which only the integrator `classic` has; paths find the "
                       "light of a background");
     trace_tracer *tracer = NULL;

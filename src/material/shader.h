@@ -56,7 +56,7 @@
  *
  * dispersion: refraction of the three channels by ior - d, ior and ior + d, d = 0.025 (ior - 1) dispersion,
  * but no less than 1.0001. A path that crosses such a surface carries one of them from then on, three times
- * (integrate/path.c). Reflectances are those of ior.
+ * (integrate/path.c). F0 is that of ior; angles, and with them total reflection, are the channel's own.
  *
  * opacity is coverage: a smooth lobe takes light straight past the surface, and all else counts by opacity.
  */

@@ -1,0 +1,194 @@
+/* Albedos of the layers of a metallic-roughness material, by quadrature, and what `multiscatter` makes of
+ * them: light that leaves the facets after more scatterings comes back evenly (Kulla & Conty 2017). With E
+ * the albedo of facets that reflect all, S a reflectance, R the dielectric's albedo with all scatterings, C
+ * what the coat lets through, and <> the mean over the cosine: again = <S>^2 <E> / (1 - <S> (1 - <E>)),   R =
+ * S's albedo + again (1 - E),   below = <(1 - R) C>
+ */
+#include "integrate/reference_inner.h"
+
+#include <stdlib.h>
+
+/* ---- curves ---- */
+
+/* The cosine of a node; the first is not 0, where albedos are limits. */
+static double node(int i) {
+    const double x = fmax(i, 0.5) / REFERENCE_STEPS;
+    return x * x;
+}
+
+double reference_curve(const double *curve, double cosine) {
+    const double at = sqrt(fmin(fabs(cosine), 1)) * REFERENCE_STEPS;
+    const int low = (int)fmin(at, REFERENCE_STEPS - 1);
+    return curve[low] + (at - low) * (curve[low + 1] - curve[low]);
+}
+
+/* Of facets, for the direction d in their frame. */
+static double facets_at(const double curves[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1], vec3_f64 d) {
+    const double sum = fabs(d.x) + fabs(d.y), at = sum > 0 ? fabs(d.y) / sum * REFERENCE_TURNS : 0;
+    const int low = (int)fmin(at, REFERENCE_TURNS - 1);
+    const double a = reference_curve(curves[low], d.z), b = reference_curve(curves[low + 1], d.z);
+    return a + (at - low) * (b - a);
+}
+
+/* ---- integrals ---- */
+
+/* By midpoints over the hemisphere of l. */
+static double fibres_reflect(const fathom_material *m, double nv) {
+    enum { RINGS = 64, AROUND = 32 };
+    double sum = 0;
+    for (int i = 0; i < RINGS * AROUND; ++i) {
+        const double nl = (i / AROUND + 0.5) / RINGS, phi = PI * (i % AROUND + 0.5) / AROUND;
+        const double lv = nl * nv + sqrt((1 - nl * nl) * (1 - nv * nv)) * cos(phi);
+        sum += reference_fibres(m, nl, nv, (nl + nv) / sqrt(2 + 2 * lv)) * nl;
+    }
+    return sum * 2 * PI / (RINGS * AROUND);
+}
+
+static double stretched(double along, double across, vec3_f64 d) {
+    return length_f64(vec_f64(along * d.x, across * d.y, d.z));
+}
+
+/* By midpoints over half vectors, as many as D has of them: G2 (v·h) / ((n·v) (n·h)), and the same times
+ * (1 - v·h)^5. */
+static void facets_reflect(double along, double across, vec3_f64 v, double *all, double *edge) {
+    enum { RINGS = 64, AROUND = 64 };
+    *all = *edge = 0;
+    for (int i = 0; i < RINGS * AROUND; ++i) {
+        const double u = (i / AROUND + 0.5) / RINGS, phi = 2 * PI * (i % AROUND + 0.5) / AROUND;
+        const double slope = sqrt(u / (1 - u));
+        const vec3_f64 h = normalize_f64(vec_f64(along * slope * cos(phi), across * slope * sin(phi), 1));
+        const double vh = dot_f64(v, h);
+        const vec3_f64 l = sub_f64(scale_f64(2 * vh, h), v);
+        if (!(vh > 0 && l.z > 0)) continue;
+        const double g = l.z * stretched(along, across, v) + v.z * stretched(along, across, l);
+        const double part = 2 * l.z * vh / (g * h.z) / (RINGS * AROUND);
+        *all += part, *edge += part * pow(1 - vh, 5);
+    }
+}
+
+static double alpha_along(const fathom_material *m) {
+    const double across = reference_alpha(m), part = (double)m->anisotropy;
+    return across + (1 - across) * part * part;
+}
+
+static void make_facets(const fathom_material *m, reference_albedos *out) {
+    const double across = reference_alpha(m), along = alpha_along(m);
+    for (int i = 0; i < (REFERENCE_TURNS + 1) * (REFERENCE_STEPS + 1); ++i) {
+        const int turn = i / (REFERENCE_STEPS + 1), step = i % (REFERENCE_STEPS + 1);
+        const double cosine = node(step), sine = sqrt(1 - cosine * cosine);
+        const double y = (double)turn / REFERENCE_TURNS, length = hypot(1 - y, y);
+        const vec3_f64 v = {sine * (1 - y) / length, sine * y / length, cosine};
+        double *all = &out->facets[turn][step], *edge = &out->edge[turn][step];
+        if (turn && along == across)
+            *all = out->facets[0][step], *edge = out->edge[0][step];
+        else if (along > 0)
+            facets_reflect(along, across, v, all, edge);
+        else
+            *all = 1, *edge = pow(1 - cosine, 5);
+    }
+}
+
+/* ---- several scatterings ---- */
+
+/* Directions spread by the cosine over a quarter of the hemisphere. */
+enum { RINGS = 256, AROUND = 16 };
+static vec3_f64 spread(int i) {
+    const double z2 = (i / AROUND + 0.5) / RINGS, angle = PI / 2 * (i % AROUND + 0.5) / AROUND;
+    return vec_f64(sqrt(1 - z2) * cos(angle), sqrt(1 - z2) * sin(angle), sqrt(z2));
+}
+
+static double again_of(double reflectance, double mean) {
+    return reflectance * reflectance * mean / (1 - reflectance * (1 - mean));
+}
+
+/* The layer that the base is under: a film counts as Schlick's curve that is nowhere below it. */
+static void make_layer(const fathom_material *m, reference_albedos *out) {
+    enum { LOOKS = 256 };
+    out->low = largest(reference_reflect(m, (double)m->ior, 1, 1).dielectric);
+    out->high = m->iridescence > 0 ? 1 : (double)m->specular_factor;
+    for (int k = 1; k < LOOKS && m->iridescence > 0; ++k) {
+        const double cosine = (double)k / LOOKS * k / LOOKS, rise = pow(1 - cosine, 5);
+        const double film = largest(reference_reflect(m, (double)m->ior, cosine, cosine).dielectric);
+        out->low = fmin(fmax(out->low, (film - rise) / (1 - rise)), 1);
+    }
+}
+
+static void make_again(const fathom_material *m, reference_albedos *out) {
+    const double metallic = (double)m->metallic;
+    double mean = 0;
+    vec3_f64 base = gray(0), metal = gray(0);
+    for (int i = 0; i < RINGS * AROUND; ++i) {
+        const vec3_f64 d = spread(i);
+        const reference_reflectances f = reference_reflect(m, (double)m->ior, d.z, d.z);
+        mean += facets_at(out->facets, d) / (RINGS * AROUND);
+        base = madd_f64(base, 1.0 / (RINGS * AROUND), f.dielectric);
+        metal = madd_f64(metal, 1.0 / (RINGS * AROUND), f.metal);
+    }
+    const vec3_f64 both = blend(base, metal, metallic);
+    const vec3_f64 parts =
+        blend(vec_f64(again_of(base.x, mean), again_of(base.y, mean), again_of(base.z, mean)),
+              vec_f64(again_of(metal.x, mean), again_of(metal.y, mean), again_of(metal.z, mean)), metallic);
+    /* A film covers metal and dielectric as one. */
+    out->again = m->iridescence > 0
+                     ? vec_f64(again_of(both.x, mean), again_of(both.y, mean), again_of(both.z, mean))
+                     : parts;
+    out->again_base = again_of(out->low + (out->high - out->low) / 21, mean);
+    out->lost = 1 - mean;
+}
+
+static double under(const reference_albedos *a, vec3_f64 d) {
+    const double all = facets_at(a->facets, d), edge = facets_at(a->edge, d);
+    return 1 - a->low * (all - edge) - a->high * edge - a->again_base * (1 - all);
+}
+
+static void make_even(const fathom_material *m, reference_albedos *out) {
+    make_facets(m, out);
+    make_layer(m, out);
+    make_again(m, out);
+    for (int i = 0; i < RINGS * AROUND; ++i) {
+        const vec3_f64 d = spread(i);
+        out->below += under(out, d) * (1 - reference_curve(out->coat, d.z)) / (RINGS * AROUND);
+    }
+}
+
+bool reference_albedos_make(const fathom_material *m, reference_albedos **out) {
+    const bool sheen = largest(color_of(m->sheen_color)) > 0, coat = m->clearcoat > 0;
+    const double rough = (double)m->clearcoat_roughness, alpha = rough * rough;
+    *out = NULL;
+    if (m->model == FATHOM_MODEL_CLASSIC || !(sheen || coat || m->multiscatter)) return true;
+    *out = calloc(1, sizeof **out);
+    if (!*out) return false;
+    for (int i = 0; i <= REFERENCE_STEPS; ++i) {
+        const double cosine = node(i);
+        double all, edge = pow(1 - cosine, 5);
+        if (sheen) (*out)->sheen[i] = fibres_reflect(m, cosine);
+        if (!coat) continue;
+        all = 1;
+        if (alpha > 0)
+            facets_reflect(alpha, alpha, vec_f64(sqrt(1 - cosine * cosine), 0, cosine), &all, &edge);
+        (*out)->coat[i] = (double)m->clearcoat * (0.04 * all + 0.96 * edge);
+    }
+    if (m->multiscatter) make_even(m, *out);
+    return true;
+}
+
+/* ---- at a surface ---- */
+
+static vec3_f64 in_frame(const reference_surface *s, vec3_f64 d) {
+    return vec_f64(dot_f64(d, s->along), dot_f64(d, cross_f64(s->normal, s->along)), dot_f64(d, s->normal));
+}
+
+double reference_again(const reference_surface *s, vec3_f64 l) {
+    const reference_albedos *a = s->albedos;
+    if (!s->material->multiscatter || !(a->lost > 1e-6)) return 0;
+    const double from_l = facets_at(a->facets, in_frame(s, l));
+    return (1 - from_l) * (1 - facets_at(a->facets, in_frame(s, s->to_viewer))) / (PI * a->lost);
+}
+
+/* From inside a solid, the base is as without `multiscatter`. */
+double reference_base(const reference_surface *s, vec3_f64 l, double plain) {
+    const reference_albedos *a = s->albedos;
+    const bool inside = s->behind && reference_refracts(s->material) && s->material->ior != 1;
+    if (!s->material->multiscatter || inside) return plain;
+    return a->below > 1e-4 ? under(a, in_frame(s, l)) * under(a, in_frame(s, s->to_viewer)) / a->below : 0;
+}
