@@ -36,12 +36,12 @@ void energy_means(float alpha, float *all, float *edge);
 /* The same of lobes with two alphas, over the cosine and the turn about the normal: nodes at |sin| / (|sin| +
  * |cos|) = j / ENERGY_TURNS of the angle to the larger alpha's way, linear between. Tables are made when they
  * are first asked for, and stay. */
-enum { ENERGY_TURNS = 8 };
+enum { ENERGY_TURNS = 16 };
 typedef struct energy_table {
     float albedo[2][ENERGY_TURNS + 1][ENERGY_NODES]; /* all, and edge */
     float around[2][ENERGY_NODES];                   /* their means about the normal */
 } energy_table;
-/* The four tables around a pair of alphas, and their parts. Within 4e-3. */
+/* The four tables around a pair of alphas, and their parts. Within 3e-3. */
 typedef struct energy_stretch {
     const energy_table *table[4];
     float weight[4];

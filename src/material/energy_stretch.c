@@ -7,7 +7,7 @@
 #include <pthread.h>
 
 /* Tables at alphas (j / STEPS)^4. */
-enum { STEPS = 36, AROUND = 16, ALONG = 24 };
+enum { STEPS = 36, AROUND = 32, ALONG = 32 };
 static energy_table tables[STEPS + 1][STEPS + 1]; /* along, across */
 static bool made[STEPS + 1][STEPS + 1];
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;

@@ -118,8 +118,6 @@ static void unknown_parameters_are_refused_by_name(void **state) {
     m.clearcoat = m.transmission = 1, refused_with(m, "clearcoat");
     m.clearcoat = 0, m.sheen_color[1] = 1, refused_with(m, "sheen_color");
     m.sheen_color[1] = 0, m.iridescence = m.thickness = 1, refused_with(m, "iridescence");
-    m = law_metallic(), m.roughness = 0.5f, m.metallic = 1;
-    m.multiscatter = true, refused_with(m, "multiscatter");
     m = law_metallic(), m.transmission = m.thickness = 1;
     m.specular_factor = 0.5f, refused_with(m, "specular_factor");
 }
