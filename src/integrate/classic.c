@@ -64,7 +64,7 @@ static void add_background(wave *w, const trace_block *block, const path_block *
     }
 }
 
-const wave_stages classic_stages = {make_bsdfs, add_background};
+const wave_stages classic_stages = {make_bsdfs, add_background, NULL};
 
 /* ---- light ---- */
 
@@ -135,7 +135,7 @@ static void push_light(wave *w, size_t block, uint32_t index, bool first) {
 /* Light by light, since rays to one point run alike. */
 static bool add_light(wave *w, uint32_t index, bool first) {
     const uint64_t faint = w->run.rays.faint;
-    if (!wave_begin_shadows(w)) return false;
+    if (!wave_begin_shadows(w, w->vertex_count)) return false;
     for (size_t b = 0; b < wave_blocks(w->vertex_count); ++b) push_light(w, b, index, first);
     if (!wave_cast_shadows(w, first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
     w->run.rays.unlit += w->vertex_count - w->shadows.count - (w->run.rays.faint - faint);

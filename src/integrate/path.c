@@ -71,8 +71,6 @@ static void begin_vertices(wave *w, vertex_block *v) {
     if (w->run.samples.first && p->depth) path_show_features(p, v);
 }
 
-static const wave_stages path_stages = {begin_vertices, path_add_outside};
-
 /* ---- light that vertices ask for ---- */
 
 static bool lit_from_both_sides(const vertex_block *v, unsigned i) { return v->shader.at[i]->transmits; }
@@ -113,9 +111,8 @@ static void note_tags(const path_wave *p, const vertex_block *v, const emitter_s
     }
 }
 
-static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
+static void push_light(path_wave *p, const vertex_block *v, const float choice[LANES]) {
     const render_plan *plan = p->wave.run.plan;
-    const vertex_block *v = &p->wave.vertices[block];
     emitter_query query;
     emitter_sample light;
     light_block ray;
@@ -135,23 +132,14 @@ static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
     if (plan->dispersive) path_part_lights(p, v, behind, gain);
     note_depths(v, &light, &ray, behind, &depths);
     if (p->wave.run.samples.layers) note_tags(p, v, &light, &depths);
-    wave_push_shadows(&p->wave, block, 0, &ray, &depths, gain, p->depth == 0);
+    wave_push_shadows(&p->wave, 0, 0, &ray, &depths, gain, p->depth == 0);
 }
 
 /* ---- the way on ---- */
 
-/* Russian roulette begins at the fourth vertex. The chance to go on is the largest part of the weight, so
- * that weights grow to 1 at most; what the camera would see of a path says nothing about the light it will
- * meet. */
+/* Russian roulette begins at the third vertex. At the second, it would end the paths that find most of the
+ * light that walls send on; later it would cost more rays than it saves noise (bench/README.md). */
 #define ROULETTE_FROM 3
-
-static bool goes_on(const path_wave *p, float weight[3], float u) {
-    const float most = fmaxf(fmaxf(weight[0], weight[1]), weight[2]);
-    if (!(most > 0)) return false;
-    if (p->depth < ROULETTE_FROM || most >= 1) return true;
-    for (int c = 0; c < 3; ++c) weight[c] /= most;
-    return u < most;
-}
 
 /* A direction of density d stands for others within about 1/sqrt(d) of it. A small part of that keeps what
  * is looked up close to the point. */
@@ -185,35 +173,56 @@ static void leave_vertex(path_wave *p, const surface_block *s, const shader_samp
     p->passed[slot] = 0;
 }
 
-static void push_path(path_wave *p, const vertex_block *v, const shader_sample *to, const float weight[3],
-                      unsigned i) {
-    wave *w = &p->wave;
+/* What the path in lane i carries on. */
+static void keep_path(path_wave *p, const vertex_block *v, const shader_sample *to, unsigned i) {
     const surface_block *s = &v->surface;
-    const size_t lane = w->next.count % LANES;
-    trace_rays *rays = &w->next.rays[w->next.count / LANES].rays;
-    path_block *path = &w->next.paths[w->next.count / LANES];
     const uint32_t slot = v->path.slot[i];
-    const bool through = to->through[i] != 0, both = lit_from_both_sides(v, i);
-    const float off = through ? -s->offset[i] : s->offset[i];
-    rays->org_x[lane] = surface_start(s->p[0][i], off, s->ng[0][i]);
-    rays->org_y[lane] = surface_start(s->p[1][i], off, s->ng[1][i]);
-    rays->org_z[lane] = surface_start(s->p[2][i], off, s->ng[2][i]);
-    rays->dir_x[lane] = to->direction[0][i];
-    rays->dir_y[lane] = to->direction[1][i];
-    rays->dir_z[lane] = to->direction[2][i];
-    rays->t_near[lane] = w->run.plan->t_near;
-    rays->t_far[lane] = INFINITY;
-    if (w->run.plan->texturing && !to->straight[i]) widen_cone(p, v, to, i);
-    for (int c = 0; c < 3; ++c) path->weight[c][lane] = weight[c];
+    const render_plan *plan = p->wave.run.plan;
     const bool hidden = v->shader.at[i] == &p->hidden;
-    leave_vertex(p, s, to, i, both, hidden, slot);
-    path->slot[lane] = slot;
-    path->depth[lane] = through ? v->depth_behind[i] : v->path.depth[i];
-    if (through && (!to->straight[i] || hidden) && p->media && w->run.plan->shaders[s->material[i]].encloses)
+    if (plan->texturing && !to->straight[i]) widen_cone(p, v, to, i);
+    leave_vertex(p, s, to, i, lit_from_both_sides(v, i), hidden, slot);
+    if (to->through[i] && (!to->straight[i] || hidden) && p->media && plan->shaders[s->material[i]].encloses)
         media_cross(p->media, slot, s->material[i], s->entering[i] != 0);
-    w->run.rays.refraction += through;
-    w->run.rays.reflection += !through;
-    ++w->next.count;
+}
+
+/* A whole block stays one. */
+static void push_block(path_wave *p, const trace_rays *rays, const path_block *path) {
+    path_queue *next = &p->wave.next;
+    next->rays[next->count / LANES].rays = *rays;
+    next->paths[next->count / LANES] = *path;
+    next->count += LANES;
+}
+
+static void push_lane(path_wave *p, const trace_rays *rays, const path_block *path, unsigned i) {
+    path_queue *next = &p->wave.next;
+    const size_t lane = next->count % LANES;
+    path_block *to = &next->paths[next->count / LANES];
+    trace_rays_move(rays, i, &next->rays[next->count / LANES].rays, lane);
+    for (int c = 0; c < 3; ++c) to->weight[c][lane] = path->weight[c][i];
+    to->slot[lane] = path->slot[i], to->depth[lane] = path->depth[i];
+    ++next->count;
+}
+
+/* lanes: as bits, those that go on. */
+static void push_lanes(path_wave *p, const vertex_block *v, const shader_sample *to, path_block *path,
+                       uint32_t lanes) {
+    trace_rays rays;
+    uint32_t crossed = 0;
+    p->wave.run.plan->path_kernels->depart(&v->surface, to, p->wave.run.plan->t_near, &rays);
+    for (uint32_t left = lanes; left; left &= left - 1) keep_path(p, v, to, (unsigned)__builtin_ctz(left));
+    memcpy(path->slot, v->path.slot, sizeof path->slot);
+    for (unsigned i = 0; i < LANES; ++i) {
+        path->depth[i] = to->through[i] ? v->depth_behind[i] : v->path.depth[i];
+        crossed |= to->through[i] ? 1u << i : 0;
+    }
+    crossed &= lanes;
+    p->wave.run.rays.refraction += (unsigned)__builtin_popcount(crossed);
+    p->wave.run.rays.reflection += (unsigned)__builtin_popcount(lanes & ~crossed);
+    if (lanes == (1u << LANES) - 1 && p->wave.next.count % LANES == 0) {
+        push_block(p, &rays, path);
+        return;
+    }
+    for (; lanes; lanes &= lanes - 1) push_lane(p, &rays, path, (unsigned)__builtin_ctz(lanes));
 }
 
 static void pass_alone(const path_wave *p, vertex_block *v) {
@@ -224,38 +233,69 @@ static void pass_alone(const path_wave *p, vertex_block *v) {
     }
 }
 
-static void push_paths(path_wave *p, size_t block, const float choice[LANES]) {
-    vertex_block *v = &p->wave.vertices[block];
-    lanes3 u;
-    float roulette[2][LANES] = {{0}};
-    shader_sample to;
-    numbers(p, v, SAMPLE_SCATTER, u);
-    if (p->depth >= ROULETTE_FROM) numbers(p, v, SAMPLE_ROULETTE, roulette);
-    memcpy(u[2], choice, sizeof u[2]);
-    if (p->wave.run.plan->covered) pass_alone(p, v);
-    p->wave.run.plan->shader_kernels->sample(&v->surface, &v->shader, u, &to);
+/* Light of all channels but one ends where they part. */
+static void part_paths(path_wave *p, const vertex_block *v, const shader_sample *to, lanes3 weight) {
     for (unsigned i = 0; i < v->surface.count; ++i) {
-        float weight[3];
-        for (int c = 0; c < 3; ++c) weight[c] = limited(v->path.weight[c][i] * to.weight[c][i]);
-        if (p->wave.run.plan->dispersive && !to.straight[i] &&
-            path_part_channels(p, v, i, to.through[i] != 0, weight))
-            p->channel[v->path.slot[i]] = (uint8_t)v->shader.channel[i];
-        if (goes_on(p, weight, roulette[0][i])) push_path(p, v, &to, weight, i);
+        float rgb[3] = {weight[0][i], weight[1][i], weight[2][i]};
+        if (to->straight[i] || !path_part_channels(p, v, i, to->through[i] != 0, rgb)) continue;
+        p->channel[v->path.slot[i]] = (uint8_t)v->shader.channel[i];
+        for (int c = 0; c < 3; ++c) weight[c][i] = rgb[c];
     }
 }
 
-/* Fills `next`, and adds the light that the vertices see. */
-static bool scatter(path_wave *p) {
+static void push_paths(path_wave *p, vertex_block *v, const float choice[LANES]) {
+    const render_plan *plan = p->wave.run.plan;
+    const bool roulette = p->depth >= ROULETTE_FROM;
+    lanes3 u;
+    float chance[2][LANES];
+    shader_sample to;
+    path_block path;
+    numbers(p, v, SAMPLE_SCATTER, u);
+    if (roulette) numbers(p, v, SAMPLE_ROULETTE, chance);
+    memcpy(u[2], choice, sizeof u[2]);
+    if (plan->covered) pass_alone(p, v);
+    plan->shader_kernels->sample(&v->surface, &v->shader, u, &to);
+    plan->path_kernels->carry(&v->path, &to, path.weight);
+    if (plan->dispersive) part_paths(p, v, &to, path.weight);
+    const uint32_t lanes = plan->path_kernels->survive(roulette ? chance[0] : NULL, path.weight) &
+                           ((1u << v->surface.count) - 1);
+    if (lanes) push_lanes(p, v, &to, &path, lanes);
+}
+
+/* Depths of the first hits along the view of a camera that moves. */
+static void find_depths(path_wave *p, const vertex_block *v) {
     wave *w = &p->wave;
-    const bool lit = !emitters_none(w->run.plan->emitters);
-    if (!wave_reserve_paths(w, &w->next, w->vertex_count) || !wave_begin_shadows(w)) return false;
-    for (size_t b = 0; b < wave_blocks(w->vertex_count); ++b) {
-        float choice[2][LANES];
-        choices(p, &w->vertices[b], choice);
-        if (lit) push_light(p, b, choice[0]);
-        push_paths(p, b, choice[1]);
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        shade_camera camera;
+        wave_camera_when(w->run.plan, w->times[slot], &camera);
+        const vec3_f32 way = sub_f32(of_lane(v->surface.p, i), camera.eye);
+        w->run.samples.first->z[slot] = (float)dot_f64(widen(way), camera.view);
     }
-    if (!lit) return true;
+}
+
+/* Fills `next`, and asks for the light that the vertices see. */
+static void scatter(wave *w, vertex_block *v) {
+    path_wave *p = (path_wave *)w;
+    float choice[2][LANES];
+    if (p->depth == 0 && w->run.samples.first && w->run.plan->camera_moves) find_depths(p, v);
+    if (p->ends) return;
+    choices(p, v, choice);
+    if (p->lit) push_light(p, v, choice[0]);
+    push_paths(p, v, choice[1]);
+}
+
+static const wave_stages path_stages = {begin_vertices, path_add_outside, scatter};
+
+static bool begin_scatter(path_wave *p) {
+    wave *w = &p->wave;
+    w->next.count = 0;
+    return p->ends || (wave_reserve_paths(w, &w->next, w->now.count) && wave_begin_shadows(w, w->now.count));
+}
+
+static bool add_lights(path_wave *p) {
+    wave *w = &p->wave;
+    if (!p->lit || p->ends) return true;
     if (!wave_cast_shadows(w, p->depth == 0 ? TRACE_NEIGHBOURS : TRACE_INCOHERENT)) return false;
     w->run.rays.unlit += w->vertex_count - w->shadows.count;
     return true;
@@ -263,28 +303,13 @@ static bool scatter(path_wave *p) {
 
 /* ---- the way of the paths ---- */
 
-/* Depths of the first hits along the view of a camera that moves. */
-static void find_depths(path_wave *p) {
-    wave *w = &p->wave;
-    for (size_t k = 0; k < w->vertex_count; ++k) {
-        const vertex_block *v = &w->vertices[k / LANES];
-        const uint32_t slot = v->path.slot[k % LANES];
-        shade_camera camera;
-        wave_camera_when(w->run.plan, w->times[slot], &camera);
-        const vec3_f32 way = sub_f32(of_lane(v->surface.p, k % LANES), camera.eye);
-        w->run.samples.first->z[slot] = (float)dot_f64(widen(way), camera.view);
-    }
-}
-
 static bool step(path_wave *p) {
     wave *w = &p->wave;
     const bool first = p->depth == 0, last = p->depth >= w->run.plan->max_depth && !w->run.plan->covered;
+    p->ends = last;
     if (!wave_trace(w, 0, w->now.count, first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
     if (!first && !wave_sort_hits(w)) return false;
-    if (!wave_surfaces(w, first)) return false;
-    if (first && w->run.samples.first && w->run.plan->camera_moves) find_depths(p);
-    w->next.count = 0;
-    if (!last && !scatter(p)) return false;
+    if (!begin_scatter(p) || !wave_surfaces(w, first) || !add_lights(p)) return false;
     const path_queue kept = w->now;
     w->now = w->next;
     w->next = kept;
@@ -341,6 +366,7 @@ static bool run(integration *state, const wave_region *region, const wave_batch 
     path_wave *p = (path_wave *)state;
     wave *w = &p->wave;
     wave_begin_samples(w);
+    p->lit = !emitters_none(w->run.plan->emitters);
     begin(p, batch);
     if (!wave_camera_rays(w, region, batch)) return false;
     if (w->run.plan->camera_moves || w->run.plan->camera.parallel) begin_at_eyes(p);

@@ -4,6 +4,7 @@
 
 #include "integrate/kernels.h"
 #include "light/emitters.h"
+#include "material/shader.h"
 #include "surface/surface.h"
 
 /* a^2 / (a^2 + b^2). `a` may be infinite, and is not 0. */
@@ -21,6 +22,16 @@ typedef struct path_kernels {
      * where paths have had their bounces. */
     void (*weigh)(const path_block *path, const emitter_sample *light, const lanes3 f,
                   const float density[LANES], const uint32_t done[LANES], lanes3 gain);
+
+    /* The weights of paths that go on as `to` says. */
+    void (*carry)(const path_block *path, const shader_sample *to, lanes3 weight);
+
+    /* The lanes, as bits, that go on. u: for Russian roulette, whose weight goes to those that stay; NULL:
+     * there is none yet. */
+    uint32_t (*survive)(const float u[LANES], lanes3 weight);
+
+    /* Their rays. */
+    void (*depart)(const surface_block *s, const shader_sample *to, float t_near, trace_rays *out);
 } path_kernels;
 
 const path_kernels *path_kernels_best(void);

@@ -116,7 +116,8 @@ bool wave_create(const render_plan *plan, const atomic_bool *stop, const wave_st
     if (grow(&gather, 0, sizeof *out->gather)) out->gather = gather;
     bool ok = radiance && out->gather && (samples->first || !plan->parts.hits) &&
               (samples->layers || !plan->parts.layers) && (samples->mattes || !plan->parts.matte_count) &&
-              wave_reserve_paths(out, &out->now, WAVE_SLOTS) && wave_reserve_vertices(out, WAVE_SLOTS) &&
+              wave_reserve_paths(out, &out->now, WAVE_SLOTS) &&
+              wave_reserve_vertices(out, stages->leave ? LANES : WAVE_SLOTS) &&
               wave_reserve_shadows(out, WAVE_SLOTS);
     if (!ok) wave_destroy(out);
     return ok;

@@ -75,6 +75,9 @@ typedef struct wave_stages {
     void (*vertices)(wave *w, vertex_block *v);
     /* Lanes of a block of rays, as bits, that left a scene whose surroundings send light. */
     void (*misses)(wave *w, const trace_block *block, const path_block *path, uint32_t missed);
+    /* The rays that leave a block of vertices, once AOVs have all of it: the next block takes its place,
+     * which is still in the cache. NULL: all blocks stay. */
+    void (*leave)(wave *w, vertex_block *v);
 } wave_stages;
 
 struct wave {
@@ -82,7 +85,7 @@ struct wave {
     const wave_stages *stages;
     path_queue now, next;
     shadow_queue shadows;
-    vertex_block *vertices;
+    vertex_block *vertices;               /* with stages->leave only the latest block */
     surface_gather *gather;               /* hits on their way to the next block of vertices */
     uint32_t partial[WAVE_SQUARES];       /* blocks of rays of which some met something */
     size_t vertex_count, vertex_capacity; /* in points */
@@ -129,8 +132,8 @@ bool wave_sort_hits(wave *w);
  * rays.
  */
 bool wave_surfaces(wave *w, bool first);
-/* An empty queue of shadow rays, with room for one from each vertex. */
-bool wave_begin_shadows(wave *w);
+/* An empty queue of shadow rays, with room for one from each of so many vertices. */
+bool wave_begin_shadows(wave *w, size_t vertices);
 /* Shadow rays from a block of vertices to a light that gives them `gain`. `light` is its index, where points
  * are lifted off their facets. Each block of vertices must come after those before it. */
 void wave_push_shadows(wave *w, size_t block, uint32_t light, const light_block *to,

@@ -4,9 +4,9 @@
 
 /* ---- the queue ---- */
 
-bool wave_begin_shadows(wave *w) {
+bool wave_begin_shadows(wave *w, size_t vertices) {
     w->shadows.blocks = w->shadows.filled = 0;
-    return wave_reserve_shadows(w, w->vertex_count + LANES);
+    return wave_reserve_shadows(w, vertices + LANES);
 }
 
 static void note_source(const shadow_queue *queue, size_t ray, size_t vertex, uint32_t light) {

@@ -3,6 +3,11 @@
 
 #include <string.h>
 
+/* The block of vertices that is being filled. */
+static vertex_block *open_block(const wave *w) {
+    return &w->vertices[w->stages->leave ? 0 : w->vertex_count / LANES];
+}
+
 fathom_id wave_hit_material(const wave *w, unsigned i) {
     const world *scene = w->run.plan->world;
     const surface_gather *g = w->gather;
@@ -67,7 +72,7 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
     f->p[0][slot] = (float)(p.x + scene->origin.x);
     f->p[1][slot] = (float)(p.y + scene->origin.y);
     f->p[2][slot] = (float)(p.z + scene->origin.z);
-    wave_keep_features(w, &w->vertices[w->vertex_count / LANES], i, white);
+    wave_keep_features(w, open_block(w), i, white);
     for (int c = 0; c < 4; ++c) f->motion[c][slot] = 0;
     if (w->cameras) wave_keep_vectors(w, i, slot);
     f->object[slot] = wave_hit_object(w, i);
@@ -97,7 +102,7 @@ static void note_all_depths(const wave *w, const trace_block *block, const path_
 
 /* A hit joins the block of vertices that is being filled. */
 static void add_hit(wave *w, const trace_block *block, const path_block *path, size_t lane) {
-    vertex_block *v = &w->vertices[w->vertex_count / LANES];
+    vertex_block *v = open_block(w);
     unsigned i = w->gather->count;
     surface_gather_add(w->gather, w->run.plan->world, block, lane);
     for (int c = 0; c < 3; ++c) v->path.weight[c][i] = path->weight[c][lane];
@@ -117,7 +122,7 @@ static void pad(vertex_block *v) {
 
 static void end_block(wave *w, bool first) {
     const render_plan *plan = w->run.plan;
-    vertex_block *v = &w->vertices[w->vertex_count / LANES];
+    vertex_block *v = open_block(w);
     surface_block *s = &v->surface;
     if (!w->gather->count) return;
     s->count = w->gather->count;
@@ -129,6 +134,7 @@ static void end_block(wave *w, bool first) {
         keep_first(w, i, v->path.slot[i]);
     for (unsigned i = 0; first && w->run.samples.mattes && i < s->count; ++i)
         wave_keep_mattes(w, v->path.slot[i], i);
+    if (w->stages->leave) w->stages->leave(w, v);
     w->vertex_count += s->count;
     surface_gather_begin(w->gather);
 }
@@ -148,7 +154,7 @@ static void find_materials(const wave *w, bool one, surface_block *s) {
 
 /* A block whose rays all met something is a block of vertices as it is. */
 static void add_block(wave *w, const trace_block *block, const path_block *path, bool first) {
-    vertex_block *v = &w->vertices[w->vertex_count / LANES];
+    vertex_block *v = open_block(w);
     bool one_object =
         surface_gather_block(w->gather, w->run.plan->world, w->run.plan->surface_kernels, block);
     memcpy(v->path.weight, path->weight, sizeof v->path.weight);
@@ -193,7 +199,7 @@ bool wave_surfaces(wave *w, bool first) {
     const uint32_t whole = (1u << LANES) - 1;
     uint32_t partial = 0;
     w->vertex_count = 0;
-    if (!wave_reserve_vertices(w, w->now.count)) return false;
+    if (!wave_reserve_vertices(w, w->stages->leave ? LANES : w->now.count)) return false;
     surface_gather_begin(w->gather);
     for (size_t done = 0; done < w->now.count; done += LANES) {
         const trace_block *block = &w->now.rays[done / LANES];

@@ -49,8 +49,7 @@ typedef struct emitter_sky {
 
 /* The light of a scene that has one; see emitters_one.c. */
 typedef struct emitter_one {
-    shape_faces *face; /* in all lanes; NULL: it is none */
-    bool quad;
+    shape_face *face; /* NULL: it is none */
     const float *radiance;
     bool sky; /* the background alone */
 } emitter_one;

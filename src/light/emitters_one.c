@@ -15,13 +15,10 @@ static bool is_alone(const emitters *e, emitter_part part) {
 static bool prepare_face(emitters *e) {
     const emitter_run *run = emitters_run_of(e, e->only);
     const uint32_t primitive = e->only - run->first;
-    shape_face face;
     if (e->w->geometries.items[run->geometry].kind == WORLD_SPHERES) return true;
-    shape_faces *all = aligned_alloc(64, sizeof *all);
-    if (!all) return false;
-    emitters_face(e, run, primitive, &face);
-    for (int i = 0; i < LANES; ++i) shape_faces_put(all, i, &face);
-    e->one.face = all, e->one.quad = face.quad;
+    e->one.face = malloc(sizeof *e->one.face);
+    if (!e->one.face) return false;
+    emitters_face(e, run, primitive, e->one.face);
     e->one.radiance = e->emission[world_material(e->w, run->geometry, primitive, run->instance)];
     return true;
 }
@@ -55,13 +52,9 @@ static void finish(const double density[LANES], const float radiance[3], emitter
 }
 
 static void sample_face(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out) {
-    shape_answers answers;
-    lanes3_f64 p;
-    for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) p[c][i] = (double)from->p[c][i];
-    }
-    e->shapes->faces(e->one.face, p, u, e->one.quad, &answers, out->direction, out->distance);
-    finish(answers.density, e->one.radiance, out);
+    _Alignas(64) double density[LANES];
+    e->shapes->face(e->one.face, from->p, u, density, out->direction, out->distance);
+    finish(density, e->one.radiance, out);
     if (e->groups) memset(out->group, emitters_group_of(e, e->only), sizeof out->group);
 }
 

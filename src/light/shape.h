@@ -6,14 +6,18 @@
 #ifndef LIGHT_SHAPE_H
 #define LIGHT_SHAPE_H
 
+#include "math/inverse_root.h"
 #include "math/vec.h"
 
 #define SHAPE_PI 3.14159265358979323846
 
+/* A loop over lanes that calls one of these as a function is not vectorised. */
+#define SHAPE_INLINE __attribute__((always_inline)) static inline
+
 /* ---- functions ---- */
 
 /* sin x for |x| <= pi/2: the series is cut off at 4e-14. */
-static inline double shape_sine(double x) {
+SHAPE_INLINE double shape_sine(double x) {
     double q = x * x;
     double s = 1 / 6227020800.0 - q * (1 / 1307674368000.0 - q * (1 / 355687428096000.0));
     s = 1 / 362880.0 - q * (1 / 39916800.0 - q * s);
@@ -22,7 +26,7 @@ static inline double shape_sine(double x) {
 
 /* The angle of (x, y) for y >= 0, in [0, pi]; 0 for (0, 0). The tangent is halved twice, to tan(pi/16) at
  * most: there the series is cut off at 1e-15. */
-static inline double shape_angle(double y, double x) {
+SHAPE_INLINE double shape_angle(double y, double x) {
     double wide = fabs(x), big = wide > y ? wide : y, little = wide > y ? y : wide;
     double q = little / (big + 0x1p-1000);
     q = q / (1 + sqrt(1 + q * q));
@@ -89,11 +93,12 @@ typedef struct shape_seen {
 
 /* Van Oosterom and Strackee 1983. The triple product is twice the area times the height: nothing cancels
  * where the triangle is small. */
-static inline shape_seen shape_see(vec3_f64 p, vec3_f64 a, vec3_f64 b, vec3_f64 c, double clear) {
+SHAPE_INLINE shape_seen shape_see(vec3_f64 p, vec3_f64 a, vec3_f64 b, vec3_f64 c, double clear) {
     vec3_f64 n = cross_f64(sub_f64(b, a), sub_f64(c, a)), pa = sub_f64(a, p), pb = sub_f64(b, p),
              pc = sub_f64(c, p);
-    double la = 1 / sqrt(dot_f64(pa, pa)), lb = 1 / sqrt(dot_f64(pb, pb)), lc = 1 / sqrt(dot_f64(pc, pc));
-    double volume = fabs(dot_f64(pa, n)), size = 1 / sqrt(dot_f64(n, n) + 0x1p-1000);
+    double la = inverse_root(dot_f64(pa, pa)), lb = inverse_root(dot_f64(pb, pb)),
+           lc = inverse_root(dot_f64(pc, pc));
+    double volume = fabs(dot_f64(pa, n)), size = inverse_root(dot_f64(n, n) + 0x1p-1000);
     shape_seen s = {.a = scale_f64(la, pa), .b = scale_f64(lb, pb), .c = scale_f64(lc, pc)};
     s.g0 = volume * la * lb * lc;
     s.g1 = dot_f64(s.a, s.c) + dot_f64(s.b, s.c);
@@ -109,7 +114,7 @@ static inline shape_seen shape_see(vec3_f64 p, vec3_f64 a, vec3_f64 b, vec3_f64 
  * on its edge to a, so that (a, b, c') fills the part u: c' mirrors a at o = x a + y c, and the tangent of
  * half the solid angle is y g0 / (x g2 + y g1). Then a place on the arc from b to c', by v in the cosine. The
  * cosines near 1 are taken as 1 less q, q half a squared difference. */
-static inline vec3_f64 shape_triangle_sample(const shape_seen *s, double u, double v) {
+SHAPE_INLINE vec3_f64 shape_triangle_sample(const shape_seen *s, double u, double v) {
     double half = 0.5 * u * s->angle, folded = half > SHAPE_PI / 2 ? SHAPE_PI - half : half;
     double cosine = shape_sine(SHAPE_PI / 2 - half), sine = shape_sine(folded);
     vec3_f64 o = madd_f64(scale_f64(s->g0 * cosine - s->g1 * sine, s->a), s->g2 * sine, s->c);
@@ -117,14 +122,14 @@ static inline vec3_f64 shape_triangle_sample(const shape_seen *s, double u, doub
     vec3_f64 c = sub_f64(scale_f64(k, o), s->a), apart = sub_f64(s->b, c);
     double q = 0.5 * dot_f64(apart, apart), t = sqrt(v * (2 - v * q) / (2 - q));
     vec3_f64 d = madd_f64(scale_f64(1 - v * q - t * (1 - q), s->b), t, c);
-    return shape_unit(d);
+    return scale_f64(inverse_root(dot_f64(d, d)), d);
 }
 
 static inline vec3_f64 shape_choose(bool first, vec3_f64 a, vec3_f64 b) {
     return (vec3_f64){first ? a.x : b.x, first ? a.y : b.y, first ? a.z : b.z};
 }
 /* a or b, member by member, as loops over lanes want it. */
-static inline shape_seen shape_either(bool first, const shape_seen *a, const shape_seen *b) {
+SHAPE_INLINE shape_seen shape_either(bool first, const shape_seen *a, const shape_seen *b) {
     return (shape_seen){.a = shape_choose(first, a->a, b->a),
                         .b = shape_choose(first, a->b, b->b),
                         .c = shape_choose(first, a->c, b->c),
@@ -144,7 +149,7 @@ static inline double shape_inverse(double angle) {
 }
 
 /* Where a ray along the unit vector d that meets the plane at a height has to end. */
-static inline double shape_face_end(const shape_seen *s, vec3_f64 d, double slope) {
+SHAPE_INLINE double shape_face_end(const shape_seen *s, vec3_f64 d, double slope) {
     double cosine = fabs(dot_f64(d, s->n)) + 0x1p-1000, length = s->height / cosine;
     double end = length - (s->clear + slope * length) / cosine;
     return end > 0x1p-126 ? end : 0x1p-126;

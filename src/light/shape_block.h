@@ -32,6 +32,9 @@ typedef struct shape_kernels {
     /* quads: some lane is a quad. direction and distance: the answers' once more. */
     void (*faces)(const shape_faces *f, const lanes3_f64 p, const lanes3 u, bool quads, shape_answers *out,
                   lanes3 direction, float *distance);
+    /* The same of one face that all lanes ask: what depends on it alone is computed once. */
+    void (*face)(const shape_face *f, const lanes3 p, const lanes3 u, double density[LANES], lanes3 direction,
+                 float *distance);
     /* Points outside of spheres alone. */
     void (*balls)(const shape_balls *b, const lanes3_f64 p, const lanes3 u, shape_answers *out,
                   lanes3 direction, float *distance);

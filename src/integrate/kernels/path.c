@@ -41,4 +41,54 @@ static void weigh(const path_block *path, const emitter_sample *light, const lan
     }
 }
 
-const path_kernels KERNEL(path_kernels) = {.aim = aim, .weigh = weigh};
+/* ---- the way on ---- */
+
+static void carry(const path_block *path, const shader_sample *to, float (*restrict weight)[LANES]) {
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LANES; ++i) weight[c][i] = limited(path->weight[c][i] * to->weight[c][i]);
+    }
+}
+
+static inline float larger(float a, float b) { return a > b ? a : b; }
+
+/* The chance to go on is the largest part of the weight, so that weights grow to 1 at most; what the camera
+ * would see of a path says nothing about the light it will meet. */
+static uint32_t survive(const float u[LANES], float (*restrict weight)[LANES]) {
+    uint32_t bits = 0;
+    float chance[LANES];
+    for (int i = 0; i < LANES; ++i) {
+        const float most = larger(larger(weight[0][i], weight[1][i]), weight[2][i]);
+        chance[i] = most < 1 ? most : 1;
+        bits |= most > 0 ? 1u << i : 0;
+    }
+    if (!u) return bits;
+    for (int i = 0; i < LANES; ++i) {
+        const float divisor = chance[i] > 0 ? chance[i] : 1;
+        for (int c = 0; c < 3; ++c) weight[c][i] /= divisor;
+    }
+    uint32_t stays = 0;
+    for (int i = 0; i < LANES; ++i) stays |= u[i] < chance[i] ? 1u << i : 0;
+    return bits & stays;
+}
+
+static void depart(const surface_block *s, const shader_sample *to, float t_near, trace_rays *restrict out) {
+    for (int i = 0; i < LANES; ++i) {
+        const float off = chosen(to->through[i], -s->offset[i], s->offset[i]);
+        out->org_x[i] = surface_start(s->p[0][i], off, s->ng[0][i]);
+        out->org_y[i] = surface_start(s->p[1][i], off, s->ng[1][i]);
+        out->org_z[i] = surface_start(s->p[2][i], off, s->ng[2][i]);
+        out->dir_x[i] = to->direction[0][i];
+        out->dir_y[i] = to->direction[1][i];
+        out->dir_z[i] = to->direction[2][i];
+        out->t_near[i] = t_near;
+        out->t_far[i] = INFINITY;
+    }
+}
+
+const path_kernels KERNEL(path_kernels) = {
+    .aim = aim,
+    .weigh = weigh,
+    .carry = carry,
+    .survive = survive,
+    .depart = depart,
+};

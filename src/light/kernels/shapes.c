@@ -11,31 +11,37 @@ static inline void put(const shape_answers *restrict from, lanes3 direction, flo
     }
 }
 
-/* Either triangle of a quad, taken by its part of the solid angle. */
+/* What point `at` sees of a face. Either triangle of a quad is taken by its part of the solid angle. */
+__attribute__((always_inline)) static inline void face_lane(const vec3_f64 corner[4], double clear,
+                                                            double slope, bool quad, vec3_f64 at, double u,
+                                                            double v, int i, shape_answers *made) {
+    shape_seen s = shape_see(at, corner[0], corner[1], corner[3], clear);
+    double all = s.angle, along = u;
+    if (quad) {
+        const shape_seen other = shape_see(at, corner[2], corner[3], corner[1], clear);
+        const double first = all;
+        all += other.angle;
+        along *= all;
+        const bool second = !(along < first);
+        s = shape_either(second, &other, &s);
+        along = (second ? along - first : along) / (s.angle + 0x1p-1000);
+        along = along < 1 ? along : 1;
+    }
+    const vec3_f64 to = shape_triangle_sample(&s, along, v);
+    made->direction[0][i] = to.x, made->direction[1][i] = to.y, made->direction[2][i] = to.z;
+    made->distance[i] = shape_face_end(&s, to, slope);
+    made->density[i] = shape_inverse(all);
+}
+
 __attribute__((always_inline)) static inline void face_lanes(const shape_faces *restrict f,
                                                              const lanes3_f64 p, const lanes3 u, bool quads,
                                                              shape_answers *out) {
     shape_answers made; /* of its own: it aliases nothing */
     for (int i = 0; i < LANES; ++i) {
-        const vec3_f64 at = lane_f64(p, i), a = lane_f64(f->corner[0], i), b = lane_f64(f->corner[1], i),
-                       d = lane_f64(f->corner[3], i);
-        shape_seen s = shape_see(at, a, b, d, f->clear[i]);
-        double all = s.angle, along = (double)u[0][i];
-        if (quads) {
-            const vec3_f64 c = lane_f64(f->corner[2], i);
-            const shape_seen other = shape_see(at, c, d, b, f->clear[i]);
-            const double first = all;
-            all += other.angle;
-            along *= all;
-            const bool second = !(along < first);
-            s = shape_either(second, &other, &s);
-            along = (second ? along - first : along) / (s.angle + 0x1p-1000);
-            along = along < 1 ? along : 1;
-        }
-        const vec3_f64 to = shape_triangle_sample(&s, along, (double)u[1][i]);
-        made.direction[0][i] = to.x, made.direction[1][i] = to.y, made.direction[2][i] = to.z;
-        made.distance[i] = shape_face_end(&s, to, f->slope[i]);
-        made.density[i] = shape_inverse(all);
+        const vec3_f64 corner[4] = {lane_f64(f->corner[0], i), lane_f64(f->corner[1], i),
+                                    lane_f64(f->corner[2], i), lane_f64(f->corner[3], i)};
+        face_lane(corner, f->clear[i], f->slope[i], quads, lane_f64(p, i), (double)u[0][i], (double)u[1][i],
+                  i, &made);
     }
     *out = made;
 }
@@ -47,6 +53,27 @@ static void faces(const shape_faces *f, const lanes3_f64 p, const lanes3 u, bool
     else
         face_lanes(f, p, u, false, out);
     put(out, direction, distance);
+}
+
+__attribute__((always_inline)) static inline void same_lanes(const shape_face *f, const lanes3 p,
+                                                             const lanes3 u, bool quad, shape_answers *out) {
+    const vec3_f64 corner[4] = {f->corner[0], f->corner[1], f->corner[2], f->corner[3]};
+    const double clear = f->clear, slope = f->slope;
+    for (int i = 0; i < LANES; ++i) {
+        const vec3_f64 at = {(double)p[0][i], (double)p[1][i], (double)p[2][i]};
+        face_lane(corner, clear, slope, quad, at, (double)u[0][i], (double)u[1][i], i, out);
+    }
+}
+
+static void face(const shape_face *f, const lanes3 p, const lanes3 u, double density[LANES], lanes3 direction,
+                 float *distance) {
+    shape_answers made;
+    if (f->quad)
+        same_lanes(f, p, u, true, &made);
+    else
+        same_lanes(f, p, u, false, &made);
+    memcpy(density, made.density, sizeof made.density);
+    put(&made, direction, distance);
 }
 
 static void balls(const shape_balls *restrict b, const lanes3_f64 p, const lanes3 u,
@@ -78,4 +105,4 @@ static void sky(const lanes3 n, const lanes3 u, float (*restrict direction)[LANE
     }
 }
 
-const shape_kernels KERNEL(shape_kernels) = {.faces = faces, .balls = balls, .sky = sky};
+const shape_kernels KERNEL(shape_kernels) = {.faces = faces, .face = face, .balls = balls, .sky = sky};

@@ -4,6 +4,11 @@
 
 #include "material/kernels/facets.h"
 
+/* |cosine| / pi, of light that counts. */
+static inline float lambert(uint32_t lit, float z) { return chosen(lit, fabsf(z) * (1 / PI), 0); }
+
+static inline float cosine_density(float take, float z) { return take * fabsf(z) * (1 / PI); }
+
 /* Lambert's lobe under what the dielectric layer leaves. */
 static inline __attribute__((always_inline)) void add_diffuse(const shader_block *b, bool rare,
                                                               const incidence *at, const lanes3 h,
@@ -11,7 +16,7 @@ static inline __attribute__((always_inline)) void add_diffuse(const shader_block
                                                               float (*restrict f)[LANES]) {
     for (int i = 0; i < LANES; ++i) {
         uint32_t lit = at->reflected[i] | (at->cross[i] & b->from_behind[i]);
-        float cosine = chosen(lit, fabsf(at->l[2][i]) * (1 / PI), 0);
+        float cosine = lambert(lit, at->l[2][i]);
         float left = chosen(b->even[i], b->under[i] * at->under[i],
                             1 - layer_of(b, rare, i, along_half(b, h, i), rise[i]));
         for (int c = 0; c < 3; ++c) f[c][i] += b->diffuse[c][i] * left * cosine;
@@ -37,7 +42,7 @@ static inline void add_cosines(const shader_block *b, const incidence *at, float
     for (int i = 0; i < LANES; ++i) {
         float take = chosen(at->reflected[i], b->take[SHADER_TAKE_DIFFUSE][i],
                             chosen(at->cross[i], b->take[SHADER_TAKE_BEHIND][i], 0));
-        density[i] += take * fabsf(at->l[2][i]) * (1 / PI);
+        density[i] += cosine_density(take, at->l[2][i]);
     }
 }
 

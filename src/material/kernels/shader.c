@@ -1,10 +1,13 @@
 /* BSDFs under path tracing: blocks, values and densities, and sampled directions. */
-#include "material/kernels/block.h"
-#include "math/turn.h"
+#include "material/kernels/matte.h"
 
 static void evaluate(const surface_block *s, const shader_block *b, const lanes3 l, float (*f)[LANES],
                      float density[LANES]) {
     incidence at;
+    if (is_matte(s, b->lobes)) {
+        evaluate_matte(s, b, l, f, density);
+        return;
+    }
     judge_sides(s, b, l, &at);
     add_lobes(s, b, l, &at, f, density);
 }
@@ -224,6 +227,10 @@ static void sample(const surface_block *s, const shader_block *b, const lanes3 u
     uint32_t lobe[LANES];
     lanes3 l;
     incidence at;
+    if (is_matte(s, b->lobes)) {
+        sample_matte(s, b, u, out);
+        return;
+    }
     choose_lobes(b, u[2], lobe);
     sample_rough(b, u, lobe, l);
     to_world(b, l, out->direction);
@@ -239,8 +246,12 @@ static void sample(const surface_block *s, const shader_block *b, const lanes3 u
     if (b->lobes & SMOOTH) take_smooth(s, b, lobe, out);
 }
 
+static void make_any(const surface_block *s, shader_block *out) {
+    if (!make_matte(s, out)) make(s, out);
+}
+
 const shader_kernels KERNEL(shader_kernels) = {
-    .make = make,
+    .make = make_any,
     .evaluate = evaluate,
     .sample = sample,
 };
