@@ -50,7 +50,7 @@ write_hall() {
     for file in "$@"; do
         [ $i = 0 ] || echo ,
         printf '"%d": { "model": "metallicRoughness", "metallic": 0, "baseColorTexture":' $i
-        printf '{ "file": "%s", "scale": [4, 4], "filter": "%s" } }' "$file" "$filter"
+        printf '{ "file": "%s", "scale": [4, 4], "filter": "%s" } }' "${file##*/}" "$filter"
         i=$((i + 1))
     done
     echo '}, "objects": ['
@@ -71,7 +71,7 @@ write_hall() {
 
 seconds() {
     "$build/bin/fathom" render "$folder/hall.json" -o "$folder/$1.exr" --exr-float --texture-memory "$1" --spp 64 \
-        --size 640x360 --stats - --quiet 2>/dev/null | sed -n 's/.*"total": \([0-9.]*\).*/\1/p' | head -1
+        --size 640x360 --stats - --quiet | sed -n 's/.*"total": \([0-9.]*\).*/\1/p' | head -1
 }
 
 echo '| a render, filter | no limit, s | 512 MB, s | ratio |'
@@ -80,6 +80,6 @@ for filter in linear trilinear; do
     write_hall $filter "$@" > "$folder/hall.json"
     free=$(seconds 8G)
     limited=$(seconds 512M)
-    cmp "$folder/8G.exr" "$folder/512M.exr"
+    "$build/bin/fathom" compare "$folder/8G.exr" "$folder/512M.exr" >&2
     echo "$filter $free $limited" | awk '{ printf "| %s | %.1f | %.1f | %.2f |\n", $1, $2, $3, $3 / $2 }'
 done
