@@ -166,8 +166,6 @@ fathom_status compare_join_workers(fathom_context *context, const comparison *c,
     for (unsigned i = 0; i < c->options->threads; ++i) {
         compare_worker *w = &c->workers[i];
         fine = fine && !w->failed;
-        w->family.asked = w->room.asked, w->family.exact = w->room.exact;
-        w->room.asked = w->room.exact = 0;
         out->sampled += w->sampled, out->differ += w->differ;
         out->screened += w->screened, out->unequal += w->unequal;
         w->sampled = w->differ = w->screened = w->unequal = 0;

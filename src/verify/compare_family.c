@@ -53,5 +53,4 @@ void compare_family_join(compare_family *to, const compare_family *from) {
     keep_most(&to->widest, from->widest.value, from->widest.index, &from->widest.ray);
     to->bias.sum += from->bias.sum, to->bias.squares += from->bias.squares,
         to->bias.count += from->bias.count;
-    to->asked += from->asked, to->exact += from->exact;
 }

@@ -52,7 +52,6 @@ typedef struct compare_family {
     compare_most constant; /* the largest of all hits */
     compare_most widest;   /* the widest bound that t was held against, over unit roundoff times t */
     compare_bias bias;
-    uint64_t asked, exact; /* questions to the oracle, and those that took whole numbers */
 } compare_family;
 
 /* Adds the errors of a measured answer that is neither leak nor wrong. `index`: of the ray in its family;

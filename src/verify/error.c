@@ -1,4 +1,4 @@
-/* In balls: what is computed here is known to far more digits than any tracer has. */
+/* In quadruple precision: what is computed here is known to far more digits than any tracer has. */
 #include "verify/error.h"
 #include "verify/exact/exact.h"
 #include "verify/mode.h"
@@ -10,49 +10,44 @@ double error_ulp(double x) {
 }
 
 static double position_error(const oracle_ray *ray, const oracle_answer *answer, double t) {
-    const double moved = (double)fabsl((long double)(answer->t.value - (real_f128)t));
-    vec3_f128 p = madd_f128(quadruple_f32(ray->org), answer->t.value, quadruple_f32(ray->dir));
+    const double moved = (double)fabsl((long double)(answer->t - (real_f128)t));
+    vec3_f128 p = madd_f128(quadruple_f32(ray->org), answer->t, quadruple_f32(ray->dir));
     double far = fmax(fabs((double)p.x), fmax(fabs((double)p.y), fabs((double)p.z)));
     return moved * length_f64(widen(ray->dir)) / error_ulp(far);
 }
 
 /* The sphere's normal at the point; for a quad, that of the part. */
-static ball3 exact_normal(const oracle_ray *ray, const oracle_primitive *p, const oracle_answer *answer) {
-    if (p->shape == ORACLE_PLANE) return ball3_exact(p->v[1]);
+static vec3_f128 exact_normal(const oracle_ray *ray, const oracle_primitive *p, const oracle_answer *answer) {
+    if (p->shape == ORACLE_PLANE) return quadruple_f32(p->v[1]);
     if (p->shape == ORACLE_SPHERE) {
-        estimate_ray r = estimate_ray_of(ray, p->instance);
-        ball3 center = ball3_sub(ball3_exact(p->v[0]), ball3_exact(neg_f32(p->rest)));
-        ball3 f = ball3_sub(r.org, center);
-        return (ball3){ball_add(f.x, ball_mul(answer->t, r.dir.x)),
-                       ball_add(f.y, ball_mul(answer->t, r.dir.y)),
-                       ball_add(f.z, ball_mul(answer->t, r.dir.z))};
+        const object_ray r = object_ray_of(ray, p->instance);
+        return madd_f128(sub_f128(r.org, quadruple_f64(oracle_center(p))), answer->t, r.dir);
     }
     bool quad = p->shape == ORACLE_QUAD, second = quad && answer->part;
     const vec3_f32 *v = p->v;
-    ball3 a = ball3_exact(v[second ? 2 : 0]), b = ball3_exact(v[second ? 3 : 1]),
-          c = ball3_exact(v[second ? 1
-                            : quad ? 3
-                                   : 2]);
-    return ball3_cross(ball3_sub(b, a), ball3_sub(c, a));
+    const vec3_f128 a = quadruple_f32(v[second ? 2 : 0]), b = quadruple_f32(v[second ? 3 : 1]),
+                    c = quadruple_f32(v[second ? 1
+                                        : quad ? 3
+                                               : 2]);
+    return cross_f128(sub_f128(b, a), sub_f128(c, a));
 }
 
-static double angle(ball3 a, ball3 b) {
-    ball3 c = ball3_cross(a, b);
-    long double across = sqrtl((long double)ball3_dot(c, c).value);
-    return (double)atan2l(across, (long double)ball3_dot(a, b).value);
+static double angle(vec3_f128 a, vec3_f128 b) {
+    const long double across = (long double)length_f128(cross_f128(a, b));
+    return (double)atan2l(across, (long double)dot_f128(a, b));
 }
 
 static double normal_error(const oracle_ray *ray, const oracle_primitive *p, const oracle_answer *answer,
                            vec3_f32 said) {
     bool any = finite_f32(said) && (said.x != 0 || said.y != 0 || said.z != 0);
-    return (any ? angle(exact_normal(ray, p, answer), ball3_exact(said)) : 3.141592653589793) * 0x1p24;
+    return (any ? angle(exact_normal(ray, p, answer), quadruple_f32(said)) : 3.141592653589793) * 0x1p24;
 }
 
 static double uv_error(const oracle_primitive *p, const oracle_answer *answer, const error_said *said) {
     if (p->shape == ORACLE_SPHERE || p->shape == ORACLE_PLANE) return -1;
     double error = isfinite(said->u) && isfinite(said->v) ? 0 : (double)INFINITY;
     for (int k = 1; k <= 2; ++k) {
-        real_f128 exact = answer->weight[k].value;
+        real_f128 exact = answer->weight[k];
         if (p->shape == ORACLE_QUAD && answer->part) exact = 1 - exact;
         error = fmax(error, (double)fabsl((long double)(exact - (real_f128)(k == 1 ? said->u : said->v))));
     }

@@ -148,12 +148,12 @@ static void print_answer(const verdict_answer *a) {
 }
 
 static bool print_exact(const replay *r, const ray_line *line) {
-    search_result room = {.asked = 0};
+    search_result room = {.ties = {.count = 0}};
     bool fine = (line->any ? search_shadow : search_closest)(r->stage.search, &line->ray, &room);
     if (fine && room.ties.count) {
         const search_hit *hit = &room.ties.items[0];
         print_answer(
-            &(verdict_answer){hit->geometry, hit->primitive, hit->instance, (double)hit->answer.t.value, 0});
+            &(verdict_answer){hit->geometry, hit->primitive, hit->instance, (double)hit->answer.t, 0});
         if (room.ties.count > 1) printf(" (%zu at this t)", room.ties.count);
     } else {
         printf("miss");
@@ -198,7 +198,7 @@ static fathom_status replay_one(fathom_context *context, replay *r, const ray_li
     const ask_answer answer = ask_block_again(r->subject.tracer, &block);
     verdict_report report;
     error_report errors;
-    search_result room = {.asked = 0};
+    search_result room = {.ties = {.count = 0}};
     bool judged = compare_judge(&r->subject, ray, &answer, line->any, &room, &report, &errors);
     search_result_free(&room);
     if (!judged) return fail_memory(context, 1);

@@ -235,8 +235,7 @@ static json_t *pack_family(const char *name, const compare_family *f) {
     json_t *family = json_of(
         JSON("family", name), JSON("rays", f->rays), JSON("verdicts", validate_verdicts_json(f->counts)),
         JSON("any", pack_any(f)), JSON("others", pack_others(f)), JSON("constants", pack_constants(f)),
-        JSON("constant", pack_most(&f->constant)), JSON("widestBound", pack_most(&f->widest)),
-        JSON("oracleAsked", f->asked), JSON("oracleExact", f->exact));
+        JSON("constant", pack_most(&f->constant)), JSON("widestBound", pack_most(&f->widest)));
     for (int m = 0; m < COMPARE_MEASURES; ++m) {
         if (f->errors[m].counts.total) json_add(family, JSON(measures[m], pack_error(&f->errors[m])));
     }

@@ -19,7 +19,7 @@ typedef real_f128 real;
 
 typedef struct sizes {
     real org[3], dir[3];
-    vec3_f128 o, d; /* the ray in object space */
+    object_ray ray;
 } sizes;
 
 static void components(vec3_f128 v, real out[3]) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
@@ -58,11 +58,17 @@ static vec3_f128 carried(const float m[3][4], vec3_f128 p, real w) {
     return (vec3_f128){r[0], r[1], r[2]};
 }
 
+object_ray object_ray_of(const oracle_ray *ray, const world_instance *instance) {
+    const object_ray r = {quadruple_f32(ray->org), quadruple_f32(ray->dir)};
+    if (!instance) return r;
+    return (object_ray){carried(instance->to_object, r.org, 1), carried(instance->to_object, r.dir, 0)};
+}
+
 static void sizes_of(const oracle_ray *ray, const world_instance *instance, bool inverted, sizes *out) {
-    out->o = quadruple_f32(ray->org), out->d = quadruple_f32(ray->dir);
     real org[3], dir[3];
-    components(out->o, org);
-    components(out->d, dir);
+    components(quadruple_f32(ray->org), org);
+    components(quadruple_f32(ray->dir), dir);
+    out->ray = object_ray_of(ray, instance);
     for (int i = 0; i < 3; ++i) out->org[i] = abs_f128(org[i]), out->dir[i] = abs_f128(dir[i]);
     if (!instance) return;
     real m[3][4];
@@ -74,8 +80,6 @@ static void sizes_of(const oracle_ray *ray, const world_instance *instance, bool
             out->dir[i] += m[i][j] * abs_f128(dir[j]);
         }
     }
-    out->o = carried(instance->to_object, out->o, 1);
-    out->d = carried(instance->to_object, out->d, 0);
 }
 
 static void moved(const sizes *size, real t, real out[3]) {
@@ -91,33 +95,33 @@ static double ratio(real a, real b) { return b == 0 ? (double)INFINITY : (double
 static double of_triangle(const oracle_primitive *triangle, const sizes *size, const oracle_answer *answer) {
     vec3_f128 v[3];
     real s[3];
-    moved(size, answer->t.value, s);
+    moved(size, answer->t, s);
     for (int k = 0; k < 3; ++k) {
         v[k] = quadruple_f32(triangle->v[k]);
-        add_point(s, answer->weight[k].value, v[k]);
+        add_point(s, answer->weight[k], v[k]);
     }
     vec3_f128 n = cross_f128(sub_f128(v[1], v[0]), sub_f128(v[2], v[0]));
-    return ratio(weighted(n, s), dot_f128(size->d, n));
+    return ratio(weighted(n, s), dot_f128(size->ray.dir, n));
 }
 
 /* At a tangent d·m is zero but for rounding. */
 static double of_sphere(const oracle_primitive *sphere, const sizes *size, const oracle_answer *answer) {
-    if (!(answer->edge.value > 0)) return (double)INFINITY;
+    if (!(answer->edge > 0)) return (double)INFINITY;
     vec3_f128 center = quadruple_f64(oracle_center(sphere));
-    vec3_f128 m = madd_f128(sub_f128(size->o, center), answer->t.value, size->d);
+    vec3_f128 m = madd_f128(sub_f128(size->ray.org, center), answer->t, size->ray.dir);
     real radius = (real)sphere->radius + (real)sphere->radius_rest, s[3];
-    moved(size, answer->t.value, s);
+    moved(size, answer->t, s);
     add_point(s, 1, center);
-    return ratio(weighted(m, s) + radius * radius, dot_f128(size->d, m));
+    return ratio(weighted(m, s) + radius * radius, dot_f128(size->ray.dir, m));
 }
 
 static double of_plane(const oracle_primitive *plane, const sizes *size, const oracle_answer *answer) {
     vec3_f128 point = quadruple_f32(plane->v[0]), n = quadruple_f32(plane->v[1]);
     real s[3];
-    moved(size, answer->t.value, s);
+    moved(size, answer->t, s);
     add_point(s, 1, point);
-    add_point(s, 1, sub_f128(madd_f128(size->o, answer->t.value, size->d), point));
-    return ratio(weighted(n, s), dot_f128(size->d, n));
+    add_point(s, 1, sub_f128(madd_f128(size->ray.org, answer->t, size->ray.dir), point));
+    return ratio(weighted(n, s), dot_f128(size->ray.dir, n));
 }
 
 MODE_APART double condition_of(const oracle_ray *ray, const oracle_primitive *primitive,

@@ -183,17 +183,16 @@ void exact_root_of(const oracle_ray *ray, const oracle_primitive *primitive, uns
     root_of_plane(&plane, out);
 }
 
-static ball from_end(const exact_root *root, float end, int sign) {
-    if (isinf(end)) return (ball){sign * (end < 0 ? HUGE_VAL : -HUGE_VAL), 0};
+static real_f128 from_end(const exact_root *root, float end, int sign) {
+    if (isinf(end)) return sign * (end < 0 ? HUGE_VAL : -HUGE_VAL);
     exact_root difference;
     exact_root_set(&difference, &root->p, root->s, &root->d, &root->q, 0);
     exact_root_subtract(&difference, dyadic_of(end));
-    ball distance = exact_root_ball(&difference);
-    return sign < 0 ? ball_neg(distance) : distance;
+    return sign * exact_root_real(&difference);
 }
 
 static void set_root(const oracle_ray *ray, const exact_root *root, unsigned i, solution *out) {
-    out->t[i] = exact_root_ball(root);
+    out->t[i] = exact_root_real(root);
     out->above_near[i] = from_end(root, ray->t_near, 1);
     out->below_far[i] = from_end(root, ray->t_far, -1);
 }
@@ -207,11 +206,11 @@ static void solve_sphere(const oracle_ray *ray, const oracle_primitive *primitiv
     integer whole;
     integer_init(&whole);
     mpz_mul(whole.z, sphere.a.z, sphere.r2.z);
-    out->edge = ball_div(integer_ball(&sphere.D), integer_ball(&whole));
+    out->edge = integer_real(&sphere.D) / integer_real(&whole);
     out->roots = mpz_sgn(sphere.D.z) < 0 ? 0 : 2;
     if (!out->roots) {
         root_of_sphere(&sphere, 0, &root);
-        out->t[0] = exact_root_ball(&root);
+        out->t[0] = exact_root_real(&root);
         return;
     }
     for (unsigned i = 0; i < 2; ++i) {
@@ -234,6 +233,6 @@ void exact_solve(const oracle_ray *ray, const oracle_primitive *primitive, solut
     root_of_plane(&plane, &root);
     set_root(ray, &root, 0, out);
     if (primitive->shape == ORACLE_PLANE) return;
-    ball along = integer_ball(&plane.along);
-    for (int k = 0; k < 3; ++k) out->weight[k] = ball_div(integer_ball(&plane.edge[k]), along);
+    const real_f128 along = integer_real(&plane.along);
+    for (int k = 0; k < 3; ++k) out->weight[k] = integer_real(&plane.edge[k]) / along;
 }

@@ -1,5 +1,4 @@
-/* Shared by the oracle's two ways of computing: quadruple precision with an error bound (estimate.c), and
- * whole numbers (exact.c, exact_root.c), in which nothing is rounded. Coordinates are scaled by a power of
+/* The oracle's arithmetic: whole numbers, in which nothing is rounded. Coordinates are scaled by a power of
  * two that makes all of them whole, directions by another; t is then scaled by their ratio. */
 #ifndef VERIFY_EXACT_H
 #define VERIFY_EXACT_H
@@ -8,31 +7,30 @@
 
 #include <gmp.h>
 
-/* ---- what either way finds about a ray and a sphere, triangle or plane; oracle.c judges it ---- */
+/* ---- what there is about a ray and a sphere, triangle or plane; oracle.c judges it ---- */
 
 typedef struct solution {
     bool parallel;  /* nothing else is set */
     unsigned roots; /* 0: a sphere that the line misses; t[0] is the closest approach */
-    ball t[2], above_near[2], below_far[2];
-    ball weight[3]; /* triangles */
-    ball edge;      /* spheres */
+    real_f128 t[2], above_near[2], below_far[2];
+    real_f128 weight[3]; /* triangles */
+    real_f128 edge;      /* spheres */
 } solution;
 
-/* A ray in the space of the instance, or of the world for NULL. */
-typedef struct estimate_ray {
-    ball3 org, dir;
-} estimate_ray;
-estimate_ray estimate_ray_of(const oracle_ray *ray, const world_instance *instance);
-
 /* The primitive is a sphere with a radius above 0, a triangle or a plane; everything is finite but the
- * interval's ends. False when some ball is not known well enough. */
-bool estimate_solve(const oracle_ray *ray, const oracle_primitive *primitive, solution *out);
-/* In whole numbers; always succeeds. */
+ * interval's ends. */
 void exact_solve(const oracle_ray *ray, const oracle_primitive *primitive, solution *out);
 
 /* As oracle_condition(); a quad is given by its part. */
 double condition_of(const oracle_ray *ray, const oracle_primitive *primitive, const oracle_answer *answer,
                     bool inverted);
+
+/* A ray in the space of the instance, or of the world for NULL, in quadruple precision: for what takes no
+ * more digits than that. */
+typedef struct object_ray {
+    vec3_f128 org, dir;
+} object_ray;
+object_ray object_ray_of(const oracle_ray *ray, const world_instance *instance);
 
 /* ---- whole numbers: GMP's, of up to 16384 bits in limbs of our own, so that nothing allocates ----
  *
@@ -53,7 +51,7 @@ static inline void integer_init(integer *a) {
     a->z->_mp_alloc = INTEGER_LIMBS, a->z->_mp_size = 0, a->z->_mp_d = a->limb;
 }
 /* Within 2^-111 of itself; exact up to 64 bits. */
-ball integer_ball(const integer *a);
+real_f128 integer_real(const integer *a);
 /* r = a · b, r = a × b of three-vectors; r must be none of them. Both initialise r. */
 void integer_dot(integer *r, const integer a[3], const integer b[3]);
 void integer_cross(integer r[3], const integer a[3], const integer b[3]);
@@ -79,7 +77,7 @@ void exact_root_subtract(exact_root *r, dyadic x);
 /* -1, 0, 1 as x is less than, equal to or greater than y. */
 int exact_root_compare(const exact_root *x, const exact_root *y);
 /* Within 2^-105 of itself; zero exactly. */
-ball exact_root_ball(const exact_root *r);
+real_f128 exact_root_real(const exact_root *r);
 
 /* The t of root `which` (spheres: 0 smaller, 1 larger; else 0). The line must meet the shape; a quad is given
  * by its part. */

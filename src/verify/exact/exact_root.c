@@ -30,13 +30,12 @@ void integer_cross(integer r[3], const integer a[3], const integer b[3]) {
 
 /* The upper three limbs hold at least 129 bits: dropping the others changes less than 2^-128, and the two
  * sums round by 2^-113 each. Scaling by powers of two is exact. */
-ball integer_ball(const integer *a) {
+real_f128 integer_real(const integer *a) {
     int n = (int)mpz_size(a->z), low = n > 3 ? n - 3 : 0;
     real_f128 value = 0;
     for (int i = n - 1; i >= low; --i) value = value * (real_f128)0x1p64 + (real_f128)mpz_getlimbn(a->z, i);
     for (int i = 0; i < low; ++i) value *= (real_f128)0x1p64;
-    long double error = n > 1 ? (long double)value * 0x1p-111L : 0;
-    return (ball){mpz_sgn(a->z) < 0 ? -value : value, error};
+    return mpz_sgn(a->z) < 0 ? -value : value;
 }
 
 /* Reads the bits, whatever the thread's mode does with denormals. */
@@ -134,15 +133,14 @@ int exact_root_compare(const exact_root *x, const exact_root *y) {
 }
 
 /* Where p and s √d pull against each other, p + s √d = (p² - d) / (p - s √d), whose parts do not cancel. */
-ball exact_root_ball(const exact_root *r) {
-    ball p = integer_ball(&r->p), q = integer_ball(&r->q);
-    if (!r->s) return ball_div(p, q);
-    ball root = ball_sqrt(integer_ball(&r->d));
-    if (r->s < 0) root = ball_neg(root);
-    if (mpz_sgn(r->p.z) * r->s >= 0) return ball_div(ball_add(p, root), q);
+real_f128 exact_root_real(const exact_root *r) {
+    const real_f128 p = integer_real(&r->p), q = integer_real(&r->q);
+    if (!r->s) return p / q;
+    const real_f128 root = r->s * sqrt_f128(integer_real(&r->d));
+    if (mpz_sgn(r->p.z) * r->s >= 0) return (p + root) / q;
     integer n;
     integer_init(&n);
     mpz_mul(n.z, r->p.z, r->p.z);
     mpz_sub(n.z, n.z, r->d.z);
-    return ball_div(integer_ball(&n), ball_mul(q, ball_sub(p, root)));
+    return integer_real(&n) / (q * (p - root));
 }

@@ -33,13 +33,13 @@ static bool answerable(const oracle_ray *ray, const oracle_primitive *primitive)
 }
 
 static bool inside(const solution *s, unsigned i) {
-    return s->above_near[i].value > 0 && s->below_far[i].value > 0;
+    return s->above_near[i] > 0 && s->below_far[i] > 0;
 }
 
-static ball smallest(const ball *balls, unsigned count) {
-    ball least = balls[0];
+static real_f128 smallest(const real_f128 *x, unsigned count) {
+    real_f128 least = x[0];
     for (unsigned i = 1; i < count; ++i) {
-        if (balls[i].value < least.value) least = balls[i];
+        if (x[i] < least) least = x[i];
     }
     return least;
 }
@@ -51,7 +51,7 @@ static void judge_sphere(const solution *s, oracle_answer *answer) {
         answer->t = s->t[0];
         return;
     }
-    unsigned part = s->above_near[0].value > 0 ? 0u : 1u;
+    unsigned part = s->above_near[0] > 0 ? 0u : 1u;
     answer->part = part;
     answer->hit = inside(s, part);
     answer->t = s->t[part], answer->other = s->t[1 - part];
@@ -60,21 +60,19 @@ static void judge_sphere(const solution *s, oracle_answer *answer) {
 
 static void judge_flat(const solution *s, const oracle_primitive *primitive, oracle_answer *answer) {
     memcpy(answer->weight, s->weight, sizeof answer->weight);
-    answer->edge = primitive->shape == ORACLE_PLANE ? ball_exact(1) : smallest(s->weight, 3);
-    answer->line = answer->edge.value >= 0;
+    answer->edge = primitive->shape == ORACLE_PLANE ? 1 : smallest(s->weight, 3);
+    answer->line = answer->edge >= 0;
     answer->hit = answer->line && inside(s, 0);
     answer->t = s->t[0];
     answer->above_near = s->above_near[0], answer->below_far = s->below_far[0];
 }
 
 /* A sphere, triangle or plane. */
-static void ask_one(const oracle_ray *ray, const oracle_primitive *primitive, oracle_way way,
-                    oracle_answer *answer) {
+static void ask_one(const oracle_ray *ray, const oracle_primitive *primitive, oracle_answer *answer) {
     solution s;
     memset(&s, 0, sizeof s);
     memset(answer, 0, sizeof *answer);
-    answer->exact = way == ORACLE_EXACT || !estimate_solve(ray, primitive, &s);
-    if (answer->exact) exact_solve(ray, primitive, &s);
+    exact_solve(ray, primitive, &s);
     answer->parallel = s.parallel;
     if (s.parallel) return;
     if (primitive->shape == ORACLE_SPHERE)
@@ -101,46 +99,42 @@ static oracle_pair pair_of(const oracle_primitive *primitive, const oracle_answe
 
 /* The hit; of two hits, and of two that lie outside the interval, the nearer, the first part's on equal t;
  * else a part that the line meets; else the one that it came closer to. */
-static unsigned better_part(const oracle_ray *ray, const oracle_primitive *quad, const oracle_answer part[2],
-                            oracle_way way) {
+static unsigned better_part(const oracle_ray *ray, const oracle_primitive *quad,
+                            const oracle_answer part[2]) {
     if (part[0].parallel || part[1].parallel) return part[0].parallel;
     if (part[0].hit != part[1].hit) return part[1].hit;
     if (part[0].line && part[1].line) {
         oracle_pair a = pair_of(quad, &part[0]), b = pair_of(quad, &part[1]);
-        return oracle_compare(ray, &a, &b, way) > 0;
+        return oracle_compare(ray, &a, &b) > 0;
     }
-    return part[1].edge.value > part[0].edge.value;
+    return part[1].edge > part[0].edge;
 }
 
-static void ask_quad(const oracle_ray *ray, const oracle_primitive *quad, oracle_way way,
-                     oracle_answer *answer) {
+static void ask_quad(const oracle_ray *ray, const oracle_primitive *quad, oracle_answer *answer) {
     oracle_answer part[2];
     for (unsigned i = 0; i < 2; ++i) {
         oracle_primitive triangle = part_of(quad, i);
-        ask_one(ray, &triangle, way, &part[i]);
+        ask_one(ray, &triangle, &part[i]);
         part[i].part = i;
     }
-    *answer = part[better_part(ray, quad, part, way)];
-    answer->exact = part[0].exact || part[1].exact;
+    *answer = part[better_part(ray, quad, part)];
     if (answer->line) answer->edge = smallest(answer->weight + 1, 2);
 }
 
-static MODE_APART void ask(const oracle_ray *ray, const oracle_primitive *primitive, oracle_way way,
-                           oracle_answer *answer) {
+static MODE_APART void ask(const oracle_ray *ray, const oracle_primitive *primitive, oracle_answer *answer) {
     if (!answerable(ray, primitive)) {
         memset(answer, 0, sizeof *answer);
         answer->parallel = true;
     } else if (primitive->shape == ORACLE_QUAD) {
-        ask_quad(ray, primitive, way, answer);
+        ask_quad(ray, primitive, answer);
     } else {
-        ask_one(ray, primitive, way, answer);
+        ask_one(ray, primitive, answer);
     }
 }
 
-void oracle_ask(const oracle_ray *ray, const oracle_primitive *primitive, oracle_way way,
-                oracle_answer *answer) {
+void oracle_ask(const oracle_ray *ray, const oracle_primitive *primitive, oracle_answer *answer) {
     unsigned mode = mode_enter();
-    ask(ray, primitive, way, answer);
+    ask(ray, primitive, answer);
     mode_leave(mode);
 }
 
@@ -158,19 +152,19 @@ static void root_of(const oracle_ray *ray, const oracle_pair *pair, exact_root *
     exact_root_of(ray, &one, pair->answer.part, out);
 }
 
-static MODE_APART int compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b,
-                              oracle_way way) {
-    ball difference = ball_sub(a->answer.t, b->answer.t);
-    if (way == ORACLE_FAST && ball_known(difference)) return (difference.value > 0) - (difference.value < 0);
+/* What is apart by more than their rounding needs no whole numbers. */
+static MODE_APART int compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b) {
+    const real_f128 x_t = a->answer.t, y_t = b->answer.t, apart = x_t - y_t;
+    if (abs_f128(apart) > (real_f128)0x1p-90 * (abs_f128(x_t) + abs_f128(y_t))) return apart > 0 ? 1 : -1;
     exact_root x, y;
     root_of(ray, a, &x);
     root_of(ray, b, &y);
     return exact_root_compare(&x, &y);
 }
 
-int oracle_compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b, oracle_way way) {
+int oracle_compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b) {
     unsigned mode = mode_enter();
-    int order = compare(ray, a, b, way);
+    int order = compare(ray, a, b);
     mode_leave(mode);
     return order;
 }

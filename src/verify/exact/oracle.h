@@ -1,9 +1,8 @@
 /* The exact oracle: whether a ray meets a primitive, where, and by how much, for the real-number geometry of
  * the very floats that tracers are given.
  *
- * First in quadruple precision with a running error bound (ball.h); whatever that cannot tell to twelve
- * digits is computed in whole numbers (exact.h), without any rounding. So every sign is right, and zero is
- * zero.
+ * All is computed in whole numbers (exact.h), without any rounding, and rounded once in the end. So every
+ * sign is right, and zero is zero.
  *
  * Definitions. A hit has t in the open interval (t_near, t_far), in units of |dir|. Triangles are closed:
  * their edges and vertices belong to them; rays in the triangle's plane miss; triangles without area are
@@ -17,8 +16,8 @@
 #ifndef PARITY_ORACLE_H
 #define PARITY_ORACLE_H
 
+#include "reference/vec_f128.h"
 #include "scene/world/world.h"
-#include "verify/exact/ball.h"
 
 typedef struct oracle_ray {
     vec3_f32 org, dir;
@@ -44,31 +43,26 @@ static inline double oracle_radius(const oracle_primitive *p) {
     return (double)p->radius + (double)p->radius_rest;
 }
 
-/* Balls are known to 2^-40 of themselves and are exactly zero where the number is. */
+/* Numbers are within 2^-100 of themselves, and exactly zero where the true number is. */
 typedef struct oracle_answer {
     bool hit;
-    bool exact;    /* whole numbers were needed */
     bool parallel; /* the ray lies along the plane, or there is no such shape or ray: nothing below is set */
     bool line;     /* the whole line meets the shape, wherever t lies */
     unsigned part; /* quad: the triangle, 0 or 1, of a miss the one that came closer; sphere: 0 the smaller
                       root, 1 the larger */
-    ball t; /* of the hit; for a miss: where the plane is met; the root that was rejected last; of a sphere
-               that     the line misses, the closest approach */
-    ball other;                 /* sphere with line set: the other root */
-    ball above_near, below_far; /* t - t_near, t_far - t: both positive for a hit; not set when a sphere's
-                                   line is false */
-    ball weight[3]; /* of the triangle's corners A, B, C at t; they add to 1; for a quad, of the part's */
+    real_f128 t; /* of the hit; for a miss: where the plane is met; the root that was rejected last; of a
+                    sphere that the line misses, the closest approach */
+    real_f128 other;                 /* sphere with line set: the other root */
+    real_f128 above_near, below_far; /* t - t_near, t_far - t: both positive for a hit; not set when a
+                                        sphere's line is false */
+    real_f128 weight[3]; /* of the triangle's corners A, B, C at t; they add to 1; for a quad, of the part's */
     /* At least 0 exactly where line is true. Triangle: the smallest weight. Quad: of a hit the smaller of the
      * two weights at the outer edges; of a miss the larger of both parts' smallest weights. Sphere: 1 - l²/R²
      * with l the line's distance from the centre. Plane: 1. */
-    ball edge;
+    real_f128 edge;
 } oracle_answer;
 
-/* ORACLE_EXACT goes to whole numbers at once: the self-test compares both ways. */
-typedef enum oracle_way { ORACLE_FAST, ORACLE_EXACT } oracle_way;
-
-void oracle_ask(const oracle_ray *ray, const oracle_primitive *primitive, oracle_way way,
-                oracle_answer *answer);
+void oracle_ask(const oracle_ray *ray, const oracle_primitive *primitive, oracle_answer *answer);
 
 /* How far inputs off by a relative u each move the t of an answer whose line is set, to first order: by at
  * most u times this. Infinite where t is not differentiable. Inputs are those given, to_object among them;
@@ -84,6 +78,6 @@ typedef struct oracle_pair {
 
 /* -1, 0 or 1 as the t of a is less than, equal to or greater than that of b, exactly. Both must have line
  * set. */
-int oracle_compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b, oracle_way way);
+int oracle_compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b);
 
 #endif

@@ -254,8 +254,7 @@ static const search_hit *ask(search_walk *walk, const search_candidate *c) {
     asked->geometry = c->geometry, asked->primitive = c->primitive, asked->instance = c->instance;
     if (again) return asked;
     walk->primitive = primitive;
-    oracle_ask(walk->ray, &primitive, ORACLE_FAST, &asked->answer);
-    ++walk->result->asked, walk->result->exact += asked->answer.exact;
+    oracle_ask(walk->ray, &primitive, &asked->answer);
     return asked;
 }
 
@@ -264,7 +263,7 @@ static int order_of(search_walk *walk, const search_hit *hit, const search_hit *
     oracle_pair b = {search_primitive(walk->search->world, best->geometry, best->primitive, best->instance),
                      best->answer};
     if (same_shape(&a.primitive, &b.primitive)) return 0;
-    return oracle_compare(walk->ray, &a, &b, ORACLE_FAST);
+    return oracle_compare(walk->ray, &a, &b);
 }
 
 static void decide(search_walk *walk) {
@@ -278,9 +277,8 @@ static void decide(search_walk *walk) {
         if (order > 0) continue;
         if (order < 0) result->ties.count = 0;
         if (!array_push(&result->ties, *hit)) walk->failed = true;
-        /* To the next double above, since the sum may be rounded down. */
-        real_f128 most = hit->answer.t.value + (real_f128)hit->answer.t.error;
-        double above = nextafter((double)most, (double)INFINITY);
+        /* To the next double above, since t may be rounded down. */
+        double above = nextafter((double)hit->answer.t, (double)INFINITY);
         if (above < walk->closest) walk->closest = above;
     }
 }

@@ -25,7 +25,6 @@ typedef struct search_candidate {
 typedef struct search_result {
     ARRAY(search_hit) ties; /* all hits with the exact smallest t, in the world's order; none: a miss */
     ARRAY(search_candidate) candidates;
-    uint64_t asked, exact; /* added to: how often the oracle was asked, and how often it took whole numbers */
 } search_result;
 
 /* Vertices of meshes need not be finite: such triangles are never met. The world must outlive it. */

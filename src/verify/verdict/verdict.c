@@ -41,7 +41,7 @@ typedef struct judge {
     const verdict_answer *said; /* what was reported instead of the nearest; NULL: nothing */
 } judge;
 
-static double value(ball b) { return (double)b.value; }
+static double value(real_f128 x) { return (double)x; }
 
 /* The exact t of the nearest hit, infinite for a miss; `room` then holds it. */
 static double judge_nearest(judge *j, const oracle_ray *ray) {
@@ -180,7 +180,7 @@ static verdict judge_skip(judge *j, const search_hit *nearest, double before) {
 
 /* The exact intersection nearest to t; for a sphere, of the root that was taken. */
 static void judge_ask(const judge *j, const oracle_primitive *p, double t, oracle_answer *out) {
-    oracle_ask(j->ray, p, ORACLE_FAST, out);
+    oracle_ask(j->ray, p, out);
     if (out->parallel || p->shape != ORACLE_SPHERE || !out->line) return;
     double here = value(out->t), other = value(out->other);
     if (fabs(t - here) <= fabs(t - other)) return;
@@ -191,16 +191,16 @@ static void judge_ask(const judge *j, const oracle_primitive *p, double t, oracl
     ray.t_near = -INFINITY, ray.t_far = INFINITY;
     if (larger) ray.dir = neg_f32(ray.dir);
     oracle_answer whole;
-    oracle_ask(&ray, p, ORACLE_FAST, &whole);
+    oracle_ask(&ray, p, &whole);
     *out = whole;
     if (larger) {
-        out->t = ball_neg(whole.t), out->other = ball_neg(whole.other);
+        out->t = -whole.t, out->other = -whole.other;
         out->part = 1 - whole.part;
     }
     /* In the interval that was asked for. */
-    out->above_near.value = out->t.value - (real_f128)j->ray->t_near;
-    out->below_far.value = (real_f128)j->ray->t_far - out->t.value;
-    out->hit = out->above_near.value > 0 && out->below_far.value > 0;
+    out->above_near = out->t - (real_f128)j->ray->t_near;
+    out->below_far = (real_f128)j->ray->t_far - out->t;
+    out->hit = out->above_near > 0 && out->below_far > 0;
 }
 
 /* True when the primitive may be met at that t at all; AGREE: it is, exactly. `a`: what judge_ask() said. */
@@ -262,7 +262,7 @@ static verdict judge_hit(judge *j, const verdict_answer *said, verdict_report *o
     out->measured = !a.parallel && a.line;
     if (out->measured) {
         out->exact_t = value(a.t),
-        out->t_signed = (double)((real_f128)said->t + (real_f128)said->t_low - a.t.value);
+        out->t_signed = (double)((real_f128)said->t + (real_f128)said->t_low - a.t);
         out->t_error = fabs(out->t_signed);
         out->condition = oracle_condition(ray, &p, &a, j->tracer->inverted);
         out->primitive = p, out->exact = a;
@@ -317,8 +317,8 @@ static verdict judge_candidate(const judge *j, const search_candidate *c) {
         oracle_answer a;
         verdict_bound bound;
         judge_ask(j, &p, ends[i], &a);
-        verdict met = judge_meeting(j, &p, &a, (double)a.t.value, &bound);
-        double t = (double)a.t.value, far = (double)j->ray->t_far;
+        verdict met = judge_meeting(j, &p, &a, (double)a.t, &bound);
+        double t = (double)a.t, far = (double)j->ray->t_far;
         bool within = a.parallel || (t - ends[0] > -bound.t && far - t > -bound.t);
         if (met != VERDICT_WRONG && within) return met == VERDICT_AGREE ? VERDICT_RANGE : met;
         if (!a.parallel && a.line && verdict_beyond(j->tracer, j->world, j->ray, &p, t))
@@ -339,7 +339,7 @@ static bool is_met(const judge *j, const verdict_answer *a) {
     if (!casts(j->world, a)) return false;
     oracle_primitive p = search_primitive(j->world, a->geometry, a->primitive, a->instance);
     oracle_answer answer;
-    oracle_ask(j->ray, &p, ORACLE_FAST, &answer);
+    oracle_ask(j->ray, &p, &answer);
     return answer.hit;
 }
 

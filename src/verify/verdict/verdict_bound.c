@@ -113,7 +113,7 @@ static verdict_bound of_triangle(const frame *f, const vec3_f32 v[3], const orac
     double side = fmax(length_f64(sub_f64(b, a)), fmax(length_f64(sub_f64(c, a)), length_f64(sub_f64(c, b))));
     double wide = widened(factor * side * side * f->dir_size / along) / along;
     double spread = 0; /* of the weights, 1 within */
-    for (int k = 0; k < 3; ++k) spread += fabs((double)answer->weight[k].value);
+    for (int k = 0; k < 3; ++k) spread += fabs((double)answer->weight[k]);
     return (verdict_bound){side * side * fmax(1, spread) * size * wide, d * side * size * wide, size, 0, 0};
 }
 
@@ -121,10 +121,10 @@ static verdict_bound of_triangle(const frame *f, const vec3_f32 v[3], const orac
  * |d|: that is of the order √u, so `factor` goes under the root. */
 static verdict_bound of_sphere(const frame *f, double radius, const oracle_answer *answer, double size,
                                double factor) {
-    double d = length_f64(f->dir), l = sqrt(fmax(0, 1 - (double)answer->edge.value)); /* over R */
+    double d = length_f64(f->dir), l = sqrt(fmax(0, 1 - (double)answer->edge)); /* over R */
     double edge = size * (1 + l) / radius;
     if (!answer->line) return (verdict_bound){(size + radius * sqrt(edge / factor)) / d, edge, size, 0, 0};
-    double gap = fabs((double)(answer->t.value - answer->other.value));
+    double gap = fabs((double)(answer->t - answer->other));
     return (verdict_bound){size * radius / (d * d * gap / 2), edge, size, 0, 0};
 }
 
@@ -134,7 +134,7 @@ static verdict_bound of_textbook_sphere(const frame *f, double radius, const ora
     double most = size / (d * sqrt(factor)) + size / d; /* what √|δD| allows */
     double aside = fmax(size, size * size / radius);    /* moves l²/R² by twice `edge` at the rim */
     if (!answer->line) return (verdict_bound){most, edge, aside, 0, 0};
-    double gap = fabs((double)(answer->t.value - answer->other.value));
+    double gap = fabs((double)(answer->t - answer->other));
     return (verdict_bound){fmin(size * size / (d * d * gap / 2), most), edge, aside, 0, 0};
 }
 
@@ -186,7 +186,7 @@ static double bend_of(const oracle_primitive *quad) {
 verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *ray,
                                const oracle_primitive *primitive, const oracle_answer *answer) {
     frame f = frame_of(tracer, ray, primitive->instance);
-    double t = (double)answer->t.value, size = size_of(tracer, ray, primitive, &f, t);
+    double t = (double)answer->t, size = size_of(tracer, ray, primitive, &f, t);
     double factor = verdict_constant(primitive->shape) * tracer->unit;
     if (tracer->textbook && primitive->shape == ORACLE_QUAD) size += bend_of(primitive) / factor;
     verdict_bound bound = of_shape(&f, primitive, answer, size, factor, tracer->textbook);
@@ -251,7 +251,7 @@ verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *
     const double unit = fmax(tracer->unit, 0x1p-24), least = 8 * unit;
     const double flushed = 2 * (double)FLT_MIN; /* √3 of it: a part each */
     frame f = frame_of(tracer, ray, p->instance);
-    double size = size_of(tracer, ray, p, &f, (double)answer->t.value);
+    double size = size_of(tracer, ray, p, &f, (double)answer->t);
     bound.weight = clamps_weights(tracer, p, answer, f.dir) ? 1 : bound.edge + 4 * tracer->unit;
     switch (p->shape) {
     case ORACLE_SPHERE:
@@ -316,7 +316,7 @@ bool verdict_is_exact(const verdict_tracer *tracer, const oracle_ray *ray, const
     if (!ours || p->instance || p->shape == ORACLE_SPHERE || axis < 0) return false;
     bool exact = is_plain(ray->org) && is_level(p, axis);
     for (int k = 0; k < 3 && p->shape != ORACLE_PLANE; ++k)
-        exact = exact && has_few_digits((double)answer->weight[k].value);
+        exact = exact && has_few_digits((double)answer->weight[k]);
     return exact;
 }
 
