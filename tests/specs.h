@@ -8,7 +8,7 @@
 
 /* Calls visit with "embree:triangles:robust:low:1:settled" and all others. */
 static inline void specs_each(void (*visit)(void *user, const char *text), void *user) {
-    static const char *const words[SPECS_WORDS][5] = {{"triangles", "user", "quad", "sphere"},
+    static const char *const words[SPECS_WORDS][5] = {{"triangles", "user"},
                                                       {"robust", "default", "compact"},
                                                       {"low", "medium", "high"},
                                                       {"1", "4", "8", "16"},

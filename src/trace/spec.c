@@ -27,8 +27,6 @@ static const word words[] = {
     {"f128", FIELD(precision), TRACE_F128, LINEAR | BVH},
     {"triangles", FIELD(shapes), TRACE_SHAPES_TRIANGLES, EMBREE},
     {"user", FIELD(shapes), TRACE_SHAPES_USER, EMBREE},
-    {"quad", FIELD(shapes), TRACE_SHAPES_QUAD, EMBREE},
-    {"sphere", FIELD(shapes), TRACE_SHAPES_SPHERE, EMBREE},
     {"robust", FIELD(flags), TRACE_SCENE_ROBUST, EMBREE},
     {"default", FIELD(flags), TRACE_SCENE_DEFAULT, EMBREE},
     {"compact", FIELD(flags), TRACE_SCENE_COMPACT, EMBREE},

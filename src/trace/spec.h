@@ -19,9 +19,7 @@ typedef enum trace_precision { TRACE_F32, TRACE_F64, TRACE_F128 } trace_precisio
 /* The intersector of each shape: Embree's own, or ours as user geometry. */
 typedef enum trace_shapes {
     TRACE_SHAPES_TRIANGLES, /* Embree's triangles, in robust scenes two for each quad; spheres ours */
-    TRACE_SHAPES_USER,      /* all ours */
-    TRACE_SHAPES_QUAD,      /* Embree's triangles and QUAD; spheres ours */
-    TRACE_SHAPES_SPHERE     /* the same, and SPHERE_POINT */
+    TRACE_SHAPES_USER       /* all ours */
 } trace_shapes;
 
 typedef enum trace_scene_flags {

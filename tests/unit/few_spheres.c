@@ -2,7 +2,7 @@
 #include "stage.h"
 #include "trace/embree/embree_spheres.h"
 
-static const char *const ways[] = {"embree:1", "embree:4:low", "embree:8", "embree:16:high", "embree:quad"};
+static const char *const ways[] = {"embree:1", "embree:4:low", "embree:8", "embree:16:high"};
 #define WAYS (sizeof ways / sizeof *ways)
 
 /* Spheres of all sizes, some through the mesh and through each other; so many are tested there. */

@@ -175,9 +175,8 @@ static int side_of(const trial *t, const fathom_film *film, size_t i, uint32_t w
     return cosine > clearly ? 1 : (cosine < -clearly ? -1 : 0);
 }
 
-static const char *const tracers[] = {"embree",      "embree:user",   "bvh:f32",
-                                      "bvh:f64",     "linear:f32",    "linear:f64",
-                                      "embree:quad", "embree:sphere", "embree:default"};
+static const char *const tracers[] = {"embree",  "embree:user", "embree:default", "bvh:f32",
+                                      "bvh:f64", "linear:f32",  "linear:f64"};
 
 /* The walls see the light from wherever nothing but the surface that holds it is in the way. A sphere hides
  * it from below; near the tangent plane it is a matter of the sphere's roundness. */

@@ -28,8 +28,7 @@ static void options_in_any_order(void **state) {
     is_alike("bvh:f64", "bvh:robust:f64");
     is_alike("embree", "embree:triangles:robust:auto:settled");
     is_alike("embree:16:high:user:default:raw", "embree:user:default:high:16:raw");
-    is_alike("embree:quad:compact:avx2", "embree:quad:compact:auto:settled:avx2");
-    is_alike("embree:sphere:1", "embree:sphere:robust:auto:1:settled");
+    is_alike("embree:compact:avx2", "embree:triangles:compact:auto:settled:avx2");
     trace_spec spec;
     assert_ok(context, trace_spec_parse(context, "embree:16:user:raw", &spec));
     assert_int_equal(spec.kind, TRACE_EMBREE);

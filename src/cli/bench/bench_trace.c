@@ -44,12 +44,10 @@ static fathom_status enter(fathom_context *context, field *f, const char *text) 
 #define LINEAR_MOST 1000000
 
 /* All tracers except those that would only repeat another. */
-static void enter_all(fathom_context *context, field *f, const fathom_scene *scene, uint64_t primitives) {
+static void enter_all(fathom_context *context, field *f, uint64_t primitives) {
     static const char *const always[] = {"embree:1",      "embree:4",       "embree:8", "embree:16",
                                          "embree:raw:16", "embree:user:16", "bvh"};
     for (size_t i = 0; i < sizeof always / sizeof *always; ++i) enter(context, f, always[i]);
-    if (scene->quads.count) enter(context, f, "embree:quad:16");
-    if (scene->spheres.count) enter(context, f, "embree:sphere:16");
     if (primitives <= LINEAR_MOST) enter(context, f, "linear");
 }
 
@@ -204,7 +202,7 @@ static fathom_status run_arena(fathom_context *context, const arena *s, const be
     if (asked->tracers.count)
         status = enter_given(context, f, &asked->tracers);
     else
-        enter_all(context, f, s->stage.scene, s->primitives);
+        enter_all(context, f, s->primitives);
     if (status == FATHOM_OK) status = race(context, s, asked, f, &sets);
     for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
         bench_add_tracer(root, trace_name(f->tracers[i]));

@@ -122,8 +122,6 @@ static fathom_status check_device(const embree_tracer *tracer) {
     } wanted[] = {{RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED, "ray masks"},
                   {RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED, "filter functions"},
                   {RTC_DEVICE_PROPERTY_TRIANGLE_GEOMETRY_SUPPORTED, "triangles"},
-                  {RTC_DEVICE_PROPERTY_QUAD_GEOMETRY_SUPPORTED, "quads"},
-                  {RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED, "points"},
                   {RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED, "user geometry"}};
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; ++i) {
         if (!rtcGetDeviceProperty(tracer->device, wanted[i].property))
@@ -180,7 +178,7 @@ void trace_embree_name(char *out, size_t size) {
 
 static void describe(embree_tracer *tracer) {
     put_name(tracer->device, tracer->spec.isa, tracer->base.name, sizeof tracer->base.name);
-    static const char *const shapes[] = {"triangles", "user", "quad", "sphere"};
+    static const char *const shapes[] = {"triangles", "user"};
     static const char *const flags[] = {"robust", "default", "compact"};
     snprintf(tracer->base.way, sizeof tracer->base.way, "%s, %s, %s", shapes[tracer->spec.shapes],
              flags[tracer->spec.flags], tracer->spec.ties == TRACE_SETTLED ? "settled" : "raw");

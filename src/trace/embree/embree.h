@@ -68,9 +68,8 @@ bool embree_is_native(const trace_spec *spec, const world *w, const world_geomet
  * since in others rays slip through where the halves meet. */
 bool embree_is_halved(const trace_spec *spec, const world *w, const world_geometry *geometry);
 
-/* Embree's own triangles, quads or spheres; NULL when Embree is out of memory. */
-RTCGeometry embree_native_geometry(RTCDevice device, trace_shapes shapes, const world *w,
-                                   const world_geometry *geometry);
+/* Embree's own triangles, of a mesh or of quads; NULL when Embree is out of memory. */
+RTCGeometry embree_native_geometry(RTCDevice device, const world *w, const world_geometry *geometry);
 
 /* ---- embree_settle.c: which of several candidates is the closest hit ---- */
 

@@ -65,7 +65,7 @@ static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world
         const world_geometry *geometry = &w->geometries.items[group->first + i];
         if (!geometry->count || is_few(tracer, group, geometry)) continue;
         RTCGeometry made = embree_is_native(&tracer->spec, tracer->base.world, geometry)
-                               ? embree_native_geometry(tracer->device, tracer->spec.shapes, w, geometry)
+                               ? embree_native_geometry(tracer->device, w, geometry)
                                : embree_user_geometry(tracer->device, w, geometry);
         attach(tracer, scene, made, i, geometry_mask(tracer, geometry));
     }

@@ -30,24 +30,20 @@ static bool quads_in_native_range(const world_quad *quads, uint32_t count) {
 }
 
 bool embree_is_halved(const trace_spec *spec, const world *w, const world_geometry *geometry) {
-    bool wanted = spec->shapes == TRACE_SHAPES_TRIANGLES || spec->shapes == TRACE_SHAPES_SPHERE;
-    return geometry->kind == WORLD_QUADS && wanted && spec->flags == TRACE_SCENE_ROBUST &&
+    return geometry->kind == WORLD_QUADS && spec->shapes == TRACE_SHAPES_TRIANGLES &&
+           spec->flags == TRACE_SCENE_ROBUST &&
            in_native_range(geometry) && geometry->count <= UINT32_MAX / 4 &&
            quads_in_native_range(&w->quads.items[geometry->first], geometry->count);
 }
 
 /* copy_indices() hides single flat triangles from Embree. */
 bool embree_is_native(const trace_spec *spec, const world *w, const world_geometry *geometry) {
-    const trace_shapes shapes = spec->shapes;
-    bool fit = in_native_range(geometry);
     switch (geometry->kind) {
-    case WORLD_SPHERES: return shapes == TRACE_SHAPES_SPHERE && fit && !geometry->flat;
-    case WORLD_QUADS:
-        if (shapes == TRACE_SHAPES_QUAD) return fit && !geometry->flat;
-        return embree_is_halved(spec, w, geometry);
+    case WORLD_SPHERES: return false;
+    case WORLD_QUADS: return embree_is_halved(spec, w, geometry);
     case WORLD_MESH: break;
     }
-    return shapes != TRACE_SHAPES_USER && fit;
+    return spec->shapes == TRACE_SHAPES_TRIANGLES && in_native_range(geometry);
 }
 
 /* ---- geometries ---- */
@@ -108,34 +104,21 @@ static bool usable(const world_quad *quad) {
     return reach_usable(v[0]) && reach_usable(v[1]) && reach_usable(v[2]) && reach_usable(v[3]);
 }
 
-/* A geometry with buffers of its own for vertices, and for indices unless `corners` is 0. NULL when Embree is
- * out of memory. */
-static RTCGeometry new_geometry(RTCDevice device, enum RTCGeometryType type, unsigned floats, size_t vertices,
-                                float **vertex, unsigned corners, size_t items, uint32_t **index) {
-    RTCGeometry geometry = rtcNewGeometry(device, type);
-    if (!geometry) return NULL;
-    *vertex = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
-                                      floats == 4 ? RTC_FORMAT_FLOAT4 : RTC_FORMAT_FLOAT3,
-                                      floats * sizeof **vertex, vertices);
-    if (corners)
-        *index = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
-                                         corners == 4 ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3,
-                                         corners * sizeof **index, items);
-    if (*vertex && (!corners || *index)) return geometry;
-    rtcReleaseGeometry(geometry);
-    return NULL;
-}
-
 /* Quads as the triangles (0,1,3) and (2,3,1), among those of the meshes. Embree keeps a tree for each kind of
  * geometry, and every ray goes through all of them: one QUAD, or one box with a callback, next to a mesh
  * costs each ray a second tree. */
 static RTCGeometry half_geometry(RTCDevice device, const world_quad *quads, uint32_t count) {
     static const uint32_t halves[2][3] = {{0, 1, 3}, {2, 3, 1}};
-    float *vertices;
-    uint32_t *indices;
-    RTCGeometry geometry = new_geometry(device, RTC_GEOMETRY_TYPE_TRIANGLE, 3, 4 * (size_t)count, &vertices,
-                                        3, 2 * (size_t)count, &indices);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     if (!geometry) return NULL;
+    float *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                              3 * sizeof *vertices, 4 * (size_t)count);
+    uint32_t *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                3 * sizeof *indices, 2 * (size_t)count);
+    if (!vertices || !indices) {
+        rtcReleaseGeometry(geometry);
+        return NULL;
+    }
     memcpy(vertices, quads, count * sizeof *quads);
     for (uint32_t k = 0; k < count; ++k) {
         bool met = usable(&quads[k]);
@@ -145,42 +128,11 @@ static RTCGeometry half_geometry(RTCDevice device, const world_quad *quads, uint
     return geometry;
 }
 
-/* Embree splits a QUAD into v0 v1 v3 and v2 v3 v1, as the world's are. Vertices are copied: Embree reads past
- * the end of shared ones. */
-static RTCGeometry quad_geometry(RTCDevice device, const world_quad *quads, uint32_t count) {
-    float *vertices;
-    uint32_t *indices;
-    RTCGeometry geometry =
-        new_geometry(device, RTC_GEOMETRY_TYPE_QUAD, 3, 4 * (size_t)count, &vertices, 4, count, &indices);
-    if (!geometry) return NULL;
-    memcpy(vertices, quads, count * sizeof *quads);
-    for (uint32_t i = 0; i < 4 * count; ++i) indices[i] = i;
-    return geometry;
-}
 _Static_assert(sizeof(world_quad) == 12 * sizeof(float), "four corners, tightly packed");
 
-/* Embree has no more than float for them: the second part of a split sphere is left out. */
-static RTCGeometry sphere_geometry(RTCDevice device, const world_sphere *spheres, uint32_t count) {
-    float *vertices;
-    RTCGeometry geometry =
-        new_geometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT, 4, count, &vertices, 0, 0, NULL);
-    if (!geometry) return NULL;
-    for (uint32_t i = 0; i < count; ++i) {
-        store_f32(vertices + 4 * (size_t)i, spheres[i].center);
-        vertices[4 * (size_t)i + 3] = spheres[i].radius;
-    }
-    return geometry;
-}
-
-RTCGeometry embree_native_geometry(RTCDevice device, trace_shapes shapes, const world *w,
-                                   const world_geometry *geometry) {
-    switch (geometry->kind) {
-    case WORLD_SPHERES: return sphere_geometry(device, &w->spheres.items[geometry->first], geometry->count);
-    case WORLD_QUADS:
-        return (shapes == TRACE_SHAPES_QUAD ? quad_geometry : half_geometry)(
-            device, &w->quads.items[geometry->first], geometry->count);
-    case WORLD_MESH: break;
-    }
+RTCGeometry embree_native_geometry(RTCDevice device, const world *w, const world_geometry *geometry) {
+    if (geometry->kind == WORLD_QUADS)
+        return half_geometry(device, &w->quads.items[geometry->first], geometry->count);
     if (geometry->moving)
         return moving_geometry(device, &w->meshes.items[geometry->first],
                                &w->vertex_motions.items[geometry->moving - 1]);

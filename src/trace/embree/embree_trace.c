@@ -103,12 +103,8 @@ static void any_packets(const embree_tracer *tracer, trace_rays *rays, const int
     tracer->kernels->join(&packets, width, rays, NULL);
 }
 
-/* Four kernels may hang. Two are known (embree_api.h); because the others are not, Embree's own quads and
- * spheres are not trusted either. */
 bool embree_may_hang(const embree_tracer *tracer) {
-    trace_shapes shapes = tracer->spec.shapes;
-    return EMBREE_COHERENT_16_MAY_HANG && (tracer->base.world->instances.count ||
-                                           shapes == TRACE_SHAPES_QUAD || shapes == TRACE_SHAPES_SPHERE);
+    return EMBREE_COHERENT_16_MAY_HANG && tracer->base.world->instances.count;
 }
 
 static bool any_block(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool scaled,

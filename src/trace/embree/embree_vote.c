@@ -65,7 +65,7 @@ void embree_vote_consider(embree_vote *vote, const float *hit, unsigned n, float
     embree_world_ids(vote->tracer->base.world, 0, &c.ids[0], &c.ids[1]);
     c.half = embree_join_half(vote->tracer, c.ids[1], &c.ids[2], &c.u, &c.v);
     if (!vote->offered.any || is_nearer(&c, &vote->offered)) vote->offered = c;
-    /* Embree offers both roots of its own spheres, and both halves of a quad. */
+    /* Embree offers both halves of a quad. */
     bool farther =
         vote->met.any && memcmp(vote->met.ids, c.ids, sizeof c.ids) == 0 && !is_nearer(&c, &vote->met);
     if (!farther) put_to_reference(vote, &c);

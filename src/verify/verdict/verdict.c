@@ -17,7 +17,7 @@ verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit) {
     bool embree = spec->kind == TRACE_EMBREE;
     bool textbook = spec->kind == TRACE_LINEAR && spec->form == TRACE_TEXTBOOK;
     bool own = embree && spec->shapes != TRACE_SHAPES_USER;
-    bool quads = own && (spec->shapes == TRACE_SHAPES_QUAD || spec->flags == TRACE_SCENE_ROBUST);
+    bool quads = own && spec->flags == TRACE_SCENE_ROBUST;
     unsigned seen = (own ? 1u << ORACLE_TRIANGLE : 0) | (quads ? 1u << ORACLE_QUAD : 0);
     return (verdict_tracer){.unit = unit,
                             .seen = seen,
