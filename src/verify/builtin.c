@@ -70,10 +70,10 @@ static void add_fine(extremes_case *c, fathom_id group) {
 
 /* Shapes that cast no shadow, around and between shapes that do. */
 static void add_masks(extremes_case *c, fathom_id group) {
-    c->flags = FATHOM_CASTS_NO_SHADOW;
+    c->b.flags = FATHOM_CASTS_NO_SHADOW;
     case_ball_of(c, group, vec_f64(0, 0, 0), 1.4, 9, 16);
     add_box(c, group, vec_f64(2, -1, -1), vec_f64(1, 2, 2));
-    c->flags = 0;
+    c->b.flags = 0;
     case_ball_of(c, group, vec_f64(0, 0, 0), 1, 9, 16);
     add_box(c, group, vec_f64(4, -1, -1), vec_f64(1, 2, 2));
 }
@@ -82,7 +82,7 @@ static void add_masked_shapes(extremes_case *c, fathom_id parent) {
     static const affine_f64 mirrored = {{{-0.8, 0.1, 0, 6}, {0, 0.7, 0, 0.3}, {0.2, 0, 1.1, 0}}};
     fathom_id group = case_group(c);
     for (unsigned i = 0; i < 2; ++i) {
-        c->flags = i ? 0 : FATHOM_CASTS_NO_SHADOW;
+        c->b.flags = i ? 0 : FATHOM_CASTS_NO_SHADOW;
         for (unsigned k = i; k < 8; k += 2) {
             case_sphere(c, group, scattered_center(k), 0.4);
             case_sphere(c, parent, scattered_center(k + 20), 0.3);
@@ -93,7 +93,7 @@ static void add_masked_shapes(extremes_case *c, fathom_id parent) {
         case_plane(c, vec_f64(0, -3.0 - i, 0), vec_f64(0, 1, 0));
         case_plane(c, vec_f64(0, 0, -5.0 + i), vec_f64(0.1, 0, 1));
     }
-    c->flags = 0;
+    c->b.flags = 0;
     case_instance(c, group, parent, &mirrored);
 }
 
@@ -124,19 +124,15 @@ const char *builtin_name(unsigned index) {
 }
 
 fathom_status builtin_create(fathom_context *context, unsigned index, fathom_scene **out) {
-    extremes_case c = {.context = context};
-    c.status = fathom_scene_create(context, &c.scene);
-    if (c.status == FATHOM_OK) scenes[index].add(&c, FATHOM_ROOT);
-    fathom_light light;
-    fathom_light_default(&light);
-    const double at[3] = {3, 6, 4};
-    memcpy(light.position, at, sizeof at);
-    if (c.status == FATHOM_OK) c.status = fathom_scene_add_light(c.scene, &light, NULL);
-    if (c.status == FATHOM_OK) c.status = fathom_scene_complete(c.scene);
-    if (c.status == FATHOM_OK) c.status = fathom_scene_check(c.scene);
-    fathom_status status = c.status;
-    *out = status == FATHOM_OK ? c.scene : NULL;
-    if (*out) c.scene = NULL;
+    extremes_case c;
+    memset(&c, 0, sizeof c);
+    build_open(context, &c.b);
+    if (c.b.status == FATHOM_OK) scenes[index].add(&c, FATHOM_ROOT);
+    build_point_light(&c.b, vec_f64(3, 6, 4), vec_f64(1, 1, 1), 0);
+    build_finish(&c.b);
+    fathom_status status = c.b.status;
+    *out = status == FATHOM_OK ? c.b.scene : NULL;
+    if (*out) c.b.scene = NULL;
     case_close(&c);
     return status;
 }

@@ -92,14 +92,14 @@ static void what_is_wrong(void **state) {
     const shading_options options = {.spec = "embree"};
     shading_rows rows = {.items = NULL};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        studio s = {.context = context, .options = &options, .rows = &rows, .broken = cases[i].broken};
+        studio s = {.b = {.context = context}, .options = &options, .rows = &rows, .broken = cases[i].broken};
         studio_judge(&s, 0, 2, 2, 0.5);
         studio_judge(&s, 0, cases[i].measured, cases[i].expected, cases[i].bound);
         studio_judge(&s, 0, 2, 2, 0.5);
         studio_row(&s, 0, "group", 1, "case %zu", i);
         assert_int_equal(rows.items[i].ok, cases[i].ok);
     }
-    studio s = {.context = context, .options = &options, .rows = &rows};
+    studio s = {.b = {.context = context}, .options = &options, .rows = &rows};
     studio_row(&s, 0, "group", 1, "nothing judged");
     assert_false(rows.items[rows.count - 1].ok);
     array_free(&rows);

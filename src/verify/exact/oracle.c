@@ -32,9 +32,7 @@ static bool answerable(const oracle_ray *ray, const oracle_primitive *primitive)
     return finite_f32(ray->org) && finite_f32(ray->dir) && !isnan(ray->t_near) && !isnan(ray->t_far);
 }
 
-static bool inside(const solution *s, unsigned i) {
-    return s->above_near[i] > 0 && s->below_far[i] > 0;
-}
+static bool inside(const solution *s, unsigned i) { return s->above_near[i] > 0 && s->below_far[i] > 0; }
 
 static real_f128 smallest(const real_f128 *x, unsigned count) {
     real_f128 least = x[0];

@@ -50,12 +50,13 @@ typedef struct oracle_answer {
     bool line;     /* the whole line meets the shape, wherever t lies */
     unsigned part; /* quad: the triangle, 0 or 1, of a miss the one that came closer; sphere: 0 the smaller
                       root, 1 the larger */
-    real_f128 t; /* of the hit; for a miss: where the plane is met; the root that was rejected last; of a
-                    sphere that the line misses, the closest approach */
+    real_f128 t;   /* of the hit; for a miss: where the plane is met; the root that was rejected last; of a
+                      sphere that the line misses, the closest approach */
     real_f128 other;                 /* sphere with line set: the other root */
     real_f128 above_near, below_far; /* t - t_near, t_far - t: both positive for a hit; not set when a
                                         sphere's line is false */
-    real_f128 weight[3]; /* of the triangle's corners A, B, C at t; they add to 1; for a quad, of the part's */
+    real_f128
+        weight[3]; /* of the triangle's corners A, B, C at t; they add to 1; for a quad, of the part's */
     /* At least 0 exactly where line is true. Triangle: the smallest weight. Quad: of a hit the smaller of the
      * two weights at the outer edges; of a miss the larger of both parts' smallest weights. Sphere: 1 - l²/R²
      * with l the line's distance from the centre. Plane: 1. */

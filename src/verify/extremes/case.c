@@ -9,10 +9,10 @@
 
 void *case_memory(extremes_case *c, size_t bytes) {
     /* Embree reads vertices 16 bytes at a time. */
-    void *memory = c->status == FATHOM_OK ? calloc(1, bytes + 16) : NULL;
+    void *memory = c->b.status == FATHOM_OK ? calloc(1, bytes + 16) : NULL;
     if (memory && array_push(&c->owned, memory)) return memory;
     free(memory);
-    if (c->status == FATHOM_OK) c->status = fail_memory(c->context, bytes);
+    if (c->b.status == FATHOM_OK) c->b.status = fail_memory(c->b.context, bytes);
     return NULL;
 }
 
@@ -24,25 +24,23 @@ void case_say(extremes_case *c, const char *format, ...) {
 }
 
 static fathom_status open_all(extremes_case *c) {
-    if (c->status == FATHOM_OK) c->status = fathom_scene_complete(c->scene);
-    if (c->status == FATHOM_OK) c->status = fathom_scene_check(c->scene);
-    if (c->status == FATHOM_OK) c->status = world_create(c->scene, &c->world);
-    if (c->status == FATHOM_OK && c->patch) {
+    if (build_finish(&c->b) == FATHOM_OK) c->b.status = world_create(c->b.scene, &c->world);
+    if (c->b.status == FATHOM_OK && c->patch) {
         c->patch(c);
-        c->status = world_survey(c->world);
+        c->b.status = world_survey(c->world);
     }
-    if (c->status == FATHOM_OK) c->status = search_create(c->context, c->world, &c->search);
-    if (c->status == FATHOM_OK) c->status = rays_create(c->context, c->world, &c->source);
-    if (c->status == FATHOM_OK && c->maker) rays_set_maker(c->source, c->maker, c);
-    return c->status;
+    if (c->b.status == FATHOM_OK) c->b.status = search_create(c->b.context, c->world, &c->search);
+    if (c->b.status == FATHOM_OK) c->b.status = rays_create(c->b.context, c->world, &c->source);
+    if (c->b.status == FATHOM_OK && c->maker) rays_set_maker(c->source, c->maker, c);
+    return c->b.status;
 }
 
 fathom_status case_open(fathom_context *context, void (*make)(extremes_case *c, double parameter),
                         double parameter, extremes_case *out) {
     memset(out, 0, sizeof *out);
-    out->context = context, out->families = CASE_FAMILIES;
-    out->status = fathom_scene_create(context, &out->scene);
-    if (out->status == FATHOM_OK) make(out, parameter);
+    out->families = CASE_FAMILIES;
+    build_open(context, &out->b);
+    if (out->b.status == FATHOM_OK) make(out, parameter);
     return open_all(out);
 }
 
@@ -50,7 +48,7 @@ void case_close(extremes_case *c) {
     rays_destroy(c->source);
     search_destroy(c->search);
     world_destroy(c->world);
-    fathom_scene_destroy(c->scene);
+    fathom_scene_destroy(c->b.scene);
     for (size_t i = 0; i < c->owned.count; ++i) free(c->owned.items[i]);
     array_free(&c->owned);
     memset(c, 0, sizeof *c);
@@ -70,33 +68,16 @@ static vec3_f64 scattered_point(unsigned i, vec3_f64 at, double radius) {
 }
 
 void case_sphere(extremes_case *c, fathom_id group, vec3_f64 center, double radius) {
-    if (c->status != FATHOM_OK) return;
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
-    store_f64(sphere.center, center);
-    sphere.radius = radius, sphere.flags = c->flags;
-    c->status = fathom_scene_add_sphere(c->scene, group, &sphere, NULL);
+    c->b.group = group;
+    build_sphere(&c->b, center, radius, 0);
 }
 
 void case_quad(extremes_case *c, fathom_id group, vec3_f64 center, vec3_f64 u, vec3_f64 v) {
-    if (c->status != FATHOM_OK) return;
-    const double at[3] = {center.x, center.y, center.z}, a[3] = {u.x, u.y, u.z}, b[3] = {v.x, v.y, v.z};
-    fathom_quad quad;
-    fathom_quad_default(&quad);
-    fathom_quad_from_axes(at, a, b, &quad);
-    quad.flags = c->flags;
-    c->status = fathom_scene_add_quad(c->scene, group, &quad, NULL);
+    c->b.group = group;
+    build_quad(&c->b, center, u, v, 0);
 }
 
-void case_plane(extremes_case *c, vec3_f64 point, vec3_f64 normal) {
-    if (c->status != FATHOM_OK) return;
-    fathom_plane plane;
-    fathom_plane_default(&plane);
-    store_f64(plane.point, point);
-    store_f64(plane.normal, normal);
-    plane.flags = c->flags;
-    c->status = fathom_scene_add_plane(c->scene, FATHOM_ROOT, &plane, NULL);
-}
+void case_plane(extremes_case *c, vec3_f64 point, vec3_f64 normal) { build_plane(&c->b, point, normal, 0); }
 
 void case_mesh(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f64 *positions,
                uint32_t vertices, const uint32_t *indices, uint32_t triangles) {
@@ -108,8 +89,8 @@ void case_mesh(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f6
     mesh.positions = floats, mesh.vertex_count = vertices;
     mesh.indices = indices, mesh.triangle_count = triangles;
     store_f64(mesh.origin, origin);
-    mesh.flags = c->flags;
-    c->status = fathom_scene_add_mesh(c->scene, group, &mesh, NULL);
+    c->b.group = group;
+    build_mesh(&c->b, mesh, 0);
 }
 
 void case_triangles(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f64 *corners,
@@ -175,25 +156,15 @@ void case_ball(extremes_case *c, fathom_id group, vec3_f64 at, double radius) {
 
 /* ---- placing ---- */
 
-fathom_id case_group(extremes_case *c) {
-    fathom_id group = FATHOM_ROOT;
-    if (c->status == FATHOM_OK) c->status = fathom_scene_add_group(c->scene, NULL, &group);
-    return group;
-}
+fathom_id case_group(extremes_case *c) { return build_group(&c->b); }
 
 void case_instance(extremes_case *c, fathom_id group, fathom_id parent, const affine_f64 *map) {
-    if (c->status != FATHOM_OK) return;
-    fathom_instance instance;
-    fathom_instance_default(&instance);
-    instance.group = group, instance.parent = parent;
-    memcpy(instance.transform, map->m, sizeof instance.transform);
-    c->status = fathom_scene_add_instance(c->scene, &instance, NULL);
+    build_place(&c->b, group, parent, (const double *)map);
 }
 
 void case_camera(extremes_case *c, vec3_f64 eye, vec3_f64 target) {
-    if (c->status != FATHOM_OK) return;
     const double from[3] = {eye.x, eye.y, eye.z}, to[3] = {target.x, target.y, target.z}, up[3] = {0, 1, 0};
     fathom_camera camera;
     fathom_camera_look_at(from, to, up, 0.7, &camera);
-    c->status = fathom_scene_set_camera(c->scene, &camera);
+    build_camera(&c->b, &camera);
 }

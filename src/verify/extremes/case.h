@@ -3,21 +3,19 @@
 #define VERIFY_EXTREMES_CASE_H
 
 #include "math/affine.h"
+#include "verify/builder.h"
 #include "verify/extremes/extremes.h"
 #include "verify/search/rays.h"
 
 typedef struct extremes_case extremes_case;
 struct extremes_case {
-    fathom_context *context;
-    fathom_scene *scene;
+    builder b;
     world *world;
     search *search;
     rays_source *source;
-    fathom_status status;            /* of making it; after a failure nothing more is added */
     char words[EXTREMES_WORDS];      /* to be set */
     unsigned families;               /* of its rays, bit i: rays_family i; not used where `maker` is set */
     rays_maker maker;                /* its own rays; `user` is the case */
-    unsigned flags;                  /* of the shapes that are added next: FATHOM_CASTS_NO_SHADOW or 0 */
     unsigned thin;                   /* where a ray costs many times as much: one in so many; 0 counts as 1 */
     double number[4];                /* for maker and patch */
     void (*patch)(extremes_case *c); /* changes the world before anything looks at it */

@@ -124,10 +124,10 @@ static fathom_status compare_case(const extremes_case *c, const char *text, cons
                                .user = o->user};
     compare_result result;
     memset(&result, 0, sizeof result);
-    fathom_status status = compare_run(c->context, &subject, &options, &result);
+    fathom_status status = compare_run(c->b.context, &subject, &options, &result);
     sum_up(&result, row);
     if (o->failures && !keep_failures(&result, o, text, row))
-        status = fail_memory(c->context, sizeof *o->failures->items);
+        status = fail_memory(c->b.context, sizeof *o->failures->items);
     compare_result_free(&result);
     return status;
 }
@@ -139,16 +139,16 @@ static fathom_status push(fathom_context *context, extremes_rows *rows, const ex
 static fathom_status ask_tracer(const extremes_case *c, const extremes_options *o, const char *text,
                                 extremes_row *row, extremes_rows *rows) {
     trace_spec spec;
-    fathom_status status = trace_spec_parse(c->context, text, &spec);
+    fathom_status status = trace_spec_parse(c->b.context, text, &spec);
     if (status != FATHOM_OK || !suits(c, &spec)) return status;
     trace_tracer *tracer;
     trace_options options = {.spec = &spec, .width = LANES, .threads = o->threads};
-    status = trace_create(c->context, c->world, &options, &tracer);
+    status = trace_create(c->b.context, c->world, &options, &tracer);
     if (status == FATHOM_OK) status = compare_case(c, text, &spec, tracer, o, row);
     trace_destroy(tracer);
     if (status == FATHOM_OK || status == FATHOM_INTERRUPTED) {
         row->spec = text;
-        fathom_status pushed = push(c->context, rows, row);
+        fathom_status pushed = push(c->b.context, rows, row);
         if (pushed != FATHOM_OK) return pushed;
     }
     return status;

@@ -58,7 +58,7 @@ static void move_world(extremes_case *c) {
         vec3_f32 *corner = &w->quads.items[i / 4].corner[i % 4];
         *corner = moved(*corner, by);
     }
-    for (size_t i = 0; i < w->meshes.count && c->status == FATHOM_OK; ++i)
+    for (size_t i = 0; i < w->meshes.count && c->b.status == FATHOM_OK; ++i)
         move_mesh(c, &w->meshes.items[i], by);
 }
 

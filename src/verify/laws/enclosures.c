@@ -8,8 +8,8 @@ static const vec3_f64 center = {0, 0, 0}, above = {0, 0, 1}, below = {0, 0, -1};
 static const vec3_f64 albedo = {0.75, 0.5, 0.25}, sent = {1, 0.5, 2};
 
 static fathom_material wall(void) {
-    fathom_material m = law_lambert(albedo);
-    law_set(m.k_e, sent);
+    fathom_material m = build_lambert(albedo);
+    build_rgb(m.k_e, sent);
     return m;
 }
 
@@ -24,12 +24,12 @@ static void furnace(law_room *room, uint32_t depth) {
 }
 
 static void furnace_sphere(law_room *room) {
-    law_sphere(room, center, 2, wall());
+    paint_sphere(&room->b, center, 2, wall());
     furnace(room, 64);
 }
 
 static void furnace_four_bounces(law_room *room) {
-    law_sphere(room, center, 2, wall());
+    paint_sphere(&room->b, center, 2, wall());
     furnace(room, 4);
 }
 
@@ -40,8 +40,8 @@ static void furnace_box(law_room *room) {
 
 static void furnace_mesh(law_room *room) {
     fathom_material m = law_metallic();
-    law_set(m.base_color, albedo);
-    law_set(m.emissive, scale_f64(0.5, sent));
+    build_rgb(m.base_color, albedo);
+    build_rgb(m.emissive, scale_f64(0.5, sent));
     m.emissive_strength = 2;
     law_box(room, true, m);
     furnace(room, 8);
@@ -58,14 +58,14 @@ static double lit_sphere(double rho, const double *unused) {
 }
 
 static void point_in_sphere(law_room *room) {
-    law_sphere(room, center, sphere_radius, law_lambert(albedo));
+    paint_sphere(&room->b, center, sphere_radius, build_lambert(albedo));
     law_point_light(room, center, intensity, 0);
     law_look(room, vec_f64(0.4, 0, 0), vec_f64(0.2, 1, 0.3));
     law_value(room, law_each(albedo, lit_sphere, NULL));
 }
 
 static void ball_light_in_sphere(law_room *room) {
-    law_sphere(room, center, sphere_radius, law_lambert(albedo));
+    paint_sphere(&room->b, center, sphere_radius, build_lambert(albedo));
     law_point_light(room, center, intensity, 0.3);
     law_look(room, vec_f64(0.4, 0, 0), vec_f64(0.2, 1, 0.3));
     law_value(room, law_each(albedo, lit_sphere, NULL));
@@ -81,10 +81,10 @@ static void spot_in_sphere(law_room *room) {
     light.type = FATHOM_LIGHT_SPOT;
     light.inner_angle = 0.6f, light.outer_angle = 1.2f;
     store_f64(light.direction, below);
-    law_set(light.intensity, vec_f64(intensity, intensity, intensity));
+    build_rgb(light.intensity, vec_f64(intensity, intensity, intensity));
     const double inner = cos((double)light.inner_angle), outer = cos((double)light.outer_angle);
-    law_sphere(room, center, sphere_radius, law_lambert(albedo));
-    law_light(room, &light);
+    paint_sphere(&room->b, center, sphere_radius, build_lambert(albedo));
+    build_light(&room->b, &light);
     law_look(room, vec_f64(0.4, 0, 0), vec_f64(0.3, 0.1, 1));
     const double share = (1 - inner + (inner - outer) / 3) / 2;
     law_value(room, law_each(albedo, spot_wall, &share));
@@ -102,10 +102,10 @@ static double cut_sphere(double rho, const double *f_and_plane) {
 
 static void cut(law_room *room, double reflects) {
     const double height = 0.4, numbers[] = {(1 - height) / 2, reflects};
-    fathom_material m = law_emitter(vec_f64(1, 1, 1));
-    law_set(m.k_d, vec_f64(reflects, reflects, reflects));
-    law_sphere(room, center, 1, law_lambert(albedo));
-    law_plane(room, vec_f64(0, 0, height), above, m);
+    fathom_material m = build_emitter(vec_f64(1, 1, 1));
+    build_rgb(m.k_d, vec_f64(reflects, reflects, reflects));
+    paint_sphere(&room->b, center, 1, build_lambert(albedo));
+    paint_plane(&room->b, vec_f64(0, 0, height), above, m);
     law_look(room, center, vec_f64(0.2, 0.3, -1));
     law_value(room, law_each(albedo, cut_sphere, numbers));
 }
@@ -127,10 +127,10 @@ static double inner_wall(double rho, const double *unused) {
 }
 
 static void two_spheres(law_room *room) {
-    fathom_material m = law_emitter(vec_f64(1, 1, 1));
-    law_set(m.k_d, vec_f64(inner_albedo, inner_albedo, inner_albedo));
-    law_sphere(room, center, 0.5, m);
-    law_sphere(room, center, 1, law_lambert(vec_f64(0.7, 0.5, 0.2)));
+    fathom_material m = build_emitter(vec_f64(1, 1, 1));
+    build_rgb(m.k_d, vec_f64(inner_albedo, inner_albedo, inner_albedo));
+    paint_sphere(&room->b, center, 0.5, m);
+    paint_sphere(&room->b, center, 1, build_lambert(vec_f64(0.7, 0.5, 0.2)));
 }
 
 static void outer_sphere(law_room *room) {

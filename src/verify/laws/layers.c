@@ -12,14 +12,14 @@ static double square(double x) { return x * x; }
 static fathom_material bare(void) {
     fathom_material m = law_metallic();
     m.specular_factor = 0;
-    law_set(m.base_color, origin);
+    build_rgb(m.base_color, origin);
     return m;
 }
 
 /* The reflectance under an even sky. */
 static void lobe(law_room *room, fathom_material m, vec3_f64 from, vec3_f64 value) {
-    law_quad(room, origin, vec_f64(9, 0, 0), vec_f64(0, 9, 0), m);
-    law_background(room, white);
+    paint_quad(&room->b, origin, vec_f64(9, 0, 0), vec_f64(0, 9, 0), m);
+    build_background(&room->b, white);
     law_look(room, from, origin);
     law_value(room, value);
 }
@@ -30,9 +30,9 @@ static const vec3_f64 base = {0.8, 0.5, 0.2}, through = {0.3, 0.9, 0.6};
 
 static fathom_material leaf_material(void) {
     fathom_material m = bare();
-    law_set(m.base_color, base);
+    build_rgb(m.base_color, base);
     m.diffuse_transmission = 0.75f;
-    law_set(m.diffuse_transmission_color, through);
+    build_rgb(m.diffuse_transmission_color, through);
     return m;
 }
 
@@ -45,17 +45,17 @@ static void leaf_from_behind(law_room *room) {
     fathom_light_default(&light);
     light.type = FATHOM_LIGHT_DIRECTIONAL;
     store_f64(light.direction, up);
-    law_light(room, &light);
+    build_light(&room->b, &light);
     lobe(room, leaf_material(), eye, scale_f64(0.75, through));
-    law_background(room, origin);
+    build_background(&room->b, origin);
 }
 
 /* White leaves under a dielectric layer lose nothing. */
 static void white_leaf(law_room *room) {
     fathom_material m = law_metallic();
     m.diffuse_transmission = m.roughness = 0.5f, m.specular_factor = 1, m.multiscatter = true;
-    law_sphere(room, origin, 1, m);
-    law_background(room, white);
+    paint_sphere(&room->b, origin, 1, m);
+    build_background(&room->b, white);
     law_look(room, vec_f64(0, 0.3, 3), vec_f64(0.5, 0.3, 0));
     law_value(room, white);
 }
@@ -89,7 +89,7 @@ static double sheen_reflectance(double alpha, double nv) {
 
 static void sheen(law_room *room) {
     fathom_material m = bare();
-    law_set(m.sheen_color, through);
+    build_rgb(m.sheen_color, through);
     m.sheen_roughness = 0.5f;
     lobe(room, m, aside, scale_f64(sheen_reflectance(0.25, 0.6), through));
 }
@@ -157,7 +157,7 @@ static void film(law_room *room) {
     const vec3_f64 color = {0.9, 0.6, 0.2};
     fathom_material m = law_metallic();
     m.metallic = m.iridescence = 1, m.iridescence_ior = 1.5f, m.iridescence_thickness_max = 450;
-    law_set(m.base_color, color);
+    build_rgb(m.base_color, color);
     lobe(room, m, vec_f64(sqrt(1 - cosine * cosine), 0, cosine),
          vec_f64(airy(color.x, 1.5, 450, cosine, 0), airy(color.y, 1.5, 450, cosine, 1),
                  airy(color.z, 1.5, 450, cosine, 2)));
@@ -175,8 +175,8 @@ static fathom_material clear(double index, unsigned priority) {
 static void dispersive(law_room *room, double roughness) {
     fathom_material m = clear(1.5, 0);
     m.dispersion = 5, m.roughness = (float)roughness;
-    law_sphere(room, origin, 1, m);
-    law_background(room, white);
+    paint_sphere(&room->b, origin, 1, m);
+    build_background(&room->b, white);
     law_look(room, vec_f64(0, 0.3, 3), vec_f64(0.5, 0.3, 0));
     law_value(room, white);
 }
@@ -188,16 +188,9 @@ static double both(double r, double s) { return r + square(1 - r) * s / (1 - r *
 /* Both planes are of one material: what is entered by one is left by the other.
  */
 static void slab(law_room *room, double top, double bottom, fathom_material m) {
-    fathom_plane plane;
-    fathom_plane_default(&plane);
-    if (room->status == FATHOM_OK)
-        room->status = fathom_scene_add_material(room->scene, NULL, &m, &plane.material);
-    for (int k = 0; k < 2; ++k) {
-        store_f64(plane.point, vec_f64(0, 0, k ? bottom : top));
-        store_f64(plane.normal, k ? down : up);
-        if (room->status == FATHOM_OK)
-            room->status = fathom_scene_add_plane(room->scene, FATHOM_ROOT, &plane, NULL);
-    }
+    const fathom_id material = build_material(&room->b, m);
+    build_plane(&room->b, vec_f64(0, 0, top), up, material);
+    build_plane(&room->b, vec_f64(0, 0, bottom), down, material);
 }
 
 /* Two slabs that overlap: the higher priority ends where it ends, and the other
@@ -205,7 +198,7 @@ static void slab(law_room *room, double top, double bottom, fathom_material m) {
 static void overlap(law_room *room, fathom_material first, double second) {
     slab(room, -1, -2, first);
     slab(room, -1.5, -3, clear(second, 1));
-    law_plane(room, vec_f64(0, 0, 2), down, law_emitter(white));
+    paint_plane(&room->b, vec_f64(0, 0, 2), down, build_emitter(white));
     law_look(room, origin, down);
 }
 
@@ -225,7 +218,7 @@ static void overlap_uneven(law_room *room) {
     const vec3_f64 remains = {0.25, 0.5, 0.875};
     fathom_material tinted = clear(1.5, 2);
     tinted.attenuation_distance = 1;
-    law_set(tinted.attenuation_color, remains);
+    build_rgb(tinted.attenuation_color, remains);
     overlap(room, tinted, 2);
     law_value(room, law_each(remains, from_slabs, reflected));
 }
@@ -242,10 +235,10 @@ static void overlap_absorbs(law_room *room) {
     const vec3_f64 remains = {0.25, 0.5, 0.875};
     fathom_material tinted = clear(1.5, 1);
     tinted.attenuation_distance = 1;
-    law_set(tinted.attenuation_color, remains);
+    build_rgb(tinted.attenuation_color, remains);
     slab(room, -1, -2, clear(1.5, 2));
     slab(room, -1.5, -3, tinted);
-    law_plane(room, vec_f64(0, 0, -4), up, law_emitter(white));
+    paint_plane(&room->b, vec_f64(0, 0, -4), up, build_emitter(white));
     law_look(room, origin, down);
     law_value(room, law_each(remains, through_slabs, reflected));
 }

@@ -9,12 +9,12 @@ static const vec3_f64 albedo = {1, 0.5, 0.2};
 /* The floor and its value, for a share of the light's radiance of 1. */
 static void floor_under(law_room *room, double share) {
     room->depth = 4;
-    law_plane(room, origin, up, law_lambert(albedo));
+    paint_plane(&room->b, origin, up, build_lambert(albedo));
     law_look(room, vec_f64(-1, -0.8, 0.7), origin);
     law_value(room, scale_f64(share, albedo));
 }
 
-static fathom_material lamp(void) { return law_emitter(vec_f64(1, 1, 1)); }
+static fathom_material lamp(void) { return build_emitter(vec_f64(1, 1, 1)); }
 
 /* ---- polygons ---- */
 
@@ -22,7 +22,7 @@ static double rectangle_half(double a, double b) { return a / sqrt(1 + a * a) * 
 
 static void rectangle(law_room *room) {
     const double a = 1, b = 2, h = 1.5;
-    law_quad(room, vec_f64(a / 2, b / 2, h), vec_f64(a / 2, 0, 0), vec_f64(0, b / 2, 0), lamp());
+    paint_quad(&room->b, vec_f64(a / 2, b / 2, h), vec_f64(a / 2, 0, 0), vec_f64(0, b / 2, 0), lamp());
     floor_under(room, (rectangle_half(a / h, b / h) + rectangle_half(b / h, a / h)) / (2 * PI));
 }
 
@@ -71,8 +71,8 @@ static void parallel_squares(law_room *room) {
     const double factor =
         2 / (PI * x * x) *
         (log((1 + x * x) / sqrt(1 + 2 * x * x)) + 2 * x * root * atan(x / root) - 2 * x * atan(x));
-    law_quad(room, origin, vec_f64(0.5, 0, 0), vec_f64(0, 0.5, 0), law_lambert(albedo));
-    law_quad(room, up, vec_f64(0.5, 0, 0), vec_f64(0, 0.5, 0), lamp());
+    paint_quad(&room->b, origin, vec_f64(0.5, 0, 0), vec_f64(0, 0.5, 0), build_lambert(albedo));
+    paint_quad(&room->b, up, vec_f64(0.5, 0, 0), vec_f64(0, 0.5, 0), lamp());
     law_look_down(room, 0.5, 0, 1);
     law_value(room, scale_f64(factor, albedo));
     room->depth = 4;
@@ -101,18 +101,11 @@ static void disk_of_triangles(law_room *room) {
 
 /* A sphere squeezed to a thousandth: its outline differs from the disk's by its square. */
 static void disk_squeezed(law_room *room) {
-    fathom_instance instance;
-    fathom_instance_default(&instance);
-    const fathom_material m = lamp();
-    fathom_sphere sphere = {.radius = 1};
     const double squeeze[12] = {1, 0, 0, disk_center.x, 0, 1, 0, disk_center.y, 0, 0, 1e-3, disk_center.z};
-    for (int i = 0; i < 12; ++i) instance.transform[i] = squeeze[i];
-    if (room->status == FATHOM_OK)
-        room->status = fathom_scene_add_material(room->scene, NULL, &m, &sphere.material);
-    if (room->status == FATHOM_OK) room->status = fathom_scene_add_group(room->scene, NULL, &instance.group);
-    if (room->status == FATHOM_OK)
-        room->status = fathom_scene_add_sphere(room->scene, instance.group, &sphere, NULL);
-    if (room->status == FATHOM_OK) room->status = fathom_scene_add_instance(room->scene, &instance, NULL);
+    const fathom_id group = room->b.group = build_group(&room->b);
+    paint_sphere(&room->b, origin, 1, lamp());
+    room->b.group = FATHOM_ROOT;
+    build_place(&room->b, group, FATHOM_ROOT, squeeze);
     floor_under(room, under_disk());
 }
 
@@ -120,14 +113,14 @@ static void disk_squeezed(law_room *room) {
 
 static void sphere_above(law_room *room) {
     const double R = 0.5, d = 2, angle = 0.6;
-    law_sphere(room, vec_f64(d * sin(angle), 0, d * cos(angle)), R, lamp());
+    paint_sphere(&room->b, vec_f64(d * sin(angle), 0, d * cos(angle)), R, lamp());
     floor_under(room, R / d * (R / d) * cos(angle));
 }
 
 static void sphere_cut(law_room *room, double angle) {
     const double square = 0.3, x = sqrt(1 / square - 1), y = -x / tan(angle),
                  q = sin(angle) * sqrt(1 - y * y);
-    law_sphere(room, vec_f64(sin(angle), 0, cos(angle)), sqrt(square), lamp());
+    paint_sphere(&room->b, vec_f64(sin(angle), 0, cos(angle)), sqrt(square), lamp());
     floor_under(room, ((cos(angle) * acos(y) - x * q) * square + atan(q / x)) / PI);
 }
 
@@ -151,8 +144,8 @@ static void sun_over_floor(law_room *room, double radius) {
     fathom_light_default(&light);
     light.type = FATHOM_LIGHT_DIRECTIONAL, light.angular_radius = (float)radius;
     store_f64(light.direction, vec_f64(-1, -2, -2));
-    law_set(light.intensity, vec_f64(1.5, 1.5, 1.5));
-    law_light(room, &light);
+    build_rgb(light.intensity, vec_f64(1.5, 1.5, 1.5));
+    build_light(&room->b, &light);
     floor_under(room, 1.5 * 2 / 3);
 }
 
@@ -174,9 +167,9 @@ static void many_points(law_room *room) {
 static void several(law_room *room) {
     const double R = 0.5, d = 2, angle = 0.6;
     sun_over_floor(room, 0);
-    law_sphere(room, vec_f64(0, d * sin(angle), d * cos(angle)), R, lamp());
+    paint_sphere(&room->b, vec_f64(0, d * sin(angle), d * cos(angle)), R, lamp());
     law_point_light(room, vec_f64(1, 0, 1), 2, 0);
-    law_background(room, vec_f64(0.25, 0.25, 0.25));
+    build_background(&room->b, vec_f64(0.25, 0.25, 0.25));
     law_value(room, scale_f64(1 + 0.75 * R / d * (R / d) * cos(angle) + 2 / sqrt(8) + 0.25, albedo));
 }
 

@@ -13,8 +13,8 @@ static vec3_f64 gray(double x) { return vec_f64(x, x, x); }
 static const vec3_f64 albedo = {1, 0.5, 0.2};
 
 static void even_sky(law_room *room) {
-    law_plane(room, origin, up, law_lambert(albedo));
-    law_background(room, vec_f64(1, 0.5, 0.25));
+    paint_plane(&room->b, origin, up, build_lambert(albedo));
+    build_background(&room->b, vec_f64(1, 0.5, 0.25));
     law_look(room, eye, origin);
     law_value(room, vec_f64(1, 0.25, 0.05));
 }
@@ -45,7 +45,7 @@ static vec3_f64 harmonic_sky(void *user, vec3_f64 d) {
 /* Irradiance weights bands by π, 2π/3, π/4, 0, -π/24; the floor shows it over π. */
 static void harmonics(law_room *room) {
     const double factors[5] = {1, 2.0 / 3, 0.25, 0, -1.0 / 24};
-    law_plane(room, origin, up, law_lambert(white));
+    paint_plane(&room->b, origin, up, build_lambert(white));
     law_look(room, eye, origin);
     law_sky(room, harmonic_sky);
     for (int c = 0; c < 3; ++c) room->value[c] = band_sum(sky_axes[c], up, factors);
@@ -56,19 +56,19 @@ static void harmonics(law_room *room) {
 
 /* B = 1 + ρ F B. */
 static void ceiling(law_room *room, vec3_f64 normal, fathom_material mirror, vec3_f64 mean) {
-    fathom_material m = law_lambert(albedo);
-    law_set(m.k_e, white);
-    law_plane(room, origin, up, m);
-    law_plane(room, up, normal, mirror);
+    fathom_material m = build_lambert(albedo);
+    build_rgb(m.k_e, white);
+    paint_plane(&room->b, origin, up, m);
+    paint_plane(&room->b, up, normal, mirror);
     law_look(room, vec_f64(0, 0, 0.5), vec_f64(0.2, 0.1, 0));
     law_value(room,
               vec_f64(1 / (1 - albedo.x * mean.x), 1 / (1 - albedo.y * mean.y), 1 / (1 - albedo.z * mean.z)));
 }
 
 static fathom_material glass(double k_r, double k_t) {
-    fathom_material m = law_black();
-    law_set(m.k_r, gray(k_r));
-    law_set(m.k_t, gray(k_t));
+    fathom_material m = build_black();
+    build_rgb(m.k_r, gray(k_r));
+    build_rgb(m.k_t, gray(k_t));
     m.fresnel = true, m.ior = 1.5f;
     return m;
 }
@@ -80,15 +80,15 @@ static void schlick(law_room *room) {
     const vec3_f64 f0 = {0.04, 0.5, 0.9};
     fathom_material m = law_metallic();
     m.metallic = 1;
-    law_set(m.base_color, f0);
+    build_rgb(m.base_color, f0);
     ceiling(room, down, m, vec_f64(f0.x + (1 - f0.x) / 21, f0.y + (1 - f0.y) / 21, f0.z + (1 - f0.z) / 21));
 }
 
 /* ---- the reflectance of a lobe seen straight on, under an even sky ---- */
 
 static void lobe(law_room *room, fathom_material m, vec3_f64 value) {
-    law_plane(room, origin, up, m);
-    law_background(room, white);
+    paint_plane(&room->b, origin, up, m);
+    build_background(&room->b, white);
     law_look(room, eye, origin);
     law_value(room, value);
 }
@@ -145,9 +145,9 @@ static void ggx_from_aside(law_room *room) {
 }
 
 static fathom_material highlight(fathom_specular specular) {
-    fathom_material m = law_black();
+    fathom_material m = build_black();
     m.specular = specular, m.shininess = 10;
-    law_set(m.k_s, albedo);
+    build_rgb(m.k_s, albedo);
     return m;
 }
 
@@ -164,7 +164,7 @@ static void blinn(law_room *room) {
 }
 
 static void lit_from_behind(law_room *room) {
-    fathom_material m = law_lambert(scale_f64(0.5, albedo));
+    fathom_material m = build_lambert(scale_f64(0.5, albedo));
     m.lit_from_behind = true;
     lobe(room, m, albedo);
 }
@@ -172,8 +172,8 @@ static void lit_from_behind(law_room *room) {
 /* ---- what loses no light is not seen in an even sky ---- */
 
 static void unseen_ball(law_room *room, fathom_material m) {
-    law_sphere(room, origin, 1, m);
-    law_background(room, white);
+    paint_sphere(&room->b, origin, 1, m);
+    build_background(&room->b, white);
     law_look(room, vec_f64(0, 0.3, 3), vec_f64(0.5, 0.3, 0));
     law_value(room, white);
 }
@@ -191,7 +191,7 @@ static void refracting_ball(law_room *room) { unseen_ball(room, clear(1)); }
 
 /* Black glows as brightly as the sky, within glass as outside: nothing is seen of either. */
 static void lamp_in_glass(law_room *room) {
-    law_sphere(room, vec_f64(0, 0.2, 0), 0.5, law_emitter(white));
+    paint_sphere(&room->b, vec_f64(0, 0.2, 0), 0.5, build_emitter(white));
     unseen_ball(room, clear(1));
 }
 
@@ -200,9 +200,9 @@ static void lamp_in_glass(law_room *room) {
 /* Both surfaces reflect r; between them light bounces until it leaves. */
 static void slab(law_room *room) {
     const double r = 0.04;
-    law_plane(room, vec_f64(0, 0, -1), up, glass(1, 1));
-    law_plane(room, vec_f64(0, 0, -2), down, glass(1, 1));
-    law_plane(room, vec_f64(0, 0, 2), down, law_emitter(white));
+    paint_plane(&room->b, vec_f64(0, 0, -1), up, glass(1, 1));
+    paint_plane(&room->b, vec_f64(0, 0, -2), down, glass(1, 1));
+    paint_plane(&room->b, vec_f64(0, 0, 2), down, build_emitter(white));
     law_look(room, origin, down);
     law_value(room, gray(2 * r / (1 + r)));
 }
@@ -219,9 +219,9 @@ static void absorbing_ball(law_room *room) {
     const vec3_f64 remains = {0.25, 0.5, 0.875};
     fathom_material m = clear(1);
     m.specular_factor = 0, m.ior = 1, m.attenuation_distance = 1;
-    law_set(m.attenuation_color, remains);
-    law_sphere(room, origin, 1, m);
-    law_background(room, white);
+    build_rgb(m.attenuation_color, remains);
+    paint_sphere(&room->b, origin, 1, m);
+    build_background(&room->b, white);
     law_look_down(room, 1000, 0, 2);
     law_value(room, law_each(remains, through_ball, NULL));
 }
@@ -234,11 +234,11 @@ static void coverage(law_room *room) {
     fathom_light_default(&light);
     light.type = FATHOM_LIGHT_DIRECTIONAL;
     store_f64(light.direction, down);
-    law_set(m.base_color, origin);
+    build_rgb(m.base_color, origin);
     m.opacity = 0.25f;
-    law_plane(room, origin, up, law_lambert(albedo));
-    law_plane(room, up, up, m);
-    law_light(room, &light);
+    paint_plane(&room->b, origin, up, build_lambert(albedo));
+    paint_plane(&room->b, up, up, m);
+    build_light(&room->b, &light);
     law_look(room, vec_f64(0.5, 0, 2), origin);
     law_value(room, scale_f64(0.75 * 0.75, albedo));
 }
@@ -246,13 +246,13 @@ static void coverage(law_room *room) {
 /* Passing what is not there counts as no bounce: one is enough for the sky, with four sheets on the way. */
 static void sky_through_sheets(law_room *room) {
     fathom_material m = law_metallic();
-    law_set(m.base_color, origin);
+    build_rgb(m.base_color, origin);
     m.opacity = 0.25f;
-    law_plane(room, origin, up, law_lambert(albedo));
-    law_sphere(room, origin, 3, m);
-    law_plane(room, up, up, m);
-    law_plane(room, vec_f64(0, 0, 2), up, m);
-    law_background(room, white);
+    paint_plane(&room->b, origin, up, build_lambert(albedo));
+    paint_sphere(&room->b, origin, 3, m);
+    paint_plane(&room->b, up, up, m);
+    paint_plane(&room->b, vec_f64(0, 0, 2), up, m);
+    build_background(&room->b, white);
     law_look(room, vec_f64(0.5, 0, 1.5), origin);
     law_value(room, scale_f64(0.75 * 0.75 * 0.75 * 0.75, albedo));
     room->depth = 1;
@@ -261,12 +261,12 @@ static void sky_through_sheets(law_room *room) {
 static void lamp_behind_sheets(law_room *room) {
     const double R = 0.5, d = 2, angle = 0.6;
     fathom_material m = law_metallic();
-    law_set(m.base_color, origin);
+    build_rgb(m.base_color, origin);
     m.opacity = 0.25f;
-    law_plane(room, origin, up, law_lambert(albedo));
-    law_plane(room, vec_f64(0, 0, 0.5), up, m);
-    law_plane(room, vec_f64(0, 0, 0.75), up, m);
-    law_sphere(room, vec_f64(d * sin(angle), 0, d * cos(angle)), R, law_emitter(white));
+    paint_plane(&room->b, origin, up, build_lambert(albedo));
+    paint_plane(&room->b, vec_f64(0, 0, 0.5), up, m);
+    paint_plane(&room->b, vec_f64(0, 0, 0.75), up, m);
+    paint_sphere(&room->b, vec_f64(d * sin(angle), 0, d * cos(angle)), R, build_emitter(white));
     law_look(room, vec_f64(-0.5, -0.4, 0.4), origin);
     law_value(room, scale_f64(0.75 * 0.75 * R / d * (R / d) * cos(angle), albedo));
 }
@@ -274,19 +274,13 @@ static void lamp_behind_sheets(law_room *room) {
 /* ---- shapes that cast no shadow hide the sky all the same ---- */
 
 static void no_shadow(law_room *room) {
-    fathom_plane plane;
-    fathom_plane_default(&plane);
-    const fathom_material black = law_black();
-    if (room->status == FATHOM_OK)
-        room->status = fathom_scene_add_material(room->scene, NULL, &black, &plane.material);
-    plane.point[2] = 1, plane.flags = FATHOM_CASTS_NO_SHADOW;
-    plane.normal[0] = plane.normal[1] = 0, plane.normal[2] = 1;
-    if (room->status == FATHOM_OK)
-        room->status = fathom_scene_add_plane(room->scene, FATHOM_ROOT, &plane, NULL);
-    law_plane(room, origin, up, law_lambert(albedo));
+    room->b.flags = FATHOM_CASTS_NO_SHADOW;
+    paint_plane(&room->b, up, up, build_black());
+    room->b.flags = 0;
+    paint_plane(&room->b, origin, up, build_lambert(albedo));
     law_point_light(room, vec_f64(0, 0, 2), 4, 0.5);
-    law_sphere(room, vec_f64(0, 0, 3), 1, law_emitter(white));
-    law_background(room, white);
+    paint_sphere(&room->b, vec_f64(0, 0, 3), 1, build_emitter(white));
+    build_background(&room->b, white);
     law_look(room, vec_f64(0.5, 0, 0.5), origin);
     law_value(room, albedo);
 }
@@ -298,13 +292,12 @@ static void no_shadow(law_room *room) {
 static void lens(law_room *room) {
     const double focus = 4, distance = 3, radius = 0.5, offset = 0.05;
     const double disc = radius * (focus - distance) / focus, x = offset / disc;
-    law_quad(room, vec_f64(offset + 5, 0, focus - distance), vec_f64(5, 0, 0), vec_f64(0, 10, 0),
-             law_emitter(white));
-    if (room->status != FATHOM_OK) return;
+    paint_quad(&room->b, vec_f64(offset + 5, 0, focus - distance), vec_f64(5, 0, 0), vec_f64(0, 10, 0),
+               build_emitter(white));
     fathom_camera camera;
     fathom_camera_look_at((double[3]){0, 0, focus}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 1, &camera);
     camera.d = 1, camera.h = 1.0 / 4096, camera.lens_radius = radius, camera.focus_distance = focus;
-    room->status = fathom_scene_set_camera(room->scene, &camera);
+    build_camera(&room->b, &camera);
     law_value(room, gray(fabs(x) < 1 ? (acos(x) - x * sqrt(1 - x * x)) / PI : 0));
 }
 

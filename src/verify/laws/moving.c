@@ -23,8 +23,8 @@ static void look_at_edge(law_room *room, const double *key_times, const double *
     fathom_camera_look_at((double[3]){0, 0, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 1, &camera);
     camera.d = 1, camera.h = 0.25, camera.shutter[0] = 2, camera.shutter[1] = 3;
     camera.key_count = key_times ? 2 : 0, camera.key_times = key_times, camera.key_frames = key_frames;
-    if (room->status == FATHOM_OK) room->status = fathom_scene_set_camera(room->scene, &camera);
-    law_background(room, white);
+    build_camera(&room->b, &camera);
+    build_background(&room->b, white);
     const double seen = 1 - (trapezoid(to) - trapezoid(from)) / (to - from);
     law_value(room, vec_f64(seen, seen, seen));
 }
@@ -40,29 +40,18 @@ static void move_group(law_room *room, fathom_id group, const double maps[24]) {
     fathom_instance_default(&instance);
     instance.group = group;
     instance.key_count = 2, instance.key_times = times, instance.key_transforms = maps;
-    if (room->status == FATHOM_OK) room->status = fathom_scene_add_instance(room->scene, &instance, NULL);
+    build_instance(&room->b, &instance);
 }
 
-static fathom_id new_group(law_room *room) {
-    fathom_id group = FATHOM_ROOT;
-    if (room->status == FATHOM_OK) room->status = fathom_scene_add_group(room->scene, NULL, &group);
-    return group;
-}
-
-static void add_half_plane(law_room *room, fathom_id group) {
-    const fathom_material black = law_black();
-    fathom_quad quad;
-    fathom_quad_from_axes((double[3]){10, 0, 0}, (double[3]){10, 0, 0}, (double[3]){0, 10, 0}, &quad);
-    if (room->status == FATHOM_OK)
-        room->status = fathom_scene_add_material(room->scene, NULL, &black, &quad.material);
-    if (room->status == FATHOM_OK) room->status = fathom_scene_add_quad(room->scene, group, &quad, NULL);
+static void add_half_plane(law_room *room) {
+    paint_quad(&room->b, vec_f64(10, 0, 0), vec_f64(10, 0, 0), vec_f64(0, 10, 0), build_black());
 }
 
 static void moving_edge(law_room *room) {
     const double maps[24] = {1, 0, 0, start(), 0, 1, 0, 0, 0, 0, 1, 0,
                              1, 0, 0, end(),   0, 1, 0, 0, 0, 0, 1, 0};
-    const fathom_id group = new_group(room);
-    add_half_plane(room, group);
+    const fathom_id group = room->b.group = build_group(&room->b);
+    add_half_plane(room);
     move_group(room, group, maps);
     look_at_edge(room, NULL, NULL);
 }
@@ -70,7 +59,7 @@ static void moving_edge(law_room *room) {
 static void moving_camera(law_room *room) {
     const double frames[24] = {1, 0, 0, -start(), 0, 1, 0, 0, 0, 0, 1, 4,
                                1, 0, 0, -end(),   0, 1, 0, 0, 0, 0, 1, 4};
-    add_half_plane(room, FATHOM_ROOT);
+    add_half_plane(room);
     look_at_edge(room, times, frames);
 }
 
@@ -79,16 +68,12 @@ static void moving_corners(law_room *room) {
     const float a = (float)start(), b = (float)end();
     const float keys[24] = {a, -10, 0, 20, -10, 0, 20, 10, 0, a, 10, 0,
                             b, -10, 0, 20, -10, 0, 20, 10, 0, b, 10, 0};
-    const fathom_material black = law_black();
     fathom_mesh mesh;
     fathom_mesh_default(&mesh);
     mesh.positions = keys, mesh.vertex_count = 4;
     mesh.indices = (const uint32_t[]){0, 1, 2, 0, 2, 3}, mesh.triangle_count = 2;
     mesh.key_count = 2, mesh.key_times = times, mesh.key_positions = keys;
-    if (room->status == FATHOM_OK)
-        room->status = fathom_scene_add_material(room->scene, NULL, &black, &mesh.material);
-    if (room->status == FATHOM_OK)
-        room->status = fathom_scene_add_mesh(room->scene, FATHOM_ROOT, &mesh, NULL);
+    build_mesh(&room->b, mesh, build_material(&room->b, build_black()));
     look_at_edge(room, NULL, NULL);
 }
 
@@ -99,29 +84,20 @@ static void move_body(law_room *room, bool ball) {
     const double albedo = 0.5, half = sqrt(0.5);
     const double maps[24] = {1,     0,           0, -0.25, 0,    1,           0, 0,   0, 0, 1, 0,
                              -half, -1.5 * half, 0, 0.25,  half, -1.5 * half, 0, 0.1, 0, 0, 2, 0.25};
-    const fathom_material body = law_lambert(vec_f64(albedo, albedo, albedo));
-    const fathom_id group = new_group(room);
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
-    if (room->status == FATHOM_OK)
-        room->status = fathom_scene_add_material(room->scene, NULL, &body, &sphere.material);
-    if (ball && room->status == FATHOM_OK)
-        room->status = fathom_scene_add_sphere(room->scene, group, &sphere, NULL);
-    for (int i = 0; !ball && i < 6 && room->status == FATHOM_OK; ++i) {
-        const double side = i % 2 ? 1 : -1;
+    const fathom_id group = room->b.group = build_group(&room->b);
+    const fathom_id material = build_material(&room->b, build_lambert(vec_f64(albedo, albedo, albedo)));
+    if (ball) build_sphere(&room->b, vec_f64(0, 0, 0), 1, material);
+    for (int i = 0; !ball && i < 6; ++i) {
         double axis[3][3] = {{0}};
-        for (int k = 0; k < 3; ++k) axis[k][(i / 2 + k) % 3] = k ? 1 : side;
-        fathom_quad quad;
-        fathom_quad_from_axes(axis[0], axis[1], axis[2], &quad);
-        quad.material = sphere.material;
-        room->status = fathom_scene_add_quad(room->scene, group, &quad, NULL);
+        for (int k = 0; k < 3; ++k) axis[k][(i / 2 + k) % 3] = k || i % 2 ? 1 : -1;
+        build_quad(&room->b, load_f64(axis[0]), load_f64(axis[1]), load_f64(axis[2]), material);
     }
     move_group(room, group, maps);
     fathom_camera camera;
     fathom_camera_look_at((double[3]){3, -2, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.1, &camera);
     camera.shutter[1] = 4;
-    if (room->status == FATHOM_OK) room->status = fathom_scene_set_camera(room->scene, &camera);
-    law_background(room, white);
+    build_camera(&room->b, &camera);
+    build_background(&room->b, white);
     law_value(room, vec_f64(albedo, albedo, albedo));
 }
 

@@ -34,7 +34,7 @@ static fathom_status reference_room(void *user, const law_room *room, uint64_t s
                                          .threads = *(const unsigned *)user,
                                          .environment = room->environment};
     reference_estimate pixels[PIXELS];
-    const fathom_status status = reference_render(room->scene, &settings, pixels);
+    const fathom_status status = reference_render(room->b.scene, &settings, pixels);
     for (int c = 0; c < 3 && status == FATHOM_OK; ++c)
         out[c] = mean_of(pixels, SIDE, SIDE, c, settings.samples);
     return status;
@@ -103,7 +103,7 @@ static fathom_status path_room(void *user, const law_room *room, uint64_t sample
     double sums[3] = {0, 0, 0}, squares[3] = {0, 0, 0};
     const cells whole = {1, 1, sums, squares};
     (void)user;
-    return path_cells(room->context, room->scene, path_settings(WIDTH, WIDTH, room->depth, samples, seed),
+    return path_cells(room->b.context, room->b.scene, path_settings(WIDTH, WIDTH, room->depth, samples, seed),
                       WIDTH, &whole, out);
 }
 

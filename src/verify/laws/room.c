@@ -9,38 +9,19 @@
 #include <unistd.h>
 
 fathom_status law_open(fathom_context *context, const law *made, law_room *out) {
-    *out = (law_room){.context = context, .depth = 64};
-    out->status = fathom_scene_create(context, &out->scene);
-    if (out->status == FATHOM_OK) made->make(out);
-    if (out->status == FATHOM_OK) out->status = fathom_scene_check(out->scene);
-    return out->status;
+    *out = (law_room){.depth = 64};
+    build_open(context, &out->b);
+    if (out->b.status == FATHOM_OK) made->make(out);
+    if (out->b.status == FATHOM_OK) out->b.status = fathom_scene_check(out->b.scene);
+    return out->b.status;
 }
 
 void law_close(law_room *room) {
-    fathom_scene_destroy(room->scene);
+    fathom_scene_destroy(room->b.scene);
     if (room->sky[0]) unlink(room->sky);
 }
 
 /* ---- materials ---- */
-
-void law_set(float rgb[3], vec3_f64 color) {
-    rgb[0] = (float)color.x, rgb[1] = (float)color.y, rgb[2] = (float)color.z;
-}
-
-fathom_material law_lambert(vec3_f64 k_d) {
-    fathom_material m;
-    fathom_material_default(&m);
-    law_set(m.k_d, k_d);
-    return m;
-}
-
-fathom_material law_black(void) { return law_lambert((vec3_f64){0, 0, 0}); }
-
-fathom_material law_emitter(vec3_f64 k_e) {
-    fathom_material m = law_black();
-    law_set(m.k_e, k_e);
-    return m;
-}
 
 fathom_material law_metallic(void) {
     fathom_material m;
@@ -51,44 +32,14 @@ fathom_material law_metallic(void) {
     return m;
 }
 
-static fathom_id add_material(law_room *room, const fathom_material *m) {
-    fathom_id id = 0;
-    if (room->status == FATHOM_OK) room->status = fathom_scene_add_material(room->scene, NULL, m, &id);
-    return id;
-}
-
 /* ---- shapes ---- */
-
-void law_sphere(law_room *room, vec3_f64 center, double radius, fathom_material m) {
-    fathom_sphere sphere = {.radius = radius, .material = add_material(room, &m)};
-    store_f64(sphere.center, center);
-    if (room->status == FATHOM_OK)
-        room->status = fathom_scene_add_sphere(room->scene, FATHOM_ROOT, &sphere, NULL);
-}
-
-void law_plane(law_room *room, vec3_f64 point, vec3_f64 normal, fathom_material m) {
-    fathom_plane plane = {.material = add_material(room, &m)};
-    store_f64(plane.point, point);
-    store_f64(plane.normal, normal);
-    if (room->status == FATHOM_OK)
-        room->status = fathom_scene_add_plane(room->scene, FATHOM_ROOT, &plane, NULL);
-}
-
-void law_quad(law_room *room, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_material m) {
-    fathom_quad quad;
-    fathom_quad_from_axes((double[3]){center.x, center.y, center.z}, (double[3]){u.x, u.y, u.z},
-                          (double[3]){v.x, v.y, v.z}, &quad);
-    quad.material = add_material(room, &m);
-    if (room->status == FATHOM_OK)
-        room->status = fathom_scene_add_quad(room->scene, FATHOM_ROOT, &quad, NULL);
-}
 
 void law_fan(law_room *room, const vec3_f64 *corners, uint32_t count, fathom_material m) {
     float *positions = malloc(3 * (size_t)count * sizeof *positions);
     uint32_t *indices = malloc(3 * (size_t)count * sizeof *indices);
-    if (!positions || !indices) room->status = fail_memory(room->context, 24 * (size_t)count);
-    for (uint32_t i = 0; i < count && room->status == FATHOM_OK; ++i) {
-        law_set(positions + 3 * (size_t)i, corners[i]);
+    if (!positions || !indices) room->b.status = fail_memory(room->b.context, 24 * (size_t)count);
+    for (uint32_t i = 0; i < count && room->b.status == FATHOM_OK; ++i) {
+        build_rgb(positions + 3 * (size_t)i, corners[i]);
         const uint32_t triangle[3] = {0, i + 1, i + 2};
         memcpy(indices + 3 * (size_t)i, triangle, sizeof triangle);
     }
@@ -96,9 +47,7 @@ void law_fan(law_room *room, const vec3_f64 *corners, uint32_t count, fathom_mat
     fathom_mesh_default(&mesh);
     mesh.positions = positions, mesh.vertex_count = count;
     mesh.indices = indices, mesh.triangle_count = count - 2;
-    mesh.material = add_material(room, &m);
-    if (room->status == FATHOM_OK)
-        room->status = fathom_scene_add_mesh(room->scene, FATHOM_ROOT, &mesh, NULL);
+    build_mesh(&room->b, mesh, build_material(&room->b, m));
     free(positions);
     free(indices);
 }
@@ -114,32 +63,16 @@ void law_box(law_room *room, bool meshes, fathom_material m) {
         if (meshes)
             law_fan(room, corners, 4, m);
         else
-            law_quad(room, c, u, v, m);
+            paint_quad(&room->b, c, u, v, m);
     }
 }
 
 /* ---- light, the camera, the value ---- */
 
-void law_light(law_room *room, const fathom_light *light) {
-    if (room->status == FATHOM_OK) room->status = fathom_scene_add_light(room->scene, light, NULL);
-}
-
 void law_point_light(law_room *room, vec3_f64 at, double intensity, double radius) {
-    fathom_light light;
-    fathom_light_default(&light);
-    light.type = FATHOM_LIGHT_POINT, light.radius = (float)radius;
-    store_f64(light.position, at);
-    law_set(light.intensity, vec_f64(intensity, intensity, intensity));
-    law_light(room, &light);
+    build_point_light(&room->b, at, vec_f64(intensity, intensity, intensity), radius);
 }
 
-void law_background(law_room *room, vec3_f64 rgb) {
-    float color[3];
-    law_set(color, rgb);
-    if (room->status == FATHOM_OK) room->status = fathom_scene_set_background(room->scene, color);
-}
-
-/* The image's centre lies towards -z, its right half towards +x, its top towards y. */
 static vec3_f64 sky_direction(uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
     const double pi = 3.14159265358979323846;
     const double turn = 2 * pi * ((x + 0.5) / width - 0.5), rise = pi * (0.5 - (y + 0.5) / height);
@@ -149,9 +82,9 @@ static vec3_f64 sky_direction(uint32_t x, uint32_t y, uint32_t width, uint32_t h
 static fathom_status write_sky(law_room *room) {
     enum { WIDTH = 1024, HEIGHT = 512 };
     float(*pixels)[3] = malloc((size_t)WIDTH * HEIGHT * sizeof *pixels);
-    if (!pixels) return fail_memory(room->context, (size_t)WIDTH * HEIGHT * sizeof *pixels);
+    if (!pixels) return fail_memory(room->b.context, (size_t)WIDTH * HEIGHT * sizeof *pixels);
     for (uint32_t i = 0; i < WIDTH * HEIGHT; ++i)
-        law_set(pixels[i], room->environment(NULL, sky_direction(i % WIDTH, i / WIDTH, WIDTH, HEIGHT)));
+        build_rgb(pixels[i], room->environment(NULL, sky_direction(i % WIDTH, i / WIDTH, WIDTH, HEIGHT)));
     static const char *const names[3] = {"R", "G", "B"};
     image_channel channels[3];
     for (int c = 0; c < 3; ++c)
@@ -162,7 +95,7 @@ static fathom_status write_sky(law_room *room) {
                        .full_height = HEIGHT,
                        .channels = channels,
                        .channel_count = 3};
-    const fathom_status status = exr_write_plain(room->context, &sky, room->sky);
+    const fathom_status status = exr_write_plain(room->b.context, &sky, room->sky);
     free(pixels);
     return status;
 }
@@ -177,12 +110,12 @@ void law_sky(law_room *room, vec3_f64 (*radiance)(void *user, vec3_f64 direction
              folder && *folder ? folder : "/tmp");
     const int file = mkstemps(room->sky, 4);
     if (file >= 0) close(file);
-    if (file < 0 && room->status == FATHOM_OK) {
-        room->status = fail_file(room->context, FATHOM_OUT_OF_RESOURCES, room->sky, "cannot be created");
+    if (file < 0 && room->b.status == FATHOM_OK) {
+        room->b.status = fail_file(room->b.context, FATHOM_OUT_OF_RESOURCES, room->sky, "cannot be created");
         room->sky[0] = 0;
     }
-    if (room->status == FATHOM_OK) room->status = write_sky(room);
-    law_light(room, &light);
+    if (room->b.status == FATHOM_OK) room->b.status = write_sky(room);
+    build_light(&room->b, &light);
 }
 
 static void set_camera(law_room *room, vec3_f64 eye, vec3_f64 target, double slope) {
@@ -190,7 +123,7 @@ static void set_camera(law_room *room, vec3_f64 eye, vec3_f64 target, double slo
     fathom_camera camera;
     fathom_camera_look_at(e, t, up, 1, &camera);
     camera.d = 1, camera.h = slope;
-    if (room->status == FATHOM_OK) room->status = fathom_scene_set_camera(room->scene, &camera);
+    build_camera(&room->b, &camera);
 }
 
 void law_look(law_room *room, vec3_f64 eye, vec3_f64 target) { set_camera(room, eye, target, 1.0 / 4096); }

@@ -2,16 +2,12 @@
 #ifndef VERIFY_LAWS_ROOM_H
 #define VERIFY_LAWS_ROOM_H
 
-#include "math/vec.h"
-
-#include <fathom/scene.h>
+#include "verify/builder.h"
 
 typedef struct law_room {
-    fathom_context *context;
-    fathom_scene *scene;
-    fathom_status status; /* of making it; after a failure nothing more is added */
-    double value[3];      /* the mean over the image */
-    uint32_t depth;       /* bounces; default 64 */
+    builder b;
+    double value[3]; /* the mean over the image */
+    uint32_t depth;  /* bounces; default 64 */
     /* Radiance from outside; NULL: the scene's background. `user` of the call is NULL. See law_sky(). */
     vec3_f64 (*environment)(void *user, vec3_f64 direction);
     char sky[256]; /* a file of it, which is removed with the room; "": none */
@@ -31,27 +27,17 @@ void law_close(law_room *room);
 
 /* ---- materials ---- */
 
-fathom_material law_lambert(vec3_f64 k_d);
-fathom_material law_black(void);
-/* Black, and sends out so much. */
-fathom_material law_emitter(vec3_f64 k_e);
 /* Metallic-roughness with neither base, reflection, transmission nor roughness: metallic 0, specular 0,
  * base 1. */
 fathom_material law_metallic(void);
-void law_set(float rgb[3], vec3_f64 color);
 
-/* ---- shapes: each call does nothing after a failure ---- */
+/* ---- shapes ---- */
 
-void law_sphere(law_room *room, vec3_f64 center, double radius, fathom_material m);
-void law_plane(law_room *room, vec3_f64 point, vec3_f64 normal, fathom_material m);
-void law_quad(law_room *room, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_material m);
 /* A mesh: a fan of triangles around the first corner. */
 void law_fan(law_room *room, const vec3_f64 *corners, uint32_t count, fathom_material m);
 /* The six sides of the box of the corners ±1; as quads, or as meshes. */
 void law_box(law_room *room, bool meshes, fathom_material m);
-void law_light(law_room *room, const fathom_light *light);
 void law_point_light(law_room *room, vec3_f64 at, double intensity, double radius);
-void law_background(law_room *room, vec3_f64 rgb);
 /* As a function, and as an environment light of an image of 1024 x 512 pixels. */
 void law_sky(law_room *room, vec3_f64 (*radiance)(void *user, vec3_f64 direction));
 /* Looks at one point: the image is 1/4096 as high as it is far away. */

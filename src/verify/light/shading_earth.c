@@ -42,50 +42,44 @@ static void fill_ball(float *p, uint32_t *t) {
     }
 }
 
-static fathom_status add_ball(demo *d, fathom_id group, fathom_id material) {
+static void add_ball(demo *d, fathom_material shiny) {
     float positions[3 * VERTICES];
     uint32_t indices[3 * TRIANGLES];
     fill_ball(positions, indices);
     fathom_mesh mesh;
     fathom_mesh_default(&mesh);
     mesh.positions = mesh.normals = positions, mesh.vertex_count = mesh.normal_count = VERTICES;
-    mesh.indices = indices, mesh.triangle_count = TRIANGLES, mesh.material = material;
-    return fathom_scene_add_mesh(d->s.scene, group, &mesh, NULL);
+    mesh.indices = indices, mesh.triangle_count = TRIANGLES;
+    build_mesh(&d->s.b, mesh, build_material(&d->s.b, shiny));
 }
 
-static fathom_status add_instance(demo *d, fathom_id group, vec3_f64 center, double a, double b, double c) {
-    fathom_instance instance;
-    fathom_instance_default(&instance);
-    instance.group = group;
+static void place(demo *d, fathom_id group, vec3_f64 center, double a, double b, double c) {
     const double map[12] = {a, 0, 0.1, center.x, 0, b, 0, center.y, -0.1, 0, c, center.z};
-    memcpy(instance.transform, map, sizeof map);
-    return fathom_scene_add_instance(d->s.scene, &instance, NULL);
+    build_place(&d->s.b, group, FATHOM_ROOT, map);
 }
 
-static void add_meshes(demo *d, const fathom_material *shiny) {
-    fathom_id group = 0, material = 0;
-    studio *s = &d->s;
-    if (s->status == FATHOM_OK) s->status = fathom_scene_add_material(s->scene, NULL, shiny, &material);
-    if (s->status == FATHOM_OK) s->status = fathom_scene_add_group(s->scene, "ball", &group);
-    if (s->status == FATHOM_OK) s->status = add_ball(d, group, material);
-    if (s->status == FATHOM_OK) s->status = add_instance(d, group, at(d, 2.1, 0.5, 1.6), 0.5, 0.5, 0.5);
-    if (s->status == FATHOM_OK) s->status = add_instance(d, group, at(d, -0.9, 0.35, 2.2), 0.6, 0.35, 0.3);
+static void add_meshes(demo *d, fathom_material shiny) {
+    const fathom_id group = d->s.b.group = build_group(&d->s.b);
+    add_ball(d, shiny);
+    d->s.b.group = FATHOM_ROOT;
+    place(d, group, at(d, 2.1, 0.5, 1.6), 0.5, 0.5, 0.5);
+    place(d, group, at(d, -0.9, 0.35, 2.2), 0.6, 0.35, 0.3);
 }
 
 static void add_shapes(demo *d) {
     studio *s = &d->s;
-    fathom_material matte = studio_lambert(0.6f, 0.55f, 0.45f), shiny = studio_lambert(0.1f, 0.3f, 0.5f),
-                    mirror = studio_lambert(0.03f, 0.03f, 0.03f), glass = studio_glass(1.5f);
+    fathom_material matte = studio_lambert(0.6, 0.55, 0.45), shiny = studio_lambert(0.1, 0.3, 0.5),
+                    mirror = studio_lambert(0.03, 0.03, 0.03), glass = studio_glass(1.5f);
     for (int c = 0; c < 3; ++c) shiny.k_s[c] = 0.4f, mirror.k_r[c] = 0.85f, glass.k_r[c] = 1;
     shiny.specular = FATHOM_SPECULAR_BLINN, shiny.shininess = 80;
     glass.fresnel = true;
-    studio_plane(s, at(d, 0, 0, 0), (vec3_f64){0, 1, 0}, matte);
-    studio_sphere(s, at(d, -1.6, 0.9, 0), 0.9, mirror);
-    studio_sphere(s, at(d, 0.6, 0.7, 0.8), 0.7, glass);
-    studio_sphere(s, at(d, 1.4, 0.5, -1.2), 0.5, matte);
-    studio_quad(s, at(d, 0.3, 1.3, -3), (vec3_f64){2.6, 0, 0.4}, (vec3_f64){0, 1.3, 0}, mirror);
-    studio_quad(s, at(d, 0.7, 0.25, 2.6), (vec3_f64){0.25, 0, -0.1}, (vec3_f64){0, 0.25, 0.05}, shiny);
-    add_meshes(d, &shiny);
+    paint_plane(&s->b, at(d, 0, 0, 0), (vec3_f64){0, 1, 0}, matte);
+    paint_sphere(&s->b, at(d, -1.6, 0.9, 0), 0.9, mirror);
+    paint_sphere(&s->b, at(d, 0.6, 0.7, 0.8), 0.7, glass);
+    paint_sphere(&s->b, at(d, 1.4, 0.5, -1.2), 0.5, matte);
+    paint_quad(&s->b, at(d, 0.3, 1.3, -3), (vec3_f64){2.6, 0, 0.4}, (vec3_f64){0, 1.3, 0}, mirror);
+    paint_quad(&s->b, at(d, 0.7, 0.25, 2.6), (vec3_f64){0.25, 0, -0.1}, (vec3_f64){0, 0.25, 0.05}, shiny);
+    add_meshes(d, shiny);
 }
 
 static void add_lights(demo *d) {
@@ -97,32 +91,32 @@ static void add_lights(demo *d) {
     store_f64(light.direction, (vec3_f64){-3.5, -5, -1.5});
     light.inner_angle = 0.3f, light.outer_angle = 0.5f;
     light.intensity[0] = light.intensity[1] = light.intensity[2] = 20;
-    studio_light(&d->s, &light);
+    build_light(&d->s.b, &light);
     fathom_light_default(&light);
     light.type = FATHOM_LIGHT_DIRECTIONAL;
     light.direction[0] = 0.3, light.direction[2] = -0.6;
     light.intensity[0] = light.intensity[1] = light.intensity[2] = 0.25f;
-    studio_light(&d->s, &light);
+    build_light(&d->s.b, &light);
 }
 
 static void set_view(demo *d) {
     studio *s = &d->s;
-    static const float sky[3] = {0.35f, 0.45f, 0.6f}, ambient[3] = {0.12f, 0.12f, 0.12f};
+    static const float ambient[3] = {0.12f, 0.12f, 0.12f};
     static const double up[3] = {0, 1, 0};
     double eye[3], target[3];
     store_f64(eye, at(d, 0.8, 2.3, 7)), store_f64(target, at(d, 0.1, 0.8, 0));
     fathom_camera camera;
     fathom_camera_look_at(eye, target, up, d->field, &camera);
-    if (s->status == FATHOM_OK) s->status = fathom_scene_set_camera(s->scene, &camera);
-    if (s->status == FATHOM_OK) s->status = fathom_scene_set_background(s->scene, sky);
-    if (s->status == FATHOM_OK) s->status = fathom_scene_set_ambient(s->scene, ambient);
+    build_camera(&s->b, &camera);
+    build_background(&s->b, vec_f64(0.35, 0.45, 0.6));
+    if (s->b.status == FATHOM_OK) s->b.status = fathom_scene_set_ambient(s->b.scene, ambient);
     s->settings.width = WIDTH, s->settings.height = HEIGHT;
     s->settings.max_depth = 8, s->settings.min_weight = 1.0f / 65536;
 }
 
 /* Moved along (0.48, 0.6, 0.64), which is unit and along no axis. */
 static void open_demo(fathom_context *context, const shading_options *options, double distance, demo *d) {
-    *d = (demo){.s = {.context = context, .options = options},
+    *d = (demo){.s = {.b = {.context = context}, .options = options},
                 .shift = scale_f64(distance, (vec3_f64){0.48, 0.6, 0.64}),
                 .field = 0.68};
     studio_begin(&d->s, WIDTH);
@@ -155,9 +149,9 @@ static fathom_status render_way(fathom_context *context, const shading_options *
     d.s.settings.epsilon = w->epsilon;
     const render_request request = {
         .progress = options->progress, .user = options->user, .origin = w->counted_from_zero ? &zero : NULL};
-    if (d.s.status == FATHOM_OK)
-        d.s.status = render_film(context, d.s.scene, &d.s.settings, &request, NULL, out);
-    if (d.s.status != FATHOM_OK) {
+    if (d.s.b.status == FATHOM_OK)
+        d.s.b.status = render_film(context, d.s.b.scene, &d.s.settings, &request, NULL, out);
+    if (d.s.b.status != FATHOM_OK) {
         fathom_film_destroy(*out); /* where it was stopped: a part of an image */
         *out = NULL;
     }
@@ -228,10 +222,10 @@ static fathom_status keep(fathom_context *context, unsigned k, const way *w, con
  * edge, 6e-7 m at a pixel's 2 cm, are one in 10^4 of those of pixels with edges: none is allowed for. */
 static fathom_status add_row(fathom_context *context, const shading_options *options, shading_rows *rows,
                              double distance, const difference *d) {
-    studio s = {.context = context, .options = options, .rows = rows, .broken = d->broken};
+    studio s = {.b = {.context = context}, .options = options, .rows = rows, .broken = d->broken};
     studio_judge(&s, 0, d->most, 0, 1e-3);
     studio_row(&s, 0, "earth", distance, "largest change of a pixel when a scene is moved by %g m", distance);
-    return s.status;
+    return s.b.status;
 }
 
 /* Renders w's image and compares it with the first one. */

@@ -36,10 +36,10 @@ static void judge(studio *s, const gloss *g, double field, uint32_t i) {
 static void one(studio *s, fathom_specular kind, double n, double field) {
     bool phong = kind == FATHOM_SPECULAR_PHONG;
     studio_begin(s, PIXELS);
-    fathom_material m = studio_black();
+    fathom_material m = build_black();
     m.k_s[0] = m.k_s[1] = m.k_s[2] = 1;
     m.specular = kind, m.shininess = (float)n;
-    studio_plane(s, (vec3_f64){0, 0, 0}, normal, m);
+    paint_plane(&s->b, (vec3_f64){0, 0, 0}, normal, m);
     studio_directional_light(s, (vec3_f64){mirrored.x, 0, -mirrored.z});
     studio_camera(s, scale_f64(4, mirrored), neg_f64(mirrored), across, field);
     gloss g = {kind, studio_twisted(s, n)};

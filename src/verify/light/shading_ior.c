@@ -30,8 +30,8 @@ static void land(beam *b, double z) { beam_go(b, (z - b->at.z) / b->along.z, fab
  */
 
 static void build_slab(studio *s, fathom_material glass) {
-    studio_plane(s, (vec3_f64){0, 0, -1}, up, glass);
-    studio_plane(s, (vec3_f64){0, 0, -2}, neg_f64(up), glass);
+    paint_plane(&s->b, (vec3_f64){0, 0, -1}, up, glass);
+    paint_plane(&s->b, (vec3_f64){0, 0, -2}, neg_f64(up), glass);
 }
 
 static bool follow_slab(beam *b, double ior, bool *sure) {
@@ -45,7 +45,9 @@ static bool follow_slab(beam *b, double ior, bool *sure) {
 
 /* ---- a half-space below z = -1 ---- */
 
-static void build_half(studio *s, fathom_material glass) { studio_plane(s, (vec3_f64){0, 0, -1}, up, glass); }
+static void build_half(studio *s, fathom_material glass) {
+    paint_plane(&s->b, (vec3_f64){0, 0, -1}, up, glass);
+}
 
 static bool follow_half(beam *b, double ior, bool *sure) {
     double sine = b->along.x / ior, slope = -b->along.x / b->along.z;
@@ -59,7 +61,7 @@ static bool follow_half(beam *b, double ior, bool *sure) {
 
 static const vec3_f64 ball = {0, 0, -3};
 
-static void build_ball(studio *s, fathom_material glass) { studio_sphere(s, ball, 1, glass); }
+static void build_ball(studio *s, fathom_material glass) { paint_sphere(&s->b, ball, 1, glass); }
 
 /* The normal follows the point: it is off by as much as the point, over the radius. */
 static bool cross_ball(beam *b, bool leaving, double eta, bool *sure) {
@@ -102,7 +104,7 @@ static void one(studio *s, optic c, float ior, const char *group, double paramet
     const vec3_f64 light = {0.5, 0.25, c.floor + 0.5};
     studio_begin(s, PIXELS);
     c.build(s, studio_glass(ior));
-    studio_plane(s, (vec3_f64){0, 0, c.floor}, up, studio_lambert(1, 1, 1));
+    paint_plane(&s->b, (vec3_f64){0, 0, c.floor}, up, studio_lambert(1, 1, 1));
     studio_point_light(s, light, 1, 1, 1);
     studio_camera(s, eye, view, across, c.field);
     c.ior = studio_twisted(s, (double)ior);
@@ -141,9 +143,9 @@ static void fresnel(studio *s, float ior, double parameter) {
     fathom_material glass = studio_glass(ior);
     glass.k_r[0] = glass.k_r[1] = glass.k_r[2] = 1;
     glass.fresnel = true;
-    studio_plane(s, (vec3_f64){0, 0, -1}, up, glass);
-    studio_plane(s, (vec3_f64){0, 0, 1}, neg_f64(up), studio_emitter(1, 0, 0));
-    studio_plane(s, (vec3_f64){0, 0, -2}, up, studio_emitter(0, 1, 0));
+    paint_plane(&s->b, (vec3_f64){0, 0, -1}, up, glass);
+    paint_plane(&s->b, (vec3_f64){0, 0, 1}, neg_f64(up), studio_emitter(1, 0, 0));
+    paint_plane(&s->b, (vec3_f64){0, 0, -2}, up, studio_emitter(0, 1, 0));
     studio_camera(s, eye, view, across, 20);
     double eta = 1 / studio_twisted(s, (double)ior);
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i) {

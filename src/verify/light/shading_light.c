@@ -29,7 +29,7 @@ static void judge_near(studio *s, double height, double x, uint32_t i) {
 
 static void near_surface(studio *s, double height) {
     studio_begin(s, PIXELS);
-    studio_plane(s, up, up, studio_lambert(1, 1, 1));
+    paint_plane(&s->b, up, up, studio_lambert(1, 1, 1));
     studio_point_light(s, (vec3_f64){0, 0, 1 + height}, 1, 1, 1);
     studio_camera(s, (vec3_f64){0, 0, 3}, down, across, 1);
     double taken = studio_twisted(s, (double)(float)(1 + height) - 1);
@@ -47,8 +47,9 @@ static void distant(studio *s, double distance) {
     double size = fmin(distance, 1);
     float intensity = (float)fmax(fmin(distance * distance, 1e38), 1e-37);
     studio_begin(s, PIXELS);
-    studio_plane(s, zero, up, studio_lambert(1, 1, 1));
-    studio_point_light(s, (vec3_f64){0, 0, distance}, intensity, intensity, intensity);
+    paint_plane(&s->b, zero, up, studio_lambert(1, 1, 1));
+    studio_point_light(s, (vec3_f64){0, 0, distance}, (double)intensity, (double)intensity,
+                       (double)intensity);
     studio_camera(s, (vec3_f64){0, 0, 2 * size}, down, across, 1);
     double taken = studio_twisted(s, distance);
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i) {
@@ -66,8 +67,8 @@ static void distant(studio *s, double distance) {
 
 static void bright(studio *s, double intensity) {
     studio_begin(s, PIXELS);
-    studio_plane(s, zero, up, studio_lambert(1, 0, 1));
-    studio_point_light(s, up, (float)intensity, (float)intensity, 0);
+    paint_plane(&s->b, zero, up, studio_lambert(1, 0, 1));
+    studio_point_light(s, up, intensity, intensity, 0);
     studio_camera(s, (vec3_f64){0, 0, 2}, down, across, 1);
     double height = studio_twisted(s, 1);
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i) {
@@ -86,8 +87,8 @@ static void gaining(studio *s, double gain) {
     studio_begin(s, 1);
     fathom_material m = studio_emitter(1, 0, 1);
     m.k_r[0] = m.k_r[1] = m.k_r[2] = (float)gain;
-    studio_plane(s, down, up, m);
-    studio_plane(s, up, down, m);
+    paint_plane(&s->b, down, up, m);
+    paint_plane(&s->b, up, down, m);
     studio_camera(s, zero, down, across, 0.1);
     if (studio_render(s)) {
         double sum = 0, weight = 1, most = (double)limited(INFINITY);

@@ -21,7 +21,7 @@ static vec3_f64 view_of(void) { return normalize_f64((vec3_f64){1, 0, -1.7}); }
 static vec3_f64 up_of(void) { return normalize_f64((vec3_f64){1.7, 0, 1}); }
 
 static fathom_material mirror(void) {
-    fathom_material m = studio_black();
+    fathom_material m = build_black();
     m.k_r[0] = m.k_r[1] = m.k_r[2] = 1;
     m.k_e[2] = 1; /* blue counts the hits */
     return m;
@@ -30,11 +30,11 @@ static fathom_material mirror(void) {
 static void build(studio *s, double angle, uint32_t max_depth) {
     double middle = (left + right) / 2, half = (right - left) / 2;
     studio_begin(s, PIXELS);
-    studio_quad(s, (vec3_f64){middle, 0, 0}, (vec3_f64){half, 0, 0}, (vec3_f64){0, 1, 0}, mirror());
-    studio_quad(s, (vec3_f64){middle, 0, 1 - middle * tan(angle)}, (vec3_f64){half, 0, -half * tan(angle)},
-                (vec3_f64){0, -1, 0}, mirror());
-    studio_plane(s, (vec3_f64){left - beyond, 0, 0}, (vec3_f64){1, 0, 0}, studio_lambert(1, 0, 0));
-    studio_plane(s, (vec3_f64){right + beyond, 0, 0}, (vec3_f64){-1, 0, 0}, studio_lambert(0, 1, 0));
+    paint_quad(&s->b, (vec3_f64){middle, 0, 0}, (vec3_f64){half, 0, 0}, (vec3_f64){0, 1, 0}, mirror());
+    paint_quad(&s->b, (vec3_f64){middle, 0, 1 - middle * tan(angle)}, (vec3_f64){half, 0, -half * tan(angle)},
+               (vec3_f64){0, -1, 0}, mirror());
+    paint_plane(&s->b, (vec3_f64){left - beyond, 0, 0}, (vec3_f64){1, 0, 0}, studio_lambert(1, 0, 0));
+    paint_plane(&s->b, (vec3_f64){right + beyond, 0, 0}, (vec3_f64){-1, 0, 0}, studio_lambert(0, 1, 0));
     studio_point_light(s, (vec3_f64){left - beyond + 1, 2, 0.5}, 1, 0, 0);
     studio_point_light(s, (vec3_f64){right + beyond - 1, 2, 0.5}, 0, 1, 0);
     studio_camera(s, eye, view_of(), up_of(), field);

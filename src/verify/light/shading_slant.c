@@ -10,7 +10,7 @@ static const vec3_f64 zero = {0, 0, 0}, down = {0, 0, -1}, across = {1, 0, 0}, u
 
 static void grazing(studio *s, double cosine) {
     studio_begin(s, PIXELS);
-    studio_quad(s, zero, (vec3_f64){4, 0, 0}, (vec3_f64){0, 4, 0}, studio_lambert(1, 1, 1));
+    paint_quad(&s->b, zero, (vec3_f64){4, 0, 0}, (vec3_f64){0, 4, 0}, studio_lambert(1, 1, 1));
     studio_directional_light(s, (vec3_f64){-sqrt(1 - cosine * cosine), 0, -cosine});
     studio_camera(s, (vec3_f64){0, 0, 2}, down, across, 2);
     double expected = studio_twisted(s, cosine);
@@ -26,7 +26,7 @@ static void grazing(studio *s, double cosine) {
 
 static void terminator(studio *s, double near) {
     studio_begin(s, PIXELS);
-    studio_sphere(s, zero, 1, studio_lambert(1, 1, 1));
+    paint_sphere(&s->b, zero, 1, studio_lambert(1, 1, 1));
     studio_directional_light(s, neg_f64(across));
     double field = 2 * near / 3; /* at distance 3 from the terminator */
     studio_camera(s, (vec3_f64){0, 0, 4}, down, across, field);
@@ -89,13 +89,13 @@ static void spot(studio *s, double outer, spot_kind kind) {
               .aside = tilted ? (vec3_f64){0.8, 0, 0.6} : across,
               .field = 2 * tan(fmin(1.25 * outer, tilted ? 0.5 : 1.2))};
     studio_begin(s, PIXELS);
-    studio_plane(s, zero, up, studio_lambert(1, 1, 1));
+    paint_plane(&s->b, zero, up, studio_lambert(1, 1, 1));
     fathom_light light;
     fathom_light_default(&light);
     light.type = FATHOM_LIGHT_SPOT;
     store_f64(light.position, up), store_f64(light.direction, c.axis);
     light.inner_angle = kind == SPOT_HARD ? (float)(0.9999 * outer) : 0, light.outer_angle = (float)outer;
-    studio_light(s, &light);
+    build_light(&s->b, &light);
     studio_camera(s, up, c.axis, c.aside, c.field);
     c.inner = studio_twisted(s, (double)light.inner_angle);
     c.outer = studio_twisted(s, (double)light.outer_angle);

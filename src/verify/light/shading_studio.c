@@ -13,7 +13,7 @@ fathom_status shading_group(fathom_context *context, const shading_options *opti
                             shading_rows *out) {
     static void (*const groups[SHADING_GROUPS])(studio *) = {
         shading_mirrors, shading_guide, shading_ior, shading_highlights, shading_lights, shading_slants};
-    studio s = {.context = context, .options = options, .rows = out};
+    studio s = {.b = {.context = context}, .options = options, .rows = out};
     groups[group](&s);
     return studio_end(&s);
 }
@@ -33,9 +33,9 @@ void shading_images_free(shading_images *images) {
 
 fathom_status studio_end(studio *s) {
     fathom_film_destroy(s->film);
-    fathom_scene_destroy(s->scene);
-    s->film = NULL, s->scene = NULL;
-    return s->status;
+    fathom_scene_destroy(s->b.scene);
+    s->film = NULL, s->b.scene = NULL;
+    return s->b.status;
 }
 
 void studio_begin(studio *s, uint32_t width) {
@@ -47,81 +47,26 @@ void studio_begin(studio *s, uint32_t width) {
     s->settings.max_depth = 64;
     s->settings.min_weight = 0;
     s->settings.tracer = s->options->spec;
-    if (s->status == FATHOM_OK) s->status = fathom_scene_create(s->context, &s->scene);
+    if (s->b.status == FATHOM_OK) build_open(s->b.context, &s->b);
 }
 
 /* ---- materials ---- */
 
-fathom_material studio_black(void) {
-    fathom_material m;
-    fathom_material_default(&m);
-    m.k_d[0] = m.k_d[1] = m.k_d[2] = 0;
-    return m;
-}
+fathom_material studio_emitter(double r, double g, double b) { return build_emitter(vec_f64(r, g, b)); }
 
-fathom_material studio_emitter(float r, float g, float b) {
-    fathom_material m = studio_black();
-    m.k_e[0] = r, m.k_e[1] = g, m.k_e[2] = b;
-    return m;
-}
-
-fathom_material studio_lambert(float r, float g, float b) {
-    fathom_material m = studio_black();
-    m.k_d[0] = r, m.k_d[1] = g, m.k_d[2] = b;
-    return m;
-}
+fathom_material studio_lambert(double r, double g, double b) { return build_lambert(vec_f64(r, g, b)); }
 
 fathom_material studio_glass(float ior) {
-    fathom_material m = studio_black();
+    fathom_material m = build_black();
     m.k_t[0] = m.k_t[1] = m.k_t[2] = 1;
     m.ior = ior;
     return m;
 }
 
-/* ---- shapes, lights, camera ---- */
+/* ---- lights, camera ---- */
 
-static fathom_id add_material(studio *s, const fathom_material *m) {
-    fathom_id id = 0;
-    if (s->status == FATHOM_OK) s->status = fathom_scene_add_material(s->scene, NULL, m, &id);
-    return id;
-}
-
-void studio_quad(studio *s, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_material m) {
-    fathom_quad quad;
-    fathom_quad_default(&quad);
-    double at[3], axis[3], other[3];
-    store_f64(at, center), store_f64(axis, u), store_f64(other, v);
-    fathom_quad_from_axes(at, axis, other, &quad);
-    quad.material = add_material(s, &m);
-    if (s->status == FATHOM_OK) s->status = fathom_scene_add_quad(s->scene, FATHOM_ROOT, &quad, NULL);
-}
-
-void studio_plane(studio *s, vec3_f64 point, vec3_f64 normal, fathom_material m) {
-    fathom_plane plane;
-    fathom_plane_default(&plane);
-    store_f64(plane.point, point), store_f64(plane.normal, normal);
-    plane.material = add_material(s, &m);
-    if (s->status == FATHOM_OK) s->status = fathom_scene_add_plane(s->scene, FATHOM_ROOT, &plane, NULL);
-}
-
-void studio_sphere(studio *s, vec3_f64 center, double radius, fathom_material m) {
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
-    store_f64(sphere.center, center), sphere.radius = radius;
-    sphere.material = add_material(s, &m);
-    if (s->status == FATHOM_OK) s->status = fathom_scene_add_sphere(s->scene, FATHOM_ROOT, &sphere, NULL);
-}
-
-void studio_light(studio *s, const fathom_light *light) {
-    if (s->status == FATHOM_OK) s->status = fathom_scene_add_light(s->scene, light, NULL);
-}
-
-void studio_point_light(studio *s, vec3_f64 at, float r, float g, float b) {
-    fathom_light light;
-    fathom_light_default(&light);
-    store_f64(light.position, at);
-    light.intensity[0] = r, light.intensity[1] = g, light.intensity[2] = b;
-    studio_light(s, &light);
+void studio_point_light(studio *s, vec3_f64 at, double r, double g, double b) {
+    build_point_light(&s->b, at, vec_f64(r, g, b), 0);
 }
 
 void studio_directional_light(studio *s, vec3_f64 direction) {
@@ -129,7 +74,7 @@ void studio_directional_light(studio *s, vec3_f64 direction) {
     fathom_light_default(&light);
     light.type = FATHOM_LIGHT_DIRECTIONAL;
     store_f64(light.direction, direction);
-    studio_light(s, &light);
+    build_light(&s->b, &light);
 }
 
 void studio_camera(studio *s, vec3_f64 eye, vec3_f64 view, vec3_f64 across, double width) {
@@ -139,7 +84,7 @@ void studio_camera(studio *s, vec3_f64 eye, vec3_f64 view, vec3_f64 across, doub
     store_f64(camera.origin, eye), store_f64(camera.x, across);
     store_f64(camera.y, y), store_f64(camera.z, z);
     camera.d = 1, camera.w = width, camera.h = width / s->settings.width;
-    if (s->status == FATHOM_OK) s->status = fathom_scene_set_camera(s->scene, &camera);
+    build_camera(&s->b, &camera);
 }
 
 vec3_f64 studio_direction(const studio *s, vec3_f64 view, vec3_f64 across, double width, uint32_t i) {
@@ -151,10 +96,10 @@ vec3_f64 studio_direction(const studio *s, vec3_f64 view, vec3_f64 across, doubl
 uint32_t studio_render(studio *s) {
     static const char *const names[3] = {"R", "G", "B"};
     s->broken = 0;
-    if (s->status == FATHOM_OK)
-        s->status = fathom_render(s->context, s->scene, &s->settings, s->options->progress, s->options->user,
-                                  NULL, &s->film);
-    if (s->status != FATHOM_OK) return 0;
+    if (s->b.status == FATHOM_OK)
+        s->b.status = fathom_render(s->b.context, s->b.scene, &s->settings, s->options->progress,
+                                    s->options->user, NULL, &s->film);
+    if (s->b.status != FATHOM_OK) return 0;
     for (int c = 0; c < 3; ++c) {
         s->channel[c] = fathom_film_channel(s->film, names[c]);
         for (uint32_t i = 0; i < s->settings.width; ++i) s->broken += isfinite(s->channel[c][i]) ? 0 : 1;
@@ -177,7 +122,7 @@ void studio_judge(studio *s, unsigned row, double measured, double expected, dou
 
 void studio_row(studio *s, unsigned row, const char *group, double parameter, const char *format, ...) {
     const studio_worst *worst = &s->worst[row];
-    if (s->status != FATHOM_OK) return;
+    if (s->b.status != FATHOM_OK) return;
     shading_row out = {.group = group,
                        .parameter = parameter,
                        .spec = s->options->spec,
@@ -190,7 +135,7 @@ void studio_row(studio *s, unsigned row, const char *group, double parameter, co
     va_start(args, format);
     vsnprintf(out.what, sizeof out.what, format, args);
     va_end(args);
-    if (!array_push(s->rows, out)) s->status = fail_memory(s->context, sizeof out);
+    if (!array_push(s->rows, out)) s->b.status = fail_memory(s->b.context, sizeof out);
 }
 
 double studio_twisted(const studio *s, double value) { return value * (1 + s->options->twist); }

@@ -1,9 +1,8 @@
-/* Builds the small scenes of the shading cases, renders them and collects rows. The first failure stays in
- * `status` and every later call does nothing, so a case reads as a list of what is in it. */
+/* Renders the small scenes of the shading cases and collects rows. */
 #ifndef VERIFY_SHADING_STUDIO_H
 #define VERIFY_SHADING_STUDIO_H
 
-#include "math/vec.h"
+#include "verify/builder.h"
 #include "verify/light/shading.h"
 
 /* Unit roundoff of float. */
@@ -17,11 +16,9 @@ typedef struct studio_worst {
 } studio_worst;
 
 typedef struct studio {
-    fathom_context *context;
+    builder b;
     const shading_options *options;
     shading_rows *rows;
-    fathom_status status;
-    fathom_scene *scene;
     fathom_settings settings;
     fathom_film *film;
     const float *channel[3];
@@ -35,17 +32,12 @@ void studio_begin(studio *s, uint32_t width);
 /* Releases everything and returns the status. */
 fathom_status studio_end(studio *s);
 
-fathom_material studio_black(void);
-fathom_material studio_emitter(float r, float g, float b);
-fathom_material studio_lambert(float r, float g, float b);
+fathom_material studio_lambert(double r, double g, double b);
+fathom_material studio_emitter(double r, double g, double b);
 /* k_t is 1 in every channel. */
 fathom_material studio_glass(float ior);
 
-void studio_quad(studio *s, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_material m);
-void studio_plane(studio *s, vec3_f64 point, vec3_f64 normal, fathom_material m);
-void studio_sphere(studio *s, vec3_f64 center, double radius, fathom_material m);
-void studio_light(studio *s, const fathom_light *light);
-void studio_point_light(studio *s, vec3_f64 at, float r, float g, float b);
+void studio_point_light(studio *s, vec3_f64 at, double r, double g, double b);
 void studio_directional_light(studio *s, vec3_f64 direction);
 
 /* Looks from `eye` along `view`, +x of the image along `across` (both unit, at right angles); the image plane

@@ -1,0 +1,124 @@
+#include "verify/builder.h"
+
+#include <string.h>
+
+void build_open(fathom_context *context, builder *out) {
+    *out = (builder){.context = context, .group = FATHOM_ROOT};
+    out->status = fathom_scene_create(context, &out->scene);
+}
+
+fathom_status build_finish(builder *b) {
+    if (b->status == FATHOM_OK) b->status = fathom_scene_complete(b->scene);
+    if (b->status == FATHOM_OK) b->status = fathom_scene_check(b->scene);
+    return b->status;
+}
+
+/* ---- materials ---- */
+
+void build_rgb(float out[3], vec3_f64 rgb) {
+    out[0] = (float)rgb.x, out[1] = (float)rgb.y, out[2] = (float)rgb.z;
+}
+
+fathom_material build_lambert(vec3_f64 k_d) {
+    fathom_material m;
+    fathom_material_default(&m);
+    build_rgb(m.k_d, k_d);
+    return m;
+}
+
+fathom_material build_black(void) { return build_lambert((vec3_f64){0, 0, 0}); }
+
+fathom_material build_emitter(vec3_f64 k_e) {
+    fathom_material m = build_black();
+    build_rgb(m.k_e, k_e);
+    return m;
+}
+
+fathom_id build_material(builder *b, fathom_material m) {
+    fathom_id id = 0;
+    if (b->status == FATHOM_OK) b->status = fathom_scene_add_material(b->scene, NULL, &m, &id);
+    return id;
+}
+
+/* ---- shapes ---- */
+
+void build_sphere(builder *b, vec3_f64 center, double radius, fathom_id material) {
+    fathom_sphere sphere = {.radius = radius, .material = material, .flags = b->flags};
+    store_f64(sphere.center, center);
+    if (b->status == FATHOM_OK) b->status = fathom_scene_add_sphere(b->scene, b->group, &sphere, NULL);
+}
+
+/* In the root: planes cannot be placed. */
+void build_plane(builder *b, vec3_f64 point, vec3_f64 normal, fathom_id material) {
+    fathom_plane plane = {.material = material, .flags = b->flags};
+    store_f64(plane.point, point), store_f64(plane.normal, normal);
+    if (b->status == FATHOM_OK) b->status = fathom_scene_add_plane(b->scene, FATHOM_ROOT, &plane, NULL);
+}
+
+void build_quad(builder *b, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_id material) {
+    fathom_quad quad;
+    fathom_quad_from_axes((double[3]){center.x, center.y, center.z}, (double[3]){u.x, u.y, u.z},
+                          (double[3]){v.x, v.y, v.z}, &quad);
+    quad.material = material, quad.flags = b->flags;
+    if (b->status == FATHOM_OK) b->status = fathom_scene_add_quad(b->scene, b->group, &quad, NULL);
+}
+
+void build_mesh(builder *b, fathom_mesh mesh, fathom_id material) {
+    mesh.material = material, mesh.flags = b->flags;
+    if (b->status == FATHOM_OK) b->status = fathom_scene_add_mesh(b->scene, b->group, &mesh, NULL);
+}
+
+void paint_sphere(builder *b, vec3_f64 center, double radius, fathom_material m) {
+    build_sphere(b, center, radius, build_material(b, m));
+}
+
+void paint_plane(builder *b, vec3_f64 point, vec3_f64 normal, fathom_material m) {
+    build_plane(b, point, normal, build_material(b, m));
+}
+
+void paint_quad(builder *b, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_material m) {
+    build_quad(b, center, u, v, build_material(b, m));
+}
+
+fathom_id build_group(builder *b) {
+    fathom_id group = FATHOM_ROOT;
+    if (b->status == FATHOM_OK) b->status = fathom_scene_add_group(b->scene, NULL, &group);
+    return group;
+}
+
+void build_instance(builder *b, const fathom_instance *instance) {
+    if (b->status == FATHOM_OK) b->status = fathom_scene_add_instance(b->scene, instance, NULL);
+}
+
+void build_place(builder *b, fathom_id group, fathom_id parent, const double *map) {
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    instance.group = group, instance.parent = parent;
+    memcpy(instance.transform, map, sizeof instance.transform);
+    build_instance(b, &instance);
+}
+
+/* ---- light and camera ---- */
+
+void build_light(builder *b, const fathom_light *light) {
+    if (b->status == FATHOM_OK) b->status = fathom_scene_add_light(b->scene, light, NULL);
+}
+
+void build_point_light(builder *b, vec3_f64 at, vec3_f64 intensity, double radius) {
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_POINT, light.radius = (float)radius;
+    store_f64(light.position, at);
+    build_rgb(light.intensity, intensity);
+    build_light(b, &light);
+}
+
+void build_background(builder *b, vec3_f64 rgb) {
+    float color[3];
+    build_rgb(color, rgb);
+    if (b->status == FATHOM_OK) b->status = fathom_scene_set_background(b->scene, color);
+}
+
+void build_camera(builder *b, const fathom_camera *camera) {
+    if (b->status == FATHOM_OK) b->status = fathom_scene_set_camera(b->scene, camera);
+}

@@ -1,0 +1,54 @@
+/* A scene of the judges while it is made. The first failure stays in `status` and every later call does
+ * nothing, so a scene reads as a list of what is in it. */
+#ifndef VERIFY_BUILDER_H
+#define VERIFY_BUILDER_H
+
+#include "math/vec.h"
+
+#include <fathom/scene.h>
+
+typedef struct builder {
+    fathom_context *context;
+    fathom_scene *scene;
+    fathom_status status;
+    fathom_id group; /* of the shapes that are added next; FATHOM_ROOT at first */
+    uint32_t flags;  /* of these */
+} builder;
+
+/* An empty scene: release it with fathom_scene_destroy(), whatever `status` says. */
+void build_open(fathom_context *context, builder *out);
+/* Completes and checks it; returns the status. */
+fathom_status build_finish(builder *b);
+
+/* ---- materials ---- */
+
+void build_rgb(float out[3], vec3_f64 rgb);
+fathom_material build_lambert(vec3_f64 k_d);
+fathom_material build_black(void);
+/* Black, and sends out so much. */
+fathom_material build_emitter(vec3_f64 k_e);
+fathom_id build_material(builder *b, fathom_material m);
+
+/* ---- shapes: of a material of the scene, or (paint) of one of their own ---- */
+
+void build_sphere(builder *b, vec3_f64 center, double radius, fathom_id material);
+void build_plane(builder *b, vec3_f64 point, vec3_f64 normal, fathom_id material);
+void build_quad(builder *b, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_id material);
+void build_mesh(builder *b, fathom_mesh mesh, fathom_id material);
+void paint_sphere(builder *b, vec3_f64 center, double radius, fathom_material m);
+void paint_plane(builder *b, vec3_f64 point, vec3_f64 normal, fathom_material m);
+void paint_quad(builder *b, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_material m);
+
+fathom_id build_group(builder *b);
+void build_instance(builder *b, const fathom_instance *instance);
+/* map: in rows, as fathom_instance has it. */
+void build_place(builder *b, fathom_id group, fathom_id parent, const double *map);
+
+/* ---- light and camera ---- */
+
+void build_light(builder *b, const fathom_light *light);
+void build_point_light(builder *b, vec3_f64 at, vec3_f64 intensity, double radius);
+void build_background(builder *b, vec3_f64 rgb);
+void build_camera(builder *b, const fathom_camera *camera);
+
+#endif
