@@ -123,7 +123,7 @@ static void validating(void **state) {
     exhaust_command(&command_validate,
                     "@scene.json --rays 2 --families camera --tracer linear --threads 1 --json >a.json -v");
     exhaust_command(&command_validate,
-                    "@scene.json --rays 2 --families camera --tracer embree --isa all --threads 1 -q");
+                    "@scene.json --rays 2 --families camera --tracer embree --threads 1 -q");
     exhaust_command(&command_validate, "--replay @rays.txt");
 }
 

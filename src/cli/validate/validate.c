@@ -57,7 +57,6 @@ static uint64_t count_findings(const validate_runs *runs) {
 
 static void print(const validate_settings *settings, const validate_results *results, uint64_t wrong) {
     validate_print(&results->runs, settings);
-    if (settings->isa) validate_print_isas(&results->runs);
     if (settings->extremes) validate_extremes_print(&results->extremes, settings);
     validate_shading_print(&results->shading, settings);
     validate_print_findings(results);
@@ -143,15 +142,12 @@ static unsigned judging_threads(void) { return processor_count() > 4 ? processor
 
 static fathom_status prepare_and_validate(fathom_context *context, void *user) {
     validate_settings *settings = user;
-    validate_isas isas;
-    fathom_status status = FATHOM_OK;
     if (settings->light) return validate_light(context, settings);
     settings->tracers_given = settings->tracers.count > 0;
     if (!settings->tracers_given && !settings->replay) settings->tracers = default_tracers;
     settings->threads = settings->common.threads ? settings->common.threads : judging_threads();
     if (settings->heavy) settings->rays *= 10, settings->power /= 10;
-    if (settings->isa) status = validate_each_isa(context, settings, &isas);
-    return status == FATHOM_OK ? validate(context, settings) : say_status(&command_validate, context, status);
+    return validate(context, settings);
 }
 
 static fathom_status run(int argc, char **argv) {
@@ -182,13 +178,6 @@ static bool take_families(const args_option *option, const char *value, void *fi
     return true;
 }
 
-static bool take_all(const args_option *option, const char *value, void *field, args_problem *problem) {
-    (void)option;
-    if (strcmp(value, "all") != 0) return args_wrong(problem, "expected all, found \"%.60s\"", value);
-    *(bool *)field = true;
-    return true;
-}
-
 static const args_option options[] = {
     {.help = "Options"},
     {"tracer", 0, "SPEC", take_list, offsetof(validate_settings, tracers), 0, 0,
@@ -212,8 +201,6 @@ static const args_option options[] = {
     {"sample", 0, "N", take_count, offsetof(validate_settings, sample), 0, 1e15,
      "rays of each family and scene whose exact hit is also looked for among all primitives, without any "
      "tree (2)"},
-    {"isa", 0, "all", take_all, offsetof(validate_settings, isa), 0, 0,
-     "Embree once with each of its instruction sets that the processor has; leaks are then counted by set"},
     {"extremes", 0, NULL, take_true, offsetof(validate_settings, extremes), 0, 0,
      "also the grid of extreme cases, each with a twelfth of --rays; without --tracer of linear:f32, "
      "linear:f64, bvh, embree and embree:user; and shading held against closed forms"},

@@ -18,7 +18,6 @@ typedef struct validate_settings {
     uint64_t sample;
     double power; /* a rate of errors that is to be found by asking two tracers; 0: none */
     bool heavy;
-    bool isa;          /* Embree once with each instruction set */
     unsigned families; /* bit i: rays_family i */
     unsigned threads;  /* that judge */
     const char *json, *failures, *replay, *report;
@@ -112,20 +111,6 @@ void validate_print(const validate_runs *runs, const validate_settings *settings
 /* To --json and --report, whichever was asked for. */
 fathom_status validate_write_json(fathom_context *context, const validate_results *results,
                                   const validate_settings *settings);
-
-/* ---- validate_isa.c ---- */
-
-/* Room for the words of tracers. */
-typedef struct validate_isas {
-    char text[ARGS_LIST_MAX][256];
-} validate_isas;
-
-/* Takes each tracer of Embree's apart into one for each instruction set that the processor has. `room` must
- * outlive the settings. */
-fathom_status validate_each_isa(fathom_context *context, validate_settings *settings, validate_isas *room);
-/* "AVX2"; NULL for other tracers than Embree. */
-const char *validate_isa_of(const validate_run *run);
-void validate_print_isas(const validate_runs *runs);
 
 /* ---- validate_failures.c ---- */
 fathom_status validate_write_failures(fathom_context *context, const validate_results *results,
