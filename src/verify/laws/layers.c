@@ -16,14 +16,6 @@ static fathom_material bare(void) {
     return m;
 }
 
-/* The reflectance under an even sky. */
-static void lobe(law_room *room, fathom_material m, vec3_f64 from, vec3_f64 value) {
-    paint_quad(&room->b, origin, vec_f64(9, 0, 0), vec_f64(0, 9, 0), m);
-    build_background(&room->b, white);
-    law_look(room, from, origin);
-    law_value(room, value);
-}
-
 /* ---- diffuse transmission ---- */
 
 static const vec3_f64 base = {0.8, 0.5, 0.2}, through = {0.3, 0.9, 0.6};
@@ -37,7 +29,7 @@ static fathom_material leaf_material(void) {
 }
 
 static void leaf(law_room *room) {
-    lobe(room, leaf_material(), eye, add_f64(scale_f64(0.25, base), scale_f64(0.75, through)));
+    law_lobe(room, leaf_material(), eye, add_f64(scale_f64(0.25, base), scale_f64(0.75, through)));
 }
 
 static void leaf_from_behind(law_room *room) {
@@ -46,7 +38,7 @@ static void leaf_from_behind(law_room *room) {
     light.type = FATHOM_LIGHT_DIRECTIONAL;
     store_f64(light.direction, up);
     build_light(&room->b, &light);
-    lobe(room, leaf_material(), eye, scale_f64(0.75, through));
+    law_lobe(room, leaf_material(), eye, scale_f64(0.75, through));
     build_background(&room->b, origin);
 }
 
@@ -91,33 +83,16 @@ static void sheen(law_room *room) {
     fathom_material m = bare();
     build_rgb(m.sheen_color, through);
     m.sheen_roughness = 0.5f;
-    lobe(room, m, aside, scale_f64(sheen_reflectance(0.25, 0.6), through));
+    law_lobe(room, m, aside, scale_f64(sheen_reflectance(0.25, 0.6), through));
 }
 
 /* ---- anisotropy: GGX of two alphas with F = 1; see ggx_aslant() in matter.c
  * ---- */
 
-static double stretched_albedo(double ax, double ay, vec3_f64 v) {
-    enum { RINGS = 1500, AROUND = 1000 };
-    double sum = 0;
-    const double lv = sqrt(square(ax * v.x) + square(ay * v.y) + square(v.z));
-    for (int i = 0; i < RINGS * AROUND; ++i) {
-        const double theta = PI / 2 * (i / AROUND + 0.5) / RINGS, phi = 2 * PI * (i % AROUND + 0.5) / AROUND;
-        const vec3_f64 h = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
-        const double vh = dot_f64(v, h);
-        const vec3_f64 l = sub_f64(scale_f64(2 * vh, h), v);
-        if (!(vh > 0 && l.z > 0)) continue;
-        const double ll = sqrt(square(ax * l.x) + square(ay * l.y) + square(l.z));
-        const double d = 1 / (PI * ax * ay * square(square(h.x / ax) + square(h.y / ay) + square(h.z)));
-        sum += d * 2 * l.z / (l.z * lv + v.z * ll) * vh * sin(theta);
-    }
-    return sum * (PI / 2 / RINGS) * (2 * PI / AROUND);
-}
-
 static void brushed(law_room *room, vec3_f64 from) {
     fathom_material m = law_metallic();
     m.metallic = 1, m.roughness = m.anisotropy = 0.6f;
-    lobe(room, m, from, scale_f64(stretched_albedo(0.36 * 0.64 + 0.36, 0.36, from), white));
+    law_lobe(room, m, from, scale_f64(law_ggx_albedo(0.36 * 0.64 + 0.36, 0.36, from), white));
 }
 
 static void brushed_along(law_room *room) { brushed(room, aside); }
@@ -158,30 +133,25 @@ static void film(law_room *room) {
     fathom_material m = law_metallic();
     m.metallic = m.iridescence = 1, m.iridescence_ior = 1.5f, m.iridescence_thickness_max = 450;
     build_rgb(m.base_color, color);
-    lobe(room, m, vec_f64(sqrt(1 - cosine * cosine), 0, cosine),
-         vec_f64(airy(color.x, 1.5, 450, cosine, 0), airy(color.y, 1.5, 450, cosine, 1),
-                 airy(color.z, 1.5, 450, cosine, 2)));
+    law_lobe(room, m, vec_f64(sqrt(1 - cosine * cosine), 0, cosine),
+             vec_f64(airy(color.x, 1.5, 450, cosine, 0), airy(color.y, 1.5, 450, cosine, 1),
+                     airy(color.z, 1.5, 450, cosine, 2)));
 }
 
 /* ---- volumes ---- */
 
 static fathom_material clear(double index, unsigned priority) {
-    fathom_material m = law_metallic();
-    m.transmission = m.thickness = m.specular_factor = 1, m.ior = (float)index, m.priority = priority;
+    fathom_material m = law_clear(1);
+    m.ior = (float)index, m.priority = priority;
     return m;
 }
 
 /* A material that loses no light is invisible in an even sky, whatever its colours do. */
-static void dispersive(law_room *room, double roughness) {
+static void fire(law_room *room) {
     fathom_material m = clear(1.5, 0);
-    m.dispersion = 5, m.roughness = (float)roughness;
-    paint_sphere(&room->b, origin, 1, m);
-    build_background(&room->b, white);
-    law_look(room, vec_f64(0, 0.3, 3), vec_f64(0.5, 0.3, 0));
-    law_value(room, white);
+    m.dispersion = 5;
+    law_unseen_ball(room, m);
 }
-
-static void fire(law_room *room) { dispersive(room, 0); }
 
 static double both(double r, double s) { return r + square(1 - r) * s / (1 - r * s); }
 

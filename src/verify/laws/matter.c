@@ -86,63 +86,20 @@ static void schlick(law_room *room) {
 
 /* ---- the reflectance of a lobe seen straight on, under an even sky ---- */
 
-static void lobe(law_room *room, fathom_material m, vec3_f64 value) {
-    paint_plane(&room->b, origin, up, m);
-    build_background(&room->b, white);
-    law_look(room, eye, origin);
-    law_value(room, value);
-}
-
 static void ggx_full(law_room *room) {
     fathom_material m = law_metallic();
     m.metallic = m.roughness = 1;
-    lobe(room, m, gray(1 - log(2)));
+    law_lobe(room, m, eye, gray(1 - log(2)));
 }
 
-/* ∫ D(h) G₁(l) cos h dh with l at twice the angle of h: Simpson's rule, good to 1e-9 for this alpha. */
-static double ggx_albedo(double alpha) {
-    enum { STEPS = 2000 };
-    const double a2 = alpha * alpha;
-    double sum = 0;
-    for (int i = 0; i <= STEPS; ++i) {
-        const double h = PI / 4 * i / STEPS, nh = cos(h), nl = cos(2 * h), q = nh * nh * (a2 - 1) + 1;
-        const double masking = 2 * nl / (nl + sqrt(a2 + (1 - a2) * nl * nl));
-        sum += (i == 0 || i == STEPS ? 1
-                : i % 2              ? 4
-                                     : 2) *
-               a2 / (PI * q * q) * masking * nh * 2 * PI * sin(h);
-    }
-    return sum * PI / 4 / STEPS / 3;
-}
-
-static void ggx_half(law_room *room) {
+static void ggx(law_room *room, vec3_f64 from) {
     fathom_material m = law_metallic();
     m.metallic = 1, m.roughness = 0.6f;
-    lobe(room, m, gray(ggx_albedo(0.36)));
+    law_lobe(room, m, from, gray(law_ggx_albedo(0.36, 0.36, from)));
 }
 
-/* The same from a cosine `nv`, by midpoints over half vectors h around n: with F = 1 the albedo is
- * ∫ D G₂ v·h / n·v dh where the mirrored direction leaves. Good to 1e-6 for this alpha and cosine. */
-static double ggx_aslant(double alpha, double nv) {
-    enum { RINGS = 1000, AROUND = 500 };
-    const double a2 = alpha * alpha, sv = sqrt(1 - nv * nv), lv = sqrt(a2 + (1 - a2) * nv * nv);
-    double sum = 0;
-    for (int i = 0; i < RINGS * AROUND; ++i) {
-        const double theta = PI / 2 * (i / AROUND + 0.5) / RINGS, phi = PI * (i % AROUND + 0.5) / AROUND;
-        const double nh = cos(theta), vh = nv * nh + sv * sin(theta) * cos(phi), nl = 2 * vh * nh - nv;
-        if (!(vh > 0 && nl > 0)) continue;
-        const double q = nh * nh * (a2 - 1) + 1, ll = sqrt(a2 + (1 - a2) * nl * nl);
-        sum += a2 / (PI * q * q) * 2 * nl / (nl * lv + nv * ll) * vh * sin(theta);
-    }
-    return sum * (PI / 2 / RINGS) * (2 * PI / AROUND);
-}
-
-static void ggx_from_aside(law_room *room) {
-    fathom_material m = law_metallic();
-    m.metallic = 1, m.roughness = 0.6f;
-    lobe(room, m, gray(ggx_aslant(0.36, 0.6)));
-    law_look(room, vec_f64(0.8, 0, 0.6), origin);
-}
+static void ggx_half(law_room *room) { ggx(room, eye); }
+static void ggx_from_aside(law_room *room) { ggx(room, vec_f64(0.8, 0, 0.6)); }
 
 static fathom_material highlight(fathom_specular specular) {
     fathom_material m = build_black();
@@ -152,7 +109,7 @@ static fathom_material highlight(fathom_specular specular) {
 }
 
 static void phong(law_room *room) {
-    lobe(room, highlight(FATHOM_SPECULAR_PHONG), scale_f64(2.0 / 12, albedo));
+    law_lobe(room, highlight(FATHOM_SPECULAR_PHONG), eye, scale_f64(2.0 / 12, albedo));
 }
 
 /* 2 ∫ cosⁿ(θ/2) cos θ sin θ dθ, by u = cos(θ/2). */
@@ -160,39 +117,26 @@ static void blinn(law_room *room) {
     const double n = 10, u = sqrt(0.5);
     const double at_one = 2 / (n + 4) - 1 / (n + 2);
     const double at_u = 2 * pow(u, n + 4) / (n + 4) - pow(u, n + 2) / (n + 2);
-    lobe(room, highlight(FATHOM_SPECULAR_BLINN), scale_f64(8 * (at_one - at_u), albedo));
+    law_lobe(room, highlight(FATHOM_SPECULAR_BLINN), eye, scale_f64(8 * (at_one - at_u), albedo));
 }
 
 static void lit_from_behind(law_room *room) {
     fathom_material m = build_lambert(scale_f64(0.5, albedo));
     m.lit_from_behind = true;
-    lobe(room, m, albedo);
+    law_lobe(room, m, eye, albedo);
 }
 
 /* ---- what loses no light is not seen in an even sky ---- */
 
-static void unseen_ball(law_room *room, fathom_material m) {
-    paint_sphere(&room->b, origin, 1, m);
-    build_background(&room->b, white);
-    law_look(room, vec_f64(0, 0.3, 3), vec_f64(0.5, 0.3, 0));
-    law_value(room, white);
-}
+static void glass_ball(law_room *room) { law_unseen_ball(room, glass(1, 1)); }
 
-static void glass_ball(law_room *room) { unseen_ball(room, glass(1, 1)); }
-
-static fathom_material clear(double thickness) {
-    fathom_material m = law_metallic();
-    m.transmission = m.specular_factor = 1, m.thickness = (float)thickness;
-    return m;
-}
-
-static void thin_ball(law_room *room) { unseen_ball(room, clear(0)); }
-static void refracting_ball(law_room *room) { unseen_ball(room, clear(1)); }
+static void thin_ball(law_room *room) { law_unseen_ball(room, law_clear(0)); }
+static void refracting_ball(law_room *room) { law_unseen_ball(room, law_clear(1)); }
 
 /* Black glows as brightly as the sky, within glass as outside: nothing is seen of either. */
 static void lamp_in_glass(law_room *room) {
     paint_sphere(&room->b, vec_f64(0, 0.2, 0), 0.5, build_emitter(white));
-    unseen_ball(room, clear(1));
+    law_unseen_ball(room, law_clear(1));
 }
 
 /* ---- glass ---- */
@@ -217,7 +161,7 @@ static double through_ball(double remains, const double *unused) {
 
 static void absorbing_ball(law_room *room) {
     const vec3_f64 remains = {0.25, 0.5, 0.875};
-    fathom_material m = clear(1);
+    fathom_material m = law_clear(1);
     m.specular_factor = 0, m.ior = 1, m.attenuation_distance = 1;
     build_rgb(m.attenuation_color, remains);
     paint_sphere(&room->b, origin, 1, m);
@@ -307,7 +251,7 @@ const law laws_of_matter[] = {{"floor under an even sky", "ρ L", even_sky},
                               {"Fresnel's mean, inside", "1/(1-ρF)", fresnel_inside},
                               {"Schlick's mean", "F₀ + (1-F₀)/21", schlick},
                               {"GGX, roughness 1", "1 - ln 2", ggx_full},
-                              {"GGX, roughness 0.6", "∫ D G₁ cos", ggx_half},
+                              {"GGX, roughness 0.6", "∫ D G₂ v·h / n·v", ggx_half},
                               {"GGX, roughness 0.6, from aside", "∫ D G₂ v·h / n·v", ggx_from_aside},
                               {"Phong lobe", "2 k_s/(n+2)", phong},
                               {"Blinn lobe", "k_s ∫ cosⁿ(θ/2) cos θ", blinn},

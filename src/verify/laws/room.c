@@ -8,6 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#define PI 3.14159265358979323846
+
 fathom_status law_open(fathom_context *context, const law *made, law_room *out) {
     *out = (law_room){.depth = 64};
     build_open(context, &out->b);
@@ -142,4 +144,49 @@ double law_powers(double x, int from, int to) {
 
 vec3_f64 law_each(vec3_f64 rho, double (*of)(double rho, const double *numbers), const double *numbers) {
     return vec_f64(of(rho.x, numbers), of(rho.y, numbers), of(rho.z, numbers));
+}
+
+/* ---- what several laws are about ---- */
+
+void law_lobe(law_room *room, fathom_material m, vec3_f64 from, vec3_f64 value) {
+    const vec3_f64 origin = {0, 0, 0}, white = {1, 1, 1};
+    paint_quad(&room->b, origin, vec_f64(9, 0, 0), vec_f64(0, 9, 0), m);
+    build_background(&room->b, white);
+    law_look(room, from, origin);
+    law_value(room, value);
+}
+
+void law_unseen_ball(law_room *room, fathom_material m) {
+    const vec3_f64 origin = {0, 0, 0}, white = {1, 1, 1};
+    paint_sphere(&room->b, origin, 1, m);
+    build_background(&room->b, white);
+    law_look(room, vec_f64(0, 0.3, 3), vec_f64(0.5, 0.3, 0));
+    law_value(room, white);
+}
+
+fathom_material law_clear(double thickness) {
+    fathom_material m = law_metallic();
+    m.transmission = m.specular_factor = 1, m.thickness = (float)thickness;
+    return m;
+}
+
+static double square(double x) { return x * x; }
+
+/* By midpoints over half vectors h around n: the albedo is ∫ D G₂ v·h / n·v dh where the mirrored direction
+ * leaves. Good to 1e-6 for alphas from 0.3. */
+double law_ggx_albedo(double ax, double ay, vec3_f64 v) {
+    enum { RINGS = 1500, AROUND = 1000 };
+    double sum = 0;
+    const double lv = sqrt(square(ax * v.x) + square(ay * v.y) + square(v.z));
+    for (int i = 0; i < RINGS * AROUND; ++i) {
+        const double theta = PI / 2 * (i / AROUND + 0.5) / RINGS, phi = 2 * PI * (i % AROUND + 0.5) / AROUND;
+        const vec3_f64 h = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
+        const double vh = dot_f64(v, h);
+        const vec3_f64 l = sub_f64(scale_f64(2 * vh, h), v);
+        if (!(vh > 0 && l.z > 0)) continue;
+        const double ll = sqrt(square(ax * l.x) + square(ay * l.y) + square(l.z));
+        const double d = 1 / (PI * ax * ay * square(square(h.x / ax) + square(h.y / ay) + square(h.z)));
+        sum += d * 2 * l.z / (l.z * lv + v.z * ll) * vh * sin(theta);
+    }
+    return sum * (PI / 2 / RINGS) * (2 * PI / AROUND);
 }

@@ -48,6 +48,14 @@ void law_value(law_room *room, vec3_f64 value);
 
 /* Σ x^k for k from..to. */
 double law_powers(double x, int from, int to);
+/* The reflectance of a material under an even sky, from a place above the origin. */
+void law_lobe(law_room *room, fathom_material m, vec3_f64 from, vec3_f64 value);
+/* A ball in an even sky, of a material that loses no light: it is not seen. */
+void law_unseen_ball(law_room *room, fathom_material m);
+/* A clear volume of metallicRoughness that reflects. */
+fathom_material law_clear(double thickness);
+/* The albedo of GGX with alphas along x and y and F = 1, seen from v. */
+double law_ggx_albedo(double ax, double ay, vec3_f64 v);
 /* A formula for the albedo of each channel. */
 vec3_f64 law_each(vec3_f64 rho, double (*of)(double rho, const double *numbers), const double *numbers);
 
