@@ -195,11 +195,6 @@ uint32_t checkpoint_wave(const checkpoint *c, uint32_t x, uint32_t y) {
 
 uint64_t checkpoint_finished(const checkpoint *c, uint32_t place) { return c->state.squares[place]; }
 
-bool checkpoint_is_finished(const checkpoint *c, uint32_t place) {
-    const wave_region r = wave_grid_region(&c->state.grid, place);
-    return !(wave_region_bits(&r) & ~c->state.squares[place]);
-}
-
 void checkpoint_take(checkpoint *c, uint32_t place, uint64_t squares, uint64_t samples, double error) {
     pthread_mutex_lock(&c->lock);
     unsigned char *record = c->state.records[place];

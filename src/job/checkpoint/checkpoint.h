@@ -46,8 +46,6 @@ void checkpoint_end(checkpoint *c, bool interrupted, double fraction, uint64_t r
 uint32_t checkpoint_wave(const checkpoint *c, uint32_t x, uint32_t y);
 /* Squares of a wave that are finished: see checkpoint_state.h. */
 uint64_t checkpoint_finished(const checkpoint *c, uint32_t place);
-/* Everything of the wave that the film shows is finished. */
-bool checkpoint_is_finished(const checkpoint *c, uint32_t place);
 /* Notes the squares that are in the film: after the film's own sink. */
 unit_sink checkpoint_sink(checkpoint *c);
 /* These squares, which were not finished, are in the film; samples: of their pixels. */

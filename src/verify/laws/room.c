@@ -76,8 +76,7 @@ void law_point_light(law_room *room, vec3_f64 at, double intensity, double radiu
 }
 
 static vec3_f64 sky_direction(uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
-    const double pi = 3.14159265358979323846;
-    const double turn = 2 * pi * ((x + 0.5) / width - 0.5), rise = pi * (0.5 - (y + 0.5) / height);
+    const double turn = 2 * PI * ((x + 0.5) / width - 0.5), rise = PI * (0.5 - (y + 0.5) / height);
     return vec_f64(sin(turn) * cos(rise), sin(rise), -cos(turn) * cos(rise));
 }
 
