@@ -9,7 +9,6 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
 "$fathom" validate --rays "$rays" --tracer embree --tracer embree:user --tracer linear:f32 --tracer linear:f64 --tracer bvh
-"$fathom" validate --rays "$rays" --tracer linear:textbook:f32 --tracer linear:textbook:f64
 set --
 for isa in sse2 sse4.2 avx avx2 avx512; do set -- "$@" --tracer embree:$isa --tracer embree:default:$isa; done
 "$fathom" validate triangles --families edge,vertex,uniform --rays $((4 * rays)) "$@"

@@ -86,8 +86,8 @@ static const fathom_parameter setting_rows[] = {
      "Cryptomatte of objects and of materials, and motion vectors.",
      .words = "alpha|Z|N|P|albedo|id|samples|error|direct|indirect|emission|lightGroups|cryptoObject|cryptoMaterial|motion"},
     {"tracer", TEXT, SETTING(tracer), COMMAND, 0, 0, 0, "SPEC|FILE.so", "Light transport",
-     .help = "The tracer that answers the rays: embree, bvh, linear or reference, which is linear:robust:f32, each with options such as "
-     "bvh:f64, linear:textbook:f32 or embree:user:high:16; or a library as in fathom/plugin.h."},
+     .help = "The tracer that answers the rays: embree, bvh, linear or reference, which is linear:f32, each with options such as "
+     "bvh:f64, linear:f64 or embree:user:high:16; or a library as in fathom/plugin.h."},
     {"block_width", U32, SETTING(block_width), COMMAND, 1, 16, 16, "N", "Running",
      .help = "Rays handed to Embree at once; no pixel depends on it.", .words = "1|4|8|16"},
     {"tile_size", U32, SETTING(tile_size), COMMAND, 32, 65536, 32, "N", "Running",

@@ -3,7 +3,6 @@
 
 typedef struct FN(search) {
     const world *world;
-    trace_form form;
     vec3_f32 world_org, world_dir;
     VEC3 org, dir; /* in the space at hand */
     FN(triangle_ray) ray;
@@ -68,30 +67,22 @@ static inline bool FN(search_sphere_robust)(const world_sphere *sphere, VEC3 org
 
 static inline void FN(search_sphere)(FN(search) * s, const world_sphere *sphere, uint32_t k) {
     FN(reference_hit) hit = {0, 0, 0};
-    VEC3 c = FN(add)(FROM(sphere->center), FROM(sphere->center_rest));
-    REAL radius = (REAL)sphere->radius + (REAL)sphere->radius_rest;
-    bool met = s->form == TRACE_ROBUST
-                   ? FN(search_sphere_robust)(sphere, s->org, s->dir, s->t_min, s->t_max, &hit.t)
-                   : FN(sphere_textbook)(c, radius, s->org, s->dir, s->t_min, s->t_max, &hit.t);
-    if (met) FN(search_offer)(s, k, &hit);
+    if (FN(search_sphere_robust)(sphere, s->org, s->dir, s->t_min, s->t_max, &hit.t))
+        FN(search_offer)(s, k, &hit);
 }
 
 static inline void FN(search_quad)(FN(search) * s, const world_quad *quad, uint32_t k) {
     FN(reference_hit) hit;
     VEC3 v[4] = {FROM(quad->corner[0]), FROM(quad->corner[1]), FROM(quad->corner[2]), FROM(quad->corner[3])};
-    bool met = s->form == TRACE_ROBUST
-                   ? FN(quad_robust)(v[0], v[1], v[2], v[3], s->org, s->dir, s->t_min, s->t_max, &hit)
-                   : FN(quad_textbook)(v[0], v[1], v[2], v[3], s->org, s->dir, s->t_min, s->t_max, &hit);
-    if (met) FN(search_offer)(s, k, &hit);
+    if (FN(quad_robust)(v[0], v[1], v[2], v[3], s->org, s->dir, s->t_min, s->t_max, &hit))
+        FN(search_offer)(s, k, &hit);
 }
 
 static inline void FN(search_triangle)(FN(search) * s, const vec3_f32 corner[3], uint32_t k) {
     FN(reference_hit) hit;
     VEC3 v[3] = {FROM(corner[0]), FROM(corner[1]), FROM(corner[2])};
-    bool met = s->form == TRACE_ROBUST
-                   ? FN(triangle_robust_ray)(v[0], v[1], v[2], &s->ray, s->t_min, s->t_max, &hit)
-                   : FN(triangle_textbook)(v[0], v[1], v[2], s->org, s->dir, s->t_min, s->t_max, &hit);
-    if (met) FN(search_offer)(s, k, &hit);
+    if (FN(triangle_robust_ray)(v[0], v[1], v[2], &s->ray, s->t_min, s->t_max, &hit))
+        FN(search_offer)(s, k, &hit);
 }
 
 /* Primitive k of the geometry at hand. */
@@ -121,10 +112,8 @@ static inline void FN(search_planes)(FN(search) * s) {
         if (s->any && plane->flags & FATHOM_CASTS_NO_SHADOW) continue;
         FN(reference_hit) hit = {0, 0, 0};
         VEC3 point = FROM(plane->point), normal = FROM(plane->normal);
-        bool met = s->form == TRACE_ROBUST
-                       ? FN(plane_robust)(point, normal, s->org, s->dir, s->t_min, s->t_max, &hit.t)
-                       : FN(plane_textbook)(point, normal, s->org, s->dir, s->t_min, s->t_max, &hit.t);
-        if (met && (!s->met || hit.t < s->best.t)) {
+        if (FN(plane_robust)(point, normal, s->org, s->dir, s->t_min, s->t_max, &hit.t) &&
+            (!s->met || hit.t < s->best.t)) {
             s->met = true;
             s->best = hit;
             s->best_ids[0] = FATHOM_NONE, s->best_ids[1] = TRACE_PLANE, s->best_ids[2] = (uint32_t)p;
@@ -135,10 +124,9 @@ static inline void FN(search_planes)(FN(search) * s) {
 /* ---- from blocks and back ---- */
 
 /* False: the lane has nothing to look for. */
-static inline bool FN(search_begin)(FN(search) * s, const world *w, trace_form form, const trace_rays *rays,
-                                    unsigned lane, bool any) {
+static inline bool FN(search_begin)(FN(search) * s, const world *w, const trace_rays *rays, unsigned lane,
+                                    bool any) {
     *s = (FN(search)){.world = w,
-                      .form = form,
                       .world_org = trace_org(rays, lane),
                       .world_dir = trace_dir(rays, lane),
                       .t_min = (REAL)rays->t_near[lane],

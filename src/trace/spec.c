@@ -20,8 +20,6 @@ typedef struct word {
 #define FIELD(name) offsetof(trace_spec, name)
 
 static const word words[] = {
-    {"robust", FIELD(form), TRACE_ROBUST, LINEAR | BVH},
-    {"textbook", FIELD(form), TRACE_TEXTBOOK, LINEAR},
     {"f32", FIELD(precision), TRACE_F32, LINEAR | BVH},
     {"f64", FIELD(precision), TRACE_F64, LINEAR | BVH},
     {"f128", FIELD(precision), TRACE_F128, LINEAR | BVH},
@@ -55,7 +53,7 @@ static const struct {
     {"linear", TRACE_LINEAR}, {"bvh", TRACE_BVH}, {"embree", TRACE_EMBREE}, {"reference", TRACE_LINEAR}};
 #define KINDS (sizeof kinds / sizeof *kinds)
 
-_Static_assert(sizeof(trace_form) == sizeof(unsigned) && sizeof(isa_set) == sizeof(unsigned),
+_Static_assert(sizeof(trace_precision) == sizeof(unsigned) && sizeof(isa_set) == sizeof(unsigned),
                "fields are written as numbers");
 
 /* ---- from text ---- */
@@ -69,7 +67,7 @@ typedef struct reader {
     size_t count; /* of words given */
 } reader;
 
-/* "robust, textbook; f32, f64, f128": the options of a kind. */
+/* "robust, default, compact; low, medium": the options of a kind. */
 static void list_options(unsigned bit, char *out, size_t size) {
     size_t used = 0;
     const word *last = NULL;

@@ -1,4 +1,4 @@
-/* A tracer's specification in words: "linear:robust:f64", "embree:user:high:16", "./mine.so". A kind, then
+/* A tracer's specification in words: "linear:f64", "embree:user:high:16", "./mine.so". A kind, then
  * options in any order, at most one of each sort. */
 #ifndef TRACE_SPEC_H
 #define TRACE_SPEC_H
@@ -13,7 +13,6 @@ typedef enum trace_kind {
     TRACE_PLUGIN /* a shared library: fathom/plugin.h */
 } trace_kind;
 
-typedef enum trace_form { TRACE_ROBUST, TRACE_TEXTBOOK } trace_form;
 typedef enum trace_precision { TRACE_F32, TRACE_F64, TRACE_F128 } trace_precision;
 
 /* The intersector of each shape: Embree's own, or ours as user geometry. */
@@ -52,7 +51,6 @@ typedef enum trace_ties {
 
 typedef struct trace_spec {
     trace_kind kind;
-    trace_form form;           /* linear */
     trace_precision precision; /* linear, bvh */
     trace_shapes shapes;       /* embree, like all fields that follow */
     trace_scene_flags flags;

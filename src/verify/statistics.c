@@ -89,7 +89,7 @@ static bool check_leaks(const trace_spec *spec, rays_family family, uint64_t ray
 
 bool statistics_run(const trace_spec *spec, const compare_family families[RAYS_FAMILIES],
                     statistics_findings *out) {
-    bool textbook = spec->kind == TRACE_LINEAR && spec->form == TRACE_TEXTBOOK, room = true;
+    bool room = true;
     histogram constants = {.total = 0};
     compare_bias bias = {.count = 0};
     for (int f = 0; f < RAYS_FAMILIES; ++f) {
@@ -102,8 +102,7 @@ bool statistics_run(const trace_spec *spec, const compare_family families[RAYS_F
         room = check_leaks(spec, (rays_family)f, family->any_rays, family->any_counts[VERDICT_LEAK], out) &&
                room;
     }
-    /* The textbook's forms have an error analysis of their own (verdict_bound.c). */
-    if (!textbook) room = check_constants(&constants, out) && check_bias(&bias, out) && room;
+    room = check_constants(&constants, out) && check_bias(&bias, out) && room;
     return check_ends(&families[RAYS_RENDERED], out) && room;
 }
 

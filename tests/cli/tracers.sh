@@ -10,7 +10,7 @@ for precision in f32 f64; do
     said a.json "\"tracer\": \"reference BVH, $precision\""
 done
 run 0 render scene.json -o reference.exr --exr-float --tracer reference
-run 0 render scene.json -o linear.exr --exr-float --tracer linear:robust:f32
+run 0 render scene.json -o linear.exr --exr-float --tracer linear:f32
 same linear.exr reference.exr
 
 # The default is Embree, however it is said.
@@ -19,7 +19,7 @@ run 0 render scene.json -o a.exr --exr-float --tracer embree
 same base.exr a.exr
 
 # Others differ where rounding moves an edge: 1 pixel in 100 at most, and those are few of 6144.
-for tracer in linear:textbook:f64 embree:user embree:default:raw:4 embree:compact:high; do
+for tracer in linear:f64 embree:user embree:default:raw:4 embree:compact:high; do
     run 0 render scene.json -o a.exr --exr-float --tracer $tracer
     code=0
     "$FATHOM" compare base.exr a.exr --tolerance 1e-4 >out.txt || code=$?

@@ -109,21 +109,6 @@ static void a_faulty_library_is_caught(void **state) {
     array_free(&rows);
 }
 
-/* What is known to be weak is seen to be: the textbook's sphere from afar, as far off as its own bound
- * allows. */
-static void weak_tracers_are_told_from_strong_ones(void **state) {
-    (void)state;
-    static const char *const specs[] = {"linear:textbook:f32", "linear:f32"};
-    extremes_options options = asked(specs, 2, 1000);
-    extremes_rows rows = {.items = NULL};
-    unsigned g = group_of("ratio-outside");
-    assert_ok(context, extremes_run(context, g, 2, &options, &rows));
-    assert_true(rows.items[0].constant > 1000 && rows.items[1].constant < 10);
-    assert_int_equal(rows.items[0].counts[VERDICT_WRONG], 0);
-    assert_int_equal(rows.items[1].counts[VERDICT_WRONG], 0);
-    array_free(&rows);
-}
-
 static void no_number_depends_on_the_threads(void **state) {
     (void)state;
     static const char *const specs[] = {"embree:user"};
@@ -165,7 +150,6 @@ int main(void) {
         cmocka_unit_test(intervals_below_the_least_float_are_empty_for_all),
         cmocka_unit_test(copies_are_ties),
         cmocka_unit_test(a_faulty_library_is_caught),
-        cmocka_unit_test(weak_tracers_are_told_from_strong_ones),
         cmocka_unit_test(no_number_depends_on_the_threads),
         cmocka_unit_test(a_run_can_be_stopped),
     };

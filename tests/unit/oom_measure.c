@@ -19,7 +19,7 @@ static unsigned group_of(const char *name) {
 
 /* The first case of the group, and the failures that are kept of it. */
 static fathom_status ask_extremes(fathom_context *context, const char *group, outcome *out) {
-    static const char *const specs[] = {"linear:textbook:f32", "embree:user"};
+    static const char *const specs[] = {"linear:f32", "embree:user"};
     extremes_rows rows = {.items = NULL};
     extremes_failures failures = {.items = NULL};
     const extremes_options options = {

@@ -8,7 +8,6 @@ static void is_alike(const char *text, const char *full) {
     assert_ok(context, trace_spec_parse(context, text, &a));
     assert_ok(context, trace_spec_parse(context, full, &b));
     assert_int_equal(a.kind, b.kind);
-    assert_int_equal(a.form, b.form);
     assert_int_equal(a.precision, b.precision);
     assert_int_equal(a.shapes, b.shapes);
     assert_int_equal(a.flags, b.flags);
@@ -20,12 +19,9 @@ static void is_alike(const char *text, const char *full) {
 
 static void options_in_any_order(void **state) {
     (void)state;
-    is_alike("linear", "linear:robust:f32");
-    is_alike("reference", "linear:robust:f32");
-    is_alike("linear:textbook:f64", "linear:textbook:f64");
-    is_alike("linear:f128:robust", "linear:robust:f128");
-    is_alike("bvh", "bvh:robust:f32");
-    is_alike("bvh:f64", "bvh:robust:f64");
+    is_alike("linear", "linear:f32");
+    is_alike("reference", "linear:f32");
+    is_alike("bvh", "bvh:f32");
     is_alike("embree", "embree:triangles:robust:auto:settled");
     is_alike("embree:16:high:user:default:raw", "embree:user:default:high:16:raw");
     is_alike("embree:compact:avx2", "embree:triangles:compact:auto:settled:avx2");
@@ -49,17 +45,17 @@ static void wrong_words_are_told(void **state) {
     (void)state;
     refuses("optix",
             "no tracer is called \"optix\"; expected reference, a shared library FILE.so, linear (options "
-            "robust, textbook; f32, f64, f128), bvh (robust; f32, f64, f128) or embree (triangles, ");
+            "f32, f64, f128), bvh (f32, f64, f128) or embree (triangles, ");
     refuses("optix", ", such as embree:user:high, found \"optix\"");
     refuses("", "is called \"\"");
     refuses("lin", "is called \"lin\"");
     refuses("lin:f32", "is called \"lin\"");
     refuses("linear:", "have no option \"\"");
     refuses("linear:f16",
-            "have no option \"f16\"; expected robust, textbook; f32, f64, f128, found \"linear:f16\"");
+            "have no option \"f16\"; expected f32, f64, f128, found \"linear:f16\"");
     refuses("linear:f32:f64", "\"f32\" and \"f64\" exclude each other, found \"linear:f32:f64\"");
     refuses("linear:f32:f32", "\"f32\" and \"f32\" exclude each other");
-    refuses("bvh:textbook", "have no option \"textbook\"");
+    refuses("bvh:robust", "have no option \"robust\"");
     refuses("embree:f64", "have no option \"f64\"");
     refuses("embree:compact:robust", "never return");
     refuses("embree:16:8", "exclude each other");

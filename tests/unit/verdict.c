@@ -268,26 +268,6 @@ static void test_any_shadows(void **state) {
     court_close(&c);
 }
 
-/* The textbook's quadratic is excused by its own bound, where it loses |f|²/R² = 10^8 units, and no further.
- */
-static void test_textbook(void **state) {
-    (void)state;
-    court c;
-    court_open(&c);
-    add_sphere(&c.stage, FATHOM_ROOT, 0, 0, 0, 1, 0);
-    court_begin(&c);
-    const verdict_tracer textbook = {.unit = 0x1p-24, .leaks = true, .textbook = true};
-    oracle_ray far = {{0.5f, 0, 1e4f}, {0, 0, -1}, 0, INFINITY},
-               near = {{0.5f, 0, 3}, {0, 0, -1}, 0, INFINITY};
-    assert_int_equal(judged(&c, &textbook, far, miss), VERDICT_EDGE);
-    assert_int_equal(judged(&c, &plain, far, miss), VERDICT_WRONG);
-    assert_int_equal(judged(&c, &textbook, far, at(0, 0, 1e4 - 3)), VERDICT_CONDITIONED);
-    assert_int_equal(judged(&c, &plain, far, at(0, 0, 1e4 - 3)), VERDICT_WRONG);
-    assert_int_equal(judged(&c, &textbook, near, miss), VERDICT_WRONG);
-    assert_int_equal(judged(&c, &textbook, far, at(0, 0, 1e4 - 300)), VERDICT_WRONG);
-    court_close(&c);
-}
-
 /* ---- exact ends ---- */
 
 static const verdict_tracer strict = {.unit = 0x1p-24, .strict = true},
@@ -625,7 +605,6 @@ int main(void) {
         cmocka_unit_test(test_beyond),
         cmocka_unit_test(test_any),
         cmocka_unit_test(test_any_shadows),
-        cmocka_unit_test(test_textbook),
         cmocka_unit_test(test_errors),
         cmocka_unit_test(test_sphere_errors),
         cmocka_unit_test(failures_fail_again_when_their_calls_are_asked_again),

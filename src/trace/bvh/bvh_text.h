@@ -157,8 +157,7 @@ static void FN(bvh_closest)(const trace_tracer *tracer, trace_block *blocks, tra
     for (size_t i = 0; i < count; ++i) {
         trace_block *block = &blocks[i / LANES];
         FN(search) s;
-        if (FN(search_begin)(&s, tracer->world, TRACE_ROBUST, &block->rays, i % LANES, false))
-            FN(bvh_lane)(&s, tracer);
+        if (FN(search_begin)(&s, tracer->world, &block->rays, i % LANES, false)) FN(bvh_lane)(&s, tracer);
         FN(search_end)(&s, block, fine ? &fine[i / LANES] : NULL, i % LANES);
     }
 }
@@ -169,7 +168,7 @@ static void FN(bvh_any)(const trace_tracer *tracer, trace_rays *blocks, size_t c
     for (size_t i = 0; i < count; ++i) {
         trace_rays *rays = &blocks[i / LANES];
         FN(search) s;
-        if (!FN(search_begin)(&s, tracer->world, TRACE_ROBUST, rays, i % LANES, true)) continue;
+        if (!FN(search_begin)(&s, tracer->world, rays, i % LANES, true)) continue;
         FN(bvh_lane)(&s, tracer);
         if (s.met) rays->t_far[i % LANES] = -INFINITY;
     }

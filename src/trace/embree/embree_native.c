@@ -31,8 +31,8 @@ static bool quads_in_native_range(const world_quad *quads, uint32_t count) {
 
 bool embree_is_halved(const trace_spec *spec, const world *w, const world_geometry *geometry) {
     return geometry->kind == WORLD_QUADS && spec->shapes == TRACE_SHAPES_TRIANGLES &&
-           spec->flags == TRACE_SCENE_ROBUST &&
-           in_native_range(geometry) && geometry->count <= UINT32_MAX / 4 &&
+           spec->flags == TRACE_SCENE_ROBUST && in_native_range(geometry) &&
+           geometry->count <= UINT32_MAX / 4 &&
            quads_in_native_range(&w->quads.items[geometry->first], geometry->count);
 }
 

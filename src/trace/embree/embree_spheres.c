@@ -31,7 +31,8 @@ bool few_gather(const world *w, few_spheres *out) {
 
 fathom_status embree_spheres_choose(embree_tracer *tracer) {
     few_spheres spheres;
-    if (tracer->spec.shapes == TRACE_SHAPES_USER || !few_gather(tracer->base.world, &spheres)) return FATHOM_OK;
+    if (tracer->spec.shapes == TRACE_SHAPES_USER || !few_gather(tracer->base.world, &spheres))
+        return FATHOM_OK;
     tracer->few = aligned_alloc(_Alignof(few_spheres), sizeof spheres);
     if (!tracer->few) return fail_memory(tracer->context, sizeof spheres);
     *tracer->few = spheres;

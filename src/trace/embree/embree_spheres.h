@@ -1,8 +1,9 @@
 /* A few spheres of the root, tested next to Embree's trees as planes are.
  *
  * Embree keeps a tree for each kind of geometry, and every ray goes through all of them: ten spheres with
- * callbacks next to a mesh of a million triangles cost all rays 6 to 7 %, met or not (bench/README.md). Two of AVX2's vectors hold sixteen spheres, which are tested against a whole block of
- * rays; few blocks come near one. */
+ * callbacks next to a mesh of a million triangles cost all rays 6 to 7 %, met or not (bench/README.md). Two
+ * of AVX2's vectors hold sixteen spheres, which are tested against a whole block of rays; few blocks come
+ * near one. */
 #ifndef TRACE_EMBREE_SPHERES_H
 #define TRACE_EMBREE_SPHERES_H
 

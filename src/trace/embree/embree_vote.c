@@ -5,7 +5,7 @@
 void embree_vote_begin(embree_vote *vote, const embree_tracer *tracer, const trace_rays *rays, unsigned lane,
                        float t_far) {
     vote->tracer = tracer;
-    search_begin_f32(&vote->search, tracer->base.world, TRACE_ROBUST, rays, lane, false);
+    search_begin_f32(&vote->search, tracer->base.world, rays, lane, false);
     vote->search.t_max = t_far;
     vote->met.any = vote->offered.any = false;
 }
@@ -22,7 +22,7 @@ static bool try_primitive(search_f32 *s, const uint32_t ids[3]) {
 bool embree_vote_reference(const embree_tracer *tracer, const trace_rays *rays, unsigned lane, float t_far,
                            const uint32_t ids[3], float *t) {
     search_f32 search;
-    search_begin_f32(&search, tracer->base.world, TRACE_ROBUST, rays, lane, false);
+    search_begin_f32(&search, tracer->base.world, rays, lane, false);
     search.t_max = t_far;
     if (!try_primitive(&search, ids)) return false;
     *t = search.best.t;

@@ -1,18 +1,11 @@
-/* Linear search: every ray against every primitive, in world order, in any precision and form. Robust and in
- * float it is the reference tracer, whose answers define closest hit and any hit. Nothing is culled before
- * the intersectors: no cull could be trusted more than they are. */
+/* Linear search: every ray against every primitive, in world order, in any precision. In float it is the
+ * reference tracer, whose answers define closest hit and any hit. Nothing is culled before the intersectors:
+ * no cull could be trusted more than they are. */
 #include "trace/search.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-typedef struct linear_tracer {
-    trace_tracer base;
-    trace_form form;
-} linear_tracer;
-
-static trace_form form_of(const trace_tracer *tracer) { return ((const linear_tracer *)tracer)->form; }
 
 #define REAL float
 #define VEC3 vec3_f32
@@ -45,18 +38,16 @@ fathom_status linear_create(fathom_context *context, const world *w, const trace
         [TRACE_F64] = {{linear_destroy, linear_closest_f64, linear_any_f64, true, true}, 0x1p-53, "f64"},
         [TRACE_F128] = {{linear_destroy, linear_closest_f128, linear_any_f128, true, true}, 0x1p-113, "f128"},
     };
-    linear_tracer *tracer = calloc(1, sizeof *tracer);
+    trace_tracer *tracer = calloc(1, sizeof *tracer);
     if (!tracer) return fail_memory(context, sizeof *tracer);
-    tracer->base.ops = &precisions[spec->precision].ops;
-    tracer->base.world = w;
-    tracer->base.unit = precisions[spec->precision].unit;
-    tracer->base.slow = true;
-    tracer->form = spec->form;
-    if (spec->form == TRACE_ROBUST && spec->precision == TRACE_F32)
-        snprintf(tracer->base.name, sizeof tracer->base.name, "reference");
+    tracer->ops = &precisions[spec->precision].ops;
+    tracer->world = w;
+    tracer->unit = precisions[spec->precision].unit;
+    tracer->slow = true;
+    if (spec->precision == TRACE_F32)
+        snprintf(tracer->name, sizeof tracer->name, "reference");
     else
-        snprintf(tracer->base.name, sizeof tracer->base.name, "linear search, %s, %s",
-                 spec->form == TRACE_ROBUST ? "robust" : "textbook", precisions[spec->precision].name);
-    *out = &tracer->base;
+        snprintf(tracer->name, sizeof tracer->name, "linear search, %s", precisions[spec->precision].name);
+    *out = tracer;
     return FATHOM_OK;
 }

@@ -56,7 +56,7 @@ static void FN(linear_triangle)(FN(linear_block) * b, const vec3_f32 corner[3], 
     const VEC3 v[3] = {FROM(corner[0]), FROM(corner[1]), FROM(corner[2])};
     unsigned lanes = b->lanes;
     /* Vectors of SSE2 hold four floats, which gains; two doubles lose where directions have several axes. */
-    if (b->s[0].form == TRACE_ROBUST && sizeof(REAL) == sizeof(float)) {
+    if (sizeof(REAL) == sizeof(float)) {
         lanes = 0;
         for (int axis = 0; axis < 3; ++axis) {
             unsigned turned = b->lanes & b->axis_lanes[axis];
@@ -102,7 +102,7 @@ static void FN(linear_walk)(const trace_tracer *tracer, const trace_rays *rays, 
     const world *w = tracer->world;
     memset(b, 0, sizeof *b);
     for (unsigned i = 0; i < LANES && i < count; ++i)
-        b->lanes |= (unsigned)FN(search_begin)(&b->s[i], w, form_of(tracer), rays, i, any) << i;
+        b->lanes |= (unsigned)FN(search_begin)(&b->s[i], w, rays, i, any) << i;
     unsigned asked = b->lanes;
     FN(linear_group)(b, 0, FATHOM_NONE);
     for (size_t k = 0; k < w->instances.count && b->lanes; ++k)

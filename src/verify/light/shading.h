@@ -43,7 +43,7 @@ fathom_status shading_run(fathom_context *context, const shading_options *option
  * then. */
 fathom_status shading_earth(fathom_context *context, const shading_options *options, shading_rows *rows);
 /* The scene at the origin and moved, and what plain float makes of it; by Embree, whatever the options name.
- * Textbook intersectors take some seconds. */
+ */
 fathom_status shading_earth_images(fathom_context *context, const shading_options *options,
                                    shading_images *images);
 

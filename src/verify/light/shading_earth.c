@@ -135,7 +135,6 @@ typedef struct way {
     double distance;
     uint32_t spp;
     bool counted_from_zero; /* the world's coordinates from the scene's own origin */
-    double epsilon;
 } way;
 
 static fathom_status render_way(fathom_context *context, const shading_options *options, const way *w,
@@ -146,7 +145,6 @@ static fathom_status render_way(fathom_context *context, const shading_options *
     open_demo(context, options, w->distance, &d);
     d.s.settings.spp = w->spp;
     d.s.settings.tracer = w->spec;
-    d.s.settings.epsilon = w->epsilon;
     const render_request request = {
         .progress = options->progress, .user = options->user, .origin = w->counted_from_zero ? &zero : NULL};
     if (d.s.b.status == FATHOM_OK)
@@ -185,19 +183,15 @@ static difference compare(const fathom_film *a, const fathom_film *b) {
 /* Image k of the ways below. */
 static void describe(unsigned k, const way *w, const difference *d, shading_image *out) {
     static const char *const titles[] = {"At the origin", "At the Earth's radius",
-                                         "At the Earth's radius, textbook float",
-                                         "At the Earth's radius, robust float"};
-    /* The tracer; the distance or the epsilon. */
+                                         "At the Earth's radius, float coordinates"};
+    /* The tracer; the distance. */
     static const char *const captions[] = {
         "A scene of 10 m at the origin of coordinates, by %1$s.",
         "The same scene, lights and camera moved by %2$g m along no axis, by %1$s: positions are "
         "double, and counted from near the view before they become float.",
-        "Moved as far, as textbooks have it: float coordinates, half a metre apart there, "
-        "textbook intersectors (%1$s), an epsilon of %2$g.",
-        "Moved as far, robust intersectors and offsets (%1$s), but float coordinates."};
+        "Moved as far, by %1$s, but in float coordinates, half a metre apart there."};
     snprintf(out->title, sizeof out->title, "%s", titles[k]);
-    snprintf(out->caption, sizeof out->caption, captions[k], w->spec,
-             w->epsilon > 0 ? w->epsilon : w->distance);
+    snprintf(out->caption, sizeof out->caption, captions[k], w->spec, w->distance);
     size_t used = strlen(out->caption);
     if (!k) return;
     snprintf(out->caption + used, sizeof out->caption - used,
@@ -271,11 +265,6 @@ fathom_status shading_earth_images(fathom_context *context, const shading_option
                                    shading_images *images) {
     static const way ways[] = {{.spec = "embree", .spp = 4},
                                {.spec = "embree", .spp = 4, .distance = 6.371e6},
-                               {.spec = "linear:textbook:f32",
-                                .spp = 4,
-                                .distance = 6.371e6,
-                                .counted_from_zero = true,
-                                .epsilon = 1e-5},
                                {.spec = "embree", .spp = 4, .distance = 6.371e6, .counted_from_zero = true}};
     fathom_film *first = NULL;
     fathom_status status = FATHOM_OK;

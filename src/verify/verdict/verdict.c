@@ -12,18 +12,15 @@ const char *verdict_name(verdict v) {
     return names[v];
 }
 
-/* The textbook's forms round each triangle's edges by itself, so rays pass between neighbours. */
 verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit) {
     bool embree = spec->kind == TRACE_EMBREE;
-    bool textbook = spec->kind == TRACE_LINEAR && spec->form == TRACE_TEXTBOOK;
     bool own = embree && spec->shapes != TRACE_SHAPES_USER;
     bool quads = own && spec->flags == TRACE_SCENE_ROBUST;
     unsigned seen = (own ? 1u << ORACLE_TRIANGLE : 0) | (quads ? 1u << ORACLE_QUAD : 0);
     return (verdict_tracer){.unit = unit,
                             .seen = seen,
                             .inverted = embree,
-                            .leaks = embree || textbook,
-                            .textbook = textbook,
+                            .leaks = embree,
                             .strict = true,
                             .clamped = embree ? 1e-18 : 0,
                             .largest = embree ? 1.844e18 / 2 : 0};

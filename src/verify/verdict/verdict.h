@@ -30,7 +30,6 @@ typedef struct verdict_tracer {
     bool leaks;    /* misses surfaces at edges and vertices; else that is wrong */
     unsigned
         seen; /* bit i: oracle_shape i, whose sides it forms from corners as seen from the ray's origin */
-    bool textbook;  /* spheres by the plain quadratic */
     double clamped; /* components of directions below this count as this where boxes are tested; 0: none */
     bool strict;    /* its own t lies in the open interval, for the shapes that are not `seen` */
     double largest; /* takes no ray and no primitive with a coordinate above; 0: any float */

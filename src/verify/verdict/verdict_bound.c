@@ -33,16 +33,6 @@
  * at most 33 u S R / |d·m|, since |d·m| <= |d| R. 64 bounds both sums. |d·m| = |d|² |t - t'| / 2, with t' the
  * other root.
  *
- * Sphere by the textbook's quadratic: a is off by 3 u |d|², b by 8 u |d| |f|, b² by 36 u |d|² |f|², c by u (6
- * |f|² + 2 R²), 4 a c by 4 u |d|² (10 |f|² + 6 R²), and their difference rounds by 4 u |d|² (|f|² + R²): 4
- * |d|² D is off by u |d|² (80 |f|² + 28 R²), D by u (20 |f|² + 7 R²) <= 27 u S², and 2 u S² more for an
- * origin rounded in object space. So 1 - l²/R² is off by 29 u S²/R². The root of the discriminant moves by
- * |δD| / √D, and by √|δD| at most: t by 29 u S² / |d·m| or √29 u S / |d|, whichever is less, and by 10 u S /
- * |d| for b, the sum and the quotient. 64 S² / |d·m| holds that.
- *
- * Quad by the textbook: all of it lies in the plane of the first triangle, from which the fourth corner is h
- * away. So points of the second are off by h: as if S were larger by h / (32 u).
- *
  * Plane: f·n is off by 4 u |n| S, d·n by 3 u |n| |d|: together 7 u |n| S / |d·n|, and 16 with the origin's
  * and the quotient's rounding. */
 #include "reference/reference.h"
@@ -128,26 +118,15 @@ static verdict_bound of_sphere(const frame *f, double radius, const oracle_answe
     return (verdict_bound){size * radius / (d * d * gap / 2), edge, size, 0, 0};
 }
 
-static verdict_bound of_textbook_sphere(const frame *f, double radius, const oracle_answer *answer,
-                                        double size, double factor) {
-    double d = length_f64(f->dir), edge = size * size / (radius * radius);
-    double most = size / (d * sqrt(factor)) + size / d; /* what √|δD| allows */
-    double aside = fmax(size, size * size / radius);    /* moves l²/R² by twice `edge` at the rim */
-    if (!answer->line) return (verdict_bound){most, edge, aside, 0, 0};
-    double gap = fabs((double)(answer->t - answer->other));
-    return (verdict_bound){fmin(size * size / (d * d * gap / 2), most), edge, aside, 0, 0};
-}
-
 static verdict_bound of_plane(const frame *f, vec3_f64 n, double size, double factor) {
     double along = fabs(dot_f64(f->dir, n)), r = factor * length_f64(n) * f->dir_size / along;
     return (verdict_bound){length_f64(n) * size / along * widened(r), 0, size, 0, 0};
 }
 
 static verdict_bound of_shape(const frame *f, const oracle_primitive *p, const oracle_answer *answer,
-                              double size, double factor, bool textbook) {
+                              double size, double factor) {
     switch (p->shape) {
-    case ORACLE_SPHERE:
-        return (textbook ? of_textbook_sphere : of_sphere)(f, oracle_radius(p), answer, size, factor);
+    case ORACLE_SPHERE: return of_sphere(f, oracle_radius(p), answer, size, factor);
     case ORACLE_PLANE: return of_plane(f, widen(p->v[1]), size, factor);
     case ORACLE_TRIANGLE:
     case ORACLE_QUAD: break;
@@ -175,21 +154,12 @@ static double size_of(const verdict_tracer *tracer, const oracle_ray *ray, const
     return size + largest_corner(p);
 }
 
-/* The distance of a quad's fourth corner from the plane of its first triangle. */
-static double bend_of(const oracle_primitive *quad) {
-    vec3_f64 a = widen(quad->v[0]);
-    vec3_f64 n = cross_f64(sub_f64(widen(quad->v[1]), a), sub_f64(widen(quad->v[3]), a));
-    double length = length_f64(n);
-    return length > 0 ? fabs(dot_f64(sub_f64(widen(quad->v[2]), a), n)) / length : 0;
-}
-
 verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *ray,
                                const oracle_primitive *primitive, const oracle_answer *answer) {
     frame f = frame_of(tracer, ray, primitive->instance);
     double t = (double)answer->t, size = size_of(tracer, ray, primitive, &f, t);
     double factor = verdict_constant(primitive->shape) * tracer->unit;
-    if (tracer->textbook && primitive->shape == ORACLE_QUAD) size += bend_of(primitive) / factor;
-    verdict_bound bound = of_shape(&f, primitive, answer, size, factor, tracer->textbook);
+    verdict_bound bound = of_shape(&f, primitive, answer, size, factor);
     bound.t = factor * bound.t + verdict_rounding(tracer, t);
     bound.edge *= factor;
     bound.aside *= factor * (primitive->instance ? f.inverse_norm : 1);
@@ -262,9 +232,6 @@ verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *
     case ORACLE_TRIANGLE:
     case ORACLE_QUAD: bound.normal = least + normal_bound(tracer, p, answer, size); break;
     }
-    bool first_part =
-        tracer->textbook && p->shape == ORACLE_QUAD; /* it answers with the first part's plane */
-    if (first_part) bound.weight = bound.normal = (double)INFINITY;
     return bound;
 }
 
@@ -350,39 +317,9 @@ static bool origin_beyond(const world *w, vec3_f32 org, double limit) {
     return false;
 }
 
-/* True when the textbook's products leave their range: the larger overflows, or the smaller loses more than
- * rounding. The robust forms then use a wider precision. */
-static bool textbook_beyond(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p,
-                            double t) {
-    frame f = frame_of(tracer, ray, p->instance);
-    double d = length_f64(f.dir), size = size_of(tracer, ray, p, &f, t), n = 1, large = 0, small = 0,
-           side = 0;
-    switch (p->shape) {
-    case ORACLE_SPHERE:
-        large = 4 * d * d * size * size;
-        small = d * d * fmin(1, 4 * (double)p->radius * (double)p->radius);
-        break;
-    case ORACLE_PLANE:
-        n = length_f64(widen(p->v[1]));
-        large = n * fmax(size, d), small = n * d;
-        break;
-    case ORACLE_TRIANGLE:
-    case ORACLE_QUAD:
-        for (int k = 1; k < (p->shape == ORACLE_QUAD ? 4 : 3); ++k)
-            side = fmax(side, length_f64(sub_f64(widen(p->v[k]), widen(p->v[0]))));
-        large = side * fmax(size * d, side * fmax(size, d)), small = side * side * d;
-        if (p->shape == ORACLE_QUAD) large = fmax(large, pow(side, 4)), small = fmin(small, pow(side, 4));
-        break;
-    }
-    bool narrow = in_float(tracer);
-    double most = narrow ? (double)FLT_MAX : DBL_MAX, least = narrow ? (double)FLT_MIN : DBL_MIN;
-    return !(large < most / 16) || !(small * tracer->unit > 16 * least);
-}
-
 bool verdict_beyond(const verdict_tracer *tracer, const world *w, const oracle_ray *ray,
                     const oracle_primitive *p, double t) {
     if (in_float(tracer) && fabs(t) > (double)FLT_MAX) return true;
-    if (tracer->textbook && tracer->unit >= 0x1p-53 && textbook_beyond(tracer, ray, p, t)) return true;
     if (!(tracer->largest > 0)) return false;
     return largest_corner(p) > tracer->largest || origin_beyond(w, ray->org, tracer->largest);
 }
