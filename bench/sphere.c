@@ -10,8 +10,7 @@
  * The band in which float inputs cannot tell: inputs off by a relative v = 2^-24 each move 1 - l²/R², l the
  * line's distance from the centre, by v (2 Σ|l_i| s_i + 2 l²) / R² with s_i = |E_i| + |t d_i| + |C_i| at the
  * closest approach t (src/verify/condition.c). */
-#include "reference/reference.h"
-#include "reference/vec_f128.h"
+#include "textbook.h"
 
 #include <math.h>
 #include <stdint.h>

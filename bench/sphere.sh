@@ -9,6 +9,6 @@ build=${BUILD:-$source/build}
 folder=${TMPDIR:-/tmp}/fathom-bench-sphere
 mkdir -p "$folder"
 trap 'rm -rf "$folder"' EXIT
-cc -std=c11 -O2 -D_GNU_SOURCE -ffp-contract=off -fno-tree-slp-vectorize -I"$source/include" -I"$source/src" \
+cc -std=c11 -O2 -D_GNU_SOURCE -ffp-contract=off -fno-tree-slp-vectorize -I"$source/include" -I"$source/src" -I"$source/tests" \
     "$source/bench/sphere.c" "$build/src/libfathom_core.a" -lm -o "$folder/sphere"
 "$folder/sphere" "$rays"

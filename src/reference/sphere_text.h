@@ -56,17 +56,3 @@ static inline bool FN(sphere_split)(const VEC3 center[2], const REAL radius[2], 
     return FN(sphere_roots_split)(center, radius, org, dir, roots) &&
            FN(sphere_choose)(roots, t_min, t_max, t);
 }
-
-/* The quadratic as lectures have it: a = |d|², b = 2 d·(E-C), c = |E-C|² - R², b² - 4ac. It loses |E-C|²/R²
- * units of roundoff in the discriminant: at 4096 radii a third of near-silhouette rays go wrong in float. */
-static inline bool FN(sphere_textbook)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL t_min, REAL t_max,
-                                       REAL *t) {
-    VEC3 f = FN(sub)(org, center);
-    REAL a = FN(dot)(dir, dir), b = 2 * FN(dot)(dir, f), c = FN(dot)(f, f) - radius * radius;
-    REAL discriminant = b * b - 4 * a * c;
-    if (!(discriminant >= 0) || !(radius > 0)) return false;
-    REAL s = SQRT(discriminant);
-    REAL near = (-b - s) / (2 * a), far = (-b + s) / (2 * a);
-    *t = near > t_min ? near : far;
-    return *t > t_min && *t < t_max;
-}

@@ -82,17 +82,3 @@ static inline bool FN(triangle_robust)(VEC3 a, VEC3 b, VEC3 c, VEC3 org, VEC3 di
     FN(triangle_ray) ray = FN(triangle_ray_make)(org, dir);
     return FN(triangle_robust_ray)(a, b, c, &ray, t_min, t_max, hit);
 }
-
-/* Cramer's rule as lectures have it, with a = A-C, b = B-C, e = E-C, D = (d×b)·a: t = (e×a)·b / D,
- * α = (d×b)·e / D, β = (e×a)·d / D, and P = αA + βB + (1-α-β)C. Neighbours round their common edge
- * differently: rays can pass between them. */
-static inline bool FN(triangle_textbook)(VEC3 A, VEC3 B, VEC3 C, VEC3 org, VEC3 dir, REAL t_min, REAL t_max,
-                                         FN(reference_hit) * hit) {
-    VEC3 a = FN(sub)(A, C), b = FN(sub)(B, C), e = FN(sub)(org, C);
-    VEC3 db = FN(cross)(dir, b), ea = FN(cross)(e, a);
-    REAL D = FN(dot)(db, a);
-    REAL t = FN(dot)(ea, b) / D, alpha = FN(dot)(db, e) / D, beta = FN(dot)(ea, dir) / D;
-    if (!(t > t_min && t < t_max && alpha >= 0 && beta >= 0 && alpha + beta <= 1)) return false;
-    hit->t = t, hit->u = beta, hit->v = 1 - alpha - beta;
-    return true;
-}

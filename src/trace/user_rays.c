@@ -45,14 +45,27 @@ static local_hit sphere_hit(const world_sphere *s, vec3_f64 org, vec3_f64 dir, d
                        .v = acos(n.z < -1 ? -1 : (n.z > 1 ? 1 : n.z)) / M_PI};
 }
 
+/* Of a ray that passes by: where it meets the plane of a, b and c, and the weights of b and c there. */
+static reference_hit_f64 nearest_hit(vec3_f64 a, vec3_f64 b, vec3_f64 c, vec3_f64 org, vec3_f64 dir,
+                                     double t) {
+    const vec3_f64 e = sub_f64(b, a), g = sub_f64(c, a), n = cross_f64(e, g);
+    const double exact = dot_f64(sub_f64(a, org), n) / dot_f64(dir, n), n2 = dot_f64(n, n);
+    if (isfinite(exact)) t = exact;
+    const vec3_f64 q = sub_f64(madd_f64(org, t, dir), a);
+    return (reference_hit_f64){t, clamp_unit(dot_f64(cross_f64(q, g), n) / n2),
+                               clamp_unit(dot_f64(cross_f64(e, q), n) / n2)};
+}
+
 static local_hit quad_hit(const world_quad *quad, vec3_f64 org, vec3_f64 dir, double t) {
     vec3_f64 c[4];
     for (int i = 0; i < 4; ++i) c[i] = widen(quad->corner[i]);
     reference_hit_f64 hit = {.t = t};
     if (!quad_robust_f64(c[0], c[1], c[2], c[3], org, dir, -INFINITY, INFINITY, &hit)) {
-        quad_textbook_f64(c[0], c[1], c[2], c[3], org, dir, -INFINITY, INFINITY, &hit);
-        hit.u = clamp_unit(hit.u), hit.v = clamp_unit(hit.v);
-        if (!isfinite(hit.t)) hit.t = t;
+        hit = nearest_hit(c[0], c[1], c[3], org, dir, t);
+        if (hit.u + hit.v > 1) {
+            hit = nearest_hit(c[2], c[3], c[1], org, dir, t);
+            hit.u = 1 - hit.u, hit.v = 1 - hit.v;
+        }
     }
     const vec3_f64 near[3] = {c[0], c[1], c[3]}, far[3] = {c[2], c[3], c[1]};
     vec3_f64 n = cross_f64(sub_f64(c[1], c[0]), sub_f64(c[3], c[0]));
@@ -110,11 +123,7 @@ static local_hit mesh_hit(const fathom_mesh *mesh, uint32_t triangle, vec3_f64 o
     vec3_f64 n = cross_f64(sub_f64(c[1], c[0]), sub_f64(c[2], c[0]));
     reference_hit_f64 hit = {.t = t};
     if (!triangle_robust_f64(c[0], c[1], c[2], org, dir, -INFINITY, INFINITY, &hit)) {
-        double exact = dot_f64(sub_f64(c[0], org), n) / dot_f64(dir, n), n2 = dot_f64(n, n);
-        if (isfinite(exact)) hit.t = exact;
-        vec3_f64 q = sub_f64(madd_f64(org, hit.t, dir), c[0]);
-        hit.u = clamp_unit(dot_f64(cross_f64(q, sub_f64(c[2], c[0])), n) / n2);
-        hit.v = clamp_unit(dot_f64(cross_f64(sub_f64(c[1], c[0]), q), n) / n2);
+        hit = nearest_hit(c[0], c[1], c[2], org, dir, t);
         if (hit.u + hit.v > 1) hit.v = 1 - hit.u;
     }
     local_hit out = {

@@ -1,7 +1,6 @@
 /* Closed surfaces do not leak, quads are their two triangles, planes keep their sign. */
 #include "random.h"
-#include "reference/reference.h"
-#include "reference/reference_f128.h"
+#include "textbook.h"
 #include "unit.h"
 
 #define MAX_TRIANGLES 320

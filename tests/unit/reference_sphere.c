@@ -1,7 +1,6 @@
 /* Spheres against quadruple precision, for the same float or double input. */
 #include "random.h"
-#include "reference/reference.h"
-#include "reference/reference_f128.h"
+#include "textbook.h"
 #include "trace/trace.h"
 #include "unit.h"
 
