@@ -9,12 +9,12 @@ static vec3_f64 scattered_center(unsigned i) {
     return vec_f64(case_scattered(i, 0, -2, 2), case_scattered(i, 1, -2, 2), case_scattered(i, 2, -2, 2));
 }
 
-static void add_spheres(extremes_case *c, fathom_id group) {
+static void add_spheres(judged_scene *c, fathom_id group) {
     for (unsigned i = 0; i < 24; ++i)
         case_sphere(c, group, scattered_center(i), 0.5 * pow(10, case_scattered(i, 3, -3, 0.3)));
 }
 
-static void add_quads(extremes_case *c, fathom_id group) {
+static void add_quads(judged_scene *c, fathom_id group) {
     for (unsigned i = 0; i < 24; ++i) {
         double angle = case_scattered(i, 3, 0, 6.28), size = case_scattered(i, 4, 0.1, 1);
         case_quad(c, group, scattered_center(i), vec_f64(size * cos(angle), size * sin(angle), 0),
@@ -22,11 +22,11 @@ static void add_quads(extremes_case *c, fathom_id group) {
     }
 }
 
-static void add_ball(extremes_case *c, fathom_id group) {
+static void add_ball(judged_scene *c, fathom_id group) {
     case_ball_of(c, group, vec_f64(0, 0, 0), 1, 19, 40);
 }
 
-static void add_planes(extremes_case *c, fathom_id group) {
+static void add_planes(judged_scene *c, fathom_id group) {
     (void)group; /* planes cannot be placed but in the world */
     case_plane(c, vec_f64(-0.7, 0, 0), vec_f64(0, 1, 0));
     case_plane(c, vec_f64(0, -1.4, 0), vec_f64(0.6, 0.8, 0));
@@ -34,7 +34,7 @@ static void add_planes(extremes_case *c, fathom_id group) {
 }
 
 /* A box of whole sixteenths, its sides powers of two: nothing about a ray along an axis is rounded. */
-static void add_box(extremes_case *c, fathom_id group, vec3_f64 low, vec3_f64 size) {
+static void add_box(judged_scene *c, fathom_id group, vec3_f64 low, vec3_f64 size) {
     static const uint32_t sides[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                        2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
     uint32_t *indices = case_memory(c, sizeof sides);
@@ -47,7 +47,7 @@ static void add_box(extremes_case *c, fathom_id group, vec3_f64 low, vec3_f64 si
     case_mesh(c, group, vec_f64(0, 0, 0), corner, 8, indices, 12);
 }
 
-static void add_boxes(extremes_case *c, fathom_id group) {
+static void add_boxes(judged_scene *c, fathom_id group) {
     add_box(c, group, vec_f64(-1, -1, -1), vec_f64(2, 2, 2));
     add_box(c, group, vec_f64(1, -1, -1), vec_f64(0.5, 1, 2)); /* touches the first */
     add_box(c, group, vec_f64(-3, 0, -0.5), vec_f64(1, 4, 1));
@@ -55,7 +55,7 @@ static void add_boxes(extremes_case *c, fathom_id group) {
 }
 
 /* The same with quads and planes. */
-static void add_squares(extremes_case *c, fathom_id group) {
+static void add_squares(judged_scene *c, fathom_id group) {
     case_quad(c, group, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 1, 0));
     case_quad(c, group, vec_f64(2, 0, 0.5), vec_f64(0, 1, 0), vec_f64(0, 0, 0.5));
     case_quad(c, group, vec_f64(0, 1.5, 1), vec_f64(0, 0, 0.25), vec_f64(2, 0, 0));
@@ -64,12 +64,12 @@ static void add_squares(extremes_case *c, fathom_id group) {
 }
 
 /* More vertices and triangles than 16 and 18 bits count. */
-static void add_fine(extremes_case *c, fathom_id group) {
+static void add_fine(judged_scene *c, fathom_id group) {
     case_ball_of(c, group, vec_f64(0, 0, 0), 1, 366, 366);
 }
 
 /* Shapes that cast no shadow, around and between shapes that do. */
-static void add_masks(extremes_case *c, fathom_id group) {
+static void add_masks(judged_scene *c, fathom_id group) {
     c->b.flags = FATHOM_CASTS_NO_SHADOW;
     case_ball_of(c, group, vec_f64(0, 0, 0), 1.4, 9, 16);
     add_box(c, group, vec_f64(2, -1, -1), vec_f64(1, 2, 2));
@@ -78,7 +78,7 @@ static void add_masks(extremes_case *c, fathom_id group) {
     add_box(c, group, vec_f64(4, -1, -1), vec_f64(1, 2, 2));
 }
 
-static void add_masked_shapes(extremes_case *c, fathom_id parent) {
+static void add_masked_shapes(judged_scene *c, fathom_id parent) {
     static const affine_f64 mirrored = {{{-0.8, 0.1, 0, 6}, {0, 0.7, 0, 0.3}, {0.2, 0, 1.1, 0}}};
     fathom_id group = case_group(c);
     for (unsigned i = 0; i < 2; ++i) {
@@ -98,7 +98,7 @@ static void add_masked_shapes(extremes_case *c, fathom_id parent) {
 }
 
 /* Everything that has bounds, turned, squeezed, sheared and mirrored. */
-static void add_instances(extremes_case *c, fathom_id parent) {
+static void add_instances(judged_scene *c, fathom_id parent) {
     static const affine_f64 maps[5] = {{{{0.5, 0, 0, 3}, {0, 1.5, 0, 0}, {0, 0, 0.2, 0.5}}},
                                        {{{-1, 0, 0, -3}, {0, 1, 0, 0.3}, {0, 0, 1, 0}}},
                                        {{{0.6, -0.8, 0, 0}, {0.8, 0.6, 0.1, 4}, {0, 0.2, 0.7, 0}}},
@@ -113,7 +113,7 @@ static void add_instances(extremes_case *c, fathom_id parent) {
 
 static const struct {
     const char *name;
-    void (*add)(extremes_case *c, fathom_id group);
+    void (*add)(judged_scene *c, fathom_id group);
 } scenes[] = {{"spheres", add_spheres}, {"quads", add_quads},         {"triangles", add_ball},
               {"planes", add_planes},   {"instances", add_instances}, {"boxes", add_boxes},
               {"squares", add_squares}, {"masks", add_masks},         {"masked-shapes", add_masked_shapes},
@@ -124,7 +124,7 @@ const char *builtin_name(unsigned index) {
 }
 
 fathom_status builtin_create(fathom_context *context, unsigned index, fathom_scene **out) {
-    extremes_case c;
+    judged_scene c;
     memset(&c, 0, sizeof c);
     build_open(context, &c.b);
     if (c.b.status == FATHOM_OK) scenes[index].add(&c, FATHOM_ROOT);
@@ -133,6 +133,6 @@ fathom_status builtin_create(fathom_context *context, unsigned index, fathom_sce
     fathom_status status = c.b.status;
     *out = status == FATHOM_OK ? c.b.scene : NULL;
     if (*out) c.b.scene = NULL;
-    case_close(&c);
+    judged_close(&c);
     return status;
 }

@@ -2,7 +2,7 @@
 #include "measure/converge.h"
 #include "measure/phases.h"
 #include "measure/trace_time.h"
-#include "verify/extremes/extremes.h"
+#include "verify/extremes/case.h"
 #include "verify/light/shading_studio.h"
 
 #include "requests.h" /* last: cmocka defines words such as fail */
@@ -47,15 +47,14 @@ static void extremes(void **state) {
 }
 
 static fathom_status open_extreme(fathom_context *context, const char *group, outcome *out) {
-    extremes_scene *scene;
+    judged_scene scene;
     fathom_status status = extremes_open(context, group, 1, &scene);
     if (status == FATHOM_OK) {
-        size_t count = extremes_world(scene)->spheres.count;
-        assert_non_null(extremes_search(scene));
-        assert_non_null(extremes_source(scene));
+        size_t count = scene.world->spheres.count;
+        assert_true(scene.search && scene.source);
         add(out, &count, sizeof count);
     }
-    extremes_close(scene);
+    judged_close(&scene);
     return status;
 }
 

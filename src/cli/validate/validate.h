@@ -5,7 +5,7 @@
 #include "cli/command.h"
 #include "cli/json_text.h"
 #include "verify/compare.h"
-#include "verify/extremes/extremes.h"
+#include "verify/extremes/case.h"
 #include "verify/light/shading.h"
 #include "verify/recorded.h"
 #include "verify/statistics.h"
@@ -58,15 +58,6 @@ typedef struct validate_results {
     double start; /* clock_seconds() */
 } validate_results;
 
-/* A scene and what answers and judges rays in it. */
-typedef struct validate_stage {
-    fathom_scene *scene;
-    world *world;
-    search *search;
-    rays_source *source;
-    extremes_scene *extreme; /* not NULL: it owns all of the above */
-} validate_stage;
-
 /* Names of extreme cases: this, the group, a colon, the number. */
 #define VALIDATE_EXTREME "extreme:"
 
@@ -78,12 +69,11 @@ fathom_status validate_run_all(fathom_context *context, const validate_settings 
 
 /* ---- validate_stage.c ---- */
 
-/* `name`: a built-in scene, an extreme case or a file. Release with validate_stage_close() whatever comes
+/* `name`: a built-in scene, an extreme case or a file. Release with judged_close() whatever comes
  * back. */
-fathom_status validate_stage_open(fathom_context *context, const char *name, validate_stage *out);
-void validate_stage_close(validate_stage *stage);
+fathom_status validate_stage_open(fathom_context *context, const char *name, judged_scene *out);
 /* text must outlive the subject; release its tracer with trace_destroy(). */
-fathom_status validate_subject(fathom_context *context, const validate_stage *stage, const char *text,
+fathom_status validate_subject(fathom_context *context, const judged_scene *stage, const char *text,
                                compare_subject *out, trace_tracer **tracer);
 /* True when the tracer takes such shapes: a library takes triangles. (Planes next to it are answered in
  * float.)

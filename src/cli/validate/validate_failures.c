@@ -96,7 +96,7 @@ fathom_status validate_write_failures(fathom_context *context, const validate_re
 
 typedef struct replay {
     const validate_settings *settings;
-    validate_stage stage;
+    judged_scene stage;
     char scene[4096], spec[128]; /* that are open; "" at first */
     trace_tracer *tracer;
     compare_subject subject;
@@ -130,7 +130,7 @@ static fathom_status open_subject(fathom_context *context, replay *r, const ray_
     r->tracer = NULL;
     fathom_status status = FATHOM_OK;
     if (!same) {
-        validate_stage_close(&r->stage);
+        judged_close(&r->stage);
         snprintf(r->scene, sizeof r->scene, "%s", scene);
         status = validate_stage_open(context, scene, &r->stage);
     }
@@ -251,7 +251,7 @@ fathom_status validate_replay(fathom_context *context, const validate_settings *
     status = replay_text(context, &r, &map);
     status = file_finish(context, &map, status);
     trace_destroy(r.tracer);
-    validate_stage_close(&r.stage);
+    judged_close(&r.stage);
     if (status != FATHOM_OK) return status;
     printf("%llu rays, %llu wrong", (unsigned long long)r.rays, (unsigned long long)r.wrong);
     if (!settings->tracers.count || r.given)

@@ -257,8 +257,8 @@ static json_t *pack_run(const validate_run *run) {
     }
     compare_family sum = validate_sum(run);
     return json_of(JSON("scene", run->scene), JSON("spec", run->spec), JSON("tracer", run->tracer),
-                   JSON("isa", isa_of(run)), JSON("seconds", run->seconds),
-                   JSON("nsPerRay", ns_per_ray(run)), JSON("any", pack_any(&sum)), JSON("families", families),
+                   JSON("isa", isa_of(run)), JSON("seconds", run->seconds), JSON("nsPerRay", ns_per_ray(run)),
+                   JSON("any", pack_any(&sum)), JSON("families", families),
                    JSON("screened", run->result.screened), JSON("findings", pack_findings(run)),
                    JSON("failures", validate_failures_json(run)));
 }

@@ -44,8 +44,8 @@ static validate_run *add_run(validate_runs *runs, const char *scene, const char 
 }
 
 /* One whose arithmetic and structure are not the subject's, over the same world. */
-static fathom_status second_tracer(fathom_context *context, const validate_stage *stage,
-                                   const trace_spec *spec, trace_tracer **out) {
+static fathom_status second_tracer(fathom_context *context, const judged_scene *stage, const trace_spec *spec,
+                                   trace_tracer **out) {
     const trace_options options = {.words = spec->kind == TRACE_BVH ? "embree:user" : "bvh", .width = LANES};
     return trace_create(context, stage->world, &options, out);
 }
@@ -53,7 +53,7 @@ static fathom_status second_tracer(fathom_context *context, const validate_stage
 #define LARGE 100000 /* primitives: each ray costs more, and most of it is the same as in small scenes */
 
 /* Rays of each family: fewer in large scenes, and far fewer where each is tested against every primitive. */
-static uint64_t rays_of(const work *k, const validate_stage *stage, const trace_tracer *tracer) {
+static uint64_t rays_of(const work *k, const judged_scene *stage, const trace_tracer *tracer) {
     uint64_t count = 0;
     for (size_t g = 0; g < stage->world->geometries.count; ++g)
         count += stage->world->geometries.items[g].count;
@@ -78,7 +78,7 @@ static uint64_t screened_of(const work *k) {
 #define RENDER_WIDTH_SLOW 16
 
 /* Renders, then judges those rays and all families. */
-static fathom_status compare_all(fathom_context *context, work *k, const validate_stage *stage,
+static fathom_status compare_all(fathom_context *context, work *k, const judged_scene *stage,
                                  const compare_subject *subject, validate_run *run) {
     const validate_settings *settings = k->settings;
     const bool slow = trace_piece(subject->tracer) <= LANES;
@@ -86,7 +86,8 @@ static fathom_status compare_all(fathom_context *context, work *k, const validat
     memset(&rendered, 0, sizeof rendered);
     trace_tracer *second = NULL;
     fathom_status status = FATHOM_OK;
-    const bool renders = stage->scene && settings->families >> RAYS_RENDERED & 1;
+    /* An extreme case has no view of its own. */
+    const bool renders = !*stage->words && settings->families >> RAYS_RENDERED & 1;
     if (renders)
         status = recorded_render(context, stage->world, subject->tracer,
                                  slow ? RENDER_WIDTH_SLOW : RENDER_WIDTH, &rendered);
@@ -113,7 +114,7 @@ static fathom_status compare_all(fathom_context *context, work *k, const validat
     return status == FATHOM_OK && !judged ? fail_memory(context, sizeof run->findings) : status;
 }
 
-static fathom_status judge(fathom_context *context, work *k, const validate_stage *stage, const char *scene,
+static fathom_status judge(fathom_context *context, work *k, const judged_scene *stage, const char *scene,
                            const char *spec, validate_decoys *decoys) {
     compare_subject subject;
     trace_tracer *tracer;
@@ -125,12 +126,12 @@ static fathom_status judge(fathom_context *context, work *k, const validate_stag
     if (status == FATHOM_OK) {
         snprintf(run->tracer, sizeof run->tracer, "%s", trace_name(tracer));
         run->unit = trace_unit(tracer);
-        k->scene = stage->scene;
+        k->scene = stage->b.scene;
         status = compare_all(context, k, stage, &subject, run);
     }
     trace_destroy(tracer);
-    if (stage->scene && status != FATHOM_OUT_OF_RESOURCES) {
-        fathom_status changed = fathom_scene_check_files(stage->scene);
+    if (status != FATHOM_OUT_OF_RESOURCES) {
+        fathom_status changed = fathom_scene_check_files(stage->b.scene);
         if (changed != FATHOM_OK) return changed;
     }
     if (run && run->result.differ)
@@ -148,7 +149,7 @@ static fathom_status skip(fathom_context *context, work *k, const char *scene, c
     return array_push(&k->results->skips, skipped) ? FATHOM_OK : fail_memory(context, sizeof skipped);
 }
 
-static fathom_status run_tracer(fathom_context *context, work *k, const validate_stage *stage,
+static fathom_status run_tracer(fathom_context *context, work *k, const judged_scene *stage,
                                 const char *scene, const char *words) {
     trace_spec spec;
     validate_decoys *decoys = NULL;
@@ -169,14 +170,14 @@ static unsigned family_count(unsigned families) {
 
 static fathom_status run_scene(fathom_context *context, work *k, const char *scene) {
     const args_list *tracers = &k->settings->tracers;
-    validate_stage stage;
+    judged_scene stage;
     fathom_status status = validate_stage_open(context, scene, &stage);
     k->sampled = false;
     for (size_t i = 0; i < tracers->count && status == FATHOM_OK; ++i) {
         status = run_tracer(context, k, &stage, scene, tracers->items[i]);
         k->before += k->settings->rays * family_count(k->settings->families);
     }
-    validate_stage_close(&stage);
+    judged_close(&stage);
     return status;
 }
 

@@ -15,7 +15,7 @@ static vec3_f64 corner_at(unsigned i, unsigned k) {
 /* ---- what a scene takes ---- */
 
 /* Corners a, a + p s, a + q s. */
-static void put_lines(extremes_case *c, double p, double q) {
+static void put_lines(judged_scene *c, double p, double q) {
     vec3_f64 corners[3 * BROKEN];
     for (unsigned i = 0; i < BROKEN; ++i) {
         vec3_f64 a = corner_at(i, 0), s = scale_f64(0.25, corner_at(i, 9));
@@ -24,12 +24,12 @@ static void put_lines(extremes_case *c, double p, double q) {
     case_triangles(c, FATHOM_ROOT, vec_f64(0, 0, 0), corners, BROKEN);
 }
 
-static void put_collinear(extremes_case *c) { put_lines(c, 1, 3); }
-static void put_points(extremes_case *c) { put_lines(c, 0, 0); }
-static void put_doubled_corners(extremes_case *c) { put_lines(c, 2, 2); }
-static void put_twice(extremes_case *c) { case_ball(c, FATHOM_ROOT, vec_f64(0, 0, 0), 0.6); }
+static void put_collinear(judged_scene *c) { put_lines(c, 1, 3); }
+static void put_points(judged_scene *c) { put_lines(c, 0, 0); }
+static void put_doubled_corners(judged_scene *c) { put_lines(c, 2, 2); }
+static void put_twice(judged_scene *c) { case_ball(c, FATHOM_ROOT, vec_f64(0, 0, 0), 0.6); }
 
-static void put_whole(extremes_case *c) {
+static void put_whole(judged_scene *c) {
     vec3_f64 corners[3 * BROKEN];
     for (unsigned i = 0; i < BROKEN; ++i) {
         for (unsigned k = 0; k < 3; ++k) corners[3 * i + k] = corner_at(i, 3 * k);
@@ -44,7 +44,7 @@ static void set_one(vec3_f32 *p, unsigned axis, float to) {
 }
 
 /* One coordinate of each triangle of the second mesh. */
-static void break_mesh(extremes_case *c, float to) {
+static void break_mesh(judged_scene *c, float to) {
     fathom_mesh *mesh = &c->world->meshes.items[1];
     float *positions = case_memory(c, mesh->vertex_count * 3 * sizeof *positions);
     if (!positions) return;
@@ -53,19 +53,19 @@ static void break_mesh(extremes_case *c, float to) {
     mesh->positions = positions;
 }
 
-static void nan_triangles(extremes_case *c) { break_mesh(c, NAN); }
-static void infinite_triangles(extremes_case *c) { break_mesh(c, -INFINITY); }
+static void nan_triangles(judged_scene *c) { break_mesh(c, NAN); }
+static void infinite_triangles(judged_scene *c) { break_mesh(c, -INFINITY); }
 
 /* Every other one. */
-static void break_quads(extremes_case *c, float to) {
+static void break_quads(judged_scene *c, float to) {
     for (uint32_t i = 0; i < c->world->quads.count; i += 2)
         set_one(&c->world->quads.items[i].corner[i / 2 % 4], i, to);
 }
 
-static void nan_quads(extremes_case *c) { break_quads(c, NAN); }
-static void infinite_quads(extremes_case *c) { break_quads(c, INFINITY); }
+static void nan_quads(judged_scene *c) { break_quads(c, NAN); }
+static void infinite_quads(judged_scene *c) { break_quads(c, INFINITY); }
 
-static void flat_quads(extremes_case *c) {
+static void flat_quads(judged_scene *c) {
     for (uint32_t i = 0; i < c->world->quads.count; i += 2) {
         vec3_f32 *corner = c->world->quads.items[i].corner;
         if (i % 4)
@@ -75,27 +75,27 @@ static void flat_quads(extremes_case *c) {
     }
 }
 
-static void break_radii(extremes_case *c, float to) {
+static void break_radii(judged_scene *c, float to) {
     for (uint32_t i = 0; i < c->world->spheres.count; i += 2) c->world->spheres.items[i].radius = to;
 }
 
-static void nan_radii(extremes_case *c) { break_radii(c, NAN); }
-static void infinite_radii(extremes_case *c) { break_radii(c, INFINITY); }
-static void no_radii(extremes_case *c) { break_radii(c, 0); }
-static void negative_radii(extremes_case *c) { break_radii(c, -0.3f); }
+static void nan_radii(judged_scene *c) { break_radii(c, NAN); }
+static void infinite_radii(judged_scene *c) { break_radii(c, INFINITY); }
+static void no_radii(judged_scene *c) { break_radii(c, 0); }
+static void negative_radii(judged_scene *c) { break_radii(c, -0.3f); }
 
-static void break_centers(extremes_case *c, float to) {
+static void break_centers(judged_scene *c, float to) {
     for (uint32_t i = 0; i < c->world->spheres.count; i += 2)
         set_one(&c->world->spheres.items[i].center, i / 2, to);
 }
 
-static void nan_centers(extremes_case *c) { break_centers(c, NAN); }
-static void infinite_centers(extremes_case *c) { break_centers(c, -INFINITY); }
+static void nan_centers(judged_scene *c) { break_centers(c, NAN); }
+static void infinite_centers(judged_scene *c) { break_centers(c, -INFINITY); }
 
 static const struct {
     const char *words;
-    void (*put)(extremes_case *c);
-    void (*patch)(extremes_case *c);
+    void (*put)(judged_scene *c);
+    void (*patch)(judged_scene *c);
 } kinds[] = {
     {"triangles with corners on a line", put_collinear, NULL},
     {"triangles that are a point", put_points, NULL},
@@ -114,7 +114,7 @@ static const struct {
     {"spheres with an infinite centre", NULL, infinite_centers},
 };
 
-void broken_make(extremes_case *c, double kind) {
+void broken_make(judged_scene *c, double kind) {
     size_t k = (size_t)kind - 1;
     case_say(c, "%s", kinds[k].words);
     case_ball(c, FATHOM_ROOT, vec_f64(0, 0, 0), 0.6);

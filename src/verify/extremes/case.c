@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-void *case_memory(extremes_case *c, size_t bytes) {
+void *case_memory(judged_scene *c, size_t bytes) {
     /* Embree reads vertices 16 bytes at a time. */
     void *memory = c->b.status == FATHOM_OK ? calloc(1, bytes + 16) : NULL;
     if (memory && array_push(&c->owned, memory)) return memory;
@@ -16,15 +16,15 @@ void *case_memory(extremes_case *c, size_t bytes) {
     return NULL;
 }
 
-void case_say(extremes_case *c, const char *format, ...) {
+void case_say(judged_scene *c, const char *format, ...) {
     va_list list;
     va_start(list, format);
     vsnprintf(c->words, sizeof c->words, format, list);
     va_end(list);
 }
 
-static fathom_status open_all(extremes_case *c) {
-    if (build_finish(&c->b) == FATHOM_OK) c->b.status = world_create(c->b.scene, &c->world);
+static fathom_status open_world(judged_scene *c) {
+    if (c->b.status == FATHOM_OK) c->b.status = world_create(c->b.scene, &c->world);
     if (c->b.status == FATHOM_OK && c->patch) {
         c->patch(c);
         c->b.status = world_survey(c->world);
@@ -35,16 +35,23 @@ static fathom_status open_all(extremes_case *c) {
     return c->b.status;
 }
 
-fathom_status case_open(fathom_context *context, void (*make)(extremes_case *c, double parameter),
-                        double parameter, extremes_case *out) {
+fathom_status case_open(fathom_context *context, void (*make)(judged_scene *c, double parameter),
+                        double parameter, judged_scene *out) {
     memset(out, 0, sizeof *out);
     out->families = CASE_FAMILIES;
     build_open(context, &out->b);
     if (out->b.status == FATHOM_OK) make(out, parameter);
-    return open_all(out);
+    build_finish(&out->b);
+    return open_world(out);
 }
 
-void case_close(extremes_case *c) {
+fathom_status judged_open(fathom_context *context, fathom_scene *scene, judged_scene *out) {
+    memset(out, 0, sizeof *out);
+    out->b = (builder){.context = context, .scene = scene};
+    return open_world(out);
+}
+
+void judged_close(judged_scene *c) {
     rays_destroy(c->source);
     search_destroy(c->search);
     world_destroy(c->world);
@@ -67,19 +74,19 @@ static vec3_f64 scattered_point(unsigned i, vec3_f64 at, double radius) {
                                case_scattered(i, 2, -radius, radius)));
 }
 
-void case_sphere(extremes_case *c, fathom_id group, vec3_f64 center, double radius) {
+void case_sphere(judged_scene *c, fathom_id group, vec3_f64 center, double radius) {
     c->b.group = group;
     build_sphere(&c->b, center, radius, 0);
 }
 
-void case_quad(extremes_case *c, fathom_id group, vec3_f64 center, vec3_f64 u, vec3_f64 v) {
+void case_quad(judged_scene *c, fathom_id group, vec3_f64 center, vec3_f64 u, vec3_f64 v) {
     c->b.group = group;
     build_quad(&c->b, center, u, v, 0);
 }
 
-void case_plane(extremes_case *c, vec3_f64 point, vec3_f64 normal) { build_plane(&c->b, point, normal, 0); }
+void case_plane(judged_scene *c, vec3_f64 point, vec3_f64 normal) { build_plane(&c->b, point, normal, 0); }
 
-void case_mesh(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f64 *positions,
+void case_mesh(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64 *positions,
                uint32_t vertices, const uint32_t *indices, uint32_t triangles) {
     float *floats = case_memory(c, vertices * 3 * sizeof *floats);
     if (!floats) return;
@@ -93,7 +100,7 @@ void case_mesh(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f6
     build_mesh(&c->b, mesh, 0);
 }
 
-void case_triangles(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f64 *corners,
+void case_triangles(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64 *corners,
                     uint32_t triangles) {
     uint32_t *indices = case_memory(c, triangles * 3 * sizeof *indices);
     if (!indices) return;
@@ -101,13 +108,13 @@ void case_triangles(extremes_case *c, fathom_id group, vec3_f64 origin, const ve
     case_mesh(c, group, origin, corners, 3 * triangles, indices, triangles);
 }
 
-void case_spheres(extremes_case *c, fathom_id group, vec3_f64 at, double radius) {
+void case_spheres(judged_scene *c, fathom_id group, vec3_f64 at, double radius) {
     for (unsigned i = 0; i < 12; ++i)
         case_sphere(c, group, scattered_point(i, at, radius),
                     radius * pow(10, case_scattered(i, 3, -2, -0.5)));
 }
 
-void case_quads(extremes_case *c, fathom_id group, vec3_f64 at, double radius) {
+void case_quads(judged_scene *c, fathom_id group, vec3_f64 at, double radius) {
     for (unsigned i = 0; i < 12; ++i) {
         double angle = case_scattered(i, 3, 0, 6.28), size = radius * pow(10, case_scattered(i, 4, -2, -0.3));
         vec3_f64 u = scale_f64(size, vec_f64(cos(angle), sin(angle), 0));
@@ -128,7 +135,7 @@ static uint32_t *add_triangle(uint32_t *at, uint32_t x, uint32_t y, uint32_t z) 
     return at + 3;
 }
 
-void case_ball_of(extremes_case *c, fathom_id group, vec3_f64 at, double radius, unsigned rings,
+void case_ball_of(judged_scene *c, fathom_id group, vec3_f64 at, double radius, unsigned rings,
                   unsigned around) {
     const uint32_t top = rings * around, bottom = top + 1, last = top - around;
     vec3_f64 *positions = case_memory(c, (bottom + 1) * sizeof *positions);
@@ -150,19 +157,19 @@ void case_ball_of(extremes_case *c, fathom_id group, vec3_f64 at, double radius,
     case_mesh(c, group, at, positions, bottom + 1, indices, (uint32_t)(next - indices) / 3);
 }
 
-void case_ball(extremes_case *c, fathom_id group, vec3_f64 at, double radius) {
+void case_ball(judged_scene *c, fathom_id group, vec3_f64 at, double radius) {
     case_ball_of(c, group, at, radius, 7, 12);
 }
 
 /* ---- placing ---- */
 
-fathom_id case_group(extremes_case *c) { return build_group(&c->b); }
+fathom_id case_group(judged_scene *c) { return build_group(&c->b); }
 
-void case_instance(extremes_case *c, fathom_id group, fathom_id parent, const affine_f64 *map) {
+void case_instance(judged_scene *c, fathom_id group, fathom_id parent, const affine_f64 *map) {
     build_place(&c->b, group, parent, (const double *)map);
 }
 
-void case_camera(extremes_case *c, vec3_f64 eye, vec3_f64 target) {
+void case_camera(judged_scene *c, vec3_f64 eye, vec3_f64 target) {
     const double from[3] = {eye.x, eye.y, eye.z}, to[3] = {target.x, target.y, target.z}, up[3] = {0, 1, 0};
     fathom_camera camera;
     fathom_camera_look_at(from, to, up, 0.7, &camera);

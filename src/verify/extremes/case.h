@@ -1,4 +1,4 @@
-/* A case while it is made and asked: what the files of the grid share. */
+/* A scene and what answers and judges rays in it; and how the cases of the grid are made. */
 #ifndef VERIFY_EXTREMES_CASE_H
 #define VERIFY_EXTREMES_CASE_H
 
@@ -7,19 +7,18 @@
 #include "verify/extremes/extremes.h"
 #include "verify/search/rays.h"
 
-typedef struct extremes_case extremes_case;
-struct extremes_case {
+struct judged_scene {
     builder b;
     world *world;
     search *search;
     rays_source *source;
-    char words[EXTREMES_WORDS];      /* to be set */
-    unsigned families;               /* of its rays, bit i: rays_family i; not used where `maker` is set */
-    rays_maker maker;                /* its own rays; `user` is the case */
-    unsigned thin;                   /* where a ray costs many times as much: one in so many; 0 counts as 1 */
-    double number[4];                /* for maker and patch */
-    void (*patch)(extremes_case *c); /* changes the world before anything looks at it */
-    ARRAY(void *) owned;             /* released with it */
+    char words[EXTREMES_WORDS];     /* of an extreme case: to be set */
+    unsigned families;              /* of its rays, bit i: rays_family i; not used where `maker` is set */
+    rays_maker maker;               /* its own rays; `user` is the case */
+    unsigned thin;                  /* where a ray costs many times as much: one in so many; 0 counts as 1 */
+    double number[4];               /* for maker and patch */
+    void (*patch)(judged_scene *c); /* changes the world before anything looks at it */
+    ARRAY(void *) owned;            /* released with it */
 };
 
 /* Where rays may be weak at any shape, but for those of the camera and of other lengths. */
@@ -27,70 +26,69 @@ struct extremes_case {
     (1u << RAYS_UNIFORM | 1u << RAYS_EDGE | 1u << RAYS_VERTEX | 1u << RAYS_GRAZING | 1u << RAYS_TANGENT |    \
      1u << RAYS_SURFACE | 1u << RAYS_FAR | 1u << RAYS_AXIS | 1u << RAYS_INTERVAL | 1u << RAYS_ENDS)
 
-/* Zeroed first. `make` adds shapes and says what rays there are. Release with case_close() whatever comes
+/* Zeroed first. `make` adds shapes and says what rays there are. Release with judged_close() whatever comes
  * back. */
-fathom_status case_open(fathom_context *context, void (*make)(extremes_case *c, double parameter),
-                        double parameter, extremes_case *out);
-void case_close(extremes_case *c);
+fathom_status case_open(fathom_context *context, void (*make)(judged_scene *c, double parameter),
+                        double parameter, judged_scene *out);
 /* Zeroed memory that lives as long as the case; NULL sets its status. */
-void *case_memory(extremes_case *c, size_t bytes);
-void case_say(extremes_case *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void *case_memory(judged_scene *c, size_t bytes);
+void case_say(judged_scene *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* ---- shapes: each call does nothing after a failure ---- */
 
-void case_sphere(extremes_case *c, fathom_id group, vec3_f64 center, double radius);
-void case_quad(extremes_case *c, fathom_id group, vec3_f64 center, vec3_f64 u, vec3_f64 v);
-void case_plane(extremes_case *c, vec3_f64 point, vec3_f64 normal);
+void case_sphere(judged_scene *c, fathom_id group, vec3_f64 center, double radius);
+void case_quad(judged_scene *c, fathom_id group, vec3_f64 center, vec3_f64 u, vec3_f64 v);
+void case_plane(judged_scene *c, vec3_f64 point, vec3_f64 normal);
 /* positions are copied. */
-void case_mesh(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f64 *positions,
+void case_mesh(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64 *positions,
                uint32_t vertices, const uint32_t *indices, uint32_t triangles);
 /* Triangle k has the corners 3 k, 3 k + 1, 3 k + 2. */
-void case_triangles(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f64 *corners,
+void case_triangles(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64 *corners,
                     uint32_t triangles);
 /* Scattered over a ball: sizes from a hundredth of the radius on. */
-void case_spheres(extremes_case *c, fathom_id group, vec3_f64 at, double radius);
-void case_quads(extremes_case *c, fathom_id group, vec3_f64 at, double radius);
+void case_spheres(judged_scene *c, fathom_id group, vec3_f64 at, double radius);
+void case_quads(judged_scene *c, fathom_id group, vec3_f64 at, double radius);
 /* A closed bumpy mesh whose coordinates are counted from `at`. */
-void case_ball(extremes_case *c, fathom_id group, vec3_f64 at, double radius);
-void case_ball_of(extremes_case *c, fathom_id group, vec3_f64 at, double radius, unsigned rings,
+void case_ball(judged_scene *c, fathom_id group, vec3_f64 at, double radius);
+void case_ball_of(judged_scene *c, fathom_id group, vec3_f64 at, double radius, unsigned rings,
                   unsigned around);
-fathom_id case_group(extremes_case *c);
-void case_instance(extremes_case *c, fathom_id group, fathom_id parent, const affine_f64 *map);
-void case_camera(extremes_case *c, vec3_f64 eye, vec3_f64 target);
+fathom_id case_group(judged_scene *c);
+void case_instance(judged_scene *c, fathom_id group, fathom_id parent, const affine_f64 *map);
+void case_camera(judged_scene *c, vec3_f64 eye, vec3_f64 target);
 /* Irregular numbers in [low, high), the same everywhere. */
 double case_scattered(unsigned i, unsigned k, double low, double high);
 
 /* ---- scenes.c, rays.c, broken.c: the groups ---- */
 
-void scale_spheres(extremes_case *c, double scale);
-void scale_quads(extremes_case *c, double scale);
-void scale_triangles(extremes_case *c, double scale);
-void offset_near(extremes_case *c, double offset);
-void offset_raw(extremes_case *c, double offset);
-void sliver_make(extremes_case *c, double aspect);
-void grazing_triangles(extremes_case *c, double angle);
-void grazing_quads(extremes_case *c, double angle);
-void grazing_spheres(extremes_case *c, double angle);
-void grazing_planes(extremes_case *c, double angle);
-void tangent_make(extremes_case *c, double off);
-void ratio_outside(extremes_case *c, double ratio);
-void ratio_inside(extremes_case *c, double ratio);
-void ratio_surface(extremes_case *c, double ratio);
-void planet_make(extremes_case *c, double size);
-void planet_outer(extremes_case *c, double size);
-void copies_triangles(extremes_case *c, double count);
-void copies_quads(extremes_case *c, double count);
-void copies_spheres(extremes_case *c, double count);
-void overlap_level(extremes_case *c, double count);
-void overlap_tilted(extremes_case *c, double count);
-void nested_back(extremes_case *c, double ratio);
-void nested_grow(extremes_case *c, double ratio);
-void nested_stretch(extremes_case *c, double ratio);
-void nested_mirror(extremes_case *c, double ratio);
-void beyond_spheres(extremes_case *c, double at);
-void beyond_quads(extremes_case *c, double at);
-void beyond_triangles(extremes_case *c, double at);
-void broken_make(extremes_case *c, double kind);
+void scale_spheres(judged_scene *c, double scale);
+void scale_quads(judged_scene *c, double scale);
+void scale_triangles(judged_scene *c, double scale);
+void offset_near(judged_scene *c, double offset);
+void offset_raw(judged_scene *c, double offset);
+void sliver_make(judged_scene *c, double aspect);
+void grazing_triangles(judged_scene *c, double angle);
+void grazing_quads(judged_scene *c, double angle);
+void grazing_spheres(judged_scene *c, double angle);
+void grazing_planes(judged_scene *c, double angle);
+void tangent_make(judged_scene *c, double off);
+void ratio_outside(judged_scene *c, double ratio);
+void ratio_inside(judged_scene *c, double ratio);
+void ratio_surface(judged_scene *c, double ratio);
+void planet_make(judged_scene *c, double size);
+void planet_outer(judged_scene *c, double size);
+void copies_triangles(judged_scene *c, double count);
+void copies_quads(judged_scene *c, double count);
+void copies_spheres(judged_scene *c, double count);
+void overlap_level(judged_scene *c, double count);
+void overlap_tilted(judged_scene *c, double count);
+void nested_back(judged_scene *c, double ratio);
+void nested_grow(judged_scene *c, double ratio);
+void nested_stretch(judged_scene *c, double ratio);
+void nested_mirror(judged_scene *c, double ratio);
+void beyond_spheres(judged_scene *c, double at);
+void beyond_quads(judged_scene *c, double at);
+void beyond_triangles(judged_scene *c, double at);
+void broken_make(judged_scene *c, double kind);
 
 /* Cases of the public calls: what was asked and what came back as it should, into the row's counts of AGREE
  * and WRONG. */

@@ -6,7 +6,7 @@
 
 typedef struct group {
     const char *name, *meaning;
-    void (*make)(extremes_case *c, double parameter);
+    void (*make)(judged_scene *c, double parameter);
     fathom_status (*check)(fathom_context *context, const char *tracer, double which, extremes_row *row);
     const double *values;
     unsigned count;
@@ -75,7 +75,7 @@ double extremes_parameter(unsigned g, unsigned index) { return groups[g].values[
 /* ---- cases of rays ---- */
 
 /* True when the tracer takes such scenes at all. */
-static bool suits(const extremes_case *c, const trace_spec *spec) {
+static bool suits(const judged_scene *c, const trace_spec *spec) {
     const world *w = c->world;
     return spec->kind != TRACE_PLUGIN ||
            !(w->spheres.count || w->quads.count || w->planes.count || w->instances.count);
@@ -108,7 +108,7 @@ static bool keep_failures(const compare_result *result, const extremes_options *
     return true;
 }
 
-static fathom_status compare_case(const extremes_case *c, const char *text, const trace_spec *spec,
+static fathom_status compare_case(const judged_scene *c, const char *text, const trace_spec *spec,
                                   trace_tracer *tracer, const extremes_options *o, extremes_row *row) {
     compare_subject subject = {c->world, c->search, c->source, tracer,
                                verdict_tracer_of(spec, trace_unit(tracer))};
@@ -136,7 +136,7 @@ static fathom_status push(fathom_context *context, extremes_rows *rows, const ex
     return array_push(rows, *row) ? FATHOM_OK : fail_memory(context, sizeof *row);
 }
 
-static fathom_status ask_tracer(const extremes_case *c, const extremes_options *o, const char *text,
+static fathom_status ask_tracer(const judged_scene *c, const extremes_options *o, const char *text,
                                 extremes_row *row, extremes_rows *rows) {
     trace_spec spec;
     fathom_status status = trace_spec_parse(c->b.context, text, &spec);
@@ -156,46 +156,28 @@ static fathom_status ask_tracer(const extremes_case *c, const extremes_options *
 
 static fathom_status run_case(fathom_context *context, const group *g, double parameter,
                               const extremes_options *o, extremes_rows *rows) {
-    extremes_case c;
+    judged_scene c;
     fathom_status status = case_open(context, g->make, parameter, &c);
     for (size_t i = 0; i < o->spec_count && status == FATHOM_OK; ++i) {
         extremes_row row = {.group = g->name, .parameter = parameter};
         memcpy(row.words, c.words, sizeof row.words);
         status = ask_tracer(&c, o, o->specs[i], &row, rows);
     }
-    case_close(&c);
+    judged_close(&c);
     return status;
 }
 
 /* ---- one case opened ---- */
 
-struct extremes_scene {
-    extremes_case c;
-};
-
-fathom_status extremes_open(fathom_context *context, const char *name, double parameter,
-                            extremes_scene **out) {
-    *out = NULL;
+fathom_status extremes_open(fathom_context *context, const char *name, double parameter, judged_scene *out) {
+    memset(out, 0, sizeof *out);
     for (unsigned g = 0; g < extremes_groups(); ++g) {
-        if (strcmp(groups[g].name, name) != 0 || !groups[g].make) continue;
-        extremes_scene *scene = calloc(1, sizeof *scene);
-        if (!scene) return fail_memory(context, sizeof *scene);
-        *out = scene;
-        return case_open(context, groups[g].make, parameter, &scene->c);
+        if (strcmp(groups[g].name, name) == 0 && groups[g].make)
+            return case_open(context, groups[g].make, parameter, out);
     }
     return fail(context, FATHOM_BAD_INPUT, "there is no group of extreme cases \"%.60s\" that asks rays",
                 name);
 }
-
-void extremes_close(extremes_scene *scene) {
-    if (!scene) return;
-    case_close(&scene->c);
-    free(scene);
-}
-
-world *extremes_world(const extremes_scene *scene) { return scene->c.world; }
-search *extremes_search(const extremes_scene *scene) { return scene->c.search; }
-rays_source *extremes_source(const extremes_scene *scene) { return scene->c.source; }
 
 /* ---- cases of the public calls ---- */
 

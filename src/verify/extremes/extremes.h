@@ -54,14 +54,14 @@ double extremes_parameter(unsigned group, unsigned index);
 fathom_status extremes_run(fathom_context *context, unsigned group, unsigned index,
                            const extremes_options *options, extremes_rows *rows);
 
+/* ---- one scene ---- */
+
+typedef struct judged_scene judged_scene; /* case.h */
+/* Takes a scene that is checked, in any case. Release with judged_close() whatever comes back. */
+fathom_status judged_open(fathom_context *context, fathom_scene *scene, judged_scene *out);
 /* The scene of a case of rays, by its group and number, to ask one ray again. FATHOM_BAD_INPUT when there is
- * no such group. Release with extremes_close() whatever comes back. */
-typedef struct extremes_scene extremes_scene;
-fathom_status extremes_open(fathom_context *context, const char *group, double parameter,
-                            extremes_scene **out);
-void extremes_close(extremes_scene *scene);
-world *extremes_world(const extremes_scene *scene);
-search *extremes_search(const extremes_scene *scene);
-rays_source *extremes_source(const extremes_scene *scene);
+ * no such group; release it likewise. */
+fathom_status extremes_open(fathom_context *context, const char *group, double parameter, judged_scene *out);
+void judged_close(judged_scene *scene);
 
 #endif

@@ -9,7 +9,7 @@ static const vec3_f64 middle = {0, 0, 0};
 #define STRIP 16u
 
 /* A strip of slivers that share their long sides, curved, and as many case_scattered alone. */
-void sliver_make(extremes_case *c, double aspect) {
+void sliver_make(judged_scene *c, double aspect) {
     case_say(c, "triangles %g times as long as wide, in a strip and alone", aspect);
     vec3_f64 strip[STRIP + 2], alone[3 * STRIP];
     uint32_t indices[3 * STRIP];
@@ -35,7 +35,7 @@ void sliver_make(extremes_case *c, double aspect) {
 
 /* At a fixed angle off the surface, towards it from either side. */
 static rays_draft grazing_ray(const void *user, rays_random *r, uint64_t index) {
-    const extremes_case *c = user;
+    const judged_scene *c = user;
     (void)index;
     rays_target target = rays_pick(c->source, r);
     double tilt = tan(c->number[0]) * (rays_unit(r) < 0.5 ? -1 : 1);
@@ -44,28 +44,28 @@ static rays_draft grazing_ray(const void *user, rays_random *r, uint64_t index) 
     return (rays_draft){madd_f64(target.point, -away, dir), dir, 0, (double)INFINITY};
 }
 
-static void graze(extremes_case *c, double angle, const char *what) {
+static void graze(judged_scene *c, double angle, const char *what) {
     case_say(c, "rays %g radians off %s", angle, what);
     c->number[0] = angle;
     c->maker = grazing_ray;
 }
 
-void grazing_triangles(extremes_case *c, double angle) {
+void grazing_triangles(judged_scene *c, double angle) {
     case_ball(c, FATHOM_ROOT, middle, 1);
     graze(c, angle, "the triangles of a closed mesh");
 }
 
-void grazing_quads(extremes_case *c, double angle) {
+void grazing_quads(judged_scene *c, double angle) {
     case_quads(c, FATHOM_ROOT, middle, 1);
     graze(c, angle, "quads");
 }
 
-void grazing_spheres(extremes_case *c, double angle) {
+void grazing_spheres(judged_scene *c, double angle) {
     case_spheres(c, FATHOM_ROOT, middle, 1);
     graze(c, angle, "spheres");
 }
 
-void grazing_planes(extremes_case *c, double angle) {
+void grazing_planes(judged_scene *c, double angle) {
     case_plane(c, vec_f64(0, -0.7, 0), vec_f64(0, 1, 0));
     case_plane(c, vec_f64(1.3, 0.2, 0.1), vec_f64(0.3, -0.2, 2));
     graze(c, angle, "planes");
@@ -75,7 +75,7 @@ void grazing_planes(extremes_case *c, double angle) {
 
 /* Past the rim by a fraction of the radius, or short of it. */
 static rays_draft tangent_ray(const void *user, rays_random *r, uint64_t index) {
-    const extremes_case *c = user;
+    const judged_scene *c = user;
     uint32_t sphere = (uint32_t)(rays_unit(r) * (double)c->world->spheres.count);
     vec3_f64 center = widen(c->world->spheres.items[sphere].center), n = rays_direction(r);
     double radius = (double)c->world->spheres.items[sphere].radius, off = c->number[0];
@@ -86,7 +86,7 @@ static rays_draft tangent_ray(const void *user, rays_random *r, uint64_t index) 
 
 /* Along an axis, all numbers whole multiples of the radius, a power of two: exactly on the rim in float. */
 static rays_draft touching_ray(const void *user, rays_random *r, uint64_t index) {
-    const extremes_case *c = user;
+    const judged_scene *c = user;
     uint32_t sphere = (uint32_t)(rays_unit(r) * (double)c->world->spheres.count);
     vec3_f64 center = widen(c->world->spheres.items[sphere].center);
     double radius = (double)c->world->spheres.items[sphere].radius, org[3], dir[3] = {0, 0, 0};
@@ -98,7 +98,7 @@ static rays_draft touching_ray(const void *user, rays_random *r, uint64_t index)
     return (rays_draft){load_f64(org), load_f64(dir), 0, (double)INFINITY};
 }
 
-void tangent_make(extremes_case *c, double off) {
+void tangent_make(judged_scene *c, double off) {
     c->number[0] = off;
     c->maker = off > 0 ? tangent_ray : touching_ray;
     if (off > 0) {
@@ -131,35 +131,35 @@ static double distance_past(rays_random *r, uint64_t index, double radius) {
 }
 
 static rays_draft outer_ray(const void *user, rays_random *r, uint64_t index) {
-    const extremes_case *c = user;
+    const judged_scene *c = user;
     vec3_f64 org = madd_f64(unit_center, 1 + c->number[0], rays_direction(r));
     return (rays_draft){org, aimed_past(r, org, unit_center, distance_past(r, index, 1)), 0,
                         (double)INFINITY};
 }
 
 /* A unit sphere; number[0]: the distance to its surface. */
-static void near_unit(extremes_case *c, const char *side, double ratio, rays_maker maker) {
+static void near_unit(judged_scene *c, const char *side, double ratio, rays_maker maker) {
     case_say(c, "a sphere from %s, its radius %g times the distance to its surface", side, ratio);
     case_sphere(c, FATHOM_ROOT, unit_center, 1);
     c->number[0] = 1 / ratio;
     c->maker = maker;
 }
 
-void ratio_outside(extremes_case *c, double ratio) { near_unit(c, "outside", ratio, outer_ray); }
+void ratio_outside(judged_scene *c, double ratio) { near_unit(c, "outside", ratio, outer_ray); }
 
 static rays_draft inner_ray(const void *user, rays_random *r, uint64_t index) {
-    const extremes_case *c = user;
+    const judged_scene *c = user;
     vec3_f64 n = rays_direction(r), org = madd_f64(unit_center, 1 - c->number[0], n);
     vec3_f64 dir =
         index % 2 ? rays_direction(r) : madd_f64(rays_perpendicular(r, n), rays_power(r, -7, 0), n);
     return (rays_draft){org, dir, 0, (double)INFINITY};
 }
 
-void ratio_inside(extremes_case *c, double ratio) { near_unit(c, "inside", ratio, inner_ray); }
+void ratio_inside(judged_scene *c, double ratio) { near_unit(c, "inside", ratio, inner_ray); }
 
 /* From the surface, as float rounds it, every other ray nearly along it. */
 static rays_draft surface_ray(const void *user, rays_random *r, uint64_t index) {
-    const extremes_case *c = user;
+    const judged_scene *c = user;
     const world_sphere *sphere = &c->world->spheres.items[0];
     vec3_f64 n = rays_direction(r), org = madd_f64(widen(sphere->center), (double)sphere->radius, n);
     double tilt = rays_power(r, -7, 0) * (rays_unit(r) < 0.5 ? -1 : 1);
@@ -168,11 +168,11 @@ static rays_draft surface_ray(const void *user, rays_random *r, uint64_t index) 
 }
 
 /* The world moves to a sphere only if that is small compared to its distance; this one does not move. */
-static void push_away(extremes_case *c) {
+static void push_away(judged_scene *c) {
     c->world->spheres.items[0].center = narrow(normalize_f64(unit_center));
 }
 
-void ratio_surface(extremes_case *c, double ratio) {
+void ratio_surface(judged_scene *c, double ratio) {
     case_say(c, "rays from the surface of a sphere, its radius %g times its distance from the origin", ratio);
     case_sphere(c, FATHOM_ROOT, vec_f64(0, 0, 0), ratio);
     c->patch = push_away;
@@ -185,7 +185,7 @@ static const double earth = 6.371e6;
 
 /* From around the part, at it, or past it at the ground. */
 static rays_draft part_ray(const void *user, rays_random *r, uint64_t index) {
-    const extremes_case *c = user;
+    const judged_scene *c = user;
     vec3_f64 at =
         sub_f64(load_f64((const double[3]){c->number[1], c->number[2], c->number[3]}), c->world->origin);
     vec3_f64 org = rays_in_ball(r, at, 10 * c->number[0]);
@@ -194,7 +194,7 @@ static rays_draft part_ray(const void *user, rays_random *r, uint64_t index) {
 }
 
 /* The part floats over the planet at twice its radius. */
-static void put_part(extremes_case *c, double size) {
+static void put_part(judged_scene *c, double size) {
     vec3_f64 up = vec_f64(0.48, 0.6, 0.64), at = scale_f64(earth + 2 * size, up);
     case_sphere(c, FATHOM_ROOT, vec_f64(0, 0, 0), earth);
     case_ball(c, FATHOM_ROOT, at, size);
@@ -203,14 +203,14 @@ static void put_part(extremes_case *c, double size) {
     c->number[0] = size, c->number[1] = at.x, c->number[2] = at.y, c->number[3] = at.z;
 }
 
-void planet_make(extremes_case *c, double size) {
+void planet_make(judged_scene *c, double size) {
     case_say(c, "a part of radius %g m over a planet of 6371 km, seen from close by", size);
     put_part(c, size);
     c->maker = part_ray;
 }
 
 /* All that families of rays do where one thing is ten orders larger than the other. */
-void planet_outer(extremes_case *c, double size) {
+void planet_outer(judged_scene *c, double size) {
     case_say(c, "the same part of %g m and planet by rays from anywhere", size);
     put_part(c, size);
     c->families |= 1u << RAYS_CAMERA;

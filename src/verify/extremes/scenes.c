@@ -6,22 +6,22 @@
 
 static const vec3_f64 middle = {0, 0, 0};
 
-void scale_spheres(extremes_case *c, double scale) {
+void scale_spheres(judged_scene *c, double scale) {
     case_say(c, "12 spheres in a ball of radius %g", scale);
     case_spheres(c, FATHOM_ROOT, middle, scale);
 }
 
-void scale_quads(extremes_case *c, double scale) {
+void scale_quads(judged_scene *c, double scale) {
     case_say(c, "12 quads in a ball of radius %g", scale);
     case_quads(c, FATHOM_ROOT, middle, scale);
 }
 
-void scale_triangles(extremes_case *c, double scale) {
+void scale_triangles(judged_scene *c, double scale) {
     case_say(c, "a closed mesh of 168 triangles, radius %g", scale);
     case_ball(c, FATHOM_ROOT, middle, scale);
 }
 
-static void put_mixture(extremes_case *c, vec3_f64 at) {
+static void put_mixture(judged_scene *c, vec3_f64 at) {
     case_spheres(c, FATHOM_ROOT, at, 1);
     case_quads(c, FATHOM_ROOT, at, 1);
     case_ball(c, FATHOM_ROOT, at, 0.6);
@@ -29,7 +29,7 @@ static void put_mixture(extremes_case *c, vec3_f64 at) {
 
 static vec3_f64 place_at(double offset) { return scale_f64(offset, vec_f64(0.48, -0.6, 0.64)); }
 
-void offset_near(extremes_case *c, double offset) {
+void offset_near(judged_scene *c, double offset) {
     case_say(c, "all shapes, 1 in size, %g from the origin, the camera next to them", offset);
     vec3_f64 at = place_at(offset);
     put_mixture(c, at);
@@ -41,7 +41,7 @@ void offset_near(extremes_case *c, double offset) {
 
 static vec3_f32 moved(vec3_f32 p, vec3_f64 by) { return narrow(add_f64(widen(p), by)); }
 
-static void move_mesh(extremes_case *c, fathom_mesh *mesh, vec3_f64 by) {
+static void move_mesh(judged_scene *c, fathom_mesh *mesh, vec3_f64 by) {
     float *positions = case_memory(c, mesh->vertex_count * 3 * sizeof *positions);
     if (!positions) return;
     for (uint32_t i = 0; i < mesh->vertex_count; ++i)
@@ -49,7 +49,7 @@ static void move_mesh(extremes_case *c, fathom_mesh *mesh, vec3_f64 by) {
     mesh->positions = positions;
 }
 
-static void move_world(extremes_case *c) {
+static void move_world(judged_scene *c) {
     world *w = c->world;
     vec3_f64 by = place_at(c->number[0]);
     for (size_t i = 0; i < w->spheres.count; ++i)
@@ -62,7 +62,7 @@ static void move_world(extremes_case *c) {
         move_mesh(c, &w->meshes.items[i], by);
 }
 
-void offset_raw(extremes_case *c, double offset) {
+void offset_raw(judged_scene *c, double offset) {
     case_say(c, "all shapes, 1 in size, %g from the origin in float, not moved", offset);
     put_mixture(c, middle);
     c->number[0] = offset;
@@ -72,9 +72,9 @@ void offset_raw(extremes_case *c, double offset) {
 /* ---- surfaces in one place: which of them answers is a tie ---- */
 
 /* The oracle looks at every copy. */
-static void thin_out(extremes_case *c, double copies) { c->thin = (unsigned)fmax(1, copies / 500); }
+static void thin_out(judged_scene *c, double copies) { c->thin = (unsigned)fmax(1, copies / 500); }
 
-void copies_triangles(extremes_case *c, double count) {
+void copies_triangles(judged_scene *c, double count) {
     uint32_t n = (uint32_t)count;
     thin_out(c, count);
     case_say(c, "one triangle %u times", n);
@@ -87,14 +87,14 @@ void copies_triangles(extremes_case *c, double count) {
     if (corners) case_triangles(c, FATHOM_ROOT, middle, corners, n);
 }
 
-void copies_quads(extremes_case *c, double count) {
+void copies_quads(judged_scene *c, double count) {
     case_say(c, "one quad %g times", count);
     thin_out(c, count);
     for (double i = 0; i < count; ++i)
         case_quad(c, FATHOM_ROOT, vec_f64(0.1, 0.2, -0.1), vec_f64(0.9, 0.1, 0.2), vec_f64(-0.2, 1, 0.3));
 }
 
-void copies_spheres(extremes_case *c, double count) {
+void copies_spheres(judged_scene *c, double count) {
     case_say(c, "one sphere %g times", count);
     thin_out(c, count);
     for (double i = 0; i < count; ++i) case_sphere(c, FATHOM_ROOT, vec_f64(0.1, 0.2, -0.1), 0.7);
@@ -104,7 +104,7 @@ void copies_spheres(extremes_case *c, double count) {
 
 /* Triangles and quads in one plane, their corners anywhere: no side lies along another's, where surfaces that
  * share no corners would leave a seam. */
-static void put_layer(extremes_case *c, double count, vec3_f64 x, vec3_f64 y) {
+static void put_layer(judged_scene *c, double count, vec3_f64 x, vec3_f64 y) {
     uint32_t n = (uint32_t)count;
     thin_out(c, 10 * count);
     vec3_f64 *corners = case_memory(c, n * 3 * sizeof *corners);
@@ -120,19 +120,19 @@ static void put_layer(extremes_case *c, double count, vec3_f64 x, vec3_f64 y) {
     }
 }
 
-void overlap_level(extremes_case *c, double count) {
+void overlap_level(judged_scene *c, double count) {
     case_say(c, "%g triangles and as many quads over each other in the plane z = 0", count);
     put_layer(c, count, vec_f64(1, 0, 0), vec_f64(0, 1, 0));
 }
 
-void overlap_tilted(extremes_case *c, double count) {
+void overlap_tilted(judged_scene *c, double count) {
     case_say(c, "%g triangles and as many quads over each other in a tilted plane, as float has it", count);
     put_layer(c, count, vec_f64(0.8, 0.13, 0.57), vec_f64(-0.3, 0.9, 0.31));
 }
 
 /* ---- groups in groups, scaled up and down, stretched and mirrored ---- */
 
-static fathom_id put_things(extremes_case *c, double size) {
+static fathom_id put_things(judged_scene *c, double size) {
     fathom_id group = case_group(c);
     case_ball(c, group, vec_f64(0, 0, 0), 0.6 * size);
     case_spheres(c, group, vec_f64(0, 0, 0), size);
@@ -150,7 +150,7 @@ static affine_f64 placing(vec3_f64 scale, double angle, vec3_f64 shift) {
 }
 
 /* Two placements of `inner`, one of `middle` within each of two of `outer`. */
-static void nest(extremes_case *c, fathom_id things, const affine_f64 *inner, const affine_f64 *outer) {
+static void nest(judged_scene *c, fathom_id things, const affine_f64 *inner, const affine_f64 *outer) {
     fathom_id group = case_group(c);
     case_instance(c, things, group, inner);
     affine_f64 aside = affine_translation(vec_f64(2.5, 0.3, 0));
@@ -159,7 +159,7 @@ static void nest(extremes_case *c, fathom_id things, const affine_f64 *inner, co
     case_instance(c, group, FATHOM_ROOT, &second);
 }
 
-void nested_back(extremes_case *c, double ratio) {
+void nested_back(judged_scene *c, double ratio) {
     case_say(c, "groups scaled by %g within groups scaled back", ratio);
     fathom_id things = put_things(c, 1);
     affine_f64 inner = placing(vec_f64(ratio, ratio, ratio), 0.7, vec_f64(ratio, 0, 0));
@@ -168,7 +168,7 @@ void nested_back(extremes_case *c, double ratio) {
     nest(c, things, &inner, &outer);
 }
 
-void nested_grow(extremes_case *c, double ratio) {
+void nested_grow(judged_scene *c, double ratio) {
     case_say(c, "groups scaled by %g in two steps, contents as much smaller", ratio);
     fathom_id things = put_things(c, 1 / ratio);
     double step = sqrt(ratio), size = 1 / step;
@@ -177,7 +177,7 @@ void nested_grow(extremes_case *c, double ratio) {
     nest(c, things, &inner, &outer);
 }
 
-void nested_stretch(extremes_case *c, double ratio) {
+void nested_stretch(judged_scene *c, double ratio) {
     case_say(c, "groups stretched by %g along one axis between two turns", ratio);
     c->thin = ratio < 1e-5 || ratio > 1e5 ? 4 : 1; /* so flat that few primitives can be told apart */
     fathom_id things = put_things(c, 1);
@@ -186,7 +186,7 @@ void nested_stretch(extremes_case *c, double ratio) {
     nest(c, things, &inner, &outer);
 }
 
-void nested_mirror(extremes_case *c, double ratio) {
+void nested_mirror(judged_scene *c, double ratio) {
     case_say(c, "groups mirrored along x and scaled by %g within groups mirrored along z, scaled back",
              ratio);
     fathom_id things = put_things(c, 1);
@@ -199,7 +199,7 @@ void nested_mirror(extremes_case *c, double ratio) {
 /* ---- shapes at the end of float's range and past it, next to good ones ----
  * Embree leaves out what has a coordinate beyond 1.8e18; the world counts that. */
 
-static void put_far_triangles(extremes_case *c, double at) {
+static void put_far_triangles(judged_scene *c, double at) {
     vec3_f64 corners[24];
     for (unsigned i = 0; i < 24; ++i) {
         corners[i] =
@@ -209,14 +209,14 @@ static void put_far_triangles(extremes_case *c, double at) {
     case_triangles(c, FATHOM_ROOT, middle, corners, 8);
 }
 
-void beyond_triangles(extremes_case *c, double at) {
+void beyond_triangles(judged_scene *c, double at) {
     case_say(c, "among good triangles: some with a corner %g away", at);
     c->thin = 8; /* such exponents take the oracle's whole numbers long */
     case_ball(c, FATHOM_ROOT, middle, 0.3);
     put_far_triangles(c, at);
 }
 
-void beyond_quads(extremes_case *c, double at) {
+void beyond_quads(judged_scene *c, double at) {
     case_say(c, "among good quads: some with sides of %g", at);
     c->thin = 4;
     case_quads(c, FATHOM_ROOT, middle, 1);
@@ -228,7 +228,7 @@ void beyond_quads(extremes_case *c, double at) {
     }
 }
 
-void beyond_spheres(extremes_case *c, double at) {
+void beyond_spheres(judged_scene *c, double at) {
     case_say(c, "among good spheres: one of radius %g around all, and one as far away", at);
     case_spheres(c, FATHOM_ROOT, middle, 1);
     case_sphere(c, FATHOM_ROOT, middle, at);
