@@ -11,10 +11,6 @@ static const fathom_mesh *mesh_of(const world *w, uint32_t geometry) {
     return world_mesh(w, geometry);
 }
 
-static const float *entry(const float *base, size_t stride, uint32_t i) {
-    return (const float *)(const void *)((const char *)base + stride * i);
-}
-
 /* Texture coordinates of a triangle's corners. */
 static void corner_uvs(const fathom_mesh *m, uint32_t triangle, unsigned set, float uv[3][2]) {
     static const float barycentric[3][2] = {{0, 0}, {1, 0}, {0, 1}};
@@ -23,7 +19,7 @@ static void corner_uvs(const fathom_mesh *m, uint32_t triangle, unsigned set, fl
     const size_t stride = set ? m->uv_1_stride : m->uv_stride;
     memcpy(uv, barycentric, sizeof barycentric);
     for (int k = 0; values && k < 3; ++k)
-        memcpy(uv[k], entry(values, stride, indices[3 * (size_t)triangle + (size_t)k]), 2 * sizeof(float));
+        memcpy(uv[k], mesh_row(values, stride, indices[3 * (size_t)triangle + (size_t)k]), 2 * sizeof(float));
 }
 
 /* Of the half (0,1,3) of a quad's corners, and of the half (2,3,1). */
@@ -51,7 +47,7 @@ bool surface_color_of(const world *w, uint32_t geometry, uint32_t primitive, con
     if (!m || !m->colors) return false;
     for (unsigned c = 0; c < m->color_channels; ++c) rgba[c] = 0;
     for (size_t k = 0; k < 3; ++k) {
-        const float *at = entry(m->colors, m->color_stride, m->indices[3 * (size_t)primitive + k]);
+        const float *at = mesh_row(m->colors, m->color_stride, m->indices[3 * (size_t)primitive + k]);
         for (unsigned c = 0; c < m->color_channels; ++c) rgba[c] += weight[k] * at[c];
     }
     return true;
@@ -161,8 +157,8 @@ bool surface_tangent_at(const surface_gather *g, const world *w, unsigned i, vec
     float turn = 0;
     for (int k = 0; k < 3; ++k) {
         const float weight = g->local.weight[k][i],
-                    *at = entry(m->tangents, m->tangent_stride,
-                                m->indices[3 * (size_t)g->primitive[i] + (size_t)k]);
+                    *at = mesh_row(m->tangents, m->tangent_stride,
+                                   m->indices[3 * (size_t)g->primitive[i] + (size_t)k]);
         sum = madd_f32(sum, weight, load_f32(at));
         turn += weight * at[3];
     }

@@ -154,10 +154,6 @@ static void clear_lanes(surface_gather *g) {
     memset(g->local.smooth, 0, sizeof g->local.smooth);
 }
 
-static const float *vector_at(const float *base, size_t stride, uint32_t i) {
-    return (const float *)(const void *)((const char *)base + stride * i);
-}
-
 /* A triangle's corners and normals are only fetched here; facets() computes. */
 static void add_moving_facet(surface_gather *g, unsigned i, const world *w, const world_geometry *geometry) {
     const bool normals = w->meshes.items[geometry->first].normals != NULL;
@@ -176,15 +172,13 @@ static void add_moving_facet(surface_gather *g, unsigned i, const world *w, cons
 
 static void add_facet(surface_gather *g, unsigned i, const fathom_mesh *mesh, uint32_t triangle) {
     const uint32_t *index = mesh->indices + 3 * (size_t)triangle;
-    for (int k = 0; k < 3; ++k)
-        put_f32(g->facets.corner[k], i,
-                load_f32(vector_at(mesh->positions, mesh->position_stride, index[k])));
+    for (int k = 0; k < 3; ++k) put_f32(g->facets.corner[k], i, load_f32(mesh_vertex(mesh, index[k])));
     g->facets.facet[i] = ~0u;
     g->faceted = true;
     if (!mesh->normals) return;
     index = (mesh->normal_indices ? mesh->normal_indices : mesh->indices) + 3 * (size_t)triangle;
     for (int k = 0; k < 3; ++k)
-        put_f32(g->facets.normal[k], i, load_f32(vector_at(mesh->normals, mesh->normal_stride, index[k])));
+        put_f32(g->facets.normal[k], i, load_f32(mesh_row(mesh->normals, mesh->normal_stride, index[k])));
     g->facets.has_normals[i] = ~0u;
     g->facets.smooth = true;
 }

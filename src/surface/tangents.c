@@ -12,10 +12,6 @@ struct surface_tangents {
 
 #define MOST_CORNERS ((size_t)1 << 24)
 
-static const float *entry(const float *base, size_t stride, uint32_t i) {
-    return (const float *)(const void *)((const char *)base + stride * i);
-}
-
 static const uint32_t *uv_indices(const fathom_mesh *m, unsigned set) {
     return set == 0 && m->uv_indices ? m->uv_indices : m->indices;
 }
@@ -84,8 +80,8 @@ static bool way_of_u(const fathom_mesh *m, unsigned set, uint32_t triangle, vec3
     vec3_f32 at[3];
     const float *to[3];
     for (int k = 0; k < 3; ++k) {
-        at[k] = load_f32(entry(m->positions, m->position_stride, p[k]));
-        to[k] = set ? entry(m->uvs_1, m->uv_1_stride, uv[k]) : entry(m->uvs, m->uv_stride, uv[k]);
+        at[k] = load_f32(mesh_vertex(m, p[k]));
+        to[k] = set ? mesh_row(m->uvs_1, m->uv_1_stride, uv[k]) : mesh_row(m->uvs, m->uv_stride, uv[k]);
     }
     const float bu = to[1][0] - to[0][0], bv = to[1][1] - to[0][1];
     const float cu = to[2][0] - to[0][0], cv = to[2][1] - to[0][1], area = bu * cv - cu * bv;
@@ -97,9 +93,9 @@ static bool way_of_u(const fathom_mesh *m, unsigned set, uint32_t triangle, vec3
 
 /* Of the triangle at corner k, seen along the normal. */
 static float angle_at(const fathom_mesh *m, const uint32_t *p, int k, vec3_f32 n) {
-    const vec3_f32 at = load_f32(entry(m->positions, m->position_stride, p[k]));
-    vec3_f32 a = across(n, sub_f32(load_f32(entry(m->positions, m->position_stride, p[(k + 1) % 3])), at));
-    vec3_f32 b = across(n, sub_f32(load_f32(entry(m->positions, m->position_stride, p[(k + 2) % 3])), at));
+    const vec3_f32 at = load_f32(mesh_vertex(m, p[k]));
+    vec3_f32 a = across(n, sub_f32(load_f32(mesh_vertex(m, p[(k + 1) % 3])), at));
+    vec3_f32 b = across(n, sub_f32(load_f32(mesh_vertex(m, p[(k + 2) % 3])), at));
     if (!make_unit(&a) || !make_unit(&b)) return 0;
     const float cosine = dot_f32(a, b);
     return acosf(cosine > 1 ? 1 : cosine < -1 ? -1 : cosine);
@@ -115,7 +111,7 @@ static void add_triangle(const fathom_mesh *m, uint32_t triangle, surface_tangen
     if (!way_of_u(m, t->set, triangle, &way, &left)) return;
     for (int k = 0; k < 3; ++k) {
         const size_t corner = 3 * (size_t)triangle + (size_t)k;
-        vec3_f32 n = load_f32(entry(m->normals, m->normal_stride, normal_indices(m)[corner]));
+        vec3_f32 n = load_f32(mesh_row(m->normals, m->normal_stride, normal_indices(m)[corner]));
         if (!make_unit(&n)) continue;
         vec3_f32 along = across(n, way);
         if (!make_unit(&along)) continue;

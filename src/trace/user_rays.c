@@ -91,11 +91,6 @@ static local_hit plane_hit(const world_plane *plane, vec3_f64 org, vec3_f64 dir,
                        .v = dot_f64(q, widen(plane->v))};
 }
 
-/* Item i of an array whose items lie `stride` bytes apart. */
-static const float *item(const float *first, size_t stride, uint32_t i) {
-    return (const float *)(const void *)((const char *)first + stride * i);
-}
-
 static void mesh_attributes(const fathom_mesh *mesh, uint32_t triangle, local_hit *hit) {
     size_t first = 3 * (size_t)triangle;
     double u = hit->u, v = hit->v;
@@ -103,14 +98,14 @@ static void mesh_attributes(const fathom_mesh *mesh, uint32_t triangle, local_hi
         const uint32_t *index = (mesh->normal_indices ? mesh->normal_indices : mesh->indices) + first;
         vec3_f64 n[3];
         for (int c = 0; c < 3; ++c)
-            n[c] = widen(load_f32(item(mesh->normals, mesh->normal_stride, index[c])));
+            n[c] = widen(load_f32(mesh_row(mesh->normals, mesh->normal_stride, index[c])));
         vec3_f64 shading = weighted(n, u, v);
         if (finite_f64(shading) && dot_f64(shading, shading) > 0) hit->shading = shading;
     }
     if (mesh->uvs) {
         const uint32_t *index = (mesh->uv_indices ? mesh->uv_indices : mesh->indices) + first;
         const float *uv[3];
-        for (int c = 0; c < 3; ++c) uv[c] = item(mesh->uvs, mesh->uv_stride, index[c]);
+        for (int c = 0; c < 3; ++c) uv[c] = mesh_row(mesh->uvs, mesh->uv_stride, index[c]);
         hit->u = (1 - u - v) * (double)uv[0][0] + u * (double)uv[1][0] + v * (double)uv[2][0];
         hit->v = (1 - u - v) * (double)uv[0][1] + u * (double)uv[1][1] + v * (double)uv[2][1];
     }

@@ -162,12 +162,6 @@ static fathom_status run_tracer(fathom_context *context, work *k, const judged_s
     return status;
 }
 
-static unsigned family_count(unsigned families) {
-    unsigned count = 0;
-    for (; families; families &= families - 1) ++count;
-    return count;
-}
-
 static fathom_status run_scene(fathom_context *context, work *k, const char *scene) {
     const args_list *tracers = &k->settings->tracers;
     judged_scene stage;
@@ -175,7 +169,7 @@ static fathom_status run_scene(fathom_context *context, work *k, const char *sce
     k->sampled = false;
     for (size_t i = 0; i < tracers->count && status == FATHOM_OK; ++i) {
         status = run_tracer(context, k, &stage, scene, tracers->items[i]);
-        k->before += k->settings->rays * family_count(k->settings->families);
+        k->before += k->settings->rays * (unsigned)__builtin_popcount(k->settings->families);
     }
     judged_close(&stage);
     return status;
@@ -187,7 +181,8 @@ fathom_status validate_run_all(fathom_context *context, const validate_settings 
     while (builtin_name(scenes)) ++scenes;
     if (settings->scene) scenes = 1;
     work k = {.settings = settings, .results = results, .scenes = scenes};
-    k.total = scenes * settings->tracers.count * family_count(settings->families) * settings->rays;
+    k.total =
+        scenes * settings->tracers.count * (unsigned)__builtin_popcount(settings->families) * settings->rays;
     results->start = clock_seconds();
     fathom_status status = FATHOM_OK;
     for (unsigned i = 0; i < scenes && status == FATHOM_OK; ++i)

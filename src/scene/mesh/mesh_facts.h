@@ -32,9 +32,14 @@ fathom_status mesh_check_indices(fathom_context *context, const char *what, cons
 fathom_status mesh_look_at_triangles(fathom_context *context, const char *what, const fathom_mesh *mesh,
                                      mesh_facts *facts);
 
+/* Row i of numbers that lie `stride` bytes apart, as a mesh's attributes do. */
+static inline const float *mesh_row(const float *first, size_t stride, size_t i) {
+    return (const float *)(const void *)((const char *)first + stride * i);
+}
+
 /* The position of a vertex; the mesh's strides are set, as they are in scenes and worlds. */
 static inline const float *mesh_vertex(const fathom_mesh *mesh, size_t i) {
-    return (const float *)(const void *)((const char *)mesh->positions + i * mesh->position_stride);
+    return mesh_row(mesh->positions, mesh->position_stride, i);
 }
 
 #endif

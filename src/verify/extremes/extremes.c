@@ -81,12 +81,6 @@ static bool suits(const judged_scene *c, const trace_spec *spec) {
            !(w->spheres.count || w->quads.count || w->planes.count || w->instances.count);
 }
 
-static unsigned bits(unsigned set) {
-    unsigned count = 0;
-    for (; set; set &= set - 1) ++count;
-    return count;
-}
-
 static void sum_up(const compare_result *result, extremes_row *row) {
     for (int f = 0; f < RAYS_FAMILIES; ++f) {
         const compare_family *family = &result->families[f];
@@ -112,7 +106,8 @@ static fathom_status compare_case(const judged_scene *c, const char *text, const
                                   trace_tracer *tracer, const extremes_options *o, extremes_row *row) {
     compare_subject subject = {c->world, c->search, c->source, tracer,
                                verdict_tracer_of(spec, trace_unit(tracer))};
-    unsigned families = c->maker ? 1u : c->families, share = bits(families) * (c->thin ? c->thin : 1);
+    unsigned families = c->maker ? 1u : c->families,
+             share = (unsigned)__builtin_popcount(families) * (c->thin ? c->thin : 1);
     compare_options options = {.families = families,
                                .rays = (o->rays + share - 1) / share,
                                .seed = o->seed,
