@@ -4,8 +4,6 @@
 #include "trace/embree/embree_limits.h"
 
 #include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #if defined(__SSE2__)
 #include <xmmintrin.h>
 #endif
@@ -379,8 +377,7 @@ static void intervals_are_open(void **state) {
 static void no_hit_lies_outside_its_interval(void **state) {
     (void)state;
     static const char *const specs[] = {
-        "embree",         "embree:raw", "embree:default", "embree:default:1", "embree:default:raw",
-        "embree:compact",
+        "embree", "embree:raw", "embree:default", "embree:default:1", "embree:default:raw", "embree:compact",
     };
     stage s;
     stage_open(&s);
@@ -467,48 +464,8 @@ static void boxes_hide_no_sphere(void **state) {
     stage_close(&s);
 }
 
-/* Debian 12's Embree has kernels for coherent shadow rays that may never return. In a child process with a
- * time limit: 40,000 triangles, and meshes, spheres and quads behind instances, at every width. */
-static void trace_all(void (*fill)(stage *)) {
-    stage s;
-    stage_open(&s);
-    fill(&s);
-    for (size_t i = 0; i < 4; ++i) {
-        for (trace_quality quality = TRACE_QUALITY_LOW; quality <= TRACE_QUALITY_HIGH; ++quality) {
-            trace_tracer *tracer = stage_trace(&s, "embree", widths[i], quality, 2);
-            ray_set set = random_rays(4000);
-            free(occluded(tracer, &set, TRACE_COHERENT));
-            free(traced(tracer, &set, TRACE_COHERENT).blocks);
-            free(set.blocks);
-            trace_destroy(tracer);
-        }
-    }
-    stage_close(&s);
-}
-
-static void fill_ball(stage *s) { add_ball(s, FATHOM_ROOT, 101, 0.05, 1, 0, 0); }
-
-static void no_call_hangs(void **state) {
-    (void)state;
-    void (*const scenes[])(stage *) = {fill_ball, add_everything};
-    for (size_t i = 0; i < 2; ++i) {
-        fflush(NULL);
-        pid_t child = fork();
-        assert_true(child >= 0);
-        if (child == 0) {
-            alarm(60);
-            trace_all(scenes[i]);
-            _exit(0);
-        }
-        int status = -1;
-        assert_int_equal(waitpid(child, &status, 0), child);
-        assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
-    }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_call_hangs), /* first: a child wants no threads in its parent */
         cmocka_unit_test(quality_follows_the_rays),
         cmocka_unit_test(shadows_pass_what_casts_none),
         cmocka_unit_test(nothing_to_hit),

@@ -359,6 +359,14 @@ static void add_halves(stage *s) {
     stage_close(&parts);
 }
 
+/* From inside all three shells, from within each of them, and from outside. */
+#define SHELLS                                                                                               \
+    {                                                                                                        \
+        {{0, 0, 0}, 0.5, 3}, {{0, 0, 0}, 0, 3}, {{0, 1.5, 0}, 0.3, 2}, {{0, 0, 2.5}, 0.3, 1}, {              \
+            {0, 6, 0}, 1, 0                                                                                  \
+        }                                                                                                    \
+    }
+
 static void repair_does_not_depend_on_the_rest_of_the_scene(void **state) {
     (void)state;
     static const struct {
@@ -369,34 +377,10 @@ static void repair_does_not_depend_on_the_rest_of_the_scene(void **state) {
         {add_ball_and_sphere, {{{0, 0, 0}, 0.5, 1}, {{0, 5, 0}, 1, 0}}, 2},
         {add_ball_and_walls, {{{0, 0, 0}, 0.5, 1}, {{0, 5, 0}, 1, 0}}, 2},
         {add_balls_aside, {{{0, 0, 0}, 0.5, 1}, {{2.5, 0, 0}, 0.5, 1}, {{1.25, 0, 0}, 0.1, 0}}, 3},
-        {add_shells,
-         {{{0, 0, 0}, 0.5, 3},
-          {{0, 0, 0}, 0, 3},
-          {{0, 1.5, 0}, 0.3, 2},
-          {{0, 0, 2.5}, 0.3, 1},
-          {{0, 6, 0}, 1, 0}},
-         5},
-        {add_shells_in_one,
-         {{{0, 0, 0}, 0.5, 3},
-          {{0, 0, 0}, 0, 3},
-          {{0, 1.5, 0}, 0.3, 2},
-          {{0, 0, 2.5}, 0.3, 1},
-          {{0, 6, 0}, 1, 0}},
-         5},
-        {add_shells_in_one_turned,
-         {{{0, 0, 0}, 0.5, 3},
-          {{0, 0, 0}, 0, 3},
-          {{0, 1.5, 0}, 0.3, 2},
-          {{0, 0, 2.5}, 0.3, 1},
-          {{0, 6, 0}, 1, 0}},
-         5},
-        {add_shells_in_one_split,
-         {{{0, 0, 0}, 0.5, 3},
-          {{0, 0, 0}, 0, 3},
-          {{0, 1.5, 0}, 0.3, 2},
-          {{0, 0, 2.5}, 0.3, 1},
-          {{0, 6, 0}, 1, 0}},
-         5},
+        {add_shells, SHELLS, 5},
+        {add_shells_in_one, SHELLS, 5},
+        {add_shells_in_one_turned, SHELLS, 5},
+        {add_shells_in_one_split, SHELLS, 5},
         {add_placed, {{{0, 0, 0}, 0.3, 3}, {{0, 2, 0}, 0.3, 2}, {{4.5, 0, 0}, 0.1, 2}, {{0, 9, 0}, 1, 0}}, 4},
         {add_placed_shells, {{{0, 0, 0}, 0.3, 3}, {{0, 1.5, 0}, 0.1, 2}, {{0, 8, 0}, 1, 0}}, 3},
         {add_halves, {{{0, 0, 0}, 0.5, 1}, {{0, 5, 0}, 1, 0}}, 2},
