@@ -44,7 +44,8 @@ static void set_one(vec3_f32 *p, unsigned axis, float to) {
 }
 
 /* One coordinate of each triangle of the second mesh. */
-static void break_mesh(judged_scene *c, float to) {
+static void break_mesh(judged_scene *c) {
+    const float to = (float)c->number[0];
     fathom_mesh *mesh = &c->world->meshes.items[1];
     float *positions = case_memory(c, mesh->vertex_count * 3 * sizeof *positions);
     if (!positions) return;
@@ -53,17 +54,12 @@ static void break_mesh(judged_scene *c, float to) {
     mesh->positions = positions;
 }
 
-static void nan_triangles(judged_scene *c) { break_mesh(c, NAN); }
-static void infinite_triangles(judged_scene *c) { break_mesh(c, -INFINITY); }
-
 /* Every other one. */
-static void break_quads(judged_scene *c, float to) {
+static void break_quads(judged_scene *c) {
+    const float to = (float)c->number[0];
     for (uint32_t i = 0; i < c->world->quads.count; i += 2)
         set_one(&c->world->quads.items[i].corner[i / 2 % 4], i, to);
 }
-
-static void nan_quads(judged_scene *c) { break_quads(c, NAN); }
-static void infinite_quads(judged_scene *c) { break_quads(c, INFINITY); }
 
 static void flat_quads(judged_scene *c) {
     for (uint32_t i = 0; i < c->world->quads.count; i += 2) {
@@ -75,43 +71,38 @@ static void flat_quads(judged_scene *c) {
     }
 }
 
-static void break_radii(judged_scene *c, float to) {
+static void break_radii(judged_scene *c) {
+    const float to = (float)c->number[0];
     for (uint32_t i = 0; i < c->world->spheres.count; i += 2) c->world->spheres.items[i].radius = to;
 }
 
-static void nan_radii(judged_scene *c) { break_radii(c, NAN); }
-static void infinite_radii(judged_scene *c) { break_radii(c, INFINITY); }
-static void no_radii(judged_scene *c) { break_radii(c, 0); }
-static void negative_radii(judged_scene *c) { break_radii(c, -0.3f); }
-
-static void break_centers(judged_scene *c, float to) {
+static void break_centers(judged_scene *c) {
+    const float to = (float)c->number[0];
     for (uint32_t i = 0; i < c->world->spheres.count; i += 2)
         set_one(&c->world->spheres.items[i].center, i / 2, to);
 }
-
-static void nan_centers(judged_scene *c) { break_centers(c, NAN); }
-static void infinite_centers(judged_scene *c) { break_centers(c, -INFINITY); }
 
 static const struct {
     const char *words;
     void (*put)(judged_scene *c);
     void (*patch)(judged_scene *c);
+    float to; /* what the patch puts in, from number[0] */
 } kinds[] = {
-    {"triangles with corners on a line", put_collinear, NULL},
-    {"triangles that are a point", put_points, NULL},
-    {"triangles with two equal corners", put_doubled_corners, NULL},
-    {"every triangle twice", put_twice, NULL},
-    {"triangles with a NaN", put_whole, nan_triangles},
-    {"triangles with infinite coordinates", put_whole, infinite_triangles},
-    {"quads with a NaN", NULL, nan_quads},
-    {"quads with infinite coordinates", NULL, infinite_quads},
-    {"quads that are a line or a point", NULL, flat_quads},
-    {"spheres of radius NaN", NULL, nan_radii},
-    {"spheres of infinite radius", NULL, infinite_radii},
-    {"spheres of radius 0", NULL, no_radii},
-    {"spheres of negative radius", NULL, negative_radii},
-    {"spheres with a NaN in the centre", NULL, nan_centers},
-    {"spheres with an infinite centre", NULL, infinite_centers},
+    {"triangles with corners on a line", put_collinear, NULL, 0},
+    {"triangles that are a point", put_points, NULL, 0},
+    {"triangles with two equal corners", put_doubled_corners, NULL, 0},
+    {"every triangle twice", put_twice, NULL, 0},
+    {"triangles with a NaN", put_whole, break_mesh, NAN},
+    {"triangles with infinite coordinates", put_whole, break_mesh, -INFINITY},
+    {"quads with a NaN", NULL, break_quads, NAN},
+    {"quads with infinite coordinates", NULL, break_quads, INFINITY},
+    {"quads that are a line or a point", NULL, flat_quads, 0},
+    {"spheres of radius NaN", NULL, break_radii, NAN},
+    {"spheres of infinite radius", NULL, break_radii, INFINITY},
+    {"spheres of radius 0", NULL, break_radii, 0},
+    {"spheres of negative radius", NULL, break_radii, -0.3f},
+    {"spheres with a NaN in the centre", NULL, break_centers, NAN},
+    {"spheres with an infinite centre", NULL, break_centers, -INFINITY},
 };
 
 void broken_make(judged_scene *c, double kind) {
@@ -124,5 +115,5 @@ void broken_make(judged_scene *c, double kind) {
         case_spheres(c, FATHOM_ROOT, vec_f64(0, 0, 0), 1);
         case_quads(c, FATHOM_ROOT, vec_f64(0, 0, 0), 1);
     }
-    c->patch = kinds[k].patch;
+    c->patch = kinds[k].patch, c->number[0] = (double)kinds[k].to;
 }
