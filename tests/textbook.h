@@ -15,16 +15,6 @@
 #undef FN
 #undef SQRT
 
-#define REAL double
-#define VEC3 vec3_f64
-#define FN(name) name##_f64
-#define SQRT sqrt
-#include "textbook_text.h"
-#undef REAL
-#undef VEC3
-#undef FN
-#undef SQRT
-
 #define REAL real_f128
 #define VEC3 vec3_f128
 #define FN(name) name##_f128

@@ -28,30 +28,3 @@ static inline bool FN(triangle_textbook)(VEC3 A, VEC3 B, VEC3 C, VEC3 org, VEC3 
     hit->t = t, hit->u = beta, hit->v = 1 - alpha - beta;
     return true;
 }
-
-/* Plane through v0 spanned by u = v1-v0 and v = v3-v0, t = (v0-E)·n / (d·n), then the coordinates of the
- * point along u and v: inside when both are at least 0 and at most 1. Beyond the diagonal the sides v2 v3 and
- * v2 v1 bound it, so planar quads that are no parallelograms are right too. Parallel rays miss. */
-static inline bool FN(quad_textbook)(VEC3 v0, VEC3 v1, VEC3 v2, VEC3 v3, VEC3 org, VEC3 dir, REAL t_min,
-                                     REAL t_max, FN(reference_hit) * hit) {
-    VEC3 e = FN(sub)(v1, v0), g = FN(sub)(v3, v0), n = FN(cross)(e, g);
-    REAL t = FN(dot)(FN(sub)(v0, org), n) / FN(dot)(dir, n);
-    if (!(t > t_min && t < t_max)) return false;
-    VEC3 p = FN(madd)(org, t, dir), q = FN(sub)(p, v0);
-    REAL n2 = FN(dot)(n, n), u = FN(dot)(FN(cross)(q, g), n) / n2, v = FN(dot)(FN(cross)(e, q), n) / n2;
-    bool inside = u >= 0 && v >= 0;
-    if (u + v > 1) {
-        e = FN(sub)(v3, v2), g = FN(sub)(v1, v2), q = FN(sub)(p, v2), n = FN(cross)(e, g), n2 = FN(dot)(n, n);
-        u = 1 - FN(dot)(FN(cross)(q, g), n) / n2, v = 1 - FN(dot)(FN(cross)(e, q), n) / n2;
-        inside = u <= 1 && v <= 1;
-    }
-    hit->t = t, hit->u = u, hit->v = v;
-    return inside;
-}
-
-/* The plane (P - point)·n = 0: t = (point-E)·n / (d·n). n need not be unit. Parallel rays miss. */
-static inline bool FN(plane_textbook)(VEC3 point, VEC3 normal, VEC3 org, VEC3 dir, REAL t_min, REAL t_max,
-                                      REAL *t) {
-    *t = FN(dot)(FN(sub)(point, org), normal) / FN(dot)(dir, normal);
-    return *t > t_min && *t < t_max;
-}

@@ -168,69 +168,6 @@ static void robust_is_right_at_any_size(void **state) {
     assert_true(clear > cases * 8 / 10);
 }
 
-/* Each of D, αD, βD, tD is a sum of products of three entries that carry at most two roundings of
- * differences, two of the cross product, three of the dot product: 8 u times the sum of their sizes. */
-static double sizes(vec3_f128 a, vec3_f128 b, vec3_f128 c) {
-    vec3_f128 p = {abs_f128(a.x), abs_f128(a.y), abs_f128(a.z)},
-              q = {abs_f128(b.x), abs_f128(b.y), abs_f128(b.z)};
-    vec3_f128 s = {p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
-    return (double)(s.x * abs_f128(c.x) + s.y * abs_f128(c.y) + s.z * abs_f128(c.z));
-}
-
-static int check_textbook(const triangle_case *k, double unit) {
-    vec3_f128 A = quadruple_f32(k->v[0]), B = quadruple_f32(k->v[1]), C = quadruple_f32(k->v[2]);
-    vec3_f128 E = quadruple_f32(k->org), d = quadruple_f32(k->dir);
-    vec3_f128 a = sub_f128(A, C), b = sub_f128(B, C), e = sub_f128(E, C);
-    real_f128 D = dot_f128(cross_f128(d, b), a), aD = dot_f128(cross_f128(d, b), e),
-              bD = dot_f128(cross_f128(e, a), d), tD = dot_f128(cross_f128(e, a), b);
-    double u = 8 * unit, dD = u * sizes(d, b, a), da = u * sizes(d, b, e), db = u * sizes(e, a, d),
-           dt = u * sizes(e, a, b);
-    double left = fabs((double)D) - dD;
-    if (!(left > 0)) return 0;
-    double alpha = (double)(aD / D), beta = (double)(bD / D), t = (double)(tD / D);
-    double ea = (da + fabs(alpha) * dD) / left + unit, eb = (db + fabs(beta) * dD) / left + unit,
-           et = (dt + fabs(t) * dD) / left + unit * fabs(t);
-    double third = (double)((D - aD - bD) / D),
-           least = fmin(alpha - ea, fmin(beta - eb, third - ea - eb - 2 * unit));
-    bool inside = least > 0 && t > et;
-    bool outside = alpha < -ea || beta < -eb || third < -ea - eb - 2 * unit || t < -et;
-    if (!inside && !outside) return 0;
-    if (unit == 0x1p-24) {
-        reference_hit_f32 hit = {0};
-        assert_int_equal(triangle_textbook_f32(k->v[0], k->v[1], k->v[2], k->org, k->dir, 0, INFINITY, &hit),
-                         inside);
-        if (!inside) return 1;
-        assert_near(hit.t, t, et);
-        assert_near(hit.u, beta, eb);
-        assert_near(hit.v, third, ea + eb + 2 * unit);
-    } else {
-        reference_hit_f64 hit = {0};
-        assert_int_equal(triangle_textbook_f64(widen(k->v[0]), widen(k->v[1]), widen(k->v[2]), widen(k->org),
-                                               widen(k->dir), 0, (double)INFINITY, &hit),
-                         inside);
-        if (!inside) return 1;
-        /* The truth itself was rounded to double. */
-        assert_near(hit.t, t, et + unit * fabs(t));
-        assert_near(hit.u, beta, eb + unit);
-        assert_near(hit.v, third, ea + eb + 3 * unit);
-    }
-    return 1;
-}
-
-static void textbook_is_right_within_its_bounds(void **state) {
-    (void)state;
-    random_state r = {3};
-    int clear32 = 0, clear64 = 0;
-    const int cases = 20000;
-    for (int i = 0; i < cases; ++i) {
-        triangle_case c = random_case(&r, 1, random_log(&r, 1, 100), 10);
-        clear32 += check_textbook(&c, 0x1p-24);
-        clear64 += check_textbook(&c, 0x1p-53);
-    }
-    assert_true(clear32 > cases * 9 / 10);
-    assert_true(clear64 > cases - 10);
-}
-
 static void forms_agree_in_quadruple(void **state) {
     (void)state;
     random_state r = {4};
@@ -349,13 +286,9 @@ static void odd_input_is_a_miss(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(robust_is_right),
-        cmocka_unit_test(robust_is_right_at_any_size),
-        cmocka_unit_test(textbook_is_right_within_its_bounds),
-        cmocka_unit_test(forms_agree_in_quadruple),
-        cmocka_unit_test(sides_are_exact),
-        cmocka_unit_test(interval_is_open),
-        cmocka_unit_test(without_area_never_met),
+        cmocka_unit_test(robust_is_right),          cmocka_unit_test(robust_is_right_at_any_size),
+        cmocka_unit_test(forms_agree_in_quadruple), cmocka_unit_test(sides_are_exact),
+        cmocka_unit_test(interval_is_open),         cmocka_unit_test(without_area_never_met),
         cmocka_unit_test(odd_input_is_a_miss),
     };
     int failed = cmocka_run_group_tests_name("denormals as they are", tests, NULL, NULL);
