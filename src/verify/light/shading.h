@@ -42,8 +42,7 @@ fathom_status shading_run(fathom_context *context, const shading_options *option
  * row for each that compares the images. By linear search in quadruple precision it would take minutes: none
  * then. */
 fathom_status shading_earth(fathom_context *context, const shading_options *options, shading_rows *rows);
-/* The scene at the origin and moved, and what plain float makes of it; by Embree, whatever the options name.
- */
+/* The scene at the origin and moved, and what plain float makes of it; by Embree, whatever is named. */
 fathom_status shading_earth_images(fathom_context *context, const shading_options *options,
                                    shading_images *images);
 
