@@ -48,8 +48,8 @@ static void render_quietly(stage *s, const fathom_checkpoint *saving) {
 
 static void a_render_that_succeeds_leaves_no_message(void **state) {
     (void)state;
-    static const char *const tracers[] = {NULL,  "embree:user",     "embree:compact",   "embree:low",
-                                          "bvh", "linear:f64"};
+    static const char *const tracers[] = {NULL,         "embree:user", "embree:compact",
+                                          "embree:low", "bvh",         "linear:f64"};
     stage s = full_stage();
     s.settings.aovs = FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ERROR;
     for (size_t i = 0; i < sizeof tracers / sizeof *tracers; ++i) {

@@ -103,8 +103,7 @@ static void a_tangent_meets_the_sphere_once(void **state) {
     /* Half of it: √(25 - (5 - 2^-21)²) = √(10·2^-21 - 2^-42). */
     double half = sqrt(10 * 0x1p-21 - 0x1p-42);
     assert_true(chord.hit && chord.part == 0);
-    assert_near((double)(chord.t - (real_f128)3.5), -half / 2,
-                1e-17); /* the double square root's error */
+    assert_near((double)(chord.t - (real_f128)3.5), -half / 2, 1e-17); /* the double square root's error */
     /* From inside, from the surface, and the root of two that is not representable against both its
      * neighbours. */
     oracle_answer inside = ask(ray_of(vec_f32(0, 0, 3), vec_f32(0, 0, 1), 0, INFINITY), sphere);

@@ -51,8 +51,7 @@ static void wrong_words_are_told(void **state) {
     refuses("lin", "is called \"lin\"");
     refuses("lin:f32", "is called \"lin\"");
     refuses("linear:", "have no option \"\"");
-    refuses("linear:f16",
-            "have no option \"f16\"; expected f32, f64, f128, found \"linear:f16\"");
+    refuses("linear:f16", "have no option \"f16\"; expected f32, f64, f128, found \"linear:f16\"");
     refuses("linear:f32:f64", "\"f32\" and \"f64\" exclude each other, found \"linear:f32:f64\"");
     refuses("linear:f32:f32", "\"f32\" and \"f32\" exclude each other");
     refuses("bvh:robust", "have no option \"robust\"");

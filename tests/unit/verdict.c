@@ -309,10 +309,8 @@ static void test_details(void **state) {
     oracle_primitive p = search_primitive(c.stage.world, 0, 0, FATHOM_NONE);
     oracle_answer exact;
     oracle_ask(&ray, &p, &exact);
-    const ask_answer right = {.hit = at(0, 0, 1),
-                              .u = (double)exact.weight[1],
-                              .v = (double)exact.weight[2],
-                              .normal = {0, 0, 4}};
+    const ask_answer right = {
+        .hit = at(0, 0, 1), .u = (double)exact.weight[1], .v = (double)exact.weight[2], .normal = {0, 0, 4}};
     ask_answer wrong[5] = {right, right, right, right, right};
     wrong[0].u += 1e-3;
     wrong[1].v = (double)NAN;
