@@ -137,8 +137,8 @@ static void push_light(path_wave *p, const vertex_block *v, const float choice[L
 
 /* ---- the way on ---- */
 
-/* Russian roulette begins at the third vertex. At the second, it would end the paths that find most of the
- * light that walls send on; later it would cost more rays than it saves noise (bench/README.md). */
+/* Russian roulette begins at the fourth vertex. Earlier it costs less time, but not at equal error under a
+ * sky (bench/README.md), and what is seen behind two mirrors or panes would be found by chance. */
 #define ROULETTE_FROM 3
 
 /* A direction of density d stands for others within about 1/sqrt(d) of it. A small part of that keeps what

@@ -110,7 +110,7 @@ done <<'TABLE'
 --tile-size|0|expected a whole number from 32 to 65536
 --pattern|random|expected grid|stratified|sobol
 --tracer|cuda|no tracer is called "cuda"; expected reference, a shared library FILE.so, linear (
---tracer|bvh:f16|tracers of this kind have no option "f16"; expected robust; f32, f64, f128
+--tracer|bvh:f16|tracers of this kind have no option "f16"; expected f32, f64, f128
 --tracer|embree:compact:robust|options "compact" and "robust" exclude each other
 --exposure|1e3|expected a number from -64 to 64
 --exposure|bright|expected a number from -64 to 64

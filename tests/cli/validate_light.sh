@@ -32,7 +32,11 @@ run 0 validate lit.json --light --light-error 0.003 --json scene.json
 said out.txt 'path less reference: '
 said scene.json '"difference": '
 sed 's/"background"/"ambient": [1, 1, 1], "background"/' lit.json >ambient.json
-run 3 validate ambient.json --light --light-error 0.01
-said err.txt 'does not implement ambient'
+run 0 validate ambient.json --light --light-error 0.01
+[ "$(grep -c 'ambient light is left out' err.txt)" = 1 ] || die "one warning of ambient light"
+sed 's/"lights": \[/&{"type": "environment", "file": "sky.exr"}, /' lit.json >sky.json
+run 0 render lit.json -o sky.exr --size 8x4 --spp 1
+run 3 validate sky.json --light --light-error 0.01
+said err.txt 'does not implement environment images'
 run 2 validate --light --light-only 'no such law'
 said err.txt 'no such law'

@@ -1,6 +1,7 @@
 /* fathom validate --light: a table and JSON of laws of light. */
 #include "cli/interrupt.h"
 #include "cli/machine.h"
+#include "cli/notes.h"
 #include "cli/render/progress.h"
 #include "cli/validate/validate.h"
 
@@ -10,6 +11,7 @@
 #include "verify/laws/laws.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* Right images fail one run in 500. With some 130 tests that puts each at about 4.2 standard errors, for
  * errors that are well known. */
@@ -105,13 +107,24 @@ static fathom_status closed_forms(fathom_context *context, const validate_settin
 
 /* ---- a scene ---- */
 
+/* A scene is rendered many times, each time with the same warnings. user: a warning_list. */
+static void say_once(void *user, const char *message) {
+    const warning_list *said = user;
+    for (size_t i = 0; i < said->count; ++i) {
+        if (strcmp(said->items[i], message) == 0) return;
+    }
+    warnings_say(user, message);
+}
+
 /* Means of 8 x 8 cells, each of 64 pixels. */
 static fathom_status compare_scene(fathom_context *context, const validate_settings *settings, bool *fails) {
     fathom_scene *scene;
     fathom_settings of_scene;
     laws_difference d = {.tests = 0};
+    warning_list said = {.count = 0};
     fathom_status status = fathom_scene_read(context, settings->scene, &scene);
     if (status != FATHOM_OK) return status;
+    fathom_context_on_warning(context, say_once, &said);
     fathom_scene_settings(scene, &of_scene);
     const double ratio = of_scene.height ? (double)of_scene.width / of_scene.height : 1;
     laws_pair pair = {.across = (uint32_t)fmax(round(8 * fmin(ratio, 1)), 1),
@@ -136,6 +149,8 @@ static fathom_status compare_scene(fathom_context *context, const validate_setti
                                     JSON("tests", d.tests), JSON("p", d.p), JSON("level", LEVEL),
                                     JSON("difference", d.relative), JSON("standardError", d.relative_error)));
     fathom_scene_destroy(scene);
+    fathom_context_on_warning(context, warnings_say, NULL);
+    warnings_free(&said);
     return status;
 }
 
