@@ -1,7 +1,8 @@
 """Path tracing against the reference integrator: every small scene of scenes/ by both, compared by Welch's test of means
 of cells, corrected for all of them (Šidák). Prints a row for each scene: the difference of all light in parts of it, its
 standard error, and the p-value over the scene's cells. Scenes that the reference refuses are named. It samples by the cosine
-alone, so that sharp lobes would need too many samples before their errors are known: rough materials get a roughness of ROUGH.
+alone, so that sharp lobes would need too many samples before their errors are known: rough materials get a roughness of ROUGH
+at least, and solids that refract become smooth.
 usage: python3 tests/light_pairs.py FATHOM [ERROR] [TEXT] [ROUGH]
   ERROR  the relative standard error to aim at, by some 4 / ERROR^2 samples (0.003)
   TEXT   only scenes whose names hold it
@@ -32,6 +33,8 @@ def prepare(path, rough):
         for key in ("roughness", "clearcoatRoughness"):
             if material.get(key, 0) > 0:
                 material[key] = max(material[key], rough)
+        if material.get("transmission", 0) > 0 and material.get("thickness", 0) > 0:
+            material["roughness"] = 0
     image = scene.setdefault("image", {})
     image["integrator"] = "path"
     image["maxDepth"] = min(image.get("maxDepth", 16), 16)
