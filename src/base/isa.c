@@ -25,13 +25,21 @@ const char *isa_unknown(void) {
 }
 
 #if defined(__x86_64__)
+#include <cpuid.h>
+
+/* clang 14 has no name for it in __builtin_cpu_supports(). */
+static bool has_f16c(void) {
+    unsigned a, b, c, d;
+    return __get_cpuid(1, &a, &b, &c, &d) && (c & bit_F16C);
+}
+
 static bool processor_has(isa_set set) {
     switch (set) {
     case ISA_BEST: return false;
     case ISA_SSE2: return true;
     case ISA_SSE42: return __builtin_cpu_supports("sse4.2");
     case ISA_AVX: return __builtin_cpu_supports("avx");
-    case ISA_AVX2: return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("f16c");
+    case ISA_AVX2: return __builtin_cpu_supports("avx2") && has_f16c();
     case ISA_AVX512:
         return processor_has(ISA_AVX2) && __builtin_cpu_supports("avx512f") &&
                __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
