@@ -187,8 +187,8 @@ static void describe(unsigned k, const way *w, const difference *d, shading_imag
     /* The tracer; the distance. */
     static const char *const captions[] = {
         "A scene of 10 m at the origin of coordinates, by %1$s.",
-        "The same scene, lights and camera moved by %2$g m along no axis, by %1$s: positions are "
-        "double, and counted from near the view before they become float.",
+        ("The same scene, lights and camera moved by %2$g m along no axis, by %1$s: positions are "
+         "double, and counted from near the view before they become float."),
         "Moved as far, by %1$s, but in float coordinates, half a metre apart there."};
     snprintf(out->title, sizeof out->title, "%s", titles[k]);
     snprintf(out->caption, sizeof out->caption, captions[k], w->spec, w->distance);
