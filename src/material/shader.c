@@ -121,8 +121,8 @@ static void prepare_even(const fathom_material *m, const mixture *x, float alpha
     const float lost = 1 - mean, layer_again = again(out->layer0, out->layer90, mean);
     out->layer_again = layer_again;
     const float scale = lost > 1e-6f ? 1 / (3.14159265f * lost) : 0;
-    float below = 1 - (out->layer0 * (mean - mean_edge) + out->layer90 * mean_edge + layer_again * lost);
-    if (out->lobes & SHADER_COATED) below = mean_below_coat(out);
+    out->mean_under = 1 - (out->layer0 * (mean - mean_edge) + out->layer90 * mean_edge + layer_again * lost);
+    if (out->lobes & SHADER_COATED) out->mean_under = mean_below_coat(out);
     for (int c = 0; c < 3; ++c) {
         const float plain =
             mixed(again(x->layer[c], m->specular_factor, mean), again(m->base_color[c], 1, mean), x->metal);
@@ -130,8 +130,8 @@ static void prepare_even(const fathom_material *m, const mixture *x, float alpha
         out->again[c] = q * scale;
         out->missing_share += q * (1 / 3.0f);
         if (out->lobes & SHADER_THIN) out->again_cross[c] = out->cross[c] * (1 - layer_again) * scale;
-        out->diffuse[c] = below > 1e-4f ? out->diffuse[c] / below : 0;
-        out->leaf[c] = below > 1e-4f ? out->leaf[c] / below : 0;
+        out->diffuse[c] = out->mean_under > 1e-4f ? out->diffuse[c] / out->mean_under : 0;
+        out->leaf[c] = out->mean_under > 1e-4f ? out->leaf[c] / out->mean_under : 0;
     }
     out->even = ~0u;
     out->lobes |= SHADER_EVEN;
@@ -167,9 +167,9 @@ static void scale(float factor, float rgb[3]) {
 
 static void cover(float opacity, shader *out) {
     if (opacity >= 1) return;
-    float *const colours[] = {out->diffuse,   out->f0,  out->mirror0,     out->cross,
-                              out->again,     out->k_r, out->again_cross, out->albedo,
-                              out->highlight, out->k_t, out->leaf,        out->sheen};
+    float *const colours[] = {out->diffuse, out->f0,          out->mirror0,   out->cross,     out->again,
+                              out->k_r,     out->again_cross, out->albedo,    out->highlight, out->k_t,
+                              out->leaf,    out->sheen,       out->metal_rise};
     for (size_t i = 0; i < sizeof colours / sizeof *colours; ++i) scale(opacity, colours[i]);
     out->coat *= opacity, out->f90 *= opacity, out->mirror90 *= opacity, out->missing_share *= opacity;
     for (int c = 0; c < 3 && out->lobes & SHADER_FILM; ++c) {
@@ -205,9 +205,14 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     out->ior = m->ior, out->priority = m->priority;
     out->lobes = (any(out->diffuse) ? SHADER_DIFFUSE : 0u) | (out->layer90 > 0 ? SHADER_LAYER : 0u) |
                  (shiny && !smooth ? SHADER_GGX : 0u) | (shiny && smooth ? SHADER_MIRROR : 0u);
-    if (along > out->alpha && shiny) out->lobes |= SHADER_STRETCHED;
     if (film > 0) prepare_film(m, x.layer, out);
     out->lobes |= crossing_lobe(m, along, out);
+    if (along > out->alpha && out->lobes & (SHADER_GGX | SHADER_THIN | SHADER_REFRACT))
+        out->lobes |= SHADER_STRETCHED;
+    if (out->lobes & SHADER_SOLID && x.metal > 0) {
+        for (int c = 0; c < 3; ++c) out->metal_rise[c] = x.metal * (1 - m->base_color[c]);
+        out->lobes |= SHADER_INNER_METAL;
+    }
     if (any(out->leaf)) {
         out->lobes |= SHADER_LEAF;
         out->transmits = true;
@@ -237,7 +242,7 @@ static void clear(shader *out) {
 
 void shader_prepare(const fathom_material *m, shader *out) {
     clear(out);
-    out->model = m->model, out->alpha = out->ior = out->eta = 1;
+    out->model = m->model, out->alpha = out->ior = out->eta = out->mean_under = 1;
     shader_emission(m, out->emission);
     switch (m->model) {
     case FATHOM_MODEL_CLASSIC: prepare_classic(m, out); break;
@@ -249,7 +254,7 @@ void shader_prepare(const fathom_material *m, shader *out) {
 void shader_prepare_hole(shader *out) {
     memset(out, 0, sizeof *out);
     out->facets = out->coat_facets = energy_none;
-    out->alpha = out->ior = out->eta = out->hole = 1;
+    out->alpha = out->ior = out->eta = out->mean_under = out->hole = 1;
     out->transmits = true;
     out->lobes = SHADER_STRAIGHT;
 }

@@ -20,9 +20,9 @@
  * t transmits. thickness 0 is a thin wall: t is the reflecting D G2 / (4 n·v n·l) of l mirrored to the
  * viewer's side. thickness > 0 bounds a solid: t is Walter et al.'s (2007) refraction. Radiance counts
  * over the squared index of the medium that it is in, so that refraction does not scale it, and emission
- * inside glass is what a viewer outside sees. In the denser medium, S takes the angle of the other side, and
- * total reflection has S = f90. Lobes whose facets turn transmitted light by less than 2^-13 radians (alpha
- * |ior - 1|) transmit smoothly.
+ * inside glass is what a viewer outside sees. In the denser medium, the dielectric's S takes the angle of the
+ * other side, and total reflection has S = f90; the metal's S keeps its own. Lobes whose facets turn
+ * transmitted light by less than 2^-13 radians (alpha |ior - 1|) transmit smoothly.
  *
  * `multiscatter` gives back what leaves the facets after more scatterings (Kulla & Conty 2017), reciprocally.
  * With E(mu) the albedo of D G2 / (4…) and <> the mean over the cosine: metal and dielectric get
@@ -105,9 +105,11 @@ typedef struct shader {
     float leaf[3];                  /* Lambert's reflectance of light from the other side; as `diffuse` */
     float along;                    /* alpha along the tangent; `alpha` is across it */
     float layer_again;              /* what the layer reflects of light that scatters more than once */
-    uint32_t priority;              /* of the volume; 0: it takes no part */
-    float eta_spread;               /* of dispersion, between neighbouring channels */
+    float mean_under;  /* with SHADER_EVEN: the mean of `under` that diffuse and leaf are over; else 1 */
+    uint32_t priority; /* of the volume; 0: it takes no part */
+    float eta_spread;  /* of dispersion, between neighbouring channels */
     float sheen[3], sheen_most, sheen_alpha;
+    float metal_rise[3]; /* with SHADER_INNER_METAL: m (1 - c), the metal's part of f90 - f0 */
     /* From here on set only where the lobes have a use for it. */
     energy_stretch stretch;
     float sheen_fit[6]; /* of Λ; see kernels/sheen.h */
@@ -132,11 +134,13 @@ enum {
     SHADER_COATED = 1u << 13,   /* all but the clear coat passes through it */
     SHADER_COAT = 1u << 14,     /* a rough clear coat; a smooth one is part of SHADER_MIRROR */
     SHADER_SHEEN = 1u << 15,
-    SHADER_STRETCHED = 1u << 16,  /* GGX has two alphas */
-    SHADER_FILM = 1u << 17,       /* reflectances are those of a thin film */
-    SHADER_LEAF = 1u << 18,       /* diffuse transmission */
-    SHADER_DISPERSIVE = 1u << 19, /* refraction depends on the channel */
-    SHADER_TURNED = 1u << 20,     /* the clear coat has a normal of its own */
+    SHADER_STRETCHED = 1u << 16,   /* GGX has two alphas */
+    SHADER_FILM = 1u << 17,        /* reflectances are those of a thin film */
+    SHADER_LEAF = 1u << 18,        /* diffuse transmission */
+    SHADER_DISPERSIVE = 1u << 19,  /* refraction depends on the channel */
+    SHADER_TURNED = 1u << 20,      /* the clear coat has a normal of its own */
+    SHADER_INNER_METAL = 1u << 21, /* metal is a part of a solid's surface */
+    SHADER_RARE = SHADER_FILM | SHADER_STRETCHED | SHADER_INNER_METAL, /* reflection takes more constants */
 };
 
 /* What the layer lets through to the base, 1 - R(mu), of its facets' albedos there; and what the clear coat

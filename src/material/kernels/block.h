@@ -39,6 +39,7 @@ static inline void set_cross(const shader *m, int i, uint32_t entering, shader_b
     set_colour(m->cross, i, out->cross);
     out->eta[i] = chosen(entering, m->eta, 1 / m->eta);
     out->even[i] = m->even & (out->eta[i] == m->eta ? ~0u : 0);
+    for (int c = 0; c < 3; ++c) out->diffuse[c][i] *= chosen(out->even[i], 1, m->mean_under);
 }
 
 /* The index of the path's channel; 1 would be a thin wall. */
@@ -203,16 +204,16 @@ static void set_flat(const surface_block *s, int i, shader_block *out) {
     const shader *m = out->at[i];
     const glass g = {.k_r = {1, 1, 1}, .k_t = {1, 1, 1}, .ior = dispersed_eta(m, out->channel[i])};
     const float eta = out->eta[i], up = out->v[2][i], rise = schlick(up, eta);
-    const bool film = m->lobes & SHADER_FILM;
+    const bool rare = m->lobes & SHADER_RARE;
     const bool rough = m->lobes & SHADER_GGX;
     const float coated = out->below_coat[i];
-    float open = 1 - layer_of(out, film, i, up, rise);
+    float open = 1 - layer_of(out, rare, i, up, rise);
     if (rough && out->even[i]) open = out->under[i];
     glass_scatter(s, i, &g, out->mirror, out->mirror_share, out->pass, out->pass_share);
     for (int c = 0; c < 3; ++c) {
         const bool total = !(out->pass_share[c][i] > 0);
-        const float plain = m->mirror0[c] + (m->mirror90 - m->mirror0[c]) * rise;
-        out->mirror_share[c][i] = (rough ? plain : film_or(out, film, i, c, up, plain)) * coated * coated;
+        const float mirror = reflectance_at(out, rare && !rough, i, c, up, rise, m->mirror0[c], m->mirror90);
+        out->mirror_share[c][i] = mirror * coated * coated;
         out->pass_share[c][i] = m->lobes & SHADER_PASS && !total ? m->cross[c] * open : 0;
         if (eta == 1) out->pass[c][i] = -s->v[c][i];
     }

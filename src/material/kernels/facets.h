@@ -79,8 +79,8 @@ static inline __attribute__((always_inline)) void add_ggx(const shader_block *b,
         float d, value = facets_of(b, rare, i, at->l, h, &d);
         value = chosen(at->reflected[i], value, 0);
         for (int c = 0; c < 3; ++c) {
-            float plain = b->f0[c][i] + (b->f90[i] - b->f0[c][i]) * rise[i];
-            f[c][i] += film_or(b, rare, i, c, along_half(b, h, i), plain) * value;
+            f[c][i] +=
+                value * reflectance_at(b, rare, i, c, along_half(b, h, i), rise[i], b->f0[c][i], b->f90[i]);
         }
         density[i] += chosen(at->reflected[i], b->take[SHADER_TAKE_GGX][i] * d, 0);
     }

@@ -31,6 +31,19 @@ static inline __attribute__((always_inline)) float film_or(const shader_block *b
     return rare && b->at[i]->lobes & SHADER_FILM ? film_at(b, i, c, cosine) : plain;
 }
 
+/* The reflectance of metal and dielectric together, at this cosine and the dielectric's Schlick factor of it.
+ * f0 and f90: without a film. */
+static inline __attribute__((always_inline)) float reflectance_at(const shader_block *b, bool rare, int i,
+                                                                  int c, float cosine, float rise, float f0,
+                                                                  float f90) {
+    float plain = f0 + (f90 - f0) * rise;
+    if (rare && b->at[i]->lobes & SHADER_INNER_METAL) {
+        plain += b->at[i]->metal_rise[c] * (power5(1 - fminf(cosine, 1)) - rise);
+        plain = plain > 0 ? plain : 0; /* where rounding left less */
+    }
+    return film_or(b, rare, i, c, cosine, plain);
+}
+
 /* The share that the layer takes from the base, at this cosine and Schlick's factor of it. */
 static inline __attribute__((always_inline)) float layer_of(const shader_block *b, bool rare, int i,
                                                             float cosine, float rise) {

@@ -30,7 +30,7 @@ static inline void add_highlight(const surface_block *s, const shader_block *b, 
 
 /* ---- all of them ---- */
 
-/* rare: some lane has a film or is stretched. A constant, so that the loops of other blocks stay plain. */
+/* rare: some lane is SHADER_RARE. A constant, so that the loops of other blocks stay plain. */
 __attribute__((always_inline)) static inline __attribute__((always_inline)) void
 add_lobes_as(const surface_block *s, const shader_block *b, bool rare, const lanes3 l, incidence *at,
              float (*restrict f)[LANES], float *restrict density) {
@@ -64,7 +64,7 @@ add_lobes_as(const surface_block *s, const shader_block *b, bool rare, const lan
 
 static inline void add_lobes(const surface_block *s, const shader_block *b, const lanes3 l, incidence *at,
                              float (*restrict f)[LANES], float *restrict density) {
-    if (b->lobes & (SHADER_FILM | SHADER_STRETCHED))
+    if (b->lobes & SHADER_RARE)
         add_lobes_as(s, b, true, l, at, f, density);
     else
         add_lobes_as(s, b, false, l, at, f, density);
