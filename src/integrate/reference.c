@@ -10,13 +10,6 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-static vec3_f64 around(vec3_f64 axis, double cosine, reference_random *random) {
-    const frame_f64 f = frame_from((vec3_f64){0, 0, 0}, axis, (vec3_f64){0, 0, 0});
-    const double angle = 2 * PI * reference_uniform(random), sine = sqrt(fmax(1 - cosine * cosine, 0));
-    const vec3_f64 flat = madd_f64(scale_f64(sine * cos(angle), f.x), sine * sin(angle), f.y);
-    return normalize_f64(madd_f64(flat, cosine, f.z));
-}
-
 /* ---- lights that no ray meets ---- */
 
 typedef struct arrival {
@@ -37,7 +30,8 @@ static double spot_falloff(const fathom_light *light, vec3_f64 to_light) {
 /* An intensity of 1 has the irradiance pi at distance 1. A sphere of radius R: radiance 1/R² over 4 pi R². */
 static arrival from_place(const fathom_light *light, vec3_f64 point, reference_random *random) {
     vec3_f64 out = {0, 0, 0};
-    if (light->radius > 0) out = around((vec3_f64){0, 0, 1}, 2 * reference_uniform(random) - 1, random);
+    if (light->radius > 0)
+        out = reference_around((vec3_f64){0, 0, 1}, 2 * reference_uniform(random) - 1, random);
     const vec3_f64 way = sub_f64(madd_f64(load_f64(light->position), (double)light->radius, out), point);
     arrival a = {normalize_f64(way), length_f64(way), 0};
     const double spread = light->radius > 0 ? 4 * fmax(-dot_f64(out, a.direction), 0) : 1;
@@ -50,7 +44,7 @@ static arrival from_afar(const fathom_light *light, reference_random *random) {
     const vec3_f64 axis = normalize_f64(neg_f64(load_f64(light->direction)));
     if (!(light->angular_radius > 0)) return (arrival){axis, (double)INFINITY, PI};
     const double half = sin((double)light->angular_radius / 2), less = 2 * half * half;
-    const vec3_f64 direction = around(axis, 1 - less * reference_uniform(random), random);
+    const vec3_f64 direction = reference_around(axis, 1 - less * reference_uniform(random), random);
     return (arrival){direction, (double)INFINITY, 2 * PI / (2 - less)};
 }
 
@@ -142,10 +136,11 @@ static bool meets(path *p, reference_surface *s, reference_random *random) {
     return true;
 }
 
-/* One beam, or a direction by the cosine on either side. False: the path ends. */
-static bool scatter(path *p, const reference_surface *s, reference_random *random) {
+/* One beam, or another direction. False: the path ends. */
+static bool scatter(path *p, const reference_scene *r, const reference_surface *s, reference_random *random) {
     const reference_scatter all = reference_scatter_of(s);
-    double sum = all.front + all.back;
+    const double others = all.front + all.back + all.facets + all.through + all.coat;
+    double sum = others;
     for (unsigned i = 0; i < all.beams; ++i) sum += largest(all.beam[i].weight);
     double pick = reference_uniform(random) * sum;
     for (unsigned i = 0; i < all.beams; ++i) {
@@ -157,10 +152,7 @@ static bool scatter(path *p, const reference_surface *s, reference_random *rando
         }
         pick -= gain;
     }
-    const bool front = pick < all.front;
-    const vec3_f64 axis = front ? s->normal : neg_f64(s->normal);
-    p->direction = around(axis, sqrt(1 - reference_uniform(random)), random);
-    const double density = dot_f64(p->direction, axis) / PI * (front ? all.front : all.back) / sum;
+    const double density = reference_choose(r, s, &all, random, &p->direction) * others / sum;
     if (!(density > 0)) return false;
     p->weight = scale_f64(1 / density, times(p->weight, reference_evaluate(s, p->direction)));
     return largest(p->weight) > 0;
@@ -199,7 +191,7 @@ static bool radiance(const reference_scene *r, vec3_f64 origin, vec3_f64 directi
             sum = add_f64(sum, times(p.weight, reference_emission(s.material)));
             if (bounce == r->settings.depth) break;
             sum = add_f64(sum, times(p.weight, light_at(r, &s, medium, &random)));
-            if (!scatter(&p, &s, &random) || !survives(&p, bounce++, &random)) break;
+            if (!scatter(&p, r, &s, &random) || !survives(&p, bounce++, &random)) break;
         }
         advance(&p, &s);
     }
@@ -351,6 +343,7 @@ void reference_close(reference_scene *r) {
     array_free(&r->links);
     array_free(&r->primitives);
     array_free(&r->planes);
+    array_free(&r->lamps);
     free(r->tree.nodes);
     free(r->items);
     free(r);

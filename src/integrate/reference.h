@@ -1,5 +1,6 @@
-/* The second implementation of path tracing: scalar, in double, without importance sampling beyond the
- * cosine. It shares no formula with the fast one, and is there to be right and to be read.
+/* The second implementation of path tracing: scalar, in double. It shares no formula with the fast one, and
+ * is there to be right and to be read. Its directions are found by the cosine, by half vectors and by balls
+ * around lamps, all weighed together. It has no light samples but of lights that no ray meets.
  *
  * Radiance is divided by the square of the index of the medium that it travels in, so that refraction does
  * not scale it: emission inside glass is what a viewer outside sees. Settings other than these do not

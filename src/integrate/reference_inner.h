@@ -41,6 +41,12 @@ static inline double reference_uniform(reference_random *r) {
 
 /* ---- reference_scene.c: shapes and rays ---- */
 
+/* A ball around all that one emissive object passes while the shutter is open. */
+typedef struct reference_lamp {
+    vec3_f64 center;
+    double radius;
+} reference_lamp;
+
 /* Where a shape is placed; instances are taken apart. */
 typedef struct reference_place {
     affine_f64 to_world, to_object; /* as the shutter opens */
@@ -54,6 +60,8 @@ typedef struct reference_link {
     fathom_id instance;
     uint32_t outer;
 } reference_link;
+
+enum { REFERENCE_LAMPS = 16 };
 
 /* In the shape's own space. */
 typedef struct reference_primitive {
@@ -85,7 +93,8 @@ struct reference_scene {
     ARRAY(reference_primitive) primitives;
     ARRAY(uint32_t) planes;      /* of the primitives */
     reference_albedos **albedos; /* by material; NULL: it has none that need albedos */
-    bvh_item *items;             /* the others */
+    ARRAY(reference_lamp) lamps; /* at most REFERENCE_LAMPS; none where there are more */
+    bvh_item *items;             /* the primitives that are no planes */
     bvh_tree tree;               /* its leaves hold items */
 };
 
@@ -120,7 +129,9 @@ typedef struct reference_beam {
 typedef struct reference_scatter {
     unsigned beams;
     reference_beam beam[3];
-    double front, back; /* rough guesses of the light that arrives over either hemisphere; 0: none does */
+    /* Rough guesses of the light that arrives over either hemisphere, by facets that mirror it or let it
+     * through, and by those of the coat. 0: none does. */
+    double front, back, facets, through, coat;
 } reference_scatter;
 
 /* The first parameter of the material that the reference refuses; NULL: none. */
@@ -141,8 +152,22 @@ double reference_fibres(const fathom_material *m, double nl, double nv, double n
 vec3_f64 reference_film(const fathom_material *m, vec3_f64 f0, double cosine);
 vec3_f64 reference_emission(const fathom_material *m);
 reference_scatter reference_scatter_of(const reference_surface *s);
+/* Of facets: alpha along their longer way; reference_alpha() is across it. */
+double reference_alpha_along(const fathom_material *m);
+/* The cosine on the far side by Snell's law; negative: total internal reflection. */
+double reference_far_cosine(double cosine, double ratio);
+vec3_f64 reference_mirrored(vec3_f64 v, vec3_f64 n);
+vec3_f64 reference_refracted(vec3_f64 v, vec3_f64 n, double ratio);
 /* f |n·l| of everything but beams, for the unit direction l that light arrives from. */
 vec3_f64 reference_evaluate(const reference_surface *s, vec3_f64 l);
+
+/* ---- reference_ways.c: directions by chance ---- */
+
+/* So far from the axis, at any turn about it. */
+vec3_f64 reference_around(vec3_f64 axis, double cosine, reference_random *random);
+/* A direction of those that no beam takes, and its density; 0: there is none. */
+double reference_choose(const reference_scene *r, const reference_surface *s, const reference_scatter *all,
+                        reference_random *random, vec3_f64 *out);
 
 /* ---- reference_energy.c: albedos ---- */
 

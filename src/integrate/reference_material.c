@@ -38,31 +38,30 @@ vec3_f64 reference_emission(const fathom_material *m) {
 
 /* ---- mirrors and refraction ---- */
 
-/* The cosine on the far side by Snell's law; negative: total internal reflection. */
-static double far_cosine(double cosine, double ratio) {
+double reference_far_cosine(double cosine, double ratio) {
     const double square = 1 - (1 - cosine * cosine) / (ratio * ratio);
     return square > 0 ? sqrt(square) : -1;
 }
 
-static vec3_f64 mirrored(vec3_f64 v, vec3_f64 n) { return sub_f64(scale_f64(2 * dot_f64(n, v), n), v); }
+vec3_f64 reference_mirrored(vec3_f64 v, vec3_f64 n) { return sub_f64(scale_f64(2 * dot_f64(n, v), n), v); }
 
 /* The normal of smooth lobes: the geometric one where a mirrored direction would enter the surface. */
 static vec3_f64 beam_normal(const reference_surface *s) {
-    return dot_f64(mirrored(s->to_viewer, s->normal), s->geometric) > 0 ? s->normal : s->geometric;
+    return dot_f64(reference_mirrored(s->to_viewer, s->normal), s->geometric) > 0 ? s->normal : s->geometric;
 }
 
 static vec3_f64 mirror_direction(const reference_surface *s) {
-    return mirrored(s->to_viewer, beam_normal(s));
+    return reference_mirrored(s->to_viewer, beam_normal(s));
 }
 
-static vec3_f64 refracted(vec3_f64 v, vec3_f64 n, double ratio) {
-    const double near = dot_f64(n, v), far = fmax(far_cosine(near, ratio), 0);
+vec3_f64 reference_refracted(vec3_f64 v, vec3_f64 n, double ratio) {
+    const double near = dot_f64(n, v), far = fmax(reference_far_cosine(near, ratio), 0);
     return normalize_f64(madd_f64(scale_f64(near / ratio - far, n), -1 / ratio, v));
 }
 
 /* A direction that would come back out is turned to the far side. */
 static vec3_f64 refracted_direction(const reference_surface *s) {
-    const vec3_f64 t = refracted(s->to_viewer, beam_normal(s), s->turn);
+    const vec3_f64 t = reference_refracted(s->to_viewer, beam_normal(s), s->turn);
     return madd_f64(t, -2 * fmax(dot_f64(t, s->geometric), 0), s->geometric);
 }
 
@@ -82,7 +81,7 @@ static double fresnel(double near, double far, double ratio) {
 static reference_scatter classic_scatter(const reference_surface *s) {
     const fathom_material *m = s->material;
     const vec3_f64 k_r = color_of(m->k_r), k_t = color_of(m->k_t);
-    const double near = dot_f64(beam_normal(s), s->to_viewer), far = far_cosine(near, s->ratio);
+    const double near = dot_f64(beam_normal(s), s->to_viewer), far = reference_far_cosine(near, s->ratio);
     const double share = far < 0 ? 1 : m->fresnel ? fresnel(near, far, s->ratio) : 0;
     const double rough = largest(color_of(m->k_d)) + (m->specular ? largest(color_of(m->k_s)) : 0);
     reference_scatter out = {.front = rough, .back = m->lit_from_behind ? rough : 0};
@@ -98,7 +97,7 @@ static vec3_f64 classic_evaluate(const reference_surface *s, vec3_f64 l) {
     if (!(nl * dot_f64(s->geometric, l) > 0) || (nl < 0 && !m->lit_from_behind)) return gray(0);
     switch (m->specular) {
     case FATHOM_SPECULAR_NONE: break;
-    case FATHOM_SPECULAR_PHONG: base = dot_f64(s->to_viewer, mirrored(l, s->normal)); break;
+    case FATHOM_SPECULAR_PHONG: base = dot_f64(s->to_viewer, reference_mirrored(l, s->normal)); break;
     case FATHOM_SPECULAR_BLINN: base = dot_f64(s->normal, normalize_f64(add_f64(l, s->to_viewer))); break;
     }
     const double highlight = m->specular ? pow(fmax(base, 0), (double)m->shininess) : 0;
@@ -126,11 +125,20 @@ reference_reflectances reference_reflect(const fathom_material *m, double ior, d
  * it. */
 static reference_reflectances reflect_of(const reference_surface *s, double cosine) {
     const bool refracts = reference_refracts(s->material);
-    const double slant = refracts && s->turn < 1 ? far_cosine(cosine, s->turn) : cosine;
+    const double slant = refracts && s->turn < 1 ? reference_far_cosine(cosine, s->turn) : cosine;
     return reference_reflect(s->material, refracts ? s->ratio : (double)s->material->ior, slant, cosine);
 }
 
-double reference_alpha(const fathom_material *m) { return (double)m->roughness * (double)m->roughness; }
+/* Brushed facets are no mirror across their way: the renderer's least alpha takes the place of 0. */
+double reference_alpha(const fathom_material *m) {
+    const double alpha = (double)m->roughness * (double)m->roughness;
+    return m->anisotropy > 0 ? fmax(alpha, 0x1p-13) : alpha;
+}
+
+double reference_alpha_along(const fathom_material *m) {
+    const double across = reference_alpha(m), part = (double)m->anisotropy;
+    return across + (1 - across) * part * part;
+}
 
 /* GGX's D times G over 4 nl nv, with Smith's height-correlated G; of two alphas as KHR_materials_anisotropy
  * has them. l may be on either side. */
@@ -145,8 +153,7 @@ static double lobe_of(const reference_surface *s, vec3_f64 h, vec3_f64 l, double
 }
 
 static double base_lobe(const reference_surface *s, vec3_f64 h, vec3_f64 l) {
-    const double across = reference_alpha(s->material), part = (double)s->material->anisotropy;
-    return lobe_of(s, h, l, across + (1 - across) * part * part, across);
+    return lobe_of(s, h, l, reference_alpha_along(s->material), reference_alpha(s->material));
 }
 
 /* Light passes by one direction instead of being scattered. */
@@ -196,8 +203,12 @@ static reference_scatter metallic_scatter(const reference_surface *s) {
     const bool smooth = reference_alpha(m) == 0, clear = passes_clear(s);
     double below_coat;
     const double below = below_layers(s, nv, nv, &below_coat);
-    reference_scatter out = {.front = smooth && !is_covered(m) ? largest(base) * (diffuse - behind) : 1,
-                             .back = (clear ? 0 : through * largest(base)) + behind * largest(leaf)};
+    reference_scatter out = {.front = smooth && !is_covered(m) ? largest(base) * (diffuse - behind) : 0.5,
+                             .back = (clear ? 0 : 0.2 * through * largest(base)) + behind * largest(leaf),
+                             .facets = smooth ? 0 : largest(blend(f.dielectric, f.metal, metallic)),
+                             .through = clear ? 0 : through * largest(base) * fmax(f.base, 0.1),
+                             .coat =
+                                 m->clearcoat_roughness > 0 ? (double)m->clearcoat * coat_reflects(nv) : 0};
     if (m->clearcoat > 0 && m->clearcoat_roughness == 0)
         add_beam(&out, mirror_direction(s), gray((double)m->clearcoat * coat_reflects(nv)));
     if (smooth) add_beam(&out, mirror_direction(s), scale_f64(below, blend(f.dielectric, f.metal, metallic)));

@@ -154,6 +154,33 @@ static bvh_item item_of(const reference_scene *r, uint32_t primitive) {
     return item;
 }
 
+/* Around the items that one place has from here on; next: the first of another. */
+static reference_lamp lamp_of(const reference_scene *r, uint32_t first, uint32_t count, uint32_t *next) {
+    const reference_primitive *p = &r->primitives.items[r->items[first].id];
+    scene_bounds b = bounds_empty();
+    uint32_t i = first;
+    for (; i < count && r->primitives.items[r->items[i].id].place == p->place; ++i) {
+        bounds_add(&b, color_of(r->items[i].lower));
+        bounds_add(&b, color_of(r->items[i].upper));
+    }
+    *next = i;
+    const vec3_f64 size = sub_f64(b.upper, b.lower);
+    return (reference_lamp){blend(b.lower, b.upper, 0.5),
+                            0.5 * (p->kind == SCENE_SPHERE ? largest(size) : length_f64(size))};
+}
+
+/* Before the items are put into a tree: those of one place follow each other. */
+static bool find_lamps(reference_scene *r, uint32_t count) {
+    for (uint32_t i = 0, next; i < count; i = next) {
+        const uint32_t place = r->primitives.items[r->items[i].id].place;
+        const reference_lamp lamp = lamp_of(r, i, count, &next);
+        const fathom_material *m = &r->scene->materials.items[r->places.items[place].material].value;
+        if (largest(reference_emission(m)) > 0 && !array_push(&r->lamps, lamp)) return false;
+    }
+    if (r->lamps.count > REFERENCE_LAMPS) r->lamps.count = 0;
+    return true;
+}
+
 static fathom_status build_tree(reference_scene *r) {
     r->items = malloc((r->primitives.count + 1) * sizeof *r->items);
     if (!r->items) return fail_memory(r->scene->context, r->primitives.count * sizeof *r->items);
@@ -161,6 +188,7 @@ static fathom_status build_tree(reference_scene *r) {
     for (uint32_t i = 0; i < r->primitives.count; ++i) {
         if (r->primitives.items[i].kind != SCENE_PLANE) r->items[count++] = item_of(r, i);
     }
+    if (!find_lamps(r, count)) return fail_memory(r->scene->context, count * sizeof *r->lamps.items);
     const bvh_build build = {.context = r->scene->context};
     return bvh_tree_build(&build, r->items, count, &r->tree);
 }

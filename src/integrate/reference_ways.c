@@ -1,0 +1,147 @@
+/* Directions that paths of the reference take by chance: by the cosine on either side, by half vectors of
+ * rough facets, or towards a lamp. All of them may lead to one direction, whose density is their sum (Veach
+ * 1997, one-sample model): a direction that any of them finds often never has a small density. */
+#include "integrate/reference_inner.h"
+#include "math/frame.h"
+
+vec3_f64 reference_around(vec3_f64 axis, double cosine, reference_random *random) {
+    const frame_f64 f = frame_from((vec3_f64){0, 0, 0}, axis, (vec3_f64){0, 0, 0});
+    const double angle = 2 * PI * reference_uniform(random), sine = sqrt(fmax(1 - cosine * cosine, 0));
+    const vec3_f64 flat = madd_f64(scale_f64(sine * cos(angle), f.x), sine * sin(angle), f.y);
+    return normalize_f64(madd_f64(flat, cosine, f.z));
+}
+
+enum { FRONT, BACK, FACETS, THROUGH, COAT, LAMPS, WAYS };
+
+/* The part of all directions that go to lamps where there are some. */
+#define TO_LAMPS 0.4
+
+static void share_out(const reference_scene *r, const reference_scatter *all, double shares[WAYS]) {
+    const double parts[WAYS] = {all->front, all->back, all->facets, all->through, all->coat, 0};
+    const double lamps = r->lamps.count ? TO_LAMPS : 0;
+    double sum = 0;
+    for (int k = 0; k < WAYS; ++k) sum += parts[k];
+    for (int k = 0; k < WAYS; ++k) shares[k] = sum > 0 ? (1 - lamps) * parts[k] / sum : 0;
+    shares[LAMPS] = sum > 0 ? lamps : 0;
+}
+
+/* ---- facets ---- */
+
+typedef struct alphas {
+    double along, across;
+} alphas;
+
+static alphas alphas_of(const fathom_material *m, bool coat) {
+    const double rough = (double)m->clearcoat_roughness;
+    return coat ? (alphas){rough * rough, rough * rough}
+                : (alphas){reference_alpha_along(m), reference_alpha(m)};
+}
+
+/* As many as GGX has, by their slopes. */
+static vec3_f64 half_vector(const reference_surface *s, alphas a, reference_random *random) {
+    const double u = reference_uniform(random), angle = 2 * PI * reference_uniform(random),
+                 slope = sqrt(u / (1 - u));
+    const vec3_f64 b = cross_f64(s->normal, s->along);
+    const vec3_f64 flat =
+        madd_f64(scale_f64(a.along * slope * cos(angle), s->along), a.across * slope * sin(angle), b);
+    return normalize_f64(add_f64(flat, s->normal));
+}
+
+/* D (n·h): the density of a half vector. */
+static double half_density(const reference_surface *s, alphas a, vec3_f64 h) {
+    const double x = dot_f64(h, s->along) / a.along,
+                 y = dot_f64(h, cross_f64(s->normal, s->along)) / a.across;
+    const double z = dot_f64(h, s->normal), square = x * x + y * y + z * z;
+    return z > 0 ? z / (PI * a.along * a.across * square * square) : 0;
+}
+
+/* l on the other side of a thin wall. */
+static vec3_f64 across_wall(const reference_surface *s, vec3_f64 l) {
+    return madd_f64(l, -2 * dot_f64(l, s->normal), s->normal);
+}
+
+/* False: the facet sends nothing to the side that is asked for, where alone the densities below count it. */
+static bool by_facet(const reference_surface *s, bool coat, bool through, reference_random *random,
+                     vec3_f64 *out) {
+    const vec3_f64 h = half_vector(s, alphas_of(s->material, coat), random);
+    const double vh = dot_f64(s->to_viewer, h);
+    const bool bends = through && reference_refracts(s->material);
+    if (!(vh > 0) || (bends && reference_far_cosine(vh, s->turn) < 0)) return false;
+    *out = reference_mirrored(s->to_viewer, h);
+    if (through) *out = bends ? reference_refracted(s->to_viewer, h, s->turn) : across_wall(s, *out);
+    return dot_f64(*out, s->normal) * (through ? -1 : 1) > 0;
+}
+
+static double mirror_density(const reference_surface *s, alphas a, vec3_f64 l) {
+    const vec3_f64 h = normalize_f64(add_f64(s->to_viewer, l));
+    const double vh = dot_f64(s->to_viewer, h);
+    return vh > 0 ? half_density(s, a, h) / (4 * vh) : 0;
+}
+
+/* A half vector turns by |l·h| ratio^2 / (v·h + ratio l·h)^2 of the refracted direction's turn (Walter et al.
+ * 2007). */
+static double through_density(const reference_surface *s, alphas a, vec3_f64 l) {
+    if (!reference_refracts(s->material)) return mirror_density(s, a, across_wall(s, l));
+    vec3_f64 h = normalize_f64(madd_f64(s->to_viewer, s->turn, l));
+    if (dot_f64(h, s->normal) < 0) h = neg_f64(h);
+    const double vh = dot_f64(h, s->to_viewer), lh = dot_f64(h, l), sum = vh + s->turn * lh;
+    return vh > 0 && lh < 0 ? half_density(s, a, h) * -lh * s->turn * s->turn / (sum * sum) : 0;
+}
+
+/* ---- lamps: the cone that the ball around one fills, or all directions from inside of it ---- */
+
+static double least_cosine(const reference_lamp *lamp, vec3_f64 point, vec3_f64 *axis) {
+    const vec3_f64 way = sub_f64(lamp->center, point);
+    const double sine = lamp->radius / length_f64(way);
+    *axis = normalize_f64(way);
+    return sine < 1 ? sqrt((1 - sine) * (1 + sine)) : -1;
+}
+
+static vec3_f64 to_lamp(const reference_scene *r, const reference_surface *s, reference_random *random) {
+    vec3_f64 axis;
+    const size_t k = (size_t)(reference_uniform(random) * (double)r->lamps.count);
+    const double least = least_cosine(&r->lamps.items[k], s->point, &axis);
+    return reference_around(axis, 1 - (1 - least) * reference_uniform(random), random);
+}
+
+static double lamps_density(const reference_scene *r, const reference_surface *s, vec3_f64 l) {
+    double sum = 0;
+    for (size_t k = 0; k < r->lamps.count; ++k) {
+        vec3_f64 axis;
+        const double least = least_cosine(&r->lamps.items[k], s->point, &axis);
+        if (dot_f64(axis, l) >= least) sum += 1 / (2 * PI * (1 - least));
+    }
+    return sum / fmax((double)r->lamps.count, 1);
+}
+
+/* ---- all of them ---- */
+
+static double density_of(const reference_scene *r, const reference_surface *s, const double shares[WAYS],
+                         vec3_f64 l) {
+    const double nl = dot_f64(s->normal, l);
+    double sum = (nl > 0 ? shares[FRONT] : shares[BACK]) * fabs(nl) / PI;
+    const alphas base = alphas_of(s->material, false), coat = alphas_of(s->material, true);
+    if (shares[FACETS] > 0 && nl > 0) sum += shares[FACETS] * mirror_density(s, base, l);
+    if (shares[THROUGH] > 0 && nl < 0) sum += shares[THROUGH] * through_density(s, base, l);
+    if (shares[COAT] > 0 && nl > 0) sum += shares[COAT] * mirror_density(s, coat, l);
+    if (shares[LAMPS] > 0) sum += shares[LAMPS] * lamps_density(r, s, l);
+    return sum;
+}
+
+double reference_choose(const reference_scene *r, const reference_surface *s, const reference_scatter *all,
+                        reference_random *random, vec3_f64 *out) {
+    double shares[WAYS], pick = reference_uniform(random);
+    int way = 0;
+    share_out(r, all, shares);
+    while (way < WAYS - 1 && pick >= shares[way]) pick -= shares[way++];
+    if (way == FRONT || way == BACK) {
+        const vec3_f64 axis = way == FRONT ? s->normal : neg_f64(s->normal);
+        *out = reference_around(axis, sqrt(1 - reference_uniform(random)), random);
+    } else if (way == LAMPS) {
+        if (!(shares[LAMPS] > 0)) return 0;
+        *out = to_lamp(r, s, random);
+    } else if (!by_facet(s, way == COAT, way == THROUGH, random, out)) {
+        return 0;
+    }
+    return density_of(r, s, shares, *out);
+}
