@@ -1,12 +1,9 @@
 """Path tracing against the reference integrator: every small scene of scenes/ by both, compared by Welch's test of means
 of cells, corrected for all of them (Šidák). Prints a row for each scene: the difference of all light in parts of it, its
-standard error, and the p-value over the scene's cells. Scenes that the reference refuses are named. It samples by the cosine
-alone, so that sharp lobes would need too many samples before their errors are known: rough materials get a roughness of ROUGH
-at least, and solids that refract become smooth.
-usage: python3 tests/light_pairs.py FATHOM [ERROR] [TEXT] [ROUGH]
+standard error, and the p-value over the scene's cells. Scenes that the reference refuses are named.
+usage: python3 tests/light_pairs.py FATHOM [ERROR] [TEXT]
   ERROR  the relative standard error to aim at, by some 4 / ERROR^2 samples (0.003)
   TEXT   only scenes whose names hold it
-  ROUGH  the least roughness but 0 (0.5)
 Exit code 1: a scene differs, one run in 500 by chance."""
 import json
 import os
@@ -26,15 +23,9 @@ def scenes(text):
                 yield os.path.normpath(os.path.join(folder, name))
 
 
-def prepare(path, rough):
+def prepare(path):
     with open(path, encoding="utf-8") as file:
         scene = json.load(file)
-    for material in scene.get("materials", {}).values():
-        for key in ("roughness", "clearcoatRoughness"):
-            if material.get(key, 0) > 0:
-                material[key] = max(material[key], rough)
-        if material.get("transmission", 0) > 0 and material.get("thickness", 0) > 0:
-            material["roughness"] = 0
     image = scene.setdefault("image", {})
     image["integrator"] = "path"
     image["maxDepth"] = min(image.get("maxDepth", 16), 16)
@@ -51,14 +42,14 @@ def compare(fathom, path, error, result):
         return json.load(file)
 
 
-def main(fathom, error="0.003", text="", rough="0.5"):
+def main(fathom, error="0.003", text=""):
     fathom, names, worst = os.path.abspath(fathom), list(scenes(text)), {}
     print("| scene | path less reference | ± | p |\n|---|---|---|---|")
     with tempfile.TemporaryDirectory() as work:
         shutil.copytree(os.path.join(here, "scenes"), os.path.join(work, "scenes"))
         for name in names:
             path = os.path.join(work, "scenes", name)
-            prepare(path, float(rough))
+            prepare(path)
             found = compare(fathom, path, error, os.path.join(work, "result.json"))
             if isinstance(found, str):
                 print(f"| {name} | refused: {found} | | |", flush=True)
