@@ -18,6 +18,10 @@ typedef struct read_mesh_options {
  * outside the allowed folder; the caller adds the place to the message. */
 fathom_status read_beside(fathom_scene *scene, const char *base, const char *name, char **out);
 
+/* The same for an image: where it names no file that may be read, one of its last part's name next to `base`,
+ * because paths of another computer lead nowhere here. *out NULL without a failure: there is none. */
+fathom_status read_image_beside(fathom_scene *scene, const char *base, const char *name, char **out);
+
 /* The curve of sRGB, for a number in [0,1] of a vertex colour: files hold what screens show. */
 static inline float read_linear(double srgb) {
     return (float)(srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4));

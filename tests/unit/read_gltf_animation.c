@@ -38,6 +38,27 @@ static void translations_follow_their_interpolation(void **state) {
     assert_moved(f, 3, 6);
 }
 
+/* KHR_animation_pointer: to a node's part it is as the node's own channel; other pointers are told. */
+static void pointers_to_nodes_are_followed(void **state) {
+    static const char *const pointers[] = {"/nodes/0/translation", "/materials/0/alphaCutoff"};
+    fixture *f = *state;
+    for (int i = 0; i < 2; ++i) {
+        build b = {.size = 0};
+        const int times = PUT_FLOATS(&b, "SCALAR", 2, 1, 3),
+                  values = PUT_FLOATS(&b, "VEC3", 2, 2, 0, 0, 6, 0, 0),
+                  positions = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE);
+        build_write(f, &b,
+                    "'meshes':[{'primitives':[{'attributes':{'POSITION':%d}}]}],'nodes':[{'mesh':0}],"
+                    "'extensionsRequired':['KHR_animation_pointer'],'animations':[{'samplers':[{'input':%d,"
+                    "'output':%d}],'channels':[{'sampler':0,'target':{'path':'pointer','extensions':{"
+                    "'KHR_animation_pointer':{'pointer':'%s'}}}}]}]",
+                    positions, times, values, pointers[i]);
+        assert_moved(f, 2, i == 0 ? 4 : 0);
+        assert_int_equal(f->warnings, i);
+    }
+    assert_non_null(strstr(f->warning, "target.path: the animation of \"pointer\" is not followed (1 such)"));
+}
+
 /* Three values a key; the spline through (0, 1) and (2, 5) with slopes 3 and -1. Hermite's cubic has these
  * values and slopes at its ends, and no other cubic does. */
 static void cubic_splines_have_the_slopes_of_their_tangents(void **state) {
@@ -316,6 +337,7 @@ int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
         TEST(translations_follow_their_interpolation),
+        TEST(pointers_to_nodes_are_followed),
         TEST(cubic_splines_have_the_slopes_of_their_tangents),
         TEST(rotations_turn_evenly_the_shorter_way),
         TEST(halving_an_arc_is_slerp_to_the_last_bits),

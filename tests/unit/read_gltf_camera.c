@@ -107,17 +107,22 @@ static void one_of_several_is_taken_and_said(void **state) {
     fathom_scene_destroy(scene);
 }
 
-/* A camera that is not taken does no harm, whatever it says. */
+/* A camera that is not taken does no harm, whatever it says. Taken, a view that is none is one of 45 degrees.
+ */
 static void only_the_taken_camera_is_read(void **state) {
     fixture *f = *state;
     fathom_scene *scene;
     write_triangle(f, WITH_DATA(TRIANGLE_MESH ",'cameras':[{'type':'perspective','perspective':{'yfov':1}},"
-                                              "{'type':'perspective','perspective':{'yfov':-1}}],"
+                                              "{'type':'perspective','perspective':{'yfov':4}}],"
                                               "'nodes':[{'mesh':0,'camera':0},{'name':'bad','camera':1}]"));
     assert_ok(f->context, read_asked(f, "0", 0, 0, &scene));
+    assert_int_equal(f->warnings, 0);
     fathom_scene_destroy(scene);
-    assert_fails(f->context, read_asked(f, "bad", 0, 0, &scene), FATHOM_BAD_INPUT,
-                 "cameras[1].perspective.yfov");
+    assert_ok(f->context, read_asked(f, "bad", 0, 0, &scene));
+    assert_int_equal(f->warnings, 1);
+    assert_non_null(strstr(f->warning, "cameras[1].perspective.yfov: expected radians between 0 and pi"));
+    assert_near(scene->camera.h, 2 * tan(0.39269908169872414), 1e-15);
+    fathom_scene_destroy(scene);
 }
 
 static void the_image_follows_the_camera(void **state) {

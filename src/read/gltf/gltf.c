@@ -42,8 +42,12 @@ static bool is_known(const char *name) {
         "KHR_materials_diffuse_transmission|KHR_mesh_quantization|KHR_materials_variants|"
         "EXT_meshopt_compression|KHR_draco_mesh_compression|"
         "EXT_mesh_gpu_instancing|KHR_materials_pbrSpecularGlossiness|KHR_node_visibility|"
-        "KHR_texture_transform|EXT_texture_webp|EXT_texture_avif";
-    return words_find(names, name, strlen(name)) >= 0;
+        "KHR_texture_transform|EXT_texture_webp|EXT_texture_avif|MSFT_texture_dds|KHR_animation_pointer";
+    /* Facts about things, which no image shows. */
+    static const char facts[] =
+        "KHR_xmp|KHR_xmp_json_ld|KHR_node_selectability|KHR_node_hoverability|EXT_mesh_features|"
+        "EXT_instance_features|EXT_structural_metadata|EXT_mesh_manifold|FB_geometry_metadata";
+    return words_find(names, name, strlen(name)) >= 0 || words_find(facts, name, strlen(name)) >= 0;
 }
 
 /* FATHOM_BAD_INPUT when the file requires an extension that is not followed. */
@@ -79,7 +83,7 @@ static void note_of(gltf *g, const gltf_value *holder) {
     }
 }
 
-/* Notes the extensions that are used and not followed. The parser limits the depth. */
+/* Notes the extensions that are used and not followed, and null. The parser limits the depth. */
 static void note_extensions(gltf *g, const gltf_value *v) {
     if (json_is_object(v->json)) {
         const char *key;
@@ -87,6 +91,8 @@ static void note_extensions(gltf *g, const gltf_value *v) {
         json_object_foreach(v->json, key, value) {
             const gltf_value member = {.json = value, .parent = v, .key = key};
             if (strcmp(key, "extensions") == 0) note_of(g, &member);
+            if (json_is_null(value))
+                gltf_note(g, &member, NULL, "null, which is against the format, is taken as nothing");
             if (strcmp(key, "extras") != 0) note_extensions(g, &member);
         }
     }

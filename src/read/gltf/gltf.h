@@ -158,8 +158,8 @@ typedef struct gltf {
 #define GLTF_ABSENT UINT32_MAX       /* no index given */
 
 /* ---- gltf_json.c ----
- * Getters leave *out, which holds the default, if the member is absent. They fail with FATHOM_BAD_INPUT and
- * the place: "file:3: meshes[2].name: is a number; expected a string".
+ * Getters leave *out, which holds the default, if the member is absent or null. They fail with
+ * FATHOM_BAD_INPUT and the place: "file:3: meshes[2].name: is a number; expected a string".
  *
  * Failures are kept in g->status: readers go on with the defaults, which are empty, and ask gltf_fine()
  * before they use an index, call the scene or begin a long loop. */
@@ -193,7 +193,6 @@ void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *forma
 void gltf_note_all(gltf *g, const gltf_value *array, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-gltf_value gltf_member(const gltf_value *parent, const char *key);
 fathom_status gltf_object(gltf *g, const gltf_value *parent, const char *key, gltf_value *out);
 fathom_status gltf_array(gltf *g, const gltf_value *parent, const char *key, gltf_value *out);
 /* Item `index` of an array, which must be an object. */
@@ -203,15 +202,15 @@ fathom_status gltf_extension(gltf *g, const gltf_value *parent, const char *name
                              gltf_value *out);
 size_t gltf_count(const gltf_value *array);
 
-/* In [lowest, highest]. */
+/* In [lowest, highest]; of another number the nearest one there, which is noted. */
 fathom_status gltf_number(gltf *g, const gltf_value *parent, const char *key, double lowest, double highest,
                           double *out);
-/* Exactly n numbers, each in [lowest, highest]. */
+/* The same for exactly n numbers. */
 fathom_status gltf_numbers(gltf *g, const gltf_value *parent, const char *key, size_t n, double lowest,
                            double highest, double *out);
 fathom_status gltf_integer(gltf *g, const gltf_value *parent, const char *key, uint64_t lowest,
                            uint64_t highest, uint64_t *out);
-/* An index into `into`. */
+/* An index into `into`; -1 is taken as none, which is noted. */
 fathom_status gltf_index(gltf *g, const gltf_value *parent, const char *key, const gltf_value *into,
                          uint32_t *out);
 /* The same for item i of an array of indices. */
@@ -230,8 +229,8 @@ void gltf_buffer_share(gltf *g, gltf_buffer *buffer);
 /* True when it is a data URI; its bytes, which belong to the scene. */
 bool gltf_is_data(const char *uri);
 void gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out);
-/* The path of the file that a uri names; release it with free(). NULL: there is no such file. */
-char *gltf_file_path(gltf *g, const gltf_value *at, const char *uri);
+/* The path of the image that a uri names; release it with free(). NULL: there is none, which is noted. */
+char *gltf_image_path(gltf *g, const gltf_value *at, const char *uri);
 
 /* ---- gltf_view.c ---- */
 
@@ -291,6 +290,8 @@ const gltf_pose *gltf_pose_of(const gltf_moment *m, uint32_t node);
 /* g->parents must have no cycle. */
 affine_f64 gltf_node_world(gltf *g, gltf_moment *m, uint32_t node);
 affine_f64 gltf_compose(double parts[GLTF_PARTS][4]);
+/* The last row of an affine matrix: 0 0 0 1, up to rounding. */
+void gltf_check_row(gltf *g, const gltf_value *at, const char *key, const double row[4]);
 /* True when a quaternion is not zero. */
 bool gltf_is_rotation(const double r[4]);
 

@@ -221,16 +221,17 @@ static unsigned components_of(const char *type) {
                : 0;
 }
 
-/* All but where the elements are. */
+/* All but where the elements are. A count of 0 is against the format: some writers leave empty ones. */
 static void open_head(gltf *g, const gltf_value *at, accessor *out) {
     const char *type = "";
-    uint64_t count = 0;
+    uint64_t count = UINT64_MAX;
     read_component_type(g, at, &out->type);
     gltf_text(g, at, "type", &type);
     /* Vertex ids have 32 bits, and the last one means none. */
-    gltf_integer(g, at, "count", 1, UINT32_MAX - 1, &count);
+    gltf_integer(g, at, "count", 0, UINT32_MAX - 1, &count);
     gltf_flag(g, at, "normalized", &out->normalized);
-    if (!count) gltf_fail(g, at, "count", "is missing; expected the number of elements");
+    if (count == UINT64_MAX) gltf_fail(g, at, "count", "is missing; expected the number of elements");
+    if (!count) gltf_note(g, at, "count", "an accessor without elements, which is against the format");
     out->count = (uint32_t)count;
     out->components = components_of(type);
     if (!out->components)
@@ -326,17 +327,44 @@ static void make_array(gltf *g, const gltf_value *user, const char *key, const a
     out->values = memory, out->stride = packed;
 }
 
+/* True for what shades and does not place: without a value there is still a surface. */
+static bool is_look(const char *key) {
+    return strncmp(key, "NORMAL", 6) == 0 || strncmp(key, "TANGENT", 7) == 0 ||
+           strncmp(key, "TEXCOORD_", 9) == 0 || strncmp(key, "COLOR_", 6) == 0;
+}
+
+/* Zeros for what is no finite number: exporters divide by the length of nothing. */
+static void mend_look(gltf *g, const gltf_value *user, const char *key, unsigned components,
+                      gltf_elements *made) {
+    const size_t row = components * sizeof(float);
+    void *memory;
+    if (gltf_allocate(g, user, key, made->count * (uint64_t)row, &memory) != FATHOM_OK) return;
+    float *to = memory;
+    for (uint32_t i = 0; i < made->count; ++i) {
+        const float *from = mesh_row(made->values, made->stride, i);
+        for (unsigned c = 0; c < components; ++c)
+            to[i * (size_t)components + c] = isfinite(from[c]) ? from[c] : 0;
+    }
+    made->values = memory, made->stride = row;
+    gltf_note(g, user, key, "a NaN or an infinity in %s, which is against the format, is taken as 0", key);
+}
+
+static fathom_status look_at_floats(gltf *g, unsigned components, gltf_elements *made) {
+    if (components == 3)
+        return mesh_look_at_vertices(g->context, "entry", made->values, made->stride, made->count,
+                                     &made->facts);
+    return mesh_check_finite(g->context, "entry", made->values, made->stride, components, made->count);
+}
+
 /* Keeps what was made for the accessor; floats are looked at first. */
 static void keep_array(gltf *g, const gltf_value *user, const char *key, bool integers, unsigned components,
                        gltf_elements *made, gltf_elements *kept) {
-    if (gltf_fine(g) && !integers && components == 3)
-        gltf_within(g, user, key,
-                    mesh_look_at_vertices(g->context, "entry", made->values, made->stride, made->count,
-                                          &made->facts));
-    else if (gltf_fine(g) && !integers)
-        gltf_within(
-            g, user, key,
-            mesh_check_finite(g->context, "entry", made->values, made->stride, components, made->count));
+    fathom_status status = gltf_fine(g) && !integers ? look_at_floats(g, components, made) : g->status;
+    if (status == FATHOM_BAD_INPUT && gltf_fine(g) && is_look(key)) {
+        mend_look(g, user, key, components, made);
+        status = gltf_fine(g) ? look_at_floats(g, components, made) : g->status;
+    }
+    gltf_within(g, user, key, status);
     if (gltf_fine(g)) *kept = *made;
 }
 
@@ -349,8 +377,13 @@ bool gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned 
     *out = (gltf_elements){.values = NULL};
     if (!find_accessor(g, user, key, &index, &at, &from)) return false;
     gltf_elements *kept = &g->array_table[index][integers];
-    if (!kept->values) open_elements(g, &at, &from);
     check_kind(g, user, key, index, components, takes, &from);
+    if (!from.count) return gltf_fine(g);
+    if (strncmp(key, "COLOR_", 6) == 0 && from.type != GLTF_FLOAT && !from.normalized) {
+        gltf_note(g, &at, NULL, "colours in whole numbers have to be normalized, and are taken so");
+        from.normalized = true;
+    }
+    if (!kept->values) open_elements(g, &at, &from);
     if (gltf_fine(g) && !kept->values) {
         make_array(g, user, key, &from, integers, out);
         keep_array(g, user, key, integers, components, out, kept);

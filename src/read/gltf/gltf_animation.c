@@ -140,7 +140,7 @@ static void read_sampler(gltf *g, const gltf_value *samplers, uint32_t index, in
     const bool times = gltf_array_read(g, &s->at, "input", 1, GLTF_TAKES_FLOAT, &s->times),
                values = gltf_array_read(g, &s->at, "output", (unsigned)s->per_key, GLTF_TAKES_QUANTIZED,
                                         &s->values);
-    if (!times || !values)
+    if (!times || !values || !s->times.count)
         gltf_fail(g, &s->at, NULL, "is not whole; expected input and output, indices into accessors");
     if (gltf_fine(g)) check_times(g, s);
     if (gltf_fine(g)) check_values(g, s);
@@ -177,6 +177,20 @@ static void pose_part(gltf *g, const sampler *s, double t, int part, gltf_pose *
         gltf_fail(g, &s->at, "output", "is a rotation of zero at %g s; expected unit quaternions", t);
 }
 
+/* KHR_animation_pointer: "/nodes/3/rotation" is as the node and the path would be. */
+static void follow_pointer(gltf *g, const gltf_value *target, uint32_t *node, const char **path) {
+    static const char nodes[] = "/nodes/";
+    gltf_value holder, at;
+    const char *pointer = "";
+    gltf_extension(g, target, "KHR_animation_pointer", &holder, &at);
+    gltf_text(g, &at, "pointer", &pointer);
+    if (!gltf_fine(g) || strncmp(pointer, nodes, strlen(nodes)) != 0) return;
+    char *end;
+    const unsigned long index = strtoul(pointer + strlen(nodes), &end, 10);
+    if (*end != '/' || index >= gltf_count(&g->nodes)) return;
+    *node = (uint32_t)index, *path = end + 1;
+}
+
 /* GLTF_PARTS: weights; -1, and noted: nothing that is followed. */
 static int find_path(gltf *g, const gltf_value *target, const char *path) {
     for (int i = 0; i < GLTF_PARTS; ++i) {
@@ -211,6 +225,7 @@ static void pose_channel(gltf *g, gltf_moment *m, const gltf_value *samplers, co
     gltf_object(g, channel, "target", &target);
     gltf_text(g, &target, "path", &path);
     gltf_index(g, &target, "node", &g->nodes, &node);
+    if (strcmp(path, "pointer") == 0) follow_pointer(g, &target, &node, &path);
     gltf_index(g, channel, "sampler", samplers, &index);
     if (index == GLTF_ABSENT) gltf_fail(g, channel, "sampler", "is missing; expected an index into samplers");
     if (!gltf_fine(g)) return;

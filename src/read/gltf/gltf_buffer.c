@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
 
 /* ---- the file ---- */
 
@@ -25,12 +24,26 @@ static uint32_t word_at(const unsigned char *bytes, size_t at) {
          fail_at((g)->context, FATHOM_BAD_INPUT,                                                             \
                  &(const fathom_place){.file = (g)->path, .has_byte = true, .byte = position}, __VA_ARGS__))
 
+/* Other programs take the last of two equal keys. */
+static void parse_with_equal_keys(gltf *g, const char *text, size_t size, json_error_t *error) {
+    char place[32] = "";
+    if (!g->text_at) snprintf(place, sizeof place, ":%d", error->line);
+    notes_add(&g->notes, 1, place, "an object has a key twice, which is against the format; the last counts");
+    g->root.json = json_arena_read(&g->arena, text, size, 0, error);
+}
+
 /* `at`: where the text begins in a GLB; 0 for a .gltf file. */
-static void parse_json(gltf *g, const char *text, size_t size, size_t at) {
+static void parse_json(gltf *g, const char *begin, size_t size, size_t at) {
     json_error_t error;
+    /* A byte order mark is against the standard but harmless. So are zeros at the end, with which some
+     * writers pad. */
+    const char *text = text_after_mark(begin, begin + size), *end = begin + size;
+    while (end > text && end[-1] == 0) --end;
+    size = (size_t)(end - text), at += at ? (size_t)(text - begin) : 0;
     g->text = text, g->text_at = at;
-    /* Duplicate keys are an error: which of them counts would be a guess. */
     g->root = (gltf_value){.json = json_arena_read(&g->arena, text, size, JSON_REJECT_DUPLICATES, &error)};
+    if (!g->arena.lacked && !g->root.json && json_error_code(&error) == json_error_duplicate_key)
+        parse_with_equal_keys(g, text, size, &error);
     if (g->arena.lacked)
         gltf_fail_memory(g, size);
     else if (!g->root.json && at)
@@ -83,8 +96,6 @@ static void read_chunks(gltf *g, const file_map *map) {
         at = data + size;
     }
     if (!gltf_fine(g)) return;
-    /* The standard pads with spaces, older writers with zeros, which no JSON parser takes. */
-    while (json_size && map->bytes[json_at + json_size - 1] == 0) --json_size;
     parse_json(g, (const char *)map->bytes + json_at, json_size, json_at);
 }
 
@@ -102,7 +113,6 @@ void gltf_open(gltf *g) {
                           : fail_memory(g->context, sizeof *g->source);
     if (!gltf_fine(g)) return;
     const file_map *map = &g->source->map;
-    const char *end = (const char *)map->bytes + map->size;
     g->file_bytes = map->size;
     file_extension(g->path, extension);
     if (map->size >= 4 && memcmp(map->bytes, "glTF", 4) == 0) {
@@ -110,9 +120,7 @@ void gltf_open(gltf *g) {
     } else if (strcmp(extension, "glb") == 0) {
         fail_byte(g, 0, "expected the magic number \"glTF\" of a binary glTF file");
     } else {
-        /* A byte order mark is against the standard but harmless. */
-        const char *text = text_after_mark((const char *)map->bytes, end);
-        parse_json(g, text, (size_t)(end - text), 0);
+        parse_json(g, (const char *)map->bytes, map->size, 0);
     }
 }
 
@@ -189,30 +197,30 @@ static bool has_scheme(const char *uri) {
     return colon && (!slash || colon < slash);
 }
 
-/* Wherever the file is; NULL: reading has failed. */
-static char *path_of(gltf *g, const gltf_value *at, const char *uri) {
+/* The path of the file that a uri names; NULL: there is none, or reading has failed. */
+static char *path_of(gltf *g, const gltf_value *at, const char *uri,
+                     fathom_status (*find)(fathom_scene *, const char *, const char *, char **)) {
     char *path = NULL, *name = strdup(uri);
-    if (has_scheme(uri)) {
-        gltf_fail(g, at, "uri", "is \"%.80s\"; expected a file next to this one or a data URI", uri);
-    } else if (!name) {
-        gltf_fail_memory(g, strlen(uri));
-    } else if (gltf_fine(g)) {
+    if (!name) gltf_fail_memory(g, strlen(uri));
+    if (gltf_fine(g)) {
         decode_percent(name);
-        gltf_within(g, at, "uri", read_beside(g->scene, g->path, name, &path));
+        gltf_within(g, at, "uri", find(g->scene, g->path, name, &path));
     }
     free(name);
     return path;
 }
 
-char *gltf_file_path(gltf *g, const gltf_value *at, const char *uri) {
-    char *path = path_of(g, at, uri);
-    if (!path || access(path, F_OK) == 0) return path;
-    free(path);
-    return NULL;
+char *gltf_image_path(gltf *g, const gltf_value *at, const char *uri) {
+    char *path = path_of(g, at, uri, read_image_beside);
+    if (!path && gltf_fine(g))
+        gltf_note(g, at, "uri", "there is no such file that may be read; it is left out");
+    return path;
 }
 
 static void load_file(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
-    char *path = path_of(g, at, uri);
+    if (has_scheme(uri))
+        gltf_fail(g, at, "uri", "is \"%.80s\"; expected a file next to this one or a data URI", uri);
+    char *path = path_of(g, at, uri, read_beside);
     if (!path) return;
     gltf_source *source = calloc(1, sizeof *source);
     if (source)
@@ -243,19 +251,23 @@ static void load(gltf *g, const gltf_value *at, gltf_buffer *out) {
         *out = (gltf_buffer){g->binary, g->binary_size, g->source, false};
 }
 
+/* Views are held to the bytes that there are, whatever the file says that there should be. */
+static void check_length(gltf *g, const gltf_value *at, const gltf_buffer *buffer) {
+    uint64_t size = 0;
+    gltf_integer(g, at, "byteLength", 0, INT64_MAX, &size);
+    if (!json_object_get(at->json, "byteLength"))
+        gltf_note(g, at, "byteLength", "a buffer's length is missing; all its bytes count");
+    else if (buffer->size < size && gltf_fine(g))
+        gltf_note(g, at, "byteLength", "a buffer has fewer bytes than it says: it may be cut short");
+}
+
 fathom_status gltf_buffer_load(gltf *g, uint32_t index, gltf_buffer **out) {
     gltf_value at;
-    uint64_t size = 0;
     gltf_buffer *buffer = *out = &g->buffer_table[index];
     if (!gltf_fine(g) || buffer->bytes) return g->status;
     gltf_item(g, &g->buffers, index, &at);
-    gltf_integer(g, &at, "byteLength", 1, INT64_MAX, &size);
-    if (!size) gltf_fail(g, &at, "byteLength", "is missing; expected the buffer's size");
     if (gltf_fine(g)) load(g, &at, buffer);
-    if (buffer->size < size)
-        gltf_fail(g, &at, "byteLength", "is %llu; there are only %llu bytes: the data is cut short",
-                  (unsigned long long)size, (unsigned long long)buffer->size);
-    if (gltf_fine(g)) buffer->size = size;
+    if (gltf_fine(g)) check_length(g, &at, buffer);
     return g->status;
 }
 

@@ -70,10 +70,10 @@ static void read_perspective(gltf *g, const gltf_value *camera, double *high, do
     gltf_object(g, camera, "perspective", &perspective);
     gltf_number(g, &perspective, "yfov", 0, INFINITY, &fovy);
     gltf_number(g, &perspective, "aspectRatio", 0, INFINITY, aspect);
-    if (!(fovy > 0 && fovy < pi))
-        gltf_fail(g, &perspective, "yfov", "is %g; expected radians between 0 and pi", fovy);
-    if (json_object_get(perspective.json, "aspectRatio") && !(*aspect > 0))
-        gltf_fail(g, &perspective, "aspectRatio", "is %g; expected a number > 0", *aspect);
+    if (!(fovy > 0 && fovy < pi)) {
+        gltf_note(g, &perspective, "yfov", "expected radians between 0 and pi; 45 degrees are taken");
+        fovy = pi / 4;
+    }
     *high = 2 * tan(fovy / 2);
 }
 

@@ -83,18 +83,21 @@ static void fail_kind(gltf *g, gltf_value *at, const char *expected) {
     at->json = NULL;
 }
 
-gltf_value gltf_member(const gltf_value *parent, const char *key) {
-    return (gltf_value){.json = json_object_get(parent->json, key), .parent = parent, .key = key};
+/* Some languages write null for members that they have nothing for. */
+static gltf_value member(const gltf_value *parent, const char *key) {
+    gltf_value out = {.json = json_object_get(parent->json, key), .parent = parent, .key = key};
+    if (json_is_null(out.json)) out.json = NULL;
+    return out;
 }
 
 fathom_status gltf_object(gltf *g, const gltf_value *parent, const char *key, gltf_value *out) {
-    *out = gltf_member(parent, key);
+    *out = member(parent, key);
     if (out->json && !json_is_object(out->json)) fail_kind(g, out, "an object");
     return g->status;
 }
 
 fathom_status gltf_array(gltf *g, const gltf_value *parent, const char *key, gltf_value *out) {
-    *out = gltf_member(parent, key);
+    *out = member(parent, key);
     if (out->json && !json_is_array(out->json)) fail_kind(g, out, "an array");
     return g->status;
 }
@@ -119,16 +122,16 @@ static void number_of(gltf *g, gltf_value *v, double lowest, double highest, dou
         fail_kind(g, v, "a number");
     else if (value >= lowest && value <= highest)
         *out = value;
-    else if (isinf(lowest) || isinf(highest))
-        gltf_fail(g, v, NULL, "is %g; expected a number %s %g", value,
-                  isinf(highest) ? ">=" : "<=", isinf(highest) ? lowest : highest);
-    else
-        gltf_fail(g, v, NULL, "is %g; expected a number in [%g, %g]", value, lowest, highest);
+    else {
+        *out = value < lowest ? lowest : highest;
+        gltf_note(g, v, NULL, "%s is out of range: expected a number %s %g; the nearest is taken",
+                  v->key ? v->key : v->parent->key, value < lowest ? ">=" : "<=", *out);
+    }
 }
 
 fathom_status gltf_number(gltf *g, const gltf_value *parent, const char *key, double lowest, double highest,
                           double *out) {
-    gltf_value v = gltf_member(parent, key);
+    gltf_value v = member(parent, key);
     if (v.json) number_of(g, &v, lowest, highest, out);
     return g->status;
 }
@@ -167,7 +170,7 @@ static void integer_of(gltf *g, gltf_value *v, uint64_t lowest, uint64_t highest
 
 fathom_status gltf_integer(gltf *g, const gltf_value *parent, const char *key, uint64_t lowest,
                            uint64_t highest, uint64_t *out) {
-    gltf_value v = gltf_member(parent, key);
+    gltf_value v = member(parent, key);
     if (v.json) integer_of(g, &v, lowest, highest, out);
     return g->status;
 }
@@ -184,8 +187,11 @@ static void index_of(gltf *g, gltf_value *v, const gltf_value *into, uint32_t *o
 
 fathom_status gltf_index(gltf *g, const gltf_value *parent, const char *key, const gltf_value *into,
                          uint32_t *out) {
-    gltf_value v = gltf_member(parent, key);
-    if (v.json) index_of(g, &v, into, out);
+    gltf_value v = member(parent, key);
+    if (json_is_integer(v.json) && json_integer_value(v.json) == -1)
+        gltf_note(g, &v, NULL, "an index of -1, which is against the format, is taken as none");
+    else if (v.json)
+        index_of(g, &v, into, out);
     return g->status;
 }
 
@@ -197,14 +203,14 @@ fathom_status gltf_index_item(gltf *g, const gltf_value *array, size_t i, const 
 }
 
 fathom_status gltf_text(gltf *g, const gltf_value *parent, const char *key, const char **out) {
-    gltf_value v = gltf_member(parent, key);
+    gltf_value v = member(parent, key);
     if (v.json && !json_is_string(v.json)) fail_kind(g, &v, "a string");
     if (v.json) *out = json_string_value(v.json);
     return g->status;
 }
 
 fathom_status gltf_flag(gltf *g, const gltf_value *parent, const char *key, bool *out) {
-    gltf_value v = gltf_member(parent, key);
+    gltf_value v = member(parent, key);
     if (v.json && !json_is_boolean(v.json)) fail_kind(g, &v, "true or false");
     if (v.json) *out = json_is_true(v.json);
     return g->status;

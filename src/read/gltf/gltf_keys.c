@@ -29,7 +29,7 @@ const gltf_key gltf_keys[] = {
     NUMBER(PBR, "roughnessFactor", roughness, 1, 0, 1),
     IMAGE(PBR, "baseColorTexture", COLOR, -1),
     IMAGE(PBR, "metallicRoughnessTexture", METALLIC, 2),
-    COLOR(CORE, "emissiveFactor", emissive, 0, 1),
+    COLOR(CORE, "emissiveFactor", emissive, 0, 1e30),
     IMAGE(CORE, "emissiveTexture", EMISSIVE, -1),
     IMAGE(CORE, "normalTexture", NORMAL, -1),
     NUMBER(IOR, "ior", ior, 1.5, 0, 1e3),

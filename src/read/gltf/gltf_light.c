@@ -19,14 +19,17 @@
 
 static const double pi = 3.14159265358979324;
 
-static fathom_light_type read_type(gltf *g, const gltf_value *at) {
+/* False, and noted: it is none that is known. */
+static bool read_type(gltf *g, const gltf_value *at, fathom_light_type *out) {
     const char *type = "";
     gltf_text(g, at, "type", &type);
-    if (strcmp(type, "point") == 0) return FATHOM_LIGHT_POINT;
-    if (strcmp(type, "directional") == 0) return FATHOM_LIGHT_DIRECTIONAL;
-    if (strcmp(type, "spot") == 0) return FATHOM_LIGHT_SPOT;
-    gltf_fail(g, at, "type", "is \"%.40s\"; expected point, directional or spot", type);
-    return FATHOM_LIGHT_POINT;
+    *out = strcmp(type, "directional") == 0 ? FATHOM_LIGHT_DIRECTIONAL
+           : strcmp(type, "spot") == 0      ? FATHOM_LIGHT_SPOT
+                                            : FATHOM_LIGHT_POINT;
+    if (*out != FATHOM_LIGHT_POINT || strcmp(type, "point") == 0) return true;
+    gltf_note(g, at, "type", "a light of the type \"%.40s\" is left out; expected point, directional or spot",
+              type);
+    return false;
 }
 
 static void read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
@@ -39,20 +42,24 @@ static void read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
     gltf_number(g, &spot, "outerConeAngle", 0, right_angle, &outer);
     out->inner_angle = (float)inner;
     out->outer_angle = (float)outer;
-    if (!(out->inner_angle < out->outer_angle))
-        gltf_fail(g, &spot, "innerConeAngle", "is %g; expected less than outerConeAngle, %g", inner, outer);
+    if (out->outer_angle > 0 && !(out->inner_angle < out->outer_angle)) {
+        gltf_note(g, &spot, NULL,
+                  "innerConeAngle: expected less than outerConeAngle; the spot has a sharp edge");
+        out->inner_angle = nextafterf(out->outer_angle, 0);
+    }
 }
 
-static void read_light(gltf *g, const gltf_value *at, fathom_light *out) {
+static bool read_light(gltf *g, const gltf_value *at, fathom_light *out) {
     double color[3] = {1, 1, 1}, intensity = 1;
     fathom_light_default(out);
-    out->type = read_type(g, at);
+    if (!read_type(g, at, &out->type)) return false;
     gltf_numbers(g, at, "color", 3, 0, INFINITY, color);
     gltf_number(g, at, "intensity", 0, INFINITY, &intensity);
     if (out->type == FATHOM_LIGHT_SPOT) read_cone(g, at, out);
     for (int i = 0; i < 3; ++i) out->intensity[i] = (float)(color[i] * intensity / pi);
     if (json_object_get(at->json, "range"))
         gltf_note(g, at, "range", "the range of lights is ignored; they fall off for ever");
+    return gltf_fine(g);
 }
 
 void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *way) {
@@ -64,8 +71,7 @@ void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *way) {
     gltf_index(g, &punctual, "light", &g->lights, &index);
     if (index == GLTF_ABSENT) return;
     gltf_item(g, &g->lights, index, &at);
-    read_light(g, &at, &light);
-    if (!gltf_fine(g)) return;
+    if (!read_light(g, &at, &light)) return;
     if (gltf_way_moves(way))
         gltf_note(g, node, NULL,
                   "the light \"%.40s\" moves while the shutter is open, and is not blurred; it stands as "

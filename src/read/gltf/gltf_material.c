@@ -125,7 +125,7 @@ static void read_alpha(gltf *g, const gltf_value *at, draft *d) {
     else if (strcmp(mode, "BLEND") == 0)
         d->alpha = ALPHA_BLEND;
     else if (strcmp(mode, "OPAQUE") != 0)
-        gltf_fail(g, at, "alphaMode", "is \"%.40s\"; expected OPAQUE, MASK or BLEND", mode);
+        gltf_note(g, at, "alphaMode", "\"%.40s\" is none of OPAQUE, MASK and BLEND; OPAQUE is taken", mode);
     if (d->alpha == ALPHA_MASK) d->m.opacity_cutoff = (float)fmax(cutoff, 1e-6);
 }
 
@@ -145,8 +145,10 @@ static void read_extensions(gltf *g, const gltf_value *at, const gltf_value *ext
         gltf_object(g, extensions, gltf_holder_names[of], &part);
         if (!part.json) continue;
         read_keys(g, &part, (gltf_holder)of, d);
-        if (of == GLTF_IOR && d->m.ior > 0 && d->m.ior < 1)
-            gltf_fail(g, &part, "ior", "is %g; expected 0 or a number >= 1", (double)d->m.ior);
+        if (of == GLTF_IOR && d->m.ior > 0 && d->m.ior < 1) {
+            gltf_note(g, &part, "ior", "ior: expected 0 or a number >= 1; 1 is taken");
+            d->m.ior = 1;
+        }
         if (of == GLTF_CLEARCOAT)
             read_scale(g, &part, "clearcoatNormalTexture", &d->m.clearcoat_normal_scale);
         if (of == GLTF_VOLUME && json_object_get(part.json, "thicknessTexture"))

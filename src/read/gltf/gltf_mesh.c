@@ -82,8 +82,13 @@ static void read_indices(gltf *g, primitive *p) {
 /* Deforms an attribute by a shape, into `to` or, where that is NULL, into memory of its own. */
 static void deform(gltf *g, const primitive *p, const gltf_shape *shape, const char *key, gltf_kind kind,
                    gltf_elements *floats, float *to) {
+    const void *stored = floats->values;
     gltf_morph(g, p->at, shape, key, kind == GLTF_TANGENT ? 4 : 3, floats, to);
     if (shape->joints && gltf_fine(g)) gltf_skin_carry(g, p->attributes, shape->joints, kind, floats, to);
+    if (!to && kind != GLTF_POINT && floats->values != stored && gltf_fine(g))
+        gltf_within(g, p->attributes, key,
+                    mesh_check_finite(g->context, "deformed entry", floats->values, floats->stride,
+                                      kind == GLTF_TANGENT ? 4 : 3, floats->count));
 }
 
 static void read_positions(gltf *g, primitive *p) {
@@ -101,14 +106,16 @@ static void read_positions(gltf *g, primitive *p) {
     p->facts = floats.facts;
 }
 
-/* Reads an attribute that has as many entries as POSITION. */
+/* Reads an attribute, which has an entry for each of POSITION. */
 static bool read_attribute(gltf *g, const primitive *p, const char *key, unsigned components, unsigned takes,
                            gltf_elements *out) {
     if (!gltf_array_read(g, p->attributes, key, components, takes, out)) return false;
+    const bool enough = out->count >= p->mesh.vertex_count;
     if (out->count != p->mesh.vertex_count)
-        gltf_fail(g, p->attributes, key, "has %u entries; expected as many as POSITION has, %u", out->count,
-                  p->mesh.vertex_count);
-    return gltf_fine(g);
+        gltf_note(g, p->attributes, key, "%s has another number of entries than POSITION; %s", key,
+                  enough ? "those beyond are left out" : "it is left out");
+    out->count = p->mesh.vertex_count;
+    return enough && gltf_fine(g);
 }
 
 static void make_normals(gltf *g, primitive *p) {
@@ -265,7 +272,7 @@ static void move_vertices(gltf *g, primitive *p) {
     else if (m->normals)
         m->key_normals = make_key_normals(g, p);
     m->key_count = (uint32_t)g->moments.count, m->key_times = g->key_times;
-    if (gltf_fine(g)) g->status = mesh_check_vertex_keys(g->context, m, &p->facts);
+    if (gltf_fine(g)) gltf_within(g, p->at, NULL, mesh_check_vertex_keys(g->context, m, &p->facts));
 }
 
 static void add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shapes, bool moves,

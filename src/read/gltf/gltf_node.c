@@ -11,7 +11,10 @@ typedef struct step {
     bool hidden; /* the node's parent is */
 } step;
 
-typedef ARRAY(step) walk;
+typedef struct walk {
+    ARRAY(step) steps;
+    bool *shown; /* for each node */
+} walk;
 
 /* ---- the graph ---- */
 
@@ -185,7 +188,7 @@ static void stack_children(gltf *g, walk *w, const gltf_value *list, bool hidden
     for (size_t i = gltf_count(list); i-- > 0 && gltf_fine(g);) {
         step next = {.hidden = hidden};
         gltf_index_item(g, list, i, &g->nodes, &next.node);
-        if (!array_push(w, next)) gltf_fail_memory(g, sizeof next);
+        if (!array_push(&w->steps, next)) gltf_fail_memory(g, sizeof next);
     }
 }
 
@@ -202,6 +205,8 @@ static bool is_visible(gltf *g, const gltf_value *node) {
 static void visit(gltf *g, walk *w, const step *at) {
     gltf_value node, children;
     gltf_way to_world;
+    if (w->shown[at->node]) return;
+    w->shown[at->node] = true;
     gltf_item(g, &g->nodes, at->node, &node);
     gltf_node_way(g, at->node, &to_world);
     const bool hidden = !is_visible(g, &node) || at->hidden;
@@ -216,28 +221,28 @@ static void visit(gltf *g, walk *w, const step *at) {
 }
 
 static void walk_down(gltf *g, walk *w) {
-    while (w->count && gltf_fine(g)) {
-        step at = w->items[--w->count];
+    while (w->steps.count && gltf_fine(g)) {
+        step at = w->steps.items[--w->steps.count];
         visit(g, w, &at);
     }
 }
 
 /* ---- where to begin ---- */
 
-#define IN_SCENE (GLTF_ABSENT - 1) /* as a parent: none, and the scene's list names the node */
-
-static void check_scene_roots(gltf *g, const gltf_value *list) {
+/* A scene names roots, each once. What others are is clear: each node is shown once, where its parents place
+ * it. */
+static void note_odd_roots(gltf *g, const gltf_value *list, bool *named) {
     for (size_t i = 0; i < gltf_count(list); ++i) {
         uint32_t node = GLTF_ABSENT;
         gltf_index_item(g, list, i, &g->nodes, &node);
         if (!gltf_fine(g)) return;
-        if (g->parents[node] == IN_SCENE)
-            gltf_fail(g, list, NULL, "names nodes[%u] twice", node);
+        if (named[node])
+            gltf_note(g, list, NULL, "a scene names a node twice; it is shown once");
         else if (g->parents[node] != GLTF_ABSENT)
-            gltf_fail(g, list, NULL, "names nodes[%u], a child of nodes[%u]; expected root nodes", node,
-                      g->parents[node]);
-        g->parents[node] = IN_SCENE;
+            gltf_note(g, list, NULL, "a scene names a node that has a parent; it stays where that places it");
+        named[node] = true;
     }
+    memset(named, 0, gltf_count(&g->nodes) * sizeof *named);
 }
 
 static void walk_scene(gltf *g, walk *w) {
@@ -246,7 +251,7 @@ static void walk_scene(gltf *g, walk *w) {
     gltf_index(g, &g->root, "scene", &g->scenes, &index);
     gltf_item(g, &g->scenes, index, &scene);
     gltf_array(g, &scene, "nodes", &list);
-    check_scene_roots(g, &list);
+    note_odd_roots(g, &list, w->shown);
     stack_children(g, w, &list, false);
     walk_down(g, w);
 }
@@ -271,10 +276,11 @@ static void place_all_meshes(gltf *g) {
 
 void gltf_nodes_place(gltf *g) {
     const size_t bytes = (gltf_count(&g->nodes) + 1) * sizeof *g->parents;
-    walk w = {NULL, 0, 0};
+    walk w = {.shown = calloc(gltf_count(&g->nodes) + 1, sizeof *w.shown)};
     g->parents = malloc(bytes);
-    if (!g->parents) {
+    if (!g->parents || !w.shown) {
         gltf_fail_memory(g, bytes);
+        free(w.shown);
         return;
     }
     find_parents(g, g->parents);
@@ -287,5 +293,6 @@ void gltf_nodes_place(gltf *g) {
         walk_scene(g, &w);
     else
         walk_roots(g, &w);
-    array_free(&w);
+    array_free(&w.steps);
+    free(w.shown);
 }

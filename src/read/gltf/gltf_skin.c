@@ -33,10 +33,8 @@ static bool read_inverse(gltf *g, const gltf_value *skin, uint32_t joints, gltf_
                   out->count, joints);
     for (uint32_t i = 0; i < joints && gltf_fine(g); ++i) {
         const float *m = element(out, i);
-        if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
-            gltf_fail(g, skin, "inverseBindMatrices",
-                      "entry %u has the last row %g %g %g %g; expected 0 0 0 1", i, (double)m[3],
-                      (double)m[7], (double)m[11], (double)m[15]);
+        gltf_check_row(g, skin, "inverseBindMatrices",
+                       (const double[4]){(double)m[3], (double)m[7], (double)m[11], (double)m[15]});
     }
     return gltf_fine(g);
 }
@@ -135,11 +133,12 @@ static void carry(void *user, size_t begin, size_t end, unsigned worker) {
     }
 }
 
+/* A joint without weight may be any number, except the first of a vertex: it carries one without weights. */
 static void check_places(gltf *g, const gltf_value *attributes, const char *key, const gltf_elements *e,
-                         uint32_t joints) {
+                         const gltf_elements *weights, uint32_t joints) {
     for (size_t i = 0; i < 4 * (size_t)e->count; ++i) {
         const float joint = element(e, i / 4)[i % 4];
-        if (!(joint < (float)joints))
+        if (!(joint >= 0 && joint < (float)joints) && (i % 4 == 0 || element(weights, i / 4)[i % 4] != 0))
             gltf_fail(g, attributes, key, "entry %zu names joint %g; the skin has %u", i / 4, (double)joint,
                       joints);
     }
@@ -164,9 +163,10 @@ static void read_sets(gltf *g, const gltf_value *attributes, uint32_t vertices, 
             gltf_note(g, attributes, places, "joints beyond the first %d of a vertex are left out", SETS * 4);
             break;
         }
-        read_set(g, attributes, places, GLTF_TAKES_UNSIGNED, vertices, &s->places[n]);
+        read_set(g, attributes, places, GLTF_TAKES_FLOAT | GLTF_TAKES_UNSIGNED, vertices, &s->places[n]);
         read_set(g, attributes, weights, GLTF_TAKES_FLOAT | GLTF_TAKES_UNSIGNED, vertices, &s->weights[n]);
-        if (gltf_fine(g)) check_places(g, attributes, places, &s->places[n], s->joints->count);
+        if (gltf_fine(g))
+            check_places(g, attributes, places, &s->places[n], &s->weights[n], s->joints->count);
         s->sets = n + 1;
     }
     if (!s->sets)

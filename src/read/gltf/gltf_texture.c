@@ -33,8 +33,7 @@ static void open_image(gltf *g, const gltf_value *image, fathom_texture *out, ch
         if (!bytes->bytes) gltf_data_uri(g, image, uri, bytes);
         out->bytes = bytes->bytes, out->byte_count = (size_t)bytes->size;
     } else {
-        out->file = *path = gltf_file_path(g, image, uri);
-        if (!*path) gltf_note(g, image, "uri", "there is no such file; it is left out");
+        out->file = *path = gltf_image_path(g, image, uri);
     }
 }
 
@@ -46,8 +45,9 @@ static fathom_wrap read_wrap(gltf *g, const gltf_value *sampler, const char *key
     uint64_t mode = GL_REPEAT;
     gltf_integer(g, sampler, key, 0, UINT32_MAX, &mode);
     if (mode != GL_REPEAT && mode != GL_CLAMP && mode != GL_MIRROR)
-        gltf_fail(g, sampler, key, "is %llu; expected 10497 (repeat), 33071 (clamp) or 33648 (mirror)",
-                  (unsigned long long)mode);
+        gltf_note(g, sampler, key,
+                  "a way to wrap that is none of 10497 (repeat), 33071 (clamp) and 33648 (mirror); images "
+                  "are repeated");
     return mode == GL_CLAMP ? FATHOM_WRAP_CLAMP : mode == GL_MIRROR ? FATHOM_WRAP_MIRROR : FATHOM_WRAP_REPEAT;
 }
 
@@ -70,10 +70,10 @@ static void read_sampler(gltf *g, uint32_t index, fathom_texture *out) {
 
 /* The image of a texture: an extension's, where it has one that is understood, else its own. */
 static uint32_t find_source(gltf *g, const gltf_value *texture) {
-    static const char *const extensions[] = {"EXT_texture_webp", "EXT_texture_avif"};
+    static const char *const extensions[] = {"EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"};
     uint32_t source = GLTF_ABSENT;
     gltf_index(g, texture, "source", &g->images, &source);
-    for (size_t i = 0; i < 2; ++i) {
+    for (size_t i = 0; i < sizeof extensions / sizeof *extensions; ++i) {
         gltf_value holder, extension;
         gltf_extension(g, texture, extensions[i], &holder, &extension);
         gltf_index(g, &extension, "source", &g->images, &source);

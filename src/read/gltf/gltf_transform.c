@@ -8,13 +8,20 @@ static affine_f64 read_matrix(gltf *g, const gltf_value *node) {
     double m[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     affine_f64 out;
     gltf_numbers(g, node, "matrix", 16, -INFINITY, INFINITY, m);
-    if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
-        gltf_fail(g, node, "matrix", "has the last row %g %g %g %g; expected 0 0 0 1", m[3], m[7], m[11],
-                  m[15]);
+    gltf_check_row(g, node, "matrix", (const double[4]){m[3], m[7], m[11], m[15]});
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 4; ++column) out.m[row][column] = m[column * 4 + row];
     }
     return out;
+}
+
+void gltf_check_row(gltf *g, const gltf_value *at, const char *key, const double row[4]) {
+    const double off = fmax(fmax(fabs(row[0]), fabs(row[1])), fmax(fabs(row[2]), fabs(row[3] - 1)));
+    if (off > 0x1p-12)
+        gltf_fail(g, at, key, "has the last row %g %g %g %g; expected 0 0 0 1", row[0], row[1], row[2],
+                  row[3]);
+    else if (off > 0)
+        gltf_note(g, at, key, "a matrix whose last row is off by a little; 0 0 0 1 is taken");
 }
 
 bool gltf_is_rotation(const double r[4]) { return r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3] > 0; }
@@ -30,8 +37,8 @@ affine_f64 gltf_compose(double parts[GLTF_PARTS][4]) {
 static void check_no_parts(gltf *g, const gltf_value *node, const gltf_pose *pose) {
     for (int i = 0; i < GLTF_PARTS; ++i) {
         if (json_object_get(node->json, gltf_part_names[i]))
-            gltf_fail(g, node, gltf_part_names[i],
-                      "is given together with a matrix; expected one or the other");
+            gltf_note(g, node, gltf_part_names[i],
+                      "a node has a matrix and parts of a transform; the matrix counts");
         if (pose && pose->given[i])
             gltf_fail(g, node, "matrix",
                       "is that of a node whose %s is animated; expected translation, rotation and "
@@ -42,7 +49,7 @@ static void check_no_parts(gltf *g, const gltf_value *node, const gltf_pose *pos
 
 /* Values that an animation gives replace the node's own. */
 static affine_f64 read_local(gltf *g, const gltf_value *node, const gltf_pose *pose) {
-    if (json_object_get(node->json, "matrix")) {
+    if (json_is_array(json_object_get(node->json, "matrix"))) {
         check_no_parts(g, node, pose);
         return read_matrix(g, node);
     }
@@ -53,8 +60,10 @@ static affine_f64 read_local(gltf *g, const gltf_value *node, const gltf_pose *p
         gltf_numbers(g, node, gltf_part_names[i], rotation ? 4 : 3, -most, most, parts[i]);
         for (int c = 0; pose && pose->given[i] && c < 4; ++c) parts[i][c] = pose->parts[i][c];
     }
-    if (!gltf_is_rotation(parts[GLTF_ROTATION]))
-        gltf_fail(g, node, gltf_part_names[GLTF_ROTATION], "is zero; expected a unit quaternion x, y, z, w");
+    if (!gltf_is_rotation(parts[GLTF_ROTATION])) {
+        gltf_note(g, node, gltf_part_names[GLTF_ROTATION], "a rotation of zeros turns nothing");
+        parts[GLTF_ROTATION][3] = 1;
+    }
     return gltf_compose(parts);
 }
 

@@ -39,7 +39,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static void set(float out[3], const double rgb[3], double factor) {
     for (int k = 0; k < 3; ++k) out[k] = (float)(factor * rgb[k]);
@@ -155,16 +154,12 @@ fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material,
         fathom_texture t;
         if (!image->file) continue;
         fathom_texture_default(&t);
-        status = read_beside(scene, material->library, image->file, &path);
-        for (char *c = path; status == FATHOM_OK && access(path, F_OK) != 0 && (c = strchr(c, '\\')) != NULL;)
-            *c = '/';
-        if (status == FATHOM_BAD_INPUT || (status == FATHOM_OK && access(path, F_OK) != 0)) {
+        status = read_image_beside(scene, material->library, image->file, &path);
+        if (status == FATHOM_OK && !path) {
             warn(scene->context,
                  "%s: material \"%.80s\": there is no image \"%.200s\" that may be read; it is left out",
                  material->library, material->name, image->file);
             without_image(k, out);
-            free(path);
-            status = FATHOM_OK;
             continue;
         }
         if (status != FATHOM_OK) return status;

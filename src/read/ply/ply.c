@@ -6,7 +6,6 @@
 #include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 /* Allocates the arrays that are present and have no memory, and sets their values and strides. */
 static fathom_status allocate_arrays(ply_reader *r) {
@@ -188,12 +187,12 @@ static fathom_status read_texture(ply_reader *r) {
     if (!at || r->options.material != FATHOM_NONE) return FATHOM_OK;
     const size_t length = text_rest(&at, r->file.end);
     snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name - 1), at);
-    fathom_status status = read_beside(r->scene, r->file.path, name, &path);
-    if (status != FATHOM_OK && status != FATHOM_BAD_INPUT) return status;
-    if (status == FATHOM_BAD_INPUT || access(path, F_OK) != 0 || r->role[PLY_U] < 0 || r->role[PLY_V] < 0) {
+    fathom_status status = read_image_beside(r->scene, r->file.path, name, &path);
+    if (status != FATHOM_OK) return status;
+    if (!path || r->role[PLY_U] < 0 || r->role[PLY_V] < 0) {
         notes_add_at(&r->notes, 1, &r->file, at, true, "a texture is left out: %s",
-                     path && access(path, F_OK) == 0 ? "the vertices have no texture coordinates"
-                                                     : "there is no such image that may be read");
+                     path ? "the vertices have no texture coordinates"
+                          : "there is no such image that may be read");
         free(path);
         return FATHOM_OK;
     }

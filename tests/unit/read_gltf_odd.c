@@ -1,0 +1,195 @@
+/* glTF files that are against the format, and yet clear: they are read, and each oddity is told once. */
+#include "gltf_file.h"
+
+typedef struct odd_file {
+    const char *json, *told;
+} odd_file;
+
+#define TRIANGLE_NODES(nodes) WITH_DATA(TRIANGLE_MESH ",'nodes':[" nodes "]")
+#define MESH(primitive) SHOWN("'meshes':[{'primitives':[{" primitive "}]}]")
+#define MATERIAL(material)                                                                                   \
+    SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{" material   \
+          "}]")
+#define LIGHT(light)                                                                                         \
+    WITH_DATA(TRIANGLE_MESH ",'extensions':{'KHR_lights_punctual':{'lights':[{" light                        \
+                            "}]}},'nodes':[{'mesh':0,'extensions':{'KHR_lights_punctual':{'light':0}}}]")
+#define BUFFER(members)                                                                                      \
+    "{" ASSET ",'buffers':[{" members "}]," VIEWS "," ACCESSORS "," TRIANGLE_MESH ",'nodes':[{'mesh':0}]}"
+#define IMAGE(uri)                                                                                           \
+    SHOWN("'images':[{'uri':'" uri "'}],'textures':[{'source':0}],'meshes':[{'primitives':[{'attributes':"   \
+          "{'POSITION':0},'material':0}]}],'materials':[{'emissiveTexture':{'index':0}}]")
+
+/* The one warning that reading gives. */
+static fathom_scene *read_odd(fixture *f, const odd_file *file) {
+    fathom_scene *scene = read_triangle(f, file->json);
+    if (f->warnings != 1 || !strstr(f->warning, file->told))
+        fail_msg("%u warnings, the last: \"%s\"; expected \"%s\"", f->warnings, f->warning, file->told);
+    return scene;
+}
+
+static void assert_all_read(fixture *f, const odd_file *files, size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+        fathom_scene *scene = read_odd(f, &files[i]);
+        assert_int_equal(scene->meshes.count, 1);
+        assert_int_equal(scene->meshes.items[0].triangle_count, 1);
+        assert_int_equal(scene->instances.count, 1);
+        fathom_scene_destroy(scene);
+    }
+}
+
+static void clear_slips_are_read_and_told(void **state) {
+    const odd_file files[] = {
+        {TRIANGLE_NODES("{'mesh':0,'name':null,'children':null,'skin':null}"),
+         "null, which is against the format, is taken as nothing (3 such)"},
+        {TRIANGLE_NODES("{'mesh':0,'skin':-1,'camera':-1}"), "an index of -1"},
+        {TRIANGLE_NODES("{'mesh':0,'mesh':0}"), "an object has a key twice"},
+        {TRIANGLE_NODES("{'mesh':0,'rotation':[0,0,0,0]}"), "nodes[0].rotation: a rotation of zeros"},
+        {TRIANGLE_NODES("{'mesh':0,'matrix':[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],'scale':[2,2,2]}"),
+         "nodes[0].scale: a node has a matrix and parts of a transform; the matrix counts"},
+        {TRIANGLE_NODES("{'mesh':0,'matrix':[1,0,0,1e-9,0,1,0,0,0,0,1,0,0,0,0,1.0000001]}"),
+         "nodes[0].matrix: a matrix whose last row is off by a little"},
+        {TRIANGLE_NODES("{'mesh':0}],'scenes':[{'nodes':[0,0]}"), "a scene names a node twice"},
+        {TRIANGLE_NODES("{'mesh':0},{'children':[0]}],'scenes':[{'nodes':[0,1]}"),
+         "scenes[0].nodes: a scene names a node that has a parent"},
+        {BUFFER("'byteLength':121"), "buffers[0].byteLength: a buffer has fewer bytes than it says"},
+        {BUFFER("'name':'b'"), "buffers[0].byteLength: a buffer's length is missing"},
+        {IMAGE("http://example.org/a.png"), "images[0].uri: there is no such file that may be read"},
+        {IMAGE("C:\\\\a\\\\b.png"), "images[0].uri: there is no such file that may be read"},
+        {LIGHT("'type':'area'"), "a light of the type \"area\" is left out"},
+        {LIGHT("'type':'point','intensity':-1"), "intensity is out of range: expected a number >= 0"},
+        {LIGHT("'type':'spot','spot':{'innerConeAngle':0.5,'outerConeAngle':0.5}"),
+         "innerConeAngle: expected less than outerConeAngle"},
+        {LIGHT("'type':'spot','spot':{'outerConeAngle':2}"), "outerConeAngle is out of range"},
+        {MATERIAL("'pbrMetallicRoughness':{'metallicFactor':2}"),
+         "metallicFactor is out of range: expected a number <= 1; the nearest is taken"},
+        {MATERIAL("'alphaMode':'blend'"), "\"blend\" is none of OPAQUE, MASK and BLEND"},
+        {MATERIAL("'extensions':{'KHR_materials_ior':{'ior':0.5}}"), "ior: expected 0 or a number >= 1"},
+    };
+    assert_all_read(*state, files, sizeof files / sizeof *files);
+}
+
+/* Where its parent places it, once, in whatever order the scene names the two. */
+static void a_root_with_a_parent_stays_in_its_place(void **state) {
+    static const char *const lists[] = {"0,1", "1,0", "0"};
+    for (size_t i = 0; i < 3; ++i) {
+        char json[4096];
+        snprintf(
+            json, sizeof json,
+            TRIANGLE_NODES("{'mesh':0},{'children':[0],'translation':[5,0,0]}],'scenes':[{'nodes':[%s]}"),
+            lists[i]);
+        fathom_scene *scene = read_odd(*state, &(odd_file){json, "a scene names a node that has a parent"});
+        assert_int_equal(scene->instances.count, 1);
+        assert_near(scene->instances.items[0].transform[3], 5, 0);
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* A factor above its range is the largest one there; emission has none, and is as it is given. */
+static void factors_out_of_range_become_the_nearest(void **state) {
+    fixture *f = *state;
+    fathom_scene *scene = read_triangle(
+        f, MATERIAL(
+               "'pbrMetallicRoughness':{'roughnessFactor':-1,'metallicFactor':7},'emissiveFactor':[5,0,2]"));
+    const fathom_material *m = &scene->materials.items[scene->meshes.items[0].material].value;
+    assert_near((double)m->roughness, 0, 0);
+    assert_near((double)m->metallic, 1, 0);
+    assert_near((double)m->emissive[0], 5, 0);
+    assert_int_equal(f->warnings, 2);
+    fathom_scene_destroy(scene);
+}
+
+/* What shades may be missing where it is no number; what places may not. */
+static void odd_normals_become_zeros(void **state) {
+    fixture *f = *state;
+    triangle_data data = triangle;
+    data.normals[1][2] = NAN;
+    write_glb(f, MESH("'attributes':{'POSITION':0,'NORMAL':4},'indices':1"), &data, sizeof data);
+    fathom_scene *scene = read_file(f);
+    const fathom_mesh *m = &scene->meshes.items[0];
+    const float *second = (const float *)(const void *)((const char *)m->normals + m->normal_stride);
+    assert_near((double)second[2], 0, 0);
+    assert_near((double)m->normals[2], 1, 0);
+    assert_int_equal(f->warnings, 1);
+    assert_non_null(strstr(f->warning, "a NaN or an infinity in NORMAL"));
+    fathom_scene_destroy(scene);
+}
+
+/* Colours in bytes are parts of 255, whether the file says so or not. */
+static void colours_in_bytes_are_normalized(void **state) {
+    fixture *f = *state;
+    triangle_data data = triangle;
+    const uint8_t colors[12] = {255, 0, 51, 255, 255, 0, 51, 255, 255, 0, 51, 255};
+    memcpy(data.uvs, colors, sizeof colors);
+    write_glb(
+        f,
+        "{" ASSET ",'buffers':[{'byteLength':120}]," VIEWS ",'accessors':[{'bufferView':0,"
+        "'componentType':5126,'type':'VEC3','count':3},{'bufferView':5,'componentType':5121,"
+        "'type':'VEC4','count':3}],'meshes':[{'primitives':[{'attributes':{'POSITION':0,'COLOR_0':1}}]}]}",
+        &data, sizeof data);
+    fathom_scene *scene = read_file(f);
+    assert_near((double)scene->meshes.items[0].colors[2], 0.2, 1e-7);
+    assert_int_equal(f->warnings, 1);
+    assert_non_null(strstr(f->warning, "have to be normalized"));
+    fathom_scene_destroy(scene);
+}
+
+/* More entries than vertices: the first ones count. Fewer: none do. No elements at all: no triangle. */
+static void arrays_of_another_length_are_told(void **state) {
+    fixture *f = *state;
+#define WITH(accessor, attributes)                                                                           \
+    "{" ASSET ",'buffers':[{'byteLength':120}]," VIEWS ",'accessors':[{'bufferView':0,'componentType':5126," \
+    "'type':'VEC3','count':3}," accessor "],'meshes':[{'primitives':[{" attributes "},{'attributes':{"       \
+    "'POSITION':0}}]}]}"
+    fathom_scene *scene =
+        read_triangle(f, WITH("{'bufferView':4,'componentType':5126,'type':'VEC3','count':2}",
+                              "'attributes':{'POSITION':0,'NORMAL':1}"));
+    assert_int_equal(f->warnings, 1);
+    assert_non_null(strstr(f->warning, "NORMAL has another number of entries than POSITION; it is left out"));
+    assert_null(scene->meshes.items[0].normals);
+    fathom_scene_destroy(scene);
+    scene = read_triangle(
+        f, WITH("{'componentType':5126,'type':'VEC3','count':4}", "'attributes':{'POSITION':0,'NORMAL':1}"));
+    assert_int_equal(f->warnings, 1);
+    assert_non_null(strstr(f->warning, "those beyond are left out"));
+    assert_int_equal(scene->meshes.items[0].normal_count, 3);
+    fathom_scene_destroy(scene);
+    scene = read_triangle(f, WITH("{'componentType':5123,'type':'SCALAR','count':0}",
+                                  "'attributes':{'POSITION':0},'indices':1"));
+    assert_int_equal(f->warnings, 2);
+    assert_int_equal(scene->meshes.count, 1);
+    fathom_scene_destroy(scene);
+}
+
+/* A mark before the JSON and zeros behind it. */
+static void marks_and_zeros_around_the_json_are_skipped(void **state) {
+    fixture *f = *state;
+    static const char text[] = "\xEF\xBB\xBF{\"asset\":{\"version\":\"2.0\"}}\0\0";
+    write_bytes(f, "test.gltf", text, sizeof text);
+    fathom_scene_destroy(read_file(f));
+    unsigned char glb[256];
+    write_bytes(f, "test.glb", glb, make_glb("\xEF\xBB\xBF{" ASSET "}", NULL, 0, glb));
+    fathom_scene_destroy(read_file(f));
+}
+
+/* Extensions that say nothing about how things look may be required. */
+static void facts_may_be_required(void **state) {
+    fathom_scene *scene = read_triangle(
+        *state, WITH_DATA(TRIANGLE_MESH ",'extensionsRequired':['KHR_xmp_json_ld','EXT_mesh_features']"));
+    assert_int_equal(((fixture *)*state)->warnings, 0);
+    fathom_scene_destroy(scene);
+}
+
+int main(void) {
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(clear_slips_are_read_and_told),
+        TEST(a_root_with_a_parent_stays_in_its_place),
+        TEST(factors_out_of_range_become_the_nearest),
+        TEST(odd_normals_become_zeros),
+        TEST(colours_in_bytes_are_normalized),
+        TEST(arrays_of_another_length_are_told),
+        TEST(marks_and_zeros_around_the_json_are_skipped),
+        TEST(facts_may_be_required),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
