@@ -234,8 +234,8 @@ static void note_lost(const fathom_scene *scene, const scene_graph *graph, const
         {PLY, scene->materials.count - 1, "a material is left out"},
         {PLY, count_maps(scene, false) - image, "an image on a surface is left out"},
         {OBJ, count_colors(scene, false), "the colour of a vertex is cut to 1"},
-        {MESHES, count_colors(scene, true), "the opacity of a vertex is left out"},
-        {MESHES, count_arrays(scene, MESH_UVS_1), "the second uv set of a mesh is left out"},
+        {OBJ, count_colors(scene, true), "the opacity of a vertex is left out"},
+        {OBJ, count_arrays(scene, MESH_UVS_1), "the second uv set of a mesh is left out"},
         {MESHES, count_arrays(scene, MESH_TANGENTS), "the tangents of a mesh are left out"},
     };
     for (size_t i = 0; i < sizeof facts / sizeof *facts; ++i) {

@@ -1,7 +1,7 @@
-/* PLY: little-endian binary, instances are placed. Normals, uvs and colours are written if any mesh has them.
- * A vertex has one normal, so flat meshes among smooth ones get a vertex for each corner, with the facet's
- * normal. An image that all triangles have in common is named in a comment, and lies as the uvs say: v grows
- * upwards. */
+/* PLY: little-endian binary, instances are placed. Normals, uvs and colours are written if any mesh has them,
+ * and opacities as alpha. The second uv set is s1 and t1, which no other program is known to read. A vertex
+ * has one normal, so flat meshes among smooth ones get a vertex for each corner, with the facet's normal. An
+ * image that all triangles have in common is named in a comment, and lies as the uvs say: v grows upwards. */
 #include "write/image.h"
 #include "write/write.h"
 
@@ -15,7 +15,7 @@ typedef struct ply {
     const char *path;
     write_stream stream;
     write_mesh *meshes; /* one for each of the scene's meshes */
-    bool normals, uvs, colors;
+    bool normals, uvs, uvs_1, colors, alpha;
     const fathom_map *map;      /* of the image; NULL: none */
     write_images images;        /* that one */
     size_t vertices, triangles; /* in all */
@@ -30,7 +30,9 @@ static fathom_status count_mesh(ply *p, uint32_t index, size_t ways, bool prepar
     write_mesh *m = &p->meshes[index];
     p->normals |= mesh->normals != NULL;
     p->uvs |= mesh->uvs != NULL;
+    p->uvs_1 |= mesh->uvs_1 != NULL;
     p->colors |= mesh->colors != NULL;
+    p->alpha |= mesh->colors && mesh->color_channels > 3;
     if (!prepare) return FATHOM_OK;
     fathom_status status = write_mesh_prepare(p->scene->context, mesh, p->normals && !mesh->normals, m);
     p->vertices = write_add(p->vertices, write_multiply(ways, m->vertex_count));
@@ -112,13 +114,15 @@ static int format_header(const ply *p, int blanks, char text[HEADER_BYTES]) {
     return snprintf(
         text, HEADER_BYTES,
         "ply\nformat binary_little_endian 1.0\n%s%.255s%scomment Fathom %s%*s\nelement vertex %zu\n"
-        "property float x\nproperty float y\nproperty float z\n%s%s%selement face %zu\n"
+        "property float x\nproperty float y\nproperty float z\n%s%s%s%s%selement face %zu\n"
         "property list uchar uint vertex_indices\nend_header\n",
         p->map ? "comment TextureFile " : "", p->map ? p->images.items[0].name : "", p->map ? "\n" : "",
         fathom_version(), blanks, "", p->vertices,
         p->normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
         p->uvs ? "property float s\nproperty float t\n" : "",
-        p->colors ? "property float red\nproperty float green\nproperty float blue\n" : "", p->triangles);
+        p->uvs_1 ? "property float s1\nproperty float t1\n" : "",
+        p->colors ? "property float red\nproperty float green\nproperty float blue\n" : "",
+        p->alpha ? "property float alpha\n" : "", p->triangles);
 }
 
 /* Padded to a multiple of 4 bytes, so that the vertices can be used in the mapped file. */
@@ -135,17 +139,19 @@ typedef struct ply_part {
     const write_placement *at;
 } ply_part;
 
-/* White where the mesh has none. */
+/* White and opaque where the mesh has none. */
 static void put_color(const write_mesh *mesh, uint32_t vertex, float out[4]) {
-    out[0] = out[1] = out[2] = 1;
+    out[0] = out[1] = out[2] = out[3] = 1;
     if (mesh->mesh->colors) write_mesh_entry(mesh, MESH_COLORS, vertex, out);
 }
+
+#define PLY_NUMBERS 14 /* of a vertex at most */
 
 static size_t format_vertices(const void *user, size_t begin, size_t end, char *out) {
     const ply_part *part = user;
     char *start = out;
     for (uint32_t i = (uint32_t)begin; i < end; ++i) {
-        float numbers[12] = {0}; /* a colour may have a fourth */
+        float numbers[PLY_NUMBERS] = {0};
         size_t count = 3;
         store_f32(numbers, write_placed_position(part->at, write_mesh_position(part->mesh, i)));
         if (part->p->normals) {
@@ -154,7 +160,11 @@ static size_t format_vertices(const void *user, size_t begin, size_t end, char *
         }
         if (part->p->uvs) write_mesh_uv(part->mesh, i, numbers + count), count += 2;
         if (part->p->map) place_on_image(part->p, numbers + count - 2);
-        if (part->p->colors) put_color(part->mesh, i, numbers + count), count += 3;
+        if (part->p->uvs_1) {
+            if (part->mesh->mesh->uvs_1) write_mesh_entry(part->mesh, MESH_UVS_1, i, numbers + count);
+            count += 2;
+        }
+        if (part->p->colors) put_color(part->mesh, i, numbers + count), count += part->p->alpha ? 4 : 3;
         memcpy(out, numbers, count * sizeof *numbers);
         out += count * sizeof *numbers;
     }
@@ -180,7 +190,7 @@ static size_t format_faces(const void *user, size_t begin, size_t end, char *out
 static fathom_status put_vertices(void *user, const write_placement *at) {
     ply *p = user;
     ply_part part = {p, &p->meshes[at->mesh_index], at};
-    write_items(&p->stream, part.mesh->vertex_count, 11 * sizeof(float), format_vertices, &part);
+    write_items(&p->stream, part.mesh->vertex_count, PLY_NUMBERS * sizeof(float), format_vertices, &part);
     return FATHOM_OK;
 }
 

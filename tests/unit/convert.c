@@ -389,7 +389,8 @@ static void scene_json_survives_conversion(void **state) {
 
 /* ---- vertex colours and images of mesh files ---- */
 
-/* Of two meshes one has colours and one has none; one of the colours is black, one above 1. */
+/* Of two meshes one has colours and one has none; one of the colours is black, one above 1. PLY has opacities
+ * and a second uv set too. */
 static void mesh_files_keep_vertex_colours(void **state) {
     (void)state;
     static const float colors[12] = {0.001f, 0.5f, 0.2f, 1, 0, 0, 0, 1, 0.4f, 2.5f, 0.7f, 0.8f};
@@ -399,6 +400,7 @@ static void mesh_files_keep_vertex_colours(void **state) {
     for (int i = 0; i < 2; ++i) {
         fathom_mesh mesh = triangle(0);
         mesh.colors = i ? NULL : colors, mesh.color_channels = 4;
+        mesh.uvs_1 = i ? NULL : positions, mesh.uv_1_stride = 3 * sizeof(float);
         assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
     }
     for (int format = 0; format < 2; ++format) {
@@ -408,10 +410,12 @@ static void mesh_files_keep_vertex_colours(void **state) {
         const fathom_mesh *got = &back->meshes.items[0];
         assert_non_null(got->colors);
         assert_int_equal(got->vertex_count, 6);
+        assert_int_equal(got->color_channels, format ? 3 : 4);
+        if (!format) assert_true(got->uvs_1 && *mesh_row(got->uvs_1, got->uv_1_stride, 1) == 1);
         for (uint32_t v = 0; v < 6; ++v) {
             const float *c = (const float *)(const void *)((const char *)got->colors + got->color_stride * v);
             /* OBJ: two roundings to float, about a curve whose slope is at most 2.4. */
-            for (uint32_t k = 0; k < 3; ++k)
+            for (uint32_t k = 0; k < got->color_channels; ++k)
                 assert_near(c[k], v < 3 ? fminf(colors[4 * v + k], format ? 1 : 4) : 1,
                             format ? 4 * 0x1p-24 : 0);
         }

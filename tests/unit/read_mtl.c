@@ -233,6 +233,17 @@ static void pbr_keys_make_a_metallic_roughness_material(void **state) {
     assert_near(m.anisotropy_rotation, 1.5707963, 1e-6);
 }
 
+/* The words of printf() for what is no number; missing numbers. What was there before counts. */
+static void statements_without_numbers_are_left_out(void **state) {
+    (void)state;
+    fathom_material m = material_of("Kd 0.25 0.5 0.75\nKd 1 x 0\nKd 1 0\nNs 1.#QNAN\nNi\nKe 1 2 3\n");
+    expect_color("Kd", "k_d", m.k_d, 0.25, 0.5, 0.75);
+    expect_color("Ke", "k_e", m.k_e, 1, 2, 3);
+    expect_warning("m.mtl:3: Kd: expected three numbers; it is left out (2 such, the first here: \"x\")");
+    expect_warning("m.mtl:5: Ns: expected a number; it is left out (1 such, the first here: \"1.#QNAN\")");
+    expect_warning("m.mtl:6: Ni: expected a number; it is left out (1 such)");
+}
+
 static void numbers_out_of_range_become_the_nearest(void **state) {
     (void)state;
     fathom_material m = material_of("Kd -1 0.5 2\nKs 1 1 1\nNs nan\nd 1.5\nillum 11\nNi -3\n");
@@ -291,6 +302,7 @@ int main(void) {
         cmocka_unit_test(images_become_maps),
         cmocka_unit_test(an_image_alone_has_factors_of_one),
         cmocka_unit_test(pbr_keys_make_a_metallic_roughness_material),
+        cmocka_unit_test(statements_without_numbers_are_left_out),
         cmocka_unit_test(numbers_out_of_range_become_the_nearest),
         cmocka_unit_test(materials_without_a_name_have_the_empty_one),
     };

@@ -332,20 +332,25 @@ static void far_meshes_keep_their_digits(void **state) {
 static void omissions_are_reported(void **state) {
     (void)state;
     fathom_scene *scene = read_text(
-        SQUARE "f 1 2 3\nl 1 2\nl 2 3\np 1\nf 1 2\nl 3\ncurv 0 1 1 2\nmtllib none.mtl\nusemtl x\nusemtl y\n");
-    const char *expected[] = {":6: lines have no width, and are shown as thin rods (2 such",
-                              ":8: points have no size, and are shown as small balls (1 such",
-                              ":9: faces of less than 3 corners are left out (1 such",
-                              ":10: lines of less than 2 corners are left out (1 such",
-                              ":11: statements that are not read",
-                              ":12: mtllib: there is no file \"none.mtl\"",
-                              ":13: usemtl: no material \"x\" is defined"};
+        SQUARE "f 1 2 3\nl 1 2\nl 2 2\np 1\nf 1 2\nl 3\ncurv 0 1 1 2\nmtllib none.mtl\nusemtl x\nusemtl y\n"
+               "vt 0 0\nf 1/1 2/1 3\n");
+    const char *expected[] = {
+        ":6: lines have no width, and are shown as thin rods (2 such)",
+        ": lines without length are left out (1 such)",
+        ":8: points have no size, and are shown as small balls (1 such)",
+        ":9: faces of less than 3 corners are left out (1 such)",
+        ":10: lines of less than 2 corners are left out (1 such)",
+        ":11: statements that are not read",
+        ":12: mtllib: there is no file \"none.mtl\"",
+        ":16: a face has uvs or normals at some corners and not at others; it gets none "
+        "(1 such)",
+        ":13: usemtl: no material \"x\" is defined"};
     for (size_t i = 0; i < sizeof expected / sizeof *expected; ++i) {
         if (!strstr(mesh_warnings, expected[i])) fail_msg("no \"%s\" in:\n%s", expected[i], mesh_warnings);
     }
     size_t lines = 0;
     for (const char *c = mesh_warnings; (c = strchr(c, '\n')) != NULL; ++c) ++lines;
-    assert_int_equal(lines, 7);
+    assert_int_equal(lines, 9);
     fathom_scene_destroy(scene);
 }
 

@@ -418,6 +418,35 @@ static void vertex_colours_are_read(void **state) {
     }
 }
 
+/* Opacity is a part of its type's range; 0 at all vertices is what some programs write for none. So is a
+ * second uv set kept. */
+static void opacities_and_second_uvs_are_read(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < 4 * FLAVOURS; ++flavour) {
+        const bool whole = flavour / FLAVOURS % 2, clear = flavour / FLAVOURS / 2;
+        ply_maker m;
+        ply_header(&m, (ply_flavour)(flavour % FLAVOURS),
+                   whole ? XYZ "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+                               "property uchar alpha\nproperty float s1\nproperty float t1\n" FACES(1)
+                         : XYZ "property float red\nproperty float green\nproperty float blue\n"
+                               "property float alpha\nproperty float s1\nproperty float t1\n" FACES(1),
+                   0);
+        const double corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, most = whole ? 255 : 1;
+        for (int i = 0; i < 4; ++i)
+            ROW(&m, whole ? "fffbbbbff" : "fffffffff", corners[i][0], corners[i][1], 0, most, 0, most,
+                clear || i ? 0 : most / 5, 0.25 * i, 0.5);
+        ROW(&m, "biiii", 4, 0, 1, 2, 3);
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        assert_int_equal(mesh->color_channels, clear ? 3 : 4);
+        if (!clear) assert_near(mesh->colors[3], 0.2, 1e-7);
+        if (clear) expect_warning("alpha is 0 at all vertices, and left out (4 such)");
+        const float *second = (const float *)(const void *)((const char *)mesh->uvs_1 + mesh->uv_1_stride);
+        assert_true(second[0] == 0.25f && second[1] == 0.5f);
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* Behind the last row, and behind the last number of a row of text. */
 static void extra_rows_are_reported(void **state) {
     (void)state;
@@ -523,6 +552,7 @@ int main(void) {
         cmocka_unit_test(edges_are_rods),
         cmocka_unit_test(unused_properties_are_reported),
         cmocka_unit_test(vertex_colours_are_read),
+        cmocka_unit_test(opacities_and_second_uvs_are_read),
         cmocka_unit_test(extra_rows_are_reported),
         cmocka_unit_test(meshes_do_not_depend_on_thread_count),
     };

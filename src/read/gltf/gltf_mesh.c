@@ -203,7 +203,8 @@ static void read_strokes(gltf *g, primitive *p) {
                  .colors = p->mesh.colors,
                  .color_stride = p->mesh.color_stride,
                  .color_channels = p->mesh.color_channels,
-                 .lines = p->mode != MODE_POINTS};
+                 .lines = p->mode != MODE_POINTS,
+                 .notes = &g->notes};
     s.indices = read_corners(g, p, &s.count);
     if (s.lines && gltf_fine(g)) unroll_lines(g, p, s.indices, &s);
     gltf_charge(g, p->at, NULL, (uint64_t)s.count * STROKES_BYTES);

@@ -128,6 +128,8 @@ fathom_status strokes_make(fathom_scene *scene, const strokes *s, fathom_mesh *m
         else
             put_ball(&p, vertex_of(s, i));
     }
+    if (s->lines)
+        notes_add(s->notes, s->count - p.vertices / ROD_VERTICES, "", "lines without length are left out");
     mesh->positions = p.positions, mesh->position_stride = 3 * sizeof(float), mesh->vertex_count = p.vertices;
     mesh->normals = p.normals, mesh->normal_stride = 3 * sizeof(float), mesh->normal_count = p.vertices;
     mesh->indices = p.indices, mesh->triangle_count = p.triangles;

@@ -2,6 +2,7 @@
 #ifndef READ_STROKES_H
 #define READ_STROKES_H
 
+#include "read/mesh/text.h"
 #include "scene/scene.h"
 
 /* Bytes of the arrays for each point or line at most, with colours. */
@@ -16,6 +17,7 @@ typedef struct strokes {
     const uint32_t *indices; /* of vertices: one a point, two a line; NULL: 0, 1, 2… */
     uint32_t count;          /* of points or of lines */
     bool lines;
+    note_list *notes; /* is told of lines without length */
 } strokes;
 
 /* Sets positions, normals, colours and indices of *mesh, in memory of the scene. With D the diagonal of the

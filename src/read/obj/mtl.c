@@ -141,7 +141,8 @@ static double limited(mtl_reader *r, const struct mtl_field *field, const char *
     return isnan(value) ? before : value > field->highest ? field->highest : field->lowest;
 }
 
-/* One number stands for all three of a colour. */
+/* One number stands for all three of a colour. False, and noted: there are none, as programs write what is no
+ * number: "1.#QNAN". */
 static bool read_numbers(mtl_reader *r, const struct mtl_field *field, const char *p, double *out) {
     for (int i = 0; i < field->numbers; ++i) {
         const char *at = text_skip(p);
@@ -152,8 +153,9 @@ static bool read_numbers(mtl_reader *r, const struct mtl_field *field, const cha
             return true;
         }
         if (!number_read(&p, &value) || !text_is_break(*p)) {
-            return text_found(&r->fault, at, field->keyword, "expected %s",
-                              field->numbers == 3 ? "three numbers" : "a number");
+            notes_add_at(&r->notes, 1, &r->file, at, true, "%s: expected %s; it is left out", field->keyword,
+                         field->numbers == 3 ? "three numbers" : "a number");
+            return false;
         }
         out[i] = limited(r, field, at, value, out[i]);
     }
@@ -165,16 +167,16 @@ static bool is_word(const char *p, const char *word) {
     return strncmp(p, word, length) == 0 && text_is_break(p[length]);
 }
 
-static bool read_field(mtl_reader *r, int kind, const char *at) {
+static void read_field(mtl_reader *r, int kind, const char *at) {
     const struct mtl_field *field = &mtl_fields[kind];
     if (!r->begun) {
         note_word(r, at, "expected newmtl first; statements before it are left out");
-        return true;
+        return;
     }
     const char *p = text_skip(at + strlen(field->keyword));
     if (is_word(p, "spectral") || is_word(p, "xyz")) {
         note_word(r, at, "colours as spectra or in xyz are not read");
-        return true;
+        return;
     }
     /* A halo would fade towards the outline; the number means the same. */
     if (kind == MTL_D && is_word(p, "-halo")) {
@@ -182,7 +184,11 @@ static bool read_field(mtl_reader *r, int kind, const char *at) {
         p += 5;
     }
     double *out = (double *)(void *)((char *)&r->entry + field->offset);
-    if (!read_numbers(r, field, p, out)) return false;
+    const mtl_entry before = r->entry;
+    if (!read_numbers(r, field, p, out)) {
+        r->entry = before;
+        return;
+    }
     if (kind == MTL_TR) *out = 1 - *out;
     if (kind == MTL_ILLUM && *out != floor(*out)) {
         note_word(r, p, "illum: expected a whole number from 0 to 10; its fraction is left out");
@@ -190,7 +196,6 @@ static bool read_field(mtl_reader *r, int kind, const char *at) {
     }
     r->entry.given |= 1u << kind;
     r->entry.at[kind] = at;
-    return true;
 }
 
 /* "-s 2 2" and the like: up to three numbers; those that are missing stay. */
@@ -296,7 +301,9 @@ static bool read_line(mtl_reader *r, const char *at) {
     if (text_is_end(*at) && at >= r->file.end) return true;
     if (is_word(at, "newmtl")) return begin_material(r, at + strlen("newmtl"));
     for (int kind = 0; kind < MTL_KINDS; ++kind) {
-        if (is_word(at, mtl_fields[kind].keyword)) return read_field(r, kind, at);
+        if (!is_word(at, mtl_fields[kind].keyword)) continue;
+        read_field(r, kind, at);
+        return true;
     }
     bool known = false;
     if (!read_map(r, at, &known)) return false;

@@ -219,6 +219,8 @@ static bool push_face(obj_parser *s, const char *at, unsigned parts) {
 /* The corners of an element up to the end of its line, and the parts that they have, which those of a face
  * have in common. NULL after a fault. */
 static const char *read_corners(obj_parser *s, const char *keyword, const char *p, unsigned *parts) {
+    const char *first = p;
+    bool mixed = false;
     s->keyword = keyword;
     s->face.count = 0;
     s->absent = 0;
@@ -230,19 +232,15 @@ static const char *read_corners(obj_parser *s, const char *keyword, const char *
         obj_corner corner = {{0}};
         unsigned of_corner;
         if (!read_corner(s, &p, &corner, &of_corner)) return NULL;
-        if (s->face.count && of_corner != *parts && *keyword == 'f') {
-            text_wrong(&s->r->fault, at, keyword,
-                       "corner %zu: it has other parts (v/vt/vn) than corner 1; expected the same in all",
-                       s->face.count + 1);
-            return NULL;
-        }
-        *parts = of_corner;
+        mixed |= s->face.count && of_corner != *parts;
+        *parts = s->face.count ? *parts & of_corner : of_corner;
         if (s->face.count == s->face.capacity && !array_room(&s->face, 1)) {
             text_no_memory(&s->r->fault);
             return NULL;
         }
         s->face.items[s->face.count++] = corner;
     }
+    if (mixed && *keyword == 'f') tally(s, OBJ_T_MIXED, 1, first);
     return p;
 }
 

@@ -23,7 +23,8 @@ static fathom_status add_slot(const stroke_sorter *s, uint32_t slot, const uint3
                            .color_channels = 3,
                            .indices = corners,
                            .count = (uint32_t)(count / each),
-                           .lines = s->kind == OBJ_LINES};
+                           .lines = s->kind == OBJ_LINES,
+                           .notes = &s->r->notes};
     fathom_mesh mesh;
     mesh_facts facts;
     fathom_mesh_default(&mesh);

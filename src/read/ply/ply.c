@@ -29,14 +29,15 @@ static void put_array(const ply_array *array, uint32_t i, const double values[PL
 static void put_color(const ply_reader *r, uint32_t i, const double values[PLY_ROLES]) {
     double linear[PLY_ROLES];
     for (int role = PLY_R; role <= PLY_B; ++role)
-        linear[role] = (double)read_linear(values[role] / r->whole_color);
+        linear[role] = r->whole_color > 0 ? (double)read_linear(values[role] / r->whole_color) : values[role];
+    linear[PLY_A] = r->whole_alpha > 0 ? values[PLY_A] / r->whole_alpha : values[PLY_A];
     put_array(&r->arrays[PLY_COLORS], i, linear);
 }
 
 bool ply_put_vertex(ply_reader *r, uint32_t i, const double values[PLY_ROLES], const void *at,
                     scene_bounds *bounds) {
-    static const char *const names[PLY_ROLES] = {"x", "y", "z",   "nx",    "ny",  "nz",
-                                                 "u", "v", "red", "green", "blue"};
+    static const char *const names[PLY_ROLES] = {"x", "y",  "z",  "nx",  "ny",    "nz",   "u",
+                                                 "v", "u1", "v1", "red", "green", "blue", "alpha"};
     if (r->moving) {
         const double moved[PLY_ROLES] = {values[PLY_X] - r->origin.x, values[PLY_Y] - r->origin.y,
                                          values[PLY_Z] - r->origin.z};
@@ -55,7 +56,7 @@ bool ply_put_vertex(ply_reader *r, uint32_t i, const double values[PLY_ROLES], c
     bounds->upper.y = values[PLY_Y] > bounds->upper.y ? values[PLY_Y] : bounds->upper.y;
     bounds->upper.z = values[PLY_Z] > bounds->upper.z ? values[PLY_Z] : bounds->upper.z;
     for (int a = 0; a < PLY_ARRAYS; ++a) {
-        if (a == PLY_COLORS && r->arrays[a].own && r->whole_color > 0)
+        if (a == PLY_COLORS && r->arrays[a].own)
             put_color(r, i, values);
         else if (r->arrays[a].own)
             put_array(&r->arrays[a], i, values);
@@ -86,8 +87,9 @@ fathom_status ply_read_vertices(ply_reader *r, size_t count, size_t grain, loop_
 }
 
 /* Whole numbers are as screens show them, of their type's range. */
-static double whole_color(const ply_reader *r) {
-    switch (r->header.elements.items[r->vertex_element].properties.items[r->role[PLY_R]].type) {
+static double whole_of(const ply_reader *r, int role) {
+    if (r->role[role] < 0) return 0;
+    switch (r->header.elements.items[r->vertex_element].properties.items[r->role[role]].type) {
     case PLY_INT8:
     case PLY_UINT8: return 255;
     case PLY_INT16:
@@ -104,11 +106,12 @@ static void choose_arrays(ply_reader *r) {
     const ply_array kinds[PLY_ARRAYS] = {{.first_role = PLY_X, .components = 3},
                                          {.first_role = PLY_NX, .components = 3},
                                          {.first_role = PLY_U, .components = 2},
-                                         {.first_role = PLY_R, .components = 3}};
+                                         {.first_role = PLY_U1, .components = 2},
+                                         {.first_role = PLY_R, .components = r->role[PLY_A] < 0 ? 3 : 4}};
     for (int a = 0; a < PLY_ARRAYS; ++a) {
         r->arrays[a] = kinds[a];
-        r->arrays[a].present =
-            !((a == PLY_NORMALS && r->options.flat) || (a == PLY_UVS && !scene_keeps_uvs(r->scene)));
+        r->arrays[a].present = !((a == PLY_NORMALS && r->options.flat) ||
+                                 ((a == PLY_UVS || a == PLY_UVS_1) && !scene_keeps_uvs(r->scene)));
         for (int k = 0; k < kinds[a].components; ++k) {
             if (r->role[kinds[a].first_role + k] < 0) r->arrays[a].present = false;
         }
@@ -120,7 +123,7 @@ static void choose_arrays(ply_reader *r) {
             *property = -1;
         }
     }
-    if (r->arrays[PLY_COLORS].present) r->whole_color = whole_color(r);
+    r->whole_color = whole_of(r, PLY_R), r->whole_alpha = whole_of(r, PLY_A);
 }
 
 static void release_map(void *data) {
@@ -166,7 +169,8 @@ static fathom_status add_strokes(ply_reader *r, fathom_mesh mesh) {
                        .color_channels = mesh.color_channels,
                        .indices = r->edges,
                        .count = (uint32_t)count,
-                       .lines = r->edges};
+                       .lines = r->edges,
+                       .notes = &r->notes};
     notes_add(&r->notes, s.count, "",
               s.lines ? "edges have no width, and are shown as thin rods"
                       : "points have no size, and are shown as small balls");
@@ -228,7 +232,26 @@ static fathom_status add_surface(ply_reader *r, fathom_mesh mesh) {
         mesh.uv_stride = r->arrays[PLY_UVS].stride;
         mesh.uv_count = r->vertex_count;
     }
+    if (r->arrays[PLY_UVS_1].present) {
+        mesh.uvs_1 = r->arrays[PLY_UVS_1].values;
+        mesh.uv_1_stride = r->arrays[PLY_UVS_1].stride;
+    }
     return check_and_add(r, &mesh);
+}
+
+/* Opacities of 1 need no place. Those that are 0 at all vertices were never meant: some programs do not fill
+ * them in. */
+static unsigned color_channels(ply_reader *r) {
+    const ply_array *colors = &r->arrays[PLY_COLORS];
+    bool clear = true, whole = true;
+    if (colors->components < 4) return 3;
+    for (uint32_t i = 0; i < r->vertex_count && (clear || whole); ++i) {
+        const float alpha = mesh_row(colors->values, colors->stride, i)[3];
+        clear &= !(alpha > 0), whole &= alpha >= 1;
+    }
+    if (!clear) return whole ? 3 : 4;
+    notes_add(&r->notes, r->vertex_count, "", "alpha is 0 at all vertices, and left out");
+    return 3;
 }
 
 static fathom_status add_meshes(ply_reader *r) {
@@ -242,6 +265,7 @@ static fathom_status add_meshes(ply_reader *r) {
     if (r->arrays[PLY_COLORS].present) {
         mesh.colors = r->arrays[PLY_COLORS].values;
         mesh.color_stride = r->arrays[PLY_COLORS].stride;
+        mesh.color_channels = color_channels(r);
         if (r->options.material == FATHOM_NONE) {
             fathom_status status = read_colored_material(r->scene, &mesh.material);
             if (status != FATHOM_OK) return status;

@@ -54,13 +54,29 @@ typedef struct ply_header {
 } ply_header;
 
 /* The meaning of a vertex property for the mesh. */
-enum { PLY_X, PLY_Y, PLY_Z, PLY_NX, PLY_NY, PLY_NZ, PLY_U, PLY_V, PLY_R, PLY_G, PLY_B, PLY_ROLES };
+enum {
+    PLY_X,
+    PLY_Y,
+    PLY_Z,
+    PLY_NX,
+    PLY_NY,
+    PLY_NZ,
+    PLY_U,
+    PLY_V,
+    PLY_U1,
+    PLY_V1,
+    PLY_R,
+    PLY_G,
+    PLY_B,
+    PLY_A,
+    PLY_ROLES
+};
 
 /* The meaning of an edge's property: its two vertices. */
 enum { PLY_FROM, PLY_TO, PLY_ENDS };
 
 /* The mesh's arrays. */
-enum { PLY_POSITIONS, PLY_NORMALS, PLY_UVS, PLY_COLORS, PLY_ARRAYS };
+enum { PLY_POSITIONS, PLY_NORMALS, PLY_UVS, PLY_UVS_1, PLY_COLORS, PLY_ARRAYS };
 
 typedef struct ply_array {
     int first_role, components;
@@ -97,6 +113,7 @@ typedef struct ply_reader {
     uint32_t vertex_count;
     ply_array arrays[PLY_ARRAYS];
     double whole_color;   /* what the colours' numbers are for 1; 0: they are linear floats */
+    double whole_alpha;   /* the same for opacities */
     pthread_mutex_t lock; /* of the bounds */
     scene_bounds bounds;
     vec3_f64 origin;

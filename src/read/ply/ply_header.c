@@ -193,10 +193,10 @@ static int find_property(const ply_element *element, const char *names) {
     return found;
 }
 
-/* Two of three make no colour. */
+/* Two of three make no colour, and an opacity alone none. */
 static void drop_partial_colors(ply_reader *r, const ply_element *vertex) {
     if (r->role[PLY_R] >= 0 && r->role[PLY_G] >= 0 && r->role[PLY_B] >= 0) return;
-    for (int role = PLY_R; role <= PLY_B; ++role) {
+    for (int role = PLY_R; role <= PLY_A; ++role) {
         if (r->role[role] >= 0) vertex->properties.items[r->role[role]].role = -1;
         r->role[role] = -1;
     }
@@ -211,9 +211,12 @@ static bool find_roles(ply_reader *r) {
                                                  "nz",
                                                  "u|s|texture_u|texture_s",
                                                  "v|t|texture_v|texture_t",
+                                                 "u1|s1",
+                                                 "v1|t1",
                                                  "red|diffuse_red|r",
                                                  "green|diffuse_green|g",
-                                                 "blue|diffuse_blue|b"};
+                                                 "blue|diffuse_blue|b",
+                                                 "alpha|a"};
     r->vertex_element = find_element(&r->header, "vertex");
     if (r->vertex_element == SIZE_MAX)
         return text_wrong(&r->fault, r->file.begin, "element vertex", "the header has none");
@@ -333,7 +336,6 @@ static bool is_color(const char *name) {
 
 static void note_properties(ply_reader *r, size_t index) {
     const ply_element *element = &r->header.elements.items[index];
-    const bool alpha = index == r->vertex_element && r->role[PLY_R] >= 0;
     bool colors = false;
     for (size_t i = 0; i < element->properties.count; ++i) {
         const char *name = element->properties.items[i].name;
@@ -347,7 +349,7 @@ static void note_properties(ply_reader *r, size_t index) {
     }
     if (colors)
         notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false,
-                     "%.40s colours are not used%s", element->name, alpha ? " for opacity: alpha" : "");
+                     "%.40s colours are not used", element->name);
 }
 
 void ply_note_unused(ply_reader *r) {
