@@ -226,12 +226,14 @@ static void a_room_is_lit_by_its_lamps_unless_they_are_dim(void **state) {
     }
 }
 
+/* The faces of a slab, which look outwards. */
+static const uint32_t slab[36] = {0, 2, 1, 1, 2, 3, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5,
+                                  0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 4, 5, 6, 5, 7, 6};
+
 /* A slab with its corners in the order that lets its faces look outwards, and a display on its front. */
 static fathom_scene *open_telephone(float radiance, bool before_wall) {
     static const float corners[8][3] = {{0, 0, 0},   {1, 0, 0},   {0, 2, 0},   {1, 2, 0},
                                         {0, 0, .1f}, {1, 0, .1f}, {0, 2, .1f}, {1, 2, .1f}};
-    static const uint32_t sides[36] = {0, 2, 1, 1, 2, 3, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5,
-                                       0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 4, 5, 6, 5, 7, 6};
     fathom_scene *scene;
     fathom_mesh mesh;
     fathom_instance instance;
@@ -240,9 +242,9 @@ static fathom_scene *open_telephone(float radiance, bool before_wall) {
     assert_ok(context, fathom_scene_add_group(scene, "telephone", &instance.group));
     fathom_mesh_default(&mesh);
     mesh.positions = corners[0], mesh.vertex_count = 8;
-    mesh.indices = sides, mesh.triangle_count = 10;
+    mesh.indices = slab, mesh.triangle_count = 10;
     assert_ok(context, fathom_scene_add_mesh(scene, instance.group, &mesh, NULL));
-    mesh.indices = sides + 30, mesh.triangle_count = 2, mesh.material = add_emission(scene, radiance);
+    mesh.indices = slab + 30, mesh.triangle_count = 2, mesh.material = add_emission(scene, radiance);
     assert_ok(context, fathom_scene_add_mesh(scene, instance.group, &mesh, NULL));
     instance.transform[0] = -1; /* mirrored */
     assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
@@ -262,6 +264,32 @@ static void a_display_lights_what_it_faces_alone(void **state) {
     scene = open_telephone(1000, true);
     assert_false(scene->in_studio);
     fathom_scene_destroy(scene);
+}
+
+/* A room whose walls face outwards is lit by the lamp in it for whoever stands inside, and not for whoever
+ * looks at it from outside. */
+static void a_room_is_lit_for_whoever_stands_in_it(void **state) {
+    (void)state;
+    static const float corners[8][3] = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {2, 2, 0},
+                                        {0, 0, 2}, {2, 0, 2}, {0, 2, 2}, {2, 2, 2}};
+    for (int inside = 0; inside < 2; ++inside) {
+        fathom_scene *scene;
+        fathom_mesh mesh;
+        fathom_camera camera;
+        assert_ok(context, fathom_scene_create(context, &scene));
+        fathom_mesh_default(&mesh);
+        mesh.positions = corners[0], mesh.vertex_count = 8;
+        mesh.indices = slab, mesh.triangle_count = 12;
+        assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+        add_wall(scene, vec_f64(0.8, 1.99, 0.8), vec_f64(0.4, 0, 0), vec_f64(0, 0, 0.4),
+                 add_emission(scene, 30));
+        fathom_camera_look_at((const double[]){1, 1, inside ? 1.9 : 9}, (const double[]){1, 1, 0},
+                              (const double[]){0, 1, 0}, 1, &camera);
+        assert_ok(context, fathom_scene_set_camera(scene, &camera));
+        assert_ok(context, fathom_scene_complete(scene));
+        assert_true(scene->in_studio == !inside);
+        fathom_scene_destroy(scene);
+    }
 }
 
 /* A mean over an infinite plane says nothing of its part next to the lamp. */
@@ -332,6 +360,7 @@ int main(void) {
         cmocka_unit_test(an_emission_that_meets_nothing_is_no_lamp),
         cmocka_unit_test(its_luminance_is_what_lamps_are_held_against),
         cmocka_unit_test(a_room_is_lit_by_its_lamps_unless_they_are_dim),
+        cmocka_unit_test(a_room_is_lit_for_whoever_stands_in_it),
         cmocka_unit_test(a_display_lights_what_it_faces_alone),
         cmocka_unit_test(a_lamp_over_a_plane_lights_it),
         cmocka_unit_test(irradiance_of_small_squares_has_a_closed_form),

@@ -1,7 +1,8 @@
 /* How brightly the emission of a model lights the model itself: the mean irradiance over what does not shine,
  * from points spread evenly over both, by area. Nothing is in the way between two points, but a surface is
- * lit on its front alone: so the display on a telephone does not light the telephone, whose surfaces all face
- * away from it. */
+ * lit on one side alone: its front, so that the display on a telephone does not light the telephone, whose
+ * surfaces all face away from it; or, where the scene's own camera stands among them, the side that it sees,
+ * as some programs let the walls of rooms face outwards. */
 #include "scene/camera/camera.h"
 
 #include "scene/graph.h"
@@ -43,6 +44,7 @@ typedef struct lamp_walk {
     uint32_t triangles, places; /* that may still be looked at */
     bool spreads;               /* the second walk, which puts the points where the first found area */
     patches lamps, others;
+    bool inside; /* the camera stands among the others */
 } lamp_walk;
 
 /* An image of emission is a display or a signal, as on most models: it does not count. */
@@ -167,14 +169,26 @@ static bool walk_all(lamp_walk *w, bool spreads) {
     return fine;
 }
 
+static bool has_camera_inside(const lamp_walk *w) {
+    const vec3_f64 eye = load_f64(w->scene->camera.origin);
+    scene_bounds bounds = bounds_empty();
+    for (uint32_t i = 0; i < w->others.count; ++i) bounds_add(&bounds, w->others.items[i].at);
+    return w->scene->has_camera && !w->scene->made.camera && eye.x > bounds.lower.x &&
+           eye.x < bounds.upper.x && eye.y > bounds.lower.y && eye.y < bounds.upper.y &&
+           eye.z > bounds.lower.z && eye.z < bounds.upper.z;
+}
+
 /* A lamp's patch is a disc of its area, seen from straight ahead: no point is too near to it. */
 static double irradiance_at(const lamp_walk *w, const patch *to) {
     const double area = w->lamps.area / PATCHES;
+    const bool behind =
+        w->inside && dot_f64(sub_f64(load_f64(w->scene->camera.origin), to->at), to->normal) < 0;
     double sum = 0;
     for (uint32_t i = 0; i < w->lamps.count; ++i) {
         const patch *lamp = &w->lamps.items[i];
         const vec3_f64 way = sub_f64(lamp->at, to->at), d = normalize_f64(way);
-        const double met = dot_f64(d, to->normal), square = dot_f64(way, way) + area / 3.14159265358979324;
+        const double met = dot_f64(d, behind ? neg_f64(to->normal) : to->normal),
+                     square = dot_f64(way, way) + area / 3.14159265358979324;
         const double share = to->of.both ? fabs(met) : fmax(met, 0);
         sum += lamp->of.radiance * area * fabs(dot_f64(d, lamp->normal)) * share / square;
     }
@@ -201,6 +215,7 @@ fathom_status scene_measure_lamps(const fathom_scene *scene, double *out) {
     lamp_walk w = {.scene = scene, .graph = &graph};
     if (!walk_all(&w, false) || !walk_all(&w, true))
         status = fail_memory(scene->context, sizeof *w.stack.items);
+    w.inside = has_camera_inside(&w);
     for (uint32_t i = 0; i < w.others.count; ++i)
         *out += irradiance_at(&w, &w.others.items[i]) / w.others.count;
     array_free(&w.stack);
