@@ -12,6 +12,10 @@ READERS = {
     "ply": ["src/read/ply/"],
     "rays": ["src/cli/validate/ray_line.c"],
     "checkpoint": ["src/render/checkpoint/", "src/job/adaptive_record.c"],
+    "wire": ["src/image/helper/wire.c"],
+    "reply": ["src/image/helper/loader.c", "src/image/helper/wire.c"],
+    "part": ["src/job/part/"],
+    "ranks": ["src/job/ranks/"],
     "command_line": ["src/cli/", "src/trace/spec.c"],
 }
 
