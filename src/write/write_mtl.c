@@ -4,6 +4,7 @@
  * light from behind. The keys of metallic-roughness materials have neither transmission, for which the
  * classic equivalent is written, nor most layers. Images have a scale and an offset, and repeat or end at
  * their edge; v grows upwards. */
+#include "read/obj/mtl.h"
 #include "write/write_obj.h"
 
 #include <string.h>
@@ -64,6 +65,12 @@ static bool is_black(const float rgb[3]) { return !(largest(rgb) > 0); }
 
 static bool is_white(const float rgb[3]) { return rgb[0] == 1 && rgb[1] == 1 && rgb[2] == 1; }
 
+/* Readers take Ps for a white sheen of this roughness; the format has no other. */
+static bool is_sheen(const fathom_material *m) {
+    const float *c = m->sheen_color;
+    return c[0] == c[1] && c[0] == c[2] && m->sheen_roughness == 0.5f && c[0] > 0 && c[0] <= 1;
+}
+
 static void put_metallic(file_writer *t, const fathom_material *m, note_list *notes) {
     put_color(t, "Kd", m->base_color, 1);
     if (!is_black(m->emissive)) put_color(t, "Ke", m->emissive, m->emissive_strength);
@@ -71,8 +78,10 @@ static void put_metallic(file_writer *t, const fathom_material *m, note_list *no
         const float value = *(const float *)(const void *)((const char *)m + numbers[i].offset);
         file_writer_print(t, "%s %.9g\n", numbers[i].key, numbers[i].factor * (double)value);
     }
-    if (m->specular_factor != 1 || !is_white(m->specular_color) || !is_black(m->sheen_color) ||
-        m->iridescence > 0 || m->diffuse_transmission > 0 || m->opacity_cutoff > 0 || !(m->ior >= 1))
+    if (is_sheen(m)) file_writer_print(t, "Ps %.9g\n", (double)m->sheen_color[0]);
+    if (m->specular_factor != 1 || !is_white(m->specular_color) ||
+        (!is_sheen(m) && !is_black(m->sheen_color)) || m->iridescence > 0 || m->diffuse_transmission > 0 ||
+        m->opacity_cutoff > 0 || !(m->ior >= 1))
         notes_add(notes, 1, "", "a material has layers, a tint or a cutoff that MTL has no place for");
 }
 
@@ -91,8 +100,13 @@ static const struct mtl_image_key {
               {"map_Pm", FATHOM_MAP_METALLIC, false},
               {"map_Pc", FATHOM_MAP_CLEARCOAT, false},
               {"map_Pcr", FATHOM_MAP_CLEARCOAT_ROUGHNESS, false},
-              {"norm", FATHOM_MAP_NORMAL, true}};
+              {"norm", FATHOM_MAP_NORMAL, true},
+              {"map_Bump", FATHOM_MAP_BUMP, false}};
 enum { IMAGES = sizeof images / sizeof *images };
+
+static const char *name_of(const write_library *l, const fathom_map *map) {
+    return l->images->items[l->images->of_texture[map->texture]].name;
+}
 
 /* The reader's map is u' = s0 u + o0 and v' = 1 - o1 - s1 v, for the file's v. */
 static void put_image(const write_library *l, file_writer *t, const struct mtl_image_key *key,
@@ -106,9 +120,11 @@ static void put_image(const write_library *l, file_writer *t, const struct mtl_i
     if (c != 0 || o1 != 0) file_writer_print(t, " -o %.9g %.9g 0", c, o1);
     if (texture->wrap_u == FATHOM_WRAP_CLAMP) file_writer_print(t, " -clamp on");
     if (!key->color) file_writer_print(t, " -imfchan %c", "rgbm"[map->channel]);
-    if (key->map == FATHOM_MAP_NORMAL && m->normal_scale != 1)
-        file_writer_print(t, " -bm %.9g", (double)m->normal_scale);
-    file_writer_print(t, " %s\n", l->images->items[l->images->of_texture[map->texture]].name);
+    const float bump = key->map == FATHOM_MAP_NORMAL ? m->normal_scale
+                       : key->map == FATHOM_MAP_BUMP ? m->bump_scale
+                                                     : 1;
+    if (bump != 1) file_writer_print(t, " -bm %.9g", (double)bump);
+    file_writer_print(t, " %s\n", name_of(l, map));
 }
 
 /* True when the format can say how the image lies, and which part of it counts. */
@@ -125,6 +141,7 @@ static void put_images(const write_library *l, file_writer *t, const fathom_mate
     for (size_t i = 0; i < IMAGES; ++i) {
         const fathom_map *map = &m->maps[images[i].map];
         if (map->texture == FATHOM_NONE || !is_plain(l->scene, map, images[i].color)) continue;
+        if (images[i].map == FATHOM_MAP_BUMP && mtl_says_normal(name_of(l, map))) continue;
         put_image(l, t, &images[i], m);
         --left;
     }

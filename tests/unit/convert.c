@@ -215,13 +215,17 @@ static void mtl_keeps_metal_and_its_images(void **state) {
                                     .byte_count = 6,
                                     .wrap_u = FATHOM_WRAP_CLAMP,
                                     .wrap_v = FATHOM_WRAP_CLAMP};
-    static const fathom_map_kind kinds[] = {FATHOM_MAP_COLOR, FATHOM_MAP_ROUGHNESS, FATHOM_MAP_NORMAL};
+    static const fathom_map_kind kinds[] = {FATHOM_MAP_COLOR, FATHOM_MAP_ROUGHNESS, FATHOM_MAP_NORMAL,
+                                            FATHOM_MAP_BUMP};
+    enum { KINDS = sizeof kinds / sizeof *kinds };
     fathom_material m;
     fathom_scene *back;
     fathom_material_default(&m);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.roughness = 0.3f, m.metallic = 0.7f, m.clearcoat = 0.2f;
     m.clearcoat_roughness = 0.1f, m.anisotropy = 0.6f, m.opacity = 0.9f, m.ior = 1.7f, m.normal_scale = 0.3f;
-    for (size_t i = 0; i < 3; ++i)
+    m.bump_scale = 0.02f, m.sheen_roughness = 0.5f;
+    for (int c = 0; c < 3; ++c) m.sheen_color[c] = 0.4f;
+    for (size_t i = 0; i < KINDS; ++i)
         m.maps[kinds[i]] = (fathom_map){.texture = 0, .transform = {2, 0, 0.25f, 0, 3, -0.5f}};
     m.maps[FATHOM_MAP_ROUGHNESS].channel = 1;
     fathom_scene *scene = wearing(&m, &texture);
@@ -232,7 +236,9 @@ static void mtl_keeps_metal_and_its_images(void **state) {
                 got->clearcoat == m.clearcoat);
     assert_true(got->anisotropy == m.anisotropy && got->opacity == m.opacity && got->ior == m.ior);
     assert_true(got->clearcoat_roughness == m.clearcoat_roughness && got->normal_scale == m.normal_scale);
-    for (size_t i = 0; i < 3; ++i) {
+    assert_true(got->bump_scale == m.bump_scale && got->sheen_color[1] == 0.4f &&
+                got->sheen_roughness == 0.5f);
+    for (size_t i = 0; i < KINDS; ++i) {
         const fathom_map *map = &got->maps[kinds[i]];
         const float *t = map->transform;
         assert_int_not_equal(map->texture, FATHOM_NONE);

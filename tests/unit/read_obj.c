@@ -354,6 +354,18 @@ static void omissions_are_reported(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* Exporters divide by the length of nothing, and print what comes of it in many ways. */
+static void normals_that_are_no_numbers_become_zeros(void **state) {
+    (void)state;
+    fathom_scene *scene = read_text(
+        SQUARE "vn nan 0 1\nvn -nan(ind) inf 1.#QNAN\nvn 0 0 1\nvt -1.#IND 1\nf 1/1/1 2/1/2 3/1/3\n");
+    const fathom_mesh *mesh = mesh_at(scene, 0);
+    assert_true(mesh->normals[0] == 0 && mesh->normals[2] == 1 && mesh->normals[5] == 0);
+    assert_true(mesh->uvs[0] == 0 && mesh->uvs[1] == 1);
+    expect_warning("a NaN or an infinity in vt or vn is taken as 0 (5 such, the first here: \"nan\")");
+    fathom_scene_destroy(scene);
+}
+
 /* Every vertex of the balls or rods, of `each` vertices, lies at a distance from the line between its two
  * ends.
  */
@@ -519,6 +531,7 @@ int main(void) {
         cmocka_unit_test(polygons_are_triangulated),
         cmocka_unit_test(far_meshes_keep_their_digits),
         cmocka_unit_test(omissions_are_reported),
+        cmocka_unit_test(normals_that_are_no_numbers_become_zeros),
         cmocka_unit_test(lines_are_rods_and_points_are_balls),
         cmocka_unit_test(vertices_alone_are_a_cloud_of_points),
         cmocka_unit_test(points_keep_their_materials),

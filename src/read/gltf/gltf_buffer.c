@@ -11,6 +11,7 @@
 /* ---- the file ---- */
 
 enum { HEADER_SIZE = 12, CHUNK_HEADER_SIZE = 8 };
+enum { ZEROS_MOST = 4096 }; /* skipped at the end of a JSON text: a sparse file has any number */
 static const uint32_t chunk_json = 0x4E4F534A, chunk_bin = 0x004E4942;
 
 static uint32_t word_at(const unsigned char *bytes, size_t at) {
@@ -38,7 +39,7 @@ static void parse_json(gltf *g, const char *begin, size_t size, size_t at) {
     /* A byte order mark is against the standard but harmless. So are zeros at the end, with which some
      * writers pad. */
     const char *text = text_after_mark(begin, begin + size), *end = begin + size;
-    while (end > text && end[-1] == 0) --end;
+    for (int i = 0; i < ZEROS_MOST && end > text && end[-1] == 0; ++i) --end;
     size = (size_t)(end - text), at += at ? (size_t)(text - begin) : 0;
     g->text = text, g->text_at = at;
     g->root = (gltf_value){.json = json_arena_read(&g->arena, text, size, JSON_REJECT_DUPLICATES, &error)};

@@ -242,7 +242,7 @@ static const char *read_options(mtl_reader *r, const char *p, mtl_image *image) 
     return p;
 }
 
-static bool says_normal(const char *name) {
+bool mtl_says_normal(const char *name) {
     static const char *const words[] = {"normal", "norm", "nrm", "_nor", "_n."};
     char lower[256] = "";
     for (size_t i = 0; name[i] && i + 1 < sizeof lower; ++i)
@@ -276,7 +276,7 @@ static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at)
         free(image.file);
         return true;
     }
-    const bool normals = map->map == FATHOM_MAP_BUMP && says_normal(image.file);
+    const bool normals = map->map == FATHOM_MAP_BUMP && mtl_says_normal(image.file);
     mtl_image *to = &r->library->materials.items[r->current].images[normals ? FATHOM_MAP_NORMAL : map->map];
     free(to->file);
     *to = image;

@@ -37,6 +37,8 @@ static inline bool mtl_given(const mtl_entry *m, int kind) { return m->given >> 
 static inline bool mtl_is_white(const double rgb[3]) { return rgb[0] == 1 && rgb[1] == 1 && rgb[2] == 1; }
 static inline bool mtl_is_black(const double rgb[3]) { return rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0; }
 
+/* True when the name of a bump image says that it holds normals, as exporters of today write it. */
+bool mtl_says_normal(const char *name);
 int mtl_illum(const mtl_entry *m);
 bool mtl_is_glass(int illum);
 /* Without its maps. */

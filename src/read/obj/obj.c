@@ -154,6 +154,7 @@ static void note_tallies(obj_reader *r) {
         [OBJ_T_SHORT] = "lines of less than 2 corners are left out",
         [OBJ_T_SMALL] = "faces of less than 3 corners are left out",
         [OBJ_T_MIXED] = "a face has uvs or normals at some corners and not at others; it gets none",
+        [OBJ_T_ODD] = "a NaN or an infinity in vt or vn is taken as 0",
         [OBJ_T_BEHIND] = "what follows x y z of a vertex is not read",
         [OBJ_T_NO_UV] = "vt: a face names texture coordinates that the file does not have; it gets none",
         [OBJ_T_NO_NORMAL] = "vn: a face names normals that the file does not have; it gets none",
@@ -161,7 +162,7 @@ static void note_tallies(obj_reader *r) {
     for (int k = 0; k < OBJ_TALLIES; ++k) {
         for (size_t i = 0; i < r->piece_count; ++i) {
             const obj_tally *t = &r->pieces[i].tallies[k];
-            notes_add_at(&r->notes, t->count, &r->file, t->first, k >= OBJ_T_BEHIND, "%s", texts[k]);
+            notes_add_at(&r->notes, t->count, &r->file, t->first, k >= OBJ_T_ODD, "%s", texts[k]);
         }
     }
 }

@@ -86,13 +86,14 @@ typedef struct obj_run {
     size_t target;        /* where it starts in its mesh */
 } obj_run;
 
-/* The kinds of things that are left out. The word of the first one is quoted from OBJ_T_BEHIND on. */
+/* The kinds of things that are left out. The word of the first one is quoted from OBJ_T_ODD on. */
 enum {
     OBJ_T_LINES,  /* l, shown as rods */
     OBJ_T_POINTS, /* of p, shown as balls */
     OBJ_T_SHORT,  /* l of less than 2 corners */
     OBJ_T_SMALL,  /* faces of less than 3 corners */
     OBJ_T_MIXED,  /* faces whose corners have different parts */
+    OBJ_T_ODD,    /* numbers of uvs and normals that are none */
     OBJ_T_BEHIND, /* other words after the numbers of a vertex */
     OBJ_T_NO_UV,  /* faces that name texture coordinates the file does not have */
     OBJ_T_NO_NORMAL,

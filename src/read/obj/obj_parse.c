@@ -6,10 +6,13 @@
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 typedef struct obj_corner {
     uint32_t index[OBJ_KINDS];
 } obj_corner;
+
+static const char *const kinds[] = {"v", "vt", "vn"};
 
 /* The state of the parse of a piece. */
 typedef struct obj_parser {
@@ -22,6 +25,18 @@ typedef struct obj_parser {
     size_t next_material;
     ARRAY(obj_corner) face;
 } obj_parser;
+
+static void tally(obj_parser *s, int kind, size_t times, const char *at) {
+    obj_tally *t = &s->piece->tallies[kind];
+    if (!t->count) t->first = text_skip(at);
+    t->count += times;
+}
+
+/* How programs print what is no number: "nan", "-nan(ind)", "1.#QNAN", "inf". */
+static bool is_odd(const char *p) {
+    if (*p == '-' || *p == '+') ++p;
+    return strncasecmp(p, "nan", 3) == 0 || strncasecmp(p, "inf", 3) == 0 || strncmp(p, "1.#", 3) == 0;
+}
 
 /* Reads `count` numbers of a vertex; those after `required` may be missing and are then 0. NULL after a
  * fault. */
@@ -37,6 +52,12 @@ static const char *read_values(obj_parser *s, const char *what, const char *p, i
         else if (!(fabs(out[i]) <= (double)FLT_MAX))
             expected = "a finite number that fits a float";
         if (!expected) continue;
+        if (what != kinds[OBJ_POSITION] && is_odd(at)) {
+            tally(s, OBJ_T_ODD, 1, at);
+            out[i] = 0;
+            for (p = at; !text_is_break(*p);) ++p;
+            continue;
+        }
         text_found(&s->r->fault, at, what, "number %d of %d: expected %s", i + 1, count, expected);
         return NULL;
     }
@@ -49,7 +70,6 @@ static bool has_room(obj_parser *s, int kind, const char *at) {
            text_wrong(&s->r->fault, at, NULL, "the file has changed since it was counted through");
 }
 
-static const char *const kinds[] = {"v", "vt", "vn"};
 static const int components[OBJ_KINDS] = {3, 2, 3};
 
 /* A position, uv or normal; the v of a uv may be missing. */
@@ -67,12 +87,6 @@ static const char *read_vector(obj_parser *s, int kind, const char *p) {
         s->piece->upper[k] = v[k] > s->piece->upper[k] ? v[k] : s->piece->upper[k];
     }
     return p;
-}
-
-static void tally(obj_parser *s, int kind, size_t times, const char *at) {
-    obj_tally *t = &s->piece->tallies[kind];
-    if (!t->count) t->first = text_skip(at);
-    t->count += times;
 }
 
 /* Of the vertex read last. */
