@@ -75,9 +75,10 @@ static void begin_vertices(wave *w, vertex_block *v) {
 
 static bool lit_from_both_sides(const vertex_block *v, unsigned i) { return v->shader.at[i]->transmits; }
 
-static void ask(const vertex_block *v, emitter_query *out) {
+static void ask(const path_wave *p, const vertex_block *v, emitter_query *out) {
     memcpy(out->p, v->surface.p, sizeof out->p);
     memcpy(out->n, v->surface.ns, sizeof out->n);
+    for (unsigned i = 0; p->wave.times && i < LANES; ++i) out->time[i] = p->wave.times[v->path.slot[i]];
     for (unsigned i = 0; i < LANES; ++i) {
         if (!lit_from_both_sides(v, i)) continue;
         for (int c = 0; c < 3; ++c) out->n[c][i] = 0;
@@ -122,7 +123,7 @@ static void push_light(path_wave *p, const vertex_block *v, const float choice[L
     shadow_depths depths;
     numbers(p, v, SAMPLE_LIGHT, u);
     memcpy(u[2], choice, sizeof u[2]);
-    ask(v, &query);
+    ask(p, v, &query);
     emitters_sample(plan->emitters, &query, u, &light);
     plan->shader_kernels->evaluate(&v->surface, &v->shader, light.direction, f, density);
     find_done(p, v, done);

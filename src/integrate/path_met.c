@@ -45,8 +45,7 @@ void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const sh
     const emitter_hit hit = {.geometry = g->geometry[i],
                              .primitive = g->primitive[i],
                              .instance = g->instance[i],
-                             .p = of_lane(v->surface.p, i),
-                             .ng = of_lane(v->surface.ng, i)};
+                             .time = p->wave.times ? p->wave.times[slot] : 0};
     met_light met = {.group = wave_hit_group(&p->wave, i)};
     memcpy(met.radiance, s->emission, sizeof met.radiance);
     if (p->density[slot] < INFINITY)

@@ -51,6 +51,10 @@ typedef struct lane_choices {
     unsigned faces, balls, lamps; /* lanes that chose one */
 } lane_choices;
 
+static float time_of(const emitters *e, const lane_choices *c, int i) {
+    return e->moving ? c->from->time[i] : 0;
+}
+
 static const float *radiance_of(const emitters *e, const emitter_run *run, uint32_t primitive) {
     return e->emission[world_material(e->w, run->geometry, primitive, run->instance)];
 }
@@ -105,7 +109,7 @@ static void look_up_radiance(const emitters *e, const lane_choices *c, const lan
         place.material = world_material(e->w, run->geometry, primitive, run->instance);
         if (!texturing_varies_emission(e->texturing, place.material)) continue;
         shape_face face;
-        emitters_face(e, run, primitive, &face);
+        emitters_face(e, run, primitive, time_of(e, c, i), &face);
         find_place(&face, widen(lane_f32(c->from->p, i)), widen(lane_f32(direction, i)), &place);
         texturing_emission(e->texturing, &place, value[i]);
         radiance[i] = value[i];
@@ -126,9 +130,9 @@ static void sample_faces(const emitters *e, const lane_choices *c, emitter_sampl
     const float *light = NULL;
     for (unsigned left = c->faces; left; left &= left - 1) {
         const int i = __builtin_ctz(left);
-        if (c->emitter[i] != last) {
+        if (c->emitter[i] != last || e->moving) {
             const emitter_run *run = emitters_run_of(e, c->emitter[i]);
-            emitters_face(e, run, c->emitter[i] - run->first, &face);
+            emitters_face(e, run, c->emitter[i] - run->first, time_of(e, c, i), &face);
             light = radiance_of(e, run, c->emitter[i] - run->first);
             quads |= face.quad;
         }
@@ -169,9 +173,9 @@ static void sample_balls(const emitters *e, const lane_choices *c, emitter_sampl
     uint32_t last = FATHOM_NONE;
     for (unsigned left = c->balls; left; left &= left - 1) {
         const int i = __builtin_ctz(left);
-        if (c->emitter[i] != last) {
+        if (c->emitter[i] != last || e->moving) {
             const emitter_run *run = emitters_run_of(e, c->emitter[i]);
-            emitters_ball(e, run, c->emitter[i] - run->first, &ball);
+            emitters_ball(e, run, c->emitter[i] - run->first, time_of(e, c, i), &ball);
             light = radiance_of(e, run, c->emitter[i] - run->first);
         }
         for (int k = 0; last == FATHOM_NONE && k < LANES; ++k) put_ball(&balls, k, &ball);
@@ -188,15 +192,15 @@ static void sample_balls(const emitters *e, const lane_choices *c, emitter_sampl
     take_answers(c, plain, &answers, direction, distance, radiance, out);
 }
 
-static double primitive_density(const emitters *e, const emitter_run *run, uint32_t primitive, vec3_f64 p,
+static double primitive_density(const emitters *e, const emitter_run *run, const emitter_hit *hit, vec3_f64 p,
                                 vec3_f64 n, vec3_f64 direction) {
     if (is_ball(e, run)) {
         emitter_ball ball;
-        emitters_ball(e, run, primitive, &ball);
+        emitters_ball(e, run, hit->primitive, hit->time, &ball);
         return emitters_ball_density(&ball, p, n, direction);
     }
     shape_face face;
-    emitters_face(e, run, primitive, &face);
+    emitters_face(e, run, hit->primitive, hit->time, &face);
     return emitters_face_density(&face, p);
 }
 
@@ -398,7 +402,7 @@ float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 d
     if (!run) return 0;
     const uint32_t slot = e->slot_of[run->first + hit->primitive];
     if (slot == FATHOM_NONE) return 0;
-    double density = primitive_density(e, run, hit->primitive, widen(p), unit_or_zero(n), widen(direction));
+    double density = primitive_density(e, run, hit, widen(p), unit_or_zero(n), widen(direction));
     if (density > 0 && e->only == FATHOM_NONE) density *= tree_chance(&e->lights, p, n, slot);
     return density_f32(density * e->chance[EMITTER_FINITE]);
 }

@@ -31,6 +31,7 @@ void emitters_brightest_outside(const emitters *e, float out[3]);
 typedef struct emitter_query {
     _Alignas(64) lanes3 p; /* in the world's coordinates */
     lanes3 n; /* shading normal towards the viewer: light from behind counts nothing; 0: it does count */
+    float time[LANES]; /* of the shutter, in [0, 1]; read where emitters_move() */
 } emitter_query;
 
 /* One direction a lane from which light may come. */
@@ -49,17 +50,19 @@ typedef struct emitter_sample {
 
 /* True when there is a choice of lights. */
 bool emitters_choose(const emitters *e);
+/* True when some emitter moves while the shutter is open: it is where it is at the time of each question. */
+bool emitters_move(const emitters *e);
 /* u: three numbers in [0,1) a lane; the third chooses the light, and is read where emitters_choose(). */
 void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out);
 
 /* A point of an emitter that a ray met by chance. */
 typedef struct emitter_hit {
     uint32_t geometry, primitive, instance; /* as in trace_hits */
-    vec3_f32 p, ng;                         /* the point and the geometric normal there, unit */
+    float time;                             /* as in emitter_query */
 } emitter_hit;
 
-/* The density with which emitters_sample() takes, at a point p whose normal is n (0: as in emitter_query),
- * the unit direction towards a hit. 0: it never does. */
+/* The density with which emitters_sample() takes, at the time of the hit and at a point p whose normal is n
+ * (0: as in emitter_query), the unit direction towards the hit. 0: it never does. */
 float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction,
                            const emitter_hit *hit);
 

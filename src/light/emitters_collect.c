@@ -1,19 +1,15 @@
 /* Finds what sends out light, and puts what is finite into a tree. Planes that emit are left to rays that
- * meet them: their light comes from half of all directions. So are emitters that move while the shutter is
- * open: no place in the tree is theirs. */
+ * meet them: their light comes from half of all directions. */
 #include "light/emitters_inner.h"
 
 #include "base/kernel.h"
 #include "base/memory.h"
 #include "light/light_surfaces.h"
 
-#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
 KERNEL_BEST(shape_kernels)
-
-static float luminance(const float rgb[3]) { return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2]; }
 
 /* ---- materials ---- */
 
@@ -24,10 +20,6 @@ static bool find_emission(emitters *e) {
         shader_emission(&scene->materials.items[i].value, e->emission[i]);
     }
     return e->emission != NULL;
-}
-
-static float power_of(const emitters *e, uint32_t geometry, uint32_t primitive, uint32_t instance) {
-    return luminance(e->emission[world_material(e->w, geometry, primitive, instance)]);
 }
 
 /* ---- runs ---- */
@@ -43,7 +35,7 @@ static bool emits(const emitters *e, uint32_t geometry, uint32_t instance) {
     const world_geometry *g = &e->w->geometries.items[geometry];
     const uint32_t looks = g->kind == WORLD_MESH ? 1 : g->count;
     for (uint32_t i = 0; i < looks; ++i) {
-        if (power_of(e, geometry, i, instance) > 0) return true;
+        if (emitters_power(e, geometry, i, instance) > 0) return true;
     }
     return false;
 }
@@ -58,10 +50,8 @@ static bool add_runs(emitters *e, run_list *runs, uint32_t group, uint32_t insta
     for (uint32_t k = g->first; k < g->first + g->count; ++k) {
         emitter_run run = {.geometry = k, .instance = instance, .first = (uint32_t)*total};
         if (emits(e, k, instance)) {
-            if (is_moving(e->w, k, instance))
-                e->moving = true;
-            else
-                run.count = e->w->geometries.items[k].count;
+            run.count = e->w->geometries.items[k].count;
+            e->moving |= is_moving(e->w, k, instance);
         }
         any |= run.count > 0;
         *total += run.count;
@@ -107,125 +97,6 @@ const emitter_run *emitters_run_of(const emitters *e, uint32_t emitter) {
             high = middle;
     }
     return &e->runs[low];
-}
-
-/* ---- what the tree needs to know ---- */
-
-static void bound(tree_item *item, const vec3_f64 *corners, int count) {
-    for (int k = 0; k < 3; ++k) item->lower[k] = FLT_MAX, item->upper[k] = -FLT_MAX;
-    for (int i = 0; i < count; ++i) {
-        float at[3] = {(float)corners[i].x, (float)corners[i].y, (float)corners[i].z};
-        for (int k = 0; k < 3; ++k) {
-            item->lower[k] = fminf(item->lower[k], at[k]);
-            item->upper[k] = fmaxf(item->upper[k], at[k]);
-        }
-    }
-}
-
-/* Half the sum of what both sides send out, were it all along the normal. False: it has no area, or is out of
- * reach. */
-static bool face_item(const emitters *e, const emitter_run *run, uint32_t primitive, tree_item *item) {
-    shape_face f;
-    emitters_face(e, run, primitive, &f);
-    const vec3_f64 *c = f.corner;
-    vec3_f64 n = cross_f64(sub_f64(c[1], c[0]), sub_f64(c[3], c[0]));
-    double area = 0.5 * length_f64(n);
-    if (f.quad) area += 0.5 * length_f64(cross_f64(sub_f64(c[3], c[2]), sub_f64(c[1], c[2])));
-    bound(item, c, 4);
-    n = normalize_f64(n);
-    item->axis[0] = (float)n.x, item->axis[1] = (float)n.y, item->axis[2] = (float)n.z;
-    item->power = (float)area;
-    return area > 0 && isfinite(item->power);
-}
-
-static bool ball_item(const emitters *e, const emitter_run *run, uint32_t primitive, tree_item *item) {
-    emitter_ball b;
-    emitters_ball(e, run, primitive, &b);
-    double at[3] = {b.center.x, b.center.y, b.center.z}, square = 0;
-    for (int k = 0; k < 3; ++k) {
-        double size = b.radius;
-        if (b.instance) {
-            const float *m = b.instance->to_world[k];
-            vec3_f64 row = widen(load_f32(m));
-            at[k] = dot_f64(row, b.center) + (double)m[3], size = b.radius * length_f64(row);
-        }
-        item->lower[k] = (float)(at[k] - size), item->upper[k] = (float)(at[k] + size);
-        square += size * size;
-        item->axis[k] = 0;
-    }
-    item->power = (float)(SHAPE_PI / 3 * square);
-    return item->power > 0 && isfinite(item->power);
-}
-
-/* Embree leaves out what lies beyond its reach. */
-static bool within_reach(const tree_item *item) {
-    bool within = true;
-    for (int k = 0; k < 3; ++k)
-        within &= fabsf(item->lower[k]) < (float)WORLD_REACH && fabsf(item->upper[k]) < (float)WORLD_REACH;
-    return within;
-}
-
-/* The mean luminance of what varies: in the middle and towards each corner, with footprints that cover the
- * face. Where it is 0 by mistake, rays still meet what light there is. */
-static float varied_power(const emitters *e, const emitter_run *run, uint32_t primitive) {
-    static const float weight[4][3] = {{1 / 3.0f, 1 / 3.0f, 1 / 3.0f},
-                                       {2 / 3.0f, 1 / 6.0f, 1 / 6.0f},
-                                       {1 / 6.0f, 2 / 3.0f, 1 / 6.0f},
-                                       {1 / 6.0f, 1 / 6.0f, 2 / 3.0f}};
-    const bool quad = e->w->geometries.items[run->geometry].kind == WORLD_QUADS;
-    texturing_place place = {.geometry = run->geometry, .primitive = primitive, .width = 0.5f};
-    place.material = world_material(e->w, run->geometry, primitive, run->instance);
-    float sum = 0;
-    for (int k = 0; k < (quad ? 8 : 4); ++k) {
-        float rgb[3];
-        place.second = k >= 4;
-        memcpy(place.weight, weight[k % 4], sizeof place.weight);
-        texturing_emission(e->texturing, &place, rgb);
-        sum += luminance(rgb);
-    }
-    return sum / (quad ? 8 : 4);
-}
-
-/* Spheres whose emission varies are left to rays that meet them. */
-static bool primitive_item(const emitters *e, const emitter_run *run, uint32_t primitive, tree_item *item) {
-    const bool ball = e->w->geometries.items[run->geometry].kind == WORLD_SPHERES;
-    float power = power_of(e, run->geometry, primitive, run->instance);
-    if (power > 0 && e->texturing &&
-        texturing_varies_emission(e->texturing,
-                                  world_material(e->w, run->geometry, primitive, run->instance)))
-        power = ball ? 0 : varied_power(e, run, primitive);
-    if (!(power > 0)) return false;
-    if (!(ball ? ball_item : face_item)(e, run, primitive, item)) return false;
-    item->power = fmaxf(fminf(item->power * power, FLT_MAX), FLT_MIN);
-    return within_reach(item);
-}
-
-/* As irradiance at distance 1, pi k_l. */
-static void lamp_item(const emitter_lamp *lamp, tree_item *item) {
-    vec3_f64 at = widen(lamp->light.position);
-    bound(item, &at, 1);
-    for (int k = 0; k < 3; ++k) {
-        item->axis[k] = 0;
-        item->lower[k] -= lamp->radius, item->upper[k] += lamp->radius;
-    }
-    item->power = fmaxf(fminf((float)SHAPE_PI * luminance(lamp->light.intensity), FLT_MAX), FLT_MIN);
-}
-
-static uint32_t list_items(emitters *e, tree_item *items) {
-    uint32_t count = 0;
-    for (uint32_t r = 0; r < e->run_count; ++r) {
-        const emitter_run *run = &e->runs[r];
-        for (uint32_t i = 0; i < run->count; ++i) {
-            e->slot_of[run->first + i] = FATHOM_NONE;
-            items[count].light = run->first + i;
-            count += primitive_item(e, run, i, &items[count]);
-        }
-    }
-    for (uint32_t i = 0; i < e->lamp_count; ++i) {
-        items[count].light = e->surface_count + i;
-        lamp_item(&e->lamps[i], &items[count++]);
-    }
-    return count;
 }
 
 /* ---- lamps and suns ---- */
@@ -327,7 +198,7 @@ static fathom_status build_tree(fathom_context *context, emitters *e, uint32_t t
     tree_item *items = e->slot_of ? malloc((total + (size_t)1) * sizeof *items) : NULL;
     bool fine = items != NULL;
     if (fine) {
-        e->finite_count = list_items(e, items);
+        e->finite_count = emitters_list_items(e, items);
         e->only = e->finite_count == 1 ? items[0].light : FATHOM_NONE;
         fine = tree_build(items, e->finite_count, &e->lights, e->slot_of);
     }
@@ -345,9 +216,6 @@ static fathom_status collect(fathom_context *context, emitters *e) {
             (double)total);
     }
     e->surface_count = (uint32_t)total;
-    if (e->moving)
-        warn(context, "an emissive surface moves while the shutter is open: rays find its light by chance "
-                      "alone, which is right and noisy; light the scene by what rests where you can");
     share_among_suns(e);
     fathom_status status = find_lamp_surfaces(context, e);
     return status == FATHOM_OK ? build_tree(context, e, e->surface_count + e->lamp_count) : status;
@@ -407,6 +275,8 @@ void emitters_destroy(emitters *e) {
 }
 
 bool emitters_any_outside(const emitters *e) { return e->chance[EMITTER_OUTSIDE] > 0; }
+
+bool emitters_move(const emitters *e) { return e->moving; }
 
 bool emitters_none(const emitters *e) {
     double sum = 0;

@@ -60,7 +60,7 @@ struct emitters {
     float (*emission)[3];       /* by material: of both sides, on average over its coverage; without images */
     emitter_run *runs;          /* those of the root's geometries first, then of each instance that emits */
     uint32_t run_count;
-    bool moving;            /* some emitter moves: it is in no run */
+    bool moving;            /* some emitter moves */
     uint32_t *run_of;       /* by instance: the run of its group's first geometry; FATHOM_NONE: nothing */
     uint32_t surface_count; /* emitters below this are primitives, the others lamps */
     uint32_t *slot_of;      /* by emitter: its leaf; FATHOM_NONE: it sends out nothing */
@@ -84,6 +84,14 @@ struct emitters {
     double chance[EMITTER_PARTS]; /* to be asked for; they add up to 1, or are all 0 */
 };
 
+static inline float luminance(const float rgb[3]) {
+    return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
+}
+
+/* The luminance of a primitive, without images. */
+float emitters_power(const emitters *e, uint32_t geometry, uint32_t primitive, uint32_t instance);
+/* Fills in an item for each light with power; returns their number. Sets slot_of of those without. */
+uint32_t emitters_list_items(emitters *e, tree_item *items);
 /* After all have been found. */
 bool emitters_prepare_one(emitters *e);
 /* As emitters_sample(), where emitters_choose() is false. */
@@ -98,8 +106,12 @@ const emitter_run *emitters_run(const emitters *e, uint32_t geometry, uint32_t i
 /* The run of an emitter that is a primitive. */
 const emitter_run *emitters_run_of(const emitters *e, uint32_t emitter);
 
-/* A primitive of a run in the world. */
-void emitters_face(const emitters *e, const emitter_run *run, uint32_t primitive, shape_face *out);
+/* Those of a face in the space of its group, at a time in [0, 1] of the shutter: of a triangle the third is
+ * repeated. */
+void emitters_corners(const world *w, uint32_t geometry, uint32_t primitive, float time, vec3_f64 out[4]);
+/* A primitive of a run in the world, at a time. */
+void emitters_face(const emitters *e, const emitter_run *run, uint32_t primitive, float time,
+                   shape_face *out);
 
 /* A sphere, in the space of its group. */
 typedef struct emitter_ball {
@@ -107,8 +119,10 @@ typedef struct emitter_ball {
     double radius, clear;           /* a ray must end, or a point lie, farther than this off it */
     const world_instance *instance; /* NULL: the root */
     double slope;                   /* and farther by this for each unit of length in the world */
+    world_instance moved;           /* what `instance` points to if it moves */
 } emitter_ball;
-void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive, emitter_ball *out);
+void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive, float time,
+                   emitter_ball *out);
 
 /* A primitive's answer to a point that asks it for light. */
 typedef struct emitter_answer {

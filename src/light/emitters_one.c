@@ -1,5 +1,5 @@
-/* Scenes with one light, as most rooms and most landscapes have: a face or an even sky. Nothing is chosen
- * there, and all lanes ask the same light. */
+/* Scenes with one light, as most rooms and most landscapes have: a face that rests or an even sky. Nothing is
+ * chosen there, and all lanes ask the same light. */
 #include "light/emitters_inner.h"
 
 #include <stdlib.h>
@@ -15,10 +15,10 @@ static bool is_alone(const emitters *e, emitter_part part) {
 static bool prepare_face(emitters *e) {
     const emitter_run *run = emitters_run_of(e, e->only);
     const uint32_t primitive = e->only - run->first;
-    if (e->w->geometries.items[run->geometry].kind == WORLD_SPHERES) return true;
+    if (e->w->geometries.items[run->geometry].kind == WORLD_SPHERES || e->moving) return true;
     e->one.face = malloc(sizeof *e->one.face);
     if (!e->one.face) return false;
-    emitters_face(e, run, primitive, e->one.face);
+    emitters_face(e, run, primitive, 0, e->one.face);
     e->one.radiance = e->emission[world_material(e->w, run->geometry, primitive, run->instance)];
     return true;
 }

@@ -5,7 +5,8 @@
  * - The primitive's roundings u Σ |n_i| |c_i|, for its farthest corner c, or u (Σ |n_i| |C_i| + R); the same
  *   again for S, and twice for the start of the ray, which became float before and after it was moved off its
  *   surface. In an instance the tracer's map to object space and back.
- * - The tracer's own error near the surface.
+ * - The tracer's own error near the surface, and where that moves, its error of the place at a time
+ *   (surface/gather.c).
  * - The ray: 32 u D, and 4 u D for what the start's coordinates exceed those of S.
  * The first two make `clear`, the third `slope`. A point that is no farther than `clear` off an emitter may
  * lie on either side, and most likely on it: it gets nothing from there. */
@@ -39,24 +40,28 @@ static double determinant(const float m[3][4]) {
 
 /* ---- faces ---- */
 
-static int face_corners(const world *w, const world_geometry *g, uint32_t primitive, vec3_f64 out[4]) {
+void emitters_corners(const world *w, uint32_t geometry, uint32_t primitive, float time, vec3_f64 out[4]) {
+    const world_geometry *g = &w->geometries.items[geometry];
     if (g->kind == WORLD_QUADS) {
         const world_quad *q = &w->quads.items[g->first + primitive];
         for (int k = 0; k < 4; ++k) out[k] = widen(q->corner[k]);
-        return 4;
+        return;
     }
     vec3_f32 c[3];
-    search_corners(&w->meshes.items[g->first], primitive, c);
+    if (g->moving)
+        world_corners_when(w, g, primitive, time, c, NULL);
+    else
+        search_corners(&w->meshes.items[g->first], primitive, c);
     out[0] = widen(c[0]), out[1] = widen(c[1]), out[2] = out[3] = widen(c[2]);
-    return 3;
 }
 
-/* In the space of its group; at[k]: the corners there, to[k]: in the world. */
-static void face_bounds(const world_instance *instance, const vec3_f64 at[4], const vec3_f64 to[4],
+/* In the space of its group; at[k]: the corners there, to[k]: in the world. bent: they move there. */
+static void face_bounds(const world_instance *instance, const vec3_f64 at[4], const vec3_f64 to[4], bool bent,
                         shape_face *f) {
     vec3_f64 ab = sub_f64(at[1], at[0]), ac = sub_f64(at[3], at[0]);
     vec3_f64 n = normalize_f64(cross_f64(ab, ac)), across = absolute(n), n_world = n;
-    double reach = 0, reach_world = 0, map = 0, length = 1, extent = larger(largest(ab), largest(ac));
+    double reach = 0, reach_world = 0, map = 0, moved = 0, length = 1,
+           extent = larger(largest(ab), largest(ac));
     extent = larger(extent, largest(sub_f64(at[3], at[1])));
     if (f->quad) extent = larger(extent, largest(sub_f64(at[2], at[0])));
     f->slope = 36 * unit_round;
@@ -70,19 +75,25 @@ static void face_bounds(const world_instance *instance, const vec3_f64 at[4], co
         reach = larger(reach, dot_f64(across, absolute(at[k])));
         reach_world = larger(reach_world, dot_f64(absolute(n_world), absolute(to[k])));
         if (instance) map = larger(map, surface_carried_along(instance, n, to[k]));
+        if (instance && instance->moving)
+            moved = larger(moved, surface_moved_along(instance, n_world, at[k]));
     }
+    if (bent) reach *= 1 + SURFACE_BENT;
     f->clear = (unit_round * reach + LOCAL_FACE_SELF_HIT * extent + map * (4 / 3.0)) / length +
-               3 * unit_round * reach_world;
+               3 * unit_round * reach_world + moved;
 }
 
-void emitters_face(const emitters *e, const emitter_run *run, uint32_t primitive, shape_face *out) {
+void emitters_face(const emitters *e, const emitter_run *run, uint32_t primitive, float time,
+                   shape_face *out) {
     const world_geometry *g = &e->w->geometries.items[run->geometry];
+    world_instance moved;
     const world_instance *instance =
-        run->instance == FATHOM_NONE ? NULL : &e->w->instances.items[run->instance];
+        run->instance == FATHOM_NONE ? NULL : world_instance_when(e->w, run->instance, time, &moved);
     vec3_f64 at[4];
-    out->quad = face_corners(e->w, g, primitive, at) == 4;
+    out->quad = g->kind == WORLD_QUADS;
+    emitters_corners(e->w, run->geometry, primitive, time, at);
     for (int k = 0; k < 4; ++k) out->corner[k] = instance ? map_point(instance->to_world, at[k]) : at[k];
-    face_bounds(instance, at, out->corner, out);
+    face_bounds(instance, at, out->corner, g->moving, out);
 }
 
 static shape_seen see(const shape_face *f, vec3_f64 p, bool second) {
@@ -98,10 +109,12 @@ double emitters_face_density(const shape_face *f, vec3_f64 p) {
 
 /* ---- spheres ---- */
 
-void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive, emitter_ball *out) {
+void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive, float time,
+                   emitter_ball *out) {
     const world_sphere *s = &e->w->spheres.items[e->w->geometries.items[run->geometry].first + primitive];
     out->center = world_sphere_center(s), out->radius = world_sphere_radius(s);
-    out->instance = run->instance == FATHOM_NONE ? NULL : &e->w->instances.items[run->instance];
+    out->instance =
+        run->instance == FATHOM_NONE ? NULL : world_instance_when(e->w, run->instance, time, &out->moved);
     double reach = fabs(out->center.x) + fabs(out->center.y) + fabs(out->center.z) + out->radius;
     double held = world_sphere_is_split(s) ? 0 : unit_round * reach;
     out->clear = held + 8 * unit_round * out->radius + 3 * unit_round * reach;
@@ -121,6 +134,10 @@ void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive
     out->clear = held + 8 * unit_round * out->radius +
                  surface_carried_along(out->instance, all, farthest) * (4 / 3.0) +
                  3 * unit_round * stretch * largest(farthest);
+    if (out->instance->moving) {
+        const vec3_f64 r = {out->radius, out->radius, out->radius};
+        out->clear += stretch * surface_moved_along(out->instance, all, add_f64(absolute(out->center), r));
+    }
     out->slope = 44 * unit_round * stretch;
 }
 

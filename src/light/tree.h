@@ -21,6 +21,7 @@
 typedef struct tree_item {
     float lower[3], upper[3];
     float axis[3]; /* unit: both ways along it go the brightest directions; all 0: light goes every way */
+    float spread;  /* the cosine of the widest angle between them and the axis, which turns; 1: it does not */
     float power;   /* radiant intensity at most, in any unit; > 0 */
     uint32_t light;
 } tree_item;

@@ -200,6 +200,12 @@ static uint32_t part(tree_item *items, uint32_t count) {
 
 /* ---- nodes ---- */
 
+/* The cosine of the widest angle between an axis and the directions of an item. */
+static double spread_around(const tree_item *item, vec3_f64 axis) {
+    const double own = (double)item->spread, cosine = fabs(dot_f64(widen(load_f32(item->axis)), axis));
+    return own < 1 ? cos(acos(fmin(cosine, 1)) + acos(own)) : cosine;
+}
+
 /* The axis of most of the power, and the widest angle from it. */
 static void bound_axes(const tree_item *items, uint32_t count, tree_node *node, int k) {
     vec3_f64 sum = {0, 0, 0};
@@ -210,7 +216,7 @@ static void bound_axes(const tree_item *items, uint32_t count, tree_node *node, 
     }
     sum = normalize_f64(sum);
     for (uint32_t i = 0; i < count; ++i) {
-        least = fmin(least, fabs(dot_f64(widen(load_f32(items[i].axis)), sum)));
+        least = fmin(least, spread_around(&items[i], sum));
     }
     node->axis_x[k] = (float)sum.x, node->axis_y[k] = (float)sum.y, node->axis_z[k] = (float)sum.z;
     node->spread[k] = (float)fmax(least - 0x1p-20, 0);

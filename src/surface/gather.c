@@ -94,7 +94,7 @@ static void put_f32(float to[3][LANES], unsigned i, vec3_f32 v) {
 #define MOVED_TURN (24 * 0x1p-24)
 #define MOVED_SHIFT (3 * 0x1p-24)
 
-static double moved_along(const world_instance *instance, vec3_f64 n, vec3_f64 object_p) {
+double surface_moved_along(const world_instance *instance, vec3_f64 n, vec3_f64 object_p) {
     const double at[3] = {fabs(object_p.x), fabs(object_p.y), fabs(object_p.z)};
     double reach = 0, shift = 0;
     const double along[3] = {fabs(n.x), fabs(n.y), fabs(n.z)};
@@ -109,14 +109,13 @@ static double moved_along(const world_instance *instance, vec3_f64 n, vec3_f64 o
     return MOVED_TURN * (along[0] + along[1] + along[2]) * reach + MOVED_SHIFT * shift;
 }
 
-/* Embree's corners are two products and a sum off, ours one rounding. */
 static void add_corner_error(const facet_block *f, local_block *b, unsigned i) {
     double size[3] = {0, 0, 0}, sum = 0;
     for (int c = 0; c < 3; ++c) {
         for (int k = 0; k < 3; ++k) size[c] = fmax(size[c], fabs((double)f->corner[k][c][i]));
         sum += fabs(b->n[c][i]) * size[c];
     }
-    b->self_hit[i] += 4 * unit_round * sum;
+    b->self_hit[i] += SURFACE_BENT * unit_round * sum;
 }
 
 /* Object to world: to the point that to_object, as it was rounded, carries to the object's: to_world is its
@@ -129,7 +128,7 @@ static void to_world(const world_instance *instance, local_block *b, unsigned i)
     double length = sqrt(dot_f64(n, n));
     b->self_hit[i] = (b->self_hit[i] + surface_carried_along(instance, object_n, p)) / length;
     n = scale_f64(1 / length, n);
-    if (instance->moving) b->self_hit[i] += moved_along(instance, n, object_p);
+    if (instance->moving) b->self_hit[i] += surface_moved_along(instance, n, object_p);
     put_f64(b->p, i, p);
     put_f64(b->n, i, n);
     put_f32(b->ns, i, narrow(unit_of(map_normal(inverse, lane_f32(b->ns, i)))));

@@ -50,5 +50,11 @@ vec3_f64 surface_normal_to_world(const world_instance *instance, vec3_f64 n);
 double surface_carried_along(const world_instance *instance, vec3_f64 n, vec3_f64 p);
 /* Σ |n_i| |A_ij|, A the map to object space: by how much each part of a vector may count along n. */
 double surface_stretch_along(const world_instance *instance, vec3_f64 n);
+/* The most that Embree errs along the unit normal n of the world about the place of an object's point in an
+ * instance that moves. */
+double surface_moved_along(const world_instance *instance, vec3_f64 n, vec3_f64 object_p);
+/* Corners that move are so much further off, in roundings of their size: two products and a sum, where ours
+ * is one rounding. */
+#define SURFACE_BENT 4
 
 #endif

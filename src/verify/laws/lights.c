@@ -26,32 +26,9 @@ static void rectangle(law_room *room) {
     floor_under(room, (rectangle_half(a / h, b / h) + rectangle_half(b / h, a / h)) / (2 * PI));
 }
 
-/* The part of the polygon with z > 0; `out` has room for twice as many corners. */
-static uint32_t above_floor(const vec3_f64 *p, uint32_t count, vec3_f64 *out) {
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-        const vec3_f64 a = p[i], b = p[(i + 1) % count];
-        if (a.z > 0) out[kept++] = a;
-        if ((a.z > 0) != (b.z > 0)) out[kept++] = madd_f64(a, a.z / (a.z - b.z), sub_f64(b, a));
-    }
-    return kept;
-}
-
-/* Lambert's sum over edges, for the point 0 with the normal z. */
-static double edge_sum(const vec3_f64 *p, uint32_t count) {
-    double sum = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-        const vec3_f64 a = normalize_f64(p[i]), b = normalize_f64(p[(i + 1) % count]), c = cross_f64(a, b);
-        const double sine = length_f64(c);
-        if (sine > 0) sum += atan2(sine, dot_f64(a, b)) * c.z / sine;
-    }
-    return fabs(sum) / (2 * PI);
-}
-
 static void polygon(law_room *room, const vec3_f64 *corners, uint32_t count) {
-    vec3_f64 kept[16];
     law_fan(room, corners, count, lamp());
-    floor_under(room, edge_sum(kept, above_floor(corners, count, kept)));
+    floor_under(room, law_polygon(corners, count));
 }
 
 static void tilted_triangle(law_room *room) {

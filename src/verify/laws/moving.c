@@ -104,9 +104,90 @@ static void move_body(law_room *room, bool ball) {
 static void moving_ball(law_room *room) { move_body(room, true); }
 static void moving_box(law_room *room) { move_body(room, false); }
 
+/* ---- a lamp that moves over a floor, whose place 0 is seen while the shutter is open from 0 to 4 ---- */
+
+static void floor_under(law_room *room, double share) {
+    const vec3_f64 albedo = {1, 0.5, 0.2};
+    fathom_camera camera;
+    fathom_camera_look_at((double[3]){-1, -0.8, 0.7}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 1, &camera);
+    camera.d = 1, camera.h = 1.0 / 4096, camera.shutter[1] = 4;
+    build_camera(&room->b, &camera);
+    room->b.group = FATHOM_ROOT;
+    paint_plane(&room->b, vec_f64(0, 0, 0), vec_f64(0, 0, 1), build_lambert(albedo));
+    room->depth = 2;
+    law_value(room, scale_f64(share, albedo));
+}
+
+/* (R/d)² cos θ = R² h / (a² + h²)^3/2, over heights from `low` to `high`. */
+static void rising_lamp(law_room *room) {
+    const double R = 0.2, a = 0.5, low = 0.4, high = 2;
+    const double maps[24] = {1, 0, 0, a, 0, 1, 0, 0, 0, 0, 1, low, 1, 0, 0, a, 0, 1, 0, 0, 0, 0, 1, high};
+    const fathom_id group = room->b.group = build_group(&room->b);
+    paint_sphere(&room->b, vec_f64(0, 0, 0), R, build_emitter(white));
+    move_group(room, group, maps);
+    floor_under(room, R * R * (1 / hypot(a, low) - 1 / hypot(a, high)) / (high - low));
+}
+
+static const vec3_f64 panel[4] = {{-0.5, -0.4, 0}, {0.5, -0.3, 0}, {0.6, 0.5, 0}, {-0.4, 0.4, 0}};
+
+/* The mean over time, by Simpson's rule. */
+static double mean_polygon(void (*when)(double time, vec3_f64 corners[4])) {
+    enum { PARTS = 256 };
+    double sum = 0;
+    for (int i = 0; i <= PARTS; ++i) {
+        vec3_f64 corners[4];
+        when((double)i / PARTS, corners);
+        sum += law_polygon(corners, 4) * (i == 0 || i == PARTS ? 1 : (i % 2 ? 4 : 2));
+    }
+    return sum / (3 * PARTS);
+}
+
+/* It turns around x as it flies. */
+static const double tilt = 1.1;
+
+static void tilted(double time, vec3_f64 corners[4]) {
+    const double c = cos(tilt * time), s = sin(tilt * time);
+    for (int k = 0; k < 4; ++k)
+        corners[k] = vec_f64(panel[k].x + 0.6 * time, c * panel[k].y, s * panel[k].y + 0.7 + 0.3 * time);
+}
+
+static void turning_panel(law_room *room) {
+    const double c = cos(tilt), s = sin(tilt);
+    const double maps[24] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0.7, 1, 0, 0, 0.6, 0, c, -s, 0, 0, s, c, 1};
+    const fathom_id group = room->b.group = build_group(&room->b);
+    law_fan(room, panel, 4, build_emitter(white));
+    move_group(room, group, maps);
+    floor_under(room, mean_polygon(tilted));
+}
+
+/* Two of its corners fall, and all go aside. */
+static void bent(double time, vec3_f64 corners[4]) {
+    for (int k = 0; k < 4; ++k)
+        corners[k] = vec_f64(panel[k].x + 0.3 * time, panel[k].y, k < 2 ? 1.2 - 0.9 * time : 1.2);
+}
+
+static void bending_panel(law_room *room) {
+    float keys[24];
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    for (int key = 0; key < 2; ++key) {
+        vec3_f64 corners[4];
+        bent(key, corners);
+        for (int k = 0; k < 4; ++k) build_rgb(keys + 12 * key + 3 * k, corners[k]);
+    }
+    mesh.positions = keys, mesh.vertex_count = 4;
+    mesh.indices = (const uint32_t[]){0, 1, 2, 0, 2, 3}, mesh.triangle_count = 2;
+    mesh.key_count = 2, mesh.key_times = times, mesh.key_positions = keys;
+    build_mesh(&room->b, mesh, build_material(&room->b, build_emitter(white)));
+    floor_under(room, mean_polygon(bent));
+}
+
 const law laws_of_motion[] = {{"edge that moves across", "1 - trapezoid/(x₁-x₀)", moving_edge},
                               {"edge that its corners move", "1 - trapezoid/(x₁-x₀)", moving_corners},
                               {"edge before a moving camera", "1 - trapezoid/(x₁-x₀)", moving_camera},
                               {"ball that flies and turns", "ρ L", moving_ball},
                               {"box that flies and turns", "ρ L", moving_box},
+                              {"lamp that rises over a floor", "∫ (R/d)² cos θ dt", rising_lamp},
+                              {"panel that flies and turns", "∫ Lambert's edge sum dt", turning_panel},
+                              {"panel that its corners move", "∫ Lambert's edge sum dt", bending_panel},
                               {NULL, NULL, NULL}};

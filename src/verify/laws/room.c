@@ -147,6 +147,33 @@ vec3_f64 law_each(vec3_f64 rho, double (*of)(double rho, const double *numbers),
 
 /* ---- what several laws are about ---- */
 
+/* The part of the polygon with z > 0; `out` has room for twice as many corners. */
+static uint32_t above_floor(const vec3_f64 *p, uint32_t count, vec3_f64 *out) {
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const vec3_f64 a = p[i], b = p[(i + 1) % count];
+        if (a.z > 0) out[kept++] = a;
+        if ((a.z > 0) != (b.z > 0)) out[kept++] = madd_f64(a, a.z / (a.z - b.z), sub_f64(b, a));
+    }
+    return kept;
+}
+
+/* Lambert's sum over edges, for the point 0 with the normal z. */
+static double edge_sum(const vec3_f64 *p, uint32_t count) {
+    double sum = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const vec3_f64 a = normalize_f64(p[i]), b = normalize_f64(p[(i + 1) % count]), c = cross_f64(a, b);
+        const double sine = length_f64(c);
+        if (sine > 0) sum += atan2(sine, dot_f64(a, b)) * c.z / sine;
+    }
+    return fabs(sum) / (2 * PI);
+}
+
+double law_polygon(const vec3_f64 *corners, uint32_t count) {
+    vec3_f64 kept[LAW_CORNERS * 2];
+    return edge_sum(kept, above_floor(corners, count, kept));
+}
+
 void law_lobe(law_room *room, fathom_material m, vec3_f64 from, vec3_f64 value) {
     const vec3_f64 origin = {0, 0, 0}, white = {1, 1, 1};
     paint_quad(&room->b, origin, vec_f64(9, 0, 0), vec_f64(0, 9, 0), m);
