@@ -25,6 +25,7 @@ static inline void shading_open(shading *at, const fathom_material *m, double co
     at->surface.count = LANES;
     shading_put(at->surface.ng, 0, 0, 1);
     shading_put(at->surface.ns, 0, 0, 1);
+    shading_put(at->surface.base, 0, 0, 1);
     shading_put(at->surface.coat, 0.28, 0, 0.96); /* where the material has one */
     at->surface.coated = 0xffff;
     shading_put(at->surface.v, sqrt((1 - cosine) * (1 + cosine)), 0, cosine);

@@ -38,8 +38,10 @@
  * goes round under the coat.
  *
  * A coat over a normal map, or with one, has a normal of its own (KHR_materials_clearcoat): its cosines are
- * those, and it is no mirror but a lobe of SHADER_SMOOTH_ALPHA at least. Where light or viewer is below the
- * horizon of what it covers it reflects nothing.
+ * those, and it is no mirror but a lobe of SHADER_SMOOTH_ALPHA at least. Where that normal would mirror the
+ * viewer to behind the surface, the coat takes the normal of the surface without a map, or the geometric one
+ * where that would, too. It reflects light that is above its own horizon, the surface's without a map and the
+ * geometric one; the mapped normal of what it covers does not count.
  *
  * Fibres (KHR_materials_sheen) lie between these and the coat: sheenColor D / (4 n·v n·l (1 + Λ(v) + Λ(l)))
  * with α = max(sheenRoughness, 0.07)², see kernels/sheen.h. All below counts by min(s(n·v), s(n·l)), s(mu) =

@@ -231,6 +231,7 @@ static void random_surface(random_state *r, surface_block *s) {
         put(s->v, i, v);
         put(s->along, i, random_direction(r));
         put(s->coat, i, random_direction(r));
+        put(s->base, i, random_unit(r) < 0.5 ? ng : ns);
         s->material[i] = one ? 0 : (uint32_t)random_in(r, 0, 8);
         s->entering[i] = random_unit(r) < 0.5 ? ~0u : 0, s->smooth[i] = random_unit(r) < 0.3 ? ~0u : 0;
     }

@@ -30,16 +30,20 @@ static double mean_weight(const shading *at, float choice, int blocks) {
 static int points_of(int lobe, int blocks) { return lobe >= SHADER_TAKE_MIRROR ? 1 : blocks; }
 
 /* What the material sends on of light from all around: each lobe by itself, by its chance. */
-static double sent_on(const fathom_material *m, double cosine, bool entering, int blocks) {
-    shading at;
+static double sent_by(const shading *at, int blocks) {
     double sum = 0, start = 0;
-    shading_open(&at, m, cosine, entering);
     for (int k = 0; k < SHADER_TAKES; ++k) {
-        const double chance = (double)at.block.take[k][0];
-        if (chance > 0) sum += chance * mean_weight(&at, (float)(start + chance / 2), points_of(k, blocks));
+        const double chance = (double)at->block.take[k][0];
+        if (chance > 0) sum += chance * mean_weight(at, (float)(start + chance / 2), points_of(k, blocks));
         start += chance;
     }
     return sum;
+}
+
+static double sent_on(const fathom_material *m, double cosine, bool entering, int blocks) {
+    shading at;
+    shading_open(&at, m, cosine, entering);
+    return sent_by(&at, blocks);
 }
 
 static fathom_material white(float metal, float roughness, float ior) {
@@ -103,6 +107,41 @@ static void coats_gain_nothing_and_lose_little(void **state) {
                 fail_msg("metallic %d, roughness %g, coat's %g, cosine %g: %g", k % 2, (double)m.roughness,
                          (double)m.clearcoat_roughness, cosine, all);
         }
+    }
+}
+
+/* A coat whose map turns its normal by so much, in each direction, over a white base. */
+static double furnace_of_turned_coat(float coat_roughness, double tilt, double cosine) {
+    enum { TURNS = 16 };
+    const vec3_f64 v = {sqrt(1 - cosine * cosine), 0, cosine};
+    fathom_material m = white(0, 0.5f, 1.5f);
+    double sum = 0;
+    m.clearcoat = 1, m.clearcoat_roughness = coat_roughness;
+    m.maps[FATHOM_MAP_CLEARCOAT_NORMAL].texture = 0;
+    for (int k = 0; k < TURNS; ++k) {
+        const double phi = 2 * M_PI * (k + 0.5) / TURNS;
+        vec3_f64 n = {sin(tilt) * cos(phi), sin(tilt) * sin(phi), cos(tilt)};
+        const double facing = dot_f64(n, v);
+        if (facing < 0x1p-6) n = normalize_f64(madd_f64(n, 0x1p-6 - facing, v)); /* as texturing does */
+        shading at;
+        shading_open(&at, &m, cosine, true);
+        shading_put(at.surface.coat, n.x, n.y, n.z);
+        at.kernels->make(&at.surface, &at.block);
+        sum += sent_by(&at, 128);
+    }
+    return sum / TURNS;
+}
+
+/* What goes below the surface by its own normal is mirrored by the surface's. */
+static void steep_maps_of_coats_lose_little(void **state) {
+    (void)state;
+    static const float rough[] = {0, 0.1f, 0.3f, 0.6f};
+    for (int k = 0; k < COUNT(rough) * COUNT(cosines) * 4; ++k) {
+        const double tilt = 20 * (1 + k % 4), cosine = cosines[k / 4 / COUNT(rough)];
+        const float roughness = rough[k / 4 % COUNT(rough)];
+        const double all = furnace_of_turned_coat(roughness, tilt * M_PI / 180, cosine);
+        if (!(all <= 1.005) || !(all >= 0.89))
+            fail_msg("coat's roughness %g, tilt %g, cosine %g: %g", (double)roughness, tilt, cosine, all);
     }
 }
 
@@ -204,6 +243,7 @@ int main(void) {
         cmocka_unit_test(white_surfaces_and_thin_walls_send_on_all_light),
         cmocka_unit_test(solids_gain_nothing_and_clear_ones_lose_nothing),
         cmocka_unit_test(coats_gain_nothing_and_lose_little),
+        cmocka_unit_test(steep_maps_of_coats_lose_little),
         cmocka_unit_test(brushed_surfaces_send_on_all_light),
         cmocka_unit_test(leaves_send_on_all_light),
         cmocka_unit_test(fibres_and_films_gain_nothing),

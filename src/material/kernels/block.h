@@ -149,15 +149,28 @@ static void stretch_frames(const surface_block *s, shader_block *restrict out) {
     }
 }
 
-/* The coats' own frames, where they have normals that face the viewer; else those of the block. */
+/* The coat's normal as smooth lobes choose theirs: its own, or that of the surface without a map, or the
+ * geometric one, the first whose mirror sends the viewer to no place behind the surface. */
+static const lanes3 *coat_normal(const surface_block *s, int i) {
+    const lanes3 *const normals[2] = {&s->coat, &s->base};
+    for (int k = 0; k < 2; ++k) {
+        const float up = 2 * dot_lane(*normals[k], s->v, i);
+        const bool above = up * dot_lane(*normals[k], s->ng, i) > dot_lane(s->v, s->ng, i) &&
+                           up * dot_lane(*normals[k], s->base, i) > dot_lane(s->v, s->base, i);
+        if (up > 0 && above) return normals[k];
+    }
+    return &s->ng;
+}
+
+/* The coats' own frames, where they have one; else those of the block. */
 static void turn_coats(const surface_block *s, shader_block *restrict out) {
     memset(out->coat_axes, 0, sizeof out->coat_axes);
     for (int i = 0; i < LANES; ++i) {
         for (int k = 0; k < 3; ++k) out->coat_axes[k][k][i] = 1;
-        float n[3] = {dot_lane(out->t, s->coat, i), dot_lane(out->b, s->coat, i),
-                      dot_lane(out->n, s->coat, i)};
-        const float up = n[0] * out->v[0][i] + n[1] * out->v[1][i] + n[2] * out->v[2][i];
-        if (!(out->at[i]->lobes & SHADER_TURNED) || !(s->coated >> i & 1) || !(up > 0)) continue;
+        if (!(out->at[i]->lobes & SHADER_TURNED) || !(s->coated >> i & 1)) continue;
+        const lanes3 *normal = coat_normal(s, i);
+        float n[3] = {dot_lane(out->t, *normal, i), dot_lane(out->b, *normal, i),
+                      dot_lane(out->n, *normal, i)};
         float t[3], b[3];
         across(n[0], n[1], n[2], t, b);
         for (int c = 0; c < 3; ++c)

@@ -3,6 +3,7 @@
 #define MATERIAL_KERNELS_COAT_H
 
 #include "material/kernels/facets.h"
+#include "material/kernels/glass.h"
 
 /* From the block's frame to that of the coat. */
 static inline void into_coat(const shader_block *b, const lanes3 from, float (*restrict to)[LANES]) {
@@ -22,14 +23,14 @@ static inline void out_of_coat(const shader_block *b, const lanes3 from, float (
     }
 }
 
-/* The light that passes the clear coat twice, and the light that it reflects; v, l and h in its frame. */
-static inline void add_coat_as(const shader_block *b, incidence *at, const lanes3 v, const lanes3 l,
-                               const lanes3 h, const float below[LANES], const float rise[LANES],
-                               float (*restrict f)[LANES], float *restrict density) {
+/* The light that passes the clear coat twice, and the light that it reflects; v, l and h in its frame. front:
+ * all ones where l is on the viewer's side of the surface that it covers. */
+static inline void add_coat_as(const shader_block *b, incidence *at, const uint32_t front[LANES],
+                               const lanes3 v, const lanes3 l, const lanes3 h, const float below[LANES],
+                               const float rise[LANES], float (*restrict f)[LANES], float *restrict density) {
     for (int i = 0; i < LANES; ++i) {
         float d, value = mirrored_facets(v, b->coat_alpha[i], i, l, h, &d);
-        uint32_t open =
-            at->reflected[i] & (b->at[i]->lobes & SHADER_COAT ? ~0u : 0) & (l[2][i] > 0 ? ~0u : 0);
+        uint32_t open = front[i] & (b->at[i]->lobes & SHADER_COAT ? ~0u : 0) & (l[2][i] > 0 ? ~0u : 0);
         at->coated[i] = open;
         value = chosen(open, value * b->coat[i] * (0.04f + 0.96f * rise[i]), 0);
         for (int c = 0; c < 3; ++c) f[c][i] = f[c][i] * (b->below_coat[i] * below[i]) + value;
@@ -37,18 +38,31 @@ static inline void add_coat_as(const shader_block *b, incidence *at, const lanes
     }
 }
 
-static inline void add_coat(const shader_block *b, incidence *at, const lanes3 h, const float rise[LANES],
-                            float (*restrict f)[LANES], float *restrict density) {
+/* A coat with a normal of its own does not ask for that of what it covers, which a map may have turned. */
+static inline void judge_coats(const surface_block *s, const lanes3 l, const incidence *at,
+                               uint32_t front[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        const bool above = dot_lane(s->ng, l, i) > 0 && dot_lane(s->base, l, i) > 0;
+        front[i] = s->coated >> i & 1 ? (above ? ~0u : 0) : at->reflected[i];
+    }
+}
+
+/* l: as the world has it. */
+static inline void add_coat(const surface_block *s, const shader_block *b, incidence *at, const lanes3 l,
+                            const lanes3 h, const float rise[LANES], float (*restrict f)[LANES],
+                            float *restrict density) {
     lanes3 own_l, own_h;
     float below[LANES];
+    uint32_t front[LANES];
     if (!(b->lobes & SHADER_TURNED)) {
-        add_coat_as(b, at, b->v, at->l, h, at->below_coat, rise, f, density);
+        add_coat_as(b, at, at->reflected, b->v, at->l, h, at->below_coat, rise, f, density);
         return;
     }
+    judge_coats(s, l, at, front);
     into_coat(b, at->l, own_l);
     into_coat(b, h, own_h);
     for (int i = 0; i < LANES; ++i) below[i] = below_coat_at(b->at[i], own_l[2][i]);
-    add_coat_as(b, at, b->coat_v, own_l, own_h, below, rise, f, density);
+    add_coat_as(b, at, front, b->coat_v, own_l, own_h, below, rise, f, density);
 }
 
 #endif

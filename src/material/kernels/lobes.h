@@ -56,7 +56,7 @@ add_lobes_as(const surface_block *s, const shader_block *b, bool rare, const lan
     if (lobes & SHADER_THIN) add_thin(b, rare, at, f, density);
     if (lobes & SHADER_REFRACT) add_refraction(b, rare, at, f, density);
     if (lobes & SHADER_SHEEN) add_sheen(b, at, h, f, density);
-    if (lobes & SHADER_COATED) add_coat(b, at, h, rise, f, density);
+    if (lobes & SHADER_COATED) add_coat(s, b, at, l, h, rise, f, density);
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LANES; ++i) f[c][i] = limited(f[c][i]);
     }
