@@ -24,6 +24,7 @@ def write_scene(name, at):
             out.write(f"f {3 * i + 1} {3 * i + 2} {3 * i + 3}\n")
     scene = {
         "camera": {"eye": [0, 0.9, 0.01], "target": [0, 0, 0], "fovy": 100},
+        "background": [0, 0, 0],
         "image": {"integrator": "path", "width": 200, "height": 200, "maxDepth": 1},
         "materials": {"floor": {"kd": [0.6, 0.6, 0.6]}},
         "objects": [

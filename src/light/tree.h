@@ -3,7 +3,7 @@
  *
  * Bounds tell little about lights that surround the point, and a walk from the root would lose half of its
  * chance to far lights at every level. So the walk starts from a cut through the tree: nodes near the point
- * are replaced by their children, the heaviest first, up to TREE_NEAR of them (as in Yuksel's stochastic
+ * are replaced by their children, level by level, up to TREE_NEAR of them (as in Yuksel's stochastic
  * lightcuts, 2019, but chosen for each point). */
 #ifndef LIGHT_TREE_H
 #define LIGHT_TREE_H
@@ -56,6 +56,8 @@ double tree_chance(const tree *t, vec3_f32 p, vec3_f32 n, uint32_t slot);
  * no weight of its own. */
 typedef struct tree_cut {
     uint32_t count, node[1 + TREE_NEAR];
+    uint32_t
+        next[1 + TREE_NEAR]; /* in which order u passes them: from the first, which is next of the last */
     float weight[1 + TREE_NEAR][TREE_WIDE];
 } tree_cut;
 

@@ -21,8 +21,8 @@ static inline float cos_less(float cos_a, float cos_b, float sin_b) {
  * and lights that reach the point have a chance. Distances of less than half of the half diagonal count as
  * that, because a large light sends a bounded amount to a point near it. One of many lights may be very near,
  * so the squared distance of several is the product of the middle's and the nearest point's distances. */
-static void weigh(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[TREE_WIDE],
-                  float unsure[TREE_WIDE]) {
+static void weigh(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[restrict TREE_WIDE],
+                  float unsure[restrict TREE_WIDE]) {
     const float one_sided = n.x != 0 || n.y != 0 || n.z != 0 ? 1 : 0;
     float leaf[TREE_WIDE];
     for (int i = 0; i < TREE_WIDE; ++i) leaf[i] = (float)(node->child[i] >> 31);
@@ -49,43 +49,46 @@ static void weigh(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[TR
     }
 }
 
-/* The largest of the children's values, and whose it is. */
-static inline float largest(const float value[TREE_WIDE], int *which) {
-    float most = value[0];
-    *which = 0;
-    for (int i = 1; i < TREE_WIDE; ++i) {
-        *which = value[i] > most ? i : *which;
-        most = value[i] > most ? value[i] : most;
-    }
-    return most;
-}
-
 static inline float sum_of(const float value[TREE_WIDE]) {
     float sum = 0;
     for (int i = 0; i < TREE_WIDE; ++i) sum += value[i];
     return sum;
 }
 
+/* The nodes that a cut opens, and by how much each was unsure. */
+typedef struct opening {
+    float unsure[1 + TREE_NEAR][TREE_WIDE], most[1 + TREE_NEAR];
+    float sum; /* of all weights */
+} opening;
+
+/* A child of node k, which comes after it and all that were less sure. */
+static inline void open_child(const tree *t, vec3_f32 p, vec3_f32 n, uint32_t k, int child, opening *o,
+                              tree_cut *out) {
+    const uint32_t last = out->count++;
+    uint32_t before = k;
+    o->most[last] = o->unsure[k][child];
+    while (out->next[before] && o->most[out->next[before]] >= o->most[last]) before = out->next[before];
+    out->next[last] = out->next[before], out->next[before] = last;
+    out->node[last] = t->nodes[out->node[k]].child[child];
+    weigh(&t->nodes[out->node[last]], p, n, out->weight[last], o->unsure[last]);
+    o->sum += sum_of(out->weight[last]) - out->weight[k][child];
+    out->weight[k][child] = 0;
+}
+
+/* Level by level: the nodes of one do not wait for each other, so the processor works on several at once. */
 static void cut(const tree *t, vec3_f32 p, vec3_f32 n, tree_cut *out) {
-    float unsure[1 + TREE_NEAR][TREE_WIDE], most[1 + TREE_NEAR], sum;
-    int which[1 + TREE_NEAR];
-    out->node[0] = 0;
-    weigh(t->nodes, p, n, out->weight[0], unsure[0]);
-    most[0] = largest(unsure[0], &which[0]);
-    sum = sum_of(out->weight[0]);
-    for (out->count = 1; out->count <= TREE_NEAR; ++out->count) {
-        const uint32_t last = out->count;
-        uint32_t k = 0;
-        for (uint32_t i = 1; i < last; ++i) k = most[i] > most[k] ? i : k;
-        if (!(most[k] > LITTLE * sum)) return;
-        const int c = which[k];
-        out->node[last] = t->nodes[out->node[k]].child[c];
-        sum -= out->weight[k][c];
-        out->weight[k][c] = unsure[k][c] = 0;
-        most[k] = largest(unsure[k], &which[k]);
-        weigh(&t->nodes[out->node[last]], p, n, out->weight[last], unsure[last]);
-        sum += sum_of(out->weight[last]);
-        most[last] = largest(unsure[last], &which[last]);
+    opening o;
+    out->node[0] = out->next[0] = 0, out->count = 1;
+    weigh(t->nodes, p, n, out->weight[0], o.unsure[0]);
+    o.sum = sum_of(out->weight[0]);
+    for (uint32_t first = 0, end = 1; first < end; first = end, end = out->count) {
+        const float little = LITTLE * o.sum;
+        for (uint32_t k = first; k < end; ++k) {
+            uint32_t open = 0;
+            for (int i = 0; i < TREE_WIDE; ++i) open |= (o.unsure[k][i] > little ? 1u : 0u) << i;
+            for (; open && out->count <= TREE_NEAR; open &= open - 1)
+                open_child(t, p, n, k, __builtin_ctz(open), &o, out);
+        }
     }
 }
 
@@ -115,7 +118,7 @@ static int pick_node(const tree_cut *cut, double *u, double *chance) {
     if (!(sum > 0)) return -1;
     int found = -1;
     double left = *u * sum;
-    for (int k = 0; k < (int)cut->count; ++k) {
+    for (int j = 0, k = 0; j < (int)cut->count; ++j, k = (int)cut->next[k]) {
         if (!(part[k] > 0)) continue;
         if (found >= 0 && left < part[found]) break;
         if (found >= 0) left -= part[found];
