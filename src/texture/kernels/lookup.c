@@ -78,96 +78,195 @@ INLINE rgba_f32 texel_at(const unsigned char *at, image_texel type, unsigned cha
 
 /* ---- places ---- */
 
-/* In [0, 1], whatever u is. */
-INLINE float wrapped(float u, fathom_wrap mode) {
-    float t = u;
-    if (mode == FATHOM_WRAP_REPEAT) t = u - floorf(u);
-    if (mode == FATHOM_WRAP_MIRROR) {
-        t = u - 2 * floorf(0.5f * u);
-        t = t > 1 ? 2 - t : t;
+/* A level that each lane of a block reads, and four of its texels, or one. */
+typedef struct block_level {
+    const pyramid_level *level[TEXTURE_BLOCK];
+    /* Texels of two columns and two rows. A column's and a row's make the texel's number in the level. */
+    uint32_t column[2][TEXTURE_BLOCK], row[2][TEXTURE_BLOCK];
+    float right[TEXTURE_BLOCK], below[TEXTURE_BLOCK]; /* weights of the second ones */
+} block_level;
+
+typedef struct block {
+    texture_cache *cache;
+    unsigned count;
+    bool stochastic;
+    const cache_slot *slot[TEXTURE_BLOCK];
+    float u[TEXTURE_BLOCK], v[TEXTURE_BLOCK], width[TEXTURE_BLOCK];
+    float chance[TEXTURE_BLOCK];
+    uint32_t wrap_u[TEXTURE_BLOCK], wrap_v[TEXTURE_BLOCK], filter[TEXTURE_BLOCK];
+    uint32_t across[TEXTURE_BLOCK], down[TEXTURE_BLOCK], last[TEXTURE_BLOCK]; /* level 0, the last level */
+    uint32_t level[TEXTURE_BLOCK];
+    float share[TEXTURE_BLOCK]; /* of the next level */
+    block_level at[2];
+    cache_copy copy;
+} block;
+
+/* `lanes` is a constant where these are inlined: loops over 16 lanes vectorise. */
+
+INLINE void gather_slots(block *b, int lanes) {
+    for (int i = 0; i < lanes; ++i) {
+        const cache_slot *slot = b->slot[i];
+        const pyramid *p = &slot->image->plan;
+        b->wrap_u[i] = slot->wrap_u, b->wrap_v[i] = slot->wrap_v, b->filter[i] = slot->filter;
+        b->across[i] = p->levels[0].width, b->down[i] = p->levels[0].height, b->last[i] = p->count - 1;
     }
-    t = t > 0 ? t : 0;
-    return t < 1 ? t : 1;
 }
 
-/* Two texels next to each other, the second of weight `share`. */
-typedef struct pair {
-    uint32_t first, second;
-    float share;
-} pair;
-
-INLINE pair pair_at(float t, uint32_t size, fathom_wrap mode) {
-    const float at = t * (float)size - 0.5f, low = floorf(at);
-    const int32_t i = (int32_t)low, last = (int32_t)size - 1;
-    const bool around = mode == FATHOM_WRAP_REPEAT;
-    pair p = {.share = at - low};
-    p.first = (uint32_t)(i >= 0 ? (i < last ? i : last) : (around ? last : 0));
-    p.second = (uint32_t)(i < last ? i + 1 : (around ? 0 : last));
-    return p;
+/* In [0, 1], whatever u is. */
+INLINE void wrap(float *u, const uint32_t *mode, int lanes) {
+    for (int i = 0; i < lanes; ++i) {
+        const float at = u[i], repeated = at - floorf(at), twice = at - 2 * floorf(0.5f * at);
+        const float mirrored = twice > 1 ? 2 - twice : twice;
+        float t = mode[i] == FATHOM_WRAP_REPEAT ? repeated : at;
+        t = mode[i] == FATHOM_WRAP_MIRROR ? mirrored : t;
+        t = t > 0 ? t : 0;
+        u[i] = t < 1 ? t : 1;
+    }
 }
 
-/* Offsets of a column and of a row: a texel lies at the level's offset and both. */
-INLINE uint64_t column_of(const pyramid_level *l, uint32_t x) {
-    return (uint64_t)(x / PYRAMID_TILE * PYRAMID_TILE_TEXELS + x % PYRAMID_TILE) << l->shift;
+/* The level whose texels are as wide as the footprint, and the share of the next one. log2 is taken as linear
+ * between powers of two, which is off by less than 0.09. */
+INLINE void find_levels(block *b, int lanes) {
+    for (int i = 0; i < lanes; ++i) {
+        const uint32_t side = b->across[i] > b->down[i] ? b->across[i] : b->down[i];
+        const float texels = b->width[i] * (float)(int32_t)side;
+        uint32_t bits;
+        memcpy(&bits, &texels, sizeof bits);
+        const uint32_t level = (bits >> 23) - 127;
+        const bool filtered = b->filter[i] == FATHOM_TEXTURE_TRILINEAR && texels > 1;
+        const bool between = filtered && level < b->last[i];
+        b->share[i] = between ? (float)(int32_t)(bits & 0x7fffff) * 0x1p-23f : 0;
+        b->level[i] = between ? level : (filtered ? b->last[i] : 0);
+    }
 }
 
-INLINE uint64_t row_of(const pyramid_level *l, uint32_t y) {
-    const uint64_t tiles = (uint64_t)(y / PYRAMID_TILE * l->across) * PYRAMID_TILE_TEXELS;
-    return (tiles + y % PYRAMID_TILE * l->stride) << l->shift;
+/* Takes the second of two with probability `share`; *chance is then uniform in [0,1) anew. */
+INLINE bool second_by(float *chance, float share) {
+    const bool second = *chance < share;
+    *chance = second ? *chance / share : (*chance - share) / (1 - share);
+    return second;
 }
 
-INLINE uint64_t place_of(const pyramid_level *l, uint32_t x, uint32_t y) {
-    return l->offset + column_of(l, x) + row_of(l, y);
+INLINE void choose_levels(block *b, int lanes) {
+    for (int i = 0; i < lanes; ++i) {
+        b->level[i] += second_by(&b->chance[i], b->share[i]);
+        b->share[i] = 0;
+    }
+}
+
+/* The size of a level, as pyramid_plan() has it. */
+INLINE uint32_t side_of(uint32_t side, uint32_t level) { return side >> level ? side >> level : 1; }
+
+/* Two texels next to each other around t of a side. */
+INLINE void find_pairs(const block *b, uint32_t next, const float *t, const uint32_t *side,
+                       const uint32_t *mode, uint32_t (*to)[TEXTURE_BLOCK], float *share, int lanes) {
+    for (int i = 0; i < lanes; ++i) {
+        const int32_t size = (int32_t)side_of(side[i], b->level[i] + next), last = size - 1;
+        const float at = t[i] * (float)size - 0.5f, low = floorf(at);
+        const int32_t k = (int32_t)low;
+        const bool around = mode[i] == FATHOM_WRAP_REPEAT;
+        const int32_t before = around ? last : 0, after = around ? 0 : last, inside = k < last ? k : last;
+        share[i] = at - low;
+        to[0][i] = (uint32_t)(k >= 0 ? inside : before);
+        to[1][i] = (uint32_t)(k < last ? k + 1 : after);
+    }
+}
+
+/* The texel that t is in. */
+INLINE uint32_t nearest(float t, uint32_t size) {
+    const uint32_t x = (uint32_t)(t * (float)size);
+    return x < size ? x : size - 1;
+}
+
+/* One texel instead of four. */
+INLINE void choose_texels(block *b, block_level *l, int lanes) {
+    for (int i = 0; i < lanes; ++i) {
+        if (b->filter[i] == FATHOM_TEXTURE_NEAREST) {
+            l->column[0][i] = nearest(b->u[i], b->across[i]);
+            l->row[0][i] = nearest(b->v[i], b->down[i]);
+        } else if (b->stochastic) {
+            const bool right = second_by(&b->chance[i], l->right[i]),
+                       below = second_by(&b->chance[i], l->below[i]);
+            l->column[0][i] = l->column[right][i];
+            l->row[0][i] = l->row[below][i];
+        }
+    }
+}
+
+INLINE uint32_t column_of(uint32_t x) { return x / PYRAMID_TILE * PYRAMID_TILE_TEXELS + x % PYRAMID_TILE; }
+
+INLINE uint32_t row_of(uint32_t y, uint32_t across, uint32_t stride) {
+    return y / PYRAMID_TILE * across * PYRAMID_TILE_TEXELS + y % PYRAMID_TILE * stride;
+}
+
+INLINE uint64_t place_of(const pyramid_level *l, uint32_t column, uint32_t row) {
+    return l->offset + ((uint64_t)(column + row) << l->shift);
+}
+
+/* From texels to their numbers. */
+INLINE void number_texels(const block *b, uint32_t next, block_level *l, int lanes) {
+    for (int i = 0; i < lanes; ++i) {
+        const uint32_t width = side_of(b->across[i], b->level[i] + next),
+                       height = side_of(b->down[i], b->level[i] + next);
+        const uint32_t tiles = (width + PYRAMID_TILE - 1) / PYRAMID_TILE;
+        const uint32_t stride = width <= PYRAMID_TILE && height <= PYRAMID_TILE ? width : PYRAMID_TILE;
+        for (int k = 0; k < 2; ++k) {
+            l->column[k][i] = column_of(l->column[k][i]);
+            l->row[k][i] = row_of(l->row[k][i], tiles, stride);
+        }
+    }
+}
+
+INLINE uint64_t texel_of(const block_level *l, unsigned i, int right, int below) {
+    return place_of(l->level[i], l->column[right][i], l->row[below][i]);
+}
+
+INLINE void find_texels(block *b, unsigned k, bool some_single, int lanes) {
+    block_level *l = &b->at[k];
+    find_pairs(b, k, b->u, b->across, b->wrap_u, l->column, l->right, lanes);
+    find_pairs(b, k, b->v, b->down, b->wrap_v, l->row, l->below, lanes);
+    if (some_single) choose_texels(b, l, lanes);
+    number_texels(b, k, l, lanes);
+    for (unsigned i = 0; i < b->count; ++i) {
+        const unsigned n = b->level[i] + (b->share[i] > 0 ? k : 0);
+        l->level[i] = &b->slot[i]->image->plan.levels[n];
+        __builtin_prefetch(b->cache->store.bytes + texel_of(l, i, 0, 0));
+        __builtin_prefetch(b->cache->store.bytes + texel_of(l, i, 0, 1));
+    }
 }
 
 /* ---- filters ---- */
 
-/* Chunks that the lookups of a block begin in; of two levels each. */
-typedef struct block_chunks {
-    unsigned count;
-    uint64_t chunks[2 * TEXTURE_BLOCK];
-} block_chunks;
+INLINE uint64_t chunk_of(uint64_t place) { return place >> PYRAMID_CHUNK_SHIFT; }
 
-typedef struct lookup {
-    texture_cache *cache;
-    const cache_slot *slot;
-    float u, v; /* wrapped */
-    unsigned level;
-    float share;  /* of the next level */
-    float chance; /* negative: none */
-    bool broken;
-    const block_chunks *block; /* NULL: it is alone */
-} lookup;
-
-/* The lookups of the block in a chunk, this one among them. */
-static unsigned neighbours(const lookup *at, uint64_t chunk) {
+/* The block's lookups that begin in the chunk, at least 1. */
+static unsigned neighbours(const block *b, uint64_t chunk) {
     unsigned count = 0;
-    for (unsigned i = 0; at->block && i < at->block->count; ++i) count += at->block->chunks[i] == chunk;
+    for (unsigned i = 0; i < b->count; ++i) {
+        count += chunk_of(texel_of(&b->at[0], i, 0, 0)) == chunk;
+        count += b->share[i] > 0 && chunk_of(texel_of(&b->at[1], i, 0, 0)) == chunk;
+    }
     return count ? count : 1;
 }
 
-/* Where the texels may be read. False: the image is broken. */
-INLINE bool reachable(const lookup *look, const pyramid_level *l, const uint64_t *places, unsigned count,
-                      cache_copy *copy, const unsigned char **at) {
-    const store *s = &look->cache->store;
-    unsigned used = STORE_USED;
-    for (unsigned i = 0; i < count; ++i) {
-        used &= store_state(s, places[i] >> PYRAMID_CHUNK_SHIFT);
-        at[i] = s->bytes + places[i];
-    }
-    if (__builtin_expect(used == STORE_USED, 1)) return true;
-    return cache_fetch(look->cache, look->slot->image, places, count, (size_t)1 << l->shift,
-                       neighbours(look, places[0] >> PYRAMID_CHUNK_SHIFT), copy, at);
+/* Where texels may be read that are not in memory yet. False: the image is broken. */
+static __attribute__((noinline, cold)) bool fetch(block *b, const block_level *of, unsigned lane,
+                                                  const uint64_t *places, unsigned count,
+                                                  const unsigned char **at) {
+    return cache_fetch(b->cache, b->slot[lane]->image, places, count, (size_t)1 << of->level[lane]->shift,
+                       neighbours(b, chunk_of(places[0])), &b->copy, at);
 }
 
-INLINE rgba_f32 between(const unsigned char *const at[4], const pair *x, const pair *y, image_texel type,
+INLINE unsigned state_of(const store *s, uint64_t place) { return store_state(s, chunk_of(place)); }
+
+INLINE rgba_f32 between(const unsigned char *const at[4], float right, float below, image_texel type,
                         unsigned channels, const float *color, const float *alpha) {
     const rgba_f32 a = texel_at(at[0], type, channels, color, alpha);
     const rgba_f32 b = texel_at(at[1], type, channels, color, alpha);
     const rgba_f32 c = texel_at(at[2], type, channels, color, alpha);
     const rgba_f32 d = texel_at(at[3], type, channels, color, alpha);
-    const rgba_f32 top = a + x->share * (b - a), low = c + x->share * (d - c);
-    return top + y->share * (low - top);
+    const rgba_f32 top = a + right * (b - a), low = c + right * (d - c);
+    return top + below * (low - top);
 }
 
 /* Each type has its own loop-free code. */
@@ -180,145 +279,106 @@ INLINE rgba_f32 between(const unsigned char *const at[4], const pair *x, const p
     }                                                                                                        \
     return (channels) == 1 ? call(IMAGE_TEXEL_FLOAT, 1) : call(IMAGE_TEXEL_FLOAT, 4)
 
-static rgba_f32 bilinear(lookup *at, unsigned level) {
-    cache_image *img = at->slot->image;
-    const pyramid_level *l = &img->plan.levels[level];
-    const pair x = pair_at(at->u, l->width, at->slot->wrap_u),
-               y = pair_at(at->v, l->height, at->slot->wrap_v);
-    const uint64_t left = l->offset + column_of(l, x.first), right = l->offset + column_of(l, x.second);
-    const uint64_t top = row_of(l, y.first), low = row_of(l, y.second);
-    const uint64_t p[4] = {left + top, right + top, left + low, right + low};
-    const unsigned char *texels[4];
-    cache_copy copy;
-    if (!reachable(at, l, p, 4, &copy, texels)) {
-        at->broken = true;
+static rgba_f32 bilinear(block *b, const block_level *of, unsigned i, bool *broken) {
+    const cache_image *img = b->slot[i]->image;
+    const image_texel type = of->level[i]->type;
+    const store *s = &b->cache->store;
+    const uint64_t p[4] = {texel_of(of, i, 0, 0), texel_of(of, i, 1, 0), texel_of(of, i, 0, 1),
+                           texel_of(of, i, 1, 1)};
+    const unsigned char *at[4] = {s->bytes + p[0], s->bytes + p[1], s->bytes + p[2], s->bytes + p[3]};
+    const unsigned used = state_of(s, p[0]) & state_of(s, p[1]) & state_of(s, p[2]) & state_of(s, p[3]);
+    if (__builtin_expect(used != STORE_USED, 0) && !fetch(b, of, i, p, 4, at)) {
+        *broken = true;
         return grey(0);
     }
     const float *color = img->decoding.color, *alpha = img->decoding.alpha;
-    if (l->type == IMAGE_TEXEL_U8 && img->plan.channels == 4 && color == alpha)
-        return between(texels, &x, &y, IMAGE_TEXEL_U8, 4, NULL, NULL);
-#define CALL(type, channels) between(texels, &x, &y, type, channels, color, alpha)
-    BY_TYPE(CALL, l->type, img->plan.channels);
+    if (type == IMAGE_TEXEL_U8 && img->plan.channels == 4 && color == alpha)
+        return between(at, of->right[i], of->below[i], IMAGE_TEXEL_U8, 4, NULL, NULL);
+#define CALL(type, channels) between(at, of->right[i], of->below[i], type, channels, color, alpha)
+    BY_TYPE(CALL, type, img->plan.channels);
 #undef CALL
 }
 
-static rgba_f32 single(lookup *at, unsigned level, uint32_t x, uint32_t y) {
-    cache_image *img = at->slot->image;
-    const pyramid_level *l = &img->plan.levels[level];
-    const uint64_t p = place_of(l, x, y);
-    const unsigned char *from;
-    cache_copy copy;
-    if (!reachable(at, l, &p, 1, &copy, &from)) {
-        at->broken = true;
+static rgba_f32 single(block *b, unsigned i, bool *broken) {
+    const cache_image *img = b->slot[i]->image;
+    const uint64_t place = texel_of(&b->at[0], i, 0, 0);
+    const unsigned char *at = b->cache->store.bytes + place;
+    if (state_of(&b->cache->store, place) != STORE_USED && !fetch(b, &b->at[0], i, &place, 1, &at)) {
+        *broken = true;
         return grey(0);
     }
-#define CALL(type, channels) texel_at(from, type, channels, img->decoding.color, img->decoding.alpha)
-    BY_TYPE(CALL, l->type, img->plan.channels);
+#define CALL(type, channels) texel_at(at, type, channels, img->decoding.color, img->decoding.alpha)
+    BY_TYPE(CALL, b->at[0].level[i]->type, img->plan.channels);
 #undef CALL
 }
 
-static rgba_f32 nearest(lookup *at) {
-    const pyramid_level *l = &at->slot->image->plan.levels[0];
-    const uint32_t x = (uint32_t)(at->u * (float)l->width), y = (uint32_t)(at->v * (float)l->height);
-    return single(at, 0, x < l->width ? x : l->width - 1, y < l->height ? y : l->height - 1);
+INLINE rgba_f32 filtered(block *b, unsigned i) {
+    const bool one = b->stochastic || b->filter[i] == FATHOM_TEXTURE_NEAREST;
+    bool broken = false;
+    rgba_f32 found = one ? single(b, i, &broken) : bilinear(b, &b->at[0], i, &broken);
+    if (b->share[i] > 0) found += b->share[i] * (bilinear(b, &b->at[1], i, &broken) - found);
+    return __builtin_expect(broken, 0) ? (rgba_f32){1, 0, 1, 1} : found;
 }
 
-/* Takes the second of two with probability `share`; *chance is then uniform in [0,1) anew. */
-INLINE bool second_by(float *chance, float share) {
-    const bool second = *chance < share;
-    *chance = second ? *chance / share : (*chance - share) / (1 - share);
-    return second;
+/* ---- blocks ---- */
+
+/* All places first, so that memory has time to bring the texels. */
+INLINE void filter_lanes(block *b, float rgba[4][TEXTURE_BLOCK], int lanes) {
+    bool two = false, some_single = b->stochastic;
+    gather_slots(b, lanes);
+    wrap(b->u, b->wrap_u, lanes);
+    wrap(b->v, b->wrap_v, lanes);
+    find_levels(b, lanes);
+    if (b->stochastic) choose_levels(b, lanes);
+    for (int i = 0; i < lanes; ++i)
+        two |= b->share[i] > 0, some_single |= b->filter[i] == FATHOM_TEXTURE_NEAREST;
+    find_texels(b, 0, some_single, lanes);
+    if (two) find_texels(b, 1, false, lanes);
+    for (unsigned i = 0; i < b->count; ++i) {
+        const rgba_f32 found = filtered(b, i);
+        for (int c = 0; c < 4; ++c) rgba[c][i] = found[c];
+    }
 }
 
-static rgba_f32 by_chance(lookup *at) {
-    float chance = at->chance;
-    const pyramid_level *l = &at->slot->image->plan.levels[at->level];
-    const pair x = pair_at(at->u, l->width, at->slot->wrap_u),
-               y = pair_at(at->v, l->height, at->slot->wrap_v);
-    const bool right = second_by(&chance, x.share), below = second_by(&chance, y.share);
-    return single(at, at->level, right ? x.second : x.first, below ? y.second : y.first);
-}
+static void filter_one(block *b, float rgba[4][TEXTURE_BLOCK]) { filter_lanes(b, rgba, 1); }
 
-/* The level whose texels are as wide as the footprint, and the share of the next one. log2 is taken as linear
- * between powers of two, which is off by less than 0.09. */
-INLINE unsigned level_of(const cache_slot *slot, float width, float *share) {
-    const pyramid *p = &slot->image->plan;
-    const uint32_t w = p->levels[0].width, h = p->levels[0].height;
-    const float texels = width * (float)(w > h ? w : h);
-    *share = 0;
-    if (slot->filter != FATHOM_TEXTURE_TRILINEAR || !(texels > 1)) return 0;
-    uint32_t bits;
-    memcpy(&bits, &texels, sizeof bits);
-    const unsigned level = (bits >> 23) - 127;
-    if (level + 1 >= p->count) return p->count - 1;
-    *share = (float)(bits & 0x7fffff) * 0x1p-23f;
-    return level;
-}
-
-INLINE lookup begin(texture_cache *cache, const cache_slot *slot, float u, float v, float width,
-                    const float *chance) {
-    lookup at = {cache, slot, wrapped(u, slot->wrap_u), wrapped(v, slot->wrap_v), 0, 0, -1, false, NULL};
-    at.level = level_of(slot, width, &at.share);
-    if (!chance || slot->filter == FATHOM_TEXTURE_NEAREST) return at;
-    at.chance = *chance;
-    if (second_by(&at.chance, at.share)) ++at.level;
-    at.share = 0;
-    return at;
-}
-
-INLINE rgba_f32 finish(lookup *at) {
-    rgba_f32 found;
-    if (at->slot->filter == FATHOM_TEXTURE_NEAREST)
-        found = nearest(at);
-    else if (at->chance >= 0)
-        found = by_chance(at);
+static void look_up(texture_cache *cache, const texture_queries *q, float rgba[4][TEXTURE_BLOCK]) {
+    block b;
+    if (!q->count) return;
+    b.cache = cache, b.count = q->count, b.stochastic = q->stochastic;
+    const int lanes = q->count > 1 ? TEXTURE_BLOCK : 1;
+    for (unsigned i = 0; i < (unsigned)lanes; ++i) {
+        const unsigned from = i < q->count ? i : 0;
+        b.slot[i] = &cache->slots[q->texture[from]];
+        b.u[i] = q->u[from], b.v[i] = q->v[from], b.width[i] = q->width[from];
+        b.chance[i] = q->stochastic ? q->chance[from] : 0;
+    }
+    if (lanes == 1)
+        filter_one(&b, rgba);
     else
-        found = bilinear(at, at->level);
-    if (at->share > 0) found += at->share * (bilinear(at, at->level + 1) - found);
-    return __builtin_expect(at->broken, 0) ? (rgba_f32){1, 0, 1, 1} : found;
+        filter_lanes(&b, rgba, TEXTURE_BLOCK);
 }
 
-/* Asks for the memory of the texels at the place, and of those below. */
-INLINE void fetch_ahead(const lookup *at, unsigned level, block_chunks *block) {
-    const cache_image *img = at->slot->image;
-    const pyramid_level *l = &img->plan.levels[level];
-    const uint32_t x = (uint32_t)(at->u * (float)(l->width - 1)),
-                   y = (uint32_t)(at->v * (float)(l->height - 1));
-    const uint64_t place = place_of(l, x, y);
-    const unsigned char *from = at->cache->store.bytes + place;
-    block->chunks[block->count++] = place >> PYRAMID_CHUNK_SHIFT;
-    __builtin_prefetch(from);
-    __builtin_prefetch(from + ((size_t)l->stride << l->shift));
+static void mean(texture_cache *cache, const cache_slot *slot, float u, float v, float width, float rgba[4]) {
+    block b;
+    float found[4][TEXTURE_BLOCK];
+    b.cache = cache, b.count = 1, b.stochastic = false;
+    b.slot[0] = slot, b.u[0] = u, b.v[0] = v, b.width[0] = width;
+    filter_one(&b, found);
+    for (int c = 0; c < 4; ++c) rgba[c] = found[c][0];
 }
 
 static bool texel(texture_cache *cache, const cache_slot *slot, unsigned level, uint32_t x, uint32_t y,
                   float rgba[4]) {
-    lookup at = {.cache = cache, .slot = slot};
-    const rgba_f32 found = single(&at, level, x, y);
+    const pyramid_level *l = &slot->image->plan.levels[level];
+    bool broken = false;
+    block b;
+    b.cache = cache, b.count = 1, b.slot[0] = slot, b.share[0] = 0;
+    b.at[0].level[0] = l, b.at[0].column[0][0] = column_of(x);
+    b.at[0].row[0][0] = row_of(y, l->across, l->stride);
+    const rgba_f32 found = single(&b, 0, &broken);
     memcpy(rgba, &found, sizeof found);
-    return !at.broken;
-}
-
-static void mean(texture_cache *cache, const cache_slot *slot, float u, float v, float width, float rgba[4]) {
-    lookup at = begin(cache, slot, u, v, width, NULL);
-    const rgba_f32 found = finish(&at);
-    memcpy(rgba, &found, sizeof found);
-}
-
-static void look_up(texture_cache *cache, const texture_queries *q, float rgba[4][TEXTURE_BLOCK]) {
-    lookup at[TEXTURE_BLOCK];
-    block_chunks block = {.count = 0};
-    for (unsigned i = 0; i < q->count; ++i) {
-        at[i] = begin(cache, &cache->slots[q->texture[i]], q->u[i], q->v[i], q->width[i],
-                      q->stochastic ? &q->chance[i] : NULL);
-        at[i].block = &block;
-        fetch_ahead(&at[i], at[i].level, &block);
-        if (at[i].share > 0) fetch_ahead(&at[i], at[i].level + 1, &block);
-    }
-    for (unsigned i = 0; i < q->count; ++i) {
-        const rgba_f32 found = finish(&at[i]);
-        for (int c = 0; c < 4; ++c) rgba[c][i] = found[c];
-    }
+    return !broken;
 }
 
 extern const texture_kernels KERNEL(texture_kernels);
