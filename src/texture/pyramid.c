@@ -75,39 +75,62 @@ static float float_from_half(uint16_t half) {
     return value;
 }
 
-/* Number i of a row that was sent. */
-static float number_at(const pyramid_decoding *d, const void *sent, size_t i, bool alpha) {
+#define INLINE static inline __attribute__((always_inline))
+
+/* Number i of a row that was sent. `type` and `srgb` are constants where this is inlined. */
+INLINE float number_at(const float *table, image_texel type, bool srgb, const void *sent, size_t i) {
     float value = 0;
-    switch (d->sent) {
-    case IMAGE_TEXEL_U8: return (alpha ? d->alpha : d->color)[((const unsigned char *)sent)[i]];
-    case IMAGE_TEXEL_U16: return (alpha ? d->alpha : d->color)[((const uint16_t *)sent)[i]];
+    switch (type) {
+    case IMAGE_TEXEL_U8: return table[((const unsigned char *)sent)[i]];
+    case IMAGE_TEXEL_U16: return table[((const uint16_t *)sent)[i]];
     case IMAGE_TEXEL_HALF: value = float_from_half(((const uint16_t *)sent)[i]); break;
     case IMAGE_TEXEL_FLOAT: value = ((const float *)sent)[i]; break;
     }
-    return d->srgb && !alpha ? (float)srgb_decoded((double)value) : value;
+    return srgb ? (float)srgb_decoded((double)value) : value;
+}
+
+/* n channels of a type to `channels` of floats. */
+INLINE void decode_row(const pyramid_decoding *d, image_texel type, bool srgb, size_t n, unsigned channels,
+                       const void *sent, size_t count, float *restrict linear) {
+    const float *color = d->color, *alpha = d->alpha;
+    for (size_t i = 0; i < count; ++i) {
+        linear[channels * i] = number_at(color, type, srgb, sent, n * i);
+        if (channels == 1) continue;
+        for (size_t c = 1; c < 3; ++c)
+            linear[4 * i + c] = number_at(color, type, srgb, sent, n * i + (n > 2 ? c : 0));
+        linear[4 * i + 3] = n % 2 ? 1 : number_at(alpha, type, false, sent, n * i + n - 1);
+    }
+}
+
+/* Each type and number of channels has a loop of its own. */
+INLINE void decode_type(const pyramid_decoding *d, image_texel type, bool srgb, unsigned channels,
+                        const void *sent, size_t count, float *linear) {
+    if (channels == 1)
+        decode_row(d, type, srgb, d->sent_channels, 1, sent, count, linear);
+    else if (d->sent_channels == 3)
+        decode_row(d, type, srgb, 3, 4, sent, count, linear);
+    else if (d->sent_channels == 4)
+        decode_row(d, type, srgb, 4, 4, sent, count, linear);
+    else
+        decode_row(d, type, srgb, 2, 4, sent, count, linear);
 }
 
 void pyramid_decode(const pyramid *p, const pyramid_decoding *d, const void *sent, size_t count,
                     float *linear) {
-    const size_t n = d->sent_channels;
-    if (p->channels == 1) {
-        for (size_t i = 0; i < count; ++i) linear[i] = number_at(d, sent, i, false);
-        return;
-    }
-    for (size_t i = 0; i < count; ++i) {
-        for (size_t c = 0; c < 3; ++c) linear[4 * i + c] = number_at(d, sent, n * i + (n > 2 ? c : 0), false);
-        linear[4 * i + 3] = n % 2 ? 1 : number_at(d, sent, n * i + n - 1, true);
+    switch (d->sent) {
+    case IMAGE_TEXEL_U8: decode_type(d, IMAGE_TEXEL_U8, d->srgb, p->channels, sent, count, linear); break;
+    case IMAGE_TEXEL_U16: decode_type(d, IMAGE_TEXEL_U16, d->srgb, p->channels, sent, count, linear); break;
+    case IMAGE_TEXEL_HALF: decode_type(d, IMAGE_TEXEL_HALF, d->srgb, p->channels, sent, count, linear); break;
+    case IMAGE_TEXEL_FLOAT:
+        decode_type(d, IMAGE_TEXEL_FLOAT, d->srgb, p->channels, sent, count, linear);
+        break;
     }
 }
 
-/* Level 0 keeps integers as they are. */
-static void keep_integers(const pyramid *p, const pyramid_decoding *d, const unsigned char *sent,
-                          size_t count, unsigned char *kept) {
-    const size_t n = d->sent_channels, size = image_texel_size(d->sent);
-    if (n == p->channels) {
-        memcpy(kept, sent, count * n * size);
-        return;
-    }
+/* Adds the alpha that texels lack; grey counts three times. n and size are constants where this is inlined.
+ */
+INLINE void keep_row(size_t n, size_t size, const unsigned char *restrict sent, size_t count,
+                     unsigned char *restrict kept) {
     for (size_t i = 0; i < count; ++i, sent += n * size, kept += 4 * size) {
         for (size_t c = 0; c < 3; ++c) memcpy(kept + c * size, sent + (n > 2 ? c : 0) * size, size);
         if (n == 2)
@@ -117,21 +140,40 @@ static void keep_integers(const pyramid *p, const pyramid_decoding *d, const uns
     }
 }
 
+/* Level 0 keeps integers as they are. */
+static void keep_integers(const pyramid *p, const pyramid_decoding *d, const void *sent, size_t count,
+                          void *kept) {
+    const size_t n = d->sent_channels;
+    const bool bytes = d->sent == IMAGE_TEXEL_U8;
+    if (n == p->channels)
+        memcpy(kept, sent, count * n * image_texel_size(d->sent));
+    else if (n == 3)
+        bytes ? keep_row(3, 1, sent, count, kept) : keep_row(3, 2, sent, count, kept);
+    else
+        bytes ? keep_row(2, 1, sent, count, kept) : keep_row(2, 2, sent, count, kept);
+}
+
 void pyramid_keep(const pyramid *p, const pyramid_level *level, const pyramid_decoding *d, const void *sent,
                   const float *linear, size_t count, void *kept) {
     const size_t numbers = count * p->channels;
     switch (level->type) {
     case IMAGE_TEXEL_U8:
     case IMAGE_TEXEL_U16: keep_integers(p, d, sent, count, kept); break;
-    case IMAGE_TEXEL_HALF:
-        for (size_t i = 0; i < numbers; ++i) ((uint16_t *)kept)[i] = half_from_float(linear[i]);
-        break;
+    case IMAGE_TEXEL_HALF: half_from_floats(linear, numbers, kept); break;
     case IMAGE_TEXEL_FLOAT: memcpy(kept, linear, numbers * sizeof *linear); break;
     }
 }
 
 size_t pyramid_find_bad(const float *linear, size_t count) {
+    int32_t most = 0;
     for (size_t i = 0; i < count; ++i) {
+        int32_t bits;
+        memcpy(&bits, &linear[i], sizeof bits);
+        bits &= 0x7fffffff;
+        most = bits > most ? bits : most;
+    }
+    const bool bad = most >= 0x7f800000;
+    for (size_t i = 0; bad && i < count; ++i) {
         if (!isfinite(linear[i])) return i;
     }
     return count;
@@ -214,12 +256,16 @@ static bool add_to_strip(pyramid_builder *b, unsigned i) {
     return b->write(b->user, l->offset + y / PYRAMID_TILE * size, m->strip, size);
 }
 
+INLINE void halve_even(const float *row, size_t to, size_t channels, float *restrict out) {
+    for (size_t j = 0; j < to; ++j)
+        for (size_t c = 0; c < channels; ++c)
+            out[j * channels + c] = 0.5f * (row[2 * j * channels + c] + row[(2 * j + 1) * channels + c]);
+}
+
 /* Texel j of `to` covers [j from / to, (j + 1) from / to). */
 static void halve(const float *row, uint32_t from, uint32_t to, unsigned channels, float *out) {
     if (from == 2 * to) {
-        for (uint32_t j = 0; j < to; ++j)
-            for (unsigned c = 0; c < channels; ++c)
-                out[j * channels + c] = 0.5f * (row[2 * j * channels + c] + row[(2 * j + 1) * channels + c]);
+        channels == 4 ? halve_even(row, to, 4, out) : halve_even(row, to, 1, out);
         return;
     }
     for (uint32_t j = 0; j < to; ++j) {
@@ -263,16 +309,19 @@ static bool add_row(pyramid_builder *b, unsigned i, uint32_t y, const void *sent
     return add_to_strip(b, i) && pass_on(b, i, y, linear);
 }
 
+INLINE void add_to_total(const float *linear, size_t width, size_t channels, double total[4]) {
+    double sum[4] = {0, 0, 0, 0};
+    for (size_t x = 0; x < width; ++x)
+        for (size_t c = 0; c < channels; ++c) sum[c] += (double)linear[x * channels + c];
+    for (size_t c = 0; c < channels; ++c) total[c] += sum[c];
+}
+
 static void count_row(pyramid_builder *b) {
-    const unsigned channels = b->p.channels;
-    const uint32_t width = b->p.levels[0].width;
-    for (unsigned c = 0; c < channels; ++c) {
-        double sum = 0;
-        for (uint32_t x = 0; x < width; ++x) sum += (double)b->linear[x * channels + c];
-        b->total[c] += sum;
-    }
-    for (uint32_t x = 0; channels == 4 && x < width; ++x)
-        b->least_alpha = fminf(b->least_alpha, b->linear[4 * x + 3]);
+    const size_t width = b->p.levels[0].width;
+    b->p.channels == 4 ? add_to_total(b->linear, width, 4, b->total)
+                       : add_to_total(b->linear, width, 1, b->total);
+    for (size_t x = 0; b->decoding.sent_channels % 2 == 0 && x < width; ++x)
+        b->least_alpha = b->linear[4 * x + 3] < b->least_alpha ? b->linear[4 * x + 3] : b->least_alpha;
 }
 
 bool pyramid_builder_row(pyramid_builder *b, const void *sent, size_t *bad) {

@@ -35,6 +35,25 @@ static void halves_round_to_nearest_even(void **state) {
     assert_true(isnan(half_value(half_from_float(NAN))));
 }
 
+/* All values of 20 leading bits, and their neighbours: ties, denormals and overflows are among them. */
+static void halves_of_rows_are_those_of_values(void **state) {
+    float values[3 * 64];
+    uint16_t halves[3 * 64];
+    (void)state;
+    for (uint32_t first = 0; first < 1u << 20; first += 64) {
+        size_t count = 0;
+        for (uint32_t i = first; i < first + 64; ++i) {
+            for (uint32_t k = 0; k < 3; ++k) {
+                const uint32_t bits = (i << 12) + k - 1;
+                memcpy(&values[count], &bits, sizeof bits);
+                count += isfinite(values[count]);
+            }
+        }
+        half_from_floats(values, count, halves);
+        for (size_t i = 0; i < count; ++i) assert_int_equal(halves[i], half_from_float(values[i]));
+    }
+}
+
 static const image_channel *channel_of(const image *img, const char *name) {
     for (size_t i = 0; i < img->channel_count; ++i) {
         if (strcmp(img->channels[i].name, name) == 0) return &img->channels[i];
@@ -346,6 +365,7 @@ static int remove_images(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(halves_round_to_nearest_even),
+        cmocka_unit_test(halves_of_rows_are_those_of_values),
         cmocka_unit_test(exr_keeps_every_value),
         cmocka_unit_test(exr_keeps_attributes),
         cmocka_unit_test(srgb_codes_are_exact),
