@@ -1,6 +1,7 @@
 #include "material/energy.h"
 
 #include "material/shader.h"
+#include "math/limit.h"
 #include "math/turn.h"
 
 #include <math.h>
@@ -95,28 +96,19 @@ static void fill(void) {
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 
-/* The row of the tables, and the part of the way to the next one. */
-static int row_of(float alpha, float *part) {
-    pthread_once(&once, fill);
-    const float x = alpha < SHADER_SMOOTH_ALPHA ? 0 : sqrtf(sqrtf(fminf(alpha, 1))) * ROUGH_STEPS;
-    const int j = x < ROUGH_STEPS - 1 ? (int)x : ROUGH_STEPS - 1;
-    *part = x - (float)j;
-    return j;
-}
-
 static const energy_node zeros[ENERGY_NODES];
 const energy_curve energy_none = {zeros, 0};
 
 energy_curve energy_curve_of(float alpha) {
-    energy_curve curve;
-    const int j = row_of(alpha, &curve.part);
-    curve.nodes = nodes[j];
-    return curve;
+    pthread_once(&once, fill);
+    const float x = alpha < SHADER_SMOOTH_ALPHA ? 0 : sqrtf(sqrtf(least(alpha, 1))) * ROUGH_STEPS;
+    const int j = x < ROUGH_STEPS - 1 ? (int)x : ROUGH_STEPS - 1;
+    return (energy_curve){nodes[j], x - (float)j};
 }
 
-void energy_means(float alpha, float *all, float *edge) {
-    float t;
-    const int j = row_of(alpha, &t);
+void energy_means(const energy_curve *c, float *all, float *edge) {
+    const ptrdiff_t j = (c->nodes - nodes[0]) / ENERGY_NODES;
+    const float t = c->part;
     *all = means[j][0] + t * (means[j + 1][0] - means[j][0]);
     *edge = means[j][1] + t * (means[j + 1][1] - means[j][1]);
 }

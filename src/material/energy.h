@@ -31,7 +31,7 @@ static inline float energy_edge(const energy_curve *c, int k) {
 }
 
 /* The means of these curves. */
-void energy_means(float alpha, float *all, float *edge);
+void energy_means(const energy_curve *c, float *all, float *edge);
 
 /* The same of lobes with two alphas, over the cosine and the turn about the normal: nodes at |sin| / (|sin| +
  * |cos|) = j / ENERGY_TURNS of the angle to the larger alpha's way, linear between. Tables are made when they

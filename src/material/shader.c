@@ -10,7 +10,7 @@
 
 static bool any(const float rgb[3]) { return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0; }
 
-static float largest(const float rgb[3]) { return fmaxf(rgb[0], fmaxf(rgb[1], rgb[2])); }
+static float largest(const float rgb[3]) { return most(rgb[0], most(rgb[1], rgb[2])); }
 
 /* ---- the classic model ---- */
 
@@ -24,7 +24,7 @@ static void prepare_classic(const fathom_material *m, shader *out) {
         out->diffuse[c] = m->k_d[c];
         out->highlight[c] = shiny ? m->k_s[c] : 0;
         out->k_r[c] = m->k_r[c], out->k_t[c] = m->k_t[c];
-        out->albedo[c] = fminf(m->k_d[c] + out->highlight[c] * spread + m->k_r[c] + m->k_t[c], 1);
+        out->albedo[c] = least(m->k_d[c] + out->highlight[c] * spread + m->k_r[c] + m->k_t[c], 1);
     }
     out->shininess = m->shininess;
     out->ior = m->ior;
@@ -51,7 +51,7 @@ static mixture mixture_of(const fathom_material *m) {
     const float ratio = (m->ior - 1) / (m->ior + 1);
     mixture x = {.metal = m->metallic, .f90 = mixed(m->specular_factor, 1, m->metallic)};
     for (int c = 0; c < 3; ++c) {
-        x.layer[c] = m->specular_factor * fminf(ratio * ratio * m->specular_color[c], 1);
+        x.layer[c] = m->specular_factor * least(ratio * ratio * m->specular_color[c], 1);
         x.f0[c] = mixed(x.layer[c], m->base_color[c], x.metal);
     }
     return x;
@@ -76,7 +76,7 @@ static void prepare_coat(const fathom_material *m, shader *out) {
     if (!(m->clearcoat > 0)) return;
     out->coat_facets = energy_curve_of(alpha);
     out->coat = out->coat_strength = m->clearcoat;
-    out->coat_alpha = fmaxf(alpha, SHADER_SMOOTH_ALPHA);
+    out->coat_alpha = most(alpha, SHADER_SMOOTH_ALPHA);
     const bool turned = shader_coat_has_normal(m);
     out->lobes |= SHADER_COATED | (turned ? SHADER_TURNED : 0);
     out->lobes |= alpha < SHADER_SMOOTH_ALPHA && !turned ? SHADER_MIRROR : SHADER_COAT;
@@ -86,7 +86,7 @@ static void prepare_coat(const fathom_material *m, shader *out) {
 static void find_means(float alpha, shader *out, float *mean, float *mean_edge) {
     if (!(out->lobes & SHADER_STRETCHED)) {
         out->facets = energy_curve_of(alpha);
-        energy_means(alpha, mean, mean_edge);
+        energy_means(&out->facets, mean, mean_edge);
         return;
     }
     float all[ENERGY_NODES], edge[ENERGY_NODES];
@@ -145,11 +145,11 @@ static uint32_t crossing_lobe(const fathom_material *m, float alpha, shader *out
     out->encloses = m->thickness > 0;
     if (!solid)
         return alpha < SHADER_SMOOTH_ALPHA ? SHADER_PASS : (m->thickness > 0 ? SHADER_PASS : SHADER_THIN);
-    out->eta = fminf(fmaxf(m->ior, 1e-3f), 1e3f);
-    const bool clear = alpha * fminf(fabsf(out->eta - 1), 1) < SHADER_SMOOTH_ALPHA;
+    out->eta = least(most(m->ior, 1e-3f), 1e3f);
+    const bool clear = alpha * least(fabsf(out->eta - 1), 1) < SHADER_SMOOTH_ALPHA;
     /* Only where the facets turn light: without, the colours do not part. */
     if (m->dispersion > 0 && out->eta > 1) {
-        out->eta_spread = 0.025f * (out->eta - 1) * fminf(m->dispersion, 40);
+        out->eta_spread = 0.025f * (out->eta - 1) * least(m->dispersion, 40);
         return (clear ? SHADER_PASS : SHADER_REFRACT) | SHADER_SOLID | SHADER_DISPERSIVE;
     }
     return (clear ? SHADER_PASS : SHADER_REFRACT) | SHADER_SOLID;
@@ -196,11 +196,11 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
         out->leaf[c] = solid * m->diffuse_transmission * m->diffuse_transmission_color[c];
         out->cross[c] = base * m->transmission * m->base_color[c];
         out->albedo[c] =
-            fminf(x.f0[c] + (out->diffuse[c] + out->cross[c] + out->leaf[c]) * (1 - out->layer0), 1);
+            least(x.f0[c] + (out->diffuse[c] + out->cross[c] + out->leaf[c]) * (1 - out->layer0), 1);
     }
     memcpy(smooth ? out->mirror0 : out->f0, x.f0, sizeof x.f0);
     *(smooth ? &out->mirror90 : &out->f90) = x.f90;
-    out->alpha = fmaxf(alpha, SHADER_SMOOTH_ALPHA);
+    out->alpha = most(alpha, SHADER_SMOOTH_ALPHA);
     out->along = along;
     out->ior = m->ior, out->priority = m->priority;
     out->lobes = (any(out->diffuse) ? SHADER_DIFFUSE : 0u) | (out->layer90 > 0 ? SHADER_LAYER : 0u) |

@@ -1,4 +1,5 @@
 #include "material/textured_inner.h"
+#include "math/limit.h"
 #include "scene/metallic.h"
 
 #include <stdlib.h>
@@ -53,6 +54,7 @@ fathom_status texturing_create(fathom_context *context, const world *w, uint64_t
     for (size_t i = 0; i < scene->materials.count; ++i) {
         t->plans[i].material = &scene->materials.items[i].value;
         for (int k = 0; k < FATHOM_MAPS; ++k) plan_map(&t->plans[i], k);
+        texturing_plan_parameters(&t->plans[i]);
         t->plans[i].directed = is_directed(t->plans[i].material);
         if (t->plans[i].directed) t->plans[i].sets |= 1;
     }
@@ -89,21 +91,19 @@ static void find_uvs(points *p, unsigned i, const surface_block *s, const float 
     for (unsigned set = 0; set < 2; ++set) {
         if (!(p->plan[i]->sets >> set & 1)) continue;
         surface_uv_at(p->g, p->t->w, i, set, &p->uv[set][i]);
-        const float area = s ? area_of(&p->uv[set][i]) * fmaxf(cosine, 0x1p-10f) : 0;
-        p->width[set][i] = area > 0 ? fminf(width[i] / sqrtf(area), 1) : 0;
+        const float area = s ? area_of(&p->uv[set][i]) * most(cosine, 0x1p-10f) : 0;
+        p->width[set][i] = area > 0 ? least(width[i] / sqrtf(area), 1) : 0;
     }
 }
 
 /* False: the lane's material is the same everywhere. */
 static bool add_point(points *p, unsigned i, fathom_id material, const surface_block *s,
                       const float width[LANES]) {
-    static const float white[4] = {1, 1, 1, 1};
     p->plan[i] = &p->t->plans[material];
-    memcpy(p->color[i], white, sizeof white);
-    const bool coloured = p->t->colors && surface_color_at(p->g, p->t->w, i, p->color[i]);
-    if (!coloured && !p->plan[i]->count && !p->plan[i]->directed) return false;
+    p->colored[i] = p->t->colors && surface_color_at(p->g, p->t->w, i, p->color[i]);
+    if (!p->colored[i] && !p->plan[i]->count && !p->plan[i]->directed) return false;
     find_uvs(p, i, s, width);
-    p->varies[i] = coloured || p->plan[i]->count;
+    p->varies[i] = p->colored[i] || p->plan[i]->count;
     p->lanes |= 1u << i;
     return true;
 }
@@ -169,7 +169,7 @@ void texturing_shade(const texturing *t, const surface_gather *g, const float wi
     for (uint32_t left = p.lanes; left; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctz(left);
         fathom_material m;
-        texturing_apply(p.plan[i], p.values[i], p.color[i], &m);
+        texturing_apply(p.plan[i], p.values[i], p.colored[i] ? p.color[i] : NULL, &m);
         if (p.plan[i]->directed) texturing_direct(&p, i, &m, s);
         if (!p.varies[i]) continue;
         if (around) m.ior /= around[i];
@@ -187,7 +187,7 @@ void texturing_classic(const texturing *t, const surface_gather *g, const float 
         const unsigned i = (unsigned)__builtin_ctz(left);
         fathom_material m, classic;
         if (!p.varies[i]) continue;
-        texturing_apply(p.plan[i], p.values[i], p.color[i], &m);
+        texturing_apply(p.plan[i], p.values[i], p.colored[i] ? p.color[i] : NULL, &m);
         classic = m;
         if (is_classic(&m))
             texturing_dissolve(&classic);

@@ -1,5 +1,6 @@
 /* Parameters of materials at a point. */
 #include "material/textured_inner.h"
+#include "math/limit.h"
 
 #define NONE ((size_t)-1)
 
@@ -34,18 +35,40 @@ static const struct {
                                                true},
 };
 
-static float *member(fathom_material *m, int kind) {
-    const size_t offset = is_classic(m) ? members[kind].classic : members[kind].metallic;
-    return offset == NONE ? NULL : (float *)(void *)((char *)m + offset);
+static size_t offset_of(const fathom_material *m, int kind) {
+    return is_classic(m) ? members[kind].classic : members[kind].metallic;
+}
+
+static void multiply(float *to, int count, const float *factor, bool inverted, bool bounded) {
+    for (int c = 0; c < count; ++c) {
+        const float value = inverted ? 1 - (1 - to[c]) * factor[c] : to[c] * factor[c];
+        to[c] = most(bounded ? least(value, 1) : value, 0);
+    }
 }
 
 void texturing_multiply(fathom_material *m, int kind, const float *factor, bool inverted) {
-    float *to = member(m, kind);
-    for (int c = 0; to && c < members[kind].count; ++c) {
-        float value = inverted ? 1 - (1 - to[c]) * factor[c] : to[c] * factor[c];
-        value = value > 0 ? value : 0;
-        to[c] = members[kind].bounded && value > 1 ? 1 : value;
+    const size_t offset = offset_of(m, kind);
+    if (offset == NONE) return;
+    multiply((float *)(void *)((char *)m + offset), members[kind].count, factor, inverted,
+             members[kind].bounded);
+}
+
+void texturing_plan_parameters(material_plan *p) {
+    static const float white[3] = {1, 1, 1};
+    p->even = *p->material;
+    for (int kind = 0; kind < FATHOM_MAPS; ++kind) {
+        const fathom_map *map = &p->material->maps[kind];
+        const size_t offset = offset_of(p->material, kind);
+        if (p->of[kind] == NO_LOOKUP || offset == NONE) continue;
+        p->parameters[p->parameter_count++] =
+            (mapped_parameter){.offset = (uint16_t)offset,
+                               .lookup = p->of[kind],
+                               .count = (uint8_t)members[kind].count,
+                               .channel = members[kind].count == 1 ? (uint8_t)map->channel : 0,
+                               .inverted = map->inverted,
+                               .bounded = members[kind].bounded};
     }
+    if (p->of[FATHOM_MAP_COLOR] == NO_LOOKUP) texturing_multiply(&p->even, FATHOM_MAP_COLOR, white, false);
 }
 
 void texturing_dissolve(fathom_material *m) {
@@ -68,28 +91,34 @@ bool texturing_sends_alone(const fathom_material *m) {
 static void apply_others(const material_plan *p, const float (*values)[4], fathom_material *m) {
     const uint8_t way = p->of[FATHOM_MAP_ANISOTROPY], thickness = p->of[FATHOM_MAP_IRIDESCENCE_THICKNESS];
     if (way != NO_LOOKUP) {
-        m->anisotropy *= fminf(fmaxf(values[way][2], 0), 1);
+        m->anisotropy *= least(most(values[way][2], 0), 1);
         m->anisotropy_rotation += atan2f(2 * values[way][1] - 1, 2 * values[way][0] - 1);
     }
     if (thickness != NO_LOOKUP) {
-        const float t = fminf(
-            fmaxf(values[thickness][p->material->maps[FATHOM_MAP_IRIDESCENCE_THICKNESS].channel], 0), 1);
+        const float *of = &values[thickness][p->material->maps[FATHOM_MAP_IRIDESCENCE_THICKNESS].channel];
+        const float t = least(most(*of, 0), 1);
         m->iridescence_thickness_max =
             (1 - t) * m->iridescence_thickness_min + t * m->iridescence_thickness_max;
     }
 }
 
-void texturing_apply(const material_plan *p, const float (*values)[4], const float color[4],
+void texturing_color(fathom_material *m, const float *color) {
+    if (color) {
+        texturing_multiply(m, texturing_sends_alone(m) ? FATHOM_MAP_EMISSIVE : FATHOM_MAP_COLOR, color,
+                           false);
+        texturing_multiply(m, FATHOM_MAP_OPACITY, &color[3], false);
+    }
+    m->opacity = material_opacity(m), m->opacity_cutoff = 0;
+}
+
+void texturing_apply(const material_plan *p, const float (*values)[4], const float *color,
                      fathom_material *m) {
-    memcpy(m, p->material, offsetof(fathom_material, maps));
-    for (int kind = 0; kind < FATHOM_MAPS; ++kind) {
-        if (p->of[kind] == NO_LOOKUP) continue;
-        const fathom_map *map = &p->material->maps[kind];
-        const float *rgba = values[p->of[kind]];
-        texturing_multiply(m, kind, members[kind].count == 1 ? &rgba[map->channel] : rgba, map->inverted);
+    memcpy(m, &p->even, offsetof(fathom_material, maps));
+    for (unsigned k = 0; k < p->parameter_count; ++k) {
+        const mapped_parameter *at = &p->parameters[k];
+        multiply((float *)(void *)((char *)m + at->offset), at->count, &values[at->lookup][at->channel],
+                 at->inverted, at->bounded);
     }
     apply_others(p, values, m);
-    texturing_multiply(m, texturing_sends_alone(m) ? FATHOM_MAP_EMISSIVE : FATHOM_MAP_COLOR, color, false);
-    texturing_multiply(m, FATHOM_MAP_OPACITY, &color[3], false);
-    m->opacity = material_opacity(m), m->opacity_cutoff = 0;
+    texturing_color(m, color);
 }

@@ -52,25 +52,25 @@ static float image_side(const texturing *t, const texturing_place *place, unsign
     return sqrtf(0.5f * fabsf(bu * cv - cu * bv));
 }
 
-/* Those lookups that emission needs. */
+/* By those lookups that emission needs. */
 void texturing_emission(const texturing *t, const texturing_place *place, float rgb[3]) {
     static const int kinds[] = {FATHOM_MAP_EMISSIVE, FATHOM_MAP_OPACITY};
     const material_plan *p = &t->plans[place->material];
-    float values[FATHOM_MAPS][4], color[4] = {1, 1, 1, 1};
-    material_plan few = {.material = p->material};
-    memset(few.of, NO_LOOKUP, sizeof few.of);
+    float color[4];
+    fathom_material m;
+    memcpy(&m, &p->even, offsetof(fathom_material, maps));
     for (size_t k = 0; k < 2; ++k) {
         const int kind = kinds[k];
         float rgba[4][TEXTURE_BLOCK], uv[2];
         if (p->of[kind] == NO_LOOKUP) continue;
         const fathom_map *map = &p->material->maps[kind];
         surface_uv_of(t->w, place->geometry, place->primitive, place->second, place->weight, map->uv_set, uv);
-        few.of[kind] = (uint8_t)k;
         const float width = place->width > 0 ? place->width * image_side(t, place, map->uv_set) : 0;
-        memcpy(values[k], mapped_value(t, p, kind, uv[0], uv[1], width, rgba), sizeof values[k]);
+        const float *value = mapped_value(t, p, kind, uv[0], uv[1], width, rgba);
+        texturing_multiply(&m, kind, kind == FATHOM_MAP_OPACITY ? &value[map->channel] : value,
+                           map->inverted);
     }
-    surface_color_of(t->w, place->geometry, place->primitive, place->weight, color);
-    fathom_material m;
-    texturing_apply(&few, values, color, &m);
+    const bool colored = surface_color_of(t->w, place->geometry, place->primitive, place->weight, color);
+    texturing_color(&m, colored ? color : NULL);
     shader_emission(&m, rgb);
 }

@@ -20,11 +20,21 @@ typedef struct lookup {
     float scale; /* by which it stretches lengths, as the root of areas */
 } lookup;
 
+/* A parameter that an image multiplies. */
+typedef struct mapped_parameter {
+    uint16_t offset; /* in fathom_material */
+    uint8_t lookup, count, channel;
+    bool inverted, bounded; /* see fathom_map.inverted; by 1 */
+} mapped_parameter;
+
 typedef struct material_plan {
     const fathom_material *material;
-    unsigned count;
+    /* The material where images are white: colours and opacity that vary with the vertices are in range. */
+    fathom_material even;
+    unsigned count, parameter_count;
     lookup lookups[FATHOM_MAPS];
-    uint8_t of[FATHOM_MAPS]; /* which of them serves a parameter, or NO_LOOKUP */
+    mapped_parameter parameters[FATHOM_MAPS];
+    uint8_t of[FATHOM_MAPS]; /* which of the lookups serves a kind of map, or NO_LOOKUP */
     unsigned sets;           /* uv sets that are needed, as bits */
     bool directed;           /* it asks for a tangent */
 } material_plan;
@@ -46,6 +56,7 @@ typedef struct points {
     const surface_gather *g;
     uint32_t lanes;     /* bits */
     bool varies[LANES]; /* else the lane is there for its tangent alone */
+    bool colored[LANES];
     const material_plan *plan[LANES];
     surface_uv uv[2][LANES];
     float width[2][LANES]; /* of the footprint, in u and v */
@@ -55,10 +66,14 @@ typedef struct points {
 
 /* ---- textured_apply.c: parameters of a point ---- */
 
+/* Once the plan's lookups are known. */
+void texturing_plan_parameters(material_plan *p);
 /* Times the factors of an image; see fathom_map.inverted. */
 void texturing_multiply(fathom_material *m, int kind, const float *factor, bool inverted);
+/* Times the colour of vertices; NULL: they have none. The opacity becomes what the cutoff makes of it. */
+void texturing_color(fathom_material *m, const float *color);
 /* values: of the lookups. The material's parameters become those of the point; its maps are not copied. */
-void texturing_apply(const material_plan *p, const float (*values)[4], const float color[4],
+void texturing_apply(const material_plan *p, const float (*values)[4], const float *color,
                      fathom_material *m);
 /* For the classic integrator: light passes straight through the part of the surface that is not there. */
 void texturing_dissolve(fathom_material *m);

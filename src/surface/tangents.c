@@ -4,8 +4,12 @@
 
 #include <stdlib.h>
 
+/* How the image lies on a triangle: not at all, with v to the right of u, or to the left. */
+enum { LIES_NOT, LIES_RIGHT, LIES_LEFT };
+
 struct surface_tangents {
     unsigned set;
+    uint8_t *lies;          /* of each triangle */
     uint32_t *vertex;       /* of each corner; NULL: the mesh's indices */
     vec3_f32 (*tangent)[2]; /* of each vertex, for triangles whose image is mirrored or not */
 };
@@ -109,6 +113,7 @@ static void add_triangle(const fathom_mesh *m, uint32_t triangle, surface_tangen
     vec3_f32 way;
     bool left;
     if (!way_of_u(m, t->set, triangle, &way, &left)) return;
+    t->lies[triangle] = left ? LIES_LEFT : LIES_RIGHT;
     for (int k = 0; k < 3; ++k) {
         const size_t corner = 3 * (size_t)triangle + (size_t)k;
         vec3_f32 n = load_f32(mesh_row(m->normals, m->normal_stride, normal_indices(m)[corner]));
@@ -129,7 +134,7 @@ fathom_status surface_tangents_make(fathom_context *context, const fathom_mesh *
     if (!m->normals || !(set ? m->uvs_1 : m->uvs)) return FATHOM_OK;
     if (matched && 3 * (size_t)m->triangle_count > MOST_CORNERS) return FATHOM_OK;
     bool fine = !matched || match_corners(m, &made, &count);
-    const size_t bytes = sizeof made + count * sizeof *made.tangent;
+    const size_t bytes = sizeof made + count * sizeof *made.tangent + m->triangle_count;
     surface_tangents *t = fine && memory_has(bytes) ? calloc(1, bytes) : NULL;
     if (!t) {
         free(made.vertex);
@@ -137,6 +142,7 @@ fathom_status surface_tangents_make(fathom_context *context, const fathom_mesh *
     }
     *t = made;
     t->tangent = (void *)(t + 1);
+    t->lies = (uint8_t *)(t->tangent + count);
     for (uint32_t i = 0; i < m->triangle_count; ++i) add_triangle(m, i, t);
     for (uint32_t i = 0; i < count; ++i) {
         for (int side = 0; side < 2; ++side) {
@@ -154,9 +160,9 @@ void surface_tangents_free(surface_tangents *t) {
 
 bool surface_tangents_at(const surface_tangents *t, const fathom_mesh *m, uint32_t triangle,
                          const float weight[3], vec3_f32 *tangent) {
-    vec3_f32 sum = {0, 0, 0}, way;
-    bool left;
-    if (!way_of_u(m, t->set, triangle, &way, &left)) return false;
+    vec3_f32 sum = {0, 0, 0};
+    if (t->lies[triangle] == LIES_NOT) return false;
+    const bool left = t->lies[triangle] == LIES_LEFT;
     for (size_t k = 0; k < 3; ++k)
         sum = madd_f32(sum, weight[k], t->tangent[vertex_of(t, m, 3 * (size_t)triangle + k)][left]);
     *tangent = sum;

@@ -1,13 +1,12 @@
 /* How much the lights below a node's children may send to a point, and which of them it asks. */
 #include "light/tree.h"
 #include "base/kernel.h"
+#include "math/limit.h"
 
 /* Nodes that may send less than this part of all are not worth their children. */
 #define LITTLE 0.02f
 
 static inline float positive(float x) { return x > 0 ? x : 0; }
-
-static inline float least(float a, float b) { return a < b ? a : b; }
 
 /* cos(a - b), and 1 where a <= b, of angles in [0, pi] by their cosines and the sine of b. */
 static inline float cos_less(float cos_a, float cos_b, float sin_b) {
