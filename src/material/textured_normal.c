@@ -32,12 +32,15 @@ fathom_status texturing_make_tangents(fathom_context *context, texturing *t) {
 }
 static vec3_f32 lane(const lanes3 from, unsigned i) { return (vec3_f32){from[0][i], from[1][i], from[2][i]}; }
 
-static bool make_unit(vec3_f32 *v) {
-    const float square = dot_f32(*v, *v);
-    if (!(square > 0x1p-100f) || !(square < 0x1p100f)) return false;
-    *v = scale_f32(1 / sqrtf(square), *v);
-    return true;
-}
+static void set_lane(lanes3 to, unsigned i, vec3_f32 v) { to[0][i] = v.x, to[1][i] = v.y, to[2][i] = v.z; }
+
+/* ---- frames ---- */
+
+/* Two axes across the outside normal, along u and against v of an image. */
+typedef struct frame_block {
+    _Alignas(64) lanes3 t, b;
+    uint32_t lies[LANES]; /* all ones: the image lies on the surface; else there are no axes, or 0 */
+} frame_block;
 
 /* The way of u on the triangle, for maps that do not turn the image; else that of the image itself. */
 static bool made_tangent(const points *p, unsigned i, const lookup *l, vec3_f32 *t) {
@@ -47,36 +50,79 @@ static bool made_tangent(const points *p, unsigned i, const lookup *l, vec3_f32 
     return made && surface_made_tangent_at(p->g, w, i, made, t);
 }
 
-/* The image's frame about the outside normal n. False: the image does not lie on the surface. */
-static bool find_frame(const points *p, unsigned i, const lookup *l, vec3_f32 n, vec3_f32 *t, vec3_f32 *b) {
+/* The tangent, of any length, and the sign of the axis across it. */
+static vec3_f32 tangent_of(const points *p, unsigned i, const lookup *l, float *sign) {
     const surface_uv *at = &p->uv[l->uv_set][i];
     const float turn = l->m[0] * l->m[4] - l->m[1] * l->m[3] < 0 ? -1 : 1;
-    float sign;
-    if (l->uv_set != 0 || !surface_tangent_at(p->g, p->t->w, i, t, &sign)) {
-        const vec3_f32 up = scale_f32(turn, sub_f32(scale_f32(l->m[1], at->du), scale_f32(l->m[0], at->dv)));
-        *t = scale_f32(turn, sub_f32(scale_f32(l->m[4], at->du), scale_f32(l->m[3], at->dv)));
-        sign = dot_f32(cross_f32(n, *t), up) < 0 ? -1 : 1;
-        made_tangent(p, i, l, t);
-    }
-    if (!make_unit(t)) return false;
-    *t = sub_f32(*t, scale_f32(dot_f32(n, *t), n));
-    if (!make_unit(t)) return false;
-    *b = scale_f32(sign, cross_f32(n, *t));
-    return true;
+    vec3_f32 t;
+    if (l->uv_set == 0 && surface_tangent_at(p->g, p->t->w, i, &t, sign)) return t;
+    const vec3_f32 up = scale_f32(turn, sub_f32(scale_f32(l->m[1], at->du), scale_f32(l->m[0], at->dv)));
+    t = scale_f32(turn, sub_f32(scale_f32(l->m[4], at->du), scale_f32(l->m[3], at->dv)));
+    *sign = dot_f32(cross_f32(lane(p->g->local.ns, i), t), up) < 0 ? -1 : 1;
+    made_tangent(p, i, l, &t);
+    return t;
 }
+
+static inline bool has_length(float square) { return (square > 0x1p-100f) & (square < 0x1p100f); }
+
+static inline float to_unit(float square) { return 1 / sqrtf(has_length(square) ? square : 1); }
+
+/* From tangents, with signs in b[0]. */
+static void make_frames(const lanes3 n, frame_block *f) {
+    for (int i = 0; i < LANES; ++i) {
+        const float nx = n[0][i], ny = n[1][i], nz = n[2][i], sign = f->b[0][i];
+        float x = f->t[0][i], y = f->t[1][i], z = f->t[2][i];
+        const float square = x * x + y * y + z * z, unit = to_unit(square);
+        x *= unit, y *= unit, z *= unit;
+        const float along = nx * x + ny * y + nz * z;
+        x -= along * nx, y -= along * ny, z -= along * nz;
+        const float across = x * x + y * y + z * z, again = to_unit(across);
+        x *= again, y *= again, z *= again;
+        f->t[0][i] = x, f->t[1][i] = y, f->t[2][i] = z;
+        f->b[0][i] = sign * (ny * z - nz * y);
+        f->b[1][i] = sign * (nz * x - nx * z);
+        f->b[2][i] = sign * (nx * y - ny * x);
+        f->lies[i] = has_length(square) & has_length(across) ? ~0u : 0;
+    }
+}
+
+/* The frames of the images of a kind of map. */
+static void find_frames(const points *p, uint32_t lanes, int kind, frame_block *f) {
+    memset(f, 0, sizeof *f);
+    for (; lanes; lanes &= lanes - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(lanes), at = p->plan[i]->of[kind];
+        if (at == NO_LOOKUP) continue;
+        set_lane(f->t, i, tangent_of(p, i, &p->plan[i]->lookups[at], &f->b[0][i]));
+    }
+    make_frames(p->g->local.ns, f);
+}
+
+/* ---- normals ---- */
 
 /* The normal is seen under no more than this cosine from its horizon. */
 #define FACES_VIEWER 0x1p-6f
 
-/* As a normal map of this kind has it; `outside` without one. */
-static vec3_f32 mapped_normal(const points *p, unsigned i, int kind, float scale, vec3_f32 outside) {
-    const material_plan *plan = p->plan[i];
-    const unsigned at = plan->of[kind];
-    vec3_f32 t, b;
-    if (at == NO_LOOKUP || !find_frame(p, i, &plan->lookups[at], outside, &t, &b)) return outside;
-    const float *rgb = p->values[i][at], z = 2 * rgb[2] - 1;
-    const vec3_f32 n = scale_f32(z > 0x1p-6f ? z : 0x1p-6f, outside);
-    return madd_f32(madd_f32(n, scale * (2 * rgb[0] - 1), t), scale * (2 * rgb[1] - 1), b);
+/* As normal maps of this kind have it, not unit; that of the outside without one. */
+static void map_normals(const points *p, uint32_t lanes, int kind, lanes3 n) {
+    const bool coat = kind == FATHOM_MAP_CLEARCOAT_NORMAL;
+    float(*const outside)[LANES] = (float(*)[LANES])p->g->local.ns;
+    frame_block f;
+    lanes3 to = {{0}};
+    find_frames(p, lanes, kind, &f);
+    for (; lanes; lanes &= lanes - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(lanes), at = p->plan[i]->of[kind];
+        const fathom_material *m = p->plan[i]->material;
+        if (at == NO_LOOKUP) continue;
+        const float *rgb = p->values[i][at], scale = coat ? m->clearcoat_normal_scale : m->normal_scale;
+        set_lane(to, i, (vec3_f32){scale * (2 * rgb[0] - 1), scale * (2 * rgb[1] - 1), 2 * rgb[2] - 1});
+    }
+    for (int i = 0; i < LANES; ++i) {
+        const float z = to[2][i] > 0x1p-6f ? to[2][i] : 0x1p-6f;
+        for (int c = 0; c < 3; ++c) {
+            const float turned = z * outside[c][i] + to[0][i] * f.t[c][i] + to[1][i] * f.b[c][i];
+            n[c][i] = f.lies[i] ? turned : outside[c][i];
+        }
+    }
 }
 
 /* How a height map rises along the surface: from the point over a footprint, and at least a texel, along each
@@ -103,35 +149,60 @@ static vec3_f32 slope_of_bump(const points *p, unsigned i, vec3_f32 n) {
     return area != 0 && finite_f32(slope) ? slope : (vec3_f32){0, 0, 0};
 }
 
-/* Sets the normal n of the outside, not unit, as the viewer's side has it. */
-static void set_normal(const points *p, unsigned i, const surface_block *s, vec3_f32 n, float (*to)[LANES]) {
-    const float side = dot_f32(lane(p->g->local.ns, i), lane(s->base, i)) < 0 ? -1 : 1;
-    if (!make_unit(&n)) return;
-    n = scale_f32(side, n);
-    const float facing = dot_f32(n, lane(s->v, i));
-    if (facing < FACES_VIEWER) {
-        n = madd_f32(n, FACES_VIEWER - facing, lane(s->v, i));
-        if (!make_unit(&n)) return;
-    }
-    to[0][i] = n.x, to[1][i] = n.y, to[2][i] = n.z;
+static bool make_unit(vec3_f32 *v) {
+    const float square = dot_f32(*v, *v);
+    if (!has_length(square)) return false;
+    *v = scale_f32(to_unit(square), *v);
+    return true;
 }
 
-static void turn_normal(const points *p, unsigned i, surface_block *s) {
-    const fathom_material *m = p->plan[i]->material;
-    const vec3_f32 outside = lane(p->g->local.ns, i);
-    vec3_f32 n = mapped_normal(p, i, FATHOM_MAP_NORMAL, m->normal_scale, outside);
-    if (p->plan[i]->of[FATHOM_MAP_BUMP] != NO_LOOKUP && make_unit(&n))
-        n = sub_f32(n, slope_of_bump(p, i, outside));
-    set_normal(p, i, s, n, s->ns);
+/* Sets normals n of the outside as the viewer's side has them, in lanes where they have a length. */
+static void set_normals(const points *p, uint32_t lanes, const surface_block *s, const lanes3 n,
+                        float (*to)[LANES]) {
+    const float(*outside)[LANES] = (const float(*)[LANES])p->g->local.ns;
+    uint32_t wanted[LANES];
+    for (int i = 0; i < LANES; ++i) wanted[i] = lanes >> i & 1;
+    for (int i = 0; i < LANES; ++i) {
+        float x = n[0][i], y = n[1][i], z = n[2][i];
+        const float vx = s->v[0][i], vy = s->v[1][i], vz = s->v[2][i];
+        const float same =
+            outside[0][i] * s->base[0][i] + outside[1][i] * s->base[1][i] + outside[2][i] * s->base[2][i];
+        const float square = x * x + y * y + z * z, unit = to_unit(square), side = same < 0 ? -1 : 1;
+        x = side * (unit * x), y = side * (unit * y), z = side * (unit * z);
+        const float facing = x * vx + y * vy + z * vz, less = FACES_VIEWER - facing;
+        const float ux = x + less * vx, uy = y + less * vy, uz = z + less * vz;
+        const float up = ux * ux + uy * uy + uz * uz, again = to_unit(up);
+        const bool turn = facing < FACES_VIEWER;
+        const bool set = wanted[i] & has_length(square) & (!turn | has_length(up));
+        x = turn ? again * ux : x, y = turn ? again * uy : y, z = turn ? again * uz : z;
+        to[0][i] = set ? x : to[0][i], to[1][i] = set ? y : to[1][i], to[2][i] = set ? z : to[2][i];
+    }
+}
+
+static void turn_shading(const points *p, uint32_t lanes, surface_block *s) {
+    lanes3 n;
+    map_normals(p, lanes, FATHOM_MAP_NORMAL, n);
+    for (uint32_t left = lanes; left; left &= left - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(left);
+        if (p->plan[i]->of[FATHOM_MAP_BUMP] == NO_LOOKUP) continue;
+        vec3_f32 turned = lane(n, i);
+        if (make_unit(&turned)) set_lane(n, i, sub_f32(turned, slope_of_bump(p, i, lane(p->g->local.ns, i))));
+    }
+    set_normals(p, lanes, s, n, s->ns);
 }
 
 /* KHR_materials_clearcoat: the coat does not have the normals of what it covers. */
-static void turn_coat(const points *p, unsigned i, surface_block *s) {
-    const float scale = p->plan[i]->material->clearcoat_normal_scale;
-    const vec3_f32 outside = lane(p->g->local.ns, i);
-    for (int c = 0; c < 3; ++c) s->coat[c][i] = s->base[c][i];
-    if (p->plan[i]->of[FATHOM_MAP_CLEARCOAT_NORMAL] != NO_LOOKUP)
-        set_normal(p, i, s, mapped_normal(p, i, FATHOM_MAP_CLEARCOAT_NORMAL, scale, outside), s->coat);
+static void turn_coats(const points *p, uint32_t lanes, surface_block *s) {
+    uint32_t mapped = 0;
+    lanes3 n;
+    for (uint32_t left = lanes; left; left &= left - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(left);
+        set_lane(s->coat, i, lane(s->base, i));
+        if (p->plan[i]->of[FATHOM_MAP_CLEARCOAT_NORMAL] != NO_LOOKUP) mapped |= 1u << i;
+    }
+    if (!mapped) return;
+    map_normals(p, mapped, FATHOM_MAP_CLEARCOAT_NORMAL, n);
+    set_normals(p, mapped, s, n, s->coat);
 }
 
 void texturing_turn_normals(const points *p, surface_block *s) {
@@ -145,18 +216,21 @@ void texturing_turn_normals(const points *p, surface_block *s) {
     if (!(mapped | coated)) return;
     memcpy(s->base, s->ns, sizeof s->base);
     s->mapped = mapped, s->coated = coated;
-    for (; mapped; mapped &= mapped - 1) turn_normal(p, (unsigned)__builtin_ctz(mapped), s);
-    for (; coated; coated &= coated - 1) turn_coat(p, (unsigned)__builtin_ctz(coated), s);
+    if (mapped) turn_shading(p, mapped, s);
+    if (coated) turn_coats(p, coated, s);
 }
 
 void texturing_direct(const points *p, unsigned i, const fathom_material *m, surface_block *s) {
     const fathom_map *map = map_of_frame(p->plan[i]);
     lookup l = {.uv_set = map->texture == FATHOM_NONE ? 0 : map->uv_set};
+    frame_block f;
+    if (!p->plan[i]->directed) return;
     memcpy(l.m, map->transform, sizeof l.m);
-    vec3_f32 t, b;
-    if (!p->plan[i]->directed || !find_frame(p, i, &l, lane(p->g->local.ns, i), &t, &b)) return;
+    memset(&f, 0, sizeof f);
+    set_lane(f.t, i, tangent_of(p, i, &l, &f.b[0][i]));
+    make_frames(p->g->local.ns, &f);
+    if (!f.lies[i]) return;
     const float cosine = cosf(m->anisotropy_rotation), sine = sinf(m->anisotropy_rotation);
-    const vec3_f32 along = madd_f32(scale_f32(cosine, t), sine, b);
-    s->along[0][i] = along.x, s->along[1][i] = along.y, s->along[2][i] = along.z;
+    set_lane(s->along, i, madd_f32(scale_f32(cosine, lane(f.t, i)), sine, lane(f.b, i)));
     s->directed |= 1u << i;
 }
