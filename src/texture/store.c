@@ -111,30 +111,64 @@ static void count_resident(store *s, uint64_t resident) {
     __atomic_store_n(&s->resident, resident, __ATOMIC_RELAXED);
 }
 
-/* A chunk that was used since the hand came by gets another round; one that was read is forgotten. */
-static void pass_hand(store *s) {
-    const uint64_t chunk = s->hand;
-    const unsigned char state = store_state(s, chunk);
-    s->hand = s->hand + 1 < s->size >> PYRAMID_CHUNK_SHIFT ? s->hand + 1 : s->kept >> PYRAMID_CHUNK_SHIFT;
-    if (state == STORE_USED) {
-        exchange(s, chunk, STORE_USED, STORE_IDLE);
-    } else if (state >= STORE_READ) {
-        exchange(s, chunk, state, STORE_ABSENT);
-    } else if (state == STORE_IDLE && exchange(s, chunk, STORE_IDLE, STORE_ABSENT)) {
-        madvise(s->bytes + (chunk << PYRAMID_CHUNK_SHIFT), PYRAMID_CHUNK, MADV_DONTNEED);
-        count_resident(s, s->resident - PYRAMID_CHUNK), ++s->dropped;
+static uint64_t chunk_count(const store *s) { return s->size >> PYRAMID_CHUNK_SHIFT; }
+
+static bool is_mapped(unsigned char state) { return state == STORE_IDLE || state == STORE_USED; }
+
+/* Takes the memory of all chunks of [from, end), whoever used them. One call for many, because each flushes
+ * the address translations of all processors. */
+static void drop_chunks(store *s, uint64_t from, uint64_t end) {
+    uint64_t low = end, high = from, count = 0;
+    for (uint64_t chunk = from; chunk < end; ++chunk) {
+        if (!is_mapped(__atomic_exchange_n(&s->states[chunk], STORE_ABSENT, __ATOMIC_RELAXED))) continue;
+        low = low < chunk ? low : chunk, high = chunk + 1, ++count;
     }
+    if (!count) return;
+    madvise(s->bytes + (low << PYRAMID_CHUNK_SHIFT), (high - low) << PYRAMID_CHUNK_SHIFT, MADV_DONTNEED);
+    count_resident(s, s->resident - (count << PYRAMID_CHUNK_SHIFT)), s->dropped += count;
+}
+
+/* How many chunks are dropped together: not much of the limit. */
+static uint64_t batch_of(const store *s) {
+    const uint64_t eighth = (s->limit >> PYRAMID_CHUNK_SHIFT) / 8;
+    return eighth < 1 ? 1 : (eighth < STORE_BATCH ? eighth : STORE_BATCH);
+}
+
+/* Drops the next chunks, unless most of them were used since the hand came by; `all`: in any case. Chunks
+ * that were read are forgotten. */
+static void pass_hand(store *s, bool all) {
+    const uint64_t from = s->hand, end = chunk_count(s), batch = batch_of(s);
+    uint64_t used = 0, idle = 0, chunk = from;
+    for (; chunk < end && used + idle < batch; ++chunk) {
+        const unsigned char state = store_state(s, chunk);
+        used += state == STORE_USED, idle += state == STORE_IDLE;
+        if (state == STORE_USED) exchange(s, chunk, STORE_USED, STORE_IDLE);
+        if (state >= STORE_READ) exchange(s, chunk, state, STORE_ABSENT);
+    }
+    if (all || idle >= used) drop_chunks(s, from, chunk);
+    s->hand = chunk < end ? chunk : s->kept >> PYRAMID_CHUNK_SHIFT;
+}
+
+/* Others may use chunks as fast as the hand passes: then the third round takes all. */
+static void make_room(store *s) {
+    const uint64_t batches = (s->limit >> PYRAMID_CHUNK_SHIFT) / batch_of(s) + 2;
+    for (uint64_t i = 0; s->resident && s->resident + PYRAMID_CHUNK > s->limit; ++i)
+        pass_hand(s, i > 2 * batches);
 }
 
 static void map_chunk(store *s, uint64_t chunk) {
     pthread_mutex_lock(&s->lock);
-    const unsigned char state = store_state(s, chunk);
-    if (state != STORE_IDLE && state != STORE_USED) {
-        while (s->resident && s->resident + PYRAMID_CHUNK > s->limit) pass_hand(s);
+    const bool mapped = is_mapped(store_state(s, chunk));
+    if (!mapped) {
+        make_room(s);
         count_resident(s, s->resident + PYRAMID_CHUNK);
         __atomic_store_n(&s->states[chunk], STORE_USED, __ATOMIC_RELEASE);
     }
     pthread_mutex_unlock(&s->lock);
+#ifdef MADV_POPULATE_READ
+    /* Costs less than a page fault; where it fails, the fault comes. */
+    if (!mapped) madvise(s->bytes + (chunk << PYRAMID_CHUNK_SHIFT), PYRAMID_CHUNK, MADV_POPULATE_READ);
+#endif
 }
 
 bool store_admit(store *s, uint64_t chunk, unsigned lookups) {

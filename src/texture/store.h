@@ -21,6 +21,7 @@
  * STORE_READ. */
 enum { STORE_ABSENT = 0, STORE_IDLE = 1, STORE_USED = 3, STORE_READ = 4 };
 #define STORE_READS 4u
+#define STORE_BATCH 64u /* chunks that are dropped together, at most */
 
 typedef struct store {
     int memory, disk; /* descriptors */
