@@ -42,7 +42,8 @@ static size_t offset_of(const fathom_material *m, int kind) {
 static void multiply(float *to, int count, const float *factor, bool inverted, bool bounded) {
     for (int c = 0; c < count; ++c) {
         const float value = inverted ? 1 - (1 - to[c]) * factor[c] : to[c] * factor[c];
-        to[c] = most(bounded ? least(value, 1) : value, 0);
+        const float positive = most(value, 0);
+        to[c] = bounded ? least(positive, 1) : positive;
     }
 }
 

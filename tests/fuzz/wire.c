@@ -37,6 +37,50 @@ static void plan(const image_texture_info *info) {
     }
 }
 
+static bool read_level(void *user, uint64_t offset, const void *bytes, size_t size) {
+    const pyramid *p = user;
+    const unsigned char *from = bytes;
+    unsigned any = 0;
+    for (size_t i = 0; i < size; ++i) any |= from[i];
+    if (offset + size > p->tail_bytes) fuzz_wrong("a level is written beyond the image");
+    return any <= 255;
+}
+
+/* Of bytes and of 16 bits; linear. */
+static const float *table_of(image_texel type) {
+    static float tables[2][65536];
+    if (type > IMAGE_TEXEL_U16) return NULL;
+    float *table = tables[type == IMAGE_TEXEL_U16];
+    if (!(table[1] > 0)) pyramid_fill_table(table, type, false);
+    return table;
+}
+
+enum { SIDE = PYRAMID_TILE }; /* such images are all tail */
+
+/* The levels of a small image of which the rows are bytes as they come. */
+static void make_levels(const image_texture_info *info, const uint8_t *data, size_t size) {
+    const bool codes = info->sent <= IMAGE_TEXEL_U16;
+    const size_t bytes = (size_t)info->width * info->channels * image_texel_size(info->sent);
+    _Alignas(16) unsigned char row[SIDE * 4 * sizeof(float)];
+    float mean[4], least;
+    pyramid p;
+    if (info->width > SIDE || info->height > SIDE || bytes * info->height > size) return;
+    pyramid_plan(&p, info->width, info->height, info->channels == 1 ? 1 : 4, info->sent,
+                 codes ? IMAGE_TEXEL_HALF : info->sent);
+    const pyramid_decoding d = {info->channels, info->sent, false, table_of(info->sent),
+                                table_of(info->sent)};
+    pyramid_builder *b = pyramid_builder_open(&p, &d, read_level, &p);
+    size_t bad = 0;
+    bool fine = b != NULL;
+    for (uint32_t y = 0; fine && y < info->height; ++y) {
+        memcpy(row, data + y * bytes, bytes);
+        fine = pyramid_builder_row(b, row, &bad);
+    }
+    if (b && !fine && (codes || bad >= (size_t)info->width * p.channels))
+        fuzz_wrong("a row of type %d is refused", (int)info->sent);
+    pyramid_builder_close(b, mean, &least);
+}
+
 static void read_texture(const uint8_t *data, size_t size) {
     wire_cursor c = {data, data + size, false};
     image_texture_info info, again;
@@ -50,6 +94,7 @@ static void read_texture(const uint8_t *data, size_t size) {
         fuzz_wrong("a description is not read as it was written");
     free(b.items);
     if (info.width <= FATHOM_TEXTURE_SIDE && info.height <= FATHOM_TEXTURE_SIDE) plan(&info);
+    make_levels(&info, c.at, (size_t)(c.end - c.at));
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
