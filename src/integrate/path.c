@@ -127,7 +127,7 @@ static void push_light(path_wave *p, const vertex_block *v, const float choice[L
     emitters_sample(plan->emitters, &query, u, &light);
     plan->shader_kernels->evaluate(&v->surface, &v->shader, light.direction, f, density);
     find_done(p, v, done);
-    plan->path_kernels->weigh(&v->path, &light, f, density, done, gain);
+    plan->path_kernels->weigh(&v->path, &light, f, density, p->light_factor, done, gain);
     plan->path_kernels->aim(&v->surface, &light, &ray, behind);
     if (p->media) path_dim_lights(p, v, &ray, behind, gain);
     if (plan->dispersive) path_part_lights(p, v, behind, gain);
@@ -368,6 +368,7 @@ static bool run(integration *state, const wave_region *region, const wave_batch 
     wave *w = &p->wave;
     wave_begin_samples(w);
     p->lit = !emitters_none(w->run.plan->emitters);
+    p->light_factor = emitters_mis_factor(w->run.plan->emitters);
     begin(p, batch);
     if (!wave_camera_rays(w, region, batch)) return false;
     if (w->run.plan->camera_moves || w->run.plan->camera.parallel) begin_at_eyes(p);

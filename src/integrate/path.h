@@ -10,6 +10,7 @@ typedef struct path_wave {
     uint32_t depth;
     bool ends;                  /* vertices at this depth send no rays */
     bool lit;                   /* there are lights to ask */
+    float light_factor;         /* emitters_mis_factor() */
     uint64_t pixel[WAVE_SLOTS]; /* of the sample's key; see sample_pixel_hash() */
     uint32_t index[WAVE_SLOTS];
     /* The vertex that the ray left: where lights were asked for, and the density of the ray's direction. A

@@ -18,10 +18,10 @@ typedef struct path_kernels {
     void (*aim)(const surface_block *s, const emitter_sample *light, light_block *ray,
                 uint32_t behind[LANES]);
 
-    /* The gain of samples from light: f and density are the BSDFs', those of its direction. done: all ones
-     * where paths have had their bounces. */
+    /* The gain of samples from light: f and density are the BSDFs', those of its direction. factor: see
+     * emitters_mis_factor(). done: all ones where paths have had their bounces. */
     void (*weigh)(const path_block *path, const emitter_sample *light, const lanes3 f,
-                  const float density[LANES], const uint32_t done[LANES], lanes3 gain);
+                  const float density[LANES], float factor, const uint32_t done[LANES], lanes3 gain);
 
     /* The weights of paths that go on as `to` says. */
     void (*carry)(const path_block *path, const shader_sample *to, lanes3 weight);

@@ -14,7 +14,7 @@ typedef struct met_light {
 } met_light;
 
 static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsigned i, const met_light *met) {
-    const float share = path_power_heuristic(p->density[slot], met->density);
+    const float share = path_power_heuristic(p->density[slot], p->light_factor * met->density);
     float rgb[3];
     for (int c = 0; c < 3; ++c) {
         rgb[c] = limited(path->weight[c][i] * (met->radiance[c] * share));

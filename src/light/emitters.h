@@ -55,6 +55,9 @@ bool emitters_move(const emitters *e);
 /* u: three numbers in [0,1) a lane; the third chooses the light, and is read where emitters_choose(). */
 void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out);
 
+/* MIS multiplies densities of light samples by this before it weighs them. */
+float emitters_mis_factor(const emitters *e);
+
 /* A point of an emitter that a ray met by chance. */
 typedef struct emitter_hit {
     uint32_t geometry, primitive, instance; /* as in trace_hits */

@@ -29,11 +29,13 @@ static void aim(const surface_block *s, const emitter_sample *light, light_block
 }
 
 static void weigh(const path_block *path, const emitter_sample *light, const lanes3 f,
-                  const float density[LANES], const uint32_t done[LANES], float (*restrict gain)[LANES]) {
+                  const float density[LANES], float factor, const uint32_t done[LANES],
+                  float (*restrict gain)[LANES]) {
     for (int i = 0; i < LANES; ++i) {
         const uint32_t any = (light->density[i] > 0 ? ~0u : 0) & ~done[i];
         const float asked = chosen(any, light->density[i], 1);
-        const float share = chosen(light->sized[i] & any, path_power_heuristic(asked, density[i]), 1);
+        const float share =
+            chosen(light->sized[i] & any, path_power_heuristic(factor * asked, density[i]), 1);
         const float scale = chosen(any, share / asked, 0);
         for (int c = 0; c < 3; ++c)
             gain[c][i] =
