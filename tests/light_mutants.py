@@ -6,6 +6,7 @@ import sys
 # once, or the script stops: whoever changes the code moves the fault along.
 PATH, EMITTERS, SHAPES = "integrate/path.c", "light/emitters.c", "light/emitters_shapes.c"
 SHAPE, TREE, PICK, LOBES = "light/shape.h", "light/tree.c", "light/kernels/tree.c", "material/kernels/lobes.h"
+ONE = "light/kernels/face.c"
 VOLUMES, MET, CARRIED = "integrate/path_volumes.c", "integrate/path_met.c", "integrate/path.h"
 FACETS, DIFFUSE, SHEEN, FILM = ("material/kernels/" + name for name in ("facets.h", "diffuse.h", "sheen.h", "film.h"))
 MUTANTS = [
@@ -49,8 +50,11 @@ MUTANTS = [
      "along > 0 ? along / SHAPE_PI : 0", "along > 0 ? 0.5 / SHAPE_PI : 0"),
     ("a hundredth of a triangle's solid angle lost", SHAPE, "tilted triangle",
      "double angle = 2 * shape_angle(", "double angle = 1.98 * shape_angle("),
-    ("directions over a triangle are not even", SHAPE, "tilted triangle", "0.5 * u * s->angle", "0.5 * u * u * s->angle"),
-    ("a quad is twice its first triangle", "light/kernels/shapes.c", "rectangle",
+    ("directions over a triangle are not even", SHAPE, "disk of", "0.5 * u * s->angle", "0.5 * u * u * s->angle"),
+    ("the only triangle loses a hundredth of its solid angle", ONE, "tilted triangle", "2 * angle_of(", "1.98f * angle_of("),
+    ("directions over the only triangle are not even", ONE, "tilted triangle", "turn_by(u * s->angle", "turn_by(u * u * s->angle"),
+    ("the only quad is twice its first triangle", ONE, "rectangle", "one.angle + two.angle", "one.angle + one.angle"),
+    ("a quad is twice its first triangle", "light/kernels/shapes.c", "box of quads",
      "all += other.angle;", "all += first;"),
     ("a sphere's cone is flat", SHAPE, "sphere cut", "square / (1 + sqrt(1 - square))", "square / 2"),
     ("directions over a cone are not even", SHAPE, "sphere above", "x = u * cone->cap", "x = u * u * cone->cap"),

@@ -47,9 +47,17 @@ typedef struct emitter_sky {
     uint8_t group;
 } emitter_sky;
 
+/* A face in all precisions. */
+typedef struct emitter_face {
+    shape_faces all; /* the same in all lanes */
+    shape_face plain;
+    shape_face_f32 fast;
+    bool exact; /* `fast` has its corners to the last digit */
+} emitter_face;
+
 /* The light of a scene that has one; see emitters_one.c. */
 typedef struct emitter_one {
-    shape_face *face; /* NULL: it is none */
+    emitter_face *face; /* NULL: it is none */
     const float *radiance;
     bool sky; /* the background alone */
 } emitter_one;

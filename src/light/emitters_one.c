@@ -12,13 +12,35 @@ static bool is_alone(const emitters *e, emitter_part part) {
     return true;
 }
 
+/* Rounding takes up to 8 u from the cosine to the normal: as much as a larger slope does. */
+static void make_fast(emitter_face *f) {
+    static const int halves[2][3] = {{0, 1, 3}, {2, 3, 1}};
+    const shape_face *from = &f->plain;
+    shape_face_f32 *to = &f->fast;
+    f->exact = true;
+    for (int k = 0; k < 4; ++k) {
+        to->corner[k] = narrow(from->corner[k]);
+        f->exact &= length_f64(sub_f64(widen(to->corner[k]), from->corner[k])) == 0;
+    }
+    for (int h = 0; h < 2; ++h) {
+        const vec3_f64 a = from->corner[halves[h][0]], b = from->corner[halves[h][1]],
+                       c = from->corner[halves[h][2]], n = cross_f64(sub_f64(b, a), sub_f64(c, a));
+        to->n[h] = normalize_f64(n);
+        to->size[h] = h && !from->quad ? 0 : (float)length_f64(n);
+    }
+    to->clear = (float)(from->clear * (1 + 0x1p-20));
+    to->slope = (float)(from->slope + 8 * 0x1p-24);
+    for (int i = 0; i < LANES; ++i) shape_faces_put(&f->all, i, from);
+}
+
 static bool prepare_face(emitters *e) {
     const emitter_run *run = emitters_run_of(e, e->only);
     const uint32_t primitive = e->only - run->first;
     if (e->w->geometries.items[run->geometry].kind == WORLD_SPHERES || e->moving) return true;
-    e->one.face = malloc(sizeof *e->one.face);
+    e->one.face = aligned_alloc(64, sizeof *e->one.face);
     if (!e->one.face) return false;
-    emitters_face(e, run, primitive, 0, e->one.face);
+    emitters_face(e, run, primitive, 0, &e->one.face->plain);
+    make_fast(e->one.face);
     e->one.radiance = e->emission[world_material(e->w, run->geometry, primitive, run->instance)];
     return true;
 }
@@ -38,12 +60,10 @@ bool emitters_choose(const emitters *e) { return !e->one.face && !e->one.sky; }
  * loses little where surfaces are black: the squares of the weights are as 1 - a to 1 + a. */
 float emitters_mis_factor(const emitters *e) { return e->one.sky ? 0.7745967f : 1; }
 
-/* Densities beyond float are of lights too small to be met. Lanes without light get a direction all the same.
- */
-static void finish(const double density[LANES], const float radiance[3], emitter_sample *restrict out) {
+/* Lanes without light get a direction all the same. */
+static void finish(const float radiance[3], emitter_sample *restrict out) {
     int dark = 0;
     for (int i = 0; i < LANES; ++i) {
-        out->density[i] = density[i] < 0x1p127 ? (float)density[i] : 0x1p127f;
         dark |= !(out->density[i] > 0);
         out->sized[i] = ~0u;
     }
@@ -58,19 +78,38 @@ static void finish(const double density[LANES], const float radiance[3], emitter
     }
 }
 
+/* The lanes of these bits in double. Densities beyond float are of lights too small to be met. */
+static void look_closer(const emitters *e, const emitter_query *from, const lanes3 u, uint32_t lanes,
+                        emitter_sample *out) {
+    lanes3_f64 p;
+    shape_answers answers;
+    lanes3 direction;
+    float distance[LANES];
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LANES; ++i) p[c][i] = (double)from->p[c][i];
+    }
+    e->shapes->faces(&e->one.face->all, p, u, e->one.face->plain.quad, &answers, direction, distance);
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        for (int c = 0; c < 3; ++c) out->direction[c][i] = direction[c][i];
+        out->distance[i] = distance[i];
+        out->density[i] = answers.density[i] < 0x1p127 ? (float)answers.density[i] : 0x1p127f;
+    }
+}
+
 static void sample_face(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out) {
-    _Alignas(64) double density[LANES];
-    e->shapes->face(e->one.face, from->p, u, density, out->direction, out->distance);
-    finish(density, e->one.radiance, out);
+    const emitter_face *f = e->one.face;
+    uint32_t unsure = (1u << LANES) - 1;
+    if (f->exact) unsure = e->shapes->face(&f->fast, from->p, u, out->density, out->direction, out->distance);
+    if (unsure) look_closer(e, from, u, unsure, out);
+    finish(e->one.radiance, out);
     if (e->groups) memset(out->group, emitters_group_of(e, e->only), sizeof out->group);
 }
 
 static void sample_sky(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out) {
-    double density[LANES];
-    e->shapes->sky(from->n, u, out->direction, density);
-    for (int i = 0; i < LANES; ++i) density[i] *= e->background_chance;
+    e->shapes->sky(from->n, u, out->direction, out->density);
     for (int i = 0; i < LANES; ++i) out->distance[i] = INFINITY;
-    finish(density, e->background, out);
+    finish(e->background, out);
     memset(out->group, e->outside_group, sizeof out->group);
 }
 

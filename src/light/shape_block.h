@@ -18,6 +18,14 @@ static inline void shape_faces_put(shape_faces *to, int i, const shape_face *f) 
     to->clear[i] = f->clear, to->slope[i] = f->slope;
 }
 
+/* A face whose corners are numbers of float. */
+typedef struct shape_face_f32 {
+    vec3_f32 corner[4];
+    vec3_f64 n[2]; /* unit normals of its triangles */
+    float size[2]; /* twice their areas; the second is 0 where there is one alone */
+    float clear, slope;
+} shape_face_f32;
+
 typedef struct shape_balls {
     _Alignas(64) lanes3_f64 center;
     double radius[LANES], clear[LANES], slope[LANES];
@@ -32,14 +40,15 @@ typedef struct shape_kernels {
     /* quads: some lane is a quad. direction and distance: the answers' once more. */
     void (*faces)(const shape_faces *f, const lanes3_f64 p, const lanes3 u, bool quads, shape_answers *out,
                   lanes3 direction, float *distance);
-    /* The same of one face that all lanes ask: what depends on it alone is computed once. */
-    void (*face)(const shape_face *f, const lanes3 p, const lanes3 u, double density[LANES], lanes3 direction,
-                 float *distance);
+    /* The same of one face that all lanes ask, in float. Returns the lanes, as bits, that need more digits.
+     */
+    uint32_t (*face)(const shape_face_f32 *f, const lanes3 p, const lanes3 u, float density[LANES],
+                     lanes3 direction, float *distance);
     /* Points outside of spheres alone. */
     void (*balls)(const shape_balls *b, const lanes3_f64 p, const lanes3 u, shape_answers *out,
                   lanes3 direction, float *distance);
     /* By the cosine to the normals n, evenly where they are 0; densities are of the directions in float. */
-    void (*sky)(const lanes3 n, const lanes3 u, lanes3 direction, double density[LANES]);
+    void (*sky)(const lanes3 n, const lanes3 u, lanes3 direction, float density[LANES]);
 } shape_kernels;
 
 const shape_kernels *shape_kernels_best(void);

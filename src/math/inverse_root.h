@@ -22,4 +22,16 @@ static inline double inverse_root(double x) {
     return r * (1.5 - half * r * r);
 }
 
+/* The same for float x that is normal. */
+static inline float inverse_root_f32(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    bits = UINT32_C(0x5f375a86) - (bits >> 1);
+    float half = 0.5f * x, r;
+    memcpy(&r, &bits, sizeof r);
+    r = r * (1.5f - half * r * r);
+    r = r * (1.5f - half * r * r);
+    return r * (1.5f - half * r * r);
+}
+
 #endif

@@ -1,6 +1,5 @@
 /* Emissive shapes as sixteen points see them. */
-#include "base/kernel.h"
-#include "light/shape_block.h"
+#include "light/kernels/kernel.h"
 
 static inline vec3_f64 lane_f64(const lanes3_f64 v, int i) { return (vec3_f64){v[0][i], v[1][i], v[2][i]}; }
 
@@ -55,27 +54,6 @@ static void faces(const shape_faces *f, const lanes3_f64 p, const lanes3 u, bool
     put(out, direction, distance);
 }
 
-__attribute__((always_inline)) static inline void same_lanes(const shape_face *f, const lanes3 p,
-                                                             const lanes3 u, bool quad, shape_answers *out) {
-    const vec3_f64 corner[4] = {f->corner[0], f->corner[1], f->corner[2], f->corner[3]};
-    const double clear = f->clear, slope = f->slope;
-    for (int i = 0; i < LANES; ++i) {
-        const vec3_f64 at = {(double)p[0][i], (double)p[1][i], (double)p[2][i]};
-        face_lane(corner, clear, slope, quad, at, (double)u[0][i], (double)u[1][i], i, out);
-    }
-}
-
-static void face(const shape_face *f, const lanes3 p, const lanes3 u, double density[LANES], lanes3 direction,
-                 float *distance) {
-    shape_answers made;
-    if (f->quad)
-        same_lanes(f, p, u, true, &made);
-    else
-        same_lanes(f, p, u, false, &made);
-    memcpy(density, made.density, sizeof made.density);
-    put(&made, direction, distance);
-}
-
 static void balls(const shape_balls *restrict b, const lanes3_f64 p, const lanes3 u,
                   shape_answers *restrict out, lanes3 direction, float *distance) {
     for (int i = 0; i < LANES; ++i) {
@@ -92,7 +70,7 @@ static void balls(const shape_balls *restrict b, const lanes3_f64 p, const lanes
 }
 
 static void sky(const lanes3 n, const lanes3 u, float (*restrict direction)[LANES],
-                double density[restrict LANES]) {
+                float density[restrict LANES]) {
     for (int i = 0; i < LANES; ++i) {
         vec3_f64 unit = {(double)n[0][i], (double)n[1][i], (double)n[2][i]};
         const double square = dot_f64(unit, unit), length = sqrt(square > 0 ? square : 1);
@@ -101,8 +79,9 @@ static void sky(const lanes3 n, const lanes3 u, float (*restrict direction)[LANE
         direction[0][i] = (float)to.x, direction[1][i] = (float)to.y, direction[2][i] = (float)to.z;
         const vec3_f64 as_traced = {(double)direction[0][i], (double)direction[1][i],
                                     (double)direction[2][i]};
-        density[i] = shape_all_density(unit, as_traced);
+        density[i] = (float)shape_all_density(unit, as_traced);
     }
 }
 
-const shape_kernels KERNEL(shape_kernels) = {.faces = faces, .face = face, .balls = balls, .sky = sky};
+const shape_kernels KERNEL(shape_kernels) = {
+    .faces = faces, .face = KERNEL(face), .balls = balls, .sky = sky};

@@ -1,0 +1,11 @@
+/* What the files of kernels share. */
+#ifndef LIGHT_KERNELS_KERNEL_H
+#define LIGHT_KERNELS_KERNEL_H
+
+#include "base/kernel.h"
+#include "light/shape_block.h"
+
+uint32_t KERNEL(face)(const shape_face_f32 *f, const lanes3 p, const lanes3 u, float *density,
+                      float (*direction)[LANES], float *distance);
+
+#endif
