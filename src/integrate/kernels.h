@@ -39,7 +39,14 @@ typedef struct integrate_kernels {
     /* Adds the gains of the first `lanes` rays that reached their light. */
     void (*add_seen)(const trace_rays *rays, const shadow_block *shadows, unsigned lanes,
                      float *const radiance[3]);
+
+    /* Rows of sixteen numbers of 4 bytes each: those of `lanes`, as bits, go in order to the places from `at`
+     * on, where there is room for them. `to` may be `from` if at is 0. */
+    void (*append)(const void *from, unsigned rows, uint32_t lanes, void *to, unsigned at);
 } integrate_kernels;
+
+/* Rows to append of trace_rays, of path_block or shadow_block, and of trace_hits from `primitive` on. */
+enum { ROWS_OF_RAYS = 9, ROWS_OF_PATHS = 4, ROWS_OF_IDS = 3 };
 
 const integrate_kernels *integrate_kernels_best(void);
 /* Those that this processor can run, from the plainest to the best; NULL past the last. */

@@ -194,14 +194,18 @@ static void push_block(path_wave *p, const trace_rays *rays, const path_block *p
     next->count += LANES;
 }
 
-static void push_lane(path_wave *p, const trace_rays *rays, const path_block *path, unsigned i) {
+/* Lanes for which there is room in the last block. */
+static void push_some(path_wave *p, const trace_rays *rays, const path_block *path, uint32_t lanes) {
+    const render_plan *plan = p->wave.run.plan;
     path_queue *next = &p->wave.next;
-    const size_t lane = next->count % LANES;
+    const unsigned at = next->count % LANES;
     path_block *to = &next->paths[next->count / LANES];
-    trace_rays_move(rays, i, &next->rays[next->count / LANES].rays, lane);
-    for (int c = 0; c < 3; ++c) to->weight[c][lane] = path->weight[c][i];
-    to->slot[lane] = path->slot[i], to->depth[lane] = path->depth[i];
-    ++next->count;
+    plan->kernels->append(rays, ROWS_OF_RAYS, lanes, &next->rays[next->count / LANES].rays, at);
+    plan->kernels->append(path, ROWS_OF_PATHS, lanes, to, at);
+    next->count += (unsigned)__builtin_popcount(lanes);
+    unsigned k = at;
+    for (uint32_t left = plan->watertight ? lanes : 0; left; left &= left - 1)
+        to->depth[k++] = path->depth[__builtin_ctz(left)];
 }
 
 /* lanes: as bits, those that go on. */
@@ -223,7 +227,9 @@ static void push_lanes(path_wave *p, const vertex_block *v, const shader_sample 
         push_block(p, &rays, path);
         return;
     }
-    for (; lanes; lanes &= lanes - 1) push_lane(p, &rays, path, (unsigned)__builtin_ctz(lanes));
+    const uint32_t room = lowest_lanes(lanes, LANES - p->wave.next.count % LANES);
+    push_some(p, &rays, path, room);
+    if (room != lanes) push_some(p, &rays, path, lanes & ~room);
 }
 
 static void pass_alone(const path_wave *p, vertex_block *v) {

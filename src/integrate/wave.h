@@ -114,6 +114,13 @@ static inline unsigned wave_lanes(size_t count, size_t done) {
     return count - done < LANES ? (unsigned)(count - done) : LANES;
 }
 
+/* The first `count` of these lanes, as bits. */
+static inline uint32_t lowest_lanes(uint32_t lanes, unsigned count) {
+    uint32_t others = lanes;
+    for (; others && count; --count) others &= others - 1;
+    return lanes & ~others;
+}
+
 /* ---- the stages, in order ---- */
 
 /* No light in any sample, and no rays counted. */

@@ -13,6 +13,14 @@ static void note_source(const shadow_queue *queue, size_t ray, size_t vertex, ui
     if (queue->sources) queue->sources[ray] = (shadow_source){(uint32_t)vertex, light};
 }
 
+static void fill(shadow_block *shadows, const vertex_block *v, const shadow_depths *depths, lanes3 gain) {
+    memcpy(shadows->gain, gain, sizeof shadows->gain);
+    memcpy(shadows->slot, v->path.slot, sizeof shadows->slot);
+    memcpy(shadows->depth, depths->start, sizeof shadows->depth);
+    memcpy(shadows->end_depth, depths->end, sizeof shadows->end_depth);
+    memcpy(shadows->sized, depths->sized, sizeof shadows->sized);
+}
+
 /* Its rays lie where the next block begins. */
 static void push_block(shadow_queue *queue, const vertex_block *v, size_t vertex, uint32_t light,
                        const shadow_depths *depths, lanes3 gain) {
@@ -21,26 +29,25 @@ static void push_block(shadow_queue *queue, const vertex_block *v, size_t vertex
         note_source(queue, queue->blocks * LANES + i, vertex + i, light);
     if (queue->tags) memcpy(queue->tags + queue->blocks * LANES, depths->tag, sizeof depths->tag);
     ++queue->blocks;
-    memcpy(shadows->gain, gain, sizeof shadows->gain);
-    memcpy(shadows->slot, v->path.slot, sizeof shadows->slot);
-    memcpy(shadows->depth, depths->start, sizeof shadows->depth);
-    memcpy(shadows->end_depth, depths->end, sizeof shadows->end_depth);
-    memcpy(shadows->sized, depths->sized, sizeof shadows->sized);
+    fill(shadows, v, depths, gain);
 }
 
-static void push_lane(shadow_queue *queue, const trace_rays *rays, const vertex_block *v, size_t vertex,
-                      uint32_t light, const shadow_depths *depths, lanes3 gain, uint32_t i) {
+/* Lanes for which there is room in the open block. */
+static void push_some(shadow_queue *queue, const integrate_kernels *kernels, const trace_rays *rays,
+                      const shadow_block *from, const shadow_source *source, const light_tag *tags,
+                      uint32_t lanes) {
     if (!queue->filled) queue->open = queue->blocks++;
-    unsigned lane = queue->filled;
     shadow_block *shadows = &queue->shadows[queue->open];
-    note_source(queue, queue->open * LANES + lane, vertex + i, light);
-    trace_rays_move(rays, i, &queue->rays[queue->open], lane);
-    for (int c = 0; c < 3; ++c) shadows->gain[c][lane] = gain[c][i];
-    shadows->slot[lane] = v->path.slot[i];
-    shadows->depth[lane] = depths->start[i];
-    shadows->end_depth[lane] = depths->end[i], shadows->sized[lane] = depths->sized[i];
-    if (queue->tags) queue->tags[queue->open * LANES + lane] = depths->tag[i];
-    queue->filled = (lane + 1) % LANES;
+    kernels->append(rays, ROWS_OF_RAYS, lanes, &queue->rays[queue->open], queue->filled);
+    kernels->append(from, ROWS_OF_PATHS, lanes, shadows, queue->filled);
+    for (; lanes; lanes &= lanes - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(lanes), lane = queue->filled;
+        note_source(queue, queue->open * LANES + lane, source->vertex + i, source->light);
+        shadows->depth[lane] = from->depth[i];
+        shadows->end_depth[lane] = from->end_depth[i], shadows->sized[lane] = from->sized[i];
+        if (queue->tags) queue->tags[queue->open * LANES + lane] = tags[i];
+        queue->filled = (lane + 1) % LANES;
+    }
 }
 
 /* Blocks whose rays all have something to gain stay whole: of camera rays, which have a sample each, in any
@@ -55,12 +62,17 @@ void wave_push_shadows(wave *w, size_t block, uint32_t light, const light_block 
     trace_rays *rays = &queue->rays[queue->blocks];
     uint32_t lanes = plan->kernels->shadow_rays(to, gain, plan->t_near, rays);
     lanes &= (1u << v->surface.count) - 1;
+    if (!lanes) return;
     if (lanes == (1u << LANES) - 1 && (first || !queue->filled)) {
         push_block(queue, v, block * LANES, light, depths, gain);
         return;
     }
-    for (; lanes; lanes &= lanes - 1)
-        push_lane(queue, rays, v, block * LANES, light, depths, gain, (uint32_t)__builtin_ctz(lanes));
+    shadow_block shadows;
+    const shadow_source source = {(uint32_t)(block * LANES), light};
+    const uint32_t room = lowest_lanes(lanes, LANES - queue->filled);
+    fill(&shadows, v, depths, gain);
+    push_some(queue, plan->kernels, rays, &shadows, &source, depths->tag, room);
+    if (room != lanes) push_some(queue, plan->kernels, rays, &shadows, &source, depths->tag, lanes & ~room);
 }
 
 static void swap_sources(shadow_source *sources, size_t a, size_t b) {

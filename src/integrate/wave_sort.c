@@ -11,21 +11,37 @@ static unsigned bin_of(const trace_hits *hits, size_t i) {
     return geometry == TRACE_PLANE || hits->instance[i] != FATHOM_NONE ? BIN_OTHERS : geometry % BIN_OTHERS;
 }
 
-/* The rows that are read of traced rays. */
-static void move(const wave *w, size_t from, size_t to) {
-    const trace_block *a = &w->now.rays[from / LANES];
+/* Lanes of a block of `now` to the places from `to` on in one block of `next`. Of hits, what is read later.
+ */
+static void move(const wave *w, size_t block, uint32_t lanes, size_t to) {
+    const integrate_kernels *kernels = w->run.plan->kernels;
+    const trace_block *a = &w->now.rays[block];
     trace_block *b = &w->next.rays[to / LANES];
-    const path_block *p = &w->now.paths[from / LANES];
-    path_block *q = &w->next.paths[to / LANES];
-    const size_t i = from % LANES, k = to % LANES;
-    trace_rays_move(&a->rays, i, &b->rays, k);
-    if (w->times) b->rays.time[k] = a->rays.time[i];
-    b->hits.geometry[k] = a->hits.geometry[i];
-    b->hits.primitive[k] = a->hits.primitive[i];
-    b->hits.instance[k] = a->hits.instance[i];
-    for (int c = 0; c < 3; ++c) q->weight[c][k] = p->weight[c][i];
-    q->slot[k] = p->slot[i];
-    q->depth[k] = p->depth[i];
+    const unsigned at = (unsigned)(to % LANES);
+    kernels->append(&a->rays, ROWS_OF_RAYS, lanes, &b->rays, at);
+    kernels->append(a->hits.primitive, ROWS_OF_IDS, lanes, b->hits.primitive, at);
+    kernels->append(&w->now.paths[block], ROWS_OF_PATHS, lanes, &w->next.paths[to / LANES], at);
+}
+
+/* Lanes of a block that share a bin. */
+static void move_all(const wave *w, size_t block, uint32_t lanes, size_t *place) {
+    const uint32_t room = lowest_lanes(lanes, (unsigned)(LANES - *place % LANES));
+    move(w, block, room, *place);
+    *place += (unsigned)__builtin_popcount(room);
+    if (room == lanes) return;
+    move(w, block, lanes & ~room, *place);
+    *place += (unsigned)__builtin_popcount(lanes & ~room);
+}
+
+static void move_block(const wave *w, size_t block, const uint8_t bin[LANES], uint32_t lanes, size_t *place) {
+    while (lanes) {
+        const uint8_t one = bin[__builtin_ctz(lanes)];
+        uint32_t mine = 0;
+        for (unsigned i = 0; i < LANES; ++i) mine |= (uint32_t)(bin[i] == one) << i;
+        mine &= lanes;
+        move_all(w, block, mine, &place[one]);
+        lanes &= ~mine;
+    }
 }
 
 bool wave_sort_hits(wave *w) {
@@ -40,7 +56,8 @@ bool wave_sort_hits(wave *w) {
         ++place[bin[k] + 1];
     }
     for (unsigned b = 1; b <= BINS; ++b) place[b] += place[b - 1];
-    for (size_t k = 0; k < count; ++k) move(w, k, place[bin[k]]++);
+    for (size_t done = 0; done < count; done += LANES)
+        move_block(w, done / LANES, bin + done, (1u << wave_lanes(count, done)) - 1, place);
     const path_queue sorted = w->next;
     w->next = w->now;
     w->now = sorted;

@@ -377,9 +377,41 @@ static void same_rays_from_all(void **state) {
     }
 }
 
+enum { ROWS = 9 };
+
+/* Lanes go in order behind those that are there, and no other number changes. */
+static void appends_lanes(unsigned set, uint32_t lanes, unsigned at, bool in_place) {
+    _Alignas(64) uint32_t from[ROWS + 1][LANES], to[ROWS + 1][LANES], right[ROWS + 1][LANES];
+    for (uint32_t i = 0; i < (ROWS + 1) * LANES; ++i)
+        from[i / LANES][i % LANES] = 1000 + i, to[i / LANES][i % LANES] = in_place ? 1000 + i : i;
+    memcpy(right, to, sizeof right);
+    for (unsigned i = 0, k = at; i < LANES; ++i) {
+        if (!(lanes >> i & 1)) continue;
+        for (int r = 0; r < ROWS; ++r) right[r][k] = from[r][i];
+        ++k;
+    }
+    integrate_kernels_at(set)->append(in_place ? to : from, ROWS, lanes, to, at);
+    /* In place, only what is appended has to be right. */
+    const unsigned count = (unsigned)__builtin_popcount(lanes);
+    for (int r = 0; in_place && r < ROWS; ++r) assert_memory_equal(to[r], right[r], count * sizeof **to);
+    if (!in_place) assert_memory_equal(to, right, sizeof right);
+}
+
+static void lanes_are_appended_in_order_by_all(void **state) {
+    (void)state;
+    for (unsigned set = 0; integrate_kernels_at(set); ++set) {
+        for (uint32_t lanes = 0; lanes < 1u << LANES; lanes += 1 + lanes % 7) {
+            const unsigned count = (unsigned)__builtin_popcount(lanes);
+            for (unsigned at = 0; at + count <= LANES; ++at) appends_lanes(set, lanes, at, false);
+            appends_lanes(set, lanes, 0, true);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(same_bits_from_all), cmocka_unit_test(same_hits_from_all),
-        cmocka_unit_test(same_halves_from_all), cmocka_unit_test(same_rays_from_all)};
+        cmocka_unit_test(same_halves_from_all), cmocka_unit_test(same_rays_from_all),
+        cmocka_unit_test(lanes_are_appended_in_order_by_all)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
-#include "base/kernel.h"
 #include "integrate/kernels.h"
+#include "integrate/kernels/kernel.h"
 #include "math/limit.h"
 
 #include <math.h>
@@ -79,4 +79,5 @@ const integrate_kernels KERNEL(integrate_kernels) = {
     .gains = gains,
     .shadow_rays = shadow_rays,
     .add_seen = add_seen,
+    .append = KERNEL(append),
 };

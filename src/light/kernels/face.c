@@ -117,8 +117,10 @@ uint32_t KERNEL(face)(const shape_face_f32 *f, const lanes3 p, const lanes3 u, f
         const float end = length - (f->clear + f->slope * length) / cosine;
         direction[0][i] = to.x, direction[1][i] = to.y, direction[2][i] = to.z;
         distance[i] = end > 0x1p-126f ? end : 0x1p-126f;
-        density[i] = 1 / all;
-        unsure[i] = doubt | mask_of(!(all > LEAST_ANGLE));
+        /* On the face itself it is dark for sure. */
+        const uint32_t lit = mask_of((height[0][i] > f->clear) | (height[1][i] > f->clear));
+        density[i] = chosen(lit, 1 / all, 0);
+        unsure[i] = lit & (doubt | mask_of(!(all > LEAST_ANGLE)));
     }
     for (int i = 0; i < LANES; ++i) bits |= unsure[i] & 1u << i;
     return bits;
