@@ -28,6 +28,9 @@ typedef struct integrate_kernels {
     /* The lanes, as bits, that met something. */
     uint32_t (*met)(const trace_hits *hits);
 
+    /* The lanes, as bits, of this key. */
+    uint32_t (*alike)(const uint32_t key[LANES], uint32_t one);
+
     /* What samples gain from a light: weight L f cosine. */
     void (*gains)(const path_block *path, const light_block *light, const bsdf_value *value,
                   float (*gain)[LANES]);

@@ -14,23 +14,31 @@ static bool is_done(const path_wave *p, uint32_t slot) {
     return path_scattered(p, slot) >= p->wave.run.plan->max_depth;
 }
 
-/* Two numbers for each vertex of a block. */
-static void numbers(const path_wave *p, const vertex_block *v, sample_purpose purpose, float u[2][LANES]) {
+/* The samples that the vertices of a block belong to. */
+typedef struct vertex_keys {
     uint64_t pixel[LANES];
     uint32_t index[LANES];
+} vertex_keys;
+
+static void find_keys(const path_wave *p, const vertex_block *v, vertex_keys *out) {
     for (int i = 0; i < LANES; ++i) {
-        pixel[i] = p->pixel[v->path.slot[i]];
-        index[i] = p->index[v->path.slot[i]];
+        out->pixel[i] = p->pixel[v->path.slot[i]];
+        out->index[i] = p->index[v->path.slot[i]];
     }
-    p->wave.run.plan->sample_kernels->pairs(pixel, index, sample_at_vertex(p->depth, purpose), u[0], u[1]);
+}
+
+/* Two numbers for each of them. */
+static void numbers(const path_wave *p, const vertex_keys *keys, sample_purpose purpose, float u[2][LANES]) {
+    p->wave.run.plan->sample_kernels->pairs(keys->pixel, keys->index, sample_at_vertex(p->depth, purpose),
+                                            u[0], u[1]);
 }
 
 /* Which light, and which lobe: numbers where there is a choice. */
-static void choices(const path_wave *p, const vertex_block *v, float u[2][LANES]) {
+static void choices(const path_wave *p, const vertex_block *v, const vertex_keys *keys, float u[2][LANES]) {
     if (v->shader.lobes == SHADER_DIFFUSE && !emitters_choose(p->wave.run.plan->emitters))
         memset(u, 0, 2 * sizeof *u);
     else
-        numbers(p, v, SAMPLE_CHOICE, u);
+        numbers(p, keys, SAMPLE_CHOICE, u);
 }
 
 /* ---- vertices ---- */
@@ -112,7 +120,8 @@ static void note_tags(const path_wave *p, const vertex_block *v, const emitter_s
     }
 }
 
-static void push_light(path_wave *p, const vertex_block *v, const float choice[LANES]) {
+static void push_light(path_wave *p, const vertex_block *v, const vertex_keys *keys,
+                       const float choice[LANES]) {
     const render_plan *plan = p->wave.run.plan;
     emitter_query query;
     emitter_sample light;
@@ -121,7 +130,7 @@ static void push_light(path_wave *p, const vertex_block *v, const float choice[L
     float density[LANES];
     uint32_t behind[LANES], done[LANES];
     shadow_depths depths;
-    numbers(p, v, SAMPLE_LIGHT, u);
+    numbers(p, keys, SAMPLE_LIGHT, u);
     memcpy(u[2], choice, sizeof u[2]);
     ask(p, v, &query);
     emitters_sample(plan->emitters, &query, u, &light);
@@ -186,14 +195,6 @@ static void keep_path(path_wave *p, const vertex_block *v, const shader_sample *
         media_cross(p->media, slot, s->material[i], s->entering[i] != 0);
 }
 
-/* A whole block stays one. */
-static void push_block(path_wave *p, const trace_rays *rays, const path_block *path) {
-    path_queue *next = &p->wave.next;
-    next->rays[next->count / LANES].rays = *rays;
-    next->paths[next->count / LANES] = *path;
-    next->count += LANES;
-}
-
 /* Lanes for which there is room in the last block. */
 static void push_some(path_wave *p, const trace_rays *rays, const path_block *path, uint32_t lanes) {
     const render_plan *plan = p->wave.run.plan;
@@ -223,10 +224,6 @@ static void push_lanes(path_wave *p, const vertex_block *v, const shader_sample 
     crossed &= lanes;
     p->wave.run.rays.refraction += (unsigned)__builtin_popcount(crossed);
     p->wave.run.rays.reflection += (unsigned)__builtin_popcount(lanes & ~crossed);
-    if (lanes == (1u << LANES) - 1 && p->wave.next.count % LANES == 0) {
-        push_block(p, &rays, path);
-        return;
-    }
     const uint32_t room = lowest_lanes(lanes, LANES - p->wave.next.count % LANES);
     push_some(p, &rays, path, room);
     if (room != lanes) push_some(p, &rays, path, lanes & ~room);
@@ -250,15 +247,15 @@ static void part_paths(path_wave *p, const vertex_block *v, const shader_sample 
     }
 }
 
-static void push_paths(path_wave *p, vertex_block *v, const float choice[LANES]) {
+static void push_paths(path_wave *p, vertex_block *v, const vertex_keys *keys, const float choice[LANES]) {
     const render_plan *plan = p->wave.run.plan;
     const bool roulette = p->depth >= ROULETTE_FROM;
     lanes3 u;
     float chance[2][LANES];
     shader_sample to;
     path_block path;
-    numbers(p, v, SAMPLE_SCATTER, u);
-    if (roulette) numbers(p, v, SAMPLE_ROULETTE, chance);
+    numbers(p, keys, SAMPLE_SCATTER, u);
+    if (roulette) numbers(p, keys, SAMPLE_ROULETTE, chance);
     memcpy(u[2], choice, sizeof u[2]);
     if (plan->covered) pass_alone(p, v);
     plan->shader_kernels->sample(&v->surface, &v->shader, u, &to);
@@ -284,12 +281,14 @@ static void find_depths(path_wave *p, const vertex_block *v) {
 /* Fills `next`, and asks for the light that the vertices see. */
 static void scatter(wave *w, vertex_block *v) {
     path_wave *p = (path_wave *)w;
+    vertex_keys keys;
     float choice[2][LANES];
     if (p->depth == 0 && w->run.samples.first && w->run.plan->camera_moves) find_depths(p, v);
     if (p->ends) return;
-    choices(p, v, choice);
-    if (p->lit) push_light(p, v, choice[0]);
-    push_paths(p, v, choice[1]);
+    find_keys(p, v, &keys);
+    choices(p, v, &keys, choice);
+    if (p->lit) push_light(p, v, &keys, choice[0]);
+    push_paths(p, v, &keys, choice[1]);
 }
 
 static const wave_stages path_stages = {begin_vertices, path_add_outside, scatter};

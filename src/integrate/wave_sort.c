@@ -4,11 +4,11 @@
 
 enum { BIN_OTHERS = 62, BIN_MISSED, BINS };
 
-/* Instances and planes are gathered one by one in any order. */
-static unsigned bin_of(const trace_hits *hits, size_t i) {
-    const uint32_t geometry = hits->geometry[i];
-    if (geometry == FATHOM_NONE) return BIN_MISSED;
-    return geometry == TRACE_PLANE || hits->instance[i] != FATHOM_NONE ? BIN_OTHERS : geometry % BIN_OTHERS;
+/* Instances and planes are gathered one by one in any order, and of many geometries most are. */
+static uint32_t bin_of(uint32_t geometry, uint32_t instance) {
+    const uint32_t own = geometry < BIN_OTHERS ? geometry : BIN_OTHERS;
+    const uint32_t bin = instance == FATHOM_NONE ? own : BIN_OTHERS;
+    return geometry == FATHOM_NONE ? BIN_MISSED : bin;
 }
 
 /* Lanes of a block of `now` to the places from `to` on in one block of `next`. Of hits, what is read later.
@@ -33,26 +33,26 @@ static void move_all(const wave *w, size_t block, uint32_t lanes, size_t *place)
     *place += (unsigned)__builtin_popcount(lanes & ~room);
 }
 
-static void move_block(const wave *w, size_t block, const uint8_t bin[LANES], uint32_t lanes, size_t *place) {
+static void move_block(const wave *w, size_t block, const uint32_t bin[LANES], uint32_t lanes,
+                       size_t *place) {
     while (lanes) {
-        const uint8_t one = bin[__builtin_ctz(lanes)];
-        uint32_t mine = 0;
-        for (unsigned i = 0; i < LANES; ++i) mine |= (uint32_t)(bin[i] == one) << i;
-        mine &= lanes;
+        const uint32_t one = bin[__builtin_ctz(lanes)];
+        const uint32_t mine = lanes & w->run.plan->kernels->alike(bin, one);
         move_all(w, block, mine, &place[one]);
         lanes &= ~mine;
     }
 }
 
 bool wave_sort_hits(wave *w) {
-    uint8_t bin[WAVE_SLOTS];
+    uint32_t bin[WAVE_SLOTS];
     size_t place[BINS + 1] = {0};
     const size_t count = w->now.count;
     if (w->run.plan->watertight) return true; /* it reads more of the hits */
     w->next.count = 0;
     if (!wave_reserve_paths(w, &w->next, count)) return false;
     for (size_t k = 0; k < count; ++k) {
-        bin[k] = (uint8_t)bin_of(&w->now.rays[k / LANES].hits, k % LANES);
+        const trace_hits *hits = &w->now.rays[k / LANES].hits;
+        bin[k] = bin_of(hits->geometry[k % LANES], hits->instance[k % LANES]);
         ++place[bin[k] + 1];
     }
     for (unsigned b = 1; b <= BINS; ++b) place[b] += place[b - 1];

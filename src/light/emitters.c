@@ -194,6 +194,7 @@ static void sample_balls(const emitters *e, const lane_choices *c, emitter_sampl
 
 static double primitive_density(const emitters *e, const emitter_run *run, const emitter_hit *hit, vec3_f64 p,
                                 vec3_f64 n, vec3_f64 direction) {
+    if (e->one.face) return emitters_face_density(&e->one.face->plain, p);
     if (is_ball(e, run)) {
         emitter_ball ball;
         emitters_ball(e, run, hit->primitive, hit->time, &ball);

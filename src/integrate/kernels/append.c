@@ -18,6 +18,10 @@ void KERNEL(append)(const void *from, unsigned rows, uint32_t lanes, void *to, u
 #else
 
 void KERNEL(append)(const void *from, unsigned rows, uint32_t lanes, void *to, unsigned at) {
+    if (lanes == (1u << LANES) - 1) {
+        memmove(to, from, rows * LANES * sizeof(uint32_t));
+        return;
+    }
     for (; lanes; lanes &= lanes - 1, ++at) {
         const uint32_t *source = (const uint32_t *)from + __builtin_ctz(lanes);
         uint32_t *out = (uint32_t *)to + at;

@@ -20,6 +20,12 @@ static uint32_t met(const trace_hits *hits) {
     return bits;
 }
 
+static uint32_t alike(const uint32_t key[LANES], uint32_t one) {
+    uint32_t bits = 0;
+    for (int i = 0; i < LANES; ++i) bits |= key[i] == one ? 1u << i : 0;
+    return bits;
+}
+
 /* ---- shadows ---- */
 
 /* The ray ends before the light, not behind it: two roundings enter the distance, and one the product. What
@@ -76,6 +82,7 @@ static void add_seen(const trace_rays *rays, const shadow_block *shadows, unsign
 const integrate_kernels KERNEL(integrate_kernels) = {
     .begin_paths = begin_paths,
     .met = met,
+    .alike = alike,
     .gains = gains,
     .shadow_rays = shadow_rays,
     .add_seen = add_seen,
