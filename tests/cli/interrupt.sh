@@ -63,9 +63,18 @@ said err.txt 'interrupted; nothing was written'
 [ ! -e i.exr ] && [ ! -e i.partial.exr ] && [ ! -e i2.json ] || die 'an output of nothing'
 rm -f large.obj large.mtl
 
-# While a mesh is made or written: nothing is left.
-for after in 0.1 0.6; do
-    interrupt $after generate terrain -t 8M -o larger.obj
+# While a mesh is made or written: nothing is left. The signal waits until the program handles it, however long it takes to
+# start: bit 14 of the mask, SIGTERM's.
+for after in 0 0.5; do
+    "$FATHOM" generate terrain -t 8M -o larger.obj >out.txt 2>err.txt &
+    child=$!
+    until caught=$(sed -n 's/^SigCgt:[^0-9a-f]*........//p' /proc/$child/status) && [ $((0x$caught >> 14 & 1)) -eq 1 ]; do
+        kill -0 $child || die 'generate: it ended by itself'
+        sleep 0.01
+    done
+    sleep $after
+    kill -TERM $child
+    end 5
     ls -A | grep larger && die 'generate: something was left behind'
 done
 
