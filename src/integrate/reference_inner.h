@@ -152,7 +152,7 @@ double reference_fibres(const fathom_material *m, double nl, double nv, double n
 vec3_f64 reference_film(const fathom_material *m, vec3_f64 f0, double cosine);
 vec3_f64 reference_emission(const fathom_material *m);
 reference_scatter reference_scatter_of(const reference_surface *s);
-/* Of facets: alpha along their longer way; reference_alpha() is across it. */
+/* The alpha of facets along their longer way; reference_alpha() is across it. */
 double reference_alpha_along(const fathom_material *m);
 /* The cosine on the far side by Snell's law; negative: total internal reflection. */
 double reference_far_cosine(double cosine, double ratio);

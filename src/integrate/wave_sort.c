@@ -11,7 +11,7 @@ static uint32_t bin_of(uint32_t geometry, uint32_t instance) {
     return geometry == FATHOM_NONE ? BIN_MISSED : bin;
 }
 
-/* Lanes of a block of `now` to the places from `to` on in one block of `next`. Of hits, what is read later.
+/* Lanes of a block of `now` to the places from `to` on in one block of `next`. Hits keep what is read later.
  */
 static void move(const wave *w, size_t block, uint32_t lanes, size_t to) {
     const integrate_kernels *kernels = w->run.plan->kernels;

@@ -1,4 +1,4 @@
-/* What the light tree needs to know of each finite emitter: bounds of its places and its axes, and its power;
+/* The light tree's facts about each finite emitter: bounds of its places and its axes, and its power;
  * of one that moves, over all of the time that the shutter is open. */
 #include "light/emitters_inner.h"
 
@@ -9,7 +9,7 @@ float emitters_power(const emitters *e, uint32_t geometry, uint32_t primitive, u
     return luminance(e->emission[world_material(e->w, geometry, primitive, instance)]);
 }
 
-/* Of no place, no power, and any way. */
+/* No place, no power, and any way. */
 static void begin_item(tree_item *item) {
     for (int k = 0; k < 3; ++k) item->lower[k] = FLT_MAX, item->upper[k] = -FLT_MAX, item->axis[k] = 0;
     item->power = 0, item->spread = 1;

@@ -1,4 +1,4 @@
-/* What the files of kernels share. */
+/* Shared by the files of kernels. */
 #ifndef LIGHT_KERNELS_KERNEL_H
 #define LIGHT_KERNELS_KERNEL_H
 
