@@ -1,4 +1,4 @@
-/* What the image helper answers, as the library takes it: any numbers in the reply, any bytes in the shared
+/* Answers of the image helper, as the library takes them: any numbers in the reply, any bytes in the shared
  * memory. The linker hands the library's questions to the helper below (--wrap). The input is the number of
  * the call, the reply's status, where an image's planes begin, and the memory. */
 #include "fuzz.h"

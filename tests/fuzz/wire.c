@@ -46,7 +46,7 @@ static bool read_level(void *user, uint64_t offset, const void *bytes, size_t si
     return any <= 255;
 }
 
-/* Of bytes and of 16 bits; linear. */
+/* Images of bytes and of 16 bits; linear. */
 static const float *table_of(image_texel type) {
     static float tables[2][65536];
     if (type > IMAGE_TEXEL_U16) return NULL;

@@ -395,7 +395,7 @@ static void scene_json_survives_conversion(void **state) {
 
 /* ---- vertex colours and images of mesh files ---- */
 
-/* Of two meshes one has colours and one has none; one of the colours is black, one above 1. PLY has opacities
+/* One of two meshes has colours and one has none; one of the colours is black, one above 1. PLY has opacities
  * and a second uv set too. */
 static void mesh_files_keep_vertex_colours(void **state) {
     (void)state;

@@ -1,4 +1,4 @@
-/* What the sources in this folder share; see base/kernel.h. */
+/* Shared by the sources in this folder; see base/kernel.h. */
 #ifndef INTEGRATE_KERNELS_KERNEL_H
 #define INTEGRATE_KERNELS_KERNEL_H
 

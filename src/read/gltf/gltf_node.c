@@ -229,7 +229,7 @@ static void walk_down(gltf *g, walk *w) {
 
 /* ---- where to begin ---- */
 
-/* A scene names roots, each once. What others are is clear: each node is shown once, where its parents place
+/* A scene names roots, each once. The others follow: each node is shown once, where its parents place
  * it. */
 static void note_odd_roots(gltf *g, const gltf_value *list, bool *named) {
     for (size_t i = 0; i < gltf_count(list); ++i) {

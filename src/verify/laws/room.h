@@ -48,7 +48,7 @@ void law_value(law_room *room, vec3_f64 value);
 
 /* Σ x^k for k from..to. */
 double law_powers(double x, int from, int to);
-/* What the place 0 of the floor z = 0 gets from a flat polygon of the radiance 1, over pi. */
+/* The light that place 0 of the floor z = 0 gets from a flat polygon of the radiance 1, over pi. */
 #define LAW_CORNERS 8u
 double law_polygon(const vec3_f64 *corners, uint32_t count);
 /* The reflectance of a material under an even sky, from a place above the origin. */
