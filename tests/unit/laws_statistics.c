@@ -94,6 +94,20 @@ static void equal_constants_agree_and_others_do_not(void **state) {
     assert_near(mean_p((sample_mean){(double)NAN, 1, 10}, 2, 1), 0, 0);
 }
 
+/* Of a million samples none met a light of 1e-12, which another renderer asks for. */
+static void light_too_rare_to_be_met_is_no_difference(void **state) {
+    (void)state;
+    sample_mean found[2] = {{3e-12, 1e-13, 100}, {1, 1e-3, 100}}, missed[2] = {{0, 0, 15}, {1, 1e-3, 15}};
+    assert_true(laws_compare(found, missed, 2, 0).p < 1e-6);
+    laws_least_error(found, 2, 1e6);
+    laws_least_error(missed, 2, 1e6);
+    assert_near(missed[0].error, 1e-6, 0);
+    assert_near(missed[1].error, 1e-3, 0);
+    assert_true(laws_compare(found, missed, 2, 0).p > 0.9);
+    missed[0].mean = 1e-4;
+    assert_true(laws_compare(found, missed, 2, 0).p < 1e-6);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(student_p_matches_closed_forms_and_tables),
@@ -102,6 +116,7 @@ int main(void) {
         cmocka_unit_test(welch_alarms_as_often_as_its_level),
         cmocka_unit_test(a_difference_of_eight_errors_is_found),
         cmocka_unit_test(equal_constants_agree_and_others_do_not),
+        cmocka_unit_test(light_too_rare_to_be_met_is_no_difference),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

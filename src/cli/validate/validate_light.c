@@ -140,8 +140,9 @@ static fathom_status compare_scene(fathom_context *context, const validate_setti
     *fails = d.tests && d.p < LEVEL;
     if (status == FATHOM_OK && !settings->common.quiet)
         printf("path less reference: %+.3e +- %.1e of the light; the smallest of %zu p-values is %.2g after "
-               "correction, and %g fails\n",
-               d.relative, d.relative_error, d.tests, d.p, LEVEL);
+               "correction, in cell %zu of %u from the left, %zu of %u from the top, and %g fails\n",
+               d.relative, d.relative_error, d.tests, d.p, d.worst / 3 % pair.across + 1, pair.across,
+               d.worst / 3 / pair.across + 1, pair.down, LEVEL);
     if (status == FATHOM_OK && settings->json)
         status = write_json(context, settings,
                             json_of(JSON("fathom", fathom_version()), JSON("scene", settings->scene),

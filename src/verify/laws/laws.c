@@ -129,6 +129,15 @@ size_t laws_failed(const laws_rows *rows) {
 
 /* ---- two renders ---- */
 
+/* Where renders found little light, their samples do not tell their error: no sample may have met a light
+ * that few can meet, and all were equal. One more that brings the brightest mean would change a mean of n by
+ * the nth part of that. It is the least error of any mean. */
+void laws_least_error(sample_mean *means, size_t count, double samples) {
+    double most = 0;
+    for (size_t i = 0; i < count; ++i) most = fmax(most, fabs(means[i].mean));
+    for (size_t i = 0; i < count; ++i) means[i].error = fmax(means[i].error, most / samples);
+}
+
 laws_difference laws_compare(const sample_mean *a, const sample_mean *b, size_t count, double allowance) {
     laws_difference d = {.tests = count, .p = 1};
     double sum = 0, difference = 0, square = 0;

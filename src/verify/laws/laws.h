@@ -75,6 +75,8 @@ typedef struct laws_difference {
     double relative_error;
 } laws_difference;
 
+/* Raises errors of means, each of so many samples, to what one sample more can change. */
+void laws_least_error(sample_mean *means, size_t count, double samples);
 /* count means of each, three channels of one cell after another. */
 laws_difference laws_compare(const sample_mean *a, const sample_mean *b, size_t count, double allowance);
 
