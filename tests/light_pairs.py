@@ -37,7 +37,8 @@ def compare(fathom, path, error, result):
     run = subprocess.run([fathom, "validate", path, "--light", "--light-error", error, "--json", result, "-q"],
                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
     if run.returncode not in (0, 1):
-        return run.stderr.strip().splitlines()[-1].split(": ", 2)[-1]
+        said = run.stderr.strip().splitlines() or [f"the program ended with {run.returncode}"]
+        return said[-1].split(": ", 2)[-1]
     with open(result, encoding="utf-8") as file:
         return json.load(file)
 
