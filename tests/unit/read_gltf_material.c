@@ -233,6 +233,27 @@ static void textures_become_maps(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* The image of the extension is the one that its author made for programs that know it. */
+static void images_of_extensions_go_before_others(void **state) {
+    fixture *f = *state;
+    static const char *const names[] = {"EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        char json[4096];
+        snprintf(json, sizeof json,
+                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'images':[{"
+                       "'name':'own','uri':'data:image/png;base64,AAAA'},{'name':'of the extension','uri':"
+                       "'data:image/x;base64,BBBB'}],'textures':[{'source':0,'extensions':{'%s':{'source':1}}"
+                       "}],'materials':[{'normalTexture':{'index':0}}]"),
+                 names[i]);
+        fathom_scene *scene = read_triangle(f, json);
+        assert_int_equal(scene->textures.count, 1);
+        assert_string_equal(scene->textures.items[0].name, "of the extension");
+        assert_memory_equal(scene->textures.items[0].bytes, "\x04\x10\x41", 3);
+        assert_int_equal(f->warnings, 0);
+        fathom_scene_destroy(scene);
+    }
+}
+
 static void emission_is_scaled_by_its_strength(void **state) {
     fixture *f = *state;
     fathom_material m = read_factors(f, 0, 0, 1,
@@ -389,6 +410,7 @@ int main(void) {
         TEST(specular_glossiness_keeps_its_colour),
         TEST(textures_without_images_become_even_values),
         TEST(textures_become_maps),
+        TEST(images_of_extensions_go_before_others),
         TEST(emission_is_scaled_by_its_strength),
         TEST(alpha_modes_cover_their_part),
         TEST(clear_materials_cast_no_shadow),
