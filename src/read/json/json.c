@@ -121,6 +121,9 @@ static fathom_status add_materials(const object_reader *r, json_t *materials) {
     fathom_status status = FATHOM_OK;
     const char *name;
     json_t *value;
+    /* Exactly, because a growing array takes up to two and a half times its items. */
+    if (!array_room(&r->scene->materials, json_object_size(materials)))
+        return fail_memory(r->scene->context, json_object_size(materials) * sizeof(scene_named_material));
     json_object_foreach(materials, name, value) {
         const where item = {&at, name, 0};
         if (status == FATHOM_OK) status = material_add(r, &item, name, value);
