@@ -448,6 +448,23 @@ static void many_lights_send_the_sum_of_each(void **state) {
     assert_irradiance(origin, up, expected);
 }
 
+/* Boxes of the tree stick out above a horizon that all lights are below. */
+static void lights_below_the_horizon_send_nothing(void **state) {
+    random_state r = {29};
+    for (int trial = 0; trial < 200; ++trial) {
+        const vec3_f64 n = any_direction(&r);
+        for (int k = 0; k < 60; ++k) {
+            const vec3_f64 d = scale_f64(random_log(&r, 0.1, 1), any_direction(&r));
+            const double off = dot_f64(d, n) + random_log(&r, 1e-3, 0.1);
+            add_point(madd_f64(d, -off, n), (float)random_log(&r, 1e-3, 1e3));
+        }
+        open_light();
+        mean m = irradiance(origin, n, 4);
+        assert_true(mean_of(&m) == 0);
+        end(state), begin(state);
+    }
+}
+
 /* A lamp of any size lights as one without does, where it is wholly above the horizon. */
 static void a_lamps_radius_leaves_its_light(void **state) {
     random_state r = {19};
@@ -500,6 +517,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(lights_are_taken_as_often_as_their_samples_say, begin, end),
         cmocka_unit_test_setup_teardown(a_hit_gets_the_density_of_its_sample, begin, end),
         cmocka_unit_test_setup_teardown(many_lights_send_the_sum_of_each, begin, end),
+        cmocka_unit_test_setup_teardown(lights_below_the_horizon_send_nothing, begin, end),
         cmocka_unit_test_setup_teardown(a_lamps_radius_leaves_its_light, begin, end),
         cmocka_unit_test_setup_teardown(a_suns_disc_sends_its_irradiance, begin, end),
         cmocka_unit_test_setup_teardown(nothing_sends_nothing, begin, end),

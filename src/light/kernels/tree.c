@@ -81,7 +81,7 @@ static void cut(const tree *t, vec3_f32 p, vec3_f32 n, tree_cut *out) {
     weigh(t->nodes, p, n, out->weight[0], o.unsure[0]);
     o.sum = sum_of(out->weight[0]);
     for (uint32_t first = 0, end = 1; first < end; first = end, end = out->count) {
-        const float little = LITTLE * o.sum;
+        const float little = LITTLE * positive(o.sum); /* its rounding may exceed it */
         for (uint32_t k = first; k < end; ++k) {
             uint32_t open = 0;
             for (int i = 0; i < TREE_WIDE; ++i) open |= (o.unsure[k][i] > little ? 1u : 0u) << i;
