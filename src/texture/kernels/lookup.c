@@ -84,6 +84,8 @@ typedef struct block_level {
     /* Texels of two columns and two rows. A column's and a row's make the texel's number in the level. */
     uint32_t column[2][TEXTURE_BLOCK], row[2][TEXTURE_BLOCK];
     float right[TEXTURE_BLOCK], below[TEXTURE_BLOCK]; /* weights of the second ones */
+    uint64_t
+        place[4][TEXTURE_BLOCK]; /* of the texels in the store, in bytes; the second is right of the first */
 } block_level;
 
 typedef struct block {
@@ -199,8 +201,8 @@ INLINE uint32_t row_of(uint32_t y, uint32_t across, uint32_t stride) {
     return y / PYRAMID_TILE * across * PYRAMID_TILE_TEXELS + y % PYRAMID_TILE * stride;
 }
 
-INLINE uint64_t place_of(const pyramid_level *l, uint32_t column, uint32_t row) {
-    return l->offset + ((uint64_t)(column + row) << l->shift);
+INLINE uint64_t place_of(uint64_t offset, uint64_t shift, uint32_t column, uint32_t row) {
+    return offset + ((uint64_t)(column + row) << shift);
 }
 
 /* From texels to their numbers. */
@@ -217,8 +219,21 @@ INLINE void number_texels(const block *b, uint32_t next, block_level *l, int lan
     }
 }
 
-INLINE uint64_t texel_of(const block_level *l, unsigned i, int right, int below) {
-    return place_of(l->level[i], l->column[right][i], l->row[below][i]);
+/* Levels and texels are lanes of their own, because loops that read them by a pointer do not vectorise. */
+INLINE void place_texels(const block *b, uint32_t next, block_level *l, int lanes) {
+    uint64_t offset[TEXTURE_BLOCK], shift[TEXTURE_BLOCK];
+    for (int i = 0; i < lanes; ++i) {
+        const uint32_t n = b->level[i] + (b->share[i] > 0 ? next : 0);
+        l->level[i] = &b->slot[i]->image->plan.levels[n];
+        offset[i] = l->level[i]->offset, shift[i] = l->level[i]->shift;
+    }
+    for (int i = 0; i < lanes; ++i) {
+        const uint32_t *left = l->column[0], *right = l->column[1], *top = l->row[0], *low = l->row[1];
+        l->place[0][i] = place_of(offset[i], shift[i], left[i], top[i]);
+        l->place[1][i] = place_of(offset[i], shift[i], right[i], top[i]);
+        l->place[2][i] = place_of(offset[i], shift[i], left[i], low[i]);
+        l->place[3][i] = place_of(offset[i], shift[i], right[i], low[i]);
+    }
 }
 
 INLINE void find_texels(block *b, unsigned k, bool some_single, int lanes) {
@@ -227,11 +242,10 @@ INLINE void find_texels(block *b, unsigned k, bool some_single, int lanes) {
     find_pairs(b, k, b->v, b->down, b->wrap_v, l->row, l->below, lanes);
     if (some_single) choose_texels(b, l, lanes);
     number_texels(b, k, l, lanes);
+    place_texels(b, k, l, lanes);
     for (unsigned i = 0; i < b->count; ++i) {
-        const unsigned n = b->level[i] + (b->share[i] > 0 ? k : 0);
-        l->level[i] = &b->slot[i]->image->plan.levels[n];
-        __builtin_prefetch(b->cache->store.bytes + texel_of(l, i, 0, 0));
-        __builtin_prefetch(b->cache->store.bytes + texel_of(l, i, 0, 1));
+        __builtin_prefetch(b->cache->store.bytes + l->place[0][i]);
+        __builtin_prefetch(b->cache->store.bytes + l->place[2][i]);
     }
 }
 
@@ -243,8 +257,8 @@ INLINE uint64_t chunk_of(uint64_t place) { return place >> PYRAMID_CHUNK_SHIFT; 
 static unsigned neighbours(const block *b, uint64_t chunk) {
     unsigned count = 0;
     for (unsigned i = 0; i < b->count; ++i) {
-        count += chunk_of(texel_of(&b->at[0], i, 0, 0)) == chunk;
-        count += b->share[i] > 0 && chunk_of(texel_of(&b->at[1], i, 0, 0)) == chunk;
+        count += chunk_of(b->at[0].place[0][i]) == chunk;
+        count += b->share[i] > 0 && chunk_of(b->at[1].place[0][i]) == chunk;
     }
     return count ? count : 1;
 }
@@ -279,12 +293,11 @@ INLINE rgba_f32 between(const unsigned char *const at[4], float right, float bel
     }                                                                                                        \
     return (channels) == 1 ? call(IMAGE_TEXEL_FLOAT, 1) : call(IMAGE_TEXEL_FLOAT, 4)
 
-static rgba_f32 bilinear(block *b, const block_level *of, unsigned i, bool *broken) {
+INLINE rgba_f32 bilinear(block *b, const block_level *of, unsigned i, bool *broken) {
     const cache_image *img = b->slot[i]->image;
     const image_texel type = of->level[i]->type;
     const store *s = &b->cache->store;
-    const uint64_t p[4] = {texel_of(of, i, 0, 0), texel_of(of, i, 1, 0), texel_of(of, i, 0, 1),
-                           texel_of(of, i, 1, 1)};
+    const uint64_t p[4] = {of->place[0][i], of->place[1][i], of->place[2][i], of->place[3][i]};
     const unsigned char *at[4] = {s->bytes + p[0], s->bytes + p[1], s->bytes + p[2], s->bytes + p[3]};
     const unsigned used = state_of(s, p[0]) & state_of(s, p[1]) & state_of(s, p[2]) & state_of(s, p[3]);
     if (__builtin_expect(used != STORE_USED, 0) && !fetch(b, of, i, p, 4, at)) {
@@ -301,7 +314,7 @@ static rgba_f32 bilinear(block *b, const block_level *of, unsigned i, bool *brok
 
 static rgba_f32 single(block *b, unsigned i, bool *broken) {
     const cache_image *img = b->slot[i]->image;
-    const uint64_t place = texel_of(&b->at[0], i, 0, 0);
+    const uint64_t place = b->at[0].place[0][i];
     const unsigned char *at = b->cache->store.bytes + place;
     if (state_of(&b->cache->store, place) != STORE_USED && !fetch(b, &b->at[0], i, &place, 1, &at)) {
         *broken = true;
@@ -312,18 +325,26 @@ static rgba_f32 single(block *b, unsigned i, bool *broken) {
 #undef CALL
 }
 
-INLINE rgba_f32 filtered(block *b, unsigned i) {
-    const bool one = b->stochastic || b->filter[i] == FATHOM_TEXTURE_NEAREST;
-    bool broken = false;
-    rgba_f32 found = one ? single(b, i, &broken) : bilinear(b, &b->at[0], i, &broken);
-    if (b->share[i] > 0) found += b->share[i] * (bilinear(b, &b->at[1], i, &broken) - found);
-    return __builtin_expect(broken, 0) ? (rgba_f32){1, 0, 1, 1} : found;
+/* The lookups in one of two levels. A function of its own, because its code is long. */
+static __attribute__((noinline)) void filter_level(block *b, unsigned k, rgba_f32 found[TEXTURE_BLOCK]) {
+    for (unsigned i = 0; i < b->count; ++i) {
+        bool broken = false;
+        if (k && !(b->share[i] > 0)) continue;
+        if (b->stochastic || b->filter[i] == FATHOM_TEXTURE_NEAREST) {
+            found[i] = single(b, i, &broken);
+        } else {
+            const rgba_f32 level = bilinear(b, &b->at[k], i, &broken);
+            found[i] = k ? found[i] + b->share[i] * (level - found[i]) : level;
+        }
+        if (__builtin_expect(broken, 0)) found[i] = (rgba_f32){1, 0, 1, 1}, b->share[i] = 0;
+    }
 }
 
 /* ---- blocks ---- */
 
 /* All places first, so that memory has time to bring the texels. */
 INLINE void filter_lanes(block *b, float rgba[4][TEXTURE_BLOCK], int lanes) {
+    rgba_f32 found[TEXTURE_BLOCK];
     bool two = false, some_single = b->stochastic;
     gather_slots(b, lanes);
     wrap(b->u, b->wrap_u, lanes);
@@ -334,9 +355,10 @@ INLINE void filter_lanes(block *b, float rgba[4][TEXTURE_BLOCK], int lanes) {
         two |= b->share[i] > 0, some_single |= b->filter[i] == FATHOM_TEXTURE_NEAREST;
     find_texels(b, 0, some_single, lanes);
     if (two) find_texels(b, 1, false, lanes);
+    filter_level(b, 0, found);
+    if (two) filter_level(b, 1, found);
     for (unsigned i = 0; i < b->count; ++i) {
-        const rgba_f32 found = filtered(b, i);
-        for (int c = 0; c < 4; ++c) rgba[c][i] = found[c];
+        for (int c = 0; c < 4; ++c) rgba[c][i] = found[i][c];
     }
 }
 
@@ -374,8 +396,8 @@ static bool texel(texture_cache *cache, const cache_slot *slot, unsigned level, 
     bool broken = false;
     block b;
     b.cache = cache, b.count = 1, b.slot[0] = slot, b.share[0] = 0;
-    b.at[0].level[0] = l, b.at[0].column[0][0] = column_of(x);
-    b.at[0].row[0][0] = row_of(y, l->across, l->stride);
+    b.at[0].level[0] = l;
+    b.at[0].place[0][0] = place_of(l->offset, l->shift, column_of(x), row_of(y, l->across, l->stride));
     const rgba_f32 found = single(&b, 0, &broken);
     memcpy(rgba, &found, sizeof found);
     return !broken;
