@@ -1,6 +1,7 @@
 #include "material/shader.h"
 
 #include "material/layers.h"
+#include "material/mixture.h"
 
 #include "base/kernel.h"
 #include "math/limit.h"
@@ -40,27 +41,17 @@ static void prepare_classic(const fathom_material *m, shader *out) {
 
 /* ---- metallic-roughness ---- */
 
-static float mixed(float a, float b, float t) { return (1 - t) * a + t * b; }
-
-/* Dielectric and metal as glTF has them. */
 typedef struct mixture {
     float metal, layer[3], f0[3], f90; /* layer: F0 of the dielectric */
 } mixture;
 
 static mixture mixture_of(const fathom_material *m) {
-    const float ratio = (m->ior - 1) / (m->ior + 1);
     mixture x = {.metal = m->metallic, .f90 = mixed(m->specular_factor, 1, m->metallic)};
     for (int c = 0; c < 3; ++c) {
-        x.layer[c] = m->specular_factor * least(ratio * ratio * m->specular_color[c], 1);
+        x.layer[c] = mixture_layer(m->ior, m->specular_factor, m->specular_color[c]);
         x.f0[c] = mixed(x.layer[c], m->base_color[c], x.metal);
     }
     return x;
-}
-
-/* Q of shader.h: what is reflected in the end of what the first scattering leaves. */
-static float again(float f0, float f90, float mean) {
-    const float reflected = f0 + (f90 - f0) * (1 / 21.0f);
-    return reflected * reflected * mean / (1 - reflected * (1 - mean));
 }
 
 bool shader_coat_has_normal(const fathom_material *m) {
@@ -118,20 +109,19 @@ static float again_film(const shader *out, int c, float mean) {
 static void prepare_even(const fathom_material *m, const mixture *x, float alpha, shader *out) {
     float mean, mean_edge;
     find_means(alpha, out, &mean, &mean_edge);
-    const float lost = 1 - mean, layer_again = again(out->layer0, out->layer90, mean);
+    const float layer_again = mixture_again(out->layer0, out->layer90, mean), scale = mixture_scale(1 - mean);
     out->layer_again = layer_again;
-    const float scale = lost > 1e-6f ? 1 / (3.14159265f * lost) : 0;
-    out->mean_under = 1 - (out->layer0 * (mean - mean_edge) + out->layer90 * mean_edge + layer_again * lost);
+    out->mean_under = mixture_under(out->layer0, out->layer90, layer_again, mean, mean_edge);
     if (out->lobes & SHADER_COATED) out->mean_under = mean_below_coat(out);
     for (int c = 0; c < 3; ++c) {
-        const float plain =
-            mixed(again(x->layer[c], m->specular_factor, mean), again(m->base_color[c], 1, mean), x->metal);
+        const float plain = mixed(mixture_again(x->layer[c], m->specular_factor, mean),
+                                  mixture_again(m->base_color[c], 1, mean), x->metal);
         const float q = out->lobes & SHADER_FILM ? again_film(out, c, mean) : plain;
         out->again[c] = q * scale;
         out->missing_share += q * (1 / 3.0f);
         if (out->lobes & SHADER_THIN) out->again_cross[c] = out->cross[c] * (1 - layer_again) * scale;
-        out->diffuse[c] = out->mean_under > 1e-4f ? out->diffuse[c] / out->mean_under : 0;
-        out->leaf[c] = out->mean_under > 1e-4f ? out->leaf[c] / out->mean_under : 0;
+        out->diffuse[c] = mixture_lifted(out->diffuse[c], out->mean_under);
+        out->leaf[c] = mixture_lifted(out->leaf[c], out->mean_under);
     }
     out->even = ~0u;
     out->lobes |= SHADER_EVEN;
@@ -235,15 +225,15 @@ void shader_emission(const fathom_material *m, float out[3]) {
 
 /* Textured surfaces prepare a shader for each point: large members that the lobes do not use stay as they
  * are. */
-static void clear(shader *out) {
+void shader_begin(const fathom_material *m, shader *out) {
     memset(out, 0, offsetof(shader, stretch));
     out->facets = out->coat_facets = energy_none;
+    out->model = m->model, out->alpha = out->ior = out->eta = out->mean_under = 1;
+    shader_emission(m, out->emission);
 }
 
 void shader_prepare(const fathom_material *m, shader *out) {
-    clear(out);
-    out->model = m->model, out->alpha = out->ior = out->eta = out->mean_under = 1;
-    shader_emission(m, out->emission);
+    shader_begin(m, out);
     switch (m->model) {
     case FATHOM_MODEL_CLASSIC: prepare_classic(m, out); break;
     case FATHOM_MODEL_METALLIC_ROUGHNESS: prepare_metallic(m, out); break;

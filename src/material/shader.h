@@ -159,6 +159,8 @@ static inline float shader_below_coat(const shader *m, int k) {
 /* A clear coat over a normal map, or with one. */
 bool shader_coat_has_normal(const fathom_material *material);
 void shader_prepare(const fathom_material *material, shader *out);
+/* The part of it that is the same for all materials: emission, and no lobes. */
+void shader_begin(const fathom_material *material, shader *out);
 /* A surface that is not there: rays pass straight. */
 void shader_prepare_hole(shader *out);
 /* shader.emission alone. */

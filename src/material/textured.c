@@ -50,6 +50,7 @@ fathom_status texturing_create(fathom_context *context, const world *w, uint64_t
     const size_t bytes = sizeof **out + scene->materials.count * sizeof(material_plan);
     texturing *t = calloc(1, bytes);
     if (!t) return fail_memory(context, bytes);
+    t->kernels = plain_kernels_best();
     t->w = w, t->colors = colors, t->alphas = any_colors(w, 4);
     for (size_t i = 0; i < scene->materials.count; ++i) {
         t->plans[i].material = &scene->materials.items[i].value;
@@ -165,7 +166,9 @@ void texturing_shade(const texturing *t, const surface_gather *g, const float wi
                      const float around[LANES], surface_block *s, shader made[LANES],
                      const shader *at[LANES]) {
     points p;
+    plain_block plain;
     find_points(t, g, width, s, &p);
+    memset(&plain, 0, sizeof plain);
     for (uint32_t left = p.lanes; left; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctz(left);
         fathom_material m;
@@ -173,9 +176,10 @@ void texturing_shade(const texturing *t, const surface_gather *g, const float wi
         if (p.plan[i]->directed) texturing_direct(&p, i, &m, s);
         if (!p.varies[i]) continue;
         if (around) m.ior /= around[i];
-        shader_prepare(&m, &made[i]);
+        if (!plain_add(&plain, i, &m, &made[i])) shader_prepare(&m, &made[i]);
         at[i] = &made[i];
     }
+    plain_finish(&plain, t->kernels, made);
     repeat_last(s, at);
 }
 

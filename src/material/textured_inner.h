@@ -2,6 +2,7 @@
 #ifndef MATERIAL_TEXTURED_INNER_H
 #define MATERIAL_TEXTURED_INNER_H
 
+#include "material/plain.h"
 #include "material/textured.h"
 #include "surface/attributes.h"
 #include "texture/texture.h"
@@ -42,6 +43,7 @@ typedef struct material_plan {
 struct texturing {
     const world *w;
     texture_cache *cache;
+    const plain_kernels *kernels;
     bool colors;                 /* some mesh has vertex colours, */
     bool alphas;                 /* and some with alpha */
     surface_tangents **tangents; /* by mesh of the world; NULL: it has its own, or needs none */

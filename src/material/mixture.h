@@ -1,0 +1,32 @@
+/* Dielectric and metal as glTF mixes them, for shader.c and kernels/plain.c. */
+#ifndef MATERIAL_MIXTURE_H
+#define MATERIAL_MIXTURE_H
+
+#include "math/limit.h"
+
+static inline float mixed(float a, float b, float t) { return (1 - t) * a + t * b; }
+
+/* F0 of the dielectric. */
+static inline float mixture_layer(float ior, float specular, float color) {
+    const float ratio = (ior - 1) / (ior + 1);
+    return specular * least(ratio * ratio * color, 1);
+}
+
+/* Q of shader.h: what is reflected in the end of what the first scattering leaves. */
+static inline float mixture_again(float f0, float f90, float mean) {
+    const float reflected = f0 + (f90 - f0) * (1 / 21.0f);
+    return reflected * reflected * mean / (1 - reflected * (1 - mean));
+}
+
+/* One over pi times what the first scattering leaves; 0 where that is next to nothing. */
+static inline float mixture_scale(float lost) { return lost > 1e-6f ? 1 / (3.14159265f * lost) : 0; }
+
+/* What reaches the base through the layer, as a mean. */
+static inline float mixture_under(float layer0, float layer90, float layer_again, float mean, float edge) {
+    return 1 - (layer0 * (mean - edge) + layer90 * edge + layer_again * (1 - mean));
+}
+
+/* Lambert's reflectance over that mean. */
+static inline float mixture_lifted(float diffuse, float under) { return under > 1e-4f ? diffuse / under : 0; }
+
+#endif
