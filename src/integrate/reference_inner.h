@@ -96,6 +96,7 @@ struct reference_scene {
     ARRAY(reference_lamp) lamps; /* at most REFERENCE_LAMPS; none where there are more */
     bvh_item *items;             /* the primitives that are no planes */
     bvh_tree tree;               /* its leaves hold items */
+    vec3_f64 middle;             /* that the boxes of items and tree are relative to, for they are in float */
 };
 
 /* Where a ray meets a surface. The normals are unit and point to the viewer's side. */

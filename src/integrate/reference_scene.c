@@ -137,7 +137,7 @@ static void add_corners(const reference_scene *r, const reference_primitive *p, 
         for (size_t k = 0; k < 3; ++k) bounds_add(b, mesh_corner(m, p->triangle, k, m->key_times[key]));
 }
 
-/* A box in float around a primitive in the world. */
+/* A box in float around a primitive, seen from the middle. */
 static bvh_item item_of(const reference_scene *r, uint32_t primitive) {
     const reference_primitive *p = &r->primitives.items[primitive];
     scene_bounds b = bounds_empty();
@@ -146,6 +146,7 @@ static bvh_item item_of(const reference_scene *r, uint32_t primitive) {
         b = (scene_bounds){sub_f64(p->corner[0], p->corner[1]), add_f64(p->corner[0], p->corner[1])};
     const reference_place *at = &r->places.items[p->place];
     b = at->link == FATHOM_NONE ? bounds_transformed(&b, &at->to_world) : moved_bounds(r, p->place, &b);
+    b = (scene_bounds){sub_f64(b.lower, r->middle), sub_f64(b.upper, r->middle)};
     /* Some times float's rounding. */
     const vec3_f64 margin = gray(0x1p-20 * fmax(length_f64(b.lower), length_f64(b.upper)));
     bvh_item item = {.id = primitive};
@@ -165,7 +166,7 @@ static reference_lamp lamp_of(const reference_scene *r, uint32_t first, uint32_t
     }
     *next = i;
     const vec3_f64 size = sub_f64(b.upper, b.lower);
-    return (reference_lamp){blend(b.lower, b.upper, 0.5),
+    return (reference_lamp){add_f64(r->middle, blend(b.lower, b.upper, 0.5)),
                             0.5 * (p->kind == SCENE_SPHERE ? largest(size) : length_f64(size))};
 }
 
@@ -185,6 +186,7 @@ static fathom_status build_tree(reference_scene *r) {
     r->items = malloc((r->primitives.count + 1) * sizeof *r->items);
     if (!r->items) return fail_memory(r->scene->context, r->primitives.count * sizeof *r->items);
     uint32_t count = 0;
+    r->middle = load_f64(r->scene->camera.origin);
     for (uint32_t i = 0; i < r->primitives.count; ++i) {
         if (r->primitives.items[i].kind != SCENE_PLANE) r->items[count++] = item_of(r, i);
     }
@@ -238,9 +240,9 @@ static void test(const reference_scene *r, uint32_t primitive, query *q) {
     if (met) q->hit = hit, q->met = p;
 }
 
-static bool crosses(const bvh_node *n, const query *q) {
+static bool crosses(const reference_scene *r, const bvh_node *n, const query *q) {
     double enter = 0, leave = q->hit.t, o[3], d[3];
-    store_f64(o, q->origin);
+    store_f64(o, sub_f64(q->origin, r->middle));
     store_f64(d, q->direction);
     for (int k = 0; k < 3; ++k) {
         const double x = ((double)n->lower[k] - o[k]) / d[k], y = ((double)n->upper[k] - o[k]) / d[k];
@@ -251,7 +253,7 @@ static bool crosses(const bvh_node *n, const query *q) {
 
 static void descend(const reference_scene *r, uint32_t at, query *q) {
     const bvh_node *node = &r->tree.nodes[at];
-    if (!crosses(node, q)) return;
+    if (!crosses(r, node, q)) return;
     for (uint32_t i = node->first; i < node->first + node->count; ++i) test(r, r->items[i].id, q);
     if (node->count) return;
     descend(r, node->first, q);
