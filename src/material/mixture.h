@@ -21,7 +21,7 @@ static inline float mixture_again(float f0, float f90, float mean) {
 /* One over pi times what the first scattering leaves; 0 where that is next to nothing. */
 static inline float mixture_scale(float lost) { return lost > 1e-6f ? 1 / (3.14159265f * lost) : 0; }
 
-/* What reaches the base through the layer, as a mean. */
+/* The mean part that reaches the base through the layer. */
 static inline float mixture_under(float layer0, float layer90, float layer_again, float mean, float edge) {
     return 1 - (layer0 * (mean - edge) + layer90 * edge + layer_again * (1 - mean));
 }

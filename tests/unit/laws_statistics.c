@@ -94,7 +94,7 @@ static void equal_constants_agree_and_others_do_not(void **state) {
     assert_near(mean_p((sample_mean){(double)NAN, 1, 10}, 2, 1), 0, 0);
 }
 
-/* Of a million samples none met a light of 1e-12, which another renderer asks for. */
+/* None of a million samples met a light of 1e-12, which another renderer asks for. */
 static void light_too_rare_to_be_met_is_no_difference(void **state) {
     (void)state;
     sample_mean found[2] = {{3e-12, 1e-13, 100}, {1, 1e-3, 100}}, missed[2] = {{0, 0, 15}, {1, 1e-3, 15}};
