@@ -283,14 +283,16 @@ static void look_outside(const emitters *e, vec3_f64 n, vec3_f64 direction, floa
     }
 }
 
+/* Rounding may leave a choice beyond all chances: the last one above 0 takes it. */
 static vec3_f64 aim_outside(const emitters *e, vec3_f64 n, double choice, double u, double v) {
+    const environment *last = NULL;
     for (uint32_t i = 0; i < e->sky_count; ++i) {
-        if (choice < e->skies[i].chance)
-            return environment_sample(e->skies[i].image, choice / e->skies[i].chance, u, v);
+        if (!(e->skies[i].chance > 0)) continue;
+        last = e->skies[i].image;
+        if (choice < e->skies[i].chance) return environment_sample(last, u, v);
         choice -= e->skies[i].chance;
     }
-    if (e->background_chance > 0) return shape_all_sample(n, u, v);
-    return environment_sample(e->skies[e->sky_count - 1].image, 0, u, v);
+    return e->background_chance > 0 ? shape_all_sample(n, u, v) : environment_sample(last, u, v);
 }
 
 static void sample_outside(const emitters *e, const emitter_query *from, const lanes3 u, double choice,
@@ -325,7 +327,8 @@ static double finer(const lanes3 u, int i) {
     return (whole + (double)(h >> 35) * 0x1p-29) * 0x1p-24;
 }
 
-/* Which part a lane asks, EMITTER_PARTS if there is none; *u becomes a number in [0,1) within it. */
+/* Which part a lane asks, EMITTER_PARTS if there is none; *u becomes a number in [0,1) within it. So what is
+ * even over the square of the first two numbers is even over each part. */
 static emitter_part choose_part(const emitters *e, double *u) {
     emitter_part part = EMITTER_FINITE, last = EMITTER_PARTS;
     double left = *u;
@@ -362,32 +365,38 @@ static void choose_finite(const emitters *e, unsigned lanes, double u[LANES], la
     }
 }
 
-/* Asks what comes from outside at once; returns the lanes that ask for a finite light, and numbers for them.
- */
-static unsigned choose_parts(const emitters *e, const emitter_query *from, const lanes3 u, double left[LANES],
+/* Asks what comes from outside at once; returns the lanes that ask for a finite light, and the numbers that
+ * choose it. Changes the first number of u. */
+static unsigned choose_parts(const emitters *e, const emitter_query *from, lanes3 u, double choice[LANES],
                              emitter_sample *out) {
     unsigned finite = 0;
     for (int i = 0; i < LANES; ++i) {
-        left[i] = finer(u, i);
-        switch (choose_part(e, &left[i])) {
+        double first = (double)u[0][i];
+        choice[i] = finer(u, i);
+        const emitter_part part = choose_part(e, &first);
+        u[0][i] = fminf((float)first, 0x1.fffffep-1f);
+        switch (part) {
         case EMITTER_FINITE: finite |= 1u << i; break;
-        case EMITTER_OUTSIDE: sample_outside(e, from, u, left[i], out, i); break;
-        case EMITTER_DIRECTIONAL: sample_sun(e, (double)u[0][i], (double)u[1][i], left[i], out, i); break;
+        case EMITTER_OUTSIDE: sample_outside(e, from, u, choice[i], out, i); break;
+        case EMITTER_DIRECTIONAL: sample_sun(e, (double)u[0][i], (double)u[1][i], choice[i], out, i); break;
         case EMITTER_PARTS: no_light(out, i); break;
         }
     }
     return finite;
 }
 
-void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out) {
+void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 numbers,
+                     emitter_sample *out) {
+    _Alignas(64) lanes3 u;
+    memcpy(u, numbers, sizeof u);
     lane_choices c = {.from = from, .u = u};
-    double left[LANES];
+    double choice[LANES];
     if (!emitters_choose(e)) {
-        emitters_sample_one(e, from, u, out);
+        emitters_sample_one(e, from, numbers, out);
         return;
     }
-    const unsigned finite = choose_parts(e, from, u, left, out);
-    if (finite) choose_finite(e, finite, left, &c, out);
+    const unsigned finite = choose_parts(e, from, u, choice, out);
+    if (finite) choose_finite(e, finite, choice, &c, out);
     for (unsigned lanes = e->groups ? c.faces | c.balls | c.lamps : 0; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
         out->group[i] = emitters_group_of(e, c.emitter[i]);

@@ -227,12 +227,35 @@ static bool from_outside(const emitters *e) {
     return sum > 0;
 }
 
-/* Each part that is there is asked for equally often. */
-static void share(emitters *e) {
+/* The part of the light in the scene's bounds that its surfaces and lamps send out; the rest comes from
+ * outside. With an intensity I they send pi I at most, and the outside sends pi R² times its luminance over
+ * all directions. */
+static fathom_status finite_share(const emitters *e, double *out) {
+    scene_bounds bounds;
+    double intensity = 0, outside = 4 * SHAPE_PI * (double)luminance(e->background);
+    for (uint32_t i = 0; i < e->sky_count; ++i) outside += environment_power(e->skies[i].image);
+    for (int k = 0; k < TREE_WIDE; ++k) intensity += (double)e->lights.nodes->power[k];
+    fathom_status status = scene_world_bounds(e->w->scene, &bounds);
+    const double radius = status != FATHOM_OK || bounds_is_empty(&bounds) ? 0 : bounds_radius(&bounds),
+                 all = intensity + outside * radius * radius;
+    *out = all > intensity && isfinite(all) ? intensity / all : 0.5;
+    return status;
+}
+
+/* Each part that is there is asked for equally often, but where lamps and the outside differ in how much they
+ * send, the weaker one gives up to half of its questions to the other: a guess, since neither is bright
+ * everywhere, that costs twice the samples where it is wrong. */
+static fathom_status share(emitters *e) {
     const bool there[EMITTER_PARTS] = {e->finite_count > 0, from_outside(e), e->sun_count > 0};
     int parts = 0;
     for (int k = 0; k < EMITTER_PARTS; ++k) parts += there[k];
     for (int k = 0; k < EMITTER_PARTS; ++k) e->chance[k] = there[k] ? 1.0 / parts : 0;
+    if (!there[EMITTER_FINITE] || !there[EMITTER_OUTSIDE]) return FATHOM_OK;
+    double finite;
+    fathom_status status = finite_share(e, &finite);
+    finite = fmin(fmax(finite, 0.25), 0.75);
+    e->chance[EMITTER_FINITE] = 2.0 / parts * finite, e->chance[EMITTER_OUTSIDE] = 2.0 / parts * (1 - finite);
+    return status;
 }
 
 fathom_status emitters_create(fathom_context *context, const world *w, const texturing *varied,
@@ -245,10 +268,8 @@ fathom_status emitters_create(fathom_context *context, const world *w, const tex
     if (!w->scene->in_studio) memcpy(e->background, w->scene->background, sizeof e->background);
     fathom_status status = collect(context, e);
     if (status == FATHOM_OK) status = emitters_open_skies(context, e);
-    if (status == FATHOM_OK) {
-        share(e);
-        if (!emitters_prepare_one(e)) status = fail_memory(context, sizeof *e->one.face);
-    }
+    if (status == FATHOM_OK) status = share(e);
+    if (status == FATHOM_OK && !emitters_prepare_one(e)) status = fail_memory(context, sizeof *e->one.face);
     if (status != FATHOM_OK) {
         emitters_destroy(e);
         return status;

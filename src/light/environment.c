@@ -8,17 +8,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Walker's alias method: a texel is taken as often as `keep` says, else its alias. */
 typedef struct texel {
-    float radiance[3], keep;
-    uint32_t alias;
+    float radiance[3];
 } texel;
 
+/* Directions are found by inversion, first the row, then the texel in it: unlike an alias table it keeps
+ * samples that are even over the square even over the light. */
 struct environment {
     uint32_t width, height;
     vec3_f64 axes[3]; /* right, up and back of the image, in the world */
     double total;     /* luminance times solid angle */
-    texel texels[];
+    double *rows;     /* the same of all rows up to and with each */
+    double *columns;  /* the luminance of all texels of a row up to and with each */
+    texel *texels;
 };
 
 static double luminance(const float rgb[3]) {
@@ -35,7 +37,28 @@ static double solid_angle(const environment *e, uint32_t row) {
     return 2 * SHAPE_PI / e->width * 2 * sin(step * (row + 0.5)) * sin(step / 2);
 }
 
-void environment_destroy(environment *e) { free(e); }
+static environment *make(fathom_context *context, uint32_t width, uint32_t height) {
+    const size_t count = (size_t)width * height;
+    environment *e = calloc(1, sizeof *e);
+    if (e) {
+        e->width = width, e->height = height;
+        e->texels = malloc(count * sizeof *e->texels);
+        e->columns = malloc(count * sizeof *e->columns);
+        e->rows = malloc(height * sizeof *e->rows);
+        if (e->texels && e->columns && e->rows) return e;
+    }
+    environment_destroy(e);
+    fail_memory(context, count * (sizeof *e->texels + sizeof *e->columns));
+    return NULL;
+}
+
+void environment_destroy(environment *e) {
+    if (!e) return;
+    free(e->texels);
+    free(e->columns);
+    free(e->rows);
+    free(e);
+}
 
 double environment_power(const environment *e) { return e->total; }
 
@@ -102,61 +125,32 @@ static fathom_status load_texels(fathom_context *context, const fathom_light *li
     return FATHOM_OK;
 }
 
-/* ---- the alias table ---- */
+/* ---- how often a texel is taken ---- */
 
-static double weight_of(const environment *e, size_t i) {
-    return luminance(e->texels[i].radiance) * solid_angle(e, (uint32_t)(i / e->width));
-}
-
-/* Vose 1991. Texels below the mean, then from the end those above; each of the first takes what it lacks from
- * one of the others. */
-static bool build_aliases(environment *e) {
-    const size_t count = (size_t)e->width * e->height;
-    double *left = malloc(count * sizeof *left);
-    uint32_t *order = malloc(count * sizeof *order);
-    const bool fine = left && order;
-    size_t few = 0, many = count;
-    for (size_t i = 0; fine && i < count; ++i) {
-        left[i] = weight_of(e, i) * (double)count / e->total;
-        if (left[i] < 1)
-            order[few++] = (uint32_t)i;
-        else
-            order[--many] = (uint32_t)i;
-        e->texels[i].keep = 1, e->texels[i].alias = (uint32_t)i;
+static void prepare_choice(environment *e) {
+    for (uint32_t y = 0; y < e->height; ++y) {
+        const size_t first = (size_t)y * e->width;
+        double sum = 0;
+        for (uint32_t x = 0; x < e->width; ++x)
+            e->columns[first + x] = sum += luminance(e->texels[first + x].radiance);
+        e->rows[y] = e->total += sum * solid_angle(e, y);
     }
-    while (fine && few > 0 && many < count) {
-        const uint32_t low = order[--few], high = order[many];
-        e->texels[low].keep = (float)left[low], e->texels[low].alias = high;
-        left[high] -= 1 - left[low];
-        if (left[high] < 1) ++many, order[few++] = high;
-    }
-    free(left);
-    free(order);
-    return fine;
-}
-
-static fathom_status prepare_choice(fathom_context *context, environment *e) {
-    const size_t count = (size_t)e->width * e->height;
-    for (size_t i = 0; i < count; ++i) e->total += weight_of(e, i);
-    return e->total > 0 && !build_aliases(e) ? fail_memory(context, 12 * count) : FATHOM_OK;
 }
 
 static fathom_status prepare(fathom_context *context, const fathom_light *light, const image *img,
                              environment **out) {
-    const size_t count = (size_t)img->width * img->height, bytes = sizeof **out + count * sizeof(texel);
+    const size_t count = (size_t)img->width * img->height;
     if (count > UINT32_MAX || !count)
         return fail_file(context, FATHOM_BAD_INPUT, light->file, "expected 1 to 2^32 - 1 texels, found %zu",
                          count);
-    environment *e = calloc(1, bytes);
-    if (!e) return fail_memory(context, bytes);
-    e->width = img->width, e->height = img->height;
+    environment *e = make(context, img->width, img->height);
+    if (!e) return FATHOM_OUT_OF_RESOURCES;
     const double cosine = cos(light->rotation), sine = sin(light->rotation);
     e->axes[0] = (vec3_f64){cosine, 0, -sine}, e->axes[1] = (vec3_f64){0, 1, 0};
     e->axes[2] = (vec3_f64){sine, 0, cosine};
     fathom_status status = load_texels(context, light, img, e);
-    if (status == FATHOM_OK) status = prepare_choice(context, e);
     if (status == FATHOM_OK)
-        *out = e;
+        prepare_choice(*out = e);
     else
         environment_destroy(e);
     return status;
@@ -207,22 +201,15 @@ static void stand(environment *e, vec3_f64 z, vec3_f64 up) {
 }
 
 fathom_status environment_studio(fathom_context *context, vec3_f64 z, vec3_f64 up, environment **out) {
-    const size_t bytes = sizeof **out + (size_t)STUDIO_WIDTH * STUDIO_HEIGHT * sizeof(texel);
-    environment *e = calloc(1, bytes);
+    environment *e = *out = make(context, STUDIO_WIDTH, STUDIO_HEIGHT);
     studio made;
-    *out = NULL;
-    if (!e) return fail_memory(context, bytes);
-    e->width = STUDIO_WIDTH, e->height = STUDIO_HEIGHT;
+    if (!e) return FATHOM_OUT_OF_RESOURCES;
     stand(e, z, up);
     studio_open(&made);
     for (uint32_t i = 0; i < STUDIO_WIDTH * STUDIO_HEIGHT; ++i)
         studio_radiance(&made, texel_centre(e, i % STUDIO_WIDTH, i / STUDIO_WIDTH), e->texels[i].radiance);
-    fathom_status status = prepare_choice(context, e);
-    if (status == FATHOM_OK)
-        *out = e;
-    else
-        environment_destroy(e);
-    return status;
+    prepare_choice(e);
+    return FATHOM_OK;
 }
 
 /* ---- directions ---- */
@@ -257,14 +244,26 @@ static double inside(double u, double angle) {
     return edge + (1 - 2 * edge) * u;
 }
 
-vec3_f64 environment_sample(const environment *e, double choice, double u, double v) {
-    const size_t count = (size_t)e->width * e->height;
-    const double at = choice * (double)count;
-    size_t i = at < (double)(count - 1) ? (size_t)at : count - 1;
-    if (!(at - (double)i < (double)e->texels[i].keep)) i = e->texels[i].alias;
-    const uint32_t row = (uint32_t)(i / e->width);
+/* The first of the sums that exceeds the share u of the last one, which is not 0; u comes to be how far that
+ * share reaches into it. A weight of 0 is never taken. */
+static uint32_t choose(const double *sums, uint32_t count, double *u) {
+    const double all = sums[count - 1], at = fmin(*u * all, nextafter(all, 0));
+    uint32_t first = 0;
+    for (uint32_t left = count; left > 1;) {
+        const uint32_t half = left / 2;
+        first += sums[first + half - 1] <= at ? half : 0;
+        left -= half;
+    }
+    const double before = first ? sums[first - 1] : 0;
+    *u = (at - before) / (sums[first] - before);
+    return first;
+}
+
+vec3_f64 environment_sample(const environment *e, double u, double v) {
+    const uint32_t row = choose(e->rows, e->height, &v),
+                   column = choose(e->columns + (size_t)row * e->width, e->width, &u);
     const double top = row_cosine(e, row), bottom = row_cosine(e, row + 1);
-    const double place = ((double)(i % e->width) + inside(u, 2 * SHAPE_PI / e->width)) / e->width;
+    const double place = (column + inside(u, 2 * SHAPE_PI / e->width)) / e->width;
     const double y = top + (bottom - top) * inside(v, SHAPE_PI / e->height), r = sqrt(fmax(1 - y * y, 0));
     double c, s;
     shape_turn(place, &c, &s);

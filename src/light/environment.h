@@ -26,7 +26,7 @@ void environment_brightest(const environment *e, float out[3]);
 /* Radiance from a unit direction, and the density with which it is sampled. */
 double environment_at(const environment *e, vec3_f64 direction, float radiance[3]);
 
-/* `choice` takes the texel, u and v a place in it; all in [0,1). */
-vec3_f64 environment_sample(const environment *e, double choice, double u, double v);
+/* u chooses along the image's rows, v among them; both in [0,1). Some texel must shine. */
+vec3_f64 environment_sample(const environment *e, double u, double v);
 
 #endif

@@ -2,6 +2,7 @@
  * errors (6e-7). */
 #include "image/image.h"
 #include "light/emitters.h"
+#include "light/environment.h"
 #include "random.h"
 #include "unit_folder.h"
 
@@ -170,6 +171,42 @@ static void texels_are_taken_by_luminance_and_solid_angle(void **state) {
     assert_true(fabs((cbrt(chi / k) - (1 - f)) / sqrt(f)) < errors);
 }
 
+/* A grid of N x N numbers gives a row of texels N times its share of them, give or take one, and a texel N
+ * times its share of the row, give or take one, from each. An alias table, or any choice that does not keep
+ * order, fails: its counts scatter by the root of the count, some 25. */
+static void even_numbers_are_even_over_the_light(void **state) {
+    (void)state;
+    enum { N = 256 };
+    random_state r = {9};
+    double taken[HEIGHT][WIDTH] = {{0}}, share[HEIGHT][WIDTH], rows[HEIGHT] = {0}, total = 0;
+    fathom_light light;
+    environment *sky;
+    for (int i = 0; i < WIDTH * HEIGHT; ++i) texels[i][1] = (float)random_in(&r, 0.1, 2);
+    write_sky();
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder("sky.exr");
+    assert_ok(context, environment_create(context, &light, &sky));
+    for (int i = 0; i < N * N; ++i) {
+        const vec3_f64 d = environment_sample(sky, (i % N + 0.5) / N, (i / N + 0.5) / N);
+        const double x = (atan2(d.x, -d.z) / (2 * M_PI) + 0.5) * WIDTH, y = acos(d.y) / M_PI * HEIGHT;
+        ++taken[(int)fmin(y, HEIGHT - 1)][(int)fmin(x, WIDTH - 1)];
+    }
+    for (int y = 0; y < HEIGHT; ++y) {
+        for (int x = 0; x < WIDTH; ++x) {
+            const double angle = cos(M_PI * y / HEIGHT) - cos(M_PI * (y + 1.0) / HEIGHT);
+            rows[y] += share[y][x] = (double)texels[y * WIDTH + x][1] * angle;
+        }
+        total += rows[y];
+    }
+    for (int y = 0; y < HEIGHT; ++y) {
+        for (int x = 0; x < WIDTH; ++x) {
+            const double of_rows = N * rows[y] / total, of_row = N * share[y][x] / rows[y];
+            assert_true(fabs(taken[y][x] - of_rows * of_row) <= of_rows + of_row + 1);
+        }
+    }
+    environment_destroy(sky);
+}
+
 static void a_texel_a_million_times_as_bright_is_met_by_its_share(void **state) {
     (void)state;
     for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = 1;
@@ -237,6 +274,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(an_image_lies_as_documented, begin, end),
         cmocka_unit_test_setup_teardown(samples_and_rays_that_leave_agree, begin, end),
         cmocka_unit_test_setup_teardown(texels_are_taken_by_luminance_and_solid_angle, begin, end),
+        cmocka_unit_test_setup_teardown(even_numbers_are_even_over_the_light, begin, end),
         cmocka_unit_test_setup_teardown(a_texel_a_million_times_as_bright_is_met_by_its_share, begin, end),
         cmocka_unit_test_setup_teardown(bad_texels_are_refused_with_their_place, begin, end),
         cmocka_unit_test_setup_teardown(an_environment_needs_a_file, begin, end),
