@@ -58,6 +58,10 @@ typedef struct fathom_read_options {
      * motion. 0 (default): still, but for a shutter of scene JSON, which blurs its motion and not animations.
      */
     double shutter;
+    /* A model that stands in the built-in studio, seen by the automatic camera, gets a floor to stand on: an
+     * object named "studio floor", a grey sheet that touches the lowest point and bends up into a wall
+     * behind, as far as the image shows. Default false. */
+    bool floor;
 } fathom_read_options;
 
 FATHOM_DEFAULT(fathom_read_options)

@@ -141,6 +141,9 @@ static const args_option own_options[] = {
      "1280x720)"},
     {"background", 0, "R,G,B", take_rgb, FIELD(background), 0, 1e9,
      "linear Rec.709 colour of rays that hit nothing (the scene's)"},
+    {"no-floor", 0, NULL, take_true, FIELD(no_floor), 0, 0,
+     "let a model that the built-in studio lights float in it; with --background and with the AOV alpha, "
+     "which shows nothing but the model, there is no floor anyway"},
 
     {.help = "Sampling to an error or a time (with the pattern sobol)"},
 

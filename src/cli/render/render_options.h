@@ -26,6 +26,7 @@ typedef struct render_options {
     args_size size;   /* 0 × 0: the settings' own */
     unsigned threads; /* 0: all processors */
     render_background background;
+    bool no_floor;
     fathom_write_options write;
     bool exposure_auto; /* found once the film is there */
     fathom_loss loss;

@@ -26,6 +26,16 @@ fathom_status scene_choose_camera(fathom_scene *scene, const char *path);
 fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, double across, double up,
                               bool *empty, vec3_f64 *eye);
 
+/* The point below the middle of everything, as low along the unit vector `up` as the lowest point of all, and
+ * the radius of the bounds. The scene must have no cycle. *empty: nothing in it has bounds, and nothing is
+ * set. */
+fathom_status scene_stand_all(const fathom_scene *scene, vec3_f64 up, bool *empty, vec3_f64 *foot,
+                              double *radius);
+
+/* Stands the scene on the floor of the studio (floor.c), an object of its own. Nothing happens unless path
+ * tracing sees the studio by a camera that fathom_scene_complete() made. */
+fathom_status scene_add_floor(fathom_scene *scene);
+
 /* ---- light ---- */
 
 /* The mean irradiance that even emission, as luminance, brings to what does not shine, by sight alone: an

@@ -366,8 +366,9 @@ static void release(walk *w) {
     free(w->first_boxes);
 }
 
-fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, double across, double up,
-                              bool *empty, vec3_f64 *eye) {
+/* Looks at everything through `look`, unless there is nothing with bounds. */
+static fathom_status look_at_all(const fathom_scene *scene, bool (*look)(walk *w, void *user), void *user,
+                                 bool *empty) {
     scene_graph graph;
     scene_bounds *of_group;
     *empty = true;
@@ -384,13 +385,59 @@ fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, 
                   .times = times.items,
                   .time_count = times.count,
                   .threads = fathom_context_threads(scene->context)};
-        if (!prepare_boxes(&w) || !find_eye(&w, axes, (double[2]){across, up}, eye))
+        if (!prepare_boxes(&w) || !look(&w, user))
             status = fail_memory(scene->context, sizeof *w.stack.items);
-        else if (!finite_f64(*eye))
-            status = fail_place(scene, &of_group[FATHOM_ROOT]);
         release(&w);
     }
     free(of_group);
     graph_destroy(&graph);
+    return status;
+}
+
+typedef struct eye_search {
+    const frame_f64 *axes;
+    double most[2];
+    scene_bounds box;
+    vec3_f64 eye;
+} eye_search;
+
+static bool search_eye(walk *w, void *user) {
+    eye_search *s = user;
+    s->box = w->of_group[FATHOM_ROOT];
+    return find_eye(w, s->axes, s->most, &s->eye);
+}
+
+fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, double across, double up,
+                              bool *empty, vec3_f64 *eye) {
+    eye_search s = {.axes = axes, .most = {across, up}};
+    fathom_status status = look_at_all(scene, search_eye, &s, empty);
+    if (status != FATHOM_OK || *empty) return status;
+    if (!finite_f64(s.eye)) return fail_place(scene, &s.box);
+    *eye = s.eye;
+    return FATHOM_OK;
+}
+
+typedef struct foot_search {
+    vec3_f64 up, foot;
+    double radius;
+} foot_search;
+
+/* With slopes of 0, sides 2 and 3 look along the axis y and against it. */
+static bool search_foot(walk *w, void *user) {
+    foot_search *s = user;
+    const scene_bounds *box = &w->of_group[FATHOM_ROOT];
+    const vec3_f64 middle_of_box = bounds_center(box);
+    const frame_f64 axes = {.y = s->up};
+    if (!measure(w, &axes, middle_of_box, (double[2]){0, 0})) return false;
+    s->foot = madd_f64(middle_of_box, -w->reach[3], s->up);
+    s->radius = bounds_radius(box);
+    return true;
+}
+
+fathom_status scene_stand_all(const fathom_scene *scene, vec3_f64 up, bool *empty, vec3_f64 *foot,
+                              double *radius) {
+    foot_search s = {.up = up};
+    fathom_status status = look_at_all(scene, search_foot, &s, empty);
+    *foot = s.foot, *radius = s.radius;
     return status;
 }

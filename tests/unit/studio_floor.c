@@ -1,0 +1,122 @@
+/* The floor of the studio, on which models without camera and lights stand. */
+#include "random.h"
+#include "scene/scene.h"
+#include "unit_folder.h"
+
+#include <fathom/fathom.h>
+
+static fathom_read_options options;
+
+/* A leaning rod of three triangles, whose lowest point is (0, -2, 0.5). */
+static int write_model(void **state) {
+    (void)state;
+    FILE *file = fopen(in_folder("rod.obj"), "w");
+    if (!file) return -1;
+    fputs("v 0 -2 0.5\nv 1 3 0\nv -1 3 0\nv 0 3 1\nf 1 2 3\nf 1 3 4\nf 1 4 2\n", file);
+    fathom_read_options_default(&options);
+    options.floor = true, options.width = options.height = 16;
+    return fclose(file);
+}
+
+static int remove_model(void **state) {
+    (void)state;
+    return unlink(in_folder("rod.obj"));
+}
+
+static fathom_scene *read_model(void) {
+    fathom_scene *scene;
+    assert_ok(context, fathom_scene_read_with(context, in_folder("rod.obj"), &options, &scene));
+    return scene;
+}
+
+static bool has_floor(const fathom_scene *scene) {
+    bool found = false;
+    for (size_t i = 0; i < scene->objects.count; ++i)
+        found |= scene->objects.items[i].name && strcmp(scene->objects.items[i].name, "studio floor") == 0;
+    return found;
+}
+
+/* The floor lies 2^-10 radii below the lowest point. Stored in float, it is off by some 2^-24 of its size,
+ * which is below 64 radii. */
+static void the_lowest_point_touches_it(void **state) {
+    (void)state;
+    for (int z = 0; z < 2; ++z) {
+        options.up = z ? FATHOM_UP_Z : FATHOM_UP_Y;
+        fathom_scene *scene = read_model();
+        assert_true(has_floor(scene));
+        const fathom_mesh *floor = &scene->meshes.items[scene->meshes.count - 1];
+        const double lowest = z ? 0 : -2, radius = sqrt(4 + 25 + 1) / 2;
+        double level = INFINITY;
+        for (size_t i = 0; i < floor->vertex_count; ++i)
+            level = fmin(level, floor->origin[1 + z] + (double)mesh_vertex(floor, i)[1 + z]);
+        assert_true(fabs(lowest - level - 0x1p-10 * radius) < 64 * 0x1p-24 * radius);
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Every sample meets the model or the floor, whatever the image's shape. */
+static void the_image_shows_nothing_beyond_it(void **state) {
+    (void)state;
+    static const uint32_t shapes[][2] = {{16, 16}, {96, 16}, {16, 96}};
+    for (size_t k = 0; k < sizeof shapes / sizeof *shapes; ++k) {
+        options.width = shapes[k][0], options.height = shapes[k][1];
+        fathom_scene *scene = read_model();
+        fathom_settings s;
+        fathom_film *film;
+        fathom_scene_settings(scene, &s);
+        s.width = shapes[k][0], s.height = shapes[k][1], s.spp = 4, s.target_error = 0,
+        s.aovs = FATHOM_AOV_ALPHA;
+        assert_ok(context, fathom_render(context, scene, &s, NULL, NULL, NULL, &film));
+        const float *alpha = fathom_film_channel(film, "A");
+        for (uint32_t i = 0; i < s.width * s.height; ++i) assert_true(alpha[i] == 1);
+        fathom_film_destroy(film);
+        fathom_scene_destroy(scene);
+    }
+}
+
+static void assert_floorless(void) {
+    fathom_scene *scene = read_model();
+    assert_false(has_floor(scene));
+    fathom_scene_destroy(scene);
+}
+
+static void only_whoever_asks_gets_one(void **state) {
+    (void)state;
+    options.floor = false;
+    assert_floorless();
+    options.floor = true, options.choose_integrator = true, options.integrator = FATHOM_INTEGRATOR_CLASSIC;
+    assert_floorless();
+}
+
+/* Scenes that bring a camera, a light or a background are as their authors made them. */
+static void scenes_of_their_own_have_none(void **state) {
+    (void)state;
+    static const char *const brought[] = {"\"camera\": { \"eye\": [0, 0, 9], \"target\": [0, 0, 0] }",
+                                          "\"background\": [1, 1, 1]", "\"lights\": []",
+                                          "\"name\": \"bare\""};
+    for (size_t i = 0; i < 4; ++i) {
+        fathom_scene *scene;
+        FILE *file = fopen(in_folder("scene.json"), "w");
+        assert_non_null(file);
+        fprintf(file,
+                "{ %s, \"objects\": [ { \"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1 } ] }",
+                brought[i]);
+        assert_int_equal(fclose(file), 0);
+        assert_ok(context, fathom_scene_read_with(context, in_folder("scene.json"), &options, &scene));
+        assert_true(has_floor(scene) == (i == 3));
+        fathom_scene_destroy(scene);
+        unlink(in_folder("scene.json"));
+    }
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, write_model, remove_model)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        TEST(the_lowest_point_touches_it),
+        TEST(the_image_shows_nothing_beyond_it),
+        TEST(only_whoever_asks_gets_one),
+        TEST(scenes_of_their_own_have_none),
+    };
+    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+}
