@@ -179,7 +179,7 @@ typedef bool (*fathom_progress_fn)(void *user, const fathom_progress *progress);
 typedef struct fathom_stats {
     size_t size;
     uint64_t triangles, primitives,
-        instances;             /* triangles stored; spheres + quads + planes + triangles; placed instances */
+        instances; /* triangles stored; spheres + points + quads + planes + triangles; placed instances */
     uint64_t placed_triangles; /* counted once for each instance they appear in */
     uint64_t camera_rays, shadow_rays, reflection_rays, refraction_rays;
     uint64_t
@@ -193,7 +193,7 @@ typedef struct fathom_stats {
                                    infinite when time ended before it was known. Otherwise 0 */
     double build_seconds, render_seconds;
     uint64_t mesh_bytes, bvh_bytes,
-        film_bytes;          /* arrays of the scene's meshes; the tracer's structures; pixels */
+        film_bytes; /* arrays of the scene's meshes, and points as spheres; the tracer's structures; pixels */
     uint64_t bvh_peak_bytes; /* the most that the tracer held while it was built */
     uint64_t foreseen_bytes; /* the most that the process was expected to hold, before building; 0: unknown */
     uint64_t degenerate_triangles; /* rendered around */

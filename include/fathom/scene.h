@@ -227,7 +227,7 @@ typedef struct fathom_plane {
     unsigned flags;
 } fathom_plane;
 
-/* Triangles over float vertices, placed at `origin`: vertex i is at origin + positions[i].
+/* Triangles over float vertices, or points, placed at `origin`: vertex i is at origin + positions[i].
  * Strides are in bytes, multiples of 4; 0 means tightly packed. normal_indices and uv_indices run beside
  * indices (3 a triangle); NULL means the same as indices. */
 typedef struct fathom_mesh {
@@ -263,6 +263,9 @@ typedef struct fathom_mesh {
     const double *key_times;
     const float *key_positions; /* key_count times vertex_count x y z, tightly packed */
     const float *key_normals;   /* key_count times normal_count x y z; needed where there are normals */
+    /* A cloud of points: every vertex is a sphere of this radius, in place of triangles; it has positions,
+     * colours and nothing else. 0 (default): a mesh of triangles. */
+    float point_radius;
 } fathom_mesh;
 
 FATHOM_DEFAULT(fathom_sphere)

@@ -23,8 +23,8 @@ typedef struct info_settings {
 static json_t *pack_counts(const fathom_survey *s) {
     return json_of(JSON("triangles", s->triangles), JSON("placedTriangles", s->placed_triangles),
                    JSON("degenerateTriangles", s->degenerate_triangles), JSON("meshes", s->meshes),
-                   JSON("spheres", s->spheres), JSON("quads", s->quads), JSON("planes", s->planes),
-                   JSON("instances", s->instances), JSON("groups", s->groups),
+                   JSON("spheres", s->spheres), JSON("points", s->points), JSON("quads", s->quads),
+                   JSON("planes", s->planes), JSON("instances", s->instances), JSON("groups", s->groups),
                    JSON("materials", s->materials));
 }
 
@@ -144,13 +144,14 @@ static void print_facts(const json_t *root) {
     if (json_number_at(root, "counts.meshes") != 1) fputs("es", stdout);
     if (json_number_at(root, "counts.placedTriangles") != json_number_at(root, "counts.triangles"))
         json_print(root, "; {counts.placedTriangles:.0f} with instances");
-    json_print(
-        root,
-        "\nshapes    {counts.spheres:.0f} spheres, {counts.quads:.0f} quads, {counts.planes:.0f} planes\n"
-        "instances {counts.instances:.0f} of {counts.groups:.0f} groups\n"
-        "lights    {lights.point:.0f} point, {lights.directional:.0f} directional, {lights.spot:.0f} "
-        "spot\n"
-        "materials {counts.materials:.0f}\n");
+    fputs("\nshapes    ", stdout);
+    if (json_number_at(root, "counts.points") > 0) json_print(root, "{counts.points:.0f} points, ");
+    json_print(root,
+               "{counts.spheres:.0f} spheres, {counts.quads:.0f} quads, {counts.planes:.0f} planes\n"
+               "instances {counts.instances:.0f} of {counts.groups:.0f} groups\n"
+               "lights    {lights.point:.0f} point, {lights.directional:.0f} directional, {lights.spot:.0f} "
+               "spot\n"
+               "materials {counts.materials:.0f}\n");
     if (json_is_object(json_at(root, "bounds")))
         print_pair("bounds    ", json_at(root, "bounds.lower"), " to ", json_at(root, "bounds.upper"), 9);
     print_pair("camera    at ", json_at(root, "camera.origin"), " looking along ",

@@ -143,8 +143,15 @@ static bool tell_unneeded(const wording *words, size_t count, left_out_list *lis
     return true;
 }
 
+static bool any_triangles(const world *w) {
+    for (size_t i = 0; i < w->geometries.count; ++i) {
+        if (w->geometries.items[i].kind == WORLD_MESH) return true;
+    }
+    return false;
+}
+
 static bool tell_shapes(const world *w, left_out_list *list) {
-    const wording words[] = {{w->meshes.count, "triangle geometry", "there is no mesh"},
+    const wording words[] = {{any_triangles(w), "triangle geometry", "there is no mesh"},
                              {w->spheres.count, "sphere geometry", "there is no sphere"},
                              {w->quads.count, "quad geometry", "there is no quad"},
                              {w->planes.count, "planes", "there is none"},

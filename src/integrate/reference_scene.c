@@ -28,7 +28,7 @@ static vec3_f64 mesh_corner(const fathom_mesh *m, uint32_t triangle, size_t k, d
                                             : color_of(mesh_vertex(m, index)));
 }
 
-/* Sets the place's flags, too. */
+/* A point of a cloud is a sphere. Sets the place's flags, too. */
 static reference_primitive load(const fathom_scene *s, const scene_object *o, uint32_t triangle,
                                 unsigned *flags) {
     reference_primitive p = {.kind = o->kind, .mesh = o->index, .triangle = triangle};
@@ -47,19 +47,27 @@ static reference_primitive load(const fathom_scene *s, const scene_object *o, ui
         p.corner[1] = load_f64(s->planes.items[o->index].normal);
         *flags = s->planes.items[o->index].flags;
         break;
-    case SCENE_MESH:
+    case SCENE_MESH: {
+        const fathom_mesh *m = &s->meshes.items[o->index];
+        *flags = m->flags;
+        if (m->point_radius > 0) {
+            p.kind = SCENE_SPHERE;
+            p.corner[0] = add_f64(load_f64(m->origin), color_of(mesh_vertex(m, triangle)));
+            p.corner[1] = gray((double)m->point_radius);
+            break;
+        }
         for (size_t k = 0; k < 4; ++k)
-            p.corner[k] =
-                mesh_corner(&s->meshes.items[o->index], triangle, k < 3 ? k : 2, s->camera.shutter[0]);
-        *flags = s->meshes.items[o->index].flags;
+            p.corner[k] = mesh_corner(m, triangle, k < 3 ? k : 2, s->camera.shutter[0]);
         break;
+    }
     }
     return p;
 }
 
 static bool add_object(reference_scene *r, fathom_id id, reference_place at, fathom_id material) {
     const scene_object *o = &r->scene->objects.items[id];
-    const uint32_t count = o->kind == SCENE_MESH ? r->scene->meshes.items[o->index].triangle_count : 1;
+    const fathom_mesh *m = o->kind == SCENE_MESH ? &r->scene->meshes.items[o->index] : NULL;
+    const uint32_t count = !m ? 1 : m->point_radius > 0 ? m->vertex_count : m->triangle_count;
     if (!array_room(&r->primitives, count)) return false;
     const size_t first = r->primitives.count;
     for (uint32_t i = 0; i < count; ++i) {

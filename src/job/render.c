@@ -111,7 +111,7 @@ static fathom_status count_scene(const world *w, const trace_tracer *tracer, con
                                  fathom_stats *stats) {
     const fathom_scene *scene = w->scene;
     stats->triangles = scene_triangles(scene);
-    stats->primitives = stats->triangles + scene->spheres.count + scene->quads.count + scene->planes.count;
+    stats->primitives = scene_primitives(scene);
     stats->instances = w->instances.count;
     stats->placed_triangles = placed_triangles(w, 0);
     for (size_t k = 0; k < w->instances.count; ++k)

@@ -84,6 +84,7 @@ static fathom_status count(const fathom_scene *scene, const world *w, survey *ou
     fathom_survey *s = &out->shown;
     s->triangles = scene_triangles(scene);
     s->degenerate_triangles = w->degenerate_triangles;
+    s->points = scene_points(scene);
     s->meshes = scene->meshes.count, s->spheres = scene->spheres.count, s->quads = scene->quads.count;
     s->planes = scene->planes.count, s->instances = scene->instances.count;
     s->groups = scene->groups.count - 1, s->materials = scene->materials.count;
@@ -165,6 +166,7 @@ static void find_features(const fathom_scene *scene, survey *out) {
         bool used;
         const char *name;
     } features[] = {{scene->spheres.count, "spheres"},
+                    {out->shown.points, "points"},
                     {scene->quads.count, "quads"},
                     {scene->planes.count, "planes"},
                     {out->shown.triangles, "triangles"},

@@ -40,9 +40,10 @@ double bounds_radius(const scene_bounds *b) {
 
 static scene_bounds mesh_bounds(const fathom_mesh *mesh, const mesh_facts *facts) {
     scene_bounds out = bounds_empty();
-    vec3_f64 origin = load_f64(mesh->origin);
-    bounds_add(&out, add_f64(origin, widen(load_f32(facts->lower))));
-    bounds_add(&out, add_f64(origin, widen(load_f32(facts->upper))));
+    const double reach = (double)mesh->point_radius;
+    const vec3_f64 origin = load_f64(mesh->origin), around = {reach, reach, reach};
+    bounds_add(&out, add_f64(origin, sub_f64(widen(load_f32(facts->lower)), around)));
+    bounds_add(&out, add_f64(origin, add_f64(widen(load_f32(facts->upper)), around)));
     return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "scene/mesh/mesh_array.h"
+#include "scene/world/world.h"
 
 #include <stdlib.h>
 
@@ -68,6 +69,7 @@ fathom_status scene_buffer_bytes(const fathom_scene *scene, unsigned which, uint
     fathom_status status = list_pieces(scene, which, &list);
     *out = 0;
     for (size_t i = 0; i < list.count; ++i) *out += list.items[i].end - list.items[i].start;
+    if (which & SCENE_TRACED) *out += scene_points(scene) * WORLD_POINT_BYTES;
     free(list.items);
     return status;
 }

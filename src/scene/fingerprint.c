@@ -101,6 +101,7 @@ static void hash_mesh(hash *h, const fathom_mesh *m) {
     PUT(h, m->vertex_count), PUT(h, m->triangle_count), PUT(h, m->normal_count), PUT(h, has);
     PUT(h, m->origin), PUT(h, m->material), PUT(h, m->flags);
     if (m->key_count) PUT(h, m->key_count);
+    if (m->point_radius > 0) PUT(h, m->point_radius);
 }
 
 #define PUT_ALL(hash, array, put)                                                                            \

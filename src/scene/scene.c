@@ -175,6 +175,20 @@ uint64_t scene_triangles(const fathom_scene *scene) {
     return triangles;
 }
 
+uint64_t scene_points(const fathom_scene *scene) {
+    uint64_t points = 0;
+    for (size_t i = 0; i < scene->meshes.count; ++i) {
+        const fathom_mesh *mesh = &scene->meshes.items[i];
+        points += mesh->point_radius > 0 ? mesh->vertex_count : 0;
+    }
+    return points;
+}
+
+uint64_t scene_primitives(const fathom_scene *scene) {
+    return scene_triangles(scene) + scene_points(scene) + scene->spheres.count + scene->quads.count +
+           scene->planes.count;
+}
+
 fathom_id scene_object_material(const fathom_scene *scene, fathom_id id) {
     scene_object object = scene->objects.items[id];
     switch (object.kind) {

@@ -167,13 +167,16 @@ scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id object);
 /* The bounds of everything that is placed in the world, instances included. The scene must have no cycle. */
 fathom_status scene_world_bounds(const fathom_scene *scene, scene_bounds *out);
 
-/* Triangles of all meshes, each counted once. */
+/* Triangles of all meshes, points of all clouds, and everything that a ray can meet; each counted once. */
 uint64_t scene_triangles(const fathom_scene *scene);
+uint64_t scene_points(const fathom_scene *scene);
+uint64_t scene_primitives(const fathom_scene *scene);
 
 /* Arrays of meshes: read by tracers, by shading, by nothing. */
 enum { SCENE_TRACED = 1, SCENE_SHADED = 2, SCENE_UNREAD = 4, SCENE_BUFFERS = 7 };
 
-/* The bytes of these arrays of all meshes; shared bytes count once. */
+/* The bytes of these arrays of all meshes; shared bytes count once. The spheres that a world makes of points
+ * are among what is traced. */
 fathom_status scene_buffer_bytes(const fathom_scene *scene, unsigned which, uint64_t *out);
 /* Releases the memory under the scene's mapped files, except what tracers read. Pages that are read again
  * come back. */

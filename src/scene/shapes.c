@@ -184,11 +184,37 @@ fathom_status mesh_check_vertex_keys(fathom_context *context, const fathom_mesh 
     return status;
 }
 
+/* A mesh has triangles, or it is a cloud of points. */
+static fathom_status check_kind(fathom_context *context, const fathom_mesh *m) {
+    if (m->point_radius == 0)
+        return m->indices && m->triangle_count
+                   ? FATHOM_OK
+                   : fail_field(context, FATHOM_BAD_INPUT, "indices", "the mesh has no triangles");
+    if (!(m->point_radius > 0) || !isfinite(m->point_radius))
+        return fail_field(context, FATHOM_BAD_INPUT, "point_radius", "expected a number >= 0, found %g",
+                          (double)m->point_radius);
+    const struct {
+        const char *name;
+        bool there;
+    } others[] = {{"indices", m->indices || m->triangle_count},
+                  {"normals", m->normals},
+                  {"uvs", m->uvs || m->uvs_1},
+                  {"tangents", m->tangents},
+                  {"key_count", m->key_count}};
+    for (size_t i = 0; i < sizeof others / sizeof *others; ++i) {
+        if (others[i].there)
+            return fail_field(context, FATHOM_BAD_INPUT, others[i].name,
+                              "a mesh with a point_radius is a cloud of points, which has positions and "
+                              "colors alone; expected none");
+    }
+    return FATHOM_OK;
+}
+
 static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m, mesh_facts *facts) {
     if (!m->positions || !m->vertex_count)
         return fail_field(context, FATHOM_BAD_INPUT, "positions", "the mesh has no vertices");
-    if (!m->indices || !m->triangle_count)
-        return fail_field(context, FATHOM_BAD_INPUT, "indices", "the mesh has no triangles");
+    const fathom_status kind = check_kind(context, m);
+    if (kind != FATHOM_OK) return kind;
     if (!finite_f64(load_f64(m->origin)))
         return fail_field(context, FATHOM_BAD_INPUT, "origin", "expected three finite numbers");
     if (m->colors && (m->color_channels < 3 || m->color_channels > 4))

@@ -42,9 +42,14 @@ void surface_uv_of(const world *w, uint32_t geometry, uint32_t primitive, bool s
 
 bool surface_color_of(const world *w, uint32_t geometry, uint32_t primitive, const float weight[3],
                       float rgba[4]) {
-    const fathom_mesh *m = mesh_of(w, geometry);
+    const uint32_t cloud = geometry < w->geometries.count ? w->geometries.items[geometry].cloud : 0;
+    const fathom_mesh *m = cloud ? &w->meshes.items[cloud - 1] : mesh_of(w, geometry);
     for (int c = 0; c < 4; ++c) rgba[c] = 1;
     if (!m || !m->colors) return false;
+    if (cloud) {
+        memcpy(rgba, mesh_row(m->colors, m->color_stride, primitive), m->color_channels * sizeof *rgba);
+        return true;
+    }
     for (unsigned c = 0; c < m->color_channels; ++c) rgba[c] = 0;
     for (size_t k = 0; k < 3; ++k) {
         const float *at = mesh_row(m->colors, m->color_stride, m->indices[3 * (size_t)primitive + k]);

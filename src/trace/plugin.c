@@ -79,7 +79,7 @@ static fathom_status only_triangles(fathom_context *context, const world *w) {
     const char *what = w->instances.count ? "instances" : NULL;
     for (size_t g = 0; g < w->geometries.count && !what; ++g) {
         switch (w->geometries.items[g].kind) {
-        case WORLD_SPHERES: what = "spheres"; break;
+        case WORLD_SPHERES: what = w->geometries.items[g].cloud ? "points" : "spheres"; break;
         case WORLD_QUADS: what = "quads"; break;
         case WORLD_MESH: break;
         }

@@ -202,8 +202,24 @@ static size_t count_colors(const fathom_scene *scene, bool opacities) {
     return count;
 }
 
-static void note_lost(const fathom_scene *scene, const scene_graph *graph, const size_t *ways,
-                      format_id format, note_list *notes) {
+/* Clouds whose radius readers of the format do not find again. */
+static fathom_status count_radii(const fathom_scene *scene, const scene_graph *graph, format_id format,
+                                 size_t *out) {
+    *out = 0;
+    if (format == JSON) return FATHOM_OK;
+    return write_count_radii(scene, graph,
+                             format == GLB   ? WRITE_CLOUDS_EACH
+                             : format == OBJ ? WRITE_CLOUDS_BY_MATERIAL
+                                             : WRITE_CLOUDS_ALL,
+                             out);
+}
+
+static fathom_status note_lost(const fathom_scene *scene, const scene_graph *graph, const size_t *ways,
+                               format_id format, note_list *notes) {
+    const size_t lost_points = write_ply_lost_points(scene, ways);
+    size_t radii = 0;
+    const fathom_status status =
+        format == PLY && lost_points ? FATHOM_OK : count_radii(scene, graph, format, &radii);
     const bool image = format == PLY && write_ply_image(scene, graph);
     const size_t cameras = scene->cameras.count, taken = cameras && scene->camera_taken != FATHOM_NONE;
     const struct {
@@ -237,14 +253,19 @@ static void note_lost(const fathom_scene *scene, const scene_graph *graph, const
         {OBJ, count_colors(scene, true), "the opacity of a vertex is left out"},
         {OBJ, count_arrays(scene, MESH_UVS_1), "the second uv set of a mesh is left out"},
         {MESHES, count_arrays(scene, MESH_TANGENTS), "the tangents of a mesh are left out"},
+        {PLY, lost_points, "a point is left out: a PLY file of triangles has no place for points"},
+        {MODELS, radii,
+         "the radius of a cloud of points is left out; readers find one by how many points lie how far "
+         "apart"},
     };
     for (size_t i = 0; i < sizeof facts / sizeof *facts; ++i) {
         if (facts[i].lacking & format && facts[i].count)
             notes_add(notes, facts[i].count, "", "%s", facts[i].text);
     }
+    return status;
 }
 
-/* Models hold triangles only; notes other shapes, which are left out. */
+/* Models hold triangles and points; notes other shapes, which are left out. */
 static fathom_status check_shapes(const fathom_scene *scene, const size_t *ways, const char *path,
                                   note_list *notes) {
     static const char *const names[] = {"a sphere is no triangles, and is left out",
@@ -257,7 +278,8 @@ static fathom_status check_shapes(const fathom_scene *scene, const size_t *ways,
         if (placed[kind]) notes_add(notes, placed[kind], "", "%s", names[kind]);
     }
     if (placed[SCENE_MESH]) return FATHOM_OK;
-    return fail_file(scene->context, FATHOM_BAD_USAGE, path, "the scene holds no triangles to write");
+    return fail_file(scene->context, FATHOM_BAD_USAGE, path,
+                     "the scene holds no triangles or points to write");
 }
 
 /* ---- the format ---- */
@@ -277,7 +299,7 @@ static fathom_status write_as(const fathom_scene *scene, const scene_graph *grap
     fathom_status status = notes ? FATHOM_OK : fail_memory(scene->context, sizeof *notes);
     if (status == FATHOM_OK) status = write_count_ways(scene, graph, &ways);
     if (status == FATHOM_OK && format->id != JSON) status = check_shapes(scene, ways, path, notes);
-    if (status == FATHOM_OK) note_lost(scene, graph, ways, format->id, notes);
+    if (status == FATHOM_OK) status = note_lost(scene, graph, ways, format->id, notes);
     if (status == FATHOM_OK) status = format->write(scene, graph, path, notes);
     if (status == FATHOM_OK) notes_tell(notes, scene->context, path);
     free(ways);

@@ -22,6 +22,8 @@ fathom_status write_ply(const fathom_scene *scene, const scene_graph *graph, con
 /* The one image that a PLY file can have: the colour of all triangles. NULL: they have none in common, or one
  * that PLY has no place for. */
 const fathom_map *write_ply_image(const fathom_scene *scene, const scene_graph *graph);
+/* Points that PLY has no place for; ways: as write_count_ways() has them. */
+size_t write_ply_lost_points(const fathom_scene *scene, const size_t *ways);
 fathom_status write_obj(const fathom_scene *scene, const scene_graph *graph, const char *path,
                         note_list *notes);
 fathom_status write_json(const fathom_scene *scene, const scene_graph *graph, const char *path,
@@ -80,6 +82,12 @@ vec3_f32 write_placed_normal(const write_placement *p, vec3_f32 normal);
 typedef fathom_status (*write_visit)(void *user, const write_placement *p);
 fathom_status write_each_placement(const fathom_scene *scene, const scene_graph *graph, write_visit visit,
                                    void *user);
+
+/* The clouds that readers make of the points of a file. */
+typedef enum write_clouds { WRITE_CLOUDS_EACH, WRITE_CLOUDS_BY_MATERIAL, WRITE_CLOUDS_ALL } write_clouds;
+/* Counts the clouds whose radius is not the one that readers give their points. */
+fathom_status write_count_radii(const fathom_scene *scene, const scene_graph *graph, write_clouds how,
+                                size_t *out);
 
 /* How often each group is placed; SIZE_MAX when too often to count. Release with free(). */
 fathom_status write_count_ways(const fathom_scene *scene, const scene_graph *graph, size_t **out);

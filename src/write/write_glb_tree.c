@@ -114,7 +114,11 @@ static void put_primitive(const glb *g, file_writer *t, uint32_t index, fathom_i
         if (sizes[kind])
             file_writer_print(t, "%s\"%s\":%u", kind ? "," : "{\"attributes\":{", names[kind], accessor++);
     }
-    file_writer_print(t, "},\"indices\":%u,\"material\":%u}", accessor,
+    if (sizes[GLB_INDEX])
+        file_writer_print(t, "},\"indices\":%u", accessor);
+    else
+        file_writer_print(t, "},\"mode\":0"); /* points */
+    file_writer_print(t, ",\"material\":%u}",
                       override != FATHOM_NONE ? override : m->vertices.mesh->material);
 }
 

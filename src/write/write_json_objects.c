@@ -109,9 +109,13 @@ static fathom_status put_mesh(json_out *o, fathom_id object, const fathom_mesh *
     fathom_status status = write_mesh_prepare(o->scene->context, mesh, false, &m);
     if (status != FATHOM_OK) return status;
     put_rows(o, "positions", &(rows){&m, MESH_POSITIONS, 0, 3, origin});
-    file_writer_print(o->stream.file, ",\n\"indices\":[");
-    write_items(&o->stream, mesh->triangle_count, ROW_MOST, format_triangles, &m);
-    file_writer_print(o->stream.file, "]");
+    if (mesh->point_radius > 0) {
+        file_writer_print(o->stream.file, ",\n\"pointRadius\":%.9g", (double)mesh->point_radius);
+    } else {
+        file_writer_print(o->stream.file, ",\n\"indices\":[");
+        write_items(&o->stream, mesh->triangle_count, ROW_MOST, format_triangles, &m);
+        file_writer_print(o->stream.file, "]");
+    }
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i) {
         if (write_mesh_width(mesh, arrays[i].kind) > arrays[i].from)
             put_rows(o, arrays[i].key, &(rows){&m, arrays[i].kind, arrays[i].from, arrays[i].count, NULL});

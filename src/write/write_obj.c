@@ -43,7 +43,7 @@ static void put_color(const fathom_mesh *m, size_t vertex, float out[3]) {
 typedef struct obj_part {
     const obj *o;
     const write_placement *at;
-    enum { POSITIONS, NORMALS, UVS, FACES } kind;
+    enum { POSITIONS, NORMALS, UVS } kind; /* of vertices */
 } obj_part;
 
 static size_t format_vertices(const void *user, size_t begin, size_t end, char *out) {
@@ -99,6 +99,17 @@ static size_t format_faces(const void *user, size_t begin, size_t end, char *out
     return (size_t)(out - start);
 }
 
+static size_t format_points(const void *user, size_t begin, size_t end, char *out) {
+    const obj_part *f = user;
+    char *start = out;
+    for (size_t i = begin; i < end; ++i) {
+        *out++ = 'p', *out++ = ' ';
+        out += write_integer(out, f->o->positions + i + 1);
+        *out++ = '\n';
+    }
+    return (size_t)(out - start);
+}
+
 /* ---- file ---- */
 
 /* Appends the group's name as one word. */
@@ -124,8 +135,8 @@ static fathom_status put_placement(void *user, const write_placement *at) {
     if (m->uvs) write_items(&o->stream, m->uv_count, line, format_vertices, &part);
     part.kind = NORMALS;
     if (m->normals) write_items(&o->stream, m->normal_count, line, format_vertices, &part);
-    part.kind = FACES;
     write_items(&o->stream, m->triangle_count, 9 * 22 + 8, format_faces, &part);
+    if (m->point_radius > 0) write_items(&o->stream, m->vertex_count, 22 + 8, format_points, &part);
     o->positions += m->vertex_count;
     o->uvs += m->uvs ? m->uv_count : 0;
     o->normals += m->normals ? m->normal_count : 0;

@@ -1,7 +1,8 @@
 /* PLY: little-endian binary, instances are placed. Normals, uvs and colours are written if any mesh has them,
  * and opacities as alpha. The second uv set is s1 and t1, which no other program is known to read. A vertex
  * has one normal, so flat meshes among smooth ones get a vertex for each corner, with the facet's normal. An
- * image that all triangles have in common is named in a comment, and lies as the uvs say: v grows upwards. */
+ * image that all triangles have in common is named in a comment, and lies as the uvs say: v grows upwards.
+ * Points are vertices of a file without faces; next to triangles they have no place. */
 #include "write/image.h"
 #include "write/write.h"
 
@@ -14,12 +15,12 @@ typedef struct ply {
     const scene_graph *graph;
     const char *path;
     write_stream stream;
-    write_mesh *meshes; /* one for each of the scene's meshes */
-    bool normals, uvs, uvs_1, colors, alpha;
-    const fathom_map *map;      /* of the image; NULL: none */
-    write_images images;        /* that one */
-    size_t vertices, triangles; /* in all */
-    size_t first_vertex;        /* of the placement being written */
+    write_mesh *meshes;                              /* one for each of the scene's meshes */
+    bool normals, uvs, uvs_1, colors, alpha, points; /* points: they have a place */
+    const fathom_map *map;                           /* of the image; NULL: none */
+    write_images images;                             /* that one */
+    size_t vertices, triangles;                      /* in all */
+    size_t first_vertex;                             /* of the placement being written */
 } ply;
 
 /* ---- counting ---- */
@@ -40,20 +41,41 @@ static fathom_status count_mesh(ply *p, uint32_t index, size_t ways, bool prepar
     return status;
 }
 
+static bool has_place(const ply *p, const fathom_mesh *mesh) {
+    return p->points || !(mesh->point_radius > 0);
+}
+
 static fathom_status count_meshes(ply *p, const size_t *ways, bool prepare) {
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < p->scene->objects.count && status == FATHOM_OK; ++i) {
         scene_object object = p->scene->objects.items[i];
-        if (object.kind == SCENE_MESH && ways[object.group])
+        if (object.kind == SCENE_MESH && ways[object.group] &&
+            has_place(p, &p->scene->meshes.items[object.index]))
             status = count_mesh(p, object.index, ways[object.group], prepare);
     }
     return status;
 }
 
+size_t write_ply_lost_points(const fathom_scene *scene, const size_t *ways) {
+    size_t points = 0, triangles = 0;
+    for (size_t i = 0; i < scene->objects.count; ++i) {
+        const scene_object object = scene->objects.items[i];
+        if (object.kind != SCENE_MESH) continue;
+        const fathom_mesh *mesh = &scene->meshes.items[object.index];
+        const size_t count = mesh->point_radius > 0 ? mesh->vertex_count : mesh->triangle_count;
+        size_t *sum = mesh->point_radius > 0 ? &points : &triangles;
+        *sum = write_add(*sum, write_multiply(ways[object.group], count));
+    }
+    return triangles ? points : 0;
+}
+
 static fathom_status count_all(ply *p) {
     size_t *ways;
     fathom_status status = write_count_ways(p->scene, p->graph, &ways);
-    if (status == FATHOM_OK) status = count_meshes(p, ways, false);
+    if (status == FATHOM_OK) {
+        p->points = !write_ply_lost_points(p->scene, ways);
+        status = count_meshes(p, ways, false);
+    }
     if (status == FATHOM_OK) status = count_meshes(p, ways, true);
     free(ways);
     if (status == FATHOM_OK && (p->vertices > UINT32_MAX || p->triangles > UINT32_MAX)) {
@@ -76,6 +98,7 @@ typedef struct image_search {
 
 static fathom_status look_at_placement(void *user, const write_placement *at) {
     image_search *search = user;
+    if (at->mesh->point_radius > 0) return FATHOM_OK;
     if (search->material == FATHOM_NONE) search->material = at->material;
     search->differs |= search->material != at->material || !at->mesh->uvs;
     return FATHOM_OK;
@@ -111,18 +134,21 @@ static void place_on_image(const ply *p, float uv[2]) {
 
 /* Returns the length. `blanks` follow the comment. */
 static int format_header(const ply *p, int blanks, char text[HEADER_BYTES]) {
+    char faces[128] = "";
+    if (p->triangles)
+        snprintf(faces, sizeof faces, "element face %zu\nproperty list uchar uint vertex_indices\n",
+                 p->triangles);
     return snprintf(
         text, HEADER_BYTES,
         "ply\nformat binary_little_endian 1.0\n%s%.255s%scomment Fathom %s%*s\nelement vertex %zu\n"
-        "property float x\nproperty float y\nproperty float z\n%s%s%s%s%selement face %zu\n"
-        "property list uchar uint vertex_indices\nend_header\n",
+        "property float x\nproperty float y\nproperty float z\n%s%s%s%s%s%send_header\n",
         p->map ? "comment TextureFile " : "", p->map ? p->images.items[0].name : "", p->map ? "\n" : "",
         fathom_version(), blanks, "", p->vertices,
         p->normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
         p->uvs ? "property float s\nproperty float t\n" : "",
         p->uvs_1 ? "property float s1\nproperty float t1\n" : "",
         p->colors ? "property float red\nproperty float green\nproperty float blue\n" : "",
-        p->alpha ? "property float alpha\n" : "", p->triangles);
+        p->alpha ? "property float alpha\n" : "", faces);
 }
 
 /* Padded to a multiple of 4 bytes, so that the vertices can be used in the mapped file. */

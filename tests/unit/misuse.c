@@ -291,6 +291,38 @@ static void null_in_meshes(void **state) {
     stage_close(&s);
 }
 
+/* A cloud of points has positions and colours alone, and a radius that is a number. */
+static void clouds_with_more_than_points(void **state) {
+    (void)state;
+    stage s = stage_open(32, 32);
+    static const float rows[16] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    static const uint32_t indices[3] = {0, 1, 2};
+    static const double time = 0;
+    fathom_mesh whole, m;
+    fathom_mesh_default(&whole);
+    whole.positions = rows, whole.vertex_count = 3, whole.point_radius = 1;
+    assert_ok(s.context, fathom_scene_add_mesh(s.scene, 0, &whole, NULL));
+    const float radii[] = {-1, NAN, INFINITY};
+    for (int i = 0; i < 3; ++i) {
+        m = whole, m.point_radius = radii[i];
+        assert_fails(s.context, fathom_scene_add_mesh(s.scene, 0, &m, NULL), FATHOM_BAD_INPUT,
+                     "point_radius: expected");
+    }
+    for (int i = 0; i < 6; ++i) {
+        static const char *const names[] = {"indices", "indices", "normals", "uvs", "uvs", "key_count"};
+        m = whole;
+        if (i == 0) m.triangle_count = 1;
+        if (i == 1) m.indices = indices;
+        if (i == 2) m.normals = rows, m.normal_count = 3;
+        if (i == 3) m.uvs = rows, m.uv_count = 3;
+        if (i == 4) m.uvs_1 = rows;
+        if (i == 5) m.key_count = 1, m.key_times = &time, m.key_positions = rows;
+        assert_fails(s.context, fathom_scene_add_mesh(s.scene, 0, &m, NULL), FATHOM_BAD_INPUT, names[i]);
+        assert_non_null(strstr(fathom_context_message(s.context), "cloud of points"));
+    }
+    stage_close(&s);
+}
+
 static void null_for_reading(void **state) {
     (void)state;
     stage s = stage_open(32, 32);
@@ -622,6 +654,7 @@ int main(void) {
         cmocka_unit_test(null_for_scenes),
         cmocka_unit_test(null_for_what_is_added),
         cmocka_unit_test(null_in_meshes),
+        cmocka_unit_test(clouds_with_more_than_points),
         cmocka_unit_test(null_for_reading),
         cmocka_unit_test(null_for_renders),
         cmocka_unit_test(null_for_sessions),

@@ -120,8 +120,8 @@ static void what_does_not_fit_is_refused(void **state) {
 
 static void other_shapes_are_refused(void **state) {
     (void)state;
-    static const char *const names[] = {"spheres", "quads", "instances"};
-    for (int i = 0; i < 3; ++i) {
+    static const char *const names[] = {"spheres", "quads", "instances", "points"};
+    for (int i = 0; i < 4; ++i) {
         stage s;
         stage_open(&s);
         add_ball(&s, FATHOM_ROOT, 6, 0, 1, 0, 0);
@@ -133,6 +133,11 @@ static void other_shapes_are_refused(void **state) {
         if (i == 0) add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
         if (i == 1) add_quad(&s, FATHOM_ROOT, c, u, v, 0);
         if (i == 2) add_instance(&s, group, move);
+        fathom_mesh cloud;
+        fathom_mesh_default(&cloud);
+        cloud.positions = (const float[]){0, 0, 0, 0, 0, 0, 0}, cloud.vertex_count = 1,
+        cloud.point_radius = 1;
+        if (i == 3) assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &cloud, NULL));
         char message[64];
         snprintf(message, sizeof message, "takes triangles alone, and the scene has %s", names[i]);
         refused(&s, LIBRARY("correct"), FATHOM_BAD_USAGE, message);

@@ -109,7 +109,7 @@ static void each_omission_is_reported_once(void **state) {
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':0},{'attributes':{'POSITION':0},'mode'"
          ":0},"
          "{'attributes':{'POSITION':0}}]}]",
-         "primitives[0].mode: points have no size, and are shown as small balls (2 such)"},
+         "primitives[0].mode: points have no size, and are shown as small spheres (2 such)"},
         {"'meshes':[{'primitives':[{'attributes':{}},{'attributes':{}},{'attributes':{'POSITION':0}}]}]",
          "without POSITION"},
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0},{'attributes':{'POSITION':0},"

@@ -337,7 +337,7 @@ static void omissions_are_reported(void **state) {
     const char *expected[] = {
         ":6: lines have no width, and are shown as thin rods (2 such)",
         ": lines without length are left out (1 such)",
-        ":8: points have no size, and are shown as small balls (1 such)",
+        ":8: points have no size, and are shown as small spheres (1 such)",
         ":9: faces of less than 3 corners are left out (1 such)",
         ":10: lines of less than 2 corners are left out (1 such)",
         ":11: statements that are not read",
@@ -366,7 +366,7 @@ static void normals_that_are_no_numbers_become_zeros(void **state) {
     fathom_scene_destroy(scene);
 }
 
-/* Every vertex of the balls or rods, of `each` vertices, lies at a distance from the line between its two
+/* Every vertex of the rods, of `each` vertices, lies at a distance from the line between its two
  * ends.
  */
 static void expect_distance(const fathom_mesh *mesh, uint32_t triangles, uint32_t each,
@@ -382,18 +382,18 @@ static void expect_distance(const fathom_mesh *mesh, uint32_t triangles, uint32_
 
 /* A line is a rod of a thousandth of the diagonal (5), whose tips are as far from its ends as its sides from
  * the line. Coordinates up to 4 are rounded by 2^-22. */
-static void lines_are_rods_and_points_are_balls(void **state) {
+static void lines_are_rods_and_points_are_spheres(void **state) {
     (void)state;
-    static const vec3_f64 points[][2] = {{{0, 0, 0}, {0, 0, 0}}},
-                          lines[][2] = {{{0, 0, 0}, {4, 0, 0}}, {{4, 0, 0}, {4, 3, 0}}};
+    static const vec3_f64 lines[][2] = {{{0, 0, 0}, {4, 0, 0}}, {{4, 0, 0}, {4, 3, 0}}};
     const char *const ways[] = {"l 1 2 3\n", "l -3 -2\nl 2 3\n", "vt 0 0\nl 1/1 2/1 3\n"};
     for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i) {
         char text[256];
         snprintf(text, sizeof text, "v 0 0 0\nv 4 0 0\nv 4 3 0\n%sp 1\n", ways[i]);
         fathom_scene *scene = read_text(text);
         assert_int_equal(scene->meshes.count, 2);
-        /* One point alone has no diagonal: its ball has radius 1. */
-        expect_distance(mesh_at(scene, 0), 20, 12, points, 1);
+        /* One point alone has no diagonal: its radius is 1. */
+        assert_int_equal(mesh_at(scene, 0)->vertex_count, 1);
+        assert_true(mesh_at(scene, 0)->point_radius == 1);
         expect_distance(mesh_at(scene, 1), 2 * 24, 14, lines, 0.005);
         fathom_scene_destroy(scene);
     }
@@ -405,10 +405,11 @@ static void vertices_alone_are_a_cloud_of_points(void **state) {
     fathom_scene *scene = read_text("v 0 0 0 1 0 0\nv 4 0 0 1 1 1\nv 4 3 0 1 1 1\n");
     const fathom_mesh *mesh = mesh_at(scene, 0);
     assert_int_equal(scene->meshes.count, 1);
-    assert_int_equal(mesh->triangle_count, 3 * 20);
-    for (uint32_t i = 0; i < mesh->vertex_count; ++i) assert_true(mesh->colors[3 * i + 1] == (i >= 12));
+    assert_int_equal(mesh->vertex_count, 3);
+    assert_true(mesh->point_radius == 0.025f); /* a two hundredth of the diagonal, 5 */
+    for (uint32_t i = 0; i < 3; ++i) assert_true(mesh->colors[3 * i + 1] == (i >= 1));
     expect_warning(
-        "vertices without faces are points; they have no size, and are shown as small balls (3 such)");
+        "vertices without faces are points; they have no size, and are shown as small spheres (3 such)");
     fathom_scene_destroy(scene);
 }
 
@@ -420,12 +421,14 @@ static void points_keep_their_materials(void **state) {
     fathom_scene *scene =
         read_text("mtllib a.mtl\n" SQUARE "usemtl b\np 1\nusemtl a\np 2 3\nusemtl b\np 4\nl 1 2\n");
     static const char *const names[] = {"b", "a", "b"};
-    static const uint32_t triangles[] = {40, 40, 24};
+    static const uint32_t triangles[] = {0, 0, 24}, vertices[] = {2, 2, 14};
     assert_int_equal(scene->meshes.count, 3);
     for (uint32_t i = 0; i < 3; ++i) {
         assert_int_equal(mesh_at(scene, i)->triangle_count, triangles[i]);
+        assert_int_equal(mesh_at(scene, i)->vertex_count, vertices[i]);
         assert_string_equal(scene->materials.items[mesh_at(scene, i)->material].name, names[i]);
     }
+    mesh_expect_point(mesh_at(scene, 0), 1, 0, 1, 0); /* the fourth vertex of the square */
     fathom_scene_destroy(scene);
 }
 
@@ -532,7 +535,7 @@ int main(void) {
         cmocka_unit_test(far_meshes_keep_their_digits),
         cmocka_unit_test(omissions_are_reported),
         cmocka_unit_test(normals_that_are_no_numbers_become_zeros),
-        cmocka_unit_test(lines_are_rods_and_points_are_balls),
+        cmocka_unit_test(lines_are_rods_and_points_are_spheres),
         cmocka_unit_test(vertices_alone_are_a_cloud_of_points),
         cmocka_unit_test(points_keep_their_materials),
         cmocka_unit_test(missing_libraries_are_reported),

@@ -325,8 +325,8 @@ static void unused_properties_are_reported(void **state) {
     }
 }
 
-/* Without faces each vertex is a ball, its corners at one distance from it, in its colour. */
-static void clouds_of_points_are_balls(void **state) {
+/* Without faces each vertex is a point, in its colour. */
+static void clouds_of_points_are_spheres(void **state) {
     (void)state;
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
@@ -336,16 +336,15 @@ static void clouds_of_points_are_balls(void **state) {
         for (int i = 0; i < 4; ++i) ROW(&m, "ffffff", corners[i][0], corners[i][1], 0, i / 4.0, 0, 1);
         fathom_scene *scene = ply_read(&m);
         const fathom_mesh *mesh = mesh_at(scene, 0);
-        assert_int_equal(mesh->triangle_count, 4 * 20);
-        assert_int_equal(mesh->vertex_count, 4 * 12);
+        assert_int_equal(mesh->triangle_count, 0);
+        assert_int_equal(mesh->vertex_count, 4);
+        assert_true(mesh->point_radius == 0.025f); /* a two hundredth of the diagonal, 5 */
         for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
-            const vec3_f64 p = widen(load_f32(mesh->positions + 3 * i)),
-                           c = {corners[i / 12][0], corners[i / 12][1], 0};
-            /* A two hundredth of the diagonal, 5. Coordinates up to 4 are rounded by 2^-22. */
-            assert_near(length_f64(sub_f64(p, c)), 0.025, 0x1p-21);
-            assert_true(mesh->colors[3 * i] == (float)(i / 12) / 4 && mesh->colors[3 * i + 2] == 1);
+            mesh_expect_point(mesh, i, corners[i][0], corners[i][1], 0);
+            const float *c = mesh_row(mesh->colors, mesh->color_stride, i);
+            assert_true(c[0] == (float)i / 4 && c[2] == 1);
         }
-        expect_warning("points have no size, and are shown as small balls (4 such)");
+        expect_warning("points have no size, and are shown as small spheres (4 such)");
         fathom_scene_destroy(scene);
     }
 }
@@ -548,7 +547,7 @@ int main(void) {
         cmocka_unit_test(options_are_applied),
         cmocka_unit_test(blanks_in_text_change_nothing),
         cmocka_unit_test(byte_order_mark_and_line_ends_change_nothing),
-        cmocka_unit_test(clouds_of_points_are_balls),
+        cmocka_unit_test(clouds_of_points_are_spheres),
         cmocka_unit_test(edges_are_rods),
         cmocka_unit_test(unused_properties_are_reported),
         cmocka_unit_test(vertex_colours_are_read),

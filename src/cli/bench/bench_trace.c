@@ -229,7 +229,7 @@ static fathom_status open_arena(fathom_context *context, const bench_trace_setti
     if (status != FATHOM_OK) return status;
     const fathom_scene *scene = out->stage.scene;
     out->triangles = scene_triangles(scene);
-    out->primitives = out->triangles + scene->spheres.count + scene->quads.count + scene->planes.count;
+    out->primitives = scene_primitives(scene);
     return FATHOM_OK;
 }
 

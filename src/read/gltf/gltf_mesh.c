@@ -51,12 +51,12 @@ static uint32_t triangles_of(uint64_t mode, uint32_t corners) {
 }
 
 /* The indices of whole triangles are checked later. Those of strips and fans, and any left over, are checked
- * here. */
+ * here. NULL: points without indices, or reading has failed. */
 static const uint32_t *read_corners(gltf *g, const primitive *p, uint32_t *count) {
     gltf_elements indices;
     *count = p->mesh.vertex_count;
     if (!gltf_array_read(g, p->at, "indices", 1, GLTF_TAKES_UNSIGNED | GLTF_TAKES_UINT, &indices))
-        return gltf_fine(g) ? count_up(g, p->at, *count) : NULL;
+        return gltf_fine(g) && p->mode != MODE_POINTS ? count_up(g, p->at, *count) : NULL;
     *count = indices.count;
     if (p->mode != MODE_TRIANGLES || *count % 3)
         gltf_within(g, p->at, "indices",
@@ -196,7 +196,7 @@ static void unroll_lines(gltf *g, const primitive *p, const uint32_t *from, stro
     s->indices = to;
 }
 
-/* Makes triangles of points and lines. */
+/* Makes a cloud of points, and triangles of lines. */
 static void read_strokes(gltf *g, primitive *p) {
     strokes s = {.positions = p->mesh.positions,
                  .position_stride = p->mesh.position_stride,
@@ -207,13 +207,13 @@ static void read_strokes(gltf *g, primitive *p) {
                  .notes = &g->notes};
     s.indices = read_corners(g, p, &s.count);
     if (s.lines && gltf_fine(g)) unroll_lines(g, p, s.indices, &s);
-    gltf_charge(g, p->at, NULL, (uint64_t)s.count * STROKES_BYTES);
+    if (s.indices) gltf_charge(g, p->at, NULL, (uint64_t)s.count * (s.lines ? ROD_BYTES : POINT_BYTES));
     if (gltf_fine(g)) gltf_within(g, p->at, NULL, strokes_make(g->scene, &s, &p->mesh));
     if (!gltf_fine(g)) return;
     gltf_note(g, p->at, "mode",
               s.lines ? "lines have no width, and are shown as thin rods"
-                      : "points have no size, and are shown as small balls");
-    if (!p->mesh.triangle_count) return;
+                      : "points have no size, and are shown as small spheres");
+    if (!strokes_any(&p->mesh)) return;
     gltf_within(g, p->at, NULL,
                 mesh_look_at_vertices(g->context, "entry", p->mesh.positions, p->mesh.position_stride,
                                       p->mesh.vertex_count, &p->facts));
@@ -300,7 +300,7 @@ static void add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shape
         read_surface(g, &p);
         if (gltf_fine(g) && moves && p.mesh.triangle_count) move_vertices(g, &p);
     }
-    if (gltf_fine(g) && p.mesh.triangle_count)
+    if (gltf_fine(g) && strokes_any(&p.mesh))
         gltf_within(g, at, NULL, scene_add_mesh_checked(g->scene, group, &p.mesh, &p.facts, NULL));
 }
 

@@ -285,6 +285,9 @@ static fathom_status check_rule(const doc *d, const where *at, json_t *value, co
             return doc_fail(d, at, "\"%s\" and \"%s\" exclude each other", rule->key, *other);
     }
     if (rule->kind != FORM_ONE_OF || present == 1) return FATHOM_OK;
+    if (rule->others[2])
+        return doc_fail(d, at, "expected one of \"%s\", \"%s\" and \"%s\", found %s", rule->others[0],
+                        rule->others[1], rule->others[2], present ? "several" : "none");
     return doc_fail(d, at, "expected either \"%s\" or \"%s\", found %s", rule->others[0], rule->others[1],
                     present ? "both" : "neither");
 }

@@ -320,6 +320,7 @@ static const form_key mesh_keys[] = {
     {"colors", FORM_ROWS, OBJECT(as.mesh.colors), .count = 3, RADIANCE},
     {"opacities", FORM_ROWS, OBJECT(as.mesh.opacities), .count = 1, UNIT},
     {"tangents", FORM_ROWS, OBJECT(as.mesh.tangents), .count = 4, FLOATS},
+    {"pointRadius", FORM_F32, OBJECT(as.mesh.point_radius), .range = {1e-30, 1e30, 0}},
     {"shading", FORM_WORD, OBJECT(as.mesh.shading), .words = shading_words},
     {"vertexKeys", FORM_LIST, OBJECT(as.mesh.keys), .form = &form_vertex_key},
     END_KEYS,
@@ -332,16 +333,17 @@ static const form_key vertex_key_keys[] = {
 };
 const form form_vertex_key = {.name = "vertexKey", .parts = {vertex_key_keys}};
 static const form_rule mesh_rules[] = {
-    {FORM_ONE_OF, NULL, {"file", "positions"}},
-    {FORM_NEEDS, "positions", {"indices"}},
+    {FORM_ONE_OF, NULL, {"file", "indices", "pointRadius"}},
+    {FORM_EXCLUDES, "file", {"positions"}},
     {FORM_NEEDS, "indices", {"positions"}},
-    {FORM_NEEDS, "normals", {"positions"}},
-    {FORM_NEEDS, "uvs", {"positions"}},
-    {FORM_NEEDS, "uvs1", {"positions"}},
+    {FORM_NEEDS, "pointRadius", {"positions"}},
+    {FORM_NEEDS, "normals", {"indices"}},
+    {FORM_NEEDS, "uvs", {"indices"}},
+    {FORM_NEEDS, "uvs1", {"indices"}},
     {FORM_NEEDS, "colors", {"positions"}},
     {FORM_NEEDS, "opacities", {"colors"}},
     {FORM_NEEDS, "tangents", {"normals"}},
-    {FORM_NEEDS, "vertexKeys", {"positions"}},
+    {FORM_NEEDS, "vertexKeys", {"indices"}},
     END_RULES,
 };
 

@@ -181,6 +181,7 @@ typedef struct form_object_values {
             const char *file;
             json_t *positions, *indices, *normals, *uvs, *uvs_1, *colors, *opacities, *tangents, *keys;
             int shading; /* form_shading */
+            float point_radius;
         } mesh;
         struct {
             int kind; /* fathom_generator */

@@ -12,8 +12,9 @@ typedef struct mesh_arrays {
     unsigned channels;                                             /* of colours */
     uint32_t *indices;
     size_t vertices, triangles;
-    bool smooth; /* make normals if there are none */
-    size_t keys; /* times of which all vertices, and normals, follow each other; 0: they stay */
+    float point_radius; /* > 0: a cloud of points */
+    bool smooth;        /* make normals if there are none */
+    size_t keys;        /* times of which all vertices, and normals, follow each other; 0: they stay */
     double *key_times, *key_positions, *key_normals;
 } mesh_arrays;
 
@@ -75,6 +76,7 @@ static fathom_status add_arrays(const object_reader *r, fathom_id group, const m
     mesh.positions = positions, mesh.indices = a->indices;
     mesh.position_stride = 3 * sizeof *positions;
     mesh.vertex_count = (uint32_t)a->vertices, mesh.triangle_count = (uint32_t)a->triangles;
+    mesh.point_radius = a->point_radius;
     if (status == FATHOM_OK && a->smooth && !normals) {
         normals = malloc(3 * a->vertices * sizeof *normals);
         status = normals ? normals_smooth(r->scene->context, &mesh, NULL, mesh.vertex_count, normals)
@@ -247,7 +249,8 @@ static fathom_status load_inline(const object_reader *r, const where *at, const 
     json_t *normals = o->as.mesh.shading == FORM_FLAT ? NULL : o->as.mesh.normals;
     *out = (mesh_arrays){.vertices = vertices,
                          .triangles = json_array_size(o->as.mesh.indices),
-                         .smooth = o->as.mesh.shading == FORM_SMOOTH};
+                         .point_radius = o->as.mesh.point_radius,
+                         .smooth = o->as.mesh.shading == FORM_SMOOTH && o->as.mesh.indices};
     fathom_status status = check_same_count(r, at, "normals", o->as.mesh.normals, vertices);
     if (status == FATHOM_OK) status = check_same_count(r, at, "uvs", o->as.mesh.uvs, vertices);
     if (status == FATHOM_OK) status = check_same_count(r, at, "uvs1", o->as.mesh.uvs_1, vertices);
@@ -261,7 +264,8 @@ static fathom_status load_inline(const object_reader *r, const where *at, const 
     if (status == FATHOM_OK) status = load_colors(r, o, out);
     if (status == FATHOM_OK && o->as.mesh.tangents)
         status = load_rows(r, o->as.mesh.tangents, 4, &out->tangents);
-    if (status == FATHOM_OK) status = load_indices(r, at, o->as.mesh.indices, vertices, &out->indices);
+    if (status == FATHOM_OK && o->as.mesh.indices)
+        status = load_indices(r, at, o->as.mesh.indices, vertices, &out->indices);
     if (status == FATHOM_OK && o->as.mesh.keys)
         status = load_keys(r, at, o->as.mesh.keys, normals != NULL, out);
     return status;

@@ -5,26 +5,9 @@
 #include <float.h>
 #include <string.h>
 
-/* A ball is an icosahedron, and a rod a prism of six sides with a tip at either end; normals make both look
- * round. */
-enum {
-    BALL_VERTICES = 12,
-    BALL_TRIANGLES = 20,
-    SIDES = 6,
-    ROD_VERTICES = 2 * SIDES + 2,
-    ROD_TRIANGLES = 4 * SIDES
-};
-_Static_assert(ROD_VERTICES *(3 + 3 + 4) * 4 + ROD_TRIANGLES * 12 <= STROKES_BYTES, "the larger of the two");
-
-#define A 0.525731112119133606f
-#define B 0.850650808352039932f
-static const float ball[BALL_VERTICES][3] = {{-A, B, 0}, {A, B, 0}, {-A, -B, 0}, {A, -B, 0},
-                                             {0, -A, B}, {0, A, B}, {0, -A, -B}, {0, A, -B},
-                                             {B, 0, -A}, {B, 0, A}, {-B, 0, -A}, {-B, 0, A}};
-static const uint8_t ball_corners[BALL_TRIANGLES][3] = {
-    {0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-    {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-    {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+/* A rod is a prism of six sides with a tip at either end; normals make it look round. */
+enum { SIDES = 6, ROD_VERTICES = 2 * SIDES + 2, ROD_TRIANGLES = 4 * SIDES };
+_Static_assert(ROD_VERTICES *(3 + 3 + 4) * 4 + ROD_TRIANGLES * 12 <= ROD_BYTES, "its arrays");
 
 /* Where the arrays are filled up to. */
 typedef struct pen {
@@ -42,27 +25,22 @@ static vec3_f64 position_of(const strokes *s, uint32_t vertex) {
         load_f32((const float *)(const void *)((const char *)s->positions + s->position_stride * vertex)));
 }
 
+static void copy_color(const strokes *s, uint32_t from, float *colors, size_t to) {
+    if (s->colors)
+        memcpy(colors + s->color_channels * to, (const char *)s->colors + s->color_stride * from,
+               s->color_channels * sizeof(float));
+}
+
 static void put_vertex(pen *p, vec3_f64 at, vec3_f64 normal, uint32_t from) {
-    const strokes *s = p->s;
     store_f32(p->positions + 3 * (size_t)p->vertices, narrow(madd_f64(at, p->radius, normal)));
     store_f32(p->normals + 3 * (size_t)p->vertices, narrow(normal));
-    if (s->colors)
-        memcpy(p->colors + s->color_channels * (size_t)p->vertices,
-               (const char *)s->colors + s->color_stride * from, s->color_channels * sizeof(float));
+    copy_color(p->s, from, p->colors, p->vertices);
     ++p->vertices;
 }
 
 static void put_triangle(pen *p, uint32_t a, uint32_t b, uint32_t c) {
     uint32_t *to = p->indices + 3 * (size_t)p->triangles++;
     to[0] = a, to[1] = b, to[2] = c;
-}
-
-static void put_ball(pen *p, uint32_t vertex) {
-    const uint32_t first = p->vertices;
-    for (int i = 0; i < BALL_VERTICES; ++i)
-        put_vertex(p, position_of(p->s, vertex), widen(load_f32(ball[i])), vertex);
-    for (int i = 0; i < BALL_TRIANGLES; ++i)
-        put_triangle(p, first + ball_corners[i][0], first + ball_corners[i][1], first + ball_corners[i][2]);
 }
 
 static void put_rod(pen *p, uint32_t from, uint32_t to) {
@@ -87,33 +65,54 @@ static void put_rod(pen *p, uint32_t from, uint32_t to) {
     }
 }
 
-/* *reach: the largest coordinate of what is made. */
-static double radius_for(const strokes *s, double *reach) {
-    scene_bounds bounds = bounds_empty();
-    const size_t corners = (size_t)s->count * (s->lines ? 2 : 1);
-    for (size_t i = 0; i < corners; ++i) bounds_add(&bounds, position_of(s, vertex_of(s, i)));
-    const double diagonal = 2 * bounds_radius(&bounds),
-                 share = s->lines ? 1e-3 : fmin(fmax(0.5 / sqrt(s->count), 1 / 2000.0), 1 / 200.0),
-                 radius = diagonal > 0 ? diagonal * share : 1;
-    *reach =
-        radius + fmax(fmax(-bounds.lower.x, bounds.upper.x),
-                      fmax(fmax(-bounds.lower.y, bounds.upper.y), fmax(-bounds.lower.z, bounds.upper.z)));
-    return radius;
+double strokes_radius(const scene_bounds *bounds, size_t count, bool lines) {
+    const double diagonal = 2 * bounds_radius(bounds),
+                 share = lines ? 1e-3 : fmin(fmax(0.5 / sqrt((double)count), 1 / 2000.0), 1 / 200.0);
+    return diagonal > 0 ? diagonal * share : 1;
 }
 
-fathom_status strokes_make(fathom_scene *scene, const strokes *s, fathom_mesh *mesh) {
-    const uint64_t vertices = (uint64_t)s->count * (s->lines ? ROD_VERTICES : BALL_VERTICES),
-                   triangles = (uint64_t)s->count * (s->lines ? ROD_TRIANGLES : BALL_TRIANGLES);
-    double reach;
-    pen p = {.s = s, .radius = radius_for(s, &reach)};
+/* 0: there are none, or *status is a failure. */
+static double find_radius(fathom_scene *scene, const strokes *s, fathom_status *status) {
+    scene_bounds b = bounds_empty();
+    const size_t corners = (size_t)s->count * (s->lines ? 2 : 1);
+    if (!s->count) return 0;
+    for (size_t i = 0; i < corners; ++i) bounds_add(&b, position_of(s, vertex_of(s, i)));
+    const double radius = strokes_radius(&b, s->count, s->lines),
+                 far = fmax(fmax(fmax(-b.lower.x, b.upper.x), fmax(-b.lower.y, b.upper.y)),
+                            fmax(-b.lower.z, b.upper.z));
+    if (far + radius <= (double)FLT_MAX) return radius;
+    *status = fail(scene->context, FATHOM_BAD_INPUT,
+                   "has %s as far out as %g: what is to show them would leave the range of float",
+                   s->lines ? "lines" : "points", far);
+    return 0;
+}
+
+/* Points in the order of their indices. Without indices the arrays are shared. */
+static fathom_status make_cloud(fathom_scene *scene, const strokes *s, double radius, fathom_mesh *mesh) {
+    void *positions = NULL, *colors = NULL;
+    mesh->positions = s->positions, mesh->position_stride = s->position_stride;
+    mesh->colors = s->colors, mesh->color_stride = s->color_stride, mesh->color_channels = s->color_channels;
+    mesh->vertex_count = s->count, mesh->point_radius = s->count ? fmaxf((float)radius, FLT_MIN) : 0;
+    if (!s->indices) return FATHOM_OK;
+    fathom_status status = scene_allocate_items(scene, s->count, 3 * sizeof(float), &positions);
+    if (status == FATHOM_OK && s->colors)
+        status = scene_allocate_items(scene, s->count, s->color_channels * sizeof(float), &colors);
+    for (size_t i = 0; i < s->count && status == FATHOM_OK; ++i) {
+        store_f32((float *)positions + 3 * i, narrow(position_of(s, s->indices[i])));
+        copy_color(s, s->indices[i], colors, i);
+    }
+    mesh->positions = positions, mesh->position_stride = 3 * sizeof(float);
+    mesh->colors = colors, mesh->color_stride = s->color_channels * sizeof(float);
+    return status;
+}
+
+static fathom_status make_rods(fathom_scene *scene, const strokes *s, double radius, fathom_mesh *mesh) {
+    const uint64_t vertices = (uint64_t)s->count * ROD_VERTICES,
+                   triangles = (uint64_t)s->count * ROD_TRIANGLES;
+    pen p = {.s = s, .radius = radius};
     void *arrays[4] = {NULL};
     if (vertices >= UINT32_MAX || triangles > UINT32_MAX / 3)
-        return fail(scene->context, FATHOM_BAD_INPUT, "has %u %s; more than can be shown", s->count,
-                    s->lines ? "lines" : "points");
-    if (s->count && !(reach <= (double)FLT_MAX))
-        return fail(scene->context, FATHOM_BAD_INPUT,
-                    "has %s as far out as %g: what is to show them would leave the range of float",
-                    s->lines ? "lines" : "points", reach - p.radius);
+        return fail(scene->context, FATHOM_BAD_INPUT, "has %u lines; more than can be shown", s->count);
     fathom_status status = scene_allocate_items(scene, vertices, 3 * sizeof(float), &arrays[0]);
     if (status == FATHOM_OK) status = scene_allocate_items(scene, vertices, 3 * sizeof(float), &arrays[1]);
     if (status == FATHOM_OK)
@@ -122,17 +121,18 @@ fathom_status strokes_make(fathom_scene *scene, const strokes *s, fathom_mesh *m
         status = scene_allocate_items(scene, vertices, s->color_channels * sizeof(float), &arrays[3]);
     if (status != FATHOM_OK) return status;
     p.positions = arrays[0], p.normals = arrays[1], p.indices = arrays[2], p.colors = arrays[3];
-    for (size_t i = 0; i < s->count; ++i) {
-        if (s->lines)
-            put_rod(&p, vertex_of(s, 2 * i), vertex_of(s, 2 * i + 1));
-        else
-            put_ball(&p, vertex_of(s, i));
-    }
-    if (s->lines)
-        notes_add(s->notes, s->count - p.vertices / ROD_VERTICES, "", "lines without length are left out");
+    for (size_t i = 0; i < s->count; ++i) put_rod(&p, vertex_of(s, 2 * i), vertex_of(s, 2 * i + 1));
+    notes_add(s->notes, s->count - p.vertices / ROD_VERTICES, "", "lines without length are left out");
     mesh->positions = p.positions, mesh->position_stride = 3 * sizeof(float), mesh->vertex_count = p.vertices;
     mesh->normals = p.normals, mesh->normal_stride = 3 * sizeof(float), mesh->normal_count = p.vertices;
     mesh->indices = p.indices, mesh->triangle_count = p.triangles;
     mesh->colors = p.colors, mesh->color_stride = s->color_channels * sizeof(float);
     return FATHOM_OK;
+}
+
+fathom_status strokes_make(fathom_scene *scene, const strokes *s, fathom_mesh *mesh) {
+    fathom_status status = FATHOM_OK;
+    const double radius = find_radius(scene, s, &status);
+    if (status != FATHOM_OK) return status;
+    return (s->lines ? make_rods : make_cloud)(scene, s, radius, mesh);
 }

@@ -150,7 +150,7 @@ static fathom_status cut_pieces(obj_reader *r) {
 static void note_tallies(obj_reader *r) {
     static const char *const texts[OBJ_TALLIES] = {
         [OBJ_T_LINES] = "lines have no width, and are shown as thin rods",
-        [OBJ_T_POINTS] = "points have no size, and are shown as small balls",
+        [OBJ_T_POINTS] = "points have no size, and are shown as small spheres",
         [OBJ_T_SHORT] = "lines of less than 2 corners are left out",
         [OBJ_T_SMALL] = "faces of less than 3 corners are left out",
         [OBJ_T_MIXED] = "a face has uvs or normals at some corners and not at others; it gets none",

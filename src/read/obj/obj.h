@@ -203,7 +203,7 @@ fathom_status obj_smooth(obj_reader *r);
 fathom_status obj_build(obj_reader *r);
 /* What a mesh has of its material, the reader's options and the file. facts: of the vertices. */
 fathom_status obj_add_mesh(const obj_reader *r, uint32_t slot, fathom_mesh *mesh, mesh_facts facts);
-/* Points and lines as small balls and thin rods. *added: whether there are any. A file of vertices alone is
+/* Points and lines as spheres and thin rods. *added: whether there are any. A file of vertices alone is
  * a cloud of points. */
 fathom_status obj_add_strokes(obj_reader *r, bool *added);
 

@@ -1,4 +1,4 @@
-/* Points and lines to balls and rods: one mesh for each material. */
+/* Points and lines to spheres and rods: one mesh for each material. */
 #include "read/mesh/strokes.h"
 #include "read/obj/obj.h"
 
@@ -35,7 +35,7 @@ static fathom_status add_slot(const stroke_sorter *s, uint32_t slot, const uint3
                    "has %zu points or lines of one material; more than can be shown", count / each);
     if (status != FATHOM_OK)
         return fail_within(r->scene->context, status, &(fathom_place){.file = r->file.path});
-    if (!mesh.triangle_count) return FATHOM_OK;
+    if (!strokes_any(&mesh)) return FATHOM_OK;
     status = mesh_look_at_vertices(r->scene->context, r->file.path, mesh.positions, mesh.position_stride,
                                    mesh.vertex_count, &facts);
     return status == FATHOM_OK ? obj_add_mesh(r, slot, &mesh, facts) : status;
@@ -88,8 +88,10 @@ static fathom_status add_kind(obj_reader *r, int kind, bool *added) {
 static fathom_status add_cloud(obj_reader *r) {
     const stroke_sorter s = {.r = r, .kind = OBJ_POINTS};
     notes_add(&r->notes, (size_t)r->total[OBJ_POSITION], "",
-              "vertices without faces are points; they have no size, and are shown as small balls");
-    return add_slot(&s, 0, NULL, (size_t)r->total[OBJ_POSITION]);
+              "vertices without faces are points; they have no size, and are shown as small spheres");
+    r->adopted[OBJ_POSITION] = true;
+    const fathom_status status = scene_adopt(r->scene, r->values[OBJ_POSITION], free);
+    return status != FATHOM_OK ? status : add_slot(&s, 0, NULL, (size_t)r->total[OBJ_POSITION]);
 }
 
 static bool is_cloud(const obj_reader *r) {

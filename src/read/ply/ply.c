@@ -173,11 +173,11 @@ static fathom_status add_strokes(ply_reader *r, fathom_mesh mesh) {
                        .notes = &r->notes};
     notes_add(&r->notes, s.count, "",
               s.lines ? "edges have no width, and are shown as thin rods"
-                      : "points have no size, and are shown as small balls");
+                      : "points have no size, and are shown as small spheres");
     fathom_status status = strokes_make(r->scene, &s, &mesh);
     if (status != FATHOM_OK)
         return fail_within(r->scene->context, status, &(fathom_place){.file = r->file.path});
-    return mesh.triangle_count ? check_and_add(r, &mesh) : FATHOM_OK;
+    return strokes_any(&mesh) ? check_and_add(r, &mesh) : FATHOM_OK;
 }
 
 /* The image that a comment of the header names, as the colour of the surface. In these files v grows upwards.

@@ -107,7 +107,8 @@ static bool add_mesh(walk *w, const directions *d, uint32_t index) {
     extent_box all;
     for (int i = 0; i < SIDES; ++i) {
         sides.x[i] = d->normal[i].x, sides.y[i] = d->normal[i].y, sides.z[i] = d->normal[i].z;
-        sides.origin[i] = dot_f64(d->normal[i], load_f64(mesh->origin)), sides.offset[i] = d->offset[i];
+        sides.origin[i] = dot_f64(d->normal[i], load_f64(mesh->origin));
+        sides.offset[i] = d->offset[i] + (double)mesh->point_radius * length_f64(d->normal[i]);
     }
     for (int k = 0; k < 3; ++k) all.lower[k] = facts->lower[k], all.upper[k] = facts->upper[k];
     if (!extent_box_beyond(&sides, &all, w->reach)) return true;

@@ -92,20 +92,22 @@ static void add_placed(lamp_walk *w, const affine_f64 *map, const vec3_f64 corne
     add_triangle(w, moved, weight, of);
 }
 
-/* Squares that touch it, of its area in all. */
-static void add_sphere(lamp_walk *w, const affine_f64 *map, const fathom_sphere *s, const surface *of) {
-    enum { SQUARES = 16 };
-    const double side = sqrt(4 * 3.14159265358979324 / SQUARES) * s->radius;
+enum { SQUARES = 16 };
+
+/* Squares that touch it, of its area in all. It stands for `weight` like it. */
+static void add_sphere(lamp_walk *w, const affine_f64 *map, vec3_f64 center, double radius, double weight,
+                       const surface *of) {
+    const double side = sqrt(4 * 3.14159265358979324 / SQUARES) * radius;
     for (int i = 0; i < SQUARES; ++i) {
         const double z = 1 - (2 * i + 1.0) / SQUARES, r = sqrt(1 - z * z), turn = 2.39996322972865332 * i;
         const vec3_f64 n = {r * cos(turn), r * sin(turn), z};
         const frame_f64 f = frame_from(n, n, (vec3_f64){0, 1, 0});
         const vec3_f64 across = scale_f64(side, f.x), up = scale_f64(side, f.y),
-                       middle = madd_f64(load_f64(s->center), s->radius, n),
+                       middle = madd_f64(center, radius, n),
                        first = madd_f64(madd_f64(middle, -0.5, across), -0.5, up),
                        last = add_f64(add_f64(first, across), up);
-        add_placed(w, map, (vec3_f64[]){first, add_f64(first, across), last}, 1, of);
-        add_placed(w, map, (vec3_f64[]){first, last, add_f64(first, up)}, 1, of);
+        add_placed(w, map, (vec3_f64[]){first, add_f64(first, across), last}, weight, of);
+        add_placed(w, map, (vec3_f64[]){first, last, add_f64(first, up)}, weight, of);
     }
 }
 
@@ -129,6 +131,18 @@ static void add_mesh(lamp_walk *w, const affine_f64 *map, const fathom_mesh *mes
     }
 }
 
+/* As many points as take the triangles of a mesh. */
+static void add_cloud(lamp_walk *w, const affine_f64 *map, const fathom_mesh *mesh, const surface *of) {
+    enum { TRIANGLES = 2 * SQUARES, POINTS = TRIANGLES_OF_MESH / TRIANGLES };
+    const uint32_t every = (mesh->vertex_count - 1) / POINTS + 1;
+    for (uint32_t i = 0; i < mesh->vertex_count && w->triangles >= TRIANGLES;
+         i += every, w->triangles -= TRIANGLES) {
+        const vec3_f64 at = add_f64(load_f64(mesh->origin), widen(load_f32(mesh_vertex(mesh, i))));
+        add_sphere(w, map, at, (double)mesh->point_radius, fmin(every, mesh->vertex_count - i), of);
+        if (mesh->vertex_count - i <= every) return;
+    }
+}
+
 static void add_object(lamp_walk *w, const place *at, fathom_id id) {
     const scene_object object = w->scene->objects.items[id];
     const fathom_id material =
@@ -139,9 +153,17 @@ static void add_object(lamp_walk *w, const place *at, fathom_id id) {
     const surface of = {.front = dot_f64(cross_f64(x, y), z) < 0 ? -1 : 1,
                         .radiance = radiance_of(&w->scene->materials.items[material].value)};
     switch (object.kind) {
-    case SCENE_SPHERE: add_sphere(w, &at->to_world, &w->scene->spheres.items[object.index], &of); break;
+    case SCENE_SPHERE: {
+        const fathom_sphere *s = &w->scene->spheres.items[object.index];
+        add_sphere(w, &at->to_world, load_f64(s->center), s->radius, 1, &of);
+        break;
+    }
     case SCENE_QUAD: add_quad(w, &at->to_world, &w->scene->quads.items[object.index], of); break;
-    case SCENE_MESH: add_mesh(w, &at->to_world, &w->scene->meshes.items[object.index], &of); break;
+    case SCENE_MESH: {
+        const fathom_mesh *mesh = &w->scene->meshes.items[object.index];
+        (mesh->point_radius > 0 ? add_cloud : add_mesh)(w, &at->to_world, mesh, &of);
+        break;
+    }
     case SCENE_PLANE: break;
     }
 }

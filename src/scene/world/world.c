@@ -16,7 +16,7 @@ static world_geometry *open_run(world *w, world_kind kind, uint32_t first_of_gro
                                 unsigned flags) {
     if (w->geometries.count > first_of_group) {
         world_geometry *last = &w->geometries.items[w->geometries.count - 1];
-        if (last->kind == kind && last->flags == flags) return last;
+        if (last->kind == kind && last->flags == flags && !last->cloud) return last;
     }
     world_geometry fresh = {.kind = kind, .first = next, .flags = flags, .instance = FATHOM_NONE};
     return array_push(&w->geometries, fresh) ? &w->geometries.items[w->geometries.count - 1] : NULL;
@@ -62,6 +62,25 @@ static bool add_quad(world *w, const fathom_quad *q, fathom_id object, uint32_t 
     return true;
 }
 
+/* The floats of the mesh are the spheres'. */
+static bool add_cloud(world *w, const fathom_mesh *mesh, fathom_id object) {
+    const world_geometry geometry = {.kind = WORLD_SPHERES,
+                                     .first = (uint32_t)w->spheres.count,
+                                     .count = mesh->vertex_count,
+                                     .flags = mesh->flags,
+                                     .instance = FATHOM_NONE,
+                                     .cloud = (uint32_t)w->meshes.count};
+    if (w->spheres.count + mesh->vertex_count > UINT32_MAX || !array_push(&w->geometries, geometry) ||
+        !array_room(&w->spheres, mesh->vertex_count) || !array_room(&w->sphere_objects, mesh->vertex_count))
+        return false;
+    for (size_t i = 0; i < mesh->vertex_count; ++i) {
+        const world_sphere sphere = {.center = load_f32(mesh_vertex(mesh, i)), .radius = mesh->point_radius};
+        w->spheres.items[w->spheres.count++] = sphere;
+        w->sphere_objects.items[w->sphere_objects.count++] = object;
+    }
+    return true;
+}
+
 static bool add_mesh(world *w, uint32_t index, fathom_id object) {
     const fathom_mesh *mesh = &w->scene->meshes.items[index];
     world_geometry geometry = {.kind = WORLD_MESH,
@@ -73,8 +92,10 @@ static bool add_mesh(world *w, uint32_t index, fathom_id object) {
     fathom_mesh made = *mesh;
     mesh_facts facts = w->scene->mesh_facts.items[index];
     if (mesh->key_count && !world_add_vertex_motion(w, &geometry, &made, &facts)) return false;
-    return array_push(&w->geometries, geometry) && array_push(&w->meshes, made) &&
-           array_push(&w->mesh_facts, facts) && array_push(&w->mesh_objects, object);
+    if (!array_push(&w->meshes, made) || !array_push(&w->mesh_facts, facts) ||
+        !array_push(&w->mesh_objects, object))
+        return false;
+    return mesh->point_radius > 0 ? add_cloud(w, mesh, object) : array_push(&w->geometries, geometry);
 }
 
 static bool same_point(const double p[3], vec3_f64 q) { return p[0] == q.x && p[1] == q.y && p[2] == q.z; }
@@ -175,7 +196,8 @@ fathom_id world_object(const world *w, uint32_t geometry, uint32_t primitive) {
 }
 
 uint32_t world_primitive(const world *w, uint32_t geometry, uint32_t primitive) {
-    return w->geometries.items[geometry].kind == WORLD_MESH ? primitive : 0;
+    const world_geometry *g = &w->geometries.items[geometry];
+    return g->kind == WORLD_MESH || g->cloud ? primitive : 0;
 }
 
 fathom_id world_material(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance) {

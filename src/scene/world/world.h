@@ -42,6 +42,9 @@ static inline bool world_sphere_is_split(const world_sphere *s) {
            (s->center_rest.z != 0);
 }
 
+/* Of a point as a sphere, in a world. */
+#define WORLD_POINT_BYTES (sizeof(world_sphere) + sizeof(fathom_id))
+
 /* Corners in order. Split as Embree splits its QUAD: triangles (0,1,3) and (2,3,1). */
 typedef struct world_quad {
     vec3_f32 corner[4];
@@ -58,7 +61,7 @@ typedef struct world_plane {
 
 typedef enum world_kind { WORLD_SPHERES, WORLD_QUADS, WORLD_MESH } world_kind;
 
-/* One Embree geometry: a run of spheres or quads, or a mesh. */
+/* One Embree geometry: a run of spheres or quads, a cloud of points as spheres, or a mesh. */
 typedef struct world_geometry {
     world_kind kind;
     uint32_t first,
@@ -69,6 +72,7 @@ typedef struct world_geometry {
     uint32_t flat;      /* primitives without area: never met */
     fathom_id instance; /* the instance that placed it, where its frame was left out; else FATHOM_NONE */
     uint32_t moving;    /* a mesh whose vertices move: 1 + index into vertex_motions; else 0 */
+    uint32_t cloud;     /* spheres that are the points of a mesh: 1 + index into meshes; else 0 */
 } world_geometry;
 
 /* Motion is `steps` states at even times of the shutter, which is open from 0 to 1: what tracers take. */
@@ -109,7 +113,9 @@ typedef struct world {
     ARRAY(world_quad) quads;
     ARRAY(fathom_id) quad_objects; /* parallel to quads */
     ARRAY(world_plane) planes;
-    ARRAY(fathom_mesh) meshes;     /* as in the scene; origins are already in the instances */
+    ARRAY(fathom_mesh)
+    meshes;                        /* as in the scene; origins are already in the instances, and the points of
+                                      clouds in the spheres, too */
     ARRAY(mesh_facts) mesh_facts;  /* parallel to meshes */
     ARRAY(fathom_id) mesh_objects; /* parallel to meshes */
     ARRAY(world_geometry) geometries;
@@ -171,7 +177,7 @@ fathom_status world_check(const world *w);
 
 /* Object and material of a primitive. geometry: index into geometries. */
 fathom_id world_object(const world *w, uint32_t geometry, uint32_t primitive);
-/* A primitive's number within its object: of a mesh the triangle, else 0. */
+/* A primitive's number within its object: of a mesh the triangle or the point, else 0. */
 uint32_t world_primitive(const world *w, uint32_t geometry, uint32_t primitive);
 fathom_id world_material(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance);
 

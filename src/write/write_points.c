@@ -1,0 +1,80 @@
+/* No format but scene JSON holds the radius of points: readers find one by how many points lie how far apart.
+ */
+#include "read/mesh/strokes.h"
+#include "write/write.h"
+
+#include <stdlib.h>
+
+typedef struct cloud {
+    scene_bounds bounds;
+    size_t points;
+} cloud;
+
+typedef struct radius_search {
+    cloud *clouds; /* that are read */
+    write_clouds how;
+    size_t off;
+} radius_search;
+
+static cloud *cloud_of(const radius_search *s, const write_placement *at) {
+    return &s->clouds[s->how == WRITE_CLOUDS_BY_MATERIAL ? at->material : 0];
+}
+
+static fathom_status add_points(void *user, const write_placement *at) {
+    radius_search *s = user;
+    const fathom_mesh *m = at->mesh;
+    if (!(m->point_radius > 0)) return FATHOM_OK;
+    cloud *c = cloud_of(s, at);
+    c->points += m->vertex_count;
+    for (size_t i = 0; i < m->vertex_count; ++i)
+        bounds_add(&c->bounds,
+                   widen(write_placed_position(at, write_item(m->positions, m->position_stride, i))));
+    return FATHOM_OK;
+}
+
+/* Some roundings of float. */
+static bool same(double a, double b) { return fabs(a - b) <= 1e-5 * b; }
+
+/* A map that stretches keeps the points' places alone. */
+static fathom_status check_radius(void *user, const write_placement *at) {
+    radius_search *s = user;
+    const double(*m)[4] = at->map.m, radius = (double)at->mesh->point_radius;
+    if (!(radius > 0)) return FATHOM_OK;
+    const cloud *c = cloud_of(s, at);
+    const double scale = strokes_radius(&c->bounds, c->points, false) / radius;
+    const vec3_f64 x = {m[0][0], m[1][0], m[2][0]}, y = {m[0][1], m[1][1], m[2][1]},
+                   z = {m[0][2], m[1][2], m[2][2]};
+    s->off += !(same(length_f64(x), scale) && same(length_f64(y), scale) && same(length_f64(z), scale) &&
+                same(fabs(dot_f64(cross_f64(x, y), z)), scale * scale * scale));
+    return FATHOM_OK;
+}
+
+static size_t count_each(const fathom_scene *scene) {
+    size_t off = 0;
+    for (size_t i = 0; i < scene->meshes.count; ++i) {
+        const fathom_mesh *m = &scene->meshes.items[i];
+        const mesh_facts *facts = &scene->mesh_facts.items[i];
+        const scene_bounds box = {widen(load_f32(facts->lower)), widen(load_f32(facts->upper))};
+        off += m->point_radius > 0 &&
+               !same(strokes_radius(&box, m->vertex_count, false), (double)m->point_radius);
+    }
+    return off;
+}
+
+fathom_status write_count_radii(const fathom_scene *scene, const scene_graph *graph, write_clouds how,
+                                size_t *out) {
+    const size_t count = how == WRITE_CLOUDS_BY_MATERIAL ? scene->materials.count : 1;
+    *out = 0;
+    if (how == WRITE_CLOUDS_EACH) {
+        *out = count_each(scene);
+        return FATHOM_OK;
+    }
+    radius_search s = {.clouds = malloc(count * sizeof *s.clouds), .how = how};
+    if (!s.clouds) return fail_memory(scene->context, count * sizeof *s.clouds);
+    for (size_t i = 0; i < count; ++i) s.clouds[i] = (cloud){bounds_empty(), 0};
+    fathom_status status = write_each_placement(scene, graph, add_points, &s);
+    if (status == FATHOM_OK) status = write_each_placement(scene, graph, check_radius, &s);
+    free(s.clouds);
+    *out = s.off;
+    return status;
+}
