@@ -20,12 +20,12 @@ static inline bool FN(sphere_plain)(VEC3 center, REAL radius, VEC3 org, VEC3 dir
     REAL c = f2 - r2, D = r2 - l2;
     *sure = (big > RANGE_LOW) & (big < RANGE_HIGH) & (longest > RANGE_LOW) & (longest < RANGE_HIGH) &
             (D * D > 65536 * UNIT * UNIT * f2 * (r2 + l2)) & (4 * ABS(c) > r2);
-    D = (c < 0) & (D < 0) ? 0 : D; /* from inside, every line leaves */
     REAL s = SQRT(a * (D < 0 ? 0 : D)), q = b < 0 ? b - s : b + s;
     REAL by_c = q != 0 ? c / q : 0, by_a = q / a;
     roots[0] = b < 0 ? by_a : by_c;
     roots[1] = b < 0 ? by_c : by_a;
-    return (D >= 0) & (radius > 0);
+    /* From inside, every line leaves. */
+    return (((c < 0) & (D < 0)) | (D >= 0)) & (radius > 0);
 }
 
 /* The same for any finite numbers: what is not sure is decided in the next wider precision. */

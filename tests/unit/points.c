@@ -1,6 +1,7 @@
 /* Clouds of points: meshes whose vertices are spheres. */
 #include "read/mesh/strokes.h"
 #include "scene/world/world.h"
+#include "trace/trace.h"
 
 #include "render.h"
 #include "unit_folder.h"
@@ -155,6 +156,67 @@ static void a_moving_cloud_renders_as_its_spheres(void **state) {
     }
     expect_same_pixels(films[0], films[1]);
     fathom_film_destroy(films[0]);
+}
+
+/* Points that are there several times, and runs of all lengths: clusters of eight are not seen. */
+static void tracers_agree_on_every_point(void **state) {
+    (void)state;
+    static const char *const tracers[] = {"linear",   "bvh",         "embree",
+                                          "embree:1", "embree:user", "embree:compact:4"};
+    static float grid[500][3];
+    for (int i = 0; i < 500; ++i)
+        grid[i][0] = (float)(i % 5) - 2, grid[i][1] = (float)(i / 5 % 3) - 1,
+        grid[i][2] = (float)(i / 15 % 4);
+    for (uint32_t count = 1; count <= 500; count += count < 20 ? 1 : 160) {
+        fathom_film *first = NULL;
+        for (size_t t = 0; t < sizeof tracers / sizeof *tracers; ++t) {
+            stage s = stage_open(32, 24);
+            s.settings.spp = 1, s.settings.aovs = FATHOM_AOV_ID | FATHOM_AOV_N,
+            s.settings.tracer = tracers[t];
+            fathom_mesh mesh = cloud_of(0.6f, stage_lambert(&s, 0.5f));
+            mesh.positions = grid[0], mesh.vertex_count = count;
+            assert_ok(s.context, fathom_scene_add_mesh(s.scene, 0, &mesh, NULL));
+            stage_sphere(&s, 0, 0, 0, 0.6, 0); /* where a point is */
+            stage_point_light(&s, 1, 3, 5, 3);
+            look(&s);
+            fathom_film *film = stage_render(&s);
+            if (first) {
+                const uint32_t *a = fathom_film_channel_id(first, "id.primitive"),
+                               *b = fathom_film_channel_id(film, "id.primitive");
+                assert_non_null(a);
+                assert_memory_equal(a, b, 32 * 24 * sizeof *a);
+                expect_same_pixels(first, film);
+            } else {
+                first = film;
+            }
+            stage_close(&s);
+        }
+        fathom_film_destroy(first);
+    }
+}
+
+/* What is foreseen holds what is taken, and is not far above. */
+static void memory_of_points_is_foreseen(void **state) {
+    (void)state;
+    enum { MANY = 200000 };
+    stage s = stage_open(8, 8);
+    float *many = malloc(MANY * 3 * sizeof *many);
+    assert_non_null(many);
+    for (uint32_t i = 0; i < 3 * MANY; ++i) many[i] = (float)(i * 2654435761u >> 8) * 0x1p-24f;
+    fathom_mesh mesh = cloud_of(0.002f, stage_lambert(&s, 0.5f));
+    mesh.positions = many, mesh.vertex_count = MANY;
+    assert_ok(s.context, fathom_scene_add_mesh(s.scene, 0, &mesh, NULL));
+    world *w;
+    trace_tracer *tracer;
+    assert_ok(s.context, world_create(s.scene, &w));
+    const trace_options options = {.threads = 2};
+    assert_ok(s.context, trace_create(s.context, w, &options, &tracer));
+    const double peak = (double)trace_peak_bytes(tracer), foreseen = (double)trace_foreseen_bytes(tracer);
+    if (!(peak <= foreseen && peak > 0.8 * foreseen)) fail_msg("%g of %g bytes", peak, foreseen);
+    trace_destroy(tracer);
+    world_destroy(w);
+    stage_close(&s);
+    free(many);
 }
 
 /* ---- what a world tells of points ---- */
@@ -397,6 +459,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cloud_renders_as_its_spheres),
         cmocka_unit_test(a_moving_cloud_renders_as_its_spheres),
+        cmocka_unit_test(tracers_agree_on_every_point),
+        cmocka_unit_test(memory_of_points_is_foreseen),
         cmocka_unit_test(points_are_primitives_of_their_object),
         cmocka_unit_test(bounds_reach_around_points),
         cmocka_unit_test(each_point_has_its_colour),

@@ -107,7 +107,10 @@ static void destroy(trace_tracer *base) {
     embree_tracer *tracer = (embree_tracer *)base;
     for (size_t g = 0; tracer->scenes && g < base->world->groups.count; ++g)
         if (tracer->scenes[g]) rtcReleaseScene(tracer->scenes[g]);
+    for (size_t g = 0; tracer->clusters && g < base->world->geometries.count; ++g)
+        free(tracer->clusters[g].items);
     free(tracer->scenes);
+    free(tracer->clusters);
     free(tracer->halved);
     free(tracer->few);
     release_device(tracer->device);

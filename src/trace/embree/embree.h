@@ -3,6 +3,7 @@
 #define TRACE_EMBREE_H
 
 #include "trace/embree/embree_api.h"
+#include "trace/embree/embree_clusters.h"
 #include "trace/embree/embree_limits.h"
 #include "trace/embree/embree_spheres.h"
 #include "trace/tracer.h"
@@ -28,11 +29,12 @@ typedef struct embree_tracer {
     bool *halved;     /* by the world's geometries: its quads are Embree's triangles; NULL: none are */
     few_spheres *few; /* the root's spheres, which are not in the scene; NULL: they are */
     const few_kernels *few_kernels;
+    sphere_clusters *clusters; /* by the world's geometries: of the spheres that are in scenes; NULL: none */
     enum RTCBuildQuality quality;
     unsigned width;            /* rays in one call, no more than the kernels take */
     trace_reach reach;         /* of the rays that are given to Embree */
     RTCFilterFunctionN filter; /* NULL: ties are not settled */
-    _Atomic int64_t bytes;     /* held by Embree */
+    _Atomic int64_t bytes;     /* held by Embree, and by clusters */
     _Atomic int64_t peak;      /* the most of it */
     uint64_t most_bytes;       /* that it may hold; 0: no limit */
     _Atomic int error;         /* the first RTCError that the device reported */
@@ -57,8 +59,9 @@ fathom_status embree_build(embree_tracer *tracer);
 
 /* ---- embree_shapes.c ---- */
 
-/* User geometry over the hand-written intersectors; NULL when Embree is out of memory. */
-RTCGeometry embree_user_geometry(RTCDevice device, const world *w, const world_geometry *geometry);
+/* User geometry over the hand-written intersectors; NULL when Embree is out of memory. geometry: the world's.
+ */
+RTCGeometry embree_user_geometry(const embree_tracer *tracer, uint32_t geometry);
 
 /* ---- embree_native.c ---- */
 

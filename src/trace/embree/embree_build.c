@@ -66,7 +66,7 @@ static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world
         if (!geometry->count || is_few(tracer, group, geometry)) continue;
         RTCGeometry made = embree_is_native(&tracer->spec, tracer->base.world, geometry)
                                ? embree_native_geometry(tracer->device, w, geometry)
-                               : embree_user_geometry(tracer->device, w, geometry);
+                               : embree_user_geometry(tracer, group->first + i);
         attach(tracer, scene, made, i, geometry_mask(tracer, geometry));
     }
 }
@@ -189,6 +189,29 @@ static bool find_halved(embree_tracer *tracer) {
     return tracer->halved != NULL;
 }
 
+/* Of all spheres that scenes will hold. */
+static fathom_status make_clusters(embree_tracer *tracer, const bool *placed) {
+    const world *w = tracer->base.world;
+    fathom_status status = FATHOM_OK;
+    for (size_t k = 0; k < w->groups.count; ++k) {
+        const world_group *group = &w->groups.items[k];
+        for (uint32_t g = group->first; g < group->first + group->count && placed[k]; ++g) {
+            const world_geometry *geometry = &w->geometries.items[g];
+            if (geometry->kind != WORLD_SPHERES || !geometry->count || is_few(tracer, group, geometry))
+                continue;
+            if (!tracer->clusters) tracer->clusters = calloc(w->geometries.count, sizeof *tracer->clusters);
+            if (!tracer->clusters) return fail_memory(tracer->context, w->geometries.count);
+            sphere_clusters *c = &tracer->clusters[g];
+            c->kernels = few_kernels_best();
+            status = clusters_make(tracer->context, &w->spheres.items[geometry->first], geometry->count,
+                                   fathom_context_threads(tracer->context), c);
+            if (status != FATHOM_OK) return status;
+            atomic_fetch_add(&tracer->bytes, (int64_t)(c->count * sizeof *c->items));
+        }
+    }
+    return status;
+}
+
 /* The intersectors for user geometry know no times. */
 static fathom_status check_moving(const embree_tracer *tracer) {
     const world *w = tracer->base.world;
@@ -215,6 +238,7 @@ fathom_status embree_build(embree_tracer *tracer) {
     else
         status = fail_memory(tracer->context, w->groups.count * sizeof *tracer->scenes);
     if (status == FATHOM_OK) status = embree_spheres_choose(tracer);
+    if (status == FATHOM_OK) status = make_clusters(tracer, placed);
     if (status == FATHOM_OK) status = build_all(tracer, placed);
     free(placed);
     return status;

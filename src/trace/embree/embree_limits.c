@@ -12,9 +12,13 @@
 /* Embree 3.13.5 on a displaced sphere, bytes a triangle beyond the mesh's own: of 2 and 8 million triangles
  * the usual structures keep 68 and 63 and pass 35 and 32 while they are built; at low quality they keep 92
  * and pass 12, which is the same at the most. Compact ones keep 36 and pass 2; at low quality, 50 and 22. Of
- * less than a million, compact ones pass as much as the usual, and some megabytes. Spheres are boxes with a
- * callback, and cost about as much; quads are two triangles. */
+ * less than a million, compact ones pass as much as the usual, and some megabytes. Quads are two triangles.
+ */
 static const trace_need usual_need = {68, 36}, compact_need = {37, 4};
+
+/* In clusters (embree_clusters.h), of 0.2 to 10 million: the usual structures keep 36 to 37 and pass 2 to 5,
+ * compact ones save 2. */
+static const trace_need sphere_need = {37, 6};
 
 /* Measured on one and two million instances of one triangle; includes what Embree allocates without reporting
  * it. */
@@ -29,15 +33,19 @@ static double copied_bytes(const world_geometry *geometry) {
 
 trace_need trace_need_of(const world *w, bool is_compact) {
     trace_need each = is_compact ? compact_need : usual_need;
-    double n = 0, more = 0, copied = 0, instances = (double)w->instances.count;
+    double n = 0, spheres = 0, more = 0, copied = 0, instances = (double)w->instances.count;
     for (size_t i = 0; i < w->geometries.count; ++i) {
         const world_geometry *geometry = &w->geometries.items[i];
-        n += (geometry->kind == WORLD_QUADS ? 2.0 : 1.0) * geometry->count;
+        if (geometry->kind == WORLD_SPHERES)
+            spheres += geometry->count;
+        else
+            n += (geometry->kind == WORLD_QUADS ? 2.0 : 1.0) * geometry->count;
         copied += copied_bytes(geometry);
     }
     if (is_compact && n < 1e6) each.passed = usual_need.passed, more = 16e6;
-    return (trace_need){each.kept * n + instance_need.kept * instances + copied,
-                        each.passed * n + instance_need.passed * instances + more};
+    return (trace_need){each.kept * n + sphere_need.kept * spheres + instance_need.kept * instances + copied,
+                        each.passed * n + sphere_need.passed * spheres + instance_need.passed * instances +
+                            more};
 }
 
 #define RESERVE 64000000u

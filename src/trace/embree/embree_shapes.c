@@ -33,11 +33,17 @@ static void bounds_set(struct RTCBounds *out, vec3_f32 lower, vec3_f32 upper, fl
 }
 
 /* C - R and C + R round by u (|C| + R), a 32nd of the margin; the second part of a split sphere is less. */
-static void sphere_bounds(const struct RTCBoundsFunctionArguments *args) {
-    const world_sphere *s = (const world_sphere *)args->geometryUserPtr + args->primID;
-    vec3_f32 r = {s->radius, s->radius, s->radius};
-    bounds_set(args->bounds_o, sub_f32(s->center, r), add_f32(s->center, r),
-               margin(s->radius, largest_f32(s->center)));
+static void cluster_bounds(const struct RTCBoundsFunctionArguments *args) {
+    const sphere_clusters *all = args->geometryUserPtr;
+    const sphere_cluster *c = &all->items[args->primID];
+    vec3_f32 lower = {INFINITY, INFINITY, INFINITY}, upper = {-INFINITY, -INFINITY, -INFINITY};
+    for (int k = 0; k < CLUSTER; ++k) {
+        const vec3_f32 at = {c->x[k], c->y[k], c->z[k]};
+        const float r = c->radius[k] + margin(c->radius[k], largest_f32(at));
+        lower = vec_f32(fminf(lower.x, at.x - r), fminf(lower.y, at.y - r), fminf(lower.z, at.z - r));
+        upper = vec_f32(fmaxf(upper.x, at.x + r), fmaxf(upper.y, at.y + r), fmaxf(upper.z, at.z + r));
+    }
+    bounds_set(args->bounds_o, lower, upper, 0);
 }
 
 /* A shape with a corner that is not finite is never met; a box that is none leaves it out. */
@@ -84,15 +90,15 @@ static uint32_t packet_lane(packet p, unsigned i) {
     return ((const uint32_t *)(const void *)p.ray)[EMBREE_ROW_ID * p.n + i];
 }
 
-static void packet_record(const struct RTCIntersectFunctionNArguments *args, packet p, unsigned i,
-                          const reference_hit_f32 *hit, vec3_f32 normal) {
+static void packet_record(const struct RTCIntersectFunctionNArguments *args, uint32_t primitive, packet p,
+                          unsigned i, const reference_hit_f32 *hit, vec3_f32 normal) {
     embree_call *call = (embree_call *)args->context;
     float *row = p.ray + EMBREE_RAY_ROWS * p.n + i;
     uint32_t *id = (uint32_t *)(void *)row;
     row[EMBREE_ROW_NG * p.n] = normal.x, row[(EMBREE_ROW_NG + 1) * p.n] = normal.y,
                         row[(EMBREE_ROW_NG + 2) * p.n] = normal.z;
     row[EMBREE_ROW_U * p.n] = hit->u, row[EMBREE_ROW_V * p.n] = hit->v;
-    id[EMBREE_ROW_PRIMITIVE * p.n] = args->primID;
+    id[EMBREE_ROW_PRIMITIVE * p.n] = primitive;
     id[EMBREE_ROW_GEOMETRY * p.n] = args->geomID;
     id[EMBREE_ROW_INSTANCE * p.n] = call->context.instID[0];
     p.ray[EMBREE_ROW_T_FAR * p.n + i] =
@@ -109,23 +115,21 @@ static float packet_end(packet p, unsigned i) {
     return end;
 }
 
-/* One primitive of a user geometry. */
+/* A quad or a triangle. */
 typedef struct shape {
-    world_kind kind;
-    const world_sphere *sphere;
-    vec3_f32 corner[4]; /* of a quad or a triangle */
+    bool quad;
+    vec3_f32 corner[4];
 } shape;
 
-/* `kind` is a constant in each callback, so that only one shape's code is left in it. */
+/* `quad` is a constant in each callback, so that only one shape's code is left in it. */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
-ALWAYS_INLINE shape shape_of(world_kind kind, const void *first, uint32_t primitive) {
-    shape s = {.kind = kind};
-    switch (kind) {
-    case WORLD_SPHERES: s.sphere = (const world_sphere *)first + primitive; break;
-    case WORLD_QUADS: memcpy(s.corner, ((const world_quad *)first)[primitive].corner, sizeof s.corner); break;
-    case WORLD_MESH: search_corners(first, primitive, s.corner); break;
-    }
+ALWAYS_INLINE shape shape_of(bool quad, const void *first, uint32_t primitive) {
+    shape s = {.quad = quad};
+    if (quad)
+        memcpy(s.corner, ((const world_quad *)first)[primitive].corner, sizeof s.corner);
+    else
+        search_corners(first, primitive, s.corner);
     return s;
 }
 
@@ -133,50 +137,103 @@ ALWAYS_INLINE bool shape_met(const shape *s, packet p, unsigned i, reference_hit
     const vec3_f32 org = packet_vector(p, EMBREE_ROW_ORG, i), dir = packet_vector(p, EMBREE_ROW_DIR, i);
     const float t_near = p.ray[EMBREE_ROW_T_NEAR * p.n + i], t_far = packet_end(p, i);
     const vec3_f32 *v = s->corner;
-    switch (s->kind) {
-    case WORLD_SPHERES:
-        hit->u = hit->v = 0;
-        return search_sphere_robust_f32(s->sphere, org, dir, t_near, t_far, &hit->t);
-    case WORLD_QUADS: return quad_robust_f32(v[0], v[1], v[2], v[3], org, dir, t_near, t_far, hit);
-    case WORLD_MESH: break;
-    }
-    return triangle_robust_f32(v[0], v[1], v[2], org, dir, t_near, t_far, hit);
+    return s->quad ? quad_robust_f32(v[0], v[1], v[2], v[3], org, dir, t_near, t_far, hit)
+                   : triangle_robust_f32(v[0], v[1], v[2], org, dir, t_near, t_far, hit);
 }
 
-ALWAYS_INLINE vec3_f32 shape_normal(const shape *s, packet p, unsigned i, float t) {
+ALWAYS_INLINE vec3_f32 shape_normal(const shape *s) {
     const vec3_f32 *v = s->corner;
-    if (s->kind == WORLD_SPHERES)
-        return madd_f32(sub_f32(packet_vector(p, EMBREE_ROW_ORG, i), s->sphere->center), t,
-                        packet_vector(p, EMBREE_ROW_DIR, i));
-    return cross_f32(sub_f32(v[1], v[0]), sub_f32(v[s->kind == WORLD_QUADS ? 3 : 2], v[0]));
+    return cross_f32(sub_f32(v[1], v[0]), sub_f32(v[s->quad ? 3 : 2], v[0]));
 }
 
-ALWAYS_INLINE void packet_closest(const struct RTCIntersectFunctionNArguments *args, world_kind kind) {
-    const shape s = shape_of(kind, args->geometryUserPtr, args->primID);
+ALWAYS_INLINE void packet_closest(const struct RTCIntersectFunctionNArguments *args, bool quad) {
+    const shape s = shape_of(quad, args->geometryUserPtr, args->primID);
     packet p = {(float *)(void *)args->rayhit, args->N};
     reference_hit_f32 hit;
     for (unsigned i = 0; i < p.n; ++i)
         if (args->valid[i] && shape_met(&s, p, i, &hit))
-            packet_record(args, p, i, &hit, shape_normal(&s, p, i, hit.t));
+            packet_record(args, args->primID, p, i, &hit, shape_normal(&s));
 }
 
-ALWAYS_INLINE void packet_any(const struct RTCOccludedFunctionNArguments *args, world_kind kind) {
-    const shape s = shape_of(kind, args->geometryUserPtr, args->primID);
+ALWAYS_INLINE void packet_any(const struct RTCOccludedFunctionNArguments *args, bool quad) {
+    const shape s = shape_of(quad, args->geometryUserPtr, args->primID);
     packet p = {(float *)(void *)args->ray, args->N};
     reference_hit_f32 hit;
     for (unsigned i = 0; i < p.n; ++i)
         if (args->valid[i] && shape_met(&s, p, i, &hit)) p.ray[EMBREE_ROW_T_FAR * p.n + i] = -INFINITY;
 }
 
-#define CALLBACKS(name, kind)                                                                                \
+#define CALLBACKS(name, quad)                                                                                \
     static void name##_closest(const struct RTCIntersectFunctionNArguments *args) {                          \
-        packet_closest(args, kind);                                                                          \
+        packet_closest(args, quad);                                                                          \
     }                                                                                                        \
-    static void name##_any(const struct RTCOccludedFunctionNArguments *args) { packet_any(args, kind); }
+    static void name##_any(const struct RTCOccludedFunctionNArguments *args) { packet_any(args, quad); }
 
-CALLBACKS(sphere, WORLD_SPHERES)
-CALLBACKS(quad, WORLD_QUADS)
-CALLBACKS(triangle, WORLD_MESH)
+CALLBACKS(quad, true)
+CALLBACKS(triangle, false)
+
+/* ---- clusters of spheres ---- */
+
+/* One ray of a packet and the spheres of a cluster that it may meet, by the reference intersector. */
+typedef struct meeting {
+    const sphere_clusters *all;
+    const sphere_cluster *cluster;
+    packet p;
+    unsigned i;
+    vec3_f32 org, dir;
+    cluster_roots roots;
+    uint32_t left; /* bits of the spheres still to look at */
+} meeting;
+
+static inline void meet(meeting *m, const void *all, uint32_t primitive, packet p, unsigned i) {
+    m->all = all, m->cluster = &m->all->items[primitive], m->p = p, m->i = i;
+    m->org = packet_vector(p, EMBREE_ROW_ORG, i), m->dir = packet_vector(p, EMBREE_ROW_DIR, i);
+    m->all->kernels->cluster(m->cluster, p.ray + i, p.n, &m->roots);
+    m->left = (m->roots.met | m->roots.doubt) & m->cluster->lanes;
+}
+
+/* The next hit in the ray's interval as it is now; false: there is none. */
+static inline bool next_hit(meeting *m, const world_sphere **sphere, uint32_t *primitive, float *t) {
+    const float t_near = m->p.ray[EMBREE_ROW_T_NEAR * m->p.n + m->i], t_far = packet_end(m->p, m->i);
+    while (m->left) {
+        const unsigned k = (unsigned)__builtin_ctz(m->left);
+        const float both[2] = {m->roots.near[k], m->roots.far[k]};
+        m->left &= m->left - 1;
+        *primitive = m->cluster->primitive[k], *sphere = &m->all->spheres[*primitive];
+        if (m->roots.doubt >> k & 1 ? search_sphere_robust_f32(*sphere, m->org, m->dir, t_near, t_far, t)
+                                    : sphere_choose_f32(both, t_near, t_far, t))
+            return true;
+    }
+    return false;
+}
+
+static void cluster_closest(const struct RTCIntersectFunctionNArguments *args) {
+    const packet p = {(float *)(void *)args->rayhit, args->N};
+    for (unsigned i = 0; i < p.n; ++i) {
+        const world_sphere *sphere;
+        uint32_t primitive;
+        reference_hit_f32 hit = {0, 0, 0};
+        meeting m;
+        if (!args->valid[i]) continue;
+        meet(&m, args->geometryUserPtr, args->primID, p, i);
+        while (next_hit(&m, &sphere, &primitive, &hit.t))
+            packet_record(args, primitive, p, i, &hit,
+                          madd_f32(sub_f32(m.org, sphere->center), hit.t, m.dir));
+    }
+}
+
+static void cluster_any(const struct RTCOccludedFunctionNArguments *args) {
+    const packet p = {(float *)(void *)args->ray, args->N};
+    for (unsigned i = 0; i < p.n; ++i) {
+        const world_sphere *sphere;
+        uint32_t primitive;
+        float t;
+        meeting m;
+        if (!args->valid[i]) continue;
+        meet(&m, args->geometryUserPtr, args->primID, p, i);
+        if (next_hit(&m, &sphere, &primitive, &t)) p.ray[EMBREE_ROW_T_FAR * p.n + i] = -INFINITY;
+    }
+}
 
 /* ---- geometries ---- */
 
@@ -193,16 +250,20 @@ static RTCGeometry user_geometry(RTCDevice device, const void *first, uint32_t c
     return geometry;
 }
 
-RTCGeometry embree_user_geometry(RTCDevice device, const world *w, const world_geometry *geometry) {
+RTCGeometry embree_user_geometry(const embree_tracer *tracer, uint32_t index) {
+    const world *w = tracer->base.world;
+    const world_geometry *geometry = &w->geometries.items[index];
     switch (geometry->kind) {
-    case WORLD_SPHERES:
-        return user_geometry(device, &w->spheres.items[geometry->first], geometry->count, sphere_bounds,
-                             sphere_closest, sphere_any);
+    case WORLD_SPHERES: {
+        const sphere_clusters *clusters = &tracer->clusters[index];
+        return user_geometry(tracer->device, clusters, clusters->count, cluster_bounds, cluster_closest,
+                             cluster_any);
+    }
     case WORLD_QUADS:
-        return user_geometry(device, &w->quads.items[geometry->first], geometry->count, quad_bounds,
+        return user_geometry(tracer->device, &w->quads.items[geometry->first], geometry->count, quad_bounds,
                              quad_closest, quad_any);
     case WORLD_MESH: break;
     }
-    return user_geometry(device, &w->meshes.items[geometry->first], geometry->count, triangle_bounds,
+    return user_geometry(tracer->device, &w->meshes.items[geometry->first], geometry->count, triangle_bounds,
                          triangle_closest, triangle_any);
 }

@@ -7,7 +7,7 @@
 #ifndef TRACE_EMBREE_SPHERES_H
 #define TRACE_EMBREE_SPHERES_H
 
-#include "trace/trace.h"
+#include "trace/embree/embree_clusters.h"
 
 #define FEW_SPHERES_MOST 16
 
@@ -31,6 +31,8 @@ typedef struct few_roots {
 
 /* kernels/spheres_block.c */
 typedef struct few_kernels {
+    /* A ray of a packet, its rows `stride` floats apart. Bits of lanes that are not in use mean nothing. */
+    void (*cluster)(const sphere_cluster *cluster, const float *ray, size_t stride, cluster_roots *out);
     /* Spheres, as bits, that rays of a whole block may meet before t_far. */
     uint32_t (*close)(const few_spheres *spheres, const trace_rays *rays);
     void (*roots)(const world_sphere *sphere, const trace_rays *rays, few_roots *out);

@@ -1,6 +1,7 @@
 /* Spheres against a block of rays. */
 #include "base/kernel.h"
 #include "reference/reference.h"
+#include "trace/embree/embree_api.h"
 #include "trace/embree/embree_spheres.h"
 
 #include <math.h>
@@ -96,4 +97,29 @@ static void find_roots(const world_sphere *sphere, const trace_rays *rays, few_r
     if (world_sphere_is_split(sphere)) out->doubt = (1u << LANES) - 1;
 }
 
-const few_kernels KERNEL(few_kernels) = {.close = close_to, .roots = find_roots};
+/* ---- a cluster, one ray ---- */
+
+static vec3_f32 row_vector(const float *row, size_t stride) {
+    return vec_f32(row[0], row[stride], row[2 * stride]);
+}
+
+/* The ray is read here: vectors as arguments would be packed in halves, and unpacked at once. */
+static void cluster_meet(const sphere_cluster *c, const float *ray, size_t stride,
+                         cluster_roots *restrict out) {
+    const vec3_f32 org = row_vector(ray + EMBREE_ROW_ORG * stride, stride),
+                   dir = row_vector(ray + EMBREE_ROW_DIR * stride, stride);
+    uint32_t real[CLUSTER], unsure[CLUSTER], met = 0, doubt = 0;
+#pragma GCC unroll 1 /* so few passes would be unrolled instead of vectorised */
+    for (int k = 0; k < CLUSTER; ++k) {
+        const vec3_f32 center = {c->x[k], c->y[k], c->z[k]};
+        float roots[2];
+        bool sure;
+        real[k] = sphere_plain_f32(center, c->radius[k], org, dir, roots, &sure) ? 1u << k : 0;
+        unsure[k] = sure ? 0 : 1u << k;
+        out->near[k] = roots[0], out->far[k] = roots[1];
+    }
+    for (int k = 0; k < CLUSTER; ++k) met |= real[k], doubt |= unsure[k];
+    out->met = met, out->doubt = doubt | c->split;
+}
+
+const few_kernels KERNEL(few_kernels) = {.close = close_to, .roots = find_roots, .cluster = cluster_meet};
