@@ -195,7 +195,7 @@ static void tracers_agree_on_every_point(void **state) {
     }
 }
 
-/* What is foreseen holds what is taken, and is not far above. */
+/* The memory foreseen is at least what is taken, and not far above. */
 static void memory_of_points_is_foreseen(void **state) {
     (void)state;
     enum { MANY = 200000 };
@@ -264,7 +264,7 @@ static void bounds_reach_around_points(void **state) {
     const scene_bounds box = scene_object_bounds(s.scene, id);
     assert_true(box.lower.x == 1e6 + (double)positions[0][0] - 0.5);
     assert_true(box.upper.y == (double)positions[0][1] + 0.5);
-    /* What frames everything shows the whole sphere: it touches the image's edge, and no more. */
+    /* The automatic camera shows the whole sphere, which just touches the image's edge. */
     assert_ok(s.context, fathom_scene_complete(s.scene));
     s.settings.width = s.settings.height = 64, s.settings.aovs = FATHOM_AOV_ALPHA;
     fathom_film *film = stage_render(&s);
@@ -343,7 +343,7 @@ static void keep_warning(void *user, const char *message) {
     snprintf(warnings + used, sizeof warnings - used, "%s\n", message);
 }
 
-/* What readers would choose for these points. */
+/* The radius that readers would choose for these points. */
 static float usual_radius(void) {
     scene_bounds box = bounds_empty();
     for (int i = 0; i < POINTS; ++i) bounds_add(&box, widen(load_f32(positions[i])));
@@ -412,7 +412,7 @@ static void a_radius_of_ones_own_is_kept_or_told(void **state) {
     }
 }
 
-/* What is placed is written where it stands: twice as large in a mirror, its radius is found again. */
+/* A placed cloud is written where it stands: twice as large in a mirror, its radius is found again. */
 static void placed_clouds_read_back(void **state) {
     (void)state;
     for (int f = 0; f < 4; ++f) {

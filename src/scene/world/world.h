@@ -42,7 +42,7 @@ static inline bool world_sphere_is_split(const world_sphere *s) {
            (s->center_rest.z != 0);
 }
 
-/* Of a point as a sphere, in a world. */
+/* The bytes of a point as a sphere, in a world. */
 #define WORLD_POINT_BYTES (sizeof(world_sphere) + sizeof(fathom_id))
 
 /* Corners in order. Split as Embree splits its QUAD: triangles (0,1,3) and (2,3,1). */

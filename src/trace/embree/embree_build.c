@@ -189,7 +189,7 @@ static bool find_halved(embree_tracer *tracer) {
     return tracer->halved != NULL;
 }
 
-/* Of all spheres that scenes will hold. */
+/* Sorts all spheres that scenes will hold into clusters. */
 static fathom_status make_clusters(embree_tracer *tracer, const bool *placed) {
     const world *w = tracer->base.world;
     fathom_status status = FATHOM_OK;
