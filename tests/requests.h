@@ -155,8 +155,16 @@ typedef fathom_status work_fn(fathom_context *context, const char *file, outcome
 /* ---- every request in turn ---- */
 
 static char said[256]; /* by the last attempt */
-/* Of what repeats itself many a time: the first so many requests are refused each, then one of 31. */
-static unsigned long refused_each = ULONG_MAX;
+/* The first so many requests are refused each, then one of a step: for work that repeats itself. Sanitizers take
+ * several times as long. They look at fewer places; the other builds refuse all that a test asks for. */
+#ifdef FATHOM_SANITIZED
+#define REFUSED_EACH 64
+#define REFUSED_STEP 211
+#else
+#define REFUSED_EACH ULONG_MAX
+#define REFUSED_STEP 31
+#endif
+static unsigned long refused_each = REFUSED_EACH;
 
 static fathom_status attempt(work_fn *work, const char *file, outcome *out, bool *told) {
     fathom_context *context;
@@ -194,7 +202,7 @@ static void exhaust_to(work_fn *work, const char *file, fathom_status wanted) {
     assert_int_equal(attempt(work, file, &good, &told), wanted);
     unsigned long count = requests - begin;
     assert_true(good.bytes > 0 && count > 0);
-    for (unsigned long n = 1; n <= count; n += n < refused_each ? 1 : 31) {
+    for (unsigned long n = 1; n <= count; n += n < refused_each ? 1 : REFUSED_STEP) {
         unsigned long held = block_count, before = requests;
         failing = before + n;
         fathom_status status = attempt(work, file, &now, &told);

@@ -1,12 +1,13 @@
 #!/bin/sh
 # Installs what is missing, builds, and runs all tests through CTest. Safe to run again.
-# usage: sh tests/run.sh [release] [sanitize] [thread] [fuzz] [analyze] [thread-all]     (default: the first three)
+# usage: sh tests/run.sh [release] [sanitize] [thread] [fuzz] [analyze] [sanitize-all] [thread-all]     (default: the first three)
 #   release   optimised, warnings are errors, layout checked; then the tests labelled "isa" with plainer instruction sets
 #   sanitize  AddressSanitizer and UndefinedBehaviorSanitizer, all tests but those labelled "release"
 #   thread    ThreadSanitizer, the tests labelled "threads"
 # These take longer and run by name alone:
 #   fuzz      every reader with libFuzzer for ten seconds, from the corpus on: tests/fuzz.sh
 #   analyze   clang's warnings, clang-tidy, cppcheck and gcc's -fanalyzer: tests/analyze.sh
+#   sanitize-all   as sanitize, with the tests labelled "release": some five minutes more
 #   thread-all   ThreadSanitizer, every test: an hour and more
 # Builds go to build/test-NAME, or $FATHOM_BUILD/test-NAME.
 set -eu
@@ -40,6 +41,14 @@ plainer_sets() {
     true
 }
 
+sanitized() { # options of ctest
+    build sanitize all -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=address,undefined
+    # Libraries of the distribution that stay loaded at exit keep memory: tests/leaks.supp says which.
+    ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1 \
+        LSAN_OPTIONS=suppressions=$source/tests/leaks.supp:print_suppressions=0 \
+        ctest --test-dir "$builds/test-sanitize" --output-on-failure -j "$jobs" "$@"
+}
+
 mkdir -p "$builds"
 [ $# -gt 0 ] || set -- release sanitize thread
 for kind; do
@@ -54,13 +63,8 @@ for kind; do
             FATHOM_ISA=$set ctest --test-dir "$builds/test-release" --output-on-failure -j "$jobs" -L isa
         done
         ;;
-    sanitize)
-        build sanitize all -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=address,undefined
-        # Libraries of the distribution that stay loaded at exit keep memory: tests/leaks.supp says which.
-        ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1 \
-            LSAN_OPTIONS=suppressions=$source/tests/leaks.supp:print_suppressions=0 \
-            ctest --test-dir "$builds/test-sanitize" --output-on-failure -j "$jobs" -LE release
-        ;;
+    sanitize) sanitized -LE release ;;
+    sanitize-all) sanitized ;;
     thread)
         build thread thread_tests -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=thread
         ctest --test-dir "$builds/test-thread" --output-on-failure -j "$jobs" -L threads
@@ -77,7 +81,7 @@ for kind; do
         ctest --test-dir "$builds/test-thread" --output-on-failure -j "$jobs"
         ;;
     *)
-        echo "usage: sh tests/run.sh [release] [sanitize] [thread] [fuzz] [analyze] [thread-all]" >&2
+        echo "usage: sh tests/run.sh [release] [sanitize] [thread] [fuzz] [analyze] [sanitize-all] [thread-all]" >&2
         exit 2
         ;;
     esac

@@ -83,6 +83,6 @@ limits() { # image, what it is without a limit, limits, further arguments…
 }
 run 0 render ball.glb --integrator classic -o l.png --size 64x48 --threads 2 --memory-limit 80M
 rm l.png
-limits l.png usual.png '1M 20M 25M 30M 35M 40M 45M 50M 55M 60M 65M 70M 90M 120M 1G'
-limits l.exr usual.exr '1M 50M 70M 90M 120M 1G'
+limits l.png usual.png '1M 30M 40M 45M 50M 55M 60M 90M 1G'
+limits l.exr usual.exr '1M 50M 70M 120M 1G'
 limits l.exr compact.exr '1M 50M 70M 120M' --tracer embree:compact

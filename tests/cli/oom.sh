@@ -44,20 +44,20 @@ run 0 generate sphere -t 100 -o ball.glb --quiet
 : >counts.txt
 
 each -t "$faults/oom.so" "$FATHOM" info ball.glb
-each -a -s 0/8 "$faults/oom.so" "$FATHOM" info scene.json
+each -a -s 0/16 "$faults/oom.so" "$FATHOM" info scene.json
 # The first requests, while the command line is read.
 for number in 1 2 3 4; do
     each -n -s $number/1000000 -c "$FATHOM" -o a.png \
         "$faults/oom.so" "$FATHOM" render scene.json -o a.png --size 16x12 -q --tracer bvh
 done
-each -s 0/12 "$faults/oom.so" "$FATHOM" validate ball.glb --rays 2 -q
+each -s 0/24 "$faults/oom.so" "$FATHOM" validate ball.glb --rays 2 -q
 # Embree's and the scheduler's requests.
-each -i libembree -s 1/12 -c "$FATHOM" -o a.exr "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
+each -i libembree -s 1/24 -c "$FATHOM" -o a.exr "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
 run 0 render scene.json -o good.exr --size 16x12 -q
 each -t "$faults/oom.so" "$FATHOM" compare good.exr good.exr
 rm good.exr
 # Threads that TBB cannot have.
-each -i libtbb -s 1/4 -w b.json "$faults/oom.so" "$FATHOM" bench trace ball.glb --rays 64 --json b.json
+each -i libtbb -s 1/8 -w b.json "$faults/oom.so" "$FATHOM" bench trace ball.glb --rays 64 --json b.json
 # No thread can be had at all: Embree and all of ours do without, with the same answers.
 without_threads() {
     code=0

@@ -81,7 +81,7 @@ static void exhaust_command(const command *c, const char *line) {
     run(c, line);
     const unsigned long count = requests - begin;
     unsigned long refused = 0;
-    for (unsigned long n = 1; n <= count; n += n < refused_each ? 1 : 31) {
+    for (unsigned long n = 1; n <= count; n += n < refused_each ? 1 : REFUSED_STEP) {
         const unsigned long held = block_count, before = requests;
         failing = before + n;
         const result now = run(c, line);
@@ -139,7 +139,7 @@ static void measuring(void **state) {
                     "@scene.json --max-spp 4 --reference-spp 4 --seeds 1 --tracer linear --json >a.json");
     exhaust_command(&command_bench_render,
                     "--triangles 100 --size 16x12 --spp 1 --threads 1 --repeats 1 --json >a.json");
-    refused_each = ULONG_MAX;
+    refused_each = REFUSED_EACH;
 }
 
 static const char scene_json[] =

@@ -43,7 +43,7 @@ static void extremes(void **state) {
         exhaust(ask_extremes, extremes_name(g));
         refused_each = 64; /* groups differ in how they make their scenes, which comes first */
     }
-    refused_each = ULONG_MAX;
+    refused_each = REFUSED_EACH;
 }
 
 static fathom_status open_extreme(fathom_context *context, const char *group, outcome *out) {
@@ -92,7 +92,7 @@ static void extreme_shading(void **state) {
         refused_each = strcmp(shading[i], "earth") == 0 ? 24 : 100;
         exhaust(ask_shading, shading[i]);
     }
-    refused_each = ULONG_MAX;
+    refused_each = REFUSED_EACH;
 }
 
 /* ---- measuring ---- */
