@@ -25,17 +25,32 @@ static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsig
     wave_add_layers(&p->wave, slot, tag, met->direction, rgb);
 }
 
+/* What comes to the lanes whose bits are set, and with which density. */
+static void look_outside(path_wave *p, const trace_block *block, const path_block *path, uint32_t lanes,
+                         lanes3 radiance, float density[LANES]) {
+    lanes3 n, direction;
+    for (uint32_t left = lanes; left; left &= left - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(left);
+        const vec3_f32 to = trace_dir(&block->rays, i);
+        direction[0][i] = to.x, direction[1][i] = to.y, direction[2][i] = to.z;
+        for (int c = 0; c < 3; ++c) n[c][i] = p->n[c][path->slot[i]];
+    }
+    emitters_outside(p->wave.run.plan->emitters, lanes, n, direction, radiance, density);
+}
+
 void path_add_outside(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
     path_wave *p = (path_wave *)w;
+    lanes3 radiance;
+    float density[LANES];
+    look_outside(p, block, path, missed, radiance, density);
     for (; missed; missed &= missed - 1) {
         const unsigned i = (unsigned)__builtin_ctz(missed);
-        const uint32_t slot = path->slot[i];
-        const emitters *e = w->run.plan->emitters;
-        met_light met = {.group = emitters_outside_group(e), .direction = trace_dir(&block->rays, i)};
-        emitters_outside(e, of_slot(p->p, slot), of_slot(p->n, slot), met.direction, met.radiance,
-                         &met.density);
-        if (p->media && media_absorbs(p->media, slot)) continue;
-        add_light(p, slot, path, i, &met);
+        const met_light met = {.radiance = {radiance[0][i], radiance[1][i], radiance[2][i]},
+                               .density = density[i],
+                               .group = emitters_outside_group(w->run.plan->emitters),
+                               .direction = trace_dir(&block->rays, i)};
+        if (p->media && media_absorbs(p->media, path->slot[i])) continue;
+        add_light(p, path->slot[i], path, i, &met);
     }
 }
 

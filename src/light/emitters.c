@@ -5,39 +5,12 @@
 
 /* ---- one lane ---- */
 
-static vec3_f32 lane_f32(const lanes3 v, int i) { return (vec3_f32){v[0][i], v[1][i], v[2][i]}; }
-
-static void put_lane(lanes3 v, int i, vec3_f32 a) { v[0][i] = a.x, v[1][i] = a.y, v[2][i] = a.z; }
-
-static vec3_f64 unit_or_zero(vec3_f32 n) { return normalize_f64(widen(n)); }
-
-static void no_light(emitter_sample *out, int i) {
-    put_lane(out->direction, i, (vec3_f32){0, 0, 1});
-    put_lane(out->radiance, i, (vec3_f32){0, 0, 0});
-    out->distance[i] = out->density[i] = 0;
-    out->sized[i] = 0;
-}
-
-/* Densities beyond float are of lights too small to be met. */
-static float density_f32(double density) { return density < 0x1p127 ? (float)density : 0x1p127f; }
-
-/* A lane's answer, whose direction and distance are in place. */
-static void finish(emitter_sample *out, int i, double density, const float radiance[3]) {
-    out->density[i] = density_f32(density);
-    if (!(out->density[i] > 0)) {
-        no_light(out, i);
-        return;
-    }
-    put_lane(out->radiance, i, load_f32(radiance));
-    out->sized[i] = ~0u;
-}
-
 static void put_answer(emitter_sample *out, int i, const emitter_answer *a, double chance,
                        const float radiance[3]) {
     static const float none[3] = {0, 0, 0};
     put_lane(out->direction, i, narrow(a->direction));
     out->distance[i] = a->distance < 0x1p127 ? (float)a->distance : INFINITY;
-    finish(out, i, a->density * chance, a->dark ? none : radiance);
+    emitters_finish(out, i, a->density * chance, a->dark ? none : radiance);
 }
 
 /* ---- primitives ---- */
@@ -77,7 +50,7 @@ static void take_answers(const lane_choices *c, unsigned lanes, const shape_answ
         const int i = __builtin_ctz(lanes);
         for (int k = 0; k < 3; ++k) out->direction[k][i] = direction[k][i];
         out->distance[i] = distance[i];
-        finish(out, i, answers->density[i] * c->chance[i], radiance[i]);
+        emitters_finish(out, i, answers->density[i] * c->chance[i], radiance[i]);
     }
 }
 
@@ -255,66 +228,6 @@ static void sample_lamps(const emitters *e, const lane_choices *c, emitter_sampl
     }
 }
 
-/* ---- from outside ---- */
-
-/* A surface that faces a disc of half the angle a gets pi L sin²a = E. Over the disc's solid angle, 2 pi (1 -
- * cos a), that is E 2 / (1 + cos a). */
-static void sample_sun(const emitters *e, double u, double v, double choice, emitter_sample *out, int i) {
-    uint32_t k = e->sun_count - 1;
-    while (k > 0 && choice < e->suns[k].below) --k;
-    const emitter_sun *sun = &e->suns[k];
-    const shape_cone cone = {shape_unit(widen(sun->to_light)), 1, sun->cap};
-    put_lane(out->direction, i, narrow(shape_cone_sample(&cone, u, v)));
-    put_lane(out->radiance, i, scale_f32((float)(2 / (2 - sun->cap)), load_f32(sun->irradiance)));
-    out->distance[i] = INFINITY, out->group[i] = sun->group;
-    out->density[i] = (float)(e->chance[EMITTER_DIRECTIONAL] * sun->chance);
-    out->sized[i] = 0;
-}
-
-/* Background and environments add up. One of them takes a direction; its density counts them all. */
-static void look_outside(const emitters *e, vec3_f64 n, vec3_f64 direction, float radiance[3],
-                         double *density) {
-    memcpy(radiance, e->background, sizeof e->background);
-    *density = e->background_chance * shape_all_density(n, direction);
-    for (uint32_t i = 0; i < e->sky_count; ++i) {
-        float more[3];
-        *density += e->skies[i].chance * environment_at(e->skies[i].image, direction, more);
-        for (int c = 0; c < 3; ++c) radiance[c] += more[c];
-    }
-}
-
-/* Rounding may leave a choice beyond all chances: the last one above 0 takes it. */
-static vec3_f64 aim_outside(const emitters *e, vec3_f64 n, double choice, double u, double v) {
-    const environment *last = NULL;
-    for (uint32_t i = 0; i < e->sky_count; ++i) {
-        if (!(e->skies[i].chance > 0)) continue;
-        last = e->skies[i].image;
-        if (choice < e->skies[i].chance) return environment_sample(last, u, v);
-        choice -= e->skies[i].chance;
-    }
-    return e->background_chance > 0 ? shape_all_sample(n, u, v) : environment_sample(last, u, v);
-}
-
-static void sample_outside(const emitters *e, const emitter_query *from, const lanes3 u, double choice,
-                           emitter_sample *out, int i) {
-    const vec3_f64 n = unit_or_zero(lane_f32(from->n, i));
-    emitter_answer answer = {.distance = INFINITY};
-    float radiance[3];
-    /* As it will be traced: a texel's edge may lie next to it. */
-    answer.direction = widen(narrow(aim_outside(e, n, choice, (double)u[0][i], (double)u[1][i])));
-    look_outside(e, n, answer.direction, radiance, &answer.density);
-    put_answer(out, i, &answer, e->chance[EMITTER_OUTSIDE], radiance);
-    out->group[i] = e->outside_group;
-}
-
-void emitters_outside(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction, float radiance[3],
-                      float *density) {
-    double outside;
-    (void)p;
-    look_outside(e, unit_or_zero(n), widen(direction), radiance, &outside);
-    *density = density_f32(e->chance[EMITTER_OUTSIDE] * outside);
-}
-
 /* ---- the choice ---- */
 
 /* u in [0,1) has 24 digits, too few to choose among millions fairly: others follow, from u's neighbours. */
@@ -365,11 +278,11 @@ static void choose_finite(const emitters *e, unsigned lanes, double u[LANES], la
     }
 }
 
-/* Asks what comes from outside at once; returns the lanes that ask for a finite light, and the numbers that
- * choose it. Changes the first number of u. */
+/* Returns the lanes that ask for a finite light, after the others have been answered. choice: numbers that
+ * choose among a part's lights. Changes the first number of u. */
 static unsigned choose_parts(const emitters *e, const emitter_query *from, lanes3 u, double choice[LANES],
                              emitter_sample *out) {
-    unsigned finite = 0;
+    unsigned finite = 0, outside = 0;
     for (int i = 0; i < LANES; ++i) {
         double first = (double)u[0][i];
         choice[i] = finer(u, i);
@@ -377,11 +290,14 @@ static unsigned choose_parts(const emitters *e, const emitter_query *from, lanes
         u[0][i] = fminf((float)first, 0x1.fffffep-1f);
         switch (part) {
         case EMITTER_FINITE: finite |= 1u << i; break;
-        case EMITTER_OUTSIDE: sample_outside(e, from, u, choice[i], out, i); break;
-        case EMITTER_DIRECTIONAL: sample_sun(e, (double)u[0][i], (double)u[1][i], choice[i], out, i); break;
+        case EMITTER_OUTSIDE: outside |= 1u << i; break;
+        case EMITTER_DIRECTIONAL:
+            emitters_sample_sun(e, (double)u[0][i], (double)u[1][i], choice[i], out, i);
+            break;
         case EMITTER_PARTS: no_light(out, i); break;
         }
     }
+    if (outside) emitters_sample_outside(e, outside, from, u, choice, out);
     return finite;
 }
 

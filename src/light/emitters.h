@@ -69,9 +69,10 @@ typedef struct emitter_hit {
 float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction,
                            const emitter_hit *hit);
 
-/* Radiance from outside of the scene, and the density of its direction as above. */
-void emitters_outside(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction, float radiance[3],
-                      float *density);
+/* Radiance from outside of the scene, and the density of its direction as above, in the lanes whose bits are
+ * set. */
+void emitters_outside(const emitters *e, unsigned lanes, const lanes3 n, const lanes3 direction,
+                      lanes3 radiance, float density[LANES]);
 
 /* The group of what comes from outside; LIGHT_GROUP_OUTSIDE: of several, which emitters_outside_shares()
  * tells for each direction: by group and channel, the share of it. */

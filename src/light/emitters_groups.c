@@ -39,7 +39,7 @@ void emitters_outside_shares(const emitters *e, vec3_f32 direction, float (*shar
     memcpy(all, e->background, sizeof all);
     for (uint32_t i = 0; i < e->sky_count; ++i) {
         float more[3];
-        environment_at(e->skies[i].image, widen(direction), more);
+        environment_radiance(e->skies[i].image, widen(direction), more);
         for (int c = 0; c < 3; ++c) shares[e->skies[i].group][c] += more[c], all[c] += more[c];
     }
     for (uint32_t g = 0; g < e->groups->count; ++g) {

@@ -132,6 +132,40 @@ typedef struct emitter_ball {
 void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive, float time,
                    emitter_ball *out);
 
+/* ---- lanes ---- */
+
+static inline vec3_f32 lane_f32(const lanes3 v, int i) { return (vec3_f32){v[0][i], v[1][i], v[2][i]}; }
+
+static inline void put_lane(lanes3 v, int i, vec3_f32 a) { v[0][i] = a.x, v[1][i] = a.y, v[2][i] = a.z; }
+
+static inline vec3_f64 unit_or_zero(vec3_f32 n) { return normalize_f64(widen(n)); }
+
+static inline void no_light(emitter_sample *out, int i) {
+    put_lane(out->direction, i, (vec3_f32){0, 0, 1});
+    put_lane(out->radiance, i, (vec3_f32){0, 0, 0});
+    out->distance[i] = out->density[i] = 0;
+    out->sized[i] = 0;
+}
+
+/* Densities beyond float are of lights too small to be met. */
+static inline float density_f32(double density) { return density < 0x1p127 ? (float)density : 0x1p127f; }
+
+/* A lane's answer, whose direction and distance are in place. */
+static inline void emitters_finish(emitter_sample *out, int i, double density, const float radiance[3]) {
+    out->density[i] = density_f32(density);
+    if (!(out->density[i] > 0)) {
+        no_light(out, i);
+        return;
+    }
+    put_lane(out->radiance, i, load_f32(radiance));
+    out->sized[i] = ~0u;
+}
+
+/* Of what comes from outside: the lanes whose bits are set, and a lane that asks a sun. */
+void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_query *from, const lanes3 u,
+                             const double choice[LANES], emitter_sample *out);
+void emitters_sample_sun(const emitters *e, double u, double v, double choice, emitter_sample *out, int i);
+
 /* A primitive's answer to a point that asks it for light. */
 typedef struct emitter_answer {
     vec3_f64 direction;

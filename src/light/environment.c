@@ -3,38 +3,21 @@
 #include "base/file.h"
 #include "image/image.h"
 #include "light/shape.h"
+#include "light/sky_choice.h"
 #include "light/studio.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct texel {
-    float radiance[3];
-} texel;
-
-/* Directions are found by inversion, first the row, then the texel in it: unlike an alias table it keeps
- * samples that are even over the square even over the light. */
 struct environment {
     uint32_t width, height;
     vec3_f64 axes[3]; /* right, up and back of the image, in the world */
-    double total;     /* luminance times solid angle */
-    double *rows;     /* the same of all rows up to and with each */
-    double *columns;  /* the luminance of all texels of a row up to and with each */
-    texel *texels;
+    float (*texels)[3];
+    sky_choice *choice;
 };
-
-static double luminance(const float rgb[3]) {
-    return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
-}
 
 static double row_cosine(const environment *e, uint32_t row) {
     return 1 - 2 * pow(sin(SHAPE_PI / 2 * row / e->height), 2);
-}
-
-/* cos a - cos b = 2 sin((a+b)/2) sin((b-a)/2). */
-static double solid_angle(const environment *e, uint32_t row) {
-    const double step = SHAPE_PI / e->height;
-    return 2 * SHAPE_PI / e->width * 2 * sin(step * (row + 0.5)) * sin(step / 2);
 }
 
 static environment *make(fathom_context *context, uint32_t width, uint32_t height) {
@@ -43,24 +26,21 @@ static environment *make(fathom_context *context, uint32_t width, uint32_t heigh
     if (e) {
         e->width = width, e->height = height;
         e->texels = malloc(count * sizeof *e->texels);
-        e->columns = malloc(count * sizeof *e->columns);
-        e->rows = malloc(height * sizeof *e->rows);
-        if (e->texels && e->columns && e->rows) return e;
+        if (e->texels) return e;
     }
     environment_destroy(e);
-    fail_memory(context, count * (sizeof *e->texels + sizeof *e->columns));
+    fail_memory(context, count * sizeof *e->texels);
     return NULL;
 }
 
 void environment_destroy(environment *e) {
     if (!e) return;
+    sky_choice_destroy(e->choice);
     free(e->texels);
-    free(e->columns);
-    free(e->rows);
     free(e);
 }
 
-double environment_power(const environment *e) { return e->total; }
+double environment_power(const environment *e) { return sky_choice_power(e->choice); }
 
 /* ---- reading ---- */
 
@@ -115,9 +95,9 @@ static fathom_status load_texels(fathom_context *context, const fathom_light *li
         const uint32_t x = (uint32_t)(i % e->width), y = (uint32_t)(i / e->width);
         for (int c = 0; c < 3; ++c) {
             const float value = channel_at(img, rgb[c], x, y);
-            e->texels[i].radiance[c] = value > 0 ? value * light->intensity[c] : 0;
+            e->texels[i][c] = value > 0 ? value * light->intensity[c] : 0;
             negative += value < 0;
-            if (!isfinite(value) || !isfinite(e->texels[i].radiance[c]))
+            if (!isfinite(value) || !isfinite(e->texels[i][c]))
                 return bad_texel(context, light->file, x, y, c, value);
         }
     }
@@ -125,16 +105,14 @@ static fathom_status load_texels(fathom_context *context, const fathom_light *li
     return FATHOM_OK;
 }
 
-/* ---- how often a texel is taken ---- */
-
-static void prepare_choice(environment *e) {
-    for (uint32_t y = 0; y < e->height; ++y) {
-        const size_t first = (size_t)y * e->width;
-        double sum = 0;
-        for (uint32_t x = 0; x < e->width; ++x)
-            e->columns[first + x] = sum += luminance(e->texels[first + x].radiance);
-        e->rows[y] = e->total += sum * solid_angle(e, y);
-    }
+/* Once all texels are in. Destroys *e where memory lacks. */
+static fathom_status finish(fathom_context *context, environment **e) {
+    const uint32_t width = (*e)->width, height = (*e)->height;
+    (*e)->choice = sky_choice_create(width, height, (const float(*)[3])(*e)->texels);
+    if ((*e)->choice) return FATHOM_OK;
+    environment_destroy(*e);
+    *e = NULL;
+    return fail_memory(context, (size_t)width * height * sizeof(double));
 }
 
 static fathom_status prepare(fathom_context *context, const fathom_light *light, const image *img,
@@ -149,11 +127,12 @@ static fathom_status prepare(fathom_context *context, const fathom_light *light,
     e->axes[0] = (vec3_f64){cosine, 0, -sine}, e->axes[1] = (vec3_f64){0, 1, 0};
     e->axes[2] = (vec3_f64){sine, 0, cosine};
     fathom_status status = load_texels(context, light, img, e);
-    if (status == FATHOM_OK)
-        prepare_choice(*out = e);
-    else
+    if (status != FATHOM_OK) {
         environment_destroy(e);
-    return status;
+        return status;
+    }
+    *out = e;
+    return finish(context, out);
 }
 
 fathom_status environment_create(fathom_context *context, const fathom_light *light, environment **out) {
@@ -174,7 +153,7 @@ fathom_status environment_create(fathom_context *context, const fathom_light *li
 void environment_brightest(const environment *e, float out[3]) {
     memset(out, 0, 3 * sizeof *out);
     for (size_t i = 0; i < (size_t)e->width * e->height; ++i) {
-        for (int c = 0; c < 3; ++c) out[c] = fmaxf(out[c], e->texels[i].radiance[c]);
+        for (int c = 0; c < 3; ++c) out[c] = fmaxf(out[c], e->texels[i][c]);
     }
 }
 
@@ -183,13 +162,6 @@ void environment_brightest(const environment *e, float out[3]) {
 /* A texel is a third of a degree wide: less than the soft edges of the panels show. */
 #define STUDIO_WIDTH 1024u
 #define STUDIO_HEIGHT 512u
-
-static vec3_f64 texel_centre(const environment *e, uint32_t x, uint32_t y) {
-    const double v = SHAPE_PI * (y + 0.5) / e->height;
-    double c, s;
-    shape_turn((x + 0.5) / e->width, &c, &s);
-    return (vec3_f64){sin(v) * s, cos(v), -sin(v) * c};
-}
 
 /* A viewer who looks along `up` sees the studio from where the image's z points. */
 static void stand(environment *e, vec3_f64 z, vec3_f64 up) {
@@ -207,9 +179,11 @@ fathom_status environment_studio(fathom_context *context, vec3_f64 z, vec3_f64 u
     stand(e, z, up);
     studio_open(&made);
     for (uint32_t i = 0; i < STUDIO_WIDTH * STUDIO_HEIGHT; ++i)
-        studio_radiance(&made, texel_centre(e, i % STUDIO_WIDTH, i / STUDIO_WIDTH), e->texels[i].radiance);
-    prepare_choice(e);
-    return FATHOM_OK;
+        studio_radiance(
+            &made,
+            sky_direction((i % STUDIO_WIDTH + 0.5) / STUDIO_WIDTH, (i / STUDIO_WIDTH + 0.5) / STUDIO_HEIGHT),
+            e->texels[i]);
+    return finish(context, out);
 }
 
 /* ---- directions ---- */
@@ -228,14 +202,60 @@ static uint32_t cell(double u, uint32_t count) {
     return at < count - 1 ? (uint32_t)at : count - 1;
 }
 
-double environment_at(const environment *e, vec3_f64 direction, float radiance[3]) {
+static void find_texel(const environment *e, vec3_f64 direction, uint32_t *column, uint32_t *row) {
     const vec3_f64 d = to_image(e, direction);
     const double half = shape_angle(fabs(d.x), -d.z) / (2 * SHAPE_PI), u = d.x < 0 ? 0.5 - half : 0.5 + half;
     const double v = shape_angle(sqrt(d.x * d.x + d.z * d.z), d.y) / SHAPE_PI;
-    const uint32_t column = cell(u, e->width), row = cell(v, e->height);
-    const texel *t = &e->texels[(size_t)row * e->width + column];
-    memcpy(radiance, t->radiance, sizeof t->radiance);
-    return e->total > 0 ? luminance(t->radiance) / e->total : 0;
+    *column = cell(u, e->width), *row = cell(v, e->height);
+}
+
+static const float *texel(const environment *e, uint32_t column, uint32_t row) {
+    return e->texels[(size_t)row * e->width + column];
+}
+
+/* n: in the image's axes. */
+static void look_up(const environment *e, unsigned lanes, const lanes3_f64 n, const sky_texels *texels,
+                    environment_light *out) {
+    for (unsigned left = lanes; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        __builtin_prefetch(texel(e, texels->column[i], texels->row[i]));
+    }
+    sky_choice_densities(e->choice, lanes, n, texels, out->density);
+    for (unsigned left = lanes; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        const float *light = texel(e, texels->column[i], texels->row[i]);
+        for (int c = 0; c < 3; ++c) out->radiance[c][i] = light[c];
+        out->density[i] *= sky_luminance(light);
+    }
+}
+
+static vec3_f64 of_lane(const lanes3_f64 v, int i) { return (vec3_f64){v[0][i], v[1][i], v[2][i]}; }
+
+static void put_lane(lanes3_f64 v, int i, vec3_f64 a) { v[0][i] = a.x, v[1][i] = a.y, v[2][i] = a.z; }
+
+static void turn_normals(const environment *e, unsigned lanes, const lanes3_f64 n, lanes3_f64 out) {
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        put_lane(out, i, to_image(e, of_lane(n, i)));
+    }
+}
+
+void environment_at(const environment *e, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,
+                    environment_light *out) {
+    lanes3_f64 turned;
+    sky_texels texels;
+    turn_normals(e, lanes, n, turned);
+    for (unsigned left = lanes; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        find_texel(e, of_lane(direction, i), &texels.column[i], &texels.row[i]);
+    }
+    look_up(e, lanes, turned, &texels, out);
+}
+
+void environment_radiance(const environment *e, vec3_f64 direction, float radiance[3]) {
+    uint32_t column, row;
+    find_texel(e, direction, &column, &row);
+    memcpy(radiance, texel(e, column, row), 3 * sizeof *radiance);
 }
 
 /* Not so near to the edge of a texel `angle` wide that a direction in float could lie in the next. */
@@ -244,28 +264,37 @@ static double inside(double u, double angle) {
     return edge + (1 - 2 * edge) * u;
 }
 
-/* The first of the sums that exceeds the share u of the last one, which is not 0; u comes to be how far that
- * share reaches into it. A weight of 0 is never taken. */
-static uint32_t choose(const double *sums, uint32_t count, double *u) {
-    const double all = sums[count - 1], at = fmin(*u * all, nextafter(all, 0));
-    uint32_t first = 0;
-    for (uint32_t left = count; left > 1;) {
-        const uint32_t half = left / 2;
-        first += sums[first + half - 1] <= at ? half : 0;
-        left -= half;
-    }
-    const double before = first ? sums[first - 1] : 0;
-    *u = (at - before) / (sums[first] - before);
-    return first;
-}
-
-vec3_f64 environment_sample(const environment *e, double u, double v) {
-    const uint32_t row = choose(e->rows, e->height, &v),
-                   column = choose(e->columns + (size_t)row * e->width, e->width, &u);
+/* The place (u, v) of a texel, evenly over its solid angle. */
+static vec3_f64 in_texel(const environment *e, uint32_t column, uint32_t row, double u, double v) {
     const double top = row_cosine(e, row), bottom = row_cosine(e, row + 1);
     const double place = (column + inside(u, 2 * SHAPE_PI / e->width)) / e->width;
     const double y = top + (bottom - top) * inside(v, SHAPE_PI / e->height), r = sqrt(fmax(1 - y * y, 0));
     double c, s;
     shape_turn(place, &c, &s);
     return to_world(e, (vec3_f64){r * s, y, -r * c});
+}
+
+static void no_light(unsigned lanes, lanes3_f64 direction, environment_light *out) {
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        put_lane(direction, i, (vec3_f64){0, 0, 1});
+        for (int c = 0; c < 3; ++c) out->radiance[c][i] = 0;
+        out->density[i] = 0;
+    }
+}
+
+void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n, const double u[LANES],
+                        const double v[LANES], lanes3_f64 direction, environment_light *out) {
+    lanes3_f64 turned;
+    sky_texels texels;
+    double place[2][LANES];
+    memcpy(place[0], u, sizeof place[0]), memcpy(place[1], v, sizeof place[1]);
+    turn_normals(e, lanes, n, turned);
+    const unsigned taken = sky_choice_take(e->choice, lanes, turned, place[0], place[1], &texels);
+    no_light(lanes & ~taken, direction, out);
+    for (unsigned left = taken; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        put_lane(direction, i, in_texel(e, texels.column[i], texels.row[i], place[0][i], place[1][i]));
+    }
+    look_up(e, taken, turned, &texels, out);
 }

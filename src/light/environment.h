@@ -1,9 +1,10 @@
 /* Light from all around, by an equirectangular image: its texels are patches of the sky of constant radiance.
- * So the density of a direction is exactly in proportion to what comes from there. */
+ * The density of a direction is in proportion to that, and about to the cosine at the surface that asks. */
 #ifndef LIGHT_ENVIRONMENT_H
 #define LIGHT_ENVIRONMENT_H
 
 #include "base/status.h"
+#include "math/lanes.h"
 #include "math/vec.h"
 
 #include <fathom/scene.h>
@@ -23,10 +24,23 @@ double environment_power(const environment *e);
 /* The largest of each channel. */
 void environment_brightest(const environment *e, float out[3]);
 
-/* Radiance from a unit direction, and the density with which it is sampled. */
-double environment_at(const environment *e, vec3_f64 direction, float radiance[3]);
+/* Radiance a lane, and the density with which environment_sample() takes its direction. */
+typedef struct environment_light {
+    lanes3 radiance;
+    double density[LANES];
+} environment_light;
 
-/* u chooses along the image's rows, v among them; both in [0,1). Some texel must shine. */
-vec3_f64 environment_sample(const environment *e, double u, double v);
+/* From unit directions, as surfaces with the normals n, unit or 0, ask for them. lanes: bits; others are
+ * left. */
+void environment_at(const environment *e, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,
+                    environment_light *out);
+/* From one, for whoever asks for no density. */
+void environment_radiance(const environment *e, vec3_f64 direction, float radiance[3]);
+
+/* Directions for surfaces with the normals n; 0: all directions alike. They stay in their texel where they
+ * are rounded to float. u chooses along the image's rows, v among them; both in [0,1). Some texel must shine.
+ * Density 0: none does on that side. */
+void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n, const double u[LANES],
+                        const double v[LANES], lanes3_f64 direction, environment_light *out);
 
 #endif

@@ -412,14 +412,15 @@ static void a_hit_gets_the_density_of_its_sample(void **state) {
         emitter_sample s;
         fill_query(&q, p, n);
         fill_numbers(&r, u);
+        lanes3 radiance;
+        float outside[LANES];
         emitters_sample(e, &q, u, &s);
+        emitters_outside(e, (1u << LANES) - 1, q.n, s.direction, radiance, outside);
         for (int i = 0; i < LANES; ++i) {
             if (!s.sized[i] || !(s.density[i] > 0)) continue;
             vec3_f32 d = lane(s.direction, i);
-            float radiance[3], density = 0;
-            if (isinf(s.distance[i])) {
-                emitters_outside(e, at_world, narrow(n), d, radiance, &density);
-            } else {
+            float density = outside[i];
+            if (isfinite(s.distance[i])) {
                 vec3_f64 to = madd_f64(widen(at_world), (double)s.distance[i], widen(d));
                 emitter_hit hit = nearest_primitive(to);
                 density = emitters_hit_density(e, at_world, narrow(n), d, &hit);

@@ -30,7 +30,7 @@ static void texels_hold_the_rule(void **state) {
         const vec3_f64 d = direction(&r);
         float rule[3], texel[3];
         studio_radiance(&made, d, rule);
-        environment_at(e, d, texel);
+        environment_radiance(e, d, texel);
         for (int c = 0; c < 3; ++c) {
             assert_true(rule[c] > 0.01f);
             assert_true(fabsf(rule[c] - texel[c]) < 4.2f / 16);
@@ -50,12 +50,12 @@ static void it_turns_with_the_viewer(void **state) {
     for (int i = 0; i < 1000; ++i) {
         const vec3_f64 d = direction(&r);
         float a[3], b[3];
-        environment_at(y, d, a);
-        environment_at(z, vec_f64(d.x, -d.z, d.y), b);
+        environment_radiance(y, d, a);
+        environment_radiance(z, vec_f64(d.x, -d.z, d.y), b);
         assert_memory_equal(a, b, sizeof a);
-        environment_at(below, d, b);
+        environment_radiance(below, d, b);
         assert_memory_equal(a, b, sizeof a);
-        environment_at(side, vec_f64(d.z, d.y, -d.x), b);
+        environment_radiance(side, vec_f64(d.z, d.y, -d.x), b);
         assert_memory_equal(a, b, sizeof a);
     }
     environment_destroy(y), environment_destroy(z), environment_destroy(below), environment_destroy(side);

@@ -1,0 +1,124 @@
+/* Samples what comes from outside of the scene: the background, environments and suns. */
+#include "light/emitters_inner.h"
+
+#include <string.h>
+
+/* A surface that faces a disc of half the angle a gets pi L sin²a = E. Over the disc's solid angle, 2 pi (1 -
+ * cos a), that is E 2 / (1 + cos a). */
+void emitters_sample_sun(const emitters *e, double u, double v, double choice, emitter_sample *out, int i) {
+    uint32_t k = e->sun_count - 1;
+    while (k > 0 && choice < e->suns[k].below) --k;
+    const emitter_sun *sun = &e->suns[k];
+    const shape_cone cone = {shape_unit(widen(sun->to_light)), 1, sun->cap};
+    put_lane(out->direction, i, narrow(shape_cone_sample(&cone, u, v)));
+    put_lane(out->radiance, i, scale_f32((float)(2 / (2 - sun->cap)), load_f32(sun->irradiance)));
+    out->distance[i] = INFINITY, out->group[i] = sun->group;
+    out->density[i] = (float)(e->chance[EMITTER_DIRECTIONAL] * sun->chance);
+    out->sized[i] = 0;
+}
+
+static vec3_f64 lane_f64(const lanes3_f64 v, int i) { return (vec3_f64){v[0][i], v[1][i], v[2][i]}; }
+
+static void put_lane_f64(lanes3_f64 v, int i, vec3_f64 a) { v[0][i] = a.x, v[1][i] = a.y, v[2][i] = a.z; }
+
+/* Background and environments add up. One of them takes a direction; its density counts them all. */
+static void look_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,
+                         environment_light *out) {
+    for (unsigned left = lanes; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        put_lane(out->radiance, i, load_f32(e->background));
+        out->density[i] = e->background_chance * shape_all_density(lane_f64(n, i), lane_f64(direction, i));
+    }
+    for (uint32_t k = 0; k < e->sky_count; ++k) {
+        environment_light more;
+        environment_at(e->skies[k].image, lanes, n, direction, &more);
+        for (unsigned left = lanes; left; left &= left - 1) {
+            const int i = __builtin_ctz(left);
+            for (int c = 0; c < 3; ++c) out->radiance[c][i] += more.radiance[c][i];
+            out->density[i] += e->skies[k].chance * more.density[i];
+        }
+    }
+}
+
+/* Which lanes ask environment k, of those that are left. Rounding may leave a choice beyond all chances: the
+ * last one above 0 takes it, unless there is a background. */
+static unsigned who_asks(const emitters *e, uint32_t k, unsigned lanes, double choice[LANES]) {
+    unsigned asks = 0;
+    bool last = !(e->background_chance > 0);
+    for (uint32_t other = k + 1; other < e->sky_count; ++other) last &= !(e->skies[other].chance > 0);
+    for (; lanes && e->skies[k].chance > 0; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        if (last || choice[i] < e->skies[k].chance) asks |= 1u << i;
+        choice[i] -= e->skies[k].chance;
+    }
+    return asks;
+}
+
+/* Directions of one source each, as they will be traced. What an environment tells of its own is the whole
+ * answer where there is nothing else. */
+static void aim_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, const lanes3 u,
+                        double choice[LANES], lanes3_f64 direction, environment_light *out) {
+    double place[2][LANES];
+    for (int i = 0; i < LANES; ++i) place[0][i] = (double)u[0][i], place[1][i] = (double)u[1][i];
+    for (uint32_t k = 0; k < e->sky_count; ++k) {
+        const unsigned asks = who_asks(e, k, lanes, choice);
+        if (asks) environment_sample(e->skies[k].image, asks, n, place[0], place[1], direction, out);
+        lanes &= ~asks;
+    }
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        put_lane_f64(direction, i, shape_all_sample(lane_f64(n, i), place[0][i], place[1][i]));
+    }
+}
+
+static bool is_one_environment(const emitters *e) {
+    return e->sky_count == 1 && !(e->background[0] + e->background[1] + e->background[2] > 0);
+}
+
+static void find_normals(unsigned lanes, const lanes3 n, lanes3_f64 out) {
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        put_lane_f64(out, i, unit_or_zero(lane_f32(n, i)));
+    }
+}
+
+void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_query *from, const lanes3 u,
+                             const double choice[LANES], emitter_sample *out) {
+    lanes3_f64 n, direction;
+    environment_light light;
+    double left[LANES];
+    memcpy(left, choice, sizeof left);
+    find_normals(lanes, from->n, n);
+    aim_outside(e, lanes, n, u, left, direction, &light);
+    for (unsigned some = lanes; some; some &= some - 1) {
+        const int i = __builtin_ctz(some);
+        put_lane(out->direction, i, narrow(lane_f64(direction, i)));
+        put_lane_f64(direction, i, widen(lane_f32(out->direction, i)));
+    }
+    if (!is_one_environment(e)) look_outside(e, lanes, n, direction, &light);
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        const vec3_f32 radiance = lane_f32(light.radiance, i);
+        emitters_finish(out, i, light.density[i] * e->chance[EMITTER_OUTSIDE],
+                        (float[3]){radiance.x, radiance.y, radiance.z});
+        if (out->density[i] > 0) out->distance[i] = INFINITY;
+        out->group[i] = e->outside_group;
+    }
+}
+
+void emitters_outside(const emitters *e, unsigned lanes, const lanes3 n, const lanes3 direction,
+                      lanes3 radiance, float density[LANES]) {
+    lanes3_f64 normals, directions;
+    environment_light light;
+    find_normals(lanes, n, normals);
+    for (unsigned left = lanes; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        put_lane_f64(directions, i, widen(lane_f32(direction, i)));
+    }
+    look_outside(e, lanes, normals, directions, &light);
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        put_lane(radiance, i, lane_f32(light.radiance, i));
+        density[i] = density_f32(e->chance[EMITTER_OUTSIDE] * light.density[i]);
+    }
+}
