@@ -46,7 +46,7 @@ typedef struct fathom_survey {
     uint32_t left_out_count;
     const char *const *problems; /* that can be rendered, but hardly can be meant */
     uint32_t problem_count;
-    uint64_t points; /* of clouds; their meshes are among those above */
+    uint64_t points, clouds; /* of points; clouds are not among the meshes above */
 } fathom_survey;
 
 /* Prepares the scene as a render with Embree does, without building or rendering. FATHOM_BAD_INPUT: it cannot

@@ -23,9 +23,9 @@ typedef struct info_settings {
 static json_t *pack_counts(const fathom_survey *s) {
     return json_of(JSON("triangles", s->triangles), JSON("placedTriangles", s->placed_triangles),
                    JSON("degenerateTriangles", s->degenerate_triangles), JSON("meshes", s->meshes),
-                   JSON("spheres", s->spheres), JSON("points", s->points), JSON("quads", s->quads),
-                   JSON("planes", s->planes), JSON("instances", s->instances), JSON("groups", s->groups),
-                   JSON("materials", s->materials));
+                   JSON("spheres", s->spheres), JSON("points", s->points), JSON("clouds", s->clouds),
+                   JSON("quads", s->quads), JSON("planes", s->planes), JSON("instances", s->instances),
+                   JSON("groups", s->groups), JSON("materials", s->materials));
 }
 
 static json_t *pack_lights(const fathom_survey *s) {
@@ -145,7 +145,11 @@ static void print_facts(const json_t *root) {
     if (json_number_at(root, "counts.placedTriangles") != json_number_at(root, "counts.triangles"))
         json_print(root, "; {counts.placedTriangles:.0f} with instances");
     fputs("\nshapes    ", stdout);
-    if (json_number_at(root, "counts.points") > 0) json_print(root, "{counts.points:.0f} points, ");
+    if (json_number_at(root, "counts.points") > 0) {
+        const bool one = json_number_at(root, "counts.clouds") == 1;
+        json_print(root, "{counts.points:.0f} points in {counts.clouds:.0f} cloud");
+        fputs(one ? ", " : "s, ", stdout);
+    }
     json_print(root,
                "{counts.spheres:.0f} spheres, {counts.quads:.0f} quads, {counts.planes:.0f} planes\n"
                "instances {counts.instances:.0f} of {counts.groups:.0f} groups\n"

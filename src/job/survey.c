@@ -85,7 +85,9 @@ static fathom_status count(const fathom_scene *scene, const world *w, survey *ou
     s->triangles = scene_triangles(scene);
     s->degenerate_triangles = w->degenerate_triangles;
     s->points = scene_points(scene);
-    s->meshes = scene->meshes.count, s->spheres = scene->spheres.count, s->quads = scene->quads.count;
+    for (size_t i = 0; i < scene->meshes.count; ++i) s->clouds += scene->meshes.items[i].point_radius > 0;
+    s->meshes = scene->meshes.count - s->clouds, s->spheres = scene->spheres.count,
+    s->quads = scene->quads.count;
     s->planes = scene->planes.count, s->instances = scene->instances.count;
     s->groups = scene->groups.count - 1, s->materials = scene->materials.count;
     for (size_t i = 0; i < scene->lights.count; ++i) ++out->lights[scene->lights.items[i].type];

@@ -167,3 +167,9 @@ not_said out.txt 'image helper'
 run 0 render scene.json -o a.png -o a.exr -v
 not_said out.txt 'image helper'
 run 0 render scene.json -o a.exr
+
+# Clouds of points are no meshes.
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n' >cloud.obj
+run 0 info cloud.obj
+said out.txt 'triangles 0 in 0 meshes'
+said out.txt 'shapes    3 points in 1 cloud, 0 spheres'
