@@ -155,8 +155,8 @@ typedef fathom_status work_fn(fathom_context *context, const char *file, outcome
 /* ---- every request in turn ---- */
 
 static char said[256]; /* by the last attempt */
-/* The first so many requests are refused each, then one of a step: for work that repeats itself. Sanitizers take
- * several times as long. They look at fewer places; the other builds refuse all that a test asks for. */
+/* The first so many requests are refused each, then one of a step: for work that repeats itself. Sanitizers
+ * take several times as long. They look at fewer places; the other builds refuse all that a test asks for. */
 #ifdef FATHOM_SANITIZED
 #define REFUSED_EACH 64
 #define REFUSED_STEP 211

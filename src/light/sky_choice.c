@@ -67,24 +67,28 @@ static double solid_angle(const sky_choice *c, uint32_t row) {
     return 2 * SHAPE_PI / c->width * 2 * sin(step * (row + 0.5)) * sin(step / 2);
 }
 
-static void sum_block(sky_choice *c, const float (*radiance)[3], uint32_t row, uint32_t column,
-                      sky_block *out) {
+/* Horizontal directions of the columns of texels, so that no texel needs sines of its own. */
+typedef struct sky_turn {
+    double cosine, sine;
+} sky_turn;
+
+static void sum_block(sky_choice *c, const float (*radiance)[3], const sky_turn *turns, uint32_t row,
+                      uint32_t column, sky_block *out) {
     const uint32_t x0 = c->column_first[column], x1 = c->column_first[column + 1], y0 = c->row_first[row],
                    y1 = c->row_first[row + 1];
     const double wide = (double)(x1 - x0) / c->width, high = (double)(y1 - y0) / c->height;
     *out = (sky_block){.radius = SHAPE_PI * hypot(wide, high / 2)};
     out->centre = sky_direction((double)x0 / c->width + wide / 2, (double)y0 / c->height + high / 2);
     for (uint32_t y = y0; y < y1; ++y) {
-        const double angle = solid_angle(c, y);
-        double line = 0;
+        const double angle = solid_angle(c, y), v = SHAPE_PI * (y + 0.5) / c->height;
+        double line = 0, ahead = 0, right = 0;
         for (uint32_t x = x0; x < x1; ++x) {
             const size_t i = (size_t)y * c->width + x;
             const double light = sky_luminance(radiance[i]);
             c->texels[i] = line += light;
-            if (light > 0)
-                out->sum = madd_f64(out->sum, light * angle,
-                                    sky_direction((x + 0.5) / c->width, (y + 0.5) / c->height));
+            right += light * turns[x].sine, ahead += light * turns[x].cosine;
         }
+        out->sum = madd_f64(out->sum, angle, (vec3_f64){right * sin(v), line * cos(v), -ahead * sin(v)});
         c->lines[(size_t)column * c->height + y] = out->power += line * angle;
     }
 }
@@ -126,8 +130,8 @@ static sky_view view_at(uint32_t index) {
     return view;
 }
 
-/* The mean of the cosine above 0 where it varies by SPREAD, as it does over a block and a cell. A block that
- * some normal of the cell sees is never left out. */
+/* The mean of the cosine above 0 where it varies by `spread` either way, as it does over a block and a cell.
+ * A block that some normal of the cell faces is never left out. */
 static double weight(const sky_block *block, const sky_view *view) {
     static const double spread = 0.25, least = 1.0 / 64;
     if (!(block->power > 0)) return 0;
@@ -161,16 +165,20 @@ static void sum_view(sky_choice *c, const sky_block *blocks, uint32_t index) {
 static bool fill(sky_choice *c, const float (*radiance)[3]) {
     const uint32_t count = c->rows * c->columns;
     sky_block *blocks = malloc(count * sizeof *blocks);
+    sky_turn *turns = malloc(c->width * sizeof *turns);
     c->texels = malloc((size_t)c->width * c->height * sizeof *c->texels);
     c->lines = malloc((size_t)c->columns * c->height * sizeof *c->lines);
     c->views = malloc((VIEWS + 1) * view_size(c) * sizeof *c->views);
     c->scales = malloc((VIEWS + 1) * (size_t)count * sizeof *c->scales);
-    const bool there = blocks && c->texels && c->lines && c->views && c->scales;
+    const bool there = blocks && turns && c->texels && c->lines && c->views && c->scales;
+    for (uint32_t x = 0; there && x < c->width; ++x)
+        shape_turn((x + 0.5) / c->width, &turns[x].cosine, &turns[x].sine);
     for (uint32_t i = 0; there && i < count; ++i) {
-        sum_block(c, radiance, i / c->columns, i % c->columns, &blocks[i]);
+        sum_block(c, radiance, turns, i / c->columns, i % c->columns, &blocks[i]);
         c->power += blocks[i].power;
     }
     for (uint32_t i = 0; there && i <= VIEWS; ++i) sum_view(c, blocks, i);
+    free(turns);
     free(blocks);
     return there;
 }
