@@ -51,7 +51,7 @@ MUTANTS = [
     ("an environment's rows of blocks are taken evenly", "light/sky_choice.c", "spherical harmonics",
      "choose(rows, c->rows, &v[i])", "(uint32_t)(v[i] * c->rows)"),
     ("an environment tells rays the density of all directions alike", "light/sky_choice.c", "spherical harmonics",
-     "c->scales[((size_t)view_of_lane(n, i)", "c->scales[((size_t)(0 * view_of_lane(n, i) + VIEWS)"),
+     "c->scales[((size_t)view_of(lane_f64(n, i))", "c->scales[((size_t)(0 * view_of(lane_f64(n, i)) + VIEWS)"),
     ("directions by the cosine, density even", SHAPE, "even sky",
      "along > 0 ? along / SHAPE_PI : 0", "along > 0 ? 0.5 / SHAPE_PI : 0"),
     ("a hundredth of a triangle's solid angle lost", SHAPE, "tilted triangle",

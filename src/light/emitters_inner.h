@@ -4,6 +4,7 @@
 
 #include "light/emitters.h"
 #include "light/environment.h"
+#include "light/lane.h"
 #include "light/light.h"
 #include "light/shape_block.h"
 #include "light/tree.h"
@@ -133,10 +134,6 @@ void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive
                    emitter_ball *out);
 
 /* ---- lanes ---- */
-
-static inline vec3_f32 lane_f32(const lanes3 v, int i) { return (vec3_f32){v[0][i], v[1][i], v[2][i]}; }
-
-static inline void put_lane(lanes3 v, int i, vec3_f32 a) { v[0][i] = a.x, v[1][i] = a.y, v[2][i] = a.z; }
 
 static inline vec3_f64 unit_or_zero(vec3_f32 n) { return normalize_f64(widen(n)); }
 

@@ -17,10 +17,6 @@ void emitters_sample_sun(const emitters *e, double u, double v, double choice, e
     out->sized[i] = 0;
 }
 
-static vec3_f64 lane_f64(const lanes3_f64 v, int i) { return (vec3_f64){v[0][i], v[1][i], v[2][i]}; }
-
-static void put_lane_f64(lanes3_f64 v, int i, vec3_f64 a) { v[0][i] = a.x, v[1][i] = a.y, v[2][i] = a.z; }
-
 /* Background and environments add up. One of them takes a direction; its density counts them all. */
 static void look_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,
                          environment_light *out) {

@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "image/image.h"
+#include "light/lane.h"
 #include "light/shape.h"
 #include "light/sky_choice.h"
 #include "light/studio.h"
@@ -229,14 +230,10 @@ static void look_up(const environment *e, unsigned lanes, const lanes3_f64 n, co
     }
 }
 
-static vec3_f64 of_lane(const lanes3_f64 v, int i) { return (vec3_f64){v[0][i], v[1][i], v[2][i]}; }
-
-static void put_lane(lanes3_f64 v, int i, vec3_f64 a) { v[0][i] = a.x, v[1][i] = a.y, v[2][i] = a.z; }
-
 static void turn_normals(const environment *e, unsigned lanes, const lanes3_f64 n, lanes3_f64 out) {
     for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
-        put_lane(out, i, to_image(e, of_lane(n, i)));
+        put_lane_f64(out, i, to_image(e, lane_f64(n, i)));
     }
 }
 
@@ -247,7 +244,7 @@ void environment_at(const environment *e, unsigned lanes, const lanes3_f64 n, co
     turn_normals(e, lanes, n, turned);
     for (unsigned left = lanes; left; left &= left - 1) {
         const int i = __builtin_ctz(left);
-        find_texel(e, of_lane(direction, i), &texels.column[i], &texels.row[i]);
+        find_texel(e, lane_f64(direction, i), &texels.column[i], &texels.row[i]);
     }
     look_up(e, lanes, turned, &texels, out);
 }
@@ -277,7 +274,7 @@ static vec3_f64 in_texel(const environment *e, uint32_t column, uint32_t row, do
 static void no_light(unsigned lanes, lanes3_f64 direction, environment_light *out) {
     for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
-        put_lane(direction, i, (vec3_f64){0, 0, 1});
+        put_lane_f64(direction, i, (vec3_f64){0, 0, 1});
         for (int c = 0; c < 3; ++c) out->radiance[c][i] = 0;
         out->density[i] = 0;
     }
@@ -294,7 +291,7 @@ void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n
     no_light(lanes & ~taken, direction, out);
     for (unsigned left = taken; left; left &= left - 1) {
         const int i = __builtin_ctz(left);
-        put_lane(direction, i, in_texel(e, texels.column[i], texels.row[i], place[0][i], place[1][i]));
+        put_lane_f64(direction, i, in_texel(e, texels.column[i], texels.row[i], place[0][i], place[1][i]));
     }
     look_up(e, taken, turned, &texels, out);
 }

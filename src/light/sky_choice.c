@@ -1,5 +1,6 @@
 #include "light/sky_choice.h"
 
+#include "light/lane.h"
 #include "light/shape.h"
 
 #include <stdlib.h>
@@ -224,17 +225,13 @@ static uint32_t choose(const double *sums, uint32_t count, double *u) {
     return first;
 }
 
-static uint32_t view_of_lane(const lanes3_f64 n, int i) {
-    return view_of((vec3_f64){n[0][i], n[1][i], n[2][i]});
-}
-
 /* Each step reads what the one before has asked for in all lanes: the tables are larger than caches. */
 unsigned sky_choice_take(const sky_choice *c, unsigned lanes, const lanes3_f64 n, double u[LANES],
                          double v[LANES], sky_texels *out) {
     unsigned taken = 0;
     for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
-        const double *rows = c->views + view_of_lane(n, i) * view_size(c);
+        const double *rows = c->views + view_of(lane_f64(n, i)) * view_size(c);
         if (!(rows[c->rows - 1] > 0)) continue;
         const uint32_t row = choose(rows, c->rows, &v[i]);
         out->row[i] = row;
@@ -264,6 +261,7 @@ void sky_choice_densities(const sky_choice *c, unsigned lanes, const lanes3_f64 
         const int i = __builtin_ctz(lanes);
         const uint32_t row = block_of(texels->row[i], c->height, c->rows),
                        column = block_of(texels->column[i], c->width, c->columns);
-        density[i] = (double)c->scales[((size_t)view_of_lane(n, i) * c->rows + row) * c->columns + column];
+        density[i] =
+            (double)c->scales[((size_t)view_of(lane_f64(n, i)) * c->rows + row) * c->columns + column];
     }
 }

@@ -1,7 +1,6 @@
 /* Emissive shapes as sixteen points see them. */
 #include "light/kernels/kernel.h"
-
-static inline vec3_f64 lane_f64(const lanes3_f64 v, int i) { return (vec3_f64){v[0][i], v[1][i], v[2][i]}; }
+#include "light/lane.h"
 
 static inline void put(const shape_answers *restrict from, lanes3 direction, float *restrict distance) {
     for (int i = 0; i < LANES; ++i) {
