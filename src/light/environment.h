@@ -37,9 +37,11 @@ void environment_at(const environment *e, unsigned lanes, const lanes3_f64 n, co
 /* From one, for whoever asks for no density. */
 void environment_radiance(const environment *e, vec3_f64 direction, float radiance[3]);
 
-/* Directions for surfaces with the normals n; 0: all directions alike. They stay in their texel where they
- * are rounded to float. u chooses along the image's rows, v among them; both in [0,1). Some texel must shine.
- * Density 0: none does on that side. */
+/* Directions for surfaces with the normals n; 0: all directions alike. u chooses along the image's rows, v
+ * among them; both in [0,1). Some texel must shine. *out is of the texel chosen; density 0: none shines on
+ * that side. A direction stays in its texel when it is rounded to float; close to the poles it may leave it
+ * by some 1e-7.
+ */
 void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n, const double u[LANES],
                         const double v[LANES], lanes3_f64 direction, environment_light *out);
 
