@@ -154,13 +154,20 @@ static fathom_status find_lamp_surfaces(fathom_context *context, emitters *e) {
 
 /* ---- from outside ---- */
 
-/* By luminance times solid angle. */
-static void share_outside(emitters *e) {
-    double sum = e->background_chance = 4 * SHAPE_PI * (double)luminance(e->background);
+/* Luminance times solid angle. */
+static double background_power(const emitters *e) { return 4 * SHAPE_PI * (double)luminance(e->background); }
+
+static double outside_power(const emitters *e) {
+    double sum = background_power(e);
     for (uint32_t i = 0; i < e->sky_count; ++i) sum += environment_power(e->skies[i].image);
+    return sum;
+}
+
+static void share_outside(emitters *e) {
+    const double all = outside_power(e);
     for (uint32_t i = 0; i < e->sky_count; ++i)
-        e->skies[i].chance = sum > 0 ? environment_power(e->skies[i].image) / sum : 0;
-    e->background_chance /= sum > 0 ? sum : 1;
+        e->skies[i].chance = all > 0 ? environment_power(e->skies[i].image) / all : 0;
+    e->background_chance = all > 0 ? background_power(e) / all : 0;
 }
 
 fathom_status emitters_open_skies(fathom_context *context, emitters *e) {
@@ -232,12 +239,11 @@ static bool from_outside(const emitters *e) {
  * all directions. */
 static fathom_status finite_share(const emitters *e, double *out) {
     scene_bounds bounds;
-    double intensity = 0, outside = 4 * SHAPE_PI * (double)luminance(e->background);
-    for (uint32_t i = 0; i < e->sky_count; ++i) outside += environment_power(e->skies[i].image);
+    double intensity = 0;
     for (int k = 0; k < TREE_WIDE; ++k) intensity += (double)e->lights.nodes->power[k];
     fathom_status status = scene_world_bounds(e->w->scene, &bounds);
     const double radius = status != FATHOM_OK || bounds_is_empty(&bounds) ? 0 : bounds_radius(&bounds),
-                 all = intensity + outside * radius * radius;
+                 all = intensity + outside_power(e) * radius * radius;
     *out = all > intensity && isfinite(all) ? intensity / all : 0.5;
     return status;
 }
