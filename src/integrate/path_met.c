@@ -25,7 +25,7 @@ static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsig
     wave_add_layers(&p->wave, slot, tag, met->direction, rgb);
 }
 
-/* What comes to the lanes whose bits are set, and with which density. */
+/* Finds the light that comes to the lanes whose bits are set, and its densities. */
 static void look_outside(path_wave *p, const trace_block *block, const path_block *path, uint32_t lanes,
                          lanes3 radiance, float density[LANES]) {
     lanes3 n, direction;

@@ -158,7 +158,7 @@ static inline void emitters_finish(emitter_sample *out, int i, double density, c
     out->sized[i] = ~0u;
 }
 
-/* Of what comes from outside: the lanes whose bits are set, and a lane that asks a sun. */
+/* Answer from outside the lanes whose bits are set, and a lane that asks a sun. */
 void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_query *from, const lanes3 u,
                              const double choice[LANES], emitter_sample *out);
 void emitters_sample_sun(const emitters *e, double u, double v, double choice, emitter_sample *out, int i);

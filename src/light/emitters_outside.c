@@ -50,8 +50,8 @@ static unsigned who_asks(const emitters *e, uint32_t k, unsigned lanes, double c
     return asks;
 }
 
-/* Directions of one source each, as they will be traced. What an environment tells of its own is the whole
- * answer where there is nothing else. */
+/* Each lane takes a direction from one source. An environment also answers with its own light, which is all
+ * there is where nothing else shines. */
 static void aim_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, const lanes3 u,
                         double choice[LANES], lanes3_f64 direction, environment_light *out) {
     double place[2][LANES];

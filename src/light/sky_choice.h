@@ -10,7 +10,7 @@
 
 typedef struct sky_choice sky_choice;
 
-/* Of an equirectangular image whose first row is around +y, and whose centre lies towards -z. radiance: of
+/* Takes an equirectangular image whose first row is around +y, and whose centre lies towards -z. radiance: of
  * its texels, by row; neither negative nor infinite. NULL: out of memory. */
 sky_choice *sky_choice_create(uint32_t width, uint32_t height, const float (*radiance)[3]);
 void sky_choice_destroy(sky_choice *c);

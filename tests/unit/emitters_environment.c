@@ -268,7 +268,7 @@ static void a_surface_asks_all_that_it_faces(void **state) {
     }
 }
 
-/* What lies clearly behind a surface is not asked. The samples of the light in front differ by the cosine
+/* A surface does not ask the sky clearly behind it. The samples of the light in front differ by the cosine
  * alone, which a block knows within the spread of its normals and texels. */
 static void light_behind_a_surface_is_not_asked(void **state) {
     (void)state;
