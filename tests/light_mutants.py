@@ -54,7 +54,7 @@ MUTANTS = [
      "c->scales[((size_t)view_of(lane_f64(n, i))", "c->scales[((size_t)(0 * view_of(lane_f64(n, i)) + VIEWS)"),
     ("directions by the cosine, density even", SHAPE, "even sky",
      "along > 0 ? along / SHAPE_PI : 0", "along > 0 ? 0.5 / SHAPE_PI : 0"),
-    ("a hundredth of a triangle's solid angle lost", SHAPE, "tilted triangle",
+    ("a hundredth of a triangle's solid angle lost", SHAPE, "disk of",
      "double angle = 2 * shape_angle(", "double angle = 1.98 * shape_angle("),
     ("directions over a triangle are not even", SHAPE, "disk of", "0.5 * u * s->angle", "0.5 * u * u * s->angle"),
     ("the only triangle loses a hundredth of its solid angle", ONE, "tilted triangle", "2 * angle_of(", "1.98f * angle_of("),

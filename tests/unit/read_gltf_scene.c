@@ -2,6 +2,7 @@
 #include "gltf_file.h"
 
 #include "math/affine.h"
+#include "read/mesh/strokes.h"
 
 static const double pi = 3.14159265358979324;
 
@@ -149,7 +150,7 @@ static void lines_are_rods(void **state) {
                  SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':%u}]}]"), mode);
         fathom_scene *scene = read_triangle(f, json);
         const fathom_mesh *mesh = &scene->meshes.items[0];
-        assert_int_equal(mesh->triangle_count, 24 * rods[mode - 1]);
+        assert_int_equal(mesh->triangle_count, ROD_TRIANGLES * rods[mode - 1]);
         /* A thousandth of the diagonal: of (0,0,0) and (1,0,0), or of all. */
         const double radius = (mode == 1 ? 1 : 1.5) / 1000;
         for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
@@ -163,6 +164,21 @@ static void lines_are_rods(void **state) {
         }
         assert_non_null(strstr(f->warning, "lines have no width, and are shown as thin rods (1 such)"));
         fathom_scene_destroy(scene);
+    }
+}
+
+static void what_points_and_lines_cannot_show_is_named(void **state) {
+    fixture *f = *state;
+    static const char *const keys[] = {"NORMAL", "TEXCOORD_0"};
+    for (size_t i = 0; i < 2; ++i) {
+        char json[4096], expected[80];
+        snprintf(json, sizeof json,
+                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0,'%s':0},'mode':3},"
+                       "{'attributes':{'POSITION':0,'%s':0},'mode':3},{'attributes':{'POSITION':0}}]}]"),
+                 keys[i], keys[i]);
+        snprintf(expected, sizeof expected, "%s of points and lines is left out (2 such)", keys[i]);
+        fathom_scene_destroy(read_triangle(f, json));
+        assert_non_null(strstr(f->warning, expected));
     }
 }
 
@@ -294,6 +310,7 @@ int main(void) {
         TEST(the_default_scene_chooses_the_nodes),
         TEST(each_omission_is_reported_once),
         TEST(lines_are_rods),
+        TEST(what_points_and_lines_cannot_show_is_named),
         TEST(the_camera_follows_its_node),
         TEST(hidden_nodes_only_keep_their_camera),
         TEST(lights_follow_their_node),

@@ -2,6 +2,7 @@
 #include "mesh_file.h"
 
 #include "random.h"
+#include "read/mesh/strokes.h"
 #include "scene/mesh/absent.h"
 
 static const read_mesh_options plain = {.material = FATHOM_NONE};
@@ -394,7 +395,7 @@ static void lines_are_rods_and_points_are_spheres(void **state) {
         /* One point alone has no diagonal: its radius is 1. */
         assert_int_equal(mesh_at(scene, 0)->vertex_count, 1);
         assert_true(mesh_at(scene, 0)->point_radius == 1);
-        expect_distance(mesh_at(scene, 1), 2 * 24, 14, lines, 0.005);
+        expect_distance(mesh_at(scene, 1), 2 * ROD_TRIANGLES, ROD_VERTICES, lines, 0.005);
         fathom_scene_destroy(scene);
     }
 }
@@ -421,7 +422,7 @@ static void points_keep_their_materials(void **state) {
     fathom_scene *scene =
         read_text("mtllib a.mtl\n" SQUARE "usemtl b\np 1\nusemtl a\np 2 3\nusemtl b\np 4\nl 1 2\n");
     static const char *const names[] = {"b", "a", "b"};
-    static const uint32_t triangles[] = {0, 0, 24}, vertices[] = {2, 2, 14};
+    static const uint32_t triangles[] = {0, 0, ROD_TRIANGLES}, vertices[] = {2, 2, ROD_VERTICES};
     assert_int_equal(scene->meshes.count, 3);
     for (uint32_t i = 0; i < 3; ++i) {
         assert_int_equal(mesh_at(scene, i)->triangle_count, triangles[i]);

@@ -1,6 +1,7 @@
 /* PLY files: every flavour of the same thing gives the same mesh. Errors are tested in
  * read_ply_errors.c. */
 #include "ply_file.h"
+#include "read/mesh/strokes.h"
 
 #include "random.h"
 
@@ -371,13 +372,13 @@ static void edges_are_rods(void **state) {
         fathom_scene *scene = ply_read(&m);
         assert_int_equal(scene->meshes.count, faces ? 2 : 1);
         const fathom_mesh *mesh = mesh_at(scene, faces);
-        assert_int_equal(mesh->triangle_count, 2 * 24);
+        assert_int_equal(mesh->triangle_count, 2 * ROD_TRIANGLES);
         for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
             const vec3_f64 p = widen(load_f32(mesh->positions + 3 * i));
             const double x = fmin(fmax(p.x, 0), 4), y = fmin(fmax(p.y, 0), 3);
             /* From the first edge, then from the second. Coordinates up to 4 are rounded by 2^-22. */
-            assert_near(i < 14 ? length_f64((vec3_f64){p.x - x, p.y, p.z})
-                               : length_f64((vec3_f64){p.x - 4, p.y - y, p.z}),
+            assert_near(i < ROD_VERTICES ? length_f64((vec3_f64){p.x - x, p.y, p.z})
+                                         : length_f64((vec3_f64){p.x - 4, p.y - y, p.z}),
                         0.005, 0x1p-21);
         }
         expect_warning("edges have no width, and are shown as thin rods (2 such)");

@@ -196,6 +196,15 @@ static void unroll_lines(gltf *g, const primitive *p, const uint32_t *from, stro
     s->indices = to;
 }
 
+/* Points and lines are shown by their own shapes' normals, and without textures. */
+static void note_unread(gltf *g, const primitive *p) {
+    static const char *const keys[] = {"NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1"};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
+        if (gltf_components(g, p->attributes, keys[i]))
+            gltf_note(g, p->attributes, keys[i], "%s of points and lines is left out", keys[i]);
+    }
+}
+
 /* Makes a cloud of points, and triangles of lines. */
 static void read_strokes(gltf *g, primitive *p) {
     strokes s = {.positions = p->mesh.positions,
@@ -292,6 +301,7 @@ static void add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shape
         read_material(g, &p);
         if (g->options->material == FATHOM_NONE) read_colors(g, &p);
         if (gltf_fine(g)) read_strokes(g, &p);
+        note_unread(g, &p);
         if (moves)
             gltf_note(g, at, NULL,
                       "points and lines that a skin or morph targets move are not blurred; they stand as the "

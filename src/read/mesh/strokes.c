@@ -5,8 +5,9 @@
 #include <float.h>
 #include <string.h>
 
-/* A rod is a prism of six sides with a tip at either end; normals make it look round. */
-enum { SIDES = 6, ROD_VERTICES = 2 * SIDES + 2, ROD_TRIANGLES = 4 * SIDES };
+/* A rod is a prism of four sides with a tip at either end; normals make it look round. */
+enum { SIDES = 4 };
+_Static_assert(ROD_VERTICES == 2 * SIDES + 2 && ROD_TRIANGLES == 4 * SIDES, "its parts");
 _Static_assert(ROD_VERTICES *(3 + 3 + 4) * 4 + ROD_TRIANGLES * 12 <= ROD_BYTES, "its arrays");
 
 /* Where the arrays are filled up to. */
@@ -44,8 +45,7 @@ static void put_triangle(pen *p, uint32_t a, uint32_t b, uint32_t c) {
 }
 
 static void put_rod(pen *p, uint32_t from, uint32_t to) {
-    static const double ring[SIDES][2] = {{1, 0},  {.5, .866025403784438647},   {-.5, .866025403784438647},
-                                          {-1, 0}, {-.5, -.866025403784438647}, {.5, -.866025403784438647}};
+    static const double ring[SIDES][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
     const uint32_t ends[2] = {from, to}, first = p->vertices;
     const vec3_f64 along = normalize_f64(sub_f64(position_of(p->s, to), position_of(p->s, from)));
     if (!(dot_f64(along, along) > 0)) return;

@@ -5,8 +5,11 @@
 #include "read/mesh/text.h"
 #include "scene/scene.h"
 
+/* Of one line. */
+enum { ROD_VERTICES = 10, ROD_TRIANGLES = 16 };
+
 /* Bytes of the arrays for each line, and for each point with an index, at most; with colours. */
-#define ROD_BYTES 1024u
+#define ROD_BYTES 592u
 #define POINT_BYTES 28u
 
 typedef struct strokes {
