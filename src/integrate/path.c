@@ -45,7 +45,7 @@ static void choices(const path_wave *p, const vertex_block *v, const vertex_keys
 
 static float width_at(const path_wave *p, const vertex_block *v, unsigned i) {
     const uint32_t slot = v->path.slot[i];
-    const vec3_f32 way = sub_f32(of_lane(v->surface.p, i), of_slot(p->p, slot));
+    const vec3_f32 way = sub_f32(lane_f32(v->surface.p, i), of_slot(p->p, slot));
     return p->width[slot] + p->spread[slot] * sqrtf(dot_f32(way, way));
 }
 
@@ -167,7 +167,7 @@ static void leave_vertex(path_wave *p, const surface_block *s, const shader_samp
                          bool hidden, uint32_t slot) {
     if (p->wave.run.samples.first) path_leave_features(p, to, i, slot);
     if (to->straight[i]) {
-        const vec3_f32 way = sub_f32(of_lane(s->p, i), of_slot(p->p, slot));
+        const vec3_f32 way = sub_f32(lane_f32(s->p, i), of_slot(p->p, slot));
         p->passed[slot] = sqrtf(dot_f32(way, way));
         if (p->wave.run.samples.mattes && !path_scattered(p, slot)) wave_lose_mattes(&p->wave, slot);
         ++p->passes[slot];
@@ -206,7 +206,7 @@ static void push_some(path_wave *p, const trace_rays *rays, const path_block *pa
     next->count += (unsigned)__builtin_popcount(lanes);
     unsigned k = at;
     for (uint32_t left = plan->watertight ? lanes : 0; left; left &= left - 1)
-        to->depth[k++] = path->depth[__builtin_ctz(left)];
+        to->depth[k++] = path->depth[lane_first(left)];
 }
 
 /* lanes: as bits, those that go on. */
@@ -273,7 +273,7 @@ static void find_depths(path_wave *p, const vertex_block *v) {
         const uint32_t slot = v->path.slot[i];
         shade_camera camera;
         wave_camera_when(w->run.plan, w->times[slot], &camera);
-        const vec3_f32 way = sub_f32(of_lane(v->surface.p, i), camera.eye);
+        const vec3_f32 way = sub_f32(lane_f32(v->surface.p, i), camera.eye);
         w->run.samples.first->z[slot] = (float)dot_f64(widen(way), camera.view);
     }
 }

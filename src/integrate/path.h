@@ -4,6 +4,7 @@
 
 #include "integrate/media.h"
 #include "integrate/wave.h"
+#include "math/lane.h"
 
 typedef struct path_wave {
     wave wave; /* first: the integrator's interface points to it */
@@ -32,10 +33,6 @@ typedef struct path_wave {
 
 static inline vec3_f32 of_slot(const float from[3][WAVE_SLOTS], uint32_t slot) {
     return (vec3_f32){from[0][slot], from[1][slot], from[2][slot]};
-}
-
-static inline vec3_f32 of_lane(const lanes3 from, unsigned i) {
-    return (vec3_f32){from[0][i], from[1][i], from[2][i]};
 }
 
 /* How often the path was scattered before the vertex it is at. */

@@ -30,7 +30,7 @@ static void look_outside(path_wave *p, const trace_block *block, const path_bloc
                          lanes3 radiance, float density[LANES]) {
     lanes3 n, direction;
     for (uint32_t left = lanes; left; left &= left - 1) {
-        const unsigned i = (unsigned)__builtin_ctz(left);
+        const unsigned i = lane_first(left);
         const vec3_f32 to = trace_dir(&block->rays, i);
         direction[0][i] = to.x, direction[1][i] = to.y, direction[2][i] = to.z;
         for (int c = 0; c < 3; ++c) n[c][i] = p->n[c][path->slot[i]];
@@ -44,7 +44,7 @@ void path_add_outside(wave *w, const trace_block *block, const path_block *path,
     float density[LANES];
     look_outside(p, block, path, missed, radiance, density);
     for (; missed; missed &= missed - 1) {
-        const unsigned i = (unsigned)__builtin_ctz(missed);
+        const unsigned i = lane_first(missed);
         const met_light met = {.radiance = {radiance[0][i], radiance[1][i], radiance[2][i]},
                                .density = density[i],
                                .group = emitters_outside_group(w->run.plan->emitters),
@@ -65,7 +65,7 @@ void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const sh
     memcpy(met.radiance, s->emission, sizeof met.radiance);
     if (p->density[slot] < INFINITY)
         met.density = emitters_hit_density(p->wave.run.plan->emitters, of_slot(p->p, slot),
-                                           of_slot(p->n, slot), neg_f32(of_lane(v->surface.v, i)), &hit);
+                                           of_slot(p->n, slot), neg_f32(lane_f32(v->surface.v, i)), &hit);
     add_light(p, slot, &v->path, i, &met);
 }
 

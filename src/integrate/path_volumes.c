@@ -6,7 +6,7 @@ void path_absorb(path_wave *p, vertex_block *v) {
     for (unsigned i = 0; i < v->surface.count; ++i) {
         const uint32_t slot = v->path.slot[i];
         float left[3];
-        const vec3_f32 way = sub_f32(of_lane(v->surface.p, i), of_slot(p->p, slot));
+        const vec3_f32 way = sub_f32(lane_f32(v->surface.p, i), of_slot(p->p, slot));
         media_left(p->media, slot, sqrtf(dot_f32(way, way)) - p->passed[slot], left);
         for (int c = 0; c < 3; ++c) v->path.weight[c][i] *= left[c];
     }

@@ -5,10 +5,10 @@
 
 /* ---- one lane ---- */
 
-static void put_answer(emitter_sample *out, int i, const emitter_answer *a, double chance,
+static void put_answer(emitter_sample *out, unsigned i, const emitter_answer *a, double chance,
                        const float radiance[3]) {
     static const float none[3] = {0, 0, 0};
-    put_lane(out->direction, i, narrow(a->direction));
+    put_lane_f32(out->direction, i, narrow(a->direction));
     out->distance[i] = a->distance < 0x1p127 ? (float)a->distance : INFINITY;
     emitters_finish(out, i, a->density * chance, a->dark ? none : radiance);
 }
@@ -24,7 +24,7 @@ typedef struct lane_choices {
     unsigned faces, balls, lamps; /* lanes that chose one */
 } lane_choices;
 
-static float time_of(const emitters *e, const lane_choices *c, int i) {
+static float time_of(const emitters *e, const lane_choices *c, unsigned i) {
     return e->moving ? c->from->time[i] : 0;
 }
 
@@ -38,7 +38,7 @@ static bool is_ball(const emitters *e, const emitter_run *run) {
 
 static void load_points(const lane_choices *c, lanes3_f64 p) {
     for (int k = 0; k < 3; ++k) {
-        for (int i = 0; i < LANES; ++i) p[k][i] = (double)c->from->p[k][i];
+        for (unsigned i = 0; i < LANES; ++i) p[k][i] = (double)c->from->p[k][i];
     }
 }
 
@@ -47,7 +47,7 @@ static void take_answers(const lane_choices *c, unsigned lanes, const shape_answ
                          const lanes3 direction, const float distance[LANES],
                          const float *const radiance[LANES], emitter_sample *out) {
     for (; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
+        const unsigned i = lane_first(lanes);
         for (int k = 0; k < 3; ++k) out->direction[k][i] = direction[k][i];
         out->distance[i] = distance[i];
         emitters_finish(out, i, answers->density[i] * c->chance[i], radiance[i]);
@@ -75,7 +75,7 @@ static void find_place(const shape_face *f, vec3_f64 p, vec3_f64 direction, text
 static void look_up_radiance(const emitters *e, const lane_choices *c, const lanes3 direction,
                              float (*value)[3], const float *radiance[LANES]) {
     for (unsigned left = c->faces; left; left &= left - 1) {
-        const int i = __builtin_ctz(left);
+        const unsigned i = lane_first(left);
         const emitter_run *run = emitters_run_of(e, c->emitter[i]);
         const uint32_t primitive = c->emitter[i] - run->first;
         texturing_place place = {.geometry = run->geometry, .primitive = primitive};
@@ -102,14 +102,14 @@ static void sample_faces(const emitters *e, const lane_choices *c, emitter_sampl
     uint32_t last = FATHOM_NONE;
     const float *light = NULL;
     for (unsigned left = c->faces; left; left &= left - 1) {
-        const int i = __builtin_ctz(left);
+        const unsigned i = lane_first(left);
         if (c->emitter[i] != last || e->moving) {
             const emitter_run *run = emitters_run_of(e, c->emitter[i]);
             emitters_face(e, run, c->emitter[i] - run->first, time_of(e, c, i), &face);
             light = radiance_of(e, run, c->emitter[i] - run->first);
             quads |= face.quad;
         }
-        for (int k = 0; last == FATHOM_NONE && k < LANES; ++k) shape_faces_put(&faces, k, &face);
+        for (unsigned k = 0; last == FATHOM_NONE && k < LANES; ++k) shape_faces_put(&faces, k, &face);
         last = c->emitter[i], radiance[i] = light;
         shape_faces_put(&faces, i, &face);
     }
@@ -121,15 +121,15 @@ static void sample_faces(const emitters *e, const lane_choices *c, emitter_sampl
 }
 
 /* Inside of spheres, and where they are stretched. */
-static void sample_odd_ball(const emitter_ball *ball, const lane_choices *c, int i, const float *radiance,
-                            emitter_sample *out) {
+static void sample_odd_ball(const emitter_ball *ball, const lane_choices *c, unsigned i,
+                            const float *radiance, emitter_sample *out) {
     emitter_answer answer;
     emitters_ask_ball(ball, widen(lane_f32(c->from->p, i)), unit_or_zero(lane_f32(c->from->n, i)),
                       (double)c->u[0][i], (double)c->u[1][i], &answer);
     put_answer(out, i, &answer, c->chance[i], radiance);
 }
 
-static void put_ball(shape_balls *to, int i, const emitter_ball *b) {
+static void put_ball(shape_balls *to, unsigned i, const emitter_ball *b) {
     to->center[0][i] = b->center.x, to->center[1][i] = b->center.y, to->center[2][i] = b->center.z;
     to->radius[i] = b->radius, to->clear[i] = b->clear, to->slope[i] = b->slope;
 }
@@ -145,13 +145,13 @@ static void sample_balls(const emitters *e, const lane_choices *c, emitter_sampl
     unsigned plain = 0;
     uint32_t last = FATHOM_NONE;
     for (unsigned left = c->balls; left; left &= left - 1) {
-        const int i = __builtin_ctz(left);
+        const unsigned i = lane_first(left);
         if (c->emitter[i] != last || e->moving) {
             const emitter_run *run = emitters_run_of(e, c->emitter[i]);
             emitters_ball(e, run, c->emitter[i] - run->first, time_of(e, c, i), &ball);
             light = radiance_of(e, run, c->emitter[i] - run->first);
         }
-        for (int k = 0; last == FATHOM_NONE && k < LANES; ++k) put_ball(&balls, k, &ball);
+        for (unsigned k = 0; last == FATHOM_NONE && k < LANES; ++k) put_ball(&balls, k, &ball);
         last = c->emitter[i], radiance[i] = light;
         put_ball(&balls, i, &ball);
         if (emitters_ball_is_plain(&ball, widen(lane_f32(c->from->p, i))))
@@ -182,13 +182,14 @@ static double primitive_density(const emitters *e, const emitter_run *run, const
 
 /* A lamp with a size is a sphere that no ray meets, of the radiance k_l / r². Points inside see it without
  * size. */
-static bool widen_lamp(const emitter_lamp *lamp, vec3_f64 p, double u, double v, emitter_sample *out, int i) {
+static bool widen_lamp(const emitter_lamp *lamp, vec3_f64 p, double u, double v, emitter_sample *out,
+                       unsigned i) {
     const vec3_f64 from = sub_f64(p, widen(lamp->light.position));
     const double r = (double)lamp->radius;
     if (!(dot_f64(from, from) > r * r) || !(r > 0)) return false;
     const shape_cone cone = shape_cone_of(from, r);
     const vec3_f64 d = shape_cone_sample(&cone, u, v);
-    put_lane(out->direction, i, narrow(d));
+    put_lane_f32(out->direction, i, narrow(d));
     out->distance[i] = (float)fmax(shape_sphere_near(from, d, r) * (1 - 0x1p-20), 0x1p-126);
     const double more = shape_cone_angle(&cone) / (SHAPE_PI * r * r) * dot_f64(from, from);
     for (int c = 0; c < 3; ++c) out->radiance[c][i] *= (float)more;
@@ -202,7 +203,7 @@ static void sample_lamp(const emitters *e, const emitter_lamp *lamp, const lane_
     memcpy(aimed.origin, c->from->p, sizeof aimed.origin);
     e->points->aim(&lamp->light, &aimed);
     for (; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
+        const unsigned i = lane_first(lanes);
         for (int k = 0; k < 3; ++k) {
             out->direction[k][i] = aimed.direction[k][i];
             out->radiance[k][i] = (float)SHAPE_PI * (seen.radiance[k][i] * seen.falloff[i]);
@@ -218,9 +219,9 @@ static void sample_lamp(const emitters *e, const emitter_lamp *lamp, const lane_
 /* Lanes that chose the same lamp together. */
 static void sample_lamps(const emitters *e, const lane_choices *c, emitter_sample *out) {
     for (unsigned left = c->lamps; left;) {
-        const uint32_t emitter = c->emitter[__builtin_ctz(left)];
+        const uint32_t emitter = c->emitter[lane_first(left)];
         unsigned same = 0;
-        for (int i = 0; i < LANES; ++i) {
+        for (unsigned i = 0; i < LANES; ++i) {
             if (left >> i & 1 && c->emitter[i] == emitter) same |= 1u << i;
         }
         sample_lamp(e, &e->lamps[emitter - e->surface_count], c, same, out);
@@ -231,7 +232,7 @@ static void sample_lamps(const emitters *e, const lane_choices *c, emitter_sampl
 /* ---- the choice ---- */
 
 /* u in [0,1) has 24 digits, too few to choose among millions fairly: others follow, from u's neighbours. */
-static double finer(const lanes3 u, int i) {
+static double finer(const lanes3 u, unsigned i) {
     uint32_t a, b;
     memcpy(&a, &u[0][i], sizeof a), memcpy(&b, &u[1][i], sizeof b);
     uint64_t h = ((uint64_t)a << 32 | b) * 0xbf58476d1ce4e5b9u;
@@ -260,12 +261,12 @@ static emitter_part choose_part(const emitters *e, double *u) {
 static void choose_finite(const emitters *e, unsigned lanes, double u[LANES], lane_choices *c,
                           emitter_sample *out) {
     if (e->only != FATHOM_NONE) {
-        for (int i = 0; i < LANES; ++i) c->emitter[i] = e->only, c->chance[i] = 1;
+        for (unsigned i = 0; i < LANES; ++i) c->emitter[i] = e->only, c->chance[i] = 1;
     } else {
         e->lights.kernels->choose(&e->lights, c->from->p, c->from->n, lanes, u, c->emitter, c->chance);
     }
     for (; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
+        const unsigned i = lane_first(lanes);
         c->chance[i] *= e->chance[EMITTER_FINITE];
         if (!(c->chance[i] > 0))
             no_light(out, i);
@@ -283,7 +284,7 @@ static void choose_finite(const emitters *e, unsigned lanes, double u[LANES], la
 static unsigned choose_parts(const emitters *e, const emitter_query *from, lanes3 u, double choice[LANES],
                              emitter_sample *out) {
     unsigned finite = 0, outside = 0;
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         double first = (double)u[0][i];
         choice[i] = finer(u, i);
         const emitter_part part = choose_part(e, &first);
@@ -314,7 +315,7 @@ void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 
     const unsigned finite = choose_parts(e, from, u, choice, out);
     if (finite) choose_finite(e, finite, choice, &c, out);
     for (unsigned lanes = e->groups ? c.faces | c.balls | c.lamps : 0; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
+        const unsigned i = lane_first(lanes);
         out->group[i] = emitters_group_of(e, c.emitter[i]);
     }
     if (c.faces) sample_faces(e, &c, out);

@@ -4,11 +4,11 @@
 
 #include "light/emitters.h"
 #include "light/environment.h"
-#include "light/lane.h"
 #include "light/light.h"
 #include "light/shape_block.h"
 #include "light/tree.h"
 #include "material/textured.h"
+#include "math/lane.h"
 
 /* Primitives of one geometry, where an instance or the root places it: emitters first, first + 1, … */
 typedef struct emitter_run {
@@ -137,9 +137,9 @@ void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive
 
 static inline vec3_f64 unit_or_zero(vec3_f32 n) { return normalize_f64(widen(n)); }
 
-static inline void no_light(emitter_sample *out, int i) {
-    put_lane(out->direction, i, (vec3_f32){0, 0, 1});
-    put_lane(out->radiance, i, (vec3_f32){0, 0, 0});
+static inline void no_light(emitter_sample *out, unsigned i) {
+    put_lane_f32(out->direction, i, (vec3_f32){0, 0, 1});
+    put_lane_f32(out->radiance, i, (vec3_f32){0, 0, 0});
     out->distance[i] = out->density[i] = 0;
     out->sized[i] = 0;
 }
@@ -148,20 +148,21 @@ static inline void no_light(emitter_sample *out, int i) {
 static inline float density_f32(double density) { return density < 0x1p127 ? (float)density : 0x1p127f; }
 
 /* A lane's answer, whose direction and distance are in place. */
-static inline void emitters_finish(emitter_sample *out, int i, double density, const float radiance[3]) {
+static inline void emitters_finish(emitter_sample *out, unsigned i, double density, const float radiance[3]) {
     out->density[i] = density_f32(density);
     if (!(out->density[i] > 0)) {
         no_light(out, i);
         return;
     }
-    put_lane(out->radiance, i, load_f32(radiance));
+    put_lane_f32(out->radiance, i, load_f32(radiance));
     out->sized[i] = ~0u;
 }
 
 /* Answer from outside the lanes whose bits are set, and a lane that asks a sun. */
 void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_query *from, const lanes3 u,
                              const double choice[LANES], emitter_sample *out);
-void emitters_sample_sun(const emitters *e, double u, double v, double choice, emitter_sample *out, int i);
+void emitters_sample_sun(const emitters *e, double u, double v, double choice, emitter_sample *out,
+                         unsigned i);
 
 /* A primitive's answer to a point that asks it for light. */
 typedef struct emitter_answer {

@@ -30,7 +30,7 @@ static void make_fast(emitter_face *f) {
     }
     to->clear = (float)(from->clear * (1 + 0x1p-20));
     to->slope = (float)(from->slope + 8 * 0x1p-24);
-    for (int i = 0; i < LANES; ++i) shape_faces_put(&f->all, i, from);
+    for (unsigned i = 0; i < LANES; ++i) shape_faces_put(&f->all, i, from);
 }
 
 static bool prepare_face(emitters *e) {
@@ -63,14 +63,14 @@ float emitters_mis_factor(const emitters *e) { return e->one.sky ? 0.7745967f : 
 /* Lanes without light get a direction all the same. */
 static void finish(const float radiance[3], emitter_sample *restrict out) {
     int dark = 0;
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         dark |= !(out->density[i] > 0);
         out->sized[i] = ~0u;
     }
     for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) out->radiance[c][i] = radiance[c];
+        for (unsigned i = 0; i < LANES; ++i) out->radiance[c][i] = radiance[c];
     }
-    for (int i = 0; dark && i < LANES; ++i) {
+    for (unsigned i = 0; dark && i < LANES; ++i) {
         if (out->density[i] > 0) continue;
         for (int c = 0; c < 3; ++c) out->direction[c][i] = c == 2, out->radiance[c][i] = 0;
         out->distance[i] = out->density[i] = 0;
@@ -86,11 +86,11 @@ static void look_closer(const emitters *e, const emitter_query *from, const lane
     lanes3 direction;
     float distance[LANES];
     for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) p[c][i] = (double)from->p[c][i];
+        for (unsigned i = 0; i < LANES; ++i) p[c][i] = (double)from->p[c][i];
     }
     e->shapes->faces(&e->one.face->all, p, u, e->one.face->plain.quad, &answers, direction, distance);
     for (; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
+        const unsigned i = lane_first(lanes);
         for (int c = 0; c < 3; ++c) out->direction[c][i] = direction[c][i];
         out->distance[i] = distance[i];
         out->density[i] = answers.density[i] < 0x1p127 ? (float)answers.density[i] : 0x1p127f;
@@ -108,7 +108,7 @@ static void sample_face(const emitters *e, const emitter_query *from, const lane
 
 static void sample_sky(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out) {
     e->shapes->sky(from->n, u, out->direction, out->density);
-    for (int i = 0; i < LANES; ++i) out->distance[i] = INFINITY;
+    for (unsigned i = 0; i < LANES; ++i) out->distance[i] = INFINITY;
     finish(e->background, out);
     memset(out->group, e->outside_group, sizeof out->group);
 }

@@ -5,13 +5,14 @@
 
 /* A surface that faces a disc of half the angle a gets pi L sin²a = E. Over the disc's solid angle, 2 pi (1 -
  * cos a), that is E 2 / (1 + cos a). */
-void emitters_sample_sun(const emitters *e, double u, double v, double choice, emitter_sample *out, int i) {
+void emitters_sample_sun(const emitters *e, double u, double v, double choice, emitter_sample *out,
+                         unsigned i) {
     uint32_t k = e->sun_count - 1;
     while (k > 0 && choice < e->suns[k].below) --k;
     const emitter_sun *sun = &e->suns[k];
     const shape_cone cone = {shape_unit(widen(sun->to_light)), 1, sun->cap};
-    put_lane(out->direction, i, narrow(shape_cone_sample(&cone, u, v)));
-    put_lane(out->radiance, i, scale_f32((float)(2 / (2 - sun->cap)), load_f32(sun->irradiance)));
+    put_lane_f32(out->direction, i, narrow(shape_cone_sample(&cone, u, v)));
+    put_lane_f32(out->radiance, i, scale_f32((float)(2 / (2 - sun->cap)), load_f32(sun->irradiance)));
     out->distance[i] = INFINITY, out->group[i] = sun->group;
     out->density[i] = (float)(e->chance[EMITTER_DIRECTIONAL] * sun->chance);
     out->sized[i] = 0;
@@ -21,15 +22,15 @@ void emitters_sample_sun(const emitters *e, double u, double v, double choice, e
 static void look_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,
                          environment_light *out) {
     for (unsigned left = lanes; left; left &= left - 1) {
-        const int i = __builtin_ctz(left);
-        put_lane(out->radiance, i, load_f32(e->background));
+        const unsigned i = lane_first(left);
+        put_lane_f32(out->radiance, i, load_f32(e->background));
         out->density[i] = e->background_chance * shape_all_density(lane_f64(n, i), lane_f64(direction, i));
     }
     for (uint32_t k = 0; k < e->sky_count; ++k) {
         environment_light more;
         environment_at(e->skies[k].image, lanes, n, direction, &more);
         for (unsigned left = lanes; left; left &= left - 1) {
-            const int i = __builtin_ctz(left);
+            const unsigned i = lane_first(left);
             for (int c = 0; c < 3; ++c) out->radiance[c][i] += more.radiance[c][i];
             out->density[i] += e->skies[k].chance * more.density[i];
         }
@@ -43,7 +44,7 @@ static unsigned who_asks(const emitters *e, uint32_t k, unsigned lanes, double c
     bool last = !(e->background_chance > 0);
     for (uint32_t other = k + 1; other < e->sky_count; ++other) last &= !(e->skies[other].chance > 0);
     for (; lanes && e->skies[k].chance > 0; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
+        const unsigned i = lane_first(lanes);
         if (last || choice[i] < e->skies[k].chance) asks |= 1u << i;
         choice[i] -= e->skies[k].chance;
     }
@@ -55,14 +56,14 @@ static unsigned who_asks(const emitters *e, uint32_t k, unsigned lanes, double c
 static void aim_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, const lanes3 u,
                         double choice[LANES], lanes3_f64 direction, environment_light *out) {
     double place[2][LANES];
-    for (int i = 0; i < LANES; ++i) place[0][i] = (double)u[0][i], place[1][i] = (double)u[1][i];
+    for (unsigned i = 0; i < LANES; ++i) place[0][i] = (double)u[0][i], place[1][i] = (double)u[1][i];
     for (uint32_t k = 0; k < e->sky_count; ++k) {
         const unsigned asks = who_asks(e, k, lanes, choice);
         if (asks) environment_sample(e->skies[k].image, asks, n, place[0], place[1], direction, out);
         lanes &= ~asks;
     }
     for (; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
+        const unsigned i = lane_first(lanes);
         put_lane_f64(direction, i, shape_all_sample(lane_f64(n, i), place[0][i], place[1][i]));
     }
 }
@@ -73,7 +74,7 @@ static bool is_one_environment(const emitters *e) {
 
 static void find_normals(unsigned lanes, const lanes3 n, lanes3_f64 out) {
     for (; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
+        const unsigned i = lane_first(lanes);
         put_lane_f64(out, i, unit_or_zero(lane_f32(n, i)));
     }
 }
@@ -87,13 +88,13 @@ void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_qu
     find_normals(lanes, from->n, n);
     aim_outside(e, lanes, n, u, left, direction, &light);
     for (unsigned some = lanes; some; some &= some - 1) {
-        const int i = __builtin_ctz(some);
-        put_lane(out->direction, i, narrow(lane_f64(direction, i)));
+        const unsigned i = lane_first(some);
+        put_lane_f32(out->direction, i, narrow(lane_f64(direction, i)));
         put_lane_f64(direction, i, widen(lane_f32(out->direction, i)));
     }
     if (!is_one_environment(e)) look_outside(e, lanes, n, direction, &light);
     for (; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
+        const unsigned i = lane_first(lanes);
         const vec3_f32 radiance = lane_f32(light.radiance, i);
         emitters_finish(out, i, light.density[i] * e->chance[EMITTER_OUTSIDE],
                         (float[3]){radiance.x, radiance.y, radiance.z});
@@ -108,13 +109,13 @@ void emitters_outside(const emitters *e, unsigned lanes, const lanes3 n, const l
     environment_light light;
     find_normals(lanes, n, normals);
     for (unsigned left = lanes; left; left &= left - 1) {
-        const int i = __builtin_ctz(left);
+        const unsigned i = lane_first(left);
         put_lane_f64(directions, i, widen(lane_f32(direction, i)));
     }
     look_outside(e, lanes, normals, directions, &light);
     for (; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
-        put_lane(radiance, i, lane_f32(light.radiance, i));
+        const unsigned i = lane_first(lanes);
+        put_lane_f32(radiance, i, lane_f32(light.radiance, i));
         density[i] = density_f32(e->chance[EMITTER_OUTSIDE] * light.density[i]);
     }
 }

@@ -2,10 +2,10 @@
 
 #include "base/file.h"
 #include "image/image.h"
-#include "light/lane.h"
 #include "light/shape.h"
 #include "light/sky_choice.h"
 #include "light/studio.h"
+#include "math/lane.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -218,12 +218,12 @@ static const float *texel(const environment *e, uint32_t column, uint32_t row) {
 static void look_up(const environment *e, unsigned lanes, const lanes3_f64 n, const sky_texels *texels,
                     environment_light *out) {
     for (unsigned left = lanes; left; left &= left - 1) {
-        const int i = __builtin_ctz(left);
+        const unsigned i = lane_first(left);
         __builtin_prefetch(texel(e, texels->column[i], texels->row[i]));
     }
     sky_choice_densities(e->choice, lanes, n, texels, out->density);
     for (unsigned left = lanes; left; left &= left - 1) {
-        const int i = __builtin_ctz(left);
+        const unsigned i = lane_first(left);
         const float *light = texel(e, texels->column[i], texels->row[i]);
         for (int c = 0; c < 3; ++c) out->radiance[c][i] = light[c];
         out->density[i] *= sky_luminance(light);
@@ -232,7 +232,7 @@ static void look_up(const environment *e, unsigned lanes, const lanes3_f64 n, co
 
 static void turn_normals(const environment *e, unsigned lanes, const lanes3_f64 n, lanes3_f64 out) {
     for (; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
+        const unsigned i = lane_first(lanes);
         put_lane_f64(out, i, to_image(e, lane_f64(n, i)));
     }
 }
@@ -243,7 +243,7 @@ void environment_at(const environment *e, unsigned lanes, const lanes3_f64 n, co
     sky_texels texels;
     turn_normals(e, lanes, n, turned);
     for (unsigned left = lanes; left; left &= left - 1) {
-        const int i = __builtin_ctz(left);
+        const unsigned i = lane_first(left);
         find_texel(e, lane_f64(direction, i), &texels.column[i], &texels.row[i]);
     }
     look_up(e, lanes, turned, &texels, out);
@@ -273,7 +273,7 @@ static vec3_f64 in_texel(const environment *e, uint32_t column, uint32_t row, do
 
 static void no_light(unsigned lanes, lanes3_f64 direction, environment_light *out) {
     for (; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
+        const unsigned i = lane_first(lanes);
         put_lane_f64(direction, i, (vec3_f64){0, 0, 1});
         for (int c = 0; c < 3; ++c) out->radiance[c][i] = 0;
         out->density[i] = 0;
@@ -290,7 +290,7 @@ void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n
     const unsigned taken = sky_choice_take(e->choice, lanes, turned, place[0], place[1], &texels);
     no_light(lanes & ~taken, direction, out);
     for (unsigned left = taken; left; left &= left - 1) {
-        const int i = __builtin_ctz(left);
+        const unsigned i = lane_first(left);
         put_lane_f64(direction, i, in_texel(e, texels.column[i], texels.row[i], place[0][i], place[1][i]));
     }
     look_up(e, taken, turned, &texels, out);

@@ -10,7 +10,7 @@ typedef struct shape_faces {
     double clear[LANES], slope[LANES]; /* see shape_face */
 } shape_faces;
 
-static inline void shape_faces_put(shape_faces *to, int i, const shape_face *f) {
+static inline void shape_faces_put(shape_faces *to, unsigned i, const shape_face *f) {
     for (int k = 0; k < 4; ++k) {
         const vec3_f64 corner = f->corner[k];
         to->corner[k][0][i] = corner.x, to->corner[k][1][i] = corner.y, to->corner[k][2][i] = corner.z;

@@ -1,7 +1,7 @@
 #include "light/sky_choice.h"
 
-#include "light/lane.h"
 #include "light/shape.h"
+#include "math/lane.h"
 
 #include <stdlib.h>
 
@@ -230,7 +230,7 @@ unsigned sky_choice_take(const sky_choice *c, unsigned lanes, const lanes3_f64 n
                          double v[LANES], sky_texels *out) {
     unsigned taken = 0;
     for (; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
+        const unsigned i = lane_first(lanes);
         const double *rows = c->views + view_of(lane_f64(n, i)) * view_size(c);
         if (!(rows[c->rows - 1] > 0)) continue;
         const uint32_t row = choose(rows, c->rows, &v[i]);
@@ -240,14 +240,14 @@ unsigned sky_choice_take(const sky_choice *c, unsigned lanes, const lanes3_f64 n
         taken |= 1u << i;
     }
     for (unsigned left = taken; left; left &= left - 1) {
-        const int i = __builtin_ctz(left);
+        const unsigned i = lane_first(left);
         const uint32_t first = c->row_first[out->row[i]], end = c->row_first[out->row[i] + 1];
         out->row[i] =
             first + choose(c->lines + (size_t)out->column[i] * c->height + first, end - first, &v[i]);
         __builtin_prefetch(c->texels + (size_t)out->row[i] * c->width + c->column_first[out->column[i]]);
     }
     for (unsigned left = taken; left; left &= left - 1) {
-        const int i = __builtin_ctz(left);
+        const unsigned i = lane_first(left);
         const uint32_t first = c->column_first[out->column[i]], end = c->column_first[out->column[i] + 1];
         out->column[i] =
             first + choose(c->texels + (size_t)out->row[i] * c->width + first, end - first, &u[i]);
@@ -258,7 +258,7 @@ unsigned sky_choice_take(const sky_choice *c, unsigned lanes, const lanes3_f64 n
 void sky_choice_densities(const sky_choice *c, unsigned lanes, const lanes3_f64 n, const sky_texels *texels,
                           double density[LANES]) {
     for (; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
+        const unsigned i = lane_first(lanes);
         const uint32_t row = block_of(texels->row[i], c->height, c->rows),
                        column = block_of(texels->column[i], c->width, c->columns);
         density[i] =

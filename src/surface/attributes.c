@@ -1,5 +1,7 @@
 #include "surface/attributes.h"
 
+#include "math/lane.h"
+
 #include <string.h>
 
 static const float pi = 3.14159265f;
@@ -59,10 +61,6 @@ bool surface_color_of(const world *w, uint32_t geometry, uint32_t primitive, con
 }
 
 /* ---- a lane ---- */
-
-static vec3_f32 lane_f32(const float from[3][LANES], unsigned i) {
-    return (vec3_f32){from[0][i], from[1][i], from[2][i]};
-}
 
 static const world_instance *instance_of(const surface_gather *g, const world *w, unsigned i) {
     const bool placed = g->geometry[i] != TRACE_PLANE && g->instance[i] != FATHOM_NONE;

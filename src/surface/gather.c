@@ -10,6 +10,7 @@
  * distance e along the object's normal n is e / |Aᵀn| in the world, whose normal is Aᵀn / |Aᵀn|. */
 #include "surface/gather.h"
 
+#include "math/lane.h"
 #include "surface/half.h"
 #include "surface/local_hit.h"
 
@@ -74,19 +75,6 @@ double surface_carried_along(const world_instance *instance, vec3_f64 n, vec3_f6
 
 static vec3_f64 unit_of(vec3_f64 v) { return scale_f64(1 / sqrt(dot_f64(v, v)), v); }
 
-/* ---- lanes ---- */
-
-static vec3_f64 lane_f64(const lanes3_f64 from, unsigned i) {
-    return vec_f64(from[0][i], from[1][i], from[2][i]);
-}
-static vec3_f64 lane_f32(const lanes3 from, unsigned i) {
-    return vec_f64((double)from[0][i], (double)from[1][i], (double)from[2][i]);
-}
-static void put_f64(lanes3_f64 to, unsigned i, vec3_f64 v) { to[0][i] = v.x, to[1][i] = v.y, to[2][i] = v.z; }
-static void put_f32(float to[3][LANES], unsigned i, vec3_f32 v) {
-    to[0][i] = v.x, to[1][i] = v.y, to[2][i] = v.z;
-}
-
 /* Embree interpolates the parts of a place in float. The rotation comes from a sum of two quaternions, made
  * unit by an inverse root: 3 u for each number and 4 u for the root; an entry of its matrix, of two products,
  * doubles that and rounds three times: 17 u. The stretch adds 3 u, the products with it 3 u more. So a point
@@ -129,10 +117,10 @@ static void to_world(const world_instance *instance, local_block *b, unsigned i)
     b->self_hit[i] = (b->self_hit[i] + surface_carried_along(instance, object_n, p)) / length;
     n = scale_f64(1 / length, n);
     if (instance->moving) b->self_hit[i] += surface_moved_along(instance, n, object_p);
-    put_f64(b->p, i, p);
-    put_f64(b->n, i, n);
-    put_f32(b->ns, i, narrow(unit_of(map_normal(inverse, lane_f32(b->ns, i)))));
-    put_f32(b->lift, i, narrow(map_vector(m, lane_f32(b->lift, i))));
+    put_lane_f64(b->p, i, p);
+    put_lane_f64(b->n, i, n);
+    put_lane_f32(b->ns, i, narrow(unit_of(map_normal(inverse, widen(lane_f32(b->ns, i))))));
+    put_lane_f32(b->lift, i, narrow(map_vector(m, widen(lane_f32(b->lift, i)))));
 }
 
 /* ---- hits ---- */
@@ -159,8 +147,8 @@ static void add_moving_facet(surface_gather *g, unsigned i, const world *w, cons
     vec3_f32 corner[3], normal[3];
     world_corners_when(w, geometry, g->primitive[i], g->time[i], corner, normal);
     for (int k = 0; k < 3; ++k) {
-        put_f32(g->facets.corner[k], i, corner[k]);
-        if (normals) put_f32(g->facets.normal[k], i, normal[k]);
+        put_lane_f32(g->facets.corner[k], i, corner[k]);
+        if (normals) put_lane_f32(g->facets.normal[k], i, normal[k]);
     }
     g->facets.facet[i] = ~0u;
     g->facets.has_normals[i] = normals ? ~0u : 0;
@@ -171,13 +159,14 @@ static void add_moving_facet(surface_gather *g, unsigned i, const world *w, cons
 
 static void add_facet(surface_gather *g, unsigned i, const fathom_mesh *mesh, uint32_t triangle) {
     const uint32_t *index = mesh->indices + 3 * (size_t)triangle;
-    for (int k = 0; k < 3; ++k) put_f32(g->facets.corner[k], i, load_f32(mesh_vertex(mesh, index[k])));
+    for (int k = 0; k < 3; ++k) put_lane_f32(g->facets.corner[k], i, load_f32(mesh_vertex(mesh, index[k])));
     g->facets.facet[i] = ~0u;
     g->faceted = true;
     if (!mesh->normals) return;
     index = (mesh->normal_indices ? mesh->normal_indices : mesh->indices) + 3 * (size_t)triangle;
     for (int k = 0; k < 3; ++k)
-        put_f32(g->facets.normal[k], i, load_f32(mesh_row(mesh->normals, mesh->normal_stride, index[k])));
+        put_lane_f32(g->facets.normal[k], i,
+                     load_f32(mesh_row(mesh->normals, mesh->normal_stride, index[k])));
     g->facets.has_normals[i] = ~0u;
     g->facets.smooth = true;
 }
@@ -187,15 +176,15 @@ static void add_half(surface_gather *g, unsigned i, const world_quad *quad, cons
     static const int halves[2][3] = {{0, 1, 3}, {2, 3, 1}};
     const vec3_f32 *v = quad->corner;
     bool second = half_is_second(widen(v[0]), widen(v[1]), widen(v[2]), widen(v[3]), local->org, local->dir);
-    for (int k = 0; k < 3; ++k) put_f32(g->facets.corner[k], i, v[halves[second][k]]);
+    for (int k = 0; k < 3; ++k) put_lane_f32(g->facets.corner[k], i, v[halves[second][k]]);
     g->facets.facet[i] = ~0u;
     g->faceted = true;
 }
 
 static void add_hit(surface_gather *g, unsigned i, const local_hit *hit) {
-    put_f64(g->local.p, i, hit->p);
-    put_f64(g->local.n, i, hit->n);
-    put_f32(g->local.ns, i, hit->ns);
+    put_lane_f64(g->local.p, i, hit->p);
+    put_lane_f64(g->local.n, i, hit->n);
+    put_lane_f32(g->local.ns, i, hit->ns);
     g->local.self_hit[i] = hit->self_hit;
 }
 
@@ -231,7 +220,7 @@ void surface_gather_add(surface_gather *g, const world *w, const trace_block *bl
     g->geometry[i] = block->hits.geometry[lane];
     g->primitive[i] = block->hits.primitive[lane];
     g->instance[i] = block->hits.instance[lane];
-    put_f32(g->local.ray, i, dir);
+    put_lane_f32(g->local.ray, i, dir);
     if (w->moves) g->time[i] = r->time[lane];
     if (g->geometry[i] != TRACE_PLANE && g->instance[i] != FATHOM_NONE) {
         const world_instance *instance = &w->instances.items[g->instance[i]];
@@ -243,8 +232,8 @@ void surface_gather_add(surface_gather *g, const world *w, const trace_block *bl
         local.dir = map_vector(instance->to_object, local.dir);
         g->instances |= 1u << i;
     }
-    put_f64(g->local.org, i, local.org);
-    put_f64(g->local.dir, i, local.dir);
+    put_lane_f64(g->local.org, i, local.org);
+    put_lane_f64(g->local.dir, i, local.dir);
     add_primitive(g, i, w, &local);
 }
 
@@ -332,11 +321,11 @@ bool surface_gather_block(surface_gather *g, const world *w, const surface_kerne
 static void pad(surface_gather *g) {
     local_block *b = &g->local;
     for (unsigned i = g->count, last = g->count - 1; i < LANES; ++i) {
-        put_f64(b->p, i, lane_f64(b->p, last));
-        put_f64(b->n, i, lane_f64(b->n, last));
-        put_f32(b->ns, i, narrow(lane_f32(b->ns, last)));
-        put_f32(b->ray, i, narrow(lane_f32(b->ray, last)));
-        put_f32(b->lift, i, narrow(lane_f32(b->lift, last)));
+        put_lane_f64(b->p, i, lane_f64(b->p, last));
+        put_lane_f64(b->n, i, lane_f64(b->n, last));
+        put_lane_f32(b->ns, i, lane_f32(b->ns, last));
+        put_lane_f32(b->ray, i, lane_f32(b->ray, last));
+        put_lane_f32(b->lift, i, lane_f32(b->lift, last));
         b->self_hit[i] = b->self_hit[last], b->smooth[i] = b->smooth[last];
     }
 }
@@ -347,7 +336,7 @@ void surface_gather_end(surface_gather *g, const world *w, const surface_kernels
     for (uint32_t left = g->shaped; left; left &= left - 1)
         add_corner_error(&g->facets, &g->local, (unsigned)__builtin_ctz(left));
     for (uint32_t left = g->instances; left; left &= left - 1) {
-        unsigned i = (unsigned)__builtin_ctz(left);
+        const unsigned i = lane_first(left);
         to_world(w->moves ? g->placed[i] : &w->instances.items[g->instance[i]], &g->local, i);
     }
     pad(g);

@@ -27,7 +27,7 @@ SHAPE_INLINE float angle_of(float y, float x) {
  * digits of float. */
 static void find_heights(const shape_face_f32 *f, int k, const lanes3 p, float *restrict height) {
     const vec3_f64 n = f->n[k], at = widen(f->corner[2 * k]);
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         const double x = (double)p[0][i] - at.x, y = (double)p[1][i] - at.y, z = (double)p[2][i] - at.z;
         height[i] = (float)fabs(x * n.x + y * n.y + z * n.z);
     }
@@ -95,7 +95,7 @@ uint32_t KERNEL(face)(const shape_face_f32 *f, const lanes3 p, const lanes3 u, f
     uint32_t unsure[LANES], bits = 0;
     const vec3_f32 n[2] = {narrow(f->n[0]), narrow(f->n[1])};
     for (int k = 0; k < 2; ++k) find_heights(f, k, p, height[k]);
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         const vec3_f32 at = {p[0][i], p[1][i], p[2][i]};
         float near[4];
         uint32_t doubt = 0;
@@ -122,6 +122,6 @@ uint32_t KERNEL(face)(const shape_face_f32 *f, const lanes3 p, const lanes3 u, f
         density[i] = chosen(lit, 1 / all, 0);
         unsure[i] = lit & (doubt | mask_of(!(all > LEAST_ANGLE)));
     }
-    for (int i = 0; i < LANES; ++i) bits |= unsure[i] & 1u << i;
+    for (unsigned i = 0; i < LANES; ++i) bits |= unsure[i] & 1u << i;
     return bits;
 }

@@ -8,7 +8,7 @@
 /* ---- towards a point ---- */
 
 static void reach_from(const shade_light *light, const lanes3 origin, float (*restrict to)[LANES]) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         to[0][i] = light->position.x - origin[0][i];
         to[1][i] = light->position.y - origin[1][i];
         to[2][i] = light->position.z - origin[2][i];
@@ -17,7 +17,7 @@ static void reach_from(const shade_light *light, const lanes3 origin, float (*re
 
 /* For squared distances beyond the range of float. A light in the very point, or beyond float's reach,
  * has no direction: distance 0. */
-static void reach_stiff(const lanes3 to, int i, lanes3 direction, float *distance, float *inverse) {
+static void reach_stiff(const lanes3 to, unsigned i, lanes3 direction, float *distance, float *inverse) {
     double x = (double)to[0][i], y = (double)to[1][i], z = (double)to[2][i],
            length = sqrt(x * x + y * y + z * z);
     bool within = length > 0x1p-126 && length < 0x1p126;
@@ -34,7 +34,7 @@ static void reach_along(const lanes3 to, float (*restrict direction)[LANES], flo
                         float *restrict inverse) {
     float square[LANES];
     int stiff = 0;
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         float d2 = to[0][i] * to[0][i] + to[1][i] * to[1][i] + to[2][i] * to[2][i], length = sqrtf(d2);
         inverse[i] = 1 / length;
         for (int c = 0; c < 3; ++c) direction[c][i] = to[c][i] * inverse[i];
@@ -42,7 +42,7 @@ static void reach_along(const lanes3 to, float (*restrict direction)[LANES], flo
         square[i] = d2;
         stiff |= !(d2 > 0x1p-100f) | !(d2 < 0x1p100f);
     }
-    for (int i = 0; stiff && i < LANES; ++i) {
+    for (unsigned i = 0; stiff && i < LANES; ++i) {
         if (!(square[i] > 0x1p-100f && square[i] < 0x1p100f))
             reach_stiff(to, i, direction, &distance[i], &inverse[i]);
     }
@@ -65,21 +65,21 @@ static inline float side_of(const light_surface *s, float along) {
     return s->above > 0 ? 1 : (s->above < 0 ? -1 : from);
 }
 
-static inline float along_of(const light_surface *s, const lanes3 v, int i) {
+static inline float along_of(const light_surface *s, const lanes3 v, unsigned i) {
     return s->normal.x * v[0][i] + s->normal.y * v[1][i] + s->normal.z * v[2][i];
 }
 
 /* By how much a lane's ray ends too near the surface. The sum of its coordinates is at least
  * its length. */
 static inline float lack_of(const light_surface *s, const lanes3 to, const ray_ends *ends, float side,
-                            int i) {
+                            unsigned i) {
     float length = fabsf(to[0][i]) + fabsf(to[1][i]) + fabsf(to[2][i]);
     float lack = s->clear + s->slope * length - fabsf(s->above) - side * along_of(s, ends->moved, i);
     return lack > 0 ? lack : 0;
 }
 
 static void move_off(const light_surface *s, const lanes3 to, ray_ends *restrict ends) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         float side = side_of(s, along_of(s, to, i)), by = side * lack_of(s, to, ends, side, i);
         ends->moved[0][i] += by * s->normal.x;
         ends->moved[1][i] += by * s->normal.y;
@@ -90,7 +90,7 @@ static void move_off(const light_surface *s, const lanes3 to, ray_ends *restrict
 /* In the edge between surfaces, moving off one can lead back to another. There the ray is cut short where it
  * is still clear of both: by the lack over the cosine. */
 static void cut_short(const light_surface *s, const lanes3 to, ray_ends *restrict ends) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         float along = along_of(s, to, i), lack = lack_of(s, to, ends, side_of(s, along), i);
         float length = fabsf(to[0][i]) + fabsf(to[1][i]) + fabsf(to[2][i]);
         float cut = lack > 0 ? lack * (length / fabsf(along)) : 0;
@@ -105,21 +105,21 @@ static void keep_clear(const shade_light *light, lanes3 to, ray_ends *restrict e
         if (light->surfaces[k].above == 0) cut_short(&light->surfaces[k], to, ends);
     }
     for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) to[c][i] += ends->moved[c][i];
+        for (unsigned i = 0; i < LANES; ++i) to[c][i] += ends->moved[c][i];
     }
 }
 
 /* A ray that has nowhere to go without meeting the surfaces sees the light: it keeps the least length there
  * is. 0 would mean that there is no light. */
 static void shorten(const float shorter[LANES], float *restrict distance) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         float left = distance[i] - shorter[i], least = distance[i] > 0 ? 0x1p-126f : 0;
         distance[i] = left > least ? left : least;
     }
 }
 
 static void aim_parallel(const shade_light *light, light_block *b) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         b->direction[0][i] = light->to_light.x;
         b->direction[1][i] = light->to_light.y;
         b->direction[2][i] = light->to_light.z;
@@ -146,7 +146,7 @@ static void aim(const shade_light *light, light_block *b) {
 /* (edge - (1 - cos)) scale, where 1 - cos of the angle between unit vectors is half their difference squared.
  */
 static void fall_off(const shade_light *light, const light_block *out, float falloff[LANES]) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         float x = out->direction[0][i] - light->to_light.x, y = out->direction[1][i] - light->to_light.y,
               z = out->direction[2][i] - light->to_light.z;
         float t = (light->cone_edge - 0.5f * (x * x + y * y + z * z)) * light->cone_scale;
@@ -158,7 +158,7 @@ static void fall_off(const shade_light *light, const light_block *out, float fal
 /* The squared distance is divided by in two steps: it may be out of range where the quotient is not. */
 static void arrive(const shade_light *light, const float inverse[LANES], float (*restrict radiance)[LANES]) {
     for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) {
+        for (unsigned i = 0; i < LANES; ++i) {
             float once = light->intensity[c] * inverse[i], most = 0x1p127f;
             radiance[c][i] = limited((once < most ? once : most) * inverse[i]);
         }
@@ -168,7 +168,7 @@ static void arrive(const shade_light *light, const float inverse[LANES], float (
 static void sample(const shade_light *light, const lanes3 p, light_block *restrict out) {
     float inverse[LANES];
     lanes3 to;
-    for (int i = 0; i < LANES; ++i) inverse[i] = out->falloff[i] = 1;
+    for (unsigned i = 0; i < LANES; ++i) inverse[i] = out->falloff[i] = 1;
     if (light->type == FATHOM_LIGHT_DIRECTIONAL) {
         aim_parallel(light, out);
     } else {

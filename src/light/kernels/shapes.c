@@ -1,9 +1,9 @@
 /* Emissive shapes as sixteen points see them. */
 #include "light/kernels/kernel.h"
-#include "light/lane.h"
+#include "math/lane.h"
 
 static inline void put(const shape_answers *restrict from, lanes3 direction, float *restrict distance) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         for (int c = 0; c < 3; ++c) direction[c][i] = (float)from->direction[c][i];
         distance[i] = (float)from->distance[i];
     }
@@ -12,7 +12,7 @@ static inline void put(const shape_answers *restrict from, lanes3 direction, flo
 /* What point `at` sees of a face. Either triangle of a quad is taken by its part of the solid angle. */
 __attribute__((always_inline)) static inline void face_lane(const vec3_f64 corner[4], double clear,
                                                             double slope, bool quad, vec3_f64 at, double u,
-                                                            double v, int i, shape_answers *made) {
+                                                            double v, unsigned i, shape_answers *made) {
     shape_seen s = shape_see(at, corner[0], corner[1], corner[3], clear);
     double all = s.angle, along = u;
     if (quad) {
@@ -35,7 +35,7 @@ __attribute__((always_inline)) static inline void face_lanes(const shape_faces *
                                                              const lanes3_f64 p, const lanes3 u, bool quads,
                                                              shape_answers *out) {
     shape_answers made; /* of its own: it aliases nothing */
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         const vec3_f64 corner[4] = {lane_f64(f->corner[0], i), lane_f64(f->corner[1], i),
                                     lane_f64(f->corner[2], i), lane_f64(f->corner[3], i)};
         face_lane(corner, f->clear[i], f->slope[i], quads, lane_f64(p, i), (double)u[0][i], (double)u[1][i],
@@ -55,7 +55,7 @@ static void faces(const shape_faces *f, const lanes3_f64 p, const lanes3 u, bool
 
 static void balls(const shape_balls *restrict b, const lanes3_f64 p, const lanes3 u,
                   shape_answers *restrict out, lanes3 direction, float *distance) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         const vec3_f64 from = sub_f64(lane_f64(p, i), lane_f64(b->center, i));
         const shape_cone cone = shape_cone_of(from, b->radius[i]);
         const vec3_f64 to = shape_cone_sample(&cone, (double)u[0][i], (double)u[1][i]);
@@ -70,7 +70,7 @@ static void balls(const shape_balls *restrict b, const lanes3_f64 p, const lanes
 
 static void sky(const lanes3 n, const lanes3 u, float (*restrict direction)[LANES],
                 float density[restrict LANES]) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         vec3_f64 unit = {(double)n[0][i], (double)n[1][i], (double)n[2][i]};
         const double square = dot_f64(unit, unit), length = sqrt(square > 0 ? square : 1);
         unit = scale_f64(1 / length, unit);

@@ -1,21 +1,16 @@
 /* Triangles: points and normals of sixteen hits. */
 #include "math/inverse_root.h"
+#include "math/lane.h"
 #include "surface/kernels/kernel.h"
 
 static inline double clamp_unit(double x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
 static inline float larger(float a, float b) { return a > b ? a : b; }
 static inline float largest(vec3_f32 v) { return larger(fabsf(v.x), larger(fabsf(v.y), fabsf(v.z))); }
 
-static inline vec3_f64 lane_f64(const lanes3_f64 from, int i) {
-    return vec_f64(from[0][i], from[1][i], from[2][i]);
-}
-static inline vec3_f32 lane_f32(const float from[3][LANES], int i) {
-    return vec_f32(from[0][i], from[1][i], from[2][i]);
-}
-static inline void put_f64(lanes3_f64 to, int i, bool mine, vec3_f64 v) {
+static inline void put_f64(lanes3_f64 to, unsigned i, bool mine, vec3_f64 v) {
     to[0][i] = mine ? v.x : to[0][i], to[1][i] = mine ? v.y : to[1][i], to[2][i] = mine ? v.z : to[2][i];
 }
-static inline void put_f32(float to[3][LANES], int i, uint32_t mine, vec3_f32 v) {
+static inline void put_f32(float to[3][LANES], unsigned i, uint32_t mine, vec3_f32 v) {
     to[0][i] = chosen(mine, v.x, to[0][i]);
     to[1][i] = chosen(mine, v.y, to[1][i]);
     to[2][i] = chosen(mine, v.z, to[2][i]);
@@ -36,7 +31,7 @@ typedef struct facet_points {
 
 static void find_sides(const facet_block *f, facet_points *restrict out) {
     for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) {
+        for (unsigned i = 0; i < LANES; ++i) {
             double a = (double)f->corner[0][c][i];
             out->a[c][i] = a;
             out->ab[c][i] = (double)f->corner[1][c][i] - a;
@@ -46,25 +41,25 @@ static void find_sides(const facet_block *f, facet_points *restrict out) {
 }
 
 static void find_normals(facet_points *restrict p) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         vec3_f64 n = cross_f64(lane_f64(p->ab, i), lane_f64(p->ac, i));
         put_f64(p->n, i, true, n);
         p->inverse[i] = dot_f64(n, n);
     }
-    for (int i = 0; i < LANES; ++i) p->inverse[i] = inverse_root(p->inverse[i] > 0 ? p->inverse[i] : 1);
+    for (unsigned i = 0; i < LANES; ++i) p->inverse[i] = inverse_root(p->inverse[i] > 0 ? p->inverse[i] : 1);
 }
 
 /* Weights of the second and third corner (Möller and Trumbore 1997), clamped into the triangle: a tracer with
  * other arithmetic may have found a point that falls a rounding outside. */
 static void weigh(const local_block *b, facet_points *restrict p) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         vec3_f64 ab = lane_f64(p->ab, i), ac = lane_f64(p->ac, i), dir = lane_f64(b->dir, i);
         vec3_f64 from_a = sub_f64(lane_f64(b->org, i), lane_f64(p->a, i));
         vec3_f64 across = cross_f64(dir, ac), along = cross_f64(from_a, ab);
         p->determinant[i] = dot_f64(ab, across);
         p->u[i] = dot_f64(from_a, across), p->v[i] = dot_f64(dir, along);
     }
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         bool flat = p->determinant[i] == 0;
         double inverse = 1 / (flat ? 1 : p->determinant[i]);
         double x = clamp_unit(p->u[i] * inverse), y = clamp_unit(p->v[i] * inverse);
@@ -76,7 +71,7 @@ static void weigh(const local_block *b, facet_points *restrict p) {
 
 static inline void set_points(const facet_points *p, bool all, const uint32_t facet[LANES],
                               local_block *restrict b) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         bool mine = all || facet[i] != 0;
         vec3_f64 at = madd_f64(lane_f64(p->a, i), p->u[i], lane_f64(p->ab, i));
         put_f64(b->p, i, mine, madd_f64(at, p->v[i], lane_f64(p->ac, i)));
@@ -85,14 +80,14 @@ static inline void set_points(const facet_points *p, bool all, const uint32_t fa
 }
 
 static void set_weights(const facet_points *from, float (*restrict weight)[LANES]) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         double u = from->u[i], v = from->v[i];
         weight[0][i] = (float)(1 - u - v), weight[1][i] = (float)u, weight[2][i] = (float)v;
     }
 }
 
 static void set_self_hit(const facet_block *f, bool all, double *restrict out) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         double self_hit =
             LOCAL_FACE_SELF_HIT * (double)extent_of(lane_f32(f->corner[0], i), lane_f32(f->corner[1], i),
                                                     lane_f32(f->corner[2], i));
@@ -103,7 +98,7 @@ static void set_self_hit(const facet_block *f, bool all, double *restrict out) {
 static void find_points(const facet_block *f, local_block *restrict b) {
     facet_points points;
     uint32_t others = 0;
-    for (int i = 0; i < LANES; ++i) others |= ~f->facet[i];
+    for (unsigned i = 0; i < LANES; ++i) others |= ~f->facet[i];
     find_sides(f, &points);
     find_normals(&points);
     weigh(b, &points);
@@ -134,7 +129,7 @@ static vec3_f32 unit_of_stiff(vec3_f32 v) {
 
 static bool are_unit(const float normal[3][LANES], const uint32_t has_normals[LANES]) {
     uint32_t off = 0;
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         vec3_f32 v = lane_f32(normal, i);
         off |= has_normals[i] & (fabsf(dot_f32(v, v) - 1) <= UNIT_SQUARE ? 0 : ~0u);
     }
@@ -148,14 +143,14 @@ static bool all_unit(const facet_block *f) {
 
 static void make_unit(const float from[3][LANES], float (*restrict to)[LANES]) {
     int stiff = 0;
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         vec3_f32 v = lane_f32(from, i);
         float square = dot_f32(v, v);
         stiff |= !((square > 0x1p-100f) & (square < 0x1p100f));
         put_f32(to, i, ~0u, scale_f32(1 / sqrtf(square), v));
         put_f32(to, i, fabsf(square - 1) <= UNIT_SQUARE ? ~0u : 0, v);
     }
-    for (int i = 0; stiff && i < LANES; ++i) {
+    for (unsigned i = 0; stiff && i < LANES; ++i) {
         vec3_f32 v = lane_f32(from, i);
         float square = dot_f32(v, v);
         if (!(square > 0x1p-100f && square < 0x1p100f)) put_f32(to, i, ~0u, unit_of_stiff(v));
@@ -164,7 +159,7 @@ static void make_unit(const float from[3][LANES], float (*restrict to)[LANES]) {
 
 /* Normals that cancel say nothing: the facet is then as flat as it looks, and not `smooth`. */
 static void mix_normals(const facet_block *f, const float (*normal)[3][LANES], local_block *restrict b) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         vec3_f32 sum = {0, 0, 0};
         for (int k = 0; k < 3; ++k) sum = madd_f32(sum, b->weight[k][i], lane_f32(normal[k], i));
         float square = dot_f32(sum, sum);
@@ -178,7 +173,7 @@ static void mix_normals(const facet_block *f, const float (*normal)[3][LANES], l
  * distances to the tangent planes at the corners, where those lie above it on the viewer's side. Windings and
  * normals may disagree on the outside, and the normals' own counts. */
 static void lift(const facet_block *f, const float (*normal)[3][LANES], local_block *restrict b) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         vec3_f32 p = narrow(lane_f64(b->p, i)), sum = {0, 0, 0};
         float along = (float)dot_f64(widen(lane_f32(b->ns, i)), lane_f64(b->n, i));
         float facing = (float)dot_f64(lane_f64(b->dir, i), lane_f64(b->n, i));
@@ -194,7 +189,7 @@ static void lift(const facet_block *f, const float (*normal)[3][LANES], local_bl
 }
 
 static void leave_flat(const facet_block *f, local_block *restrict b) {
-    for (int i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         put_f32(b->lift, i, f->facet[i], (vec3_f32){0, 0, 0});
         b->smooth[i] &= ~f->facet[i];
     }
@@ -212,7 +207,7 @@ static void smoothen(const facet_block *f, const float (*normal)[3][LANES], bool
 void KERNEL(facets)(const facet_block *f, bool lifted, local_block *restrict b) {
     float normal[3][3][LANES];
     find_points(f, b);
-    for (int i = 0; i < LANES; ++i) put_f32(b->ns, i, f->facet[i], narrow(lane_f64(b->n, i)));
+    for (unsigned i = 0; i < LANES; ++i) put_f32(b->ns, i, f->facet[i], narrow(lane_f64(b->n, i)));
     leave_flat(f, b);
     if (!f->smooth) return;
     if (all_unit(f)) {
