@@ -68,7 +68,7 @@ static vec3_f64 light_at(const reference_scene *r, const reference_surface *s, c
 
 static vec3_f64 outside(const reference_scene *r, vec3_f64 direction) {
     const reference_settings *o = &r->settings;
-    return o->environment ? o->environment(o->user, direction) : color_of(r->scene->background);
+    return o->environment ? o->environment(o->user, direction) : reference_sky_light(r, direction);
 }
 
 /* ---- paths ---- */
@@ -293,9 +293,6 @@ static fathom_status lacking(const fathom_scene *scene, const char *array, size_
 
 static fathom_status check(const reference_scene *r) {
     const fathom_scene *scene = r->scene;
-    if (scene->in_studio) return lacking(scene, "lights", 0, "the built-in studio");
-    if (scene->environments.count && !r->settings.environment)
-        return lacking(scene, "lights", 0, "environment images");
     if (scene->has_maps) return lacking(scene, "textures", 0, "textures");
     for (size_t i = 0; i < scene->meshes.count; ++i)
         if (scene->meshes.items[i].colors) return lacking(scene, "meshes", i, "vertex colours");
@@ -328,6 +325,7 @@ fathom_status reference_open(const fathom_scene *scene, const reference_settings
     fathom_status status = reference_gather(r);
     if (status == FATHOM_OK) status = check(r);
     if (status == FATHOM_OK) status = make_albedos(r);
+    if (status == FATHOM_OK) status = reference_skies_open(r);
     if (status == FATHOM_OK)
         *out = r;
     else
@@ -339,6 +337,7 @@ void reference_close(reference_scene *r) {
     if (!r) return;
     for (size_t i = 0; r->albedos && i < r->scene->materials.count; ++i) free(r->albedos[i]);
     free(r->albedos);
+    reference_skies_close(r);
     array_free(&r->places);
     array_free(&r->links);
     array_free(&r->primitives);

@@ -85,6 +85,8 @@ typedef struct reference_albedos {
     double again_base, low, high, below, lost;
 } reference_albedos;
 
+typedef struct reference_sky reference_sky;
+
 struct reference_scene {
     const fathom_scene *scene;
     reference_settings settings;
@@ -94,9 +96,11 @@ struct reference_scene {
     ARRAY(uint32_t) planes;      /* of the primitives */
     reference_albedos **albedos; /* by material; NULL: it has none that need albedos */
     ARRAY(reference_lamp) lamps; /* at most REFERENCE_LAMPS; none where there are more */
-    bvh_item *items;             /* the primitives that are no planes */
-    bvh_tree tree;               /* its leaves hold items */
-    vec3_f64 middle;             /* that the boxes of items and tree are relative to, for they are in float */
+    reference_sky *skies;        /* images of skies, and the studio */
+    unsigned sky_count;
+    bvh_item *items; /* the primitives that are no planes */
+    bvh_tree tree;   /* its leaves hold items */
+    vec3_f64 middle; /* that the boxes of items and tree are relative to, for they are in float */
 };
 
 /* Where a ray meets a surface. The normals are unit and point to the viewer's side. */
@@ -169,6 +173,16 @@ vec3_f64 reference_around(vec3_f64 axis, double cosine, reference_random *random
 /* A direction of those that no beam takes, and its density; 0: there is none. */
 double reference_choose(const reference_scene *r, const reference_surface *s, const reference_scatter *all,
                         reference_random *random, vec3_f64 *out);
+
+/* ---- reference_sky.c: light from outside ---- */
+
+fathom_status reference_skies_open(reference_scene *r);
+void reference_skies_close(reference_scene *r);
+/* Of the background and all images, from a unit direction. */
+vec3_f64 reference_sky_light(const reference_scene *r, vec3_f64 direction);
+/* A unit direction by the light of one image, and the density of any; where there are images. */
+vec3_f64 reference_to_sky(const reference_scene *r, reference_random *random);
+double reference_sky_density(const reference_scene *r, vec3_f64 direction);
 
 /* ---- reference_energy.c: albedos ---- */
 

@@ -1,5 +1,6 @@
 /* Directions that paths of the reference take by chance: by the cosine on either side, by half vectors of
- * rough facets, or towards a lamp. All of them may lead to one direction, whose density is their sum (Veach
+ * rough facets, or towards a lamp
+ * or the light of a sky. All of them may lead to one direction, whose density is their sum (Veach
  * 1997, one-sample model): a direction that any of them finds often never has a small density. */
 #include "integrate/reference_inner.h"
 #include "math/frame.h"
@@ -11,18 +12,19 @@ vec3_f64 reference_around(vec3_f64 axis, double cosine, reference_random *random
     return normalize_f64(madd_f64(flat, cosine, f.z));
 }
 
-enum { FRONT, BACK, FACETS, THROUGH, COAT, LAMPS, WAYS };
+enum { FRONT, BACK, FACETS, THROUGH, COAT, LAMPS, SKY, WAYS };
 
-/* The part of all directions that go to lamps where there are some. */
+/* The part of all directions that go to lamps where there are some, and of the others to images of skies. */
 #define TO_LAMPS 0.4
+#define TO_SKY 0.4
 
 static void share_out(const reference_scene *r, const reference_scatter *all, double shares[WAYS]) {
-    const double parts[WAYS] = {all->front, all->back, all->facets, all->through, all->coat, 0};
-    const double lamps = r->lamps.count ? TO_LAMPS : 0;
+    const double parts[WAYS] = {all->front, all->back, all->facets, all->through, all->coat, 0, 0};
+    const double lamps = r->lamps.count ? TO_LAMPS : 0, sky = r->sky_count ? (1 - lamps) * TO_SKY : 0;
     double sum = 0;
     for (int k = 0; k < WAYS; ++k) sum += parts[k];
-    for (int k = 0; k < WAYS; ++k) shares[k] = sum > 0 ? (1 - lamps) * parts[k] / sum : 0;
-    shares[LAMPS] = sum > 0 ? lamps : 0;
+    for (int k = 0; k < WAYS; ++k) shares[k] = sum > 0 ? (1 - lamps - sky) * parts[k] / sum : 0;
+    shares[LAMPS] = sum > 0 ? lamps : 0, shares[SKY] = sum > 0 ? sky : 0;
 }
 
 /* ---- facets ---- */
@@ -125,6 +127,7 @@ static double density_of(const reference_scene *r, const reference_surface *s, c
     if (shares[THROUGH] > 0 && nl < 0) sum += shares[THROUGH] * through_density(s, base, l);
     if (shares[COAT] > 0 && nl > 0) sum += shares[COAT] * mirror_density(s, coat, l);
     if (shares[LAMPS] > 0) sum += shares[LAMPS] * lamps_density(r, s, l);
+    if (shares[SKY] > 0) sum += shares[SKY] * reference_sky_density(r, l);
     return sum;
 }
 
@@ -140,6 +143,9 @@ double reference_choose(const reference_scene *r, const reference_surface *s, co
     } else if (way == LAMPS) {
         if (!(shares[LAMPS] > 0)) return 0;
         *out = to_lamp(r, s, random);
+    } else if (way == SKY) {
+        if (!(shares[SKY] > 0)) return 0;
+        *out = reference_to_sky(r, random);
     } else if (!by_facet(s, way == COAT, way == THROUGH, random, out)) {
         return 0;
     }

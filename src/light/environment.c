@@ -41,6 +41,11 @@ void environment_destroy(environment *e) {
     free(e);
 }
 
+environment_image environment_image_of(const environment *e) {
+    return (environment_image){
+        e->width, e->height, {e->axes[0], e->axes[1], e->axes[2]}, (const float(*)[3])e->texels};
+}
+
 double environment_power(const environment *e) { return sky_choice_power(e->choice); }
 
 /* ---- reading ---- */

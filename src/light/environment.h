@@ -19,6 +19,14 @@ fathom_status environment_create(fathom_context *context, const fathom_light *li
 fathom_status environment_studio(fathom_context *context, vec3_f64 z, vec3_f64 up, environment **out);
 void environment_destroy(environment *e);
 
+/* The image itself. */
+typedef struct environment_image {
+    uint32_t width, height;
+    vec3_f64 axes[3];         /* in the world: to the right and up in the image, and away from its centre */
+    const float (*texels)[3]; /* by row from the top; live as long as the environment */
+} environment_image;
+environment_image environment_image_of(const environment *e);
+
 /* Luminance times solid angle, over all directions. */
 double environment_power(const environment *e);
 /* The largest of each channel. */

@@ -1,6 +1,10 @@
 /* The path integrator and the reference render one image. Each pair of renders alarms falsely once in 100,000
  * seeds, which are fixed; sums in float err by the allowance of `fathom validate --light`. */
+#include "image/image.h"
+#include "random.h"
 #include "render.h"
+#include "scene/scene.h"
+#include "unit_folder.h"
 #include "verify/laws/laws.h"
 
 static const laws_pair options = {
@@ -211,6 +215,62 @@ static void volumes_of_higher_priority_win(void **state) {
     compare(&s, "drink");
 }
 
+static void add_balls(stage *s) {
+    const fathom_material metal = metallic(1, 0.3f), plastic = metallic(0, 0.5f);
+    stage_sphere(s, -1, 0, 0, 0.9, stage_material(s, &metal));
+    stage_sphere(s, 1, 0, 0, 0.9, stage_material(s, &plastic));
+}
+
+/* An overcast sky with one bright texel, and a few that hardly differ from black. */
+static void write_sky(fathom_context *for_image) {
+    enum { WIDTH = 40, HEIGHT = 20 };
+    static float texels[WIDTH * HEIGHT][3];
+    random_state r = {3};
+    for (int i = 0; i < WIDTH * HEIGHT; ++i) {
+        for (int c = 0; c < 3; ++c)
+            texels[i][c] = i % 7 ? (float)random_in(&r, 0.2, 1 + 0.5 * c) : (float)random_in(&r, 0, 1e-3);
+    }
+    texels[5 * WIDTH + 11][0] = texels[5 * WIDTH + 11][1] = 40;
+    const image_channel channels[3] = {{"R", IMAGE_FLOAT, true, &texels[0][0], sizeof *texels},
+                                       {"G", IMAGE_FLOAT, true, &texels[0][1], sizeof *texels},
+                                       {"B", IMAGE_FLOAT, true, &texels[0][2], sizeof *texels}};
+    const image img = {WIDTH, HEIGHT, 0, 0, WIDTH, HEIGHT, channels, 3, NULL, 0};
+    assert_ok(for_image, exr_write_plain(for_image, &img, in_folder("sky.exr")));
+}
+
+/* Alone, and with another image and an even light beside. */
+static void images_of_skies_agree(void **state) {
+    (void)state;
+    for (int both = 0; both < 2; ++both) {
+        stage s = both ? room_open() : stage_open(32, 32);
+        fathom_light light;
+        write_sky(s.context);
+        fathom_light_default(&light);
+        light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder("sky.exr"), light.rotation = 0.7;
+        assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
+        if (both) {
+            light.rotation = -2, light.intensity[2] = 0.2f;
+            assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
+        } else {
+            stage_plane(&s, (double[3]){0, -1, 0}, (double[3]){0, 1, 0}, stage_lambert(&s, 0.6f));
+            stage_camera(&s, (double[3]){0, 0.5, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.7);
+        }
+        add_balls(&s);
+        compare(&s, both ? "two skies, a background and a lamp" : "a sky");
+        unlink(in_folder("sky.exr"));
+    }
+}
+
+/* With the floor that it comes with. */
+static void the_studio_agrees(void **state) {
+    (void)state;
+    stage s = stage_open(32, 32);
+    add_balls(&s);
+    assert_ok(s.context, fathom_scene_complete(s.scene));
+    assert_true(s.scene->in_studio);
+    compare(&s, "the studio");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(smooth_meshes_follow_one_rule_of_sides),
@@ -220,6 +280,8 @@ int main(void) {
         cmocka_unit_test(lobes_of_extensions_agree),
         cmocka_unit_test(scattering_again_agrees),
         cmocka_unit_test(volumes_of_higher_priority_win),
+        cmocka_unit_test(images_of_skies_agree),
+        cmocka_unit_test(the_studio_agrees),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }
