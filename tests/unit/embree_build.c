@@ -195,6 +195,26 @@ static void frames_beyond_float_are_refused(void **state) {
     }
 }
 
+/* It has a frame of its own, which the message does not call an instance. */
+static void a_mesh_too_far_away_is_named(void **state) {
+    (void)state;
+    static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    static const uint32_t indices[3] = {0, 1, 2};
+    stage s;
+    stage_open(&s);
+    add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = corners, mesh.vertex_count = 3, mesh.indices = indices, mesh.triangle_count = 1;
+    mesh.origin[0] = 1e19;
+    assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
+    const vec3_f64 origin = {0, 0, 0};
+    assert_ok(s.context, world_create_from(s.scene, &origin, &s.world));
+    assert_fails(s.context, reach_check(s.context, s.world), FATHOM_BAD_INPUT,
+                 "object 1: it lies so far away that coordinates of the scene");
+    stage_close(&s);
+}
+
 static void frames_of_every_shape(void **state) {
     (void)state;
     static const struct {
@@ -472,6 +492,7 @@ int main(void) {
         cmocka_unit_test(damaged_triangles_are_left_out),
         cmocka_unit_test(far_rays_are_harmless),
         cmocka_unit_test(frames_beyond_float_are_refused),
+        cmocka_unit_test(a_mesh_too_far_away_is_named),
         cmocka_unit_test(frames_of_every_shape),
         cmocka_unit_test(frames_within_float_are_met),
         cmocka_unit_test(instances_out_of_reach_are_told),

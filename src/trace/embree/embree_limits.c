@@ -203,8 +203,19 @@ static bool limit_steps(const world *w, uint32_t k, trace_reach *reach) {
     return fits;
 }
 
-static fathom_status refuse_range(fathom_context *context, const world_instance *instance, float size) {
+/* A mesh far from the others has a frame of its own, which is no instance of the scene. */
+static fathom_status refuse_far_mesh(fathom_context *context, const world *w, const world_instance *instance,
+                                     float size) {
+    return fail(context, FATHOM_BAD_INPUT,
+                "object %u: it lies so far away that coordinates of the scene, of up to %g, leave Embree's "
+                "range of 1.8e18 when seen from there; place it nearer",
+                world_object(w, w->groups.items[instance->group].first, 0), (double)size);
+}
+
+static fathom_status refuse_range(fathom_context *context, const world *w, const world_instance *instance,
+                                  float size) {
     float s = 0;
+    if (instance->id == FATHOM_NONE) return refuse_far_mesh(context, w, instance, size);
     for (int i = 0; i < 3; ++i) s = fmaxf(s, row_sum(instance->to_object[i]));
     bool shrinks = !(limit / s >= size && limit / s >= 2);
     return fail(
@@ -223,7 +234,7 @@ static fathom_status find(fathom_context *context, const world *w, const bool *p
         const world_instance *instance = &w->instances.items[k];
         if (!placed[instance->group]) continue;
         const bool fits = limit_steps(w, (uint32_t)k, out);
-        if (!(out->origin >= size && out->direction >= 2)) return refuse_range(context, instance, size);
+        if (!(out->origin >= size && out->direction >= 2)) return refuse_range(context, w, instance, size);
         if (!fits)
             return fail(context, FATHOM_BAD_INPUT,
                         "instance %u: it scales its group so far that Embree, which inverts its frame in "
