@@ -29,7 +29,7 @@ enum {
     FATHOM_PARAMETER_OPEN_LOW = 1u << 4,  /* `low` itself is out of range */
     FATHOM_PARAMETER_OPEN_HIGH = 1u << 5, /* so is `high` */
     FATHOM_PARAMETER_SOFT = 1u << 6 /* only scene JSON keeps to the range; other callers may give any finite
-                                       number of the sign that `low` has, or 0 where that is 0 */
+                                       number: above 0 where `low` is, and 0 too where that is 0 */
 };
 
 typedef struct fathom_parameter {

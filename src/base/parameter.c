@@ -102,7 +102,7 @@ static bool is_whole(const fathom_parameter *p) {
 
 static bool in_range(const fathom_parameter *p, double x) {
     if (p->zero && x == 0) return true;
-    if (p->flags & FATHOM_PARAMETER_SOFT) return isfinite(x) && (p->low > 0 ? x > 0 : x >= 0);
+    if (p->flags & FATHOM_PARAMETER_SOFT) return isfinite(x) && (p->low < 0 || (p->low > 0 ? x > 0 : x >= 0));
     if (p->flags & FATHOM_PARAMETER_OPEN_LOW ? !(x > p->low) : !(x >= p->low)) return false;
     if (p->flags & FATHOM_PARAMETER_OPEN_HIGH ? !(x < p->high) : !(x <= p->high)) return false;
     return is_whole(p) || isfinite(x);
@@ -127,6 +127,8 @@ static void describe_number(const fathom_parameter *p, char *out, size_t room) {
     else if (is_whole(p))
         snprintf(out, room, "a whole number from %.0f to %.0f%s", p->low, p->high,
                  p->type == FATHOM_PARAMETER_U64 ? " (also 20k, 8M, 1e9)" : "");
+    else if (soft && p->low < 0)
+        snprintf(out, room, "a finite number");
     else if (soft || isinf(p->high))
         snprintf(out, room, *low == 'f' ? "a number >= %g" : "a number above %g", soft ? 0 : p->low);
     else

@@ -149,6 +149,15 @@ static void materials(void **state) {
     MATERIAL("shininess", m.shininess = NAN);
     MATERIAL("ior", m.ior = 0);
     MATERIAL("ior", m.ior = INFINITY);
+    MATERIAL("anisotropy rotation: expected a finite number, found inf",
+             m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.anisotropy_rotation = INFINITY);
+    /* Either sign turns, and raises or sinks. */
+    fathom_material m;
+    fathom_material_default(&m);
+    m.bump_scale = -1;
+    assert_ok(context, fathom_scene_add_material(scene, "sunk", &m, NULL));
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.anisotropy_rotation = -7;
+    assert_ok(context, fathom_scene_add_material(scene, "turned", &m, NULL));
 }
 
 static void lights(void **state) {
