@@ -18,7 +18,12 @@ media *media_create(const shader *shaders) {
     return m;
 }
 
-void media_clear(media *m) { memset(m->count, 0, sizeof m->count); }
+void media_begin(media *m, const uint32_t *materials, uint32_t count) {
+    for (size_t slot = 0; slot < WAVE_SLOTS; ++slot) {
+        m->count[slot] = count;
+        memcpy(m->in[slot], materials, count * sizeof *materials);
+    }
+}
 
 static void enter(media *m, uint32_t slot, uint32_t material) {
     uint32_t *in = m->in[slot];
@@ -33,7 +38,7 @@ static uint32_t place_of(const media *m, uint32_t slot, uint32_t material) {
     return k ? k - 1 : MOST;
 }
 
-/* A path that began inside leaves what it never entered. */
+/* A path may leave what it never entered: past a surface that is there in part, or out of an open one. */
 static void leave(media *m, uint32_t slot, uint32_t material) {
     uint32_t *in = m->in[slot], k = place_of(m, slot, material);
     if (k == MOST) return;

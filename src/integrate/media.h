@@ -11,8 +11,8 @@ typedef struct media media;
 
 /* shaders: by material; they must outlive it. Release with free(). NULL when out of memory. */
 media *media_create(const shader *shaders);
-/* All paths begin outside of every volume. */
-void media_clear(media *m);
+/* All paths begin in these volumes, the innermost last; at most 8. */
+void media_begin(media *m, const uint32_t *materials, uint32_t count);
 /* The path crosses a surface of this material. */
 void media_cross(media *m, uint32_t slot, uint32_t material, bool entering);
 /* The path meets a surface of a material that has a priority. False: the surface is not there, because

@@ -354,7 +354,7 @@ static void begin(path_wave *p, const wave_batch *batch) {
         p->smooth[k] = true;
         p->tint[0][k] = p->tint[1][k] = p->tint[2][k] = 1;
     }
-    if (p->media) media_clear(p->media);
+    if (p->media) media_begin(p->media, plan->eye_volumes.of, plan->eye_volumes.count);
     if (plan->dispersive) memset(p->channel, 0, sizeof p->channel);
 }
 

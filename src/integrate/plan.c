@@ -101,6 +101,7 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
                                  plan->groups.count ? &plan->groups : NULL, &plan->emitters);
     if (status == FATHOM_OK) status = watertight_create(context, plan->tracer, &plan->watertight);
     if (status != FATHOM_OK) return status;
+    if (plan->absorbs || plan->nested) eye_volumes_find(plan, &plan->eye_volumes);
     plan->background = emitters_any_outside(plan->emitters);
     plan->camera_moves = motion_camera_moves(&plan->scene->camera);
     plan->moves = plan->world->moves || plan->camera_moves;

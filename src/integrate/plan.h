@@ -17,6 +17,12 @@
 
 typedef struct integrator integrator;
 
+/* Materials of volumes, the innermost last. */
+enum { EYE_VOLUMES = 8 };
+typedef struct eye_volumes {
+    uint32_t count, of[EYE_VOLUMES];
+} eye_volumes;
+
 typedef struct render_plan {
     const fathom_scene *scene;
     const world *world;
@@ -62,6 +68,7 @@ typedef struct render_plan {
     bool crosses;                     /* paths may go on behind a surface */
     bool absorbs;                     /* some volume does */
     bool nested;                      /* some volume has a priority */
+    eye_volumes eye_volumes;          /* around the camera as the shutter opens, where paths know volumes */
     bool dispersive;                  /* some volume parts the colours */
     bool covered;                     /* path tracing: some surface is there in part */
     bool unshadowed;                  /* path tracing: some shape casts no shadow */
@@ -71,6 +78,10 @@ typedef struct render_plan {
 fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
                           const fathom_settings *settings, render_plan **out);
 void plan_destroy(render_plan *plan);
+
+/* By a ray of the plan's tracer from the eye; its shaders are there. A view by parallel rays, and a lens,
+ * begin in the same volumes. */
+void eye_volumes_find(const render_plan *plan, eye_volumes *out);
 
 /* Rays a render with these settings is expected to trace, within a factor of a few: for the build quality. */
 uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *settings);

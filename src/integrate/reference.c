@@ -48,24 +48,6 @@ static arrival from_afar(const fathom_light *light, reference_random *random) {
     return (arrival){direction, (double)INFINITY, 2 * PI / (2 - less)};
 }
 
-/* What one light, chosen evenly, sends to the viewer by this surface alone. medium: in between, or NULL. */
-static vec3_f64 light_at(const reference_scene *r, const reference_surface *s, const fathom_material *medium,
-                         reference_random *random) {
-    const size_t count = scene_replaces_lights(r->scene) ? 0 : r->scene->lights.count;
-    if (!count) return gray(0);
-    const fathom_light *light = &r->scene->lights.items[(size_t)(reference_uniform(random) * (double)count)];
-    if (light->type == FATHOM_LIGHT_ENVIRONMENT) return gray(0);
-    const bool afar = light->type == FATHOM_LIGHT_DIRECTIONAL;
-    const arrival a = afar ? from_afar(light, random) : from_place(light, s->point, random);
-    vec3_f64 sum = scale_f64(a.power * (double)count, reference_evaluate(s, a.direction));
-    reference_surface blocker;
-    const vec3_f64 from = reference_leave(s, a.direction);
-    if (!(largest(sum) > 0)) return gray(0);
-    if (reference_closest(r, from, a.direction, a.distance, true, random, &blocker)) return gray(0);
-    if (medium) sum = times(sum, reference_absorbed(medium, a.distance));
-    return times(sum, color_of(light->intensity));
-}
-
 static vec3_f64 outside(const reference_scene *r, vec3_f64 direction) {
     const reference_settings *o = &r->settings;
     return o->environment ? o->environment(o->user, direction) : reference_sky_light(r, direction);
@@ -73,7 +55,6 @@ static vec3_f64 outside(const reference_scene *r, vec3_f64 direction) {
 
 /* ---- paths ---- */
 
-enum { NESTED = 8 };
 typedef struct path {
     vec3_f64 origin, direction, weight;
     const fathom_material *in[NESTED]; /* the volumes that it is in, */
@@ -136,6 +117,32 @@ static bool meets(path *p, reference_surface *s, reference_random *random) {
     return true;
 }
 
+/* The volume on the side of the surface that the direction leads to; NULL: none. */
+static const fathom_material *medium_towards(const path *p, const reference_surface *s, vec3_f64 direction) {
+    const bool crosses = reference_refracts(s->material) && dot_f64(s->geometric, direction) < 0;
+    if (!crosses) return medium_of(p, NULL);
+    return s->behind ? medium_of(p, s->material) : s->material;
+}
+
+/* What one light, chosen evenly, sends to the viewer by this surface alone. */
+static vec3_f64 light_at(const reference_scene *r, const path *p, const reference_surface *s,
+                         reference_random *random) {
+    const size_t count = scene_replaces_lights(r->scene) ? 0 : r->scene->lights.count;
+    if (!count) return gray(0);
+    const fathom_light *light = &r->scene->lights.items[(size_t)(reference_uniform(random) * (double)count)];
+    if (light->type == FATHOM_LIGHT_ENVIRONMENT) return gray(0);
+    const bool afar = light->type == FATHOM_LIGHT_DIRECTIONAL;
+    const arrival a = afar ? from_afar(light, random) : from_place(light, s->point, random);
+    vec3_f64 sum = scale_f64(a.power * (double)count, reference_evaluate(s, a.direction));
+    reference_surface blocker;
+    const vec3_f64 from = reference_leave(s, a.direction);
+    if (!(largest(sum) > 0)) return gray(0);
+    if (reference_closest(r, from, a.direction, a.distance, true, random, &blocker)) return gray(0);
+    const fathom_material *medium = medium_towards(p, s, a.direction);
+    if (medium) sum = times(sum, reference_absorbed(medium, a.distance));
+    return times(sum, color_of(light->intensity));
+}
+
 /* One beam, or another direction. False: the path ends. */
 static bool scatter(path *p, const reference_scene *r, const reference_surface *s, reference_random *random) {
     const reference_scatter all = reference_scatter_of(s);
@@ -172,25 +179,26 @@ static bool survives(path *p, unsigned bounce, reference_random *random) {
     return reference_uniform(random) < chance;
 }
 
-static bool radiance(const reference_scene *r, vec3_f64 origin, vec3_f64 direction, reference_random random,
-                     vec3_f64 *out) {
-    path p = {.origin = origin, .direction = direction, .weight = {1, 1, 1}};
+/* Light from infinitely far ends in a volume that absorbs any of it. */
+static bool absorbs(const fathom_material *m) {
+    const float *c = m ? m->attenuation_color : NULL;
+    return m && m->attenuation_distance > 0 && (c[0] < 1 || c[1] < 1 || c[2] < 1);
+}
+
+static bool radiance(const reference_scene *r, path p, reference_random random, vec3_f64 *out) {
     vec3_f64 sum = {0, 0, 0};
     for (unsigned bounce = 0; !p.overlap;) {
         reference_surface s;
         if (!reference_closest(r, p.origin, p.direction, (double)INFINITY, false, &random, &s)) {
-            sum = add_f64(sum, times(p.weight, outside(r, p.direction)));
+            if (!absorbs(medium_of(&p, NULL))) sum = add_f64(sum, times(p.weight, outside(r, p.direction)));
             break;
         }
-        /* The camera may be inside a volume. */
-        if (s.behind && reference_refracts(s.material) && place_in(&p, s.material) == p.nested)
-            enter(&p, s.material);
         const fathom_material *medium = medium_of(&p, NULL);
         if (medium) p.weight = times(p.weight, reference_absorbed(medium, s.t));
         if (meets(&p, &s, &random)) {
             sum = add_f64(sum, times(p.weight, reference_emission(s.material)));
             if (bounce == r->settings.depth) break;
-            sum = add_f64(sum, times(p.weight, light_at(r, &s, medium, &random)));
+            sum = add_f64(sum, times(p.weight, light_at(r, &p, &s, &random)));
             if (!scatter(&p, r, &s, &random) || !survives(&p, bounce++, &random)) break;
         }
         advance(&p, &s);
@@ -202,7 +210,7 @@ static bool radiance(const reference_scene *r, vec3_f64 origin, vec3_f64 directi
 bool reference_radiance(const reference_scene *r, vec3_f64 origin, vec3_f64 direction, uint64_t key,
                         vec3_f64 *out) {
     const reference_random random = {reference_mix(key), 0, r->scene->camera.shutter[0]};
-    return radiance(r, origin, direction, random, out);
+    return radiance(r, (path){.origin = origin, .direction = direction, .weight = {1, 1, 1}}, random, out);
 }
 
 /* ---- images ---- */
@@ -253,12 +261,13 @@ bool reference_sample(const reference_scene *r, uint32_t x, uint32_t y, uint32_t
     const double *shutter = r->scene->camera.shutter;
     reference_random random = {reference_mix(pixel + index), 0, shutter[0]};
     const double u = reference_uniform(&random), v = reference_uniform(&random);
-    path p = {.nested = 0};
+    path p = {.weight = {1, 1, 1}, .nested = r->around_eye.count};
+    for (unsigned i = 0; i < p.nested; ++i) p.in[i] = r->around_eye.of[i];
     if (shutter[1] > shutter[0])
         random.time += (r->settings.sharp ? 0.5 : reference_uniform(&random)) * (shutter[1] - shutter[0]);
     camera_ray(r, x + u, y + v, &random, &p);
     const reference_random own = {reference_mix(random.key), 0, random.time};
-    return radiance(r, p.origin, p.direction, own, out);
+    return radiance(r, p, own, out);
 }
 
 static void render_pixel(render *k, size_t index) {
@@ -308,6 +317,27 @@ static fathom_status check(const reference_scene *r) {
     return FATHOM_OK;
 }
 
+/* Along a ray from the eye, volumes that it leaves and did not enter. False: more than can be noted. */
+static bool look_around(reference_scene *r) {
+    path p = {.nested = 0};
+    reference_surface s;
+    reference_random random = {0, 0, r->scene->camera.shutter[0]};
+    vec3_f64 at = load_f64(motion_camera(&r->scene->camera, random.time).origin);
+    const vec3_f64 up = vec_f64(0.48, 0.8, -0.36);
+    while (reference_closest(r, at, up, (double)INFINITY, false, &random, &s)) {
+        at = reference_leave(&s, up);
+        if (!reference_refracts(s.material)) continue;
+        if (s.behind && place_in(&p, s.material) == p.nested) {
+            if (r->around_eye.count == NESTED) return false;
+            r->around_eye.of[r->around_eye.count++] = s.material;
+        } else {
+            cross(&p, &s);
+        }
+        if (p.overlap) return false;
+    }
+    return true;
+}
+
 static fathom_status make_albedos(reference_scene *r) {
     const size_t count = r->scene->materials.count;
     bool made = (r->albedos = calloc(count + 1, sizeof *r->albedos)) != NULL;
@@ -326,6 +356,8 @@ fathom_status reference_open(const fathom_scene *scene, const reference_settings
     if (status == FATHOM_OK) status = check(r);
     if (status == FATHOM_OK) status = make_albedos(r);
     if (status == FATHOM_OK) status = reference_skies_open(r);
+    if (status == FATHOM_OK && !look_around(r))
+        status = lacking(scene, "shapes", 0, "so many volumes around the camera");
     if (status == FATHOM_OK)
         *out = r;
     else

@@ -149,7 +149,7 @@ static void make_even(const fathom_material *m, reference_albedos *out) {
 
 bool reference_albedos_make(const fathom_material *m, reference_albedos **out) {
     const bool sheen = largest(color_of(m->sheen_color)) > 0, coat = m->clearcoat > 0;
-    const double rough = (double)m->clearcoat_roughness, alpha = rough * rough;
+    const double alpha = reference_coat_alpha(m);
     *out = NULL;
     if (m->model == FATHOM_MODEL_CLASSIC || !(sheen || coat || m->multiscatter)) return true;
     *out = calloc(1, sizeof **out);

@@ -87,6 +87,13 @@ typedef struct reference_albedos {
 
 typedef struct reference_sky reference_sky;
 
+/* Volumes that a path is in. */
+enum { NESTED = 8 };
+typedef struct reference_volumes {
+    const fathom_material *of[NESTED];
+    unsigned count;
+} reference_volumes;
+
 struct reference_scene {
     const fathom_scene *scene;
     reference_settings settings;
@@ -98,8 +105,9 @@ struct reference_scene {
     ARRAY(reference_lamp) lamps; /* at most REFERENCE_LAMPS; none where there are more */
     reference_sky *skies;        /* images of skies, and the studio */
     unsigned sky_count;
-    bvh_item *items; /* the primitives that are no planes */
-    bvh_tree tree;   /* its leaves hold items */
+    reference_volumes around_eye; /* as the shutter opens */
+    bvh_item *items;              /* the primitives that are no planes */
+    bvh_tree tree;                /* its leaves hold items */
     vec3_f64 middle; /* that the boxes of items and tree are relative to, for they are in float */
 };
 
@@ -149,7 +157,9 @@ typedef struct reference_reflectances {
 /* Schlick's, with the film, for the cosine between v and h. slant: that of the cosine in the thinner medium,
  * negative at total reflection. */
 reference_reflectances reference_reflect(const fathom_material *m, double ior, double slant, double cosine);
+/* Of GGX's facets; 0: it is a mirror. */
 double reference_alpha(const fathom_material *m);
+double reference_coat_alpha(const fathom_material *m);
 /* KHR_materials_sheen's D V. */
 double reference_fibres(const fathom_material *m, double nl, double nv, double nh);
 /* The reflectance of a thin film (KHR_materials_iridescence) on a surface of reflectance f0 at this cosine.

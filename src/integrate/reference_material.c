@@ -20,6 +20,7 @@ const char *reference_lacks(const fathom_material *m) {
         return "iridescence with refraction, specular_factor or specular_color";
     if (reference_refracts(m) && m->ior != 1 && !plain)
         return "specular_factor or specular_color with refraction";
+    if (reference_refracts(m) && m->opacity < 1) return "opacity with refraction";
     return NULL;
 }
 
@@ -129,10 +130,18 @@ static reference_reflectances reflect_of(const reference_surface *s, double cosi
     return reference_reflect(s->material, refracts ? s->ratio : (double)s->material->ior, slant, cosine);
 }
 
-/* Brushed facets are no mirror across their way: the renderer's least alpha takes the place of 0. */
+/* The least alpha of facets. By definition a surface of less is a mirror. */
+#define LEAST_ALPHA 0x1p-13
+
+/* Brushed facets are no mirror across their way: the least alpha takes the place of less. */
 double reference_alpha(const fathom_material *m) {
     const double alpha = (double)m->roughness * (double)m->roughness;
-    return m->anisotropy > 0 ? fmax(alpha, 0x1p-13) : alpha;
+    return alpha >= LEAST_ALPHA ? alpha : m->anisotropy > 0 ? LEAST_ALPHA : 0;
+}
+
+double reference_coat_alpha(const fathom_material *m) {
+    const double alpha = (double)m->clearcoat_roughness * (double)m->clearcoat_roughness;
+    return alpha >= LEAST_ALPHA ? alpha : 0;
 }
 
 double reference_alpha_along(const fathom_material *m) {
@@ -184,7 +193,7 @@ static vec3_f64 layers_reflect(const reference_surface *s, vec3_f64 l, vec3_f64 
     const fathom_material *m = s->material;
     if (!is_covered(m)) return gray(0);
     const double nl = dot_f64(s->normal, l), nv = dot_f64(s->normal, s->to_viewer);
-    const double rough = (double)m->clearcoat_roughness, alpha = rough * rough;
+    const double alpha = reference_coat_alpha(m);
     const double all = fmax(reference_curve(s->albedos->sheen, nl), reference_curve(s->albedos->sheen, nv));
     const double coat = (double)m->clearcoat * coat_reflects(dot_f64(h, l)) * lobe_of(s, h, l, alpha, alpha);
     const double fibres = reference_fibres(m, nl, nv, dot_f64(s->normal, h)) / fmax(all, 1);
@@ -208,8 +217,8 @@ static reference_scatter metallic_scatter(const reference_surface *s) {
                              .facets = smooth ? 0 : largest(blend(f.dielectric, f.metal, metallic)),
                              .through = clear ? 0 : through * largest(base) * fmax(f.base, 0.1),
                              .coat =
-                                 m->clearcoat_roughness > 0 ? (double)m->clearcoat * coat_reflects(nv) : 0};
-    if (m->clearcoat > 0 && m->clearcoat_roughness == 0)
+                                 reference_coat_alpha(m) > 0 ? (double)m->clearcoat * coat_reflects(nv) : 0};
+    if (m->clearcoat > 0 && reference_coat_alpha(m) == 0)
         add_beam(&out, mirror_direction(s), gray((double)m->clearcoat * coat_reflects(nv)));
     if (smooth) add_beam(&out, mirror_direction(s), scale_f64(below, blend(f.dielectric, f.metal, metallic)));
     if (clear)

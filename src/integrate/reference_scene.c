@@ -285,10 +285,16 @@ static vec3_f64 vertex_normals(const fathom_mesh *m, const query *q, vec3_f64 fl
     return length_f64(sum) > 0 ? sum : flat;
 }
 
-/* From the way of u on the shape, turned about its own normal. */
-static void set_direction(reference_surface *s, vec3_f64 u) {
-    const frame_f64 f = frame_from((vec3_f64){0, 0, 0}, s->normal, u);
-    const double angle = (double)s->material->anisotropy_rotation * (s->behind ? -1 : 1);
+static bool mirrors(const affine_f64 *map) {
+    const vec3_f64 x = affine_vector(map, vec_f64(1, 0, 0)), y = affine_vector(map, vec_f64(0, 1, 0)),
+                   z = affine_vector(map, vec_f64(0, 0, 1));
+    return dot_f64(cross_f64(x, y), z) < 0;
+}
+
+/* From the way of u on the shape, turned about its own normal; in a mirror image the other way round. */
+static void set_direction(const affine_f64 *to_world, reference_surface *s, vec3_f64 u) {
+    const frame_f64 f = frame_from((vec3_f64){0, 0, 0}, s->normal, affine_vector(to_world, u));
+    const double angle = (double)s->material->anisotropy_rotation * (s->behind != mirrors(to_world) ? -1 : 1);
     s->along = madd_f64(scale_f64(cos(angle), f.y), -sin(angle), f.x);
 }
 
@@ -318,7 +324,7 @@ static void make_surface(const reference_scene *r, const query *q, reference_sur
     if (!(dot_f64(out->normal, out->to_viewer) > 0)) out->normal = out->geometric;
     vec3_f64 u = sub_f64(c[1], c[0]);
     if (p->kind == SCENE_SPHERE) u = vec_f64(-own.y, own.x, 0);
-    set_direction(out, affine_vector(&at.to_world, u));
+    set_direction(&at.to_world, out, u);
 }
 
 /* Some thousand times the error of a point in double, and far below what can be seen. */

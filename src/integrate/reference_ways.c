@@ -34,9 +34,8 @@ typedef struct alphas {
 } alphas;
 
 static alphas alphas_of(const fathom_material *m, bool coat) {
-    const double rough = (double)m->clearcoat_roughness;
-    return coat ? (alphas){rough * rough, rough * rough}
-                : (alphas){reference_alpha_along(m), reference_alpha(m)};
+    const double on_top = reference_coat_alpha(m);
+    return coat ? (alphas){on_top, on_top} : (alphas){reference_alpha_along(m), reference_alpha(m)};
 }
 
 /* As many as GGX has, by their slopes. */

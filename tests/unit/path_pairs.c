@@ -60,9 +60,13 @@ static void smooth_meshes_follow_one_rule_of_sides(void **state) {
     const struct {
         const char *name;
         fathom_material m;
-    } cases[] = {{"Lambert", lambert},         {"lit from behind", behind},
-                 {"metal", metallic(1, 0.8f)}, {"dielectric", metallic(0, 0.7f)},
-                 {"thin wall", thin},          {"classic glass", classic_glass()},
+    } cases[] = {{"Lambert", lambert},
+                 {"lit from behind", behind},
+                 {"metal", metallic(1, 0.8f)},
+                 {"dielectric", metallic(0, 0.7f)},
+                 {"less than the least alpha", metallic(1, 0.008f)},
+                 {"thin wall", thin},
+                 {"classic glass", classic_glass()},
                  {"solid glass", solid}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         stage s = room_open();
@@ -200,6 +204,37 @@ static void scattering_again_agrees(void **state) {
     give_back_light(&few, "brushed", brushed, 1, 0.4f);
 }
 
+/* The way of u turns the other way round there. */
+static void brushed_metal_agrees_in_a_mirror(void **state) {
+    (void)state;
+    stage s = room_open();
+    fathom_material metal = metallic(1, 0.2f);
+    fathom_instance instance;
+    fathom_quad quad;
+    metal.anisotropy = 0.9f, metal.anisotropy_rotation = -0.8f;
+    fathom_instance_default(&instance);
+    fathom_quad_from_axes((double[3]){0, 0, 0}, (double[3]){1.2, 0.8, 0}, (double[3]){-0.8, 1.2, 0}, &quad);
+    assert_ok(s.context, fathom_scene_add_group(s.scene, NULL, &instance.group));
+    quad.material = stage_material(&s, &metal);
+    assert_ok(s.context, fathom_scene_add_quad(s.scene, instance.group, &quad, NULL));
+    const double map[12] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    memcpy(instance.transform, map, sizeof map);
+    assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));
+    compare(&s, "brushed metal");
+}
+
+/* Its light goes in by the rough surface, which it is not absorbed before. */
+static void a_light_without_a_surface_shines_into_coloured_glass(void **state) {
+    (void)state;
+    stage s = room_open();
+    fathom_material glass = metallic(0, 0.6f);
+    glass.transmission = glass.thickness = 1;
+    glass.attenuation_distance = 0.5f, glass.attenuation_color[2] = 0.2f;
+    stage_sphere(&s, 0, 0, 0, 1, stage_material(&s, &glass));
+    stage_point_light(&s, 0.5, 0, -3, 100);
+    compare(&s, "a light behind coloured glass");
+}
+
 /* A cube of ice reaches out of a drink that fills more than its glass. */
 static void volumes_of_higher_priority_win(void **state) {
     (void)state;
@@ -279,6 +314,8 @@ int main(void) {
         cmocka_unit_test(emission_in_glass_is_as_bright_as_seen_from_outside),
         cmocka_unit_test(lobes_of_extensions_agree),
         cmocka_unit_test(scattering_again_agrees),
+        cmocka_unit_test(brushed_metal_agrees_in_a_mirror),
+        cmocka_unit_test(a_light_without_a_surface_shines_into_coloured_glass),
         cmocka_unit_test(volumes_of_higher_priority_win),
         cmocka_unit_test(images_of_skies_agree),
         cmocka_unit_test(the_studio_agrees),

@@ -1,0 +1,63 @@
+/* The volumes that the camera stands in: a ray from the eye meets the inner sides of their surfaces. */
+#include "integrate/plan.h"
+
+#include <math.h>
+#include <string.h>
+
+/* No axis, along which surfaces lie, and no edge of a box. */
+static const vec3_f32 direction = {0.36f, 0.80f, 0.48f};
+
+/* Surfaces that the ray passes at most. */
+enum { SURFACES = 4096 };
+
+/* What the ray meets beyond t_near of the block, and moves that there. False: nothing. */
+static bool meet_next(const render_plan *plan, trace_block *block, surface_block *s) {
+    surface_gather g;
+    block->rays.t_far[0] = INFINITY;
+    trace_closest(plan->tracer, block, 1, TRACE_INCOHERENT);
+    if (block->hits.geometry[0] == FATHOM_NONE) return false;
+    surface_gather_begin(&g);
+    surface_gather_add(&g, plan->world, block, 0);
+    s->material[0] = g.geometry[0] == TRACE_PLANE
+                         ? plan->world->planes.items[g.primitive[0]].material
+                         : world_material(plan->world, g.geometry[0], g.primitive[0], g.instance[0]);
+    s->count = 1;
+    surface_gather_end(&g, plan->world, plan->surface_kernels, false, true, s);
+    block->rays.t_near[0] = nextafterf(block->rays.t_far[0], INFINITY);
+    return true;
+}
+
+/* Volumes that the ray has entered are left by their inner sides; others were around the eye. The first of
+ * these is the innermost. */
+static void pass_surface(eye_volumes *v, eye_volumes *entered, uint32_t material, bool entering) {
+    uint32_t k = entered->count;
+    if (entering) {
+        if (entered->count < EYE_VOLUMES) entered->of[entered->count++] = material;
+        return;
+    }
+    while (k && entered->of[k - 1] != material) --k;
+    if (k) {
+        memmove(entered->of + k - 1, entered->of + k, (entered->count - k) * sizeof *entered->of);
+        --entered->count;
+    } else if (v->count < EYE_VOLUMES) {
+        memmove(v->of + 1, v->of, v->count++ * sizeof *v->of);
+        v->of[0] = material;
+    }
+}
+
+void eye_volumes_find(const render_plan *plan, eye_volumes *out) {
+    eye_volumes entered = {.count = 0};
+    trace_block block;
+    surface_block s;
+    memset(&block, 0, sizeof block), memset(&s, 0, sizeof s);
+    block.rays.org_x[0] = plan->camera.eye.x, block.rays.org_y[0] = plan->camera.eye.y;
+    block.rays.org_z[0] = plan->camera.eye.z;
+    block.rays.dir_x[0] = direction.x, block.rays.dir_y[0] = direction.y, block.rays.dir_z[0] = direction.z;
+    *out = entered;
+    const unsigned state = trace_thread_begin();
+    for (int i = 0; i < SURFACES && meet_next(plan, &block, &s); ++i) {
+        if (plan->shaders[s.material[0]].encloses)
+            pass_surface(out, &entered, s.material[0], s.entering[0] != 0);
+    }
+    trace_thread_end(state);
+}

@@ -1,0 +1,109 @@
+/* A camera inside of volumes: what it sees is what they leave of an even background, in closed form. */
+#include "render.h"
+
+static const float red[3] = {0.2f, 0.5f, 0.9f}, green[3] = {0.7f, 1, 0.4f};
+
+/* It bends nothing and leaves `color` of white light after a length of 2. */
+static fathom_material clear_volume(const float color[3], uint32_t priority) {
+    fathom_material m;
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    m.metallic = m.roughness = 0, m.ior = 1, m.transmission = m.thickness = 1, m.priority = priority;
+    for (int c = 0; c < 3; ++c) m.base_color[c] = 1, m.attenuation_color[c] = color[c];
+    m.attenuation_distance = 2;
+    return m;
+}
+
+static stage open_white(double eye_x, const double target[3]) {
+    stage s = stage_open(8, 8);
+    const float white[3] = {1, 1, 1};
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    s.settings.spp = 1, s.settings.target_error = 0;
+    assert_ok(s.context, fathom_scene_set_background(s.scene, white));
+    stage_camera(&s, (double[3]){eye_x, 0, 0}, target, (double[3]){0, 1, 0}, 1e-6);
+    return s;
+}
+
+/* Lengths and powers in float. */
+static void expect(stage *s, double in_red, double in_green) {
+    static const char *const names[] = {"R", "G", "B"};
+    fathom_film *film = stage_render(s);
+    for (int c = 0; c < 3; ++c) {
+        const float *pixels = fathom_film_channel(film, names[c]);
+        const double left = pow((double)red[c], in_red / 2) * pow((double)green[c], in_green / 2);
+        for (int i = 0; i < 64; ++i) assert_near((double)pixels[i], left, 1e-5);
+    }
+    fathom_film_destroy(film);
+}
+
+static void a_volume_around_the_eye_absorbs(void **state) {
+    (void)state;
+    static const char *const tracers[] = {"embree", "embree:user", "bvh", "linear"};
+    for (size_t i = 0; i < sizeof tracers / sizeof *tracers; ++i) {
+        const fathom_material m = clear_volume(red, 0);
+        stage s = open_white(0.5, (double[3]){9, 0, 0});
+        s.settings.tracer = tracers[i];
+        stage_sphere(&s, 0, 0, 0, 2, stage_material(&s, &m));
+        /* One that the ray of the look around enters and leaves again. */
+        stage_sphere(&s, 0.5 + 0.36 * 9, 0.8 * 9, 0.48 * 9, 1, 1);
+        expect(&s, 1.5, 0);
+        stage_close(&s);
+    }
+}
+
+static void a_volume_beside_the_eye_does_not(void **state) {
+    (void)state;
+    const fathom_material m = clear_volume(red, 0);
+    stage s = open_white(0, (double[3]){9, 0, 0});
+    stage_sphere(&s, 0.36 * 9, 0.8 * 9, 0.48 * 9, 2, stage_material(&s, &m));
+    expect(&s, 0, 0);
+    stage_close(&s);
+}
+
+/* The inner one fills its space alone where it has the higher priority, or where neither has any. */
+static void volumes_around_each_other(void **state) {
+    (void)state;
+    static const uint32_t priorities[3][2] = {{0, 0}, {1, 2}, {2, 1}};
+    for (int i = 0; i < 3; ++i) {
+        const fathom_material outer = clear_volume(red, priorities[i][0]),
+                              inner = clear_volume(green, priorities[i][1]);
+        stage s = open_white(0, (double[3]){9, 0, 0});
+        stage_sphere(&s, 0, 0, 0, 3, stage_material(&s, &outer));
+        stage_sphere(&s, 0, 0, 0, 1, stage_material(&s, &inner));
+        expect(&s, i == 2 ? 3 : 2, i == 2 ? 0 : 1);
+        stage_close(&s);
+    }
+}
+
+/* Under a plane, and in a mesh that an instance mirrors. */
+static void other_shapes_bound_volumes_too(void **state) {
+    (void)state;
+    const fathom_material m = clear_volume(red, 0);
+    stage s = open_white(0, (double[3]){9, 9, 0});
+    stage_plane(&s, (double[3]){0, 2, 0}, (double[3]){0, 1, 0}, stage_material(&s, &m));
+    expect(&s, 2 * sqrt(2), 0);
+    stage_close(&s);
+    s = open_white(0, (double[3]){0, -9, 0.01});
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    assert_ok(s.context, fathom_scene_add_group(s.scene, NULL, &instance.group));
+    stage_mesh_sphere(&s, instance.group, 64, 64, stage_material(&s, &m));
+    const double map[12] = {-3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 3, 0};
+    memcpy(instance.transform, map, sizeof map);
+    assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));
+    /* A facet is up to 1 - cos(pi / 64)^2 nearer. */
+    fathom_film *film = stage_render(&s);
+    assert_near((double)fathom_film_channel(film, "R")[0], pow((double)red[0], 1.5), 0.003);
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_volume_around_the_eye_absorbs),
+        cmocka_unit_test(a_volume_beside_the_eye_does_not),
+        cmocka_unit_test(volumes_around_each_other),
+        cmocka_unit_test(other_shapes_bound_volumes_too),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
