@@ -10,7 +10,7 @@ static const vec3_f32 direction = {0.36f, 0.80f, 0.48f};
 /* Surfaces that the ray passes at most. */
 enum { SURFACES = 4096 };
 
-/* What the ray meets beyond t_near of the block, and moves that there. False: nothing. */
+/* The next hit beyond t_near of the block, which moves there. False: there is none. */
 static bool meet_next(const render_plan *plan, trace_block *block, surface_block *s) {
     surface_gather g;
     block->rays.t_far[0] = INFINITY;

@@ -124,7 +124,7 @@ static const fathom_material *medium_towards(const path *p, const reference_surf
     return s->behind ? medium_of(p, s->material) : s->material;
 }
 
-/* What one light, chosen evenly, sends to the viewer by this surface alone. */
+/* The light that one lamp, chosen evenly, sends to the viewer by this surface alone. */
 static vec3_f64 light_at(const reference_scene *r, const path *p, const reference_surface *s,
                          reference_random *random) {
     const size_t count = scene_replaces_lights(r->scene) ? 0 : r->scene->lights.count;

@@ -188,7 +188,7 @@ double reference_choose(const reference_scene *r, const reference_surface *s, co
 
 fathom_status reference_skies_open(reference_scene *r);
 void reference_skies_close(reference_scene *r);
-/* Of the background and all images, from a unit direction. */
+/* Radiance of the background and all images from a unit direction. */
 vec3_f64 reference_sky_light(const reference_scene *r, vec3_f64 direction);
 /* A unit direction by the light of one image, and the density of any; where there are images. */
 vec3_f64 reference_to_sky(const reference_scene *r, reference_random *random);

@@ -11,7 +11,7 @@ struct reference_sky {
     double *before; /* luminance times solid angle of all texels before each; at the end, of all */
 };
 
-/* Of one texel of a row. */
+/* Each texel of a row has this one. */
 static double solid_angle(const environment_image *m, uint32_t row) {
     return 2 * PI / m->width * (cos(PI * row / m->height) - cos(PI * (row + 1.0) / m->height));
 }

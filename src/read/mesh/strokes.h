@@ -5,7 +5,7 @@
 #include "read/mesh/text.h"
 #include "scene/scene.h"
 
-/* Of one line. */
+/* One line has so many. */
 enum { ROD_VERTICES = 10, ROD_TRIANGLES = 16 };
 
 /* Bytes of the arrays for each line, and for each point with an index, at most; with colours. */
