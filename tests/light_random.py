@@ -134,7 +134,6 @@ def nested(r, o, moves):
     """Inside of a group, which is placed as well."""
     group = {"type": "group", "children": [o]}
     place(r, group, moves)
-    group["translation" if "motion" not in group else "name"] = [0, 0, 0] if "motion" not in group else "moved"
     return group
 
 
@@ -225,8 +224,7 @@ def make(seed, folder):
     if r.random() < 0.1:  # all of it under water
         materials["water"] = solid(r)
         objects.append({"type": "plane", "point": [0, 6, 0], "normal": [0, 1, 0], "material": "water"})
-    scene = {"camera": camera, "image": {"width": 64, "height": 48, "integrator": "path", "maxDepth": r.randint(1, 10),
-                       "filter": r.choice(("box", "box", "gaussian", "blackmanHarris"))},
+    scene = {"camera": camera, "image": {"width": 64, "height": 48, "integrator": "path", "maxDepth": r.randint(1, 10)},
              "materials": materials, "objects": objects, "lights": [light(r, folder) for _ in range(r.randint(0, 2))],
              "background": color(r, 0, 1) if r.random() < 0.6 else [0, 0, 0]}
     with open(os.path.join(folder, "scene.json"), "w", encoding="utf-8") as file:

@@ -130,7 +130,6 @@ static vec3_f64 light_at(const reference_scene *r, const path *p, const referenc
     const size_t count = scene_replaces_lights(r->scene) ? 0 : r->scene->lights.count;
     if (!count) return gray(0);
     const fathom_light *light = &r->scene->lights.items[(size_t)(reference_uniform(random) * (double)count)];
-    if (light->type == FATHOM_LIGHT_ENVIRONMENT) return gray(0);
     const bool afar = light->type == FATHOM_LIGHT_DIRECTIONAL;
     const arrival a = afar ? from_afar(light, random) : from_place(light, s->point, random);
     vec3_f64 sum = scale_f64(a.power * (double)count, reference_evaluate(s, a.direction));

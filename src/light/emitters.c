@@ -180,20 +180,22 @@ static double primitive_density(const emitters *e, const emitter_run *run, const
 
 /* ---- lamps ---- */
 
-/* A lamp with a size is a sphere that no ray meets, of the radiance k_l / r². Points inside see it without
- * size. */
-static bool widen_lamp(const emitter_lamp *lamp, vec3_f64 p, double u, double v, emitter_sample *out,
-                       unsigned i) {
+/* A lamp with a size is a sphere that no ray meets, of the radiance k_l / r², each point of which has the
+ * lamp's falloff. Points inside see it without size. more, falloff: factors of the centre's radiance, set
+ * where it has one. */
+static void widen_lamp(const emitter_lamp *lamp, vec3_f64 p, double u, double v, emitter_sample *out,
+                       unsigned i, float *more, float *falloff) {
     const vec3_f64 from = sub_f64(p, widen(lamp->light.position));
     const double r = (double)lamp->radius;
-    if (!(dot_f64(from, from) > r * r) || !(r > 0)) return false;
+    if (!(dot_f64(from, from) > r * r) || !(r > 0)) return;
     const shape_cone cone = shape_cone_of(from, r);
     const vec3_f64 d = shape_cone_sample(&cone, u, v);
     put_lane_f32(out->direction, i, narrow(d));
     out->distance[i] = (float)fmax(shape_sphere_near(from, d, r) * (1 - 0x1p-20), 0x1p-126);
-    const double more = shape_cone_angle(&cone) / (SHAPE_PI * r * r) * dot_f64(from, from);
-    for (int c = 0; c < 3; ++c) out->radiance[c][i] *= (float)more;
-    return true;
+    *more = (float)(shape_cone_angle(&cone) / (SHAPE_PI * r * r) * dot_f64(from, from));
+    if (lamp->light.type == FATHOM_LIGHT_SPOT)
+        *falloff =
+            light_falloff(&lamp->light, out->direction[0][i], out->direction[1][i], out->direction[2][i]);
 }
 
 static void sample_lamp(const emitters *e, const emitter_lamp *lamp, const lane_choices *c, unsigned lanes,
@@ -204,15 +206,16 @@ static void sample_lamp(const emitters *e, const emitter_lamp *lamp, const lane_
     e->points->aim(&lamp->light, &aimed);
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
-        for (int k = 0; k < 3; ++k) {
-            out->direction[k][i] = aimed.direction[k][i];
-            out->radiance[k][i] = (float)SHAPE_PI * (seen.radiance[k][i] * seen.falloff[i]);
-        }
+        float more = 1, falloff = seen.falloff[i];
+        for (int k = 0; k < 3; ++k) out->direction[k][i] = aimed.direction[k][i];
         out->distance[i] = aimed.distance[i];
         out->density[i] = seen.distance[i] > 0 ? (float)c->chance[i] : 0;
         out->sized[i] = 0;
         if (lamp->radius > 0)
-            widen_lamp(lamp, widen(lane_f32(c->from->p, i)), (double)c->u[0][i], (double)c->u[1][i], out, i);
+            widen_lamp(lamp, widen(lane_f32(c->from->p, i)), (double)c->u[0][i], (double)c->u[1][i], out, i,
+                       &more, &falloff);
+        for (int k = 0; k < 3; ++k)
+            out->radiance[k][i] = (float)SHAPE_PI * (seen.radiance[k][i] * falloff) * more;
     }
 }
 

@@ -26,6 +26,15 @@ typedef struct shade_light {
     uint32_t surface_count;
 } shade_light;
 
+/* A spot's falloff in the unit direction from a point to the light: 1 - cos of the angle between unit vectors
+ * is half their difference squared. */
+static inline float light_falloff(const shade_light *light, float x, float y, float z) {
+    x -= light->to_light.x, y -= light->to_light.y, z -= light->to_light.z;
+    float t = (light->cone_edge - 0.5f * (x * x + y * y + z * z)) * light->cone_scale;
+    t = t < 0 ? 0 : (t > 1 ? 1 : t);
+    return t * t;
+}
+
 /* origin: the world's, see world.h. Without surfaces. */
 void light_prepare(const fathom_light *light, vec3_f64 origin, shade_light *out);
 

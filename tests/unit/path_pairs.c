@@ -235,6 +235,22 @@ static void a_light_without_a_surface_shines_into_coloured_glass(void **state) {
     compare(&s, "a light behind coloured glass");
 }
 
+/* The cone's edge crosses the floor, which some of the lamp's points light and others do not. */
+static void a_wide_spot_falls_off_point_by_point(void **state) {
+    (void)state;
+    stage s = stage_open(32, 32);
+    fathom_light spot;
+    fathom_light_default(&spot);
+    spot.type = FATHOM_LIGHT_SPOT, spot.radius = 0.5f;
+    spot.inner_angle = 0.3f, spot.outer_angle = 0.6f;
+    spot.position[1] = 1.5, spot.direction[1] = -1, spot.direction[2] = 0;
+    for (int c = 0; c < 3; ++c) spot.intensity[c] = 5;
+    assert_ok(s.context, fathom_scene_add_light(s.scene, &spot, NULL));
+    stage_plane(&s, (double[3]){0, -1.2, 0}, (double[3]){0, 1, 0}, stage_lambert(&s, 0.6f));
+    stage_camera(&s, (double[3]){0, 5, 0.1}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.7);
+    compare(&s, "a spot light with a radius");
+}
+
 /* A cube of ice reaches out of a drink that fills more than its glass. */
 static void volumes_of_higher_priority_win(void **state) {
     (void)state;
@@ -316,6 +332,7 @@ int main(void) {
         cmocka_unit_test(scattering_again_agrees),
         cmocka_unit_test(brushed_metal_agrees_in_a_mirror),
         cmocka_unit_test(a_light_without_a_surface_shines_into_coloured_glass),
+        cmocka_unit_test(a_wide_spot_falls_off_point_by_point),
         cmocka_unit_test(volumes_of_higher_priority_win),
         cmocka_unit_test(images_of_skies_agree),
         cmocka_unit_test(the_studio_agrees),

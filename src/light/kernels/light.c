@@ -143,16 +143,9 @@ static void aim(const shade_light *light, light_block *b) {
 
 /* ---- what arrives ---- */
 
-/* (edge - (1 - cos)) scale, where 1 - cos of the angle between unit vectors is half their difference squared.
- */
 static void fall_off(const shade_light *light, const light_block *out, float falloff[LANES]) {
-    for (unsigned i = 0; i < LANES; ++i) {
-        float x = out->direction[0][i] - light->to_light.x, y = out->direction[1][i] - light->to_light.y,
-              z = out->direction[2][i] - light->to_light.z;
-        float t = (light->cone_edge - 0.5f * (x * x + y * y + z * z)) * light->cone_scale;
-        t = t < 0 ? 0 : (t > 1 ? 1 : t);
-        falloff[i] = t * t;
-    }
+    for (unsigned i = 0; i < LANES; ++i)
+        falloff[i] = light_falloff(light, out->direction[0][i], out->direction[1][i], out->direction[2][i]);
 }
 
 /* The squared distance is divided by in two steps: it may be out of range where the quotient is not. */

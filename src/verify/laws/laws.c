@@ -153,6 +153,6 @@ laws_difference laws_compare(const sample_mean *a, const sample_mean *b, size_t 
         square += error * error;
     }
     d.p = sidak(d.p, (double)count);
-    d.relative = difference / sum, d.relative_error = sqrt(square) / sum;
+    if (sum > 0) d.relative = difference / sum, d.relative_error = sqrt(square) / sum;
     return d;
 }
