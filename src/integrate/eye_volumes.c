@@ -18,9 +18,7 @@ static bool meet_next(const render_plan *plan, trace_block *block, surface_block
     if (block->hits.geometry[0] == FATHOM_NONE) return false;
     surface_gather_begin(&g);
     surface_gather_add(&g, plan->world, block, 0);
-    s->material[0] = g.geometry[0] == TRACE_PLANE
-                         ? plan->world->planes.items[g.primitive[0]].material
-                         : world_material(plan->world, g.geometry[0], g.primitive[0], g.instance[0]);
+    s->material[0] = surface_gather_material(&g, plan->world, 0);
     s->count = 1;
     surface_gather_end(&g, plan->world, plan->surface_kernels, false, true, s);
     block->rays.t_near[0] = nextafterf(block->rays.t_far[0], INFINITY);

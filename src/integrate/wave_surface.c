@@ -9,10 +9,7 @@ static vertex_block *open_block(const wave *w) {
 }
 
 fathom_id wave_hit_material(const wave *w, unsigned i) {
-    const world *scene = w->run.plan->world;
-    const surface_gather *g = w->gather;
-    if (g->geometry[i] == TRACE_PLANE) return scene->planes.items[g->primitive[i]].material;
-    return world_material(scene, g->geometry[i], g->primitive[i], g->instance[i]);
+    return surface_gather_material(w->gather, w->run.plan->world, i);
 }
 
 fathom_id wave_hit_object(const wave *w, unsigned i) {

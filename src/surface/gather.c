@@ -290,6 +290,11 @@ void surface_ask_corners(const world *w, const trace_hits *hits) {
     }
 }
 
+fathom_id surface_gather_material(const surface_gather *g, const world *w, unsigned i) {
+    if (g->geometry[i] == TRACE_PLANE) return w->planes.items[g->primitive[i]].material;
+    return world_material(w, g->geometry[i], g->primitive[i], g->instance[i]);
+}
+
 bool surface_gather_block(surface_gather *g, const world *w, const surface_kernels *kernels,
                           const trace_block *block) {
     const trace_rays *rays = &block->rays;

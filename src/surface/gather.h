@@ -24,6 +24,8 @@ typedef struct surface_gather {
 void surface_gather_begin(surface_gather *g);
 /* Adds what a lane met; there must be room. */
 void surface_gather_add(surface_gather *g, const world *w, const trace_block *block, size_t lane);
+/* The material of lane i. */
+fathom_id surface_gather_material(const surface_gather *g, const world *w, unsigned i);
 /* Adds all sixteen lanes, which all met something, to an empty one. True when they are known to meet one
  * object.
  */
