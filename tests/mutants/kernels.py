@@ -44,8 +44,10 @@ FAULTS = [
     ("linear_casts", "trace/linear/linear_text.h", "if (b->s[0].any && geometry->flags & FATHOM_CASTS_NO_SHADOW) return;",
      "if (b->s[0].any && geometry->flags & FATHOM_CASTS_NO_SHADOW && !MUTANT) return;"),
     ("stretch_far", "trace/stretch.c", "r->t_far[i] = ldexpf(r->t_far[i], e);", "r->t_far[i] = MUTANT ? r->t_far[i] : ldexpf(r->t_far[i], e);"),
-    ("half_uv", "trace/embree/embree_trace.c", "chosen(second, 1 - hits->u[i], hits->u[i]);",
-     "chosen(MUTANT ? 0 : second, 1 - hits->u[i], hits->u[i]);"),
+    ("half_uv", "trace/embree/embree_trace.c", "kernels->join_halves(tracer->halved, hits, lanes);",
+     "kernels->join_halves(tracer->halved, hits, lanes);\n"
+     "    for (unsigned i = 0; MUTANT && tracer->halved && i < lanes; ++i)\n"
+     "        if (hits->u[i] + hits->v[i] > 1) hits->u[i] = 1 - hits->u[i];"),
     ("few_casts", "trace/embree/embree_spheres.c", "if (!(run->flags & FATHOM_CASTS_NO_SHADOW)) out->shadows |= 1u << k;",
      "if (MUTANT || !(run->flags & FATHOM_CASTS_NO_SHADOW)) out->shadows |= 1u << k;"),
 ]

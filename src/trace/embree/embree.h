@@ -26,7 +26,7 @@ typedef struct embree_tracer {
     const embree_kernels *kernels;
     RTCDevice device;
     RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
-    bool *halved;     /* by the world's geometries: its quads are Embree's triangles; NULL: none are */
+    uint32_t *halved; /* by the world's geometries, 1: its quads are Embree's triangles; NULL: none are */
     few_spheres *few; /* the root's spheres, which are not in the scene; NULL: they are */
     const few_kernels *few_kernels;
     sphere_clusters *clusters; /* by the world's geometries: of the spheres that are in scenes; NULL: none */
@@ -183,6 +183,8 @@ struct embree_kernels {
                           embree_asked *asked, embree_call *call);
     /* Sets t_far, and t_near as it was. True when lanes are tied. */
     bool (*end_closest)(trace_block *block, unsigned lanes, const embree_asked *asked, embree_call *call);
+    /* embree_join_half() for all hits of a block. */
+    void (*join_halves)(const uint32_t *halved, trace_hits *hits, unsigned lanes);
     bool (*begin_any)(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool scaled,
                       embree_asked *asked);
     void (*end_any)(trace_rays *rays, unsigned lanes, const embree_asked *asked);

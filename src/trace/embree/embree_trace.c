@@ -27,18 +27,6 @@ void embree_closest_packets(const embree_tracer *tracer, trace_block *block, con
     tracer->kernels->join(&packets, width, &block->rays, &block->hits);
 }
 
-/* embree_join_half() without a branch: which rays meet quads is a matter of chance. */
-static void join_halves(const embree_tracer *tracer, trace_hits *hits, unsigned lanes) {
-    for (unsigned i = 0; i < lanes; ++i) {
-        const uint32_t geometry = hits->geometry[i], met = geometry != RTC_INVALID_GEOMETRY_ID;
-        const uint32_t halved = met & tracer->halved[met ? geometry : 0];
-        const uint32_t second = halved & hits->primitive[i] ? ~0u : 0;
-        hits->u[i] = chosen(second, 1 - hits->u[i], hits->u[i]);
-        hits->v[i] = chosen(second, 1 - hits->v[i], hits->v[i]);
-        hits->primitive[i] >>= halved;
-    }
-}
-
 /* Turns Embree's ids of hits into the world's. Without instances there is one group, whose geometries come
  * first. */
 static void translate(const embree_tracer *tracer, trace_hits *hits, unsigned lanes) {
@@ -47,7 +35,7 @@ static void translate(const embree_tracer *tracer, trace_hits *hits, unsigned la
         if (hits->geometry[i] != RTC_INVALID_GEOMETRY_ID)
             embree_world_ids(w, 0, &hits->instance[i], &hits->geometry[i]);
     }
-    if (tracer->halved) join_halves(tracer, hits, lanes);
+    if (tracer->halved) tracer->kernels->join_halves(tracer->halved, hits, lanes);
 }
 
 static void settle(const embree_tracer *tracer, trace_block *block, unsigned lanes, const embree_call *call) {

@@ -27,7 +27,8 @@ static ALWAYS_INLINE void prepare(const embree_tracer *tracer, trace_rays *restr
         rays->t_far[i] = embree_last_inside(rays->t_far[i]);
     }
     for (unsigned i = 0; i < lanes; ++i) rays->mask[i] = mask, rays->id[i] = i, rays->flags[i] = 0;
-    for (unsigned i = 0; !tracer->base.world->moves && i < lanes; ++i) rays->time[i] = 0;
+    if (tracer->base.world->moves) return;
+    for (unsigned i = 0; i < lanes; ++i) rays->time[i] = 0;
 }
 
 static void prepare_lanes(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
@@ -175,6 +176,42 @@ static bool end_closest(trace_block *block, unsigned lanes, const embree_asked *
                           : end_closest_lanes(block, lanes, asked, call);
 }
 
+/* in_halves: 1 for lanes whose hit is a quad in halves. Without a branch: which half is a matter of chance.
+ */
+static ALWAYS_INLINE void join_lanes(const uint32_t *restrict in_halves, trace_hits *restrict hits,
+                                     unsigned lanes) {
+    for (unsigned i = 0; i < lanes; ++i) {
+        const uint32_t second = 0u - (in_halves[i] & hits->primitive[i]);
+        hits->u[i] = chosen(second, 1 - hits->u[i], hits->u[i]);
+        hits->v[i] = chosen(second, 1 - hits->v[i], hits->v[i]);
+        hits->primitive[i] >>= in_halves[i];
+    }
+}
+
+/* Most blocks meet one geometry, which is then looked up once; the least number is one that was met. */
+static ALWAYS_INLINE void join_halves_lanes(const uint32_t *restrict halved, trace_hits *restrict hits,
+                                            unsigned lanes) {
+    uint32_t least = RTC_INVALID_GEOMETRY_ID, other = 0, in_halves[LANES];
+    for (unsigned i = 0; i < lanes; ++i) least = hits->geometry[i] < least ? hits->geometry[i] : least;
+    for (unsigned i = 0; i < lanes; ++i) {
+        in_halves[i] = hits->geometry[i] == RTC_INVALID_GEOMETRY_ID ? 0 : 1;
+        other |= in_halves[i] & (hits->geometry[i] == least ? 0 : 1);
+    }
+    if (other) {
+        for (unsigned i = 0; i < lanes; ++i) in_halves[i] &= halved[in_halves[i] ? hits->geometry[i] : least];
+    } else if (least == RTC_INVALID_GEOMETRY_ID || !halved[least]) {
+        return;
+    }
+    join_lanes(in_halves, hits, lanes);
+}
+
+static void join_halves(const uint32_t *halved, trace_hits *hits, unsigned lanes) {
+    if (lanes == LANES)
+        join_halves_lanes(halved, hits, LANES);
+    else
+        join_halves_lanes(halved, hits, lanes);
+}
+
 static ALWAYS_INLINE void end_any_lanes(trace_rays *restrict rays, unsigned lanes,
                                         const embree_asked *restrict asked) {
     for (unsigned i = 0; i < lanes; ++i) {
@@ -195,6 +232,7 @@ const embree_kernels KERNEL(embree_kernels) = {
     .prepare = prepare_lanes,
     .begin_closest = begin_closest,
     .end_closest = end_closest,
+    .join_halves = join_halves,
     .begin_any = begin_any,
     .end_any = end_any,
     .spread = spread,
