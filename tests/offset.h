@@ -112,7 +112,8 @@ static inline void offset_add_triangle(offset_world *o, const vec3_f64 v[3]) {
 
 static inline void offset_add_plane(offset_world *o, vec3_f64 point, vec3_f64 n) {
     double offset = dot_f64(point, n);
-    world_plane p = {.normal = narrow(n), .offset = (float)offset, .point = narrow(scale_f64(offset, n))};
+    world_plane p = {.offset = (float)offset, .point = narrow(scale_f64(offset, n))};
+    world_plane_set_normal(&p, n);
     array_push(&o->w.planes, p);
 }
 

@@ -181,33 +181,30 @@ static void add_half(surface_gather *g, unsigned i, const world_quad *quad, cons
     g->faceted = true;
 }
 
-static void add_hit(surface_gather *g, unsigned i, const local_hit *hit) {
-    put_lane_f64(g->local.p, i, hit->p);
-    put_lane_f64(g->local.n, i, hit->n);
-    put_lane_f32(g->local.ns, i, hit->ns);
-    g->local.self_hit[i] = hit->self_hit;
+static void add_hit(surface_gather *g, unsigned i, local_hit hit) {
+    put_lane_f64(g->local.p, i, hit.p);
+    put_lane_f64(g->local.n, i, hit.n);
+    put_lane_f32(g->local.ns, i, hit.ns);
+    g->local.self_hit[i] = hit.self_hit;
 }
 
 static void add_primitive(surface_gather *g, unsigned i, const world *w, const local_ray *local) {
-    uint32_t primitive = g->primitive[i];
-    local_hit hit;
+    const uint32_t primitive = g->primitive[i];
     if (g->geometry[i] == TRACE_PLANE) {
-        local_plane(&w->planes.items[primitive], local, &hit);
-        add_hit(g, i, &hit);
+        add_hit(g, i, local_plane(&w->planes.items[primitive], local));
         return;
     }
     const world_geometry *geometry = &w->geometries.items[g->geometry[i]];
+    const uint32_t item = geometry->first + primitive;
     switch (geometry->kind) {
-    case WORLD_SPHERES: local_sphere(&w->spheres.items[geometry->first + primitive], local, &hit); break;
-    case WORLD_QUADS: add_half(g, i, &w->quads.items[geometry->first + primitive], local); return;
+    case WORLD_SPHERES: add_hit(g, i, local_sphere(&w->spheres.items[item], local)); break;
+    case WORLD_QUADS: add_half(g, i, &w->quads.items[item], local); break;
     case WORLD_MESH:
         if (geometry->moving)
             add_moving_facet(g, i, w, geometry);
         else
             add_facet(g, i, &w->meshes.items[geometry->first], primitive);
-        return;
     }
-    add_hit(g, i, &hit);
 }
 
 void surface_gather_add(surface_gather *g, const world *w, const trace_block *block, size_t lane) {

@@ -50,14 +50,24 @@ typedef struct world_quad {
     vec3_f32 corner[4];
 } world_quad;
 
-/* normal is unit; the plane holds the points P with normal·P = offset. */
+/* normal is unit; the plane holds the points P with normal·P = offset. What every hit needs of the rounded
+ * normal is here once: its square and its direction. */
 typedef struct world_plane {
+    double square;
+    vec3_f64 unit;
     vec3_f32 normal;
     float offset;
     vec3_f32 point, u, v; /* a point on it and two unit tangents */
     fathom_id object, material;
     unsigned flags;
 } world_plane;
+
+static inline void world_plane_set_normal(world_plane *plane, vec3_f64 normal) {
+    const vec3_f64 rounded = widen(narrow(normal));
+    plane->normal = narrow(normal);
+    plane->square = dot_f64(rounded, rounded);
+    plane->unit = scale_f64(1 / sqrt(plane->square), rounded);
+}
 
 typedef enum world_kind { WORLD_SPHERES, WORLD_QUADS, WORLD_MESH } world_kind;
 

@@ -158,14 +158,14 @@ static bool add_plane(placer *p, const fathom_plane *plane, fathom_id object, co
     vec3_f64 normal =
         normalize_f64(affine_transposed_vector(to_group, normalize_f64(load_f64(plane->normal))));
     frame_f64 frame = frame_from(point, normal, (vec3_f64){0, 0, 0});
-    world_plane out = {.normal = narrow(normal),
-                       .offset = (float)dot_f64(normal, point),
+    world_plane out = {.offset = (float)dot_f64(normal, point),
                        .point = narrow(scale_f64(dot_f64(normal, point), normal)),
                        .u = narrow(frame.x),
                        .v = narrow(frame.y),
                        .object = object,
                        .material = material != FATHOM_NONE ? material : plane->material,
                        .flags = plane->flags};
+    world_plane_set_normal(&out, normal);
     return array_push(&p->w->planes, out);
 }
 
