@@ -5,9 +5,14 @@
 #include "film/film.h"
 #include "film/squares.h"
 
+/* A wave's sums are read as wide as they were written, by these: a wide load of what narrow stores have just
+ * written waits for them. */
 typedef struct film_kernels {
-    /* to[i] += from[i]; count is a multiple of 16. */
-    void (*add_samples)(const float *from, size_t count, double *to);
+    /* A square's: to[i] += from[i]. */
+    void (*add_samples)(const float *from, double *to);
+    void (*add_sums)(const double *from, double *to);
+    /* to[i] = from[i], which becomes 0. */
+    void (*move_sums)(double *from, double *to);
 
     /* A square of 4 × 4 sums, scaled, to an image of this width. */
     void (*store_square)(const double *sums, double scale, size_t width, float *to);

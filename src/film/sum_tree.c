@@ -6,19 +6,18 @@
 
 /* ---- a square of a wave's sums ---- */
 
-/* Sums in the wave, those of a square, and what is left behind. */
+/* Out of the wave, where zeros are left behind, or into it. */
 typedef struct move {
+    const film_kernels *kernels;
     uint32_t slot;
     bool out;
 } move;
 
 static void move_doubles(const move *m, double *wave, double *square) {
-    if (m->out) {
-        memcpy(square, wave + m->slot, LANES * sizeof *square);
-        memset(wave + m->slot, 0, LANES * sizeof *square);
-    } else {
+    if (m->out)
+        m->kernels->move_sums(wave + m->slot, square);
+    else
         memcpy(wave + m->slot, square, LANES * sizeof *square);
-    }
 }
 
 static void move_words(const move *m, void *wave, void *square) {
@@ -60,19 +59,15 @@ static void move_sums(const move *m, pixel_sums *sums, square_sums *square) {
 
 void sum_take(pixel_sums *from, uint32_t square, square_sums *out) {
     const uint32_t slot = square * LANES;
-    move_sums(&(move){slot, true}, from, out);
+    move_sums(&(move){from->kernels, slot, true}, from, out);
     for (uint32_t k = 0; k < LANES && from->hits; ++k) from->hits->nearest[slot + k] = INFINITY;
 }
 
 void sum_give(const square_sums *from, uint32_t square, pixel_sums *to) {
-    move_sums(&(move){square * LANES, false}, to, (square_sums *)(uintptr_t)from);
+    move_sums(&(move){to->kernels, square * LANES, false}, to, (square_sums *)(uintptr_t)from);
 }
 
 /* ---- adding ---- */
-
-static void add(const double *from, double *to) {
-    for (int k = 0; k < LANES; ++k) to[k] += from[k];
-}
 
 /* At equal distances the first sample stays. */
 static void keep_nearest(const square_sums *from, square_sums *to) {
@@ -89,6 +84,7 @@ static void keep_nearest(const square_sums *from, square_sums *to) {
 }
 
 static void add_node(const pixel_sums *like, const square_sums *from, square_sums *to) {
+    void (*const add)(const double *, double *) = like->kernels->add_sums;
     for (uint32_t g = 0; g < like->groups; ++g) {
         for (int c = 0; c < 3; ++c) add(from->rgb[g][c], to->rgb[g][c]);
     }

@@ -245,12 +245,11 @@ static void add_square(pass *p, uint32_t place) {
     adaptive_run *r = p->r;
     const uint32_t s = p->square[place], group = p->batch.squares[place].group;
     for (int c = 0; c < 3; ++c) {
-        a->kernels->add_samples(p->work->samples.radiance[c] + place * LANES, LANES,
-                                r->rgb[group][c] + s * LANES);
+        a->kernels->add_samples(p->work->samples.radiance[c] + place * LANES, r->rgb[group][c] + s * LANES);
     }
     double(*layers)[WAVE_SLOTS] = adaptive_layers(a, p->run, group);
     for (uint32_t k = 0; k < 3 * a->parts.layers; ++k) {
-        a->kernels->add_samples(p->work->samples.layers[k] + place * LANES, LANES, layers[k] + s * LANES);
+        a->kernels->add_samples(p->work->samples.layers[k] + place * LANES, layers[k] + s * LANES);
     }
     if (a->parts.cascades)
         fireflies_add(&p->work->samples, place * LANES, layers + 3 * a->parts.layers, s * LANES);

@@ -337,7 +337,8 @@ static void run_rays(unsigned set, const ray_case *c, ray_outputs *out) {
     for (int i = 0; i < LANES; i += 3) answered.t_far[i] = -INFINITY;
     k->add_seen(&answered, &shadows, c->lanes,
                 (float *const[]){out->radiance[0], out->radiance[1], out->radiance[2]});
-    film->add_samples(out->radiance[0], SLOTS, out->sums);
+    for (int square = 0; square < SLOTS; square += LANES)
+        film->add_samples(out->radiance[0] + square, out->sums + square);
     film->store_square(out->sums + 16, 0.25, 5, out->stored[0]);
 }
 
