@@ -312,7 +312,19 @@ static void weigh_lobes(shader_block *restrict out) {
     }
 }
 
-/* The sum of all lobes where there is one; see make(). */
+/* Chances that add up to 1, or to 0. */
+static void share_lobes(shader_block *restrict out) {
+    float sum[LANES];
+    for (int i = 0; i < LANES; ++i) sum[i] = 0x1p-126f;
+    for (int k = 0; k < SHADER_TAKES; ++k) {
+        for (int i = 0; i < LANES; ++i) sum[i] += out->take[k][i];
+    }
+    for (int k = 0; k < SHADER_TAKES; ++k) {
+        for (int i = 0; i < LANES; ++i) out->take[k][i] /= sum[i];
+    }
+}
+
+/* share_lobes() of one lobe. */
 static void take_diffuse(shader_block *restrict out) {
     memset(out->take, 0, sizeof out->take);
     for (int i = 0; i < LANES; ++i) {
@@ -343,11 +355,7 @@ static void make(const surface_block *s, shader_block *out) {
     }
     set_smooth(s, out);
     weigh_lobes(out);
-    for (int i = 0; i < LANES; ++i) {
-        float sum = 0x1p-126f;
-        for (int k = 0; k < SHADER_TAKES; ++k) sum += out->take[k][i];
-        for (int k = 0; k < SHADER_TAKES; ++k) out->take[k][i] /= sum;
-    }
+    share_lobes(out);
 }
 
 #endif
