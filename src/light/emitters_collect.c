@@ -239,8 +239,7 @@ static bool from_outside(const emitters *e) {
  * all directions. */
 static fathom_status finite_share(const emitters *e, double *out) {
     scene_bounds bounds;
-    double intensity = 0;
-    for (int k = 0; k < TREE_WIDE; ++k) intensity += (double)e->lights.nodes->power[k];
+    const double intensity = e->lights.power;
     fathom_status status = scene_world_bounds(e->w->scene, &bounds);
     const double radius = status != FATHOM_OK || bounds_is_empty(&bounds) ? 0 : bounds_radius(&bounds),
                  all = intensity + outside_power(e) * radius * radius;

@@ -40,7 +40,8 @@ typedef struct tree {
     tree_node *nodes; /* the first is the root */
     uint32_t *parent; /* of a node: TREE_WIDE times its parent, plus which child it is */
     uint32_t count;
-    float scale; /* a power of two; keeps squares within the range of float */
+    float scale;  /* a power of two; keeps squares within the range of float */
+    double power; /* of all lights, as their items have it; nodes hold parts of the strongest */
     const struct tree_kernels *kernels;
 } tree;
 

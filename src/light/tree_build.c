@@ -305,22 +305,29 @@ static float scale_for(const sums *all) {
     return extent > 0x1p-100 && extent < 0x1p100 ? (float)exp2(-ilogb(extent)) : 1;
 }
 
-/* Powers become parts of the largest. */
-static void normalize_power(tree_item *items, uint32_t count) {
+/* Powers become parts of the largest. Returns their sum as they were. */
+static double normalize_power(tree_item *items, uint32_t count) {
     float most = 0;
-    for (uint32_t i = 0; i < count; ++i) most = fmaxf(most, items[i].power);
+    double sum = 0;
+    for (uint32_t i = 0; i < count; ++i) most = fmaxf(most, items[i].power), sum += (double)items[i].power;
     for (uint32_t i = 0; i < count; ++i) items[i].power = fmaxf(items[i].power / most, 0x1p-100f);
+    return sum;
 }
 
 bool tree_build(tree_item *items, uint32_t count, tree *out, uint32_t *slot_of) {
     builder b = {.items = items, .slot_of = slot_of};
     *out = (tree){.nodes = NULL};
     if (!count) return true;
-    normalize_power(items, count);
+    const double power = normalize_power(items, count);
     const piece all = piece_of(items, 0, count);
     b.scale = scale_for(&all.all);
     const bool built = add_node(&b, &all, 0);
-    *out = (tree){b.nodes.items, b.parent.items, (uint32_t)b.nodes.count, b.scale, tree_kernels_best()};
+    *out = (tree){.nodes = b.nodes.items,
+                  .parent = b.parent.items,
+                  .count = (uint32_t)b.nodes.count,
+                  .scale = b.scale,
+                  .power = power,
+                  .kernels = tree_kernels_best()};
     if (!built) {
         tree_destroy(out);
         return false;
