@@ -87,17 +87,16 @@ static fathom_status check_motion(fathom_context *context, const world *w, const
     const char *who = NULL;
     switch (spec->kind) {
     case TRACE_LINEAR: break;
-    case TRACE_EMBREE: who = spec->shapes == TRACE_SHAPES_USER ? "embree:user" : NULL; break;
-    case TRACE_BVH: who = "bvh"; break;
-    case TRACE_PLUGIN: who = "plug-in"; break;
+    case TRACE_EMBREE: who = spec->shapes == TRACE_SHAPES_USER ? "tracer embree:user" : NULL; break;
+    case TRACE_BVH: who = "tracer bvh"; break;
+    case TRACE_PLUGIN: who = "a plug-in"; break;
     }
-    if (!options->timed) who = "use at hand";
+    if (!options->timed) who = "the classic integrator and validation";
     if (!who) return FATHOM_OK;
     return fail_field(
         context, FATHOM_BAD_INPUT, "camera.shutter",
-        "something moves while it is open, from %g to %g, which this tracer (%s) cannot follow; "
-        "expected path tracing by embree or linear, or a shutter that opens and closes at one "
-        "time",
+        "something moves while it is open, from %g to %g, which %s cannot follow; expected path "
+        "tracing by embree or linear, or a shutter that opens and closes at one time",
         w->scene->camera.shutter[0], w->scene->camera.shutter[1], who);
 }
 
