@@ -4,10 +4,10 @@
 
 enum { BIN_OTHERS = 62, BIN_MISSED, BINS };
 
-/* Instances and planes are gathered one by one in any order, and of many geometries most are. */
-static uint32_t bin_of(uint32_t geometry, uint32_t instance) {
-    const uint32_t own = geometry < BIN_OTHERS ? geometry : BIN_OTHERS;
-    const uint32_t bin = instance == FATHOM_NONE ? own : BIN_OTHERS;
+/* Instances come behind the geometries. Of many, most are gathered one by one in any order, as planes are. */
+static uint32_t bin_of(const world *w, uint32_t geometry, uint32_t instance) {
+    const uint64_t own = instance == FATHOM_NONE ? geometry : w->geometries.count + (uint64_t)instance;
+    const uint32_t bin = own < BIN_OTHERS ? (uint32_t)own : BIN_OTHERS;
     return geometry == FATHOM_NONE ? BIN_MISSED : bin;
 }
 
@@ -52,7 +52,7 @@ bool wave_sort_hits(wave *w) {
     if (!wave_reserve_paths(w, &w->next, count)) return false;
     for (size_t k = 0; k < count; ++k) {
         const trace_hits *hits = &w->now.rays[k / LANES].hits;
-        bin[k] = bin_of(hits->geometry[k % LANES], hits->instance[k % LANES]);
+        bin[k] = bin_of(w->run.plan->world, hits->geometry[k % LANES], hits->instance[k % LANES]);
         ++place[bin[k] + 1];
     }
     for (unsigned b = 1; b <= BINS; ++b) place[b] += place[b - 1];

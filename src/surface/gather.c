@@ -1,54 +1,25 @@
 /* Where a ray that leaves may start: as far off as its own rounding takes it (surface/kernels/surfaces.c),
- * and `self_hit`, how wrong the intersector may be about a start that it knows exactly.
- *
- * With u = 2^-24, in an instance the start is carried to object space, o_i = Σ A_ij s_j + T_i, and rounded
- * there. Our own tracers do that with A and T = to_object as given and one rounding, u |o_i|. Embree inverts
- * to_world in float: its A is off by E_ij (to_object_error), and its T = -A t, with t the translation of
- * to_world, by that and by three roundings of its products; three more enter when the start is carried. As A
- * s + T = A (s
- * - t), E counts by |s - t|: in all Σ_j E_ij |s_j - t_j| + 6 u Σ_j |A_ij| (|s_j| + |t_j|) on axis i. A
- * distance e along the object's normal n is e / |Aᵀn| in the world, whose normal is Aᵀn / |Aᵀn|. */
+ * and `self_hit`, how wrong the intersector may be about a start that it knows exactly: placed.h says how
+ * wrong in an instance. */
 #include "surface/gather.h"
 
 #include "math/lane.h"
 #include "surface/half.h"
 #include "surface/local_hit.h"
+#include "surface/placed.h"
 
 #include <string.h>
 
 static const double unit_round = 0x1p-24;
 
-/* ---- maps in double ---- */
-
-static vec3_f64 map_vector(const float m[3][4], vec3_f64 v) {
-    return (vec3_f64){(double)m[0][0] * v.x + (double)m[0][1] * v.y + (double)m[0][2] * v.z,
-                      (double)m[1][0] * v.x + (double)m[1][1] * v.y + (double)m[1][2] * v.z,
-                      (double)m[2][0] * v.x + (double)m[2][1] * v.y + (double)m[2][2] * v.z};
-}
-
-static vec3_f64 translation(const float m[3][4]) {
-    return (vec3_f64){(double)m[0][3], (double)m[1][3], (double)m[2][3]};
-}
-
-static vec3_f64 map_point(const float m[3][4], vec3_f64 p) {
-    return add_f64(map_vector(m, p), translation(m));
-}
-
-/* Mᵀ v */
-static vec3_f64 map_normal(const float m[3][4], vec3_f64 v) {
-    return (vec3_f64){(double)m[0][0] * v.x + (double)m[1][0] * v.y + (double)m[2][0] * v.z,
-                      (double)m[0][1] * v.x + (double)m[1][1] * v.y + (double)m[2][1] * v.z,
-                      (double)m[0][2] * v.x + (double)m[1][2] * v.y + (double)m[2][2] * v.z};
-}
-
-static vec3_f64 absolute(vec3_f64 v) { return (vec3_f64){fabs(v.x), fabs(v.y), fabs(v.z)}; }
+/* ---- instances ---- */
 
 vec3_f64 surface_to_object(const world_instance *instance, vec3_f64 p) {
-    return map_point(instance->to_object, p);
+    return placed_point(instance->to_object, p);
 }
 
 vec3_f64 surface_normal_to_world(const world_instance *instance, vec3_f64 n) {
-    return map_normal(instance->to_object, n);
+    return placed_normal(instance->to_object, n);
 }
 
 double surface_stretch_along(const world_instance *instance, vec3_f64 n) {
@@ -59,21 +30,8 @@ double surface_stretch_along(const world_instance *instance, vec3_f64 n) {
 }
 
 double surface_carried_along(const world_instance *instance, vec3_f64 n, vec3_f64 p) {
-    vec3_f64 shift = translation(instance->to_world);
-    vec3_f64 from = absolute(sub_f64(p, shift)), sum = add_f64(absolute(p), absolute(shift));
-    const double along[3] = {fabs(n.x), fabs(n.y), fabs(n.z)};
-    double error = 0;
-    for (int i = 0; i < 3; ++i) {
-        const float *a = instance->to_object[i], *e = instance->to_object_error[i];
-        double products =
-            fabs((double)a[0]) * sum.x + fabs((double)a[1]) * sum.y + fabs((double)a[2]) * sum.z;
-        double map = (double)e[0] * from.x + (double)e[1] * from.y + (double)e[2] * from.z;
-        error += along[i] * (map + 6 * unit_round * products);
-    }
-    return error;
+    return placed_carried_along(instance, n, p);
 }
-
-static vec3_f64 unit_of(vec3_f64 v) { return scale_f64(1 / sqrt(dot_f64(v, v)), v); }
 
 /* Embree interpolates the parts of a place in float. The rotation comes from a sum of two quaternions, made
  * unit by an inverse root: 3 u for each number and 4 u for the root; an entry of its matrix, of two products,
@@ -97,6 +55,38 @@ double surface_moved_along(const world_instance *instance, vec3_f64 n, vec3_f64 
     return MOVED_TURN * (along[0] + along[1] + along[2]) * reach + MOVED_SHIFT * shift;
 }
 
+static void to_world(const world_instance *instance, local_block *b, unsigned i) {
+    const vec3_f64 object_p = lane_f64(b->p, i);
+    placed_hit hit = {object_p, lane_f64(b->n, i), b->self_hit[i], lane_f32(b->ns, i), lane_f32(b->lift, i)};
+    hit = placed_to_world(instance, hit);
+    if (instance->moving) hit.self_hit += surface_moved_along(instance, hit.n, object_p);
+    put_lane_f64(b->p, i, hit.p);
+    put_lane_f64(b->n, i, hit.n);
+    b->self_hit[i] = hit.self_hit;
+    put_lane_f32(b->ns, i, hit.ns);
+    put_lane_f32(b->lift, i, hit.lift);
+}
+
+/* So many lanes of one instance take as long by the kernel as one by one. */
+#define FEW_LANES 3
+
+static void leave_instances(surface_gather *g, const world *w, const surface_kernels *kernels) {
+    for (uint32_t left = w->moves ? g->instances : 0; left; left &= left - 1)
+        to_world(g->placed[lane_first(left)], &g->local, lane_first(left));
+    for (uint32_t left = w->moves ? 0 : g->instances, mine; left; left &= ~mine) {
+        const uint32_t id = g->instance[lane_first(left)];
+        mine = 0;
+        for (unsigned i = 0; i < LANES; ++i) mine |= g->instance[i] == id ? 1u << i : 0;
+        mine &= left;
+        if (__builtin_popcount(mine) > FEW_LANES) {
+            kernels->hits_to_world(&w->instances.items[id], mine, &g->local);
+            continue;
+        }
+        for (uint32_t one = mine; one; one &= one - 1)
+            to_world(&w->instances.items[id], &g->local, lane_first(one));
+    }
+}
+
 static void add_corner_error(const facet_block *f, local_block *b, unsigned i) {
     double size[3] = {0, 0, 0}, sum = 0;
     for (int c = 0; c < 3; ++c) {
@@ -104,23 +94,6 @@ static void add_corner_error(const facet_block *f, local_block *b, unsigned i) {
         sum += fabs(b->n[c][i]) * size[c];
     }
     b->self_hit[i] += SURFACE_BENT * unit_round * sum;
-}
-
-/* Object to world: to the point that to_object, as it was rounded, carries to the object's: to_world is its
- * inverse but for some u, so what is left after one step of Newton's is of the order u². */
-static void to_world(const world_instance *instance, local_block *b, unsigned i) {
-    const float(*m)[4] = instance->to_world, (*inverse)[4] = instance->to_object;
-    vec3_f64 object_p = lane_f64(b->p, i), object_n = lane_f64(b->n, i);
-    vec3_f64 p = map_point(m, object_p), n = map_normal(inverse, object_n);
-    p = add_f64(p, map_vector(m, sub_f64(object_p, map_point(inverse, p))));
-    double length = sqrt(dot_f64(n, n));
-    b->self_hit[i] = (b->self_hit[i] + surface_carried_along(instance, object_n, p)) / length;
-    n = scale_f64(1 / length, n);
-    if (instance->moving) b->self_hit[i] += surface_moved_along(instance, n, object_p);
-    put_lane_f64(b->p, i, p);
-    put_lane_f64(b->n, i, n);
-    put_lane_f32(b->ns, i, narrow(unit_of(map_normal(inverse, widen(lane_f32(b->ns, i))))));
-    put_lane_f32(b->lift, i, narrow(map_vector(m, widen(lane_f32(b->lift, i)))));
 }
 
 /* ---- hits ---- */
@@ -225,8 +198,8 @@ void surface_gather_add(surface_gather *g, const world *w, const trace_block *bl
             instance = world_instance_when(w, g->instance[i], g->time[i], &g->moved[i]);
             g->placed[i] = instance;
         }
-        local.org = map_point(instance->to_object, local.org);
-        local.dir = map_vector(instance->to_object, local.dir);
+        local.org = placed_point(instance->to_object, local.org);
+        local.dir = placed_vector(instance->to_object, local.dir);
         g->instances |= 1u << i;
     }
     put_lane_f64(g->local.org, i, local.org);
@@ -234,15 +207,17 @@ void surface_gather_add(surface_gather *g, const world *w, const trace_block *bl
     add_primitive(g, i, w, &local);
 }
 
-/* The mesh, or the quads none of which is flat, that all lanes met as part of the root; NULL: they did not.
- */
+/* The mesh that all lanes met in one instance or as part of the root, or the quads there none of which is
+ * flat; NULL: they did not. Without motion in instances: each lane would have a place of its own. */
 static const world_geometry *common_facets(const world *w, const trace_hits *hits) {
-    uint32_t differ = 0, id = hits->geometry[0];
-    for (int i = 0; i < LANES; ++i) differ |= (hits->geometry[i] ^ id) | ~hits->instance[i];
+    uint32_t differ = 0;
+    const uint32_t id = hits->geometry[0], instance = hits->instance[0];
+    for (int i = 0; i < LANES; ++i) differ |= (hits->geometry[i] ^ id) | (hits->instance[i] ^ instance);
     if (differ || id == TRACE_PLANE) return NULL;
+    const bool rooted = instance == FATHOM_NONE;
     const world_geometry *met = &w->geometries.items[id];
-    if (met->moving) return NULL;
-    return met->kind == WORLD_MESH || (met->kind == WORLD_QUADS && !met->flat) ? met : NULL;
+    if (met->moving || (w->moves && !rooted)) return NULL;
+    return met->kind == WORLD_MESH || (met->kind == WORLD_QUADS && !met->flat && rooted) ? met : NULL;
 }
 
 static bool same_primitive(const uint32_t primitive[LANES]) {
@@ -254,11 +229,10 @@ static bool same_primitive(const uint32_t primitive[LANES]) {
 /* Triangles of a mesh that caches do not hold from one wave to the next: some 20 bytes each. */
 #define LARGE_MESH (1u << 20)
 
-/* The large mesh that the first lane met, as part of the root; NULL: it did not. The others are likely to
- * have met it, too. */
+/* The large mesh that the first lane met; NULL: it met none. The others are likely to have met it, too. */
 static const fathom_mesh *large_mesh(const world *w, const trace_hits *hits) {
     uint32_t id = hits->geometry[0];
-    if (id >= w->geometries.count || hits->instance[0] != FATHOM_NONE) return NULL;
+    if (id >= w->geometries.count) return NULL;
     const world_geometry *geometry = &w->geometries.items[id];
     return geometry->kind == WORLD_MESH && geometry->count >= LARGE_MESH ? world_mesh(w, id) : NULL;
 }
@@ -314,6 +288,10 @@ bool surface_gather_block(surface_gather *g, const world *w, const surface_kerne
     else
         kernels->facet_gather(&w->meshes.items[met->first], hits->primitive, trace_origins(rays),
                               trace_directions(rays), &g->facets, &g->local);
+    if (hits->instance[0] != FATHOM_NONE) {
+        kernels->rays_to_object(&w->instances.items[hits->instance[0]], &g->local);
+        g->instances = (1u << LANES) - 1;
+    }
     g->count = LANES;
     g->faceted = true;
     return !quads || same_primitive(hits->primitive);
@@ -337,10 +315,7 @@ void surface_gather_end(surface_gather *g, const world *w, const surface_kernels
     if (g->faceted) kernels->facets(&g->facets, lift, &g->local);
     for (uint32_t left = g->shaped; left; left &= left - 1)
         add_corner_error(&g->facets, &g->local, (unsigned)__builtin_ctz(left));
-    for (uint32_t left = g->instances; left; left &= left - 1) {
-        const unsigned i = lane_first(left);
-        to_world(w->moves ? g->placed[i] : &w->instances.items[g->instance[i]], &g->local, i);
-    }
+    leave_instances(g, w, kernels);
     pad(g);
     kernels->surfaces(&g->local, automatic, s);
 }

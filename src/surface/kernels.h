@@ -20,6 +20,10 @@ typedef struct surface_kernels {
      * for shadow rays are wanted. */
     void (*facets)(const facet_block *f, bool lifted, local_block *b);
 
+    /* Rays of the world to the space of an instance that rests, and hits of these lanes, as bits, from it. */
+    void (*rays_to_object)(const world_instance *instance, local_block *b);
+    void (*hits_to_world)(const world_instance *instance, uint32_t lanes, local_block *b);
+
     /* Hits, in the world's coordinates by now, to points without material and count. automatic: rays begin
      * off the surface by the point's error; else on it. */
     void (*surfaces)(const local_block *b, bool automatic, surface_block *s);

@@ -2,9 +2,11 @@
 #include "integrate/kernels.h"
 #include "camera/camera.h"
 #include "film/pixel_sums.h"
+#include "math/lane.h"
 #include "random.h"
 #include "surface/half.h"
 #include "surface/kernels.h"
+#include "surface/placed.h"
 #include "unit.h"
 
 static random_state random_numbers = {7};
@@ -211,6 +213,72 @@ static void same_hits_from_all(void **state) {
     }
 }
 
+/* ---- instances ---- */
+
+static world_instance random_instance(void) {
+    world_instance instance = {.id = 0};
+    affine_f64 map;
+    do {
+        const double size = random_log(&random_numbers, 1e-6, 1e6);
+        for (int i = 0; i < 12; ++i) map.m[i / 4][i % 4] = between(-size, size);
+    } while (!world_instance_set(&instance, &map));
+    return instance;
+}
+
+static placed_hit random_hit(void) {
+    const double size = random_log(&random_numbers, 1e-6, 1e6);
+    return (placed_hit){.p = scale_f64(size, widen(unit())),
+                        .n = widen(unit()),
+                        .self_hit = size * 1e-6,
+                        .ns = unit(),
+                        .lift = scale_f32((float)size * 1e-3f, unit())};
+}
+
+static placed_hit hit_of(const local_block *b, unsigned i) {
+    return (placed_hit){lane_f64(b->p, i), lane_f64(b->n, i), b->self_hit[i], lane_f32(b->ns, i),
+                        lane_f32(b->lift, i)};
+}
+
+static void is_hit(placed_hit a, placed_hit b) {
+    assert_memory_equal(&a.p, &b.p, sizeof a.p);
+    assert_memory_equal(&a.n, &b.n, sizeof a.n);
+    assert_true(a.self_hit == b.self_hit);
+    assert_memory_equal(&a.ns, &b.ns, sizeof a.ns);
+    assert_memory_equal(&a.lift, &b.lift, sizeof a.lift);
+}
+
+/* Lanes of a block have the bits that they have one by one; other lanes stay. */
+static void instances_are_left_alike(const surface_kernels *k) {
+    const world_instance instance = random_instance();
+    const uint32_t lanes = (uint32_t)between(0, 1u << LANES);
+    static local_block b;
+    for (unsigned i = 0; i < LANES; ++i) {
+        const placed_hit hit = random_hit();
+        put_lane_f64(b.p, i, hit.p), put_lane_f64(b.n, i, hit.n), b.self_hit[i] = hit.self_hit;
+        put_lane_f32(b.ns, i, hit.ns), put_lane_f32(b.lift, i, hit.lift);
+        put_lane_f64(b.org, i, hit.p), put_lane_f64(b.dir, i, hit.n);
+    }
+    const local_block before = b;
+    k->hits_to_world(&instance, lanes, &b);
+    k->rays_to_object(&instance, &b);
+    for (unsigned i = 0; i < LANES; ++i) {
+        const placed_hit hit = hit_of(&before, i);
+        const vec3_f64 org = placed_point(instance.to_object, hit.p),
+                       dir = placed_vector(instance.to_object, hit.n), own_org = lane_f64(b.org, i),
+                       own_dir = lane_f64(b.dir, i);
+        is_hit(hit_of(&b, i), lanes >> i & 1 ? placed_to_world(&instance, hit) : hit);
+        assert_memory_equal(&own_org, &org, sizeof org);
+        assert_memory_equal(&own_dir, &dir, sizeof dir);
+    }
+}
+
+static void instances_are_left_alike_by_all(void **state) {
+    (void)state;
+    for (unsigned set = 0; surface_kernels_at(set); ++set) {
+        for (int round = 0; round < 1000; ++round) instances_are_left_alike(surface_kernels_at(set));
+    }
+}
+
 /* ---- quads ---- */
 
 #define QUADS 5
@@ -410,9 +478,11 @@ static void lanes_are_appended_in_order_by_all(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(same_bits_from_all), cmocka_unit_test(same_hits_from_all),
-        cmocka_unit_test(same_halves_from_all), cmocka_unit_test(same_rays_from_all),
-        cmocka_unit_test(lanes_are_appended_in_order_by_all)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(same_bits_from_all),
+                                       cmocka_unit_test(same_hits_from_all),
+                                       cmocka_unit_test(same_halves_from_all),
+                                       cmocka_unit_test(same_rays_from_all),
+                                       cmocka_unit_test(instances_are_left_alike_by_all),
+                                       cmocka_unit_test(lanes_are_appended_in_order_by_all)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -51,6 +51,8 @@ const surface_kernels KERNEL(surface_kernels) = {
     .facet_gather = KERNEL(facet_gather),
     .quad_gather = KERNEL(quad_gather),
     .facets = KERNEL(facets),
+    .rays_to_object = KERNEL(rays_to_object),
+    .hits_to_world = KERNEL(hits_to_world),
     .surfaces = surfaces,
     .starts = starts,
 };
