@@ -13,6 +13,7 @@
 #include "light/emitters_inner.h"
 
 #include "surface/gather.h"
+#include "surface/placed.h"
 #include "trace/search.h"
 
 static const double unit_round = 0x1p-24;
@@ -66,7 +67,7 @@ static void face_bounds(const world_instance *instance, const vec3_f64 at[4], co
     if (f->quad) extent = larger(extent, largest(sub_f64(at[2], at[0])));
     f->slope = 36 * unit_round;
     if (instance) {
-        n_world = surface_normal_to_world(instance, n);
+        n_world = placed_normal(instance->to_object, n);
         length = length_f64(n_world);
         n_world = scale_f64(1 / length, n_world);
         f->slope += 8 * unit_round * surface_stretch_along(instance, n) / length;
@@ -74,7 +75,7 @@ static void face_bounds(const world_instance *instance, const vec3_f64 at[4], co
     for (int k = 0; k < 4; ++k) {
         reach = larger(reach, dot_f64(across, absolute(at[k])));
         reach_world = larger(reach_world, dot_f64(absolute(n_world), absolute(to[k])));
-        if (instance) map = larger(map, surface_carried_along(instance, n, to[k]));
+        if (instance) map = larger(map, placed_carried_along(instance, n, to[k]));
         if (instance && instance->moving)
             moved = larger(moved, surface_moved_along(instance, n_world, at[k]));
     }
@@ -132,7 +133,7 @@ void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive
     vec3_f64 farthest = add_f64(absolute(center), top);
     double stretch = surface_stretch_along(out->instance, all);
     out->clear = held + 8 * unit_round * out->radius +
-                 surface_carried_along(out->instance, all, farthest) * (4 / 3.0) +
+                 placed_carried_along(out->instance, all, farthest) * (4 / 3.0) +
                  3 * unit_round * stretch * largest(farthest);
     if (out->instance->moving) {
         const vec3_f64 r = {out->radius, out->radius, out->radius};

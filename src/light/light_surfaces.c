@@ -19,6 +19,7 @@
 #include "light/light_surfaces.h"
 
 #include "surface/gather.h"
+#include "surface/placed.h"
 #include "trace/search.h"
 
 #include <float.h>
@@ -128,8 +129,8 @@ static void add_contact(const view *v, const probe *p, const contact *c) {
     vec3_f64 n = c->n, at = widen(f->lights[p->light].position);
     double held = c->rounding, near = c->self_hit, slope = 32 * unit_round, length = 1;
     if (v->instance) {
-        const double map = surface_carried_along(v->instance, n, at);
-        n = surface_normal_to_world(v->instance, n);
+        const double map = placed_carried_along(v->instance, n, at);
+        n = placed_normal(v->instance->to_object, n);
         length = length_f64(n);
         n = scale_f64(1 / length, n);
         held += map / 3, near += map,
@@ -303,7 +304,7 @@ static void look_through_instance(finder *f, const world_instance *instance) {
     view v = {.f = f, .instance = instance, .probes = f->local};
     double square = 0;
     for (size_t k = first_in(&outside, &b); k < outside.count; k = next_in(&outside, &b, k + 1)) {
-        vec3_f64 at = surface_to_object(instance, f->all[k].at);
+        vec3_f64 at = placed_point(instance->to_object, f->all[k].at);
         f->local[v.count++] = (probe){at, f->all[k].light};
     }
     if (!v.count) return;

@@ -1,6 +1,7 @@
 #include "surface/attributes.h"
 
 #include "math/lane.h"
+#include "surface/placed.h"
 
 #include <string.h>
 
@@ -112,7 +113,7 @@ static void sphere_uv(const surface_gather *g, const world *w, const world_insta
     const world_sphere *sphere =
         &w->spheres.items[w->geometries.items[g->geometry[i]].first + g->primitive[i]];
     vec3_f64 p = {g->local.p[0][i], g->local.p[1][i], g->local.p[2][i]};
-    if (instance) p = surface_to_object(instance, p);
+    if (instance) p = placed_point(instance->to_object, p);
     const vec3_f32 n = narrow(normalize_f64(sub_f64(p, world_sphere_center(sphere))));
     const float flat = n.x * n.x + n.y * n.y, sine = sqrtf(flat > 1e-6f ? flat : 1e-6f);
     const float phi = atan2f(n.y, n.x), r = (float)world_sphere_radius(sphere);

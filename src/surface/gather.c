@@ -14,23 +14,11 @@ static const double unit_round = 0x1p-24;
 
 /* ---- instances ---- */
 
-vec3_f64 surface_to_object(const world_instance *instance, vec3_f64 p) {
-    return placed_point(instance->to_object, p);
-}
-
-vec3_f64 surface_normal_to_world(const world_instance *instance, vec3_f64 n) {
-    return placed_normal(instance->to_object, n);
-}
-
 double surface_stretch_along(const world_instance *instance, vec3_f64 n) {
     const double along[3] = {fabs(n.x), fabs(n.y), fabs(n.z)};
     double sum = 0;
     for (int i = 0; i < 9; ++i) sum += along[i / 3] * fabs((double)instance->to_object[i / 3][i % 3]);
     return sum;
-}
-
-double surface_carried_along(const world_instance *instance, vec3_f64 n, vec3_f64 p) {
-    return placed_carried_along(instance, n, p);
 }
 
 /* Embree interpolates the parts of a place in float. The rotation comes from a sum of two quaternions, made

@@ -43,13 +43,6 @@ void surface_gather_end(surface_gather *g, const world *w, const surface_kernels
 
 /* ---- for light_surfaces.c as well ---- */
 
-/* A point of the world in object space. */
-vec3_f64 surface_to_object(const world_instance *instance, vec3_f64 p);
-/* An object's normal in the world, not unit: a distance e along the unit n is e over its length there. */
-vec3_f64 surface_normal_to_world(const world_instance *instance, vec3_f64 n);
-/* The most that a tracer errs along the object's unit normal n when it carries a point of the world to object
- * space. */
-double surface_carried_along(const world_instance *instance, vec3_f64 n, vec3_f64 p);
 /* Σ |n_i| |A_ij|, A the map to object space: by how much each part of a vector may count along n. */
 double surface_stretch_along(const world_instance *instance, vec3_f64 n);
 /* The most that Embree errs along the unit normal n of the world about the place of an object's point in an

@@ -28,7 +28,8 @@ static inline vec3_f64 placed_point(const float m[3][4], vec3_f64 p) {
     return add_f64(placed_vector(m, p), placed_shift(m));
 }
 
-/* Mᵀ v */
+/* Mᵀ v. An object's normal in the world, where M is to_object, not unit: a distance e along the unit normal
+ * is e over its length there. */
 static inline vec3_f64 placed_normal(const float m[3][4], vec3_f64 v) {
     return (vec3_f64){(double)m[0][0] * v.x + (double)m[1][0] * v.y + (double)m[2][0] * v.z,
                       (double)m[0][1] * v.x + (double)m[1][1] * v.y + (double)m[2][1] * v.z,
@@ -37,7 +38,8 @@ static inline vec3_f64 placed_normal(const float m[3][4], vec3_f64 v) {
 
 static inline vec3_f64 placed_absolute(vec3_f64 v) { return (vec3_f64){fabs(v.x), fabs(v.y), fabs(v.z)}; }
 
-/* See surface_carried_along(). */
+/* The most that a tracer errs along the object's unit normal n when it carries a point of the world to object
+ * space. */
 static inline double placed_carried_along(const world_instance *instance, vec3_f64 n, vec3_f64 p) {
     const vec3_f64 shift = placed_shift(instance->to_world), from = placed_absolute(sub_f64(p, shift)),
                    sum = add_f64(placed_absolute(p), placed_absolute(shift));

@@ -50,8 +50,8 @@ typedef struct world_quad {
     vec3_f32 corner[4];
 } world_quad;
 
-/* normal is unit; the plane holds the points P with normal·P = offset. What every hit needs of the rounded
- * normal is here once: its square and its direction. */
+/* normal is unit; the plane holds the points P with normal·P = offset. Every hit needs the square of the
+ * rounded normal and its direction, which are found once. */
 typedef struct world_plane {
     double square;
     vec3_f64 unit;

@@ -12,7 +12,14 @@ void KERNEL(rays_to_object)(const world_instance *instance, local_block *restric
     }
 }
 
-static inline double of_lane(bool mine, double yes, double no) { return mine ? yes : no; }
+/* Each of three numbers apart: a choice between structs becomes a branch. */
+static inline vec3_f64 kept_f64(bool mine, vec3_f64 yes, vec3_f64 no) {
+    return vec_f64(mine ? yes.x : no.x, mine ? yes.y : no.y, mine ? yes.z : no.z);
+}
+
+static inline vec3_f32 kept_f32(uint32_t mine, vec3_f32 yes, vec3_f32 no) {
+    return vec_f32(chosen(mine, yes.x, no.x), chosen(mine, yes.y, no.y), chosen(mine, yes.z, no.z));
+}
 
 void KERNEL(hits_to_world)(const world_instance *instance, uint32_t lanes, local_block *restrict b) {
     const world_instance at = *instance;
@@ -21,19 +28,10 @@ void KERNEL(hits_to_world)(const world_instance *instance, uint32_t lanes, local
                                 lane_f32(b->lift, i)},
                          out = placed_to_world(&at, hit);
         const bool mine = lanes >> i & 1;
-        const uint32_t bits = mine ? ~0u : 0;
-        put_lane_f64(b->p, i,
-                     vec_f64(of_lane(mine, out.p.x, hit.p.x), of_lane(mine, out.p.y, hit.p.y),
-                             of_lane(mine, out.p.z, hit.p.z)));
-        put_lane_f64(b->n, i,
-                     vec_f64(of_lane(mine, out.n.x, hit.n.x), of_lane(mine, out.n.y, hit.n.y),
-                             of_lane(mine, out.n.z, hit.n.z)));
-        b->self_hit[i] = of_lane(mine, out.self_hit, hit.self_hit);
-        put_lane_f32(b->ns, i,
-                     vec_f32(chosen(bits, out.ns.x, hit.ns.x), chosen(bits, out.ns.y, hit.ns.y),
-                             chosen(bits, out.ns.z, hit.ns.z)));
-        put_lane_f32(b->lift, i,
-                     vec_f32(chosen(bits, out.lift.x, hit.lift.x), chosen(bits, out.lift.y, hit.lift.y),
-                             chosen(bits, out.lift.z, hit.lift.z)));
+        put_lane_f64(b->p, i, kept_f64(mine, out.p, hit.p));
+        put_lane_f64(b->n, i, kept_f64(mine, out.n, hit.n));
+        b->self_hit[i] = mine ? out.self_hit : hit.self_hit;
+        put_lane_f32(b->ns, i, kept_f32(mine ? ~0u : 0, out.ns, hit.ns));
+        put_lane_f32(b->lift, i, kept_f32(mine ? ~0u : 0, out.lift, hit.lift));
     }
 }
