@@ -4,7 +4,8 @@
 
 enum { BIN_OTHERS = 62, BIN_MISSED, BINS };
 
-/* Instances come behind the geometries. Of many, most are gathered one by one in any order, as planes are. */
+/* Geometries first, then instances. The last bin is for planes and for what there are too many of: the
+ * gatherer takes these one by one, in any order. */
 static uint32_t bin_of(const world *w, uint32_t geometry, uint32_t instance) {
     const uint64_t own = instance == FATHOM_NONE ? geometry : w->geometries.count + (uint64_t)instance;
     const uint32_t bin = own < BIN_OTHERS ? (uint32_t)own : BIN_OTHERS;
