@@ -78,7 +78,8 @@ static inline vec3_f64 offset_across(random_state *r, vec3_f64 n) {
 }
 
 static inline void offset_add_geometry(offset_world *o, world_kind kind, size_t first) {
-    world_geometry g = {.kind = kind, .first = (uint32_t)first, .count = 1, .instance = FATHOM_NONE};
+    world_geometry g = {
+        .kind = kind, .first = (uint32_t)first, .count = 1, .instance = FATHOM_NONE, .material = FATHOM_NONE};
     array_push(&o->w.geometries, g);
 }
 

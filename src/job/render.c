@@ -49,12 +49,12 @@ static uint64_t program_bytes(const fathom_context *context) {
 
 /* The memory that the process will hold besides the tracer's structures. A large film takes none yet, unless
  * a checkpoint has filled it; a mapped mesh takes what was read of it. */
-static fathom_status memory_besides(fathom_context *context, const fathom_scene *scene,
-                                    const fathom_film *film, uint64_t *out) {
+static fathom_status memory_besides(fathom_context *context, const world *w, const fathom_film *film,
+                                    uint64_t *out) {
     uint64_t meshes;
-    fathom_status status = scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &meshes);
+    fathom_status status = scene_buffer_bytes(w->scene, SCENE_TRACED | SCENE_SHADED, &meshes);
     if (status != FATHOM_OK) return status;
-    uint64_t bytes = film->bytes, expected = program_bytes(context) + meshes,
+    uint64_t bytes = film->bytes, expected = program_bytes(context) + meshes + w->carried_bytes,
              film_now = film->stats.resumed_samples ? bytes : memory_taken(bytes);
     uint64_t resident = memory_resident();
     resident = resident > film_now ? resident - film_now : 0;
@@ -75,7 +75,7 @@ static fathom_status run_build(fathom_context *context, const world *w, fathom_f
     static const watch_calls calls = {build_tracer, report_build};
     uint64_t other;
     fathom_status status = scene_rest_files(w->scene);
-    if (status == FATHOM_OK) status = memory_besides(context, w->scene, film, &other);
+    if (status == FATHOM_OK) status = memory_besides(context, w, film, &other);
     if (status != FATHOM_OK) return status;
     build b = {.context = context,
                .world = w,
@@ -123,7 +123,9 @@ static fathom_status count_scene(const world *w, const trace_tracer *tracer, con
     stats->threads = fathom_context_threads(scene->context);
     const char *name = trace_name(tracer);
     for (size_t i = 0; name[i] && i + 1 < sizeof stats->tracer; ++i) stats->tracer[i] = name[i];
-    return scene_buffer_bytes(scene, SCENE_BUFFERS, &stats->mesh_bytes);
+    const fathom_status status = scene_buffer_bytes(scene, SCENE_BUFFERS, &stats->mesh_bytes);
+    stats->mesh_bytes += w->carried_bytes;
+    return status;
 }
 
 /* Where finished work goes besides the film; each may be NULL. */

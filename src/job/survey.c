@@ -125,7 +125,9 @@ static fathom_status find_memory(const fathom_scene *scene, const world *w, fath
     s->bvh_bytes = (uint64_t)need.kept, s->building_bytes = (uint64_t)need.passed;
     s->film_bytes = settings_pixels(&scene->settings) *
                     film_channels(&scene->settings, &scene->light_groups) * sizeof(float);
-    return scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &s->mesh_bytes);
+    const fathom_status status = scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &s->mesh_bytes);
+    s->mesh_bytes += w->carried_bytes;
+    return status;
 }
 
 /* ---- features ---- */

@@ -289,7 +289,8 @@ static fathom_status copy_arrays(fathom_scene *scene, fathom_mesh *m) {
     for (int k = 0; k < MESH_ARRAYS; ++k) {
         const mesh_array a = mesh_array_of(m, (mesh_kind)k);
         mesh_array_set(m, (mesh_kind)k,
-                       copied(scene, a.values, a.stride, a.width * sizeof(float), a.count, &status));
+                       copied(scene, a.values, a.stride, a.width * sizeof(float), a.count, &status),
+                       a.stride);
     }
     for (size_t i = 0; i < 3; ++i) *indices[i] = copied(scene, *indices[i], word, word, corners, &status);
     if (!m->key_count) return status;

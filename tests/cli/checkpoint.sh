@@ -10,7 +10,7 @@ while :; do
     # shellcheck disable=SC2086
     run 0 render $long -o whole.exr --threads 1
     awk "BEGIN { exit !($(now) - $begun < 1) }" || break
-    spp=$((spp * 2))
+    spp=$((spp * 4))
 done
 
 # Errors are told before anything is rendered.

@@ -126,7 +126,7 @@ static void other_shapes_are_refused(void **state) {
         stage_open(&s);
         add_ball(&s, FATHOM_ROOT, 6, 0, 1, 0, 0);
         const double c[3] = {0, 0, 0}, u[3] = {1, 0, 0}, v[3] = {0, 1, 0};
-        const double move[12] = {1, 0, 0, 4, 0, 1, 0, 0, 0, 0, 1, 0};
+        const double move[12] = {1, 0, 0, 4, 0, 1, 0, 0, 0, 0, -1, 0};
         fathom_id group;
         assert_ok(s.context, fathom_scene_add_group(s.scene, "group", &group));
         add_ball(&s, group, 6, 0, 1, 0, 0);

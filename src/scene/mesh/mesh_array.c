@@ -32,8 +32,9 @@ mesh_array mesh_array_of(const fathom_mesh *mesh, mesh_kind kind) {
     return out;
 }
 
-void mesh_array_set(fathom_mesh *mesh, mesh_kind kind, const float *values) {
+void mesh_array_set(fathom_mesh *mesh, mesh_kind kind, const float *values, size_t stride) {
     *(const float **)at(mesh, members[kind].values) = values;
+    *(size_t *)at(mesh, members[kind].stride) = stride;
 }
 
 void mesh_array_pack(fathom_mesh *mesh) {

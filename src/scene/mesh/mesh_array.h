@@ -26,7 +26,7 @@ typedef struct mesh_array {
 } mesh_array;
 
 mesh_array mesh_array_of(const fathom_mesh *mesh, mesh_kind kind);
-void mesh_array_set(fathom_mesh *mesh, mesh_kind kind, const float *values);
+void mesh_array_set(fathom_mesh *mesh, mesh_kind kind, const float *values, size_t stride);
 /* Strides of 0 become those of tightly packed entries. */
 void mesh_array_pack(fathom_mesh *mesh);
 

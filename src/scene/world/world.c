@@ -18,7 +18,8 @@ static world_geometry *open_run(world *w, world_kind kind, uint32_t first_of_gro
         world_geometry *last = &w->geometries.items[w->geometries.count - 1];
         if (last->kind == kind && last->flags == flags && !last->cloud) return last;
     }
-    world_geometry fresh = {.kind = kind, .first = next, .flags = flags, .instance = FATHOM_NONE};
+    world_geometry fresh = {
+        .kind = kind, .first = next, .flags = flags, .instance = FATHOM_NONE, .material = FATHOM_NONE};
     return array_push(&w->geometries, fresh) ? &w->geometries.items[w->geometries.count - 1] : NULL;
 }
 
@@ -69,6 +70,7 @@ static bool add_cloud(world *w, const fathom_mesh *mesh, fathom_id object) {
                                      .count = mesh->vertex_count,
                                      .flags = mesh->flags,
                                      .instance = FATHOM_NONE,
+                                     .material = FATHOM_NONE,
                                      .cloud = (uint32_t)w->meshes.count};
     if (w->spheres.count + mesh->vertex_count > UINT32_MAX || !array_push(&w->geometries, geometry) ||
         !array_room(&w->spheres, mesh->vertex_count) || !array_room(&w->sphere_objects, mesh->vertex_count))
@@ -81,21 +83,35 @@ static bool add_cloud(world *w, const fathom_mesh *mesh, fathom_id object) {
     return true;
 }
 
-static bool add_mesh(world *w, uint32_t index, fathom_id object) {
-    const fathom_mesh *mesh = &w->scene->meshes.items[index];
-    world_geometry geometry = {.kind = WORLD_MESH,
-                               .first = (uint32_t)w->meshes.count,
-                               .count = mesh->triangle_count,
-                               .flags = mesh->flags,
-                               .smooth = mesh->normals != NULL,
-                               .instance = FATHOM_NONE};
-    fathom_mesh made = *mesh;
-    mesh_facts facts = w->scene->mesh_facts.items[index];
-    if (mesh->key_count && !world_add_vertex_motion(w, &geometry, &made, &facts)) return false;
-    if (!array_push(&w->meshes, made) || !array_push(&w->mesh_facts, facts) ||
+static bool push_mesh(world *w, fathom_id object, const fathom_mesh *mesh, const mesh_facts *facts,
+                      const world_geometry *geometry) {
+    if (!array_push(&w->meshes, *mesh) || !array_push(&w->mesh_facts, *facts) ||
         !array_push(&w->mesh_objects, object))
         return false;
-    return mesh->point_radius > 0 ? add_cloud(w, mesh, object) : array_push(&w->geometries, geometry);
+    return mesh->point_radius > 0 ? add_cloud(w, mesh, object) : array_push(&w->geometries, *geometry);
+}
+
+static world_geometry geometry_of(const world *w, const fathom_mesh *mesh) {
+    return (world_geometry){.kind = WORLD_MESH,
+                            .first = (uint32_t)w->meshes.count,
+                            .count = mesh->triangle_count,
+                            .flags = mesh->flags,
+                            .smooth = mesh->normals != NULL,
+                            .instance = FATHOM_NONE,
+                            .material = FATHOM_NONE};
+}
+
+bool world_add_mesh(world *w, fathom_id object, const fathom_mesh *mesh, const mesh_facts *facts) {
+    const world_geometry geometry = geometry_of(w, mesh);
+    return push_mesh(w, object, mesh, facts, &geometry);
+}
+
+static bool add_mesh(world *w, uint32_t index, fathom_id object) {
+    fathom_mesh made = w->scene->meshes.items[index];
+    mesh_facts facts = w->scene->mesh_facts.items[index];
+    world_geometry geometry = geometry_of(w, &made);
+    if (made.key_count && !world_add_vertex_motion(w, &geometry, &made, &facts)) return false;
+    return push_mesh(w, object, &made, &facts, &geometry);
 }
 
 static bool same_point(const double p[3], vec3_f64 q) { return p[0] == q.x && p[1] == q.y && p[2] == q.z; }
@@ -201,8 +217,8 @@ uint32_t world_primitive(const world *w, uint32_t geometry, uint32_t primitive) 
 }
 
 fathom_id world_material(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance) {
-    if (instance != FATHOM_NONE && w->instances.items[instance].material != FATHOM_NONE) {
-        return w->instances.items[instance].material;
-    }
-    return scene_object_material(w->scene, world_object(w, geometry, primitive));
+    const fathom_id given = instance == FATHOM_NONE ? w->geometries.items[geometry].material
+                                                    : w->instances.items[instance].material;
+    return given != FATHOM_NONE ? given
+                                : scene_object_material(w->scene, world_object(w, geometry, primitive));
 }

@@ -81,6 +81,7 @@ typedef struct world_geometry {
     float largest;      /* of the coordinates within WORLD_REACH; see world_survey() */
     uint32_t flat;      /* primitives without area: never met */
     fathom_id instance; /* the instance that placed it, where its frame was left out; else FATHOM_NONE */
+    fathom_id material; /* override of that instance, or FATHOM_NONE */
     uint32_t moving;    /* a mesh whose vertices move: 1 + index into vertex_motions; else 0 */
     uint32_t cloud;     /* spheres that are the points of a mesh: 1 + index into meshes; else 0 */
 } world_geometry;
@@ -133,7 +134,10 @@ typedef struct world {
     ARRAY(world_instance) instances;
     ARRAY(world_motion) motions;
     ARRAY(world_vertex_motion) vertex_motions;
-    ARRAY(float *) still_vertices; /* of meshes with keys that rest while the shutter is open; owned */
+    ARRAY(float *)
+    still_vertices;                /* owned: of meshes with keys that rest while the shutter is open, and of
+                                      those that were carried into the world */
+    uint64_t carried_bytes;        /* of the latter */
     bool moves;                    /* some geometry or instance does */
     bool *absent;                  /* by object of the scene: in no geometry; see absent.h */
     uint64_t degenerate_triangles; /* without area: stored, never hit */

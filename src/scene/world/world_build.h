@@ -27,6 +27,17 @@ fathom_status world_add_motion(world *w, world_place_fn place, const void *user,
 bool world_add_vertex_motion(world *w, world_geometry *geometry, fathom_mesh *mesh, mesh_facts *facts);
 void world_motion_destroy(world *w);
 
+/* True where a mesh of the scene, placed by this map and nowhere else, needs no frame. */
+bool world_can_carry(const fathom_scene *scene, uint32_t index, const affine_f64 *to_world);
+/* Makes the mesh, and its facts, as it lies in the world; to_world goes to the world's coordinates. *fits is
+ * false where a triangle has lost its area by it. The arrays are the world's in any case. */
+fathom_status world_carry_mesh(world *w, uint32_t index, const affine_f64 *to_world, fathom_mesh *mesh,
+                               mesh_facts *facts, bool *fits);
+/* Memory for steps of `count` floats each, and what Embree may read beyond them. */
+float *world_new_rows(size_t steps, size_t count);
+/* Appends a mesh of the scene as it is in the world. */
+bool world_add_mesh(world *w, fathom_id object, const fathom_mesh *mesh, const mesh_facts *facts);
+
 /* Chooses origins, makes the groups and places them. origin: the root's, or NULL to choose it, too. */
 fathom_status world_place(world *w, const scene_graph *graph, const vec3_f64 *origin);
 

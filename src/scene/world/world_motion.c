@@ -190,7 +190,7 @@ static bool is_still(const fathom_mesh *m, const double shutter[2]) {
 /* Bytes that Embree may read beyond the last vertex. */
 #define BEYOND 4
 
-static float *new_rows(size_t steps, size_t count) {
+float *world_new_rows(size_t steps, size_t count) {
     float *rows = malloc((steps * count + BEYOND) * sizeof *rows);
     if (rows) memset(rows + steps * count, 0, BEYOND * sizeof *rows);
     return rows;
@@ -201,8 +201,8 @@ bool world_add_vertex_motion(world *w, world_geometry *geometry, fathom_mesh *me
     const bool still = is_still(mesh, shutter);
     const size_t steps = still ? 1 : choose_steps(mesh, shutter);
     const size_t points = 3 * (size_t)mesh->vertex_count, normals = 3 * (size_t)mesh->normal_count;
-    world_vertex_motion made = {.steps = (uint32_t)steps, .positions = new_rows(steps, points)};
-    if (mesh->normals) made.normals = new_rows(steps, normals);
+    world_vertex_motion made = {.steps = (uint32_t)steps, .positions = world_new_rows(steps, points)};
+    if (mesh->normals) made.normals = world_new_rows(steps, normals);
     if (!made.positions || (mesh->normals && !made.normals) ||
         !(still
               ? array_push(&w->still_vertices, made.positions) && array_push(&w->still_vertices, made.normals)

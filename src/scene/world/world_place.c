@@ -184,12 +184,10 @@ static fathom_status place_planes(placer *p, uint32_t group, const affine_f64 *t
     return FATHOM_OK;
 }
 
-/* A group that is placed once, where its coordinates already are the world's, needs no frame: its geometries
- * join the root's. */
-static bool joins_root(const placer *p, uint32_t group, const affine_f64 *to_world, fathom_id material) {
+/* Where a group's coordinates already are the world's, its geometries join the root's as they are. */
+static bool is_in_place(const placer *p, uint32_t group, const affine_f64 *to_world) {
     vec3_f64 a = p->origins[group], b = p->w->origin;
-    return p->placements[group] == 1 && material == FATHOM_NONE && affine_is_identity(to_world) &&
-           a.x == b.x && a.y == b.y && a.z == b.z;
+    return affine_is_identity(to_world) && a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
 typedef struct placement {
@@ -248,16 +246,77 @@ static fathom_status visit_all(placer *p, visit_fn visit) {
     return status;
 }
 
+/* ---- what needs no frame: groups that are placed once ---- */
+
+static fathom_status join_in_place(placer *p, uint32_t group) {
+    if (!world_add_geometries(p->w, p->graph, group, p->w->origin)) return no_memory(p);
+    p->in_root[group] = true;
+    return FATHOM_OK;
+}
+
+/* Meshes alone are carried. Planes are placed by themselves. */
+static bool can_carry(const placer *p, uint32_t group, const affine_f64 *to_world) {
+    const fathom_scene *scene = p->w->scene;
+    for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1]; ++i) {
+        const fathom_id id = p->graph->objects.items[i];
+        const scene_object object = scene->objects.items[id];
+        if (object.kind == SCENE_PLANE || p->w->absent[id]) continue;
+        if (object.kind != SCENE_MESH || !world_can_carry(scene, object.index, to_world)) return false;
+    }
+    return true;
+}
+
+static fathom_status carry_all(placer *p, uint32_t group, const affine_f64 *to_world, bool *fits) {
+    for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1] && *fits; ++i) {
+        const fathom_id id = p->graph->objects.items[i];
+        const scene_object object = p->w->scene->objects.items[id];
+        if (object.kind == SCENE_PLANE || p->w->absent[id]) continue;
+        fathom_mesh mesh;
+        mesh_facts facts;
+        const fathom_status status = world_carry_mesh(p->w, object.index, to_world, &mesh, &facts, fits);
+        if (status != FATHOM_OK) return status;
+        if (!world_add_mesh(p->w, id, &mesh, &facts)) return no_memory(p);
+    }
+    return FATHOM_OK;
+}
+
+static void take_back(world *w, size_t geometries, size_t meshes, size_t arrays) {
+    while (w->still_vertices.count > arrays) free(w->still_vertices.items[--w->still_vertices.count]);
+    w->geometries.count = geometries;
+    w->meshes.count = w->mesh_facts.count = w->mesh_objects.count = meshes;
+}
+
+static fathom_status join_carried(placer *p, uint32_t group, const affine_f64 *to_world) {
+    world *w = p->w;
+    const size_t geometries = w->geometries.count, meshes = w->meshes.count, arrays = w->still_vertices.count;
+    const uint64_t bytes = w->carried_bytes;
+    bool fits = true;
+    const fathom_status status = carry_all(p, group, to_world, &fits);
+    if (status != FATHOM_OK) return status;
+    if (fits) {
+        p->first_part[group] = 0, p->part_count[group] = 0;
+    } else {
+        take_back(w, geometries, meshes, arrays);
+        w->carried_bytes = bytes;
+    }
+    return FATHOM_OK;
+}
+
 /* The root's geometries first, with those of groups that join it: they must lie together. */
 static fathom_status join_root(placer *p, const placement *at, bool *descend) {
-    *descend =
-        at->group == FATHOM_ROOT || (!at->moves && joins_root(p, at->group, &at->to_world, at->material));
+    *descend = !at->moves && (at->group == FATHOM_ROOT || p->placements[at->group] == 1);
     if (!*descend) return FATHOM_OK;
-    size_t first = p->w->geometries.count;
-    if (!world_add_geometries(p->w, p->graph, at->group, p->w->origin)) return no_memory(p);
-    for (size_t g = first; g < p->w->geometries.count; ++g) p->w->geometries.items[g].instance = at->id;
-    p->in_root[at->group] = true;
-    return FATHOM_OK;
+    const affine_f64 move = affine_translation(neg_f64(p->w->origin)),
+                     to_world = affine_compose(&move, &at->to_world);
+    const size_t first = p->w->geometries.count;
+    fathom_status status = FATHOM_OK;
+    if (at->group == FATHOM_ROOT || is_in_place(p, at->group, &at->to_world))
+        status = join_in_place(p, at->group);
+    else if (can_carry(p, at->group, &to_world))
+        status = join_carried(p, at->group, &to_world);
+    for (size_t g = first; g < p->w->geometries.count && at->group != FATHOM_ROOT; ++g)
+        p->w->geometries.items[g].instance = at->id, p->w->geometries.items[g].material = at->material;
+    return status;
 }
 
 /* ---- what moves ---- */
