@@ -1,5 +1,7 @@
-/* Images of skies, and the studio: their light, and directions to it. A direction is chosen by its texel, in
- * proportion to luminance times solid angle, whatever the surface. */
+/* Images of skies, and the studio: their light, interpolated between the centres of texels, and directions to
+ * it. A direction is chosen by its cell, which four texels bound, in proportion to their mean luminance times
+ * its solid angle, whatever the surface. Cell (x, y) lies between the columns x and x + 1 of texels, and the
+ * rows y - 1 and y. */
 #include "integrate/reference_inner.h"
 #include "light/environment.h"
 
@@ -8,17 +10,37 @@
 struct reference_sky {
     environment *owner;
     environment_image image;
-    double *before; /* luminance times solid angle of all texels before each; at the end, of all */
+    double *before; /* luminance times solid angle of all cells before each; at the end, of all */
 };
 
-/* Each texel of a row has this one. */
-static double solid_angle(const environment_image *m, uint32_t row) {
-    return 2 * PI / m->width * (cos(PI * row / m->height) - cos(PI * (row + 1.0) / m->height));
+static size_t cells_of(const environment_image *m) { return (size_t)m->width * (m->height + 1); }
+
+/* The cosine where a row of cells begins. */
+static double cosine_of(const environment_image *m, size_t row) {
+    return cos(PI * fmin(fmax((double)row - 0.5, 0), m->height) / m->height);
 }
 
-static double weight_of(const environment_image *m, size_t texel) {
-    const vec3_f64 c = color_of(m->texels[texel]);
-    return (0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z) * solid_angle(m, (uint32_t)(texel / m->width));
+static double solid_angle(const environment_image *m, size_t cell) {
+    const size_t row = cell / m->width;
+    return 2 * PI / m->width * (cosine_of(m, row) - cosine_of(m, row + 1));
+}
+
+static vec3_f64 texel_at(const environment_image *m, size_t column, size_t row) {
+    return color_of(m->texels[row * m->width + column % m->width].rgb);
+}
+
+/* Past u of the way to the next column, and v to the next row. */
+static vec3_f64 color_in(const environment_image *m, size_t cell, double u, double v) {
+    const size_t x = cell % m->width, y = cell / m->width, above = y ? y - 1 : 0,
+                 below = y < m->height ? y : m->height - 1;
+    const vec3_f64 top = madd_f64(scale_f64(1 - u, texel_at(m, x, above)), u, texel_at(m, x + 1, above)),
+                   bottom = madd_f64(scale_f64(1 - u, texel_at(m, x, below)), u, texel_at(m, x + 1, below));
+    return madd_f64(scale_f64(1 - v, top), v, bottom);
+}
+
+static double weight_of(const environment_image *m, size_t cell) {
+    const vec3_f64 c = color_in(m, cell, 0.5, 0.5);
+    return (0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z) * solid_angle(m, cell);
 }
 
 static void close_sky(reference_sky *sky) {
@@ -29,7 +51,7 @@ static void close_sky(reference_sky *sky) {
 /* Sums up the light. False without memory. */
 static bool add_up(reference_sky *sky) {
     const environment_image *m = &sky->image;
-    const size_t count = (size_t)m->width * m->height;
+    const size_t count = cells_of(m);
     sky->before = malloc((count + 1) * sizeof *sky->before);
     if (!sky->before) return false;
     sky->before[0] = 0;
@@ -37,9 +59,7 @@ static bool add_up(reference_sky *sky) {
     return true;
 }
 
-static double all_of(const reference_sky *sky) {
-    return sky->before[(size_t)sky->image.width * sky->image.height];
-}
+static double all_of(const reference_sky *sky) { return sky->before[cells_of(&sky->image)]; }
 
 /* light: NULL for the studio. A black image is left out. */
 static fathom_status add_sky(reference_scene *r, const fathom_light *light) {
@@ -76,19 +96,23 @@ void reference_skies_close(reference_scene *r) {
 }
 
 /* The image's centre is in front, its top row above. */
-static size_t texel_of(const environment_image *m, vec3_f64 d) {
-    const double x = dot_f64(d, m->axes[0]), y = dot_f64(d, m->axes[1]), z = dot_f64(d, m->axes[2]);
-    const double u = 0.5 + atan2(x, -z) / (2 * PI), v = acos(fmin(fmax(y, -1), 1)) / PI;
-    const size_t column = (size_t)fmin(u * m->width, m->width - 1.0),
-                 row = (size_t)fmin(v * m->height, m->height - 1.0);
+static size_t cell_of(const environment_image *m, vec3_f64 d, double *u, double *v) {
+    const double x = dot_f64(d, m->axes[0]), y = fmin(fmax(dot_f64(d, m->axes[1]), -1), 1),
+                 z = dot_f64(d, m->axes[2]);
+    const double across = fmod((0.5 + atan2(x, -z) / (2 * PI)) * m->width - 0.5 + m->width, m->width);
+    const size_t column = (size_t)fmin(across, m->width - 1.0),
+                 row = (size_t)fmin(acos(y) / PI * m->height + 0.5, m->height);
+    const double top = cosine_of(m, row), bottom = cosine_of(m, row + 1);
+    *u = across - (double)column, *v = (top - y) / (top - bottom);
     return row * m->width + column;
 }
 
 vec3_f64 reference_sky_light(const reference_scene *r, vec3_f64 direction) {
     vec3_f64 sum = r->scene->in_studio ? gray(0) : color_of(r->scene->background);
     for (unsigned i = 0; i < r->sky_count; ++i) {
-        const environment_image *m = &r->skies[i].image;
-        sum = add_f64(sum, color_of(m->texels[texel_of(m, direction)]));
+        double u, v;
+        const size_t cell = cell_of(&r->skies[i].image, direction, &u, &v);
+        sum = add_f64(sum, color_in(&r->skies[i].image, cell, u, v));
     }
     return sum;
 }
@@ -97,16 +121,17 @@ double reference_sky_density(const reference_scene *r, vec3_f64 direction) {
     double sum = 0;
     for (unsigned i = 0; i < r->sky_count; ++i) {
         const environment_image *m = &r->skies[i].image;
-        const size_t texel = texel_of(m, direction);
-        sum += weight_of(m, texel) / solid_angle(m, (uint32_t)(texel / m->width)) / all_of(&r->skies[i]);
+        double u, v;
+        const size_t cell = cell_of(m, direction, &u, &v);
+        sum += weight_of(m, cell) / solid_angle(m, cell) / all_of(&r->skies[i]);
     }
     return sum / r->sky_count;
 }
 
-/* Even over the texel: over its turn, and over the cosine to the pole. */
-static vec3_f64 within(const environment_image *m, size_t texel, reference_random *random) {
-    const double column = (double)(texel % m->width), row = (double)(texel / m->width);
-    const double top = cos(PI * row / m->height), bottom = cos(PI * (row + 1) / m->height);
+/* Even over the cell: over its turn, and over the cosine to the pole. */
+static vec3_f64 within(const environment_image *m, size_t cell, reference_random *random) {
+    const double column = (double)(cell % m->width) + 0.5;
+    const double top = cosine_of(m, cell / m->width), bottom = cosine_of(m, cell / m->width + 1);
     const double turn = 2 * PI * ((column + reference_uniform(random)) / m->width - 0.5),
                  y = top + (bottom - top) * reference_uniform(random), around = sqrt(fmax(1 - y * y, 0));
     const vec3_f64 flat = madd_f64(scale_f64(around * sin(turn), m->axes[0]), y, m->axes[1]);
@@ -115,7 +140,7 @@ static vec3_f64 within(const environment_image *m, size_t texel, reference_rando
 
 vec3_f64 reference_to_sky(const reference_scene *r, reference_random *random) {
     const reference_sky *sky = &r->skies[(size_t)(reference_uniform(random) * r->sky_count)];
-    size_t low = 0, high = (size_t)sky->image.width * sky->image.height;
+    size_t low = 0, high = cells_of(&sky->image);
     const double wanted = reference_uniform(random) * sky->before[high];
     while (high - low > 1) {
         const size_t middle = low + (high - low) / 2;

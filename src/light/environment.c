@@ -12,22 +12,28 @@
 
 struct environment {
     uint32_t width, height;
-    vec3_f64 axes[3]; /* right, up and back of the image, in the world */
-    float (*texels)[3];
+    vec3_f64 axes[3];  /* right, up and back of the image, in the world */
+    sky_texel *texels; /* by row from the top */
+    double *cosines;   /* to the image's top, where rows of cells begin, and where the last one ends */
+    /* Parts of a cell's width and height: so near to its edge a direction in float could lie in the next,
+     * which may be in another block, of another density. */
+    double margin[2];
     sky_choice *choice;
 };
 
-static double row_cosine(const environment *e, uint32_t row) {
-    return 1 - 2 * pow(sin(SHAPE_PI / 2 * row / e->height), 2);
-}
+static double margin_of(double angle) { return fmin(4 * 0x1p-24 / angle, 0.25); }
 
 static environment *make(fathom_context *context, uint32_t width, uint32_t height) {
     const size_t count = (size_t)width * height;
     environment *e = calloc(1, sizeof *e);
     if (e) {
         e->width = width, e->height = height;
+        e->margin[0] = margin_of(2 * SHAPE_PI / width), e->margin[1] = margin_of(SHAPE_PI / height);
         e->texels = malloc(count * sizeof *e->texels);
-        if (e->texels) return e;
+        e->cosines = malloc(((size_t)height + 2) * sizeof *e->cosines);
+        for (uint32_t row = 0; e->cosines && row < height + 2; ++row)
+            e->cosines[row] = 1 - 2 * pow(sin(sky_row_angle(row, height) / 2), 2);
+        if (e->texels && e->cosines) return e;
     }
     environment_destroy(e);
     fail_memory(context, count * sizeof *e->texels);
@@ -38,12 +44,12 @@ void environment_destroy(environment *e) {
     if (!e) return;
     sky_choice_destroy(e->choice);
     free(e->texels);
+    free(e->cosines);
     free(e);
 }
 
 environment_image environment_image_of(const environment *e) {
-    return (environment_image){
-        e->width, e->height, {e->axes[0], e->axes[1], e->axes[2]}, (const float(*)[3])e->texels};
+    return (environment_image){e->width, e->height, {e->axes[0], e->axes[1], e->axes[2]}, e->texels};
 }
 
 double environment_power(const environment *e) { return sky_choice_power(e->choice); }
@@ -101,9 +107,9 @@ static fathom_status load_texels(fathom_context *context, const fathom_light *li
         const uint32_t x = (uint32_t)(i % e->width), y = (uint32_t)(i / e->width);
         for (int c = 0; c < 3; ++c) {
             const float value = channel_at(img, rgb[c], x, y);
-            e->texels[i][c] = value > 0 ? value * light->intensity[c] : 0;
+            e->texels[i].rgb[c] = value > 0 ? value * light->intensity[c] : 0;
             negative += value < 0;
-            if (!isfinite(value) || !isfinite(e->texels[i][c]))
+            if (!isfinite(value) || !isfinite(e->texels[i].rgb[c]))
                 return bad_texel(context, light->file, x, y, c, value);
         }
     }
@@ -114,7 +120,9 @@ static fathom_status load_texels(fathom_context *context, const fathom_light *li
 /* Once all texels are in. Destroys *e where memory lacks. */
 static fathom_status finish(fathom_context *context, environment **e) {
     const uint32_t width = (*e)->width, height = (*e)->height;
-    (*e)->choice = sky_choice_create(width, height, (const float(*)[3])(*e)->texels);
+    for (size_t i = 0; i < (size_t)width * height; ++i)
+        (*e)->texels[i].luminance = (float)sky_luminance((*e)->texels[i].rgb);
+    (*e)->choice = sky_choice_create(width, height, (*e)->texels);
     if ((*e)->choice) return FATHOM_OK;
     environment_destroy(*e);
     *e = NULL;
@@ -159,7 +167,7 @@ fathom_status environment_create(fathom_context *context, const fathom_light *li
 void environment_brightest(const environment *e, float out[3]) {
     memset(out, 0, 3 * sizeof *out);
     for (size_t i = 0; i < (size_t)e->width * e->height; ++i) {
-        for (int c = 0; c < 3; ++c) out[c] = fmaxf(out[c], e->texels[i][c]);
+        for (int c = 0; c < 3; ++c) out[c] = fmaxf(out[c], e->texels[i].rgb[c]);
     }
 }
 
@@ -188,7 +196,7 @@ fathom_status environment_studio(fathom_context *context, vec3_f64 z, vec3_f64 u
         studio_radiance(
             &made,
             sky_direction((i % STUDIO_WIDTH + 0.5) / STUDIO_WIDTH, (i / STUDIO_WIDTH + 0.5) / STUDIO_HEIGHT),
-            e->texels[i]);
+            e->texels[i].rgb);
     return finish(context, out);
 }
 
@@ -203,35 +211,101 @@ static vec3_f64 to_world(const environment *e, vec3_f64 d) {
     return madd_f64(madd_f64(scale_f64(d.x, e->axes[0]), d.y, e->axes[1]), d.z, e->axes[2]);
 }
 
-static uint32_t cell(double u, uint32_t count) {
-    const double at = u * count;
-    return at < count - 1 ? (uint32_t)at : count - 1;
-}
+/* ---- places: cells, and how far into them ---- */
 
-static void find_texel(const environment *e, vec3_f64 direction, uint32_t *column, uint32_t *row) {
+typedef struct sky_places {
+    sky_cells cells;
+    double u[LANES], v[LANES]; /* [0,1], to the next column and row of texels */
+} sky_places;
+
+static uint32_t least(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
+static void find_place(const environment *e, vec3_f64 direction, unsigned i, sky_places *out) {
     const vec3_f64 d = to_image(e, direction);
-    const double half = shape_angle(fabs(d.x), -d.z) / (2 * SHAPE_PI), u = d.x < 0 ? 0.5 - half : 0.5 + half;
-    const double v = shape_angle(sqrt(d.x * d.x + d.z * d.z), d.y) / SHAPE_PI;
-    *column = cell(u, e->width), *row = cell(v, e->height);
+    const double half = shape_angle(fabs(d.x), -d.z) / (2 * SHAPE_PI), u = d.x < 0 ? 0.5 - half : 0.5 + half,
+                 v = shape_angle(sqrt(d.x * d.x + d.z * d.z), d.y) / SHAPE_PI;
+    double across = u * e->width - 0.5;
+    across += across < 0 ? e->width : 0;
+    const uint32_t column = least((uint32_t)across, e->width - 1),
+                   row = least((uint32_t)(v * e->height + 0.5), e->height);
+    const double *ends = e->cosines + row, down = (ends[0] - d.y) / (ends[0] - ends[1]);
+    out->cells.column[i] = column, out->cells.row[i] = row;
+    out->u[i] = fmin(across - column, 1), out->v[i] = fmin(fmax(down, 0), 1);
 }
 
-static const float *texel(const environment *e, uint32_t column, uint32_t row) {
-    return e->texels[(size_t)row * e->width + column];
+/* The texels at the corners: above, then below. */
+typedef struct sky_corners {
+    const sky_texel *at[2][2];
+} sky_corners;
+
+static sky_corners corners_of(const environment *e, const sky_cells *cells, unsigned i) {
+    const uint32_t column = cells->column[i], row = cells->row[i];
+    const uint32_t next = column + 1 < e->width ? column + 1 : 0;
+    const sky_texel *above = e->texels + (size_t)(row ? row - 1 : 0) * e->width,
+                    *below = e->texels + (size_t)least(row, e->height - 1) * e->width;
+    return (sky_corners){{{above + column, above + next}, {below + column, below + next}}};
+}
+
+/* Of two rows and columns. */
+static sky_texel blend(const sky_corners *from, float u, float v) {
+    const sky_texel *a = from->at[0][0], *b = from->at[0][1], *c = from->at[1][0], *d = from->at[1][1];
+    sky_texel out;
+    for (int k = 0; k < 4; ++k) {
+        const float above = a->all[k] + u * (b->all[k] - a->all[k]),
+                    below = c->all[k] + u * (d->all[k] - c->all[k]);
+        out.all[k] = above + v * (below - above);
+    }
+    return out;
+}
+
+static double between(double u, double a, double b) { return a + u * (b - a); }
+
+/* The number u in [0,1) to a place in [0,1] with a density that goes from a to b. */
+static double along_slope(double u, double a, double b) {
+    const double root = a + sqrt(between(u, a * a, b * b));
+    return root > 0 ? fmin(u * (a + b) / root, 1) : u;
+}
+
+/* The cell's place by luminance, from two numbers in [0,1). */
+static void choose_place(const environment *e, unsigned i, double u, double v, sky_places *out) {
+    const sky_corners corners = corners_of(e, &out->cells, i);
+    double light[2][2];
+    for (int k = 0; k < 4; ++k) light[k >> 1][k & 1] = (double)corners.at[k >> 1][k & 1]->luminance;
+    const double down = along_slope(v, light[0][0] + light[0][1], light[1][0] + light[1][1]);
+    out->v[i] = down;
+    out->u[i] =
+        along_slope(u, between(down, light[0][0], light[1][0]), between(down, light[0][1], light[1][1]));
+}
+
+static double inside(double u, double margin) { return margin + (1 - 2 * margin) * u; }
+
+static vec3_f64 direction_of(const environment *e, const sky_places *p, unsigned i) {
+    const double *ends = e->cosines + p->cells.row[i],
+                 turn = (p->cells.column[i] + 0.5 + inside(p->u[i], e->margin[0])) / e->width,
+                 y = between(inside(p->v[i], e->margin[1]), ends[0], ends[1]), r = sqrt(fmax(1 - y * y, 0));
+    double c, s;
+    shape_turn(turn < 1 ? turn : turn - 1, &c, &s);
+    return to_world(e, (vec3_f64){r * s, y, -r * c});
+}
+
+/* ---- light ---- */
+
+static void prefetch(const environment *e, const sky_cells *cells, unsigned i) {
+    const sky_corners corners = corners_of(e, cells, i);
+    __builtin_prefetch(corners.at[0][0]);
+    __builtin_prefetch(corners.at[1][0]);
 }
 
 /* n: in the image's axes. */
-static void look_up(const environment *e, unsigned lanes, const lanes3_f64 n, const sky_texels *texels,
+static void look_up(const environment *e, unsigned lanes, const lanes3_f64 n, const sky_places *places,
                     environment_light *out) {
+    sky_choice_densities(e->choice, lanes, n, &places->cells, out->density);
     for (unsigned left = lanes; left; left &= left - 1) {
         const unsigned i = lane_first(left);
-        __builtin_prefetch(texel(e, texels->column[i], texels->row[i]));
-    }
-    sky_choice_densities(e->choice, lanes, n, texels, out->density);
-    for (unsigned left = lanes; left; left &= left - 1) {
-        const unsigned i = lane_first(left);
-        const float *light = texel(e, texels->column[i], texels->row[i]);
-        for (int c = 0; c < 3; ++c) out->radiance[c][i] = light[c];
-        out->density[i] *= sky_luminance(light);
+        const sky_corners corners = corners_of(e, &places->cells, i);
+        const sky_texel light = blend(&corners, (float)places->u[i], (float)places->v[i]);
+        for (int c = 0; c < 3; ++c) out->radiance[c][i] = light.rgb[c];
+        out->density[i] *= (double)light.luminance;
     }
 }
 
@@ -245,35 +319,22 @@ static void turn_normals(const environment *e, unsigned lanes, const lanes3_f64 
 void environment_at(const environment *e, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,
                     environment_light *out) {
     lanes3_f64 turned;
-    sky_texels texels;
+    sky_places places;
     turn_normals(e, lanes, n, turned);
     for (unsigned left = lanes; left; left &= left - 1) {
         const unsigned i = lane_first(left);
-        find_texel(e, lane_f64(direction, i), &texels.column[i], &texels.row[i]);
+        find_place(e, lane_f64(direction, i), i, &places);
+        prefetch(e, &places.cells, i);
     }
-    look_up(e, lanes, turned, &texels, out);
+    look_up(e, lanes, turned, &places, out);
 }
 
 void environment_radiance(const environment *e, vec3_f64 direction, float radiance[3]) {
-    uint32_t column, row;
-    find_texel(e, direction, &column, &row);
-    memcpy(radiance, texel(e, column, row), 3 * sizeof *radiance);
-}
-
-/* Not so near to the edge of a texel `angle` wide that a direction in float could lie in the next. */
-static double inside(double u, double angle) {
-    const double edge = fmin(4 * 0x1p-24 / angle, 0.25);
-    return edge + (1 - 2 * edge) * u;
-}
-
-/* The place (u, v) of a texel, evenly over its solid angle. */
-static vec3_f64 in_texel(const environment *e, uint32_t column, uint32_t row, double u, double v) {
-    const double top = row_cosine(e, row), bottom = row_cosine(e, row + 1);
-    const double place = (column + inside(u, 2 * SHAPE_PI / e->width)) / e->width;
-    const double y = top + (bottom - top) * inside(v, SHAPE_PI / e->height), r = sqrt(fmax(1 - y * y, 0));
-    double c, s;
-    shape_turn(place, &c, &s);
-    return to_world(e, (vec3_f64){r * s, y, -r * c});
+    sky_places place;
+    find_place(e, direction, 0, &place);
+    const sky_corners corners = corners_of(e, &place.cells, 0);
+    const sky_texel light = blend(&corners, (float)place.u[0], (float)place.v[0]);
+    memcpy(radiance, light.rgb, sizeof light.rgb);
 }
 
 static void no_light(unsigned lanes, lanes3_f64 direction, environment_light *out) {
@@ -288,15 +349,16 @@ static void no_light(unsigned lanes, lanes3_f64 direction, environment_light *ou
 void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n, const double u[LANES],
                         const double v[LANES], lanes3_f64 direction, environment_light *out) {
     lanes3_f64 turned;
-    sky_texels texels;
-    double place[2][LANES];
-    memcpy(place[0], u, sizeof place[0]), memcpy(place[1], v, sizeof place[1]);
+    sky_places places;
+    memcpy(places.u, u, sizeof places.u), memcpy(places.v, v, sizeof places.v);
     turn_normals(e, lanes, n, turned);
-    const unsigned taken = sky_choice_take(e->choice, lanes, turned, place[0], place[1], &texels);
+    const unsigned taken = sky_choice_take(e->choice, lanes, turned, places.u, places.v, &places.cells);
     no_light(lanes & ~taken, direction, out);
+    for (unsigned left = taken; left; left &= left - 1) prefetch(e, &places.cells, lane_first(left));
     for (unsigned left = taken; left; left &= left - 1) {
         const unsigned i = lane_first(left);
-        put_lane_f64(direction, i, in_texel(e, texels.column[i], texels.row[i], place[0][i], place[1][i]));
+        choose_place(e, i, places.u[i], places.v[i], &places);
+        put_lane_f64(direction, i, direction_of(e, &places, i));
     }
-    look_up(e, taken, turned, &texels, out);
+    look_up(e, taken, turned, &places, out);
 }

@@ -1,9 +1,11 @@
-/* Light from all around, by an equirectangular image: its texels are patches of the sky of constant radiance.
- * The density of a direction is in proportion to that, and about to the cosine at the surface that asks. */
+/* Light from all around, by an equirectangular image, whose radiance is interpolated between the centres of
+ * texels (sky_choice.h). The density of a direction is in proportion to its luminance, and about to the
+ * cosine at the surface that asks. */
 #ifndef LIGHT_ENVIRONMENT_H
 #define LIGHT_ENVIRONMENT_H
 
 #include "base/status.h"
+#include "light/sky_choice.h"
 #include "math/lanes.h"
 #include "math/vec.h"
 
@@ -22,8 +24,8 @@ void environment_destroy(environment *e);
 /* The image itself. */
 typedef struct environment_image {
     uint32_t width, height;
-    vec3_f64 axes[3];         /* in the world: to the right and up in the image, and away from its centre */
-    const float (*texels)[3]; /* by row from the top; live as long as the environment */
+    vec3_f64 axes[3];        /* in the world: to the right and up in the image, and away from its centre */
+    const sky_texel *texels; /* by row from the top; live as long as the environment */
 } environment_image;
 environment_image environment_image_of(const environment *e);
 
@@ -46,10 +48,9 @@ void environment_at(const environment *e, unsigned lanes, const lanes3_f64 n, co
 void environment_radiance(const environment *e, vec3_f64 direction, float radiance[3]);
 
 /* Directions for surfaces with the normals n; 0: all directions alike. u chooses along the image's rows, v
- * among them; both in [0,1). Some texel must shine. *out is of the texel chosen; density 0: none shines on
- * that side. A direction stays in its texel when it is rounded to float; close to the poles it may leave it
- * by some 1e-7.
- */
+ * among them; both in [0,1). Some texel must shine. *out is of the place chosen; density 0: none shines on
+ * that side. A direction stays in its cell when it is rounded to float; close to the poles it may leave it by
+ * some 1e-7. */
 void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n, const double u[LANES],
                         const double v[LANES], lanes3_f64 direction, environment_light *out);
 

@@ -3,11 +3,12 @@
 #include "image/image.h"
 #include "light/emitters.h"
 #include "light/environment.h"
+#include "math/lane.h"
 #include "random.h"
 #include "unit_folder.h"
 
-/* Blocks of sky_choice.c have one texel or two either way. */
-enum { WIDTH = 48, HEIGHT = 24, BLOCK_COLUMNS = 32, BLOCK_ROWS = 16 };
+/* Blocks of sky_choice.c have one cell or two either way. */
+enum { WIDTH = 48, HEIGHT = 24, CELLS = WIDTH * (HEIGHT + 1), BLOCK_COLUMNS = 32, BLOCK_ROWS = 16 };
 
 static const double errors = 5;
 
@@ -94,8 +95,67 @@ static void a_constant_sky_sends_its_radiance(void **state) {
     assert_near(mean, 0.5, errors * error);
 }
 
+/* ---- cells between the centres of texels, as sky_choice.h has them ---- */
+
+static double row_cosine(int row) { return cos(M_PI * fmin(fmax(row - 0.5, 0), HEIGHT) / HEIGHT); }
+
+static double solid_angle(int cell) {
+    return (row_cosine(cell / WIDTH) - row_cosine(cell / WIDTH + 1)) * 2 * M_PI / WIDTH;
+}
+
+/* Channel c, so far from the corner at the upper left. */
+static double radiance_in(int cell, double u, double v, int c) {
+    const int x = cell % WIDTH, next = (x + 1) % WIDTH, y = cell / WIDTH, above = y ? y - 1 : 0,
+              below = y < HEIGHT ? y : HEIGHT - 1;
+    const double top = (1 - u) * (double)texels[above * WIDTH + x][c] +
+                       u * (double)texels[above * WIDTH + next][c],
+                 bottom = (1 - u) * (double)texels[below * WIDTH + x][c] +
+                          u * (double)texels[below * WIDTH + next][c];
+    return (1 - v) * top + v * bottom;
+}
+
+static double luminance_in(int cell, double u, double v) {
+    return 0.2126 * radiance_in(cell, u, v, 0) + 0.7152 * radiance_in(cell, u, v, 1) +
+           0.0722 * radiance_in(cell, u, v, 2);
+}
+
+static int cell_of(vec3_f64 d, double *u, double *v) {
+    const double x = fmod((atan2(d.x, -d.z) / (2 * M_PI) + 1.5) * WIDTH - 0.5, WIDTH),
+                 y = acos(fmin(fmax(d.y, -1), 1)) / M_PI * HEIGHT + 0.5;
+    const int column = (int)fmin(x, WIDTH - 1), row = (int)fmin(y, HEIGHT);
+    *u = x - column, *v = (row_cosine(row) - d.y) / (row_cosine(row) - row_cosine(row + 1));
+    return row * WIDTH + column;
+}
+
+static vec3_f64 direction_in(int cell, double u, double v) {
+    const double y = row_cosine(cell / WIDTH) * (1 - v) + row_cosine(cell / WIDTH + 1) * v,
+                 turn = 2 * M_PI * ((cell % WIDTH + 0.5 + u) / WIDTH - 0.5), around = sqrt(1 - y * y);
+    return vec_f64(around * sin(turn), y, -around * cos(turn));
+}
+
+/* Anywhere, poles and the seam at the back included; the program rounds directions to double alone. */
+static void radiance_is_interpolated(void **state) {
+    (void)state;
+    random_state r = {13};
+    environment *sky;
+    for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = (float)random_in(&r, 0, 2);
+    write_sky();
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder("sky.exr");
+    assert_ok(context, environment_create(context, &light, &sky));
+    for (int i = 0; i < CELLS * 4; ++i) {
+        const double u = random_in(&r, 0, 1), v = random_in(&r, 0, 1);
+        float found[3];
+        environment_radiance(sky, direction_in(i % CELLS, u, v), found);
+        for (int c = 0; c < 3; ++c) assert_near((double)found[c], radiance_in(i % CELLS, u, v, c), 1e-6);
+    }
+    environment_destroy(sky);
+}
+
 /* One bright texel: right of the centre and above the horizon, which is towards +x, -z and +y. A quarter
- * turn, counter-clockwise from above, takes +x to -z and -z to -x. */
+ * turn, counter-clockwise from above, takes +x to -z and -z to -x. Its light reaches the centres of the
+ * texels around it, and is as strong as it is at its own. */
 static void an_image_lies_as_documented(void **state) {
     (void)state;
     for (int turn = 0; turn < 2; ++turn) {
@@ -105,22 +165,27 @@ static void an_image_lies_as_documented(void **state) {
         random_state r = {2};
         emitter_sample s;
         draw(&r, nowhere, &s);
+        const double step = M_PI / HEIGHT;
         for (int i = 0; i < LANES; ++i) {
             vec3_f64 d = widen(lane(s.direction, i));
             double right = turn ? -d.z : d.x, ahead = turn ? -d.x : -d.z;
-            double phi = atan2(right, ahead), height = asin(d.y);
-            assert_true(phi > 0 && phi < 2 * M_PI / WIDTH && height > 0 && height < M_PI / HEIGHT);
-            assert_true(s.radiance[0][i] == 7 && s.radiance[2][i] == 0 && isinf(s.distance[i]) && s.sized[i]);
+            const double phi = atan2(right, ahead) - step / 2, height = asin(d.y) - step / 2;
+            assert_true(fabs(phi) < step && fabs(height) < step);
+            assert_near((double)s.radiance[0][i], 7 * (1 - fabs(phi) / step) * (1 - fabs(height) / step),
+                        0.03);
+            assert_true(s.radiance[2][i] == 0 && isinf(s.distance[i]) && s.sized[i]);
         }
         end(state), begin(state);
     }
 }
 
-/* Also where a background is added: then both send their light, and either is sampled. */
+/* Also where a background is added: then both send their light, and either is sampled. A direction in float
+ * is off by 2^-24, some 2^-21 of a cell, which changes radiance and density by so much of its brightest
+ * corner. */
 static void samples_and_rays_that_leave_agree(void **state) {
     random_state r = {3};
     for (int with = 0; with < 2; ++with) {
-        for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = (float)random_log(&r, 1e-4, 1e4);
+        for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = (float)random_log(&r, 0.1, 10);
         if (with) assert_ok(context, fathom_scene_set_background(scene, (float[3]){30, 20, 10}));
         open_sky(0.3);
         for (int b = 0; b < 500; ++b) {
@@ -132,78 +197,79 @@ static void samples_and_rays_that_leave_agree(void **state) {
             fill(&q, up);
             emitters_outside(e, (1u << LANES) - 1, q.n, s.direction, radiance, density);
             for (int i = 0; i < LANES; ++i) {
-                assert_true(density[i] == s.density[i]);
-                for (int c = 0; c < 3; ++c) assert_true(radiance[c][i] == s.radiance[c][i]);
+                const double off = 100 * 0x1p-20;
+                assert_near((double)density[i], (double)s.density[i], off * (double)s.density[i]);
+                for (int c = 0; c < 3; ++c)
+                    assert_near((double)radiance[c][i], (double)s.radiance[c][i],
+                                off * (double)radiance[c][i]);
             }
         }
         end(state), begin(state);
     }
 }
 
-/* chi² over the texels, of which some at the poles are brighter. */
-static void texels_are_taken_by_luminance_and_solid_angle(void **state) {
+/* chi² over the quarters of cells, of which some at the poles are brighter. The mean of a bilinear function
+ * over a quarter is its value at the middle. */
+static void places_are_taken_by_luminance_and_solid_angle(void **state) {
     (void)state;
     random_state r = {4};
     for (int i = 0; i < WIDTH * HEIGHT; ++i) {
         for (int c = 0; c < 3; ++c) texels[i][c] = (float)random_in(&r, 0.5, 2);
     }
-    texels[3][1] = 1e2f, texels[(HEIGHT - 1) * WIDTH + 5][1] = 1e2f;
+    texels[3][1] = 20, texels[(HEIGHT - 1) * WIDTH + 5][1] = 20;
     open_sky(0);
-    double taken[HEIGHT * WIDTH] = {0}, chi = 0, total = 0, share[HEIGHT * WIDTH];
-    const int blocks = 60000, count = blocks * LANES;
+    static double taken[CELLS][4], share[CELLS][4];
+    double chi = 0, total = 0, used = 0;
+    const int blocks = 200000, count = blocks * LANES;
+    memset(taken, 0, sizeof taken);
     for (int b = 0; b < blocks; ++b) {
         emitter_sample s;
         draw(&r, nowhere, &s);
         for (int i = 0; i < LANES; ++i) {
-            vec3_f64 d = widen(lane(s.direction, i));
-            double x = (atan2(d.x, -d.z) / (2 * M_PI) + 0.5) * WIDTH, y = acos(d.y) / M_PI * HEIGHT;
-            ++taken[(int)fmin(y, HEIGHT - 1) * WIDTH + (int)fmin(x, WIDTH - 1)];
+            double u, v;
+            const int cell = cell_of(widen(lane(s.direction, i)), &u, &v);
+            ++taken[cell][2 * (v > 0.5) + (u > 0.5)];
         }
     }
-    for (int i = 0; i < WIDTH * HEIGHT; ++i) {
-        const double y = i / WIDTH;
-        double light =
-            0.2126 * (double)texels[i][0] + 0.7152 * (double)texels[i][1] + 0.0722 * (double)texels[i][2];
-        total += share[i] = light * (cos(M_PI * y / HEIGHT) - cos(M_PI * (y + 1) / HEIGHT));
+    for (int i = 0; i < 4 * CELLS; ++i)
+        total += share[i / 4][i % 4] =
+            luminance_in(i / 4, i % 2 ? 0.75 : 0.25, i & 2 ? 0.75 : 0.25) * solid_angle(i / 4);
+    for (int i = 0; i < 4 * CELLS; ++i) {
+        const double expected = share[i / 4][i % 4] / total * count;
+        assert_true(expected > 5);
+        chi += pow(taken[i / 4][i % 4] - expected, 2) / expected, ++used;
     }
-    for (int i = 0; i < WIDTH * HEIGHT; ++i) {
-        double expected = share[i] / total * count;
-        assert_true(expected > 20);
-        chi += pow(taken[i] - expected, 2) / expected;
-    }
-    const double k = WIDTH * HEIGHT - 1, f = 2 / (9 * k);
-    assert_true(fabs((cbrt(chi / k) - (1 - f)) / sqrt(f)) < errors);
+    const double k = used - 1, f = 2 / (9 * k);
+    if (!(fabs((cbrt(chi / k) - (1 - f)) / sqrt(f)) < errors)) fail_msg("chi² %g of %g", chi, k);
 }
 
-static int block_row(int y) { return y * BLOCK_ROWS / HEIGHT; }
+static int block_row(int y) { return y * BLOCK_ROWS / (HEIGHT + 1); }
 static int block_column(int x) { return x * BLOCK_COLUMNS / WIDTH; }
 
-/* Sums of the light of texels: of all, of rows of blocks, of blocks, of rows within blocks, of each. */
+/* Sums of the light of cells: of all, of rows of blocks, of blocks, of rows within blocks, of each. */
 typedef struct light_sums {
-    double all, rows[BLOCK_ROWS], blocks[BLOCK_ROWS][BLOCK_COLUMNS], lines[HEIGHT][BLOCK_COLUMNS],
-        each[HEIGHT][WIDTH];
+    double all, rows[BLOCK_ROWS], blocks[BLOCK_ROWS][BLOCK_COLUMNS], lines[HEIGHT + 1][BLOCK_COLUMNS],
+        each[HEIGHT + 1][WIDTH];
 } light_sums;
 
 static void add_up(light_sums *s) {
     memset(s, 0, sizeof *s);
-    for (int y = 0; y < HEIGHT; ++y) {
-        for (int x = 0; x < WIDTH; ++x) {
-            const double angle = cos(M_PI * y / HEIGHT) - cos(M_PI * (y + 1.0) / HEIGHT);
-            const double light = s->each[y][x] = (double)texels[y * WIDTH + x][1] * angle;
-            s->lines[y][block_column(x)] += light, s->blocks[block_row(y)][block_column(x)] += light;
-            s->rows[block_row(y)] += light, s->all += light;
-        }
+    for (int i = 0; i < CELLS; ++i) {
+        const int x = i % WIDTH, y = i / WIDTH;
+        const double light = s->each[y][x] = luminance_in(i, 0.5, 0.5) * solid_angle(i);
+        s->lines[y][block_column(x)] += light, s->blocks[block_row(y)][block_column(x)] += light;
+        s->rows[block_row(y)] += light, s->all += light;
     }
 }
 
-/* A texel takes a rectangle of the square of numbers. A grid of N x N numbers gives it a count as large as
+/* A cell takes a rectangle of the square of numbers. A grid of N x N numbers gives it a count as large as
  * its area, give or take one row and one column. An alias table, or any choice that does not keep order,
  * fails: its counts scatter by the root of the count. */
 static void even_numbers_are_even_over_the_light(void **state) {
     (void)state;
     enum { N = 512 };
     random_state r = {9};
-    static double taken[HEIGHT][WIDTH];
+    static double taken[HEIGHT + 1][WIDTH];
     static light_sums s;
     fathom_light light;
     environment *sky;
@@ -218,12 +284,12 @@ static void even_numbers_are_even_over_the_light(void **state) {
         lanes3_f64 d;
         environment_light answer;
         environment_sample(sky, 1, n, u, v, d, &answer);
-        const double x = (atan2(d[0][0], -d[2][0]) / (2 * M_PI) + 0.5) * WIDTH,
-                     y = acos(d[1][0]) / M_PI * HEIGHT;
-        ++taken[(int)fmin(y, HEIGHT - 1)][(int)fmin(x, WIDTH - 1)];
+        double across, down;
+        const int cell = cell_of(vec_f64(d[0][0], d[1][0], d[2][0]), &across, &down);
+        ++taken[cell / WIDTH][cell % WIDTH];
     }
     add_up(&s);
-    for (int y = 0; y < HEIGHT; ++y) {
+    for (int y = 0; y <= HEIGHT; ++y) {
         for (int x = 0; x < WIDTH; ++x) {
             const int row = block_row(y), column = block_column(x);
             const double block = s.blocks[row][column], line = s.lines[y][column];
@@ -235,8 +301,8 @@ static void even_numbers_are_even_over_the_light(void **state) {
     environment_destroy(sky);
 }
 
-/* All densities add up to 1, and no texel that a normal faces is left out. Over the samples of a normal,
- * light times cosine over density has the sum of all texels as its mean. */
+/* All densities add up to 1, and no cell that a normal faces is left out: over a cell the mean density is the
+ * one in its middle. */
 static void a_surface_asks_all_that_it_faces(void **state) {
     (void)state;
     random_state r = {11};
@@ -248,23 +314,23 @@ static void a_surface_asks_all_that_it_faces(void **state) {
         double whole = 0;
         emitter_query q;
         fill(&q, n);
-        for (int i = 0; i < WIDTH * HEIGHT; i += LANES) {
+        for (int i = 0; i < CELLS; i += LANES) {
+            const int count = CELLS - i < LANES ? CELLS - i : LANES;
             lanes3 direction, radiance;
             float density[LANES];
-            for (int j = 0; j < LANES; ++j) {
-                const double v = M_PI * ((i + j) / WIDTH + 0.5) / HEIGHT,
-                             u = 2 * M_PI * ((i + j) % WIDTH + 0.5) / WIDTH - 0.7;
-                direction[0][j] = (float)(-sin(v) * sin(u)), direction[1][j] = (float)cos(v);
-                direction[2][j] = (float)(sin(v) * cos(u));
+            for (int j = 0; j < count; ++j) {
+                const vec3_f64 d = direction_in(i + j, 0.5, 0.5);
+                put_lane_f32(
+                    direction, (unsigned)j,
+                    narrow(vec_f64(d.x * cos(0.7) + d.z * sin(0.7), d.y, d.z * cos(0.7) - d.x * sin(0.7))));
             }
-            emitters_outside(e, (1u << LANES) - 1, q.n, direction, radiance, density);
-            for (int j = 0; j < LANES; ++j) {
-                const double top = M_PI * ((i + j) / WIDTH) / HEIGHT;
-                whole += (double)density[j] * (cos(top) - cos(top + M_PI / HEIGHT)) * 2 * M_PI / WIDTH;
+            emitters_outside(e, (1u << count) - 1, q.n, direction, radiance, density);
+            for (int j = 0; j < count; ++j) {
+                whole += (double)density[j] * solid_angle(i + j);
                 assert_true(density[j] > 0 || !(dot_f64(n, widen(lane(direction, j))) > 0));
             }
         }
-        assert_near(whole, 1, 1e-5); /* texels and densities in float */
+        assert_near(whole, 1, 1e-5); /* directions, texels and densities in float */
     }
 }
 
@@ -358,9 +424,10 @@ static void another_image_is_another_scene(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_constant_sky_sends_its_radiance, begin, end),
+        cmocka_unit_test_setup_teardown(radiance_is_interpolated, begin, end),
         cmocka_unit_test_setup_teardown(an_image_lies_as_documented, begin, end),
         cmocka_unit_test_setup_teardown(samples_and_rays_that_leave_agree, begin, end),
-        cmocka_unit_test_setup_teardown(texels_are_taken_by_luminance_and_solid_angle, begin, end),
+        cmocka_unit_test_setup_teardown(places_are_taken_by_luminance_and_solid_angle, begin, end),
         cmocka_unit_test_setup_teardown(even_numbers_are_even_over_the_light, begin, end),
         cmocka_unit_test_setup_teardown(a_surface_asks_all_that_it_faces, begin, end),
         cmocka_unit_test_setup_teardown(light_behind_a_surface_is_not_asked, begin, end),
