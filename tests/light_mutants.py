@@ -6,7 +6,7 @@ import sys
 # once, or the script stops: whoever changes the code moves the fault along.
 PATH, EMITTERS, SHAPES = "integrate/path.c", "light/emitters.c", "light/emitters_shapes.c"
 SHAPE, TREE, PICK, LOBES = "light/shape.h", "light/tree.c", "light/kernels/tree.c", "material/kernels/lobes.h"
-ONE = "light/kernels/face.c"
+ONE, SKY = "light/kernels/face.c", "light/kernels/sky.c"
 VOLUMES, MET, CARRIED = "integrate/path_volumes.c", "integrate/path_met.c", "integrate/path.h"
 FACETS, DIFFUSE, SHEEN, FILM = ("material/kernels/" + name for name in ("facets.h", "diffuse.h", "sheen.h", "film.h"))
 MUTANTS = [
@@ -46,12 +46,12 @@ MUTANTS = [
      "chance *= sum > 0 ? (double)own / sum : 0;", "chance *= sum > 0 ? 0.25 * (double)own / sum : 0;"),
     ("the tree picks the child before", PICK, "forty", "*chance *= (double)weight[found] / sum;\n    return found;",
      "*chance *= (double)weight[found] / sum;\n    return found > 0 && weight[found - 1] > 0 ? found - 1 : found;"),
-    ("an environment's blocks are taken evenly along a row", "light/sky_choice.c", "spherical harmonics",
-     "choose(rows + c->rows + (size_t)row * c->columns, c->columns, &u[i])", "(uint32_t)(u[i] * c->columns)"),
-    ("an environment's rows of blocks are taken evenly", "light/sky_choice.c", "spherical harmonics",
-     "choose(rows, c->rows, &v[i])", "(uint32_t)(v[i] * c->rows)"),
-    ("an environment tells rays the density of all directions alike", "light/sky_choice.c", "spherical harmonics",
-     "c->scales[((size_t)view_of(lane_f64(n, i))", "c->scales[((size_t)(0 * view_of(lane_f64(n, i)) + VIEWS)"),
+    ("an environment's blocks are taken evenly along a row", SKY, "spherical harmonics",
+     "choose(sums + s->rows + (size_t)row[i] * s->columns, s->columns, &out->u[i])", "(uint32_t)(out->u[i] * s->columns)"),
+    ("an environment's rows of blocks are taken evenly", SKY, "spherical harmonics",
+     "choose(sums, s->rows, &out->v[i])", "(uint32_t)(out->v[i] * s->rows)"),
+    ("an environment tells rays the density of all directions alike", SKY, "spherical harmonics",
+     "s->scales[((size_t)view[i] * s->rows", "s->scales[((size_t)(0 * view[i] + SKY_VIEWS) * s->rows"),
     ("directions by the cosine, density even", SHAPE, "even sky",
      "along > 0 ? along / SHAPE_PI : 0", "along > 0 ? 0.5 / SHAPE_PI : 0"),
     ("a hundredth of a triangle's solid angle lost", SHAPE, "disk of",

@@ -9,28 +9,28 @@
 
 struct reference_sky {
     environment *owner;
-    environment_image image;
+    const sky_image *image;
     double *before; /* luminance times solid angle of all cells before each; at the end, of all */
 };
 
-static size_t cells_of(const environment_image *m) { return (size_t)m->width * (m->height + 1); }
+static size_t cells_of(const sky_image *m) { return (size_t)m->width * (m->height + 1); }
 
 /* The cosine where a row of cells begins. */
-static double cosine_of(const environment_image *m, size_t row) {
+static double cosine_of(const sky_image *m, size_t row) {
     return cos(PI * fmin(fmax((double)row - 0.5, 0), m->height) / m->height);
 }
 
-static double solid_angle(const environment_image *m, size_t cell) {
+static double solid_angle(const sky_image *m, size_t cell) {
     const size_t row = cell / m->width;
     return 2 * PI / m->width * (cosine_of(m, row) - cosine_of(m, row + 1));
 }
 
-static vec3_f64 texel_at(const environment_image *m, size_t column, size_t row) {
+static vec3_f64 texel_at(const sky_image *m, size_t column, size_t row) {
     return color_of(m->texels[row * m->width + column % m->width].rgb);
 }
 
 /* Past u of the way to the next column, and v to the next row. */
-static vec3_f64 color_in(const environment_image *m, size_t cell, double u, double v) {
+static vec3_f64 color_in(const sky_image *m, size_t cell, double u, double v) {
     const size_t x = cell % m->width, y = cell / m->width, above = y ? y - 1 : 0,
                  below = y < m->height ? y : m->height - 1;
     const vec3_f64 top = madd_f64(scale_f64(1 - u, texel_at(m, x, above)), u, texel_at(m, x + 1, above)),
@@ -38,7 +38,7 @@ static vec3_f64 color_in(const environment_image *m, size_t cell, double u, doub
     return madd_f64(scale_f64(1 - v, top), v, bottom);
 }
 
-static double weight_of(const environment_image *m, size_t cell) {
+static double weight_of(const sky_image *m, size_t cell) {
     const vec3_f64 c = color_in(m, cell, 0.5, 0.5);
     return (0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z) * solid_angle(m, cell);
 }
@@ -50,7 +50,7 @@ static void close_sky(reference_sky *sky) {
 
 /* Sums up the light. False without memory. */
 static bool add_up(reference_sky *sky) {
-    const environment_image *m = &sky->image;
+    const sky_image *m = sky->image;
     const size_t count = cells_of(m);
     sky->before = malloc((count + 1) * sizeof *sky->before);
     if (!sky->before) return false;
@@ -59,7 +59,7 @@ static bool add_up(reference_sky *sky) {
     return true;
 }
 
-static double all_of(const reference_sky *sky) { return sky->before[cells_of(&sky->image)]; }
+static double all_of(const reference_sky *sky) { return sky->before[cells_of(sky->image)]; }
 
 /* light: NULL for the studio. A black image is left out. */
 static fathom_status add_sky(reference_scene *r, const fathom_light *light) {
@@ -69,7 +69,7 @@ static fathom_status add_sky(reference_scene *r, const fathom_light *light) {
         light ? environment_create(scene->context, light, &sky.owner)
               : environment_studio(scene->context, load_f64(scene->camera.z), scene->studio_up, &sky.owner);
     if (status != FATHOM_OK) return status;
-    sky.image = environment_image_of(sky.owner);
+    sky.image = environment_sky(sky.owner);
     if (!add_up(&sky)) status = fail_memory(scene->context, sizeof *sky.before);
     if (status == FATHOM_OK && all_of(&sky) > 0)
         r->skies[r->sky_count++] = sky;
@@ -96,7 +96,7 @@ void reference_skies_close(reference_scene *r) {
 }
 
 /* The image's centre is in front, its top row above. */
-static size_t cell_of(const environment_image *m, vec3_f64 d, double *u, double *v) {
+static size_t cell_of(const sky_image *m, vec3_f64 d, double *u, double *v) {
     const double x = dot_f64(d, m->axes[0]), y = fmin(fmax(dot_f64(d, m->axes[1]), -1), 1),
                  z = dot_f64(d, m->axes[2]);
     const double across = fmod((0.5 + atan2(x, -z) / (2 * PI)) * m->width - 0.5 + m->width, m->width);
@@ -111,8 +111,8 @@ vec3_f64 reference_sky_light(const reference_scene *r, vec3_f64 direction) {
     vec3_f64 sum = r->scene->in_studio ? gray(0) : color_of(r->scene->background);
     for (unsigned i = 0; i < r->sky_count; ++i) {
         double u, v;
-        const size_t cell = cell_of(&r->skies[i].image, direction, &u, &v);
-        sum = add_f64(sum, color_in(&r->skies[i].image, cell, u, v));
+        const size_t cell = cell_of(r->skies[i].image, direction, &u, &v);
+        sum = add_f64(sum, color_in(r->skies[i].image, cell, u, v));
     }
     return sum;
 }
@@ -120,7 +120,7 @@ vec3_f64 reference_sky_light(const reference_scene *r, vec3_f64 direction) {
 double reference_sky_density(const reference_scene *r, vec3_f64 direction) {
     double sum = 0;
     for (unsigned i = 0; i < r->sky_count; ++i) {
-        const environment_image *m = &r->skies[i].image;
+        const sky_image *m = r->skies[i].image;
         double u, v;
         const size_t cell = cell_of(m, direction, &u, &v);
         sum += weight_of(m, cell) / solid_angle(m, cell) / all_of(&r->skies[i]);
@@ -129,7 +129,7 @@ double reference_sky_density(const reference_scene *r, vec3_f64 direction) {
 }
 
 /* Even over the cell: over its turn, and over the cosine to the pole. */
-static vec3_f64 within(const environment_image *m, size_t cell, reference_random *random) {
+static vec3_f64 within(const sky_image *m, size_t cell, reference_random *random) {
     const double column = (double)(cell % m->width) + 0.5;
     const double top = cosine_of(m, cell / m->width), bottom = cosine_of(m, cell / m->width + 1);
     const double turn = 2 * PI * ((column + reference_uniform(random)) / m->width - 0.5),
@@ -140,7 +140,7 @@ static vec3_f64 within(const environment_image *m, size_t cell, reference_random
 
 vec3_f64 reference_to_sky(const reference_scene *r, reference_random *random) {
     const reference_sky *sky = &r->skies[(size_t)(reference_uniform(random) * r->sky_count)];
-    size_t low = 0, high = cells_of(&sky->image);
+    size_t low = 0, high = cells_of(sky->image);
     const double wanted = reference_uniform(random) * sky->before[high];
     while (high - low > 1) {
         const size_t middle = low + (high - low) / 2;
@@ -149,5 +149,5 @@ vec3_f64 reference_to_sky(const reference_scene *r, reference_random *random) {
         else
             high = middle;
     }
-    return within(&sky->image, low, random);
+    return within(sky->image, low, random);
 }

@@ -20,14 +20,14 @@ void emitters_sample_sun(const emitters *e, double u, double v, double choice, e
 
 /* Background and environments add up. One of them takes a direction; its density counts them all. */
 static void look_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,
-                         environment_light *out) {
+                         sky_light *out) {
     for (unsigned left = lanes; left; left &= left - 1) {
         const unsigned i = lane_first(left);
         put_lane_f32(out->radiance, i, load_f32(e->background));
         out->density[i] = e->background_chance * shape_all_density(lane_f64(n, i), lane_f64(direction, i));
     }
     for (uint32_t k = 0; k < e->sky_count; ++k) {
-        environment_light more;
+        sky_light more;
         environment_at(e->skies[k].image, lanes, n, direction, &more);
         for (unsigned left = lanes; left; left &= left - 1) {
             const unsigned i = lane_first(left);
@@ -54,7 +54,7 @@ static unsigned who_asks(const emitters *e, uint32_t k, unsigned lanes, double c
 /* Each lane takes a direction from one source. An environment also answers with its own light, which is all
  * there is where nothing else shines. */
 static void aim_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, const lanes3 u,
-                        double choice[LANES], lanes3_f64 direction, environment_light *out) {
+                        double choice[LANES], lanes3_f64 direction, sky_light *out) {
     double place[2][LANES];
     for (unsigned i = 0; i < LANES; ++i) place[0][i] = (double)u[0][i], place[1][i] = (double)u[1][i];
     for (uint32_t k = 0; k < e->sky_count; ++k) {
@@ -82,7 +82,7 @@ static void find_normals(unsigned lanes, const lanes3 n, lanes3_f64 out) {
 void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_query *from, const lanes3 u,
                              const double choice[LANES], emitter_sample *out) {
     lanes3_f64 n, direction;
-    environment_light light;
+    sky_light light;
     double left[LANES];
     memcpy(left, choice, sizeof left);
     find_normals(lanes, from->n, n);
@@ -106,7 +106,7 @@ void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_qu
 void emitters_outside(const emitters *e, unsigned lanes, const lanes3 n, const lanes3 direction,
                       lanes3 radiance, float density[LANES]) {
     lanes3_f64 normals, directions;
-    environment_light light;
+    sky_light light;
     find_normals(lanes, n, normals);
     for (unsigned left = lanes; left; left &= left - 1) {
         const unsigned i = lane_first(left);

@@ -1,13 +1,9 @@
-/* Light from all around, by an equirectangular image, whose radiance is interpolated between the centres of
- * texels (sky_choice.h). The density of a direction is in proportion to its luminance, and about to the
- * cosine at the surface that asks. */
+/* Light from all around, by an equirectangular image; see sky.h. */
 #ifndef LIGHT_ENVIRONMENT_H
 #define LIGHT_ENVIRONMENT_H
 
 #include "base/status.h"
-#include "light/sky_choice.h"
-#include "math/lanes.h"
-#include "math/vec.h"
+#include "light/sky.h"
 
 #include <fathom/scene.h>
 
@@ -21,29 +17,18 @@ fathom_status environment_create(fathom_context *context, const fathom_light *li
 fathom_status environment_studio(fathom_context *context, vec3_f64 z, vec3_f64 up, environment **out);
 void environment_destroy(environment *e);
 
-/* The image itself. */
-typedef struct environment_image {
-    uint32_t width, height;
-    vec3_f64 axes[3];        /* in the world: to the right and up in the image, and away from its centre */
-    const sky_texel *texels; /* by row from the top; live as long as the environment */
-} environment_image;
-environment_image environment_image_of(const environment *e);
+/* The image itself; lives as long as the environment. */
+const sky_image *environment_sky(const environment *e);
 
 /* Luminance times solid angle, over all directions. */
 double environment_power(const environment *e);
 /* The largest of each channel. */
 void environment_brightest(const environment *e, float out[3]);
 
-/* Radiance a lane, and the density with which environment_sample() takes its direction. */
-typedef struct environment_light {
-    lanes3 radiance;
-    double density[LANES];
-} environment_light;
-
-/* From unit directions, as surfaces with the normals n, unit or 0, ask for them. lanes: bits; others are
- * left. */
+/* Radiance from unit directions, as surfaces with the normals n, unit or 0, ask for them. lanes: bits; others
+ * are left. */
 void environment_at(const environment *e, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,
-                    environment_light *out);
+                    sky_light *out);
 /* From one, for whoever asks for no density. */
 void environment_radiance(const environment *e, vec3_f64 direction, float radiance[3]);
 
@@ -52,6 +37,6 @@ void environment_radiance(const environment *e, vec3_f64 direction, float radian
  * that side. A direction stays in its cell when it is rounded to float; close to the poles it may leave it by
  * some 1e-7. */
 void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n, const double u[LANES],
-                        const double v[LANES], lanes3_f64 direction, environment_light *out);
+                        const double v[LANES], lanes3_f64 direction, sky_light *out);
 
 #endif

@@ -7,7 +7,7 @@
 #include "random.h"
 #include "unit_folder.h"
 
-/* Blocks of sky_choice.c have one cell or two either way. */
+/* Blocks of sky.c have one cell or two either way. */
 enum { WIDTH = 48, HEIGHT = 24, CELLS = WIDTH * (HEIGHT + 1), BLOCK_COLUMNS = 32, BLOCK_ROWS = 16 };
 
 static const double errors = 5;
@@ -95,7 +95,7 @@ static void a_constant_sky_sends_its_radiance(void **state) {
     assert_near(mean, 0.5, errors * error);
 }
 
-/* ---- cells between the centres of texels, as sky_choice.h has them ---- */
+/* ---- cells between the centres of texels, as sky.h has them ---- */
 
 static double row_cosine(int row) { return cos(M_PI * fmin(fmax(row - 0.5, 0), HEIGHT) / HEIGHT); }
 
@@ -282,7 +282,7 @@ static void even_numbers_are_even_over_the_light(void **state) {
         const double u[LANES] = {(i % N + 0.5) / N}, v[LANES] = {(i / N + 0.5) / N};
         const lanes3_f64 n = {{0}};
         lanes3_f64 d;
-        environment_light answer;
+        sky_light answer;
         environment_sample(sky, 1, n, u, v, d, &answer);
         double across, down;
         const int cell = cell_of(vec_f64(d[0][0], d[1][0], d[2][0]), &across, &down);
@@ -332,6 +332,55 @@ static void a_surface_asks_all_that_it_faces(void **state) {
         }
         assert_near(whole, 1, 1e-5); /* directions, texels and densities in float */
     }
+}
+
+/* ---- instruction sets ---- */
+
+typedef struct answer {
+    lanes3_f64 direction;
+    sky_light sampled, seen;
+} answer;
+
+static void ask(const sky_kernels *k, const sky_image *s, unsigned lanes, uint64_t seed, answer *out) {
+    random_state r = {seed};
+    lanes3_f64 n, d;
+    double u[LANES], v[LANES];
+    memset(out, 0, sizeof *out);
+    for (unsigned i = 0; i < LANES; ++i) {
+        const vec3_f64 any = {random_in(&r, -1, 1), random_in(&r, -1, 1), random_in(&r, -1, 1)};
+        put_lane_f64(n, i, random_unit(&r) < 0.1 ? nowhere : normalize_f64(any));
+        u[i] = random_unit(&r), v[i] = random_unit(&r);
+        put_lane_f64(d, i, direction_in((int)(random_unit(&r) * CELLS), random_unit(&r), random_unit(&r)));
+    }
+    k->sample(s, lanes, n, u, v, out->direction, &out->sampled);
+    k->at(s, lanes, n, d, &out->seen);
+}
+
+/* To the last bit, and they leave other lanes alone. Parts of the sky are black. */
+static void all_instruction_sets_ask_alike(void **state) {
+    (void)state;
+    random_state r = {14};
+    environment *sky;
+    for (int i = 0; i < WIDTH * HEIGHT; ++i)
+        for (int c = 0; c < 3; ++c)
+            texels[i][c] = i % WIDTH < WIDTH / 3 ? 0 : (float)random_log(&r, 1e-3, 1e3);
+    write_sky();
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder("sky.exr"), light.rotation = 0.3;
+    assert_ok(context, environment_create(context, &light, &sky));
+    for (unsigned k = 1; sky_kernels_at(k); ++k) {
+        for (uint64_t trial = 1; trial <= 2000; ++trial) {
+            const unsigned lanes = trial % 2 ? (unsigned)random_bits(&r) & 0xffff : 0xffff;
+            answer plain, wide;
+            ask(sky_kernels_at(0), environment_sky(sky), lanes, trial, &plain);
+            ask(sky_kernels_at(k), environment_sky(sky), lanes, trial, &wide);
+            assert_memory_equal(&plain, &wide, sizeof plain);
+            for (unsigned i = 0; i < LANES; ++i)
+                assert_true(lanes >> i & 1 || (wide.seen.density[i] == 0 && wide.direction[1][i] == 0));
+        }
+    }
+    environment_destroy(sky);
 }
 
 /* A surface does not ask the sky clearly behind it. The samples of the light in front differ by the cosine
@@ -430,6 +479,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(places_are_taken_by_luminance_and_solid_angle, begin, end),
         cmocka_unit_test_setup_teardown(even_numbers_are_even_over_the_light, begin, end),
         cmocka_unit_test_setup_teardown(a_surface_asks_all_that_it_faces, begin, end),
+        cmocka_unit_test_setup_teardown(all_instruction_sets_ask_alike, begin, end),
         cmocka_unit_test_setup_teardown(light_behind_a_surface_is_not_asked, begin, end),
         cmocka_unit_test_setup_teardown(a_texel_a_million_times_as_bright_is_met_by_its_share, begin, end),
         cmocka_unit_test_setup_teardown(bad_texels_are_refused_with_their_place, begin, end),

@@ -1,0 +1,211 @@
+/* The tables of images of skies. */
+#include "light/sky.h"
+
+#include "base/kernel.h"
+#include "light/shape.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+KERNEL_CHOICE(sky_kernels)
+
+enum { SIDE = SKY_VIEW_SIDE };
+
+/* Light of a block, as seen from a point. */
+typedef struct sky_block {
+    double power;
+    vec3_f64 sum;    /* of directions times power */
+    vec3_f64 centre; /* unit */
+    double radius;   /* angle around the centre that holds the block, at least */
+} sky_block;
+
+typedef struct sky_view {
+    vec3_f64 normal; /* the middle of the cell of normals */
+    double radius;   /* angle around it that holds the cell */
+} sky_view;
+
+vec3_f64 sky_direction(double u, double v) {
+    double c, s;
+    shape_turn(u, &c, &s);
+    return (vec3_f64){sin(SHAPE_PI * v) * s, cos(SHAPE_PI * v), -sin(SHAPE_PI * v) * c};
+}
+
+/* ---- cells ---- */
+
+static uint32_t min_u32(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
+static uint32_t cell_rows(const sky_image *s) { return s->height + 1; }
+
+/* The angle to +y where a row of cells begins, and the one before ends. */
+static double row_angle(const sky_image *s, uint32_t row) {
+    return row == 0 ? 0 : (row > s->height ? SHAPE_PI : SHAPE_PI * (row - 0.5) / s->height);
+}
+
+/* Of a row of cells: half as high at the poles. */
+typedef struct sky_row {
+    double angle; /* to +y, of its middle */
+    double solid; /* angle of a cell: cos a - cos b = 2 sin((a+b)/2) sin((b-a)/2) */
+} sky_row;
+
+static sky_row row_at(const sky_image *s, uint32_t row) {
+    const double top = row_angle(s, row), bottom = row_angle(s, row + 1), middle = (top + bottom) / 2;
+    return (sky_row){middle, 2 * SHAPE_PI / s->width * 2 * sin(middle) * sin((bottom - top) / 2)};
+}
+
+/* ---- blocks: cell x lies in block x * blocks / cells, rounded down ---- */
+
+static void find_firsts(uint32_t cells, uint32_t blocks, uint32_t *first, uint8_t *block) {
+    for (uint32_t i = 0; i <= blocks; ++i) first[i] = (uint32_t)(((uint64_t)i * cells + blocks - 1) / blocks);
+    for (uint32_t x = 0; x < cells; ++x) block[x] = (uint8_t)((uint64_t)x * blocks / cells);
+}
+
+/* Horizontal directions of the middles of the columns of cells, so that no cell needs sines of its own. */
+typedef struct sky_turn {
+    double cosine, sine;
+} sky_turn;
+
+/* The mean of a bilinear function is that of its corners. above, below: rows of texels. */
+static void sum_block(sky_image *s, const sky_texel *above, const sky_texel *below, const sky_turn *turns,
+                      uint32_t y, uint32_t column, sky_block *out) {
+    const sky_row row = row_at(s, y);
+    double line = 0, ahead = 0, right = 0;
+    for (uint32_t x = s->column_first[column]; x < s->column_first[column + 1]; ++x) {
+        const uint32_t next = x + 1 < s->width ? x + 1 : 0;
+        const double light = ((double)above[x].luminance + (double)above[next].luminance +
+                              (double)below[x].luminance + (double)below[next].luminance) /
+                             4;
+        s->cells[(size_t)y * s->width + x] = line += light;
+        right += light * turns[x].sine, ahead += light * turns[x].cosine;
+    }
+    const double round = sin(row.angle);
+    out->sum =
+        madd_f64(out->sum, row.solid, (vec3_f64){right * round, line * cos(row.angle), -ahead * round});
+    s->lines[(size_t)column * cell_rows(s) + y] = out->power += line * row.solid;
+}
+
+static sky_block new_block(const sky_image *s, uint32_t row, uint32_t column) {
+    const double top = row_angle(s, s->row_first[row]) / SHAPE_PI,
+                 bottom = row_angle(s, s->row_first[row + 1]) / SHAPE_PI,
+                 wide = (double)(s->column_first[column + 1] - s->column_first[column]) / s->width,
+                 middle = (s->column_first[column] + 0.5) / s->width + wide / 2;
+    return (sky_block){.radius = SHAPE_PI * hypot(wide, (bottom - top) / 2),
+                       .centre = sky_direction(middle < 1 ? middle : middle - 1, (top + bottom) / 2)};
+}
+
+static void sum_blocks(sky_image *s, const sky_turn *turns, sky_block *blocks) {
+    const uint32_t count = s->rows * s->columns;
+    for (uint32_t i = 0; i < count; ++i) blocks[i] = new_block(s, i / s->columns, i % s->columns);
+    for (uint32_t y = 0; y < cell_rows(s); ++y) {
+        const sky_texel *above = s->texels + (size_t)(y ? y - 1 : 0) * s->width,
+                        *below = s->texels + (size_t)min_u32(y, s->height - 1) * s->width;
+        for (uint32_t column = 0; column < s->columns; ++column)
+            sum_block(s, above, below, turns, y, column, &blocks[s->row_block[y] * s->columns + column]);
+    }
+    s->power = 0;
+    for (uint32_t i = 0; i < count; ++i) s->power += blocks[i].power;
+}
+
+/* ---- views ---- */
+
+/* The octahedron's faces, unfolded to [-1,1]². */
+static vec3_f64 unfold(double a, double b) {
+    const double z = 1 - fabs(a) - fabs(b);
+    if (z >= 0) return normalize_f64((vec3_f64){a, b, z});
+    return normalize_f64((vec3_f64){copysign(1 - fabs(b), a), copysign(1 - fabs(a), b), z});
+}
+
+/* A cell lies in one face of the octahedron, or two of them meet along its diagonal; either way its farthest
+ * points are corners. A thousandth stands for roundings. */
+static sky_view view_at(uint32_t index) {
+    const double step = 2.0 / SIDE, a = index % SIDE * step - 1, b = index / SIDE * step - 1;
+    sky_view view = {unfold(a + step / 2, b + step / 2), 0};
+    for (int i = 0; i < 4; ++i) {
+        const double cosine = dot_f64(view.normal, unfold(a + (i & 1) * step, b + (i >> 1) * step));
+        view.radius = fmax(view.radius, acos(fmin(cosine, 1)) + 1e-3);
+    }
+    return view;
+}
+
+/* The mean of the cosine above 0 where it varies by `spread` either way, as it does over a block and a cell.
+ * A block that some normal of the cell faces is never left out. */
+static double weight(const sky_block *block, const sky_view *view) {
+    static const double spread = 0.25, least = 1.0 / 64;
+    if (!(block->power > 0)) return 0;
+    const double most = block->radius + view->radius, mean = dot_f64(view->normal, block->sum) / block->power;
+    if (most < SHAPE_PI / 2 && dot_f64(view->normal, block->centre) < -sin(most)) return 0;
+    const double cosine = mean > spread ? mean : pow(fmax(mean + spread, 0), 2) / (4 * spread);
+    return block->power * fmax(cosine, least);
+}
+
+static void sum_view(sky_image *s, const sky_block *blocks, uint32_t index) {
+    const uint32_t count = s->rows * s->columns;
+    double *rows = s->views + (size_t)index * sky_view_size(s), *columns = rows + s->rows, all = 0;
+    float *scales = s->scales + (size_t)index * count;
+    const sky_view view = view_at(index % SKY_VIEWS);
+    for (uint32_t row = 0; row < s->rows; ++row) {
+        double sum = 0;
+        for (uint32_t i = row * s->columns; i < (row + 1) * s->columns; ++i)
+            columns[i] = sum += index == SKY_VIEWS ? blocks[i].power : weight(&blocks[i], &view);
+        rows[row] = all += sum;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        const double before = i % s->columns ? columns[i - 1] : 0, light = blocks[i].power * all;
+        scales[i] = light > 0 ? (float)((columns[i] - before) / light) : 0;
+    }
+}
+
+/* ---- the whole ---- */
+
+static bool allocate(sky_image *s) {
+    const size_t rows = cell_rows(s), blocks = (size_t)s->rows * s->columns;
+    s->cosines = malloc((rows + 1) * sizeof *s->cosines);
+    s->row_block = malloc(rows);
+    s->column_block = malloc(s->width);
+    s->cells = malloc(rows * s->width * sizeof *s->cells);
+    s->lines = malloc(rows * s->columns * sizeof *s->lines);
+    s->views = malloc((SKY_VIEWS + 1) * (size_t)sky_view_size(s) * sizeof *s->views);
+    s->scales = malloc((SKY_VIEWS + 1) * blocks * sizeof *s->scales);
+    return s->cosines && s->row_block && s->column_block && s->cells && s->lines && s->views && s->scales;
+}
+
+static bool fill(sky_image *s) {
+    sky_block *blocks = malloc((size_t)s->rows * s->columns * sizeof *blocks);
+    sky_turn *turns = malloc(s->width * sizeof *turns);
+    const bool there = blocks && turns;
+    for (uint32_t x = 0; there && x < s->width; ++x)
+        shape_turn((x + 1.0) / s->width, &turns[x].cosine, &turns[x].sine);
+    if (there) sum_blocks(s, turns, blocks);
+    for (uint32_t i = 0; there && i <= SKY_VIEWS; ++i) sum_view(s, blocks, i);
+    free(turns);
+    free(blocks);
+    return there;
+}
+
+static double margin_of(double angle) { return fmin(4 * 0x1p-24 / angle, 0.25); }
+
+bool sky_open(sky_image *s) {
+    s->rows = min_u32(cell_rows(s), SKY_BLOCK_ROWS), s->columns = min_u32(s->width, SKY_BLOCK_COLUMNS);
+    s->margin[0] = margin_of(2 * SHAPE_PI / s->width), s->margin[1] = margin_of(SHAPE_PI / s->height);
+    if (!allocate(s)) return false;
+    find_firsts(cell_rows(s), s->rows, s->row_first, s->row_block);
+    find_firsts(s->width, s->columns, s->column_first, s->column_block);
+    for (uint32_t row = 0; row <= cell_rows(s); ++row)
+        s->cosines[row] = 1 - 2 * pow(sin(row_angle(s, row) / 2), 2);
+    for (size_t i = 0; i < (size_t)s->width * s->height; ++i) {
+        const float *c = s->texels[i].rgb;
+        s->texels[i].luminance =
+            (float)(0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2]);
+    }
+    return fill(s);
+}
+
+void sky_close(sky_image *s) {
+    free(s->texels);
+    free(s->cosines);
+    free(s->row_block);
+    free(s->column_block);
+    free(s->cells);
+    free(s->lines);
+    free(s->views);
+    free(s->scales);
+}
