@@ -138,7 +138,7 @@ static void raw_is_settled_but_for_ties(void **state) {
     fathom_id group;
     assert_ok(s.context, fathom_scene_add_group(s.scene, "group", &group));
     add_ball(&s, group, 8, 0.1, 0.5, 0, 0);
-    const double move[12] = {0.5, 0, 0, 2, 0, 1.5, 0, 0, 0, 0, 0.2, 0.5};
+    const double move[12] = {-0.5, 0, 0, 2, 0, 1.5, 0, 0, 0, 0, 0.2, 0.5};
     add_instance(&s, group, move);
     trace_tracer *settled = stage_spec(&s, "embree:medium:1");
     ray_set set = random_rays(10007);

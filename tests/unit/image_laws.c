@@ -300,7 +300,7 @@ static void add_round_cube(stage *s, fathom_id group, fathom_id material) {
 }
 
 /* A round cube, or a ball, on a floor that covers points lifted off near its foot; placed: turned about the
- * vertical and stretched, as an instance. */
+ * vertical, stretched and mirrored, as an instance. */
 static stage on_floor(bool ball, bool placed, fathom_light_type type) {
     stage s = stage_open(120, 90);
     const fathom_id material = stage_lambert(&s, 0.8f);
@@ -309,7 +309,7 @@ static stage on_floor(bool ball, bool placed, fathom_light_type type) {
         fathom_instance instance;
         fathom_instance_default(&instance);
         assert_ok(s.context, fathom_scene_add_group(s.scene, NULL, &group));
-        const double place[12] = {0.7, 0, 0.3, 0, 0, 1.3, 0, 0, -0.3, 0, 0.7, 0};
+        const double place[12] = {-0.7, 0, 0.3, 0, 0, 1.3, 0, 0, 0.3, 0, 0.7, 0};
         memcpy(instance.transform, place, sizeof place);
         instance.group = group;
         assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));

@@ -81,7 +81,8 @@ static void depth_counts_closed_meshes(void **state) {
     add_ball(&s, group, 12, 0, 1, 0, 0);
     add_grid(&s, 4, 0.01);
     add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 0.5, 0);
-    const double map[12] = {-0.5, 0, 0, 5, 0, 0, 2, 0, 0, 1, 0, 0}; /* half axes 0.5, 2, 1 around (5, 0, 0) */
+    const double map[12] = {0.5, 0, 0, 5, 0, 0,
+                            2,   0, 0, 1, 0, 0}; /* mirrored; half axes 0.5, 2, 1 around (5, 0, 0) */
     add_instance(&s, group, map);
     trace_tracer *tracer = stage_spec(&s, "embree:high");
     watertight *w = water(&s, tracer);

@@ -81,9 +81,55 @@ static void a_mesh_placed_once_is_carried(void **state) {
     stage_close(&s);
 }
 
+/* Normals go by the inverse map transposed: across the surface as before. */
+static void normals_of_stretched_meshes_stay_across(void **state) {
+    (void)state;
+    stage s = stage_open(8, 8);
+    const fathom_id group = add_group(&s);
+    fathom_mesh mesh = two_triangles();
+    static const float across[12] = {0, 0, 2, 0, 0, 2, 0, 0, 2, 0, 0, 2};
+    mesh.normals = across;
+    assert_ok(s.context, fathom_scene_add_mesh(s.scene, group, &mesh, NULL));
+    const affine_f64 turn = turned(1.5, (vec3_f64){0.5, 0, 1});
+    affine_f64 uneven = affine_identity();
+    uneven.m[0][0] = 3, uneven.m[0][2] = 0.7, uneven.m[1][0] = -0.4;
+    const affine_f64 map = affine_compose(&turn, &uneven);
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    place(&s, &instance, group, FATHOM_ROOT, &map, NULL);
+    world *w;
+    assert_ok(s.context, world_create(s.scene, &w));
+    assert_int_equal(w->instances.count, 0);
+    const fathom_mesh *made = world_mesh(w, 0);
+    const vec3_f64 p = widen(load_f32(mesh_vertex(made, 0))),
+                   side = sub_f64(widen(load_f32(mesh_vertex(made, 1))), p),
+                   other = sub_f64(widen(load_f32(mesh_vertex(made, 2))), p);
+    const vec3_f64 flat = normalize_f64(cross_f64(side, other));
+    for (size_t i = 0; i < 3; ++i) {
+        const vec3_f64 n = widen(load_f32(mesh_row(made->normals, made->normal_stride, i))),
+                       t = widen(load_f32(mesh_row(made->tangents, made->tangent_stride, i)));
+        assert_near(dot_f64(normalize_f64(n), flat), 1, 1e-6);
+        if (i == 0) assert_near(dot_f64(normalize_f64(t), normalize_f64(side)), 1, 1e-6);
+    }
+    world_destroy(w);
+    stage_close(&s);
+}
+
 /* ---- what keeps its frame ---- */
 
-enum { MIRRORED = 1, TWICE = 2, MOVING = 4, SPHERE = 8, POINTS = 16, KEYS = 32, SHARED = 64, SLIVER = 128 };
+enum {
+    MIRRORED = 1,
+    TWICE = 2,
+    MOVING = 4,
+    SPHERE = 8,
+    POINTS = 16,
+    KEYS = 32,
+    SHARED = 64,
+    SLIVER = 128,
+    MAPPED = 256, /* has texture coordinates and no tangents */
+    SECOND = 512, /* and a second set */
+    FLAT = 1024,  /* the normals of a triangle are one */
+};
 
 typedef struct trial {
     unsigned what;
@@ -94,10 +140,15 @@ typedef struct trial {
 
 static void add_trial_mesh(stage *s, const trial *t, fathom_id group) {
     static const double times[2] = {0, 1};
+    static const float flat[12] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
     float many[30];
     fathom_mesh mesh = two_triangles();
     if (t->what & (POINTS | KEYS | SHARED | SLIVER))
         mesh.normals = mesh.tangents = NULL, mesh.normal_count = 0;
+    if (t->what & (MAPPED | SECOND)) mesh.uvs = positions, mesh.uv_count = 4;
+    if (t->what & MAPPED) mesh.tangents = NULL;
+    if (t->what & FLAT) mesh.normals = flat;
+    if (t->what & SECOND) mesh.uvs_1 = positions;
     if (t->what & POINTS) mesh.indices = NULL, mesh.triangle_count = 0, mesh.point_radius = 0.1f;
     for (int i = 0; i < 30; ++i) many[i] = positions[i % 12] + (i < 12 ? 0 : 0.5f);
     if (t->what & KEYS) mesh.key_count = 2, mesh.key_times = times, mesh.key_positions = many;
@@ -148,14 +199,37 @@ static void run_trial(const trial *t) {
 /* The mesh has a radius of 0.72, and a farthest corner at 1.4. */
 static void some_meshes_keep_their_frames(void **state) {
     (void)state;
-    static const trial trials[] = {
-        {0, 1, 0, 0, 0, true},          {0, 4000, 0, 0, 0, true},        {0, 4200, 0, 0, 0, false},
-        {0, 1 / 4000.0, 0, 0, 0, true}, {0, 1 / 4200.0, 0, 0, 0, false}, {0, 1, 42, 0, 0, true},
-        {0, 1, 50, 0, 0, false},        {0, 1, 0, 0x1p-20, 0, true},     {0, 1, 0, 0x1p-16, 0, false},
-        {0, 1, 0, 0, 0x1p-20, true},    {0, 1, 0, 0, 0x1p-16, false},    {MIRRORED, 1, 0, 0, 0, false},
-        {TWICE, 1, 0, 0, 0, false},     {MOVING, 1, 0, 0, 0, false},     {SPHERE, 1, 0, 0, 0, false},
-        {POINTS, 1, 0, 0, 0, false},    {KEYS, 1, 0, 0, 0, false},       {SHARED, 1, 0, 0, 0, true},
-        {SHARED, 1, 0, 0, 0, false},    {SLIVER, 1, 0, 0, 0, true},      {SLIVER, 1, 0, 0, 0, false}};
+    static const trial trials[] = {{0, 1, 0, 0, 0, true},
+                                   {0, 4000, 0, 0, 0, true},
+                                   {0, 4200, 0, 0, 0, false},
+                                   {0, 1 / 4000.0, 0, 0, 0, true},
+                                   {0, 1 / 4200.0, 0, 0, 0, false},
+                                   {0, 1, 42, 0, 0, true},
+                                   {0, 1, 50, 0, 0, false},
+                                   {FLAT, 1, 0, 3, 0, true},
+                                   {FLAT, 1, 0, -0.9, 0, true},
+                                   {FLAT, 1, 0, 0, 2, true},
+                                   {FLAT, 1, 0, 0, 80, false},
+                                   {FLAT, 1, 20, -0.9, 0, false},
+                                   {FLAT, 100, 0, 50, 0, false},
+                                   {0, 1, 0, 0x1p-20, 0, true},
+                                   {0, 1, 0, 0x1p-16, 0, false},
+                                   {FLAT | MAPPED, 1, 0, 0x1p-20, 0, true},
+                                   {FLAT | MAPPED, 1, 0, 0x1p-16, 0, false},
+                                   {FLAT | MAPPED, 1, 0, 0, 0x1p-20, true},
+                                   {FLAT | MAPPED, 1, 0, 0, 0x1p-16, false},
+                                   {SECOND, 1, 0, 0, 0, true},
+                                   {FLAT | SECOND, 1, 0, 1, 0, false},
+                                   {MIRRORED, 1, 0, 0, 0, false},
+                                   {TWICE, 1, 0, 0, 0, false},
+                                   {MOVING, 1, 0, 0, 0, false},
+                                   {SPHERE, 1, 0, 0, 0, false},
+                                   {POINTS, 1, 0, 0, 0, false},
+                                   {KEYS, 1, 0, 0, 0, false},
+                                   {SHARED, 1, 0, 0, 0, true},
+                                   {SHARED, 1, 0, 0, 0, false},
+                                   {SLIVER, 1, 0, 0, 0, true},
+                                   {SLIVER, 1, 0, 0, 0, false}};
     for (size_t i = 0; i < sizeof trials / sizeof *trials; ++i) run_trial(&trials[i]);
 }
 
@@ -209,6 +283,7 @@ static void carried_meshes_look_as_in_their_frames(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_mesh_placed_once_is_carried),
+        cmocka_unit_test(normals_of_stretched_meshes_stay_across),
         cmocka_unit_test(some_meshes_keep_their_frames),
         cmocka_unit_test(carried_meshes_look_as_in_their_frames),
     };

@@ -2,37 +2,75 @@
  * No ray then has to be carried to their space and back, and where many of them lie within each other, as the
  * parts of a room do, a ray meets one structure in place of one for each.
  *
- * What shading reads keeps its meaning, because nothing is carried but by maps that turn, move and scale
- * evenly: angles stay, and triangles keep their front. What float loses stays small, too. A mesh of radius r
- * whose centre is |c| from the origin keeps 2^-24 (|c| + r) / r of its radius, 2^-18 at the distance below:
- * a hundredth of a pixel for a mesh of 2,600 pixels. No triangle may lose its area by it. */
+ * Nothing is carried in a mirror, which turns triangles over. A stretched mesh is carried if nothing of it
+ * depends on angles: normals that differ within a triangle are made unit before they are interpolated, and
+ * directions are made from texture coordinates where there are no tangents. What float loses stays small. A
+ * mesh of radius r whose centre is |c| from the origin keeps 2^-24 (|c| + r) / r of its radius, 2^-18 at the
+ * distance below: a hundredth of a pixel for a mesh of 2,600 pixels. No triangle may lose its area by it. */
 #include "base/threads.h"
 #include "scene/mesh/mesh_array.h"
 #include "scene/world/world_build.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* The farthest centre, in radii of the mesh. */
 static const double far_ratio = 63;
-/* How far columns of the map may differ in length, and lie from a right angle: as float turns lie. */
+/* How far columns of the map may differ in length, and lie from a right angle, as float turns lie: then it
+ * keeps angles. */
 static const double even_slack = 0x1p-18;
 /* Thousandths of a unit become units, and the other way; farther off, what is small in float is small. */
 static const double scale_most = 0x1p12;
+/* The volume of the axes over that of a box with their lengths, at least. */
+static const double skew_least = 0x1p-6;
 /* Vertices a triangle, at most. Meshes that share an array with many others would each copy all of it. */
 enum { VERTICES_PER_TRIANGLE = 3 };
 
 /* ---- what can be carried ---- */
 
-/* The even scale of a map, 0 where it has none or mirrors. */
-static double even_scale(const affine_f64 *map) {
-    const vec3_f64 x = {map->m[0][0], map->m[1][0], map->m[2][0]},
-                   y = {map->m[0][1], map->m[1][1], map->m[2][1]},
-                   z = {map->m[0][2], map->m[1][2], map->m[2][2]};
-    const double square = dot_f64(x, x), slack = even_slack * square;
-    const bool even = fabs(dot_f64(y, y) - square) <= 2 * slack &&
-                      fabs(dot_f64(z, z) - square) <= 2 * slack && fabs(dot_f64(x, y)) <= slack &&
-                      fabs(dot_f64(x, z)) <= slack && fabs(dot_f64(y, z)) <= slack;
-    return even && dot_f64(cross_f64(x, y), z) > 0 ? sqrt(square) : 0;
+/* The axes of a mesh in the world. */
+typedef struct mesh_axes {
+    vec3_f64 x, y, z;
+    double least, most; /* lengths */
+    double volume;      /* negative in a mirror */
+} mesh_axes;
+
+static mesh_axes axes_of(const affine_f64 *map) {
+    mesh_axes a = {affine_vector(map, vec_f64(1, 0, 0)),
+                   affine_vector(map, vec_f64(0, 1, 0)),
+                   affine_vector(map, vec_f64(0, 0, 1)),
+                   0,
+                   0,
+                   0};
+    const double x = length_f64(a.x), y = length_f64(a.y), z = length_f64(a.z);
+    a.least = fmin(x, fmin(y, z)), a.most = fmax(x, fmax(y, z));
+    a.volume = dot_f64(cross_f64(a.x, a.y), a.z);
+    return a;
+}
+
+static bool is_even(const mesh_axes *a) {
+    const double slack = even_slack * a->most;
+    return a->most - a->least <= slack && fabs(dot_f64(a->x, a->y)) <= slack * a->most &&
+           fabs(dot_f64(a->x, a->z)) <= slack * a->most && fabs(dot_f64(a->y, a->z)) <= slack * a->most;
+}
+
+static bool is_ordinary(const mesh_axes *a) {
+    return a->least >= 1 / scale_most && a->most <= scale_most &&
+           a->volume >= skew_least * length_f64(a->x) * length_f64(a->y) * length_f64(a->z);
+}
+
+static bool normals_differ(const fathom_mesh *m) {
+    const uint32_t *index = m->normal_indices ? m->normal_indices : m->indices;
+    for (size_t i = 0; m->normals && i < (size_t)m->triangle_count * 3; i += 3) {
+        const float *a = mesh_row(m->normals, m->normal_stride, index[i]);
+        for (size_t k = i + 1; k < i + 3; ++k)
+            if (memcmp(a, mesh_row(m->normals, m->normal_stride, index[k]), 3 * sizeof *a) != 0) return true;
+    }
+    return false;
+}
+
+static bool depends_on_angles(const fathom_mesh *m) {
+    return (m->uvs && !m->tangents) || m->uvs_1 || normals_differ(m);
 }
 
 /* From the mesh's own coordinates, without its origin. */
@@ -41,19 +79,24 @@ static affine_f64 map_of(const fathom_mesh *mesh, const affine_f64 *to_world) {
     return affine_compose(to_world, &shift);
 }
 
-bool world_can_carry(const fathom_scene *scene, uint32_t index, const affine_f64 *to_world) {
-    const fathom_mesh *mesh = &scene->meshes.items[index];
-    const mesh_facts *facts = &scene->mesh_facts.items[index];
-    const double scale = even_scale(to_world);
-    if (mesh->key_count || mesh->point_radius > 0 || !(scale >= 1 / scale_most && scale <= scale_most) ||
-        mesh->vertex_count / VERTICES_PER_TRIANGLE > mesh->triangle_count ||
-        mesh->normal_count / VERTICES_PER_TRIANGLE > mesh->triangle_count)
-        return false;
+static bool keeps_digits(const fathom_mesh *mesh, const mesh_facts *facts, const affine_f64 *to_world,
+                         const mesh_axes *axes) {
     const scene_bounds bounds = {widen(load_f32(facts->lower)), widen(load_f32(facts->upper))};
     const affine_f64 map = map_of(mesh, to_world);
-    const double radius = scale * bounds_radius(&bounds),
+    const double radius = axes->least * bounds_radius(&bounds),
                  distance = length_f64(affine_point(&map, bounds_center(&bounds)));
-    return distance <= far_ratio * radius && distance + radius < WORLD_REACH;
+    return distance <= far_ratio * radius && distance + axes->most / axes->least * radius < WORLD_REACH;
+}
+
+bool world_can_carry(const fathom_scene *scene, uint32_t index, const affine_f64 *to_world) {
+    const fathom_mesh *mesh = &scene->meshes.items[index];
+    const mesh_axes axes = axes_of(to_world);
+    const uint32_t vertices =
+        mesh->vertex_count > mesh->normal_count ? mesh->vertex_count : mesh->normal_count;
+    return !mesh->key_count && !(mesh->point_radius > 0) &&
+           vertices / VERTICES_PER_TRIANGLE <= mesh->triangle_count && is_ordinary(&axes) &&
+           keeps_digits(mesh, &scene->mesh_facts.items[index], to_world, &axes) &&
+           (is_even(&axes) || !depends_on_angles(mesh));
 }
 
 /* ---- carrying ---- */
@@ -102,18 +145,31 @@ static bool carry_array(world *w, fathom_mesh *mesh, mesh_kind kind, const affin
     return true;
 }
 
+/* Normals by the inverse map transposed, tangents by the map; both keep their length where it is even. */
+static bool carry_arrays(world *w, fathom_mesh *mesh, const affine_f64 *map, const affine_f64 *inverse) {
+    const mesh_axes axes = axes_of(map);
+    const double size = cbrt(axes.volume);
+    const affine_f64 larger = affine_scaling((vec3_f64){size, size, size}),
+                     smaller = affine_scaling((vec3_f64){1 / size, 1 / size, 1 / size});
+    affine_f64 transposed = affine_identity();
+    for (int i = 0; i < 9; ++i) transposed.m[i / 3][i % 3] = inverse->m[i % 3][i / 3];
+    const affine_f64 of_normals = affine_compose(&larger, &transposed),
+                     of_tangents = affine_compose(&smaller, map);
+    return carry_array(w, mesh, MESH_POSITIONS, map) && carry_array(w, mesh, MESH_NORMALS, &of_normals) &&
+           carry_array(w, mesh, MESH_TANGENTS, &of_tangents);
+}
+
 fathom_status world_carry_mesh(world *w, uint32_t index, const affine_f64 *to_world, fathom_mesh *mesh,
                                mesh_facts *facts, bool *fits) {
     fathom_context *context = w->scene->context;
-    const double scale = even_scale(to_world);
     *mesh = w->scene->meshes.items[index];
     *facts = w->scene->mesh_facts.items[index];
     const uint32_t flat = facts->flat;
-    const affine_f64 map = map_of(mesh, to_world),
-                     evenly = affine_scaling((vec3_f64){1 / scale, 1 / scale, 1 / scale}),
-                     turn = affine_compose(&evenly, &map);
-    if (!carry_array(w, mesh, MESH_POSITIONS, &map) || !carry_array(w, mesh, MESH_NORMALS, &turn) ||
-        !carry_array(w, mesh, MESH_TANGENTS, &turn))
+    const affine_f64 map = map_of(mesh, to_world);
+    affine_f64 inverse;
+    *fits = affine_invert(&map, &inverse);
+    if (!*fits) return FATHOM_OK;
+    if (!carry_arrays(w, mesh, &map, &inverse))
         return fail_memory(context, (size_t)mesh->vertex_count * 3 * sizeof(float));
     fathom_status status = mesh_look_at_vertices(context, "positions", mesh->positions, mesh->position_stride,
                                                  mesh->vertex_count, facts);
