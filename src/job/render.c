@@ -74,7 +74,7 @@ static fathom_status run_build(fathom_context *context, const world *w, fathom_f
                                trace_tracer **out) {
     static const watch_calls calls = {build_tracer, report_build};
     uint64_t other;
-    fathom_status status = scene_rest_files(w->scene);
+    fathom_status status = scene_rest_files(w->scene, w->meshes.items, w->meshes.count);
     if (status == FATHOM_OK) status = memory_besides(context, w, film, &other);
     if (status != FATHOM_OK) return status;
     build b = {.context = context,

@@ -54,19 +54,19 @@ static void merge(piece_list *list) {
 }
 
 /* In order, apart from each other. Release the items with free(). */
-static fathom_status list_pieces(const fathom_scene *scene, unsigned which, piece_list *out) {
-    size_t room = scene->meshes.count * 9;
+static fathom_status list_pieces(const fathom_scene *scene, const fathom_mesh *meshes, size_t count,
+                                 unsigned which, piece_list *out) {
+    const size_t room = count * 9;
     *out = (piece_list){malloc((room + 1) * sizeof *out->items), 0};
     if (!out->items) return fail_memory(scene->context, room * sizeof *out->items);
-    for (size_t i = 0; i < scene->meshes.count; ++i)
-        add_mesh(out, &scene->meshes.items[i], which, scene->has_maps);
+    for (size_t i = 0; i < count; ++i) add_mesh(out, &meshes[i], which, scene->has_maps);
     merge(out);
     return FATHOM_OK;
 }
 
 fathom_status scene_buffer_bytes(const fathom_scene *scene, unsigned which, uint64_t *out) {
     piece_list list;
-    fathom_status status = list_pieces(scene, which, &list);
+    fathom_status status = list_pieces(scene, scene->meshes.items, scene->meshes.count, which, &list);
     *out = 0;
     for (size_t i = 0; i < list.count; ++i) *out += list.items[i].end - list.items[i].start;
     if (which & SCENE_TRACED) *out += scene_points(scene) * WORLD_POINT_BYTES;
@@ -94,9 +94,9 @@ static void rest_around(const file_map *map, const piece_list *list) {
     rest_gap(map, at, end);
 }
 
-fathom_status scene_rest_files(const fathom_scene *scene) {
+fathom_status scene_rest_files(const fathom_scene *scene, const fathom_mesh *traced, size_t count) {
     piece_list list;
-    fathom_status status = list_pieces(scene, SCENE_TRACED, &list);
+    fathom_status status = list_pieces(scene, traced, count, SCENE_TRACED, &list);
     for (size_t i = 0; i < scene->blobs.count && status == FATHOM_OK; ++i)
         rest_around(&scene->blobs.items[i].map, &list);
     free(list.items);

@@ -93,7 +93,7 @@ static void check_file(const char *extension) {
     double normals = sum_of(mesh->normals, (mesh->normal_count - 1) * mesh->normal_stride / 4);
     const file_map *map = the_map();
     size_t before = memory_resident(), expected = map->size;
-    assert_ok(context, scene_rest_files(scene));
+    assert_ok(context, scene_rest_files(scene, scene->meshes.items, scene->meshes.count));
     size_t after = memory_resident();
     /* All of the file, which reading looked at, but what is traced, where that lies in it. */
     const unsigned char *traced = (const unsigned char *)mesh->indices;
@@ -126,7 +126,7 @@ static void other_memory_stays(void **state) {
     assert_ok(context, fathom_scene_generate(scene, FATHOM_ROOT, &options));
     const fathom_mesh *mesh = &scene->meshes.items[0];
     double before = sum_of(mesh->normals, 3 * (size_t)mesh->normal_count);
-    assert_ok(context, scene_rest_files(scene));
+    assert_ok(context, scene_rest_files(scene, scene->meshes.items, scene->meshes.count));
     assert_true(sum_of(mesh->normals, 3 * (size_t)mesh->normal_count) == before && before != 0);
 }
 
