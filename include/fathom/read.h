@@ -62,6 +62,10 @@ typedef struct fathom_read_options {
      * object named "studio floor", a grey sheet that touches the lowest point and bends up into a wall
      * behind, as far as the image shows. Default false. */
     bool floor;
+    /* An image of the sky that lights the scene in place of the file's background and environments, and of
+     * the built-in studio: see FATHOM_LIGHT_ENVIRONMENT. Its top points up. NULL (default): none. */
+    const char *environment;
+    double environment_rotation; /* radians, about the axis that is up; default 0 */
 } fathom_read_options;
 
 FATHOM_DEFAULT(fathom_read_options)

@@ -163,9 +163,11 @@ typedef struct fathom_light {
     float angular_radius; /* directional: of the disc it fills in the sky; radians, [0, pi/2); default 0 */
     /* Environment: an equirectangular image in any format that OpenImageIO reads, its radiance times
      * `intensity`. Its centre lies towards -z, the up axis is y. `rotation` turns it about y, radians,
-     * counter-clockwise from above; default 0. The text is copied. */
+     * counter-clockwise from above; default 0. Then the shortest turn takes its top from y to `up`, which
+     * need not be unit; default (0,1,0). The text is copied. */
     const char *file;
     double rotation;
+    double up[3];
 } fathom_light;
 
 FATHOM_DEFAULT(fathom_light)

@@ -110,6 +110,13 @@ static fathom_status finish(fathom_context *context, environment **e) {
     return fail_memory(context, bytes);
 }
 
+/* By the shortest turn from y to the unit vector `up`. */
+static vec3_f64 turned_up(vec3_f64 v, vec3_f64 up) {
+    const vec3_f64 both = {up.x, up.y + 1, up.z};
+    if (!(both.y > 1e-12)) return (vec3_f64){v.x, -v.y, -v.z};
+    return madd_f64(madd_f64(v, -dot_f64(both, v) / both.y, both), 2 * v.y, up);
+}
+
 static fathom_status prepare(fathom_context *context, const fathom_light *light, const image *img,
                              environment **out) {
     const size_t count = (size_t)img->width * img->height;
@@ -119,8 +126,9 @@ static fathom_status prepare(fathom_context *context, const fathom_light *light,
     environment *e = make(context, img->width, img->height);
     if (!e) return FATHOM_OUT_OF_RESOURCES;
     const double cosine = cos(light->rotation), sine = sin(light->rotation);
-    e->sky.axes[0] = (vec3_f64){cosine, 0, -sine}, e->sky.axes[1] = (vec3_f64){0, 1, 0};
-    e->sky.axes[2] = (vec3_f64){sine, 0, cosine};
+    const vec3_f64 up = normalize_f64(load_f64(light->up));
+    e->sky.axes[0] = turned_up((vec3_f64){cosine, 0, -sine}, up), e->sky.axes[1] = up;
+    e->sky.axes[2] = turned_up((vec3_f64){sine, 0, cosine}, up);
     fathom_status status = load_texels(context, light, img, e);
     if (status != FATHOM_OK) {
         environment_destroy(e);

@@ -223,11 +223,35 @@ static fathom_status check_asked(const fathom_scene *scene, const char *path) {
                          "has nothing that moves, and is the same at all times; animations of .gltf and .glb "
                          "files move, and motion in scene JSON");
     }
-    if (asked->up != FATHOM_UP_Y && scene->has_camera) {
+    if (asked->up != FATHOM_UP_Y && scene->has_camera && !asked->environment) {
         warn(scene->context, "%s: has a camera of its own, so nothing follows from which axis is up", path);
     }
     scene_warn_shape(scene, path);
     return FATHOM_OK;
+}
+
+static void drop_environments(fathom_scene *scene) {
+    size_t kept = 0;
+    for (size_t i = 0; i < scene->grouped_lights.count; ++i) {
+        const scene_grouped_light g = scene->grouped_lights.items[i];
+        if (g.source != FATHOM_SOURCE_ENVIRONMENT) scene->grouped_lights.items[kept++] = g;
+    }
+    scene->grouped_lights.count = kept;
+    scene->environments.count = 0;
+}
+
+static fathom_status set_environment(fathom_scene *scene) {
+    const fathom_read_options *asked = scene->asked;
+    fathom_light light;
+    if (!asked->environment) return FATHOM_OK;
+    drop_environments(scene);
+    memset(scene->background, 0, sizeof scene->background);
+    scene->has_background = false;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_ENVIRONMENT;
+    light.file = asked->environment, light.rotation = asked->environment_rotation;
+    if (asked->up == FATHOM_UP_Z) light.up[1] = 0, light.up[2] = 1;
+    return fathom_scene_add_light(scene, &light, NULL);
 }
 
 static fathom_status read_and_complete(fathom_scene *scene, const char *path) {
@@ -235,6 +259,7 @@ static fathom_status read_and_complete(fathom_scene *scene, const char *path) {
     if (status == FATHOM_OK) status = check_asked(scene, path);
     if (status == FATHOM_OK) status = open_shutter(scene, path);
     if (status == FATHOM_OK) status = pose_vertices(scene);
+    if (status == FATHOM_OK) status = set_environment(scene);
     if (status != FATHOM_OK) return status;
     status = fathom_scene_complete(scene);
     if (status == FATHOM_OK && scene->asked->floor) status = scene_add_floor(scene);

@@ -56,7 +56,10 @@ static void hash_light(hash *h, const fathom_light *l) {
 }
 
 /* Not where its file lies; that is hashed whole. */
-static void hash_environment(hash *h, const fathom_light *l) { PUT(h, l->intensity), PUT(h, l->rotation); }
+static void hash_environment(hash *h, const fathom_light *l) {
+    PUT(h, l->intensity), PUT(h, l->rotation);
+    if (l->up[0] != 0 || l->up[1] != 1 || l->up[2] != 0) PUT(h, l->up);
+}
 
 /* Nor where its image lies. */
 static void hash_texture(hash *h, const fathom_texture *t) {

@@ -203,7 +203,8 @@ fathom_id scene_object_material(const fathom_scene *scene, fathom_id id) {
 SIZED_DEFAULT(fathom_light, {.type = FATHOM_LIGHT_POINT,
                              .direction = {0, -1, 0},
                              .intensity = {1, 1, 1},
-                             .outer_angle = 0.785398163f})
+                             .outer_angle = 0.785398163f,
+                             .up = {0, 1, 0}})
 
 static fathom_status check_light(fathom_context *context, const fathom_light *light) {
     const vec3_f64 direction = load_f64(light->direction);
@@ -238,6 +239,8 @@ static fathom_status add_environment(fathom_scene *scene, const fathom_light *li
         return fail_field(context, FATHOM_BAD_INPUT, "file", "expected the path of an image");
     if (!isfinite(light->rotation))
         return fail_field(context, FATHOM_BAD_INPUT, "rotation", "expected a finite number");
+    if (!finite_f64(load_f64(light->up)) || length_f64(load_f64(light->up)) == 0)
+        return fail_field(context, FATHOM_BAD_INPUT, "up", "expected a finite vector that is not zero");
     fathom_status status = copy_text(context, light->file, &file);
     if (status == FATHOM_OK) status = scene_adopt(scene, file, free);
     if (status != FATHOM_OK) return status;

@@ -178,8 +178,8 @@ enum { SCENE_TRACED = 1, SCENE_SHADED = 2, SCENE_UNREAD = 4, SCENE_BUFFERS = 7 }
 /* The bytes of these arrays of all meshes; shared bytes count once. The spheres that a world makes of points
  * are among what is traced. */
 fathom_status scene_buffer_bytes(const fathom_scene *scene, unsigned which, uint64_t *out);
-/* Releases the memory under the scene's mapped files, except what tracers read of these meshes. Pages that are
- * read again come back. */
+/* Releases the memory under the scene's mapped files, except what tracers read of these meshes. Pages that
+ * are read again come back. */
 fathom_status scene_rest_files(const fathom_scene *scene, const fathom_mesh *traced, size_t count);
 /* fathom_scene_check_files(), about once a second of calls: *next is 0 at first. */
 fathom_status scene_watch_files(const fathom_scene *scene, double *next);

@@ -147,7 +147,7 @@ static form_light_id light_id(const fathom_light *light) {
 
 static void put_light(const json_out *o, const fathom_light *light, fathom_id id, const char *file) {
     const bool sky = light->type == FATHOM_LIGHT_ENVIRONMENT;
-    const form_light_values usual = {.color = {1, 1, 1}, .intensity = 1};
+    const form_light_values usual = {.color = {1, 1, 1}, .intensity = 1, .up = {0, 1, 0}};
     form_light_values v = {.intensity = 1, .radius = light->radius, .file = file};
     const char *comma = "";
     memcpy(v.color, light->intensity, sizeof v.color);
@@ -157,6 +157,7 @@ static void put_light(const json_out *o, const fathom_light *light, fathom_id id
     v.outer_angle = fmin(degrees((double)light->outer_angle), 90); /* the float next to pi/2 is above it */
     v.angular_diameter = 2 * degrees((double)light->angular_radius);
     v.rotation = degrees(light->rotation);
+    memcpy(v.up, light->up, sizeof v.up);
     v.group = json_light_group(o->scene, sky ? FATHOM_SOURCE_ENVIRONMENT : FATHOM_SOURCE_LIGHT, id);
     file_writer_print(o->stream.file, "{");
     form_put(o->stream.file, form_variant(&form_light, (int)light_id(light)), &v, &usual, &comma);

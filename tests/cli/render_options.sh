@@ -179,3 +179,35 @@ silent out.txt
 silent err.txt
 run 0 render scene.json -o a.png -v
 for line in scene tracer seconds rays memory; do grep -q "^$line  " out.txt || die "-v says no $line"; done
+
+# An image of the sky lights a model, and takes the place of a scene's background and environments.
+printf 'PF\n4 2\n-1.0\n' >sky.pfm
+python3 -c 'import struct, sys
+sys.stdout.buffer.write(struct.pack("<24f", *([0.1] * 12 + [0.5, 0.6, 0.9] * 2 + [4, 3, 2] + [0.5, 0.6, 0.9])))' >>sky.pfm
+run 0 generate sphere --triangles 2k -o ball.glb
+for option in '' '--up z' '--environment-rotation 90'; do
+    # shellcheck disable=SC2086
+    run 0 render ball.glb -o ball.png --size 64x48 --spp 4 --environment sky.pfm $option
+    [ ! -e before.png ] || differ before.png ball.png
+    cp ball.png before.png
+done
+printf '{ "image": { "width": 64, "height": 48, "spp": 4 }, "camera": { "eye": [0, 0, 4], "target": [0, 0, 0] },
+  "background": [9, 0, 0], "lights": [%s],
+  "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }' \
+    '{ "type": "environment", "file": "sky.pfm", "intensity": 7, "group": "sky" },
+     { "type": "environment", "file": "sky.pfm", "group": "second" }' >skies.json
+printf '{ "image": { "width": 64, "height": 48, "spp": 4 }, "camera": { "eye": [0, 0, 4], "target": [0, 0, 0] },
+  "lights": [ { "type": "environment", "file": "sky.pfm", "rotation": 30 } ],
+  "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }' >one_sky.json
+run 0 render skies.json -o a.exr --aov lightGroups --environment sky.pfm --environment-rotation 30
+run 0 render skies.json -o a.png --environment sky.pfm --environment-rotation 30
+run 0 render one_sky.json -o b.png
+same a.png b.png
+run 2 render ball.glb -o a.png --environment sky.pfm --background 1,1,1
+said err.txt 'environment and --background exclude each other'
+run 2 render ball.glb -o a.png --environment-rotation 5
+said err.txt 'only with --environment FILE'
+run 2 render ball.glb -o a.png --environment sky.pfm --integrator classic
+said err.txt 'the classic integrator has no light from images'
+run 3 render ball.glb -o a.png --environment no.hdr
+said err.txt 'no.hdr'

@@ -41,10 +41,13 @@ static void write_sky(void) {
     assert_ok(context, exr_write_plain(context, &img, in_folder("sky.exr")));
 }
 
+static const double *sky_up; /* NULL: the default */
+
 static void add_sky(double rotation) {
     fathom_light light;
     fathom_light_default(&light);
     light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder("sky.exr"), light.rotation = rotation;
+    if (sky_up) memcpy(light.up, sky_up, sizeof light.up);
     assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
 }
 
@@ -158,17 +161,23 @@ static void radiance_is_interpolated(void **state) {
  * texels around it, and is as strong as it is at its own. */
 static void an_image_lies_as_documented(void **state) {
     (void)state;
-    for (int turn = 0; turn < 2; ++turn) {
+    static const double ups[4][3] = {{0, 1, 0}, {0, 2, 0}, {0, 0, 3}, {0, -1, 0}};
+    for (int turn = 0; turn < 4; ++turn) {
         float *bright = texels[(HEIGHT / 2 - 1) * WIDTH + WIDTH / 2];
         bright[0] = bright[1] = 7;
-        open_sky(turn * M_PI / 2);
+        sky_up = ups[turn];
+        open_sky(turn == 1 ? M_PI / 2 : 0);
+        sky_up = ups[0];
         random_state r = {2};
         emitter_sample s;
         draw(&r, nowhere, &s);
         const double step = M_PI / HEIGHT;
         for (int i = 0; i < LANES; ++i) {
             vec3_f64 d = widen(lane(s.direction, i));
-            double right = turn ? -d.z : d.x, ahead = turn ? -d.x : -d.z;
+            if (turn == 2)
+                d = vec_f64(d.x, d.z, -d.y); /* the image's top points along z, its centre along y */
+            if (turn == 3) d = vec_f64(d.x, -d.y, -d.z);
+            double right = turn == 1 ? -d.z : d.x, ahead = turn == 1 ? -d.x : -d.z;
             const double phi = atan2(right, ahead) - step / 2, height = asin(d.y) - step / 2;
             assert_true(fabs(phi) < step && fabs(height) < step);
             assert_near((double)s.radiance[0][i], 7 * (1 - fabs(phi) / step) * (1 - fabs(height) / step),
@@ -453,6 +462,8 @@ static void an_environment_needs_a_file(void **state) {
     assert_fails(context, fathom_scene_add_light(scene, &light, NULL), FATHOM_BAD_INPUT, "file");
     light.file = in_folder("sky.exr"), light.rotation = NAN;
     assert_fails(context, fathom_scene_add_light(scene, &light, NULL), FATHOM_BAD_INPUT, "rotation");
+    light.rotation = 0, light.up[1] = 0;
+    assert_fails(context, fathom_scene_add_light(scene, &light, NULL), FATHOM_BAD_INPUT, "up: expected");
 }
 
 static void another_image_is_another_scene(void **state) {
@@ -467,6 +478,9 @@ static void another_image_is_another_scene(void **state) {
     assert_true(before != after);
     scene->environments.items[0].rotation = 1;
     assert_ok(context, scene_fingerprint(scene, &before));
+    assert_true(before != after);
+    scene->environments.items[0].up[0] = 1;
+    assert_ok(context, scene_fingerprint(scene, &after));
     assert_true(before != after);
 }
 

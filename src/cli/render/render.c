@@ -72,6 +72,8 @@ static fathom_status read_scene(task *s) {
     fathom_read_options read = command_read_options(&o->model);
     read.without_uvs = true;
     read.floor = !o->no_floor && !o->background.given && !(o->settings.aovs & FATHOM_AOV_ALPHA);
+    read.environment = o->environment;
+    read.environment_rotation = o->environment_rotation * (3.14159265358979323846 / 180);
     read.width = o->size.width, read.height = o->size.height;
     read.choose_integrator = render_options_give(o, "integrator"), read.integrator = o->asked.integrator;
     const double began = clock_seconds();

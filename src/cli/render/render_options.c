@@ -141,9 +141,17 @@ static const args_option own_options[] = {
      "1280x720)"},
     {"background", 0, "R,G,B", take_rgb, FIELD(background), 0, 1e9,
      "linear Rec.709 colour of rays that hit nothing (the scene's)"},
+    {"environment", 0, "FILE", take_text, FIELD(environment), 0, 0,
+     "light from all around by an equirectangular image, such as .hdr or .exr, in place of the background "
+     "and "
+     "the environments of SCENE and of the built-in studio; its top points to where --up says (path "
+     "tracing)"},
+    {"environment-rotation", 0, "DEGREES", take_f64, FIELD(environment_rotation), -1e6, 1e6,
+     "turn it about the axis that is up, counter-clockwise from above (0)"},
     {"no-floor", 0, NULL, take_true, FIELD(no_floor), 0, 0,
-     "let a model that the built-in studio lights float in it; with --background and with the AOV alpha, "
-     "which shows nothing but the model, there is no floor anyway"},
+     "let a model that the built-in studio lights float in it; with --background, with --environment and "
+     "with "
+     "the AOV alpha, which shows nothing but the model, there is no floor anyway"},
 
     {.help = "Sampling to an error or a time (with the pattern sobol)"},
 
@@ -391,10 +399,22 @@ static bool check_frames(const render_options *options, args_problem *problem) {
     return !options->mpi || args_wrong(problem, "--mpi: renders one image; expected no --frames");
 }
 
+static bool check_environment(const render_options *options, args_problem *problem) {
+    if (!options->environment)
+        return options->environment_rotation == 0 ||
+               args_wrong(problem, "--environment-rotation: only with --environment FILE");
+    if (options->background.given)
+        return args_wrong(problem, "--environment and --background exclude each other");
+    return options->settings.integrator != FATHOM_INTEGRATOR_CLASSIC ||
+           args_wrong(problem,
+                      "--environment: the classic integrator has no light from images; expected path "
+                      "tracing, by --integrator path");
+}
+
 bool render_options_finish(render_options *options, const fathom_settings *scene, args_problem *problem) {
     if (!check_frames(options, problem) || !part_options_finish(options, problem)) return false;
     if (!options->outputs.count && !options->part.path) return args_wrong(problem, "-o IMAGE is missing");
-    if (!merge(options, scene, problem)) return false;
+    if (!merge(options, scene, problem) || !check_environment(options, problem)) return false;
     if (options->quiet && options->verbose)
         return args_wrong(problem, "--quiet and --verbose exclude each other");
     if (!options->checkpoint && (options->resume || options->checkpoint_every >= 0)) {

@@ -27,6 +27,8 @@ typedef struct render_options {
     unsigned threads; /* 0: all processors */
     render_background background;
     bool no_floor;
+    const char *environment;     /* NULL: none */
+    double environment_rotation; /* degrees */
     fathom_write_options write;
     bool exposure_auto; /* found once the film is there */
     fathom_loss loss;

@@ -170,6 +170,7 @@ static void set_light(json_t *value, const form_light_values *v, fathom_light *l
     light->outer_angle = (float)place_radians(v->outer_angle);
     light->radius = v->radius;
     light->rotation = place_radians(v->rotation);
+    memcpy(light->up, v->up, sizeof light->up);
 }
 
 /* The image's path, next to the scene file. */
@@ -198,7 +199,8 @@ static fathom_status add_light(const object_reader *r, const where *at, json_t *
     const form *f;
     fathom_status status = doc_choose(r->doc, at, value, &form_light, &f);
     if (status != FATHOM_OK) return status;
-    form_light_values v = {.color = {1, 1, 1}, .intensity = 1, .outer_angle = 45, .angular_diameter = 0.53};
+    form_light_values v = {
+        .color = {1, 1, 1}, .intensity = 1, .outer_angle = 45, .angular_diameter = 0.53, .up = {0, 1, 0}};
     status = doc_read(r->doc, at, value, f, &v);
     if (status != FATHOM_OK) return status;
     fathom_light light;

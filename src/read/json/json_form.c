@@ -233,6 +233,7 @@ static const form_key sun_keys[] = {
 static const form_key environment_keys[] = {
     {"file", FORM_TEXT, AT(form_light_values, file), .required = true},
     {"rotation", FORM_F64, AT(form_light_values, rotation)},
+    {"up", FORM_F64, AT(form_light_values, up), .count = 3, .nonzero = true},
     END_KEYS,
 };
 static const form_key spot_keys[] = {

@@ -132,6 +132,7 @@ typedef struct form_light_values {
     double position[3], direction[3], target[3];
     float color[3], intensity, radiant_intensity, irradiance, radius;
     double inner_angle, outer_angle, angular_diameter, rotation; /* degrees */
+    double up[3];
 } form_light_values;
 
 typedef struct form_turn_values {
