@@ -47,7 +47,8 @@ keep() { # tool
 clang_warnings() {
     command -v clang >/dev/null || { echo "no clang: passed by"; return 1; }
     configure "$build/clang" -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++
-    commands "$build/clang" | sed -E 's# -o [^ ]+ -c # -fsyntax-only -fno-caret-diagnostics #' | (
+    # Those of the sources: others are made by the build.
+    commands "$build/clang" | awk -v folder="$source/" 'index($NF, folder) == 1' | sed -E 's# -o [^ ]+ -c # -fsyntax-only -fno-caret-diagnostics #' | (
         cd "$build/clang"
         tr '\n' '\0' | xargs -0 -P "$jobs" -n 1 sh -c 'eval "LC_ALL=C $0" 2>&1 || echo "${0##* }:1: error: does not compile [clang]"'
     ) | sed -E 's#\[-W([^][]*)\]$#[\1]#' | keep clang

@@ -46,7 +46,7 @@ static void halves_of_rows_are_those_of_values(void **state) {
             for (uint32_t k = 0; k < 3; ++k) {
                 const uint32_t bits = (i << 12) + k - 1;
                 memcpy(&values[count], &bits, sizeof bits);
-                count += isfinite(values[count]);
+                count += isfinite(values[count]) != 0;
             }
         }
         half_from_floats(values, count, halves);

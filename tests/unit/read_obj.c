@@ -343,8 +343,7 @@ static void omissions_are_reported(void **state) {
         ":10: lines of less than 2 corners are left out (1 such)",
         ":11: statements that are not read",
         ":12: mtllib: there is no file \"none.mtl\"",
-        ":16: a face has uvs or normals at some corners and not at others; it gets none "
-        "(1 such)",
+        ":16: a face has uvs or normals at some corners and not at others; it gets none (1 such)",
         ":13: usemtl: no material \"x\" is defined"};
     for (size_t i = 0; i < sizeof expected / sizeof *expected; ++i) {
         if (!strstr(mesh_warnings, expected[i])) fail_msg("no \"%s\" in:\n%s", expected[i], mesh_warnings);

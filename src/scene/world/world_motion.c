@@ -203,14 +203,17 @@ bool world_add_vertex_motion(world *w, world_geometry *geometry, fathom_mesh *me
     const size_t points = 3 * (size_t)mesh->vertex_count, normals = 3 * (size_t)mesh->normal_count;
     world_vertex_motion made = {.steps = (uint32_t)steps, .positions = world_new_rows(steps, points)};
     if (mesh->normals) made.normals = world_new_rows(steps, normals);
-    if (!made.positions || (mesh->normals && !made.normals) ||
-        !(still
-              ? array_push(&w->still_vertices, made.positions) && array_push(&w->still_vertices, made.normals)
-              : array_push(&w->vertex_motions, made))) {
+    const bool room = still ? array_room(&w->still_vertices, 2) : array_room(&w->vertex_motions, 1);
+    if (!room || !made.positions || (mesh->normals && !made.normals)) {
         free(made.positions);
         free(made.normals);
         return false;
     }
+    if (still)
+        w->still_vertices.items[w->still_vertices.count++] = made.positions,
+        w->still_vertices.items[w->still_vertices.count++] = made.normals;
+    else
+        w->vertex_motions.items[w->vertex_motions.count++] = made;
     for (size_t k = 0; k < steps; ++k) {
         const double u = still ? 0 : (double)k / (double)(steps - 1);
         const double time = shutter[0] + u * (shutter[1] - shutter[0]);
