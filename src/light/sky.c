@@ -41,7 +41,7 @@ static double row_angle(const sky_image *s, uint32_t row) {
     return row == 0 ? 0 : (row > s->height ? SHAPE_PI : SHAPE_PI * (row - 0.5) / s->height);
 }
 
-/* Of a row of cells: half as high at the poles. */
+/* A row of cells, which is half as high at the poles. */
 typedef struct sky_row {
     double angle; /* to +y, of its middle */
     double solid; /* angle of a cell: cos a - cos b = 2 sin((a+b)/2) sin((b-a)/2) */

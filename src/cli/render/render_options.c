@@ -142,16 +142,14 @@ static const args_option own_options[] = {
     {"background", 0, "R,G,B", take_rgb, FIELD(background), 0, 1e9,
      "linear Rec.709 colour of rays that hit nothing (the scene's)"},
     {"environment", 0, "FILE", take_text, FIELD(environment), 0, 0,
-     "light from all around by an equirectangular image, such as .hdr or .exr, in place of the background "
-     "and "
-     "the environments of SCENE and of the built-in studio; its top points to where --up says (path "
-     "tracing)"},
+     "light from all around by an equirectangular image, such as .hdr or .exr, in place of the "
+     "background and the environments of SCENE and of the built-in studio; its top points to where --up "
+     "says (path tracing)"},
     {"environment-rotation", 0, "DEGREES", take_f64, FIELD(environment_rotation), -1e6, 1e6,
      "turn it about the axis that is up, counter-clockwise from above (0)"},
     {"no-floor", 0, NULL, take_true, FIELD(no_floor), 0, 0,
-     "let a model that the built-in studio lights float in it; with --background, with --environment and "
-     "with "
-     "the AOV alpha, which shows nothing but the model, there is no floor anyway"},
+     "let a model that the built-in studio lights float in it; with --background, with --environment "
+     "and with the AOV alpha, which shows nothing but the model, there is no floor anyway"},
 
     {.help = "Sampling to an error or a time (with the pattern sobol)"},
 

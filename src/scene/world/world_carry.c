@@ -4,7 +4,7 @@
  *
  * Nothing is carried in a mirror, which turns triangles over. A stretched mesh is carried if nothing of it
  * depends on angles: normals that differ within a triangle are made unit before they are interpolated, and
- * directions are made from texture coordinates where there are no tangents. What float loses stays small. A
+ * directions are made from texture coordinates where there are no tangents. Float loses little of it. A
  * mesh of radius r whose centre is |c| from the origin keeps 2^-24 (|c| + r) / r of its radius, 2^-18 at the
  * distance below: a hundredth of a pixel for a mesh of 2,600 pixels. No triangle may lose its area by it. */
 #include "base/threads.h"

@@ -280,10 +280,11 @@ static fathom_status carry_all(placer *p, uint32_t group, const affine_f64 *to_w
     return FATHOM_OK;
 }
 
-static void take_back(world *w, size_t geometries, size_t meshes, size_t arrays) {
+static void take_back(world *w, size_t geometries, size_t meshes, size_t arrays, uint64_t bytes) {
     while (w->still_vertices.count > arrays) free(w->still_vertices.items[--w->still_vertices.count]);
     w->geometries.count = geometries;
     w->meshes.count = w->mesh_facts.count = w->mesh_objects.count = meshes;
+    w->carried_bytes = bytes;
 }
 
 static fathom_status join_carried(placer *p, uint32_t group, const affine_f64 *to_world) {
@@ -293,12 +294,10 @@ static fathom_status join_carried(placer *p, uint32_t group, const affine_f64 *t
     bool fits = true;
     const fathom_status status = carry_all(p, group, to_world, &fits);
     if (status != FATHOM_OK) return status;
-    if (fits) {
-        p->first_part[group] = 0, p->part_count[group] = 0;
-    } else {
-        take_back(w, geometries, meshes, arrays);
-        w->carried_bytes = bytes;
-    }
+    if (fits)
+        p->first_part[group] = 0, p->part_count[group] = 0; /* nothing is left to make */
+    else
+        take_back(w, geometries, meshes, arrays, bytes);
     return FATHOM_OK;
 }
 
