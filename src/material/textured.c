@@ -33,11 +33,9 @@ static bool any_colors(const world *w, unsigned channels) {
     }
     return false;
 }
-static bool is_directed(const fathom_material *m) { return !is_classic(m) && m->anisotropy > 0; }
-
 static bool any_directed(const fathom_scene *scene) {
     for (size_t i = 0; i < scene->materials.count; ++i) {
-        if (is_directed(&scene->materials.items[i].value)) return true;
+        if (material_is_directed(&scene->materials.items[i].value)) return true;
     }
     return false;
 }
@@ -56,7 +54,7 @@ fathom_status texturing_create(fathom_context *context, const world *w, uint64_t
         t->plans[i].material = &scene->materials.items[i].value;
         for (int k = 0; k < FATHOM_MAPS; ++k) plan_map(&t->plans[i], k);
         texturing_plan_parameters(&t->plans[i]);
-        t->plans[i].directed = is_directed(t->plans[i].material);
+        t->plans[i].directed = material_is_directed(t->plans[i].material);
         if (t->plans[i].directed) t->plans[i].sets |= 1;
     }
     fathom_status status = texturing_make_tangents(context, t);

@@ -59,7 +59,7 @@ static fathom_status list_pieces(const fathom_scene *scene, const fathom_mesh *m
     const size_t room = count * 9;
     *out = (piece_list){malloc((room + 1) * sizeof *out->items), 0};
     if (!out->items) return fail_memory(scene->context, room * sizeof *out->items);
-    for (size_t i = 0; i < count; ++i) add_mesh(out, &meshes[i], which, scene->has_maps);
+    for (size_t i = 0; i < count; ++i) add_mesh(out, &meshes[i], which, scene->uses_uvs);
     merge(out);
     return FATHOM_OK;
 }

@@ -213,7 +213,7 @@ static bool hash_arrays(const fathom_scene *scene, pieces *p) {
     for (size_t i = 0; i < scene->meshes.count; ++i) {
         const fathom_mesh *m = &scene->meshes.items[i];
         if (!add_arrays(p, m, false) || !add_keys(p, m)) return false;
-        if (scene->has_maps && !add_arrays(p, m, true)) return false;
+        if (scene->uses_uvs && !add_arrays(p, m, true)) return false;
     }
     p->hashes = malloc((p->list.count + 1) * sizeof *p->hashes);
     if (!p->hashes) return false;

@@ -127,6 +127,10 @@ bool material_has_maps(const fathom_material *m) {
     return false;
 }
 
+bool material_is_directed(const fathom_material *m) {
+    return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->anisotropy > 0;
+}
+
 float material_opacity(const fathom_material *m) {
     return m->opacity_cutoff > 0 ? (m->opacity >= m->opacity_cutoff ? 1.0f : 0.0f) : m->opacity;
 }
@@ -157,6 +161,7 @@ fathom_status fathom_scene_add_material_sized(fathom_scene *scene, const char *n
         return fail_memory(scene->context, sizeof entry);
     }
     scene->has_maps |= material_has_maps(&entry.value);
+    scene->uses_uvs |= scene->has_maps || material_is_directed(&entry.value);
     if (out) *out = (fathom_id)(scene->materials.count - 1);
     return FATHOM_OK;
 }

@@ -98,6 +98,7 @@ struct fathom_scene {
     } made;           /* by fathom_scene_complete(); writers leave it out */
     bool without_uvs; /* texture coordinates are not taken where no material has a use for them */
     bool has_maps;    /* some material takes parameters from images */
+    bool uses_uvs;    /* or stretches reflections along u */
     fathom_settings settings;
     char *tracer; /* of the settings; NULL: none */
 };
@@ -131,12 +132,14 @@ fathom_id scene_find_material(const fathom_scene *scene, const char *name);
 
 /* True when some parameter comes from an image. */
 bool material_has_maps(const fathom_material *material);
+/* True when it asks for the way of u on the surface. */
+bool material_is_directed(const fathom_material *material);
 /* The opacity, or with a cutoff 0 or 1. */
 float material_opacity(const fathom_material *material);
 
 /* Texture coordinates of what is added now are kept. Materials come before the shapes that wear them. */
 static inline bool scene_keeps_uvs(const fathom_scene *scene) {
-    return !scene->without_uvs || scene->has_maps;
+    return !scene->without_uvs || scene->uses_uvs;
 }
 
 /* True when paths meet none of the lights, because they were made up, and the studio or a shining background
