@@ -10,6 +10,7 @@ extern "C" {
 
 /* What the numbers of an image mean. Alpha is always linear. */
 typedef enum fathom_color_space {
+    FATHOM_COLOR_AUTO,   /* linear where the image has halfs or floats, sRGB where it has integers */
     FATHOM_COLOR_SRGB,   /* colours of Rec.709 through the curve of IEC 61966-2-1 */
     FATHOM_COLOR_LINEAR, /* linear Rec.709, or data: the numbers are taken as they are */
     FATHOM_COLOR_NAMED   /* color_space_name, a space of the OpenColorIO config */
@@ -43,7 +44,7 @@ typedef struct fathom_texture {
     const char
         *mime; /* the declared type of `bytes`, "image/png"; NULL: none. A warning says if it is wrong */
     const char *name;               /* for messages; NULL: the file */
-    fathom_color_space color_space; /* default FATHOM_COLOR_SRGB */
+    fathom_color_space color_space; /* default FATHOM_COLOR_AUTO */
     const char *color_space_name;   /* of FATHOM_COLOR_NAMED */
     fathom_wrap wrap_u, wrap_v;     /* default FATHOM_WRAP_REPEAT */
     fathom_texture_filter filter;   /* default FATHOM_TEXTURE_TRILINEAR */

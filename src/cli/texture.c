@@ -16,7 +16,8 @@ static fathom_texture describe(const texture_settings *settings) {
     fathom_texture t;
     fathom_texture_default(&t);
     t.file = settings->input;
-    t.color_space = strcmp(settings->color, "srgb") == 0     ? FATHOM_COLOR_SRGB
+    t.color_space = strcmp(settings->color, "auto") == 0     ? FATHOM_COLOR_AUTO
+                    : strcmp(settings->color, "srgb") == 0   ? FATHOM_COLOR_SRGB
                     : strcmp(settings->color, "linear") == 0 ? FATHOM_COLOR_LINEAR
                                                              : FATHOM_COLOR_NAMED;
     t.color_space_name = settings->color;
@@ -39,7 +40,7 @@ static fathom_status check_and_write(fathom_context *context, void *user) {
 }
 
 static fathom_status run(int argc, char **argv) {
-    texture_settings settings = {.color = "srgb"};
+    texture_settings settings = {.color = "auto"};
     return command_run(&command_texture, argc, argv, &settings, check_and_write);
 }
 
@@ -47,8 +48,8 @@ static const args_option options[] = {
     {.help = "Options"},
     {"output", 'o', "FILE", take_text, offsetof(texture_settings, output), 0, 0, ".tx, .tif or .tiff"},
     {"color", 0, "SPACE", take_text, offsetof(texture_settings, color), 0, 0,
-     "what the numbers mean: srgb, linear (also data such as normals), or a color space of the OpenColorIO "
-     "config, which becomes linear Rec.709 (srgb)"},
+     "what the numbers mean: srgb, linear (also data such as normals), auto: srgb of integers and linear of "
+     "halfs and floats, or a color space of the OpenColorIO config, which becomes linear Rec.709 (auto)"},
     COMMAND_THREADS,
     COMMAND_QUIET("only errors and warnings"),
     {.help = NULL},

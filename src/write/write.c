@@ -135,11 +135,12 @@ static size_t count_maps(const fathom_scene *scene, bool sheared) {
     return count;
 }
 
-/* Models read colours as sRGB and numbers as linear; an alpha is the same in either. */
+/* Models read integers of colours as sRGB, and numbers as linear; an alpha is the same in either. */
 static bool has_own_space(const fathom_scene *scene, const fathom_map *map, int kind) {
-    const fathom_color_space usual = form_map_is_color(kind) ? FATHOM_COLOR_SRGB : FATHOM_COLOR_LINEAR;
+    const fathom_color_space usual = form_map_is_color(kind) ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
     const fathom_color_space space = scene->textures.items[map->texture].color_space;
-    return space == FATHOM_COLOR_NAMED || (space != usual && map->channel != 3);
+    const bool color = usual == FATHOM_COLOR_AUTO && space == FATHOM_COLOR_SRGB;
+    return space == FATHOM_COLOR_NAMED || (space != usual && !color && map->channel != 3);
 }
 
 static size_t count_spaces(const fathom_scene *scene) {

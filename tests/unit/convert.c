@@ -193,7 +193,7 @@ static void every_image_reads_back(void **state) {
         const int kind = i / FORMATS, format = i % FORMATS, channel = channel_of(kind);
         if (kind == FATHOM_MAP_SHININESS || (format == GLB && channel < 0)) continue;
         fathom_texture image = texture;
-        image.color_space = kind == FATHOM_MAP_COLOR ? FATHOM_COLOR_SRGB : FATHOM_COLOR_LINEAR;
+        image.color_space = kind == FATHOM_MAP_COLOR ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
         fathom_material given;
         fathom_material_default(&given);
         given.model = FATHOM_MODEL_METALLIC_ROUGHNESS;

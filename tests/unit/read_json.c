@@ -380,7 +380,7 @@ static void textures(void **state) {
     assert_near(m[FATHOM_MAP_COLOR].transform[0], 0, 1e-6);
     assert_near(m[FATHOM_MAP_COLOR].transform[5], 0.5, 0);
     assert_int_equal(m[FATHOM_MAP_COLOR].uv_set, 1);
-    assert_int_equal(t[m[FATHOM_MAP_COLOR].texture].color_space, FATHOM_COLOR_SRGB);
+    assert_int_equal(t[m[FATHOM_MAP_COLOR].texture].color_space, FATHOM_COLOR_AUTO);
     assert_int_equal(t[m[FATHOM_MAP_COLOR].texture].wrap_u, FATHOM_WRAP_CLAMP);
     assert_int_equal(t[m[FATHOM_MAP_COLOR].texture].wrap_v, FATHOM_WRAP_MIRROR);
     assert_int_equal(t[m[FATHOM_MAP_COLOR].texture].filter, FATHOM_TEXTURE_NEAREST);

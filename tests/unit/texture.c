@@ -178,11 +178,11 @@ typedef struct format {
  * most 2^-12, and RGBE, cut off, by 2^-7 of the largest channel, which is at most 1. JPEG loses what it
  * likes: only its size and channels count here. */
 static const format formats[] = {
-    {"a.ppm", "pnm", FATHOM_COLOR_SRGB, 0x1p-24},       {"a.bmp", "bmp", FATHOM_COLOR_SRGB, 0x1p-24},
-    {"a.tga", "targa", FATHOM_COLOR_SRGB, 0x1p-24},     {"a.png", "png", FATHOM_COLOR_SRGB, 0x1p-24},
-    {"a.tif", "tiff", FATHOM_COLOR_SRGB, 0x1p-24},      {"a.jpg", "jpeg", FATHOM_COLOR_SRGB, 1},
-    {"a.pfm", "pnm", FATHOM_COLOR_LINEAR, 0x1p-24},     {"a.hdr", "hdr", FATHOM_COLOR_LINEAR, 0x1p-7},
-    {"a.exr", "openexr", FATHOM_COLOR_LINEAR, 0x1p-12},
+    {"a.ppm", "pnm", FATHOM_COLOR_SRGB, 0x1p-24},     {"a.bmp", "bmp", FATHOM_COLOR_SRGB, 0x1p-24},
+    {"a.tga", "targa", FATHOM_COLOR_AUTO, 0x1p-24},   {"a.png", "png", FATHOM_COLOR_SRGB, 0x1p-24},
+    {"a.tif", "tiff", FATHOM_COLOR_AUTO, 0x1p-24},    {"a.jpg", "jpeg", FATHOM_COLOR_SRGB, 1},
+    {"a.pfm", "pnm", FATHOM_COLOR_AUTO, 0x1p-24},     {"a.hdr", "hdr", FATHOM_COLOR_LINEAR, 0x1p-7},
+    {"a.exr", "openexr", FATHOM_COLOR_AUTO, 0x1p-12},
 };
 #define FORMATS (sizeof formats / sizeof *formats)
 

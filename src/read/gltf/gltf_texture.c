@@ -89,7 +89,7 @@ static fathom_id read_texture(gltf *g, uint32_t index, bool color) {
     fathom_texture t;
     fathom_id out = FATHOM_NONE;
     fathom_texture_default(&t);
-    t.color_space = color ? FATHOM_COLOR_SRGB : FATHOM_COLOR_LINEAR;
+    t.color_space = color ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
     gltf_item(g, &g->textures, index, &at);
     const uint32_t source = find_source(g, &at);
     gltf_index(g, &at, "sampler", &g->samplers, &sampler);

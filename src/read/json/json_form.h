@@ -110,7 +110,7 @@ typedef struct form_texture_values {
 /* The kinds of maps, and metal and roughness in one image, as glTF has them. */
 #define FORM_METALLIC_ROUGHNESS ((int)FATHOM_MAPS)
 
-/* True when images of this kind of map are sRGB by default. */
+/* True when images of this kind of map hold colours. */
 bool form_map_is_color(int kind);
 
 typedef struct form_material_values {

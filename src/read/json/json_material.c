@@ -10,9 +10,9 @@ bool form_map_is_color(int kind) {
            kind == FATHOM_MAP_SHEEN_COLOR || kind == FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR;
 }
 
-/* sRGB for colours and linear for numbers, unless it is said. */
+/* By the image for colours and linear for numbers, unless it is said. */
 static void set_space(const form_texture_values *v, int kind, fathom_texture *out) {
-    out->color_space = form_map_is_color(kind) ? FATHOM_COLOR_SRGB : FATHOM_COLOR_LINEAR;
+    out->color_space = form_map_is_color(kind) ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
     if (!v->color_space) return;
     out->color_space = FATHOM_COLOR_NAMED;
     out->color_space_name = v->color_space;

@@ -164,7 +164,7 @@ fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material,
         }
         if (status != FATHOM_OK) return status;
         t.file = path;
-        t.color_space = image->color ? FATHOM_COLOR_SRGB : FATHOM_COLOR_LINEAR;
+        t.color_space = image->color ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
         if (image->clamp) t.wrap_u = t.wrap_v = FATHOM_WRAP_CLAMP;
         out->maps[k] = image->map;
         status = fathom_scene_add_texture(scene, &t, &out->maps[k].texture);

@@ -202,7 +202,7 @@ static fathom_status read_texture(ply_reader *r) {
     }
     fathom_texture_default(&texture);
     fathom_material_default(&material);
-    texture.file = path, texture.color_space = FATHOM_COLOR_SRGB;
+    texture.file = path;
     for (int c = 0; c < 3; ++c) material.k_d[c] = 1;
     material.maps[FATHOM_MAP_COLOR] = map;
     status = fathom_scene_add_texture(r->scene, &texture, &material.maps[FATHOM_MAP_COLOR].texture);
