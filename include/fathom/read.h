@@ -58,9 +58,9 @@ typedef struct fathom_read_options {
      * motion. 0 (default): still, but for a shutter of scene JSON, which blurs its motion and not animations.
      */
     double shutter;
-    /* A model that stands in the built-in studio, seen by the automatic camera, gets a floor to stand on: an
-     * object named "studio floor", a grey sheet that touches the lowest point and bends up into a wall
-     * behind, as far as the image shows. Default false. */
+    /* A model that the automatic camera sees gets a floor to stand on, which touches its lowest point. In the
+     * built-in studio it is an object named "studio floor", a grey sheet that bends up into a wall behind, as
+     * far as the image shows. In `environment` it is a round grey "plate" whose edge fades. Default false. */
     bool floor;
     /* An image of the sky that lights the scene in place of the file's background and environments, and of
      * the built-in studio: see FATHOM_LIGHT_ENVIRONMENT. Its top points up. NULL (default): none. */

@@ -1,4 +1,4 @@
-/* The floor of the studio, on which models without camera and lights stand. */
+/* What models without a camera stand on: the floor of the studio, or a plate in an image of the sky. */
 #include "random.h"
 #include "scene/scene.h"
 #include "unit_folder.h"
@@ -13,6 +13,9 @@ static int write_model(void **state) {
     FILE *file = fopen(in_folder("rod.obj"), "w");
     if (!file) return -1;
     fputs("v 0 -2 0.5\nv 1 3 0\nv -1 3 0\nv 0 3 1\nf 1 2 3\nf 1 3 4\nf 1 4 2\n", file);
+    if (fclose(file) != 0 || !(file = fopen(in_folder("sky.pfm"), "wb"))) return -1;
+    fputs("PF\n2 1\n-1.0\n", file);
+    fwrite((float[6]){1, 1, 1, 1, 1, 1}, sizeof(float), 6, file);
     fathom_read_options_default(&options);
     options.floor = true, options.width = options.height = 16;
     return fclose(file);
@@ -20,7 +23,7 @@ static int write_model(void **state) {
 
 static int remove_model(void **state) {
     (void)state;
-    return unlink(in_folder("rod.obj"));
+    return unlink(in_folder("rod.obj")) | unlink(in_folder("sky.pfm"));
 }
 
 static fathom_scene *read_model(void) {
@@ -29,21 +32,25 @@ static fathom_scene *read_model(void) {
     return scene;
 }
 
-static bool has_floor(const fathom_scene *scene) {
+static bool has(const fathom_scene *scene, const char *name) {
     bool found = false;
     for (size_t i = 0; i < scene->objects.count; ++i)
-        found |= scene->objects.items[i].name && strcmp(scene->objects.items[i].name, "studio floor") == 0;
+        found |= scene->objects.items[i].name && strcmp(scene->objects.items[i].name, name) == 0;
     return found;
 }
+
+static bool has_floor(const fathom_scene *scene) { return has(scene, "studio floor") || has(scene, "plate"); }
 
 /* The floor lies 2^-10 radii below the lowest point. Stored in float, it is off by some 2^-24 of its size,
  * which is below 64 radii. */
 static void the_lowest_point_touches_it(void **state) {
     (void)state;
-    for (int z = 0; z < 2; ++z) {
+    for (int k = 0; k < 4; ++k) {
+        const int z = k % 2;
         options.up = z ? FATHOM_UP_Z : FATHOM_UP_Y;
+        options.environment = k / 2 ? in_folder("sky.pfm") : NULL;
         fathom_scene *scene = read_model();
-        assert_true(has_floor(scene));
+        assert_true(has(scene, k / 2 ? "plate" : "studio floor"));
         const fathom_mesh *floor = &scene->meshes.items[scene->meshes.count - 1];
         const double lowest = z ? 0 : -2, radius = sqrt(4 + 25 + 1) / 2;
         double level = INFINITY;
@@ -72,6 +79,32 @@ static void the_image_shows_nothing_beyond_it(void **state) {
         fathom_film_destroy(film);
         fathom_scene_destroy(scene);
     }
+}
+
+/* From 1 to 2.2 of the model's radii: whole within, gone without, and the share between falls all the way. */
+static void the_plate_fades(void **state) {
+    (void)state;
+    options.environment = in_folder("sky.pfm");
+    fathom_scene *scene = read_model();
+    const fathom_mesh *plate = &scene->meshes.items[scene->meshes.count - 1];
+    const double radius = sqrt(4 + 25 + 1) / 2,
+                 middle[2] = {0, 0.5}; /* of the rod's bounds, seen from above */
+    uint32_t whole = 0, none = 0, between = 0;
+    assert_int_equal(plate->color_channels, 4);
+    for (size_t i = 0; i < plate->vertex_count; ++i) {
+        const float *at = mesh_vertex(plate, i), opacity = plate->colors[4 * i + 3];
+        const double away = hypot((double)at[0] + plate->origin[0] - middle[0],
+                                  (double)at[2] + plate->origin[2] - middle[1]) /
+                            radius;
+        if (away < 0.999) whole += opacity == 1;
+        if (away < 0.999) assert_true(opacity == 1);
+        if (away > 2.201) none += opacity == 0;
+        if (away > 2.201) assert_true(opacity == 0);
+        if (away > 1.1 && away < 2.1) between += opacity > 0 && opacity < 1;
+        if (away > 1.1 && away < 2.1) assert_true(opacity > 0 && opacity < 1);
+    }
+    assert_true(whole && none && between);
+    fathom_scene_destroy(scene);
 }
 
 static void assert_floorless(void) {
@@ -113,10 +146,8 @@ static void scenes_of_their_own_have_none(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        TEST(the_lowest_point_touches_it),
-        TEST(the_image_shows_nothing_beyond_it),
-        TEST(only_whoever_asks_gets_one),
-        TEST(scenes_of_their_own_have_none),
+        TEST(the_lowest_point_touches_it), TEST(the_image_shows_nothing_beyond_it), TEST(the_plate_fades),
+        TEST(only_whoever_asks_gets_one),  TEST(scenes_of_their_own_have_none),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }

@@ -148,8 +148,8 @@ static const args_option own_options[] = {
     {"environment-rotation", 0, "DEGREES", take_f64, FIELD(environment_rotation), -1e6, 1e6,
      "turn it about the axis that is up, counter-clockwise from above (0)"},
     {"no-floor", 0, NULL, take_true, FIELD(no_floor), 0, 0,
-     "let a model that the built-in studio lights float in it; with --background, with --environment "
-     "and with the AOV alpha, which shows nothing but the model, there is no floor anyway"},
+     "let a model float that the automatic camera shows in the built-in studio or in --environment; with "
+     "--background, and with the AOV alpha, which shows nothing but the model, there is no floor anyway"},
 
     {.help = "Sampling to an error or a time (with the pattern sobol)"},
 

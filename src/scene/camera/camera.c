@@ -137,7 +137,7 @@ static frame_f64 default_view(fathom_up up) {
 
 static fathom_up asked_up(const fathom_scene *scene) { return scene->asked ? scene->asked->up : FATHOM_UP_Y; }
 
-static vec3_f64 way_up(const fathom_scene *scene) {
+vec3_f64 scene_way_up(const fathom_scene *scene) {
     return asked_up(scene) == FATHOM_UP_Z ? vec_f64(0, 0, 1) : vec_f64(0, 1, 0);
 }
 
@@ -187,7 +187,7 @@ static fathom_status light_everything(fathom_scene *scene) {
         status = fathom_scene_set_ambient(scene, (float[3]){0.12f, 0.13f, 0.15f});
     scene->in_studio = in_studio;
     scene->lights_made = lights_made;
-    scene->studio_up = way_up(scene);
+    scene->studio_up = scene_way_up(scene);
     return status;
 }
 

@@ -32,8 +32,11 @@ fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, 
 fathom_status scene_stand_all(const fathom_scene *scene, vec3_f64 up, bool *empty, vec3_f64 *foot,
                               double *radius);
 
-/* Stands the scene on the floor of the studio (floor.c), an object of its own. Nothing happens unless path
- * tracing sees the studio by a camera that fathom_scene_complete() made. */
+/* As whoever reads the scene asked for it; y unless they did. */
+vec3_f64 scene_way_up(const fathom_scene *scene);
+
+/* Stands the scene on a floor (floor.c), an object of its own. Nothing happens unless path tracing sees the
+ * studio, or the environment that was asked for, by a camera that fathom_scene_complete() made. */
 fathom_status scene_add_floor(fathom_scene *scene);
 
 /* ---- light ---- */
