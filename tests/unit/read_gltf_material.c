@@ -218,7 +218,7 @@ static void textures_become_maps(void **state) {
     assert_int_equal(maps[FATHOM_MAP_CLEARCOAT_NORMAL].texture, maps[FATHOM_MAP_NORMAL].texture);
     assert_true(maps[FATHOM_MAP_COLOR].uv_set == 1 && maps[FATHOM_MAP_OPACITY].channel == 3);
     assert_int_equal(maps[FATHOM_MAP_COLOR].texture, maps[FATHOM_MAP_OPACITY].texture);
-    assert_int_equal(scene->textures.items[maps[FATHOM_MAP_COLOR].texture].color_space, FATHOM_COLOR_SRGB);
+    assert_int_equal(scene->textures.items[maps[FATHOM_MAP_COLOR].texture].color_space, FATHOM_COLOR_AUTO);
     assert_true(maps[FATHOM_MAP_METALLIC].channel == 2 && maps[FATHOM_MAP_ROUGHNESS].channel == 1);
     const fathom_texture *numbers = &scene->textures.items[maps[FATHOM_MAP_METALLIC].texture],
                          *normal = &scene->textures.items[maps[FATHOM_MAP_NORMAL].texture];
