@@ -57,6 +57,21 @@ same end.png f.0002.png
 # shellcheck disable=SC2086
 run 0 render moving.gltf $small -o 'g#.png' --frames 12 --time 0.5 --fps 24
 same end.png g12.png
+# All have the exposure of the first: here of a lamp that leaves, after which a dim one is left.
+cat >lamp.json <<JSON
+{ "camera": { "eye": [0, 0, 5], "target": [0, 0, 0], "fovy": 40 },
+  "materials": { "lamp": { "kd": [0, 0, 0], "ke": [9, 9, 9] }, "dim": { "kd": [0, 0, 0], "ke": [0.5, 0.5, 0.5] } },
+  "objects": [ { "type": "quad", "center": [0, 0, -1], "u": [1, 0, 0], "v": [0, 1, 0], "material": "dim" },
+               { "type": "quad", "center": [0, 0, 0], "u": [1, 0, 0], "v": [0, 1, 0], "material": "lamp",
+                 "motion": [ { "time": 0 }, { "time": 1, "translation": [9, 0, 0] } ] } ] }
+JSON
+lamp="lamp.json --size 16x16 --spp 4 --fps 1 --exposure auto"
+# shellcheck disable=SC2086
+run 0 render $lamp -o 'h#.png' --stats 'h#.stats' --frames 0-1
+# shellcheck disable=SC2086
+run 0 render $lamp -o 'i#.png' --stats 'i#.stats' --frames 1-1
+[ "$(number h0.stats exposure)" = "$(number h1.stats exposure)" ] || die 'frames of two exposures'
+[ "$(number h0.stats exposure)" != "$(number i1.stats exposure)" ] || die 'the dim lamp alone has its own exposure'
 refused 2 'expected a name with #### for the number, found "a.png"' render moving.gltf -o a.png --frames 1-3
 refused 2 '--frames: expected FIRST-LAST with FIRST <= LAST, such as 1-24, found "3-1"' render moving.gltf -o 'a#.png' --frames 3-1
 refused 2 '--fps: only with --frames' render moving.gltf -o a.png --fps 25

@@ -117,11 +117,14 @@ same a.exr b.exr
 for kind in png jpg tif; do differ a.$kind b.$kind; done
 same a.png a.tif
 
-# A light that clips is named with the exposure to try; auto takes that one.
+# A light that clips is named with the exposure that is taken, or to try if another was given; auto takes that one, too.
 sed 's/"intensity": 25/"intensity": 20000/' scene.json >bright.json
 run 0 render bright.json -o a.png
 said err.txt 'fathom: warning: bright.json: a light of intensity 20000 clips '
-exposure=$(sed -n 's/.*try --exposure \([-0-9.]*\),.*/\1/p' err.txt)
+exposure=$(sed -n 's/.*the exposure is \([-0-9.]*\);.*/\1/p' err.txt)
+run 0 render bright.json -o b.png --exposure 0
+said err.txt "try --exposure $exposure, or --exposure auto"
+differ a.png b.png
 run 0 render bright.json -o b.png --exposure auto --stats b.json
 silent err.txt
 said out.txt "exposure $exposure"
@@ -130,11 +133,18 @@ grep -qa 'fathom:exposure' b.png || die 'the exposure is not in the header'
 run 0 render bright.json -o c.png --exposure "$exposure"
 silent err.txt
 same b.png c.png
+same a.png c.png
+run 0 render bright.json -o a.part --part 1/1
+run 0 merge a.part -o d.png
+said err.txt "so the exposure is $exposure"
+same a.png d.png
 run 0 render bright.json -o a.exr
 silent err.txt
 sed 's/"intensity": 25/"intensity": 0.01/; s/"background": .*/"background": [0, 0, 0],/' scene.json >dark.json
 run 0 render dark.json -o a.png
-said err.txt 'of the pixels are nearly black'
+said err.txt 'of the pixels are nearly black, below 8 of 255 levels, so the exposure is '
+run 0 render dark.json -o b.png --exposure auto
+same a.png b.png
 sed 's/"lights": .*/"lights": [],/' scene.json >black.json
 run 0 render black.json -o a.exr --max-depth 0
 said err.txt 'all that is in view is black: the scene has no lights'

@@ -44,42 +44,44 @@ static void warn_black(warning_list *warnings, const fathom_scene *scene, const 
                       : "the scene has no lights; give it some, or leave its empty list of lights out");
 }
 
-static void warn_clipped(warning_list *warnings, const fathom_scene *scene, const char *path,
-                         const fathom_brightness *b) {
-    const float most = strongest(scene);
-    char light[96] = "what it shows clips";
-    if (most >= 0) snprintf(light, sizeof light, "a light of intensity %.5g clips", (double)most);
-    warnings_tell(warnings, "%s: %s %.0f %% of the pixels; try --exposure %.1f, or --exposure auto", path,
-                  light, floor(100 * (double)b->clipped / (double)b->pixels), (double)b->exposure);
+/* What is wrong with the image at b's exposure; false: nothing. scene: NULL when only its film is known. */
+static bool shows_little(const fathom_scene *scene, const fathom_brightness *b, float exposure,
+                         char out[160]) {
+    if ((double)b->clipped > MOST_PIXELS * (double)b->pixels) {
+        const float most = scene ? strongest(scene) : -1;
+        char light[64] = "what it shows clips";
+        if (most >= 0) snprintf(light, sizeof light, "a light of intensity %.5g clips", (double)most);
+        snprintf(out, 160, "%s %.0f %% of the pixels", light,
+                 floor(100 * (double)b->clipped / (double)b->pixels));
+        return true;
+    }
+    if (exp2((double)(exposure - b->exposure)) >= DARK) return false;
+    snprintf(out, 160, "99 %% of the pixels are nearly black, below 8 of 255 levels");
+    return true;
 }
 
-static void warn_dark(warning_list *warnings, const char *path, const fathom_brightness *b) {
-    warnings_tell(
-        warnings,
-        "%s: 99 %% of the pixels are nearly black, below 8 of 255 levels; try --exposure %.1f, or --exposure "
-        "auto",
-        path, (double)b->exposure);
-}
+static float within_limits(float exposure) { return fminf(fmaxf(exposure, -64), 64); }
 
-void brightness_expose(const fathom_film *film, render_options *options) {
+void brightness_settle(warning_list *warnings, const fathom_scene *scene, const char *name,
+                       const fathom_film *film, render_options *options) {
+    float *exposure = &options->write.exposure;
     fathom_brightness b = {.size = sizeof b};
-    if (!options->exposure_auto) return;
-    fathom_film_brightness(film, 0, &b);
-    options->write.exposure = fminf(fmaxf(b.exposure, -64), 64);
-}
-
-void brightness_warn(warning_list *warnings, const fathom_scene *scene, const fathom_film *film,
-                     const render_options *options) {
-    const float exposure = options->write.exposure;
-    fathom_brightness b = {.size = sizeof b};
-    fathom_film_brightness(film, exposure, &b);
+    char why[160];
+    fathom_film_brightness(film, *exposure, &b);
     if (!b.pixels) return;
-    if (b.black == b.pixels)
-        warn_black(warnings, scene, options->scene);
-    else if (!any_for_display(options) || options->exposure_auto)
+    if (b.black == b.pixels) {
+        if (scene) warn_black(warnings, scene, name);
         return;
-    else if ((double)b.clipped > MOST_PIXELS * (double)b.pixels)
-        warn_clipped(warnings, scene, options->scene, &b);
-    else if (exp2((double)(exposure - b.exposure)) < DARK)
-        warn_dark(warnings, options->scene, &b);
+    }
+    if (options->exposure == EXPOSURE_AUTO) *exposure = within_limits(b.exposure);
+    if (options->exposure == EXPOSURE_AUTO || !any_for_display(options)) return;
+    if (!shows_little(scene, &b, *exposure, why)) return;
+    if (options->exposure == EXPOSURE_GIVEN) {
+        warnings_tell(warnings, "%s: %s; try --exposure %.1f, or --exposure auto", name, why,
+                      (double)b.exposure);
+        return;
+    }
+    *exposure = within_limits(b.exposure);
+    warnings_tell(warnings, "%s: %s, so the exposure is %.1f; --exposure 0 leaves it as it is", name, why,
+                  (double)*exposure);
 }

@@ -1,15 +1,14 @@
-/* Warnings about images that show nothing, with an exposure that would. */
+/* How bright images for the display are, and warnings about those that show nothing. */
 #ifndef CLI_BRIGHTNESS_H
 #define CLI_BRIGHTNESS_H
 
 #include "cli/notes.h"
 #include "cli/render/render_options.h"
 
-/* Finds the exposure for --exposure auto. */
-void brightness_expose(const fathom_film *film, render_options *options);
-
-/* Warns of an image that is black, or nearly all black or white in a file for the display. */
-void brightness_warn(warning_list *warnings, const fathom_scene *scene, const fathom_film *film,
-                     const render_options *options);
+/* Finds the exposure that options->exposure asks for, and warns of an image that is black, or nearly all
+ * black or white in a file for the display. `name` begins the warnings. scene: NULL when only its film is
+ * known. */
+void brightness_settle(warning_list *warnings, const fathom_scene *scene, const char *name,
+                       const fathom_film *film, render_options *options);
 
 #endif

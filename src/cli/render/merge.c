@@ -43,7 +43,7 @@ static fathom_status merge(fathom_context *context, render_options *o) {
         status = fathom_parts_merge(context, o->parts.items, o->parts.count, &stats, &film);
     say_status(&command_merge, context, status);
     if (status == FATHOM_OK) {
-        brightness_expose(film, o);
+        brightness_settle(NULL, NULL, standard_output_shown(&o->outputs, 0), film, o);
         status = images_write(context, film, o);
     }
     if (status == FATHOM_OK) tell(o, film, &stats, began);

@@ -179,8 +179,7 @@ static fathom_status finish(task *s) {
     const bool interrupted = s->report.interrupted;
     image_names *room = NULL;
     fathom_status status = interrupted ? images_rename(s->context, &s->options.outputs, &room) : FATHOM_OK;
-    brightness_expose(s->film, &s->options);
-    if (!interrupted) brightness_warn(&s->report.warnings, s->scene, s->film, &s->options);
+    brightness_settle(&s->report.warnings, s->scene, s->options.scene, s->film, &s->options);
     if (status == FATHOM_OK)
         status = write_all(s);
     else
@@ -293,7 +292,8 @@ static fathom_status run_once(task *s) {
     return status;
 }
 
-static fathom_status run_frames(const task *all) {
+/* All have the exposure of the first, so that none of them flickers. */
+static fathom_status run_frames(task *all) {
     const render_frames *frames = &all->options.frames;
     frame_names room;
     fathom_status status = FATHOM_OK;
@@ -308,6 +308,8 @@ static fathom_status run_frames(const task *all) {
             !render_options_finish(&s.options, &settings, &problem))
             status = say_usage(&command_render, problem.text);
         if (status == FATHOM_OK) status = run_once(&s);
+        all->options.exposure = EXPOSURE_GIVEN;
+        all->options.write.exposure = s.options.write.exposure;
     }
     return status;
 }

@@ -15,9 +15,9 @@
 
 static bool take_exposure(const args_option *option, const char *value, void *field, args_problem *problem) {
     render_options *options = field;
-    options->exposure_auto = strcmp(value, "auto") == 0;
+    options->exposure = strcmp(value, "auto") == 0 ? EXPOSURE_AUTO : EXPOSURE_GIVEN;
     options->write.exposure = 0;
-    return options->exposure_auto || take_f32(option, value, &options->write.exposure, problem);
+    return options->exposure == EXPOSURE_AUTO || take_f32(option, value, &options->write.exposure, problem);
 }
 
 static bool take_rgb(const args_option *option, const char *value, void *field, args_problem *problem) {
@@ -108,7 +108,8 @@ static bool take_tracer(const args_option *option, const char *value, void *fiel
      0,                                                                                                      \
      -64,                                                                                                    \
      64,                                                                                                     \
-     "each doubles the light (0); auto: 99 of 100 lit pixels are at most white"},                            \
+     "each doubles the light; auto: 99 of 100 lit pixels are at most white (0, and auto where most pixels "  \
+     "would be white or nearly black); of --frames the first decides"},                                      \
         {"display",                                                                                          \
          0,                                                                                                  \
          "NAME",                                                                                             \
@@ -339,9 +340,10 @@ static bool finish_loss(render_options *options, args_problem *problem) {
         return args_wrong(problem, "--leave-out-below 8bit: what shows is known of the built-in sRGB view "
                                    "alone; expected no --ocio, --display, --view and no $OCIO");
     }
-    if (options->loss == FATHOM_LOSS_8BIT && options->exposure_auto)
+    if (options->loss == FATHOM_LOSS_8BIT && options->exposure == EXPOSURE_AUTO)
         return args_wrong(problem, "--leave-out-below 8bit: needs the exposure before rendering; expected "
                                    "--exposure STOPS rather than auto");
+    if (options->loss == FATHOM_LOSS_8BIT) options->exposure = EXPOSURE_GIVEN;
     fathom_settings_set_loss(&options->settings, options->loss, options->write.exposure);
     return true;
 }

@@ -13,6 +13,13 @@ typedef struct render_background {
     float rgb[3];
 } render_background;
 
+/* Where the exposure of files for the display comes from. */
+typedef enum exposure_rule {
+    EXPOSURE_USUAL, /* 0; where most pixels would be white or nearly black, as EXPOSURE_AUTO */
+    EXPOSURE_AUTO,  /* found once the film is there */
+    EXPOSURE_GIVEN
+} exposure_rule;
+
 typedef struct render_options {
     const char *scene;
     args_list outputs;
@@ -30,7 +37,7 @@ typedef struct render_options {
     const char *environment;     /* NULL: none */
     double environment_rotation; /* degrees */
     fathom_write_options write;
-    bool exposure_auto; /* found once the film is there */
+    exposure_rule exposure;
     fathom_loss loss;
     const char *stats;       /* NULL: none */
     const char *checkpoint;  /* NULL: none */

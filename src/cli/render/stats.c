@@ -207,7 +207,7 @@ void stats_print(const render_report *report, const render_options *options) {
     }
     printf(": %ux%u, ", report->width, report->height);
     print_sampling(report, options);
-    if (options->exposure_auto) printf(", exposure %g", (double)options->write.exposure);
+    if (options->exposure == EXPOSURE_AUTO) printf(", exposure %g", (double)options->write.exposure);
     printf(", %.2f s, %.1f Mrays/s", report->total_seconds, 1e-6 * rays_per_second(report));
     if (report->interrupted) printf(", interrupted at %u %%", (unsigned)(100 * report->finished));
     putchar('\n');
