@@ -46,7 +46,8 @@ typedef struct fathom_read_options {
     bool choose_time;
     double time;
     /* The animation to pose: its name, else its number, counted from 0. FATHOM_BAD_USAGE, with a list of what
-     * there is, when there is none such. NULL (default): the first. */
+     * there is, when there is none such. NULL (default): each that moves no part of a node that an earlier
+     * one moves. */
     const char *animation;
     /* A variant of glTF's KHR_materials_variants, by name or number likewise. NULL (default): no variant. */
     const char *variant;

@@ -81,7 +81,8 @@ fathom_read_options command_read_options(const command_model *model);
                           "blur what moves while the shutter is open, from --time on; it replaces the "      \
                           "shutter of scene JSON (still)"),                                                  \
         COMMAND_MODEL_ROW(settings, "animation", "NAME|N", take_text, animation, 0, 0,                       \
-                          "which animation, by its name or its number from 0 (0, the first)"),               \
+                          "which animation alone, by its name or its number from 0 (each that moves "        \
+                          "nothing that an earlier one moves)"),                                             \
         COMMAND_MODEL_ROW(settings, "variant", "NAME|N", take_text, variant, 0, 0,                           \
                           "which variant of the materials of a .gltf or .glb file, by its name or its "      \
                           "number from 0 (none)"),                                                           \

@@ -26,7 +26,7 @@ render() { # options, image
     run 0 render moving.gltf $small $1 -o "$2"
 }
 render '' rest.png
-said err.txt 'animations are not played; --time SECONDS poses one of 0 "slide" (1 such)'
+said err.txt 'animations are not played; --time SECONDS poses them: 0 "slide" (1 such)'
 render '--time 0' a.png
 not_said err.txt animation
 same rest.png a.png

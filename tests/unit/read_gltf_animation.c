@@ -103,6 +103,38 @@ static void halving_an_arc_is_slerp_to_the_last_bits(void **state) {
     }
 }
 
+/* Of three animations the last moves what the first moves. */
+static void what_does_not_move_the_same_is_posed_together(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int positions = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE), times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1),
+              near = PUT_FLOATS(&b, "VEC3", 2, 0, 0, 0, 2, 0, 0),
+              far = PUT_FLOATS(&b, "VEC3", 2, 0, 0, 0, 8, 0, 0),
+              large = PUT_FLOATS(&b, "VEC3", 2, 1, 1, 1, 3, 3, 3);
+    build_write(f, &b,
+                "'meshes':[{'primitives':[{'attributes':{'POSITION':%d}}]}],'nodes':[{'mesh':0},{'mesh':0}],"
+                "'animations':[{'samplers':[{'input':%d,'output':%d}],'channels':[{'sampler':0,'target':{"
+                "'node':0,'path':'translation'}}]},{'samplers':[{'input':%d,'output':%d}],'channels':[{"
+                "'sampler':0,'target':{'node':0,'path':'scale'}},{'sampler':0,'target':{'node':1,'path':"
+                "'translation'}}]},{'name':'far','samplers':[{'input':%d,'output':%d}],'channels':[{"
+                "'sampler':0,'target':{'node':0,'path':'translation'}}]}]",
+                positions, times, near, times, large, times, far);
+    fathom_scene *scene = read_at(f, 1);
+    assert_vec(placed_corner(scene, 0, 0, 1), 2 + 3, 0, 0, 1e-12);
+    assert_vec(placed_corner(scene, 1, 0, 0), 3, 3, 3, 1e-12);
+    assert_non_null(strstr(f->warning,
+                           "animations, of which 1 move what an earlier one moves, and are left out; "
+                           "--animation NAME|N takes one alone: 0, 1, 2 \"far\" (3 such)"));
+    fathom_scene_destroy(scene);
+    fathom_read_options asked;
+    fathom_read_options_default(&asked);
+    asked.animation = "far", asked.choose_time = true, asked.time = 1;
+    assert_ok(f->context, read_asked(f, &asked, &scene));
+    assert_vec(placed_corner(scene, 0, 0, 1), 8 + 1, 0, 0, 1e-12);
+    assert_vec(placed_corner(scene, 1, 0, 0), 0, 0, 0, 1e-12);
+    fathom_scene_destroy(scene);
+}
+
 static void without_a_time_everything_rests_and_it_is_said(void **state) {
     fixture *f = *state;
     build b = {.size = 0};
@@ -112,7 +144,7 @@ static void without_a_time_everything_rests_and_it_is_said(void **state) {
     assert_vec(placed_corner(scene, 0, 0, 0), 0, 0, 0, 0);
     assert_int_equal(f->warnings, 1);
     assert_non_null(
-        strstr(f->warning, "animations are not played; --time SECONDS poses one of 0 \"go\" (1 such)"));
+        strstr(f->warning, "animations are not played; --time SECONDS poses them: 0 \"go\" (1 such)"));
     fathom_scene_destroy(scene);
 }
 
@@ -341,6 +373,7 @@ int main(void) {
         TEST(cubic_splines_have_the_slopes_of_their_tangents),
         TEST(rotations_turn_evenly_the_shorter_way),
         TEST(halving_an_arc_is_slerp_to_the_last_bits),
+        TEST(what_does_not_move_the_same_is_posed_together),
         TEST(without_a_time_everything_rests_and_it_is_said),
         TEST(targets_add_up_by_weight),
         TEST(weights_are_animated_together),

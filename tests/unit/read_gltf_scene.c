@@ -106,7 +106,7 @@ static void each_omission_is_reported_once(void **state) {
     } cases[] = {
         {"'nodes':[{'mesh':0},{'mesh':0,'scale':[0,0,0]}]," TRIANGLE_MESH, "scaled to nothing"},
         {"'animations':[{},{}]," TRIANGLE_MESH,
-         "animations are not played; --time SECONDS poses one of 0, 1 (2 such)"},
+         "animations are not played; --time SECONDS poses them: 0, 1 (2 such)"},
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':0},{'attributes':{'POSITION':0},'mode'"
          ":0},"
          "{'attributes':{'POSITION':0}}]}]",

@@ -153,6 +153,7 @@ static void finish(gltf *g) {
     gltf_draco_close(g);
     gltf_moments_close(g);
     array_free(&g->moments);
+    array_free(&g->playing);
     free(g->view_table);
     free(g->parents);
     free(g->buffer_table);

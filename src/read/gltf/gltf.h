@@ -142,10 +142,10 @@ typedef struct gltf {
     gltf_elements (*array_table)[2]; /* for each accessor: floats, indices */
     fathom_id *mesh_table;           /* for each mesh: the group, FATHOM_NONE (not made) or GLTF_EMPTY */
     uint32_t *parents;               /* for each node; beyond all nodes: a root */
-    uint32_t animation;              /* that is posed; GLTF_ABSENT: none */
+    ARRAY(uint32_t) playing;         /* animations that are posed */
     bool posed;                      /* at one moment already: what there is to note has been */
     size_t keys_inside;              /* the most that a sampler has while the shutter is open */
-    uint32_t variant;                /* of materials, likewise */
+    uint32_t variant;                /* of materials; GLTF_ABSENT: none */
     ARRAY(gltf_moment) moments;      /* as the shutter opens, at even times, and as it closes; closed: one */
     double *key_times;               /* theirs, in memory of the scene; NULL: one moment */
     uint64_t file_bytes;             /* of the files opened */
@@ -318,9 +318,9 @@ const char *gltf_name(const gltf_value *at);
 
 /* ---- gltf_animation.c ---- */
 
-/* Sets g->animation by what is asked for. */
+/* Sets g->playing by what is asked for. */
 void gltf_animation_choose(gltf *g);
-/* Poses the nodes by g->animation at the moment's time. */
+/* Poses the nodes by g->playing at the moment's time. */
 void gltf_animation_pose(gltf *g, gltf_moment *m);
 /* The unit quaternion at the part u in [0,1] of the shorter arc from a to b, which become unit. */
 void gltf_slerp(double a[4], double b[4], double u, double out[4]);

@@ -191,14 +191,25 @@ static void follow_pointer(gltf *g, const gltf_value *target, uint32_t *node, co
     *node = (uint32_t)index, *path = end + 1;
 }
 
-/* GLTF_PARTS: weights; -1, and noted: nothing that is followed. */
-static int find_path(gltf *g, const gltf_value *target, const char *path) {
+/* What a channel moves; node GLTF_ABSENT: what an extension says. */
+typedef struct channel_target {
+    gltf_value at;
+    uint32_t node;
+    const char *path;
+    int part; /* GLTF_PARTS: weights; -1: nothing that is followed */
+} channel_target;
+
+static channel_target read_target(gltf *g, const gltf_value *channel) {
+    channel_target t = {.node = GLTF_ABSENT, .path = "", .part = -1};
+    gltf_object(g, channel, "target", &t.at);
+    gltf_text(g, &t.at, "path", &t.path);
+    gltf_index(g, &t.at, "node", &g->nodes, &t.node);
+    if (strcmp(t.path, "pointer") == 0) follow_pointer(g, &t.at, &t.node, &t.path);
+    if (strcmp(t.path, "weights") == 0) t.part = GLTF_PARTS;
     for (int i = 0; i < GLTF_PARTS; ++i) {
-        if (strcmp(path, gltf_part_names[i]) == 0) return i;
+        if (strcmp(t.path, gltf_part_names[i]) == 0) t.part = i;
     }
-    if (strcmp(path, "weights") == 0) return GLTF_PARTS;
-    if (!g->posed) gltf_note(g, target, "path", "the animation of \"%.40s\" is not followed", path);
-    return -1;
+    return t;
 }
 
 /* A jump cannot be blurred: the node stands as the shutter opens. */
@@ -219,36 +230,31 @@ static double time_to_pose(gltf *g, const gltf_moment *m, const sampler *s, uint
 }
 
 static void pose_channel(gltf *g, gltf_moment *m, const gltf_value *samplers, const gltf_value *channel) {
-    gltf_value target;
-    const char *path = "";
-    uint32_t node = GLTF_ABSENT, index = GLTF_ABSENT;
-    gltf_object(g, channel, "target", &target);
-    gltf_text(g, &target, "path", &path);
-    gltf_index(g, &target, "node", &g->nodes, &node);
-    if (strcmp(path, "pointer") == 0) follow_pointer(g, &target, &node, &path);
+    const channel_target to = read_target(g, channel);
+    uint32_t index = GLTF_ABSENT;
     gltf_index(g, channel, "sampler", samplers, &index);
     if (index == GLTF_ABSENT) gltf_fail(g, channel, "sampler", "is missing; expected an index into samplers");
     if (!gltf_fine(g)) return;
-    const int part = find_path(g, &target, path);
-    /* Without a node it is an extension's. */
-    if (part < 0 || node == GLTF_ABSENT) return;
+    if (to.part < 0 && !g->posed)
+        gltf_note(g, &to.at, "path", "the animation of \"%.40s\" is not followed", to.path);
+    if (to.part < 0 || to.node == GLTF_ABSENT) return;
     sampler s;
-    read_sampler(g, samplers, index, part, &s);
-    gltf_pose *pose = gltf_fine(g) ? pose_for(g, m, node) : NULL;
+    read_sampler(g, samplers, index, to.part, &s);
+    gltf_pose *pose = gltf_fine(g) ? pose_for(g, m, to.node) : NULL;
     if (!pose) {
         gltf_fail_memory(g, sizeof *pose);
         return;
     }
-    const double time = time_to_pose(g, m, &s, node);
-    if (part == GLTF_PARTS)
+    const double time = time_to_pose(g, m, &s, to.node);
+    if (to.part == GLTF_PARTS)
         pose_weights(g, &s, time, pose);
     else
-        pose_part(g, &s, time, part, pose);
+        pose_part(g, &s, time, to.part, pose);
 }
 
-void gltf_animation_pose(gltf *g, gltf_moment *m) {
+static void pose_animation(gltf *g, gltf_moment *m, uint32_t index) {
     gltf_value animation, channels, samplers;
-    gltf_item(g, &g->animations, g->animation, &animation);
+    gltf_item(g, &g->animations, index, &animation);
     gltf_array(g, &animation, "channels", &channels);
     gltf_array(g, &animation, "samplers", &samplers);
     for (size_t i = 0; i < gltf_count(&channels) && gltf_fine(g); ++i) {
@@ -256,28 +262,71 @@ void gltf_animation_pose(gltf *g, gltf_moment *m) {
         gltf_item(g, &channels, i, &channel);
         pose_channel(g, m, &samplers, &channel);
     }
+}
+
+void gltf_animation_pose(gltf *g, gltf_moment *m) {
+    for (size_t i = 0; i < g->playing.count && gltf_fine(g); ++i) pose_animation(g, m, g->playing.items[i]);
     g->posed = true;
 }
 
-/* ---- which one ---- */
+/* ---- which ones ---- */
+
+static void play(gltf *g, uint32_t index) {
+    if (!array_push(&g->playing, index)) gltf_fail_memory(g, sizeof index);
+}
+
+/* True when the animation moves something that has a bit in `moved`, for each node a bit for each part.
+ * add: the bits of what it moves are set. */
+static bool moves_any(gltf *g, uint32_t index, unsigned char *moved, bool add) {
+    gltf_value animation, channels, channel;
+    bool any = false;
+    gltf_item(g, &g->animations, index, &animation);
+    gltf_array(g, &animation, "channels", &channels);
+    for (size_t i = 0; i < gltf_count(&channels) && gltf_fine(g); ++i) {
+        gltf_item(g, &channels, i, &channel);
+        const channel_target to = read_target(g, &channel);
+        if (!gltf_fine(g) || to.part < 0 || to.node == GLTF_ABSENT) continue;
+        any |= moved[to.node] >> to.part & 1;
+        if (add) moved[to.node] |= (unsigned char)(1 << to.part);
+    }
+    return any;
+}
+
+/* Each that moves nothing that an earlier one moves: a walk and a run are one or the other, but programs such
+ * as Blender write an animation for each object. */
+static void play_together(gltf *g) {
+    const size_t nodes = gltf_count(&g->nodes);
+    unsigned char *moved = calloc(nodes + 1, 1);
+    if (!moved) gltf_fail_memory(g, nodes);
+    for (uint32_t i = 0; i < gltf_count(&g->animations) && gltf_fine(g); ++i) {
+        if (moves_any(g, i, moved, false)) continue;
+        moves_any(g, i, moved, true);
+        play(g, i);
+    }
+    free(moved);
+}
 
 void gltf_animation_choose(gltf *g) {
     const fathom_read_options *asked = g->scene->asked;
     const size_t count = gltf_count(&g->animations);
-    g->animation = GLTF_ABSENT;
+    char list[GLTF_LIST];
     if (!count) return;
     g->scene->has_animations = true;
     if (asked && asked->animation) {
-        g->animation = gltf_choose(g, &g->animations, "animation", asked->animation);
+        const uint32_t one = gltf_choose(g, &g->animations, "animation", asked->animation);
+        if (gltf_fine(g)) play(g, one);
         return;
     }
-    if (asked && (asked->choose_time || asked->shutter > 0)) g->animation = 0;
-    char list[GLTF_LIST];
     gltf_print_names(&g->animations, list);
-    if (g->animation == GLTF_ABSENT)
-        gltf_note_all(g, &g->animations, "animations are not played; --time SECONDS poses one of %s", list);
-    else if (count > 1)
-        gltf_note_all(g, &g->animations,
-                      "animations, of which the first is posed; --animation NAME|N takes another of %s",
-                      list);
+    if (!asked || !(asked->choose_time || asked->shutter > 0)) {
+        gltf_note_all(g, &g->animations, "animations are not played; --time SECONDS poses them: %s", list);
+        return;
+    }
+    play_together(g);
+    if (gltf_fine(g) && g->playing.count < count)
+        gltf_note_all(
+            g, &g->animations,
+            "animations, of which %zu move what an earlier one moves, and are left out; --animation "
+            "NAME|N takes one alone: %s",
+            count - g->playing.count, list);
 }

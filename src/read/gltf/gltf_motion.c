@@ -11,7 +11,7 @@
 enum { INTERVALS_FIRST = 8, INTERVALS_MOST = GLTF_MOMENTS - 1 };
 
 double gltf_shutter(const gltf *g) {
-    return g->scene->asked && g->animation != GLTF_ABSENT ? g->scene->asked->shutter : 0;
+    return g->scene->asked && g->playing.count ? g->scene->asked->shutter : 0;
 }
 
 static uint64_t moment_bytes(const gltf *g) { return gltf_count(&g->nodes) * sizeof(gltf_world); }
@@ -26,7 +26,7 @@ static void open_at(gltf *g, double time) {
         gltf_fail_memory(g, nodes * sizeof *m.worlds);
         return;
     }
-    if (g->animation != GLTF_ABSENT) gltf_animation_pose(g, &g->moments.items[g->moments.count - 1]);
+    if (g->playing.count) gltf_animation_pose(g, &g->moments.items[g->moments.count - 1]);
 }
 
 static void close_moment(gltf_moment *m, const gltf *g) {
