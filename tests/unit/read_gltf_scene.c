@@ -242,6 +242,26 @@ static void the_camera_follows_its_node(void **state) {
 
 /* A surface of base colour b lit head on by I candela from d metres has the luminance b / pi · I / d^2: the
  * model's k_d k_l / d^2 must be that. */
+/* 683 lm a watt, which Blender has multiplied by; pi: see gltf_light.c. */
+static void lamps_of_blender_are_in_watts(void **state) {
+    static const char *const generators[] = {"Khronos glTF Blender I/O v3.4.50", "Khronos glTF blender"};
+    fixture *f = *state;
+    for (int i = 0; i < 2; ++i) {
+        char text[512];
+        snprintf(
+            text, sizeof text,
+            "{'asset':{'version':'2.0','generator':'%s'},'extensions':{'KHR_lights_punctual':{'lights':[{"
+            "'type':'point','intensity':1366}]}},'nodes':[{'extensions':{'KHR_lights_punctual':{"
+            "'light':0}}}]}",
+            generators[i]);
+        write_gltf(f, text);
+        fathom_scene *scene = read_file(f);
+        assert_near((double)scene->lights.items[0].intensity[0], (i ? 1366 : 2) / 3.14159265358979324, 1e-4);
+        assert_int_equal(f->warnings, 1 - i);
+        fathom_scene_destroy(scene);
+    }
+}
+
 static void lights_follow_their_node(void **state) {
     fixture *f = *state;
     fathom_scene *scene = read_triangle(
@@ -313,6 +333,7 @@ int main(void) {
         TEST(what_points_and_lines_cannot_show_is_named),
         TEST(the_camera_follows_its_node),
         TEST(hidden_nodes_only_keep_their_camera),
+        TEST(lamps_of_blender_are_in_watts),
         TEST(lights_follow_their_node),
         TEST(surroundings_only_when_asked_for),
         TEST(models_can_be_read_into_a_group),

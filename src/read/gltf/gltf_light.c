@@ -6,9 +6,10 @@
  * k_l = colour I / pi, and likewise for directional lights. So a pixel holds the luminance in cd/m^2 for
  * lengths in metres. Highlights are normalised like b / pi (see gltf_material.c).
  *
- * Nothing is rescaled. A file with the intensities of real lamps (some exporters write 683 lm for each watt,
- * so a lamp of 1000 W becomes 54,351 cd) gives an image that bright and needs an exposure. Files made for
- * viewers that ignore units have values around 1 to 10.
+ * Nothing is rescaled but lamps of Blender. It writes 683 lm for each watt, so that a lamp of 1000 W becomes
+ * 54,351 cd, but it writes the radiance of emission as it is. Its importer takes the watts back, as is done
+ * here: else emission would be 683 times too dark beside lamps. Files made for viewers that ignore units have
+ * values around 1 to 10.
  *
  * `range` is ignored: light falls off by 1 / d^2 without end. The spot's falloff between its cones is the
  * model's. Lights look along their node's -z; scale does not change them otherwise. */
@@ -49,6 +50,20 @@ static void read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
     }
 }
 
+/* By which Blender has multiplied intensities, unless its user turned that off, which its files do not say.
+ */
+static double lumens_a_watt(gltf *g, const gltf_value *at) {
+    gltf_value asset;
+    const char *generator = "";
+    gltf_object(g, &g->root, "asset", &asset);
+    gltf_text(g, &asset, "generator", &generator);
+    if (strncmp(generator, "Khronos glTF Blender I/O", 24) != 0) return 1;
+    gltf_note(g, at, "intensity",
+              "lumens become watts again by 683 lm/W, as Blender wrote them: beside its "
+              "emission, which it wrote as it is, lamps look as they did there");
+    return 683;
+}
+
 static bool read_light(gltf *g, const gltf_value *at, fathom_light *out) {
     double color[3] = {1, 1, 1}, intensity = 1;
     fathom_light_default(out);
@@ -56,6 +71,7 @@ static bool read_light(gltf *g, const gltf_value *at, fathom_light *out) {
     gltf_numbers(g, at, "color", 3, 0, INFINITY, color);
     gltf_number(g, at, "intensity", 0, INFINITY, &intensity);
     if (out->type == FATHOM_LIGHT_SPOT) read_cone(g, at, out);
+    intensity /= lumens_a_watt(g, at);
     for (int i = 0; i < 3; ++i) out->intensity[i] = (float)(color[i] * intensity / pi);
     if (json_object_get(at->json, "range"))
         gltf_note(g, at, "range", "the range of lights is ignored; they fall off for ever");
