@@ -114,7 +114,7 @@ void texturing_color(fathom_material *m, const float *color) {
 
 void texturing_apply(const material_plan *p, const float (*values)[4], const float *color,
                      fathom_material *m) {
-    memcpy(m, &p->even, offsetof(fathom_material, maps));
+    *m = p->even;
     for (unsigned k = 0; k < p->parameter_count; ++k) {
         const mapped_parameter *at = &p->parameters[k];
         multiply((float *)(void *)((char *)m + at->offset), at->count, &values[at->lookup][at->channel],

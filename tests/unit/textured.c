@@ -316,6 +316,21 @@ static void a_coat_has_its_own_normal(void **state) {
     }
 }
 
+/* A white image changes no number of a material, so neither the light that a smooth coat leaves. */
+static void a_smooth_coat_stays_smooth_over_an_image(void **state) {
+    (void)state;
+    static const unsigned char white[3] = {255, 255, 255};
+    static const double to_light[2][3] = {{0, 0, 1}, {0.48, -0.36, 0.8}};
+    fathom_material m;
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.clearcoat = 1;
+    for (int i = 0; i < 2; ++i) {
+        const float plain = lit_by_sun(&m, 0, NULL, to_light[i]);
+        assert_true(plain > 0);
+        assert_true(lit_by_sun(&m, FATHOM_MAP_COLOR, white, to_light[i]) == plain);
+    }
+}
+
 /* A ramp over the whole square, 2 wide and high: 16 steps of 8 grey levels each along u, as many of -4 along
  * v. A pixel is smaller than a texel, and slopes go over a texel. */
 static void a_ramp_of_heights_tilts_the_normal_by_its_slope(void **state) {
@@ -476,6 +491,7 @@ int main(void) {
         cmocka_unit_test(vertex_colours_interpolate),
         cmocka_unit_test(a_normal_map_tilts_the_normal),
         cmocka_unit_test(a_coat_has_its_own_normal),
+        cmocka_unit_test(a_smooth_coat_stays_smooth_over_an_image),
         cmocka_unit_test(a_ramp_of_heights_tilts_the_normal_by_its_slope),
         cmocka_unit_test(opacity_from_an_image_shades_the_floor),
         cmocka_unit_test(half_a_light_by_its_image_is_the_light_of_that_half),
