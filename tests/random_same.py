@@ -64,7 +64,9 @@ def ask(*command):
 
 
 def render(fathom, scene, name, options):
-    """As name.exr and name.png."""
+    """As name.exr and name.png, which shows the scene as bright as it is unless the options say otherwise."""
+    if "--exposure" not in options:
+        options = [*options, "--exposure", "0"]
     code, said = ask(fathom, "render", scene, "-o", name + ".exr", "-o", name + ".png", "--spp", "16", "-q", *options)
     return said if code else None
 
