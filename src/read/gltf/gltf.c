@@ -1,9 +1,9 @@
 /* glTF 2.0 and GLB.
  *
  * Reads the nodes of the default scene (else the first scene, else all root nodes, else every mesh once),
- * triangles of any mode, materials with their textures and vertex colours, skins, morph targets and one
- * animation posed at the time that is asked for, or while the shutter is open, one perspective camera, and
- * the extensions below. Triangles are seen from both sides, which is noted. */
+ * triangles of any mode, materials with their textures and vertex colours, skins, morph targets, animations
+ * posed at the time that is asked for, or while the shutter is open, one perspective camera, and the
+ * extensions below. Triangles are seen from both sides, which is noted. */
 #include "read/gltf/gltf.h"
 
 #include "base/text.h"

@@ -59,8 +59,7 @@ static double lumens_a_watt(gltf *g, const gltf_value *at) {
     gltf_text(g, &asset, "generator", &generator);
     if (strncmp(generator, "Khronos glTF Blender I/O", 24) != 0) return 1;
     gltf_note(g, at, "intensity",
-              "lumens become watts again by 683 lm/W, as Blender wrote them: beside its "
-              "emission, which it wrote as it is, lamps look as they did there");
+              "is taken back from lumens to watts by 683 lm/W, because Blender writes emission in watts");
     return 683;
 }
 
