@@ -47,6 +47,10 @@ static uint32_t float_bits(uint32_t hash) {
 
 uint32_t matte_id(const char *name) { return float_bits(murmur_hash(name, strlen(name))); }
 
+/* The names that ids are made of: of a shape its own, else that of its group; of what has none, its kind and
+ * number, such as "sphere 3". */
+#define MATTE_NAME 128
+
 static void take_name(const char *name, const char *kind, size_t number, char out[MATTE_NAME]) {
     if (name && *name)
         snprintf(out, MATTE_NAME, "%s", name);
@@ -54,7 +58,7 @@ static void take_name(const char *name, const char *kind, size_t number, char ou
         snprintf(out, MATTE_NAME, "%s %zu", kind, number);
 }
 
-void matte_object_name(const fathom_scene *scene, fathom_id object, char out[MATTE_NAME]) {
+static void matte_object_name(const fathom_scene *scene, fathom_id object, char out[MATTE_NAME]) {
     static const char *const kinds[] = {
         [SCENE_SPHERE] = "sphere", [SCENE_QUAD] = "quad", [SCENE_PLANE] = "plane", [SCENE_MESH] = "mesh"};
     const scene_object *o = &scene->objects.items[object];
@@ -62,7 +66,7 @@ void matte_object_name(const fathom_scene *scene, fathom_id object, char out[MAT
     take_name(o->name ? o->name : group, kinds[o->kind], o->index, out);
 }
 
-void matte_material_name(const fathom_scene *scene, fathom_id material, char out[MATTE_NAME]) {
+static void matte_material_name(const fathom_scene *scene, fathom_id material, char out[MATTE_NAME]) {
     take_name(scene->materials.items[material].name, "material", material, out);
 }
 

@@ -28,12 +28,6 @@ void matte_rank(const matte_list *list, uint32_t samples, float out[2 * MATTE_RA
 /* The bits of a float that is a number and not 0 (the specification's uint32_to_float32). */
 uint32_t matte_id(const char *name);
 
-/* The names that ids are made of: of a shape its own, else that of its group; of what has none, its kind and
- * number, such as "sphere 3". `out` has room for MATTE_NAME. */
-#define MATTE_NAME 128
-void matte_object_name(const fathom_scene *scene, fathom_id object, char out[MATTE_NAME]);
-void matte_material_name(const fathom_scene *scene, fathom_id material, char out[MATTE_NAME]);
-
 /* The id of each object or material; free() it. NULL: out of memory. */
 uint32_t *matte_ids(const fathom_scene *scene, matte_kind kind);
 /* {"name":"hash", …}: names of the scene with their ids' hashes; free() it. NULL: out of memory. */

@@ -64,7 +64,7 @@ static void add_background(wave *w, const trace_block *block, const path_block *
     }
 }
 
-const wave_stages classic_stages = {make_bsdfs, add_background, NULL};
+static const wave_stages classic_stages = {make_bsdfs, add_background, NULL};
 
 /* ---- light ---- */
 
@@ -209,9 +209,10 @@ static bool scatter(wave *w) {
 
 /* ---- the way of the paths ---- */
 
-/* Mirrored rays of the first hits leave where neighbouring camera rays arrived, and most of them leave the
- * surface for good. Refracted ones cross what they enter, and reach its other side far from one another. */
-trace_coherence classic_coherence(uint32_t depth, bool mirrored) {
+/* What is known of the mirrored and of the other rays of `now` at this depth. Mirrored rays of the first hits
+ * leave where neighbouring camera rays arrived, and most of them leave the surface for good. Refracted ones
+ * cross what they enter, and reach its other side far from one another. */
+static trace_coherence classic_coherence(uint32_t depth, bool mirrored) {
     if (depth == 0) return TRACE_COHERENT;
     return depth == 1 && mirrored ? TRACE_NEIGHBOURS : TRACE_INCOHERENT;
 }
@@ -225,7 +226,9 @@ static bool trace_paths(wave *w, uint32_t depth) {
            wave_trace(w, mirrored, count, classic_coherence(depth, false));
 }
 
-bool classic_step(wave *w, uint32_t depth) {
+/* The stages after the camera's: the hits of `now`, their light, and the rays that leave them, which become
+ * `now`. Until none is left; depth counts up from 0. */
+static bool classic_step(wave *w, uint32_t depth) {
     w->bounces = depth;
     if (!trace_paths(w, depth)) return false;
     if (!wave_surfaces(w, depth == 0) || !add_lights(w, depth == 0)) return false;

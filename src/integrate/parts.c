@@ -124,7 +124,8 @@ bool parts_bounces(const fathom_scene *scene, const fathom_settings *settings) {
 
 /* ---- in words ---- */
 
-bool left_out_tell(left_out_list *list, const char *what, const char *why) {
+/* Adds a line. False when out of memory. */
+static bool left_out_tell(left_out_list *list, const char *what, const char *why) {
     fathom_left_out item;
     snprintf(item.what, sizeof item.what, "%s", what);
     snprintf(item.why, sizeof item.why, "%s", why);

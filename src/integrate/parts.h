@@ -32,10 +32,8 @@ bool parts_ambient(const fathom_scene *scene);    /* the same of the ambient lig
 bool parts_smooth(const world *w);                /* a mesh has shading normals */
 bool parts_bounces(const fathom_scene *scene, const fathom_settings *settings);
 
-/* Adds a line. Both: false when out of memory. */
-bool left_out_tell(left_out_list *list, const char *what, const char *why);
 /* What a render does without, and why. repair: whether rays that slip through closed meshes are looked for.
- */
+ * False when out of memory. */
 bool left_out_find(const world *w, const fathom_settings *settings, bool repair, left_out_list *out);
 
 #endif

@@ -206,12 +206,6 @@ static bool radiance(const reference_scene *r, path p, reference_random random, 
     return !p.overlap;
 }
 
-bool reference_radiance(const reference_scene *r, vec3_f64 origin, vec3_f64 direction, uint64_t key,
-                        vec3_f64 *out) {
-    const reference_random random = {reference_mix(key), 0, r->scene->camera.shutter[0]};
-    return radiance(r, (path){.origin = origin, .direction = direction, .weight = {1, 1, 1}}, random, out);
-}
-
 /* ---- images ---- */
 
 /* Farther from the middle of its side than that is. */

@@ -38,12 +38,8 @@ fathom_status reference_open(const fathom_scene *scene, const reference_settings
                              reference_scene **out);
 void reference_close(reference_scene *reference);
 
-/* One sample of the radiance that arrives at `origin` from the unit direction. `key` picks the random
- * numbers. False: volumes overlap, which the reference refuses. */
-bool reference_radiance(const reference_scene *reference, vec3_f64 origin, vec3_f64 direction, uint64_t key,
-                        vec3_f64 *out);
-
-/* The same of one sample of a pixel, seen through the camera; (x, y) in the image. */
+/* One sample of the radiance of a pixel, seen through the camera; (x, y) in the image. False: volumes
+ * overlap, which the reference refuses. */
 bool reference_sample(const reference_scene *reference, uint32_t x, uint32_t y, uint32_t index,
                       vec3_f64 *out);
 

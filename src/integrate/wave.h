@@ -192,13 +192,4 @@ fathom_id wave_hit_object(const wave *w, unsigned i);
 /* Rays of `now` by square, where they are counted. */
 void wave_count_rays(const wave *w);
 
-/* ---- the classic integrator, in steps: for benches that record its rays ---- */
-
-extern const wave_stages classic_stages;
-/* The stages after the camera's: the hits of `now`, their light, and the rays that leave them, which become
- * `now`. Until none is left; depth counts up from 0. */
-bool classic_step(wave *w, uint32_t depth);
-/* What is known of the mirrored and of the other rays of `now` at this depth. */
-trace_coherence classic_coherence(uint32_t depth, bool mirrored);
-
 #endif

@@ -170,7 +170,8 @@ static void share_outside(emitters *e) {
     e->background_chance = all > 0 ? background_power(e) / all : 0;
 }
 
-fathom_status emitters_open_skies(fathom_context *context, emitters *e) {
+/* Reads the environments. */
+static fathom_status emitters_open_skies(fathom_context *context, emitters *e) {
     const fathom_scene *scene = e->w->scene;
     fathom_status status = FATHOM_OK;
     e->skies = calloc(scene->environments.count + 1, sizeof *e->skies);

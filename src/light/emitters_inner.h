@@ -107,8 +107,6 @@ bool emitters_prepare_one(emitters *e);
 void emitters_sample_one(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out);
 void emitters_note_groups(emitters *e, const light_groups *groups);
 uint8_t emitters_group_of(const emitters *e, uint32_t emitter);
-/* Reads the environments. */
-fathom_status emitters_open_skies(fathom_context *context, emitters *e);
 
 /* The run of a primitive that a ray met, or NULL: it is no emitter. */
 const emitter_run *emitters_run(const emitters *e, uint32_t geometry, uint32_t instance);

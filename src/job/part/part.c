@@ -38,7 +38,10 @@ struct part {
 
 /* ---- what can be split, and how ---- */
 
-fathom_status part_check(fathom_context *context, const fathom_part *options) {
+/* FATHOM_BAD_USAGE when the numbers make no sense, FATHOM_OUT_OF_RESOURCES when the file could not be
+ * written.
+ */
+static fathom_status part_check(fathom_context *context, const fathom_part *options) {
     if (!options->path) return fail_null(context, "part: path");
     if (!options->index || options->index > options->count || options->count > PART_MOST) {
         return fail(context, FATHOM_BAD_USAGE, "part: expected 1 <= part <= parts <= %u, found part %u of %u",

@@ -6,9 +6,6 @@
 
 typedef struct part part;
 
-/* Finds what can be wrong before the scene is read: FATHOM_BAD_USAGE when the numbers make no sense,
- * FATHOM_OUT_OF_RESOURCES when the file could not be written. */
-fathom_status part_check(fathom_context *context, const fathom_part *options);
 /* Reads the file if there is one. FATHOM_BAD_USAGE: the render cannot be split so, or another one writes the
  * file; FATHOM_BAD_INPUT: it is of another render, or no part. On FATHOM_OK end with part_close(). */
 fathom_status part_open(fathom_context *context, const fathom_part *options, const fathom_settings *settings,

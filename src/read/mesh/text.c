@@ -42,7 +42,8 @@ bool text_found(text_fault *fault, const char *at, const char *field, const char
     return text_wrong(fault, at, field, "%s, found %s", text, text_quote(at, quote));
 }
 
-size_t text_line(const text_file *file, const char *at) {
+/* The line of `at`, from 1. */
+static size_t text_line(const text_file *file, const char *at) {
     size_t line = 1;
     for (const char *p = file->begin; (p = memchr(p, '\n', (size_t)(at - p))) != NULL; ++p) ++line;
     return line;

@@ -49,8 +49,6 @@ bool text_found(text_fault *fault, const char *at, const char *field, const char
 bool text_has_no_zeros(text_fault *fault, const char *begin, const char *end);
 /* FATHOM_OK without a fault, FATHOM_OUT_OF_RESOURCES, or FATHOM_BAD_INPUT at the fault's line or byte. */
 fathom_status text_status(const text_file *file, const text_fault *fault);
-/* The line of `at`, from 1. */
-size_t text_line(const text_file *file, const char *at);
 
 /* The word at `at` in quotes, or "the end of the line", cut to fit a message. Returns `out`. */
 const char *text_quote(const char *at, char out[48]);

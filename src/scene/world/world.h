@@ -169,8 +169,6 @@ static inline const world_instance *world_instance_when(const world *w, uint32_t
     world_move_instance(w, at, time, moved);
     return moved;
 }
-/* The two steps around the time, and how far it is from the first to the second. */
-uint32_t world_step(uint32_t steps, float time, double *u);
 /* The corners of a triangle of a mesh, and its normals unless NULL or there are none. */
 void world_corners_when(const world *w, const world_geometry *geometry, uint32_t triangle, float time,
                         vec3_f32 corner[3], vec3_f32 normal[3]);

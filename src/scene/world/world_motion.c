@@ -7,8 +7,9 @@
 
 /* ---- steps ---- */
 
-/* The product is rounded as Embree rounds it. */
-uint32_t world_step(uint32_t steps, float time, double *u) {
+/* The two steps around the time, and how far it is from the first to the second. The product is rounded as
+ * Embree rounds it. */
+static uint32_t world_step(uint32_t steps, float time, double *u) {
     const float at = time * (float)(steps - 1);
     float whole = floorf(at);
     if (!(whole > 0)) whole = 0;
