@@ -209,7 +209,7 @@ static bool scatter(wave *w) {
 
 /* ---- the way of the paths ---- */
 
-/* What is known of the mirrored and of the other rays of `now` at this depth. Mirrored rays of the first hits
+/* The coherence of the mirrored or of the other rays of `now` at this depth. Mirrored rays of the first hits
  * leave where neighbouring camera rays arrived, and most of them leave the surface for good. Refracted ones
  * cross what they enter, and reach its other side far from one another. */
 static trace_coherence classic_coherence(uint32_t depth, bool mirrored) {

@@ -103,7 +103,7 @@ static void halving_an_arc_is_slerp_to_the_last_bits(void **state) {
     }
 }
 
-/* Of three animations the last moves what the first moves. */
+/* The last of three animations moves what the first moves. */
 static void what_does_not_move_the_same_is_posed_together(void **state) {
     fixture *f = *state;
     build b = {.size = 0};

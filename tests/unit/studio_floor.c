@@ -1,4 +1,4 @@
-/* What models without a camera stand on: the floor of the studio, or a plate in an image of the sky. */
+/* Models without a camera stand on the floor of the studio, or on a plate in an image of the sky. */
 #include "random.h"
 #include "scene/scene.h"
 #include "unit_folder.h"

@@ -44,7 +44,8 @@ static void warn_black(warning_list *warnings, const fathom_scene *scene, const 
                       : "the scene has no lights; give it some, or leave its empty list of lights out");
 }
 
-/* What is wrong with the image at b's exposure; false: nothing. scene: NULL when only its film is known. */
+/* Says what is wrong with the image at this exposure; false: nothing. scene: NULL when only its film is
+ * known. */
 static bool shows_little(const fathom_scene *scene, const fathom_brightness *b, float exposure,
                          char out[160]) {
     if ((double)b->clipped > MOST_PIXELS * (double)b->pixels) {

@@ -7,7 +7,7 @@
 
 /* Finds the exposure that options->exposure asks for, and warns of an image that is black, or nearly all
  * black or white in a file for the display. `name` begins the warnings. scene: NULL when only its film is
- * known. */
+ * known, or is not finished. */
 void brightness_settle(warning_list *warnings, const fathom_scene *scene, const char *name,
                        const fathom_film *film, render_options *options);
 

@@ -179,7 +179,9 @@ static fathom_status finish(task *s) {
     const bool interrupted = s->report.interrupted;
     image_names *room = NULL;
     fathom_status status = interrupted ? images_rename(s->context, &s->options.outputs, &room) : FATHOM_OK;
-    brightness_settle(&s->report.warnings, s->scene, s->options.scene, s->film, &s->options);
+    /* What is black yet may not be when it is finished. */
+    brightness_settle(&s->report.warnings, interrupted ? NULL : s->scene, s->options.scene, s->film,
+                      &s->options);
     if (status == FATHOM_OK)
         status = write_all(s);
     else

@@ -191,7 +191,7 @@ static void follow_pointer(gltf *g, const gltf_value *target, uint32_t *node, co
     *node = (uint32_t)index, *path = end + 1;
 }
 
-/* What a channel moves; node GLTF_ABSENT: what an extension says. */
+/* A channel moves this part of a node; node GLTF_ABSENT: an extension says what it moves. */
 typedef struct channel_target {
     gltf_value at;
     uint32_t node;

@@ -1,4 +1,4 @@
-/* What a model stands on. In the built-in studio it is the sweep of a photographer: a floor that bends up
+/* A model stands on a sheet. In the built-in studio it is the sweep of a photographer: a floor that bends up
  * into a wall behind it, so that no edge shows. It is wide and high enough to fill the image, and low enough
  * to leave the light of the studio's panels (light/studio.h) on the model. In an image of the sky it is a
  * round plate, whose edge fades into the image. */
