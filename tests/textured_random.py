@@ -28,9 +28,10 @@ N = 4  # cells along each side
 RUNS = 32  # renders of each scene, by other seeds
 # Student's t with 31 degrees of freedom is beyond this in 7e-8 of cases: of 144 values in each of 100 scenes, one in 1,000.
 LIMIT = 7.0
-# Both scenes take the same random numbers, so that most paths are the same. The few that rounding sends elsewhere are too rare
-# for Student's t, so that a standard error counts as at least this part of the brightest region's light.
-LEAST = 1e-4
+# Both scenes take the same random numbers, so that most paths are the same but for rounding: a standard error counts as at least
+# 16 roundoffs of the brightest region's light. The few that rounding sends elsewhere are too rare for Student's t at first: one
+# scene of 16 is then rendered again.
+LEAST = 2.0 ** -20
 
 COLORS = {"baseColor", "emissive", "specularColor", "sheenColor", "diffuseTransmissionColor", "kd", "ks", "ke"}
 CLASSIC = ["kd", "ks", "ke", "shininess"]
