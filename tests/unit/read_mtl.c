@@ -121,6 +121,28 @@ static void dissolved_materials_pass_light_straight(void **state) {
     }
 }
 
+/* MeshLab writes Tr 1 for opaque surfaces. What says d 0 is not seen, which is told. */
+static void tr_1_is_opaque(void **state) {
+    (void)state;
+    const char *opaque[] = {"Kd 0.8 0.8 0.8\nTr 1.000000\nillum 2\nNs 0\n", "Kd 0.8 0.8 0.8\nd 1\nTr 1\n"};
+    for (int i = 0; i < 2; ++i) {
+        fathom_material m = material_of(opaque[i]);
+        expect_color(opaque[i], "k_t", m.k_t, 0, 0, 0);
+        expect_color(opaque[i], "k_d", m.k_d, 0.8, 0.8, 0.8);
+        assert_non_null(strstr(mesh_warnings, "Tr 1 is read as opaque"));
+    }
+    assert_true(material_of("Pr 0.5\nTr 1\n").opacity == 1);
+    const char *clear[] = {"Kd 0.8 0.8 0.8\nd 0\n", "Kd 0.8 0.8 0.8\nTr 1\nd 0\n"};
+    for (int i = 0; i < 2; ++i) {
+        fathom_material m = material_of(clear[i]);
+        expect_color(clear[i], "k_t", m.k_t, 1, 1, 1);
+        assert_non_null(strstr(mesh_warnings, "surfaces of d 0 are not seen"));
+    }
+    /* Glass is clear by right. */
+    expect_color("glass", "k_t", material_of("Ks 0 0 0\nillum 4\nTr 1\n").k_t, 1, 1, 1);
+    assert_string_equal(mesh_warnings, "");
+}
+
 static void glass_follows_its_formulas(void **state) {
     (void)state;
     /* By Fresnel's law: all goes through or is mirrored, highlights stay. */
@@ -296,6 +318,7 @@ int main(void) {
         cmocka_unit_test(materials_as_exported_look_right),
         cmocka_unit_test(mirrors_follow_illum),
         cmocka_unit_test(dissolved_materials_pass_light_straight),
+        cmocka_unit_test(tr_1_is_opaque),
         cmocka_unit_test(glass_follows_its_formulas),
         cmocka_unit_test(omissions_are_reported),
         cmocka_unit_test(names_may_hold_blanks),

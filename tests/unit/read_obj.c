@@ -264,6 +264,7 @@ static void smoothing_groups_share_normals(void **state) {
     const read_mesh_options flat = {.material = FATHOM_NONE, .flat = true};
     expect_roof("f 1 2 3\nf 2 4 3\n", plain, -1);
     expect_roof("s off\nf 1 2 3\ns 0\nf 2 4 3\n", plain, -1);
+    expect_roof("s\nf 1 2 3\ns \nf 2 4 3\n", plain, -1);
     expect_roof("s 1\nf 1 2 3\nf 2 4 3\n", plain, 1);
     expect_roof("s on\nf 1 2 3\nf 2 4 3\n", plain, 1);
     expect_roof("s 1\nf 1 2 3\ns 2\nf 2 4 3\n", plain, 0);

@@ -104,7 +104,8 @@ static void signed_and_unsigned_numbers_differ(void **state) {
 static void elements_may_come_in_any_order(void **state) {
     (void)state;
     const char *lines =
-        "comment made by hand\nobj_info x\nelement camera 1\nproperty list uchar float view\nproperty int "
+        "comment made by hand\nobj_info x\nCreated by Blender3D 247\nelement camera 1\nproperty list uchar "
+        "float view\nproperty int "
         "id\n"
         "element face 3\nproperty uchar red\nproperty list uint float weights\n"
         "property list short ushort vertex_indices\nproperty double area\n"

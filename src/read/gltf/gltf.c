@@ -11,21 +11,29 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* glTF 1 has objects where 2 has arrays, and its files need not say which they are: "1.0", 1, 0.8 or nothing.
+ */
+static bool is_first(const gltf *g, const gltf_value *asset) {
+    const json_t *version = json_object_get(asset->json, "version");
+    if (json_is_string(version)) return strncmp(json_string_value(version), "1.", 2) == 0;
+    if (json_is_number(version)) return json_number_value(version) < 2;
+    return json_is_object(json_object_get(g->root.json, "meshes"));
+}
+
 /* "2.0" and any "2.x": a later minor version stays readable unless minVersion says otherwise. */
 static void check_version(gltf *g) {
     gltf_value asset;
     const char *version = NULL, *least = NULL;
     gltf_object(g, &g->root, "asset", &asset);
-    gltf_text(g, &asset, "version", &version);
-    gltf_text(g, &asset, "minVersion", &least);
-    /* glTF 1 has objects where 2 has arrays, and its files need not say which they are. */
-    const bool first =
-        version ? strncmp(version, "1.", 2) == 0 : json_is_object(json_object_get(g->root.json, "meshes"));
-    if (first)
+    if (is_first(g, &asset)) {
         gltf_fail(g, &asset, "version",
                   "the file is glTF 1.0, which is not read; expected glTF 2.0: export the model again, or "
                   "convert it, for instance by gltf-pipeline");
-    else if (!version)
+        return;
+    }
+    gltf_text(g, &asset, "version", &version);
+    gltf_text(g, &asset, "minVersion", &least);
+    if (!version)
         gltf_fail(g, &asset, "version", "is missing; expected a glTF file with \"2.0\"");
     else if (strncmp(version, "2.", 2) != 0)
         gltf_fail(g, &asset, "version", "is \"%.40s\"; expected \"2.0\"", version);

@@ -6,16 +6,17 @@
  * k_l = colour I / pi, and likewise for directional lights. So a pixel holds the luminance in cd/m^2 for
  * lengths in metres. Highlights are normalised like b / pi (see gltf_material.c).
  *
- * Nothing is rescaled but lamps of Blender. It writes 683 lm for each watt, so that a lamp of 1000 W becomes
- * 54,351 cd, but it writes the radiance of emission as it is. Its importer takes the watts back, as is done
- * here: else emission would be 683 times too dark beside lamps. Files made for viewers that ignore units have
- * values around 1 to 10.
+ * Nothing is rescaled but lamps of Blender. Since its version 3.4 it writes 683 lm for each watt, so that a
+ * lamp of 1000 W becomes 54,351 cd, but it writes the radiance of emission as it is. Its importer takes the
+ * watts back, as is done here: else emission would be 683 times too dark beside lamps. Files made for viewers
+ * that ignore units, and those of earlier versions, have values around 1 to 100.
  *
  * `range` is ignored: light falls off by 1 / d^2 without end. The spot's falloff between its cones is the
  * model's. Lights look along their node's -z; scale does not change them otherwise. */
 #include "read/gltf/gltf.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static const double pi = 3.14159265358979324;
@@ -50,6 +51,15 @@ static void read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
     }
 }
 
+/* Blender since 3.4: "Khronos glTF Blender I/O v3.4.50". */
+static bool counts_in_lumens(const char *generator) {
+    static const char exporter[] = "Khronos glTF Blender I/O v";
+    unsigned major = 0, minor = 0;
+    if (strncmp(generator, exporter, sizeof exporter - 1) != 0) return false;
+    if (sscanf(generator + sizeof exporter - 1, "%3u.%3u", &major, &minor) != 2) return false;
+    return major > 3 || (major == 3 && minor >= 4);
+}
+
 /* By which Blender has multiplied intensities, unless its user turned that off, which its files do not say.
  */
 static double lumens_a_watt(gltf *g, const gltf_value *at) {
@@ -57,7 +67,7 @@ static double lumens_a_watt(gltf *g, const gltf_value *at) {
     const char *generator = "";
     gltf_object(g, &g->root, "asset", &asset);
     gltf_text(g, &asset, "generator", &generator);
-    if (strncmp(generator, "Khronos glTF Blender I/O", 24) != 0) return 1;
+    if (!counts_in_lumens(generator)) return 1;
     gltf_note(g, at, "intensity",
               "is taken back from lumens to watts by 683 lm/W, because Blender writes emission in watts");
     return 683;

@@ -37,6 +37,18 @@ static void note_unused(mtl_reader *r) {
     if (illum == 10) note_at(r, m->at[MTL_ILLUM], "illum 10 is read as 2");
 }
 
+/* Tr 1 would make a surface that nobody sees. MeshLab writes it for opaque ones. */
+static void settle_opacity(mtl_reader *r) {
+    mtl_entry *m = &r->entry;
+    if (m->d > 0 || mtl_is_glass(mtl_illum(m))) return;
+    if (mtl_given(m, MTL_TR) && !(mtl_given(m, MTL_D) && m->at[MTL_D] > m->at[MTL_TR])) {
+        note_at(r, m->at[MTL_TR], "Tr 1 is read as opaque, as MeshLab means it; else nothing would be seen");
+        m->d = 1;
+    } else {
+        note_at(r, m->at[MTL_D], "surfaces of d 0 are not seen");
+    }
+}
+
 static void finish_material(mtl_reader *r) {
     if (!r->begun) return;
     mtl_material *m = &r->library->materials.items[r->current];
@@ -44,6 +56,7 @@ static void finish_material(mtl_reader *r) {
     if (opacity->file && color->file && opacity->map.channel > 3)
         opacity->map.channel = strcmp(opacity->file, color->file) == 0 ? 3 : 0;
     for (int k = 0; k < FATHOM_MAPS; ++k) m->images[k].map.channel %= 4;
+    settle_opacity(r);
     note_unused(r);
     m->value = mtl_material_from(&r->entry);
     if (m->images[FATHOM_MAP_NORMAL].file) m->value.normal_scale = (float)m->images[FATHOM_MAP_NORMAL].bump;

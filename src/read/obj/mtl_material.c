@@ -6,7 +6,7 @@
  *   Ks, Ns  k_s and shininess of Blinn's highlight, as the format defines it ((N·H)^Ns); no highlight if Ns <
  * 1, which exporters write for rough surfaces and which would add Ks to everything that faces a light Ke k_e
  *   Ni      ior for refraction and Fresnel's law; none or 0: 1.5
- *   d, Tr   opacity and 1 - opacity; the last one in the file counts
+ *   d, Tr   opacity and 1 - opacity; the last one in the file counts. Tr 1 means opaque but for glass
  *   Tf      filter of the glass models; the others ignore it, because exporters write white everywhere
  *
  *   illum   none: 2 if there is a Ks that is not black, else 1

@@ -44,7 +44,9 @@ const char *obj_next(obj_statement statement, const char *p, const char *end) {
 bool obj_smoothing_group(const char *p, uint32_t *group) {
     p = text_skip(p);
     int64_t number = 0;
-    if (strncmp(p, "off", 3) == 0)
+    if (text_is_end(*p))
+        ; /* no number: programs write it as "off" */
+    else if (strncmp(p, "off", 3) == 0)
         p += 3;
     else if (strncmp(p, "on", 2) == 0)
         number = 1, p += 2;

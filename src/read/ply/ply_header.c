@@ -101,14 +101,23 @@ static void read_comment(ply_reader *r, const char *p) {
         r->texture = p;
 }
 
+/* Blender 2.4 forgot the word "comment" before "Created by Blender". */
+static bool is_remark(const char *word) {
+    static const char *const words[] = {"", "comment", "obj_info", "Created"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; ++i) {
+        if (strcmp(word, words[i]) == 0) return true;
+    }
+    return false;
+}
+
 /* at: the first word of a line, `word`; p: behind it. */
 static bool read_statement(ply_reader *r, const char *word, const char *at, const char *p) {
     if (strcmp(word, "format") == 0) return read_format(r, p);
     if (strcmp(word, "element") == 0) return read_element(r, at, p);
     if (strcmp(word, "property") == 0) return read_property(r, at, p);
     if (strcmp(word, "comment") == 0) read_comment(r, p);
-    if (!*word || strcmp(word, "comment") == 0 || strcmp(word, "obj_info") == 0) return true;
-    return text_found(&r->fault, at, NULL, "expected format, comment, element, property or end_header");
+    return is_remark(word) ||
+           text_found(&r->fault, at, NULL, "expected format, comment, element, property or end_header");
 }
 
 /* Returns the line after the header, NULL after a fault. */
