@@ -252,6 +252,7 @@ typedef struct fathom_brightness {
     uint64_t clipped; /* of them: brighter than white, 1, at the exposure that was asked about */
     float exposure; /* stops, a multiple of 0.1: at most 1 % of the lit pixels are brighter than white; 0 when
                        all are black */
+    bool in_studio; /* it shows a model in the built-in studio, whose light no author has set */
 } fathom_brightness;
 
 /* exposure: as in fathom_write_options. film may be NULL: all is 0 then. FATHOM_BAD_USAGE: `out` has no size.

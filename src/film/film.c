@@ -186,6 +186,7 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     film->camera = scene->camera;
     memcpy(film->background, scene->background, sizeof film->background);
     find_brightest(scene, film->brightest);
+    film->in_studio = scene->in_studio && settings->integrator != FATHOM_INTEGRATOR_CLASSIC;
     film->light_groups = scene->light_groups;
     if (settings->fireflies == FATHOM_FIREFLIES_REWEIGHT)
         strcpy(film->fireflies, "kept; a second image has them reweighted");
@@ -216,6 +217,7 @@ fathom_status film_create_like(fathom_context *context, const fathom_film *film,
     }
     memcpy(copy->background, film->background, sizeof copy->background);
     memcpy(copy->brightest, film->brightest, sizeof copy->brightest);
+    copy->in_studio = film->in_studio;
     return take_pixels(context, copy, film->scene_name, out);
 }
 

@@ -68,6 +68,7 @@ struct fathom_film {
     fathom_stats stats;
     bool interrupted;
     float background[3], brightest[3]; /* the second: emission, of any surface or the surroundings */
+    bool in_studio;                    /* the light is the built-in studio's */
     char *scene_name;
     char fireflies[FIREFLY_TEXT];  /* what was done about them; "": nothing was asked for */
     left_out_list left_out;        /* of the render that filled it */

@@ -58,6 +58,7 @@ static void look(const fathom_film *film, float exposure, fathom_brightness *out
         out->clipped += value > white ? 1 : 0;
         if (value > 0) ++counts[bin_of(value)];
     }
+    out->in_studio = film->in_studio;
     if (out->black < out->pixels) out->exposure = exposure_for(counts, out->pixels - out->black);
 }
 

@@ -140,6 +140,19 @@ said err.txt "so the exposure is $exposure"
 same a.png d.png
 run 0 render bright.json -o a.exr
 silent err.txt
+# In the studio a white model is shown darker, also by merge; a gray one is not.
+for white in 1 0.4; do
+    printf 'newmtl m\nKd %s %s %s\n' $white $white $white >studio.mtl
+    printf 'mtllib studio.mtl\nusemtl m\nv 0 0 0\nv 1 0 1\nv 0 1 0\nv 1 1 1\nf 1 2 4 3\n' >studio.obj
+    run 0 render studio.obj -o $white.png --size 32x32 --spp 16
+    silent err.txt
+    if [ $white = 1 ]; then said out.txt ', exposure -0.'; else grep -q exposure out.txt && die 'gray is shown darker'; fi
+    run 0 render studio.obj -o 0.png --size 32x32 --spp 16 --exposure 0
+    if [ $white = 1 ]; then differ 1.png 0.png; else same 0.4.png 0.png; fi
+    run 0 render studio.obj --size 32x32 --spp 16 --part 1/1 -o $white.part
+    run 0 merge $white.part -o 0.png
+    same $white.png 0.png
+done
 sed 's/"intensity": 25/"intensity": 0.01/; s/"background": .*/"background": [0, 0, 0],/' scene.json >dark.json
 run 0 render dark.json -o a.png
 said err.txt 'of the pixels are nearly black, below 8 of 255 levels, so the exposure is '

@@ -13,6 +13,11 @@
 /* 8 of 255 levels of sRGB, whose curve is 12.92 x there. */
 #define DARK (8 / (255 * 12.92))
 
+/* In the studio: the share of the pixels that may clip, as highlights do, and the most stops that more of
+ * them cost. What is white shines with 1.4 there at most, which is half a stop; lamps in mirrors may clip. */
+#define STUDIO_CLIPPED 0.02
+#define STUDIO_STOPS 0.5f
+
 /* Only the built-in view is known to clip at 1. */
 static bool any_for_display(const render_options *options) {
     char extension[16];
@@ -63,6 +68,12 @@ static bool shows_little(const fathom_scene *scene, const fathom_brightness *b, 
 
 static float within_limits(float exposure) { return fminf(fmaxf(exposure, -64), 64); }
 
+/* As a photographer stops down for a white model. */
+static float studio_exposure(const fathom_brightness *b) {
+    if ((double)b->clipped <= STUDIO_CLIPPED * (double)b->pixels) return 0;
+    return fminf(fmaxf(b->exposure, -STUDIO_STOPS), 0);
+}
+
 void brightness_settle(warning_list *warnings, const fathom_scene *scene, const char *name,
                        const fathom_film *film, render_options *options) {
     float *exposure = &options->write.exposure;
@@ -76,6 +87,10 @@ void brightness_settle(warning_list *warnings, const fathom_scene *scene, const 
     }
     if (options->exposure == EXPOSURE_AUTO) *exposure = within_limits(b.exposure);
     if (options->exposure == EXPOSURE_AUTO || !any_for_display(options)) return;
+    if (options->exposure == EXPOSURE_USUAL && b.in_studio) {
+        *exposure = studio_exposure(&b);
+        return;
+    }
     if (!shows_little(scene, &b, *exposure, why)) return;
     if (options->exposure == EXPOSURE_GIVEN) {
         warnings_tell(warnings, "%s: %s; try --exposure %.1f, or --exposure auto", name, why,
@@ -85,4 +100,10 @@ void brightness_settle(warning_list *warnings, const fathom_scene *scene, const 
     *exposure = within_limits(b.exposure);
     warnings_tell(warnings, "%s: %s, so the exposure is %.1f; --exposure 0 leaves it as it is", name, why,
                   (double)*exposure);
+}
+
+void brightness_print(const render_options *options) {
+    const bool chosen = options->exposure == EXPOSURE_AUTO ||
+                        (options->exposure == EXPOSURE_USUAL && options->write.exposure != 0);
+    if (chosen) printf(", exposure %g", (double)options->write.exposure);
 }

@@ -11,4 +11,7 @@
 void brightness_settle(warning_list *warnings, const fathom_scene *scene, const char *name,
                        const fathom_film *film, render_options *options);
 
+/* ", exposure -0.4" if one was chosen. */
+void brightness_print(const render_options *options);
+
 #endif

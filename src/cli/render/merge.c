@@ -29,8 +29,10 @@ static void tell(const render_options *o, const fathom_film *film, const fathom_
         if (i) fputs(", ", stdout);
         print_name(stdout, standard_output_shown(&o->outputs, i));
     }
-    printf(": %ux%u, %.1f spp, of %zu parts, %.2f s\n", width, height,
-           (double)stats->samples / ((double)width * height), o->parts.count, clock_seconds() - began);
+    printf(": %ux%u, %.1f spp, of %zu parts", width, height,
+           (double)stats->samples / ((double)width * height), o->parts.count);
+    brightness_print(o);
+    printf(", %.2f s\n", clock_seconds() - began);
 }
 
 static fathom_status merge(fathom_context *context, render_options *o) {

@@ -109,7 +109,7 @@ static bool take_tracer(const args_option *option, const char *value, void *fiel
      -64,                                                                                                    \
      64,                                                                                                     \
      "each doubles the light; auto: 99 of 100 lit pixels are at most white (0, and auto where most pixels "  \
-     "would be white or nearly black); of --frames the first decides"},                                      \
+     "would be white or nearly black; -0.5 to 0 in the built-in studio); of --frames the first decides"},    \
         {"display",                                                                                          \
          0,                                                                                                  \
          "NAME",                                                                                             \

@@ -5,6 +5,7 @@
 #include "cli/machine.h"
 #include "cli/outputs.h"
 #include "cli/provenance.h"
+#include "cli/render/brightness.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -207,7 +208,7 @@ void stats_print(const render_report *report, const render_options *options) {
     }
     printf(": %ux%u, ", report->width, report->height);
     print_sampling(report, options);
-    if (options->exposure == EXPOSURE_AUTO) printf(", exposure %g", (double)options->write.exposure);
+    brightness_print(options);
     printf(", %.2f s, %.1f Mrays/s", report->total_seconds, 1e-6 * rays_per_second(report));
     if (report->interrupted) printf(", interrupted at %u %%", (unsigned)(100 * report->finished));
     putchar('\n');

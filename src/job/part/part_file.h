@@ -23,8 +23,8 @@
 
 typedef struct part_head {
     char magic[8];
-    uint32_t format, bytes; /* the second: of this struct */
-    uint32_t index, count, split, reserved;
+    uint32_t format, bytes;                  /* the second: of this struct */
+    uint32_t index, count, split, in_studio; /* the last: true or false */
     checkpoint_key key;
     /* What the merged film needs. */
     fathom_settings settings; /* without the tracer's words */

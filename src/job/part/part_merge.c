@@ -245,6 +245,7 @@ static fathom_status make_film(merging *m) {
                         .settings = head->settings,
                         .camera = head->camera,
                         .light_groups = head->light_groups,
+                        .in_studio = head->in_studio != 0,
                         .scene_name = head->scene};
     memcpy(like.background, head->background, sizeof like.background);
     memcpy(like.brightest, head->brightest, sizeof like.brightest);
