@@ -165,8 +165,7 @@ refused 2 '--leave-out-below 8bit: needs the exposure' \
     render scene.json -o c.png --leave-out-below 8bit --exposure auto
 refused 2 '--exposure: expected a number' render scene.json -o c.png --exposure much
 
-# What MeshLab writes for opaque is invisible.
-printf 'newmtl a\nKd 0.6 0.6 0.6\nTr 1.0\n' >clear.mtl
+printf 'newmtl a\nKd 0.6 0.6 0.6\nd 0\n' >clear.mtl
 printf 'mtllib clear.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >clear.obj
 run 0 render clear.obj --integrator classic -o a.png
 said err.txt 'all surfaces are fully transparent'
