@@ -225,6 +225,35 @@ static void each_material_is_one_mesh(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* Of six vertices the first mesh uses three, the second all: the first has copies, in the file's order, with
+ * uvs whose indices are the positions', and normals by indices of their own. */
+static void unused_vertices_are_left_out(void **state) {
+    (void)state;
+    const char *mtl = "newmtl rest\nKd 1 0 0\n";
+    mesh_write("m.mtl", mtl, strlen(mtl));
+    fathom_scene *scene =
+        read_text("mtllib m.mtl\nv 0 0 0\nv 1 0 0 \nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\n"
+                  "vt 0 0\nvt 1 0\nvt 2 0\nvt 3 0\nvt 4 0\nvt 5 0\nvn 0 0 1\nvn 0 0 2\nvn 0 0 3\nvn 0 0 4\n"
+                  "f 6/6/4 2/2/2 4/4/4\nusemtl rest\nf 1/1/1 2/2/1 3/3/1\nf 4/4/1 5/5/1 6/6/1\n");
+    const fathom_mesh *few = mesh_at(scene, 0), *all = mesh_at(scene, 1);
+    const uint32_t corners[3] = {2, 0, 1}, normals[3] = {1, 0, 1};
+    assert_int_equal(few->vertex_count, 3);
+    mesh_expect_indices(few->indices, corners, 3);
+    mesh_expect_point(few, 0, 1, 0, 0);
+    mesh_expect_point(few, 1, 0, 0, 1);
+    mesh_expect_point(few, 2, 0, 1, 1);
+    assert_true(!few->uv_indices && few->uv_count == 3);
+    for (int i = 0; i < 3; ++i) assert_true(few->uvs[2 * i] == (float)(2 * i + 1));
+    assert_int_equal(few->normal_count, 2);
+    mesh_expect_indices(few->normal_indices, normals, 3);
+    assert_true(few->normals[2] == 2 && few->normals[5] == 4);
+    assert_int_equal(all->vertex_count, 6);
+    assert_ptr_not_equal(all->positions, few->positions);
+    assert_true(scene->mesh_facts.items[0].lower[0] == 0 && scene->mesh_facts.items[0].lower[1] == 0);
+    assert_int_equal(all->uv_count, 6);
+    fathom_scene_destroy(scene);
+}
+
 /* A material that is asked for goes on everything, and the file's own are not looked for. */
 static void a_given_material_replaces_the_files(void **state) {
     (void)state;
@@ -530,6 +559,7 @@ int main(void) {
         cmocka_unit_test(uvs_and_normals_keep_their_indices),
         cmocka_unit_test(equal_indices_are_not_stored),
         cmocka_unit_test(each_material_is_one_mesh),
+        cmocka_unit_test(unused_vertices_are_left_out),
         cmocka_unit_test(a_given_material_replaces_the_files),
         cmocka_unit_test(smoothing_groups_share_normals),
         cmocka_unit_test(polygons_are_triangulated),

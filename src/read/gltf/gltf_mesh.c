@@ -1,7 +1,9 @@
 /* Meshes to groups, a mesh of the scene for each primitive. */
 #include "read/gltf/gltf.h"
+#include "read/mesh/compact.h"
 #include "read/mesh/normals.h"
 #include "read/mesh/strokes.h"
+#include "scene/mesh/mesh_array.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -285,6 +287,27 @@ static void move_vertices(gltf *g, primitive *p) {
     if (gltf_fine(g)) gltf_within(g, p->at, NULL, mesh_check_vertex_keys(g->context, m, &p->facts));
 }
 
+static uint64_t bytes_of(const fathom_mesh *mesh) {
+    uint64_t row = 0;
+    for (int kind = 0; kind < MESH_ARRAYS; ++kind) {
+        const mesh_array a = mesh_array_of(mesh, (mesh_kind)kind);
+        row += a.values ? a.width * sizeof(float) : 0;
+    }
+    return row * mesh->vertex_count + 3 * sizeof(uint32_t) * (uint64_t)mesh->triangle_count;
+}
+
+/* Primitives may share the arrays of all. */
+static void compact(gltf *g, primitive *p) {
+    bool copied;
+    gltf_within(g, p->at, NULL, mesh_compact(g->scene, false, &p->mesh, &copied));
+    if (!gltf_fine(g) || !copied || gltf_charge(g, p->at, NULL, bytes_of(&p->mesh)) != FATHOM_OK) return;
+    gltf_within(g, p->at, NULL,
+                mesh_look_at_vertices(g->context, "entry", p->mesh.positions, p->mesh.position_stride,
+                                      p->mesh.vertex_count, &p->facts));
+    if (gltf_fine(g))
+        gltf_within(g, p->at, NULL, mesh_look_at_triangles(g->context, "entry", &p->mesh, &p->facts));
+}
+
 static void add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shapes, bool moves,
                           fathom_id group) {
     gltf_value attributes;
@@ -309,6 +332,7 @@ static void add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shape
     } else {
         read_surface(g, &p);
         if (gltf_fine(g) && moves && p.mesh.triangle_count) move_vertices(g, &p);
+        if (gltf_fine(g)) compact(g, &p);
     }
     if (gltf_fine(g) && strokes_any(&p.mesh))
         gltf_within(g, at, NULL, scene_add_mesh_checked(g->scene, group, &p.mesh, &p.facts, NULL));

@@ -1,7 +1,9 @@
 #include "read/obj/obj.h"
 
 #include "base/threads.h"
+#include "read/mesh/compact.h"
 #include "scene/mesh/absent.h"
+#include "scene/mesh/mesh_array.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +14,8 @@ typedef struct obj_mesh {
     bool has[OBJ_KINDS], same[OBJ_KINDS];
     size_t count;
     uint32_t *indices[OBJ_KINDS];
+    fathom_mesh mesh;
+    bool copied; /* it has arrays of its own, else those of the file */
 } obj_mesh;
 
 typedef struct obj_builder {
@@ -96,8 +100,11 @@ static void copy_pieces(void *user, size_t begin, size_t end, unsigned worker) {
 
 static fathom_status adopt_values(obj_builder *b) {
     for (int k = 0; k < OBJ_KINDS; ++k) {
-        bool used = k == OBJ_POSITION && b->meshes.count;
-        for (size_t i = 0; i < b->meshes.count; ++i) used = used || b->meshes.items[i].has[k];
+        bool used = false;
+        for (size_t i = 0; i < b->meshes.count; ++i) {
+            const obj_mesh *mesh = &b->meshes.items[i];
+            used |= !mesh->copied && (k == OBJ_POSITION || mesh->has[k]);
+        }
         if (!used) continue;
         b->r->adopted[k] = true;
         fathom_status status = scene_adopt(b->r->scene, b->r->values[k], free);
@@ -123,29 +130,44 @@ fathom_status obj_add_mesh(const obj_reader *r, uint32_t slot, fathom_mesh *mesh
     return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, mesh, &facts, NULL) : status;
 }
 
-/* facts: of the vertices, which all meshes share. */
-static fathom_status add_mesh(const obj_builder *b, const obj_mesh *from, mesh_facts facts) {
+/* Of the file's own arrays. */
+static void make_mesh(const obj_builder *b, obj_mesh *from) {
     const obj_reader *r = b->r;
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
-    mesh.positions = r->values[OBJ_POSITION];
-    mesh.position_stride = 3 * sizeof(float);
-    mesh.vertex_count = (uint32_t)r->total[OBJ_POSITION];
-    mesh.indices = from->indices[OBJ_POSITION];
-    mesh.triangle_count = (uint32_t)from->count;
+    fathom_mesh *mesh = &from->mesh;
+    fathom_mesh_default(mesh);
+    mesh->positions = r->values[OBJ_POSITION];
+    mesh->vertex_count = (uint32_t)r->total[OBJ_POSITION];
+    mesh->indices = from->indices[OBJ_POSITION];
+    mesh->triangle_count = (uint32_t)from->count;
     if (from->has[OBJ_UV]) {
-        mesh.uvs = r->values[OBJ_UV];
-        mesh.uv_count = (uint32_t)r->total[OBJ_UV];
-        mesh.uv_indices = shared_indices(b, from, OBJ_UV);
+        mesh->uvs = r->values[OBJ_UV];
+        mesh->uv_count = (uint32_t)r->total[OBJ_UV];
+        mesh->uv_indices = shared_indices(b, from, OBJ_UV);
     }
     if (from->has[OBJ_NORMAL]) {
-        mesh.normals = r->values[OBJ_NORMAL];
-        mesh.normal_count = (uint32_t)r->total[OBJ_NORMAL];
-        mesh.normal_indices = shared_indices(b, from, OBJ_NORMAL);
+        mesh->normals = r->values[OBJ_NORMAL];
+        mesh->normal_count = (uint32_t)r->total[OBJ_NORMAL];
+        mesh->normal_indices = shared_indices(b, from, OBJ_NORMAL);
     }
-    mesh.colors = r->colors;
-    mesh.color_stride = 3 * sizeof(float);
-    return obj_add_mesh(r, from->slot, &mesh, facts);
+    mesh->colors = r->colors;
+    mesh_array_pack(mesh);
+}
+
+static fathom_status look_at_vertices(const obj_reader *r, const fathom_mesh *mesh, mesh_facts *facts) {
+    return mesh_look_at_vertices(r->scene->context, r->file.path, mesh->positions, mesh->position_stride,
+                                 mesh->vertex_count, facts);
+}
+
+/* facts: of the vertices of all that are not copied. */
+static fathom_status add_all(obj_builder *b, const mesh_facts *facts) {
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < b->meshes.count && status == FATHOM_OK; ++i) {
+        obj_mesh *mesh = &b->meshes.items[i];
+        mesh_facts own = *facts;
+        if (mesh->copied) status = look_at_vertices(b->r, &mesh->mesh, &own);
+        if (status == FATHOM_OK) status = obj_add_mesh(b->r, mesh->slot, &mesh->mesh, own);
+    }
+    return status;
 }
 
 static fathom_status add_meshes(obj_builder *b) {
@@ -153,15 +175,15 @@ static fathom_status add_meshes(obj_builder *b) {
     if (status == FATHOM_OK) status = allocate_meshes(b);
     if (status != FATHOM_OK) return status;
     loop_parallel(b->r->threads, b->r->piece_count, 1, copy_pieces, b);
-    status = adopt_values(b);
-    mesh_facts facts;
-    if (status == FATHOM_OK && b->meshes.count)
-        status = mesh_look_at_vertices(b->r->scene->context, b->r->file.path, b->r->values[OBJ_POSITION],
-                                       3 * sizeof(float), (uint32_t)b->r->total[OBJ_POSITION], &facts);
+    mesh_facts facts = {.largest = 0};
     for (size_t i = 0; i < b->meshes.count && status == FATHOM_OK; ++i) {
-        status = add_mesh(b, &b->meshes.items[i], facts);
+        obj_mesh *mesh = &b->meshes.items[i];
+        make_mesh(b, mesh);
+        if (!i) status = look_at_vertices(b->r, &mesh->mesh, &facts);
+        if (status == FATHOM_OK) status = mesh_compact(b->r->scene, true, &mesh->mesh, &mesh->copied);
     }
-    return status;
+    if (status == FATHOM_OK) status = adopt_values(b);
+    return status == FATHOM_OK ? add_all(b, &facts) : status;
 }
 
 fathom_status obj_build(obj_reader *r) {
