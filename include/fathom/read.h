@@ -23,6 +23,21 @@ FATHOM_API fathom_status fathom_scene_read_to_render(fathom_context *context, co
 /* Which axis of a file without a camera points upwards in the image. */
 typedef enum fathom_up { FATHOM_UP_Y, FATHOM_UP_Z } fathom_up;
 
+/* Where reading put a camera, in a scene without one, and the floor. Frames of an animation share it: else
+ * the model would seem to grow and shrink as it moves. */
+typedef struct fathom_framing {
+    size_t size;
+    bool made; /* false: the scene has a camera of its own, or nothing that can be seen; all else is 0 then */
+    fathom_up up;
+    double eye[3];
+    double slopes[2]; /* what the view has to hold: to either side, and up and down, at a distance of 1 */
+    double
+        reach[4];   /* of the model to the right, left, top and bottom of such a view: the most of x + s z of
+                       its points, where x points there in the image, z towards the eye, and s is the slope */
+    double foot[3]; /* the point of the floor below the middle of the model */
+    double radius;  /* of the model's bounds; 0: there is no floor */
+} fathom_framing;
+
 typedef struct fathom_read_options {
     size_t size;
     bool without_uvs; /* as fathom_scene_read_to_render(); default false */
@@ -67,12 +82,21 @@ typedef struct fathom_read_options {
      * the built-in studio: see FATHOM_LIGHT_ENVIRONMENT. Its top points up. NULL (default): none. */
     const char *environment;
     double environment_rotation; /* radians, about the axis that is up; default 0 */
+    /* Where the automatic camera and the floor stand, for the same `up`, width and height; NULL (default), or
+     * one that is not made: where they show all of the scene. */
+    const fathom_framing *framing;
 } fathom_read_options;
 
 FATHOM_DEFAULT(fathom_read_options)
 /* fathom_scene_read() with options, which are read now; the scene keeps none of their text. */
 FATHOM_API fathom_status fathom_scene_read_with(fathom_context *context, const char *path,
                                                 const fathom_read_options *options, fathom_scene **out);
+
+/* That of a scene that was read. FATHOM_BAD_USAGE: `out` has no size. */
+FATHOM_API fathom_status fathom_scene_framing(const fathom_scene *scene, fathom_framing *out);
+/* Makes *framing one that shows what *other does, too; both of scenes that were read for the same `up`, width
+ * and height. Nothing happens where one of them is not made. */
+FATHOM_API void fathom_framing_unite(fathom_framing *framing, const fathom_framing *other);
 
 /* FATHOM_BAD_INPUT when a file that the scene was mapped from has been truncated or changed since it was
  * read, by its size and its time stamp: what was made of the scene is then not to be trusted, now or later.

@@ -289,6 +289,9 @@ static fathom_status check_options(fathom_context *context, const fathom_read_op
                           options->shutter);
     if (!(options->unit >= 0 && options->unit <= 1e15))
         return fail_field(context, FATHOM_BAD_USAGE, "unit", "is %g; expected metres, or 0", options->unit);
+    if (options->framing && options->framing->size < sizeof *options->framing)
+        return fail_field(context, FATHOM_BAD_USAGE, "framing",
+                          "its size is %zu; expected that of the struct", options->framing->size);
     if (!options->width != !options->height) {
         return fail(context, FATHOM_BAD_USAGE, "width, height: expected both or none, found %u and %u",
                     options->width, options->height);

@@ -95,7 +95,8 @@ struct fathom_scene {
     vec3_f64 studio_up;
     struct {
         bool camera, lights, background, ambient;
-    } made;           /* by fathom_scene_complete(); writers leave it out */
+    } made; /* by fathom_scene_complete(); writers leave it out */
+    fathom_framing framing;
     bool without_uvs; /* texture coordinates are not taken where no material has a use for them */
     bool has_maps;    /* some material takes parameters from images */
     bool uses_uvs;    /* or stretches reflections along u */

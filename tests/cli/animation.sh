@@ -72,6 +72,20 @@ run 0 render $lamp -o 'h#.png' --stats 'h#.stats' --frames 0-1
 run 0 render $lamp -o 'i#.png' --stats 'i#.stats' --frames 1-1
 [ "$(number h0.stats exposure)" = "$(number h1.stats exposure)" ] || die 'frames of two exposures'
 [ "$(number h0.stats exposure)" != "$(number i1.stats exposure)" ] || die 'the dim lamp alone has its own exposure'
+# They share a camera and a floor that show all of them: none is as near as the frame's own, and what rests in front of
+# them does not move in the image. The triangle moves away for its last frames and looks the same in both of them.
+sed 's/"camera": 0, "translation"/"translation"/' moving.gltf >framed.gltf
+framed='framed.gltf --size 32x32 --spp 4'
+# shellcheck disable=SC2086
+run 0 render $framed -o 'j#.png' --frames 0-4 --fps 2
+# shellcheck disable=SC2086
+run 0 render $framed -o 'k#.png' --frames 2-4 --fps 2
+# shellcheck disable=SC2086
+run 0 render $framed -o l.png --time 1
+same j2.png j3.png
+same j2.png j4.png
+same k2.png l.png
+differ j2.png l.png
 refused 2 'expected a name with #### for the number, found "a.png"' render moving.gltf -o a.png --frames 1-3
 refused 2 '--frames: expected FIRST-LAST with FIRST <= LAST, such as 1-24, found "3-1"' render moving.gltf -o 'a#.png' --frames 3-1
 refused 2 '--fps: only with --frames' render moving.gltf -o a.png --fps 25

@@ -209,6 +209,12 @@ static void null_for_scenes(void **state) {
     refuses(fathom_scene_set_settings(NULL, &s.settings));
     names("settings", fathom_scene_set_settings(s.scene, NULL));
     fathom_scene_settings(s.scene, NULL);
+    fathom_framing framing = {.size = sizeof framing};
+    refuses(fathom_scene_framing(s.scene, NULL));
+    assert_ok(s.context, fathom_scene_framing(NULL, &framing));
+    assert_false(framing.made);
+    fathom_framing_unite(NULL, &framing);
+    fathom_framing_unite(&framing, NULL);
 
     fathom_generate_options options;
     fathom_generate_options_default(&options);

@@ -1,6 +1,7 @@
 /* The automatic camera: what it has in view, how large, and where its up is. */
 #include "math/affine.h"
 #include "random.h"
+#include "scene/camera/camera.h"
 #include "scene/camera/extent.h"
 #include "scene/scene.h"
 #include "unit_scene.h"
@@ -285,6 +286,65 @@ static void balls_touch_the_view(void **state) {
     }
 }
 
+/* How far a ball stays within the four sides of a framing's view; 0: it touches the side. */
+static void room_in(const fathom_framing *f, vec3_f64 center, double radius, double out[4]) {
+    const frame_f64 view = scene_default_view(f->up);
+    const vec3_f64 to = sub_f64(center, load_f64(f->eye));
+    for (int i = 0; i < 4; ++i) {
+        const vec3_f64 axis = i < 2 ? view.x : view.y;
+        const double slope = f->slopes[i / 2];
+        out[i] =
+            -dot_f64(to, madd_f64(i % 2 ? neg_f64(axis) : axis, slope, view.z)) / sqrt(1 + slope * slope) -
+            radius;
+    }
+}
+
+/* A camera of one ball, and of another, become the nearest that sees both: none is outside of any of its four
+ * sides, and two sides that face each other are touched. Likewise the floor. Coordinates are below 64. */
+static void two_framings_become_one_that_shows_both(void **state) {
+    (void)state;
+    random_state r = {26};
+    const double rounding = 64 * 64 * 0x1p-53;
+    for (int k = 0; k < 200; ++k) {
+        fathom_framing f[2] = {{.size = sizeof *f}, {.size = sizeof *f}};
+        vec3_f64 center[2];
+        double radius[2], room[2][4], least[4];
+        for (int i = 0; i < 2; ++i) {
+            fathom_sphere ball;
+            fathom_scene *own;
+            fathom_sphere_default(&ball);
+            for (int c = 0; c < 3; ++c) ball.center[c] = (float)random_in(&r, -8, 8);
+            ball.radius = (float)random_log(&r, 0.1, 8);
+            center[i] = load_f64(ball.center), radius[i] = (double)ball.radius;
+            assert_ok(context, fathom_scene_create(context, &own));
+            assert_ok(context, fathom_scene_add_sphere(own, FATHOM_ROOT, &ball, NULL));
+            assert_ok(context, fathom_scene_complete(own));
+            assert_ok(context, fathom_scene_framing(own, &f[i]));
+            assert_true(f[i].made && f[i].up == FATHOM_UP_Y && f[i].radius == 0);
+            store_f64(f[i].foot, madd_f64(center[i], -radius[i], vec_f64(0, 1, 0)));
+            f[i].radius = radius[i];
+            fathom_scene_destroy(own);
+        }
+        fathom_framing_unite(&f[0], &f[1]);
+        for (int i = 0; i < 2; ++i) {
+            room_in(&f[0], center[i], radius[i], room[i]);
+            const double x = center[i].x - f[0].foot[0], z = center[i].z - f[0].foot[2];
+            assert_true(hypot(x, z) + radius[i] <= f[0].radius + rounding);
+        }
+        for (int s = 0; s < 4; ++s) {
+            least[s] = fmin(room[0][s], room[1][s]);
+            assert_true(least[s] >= -rounding);
+        }
+        assert_true(fmin(fmax(least[0], least[1]), fmax(least[2], least[3])) <= rounding);
+        assert_near(f[0].foot[1], fmin(center[0].y - radius[0], center[1].y - radius[1]), rounding);
+    }
+    fathom_framing none = {.size = sizeof none}, some = none;
+    some.made = true, some.eye[0] = 3;
+    fathom_framing_unite(&some, &none);
+    fathom_framing_unite(&none, &some);
+    assert_true(some.eye[0] == 3 && !none.made);
+}
+
 static void any_scale_is_framed_alike(void **state) {
     (void)state;
     const double scales[] = {1e-8, 1, 1e8};
@@ -439,6 +499,7 @@ int main(void) {
         TEST(turns_stay_in_view),
         TEST(moving_vertices_are_framed_as_they_are_then),
         TEST(balls_touch_the_view),
+        TEST(two_framings_become_one_that_shows_both),
         TEST(any_scale_is_framed_alike),
         TEST(too_many_copies_stay_in_view),
         TEST(up_z_is_the_turned_scene),

@@ -177,6 +177,11 @@ static void a_forgotten_size_is_named(void **state) {
     assert_fails(c, fathom_settings_set_text(c, &settings, "spp", "1"), FATHOM_BAD_USAGE, NO_SIZE);
     assert_fails(c, fathom_scene_set_settings(s.scene, &settings), FATHOM_BAD_USAGE, NO_SIZE);
     assert_fails(c, fathom_scene_read_with(c, "a.ply", &read, &scene), FATHOM_BAD_USAGE, NO_SIZE);
+    const fathom_framing framing = {.size = 0};
+    fathom_read_options framed;
+    fathom_read_options_default(&framed);
+    framed.framing = &framing;
+    assert_fails(c, fathom_scene_read_with(c, "a.ply", &framed, &scene), FATHOM_BAD_USAGE, "framing: ");
     assert_fails(c, fathom_scene_generate(s.scene, FATHOM_ROOT, &generate), FATHOM_BAD_USAGE, NO_SIZE);
     assert_fails(c, fathom_film_write(c, film, "a.png", &write), FATHOM_BAD_USAGE, NO_SIZE);
     assert_fails(c, fathom_write_check(c, "a.png", &write), FATHOM_BAD_USAGE, NO_SIZE);
@@ -185,6 +190,7 @@ static void a_forgotten_size_is_named(void **state) {
     assert_int_equal(fathom_settings_set_loss(&settings, FATHOM_LOSS_HALF, 0), FATHOM_BAD_USAGE);
     assert_int_equal(fathom_film_brightness(film, 0, &(fathom_brightness){.size = 0}), FATHOM_BAD_USAGE);
     assert_int_equal(fathom_build_info(&(fathom_build){.size = 0}), FATHOM_BAD_USAGE);
+    assert_int_equal(fathom_scene_framing(s.scene, &(fathom_framing){.size = 0}), FATHOM_BAD_USAGE);
     fathom_film_destroy(film);
     stage_close(&s);
 }

@@ -29,8 +29,9 @@ typedef struct task {
     fathom_film *film;
     render_report report;
     saving saving;
-    fathom_ranks ranks; /* without --mpi a single one */
-    char *fetched;      /* the folder of files that came from rank 0; NULL: none */
+    fathom_ranks ranks;     /* without --mpi a single one */
+    char *fetched;          /* the folder of files that came from rank 0; NULL: none */
+    fathom_framing framing; /* of all frames, where reading makes the camera */
 } task;
 
 /* A rank of an MPI job that only renders; rank 0 does all else. */
@@ -75,6 +76,7 @@ static fathom_status read_scene(task *s) {
     read.environment = o->environment;
     read.environment_rotation = o->environment_rotation * (3.14159265358979323846 / 180);
     read.width = o->size.width, read.height = o->size.height;
+    read.framing = &s->framing;
     read.choose_integrator = render_options_give(o, "integrator"), read.integrator = o->asked.integrator;
     const double began = clock_seconds();
     fathom_status status = o->mpi ? fathom_ranks_read(s->context, &s->ranks, o->scene, &read, interrupt_asked,
@@ -294,21 +296,64 @@ static fathom_status run_once(task *s) {
     return status;
 }
 
+/* ---- frames ---- */
+
+static fathom_status begin_frame(const task *all, uint32_t frame, frame_names *room, task *out) {
+    fathom_settings settings;
+    args_problem problem;
+    *out = *all;
+    out->start = clock_seconds();
+    fathom_settings_default(&settings);
+    const bool fine = render_options_frame(&out->options, frame, room, &problem) &&
+                      render_options_finish(&out->options, &settings, &problem);
+    return fine ? FATHOM_OK : say_usage(&command_render, problem.text);
+}
+
+static void tell_nobody(void *user, const char *text) { (void)user, (void)text; }
+
+/* False: there is none, or the frame cannot be read, which it says itself when its turn comes. */
+static bool framing_of_frame(const task *all, uint32_t frame, fathom_framing *out) {
+    frame_names room;
+    task s;
+    if (begin_frame(all, frame, &room, &s) != FATHOM_OK) return false;
+    if (command_context(s.options.threads, &s.context) != FATHOM_OK) return false;
+    fathom_context_allow_outside(s.context, s.options.allow_outside);
+    fathom_context_on_warning(s.context, tell_nobody, NULL);
+    *out = s.framing = (fathom_framing){.size = sizeof *out};
+    if (read_scene(&s) == FATHOM_OK) fathom_scene_framing(s.scene, out);
+    fathom_scene_destroy(s.scene);
+    fathom_context_destroy(s.context);
+    return out->made;
+}
+
+/* At most so many frames are read to see how far the model moves. */
+enum { FRAMED_MOST = 17 };
+
+/* A camera that sees all frames, and a floor below all of them. */
+static void frame_them(task *all) {
+    const render_frames *frames = &all->options.frames;
+    const uint32_t last = frames->last - frames->first, count = last < FRAMED_MOST ? last + 1 : FRAMED_MOST;
+    for (uint32_t i = 0; i < count && count > 1 && !interrupt_asked(); ++i) {
+        fathom_framing framing;
+        const uint32_t frame = frames->first + (uint32_t)((uint64_t)last * i / (count - 1));
+        if (!framing_of_frame(all, frame, &framing)) return;
+        if (i)
+            fathom_framing_unite(&all->framing, &framing);
+        else
+            all->framing = framing;
+    }
+}
+
 /* All have the exposure of the first, so that none of them flickers. */
 static fathom_status run_frames(task *all) {
     const render_frames *frames = &all->options.frames;
     frame_names room;
-    fathom_status status = FATHOM_OK;
+    task s;
+    fathom_status status = begin_frame(all, frames->first, &room, &s);
+    if (status == FATHOM_OK) frame_them(all);
     for (uint32_t frame = frames->first; frame <= frames->last && status == FATHOM_OK; ++frame) {
-        fathom_settings settings;
-        args_problem problem;
-        task s = *all;
-        s.start = clock_seconds();
-        fathom_settings_default(&settings);
         interrupt_keep_work(false);
-        if (!render_options_frame(&s.options, frame, &room, &problem) ||
-            !render_options_finish(&s.options, &settings, &problem))
-            status = say_usage(&command_render, problem.text);
+        status = begin_frame(all, frame, &room, &s);
         if (status == FATHOM_OK) status = run_once(&s);
         all->options.exposure = EXPOSURE_GIVEN;
         all->options.write.exposure = s.options.write.exposure;
@@ -317,7 +362,7 @@ static fathom_status run_frames(task *all) {
 }
 
 static fathom_status run(int argc, char **argv) {
-    task s = {.argc = argc, .argv = argv, .start = clock_seconds()};
+    task s = {.argc = argc, .argv = argv, .start = clock_seconds(), .framing = {.size = sizeof s.framing}};
     fathom_settings settings;
     fathom_status status;
     args_problem problem;

@@ -125,14 +125,17 @@ fathom_status fathom_scene_set_camera_sized(fathom_scene *scene, const fathom_ca
 /* The scene fills this share of the image in the tighter direction. */
 static const double filled = 0.9;
 
-/* Looks from ahead, a little to the right and above. */
-static frame_f64 default_view(fathom_up up) {
+frame_f64 scene_default_view(fathom_up up) {
     const vec3_f64 origin = {0, 0, 0};
     switch (up) {
     case FATHOM_UP_Y: return frame_from(origin, (vec3_f64){0.45, 0.35, 1}, (vec3_f64){0, 1, 0});
     case FATHOM_UP_Z: return frame_from(origin, (vec3_f64){0.45, -1, 0.35}, (vec3_f64){0, 0, 1});
     }
     return frame_from(origin, (vec3_f64){0, 0, 1}, (vec3_f64){0, 1, 0});
+}
+
+bool scene_framing_asked(const fathom_scene *scene) {
+    return scene->asked && scene->asked->framing && scene->asked->framing->made;
 }
 
 static fathom_up asked_up(const fathom_scene *scene) { return scene->asked ? scene->asked->up : FATHOM_UP_Y; }
@@ -143,12 +146,19 @@ vec3_f64 scene_way_up(const fathom_scene *scene) {
 
 static fathom_status frame_everything(fathom_scene *scene) {
     const image_size size = scene_image_size(scene);
-    frame_f64 view = default_view(asked_up(scene));
+    frame_f64 view = scene_default_view(asked_up(scene));
     const double up = filled * tan(default_fovy / 2);
-    bool empty;
-    fathom_status status =
-        scene_frame_all(scene, &view, up * size.width / size.height, up, &empty, &view.origin);
+    fathom_framing found = {
+        .made = true, .up = asked_up(scene), .slopes = {up * size.width / size.height, up}};
+    bool empty = false;
+    fathom_status status = FATHOM_OK;
+    if (scene_framing_asked(scene))
+        found = *scene->asked->framing;
+    else
+        status = scene_frame_all(scene, &view, &empty, &found);
     if (status != FATHOM_OK || empty) return status;
+    scene->framing = found;
+    view.origin = load_f64(found.eye);
     const double *shutter = scene->camera.shutter;
     scene->camera =
         (fathom_camera){.d = 1, .h = 2 * tan(default_fovy / 2), .shutter = {shutter[0], shutter[1]}};

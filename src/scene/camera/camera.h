@@ -19,18 +19,23 @@ fathom_status scene_choose_camera(fathom_scene *scene, const char *path);
 /* ---- where a camera must stand to see everything ---- */
 
 /* Finds the nearest place from which all of the scene lies in view, for an eye that looks along -axes->z and
- * sees slopes of at most across and up from the middle of its image; axes->origin is not read. The scene
- * touches both sides of the view in the tighter direction, unless the eye would come too near to its foremost
- * point, and is centred in the other. The scene must have no cycle. *empty: nothing in it has bounds, and
- * *eye is not set. FATHOM_BAD_INPUT when the place is not finite. */
-fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, double across, double up,
-                              bool *empty, vec3_f64 *eye);
+ * sees out->slopes from the middle of its image; axes->origin is not read. Sets out->eye and out->reach. The
+ * scene touches both sides of the view in the tighter direction, unless the eye would come too near to its
+ * foremost point, and is centred in the other. The scene must have no cycle. *empty: nothing in it has
+ * bounds, and nothing is set. FATHOM_BAD_INPUT when the place is not finite. */
+fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, bool *empty,
+                              fathom_framing *out);
 
 /* The point below the middle of everything, as low along the unit vector `up` as the lowest point of all, and
  * the radius of the bounds. The scene must have no cycle. *empty: nothing in it has bounds, and nothing is
  * set. */
 fathom_status scene_stand_all(const fathom_scene *scene, vec3_f64 up, bool *empty, vec3_f64 *foot,
                               double *radius);
+
+/* The axes of the automatic camera: it looks from ahead, a little to the right and above. */
+frame_f64 scene_default_view(fathom_up up);
+/* True when whoever reads the scene gives the place of its automatic camera and floor. */
+bool scene_framing_asked(const fathom_scene *scene);
 
 /* As whoever reads the scene asked for it; y unless they did. */
 vec3_f64 scene_way_up(const fathom_scene *scene);

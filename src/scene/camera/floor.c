@@ -184,9 +184,15 @@ fathom_status scene_add_floor(fathom_scene *scene) {
     const vec3_f64 up = scene_way_up(scene), back = load_f64(scene->camera.z);
     stand s = {.up = up, .towards = normalize_f64(madd_f64(back, -dot_f64(back, up), up))};
     s.across = cross_f64(up, s.towards);
-    bool empty;
-    fathom_status status = scene_stand_all(scene, up, &empty, &s.foot, &s.radius);
+    bool empty = false;
+    fathom_status status = FATHOM_OK;
+    if (scene_framing_asked(scene) && scene->asked->framing->radius > 0)
+        s.foot = load_f64(scene->asked->framing->foot), s.radius = scene->asked->framing->radius;
+    else
+        status = scene_stand_all(scene, up, &empty, &s.foot, &s.radius);
     if (status != FATHOM_OK || empty || !(s.radius > 0)) return status;
+    store_f64(scene->framing.foot, s.foot);
+    scene->framing.radius = s.radius;
     s.foot = madd_f64(s.foot, -gap * s.radius, up);
     status = add_grey(scene, &s.material);
     if (status != FATHOM_OK) return status;

@@ -184,12 +184,17 @@ static bool add_group(walk *w, const step *at) {
     return true;
 }
 
+/* Along which side i of a view of these slopes is reached: right, left, up, down. */
+static vec3_f64 side(const frame_f64 *axes, int i, const double slope[2]) {
+    const vec3_f64 axis = i < 2 ? axes->x : axes->y;
+    return madd_f64(i % 2 ? neg_f64(axis) : axis, slope[i / 2], axes->z);
+}
+
 /* How far everything reaches from `center` along the normals of a view of these slopes. */
 static bool measure(walk *w, const frame_f64 *axes, vec3_f64 center, const double slope[2]) {
     step root = {.group = FATHOM_ROOT};
     for (int i = 0; i < SIDES; ++i) {
-        const vec3_f64 side = i < 2 ? axes->x : axes->y;
-        root.along.normal[i] = madd_f64(i % 2 ? neg_f64(side) : side, slope[i / 2], axes->z);
+        root.along.normal[i] = side(axes, i, slope);
         root.along.offset[i] = -dot_f64(root.along.normal[i], center);
         w->reach[i] = -INFINITY;
     }
@@ -255,6 +260,7 @@ typedef struct fit {
     double most[2];
     double distance, clear; /* of the eye from the middle and from the foremost corner of the box */
     bracket of[2];          /* across, up */
+    double reach[SIDES];    /* at the view's slopes, from the origin */
 } fit;
 
 static double excess(const walk *w, const fit *f, int i, double slope) {
@@ -264,6 +270,8 @@ static double excess(const walk *w, const fit *f, int i, double slope) {
 /* The two ends of the brackets; the view's own slopes tell how far the eye has to be. */
 static bool begin_fit(walk *w, const frame_f64 *axes, const scene_bounds *box, fit *f) {
     if (!measure(w, axes, bounds_center(box), f->most)) return false;
+    for (int i = 0; i < SIDES; ++i)
+        f->reach[i] = w->reach[i] + dot_f64(side(axes, i, f->most), bounds_center(box));
     for (int i = 0; i < 2; ++i) f->distance = fmax(f->distance, excess(w, f, i, 0) / (2 * f->most[i]));
     f->distance = fmax(f->distance, foremost(axes, box) + bounds_radius(box) * CLEAR);
     if (!(f->distance > 0)) f->distance = 1; /* a single point */
@@ -275,10 +283,12 @@ static bool begin_fit(walk *w, const frame_f64 *axes, const scene_bounds *box, f
     return true;
 }
 
-static bool find_eye(walk *w, const frame_f64 *axes, const double most[2], vec3_f64 *eye) {
+static bool find_eye(walk *w, const frame_f64 *axes, fathom_framing *out) {
     const scene_bounds *box = &w->of_group[FATHOM_ROOT];
+    const double *most = out->slopes;
     fit f = {.most = {most[0], most[1]}};
     if (!begin_fit(w, axes, box, &f)) return false;
+    for (int i = 0; i < SIDES; ++i) out->reach[i] = f.reach[i];
     bool near = false;
     for (int pass = 2; pass < PASSES_MOST && !near; ++pass) {
         const double slope[2] = {middle(&f.of[0]), middle(&f.of[1])};
@@ -290,9 +300,10 @@ static bool find_eye(walk *w, const frame_f64 *axes, const double most[2], vec3_
             narrow_to(&f.of[i], slope[i], left);
         }
     }
-    *eye = madd_f64(bounds_center(box), f.distance, axes->z);
-    *eye = madd_f64(*eye, 0.5 * (w->reach[0] - w->reach[1]), axes->x);
-    *eye = madd_f64(*eye, 0.5 * (w->reach[2] - w->reach[3]), axes->y);
+    vec3_f64 eye = madd_f64(bounds_center(box), f.distance, axes->z);
+    eye = madd_f64(eye, 0.5 * (w->reach[0] - w->reach[1]), axes->x);
+    eye = madd_f64(eye, 0.5 * (w->reach[2] - w->reach[3]), axes->y);
+    store_f64(out->eye, eye);
     return true;
 }
 
@@ -397,25 +408,22 @@ static fathom_status look_at_all(const fathom_scene *scene, bool (*look)(walk *w
 
 typedef struct eye_search {
     const frame_f64 *axes;
-    double most[2];
     scene_bounds box;
-    vec3_f64 eye;
+    fathom_framing *out;
 } eye_search;
 
 static bool search_eye(walk *w, void *user) {
     eye_search *s = user;
     s->box = w->of_group[FATHOM_ROOT];
-    return find_eye(w, s->axes, s->most, &s->eye);
+    return find_eye(w, s->axes, s->out);
 }
 
-fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, double across, double up,
-                              bool *empty, vec3_f64 *eye) {
-    eye_search s = {.axes = axes, .most = {across, up}};
+fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, bool *empty,
+                              fathom_framing *out) {
+    eye_search s = {.axes = axes, .out = out};
     fathom_status status = look_at_all(scene, search_eye, &s, empty);
     if (status != FATHOM_OK || *empty) return status;
-    if (!finite_f64(s.eye)) return fail_place(scene, &s.box);
-    *eye = s.eye;
-    return FATHOM_OK;
+    return finite_f64(load_f64(out->eye)) ? FATHOM_OK : fail_place(scene, &s.box);
 }
 
 typedef struct foot_search {
