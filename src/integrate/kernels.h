@@ -49,7 +49,7 @@ typedef struct integrate_kernels {
 } integrate_kernels;
 
 /* Rows to append of trace_rays, of path_block or shadow_block, and of trace_hits from `primitive` on. */
-enum { ROWS_OF_RAYS = 9, ROWS_OF_PATHS = 4, ROWS_OF_IDS = 3 };
+enum { ROWS_OF_RAYS = 9, ROWS_OF_PATHS = 4, ROWS_OF_IDS = 3, ROWS_OF_NORMALS = 3 };
 
 const integrate_kernels *integrate_kernels_best(void);
 /* Those that this processor can run, from the plainest to the best; NULL past the last. */

@@ -2,6 +2,8 @@
  * themselves few of their blocks could be gathered as a whole. */
 #include "integrate/wave.h"
 
+#include "math/lane.h"
+
 enum { BIN_OTHERS = 62, BIN_MISSED, BINS };
 
 /* Geometries first, then instances. The last bin is for planes and for what there are too many of: the
@@ -10,6 +12,16 @@ static uint32_t bin_of(const world *w, uint32_t geometry, uint32_t instance) {
     const uint64_t own = instance == FATHOM_NONE ? geometry : w->geometries.count + (uint64_t)instance;
     const uint32_t bin = own < BIN_OTHERS ? (uint32_t)own : BIN_OTHERS;
     return geometry == FATHOM_NONE ? BIN_MISSED : bin;
+}
+
+/* What watertight_sides_of() reads. */
+static void move_depths(const wave *w, size_t block, uint32_t lanes, size_t to) {
+    const uint8_t *from = w->now.paths[block].depth;
+    uint8_t *depth = &w->next.paths[to / LANES].depth[to % LANES];
+    if (w->run.plan->crosses)
+        w->run.plan->kernels->append(w->now.rays[block].hits.ng_x, ROWS_OF_NORMALS, lanes,
+                                     w->next.rays[to / LANES].hits.ng_x, (unsigned)(to % LANES));
+    for (; lanes; lanes &= lanes - 1) *depth++ = from[lane_first(lanes)];
 }
 
 /* Lanes of a block of `now` to the places from `to` on in one block of `next`. Hits keep what is read later.
@@ -22,6 +34,7 @@ static void move(const wave *w, size_t block, uint32_t lanes, size_t to) {
     kernels->append(&a->rays, ROWS_OF_RAYS, lanes, &b->rays, at);
     kernels->append(a->hits.primitive, ROWS_OF_IDS, lanes, b->hits.primitive, at);
     kernels->append(&w->now.paths[block], ROWS_OF_PATHS, lanes, &w->next.paths[to / LANES], at);
+    if (w->run.plan->watertight) move_depths(w, block, lanes, to);
 }
 
 /* Lanes of a block that share a bin. */
@@ -48,7 +61,6 @@ bool wave_sort_hits(wave *w) {
     uint32_t bin[WAVE_SLOTS];
     size_t place[BINS + 1] = {0};
     const size_t count = w->now.count;
-    if (w->run.plan->watertight) return true; /* it reads more of the hits */
     w->next.count = 0;
     if (!wave_reserve_paths(w, &w->next, count)) return false;
     for (size_t k = 0; k < count; ++k) {
