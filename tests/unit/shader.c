@@ -376,6 +376,82 @@ static void every_instruction_set_gives_the_same_bits(void **state) {
     }
 }
 
+/* Lane `from` in all lanes. */
+static surface_block repeated(const surface_block *s, int from) {
+    surface_block out = *s;
+    for (int i = 0; i < LANES; ++i) {
+        for (int c = 0; c < 3; ++c) {
+            out.ng[c][i] = s->ng[c][from], out.ns[c][i] = s->ns[c][from], out.v[c][i] = s->v[c][from];
+            out.along[c][i] = s->along[c][from], out.coat[c][i] = s->coat[c][from];
+            out.base[c][i] = s->base[c][from];
+        }
+        out.material[i] = s->material[from], out.entering[i] = s->entering[from];
+        out.smooth[i] = s->smooth[from];
+    }
+    const uint32_t bit = 1u << from;
+    out.mapped = s->mapped & bit ? 0xffff : 0, out.coated = s->coated & bit ? 0xffff : 0;
+    out.directed = s->directed & bit ? 0xffff : 0;
+    return out;
+}
+
+typedef struct lane_found {
+    float direction[3], weight[3], density, f[3], of_f;
+    uint32_t through, straight;
+} lane_found;
+
+/* What lane i is told of its sample, and of light from l. */
+static lane_found found_by(const shader_kernels *kernels, const surface_block *s, const shader *table,
+                           const uint32_t channel[LANES], const lanes3 u, const lanes3 l, int i) {
+    shader_block block;
+    shader_sample out;
+    lanes3 f;
+    float density[LANES];
+    for (int k = 0; k < LANES; ++k) block.at[k] = &table[s->material[k]], block.channel[k] = channel[k];
+    kernels->make(s, &block);
+    kernels->sample(s, &block, u, &out);
+    kernels->evaluate(s, &block, l, f, density);
+    lane_found found = {.density = out.density[i],
+                        .of_f = density[i],
+                        .through = out.through[i],
+                        .straight = out.straight[i]};
+    for (int c = 0; c < 3; ++c)
+        found.direction[c] = out.direction[c][i] + 0.0f, found.weight[c] = out.weight[c][i] + 0.0f,
+        found.f[c] = f[c][i] + 0.0f; /* no -0 */
+    return found;
+}
+
+/* Which points share a block depends on the crop and on the wave: what they become must not. */
+static void no_lane_depends_on_its_neighbours(void **state) {
+    (void)state;
+    random_state r = {8};
+    for (int round = 0; round < 10000; ++round) {
+        surface_block s;
+        shader table[8];
+        lanes3 u, l;
+        uint32_t channel[LANES];
+        for (int k = 0; k < 8; ++k) {
+            const fathom_material m = random_material(&r);
+            shader_prepare(&m, &table[k]);
+        }
+        random_surface(&r, &s);
+        for (int i = 0; i < LANES; ++i) {
+            for (int c = 0; c < 3; ++c) u[c][i] = random_number(&r);
+            put(l, i, random_direction(&r));
+            channel[i] = (uint32_t)(i % 4);
+            if (!(table[s.material[i]].lobes & SHADER_TURNED)) s.coated &= ~(1u << i);
+        }
+        const int i = (int)(random_unit(&r) * LANES);
+        const lane_found among = found_by(shader_kernels_best(), &s, table, channel, u, l, i);
+        const surface_block alone = repeated(&s, i);
+        for (int k = 0; k < LANES; ++k) {
+            channel[k] = channel[i];
+            for (int c = 0; c < 3; ++c) u[c][k] = u[c][i], l[c][k] = l[c][i];
+        }
+        const lane_found by_itself = found_by(shader_kernels_best(), &alone, table, channel, u, l, i);
+        assert_memory_equal(&among, &by_itself, sizeof among);
+    }
+}
+
 /* ---- laws ---- */
 
 /* f of light from l, as seen from v, both above or below z = 0; the solid is below. */
@@ -449,6 +525,7 @@ int main(void) {
         cmocka_unit_test(samples_follow_the_density),
         cmocka_unit_test(any_material_gives_finite_numbers_and_no_light_through_what_is_opaque),
         cmocka_unit_test(every_instruction_set_gives_the_same_bits),
+        cmocka_unit_test(no_lane_depends_on_its_neighbours),
         cmocka_unit_test(scattering_is_reciprocal),
         cmocka_unit_test(classic_values_are_the_lectures_over_pi),
     };

@@ -34,9 +34,12 @@ static inline void set_again(const shader *m, int i, shader_block *restrict out)
     set_colour(m->again_cross, i, out->again_cross);
 }
 
-/* A viewer inside a solid sees its base as without what scatters again. */
+/* Of what transmits smoothly no facets do. A viewer inside a solid sees its base as without what scatters
+ * again.
+ */
 static inline void set_cross(const shader *m, int i, uint32_t entering, shader_block *restrict out) {
-    set_colour(m->cross, i, out->cross);
+    const uint32_t rough = m->lobes & (SHADER_THIN | SHADER_REFRACT) ? ~0u : 0;
+    for (int c = 0; c < 3; ++c) out->cross[c][i] = chosen(rough, m->cross[c], 0);
     out->eta[i] = chosen(entering, m->eta, 1 / m->eta);
     out->even[i] = m->even & (out->eta[i] == m->eta ? ~0u : 0);
     for (int c = 0; c < 3; ++c) out->diffuse[c][i] *= chosen(out->even[i], 1, m->mean_under);

@@ -78,6 +78,7 @@ static inline __attribute__((always_inline)) void add_ggx(const shader_block *b,
     for (int i = 0; i < LANES; ++i) {
         float d, value = facets_of(b, rare, i, at->l, h, &d);
         value = chosen(at->reflected[i], value, 0);
+        if (rare && !(b->at[i]->lobes & SHADER_GGX)) value = 0; /* others have no f0 and f90 there */
         for (int c = 0; c < 3; ++c) {
             f[c][i] +=
                 value * reflectance_at(b, rare, i, c, along_half(b, h, i), rise[i], b->f0[c][i], b->f90[i]);
