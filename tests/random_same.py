@@ -1,6 +1,6 @@
 """Changes scenes made by chance (light_random.py) in ways that must not change a bit of their images: all lengths times
-a power of two, all light likewise and the exposure against it, written as JSON by `convert`, and rendered by other threads,
-tiles and blocks of rays. Prints a line for each image that differs, and where its scene was kept.
+a power of two, all light likewise and the exposure against it, written as JSON by `convert`, rendered by other threads, tiles
+and blocks of rays, and in part. Prints a line for each image that differs, and where its scene was kept.
 usage: python3 tests/random_same.py FATHOM [COUNT [SEED [FOLDER]]]
   COUNT   scenes (100)
   SEED    of the first; each further scene has the next (1)
@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 
+import exr
 import light_random
 
 OF_LENGTH = {"eye", "target", "position", "translation", "center", "u", "v", "point", "radius", "lensRadius", "focusDistance",
@@ -67,7 +68,7 @@ def render(fathom, scene, name, options):
     """As name.exr and name.png, which shows the scene as bright as it is unless the options say otherwise."""
     if "--exposure" not in options:
         options = [*options, "--exposure", "0"]
-    code, said = ask(fathom, "render", scene, "-o", name + ".exr", "-o", name + ".png", "--spp", "16", "-q", *options)
+    code, said = ask(fathom, "render", scene, "-o", name + ".exr", "-o", name + ".png", "--spp", "16", "--exr-float", "-q", *options)
     return said if code else None
 
 
@@ -88,6 +89,20 @@ def compare(fathom, scene, options, folder):
     return said if code else None
 
 
+def compare_crop(fathom, scene, r, folder):
+    """A part of the image by itself: other points share a block, and others a wave."""
+    (_, _, width, height), whole = exr.read(os.path.join(folder, "first.exr"))
+    x, y = r.randrange(width - 2), r.randrange(height - 2)
+    crop = x, y, r.randint(x + 1, width), r.randint(y + 1, height)
+    refused = render(fathom, scene, os.path.join(folder, "crop"), ["--crop", ",".join(map(str, crop))])
+    if refused:
+        return refused
+    (left, top, width, height), part = exr.read(os.path.join(folder, "crop.exr"))
+    differ = [(row, name) for row in range(top, top + height) for name, values in part[row].items()
+              if values != whole[row][name][4 * left:4 * (left + width)]]
+    return f"{differ[0][1]} in row {differ[0][0]} of the crop {crop}" if differ else None
+
+
 def judge(fathom, number, folder):
     """Laws that do not hold, and what was said of each."""
     light_random.make(number, folder)
@@ -101,6 +116,7 @@ def judge(fathom, number, folder):
     for name, law in LAWS.items():
         other, options = law(scene, r)
         found[name] = compare(fathom, write(other, os.path.join(folder, name + ".json")), options, folder)
+    found["crop"] = compare_crop(fathom, path, r, folder)
     converted = os.path.join(folder, "converted.json")
     code, said = ask(fathom, "convert", path, converted, "-q")
     found["converted"] = said if code else compare(fathom, converted, [], folder)
