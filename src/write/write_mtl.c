@@ -1,8 +1,8 @@
 /* The library of materials of an OBJ file: the inverse of reading, as far as the format allows.
  *
  * The classic model has one colour for highlight and mirror there, one kind of highlight (Blinn's), and no
- * light from behind. The keys of metallic-roughness materials have neither transmission, for which the
- * classic equivalent is written, nor most layers. Images have a scale and an offset, and repeat or end at
+ * light from behind. The keys of metallic-roughness materials have no thin walls, for which the
+ * classic equivalent is written, and few layers. Images have a scale and an offset, and repeat or end at
  * their edge; v grows upwards. */
 #include "read/obj/mtl.h"
 #include "write/write_obj.h"
@@ -78,11 +78,14 @@ static void put_metallic(file_writer *t, const fathom_material *m, note_list *no
         const float value = *(const float *)(const void *)((const char *)m + numbers[i].offset);
         file_writer_print(t, "%s %.9g\n", numbers[i].key, numbers[i].factor * (double)value);
     }
+    if (m->transmission > 0) put_color(t, "Tf", (const float[3]){1, 1, 1}, m->transmission);
     if (is_sheen(m)) file_writer_print(t, "Ps %.9g\n", (double)m->sheen_color[0]);
     if (m->specular_factor != 1 || !is_white(m->specular_color) ||
         (!is_sheen(m) && !is_black(m->sheen_color)) || m->iridescence > 0 || m->diffuse_transmission > 0 ||
-        m->opacity_cutoff > 0 || !(m->ior >= 1))
-        notes_add(notes, 1, "", "a material has layers, a tint or a cutoff that MTL has no place for");
+        m->opacity_cutoff > 0 || !(m->ior >= 1) ||
+        (m->transmission > 0 && (m->attenuation_distance > 0 || m->dispersion > 0)))
+        notes_add(notes, 1, "",
+                  "a material has layers, a tint, a cutoff or a volume that MTL has no place for");
 }
 
 /* ---- images ---- */
@@ -171,7 +174,7 @@ fathom_status write_mtl(const write_library *l, const char *path) {
     for (size_t i = 0; i < l->scene->materials.count; ++i) {
         const fathom_material *m = &l->scene->materials.items[i].value;
         file_writer_print(file, "newmtl %s\n", l->names[i]);
-        if (m->model == FATHOM_MODEL_CLASSIC || m->transmission > 0)
+        if (m->model == FATHOM_MODEL_CLASSIC || (m->transmission > 0 && !(m->thickness > 0)))
             put_classic(file, &l->scene->materials.items[i].classic);
         else
             put_metallic(file, m, l->notes);

@@ -252,20 +252,27 @@ static void mtl_keeps_metal_and_its_images(void **state) {
     unlink(in_folder("a.obj")), unlink(in_folder("a.mtl")), unlink(in_folder("a-0.png"));
 }
 
-/* MTL has no transmission among the keys of metals, but has glass. */
-static void mtl_makes_glass_of_transmission(void **state) {
+/* MTL has no thin walls among the keys of metals, but has glass. */
+static void mtl_keeps_solid_transmission_and_makes_glass_of_thin_walls(void **state) {
     (void)state;
-    fathom_material m;
-    fathom_scene *back;
-    fathom_material_default(&m);
-    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.transmission = 1, m.roughness = 0, m.ior = 1.7f;
-    fathom_scene *scene = wearing(&m, NULL);
-    assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
-    assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), &back));
-    const fathom_material *got = &back->materials.items[scene_find_material(back, "material_1")].value;
-    assert_true(got->model == FATHOM_MODEL_CLASSIC && got->k_t[0] == 1 && got->fresnel && got->ior == 1.7f);
-    fathom_scene_destroy(back);
-    fathom_scene_destroy(scene);
+    for (int solid = 0; solid < 2; ++solid) {
+        fathom_material m;
+        fathom_scene *back;
+        fathom_material_default(&m);
+        m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.transmission = 0.75f, m.roughness = 0, m.ior = 1.7f;
+        m.thickness = (float)solid;
+        fathom_scene *scene = wearing(&m, NULL);
+        assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
+        assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), &back));
+        const fathom_material *got = &back->materials.items[scene_find_material(back, "material_1")].value;
+        if (solid)
+            assert_true(got->model == m.model && got->transmission == 0.75f && got->thickness > 0);
+        else
+            assert_true(got->model == FATHOM_MODEL_CLASSIC && got->k_t[0] == 0.75f && got->fresnel);
+        assert_true(got->ior == 1.7f);
+        fathom_scene_destroy(back);
+        fathom_scene_destroy(scene);
+    }
     unlink(in_folder("a.obj")), unlink(in_folder("a.mtl"));
 }
 
@@ -536,7 +543,7 @@ int main(void) {
         cmocka_unit_test(every_setting_reads_back_from_json),
         cmocka_unit_test(every_image_reads_back),
         cmocka_unit_test(mtl_keeps_metal_and_its_images),
-        cmocka_unit_test(mtl_makes_glass_of_transmission),
+        cmocka_unit_test(mtl_keeps_solid_transmission_and_makes_glass_of_thin_walls),
         cmocka_unit_test(mesh_files_keep_vertex_colours),
         cmocka_unit_test(ply_keeps_an_image_of_all_triangles),
         cmocka_unit_test(renders_survive_conversion),

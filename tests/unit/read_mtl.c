@@ -161,12 +161,19 @@ static void glass_follows_its_formulas(void **state) {
     assert_false(m.fresnel);
     assert_true(m.ior == 1.33f);
     /* d says how clear; no more comes back than there is. */
-    body = "Kd 0.5 0.5 0.5\nKs 1 1 1\nNi 1.45\nd 0.25\nillum 9\n";
+    body = "Kd 0.5 0.5 0.5\nKs 1 1 1\nNi 1.45\nd 0.25\nillum 4\n";
     m = material_of(body);
     expect_color(body, "k_t", m.k_t, 0.75, 0.75, 0.75);
     expect_color(body, "k_r", m.k_r, 0.25, 0.25, 0.25);
     expect_color(body, "k_d", m.k_d, 0.125, 0.125, 0.125);
     assert_true(m.ior == 1);
+    /* What Blender writes for an opacity is no mirror. */
+    body = "Kd 0.5 0.5 0.5\nKs 1 1 1\nNs 10\nNi 1.45\nd 0.25\nillum 9\n";
+    m = material_of(body);
+    expect_color(body, "k_t", m.k_t, 0.75, 0.75, 0.75);
+    expect_color(body, "k_r", m.k_r, 0, 0, 0);
+    expect_color(body, "k_s", m.k_s, 0.25, 0.25, 0.25);
+    expect_color(body, "k_d", m.k_d, 0.125, 0.125, 0.125);
     for (int illum = 4; illum <= 9; ++illum) {
         char text[64];
         if (illum == 5 || illum == 8) continue;
@@ -175,6 +182,18 @@ static void glass_follows_its_formulas(void **state) {
         expect_color(text, "k_t", m.k_t, 0.25, 0.25, 0.25);
         assert_true(m.ior == (illum == 6 || illum == 7 ? 1.7f : 1));
     }
+}
+
+/* Tf beside keys of metallic-roughness, and no word on a highlight, which Pr gives. */
+static void clear_metallic_materials_transmit(void **state) {
+    (void)state;
+    fathom_material m = material_of("Kd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nPr 0\nNi 1.45\nillum 2\nTf 1 1 1\n");
+    assert_int_equal(m.model, FATHOM_MODEL_METALLIC_ROUGHNESS);
+    assert_true(m.transmission == 1 && m.thickness > 0 && m.ior == 1.45f);
+    assert_string_equal(mesh_warnings, "");
+    m = material_of("Pr 0.5\nTf 0 0 0\n");
+    assert_true(m.transmission == 0 && m.thickness == 0);
+    assert_true(material_of("Pr 0.5\n").transmission == 0);
 }
 
 static void expect_warning(const char *text) {
@@ -319,6 +338,7 @@ int main(void) {
         cmocka_unit_test(mirrors_follow_illum),
         cmocka_unit_test(dissolved_materials_pass_light_straight),
         cmocka_unit_test(tr_1_is_opaque),
+        cmocka_unit_test(clear_metallic_materials_transmit),
         cmocka_unit_test(glass_follows_its_formulas),
         cmocka_unit_test(omissions_are_reported),
         cmocka_unit_test(names_may_hold_blanks),

@@ -28,11 +28,12 @@ static void note_word(mtl_reader *r, const char *at, const char *text) {
 static void note_unused(mtl_reader *r) {
     const mtl_entry *m = &r->entry;
     const int illum = mtl_illum(m);
+    if (mtl_is_metallic(m)) return;
     if (mtl_given(m, MTL_KA) && mtl_is_white(m->ka) && illum != 0)
         note_at(r, m->at[MTL_KA], "a white Ka is left out; the surface reflects ambient light by its Kd");
     if (mtl_given(m, MTL_KS) && !mtl_is_black(m->ks) && illum >= 2 && m->ns < 1)
         note_at(r, m->at[MTL_KS], "there is no highlight where Ns is missing or less than 1");
-    if (mtl_given(m, MTL_TF) && !mtl_is_white(m->tf) && !mtl_is_glass(illum))
+    if (mtl_given(m, MTL_TF) && !mtl_is_white(m->tf) && !mtl_is_glass(m))
         note_at(r, m->at[MTL_TF], "Tf is left out where illum is not glass (4, 6, 7 or 9)");
     if (illum == 10) note_at(r, m->at[MTL_ILLUM], "illum 10 is read as 2");
 }
@@ -40,7 +41,7 @@ static void note_unused(mtl_reader *r) {
 /* Tr 1 would make a surface that nobody sees. MeshLab writes it for opaque ones. */
 static void settle_opacity(mtl_reader *r) {
     mtl_entry *m = &r->entry;
-    if (m->d > 0 || mtl_is_glass(mtl_illum(m))) return;
+    if (m->d > 0 || mtl_is_glass(m)) return;
     if (mtl_given(m, MTL_TR) && !(mtl_given(m, MTL_D) && m->at[MTL_D] > m->at[MTL_TR])) {
         note_at(r, m->at[MTL_TR], "Tr 1 is read as opaque, as MeshLab means it; else nothing would be seen");
         m->d = 1;

@@ -40,7 +40,10 @@ static inline bool mtl_is_black(const double rgb[3]) { return rgb[0] == 0 && rgb
 /* True when the name of a bump image says that it holds normals, as exporters of today write it. */
 bool mtl_says_normal(const char *name);
 int mtl_illum(const mtl_entry *m);
-bool mtl_is_glass(int illum);
+/* Its opacity says how much passes through, or its filter does. */
+bool mtl_is_glass(const mtl_entry *m);
+/* It has keys of metallic-roughness. */
+bool mtl_is_metallic(const mtl_entry *m);
 /* Without its maps. */
 fathom_material mtl_material_from(const mtl_entry *m);
 

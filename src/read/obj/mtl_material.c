@@ -19,6 +19,8 @@
  *   6       glass: k_t, k_r, ior
  *   7       glass by Fresnel's law
  *
+ * 9 with d < 1 and no Tf, as Blender writes opacity, is 2.
+ *
  * Models other than glass dissolve if d < 1: their light is scaled by d, and k_t = 1 - d passes straight on
  * (ior 1). Authors mean this by "illum 2, d 0.3, Ni 1.45". Glass has k_t = 1 - d if d < 1, times Tf if given;
  * else Tf; else 1 - Ks, the format's own formula. Its diffuse part fades as it clears: times d if d < 1, else
@@ -26,7 +28,8 @@
  * conserves energy. Fresnel's law needs ior != 1; with Ni 1 the mirror is a plain one.
  *
  * Pr, Pm, Pc and Pcr (roughness, metal, clear coat and its roughness) make it metallic-roughness: Kd is the
- * base colour, d the opacity, Ni the index; the remaining values above have no meaning there. So do Ps, a
+ * base colour, d the opacity, Ni the index, and Tf, which Blender and Rhino write as 0 for what is not clear,
+ * how much of the light the solid lets through; the remaining values above have no meaning there. So do Ps, a
  * white sheen whose roughness, which the format does not know, is 0.5, and aniso with anisor, a part of a
  * turn.
  *
@@ -64,7 +67,12 @@ static double make_glass(const mtl_entry *m, bool fresnel, fathom_material *out)
 int mtl_illum(const mtl_entry *m) {
     return mtl_given(m, MTL_ILLUM) ? (int)m->illum : mtl_is_black(m->ks) ? 1 : 2;
 }
-bool mtl_is_glass(int illum) { return illum == 4 || illum == 6 || illum == 7 || illum == 9; }
+
+bool mtl_is_glass(const mtl_entry *m) {
+    const int illum = mtl_illum(m);
+    if (illum == 9 && m->d < 1 && !mtl_given(m, MTL_TF)) return false;
+    return illum == 4 || illum == 6 || illum == 7 || illum == 9;
+}
 
 static void make_surface(const mtl_entry *m, int illum, fathom_material *out) {
     const double black[3] = {0, 0, 0};
@@ -77,14 +85,14 @@ static void make_surface(const mtl_entry *m, int illum, fathom_material *out) {
         out->shininess = (float)m->ns;
         set(out->k_s, m->ks, 1);
     }
-    if (illum >= 3 && illum <= 9) set(out->k_r, m->ks, 1);
+    if (illum >= 3 && (illum < 9 || (illum == 9 && mtl_is_glass(m)))) set(out->k_r, m->ks, 1);
 }
 
 static void scale(float rgb[3], double factor) {
     for (int k = 0; k < 3; ++k) rgb[k] = (float)(factor * (double)rgb[k]);
 }
 
-static bool is_metallic(const mtl_entry *m) {
+bool mtl_is_metallic(const mtl_entry *m) {
     return mtl_given(m, MTL_PR) || mtl_given(m, MTL_PM) || mtl_given(m, MTL_PC) || mtl_given(m, MTL_PS) ||
            mtl_given(m, MTL_ANISO);
 }
@@ -103,6 +111,8 @@ static fathom_material metallic_from(const mtl_entry *m) {
     for (int k = 0; k < 3; ++k) out.sheen_color[k] = (float)m->ps;
     out.sheen_roughness = m->ps > 0 ? 0.5f : 0;
     out.opacity = (float)m->d;
+    out.transmission = (float)((m->tf[0] + m->tf[1] + m->tf[2]) / 3);
+    out.thickness = out.transmission > 0 ? 1 : 0;
     if (m->ni >= 1) out.ior = (float)m->ni;
     return out;
 }
@@ -111,7 +121,7 @@ static fathom_material classic_from(const mtl_entry *m) {
     fathom_material out;
     fathom_material_default(&out);
     int illum = mtl_illum(m);
-    bool glass = mtl_is_glass(illum), dissolves = !glass && m->d < 1;
+    bool glass = mtl_is_glass(m), dissolves = !glass && m->d < 1;
     bool straight = illum == 4 || illum == 9 || dissolves;
     make_surface(m, illum, &out);
     out.ior = straight ? 1 : m->ni > 0 ? (float)m->ni : 1.5f;
@@ -130,7 +140,7 @@ static fathom_material classic_from(const mtl_entry *m) {
 }
 
 fathom_material mtl_material_from(const mtl_entry *m) {
-    return is_metallic(m) ? metallic_from(m) : classic_from(m);
+    return mtl_is_metallic(m) ? metallic_from(m) : classic_from(m);
 }
 
 /* ---- images ---- */
