@@ -346,6 +346,18 @@ static void any_material_gives_finite_numbers_and_no_light_through_what_is_opaqu
     }
 }
 
+/* Points of eight materials, and the numbers of their samples. */
+static void random_block(random_state *r, shader table[8], surface_block *s, lanes3 u) {
+    for (int k = 0; k < 8; ++k) {
+        const fathom_material m = random_material(r);
+        shader_prepare(&m, &table[k]);
+    }
+    random_surface(r, s);
+    for (int i = 0; i < LANES; ++i) {
+        for (int c = 0; c < 3; ++c) u[c][i] = random_number(r);
+    }
+}
+
 static void every_instruction_set_gives_the_same_bits(void **state) {
     (void)state;
     random_state r = {5};
@@ -353,14 +365,7 @@ static void every_instruction_set_gives_the_same_bits(void **state) {
         surface_block s;
         shader table[8];
         lanes3 u;
-        for (int k = 0; k < 8; ++k) {
-            const fathom_material m = random_material(&r);
-            shader_prepare(&m, &table[k]);
-        }
-        random_surface(&r, &s);
-        for (int i = 0; i < LANES; ++i) {
-            for (int c = 0; c < 3; ++c) u[c][i] = random_number(&r);
-        }
+        random_block(&r, table, &s, u);
         shader_sample first = {.density = {0}};
         for (unsigned k = 0; shader_kernels_at(k); ++k) {
             shader_block block;
@@ -429,13 +434,8 @@ static void no_lane_depends_on_its_neighbours(void **state) {
         shader table[8];
         lanes3 u, l;
         uint32_t channel[LANES];
-        for (int k = 0; k < 8; ++k) {
-            const fathom_material m = random_material(&r);
-            shader_prepare(&m, &table[k]);
-        }
-        random_surface(&r, &s);
+        random_block(&r, table, &s, u);
         for (int i = 0; i < LANES; ++i) {
-            for (int c = 0; c < 3; ++c) u[c][i] = random_number(&r);
             put(l, i, random_direction(&r));
             channel[i] = (uint32_t)(i % 4);
             if (!(table[s.material[i]].lobes & SHADER_TURNED)) s.coated &= ~(1u << i);
