@@ -2,9 +2,13 @@
 #include "base/file.h"
 
 #include <ctype.h>
+#include <dirent.h>
 #include <errno.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <unistd.h>
 
 const char *file_name(const char *path) {
     const char *slash = strrchr(path, '/');
@@ -40,6 +44,38 @@ char *file_beside(const char *base, const char *name) {
         memcpy(path + folder, name, room - folder);
     }
     return path;
+}
+
+/* Gives the last part of `path`, of `length` bytes, the letters of an entry of its folder. */
+static bool take_entry(char *path, size_t length) {
+    char *part = path + strlen(path) - length, best[NAME_MAX + 1] = "";
+    const char first = *part;
+    *part = '\0';
+    DIR *folder = opendir(*path ? path : ".");
+    *part = first;
+    for (const struct dirent *entry; folder && (entry = readdir(folder)) != NULL;) {
+        const bool same = strlen(entry->d_name) == length && strcasecmp(entry->d_name, part) == 0;
+        if (same && (!*best || strcmp(entry->d_name, best) < 0)) strcpy(best, entry->d_name);
+    }
+    if (folder) closedir(folder);
+    if (*best) memcpy(part, best, length);
+    return *best;
+}
+
+char *file_of_any_case(const char *path, size_t from) {
+    char *out = strdup(path);
+    bool found = out != NULL;
+    for (char *part = out + from; found && *part;) {
+        const size_t length = strcspn(part, "/");
+        const char after = part[length];
+        part[length] = '\0';
+        found = !length || access(out, F_OK) == 0 || take_entry(out, length);
+        part[length] = after;
+        part += length + (after ? 1 : 0);
+    }
+    if (found) return out;
+    free(out);
+    return NULL;
 }
 
 /* ---- files that a file may name ---- */

@@ -9,12 +9,21 @@
 #include <string.h>
 #include <unistd.h>
 
+/* And ignores case. */
+static void take_case(char **path, size_t from) {
+    char *found = file_of_any_case(*path, from);
+    if (!found) return;
+    free(*path);
+    *path = found;
+}
+
 fathom_status read_beside(fathom_scene *scene, const char *base, const char *name, char **out) {
     *out = file_beside(base, name);
     if (!*out) return fail_memory(scene->context, strlen(base) + strlen(name));
     /* Windows parts folders by backslashes. */
     char *c = *out + strlen(*out) - strlen(name);
     for (; access(*out, F_OK) != 0 && (c = strchr(c, '\\')) != NULL;) *c = '/';
+    if (access(*out, F_OK) != 0 && *name != '/') take_case(out, strlen(*out) - strlen(name));
     if (!scene->top) return FATHOM_OK;
     fathom_status status = file_confine(scene->context, scene->top, *out, name);
     if (status == FATHOM_OK) return status;
@@ -24,15 +33,15 @@ fathom_status read_beside(fathom_scene *scene, const char *base, const char *nam
 }
 
 fathom_status read_image_beside(fathom_scene *scene, const char *base, const char *name, char **out) {
-    const char *last = name + strlen(name);
-    while (last > name && last[-1] != '/' && last[-1] != '\\') --last;
-    const char *const names[] = {name, last};
-    for (int i = 0; i < 2; ++i) {
-        const fathom_status status = read_beside(scene, base, names[i], out);
+    *out = NULL;
+    for (const char *part = name; *part;) {
+        const fathom_status status = read_beside(scene, base, part, out);
         if (status != FATHOM_OK && status != FATHOM_BAD_INPUT) return status;
-        if (status == FATHOM_OK && *names[i] && access(*out, F_OK) == 0) return FATHOM_OK;
+        if (status == FATHOM_OK && access(*out, F_OK) == 0) return FATHOM_OK;
         free(*out);
         *out = NULL;
+        part += strcspn(part, "/\\");
+        part += strspn(part, "/\\");
     }
     return FATHOM_OK;
 }

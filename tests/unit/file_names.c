@@ -94,6 +94,31 @@ static void root_and_working_folders_confine_too(void **state) {
     assert_int_equal(chdir(before), 0);
 }
 
+/* Of each part that names nothing the letters of what is there; the first of several. */
+static void names_are_found_in_any_case(void **state) {
+    (void)state;
+    static const char *const names[][2] = {{"box/inner/a", "box/inner/a"},
+                                           {"BOX/Inner/A", "box/inner/a"},
+                                           {"box//INNER/./A", "box//inner/./a"},
+                                           {"Box-Two/a", "box-two/a"},
+                                           {"box/../BOX.D/A", "box/../box.d/a"}};
+    static const char *const none[] = {"box/inner/b", "boxes/a", "box/a/A", "BOX/inner/ab"};
+    const size_t from = strlen(top) + 1;
+    for (size_t i = 0; i < COUNT(names); ++i) {
+        char *found = file_of_any_case(in_top(names[i][0]), from);
+        assert_non_null(found);
+        assert_string_equal(found, in_top(names[i][1]));
+        free(found);
+    }
+    for (size_t i = 0; i < COUNT(none); ++i) assert_null(file_of_any_case(in_top(none[i]), from));
+    /* What comes before is taken as it is. */
+    char *upper = strdup(in_top("box"));
+    for (size_t i = 1; i < from; ++i)
+        upper[i] = (char)(upper[i] >= 'a' && upper[i] <= 'z' ? upper[i] - 32 : upper[i]);
+    assert_null(file_of_any_case(upper, from));
+    free(upper);
+}
+
 static void paths_split_into_stem_name_and_extension(void **state) {
     (void)state;
     const struct {
@@ -139,6 +164,7 @@ int main(void) {
         cmocka_unit_test(paths_inside_the_folder_are_allowed),
         cmocka_unit_test(paths_outside_the_folder_are_refused),
         cmocka_unit_test(root_and_working_folders_confine_too),
+        cmocka_unit_test(names_are_found_in_any_case),
         cmocka_unit_test(paths_split_into_stem_name_and_extension),
         cmocka_unit_test(impossible_array_sizes_change_nothing),
     };

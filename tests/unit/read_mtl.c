@@ -232,6 +232,7 @@ static void images_become_maps(void **state) {
     (void)state;
     const float plain[6] = {1, 0, 0, 0, -1, 1}, moved[6] = {2, 0, 0.5f, 0, -3, 0.75f};
     expect_map("map_Kd a b.png\n", FATHOM_MAP_COLOR, "a b.png", 0, plain);
+    expect_map("map_Kd \"a b.png\"\n", FATHOM_MAP_COLOR, "a b.png", 0, plain);
     expect_map("map_Kd -s 2 3 1 -o 0.5 0.25 -clamp on a.png\n", FATHOM_MAP_COLOR, "a.png", 0, moved);
     expect_map("map_Ks c\n", FATHOM_MAP_SPECULAR_COLOR, "c", 0, plain);
     expect_map("map_Ke d\n", FATHOM_MAP_EMISSIVE, "d", 0, plain);

@@ -1,6 +1,11 @@
 /* Files of any format as whole scenes: told apart by the extension, named, completed, checked. */
 #include "mesh_file.h"
 
+#include "read/read.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
 static void expect_error(const char *name, const char *text, const char *message) {
     fathom_scene *scene = (fathom_scene *)(void *)mesh_folder;
     const char *path = text ? mesh_write(name, text, strlen(text)) : mesh_path(name);
@@ -37,6 +42,40 @@ static void bare_model(void **state) {
         assert_true(fabs(dot_f64(p, load_f64(c->y))) * c->d <= depth * 0.5 * c->h);
     }
     fathom_scene_destroy(scene);
+}
+
+/* By as many of the last parts of its name as lead to one; of Windows, too. */
+static void images_of_another_computer_are_found(void **state) {
+    (void)state;
+    char base[256], wall[256];
+    fathom_scene *scene;
+    assert_int_equal(mkdir(mesh_path("Maps"), 0700), 0);
+    snprintf(wall, sizeof wall, "%s", mesh_path("Maps/Wall.png"));
+    snprintf(base, sizeof base, "%s", mesh_path("a.mtl"));
+    unit_write_file(wall, "x", 1);
+    assert_ok(context, fathom_scene_create(context, &scene));
+    scene->top = base;
+    static const char *const found[] = {"Maps/Wall.png", "maps\\wall.PNG",
+                                        "C:\\my models\\house\\MAPS\\wall.png",
+                                        "/home/joe/house/Maps/Wall.png"};
+    static const char *const none[] = {"Wall.png", "C:\\house\\wall.png", "maps/", "",
+                                       "/",        "..\\Maps\\roof.png"};
+    for (size_t i = 0; i < sizeof found / sizeof *found; ++i) {
+        char *path;
+        assert_ok(context, read_image_beside(scene, base, found[i], &path));
+        assert_non_null(path);
+        assert_string_equal(path, wall);
+        free(path);
+    }
+    for (size_t i = 0; i < sizeof none / sizeof *none; ++i) {
+        char *path;
+        assert_ok(context, read_image_beside(scene, base, none[i], &path));
+        if (path) assert_int_equal(i, 2); /* a folder, of which no image can be read */
+        free(path);
+    }
+    scene->top = NULL;
+    fathom_scene_destroy(scene);
+    assert_int_equal(unlink(wall) | rmdir(mesh_path("Maps")), 0);
 }
 
 /* What is asked of a file that cannot give it is said. */
@@ -158,6 +197,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(by_extension),
         cmocka_unit_test(bare_model),
+        cmocka_unit_test(images_of_another_computer_are_found),
         cmocka_unit_test(what_a_file_lacks_is_not_passed_over),
         cmocka_unit_test(the_camera_fits_the_size_asked_for),
         cmocka_unit_test(scene_files_may_say_how_many_samples),

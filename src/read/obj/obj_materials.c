@@ -56,17 +56,13 @@ static void tally(obj_tally *t, const char *at) {
 }
 
 /* *out: the path of the file that a mention of `length` bytes names, or NULL when there is none.
- * FATHOM_BAD_INPUT: the file may not be read, and the message says why. Names written on Windows may have
- * backslashes for slashes. */
+ * FATHOM_BAD_INPUT: the file may not be read, and the message says why. */
 static fathom_status find_library(const obj_reader *r, const char *name, size_t length, char **out) {
     *out = NULL;
     char *copy = strndup(name, length);
-    fathom_status status = copy ? FATHOM_OK : fail_memory(r->scene->context, length);
-    for (int attempt = 0; attempt < 2 && status == FATHOM_OK && !*out; ++attempt) {
-        status = read_beside(r->scene, r->file.path, copy, out);
-        if (status == FATHOM_OK && access(*out, F_OK) != 0) free(*out), *out = NULL;
-        for (char *c = copy; (c = strchr(c, '\\')) != NULL;) *c = '/';
-    }
+    fathom_status status =
+        copy ? read_beside(r->scene, r->file.path, copy, out) : fail_memory(r->scene->context, length);
+    if (status == FATHOM_OK && access(*out, F_OK) != 0) free(*out), *out = NULL;
     free(copy);
     return status;
 }
