@@ -92,7 +92,7 @@ FATHOM_DEFAULT(fathom_read_options)
 FATHOM_API fathom_status fathom_scene_read_with(fathom_context *context, const char *path,
                                                 const fathom_read_options *options, fathom_scene **out);
 
-/* That of a scene that was read. FATHOM_BAD_USAGE: `out` has no size. */
+/* Gives the framing of a scene that was read. FATHOM_BAD_USAGE: `out` has no size. */
 FATHOM_API fathom_status fathom_scene_framing(const fathom_scene *scene, fathom_framing *out);
 /* Makes *framing one that shows what *other does, too; both of scenes that were read for the same `up`, width
  * and height. Nothing happens where one of them is not made. */

@@ -14,7 +14,7 @@ static uint32_t bin_of(const world *w, uint32_t geometry, uint32_t instance) {
     return geometry == FATHOM_NONE ? BIN_MISSED : bin;
 }
 
-/* What watertight_sides_of() reads. */
+/* watertight_sides_of() reads these. */
 static void move_depths(const wave *w, size_t block, uint32_t lanes, size_t to) {
     const uint8_t *from = w->now.paths[block].depth;
     uint8_t *depth = &w->next.paths[to / LANES].depth[to % LANES];

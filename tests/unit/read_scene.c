@@ -58,8 +58,7 @@ static void images_of_another_computer_are_found(void **state) {
     static const char *const found[] = {"Maps/Wall.png", "maps\\wall.PNG",
                                         "C:\\my models\\house\\MAPS\\wall.png",
                                         "/home/joe/house/Maps/Wall.png"};
-    static const char *const none[] = {"Wall.png", "C:\\house\\wall.png", "maps/", "",
-                                       "/",        "..\\Maps\\roof.png"};
+    static const char *const none[] = {"Wall.png", "C:\\house\\wall.png", "", "/", "..\\Maps\\roof.png"};
     for (size_t i = 0; i < sizeof found / sizeof *found; ++i) {
         char *path;
         assert_ok(context, read_image_beside(scene, base, found[i], &path));
@@ -70,8 +69,7 @@ static void images_of_another_computer_are_found(void **state) {
     for (size_t i = 0; i < sizeof none / sizeof *none; ++i) {
         char *path;
         assert_ok(context, read_image_beside(scene, base, none[i], &path));
-        if (path) assert_int_equal(i, 2); /* a folder, of which no image can be read */
-        free(path);
+        assert_null(path);
     }
     scene->top = NULL;
     fathom_scene_destroy(scene);

@@ -13,8 +13,8 @@
 /* 8 of 255 levels of sRGB, whose curve is 12.92 x there. */
 #define DARK (8 / (255 * 12.92))
 
-/* In the studio: the share of the pixels that may clip, as highlights do, and the most stops that more of
- * them cost. What is white shines with 1.4 there at most, which is half a stop; lamps in mirrors may clip. */
+/* In the studio highlights, and lamps in mirrors, may clip this share of the pixels; more of them cost at
+ * most so many stops. A white surface has at most a radiance of 1.4 there, which is half a stop. */
 #define STUDIO_CLIPPED 0.02
 #define STUDIO_STOPS 0.5f
 
@@ -68,7 +68,7 @@ static bool shows_little(const fathom_scene *scene, const fathom_brightness *b, 
 
 static float within_limits(float exposure) { return fminf(fmaxf(exposure, -64), 64); }
 
-/* As a photographer stops down for a white model. */
+/* Stops down for a white model, as photographers do. */
 static float studio_exposure(const fathom_brightness *b) {
     if ((double)b->clipped <= STUDIO_CLIPPED * (double)b->pixels) return 0;
     return fminf(fmaxf(b->exposure, -STUDIO_STOPS), 0);

@@ -181,7 +181,7 @@ static fathom_status finish(task *s) {
     const bool interrupted = s->report.interrupted;
     image_names *room = NULL;
     fathom_status status = interrupted ? images_rename(s->context, &s->options.outputs, &room) : FATHOM_OK;
-    /* What is black yet may not be when it is finished. */
+    /* An unfinished film may still be black. */
     brightness_settle(&s->report.warnings, interrupted ? NULL : s->scene, s->options.scene, s->film,
                       &s->options);
     if (status == FATHOM_OK)

@@ -34,9 +34,8 @@ static inline void set_again(const shader *m, int i, shader_block *restrict out)
     set_colour(m->again_cross, i, out->again_cross);
 }
 
-/* Of what transmits smoothly no facets do. A viewer inside a solid sees its base as without what scatters
- * again.
- */
+/* Surfaces that transmit smoothly have no facets to cross. A viewer inside a solid sees its base as without
+ * what scatters again. */
 static inline void set_cross(const shader *m, int i, uint32_t entering, shader_block *restrict out) {
     const uint32_t rough = m->lobes & (SHADER_THIN | SHADER_REFRACT) ? ~0u : 0;
     for (int c = 0; c < 3; ++c) out->cross[c][i] = chosen(rough, m->cross[c], 0);

@@ -28,7 +28,11 @@ static void note_word(mtl_reader *r, const char *at, const char *text) {
 static void note_unused(mtl_reader *r) {
     const mtl_entry *m = &r->entry;
     const int illum = mtl_illum(m);
-    if (mtl_is_metallic(m)) return;
+    if (mtl_is_metallic(m)) {
+        if (mtl_given(m, MTL_TF) && !mtl_is_black(m->tf))
+            note_at(r, m->at[MTL_TF], "Tf beside Pr, Pm, Pc, Ps or aniso is read as transmission");
+        return;
+    }
     if (mtl_given(m, MTL_KA) && mtl_is_white(m->ka) && illum != 0)
         note_at(r, m->at[MTL_KA], "a white Ka is left out; the surface reflects ambient light by its Kd");
     if (mtl_given(m, MTL_KS) && !mtl_is_black(m->ks) && illum >= 2 && m->ns < 1)

@@ -28,10 +28,9 @@
  * conserves energy. Fresnel's law needs ior != 1; with Ni 1 the mirror is a plain one.
  *
  * Pr, Pm, Pc and Pcr (roughness, metal, clear coat and its roughness) make it metallic-roughness: Kd is the
- * base colour, d the opacity, Ni the index, and Tf, which Blender and Rhino write as 0 for what is not clear,
- * how much of the light the solid lets through; the remaining values above have no meaning there. So do Ps, a
- * white sheen whose roughness, which the format does not know, is 0.5, and aniso with anisor, a part of a
- * turn.
+ * base colour, d the opacity, Ni the index, and Tf how much of the light the solid lets through: Blender
+ * writes it for such materials alone. The remaining values above have no meaning there. So do Ps, a white
+ * sheen whose roughness, which the format does not know, is 0.5, and aniso with anisor, a part of a turn.
  *
  * Images (map_Kd map_Ks map_Ke map_Ns map_d map_Pr map_Pm map_Pc map_Ps norm) multiply their values, which
  * are 1 where the file gives an image alone. Single numbers are the image's red, those of map_d its alpha

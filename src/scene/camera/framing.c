@@ -11,6 +11,7 @@
 #include "scene/camera/camera.h"
 
 #include "scene/camera/extent.h"
+#include "scene/camera/framing_times.h"
 #include "scene/graph.h"
 #include "scene/motion/motion.h"
 
@@ -315,46 +316,6 @@ static fathom_status fail_place(const fathom_scene *scene, const scene_bounds *b
         box->lower.x, box->lower.y, box->lower.z, box->upper.x, box->upper.y, box->upper.z);
 }
 
-/* ---- times ---- */
-
-/* Even ones, in case things turn between two keys, and keys, up to so many. */
-enum { EVEN_TIMES = 17, TIMES_MOST = 128 };
-
-typedef struct time_list {
-    double items[TIMES_MOST];
-    uint32_t count;
-} time_list;
-
-/* Keys while the shutter is open. */
-static void add_keys(const double shutter[2], const double *keys, uint32_t count, time_list *times) {
-    for (uint32_t k = 0; k < count; ++k) {
-        bool known = !(keys[k] > shutter[0] && keys[k] < shutter[1]);
-        for (uint32_t i = 0; i < times->count && !known; ++i) known = times->items[i] == keys[k];
-        if (!known && times->count < TIMES_MOST) times->items[times->count++] = keys[k];
-    }
-}
-
-/* The shutter's opening alone where nothing moves. */
-static void choose_times(const fathom_scene *scene, time_list *times) {
-    const double *shutter = scene->camera.shutter;
-    *times = (time_list){{shutter[0]}, 1};
-    bool moves = false;
-    for (size_t i = 0; i < scene->instances.count; ++i) {
-        const fathom_instance *instance = &scene->instances.items[i];
-        if (!motion_is_moving(instance, shutter)) continue;
-        moves = true;
-        add_keys(shutter, instance->key_times, instance->key_count, times);
-    }
-    for (size_t i = 0; i < scene->meshes.count && shutter[1] > shutter[0]; ++i) {
-        const fathom_mesh *mesh = &scene->meshes.items[i];
-        moves |= mesh->key_count > 1;
-        add_keys(shutter, mesh->key_times, mesh->key_count, times);
-    }
-    if (times->count > TIMES_MOST - EVEN_TIMES) times->count = TIMES_MOST - EVEN_TIMES;
-    for (int i = 1; i < EVEN_TIMES && moves; ++i)
-        times->items[times->count++] = shutter[0] + (shutter[1] - shutter[0]) * i / (EVEN_TIMES - 1);
-}
-
 /* ---- everything ---- */
 
 static bool prepare_boxes(walk *w) {
@@ -389,8 +350,8 @@ static fathom_status look_at_all(const fathom_scene *scene, bool (*look)(walk *w
     status = graph_bounds(scene, &graph, &of_group);
     if (status == FATHOM_OK && !bounds_is_empty(&of_group[FATHOM_ROOT])) {
         *empty = false;
-        time_list times;
-        choose_times(scene, &times);
+        framing_times times;
+        framing_choose_times(scene, &times);
         walk w = {.scene = scene,
                   .graph = &graph,
                   .of_group = of_group,
