@@ -1,6 +1,7 @@
 /* Laws of sampled light. Every statistical test is made once, with fixed numbers, at 5 standard errors
  * (6e-7); with at most a thousand of them here one fails by chance with 6e-4. */
 #include "light/emitters.h"
+#include "math/lane.h"
 #include "random.h"
 #include "unit_scene.h"
 
@@ -504,6 +505,120 @@ static void nothing_sends_nothing(void **state) {
     assert_true(mean_of(&m) == 0);
 }
 
+/* ---- blocks ---- */
+
+static void add_triangle(random_state *r, fathom_id material) {
+    static const uint32_t index[3] = {0, 1, 2};
+    const vec3_f64 at = {random_in(r, -4, 4), random_in(r, -4, 4), random_in(r, -4, 4)};
+    float p[3][3];
+    for (int k = 0; k < 3; ++k)
+        store_f32(p[k], narrow(madd_f64(at, random_log(r, 1e-3, 3), any_direction(r))));
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = p[0], mesh.vertex_count = 3, mesh.indices = index, mesh.triangle_count = 1;
+    mesh.material = material;
+    assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+}
+
+static void add_any_quad(random_state *r, fathom_id material) {
+    const vec3_f64 at = scale_f64(4, any_direction(r)),
+                   u = scale_f64(random_log(r, 1e-3, 3), any_direction(r)),
+                   v = scale_f64(random_log(r, 1e-3, 3), cross_f64(u, any_direction(r)));
+    add_quad((double[3]){at.x, at.y, at.z}, (double[3]){u.x, u.y, u.z}, (double[3]){v.x, v.y, v.z}, material);
+}
+
+static void add_lamp(random_state *r) {
+    fathom_light light;
+    fathom_light_default(&light);
+    store_f64(light.position, scale_f64(random_in(r, 0, 4), any_direction(r)));
+    store_f64(light.direction, any_direction(r));
+    const double kind = random_unit(r);
+    if (kind < 0.5) light.type = FATHOM_LIGHT_SPOT;
+    if (kind > 0.8) light.type = FATHOM_LIGHT_DIRECTIONAL;
+    if (kind > 0.9) light.angular_radius = (float)random_log(r, 1e-3, 1);
+    if (kind < 0.8 && random_unit(r) < 0.5) light.radius = (float)random_log(r, 1e-3, 1);
+    assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
+}
+
+static void add_stretched(random_state *r, fathom_id material) {
+    fathom_id group;
+    fathom_instance place;
+    assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
+    add_sphere(group, origin, random_log(r, 0.01, 1), material);
+    fathom_instance_default(&place);
+    place.group = group;
+    for (int k = 0; k < 12; ++k) place.transform[k] = k % 5 ? random_in(r, -0.3, 0.3) : random_in(r, 0.5, 2);
+    assert_ok(context, fathom_scene_add_instance(scene, &place, NULL));
+}
+
+static void add_any(random_state *r) {
+    const fathom_id material = emission((float)random_in(r, 0.1, 5), 1, 2);
+    switch ((int)(random_unit(r) * 5)) {
+    case 0: add_triangle(r, material); break;
+    case 1: add_any_quad(r, material); break;
+    case 2: add_lamp(r); break;
+    case 3: add_stretched(r, material); break;
+    default: add_sphere(FATHOM_ROOT, scale_f64(4, any_direction(r)), random_log(r, 0.01, 3), material);
+    }
+}
+
+/* All that a sample says of one lane. Where there is no light, the rest is of no meaning. */
+typedef struct lane_sample {
+    vec3_f32 direction, radiance;
+    float distance, density;
+    uint32_t sized;
+} lane_sample;
+
+static lane_sample sampled(const emitter_query *q, const lanes3 u, int i) {
+    lane_sample out;
+    emitter_sample s;
+    emitters_sample(e, q, u, &s);
+    memset(&out, 0, sizeof out);
+    if (!(s.density[i] > 0)) return out;
+    out.direction = lane(s.direction, i), out.radiance = lane(s.radiance, i);
+    out.distance = s.distance[i], out.density = s.density[i], out.sized = s.sized[i];
+    return out;
+}
+
+static void random_query(random_state *r, emitter_query *q, lanes3 u) {
+    fill_numbers(r, u);
+    for (int i = 0; i < LANES; ++i) {
+        const vec3_f64 p = sub_f64(scale_f64(random_in(r, 0, 5), any_direction(r)), w->origin);
+        put_lane_f32(q->p, (unsigned)i, narrow(p));
+        put_lane_f32(q->n, (unsigned)i, random_unit(r) < 0.1 ? vec_f32(0, 0, 0) : narrow(any_direction(r)));
+        q->time[i] = 0;
+    }
+}
+
+static void spread(emitter_query *q, lanes3 u, int from) {
+    const vec3_f32 p = lane(q->p, from), n = lane(q->n, from), numbers = lane(u, from);
+    for (unsigned i = 0; i < LANES; ++i) {
+        put_lane_f32(q->p, i, p), put_lane_f32(q->n, i, n), put_lane_f32(u, i, numbers);
+    }
+}
+
+static void no_lane_depends_on_its_neighbours(void **state) {
+    random_state r = {31};
+    for (int trial = 0; trial < 300; ++trial) {
+        const int lights = 1 + (int)(random_unit(&r) * (trial % 2 ? 12 : 2));
+        for (int k = 0; k < lights; ++k) add_any(&r);
+        if (trial % 5 == 0)
+            assert_ok(context, fathom_scene_set_background(scene, (float[3]){0.1f, 0.2f, 0.3f}));
+        open_light();
+        for (int b = 0; b < 60; ++b) {
+            emitter_query q;
+            lanes3 u;
+            random_query(&r, &q, u);
+            const int i = (int)(random_unit(&r) * LANES);
+            const lane_sample among = sampled(&q, u, i);
+            spread(&q, u, i);
+            const lane_sample alone = sampled(&q, u, i);
+            assert_memory_equal(&among, &alone, sizeof among);
+        }
+        end(state), begin(state);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_rectangle_sends_what_its_formula_says, begin, end),
@@ -522,6 +637,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(a_lamps_radius_leaves_its_light, begin, end),
         cmocka_unit_test_setup_teardown(a_suns_disc_sends_its_irradiance, begin, end),
         cmocka_unit_test_setup_teardown(nothing_sends_nothing, begin, end),
+        cmocka_unit_test_setup_teardown(no_lane_depends_on_its_neighbours, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -492,8 +492,21 @@ static void filters_by_chance_keep_the_expectation(void **state) {
     unlink(in_folder("n.ppm"));
 }
 
-/* Bytes and the halves of smaller levels, by each filter. */
-static void instruction_sets_look_up_the_same_bits(void **state) {
+/* Lane i alone gets what it got among others. */
+static void check_alone(texture_cache *cache, const texture_queries *q, unsigned i,
+                        float among[4][TEXTURE_BLOCK]) {
+    texture_queries one = {.count = 1, .stochastic = q->stochastic};
+    one.texture[0] = q->texture[i], one.chance[0] = q->chance[i];
+    one.u[0] = q->u[i], one.v[0] = q->v[i], one.width[0] = q->width[i];
+    for (unsigned set = 0; texture_kernels_at(set); ++set) {
+        float found[4][TEXTURE_BLOCK];
+        texture_kernels_at(set)->look_up(cache, &one, found);
+        for (int c = 0; c < 4; ++c) assert_memory_equal(&found[c][0], &among[c][i], sizeof(float));
+    }
+}
+
+/* Bytes and the halves of smaller levels, by each filter, in blocks and alone. */
+static void blocks_and_instruction_sets_look_up_the_same_bits(void **state) {
     (void)state;
     fathom_texture t[4];
     put_noise("n.ppm", 200, 131, 6);
@@ -515,6 +528,7 @@ static void instruction_sets_look_up_the_same_bits(void **state) {
             texture_kernels_at(set)->look_up(o.cache, &q, found);
             assert_memory_equal(found, plain, sizeof plain);
         }
+        check_alone(o.cache, &q, k % TEXTURE_BLOCK, plain);
     }
     close_textures(&o);
     unlink(in_folder("n.ppm"));
@@ -887,7 +901,7 @@ int main(void) {
         cmocka_unit_test(the_mean_of_each_level_is_the_mean_of_the_image),
         cmocka_unit_test(trilinear_filters_lie_between_two_levels),
         cmocka_unit_test(filters_by_chance_keep_the_expectation),
-        cmocka_unit_test(instruction_sets_look_up_the_same_bits),
+        cmocka_unit_test(blocks_and_instruction_sets_look_up_the_same_bits),
         cmocka_unit_test(places_that_are_not_finite_give_some_texel),
         cmocka_unit_test(mip_mapped_files_keep_texels_and_means),
         cmocka_unit_test(mip_mapped_files_are_read_in_parts),
