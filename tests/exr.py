@@ -21,12 +21,12 @@ def header(data):
 
 
 def channels(of):
-    """Names in the order of the file; all must be floats."""
+    """Names in the order of the file; none may be a half."""
     at, names = 0, []
     while of[at]:
         name, at = text(of, at)
-        if struct.unpack_from("<i", of, at)[0] != 2:
-            raise ValueError(f"{name}: expected 32-bit floats")
+        if struct.unpack_from("<i", of, at)[0] == 1:
+            raise ValueError(f"{name}: expected numbers of 32 bits, which --exr-float writes")
         names.append(name)
         at += 16
     return names

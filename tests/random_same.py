@@ -1,6 +1,7 @@
-"""Changes scenes made by chance (light_random.py) in ways that must not change a bit of their images: all lengths times
+"""Changes scenes made by chance (light_random.py; each second with textures, textured_random.py) in ways that must not change a bit of their images: all lengths times
 a power of two, all light likewise and the exposure against it, written as JSON by `convert`, rendered by other threads, tiles
-and blocks of rays, and in part. Prints a line for each image that differs, and where its scene was kept.
+and blocks of rays, with further outputs, cropped, and in parts that are merged. Prints a line for each image that differs, and where its scene was kept.
+Needs python3-numpy, python3-openimageio.
 usage: python3 tests/random_same.py FATHOM [COUNT [SEED [FOLDER]]]
   COUNT   scenes (100)
   SEED    of the first; each further scene has the next (1)
@@ -17,10 +18,11 @@ import tempfile
 
 import exr
 import light_random
+import textured_random
 
 OF_LENGTH = {"eye", "target", "position", "translation", "center", "u", "v", "point", "radius", "lensRadius", "focusDistance",
              "orthographic", "positions", "pointRadius", "attenuationDistance", "thickness"}
-OF_LIGHT = {"intensity", "ke", "background"}
+OF_LIGHT = {"intensity", "ke", "emissive", "background"}
 
 
 def times(value, factor):
@@ -56,6 +58,8 @@ def cut_otherwise(scene, r):
                                   "--block-width", str(r.choice((1, 4, 8, 16)))]
 
 
+SAMPLES = ["--spp", "16", "-q"]
+LAYERS = ["--aov", "all"]
 LAWS = {"units": in_other_units, "light": brighter, "cut": cut_otherwise}
 
 
@@ -68,7 +72,7 @@ def render(fathom, scene, name, options):
     """As name.exr and name.png, which shows the scene as bright as it is unless the options say otherwise."""
     if "--exposure" not in options:
         options = [*options, "--exposure", "0"]
-    code, said = ask(fathom, "render", scene, "-o", name + ".exr", "-o", name + ".png", "--spp", "16", "--exr-float", "-q", *options)
+    code, said = ask(fathom, "render", scene, "-o", name + ".exr", "-o", name + ".png", *SAMPLES, "--exr-float", *options)
     return said if code else None
 
 
@@ -89,24 +93,54 @@ def compare(fathom, scene, options, folder):
     return said if code else None
 
 
+def differing(whole, part):
+    """The first row and channel of a part of an image that differs, or None."""
+    (left, top, width, height), rows = part
+    for row in range(top, top + height):
+        for name, values in rows[row].items():
+            if values != whole[1][row][name][4 * left:4 * (left + width)]:
+                return f"{name} in row {row} of {left},{top},{left + width},{top + height}"
+    return None
+
+
 def compare_crop(fathom, scene, r, folder):
     """A part of the image by itself: other points share a block, and others a wave."""
-    (_, _, width, height), whole = exr.read(os.path.join(folder, "first.exr"))
+    whole = exr.read(os.path.join(folder, "layers.exr"))
+    _, _, width, height = whole[0]
     x, y = r.randrange(width - 2), r.randrange(height - 2)
     crop = x, y, r.randint(x + 1, width), r.randint(y + 1, height)
-    refused = render(fathom, scene, os.path.join(folder, "crop"), ["--crop", ",".join(map(str, crop))])
+    refused = render(fathom, scene, os.path.join(folder, "crop"), [*LAYERS, "--crop", ",".join(map(str, crop))])
+    return refused or differing(whole, exr.read(os.path.join(folder, "crop.exr")))
+
+
+def compare_parts(fathom, scene, r, folder):
+    """Shares of the work, each rendered by itself, and merged."""
+    count = r.choice((2, 3, 5))
+    parts = [os.path.join(folder, f"{k}.part") for k in range(1, count + 1)]
+    merged = os.path.join(folder, "merged.exr")
+    for k, part in enumerate(parts, 1):
+        code, said = ask(fathom, "render", scene, "-o", part, "--part", f"{k}/{count}", *SAMPLES, *LAYERS)
+        if code:
+            return said
+    code, said = ask(fathom, "merge", *parts, "-o", merged, "--exr-float", "-q")
+    return said if code else differing(exr.read(os.path.join(folder, "layers.exr")), exr.read(merged))
+
+
+def compare_layers(fathom, scene, r, folder):
+    """With further outputs the image is the same, and so are they in parts."""
+    refused = render(fathom, scene, os.path.join(folder, "layers"), LAYERS)
     if refused:
-        return refused
-    (left, top, width, height), part = exr.read(os.path.join(folder, "crop.exr"))
-    differ = [(row, name) for row in range(top, top + height) for name, values in part[row].items()
-              if values != whole[row][name][4 * left:4 * (left + width)]]
-    return f"{differ[0][1]} in row {differ[0][0]} of the crop {crop}" if differ else None
+        return {"layers": refused}
+    layers, first = (exr.read(os.path.join(folder, name)) for name in ("layers.exr", "first.exr"))
+    return {"layers": differing(layers, first), "crop": compare_crop(fathom, scene, r, folder),
+            "parts": compare_parts(fathom, scene, r, folder)}
 
 
 def judge(fathom, number, folder):
     """Laws that do not hold, and what was said of each."""
-    light_random.make(number, folder)
-    path, r = os.path.join(folder, "scene.json"), random.Random(number)
+    textured = number % 2 == 0
+    (textured_random if textured else light_random).make(number, folder)
+    path, r = os.path.join(folder, "images.json" if textured else "scene.json"), random.Random(number)
     refused = render(fathom, path, os.path.join(folder, "first"), [])
     if refused:
         return {"scene": refused}
@@ -116,7 +150,7 @@ def judge(fathom, number, folder):
     for name, law in LAWS.items():
         other, options = law(scene, r)
         found[name] = compare(fathom, write(other, os.path.join(folder, name + ".json")), options, folder)
-    found["crop"] = compare_crop(fathom, path, r, folder)
+    found.update(compare_layers(fathom, path, r, folder))
     converted = os.path.join(folder, "converted.json")
     code, said = ask(fathom, "convert", path, converted, "-q")
     found["converted"] = said if code else compare(fathom, converted, [], folder)

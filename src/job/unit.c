@@ -1,5 +1,7 @@
 #include "job/unit.h"
 
+#include "trace/trace.h"
+
 static uint64_t count(const unit_result *r, bool samples) {
     uint64_t sum = 0;
     for (uint64_t left = r->squares; left; left &= left - 1) {
@@ -20,9 +22,11 @@ uint32_t unit_groups(const fathom_settings *s) {
 uint64_t unit_pixels(const unit_result *r) { return count(r, false); }
 uint64_t unit_samples(const unit_result *r) { return count(r, true); }
 
-/* Squares that time ended before keep what the film shows of them. */
+/* Squares that time ended before keep what the film shows of them. Whoever merges or resumes rounds as
+ * threads that render do, which flush denormals. */
 static void to_film(void *user, const unit_result *r) {
     fathom_film *film = user;
+    const unsigned state = trace_thread_begin();
     pthread_mutex_lock(&film->lock);
     for (uint64_t left = r->squares; left; left &= left - 1) {
         const uint32_t s = (uint32_t)__builtin_ctzll(left);
@@ -32,6 +36,7 @@ static void to_film(void *user, const unit_result *r) {
                                     film);
     }
     pthread_mutex_unlock(&film->lock);
+    trace_thread_end(state);
 }
 
 unit_sink unit_film_sink(fathom_film *film) { return (unit_sink){to_film, film}; }

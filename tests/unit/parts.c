@@ -5,6 +5,7 @@
 #include "random.h"
 #include "render.h"
 
+#include <float.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -119,6 +120,19 @@ static void samples_make_the_whole(void **state) {
         assert_parts_make(p, whole, leaves < 7 ? leaves : 7, FATHOM_SPLIT_SAMPLES);
         fathom_film_destroy(whole);
     }
+}
+
+/* Means at the edge of a black ball before the dimmest background are no normal floats: those who merge flush
+ * them to zero as those who render do. */
+static void the_dimmest_light_is_the_wholes(void **state) {
+    place *p = *state;
+    assert_ok(p->s.context, fathom_scene_set_background(p->s.scene, (float[3]){FLT_MIN, FLT_MIN, 0}));
+    stage_sphere(&p->s, -1.2, 1.6, 0, 0.3, stage_lambert(&p->s, 0));
+    p->s.settings.integrator = FATHOM_INTEGRATOR_PATH, p->s.settings.spp = 16;
+    p->s.settings.pattern = FATHOM_PATTERN_SOBOL;
+    fathom_film *whole = stage_render(&p->s);
+    assert_parts_make(p, whole, 3, FATHOM_SPLIT_SAMPLES);
+    fathom_film_destroy(whole);
 }
 
 static void tiles_make_the_whole(void **state) {
@@ -353,6 +367,7 @@ static void what_cannot_be_split_is_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(samples_make_the_whole, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_dimmest_light_is_the_wholes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(tiles_make_the_whole, set_up, tear_down),
         cmocka_unit_test_setup_teardown(tiles_to_an_error_make_the_whole, set_up, tear_down),
         cmocka_unit_test(sums_do_not_depend_on_where_samples_are_cut),
