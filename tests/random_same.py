@@ -1,6 +1,7 @@
-"""Changes scenes made by chance (light_random.py; each second with textures, textured_random.py) in ways that must not change a bit of their images: all lengths times
-a power of two, all light likewise and the exposure against it, written as JSON by `convert`, rendered by other threads, tiles
-and blocks of rays, with further outputs, cropped, and in parts that are merged. Prints a line for each image that differs, and where its scene was kept.
+"""Changes scenes made by chance (light_random.py, and each second one with textures, textured_random.py) in ways that must not
+change a bit of their images: all lengths times a power of two, all light likewise and the exposure against it, written as JSON
+by `convert`, rendered by other threads, tiles and blocks of rays, with further outputs, cropped, and in parts that are merged.
+Prints a line for each image that differs, and where its scene was kept.
 Needs python3-numpy, python3-openimageio.
 usage: python3 tests/random_same.py FATHOM [COUNT [SEED [FOLDER]]]
   COUNT   scenes (100)
