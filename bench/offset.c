@@ -34,7 +34,8 @@ int main(int argc, char **argv) {
     fathom_scene *scene;
     if (fathom_context_create(&context) != FATHOM_OK || fathom_scene_create(context, &scene) != FATHOM_OK)
         return 4;
-    printf("| shape | rays | met again | lost | phantoms | wrong side | ulps, half / 99.9 %% / most |\n");
+    printf("| shape | rays | self-hits | missed contacts | false hits | wrong side | distance in ulps, "
+           "median / 99.9 %% / max |\n");
     printf("|---|---|---|---|---|---|---|\n");
     for (int shape = 0; shape < OFFSET_SHAPES; ++shape) {
         if (argc > 4 && strcmp(argv[4], names[shape]) != 0) continue;

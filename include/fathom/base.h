@@ -1,4 +1,4 @@
-/* Status, messages and the context that every other call is given.
+/* Status, messages, and the context that every other call takes.
  *
  * Fathom never exits, prints or aborts: each call returns a status, and the context keeps one error: what
  * went wrong, in which file, line and field. Plain C99, and C++17.
@@ -6,19 +6,19 @@
  * NULL. No pointer may be NULL unless the comment on its call says so; `destroy` calls take NULL, and so does
  * `out` where a call adds something to a scene and the id is not wanted. A call that is given NULL elsewhere
  * does nothing: it returns FATHOM_BAD_USAGE, with a message where there is a context to keep it; calls that
- * return no status return 0, NULL, "" or the defaults. Handles that were destroyed cannot be told from
- * others: using one is undefined.
+ * return no status return 0, NULL, "" or the defaults. The library cannot detect destroyed handles: using one
+ * is undefined behaviour.
  *
- * Order. Whatever was made with a context (scenes, tracers) is used only as long as the context is there, and
- * a tracer only as long as its scene; films need neither. `destroy` calls need nothing but their own handle,
- * and come in any order. Incomplete inputs, such as a scene without objects, are refused with a status.
+ * Order. A context must outlive the scenes and tracers made with it, and a scene its tracers; films depend on
+ * neither. `destroy` calls need only their own handle, and may come in any order. Incomplete inputs, such as
+ * a scene without objects, are refused with a status.
  *
  * Threads. Calls on different contexts may run at the same time, and each gives what it gives alone, to the
- * bit. One context serves one calling thread at a time; the calls on a scene count as calls on the context it
- * was made with. As long as none of those runs, any number of threads, each with a context of its own, may
- * give the same scene to fathom_render() and fathom_tracer_create(): they only read it. Any number of threads
- * may trace rays with the same tracer and read the same film. Callbacks (warnings, progress) must not call
- * with the context they were called for, but for fathom_context_error(), fathom_context_message() and
+ * bit. One context serves one calling thread at a time. A call on a scene is also a call on the scene's own
+ * context. While no such call runs, any number of threads may pass the same scene to fathom_render() and
+ * fathom_tracer_create(), each with its own context: these two only read the scene. Any number of threads
+ * may trace rays with the same tracer and read the same film. A callback (warning, progress) must
+ * not make calls on its own context, except fathom_context_error(), fathom_context_message() and
  * fathom_context_threads().
  *
  * Structs. They may grow in later versions, at their end; a program that was built against an older header
@@ -29,13 +29,13 @@
  * - Parts of a scene (scene.h) have no size, because there may be millions: each call that takes one is an
  *   inline function that passes sizeof to a call whose name ends in `_sized`, under the same rules. Bindings
  *   for other languages call that one.
- * - What the library itself makes and hands out by a pointer has none either. Rays, hits and the items of
- *   arrays that the library hands out never change.
+ * - Structs that the library allocates and returns by pointer have no size either. Rays, hits and the items
+ *   of returned arrays keep their layout in all versions.
  *
  * Stack. 64 KiB are enough for the calling thread, unless plug-ins and callbacks take more.
  *
- * Processes. A child of fork() may make contexts and call with them. It may only
- * read what its parent made. */
+ * Processes. A child of fork() may create contexts of its own and use them. It may only read objects that
+ * its parent created. */
 #ifndef FATHOM_BASE_H
 #define FATHOM_BASE_H
 
@@ -108,16 +108,16 @@ FATHOM_API const fathom_error *fathom_context_error(const fathom_context *contex
  * context is NULL. Never NULL; valid until the next call on this context. */
 FATHOM_API const char *fathom_context_message(const fathom_context *context);
 
-/* Makes this the context's error, as a call that fails does, and returns error->status: for code that wraps
- * calls or adds its own, such as readers of other formats. Strings are copied, and must not be those of this
- * context's error before; a NULL string counts as "", and a NULL place as one that is not known. */
+/* Sets the context's error as a failing call does, and returns error->status. It is for code that adds its
+ * own calls, such as readers of other formats. Strings are copied; they must not belong to the context's
+ * present error. A NULL string counts as "", a NULL place as unknown. */
 FATHOM_API fathom_status fathom_context_fail(fathom_context *context, const fathom_error *error);
 /* Adds a place that the failing call did not know to the context's error, and returns its status. An error
  * that names a file keeps it and is `within` this place; any other moves here. */
 FATHOM_API fathom_status fathom_context_fail_within(fathom_context *context, const fathom_place *place);
 
-/* Called for each thing that was rendered around (degenerate triangles, ignored textures…), on the
- * calling thread, once for each kind and file. Default, and with fn NULL: warnings are dropped; user may be
+/* Called for each problem that does not stop the call (degenerate triangles, ignored textures…), on the
+ * calling thread, once per kind and file. Default, and with fn NULL: warnings are dropped; user may be
  * NULL. */
 typedef void (*fathom_warning_fn)(void *user, const char *message);
 FATHOM_API void fathom_context_on_warning(fathom_context *context, fathom_warning_fn fn, void *user);
@@ -129,14 +129,14 @@ FATHOM_API unsigned fathom_context_threads(const fathom_context *context);
 
 /* Sets whether files that a scene names (meshes, buffers, material libraries, in turn by those) may lie
  * outside its folder. Default false: absolute paths, and relative ones or symbolic links that lead out of the
- * folder of the file given to fathom_scene_read(), are FATHOM_BAD_INPUT. Links are followed before the check;
- * hard links and mounts cannot be told from what is there. */
+ * folder of the file given to fathom_scene_read(), are FATHOM_BAD_INPUT. Symbolic links are followed before
+ * the check. Hard links and mounts are not detected. */
 FATHOM_API void fathom_context_allow_outside(fathom_context *context, bool allow);
 
-/* Sets whether files are copied to memory rather than mapped. Default false: meshes are used where the file
- * has them, as long as the scene lives. A mapped file that another process truncates ends this one with
- * SIGBUS, unless fathom_guard_files() was called; and one that is written over under the scene's feet may do
- * any harm. Copies cost their size in memory, and nothing that happens to the file later matters. */
+/* Sets whether files are copied to memory rather than mapped. Default false: mesh files stay
+ * memory-mapped for the life of the scene. If another process truncates a mapped file, SIGBUS ends this one,
+ * unless fathom_guard_files() was called. If it overwrites the file, behaviour is undefined. Copies take
+ * memory; later changes to the file then have no effect. */
 FATHOM_API void fathom_context_copy_files(fathom_context *context, bool copy);
 
 /* Installs a handler for SIGBUS, once in the process: reading what was cut off of a mapped file then gives

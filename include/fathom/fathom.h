@@ -1,4 +1,5 @@
-/* Fathom: a renderer whose every hit can be checked. The whole public API. */
+/* Fathom: a renderer whose every hit can be checked. The whole public API, except plugin.h, which plug-ins
+ * include alone. */
 #ifndef FATHOM_FATHOM_H
 #define FATHOM_FATHOM_H
 

@@ -28,7 +28,8 @@ FATHOM_API fathom_status fathom_file_write(fathom_context *context, const char *
 FATHOM_API void fathom_file_remove_left_over(const char *path);
 /* Removes the temporary files of this process. Only for a signal handler that is about to end the process. */
 FATHOM_API void fathom_file_abandon_all(void);
-/* Adds a file of the caller's to those, or takes it out again. The path stays the caller's. */
+/* Adds a file of the caller to those that fathom_file_abandon_all() removes, or takes it off again. The
+ * caller keeps the path. */
 FATHOM_API void fathom_file_abandon_also(char *path);
 FATHOM_API void fathom_file_abandon_no_more(char *path);
 

@@ -23,8 +23,8 @@ typedef struct fathom_write_options {
 
 FATHOM_DEFAULT(fathom_write_options)
 
-/* Before rendering: finds all that would keep fathom_film_write() from writing there, but for the disk's
- * room: an unknown extension, display or view, a folder that cannot be written to, a missing image helper.
+/* Call it before rendering. It finds everything that would make fathom_film_write() fail, except a full disk:
+ * an unknown extension, display or view, a folder that cannot be written to, a missing image helper.
  * Statuses as fathom_film_write(). */
 FATHOM_API fathom_status fathom_write_check(fathom_context *context, const char *path,
                                             const fathom_write_options *options);
@@ -100,7 +100,7 @@ FATHOM_API fathom_status fathom_image_compare(fathom_context *context, const fat
                                               const fathom_image *b, double tolerance,
                                               fathom_image_difference *out);
 
-/* Pixels to a degree of the eye: those of a 4K screen, 0.7 m wide and away, and the limits. */
+/* Pixels per degree of visual angle: a 4K screen 0.7 m wide, seen from 0.7 m; and the limits. */
 #define FATHOM_FLIP_PPD 67.0
 #define FATHOM_FLIP_PPD_LEAST 1.0
 #define FATHOM_FLIP_PPD_MOST 500.0
@@ -111,10 +111,10 @@ typedef struct fathom_flip {
     uint64_t nonfinite; /* pixels that are not finite in one of the two: each counts as 1 */
 } fathom_flip;
 
-/* FLIP, the difference that is seen when flipping between two images on a screen, after sRGB (Andersson et
- * al., 2020). Values of .exr files are taken as linear, of others as sRGB's. FATHOM_CHECK_FAILED as
- * fathom_image_compare(); FATHOM_BAD_INPUT without the channels R, G and B; FATHOM_BAD_USAGE when ppd is out
- * of range. */
+/* FLIP, the visible difference when alternating between two images on a screen (Andersson et al., 2020), on
+ * their sRGB values. Values of .exr files are taken as linear, those of other files as sRGB.
+ * FATHOM_CHECK_FAILED as fathom_image_compare(); FATHOM_BAD_INPUT without the channels R, G and B;
+ * FATHOM_BAD_USAGE when ppd is out of range. */
 FATHOM_API fathom_status fathom_image_flip(fathom_context *context, const fathom_image *a,
                                            const fathom_image *b, double ppd, fathom_flip *out);
 

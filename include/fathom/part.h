@@ -1,5 +1,5 @@
-/* One image on many machines: each renders a part to a file, and the parts are merged to the very bits that
- * one machine would have rendered. */
+/* One image on many machines: each renders a part to a file. The merged parts have the same bits as a render
+ * on one machine. */
 #ifndef FATHOM_PART_H
 #define FATHOM_PART_H
 
@@ -13,9 +13,9 @@ typedef enum fathom_split {
     /* Samples if every part then gets some, and all pixels get the same number; tiles otherwise. */
     FATHOM_SPLIT_AUTO,
     /* Each part has some of the samples of all pixels, in runs of four. Parts take about the same time. The
-     * file holds sums: 24 bytes a pixel, or 112 for paths; with AOVs 108 more; up to some times that where
-     * the number of parts is no power of two. FATHOM_BAD_USAGE with a target_error or max_time, and with more
-     * parts than runs of samples. */
+     * file holds sums: 24 bytes per pixel, 112 with path tracing; AOVs add 108. It is several times as large
+     * if the number of parts is not a power of two. FATHOM_BAD_USAGE with a target_error or max_time, and
+     * with more parts than runs of samples. */
     FATHOM_SPLIT_SAMPLES,
     /* Each part has some of the tiles of 32 × 32 pixels, with all their samples, from all over the image. The
      * file holds pixels: 4 bytes a channel. FATHOM_BAD_USAGE with max_time, since the clock sees all tiles.
@@ -23,9 +23,9 @@ typedef enum fathom_split {
     FATHOM_SPLIT_TILES
 } fathom_split;
 
-/* The part of a render that a session is to do. Its film is of no use; the part is in the file at `path`,
- * where tiles are added as they are finished. If there is a file of the same part, what is missing is added
- * to it: a part that was killed is done by the same call again. */
+/* The part that a session renders. The result is the file at `path`, not the session's film; finished tiles
+ * are added to the file at once. If a file of the same part exists, the session adds the missing tiles. So
+ * after a killed process, make the same call again. */
 typedef struct fathom_part {
     size_t size;
     const char *path;

@@ -8,8 +8,8 @@
  * which returns a table that stays valid as long as the library is loaded. It links nothing of Fathom's: this
  * header is all it needs. Plain C99, and C++17.
  *
- * Fathom hands over triangles alone: a scene with spheres, quads or instances is refused; planes are answered
- * beside the plugin. Nothing may be thrown across these calls, and nothing may end the process. */
+ * Fathom hands over triangles alone: a scene with spheres, quads or instances is refused. Fathom intersects
+ * planes itself. No exception may leave these calls, and they must not end the process. */
 #ifndef FATHOM_PLUGIN_H
 #define FATHOM_PLUGIN_H
 

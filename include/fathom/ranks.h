@@ -19,17 +19,18 @@ typedef struct fathom_ranks {
     void *user;
     /* Takes a copy of the message, and returns at once. False: it cannot be sent. */
     bool (*send)(void *user, uint32_t to, const void *bytes, size_t size);
-    /* The next message to this rank, which is the callee's and good until the next call. Returns at once:
-     * false, there is none. */
+    /* The next message to this rank. The callee owns the bytes; they are valid until the next call. Returns
+     * at once; false: there is no message. */
     bool (*receive)(void *user, uint32_t *from, const void **bytes, size_t *size);
 } fathom_ranks;
 
 FATHOM_DEFAULT(fathom_ranks)
 
-/* fathom_scene_read_with() by all ranks at the same time. A rank that fails gets the scene from rank 0 once
- * that renders: all files that it has read, which have to lie in or below the scene's folder. *folder gets
- * the private folder of these, in $TMPDIR or /var/tmp, or NULL; end with fathom_ranks_remove() once the scene
- * is destroyed, also after a failure. stopped: whether to give up waiting, or NULL: FATHOM_INTERRUPTED. */
+/* fathom_scene_read_with() on all ranks at the same time. If a rank cannot read the scene, rank 0 sends it
+ * all files that rank 0 has read, once rank 0 renders. They must be in or below the scene's folder. *folder
+ * is the private folder of these copies, in $TMPDIR or /var/tmp, or NULL; pass it to fathom_ranks_remove()
+ * after the scene is destroyed, also after a failure. stopped (may be NULL): returns true to stop waiting;
+ * the call then returns FATHOM_INTERRUPTED. */
 FATHOM_API fathom_status fathom_ranks_read(fathom_context *context, const fathom_ranks *ranks,
                                            const char *path, const fathom_read_options *options,
                                            bool (*stopped)(void), fathom_scene **out, char **folder);

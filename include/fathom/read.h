@@ -11,12 +11,13 @@ extern "C" {
 /* Reads scene JSON, .glb, .gltf, .obj or .ply, told apart by the extension. The scene is completed with a
  * camera and lights where the file has none, and checked. The settings of scene JSON are what it says, else
  * the defaults, which models have, too; those read for the integrator classic get 16 samples a pixel. The
- * image takes the shape that the file's camera is made for
- * (glTF's aspectRatio, w and h of scene JSON) unless its size is given; its longer side is then 1280 pixels.
- * FATHOM_BAD_INPUT names the file with its line, field or byte offset. */
+ * image takes the aspect ratio of the file's camera (glTF's aspectRatio, w and h of scene JSON) unless the
+ * file gives a size; its longer side is then 1280 pixels. FATHOM_BAD_INPUT names the file with its line,
+ * field or byte offset. */
 FATHOM_API fathom_status fathom_scene_read(fathom_context *context, const char *path, fathom_scene **out);
 
-/* The same but for what rendering has no use for, texture coordinates: they are neither checked nor kept. */
+/* The same, but skips data that rendering does not need: texture coordinates that no material
+ * uses. They are neither checked nor kept. */
 FATHOM_API fathom_status fathom_scene_read_to_render(fathom_context *context, const char *path,
                                                      fathom_scene **out);
 
@@ -30,12 +31,12 @@ typedef struct fathom_framing {
     bool made; /* false: the scene has a camera of its own, or nothing that can be seen; all else is 0 then */
     fathom_up up;
     double eye[3];
-    double slopes[2]; /* what the view has to hold: to either side, and up and down, at a distance of 1 */
-    double
-        reach[4];   /* of the model to the right, left, top and bottom of such a view: the most of x + s z of
-                       its points, where x points there in the image, z towards the eye, and s is the slope */
-    double foot[3]; /* the point of the floor below the middle of the model */
-    double radius;  /* of the model's bounds; 0: there is no floor */
+    double slopes[2]; /* half the width and half the height of the view at distance 1 */
+    double reach[4];  /* extent of the model to the right, left, top and bottom: for each, the maximum of
+                         x + s z over its points. x points to that side in the image, z towards the eye, and s
+                         is the slope of that axis */
+    double foot[3];   /* the point of the floor below the middle of the model */
+    double radius;    /* of the model's bounds; 0: there is no floor */
 } fathom_framing;
 
 typedef struct fathom_read_options {
@@ -82,8 +83,8 @@ typedef struct fathom_read_options {
      * the built-in studio: see FATHOM_LIGHT_ENVIRONMENT. Its top points up. NULL (default): none. */
     const char *environment;
     double environment_rotation; /* radians, about the axis that is up; default 0 */
-    /* Where the automatic camera and the floor stand, for the same `up`, width and height; NULL (default), or
-     * one that is not made: where they show all of the scene. */
+    /* Position of the automatic camera and the floor, made for the same `up`, width and height. NULL
+     * (default), or a framing with made == false: chosen so that the whole scene is visible. */
     const fathom_framing *framing;
 } fathom_read_options;
 
@@ -94,14 +95,14 @@ FATHOM_API fathom_status fathom_scene_read_with(fathom_context *context, const c
 
 /* Gives the framing of a scene that was read. FATHOM_BAD_USAGE: `out` has no size. */
 FATHOM_API fathom_status fathom_scene_framing(const fathom_scene *scene, fathom_framing *out);
-/* Makes *framing one that shows what *other does, too; both of scenes that were read for the same `up`, width
- * and height. Nothing happens where one of them is not made. */
+/* Extends *framing so that it also shows what *other shows. Both must come from scenes that were read for the
+ * same `up`, width and height. If either has made == false, the call does nothing. */
 FATHOM_API void fathom_framing_unite(fathom_framing *framing, const fathom_framing *other);
 
 /* FATHOM_BAD_INPUT when a file that the scene was mapped from has been truncated or changed since it was
- * read, by its size and its time stamp: what was made of the scene is then not to be trusted, now or later.
- * fathom_scene_read() and fathom_render() ask this themselves, the latter every second; whoever traces rays
- * by fathom/trace.h may. */
+ * read, by its size and its time stamp: do not trust any result from the scene then.
+ * fathom_scene_read() and fathom_render() make this check themselves, the latter every second. If you trace
+ * rays with fathom/trace.h, make it yourself. */
 FATHOM_API fathom_status fathom_scene_check_files(const fathom_scene *scene);
 
 typedef enum fathom_generator {

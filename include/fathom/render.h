@@ -21,17 +21,17 @@ typedef enum fathom_pattern {
     FATHOM_PATTERN_SOBOL       /* Owen-scrambled Sobol (0,2)-sequence; any spp */
 } fathom_pattern;
 
-/* How a pixel's samples are weighed: by where they lie, so each counts as much. */
+/* Pixel filters, by importance sampling: the filter decides where samples lie, and all have equal weight. */
 typedef enum fathom_filter {
     FATHOM_FILTER_BOX,
-    FATHOM_FILTER_GAUSSIAN, /* of a standard deviation of a quarter of its width, less its edges' value */
+    FATHOM_FILTER_GAUSSIAN,       /* standard deviation: a quarter of the width; lowered to 0 at its edges */
     FATHOM_FILTER_BLACKMAN_HARRIS /* the window of four terms */
 } fathom_filter;
 
 /* Samples that are far brighter than what a pixel has met otherwise. */
 typedef enum fathom_fireflies {
     FATHOM_FIREFLIES_KEEP,
-    FATHOM_FIREFLIES_REWEIGHT /* the film keeps them, and what fathom_film_reweight() needs besides */
+    FATHOM_FIREFLIES_REWEIGHT /* keeps them, and also the data that fathom_film_reweight() needs */
 } fathom_fireflies;
 
 /* Extra outputs, a bit each. */
@@ -39,22 +39,25 @@ enum {
     FATHOM_AOV_ALPHA = 1u << 0,  /* A: covered part of the pixel; R G B are then premultiplied, without the
                                     background behind (mirrors and glass still show it) */
     FATHOM_AOV_Z = 1u << 1,      /* Z: depth along the view axis, of the sample nearest the pixel's centre */
-    FATHOM_AOV_N = 1u << 2,      /* N.X N.Y N.Z: shading normal, world, averaged; under path tracing, as
-                                    albedo, of what smooth mirrors and glass show, for denoisers */
+    FATHOM_AOV_N = 1u << 2,      /* N.X N.Y N.Z: shading normal, world, averaged. Under path tracing it
+                                    follows smooth mirrors and glass as albedo does, for denoisers */
     FATHOM_AOV_P = 1u << 3,      /* P.X P.Y P.Z: world position, of the sample nearest the centre */
-    FATHOM_AOV_ALBEDO = 1u << 4, /* albedo.R albedo.G albedo.B: k_d + k_s, averaged; under path tracing of
-                                    the first surface that is neither, tinted by those before it */
+    FATHOM_AOV_ALBEDO = 1u << 4, /* albedo.R albedo.G albedo.B: k_d + k_s, averaged. Under path tracing: of
+                                    the first surface that is not a smooth mirror or clear glass, multiplied
+                                    by the tints of those before it */
     FATHOM_AOV_ID = 1u << 5, /* id.object id.primitive id.instance: as in fathom_hit, of the sample nearest
                                 the centre; FATHOM_NONE for none */
-    FATHOM_AOV_SAMPLES = 1u << 6, /* samples: how many the pixel is the mean of, as an id channel. In files
-                                     these four end in ".V", since Blender reads single letters alone */
-    /* error.R error.G error.B: standard error of R, G and B, by four groups of samples with independent
-     * scrambles, and by those of the 12 x 12 pixels around. The mean ± 1.96 of it is meant to hold the true
-     * value in 95 % of pixels. Infinite below 4 samples. Where all samples of a square of 4 x 4 pixels are
-     * alike: by the rule of three, what the brightest emission of the scene could add unseen, over 1.96.
-     * error.doubt, [0, 1]: above 0.98 the error is not to be trusted, because the pixel's own samples differ
-     * by far more than it says (a rare bright path), or because the pixels around say nothing about it; 1
-     * says that it is such a bound. Needs the pattern Sobol, and path tracing, target_error or max_time */
+    FATHOM_AOV_SAMPLES = 1u << 6, /* samples: how many samples the pixel has, as an id channel. In files
+                                     id.object, id.primitive, id.instance and samples end in ".V", because
+                                     Blender recognises only single letters as channels */
+    /* error.R error.G error.B: standard error of R, G and B. It is estimated from four groups of samples with
+     * independent scrambles, and from those of the 12 x 12 pixels around. The interval of the pixel's value
+     * ± 1.96 standard errors is meant to contain the true value in 95 % of pixels. The error is infinite
+     * below 4 samples. If all samples of a square of 4 x 4 pixels are equal, the error is a bound: what the
+     * brightest emission of the scene could add unseen (rule of three), divided by 1.96.
+     * error.doubt, [0, 1]: do not trust the error above 0.98. Then the pixel's samples differ far more than
+     * the error says (a rare bright path), or the pixels around are no guide; 1 marks the bound above. Needs
+     * the pattern Sobol, and one of path tracing, target_error and max_time */
     FATHOM_AOV_ERROR = 1u << 7,
     /* The light of a pixel in three parts, R G B each: emission.R… is what reaches the camera without being
      * scattered, of surfaces and of the surroundings; direct.R… what was scattered once, and indirect.R…
@@ -64,9 +67,9 @@ enum {
     FATHOM_AOV_DIRECT = 1u << 8,
     FATHOM_AOV_INDIRECT = 1u << 9,
     FATHOM_AOV_EMISSION = 1u << 10,
-    /* light_NAME.R…: what a light group sends out, by all ways (fathom_scene_set_light_group()), the groups
-     * in the order in which the scene names them after "rest", which has all else. They add up to R, G and B.
-     */
+    /* light_NAME.R…: the image with the light of one group alone (fathom_scene_set_light_group()). "rest" has
+     * the light of no group and comes first; the groups follow in the order in which the scene names them.
+     * They add up to R, G and B. */
     FATHOM_AOV_LIGHT_GROUPS = 1u << 11,
     /* Cryptomatte, of objects and of materials: CryptoObject00.R to CryptoObject02.A, CryptoMaterial00.R…:
      * six pairs of id and coverage. The file's header has the names of the ids. Surfaces that a path passes
@@ -85,20 +88,20 @@ enum {
 typedef struct fathom_settings {
     size_t size;
     uint32_t width, height;       /* pixels, [1, 65536]; default 1280 × 720 */
-    fathom_integrator integrator; /* default classic */
-    uint32_t spp;           /* samples a pixel, [1, 65536]; default 1. The most of any pixel when there is a
-                               target_error or max_time: a power of two then, at least 4 */
-    fathom_pattern pattern; /* default grid */
+    fathom_integrator integrator; /* default path */
+    uint32_t spp;           /* samples per pixel, [1, 65536]; default 1024. With target_error or max_time: the
+                               maximum of any pixel, a power of two and at least 4 */
+    fathom_pattern pattern; /* default Sobol */
     fathom_filter filter;   /* of pixels; default box */
     double filter_width;    /* in pixels, [0.01, 16]; default 1 */
     uint64_t seed;          /* of the stratified and Sobol patterns; default 0 */
     uint32_t crop[4];       /* x0 y0 x1 y1, half open, row 0 at the top; all 0 (default): the whole image */
-    /* Sampling to an error: pixels get samples until the estimated error of each tile of 32 × 32 pixels is at
-     * most this, and beyond it while few samples take off much of the error, or until they have `spp`. The
-     * error is the root of the mean, over the tile's pixels and channels, of the squared standard error of
-     * the linear radiance over √max(I, 0.01), I < 1, or over I, the pixel's mean of R, G and B: the unit of
-     * Cycles' noise threshold. 0.01 is 1.3 of 255 display levels. Needs the pattern Sobol. Which samples are
-     * taken depends on samples alone. 0 (default): off */
+    /* Adaptive sampling: pixels get samples until the estimated error of each tile of 32 × 32 pixels is at
+     * most this, or until they have `spp`. They get more where a few samples lower the error much. The error
+     * is a root mean square over the tile's pixels and channels. Its terms are the standard error of the
+     * linear radiance divided by √max(I, 0.01) for I < 1, else by I. I is the pixel's mean of R, G and B.
+     * This is the unit of Cycles' noise threshold. 0.01 is 1.3 of 255 display levels. Needs the pattern
+     * Sobol. Which samples are taken depends on samples alone. 0: off; default 0.02 */
     double target_error;
     /* Seconds from the call of fathom_render() to its return, building included: the samples go where they
      * lower the error of the image most, until the time is up or target_error is reached. FATHOM_BAD_USAGE
@@ -106,19 +109,19 @@ typedef struct fathom_settings {
     double max_time;
     uint32_t min_spp;   /* samples that each pixel gets before an error is trusted: a power of two, at least 4
                            and at most spp; 0 (default): 4 */
-    uint32_t max_depth; /* mirrored and refracted bounces, [0, 64]; default 8 */
+    uint32_t max_depth; /* bounces, [0, 1024]; default 16. Classic counts mirrored and refracted ones */
     float min_weight;   /* a path ends when its weight can change no channel by more; default 1/65536 */
-    /* Shadow rays are left out whose light would hardly be seen: no channel of a pixel loses more than
-     * max_loss + max_relative_loss times its value by it, all of the pixel's samples, paths and lights
-     * together. [0, 1] each; 0 (default): none is, and the image is exact. fathom_settings_set_loss() has the
-     * losses that do not show. */
+    /* Skips shadow rays whose light would hardly be visible. Each channel of a pixel loses at most
+     * max_loss + max_relative_loss times its value, summed over all samples, paths and lights of the pixel.
+     * [0, 1] each; 0 (default): none is skipped, and the image is exact. fathom_settings_set_loss() sets
+     * losses that are invisible in a file. */
     float max_loss, max_relative_loss;
     double epsilon;        /* fixed ray epsilon; 0 (default): automatic, from error bounds */
     bool terminator_fix;   /* lift shadow rays off the facets of smooth meshes (Hanika 2021); default true */
     unsigned aovs;         /* FATHOM_AOV_ bits; default 0 */
-    const char *tracer;    /* what answers the rays, in words: "embree" (as NULL, the default), "reference",
-                              "bvh:f64", "embree:user:high", or a library FILE.so (see plugin.h). The text stays
-                              the caller's; fathom_scene_set_settings() copies it */
+    const char *tracer;    /* the tracer: "embree" (also NULL, the default), "reference", "bvh:f64",
+                              "embree:user:high", or a library FILE.so (see plugin.h). The caller keeps the
+                              text; fathom_scene_set_settings() copies it */
     unsigned block_width;  /* rays handed to the tracer at once: 1, 4, 8 or 16 (default) */
     unsigned tile_size;    /* pixels, a multiple of 32; default 32. No pixel depends on it */
     uint64_t memory_limit; /* bytes that the process may have in memory; 0 (default): what is free. Embree's
@@ -141,8 +144,8 @@ FATHOM_DEFAULT(fathom_settings)
  * 0.02 or until a pixel has 1024. Classic: the grid, 8 bounces and one sample. The default is path's. */
 FATHOM_API fathom_status fathom_settings_set_integrator(fathom_settings *settings,
                                                         fathom_integrator integrator);
-/* Sets max_loss and max_relative_loss to what such a file can hardly show. exposure: as it will be written
- * with. */
+/* Sets max_loss and max_relative_loss to a loss that such a file hardly shows. exposure: the exposure that
+ * the file will be written with. */
 FATHOM_API fathom_status fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss,
                                                   float exposure);
 /* FATHOM_BAD_INPUT names what is out of range, or does not fit together. Rendering checks the same. */
@@ -182,12 +185,11 @@ typedef struct fathom_stats {
         instances; /* triangles stored; spheres + points + quads + planes + triangles; placed instances */
     uint64_t placed_triangles; /* counted once for each instance they appear in */
     uint64_t camera_rays, shadow_rays, reflection_rays, refraction_rays;
-    uint64_t
-        repaired_rays; /* of these: had slipped through a vertex of a closed mesh, and were traced again */
-    uint64_t unlit_shadow_rays; /* not among shadow_rays, since never cast: their light was behind the surface
-                                   or outside its cone, or the surface is black to it */
-    uint64_t faint_shadow_rays; /* nor these: what they could add was within max_loss and max_relative_loss */
-    uint64_t samples;           /* that the film's pixels are the means of, all together */
+    uint64_t repaired_rays; /* of these: missed a vertex of a closed mesh at first, and were traced again */
+    uint64_t unlit_shadow_rays; /* not cast, and not in shadow_rays: the light is behind the surface, the
+                                   point is outside the light's cone, or the surface reflects none of it */
+    uint64_t faint_shadow_rays; /* not cast either: their light was within max_loss and max_relative_loss */
+    uint64_t samples;           /* of all pixels of the film together */
     double finished;            /* share of the render that is done, [0,1]; with max_time, of the time */
     double error_estimate;      /* with target_error or max_time: the largest of any tile (see target_error);
                                    infinite when time ended before it was known. Otherwise 0 */
@@ -197,13 +199,12 @@ typedef struct fathom_stats {
     uint64_t bvh_peak_bytes; /* the most that the tracer held while it was built */
     uint64_t foreseen_bytes; /* the most that the process was expected to hold, before building; 0: unknown */
     uint64_t degenerate_triangles; /* rendered around */
-    uint32_t checkpoints; /* that were saved by this call, and the seconds that it took, beside rendering */
+    uint32_t checkpoints; /* saved by this call; below: the seconds that saving took, next to rendering */
     double checkpoint_seconds;
-    double resumed_seconds; /* of rendering, by the calls that this one continues; rays and seconds above are
-                               of this call alone, samples and errors of the film */
-    uint64_t resumed_samples; /* in the pixels that these had finished */
-    uint64_t
-        scene_fingerprint; /* tells scenes apart that may look different, whatever their files are called */
+    double resumed_seconds;     /* rendering time of the calls that this one continues. Rays and seconds above
+                                   are of this call alone; samples and errors are of the whole film */
+    uint64_t resumed_samples;   /* in pixels that those earlier calls had finished */
+    uint64_t scene_fingerprint; /* differs between scenes that may render differently; ignores file names */
     unsigned threads;
     char tracer[64]; /* "Embree 3.13.5, AVX-512" */
 } fathom_stats;
@@ -228,11 +229,12 @@ FATHOM_API void fathom_film_size(const fathom_film *film, uint32_t *width, uint3
 FATHOM_API const float *fathom_film_channel(const fathom_film *film, const char *name);
 FATHOM_API const uint32_t *fathom_film_channel_id(const fathom_film *film, const char *name);
 
-/* A second film of R, G, B, and A where the first has it: samples that their pixel and its neighbours hardly
- * ever met count less (Zirr, Hanika and Dachsbacher, "Reweighting firefly samples for improved finite-sample
- * Monte Carlo estimates", 2018; src/film/fireflies.c has the rule). It is darker than the truth where such
- * samples are its light. The entry fathom:fireflies of its files' headers says what was done. *out is NULL
- * when the film was rendered without FATHOM_FIREFLIES_REWEIGHT; release it with fathom_film_destroy(). */
+/* A second film with R, G and B, and A if the first has it. Samples that are rare in their pixel and its
+ * neighbours count less (Zirr, Hanika and Dachsbacher, "Reweighting firefly samples for improved
+ * finite-sample Monte Carlo estimates", 2018; src/film/fireflies.c has the rule). Where such samples carry
+ * the light, as in caustics, the second film is too dark. fathom:fireflies in its header says what was
+ * changed. *out is NULL when the film was rendered without FATHOM_FIREFLIES_REWEIGHT; release it with
+ * fathom_film_destroy(). */
 FATHOM_API fathom_status fathom_film_reweight(fathom_context *context, const fathom_film *film,
                                               fathom_film **out);
 
@@ -241,15 +243,16 @@ typedef struct fathom_left_out {
     char what[48], why[96];
 } fathom_left_out;
 
-/* Returns how many; *out, valid as long as the film, may be NULL when there are none, and so may out. */
+/* Returns the number of items in *out. *out is valid as long as the film, and NULL if there are none. `out`
+ * itself may be NULL. */
 FATHOM_API uint32_t fathom_film_left_out(const fathom_film *film, const fathom_left_out **out);
 
 /* How bright the film is where it shows something other than the bare background. */
 typedef struct fathom_brightness {
     size_t size;
-    uint64_t pixels;  /* that do */
-    uint64_t black;   /* of them: without any light */
-    uint64_t clipped; /* of them: brighter than white, 1, at the exposure that was asked about */
+    uint64_t pixels;  /* that show something else than the background */
+    uint64_t black;   /* of these: without any light */
+    uint64_t clipped; /* of these: brighter than white (1) at the given exposure */
     float exposure; /* stops, a multiple of 0.1: at most 1 % of the lit pixels are brighter than white; 0 when
                        all are black */
     bool in_studio; /* it shows a model in the built-in studio, whose light no author has set */

@@ -3,8 +3,8 @@
  * A scene owns plain arrays and hands out integer ids. Lengths share one unit of your choice; angles are
  * radians; colours are linear Rec.709; positions are double, and are moved near the view's origin before
  * they become float. Structs are copied unless a call says `_shared`. Fill them with their
- * `_default` function first, then set what you need: later versions add fields. base.h says what the calls
- * are that end in `_sized`. */
+ * `_default` function first, then set what you need: later versions add fields. base.h explains the calls
+ * that end in `_sized`. */
 #ifndef FATHOM_SCENE_H
 #define FATHOM_SCENE_H
 
@@ -40,7 +40,7 @@ typedef enum fathom_model {
 /* The parameters that an image may vary over a surface: its value there times the material's own. */
 typedef enum fathom_map_kind {
     FATHOM_MAP_COLOR,        /* base_color; classic: k_d */
-    FATHOM_MAP_OPACITY,      /* opacity; classic: all but k_t counts by it, and k_t gets what is left */
+    FATHOM_MAP_OPACITY,      /* opacity; classic: a factor of all but k_t. k_t passes the remaining light */
     FATHOM_MAP_METALLIC,     /* metallic */
     FATHOM_MAP_ROUGHNESS,    /* roughness */
     FATHOM_MAP_EMISSIVE,     /* emissive; classic: k_e */
@@ -53,8 +53,8 @@ typedef enum fathom_map_kind {
     FATHOM_MAP_SHININESS,           /* classic: shininess */
     FATHOM_MAP_SHEEN_COLOR,         /* sheen_color */
     FATHOM_MAP_SHEEN_ROUGHNESS,     /* sheen_roughness */
-    FATHOM_MAP_ANISOTROPY, /* 2 rg - 1: the way of anisotropy in the frame of tangent and bitangent, turned by
-                              anisotropy_rotation; blue: anisotropy */
+    FATHOM_MAP_ANISOTROPY, /* 2 rg - 1: direction of the anisotropy in the frame of tangent and bitangent,
+                              before anisotropy_rotation; blue: factor of anisotropy */
     FATHOM_MAP_IRIDESCENCE,
     FATHOM_MAP_IRIDESCENCE_THICKNESS, /* from iridescence_thickness_min, at 0, to _max, at 1 */
     FATHOM_MAP_DIFFUSE_TRANSMISSION,
@@ -70,7 +70,7 @@ typedef struct fathom_map {
     fathom_id texture;  /* of fathom/texture.h; FATHOM_NONE (default): no image */
     uint32_t uv_set;    /* of meshes, 0 (default) or 1; other shapes have one */
     uint32_t channel;   /* of parameters that are one number: 0 (default) red to 3 alpha */
-    bool inverted;      /* of these: 1 - parameter is multiplied, not the parameter; default false */
+    bool inverted;      /* of these: the image multiplies 1 - parameter; default false */
     float transform[6]; /* u' = t0 u + t1 v + t2, v' = t3 u + t4 v + t5; default u' = u, v' = v */
 } fathom_map;
 
@@ -81,11 +81,10 @@ typedef struct fathom_material {
     float k_s[3];       /* specular reflectance; default 0 */
     float k_r[3];       /* mirror reflectance; default 0 */
     float k_t[3];       /* transmittance; default 0 */
-    float k_e[3];       /* radiance the surface sends out by itself, as it is seen from outside of any glass
-                           around it: over the squared index there; lights others under path tracing;
-                           default 0 */
-    float shininess;    /* the exponent n, [0, 1e9]; default 32 */
-    float ior;          /* inside over outside, > 0; default 1.5 */
+    float k_e[3]; /* emitted radiance, as seen from outside any glass around the surface (inside: divided by
+                     the squared index there). Lights other surfaces under path tracing; default 0 */
+    float shininess;          /* the exponent n, [0, 1e9]; default 32 */
+    float ior;                /* inside over outside, > 0; default 1.5 */
     fathom_specular specular; /* default FATHOM_SPECULAR_NONE */
     bool fresnel; /* k_r *= F and k_t *= 1 - F, F the dielectric Fresnel reflectance, 1 on total internal
                      reflection; without it, total internal reflection mirrors k_r + k_t; default false */
@@ -106,8 +105,8 @@ typedef struct fathom_material {
     float attenuation_distance; /* 0 (default): nothing is absorbed */
     float clearcoat, clearcoat_roughness;  /* of a clear layer over everything; default 0 */
     float sheen_color[3], sheen_roughness; /* of a layer of fibres over everything but the coat; default 0 */
-    float anisotropy, anisotropy_rotation; /* how much longer reflections are along the tangent, turned by so
-                                              many radians towards the bitangent; default 0 */
+    float anisotropy, anisotropy_rotation; /* stretch of reflections along the tangent; radians by which that
+                                              direction is rotated towards the bitangent; default 0 */
     float iridescence;                     /* strength of a thin film; default 0 */
     float iridescence_ior;                 /* its index, [1, 5]; default 1.3 */
     float iridescence_thickness_min, iridescence_thickness_max; /* nanometres; without a map the latter
@@ -115,8 +114,8 @@ typedef struct fathom_material {
     float dispersion;                                           /* 20 over Abbe's number, >= 0; default 0 */
     float diffuse_transmission;          /* part of Lambert's lobe that leaves on the other side; default 0 */
     float diffuse_transmission_color[3]; /* default 1 */
-    uint32_t priority; /* of overlapping volumes the highest fills the space, [0, 255]; 0 (default): takes no
-                          part, and its index counts over empty space */
+    uint32_t priority; /* where volumes overlap, the highest priority fills the space, [0, 255]; 0 (default):
+                          no priority, and ior is relative to empty space */
     float opacity;     /* coverage by chance; default 1 */
     bool multiscatter; /* rough lobes get back what they lose to multiple scattering; default true */
     float opacity_cutoff;         /* > 0: opacity below it is 0, other is 1; default 0: coverage by chance */
@@ -183,8 +182,8 @@ static inline fathom_status fathom_scene_add_light(fathom_scene *scene, const fa
 typedef enum fathom_light_source {
     FATHOM_SOURCE_LIGHT, /* its id is that of fathom_scene_add_light(), as the next */
     FATHOM_SOURCE_ENVIRONMENT,
-    FATHOM_SOURCE_MATERIAL,  /* all surfaces that wear it and send out light */
-    FATHOM_SOURCE_OBJECT,    /* goes before its material */
+    FATHOM_SOURCE_MATERIAL,  /* all emissive surfaces with this material */
+    FATHOM_SOURCE_OBJECT,    /* has precedence over its material */
     FATHOM_SOURCE_BACKGROUND /* id 0 */
 } fathom_light_source;
 
@@ -198,9 +197,9 @@ FATHOM_API fathom_status fathom_scene_set_light_group(fathom_scene *scene, fatho
  * Each shape belongs to a group. FATHOM_ROOT is the world; any other group appears where it is instanced. */
 
 enum {
-    FATHOM_CASTS_NO_SHADOW = 1u, /* shadow rays pass through, under path tracing those to point, spot and
-                                    directional lights; with a material of k_t 1, ior 1 and all else 0 the
-                                    shape is not there: no ray meets it */
+    FATHOM_CASTS_NO_SHADOW = 1u, /* shadow rays pass through; under path tracing only those to point, spot and
+                                    directional lights. If the material has k_t 1, ior 1 and all else 0, the
+                                    shape is ignored: no ray hits it */
 };
 
 /* Texture coordinates are u = phi / 2 pi and v = theta / pi, with theta the angle from +z and phi the one
@@ -311,8 +310,8 @@ static inline fathom_status fathom_scene_add_mesh(fathom_scene *scene, fathom_id
                                                   const fathom_mesh *mesh, fathom_id *out) {
     return fathom_scene_add_mesh_sized(scene, group, mesh, sizeof *mesh, out);
 }
-/* The arrays stay the caller's, must outlive the scene and must not change: they are looked through now,
- * once. At least 16 bytes past the end of `positions` must be readable. */
+/* The caller keeps the arrays. They must outlive the scene and must not change, because they are checked
+ * only now. At least 16 bytes past the end of `positions` must be readable. */
 FATHOM_API fathom_status fathom_scene_add_mesh_shared_sized(fathom_scene *scene, fathom_id group,
                                                             const fathom_mesh *mesh, size_t size,
                                                             fathom_id *out);
@@ -361,23 +360,23 @@ typedef struct fathom_camera {
     double origin[3];
     double x[3], y[3], z[3]; /* orthonormal, right-handed */
     double d, h;             /* > 0; default d = 1, h = 2 tan(fovy/2) for a fovy of 45 degrees */
-    double w; /* > 0, or 0 (default): h times the image's width over height. Pixels are square for 0 alone,
-                 and for images as wide for their height as w is for h */
+    double w; /* > 0, or 0 (default): h times the image's width / height. Pixels are square if w is 0, or if
+                 w / h equals the image's width / height */
     double lens_radius;    /* >= 0; what lies off the plane of focus is blurred; default 0: a pinhole */
-    double focus_distance; /* of the plane that is sharp, along the view; > 0 where there is a lens */
+    double focus_distance; /* of the plane of focus, along the view axis; > 0 if lens_radius is */
     double shutter[2]; /* it opens and closes at these times, in the unit of the keys' times. Moving things
                           are blurred between them; default 0, 0: an instant, without blur */
     /* Motion of the camera: its frames at `key_count` times, as those of instances; 0 (default): it stays. */
     uint32_t key_count;
     const double *key_times;
     const double *key_frames; /* 12 numbers each, camera to world: columns x, y, z and origin, as above */
-    uint32_t blades;          /* of the lens's diaphragm: its hole is a regular polygon of so many sides, with
-                                 corners at lens_radius; 3 to 64, or 0 (default): round */
+    uint32_t blades;          /* of the aperture, a regular polygon with this many sides and its corners at
+                                 lens_radius; 3 to 64, or 0 (default): round */
     double blade_rotation;    /* of the polygon, counter-clockwise as the image shows it; radians; default 0:
                                  a corner to the right */
-    bool orthographic; /* a parallel view: rays leave the plane through the origin along -z, from a part of it
-                          that is h high and as wide as the image's shape asks; d is not read, w is 0, and
-                          there is no lens; default false */
+    bool orthographic; /* parallel rays along -z from the plane through the origin. The view is h high, and as
+                          wide as the image's aspect ratio needs. d is not read; w and lens_radius must be 0.
+                          Default false */
 } fathom_camera;
 
 FATHOM_DEFAULT(fathom_camera)
@@ -398,10 +397,10 @@ FATHOM_API fathom_status fathom_scene_set_background(fathom_scene *scene, const 
 FATHOM_API fathom_status fathom_scene_set_ambient(fathom_scene *scene, const float rgb[3]);
 FATHOM_API fathom_status fathom_scene_set_name(fathom_scene *scene, const char *name);
 
-/* Puts a camera that frames everything, and lights, where the scene has none. Under path tracing, a
- * background is a light, and so are emissive materials that bring the scene a sixteenth or more of the
- * built-in studio's light. The scene fills 90 % of the tighter direction of an image of the size in its
- * settings; see fathom_scene_set_settings(). */
+/* Adds what the scene lacks: a camera that frames everything, and lights. Under path tracing these count as
+ * lights: a background, and emissive materials that give the scene at least a sixteenth of the built-in
+ * studio's light. The scene fills 90 % of the image's width or height, whichever is reached first, for the
+ * image size in its settings: see fathom_scene_set_settings(). */
 FATHOM_API fathom_status fathom_scene_complete(fathom_scene *scene);
 
 /* All that can only be checked once the scene is whole: cycles, absent geometry…

@@ -1,4 +1,4 @@
-/* A render with everything that can be asked of one: on the calling thread, or in the background. */
+/* Renders with all options, on the calling thread or in the background. */
 #ifndef FATHOM_SESSION_H
 #define FATHOM_SESSION_H
 
@@ -10,23 +10,23 @@
 extern "C" {
 #endif
 
-/* Saving a render on the way, so that a later call, in this process or another, can continue it: what was
- * finished when the file was last saved survives whatever happens to process or machine, and the image comes
- * out the same to the last bit, on any number of threads. With max_time, seconds that the calls before spent
- * on rendering count, and what is sampled still follows the clock.
+/* Saves a render at intervals, so that a later call, in this process or another, can continue it. Everything
+ * finished at the last save survives a crash of the process or the machine. The continued image has the same
+ * bits, on any number of threads. Exception: with max_time the clock decides which samples are taken. The
+ * rendering time of earlier calls counts towards max_time.
  *
  * The file appears whole or not at all, at `path`; while it is written there are two. It holds the finished
- * pixels of all channels, and with target_error or max_time up to 350 bytes for each pixel that is begun: of
- * all pixels, with max_time. It fits the render that it is of: the same scene, by the contents of its arrays,
- * size, crop, samples, AOVs and other settings that pixels depend on, tracer and version of Fathom. Rendering
- * leaves it where it is; remove it once the image is safe. */
+ * pixels of all channels. With target_error it also holds up to 350 bytes for each pixel in progress; with
+ * max_time that is every pixel. It is valid for the same render only: the same scene (compared by content),
+ * size, crop, samples, AOVs, other settings that pixels depend on, tracer, and version of Fathom. Rendering
+ * does not delete it; remove it once the image is safe. */
 typedef struct fathom_checkpoint {
     size_t size;
     const char *path;
     double every; /* seconds from the end of one save to the beginning of the next, >= 0; default 60 */
-    bool resume;  /* default false: a file at `path` is an error. true: it is continued; where there is
-                     none, that is warned of, and rendering begins from the beginning */
-    /* These may be NULL. They are called where the session's progress is. */
+    bool resume;  /* false (default): an existing file at `path` is an error. true: continues it; without a
+                     file, warns and starts from the beginning */
+    /* These may be NULL. They are called on the same thread as the session's progress. */
     bool (*wanted)(void *user); /* about ten times a second: true saves now, whatever `every` says */
     /* After each save: status is FATHOM_OK, or FATHOM_OUT_OF_RESOURCES with a message, and rendering goes on.
      * fraction: of the render that it holds, [0,1]. */
@@ -41,14 +41,15 @@ FATHOM_DEFAULT(fathom_checkpoint)
 FATHOM_API fathom_status fathom_checkpoint_check(fathom_context *context,
                                                  const fathom_checkpoint *checkpoint);
 
-/* All that it points to stays the caller's, until the session has ended. All may be NULL, 0 or false. */
+/* The caller keeps everything that this points to until the session has ended. Every member may be NULL, 0 or
+ * false. */
 typedef struct fathom_session_options {
     size_t size;
     fathom_progress_fn progress; /* on the thread that renders: see fathom_render() */
     void *user;                  /* of progress */
     /* Saves on the way. FATHOM_BAD_USAGE as fathom_checkpoint_check(), and when another render saves to it;
      * FATHOM_BAD_INPUT: the file is damaged, is no checkpoint, or is of another render: the message says what
-     * differs. All of that is found before anything is built, but for another tracer. */
+     * differs. All of this is found before anything is built, except a different tracer. */
     const fathom_checkpoint *checkpoint;
     /* Files that the film will be written to, with `write` (NULL: the defaults). The part of max_time that
      * writing them takes is kept. A render to files that need the image helper ends with
@@ -56,8 +57,8 @@ typedef struct fathom_session_options {
     const char *const *outputs;
     size_t output_count;
     const fathom_write_options *write;
-    /* With FATHOM_BAD_INPUT, because a file of the scene was changed meanwhile, there is a film, too, as far
-     * as it got: some of its pixels may be wrong. Default false: there is none. */
+    /* If a file of the scene changes during the render, the status is FATHOM_BAD_INPUT. true: *out is then
+     * the unfinished film, in which some pixels may be wrong. false (default): *out is NULL. */
     bool keep_changed;
     /* Renders this part alone. FATHOM_BAD_USAGE together with a checkpoint, when the render cannot be split
      * so, or when another render writes the file; FATHOM_BAD_INPUT: there is a file that is no part, or one
@@ -83,17 +84,17 @@ FATHOM_API fathom_status fathom_session_run(fathom_context *context, const fatho
 
 typedef struct fathom_session fathom_session;
 
-/* Starts the same on threads of its own, and returns. Until fathom_session_finish() the context belongs to
- * the session, and the scene must not change; settings are copied. FATHOM_BAD_USAGE when a pointer is NULL or
- * a struct has no size; all else that can be wrong is said by fathom_session_finish(). Where no thread can be
- * had, it renders before it returns. */
+/* Starts the same render on its own threads, and returns at once. Until fathom_session_finish() the session
+ * owns the context, and the scene must not change; settings are copied. FATHOM_BAD_USAGE when a pointer is
+ * NULL or a struct has no size; fathom_session_finish() reports all other errors. If no thread can be
+ * created, the call renders before it returns. */
 FATHOM_API fathom_status fathom_session_start(fathom_context *context, const fathom_scene *scene,
                                               const fathom_settings *settings,
                                               const fathom_session_options *options, fathom_session **out);
 
 /* These four may be called from any thread. */
 
-/* How far it is, as `progress` is told. */
+/* The same values that `progress` receives. */
 FATHOM_API void fathom_session_progress_sized(fathom_session *session, fathom_progress *out, size_t size);
 static inline void fathom_session_progress(fathom_session *session, fathom_progress *out) {
     fathom_session_progress_sized(session, out, sizeof *out);

@@ -10,7 +10,7 @@ extern "C" {
 
 /* "" when it has none, or scene is NULL. Valid until it is set anew. */
 FATHOM_API const char *fathom_scene_name(const fathom_scene *scene);
-/* How many lights it has, environments left out, and those of fathom_scene_complete() among them. */
+/* The number of lights, including those that fathom_scene_complete() added, without environments. */
 FATHOM_API uint32_t fathom_scene_lights(const fathom_scene *scene);
 /* FATHOM_BAD_USAGE when there is no light of this index. */
 FATHOM_API fathom_status fathom_scene_light_sized(const fathom_scene *scene, uint32_t index,
@@ -29,9 +29,9 @@ typedef struct fathom_camera_choice {
 /* Made by the library, which may add members at the end. Arrays and texts belong to the survey. */
 typedef struct fathom_survey {
     uint64_t triangles, placed_triangles; /* stored; counted once for each instance they appear in */
-    uint64_t degenerate_triangles;        /* without area: rendered around */
+    uint64_t degenerate_triangles;        /* without area: ignored */
     uint64_t meshes, spheres, quads, planes, instances, groups, materials; /* without the root group */
-    const uint64_t *lights;    /* how many of each fathom_light_type */
+    const uint64_t *lights;    /* number of each fathom_light_type that the scene's integrator uses */
     bool has_bounds;           /* something other than planes is there */
     double lower[3], upper[3]; /* bounds of what is placed in the world */
     const fathom_camera *camera;
@@ -44,7 +44,7 @@ typedef struct fathom_survey {
     uint32_t feature_count;
     const fathom_left_out *left_out; /* by a render with the scene's own settings */
     uint32_t left_out_count;
-    const char *const *problems; /* that can be rendered, but hardly can be meant */
+    const char *const *problems; /* can be rendered, but are probably mistakes */
     uint32_t problem_count;
     uint64_t points, clouds; /* of points; clouds are not among the meshes above */
 } fathom_survey;

@@ -24,10 +24,10 @@ typedef enum fathom_wrap {
 } fathom_wrap;
 
 typedef enum fathom_texture_filter {
-    FATHOM_TEXTURE_NEAREST,  /* the texel of the image that the place lies in */
-    FATHOM_TEXTURE_LINEAR,   /* between the four texels of the image around it */
-    FATHOM_TEXTURE_TRILINEAR /* so in the two mip levels whose texels are about as wide as the footprint, and
-                                between these */
+    FATHOM_TEXTURE_NEAREST,  /* the nearest texel of level 0 */
+    FATHOM_TEXTURE_LINEAR,   /* bilinear in level 0 */
+    FATHOM_TEXTURE_TRILINEAR /* bilinear in the two mip levels whose texels are about as wide as the
+                                footprint, and linear between the two */
 } fathom_texture_filter;
 
 /* Limits of an image. */
@@ -57,9 +57,9 @@ FATHOM_DEFAULT(fathom_texture)
 FATHOM_API fathom_status fathom_scene_add_texture(fathom_scene *scene, const fathom_texture *texture,
                                                   fathom_id *out);
 
-/* Writes the image as a TIFF file of tiles in all mip levels, which is read in parts, where it is. Its texels
- * have the type and the color space of the image, those of a named space linear Rec.709. Alpha that is 1
- * everywhere is left out. FATHOM_BAD_USAGE unless `path` ends in .tx, .tif or .tiff; else as
+/* Writes the image as a tiled TIFF file with all mip levels. A render reads single tiles of such a file.
+ * Texels keep the type and the color space of the image; a named space is converted to linear Rec.709. Alpha
+ * that is 1 everywhere is omitted. FATHOM_BAD_USAGE unless `path` ends in .tx, .tif or .tiff; else as
  * fathom_scene_add_texture() and fathom_film_write(). */
 FATHOM_API fathom_status fathom_texture_write(fathom_context *context, const fathom_texture *texture,
                                               const char *path);

@@ -23,14 +23,15 @@ typedef struct fathom_hit {
     float u, v; /* mesh: its uvs, else barycentric (u of the second corner, v of the third); quad: along its
                    sides; plane: distances along its tangents; sphere: azimuth / 2 pi and polar angle / pi
                    around its own z */
-    fathom_id object;    /* as fathom_scene_add_…() gave it */
+    fathom_id object;    /* the id that fathom_scene_add_…() returned */
     fathom_id primitive; /* of a mesh: the triangle; else 0 */
     fathom_id instance;  /* FATHOM_NONE in the root group */
     fathom_id material;
 } fathom_hit;
 
-/* Checks that there is a tracer of these words: FATHOM_BAD_USAGE says which word is wrong and which there
- * are. A library FILE.so is not opened. Without a context, or words, there is no message, or Embree. */
+/* Checks a tracer specification such as "bvh:f64". FATHOM_BAD_USAGE: the message names the wrong word and
+ * lists the valid ones. A library FILE.so is not opened. Without a context there is no message; words NULL
+ * means Embree. */
 FATHOM_API fathom_status fathom_tracer_check(fathom_context *context, const char *words);
 /* Builds the acceleration structure. words: as in fathom_settings, NULL for Embree; FATHOM_BAD_USAGE when no
  * tracer is called that. The scene must outlive the tracer and must not change. */
@@ -39,12 +40,12 @@ FATHOM_API fathom_status fathom_tracer_create(fathom_context *context, const fat
 FATHOM_API void fathom_tracer_destroy(fathom_tracer *tracer);
 /* Closest hits. rays and hits may be NULL when count is 0. FATHOM_BAD_USAGE when a ray is not finite or its
  * direction is zero: the message names it, and hits of the rays before it are set. Any number of threads may
- * call at the same time; when several fail, the message is one of theirs, and is read when all have returned.
- * With Embree, a ray within a few roundings of a mesh's vertex can slip through, as two in a hundred of those
- * aimed at vertices do: renders put that right, single rays have the tracer "reference". */
+ * call at the same time; when several fail, the message is one of theirs; read it when all have returned.
+ * With Embree, a ray within a few roundings of a mesh's vertex can slip through: 2 % of rays aimed exactly at
+ * vertices do. Renders repair this. For single rays, use the tracer "reference". */
 FATHOM_API fathom_status fathom_tracer_closest(const fathom_tracer *tracer, const fathom_ray *rays,
                                                size_t count, fathom_hit *hits);
-/* Asks whether anything is hit, shadow-casting or not. */
+/* Any hit. Shapes that cast no shadow count, too. */
 FATHOM_API fathom_status fathom_tracer_any(const fathom_tracer *tracer, const fathom_ray *rays, size_t count,
                                            bool *hits);
 

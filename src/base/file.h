@@ -60,9 +60,9 @@ void file_lock_release(file_lock *lock);
 
 /* The path of `name` next to the file `base`, unless name is absolute. Release with free(). */
 char *file_beside(const char *base, const char *name);
-/* Finds the file whose path is `path`, but for the case of A to Z from the index `from` on, as names written
- * on Windows need it. Several may fit: it takes the first by strcmp(). NULL: none does. Release with free().
- */
+/* Finds a file whose path equals `path` when the case of A to Z is ignored from index `from` on. Paths
+ * written on Windows need this. If several match, the first by strcmp() counts. NULL: none. Release with
+ * free(). */
 char *file_of_any_case(const char *path, size_t from);
 /* FATHOM_BAD_INPUT when `path`, which a file calls `name`, is absolute or leads out of the folder of the file
  * `top` ("": the working folder), and the context does not allow it. Follows links. Does not guard against

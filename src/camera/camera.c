@@ -40,8 +40,8 @@ static void disc_point(double u, double v, double *x, double *y) {
     *x = r * cos(angle), *y = r * sin(angle);
 }
 
-/* In a regular polygon with corners at radius 1: in one of its triangles, by chance, by the square root that
- * makes triangles even. */
+/* A uniform point in a regular polygon with corners at radius 1: picks one of its triangles, then a point in
+ * it by the square-root mapping. */
 static void polygon_point(uint32_t blades, double rotation, double u, double v, double *x, double *y) {
     const double step = 6.283185307179586 / blades, at = u * blades, r = sqrt(v);
     const double first = rotation + floor(at) * step, part = at - floor(at);

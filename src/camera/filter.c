@@ -4,8 +4,8 @@
 
 static const double pi = 3.14159265358979324;
 
-/* The filter at x in [-1/2, 1/2] of its width. The Gaussian's standard deviation is a quarter of the width
- * less at the edges, where it ends at 0; Blackman and Harris: their window of four terms, -92 dB. */
+/* The filter at x in [-1/2, 1/2] of its width. Gaussian: a standard deviation of a quarter of the width,
+ * minus the value at the edges, so that it ends at 0. Blackman-Harris: the four-term window, -92 dB. */
 static double weight(fathom_filter filter, double x) {
     switch (filter) {
     case FATHOM_FILTER_BOX: return 1;

@@ -71,18 +71,18 @@ fathom_read_options command_read_options(const command_model *model);
 #define COMMAND_MODEL(settings)                                                                              \
     COMMAND_MODEL_ROW(                                                                                       \
         settings, "camera", "NAME|N", take_text, camera, 0, 0,                                               \
-        "which camera of a .gltf or .glb file: the name of its node, its own, or its number from 0 in "      \
-        "the list that fathom info prints (the first perspective one, else the first)"),                     \
+        "camera of a .gltf or .glb file: the name of its node, its own name, or its number from 0 in the "   \
+        "list that fathom info prints (the first perspective camera, else the first)"),                      \
         COMMAND_MODEL_ROW(                                                                                   \
             settings, "time", "SECONDS", take_given_f64, time, -1e9, 1e9,                                    \
-            "show what moves at this time: the animation of .gltf and .glb files, and motion of "            \
-            "scene JSON, whose shutter then opens at it (at rest; 0)"),                                      \
+            "time of the image: poses the animations of .gltf and .glb files; opens the shutter of scene "   \
+            "JSON (default: animations at rest, shutter as the scene says)"),                                \
         COMMAND_MODEL_ROW(settings, "shutter", "SECONDS", take_f64, shutter, 0, 1e9,                         \
                           "blur what moves while the shutter is open, from --time on; it replaces the "      \
                           "shutter of scene JSON (still)"),                                                  \
         COMMAND_MODEL_ROW(settings, "animation", "NAME|N", take_text, animation, 0, 0,                       \
-                          "which animation alone, by its name or its number from 0 (each that moves "        \
-                          "nothing that an earlier one moves)"),                                             \
+                          "the only animation to apply, by its name or its number from 0 (default: every "   \
+                          "animation that moves nothing that an earlier one moves)"),                        \
         COMMAND_MODEL_ROW(settings, "variant", "NAME|N", take_text, variant, 0, 0,                           \
                           "which variant of the materials of a .gltf or .glb file, by its name or its "      \
                           "number from 0 (none)"),                                                           \
@@ -91,8 +91,8 @@ fathom_read_options command_read_options(const command_model *model);
             "the axis that the automatic camera and its lights take as up (y); z is what CAD and scanners "  \
             "mostly write"),                                                                                 \
         COMMAND_MODEL_ROW(settings, "unit", COMMAND_UNITS, take_choice, unit, 0, 0,                          \
-                          "the unit of a model's lengths: it is scaled to metres, which lamps, depths and "  \
-                          "positions in channels count in (m)")
+                          "unit of the model's lengths. The model is scaled to metres, the unit of lights "  \
+                          "and of the AOVs Z and P (m)")
 
 /* Options that most commands share. All commands but render have them first in their settings. */
 typedef struct command_common {

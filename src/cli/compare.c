@@ -88,8 +88,8 @@ const command command_compare = {
     .summary = "Tell how much two images differ.",
     .text = "Compares every channel of two images as stored, and prints the largest\n"
             "difference of a value, the root mean square of all, and how many pixels differ.\n"
-            "The exit code is 0 when none does, 1 when some do or the images have not the\n"
-            "same size, crop and channels. FLIP changes no exit code.\n",
+            "The exit code is 0 if no pixel differs. It is 1 if some do, or if the images\n"
+            "differ in size, crop or channels. FLIP does not change the exit code.\n",
     .examples = "  fathom compare old.exr new.exr --tolerance 0.001\n"
                 "  fathom compare old.png new.png --flip\n",
     .args = {options, operands, operand_offsets, 2},

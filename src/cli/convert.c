@@ -62,10 +62,10 @@ const command command_convert = {
     .text = "IN is whatever fathom render takes. OUT keeps as much of it as its format holds:\n"
             "  .json  all of it; images that are not in the folder of OUT are copied there\n"
             "  .glb   meshes, instances, materials, images, lights and the camera\n"
-            "  .obj   meshes with instances placed, and materials in an .mtl next to it\n"
-            "  .ply   meshes with instances placed\n"
-            "Losses are named and counted. A camera and lights that a render adds\n"
-            "to IN are not written: it adds them to OUT as well.\n",
+            "  .obj   meshes, instances expanded; materials in an .mtl next to it\n"
+            "  .ply   meshes, instances expanded; one image of colours next to it\n"
+            "Warnings name and count what OUT cannot hold. The camera and lights that a\n"
+            "render adds to IN are not written, because a render of OUT adds them again.\n",
     .examples = "  fathom convert model.gltf model.glb\n"
                 "  fathom convert walk.glb pose.json --time 1.5\n",
     .args = {options, operands, operand_offsets, 2},

@@ -81,8 +81,8 @@ static fathom_status run(int argc, char **argv) {
 static const args_option options[] = {
     {.help = "Options"},
     {"triangles", 't', "N", take_count, offsetof(generate_settings, triangles), 1, 1e11,
-     "how many, counted with instances; 20k and 8M are understood. The result has the nearest count that the "
-     "kind allows"},
+     "number of triangles, counted with instances, such as 20k or 8M. The result has the nearest number that "
+     "the kind allows"},
     {"seed", 0, "N", take_u64, offsetof(generate_settings, seed), 0, 0, "of what is random in it (0)"},
     {"output", 'o', "FILE", take_text, offsetof(generate_settings, output), 0, 0,
      ".glb (keeps instances, read without parsing), .ply (binary) or .obj"},
@@ -96,7 +96,7 @@ static const size_t operand_offsets[] = {offsetof(generate_settings, kind)};
 const command command_generate = {
     .name = "generate",
     .usage = "KIND --triangles N [--seed S] -o FILE.{glb,ply,obj}",
-    .summary = "Make a heavy mesh from nothing.",
+    .summary = "Generate a mesh of any size.",
     .text = "KIND is one of\n"
             "  sphere   a displaced sphere: closed, smooth normals\n"
             "  terrain  a fractal height field over a square\n"

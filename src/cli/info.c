@@ -254,10 +254,10 @@ static const size_t operand_offsets[] = {offsetof(info_settings, scene)};
 const command command_info = {
     .name = "info",
     .usage = "SCENE [options]",
-    .summary = "Tell what a scene holds, what it will take, and what is wrong with it.",
-    .text = "Counts, bounds, features used, what a render leaves out and why, an estimate of\n"
-            "the memory it takes, and the problems found. The exit code is 3 when the scene\n"
-            "cannot be rendered with Embree, the usual tracer.\n",
+    .summary = "Print the contents, memory estimate and problems of a scene.",
+    .text = "Prints counts, bounds, the features used, the parts of the renderer that a\n"
+            "render skips and why, an estimate of its memory, and the problems found. The\n"
+            "exit code is 3 if Embree, the default tracer, cannot render the scene.\n",
     .args = {options, operands, operand_offsets, 1},
     .run = run,
 };

@@ -60,10 +60,10 @@ static const size_t operand_offsets[] = {offsetof(texture_settings, input)};
 const command command_texture = {
     .name = "texture",
     .usage = "IMAGE -o FILE.tx [--color SPACE]",
-    .summary = "Make a tiled, mip-mapped texture of an image.",
-    .text = "A render reads the parts of such a file that it needs, and needs no time to make\n"
-            "the smaller levels. They are means of linear light. The file keeps the type of\n"
-            "the image's numbers, and takes its place in a scene.\n",
+    .summary = "Convert an image to a tiled, mip-mapped texture.",
+    .text = "A render reads only the tiles of such a file that it needs, and does not have to\n"
+            "compute the mip levels. The levels are averages of linear values. The file keeps\n"
+            "the number type of the image. A scene can use it in place of the image.\n",
     .examples = "  fathom texture wood.png -o wood.tx\n"
                 "  fathom texture normals.png -o normals.tx --color linear\n",
     .args = {options, operands, operand_offsets, 1},

@@ -79,8 +79,8 @@ static double count_near(const fathom_film *film, uint32_t k, size_t pixel) {
     return count * film->samples[pixel];
 }
 
-/* The pixel's own count, which splitting makes no whole number, when it is of more than one sample; else the
- * mean over 3 x 3 pixels, as far as the film has them. */
+/* The pixel's own count if it is above one sample; else the mean over 3 x 3 pixels inside the film. A count
+ * is not an integer, because samples are split between cascades. */
 static double count_of(const fathom_film *film, uint32_t k, uint32_t x, uint32_t y) {
     double sum = 0;
     uint32_t pixels = 0;

@@ -11,7 +11,7 @@ typedef enum matte_kind { MATTE_OBJECT, MATTE_MATERIAL, MATTE_KINDS } matte_kind
 
 /* Ranks in a file: pairs of id and coverage, two to a layer of R, G, B and A. */
 #define MATTE_RANKS 6u
-/* Things of a pixel that are counted; what it meets beyond these is in no matte. */
+/* Objects or materials that a pixel counts; further ones are in no matte. */
 #define MATTE_MOST 16u
 
 /* How many samples of a pixel met which things, in the order in which they were met. Ids are never 0. */

@@ -79,8 +79,8 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
                           const fathom_settings *settings, render_plan **out);
 void plan_destroy(render_plan *plan);
 
-/* By a ray of the plan's tracer from the eye; its shaders are there. A view by parallel rays, and a lens,
- * begin in the same volumes. */
+/* Traces a ray from the eye with the plan's tracer; the plan's shaders must exist. All rays of an
+ * orthographic camera or of a lens are taken to start in the same volumes. */
 void eye_volumes_find(const render_plan *plan, eye_volumes *out);
 
 /* Rays a render with these settings is expected to trace, within a factor of a few: for the build quality. */

@@ -61,7 +61,7 @@ static vec3_f64 across_wall(const reference_surface *s, vec3_f64 l) {
     return madd_f64(l, -2 * dot_f64(l, s->normal), s->normal);
 }
 
-/* False: the facet sends nothing to the side that is asked for, where alone the densities below count it. */
+/* False: the facet scatters nothing to the requested side. The densities below count that side alone. */
 static bool by_facet(const reference_surface *s, bool coat, bool through, reference_random *random,
                      vec3_f64 *out) {
     const vec3_f64 h = half_vector(s, alphas_of(s->material, coat), random);

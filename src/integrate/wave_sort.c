@@ -1,5 +1,5 @@
-/* Hits brought together by geometry. Scattered rays meet now this object, now that one, and some nothing: by
- * themselves few of their blocks could be gathered as a whole. */
+/* Sorts hits by geometry. Neighbouring scattered rays hit different objects, and some hit nothing. Without
+ * sorting, few blocks of hits could be gathered as a whole. */
 #include "integrate/wave.h"
 
 #include "math/lane.h"

@@ -178,8 +178,8 @@ static void add_misses(wave *w, const trace_block *block, const path_block *path
     }
 }
 
-/* Blocks between asking for indices, asking for corners, and reading these: bench/README.md has what others
- * take. */
+/* Prefetch distance in blocks, from indices to vertices and from vertices to their use; bench/README.md has
+ * the times of other distances. */
 #define ASK_AHEAD 4
 
 static void ask_ahead(const wave *w, size_t done) {

@@ -167,8 +167,8 @@ static vec3_f64 to_object(const emitter_ball *b, vec3_f64 v) {
     return b->instance ? map_vector(b->instance->to_object, v) : v;
 }
 
-/* A unit direction d of the ball's space is k = |M d| long in the world. There directions are denser by
- * k^3 / |det M|. */
+/* A unit direction d in the ball's object space has the length k = |M d| in the world. The density per solid
+ * angle in the world is k^3 / |det M| times that in object space. */
 static double turned_density(const emitter_ball *b, double density, double k) {
     return b->instance ? density * (k * k * k / fabs(determinant(b->instance->to_world))) : density;
 }

@@ -14,14 +14,14 @@ typedef struct read_mesh_options {
     double unit;        /* scale of the group's instance, which cameras and lights follow; 0: none */
 } read_mesh_options;
 
-/* The path of a file that the file `base` names, on Windows perhaps, where backslashes part folders and case
- * does not count; release it with free(). FATHOM_BAD_INPUT when it lies
- * outside the allowed folder; the caller adds the place to the message. */
+/* The path of a file that the file `base` names. `base` may come from Windows: backslashes separate folders,
+ * and case does not count. Release it with free(). FATHOM_BAD_INPUT when it is outside the allowed folder;
+ * the caller adds the place to the message. */
 fathom_status read_beside(fathom_scene *scene, const char *base, const char *name, char **out);
 
-/* The same for an image: where it names no file that may be read, one of its last parts next to `base`, as
- * many of them as lead to one, because paths of another computer lead nowhere here. *out NULL without a
- * failure: there is none. */
+/* The same for an image. If `name` is no readable file, tries its trailing path components next to `base`,
+ * the longest first, because a path may come from another computer. FATHOM_OK with *out NULL: no such file.
+ */
 fathom_status read_image_beside(fathom_scene *scene, const char *base, const char *name, char **out);
 
 /* The curve of sRGB, for a number in [0,1] of a vertex colour: files hold what screens show. */

@@ -39,46 +39,48 @@ static const fathom_parameter setting_rows[] = {
     {"height", U32, SETTING(height), PIXELS | IN_FILE, 1, 65536, 720, "PIXELS", "Image",
      .help = "Pixels down. Left out, it follows from `width` and the camera's `w` and `h`."},
     {"integrator", WORD, SETTING(integrator), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_INTEGRATOR_PATH, NULL, "Light transport",
-     .help = "How light moves: `classic` recursive ray tracing with lights of no size, mirrors and glass; `path` global "
-     "illumination by path tracing; `reference` the same by a second, plain implementation in double.", .words = "classic|path|reference"},
+     .help = "`classic`: recursive ray tracing with point and directional lights, mirrors and glass. `path`: global "
+     "illumination by path tracing. `reference`: the same by a second, plain implementation in double.", .words = "classic|path|reference"},
     {"spp", U32, SETTING(spp), PIXELS | IN_FILE | COMMAND, 1, 65536, 1024, "N", "Image",
-     .help = "Samples of each pixel. Left out, at most 1024 on the way to `targetError`. A square number unless "
-     "`pattern` is `sobol`. `classic` takes 1, and 16 of a model."},
+     .help = "Samples per pixel. Default: up to 1024, until `targetError` is reached; with `classic` 1, or 16 for a "
+     "model on the command line. Must be a square number unless `pattern` is `sobol`."},
     {"pattern", WORD, SETTING(pattern), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_PATTERN_SOBOL, NULL, "Image",
      .help = "Where in the pixel the samples lie: `grid` n x n, regular; `stratified` n x n, jittered; `sobol` an "
      "Owen-scrambled Sobol sequence. `classic` takes `grid`.", .words = "grid|stratified|sobol"},
     {"filter", WORD, SETTING(filter), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_FILTER_BOX, NULL, "Image",
-     .help = "How a pixel weighs what lies in and around it, by placing its samples: `box`, `gaussian` or the window of "
-     "`blackmanHarris`. See `filterWidth`.", .words = "box|gaussian|blackmanHarris"},
+     .help = "Pixel filter, by importance sampling: `box`, `gaussian` or `blackmanHarris`. See `filterWidth`.", .words = "box|gaussian|blackmanHarris"},
     {"filter_width", F64, SETTING(filter_width), PIXELS | IN_FILE | COMMAND, 0.01, 16, 1, "PIXELS", "Image",
      .help = "Width of the filter: 1 suits `box`, 3 `gaussian` and 4 `blackmanHarris`."},
     {"seed", U64, SETTING(seed), PIXELS | IN_FILE | COMMAND, 0, INFINITY, 0, "N", "Image",
      .help = "Seed of the patterns `stratified` and `sobol`."},
     {"crop", U32, SETTING(crop), PIXELS | IN_FILE | COMMAND, 0, 65536, 0, "X0,Y0,X1,Y1", "Image",
-     .help = "Part to render: x0, y0, x1, y1 in pixels, from the upper left corner, x1 and y1 left out. All 0: the "
-     "whole image.", .count = 4},
+     .help = "Region to render: x0, y0, x1, y1 in pixels from the upper left corner; x1 and y1 are exclusive. All 0: "
+     "the whole image.", .count = 4},
     {"target_error", F64, SETTING(target_error), PIXELS | IN_FILE | COMMAND | ABOVE, 0, INFINITY, 0.02, "E", SAMPLING,
-     .help = "Samples until the estimated error of each tile of 32 x 32 pixels is at most this, and beyond it where few "
-     "more lower the error; 0: as many everywhere. The unit is that of Cycles' noise threshold: 0.01 is about 1 of "
-     "255 display levels. Needs `pattern` `sobol`; `spp` is then the most samples of a pixel, a power of two from "
-     "4. A number of samples, other patterns and `classic` turn it off.", .zero = "off"},
+     .help = "Adaptive sampling: each tile of 32 x 32 pixels gets samples until its estimated error is at most this, "
+     "and more where a few samples lower the error much. 0: every pixel gets `spp` samples. The unit is that of "
+     "Cycles' noise threshold: 0.01 is about 1 of 255 display levels. Needs `pattern` `sobol`. `spp` is then "
+     "the maximum per pixel, a power of two and at least 4. Off if only `spp` is given, with another pattern, "
+     "and with `classic`.", .zero = "off"},
     {"max_time", F64, SETTING(max_time), PIXELS | SWITCH | COMMAND | ABOVE, 0, INFINITY, 0, "SECONDS", SAMPLING,
      .help = "Time that the whole command takes, from reading to writing; samples go where they lower the error most.",
      .zero = "off"},
     {"min_spp", U32, SETTING(min_spp), PIXELS | IN_FILE | COMMAND, 4, 65536, 0, "N", SAMPLING,
-     .help = "Samples of each pixel before an error is trusted, a power of two from 4; 0: 4.", .zero = "auto"},
+     .help = "Samples per pixel before the estimated error may end sampling: a power of two and at least 4; 0: 4.", .zero = "auto"},
     {"max_depth", U32, SETTING(max_depth), PIXELS | IN_FILE | COMMAND, 0, 1024, 16, "N", "Light transport",
-     .help = "Bounces that are followed; `classic` follows mirrored and refracted ones alone, and takes 8."},
+     .help = "Maximum number of bounces. `classic` follows mirror reflections and refractions only; its default is 8."},
     {"min_weight", F32, SETTING(min_weight), PIXELS | IN_FILE | COMMAND | BELOW, 0, 1, 1.0 / 65536, "W", "Light transport",
      .help = "A path ends when it can change no channel of its pixel by more than this."},
     {"max_loss", F32, SETTING(max_loss), PIXELS, 0, 1, 0, NULL, NULL, .help = "Light that a pixel may lose."},
     {"max_relative_loss", F32, SETTING(max_relative_loss), PIXELS, 0, 1, 0, NULL, NULL,
      .help = "Share of its light that a pixel may lose."},
     {"epsilon", F64, SETTING(epsilon), PIXELS | IN_FILE | COMMAND | ABOVE, 0, INFINITY, 0, "E", "Light transport",
-     .help = "Rays start this far along themselves. 0: offsets come from error bounds, which suits every scale.",
+     .help = "Fixed ray offset: rays start at this distance along their direction. 0: the offset follows from error "
+     "bounds, which works at any scale.",
      .zero = "auto"},
     {"terminator_fix", BOOL, SETTING(terminator_fix), PIXELS | IN_FILE | COMMAND, 0, 1, true, NULL, "Light transport",
-     .help = "Lifts shadow rays off the facets of smooth meshes, which else show black triangles where light grazes."},
+     .help = "Shadow terminator fix (Hanika 2021): moves the start of shadow rays off the facets of smooth meshes. "
+     "Without it, black triangles appear near the terminator."},
     {"aovs", WORDS, SETTING(aovs), PIXELS | IN_FILE, 0, FATHOM_AOVS & ~(unsigned)(FATHOM_AOV_ALPHA | FATHOM_AOV_ERROR), 0, "LIST", "Output",
      .help = "Further outputs in an EXR file: coverage, depth, shading normal, world position, `kd` + `ks`, the ids of "
      "object, primitive and instance, how many samples a pixel took, the standard error of each channel, the light "
@@ -101,8 +103,8 @@ static const fathom_parameter setting_rows[] = {
      .help = "Rare bright samples: `keep`; or `reweight` to write a second image, NAME.reweighted.EXT, in which they count "
      "less (Zirr et al. 2018). The first image is the same.", .words = "keep|reweight"},
     {"motion_blur", BOOL, SETTING(motion_blur), PIXELS | IN_FILE | COMMAND, 0, 1, true, NULL, "Light transport",
-     .help = "Samples are of all times at which the shutter is open; without it, of the middle one: for programs that blur "
-     "by the AOV `motion`."},
+     .help = "Motion blur: sample times cover the time that the shutter is open. If off, all samples are at the middle "
+     "of that time, for programs that blur with the AOV `motion`."},
 };
 
 static const fathom_parameter classic_rows[] = {
@@ -126,7 +128,8 @@ static const fathom_parameter classic_rows[] = {
     {"k_a", F32, MATERIAL(k_a), SOFT, 0, 1, -1, "R,G,B", "Surface", .help = "Reflectance for `ambient` light. Default: `kd`.",
      .count = 3},
     {"k_e", F32, MATERIAL(k_e), SOFT, 0, RADIANCE, 0, "R,G,B", "Surface",
-     .help = "Radiance the surface sends out by itself, as it is seen from outside of any glass around it. It lights other surfaces under path tracing.", .count = 3},
+     .help = "Emitted radiance, as seen from outside any glass around the surface. Lights other surfaces under path "
+     "tracing.", .count = 3},
     {"normal_scale", F32, MATERIAL(normal_scale), HARD, -1e3, 1e3, 1, NULL, "Surface",
      .help = "Factor of the slopes of `normalTexture`."},
     {"bump_scale", F32, MATERIAL(bump_scale), SOFT, -1e6, 1e6, 1, "LENGTH", "Surface",
@@ -143,7 +146,8 @@ static const fathom_parameter metallic_rows[] = {
     {"roughness", F32, MATERIAL(roughness), HARD, 0, 1, 0.5, NULL, "Surface",
      .help = "GGX's alpha is its square; below an alpha of 2⁻¹³ the surface is a mirror."},
     {"emissive", F32, MATERIAL(emissive), SOFT, 0, RADIANCE, 0, "R,G,B", "Surface",
-     .help = "Radiance that both sides send out, as it is seen from outside of any glass around them, times `emissiveStrength`.", .count = 3},
+     .help = "Radiance emitted by both sides, times `emissiveStrength`, as seen from outside any glass around the "
+     "surface.", .count = 3},
     {"emissive_strength", F32, MATERIAL(emissive_strength), SOFT, 0, RADIANCE, 1, NULL, "Surface",
      .help = "Factor of `emissive`."},
     {"ior", F32, MATERIAL(ior), SOFT, 0, 1e3, 1.5, NULL, "Surface",
@@ -151,7 +155,8 @@ static const fathom_parameter metallic_rows[] = {
     {"specular", F32, MATERIAL(specular_factor), HARD, 0, 1, 1, NULL, "Surface",
      .help = "Factor of what the dielectric reflects."},
     {"specular_color", F32, MATERIAL(specular_color), SOFT, 0, 1e6, 1, "R,G,B", "Surface",
-     .help = "Colour of what the dielectric reflects head on; with `ior` at most 1 of the light.", .count = 3},
+     .help = "Factor of the dielectric's reflectance at normal incidence. Its product with the reflectance of `ior` is "
+     "at most 1.", .count = 3},
     {"transmission", F32, MATERIAL(transmission), HARD, 0, 1, 0, NULL, "Surface",
      .help = "Share of the dielectric's base that lets light through, coloured by `baseColor`."},
     {"thickness", F32, MATERIAL(thickness), SOFT, 0, RADIANCE, 0, NULL, "Surface",
@@ -169,9 +174,9 @@ static const fathom_parameter metallic_rows[] = {
     {"sheen_roughness", F32, MATERIAL(sheen_roughness), HARD, 0, 1, 0, NULL, "Surface",
      .help = "How far the fibres lean; below 0.07 as 0.07."},
     {"anisotropy", F32, MATERIAL(anisotropy), HARD, 0, 1, 0, NULL, "Surface",
-     .help = "Lengthens reflections along the way of u, as across the grooves of brushed metal."},
+     .help = "Stretches reflections along the tangent (direction of u). The grooves of brushed metal run across it."},
     {"anisotropy_rotation", F32, MATERIAL(anisotropy_rotation), SOFT, -1e6, 1e6, 0, "RADIANS", "Surface",
-     .help = "Turns that way in radians, from u against v."},
+     .help = "Rotation of that direction in radians, from the tangent towards the bitangent (against v)."},
     {"iridescence", F32, MATERIAL(iridescence), HARD, 0, 1, 0, NULL, "Surface",
      .help = "Strength of a thin film, as of oil or soap."},
     {"iridescence_ior", F32, MATERIAL(iridescence_ior), SOFT, 1, 5, 1.3, NULL, "Surface",
@@ -179,19 +184,20 @@ static const fathom_parameter metallic_rows[] = {
     {"iridescence_thickness_min", F32, MATERIAL(iridescence_thickness_min), SOFT, 0, 1e6, 100, "NANOMETRES", "Surface",
      .help = "Thickness of the film in nanometres where `iridescenceThicknessTexture` is 0."},
     {"iridescence_thickness_max", F32, MATERIAL(iridescence_thickness_max), SOFT, 0, 1e6, 400, "NANOMETRES", "Surface",
-     .help = "The same where it is 1, and without it."},
+     .help = "Thickness of the film in nanometres where `iridescenceThicknessTexture` is 1, or without that texture."},
     {"dispersion", F32, MATERIAL(dispersion), SOFT, 0, 1e3, 0, NULL, "Surface",
-     .help = "How far the colours part in a volume: 20 over Abbe's number, 0.36 for diamond."},
+     .help = "Dispersion of a volume: 20 divided by the Abbe number; 0.36 for diamond."},
     {"diffuse_transmission", F32, MATERIAL(diffuse_transmission), HARD, 0, 1, 0, NULL, "Surface",
      .help = "Share of the diffuse light that leaves on the other side, as through leaves."},
     {"diffuse_transmission_color", F32, MATERIAL(diffuse_transmission_color), SOFT, 0, 1, 1, "R,G,B", "Surface",
      .help = "Colour of that light.", .count = 3},
     {"priority", U32, MATERIAL(priority), HARD, 0, 255, 0, "N", "Surface",
-     .help = "The volume of the highest priority fills the space where several overlap: glass 2, the drink in it 1. 0: none."},
+     .help = "Where volumes overlap, the one of the highest priority fills the space, such as glass 2 and the drink in "
+     "it 1. 0: no priority."},
     {"opacity", F32, MATERIAL(opacity), HARD, 0, 1, 1, NULL, "Surface",
-     .help = "Share of the rays that meet the surface; the others pass."},
+     .help = "Coverage: the fraction of rays that hit the surface. The others pass through."},
     {"opacity_cutoff", F32, MATERIAL(opacity_cutoff), HARD, 0, 1e3, 0, NULL, "Surface",
-     .help = "Above 0: where `opacity` is below it there is no surface, and elsewhere all of it."},
+     .help = "Alpha cutoff. Above 0: the surface is absent where `opacity` is below it, and fully opaque elsewhere."},
     {"normal_scale", F32, MATERIAL(normal_scale), HARD, -1e3, 1e3, 1, NULL, "Surface",
      .help = "Factor of the slopes of `normalTexture`."},
     {"clearcoat_normal_scale", F32, MATERIAL(clearcoat_normal_scale), HARD, -1e3, 1e3, 1, NULL, "Surface",
@@ -199,7 +205,8 @@ static const fathom_parameter metallic_rows[] = {
     {"bump_scale", F32, MATERIAL(bump_scale), SOFT, -1e6, 1e6, 1, "LENGTH", "Surface",
      .help = "Height of the surface in units of length where `bumpTexture` is 1."},
     {"multiscatter", BOOL, MATERIAL(multiscatter), HARD, 0, 1, true, NULL, "Surface",
-     .help = "Gives back what rough surfaces lose to light that scatters between their facets; without it, glTF's formulas alone."},
+     .help = "Adds the energy that rough surfaces lose without multiple scattering between microfacets. `false`: glTF's "
+     "formulas alone."},
 };
 /* clang-format on */
 

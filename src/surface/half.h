@@ -10,8 +10,8 @@ static inline bool half_has_area(vec3_f64 a, vec3_f64 b, vec3_f64 c) {
 }
 
 /* Negative in the second half: the sign of corner 0's weight in the first, d·((v1-o)×(v3-o)) / d·n, in
- * double. Both halves lie in one plane but for the rounding of the corners, so next to the diagonal either
- * will do. */
+ * double. Both halves are coplanar up to the rounding of the corners, so next to the diagonal either half is
+ * right. */
 static inline double half_side(vec3_f64 v0, vec3_f64 v1, vec3_f64 v3, vec3_f64 org, vec3_f64 dir) {
     vec3_f64 normal = cross_f64(sub_f64(v1, v0), sub_f64(v3, v0));
     return dot_f64(dir, cross_f64(sub_f64(v1, org), sub_f64(v3, org))) * dot_f64(dir, normal);

@@ -33,7 +33,7 @@ static const float *table_of(texture_cache *cache, image_texel type, bool srgb) 
     return *table;
 }
 
-/* Smaller levels are means, which have more digits than the texels that they come from. */
+/* Mip levels above 0 store means, which need more precision than the texels of level 0. */
 static image_texel type_of_means(const image_texture_info *info) {
     if (info->mipmapped) return info->kept;
     return info->kept == IMAGE_TEXEL_U8 || info->kept == IMAGE_TEXEL_HALF ? IMAGE_TEXEL_HALF

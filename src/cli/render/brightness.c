@@ -13,8 +13,8 @@
 /* 8 of 255 levels of sRGB, whose curve is 12.92 x there. */
 #define DARK (8 / (255 * 12.92))
 
-/* In the studio highlights, and lamps in mirrors, may clip this share of the pixels; more of them cost at
- * most so many stops. A white surface has at most a radiance of 1.4 there, which is half a stop. */
+/* In the studio, this share of the pixels may clip (highlights, lamps in mirrors). Above it, the exposure
+ * drops by at most STUDIO_STOPS: a white surface in the studio has a radiance of at most 1.4, half a stop. */
 #define STUDIO_CLIPPED 0.02
 #define STUDIO_STOPS 0.5f
 

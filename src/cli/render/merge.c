@@ -81,9 +81,9 @@ static const size_t operand_offsets[] = {offsetof(render_options, parts)};
 const command command_merge = {
     .name = "merge",
     .usage = "PART ... -o IMAGE [-o IMAGE2 ...] [options]",
-    .summary = "Make the image of all parts that fathom render --part wrote.",
-    .text = "The image is the one that a single machine would have rendered, to the last bit.\n"
-            "All parts have to be finished, of the same render, and each there once.\n",
+    .summary = "Join the parts that fathom render --part wrote to one image.",
+    .text = "The image has the same bits as a render on a single machine. Give every part of\n"
+            "one render exactly once. All parts must be finished.\n",
     .examples = "  fathom merge p*.part -o final.exr -o final.png\n",
     .args = {merge_option_table, operands, operand_offsets, 1, .many = true},
     .run = run,

@@ -108,8 +108,10 @@ static bool take_tracer(const args_option *option, const char *value, void *fiel
      0,                                                                                                      \
      -64,                                                                                                    \
      64,                                                                                                     \
-     "each doubles the light; auto: 99 of 100 lit pixels are at most white (0, and auto where most pixels "  \
-     "would be white or nearly black; -0.5 to 0 in the built-in studio); of --frames the first decides"},    \
+     "exposure in stops; +1 doubles the brightness. auto: 99 % of the lit pixels are at most white. "        \
+     "Default: "                                                                                             \
+     "0, but auto if most pixels would be white or nearly black; -0.5 to 0 in the built-in studio. With "    \
+     "--frames, the first frame decides for all"},                                                           \
         {"display",                                                                                          \
          0,                                                                                                  \
          "NAME",                                                                                             \
@@ -149,22 +151,20 @@ static const args_option own_options[] = {
     {"environment-rotation", 0, "DEGREES", take_f64, FIELD(environment_rotation), -1e6, 1e6,
      "turn it about the axis that is up, counter-clockwise from above (0)"},
     {"no-floor", 0, NULL, take_true, FIELD(no_floor), 0, 0,
-     "let a model float that the automatic camera shows in the built-in studio or in --environment; with "
-     "--background, and with the AOV alpha, which shows nothing but the model, there is no floor anyway"},
+     "add no floor below a model that the automatic camera shows in the built-in studio or in "
+     "--environment; --background and the AOV alpha never have one"},
 
     {.help = "Sampling to an error or a time (with the pattern sobol)"},
 
     {.help = "Saving on the way"},
     {"checkpoint", 0, "FILE", take_text, FIELD(checkpoint), 0, 0,
-     "save the work to FILE on the way, on Ctrl-C or SIGTERM, and on SIGUSR1, after which it goes on; FILE "
-     "is "
-     "removed once the image is written, and is never taken for another render"},
+     "save the unfinished render to FILE at intervals, on Ctrl-C and SIGTERM, and on SIGUSR1 (which does not "
+     "stop it). FILE is removed once the image is written; a different render refuses it"},
     {"checkpoint-every", 0, "SECONDS", take_f64, FIELD(checkpoint_every), 0, 1e9,
      "from the end of one save to the next (60)"},
     {"resume", 0, NULL, take_true, FIELD(resume), 0, 0,
-     "continue from the checkpoint, or begin where there is none: the image is the same to the last bit, on "
-     "any "
-     "number of threads; without it a FILE that is there is an error"},
+     "continue from the checkpoint, or start if there is none. The image has the same bits, on any number of "
+     "threads. Without --resume, an existing FILE is an error"},
 
     {.help = "Frames of an animation"},
     {"frames", 0, "FIRST-LAST", take_frames, FIELD(frames), 0, 0,
@@ -174,23 +174,21 @@ static const args_option own_options[] = {
 
     {.help = "A part of the image (-o FILE.part), to be merged by fathom merge"},
     {"part", 0, "K/N", part_options_take, FIELD(part), 0, 0,
-     "render part K of N, from 1 to N, to FILE.part; the same command goes on where it was killed (task and "
-     "count of a "
-     "Slurm array: $SLURM_ARRAY_TASK_ID and the like)"},
+     "render part K of N, from 1 to N, to FILE.part; after a kill, run the same command again. Default: task "
+     "and count of a Slurm array, from $SLURM_ARRAY_TASK_ID and its relatives"},
     {"split", 0, "auto|samples|tiles", take_choice, FIELD(part.split), 0, 0,
-     "what a part has: some samples of all pixels, or all samples of some tiles; auto: samples, or tiles "
-     "where there are "
-     "fewer than 4 samples for each part, or a target error (auto)"},
+     "what a part holds: some samples of all pixels, or all samples of some tiles. auto: samples, but tiles "
+     "with fewer than 4 samples per part or with a target error (auto)"},
 
     {.help = "Many processes at the same time"},
     {"mpi", 0, NULL, take_true, FIELD(mpi), 0, 0,
-     "render together with all that mpirun has started; rank 0 writes the image, and saves the checkpoint"},
+     "render together with all processes that mpirun started; rank 0 writes the image and the checkpoint"},
 
     {.help = "Light transport"},
     {"leave-out-below", 0, "none|8bit|half", take_choice, FIELD(loss), 0, 0,
-     "cast no shadow rays whose light would not show: a pixel of a .png or .tif (8bit) changes by at most "
+     "skip shadow rays whose light would be invisible. 8bit: a pixel of a .png or .tif changes by at most "
      "one "
-     "of 255 levels, of an .exr (half) by one unit in the last place (none)"},
+     "of 255 levels. half: a pixel of an .exr changes by at most one unit in the last place (none)"},
 
     {.help = "Colour of .png, .jpg and .tif"},
     COLOUR_OPTIONS,
@@ -216,20 +214,42 @@ enum { OPTIONS_MAX = 96, SETTINGS_MAX = 32, HELP_MAX = 1024 };
 /* Room for the texts of the options that set settings. */
 static struct setting_texts { char name[PARAMETER_NAME + 3], help[HELP_MAX]; } texts[SETTINGS_MAX];
 
-/* The help without the quotes around names, and with the default. */
+/* A name in quotes: the option of a setting of this name in JSON; else the name itself. Returns the place of
+ * the closing quote. */
+static const char *put_name(const char *name, FILE *to) {
+    const char *end = strchr(name, '`');
+    char found[PARAMETER_NAME];
+    snprintf(found, sizeof found, "%.*s", (int)(end - name), name);
+    for (size_t i = 0; i < settings_table().count; ++i) {
+        char other[PARAMETER_NAME];
+        parameter_name(&settings_table().rows[i], 0, other);
+        if (strcmp(found, other) != 0) continue;
+        parameter_name(&settings_table().rows[i], '-', found);
+        fputs("--", to);
+        break;
+    }
+    fputs(found, to);
+    return end;
+}
+
+/* The help with names as the command line has them, and with the default. */
 static void put_help(const fathom_parameter *p, char out[HELP_MAX]) {
     fathom_settings defaults;
     char value[PARAMETER_TEXT];
-    const bool turned = p->type == FATHOM_PARAMETER_BOOL && p->fallback != 0;
-    size_t used = turned ? (size_t)snprintf(out, HELP_MAX, "Turns this off: ") : 0;
+    FILE *to = fmemopen(out, HELP_MAX, "w");
+    out[0] = '\0';
+    if (!to) return;
+    if (p->type == FATHOM_PARAMETER_BOOL && p->fallback != 0) fputs("Turns off: ", to);
+    for (const char *c = p->help; *c; ++c) {
+        if (*c == '`')
+            c = put_name(c + 1, to);
+        else
+            fputc(*c, to);
+    }
     fathom_settings_default(&defaults);
     parameter_print(p, &defaults, value, sizeof value);
-    for (const char *c = p->help; *c && used + 1 < HELP_MAX; ++c) {
-        if (*c != '`') out[used++] = *c;
-    }
-    out[used] = '\0';
-    const bool shown = *value && p->type != FATHOM_PARAMETER_BOOL && !p->count;
-    if (shown) snprintf(out + used, HELP_MAX - used, " (%s)", value);
+    if (*value && p->type != FATHOM_PARAMETER_BOOL && !p->count) fprintf(to, " (%s)", value);
+    fclose(to);
 }
 
 /* --aov says what its setting does, and which words there are. */

@@ -191,19 +191,17 @@ static const args_option options[] = {
      "ends "
      "and rendered, separated by commas (all)"},
     {"power", 0, "RATE", take_f64, offsetof(validate_settings, power), 0, 1,
-     "3/RATE rays more of each tracer, over all scenes, that are judged where a second tracer answers "
-     "otherwise: "
-     "errors of this rate are found at 95 % (3e-6, and at most 100 rays for each of --rays); 0: none; "
-     "tracers that test every primitive are not "
-     "asked"},
+     "trace 3/RATE further rays with each tracer, over all scenes, and check those on which a second tracer "
+     "disagrees: finds errors of this rate with 95 % probability (3e-6, and at most 100 rays for each of "
+     "--rays); 0: none. Not for tracers that test every primitive"},
     {"heavy", 0, NULL, take_true, offsetof(validate_settings, heavy), 0, 0,
      "ten times of --rays and the power"},
     {"sample", 0, "N", take_count, offsetof(validate_settings, sample), 0, 1e15,
-     "rays of each family and scene whose exact hit is also looked for among all primitives, without any "
-     "tree (2)"},
+     "rays of each family and scene for which the exact hit is also searched without a BVH, over all "
+     "primitives (2)"},
     {"extremes", 0, NULL, take_true, offsetof(validate_settings, extremes), 0, 0,
-     "also the grid of extreme cases, each with a twelfth of --rays; without --tracer of linear:f32, "
-     "linear:f64, bvh, embree and embree:user; and shading held against closed forms"},
+     "also run the grid of extreme cases, each with a twelfth of --rays, and compare shading with closed "
+     "forms. Without --tracer: linear:f32, linear:f64, bvh, embree and embree:user"},
     {"light", 0, NULL, take_true, offsetof(validate_settings, light), 0, 0,
      "laws of light instead of rays: path tracing against closed forms, or with SCENE against the reference "
      "integrator"},
@@ -222,7 +220,7 @@ static const args_option options[] = {
     {"failures", 0, "FILE", take_text, offsetof(validate_settings, failures), 0, 0,
      "every ray with a leak or a wrong answer, a line each"},
     {"replay", 0, "FILE", take_text, offsetof(validate_settings, replay), 0, 0,
-     "ask such a file again, each call with the rays it had, and tell which answers are no longer given"},
+     "trace the rays of such a file again, grouped as before, and print the answers that have changed"},
     {.help = NULL},
 };
 static const char *const operands[] = {"SCENE"};
@@ -231,50 +229,57 @@ static const size_t operand_offsets[] = {offsetof(validate_settings, scene)};
 const command command_validate = {
     .name = "validate",
     .usage = "[SCENE] [--tracer SPEC ...] [options]",
-    .summary = "Hold tracers against exact arithmetic.",
-    .text = "Traces families of difficult rays and judges every answer by an exact oracle:\n"
-            "  agree        the exact hit or miss, t to the last places\n"
+    .summary = "Check tracers against exact arithmetic.",
+    .text = "Traces families of difficult rays and compares every hit with the exact one:\n"
+            "  agree        the exact hit or miss; t is right to the last places\n"
             "  tie          another primitive at the same t\n"
-            "  edge         closer to an edge than the tracer's precision can tell\n"
-            "  range        closer to an end of the interval than it can tell\n"
-            "  conditioned  t off by no more than a bound: 32 roundoffs (spheres 64, planes\n"
-            "               16) times the sizes and the slant of that intersection, a few\n"
-            "               times its condition number. Slivers and grazing rays may be off\n"
-            "               by millions of roundoffs; -v shows the widest bound\n"
-            "  beyond       numbers that leave the range of the tracer's floats\n"
-            "  leak         what the tracer is known to miss: Embree, surfaces at edges and\n"
-            "               vertices\n"
-            "  wrong        anything else; also u, v and normals that are off by more than\n"
-            "               their bounds, or are no numbers\n"
-            "Each ray is asked for its closest hit and for any hit, whose rows are shown\n"
-            "with --verbose or when they have leaks or wrong answers. Each is asked again by\n"
-            "16, 11, 8, 5, 4 and 1 in a call, as coherent rays and not, from several threads\n"
-            "at once, while the same tracer is built for other scenes; answers that differ\n"
-            "are judged, too. A small render's own calls are judged before and after its\n"
-            "repair of leaks. Statistics are held against limits: errors in units of their\n"
-            "condition (median 1, 99.9th percentile 64) and the mean of signed errors (2\n"
-            "roundoffs, at 6 standard errors, level 1e-9), slivers and surfaces seen from\n"
-            "very far left out; leaks against known rates (the same), rays of a render that\n"
-            "meet the surface they start on (0.1 %; the same), and the unit roundoff that a\n"
-            "library declares (64 times the measured one). Without SCENE built-in scenes of\n"
-            "every shape are used: spheres, quads, triangles, planes, instances, boxes,\n"
-            "squares, masks, masked-shapes and fine, as far as the tracer can hold them;\n"
-            "SCENE may be one of these names. Errors of t are in units of its last place as\n"
-            "a float; `constant` is the largest error in units of the condition number times\n"
-            "the unit roundoff. SPEC is embree, reference,\n"
-            "linear, bvh and their options, as linear:f64 or embree:robust:high:16, or a\n"
-            "library, ./mine.so. --extremes adds cases at the limits, by group and number:\n"
-            "scales and places, slivers, grazing and tangent rays, copies, nested frames,\n"
-            "shapes and rays that are none. A line sums up all tracers; -v has one for each,\n"
-            "and what the case is. Small scenes are rendered by each tracer, too,\n"
-            "and compared with closed forms: facing mirrors, light guides, indices of\n"
-            "refraction, highlights, lights and spots at their limits, and a scene moved by\n"
-            "the Earth's radius. --light renders rooms, lights and materials whose\n"
-            "radiance a formula knows, and judges each by Student's t-test with Sidak's\n"
-            "correction: right images fail one run in 500. With SCENE it compares path\n"
-            "tracing with the reference integrator. The exit code is 1 when anything is\n"
-            "wrong or a statistic is out of bounds; lines that begin with \"found:\" say\n"
-            "what.\n",
+            "  edge         closer to an edge than the tracer's precision resolves\n"
+            "  range        closer to an end of the interval than it resolves\n"
+            "  conditioned  t is off by no more than a bound: 32 roundoffs (spheres 64,\n"
+            "               planes 16) times the sizes and the slant of the intersection, a\n"
+            "               few times its condition number. Slivers and grazing rays may be\n"
+            "               off by millions of roundoffs; -v shows the largest bound\n"
+            "  beyond       numbers exceed the range of the tracer's floats\n"
+            "  leak         a known miss: Embree, of surfaces at edges and vertices\n"
+            "  wrong        anything else; also u, v and normals that are NaN or off by more\n"
+            "               than their bounds\n"
+            "\n"
+            "Each ray is traced for the closest hit and for any hit. Rows of any hit appear\n"
+            "with --verbose, or if they have leaks or wrong hits. Each ray is traced again in\n"
+            "calls of 16, 11, 8, 5, 4 and 1 rays, as coherent and incoherent rays, from\n"
+            "several threads, while the same tracer builds other scenes. Different hits are\n"
+            "checked, too. So are the rays of a small render, before and after its repair of\n"
+            "leaks.\n"
+            "\n"
+            "Statistics must stay within limits: errors in units of their condition (median\n"
+            "1, 99.9th percentile 64); the mean of signed errors (2 roundoffs); known rates\n"
+            "of leaks; rays of a render that hit the surface they start on (0.1 %); and the\n"
+            "unit roundoff that a library declares (64 times the measured one). Means and\n"
+            "rates are tested at 6 standard errors (level 1e-9). The error statistics leave\n"
+            "out slivers and surfaces seen from very far. Errors of t are in units of its\n"
+            "last place as a float. `constant` is the largest error in units of the condition\n"
+            "number times the unit roundoff.\n"
+            "\n"
+            "SCENE is a file or a built-in scene: spheres, quads, triangles, planes,\n"
+            "instances, boxes, squares, masks, masked-shapes or fine. Without SCENE, all\n"
+            "built-in scenes are used that the tracer supports. SPEC is embree, reference,\n"
+            "linear or bvh with options, such as linear:f64 or embree:robust:high:16, or a\n"
+            "library such as ./mine.so.\n"
+            "\n"
+            "--extremes adds extreme cases, by group and number: scales and positions,\n"
+            "slivers, grazing and tangent rays, copies, nested transforms, invalid shapes and\n"
+            "rays. One line has the total of all tracers; -v prints a line for each tracer,\n"
+            "and the case. Each tracer also renders small scenes, which are compared with\n"
+            "closed forms: facing mirrors, light guides, indices of refraction, highlights,\n"
+            "lights and spots at their limits, and a scene moved by the Earth's radius.\n"
+            "\n"
+            "--light renders rooms, lights and materials with a known radiance, and tests\n"
+            "each image by Student's t-test with Sidak's correction: a correct renderer fails\n"
+            "one run in 500. With SCENE it compares path tracing with the reference\n"
+            "integrator.\n"
+            "\n"
+            "The exit code is 1 if anything is wrong or a statistic is out of its limits.\n"
+            "Lines that begin with \"found:\" name it.\n",
     .examples = "  fathom validate\n"
                 "  fathom validate --report results\n"
                 "  fathom validate --tracer ./mine.so\n"

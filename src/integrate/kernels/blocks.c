@@ -59,7 +59,7 @@ static void gains(const path_block *path, const light_block *light, const bsdf_v
     }
 }
 
-/* Rays of neighbouring pixels, as most blocks hold: nothing is a gain that changes no sum. */
+/* For blocks of neighbouring pixels, which most are. An occluded lane adds 0, which changes no sum. */
 static void add_seen_row(const trace_rays *rays, const float gain[LANES], float *restrict to) {
     for (int i = 0; i < LANES; ++i) to[i] += chosen(rays->t_far[i] < 0 ? ~0u : 0, 0, gain[i]);
 }

@@ -76,7 +76,8 @@ static bool is_root(const ranks *r) { return !r->other->rank; }
 
 /* ---- work ---- */
 
-/* Under the lock, of rank 0. For each thread of who asks; fewer and fewer, so that all end together. */
+/* Rank 0, with the lock held. Units for each thread of the requesting rank: fewer towards the end, so that
+ * all ranks finish together. */
 static uint32_t squares_each(const ranks *r) {
     const double all = (double)r->threads * r->other->count, left = (double)r->queue.squares;
     const double enough = fmax(REQUEST_SECONDS, ANSWER_SECONDS * r->other->count);

@@ -353,7 +353,7 @@ static const char generator_words[] = "sphere|terrain|sponge|forest";
 
 static const form_key generate_keys[] = {
     {"kind", FORM_WORD, OBJECT(as.generate.kind), .words = generator_words, .required = true},
-    {"triangles", FORM_U64, OBJECT(as.generate.triangles), .range = {1, 1e12, 0}, .required = true},
+    {"triangles", FORM_U64, OBJECT(as.generate.triangles), .range = {1, 1e11, 0}, .required = true},
     {"seed", FORM_U64, OBJECT(as.generate.seed), .range = {0, 9007199254740991, 0}},
     END_KEYS,
 };

@@ -4,8 +4,8 @@
 /* How far rounding takes the start of a ray along the normal. With u = 2^-24 and the point known to the last
  * digits of double, the start p + h n of a ray has each coordinate rounded twice, by u |p_i| when p becomes
  * float and by u |p_i + h n_i| when the ray is made; the product h n_i and the float normal add 3 u h, and h
- * is no more than some 30 u |p|. So the start strays by at most Σ |n_i| 2 u |p_i| along the normal, and an
- * eighth more covers what is of second order. */
+ * is no more than some 30 u |p|. So the start strays by at most Σ |n_i| 2 u |p_i| along the normal. Adding
+ * an eighth covers the second-order terms. */
 static const double rounding = 2.25 * 0x1p-24;
 
 /* n turns to the viewer: the geometric normal decides, and takes the shading normal with it. */
