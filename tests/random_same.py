@@ -1,8 +1,7 @@
-"""Changes scenes made by chance (light_random.py, and each second one with textures, textured_random.py) in ways that must not
+"""Changes scenes made by chance (light_random.py, and each second one with textures, textured_scene.py) in ways that must not
 change a bit of their images: all lengths times a power of two, all light likewise and the exposure against it, written as JSON
 by `convert`, rendered by other threads, tiles and blocks of rays, with further outputs, cropped, and in parts that are merged.
 Prints a line for each image that differs, and where its scene was kept.
-Needs python3-numpy, python3-openimageio.
 usage: python3 tests/random_same.py FATHOM [COUNT [SEED [FOLDER]]]
   COUNT   scenes (100)
   SEED    of the first; each further scene has the next (1)
@@ -19,7 +18,7 @@ import tempfile
 
 import exr
 import light_random
-import textured_random
+import textured_scene
 
 OF_LENGTH = {"eye", "target", "position", "translation", "center", "u", "v", "point", "radius", "lensRadius", "focusDistance",
              "orthographic", "positions", "pointRadius", "attenuationDistance", "thickness"}
@@ -140,7 +139,7 @@ def compare_layers(fathom, scene, r, folder):
 def judge(fathom, number, folder):
     """Laws that do not hold, and what was said of each."""
     textured = number % 2 == 0
-    (textured_random if textured else light_random).make(number, folder)
+    (textured_scene if textured else light_random).make(number, folder)
     path, r = os.path.join(folder, "images.json" if textured else "scene.json"), random.Random(number)
     refused = render(fathom, path, os.path.join(folder, "first"), [])
     if refused:

@@ -80,6 +80,11 @@ static fathom_status count_placed(const fathom_scene *scene, uint64_t *out) {
     return FATHOM_OK;
 }
 
+/* The integrator uses none of the lights and of the ambient light. */
+static bool replaced(const fathom_scene *scene) {
+    return scene->settings.integrator != FATHOM_INTEGRATOR_CLASSIC && scene_replaces_lights(scene);
+}
+
 static fathom_status count(const fathom_scene *scene, const world *w, survey *out) {
     fathom_survey *s = &out->shown;
     s->triangles = scene_triangles(scene);
@@ -90,7 +95,8 @@ static fathom_status count(const fathom_scene *scene, const world *w, survey *ou
     s->quads = scene->quads.count;
     s->planes = scene->planes.count, s->instances = scene->instances.count;
     s->groups = scene->groups.count - 1, s->materials = scene->materials.count;
-    for (size_t i = 0; i < scene->lights.count; ++i) ++out->lights[scene->lights.items[i].type];
+    for (size_t i = 0; i < scene->lights.count && !replaced(scene); ++i)
+        ++out->lights[scene->lights.items[i].type];
     out->lights[FATHOM_LIGHT_ENVIRONMENT] = scene->environments.count;
     s->lights = out->lights;
     return count_placed(scene, &s->placed_triangles);
@@ -165,7 +171,7 @@ static void find_features(const fathom_scene *scene, survey *out) {
         nested |= scene->instances.items[i].parent != FATHOM_ROOT;
     const material_uses uses = materials_in_use(scene);
     const bool classic = scene->settings.integrator == FATHOM_INTEGRATOR_CLASSIC;
-    const bool studio = scene->in_studio && !classic, replaced = scene_replaces_lights(scene) && !classic;
+    const bool studio = scene->in_studio && !classic;
     const struct {
         bool used;
         const char *name;
@@ -178,10 +184,10 @@ static void find_features(const fathom_scene *scene, survey *out) {
                     {scene->instances.count, "instances"},
                     {nested, "nested groups"},
                     {out->lights[FATHOM_LIGHT_POINT], "point lights"},
-                    {out->lights[FATHOM_LIGHT_DIRECTIONAL] && !replaced, "directional lights"},
+                    {out->lights[FATHOM_LIGHT_DIRECTIONAL], "directional lights"},
                     {out->lights[FATHOM_LIGHT_SPOT], "spot lights"},
                     {scene->environments.count, "environments"},
-                    {parts_ambient(scene) && !replaced, "ambient"},
+                    {parts_ambient(scene) && !replaced(scene), "ambient"},
                     {studio, "the built-in studio"},
                     {scene->has_maps, "textures"},
                     {uses.phong, "Phong"},
