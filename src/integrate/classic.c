@@ -64,7 +64,7 @@ static void add_background(wave *w, const trace_block *block, const path_block *
     }
 }
 
-static const wave_stages classic_stages = {make_bsdfs, add_background, NULL};
+static const wave_stages classic_stages = {make_bsdfs, add_background, NULL, NULL};
 
 /* ---- light ---- */
 

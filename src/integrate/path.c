@@ -75,7 +75,6 @@ static void begin_vertices(wave *w, vertex_block *v) {
         const shader *s = v->shader.at[i];
         if (path_sends_light(s)) path_add_emission(p, v, i, s);
     }
-    if (w->run.samples.mattes && p->depth) path_show_through(p, v);
     if (w->run.samples.first && p->depth) path_show_features(p, v);
 }
 
@@ -271,6 +270,7 @@ static void find_depths(path_wave *p, const vertex_block *v) {
     wave *w = &p->wave;
     for (unsigned i = 0; i < v->surface.count; ++i) {
         const uint32_t slot = v->path.slot[i];
+        if (path_scattered(p, slot)) continue;
         shade_camera camera;
         wave_camera_when(w->run.plan, w->times[slot], &camera);
         const vec3_f32 way = sub_f32(lane_f32(v->surface.p, i), camera.eye);
@@ -283,7 +283,7 @@ static void scatter(wave *w, vertex_block *v) {
     path_wave *p = (path_wave *)w;
     vertex_keys keys;
     float choice[2][LANES];
-    if (p->depth == 0 && w->run.samples.first && w->run.plan->camera_moves) find_depths(p, v);
+    if (w->run.samples.first && w->run.plan->camera_moves) find_depths(p, v);
     if (p->ends) return;
     find_keys(p, v, &keys);
     choices(p, v, &keys, choice);
@@ -291,7 +291,11 @@ static void scatter(wave *w, vertex_block *v) {
     push_paths(p, v, &keys, choice[1]);
 }
 
-static const wave_stages path_stages = {begin_vertices, path_add_outside, scatter};
+static bool is_unscattered(const wave *w, uint32_t slot) {
+    return !path_scattered((const path_wave *)w, slot);
+}
+
+static const wave_stages path_stages = {begin_vertices, path_add_outside, scatter, is_unscattered};
 
 static bool begin_scatter(path_wave *p) {
     wave *w = &p->wave;

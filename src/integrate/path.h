@@ -51,9 +51,7 @@ void path_add_outside(wave *w, const trace_block *block, const path_block *path,
 /* The light of the surface that lane i met; see path_sends_light(). */
 void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const shader *s);
 
-/* Cryptomatte and the features for denoisers, where asked for, after the first vertex and on the way from
- * it. */
-void path_show_through(path_wave *p, const vertex_block *v);
+/* The features for denoisers, where asked for, after the first vertex and on the way from it. */
 void path_show_features(path_wave *p, const vertex_block *v);
 void path_leave_features(path_wave *p, const shader_sample *to, unsigned i, uint32_t slot);
 

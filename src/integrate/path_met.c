@@ -69,15 +69,7 @@ void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const sh
     add_light(p, slot, &v->path, i, &met);
 }
 
-/* ---- objects and features ---- */
-
-/* A path shows what it meets behind surfaces that it passes by their opacity. */
-void path_show_through(path_wave *p, const vertex_block *v) {
-    for (unsigned i = 0; i < v->surface.count; ++i) {
-        const uint32_t slot = v->path.slot[i];
-        if (!path_scattered(p, slot)) wave_keep_mattes(&p->wave, slot, i);
-    }
-}
+/* ---- features ---- */
 
 /* Denoisers want normals and albedo of what smooth mirrors and glass show (Open Image Denoise, "Albedos" and
  * "Normals"): of the first vertex that scatters otherwise. Fresnel's law mixes them over the samples, as it

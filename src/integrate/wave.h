@@ -78,6 +78,9 @@ typedef struct wave_stages {
     /* The rays that leave a block of vertices, once AOVs have all of it: the next block takes its place,
      * which is still in the cache. NULL: all blocks stay. */
     void (*leave)(wave *w, vertex_block *v);
+    /* Whether the ray in this slot left the camera and has since only passed surfaces by their opacity. Used
+     * if the plan is `covered`. */
+    bool (*unscattered)(const wave *w, uint32_t slot);
 } wave_stages;
 
 struct wave {

@@ -19,6 +19,11 @@ fathom_id wave_hit_object(const wave *w, unsigned i) {
     return world_object(scene, g->geometry[i], g->primitive[i]);
 }
 
+/* The camera sees what the ray in this slot hits: AOVs are of that hit. first: of the camera's rays. */
+static bool in_view(const wave *w, uint32_t slot, bool first) {
+    return first || (w->run.plan->covered && w->stages->unscattered(w, slot));
+}
+
 static void keep_miss(first_hits *f, uint32_t slot) {
     f->alpha[slot] = 0;
     f->z[slot] = INFINITY;
@@ -117,6 +122,15 @@ static void pad(vertex_block *v) {
     }
 }
 
+static void keep_view(wave *w, const vertex_block *v, bool first) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        if (!in_view(w, slot, first)) continue;
+        if (w->run.samples.first) keep_first(w, i, slot);
+        if (w->run.samples.mattes) wave_keep_mattes(w, slot, i);
+    }
+}
+
 static void end_block(wave *w, bool first) {
     const render_plan *plan = w->run.plan;
     vertex_block *v = open_block(w);
@@ -127,10 +141,7 @@ static void end_block(wave *w, bool first) {
                        !(plan->settings.epsilon > 0), s);
     pad(v);
     w->stages->vertices(w, v);
-    for (unsigned i = 0; first && w->run.samples.first && i < s->count; ++i)
-        keep_first(w, i, v->path.slot[i]);
-    for (unsigned i = 0; first && w->run.samples.mattes && i < s->count; ++i)
-        wave_keep_mattes(w, v->path.slot[i], i);
+    if (w->run.samples.first || w->run.samples.mattes) keep_view(w, v, first);
     if (w->stages->leave) w->stages->leave(w, v);
     w->vertex_count += s->count;
     surface_gather_begin(w->gather);
@@ -161,18 +172,27 @@ static void add_block(wave *w, const trace_block *block, const path_block *path,
     end_block(w, first);
 }
 
-/* An image with coverage is to be laid over something else. Its colours are premultiplied and leave the
- * background out. Mirrors and glass still show it. */
-static bool shows_background(const wave *w, bool first) {
-    bool seen = !(first && w->run.plan->settings.aovs & FATHOM_AOV_ALPHA);
-    return seen && w->run.plan->background;
+static uint32_t lanes_in_view(const wave *w, const path_block *path, uint32_t lanes, bool first) {
+    if (first) return lanes;
+    uint32_t seen = 0;
+    for (uint32_t left = w->run.plan->covered ? lanes : 0; left; left &= left - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(left);
+        if (in_view(w, path->slot[lane], first)) seen |= 1u << lane;
+    }
+    return seen;
 }
 
+/* An image with coverage is to be laid over something else. Its colours are premultiplied and leave the
+ * background out. Mirrors and glass still show it. */
 static void add_misses(wave *w, const trace_block *block, const path_block *path, uint32_t missed,
-                       bool background, bool first) {
-    if (background) w->stages->misses(w, block, path, missed);
-    for (; first && w->run.samples.first && missed; missed &= missed - 1) {
-        const unsigned lane = (unsigned)__builtin_ctz(missed);
+                       bool first) {
+    const bool alpha = w->run.plan->settings.aovs & FATHOM_AOV_ALPHA;
+    const bool wanted = alpha || w->run.samples.first;
+    uint32_t seen = wanted ? lanes_in_view(w, path, missed, first) : 0;
+    const uint32_t shown = alpha ? missed & ~seen : missed;
+    if (shown && w->run.plan->background) w->stages->misses(w, block, path, shown);
+    for (; w->run.samples.first && seen; seen &= seen - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(seen);
         keep_miss(w->run.samples.first, path->slot[lane]);
         if (w->cameras) wave_keep_far_vectors(w, trace_dir(&block->rays, lane), path->slot[lane]);
     }
@@ -192,7 +212,6 @@ static void ask_ahead(const wave *w, size_t done) {
 /* Whole blocks stay together, of camera rays in any order, since each has a sample of its own; the order of
  * others is that in which their light is added. */
 bool wave_surfaces(wave *w, bool first) {
-    const bool background = shows_background(w, first);
     const uint32_t whole = (1u << LANES) - 1;
     uint32_t partial = 0;
     w->vertex_count = 0;
@@ -204,7 +223,7 @@ bool wave_surfaces(wave *w, bool first) {
         uint32_t lanes = (1u << wave_lanes(w->now.count, done)) - 1,
                  met = w->run.plan->kernels->met(&block->hits) & lanes;
         ask_ahead(w, done);
-        if (met != lanes) add_misses(w, block, path, lanes & ~met, background, first);
+        if (met != lanes) add_misses(w, block, path, lanes & ~met, first);
         if (met == whole && !w->gather->count)
             add_block(w, block, path, first);
         else if (met && first)

@@ -308,13 +308,24 @@ static void weigh_lobes(shader_block *restrict out) {
         }
     }
     for (int i = 0; i < LANES; ++i) {
-        out->take[SHADER_TAKE_STRAIGHT][i] = out->at[i]->hole;
         out->take[SHADER_TAKE_MIRROR][i] = mean(out->mirror_share, i);
         out->take[SHADER_TAKE_PASS][i] = mean(out->pass_share, i);
     }
 }
 
-/* Chances that add up to 1, or to 0. */
+/* A hole is taken with the probability of its area, whatever the lobes reflect: the fraction of paths that end
+ * at the surface is its coverage, which AOVs count. If no lobe carries light, the chances add up to less than
+ * 1. */
+static void share_holes(shader_block *restrict out) {
+    for (int i = 0; i < LANES; ++i) {
+        const float hole = out->at[i]->hole;
+        if (!(hole > 0)) continue;
+        for (int k = 0; k < SHADER_TAKES; ++k) out->take[k][i] *= 1 - hole;
+        out->take[SHADER_TAKE_STRAIGHT][i] = hole;
+    }
+}
+
+/* Chances that add up to 1, or to 0; see share_holes(). */
 static void share_lobes(shader_block *restrict out) {
     float sum[LANES];
     for (int i = 0; i < LANES; ++i) sum[i] = 0x1p-126f;
@@ -324,6 +335,7 @@ static void share_lobes(shader_block *restrict out) {
     for (int k = 0; k < SHADER_TAKES; ++k) {
         for (int i = 0; i < LANES; ++i) out->take[k][i] /= sum[i];
     }
+    if (out->lobes & SHADER_STRAIGHT) share_holes(out);
 }
 
 /* share_lobes() of one lobe. */

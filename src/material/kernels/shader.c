@@ -14,7 +14,8 @@ static void evaluate(const surface_block *s, const shader_block *b, const lanes3
 
 /* ---- sampling ---- */
 
-/* The lobe whose part of [0,1) holds u. Where rounding leaves u beyond all parts, the last lobe is taken. */
+/* The lobe whose part of [0,1) holds u. If rounding leaves u beyond all parts, the last lobe is taken; but a
+ * hole that is the only lobe is taken by its own part alone. */
 static void choose_lobes(const shader_block *b, const float u[LANES], uint32_t *restrict lobe) {
     if (b->lobes == SHADER_DIFFUSE) {
         for (int i = 0; i < LANES; ++i)
@@ -30,7 +31,8 @@ static void choose_lobes(const shader_block *b, const float u[LANES], uint32_t *
             uint32_t open = ((found == SHADER_TAKES) | (u[i] >= start)) & (p > 0) ? ~0u : 0;
             found = (k & open) | (found & ~open);
         }
-        lobe[i] = found;
+        const uint32_t past = (u[i] >= end) & (end == b->take[SHADER_TAKE_STRAIGHT][i]) ? ~0u : 0;
+        lobe[i] = (SHADER_TAKES & past) | (found & ~past);
     }
 }
 
