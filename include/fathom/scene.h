@@ -158,8 +158,9 @@ typedef struct fathom_light {
 
     /* The path integrator alone: lights with a size. They send out as much as those without, and are not
      * themselves seen. The classic integrator takes them without size. */
-    float radius;         /* point and spot: of a sphere; default 0 */
-    float angular_radius; /* directional: of the disc it fills in the sky; radians, [0, pi/2); default 0 */
+    float radius;         /* point and spot: of a sphere, which no ray finds; default 0 */
+    float angular_radius; /* directional: of the disc it fills in the sky, which scattered rays find; radians,
+                             [0, pi/2); default 0 */
     /* Environment: an equirectangular image in any format that OpenImageIO reads, its radiance times
      * `intensity`. Its centre lies towards -z, the up axis is y. `rotation` turns it about y, radians,
      * counter-clockwise from above; default 0. Then the shortest turn takes its top from y to `up`, which

@@ -38,6 +38,19 @@ static void look_outside(path_wave *p, const trace_block *block, const path_bloc
     emitters_outside(p->wave.run.plan->emitters, lanes, n, direction, radiance, density);
 }
 
+/* Suns are not in view. */
+static void add_suns(path_wave *p, uint32_t slot, const path_block *path, unsigned i, vec3_f32 direction) {
+    const emitters *e = p->wave.run.plan->emitters;
+    for (uint32_t k = 0; k < emitters_sun_count(e) && path_scattered(p, slot); ++k) {
+        emitter_disc disc;
+        if (!emitters_disc(e, k, direction, &disc)) continue;
+        if (!(disc.density > 0) && p->density[slot] < INFINITY) continue;
+        met_light met = {.density = disc.density, .group = disc.group, .direction = direction};
+        memcpy(met.radiance, disc.radiance, sizeof met.radiance);
+        add_light(p, slot, path, i, &met);
+    }
+}
+
 void path_add_outside(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
     path_wave *p = (path_wave *)w;
     lanes3 radiance;
@@ -51,6 +64,7 @@ void path_add_outside(wave *w, const trace_block *block, const path_block *path,
                                .direction = trace_dir(&block->rays, i)};
         if (p->media && media_absorbs(p->media, path->slot[i])) continue;
         add_light(p, path->slot[i], path, i, &met);
+        add_suns(p, path->slot[i], path, i, met.direction);
     }
 }
 

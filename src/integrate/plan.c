@@ -87,13 +87,6 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
     return FATHOM_OK;
 }
 
-static bool casts_all_shadows(const world *w) {
-    unsigned flags = 0;
-    for (size_t i = 0; i < w->geometries.count; ++i) flags |= w->geometries.items[i].flags;
-    for (size_t i = 0; i < w->planes.count; ++i) flags |= w->planes.items[i].flags;
-    return !(flags & FATHOM_CASTS_NO_SHADOW);
-}
-
 static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
     fathom_status status = plan_shaders(context, plan);
     if (status == FATHOM_OK)
@@ -105,7 +98,7 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
     plan->background = emitters_any_outside(plan->emitters);
     plan->camera_moves = motion_camera_moves(&plan->scene->camera);
     plan->moves = plan->world->moves || plan->camera_moves;
-    plan->unshadowed = !casts_all_shadows(plan->world);
+    plan->unshadowed = !world_casts_all_shadows(plan->world);
     plan->max_depth = plan->settings.max_depth;
     return plan->watertight ? plan_eye(plan) : FATHOM_OK;
 }

@@ -53,6 +53,21 @@ static vec3_f64 outside(const reference_scene *r, vec3_f64 direction) {
     return o->environment ? o->environment(o->user, direction) : reference_sky_light(r, direction);
 }
 
+/* The discs of suns: beams alone meet them. */
+static vec3_f64 suns(const reference_scene *r, vec3_f64 direction) {
+    const size_t count = scene_replaces_lights(r->scene) ? 0 : r->scene->lights.count;
+    vec3_f64 sum = {0, 0, 0};
+    for (size_t i = 0; i < count; ++i) {
+        const fathom_light *light = &r->scene->lights.items[i];
+        const double angle = (double)light->angular_radius, sine = sin(angle);
+        const vec3_f64 axis = normalize_f64(neg_f64(load_f64(light->direction)));
+        if (light->type != FATHOM_LIGHT_DIRECTIONAL || !(angle > 0)) continue;
+        if (dot_f64(axis, direction) < cos(angle)) continue;
+        sum = add_f64(sum, scale_f64(1 / (sine * sine), color_of(light->intensity)));
+    }
+    return sum;
+}
+
 /* ---- paths ---- */
 
 typedef struct path {
@@ -61,6 +76,7 @@ typedef struct path {
     unsigned nested;                   /* so many */
     unsigned channel;                  /* the one that it carries, 1 to 3; 0: all */
     bool overlap;                      /* of volumes without priorities */
+    bool smooth;                       /* it left its last surface by a beam */
 } path;
 
 /* nested: it is not in there. */
@@ -149,6 +165,7 @@ static bool scatter(path *p, const reference_scene *r, const reference_surface *
     double sum = others;
     for (unsigned i = 0; i < all.beams; ++i) sum += largest(all.beam[i].weight);
     double pick = reference_uniform(random) * sum;
+    p->smooth = true;
     for (unsigned i = 0; i < all.beams; ++i) {
         const double gain = largest(all.beam[i].weight);
         if (pick < gain) {
@@ -158,6 +175,7 @@ static bool scatter(path *p, const reference_scene *r, const reference_surface *
         }
         pick -= gain;
     }
+    p->smooth = false;
     const double density = reference_choose(r, s, &all, random, &p->direction) * others / sum;
     if (!(density > 0)) return false;
     p->weight = scale_f64(1 / density, times(p->weight, reference_evaluate(s, p->direction)));
@@ -189,7 +207,9 @@ static bool radiance(const reference_scene *r, path p, reference_random random, 
     for (unsigned bounce = 0; !p.overlap;) {
         reference_surface s;
         if (!reference_closest(r, p.origin, p.direction, (double)INFINITY, false, &random, &s)) {
-            if (!absorbs(medium_of(&p, NULL))) sum = add_f64(sum, times(p.weight, outside(r, p.direction)));
+            if (absorbs(medium_of(&p, NULL))) break;
+            sum = add_f64(sum, times(p.weight, outside(r, p.direction)));
+            if (p.smooth) sum = add_f64(sum, times(p.weight, suns(r, p.direction)));
             break;
         }
         const fathom_material *medium = medium_of(&p, NULL);

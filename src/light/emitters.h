@@ -23,6 +23,8 @@ void emitters_destroy(emitters *e);
 bool emitters_none(const emitters *e);
 /* Rays that leave the scene may meet light. */
 bool emitters_any_outside(const emitters *e);
+/* Suns that have a size. */
+uint32_t emitters_sun_count(const emitters *e);
 
 /* The most that comes from outside in any direction, by channel. */
 void emitters_brightest_outside(const emitters *e, float out[3]);
@@ -73,6 +75,16 @@ float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 d
  * set. */
 void emitters_outside(const emitters *e, unsigned lanes, const lanes3 n, const lanes3 direction,
                       lanes3 radiance, float density[LANES]);
+
+/* The disc of a sun, as scattered rays find it; the camera does not see it. */
+typedef struct emitter_disc {
+    float radiance[3];
+    float density; /* with which emitters_sample() takes each direction to it; 0: as if it had no size, so
+                      that only rays of smooth lobes may add its light */
+    uint8_t group;
+} emitter_disc;
+/* False: the unit direction leads past the disc. k: below emitters_sun_count(). */
+bool emitters_disc(const emitters *e, uint32_t k, vec3_f32 direction, emitter_disc *out);
 
 /* The group of what comes from outside; LIGHT_GROUP_OUTSIDE: of several, which emitters_outside_shares()
  * tells for each direction: by group and channel, the share of it. */

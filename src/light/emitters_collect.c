@@ -101,6 +101,19 @@ const emitter_run *emitters_run_of(const emitters *e, uint32_t emitter) {
 
 /* ---- lamps and suns ---- */
 
+/* Shapes that cast no shadow let a sun's light pass, but not the rays that would find its disc: there samples
+ * of its light count alone. */
+static void sort_suns(emitters *e) {
+    const bool found = world_casts_all_shadows(e->w);
+    for (uint32_t i = 0; i < e->sun_count; ++i) {
+        const emitter_sun sun = e->suns[i];
+        if (!(sun.cap > 0)) continue;
+        e->suns[i] = e->suns[e->disc_count];
+        e->suns[e->disc_count] = sun;
+        e->suns[e->disc_count++].sized = found;
+    }
+}
+
 static bool sort_lights(emitters *e) {
     const fathom_scene *scene = e->w->scene;
     const size_t count = scene_replaces_lights(scene) ? 0 : scene->lights.count;
@@ -123,6 +136,7 @@ static bool sort_lights(emitters *e) {
         sun->to_light = made.to_light, sun->cap = 2 * half * half;
         for (int c = 0; c < 3; ++c) sun->irradiance[c] = (float)SHAPE_PI * light->intensity[c];
     }
+    sort_suns(e);
     return true;
 }
 
@@ -301,7 +315,9 @@ void emitters_destroy(emitters *e) {
     free(e);
 }
 
-bool emitters_any_outside(const emitters *e) { return e->chance[EMITTER_OUTSIDE] > 0; }
+bool emitters_any_outside(const emitters *e) {
+    return e->chance[EMITTER_OUTSIDE] > 0 || (e->chance[EMITTER_DIRECTIONAL] > 0 && e->disc_count);
+}
 
 bool emitters_move(const emitters *e) { return e->moving; }
 

@@ -31,6 +31,7 @@ typedef struct emitter_sun {
     double cap;    /* 1 - cos of half the angle it fills */
     double chance; /* among suns, and all before it */
     double below;
+    bool sized; /* samples of its light are weighed against rays that find it by chance */
     uint8_t group;
 } emitter_sun;
 
@@ -82,8 +83,8 @@ struct emitters {
     emitter_lamp *lamps;
     uint32_t lamp_count;
     light_surface *surfaces; /* that hold lamps */
-    emitter_sun *suns;
-    uint32_t sun_count;
+    emitter_sun *suns;       /* those with a size first */
+    uint32_t sun_count, disc_count;
     float background[3];
     double background_chance; /* among what comes from outside */
     emitter_sky *skies;

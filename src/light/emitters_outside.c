@@ -3,8 +3,21 @@
 
 #include <string.h>
 
-/* A surface that faces a disc of half the angle a gets pi L sin²a = E. Over the disc's solid angle, 2 pi (1 -
- * cos a), that is E 2 / (1 + cos a). */
+/* ---- suns ---- */
+
+static double solid_angle(const emitter_sun *sun) { return 2 * SHAPE_PI * sun->cap; }
+
+/* A surface that faces a disc of half the angle a gets pi L sin²a = E. */
+static vec3_f32 disc_radiance(const emitter_sun *sun) {
+    const double sine2 = sun->cap * (2 - sun->cap);
+    return scale_f32((float)(1 / (SHAPE_PI * sine2)), load_f32(sun->irradiance));
+}
+
+static float disc_density(const emitters *e, const emitter_sun *sun) {
+    return density_f32(e->chance[EMITTER_DIRECTIONAL] * sun->chance / solid_angle(sun));
+}
+
+/* Without a size it has the irradiance of a surface that faces it: E times 2 / (1 + cos a) over the disc. */
 void emitters_sample_sun(const emitters *e, double u, double v, double choice, emitter_sample *out,
                          unsigned i) {
     uint32_t k = e->sun_count - 1;
@@ -12,11 +25,31 @@ void emitters_sample_sun(const emitters *e, double u, double v, double choice, e
     const emitter_sun *sun = &e->suns[k];
     const shape_cone cone = {shape_unit(widen(sun->to_light)), 1, sun->cap};
     put_lane_f32(out->direction, i, narrow(shape_cone_sample(&cone, u, v)));
-    put_lane_f32(out->radiance, i, scale_f32((float)(2 / (2 - sun->cap)), load_f32(sun->irradiance)));
     out->distance[i] = INFINITY, out->group[i] = sun->group;
+    out->sized[i] = sun->sized ? ~0u : 0;
+    if (sun->sized) {
+        put_lane_f32(out->radiance, i, disc_radiance(sun));
+        out->density[i] = disc_density(e, sun);
+        return;
+    }
+    put_lane_f32(out->radiance, i, scale_f32((float)(2 / (2 - sun->cap)), load_f32(sun->irradiance)));
     out->density[i] = (float)(e->chance[EMITTER_DIRECTIONAL] * sun->chance);
-    out->sized[i] = 0;
 }
+
+uint32_t emitters_sun_count(const emitters *e) { return e->disc_count; }
+
+/* Unit vectors at the angle a are the root of 2 (1 - cos a) apart. */
+bool emitters_disc(const emitters *e, uint32_t k, vec3_f32 direction, emitter_disc *out) {
+    const emitter_sun *sun = &e->suns[k];
+    const vec3_f64 apart = sub_f64(normalize_f64(widen(direction)), shape_unit(widen(sun->to_light)));
+    if (dot_f64(apart, apart) > 2 * sun->cap) return false;
+    store_f32(out->radiance, disc_radiance(sun));
+    out->density = sun->sized ? disc_density(e, sun) : 0;
+    out->group = sun->group;
+    return true;
+}
+
+/* ---- background and environments ---- */
 
 /* Background and environments add up. One of them takes a direction; its density counts them all. */
 static void look_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,

@@ -313,9 +313,9 @@ static void weigh_lobes(shader_block *restrict out) {
     }
 }
 
-/* A hole is taken with the probability of its area, whatever the lobes reflect: the fraction of paths that end
- * at the surface is its coverage, which AOVs count. If no lobe carries light, the chances add up to less than
- * 1. */
+/* A hole is taken with the probability of its area, whatever the lobes reflect: the fraction of paths that
+ * end at the surface is its coverage, which AOVs count. If no lobe carries light, the chances add up to less
+ * than 1. */
 static void share_holes(shader_block *restrict out) {
     for (int i = 0; i < LANES; ++i) {
         const float hole = out->at[i]->hole;

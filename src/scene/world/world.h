@@ -186,6 +186,8 @@ bool world_instance_fits_float(const world_instance *instance);
 /* FATHOM_BAD_INPUT when the scene's camera could not see anything of it: nothing has an area, or the camera
  * is out of reach. Warns of lights inside spheres. */
 fathom_status world_check(const world *w);
+/* No shape is FATHOM_CASTS_NO_SHADOW. */
+bool world_casts_all_shadows(const world *w);
 
 /* Object and material of a primitive. geometry: index into geometries. */
 fathom_id world_object(const world *w, uint32_t geometry, uint32_t primitive);

@@ -149,6 +149,13 @@ static fathom_status check_camera(const world *w) {
                 hypot(hypot(eye.x, eye.y), eye.z), WORLD_REACH);
 }
 
+bool world_casts_all_shadows(const world *w) {
+    unsigned flags = 0;
+    for (size_t i = 0; i < w->geometries.count; ++i) flags |= w->geometries.items[i].flags;
+    for (size_t i = 0; i < w->planes.count; ++i) flags |= w->planes.items[i].flags;
+    return !(flags & FATHOM_CASTS_NO_SHADOW);
+}
+
 fathom_status world_check(const world *w) {
     fathom_status status = check_area(w);
     if (status == FATHOM_OK) status = check_camera(w);
