@@ -13,7 +13,8 @@ bool array_reserve(void *items, size_t *capacity, size_t count, size_t more, siz
     size_t room = *capacity < 8 ? 8 : *capacity + *capacity / 2;
     if (room < need || room > SIZE_MAX / size) room = need;
     if (!memory_has((room - *capacity) * size)) return false;
-    /* Copied bytewise: its type is the caller's, and reading it as void * would break aliasing. */
+    /* Copied as bytes: the pointer has the caller's type, and reading it as void * would violate strict
+     * aliasing. */
     void *pointer;
     memcpy(&pointer, items, sizeof pointer);
     pointer = realloc(pointer, room * size);

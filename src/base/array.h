@@ -5,11 +5,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Makes room for `more` items of `size` bytes. items: the address of the array's pointer. False: no memory.
- */
+/* Makes room for `more` further items of `size` bytes each. `items` is the address of the array's pointer.
+ * Returns false when out of memory. */
 bool array_reserve(void *items, size_t *capacity, size_t count, size_t more, size_t size);
 
-/* ARRAY(type) name; then array_push(&name, value) -> false when out of memory. */
+/* Declares an array: ARRAY(type) name, set to zero. array_push(&name, value) returns false when out of
+ * memory. */
 #define ARRAY(type)                                                                                          \
     struct {                                                                                                 \
         type *items;                                                                                         \

@@ -10,7 +10,7 @@ static inline double clock_read(clockid_t clock) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* Since an arbitrary start, never going back. */
+/* Monotonic time since an arbitrary start. */
 static inline double clock_seconds(void) { return clock_read(CLOCK_MONOTONIC); }
 /* Processor time of the calling thread, and of all threads of the process. */
 static inline double clock_thread_seconds(void) { return clock_read(CLOCK_THREAD_CPUTIME_ID); }

@@ -8,65 +8,70 @@
 #include <fathom/file.h>
 
 /* A file mapped for reading, or copied (fathom_context_copy_files()). At least FILE_PADDING zero bytes follow
- * the last byte: text is terminated, and Embree may read past a vertex buffer that ends with the file. */
+ * the last byte, so text is terminated, and Embree may read past a vertex buffer at the end of the file. */
 #define FILE_PADDING 64
 typedef struct file_map {
     const unsigned char *bytes;
     size_t size;                /* of the file */
     size_t reserved;            /* of the mapping */
-    struct file_record *record; /* of the mapped file; NULL: a copy, or nothing */
+    struct file_record *record; /* of the mapped file; NULL: the file was copied, or none is open */
 } file_map;
 
 /* FATHOM_BAD_INPUT when the file is missing, unreadable, empty, or a folder, pipe or device;
- * FATHOM_OUT_OF_RESOURCES without memory or descriptors; FATHOM_BAD_USAGE when it is an output. */
+ * FATHOM_OUT_OF_RESOURCES when memory or file descriptors run out; FATHOM_BAD_USAGE when the file is an
+ * output (fathom_file_protect()). */
 fathom_status file_open(fathom_context *context, const char *path, file_map *out);
 void file_close(file_map *map);
 /* FATHOM_BAD_INPUT when the file's size or modification time changed since it was opened. Any thread may call
  * it. */
 fathom_status file_check(fathom_context *context, const file_map *map);
-/* file_close() after reading ended with `status`. Returns it, or the failure of file_check(). */
+/* Checks the file with file_check() and closes it, after reading has ended with `status`. Returns the failure
+ * of the check, else `status`. */
 fathom_status file_finish(fathom_context *context, file_map *map, fathom_status status);
-/* Releases the memory under the bytes, in whole pages, until they are read again. */
+/* Drops the whole pages within [begin, end) from memory. Pages that are read again are loaded from the file.
+ * Does nothing for a copy. */
 void file_rest(const file_map *map, size_t begin, size_t end);
 
 /* Writes a whole file or none, even if the process is killed or the machine stops: bytes go to a temporary
  * file next to `path` ("out.fathom-tmp4711.exr" for "out.exr"), which is renamed once they are on the disk.
- * An existing file is replaced and its rights are kept; a symbolic link is replaced, not followed. A killed
- * process leaves the temporary file behind: fathom_file_remove_left_over(). */
+ * An existing file is replaced and its permissions are kept; a symbolic link is replaced, not followed. A
+ * killed process leaves the temporary file behind; fathom_file_remove_left_over() removes it. */
 typedef struct file_writer file_writer;
 fathom_status file_writer_open(fathom_context *context, const char *path, file_writer **out);
-/* Writes to memory, by file_writer_put() alone; `name` stands for it in messages. */
+/* Writes to memory: there is no temporary file and no descriptor. Messages call the output `name`. */
 fathom_status file_writer_open_memory(fathom_context *context, const char *name, file_writer **out);
-/* Ends a writer to memory; on FATHOM_OK release `bytes` with free(). */
+/* Ends a writer to memory. On FATHOM_OK the caller frees `bytes`. */
 fathom_status file_writer_take(file_writer *writer, unsigned char **bytes, size_t *size);
 /* The name of the temporary file, for libraries that write by name. */
 const char *file_writer_temporary(const file_writer *writer);
-/* The open temporary file, for writers by offset; not together with file_writer_put(). */
+/* The descriptor of the open temporary file, for writing at offsets. Do not combine with
+ * file_writer_put(). */
 int file_writer_descriptor(const file_writer *writer);
 /* Buffered; errors are kept and reported by file_writer_commit(). */
 void file_writer_put(file_writer *writer, const void *bytes, size_t size);
 void file_writer_print(file_writer *writer, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Waits until the bytes are on the disk; commit does so itself. */
+/* Waits until all bytes are on the disk. file_writer_commit() does this itself. */
 void file_writer_sync(file_writer *writer);
-/* Each ends the writer. Commit returns FATHOM_OUT_OF_RESOURCES when the disk is full. */
+/* Both end the writer. Commit returns FATHOM_OUT_OF_RESOURCES when writing failed, for example on a full
+ * disk. */
 fathom_status file_writer_commit(file_writer *writer);
 void file_writer_abort(file_writer *writer);
 
-/* Locks a file in all processes: others get FATHOM_BAD_USAGE. End with file_lock_release(), which takes NULL.
- */
+/* Locks a file. Until file_lock_release(), every other file_lock_take() of it, in any process, returns
+ * FATHOM_BAD_USAGE. file_lock_release() accepts NULL. */
 typedef struct file_lock file_lock;
 fathom_status file_lock_take(fathom_context *context, const char *path, file_lock **out);
 void file_lock_release(file_lock *lock);
 
 /* The path of `name` next to the file `base`, unless name is absolute. Release with free(). */
 char *file_beside(const char *base, const char *name);
-/* Finds a file whose path equals `path` when the case of A to Z is ignored from index `from` on. Paths
- * written on Windows need this. If several match, the first by strcmp() counts. NULL: none. Release with
- * free(). */
+/* Finds a file whose path equals `path` except for the case of A to Z from index `from` on. Paths written on
+ * Windows need this. Each part of the path matches exactly if possible, else the first match by strcmp() is
+ * taken. NULL: no such file, or out of memory. Release with free(). */
 char *file_of_any_case(const char *path, size_t from);
-/* FATHOM_BAD_INPUT when `path`, which a file calls `name`, is absolute or leads out of the folder of the file
- * `top` ("": the working folder), and the context does not allow it. Follows links. Does not guard against
- * changes between this call and file_open(). */
+/* FATHOM_BAD_INPUT when `name`, as written in an input file, is an absolute path, or when `path`, to which it
+ * was resolved, lies outside the folder of the file `top` ("": the working folder), unless the context allows
+ * it. Symbolic links are followed. Does not guard against changes between this call and file_open(). */
 fathom_status file_confine(fathom_context *context, const char *top, const char *path, const char *name);
 
 #endif

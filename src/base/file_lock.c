@@ -1,5 +1,6 @@
-/* The lock is a file of its own, because the locked file is replaced again and again. The lock ends with its
- * process; if that is killed, the empty lock file stays until the next process locks and removes it. */
+/* The lock is a separate file, because the locked file itself is replaced repeatedly. The lock ends with its
+ * process. If the process is killed, the empty lock file remains until the next process takes and releases
+ * the lock. */
 #include "base/file.h"
 
 #include <errno.h>
@@ -36,7 +37,7 @@ static void lock_free(file_lock *lock) {
     free(lock);
 }
 
-/* A file system without locks keeps nobody out. */
+/* On a file system without locks, this always succeeds. */
 static fathom_status lock_open(fathom_context *context, const char *path, file_lock *lock) {
     struct stat info;
     do {

@@ -1,9 +1,10 @@
-/* Files mapped for reading, and the guard for a file that shrinks while it is mapped.
+/* Files mapped for reading, and the guard: a SIGBUS handler for files that shrink while they are mapped.
  *
- * A thread that reads a mapped page past the end of its file gets SIGBUS; it may be one of Embree's. The
- * guard maps zeros there and marks the file as lost: the work goes on, and file_check() reports it later. The
- * handler finds the mapping in a table without a lock: slots are reused, and a slot whose version is odd or
- * changes during the read is in another thread's hands. The slot of the faulting page is not. */
+ * A thread that reads a mapped page past the end of its file gets SIGBUS; it may be a thread of Embree. The
+ * guard maps zeros there and marks the file as lost. Work continues, and file_check() reports the loss later.
+ * The handler searches a table of mappings without a lock. If the version of a slot is odd, or changes while
+ * the slot is read, another thread is changing that slot. The slot of the faulting page cannot be among
+ * these. */
 #include "base/file.h"
 
 #include "base/opened.h"
@@ -27,9 +28,9 @@ typedef struct slot {
     atomic_bool lost;
 } slot;
 
-#define SLOTS 4096 /* further files are copied */
+#define SLOTS 4096 /* beyond this number, files are copied */
 static slot slots[SLOTS];
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of all changes to the table */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* guards all changes to the table */
 
 static void slot_set(slot *s, uintptr_t begin, uintptr_t end) {
     atomic_fetch_add(&s->version, 1);
@@ -57,7 +58,7 @@ static void slot_return(slot *s) {
 
 /* ---- the guard ---- */
 
-/* The slot whose mapping holds the address, and where that ends. */
+/* The slot whose mapping contains the address, and the end of that mapping. */
 static slot *find_slot(uintptr_t address, uintptr_t *end) {
     for (slot *s = slots; s < slots + SLOTS; ++s) {
         unsigned version = atomic_load(&s->version);
@@ -69,16 +70,16 @@ static slot *find_slot(uintptr_t address, uintptr_t *end) {
     return NULL;
 }
 
-static uintptr_t page_bytes; /* sysconf() is no call for a signal handler */
+static uintptr_t page_bytes; /* sysconf() may not be called in a signal handler */
 static struct sigaction before;
 
-/* Only makes calls that are safe in a signal handler; mmap() is the bare system call. */
+/* Makes only calls that are safe in a signal handler; mmap() is a plain system call. */
 static void on_bus_error(int number, siginfo_t *info, void *machine) {
     int error = errno;
     uintptr_t address = (uintptr_t)info->si_addr, end;
-    slot *s = info->si_code > 0 ? find_slot(address, &end) : NULL; /* else sent by a process */
+    slot *s = info->si_code > 0 ? find_slot(address, &end) : NULL; /* otherwise a process sent the signal */
     if (s) {
-        /* The following pages lie behind the end of the file as well. */
+        /* All following pages of the mapping lie past the end of the file too. */
         uintptr_t page = address / page_bytes * page_bytes;
         atomic_store(&s->lost, true);
         void *zeros =
@@ -122,7 +123,7 @@ struct file_record {
     char path[];
 };
 
-/* Maps the file over a longer anonymous mapping, so that zeros follow it even when it ends with a page. */
+/* Maps the file over a longer anonymous mapping, so that zeros follow it even if it fills its last page. */
 static fathom_status map_bytes(fathom_context *context, const char *path, int descriptor,
                                const struct stat *info, slot *guarded, file_map *map) {
     size_t length = strlen(path) + 1;
@@ -184,7 +185,7 @@ static fathom_status open_descriptor(fathom_context *context, const char *path, 
 
 fathom_status file_open(fathom_context *context, const char *path, file_map *out) {
     *out = (file_map){0};
-    /* Does not wait for a pipe, and takes no terminal. */
+    /* The flags avoid waiting for a pipe and acquiring a controlling terminal. */
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (descriptor < 0) return fail_file(context, status_of(errno), path, "%s", strerror(errno));
     fathom_status status = open_descriptor(context, path, descriptor, out);
@@ -207,7 +208,7 @@ fathom_status file_check(fathom_context *context, const file_map *map) {
     if (!record) return FATHOM_OK;
     struct stat now, then = record->stamp;
     const char *path = record->path;
-    /* A mapping keeps its file even if another file takes the name. */
+    /* A mapping keeps its file even if the path now refers to another file. */
     const bool same = stat(path, &now) == 0 && now.st_dev == then.st_dev && now.st_ino == then.st_ino;
     if (same && now.st_size < then.st_size)
         return fail_truncated(context, path, (size_t)now.st_size, map->size);
@@ -223,7 +224,7 @@ fathom_status file_check(fathom_context *context, const file_map *map) {
 }
 
 fathom_status file_finish(fathom_context *context, file_map *map, fathom_status status) {
-    /* A change explains whatever was found wrong in the file. */
+    /* If the file changed, that explains any error found in it. */
     fathom_status changed =
         status == FATHOM_OK || status == FATHOM_BAD_INPUT ? file_check(context, map) : FATHOM_OK;
     file_close(map);
@@ -231,7 +232,7 @@ fathom_status file_finish(fathom_context *context, file_map *map, fathom_status 
 }
 
 void file_rest(const file_map *map, size_t begin, size_t end) {
-    if (!map->record) return; /* a copy would be lost */
+    if (!map->record) return; /* the contents of a copy would be lost */
     size_t page = (size_t)sysconf(_SC_PAGESIZE);
     begin = (begin + page - 1) / page * page, end = end / page * page;
     if (begin < end) madvise((void *)(uintptr_t)(map->bytes + begin), end - begin, MADV_DONTNEED);

@@ -1,4 +1,4 @@
-/* Names of files, and which files a file may name. */
+/* File names, and the check of the paths in input files. */
 #include "base/file.h"
 
 #include <ctype.h>
@@ -46,7 +46,8 @@ char *file_beside(const char *base, const char *name) {
     return path;
 }
 
-/* Gives the last part of `path`, of `length` bytes, the letters of an entry of its folder. */
+/* Replaces the last part of `path`, of `length` bytes, by an entry of its folder that differs only in case.
+ * False if there is none. */
 static bool take_entry(char *path, size_t length) {
     char *part = path + strlen(path) - length, best[NAME_MAX + 1] = "";
     const char first = *part;
@@ -78,16 +79,16 @@ char *file_of_any_case(const char *path, size_t from) {
     return NULL;
 }
 
-/* ---- files that a file may name ---- */
+/* ---- the paths in input files ---- */
 
-/* Both paths are free of links, dots and double slashes. */
+/* Both paths are canonical: without symbolic links, dots and double slashes. */
 static bool holds(const char *folder, const char *path) {
     size_t length = strlen(folder);
     if (length == 1) return true; /* "/" */
     return strncmp(folder, path, length) == 0 && path[length] == '/';
 }
 
-/* True if the ".." of a path climb above its start: for missing files, whose links cannot be followed. */
+/* True if the ".." in a path lead above its start. For missing files, whose links cannot be followed. */
 static bool climbs_out(const char *path) {
     long depth = 0;
     for (const char *part = path; *part && depth >= 0; part += strspn(part, "/")) {

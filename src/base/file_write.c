@@ -22,14 +22,14 @@ struct file_writer {
     fathom_context *context;
     FILE *stream;
     int error;
-    char *path, *temporary; /* the second is NULL in memory */
-    char *bytes;            /* in memory alone, as the stream has them when it is flushed */
+    char *path, *temporary; /* `temporary` is NULL when writing to memory */
+    char *bytes;            /* only when writing to memory: what the stream has after a flush */
     size_t size;
 };
 
 /* ---- for a signal handler ---- */
 
-/* The temporary files that exist now; fathom_file_abandon_all() removes no others. */
+/* The existing temporary files, for fathom_file_abandon_all(). Further ones are not removed by it. */
 #define TEMPORARIES_MAX 16
 static _Atomic(char *) temporaries[TEMPORARIES_MAX];
 
@@ -54,10 +54,10 @@ void fathom_file_abandon_all(void) {
 /* ---- names of temporary files ---- */
 
 #define MARK ".fathom-tmp"
-#define NUMBERS 16 /* room for those of the process and the attempt */
+#define NUMBERS 16 /* bytes for the process id and the attempt */
 #define EXTENSION_MOST 16
 
-/* Where the extension begins, and how much of what comes before it is kept. */
+/* Sets *extension to its start, and returns how many bytes before it are kept. */
 static size_t split(const char *name, const char **extension) {
     const char *dot = name + file_stem_length(name);
     *extension = strlen(dot) <= EXTENSION_MOST ? dot : name + strlen(name);
@@ -66,9 +66,9 @@ static size_t split(const char *name, const char **extension) {
     return stem <= most ? stem : file_name_cut(name, most);
 }
 
-/* A name next to `path` with its extension, by which libraries choose the format: "out.exr" becomes
- * "out.fathom-tmp4711.exr", or "out.fathom-tmp4711-1.exr" at the next attempt; 4711 is this process. Names
- * that are too long lose their end. NULL: no memory. */
+/* A temporary name next to `path`. It keeps the extension, by which libraries choose the format: "out.exr"
+ * becomes "out.fathom-tmp4711.exr", or "out.fathom-tmp4711-1.exr" at the next attempt; 4711 is the process
+ * id. Names that are too long are cut before the extension. NULL: no memory. */
 static char *temporary_name(const char *path, unsigned attempt) {
     const char *name = file_name(path), *extension;
     const size_t kept = (size_t)(name - path) + split(name, &extension),
@@ -96,8 +96,8 @@ static bool temporary_is_of(const char *name, const char *target) {
 
 /* ---- temporary files ---- */
 
-/* Locks the file, and checks that nobody removed it before. Without locks in the file system it counts as
- * locked, and no file is ever taken for left over. */
+/* Locks the file and checks that it has not been removed since it was opened. On a file system without locks
+ * it counts as locked, and no file counts as left over. */
 static bool lock_named(int descriptor) {
     struct stat info;
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) return errno != EWOULDBLOCK;
@@ -134,10 +134,11 @@ static void writer_free(file_writer *writer) {
     free(writer);
 }
 
-/* Two processes in two containers may have the same number and write to the same folder. */
+/* Processes in two containers may have the same id and write to the same folder, so several names are
+ * tried. */
 #define ATTEMPTS 100u
 
-/* Never opens a file that exists: somebody else may have put another file there under that name. */
+/* Never opens an existing file: somebody else may have put another file there under that name. */
 static int open_new(const char *name, mode_t mode) {
     int descriptor = open(name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
     if (descriptor >= 0 || errno != EEXIST) return descriptor;
@@ -146,7 +147,8 @@ static int open_new(const char *name, mode_t mode) {
     return -1;
 }
 
-/* -1 and errno on failure. A file that replaces another is private until it gets that one's rights. */
+/* Returns -1 and sets errno on failure. A file that replaces another is private until it gets the permissions
+ * of the old file. */
 static int open_temporary(file_writer *writer) {
     struct stat old;
     const bool replaces = lstat(writer->path, &old) == 0 && S_ISREG(old.st_mode);
@@ -226,13 +228,13 @@ void file_writer_print(file_writer *writer, const char *format, ...) {
     va_end(args);
 }
 
-/* Some file systems have nothing to sync, and say so. */
+/* Some file systems do not support syncing; the errors that say so are ignored. */
 static int sync_descriptor(int descriptor) {
     if (fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP || errno == EROFS) return 0;
     return errno;
 }
 
-/* Puts the new name on the disk, if the folder can be read. */
+/* Syncs the folder, so that the new name is on the disk. Does nothing if the folder cannot be opened. */
 static int sync_folder(const char *path) {
     char *beside = file_beside(path, ".");
     int descriptor = beside ? open(beside, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
@@ -249,7 +251,7 @@ void file_writer_sync(file_writer *writer) {
     if (error) writer->error = error;
 }
 
-/* Renames before it closes the stream: the lock protects the file until then. */
+/* Renames before closing the stream, because closing ends the lock that protects the file. */
 fathom_status file_writer_commit(file_writer *writer) {
     fathom_context *context = writer->context;
     file_writer_sync(writer);
@@ -287,7 +289,7 @@ void file_writer_abort(file_writer *writer) {
 
 /* ---- checks before writing ---- */
 
-/* Quotas and full disks show only when something is written. */
+/* Quotas and full disks are detected only by writing something. */
 #define PROBE_BYTES 4096u
 
 static fathom_status probe(fathom_context *context, const char *path) {
@@ -302,8 +304,8 @@ static fathom_status probe(fathom_context *context, const char *path) {
     return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be written: %s", strerror(error));
 }
 
-/* The errno that would stop a file from being replaced later, or 0. A file without write permission could be
- * replaced, but its owner clearly wants to keep it. */
+/* The errno with which replacing the file would fail later, or 0. A file without write permission could be
+ * replaced, but is refused: its owner clearly wants to keep it. */
 static int refusal(const char *path, const char *folder) {
     struct stat info, above;
     struct statx more;

@@ -4,9 +4,9 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "hashes are the same on every machine");
 
-/* Multiplication by an odd number and the xor-shift are both invertible, so a step loses nothing of the state
- * or the word. The multiplier is 2^64 over the golden ratio, which spreads low bits well (Knuth, The Art of
- * Computer Programming, 6.4). */
+/* Multiplication by an odd number and the xor-shift are both invertible, so a step loses no information of
+ * the state or the word. The multiplier is 2^64 divided by the golden ratio, which distributes low bits well
+ * (Knuth, The Art of Computer Programming, 6.4). */
 static uint64_t step(uint64_t state, uint64_t word) {
     uint64_t x = (state ^ word) * 0x9e3779b97f4a7c15u;
     return x ^ x >> 32;

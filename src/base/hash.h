@@ -1,5 +1,6 @@
-/* A 64-bit hash of bytes, the same on every machine: against accidents, not against forgers. A change within
- * eight bytes at a multiple of eight always changes it; any other change with odds of 1 in 2^64 does not. */
+/* A 64-bit hash of bytes, the same on every machine. It detects accidental changes, not forgeries. A change
+ * within one block of eight bytes, at an offset that is a multiple of eight, always changes the hash. Any
+ * other change leaves the hash equal with a probability of 2^-64. */
 #ifndef BASE_HASH_H
 #define BASE_HASH_H
 
@@ -8,12 +9,12 @@
 
 typedef struct hash {
     uint64_t state, length;
-    uint64_t word;    /* an incomplete one */
-    unsigned waiting; /* bytes in it */
+    uint64_t word;    /* bytes that do not fill a word yet */
+    unsigned waiting; /* the number of these bytes */
 } hash;
 
 void hash_begin(hash *h);
-/* The sizes of the pieces do not matter. */
+/* The hash does not depend on how the bytes are divided among calls. */
 void hash_put(hash *h, const void *bytes, size_t size);
 uint64_t hash_end(const hash *h);
 

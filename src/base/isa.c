@@ -27,7 +27,7 @@ const char *isa_unknown(void) {
 #if defined(__x86_64__)
 #include <cpuid.h>
 
-/* clang 14 has no name for it in __builtin_cpu_supports(). */
+/* __builtin_cpu_supports() of clang 14 does not know this feature. */
 static bool has_f16c(void) {
     unsigned a, b, c, d;
     return __get_cpuid(1, &a, &b, &c, &d) && (c & bit_F16C);

@@ -1,19 +1,20 @@
-/* The instruction sets that kernels and Embree may use: the processor's, up to $FATHOM_ISA if that is set. */
+/* The instruction sets that kernels and Embree may use: those of the processor, limited by $FATHOM_ISA if it
+ * is set. */
 #ifndef BASE_ISA_H
 #define BASE_ISA_H
 
 #include <stdbool.h>
 
-/* Each holds those before it. */
+/* Each set includes those before it. */
 typedef enum isa_set { ISA_BEST, ISA_SSE2, ISA_SSE42, ISA_AVX, ISA_AVX2, ISA_AVX512 } isa_set;
 
 /* "sse4.2"; "" for ISA_BEST and invalid values. */
 const char *isa_word(isa_set set);
-/* The older of `most` and $FATHOM_ISA; ISA_BEST leaves it to the processor. */
+/* The smaller of `most` and $FATHOM_ISA. ISA_BEST means no limit. */
 isa_set isa_limit(isa_set most);
 /* True if the processor has the set and $FATHOM_ISA allows it. */
 bool isa_usable(isa_set set);
-/* The value of $FATHOM_ISA if it names no set, else NULL. */
+/* The value of $FATHOM_ISA if it is set but names no known set, else NULL. */
 const char *isa_unknown(void);
 
 #endif

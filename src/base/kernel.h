@@ -1,9 +1,9 @@
 /* Kernels: loops over blocks of sixteen lanes, in folders named `kernels`. Each source is compiled for every
- * instruction set, and the processor's best is chosen at run time. All give the same bits: nothing is
- * contracted or reordered, and each operation rounds as in IEEE 754.
+ * instruction set, and the best one of the processor is chosen at run time. All variants give bit-identical
+ * results: the compiler may not contract or reorder operations, and each operation rounds as in IEEE 754.
  *
- * Loops over lanes use forms that gcc vectorises: no branch, no conditional load, no aliasing outputs, no
- * choice of floats by a comparison of doubles. */
+ * Loops over lanes use forms that gcc vectorises: no branches, no conditional loads, no outputs that may
+ * alias, no selection of floats by a comparison of doubles. */
 #ifndef BASE_KERNEL_H
 #define BASE_KERNEL_H
 
@@ -20,7 +20,7 @@
 #define KERNEL_NAME(name, isa) KERNEL_JOIN(name, isa)
 #define KERNEL(name) KERNEL_NAME(name, KERNEL_ISA)
 
-/* The tables of a module's kernels, from the oldest set. */
+/* The kernel tables of a module, from the oldest instruction set to the newest. */
 #if defined(__x86_64__)
 #define KERNEL_SETS(table)                                                                                   \
     { &table##_plain, &table##_avx2, &table##_avx512 }
@@ -31,7 +31,7 @@
 #define KERNEL_DECLARE(type, table) extern const type table##_plain
 #endif
 
-/* Defines NAME_best() for tables of type NAME, which their module's header declares. */
+/* Defines NAME_best() for kernel tables of type NAME. The module's header declares both. */
 #define KERNEL_BEST(type)                                                                                    \
     KERNEL_DECLARE(type, type);                                                                              \
     const type *type##_best(void) {                                                                          \
@@ -39,7 +39,7 @@
         return all[kernel_levels() - 1];                                                                     \
     }
 
-/* The same, and NAME_at(), which tests hold against each other. */
+/* Also defines NAME_at(), with which tests compare the variants. */
 #define KERNEL_CHOICE(type)                                                                                  \
     KERNEL_BEST(type)                                                                                        \
     const type *type##_at(unsigned index) {                                                                  \
@@ -54,12 +54,12 @@
 #define KERNEL_TARGET_AVX512 "avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512"
 #endif
 
-/* How many of them may run here, at least 1. */
+/* The number of variants that may run on this machine, at least 1. */
 static inline unsigned kernel_levels(void) {
     return isa_usable(ISA_AVX512) ? 3 : (isa_usable(ISA_AVX2) ? 2 : 1);
 }
 
-/* a if mask is all ones, b if it is 0; reads both. */
+/* Returns a if all bits of mask are 1, b if all are 0, without a branch; reads both. */
 static inline float chosen(uint32_t mask, float a, float b) {
     uint32_t x, y;
     memcpy(&x, &a, sizeof x), memcpy(&y, &b, sizeof y);

@@ -38,7 +38,7 @@ size_t memory_free(void) {
 
 bool memory_has(size_t bytes) { return bytes <= LITTLE || bytes <= memory_free(); }
 
-/* ---- zeroes ---- */
+/* ---- zeroed memory ---- */
 
 #define POPULATED ((size_t)64 << 20)
 

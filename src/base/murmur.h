@@ -1,5 +1,5 @@
-/* MurmurHash3_x86_32 (Appleby, public domain; github.com/aappleby/smhasher), of seed 0: Cryptomatte's hash.
- */
+/* MurmurHash3_x86_32 (Appleby, public domain; github.com/aappleby/smhasher) with seed 0, as Cryptomatte uses
+ * it. */
 #ifndef BASE_MURMUR_H
 #define BASE_MURMUR_H
 

@@ -94,7 +94,7 @@ void parameters_default(parameter_table table, void *base) {
     }
 }
 
-/* ---- what is allowed ---- */
+/* ---- allowed values ---- */
 
 static bool is_whole(const fathom_parameter *p) {
     return p->type == FATHOM_PARAMETER_U32 || p->type == FATHOM_PARAMETER_U64;
@@ -138,7 +138,7 @@ static void describe_number(const fathom_parameter *p, char *out, size_t room) {
     if (p->step) snprintf(out + used, room - used, ", a multiple of %u", p->step);
 }
 
-/* "auto or a number above 0". */
+/* Describes the allowed values, as in "auto or a number above 0". */
 static void describe(const fathom_parameter *p, char *out, size_t room) {
     char number[96], list[128] = "";
     switch (p->type) {
@@ -161,7 +161,7 @@ static void describe(const fathom_parameter *p, char *out, size_t room) {
         snprintf(out, room, "%s%s%s", p->zero ? p->zero : "", p->zero ? " or " : "", number);
 }
 
-/* A value without a word is a fault of the program, not of a file. */
+/* True if the value of an enum or a bit set has words. If not, the calling program is wrong, not a file. */
 static bool is_worded(const fathom_parameter *p, unsigned value) {
     unsigned count = 0;
     size_t length;
@@ -208,7 +208,7 @@ bool text_read_u64(const char **text, char end, uint64_t *out) {
     return true;
 }
 
-/* A finite decimal number: strtod() also takes spaces, hexadecimal and "nan". */
+/* Reads a finite decimal number. strtod() alone would accept spaces, hexadecimal and "nan" too. */
 static bool text_read_f64(const char **text, char end, double *out) {
     size_t length = strspn(*text, "+-.0123456789eE");
     if (length == 0 || (*text)[length] != end) return false;
@@ -222,7 +222,8 @@ static bool text_read_f64(const char **text, char end, double *out) {
     return true;
 }
 
-/* "1e9": a whole number of decimal places. Zero never gets too large, however many they are. */
+/* Reads "1e9": an integer with a decimal exponent, itself an integer. 0 does not overflow with any
+ * exponent. */
 static bool read_power(const char *text, uint64_t *out) {
     uint64_t places;
     if (!text_read_u64(&text, 'e', out) || !text_read_u64(&text, '\0', &places) || *text) return false;
@@ -233,7 +234,7 @@ static bool read_power(const char *text, uint64_t *out) {
     return true;
 }
 
-/* "20k", "8M", "1e9". */
+/* Reads "20k", "8M" or "1e9". */
 static bool read_count(const char *text, uint64_t *out) {
     static const struct {
         char suffix;
@@ -247,7 +248,7 @@ static bool read_count(const char *text, uint64_t *out) {
     return read_power(text, out);
 }
 
-/* One number that ends at `end`; *text is moved past it. */
+/* Reads one number that ends at the character `end`, and moves *text past it. */
 static bool read_number(const fathom_parameter *p, const char **text, char end, void *base, unsigned i) {
     uint64_t count;
     double x;
@@ -266,7 +267,7 @@ static bool read_number(const fathom_parameter *p, const char **text, char end, 
     return true;
 }
 
-/* 0 is written as its word: the digit may have been meant as a number. */
+/* If 0 has a word, the digit 0 is rejected, because it may have been meant as a number. */
 static bool read_numbers(const fathom_parameter *p, const char *text, void *base) {
     if (p->zero && strcmp(text, p->zero) == 0) {
         parameter_set_number(p, base, 0, 0);
@@ -280,7 +281,8 @@ static bool read_numbers(const fathom_parameter *p, const char *text, void *base
     return true;
 }
 
-/* A bit for the word, whatever its case; 0: there is none. */
+/* Adds the bit of a word, ignoring case; "all" adds all bits, "none" adds none. False: there is no such
+ * word. */
 static bool add_bits(const fathom_parameter *p, const char *word, size_t length, unsigned *bits) {
     size_t found;
     const char *at;
@@ -294,7 +296,7 @@ static bool add_bits(const fathom_parameter *p, const char *word, size_t length,
     return all || (length == 4 && strncasecmp(word, "none", length) == 0);
 }
 
-/* Words separated by commas. On failure *text is at the wrong one. */
+/* Reads words separated by commas. On failure *text points to the unknown word. */
 static bool read_words(const fathom_parameter *p, const char **text, void *base) {
     unsigned bits = 0;
     for (const char *word = *text;; ++word) {
@@ -351,7 +353,7 @@ bool parameter_read(const fathom_parameter *p, const char *text, void *base, cha
 
 /* ---- to text ---- */
 
-/* The fewest digits that read back as the same number. */
+/* Prints the fewest digits, at least 6, that read back as the same number. */
 static void print_real(const fathom_parameter *p, double x, char out[32]) {
     locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before = uselocale(c);
     for (int digits = 6; digits <= 17; ++digits) {
@@ -383,7 +385,7 @@ static size_t print_numbers(const fathom_parameter *p, const double *values, cha
     return used;
 }
 
-/* The words that stand for the value, with commas. */
+/* Prints the words of the value, separated by commas. */
 static size_t print_words(const fathom_parameter *p, unsigned value, char *out, size_t room) {
     size_t used = 0, length;
     const char *word;
@@ -405,7 +407,7 @@ size_t parameter_print(const fathom_parameter *p, const void *base, char *out, s
     case FATHOM_PARAMETER_BOOL: return (size_t)snprintf(out, room, "%s", values[0] != 0 ? "true" : "false");
     case FATHOM_PARAMETER_WORD:
     case FATHOM_PARAMETER_WORDS: return print_words(p, (unsigned)values[0], out, room);
-    case FATHOM_PARAMETER_U64: /* exactly, if it has no word */
+    case FATHOM_PARAMETER_U64: /* exactly, unless 0: that may have a word */
         if (values[0] == 0) break;
         return (size_t)snprintf(out, room, "%llu", (unsigned long long)*(const uint64_t *)member);
     case FATHOM_PARAMETER_U32:

@@ -8,7 +8,7 @@ static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t has_work, has_ended;
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 
-/* All under the lock. */
+/* All are guarded by the lock. */
 static pool_task *first, **last = &first; /* tasks that no thread has taken */
 static unsigned waiting;                  /* tasks in that list */
 static unsigned idle;                     /* threads without a task */
@@ -25,7 +25,7 @@ static void make_conditions(void) {
     pthread_condattr_destroy(&attributes);
 }
 
-/* A forked child has none of its parent's threads, so it needs new conditions. */
+/* A forked child has none of its parent's threads, so it starts with an empty pool and new conditions. */
 static void forget_threads(void) {
     first = NULL, last = &first;
     waiting = idle = 0;
@@ -57,7 +57,7 @@ static void *serve(void *unused) {
     return NULL;
 }
 
-/* Under the lock: ensures a thread for every waiting task, and one more. */
+/* Call with the lock held. Ensures an idle thread for every waiting task, and one more for a new task. */
 static bool enough_threads(void) {
     while (idle < waiting + 1) {
         pthread_t thread;

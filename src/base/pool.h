@@ -1,22 +1,24 @@
-/* Threads that wait for work, shared by the whole process. Creating a thread waits for the dynamic loader's
- * lock, which loading a large module holds for a fifth of a second; existing threads do not wait. There are
- * as many as were ever busy at once, and they end with the process. */
+/* A thread pool, shared by the whole process. Creating a thread takes the dynamic loader's lock, which
+ * loading a large module holds for 0.2 s; existing threads do not need it. The pool has as many threads as
+ * were ever busy at once. They end with the process. */
 #ifndef BASE_POOL_H
 #define BASE_POOL_H
 
 #include <stdbool.h>
 
-/* A piece of work. The caller keeps it until pool_wait() has returned. */
+/* A task. The caller owns it and keeps it until pool_wait() has returned true. */
 typedef struct pool_task {
     void (*run)(void *user);
     void *user;
-    bool done; /* under the pool's lock */
+    bool done; /* guarded by the pool's lock */
     struct pool_task *next;
 } pool_task;
 
-/* Starts task->run(task->user) on another thread at once. False: there is no thread, and nothing starts. */
+/* Starts task->run(task->user) on another thread at once. False: no thread could be created, and nothing was
+ * started. */
 bool pool_run(pool_task *task);
-/* Waits until the task has ended, for at most `seconds` unless negative; returns whether it has. */
+/* Waits until the task has ended, for at most `seconds`, or without limit if negative. Returns whether the
+ * task has ended. */
 bool pool_wait(pool_task *task, double seconds);
 
 #endif

@@ -10,17 +10,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Enough for the longest path and what is said of it. */
+/* Bytes, enough for the longest path and the text about it. */
 #define MESSAGE_SIZE 6144
 
-/* A list of rays, a scene, a glTF file and its buffer are the longest way to an error. */
+/* The longest chain of places is a list of rays, a scene, a glTF file and its buffer. */
 enum { PLACES = 4, STRINGS_SIZE = (PLACES + 1) * MESSAGE_SIZE };
 
 typedef struct error_store {
     fathom_error error;
     fathom_place places[PLACES]; /* from the error outwards */
     size_t place_count, used;
-    char strings[STRINGS_SIZE]; /* what `error` and `places` point to */
+    char strings[STRINGS_SIZE]; /* the text of `error` and `places` */
     char message[MESSAGE_SIZE];
 } error_store;
 
@@ -141,7 +141,8 @@ static const char *keep(error_store *store, const char *text) {
     return copy;
 }
 
-/* Texts quote files and are shown on terminals: no byte of a file may steer one or look like a new line. */
+/* Texts quote files and appear on terminals. No byte from a file may control a terminal or look like a line
+ * end. */
 static const char *keep_disarmed(error_store *store, const char *text) {
     const size_t begin = store->used;
     const char *kept = keep(store, text);
@@ -176,7 +177,7 @@ static void append_place(char *message, const fathom_place *place) {
     if (*place->field) append(message, "%s: ", place->field);
 }
 
-/* The one place where an error becomes a message. */
+/* All messages are made here from errors. */
 static void format_message(error_store *store) {
     store->message[0] = '\0';
     for (size_t i = store->place_count; i-- > 0;) append_place(store->message, &store->places[i]);
@@ -184,7 +185,7 @@ static void format_message(error_store *store) {
     text_disarm(store->message);
 }
 
-/* The arguments may be strings of the error before. */
+/* The arguments may point into the previous error, so they are formatted before it is overwritten. */
 static fathom_status store_error(fathom_context *context, fathom_status status, const fathom_place *place,
                                  const char *format, va_list args) {
     if (!context) return status;
@@ -226,7 +227,8 @@ fathom_status fail_at(fathom_context *context, fathom_status status, const fatho
     return status;
 }
 
-/* The error has no file yet: it is where `place` says. Its own field is a name of the callee's. */
+/* The error has no file yet, so `place` becomes its place. Its own field is a name inside the callee: it goes
+ * to the text if `place` has a field too. */
 static void move_error(error_store *store, const fathom_place *place) {
     const char *field = store->places[0].field;
     fathom_place joined = *place;

@@ -6,8 +6,9 @@
 #include <stdarg.h>
 #include <sys/stat.h>
 
-/* Each stores an error and returns the status: return fail(context, FATHOM_BAD_INPUT, …). The text says what
- * was found and expected, the place where; NULL in it means "". Without a context nothing is stored. */
+/* Each of these stores an error in the context and returns the status: return fail(context, FATHOM_BAD_INPUT,
+ * …). The text says what was found and what was expected; the place says where. NULL strings in a place mean
+ * "". If the context is NULL, nothing is stored. */
 fathom_status fail(fathom_context *context, fathom_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 fathom_status fail_at(fathom_context *context, fathom_status status, const fathom_place *place,
@@ -20,23 +21,25 @@ fathom_status fail_at(fathom_context *context, fathom_status status, const fatho
 fathom_status fail_item(fathom_context *context, fathom_status status, const char *array, size_t index,
                         const char *format, ...) __attribute__((format(printf, 5, 6)));
 
-/* Adds the place that a callee did not know and returns the status. An error that names a file keeps it and
- * is `within` this place. Any other moves here: its own field goes to the text if this place has a field. */
+/* Adds a place that the callee did not know to the context's error, and returns the status. If the error
+ * names a file, it keeps its place, which is then `within` this one. Otherwise this place replaces it; if
+ * both have a field, the error's own field goes to the text. */
 fathom_status fail_within(fathom_context *context, fathom_status status, const fathom_place *place);
 
 fathom_status fail_memory(fathom_context *context, size_t bytes);
 
-/* As fathom_context_allow_outside() and fathom_context_copy_files() say. */
+/* The values set by fathom_context_allow_outside() and fathom_context_copy_files(). */
 bool context_allows_outside(const fathom_context *context);
 bool context_copies_files(const fathom_context *context);
 
-/* True if fathom_file_protect() was given it: file_open() refuses those. */
+/* True if the file was given to fathom_file_protect(). file_open() refuses such files. */
 bool context_is_output(const fathom_context *context, const struct stat *file);
 
 /* FATHOM_BAD_USAGE: this argument of a public call is NULL. The context may be NULL too. */
 fathom_status fail_null(fathom_context *context, const char *argument);
 
-/* A warning for the user (fathom_context_on_warning()), only from the calling thread. */
+/* Warns the user through fathom_context_on_warning(). Call it only on the thread that made the public
+ * call. */
 void warn(fathom_context *context, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #endif

@@ -16,14 +16,14 @@ size_t text_character(const char *at, unsigned *code) {
                                         : 0;
     *code = length < 2 ? lead : lead & (0x7fu >> length);
     for (size_t i = 1; i < length; ++i) {
-        if ((text[i] & 0xc0) != 0x80) return 0; /* the end of the text, too */
+        if ((text[i] & 0xc0) != 0x80) return 0; /* also at the end of the text */
         *code = *code << 6 | (text[i] & 0x3fu);
     }
     const bool surrogate = *code >= 0xd800 && *code < 0xe000;
     return *code < least[length] || *code > 0x10ffff || surrogate ? 0 : length;
 }
 
-/* True if the character could steer a terminal or reorder text. */
+/* True if the character could control a terminal or reorder text. */
 static bool steers(unsigned code) {
     return code < ' ' || (code >= 0x7f && code < 0xa0) || code == 0x61c || code == 0x200e || code == 0x200f ||
            (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
@@ -66,8 +66,8 @@ static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
 static bool alike(char a, char b) { return tolower((unsigned char)a) == tolower((unsigned char)b); }
 
-/* The number of letters to change, add, remove or swap with their neighbour (optimal string alignment
- * distance), ignoring case. Three rows of its table suffice. */
+/* The minimum number of edits, ignoring case: to change, add or remove a letter, or to swap two neighbours
+ * (optimal string alignment distance). Three rows of its table suffice. */
 static size_t edit_distance(const char *a, const char *b) {
     size_t rows[3][NEAR_LENGTH + 1], length = strlen(b);
     size_t *before = rows[0], *last = rows[1], *row = rows[2];

@@ -4,20 +4,22 @@
 
 #include <stddef.h>
 
-/* The length in bytes of the UTF-8 character at `text`, and its code; 0 when there is none. */
+/* Decodes the UTF-8 character at `text` to *code. Returns its length in bytes, or 0 if the bytes are not
+ * valid UTF-8. */
 size_t text_character(const char *text, unsigned *code);
 
-/* Puts '?' for each byte that could steer a terminal or look like other text: control characters (C0 and C1),
- * Unicode's line ends and direction marks, and bytes that are not UTF-8. */
+/* Replaces by '?' each byte that could control a terminal or imitate other text: control characters (C0 and
+ * C1), Unicode's line ends and direction marks, and bytes that are not UTF-8. */
 void text_disarm(char *text);
 
-/* The part of "a|b|c" that is `word`, or -1. */
+/* The index of `word` among the parts of "a|b|c", or -1. */
 int words_find(const char *words, const char *word, size_t length);
-/* Part i of "a|b|c" and its length; NULL behind the last. */
+/* Part i of "a|b|c" and its length; NULL after the last. */
 const char *words_at(const char *words, unsigned i, size_t *length);
 
-/* The known name nearest to one that was misspelt: at most a third of its letters differ, whatever their
- * case, and at least one may. Offer each; `best` is the first of the nearest, or NULL. */
+/* Finds the known name that is nearest to a misspelt one, ignoring case. It may differ in up to a third of
+ * the letters, and in one letter of a short name. Offer each known name; `best` is then the nearest one, the
+ * first of several, or NULL. */
 typedef struct text_search {
     const char *wanted, *best;
     size_t distance;

@@ -26,7 +26,7 @@ unsigned threads_granted(unsigned wanted) {
     static atomic_uint most;
     if (wanted > MAX_THREADS) wanted = MAX_THREADS;
     if (wanted <= atomic_load(&most)) return wanted;
-    pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER; /* no thread ends before all exist */
+    pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER; /* held until all threads exist */
     pthread_t threads[MAX_THREADS];                   /* 8 KiB */
     unsigned count = 0;
     pthread_mutex_lock(&gate);
@@ -61,7 +61,7 @@ static void work(void *user) {
     }
 }
 
-/* Small stacks have room for this many workers. */
+/* This many workers fit on a small stack. */
 #define FEW_THREADS 64
 
 static void run_workers(worker *workers, unsigned count, loop *l) {

@@ -1,4 +1,4 @@
-/* Loops over threads. */
+/* Parallel loops. */
 #ifndef BASE_THREADS_H
 #define BASE_THREADS_H
 
@@ -6,15 +6,16 @@
 
 unsigned processor_count(void);
 
-/* Creates `wanted` more threads to find how many the system grants, for schedulers that end the process if
- * they get fewer than they were told to use. */
+/* Returns how many of `wanted` further threads the system grants, by creating them for a moment. For
+ * schedulers that end the process if they get fewer threads than they were told to use. */
 unsigned threads_granted(unsigned wanted);
 
 /* Body of a parallel loop: handles items [begin, end). `worker` is in [0, threads). */
 typedef void (*loop_body)(void *user, size_t begin, size_t end, unsigned worker);
 
-/* Runs body over [0, count) in pieces of `grain` items, in order, on `threads` threads including the caller.
- * The result of a piece must not depend on the worker. Uses fewer threads if the system refuses more. */
+/* Runs body over [0, count) in pieces of `grain` items, on `threads` threads including the calling one.
+ * Pieces are started in ascending order. The result of a piece must not depend on the worker. Uses fewer
+ * threads if the system refuses more. */
 void loop_parallel(unsigned threads, size_t count, size_t grain, loop_body body, void *user);
 
 #endif

@@ -11,7 +11,7 @@ void camera_extent(const fathom_camera *camera, uint32_t width, uint32_t height,
 }
 
 /* Q(u,v) = O + (u-0.5) w x + (v-0.5) h y - d z with u = X/W and v = 1 - Y/H: image files have the top row
- * first. All is divided by d, which changes no direction and keeps squares in range. */
+ * first. All terms are divided by d, which changes no direction and keeps squares in range. */
 void camera_prepare(const fathom_camera *camera, uint32_t width, uint32_t height, vec3_f64 origin,
                     shade_camera *out) {
     vec3_f64 x = load_f64(camera->x), y = load_f64(camera->y), z = load_f64(camera->z);
@@ -28,7 +28,7 @@ void camera_prepare(const fathom_camera *camera, uint32_t width, uint32_t height
     out->blades = camera->blades, out->blade_rotation = camera->blade_rotation;
 }
 
-/* From the square to the disc by rings of equal area (Shirley and Chiu 1997). */
+/* Maps the square to the disc by rings of equal area (Shirley and Chiu 1997). */
 static void disc_point(double u, double v, double *x, double *y) {
     const double quarter = 0.78539816339744831, a = 2 * u - 1, b = 2 * v - 1;
     if (a == 0 && b == 0) {

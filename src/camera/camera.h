@@ -1,4 +1,4 @@
-/* The camera, a pinhole, a thin lens or a parallel view, as rays. */
+/* Camera rays of a pinhole, a thin lens or an orthographic camera. */
 #ifndef CAMERA_CAMERA_H
 #define CAMERA_CAMERA_H
 
@@ -8,26 +8,27 @@
 
 #include "trace/trace.h"
 
-/* d(x, y) = corner + x across + y down, x and y in pixels from the image's top left; not yet unit. In a
- * parallel view it is the ray's origin, from the eye. */
+/* d(x, y) = corner + x across + y down, x and y in pixels from the image's top left; not normalised. For an
+ * orthographic camera it is the ray's origin relative to the eye. */
 typedef struct shade_camera {
-    vec3_f32 eye; /* in the world's coordinates */
+    vec3_f32 eye; /* in world coordinates */
     vec3_f64 corner, across, down;
-    vec3_f64 view;                      /* unit, the way the camera looks */
+    vec3_f64 view;                      /* unit, viewing direction */
     vec3_f64 right, up;                 /* unit */
     double lens_radius, focus_distance; /* a radius of 0: a pinhole */
-    uint32_t blades;                    /* 0: the lens is round */
+    uint32_t blades;                    /* 0: a circular lens */
     double blade_rotation;
-    bool parallel; /* all rays go along `view` */
+    bool parallel; /* orthographic: all rays have the direction `view` */
 } shade_camera;
 
-/* Width and height of the image plane at distance 1, or of a parallel view. */
+/* Width and height of the image plane at distance 1, or of an orthographic view. */
 void camera_extent(const fathom_camera *camera, uint32_t width, uint32_t height, double *w, double *h);
 
 void camera_prepare(const fathom_camera *camera, uint32_t width, uint32_t height, vec3_f64 origin,
                     shade_camera *out);
 
-/* Towards image position (x, y): Q(u,v) - O of the pinhole, v counted from the bottom. */
+/* The direction through image position (x, y): Q(u,v) - O of the pinhole camera, v counted from the
+ * bottom. */
 static inline vec3_f64 camera_towards(const shade_camera *c, double x, double y) {
     return (vec3_f64){c->corner.x + x * c->across.x + y * c->down.x,
                       c->corner.y + x * c->across.y + y * c->down.y,
@@ -46,7 +47,7 @@ static inline void camera_ray(const shade_camera *c, double x, double y, vec3_f3
     *dir = c->parallel ? narrow(c->view) : camera_direction(c, x, y);
 }
 
-/* Where a point, from_eye off the camera, is in the image. False: it is behind the camera. */
+/* The image position of a point given relative to the eye. False: it is behind the camera. */
 static inline bool camera_place(const shade_camera *c, vec3_f64 from_eye, double *x, double *y) {
     const double depth = dot_f64(from_eye, c->view);
     if (!(depth > 0)) return false;
@@ -56,24 +57,24 @@ static inline bool camera_place(const shade_camera *c, vec3_f64 from_eye, double
     return true;
 }
 
-/* Where in their pixels the samples of a square of 4 × 4 lie, row by row: [0,1) from the top left. */
+/* Positions of samples within the pixels of a 4 × 4 square, row by row: [0,1) from the top left. */
 typedef struct square_samples {
     _Alignas(64) double x[LANES], y[LANES];
-    bool alike; /* in the same place of all pixels: only the first is set */
+    bool alike; /* all pixels have the same sample position: only the first is set */
 } square_samples;
 
-/* Turns a lane's ray from a pinhole's into a thin lens's: it leaves a point of the lens for the point where
- * the pinhole's ray meets the plane of focus. u, v: two numbers in [0,1). */
+/* Converts a lane's pinhole ray to a thin-lens ray: from a point on the lens to the point where the pinhole
+ * ray intersects the plane of focus. u, v: two numbers in [0,1). */
 void camera_lane_through_lens(const shade_camera *camera, double u, double v, trace_rays *rays, uint32_t i);
 
 typedef struct camera_kernels {
-    /* Rays through a square of 4 × 4 pixels, whose first is (left, top), towards t = infinity. */
+    /* Rays through a square of 4 × 4 pixels, whose first pixel is (left, top), with t_far = infinity. */
     void (*rays)(const shade_camera *camera, float t_near, uint32_t left, uint32_t top,
                  const square_samples *at, trace_rays *out);
 } camera_kernels;
 
 const camera_kernels *camera_kernels_best(void);
-/* Those that this processor can run, from the plainest to the best; NULL past the last. */
+/* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
 const camera_kernels *camera_kernels_at(unsigned index);
 
 #endif

@@ -16,7 +16,7 @@ static double weight(fathom_filter filter, double x) {
     return 1;
 }
 
-/* The integral by the rule of midpoints, four of them for each step of the table, and its inverse. */
+/* The integral by the midpoint rule, with four points for each step of the table, and its inverse. */
 void filter_prepare(const fathom_settings *s, pixel_filter *out) {
     enum { PARTS = 4 * FILTER_STEPS };
     const double width = s->filter_width;

@@ -16,7 +16,7 @@ bool args_wrong(args_problem *problem, const char *format, ...) {
     return false;
 }
 
-/* Puts the option, as it was typed, in front of its reader's message. */
+/* Prefixes the reader's message with the option as it was typed. */
 static bool wrong_at(args_problem *problem, const char *option, size_t length) {
     args_problem inner = *problem;
     return args_wrong(problem, "%.*s: %.460s", (int)length, option, inner.text);
@@ -58,8 +58,8 @@ static bool apply(parser *p, const args_option *option, const char *value, const
     return wrong_at(p->problem, typed, length);
 }
 
-/* The value in the next argument, unless that looks like an option: then the value was probably forgotten.
- * --name=value takes any value. */
+/* Takes the value from the next argument. If that looks like an option, the value was probably forgotten;
+ * --name=value accepts any value. */
 static bool next_value(parser *p, const args_option *option, const char *typed, const char **value) {
     const char *next = p->at + 1 < p->argc ? p->argv[p->at + 1] : NULL;
     if (!next || strncmp(next, "--", 2) == 0)

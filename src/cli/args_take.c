@@ -1,4 +1,4 @@
-/* Readers of option values. Numbers are checked to the last character: "12x", "1e999", "0x10" and "" are
+/* Readers of option values. A number must extend to the last character: "12x", "1e999", "0x10" and "" are
  * errors. */
 #include "cli/args.h"
 
@@ -61,7 +61,7 @@ bool take_counts(const args_option *option, const char *value, void *field, args
         size_t length = strcspn(at, ",");
         if (counts.count == ARGS_LIST_MAX)
             return args_wrong(problem, "expected at most %d numbers, found more", ARGS_LIST_MAX);
-        if (length >= sizeof one) length = sizeof one - 1; /* too long for any number that is taken */
+        if (length >= sizeof one) length = sizeof one - 1; /* longer than any valid number */
         memcpy(one, at, length);
         one[length] = '\0';
         if (!take_count(option, one, &counts.items[counts.count++], problem)) return false;

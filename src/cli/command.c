@@ -28,7 +28,7 @@ const command *command_find(const char *name, args_problem *problem) {
 }
 
 fathom_read_options command_read_options(const command_model *model) {
-    static const double metres[] = {0, 1e-3, 1e-2, 1e-1, 1e3, 0.0254, 0.3048}; /* by COMMAND_UNITS */
+    static const double metres[] = {0, 1e-3, 1e-2, 1e-1, 1e3, 0.0254, 0.3048}; /* of COMMAND_UNITS */
     return (fathom_read_options){.size = sizeof(fathom_read_options),
                                  .camera = model->camera,
                                  .up = model->up,

@@ -1,4 +1,4 @@
-/* The subcommands, and what they share. */
+/* The subcommands, and the code that they share. */
 #ifndef CLI_COMMAND_H
 #define CLI_COMMAND_H
 
@@ -23,7 +23,7 @@ extern const command command_render, command_merge, command_info, command_genera
 extern const command *const commands[];
 extern const size_t command_count;
 
-/* NULL: `problem` says that there is none, and names the nearest. */
+/* NULL: there is none; `problem` says so and names the nearest. */
 const command *command_find(const char *name, args_problem *problem);
 
 /* "error" for `fathom bench error`; NULL: none. */
@@ -37,27 +37,28 @@ void print_name(FILE *out, const char *name);
 
 /* One line on stderr. */
 void say_error(const char *text);
-/* The same for wrong usage, with where help is; returns FATHOM_BAD_USAGE. c: NULL if no command was found. */
+/* The same for wrong usage, and tells how to get help; returns FATHOM_BAD_USAGE. c: NULL if no command was
+ * found. */
 fathom_status say_usage(const command *c, const char *text);
 
-/* Says the context's message if `status` is a failure, and returns the status. */
+/* Prints the context's message if `status` is a failure, and returns the status. */
 fathom_status say_status(const command *c, const fathom_context *context, fathom_status status);
 
-/* Reads the command line into `settings`. False when the command is done: *status is then its exit code. */
+/* Reads the command line into `settings`. False: the command has ended, with the exit code *status. */
 bool command_parse(const command *c, int argc, char **argv, void *settings, fathom_status *status);
 
-/* The row of a table of options, for settings with a bool called allow_outside. */
+/* A row of a table of options, for settings with a bool named allow_outside. */
 #define COMMAND_ALLOW_OUTSIDE(settings)                                                                      \
     {                                                                                                        \
         "allow-outside", 0, NULL, take_true, offsetof(settings, allow_outside), 0, 0,                        \
             "files that SCENE names may lie outside its folder"                                              \
     }
 
-/* The options that choose what is read from a model, and how. */
+/* The options that choose the part of a model to read, and how to read it. */
 typedef struct command_model {
     const char *camera, *animation, *variant; /* NULL: the first, or none */
     fathom_up up;
-    unsigned unit; /* its place in COMMAND_UNITS */
+    unsigned unit; /* index in COMMAND_UNITS */
     args_f64 time;
     double shutter;
 } command_model;
@@ -65,7 +66,7 @@ typedef struct command_model {
 #define COMMAND_UNITS "m|mm|cm|dm|km|in|ft"
 fathom_read_options command_read_options(const command_model *model);
 
-/* Rows for settings with a command_model called model. */
+/* Rows for settings with a command_model named model. */
 #define COMMAND_MODEL_ROW(settings, name, word, take, field, ...)                                            \
     { name, 0, word, take, offsetof(settings, model.field), __VA_ARGS__ }
 #define COMMAND_MODEL(settings)                                                                              \
@@ -94,7 +95,8 @@ fathom_read_options command_read_options(const command_model *model);
                           "unit of the model's lengths. The model is scaled to metres, the unit of lights "  \
                           "and of the AOVs Z and P (m)")
 
-/* Options that most commands share. All commands but render have them first in their settings. */
+/* Options that most commands share. In all commands except render, they are the first member of the
+ * settings. */
 typedef struct command_common {
     unsigned threads; /* 0: one a processor */
     bool quiet, allow_outside;
@@ -105,12 +107,12 @@ typedef struct command_common {
 #define COMMAND_QUIET(help)                                                                                  \
     { "quiet", 'q', NULL, take_true, offsetof(command_common, quiet), 0, 0, help }
 
-/* Reads the command line over `settings`, which begin with a command_common, and calls `body` with a context
- * for it, from which a signal ends the process. The body says what goes wrong. */
+/* Reads the command line into `settings`, which begin with a command_common and hold the defaults. Then calls
+ * `body` with a context. During `body`, a signal ends the process. The body prints its own errors. */
 typedef fathom_status (*command_body)(fathom_context *context, void *settings);
 fathom_status command_run(const command *c, int argc, char **argv, void *settings, command_body body);
 
-/* A context whose warnings go to stderr; the error is said when there is no memory for one. */
+/* Creates a context whose warnings go to stderr. Prints the error if memory runs out. */
 fathom_status command_context(unsigned threads, fathom_context **out);
 
 #endif

@@ -5,7 +5,7 @@
 
 fathom_status cli_fail_file(fathom_context *context, fathom_status status, const char *file,
                             const char *format, ...) {
-    char text[6144]; /* enough for a path and what is said of it */
+    char text[6144]; /* enough for a path and a message */
     const fathom_place place = {.file = file};
     va_list args;
     va_start(args, format);

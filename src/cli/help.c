@@ -14,7 +14,7 @@ void help_overview(FILE *out) {
           out);
 }
 
-/* Words from column `column` on, wrapped; the cursor stands at `at`. */
+/* Prints words from column `column` on, wrapped; the cursor is at column `at`. */
 static void put_wrapped(FILE *out, const char *text, size_t at, size_t column) {
     while (*text) {
         size_t word = strcspn(text, " ");
@@ -70,7 +70,7 @@ void help_command(const command *c, FILE *out) {
     if (c->examples) fprintf(out, "\nExamples:\n%s", c->examples);
 }
 
-/* "help render --help" asks for nothing else than "help render". */
+/* "help render --help" means the same as "help render". */
 static int without_help(int argc, char **argv) {
     while (argc > 2 && (strcmp(argv[argc - 1], "--help") == 0 || strcmp(argv[argc - 1], "-h") == 0)) --argc;
     return argc;

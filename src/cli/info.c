@@ -1,4 +1,4 @@
-/* `fathom info`: what a scene holds, what rendering it will take, and what is wrong with it. */
+/* `fathom info`: the contents of a scene, the memory that rendering needs, and problems. */
 #include "cli/command.h"
 #include "cli/fail.h"
 #include "cli/json_text.h"
@@ -102,7 +102,7 @@ static fathom_status gather(const fathom_scene *scene, json_t *root, warning_lis
 
 /* ---- the text ---- */
 
-/* By the numbers that --camera takes. */
+/* Lists the cameras with the numbers that --camera takes. */
 static void print_cameras(const json_t *cameras) {
     size_t i;
     json_t *c;
@@ -210,7 +210,7 @@ static fathom_status describe(fathom_context *context, const info_settings *sett
         status = gather(scene, facts, problems);
         if (status == FATHOM_BAD_INPUT) cli_fail_within(context, settings->scene);
     }
-    /* Lack of memory is no property of the scene. */
+    /* Lack of memory is not a problem of the scene, so it is not part of the JSON. */
     if (status == FATHOM_OUT_OF_RESOURCES) {
         say_status(&command_info, context, status);
     } else {

@@ -11,8 +11,8 @@
 static volatile sig_atomic_t asked, keep_work, save;
 static struct timespec first;
 
-/* timeout(1) and some shells send a signal to the process and again to its group: the second one comes faster
- * than a person could send it. */
+/* timeout(1) and some shells send a signal to the process, and again to its group. The second one then comes
+ * faster than a person could send it. */
 #define SAME_SIGNAL_SECONDS 0.1
 
 static bool is_echo(void) {
@@ -23,10 +23,10 @@ static bool is_echo(void) {
 }
 
 /* A closed terminal sends SIGHUP twice: from its shell and from the system. SIGXCPU comes every second after
- * the limit. Neither means that someone is impatient. */
+ * the limit. So a repetition of these does not mean that the process should end at once. */
 static bool comes_again(int number) { return number == SIGHUP || number == SIGXCPU; }
 
-/* Only makes calls that are safe in a signal handler. */
+/* Calls only async-signal-safe functions. */
 static void on_signal(int number) {
     if (asked) {
         if (is_echo() || comes_again(number)) return;
@@ -54,7 +54,7 @@ static void install(int number, void (*handler)(int)) {
     struct sigaction old, action = {.sa_handler = handler, .sa_flags = SA_RESTART};
     sigemptyset(&action.sa_mask);
     for (size_t i = 0; i < sizeof ending / sizeof *ending; ++i) sigaddset(&action.sa_mask, ending[i]);
-    /* A signal that nohup, or a shell for programs in the background, made ignored stays so. */
+    /* nohup, and shells that start background programs, ignore some signals; these stay ignored. */
     if (sigaction(number, NULL, &old) == 0 && old.sa_handler != SIG_IGN) sigaction(number, &action, NULL);
 }
 

@@ -1,22 +1,23 @@
 /* Signals that end a process: Ctrl-C, SIGTERM, a closed terminal (SIGHUP), a limit on processor time
- * (SIGXCPU). The first one ends it at once while there is nothing to save; later it sets a flag, and the
- * finished work is saved. A second Ctrl-C or SIGTERM ends it at once. SIGUSR1 saves. */
+ * (SIGXCPU). While there is nothing to save, the first one ends the process at once; later it sets a flag,
+ * and the finished work is saved. A second Ctrl-C or SIGTERM ends the process at once. SIGUSR1 requests a
+ * save. */
 #ifndef CLI_INTERRUPT_H
 #define CLI_INTERRUPT_H
 
 #include <stdbool.h>
 
-/* From now on a signal ends the process with FATHOM_INTERRUPTED and one line on stderr. */
+/* After this call, a signal ends the process with FATHOM_INTERRUPTED and one line on stderr. */
 void interrupt_install(void);
 
-/* From now on (true) a signal only sets the flag, or (false) it ends the process again. */
+/* After this call, a signal only sets the flag (true), or ends the process again (false). */
 void interrupt_keep_work(bool keep);
 
 bool interrupt_asked(void);
 
-/* From now on SIGUSR1 only asks for a save. */
+/* After this call, SIGUSR1 only requests a save. */
 void interrupt_install_save(void);
-/* True when it did since the last call. */
+/* True if it requested a save since the last call. */
 bool interrupt_take_save(void);
 
 #endif

@@ -107,7 +107,7 @@ fathom_status json_write_file(fathom_context *context, const char *path, const j
     char *text = json_dump_text(root, 9);
     if (!text) return cli_fail_memory(context);
     const size_t length = strlen(text);
-    text[length] = '\n'; /* in place of the end */
+    text[length] = '\n'; /* replaces the terminator */
     fathom_status status = outputs_write(context, path, text, length + 1);
     free(text);
     return status;

@@ -21,7 +21,7 @@ static bool take_format(const char *value, args_problem *problem) {
                       value ? value : "nothing", value ? "\"" : "");
 }
 
-/* Runs before the command's own options are read, because their errors are lines, too. */
+/* Runs before the command's own options are read, because their errors are log lines too. */
 bool log_take_option(int *argc, char **argv, args_problem *problem) {
     int kept = 1;
     bool fine = true, options_end = false;
@@ -38,10 +38,10 @@ bool log_take_option(int *argc, char **argv, args_problem *problem) {
     return fine;
 }
 
-/* ---- lines, put together without the C library's streams ---- */
+/* ---- lines, built without the C library's streams ---- */
 
 typedef struct line {
-    char text[2 * LOG_LENGTH + 1024]; /* each byte of a message may become two */
+    char text[2 * LOG_LENGTH + 1024]; /* each byte of a message may need two */
     size_t length;
 } line;
 

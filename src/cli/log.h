@@ -14,12 +14,13 @@ typedef enum log_level { LOG_INFO, LOG_WARNING, LOG_ERROR } log_level;
 bool log_take_option(int *argc, char **argv, args_problem *problem);
 bool log_is_json(void);
 
-/* "fathom: text", or {"time": seconds since 1970, "level": "error", "message": "text"}. A progress bar is
- * taken away first. Bytes that could steer a terminal become '?'. Text beyond LOG_LENGTH is cut.
- * Asks for no memory and takes no lock: signal handlers may call it. */
+/* "fathom: text", or {"time": seconds since 1970, "level": "error", "message": "text"}. Removes a progress
+ * bar first. Replaces bytes that could control a terminal with '?'. Cuts text beyond LOG_LENGTH. Allocates no
+ * memory and takes no lock, so signal handlers may call it. */
 #define LOG_LENGTH 8192
 void log_line(log_level level, const char *text);
-/* With further members of the object, such as "\"fraction\": 0.5", which lines for people leave out. */
+/* The same with further members of the JSON object, such as "\"fraction\": 0.5"; lines for people omit
+ * them. */
 void log_line_with(log_level level, const char *text, const char *members);
 
 #ifdef __cplusplus

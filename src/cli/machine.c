@@ -8,7 +8,7 @@
 #include <string.h>
 #include <time.h>
 
-/* The processor's name as the system has it. */
+/* The processor's name from /proc/cpuinfo. */
 static void find_cpu(char out[128]) {
     snprintf(out, 128, "unknown");
     FILE *file = fopen("/proc/cpuinfo", "r");
@@ -47,7 +47,7 @@ void machine_date(char out[16]) {
     if (gmtime_r(&now, &day)) strftime(out, 16, "%Y-%m-%d", &day);
 }
 
-/* Without the helper Fathom still writes PNG, so its lack is no failure. */
+/* Not an error without the helper: Fathom still writes PNG. */
 static void print_image_module(void) {
     fathom_context *context;
     char libraries[256];

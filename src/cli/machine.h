@@ -1,19 +1,19 @@
-/* The program and the machine it runs on: `fathom --version`, and for results that are kept. */
+/* Describes the program and the machine, for `fathom --version` and for stored results. */
 #ifndef CLI_MACHINE_H
 #define CLI_MACHINE_H
 
 #include <jansson.h>
 #include <stdbool.h>
 
-/* One line to stdout; verbose: also the commit, the compiler, the libraries with their versions, and what of
- * the processor is used. */
+/* Prints one line to stdout. verbose: also the commit, the compiler, the libraries with their versions, and
+ * the processor features in use. */
 void version_print(bool verbose);
 
 /* {"cpu", "processors", "kernels", "compiler", "flags"} */
 json_t *machine_json(void);
 /* The commit of the source; NULL: unknown. */
 const char *machine_commit(void);
-/* Today, as 2026-11-21 in universal time. */
+/* Today's date as "2026-11-21", in UTC. */
 void machine_date(char out[16]);
 
 #endif

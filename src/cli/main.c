@@ -11,23 +11,24 @@
 #include <string.h>
 #include <unistd.h>
 
-/* By default a pipe without a reader, or a file beyond its limit, would end the process and lose hours of
- * rendering. With these signals ignored, write() fails instead. */
+/* By default, writing to a pipe without a reader, or to a file beyond its size limit, would end the process
+ * and lose hours of rendering. With these signals ignored, write() fails instead. */
 static void ignore_signals(void) {
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
 }
 
-/* Opens standard streams that are closed: the next file, an image, would get their number and their text. */
+/* Opens standard streams that are closed. Otherwise the next file that is opened, such as an image, would get
+ * their number and their text. */
 static void hold_streams(void) {
     for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
         if (fcntl(stream, F_GETFD) >= 0) continue;
         int held = open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
-        if (held != stream) return; /* no such device: nothing more can be done */
+        if (held != stream) return; /* no /dev/null: nothing more can be done */
     }
 }
 
-/* Output that could not be written is a failure: the disk is full, or the device or the reader is gone. */
+/* Reports output that could not be written: the disk is full, or the device or the reader is gone. */
 static fathom_status finish(fathom_status status) {
     bool failed = ferror(stdout);
     errno = 0;
@@ -71,8 +72,8 @@ static fathom_status dispatch(int argc, char **argv) {
     return c->run(argc - 1, argv + 1);
 }
 
-/* All files are closed by now, and the system takes back all memory at once. Sanitizers and coverage report
- * in exit(). */
+/* Skips exit(): all files are closed by now, and the system frees all memory faster. Sanitizers and coverage
+ * need exit() to report. */
 static _Noreturn void leave(fathom_status status) {
 #if defined(FATHOM_SANITIZED) || defined(FATHOM_COVERAGE)
     exit((int)status);
@@ -82,7 +83,7 @@ static _Noreturn void leave(fathom_status status) {
 #endif
 }
 
-/* Large enough for any help: only finish() writes, which then knows why it failed. */
+/* Large enough for any help text. So only finish() writes, and it knows why writing failed. */
 static void buffer_output(void) {
     static char buffer[1 << 16];
     if (!isatty(STDOUT_FILENO)) setvbuf(stdout, buffer, _IOFBF, sizeof buffer);

@@ -40,16 +40,16 @@ void temporary_remove(char path[TEMPORARY_PATH]) {
 
 /* ---- standard output ---- */
 
-/* Names of an image that goes to standard output, until it has a file. They are told by their address,
+/* Names for an image that goes to standard output, until it has a file. They are recognised by address,
  * because a file may have the same name. */
 static const char *const names[] = {"stdout.png",  "stdout.exr", "stdout.jpg",
                                     "stdout.jpeg", "stdout.tif", "stdout.tiff"};
 #define NAMES (sizeof names / sizeof *names)
 
 static struct {
-    int descriptor; /* what was standard output; 0: it still is */
+    int descriptor; /* the original standard output; 0: not replaced yet */
     const char *name;
-    size_t index; /* of the image */
+    size_t index; /* index of the image */
     char path[TEMPORARY_PATH];
 } out;
 
@@ -75,7 +75,8 @@ bool take_output(const args_option *option, const char *value, void *field, args
     return take_list(option, name ? name : value, field, problem);
 }
 
-/* From now on anything printed there goes to stderr, or nowhere when programs read lines of JSON from it. */
+/* After this, anything printed to standard output goes to stderr, or nowhere with --log json, whose lines
+ * programs read there. */
 static fathom_status take_stream(fathom_context *context) {
     out.descriptor = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
     const int other = log_is_json() ? open("/dev/null", O_WRONLY | O_CLOEXEC) : STDERR_FILENO;
@@ -162,7 +163,7 @@ void standard_output_end(void) {
 
 /* ---- files ---- */
 
-/* The folder's real path and the name in it: works for files that do not exist yet. */
+/* Splits a path into the folder's real path and the name; also works for files that do not exist yet. */
 static bool resolve(const char *path, char folder[PATH_MAX], const char **name) {
     const char *slash = strrchr(path, '/');
     *name = slash ? slash + 1 : path;

@@ -38,7 +38,7 @@ static bool is_plain(const char *text) {
     return *text && !text[strspn(text, safe)];
 }
 
-/* Between single quotes, of which each inside becomes '\''. */
+/* Puts the text between single quotes; each single quote inside becomes '\''. */
 static void put_quoted(command_text *t, const char *text) {
     put(t, "'", 1);
     for (; *text; ++text)
@@ -49,7 +49,7 @@ static void put_quoted(command_text *t, const char *text) {
     put(t, "'", 1);
 }
 
-/* The offset of the value in "--name=value" and "-nvalue"; 0 when the argument is all value, or has none. */
+/* The offset of the value in "--name=value" and "-nvalue"; 0 if the argument is only a value, or has none. */
 static size_t option_length(const char *argument) {
     if (argument[0] != '-' || !argument[1]) return 0;
     const char *equals = strchr(argument, '=');

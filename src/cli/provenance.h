@@ -4,13 +4,14 @@
 
 #include <jansson.h>
 
-/* The command line; the strings stay the caller's. */
+/* Stores the command line. The strings must stay valid. */
 void provenance_note(int argc, char **argv);
 
-/* For headers, which travel with the image: quoted for a shell, without the folders of files, and "" when
- * $SOURCE_DATE_EPOCH asks for equal files of equal images. --stats has the exact arguments. */
+/* The command for image headers, which are passed on with the image: quoted for a shell, without the folders
+ * of files. "" if $SOURCE_DATE_EPOCH is set, so that equal images give equal files. --stats has the exact
+ * arguments. */
 const char *provenance_command(void);
-/* For files of the user's own: all arguments as they were. */
+/* The unchanged arguments, for the user's own files. */
 json_t *provenance_arguments(void);
 
 #endif

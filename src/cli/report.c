@@ -18,15 +18,15 @@
 
 extern char **environ;
 
-/* A page and its results. */
+/* The page and its results. */
 #define REPORT_FILES 2
-/* At most so many other outputs of one command are next to them. */
+/* Maximum number of other outputs of the same command. */
 #define REPORT_OTHERS 4
 
-/* A page begins with it: html_page.py. */
+/* Marks a page as ours: html_page.py writes it at the beginning. */
 #define GENERATOR "<meta name=\"generator\" content=\"fathom"
 
-/* The script, seen from the program's folder, in the build tree and in installations. */
+/* The script's path relative to the program's folder, in the build tree and in installations. */
 #define SCRIPT "../share/fathom/report/report.py"
 
 static void report_paths(const char *folder, char *page, char *results) {
@@ -46,7 +46,8 @@ static bool script_path(char path[PATH_MAX]) {
     return realpath(program, path) != NULL;
 }
 
-/* The script's exit code; -1 when it could not be started. Its messages are of use only while it draws. */
+/* Returns the script's exit code; -1 if it could not be started. silent: discards its messages, which matter
+ * only when it draws. */
 static int run_script(char *const arguments[], bool silent) {
     posix_spawn_file_actions_t actions;
     pid_t child;
@@ -61,8 +62,8 @@ static int run_script(char *const arguments[], bool silent) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/* -E -s: neither the environment nor the user's own packages change what is drawn; -B: nothing is written
- * next to the script. */
+/* -E -s: the environment and the user's own packages do not affect the drawing; -B: writes nothing next to
+ * the script. */
 static fathom_status check_drawable(fathom_context *context) {
     char script[PATH_MAX];
     if (!script_path(script))
@@ -97,7 +98,7 @@ static fathom_status check_ours(fathom_context *context, const char *path) {
                          "is there already and is no report of fathom; remove it or name another folder");
 }
 
-/* Checks a folder that does not exist yet like a new file in its parent. */
+/* A folder that does not exist is checked like a new file in its parent. */
 static fathom_status check_new(fathom_context *context, const char *folder) {
     char name[PATH_MAX];
     size_t length = strlen(folder);

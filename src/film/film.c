@@ -7,7 +7,7 @@
 #include <string.h>
 
 static float *add_channel(fathom_film *film, const char *name, bool is_id, bool color) {
-    /* float and uint32_t are both four bytes: one allocation serves either. */
+    /* float and uint32_t are both four bytes, so one allocation serves both. */
     float *data = film->pixels + film->channel_count * (size_t)film->width * film->height;
     film->channels[film->channel_count++] = (film_channel){name, name, is_id, color, data};
     return data;
@@ -20,7 +20,8 @@ static void add_three(fathom_film *film, float *out[3], const char *a, const cha
     out[2] = add_channel(film, c, false, color);
 }
 
-/* Blender takes what follows the last dot for the name of a component, and reads single letters alone. */
+/* Blender takes the text after the last dot as the name of a component, and reads only components of one
+ * letter. */
 static uint32_t *add_id(fathom_film *film, const char *name, const char *name_in_file) {
     uint32_t *data = (uint32_t *)(void *)add_channel(film, name, true, false);
     film->channels[film->channel_count - 1].name_in_file = name_in_file;
@@ -29,7 +30,7 @@ static uint32_t *add_id(fathom_film *film, const char *name, const char *name_in
 
 static uint32_t group_count(const light_group_names *groups) { return groups->count ? groups->count : 1; }
 
-/* In the order of film_parts. */
+/* Adds layers in the order of film_parts. */
 static void add_layers(fathom_film *film) {
     static const char *const names[LIGHT_KINDS][3] = {{"emission.R", "emission.G", "emission.B"},
                                                       {"direct.R", "direct.G", "direct.B"},
@@ -127,7 +128,8 @@ static fathom_status check_memory(fathom_context *context, const fathom_film *fi
                 film->width, film->height, (double)film->bytes * 0x1p-30, (double)room * 0x1p-30);
 }
 
-/* Pixels and channels of a film whose size and settings are known; releases it when there is no memory. */
+/* Allocates the pixels and channels of a film with known size and settings. If memory runs out, releases the
+ * film. */
 static fathom_status take_pixels(fathom_context *context, fathom_film *film, const char *scene_name,
                                  fathom_film **out) {
     film->scene_name = strdup(scene_name);
@@ -182,7 +184,7 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     film->width = region.width, film->height = region.height;
     film->full_width = settings->width, film->full_height = settings->height;
     film->settings = *settings;
-    film->settings.tracer = NULL; /* not the film's; the tracer's name is in the statistics */
+    film->settings.tracer = NULL; /* the film does not own it; the tracer's name is in the statistics */
     film->camera = scene->camera;
     memcpy(film->background, scene->background, sizeof film->background);
     find_brightest(scene, film->brightest);

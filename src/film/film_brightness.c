@@ -1,14 +1,14 @@
-/* How bright a film is, and the exposure that shows it. */
+/* Measures the brightness of a film, and chooses an exposure for it. */
 #include "base/sized.h"
 #include "film/film.h"
 
 #include <string.h>
 
-/* A bin for each sixteenth of an octave: the sign, the exponent and four bits of the fraction. */
+/* A bin is one sixteenth of an octave: its index is the sign, the exponent and four bits of the mantissa. */
 #define BIN_SHIFT 19
 #define BINS (1u << (31 - BIN_SHIFT))
 
-/* Part of the lit pixels that may be brighter than white: highlights, and lights that are in view. */
+/* Fraction of the lit pixels that may be brighter than white: highlights and visible lights. */
 #define BRIGHTEST 0.01
 
 static uint32_t bin_of(float value) {
@@ -17,7 +17,7 @@ static uint32_t bin_of(float value) {
     return bits >> BIN_SHIFT;
 }
 
-/* The least value above those in the bin. */
+/* The smallest value above the bin. */
 static float bin_end(uint32_t bin) {
     const uint32_t bits = (bin + 1) << BIN_SHIFT;
     float value;
@@ -31,20 +31,21 @@ static bool shows_background(const fathom_film *film, size_t pixel) {
            film->rgb[2][pixel] == film->background[2];
 }
 
-/* Its largest channel, without the alpha. */
+/* The pixel's largest channel, divided by alpha. */
 static float brightness_at(const fathom_film *film, size_t pixel) {
     const float largest = fmaxf(film->rgb[0][pixel], fmaxf(film->rgb[1][pixel], film->rgb[2][pixel]));
     const float alpha = film->alpha ? film->alpha[pixel] : 1;
     return alpha > 0 && alpha < 1 ? largest / alpha : largest;
 }
 
-/* Steps of a tenth, downwards, until no more pixels than allowed are brighter than white. */
+/* The largest exposure, in steps of 0.1, at which no more than the allowed number of pixels are brighter than
+ * white. */
 static float exposure_for(const uint64_t counts[BINS], uint64_t lit) {
     const double most = BRIGHTEST * (double)lit;
     uint64_t above = 0;
     uint32_t bin = BINS - 1;
     while (bin > 0 && (double)(above + counts[bin]) <= most) above += counts[bin--];
-    return (float)(floor(-10 * log2((double)bin_end(bin))) / 10 + 0.0); /* no -0 */
+    return (float)(floor(-10 * log2((double)bin_end(bin))) / 10 + 0.0); /* + 0.0 avoids -0 */
 }
 
 static void look(const fathom_film *film, float exposure, fathom_brightness *out) {

@@ -1,30 +1,31 @@
 /* The error channels of a film.
  *
- * A pixel's own groups of samples tell its variance v with 3 degrees of freedom. Where light comes from few
- * bright samples, that is often far too small: the pixel has met none of them yet. Its neighbours may have.
- * The stated variance is w v + (1 - w) m, with m the mean over the 12 × 12 pixels of its square of 4 × 4 and
- * the eight squares around: the linear estimate of least squared error (Bühlmann, "Experience rating and
- * credibility", 1967). The weight is the part of the differences between the v of these pixels that is due
- * to different pixels, not to noise:
+ * The groups of samples of a pixel give an estimate v of its variance, with 3 degrees of freedom. If light
+ * comes from few bright samples, v is often far too small, because the pixel has no such sample yet. Its
+ * neighbours may have one. So the stated variance is w v + (1 - w) m, with m the mean of v over 12 × 12
+ * pixels: the pixel's square of 4 × 4 and the eight squares around it. This is the linear estimate of minimum
+ * squared error (Bühlmann, "Experience rating and credibility", 1967). The weight w is the fraction of the
+ * differences between the v of these pixels that comes from real differences of the pixels, and not from
+ * noise:
  *
- *     w = (mean of s - q) / (mean of v² - q), at least 0 and at most 1
+ *     w = (mean of s - q) / (mean of v² - q), clamped to [0, 1]
  *
- * q is the mean of v v' over all pairs of two pixels, which estimates the squared mean of their variances. s
- * is, of each pixel, the mean of the products of two estimates of its variance that share no group
- * (pixel_sums_error()), and estimates the mean of the squared variances. Both are unbiased whatever the
- * distribution of the samples is. So rare bright samples, which make v noisy, are told from edges, whose
- * pixels differ. One weight serves R, G and B: each of the three terms is a sum over them. At the edge of a
- * crop m is of the pixels inside. Pixels in squares all of whose samples are alike keep their bounds, and do
- * not count.
+ * q is the mean of v v' over all pairs of two different pixels; it estimates the squared mean of their
+ * variances. s of a pixel is the mean of the products of two estimates of its variance that have no group in
+ * common (squared_variance() in pixel_sums.c); the mean of s estimates the mean of the squared variances.
+ * Both are unbiased for any distribution of the samples. So w tells apart rare bright samples, which make v
+ * noisy, and edges, where the pixels really differ. One weight serves R, G and B: each of the three terms is
+ * a sum over the channels. At the border of a crop, m is over the pixels inside it. Squares in which all
+ * samples of every pixel are alike are not counted; their pixels keep their bounds.
  *
- * Doubt. An interval fails most often in two places (bench/README.md, Errors of pixels). Where the pixel met
- * a bright sample that few of its neighbours met, its own v is several times the stated variance. Where w is
- * near 1, the neighbours say nothing, and v alone is known too badly. The doubt is the larger of w and
- * 1 - exp(-v / stated variance): above FILM_DOUBTFUL from a ratio of 3.9 on.
+ * Doubt. An interval fails most often in two cases (bench/README.md, Errors of pixels). (1) The pixel has a
+ * bright sample and few neighbours have one: then its own v is several times the stated variance. (2) w is
+ * near 1: then the neighbours add no information, and v alone is too uncertain. The doubt is the larger of w
+ * and 1 - exp(-v / stated variance), which is above FILM_DOUBTFUL from a ratio of 3.9 on.
  *
- * The image. Its error is a sum over pixels, and is taken from v before that: the weight of a pixel in the
- * sum depends on how bright it is, and the variance of a lamp's edge, shared with a black pixel next to it,
- * would count a thousandfold. */
+ * The image. Its error is a sum over pixels, and uses v before this step. The reason: the weight of a pixel
+ * in the sum depends on its brightness. If a lamp's edge shared its variance with a black pixel next to it,
+ * this variance would count a thousand times. */
 #include "film/film.h"
 #include "film/pixel_sums.h"
 
@@ -36,7 +37,7 @@ double film_error_weight(double grey) {
     return 1 / norm;
 }
 
-/* The error is a bound on what was never seen, or unknown. */
+/* The error is an upper bound on unseen light, or is unknown. */
 static bool is_bound(const fathom_film *film, size_t pixel) { return film->doubt[pixel] >= 1; }
 
 static double error_of(const fathom_film *film, int c, size_t pixel) { return (double)film->error[c][pixel]; }
@@ -50,14 +51,15 @@ static double variance(const fathom_film *film, int c, size_t pixel) {
     return is_bound(film, pixel) ? 0 : error * error;
 }
 
-/* All samples are alike. */
+/* True if all samples of the pixel are alike. */
 static bool is_alike(const fathom_film *film, size_t pixel) {
     return !(variance(film, 0, pixel) + variance(film, 1, pixel) + variance(film, 2, pixel) > 0);
 }
 
 /* ---- squares ---- */
 
-/* Over pixels: how many; of each channel v and v²; of all channels the products of two estimates. */
+/* Sums over pixels: their number; v and v² for each channel; the products of two estimates over all
+ * channels. */
 struct error_sums {
     double pixels, sum[3], squares[3], products;
 };
@@ -79,7 +81,8 @@ typedef struct pixel_list {
     uint32_t count;
 } pixel_list;
 
-/* The pixels of a square of the film whose errors are known; none if the samples of all are alike. */
+/* The pixels of a square inside the film whose errors are known. None if the samples of every pixel are
+ * alike. */
 static pixel_list list_pixels(const fathom_film *film, uint32_t column, uint32_t row) {
     const uint32_t left = (film->x / 4 + column) * 4, top = (film->y / 4 + row) * 4;
     pixel_list list = {.count = 0};
@@ -119,7 +122,7 @@ static void sum_row(const fathom_film *film, uint32_t row) {
     }
 }
 
-/* Over the square and those around it. */
+/* The sums over the square and its neighbours. */
 static struct error_sums sum_around(const fathom_film *film, uint32_t column, uint32_t row, uint32_t rows) {
     struct error_sums all = {.pixels = 0};
     for (uint32_t j = row ? row - 1 : 0; j <= row + 1 && j < rows; ++j) {

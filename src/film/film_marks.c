@@ -7,18 +7,18 @@
 #include <stdio.h>
 #include <string.h>
 
-/* OpenEXR's matrices (ImfStandardAttributes.h) stand to the right of row vectors, (x y z 1) M, and are stored
- * row by row. One column makes one coordinate. */
+/* OpenEXR multiplies row vectors by matrices, (x y z 1) M, and stores matrices row by row
+ * (ImfStandardAttributes.h). So each column gives one coordinate. */
 static void set_column(double m[16], int column, vec3_f64 axis, double constant) {
     m[column] = axis.x, m[4 + column] = axis.y, m[8 + column] = axis.z, m[12 + column] = constant;
 }
 
-/* The axis' coordinate counted from the camera. */
+/* The coordinate along the axis, relative to the camera. */
 static void set_axis(double m[16], int column, vec3_f64 axis, vec3_f64 origin) {
     set_column(m, column, axis, -dot_f64(axis, origin));
 }
 
-/* Left-handed: x to the right, y up, z forwards. */
+/* World to camera, left-handed: x to the right, y up, z forwards. */
 static void set_to_camera(const fathom_camera *camera, double out[16]) {
     const vec3_f64 origin = load_f64(camera->origin);
     set_axis(out, 0, load_f64(camera->x), origin);
@@ -27,7 +27,7 @@ static void set_to_camera(const fathom_camera *camera, double out[16]) {
     set_column(out, 3, (vec3_f64){0, 0, 0}, 1);
 }
 
-/* The same of a parallel view, x / w + 1/2 and 1/2 - y / h, without a division. */
+/* The same for a parallel projection: x / w + 1/2 and 1/2 - y / h, without a division by z. */
 static void set_parallel_ndc(const fathom_camera *camera, double w, double h, double out[16]) {
     const vec3_f64 origin = load_f64(camera->origin), x = scale_f64(1 / w, load_f64(camera->x)),
                    y = scale_f64(-1 / h, load_f64(camera->y)), forwards = neg_f64(load_f64(camera->z));
@@ -37,9 +37,9 @@ static void set_parallel_ndc(const fathom_camera *camera, double w, double h, do
     set_column(out, 3, (vec3_f64){0, 0, 0}, 1);
 }
 
-/* With (x, y, z) from the camera, x / (w z) + 1/2 and 1/2 - y / (h z) go from (0, 0) at the upper left corner
- * of the whole image to (1, 1). The sums are divided by the fourth, z. The third is of no meaning there, and
- * 1 - 1/z keeps the matrix invertible. */
+/* With (x, y, z) relative to the camera, x / (w z) + 1/2 and 1/2 - y / (h z) range from (0, 0) at the upper
+ * left corner of the whole image to (1, 1). The products are divided by the fourth coordinate, z. The third
+ * coordinate has no meaning here; 1 - 1/z keeps the matrix invertible. */
 static void set_to_ndc(const fathom_film *film, double out[16]) {
     const fathom_camera *camera = &film->camera;
     const vec3_f64 origin = load_f64(camera->origin), forwards = neg_f64(load_f64(camera->z));
@@ -63,7 +63,7 @@ static void add_matrix(film_marks *out, const char *name, const double *numbers)
     out->items[out->count++] = (image_attribute){.name = name, .numbers = numbers, .count = 16};
 }
 
-/* Texts: all formats have room for the first, and PNG for texts alone. */
+/* These are texts: all formats can hold the first, and PNG holds only texts. */
 static void add_interruption(const fathom_film *film, film_marks *out) {
     const double share = film->stats.finished;
     snprintf(out->description, sizeof out->description, "Interrupted: %.1f %% of the render is done",
@@ -74,8 +74,8 @@ static void add_interruption(const fathom_film *film, film_marks *out) {
     add_text(out, "fathom:finished", out->finished);
 }
 
-/* The key of a layer is the first seven digits of its name's hash. Last of all entries, since files that hold
- * no mattes leave them out. */
+/* The key of a layer is the first seven digits of the hash of its name. These entries come last, because
+ * files without mattes leave them out. */
 static void add_mattes(const fathom_film *film, film_marks *out) {
     static const char *const what[4] = {"name", "hash", "conversion", "manifest"};
     for (int k = 0; k < MATTE_KINDS; ++k) {

@@ -1,4 +1,4 @@
-/* Entries of an image's header that tell where its pixels lie in the world, and how it came about. */
+/* Entries of an image's header: the position of its pixels in the world, and how the image was made. */
 #ifndef FILM_FILM_MARKS_H
 #define FILM_FILM_MARKS_H
 
@@ -10,7 +10,7 @@
 typedef struct film_marks {
     image_attribute items[FILM_MARKS];
     size_t count;
-    /* What the entries point to. */
+    /* The entries point to these. */
     double to_camera[16], to_ndc[16], seconds;
     char matte_keys[MATTE_KINDS][4][40];
     char finished[32], exposure[32], description[64];

@@ -1,4 +1,4 @@
-/* Saving pixels whose own file cannot be written. */
+/* Saves pixels whose own file cannot be written. */
 #include "base/file.h"
 #include "film/film.h"
 
@@ -11,13 +11,13 @@
 #define TRIES 1000u
 
 typedef struct place {
-    const char *folder; /* with a slash where one is needed */
+    const char *folder; /* ends with a slash unless empty */
     int folder_length;
-    const char *stem; /* of the file's name */
+    const char *stem; /* stem of the file's name */
     int stem_length;
 } place;
 
-/* ".rescue-1000.exr.fathom-lock" */
+/* length of ".rescue-1000.exr.fathom-lock" */
 #define ENDING 28
 
 static bool name_at(const place *at, unsigned i, char out[PATH_MAX]) {
@@ -30,7 +30,8 @@ static bool name_at(const place *at, unsigned i, char out[PATH_MAX]) {
 
 typedef enum rescue { RESCUE_SAVED, RESCUE_OTHERS, RESCUE_FAILED } rescue;
 
-/* Other renders may be saving theirs at the same time, because the disk is as full for them. */
+/* Takes a lock: other renders may rescue their pixels at the same time, because the disk is full for all of
+ * them. */
 static rescue write_new(fathom_context *context, const fathom_film *film, const char *path) {
     file_lock *lock;
     if (access(path, F_OK) == 0) return RESCUE_OTHERS;
@@ -42,7 +43,7 @@ static rescue write_new(fathom_context *context, const fathom_film *film, const 
     return theirs ? RESCUE_OTHERS : status == FATHOM_OK ? RESCUE_SAVED : RESCUE_FAILED;
 }
 
-/* Under the first name in the place that nobody has. */
+/* Writes to the first unused name in the place. */
 static bool rescue_to(fathom_context *context, const fathom_film *film, const place *at, char out[PATH_MAX]) {
     rescue saved = RESCUE_OTHERS;
     for (unsigned i = 1; i <= TRIES && saved == RESCUE_OTHERS; ++i)
@@ -68,7 +69,7 @@ static bool rescue_anywhere(fathom_context *context, const fathom_film *film, co
     return false;
 }
 
-/* Asks for no memory: lack of it may be why the file could not be written. */
+/* Allocates no memory here: lack of it may be why the file could not be written. */
 fathom_status fathom_film_rescue(fathom_context *context, const fathom_film *film, const char *path,
                                  char *saved, size_t size) {
     char found[PATH_MAX];

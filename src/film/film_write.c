@@ -1,4 +1,4 @@
-/* The film to an image file, with what it was made from in the header. */
+/* Writes the film to an image file, with its scene, settings and statistics in the header. */
 #include "base/clock.h"
 #include "base/sized.h"
 #include "film/film_marks.h"
@@ -46,7 +46,7 @@ bool fathom_write_needs_helper(const char *path, const fathom_write_options *opt
            image_needs_module(path, &write);
 }
 
-/* Where to; what a call has no use for is NULL. */
+/* The destination; a call leaves members that it does not use NULL. */
 typedef struct target {
     const char *path;
     const fathom_write_options *options;
@@ -56,7 +56,7 @@ typedef struct target {
 
 typedef fathom_status (*write_call)(fathom_context *context, const image *img, const target *to);
 
-/* Leaves out empty texts: how many are left. */
+/* Removes empty texts; returns the number of entries left. */
 static size_t keep_known(image_attribute *attributes, size_t count) {
     size_t kept = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -67,7 +67,7 @@ static size_t keep_known(image_attribute *attributes, size_t count) {
 
 #define ERROR_ATTRIBUTES 4
 
-/* Adds what is known of the error and returns the number of entries; 0: the render estimated none. */
+/* Adds the known errors, and returns the number of entries; 0: the render estimated none. */
 static size_t tell_error(const fathom_film *film, film_error *error, image_attribute *out) {
     size_t count = 0;
     if (film->stats.error_estimate > 0 && isfinite(film->stats.error_estimate))
@@ -183,19 +183,19 @@ fathom_status film_encode_png(fathom_context *context, const fathom_film *film, 
                       &(target){.options = &options, .bytes = bytes, .size = size});
 }
 
-/* ---- how long it takes ---- */
+/* ---- duration of writing ---- */
 
-/* Rows that EXR compresses together. */
+/* Number of rows that EXR compresses together. */
 #define GROUP 16u
 
-/* At least one group in so many is rehearsed. */
+/* At least one group in this many is written as a rehearsal. */
 #define SHARE 8u
 
 static void strip_destroy(fathom_film *strip) {
     for (uint32_t i = 0; i < strip->channel_count; ++i) free(strip->channels[i].data);
 }
 
-/* Groups of rows from all over the film, as a film of their own as far as writing goes. */
+/* Makes a film of groups of rows from all over the film; complete enough for writing. */
 static bool strip_create(const fathom_film *film, uint32_t groups, fathom_film *out) {
     const size_t bytes = (size_t)GROUP * film->width * sizeof(float), all = film->height / GROUP;
     *out = *film;
@@ -230,12 +230,13 @@ static double rehearse(fathom_context *context, const fathom_film *film, uint32_
 
 static uint32_t at_most(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
-/* The time a file takes however small it is, and what each group of rows does, by two sizes: the larger one
- * as large as the time for it allows. The first write of all loads what the later ones find there. */
+/* Fits a constant time per file and a time per group of rows to two sizes. The larger size grows while
+ * `allowed` permits. The first write of all is not timed: it loads libraries and data that later ones
+ * reuse. */
 double film_write_seconds(fathom_context *context, const fathom_film *film, const film_outputs *outputs,
                           double allowed) {
     const uint32_t all = film->height / GROUP;
-    if (all < 2) return 0; /* no time to speak of */
+    if (all < 2) return 0; /* negligible time */
     rehearse(context, film, 1, outputs);
     double one = rehearse(context, film, 1, outputs), more, spent = 0;
     uint32_t groups, next = all / SHARE > 2 ? all / SHARE : 2;

@@ -2,28 +2,30 @@
  * Monte Carlo Estimates" (Computer Graphics Forum 37(6), 2018).
  *
  * Cascades. A sample's brightness L is the mean of its R, G and B. Cascade k stands for b_k = 2^-10 * 8^k. A
- * sample between b_k and b_(k+1) goes to both: the share f = (8 b_k / L - 1) / 7 to the first, 1 - f to the
- * second. Darker ones go to the first of all, brighter ones to the last. So the brightness in a cascade, over
- * b_k, counts its samples, without a counter: f L / b_k + (1 - f) L / b_(k+1) = 1. Beyond the last cascade,
- * 2^23, a sample counts as several.
+ * sample between b_k and b_(k+1) is split: the fraction f = (8 b_k / L - 1) / 7 goes to cascade k, and 1 - f
+ * to cascade k + 1. Darker samples go to the first cascade, brighter ones to the last. So the brightness in a
+ * cascade, divided by b_k, is its number of samples, without a counter: f L / b_k + (1 - f) L / b_(k+1) = 1.
+ * A sample brighter than the last cascade, 2^23, counts as several.
  *
  * Weights. A pixel of N samples is the sum of its cascades' means C_k times
  *
- *     w_k = (n_k + N E_k / b_k - 1) / kappa, at least 0 and at most 1.
+ *     w_k = (n_k + N E_k / b_k - 1) / kappa, clamped to [0, 1].
  *
- * n_k is how many samples are about as bright or brighter, from the cascade k - 1 on: on the mean in the 3 x
- * 3 pixels around, or in the pixel, if that is more and not a single one. The 1 takes off the sample that is
- * judged. E_k is the brightness that the darker cascades have given the pixel so far: N E_k / b_k is how many
- * samples of this cascade would add as much again, so that samples which hardly change the pixel stay. kappa
- * is 4, but at most (N - 1) / 2. The first cascade has the weight 1.
+ * n_k is the number of samples of similar or higher brightness: those in cascades k - 1 and above. It is the
+ * mean over 3 x 3 pixels, or the pixel's own number if that is larger and more than a single sample. The 1
+ * subtracts the sample itself. E_k is the brightness that the darker cascades have given the pixel so far.
+ * N E_k / b_k is the number of samples of this cascade that would add the same brightness again; so samples
+ * that hardly change the pixel keep their weight. kappa is 4, but at most (N - 1) / 2. The first cascade has
+ * the weight 1.
  *
- * A smooth image keeps its bits: where the samples of each pixel are within a factor of 1.5, all weights
- * are 1. At worst one sample is just above b_j, and N - 1 are at x b_j, x = 2/3. These have 8 (1 - x) / 7 <
- * 0.39 of a sample each in the cascade j - 1, which n_(j+1) misses: it is above 1 + 0.61 (N - 1).
+ * A smooth image keeps its bits: if the samples of each pixel are within a factor of 1.5, all weights are 1.
+ * In the worst case one sample is just above b_j, and N - 1 samples are at x b_j, x = 2/3. Each of these has
+ * 8 (1 - x) / 7 < 0.39 of a sample in the cascade j - 1, which n_(j+1) does not count. So n_(j+1) is above
+ * 1 + 0.61 (N - 1).
  *
- * The paper takes the pixel's own count only where the mean of the block is above 1. We take the larger of
- * both anywhere: the edge of a lamp keeps its samples because of the lamp, and a small light that several
- * samples of its pixel met keeps them. */
+ * The paper uses the pixel's own count only if the mean of the block is above 1. We always use the larger of
+ * both. So the edge of a lamp keeps its samples because of the lamp, and a small light that several samples
+ * of its pixel hit keeps them. */
 #include "film/film.h"
 
 #include <stdio.h>
@@ -38,7 +40,7 @@ static double cascade_brightness(uint32_t k) { return ldexp(DARKEST, (int)(3 * k
 
 typedef struct share {
     uint32_t cascade;
-    double of_it; /* of the sample; the next cascade has the other part */
+    double of_it; /* fraction of the sample; the next cascade gets the rest */
 } share;
 
 static share share_of(double brightness) {
@@ -71,7 +73,7 @@ static double grey_in(const fathom_film *film, uint32_t k, size_t pixel) {
     return (mean_in(film, k, 0, pixel) + mean_in(film, k, 1, pixel) + mean_in(film, k, 2, pixel)) / 3;
 }
 
-/* Samples of a pixel from cascade k - 1 on. */
+/* Number of samples of a pixel in cascades k - 1 and above. */
 static double count_near(const fathom_film *film, uint32_t k, size_t pixel) {
     double count = 0;
     for (uint32_t i = k ? k - 1 : 0; i < FIREFLY_CASCADES; ++i)
@@ -79,8 +81,8 @@ static double count_near(const fathom_film *film, uint32_t k, size_t pixel) {
     return count * film->samples[pixel];
 }
 
-/* The pixel's own count if it is above one sample; else the mean over 3 x 3 pixels inside the film. A count
- * is not an integer, because samples are split between cascades. */
+/* The mean count over 3 x 3 pixels inside the film, or the pixel's own count if that is larger and means more
+ * than one sample. Counts are not integers, because samples are split between cascades; hence 1.5. */
 static double count_of(const fathom_film *film, uint32_t k, uint32_t x, uint32_t y) {
     double sum = 0;
     uint32_t pixels = 0;
@@ -92,7 +94,7 @@ static double count_of(const fathom_film *film, uint32_t k, uint32_t x, uint32_t
     return fmax(own > 1.5 ? own : 0, sum / pixels);
 }
 
-/* False: all samples count as they are, or there are too few to tell. */
+/* False: all weights are 1, or there are too few samples to decide. */
 static bool reweight_pixel(const fathom_film *film, uint32_t x, uint32_t y, double out[3]) {
     const size_t pixel = (size_t)y * film->width + x;
     const double samples = film->samples[pixel], kappa = fmin(KAPPA, (samples - 1) / 2);
@@ -117,7 +119,7 @@ typedef struct removal {
     size_t pixels;
 } removal;
 
-/* Pixels that keep all their samples keep their bits. */
+/* Pixels whose weights are all 1 keep their bits. */
 static removal reweight(const fathom_film *film, fathom_film *out) {
     removal r = {.pixels = 0};
     for (uint32_t y = 0; y < film->height; ++y) {

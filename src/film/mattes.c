@@ -39,7 +39,7 @@ void matte_rank(const matte_list *list, uint32_t samples, float out[2 * MATTE_RA
 
 /* ---- names and ids ---- */
 
-/* Exponents of 0 and 255 would make zeros, denormals, infinities and NaN. */
+/* Avoids the exponents 0 and 255, which would give zeros, denormals, infinities and NaN. */
 static uint32_t float_bits(uint32_t hash) {
     const uint32_t exponent = hash >> 23 & 255, kept = exponent < 1 ? 1 : exponent > 254 ? 254 : exponent;
     return (hash & 0x807fffffu) | kept << 23;
@@ -47,8 +47,8 @@ static uint32_t float_bits(uint32_t hash) {
 
 uint32_t matte_id(const char *name) { return float_bits(murmur_hash(name, strlen(name))); }
 
-/* The names that ids are made of: of a shape its own, else that of its group; of what has none, its kind and
- * number, such as "sphere 3". */
+/* Ids are hashes of these names: the shape's own name, otherwise its group's; otherwise kind and number, such
+ * as "sphere 3". */
 #define MATTE_NAME 128
 
 static void take_name(const char *name, const char *kind, size_t number, char out[MATTE_NAME]) {
@@ -91,7 +91,7 @@ uint32_t *matte_ids(const fathom_scene *scene, matte_kind kind) {
 
 /* ---- the manifest ---- */
 
-/* As JSON wants it: quotes, backslashes and control characters escaped. */
+/* Escapes quotes, backslashes and control characters, as JSON requires. */
 static void put_escaped(FILE *to, const char *text) {
     for (; *text; ++text) {
         const unsigned char c = (unsigned char)*text;
@@ -113,7 +113,7 @@ static int by_hash(const void *a, const void *b) {
     return x->item < y->item ? -1 : x->item > y->item;
 }
 
-/* Each id once, in the order of the ids. */
+/* Writes each id once, in the order of the ids. */
 static void put_entries(FILE *to, const fathom_scene *scene, matte_kind kind, manifest_entry *all,
                         size_t count) {
     char name[MATTE_NAME];

@@ -57,7 +57,7 @@ static void keep_centre(hit_sums *sums, const first_hits *f, uint32_t from, uint
     sums->centre.instance[slot] = f->instance[from];
 }
 
-/* The first hit of a sample, from its slot in the batch to its slot in the sums. */
+/* Adds the first hit of a sample, from its slot in the batch to its slot in the sums. */
 static void add_hit(hit_sums *hits, const sampler *of, const first_hits *f, uint32_t from, uint32_t slot,
                     sample_key key) {
     hits->alpha[slot] += (double)f->alpha[from];
@@ -96,7 +96,7 @@ void matte_sums_add(matte_list (*mattes)[WAVE_SLOTS], const wave_samples *sample
     }
 }
 
-/* Slots outside the region hold no radiance. */
+/* Adds whole squares: slots outside the region hold no radiance. */
 void pixel_sums_add(pixel_sums *sums, const wave_samples *samples, const wave_region *region,
                     const wave_batch *batch, uint32_t place) {
     const wave_square *square = &batch->squares[place];
@@ -122,9 +122,10 @@ static double sum_of(const pixel_sums *sums, int c, uint32_t slot) {
     return sum;
 }
 
-/* Groups of n samples each, independent of each other, with means of a variance that goes with 1/n: the sum
- * of n (mean of the group - mean)² has the expectation (groups - 1) σ², and the mean's variance is σ² over
- * all samples. Where all n are equal that holds for groups of any variances. */
+/* Groups g of n samples are independent, and their means have the variance σ²/n. So the sum over groups of
+ * n (mean of the group - mean)² has the expectation (groups - 1) σ², and the variance of the mean is σ²
+ * divided by the number of all samples. If all n are equal, this also holds for groups with different
+ * variances. */
 double pixel_sums_error(const pixel_sums *sums, uint32_t slot, uint32_t samples, double squared[3]) {
     double grey = 0;
     for (int c = 0; c < 3; ++c) {
@@ -139,7 +140,7 @@ double pixel_sums_error(const pixel_sums *sums, uint32_t slot, uint32_t samples,
     return grey;
 }
 
-/* Two groups of m and n samples have means whose difference has the variance σ² (1/m + 1/n). */
+/* For two groups of m and n samples, the difference of the means has the variance σ² (1/m + 1/n). */
 static double variance_by(const pixel_sums *sums, int c, uint32_t slot, uint32_t samples, uint32_t a,
                           uint32_t b) {
     const double m = samples_of_group(sums, samples, a), n = samples_of_group(sums, samples, b),
@@ -147,8 +148,9 @@ static double variance_by(const pixel_sums *sums, int c, uint32_t slot, uint32_t
     return d * d / ((1 / m + 1 / n) * samples);
 }
 
-/* The squared variance of the mean, summed over the channels: the mean over the three ways to part four
- * groups into pairs of the product of the variances by both pairs. No group is in both: unbiased. */
+/* The squared variance of the mean, summed over the channels. Four groups can be split into two pairs in
+ * three ways. For each way, multiplies the variance estimates of both pairs; takes the mean of the three
+ * products. No group is in both factors, so the result is unbiased. */
 static double squared_variance(const pixel_sums *sums, uint32_t slot, uint32_t samples) {
     double sum = 0;
     for (int c = 0; c < 3; ++c) {
@@ -195,8 +197,8 @@ static void store_mattes(const pixel_sums *sums, uint32_t slot, uint32_t samples
     }
 }
 
-/* All of n samples alike: with a chance of 5 %, what has a share of 1 - 0.05^(1/n) of the pixel was missed.
- */
+/* All n samples are alike. With a probability of 5 %, they missed something that covers 1 - 0.05^(1/n) of the
+ * pixel. */
 static void store_bound(uint32_t samples, size_t pixel, fathom_film *film) {
     const double share = 1 - pow(0.05, 1.0 / samples);
     film->doubt[pixel] = 0;
@@ -207,7 +209,7 @@ static void store_bound(uint32_t samples, size_t pixel, fathom_film *film) {
     }
 }
 
-/* Means of equal samples differ by roundings of double. */
+/* The means of equal samples differ only by rounding errors of double. */
 static bool are_alike(const double squared[3], double grey) {
     return squared[0] + squared[1] + squared[2] <= 0x1p-80 * grey * grey;
 }
@@ -249,7 +251,7 @@ static void store_square(const pixel_sums *sums, uint32_t slot, uint32_t samples
         sums->kernels->store_square(sums->rgb[0][c] + slot, 1.0 / samples, film->width, film->rgb[c] + pixel);
 }
 
-/* The part of a square that lies in the region. */
+/* Stores the part of a square that lies in the region. */
 static void store_pixels(const pixel_sums *sums, const wave_region *r, const wave_square *square,
                          uint32_t slot, sums_count count, fathom_film *film) {
     for (uint32_t left = wave_square_pixels(r, square); left; left &= left - 1) {

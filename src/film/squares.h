@@ -1,5 +1,6 @@
-/* How an image is divided: waves of 32 × 32 pixels, in them squares of 4 × 4, and batches of squares with a
- * sample of each pixel. The grid is fixed to the image, not to tiles, crops or threads. */
+/* How an image is divided: into waves of 32 × 32 pixels, and these into squares of 4 × 4. A batch is a list
+ * of squares with one sample of each pixel. The grid is fixed to the image, not to tiles, crops or
+ * threads. */
 #ifndef FILM_SQUARES_H
 #define FILM_SQUARES_H
 
@@ -12,7 +13,7 @@
 #define WAVE_SLOTS (WAVE_SIDE * WAVE_SIDE)
 #define WAVE_SQUARES (WAVE_SLOTS / LANES) /* of 4 × 4 pixels */
 
-/* The pixels of a wave: the part of its 32 × 32 square that is rendered, in image coordinates, half open. */
+/* The pixels of a wave: the rendered part of its 32 × 32 square, in image coordinates, half open. */
 typedef struct wave_region {
     uint32_t x0, y0, x1, y1;
     uint32_t left, top; /* the square's corner */
@@ -21,7 +22,7 @@ typedef struct wave_region {
 static inline uint32_t min_u32(uint32_t a, uint32_t b) { return a < b ? a : b; }
 static inline uint32_t max_u32(uint32_t a, uint32_t b) { return a > b ? a : b; }
 
-/* The waves that a rectangle of the image needs, row by row. */
+/* The waves that cover a rectangle of the image, row by row. */
 typedef struct wave_grid {
     uint32_t x0, y0, x1, y1; /* the rectangle, half open */
     uint32_t across, count;
@@ -49,40 +50,41 @@ static inline wave_region wave_grid_region(const wave_grid *g, uint32_t wave) {
                          top};
 }
 
-/* The slot of a pixel at (x, y) from the square's corner: by squares of 4 × 4, then by rows. */
+/* The slot of the pixel at (x, y) relative to the corner of the wave: ordered by squares of 4 × 4, then by
+ * rows. */
 static inline uint32_t wave_slot(uint32_t x, uint32_t y) {
     return (y / 4 * (WAVE_SIDE / 4) + x / 4) * LANES + y % 4 * 4 + x % 4;
 }
 
-/* One sample of each pixel of a 4 × 4 square, whose corner is a multiple of 4. */
+/* One sample of each pixel of a 4 × 4 square. Its corner is a multiple of 4. */
 typedef struct wave_square {
     uint32_t left, top, index, group;
 } wave_square;
 
-/* The samples of a pixel are of one group, or of four. Each group has a scramble of its own, as if its pixel
- * were in another image, so that the means of groups are independent of each other. Images are at most 2^16
- * pixels wide: no two of these columns are the same. */
+/* The samples of a pixel form one group or four. Each group has its own scramble, as if its pixel were at
+ * another column of the image. So the means of the groups are independent of each other. Images are at most
+ * 2^16 pixels wide, so these columns do not overlap. */
 #define SAMPLE_GROUPS 4u
 #define SAMPLE_GROUP_COLUMNS (1u << 20)
 
-/* The sample of the square's pixel (left + k % 4, top + k / 4). */
+/* The key of the sample at pixel (left + k % 4, top + k / 4). */
 static inline sample_key wave_square_key(const wave_square *s, uint32_t k) {
     return (sample_key){s->left + k % 4 + s->group * SAMPLE_GROUP_COLUMNS, s->top + k / 4, s->index};
 }
 
-/* Square s of a region's wave, the squares taken row by row: its pixels have the slots from s * 16 on. */
+/* Square s of the region's wave, counted row by row. Its pixels have the slots from s * 16 on. */
 static inline wave_square wave_square_at(const wave_region *r, uint32_t s, uint32_t index) {
     const uint32_t across = WAVE_SIDE / 4;
     return (wave_square){r->left + s % across * 4, r->top + s / across * 4, index, 0};
 }
 
-/* Sample n of a pixel whose samples go to the groups in turn. */
+/* Sample n of a pixel; samples go to the groups in turn. */
 static inline wave_square wave_square_sample(wave_square s, uint32_t n, uint32_t groups) {
     s.index = n / groups, s.group = n % groups;
     return s;
 }
 
-/* How many of the first n samples of a pixel are of a group. */
+/* The number of samples of a group among the first n samples of a pixel. */
 static inline uint32_t wave_group_count(uint32_t n, uint32_t group, uint32_t groups) {
     return (n + groups - 1 - group) / groups;
 }
@@ -111,15 +113,15 @@ static inline uint64_t wave_region_bits(const wave_region *r) {
     return bits;
 }
 
-/* The squares of these bits row by row, for their first samples; returns how many. */
+/* Lists the squares of these bits row by row, with sample index 0; returns their number. */
 static inline uint32_t wave_list_squares(const wave_region *r, uint64_t bits, wave_square out[WAVE_SQUARES]) {
     uint32_t count = 0;
     for (; bits; bits &= bits - 1) out[count++] = wave_square_at(r, (uint32_t)__builtin_ctzll(bits), 0);
     return count;
 }
 
-/* Squares in any order, also several samples of one: pixel (x, y) of the one at `place` has the slot
- * place * 16 + (y - top) * 4 + x - left. */
+/* Squares in any order; a square may occur with several samples. In the square at `place`, pixel (x, y) has
+ * the slot place * 16 + (y - top) * 4 + x - left. */
 typedef struct wave_batch {
     wave_square squares[WAVE_SQUARES];
     uint32_t count;
@@ -135,9 +137,9 @@ typedef struct first_hits {
 /* The samples of a batch, by slot. */
 typedef struct wave_samples {
     float *radiance[3];
-    first_hits *first;              /* NULL when no AOV wants it */
-    float (*layers)[WAVE_SLOTS];    /* three of each layer of film_parts; NULL when there are none */
-    uint32_t (*mattes)[WAVE_SLOTS]; /* ids, of each matte of film_parts, 0 for nothing; NULL likewise */
+    first_hits *first;              /* NULL when no AOV needs it */
+    float (*layers)[WAVE_SLOTS];    /* three for each layer of film_parts; NULL: there are none */
+    uint32_t (*mattes)[WAVE_SLOTS]; /* ids for each matte of film_parts, 0 for no hit; NULL: there are none */
 } wave_samples;
 
 #endif

@@ -6,7 +6,7 @@
 
 /* ---- a square of a wave's sums ---- */
 
-/* Out of the wave, where zeros are left behind, or into it. */
+/* Moves a square out of the wave, leaving zeros, or into it. */
 typedef struct move {
     const film_kernels *kernels;
     uint32_t slot;
@@ -69,7 +69,7 @@ void sum_give(const square_sums *from, uint32_t square, pixel_sums *to) {
 
 /* ---- adding ---- */
 
-/* At equal distances the first sample stays. */
+/* At equal distances, keeps the earlier sample. */
 static void keep_nearest(const square_sums *from, square_sums *to) {
     for (int k = 0; k < LANES; ++k) {
         if (from->nearest[k] >= to->nearest[k]) continue;
@@ -101,7 +101,7 @@ static void add_node(const pixel_sums *like, const square_sums *from, square_sum
     keep_nearest(from, to);
 }
 
-/* True when the node at the top completes the one below. */
+/* True if the top node is the right sibling of the one below it. */
 static bool is_pair(const sum_stack *s) {
     if (s->count < 2) return false;
     const sum_node *left = &s->nodes[s->count - 2], *right = left + 1;
@@ -109,7 +109,7 @@ static bool is_pair(const sum_stack *s) {
            right->first == left->first + (1u << left->level);
 }
 
-/* like: NULL where there are no sums. */
+/* like: NULL if the nodes have no sums. */
 static void push(const pixel_sums *like, sum_stack *s) {
     for (++s->count; is_pair(s); --s->count) {
         sum_node *left = &s->nodes[s->count - 2];
@@ -139,7 +139,7 @@ sum_node *sum_nodes_create(film_parts parts, size_t count) {
 
 /* ---- which nodes there are ---- */
 
-#define SUM_LEVELS 16u /* of 65536 samples */
+#define SUM_LEVELS 16u /* for 65536 samples */
 
 uint32_t sum_list_nodes(sum_range range, sum_node *out) {
     const uint32_t end = sum_leaves(range.end);
@@ -153,7 +153,7 @@ uint32_t sum_list_nodes(sum_range range, sum_node *out) {
     return count;
 }
 
-/* Before a node of level l is whole, nodes of the levels below are waiting. */
+/* Up to two nodes of each level wait until a node of the next level is complete. */
 uint32_t sum_stack_depth(sum_range range) {
     uint32_t depth = 2;
     for (uint32_t leaves = sum_leaves(range.end) - range.begin / SUM_LEAF; leaves > 1; leaves /= 2)
@@ -178,7 +178,7 @@ static size_t layer_bytes(film_parts parts) { return film_part_sums(parts) * RGB
 
 static size_t matte_bytes(film_parts parts) { return parts.matte_count * LANES * sizeof(matte_list); }
 
-/* The groups that there are, then the hits if there are any, the layers and cascades, the mattes. */
+/* Order: the groups in use, then the hits, the layers and cascades, and the mattes, if any. */
 size_t sum_bytes(uint32_t groups, film_parts parts) {
     return groups * RGB_BYTES + hit_bytes(parts) + layer_bytes(parts) + matte_bytes(parts);
 }

@@ -1,4 +1,4 @@
-/* Generated meshes: the kinds, their limits, and whether they fit into memory. */
+/* Generated meshes: the kinds, their limits, and the check against free memory. */
 #include "generate/generate.h"
 
 #include "base/memory.h"
@@ -60,7 +60,8 @@ uint32_t generate_nearest_square(uint64_t triangles, uint32_t factor) {
     return (uint32_t)n;
 }
 
-/* Stored kinds are limited by 32-bit indices, instanced ones by a million instances of the heaviest part. */
+/* Kinds of one mesh are limited by 32-bit indices, kinds of instances by a million instances of the largest
+ * part. */
 static const struct {
     const char *name;
     uint64_t most;

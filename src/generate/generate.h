@@ -10,7 +10,7 @@ typedef struct generate_mesh {
     float *positions;  /* x y z */
     float *normals;    /* x y z; NULL for a flat mesh */
     float *uvs;        /* u v; NULL for none */
-    uint32_t *indices; /* 3 a triangle */
+    uint32_t *indices; /* 3 per triangle */
     uint32_t vertex_count, triangle_count;
 } generate_mesh;
 
@@ -22,16 +22,16 @@ fathom_status generate_allocate(fathom_scene *scene, uint32_t vertices, uint32_t
 fathom_status generate_finish(fathom_scene *scene, fathom_id group, const generate_mesh *mesh,
                               fathom_id material);
 
-/* Runs body over the rows of a grid, in pieces of about the same work. */
+/* Calls body() for the rows of a grid in parallel, in pieces of about equal work. */
 void generate_rows(const fathom_scene *scene, size_t rows, size_t row_size,
                    void (*body)(void *job, size_t begin, size_t end, unsigned worker), void *job);
 
 /* A height field over [-1,1]² in x and z: `cells` × `cells` squares of two triangles, y up. */
 typedef struct terrain {
     uint32_t seed, cells;
-    double relief;    /* height of the highest peaks over the middle, about */
-    double frequency; /* hills along one unit, about */
-    double roughness; /* height of an octave over that of the one before, (0,1) */
+    double relief;    /* approximate height of the highest peaks above the middle */
+    double frequency; /* approximate number of hills per unit length */
+    double roughness; /* height of an octave divided by that of the one before, (0,1) */
 } terrain;
 
 fathom_status generate_height_field(fathom_scene *scene, const terrain *t, generate_mesh *out);
@@ -42,17 +42,17 @@ double height_field_at(const generate_mesh *field, uint32_t cells, double x, dou
 
 typedef struct tree {
     bool conifer;
-    uint32_t triangles; /* of wood and leaves together, exactly; >= TREE_LEAST_TRIANGLES */
+    uint32_t triangles; /* exact total of wood and leaves; >= TREE_LEAST_TRIANGLES */
     uint64_t seed;
     fathom_id bark, leaves; /* materials */
 } tree;
 
-/* Adds the tree to the group, standing on the origin, about 1 high. */
+/* Adds the tree to the group. It stands on the origin, and is about 1 high. */
 fathom_status generate_tree(fathom_scene *scene, fathom_id group, const tree *t);
-/* (cos, 0, sin) of `turns` full turns, any number >= 0. */
+/* (cos, 0, sin) of the angle 2π · `turns`; turns >= 0. */
 vec3_f64 tree_turn(double turns);
 
-/* The nearest n >= 1 for which `factor` n² triangles come closest to `triangles`. */
+/* The n >= 1 for which `factor` n² is closest to `triangles`. */
 uint32_t generate_nearest_square(uint64_t triangles, uint32_t factor);
 
 fathom_status generate_sphere(fathom_scene *scene, fathom_id group, const fathom_generate_options *options);

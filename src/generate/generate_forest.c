@@ -1,13 +1,14 @@
-/* A forest: rolling ground and a few kinds of trees, placed many times.
+/* A forest: hilly ground, and a few kinds of trees with many instances.
  *
- * There are about as many trees as a tree has triangles, so both grow with the requested number. Half of the
- * kinds have one triangle more than the others; the right number of those makes the total exact. */
+ * The number of trees is about the number of triangles per tree, so both grow with the requested total. Half
+ * of the kinds have one triangle more than the others. The number of trees of these kinds makes the total
+ * exact. */
 #include "generate/generate.h"
 
 #include <stdlib.h>
 
 #define MOST_TREE_TRIANGLES 150000u
-#define KINDS 8u /* bit 0: which of two, bit 1: conifer, bit 2: one triangle more */
+#define KINDS 8u /* bit 0: one of two shapes, bit 1: conifer, bit 2: one more triangle */
 
 typedef struct forest {
     fathom_scene *scene;
@@ -77,12 +78,12 @@ static fathom_status need_kind(forest *f, uint32_t kind) {
     return status == FATHOM_OK ? generate_tree(f->scene, f->kinds[kind], &t) : status;
 }
 
-/* ---- where trees stand ---- */
+/* ---- positions of trees ---- */
 
-/* A cell of the scatter grid, where at most one tree stands. */
+/* A cell of the grid of positions, with at most one tree. */
 typedef struct site {
     double x, z;
-    double rank; /* trees stand where it is highest: in clumps, and not on steep slopes */
+    double rank; /* cells of the highest rank get trees: in clumps, and not on steep slopes */
     uint32_t cell;
 } site;
 
@@ -115,7 +116,7 @@ static int by_cell(const void *a, const void *b) {
     return s->cell < t->cell ? -1 : 1;
 }
 
-/* Conifers stand high, broadleaf trees low, and mix between. */
+/* Conifers grow on high ground, broadleaf trees on low ground, and both in between. */
 static bool wants_conifer(const forest *f, const site *s, noise_random *random) {
     vec3_f64 p = {1.3 * s->x, 3.5, 1.3 * s->z};
     double patch = noise_fbm((uint32_t)(f->seed >> 32) ^ 0x5bd1u, p, 2, 0.5).value;
@@ -137,7 +138,7 @@ static fathom_status plant(forest *f, const site *s, double spacing, bool one_mo
     instance.group = f->kinds[kind], instance.parent = f->group;
     double *m = instance.transform;
     m[0] = width * turn.x, m[2] = width * turn.z, m[3] = s->x;
-    /* The root reaches a little into the ground, which may slope. */
+    /* The tree reaches slightly below the ground, because the ground may slope. */
     m[5] = size, m[7] = ground_at(f, s->x, s->z) - 0.025 * size;
     m[8] = -width * turn.z, m[10] = width * turn.x, m[11] = s->z;
     return fathom_scene_add_instance(f->scene, &instance, NULL);
@@ -153,7 +154,7 @@ static fathom_status plant_all(forest *f) {
     fathom_status status = FATHOM_OK;
     uint64_t more = f->with_one_more;
     for (uint64_t k = 0; k < f->tree_count && status == FATHOM_OK; ++k) {
-        /* True for `more` of the trees, spread evenly over all. */
+        /* True for `more` of the trees, distributed uniformly over all trees. */
         bool one_more = k * more / f->tree_count != (k + 1) * more / f->tree_count;
         status = plant(f, &sites[k], 2.0 / side, one_more);
     }

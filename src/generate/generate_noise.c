@@ -19,29 +19,30 @@ static const double edges_3d[16][3] = {
     {0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}, {1, 1, 0}, {-1, 1, 0}, {0, -1, 1}, {0, -1, -1},
 };
 
-/* Eight directions of length sqrt(2). */
+/* Eight directions of length sqrt(2); each is repeated to make sixteen. */
 #define ROOT_2 1.4142135623730951
 static const double edges_2d[16][3] = {
     {1, 1}, {-1, 1}, {1, -1}, {-1, -1}, {ROOT_2, 0}, {-ROOT_2, 0}, {0, ROOT_2}, {0, -ROOT_2},
     {1, 1}, {-1, 1}, {1, -1}, {-1, -1}, {ROOT_2, 0}, {-ROOT_2, 0}, {0, ROOT_2}, {0, -ROOT_2},
 };
 
-/* The value of a corner of the lattice cell at the point; then, merged along one axis after the other, the
- * value of an edge, a face and the cell. */
+/* The value of a lattice cell's corner at the point. Corners are interpolated along one axis after another,
+ * which gives the value of an edge, a face and the cell. */
 typedef struct noise_part {
     double value;
-    double ramp[3];  /* the corners' gradients, blended */
-    double slope[3]; /* how the blend itself changes, along the axes that were merged */
+    double ramp[3];  /* the interpolated gradients of the corners */
+    double slope[3]; /* derivative of the interpolation, along the axes done so far */
 } noise_part;
 
-/* The point in its cell. */
+/* The position of the point in its cell. */
 typedef struct noise_place {
     uint32_t seed, cell[3];
     double offset[3], fade[3], slope[3];
     int axes;
 } noise_place;
 
-/* The number of axes is constant in each caller: inlined, loops over axes unroll. Twice as fast. */
+/* The number of axes is constant in each caller, so after inlining loops over axes unroll. This is twice as
+ * fast. */
 #define INLINE static inline __attribute__((always_inline))
 
 INLINE noise_place noise_locate(uint32_t seed, const double *point, int axes) {
@@ -97,15 +98,15 @@ noise_value noise_2d(uint32_t seed, double x, double y) {
     return (noise_value){n.value, {n.ramp[0] + n.slope[0], n.ramp[1] + n.slope[1], 0}};
 }
 
-/* Maps to the next octave: twice a rotation with rational entries, and a step that moves the origin off the
- * lattice. */
+/* Maps to the next octave: a scale by 2, a rotation with rational entries, and a translation that moves the
+ * origin off the lattice. */
 static vec3_f64 octave_point(vec3_f64 p) {
     const double s = 2.0 / 3;
     return (vec3_f64){s * (2 * p.x - p.y + 2 * p.z) + 0.37, s * (2 * p.x + 2 * p.y - p.z) + 0.71,
                       s * (2 * p.y + 2 * p.z - p.x) + 0.13};
 }
 
-/* The transpose of that map carries gradients back. */
+/* Transforms gradients back, by the transpose of that map. */
 static vec3_f64 octave_gradient(vec3_f64 g) {
     const double s = 2.0 / 3;
     return (vec3_f64){s * (2 * g.x + 2 * g.y - g.z), s * (2 * g.y - g.x + 2 * g.z),
@@ -125,7 +126,8 @@ noise_value noise_fbm(uint32_t seed, vec3_f64 p, unsigned octaves, double gain) 
     return sum;
 }
 
-/* Each octave's lattice is rotated against the one before by the angle of the 3-4-5 triangle. */
+/* The lattice of each octave is rotated by the angle of the 3-4-5 triangle, relative to the previous
+ * octave. */
 double noise_eroded(uint32_t seed, double x, double y, unsigned octaves, double gain) {
     double sum = 0, amplitude = 1, steep_x = 0, steep_y = 0;
     for (unsigned k = 0; k < octaves; ++k, amplitude *= gain) {
@@ -168,8 +170,8 @@ double random_between(noise_random *random, double low, double high) {
     return low + (high - low) * random_unit(random);
 }
 
-/* A point of the unit ball, or of its disc in the plane y = 0, with a squared length above `least`: by
- * rejection, without sine or cosine. */
+/* A uniform point of the unit ball, or of its disc in the plane y = 0, with a squared length above `least`.
+ * Uses rejection sampling, without sine or cosine. */
 static vec3_f64 random_inside(noise_random *random, bool flat, double least) {
     for (;;) {
         vec3_f64 p = {0};

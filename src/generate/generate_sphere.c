@@ -1,9 +1,10 @@
-/* A displaced sphere: a subdivided icosahedron pushed out by noise.
+/* A displaced sphere: a subdivided icosahedron, displaced by noise.
  *
  * The twenty faces are paired into ten diamonds, each a grid of n × n cells of two triangles. Corners of a
  * diamond are A B C D, (i,j) = (0,0) (n,0) (0,n) (n,n), and the fold between its two faces runs from B to C.
- * Diamonds 2k touch the north pole (A), diamonds 2k+1 the south pole (D), k = 0..4 going east. Diamonds own
- * their vertices with i >= 1 and j < n; with the two poles that is each vertex once: 10 n² + 2. */
+ * Diamonds 2k touch the north pole (A), diamonds 2k+1 the south pole (D), k = 0..4 going east. A diamond owns
+ * its vertices with i >= 1 and j < n. Together with the two poles, each vertex has one owner: 10 n² + 2
+ * vertices. */
 #include "generate/generate.h"
 
 #define DIAMONDS 10u
@@ -15,7 +16,7 @@ typedef struct sphere_job {
     generate_mesh mesh;
 } sphere_job;
 
-/* Vertex (i,j) of a diamond, wherever it is owned. */
+/* The index of vertex (i,j) of a diamond; another diamond may own it. */
 static uint32_t vertex_index(uint32_t n, uint32_t diamond, uint32_t i, uint32_t j) {
     uint32_t north = !(diamond & 1), next = (diamond + 2) % DIAMONDS;
     if (north && i == 0) {
@@ -32,8 +33,8 @@ static uint32_t vertex_index(uint32_t n, uint32_t diamond, uint32_t i, uint32_t 
     return (diamond * n + i - 1) * n + j;
 }
 
-/* The icosahedron with a vertex at each pole of y: two rings of five at heights ±1/sqrt(5), the lower one
- * turned by 36 degrees. Ring positions from the closed forms of cos 36° and cos 72°. */
+/* The icosahedron with a vertex at each pole of y: two rings of five vertices at heights ±1/sqrt(5), the
+ * lower one rotated by 36 degrees. Positions come from the closed forms of cos 36° and cos 72°. */
 static void make_corners(sphere_job *job) {
     double root = sqrt(5.0), c36 = (1 + root) / 4, c72 = (root - 1) / 4;
     double s36 = sqrt((5 - root) / 8), s72 = sqrt((5 + root) / 8), height = 1 / root, radius = 2 / root;
@@ -53,8 +54,8 @@ static void make_corners(sphere_job *job) {
     }
 }
 
-/* Spreads barycentric weights to even out triangles on the sphere: the largest has 1.2 times the area of the
- * smallest, instead of 2.0. */
+/* Adjusts barycentric weights so that triangles on the sphere have similar areas: the largest has 1.2 times
+ * the area of the smallest, instead of 2.0. */
 static double spread(double t) { return t * (1 + 0.275 * (1 - t * t)); }
 
 static vec3_f64 sphere_point(const sphere_job *job, uint32_t diamond, uint32_t i, uint32_t j) {
@@ -71,16 +72,16 @@ static vec3_f64 sphere_point(const sphere_job *job, uint32_t diamond, uint32_t i
     return normalize_f64(madd_f64(madd_f64(apex, spread(b), c[1]), spread(d), c[2]));
 }
 
-/* Lambert's azimuthal equal-area projection from the top: one to one without a seam, except for the lowest
- * point, which becomes the rim of the disc. */
+/* Lambert's azimuthal equal-area projection from the top: bijective without a seam, except for the lowest
+ * point, which maps to the border of the disc. */
 static void store_uv(float *uv, vec3_f64 u) {
     double s = u.y > -1 ? 0.25 * sqrt(2 / (1 + u.y)) : 0;
     uv[0] = (float)(0.5 + s * u.x);
     uv[1] = (float)(u.y > -1 ? 0.5 - s * u.z : 0);
 }
 
-/* The surface is |p| = r(p/|p|); its normal is the gradient of |p| - r: r u less the part of r's gradient
- * that is tangent to the sphere. */
+/* The surface is |p| = r(p/|p|); its normal is the gradient of |p| - r: r u minus the tangential component of
+ * r's gradient. */
 static void make_vertex(const sphere_job *job, uint32_t index, vec3_f64 u) {
     const double frequency = 1.6, base = 0.9, amplitude = 0.16;
     noise_value h = noise_fbm(job->seed, scale_f64(frequency, u), job->octaves, 0.44);
@@ -112,7 +113,8 @@ static void make_row(void *user, size_t begin, size_t end, unsigned worker) {
 fathom_status generate_sphere(fathom_scene *scene, fathom_id group, const fathom_generate_options *options) {
     uint32_t n = generate_nearest_square(options->triangles, 2 * DIAMONDS), faces = DIAMONDS * n * n;
     sphere_job job = {.n = n, .seed = (uint32_t)noise_random_from(options->seed, 0).state};
-    /* An edge of the icosahedron is about 1.1 long; a wave spans at least four edges of the mesh. */
+    /* An edge of the icosahedron is about 1.1 long; the shortest wave spans at least four edges of the
+     * mesh. */
     job.octaves = noise_octaves(1.6, 4 * 1.1 / n);
     fathom_status status =
         generate_allocate(scene, faces + 2, 2 * faces, GENERATE_NORMALS | GENERATE_UVS, &job.mesh);

@@ -1,13 +1,13 @@
-/* A Menger sponge: a mesh of the boundary of a small sponge, and groups of twenty instances around it.
+/* A Menger sponge: a mesh of the boundary of a small sponge, and nested groups of twenty instances of it.
  *
  * The boundary of a sponge of depth b has 2·20^b + 4·8^b unit squares. With b from 0 (a cube) to 4 and any
- * nesting around it, the number of triangles comes close to any request. */
+ * depth of nesting, the number of triangles is close to any request. */
 #include "generate/generate.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* At most 672,768 stored triangles and 160,000 placed meshes. */
+/* At most 672,768 stored triangles and 160,000 instances. */
 #define DEEPEST_MESH 4u
 #define DEEPEST_NEST 4u
 
@@ -23,7 +23,7 @@ static uint64_t power(uint64_t base, unsigned exponent) {
 
 static uint64_t boundary_triangles(unsigned depth) { return 4 * power(20, depth) + 8 * power(8, depth); }
 
-/* The nearest sponge; of two, the one with fewer instances. */
+/* The sponge with the closest number of triangles; of two, the one with fewer instances. */
 static sponge nearest_sponge(uint64_t triangles) {
     sponge best = {0, 0};
     uint64_t least = UINT64_MAX;
@@ -37,7 +37,7 @@ static sponge nearest_sponge(uint64_t triangles) {
     return best;
 }
 
-/* A cell is hollow when at some depth it lies in the middle of its parent along two axes. */
+/* False for an empty cell: at some depth it lies in the middle of its parent along two or three axes. */
 static bool solid(unsigned depth, uint32_t x, uint32_t y, uint32_t z) {
     for (unsigned d = 0; d < depth; ++d, x /= 3, y /= 3, z /= 3)
         if ((x % 3 == 1) + (y % 3 == 1) + (z % 3 == 1) >= 2) return false;
@@ -49,7 +49,7 @@ typedef struct sponge_mesher {
     uint32_t cells;  /* along an edge: 3^depth */
     uint32_t *named; /* lattice point -> vertex + 1; 0: not used yet */
     generate_mesh mesh;
-    uint32_t vertices, triangles; /* so far; arrays may be NULL: counting only */
+    uint32_t vertices, triangles; /* so far; the arrays may be NULL, for counting only */
 } sponge_mesher;
 
 static uint32_t lattice_vertex(sponge_mesher *m, const uint32_t p[3]) {
@@ -83,7 +83,7 @@ static void add_cell(sponge_mesher *m, const uint32_t c[3]) {
     for (int axis = 0; axis < 3; ++axis) {
         for (uint32_t side = 0; side < 2; ++side) {
             uint32_t n[3] = {c[0], c[1], c[2]};
-            n[axis] += side ? 1u : UINT32_MAX; /* below 0 wraps and is outside as well */
+            n[axis] += side ? 1u : UINT32_MAX; /* -1 wraps to a large number, which is also outside */
             if (n[axis] < m->cells && solid(m->depth, n[0], n[1], n[2])) continue;
             add_face(m, c, axis, side);
         }
@@ -136,7 +136,7 @@ static fathom_status add_twenty(fathom_scene *scene, fathom_id group, fathom_id 
 fathom_status generate_sponge(fathom_scene *scene, fathom_id group, const fathom_generate_options *options) {
     sponge s = nearest_sponge(options->triangles);
     fathom_status status = FATHOM_OK;
-    /* From the outermost level inwards, each but the first in its own group. */
+    /* From the outermost level inwards; each level except the first has its own group. */
     for (unsigned level = s.nest_depth; level > 0 && status == FATHOM_OK; --level) {
         fathom_id inner;
         status = fathom_scene_add_group(scene, "sponge", &inner);

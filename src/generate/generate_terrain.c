@@ -1,4 +1,5 @@
-/* A fractal height field: eroded noise, higher where a slow noise is high, warped by a third one. */
+/* A fractal height field: eroded noise, higher and with a larger amplitude where a low-frequency noise is
+ * high, and warped by a third noise. */
 #include "generate/generate.h"
 
 typedef struct terrain_job {
@@ -15,7 +16,7 @@ static double height(const terrain_job *job, double x, double z) {
     x += 0.15 * warp.gradient.y, z -= 0.15 * warp.gradient.x;
     double eroded = noise_eroded(t->seed, x, z, job->octaves, t->roughness);
     double h = 0.35 * slow.value + (0.75 + 0.5 * slow.value) * eroded;
-    /* Valleys are wide and flat: nothing lies below -1/2.5, and the slope is continuous at 0. */
+    /* Valleys are wide and flat: all heights are above -1/2.5, and the slope is continuous at 0. */
     return t->relief * (h < 0 ? h / (1 - 2.5 * h) : h);
 }
 
@@ -39,7 +40,7 @@ static void make_heights(void *user, size_t begin, size_t end, unsigned worker) 
     }
 }
 
-/* Two triangles a cell; the diagonals alternate, so that the grid has no grain. */
+/* Two triangles per cell; diagonals alternate, so that the grid has no preferred direction. */
 static void make_cells(const terrain_job *job, uint32_t row) {
     uint32_t n = job->t.cells, width = n + 1, *triangle = job->mesh.indices + (size_t)row * n * 6;
     for (uint32_t column = 0; column < n; ++column, triangle += 6) {
@@ -74,7 +75,7 @@ static void make_normals(void *user, size_t begin, size_t end, unsigned worker) 
 fathom_status generate_height_field(fathom_scene *scene, const terrain *t, generate_mesh *out) {
     terrain_job job = {.t = *t};
     uint32_t n = t->cells, vertices = (n + 1) * (n + 1);
-    /* A wave spans at least four cells of the grid. */
+    /* The shortest wave spans at least four cells of the grid. */
     job.octaves = noise_octaves(t->frequency, 8.0 / n);
     fathom_status status =
         generate_allocate(scene, vertices, 2 * n * n, GENERATE_NORMALS | GENERATE_UVS, &job.mesh);

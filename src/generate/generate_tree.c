@@ -4,15 +4,15 @@
 
 #include <stdlib.h>
 
-/* Trees of fewer triangles have closed crowns instead of single leaves. */
+/* Trees with fewer triangles have closed crowns instead of single leaves. */
 #define TREE_LEAFY_TRIANGLES 400u
 
-/* A mesh that grows. Wood has normals, leaves are flat. */
+/* A mesh under construction. Wood has normals, leaves are flat. */
 typedef ARRAY(float) tree_numbers;
 typedef struct tree_part {
     tree_numbers positions, normals;
     ARRAY(uint32_t) indices;
-    bool failed; /* out of memory: adds nothing more */
+    bool failed; /* out of memory: later calls add nothing */
 } tree_part;
 
 typedef struct tree_maker {
@@ -46,7 +46,7 @@ static void tree_leaf(tree_part *part, vec3_f64 a, vec3_f64 b, vec3_f64 c) {
     tree_triangle(part, first, first + 1, first + 2);
 }
 
-/* Taylor's series within an eighth of a turn, off by less than 2^-41. */
+/* Taylor series within an eighth of a turn; the error is below 2^-41. */
 vec3_f64 tree_turn(double turns) {
     turns -= (double)(uint64_t)turns;
     int quarter = (int)(turns * 4 + 0.5);
@@ -61,7 +61,7 @@ vec3_f64 tree_turn(double turns) {
     }
 }
 
-/* A frustum without caps, with normals: 2 triangles a side, or 1 if it ends in a point. */
+/* A frustum without caps, with normals: 2 triangles per side, or 1 if to_radius is 0. */
 static void tree_cone(tree_part *part, vec3_f64 from, vec3_f64 to, double from_radius, double to_radius,
                       uint32_t sides) {
     vec3_f64 axis = sub_f64(to, from);
@@ -83,9 +83,9 @@ static void tree_cone(tree_part *part, vec3_f64 from, vec3_f64 to, double from_r
     }
 }
 
-/* ---- conifers: fronds of needles around a straight trunk; of few triangles: a stack of cones ---- */
+/* ---- conifers: fronds of needles around a straight trunk; with few triangles, a stack of cones ---- */
 
-/* Tiers overlap, each narrower than the one below; between them they use up all triangles. */
+/* Makes overlapping tiers, each narrower than the one below. Together they use all triangles. */
 static void make_tiers(tree_maker *m, uint32_t triangles) {
     uint32_t tiers = triangles / 9 < 3 ? 3 : triangles / 9 > 7 ? 7 : triangles / 9;
     for (uint32_t k = 0; k < tiers; ++k) {
@@ -106,7 +106,7 @@ static void make_tiers(tree_maker *m, uint32_t triangles) {
 }
 
 typedef struct frond {
-    vec3_f64 start, along, aside; /* unit, at right angles */
+    vec3_f64 start, along, aside; /* `along` and `aside`: unit, perpendicular */
     double length;
 } frond;
 
@@ -114,7 +114,7 @@ static vec3_f64 frond_point(const frond *f, double s) {
     return madd_f64(madd_f64(f->start, f->length * s, f->along), -0.18 * f->length * s * s, up);
 }
 
-/* Two rows of needles, shorter towards the tip. */
+/* Adds two rows of needles, shorter towards the tip. */
 static void add_needles(tree_maker *m, const frond *f, uint32_t count) {
     for (uint32_t j = 0; j < count; ++j) {
         double side = j & 1 ? -1 : 1, half_width = 1.1 * f->length / count;
@@ -128,7 +128,7 @@ static void add_needles(tree_maker *m, const frond *f, uint32_t count) {
     }
 }
 
-/* Fronds turn by the golden angle from one to the next, so that none stands above another. */
+/* Each frond is rotated by the golden angle from the previous one, so that none is directly above another. */
 static void make_fronds(tree_maker *m, uint32_t fronds, uint32_t needles) {
     double start = random_unit(&m->random);
     for (uint32_t k = 0; k < fronds; ++k) {
@@ -154,9 +154,11 @@ static void tree_conifer(tree_maker *m, uint32_t triangles) {
     }
 }
 
-/* ---- broadleaf trees: each branch ends in three, the last in clouds of leaves; or a round crown ---- */
+/* ---- broadleaf trees: each branch splits into three, and the last ones end in clusters of leaves; with few
+ * triangles, a round crown ---- */
 
-/* A closed, uneven ball of rings of `sides` vertices, each turned by half a side: 2 sides rings triangles. */
+/* A closed, irregular ball from rings of `sides` vertices, each ring rotated by half a side from the previous
+ * one: 2 · sides · rings triangles. */
 static void make_crown(tree_maker *m, uint32_t sides, uint32_t rings) {
     const vec3_f64 center = {0, 0.66, 0}, half = {0.31, 0.34, 0.31};
     uint32_t first = tree_vertex(&m->leaves, madd_f64(center, -half.y, up));
@@ -182,7 +184,7 @@ static void make_crown(tree_maker *m, uint32_t sides, uint32_t rings) {
     }
 }
 
-/* The trunk gets the remaining triangles as sides, at least 3. */
+/* The trunk gets the remaining triangles, one per side; there are at least 3. */
 static void make_round(tree_maker *m, uint32_t triangles) {
     uint32_t rings = triangles < 60 ? 2 : triangles < 150 ? 4 : 6;
     uint32_t sides = (triangles - 3) / (2 * rings);
@@ -191,12 +193,12 @@ static void make_round(tree_maker *m, uint32_t triangles) {
 }
 
 typedef struct foliage {
-    uint32_t leaves, twigs, next_twig; /* leaves are dealt out over the twigs */
+    uint32_t leaves, twigs, next_twig; /* leaves are distributed over the twigs */
 } foliage;
 
 static void add_twig_leaves(tree_maker *m, foliage *all, vec3_f64 end, vec3_f64 along, double spread) {
     uint32_t k = all->next_twig++, count = all->leaves / all->twigs + (k < all->leaves % all->twigs);
-    /* All leaves together have about the area of three crowns' silhouettes. */
+    /* The total area of all leaves is about three times that of the crown's silhouette. */
     double size = sqrt(2.6 / all->leaves);
     vec3_f64 center = madd_f64(end, 0.4 * spread, along);
     for (uint32_t j = 0; j < count; ++j) {
@@ -210,8 +212,8 @@ static void add_twig_leaves(tree_maker *m, foliage *all, vec3_f64 end, vec3_f64 
 
 static uint32_t next_sides(unsigned levels, uint32_t sides) { return levels > 3 ? sides : 3; }
 
-/* levels: branchings still to come, this branch included. The first of the three goes on, the others turn
- * off. */
+/* levels: remaining levels of branches, this one included. The first of the three branches continues in about
+ * the same direction, the others turn to the side. */
 static void add_branch(tree_maker *m, foliage *all, vec3_f64 from, vec3_f64 along, double length,
                        double radius, unsigned levels, uint32_t sides) {
     vec3_f64 to = madd_f64(from, length, along);

@@ -1,6 +1,7 @@
-/* The Draco helper: a process that unpacks one mesh. It reads Draco's bytes from standard input and writes
- * what src/read/gltf/gltf_draco.h describes to standard output, or a message and ends with 1. If the library
- * faults, hangs or takes too much memory, the renderer's process goes on and reports it. */
+/* The Draco helper: a process that decompresses one mesh. It reads Draco data from standard input. It writes
+ * the output that src/read/gltf/gltf_draco.h describes to standard output, or a message and then exits with
+ * status 1. If the library crashes, hangs or takes too much memory, the renderer's process continues and
+ * reports the failure. */
 #include "read/gltf/gltf_draco.h"
 
 #include <draco/compression/decode.h>
@@ -26,7 +27,7 @@ static std::vector<char> read_all() {
 
 static void put(const void *bytes, size_t size) { std::fwrite(bytes, 1, size, stdout); }
 
-/* All numbers as floats; whole ones above 2^24 are none that a mesh of glTF has. */
+/* Writes all numbers as floats; meshes in glTF have no integers above 2^24. */
 static bool put_attribute(const draco::PointAttribute &a, uint32_t points) {
     const auto count = static_cast<uint32_t>(a.num_components());
     float values[DRACO_COMPONENTS_MAX];

@@ -15,7 +15,7 @@ struct failure : std::runtime_error {
     fathom_status status;
 };
 
-/* Runs body(); exceptions of the libraries become `status`. */
+/* Runs body(). Exceptions of the libraries return `status`. */
 template <class Body>
 fathom_status guarded(image_message *message, fathom_status status, Body body) noexcept {
     try {
@@ -35,13 +35,12 @@ fathom_status guarded(image_message *message, fathom_status status, Body body) n
     return status;
 }
 
-/* Converts pixels of R, G, B and perhaps A from a color space to linear Rec.709, in place. */
+/* Converts pixels of R, G, B and optionally A from a colour space to linear Rec.709, in place. */
 struct image_space {
     virtual ~image_space() = default;
     virtual void apply(float *pixels, size_t count, unsigned channels) const = 0;
 };
-/* Throws a failure when the config has no such space, or no linear Rec.709. config: NULL: the built-in one.
- */
+/* Throws `failure` if the config lacks this space or linear Rec.709. config may be NULL: the built-in one. */
 std::unique_ptr<image_space> space_open(const char *config, const char *name);
 
 #endif

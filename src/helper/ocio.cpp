@@ -15,8 +15,8 @@
 
 namespace OCIO = OCIO_NAMESPACE;
 
-/* The default config; OpenColorIO 2.1 has none of its own. The sRGB curve is that of IEC 61966-2-1 without
- * rounding the slope of its linear part to 12.92: the largest difference is 1e-5. */
+/* The default config; OpenColorIO 2.1 has no built-in one. The sRGB curve is that of IEC 61966-2-1, but the
+ * slope of its linear part is not rounded to 12.92: the maximum difference is 1e-5. */
 static const char built_in_config[] = R"(ocio_profile_version: 2
 name: fathom
 description: Linear Rec.709 for sRGB screens.
@@ -82,20 +82,20 @@ static OCIO::ConstConfigRcPtr load_config(const char *path) {
         return OCIO::Config::CreateFromStream(text);
     }
     struct stat info;
-    bool file = std::strncmp(path, "ocio://", 7) != 0; /* else a config that comes with newer libraries */
+    bool file = std::strncmp(path, "ocio://", 7) != 0; /* else a config built into newer libraries */
     if (file && (stat(path, &info) != 0 || access(path, R_OK) != 0)) {
         throw failure(FATHOM_BAD_USAGE, std::string("cannot be read: ") + std::strerror(errno));
     }
     if (file && S_ISDIR(info.st_mode)) throw failure(FATHOM_BAD_USAGE, "cannot be read: is a folder");
     if (file && !S_ISREG(info.st_mode)) {
-        /* Reading a pipe may wait, and some devices never end. */
+        /* Reading a pipe may block, and some devices have no end. */
         throw failure(FATHOM_BAD_USAGE, "cannot be read: is not a regular file");
     }
     return OCIO::Config::CreateFromFile(path);
 }
 
-/* The entry of a list that `wanted` names, in any case; throws a failure that lists the entries if there is
- * none. */
+/* The entry of a list with the name `wanted`, ignoring case. If there is none, throws a failure that lists
+ * the entries. */
 template <class Name>
 static std::string choose(const char *wanted, const std::string &what, int count, Name name) {
     std::string list;
@@ -129,7 +129,7 @@ static std::string choose_view(const OCIO::ConstConfigRcPtr &config, const std::
     return view;
 }
 
-/* The config's name of linear Rec.709, one of those in published configs, Blender's among them. */
+/* The config's name of linear Rec.709: one of the names in published configs, including Blender's. */
 static std::string linear_rec709(const OCIO::ConstConfigRcPtr &config) {
     static const char *const names[] = {"lin_rec709_scene",
                                         "lin_rec709",
@@ -152,7 +152,7 @@ static void append_builtin(const OCIO::GroupTransformRcPtr &group, const char *s
     group->appendTransform(transform);
 }
 
-/* The name of the space that a view ends in, and whether it holds data, which is not transformed. */
+/* The name of a view's output space. *data: whether it is for data, which is not transformed. */
 static std::string last_space(const OCIO::ConstConfigRcPtr &config, const std::string &display,
                               const std::string &view, bool *data) {
     std::string name = config->getDisplayViewColorSpaceName(display.c_str(), view.c_str());
@@ -220,7 +220,7 @@ static void apply(const image_view *view, pixels_of part) {
     view->processor->apply(pixels);
 }
 
-/* Pixels are independent, so the number of threads changes none. */
+/* Pixels are independent, so the result does not depend on the number of threads. */
 fathom_status image_view_apply(const image_view *view, unsigned threads, float *rgba, size_t count,
                                image_message *message) noexcept {
     return guarded(message, FATHOM_INTERNAL, [&] {

@@ -13,8 +13,8 @@
 #include <unistd.h>
 #include <vector>
 
-/* Writes to the descriptor by offset and keeps the first error. With their own files, libjpeg ends the
- * process when a write fails, and other libraries forget the failure. */
+/* Writes to the descriptor by offset and keeps the first error. With files of their own, libjpeg ends the
+ * process when a write fails, and other libraries lose the error. */
 class descriptor_output final : public OIIO::Filesystem::IOProxy {
   public:
     descriptor_output(const std::string &name, int descriptor)
@@ -121,7 +121,7 @@ static OIIO::ImageSpec describe(const image_target &target) {
         if (spec.channelnames[i] == "A") spec.alpha_channel = static_cast<int>(i);
         if (spec.channelnames[i] == "Z") spec.z_channel = static_cast<int>(i);
     }
-    /* Without a date OpenImageIO writes the present. */
+    /* Without a date, OpenImageIO writes the current time. */
     if (target.date) spec.attribute("DateTime", target.date);
     for (size_t i = 0; i < img.attribute_count; ++i) {
         const image_attribute &a = img.attributes[i];
@@ -173,15 +173,15 @@ static void add_format(OIIO::ImageSpec &spec, const image_target &target) {
         spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709);
         return;
     case IMAGE_JPEG:
-        /* No chroma subsampling: it smears the edges of shadows and of coloured objects. */
+        /* No chroma subsampling: it blurs the edges of shadows and of coloured objects. */
         spec.attribute("compression", "jpeg:95");
         spec.attribute("jpeg:subsampling", "4:4:4");
         break;
     case IMAGE_TIFF:
         spec.attribute("compression", "zip");
         spec.attribute("tiff:zipquality", 4);
-        /* Before 2.5.13 an EXIF directory, which could say sRGB too, ruins files that are not written by
-         * name. */
+        /* Before 2.5.13 an EXIF directory, which could also mark the file as sRGB, corrupts files that are
+         * not written by name. */
         spec.attribute("tiff:write_exif", 0);
         if (target.srgb) add_profile(spec);
         if (target.mipmapped) {
@@ -206,14 +206,14 @@ static const char *format_name(image_format format) {
     return "";
 }
 
-/* Why an image writer could not be made: without a reason, for lack of threads or memory. */
+/* The reason why an image writer could not be made. Without a reason, threads or memory are lacking. */
 static failure no_writer() {
     std::string reason = OIIO::geterror();
     if (reason.empty()) return failure(FATHOM_OUT_OF_RESOURCES, "out of memory or threads");
     return failure(FATHOM_INTERNAL, reason);
 }
 
-/* OpenEXR starts its threads here; if that fails it goes on without. */
+/* OpenEXR starts its threads here; if this fails, it continues without threads. */
 static void make_output(image_writer &writer, const image_target &target) {
     static const int none = -1;
     OIIO::attribute("exr_threads", static_cast<int>(target.threads));
@@ -234,7 +234,7 @@ static fathom_status writer_open(const image_target *target, image_writer **out,
         OIIO::ImageSpec spec = describe(*target);
         add_format(spec, *target);
         writer->output->threads(static_cast<int>(target->threads));
-        /* TIFF adds further levels to named files alone. */
+        /* TIFF can add further levels only to files with a name. */
         if (target->mipmapped) {
             writer->name = "/proc/self/fd/" + std::to_string(target->descriptor);
             writer->next_level = spec;
@@ -251,7 +251,7 @@ static fathom_status writer_rows(image_writer *writer, uint32_t count, const voi
     return guarded(message, FATHOM_OUT_OF_RESOURCES, [&] {
         const OIIO::ImageSpec &spec = writer->output->spec();
         int begin = spec.y + static_cast<int>(writer->next_row), end = begin + static_cast<int>(count);
-        /* UNKNOWN means the file's types, for mixtures. */
+        /* UNKNOWN means the file's types, for channels of different types. */
         OIIO::TypeDesc type = spec.channelformats.empty() ? spec.format : OIIO::TypeDesc::UNKNOWN;
         check(*writer, spec.tile_width ? writer->output->write_tiles(spec.x, spec.x + spec.width, begin, end,
                                                                      0, 1, type, pixels)
@@ -267,18 +267,18 @@ static fathom_status writer_level(image_writer *writer, uint32_t width, uint32_t
         spec.width = spec.full_width = static_cast<int>(width);
         spec.height = spec.full_height = static_cast<int>(height);
         writer->next_row = 0;
-        /* The levels of a TIFF texture are its images. */
+        /* Each level of a TIFF texture is a separate image of the file. */
         check(*writer, writer->output->open(writer->name, spec, OIIO::ImageOutput::AppendSubimage));
     });
 }
 
-/* ---- complete EXR files ----
- * If one of its threads lacks the memory to compress a block, OpenEXR leaves the block out without an error.
- * Its offset, in the table after the header, is then 0. */
+/* ---- check for complete EXR files ----
+ * If one of its threads lacks the memory to compress a block, OpenEXR omits the block without an error.
+ * Its offset in the table after the header is then 0. */
 
 #define ZIP_ROWS 16
 
-/* Skips past the next 0; false if nothing comes before it. */
+/* Skips past the next zero byte; false if no byte precedes it. */
 static bool skip_word(FILE *file) {
     size_t length = 0;
     while (std::getc(file) > 0) ++length;
@@ -326,7 +326,7 @@ struct file_image : image {
     OIIO::ImageSpec spec;
     std::vector<image_channel> channel_list;
     std::vector<image_attribute> attribute_list;
-    std::vector<std::vector<uint32_t>> planes; /* floats too: both have 32 bits */
+    std::vector<std::vector<uint32_t>> planes; /* also for floats: both have 32 bits */
     std::vector<std::vector<double>> numbers;
 };
 
@@ -361,7 +361,7 @@ static void collect_attributes(file_image &file) {
     }
 }
 
-/* Spreads the file's pixels into a plane for each channel. */
+/* Copies the file's interleaved pixels to one plane for each channel. */
 static void collect_channels(file_image &file, const std::vector<unsigned char> &pixels) {
     const OIIO::ImageSpec &spec = file.spec;
     const unsigned char *from = pixels.data();
@@ -411,7 +411,7 @@ static fathom_status image_file_read(const char *path, unsigned threads, const i
         const OIIO::ImageSpec &spec = file->spec;
         if (spec.depth != 1 || spec.deep) throw failure(FATHOM_BAD_INPUT, "is not a flat image");
         std::vector<unsigned char> pixels(spec.image_bytes(true));
-        /* Some readers succeed on a truncated file and keep the error aside. */
+        /* Some readers return success for a truncated file and only store the error. */
         bool ok = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, pixels.data());
         if (!ok || input->has_error()) {
             throw failure(FATHOM_BAD_INPUT, input->geterror());

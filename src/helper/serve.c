@@ -1,7 +1,8 @@
 /* The image helper: the process that runs OpenImageIO and OpenColorIO.
  *
- * The library starts it when the first image needs it, and it ends when the library closes the socket. If its
- * libraries exit, abort, fault or hang, the renderer's process goes on and reports it. */
+ * The library starts the helper when the first image needs it. The helper ends when the library closes the
+ * socket. If its libraries exit, abort, crash or hang, the renderer's process continues and reports the
+ * failure. */
 #include "image/helper/wire.h"
 
 #include <dlfcn.h>
@@ -26,8 +27,9 @@ static void say(wire_reply *reply, fathom_status status, const char *text) {
 
 /* ---- loading ---- */
 
-/* Loads the libraries that the module needs one by one, those without dependencies first. One dlopen() of the
- * module would search each symbol in all 260 libraries; loaded one by one they take half the time. */
+/* Loads the libraries that the module needs one by one, starting with those without dependencies. One
+ * dlopen() of the module would search each symbol in all 260 libraries; loading them one by one takes half
+ * the time. */
 static void load_parts(const char *folder) {
     char path[PATH_MAX + sizeof PARTS_FILE], name[256];
     snprintf(path, sizeof path, "%s/" PARTS_FILE, folder);
@@ -76,7 +78,7 @@ static void load(wire_reply *reply) {
 
 /* ---- requests ---- */
 
-/* Writers and views go by their addresses, which the library gives back. */
+/* The id of a writer, view or texture is its address, which the library sends back. */
 static uint64_t number_of(const void *object) { return (uint64_t)(uintptr_t)object; }
 static void *object_of(const wire_request *request) { return (void *)(uintptr_t)request->object; }
 
@@ -101,7 +103,7 @@ static void open_file(const wire_request *request, int descriptor, wire_reply *r
     wire_image_free(&w);
 }
 
-/* The description, then the planes. */
+/* Puts the description, then the planes, into the shared memory. */
 static bool give_image(const image *img, wire_reply *reply) {
     wire_buffer b = {NULL, 0, 0, false};
     const size_t plane = (size_t)img->width * img->height * sizeof(float);
@@ -212,8 +214,8 @@ static void serve(const wire_request *request, int descriptor, wire_reply *reply
     if (message.text[0]) snprintf(reply->text, sizeof reply->text, "%s", message.text);
 }
 
-/* Ignores signals that end a terminal's or a job's processes: the renderer may still want images written.
- * Users need no core of this process. */
+/* Ignores signals that end the processes of a terminal or job, because the renderer may still need to write
+ * images. Disables core dumps, which are of no use to users. */
 static void settle(void) {
     static const int ignored[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU, SIGPIPE, SIGXFSZ};
     for (size_t i = 0; i < sizeof ignored / sizeof *ignored; ++i) signal(ignored[i], SIG_IGN);

@@ -10,7 +10,7 @@
 
 using OIIO::TypeDesc;
 
-/* Closes what it holds. */
+/* Closes the descriptor on destruction. */
 struct owned_descriptor {
     int number;
     ~owned_descriptor() {
@@ -34,8 +34,8 @@ static std::string names_of(const OIIO::ImageSpec &spec) {
     return list;
 }
 
-/* R, G, B and perhaps A next to each other, as OpenImageIO sorts them; or up to four channels by their order.
- */
+/* Chooses R, G, B and optionally A, which OpenImageIO sorts to be adjacent; otherwise all channels, if there
+ * are at most four. */
 static void choose_channels(image_texture &t, const OIIO::ImageSpec &spec) {
     const std::vector<std::string> &names = spec.channelnames;
     auto is = [&](size_t i, const char *name) { return i < names.size() && names[i] == name; };
@@ -86,7 +86,7 @@ static bool fits_tiles(const OIIO::ImageSpec &spec) {
     return fits(spec.tile_width) && fits(spec.tile_height) && spec.tile_depth <= 1;
 }
 
-/* True when all levels down to one texel are there; then t.levels holds them. */
+/* If the file has all levels down to one texel, t.levels gets them; otherwise only level 0. */
 static void find_levels(image_texture &t) {
     OIIO::ImageSpec level = t.input->spec();
     t.levels = {level};
@@ -96,7 +96,7 @@ static void find_levels(image_texture &t) {
         if (level.width != width || level.height != height) break;
         t.levels.push_back(level);
     }
-    t.input->geterror(); /* there is no such level */
+    t.input->geterror(); /* clears the error about the missing level */
     t.info.mipmapped = fits_tiles(level) && level.width == 1 && level.height == 1;
     if (!t.info.mipmapped) t.levels.resize(1);
 }
@@ -123,7 +123,8 @@ static void describe(image_texture &t, const image_texture_request &request) {
     t.info.sent = t.info.kept = texel;
     std::snprintf(t.info.format, sizeof t.info.format, "%s", t.input->format_name());
     t.info.band = static_cast<uint32_t>(std::max(spec.tile_height, 1));
-    /* Other formats with alpha are not premultiplied, by their definition or as OpenImageIO was asked. */
+    /* Other formats with alpha are not premultiplied, by their definition or by the option passed to
+     * OpenImageIO. */
     const std::string format = t.input->format_name();
     t.premultiplied = t.info.channels % 2 == 0 && (format == "openexr" || format == "tiff") &&
                       !spec.get_int_attribute("oiio:UnassociatedAlpha");
@@ -169,7 +170,7 @@ static bool read_native(image_texture &t, const image_region &r, const OIIO::Ima
     return t.input->read_tiles(0, level, x0, x1, y0, y1, 0, 1, t.first_channel, end, type, texels);
 }
 
-/* Colours by alpha. */
+/* Divides colours by alpha. */
 static void divide(float *texels, size_t count, size_t channels) {
     for (float *t = texels, *end = texels + count * channels; t != end; t += channels) {
         const float alpha = t[channels - 1];
@@ -189,7 +190,7 @@ static fathom_status texture_read(image_texture *t, const image_region *region, 
             bytes != count * t->info.channels * image_texel_size(t->info.sent)) {
             throw failure(FATHOM_INTERNAL, "there is no such region");
         }
-        /* Some readers succeed on a truncated file and keep the error aside. */
+        /* Some readers return success for a truncated file and only store the error. */
         if (!read_native(*t, r, spec, texels) || t->input->has_error()) {
             throw failure(FATHOM_BAD_INPUT, t->input->geterror());
         }

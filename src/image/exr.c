@@ -1,5 +1,6 @@
-/* OpenEXR without OpenEXR, version 2: single part, scan lines, no compression (openexr.com, "OpenEXR File
- * Layout"). The format is little-endian, as is every machine that Embree runs on. */
+/* Writes OpenEXR files without the OpenEXR library. Version 2: single part, scan lines, no compression
+ * (openexr.com, "OpenEXR File Layout"). The format is little-endian, as are all machines that Embree
+ * supports. */
 #include "base/file.h"
 #include "image/image.h"
 
@@ -14,7 +15,7 @@ enum { MAGIC = 20000630, VERSION = 2, PIXEL_UINT = 0, PIXEL_FLOAT = 2, LINE_HEAD
 typedef struct exr {
     file_writer *file;
     const image *img;
-    const image_channel **channels; /* sorted by name, as the format asks */
+    const image_channel **channels; /* sorted by name, as the format requires */
     unsigned char *row;             /* of one channel */
     uint64_t written;
 } exr;
@@ -46,7 +47,7 @@ static void put_channels(exr *out) {
         put_name(out, out->channels[i]->name);
         put_u32(out, out->channels[i]->type == IMAGE_UINT ? PIXEL_UINT : PIXEL_FLOAT);
         put_u32(out, 0);                  /* not perceptually linear */
-        put_u32(out, 1), put_u32(out, 1); /* a sample in every pixel */
+        put_u32(out, 1), put_u32(out, 1); /* sampling: every pixel */
     }
     put_byte(out, 0);
 }
@@ -74,7 +75,7 @@ static void put_frame(exr *out) {
     put_float(out, 1);
 }
 
-/* The format's type for `count` doubles; NULL: none. */
+/* The format's type for `count` doubles; NULL: the format has none. */
 static const char *type_of(size_t count) {
     switch (count) {
     case 1: return "double";

@@ -1,8 +1,8 @@
-/* Images in files. PNG in sRGB is written here. Other formats, reading, and other views need OpenImageIO and
- * OpenColorIO, which run in their own process, the image helper. It starts when the first image needs it, in
- * parallel to other work, because its 260 libraries take a quarter of a second to load; its failures do not
- * end this process. The helper's program is searched in the folder `fathom` next to the file that holds this
- * code, then in the library folders near that file. */
+/* Image files. The library itself writes PNG in sRGB. Other formats, reading, and other views need
+ * OpenImageIO and OpenColorIO, which run in their own process, the image helper. The helper starts when the
+ * first image needs it, in parallel with other work, because its 260 libraries take a quarter of a second to
+ * load. Its failures do not end this process. The library looks for the helper's program in the folder
+ * `fathom` next to the file that holds this code, then in the library folders near that file. */
 #ifndef IMAGE_IMAGE_H
 #define IMAGE_IMAGE_H
 
@@ -17,14 +17,14 @@ typedef enum image_type { IMAGE_FLOAT, IMAGE_UINT } image_type;
 typedef struct image_channel {
     const char *name; /* "R", "N.X"… */
     image_type type;
-    bool color; /* stored as half in EXR unless asked otherwise */
+    bool color; /* stored as half in EXR by default */
     const void *data;
     size_t stride;
 } image_channel;
 
 /* A header entry: text, or `count` numbers if text is NULL. EXR stores 1, 2, 3, 9 and 16 numbers as a double,
  * vector or matrix of doubles, and other counts as text; the matrices that OpenEXR itself defines have
- * floats. The other formats keep texts that have a place in them (Software, ImageDescription; PNG: any). */
+ * floats. The other formats keep texts for which they have a field (Software, ImageDescription; PNG: any). */
 typedef struct image_attribute {
     const char *name;
     const char *text;
@@ -38,12 +38,12 @@ static inline bool image_attribute_is_m44f(const image_attribute *a) {
            (strcmp(a->name, "worldToCamera") == 0 || strcmp(a->name, "worldToNDC") == 0);
 }
 
-/* Entries that begin so are of EXR's channels: other formats leave them out. They are the last ones. */
+/* Entries with this prefix describe EXR channels; other formats skip them. They come last. */
 #define IMAGE_MATTE_ENTRY "cryptomatte/"
 
 typedef struct image {
     uint32_t width, height;
-    uint32_t x, y, full_width, full_height; /* the place of the pixels in the full (uncropped) image */
+    uint32_t x, y, full_width, full_height; /* position of the pixels in the full (uncropped) image */
     const image_channel *channels;          /* R, G, B first */
     size_t channel_count;
     const image_attribute *attributes;
@@ -54,9 +54,10 @@ typedef struct image {
  *
  * EXR: scene-linear values, with infinities and NaN; a finite value beyond half's range becomes the largest
  * half, so that a bright pixel stays a number. The other formats hold R, G and B (PNG and TIFF also A, not
- * premultiplied): value · 2^exposure, then the display and view, then round(255 v) of v in [0,1]; NaN becomes
- * 0. The file is marked as sRGB if the view ends in sRGB. A user's config must name linear Rec.709 by one of
- * its usual names or have the role aces_interchange; else its role scene_linear is taken for linear Rec.709.
+ * premultiplied): value · 2^exposure, then the display and view, then round(255 v) with v clamped to [0,1];
+ * NaN becomes 0. The file is marked as sRGB if the view ends in sRGB. A user's config must name linear
+ * Rec.709 by one of its usual names or have the role aces_interchange; otherwise its role scene_linear is
+ * used as linear Rec.709.
  *
  * FATHOM_BAD_USAGE: unknown extension, display or view (the message lists the known ones), or no such config;
  * FATHOM_BAD_INPUT: the config is broken; FATHOM_OUT_OF_RESOURCES: cannot be written, or the image helper is
@@ -64,30 +65,30 @@ typedef struct image {
 fathom_status image_write(fathom_context *context, const image *img, const char *path,
                           const fathom_write_options *options);
 
-/* As image_write() to .exr, without the helper and with no memory beyond a row: no compression, all colours
- * as 32-bit floats. For pixels that have to be saved when nothing else works. FATHOM_OUT_OF_RESOURCES. */
+/* As image_write() to .exr, but without the helper, and with memory for one row only: no compression, all
+ * colours as 32-bit floats. For saving pixels when everything else fails. FATHOM_OUT_OF_RESOURCES. */
 fathom_status exr_write_plain(fathom_context *context, const image *img, const char *path);
 
-/* As image_write(), into a file that is removed again: to measure the time. */
+/* As image_write(), to a file that is then removed: measures the time. */
 fathom_status image_rehearse(fathom_context *context, const image *img, const char *path,
                              const fathom_write_options *options);
 
-/* As image_write() would write PNG, to memory. On FATHOM_OK release it with free(). */
+/* Writes a PNG as image_write() does, but to memory. On FATHOM_OK release it with free(). */
 fathom_status image_encode_png(fathom_context *context, const image *img, const fathom_write_options *options,
                                unsigned char **bytes, size_t *size);
 
-/* Checks path and options before anything is rendered: the extension, that the folder can be written to, that
- * the helper exists if it is needed. Asks the helper only about a view other than the built-in sRGB. */
+/* Checks path and options before rendering: that the extension is known, that the folder is writable, and
+ * that the helper exists if it is needed. Calls the helper only for a view other than the built-in sRGB. */
 fathom_status image_check(fathom_context *context, const char *path, const fathom_write_options *options);
-/* FATHOM_BAD_USAGE when the format does not hold so many pixels. */
+/* FATHOM_BAD_USAGE if the image is too large for the format. */
 fathom_status image_check_size(fathom_context *context, const char *path, uint32_t width, uint32_t height);
 
-/* True when the view is the built-in sRGB: neither a config ($OCIO counts) nor another display or view is
- * named. */
+/* True if the view is the built-in sRGB: the options name no config, display or other view, and $OCIO is not
+ * set. */
 bool image_view_is_srgb(const fathom_write_options *options);
 
-/* True when $SOURCE_DATE_EPOCH is set: equal renders then give equal files, so nothing in them may tell when
- * or how fast they were made (reproducible-builds.org/specs/source-date-epoch). */
+/* True when $SOURCE_DATE_EPOCH is set: equal renders then give equal files, so files must not contain the
+ * time or speed of the render (reproducible-builds.org/specs/source-date-epoch). */
 bool image_date_is_given(void);
 
 /* True when writing there needs the helper; false for unknown extensions. */
@@ -106,8 +107,8 @@ void image_prefetch(void);
  * FATHOM_OUT_OF_RESOURCES as image_write(). */
 fathom_status image_libraries(fathom_context *context, char out[256]);
 
-/* FATHOM_OUT_OF_RESOURCES with the reason once the helper's start has failed, so that nobody renders for
- * hours to a file that cannot be written; else FATHOM_OK. Any thread. */
+/* FATHOM_OUT_OF_RESOURCES with the reason if the helper failed to start, so that a render for a file that
+ * cannot be written stops early; otherwise FATHOM_OK. Thread-safe. */
 fathom_status image_prefetch_status(fathom_context *context);
 
 #endif

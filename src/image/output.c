@@ -33,7 +33,7 @@ fathom_status output_check_exposure(fathom_context *context, const fathom_write_
                       (double)options->exposure);
 }
 
-/* libjpeg ends the process beyond this. */
+/* libjpeg ends the process for larger images. */
 #define JPEG_LARGEST_SIDE 65500u
 
 fathom_status output_check_size(fathom_context *context, const char *path, image_format format,
@@ -58,7 +58,7 @@ static const char *given(void) {
 
 bool image_date_is_given(void) { return given(); }
 
-/* Digits only, up to the year 9999, the last that fits into a file's date. */
+/* Digits only, up to the year 9999, the last one with four digits. */
 static bool read_seconds(const char *text, time_t *out) {
     const long long last = 253402300799;
     char *end;

@@ -1,4 +1,4 @@
-/* A file's format, by its extension; its date; its colours, by a view; and the writer of PNG. */
+/* A file's format, by its extension; its date; its view; and the PNG writer. */
 #ifndef IMAGE_OUTPUT_H
 #define IMAGE_OUTPUT_H
 
@@ -7,7 +7,7 @@
 /* FATHOM_BAD_USAGE: the extension is unknown. */
 fathom_status output_format(fathom_context *context, const char *path, image_format *out);
 
-/* FATHOM_BAD_USAGE: the format does not hold so many pixels. */
+/* FATHOM_BAD_USAGE: the image is too large for the format. */
 fathom_status output_check_size(fathom_context *context, const char *path, image_format format,
                                 uint32_t width, uint32_t height);
 fathom_status output_check_exposure(fathom_context *context, const fathom_write_options *options);
@@ -20,11 +20,12 @@ typedef struct image_date {
     char text[24]; /* "2026:11:22 16:45:33" */
 } image_date;
 
-/* The date of $SOURCE_DATE_EPOCH, seconds since 1970 in UTC; empty when it is not set. FATHOM_BAD_USAGE when
- * it is no such number. */
+/* The date of $SOURCE_DATE_EPOCH, seconds since 1970 in UTC; empty when it is not set. FATHOM_BAD_USAGE if it
+ * is not a valid number. */
 fathom_status date_read(fathom_context *context, image_date *out);
 
-/* PNG by libpng, called like the module's writers. Channels are R, G, B and perhaps A, stored as bytes. */
+/* The PNG writer, which uses libpng, with the module's interface. Channels are R, G, B and optionally A,
+ * stored as bytes. */
 extern const image_writer_calls write_png_calls;
 
 #endif

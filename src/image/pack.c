@@ -8,7 +8,7 @@
 #define OFFSET 0.055
 
 typedef struct curve {
-    float end, slope; /* of the linear part, which meets the power smoothly */
+    float end, slope; /* end and slope of the linear part, which is tangent to the power curve */
 } curve;
 
 /* IEC 61966-2-1 without rounded constants: a slope of 12.9232 instead of 12.92. */
@@ -17,16 +17,16 @@ static curve curve_of_srgb(void) {
     return (curve){(float)end, (float)(OFFSET / (GAMMA - 1) / end)};
 }
 
-/* Constants and steps in float, as in OpenColorIO. Its power is in float too; rounding it from double is as
- * good and gives the same result on every machine. */
+/* Constants and steps are in float, as in OpenColorIO. OpenColorIO also computes the power in float. Here it
+ * is rounded from double, which is as accurate and gives the same result on every machine. */
 static unsigned char code_of(curve c, float value) {
     const double exponent = (double)(float)(1 / GAMMA);
     float power = (float)pow((double)value, exponent) * (float)(1 + OFFSET) - (float)OFFSET;
     return byte_from_float(value > c.end ? power : value * c.slope);
 }
 
-/* The least value whose code is above `code`, searched from where the curve passes the middle of both codes.
- */
+/* The smallest value whose code is above `code`. The search starts where the curve passes the middle between
+ * the two codes. */
 static float next_of(curve c, unsigned char code) {
     double shown = (code + 0.5) / 255, knee = (double)c.end * (double)c.slope;
     float at = (float)(shown > knee ? pow((shown + OFFSET) / (1 + OFFSET), GAMMA) : shown / (double)c.slope);
@@ -90,8 +90,8 @@ void pack_row(const image_packing *packing, uint32_t y, unsigned char *out) {
     }
 }
 
-/* Limits values for views, some of which turn infinity into NaN and 1e30 into black. The largest half is
- * white in all of them. */
+/* Clamps values for views, because some turn infinity into NaN and 1e30 into black. The largest half is white
+ * in all views. */
 static float viewable(float value) {
     const float largest = 65504.0f;
     if (!(value > -largest)) return value <= -largest ? -largest : 0.0f; /* NaN is 0 */

@@ -1,4 +1,4 @@
-/* From the film's channels to rows of interleaved pixels in a file's types. */
+/* Converts an image's channels to rows of interleaved pixels in a file's types. */
 #ifndef IMAGE_PACK_H
 #define IMAGE_PACK_H
 
@@ -13,7 +13,7 @@ static inline unsigned char byte_from_float(float value) {
 }
 
 /* The nearest 16-bit float, ties to even, denormals kept. Finite values beyond the range become the largest
- * finite half, ±65504; infinities and NaN stay what they are. */
+ * finite half, ±65504; infinities and NaN are kept. */
 static inline uint16_t half_from_float(float value) {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
@@ -25,7 +25,7 @@ static inline uint16_t half_from_float(float value) {
     } else if (magnitude > 0x477fe000u) { /* 65504 */
         half = 0x7bffu;
     } else if (magnitude < 0x38800000u) { /* 2^-14 */
-        /* The last bit of 0.5f is 2^-24, as is that of a denormal half: the addition rounds. */
+        /* The last bit of 0.5f is worth 2^-24, like that of a denormal half, so the addition rounds to it. */
         float aligned;
         memcpy(&aligned, &magnitude, sizeof aligned);
         aligned += 0.5f;
@@ -38,7 +38,7 @@ static inline uint16_t half_from_float(float value) {
     return (uint16_t)(sign | half);
 }
 
-/* The same of many finite values, in a loop without branches. */
+/* The same for many finite values, in a loop without branches. */
 static inline void half_from_floats(const float *restrict values, size_t count, uint16_t *restrict halves) {
     for (size_t i = 0; i < count; ++i) {
         int32_t bits;
@@ -55,23 +55,23 @@ static inline void half_from_floats(const float *restrict values, size_t count, 
     }
 }
 
-/* The built-in view: linear light straight to 8-bit sRGB, to the last bit what the view "sRGB" of
- * helper/ocio.cpp makes of it. A code is found by comparisons: floats fall into buckets so narrow that none
- * holds more than one step from a code to the next. A bucket shares the exponent and 7 bits of the mantissa,
- * from 2^-13, below which everything is 0, to 1. */
+/* The built-in view: linear values to 8-bit sRGB, with exactly the codes of the view "sRGB" of
+ * helper/ocio.cpp. Comparisons find the code: floats are divided into buckets, so narrow that at most one
+ * step between codes lies in each. The floats of a bucket have the same exponent and first 7 bits of the
+ * mantissa. Buckets cover 2^-13, below which all codes are 0, to 1. */
 #define SRGB_LEAST 0x1p-13f
 #define SRGB_FIRST_BUCKET ((127u - 13u) << 7)
 #define SRGB_BUCKETS ((13u << 7) + 1u)
 
 typedef struct srgb_codes {
-    float next[256];                   /* the least value with a higher code; infinity for 255 */
-    unsigned char first[SRGB_BUCKETS]; /* the code of each bucket's least value */
+    float next[256];                   /* the smallest value with a higher code; infinity for 255 */
+    unsigned char first[SRGB_BUCKETS]; /* the code of each bucket's smallest value */
 } srgb_codes;
 
 /* Takes about 0.1 ms. */
 void srgb_codes_fill(srgb_codes *out);
 
-/* Below 0, and NaN, is 0; above 1 is 255. */
+/* Negative values and NaN give 0, values above 1 give 255. */
 static inline unsigned char srgb_code(const srgb_codes *codes, float value) {
     float inside = value > SRGB_LEAST ? value : SRGB_LEAST;
     inside = inside < 1.0f ? inside : 1.0f;
@@ -83,24 +83,24 @@ static inline unsigned char srgb_code(const srgb_codes *codes, float value) {
 
 typedef struct image_packing {
     const image *img;
-    const image_storage *storage; /* of each of its channels */
+    const image_storage *storage; /* of each channel of `img` */
     size_t pixel_bytes;
     /* 8-bit files only: */
     float gain;             /* 2^exposure */
-    const srgb_codes *srgb; /* of the built-in view */
+    const srgb_codes *srgb; /* for the built-in view */
 } image_packing;
 
 size_t pack_storage_size(image_storage storage);
 
-/* Row y as it is. */
+/* Row y without a change of values. */
 void pack_row(const image_packing *packing, uint32_t y, unsigned char *out);
 
-/* Row y of R, G, B and perhaps A, in sRGB, as bytes. */
+/* Row y of R, G, B and optionally A, in sRGB, as bytes. */
 void pack_row_srgb(const image_packing *packing, uint32_t y, unsigned char *out);
 
-/* Row y for a view: 4 · width finite floats. */
+/* Input of a view for row y: 4 · width finite floats. */
 void pack_row_for_view(const image_packing *packing, uint32_t y, float *rgba);
-/* Row y from the view's result, as bytes. */
+/* Row y of the file from the view's result, as bytes. */
 void pack_row_from_view(const image_packing *packing, uint32_t y, const float *rgba, unsigned char *out);
 
 #endif

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rows are written in chunks of about this size: enough for all threads of the compression, without a second
- * copy of a large image. */
+/* Rows are written in chunks of about this size: large enough for all compression threads, but much smaller
+ * than a second copy of a large image. */
 #define CHUNK_BYTES ((size_t)16 << 20)
 #define CHUNK_ROWS 64u
 
@@ -36,15 +36,15 @@ typedef struct writing {
     image_view *view; /* NULL: srgb_codes */
     srgb_codes srgb_codes;
     bool srgb, rehearsal;
-    unsigned char **bytes; /* NULL: to a file */
+    unsigned char **bytes; /* NULL: writes to a file */
     size_t *size;
     unsigned threads;
 
-    size_t chunk;           /* rows handed over at once */
+    size_t chunk;           /* rows per call of the writer */
     unsigned char *rows[2]; /* chunks of packed rows; the second only if one is packed ahead */
-    size_t first;           /* row from which rows are packed… */
-    unsigned into;          /* …into which chunk */
-    float *shown_rows;      /* of a chunk, 4 · width floats each, if there is a view */
+    size_t first;           /* first row to pack */
+    unsigned into;          /* index in rows[] of the chunk to fill */
+    float *shown_rows;      /* rows of a chunk for the view, 4 · width floats each; NULL without a view */
     fathom_status viewed;   /* the view's status for the last chunk */
     image_message message;  /* its reason */
 } writing;
@@ -139,7 +139,7 @@ static void pack_chunk(void *user) {
     loop_parallel(w->threads, rows, 4, pack_rows, w);
 }
 
-/* Writes the rows from `first` on, and packs the next chunk meanwhile if that pays. */
+/* Writes the rows from `first` on. If it is useful, packs the next chunk at the same time. */
 static fathom_status write_chunk(writing *w, image_writer *writer, size_t first, image_message *message) {
     const unsigned char *rows = w->rows[w->into];
     pool_task ahead = {.run = pack_chunk, .user = w};
@@ -215,9 +215,9 @@ static fathom_status open_file(const writing *w, file_writer **out) {
                     : file_writer_open(w->context, w->path, out);
 }
 
-/* After what was written with `status`. */
+/* Ends the file after a write that returned `status`. */
 static fathom_status close_file(const writing *w, file_writer *file, fathom_status status) {
-    if (w->rehearsal) file_writer_sync(file); /* a part of the time of writing */
+    if (w->rehearsal) file_writer_sync(file); /* its time is part of writing */
     if (status == FATHOM_OK && w->bytes) return file_writer_take(file, w->bytes, w->size);
     if (status == FATHOM_OK && !w->rehearsal) return file_writer_commit(file);
     file_writer_abort(file);
@@ -253,7 +253,7 @@ static fathom_status choose_view(writing *w, const fathom_write_options *options
     return FATHOM_OK;
 }
 
-/* The caller has set the context, `path`, `bytes` and `size`. */
+/* The caller must set the context, `path`, `bytes` and `size`. */
 static fathom_status write_image(writing *w, const image *img, const fathom_write_options *options) {
     fathom_context *context = w->context;
     w->threads = fathom_context_threads(context);

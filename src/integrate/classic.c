@@ -1,19 +1,19 @@
-/* Classic recursive ray tracing: at each vertex the light of every light, and a mirrored and a refracted ray.
- * Whitted, "An improved illumination model for shaded display" (1980), with Phong's and Blinn's highlights.
- */
+/* Classic recursive ray tracing: each vertex gets the light of every light source, and sends a mirrored and a
+ * refracted ray. Whitted, "An improved illumination model for shaded display" (1980), with Phong's and
+ * Blinn's highlights. */
 #include "integrate/wave.h"
 #include "math/limit.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what the rays met ---- */
+/* ---- hits and misses ---- */
 
 static light_tag tag_after(uint32_t bounces, uint8_t group) {
     return (light_tag){(uint8_t)light_kind_of(bounces), group};
 }
 
-/* There is no environment, so no direction matters. */
+/* There is no environment, so the direction is not used. */
 static const vec3_f32 anywhere = {0, 0, 0};
 
 static uint8_t background_group(const render_plan *plan) {
@@ -28,7 +28,7 @@ static bool emits(const bsdf_block *b) {
     return sum > 0;
 }
 
-/* While the hits are known. */
+/* Call while the hits are still in w->gather. */
 static void add_emission_layers(wave *w, const vertex_block *v) {
     for (unsigned i = 0; i < v->surface.count; ++i) {
         float rgb[3];
@@ -79,7 +79,7 @@ static void add_emission(wave *w, const vertex_block *v) {
     }
 }
 
-/* Rounded upwards: however many are added, `lost` is never less than their sum. */
+/* Rounded upwards: `lost` is never less than the sum of the gains, however many are added. */
 static float sum_above(float lost, float gain) { return (lost + gain) * (1 + 0x1p-21f); }
 
 static bool may_lose(const wave *w, uint32_t slot, const lanes3 gain, uint32_t i) {
@@ -91,10 +91,11 @@ static bool may_lose(const wave *w, uint32_t slot, const lanes3 gain, uint32_t i
     return true;
 }
 
-/* Takes gains away that are not worth a shadow ray. A sample then loses, were every light seen, at most
- * max_loss + max_relative_loss R, R its radiance so far: radiance only grows, so R is at most the sample's
- * own in the end. A pixel is the mean of its samples, and loses at most max_loss + max_relative_loss times
- * its value. Each sample goes by its own paths alone, in their order, so grouping changes nothing. */
+/* Skips gains that are not worth a shadow ray. If every light were visible, a sample would lose at most
+ * max_loss + max_relative_loss R, with R its radiance so far: radiance only grows, so R is at most the
+ * sample's final radiance. A pixel is the mean of its samples, and loses at most max_loss + max_relative_loss
+ * times its value. Each sample depends only on its own paths, in their order, so the grouping into blocks
+ * changes nothing. */
 static void leave_out_faint(wave *w, const vertex_block *v, light_block *light, lanes3 gain) {
     for (uint32_t i = 0; i < v->surface.count; ++i) {
         const uint32_t slot = v->path.slot[i];
@@ -132,7 +133,7 @@ static void push_light(wave *w, size_t block, uint32_t index, bool first) {
     wave_push_shadows(w, block, index, &sample, &depths, gain, first);
 }
 
-/* Light by light, since rays to one point run alike. */
+/* One light at a time, because rays to one point are coherent. */
 static bool add_light(wave *w, uint32_t index, bool first) {
     const uint64_t faint = w->run.rays.faint;
     if (!wave_begin_shadows(w, w->vertex_count)) return false;
@@ -171,7 +172,7 @@ static void push_path(wave *w, const vertex_block *v, const scatter_block *from,
     ++w->next.count;
 }
 
-/* A path whose weight can no longer change the image ends here. */
+/* A path ends here if its weight is at most min_weight. */
 static bool push_paths(wave *w, const vertex_block *v, const scatter_block *from, const uint8_t *depths) {
     const float limit = w->run.plan->settings.min_weight;
     if (!wave_reserve_paths(w, &w->next, LANES)) return false;
@@ -184,8 +185,8 @@ static bool push_paths(wave *w, const vertex_block *v, const scatter_block *from
     return true;
 }
 
-/* Fills `next`: mirrored rays, then refracted ones. Each kind runs alike by itself, and packets of both would
- * not. */
+/* Fills `next`: mirrored rays, then refracted ones. Rays of one kind are coherent; packets of both kinds
+ * would not be. */
 static bool scatter(wave *w) {
     const material_kernels *kernels = w->run.plan->material_kernels;
     const bool refracts = (w->run.plan->features & MATERIAL_REFRACT) != 0;
@@ -207,11 +208,11 @@ static bool scatter(wave *w) {
     return true;
 }
 
-/* ---- the way of the paths ---- */
+/* ---- the path loop ---- */
 
 /* The coherence of the mirrored or of the other rays of `now` at this depth. Mirrored rays of the first hits
- * leave where neighbouring camera rays arrived, and most of them leave the surface for good. Refracted ones
- * cross what they enter, and reach its other side far from one another. */
+ * start at neighbouring points, and most of them do not hit the same surface again. Refracted rays cross the
+ * object that they enter, and reach its other side far from one another. */
 static trace_coherence classic_coherence(uint32_t depth, bool mirrored) {
     if (depth == 0) return TRACE_COHERENT;
     return depth == 1 && mirrored ? TRACE_NEIGHBOURS : TRACE_INCOHERENT;
@@ -227,7 +228,7 @@ static bool trace_paths(wave *w, uint32_t depth) {
 }
 
 /* The stages after the camera's: the hits of `now`, their light, and the rays that leave them, which become
- * `now`. Until none is left; depth counts up from 0. */
+ * the next `now`. Repeated until no rays remain; depth counts up from 0. */
 static bool classic_step(wave *w, uint32_t depth) {
     w->bounces = depth;
     if (!trace_paths(w, depth)) return false;

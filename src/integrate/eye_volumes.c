@@ -1,16 +1,16 @@
-/* The volumes that the camera stands in: a ray from the eye meets the inner sides of their surfaces. */
+/* The volumes that contain the camera: a ray from the eye hits the inner sides of their surfaces. */
 #include "integrate/plan.h"
 
 #include <math.h>
 #include <string.h>
 
-/* No axis, along which surfaces lie, and no edge of a box. */
+/* Not parallel to an axis, as many surfaces are, and through no edge of a box. */
 static const vec3_f32 direction = {0.36f, 0.80f, 0.48f};
 
-/* Surfaces that the ray passes at most. */
+/* Maximum number of surfaces that the ray passes. */
 enum { SURFACES = 4096 };
 
-/* The next hit beyond t_near of the block, which moves there. False: there is none. */
+/* The next hit beyond the block's t_near, which moves to the hit. False: none. */
 static bool meet_next(const render_plan *plan, trace_block *block, surface_block *s) {
     surface_gather g;
     block->rays.t_far[0] = INFINITY;
@@ -25,8 +25,8 @@ static bool meet_next(const render_plan *plan, trace_block *block, surface_block
     return true;
 }
 
-/* Volumes that the ray has entered are left by their inner sides; others were around the eye. The first of
- * these is the innermost. */
+/* A hit on the inner side of a surface leaves a volume. If the ray has not entered this volume, it contains
+ * the eye. The first such volume is the innermost. */
 static void pass_surface(eye_volumes *v, eye_volumes *entered, uint32_t material, bool entering) {
     uint32_t k = entered->count;
     if (entering) {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A path that is in more volumes than this forgets the outermost. */
+/* A path inside more volumes than this drops the outermost one. */
 #define MOST 8
 
 struct media {
@@ -31,14 +31,15 @@ static void enter(media *m, uint32_t slot, uint32_t material) {
     in[m->count[slot]++] = material;
 }
 
-/* The innermost of that material; MOST: none. */
+/* The innermost volume of that material; MOST: none. */
 static uint32_t place_of(const media *m, uint32_t slot, uint32_t material) {
     uint32_t k = m->count[slot];
     while (k && m->in[slot][k - 1] != material) --k;
     return k ? k - 1 : MOST;
 }
 
-/* A path may leave what it never entered: past a surface that is there in part, or out of an open one. */
+/* A path may leave a volume that it never entered: after passing a partly transparent surface, or from an
+ * open mesh. */
 static void leave(media *m, uint32_t slot, uint32_t material) {
     uint32_t *in = m->in[slot], k = place_of(m, slot, material);
     if (k == MOST) return;
@@ -53,8 +54,8 @@ void media_cross(media *m, uint32_t slot, uint32_t material, bool entering) {
         leave(m, slot, material);
 }
 
-/* The volume that fills the space, leaving out the one at `skip`: that of the highest priority, the innermost
- * among equals. The count, if there is none. */
+/* The index of the volume that fills the space, ignoring the one at `skip`: the one of highest priority, the
+ * innermost among equals. The count, if there is none. */
 static uint32_t filling(const media *m, uint32_t slot, uint32_t skip) {
     const uint32_t count = m->count[slot];
     uint32_t best = count;

@@ -1,6 +1,6 @@
-/* The volumes around each path of a wave: closed surfaces that it has entered and not left. Where they
- * overlap the one of the highest priority fills the space (Schmidt & Budge, "Simple Nested Dielectrics in Ray
- * Traced Images", 2002); of equals, and without priorities, the one that was entered last. */
+/* The volumes around each path of a wave: closed surfaces that the path has entered and not left. If volumes
+ * overlap, the one of the highest priority fills the space (Schmidt & Budge, "Simple Nested Dielectrics in
+ * Ray Traced Images", 2002); among equals, and without priorities, the one that was entered last. */
 #ifndef INTEGRATE_MEDIA_H
 #define INTEGRATE_MEDIA_H
 
@@ -9,20 +9,21 @@
 
 typedef struct media media;
 
-/* shaders: by material; they must outlive it. Release with free(). NULL when out of memory. */
+/* shaders: by material; they must outlive the result. Release with free(). NULL if out of memory. */
 media *media_create(const shader *shaders);
-/* All paths begin in these volumes, the innermost last; at most 8. */
+/* All paths start in these volumes, the innermost last; at most 8. */
 void media_begin(media *m, const uint32_t *materials, uint32_t count);
 /* The path crosses a surface of this material. */
 void media_cross(media *m, uint32_t slot, uint32_t material, bool entering);
-/* The path meets a surface of a material that has a priority. False: the surface is not there, because
- * another volume fills the space on both of its sides. around: the index of what fills it on the outside. */
+/* The path hits a surface of a material that has a priority. False: the surface is hidden, because another
+ * volume fills the space on both of its sides. around: the index of the volume that fills the space outside
+ * the surface. */
 bool media_meet(const media *m, uint32_t slot, uint32_t material, bool entering, float *around);
-/* The volume that it is in absorbs light. */
+/* The volume around the path absorbs light. */
 bool media_absorbs(const media *m, uint32_t slot);
-/* Part of the light that is left after a way through the volume: exp(-sigma length) (Beer and Lambert). */
+/* left: the transmittance over a distance through the volume: exp(-sigma length) (Beer and Lambert). */
 void media_left(const media *m, uint32_t slot, float length, float left[3]);
-/* The same on the other side of a surface that the path meets. */
+/* The same on the other side of a surface that the path hits. */
 void media_left_behind(const media *m, uint32_t slot, uint32_t material, bool entering, float length,
                        float left[3]);
 

@@ -12,7 +12,7 @@ static bool any_vertex_alpha(const fathom_scene *scene) {
     return false;
 }
 
-/* Light passes straight where a map takes opacity away. */
+/* A map of opacity lets light pass straight through. */
 static unsigned features_of(const fathom_scene *scene, fathom_id material) {
     const scene_named_material *m = &scene->materials.items[material];
     const bool mapped = m->value.maps[FATHOM_MAP_OPACITY].texture != FATHOM_NONE;
@@ -33,7 +33,8 @@ unsigned parts_features(const fathom_scene *scene) {
     return features;
 }
 
-/* Passes all light, wherever it goes on. Fresnel's law takes a share of it at every surface that refracts. */
+/* True if the material transmits all light, in any direction. Fresnel's equations take a fraction of it at
+ * every surface that refracts. */
 static bool is_transparent(const fathom_scene *scene, fathom_id material) {
     const fathom_material *m = &scene->materials.items[material].classic;
     if (material_has_maps(&scene->materials.items[material].value)) return false;
@@ -71,13 +72,13 @@ static bool any_spot(const fathom_scene *scene) {
 
 /* ---- lights ---- */
 
-/* A point of a smooth mesh may be lifted off its facet by as much as the facet is large, so at most by the
+/* A point of a smooth mesh may be lifted off its facet by up to the size of the facet, so at most by the
  * ball's diameter. */
 parts_extent parts_extent_of(const world *w, const fathom_settings *settings) {
     parts_extent out = {.known = false};
     if (w->planes.count || !any_spot(w->scene)) return out;
     scene_bounds bounds;
-    /* Without memory the extent stays unknown. Then no light is left out, which changes no pixel. */
+    /* If out of memory, the extent stays unknown. Then no light is left out, which changes no pixel. */
     if (scene_world_bounds(w->scene, &bounds) != FATHOM_OK || bounds_is_empty(&bounds)) return out;
     out.known = true;
     out.center = bounds_center(&bounds);
@@ -85,9 +86,9 @@ parts_extent parts_extent_of(const world *w, const fathom_settings *settings) {
     return out;
 }
 
-/* The renderer has floats counted from the world's origin: 2^-16 of the distances is far more than they are
- * off. At an angle a beyond the edge of the cone the cosine's difference is at least 2 sin²(a/2) (light.h
- * has the falloff), which for a = 2^-8 is 2^-17: 128 roundings of unit vectors' squares. */
+/* The renderer uses floats relative to the world's origin: 2^-16 of the distances is far more than their
+ * rounding error. At an angle a beyond the edge of the cone, the cosine's difference is at least 2 sin²(a/2)
+ * (light.h has the falloff), which for a = 2^-8 is 2^-17: 128 roundings of unit vectors' squares. */
 static bool cone_misses(const parts_extent *extent, vec3_f64 origin, const fathom_light *light) {
     const double beyond = 0x1p-8, loose = 0x1p-16;
     vec3_f64 at = load_f64(light->position), axis = normalize_f64(load_f64(light->direction));
@@ -124,7 +125,7 @@ bool parts_bounces(const fathom_scene *scene, const fathom_settings *settings) {
 
 /* ---- in words ---- */
 
-/* Adds a line. False when out of memory. */
+/* Adds a line. False if out of memory. */
 static bool left_out_tell(left_out_list *list, const char *what, const char *why) {
     fathom_left_out item;
     snprintf(item.what, sizeof item.what, "%s", what);
@@ -181,7 +182,7 @@ static bool tell_classic(const world *w, const fathom_settings *s, left_out_list
     return tell_unneeded(words, sizeof words / sizeof *words, list);
 }
 
-/* A lens and absorbing volumes are what a path can do without. */
+/* The path integrator can do without lens samples and absorption. */
 static bool tell_paths(const world *w, left_out_list *list) {
     bool absorbs = false;
     for (size_t i = 0; i < w->scene->materials.count; ++i)

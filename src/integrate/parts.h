@@ -1,4 +1,4 @@
-/* What a scene needs of the renderer, and in words what it does without. */
+/* Which parts of the renderer a scene needs, and descriptions of those that it does not. */
 #ifndef INTEGRATE_PARTS_H
 #define INTEGRATE_PARTS_H
 
@@ -10,12 +10,13 @@
 /* MATERIAL_ bits of the materials in use. */
 unsigned parts_features(const fathom_scene *scene);
 
-/* True when nothing but the background can be seen: every surface passes all light, and adds none. */
+/* True if only the background can be seen: every surface passes all light, and adds none. */
 bool parts_all_transparent(const fathom_scene *scene);
 
-/* A ball around all points from which shadow rays may start, to find the spots that light none of them. */
+/* A ball around all points from which shadow rays may start. It tells which spot lights reach none of
+ * them. */
 typedef struct parts_extent {
-    bool known;      /* false: there is no spot, or no end to the scene */
+    bool known;      /* false: there is no spot light, or the scene is unbounded */
     vec3_f64 center; /* the scene's coordinates */
     double radius;
 } parts_extent;
@@ -24,16 +25,16 @@ parts_extent parts_extent_of(const world *w, const fathom_settings *settings);
 
 typedef enum light_use { LIGHT_USED, LIGHT_BLACK, LIGHT_ASIDE } light_use;
 
-/* LIGHT_ASIDE: a spot whose cone holds no point of the scene. */
+/* LIGHT_ASIDE: a spot light whose cone contains no point of the scene. */
 light_use parts_light(const parts_extent *extent, const world *w, const fathom_light *light);
 
 bool parts_background(const fathom_scene *scene); /* it is not black */
-bool parts_ambient(const fathom_scene *scene);    /* the same of the ambient light */
+bool parts_ambient(const fathom_scene *scene);    /* the ambient light is not black */
 bool parts_smooth(const world *w);                /* a mesh has shading normals */
 bool parts_bounces(const fathom_scene *scene, const fathom_settings *settings);
 
-/* What a render does without, and why. repair: whether rays that slip through closed meshes are looked for.
- * False when out of memory. */
+/* The parts that a render does not use, and why. repair: whether trace/watertight is in use. False if out of
+ * memory. */
 bool left_out_find(const world *w, const fathom_settings *settings, bool repair, left_out_list *out);
 
 #endif

@@ -1,15 +1,15 @@
-/* Unidirectional path tracing (Kajiya 1986). At each vertex one direction is taken towards a light and one by
- * the BSDF, weighted by the power heuristic (Veach 1997); the second goes on. Nothing is clamped, so the mean
- * of the samples is the light that arrives.
+/* Unidirectional path tracing (Kajiya 1986). Each vertex samples one direction towards a light and one by the
+ * BSDF, weighted by the power heuristic (Veach 1997); the path continues in the second. Nothing is clamped,
+ * so the mean of the samples is the arriving light.
  *
- * A path has a slot of its own and never splits, so what it carries from vertex to vertex lies there. */
+ * A path has one slot and never splits, so its state is stored there. */
 #include "integrate/path.h"
 #include "math/limit.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* The path may only pass what it meets: it has had its bounces. */
+/* True if the path has reached its maximum number of bounces: it may only pass straight through surfaces. */
 static bool is_done(const path_wave *p, uint32_t slot) {
     return path_scattered(p, slot) >= p->wave.run.plan->max_depth;
 }
@@ -27,13 +27,13 @@ static void find_keys(const path_wave *p, const vertex_block *v, vertex_keys *ou
     }
 }
 
-/* Two numbers for each of them. */
+/* Two random numbers for each vertex. */
 static void numbers(const path_wave *p, const vertex_keys *keys, sample_purpose purpose, float u[2][LANES]) {
     p->wave.run.plan->sample_kernels->pairs(keys->pixel, keys->index, sample_at_vertex(p->depth, purpose),
                                             u[0], u[1]);
 }
 
-/* Which light, and which lobe: numbers where there is a choice. */
+/* Random numbers to choose the light and the lobe, if there is a choice. */
 static void choices(const path_wave *p, const vertex_block *v, const vertex_keys *keys, float u[2][LANES]) {
     if (v->shader.lobes == SHADER_DIFFUSE && !emitters_choose(p->wave.run.plan->emitters))
         memset(u, 0, 2 * sizeof *u);
@@ -49,7 +49,7 @@ static float width_at(const path_wave *p, const vertex_block *v, unsigned i) {
     return p->width[slot] + p->spread[slot] * sqrtf(dot_f32(way, way));
 }
 
-/* The materials at the points. */
+/* Sets the shaders at the points. */
 static void find_shaders(path_wave *p, vertex_block *v) {
     wave *w = &p->wave;
     const render_plan *plan = w->run.plan;
@@ -78,7 +78,7 @@ static void begin_vertices(wave *w, vertex_block *v) {
     if (w->run.samples.first && p->depth) path_show_features(p, v);
 }
 
-/* ---- light that vertices ask for ---- */
+/* ---- light samples ---- */
 
 static bool lit_from_both_sides(const vertex_block *v, unsigned i) { return v->shader.at[i]->transmits; }
 
@@ -92,14 +92,14 @@ static void ask(const path_wave *p, const vertex_block *v, emitter_query *out) {
     }
 }
 
-/* Lanes that may only pass what they meet, as masks; see is_done(). */
+/* Lanes whose paths may only pass straight through surfaces, as masks; see is_done(). */
 static void find_done(const path_wave *p, const vertex_block *v, uint32_t done[LANES]) {
     memset(done, 0, LANES * sizeof *done);
     for (unsigned i = 0; p->wave.run.plan->covered && i < LANES; ++i)
         done[i] = is_done(p, v->path.slot[i]) ? ~0u : 0;
 }
 
-/* Light from outside ends in no closed mesh. Where other lights lie is not known. */
+/* Light from outside ends in no closed mesh. The depths of other lights are not known. */
 static void note_depths(const vertex_block *v, const emitter_sample *light, const light_block *ray,
                         const uint32_t behind[LANES], shadow_depths *out) {
     for (int i = 0; i < LANES; ++i) {
@@ -144,14 +144,14 @@ static void push_light(path_wave *p, const vertex_block *v, const vertex_keys *k
     wave_push_shadows(&p->wave, 0, 0, &ray, &depths, gain, p->depth == 0);
 }
 
-/* ---- the way on ---- */
+/* ---- scattered rays ---- */
 
-/* Russian roulette begins at the fourth vertex. Earlier it costs less time, but not at equal error under a
- * sky (bench/README.md), and what is seen behind two mirrors or panes would be found by chance. */
+/* Russian roulette starts at the fourth vertex. An earlier start saves time, but not at equal error under a
+ * sky (bench/README.md), and surfaces seen behind two mirrors or panes would be found only at random. */
 #define ROULETTE_FROM 3
 
-/* A direction of density d stands for others within about 1/sqrt(d) of it. A small part of that keeps what
- * is looked up close to the point. */
+/* A direction of density d represents directions within about 1/sqrt(d) of it. A small fraction of that angle
+ * keeps texture lookups close to the point. */
 #define CONE_PART (1 / 16.0f)
 
 static void widen_cone(path_wave *p, const vertex_block *v, const shader_sample *to, unsigned i) {
@@ -160,8 +160,8 @@ static void widen_cone(path_wave *p, const vertex_block *v, const shader_sample 
     if (to->density[i] < INFINITY) p->spread[slot] += CONE_PART / sqrtf(to->density[i]);
 }
 
-/* The vertex that the ray leaves. One that the ray passes straight is none: what is met next is weighed as if
- * the ray came from the vertex before. */
+/* Records the vertex that the ray leaves. If the ray passes straight through, this is not a vertex: the next
+ * hit is weighted as if the ray came from the previous vertex. */
 static void leave_vertex(path_wave *p, const surface_block *s, const shader_sample *to, unsigned i, bool both,
                          bool hidden, uint32_t slot) {
     if (p->wave.run.samples.first) path_leave_features(p, to, i, slot);
@@ -170,7 +170,7 @@ static void leave_vertex(path_wave *p, const surface_block *s, const shader_samp
         p->passed[slot] = sqrtf(dot_f32(way, way));
         if (p->wave.run.samples.mattes && !path_scattered(p, slot)) wave_lose_mattes(&p->wave, slot);
         ++p->passes[slot];
-        /* Lights asked for at the vertex before are not seen past a hidden surface. */
+        /* The light samples of the previous vertex do not see past a hidden surface. */
         if (hidden) p->density[slot] = INFINITY;
         return;
     }
@@ -182,7 +182,7 @@ static void leave_vertex(path_wave *p, const surface_block *s, const shader_samp
     p->passed[slot] = 0;
 }
 
-/* What the path in lane i carries on. */
+/* Updates the state of the path in lane i. */
 static void keep_path(path_wave *p, const vertex_block *v, const shader_sample *to, unsigned i) {
     const surface_block *s = &v->surface;
     const uint32_t slot = v->path.slot[i];
@@ -194,7 +194,7 @@ static void keep_path(path_wave *p, const vertex_block *v, const shader_sample *
         media_cross(p->media, slot, s->material[i], s->entering[i] != 0);
 }
 
-/* Lanes for which there is room in the last block. */
+/* Appends lanes for which the last block has room. */
 static void push_some(path_wave *p, const trace_rays *rays, const path_block *path, uint32_t lanes) {
     const render_plan *plan = p->wave.run.plan;
     path_queue *next = &p->wave.next;
@@ -208,7 +208,7 @@ static void push_some(path_wave *p, const trace_rays *rays, const path_block *pa
         to->depth[k++] = path->depth[lane_first(left)];
 }
 
-/* lanes: as bits, those that go on. */
+/* lanes: bits of the lanes that continue. */
 static void push_lanes(path_wave *p, const vertex_block *v, const shader_sample *to, path_block *path,
                        uint32_t lanes) {
     trace_rays rays;
@@ -236,7 +236,7 @@ static void pass_alone(const path_wave *p, vertex_block *v) {
     }
 }
 
-/* Light of all channels but one ends where they part. */
+/* Where channels separate, only one continues. */
 static void part_paths(path_wave *p, const vertex_block *v, const shader_sample *to, lanes3 weight) {
     for (unsigned i = 0; i < v->surface.count; ++i) {
         float rgb[3] = {weight[0][i], weight[1][i], weight[2][i]};
@@ -265,7 +265,7 @@ static void push_paths(path_wave *p, vertex_block *v, const vertex_keys *keys, c
     if (lanes) push_lanes(p, v, &to, &path, lanes);
 }
 
-/* Depths of the first hits along the view of a camera that moves. */
+/* z of the first hits along the viewing direction of a moving camera. */
 static void find_depths(path_wave *p, const vertex_block *v) {
     wave *w = &p->wave;
     for (unsigned i = 0; i < v->surface.count; ++i) {
@@ -278,7 +278,7 @@ static void find_depths(path_wave *p, const vertex_block *v) {
     }
 }
 
-/* Fills `next`, and asks for the light that the vertices see. */
+/* Fills `next` with scattered rays, and samples lights. */
 static void scatter(wave *w, vertex_block *v) {
     path_wave *p = (path_wave *)w;
     vertex_keys keys;
@@ -311,7 +311,7 @@ static bool add_lights(path_wave *p) {
     return true;
 }
 
-/* ---- the way of the paths ---- */
+/* ---- the path loop ---- */
 
 static bool step(path_wave *p) {
     wave *w = &p->wave;
@@ -362,7 +362,8 @@ static void begin(path_wave *p, const wave_batch *batch) {
     if (plan->dispersive) memset(p->channel, 0, sizeof p->channel);
 }
 
-/* Paths of a camera that moves begin where it was; those of a parallel view each at a place of its own. */
+/* Paths of a moving camera start at its position at their time; those of an orthographic camera at their own
+ * origins. */
 static void begin_at_eyes(path_wave *p) {
     const path_queue *now = &p->wave.now;
     for (size_t k = 0; k < now->count; ++k) {

@@ -7,30 +7,30 @@
 #include "material/shader.h"
 #include "surface/surface.h"
 
-/* a^2 / (a^2 + b^2). `a` may be infinite, and is not 0. */
+/* a^2 / (a^2 + b^2). `a` may be infinite but not 0. */
 static inline float path_power_heuristic(float a, float b) {
     const float ratio = b / a;
     return 1 / (1 + ratio * ratio);
 }
 
 typedef struct path_kernels {
-    /* Shadow rays begin clear of the surface, on the light's side, and end where the sample lies. */
+    /* Shadow rays start clear of the surface, on the light's side, and end at the light sample. */
     void (*aim)(const surface_block *s, const emitter_sample *light, light_block *ray,
                 uint32_t behind[LANES]);
 
-    /* The gain of samples from light: f and density are the BSDFs', those of its direction. factor: see
-     * emitters_mis_factor(). done: all ones where paths have had their bounces. */
+    /* The contribution of light samples. f and density: of the BSDFs, for the sampled direction. factor: see
+     * emitters_mis_factor(). done: all ones for paths that have reached the maximum number of bounces. */
     void (*weigh)(const path_block *path, const emitter_sample *light, const lanes3 f,
                   const float density[LANES], float factor, const uint32_t done[LANES], lanes3 gain);
 
-    /* The weights of paths that go on as `to` says. */
+    /* The weights of paths after the scattering `to`. */
     void (*carry)(const path_block *path, const shader_sample *to, lanes3 weight);
 
-    /* The lanes, as bits, that go on. u: for Russian roulette, whose weight goes to those that stay; NULL:
-     * there is none yet. */
+    /* Returns bits: lanes whose paths continue. u: for Russian roulette, which increases the weight of
+     * surviving paths; NULL: no roulette. */
     uint32_t (*survive)(const float u[LANES], lanes3 weight);
 
-    /* Their rays. */
+    /* The rays of the scattered paths. */
     void (*depart)(const surface_block *s, const shader_sample *to, float t_near, trace_rays *out);
 } path_kernels;
 

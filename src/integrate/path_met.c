@@ -1,14 +1,13 @@
-/* The ends of the rays of paths: light that surfaces and surroundings send, weighed against light sampling,
- * and AOVs. */
+/* The ends of path rays: emission and light from outside, weighted against light samples, and AOVs. */
 #include "integrate/path.h"
 #include "math/limit.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Light that a ray met by chance. */
+/* Light that a BSDF-sampled ray hit. */
 typedef struct met_light {
-    float radiance[3], density; /* the second: of its direction among those that ask for light */
+    float radiance[3], density; /* density: of its direction among light samples */
     uint8_t group;
     vec3_f32 direction;
 } met_light;
@@ -25,7 +24,7 @@ static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsig
     wave_add_layers(&p->wave, slot, tag, met->direction, rgb);
 }
 
-/* Finds the light that comes to the lanes whose bits are set, and its densities. */
+/* Finds the light from outside for the lanes whose bits are set, and its densities. */
 static void look_outside(path_wave *p, const trace_block *block, const path_block *path, uint32_t lanes,
                          lanes3 radiance, float density[LANES]) {
     lanes3 n, direction;
@@ -85,9 +84,9 @@ void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const sh
 
 /* ---- features ---- */
 
-/* Denoisers want normals and albedo of what smooth mirrors and glass show (Open Image Denoise, "Albedos" and
- * "Normals"): of the first vertex that scatters otherwise. Fresnel's law mixes them over the samples, as it
- * mixes the light. */
+/* Denoisers need the normals and albedo seen in smooth mirrors and through glass (Open Image Denoise,
+ * "Albedos" and "Normals"): those of the first vertex that scatters otherwise. Fresnel's equations mix them
+ * over the samples, as they mix the light. */
 void path_show_features(path_wave *p, const vertex_block *v) {
     for (unsigned i = 0; i < v->surface.count; ++i) {
         const uint32_t slot = v->path.slot[i];
@@ -96,7 +95,7 @@ void path_show_features(path_wave *p, const vertex_block *v) {
     }
 }
 
-/* A coloured mirror tints what it shows. */
+/* A coloured mirror tints the features behind it. */
 void path_leave_features(path_wave *p, const shader_sample *to, unsigned i, uint32_t slot) {
     p->smooth[slot] &= to->straight[i] || isinf(to->density[i]);
     for (int c = 0; c < 3 && p->smooth[slot]; ++c) p->tint[c][slot] *= fminf(to->weight[c][i], 1);

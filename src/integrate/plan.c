@@ -6,9 +6,9 @@
 
 #include <stdlib.h>
 
-/* Samples of a pixel, on average, of images to a usual error. */
+/* Average number of samples per pixel of adaptive renders with a usual error. */
 #define ADAPTIVE_USUAL_SPP 32u
-/* Bounces of a path, on average. */
+/* Average number of bounces of a path. */
 #define PATH_USUAL_DEPTH 4u
 
 uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s) {
@@ -21,8 +21,8 @@ uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s)
     return settings_pixels(s) * spp * (1 + scene->lights.count) * bounces;
 }
 
-/* Rays of a parallel view begin in a part of a plane. Unless that part is clear of the scene, each may begin
- * on another side of closed meshes. */
+/* Rays of an orthographic camera start on a rectangle of a plane. Unless this rectangle is apart from the
+ * scene's bounds, each ray may start at a different depth of closed meshes. */
 static fathom_status plan_eye(render_plan *plan) {
     const shade_camera *c = &plan->camera;
     scene_bounds all, view = bounds_empty();
@@ -41,7 +41,7 @@ static fathom_status plan_eye(render_plan *plan) {
     return status;
 }
 
-/* Directional light comes from outside of all. */
+/* Directional light comes from outside all meshes: depth 0. */
 static fathom_status plan_watertight(fathom_context *context, render_plan *plan, const bool *in_mesh) {
     fathom_status status = watertight_create(context, plan->tracer, &plan->watertight);
     if (status != FATHOM_OK || !plan->watertight) return status;
@@ -132,7 +132,7 @@ static fathom_status plan_bsdfs(fathom_context *context, render_plan *plan) {
     return FATHOM_OK;
 }
 
-/* Only lights that can send something to a surface. */
+/* Only lights that can reach a surface. */
 static bool plan_lights(render_plan *plan) {
     const fathom_scene *scene = plan->scene;
     const parts_extent extent = parts_extent_of(plan->world, &plan->settings);
@@ -194,7 +194,7 @@ static void choose_kernels(render_plan *plan) {
     plan->path_kernels = path_kernels_best();
 }
 
-/* Half a pixel in the middle of the image: the samples of a pixel do the other half of the filtering. */
+/* Half a pixel at the image's centre: the averaging over a pixel's samples filters the other half. */
 static void set_cone(render_plan *plan) {
     const shade_camera *c = &plan->camera;
     const double distance = fabs(dot_f64(c->corner, c->view)), half = 0.5 * length_f64(c->down);

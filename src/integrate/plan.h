@@ -1,4 +1,4 @@
-/* What this scene needs, and nothing else: computed once before rendering. */
+/* Everything that rendering this scene needs: computed once before rendering. */
 #ifndef INTEGRATE_PLAN_H
 #define INTEGRATE_PLAN_H
 
@@ -40,38 +40,39 @@ typedef struct render_plan {
     sampler sampler;
     shade_camera camera;
     pixel_filter filter;
-    shader *shaders;                   /* by material; path tracing */
-    texturing *texturing;              /* NULL: no material varies over a surface */
-    bool moves, camera_moves;          /* path tracing, while the shutter is open: something; the camera */
-    float pixel_spread;                /* angle of the cone around a camera ray, */
-    float pixel_width;                 /* and its radius where it begins */
-    emitters *emitters;                /* path tracing */
+    shader *shaders;          /* by material; path tracing */
+    texturing *texturing;     /* NULL: no material varies over a surface */
+    bool moves, camera_moves; /* path tracing: something moves while the shutter is open; the camera does */
+    float pixel_spread;       /* angle of the cone around a camera ray, */
+    float pixel_width;        /* and its radius at the origin */
+    emitters *emitters;       /* path tracing */
     struct reference_scene *reference; /* the reference integrator */
-    bsdf *bsdfs;                       /* by material; the classic integrator, and all that follows */
+    bsdf *bsdfs;                       /* by material; classic integrator, as are lights and light_count */
     shade_light *lights;
     uint32_t light_count;
-    watertight *watertight; /* NULL: no answer of the tracer needs another look */
-    /* Closed meshes around the camera and around each light, where it is in use; WATERTIGHT_UNSURE: the light
-     * lies in a mesh, and which side its rays end on depends on where they come from. */
+    watertight *watertight; /* NULL: no result of the tracer needs repair */
+    /* Number of closed meshes around the camera and around each light, if `watertight` is in use;
+     * WATERTIGHT_UNSURE: the light lies in a mesh's surface, and the side on which its rays end depends on
+     * their origin. */
     uint8_t eye_depth, *light_depths;
-    bool eyes_differ;                 /* each ray of the camera has a depth of its own */
-    light_surface *light_surfaces;    /* what lights[].surfaces point to */
+    bool eyes_differ;                 /* camera rays have different depths */
+    light_surface *light_surfaces;    /* lights[].surfaces point to these */
     unsigned features;                /* MATERIAL_ bits of the materials in use */
     bool background;                  /* it is not black */
-    film_parts parts;                 /* what the AOVs are made of */
-    light_groups groups;              /* none unless AOVs ask for them */
-    uint32_t *matte_ids[MATTE_KINDS]; /* by object and by material; NULL: not asked for */
+    film_parts parts;                 /* the components of the AOVs */
+    light_groups groups;              /* none unless AOVs request them */
+    uint32_t *matte_ids[MATTE_KINDS]; /* by object and by material; NULL: not requested */
     uint8_t *light_group_of;          /* by light; the classic integrator */
     uint32_t max_depth;               /* 0 when nothing mirrors or refracts */
     float t_near;                     /* 0, or the fixed epsilon */
-    bool lifts;                       /* shadow rays of smooth meshes begin above their facets */
-    bool crosses;                     /* paths may go on behind a surface */
-    bool absorbs;                     /* some volume does */
+    bool lifts;                       /* shadow rays of smooth meshes start above their facets */
+    bool crosses;                     /* paths may continue behind a surface */
+    bool absorbs;                     /* some volume absorbs light */
     bool nested;                      /* some volume has a priority */
-    eye_volumes eye_volumes;          /* around the camera as the shutter opens, where paths know volumes */
-    bool dispersive;                  /* some volume parts the colours */
-    bool covered;                     /* path tracing: some surface is there in part */
-    bool unshadowed;                  /* path tracing: some shape casts no shadow */
+    eye_volumes eye_volumes;          /* around the camera when the shutter opens, if paths track volumes */
+    bool dispersive;                  /* some volume disperses light */
+    bool covered;    /* path tracing: some surface may be partly transparent, or volumes have priorities */
+    bool unshadowed; /* path tracing: some shape casts no shadow */
 } render_plan;
 
 /* Release with plan_destroy(). */
@@ -80,7 +81,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
 void plan_destroy(render_plan *plan);
 
 /* Traces a ray from the eye with the plan's tracer; the plan's shaders must exist. All rays of an
- * orthographic camera or of a lens are taken to start in the same volumes. */
+ * orthographic camera or of a lens are assumed to start in the same volumes. */
 void eye_volumes_find(const render_plan *plan, eye_volumes *out);
 
 /* Rays a render with these settings is expected to trace, within a factor of a few: for the build quality. */

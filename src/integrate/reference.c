@@ -10,15 +10,15 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* ---- lights that no ray meets ---- */
+/* ---- lights that rays cannot hit ---- */
 
 typedef struct arrival {
     vec3_f64 direction; /* unit, towards the light */
     double distance;
-    double power; /* radiance over density, of an intensity of 1 */
+    double power; /* radiance divided by density, for an intensity of 1 */
 } arrival;
 
-/* glTF's curve: squared, and linear in the cosine between the two angles. */
+/* glTF's falloff: the square of a function that is linear in the cosine between the two angles. */
 static double spot_falloff(const fathom_light *light, vec3_f64 to_light) {
     if (light->type != FATHOM_LIGHT_SPOT) return 1;
     const double cosine = -dot_f64(to_light, normalize_f64(load_f64(light->direction)));
@@ -27,7 +27,8 @@ static double spot_falloff(const fathom_light *light, vec3_f64 to_light) {
     return part * part;
 }
 
-/* An intensity of 1 has the irradiance pi at distance 1. A sphere of radius R: radiance 1/R² over 4 pi R². */
+/* An intensity of 1 has the irradiance pi at distance 1. A sphere of radius R: radiance 1/R², divided by the
+ * density 1 / (4 pi R²). */
 static arrival from_place(const fathom_light *light, vec3_f64 point, reference_random *random) {
     vec3_f64 out = {0, 0, 0};
     if (light->radius > 0)
@@ -39,7 +40,8 @@ static arrival from_place(const fathom_light *light, vec3_f64 point, reference_r
     return a;
 }
 
-/* As a disc of half the angle A in the sky: radiance 1/sin²A over 2 pi (1 - cos A). */
+/* As a disc in the sky of half the angle A: radiance 1/sin²A, divided by the density 1 / (2 pi (1 - cos
+ * A)). */
 static arrival from_afar(const fathom_light *light, reference_random *random) {
     const vec3_f64 axis = normalize_f64(neg_f64(load_f64(light->direction)));
     if (!(light->angular_radius > 0)) return (arrival){axis, (double)INFINITY, PI};
@@ -72,21 +74,21 @@ static vec3_f64 suns(const reference_scene *r, vec3_f64 direction) {
 
 typedef struct path {
     vec3_f64 origin, direction, weight;
-    const fathom_material *in[NESTED]; /* the volumes that it is in, */
-    unsigned nested;                   /* so many */
-    unsigned channel;                  /* the one that it carries, 1 to 3; 0: all */
-    bool overlap;                      /* of volumes without priorities */
-    bool smooth;                       /* it left its last surface by a beam */
+    const fathom_material *in[NESTED]; /* the volumes that the path is in, */
+    unsigned nested;                   /* and their number */
+    unsigned channel;                  /* the one channel that the path carries, 1 to 3; 0: all */
+    bool overlap;                      /* volumes without priorities overlap */
+    bool smooth;                       /* the path left its last surface by a beam */
 } path;
 
-/* nested: it is not in there. */
+/* The index of m among the path's volumes, or p->nested if it is not one of them. */
 static unsigned place_in(const path *p, const fathom_material *m) {
     unsigned i = 0;
     while (i < p->nested && p->in[i] != m) ++i;
     return i;
 }
 
-/* The volume of the highest priority, but for `out`, which is being left; NULL: none. */
+/* The volume of the highest priority, excluding `out`, which the path is leaving; NULL: none. */
 static const fathom_material *medium_of(const path *p, const fathom_material *out) {
     const fathom_material *top = NULL;
     const unsigned leaves = place_in(p, out);
@@ -108,14 +110,14 @@ static void cross(path *p, const reference_surface *s) {
     if (i < p->nested) p->in[i] = p->in[--p->nested];
 }
 
-/* KHR_materials_dispersion: the indices of red and blue are as far from the one of green. */
+/* KHR_materials_dispersion: the indices of red and blue differ from that of green by the same amount. */
 static double index_of(const fathom_material *m, unsigned channel) {
     const double ior = m ? (double)m->ior : 1, spread = 0.025 * (ior - 1) * (m ? (double)m->dispersion : 0);
     return channel ? fmax(ior + spread * (channel - 2.0), fmin(ior, 1.0001)) : ior;
 }
 
-/* False: the surface bounds a volume inside one of a higher priority, so that light does not see it. Sets the
- * indices of others. */
+/* False: the surface bounds a volume inside one of a higher priority, so the path ignores it. Otherwise sets
+ * the surface's indices. */
 static bool meets(path *p, reference_surface *s, reference_random *random) {
     const fathom_material *m = s->material;
     if (!reference_refracts(m)) return true;
@@ -140,7 +142,7 @@ static const fathom_material *medium_towards(const path *p, const reference_surf
     return s->behind ? medium_of(p, s->material) : s->material;
 }
 
-/* The light that one lamp, chosen evenly, sends to the viewer by this surface alone. */
+/* The light of one lamp, chosen uniformly, that this surface scatters to the viewer. */
 static vec3_f64 light_at(const reference_scene *r, const path *p, const reference_surface *s,
                          reference_random *random) {
     const size_t count = scene_replaces_lights(r->scene) ? 0 : r->scene->lights.count;
@@ -158,7 +160,7 @@ static vec3_f64 light_at(const reference_scene *r, const path *p, const referenc
     return times(sum, color_of(light->intensity));
 }
 
-/* One beam, or another direction. False: the path ends. */
+/* Chooses one beam, or another direction. False: the path ends. */
 static bool scatter(path *p, const reference_scene *r, const reference_surface *s, reference_random *random) {
     const reference_scatter all = reference_scatter_of(s);
     const double others = all.front + all.back + all.facets + all.through + all.coat;
@@ -182,13 +184,13 @@ static bool scatter(path *p, const reference_scene *r, const reference_surface *
     return largest(p->weight) > 0;
 }
 
-/* Out of the surface, and perhaps into a volume or out of one. */
+/* Leaves the surface, and possibly enters or leaves a volume. */
 static void advance(path *p, const reference_surface *s) {
     p->origin = reference_leave(s, p->direction);
     if (reference_refracts(s->material) && dot_f64(p->direction, s->geometric) < 0) cross(p, s);
 }
 
-/* From the 17th surface on paths may end by chance. */
+/* From the 17th surface on, Russian roulette may end paths. */
 static bool survives(path *p, unsigned bounce, reference_random *random) {
     const double chance = largest(p->weight);
     if (bounce < 16 || chance >= 1) return true;
@@ -196,7 +198,7 @@ static bool survives(path *p, unsigned bounce, reference_random *random) {
     return reference_uniform(random) < chance;
 }
 
-/* Light from infinitely far ends in a volume that absorbs any of it. */
+/* Light from infinitely far away does not get through a volume that absorbs. */
 static bool absorbs(const fathom_material *m) {
     const float *c = m ? m->attenuation_color : NULL;
     return m && m->attenuation_distance > 0 && (c[0] < 1 || c[1] < 1 || c[2] < 1);
@@ -228,15 +230,16 @@ static bool radiance(const reference_scene *r, path p, reference_random random, 
 
 /* ---- images ---- */
 
-/* Farther from the middle of its side than that is. */
+/* True if the point is outside the polygon of blades: farther from the centre, towards its side, than the
+ * side is. */
 static bool beyond_blades(const fathom_camera *camera, double angle, double radius) {
     const double step = 2 * PI / camera->blades, turned = (angle - camera->blade_rotation) / step;
     const double aside = (turned - floor(turned) - 0.5) * step;
     return radius * cos(aside) > camera->lens_radius * cos(step / 2);
 }
 
-/* Through the point (x, y) of the image, in pixels from the upper left corner. A lens moves the ray's origin,
- * and turns it so that it meets the plane of focus where it did. */
+/* The camera ray through the point (x, y) of the image, in pixels from the upper left corner. A lens moves
+ * the ray's origin and changes its direction so that it intersects the plane of focus at the same point. */
 static void camera_ray(const reference_scene *r, double x, double y, reference_random *random, path *out) {
     const fathom_camera there = motion_camera(&r->scene->camera, random->time), *camera = &there;
     const double width = r->settings.width, height = r->settings.height;
@@ -330,7 +333,8 @@ static fathom_status check(const reference_scene *r) {
     return FATHOM_OK;
 }
 
-/* Along a ray from the eye, volumes that it leaves and did not enter. False: more than can be noted. */
+/* Finds the volumes around the camera: those that a ray from the eye leaves without having entered. False:
+ * too many. */
 static bool look_around(reference_scene *r) {
     path p = {.nested = 0};
     reference_surface s;

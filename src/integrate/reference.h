@@ -1,10 +1,10 @@
-/* The second implementation of path tracing: scalar, in double. It shares no formula with the fast one, and
- * is there to be right and to be read. Its directions are found by the cosine, by half vectors and by balls
- * around lamps, all weighed together. It has no light samples but of lights that no ray meets.
+/* The second implementation of path tracing: scalar, in double. It shares no formula with the fast one; it is
+ * written for correctness and readability. It samples directions by the cosine, by half vectors, by balls
+ * around lamps and by images of skies, and combines their densities. Only lights that rays cannot hit have
+ * light samples.
  *
- * Radiance is divided by the square of the index of the medium that it travels in, so that refraction does
- * not scale it: emission inside glass is what a viewer outside sees. Settings other than these do not
- * matter to it. */
+ * Radiance is divided by the square of the index of its medium, so that refraction does not scale it: a
+ * viewer outside sees the emission inside glass unscaled. Only the settings below have an effect. */
 #ifndef INTEGRATE_REFERENCE_H
 #define INTEGRATE_REFERENCE_H
 
@@ -14,14 +14,14 @@
 typedef struct reference_settings {
     uint32_t width, height; /* of the image */
     settings_region region; /* the pixels to render */
-    uint32_t samples;       /* of each pixel, at least 2 */
+    uint32_t samples;       /* per pixel, at least 2 */
     uint32_t depth;         /* bounces */
     uint64_t seed;
     unsigned threads; /* 0: one */
-    bool sharp;       /* all samples are of the middle of the shutter's time */
+    bool sharp;       /* all samples are at the middle of the shutter's time */
     bool without_bvh; /* closest hits by testing every primitive */
-    /* Radiance from outside in a unit direction, in place of environment lights; NULL: the scene's background
-     * alone. Called from several threads. */
+    /* Radiance from outside in a unit direction, instead of background and environment lights; NULL: those of
+     * the scene. Called from several threads: must be thread-safe. */
     vec3_f64 (*environment)(void *user, vec3_f64 direction);
     void *user;
 } reference_settings;
@@ -32,14 +32,14 @@ typedef struct reference_estimate {
 
 typedef struct reference_scene reference_scene;
 
-/* FATHOM_BAD_INPUT names the first thing in the scene that the reference refuses. The scene must have passed
- * fathom_scene_check(), have a camera and outlive what comes back. */
+/* FATHOM_BAD_INPUT names the first feature of the scene that the reference does not support. The scene must
+ * have passed fathom_scene_check(), have a camera and outlive the result. */
 fathom_status reference_open(const fathom_scene *scene, const reference_settings *settings,
                              reference_scene **out);
 void reference_close(reference_scene *reference);
 
-/* One sample of the radiance of a pixel, seen through the camera; (x, y) in the image. False: volumes
- * overlap, which the reference refuses. */
+/* One sample of the radiance of the pixel (x, y) of the image. False: volumes overlap without priorities,
+ * which is not supported. */
 bool reference_sample(const reference_scene *reference, uint32_t x, uint32_t y, uint32_t index,
                       vec3_f64 *out);
 

@@ -1,8 +1,11 @@
-/* Albedos of the layers of a metallic-roughness material, by quadrature, and what `multiscatter` makes of
- * them: light that leaves the facets after more scatterings comes back evenly (Kulla & Conty 2017). With E
- * the albedo of facets that reflect all, S a reflectance, R the dielectric's albedo with all scatterings, C
- * what the coat lets through, and <> the mean over the cosine: again = <S>^2 <E> / (1 - <S> (1 - <E>)),   R =
- * S's albedo + again (1 - E),   below = <(1 - R) C>
+/* Albedos of the layers of a metallic-roughness material, by quadrature, and the compensation of
+ * `multiscatter`: light that leaves the facets after more than one scattering is added uniformly (Kulla &
+ * Conty 2017). With E the albedo of facets of reflectance 1, S a reflectance, R the dielectric's albedo over
+ * all scatterings, C the transmittance of the coat, and <> the cosine-weighted mean:
+ *
+ *   again = <S>^2 <E> / (1 - <S> (1 - <E>))
+ *   R = S's albedo + again (1 - E)
+ *   below = <(1 - R) C>
  */
 #include "integrate/reference_inner.h"
 
@@ -10,7 +13,7 @@
 
 /* ---- curves ---- */
 
-/* The cosine of a node; the first is not 0, where albedos are limits. */
+/* The cosine of a node; the first is not 0, because albedos are limits there. */
 static double node(int i) {
     const double x = fmax(i, 0.5) / REFERENCE_STEPS;
     return x * x;
@@ -22,7 +25,7 @@ double reference_curve(const double *curve, double cosine) {
     return curve[low] + (at - low) * (curve[low + 1] - curve[low]);
 }
 
-/* Of facets, for the direction d in their frame. */
+/* The curves of facets, for the direction d in the surface's frame. */
 static double facets_at(const double curves[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1], vec3_f64 d) {
     const double sum = fabs(d.x) + fabs(d.y), at = sum > 0 ? fabs(d.y) / sum * REFERENCE_TURNS : 0;
     const int low = (int)fmin(at, REFERENCE_TURNS - 1);
@@ -32,7 +35,7 @@ static double facets_at(const double curves[REFERENCE_TURNS + 1][REFERENCE_STEPS
 
 /* ---- integrals ---- */
 
-/* By midpoints over the hemisphere of l, close where it is grazing: right to 4e-4. */
+/* Midpoint rule over the hemisphere of l, denser at grazing angles: the error is at most 4e-4. */
 static double fibres_reflect(const fathom_material *m, double nv) {
     enum { RINGS = 64, AROUND = 32 };
     double sum = 0;
@@ -48,9 +51,9 @@ static double stretched(double along, double across, vec3_f64 d) {
     return length_f64(vec_f64(along * d.x, across * d.y, d.z));
 }
 
-/* By midpoints over half vectors, as many as D has of them: G2 (v·h) / ((n·v) (n·h)), and the same times
- * (1 - v·h)^5. D has the part u within the slope sqrt(u / (1 - u)) of the normal; u = 1 - q^3 puts midpoints
- * close where slopes are steep, so that both albedos are right to 3e-4 from alpha 0.02 on. */
+/* Midpoint rule over half vectors, distributed like D: G2 (v·h) / ((n·v) (n·h)), and the same times (1 -
+ * v·h)^5. The fraction u of D lies within the slope sqrt(u / (1 - u)) of the normal; u = 1 - q^3 makes
+ * midpoints denser at steep slopes, so that the error of both albedos is at most 3e-4 for alpha >= 0.02. */
 static void facets_reflect(double along, double across, vec3_f64 v, double *all, double *edge) {
     enum { RINGS = 128, AROUND = 64 };
     *all = *edge = 0;
@@ -86,7 +89,7 @@ static void make_facets(const fathom_material *m, reference_albedos *out) {
 
 /* ---- several scatterings ---- */
 
-/* Directions spread by the cosine over a quarter of the hemisphere. */
+/* Directions distributed like the cosine over a quarter of the hemisphere. */
 enum { RINGS = 256, AROUND = 16 };
 static vec3_f64 spread(int i) {
     const double z2 = (i / AROUND + 0.5) / RINGS, angle = PI / 2 * (i % AROUND + 0.5) / AROUND;
@@ -97,7 +100,7 @@ static double again_of(double reflectance, double mean) {
     return reflectance * reflectance * mean / (1 - reflectance * (1 - mean));
 }
 
-/* The layer that the base is under: a film counts as Schlick's curve that is nowhere below it. */
+/* The layer over the base: a film counts as a Schlick curve that is nowhere below it. */
 static void make_layer(const fathom_material *m, reference_albedos *out) {
     enum { LOOKS = 256 };
     out->low = largest(reference_reflect(m, (double)m->ior, 1, 1).dielectric);
@@ -124,7 +127,7 @@ static void make_again(const fathom_material *m, reference_albedos *out) {
     const vec3_f64 parts =
         blend(vec_f64(again_of(base.x, mean), again_of(base.y, mean), again_of(base.z, mean)),
               vec_f64(again_of(metal.x, mean), again_of(metal.y, mean), again_of(metal.z, mean)), metallic);
-    /* A film covers metal and dielectric as one. */
+    /* A film covers the mixture of metal and dielectric. */
     out->again = m->iridescence > 0
                      ? vec_f64(again_of(both.x, mean), again_of(both.y, mean), again_of(both.z, mean))
                      : parts;
@@ -181,7 +184,7 @@ double reference_again(const reference_surface *s, vec3_f64 l) {
     return (1 - from_l) * (1 - facets_at(a->facets, in_frame(s, s->to_viewer))) / (PI * a->lost);
 }
 
-/* From inside a solid, the base is as without `multiscatter`. */
+/* For a viewer inside a solid, the base is as without `multiscatter`. */
 double reference_base(const reference_surface *s, vec3_f64 l, double plain) {
     const reference_albedos *a = s->albedos;
     const bool inside = s->behind && reference_refracts(s->material) && s->material->ior != 1;

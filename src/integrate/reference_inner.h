@@ -1,4 +1,5 @@
-/* What the files of the reference path tracer share. Colours are vectors: x, y, z for red, green, blue. */
+/* Declarations shared by the files of the reference path tracer. Colours are vectors: x, y, z for red, green,
+ * blue. */
 #ifndef INTEGRATE_REFERENCE_INNER_H
 #define INTEGRATE_REFERENCE_INNER_H
 
@@ -21,11 +22,11 @@ static inline vec3_f64 blend(vec3_f64 a, vec3_f64 b, double part) {
     return add_f64(scale_f64(1 - part, a), scale_f64(part, b));
 }
 
-/* ---- random numbers: the n-th of a key is a hash of both ---- */
+/* ---- random numbers: the n-th number of a key is a hash of both ---- */
 
 typedef struct reference_random {
     uint64_t key, count;
-    double time; /* of the sample, in the unit of the keys */
+    double time; /* of the sample, in the unit of the camera's shutter */
 } reference_random;
 
 /* The finalizer of splitmix64 (Steele, Lea, Flood 2014). */
@@ -41,21 +42,21 @@ static inline double reference_uniform(reference_random *r) {
 
 /* ---- reference_scene.c: shapes and rays ---- */
 
-/* A ball around all that one emissive object passes while the shutter is open. */
+/* A ball that contains one emissive object while the shutter is open. */
 typedef struct reference_lamp {
     vec3_f64 center;
     double radius;
 } reference_lamp;
 
-/* Where a shape is placed; instances are taken apart. */
+/* The placement of a shape; nested instances are flattened. */
 typedef struct reference_place {
-    affine_f64 to_world, to_object; /* as the shutter opens */
+    affine_f64 to_world, to_object; /* at the time the shutter opens */
     fathom_id material;
     unsigned flags;
-    uint32_t link; /* of the instance around it, where it moves; else FATHOM_NONE */
+    uint32_t link; /* index of the innermost instance around it, if it moves; else FATHOM_NONE */
 } reference_place;
 
-/* An instance on the way to a place, and the one around it; FATHOM_NONE: the world. */
+/* An instance that contains a placement, and the next outer one; FATHOM_NONE: the world. */
 typedef struct reference_link {
     fathom_id instance;
     uint32_t outer;
@@ -68,19 +69,20 @@ typedef struct reference_primitive {
     scene_kind kind;
     uint32_t place;
     uint32_t mesh, triangle;
-    vec3_f64 corner[4]; /* sphere: its centre, and three times its radius; plane: a point and the normal;
-                           triangle: the last twice */
+    vec3_f64 corner[4]; /* sphere: its centre, and its radius in all components; plane: a point and the
+                           normal; triangle: the last corner is repeated */
 } reference_primitive;
 
-/* Albedos of a metallic-roughness material's layers. Curves over the cosine mu are given at mu = (k /
- * REFERENCE_STEPS)^2, and those of facets at even turns from the way of the larger alpha to the other. */
+/* Albedos of a metallic-roughness material's layers. Curves over the cosine mu have nodes at mu = (k /
+ * REFERENCE_STEPS)^2; curves of facets exist for several azimuths, from the axis of the larger alpha to that
+ * of the other. */
 enum { REFERENCE_STEPS = 128, REFERENCE_TURNS = 8 };
 typedef struct reference_albedos {
     double coat[REFERENCE_STEPS + 1],
-        sheen[REFERENCE_STEPS + 1];                          /* times the coat's strength; of white fibres */
-    double facets[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1]; /* of a reflectance of 1 */
-    double edge[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1];   /* of (1 - v·h)^5 */
-    /* Of `multiscatter` (Kulla & Conty 2017), see reference_energy.c. */
+        sheen[REFERENCE_STEPS + 1]; /* coat: times the coat's strength; sheen: of white fibres */
+    double facets[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1]; /* for a reflectance of 1 */
+    double edge[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1];   /* for (1 - v·h)^5 */
+    /* For `multiscatter` (Kulla & Conty 2017), see reference_energy.c. */
     vec3_f64 again;
     double again_base, low, high, below, lost;
 } reference_albedos;
@@ -101,39 +103,40 @@ struct reference_scene {
     ARRAY(reference_link) links;
     ARRAY(reference_primitive) primitives;
     ARRAY(uint32_t) planes;      /* of the primitives */
-    reference_albedos **albedos; /* by material; NULL: it has none that need albedos */
-    ARRAY(reference_lamp) lamps; /* at most REFERENCE_LAMPS; none where there are more */
+    reference_albedos **albedos; /* by material; NULL: it needs no albedos */
+    ARRAY(reference_lamp) lamps; /* at most REFERENCE_LAMPS; empty if there are more */
     reference_sky *skies;        /* images of skies, and the studio */
     unsigned sky_count;
-    reference_volumes around_eye; /* as the shutter opens */
-    bvh_item *items;              /* the primitives that are no planes */
+    reference_volumes around_eye; /* at the time the shutter opens */
+    bvh_item *items;              /* the primitives that are not planes */
     bvh_tree tree;                /* its leaves hold items */
-    vec3_f64 middle; /* that the boxes of items and tree are relative to, for they are in float */
+    vec3_f64 middle;              /* origin of the boxes of items and tree, which are float */
 };
 
-/* Where a ray meets a surface. The normals are unit and point to the viewer's side. */
+/* A ray's hit on a surface. The normals are unit and point to the viewer's side. */
 typedef struct reference_surface {
     vec3_f64 point, to_viewer;
     vec3_f64 geometric, normal; /* normal: for shading */
-    vec3_f64 along;             /* of anisotropy: unit, across the shading normal */
-    bool behind;                /* the viewer is on the side that the shape's own normal does not point to */
+    vec3_f64 along;             /* tangent for anisotropy: unit, orthogonal to the shading normal */
+    bool behind;                /* the viewer is on the back side, away from the shape's own normal */
     const fathom_material *material;
     const reference_albedos *albedos; /* NULL: none */
-    double ratio, turn; /* indices of the far side over the viewer's, for reflectances and for directions */
+    double ratio, turn; /* index of the far side divided by that of the viewer's side, for reflectances and
+                           for directions */
     double t;
 } reference_surface;
 
 fathom_status reference_gather(reference_scene *r);
-/* The closest hit of a unit direction. Surfaces that are covered in part let some rays pass, by chance.
- * shadow: shapes that cast none are passed. */
+/* The closest hit along a unit direction. Partly transparent surfaces let rays pass at random. shadow: shapes
+ * that cast no shadow are skipped. */
 bool reference_closest(const reference_scene *r, vec3_f64 origin, vec3_f64 direction, double t_far,
                        bool shadow, reference_random *random, reference_surface *out);
-/* Where a ray begins that leaves the surface in this direction. */
+/* The origin of a ray that leaves the surface in this direction. */
 vec3_f64 reference_leave(const reference_surface *s, vec3_f64 direction);
 
 /* ---- reference_material.c: scattering ---- */
 
-/* A direction that takes a share of the light by itself: a mirror's, or a refracted one. */
+/* A single direction that carries a fraction of the light: mirrored or refracted. */
 typedef struct reference_beam {
     vec3_f64 direction, weight;
 } reference_beam;
@@ -142,45 +145,45 @@ typedef struct reference_beam {
 typedef struct reference_scatter {
     unsigned beams;
     reference_beam beam[3];
-    /* Rough guesses of the light that arrives over either hemisphere, by facets that mirror it or let it
-     * through, and by those of the coat. 0: none does. */
+    /* Rough estimates of the light that is scattered over each hemisphere, reflected or transmitted by
+     * facets, and reflected by the coat. 0: none. */
     double front, back, facets, through, coat;
 } reference_scatter;
 
-/* The first parameter of the material that the reference refuses; NULL: none. */
+/* The first parameter of the material that the reference does not support; NULL: none. */
 const char *reference_lacks(const fathom_material *m);
-/* Of dielectric and metal. */
+/* Reflectances of dielectric and metal. */
 typedef struct reference_reflectances {
     vec3_f64 dielectric, metal;
-    double base; /* what the dielectric leaves to the base under it */
+    double base; /* fraction that the dielectric transmits to the base under it */
 } reference_reflectances;
-/* Schlick's, with the film, for the cosine between v and h. slant: that of the cosine in the thinner medium,
- * negative at total reflection. */
+/* Schlick's reflectance, with the film; cosine: between v and h. slant: the same cosine in the thinner
+ * medium, negative at total reflection. */
 reference_reflectances reference_reflect(const fathom_material *m, double ior, double slant, double cosine);
-/* Of GGX's facets; 0: it is a mirror. */
+/* The alpha of GGX facets; 0: a mirror. */
 double reference_alpha(const fathom_material *m);
 double reference_coat_alpha(const fathom_material *m);
 /* KHR_materials_sheen's D V. */
 double reference_fibres(const fathom_material *m, double nl, double nv, double nh);
-/* The reflectance of a thin film (KHR_materials_iridescence) on a surface of reflectance f0 at this cosine.
- */
+/* The reflectance of a thin film (KHR_materials_iridescence) on a surface of reflectance f0 at this
+ * cosine. */
 vec3_f64 reference_film(const fathom_material *m, vec3_f64 f0, double cosine);
 vec3_f64 reference_emission(const fathom_material *m);
 reference_scatter reference_scatter_of(const reference_surface *s);
-/* The alpha of facets along their longer way; reference_alpha() is across it. */
+/* The alpha of facets along the tangent; reference_alpha() is the one across it. */
 double reference_alpha_along(const fathom_material *m);
 /* The cosine on the far side by Snell's law; negative: total internal reflection. */
 double reference_far_cosine(double cosine, double ratio);
 vec3_f64 reference_mirrored(vec3_f64 v, vec3_f64 n);
 vec3_f64 reference_refracted(vec3_f64 v, vec3_f64 n, double ratio);
-/* f |n·l| of everything but beams, for the unit direction l that light arrives from. */
+/* f |n·l| of everything except beams, for the unit direction l from which light arrives. */
 vec3_f64 reference_evaluate(const reference_surface *s, vec3_f64 l);
 
-/* ---- reference_ways.c: directions by chance ---- */
+/* ---- reference_ways.c: random directions ---- */
 
-/* So far from the axis, at any turn about it. */
+/* A direction at this cosine to the axis, with random azimuth. */
 vec3_f64 reference_around(vec3_f64 axis, double cosine, reference_random *random);
-/* A direction of those that no beam takes, and its density; 0: there is none. */
+/* Samples a direction that is not a beam's; returns its density; 0: there is none. */
 double reference_choose(const reference_scene *r, const reference_surface *s, const reference_scatter *all,
                         reference_random *random, vec3_f64 *out);
 
@@ -190,24 +193,26 @@ fathom_status reference_skies_open(reference_scene *r);
 void reference_skies_close(reference_scene *r);
 /* Radiance of the background and all images from a unit direction. */
 vec3_f64 reference_sky_light(const reference_scene *r, vec3_f64 direction);
-/* A unit direction by the light of one image, and the density of any; where there are images. */
+/* Samples a unit direction by the light of one image; and the density of any direction. Only if there are
+ * images. */
 vec3_f64 reference_to_sky(const reference_scene *r, reference_random *random);
 double reference_sky_density(const reference_scene *r, vec3_f64 direction);
 
 /* ---- reference_energy.c: albedos ---- */
 
-/* *out: NULL where the material needs none. False without memory. */
+/* *out: NULL if the material needs none. False if out of memory. */
 bool reference_albedos_make(const fathom_material *m, reference_albedos **out);
 /* The value of a curve of reference_albedos. */
 double reference_curve(const double *curve, double cosine);
 /* (1 - E(v)) (1 - E(l)) / (pi <1 - E>); 0 without `multiscatter`. */
 double reference_again(const reference_surface *s, vec3_f64 l);
-/* The share of light from l that reaches the base and then v; plain: without `multiscatter`. */
+/* The fraction of light from l that reaches the base and then v. plain: that fraction without
+ * `multiscatter`. */
 double reference_base(const reference_surface *s, vec3_f64 l, double plain);
 
-/* True when the surface bounds a volume, so that light refracts. */
+/* True if the surface bounds a volume, so that light refracts. */
 bool reference_refracts(const fathom_material *m);
-/* What remains of light after so long a way through the volume. */
+/* The transmittance of the volume over this distance. */
 vec3_f64 reference_absorbed(const fathom_material *m, double distance);
 
 #endif

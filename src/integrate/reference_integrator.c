@@ -1,4 +1,4 @@
-/* The reference behind the integrators' interface: sample by sample. */
+/* The reference with the interface of integrators: one sample at a time. */
 #include "integrate/integrator.h"
 #include "integrate/reference.h"
 #include "math/limit.h"

@@ -1,9 +1,9 @@
-/* Fibres and films of the reference (KHR_materials_sheen, _iridescence). */
+/* Fibres and thin films of the reference (KHR_materials_sheen, _iridescence). */
 #include "integrate/reference_inner.h"
 
 /* ---- fibres ---- */
 
-/* The curve that Estevez & Kulla (2017) fitted, as KHR_materials_sheen has it. */
+/* The curve fitted by Estevez & Kulla (2017), as in KHR_materials_sheen. */
 static double curve(double x, double alpha) {
     const double t = (1 - alpha) * (1 - alpha);
     const double a = t * 25.3245 + (1 - t) * 21.5473, b = t * 3.32435 + (1 - t) * 3.82987;
@@ -21,12 +21,12 @@ double reference_fibres(const fathom_material *m, double nl, double nv, double n
     return d / (4 * nl * nv * (1 + shadowed(nl, alpha) + shadowed(nv, alpha)));
 }
 
-/* ---- films: Belcour & Barla (2017), as KHR_materials_iridescence has them ---- */
+/* ---- films: Belcour & Barla (2017), as in KHR_materials_iridescence ---- */
 
 static double squared(double x) { return x * x; }
 
-/* The response of three receptors to a wave of this phase, in linear Rec.709. The receptors take the shifts
- * of red, green and blue one by one, as the extension's sample code does. */
+/* The response of three receptors to a wave of this phase, in linear Rec.709. Each receptor uses the phase
+ * shift of red, green or blue, as in the extension's sample code. */
 static vec3_f64 seen(double way, const double shift[3]) {
     static const double value[4] = {5.4856e-13, 4.4201e-13, 5.2481e-13, 9.7470e-14};
     static const double place[4] = {1.6810e6, 1.7953e6, 2.2084e6, 2.2399e6};
@@ -42,14 +42,14 @@ static vec3_f64 seen(double way, const double shift[3]) {
                    0.0556434 * x - 0.2040259 * y + 1.0572252 * z);
 }
 
-/* The index of a base that reflects f0. */
+/* The index of a base with the reflectance f0. */
 static double base_index(double f0) {
     const double root = sqrt(fmin(f0, 0.9999));
     return (1 + root) / (1 - root);
 }
 
-/* The reflectance of each channel over a base that reflects f0 in all; waves: how it responds to light that
- * went to and fro once, and twice. */
+/* The reflectance of each channel over a base with the reflectance f0 in all channels; waves: the channels'
+ * responses to light that was reflected once and twice in the film. */
 static vec3_f64 film_over(double index, double f0, double cosine, const vec3_f64 waves[2]) {
     const double inside2 = 1 - (1 - cosine * cosine) / (index * index);
     if (inside2 < 0) return gray(1);

@@ -1,7 +1,7 @@
 /* Scattering: the classic model of MODEL.md, and glTF's metallic-roughness (glTF 2.0, appendix B;
- * KHR_materials_ior, _specular, _transmission, _volume; reference_layers.c and reference_energy.c have
- * others). n is the shading normal, on the viewer's side; v points to the viewer, l to where light arrives
- * from, h halves them. */
+ * KHR_materials_ior, _specular, _transmission, _volume; others are in reference_layers.c and
+ * reference_energy.c). n is the shading normal, on the viewer's side; v points to the viewer, l to the
+ * direction from which light arrives, h is their half vector. */
 #include "integrate/reference_inner.h"
 
 /* ---- what is implemented ---- */
@@ -46,7 +46,7 @@ double reference_far_cosine(double cosine, double ratio) {
 
 vec3_f64 reference_mirrored(vec3_f64 v, vec3_f64 n) { return sub_f64(scale_f64(2 * dot_f64(n, v), n), v); }
 
-/* The normal of smooth lobes: the geometric one where a mirrored direction would enter the surface. */
+/* The normal of smooth lobes: the geometric one if a mirrored direction would enter the surface. */
 static vec3_f64 beam_normal(const reference_surface *s) {
     return dot_f64(reference_mirrored(s->to_viewer, s->normal), s->geometric) > 0 ? s->normal : s->geometric;
 }
@@ -60,7 +60,7 @@ vec3_f64 reference_refracted(vec3_f64 v, vec3_f64 n, double ratio) {
     return normalize_f64(madd_f64(scale_f64(near / ratio - far, n), -1 / ratio, v));
 }
 
-/* A direction that would come back out is turned to the far side. */
+/* A direction that would return to the viewer's side is mirrored to the far side. */
 static vec3_f64 refracted_direction(const reference_surface *s) {
     const vec3_f64 t = reference_refracted(s->to_viewer, beam_normal(s), s->turn);
     return madd_f64(t, -2 * fmax(dot_f64(t, s->geometric), 0), s->geometric);
@@ -121,19 +121,19 @@ reference_reflectances reference_reflect(const fathom_material *m, double ior, d
     return (reference_reflectances){dielectric, metal, 1 - largest(dielectric)};
 }
 
-/* Refraction takes the cosine on the side of the smaller index, so that both ways of a path reflect alike.
- * The colour's own index decides on total reflection; at normal incidence all colours reflect as `ior` has
- * it. */
+/* Refraction uses the cosine on the side of the smaller index, so that both directions of a path have the
+ * same reflectance. The channel's own index decides on total reflection; at normal incidence all channels
+ * reflect as with `ior`. */
 static reference_reflectances reflect_of(const reference_surface *s, double cosine) {
     const bool refracts = reference_refracts(s->material);
     const double slant = refracts && s->turn < 1 ? reference_far_cosine(cosine, s->turn) : cosine;
     return reference_reflect(s->material, refracts ? s->ratio : (double)s->material->ior, slant, cosine);
 }
 
-/* The least alpha of facets. By definition a surface of less is a mirror. */
+/* The minimum alpha of facets. A surface with a smaller one is a mirror by definition. */
 #define LEAST_ALPHA 0x1p-13
 
-/* Brushed facets are no mirror across their way: the least alpha takes the place of less. */
+/* Anisotropic facets are never a mirror across the tangent: a smaller alpha is raised to the minimum. */
 double reference_alpha(const fathom_material *m) {
     const double alpha = (double)m->roughness * (double)m->roughness;
     return alpha >= LEAST_ALPHA ? alpha : m->anisotropy > 0 ? LEAST_ALPHA : 0;
@@ -149,8 +149,8 @@ double reference_alpha_along(const fathom_material *m) {
     return across + (1 - across) * part * part;
 }
 
-/* GGX's D times G over 4 nl nv, with Smith's height-correlated G; of two alphas as KHR_materials_anisotropy
- * has them. l may be on either side. */
+/* GGX's D G / (4 nl nv), with Smith's height-correlated G, for two alphas as in KHR_materials_anisotropy. l
+ * may be on either side. */
 static double lobe_of(const reference_surface *s, vec3_f64 h, vec3_f64 l, double along, double across) {
     const vec3_f64 t = s->along, b = cross_f64(s->normal, t), v = s->to_viewer;
     const double nl = fabs(dot_f64(s->normal, l)), nv = dot_f64(s->normal, v), nh = dot_f64(s->normal, h);
@@ -165,12 +165,12 @@ static double base_lobe(const reference_surface *s, vec3_f64 h, vec3_f64 l) {
     return lobe_of(s, h, l, reference_alpha_along(s->material), reference_alpha(s->material));
 }
 
-/* Light passes by one direction instead of being scattered. */
+/* Transmitted light takes a single direction instead of being scattered. */
 static bool passes_clear(const reference_surface *s) {
     return reference_alpha(s->material) == 0 || (reference_refracts(s->material) && s->ratio == 1);
 }
 
-/* ---- what lies over it: a clear coat (index 1.5) over fibres over all else ---- */
+/* ---- layers on top: a clear coat (index 1.5) over fibres over all else ---- */
 
 static bool is_covered(const fathom_material *m) {
     return m->clearcoat > 0 || largest(color_of(m->sheen_color)) > 0;
@@ -178,7 +178,7 @@ static bool is_covered(const fathom_material *m) {
 
 static double coat_reflects(double cosine) { return 0.04 + 0.96 * pow(1 - fmin(cosine, 1), 5); }
 
-/* The share of light that passes the layers from l and to v. */
+/* The fraction of light that passes the layers, arriving from l and leaving to v. */
 static double below_layers(const reference_surface *s, double nl, double nv, double *below_coat) {
     *below_coat = 1;
     if (!is_covered(s->material)) return 1;
@@ -227,7 +227,7 @@ static reference_scatter metallic_scatter(const reference_surface *s) {
     return out;
 }
 
-/* Lambert's part on either side. */
+/* Lambert's lobe on either side. */
 static vec3_f64 diffuse_of(const fathom_material *m, bool behind, double base) {
     const double part = (double)m->diffuse_transmission;
     const vec3_f64 color = color_of(behind ? m->diffuse_transmission_color : m->base_color);
@@ -244,7 +244,7 @@ static vec3_f64 metallic_reflect(const reference_surface *s, vec3_f64 l, vec3_f6
     return again > 0 ? madd_f64(once, again, s->albedos->again) : once;
 }
 
-/* Thin walls: the reflected lobe, mirrored to the far side. Others: Walter et al. 2007, equation 21, times
+/* Thin walls: the reflected lobe, mirrored to the far side. Solids: Walter et al. 2007, equation 21, times
  * the squared ratio of indices (see reference.h). */
 static double transmitted_lobe(const reference_surface *s, vec3_f64 l, vec3_f64 mirrored, double *cosine) {
     const double ratio = s->turn;
@@ -288,7 +288,7 @@ reference_scatter reference_scatter_of(const reference_surface *s) {
     return s->material->model == FATHOM_MODEL_CLASSIC ? classic_scatter(s) : metallic_scatter(s);
 }
 
-/* A direction on different sides of the two normals carries nothing. */
+/* A direction on different sides of the two normals carries no light. */
 vec3_f64 reference_evaluate(const reference_surface *s, vec3_f64 l) {
     const double nl = dot_f64(s->normal, l), gl = dot_f64(s->geometric, l);
     if (s->material->model == FATHOM_MODEL_CLASSIC) return classic_evaluate(s, l);

@@ -1,5 +1,5 @@
-/* Shapes in double, and the rays that meet them: the reference intersectors for every primitive, or for those
- * in boxes that the ray crosses. */
+/* Shapes in double, and ray queries: the reference intersectors on every primitive, or on those whose boxes
+ * the ray crosses. */
 #include "integrate/reference_inner.h"
 #include "math/frame.h"
 #include "reference/reference.h"
@@ -11,7 +11,7 @@
 
 /* ---- shapes ---- */
 
-/* Row `index` of keyed rows at a time: before the first key and after the last they rest. */
+/* Row `index` of keyed rows, interpolated at a time; constant before the first key and after the last. */
 static vec3_f64 row_when(const fathom_mesh *m, const float *rows, size_t count, uint32_t index, double time) {
     uint32_t k = 0;
     while (k + 1 < m->key_count && m->key_times[k + 1] <= time) ++k;
@@ -28,7 +28,7 @@ static vec3_f64 mesh_corner(const fathom_mesh *m, uint32_t triangle, size_t k, d
                                             : color_of(mesh_vertex(m, index)));
 }
 
-/* A point of a cloud is a sphere. Sets the place's flags, too. */
+/* A point of a point cloud is a sphere. Also sets the placement's flags. */
 static reference_primitive load(const fathom_scene *s, const scene_object *o, uint32_t triangle,
                                 unsigned *flags) {
     reference_primitive p = {.kind = o->kind, .mesh = o->index, .triangle = triangle};
@@ -83,7 +83,7 @@ static bool add_object(reference_scene *r, fathom_id id, reference_place at, fat
     return array_push(&r->places, at);
 }
 
-/* material: that of the outermost instance with one, or FATHOM_NONE. */
+/* material: that of the outermost instance that has one, or FATHOM_NONE. */
 static bool add_group(reference_scene *r, const scene_graph *graph, uint32_t group,
                       const affine_f64 *to_world, fathom_id material, uint32_t link, bool moves) {
     reference_place at = {.to_world = *to_world, .link = moves ? link : FATHOM_NONE};
@@ -104,7 +104,7 @@ static bool add_group(reference_scene *r, const scene_graph *graph, uint32_t gro
     return true;
 }
 
-/* The place at a time: all instances around it, interpolated and composed. */
+/* The placement at a time: the transforms of all instances around it, interpolated and composed. */
 static reference_place place_when(const reference_scene *r, uint32_t index, double time) {
     reference_place at = r->places.items[index];
     if (at.link == FATHOM_NONE) return at;
@@ -117,8 +117,8 @@ static reference_place place_when(const reference_scene *r, uint32_t index, doub
     return at;
 }
 
-/* The bounds of a moving place: its boxes at even times, each enlarged by how far its corners moved since the
- * last, because they do not move farther between two times. */
+/* The bounds of a moving placement: its boxes at uniform times, each enlarged by how far its corners moved
+ * since the previous time. This assumes that corners stay within that distance between two times. */
 static scene_bounds moved_bounds(const reference_scene *r, uint32_t place, const scene_bounds *inside) {
     enum { LOOKS = 256 };
     const double *shutter = r->scene->camera.shutter;
@@ -137,7 +137,7 @@ static scene_bounds moved_bounds(const reference_scene *r, uint32_t place, const
     return all;
 }
 
-/* The corners at every key that a mesh has. */
+/* The corners at every key of the mesh. */
 static void add_corners(const reference_scene *r, const reference_primitive *p, scene_bounds *b) {
     const fathom_mesh *m = p->kind == SCENE_MESH ? &r->scene->meshes.items[p->mesh] : NULL;
     for (int k = 0; k < 4; ++k) bounds_add(b, p->corner[k]);
@@ -145,7 +145,7 @@ static void add_corners(const reference_scene *r, const reference_primitive *p, 
         for (size_t k = 0; k < 3; ++k) bounds_add(b, mesh_corner(m, p->triangle, k, m->key_times[key]));
 }
 
-/* A box in float around a primitive, seen from the middle. */
+/* A float box around a primitive, relative to r->middle. */
 static bvh_item item_of(const reference_scene *r, uint32_t primitive) {
     const reference_primitive *p = &r->primitives.items[primitive];
     scene_bounds b = bounds_empty();
@@ -155,7 +155,7 @@ static bvh_item item_of(const reference_scene *r, uint32_t primitive) {
     const reference_place *at = &r->places.items[p->place];
     b = at->link == FATHOM_NONE ? bounds_transformed(&b, &at->to_world) : moved_bounds(r, p->place, &b);
     b = (scene_bounds){sub_f64(b.lower, r->middle), sub_f64(b.upper, r->middle)};
-    /* Some times float's rounding. */
+    /* Several times the rounding error of float. */
     const vec3_f64 margin = gray(0x1p-20 * fmax(length_f64(b.lower), length_f64(b.upper)));
     bvh_item item = {.id = primitive};
     store_f32(item.lower, narrow(sub_f64(b.lower, margin)));
@@ -163,7 +163,8 @@ static bvh_item item_of(const reference_scene *r, uint32_t primitive) {
     return item;
 }
 
-/* Around the items that one place has from here on; next: the first of another. */
+/* The ball around the consecutive items of one placement, from `first` on; next: the first item of another
+ * placement. */
 static reference_lamp lamp_of(const reference_scene *r, uint32_t first, uint32_t count, uint32_t *next) {
     const reference_primitive *p = &r->primitives.items[r->items[first].id];
     scene_bounds b = bounds_empty();
@@ -178,7 +179,7 @@ static reference_lamp lamp_of(const reference_scene *r, uint32_t first, uint32_t
                             0.5 * (p->kind == SCENE_SPHERE ? largest(size) : length_f64(size))};
 }
 
-/* Before the items are put into a tree: those of one place follow each other. */
+/* Call before the tree reorders the items: those of one placement are consecutive. */
 static bool find_lamps(reference_scene *r, uint32_t count) {
     for (uint32_t i = 0, next; i < count; i = next) {
         const uint32_t place = r->primitives.items[r->items[i].id].place;
@@ -220,7 +221,7 @@ typedef struct query {
     vec3_f64 origin, direction;
     bool shadow;
     double time;
-    reference_hit_f64 hit; /* the closest so far; before there is one, t is where the ray ends */
+    reference_hit_f64 hit; /* the closest hit so far; before the first, t is the ray's end */
     const reference_primitive *met;
 } query;
 
@@ -291,15 +292,16 @@ static bool mirrors(const affine_f64 *map) {
     return dot_f64(cross_f64(x, y), z) < 0;
 }
 
-/* From the way of u on the shape, turned about its own normal; in a mirror image the other way round. */
+/* Sets the tangent: along u on the shape, rotated about the shape's own normal; in the opposite sense in a
+ * mirror image. */
 static void set_direction(const affine_f64 *to_world, reference_surface *s, vec3_f64 u) {
     const frame_f64 f = frame_from((vec3_f64){0, 0, 0}, s->normal, affine_vector(to_world, u));
     const double angle = (double)s->material->anisotropy_rotation * (s->behind != mirrors(to_world) ? -1 : 1);
     s->along = madd_f64(scale_f64(cos(angle), f.y), -sin(angle), f.x);
 }
 
-/* The shading normal is turned to the viewer's side, which the geometric one tells; where it still faces away
- * from the viewer, the geometric one takes its place. */
+/* The shading normal is flipped to the viewer's side of the geometric normal; if it still faces away from the
+ * viewer, the geometric normal replaces it. */
 static void make_surface(const reference_scene *r, const query *q, reference_surface *out) {
     const reference_primitive *p = q->met;
     const reference_place at = place_when(r, p->place, q->time);
@@ -327,7 +329,7 @@ static void make_surface(const reference_scene *r, const query *q, reference_sur
     set_direction(&at.to_world, out, u);
 }
 
-/* Some thousand times the error of a point in double, and far below what can be seen. */
+/* Several thousand times the rounding error of a point in double, and far below visibility. */
 vec3_f64 reference_leave(const reference_surface *s, vec3_f64 direction) {
     const double size = fmax(length_f64(s->point), s->t);
     return madd_f64(s->point, copysign(0x1p-40 * size, dot_f64(s->geometric, direction)), s->geometric);

@@ -1,7 +1,7 @@
-/* Images of skies, and the studio: their light, interpolated between the centres of texels, and directions to
- * it. A direction is chosen by its cell, which four texels bound, in proportion to their mean luminance times
- * its solid angle, whatever the surface. Cell (x, y) lies between the columns x and x + 1 of texels, and the
- * rows y - 1 and y. */
+/* Images of skies, and the studio: their light, interpolated between the centres of texels, and directions
+ * towards it. The choice of a direction does not depend on the surface: first a cell, bounded by four texels,
+ * in proportion to the texels' mean luminance times the cell's solid angle. Cell (x, y) lies between the
+ * columns x and x + 1 of texels, and between the rows y - 1 and y. */
 #include "integrate/reference_inner.h"
 #include "light/environment.h"
 
@@ -10,12 +10,13 @@
 struct reference_sky {
     environment *owner;
     const sky_image *image;
-    double *before; /* luminance times solid angle of all cells before each; at the end, of all */
+    double *before; /* prefix sums of luminance times solid angle: of all cells before each cell; the last is
+                       the total */
 };
 
 static size_t cells_of(const sky_image *m) { return (size_t)m->width * (m->height + 1); }
 
-/* The cosine where a row of cells begins. */
+/* The cosine at the beginning of a row of cells. */
 static double cosine_of(const sky_image *m, size_t row) {
     return cos(PI * fmin(fmax((double)row - 0.5, 0), m->height) / m->height);
 }
@@ -29,7 +30,7 @@ static vec3_f64 texel_at(const sky_image *m, size_t column, size_t row) {
     return color_of(m->texels[row * m->width + column % m->width].rgb);
 }
 
-/* Past u of the way to the next column, and v to the next row. */
+/* The colour at the fraction u of the way to the next column, and v to the next row. */
 static vec3_f64 color_in(const sky_image *m, size_t cell, double u, double v) {
     const size_t x = cell % m->width, y = cell / m->width, above = y ? y - 1 : 0,
                  below = y < m->height ? y : m->height - 1;
@@ -48,7 +49,7 @@ static void close_sky(reference_sky *sky) {
     free(sky->before);
 }
 
-/* Sums up the light. False without memory. */
+/* Sums up the light. False if out of memory. */
 static bool add_up(reference_sky *sky) {
     const sky_image *m = sky->image;
     const size_t count = cells_of(m);
@@ -95,7 +96,7 @@ void reference_skies_close(reference_scene *r) {
     free(r->skies);
 }
 
-/* The image's centre is in front, its top row above. */
+/* The cell of a direction: the image's centre is towards -z, its top row around +y. */
 static size_t cell_of(const sky_image *m, vec3_f64 d, double *u, double *v) {
     const double x = dot_f64(d, m->axes[0]), y = fmin(fmax(dot_f64(d, m->axes[1]), -1), 1),
                  z = dot_f64(d, m->axes[2]);
@@ -128,7 +129,7 @@ double reference_sky_density(const reference_scene *r, vec3_f64 direction) {
     return sum / r->sky_count;
 }
 
-/* Even over the cell: over its turn, and over the cosine to the pole. */
+/* Uniform over the cell: in the azimuth, and in the cosine to the pole. */
 static vec3_f64 within(const sky_image *m, size_t cell, reference_random *random) {
     const double column = (double)(cell % m->width) + 0.5;
     const double top = cosine_of(m, cell / m->width), bottom = cosine_of(m, cell / m->width + 1);

@@ -1,7 +1,7 @@
-/* Directions that paths of the reference take by chance: by the cosine on either side, by half vectors of
- * rough facets, or towards a lamp
- * or the light of a sky. All of them may lead to one direction, whose density is their sum (Veach
- * 1997, one-sample model): a direction that any of them finds often never has a small density. */
+/* Random directions of the reference's paths: by the cosine on either side, by half vectors of rough facets,
+ * towards a lamp or towards the light of a sky. Several strategies may sample the same direction, so its
+ * density is the sum of theirs (Veach 1997, one-sample model): a direction that any strategy samples often
+ * never has a small density. */
 #include "integrate/reference_inner.h"
 #include "math/frame.h"
 
@@ -14,7 +14,8 @@ vec3_f64 reference_around(vec3_f64 axis, double cosine, reference_random *random
 
 enum { FRONT, BACK, FACETS, THROUGH, COAT, LAMPS, SKY, WAYS };
 
-/* The part of all directions that go to lamps where there are some, and of the others to images of skies. */
+/* The fraction of all directions that go to lamps if there are any, and of the remaining ones to images of
+ * skies. */
 #define TO_LAMPS 0.4
 #define TO_SKY 0.4
 
@@ -38,7 +39,7 @@ static alphas alphas_of(const fathom_material *m, bool coat) {
     return coat ? (alphas){on_top, on_top} : (alphas){reference_alpha_along(m), reference_alpha(m)};
 }
 
-/* As many as GGX has, by their slopes. */
+/* Samples a half vector of the GGX distribution, by its slope. */
 static vec3_f64 half_vector(const reference_surface *s, alphas a, reference_random *random) {
     const double u = reference_uniform(random), angle = 2 * PI * reference_uniform(random),
                  slope = sqrt(u / (1 - u));
@@ -56,12 +57,12 @@ static double half_density(const reference_surface *s, alphas a, vec3_f64 h) {
     return z > 0 ? z / (PI * a.along * a.across * square * square) : 0;
 }
 
-/* l on the other side of a thin wall. */
+/* l mirrored to the other side of a thin wall. */
 static vec3_f64 across_wall(const reference_surface *s, vec3_f64 l) {
     return madd_f64(l, -2 * dot_f64(l, s->normal), s->normal);
 }
 
-/* False: the facet scatters nothing to the requested side. The densities below count that side alone. */
+/* False: the facet scatters nothing to the requested side. The densities below include only that side. */
 static bool by_facet(const reference_surface *s, bool coat, bool through, reference_random *random,
                      vec3_f64 *out) {
     const vec3_f64 h = half_vector(s, alphas_of(s->material, coat), random);
@@ -79,8 +80,8 @@ static double mirror_density(const reference_surface *s, alphas a, vec3_f64 l) {
     return vh > 0 ? half_density(s, a, h) / (4 * vh) : 0;
 }
 
-/* A half vector turns by |l·h| ratio^2 / (v·h + ratio l·h)^2 of the refracted direction's turn (Walter et al.
- * 2007). */
+/* The solid angle of half vectors is |l·h| ratio^2 / (v·h + ratio l·h)^2 of the refracted directions' (Walter
+ * et al. 2007). */
 static double through_density(const reference_surface *s, alphas a, vec3_f64 l) {
     if (!reference_refracts(s->material)) return mirror_density(s, a, across_wall(s, l));
     vec3_f64 h = normalize_f64(madd_f64(s->to_viewer, s->turn, l));
@@ -89,7 +90,7 @@ static double through_density(const reference_surface *s, alphas a, vec3_f64 l) 
     return vh > 0 && lh < 0 ? half_density(s, a, h) * -lh * s->turn * s->turn / (sum * sum) : 0;
 }
 
-/* ---- lamps: the cone that the ball around one fills, or all directions from inside of it ---- */
+/* ---- lamps: the cone that the ball around one covers, or all directions from inside the ball ---- */
 
 static double least_cosine(const reference_lamp *lamp, vec3_f64 point, vec3_f64 *axis) {
     const vec3_f64 way = sub_f64(lamp->center, point);

@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Embree wants its 16-wide structures aligned to 64 bytes, which realloc does not keep. */
+/* Embree requires its 16-wide structures to be aligned to 64 bytes, which realloc does not preserve. */
 static bool grow(void **items, size_t used, size_t bytes) {
     void *grown = aligned_alloc(64, (bytes + 63) / 64 * 64);
     if (!grown) return false;
-    /* Lanes that no ray fills are handed over as inactive, but are read by vector code all the same. */
+    /* Unused lanes are passed as inactive, but vector code still reads them. */
     memset(grown, 0, bytes);
     if (used) memcpy(grown, *items, used);
     free(*items);
@@ -39,7 +39,7 @@ static bool grow_pair(wave *w, block_pair *pair, size_t *capacity, size_t used, 
     return true;
 }
 
-/* An array of blocks with room for `blocks`; the first `used` stay. */
+/* Makes room for `blocks` blocks in an array; the first `used` are kept. */
 static bool grow_single(wave *w, void **items, size_t size, size_t used, size_t blocks) {
     if (!grow(items, used * size, blocks * size)) w->run.out_of_memory = true;
     return !w->run.out_of_memory;
@@ -146,7 +146,7 @@ void wave_destroy(wave *w) {
     *w = (wave){.run = {.plan = NULL}};
 }
 
-/* A few instructions for each ray whose answer is possible. */
+/* Costs only a few instructions for each ray whose result is possible. */
 static void repair(wave *w, size_t first, size_t count) {
     if (!w->run.plan->watertight) return;
     for (size_t done = 0; done < count; done += LANES) {

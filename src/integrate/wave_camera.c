@@ -22,7 +22,7 @@ float wave_time_of(const render_plan *plan, sample_key key) {
     double u, v;
     if (!plan->settings.motion_blur) return 0.5f;
     sample_2d(&plan->sampler, key, SAMPLE_TIME, &u, &v);
-    return (float)(u * (1 - 0x1p-24)); /* stays below 1 as a float */
+    return (float)(u * (1 - 0x1p-24)); /* the float stays below 1 */
 }
 
 void wave_camera_when(const render_plan *plan, float time, shade_camera *out) {
@@ -32,7 +32,7 @@ void wave_camera_when(const render_plan *plan, float time, shade_camera *out) {
     camera_prepare(&at, plan->settings.width, plan->settings.height, plan->world->origin, out);
 }
 
-/* Each ray with the camera of its own time. */
+/* Each ray uses the camera at its own time. */
 static void moving_rays(const render_plan *plan, const wave_square *s, const square_samples *at,
                         trace_rays *out) {
     for (uint32_t k = 0; k < LANES; ++k) {
@@ -72,8 +72,8 @@ static uint8_t depth_at(const render_plan *plan, const trace_rays *rays, size_t 
     return plan->eyes_differ ? watertight_depth(plan->watertight, trace_org(rays, i)) : plan->eye_depth;
 }
 
-/* A packet of 16 rays is a square: its rays stay together longer than those of a line. first: the slot of
- * the square's first pixel. */
+/* A packet of 16 rays is a square: its rays stay coherent longer than those of a line. first: the slot of the
+ * square's first pixel. */
 static void push_whole(wave *w, const wave_square *s, uint32_t first, const square_samples *at) {
     camera_rays(w->run.plan, s, at, &w->now.rays[w->now.count / LANES].rays);
     w->run.plan->kernels->begin_paths(first, w->run.plan->eye_depth, &w->now.paths[w->now.count / LANES]);
@@ -116,7 +116,7 @@ static void push_squares(wave *w, const wave_region *region, const wave_batch *b
     }
 }
 
-/* Squares at the rims of images follow the whole ones, which fill whole blocks. */
+/* Partial squares at image borders come after the whole ones, which fill whole blocks. */
 bool wave_camera_rays(wave *w, const wave_region *region, const wave_batch *batch) {
     w->now.count = 0;
     if (!wave_reserve_paths(w, &w->now, WAVE_SLOTS)) return false;

@@ -1,13 +1,13 @@
-/* Points of smooth meshes are lifted off their facets, for a facet shades its neighbours where the round
+/* Points of smooth meshes are lifted off their facets, because a facet shades its neighbours where the round
  * surface would not. But other geometry may lie in between: a cube with smooth normals stands on a floor that
- * covers the lifted points near its foot. So a light counts as seen from where it is seen by either the
- * lifted point or the point itself: lifting only adds light. The second ray is cast where the first met
- * something and the facet faces the light; of others the facet itself would be in the way. */
+ * covers the lifted points near its base. So a light is visible if either the lifted point or the point
+ * itself sees it: lifting only adds light. The second ray is traced if the first was occluded and the facet
+ * faces the light; otherwise the facet itself would occlude it. */
 #include "integrate/wave.h"
 
 #include <string.h>
 
-/* Rays from facets, and the places in the queue of those that they stand in for. */
+/* Rays from facets, and the indices in the queue of the rays that they replace. */
 typedef struct second_look {
     light_block from;
     size_t ray[LANES];
@@ -35,7 +35,7 @@ static void add_ray(wave *w, second_look *look, const surface_block *s, unsigned
     look->ray[look->count++] = ray;
 }
 
-/* Casts the rays that wait. */
+/* Traces the collected rays. */
 static void cast(wave *w, second_look *look, trace_coherence coherence) {
     static const lanes3 no_gain;
     const render_plan *plan = w->run.plan;
@@ -61,7 +61,7 @@ static uint32_t shadowed(const trace_rays *rays) {
     return bits;
 }
 
-/* Rays to one light are cast together. */
+/* Rays to one light are traced together. */
 static void look_again(wave *w, second_look *look, size_t ray, trace_coherence coherence) {
     const shadow_source source = w->shadows.sources[ray];
     const surface_block *s = &w->vertices[source.vertex / LANES].surface;

@@ -21,7 +21,7 @@ static void fill(shadow_block *shadows, const vertex_block *v, const shadow_dept
     memcpy(shadows->sized, depths->sized, sizeof shadows->sized);
 }
 
-/* Its rays lie where the next block begins. */
+/* The rays are already at the position of the next block. */
 static void push_block(shadow_queue *queue, const vertex_block *v, size_t vertex, uint32_t light,
                        const shadow_depths *depths, lanes3 gain) {
     shadow_block *shadows = &queue->shadows[queue->blocks];
@@ -32,7 +32,7 @@ static void push_block(shadow_queue *queue, const vertex_block *v, size_t vertex
     fill(shadows, v, depths, gain);
 }
 
-/* Lanes for which there is room in the open block. */
+/* Appends lanes for which the open block has room. */
 static void push_some(shadow_queue *queue, const integrate_kernels *kernels, const trace_rays *rays,
                       const shadow_block *from, const shadow_source *source, const light_tag *tags,
                       uint32_t lanes) {
@@ -50,10 +50,10 @@ static void push_some(shadow_queue *queue, const integrate_kernels *kernels, con
     }
 }
 
-/* Blocks whose rays all have something to gain stay whole: of camera rays, which have a sample each, in any
- * order; of others, whose order is that of their sums, where none waits. Each block of vertices adds one
- * block of rays at most, and its rays are made there: one that opens meanwhile takes lanes in order, none to
- * a place behind its own. */
+/* Blocks in which all rays have a gain stay whole: camera rays always, because each has its own sample; other
+ * rays only if no block is open, because the order of rays is the order of sums. Rays are made in place at
+ * the next free block: a block of vertices adds at most one block of rays. If that block is opened for single
+ * rays, its lanes are compacted in order, and no lane moves to a higher position than its own. */
 void wave_push_shadows(wave *w, size_t block, uint32_t light, const light_block *to,
                        const shadow_depths *depths, lanes3 gain, bool first) {
     const render_plan *plan = w->run.plan;
@@ -89,7 +89,7 @@ static void swap_tags(light_tag *tags, size_t a, size_t b) {
     memcpy(tags + b * LANES, kept, sizeof kept);
 }
 
-/* The open block becomes the last one. */
+/* Moves the open block to the end. */
 static void close_queue(shadow_queue *queue) {
     queue->count = queue->blocks * LANES;
     if (!queue->filled) return;

@@ -6,15 +6,15 @@
 
 enum { BIN_OTHERS = 62, BIN_MISSED, BINS };
 
-/* Geometries first, then instances. The last bin is for planes and for what there are too many of: the
- * gatherer takes these one by one, in any order. */
+/* Geometries first, then instances. The bin BIN_OTHERS is for planes and for geometries and instances beyond
+ * the number of bins: the gatherer takes these one by one, in any order. */
 static uint32_t bin_of(const world *w, uint32_t geometry, uint32_t instance) {
     const uint64_t own = instance == FATHOM_NONE ? geometry : w->geometries.count + (uint64_t)instance;
     const uint32_t bin = own < BIN_OTHERS ? (uint32_t)own : BIN_OTHERS;
     return geometry == FATHOM_NONE ? BIN_MISSED : bin;
 }
 
-/* watertight_sides_of() reads these. */
+/* Moves the data that watertight_sides_of() reads. */
 static void move_depths(const wave *w, size_t block, uint32_t lanes, size_t to) {
     const uint8_t *from = w->now.paths[block].depth;
     uint8_t *depth = &w->next.paths[to / LANES].depth[to % LANES];
@@ -24,8 +24,8 @@ static void move_depths(const wave *w, size_t block, uint32_t lanes, size_t to) 
     for (; lanes; lanes &= lanes - 1) *depth++ = from[lane_first(lanes)];
 }
 
-/* Lanes of a block of `now` to the places from `to` on in one block of `next`. Hits keep what is read later.
- */
+/* Moves lanes of a block of `now` to the positions from `to` on in one block of `next`. Hits keep only the
+ * members that are read later. */
 static void move(const wave *w, size_t block, uint32_t lanes, size_t to) {
     const integrate_kernels *kernels = w->run.plan->kernels;
     const trace_block *a = &w->now.rays[block];
@@ -37,7 +37,7 @@ static void move(const wave *w, size_t block, uint32_t lanes, size_t to) {
     if (w->run.plan->watertight) move_depths(w, block, lanes, to);
 }
 
-/* Lanes of a block that share a bin. */
+/* Moves lanes of a block that share a bin. */
 static void move_all(const wave *w, size_t block, uint32_t lanes, size_t *place) {
     const uint32_t room = lowest_lanes(lanes, (unsigned)(LANES - *place % LANES));
     move(w, block, room, *place);

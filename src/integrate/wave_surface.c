@@ -1,9 +1,9 @@
-/* Hits become vertices of paths: points, materials, and what the paths carry. */
+/* Converts hits to path vertices: points, materials, and the state of the paths. */
 #include "integrate/wave.h"
 
 #include <string.h>
 
-/* The block of vertices that is being filled. */
+/* The block of vertices that is currently filled. */
 static vertex_block *open_block(const wave *w) {
     return &w->vertices[w->stages->leave ? 0 : w->vertex_count / LANES];
 }
@@ -37,7 +37,7 @@ static fathom_id placed_by(const world *scene, const surface_gather *g, unsigned
                                          : scene->geometries.items[g->geometry[i]].instance;
 }
 
-/* The shading normal of lane i of the gathered hits, towards where its ray came from. */
+/* The shading normal of lane i of the gathered hits, facing the ray's origin. */
 static vec3_f32 hit_normal(const wave *w, const vertex_block *v, unsigned i) {
     const local_block *b = &w->gather->local;
     const vec3_f32 dir = {b->ray[0][i], b->ray[1][i], b->ray[2][i]};
@@ -82,7 +82,7 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
     f->instance[slot] = plane ? FATHOM_NONE : placed_by(scene, g, i);
 }
 
-/* Only glass takes a path to the other side. */
+/* Only transmission takes a path to the other side. */
 static void note_depths(const wave *w, const trace_block *block, const path_block *path, size_t lane,
                         vertex_block *v, unsigned i) {
     watertight_sides sides = {path->depth[lane], path->depth[lane]};
@@ -102,7 +102,7 @@ static void note_all_depths(const wave *w, const trace_block *block, const path_
     }
 }
 
-/* A hit joins the block of vertices that is being filled. */
+/* Adds a hit to the block of vertices that is currently filled. */
 static void add_hit(wave *w, const trace_block *block, const path_block *path, size_t lane) {
     vertex_block *v = open_block(w);
     unsigned i = w->gather->count;
@@ -160,7 +160,7 @@ static void find_materials(const wave *w, bool one, surface_block *s) {
     for (unsigned i = 1; !one && i < LANES; ++i) s->material[i] = wave_hit_material(w, i);
 }
 
-/* A block whose rays all met something is a block of vertices as it is. */
+/* A block whose rays all hit something becomes a block of vertices directly. */
 static void add_block(wave *w, const trace_block *block, const path_block *path, bool first) {
     vertex_block *v = open_block(w);
     bool one_object =
@@ -182,8 +182,8 @@ static uint32_t lanes_in_view(const wave *w, const path_block *path, uint32_t la
     return seen;
 }
 
-/* An image with coverage is to be laid over something else. Its colours are premultiplied and leave the
- * background out. Mirrors and glass still show it. */
+/* An image with an alpha channel is composited later: its colours are premultiplied and exclude the
+ * background. Mirrors and glass still show the background. */
 static void add_misses(wave *w, const trace_block *block, const path_block *path, uint32_t missed,
                        bool first) {
     const bool alpha = w->run.plan->settings.aovs & FATHOM_AOV_ALPHA;
@@ -199,7 +199,7 @@ static void add_misses(wave *w, const trace_block *block, const path_block *path
 }
 
 /* Prefetch distance in blocks, from indices to vertices and from vertices to their use; bench/README.md has
- * the times of other distances. */
+ * times for other distances. */
 #define ASK_AHEAD 4
 
 static void ask_ahead(const wave *w, size_t done) {
@@ -209,8 +209,8 @@ static void ask_ahead(const wave *w, size_t done) {
     if (left >= ASK_AHEAD) surface_ask_corners(w->run.plan->world, &block[ASK_AHEAD].hits);
 }
 
-/* Whole blocks stay together, of camera rays in any order, since each has a sample of its own; the order of
- * others is that in which their light is added. */
+/* Whole blocks stay together. Partial blocks of camera rays are deferred, because each camera ray has a
+ * sample of its own; for other rays the order is kept, because light is added in that order. */
 bool wave_surfaces(wave *w, bool first) {
     const uint32_t whole = (1u << LANES) - 1;
     uint32_t partial = 0;

@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-/* When the shutter opens, halfway, and when it closes. */
+/* The times when the shutter opens, is halfway, and closes. */
 enum { OPEN, MIDDLE, CLOSE, TIMES };
 static const float times[TIMES] = {0, 0.5f, 1};
 
@@ -16,8 +16,8 @@ bool wave_create_vectors(wave *w) {
     return w->cameras;
 }
 
-/* u grows to the right and v upwards, in pixels. A point behind the camera at one of the times does not move.
- */
+/* u increases to the right and v upwards, in pixels. A point that is behind the camera at one of the times
+ * does not move. */
 static void keep(first_hits *f, uint32_t slot, const shade_camera *cameras, const vec3_f64 from_eye[TIMES]) {
     double x[TIMES], y[TIMES];
     for (int c = 0; c < 4; ++c) f->motion[c][slot] = 0;
@@ -38,7 +38,7 @@ static vec3_f64 map_point(const float m[3][4], vec3_f64 p) {
     return vec_f64(to[0], to[1], to[2]);
 }
 
-/* The point of a mesh whose vertices move, by its place among the corners, in the mesh's own space. */
+/* The point of a mesh with moving vertices, from its weights of the corners, in the mesh's own space. */
 static vec3_f64 shaped_point(const wave *w, unsigned i, float time) {
     const world *scene = w->run.plan->world;
     const surface_gather *g = w->gather;
@@ -68,7 +68,8 @@ void wave_keep_vectors(wave *w, unsigned i, uint32_t slot) {
     keep(w->run.samples.first, slot, w->cameras, from_eye);
 }
 
-/* Parallel rays see no farther place elsewhere: there the background rests. */
+/* For an orthographic camera, points at infinity have no position in the image: the background does not
+ * move. */
 void wave_keep_far_vectors(wave *w, vec3_f32 direction, uint32_t slot) {
     const vec3_f64 d = widen(direction);
     if (!w->cameras->parallel) keep(w->run.samples.first, slot, w->cameras, (vec3_f64[TIMES]){d, d, d});

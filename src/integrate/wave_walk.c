@@ -1,11 +1,11 @@
-/* Shadow rays whose answer any hit does not tell are walked from closest hit to closest hit, until they reach
- * their light or nothing is left of their gain.
+/* Some shadow rays cannot be resolved by an any-hit query. They are walked from closest hit to closest hit,
+ * until they reach their light or their gain is 0.
  *
- * Surfaces that are covered in part (`opacity` below 1) multiply the gain by the part of light that they let
- * straight through: the mean of coverage by chance.
+ * Partly transparent surfaces (`opacity` below 1) multiply the gain by the fraction of light that passes
+ * straight through: the expected value of random transparency.
  *
- * Shapes that cast no shadow are passed on the way to lights that no ray can meet. They stand in the way of
- * all others: rays by chance meet them there, too, and scatter. */
+ * Shapes that cast no shadow are skipped on the way to lights that rays cannot hit. They block the light of
+ * all other emitters, because BSDF-sampled rays hit these shapes, too, and scatter there. */
 #include "integrate/wave.h"
 
 #include <string.h>
@@ -34,7 +34,8 @@ static void take(wave *w, size_t k) {
     path->depth[lane] = shadows->depth[i];
 }
 
-/* They replace the paths in `now`, whose hits are vertices already. From then on `ends` are theirs. */
+/* The shadow rays replace the paths in `now`, whose hits are vertices already. From here on, `ends` belongs
+ * to them. */
 void wave_take_shadows(wave *w) {
     const render_plan *plan = w->run.plan;
     w->now.count = 0;
@@ -64,13 +65,14 @@ static float passed_part(const wave *w, unsigned i, bool sized) {
     return plan->shaders[wave_hit_material(w, i)].hole;
 }
 
-/* The way from `start` on. Its rounding is taken off: 5 units for the product, and 1 for the difference. */
+/* The remaining length from `start` on, less its rounding error: 5 units for the product, and 1 for the
+ * difference. */
 static float remaining(float end, const float start[3], vec3_f32 origin, vec3_f32 direction) {
     const vec3_f32 way = sub_f32(load_f32(start), origin);
     return end < INFINITY ? end - dot_f32(way, direction) - end * (8 * 0x1p-24f) : end;
 }
 
-/* Sends the ray `from` on behind lane i of the surfaces. */
+/* Continues the ray `from` behind lane i of the surfaces. */
 static void move_on(wave *w, size_t from, const surface_block *s, unsigned i, float part) {
     const watertight *closed = w->run.plan->watertight;
     const trace_block *block = &w->now.rays[from / LANES];
@@ -96,8 +98,8 @@ static void move_on(wave *w, size_t from, const surface_block *s, unsigned i, fl
     w->shadows.ends[w->now.count++] = end;
 }
 
-/* The lanes of a block that met something. Rays that go on move to the front: none over one that still waits.
- */
+/* Handles the lanes of a block that hit something. Rays that continue move to the front of the queue: no ray
+ * overwrites one that is still waiting. */
 static void pass_surfaces(wave *w, size_t done, uint32_t met) {
     const render_plan *plan = w->run.plan;
     surface_block s;

@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A pixel is stored as float: nothing below its rounding is promised, and no estimate is zero. */
+/* Added to the error of each pixel: pixels are stored as float, so smaller errors are not significant. It
+ * also keeps every estimate above zero. */
 static const double rounding = 0x1p-48;
 
 bool adaptive_create(const render_plan *plan, adaptive_wave *out) {
@@ -45,7 +46,7 @@ adaptive_view *adaptive_view_create(const render_plan *plan) {
 
 void adaptive_view_destroy(adaptive_view *view) {
     if (!view) return;
-    view->sums.hits = NULL, view->sums.mattes = NULL; /* a wave's */
+    view->sums.hits = NULL, view->sums.mattes = NULL; /* owned by the wave */
     pixel_sums_destroy(&view->sums);
     free(view);
 }
@@ -70,7 +71,7 @@ void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adapti
 
 /* ---- squares ---- */
 
-/* The square's pixels inside the image, as bits. */
+/* The pixels of the square inside the image, as bits. */
 static uint32_t square_pixels(const adaptive_wave *a, uint32_t s) {
     const wave_square square = wave_square_at(&a->region, s, 0);
     return wave_square_pixels(&a->region, &square);
@@ -78,7 +79,8 @@ static uint32_t square_pixels(const adaptive_wave *a, uint32_t s) {
 
 /* ---- errors ---- */
 
-/* Adds one channel: the variance of each lane's mean by the groups p and q, and its share of the grey. */
+/* Adds one channel: the variance of each lane's mean, estimated from the groups p and q, and the channel's
+ * contribution to the grey. */
 static void add_channel(const double *restrict p, const double *restrict q, double n, double variance[LANES],
                         double grey[LANES]) {
     for (int k = 0; k < LANES; ++k) {
@@ -113,7 +115,7 @@ static double run_error(const adaptive_wave *a, const adaptive_run *r) {
     return mean_error(a, sum);
 }
 
-/* Both halves cost about the same, and the judge may know its own rays alone. */
+/* Both halves cost about the same number of rays. Only the deciding half's own rays may be used. */
 static double square_priority(const adaptive_run *r, uint32_t run, uint32_t s) {
     return r->square_error[s] / (2.0 * (double)r->rays[run][s]);
 }
@@ -129,7 +131,7 @@ static uint32_t least_samples(const fathom_settings *settings) {
     return settings->min_spp ? settings->min_spp : ADAPTIVE_MIN_SPP;
 }
 
-/* A run of a wave, and what it may do. */
+/* Chooses squares for a run of a wave. */
 typedef struct chooser {
     const fathom_settings *settings;
     const adaptive_wave *a;
@@ -152,8 +154,8 @@ static double best_priority(const chooser *c) {
     return best;
 }
 
-/* Chooses the squares above this priority. Returns the most samples that a square has once theirs are
- * doubled; 0: there are none. A priority that is no number is not small. */
+/* Chooses the squares of at least this priority. Returns the maximum number of samples of a chosen square
+ * after doubling; 0: none was chosen. A priority of NaN counts as high. */
 static uint32_t choose_above(const chooser *c, double priority, bool chosen[WAVE_SQUARES]) {
     uint32_t most = 0;
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
@@ -194,10 +196,10 @@ typedef struct pass {
     integration *work;
     adaptive_wave *a;
     adaptive_run *r;
-    uint32_t run; /* which one `r` is */
+    uint32_t run; /* index of `r` */
     adaptive_limit *limit;
     wave_batch batch;
-    uint8_t square[WAVE_SQUARES]; /* of the wave, by place in the batch */
+    uint8_t square[WAVE_SQUARES]; /* index in the wave, by place in the batch */
     uint32_t rays[WAVE_SQUARES];  /* by place in the batch */
 } pass;
 
@@ -212,7 +214,7 @@ static void copy_layers(const pass *p, uint32_t s) {
     }
 }
 
-/* Sums in the same order of samples are the same bits. */
+/* A copy is exact: sums in the same order of samples have the same bits. */
 static void copy_square(const pass *p, uint32_t s) {
     const adaptive_run *from = &p->a->runs[1 - p->run];
     adaptive_run *to = p->r;
@@ -225,7 +227,7 @@ static void copy_square(const pass *p, uint32_t s) {
     to->taken[s] = from->taken[s];
 }
 
-/* Returns how many are left to sample, in front. */
+/* Moves the squares that are left to sample to the front, and returns their number. */
 static uint32_t copy_squares(const pass *p, uint8_t *squares, uint32_t count) {
     const adaptive_run *other = &p->a->runs[1 - p->run];
     uint32_t left = 0;
@@ -239,7 +241,7 @@ static uint32_t copy_squares(const pass *p, uint8_t *squares, uint32_t count) {
     return left;
 }
 
-/* Adds first hits once where both runs take the same samples. */
+/* Adds first hits and mattes only once if both runs take the same samples. */
 static void add_square(pass *p, uint32_t place) {
     adaptive_wave *a = p->a;
     adaptive_run *r = p->r;
@@ -260,7 +262,7 @@ static void add_square(pass *p, uint32_t place) {
     if (a->hits) hit_sums_add(a->hits, &a->sampler, p->work->samples.first, &a->region, &p->batch, place);
 }
 
-/* Half of a batch's time more than the last one took: batches of one wave differ by the paths they follow. */
+/* Allows 1.5 times the duration of the last batch: batches of one wave differ by the paths they follow. */
 static bool in_time(const adaptive_limit *limit) {
     return !limit || clock_seconds() + 1.5 * limit->batch_seconds < limit->deadline;
 }
@@ -282,8 +284,8 @@ static adaptive_result add_to_batch(pass *p, uint32_t s, uint32_t n) {
     return p->batch.count == WAVE_SQUARES ? run_batch(p) : ADAPTIVE_PASSED;
 }
 
-/* The next sample of each square, and so on: samples of one square stay in order, and a pass that is cut has
- * about as many in each. */
+/* Takes one sample of each square in turn. So samples of one square stay in order, and after a cut all
+ * squares have got about the same number of samples. */
 static adaptive_result take_samples(pass *p, const uint8_t *squares, uint32_t count) {
     adaptive_result result = ADAPTIVE_PASSED;
     uint32_t most = 0;
@@ -343,8 +345,8 @@ static void show_layers(const adaptive_wave *a, uint32_t run, uint32_t group, ui
     }
 }
 
-/* Groups of the image's two means, scaled to as many samples each: their mean is the mean of both means. A
- * group is of the run that the other half decides for. */
+/* Stores the groups of the image's two means, scaled as if all had the same number of samples: then the mean
+ * of the groups is the mean of both means. A group comes from the run that the other half decides. */
 static void show_means(const adaptive_wave *a, uint32_t s, adaptive_view *v) {
     uint32_t counts[SAMPLE_GROUPS], samples = 0;
     for (uint32_t g = 0; g < SAMPLE_GROUPS; ++g) {
@@ -362,7 +364,7 @@ static void show_means(const adaptive_wave *a, uint32_t s, adaptive_view *v) {
     }
 }
 
-/* Before every group has a sample nothing was decided: all that there is. */
+/* Shows all samples of a run: nothing was decided before every group has a sample. */
 static void show_few(const adaptive_wave *a, uint32_t run, uint32_t s, adaptive_view *v) {
     const adaptive_run *r = &a->runs[run];
     v->samples[s] = r->taken[s];

@@ -23,7 +23,7 @@ static size_t layer_bytes(film_parts parts) {
 
 static size_t matte_bytes(film_parts parts) { return parts.matte_count * WAVE_SLOTS * sizeof(matte_list); }
 
-/* The runs, the layers, the mattes, the first hits. */
+/* Order: the runs, the layers, the mattes, the first hits. */
 size_t adaptive_record_bytes(film_parts parts) { return sizeof(runs_record) + adaptive_bytes(parts); }
 
 void adaptive_record_save(const adaptive_wave *a, unsigned char *out) {
@@ -49,7 +49,7 @@ bool adaptive_record_check(const unsigned char *record, uint32_t spp) {
         memcpy(&r, record + run * sizeof r, sizeof r);
         for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
             const double error = r.square_error[s];
-            const bool rated = error >= 0 && (r.rays[run][s] || error > 0); /* error over rays: a number */
+            const bool rated = error >= 0 && (r.rays[run][s] || error > 0); /* so error / rays is not NaN */
             if (!rated || r.done[s] > spp || (r.done[s] & (r.done[s] - 1))) return false;
         }
     }

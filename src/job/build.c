@@ -1,4 +1,4 @@
-/* How the library was built, and which parts of this machine it uses. */
+/* How the library was built, and the features of this machine that it uses. */
 #include "base/kernel.h"
 #include "base/sized.h"
 #include "base/threads.h"
@@ -13,7 +13,7 @@
 #define TEXT(x) TEXT_OF(x)
 
 #if defined(__clang__)
-#define COMPILER __VERSION__ /* which begins with its name */
+#define COMPILER __VERSION__ /* begins with the name of the compiler */
 #else
 #define COMPILER "gcc " TEXT(__GNUC__) "." TEXT(__GNUC_MINOR__) "." TEXT(__GNUC_PATCHLEVEL__)
 #endif

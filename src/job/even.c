@@ -1,4 +1,4 @@
-/* The same samples for every pixel. */
+/* The schedule with the same number of samples for every pixel. */
 #include "job/job_inner.h"
 
 #include <stdlib.h>
@@ -7,10 +7,10 @@ typedef struct even {
     job *job;
     worker *self;
     const wave_region *region;
-    sum_range range; /* of the samples of a pixel */
+    sum_range range; /* samples of each pixel */
     uint32_t samples[WAVE_SQUARES];
     wave_batch batch;
-    uint8_t stack[WAVE_SQUARES]; /* of the square at each place of the batch */
+    uint8_t stack[WAVE_SQUARES]; /* stack of the square at each place of the batch */
     sum_stack stacks[WAVE_SQUARES];
 } even;
 
@@ -19,7 +19,7 @@ static sum_range range_of(const job *j) {
     return share && share->sums ? share->range : (sum_range){0, j->plan->settings.spp};
 }
 
-/* Squares whose samples follow each other in batches. */
+/* The number of squares that are sampled together. */
 static uint32_t squares_together(sum_range range) { return unit_least_squares(range.end - range.begin); }
 
 static uint32_t square_slot(const even *e, uint32_t place) {
@@ -37,7 +37,7 @@ static void keep_share(const even *e, const sum_stack *stack) {
     }
 }
 
-/* The sum of all samples in the end; of a share's, the nodes are kept. */
+/* Stores the sum of all samples, or the nodes if the job is a share of all samples. */
 static void finish_square(const even *e, uint32_t place) {
     pixel_sums *sums = e->self->sums;
     sum_stack *stack = (sum_stack *)&e->stacks[e->stack[place]];
@@ -50,7 +50,7 @@ static void finish_square(const even *e, uint32_t place) {
     stack->count = 0;
 }
 
-/* Returns whether the sample at this place was the square's last. */
+/* Returns true if the sample at this place was the square's last. */
 static bool add_sample(even *e, uint32_t place) {
     const wave_square *s = &e->batch.squares[place];
     pixel_sums *sums = e->self->sums;
@@ -67,7 +67,7 @@ static bool add_sample(even *e, uint32_t place) {
     return last;
 }
 
-/* Squares whose last sample was in the batch are done. */
+/* Delivers the squares whose last sample was in the batch. */
 static void deliver_finished(const even *e, uint64_t squares) {
     pixel_sums *sums = e->self->sums;
     const unit_result result = {
@@ -88,8 +88,8 @@ static bool run_batch(even *e) {
     return true;
 }
 
-/* All samples of as many squares as a batch holds follow each other: in heavy meshes they meet the same boxes
- * and triangles, while the processor's caches hold those. */
+/* Takes all samples of one group of squares before the next group, with enough squares to fill a batch. In
+ * heavy meshes their rays traverse the same nodes and triangles while these are in the processor's caches. */
 static bool take_samples(even *e, const wave_square *squares, uint32_t count) {
     const uint32_t together = squares_together(e->range);
     for (uint32_t first = 0; first < count; first += together) {
@@ -117,7 +117,7 @@ static bool render(job *j, worker *self, const wave_region *r, uint64_t remainin
     return take_samples(&e, squares, wave_list_squares(r, remaining, squares));
 }
 
-/* A single leaf is summed in place. */
+/* A single leaf is summed in place and needs no nodes. */
 static bool prepare_nodes(const job *j, worker *self) {
     const sum_range range = range_of(j);
     const bool sums = j->options->share && j->options->share->sums;

@@ -43,7 +43,7 @@ void job_show(const job *j, worker *self, const adaptive_wave *a) {
 typedef struct tiles {
     job *job;
     render_wave_fn render;
-    uint32_t first_x, first_y; /* of the grid of tiles, in pixels */
+    uint32_t first_x, first_y; /* corner of the grid of tiles, in pixels */
     uint32_t across, down;
 } tiles;
 
@@ -82,7 +82,7 @@ static bool render_unit(job *j, render_wave_fn render, worker *self, const work_
     return hand_over(j, self, &done, began, &before);
 }
 
-/* The squares of a tile's part of a wave that are this process's and not finished. */
+/* The squares of a tile's part of a wave that this process must render and that are not finished. */
 static work_unit unit_of(const job *j, const wave_region *region) {
     const wave_share *share = j->options->share;
     const checkpoint *saving = j->options->saving;
@@ -220,7 +220,7 @@ static void watch_files(job *j) {
     if (j->files != FATHOM_OK) atomic_store(&j->stop, true);
 }
 
-/* Once all is rendered there is nothing left to stop. */
+/* A complete render is no longer stopped, watched or saved. */
 static void report(void *user) {
     job *j = user;
     double seconds = clock_seconds();
@@ -265,7 +265,7 @@ static fathom_status job_status(fathom_context *context, const job *j) {
                       floor(100 * j->sampled));
 }
 
-/* The film holds what is finished already, and its samples are counted with it. */
+/* Starts from the counts of earlier calls; their finished pixels are already in the film. */
 static void continue_before(job *j) {
     checkpoint_past before = {.seconds = 0};
     if (j->options->share) before = j->options->share->before;

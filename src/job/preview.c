@@ -4,10 +4,10 @@
 
 #include <stdlib.h>
 
-/* The whole render has this many samples for each one of the preview. Rays that lie apart share less of the
- * caches. Even if each were as slow as eight others, the preview would take 1 % of the time. In meshes of
- * 0.36 and 8 million triangles, at 16 samples, the cost cannot be seen: medians of 24 and 16 pairs of runs
- * are 0.985 and 1.002. */
+/* Samples of the whole render for each sample of the preview. Distant rays share less of the caches. Even if
+ * each took the time of eight other rays, the preview would take 1 % of the time. In meshes of 0.36 and 8
+ * million triangles, at 16 samples a pixel, the cost cannot be measured: the medians of 24 and 16 pairs of
+ * runs are 0.985 and 1.002. */
 #define SAMPLES_FOR_ONE 800u
 
 typedef struct preview_worker {
@@ -17,16 +17,16 @@ typedef struct preview_worker {
 } preview_worker;
 
 typedef struct preview {
-    render_plan plan; /* of the coarse image: a pixel for each block */
-    uint32_t block;   /* pixels across, a power of two */
+    render_plan plan; /* of the coarse image, with one pixel per block */
+    uint32_t block;   /* width of a block in pixels, a power of two */
     const atomic_bool *stop;
     const checkpoint *saving;
     fathom_film *coarse, *film;
     preview_worker *workers;
 } preview;
 
-/* Samples a pixel that a render to an error is expected to take on the mean; with ADAPTIVE_MIN_SPP, the
- * fewest, the preview is one of 256 samples. */
+/* Mean samples a pixel that a render to an error is expected to take. If it takes only the minimum,
+ * ADAPTIVE_MIN_SPP, the preview has one of 256 samples. */
 #define USUAL_SPP 16u
 
 static uint32_t expected_spp(const fathom_settings *settings) {
@@ -34,7 +34,7 @@ static uint32_t expected_spp(const fathom_settings *settings) {
                                       : settings->spp;
 }
 
-/* Not 1: the coarse image would take as much memory as the film. */
+/* At least 2: otherwise the coarse image would take as much memory as the film. */
 static uint32_t block_for(uint32_t spp) {
     uint32_t block = 2;
     while ((uint64_t)block * block * spp < SAMPLES_FOR_ONE) block *= 2;
@@ -90,7 +90,7 @@ static size_t coarse_pixel(const preview *p, uint32_t x, uint32_t y) {
     return (size_t)(y / p->block - p->coarse->y) * p->coarse->width + (x / p->block - p->coarse->x);
 }
 
-/* All channels but the count of samples: these are none of the pixel's own. */
+/* Copies all channels except the sample count: the samples are not the pixel's own. */
 static void show_pixel(const preview *p, uint32_t x, uint32_t y) {
     const size_t to = (size_t)(y - p->film->y) * p->film->width + (x - p->film->x);
     const size_t from = coarse_pixel(p, x, y);

@@ -4,10 +4,10 @@
 
 #include "job/checkpoint/checkpoint.h"
 
-/* Puts into the film, but for the squares that a checkpoint has finished, a coarse image: a sample for each
- * block of pixels, so few that they take a part of a percent of the time of all samples. They are not counted
- * among rays and samples. saving: NULL without a checkpoint. stop: looked at on the way. Without memory for
- * it the film stays as it is. */
+/* Fills the film with a coarse image, except the squares that a checkpoint has finished. It takes one sample
+ * for each block of pixels: so few that they cost a fraction of a percent of the time of all samples. They
+ * are not counted among rays and samples. saving: NULL without a checkpoint. stop: checked during the work.
+ * If memory runs out, the film stays as it is. */
 void preview_run(const render_plan *plan, unsigned threads, const atomic_bool *stop, const checkpoint *saving,
                  fathom_film *film);
 

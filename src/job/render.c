@@ -19,7 +19,7 @@ typedef struct build {
     fathom_progress_fn progress; /* on the calling thread alone */
     void *progress_user;
     double began;
-    _Atomic double fraction; /* as Embree's building threads last said */
+    _Atomic double fraction; /* as last reported by Embree's building threads */
     atomic_bool stop;
 } build;
 
@@ -47,8 +47,8 @@ static uint64_t program_bytes(const fathom_context *context) {
     return MEMORY_PROGRAM + (uint64_t)fathom_context_threads(context) * MEMORY_THREAD;
 }
 
-/* The memory that the process will hold besides the tracer's structures. A large film takes none yet, unless
- * a checkpoint has filled it; a mapped mesh takes what was read of it. */
+/* The memory that the process will use in addition to the tracer's structures. A large film takes no memory
+ * yet, unless a checkpoint has filled it. A mapped mesh takes the memory of the parts that were read. */
 static fathom_status memory_besides(fathom_context *context, const world *w, const fathom_film *film,
                                     uint64_t *out) {
     uint64_t meshes;
@@ -62,7 +62,7 @@ static fathom_status memory_besides(fathom_context *context, const world *w, con
     return FATHOM_OK;
 }
 
-/* The memory left for building: at least a byte, because 0 would mean no limit. */
+/* The memory left for building; 0: no limit is known. With a limit, at least one byte. */
 static uint64_t building_memory(uint64_t other, uint64_t limit) {
     uint64_t free_now = memory_free(), room = free_now > INT64_MAX ? 0 : free_now + memory_private();
     if (limit && (!room || limit < room)) room = limit;
@@ -128,7 +128,7 @@ static fathom_status count_scene(const world *w, const trace_tracer *tracer, con
     return status;
 }
 
-/* Where finished work goes besides the film; each may be NULL. */
+/* Where finished work is stored in addition to the film; each may be NULL. */
 typedef struct keeping {
     checkpoint *saving;
     part *part;
@@ -174,7 +174,7 @@ static fathom_status run_plan(fathom_context *context, const render_plan *plan, 
     return status;
 }
 
-/* Seconds that calls before this one spent come off the time. */
+/* Subtracts the seconds that earlier calls spent from the time. */
 static fathom_status begin_keeping(const trace_tracer *tracer, keeping *keep, job_options *options) {
     char name[128];
     fathom_status status = FATHOM_OK;
@@ -190,7 +190,7 @@ static fathom_status begin_keeping(const trace_tracer *tracer, keeping *keep, jo
     return status;
 }
 
-/* A part's head holds what the plan has found. */
+/* Keeping begins after the plan, because a part's head holds results of the plan. */
 static fathom_status render_traced(fathom_context *context, const world *w, const trace_tracer *tracer,
                                    const fathom_settings *settings, keeping *keep, job_options *options,
                                    fathom_film *film) {
@@ -240,7 +240,7 @@ static fathom_status render_scene(fathom_context *context, const fathom_scene *s
     return status;
 }
 
-/* Told before the world is built, which can take a while. */
+/* Reports errors before the world is built, which can take long. */
 static fathom_status check(fathom_context *context, const fathom_scene *scene,
                            const fathom_settings *settings) {
     trace_spec spec;
@@ -249,7 +249,7 @@ static fathom_status check(fathom_context *context, const fathom_scene *scene,
     return status == FATHOM_OK ? fathom_scene_check(scene) : status;
 }
 
-/* The film is there. */
+/* Renders into an existing film. */
 static fathom_status fill(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           const render_request *request, fathom_film *film) {
     job_options options = {.reserve = request->reserve,
@@ -285,7 +285,8 @@ fathom_status render_film(fathom_context *context, const fathom_scene *scene, co
     status = fill(context, &view, settings, request, film);
     fathom_status changed = FATHOM_OK;
     if (status != FATHOM_OUT_OF_RESOURCES) {
-        /* An image of a scene that changed meanwhile is of none, and any failure may come of it. */
+        /* If the scene's files changed during the render, the image is invalid and may be the cause of any
+         * failure. */
         changed = fathom_scene_check_files(&view);
         if (changed != FATHOM_OK) status = changed;
     }

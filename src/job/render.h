@@ -10,20 +10,20 @@
 /* How to render. All may be 0. */
 typedef struct render_request {
     fathom_progress_fn progress;
-    /* Gets the film once it is there, and NULL before it is released. Others may copy it meanwhile
+    /* Receives the film once it exists, and NULL before it is released. Other threads may copy it in between
      * (film_copy()). */
     void (*on_film)(void *user, const fathom_film *film);
-    void *user;                      /* of both */
-    const vec3_f64 *origin;          /* where the world's coordinates are counted from: see
-                                        world_create_from(), to show what is lost elsewhere than near the view */
-    const job_reserve *reserve;      /* the part of max_time that is kept for the work after rendering */
+    void *user;             /* of both callbacks */
+    const vec3_f64 *origin; /* origin of the world's coordinates, see world_create_from(); used to show the
+                               precision that is lost far from the view */
+    const job_reserve *reserve;      /* part of max_time that is reserved for the work after rendering */
     const fathom_checkpoint *saving; /* complete */
-    const fathom_part *part;         /* likewise; not with `saving` */
-    const fathom_ranks *ranks;       /* likewise; not with `part` */
-    bool keep_changed;               /* as fathom_session_options says */
+    const fathom_part *part;         /* complete; not with `saving` */
+    const fathom_ranks *ranks;       /* complete; not with `part` */
+    bool keep_changed;               /* see fathom_session_options */
 } render_request;
 
-/* Does the work of fathom_session_run(), with complete settings. stats may be NULL. */
+/* Implements fathom_session_run(), with complete settings. stats may be NULL. */
 fathom_status render_film(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           const render_request *request, fathom_stats *stats, fathom_film **out);
 

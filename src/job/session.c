@@ -19,16 +19,16 @@ struct fathom_session {
     fathom_part part;
     fathom_ranks ranks;
     fathom_write_options write;
-    char *tracer; /* the settings' own text; NULL: the caller's is used */
+    char *tracer; /* copy of the settings' text; NULL: the caller's is used */
     pool_task task;
-    bool in_background, on_thread; /* the second: the task is the pool's */
-    pthread_mutex_t lock;          /* of the following */
+    bool in_background, on_thread; /* on_thread: the task runs in the pool */
+    pthread_mutex_t lock;          /* guards the following */
     fathom_progress progress;
-    const fathom_film *film; /* while it is being rendered, and from the end on */
+    const fathom_film *film; /* set during the render and after its end */
     bool stop;
 
     /* The result. */
-    fathom_status helper; /* of starting the image helper that the outputs need */
+    fathom_status helper; /* status of starting the image helper that the outputs need */
     fathom_status status;
     fathom_stats stats;
     fathom_film *result;
@@ -78,7 +78,7 @@ static fathom_status prepare(fathom_session *s, fathom_context *context, const f
 
 /* ---- rendering ---- */
 
-/* Nobody should render for hours to a file that cannot be written. */
+/* A render of hours must not end in a file that cannot be written. */
 static bool outputs_are_lost(fathom_session *s) {
     if (s->options.output_count) s->helper = image_prefetch_status(s->context);
     return s->helper != FATHOM_OK;
@@ -108,13 +108,13 @@ static void on_film(void *user, const fathom_film *film) {
     pthread_mutex_unlock(&s->lock);
 }
 
-/* The share of the remaining time that may be used to measure how long writing takes. */
+/* The fraction of the remaining time that may be used to measure the duration of writing. */
 #define REHEARSAL 0.03
 
 static double seconds_to_write(void *user, const fathom_film *film, double left) {
     const fathom_session *s = user;
     const film_outputs outputs = {s->options.outputs, s->options.output_count, &s->write};
-    /* The second image takes no longer than the first. */
+    /* The second image takes at most as long as the first. */
     const int images = s->settings.fireflies == FATHOM_FIREFLIES_REWEIGHT ? 2 : 1;
     return images * film_write_seconds(s->context, film, &outputs, REHEARSAL * left);
 }
@@ -140,7 +140,7 @@ static void run(void *user) {
     on_film(s, s->result);
 }
 
-/* Hands the result over. */
+/* Passes the result to the caller. */
 static fathom_status end(fathom_session *s, fathom_stats *stats, fathom_film **out) {
     if (stats) sized_write(stats, &s->stats, sizeof s->stats);
     if (out)
@@ -219,7 +219,7 @@ bool fathom_session_wait(fathom_session *session, double seconds) {
     return !session || !session->on_thread || pool_wait(&session->task, seconds);
 }
 
-/* The lock keeps the film from being destroyed meanwhile. */
+/* The lock prevents the destruction of the film during the copy. */
 fathom_status fathom_session_snapshot(fathom_context *context, fathom_session *session, fathom_film **out) {
     if (!out) return fail_null(context, "out");
     *out = NULL;

@@ -15,7 +15,7 @@
 
 enum { LIGHT_TYPES = FATHOM_LIGHT_ENVIRONMENT + 1, FEATURES_MOST = 24, PROBLEMS_MOST = 4 };
 
-/* A survey with what it points to. */
+/* A survey and the arrays that it points to. */
 typedef struct survey {
     fathom_survey shown;
     fathom_camera camera;
@@ -55,7 +55,7 @@ static uint64_t triangles_of_group(const fathom_scene *scene, const scene_graph 
     return triangles;
 }
 
-/* How often each group appears follows from its parents, which come first in the graph's order. */
+/* The number of uses of each group follows from its parents, which come first in the graph's order. */
 static fathom_status count_placed(const fathom_scene *scene, uint64_t *out) {
     scene_graph graph;
     *out = 0;
@@ -80,7 +80,7 @@ static fathom_status count_placed(const fathom_scene *scene, uint64_t *out) {
     return FATHOM_OK;
 }
 
-/* The integrator uses none of the lights and of the ambient light. */
+/* True if the integrator uses neither the lights nor the ambient light. */
 static bool replaced(const fathom_scene *scene) {
     return scene->settings.integrator != FATHOM_INTEGRATOR_CLASSIC && scene_replaces_lights(scene);
 }
@@ -124,7 +124,7 @@ static fathom_status find_place(const fathom_scene *scene, survey *out) {
     return FATHOM_OK;
 }
 
-/* At its highest: building adds to the tree memory that is given back when it stands. */
+/* The peak: building needs memory in addition to the tree, and releases it at the end. */
 static fathom_status find_memory(const fathom_scene *scene, const world *w, fathom_survey *s) {
     const trace_need need = trace_need_of(w, false);
     s->program_bytes = MEMORY_PROGRAM;
@@ -264,7 +264,7 @@ static fathom_status fill(const fathom_scene *scene, const world *w, survey *out
     return FATHOM_OK;
 }
 
-/* Making the world also turns away scenes of more instances than can be built. */
+/* Creating the world also rejects scenes with too many instances. */
 fathom_status fathom_scene_survey(const fathom_scene *scene, const fathom_survey **out) {
     if (!scene) return FATHOM_BAD_USAGE;
     if (!out) return fail_null(scene->context, "out");
@@ -283,7 +283,7 @@ fathom_status fathom_scene_survey(const fathom_scene *scene, const fathom_survey
     return status;
 }
 
-/* The survey begins with what is shown of it. */
+/* `shown` is the first member of the survey. */
 void fathom_survey_destroy(const fathom_survey *shown) {
     survey *s = (survey *)(uintptr_t)shown;
     if (!s) return;

@@ -1,12 +1,12 @@
-/* Rendering to a time. All waves stay in memory, and rounds go over them. The first round takes one sample of
- * each pixel. The next ones double the samples until errors are known. Later rounds take a pass over the
- * squares with the highest priority in the whole image (adaptive.h), which leaves the least squared error for
- * the time. The clock is read before each batch of rays, so nothing that was sampled is lost. The clock
- * decides which samples are taken, but not what each of them is.
+/* Rendering to a time. All waves stay in memory, and the threads make rounds over them. The first round takes
+ * one sample of each pixel. The next ones double the samples until errors are known. Each later round makes a
+ * pass over the squares with the highest priority in the whole image (adaptive.h): this gives the minimum
+ * squared error for the time. The clock is read before each batch of rays, so no finished sample is lost. The
+ * clock decides which samples are taken, but not their values.
  *
- * Rounds of run 0 and of run 1 come in turns, and each looks at the priorities of its own run alone: which
- * squares a round takes is decided by the judge's half of the whole image, so adaptive.h's proof holds for
- * any fixed number of rounds. How many there are is the clock's. */
+ * Rounds of run 0 and run 1 alternate, and each uses only the priorities of its own run. So the deciding half
+ * of the whole image chooses the squares of a round, and the proof in adaptive.h holds for any fixed number
+ * of rounds. The clock decides the number of rounds. */
 #include "job/job_inner.h"
 
 #include "base/clock.h"
@@ -14,8 +14,8 @@
 
 #include <stdlib.h>
 
-/* The fewest waves of a round for each thread. At the end of a round threads wait for the last one; this
- * keeps the wait a small part of the round. */
+/* Minimum number of waves in a round, per thread. At the end of a round, threads wait for the last one; this
+ * keeps the wait a small fraction of the round. */
 #define WAVES_FOR_THREAD 16u
 
 typedef struct ranked {
@@ -29,9 +29,9 @@ typedef struct timed {
     adaptive_view *view;
     bool *finished[ADAPTIVE_RUNS];
     ranked *order;
-    uint32_t run;        /* whose round it is */
-    size_t count, round; /* waves; of them in this round */
-    double limit; /* the least priority of the squares of this round, in waves that have such squares */
+    uint32_t run;        /* run of this round */
+    size_t count, round; /* number of waves; number in this round */
+    double limit;        /* minimum priority of squares of this round; waves without any use their own */
     wave_grid grid;
     atomic_bool cut;
 } timed;
@@ -42,20 +42,20 @@ size_t timed_bytes(const job *j) {
     return count * (sizeof(adaptive_wave) + adaptive_bytes(j->plan->parts) + kept);
 }
 
-/* Best first; in an order without a pattern where nothing is known. */
+/* Highest priority first. Equal priorities are in shuffled order, because nothing is known yet. */
 static int by_priority(const void *a, const void *b) {
     const ranked *x = a, *y = b;
     if (x->priority != y->priority) return x->priority > y->priority ? -1 : 1;
     return x->shuffle < y->shuffle ? -1 : x->shuffle > y->shuffle;
 }
 
-/* The waves of the next round, at the front of `order`. While some have no estimate, those alone. */
+/* Puts the waves of the next round at the front of `order`. If some waves have no estimate, only those. */
 static void choose_round(timed *t) {
     size_t count = 0;
     for (uint32_t i = 0; i < t->count; ++i) {
         if (t->finished[t->run][i]) continue;
         double priority = t->waves[i] ? t->waves[i]->runs[t->run].priority : (double)INFINITY;
-        if (!(priority > 0)) continue; /* it has all its samples */
+        if (!(priority > 0)) continue; /* it has the maximum number of samples */
         t->order[count++] = (ranked){priority, i * 0x9e3779b1u, i};
     }
     qsort(t->order, count, sizeof *t->order, by_priority);
@@ -116,7 +116,7 @@ static void run_round(void *user, size_t begin, size_t end, unsigned index) {
     trace_thread_end(state);
 }
 
-/* Stores the waves, and counts their samples and errors anew. */
+/* Stores the waves, and recounts their samples and errors. */
 static void store_waves(timed *t) {
     const unit_sink film = unit_film_sink(t->job->film);
     job_result *result = &t->job->result;
@@ -130,7 +130,7 @@ static void store_waves(timed *t) {
     }
 }
 
-/* Storing the waves is among what comes after the deadline. */
+/* Storing the waves also takes time after the deadline. */
 static void reserve_time(timed *t) {
     job *j = t->job;
     const job_reserve *reserve = j->options->reserve;
@@ -138,11 +138,11 @@ static void reserve_time(timed *t) {
     store_waves(t);
     double stored = clock_seconds(), deadline = atomic_load(&j->deadline);
     double after = reserve->seconds(reserve->user, j->film, deadline - stored);
-    /* A time that is up stays a time. */
+    /* Stays above 0, which would mean no deadline. */
     atomic_store(&j->deadline, fmax(deadline - (stored - began) - after, j->began));
 }
 
-/* Takes up the waves that earlier calls sampled. */
+/* Loads the waves that earlier calls sampled. */
 static bool take_up_waves(timed *t) {
     checkpoint *saving = t->job->options->saving;
     for (uint32_t i = 0; saving && i < t->count; ++i) {
@@ -208,7 +208,7 @@ static void run(job *j) {
     destroy_waves(&t);
 }
 
-/* Waves have memory of their own, for as long as there is time. */
+/* Waves keep their own memory for the whole job, so workers need only a view. */
 static bool prepare(const job *j, worker *self) {
     self->view = adaptive_view_create(j->plan);
     return self->view;

@@ -1,11 +1,11 @@
-/* Each wave by itself, until its estimated error is small enough: adaptive.h. */
+/* The schedule to an error: renders each wave until its estimated error is small enough (adaptive.h). */
 #include "job/job_inner.h"
 
 #include "base/clock.h"
 
 #include <stdlib.h>
 
-/* Between two passes of a wave that takes long, so that only the pass under way can be lost. */
+/* Records a long-running wave between two passes, so that a checkpoint loses little of its work. */
 static void keep_wave(checkpoint *saving, worker *self, uint32_t wave) {
     double now = saving ? clock_seconds() : 0;
     if (!saving || now - self->kept < checkpoint_keep_seconds(saving)) return;
@@ -13,7 +13,8 @@ static void keep_wave(checkpoint *saving, worker *self, uint32_t wave) {
     self->kept = now;
 }
 
-/* In turns, so that the runs find each other's samples. ADAPTIVE_FINISHED: neither has more to do. */
+/* Makes one pass of each run in turn, so that each can copy the other's samples. ADAPTIVE_FINISHED: neither
+ * has more to do. */
 static adaptive_result pass_both(job *j, worker *self, const adaptive_goal *goal) {
     adaptive_result all = ADAPTIVE_FINISHED;
     for (uint32_t run = 0; run < ADAPTIVE_RUNS; ++run) {
@@ -26,7 +27,7 @@ static adaptive_result pass_both(job *j, worker *self, const adaptive_goal *goal
     return all;
 }
 
-/* All squares of a wave decide together. */
+/* Always renders the whole wave, because its squares decide together. */
 static bool render(job *j, worker *self, const wave_region *region, uint64_t squares) {
     const adaptive_goal goal = adaptive_goal_of(j->plan->settings.target_error);
     checkpoint *saving = j->options->saving;

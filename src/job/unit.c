@@ -22,8 +22,8 @@ uint32_t unit_groups(const fathom_settings *s) {
 uint64_t unit_pixels(const unit_result *r) { return count(r, false); }
 uint64_t unit_samples(const unit_result *r) { return count(r, true); }
 
-/* Squares that time ended before keep what the film shows of them. Whoever merges or resumes rounds as
- * threads that render do, which flush denormals. */
+/* Squares without samples, because the time ended first, keep their pixels of the film. Threads that merge or
+ * resume must round like rendering threads, which flush denormals. */
 static void to_film(void *user, const unit_result *r) {
     fathom_film *film = user;
     const unsigned state = trace_thread_begin();

@@ -1,43 +1,45 @@
-/* A unit of work, squares of one wave with all their samples; its result, and the sinks that take it. */
+/* A unit of work: squares of one wave with all their samples. Also its result, and the sinks that receive
+ * it. */
 #ifndef JOB_UNIT_H
 #define JOB_UNIT_H
 
 #include "film/pixel_sums.h"
 
 typedef struct work_unit {
-    uint32_t wave, reserved; /* the first: of the film's grid */
+    uint32_t wave, reserved; /* wave: index in the film's grid */
     uint64_t squares;        /* bit y / 4 * 8 + x / 4 */
 } work_unit;
 
-/* Squares that fill a batch where each pixel gets so many samples, and so the fewest of a unit. */
+/* Number of squares that fill a batch when each pixel gets this many samples. This is the minimum for a
+ * unit. */
 static inline uint32_t unit_least_squares(uint32_t samples) {
     return samples < WAVE_SQUARES ? WAVE_SQUARES / samples : 1;
 }
 
 typedef struct unit_result {
-    wave_region region;      /* the wave, as far as the film shows it */
-    uint64_t squares;        /* those that are done */
+    wave_region region;      /* the wave, clipped to the film */
+    uint64_t squares;        /* the finished ones */
     const pixel_sums *sums;  /* of the wave's pixels */
     const uint32_t *samples; /* [WAVE_SQUARES], of each pixel of a square */
-    const uint32_t *hits;    /* likewise: first hits, for the AOVs */
+    const uint32_t *hits;    /* likewise: number of first hits, for the AOVs */
     double error;            /* of the wave; 0: not estimated */
 } unit_result;
 
-/* Groups of the samples of a pixel when all pixels have the same number. Classic images keep one:
- * its samples are stratified better, and hardly anything but edges is random in them. */
+/* Number of sample groups of a pixel if all pixels have the same number of samples. Classic images have one
+ * group: its samples are stratified better, and hardly anything except edges is random in such images. */
 uint32_t unit_groups(const fathom_settings *settings);
 
-/* Pixels of the squares that the film shows, and samples of these. */
+/* Number of pixels of the squares inside the film, and number of samples of these pixels. */
 uint64_t unit_pixels(const unit_result *r);
 uint64_t unit_samples(const unit_result *r);
 
-/* Takes results from any thread, those of one square from one thread. */
+/* Receives results from any thread; all results of one square come from one thread. */
 typedef struct unit_sink {
     void (*take)(void *user, const unit_result *result);
     void *user;
 } unit_sink;
 
-/* The means of the samples become the film's pixels. */
+/* Stores the means of the samples as the film's pixels. */
 unit_sink unit_film_sink(fathom_film *film);
 
 #endif

@@ -1,4 +1,4 @@
-/* Work on a thread of its own, while the calling thread stays free for progress and stopping. */
+/* Runs work on a separate thread, while the calling thread handles progress and stopping. */
 #ifndef JOB_WATCH_H
 #define JOB_WATCH_H
 
@@ -7,8 +7,8 @@ typedef struct watch_calls {
     void (*tick)(void *user); /* about ten times a second, and once more when the work has ended */
 } watch_calls;
 
-/* Returns when the work has ended. tick is called from the calling thread alone. Where no thread can be had,
- * the calling thread works, and ticks at the end. */
+/* Returns when the work has ended. tick is called from the calling thread only. If no thread can be created,
+ * the calling thread does the work, and ticks at the end. */
 void watch_run(const watch_calls *calls, void *user);
 
 #endif

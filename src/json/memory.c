@@ -10,7 +10,7 @@ static json_malloc_t give;
 static json_free_t take_back;
 
 static _Thread_local bool lacked;
-static _Thread_local json_arena *reading; /* what json_arena_read() fills on this thread */
+static _Thread_local json_arena *reading; /* set while json_arena_read() runs on this thread; else NULL */
 static _Thread_local jmp_buf refused;
 
 /* ---- the arena ---- */
@@ -25,7 +25,7 @@ struct json_chunk {
     _Alignas(ALIGNMENT) unsigned char bytes[];
 };
 
-/* Chunks double in size, so that there are few and little is wasted. */
+/* Chunks double in size up to CHUNK_MOST, so that they are few and waste little. */
 static struct json_chunk *add_chunk(json_arena *arena, size_t bytes) {
     size_t room = arena->last ? 2 * arena->last->room : CHUNK_LEAST;
     if (room > CHUNK_MOST) room = CHUNK_MOST;
@@ -36,7 +36,8 @@ static struct json_chunk *add_chunk(json_arena *arena, size_t bytes) {
     return arena->last = chunk;
 }
 
-/* Leaves jansson's calls by longjmp() when there is no memory: all that they hold is the arena's. */
+/* Leaves jansson's calls by longjmp() when out of memory. Nothing leaks, because the arena owns all their
+ * memory. */
 static void *take(size_t bytes) {
     bytes = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
     struct json_chunk *chunk = reading->last;
@@ -58,7 +59,7 @@ void json_arena_release(json_arena *arena) {
     }
 }
 
-/* ---- jansson's requests ---- */
+/* ---- jansson's allocation functions ---- */
 
 static void *watched_give(size_t bytes) {
     if (reading) return take(bytes);
@@ -76,7 +77,7 @@ static void install(void) {
     json_set_alloc_funcs(watched_give, watched_take_back);
 }
 
-/* Between setjmp() and longjmp() no variable of the function changes. */
+/* No variable of this function changes between setjmp() and longjmp(), so none becomes indeterminate. */
 static json_t *read_or_leave(const char *text, size_t size, size_t flags, json_error_t *error) {
     return setjmp(refused) ? NULL : json_loadb(text, size, flags, error);
 }

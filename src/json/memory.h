@@ -1,7 +1,7 @@
-/* Makes jansson safe when memory runs out. Without memory, jansson 2.14 drops bytes of strings and numbers
- * while it parses, then gives wrong values or writes where it must not; while it writes, it leaves keys out.
- * So its requests pass through here, for the whole process. Only those of a parse on the same thread are
- * served here; the others go on to the previous functions. */
+/* Makes jansson safe when memory runs out. If an allocation fails, jansson 2.14 drops bytes of strings and
+ * numbers while parsing, and then returns wrong values or writes out of bounds; while writing, it leaves keys
+ * out. Therefore this module replaces its allocation functions, for the whole process. Requests of
+ * json_arena_read() on the same thread get memory from the arena; all others go to the previous functions. */
 #ifndef JSON_MEMORY_H
 #define JSON_MEMORY_H
 
@@ -10,21 +10,21 @@
 
 /* ---- reading ---- */
 
-/* The memory of all values of a text, released at once. Zero it to start with. */
+/* The memory of all values of one JSON text, released at once. Set it to zero before use. */
 typedef struct json_arena {
     struct json_chunk *last;
     bool lacked; /* memory ran out: there are no values */
 } json_arena;
 
-/* json_loadb() with memory from the arena: the values are complete or NULL, and must not be given to
- * json_decref(). `error` is not set if arena->lacked. */
+/* json_loadb() with memory from the arena. The values are complete, or the result is NULL; do not pass them
+ * to json_decref(). `error` is not set if arena->lacked. */
 json_t *json_arena_read(json_arena *arena, const char *text, size_t size, size_t flags, json_error_t *error);
 void json_arena_release(json_arena *arena);
 
 /* ---- writing ---- */
 
-/* json_memory_lacked(): whether a request of this thread outside of json_arena_read() was refused since
- * json_memory_watch(). */
+/* json_memory_lacked() tells whether an allocation on this thread, outside json_arena_read(), has failed
+ * since json_memory_watch(). */
 void json_memory_watch(void);
 bool json_memory_lacked(void);
 

@@ -1,4 +1,4 @@
-/* Samples emitters, and gives densities of what rays meet. */
+/* Samples emitters, and computes densities of hits on them. */
 #include "light/emitters_inner.h"
 
 #include <string.h>
@@ -15,13 +15,13 @@ static void put_answer(emitter_sample *out, unsigned i, const emitter_answer *a,
 
 /* ---- primitives ---- */
 
-/* The questions of the lanes, and the lights they chose. */
+/* The lanes' queries, and the lights that they chose. */
 typedef struct lane_choices {
     const emitter_query *from;
     const float (*u)[LANES];
     uint32_t emitter[LANES];
     double chance[LANES];
-    unsigned faces, balls, lamps; /* lanes that chose one */
+    unsigned faces, balls, lamps; /* bits: lanes that chose a light of this kind */
 } lane_choices;
 
 static float time_of(const emitters *e, const lane_choices *c, unsigned i) {
@@ -42,7 +42,7 @@ static void load_points(const lane_choices *c, lanes3_f64 p) {
     }
 }
 
-/* Answers of all lanes become those of `lanes`. */
+/* Copies the samples of `lanes` from those of all lanes. */
 static void take_answers(const lane_choices *c, unsigned lanes, const shape_answers *answers,
                          const lanes3 direction, const float distance[LANES],
                          const float *const radiance[LANES], emitter_sample *out) {
@@ -54,7 +54,7 @@ static void take_answers(const lane_choices *c, unsigned lanes, const shape_answ
     }
 }
 
-/* The weights of the corners of the half of a face that the ray meets, which is where it is sampled. */
+/* The corner weights of the ray's hit on a half of a face, which is the half that was sampled. */
 static void find_place(const shape_face *f, vec3_f64 p, vec3_f64 direction, texturing_place *out) {
     for (int half = 0; half < (f->quad ? 2 : 1); ++half) {
         const vec3_f64 a = f->corner[half ? 2 : 0], b = sub_f64(f->corner[half ? 3 : 1], a),
@@ -71,7 +71,7 @@ static void find_place(const shape_face *f, vec3_f64 p, vec3_f64 direction, text
     }
 }
 
-/* What the places that the lanes' rays reach send out, where that varies. */
+/* The emission at the points that the lanes' rays hit, for materials whose emission varies. */
 static void look_up_radiance(const emitters *e, const lane_choices *c, const lanes3 direction,
                              float (*value)[3], const float *radiance[LANES]) {
     for (unsigned left = c->faces; left; left &= left - 1) {
@@ -89,7 +89,7 @@ static void look_up_radiance(const emitters *e, const lane_choices *c, const lan
     }
 }
 
-/* Lanes that chose none get the first one's face. */
+/* Lanes that chose no face get the first one. */
 static void sample_faces(const emitters *e, const lane_choices *c, emitter_sample *out) {
     const float *radiance[LANES];
     shape_faces faces;
@@ -120,7 +120,7 @@ static void sample_faces(const emitters *e, const lane_choices *c, emitter_sampl
     take_answers(c, c->faces, &answers, direction, distance, radiance, out);
 }
 
-/* Inside of spheres, and where they are stretched. */
+/* For points inside spheres, and for spheres in instances. */
 static void sample_odd_ball(const emitter_ball *ball, const lane_choices *c, unsigned i,
                             const float *radiance, emitter_sample *out) {
     emitter_answer answer;
@@ -180,9 +180,9 @@ static double primitive_density(const emitters *e, const emitter_run *run, const
 
 /* ---- lamps ---- */
 
-/* A lamp with a size is a sphere that no ray meets, of the radiance k_l / r², each point of which has the
- * lamp's falloff. Points inside see it without size. more, falloff: factors of the centre's radiance, set
- * where it has one. */
+/* A lamp with a size is a sphere that rays cannot hit, of the radiance k_l / r²; each of its points has the
+ * lamp's falloff. Points inside it see it as a lamp without size. more, falloff: factors of the centre's
+ * radiance, set if the lamp is seen as a sphere. */
 static void widen_lamp(const emitter_lamp *lamp, vec3_f64 p, double u, double v, emitter_sample *out,
                        unsigned i, float *more, float *falloff) {
     const vec3_f64 from = sub_f64(p, widen(lamp->light.position));
@@ -219,7 +219,7 @@ static void sample_lamp(const emitters *e, const emitter_lamp *lamp, const lane_
     }
 }
 
-/* Lanes that chose the same lamp together. */
+/* Samples lanes that chose the same lamp together. */
 static void sample_lamps(const emitters *e, const lane_choices *c, emitter_sample *out) {
     for (unsigned left = c->lamps; left;) {
         const uint32_t emitter = c->emitter[lane_first(left)];
@@ -234,7 +234,8 @@ static void sample_lamps(const emitters *e, const lane_choices *c, emitter_sampl
 
 /* ---- the choice ---- */
 
-/* u in [0,1) has 24 digits, too few to choose among millions fairly: others follow, from u's neighbours. */
+/* u in [0,1) has 24 bits, too few to choose fairly among millions: more bits are derived from a hash of the
+ * lane's other two numbers. */
 static double finer(const lanes3 u, unsigned i) {
     uint32_t a, b;
     memcpy(&a, &u[0][i], sizeof a), memcpy(&b, &u[1][i], sizeof b);
@@ -244,8 +245,9 @@ static double finer(const lanes3 u, unsigned i) {
     return (whole + (double)(h >> 35) * 0x1p-29) * 0x1p-24;
 }
 
-/* Which part a lane asks, EMITTER_PARTS if there is none; *u becomes a number in [0,1) within it. So what is
- * even over the square of the first two numbers is even over each part. */
+/* The class of emitters that a lane samples, EMITTER_PARTS if there is none; *u becomes a number in [0,1)
+ * within that class. Numbers that are uniform over the square of the first two stay uniform within each
+ * class. */
 static emitter_part choose_part(const emitters *e, double *u) {
     emitter_part part = EMITTER_FINITE, last = EMITTER_PARTS;
     double left = *u;
@@ -260,7 +262,7 @@ static emitter_part choose_part(const emitters *e, double *u) {
     return last;
 }
 
-/* The finite light of each of `lanes`. */
+/* Chooses the finite light of each of `lanes`. */
 static void choose_finite(const emitters *e, unsigned lanes, double u[LANES], lane_choices *c,
                           emitter_sample *out) {
     if (e->only != FATHOM_NONE) {
@@ -282,8 +284,8 @@ static void choose_finite(const emitters *e, unsigned lanes, double u[LANES], la
     }
 }
 
-/* Returns the lanes that ask for a finite light, after the others have been answered. choice: numbers that
- * choose among a part's lights. Changes the first number of u. */
+/* Returns the lanes that sample a finite light; the others are complete. choice: numbers that choose among
+ * the lights of a class. Changes the first number of u. */
 static unsigned choose_parts(const emitters *e, const emitter_query *from, lanes3 u, double choice[LANES],
                              emitter_sample *out) {
     unsigned finite = 0, outside = 0;

@@ -1,5 +1,5 @@
-/* All that sends out light under path tracing: emissive surfaces, the background, environments, suns and
- * lights of a point or a direction. A point asks for one of them, chosen by chance. */
+/* All emitters for path tracing: emissive surfaces, the background, environments, suns (directional lights),
+ * and point and spot lights. A light sample chooses one emitter at random. */
 #ifndef LIGHT_EMITTERS_H
 #define LIGHT_EMITTERS_H
 
@@ -12,66 +12,67 @@
 typedef struct emitters emitters;
 struct texturing;
 
-/* varied: materials whose emission varies; NULL: none does. groups: NULL: nobody asks for them. Release with
- * emitters_destroy(). Both must outlive them. Fails when an environment's image cannot be read, or holds a
- * NaN or an infinity (the message names the file and the texel). */
+/* varied: materials whose emission varies; NULL: none. groups: NULL: light groups are not needed. Both must
+ * outlive the emitters. Release with emitters_destroy(). Fails if an environment's image cannot be read or
+ * holds a NaN or an infinity; the message names the file and the texel. */
 fathom_status emitters_create(fathom_context *context, const world *w, const struct texturing *varied,
                               const light_groups *groups, emitters **out);
 void emitters_destroy(emitters *e);
 
-/* Nothing sends out any light. */
+/* True if nothing emits light. */
 bool emitters_none(const emitters *e);
-/* Rays that leave the scene may meet light. */
+/* True if rays that leave the scene may get radiance. */
 bool emitters_any_outside(const emitters *e);
 /* Suns that have a size. */
 uint32_t emitters_sun_count(const emitters *e);
 
-/* The most that comes from outside in any direction, by channel. */
+/* Upper bound of the radiance from outside in any direction, per channel. */
 void emitters_brightest_outside(const emitters *e, float out[3]);
 
-/* Where light is asked for, a point a lane. */
+/* Query of a light sample, one point per lane. */
 typedef struct emitter_query {
-    _Alignas(64) lanes3 p; /* in the world's coordinates */
-    lanes3 n; /* shading normal towards the viewer: light from behind counts nothing; 0: it does count */
-    float time[LANES]; /* of the shutter, in [0, 1]; read where emitters_move() */
+    _Alignas(64) lanes3 p; /* in world coordinates */
+    lanes3 n; /* shading normal towards the viewer: light from behind is ignored; 0: light from both sides
+                 counts */
+    float time[LANES]; /* of the shutter, in [0, 1]; read if emitters_move() */
 } emitter_query;
 
-/* One direction a lane from which light may come. */
+/* One direction per lane from which light may come. */
 typedef struct emitter_sample {
     _Alignas(64) lanes3 direction; /* unit, towards the light */
-    float distance[LANES]; /* a shadow ray of this length ends clear of the emitter by the error bounds of its
-                              end; INFINITY: it comes from outside of the scene */
-    lanes3 radiance; /* from there when nothing is in the way; for a light without size, the irradiance of
-                        a surface that faces it */
-    float density[LANES];  /* with which this direction is taken, the choice of the light included: per solid
-                              angle, or of a light without size: the chance of its choice. 0: there is no light
-                            */
-    uint32_t sized[LANES]; /* all ones: a ray can meet the emitter by chance; 0: it has no size */
-    uint8_t group[LANES];  /* where groups are asked for, as emitters_outside_group() */
+    float distance[LANES]; /* a shadow ray of this length ends clear of the emitter by the rounding error of
+                              its end; INFINITY: the light is outside the scene */
+    lanes3 radiance; /* radiance from this direction if nothing occludes it; for a light without size, the
+                        irradiance of a surface that faces the light */
+    float density[LANES];  /* density of sampling this direction, including the choice of the light: per solid
+                              angle, or for a light without size the probability of its choice. 0: there is no
+                              light */
+    uint32_t sized[LANES]; /* all ones: BSDF samples can hit the emitter; 0: it has no size */
+    uint8_t group[LANES];  /* if groups are given, as emitters_outside_group() */
 } emitter_sample;
 
-/* True when there is a choice of lights. */
+/* True if a random choice among lights is needed. */
 bool emitters_choose(const emitters *e);
-/* True when some emitter moves while the shutter is open: it is where it is at the time of each question. */
+/* True if some emitter moves while the shutter is open: it is at its position at each query's time. */
 bool emitters_move(const emitters *e);
-/* u: three numbers in [0,1) a lane; the third chooses the light, and is read where emitters_choose(). */
+/* u: three numbers in [0,1) per lane; the third chooses the light, and is read if emitters_choose(). */
 void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out);
 
-/* MIS multiplies densities of light samples by this before it weighs them. */
+/* MIS multiplies the densities of light samples by this factor before it computes weights. */
 float emitters_mis_factor(const emitters *e);
 
-/* A point of an emitter that a ray met by chance. */
+/* A hit of a BSDF-sampled ray on an emitter. */
 typedef struct emitter_hit {
     uint32_t geometry, primitive, instance; /* as in trace_hits */
     float time;                             /* as in emitter_query */
 } emitter_hit;
 
-/* The density with which emitters_sample() takes, at the time of the hit and at a point p whose normal is n
- * (0: as in emitter_query), the unit direction towards the hit. 0: it never does. */
+/* The density with which emitters_sample() chooses the unit direction towards the hit, at the time of the
+ * hit, at a point p whose normal is n (0: as in emitter_query). 0: emitters_sample() never chooses it. */
 float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction,
                            const emitter_hit *hit);
 
-/* Radiance from outside of the scene, and the density of its direction as above, in the lanes whose bits are
+/* Radiance from outside the scene, and the density of its direction as above, in the lanes whose bits are
  * set. */
 void emitters_outside(const emitters *e, unsigned lanes, const lanes3 n, const lanes3 direction,
                       lanes3 radiance, float density[LANES]);
@@ -86,8 +87,8 @@ typedef struct emitter_disc {
 /* False: the unit direction leads past the disc. k: below emitters_sun_count(). */
 bool emitters_disc(const emitters *e, uint32_t k, vec3_f32 direction, emitter_disc *out);
 
-/* The group of what comes from outside; LIGHT_GROUP_OUTSIDE: of several, which emitters_outside_shares()
- * tells for each direction: by group and channel, the share of it. */
+/* The light group of the light from outside; LIGHT_GROUP_OUTSIDE: there are several, and
+ * emitters_outside_shares() gives their fractions for a direction, by group and channel. */
 uint8_t emitters_outside_group(const emitters *e);
 void emitters_outside_shares(const emitters *e, vec3_f32 direction, float (*shares)[3]);
 

@@ -1,5 +1,5 @@
-/* Finds what sends out light, and puts what is finite into a tree. Planes that emit are left to rays that
- * meet them: their light comes from half of all directions. */
+/* Finds all emitters, and puts the finite ones into a tree. Emissive planes are left to BSDF samples: their
+ * light comes from half of all directions. */
 #include "light/emitters_inner.h"
 
 #include "base/kernel.h"
@@ -24,7 +24,7 @@ static bool find_emission(emitters *e) {
 
 /* ---- runs ---- */
 
-/* True when it moves while the shutter is open. */
+/* True if it moves while the shutter is open. */
 static bool is_moving(const world *w, uint32_t geometry, uint32_t instance) {
     return w->geometries.items[geometry].moving ||
            (instance != FATHOM_NONE && w->instances.items[instance].moving);
@@ -42,7 +42,8 @@ static bool emits(const emitters *e, uint32_t geometry, uint32_t instance) {
 
 typedef ARRAY(emitter_run) run_list;
 
-/* The runs of a group's geometries, those that emit nothing as well; none if none does. */
+/* Adds the runs of a group's geometries, including those that emit nothing; adds none if nothing in the group
+ * emits. */
 static bool add_runs(emitters *e, run_list *runs, uint32_t group, uint32_t instance, uint64_t *total) {
     const world_group *g = &e->w->groups.items[group];
     const size_t before = runs->count;
@@ -249,9 +250,9 @@ static bool from_outside(const emitters *e) {
     return sum > 0;
 }
 
-/* The part of the light in the scene's bounds that its surfaces and lamps send out; the rest comes from
- * outside. With an intensity I they send pi I at most, and the outside sends pi R² times its luminance over
- * all directions. */
+/* The fraction of the light within the scene's bounds that its surfaces and lamps emit; the rest comes from
+ * outside. A finite emitter of intensity I emits at most pi I, and the outside contributes pi R² times its
+ * luminance over all directions. */
 static fathom_status finite_share(const emitters *e, double *out) {
     scene_bounds bounds;
     const double intensity = e->lights.power;
@@ -262,9 +263,9 @@ static fathom_status finite_share(const emitters *e, double *out) {
     return status;
 }
 
-/* Each part that is there is asked for equally often, but where lamps and the outside differ in how much they
- * send, the weaker one gives up to half of its questions to the other: a guess, since neither is bright
- * everywhere, that costs twice the samples where it is wrong. */
+/* Each existing class has the same probability, except that the weaker of finite lights and the outside gives
+ * up to half of its probability to the other. This is a guess, since neither is bright everywhere; if it is
+ * wrong, it costs twice the samples. */
 static fathom_status share(emitters *e) {
     const bool there[EMITTER_PARTS] = {e->finite_count > 0, from_outside(e), e->sun_count > 0};
     int parts = 0;

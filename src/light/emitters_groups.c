@@ -1,4 +1,4 @@
-/* The light groups of what sends out light. */
+/* The light groups of emitters. */
 #include "light/emitters_inner.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* Emitters inside: shared by emitters*.c. */
+/* Internals of emitters, shared by emitters*.c. */
 #ifndef LIGHT_EMITTERS_INNER_H
 #define LIGHT_EMITTERS_INNER_H
 
@@ -10,13 +10,13 @@
 #include "material/textured.h"
 #include "math/lane.h"
 
-/* Primitives of one geometry, where an instance or the root places it: emitters first, first + 1, … */
+/* Primitives of one geometry in one instance or in the root: emitters first, first + 1, … */
 typedef struct emitter_run {
     uint32_t geometry, instance; /* FATHOM_NONE: the root */
-    uint32_t first, count;       /* 0: none of them sends out light */
+    uint32_t first, count;       /* 0: none of them emits */
 } emitter_run;
 
-/* A part of all that is sent out, with a fixed chance to be asked for. */
+/* A class of emitters, with a fixed probability of being chosen. */
 typedef enum emitter_part {
     EMITTER_FINITE,
     EMITTER_OUTSIDE,
@@ -24,14 +24,14 @@ typedef enum emitter_part {
     EMITTER_PARTS
 } emitter_part;
 
-/* A sun. */
+/* A directional light. */
 typedef struct emitter_sun {
     vec3_f32 to_light; /* unit */
     float irradiance[3];
-    double cap;    /* 1 - cos of half the angle it fills */
-    double chance; /* among suns, and all before it */
+    double cap;    /* 1 - cos of half the angle that it covers */
+    double chance; /* probability among suns; below: the sum of the probabilities of all suns before it */
     double below;
-    bool sized; /* samples of its light are weighed against rays that find it by chance */
+    bool sized; /* MIS: BSDF samples find the disc, too */
     uint8_t group;
 } emitter_sun;
 
@@ -45,53 +45,53 @@ typedef struct emitter_lamp {
 /* An environment. */
 typedef struct emitter_sky {
     environment *image;
-    double chance; /* among what comes from outside */
+    double chance; /* probability among light from outside */
     uint8_t group;
 } emitter_sky;
 
-/* A face in all precisions. */
+/* A face in both precisions. */
 typedef struct emitter_face {
     shape_faces all; /* the same in all lanes */
     shape_face plain;
     shape_face_f32 fast;
-    bool exact; /* `fast` has its corners to the last digit */
+    bool exact; /* `fast` holds the corners without rounding */
 } emitter_face;
 
-/* The light of a scene that has one; see emitters_one.c. */
+/* The light of a scene with a single light; see emitters_one.c. */
 typedef struct emitter_one {
-    emitter_face *face; /* NULL: it is none */
+    emitter_face *face; /* NULL: the light is not a face */
     const float *radiance;
-    bool sky; /* the background alone */
+    bool sky; /* the only light is the background */
 } emitter_one;
 
 struct emitters {
     const world *w;
     const texturing *texturing; /* NULL: no emission varies over a surface */
-    float (*emission)[3];       /* by material: of both sides, on average over its coverage; without images */
-    emitter_run *runs;          /* those of the root's geometries first, then of each instance that emits */
+    float (*emission)[3];       /* by material: radiance of both sides times opacity, without images */
+    emitter_run *runs;          /* first of the root's geometries, then of each instance that emits */
     uint32_t run_count;
-    bool moving;            /* some emitter moves */
-    uint32_t *run_of;       /* by instance: the run of its group's first geometry; FATHOM_NONE: nothing */
-    uint32_t surface_count; /* emitters below this are primitives, the others lamps */
-    uint32_t *slot_of;      /* by emitter: its leaf; FATHOM_NONE: it sends out nothing */
+    bool moving;      /* some emitter moves */
+    uint32_t *run_of; /* by instance: the run of its group's first geometry; FATHOM_NONE: it emits nothing */
+    uint32_t surface_count; /* emitters below this are primitives, the others are lamps */
+    uint32_t *slot_of;      /* by emitter: its leaf; FATHOM_NONE: it emits nothing */
     uint32_t finite_count;  /* leaves */
-    uint32_t only;          /* the emitter, if there is one leaf; else FATHOM_NONE */
+    uint32_t only;          /* the emitter if there is exactly one leaf; else FATHOM_NONE */
     emitter_one one;
     tree lights;
     const shape_kernels *shapes;
     const light_kernels *points;
     emitter_lamp *lamps;
     uint32_t lamp_count;
-    light_surface *surfaces; /* that hold lamps */
+    light_surface *surfaces; /* surfaces that hold lamps */
     emitter_sun *suns;       /* those with a size first */
     uint32_t sun_count, disc_count;
     float background[3];
-    double background_chance; /* among what comes from outside */
+    double background_chance; /* probability among light from outside */
     emitter_sky *skies;
     uint32_t sky_count;
-    const light_groups *groups; /* NULL: nobody asks for them */
+    const light_groups *groups; /* NULL: groups are not needed */
     uint8_t background_group, outside_group;
-    double chance[EMITTER_PARTS]; /* to be asked for; they add up to 1, or are all 0 */
+    double chance[EMITTER_PARTS]; /* probability of each class; they add up to 1, or are all 0 */
 };
 
 static inline float luminance(const float rgb[3]) {
@@ -100,34 +100,34 @@ static inline float luminance(const float rgb[3]) {
 
 /* The luminance of a primitive, without images. */
 float emitters_power(const emitters *e, uint32_t geometry, uint32_t primitive, uint32_t instance);
-/* Fills in an item for each light with power; returns their number. Sets slot_of of those without. */
+/* Fills in an item for each light with power; returns their number. Sets slot_of of lights without power. */
 uint32_t emitters_list_items(emitters *e, tree_item *items);
-/* After all have been found. */
+/* Call after all emitters have been found. False: out of memory. */
 bool emitters_prepare_one(emitters *e);
-/* As emitters_sample(), where emitters_choose() is false. */
+/* As emitters_sample(), for scenes in which emitters_choose() is false. */
 void emitters_sample_one(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out);
 void emitters_note_groups(emitters *e, const light_groups *groups);
 uint8_t emitters_group_of(const emitters *e, uint32_t emitter);
 
-/* The run of a primitive that a ray met, or NULL: it is no emitter. */
+/* The run of a primitive that a ray hit, or NULL if it is not an emitter. */
 const emitter_run *emitters_run(const emitters *e, uint32_t geometry, uint32_t instance);
 /* The run of an emitter that is a primitive. */
 const emitter_run *emitters_run_of(const emitters *e, uint32_t emitter);
 
-/* Those of a face in the space of its group, at a time in [0, 1] of the shutter: of a triangle the third is
- * repeated. */
+/* The corners of a face in the space of its group, at a time in [0, 1] of the shutter; a triangle's third
+ * corner is repeated. */
 void emitters_corners(const world *w, uint32_t geometry, uint32_t primitive, float time, vec3_f64 out[4]);
-/* A primitive of a run in the world, at a time. */
+/* A primitive of a run in world space, at a time. */
 void emitters_face(const emitters *e, const emitter_run *run, uint32_t primitive, float time,
                    shape_face *out);
 
 /* A sphere, in the space of its group. */
 typedef struct emitter_ball {
     vec3_f64 center;
-    double radius, clear;           /* a ray must end, or a point lie, farther than this off it */
+    double radius, clear; /* a ray must end, or a point lie, farther than `clear` from the surface */
     const world_instance *instance; /* NULL: the root */
-    double slope;                   /* and farther by this for each unit of length in the world */
-    world_instance moved;           /* what `instance` points to if it moves */
+    double slope;                   /* and farther by this for each unit of length in world space */
+    world_instance moved;           /* `instance` points to this if it moves */
 } emitter_ball;
 void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive, float time,
                    emitter_ball *out);
@@ -143,10 +143,10 @@ static inline void no_light(emitter_sample *out, unsigned i) {
     out->sized[i] = 0;
 }
 
-/* Densities beyond float are of lights too small to be met. */
+/* Densities beyond the range of float belong to lights too small to be hit. */
 static inline float density_f32(double density) { return density < 0x1p127 ? (float)density : 0x1p127f; }
 
-/* A lane's answer, whose direction and distance are in place. */
+/* Completes a lane's sample, whose direction and distance are set. */
 static inline void emitters_finish(emitter_sample *out, unsigned i, double density, const float radiance[3]) {
     out->density[i] = density_f32(density);
     if (!(out->density[i] > 0)) {
@@ -157,24 +157,24 @@ static inline void emitters_finish(emitter_sample *out, unsigned i, double densi
     out->sized[i] = ~0u;
 }
 
-/* Answer from outside the lanes whose bits are set, and a lane that asks a sun. */
+/* Sample light from outside for the lanes whose bits are set, and a sun for one lane. */
 void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_query *from, const lanes3 u,
                              const double choice[LANES], emitter_sample *out);
 void emitters_sample_sun(const emitters *e, double u, double v, double choice, emitter_sample *out,
                          unsigned i);
 
-/* A primitive's answer to a point that asks it for light. */
+/* A light sample of a primitive, for one point. */
 typedef struct emitter_answer {
     vec3_f64 direction;
     double distance, density; /* density 0: no light from there */
-    bool dark;                /* the direction is taken, but meets nothing */
+    bool dark;                /* the direction is sampled, but it hits nothing that emits */
 } emitter_answer;
 
-/* Neither stretched nor around the point. */
+/* True if the sphere is not transformed by an instance and the point is outside it. */
 bool emitters_ball_is_plain(const emitter_ball *b, vec3_f64 p);
 void emitters_ask_ball(const emitter_ball *b, vec3_f64 p, vec3_f64 n, double u, double v,
                        emitter_answer *out);
-/* The densities of these answers. */
+/* The densities of these samples. */
 double emitters_face_density(const shape_face *f, vec3_f64 p);
 double emitters_ball_density(const emitter_ball *b, vec3_f64 p, vec3_f64 n, vec3_f64 direction);
 

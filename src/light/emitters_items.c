@@ -1,5 +1,5 @@
-/* The light tree's facts about each finite emitter: bounds of its places and its axes, and its power;
- * of one that moves, over all of the time that the shutter is open. */
+/* The light tree's item of each finite emitter: bounds of its positions and its axes, and its power. A moving
+ * emitter's bounds cover the whole time that the shutter is open. */
 #include "light/emitters_inner.h"
 
 #include <float.h>
@@ -9,7 +9,7 @@ float emitters_power(const emitters *e, uint32_t geometry, uint32_t primitive, u
     return luminance(e->emission[world_material(e->w, geometry, primitive, instance)]);
 }
 
-/* No place, no power, and any way. */
+/* Empty bounds, no power, all directions. */
 static void begin_item(tree_item *item) {
     for (int k = 0; k < 3; ++k) item->lower[k] = FLT_MAX, item->upper[k] = -FLT_MAX, item->axis[k] = 0;
     item->power = 0, item->spread = 1;
@@ -28,23 +28,23 @@ static void bound(tree_item *item, const vec3_f64 *corners, int count) {
     for (int i = 0; i < count; ++i) bound_box(item, corners[i], none);
 }
 
-/* ---- what moves ---- */
+/* ---- motion ---- */
 
 /* How the primitives of a run move. */
 typedef struct run_motion {
-    const world_motion *placed;      /* NULL: their instance rests */
-    uint32_t steps;                  /* of `placed`, else of the vertices; 0: nothing moves */
-    uint32_t bends;                  /* steps of the vertices; 0: they rest */
-    bool stretches;                  /* the placement does */
-    double turn;                     /* radians at most between two steps */
-    affine_f64 at[WORLD_STEPS_MOST]; /* the placement at each step; the first alone where it rests */
+    const world_motion *placed;      /* NULL: their instance is static */
+    uint32_t steps;                  /* steps of `placed`, else of the vertices; 0: static */
+    uint32_t bends;                  /* steps of the vertices; 0: they are static */
+    bool stretches;                  /* the transform scales or shears over time */
+    double turn;                     /* maximum rotation in radians between two steps */
+    affine_f64 at[WORLD_STEPS_MOST]; /* the transform at each step; only the first if it is static */
 } run_motion;
 
 static double turn_between(const motion_parts *a, const motion_parts *b) {
     return 2 * acos(fmin(motion_turn_cosine(a, b), 1));
 }
 
-/* Keys that turn alone leave the stretch as it was, but for roundings. */
+/* Keys that only rotate leave scale and skew unchanged, except for rounding errors. */
 static bool is_stretched(const motion_parts *a, const motion_parts *b) {
     double most = 0, off = 0;
     for (int k = 0; k < 3; ++k) {
@@ -81,17 +81,17 @@ static vec3_f64 stretched(const motion_parts *p, vec3_f64 x) {
                    p->scale[1] * x.y + p->skew[2] * x.z, p->scale[2] * x.z);
 }
 
-/* The length of the stretch of a ball around 0. */
+/* Upper bound of the scale of lengths. */
 static double stretch_of(const motion_parts *p) {
     double square = 0;
     for (int k = 0; k < 3; ++k) square += p->scale[k] * p->scale[k] + p->skew[k] * p->skew[k];
     return sqrt(square);
 }
 
-/* How far a ball's points stray from the straight lines between their places at two steps. Such a point is p
- * = R y + T, where y and T move linearly and R turns by an angle a at a speed that hardly changes: it strays
- * by max |p''| / 8, and |p''| is at most a² |y| + 2 a |y'|. A twentieth more is for the chord on which R
- * goes, and 2^-18 for the roundings of a tracer. */
+/* Upper bound of the distance between a ball's points and the straight lines that connect their positions at
+ * two steps. Such a point is p = R y + T, where y and T move linearly and R rotates by an angle a at nearly
+ * constant speed: the distance is at most max |p''| / 8, and |p''| is at most a² |y| + 2 a |y'|. The factor
+ * 1.05 is for R, which moves on a chord, and 2^-18 for the tracer's rounding errors. */
 static double slack_between(const motion_parts *a, const motion_parts *b, vec3_f64 x, double radius) {
     const vec3_f64 from = stretched(a, x), to = stretched(b, x);
     const double wide = fmax(stretch_of(a), stretch_of(b)), turn = turn_between(a, b);
@@ -100,7 +100,7 @@ static double slack_between(const motion_parts *a, const motion_parts *b, vec3_f
     return 1.05 / 8 * (turn * turn * reach + 2 * turn * change) + 0x1p-18 * reach;
 }
 
-/* A ball of the object's space, wherever the placement carries it. */
+/* Bounds a ball of object space over all positions that the transform gives it. */
 static void bound_placed(const run_motion *m, vec3_f64 x, double radius, tree_item *item) {
     for (uint32_t k = 0; k + 1 < m->steps; ++k) {
         const motion_parts *parts = &m->placed->parts[k];
@@ -116,7 +116,7 @@ static void bound_placed(const run_motion *m, vec3_f64 x, double radius, tree_it
 
 /* ---- faces ---- */
 
-/* The area, and a normal of the first half. */
+/* The area, and a normal of the first triangle. */
 static double face_area(const vec3_f64 c[4], bool quad, vec3_f64 *n) {
     *n = cross_f64(sub_f64(c[1], c[0]), sub_f64(c[3], c[0]));
     double area = 0.5 * length_f64(*n);
@@ -124,14 +124,15 @@ static double face_area(const vec3_f64 c[4], bool quad, vec3_f64 *n) {
     return area;
 }
 
-/* The corners at a step, in the world. */
+/* The corners at a step, in world space. */
 static void corners_at(const emitters *e, const emitter_run *run, uint32_t primitive, const run_motion *m,
                        uint32_t k, vec3_f64 c[4]) {
     emitters_corners(e->w, run->geometry, primitive, step_time(k, m->steps), c);
     for (int i = 0; i < 4; ++i) c[i] = affine_point(&m->at[m->placed ? k : 0], c[i]);
 }
 
-/* All places of a face whose corners move in what moves: those of a box around them. */
+/* Bounds all positions of a face whose vertices and transform both move: those of a box around its
+ * object-space positions. */
 static void bound_bent(const emitters *e, const emitter_run *run, uint32_t primitive, const run_motion *m,
                        tree_item *item) {
     scene_bounds inside = bounds_empty();
@@ -143,9 +144,9 @@ static void bound_bent(const emitters *e, const emitter_run *run, uint32_t primi
     for (int i = 0; i < 8; ++i) bound_placed(m, bounds_corner(&inside, i), 0, item);
 }
 
-/* Where vertices move straight between two steps, their normal is a positive sum of those at both and of a
- * mixed one, so a cone that holds all three holds it. Where the placement turns, it goes no further off than
- * that turns. Other normals may go any way. */
+/* If vertices move linearly between two steps, their normal is a positive combination of the normals at both
+ * steps and of a mixed one: a cone that holds all three also holds it. If the transform rotates, the normal
+ * deviates at most by that rotation. For any other motion, the normal may have any direction. */
 static void moving_face(const emitters *e, const emitter_run *run, uint32_t primitive, const run_motion *m,
                         tree_item *item) {
     const bool quad = e->w->geometries.items[run->geometry].kind == WORLD_QUADS;
@@ -174,7 +175,7 @@ static void moving_face(const emitters *e, const emitter_run *run, uint32_t prim
     item->spread = (float)cos(angle);
 }
 
-/* Half the sum of what both sides send out, were it all along the normal. */
+/* The power is half the sum of both sides' intensities along the normal. */
 static void face_item(const emitters *e, const emitter_run *run, uint32_t primitive, const run_motion *m,
                       tree_item *item) {
     shape_face f;
@@ -210,7 +211,7 @@ static void ball_item(const emitters *e, const emitter_run *run, uint32_t primit
 
 /* ---- each ---- */
 
-/* Embree leaves out what lies beyond its reach. */
+/* Embree ignores geometry beyond its range. */
 static bool within_reach(const tree_item *item) {
     bool within = true;
     for (int k = 0; k < 3; ++k)
@@ -218,8 +219,8 @@ static bool within_reach(const tree_item *item) {
     return within;
 }
 
-/* The mean luminance of what varies: in the middle and towards each corner, with footprints that cover the
- * face. Where it is 0 by mistake, rays still meet what light there is. */
+/* The mean luminance of a varying emission: looked up at the centre and towards each corner, with footprints
+ * that cover the face. If the mean is 0 by mistake, BSDF samples still hit the emission. */
 static float varied_power(const emitters *e, const emitter_run *run, uint32_t primitive) {
     static const float weight[4][3] = {{1 / 3.0f, 1 / 3.0f, 1 / 3.0f},
                                        {2 / 3.0f, 1 / 6.0f, 1 / 6.0f},
@@ -239,8 +240,8 @@ static float varied_power(const emitters *e, const emitter_run *run, uint32_t pr
     return sum / (quad ? 8 : 4);
 }
 
-/* False: it sends out nothing, has no area, or is out of reach. Spheres whose emission varies are left to
- * rays that meet them. */
+/* Returns false if the primitive emits nothing, has no area, or is out of range. Spheres whose emission
+ * varies are left to BSDF samples. */
 static bool primitive_item(const emitters *e, const emitter_run *run, uint32_t primitive, const run_motion *m,
                            tree_item *item) {
     const bool ball = e->w->geometries.items[run->geometry].kind == WORLD_SPHERES;
@@ -257,7 +258,7 @@ static bool primitive_item(const emitters *e, const emitter_run *run, uint32_t p
     return within_reach(item);
 }
 
-/* As irradiance at distance 1, pi k_l. */
+/* The power is the irradiance at distance 1, pi k_l. */
 static void lamp_item(const emitter_lamp *lamp, tree_item *item) {
     vec3_f64 at = widen(lamp->light.position);
     begin_item(item);

@@ -1,5 +1,5 @@
-/* Scenes with one light, as most rooms and most landscapes have: a face that rests or an even sky. Nothing is
- * chosen there, and all lanes ask the same light. */
+/* Scenes with one light, as most rooms and most landscapes have: a static face or a uniform sky. There is no
+ * choice of lights, and all lanes sample the same one. */
 #include "light/emitters_inner.h"
 
 #include <stdlib.h>
@@ -12,7 +12,7 @@ static bool is_alone(const emitters *e, emitter_part part) {
     return true;
 }
 
-/* Rounding takes up to 8 u from the cosine to the normal: as much as a larger slope does. */
+/* Rounding takes up to 8 u from the cosine to the normal: the same effect as a larger slope. */
 static void make_fast(emitter_face *f) {
     static const int halves[2][3] = {{0, 1, 3}, {2, 3, 1}};
     const shape_face *from = &f->plain;
@@ -53,14 +53,15 @@ bool emitters_prepare_one(emitters *e) {
 
 bool emitters_choose(const emitters *e) { return !e->one.face && !e->one.sky; }
 
-/* Under an even sky a light sample brings the sky's light or none. A BSDF sample that does not reach the sky
- * brings what a surface reflects of it, a part a, and so varies less (Grittmann et al., "Variance-Aware
- * Multiple Importance Sampling", 2019). Where densities are equal, as on Lambert's surfaces, weights of
- * (1 - a) / 2 and (1 + a) / 2 give the least variance. a = 1/4 gains nearly as much as the albedo itself, and
- * loses little where surfaces are black: the squares of the weights are as 1 - a to 1 + a. */
+/* Under a uniform sky, a light sample contributes the sky's light or nothing. A BSDF sample that misses the
+ * sky contributes the light that a surface reflects, a fraction a of it, and so has less variance (Grittmann
+ * et al., "Variance-Aware Multiple Importance Sampling", 2019). If both densities are equal, as on Lambert
+ * surfaces, weights of (1 - a) / 2 and (1 + a) / 2 minimise the variance. a = 1/4 gains nearly as much as the
+ * albedo itself, and costs little on black surfaces: the squares of the densities' factors are as 1 - a to 1
+ * + a. */
 float emitters_mis_factor(const emitters *e) { return e->one.sky ? 0.7745967f : 1; }
 
-/* Lanes without light get a direction all the same. */
+/* Lanes without light get a direction as well. */
 static void finish(const float radiance[3], emitter_sample *restrict out) {
     int dark = 0;
     for (unsigned i = 0; i < LANES; ++i) {
@@ -78,7 +79,8 @@ static void finish(const float radiance[3], emitter_sample *restrict out) {
     }
 }
 
-/* The lanes of these bits in double. Densities beyond float are of lights too small to be met. */
+/* Samples the lanes of these bits in double. Densities beyond the range of float belong to lights too small
+ * to be hit. */
 static void look_closer(const emitters *e, const emitter_query *from, const lanes3 u, uint32_t lanes,
                         emitter_sample *out) {
     lanes3_f64 p;

@@ -1,4 +1,4 @@
-/* Samples what comes from outside of the scene: the background, environments and suns. */
+/* Samples light from outside the scene: the background, environments and suns. */
 #include "light/emitters_inner.h"
 
 #include <string.h>
@@ -51,7 +51,7 @@ bool emitters_disc(const emitters *e, uint32_t k, vec3_f32 direction, emitter_di
 
 /* ---- background and environments ---- */
 
-/* Background and environments add up. One of them takes a direction; its density counts them all. */
+/* Background and environments add up. One of them samples a direction; the density includes all of them. */
 static void look_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,
                          sky_light *out) {
     for (unsigned left = lanes; left; left &= left - 1) {
@@ -70,8 +70,8 @@ static void look_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, 
     }
 }
 
-/* Which lanes ask environment k, of those that are left. Rounding may leave a choice beyond all chances: the
- * last one above 0 takes it, unless there is a background. */
+/* The lanes, of those that remain, that sample environment k. If rounding leaves a choice beyond all
+ * probabilities, the last environment with one above 0 takes it, unless there is a background. */
 static unsigned who_asks(const emitters *e, uint32_t k, unsigned lanes, double choice[LANES]) {
     unsigned asks = 0;
     bool last = !(e->background_chance > 0);
@@ -84,8 +84,8 @@ static unsigned who_asks(const emitters *e, uint32_t k, unsigned lanes, double c
     return asks;
 }
 
-/* Each lane takes a direction from one source. An environment also answers with its own light, which is all
- * there is where nothing else shines. */
+/* Each lane samples a direction from one source. For an environment this also sets radiance and density,
+ * which are complete if there is no other source. */
 static void aim_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, const lanes3 u,
                         double choice[LANES], lanes3_f64 direction, sky_light *out) {
     double place[2][LANES];

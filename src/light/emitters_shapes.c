@@ -1,15 +1,16 @@
-/* Emissive primitives as one point sees them.
+/* Emissive primitives seen from a point.
  *
- * Where a shadow ray has to end, with u = 2^-24, n the unit normal of a face or sphere, S the place on it and
- * D the length of the ray, as distances along n (light/light_surfaces.c derives the items):
- * - The primitive's roundings u Σ |n_i| |c_i|, for its farthest corner c, or u (Σ |n_i| |C_i| + R); the same
- *   again for S, and twice for the start of the ray, which became float before and after it was moved off its
- *   surface. In an instance the tracer's map to object space and back.
- * - The tracer's own error near the surface, and where that moves, its error of the place at a time
- *   (surface/gather.c).
- * - The ray: 32 u D, and 4 u D for what the start's coordinates exceed those of S.
- * The first two make `clear`, the third `slope`. A point that is no farther than `clear` off an emitter may
- * lie on either side, and most likely on it: it gets nothing from there. */
+ * A shadow ray must end clear of the emitter. With u = 2^-24, n the unit normal of a face or sphere, S the
+ * point on it and D the length of the ray, these are the errors as distances along n (light/light_surfaces.c
+ * derives the items):
+ * - The primitive's rounding errors u Σ |n_i| |c_i|, for its farthest corner c, or u (Σ |n_i| |C_i| + R); the
+ * same again for S, and twice for the start of the ray, which was rounded to float before and after it was
+ * moved off its surface. In an instance, the tracer's transforms to object space and back.
+ * - The tracer's own error near the surface and, for a moving emitter, its error of the position at a time
+ * (surface/gather.c).
+ * - The ray: 32 u D, and 4 u D because the start's coordinates may exceed those of S.
+ * The first two items make `clear`, the third `slope`. A point no farther than `clear` from an emitter may
+ * lie on either side, and most likely on the emitter: it gets no light from it. */
 #include "light/emitters_inner.h"
 
 #include "surface/gather.h"
@@ -56,7 +57,7 @@ void emitters_corners(const world *w, uint32_t geometry, uint32_t primitive, flo
     out[0] = widen(c[0]), out[1] = widen(c[1]), out[2] = out[3] = widen(c[2]);
 }
 
-/* In the space of its group; at[k]: the corners there, to[k]: in the world. bent: they move there. */
+/* at[k]: the corners in the space of the face's group, to[k]: in world space. bent: the vertices move. */
 static void face_bounds(const world_instance *instance, const vec3_f64 at[4], const vec3_f64 to[4], bool bent,
                         shape_face *f) {
     vec3_f64 ab = sub_f64(at[1], at[0]), ac = sub_f64(at[3], at[0]);
@@ -121,7 +122,7 @@ void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive
     out->clear = held + 8 * unit_round * out->radius + 3 * unit_round * reach;
     out->slope = 36 * unit_round;
     if (!out->instance) return;
-    /* Σ over all axes, since the normal is not known yet. */
+    /* The sum is over all axes, because the normal is not known yet. */
     const vec3_f64 all = {1, 1, 1};
     vec3_f64 center = map_point(out->instance->to_world, out->center);
     vec3_f64 top = {0, 0, 0};
@@ -144,10 +145,10 @@ void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive
 
 /* A ball and a point, in the ball's space. */
 typedef struct ball_view {
-    vec3_f64 from; /* the point, seen from the centre */
-    double square; /* its length, squared */
-    bool outside;  /* clearly; else inside, or on the surface */
-    bool on;       /* the surface, or within rounding of it */
+    vec3_f64 from; /* the vector from the centre to the point */
+    double square; /* its squared length */
+    bool outside;  /* the point is clearly outside; else it is inside or on the surface */
+    bool on;       /* the point is on the surface, or within rounding errors of it */
 } ball_view;
 
 static ball_view view_of(const emitter_ball *b, vec3_f64 p) {
@@ -167,13 +168,13 @@ static vec3_f64 to_object(const emitter_ball *b, vec3_f64 v) {
     return b->instance ? map_vector(b->instance->to_object, v) : v;
 }
 
-/* A unit direction d in the ball's object space has the length k = |M d| in the world. The density per solid
- * angle in the world is k^3 / |det M| times that in object space. */
+/* A unit direction d in the ball's object space has the length k = |M d| in world space. The density per
+ * solid angle in world space is k^3 / |det M| times the density in object space. */
 static double turned_density(const emitter_ball *b, double density, double k) {
     return b->instance ? density * (k * k * k / fabs(determinant(b->instance->to_world))) : density;
 }
 
-/* From outside: the cone that the sphere fills. */
+/* For a point outside: samples the cone that the sphere covers. */
 static void ask_outside(const emitter_ball *b, const ball_view *v, double s, double t, emitter_answer *out) {
     const shape_cone cone = shape_cone_of(v->from, b->radius);
     vec3_f64 d = shape_cone_sample(&cone, s, t), wide = to_world(b, d);
@@ -184,8 +185,8 @@ static void ask_outside(const emitter_ball *b, const ball_view *v, double s, dou
     out->density = turned_density(b, shape_inverse(shape_cone_angle(&cone)), k);
 }
 
-/* From inside light comes from all around. A point on the surface sees the inside's far side, if anything: a
- * ray from it starts clear of the surface, on the side to which it goes. */
+/* For a point inside, light comes from all directions. A point on the surface can only see the inside of the
+ * far side: a ray from it starts clear of the surface, on the side to which it goes. */
 static void ask_inside(const emitter_ball *b, const ball_view *v, vec3_f64 n, double s, double t,
                        emitter_answer *out) {
     vec3_f64 wide = shape_all_sample(n, s, t), d = to_object(b, wide);

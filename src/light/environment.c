@@ -12,7 +12,7 @@ struct environment {
     const sky_kernels *kernels;
 };
 
-/* With room for the texels. */
+/* Allocates an environment and its texels. */
 static environment *make(fathom_context *context, uint32_t width, uint32_t height) {
     const size_t count = (size_t)width * height;
     environment *e = calloc(1, sizeof *e);
@@ -49,7 +49,7 @@ static bool is_linear(const char *path) {
     return true;
 }
 
-/* R, G and B, or one channel for all three. */
+/* Finds R, G and B, or one channel for all three. */
 static bool find_channels(const image *img, const image_channel *rgb[3]) {
     static const char *const names[] = {"R", "G", "B"};
     for (int c = 0; c < 3; ++c) {
@@ -101,7 +101,7 @@ static fathom_status load_texels(fathom_context *context, const fathom_light *li
     return FATHOM_OK;
 }
 
-/* Once all texels are in. Destroys *e where memory lacks. */
+/* Call once all texels are set. Destroys *e if memory runs out. */
 static fathom_status finish(fathom_context *context, environment **e) {
     const size_t bytes = (size_t)(*e)->sky.width * (*e)->sky.height * sizeof(double);
     if (sky_open(&(*e)->sky)) return FATHOM_OK;
@@ -110,7 +110,7 @@ static fathom_status finish(fathom_context *context, environment **e) {
     return fail_memory(context, bytes);
 }
 
-/* By the shortest turn from y to the unit vector `up`. */
+/* Rotates v by the shortest rotation from y to the unit vector `up`. */
 static vec3_f64 turned_up(vec3_f64 v, vec3_f64 up) {
     const vec3_f64 both = {up.x, up.y + 1, up.z};
     if (!(both.y > 1e-12)) return (vec3_f64){v.x, -v.y, -v.z};
@@ -162,11 +162,11 @@ void environment_brightest(const environment *e, float out[3]) {
 
 /* ---- the studio ---- */
 
-/* A texel is a third of a degree wide: less than the soft edges of the panels show. */
+/* A texel is a third of a degree wide: finer than the panels' soft edges. */
 #define STUDIO_WIDTH 1024u
 #define STUDIO_HEIGHT 512u
 
-/* A viewer who looks along `up` sees the studio from where the image's z points. */
+/* Sets the axes. If the viewer looks along `up`, the direction of the image's z is arbitrary. */
 static void stand(environment *e, vec3_f64 z, vec3_f64 up) {
     vec3_f64 back = sub_f64(z, scale_f64(dot_f64(z, up), up));
     if (!(length_f64(back) > 0x1p-10)) back = fabs(up.z) < 0.9 ? vec_f64(0, 0, 1) : vec_f64(0, -1, 0);

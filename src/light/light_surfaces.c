@@ -1,21 +1,22 @@
-/* With u = 2^-24, n the unit normal of a surface, S the light and D the length of a shadow ray, all that can
- * take the ray's end to the other side of the surface, as distances along n:
- * - S became float: Σ |n_i| u |S_i|. So did what the surface is made of: Σ |n_i| u |c_i| for the farthest
- * corner c, the same and u R for a sphere, 4 u Σ |n_i| |S_i| for a plane, whose normal was rounded. In an
- * instance tracers carry rays to object space (surface/gather.c); the entries of the map were rounded, too,
- * which takes two of the six roundings there once more. A light within the sum of these is held by the
- * surface.
+/* With u = 2^-24, n the unit normal of a surface, S the light and D the length of a shadow ray, these errors
+ * can move the ray's end to the other side of the surface. They are distances along n:
+ * - S was rounded to float: Σ |n_i| u |S_i|. The surface's data was rounded, too: Σ |n_i| u |c_i| for the
+ * farthest corner c, the same and u R for a sphere, 4 u Σ |n_i| |S_i| for a plane, whose normal was rounded.
+ * In an instance, tracers transform rays to object space (surface/gather.c); the entries of the matrix were
+ * also rounded, which adds two of the six roundings there once more. If a light is within the sum of these
+ * errors, the surface holds it.
  * - The tracer's own error near the surface: LOCAL_FACE_SELF_HIT times the extent for faces, 8 u R for
  * spheres, 8 u Σ |n_i| (|S_i| + |c_i|) for planes, which are subtracted whole.
- * - The ray: direction, length and product leave 6 u D; t = n·v / n·d, v from the start to a corner, leaves 4
- * u |v| in the numerator and 4 u D in the denominator, and edges made of two such v turn n by up to 4 u |v|
- * over the extent, which moves the plane by as much as 4 u |v| within the face. |v| <= D + extent, and the
- * extent is in the second item. These 18 u D are taken as 32 u D. In an instance the start and the direction
- * are carried to object space with 8 roundings of Σ_j |A_ij| D on axis i.
+ * - The ray: direction, length and product contribute 6 u D; t = n·v / n·d, v from the start to a corner,
+ * contributes 4 u |v| in the numerator and 4 u D in the denominator, and edges that are differences of two
+ * such v rotate n by up to 4 u |v| / extent, which moves the plane by up to 4 u |v| within the face. |v| <= D
+ * + extent, and the extent is covered by the second item. These 18 u D are rounded up to 32 u D. In an
+ * instance, the start and the direction are transformed to object space with 8 roundings of Σ_j |A_ij| D on
+ * axis i.
  *
- * The first two make `clear`, the third `slope`. So an occluder hides the light when it crosses the ray at
- * more than twice the sum, about 2^-18 of the distance and of the coordinates, off the surface that holds the
- * light. */
+ * The first two items make `clear`, the third `slope`. An occluder therefore hides the light if it crosses
+ * the ray at more than twice the sum, about 2^-18 of the distance and of the coordinates, away from the
+ * surface that holds the light. */
 #include "light/light_surfaces.h"
 
 #include "surface/gather.h"
@@ -27,7 +28,7 @@
 
 static const double unit_round = 0x1p-24;
 
-/* A light, in the space of what is looked through. */
+/* A light, in the space in which surfaces are searched. */
 typedef struct probe {
     vec3_f64 at;
     uint32_t light;
@@ -42,19 +43,19 @@ typedef struct finder {
     const world *w;
     const shade_light *lights;
     uint32_t count;
-    double *farthest;     /* by light: the length of the longest ray */
-    double loose;         /* more than any surface may be off a light to count, in the world */
+    double *farthest;     /* by light: the length of the longest shadow ray */
+    double loose;         /* no surface farther than this from a light affects it; in world space */
     scene_bounds *bounds; /* by group, in its own space */
-    probe *all, *local;   /* sorted along x; of the world, and of the instance that is looked through */
+    probe *all, *local;   /* sorted along x; in world space, and in the space of the current instance */
     bool *in_mesh;
     ARRAY(found) list;
     bool out_of_memory;
 } finder;
 
-/* What a surface is looked at with. */
+/* The space and the lights for which surfaces are tested. */
 typedef struct view {
     finder *f;
-    const world_instance *instance; /* NULL: the world's own space */
+    const world_instance *instance; /* NULL: world space */
     const probe *probes;            /* sorted along x */
     size_t count;
     double loose; /* in this space */
@@ -100,7 +101,7 @@ static scene_bounds group_box(const world *w, const world_group *group) {
     return out;
 }
 
-/* The middle is mapped, and |M| maps half the extent. */
+/* Transforms the centre by M, and half the extent by |M|. */
 static scene_bounds placed_bounds(const scene_bounds *b, const world_instance *instance) {
     if (bounds_is_empty(b)) return *b;
     vec3_f64 middle = scale_f64(0.5, add_f64(b->lower, b->upper)), half = sub_f64(b->upper, middle);
@@ -119,9 +120,9 @@ static scene_bounds placed_bounds(const scene_bounds *b, const world_instance *i
 /* A surface near the light, in its own space. */
 typedef struct contact {
     vec3_f64 n;      /* unit */
-    double above;    /* of the light */
-    double rounding; /* of what the surface is made of, along n */
-    double self_hit; /* of the tracer near it */
+    double above;    /* of the light above the surface */
+    double rounding; /* of the surface's data, along n */
+    double self_hit; /* error of the tracer near the surface */
 } contact;
 
 static void add_contact(const view *v, const probe *p, const contact *c) {
@@ -156,7 +157,7 @@ static void look_at_sphere(const view *v, const probe *p, const world_sphere *s)
     add_contact(v, p, &c);
 }
 
-/* True when the light, seen along n, lies in the face or within `loose` of it. */
+/* True if the light, projected along n, lies in the face or within `loose` of it. */
 static bool lies_in(const vec3_f64 v[3], vec3_f64 n, vec3_f64 at, double loose) {
     for (int k = 0; k < 3; ++k) {
         vec3_f64 side = sub_f64(v[(k + 1) % 3], v[k]);
@@ -206,7 +207,7 @@ static bool in_box(const view *v, const scene_bounds *b, vec3_f64 at) {
            at.z <= b->upper.z + v->loose;
 }
 
-/* The next probe from `from` on that lies in the scene_bounds or close by; v->count: there is none. */
+/* The next probe, from index `from` on, that lies in the bounds or within `loose` of them; v->count: none. */
 static size_t next_in(const view *v, const scene_bounds *b, size_t from) {
     for (size_t k = from; k < v->count && v->probes[k].at.x <= b->upper.x + v->loose; ++k) {
         if (in_box(v, b, v->probes[k].at)) return k;
@@ -224,7 +225,7 @@ static void look_through_faces(const view *v, const vec3_f64 corner[3]) {
         look_at_face(v, &v->probes[k], corner);
 }
 
-/* Float will do: `loose` is some 2^12 of its roundings. */
+/* Float is precise enough: `loose` is about 2^12 of its roundings. */
 typedef struct float_box {
     vec3_f32 lower, upper;
 } float_box;
@@ -240,7 +241,7 @@ static inline bool apart(float a, float b, float c, float lower, float upper) {
     return ((a < lower) & (b < lower) & (c < lower)) | ((a > upper) & (b > upper) & (c > upper));
 }
 
-/* Most triangles lie apart from all lights: millions are looked at, so that has to be quick. */
+/* Nearly all of millions of triangles are far from all lights, so this loop must reject them quickly. */
 static void look_through_mesh(const view *v, const world *w, uint32_t index) {
     const fathom_mesh *mesh = &w->meshes.items[index];
     const scene_bounds all = mesh_box(w, index);
@@ -297,7 +298,7 @@ static int by_x(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Only the lights that lie in its scene_bounds are carried to object space. */
+/* Only lights within the instance's bounds are transformed to object space. */
 static void look_through_instance(finder *f, const world_instance *instance) {
     const scene_bounds b = placed_bounds(&f->bounds[instance->group], instance);
     const view outside = {.probes = f->all, .count = f->count, .loose = f->loose};
@@ -318,7 +319,7 @@ static void look_through_world(finder *f) {
     const world *w = f->w;
     view v = {.f = f, .probes = f->all, .count = f->count, .loose = f->loose};
     if (w->groups.count) look_through_group(&v, 0);
-    /* Lamps that something touches on its way shine wherever it is. */
+    /* Moving instances are skipped: their surfaces never count as holding a lamp. */
     for (size_t i = 0; i < w->instances.count; ++i)
         if (!w->instances.items[i].moving) look_through_instance(f, &w->instances.items[i]);
     v.mesh = false;
@@ -330,8 +331,8 @@ static void look_through_world(finder *f) {
 
 /* ---- the whole ---- */
 
-/* Rays come from what is bounded. Those from the rest of a plane may be longer; there a lamp a hair's breadth
- * below its panel may be lost. */
+/* Shadow rays are assumed to start in the bounds of the finite objects. Those from the rest of a plane may be
+ * longer; there, the light of a lamp just below its panel may be lost. */
 static void measure(finder *f, vec3_f32 eye) {
     const world *w = f->w;
     scene_bounds all = {widen(eye), widen(eye)};
@@ -347,14 +348,14 @@ static void measure(finder *f, vec3_f32 eye) {
                                             larger(at.z - all.lower.z, all.upper.z - at.z)};
         double reach = larger(largest(at), larger(largest(all.lower), largest(all.upper)));
         f->farthest[f->all[k].light] = length_f64(most);
-        /* 64 times what add_contact() allows in the world, for maps that stretch. */
+        /* 64 times the tolerance of add_contact() in world space, for transforms that scale. */
         f->loose = larger(f->loose, 0x1p-12 * (length_f64(most) + reach));
     }
 }
 
 static bool is_same(const light_surface *a, const light_surface *b) {
     vec3_f32 apart = sub_f32(a->normal, b->normal), sum = add_f32(a->normal, b->normal);
-    /* Normals of a fold of 2^-10 and less: an end that is clear of one is so of the other. */
+    /* Normals that differ by 2^-10 or less: an end that is clear of one surface is clear of the other. */
     bool turned = dot_f32(sum, sum) < 0x1p-20f, alike = dot_f32(apart, apart) < 0x1p-20f;
     return (alike || turned) && (a->above == 0) == (b->above == 0) && (a->above == 0 || alike);
 }
@@ -366,7 +367,7 @@ static int by_distance(const void *a, const void *b) {
     return (p > q) - (p < q);
 }
 
-/* Adds a surface to those of its light, out[0, count), unless it is one of them; returns their number. */
+/* Adds a surface to those of its light, out[0, count), unless an equal one is there; returns their number. */
 static uint32_t take(light_surface *out, uint32_t count, const light_surface *s) {
     for (uint32_t k = 0; k < count; ++k) {
         if (!is_same(&out[k], s)) continue;

@@ -1,8 +1,8 @@
-/* Emissive shapes as a point sees them: the solid angle that they fill, and directions chosen evenly in it.
+/* Emissive shapes seen from a point: the solid angle that they cover, and directions sampled uniformly in it.
  *
- * Everything is double, and of differences that are exact or nearly so: shapes of any size and distance keep
- * at least the digits of float. No call of the C library is made but for roots: the bits are the same on
- * every processor, and loops over lanes vectorise. */
+ * All arithmetic is double, on differences that are exact or nearly so: shapes of any size and distance are
+ * at least as accurate as float. No C library function is called except square roots: the bits are the same
+ * on every processor, and loops over lanes vectorise. */
 #ifndef LIGHT_SHAPE_H
 #define LIGHT_SHAPE_H
 
@@ -11,12 +11,12 @@
 
 #define SHAPE_PI 3.14159265358979323846
 
-/* A loop over lanes that calls one of these as a function is not vectorised. */
+/* These must be inlined: a loop over lanes that calls one as a function does not vectorise. */
 #define SHAPE_INLINE __attribute__((always_inline)) static inline
 
 /* ---- functions ---- */
 
-/* sin x for |x| <= pi/2: the series is cut off at 4e-14. */
+/* sin x for |x| <= pi/2: the series is truncated at an error of 4e-14. */
 SHAPE_INLINE double shape_sine(double x) {
     double q = x * x;
     double s = 1 / 6227020800.0 - q * (1 / 1307674368000.0 - q * (1 / 355687428096000.0));
@@ -24,8 +24,8 @@ SHAPE_INLINE double shape_sine(double x) {
     return x * (1 - q * (1 / 6.0 - q * (1 / 120.0 - q * (1 / 5040.0 - q * s))));
 }
 
-/* The angle of (x, y) for y >= 0, in [0, pi]; 0 for (0, 0). The tangent is halved twice, to tan(pi/16) at
- * most: there the series is cut off at 1e-15. */
+/* The polar angle of (x, y) for y >= 0, in [0, pi]; 0 for (0, 0). The tangent of the angle is halved twice,
+ * to at most tan(pi/16), where the series is truncated at an error of 1e-15. */
 SHAPE_INLINE double shape_angle(double y, double x) {
     double wide = fabs(x), big = wide > y ? wide : y, little = wide > y ? y : wide;
     double q = little / (big + 0x1p-1000);
@@ -39,7 +39,7 @@ SHAPE_INLINE double shape_angle(double y, double x) {
     return x < 0 ? SHAPE_PI - a : a;
 }
 
-/* cos and sin of 2 pi u, but for one sign. */
+/* cos and sin of 2 pi u with both signs flipped. */
 static inline void shape_turn(double u, double *cosine, double *sine) {
     double phi = 2 * SHAPE_PI * (u - 0.5), over = fabs(phi);
     double folded = over > SHAPE_PI / 2 ? SHAPE_PI - over : over;
@@ -59,7 +59,7 @@ static inline vec3_f64 shape_unit(vec3_f64 v) { return scale_f64(1 / sqrt(dot_f6
 
 /* ---- all directions ---- */
 
-/* By the cosine to the unit normal n; n = 0: evenly over the sphere. */
+/* Proportional to the cosine to the unit normal n; n = 0: uniform over the sphere. */
 static inline vec3_f64 shape_all_sample(vec3_f64 n, double u, double v) {
     bool sided = dot_f64(n, n) > 0;
     double c, s, z = sided ? sqrt(1 - u) : 1 - 2 * u, r = sided ? sqrt(u) : 2 * sqrt(u * (1 - u));
@@ -73,26 +73,26 @@ static inline double shape_all_density(vec3_f64 n, vec3_f64 direction) {
 
 /* ---- triangles and quads ---- */
 
-/* In the world. A quad is the triangles (0,1,3) and (2,3,1), which tracers meet; a triangle is (0,1,3). */
+/* In world space. A quad is the triangles (0,1,3) and (2,3,1), as in tracers; a triangle is (0,1,3). */
 typedef struct shape_face {
     vec3_f64 corner[4];
     bool quad;
-    double clear, slope; /* a ray of length D must end at least clear + slope D off the plane */
+    double clear, slope; /* a shadow ray of length D must end at least clear + slope D away from the plane */
 } shape_face;
 
-/* A triangle seen from a point. The tangent of half the solid angle of (a, b, c), with c moved along its edge
- * to a, follows from g: see shape_triangle_sample(). */
+/* A triangle seen from a point. g0, g1 and g2 give the tangent of half the solid angle of (a, b, c) when c
+ * moves along its edge to a: see shape_triangle_sample(). */
 typedef struct shape_seen {
-    vec3_f64 a, b, c;  /* unit, towards the corners */
+    vec3_f64 a, b, c;  /* unit vectors towards the corners */
     double g0, g1, g2; /* |a·(b×c)|, (a+b)·c, 1 + a·b */
     vec3_f64 n;        /* unit normal */
-    double height;     /* of the point over the plane, >= 0 */
+    double height;     /* of the point above the plane, >= 0 */
     double clear;      /* of its face */
-    double angle; /* solid angle; 0 within `clear` of the plane, where the point may lie on either side */
+    double angle;      /* solid angle; 0 if height <= clear: the point may lie on either side of the plane */
 } shape_seen;
 
-/* Van Oosterom and Strackee 1983. The triple product is twice the area times the height: nothing cancels
- * where the triangle is small. */
+/* Van Oosterom and Strackee 1983. The triple product is computed as twice the area times the height: nothing
+ * cancels if the triangle is small. */
 SHAPE_INLINE shape_seen shape_see(vec3_f64 p, vec3_f64 a, vec3_f64 b, vec3_f64 c, double clear) {
     vec3_f64 n = cross_f64(sub_f64(b, a), sub_f64(c, a)), pa = sub_f64(a, p), pb = sub_f64(b, p),
              pc = sub_f64(c, p);
@@ -110,10 +110,10 @@ SHAPE_INLINE shape_seen shape_see(vec3_f64 p, vec3_f64 a, vec3_f64 b, vec3_f64 c
     return s;
 }
 
-/* Evenly over the solid angle (Peters, "BRDF importance sampling for polygonal lights", 2021). c moves to c'
- * on its edge to a, so that (a, b, c') fills the part u: c' mirrors a at o = x a + y c, and the tangent of
- * half the solid angle is y g0 / (x g2 + y g1). Then a place on the arc from b to c', by v in the cosine. The
- * cosines near 1 are taken as 1 less q, q half a squared difference. */
+/* Uniform over the solid angle (Peters, "BRDF importance sampling for polygonal lights", 2021). c moves to c'
+ * on its edge to a, so that (a, b, c') covers the fraction u: c' is a mirrored at o = x a + y c, and the
+ * tangent of half the solid angle is y g0 / (x g2 + y g1). Then v chooses a point on the arc from b to c',
+ * uniform in the cosine. Cosines near 1 are written as 1 - q, with q half a squared difference. */
 SHAPE_INLINE vec3_f64 shape_triangle_sample(const shape_seen *s, double u, double v) {
     double half = 0.5 * u * s->angle, folded = half > SHAPE_PI / 2 ? SHAPE_PI - half : half;
     double cosine = shape_sine(SHAPE_PI / 2 - half), sine = shape_sine(folded);
@@ -128,7 +128,7 @@ SHAPE_INLINE vec3_f64 shape_triangle_sample(const shape_seen *s, double u, doubl
 static inline vec3_f64 shape_choose(bool first, vec3_f64 a, vec3_f64 b) {
     return (vec3_f64){first ? a.x : b.x, first ? a.y : b.y, first ? a.z : b.z};
 }
-/* a or b, member by member, as loops over lanes want it. */
+/* a or b, member by member, in a form that vectorises. */
 SHAPE_INLINE shape_seen shape_either(bool first, const shape_seen *a, const shape_seen *b) {
     return (shape_seen){.a = shape_choose(first, a->a, b->a),
                         .b = shape_choose(first, a->b, b->b),
@@ -142,13 +142,13 @@ SHAPE_INLINE shape_seen shape_either(bool first, const shape_seen *a, const shap
                         .angle = first ? a->angle : b->angle};
 }
 
-/* A solid angle too small for double to hold its inverse is none. */
+/* 1 / angle; 0 if the solid angle is so small that double cannot hold its inverse. */
 static inline double shape_inverse(double angle) {
     double inverse = 1 / (angle + 0x1p-1010);
     return angle > 0x1p-1000 ? inverse : 0;
 }
 
-/* Where a ray along the unit vector d that meets the plane at a height has to end. */
+/* The length at which a shadow ray along the unit vector d must end to stay clear of the plane. */
 SHAPE_INLINE double shape_face_end(const shape_seen *s, vec3_f64 d, double slope) {
     double cosine = fabs(dot_f64(d, s->n)) + 0x1p-1000, length = s->height / cosine;
     double end = length - (s->clear + slope * length) / cosine;
@@ -157,14 +157,14 @@ SHAPE_INLINE double shape_face_end(const shape_seen *s, vec3_f64 d, double slope
 
 /* ---- spheres ---- */
 
-/* In a space whose unit directions d become k times as long in the world. */
+/* The cone that a sphere covers. In a space whose unit directions d become k times as long in world space. */
 typedef struct shape_cone {
     vec3_f64 axis;   /* unit, towards the centre */
     double distance; /* of the centre */
-    double cap;      /* 1 - cos of half the angle that the sphere fills */
+    double cap;      /* 1 - cos of half the angle that the sphere covers */
 } shape_cone;
 
-/* from: the point, seen from the centre, outside. */
+/* from: the vector from the centre to the point, which lies outside. */
 static inline shape_cone shape_cone_of(vec3_f64 from, double radius) {
     double d = sqrt(dot_f64(from, from)), s = radius / d, square = s * s < 1 ? s * s : 1;
     return (shape_cone){scale_f64(-1 / d, from), d, square / (1 + sqrt(1 - square))};
@@ -176,15 +176,15 @@ static inline vec3_f64 shape_cone_sample(const shape_cone *cone, double u, doubl
 }
 static inline double shape_cone_angle(const shape_cone *cone) { return 2 * SHAPE_PI * cone->cap; }
 
-/* The nearer distance, from `from` along d, where a ray meets a sphere around the origin; where it only just
- * misses it, the one nearest to it. d need not be unit. */
+/* The distance from `from` along d to the nearer intersection with a sphere around the origin; if the ray
+ * just misses the sphere, the distance of the closest approach. d need not be unit. */
 static inline double shape_sphere_near(vec3_f64 from, vec3_f64 d, double radius) {
     double a = dot_f64(d, d), t = -dot_f64(from, d) / a;
     vec3_f64 nearest = madd_f64(from, t, d);
     double square = (radius * radius - dot_f64(nearest, nearest)) / a;
     return square > 0 ? t - sqrt(square) : t;
 }
-/* The same, farther. */
+/* The same for the farther intersection. */
 static inline double shape_sphere_far(vec3_f64 from, vec3_f64 d, double radius) {
     double a = dot_f64(d, d), t = -dot_f64(from, d) / a;
     vec3_f64 nearest = madd_f64(from, t, d);

@@ -1,4 +1,4 @@
-/* Blocks of emissive shapes, a shape and a point a lane. */
+/* Blocks of emissive shapes, one shape and one point per lane. */
 #ifndef LIGHT_SHAPE_BLOCK_H
 #define LIGHT_SHAPE_BLOCK_H
 
@@ -6,7 +6,7 @@
 #include "math/lanes.h"
 
 typedef struct shape_faces {
-    _Alignas(64) lanes3_f64 corner[4]; /* of a triangle the third repeats the fourth */
+    _Alignas(64) lanes3_f64 corner[4]; /* a triangle's third corner repeats its fourth */
     double clear[LANES], slope[LANES]; /* see shape_face */
 } shape_faces;
 
@@ -18,11 +18,11 @@ static inline void shape_faces_put(shape_faces *to, unsigned i, const shape_face
     to->clear[i] = f->clear, to->slope[i] = f->slope;
 }
 
-/* A face whose corners are numbers of float. */
+/* A face with float corners. */
 typedef struct shape_face_f32 {
     vec3_f32 corner[4];
     vec3_f64 n[2]; /* unit normals of its triangles */
-    float size[2]; /* twice their areas; the second is 0 where there is one alone */
+    float size[2]; /* twice their areas; the second is 0 for a single triangle */
     float clear, slope;
 } shape_face_f32;
 
@@ -37,17 +37,18 @@ typedef struct shape_answers {
 } shape_answers;
 
 typedef struct shape_kernels {
-    /* quads: some lane is a quad. direction and distance: the answers' once more. */
+    /* quads: some lane is a quad. direction and distance: copies of the samples' in float. */
     void (*faces)(const shape_faces *f, const lanes3_f64 p, const lanes3 u, bool quads, shape_answers *out,
                   lanes3 direction, float *distance);
-    /* The same of one face that all lanes ask, in float. Returns the lanes, as bits, that need more digits.
-     */
+    /* The same in float, for one face that all lanes sample. Returns bits: lanes that need double
+     * precision. */
     uint32_t (*face)(const shape_face_f32 *f, const lanes3 p, const lanes3 u, float density[LANES],
                      lanes3 direction, float *distance);
-    /* Points outside of spheres alone. */
+    /* Only for points outside the spheres. */
     void (*balls)(const shape_balls *b, const lanes3_f64 p, const lanes3 u, shape_answers *out,
                   lanes3 direction, float *distance);
-    /* By the cosine to the normals n, evenly where they are 0; densities are of the directions in float. */
+    /* Proportional to the cosine to the normals n, uniform if n is 0; densities are of the directions rounded
+     * to float. */
     void (*sky)(const lanes3 n, const lanes3 u, lanes3 direction, float density[LANES]);
 } shape_kernels;
 

@@ -1,4 +1,4 @@
-/* The tables of images of skies. */
+/* Builds the sampling tables of sky images. */
 #include "light/sky.h"
 
 #include "base/kernel.h"
@@ -11,17 +11,17 @@ KERNEL_CHOICE(sky_kernels)
 
 enum { SIDE = SKY_VIEW_SIDE };
 
-/* Light of a block, as seen from a point. */
+/* Light of a block of cells. */
 typedef struct sky_block {
     double power;
-    vec3_f64 sum;    /* of directions times power */
+    vec3_f64 sum;    /* sum of directions times power */
     vec3_f64 centre; /* unit */
-    double radius;   /* angle around the centre that holds the block, at least */
+    double radius;   /* upper bound of the angle around the centre that contains the block */
 } sky_block;
 
 typedef struct sky_view {
-    vec3_f64 normal; /* the middle of the cell of normals */
-    double radius;   /* angle around it that holds the cell */
+    vec3_f64 normal; /* the centre of the cell of normals */
+    double radius;   /* angle around `normal` that contains the cell */
 } sky_view;
 
 vec3_f64 sky_direction(double u, double v) {
@@ -36,15 +36,15 @@ static uint32_t min_u32(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
 static uint32_t cell_rows(const sky_image *s) { return s->height + 1; }
 
-/* The angle to +y where a row of cells begins, and the one before ends. */
+/* The angle to +y at which a row of cells begins and the row before it ends. */
 static double row_angle(const sky_image *s, uint32_t row) {
     return row == 0 ? 0 : (row > s->height ? SHAPE_PI : SHAPE_PI * (row - 0.5) / s->height);
 }
 
-/* A row of cells, which is half as high at the poles. */
+/* A row of cells; rows at the poles are half as high. */
 typedef struct sky_row {
-    double angle; /* to +y, of its middle */
-    double solid; /* angle of a cell: cos a - cos b = 2 sin((a+b)/2) sin((b-a)/2) */
+    double angle; /* to +y, of the row's middle */
+    double solid; /* solid angle of a cell: cos a - cos b = 2 sin((a+b)/2) sin((b-a)/2) */
 } sky_row;
 
 static sky_row row_at(const sky_image *s, uint32_t row) {
@@ -59,12 +59,12 @@ static void find_firsts(uint32_t cells, uint32_t blocks, uint32_t *first, uint8_
     for (uint32_t x = 0; x < cells; ++x) block[x] = (uint8_t)((uint64_t)x * blocks / cells);
 }
 
-/* Horizontal directions of the middles of the columns of cells, so that no cell needs sines of its own. */
+/* Horizontal directions of the centres of the columns of cells, computed once for all rows. */
 typedef struct sky_turn {
     double cosine, sine;
 } sky_turn;
 
-/* The mean of a bilinear function is that of its corners. above, below: rows of texels. */
+/* The mean of a bilinear function is the mean of its corners. above, below: rows of texels. */
 static void sum_block(sky_image *s, const sky_texel *above, const sky_texel *below, const sky_turn *turns,
                       uint32_t y, uint32_t column, sky_block *out) {
     const sky_row row = row_at(s, y);
@@ -107,15 +107,15 @@ static void sum_blocks(sky_image *s, const sky_turn *turns, sky_block *blocks) {
 
 /* ---- views ---- */
 
-/* The octahedron's faces, unfolded to [-1,1]². */
+/* Maps a point of [-1,1]², the unfolded octahedron, to a unit normal. */
 static vec3_f64 unfold(double a, double b) {
     const double z = 1 - fabs(a) - fabs(b);
     if (z >= 0) return normalize_f64((vec3_f64){a, b, z});
     return normalize_f64((vec3_f64){copysign(1 - fabs(b), a), copysign(1 - fabs(a), b), z});
 }
 
-/* A cell lies in one face of the octahedron, or two of them meet along its diagonal; either way its farthest
- * points are corners. A thousandth stands for roundings. */
+/* A cell lies in one face of the octahedron, or two faces share it along its diagonal; in both cases its
+ * farthest points are corners. 1e-3 covers rounding errors. */
 static sky_view view_at(uint32_t index) {
     const double step = 2.0 / SIDE, a = index % SIDE * step - 1, b = index / SIDE * step - 1;
     sky_view view = {unfold(a + step / 2, b + step / 2), 0};
@@ -126,8 +126,8 @@ static sky_view view_at(uint32_t index) {
     return view;
 }
 
-/* The mean of the cosine above 0 where it varies by `spread` either way, as it does over a block and a cell.
- * A block that some normal of the cell faces is never left out. */
+/* The mean of the positive part of a cosine that varies by ±`spread`, as it does over a block and a cell. The
+ * weight is never 0 for a block that some normal of the cell faces. */
 static double weight(const sky_block *block, const sky_view *view) {
     static const double spread = 0.25, least = 1.0 / 64;
     if (!(block->power > 0)) return 0;

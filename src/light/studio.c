@@ -1,13 +1,13 @@
-/* A soft studio, made by rule: what lights a model that brings no light. A grey sweep runs from the floor to
- * the wall behind the model. A large soft box stands to the viewer's left, a fill to the right, a strip above
- * and behind the model draws its rim, and a small one overhead lights its top. */
+/* A soft procedural studio, which lights models that have no light of their own. A grey backdrop runs from
+ * the floor to the wall behind the model. A large soft box stands to the viewer's left and a fill light to
+ * the right, a strip above and behind the model lights its rim, and a small panel overhead lights its top. */
 #include "light/studio.h"
 
 #include <math.h>
 #include <stddef.h>
 
-/* A panel of light: where its centre lies as seen from the model, in degrees to the viewer's right of the
- * viewer and above the floor, half of its width and height, and its radiance. */
+/* A light panel: its centre's direction from the model, in degrees to the right of the viewer and above the
+ * floor; half of its width and height in degrees; and its radiance. */
 typedef struct panel {
     double right, up, width, height;
     float radiance[3];
@@ -20,7 +20,7 @@ static const panel panels[STUDIO_PANELS] = {
     {0, 90, 24, 24, {1.2f, 1.2f, 1.2f}},
 };
 
-/* Their edges fade over so many degrees. */
+/* The panels' edges fade over this many degrees. */
 #define STUDIO_EDGE 6.0
 
 static double smooth_step(double a, double b, double x) {
@@ -30,7 +30,7 @@ static double smooth_step(double a, double b, double x) {
 
 static double degrees(double radians) { return radians * 57.29577951308232; }
 
-/* Forward is the panel's centre, across lies level. */
+/* The frame of a panel: `centre` points to it, `across` is horizontal. */
 static studio_panel stand(const panel *p) {
     const double right = p->right / 57.29577951308232, up = p->up / 57.29577951308232;
     studio_panel out = {.centre = {cos(up) * sin(right), sin(up), cos(up) * cos(right)},
@@ -54,7 +54,7 @@ void studio_open(studio *out) {
 }
 
 void studio_radiance(const studio *s, vec3_f64 d, float radiance[3]) {
-    /* From the floor over the wall to the dark ceiling. */
+    /* Brightness from the floor, over the wall, to the dark ceiling. */
     const double floor = 0.09 + 0.15 * smooth_step(-0.9, 0.1, d.y),
                  grey = floor - 0.19 * smooth_step(0.15, 0.9, d.y);
     const float tint[3] = {0.97f, 0.99f, 1.03f};

@@ -1,4 +1,4 @@
-/* The built-in studio, which lights models that bring no light. */
+/* The built-in studio, which lights models that have no light of their own. */
 #ifndef LIGHT_STUDIO_H
 #define LIGHT_STUDIO_H
 
@@ -6,7 +6,8 @@
 
 #define STUDIO_PANELS 4
 
-/* A panel of light as seen from the model: nothing of it shines where the cosine to its centre is `least`. */
+/* A light panel seen from the model; the panel is dark wherever the cosine to its centre is at most
+ * `least`. */
 typedef struct studio_panel {
     vec3_f64 centre, across, rise;
     double least;

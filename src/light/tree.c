@@ -20,7 +20,7 @@ static double sum_of(const float weight[TREE_WIDE]) {
     return sum;
 }
 
-/* Which of the cut's nodes it is, or their count. */
+/* The index of the node in the cut, or the count if it is not in it. */
 static uint32_t find_node(const tree_cut *cut, uint32_t node) {
     uint32_t k = 0;
     while (k < cut->count && cut->node[k] != node) ++k;

@@ -1,18 +1,18 @@
-/* Top down: a node's items are cut in two until there are eight pieces, the costliest piece first. Cuts are
- * those of least cost among 15 on each axis. The cost of a piece is its power times the area of its box times
- * how far its axes are spread (Conty Estevez and Kulla 2018; the spread is 1 less the length of the mean
- * axis, which adds up over bins, where a cone does not). Pieces of up to 64 items are cut at multiples of
- * eight, so that nearly all nodes are full. */
+/* Top-down build: a node's items are split in two until there are eight pieces, the piece of highest cost
+ * first. Each split is the cheapest of 15 on each axis. The cost of a piece is its power times the area of
+ * its box times the spread of its axes (Conty Estevez and Kulla 2018; the spread here is 1 minus the length
+ * of the mean axis, which can be summed over bins; a cone cannot). Pieces of up to 64 items are split at
+ * multiples of eight, so that nearly all nodes are full. */
 #include "base/array.h"
 #include "light/tree.h"
 
 #include <float.h>
 #include <stdlib.h>
 
-/* Cuts of more items are found by some of them, evenly spread in memory. */
+/* Splits of more items than LOOKED_AT examine a subset, evenly spaced in memory. */
 enum { BINS = 16, LOOKED_AT = 4096 };
 
-/* Bounds of some items; adds up. */
+/* Bounds of some items; can be summed. */
 typedef struct sums {
     float lower[3], upper[3];
     double power, axis[3]; /* axes weighted by power, the largest coordinate positive */
@@ -74,7 +74,7 @@ static sums sums_of(const tree_item *items, uint32_t count) {
     return all;
 }
 
-/* A point has no area, and yet a cost: some part of the longest side counts. */
+/* A point has no area but must have a cost: a fraction of the longest side is added. */
 static double cost_of(const sums *s) {
     if (!s->count) return 0;
     double x = (double)s->upper[0] - (double)s->lower[0], y = (double)s->upper[1] - (double)s->lower[1],
@@ -89,7 +89,7 @@ static inline float middle_of(const tree_item *item, int axis) {
     return 0.5f * item->lower[axis] + 0.5f * item->upper[axis];
 }
 
-/* Where the middles lie, in bins. */
+/* The grid of bins for the items' centres. */
 typedef struct grid {
     float from[3], scale[3];
 } grid;
@@ -118,7 +118,7 @@ static grid grid_of(const tree_item *items, uint32_t count, uint32_t step) {
 /* Items in bins below `bin` of the axis go first. */
 typedef struct cut {
     int axis, bin;
-    uint32_t below; /* how many of those that were looked at */
+    uint32_t below; /* how many of the examined items */
     double cost;
 } cut;
 
@@ -143,7 +143,7 @@ static cut find_cut(const tree_item *items, uint32_t count, uint32_t step, const
     for (uint32_t i = 0; i < count; i += step) {
         for (int k = 0; k < 3; ++k) add_item(&bins[k][bin_of(g, &items[i], k)], &items[i]);
     }
-    float longest = FLT_MAX; /* the scale of the longest side */
+    float longest = FLT_MAX; /* scale of the longest side */
     for (int k = 0; k < 3; ++k) longest = g->scale[k] > 0 ? fminf(longest, g->scale[k]) : longest;
     for (int k = 0; k < 3; ++k) {
         if (g->scale[k] > 0) try_axis(bins[k], k, (double)g->scale[k] / (double)longest, &best);
@@ -172,7 +172,7 @@ static int by_middle(const tree_item *a, const tree_item *b, int axis) {
     return x < y ? -1 : (x > y ? 1 : 0);
 }
 
-/* Few: by insertion. */
+/* Insertion sort, for few items. */
 static void sort_along(tree_item *items, uint32_t count, int axis) {
     for (uint32_t i = 1; i < count; ++i) {
         for (uint32_t k = i; k > 0 && by_middle(&items[k], &items[k - 1], axis) < 0; --k)
@@ -180,12 +180,12 @@ static void sort_along(tree_item *items, uint32_t count, int axis) {
     }
 }
 
-/* Returns how many items go first. */
+/* Splits the items; returns how many go first. */
 static uint32_t part(tree_item *items, uint32_t count) {
     const uint32_t step = count / LOOKED_AT + 1;
     const grid g = grid_of(items, count, step);
     cut c = find_cut(items, count, step, &g);
-    if (c.axis < 0) { /* all in one place, or costs beyond double */
+    if (c.axis < 0) { /* all centres are equal, or costs overflow double */
         uint32_t half = count / 2;
         return count > TREE_WIDE * TREE_WIDE ? half : (half + TREE_WIDE - 1) / TREE_WIDE * TREE_WIDE;
     }
@@ -206,7 +206,7 @@ static double spread_around(const tree_item *item, vec3_f64 axis) {
     return own < 1 ? cos(acos(fmin(cosine, 1)) + acos(own)) : cosine;
 }
 
-/* The axis of most of the power, and the widest angle from it. */
+/* The power-weighted mean axis, and the widest angle from it. */
 static void bound_axes(const tree_item *items, uint32_t count, tree_node *node, int k) {
     vec3_f64 sum = {0, 0, 0};
     double least = 1;
@@ -222,7 +222,7 @@ static void bound_axes(const tree_item *items, uint32_t count, tree_node *node, 
     node->spread[k] = (float)fmax(least - 0x1p-20, 0);
 }
 
-/* A millionth covers roundings. */
+/* A millionth covers rounding errors. */
 static void bound_places(const sums *all, float scale, tree_node *node, int k) {
     float *const middle[3] = {&node->x[k], &node->y[k], &node->z[k]};
     float *const half[3] = {&node->half_x[k], &node->half_y[k], &node->half_z[k]};
@@ -238,8 +238,8 @@ static piece piece_of(const tree_item *items, uint32_t first, uint32_t count) {
     return (piece){first, sums_of(items + first, count)};
 }
 
-/* The piece that has to be cut first: one that does not fit in a child's node, by cost, and of those that do
- * by number. -1: none has to. */
+/* The piece to split next: the one of highest cost among those with more than one item; if `small`, the one
+ * with most items among those that do not fit in a child's node. -1: none. */
 static int costliest(const piece pieces[TREE_WIDE], uint32_t count, bool small) {
     int found = -1;
     double most = -1;
@@ -296,7 +296,7 @@ static bool add_node(builder *b, const piece *all, uint32_t parent) {
     return true;
 }
 
-/* So that the largest distance between lights is about 1. */
+/* Scales the largest distance between lights to about 1. */
 static float scale_for(const sums *all) {
     double x = (double)all->upper[0] - (double)all->lower[0],
            y = (double)all->upper[1] - (double)all->lower[1],
@@ -305,7 +305,7 @@ static float scale_for(const sums *all) {
     return extent > 0x1p-100 && extent < 0x1p100 ? (float)exp2(-ilogb(extent)) : 1;
 }
 
-/* Powers become parts of the largest. Returns their sum as they were. */
+/* Divides powers by the largest. Returns their sum before that. */
 static double normalize_power(tree_item *items, uint32_t count) {
     float most = 0;
     double sum = 0;
@@ -332,7 +332,7 @@ bool tree_build(tree_item *items, uint32_t count, tree *out, uint32_t *slot_of) 
         tree_destroy(out);
         return false;
     }
-    /* Arrays that grow have room to spare. */
+    /* Growing arrays have unused capacity. */
     void *fits = realloc(out->nodes, out->count * sizeof *out->nodes);
     if (fits) out->nodes = fits;
     fits = realloc(out->parent, out->count * sizeof *out->parent);

@@ -7,11 +7,11 @@
 #include <math.h>
 #include <pthread.h>
 
-/* Curves at roughnesses (j / ROUGH_STEPS)^2; the first is a mirror's. */
+/* Curves at roughnesses (j / ROUGH_STEPS)^2; the first is that of a mirror. */
 enum { ROUGH_STEPS = 72, AROUND = 12, ALONG = 32 };
 static energy_node nodes[ROUGH_STEPS][ENERGY_NODES];
 static float means[ROUGH_STEPS + 1][2];
-static double parts[ENERGY_STEPS], slopes[ENERGY_STEPS]; /* of the mean */
+static double parts[ENERGY_STEPS], slopes[ENERGY_STEPS]; /* weights of the mean */
 
 static float cosine_at(int k) {
     const float x = (float)k / ENERGY_STEPS, mu = x * x * (x * x);
@@ -20,15 +20,16 @@ static float cosine_at(int k) {
 
 static float power5(float x) { return x * x * (x * x) * x; }
 
-/* A viewer in the plane y = 0, and the same unit vector where the facets are a hemisphere. */
+/* A viewer in the plane y = 0, and the same direction in the space where the facets are a hemisphere, of unit
+ * length. */
 typedef struct viewer {
     float x, z, stretched_x, stretched_z, alpha;
     float smith; /* sqrt(cos^2 + alpha^2 sin^2) */
 } viewer;
 
-/* Adds G2/G1 of the directions that visible facets mirror, around the angle u, and the same times Schlick's
- * factor. Facets are numbered as by Dupuy & Benyoub (2023), but evenly in q = sqrt(1 - u'), since G2/G1
- * changes fast where q is small. The formulas are those of kernels/shader.c. */
+/* Adds G2/G1 of the directions that visible facets mirror, around the azimuth u, and the same times Schlick's
+ * factor. Facets are parametrised as by Dupuy & Benyoub (2023), but uniformly in q = sqrt(1 - u'), because
+ * G2/G1 changes fast if q is small. The formulas are those of kernels/shader.c. */
 static void add_facets(const viewer *v, float u, float all[ALONG], float edge[ALONG]) {
     float cosine, sine;
     turn_by(u, &cosine, &sine);
@@ -47,8 +48,8 @@ static void add_facets(const viewer *v, float u, float all[ALONG], float edge[AL
     }
 }
 
-/* By midpoints: the integrand goes to 0 at the horizon, so it has no steps. Both halves of the turn are the
- * same. */
+/* Midpoint rule: the integrand goes to 0 at the horizon, so it has no steps. Both halves of the azimuth are
+ * equal. */
 static void albedo(float alpha, float mu, float *out_all, float *out_edge) {
     viewer v = {.x = sqrtf((1 - mu) * (1 + mu)), .z = mu, .alpha = alpha};
     v.smith = sqrtf(alpha * alpha * v.x * v.x + mu * mu);
@@ -59,7 +60,7 @@ static void albedo(float alpha, float mu, float *out_all, float *out_edge) {
     *out_all = sum / (AROUND * ALONG), *out_edge = rise / (AROUND * ALONG);
 }
 
-/* With mu = x^4: 8 ∫ f x^7 dx, exact for lines in x. */
+/* With mu = x^4: 8 ∫ f x^7 dx, exact for curves that are linear in x. */
 static void fill_parts(void) {
     for (int k = 0; k < ENERGY_STEPS; ++k) {
         const double a = (double)k / ENERGY_STEPS, b = (k + 1.0) / ENERGY_STEPS;

@@ -1,4 +1,4 @@
-/* Albedos of GGX lobes with two alphas; as energy.c, with a viewer at any turn about the normal. */
+/* Albedos of GGX lobes with two alphas; as energy.c, with a viewer at any azimuth. */
 #include "material/energy.h"
 #include "material/shader.h"
 #include "math/turn.h"
@@ -21,7 +21,8 @@ static float alpha_at(int j) {
 
 typedef struct lobe {
     float ax, ay, v[3];
-    float s[3], smith; /* v where the facets are a hemisphere, and its length there */
+    float s[3],
+        smith; /* s: v in the space where the facets are a hemisphere, made unit; smith: its length there */
 } lobe;
 
 static void add_facets(const lobe *m, float u, float all[ALONG], float edge[ALONG]) {
@@ -56,7 +57,8 @@ static void albedo(float ax, float ay, float mu, float x, float y, float out[2])
     out[0] /= AROUND * ALONG, out[1] /= AROUND * ALONG;
 }
 
-/* The part of a quarter turn that a node stands for: its hat, by midpoints. */
+/* The fraction of a quarter turn that a node represents: the integral of its hat function, by the midpoint
+ * rule. */
 static float part_of(int node) {
     enum { FINE = 64 };
     double sum = 0;

@@ -1,6 +1,7 @@
-/* Thin films: Belcour & Barla (2017) as KHR_materials_iridescence has them. Light goes to and fro in the
- * film; what leaves it has phases, whose interference is integrated over the colour matching functions as
- * Gaussians in Fourier space. Reflectances of both interfaces are Schlick's; phases are 0 or pi. */
+/* Thin films: Belcour & Barla (2017), as KHR_materials_iridescence uses them. Light is reflected back and
+ * forth in the film; the phases of the light that leaves it interfere, and the interference is integrated
+ * over the colour matching functions as Gaussians in Fourier space. Both interfaces have Schlick's
+ * reflectance; phases are 0 or pi. */
 #include "material/layers.h"
 
 #include <math.h>
@@ -11,8 +12,8 @@ static double schlick(double f0, double cosine) { return f0 + (1 - f0) * pow(1 -
 
 static double square(double x) { return x * x; }
 
-/* The colour matching functions at an optical path difference in nanometres, each with its own phase shift.
- */
+/* The integral of the colour matching functions at an optical path difference in nanometres, with a phase
+ * shift per channel. */
 static void sensitivity(double difference, const double shift[3], double rgb[3]) {
     static const double value[3] = {5.4856e-13, 4.4201e-13, 5.2481e-13},
                         place[3] = {1.6810e6, 1.7953e6, 2.2084e6};
@@ -31,7 +32,7 @@ static void sensitivity(double difference, const double shift[3], double rgb[3])
         rgb[c] = (to_rgb[c][0] * xyz[0] + to_rgb[c][1] * xyz[1] + to_rgb[c][2] * xyz[2]) / all;
 }
 
-/* The reflectance of a film over a base of reflectance f0. */
+/* The reflectance of a film on a base of reflectance f0. */
 static void reflectance(const fathom_material *m, const float f0[3], double cosine, double rgb[3]) {
     const double thickness = (double)m->iridescence_thickness_max;
     const double index = thickness > 0 ? (double)m->iridescence_ior : 1;
@@ -59,7 +60,7 @@ static void reflectance(const fathom_material *m, const float f0[3], double cosi
     for (int c = 0; c < 3; ++c) rgb[c] = fmin(fmax(rgb[c], 0), 1);
 }
 
-/* The least f0 whose f0 + (1 - f0) (1 - cosine)^5 is nowhere below the film. */
+/* The smallest f0 for which f0 + (1 - f0) (1 - cosine)^5 is nowhere below the film's reflectance. */
 static float bound(const float film[FILM_STEPS + 1]) {
     float most = 0;
     for (int k = 1; k <= FILM_STEPS; ++k) {

@@ -1,4 +1,4 @@
-/* Dielectric and metal as glTF mixes them, for shader.c and kernels/plain.c. */
+/* The blend of dielectric and metal that glTF defines, for shader.c and kernels/plain.c. */
 #ifndef MATERIAL_MIXTURE_H
 #define MATERIAL_MIXTURE_H
 
@@ -12,21 +12,22 @@ static inline float mixture_layer(float ior, float specular, float color) {
     return specular * least(ratio * ratio * color, 1);
 }
 
-/* Q of shader.h: what is reflected in the end of what the first scattering leaves. */
+/* Q of shader.h: the fraction of the light left over by the first scattering that is reflected in the
+ * end. */
 static inline float mixture_again(float f0, float f90, float mean) {
     const float reflected = f0 + (f90 - f0) * (1 / 21.0f);
     return reflected * reflected * mean / (1 - reflected * (1 - mean));
 }
 
-/* One over pi times what the first scattering leaves; 0 where that is next to nothing. */
+/* 1 / (pi lost); 0 if lost is close to 0. lost: the light that the first scattering leaves over. */
 static inline float mixture_scale(float lost) { return lost > 1e-6f ? 1 / (3.14159265f * lost) : 0; }
 
-/* The mean part that reaches the base through the layer. */
+/* The mean fraction of light that reaches the base through the layer. */
 static inline float mixture_under(float layer0, float layer90, float layer_again, float mean, float edge) {
     return 1 - (layer0 * (mean - edge) + layer90 * edge + layer_again * (1 - mean));
 }
 
-/* Lambert's reflectance over that mean. */
+/* Lambert's reflectance divided by that mean. */
 static inline float mixture_lifted(float diffuse, float under) { return under > 1e-4f ? diffuse / under : 0; }
 
 #endif

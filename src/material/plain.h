@@ -1,5 +1,6 @@
-/* Plain materials of sixteen points, whose shaders are made together: metallic-roughness with `multiscatter`,
- * opaque, and without transmission, clear coat, sheen, anisotropy, a film and diffuse transmission. */
+/* Plain materials of sixteen points, whose shaders are prepared together: metallic-roughness with
+ * `multiscatter`, opaque, without transmission, clear coat, sheen, anisotropy, film and diffuse
+ * transmission. */
 #ifndef MATERIAL_PLAIN_H
 #define MATERIAL_PLAIN_H
 
@@ -10,10 +11,10 @@ typedef struct plain_block {
     _Alignas(64) lanes3 base_color;
     lanes3 specular_color;
     float metallic[LANES], alpha[LANES], ior[LANES], specular[LANES];
-    float mean[LANES], mean_edge[LANES]; /* of the facets' albedos */
+    float mean[LANES], mean_edge[LANES]; /* mean albedos of the facets */
 } plain_block;
 
-/* Members of shaders; f0 and f90 are also those of a mirror. */
+/* Members of `shader`; if the lobe is a mirror, f0 and f90 are its mirror0 and mirror90. */
 typedef struct plain_shaders {
     _Alignas(64) lanes3 diffuse, albedo, f0, again;
     float f90[LANES], layer0[LANES], layer_again[LANES], mean_under[LANES], missing_share[LANES];
@@ -24,12 +25,13 @@ typedef struct plain_kernels {
     void (*prepare)(const plain_block *b, plain_shaders *out);
 } plain_kernels;
 const plain_kernels *plain_kernels_best(void);
-/* Those that this processor can run, from the plainest to the best; NULL past the last. */
+/* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
 const plain_kernels *plain_kernels_at(unsigned index);
 
-/* Lane i of a block that was zeros at first. False: the material is not plain. */
+/* Adds a material as lane i of a block, which must be zeroed before the first lane. False: the material is
+ * not plain. */
 bool plain_add(plain_block *b, unsigned i, const fathom_material *material, shader *out);
-/* Fills in the shaders of lanes that were added. */
+/* Fills in the shaders of the lanes that were added. */
 void plain_finish(const plain_block *b, const plain_kernels *kernels, shader made[LANES]);
 
 #endif

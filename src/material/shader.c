@@ -15,8 +15,8 @@ static float largest(const float rgb[3]) { return most(rgb[0], most(rgb[1], rgb[
 
 /* ---- the classic model ---- */
 
-/* The lectures' L k_d |n·l| is the radiance under the irradiance pi L |n·l|: so f = rho / pi, of the diffuse
- * and the specular part alike. Ambient light and k_a are the classic integrator's. */
+/* The classic model's L k_d |n·l| is the radiance under the irradiance pi L |n·l|: so f = rho / pi, for the
+ * diffuse and the specular term. Ambient light and k_a belong to the classic integrator only. */
 static void prepare_classic(const fathom_material *m, shader *out) {
     const bool shiny = m->specular != FATHOM_SPECULAR_NONE && any(m->k_s);
     const bool phong = m->specular == FATHOM_SPECULAR_PHONG;
@@ -61,7 +61,7 @@ bool shader_coat_has_normal(const fathom_material *m) {
     return has && m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->clearcoat > 0;
 }
 
-/* Below the coat: shader.h's C. */
+/* The clear coat; shader_below_coat() then gives C of shader.h. */
 static void prepare_coat(const fathom_material *m, shader *out) {
     const float alpha = m->clearcoat_roughness * m->clearcoat_roughness;
     if (!(m->clearcoat > 0)) return;
@@ -73,7 +73,7 @@ static void prepare_coat(const fathom_material *m, shader *out) {
     out->lobes |= alpha < SHADER_SMOOTH_ALPHA && !turned ? SHADER_MIRROR : SHADER_COAT;
 }
 
-/* Means of the albedos of the base's facets. */
+/* Mean albedos of the base's facets. */
 static void find_means(float alpha, shader *out, float *mean, float *mean_edge) {
     if (!(out->lobes & SHADER_STRETCHED)) {
         out->facets = energy_curve_of(alpha);
@@ -86,7 +86,7 @@ static void find_means(float alpha, shader *out, float *mean, float *mean_edge) 
     *mean = energy_mean(all), *mean_edge = energy_mean(edge);
 }
 
-/* The mean of what reaches the base through layer and coat. */
+/* The mean fraction of light that reaches the base through layer and coat. */
 static float mean_below_coat(const shader *out) {
     float all[ENERGY_NODES], edge[ENERGY_NODES];
     if (out->lobes & SHADER_STRETCHED) {
@@ -100,7 +100,7 @@ static float mean_below_coat(const shader *out) {
     return energy_mean(all);
 }
 
-/* <S> of a channel, of metal and dielectric together where a film covers both. */
+/* Q of shader.h for a channel, with the <S> of metal and dielectric together under a film. */
 static float again_film(const shader *out, int c, float mean) {
     const float reflected = film_mean(out->film[c]);
     return reflected * reflected * mean / (1 - reflected * (1 - mean));
@@ -127,7 +127,7 @@ static void prepare_even(const fathom_material *m, const mixture *x, float alpha
     out->lobes |= SHADER_EVEN;
 }
 
-/* An index of 0 has no refraction, and no light through. */
+/* An index of 0 does not refract, and its surface transmits no light. */
 static uint32_t crossing_lobe(const fathom_material *m, float alpha, shader *out) {
     const bool solid = m->thickness > 0 && m->ior > 0 && m->ior != 1;
     if (!any(out->cross)) return 0;
@@ -137,7 +137,7 @@ static uint32_t crossing_lobe(const fathom_material *m, float alpha, shader *out
         return alpha < SHADER_SMOOTH_ALPHA ? SHADER_PASS : (m->thickness > 0 ? SHADER_PASS : SHADER_THIN);
     out->eta = least(most(m->ior, 1e-3f), 1e3f);
     const bool clear = alpha * least(fabsf(out->eta - 1), 1) < SHADER_SMOOTH_ALPHA;
-    /* Only where the facets turn light: without, the colours do not part. */
+    /* Only if the surface refracts: otherwise the colours do not separate. */
     if (m->dispersion > 0 && out->eta > 1) {
         out->eta_spread = 0.025f * (out->eta - 1) * least(m->dispersion, 40);
         return (clear ? SHADER_PASS : SHADER_REFRACT) | SHADER_SOLID | SHADER_DISPERSIVE;
@@ -171,8 +171,8 @@ static void cover(float opacity, shader *out) {
     for (int c = 0; c < 3; ++c) out->albedo[c] += out->hole;
 }
 
-/* Schlick's reflectance of a mixture is the mixture of reflectances: F0 and F90 of dielectric and metal are
- * mixed once. The base under the dielectric is told by the largest channel (KHR_materials_specular). */
+/* Schlick's reflectance is linear in F0 and F90, so those of dielectric and metal are mixed once. The light
+ * left for the base under the dielectric depends on the largest channel (KHR_materials_specular). */
 static void prepare_metallic(const fathom_material *m, shader *out) {
     const mixture x = mixture_of(m);
     const float alpha = m->roughness * m->roughness, base = 1 - x.metal, film = m->iridescence;
@@ -223,8 +223,8 @@ void shader_emission(const fathom_material *m, float out[3]) {
     }
 }
 
-/* Textured surfaces prepare a shader for each point: large members that the lobes do not use stay as they
- * are. */
+/* Textured surfaces prepare a shader for each point: large members that the lobes do not use are not
+ * cleared. */
 void shader_begin(const fathom_material *m, shader *out) {
     memset(out, 0, offsetof(shader, stretch));
     out->facets = out->coat_facets = energy_none;

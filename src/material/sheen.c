@@ -1,4 +1,4 @@
-/* The albedo of the fibres of KHR_materials_sheen, by rule: midpoints over the hemisphere. */
+/* The albedo of the fibres of KHR_materials_sheen, by the midpoint rule over the hemisphere. */
 #include "material/kernels/sheen.h"
 
 #include "material/layers.h"
@@ -6,7 +6,7 @@
 
 #include <pthread.h>
 
-/* The smallest roughness; below it the fibres' lobe is thinner than what cosines in float tell apart. */
+/* The smallest roughness; below it the fibres' lobe is narrower than float cosines resolve. */
 #define LEAST 0.07f
 
 enum { ROWS = 24, ALONG = 48, AROUND = 16 };
@@ -23,7 +23,7 @@ static void set_fibres(float roughness, shader *out) {
     out->sheen_alpha = (float)alpha;
 }
 
-/* The albedo, as a sum over light from the cosines mu = x^2, which lie where the lobe is. */
+/* The albedo, as a sum over incident cosines mu = x^2, which are dense where the lobe is. */
 static float albedo(const shader *m, const float lambda[ALONG], float z) {
     const float sine = sqrtf((1 - z) * (1 + z)), own = 1 + sheen_lambda(m, z), exponent = 1 / m->sheen_alpha;
     float sum = 0;

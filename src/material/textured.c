@@ -83,7 +83,8 @@ static float area_of(const surface_uv *at) {
     return sqrtf(dot_f32(n, n));
 }
 
-/* A cone of width w meets the surface in an ellipse of the area of a disc w / sqrt(cosine) wide. */
+/* A cone of width w intersects the surface in an ellipse, whose area is that of a disc of width w /
+ * sqrt(cosine). */
 static void find_uvs(points *p, unsigned i, const surface_block *s, const float width[LANES]) {
     float cosine = 0;
     for (int c = 0; s && c < 3; ++c) cosine += s->ng[c][i] * s->v[c][i];
@@ -95,7 +96,7 @@ static void find_uvs(points *p, unsigned i, const surface_block *s, const float 
     }
 }
 
-/* False: the lane's material is the same everywhere. */
+/* Returns false if the lane's material is constant over the surface. */
 static bool add_point(points *p, unsigned i, fathom_id material, const surface_block *s,
                       const float width[LANES]) {
     p->plan[i] = &p->t->plans[material];
@@ -117,7 +118,7 @@ void texturing_place_lookup(const lookup *l, float u, float v, float width, text
     q->width[at] = l->exact ? 0 : finite_or_zero(width * l->scale);
 }
 
-/* The k-th lookups of all lanes. False: there are none. */
+/* Does the k-th lookups of all lanes. False: there are none. */
 static bool look_up(points *p, unsigned k) {
     texture_queries q = {.count = 0};
     float rgba[4][TEXTURE_BLOCK];

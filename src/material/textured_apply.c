@@ -4,11 +4,11 @@
 
 #define NONE ((size_t)-1)
 
-/* Members of fathom_material by kind, of each model. */
+/* Members of fathom_material by kind of map, for each model. */
 static const struct {
     size_t metallic, classic;
     int count;
-    bool bounded; /* by 1 */
+    bool bounded; /* to at most 1 */
 } members[FATHOM_MAPS] = {
     [FATHOM_MAP_COLOR] = {offsetof(fathom_material, base_color), offsetof(fathom_material, k_d), 3, true},
     [FATHOM_MAP_OPACITY] = {offsetof(fathom_material, opacity), offsetof(fathom_material, opacity), 1, true},
@@ -88,7 +88,7 @@ bool texturing_sends_alone(const fathom_material *m) {
     return !is_classic(m) && !(b[0] > 0 || b[1] > 0 || b[2] > 0) && !(m->specular_factor > 0);
 }
 
-/* The images that are no factors of one parameter. */
+/* Applies the images that do not just multiply one parameter. */
 static void apply_others(const material_plan *p, const float (*values)[4], fathom_material *m) {
     const uint8_t way = p->of[FATHOM_MAP_ANISOTROPY], thickness = p->of[FATHOM_MAP_IRIDESCENCE_THICKNESS];
     if (way != NO_LOOKUP) {

@@ -1,4 +1,4 @@
-/* Opacity and emission of a point, by themselves. */
+/* Opacity and emission of a single point. */
 #include "material/textured_inner.h"
 
 static const float *mapped_value(const texturing *t, const material_plan *p, int kind, float u, float v,
@@ -40,7 +40,7 @@ bool texturing_varies_emission(const texturing *t, fathom_id material) {
            (t->colors && texturing_sends_alone(p->material));
 }
 
-/* The root of the area that the place's triangle or half quad has in the image. */
+/* The square root of the area that the triangle or half quad covers in the image. */
 static float image_side(const texturing *t, const texturing_place *place, unsigned set) {
     float uv[3][2];
     for (int k = 0; k < 3; ++k) {
@@ -52,7 +52,7 @@ static float image_side(const texturing *t, const texturing_place *place, unsign
     return sqrtf(0.5f * fabsf(bu * cv - cu * bv));
 }
 
-/* By those lookups that emission needs. */
+/* Makes only the lookups that emission needs. */
 void texturing_emission(const texturing *t, const texturing_place *place, float rgb[3]) {
     static const int kinds[] = {FATHOM_MAP_EMISSIVE, FATHOM_MAP_OPACITY};
     const material_plan *p = &t->plans[place->material];

@@ -1,4 +1,4 @@
-/* Shared by the files behind textured.h. */
+/* Shared by the files that implement textured.h. */
 #ifndef MATERIAL_TEXTURED_INNER_H
 #define MATERIAL_TEXTURED_INNER_H
 
@@ -12,83 +12,86 @@
 
 enum { NO_LOOKUP = 0xff };
 
-/* One image in one place of the surface, for one or several parameters. */
+/* One image with one mapping onto the surface, for one or several parameters. */
 typedef struct lookup {
     fathom_id texture;
     uint32_t uv_set;
     bool exact;  /* without a footprint */
     float m[6];  /* fathom_map.transform */
-    float scale; /* by which it stretches lengths, as the root of areas */
+    float scale; /* by which m scales lengths: the square root of its scale of areas */
 } lookup;
 
 /* A parameter that an image multiplies. */
 typedef struct mapped_parameter {
     uint16_t offset; /* in fathom_material */
     uint8_t lookup, count, channel;
-    bool inverted, bounded; /* see fathom_map.inverted; by 1 */
+    bool inverted, bounded; /* inverted: see fathom_map.inverted; bounded: at most 1 */
 } mapped_parameter;
 
 typedef struct material_plan {
     const fathom_material *material;
-    /* The material where images are white: colours and opacity that vary with the vertices are in range. */
+    /* The material with all images white: colours and opacity that vary per vertex are clamped to their
+     * ranges. */
     fathom_material even;
     unsigned count, parameter_count;
     lookup lookups[FATHOM_MAPS];
     mapped_parameter parameters[FATHOM_MAPS];
-    uint8_t of[FATHOM_MAPS]; /* which of the lookups serves a kind of map, or NO_LOOKUP */
-    unsigned sets;           /* uv sets that are needed, as bits */
-    bool directed;           /* it asks for a tangent */
+    uint8_t of[FATHOM_MAPS]; /* the index of the lookup for a kind of map, or NO_LOOKUP */
+    unsigned sets;           /* bits: uv sets that are needed */
+    bool directed;           /* it needs a tangent */
 } material_plan;
 
 struct texturing {
     const world *w;
     texture_cache *cache;
     const plain_kernels *kernels;
-    bool colors;                 /* some mesh has vertex colours, */
-    bool alphas;                 /* and some with alpha */
+    bool colors;                 /* some mesh has vertex colours */
+    bool alphas;                 /* some mesh has vertex colours with alpha */
     surface_tangents **tangents; /* by mesh of the world; NULL: it has its own, or needs none */
     material_plan plans[];
 };
 
 static inline bool is_classic(const fathom_material *m) { return m->model == FATHOM_MODEL_CLASSIC; }
 
-/* The points of a block that vary. */
+/* The points of a block whose materials vary or need a tangent. */
 typedef struct points {
     const texturing *t;
     const surface_gather *g;
     uint32_t lanes;     /* bits */
-    bool varies[LANES]; /* else the lane is there for its tangent alone */
+    bool varies[LANES]; /* false: the lane only needs its tangent */
     bool colored[LANES];
     const material_plan *plan[LANES];
     surface_uv uv[2][LANES];
-    float width[2][LANES]; /* of the footprint, in u and v */
+    float width[2][LANES]; /* of the footprint, in units of u and v */
     float color[LANES][4];
     float values[LANES][FATHOM_MAPS][4];
 } points;
 
 /* ---- textured_apply.c: parameters of a point ---- */
 
-/* Once the plan's lookups are known. */
+/* Sets the plan's parameters. Call once its lookups are known. */
 void texturing_plan_parameters(material_plan *p);
-/* Times the factors of an image; see fathom_map.inverted. */
+/* Multiplies a parameter by the factors of an image; see fathom_map.inverted. */
 void texturing_multiply(fathom_material *m, int kind, const float *factor, bool inverted);
-/* Times the colour of vertices; NULL: they have none. The opacity becomes what the cutoff makes of it. */
+/* Multiplies the material by a vertex colour; NULL: none. Applies the cutoff to the opacity. */
 void texturing_color(fathom_material *m, const float *color);
-/* values: of the lookups. The material's parameters become those of the point; its maps are not copied. */
+/* values: results of the lookups. The material's parameters become those of the point; its maps are not
+ * copied. */
 void texturing_apply(const material_plan *p, const float (*values)[4], const float *color,
                      fathom_material *m);
-/* For the classic integrator: light passes straight through the part of the surface that is not there. */
+/* For the classic integrator: converts opacity to k_t, so that light passes straight through the transparent
+ * fraction. */
 void texturing_dissolve(fathom_material *m);
-/* An unlit material: the colours of vertices are those of its emission. */
+/* True for an unlit material: vertex colours multiply its emission. */
 bool texturing_sends_alone(const fathom_material *m);
 
 /* ---- textured_normal.c: frames and normals ---- */
 
 /* Makes tangents for meshes whose own material needs them. A mesh that gets such a material from an instance
- * uses the frames of its triangles. */
+ * uses the frames of its triangles instead. */
 fathom_status texturing_make_tangents(fathom_context *context, texturing *t);
 void texturing_turn_normals(const points *p, surface_block *s);
-/* The tangent of a point whose material asks for one, turned by the material as it is there. */
+/* Sets the tangent of a point whose material needs one, rotated by the material's parameters there. */
 void texturing_direct(const points *p, unsigned i, const fathom_material *m, surface_block *s);
 
 /* ---- lookups ---- */

@@ -1,4 +1,4 @@
-/* Frames of images on surfaces, and the normals that they turn. */
+/* Frames of images on surfaces, and normals that are rotated in them. */
 #include "material/textured_inner.h"
 
 #include <stdlib.h>
@@ -36,13 +36,14 @@ static void set_lane(lanes3 to, unsigned i, vec3_f32 v) { to[0][i] = v.x, to[1][
 
 /* ---- frames ---- */
 
-/* Two axes across the outside normal, along u and against v of an image. */
+/* Two axes orthogonal to the outward normal, along u and against v of an image. */
 typedef struct frame_block {
     _Alignas(64) lanes3 t, b;
-    uint32_t lies[LANES]; /* all ones: the image lies on the surface; else there are no axes, or 0 */
+    uint32_t lies[LANES]; /* all ones: the axes are valid; else there are none, or they have length 0 */
 } frame_block;
 
-/* The way of u on the triangle, for maps that do not turn the image; else that of the image itself. */
+/* The mesh's generated tangent, for maps whose transform does not rotate the image. False: the tangent is
+ * that of the image itself. */
 static bool made_tangent(const points *p, unsigned i, const lookup *l, vec3_f32 *t) {
     const world *w = p->t->w;
     if (l->m[1] != 0 || l->m[3] != 0 || !(l->m[0] > 0) || !mesh_of(w, p->g->geometry[i])) return false;
@@ -50,7 +51,7 @@ static bool made_tangent(const points *p, unsigned i, const lookup *l, vec3_f32 
     return made && surface_made_tangent_at(p->g, w, i, made, t);
 }
 
-/* The tangent, of any length, and the sign of the axis across it. */
+/* The tangent, of any length, and the sign of the bitangent. */
 static vec3_f32 tangent_of(const points *p, unsigned i, const lookup *l, float *sign) {
     const surface_uv *at = &p->uv[l->uv_set][i];
     const float turn = l->m[0] * l->m[4] - l->m[1] * l->m[3] < 0 ? -1 : 1;
@@ -67,7 +68,7 @@ static inline bool has_length(float square) { return (square > 0x1p-100f) & (squ
 
 static inline float to_unit(float square) { return 1 / sqrtf(has_length(square) ? square : 1); }
 
-/* From tangents, with signs in b[0]. */
+/* Makes frames from tangents t; b[0] holds the bitangents' signs. */
 static void make_frames(const lanes3 n, frame_block *f) {
     for (int i = 0; i < LANES; ++i) {
         const float nx = n[0][i], ny = n[1][i], nz = n[2][i], sign = f->b[0][i];
@@ -86,7 +87,7 @@ static void make_frames(const lanes3 n, frame_block *f) {
     }
 }
 
-/* The frames of the images of a kind of map. */
+/* The frames of one kind of map. */
 static void find_frames(const points *p, uint32_t lanes, int kind, frame_block *f) {
     memset(f, 0, sizeof *f);
     for (; lanes; lanes &= lanes - 1) {
@@ -99,10 +100,10 @@ static void find_frames(const points *p, uint32_t lanes, int kind, frame_block *
 
 /* ---- normals ---- */
 
-/* The normal is seen under no more than this cosine from its horizon. */
+/* A normal whose cosine to the viewer is below this is rotated towards the viewer. */
 #define FACES_VIEWER 0x1p-6f
 
-/* As normal maps of this kind have it, not unit; that of the outside without one. */
+/* Normals that maps of this kind give, not unit; the outward normal in lanes without such a map. */
 static void map_normals(const points *p, uint32_t lanes, int kind, lanes3 n) {
     const bool coat = kind == FATHOM_MAP_CLEARCOAT_NORMAL;
     float(*const outside)[LANES] = (float(*)[LANES])p->g->local.ns;
@@ -125,8 +126,8 @@ static void map_normals(const points *p, uint32_t lanes, int kind, lanes3 n) {
     }
 }
 
-/* How a height map rises along the surface: from the point over a footprint, and at least a texel, along each
- * side of the image (Blinn, "Simulation of Wrinkled Surfaces", 1978). */
+/* The gradient of a height map along the surface: finite differences over a footprint, and at least a texel,
+ * along each side of the image (Blinn, "Simulation of Wrinkled Surfaces", 1978). */
 static vec3_f32 slope_of_bump(const points *p, unsigned i, vec3_f32 n) {
     const material_plan *plan = p->plan[i];
     const fathom_map *map = &plan->material->maps[FATHOM_MAP_BUMP];
@@ -156,7 +157,7 @@ static bool make_unit(vec3_f32 *v) {
     return true;
 }
 
-/* Sets normals n of the outside as the viewer's side has them, in lanes where they have a length. */
+/* Flips the outward normals n to the viewer's side and sets them, in lanes where they have a length. */
 static void set_normals(const points *p, uint32_t lanes, const surface_block *s, const lanes3 n,
                         float (*to)[LANES]) {
     const float(*outside)[LANES] = (const float(*)[LANES])p->g->local.ns;
@@ -191,7 +192,7 @@ static void turn_shading(const points *p, uint32_t lanes, surface_block *s) {
     set_normals(p, lanes, s, n, s->ns);
 }
 
-/* KHR_materials_clearcoat: the coat does not have the normals of what it covers. */
+/* KHR_materials_clearcoat: the coat does not inherit the normals of the layers below it. */
 static void turn_coats(const points *p, uint32_t lanes, surface_block *s) {
     uint32_t mapped = 0;
     lanes3 n;

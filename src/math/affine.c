@@ -39,8 +39,8 @@ affine_f64 affine_compose(const affine_f64 *a, const affine_f64 *b) {
     return out;
 }
 
-/* By cofactors. Columns, then rows are scaled to unit size first, so that the determinant of a map that turns
- * and stretches neither underflows nor overflows. */
+/* Inverts by cofactors. The columns and then the rows are first scaled to unit length, so that the
+ * determinant of a map that rotates and scales neither underflows nor overflows. */
 bool affine_invert(const affine_f64 *a, affine_f64 *out) {
     double column[3], row[3];
     vec3_f64 r[3];
@@ -56,7 +56,8 @@ bool affine_invert(const affine_f64 *a, affine_f64 *out) {
     }
     vec3_f64 c[3] = {cross_f64(r[1], r[2]), cross_f64(r[2], r[0]), cross_f64(r[0], r[1])};
     double det = dot_f64(r[0], c[0]);
-    /* With unit rows |det| is the volume they span; 16 roundings of 2^-53 enter it, so less is no volume. */
+    /* With unit rows, |det| is the volume that they span. It has 16 rounding errors of 2^-53, so a smaller
+     * value cannot be told from no volume. */
     if (!(fabs(det) > 0x1p-49)) return false;
     for (int j = 0; j < 3; ++j) {
         double s = 1 / (det * row[j]);

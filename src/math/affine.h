@@ -20,7 +20,7 @@ affine_f64 affine_rotation(const double quaternion[4]);
 affine_f64 affine_rotation_axis(vec3_f64 axis, double angle);
 /* First b, then a. */
 affine_f64 affine_compose(const affine_f64 *a, const affine_f64 *b);
-/* False when the map has no inverse that is finite. */
+/* False when the map has no finite inverse. */
 bool affine_invert(const affine_f64 *a, affine_f64 *out);
 bool affine_is_identity(const affine_f64 *a);
 
@@ -32,7 +32,8 @@ static inline vec3_f64 affine_vector(const affine_f64 *a, vec3_f64 v) {
 static inline vec3_f64 affine_point(const affine_f64 *a, vec3_f64 p) {
     return add_f64(affine_vector(a, p), (vec3_f64){a->m[0][3], a->m[1][3], a->m[2][3]});
 }
-/* The transpose of the linear part: with the inverse map this carries normals (not renormalised). */
+/* Multiplies by the transpose of the linear part. With the inverse map, this transforms normals (without
+ * normalising them). */
 static inline vec3_f64 affine_transposed_vector(const affine_f64 *a, vec3_f64 v) {
     return (vec3_f64){a->m[0][0] * v.x + a->m[1][0] * v.y + a->m[2][0] * v.z,
                       a->m[0][1] * v.x + a->m[1][1] * v.y + a->m[2][1] * v.z,

@@ -8,9 +8,9 @@ typedef struct frame_f64 {
     vec3_f64 origin, x, y, z;
 } frame_f64;
 
-/* z along z_hint, y near y_hint: z = z'/|z'|, x = y'×z/|y'×z|, y = z×x. A zero or (nearly) parallel y_hint is
- * replaced by the coordinate axis least along z. Always right-handed and orthonormal; a zero z_hint counts as
- * (0,0,1). */
+/* z along z_hint, y near y_hint: z = z'/|z'|, x = y'×z/|y'×z|, y = z×x. A y_hint that is zero or (nearly)
+ * parallel to z is replaced by the coordinate axis along which z has its smallest component. The result is
+ * always right-handed and orthonormal. A zero z_hint counts as (0,0,1). */
 frame_f64 frame_from(vec3_f64 origin, vec3_f64 z_hint, vec3_f64 y_hint);
 
 #endif

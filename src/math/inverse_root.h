@@ -1,15 +1,16 @@
-/* 1 / sqrt(x): the same bits on every processor, and inside loops a quarter of what dividing by the root
- * takes. */
+/* 1 / sqrt(x), with the same bits on every processor. In loops it takes a quarter of the time of a division
+ * by the square root. */
 #ifndef MATH_INVERSE_ROOT_H
 #define MATH_INVERSE_ROOT_H
 
 #include <stdint.h>
 #include <string.h>
 
-/* For normal x > 0; a few units of double's roundoff off. Halving the bits as a number halves the logarithm,
- * but for e = 3.5 % (Lomont, "Fast Inverse Square Root", 2003, with his constant for double); each step of
- * Newton's makes 3/2 e^2 of it: 1.8e-3, 4.7e-6, 3.3e-11, 1.6e-21. 4x gives half of x's bits, exactly, so
- * scenes of another size get the same directions. */
+/* For normal x > 0; the error is a few rounding errors of double. Halving the bits as an integer halves the
+ * logarithm, with a relative error e of up to 3.5 % (Lomont, "Fast Inverse Square Root", 2003, with his
+ * constant for double). Each Newton step reduces the error to 3/2 e^2: 1.8e-3, 4.7e-6, 3.3e-11, 1.6e-21. The
+ * result for 4x has exactly half the value of that for x, so scaling a scene by a power of two does not
+ * change directions. */
 static inline double inverse_root(double x) {
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
@@ -22,7 +23,7 @@ static inline double inverse_root(double x) {
     return r * (1.5 - half * r * r);
 }
 
-/* The same for float x that is normal. */
+/* The same for float: x is normal. */
 static inline float inverse_root_f32(float x) {
     uint32_t bits;
     memcpy(&bits, &x, sizeof bits);

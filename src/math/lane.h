@@ -1,11 +1,11 @@
-/* One lane of a block, as a vector; lanes as bits. */
+/* Access to one lane of a block, as a vector; sets of lanes as bit masks. */
 #ifndef MATH_LANE_H
 #define MATH_LANE_H
 
 #include "math/lanes.h"
 #include "math/vec.h"
 
-/* The lowest of some lanes. */
+/* The lowest lane of a bit mask, which must not be 0. */
 static inline unsigned lane_first(unsigned lanes) { return (unsigned)__builtin_ctz(lanes); }
 
 static inline vec3_f32 lane_f32(const lanes3 v, unsigned i) { return (vec3_f32){v[0][i], v[1][i], v[2][i]}; }

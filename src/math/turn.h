@@ -1,12 +1,14 @@
-/* Cosine and sine of a part of a turn: the same bits on every processor, and vectorised inside loops. */
+/* Cosine and sine of a fraction of a full turn, with the same bits on every processor, and vectorised in
+ * loops. */
 #ifndef MATH_TURN_H
 #define MATH_TURN_H
 
 #include <stdint.h>
 #include <string.h>
 
-/* cos and sin of 2 pi u, u in [0,1]. Taylor's series of the angle to the nearest quarter turn, at most pi/4,
- * are cut off at 4e-9 for the sine and 3e-8 for the cosine: below float's roundoff. */
+/* cos and sin of 2 pi u, u in [0,1]. The Taylor series are evaluated at the angle from the nearest quarter
+ * turn, at most pi/4. Their truncation errors are 4e-9 for the sine and 3e-8 for the cosine, below the
+ * rounding error of float. */
 static inline void turn_by(float u, float *cosine, float *sine) {
     float quarters = 4 * u;
     int32_t k = (int32_t)(quarters + 0.5f);

@@ -1,5 +1,5 @@
-/* Three-vectors: the one text that vec.h stamps for each precision. Included with REAL, VEC3, FN(name) and
- * SQRT defined. */
+/* Three-vectors of one precision. vec.h includes this text once for each, with REAL, VEC3, FN(name) and SQRT
+ * defined. */
 
 typedef struct VEC3 {
     REAL x, y, z;
@@ -18,7 +18,8 @@ static inline REAL FN(dot)(VEC3 a, VEC3 b) { return a.x * b.x + a.y * b.y + a.z 
 static inline VEC3 FN(cross)(VEC3 a, VEC3 b) {
     return (VEC3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-/* The length of a vector of any size that is finite: scaled, so that squares neither overflow nor vanish. */
+/* The length of any finite vector. Components are scaled first, so that squares neither overflow nor
+ * underflow. */
 static inline REAL FN(length)(VEC3 a) {
     REAL x = a.x < 0 ? -a.x : a.x, y = a.y < 0 ? -a.y : a.y, z = a.z < 0 ? -a.z : a.z;
     REAL big = x > y ? (x > z ? x : z) : (y > z ? y : z);

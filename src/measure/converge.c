@@ -63,7 +63,7 @@ typedef struct work {
     const bench_stage *stage;
     const converge_options *options;
     converge_result *result;
-    double done, now, total; /* samples a pixel: of images that are there, of this one, of all */
+    double done, now, total; /* samples a pixel: of finished images, of the current one, of all */
 } work;
 
 static bool on_progress(void *user, const fathom_progress *progress) {
@@ -80,7 +80,7 @@ static fathom_status take(work *k, const stage_shot *shot, picture *p, stage_cos
     return status;
 }
 
-/* Seeds far from those of the rounds. */
+/* The seeds are far from those of the rounds. */
 static fathom_status take_half(work *k, unsigned half, picture *p) {
     const stage_shot shot = {FATHOM_PATTERN_SOBOL, k->options->half_spp,
                              k->options->seed + ((uint64_t)(half + 1) << 62)};
@@ -133,7 +133,7 @@ static fathom_status run_all(work *k, const picture *reference, picture *test) {
 }
 
 static fathom_status measure(work *k) {
-    picture pictures[3] = {{.memory = NULL}}; /* halves, of which one then is the test; the reference */
+    picture pictures[3] = {{.memory = NULL}}; /* two halves, then tests in the first; the reference */
     fathom_status status = FATHOM_OK;
     for (int i = 0; i < 3 && status == FATHOM_OK; ++i)
         status = picture_create(k->context, k->stage, &pictures[i]);
@@ -208,7 +208,7 @@ static bool counts(const converge_point *point, converge_metric metric) {
 
 /* ---- slopes ---- */
 
-/* Logarithms of the counted points of one round. */
+/* Logarithms of the points of one round that count. */
 static size_t take_round(const converge_result *result, const converge_curve *curve, unsigned round,
                          int metric, int clock, double *x, double *y) {
     size_t count = 0;
@@ -266,7 +266,7 @@ static size_t places_of(const converge_result *result, const converge_curve *cur
     return count;
 }
 
-/* Along the first straight line that passes over x, in logarithms. */
+/* Interpolates along the first line segment that contains x, in logarithms. */
 static double interpolate(const place *places, size_t count, bool by_error, double x) {
     for (size_t i = 0; i + 1 < count; ++i) {
         const place *a = &places[i], *b = a + 1;

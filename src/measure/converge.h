@@ -1,4 +1,4 @@
-/* Image error against run time: what each second buys, by antialiasing pattern. */
+/* Image error against run time, for each antialiasing pattern. */
 #ifndef BENCH_CONVERGE_H
 #define BENCH_CONVERGE_H
 
@@ -23,16 +23,17 @@ typedef struct converge_run {
     unsigned step;  /* 4^step samples a pixel */
     fathom_pattern pattern;
     bench_seconds seconds;
-    uint64_t rays, nonfinite; /* pixels that are not finite */
+    uint64_t rays, nonfinite; /* nonfinite: number of pixels that are not finite */
     double errors[CONVERGE_METRICS];
 } converge_run;
 
-/* The mean of two halves of the Sobol pattern with seeds that nothing else has. Each half has a variance v,
- * so they differ by 2v and their mean has v/2: its RMSE is half of that between them, its relative MSE a
- * quarter. For FLIP, which is not linear, the difference between the halves is a bound.
+/* The mean of two halves, rendered with the Sobol pattern and seeds that no other image has. If each half has
+ * the variance v, the variance of their difference is 2v and that of their mean is v/2. So the RMSE of the
+ * mean is half of the RMSE between the halves, and its relative MSE a quarter. FLIP is not linear; its
+ * difference between the halves is an upper bound.
  *
- * An image closer to the reference than the halves are to each other is marked and left out of fits and
- * tables: more than half of its RMSE is the reference's own. */
+ * An image is marked if it is closer to the reference than the halves are to each other: then more than half
+ * of its RMSE is the reference's own. Fits and tables leave marked images out. */
 typedef struct converge_reference {
     uint32_t spp; /* of each half */
     bench_seconds seconds;
@@ -44,16 +45,16 @@ typedef struct converge_reference {
 typedef struct converge_point {
     uint32_t spp;
     bench_seconds seconds;           /* medians */
-    double errors[CONVERGE_METRICS]; /* geometric means, as for fits of logarithms */
-    bool below[CONVERGE_METRICS];    /* marked: closer than the halves are */
+    double errors[CONVERGE_METRICS]; /* geometric means, because fits use logarithms */
+    bool below[CONVERGE_METRICS];    /* marked: closer to the reference than the halves are to each other */
 } converge_point;
 
-/* b in error ∝ seconds^b: for each seed the slope of ln error over ln seconds by least squares, then the mean
- * of all seeds with its interval. The regular pattern has no seed: its rounds differ in time alone. */
+/* b in error ∝ seconds^b: for each seed the least-squares slope of ln error against ln seconds, then the mean
+ * over all seeds with its interval. The regular pattern has no seed: its rounds differ only in time. */
 typedef struct converge_slope {
     mean_interval slope;
-    double scale;    /* error = scale · seconds^b by all points, for drawing */
-    unsigned points; /* in each fit */
+    double scale;    /* error = scale · seconds^b, geometric mean over the seeds; for drawing */
+    unsigned points; /* number of points in each fit */
 } converge_slope;
 
 typedef struct converge_curve {
@@ -70,11 +71,11 @@ typedef struct converge_result {
 } converge_result;
 
 typedef struct converge_options {
-    unsigned rounds;                               /* [1, CONVERGE_SEEDS_MAX] */
-    uint32_t max_spp;                              /* [1, 65536] */
-    uint32_t half_spp;                             /* of each half of the reference */
-    uint64_t seed;                                 /* of the first round; the next have the next */
-    double ppd;                                    /* for FLIP */
+    unsigned rounds;   /* [1, CONVERGE_SEEDS_MAX] */
+    uint32_t max_spp;  /* [1, 65536] */
+    uint32_t half_spp; /* of each half of the reference */
+    uint64_t seed;     /* of the first round; increases by 1 for each further round */
+    double ppd;        /* pixels per degree, for FLIP */
     bool (*progress)(void *user, double fraction); /* false stops; may be NULL */
     void *user;
 } converge_options;
@@ -83,24 +84,25 @@ typedef struct converge_options {
 const char *converge_metric_name(converge_metric metric);
 const char *converge_pattern_name(fathom_pattern pattern);
 
-/* Renders the patterns in turn, so that a machine that slows down slows all. The stage is built. Always
- * release with converge_free(). FATHOM_INTERRUPTED keeps the whole rounds, or the steps of the first one that
- * all patterns have. */
+/* Renders the patterns in turn, so that a machine that slows down affects all patterns. The stage must be
+ * built. Always release with converge_free(). FATHOM_INTERRUPTED keeps the complete rounds; in the first
+ * round, it keeps the steps that all patterns have. */
 fathom_status converge_measure(fathom_context *context, const bench_stage *stage,
                                const converge_options *options, converge_result *out);
 void converge_free(converge_result *result);
 
-/* Points, marks and slopes from runs and reference. */
+/* Computes points, marks and slopes from the runs and the reference. */
 void converge_summarise(converge_result *result);
 
 #define CONVERGE_ROWS 5
-/* The error that patterns reach in the same time, or the time they need for the same error: between the
- * counted points, along straight lines in log-log; NAN where there are none. */
+/* The error of each pattern after the same time, or its time for the same error. Interpolated between the
+ * points that count, along straight lines in log-log; NAN outside them. */
 typedef struct converge_row {
-    double at; /* seconds of processor time, or the error */
+    double at; /* seconds of processor time, or an error */
     double values[CONVERGE_PATTERNS];
 } converge_row;
-/* Rows where all patterns have values, evenly over the logarithm: 0 or CONVERGE_ROWS. */
+/* Rows in the range where all patterns have values, at equal distances on a logarithmic scale. Returns 0 or
+ * CONVERGE_ROWS. */
 size_t converge_equal_time(const converge_result *result, converge_metric metric,
                            converge_row out[CONVERGE_ROWS]);
 size_t converge_equal_error(const converge_result *result, converge_metric metric,

@@ -11,7 +11,7 @@ typedef struct work {
     const bench_stage *stage;
     const coverage_options *options;
     fathom_film *truth;
-    unsigned done, total; /* renders */
+    unsigned done, total; /* numbers of renders */
 } work;
 
 static bool on_progress(void *user, const fathom_progress *progress) {
@@ -24,7 +24,7 @@ static bool has_groups(const bench_stage *stage) {
     return stage->settings.integrator == FATHOM_INTEGRATOR_PATH;
 }
 
-/* Seeds of images and of the reference are far apart. */
+/* The seeds of the images and of the reference are far apart. */
 static fathom_status render(work *k, const coverage_row *row, uint64_t seed, fathom_film **out) {
     fathom_settings s = k->stage->settings;
     s.pattern = FATHOM_PATTERN_SOBOL, s.spp = row->spp, s.seed = seed;
@@ -43,7 +43,7 @@ static double mean_of_film(const fathom_film *film) {
     return sum / (3.0 * (double)pixels);
 }
 
-/* The variance of the mean of a film's pixels, which are independent; its three channels are not. */
+/* The variance of the mean of a film. Its pixels are independent; the three channels of a pixel are not. */
 static double variance_of_film(const fathom_film *film) {
     const size_t pixels = (size_t)film->width * film->height;
     double sum = 0;
@@ -65,7 +65,7 @@ static void count_pixel(const fathom_film *film, const fathom_film *truth, size_
                                                           : &row->trusted;
     for (int c = 0; c < 3; ++c) {
         const double off = fabs((double)film->rgb[c][i] - (double)truth->rgb[c][i]);
-        /* Equal floats round differently, as means of other numbers of samples. */
+        /* Means of different numbers of equal samples can differ by rounding errors. */
         const double rounding = 0x1p-22 * fabs((double)truth->rgb[c][i]);
         ++to->values;
         to->held += off <= FILM_ERROR_T * (double)film->error[c][i] + rounding;

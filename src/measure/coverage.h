@@ -1,24 +1,24 @@
-/* Measures how true the stated errors of renders are: how often the 95 % interval of a pixel's channel
- * holds the true value, and whether the mean of images over seeds is the true image's. */
+/* Measures how accurate the stated errors of renders are: how often the 95 % interval of a pixel's channel
+ * contains the true value, and whether the mean of images over seeds equals the mean of the true image. */
 #ifndef BENCH_COVERAGE_H
 #define BENCH_COVERAGE_H
 
 #include "measure/stage.h"
 
-/* Values of which the interval was asked, and those whose interval held the truth. */
+/* The number of values that were checked, and of those inside their interval. */
 typedef struct coverage_count {
     uint64_t values, held;
 } coverage_count;
 
 typedef struct coverage_row {
-    double target; /* error; 0: even samples */
-    uint32_t spp;  /* of even samples, or the most */
+    double target; /* error; 0: uniform samples */
+    uint32_t spp;  /* samples a pixel; with a target, the maximum */
     double mean_spp;
-    double light; /* mean of the images over that of the reference */
-    double t;     /* (mean - truth) / its standard error, over seeds */
+    double light; /* mean of the images divided by the mean of the reference */
+    double t;     /* (mean - truth) / standard error of the mean, over seeds */
     uint32_t seeds;
-    /* By error.doubt: render.h. The last: all samples of a square are alike, so that the error is a bound on
-     * what was not seen, or 0. */
+    /* Classified by error.doubt (fathom/render.h). alike: all samples of a pixel are alike, so its error is
+     * an upper bound on unseen light, or 0. */
     coverage_count trusted, doubtful, alike;
 } coverage_row;
 
@@ -31,8 +31,8 @@ typedef struct coverage_options {
     void *user;
 } coverage_options;
 
-/* Even samples, 16 and 64 a pixel, by path tracing alone, and samples to an error of 0.1 and 0.05. Returns
- * rows in `out` and how many they are in `count`. The stage need not be built. */
+/* Measures uniform sampling with 16 and 64 samples a pixel (path tracing only), and sampling to an error of
+ * 0.1 and 0.05. Writes *count rows to `out`. The stage need not be built. */
 fathom_status coverage_measure(fathom_context *context, const bench_stage *stage,
                                const coverage_options *options, coverage_row out[COVERAGE_ROWS],
                                unsigned *count);

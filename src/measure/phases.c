@@ -10,8 +10,8 @@ typedef struct samples {
     bool warm;
 } samples;
 
-/* The first time does not count: a virtual machine may be given memory only when it first uses it, at some
- * seconds a gigabyte. */
+/* The first run is not counted: a virtual machine may get its memory only at first use, which takes seconds
+ * per gigabyte. */
 static void add(samples *s, const bench_seconds *start) {
     const bench_seconds cost = bench_since(start);
     for (int c = 0; c < BENCH_CLOCKS && s->warm; ++c) s->by[c][s->count] = cost.by[c];
@@ -19,7 +19,7 @@ static void add(samples *s, const bench_seconds *start) {
     s->warm = true;
 }
 
-/* True when the phase is to run again. */
+/* True if the phase must run again. */
 static bool again(const samples *s, const phases_options *options) {
     double spent = 0;
     for (unsigned i = 0; i < s->count; ++i) spent += s->by[BENCH_WALL][i];
@@ -58,7 +58,7 @@ static fathom_status build_once(fathom_context *context, const fathom_scene *sce
     return status == FATHOM_OK ? trace_create(context, *w, &options, tracer) : status;
 }
 
-/* Building's share of the time, roughly. */
+/* Approximate fraction of the time that building takes. */
 #define BUILT_UNTIL 0.3
 
 fathom_status phases_measure(fathom_context *context, const fathom_scene *scene,

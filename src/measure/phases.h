@@ -1,30 +1,32 @@
-/* Reading, building and rendering, phase by phase. */
+/* Measures reading, building and rendering, phase by phase. */
 #ifndef BENCH_PHASES_H
 #define BENCH_PHASES_H
 
 #include "measure/render_time.h"
 #include "measure/stage.h"
 
-/* Reading and building are not repeated once they took longer than `seconds`. The first time is not counted.
- */
+/* Reading and building are not repeated once their runs took longer than `seconds`. The first run is not
+ * counted. */
 typedef struct phases_options {
     unsigned repeats; /* [1, RENDER_TIME_REPEATS_MAX] */
     double seconds;
     const bench_watch *watch; /* may be NULL */
 } phases_options;
 
-/* From a file in the system's cache. The scene read last is *scene: destroy it, whatever comes back. */
+/* Measures reading a file that is in the system's cache. *scene is the scene that was read last; the caller
+ * destroys it, whatever the status. */
 fathom_status phases_read(fathom_context *context, const char *path, const fathom_read_options *read,
                           const phases_options *options, fathom_scene **scene, quartiles out[BENCH_CLOCKS]);
 
 typedef struct phases {
     uint64_t bvh_bytes, peak_bytes; /* peak: while the tracer is built */
-    quartiles build[BENCH_CLOCKS];  /* all that stands between the scene and the first ray */
+    quartiles build[BENCH_CLOCKS];  /* all work between the scene and the first ray */
     render_time time;
     char tracer[64];
 } phases;
 
-/* words: the tracer's. times: what render_time_measure() takes, but for its repeats and watch. */
+/* words: the words of the tracer. times: options of render_time_measure(); their repeats and watch are
+ * ignored. */
 fathom_status phases_measure(fathom_context *context, const fathom_scene *scene,
                              const fathom_settings *settings, const char *words,
                              const phases_options *options, const render_time_options *times, phases *out);

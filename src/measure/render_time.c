@@ -14,10 +14,10 @@ typedef struct bench {
     const fathom_settings *settings;
     const render_time_options *options;
     render_time *out;
-    bench_watch speeds, ratio; /* each a part of options->watch */
+    bench_watch speeds, ratio; /* parts of options->watch */
 } bench;
 
-/* One render phase, with a plan and a film of its own as any render has. */
+/* One render phase, with its own plan and film, as in a normal render. */
 static fathom_status render_once(const bench *b, const trace_tracer *tracer, const fathom_settings *settings,
                                  unsigned threads, stage_cost *out) {
     fathom_film *film = NULL;
@@ -35,7 +35,8 @@ typedef struct sums {
     double render[RENDER_TIME_REPEATS_MAX], traced[RENDER_TIME_REPEATS_MAX], bare[RENDER_TIME_REPEATS_MAX];
 } sums;
 
-/* Each in turn, and the other way round every other time, so that what changes with the time favours none. */
+/* Alternates the order of the render and the bare replay, so that slow changes of the machine affect both
+ * equally. */
 static fathom_status time_band(bench *b, const record *r, const fathom_settings *settings,
                                const bench_watch *watch, sums *s) {
     for (unsigned k = 0; k < b->options->repeats; ++k) {
@@ -66,7 +67,7 @@ static fathom_status record_band(const bench *b, const fathom_settings *settings
                 "out of memory for the rays of a render; expected fewer samples or a smaller image");
 }
 
-/* Rows of the image whose rays take no more than record_bytes: whole tiles, at least one. */
+/* Rows of the image whose rays need at most record_bytes: whole tiles, at least one. */
 static uint32_t band_rows(const bench *b, uint32_t rows) {
     double rays = (double)plan_expected_rays(b->world->scene, b->settings);
     double bytes = rays / LANES * sizeof(trace_rays) / rows;
@@ -133,7 +134,7 @@ static void set_speeds(const bench *b, speed_sums *s) {
     double gain[RENDER_TIME_REPEATS_MAX];
     b->out->plan_seconds = quartiles_of(s->plan, repeats);
     b->out->speed_count = b->options->thread_counts;
-    for (unsigned t = b->options->thread_counts; t-- > 0;) { /* the first is sorted last */
+    for (unsigned t = b->options->thread_counts; t-- > 0;) { /* [0] last: sorting it loses its order */
         render_speed *speed = &b->out->speeds[t];
         for (unsigned k = 0; k < repeats; ++k) gain[k] = s->seconds[0][k] / s->seconds[t][k];
         speed->threads = b->options->threads[t];
@@ -166,7 +167,7 @@ fathom_status render_time_measure(fathom_context *context, const world *w, const
                                   const fathom_settings *settings, const render_time_options *options,
                                   render_time *out) {
     *out = (render_time){.speed_count = 0};
-    /* The replays of a repetition take somewhat longer than its renders. */
+    /* The replays of a repetition take slightly longer than its renders. */
     const double split = embree_bare_possible(tracer) ? 0.4 : 1;
     bench b = {.context = context,
                .world = w,

@@ -32,7 +32,7 @@ uint64_t record_rays(const record *r, bare_query query) {
     return rays;
 }
 
-/* In pieces that stay where they are, aligned as the blocks must be. */
+/* Allocates pieces that never move, with the alignment of the blocks. */
 static bool make_room(record *r, size_t blocks) {
     while (r->pieces.count * RECORD_PIECE < r->blocks + blocks) {
         trace_rays *piece = aligned_alloc(64, RECORD_PIECE * sizeof *piece);
@@ -44,7 +44,7 @@ static bool make_room(record *r, size_t blocks) {
     return true;
 }
 
-/* One call of so many rays; `stride`: bytes from one block's rays to the next one's. */
+/* Records one call of `count` rays. `stride`: bytes from the rays of one block to those of the next. */
 static void keep(record *r, bare_query query, trace_coherence coherence, const void *rays, size_t stride,
                  size_t count) {
     size_t blocks = (count + LANES - 1) / LANES;
@@ -90,10 +90,10 @@ trace_tracer *record_tracer(const trace_tracer *real, record *to) {
     return &made->base;
 }
 
-/* ---- a record traced again ---- */
+/* ---- replaying a record ---- */
 
-/* Blocks between two looks at the clocks: 4096 rays, some 0.4 MB in either form. Reading the clock takes
- * under a microsecond, tracing so many rays more than a hundred. */
+/* Blocks between two readings of the clock: 4096 rays, about 0.4 MB in either form. Reading the clock takes
+ * less than a microsecond; tracing these rays takes more than a hundred. */
 #define PIECE 256
 
 typedef struct piece {
@@ -106,7 +106,7 @@ typedef struct piece {
 typedef struct part {
     bare_query query;
     trace_coherence coherence;
-    size_t first, rays; /* the first block in the piece */
+    size_t first, rays; /* first: its first block in the piece */
 } part;
 
 typedef struct run {
@@ -114,7 +114,7 @@ typedef struct run {
     bool bare;
     piece *piece;
     part parts[PIECE];
-    size_t blocks, count; /* in the piece; count: of parts */
+    size_t blocks, count; /* blocks: in the piece; count: number of parts */
     replay_result result;
 } run;
 
@@ -178,7 +178,7 @@ static void add_call(run *r, const record *from, const record_call *call) {
 bool replay(const record *from, const trace_tracer *tracer, bool bare, replay_result *out) {
     run r = {.tracer = tracer, .bare = bare, .piece = aligned_alloc(64, sizeof *r.piece)};
     if (!r.piece) return false;
-    memset(r.piece, 0, sizeof *r.piece); /* the pages are there before the first is timed */
+    memset(r.piece, 0, sizeof *r.piece); /* touches the pages before the first timing */
     unsigned state = trace_thread_begin();
     for (size_t i = 0; i < from->calls.count; ++i) add_call(&r, from, &from->calls.items[i]);
     finish_piece(&r);

@@ -64,7 +64,7 @@ fathom_status stage_render(fathom_context *context, const bench_stage *stage, co
                            fathom_progress_fn progress, void *user, float *rgb, stage_cost *cost) {
     fathom_settings settings = stage->settings;
     settings.pattern = shot->pattern, settings.spp = shot->spp, settings.seed = shot->seed;
-    settings.target_error = settings.max_time = 0; /* as many samples everywhere */
+    settings.target_error = settings.max_time = 0; /* the same number of samples everywhere */
     fathom_film *film;
     fathom_status status = scene_check_settings(context, &settings);
     if (status == FATHOM_OK) status = film_create(context, stage->scene, &settings, &film);

@@ -1,4 +1,4 @@
-/* A scene that is built once and rendered again and again, the rendering timed by itself. */
+/* A scene that is built once and rendered repeatedly, with the rendering timed separately. */
 #ifndef BENCH_STAGE_H
 #define BENCH_STAGE_H
 
@@ -8,8 +8,8 @@
 
 #include <fathom/render.h>
 
-/* Seconds of processor time, of all threads together, and by the clock. While other work shares the machine
- * the first says more. */
+/* Seconds of processor time of all threads together, and wall-clock seconds. Processor time is more reliable
+ * while other work shares the machine. */
 typedef enum bench_clock { BENCH_CPU, BENCH_WALL, BENCH_CLOCKS } bench_clock;
 
 typedef struct bench_seconds {
@@ -24,13 +24,15 @@ typedef struct bench_stage {
     world *world;
     trace_tracer *tracer; /* NULL until stage_build() */
     fathom_settings settings;
-    bench_seconds build; /* of the tracer alone */
+    bench_seconds build; /* of the tracer only */
 } bench_stage;
 
-/* Takes the scene in any case: release with stage_close(). The whole image is rendered, without AOVs. */
+/* Always takes ownership of the scene: release with stage_close(), whatever the status. The whole image is
+ * rendered, without AOVs. */
 fathom_status stage_open(fathom_context *context, fathom_scene *scene, const fathom_settings *settings,
                          bench_stage *out);
-/* Builds the tracer of these words (NULL: the settings') for so many rays, and releases the one before. */
+/* Builds the tracer of these words (NULL: the settings' words) for this expected number of rays, and releases
+ * the previous one. */
 fathom_status stage_build(fathom_context *context, bench_stage *stage, const char *words, uint64_t rays);
 void stage_close(bench_stage *stage);
 
@@ -41,12 +43,12 @@ typedef struct stage_shot {
 } stage_shot;
 
 typedef struct stage_cost {
-    double plan;           /* seconds by the clock before the first ray */
-    bench_seconds seconds; /* rays made, traced, shaded and summed: nothing else */
+    double plan;           /* wall-clock seconds before the first ray */
+    bench_seconds seconds; /* only generating, tracing, shading and summing */
     ray_counts rays;
 } stage_cost;
 
-/* One render of the whole, with a plan of its own, into a film that fits the settings. */
+/* One complete render, with its own plan, into a film that matches the settings. */
 struct job_options;
 fathom_status stage_film(fathom_context *context, const world *w, const trace_tracer *tracer,
                          const fathom_settings *settings, const struct job_options *options,

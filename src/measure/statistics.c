@@ -21,7 +21,7 @@ quartiles quartiles_of(double *values, size_t count) {
                        quantile_of(values, count, 0.75)};
 }
 
-/* A table up to 30; then the expansion about the normal distribution's z = 1.95996 (Abramowitz and Stegun
+/* A table up to 30; beyond it, the expansion about the normal quantile z = 1.95996 (Abramowitz and Stegun
  * 26.7.5), whose third term is below 0.004. */
 double student_95(size_t freedom) {
     static const double table[31] = {INFINITY, 12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365,
@@ -84,7 +84,7 @@ power_fit power_through(const double *x, const double *y, size_t count) {
     return fit;
 }
 
-/* ---- how far a measurement is ---- */
+/* ---- progress of a measurement ---- */
 
 static double at(const bench_watch *watch, double share) {
     return watch->from + (watch->to - watch->from) * share;

@@ -1,57 +1,57 @@
-/* Medians, means and straight lines through measurements. */
+/* Quartiles, means, and straight lines through measurements. */
 #ifndef BENCH_STATISTICS_H
 #define BENCH_STATISTICS_H
 
 #include <stddef.h>
 
-/* Sorts the values. Between two of them in proportion (type 7 of Hyndman and Fan 1996); NAN of none. */
+/* Sorts the values. Interpolates linearly between two values (type 7 of Hyndman and Fan 1996); NAN for no
+ * values. */
 typedef struct quartiles {
     double low, median, high;
 } quartiles;
 quartiles quartiles_of(double *values, size_t count);
 
-/* The t with P(|T| <= t) = 0.95 for Student's distribution of so many degrees of freedom, within 0.001;
+/* The t with P(|T| <= t) = 0.95 for Student's distribution with `freedom` degrees of freedom, within 0.001;
  * infinite for 0. */
 double student_95(size_t freedom);
 
-/* A mean with its 95 % interval, mean ± student_95(n - 1) s / √n of the sample deviation s; the half width is
- * infinite for a single value, NAN for none. */
+/* A mean with its 95 % interval: mean ± student_95(n - 1) s / √n, with the sample standard deviation s.
+ * `half` is infinite for a single value, NAN for none. */
 typedef struct mean_interval {
     double mean, half;
 } mean_interval;
 mean_interval mean_of(const double *values, size_t count);
 
-/* y = intercept + slope x by least squares: slope = Σ (x - x̄)(y - ȳ) / Σ (x - x̄)². Both are NAN when there
- * are no two different x. */
+/* y = intercept + slope x by least squares: slope = Σ (x - x̄)(y - ȳ) / Σ (x - x̄)². Both are NAN unless
+ * there are two different x. */
 typedef struct line_fit {
     double slope, intercept;
 } line_fit;
 line_fit line_through(const double *x, const double *y, size_t count);
 
-/* Half of the 95 % interval of the slope, student_95(n - 2) √(Σ r² / (n - 2) / Σ (x - x̄)²) with what the line
- * leaves, r; infinite for less than three points. */
+/* Half of the 95 % interval of the slope: student_95(n - 2) √(Σ r² / (n - 2) / Σ (x - x̄)²), with r the
+ * residuals of the line; infinite for fewer than three points. */
 double line_slope_half(const double *x, const double *y, size_t count);
 
-/* y ∝ x^exponent, by least squares in the logarithms: exponent ± half holds 95 %. Pairs that are not positive
- * do not count; NAN where fewer than two different ones do. */
+/* y ∝ x^exponent, by least squares of the logarithms; the 95 % interval is exponent ± half. Ignores pairs
+ * that are not positive; NAN if fewer than two different pairs are left. */
 typedef struct power_fit {
     double exponent, half, scale; /* y = scale · x^exponent */
     size_t count;
 } power_fit;
 power_fit power_through(const double *x, const double *y, size_t count);
 
-/* ---- how far a measurement is, for whoever waits ----
- * Told between the things that are timed, never during them. */
+/* ---- progress of a measurement ---- Reported between the timed parts, never during them. */
 
 typedef struct bench_watch {
     void (*tell)(void *user, double fraction); /* NULL: no progress is wanted */
     void *user;
-    double from, to; /* the measurement's share of the whole, within [0,1] */
+    double from, to; /* the measurement's range of the whole, within [0,1] */
 } bench_watch;
 
-/* `done` of `total`, in any unit that is in proportion to time; watch may be NULL. */
+/* Reports `done` of `total`, in any unit proportional to time; watch may be NULL. */
 void bench_watch_tell(const bench_watch *watch, double done, double total);
-/* The part between two shares of the measurement; for NULL, a watch that tells nobody. */
+/* A watch for the part of the measurement between two fractions; if `watch` is NULL, it reports to nobody. */
 bench_watch bench_watch_part(const bench_watch *watch, double from, double to);
 
 #endif

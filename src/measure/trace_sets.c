@@ -50,7 +50,7 @@ static bool make_camera(const world *w, uint64_t rays, trace_set *out) {
 
 /* ---- from visible points ---- */
 
-/* A point as float has it, and its distance from the eye. */
+/* A visible point, rounded to float, and its distance from the eye. */
 typedef struct seen {
     vec3_f32 point;
     float t;
@@ -75,8 +75,8 @@ static bool find_seen(const trace_tracer *tracer, const trace_set *camera, seen_
     return ok;
 }
 
-/* Rays begin a ten-thousandth of the distance from the eye above their own surface: far more than float
- * rounds. */
+/* Rays start above their own surface, by this fraction of the distance from the eye: far more than the
+ * rounding error of float. */
 #define OFF 1e-4f
 
 static void shadow_ray(trace_set *set, size_t i, const seen *from, const shade_light *light) {
@@ -101,7 +101,7 @@ static const seen *any_of(const seen_points *points, rays_random *random) {
     return &points->items[(size_t)(rays_unit(random) * (double)points->count)];
 }
 
-/* The direction has length 1, so that distances from the eye are in the ray's unit. */
+/* The direction has length 1, so distances from the eye are valid as t. */
 static void between_ray(trace_set *set, size_t i, const seen_points *points) {
     rays_random random = rays_random_of(1, TRACE_SET_BETWEEN, i);
     const seen *from = any_of(points, &random), *to = any_of(points, &random);
@@ -111,7 +111,7 @@ static void between_ray(trace_set *set, size_t i, const seen_points *points) {
     set_ray(set, i, from->point, d, OFF * from->t, fmaxf(length - OFF * to->t, OFF * from->t));
 }
 
-/* A light from above where the scene has none. */
+/* The first light; a light from above if the scene has none. */
 static shade_light first_light(const world *w) {
     shade_light light = {.type = FATHOM_LIGHT_DIRECTIONAL, .to_light = {0, 1, 0}};
     if (w->scene->lights.count) light_prepare(&w->scene->lights.items[0], w->origin, &light);

@@ -5,8 +5,8 @@
 
 #include <stdlib.h>
 
-/* Blocks between two looks at the clocks: 4096 rays fit the second-level cache. Reading the clocks takes
- * under a microsecond, tracing so many rays more than a hundred. */
+/* Blocks between two readings of the clocks: 4096 rays fit in the second-level cache. Reading the clocks
+ * takes less than a microsecond; tracing these rays takes more than a hundred. */
 #define PIECE 256
 
 typedef union piece {
@@ -14,14 +14,14 @@ typedef union piece {
     trace_rays any[PIECE];
 } piece;
 
-/* One thread's state; no two share a cache line. */
+/* State of one thread. Aligned, so that no two threads share a cache line. */
 typedef struct worker {
     _Alignas(64) piece *piece;
     double seconds, cpu;
     uint64_t met;
 } worker;
 
-/* One tracer over `blocks` of the set's blocks. */
+/* One tracer traces `blocks` of the set's blocks. */
 typedef struct turn {
     const trace_tracer *tracer;
     const trace_set *set;
@@ -58,7 +58,7 @@ static void run_piece(void *user, size_t begin, size_t end, unsigned index) {
 }
 
 typedef struct outcome {
-    double seconds, cpu; /* of all threads together */
+    double seconds, cpu; /* sums over all threads */
     uint64_t met;
 } outcome;
 
@@ -76,7 +76,7 @@ static outcome take_turn(const turn *t, unsigned threads) {
     return sum;
 }
 
-/* How many blocks fit the time, found by doubling; the first are also what warms the caches. */
+/* The number of blocks that fit the time, found by doubling. These runs also warm the caches. */
 static size_t fitting_blocks(turn t, const trace_time_options *options) {
     for (t.blocks = 1;; t.blocks *= 2) {
         if (t.blocks > t.set->count) t.blocks = t.set->count;
@@ -91,24 +91,24 @@ static size_t fitting_blocks(turn t, const trace_time_options *options) {
 
 /* ---- all of them ---- */
 
-/* Finding how many blocks fit takes up to about two turns. */
+/* Finding this number takes up to about two turns. */
 #define FITTING 2.0
 
 typedef struct contest {
     trace_tracer *const *tracers;
-    size_t count, all; /* of tracers; of tracers and sets together */
+    size_t count, all; /* number of tracers; number of pairs of tracer and set */
     const trace_sets *sets;
     const trace_time_options *options;
     worker *workers;
-    size_t *blocks;     /* by tracer and set, like the next */
-    double *samples[2]; /* rays a second by the clock, and of processor time: `repeats` of each */
+    size_t *blocks;     /* by tracer and set, as are `samples` */
+    double *samples[2]; /* rays per second of wall-clock and of processor time: `repeats` values each */
 } contest;
 
 static turn turn_of(const contest *c, size_t i) {
     return (turn){c->tracers[i / TRACE_SETS], &c->sets->items[i % TRACE_SETS], c->blocks[i], c->workers};
 }
 
-/* turns: that are done. */
+/* turns: number of finished turns. */
 static void tell(const contest *c, double turns) {
     bench_watch_tell(c->options->watch, turns, (c->options->repeats + FITTING) * (double)c->all);
 }

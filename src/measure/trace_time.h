@@ -1,4 +1,4 @@
-/* Rays a second of several tracers over the same rays. */
+/* Rays per second of several tracers over the same rays. */
 #ifndef BENCH_TRACE_TIME_H
 #define BENCH_TRACE_TIME_H
 
@@ -9,20 +9,21 @@
 #define TRACE_TIME_TRACERS_MAX 32
 
 typedef struct trace_rate {
-    uint64_t rays;        /* in each repetition: a slow tracer gets fewer, evenly out of the set */
-    uint64_t met;         /* of them */
-    quartiles per_second; /* by the clock, of all threads together */
+    uint64_t rays;        /* in each repetition: a slow tracer gets fewer, spread uniformly over the set */
+    uint64_t met;         /* number of hits */
+    quartiles per_second; /* wall-clock time, all threads together */
     quartiles per_cpu_second;
 } trace_rate;
 
 typedef struct trace_time_options {
     unsigned repeats; /* [1, TRACE_TIME_REPEATS_MAX] */
     unsigned threads;
-    double seconds;           /* of processor time that one repetition of a tracer and a set may take */
+    double seconds;           /* limit of processor time for one repetition of a tracer and a set */
     const bench_watch *watch; /* may be NULL */
 } trace_time_options;
 
-/* Tracers take turns, each repetition beginning with another one. out: for each tracer, for each set. */
+/* Tracers take turns; each repetition begins with a different tracer. out: for each tracer, a rate for each
+ * set. */
 fathom_status trace_time_measure(fathom_context *context, trace_tracer *const *tracers, size_t count,
                                  const trace_sets *sets, const trace_time_options *options,
                                  trace_rate (*out)[TRACE_SETS]);

@@ -1,5 +1,5 @@
-/* fathom_mpi.so: messages by MPI, for fathom/ranks.h. Nothing waits inside MPI, which would keep a processor
- * busy: sends are completed by later calls, and receiving looks once. */
+/* fathom_mpi.so: sends and receives messages by MPI, for fathom/ranks.h. No call waits inside MPI, because
+ * that would keep a processor busy: later calls complete a send, and receive polls once. */
 #include "job/ranks/mpi_module.h"
 
 #include <mpi.h>
@@ -72,7 +72,7 @@ static bool receive_message(void *user, uint32_t *from, const void **bytes, size
     return true;
 }
 
-/* MPI's own errors end the process, and with it the job: rank 0 has saved what is finished. */
+/* MPI errors end the process, and so the job: finished work that rank 0 has saved is kept. */
 static const char *open_mpi(fathom_ranks *out) {
     int provided = 0, rank = 0, count = 0;
     if (MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &provided) != MPI_SUCCESS)
@@ -85,7 +85,7 @@ static const char *open_mpi(fathom_ranks *out) {
     return NULL;
 }
 
-/* MPI_Finalize() would wait for the others, of which one writes the image, and keep a processor busy. */
+/* MPI_Finalize() would wait for the other ranks, one of which writes the image, and keep a processor busy. */
 static void wait_for_others(void) {
     const struct timespec pause = {0, 1000000};
     MPI_Request all;

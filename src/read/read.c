@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* And ignores case. */
+/* Replaces the path after `from` by that of an existing file whose name differs only in case. */
 static void take_case(char **path, size_t from) {
     char *found = file_of_any_case(*path, from);
     if (!found) return;
@@ -20,7 +20,7 @@ static void take_case(char **path, size_t from) {
 fathom_status read_beside(fathom_scene *scene, const char *base, const char *name, char **out) {
     *out = file_beside(base, name);
     if (!*out) return fail_memory(scene->context, strlen(base) + strlen(name));
-    /* Windows parts folders by backslashes. */
+    /* Windows separates folders by backslashes. */
     char *c = *out + strlen(*out) - strlen(name);
     for (; access(*out, F_OK) != 0 && (c = strchr(c, '\\')) != NULL;) *c = '/';
     if (access(*out, F_OK) != 0 && *name != '/') take_case(out, strlen(*out) - strlen(name));
@@ -62,14 +62,14 @@ vec3_f64 origin_for(const scene_bounds *bounds) {
     double extent = fmax(half.x, fmax(half.y, half.z));
     double size = fmax(fabs(center.x), fmax(fabs(center.y), fabs(center.z))) + extent;
     if (!(extent > 0) || !(size > 16 * extent)) return zero;
-    /* step = 2^k with e/2 < 2^k <= e; below the range of double's exact integers rounding changes nothing. */
+    /* step = 2^k with e/2 < 2^k <= e; below double's range of exact integers, rounding has no effect. */
     int exponent;
     frexp(extent, &exponent);
     double step = ldexp(1, exponent - 1);
     return (vec3_f64){rounded_to(center.x, step), rounded_to(center.y, step), rounded_to(center.z, step)};
 }
 
-/* Samples per pixel of models under the integrator classic; with 1 every edge would be a staircase. */
+/* Samples per pixel of models with the integrator classic; with 1, all edges would be aliased. */
 #define MODEL_SPP 16
 
 static const struct format {
@@ -107,7 +107,7 @@ fathom_integrator read_integrator(const fathom_scene *scene, fathom_integrator o
     return asked && asked->choose_integrator ? asked->integrator : own;
 }
 
-/* A model in metres. */
+/* Reads a model, scaled to metres. */
 static fathom_status read_scaled(fathom_scene *scene, const char *path, const read_mesh_options *options) {
     const double unit = scene->asked->unit;
     fathom_instance all;
@@ -160,7 +160,7 @@ static bool has_motion(const fathom_scene *scene) {
     return false;
 }
 
-/* Whoever knows no motion, such as a writer of models, sees vertices where they are as the shutter opens. */
+/* Code without motion, such as writers of models, gets the vertices at the time when the shutter opens. */
 static fathom_status pose_vertices(fathom_scene *scene) {
     const double open = scene->camera.shutter[0];
     fathom_status status = FATHOM_OK;
@@ -182,16 +182,17 @@ static fathom_status pose_vertices(fathom_scene *scene) {
     return status;
 }
 
-/* The shutter opens at the time that is asked for, and stays open as long as is asked for, else as long as
- * the file says. Motion that no time and no shutter were meant for is likely a slip; a shutter of scene JSON
- * that is shut is not. */
+/* The shutter opens at the requested time. It stays open for the requested duration, or else for the file's.
+ * Motion without a shutter and without a requested time is probably a mistake, so it gets a warning. A closed
+ * shutter in scene JSON is intended. */
 static fathom_status open_shutter(fathom_scene *scene, const char *path) {
     const fathom_read_options *asked = scene->asked;
     double *shutter = scene->camera.shutter;
     const double length = asked->shutter > 0 ? asked->shutter : shutter[1] - shutter[0];
     if (asked->shutter > 0 || asked->choose_time) {
         shutter[0] = asked->time, shutter[1] = asked->time + length;
-        /* A camera with keys stands as the shutter opens. */
+        /* Sets the camera again, because a camera with keys takes its position at the time when the shutter
+         * opens. */
         const fathom_camera camera = scene->camera;
         return camera.key_count ? fathom_scene_set_camera(scene, &camera) : FATHOM_OK;
     }
@@ -203,7 +204,7 @@ static fathom_status open_shutter(fathom_scene *scene, const char *path) {
     return FATHOM_OK;
 }
 
-/* Options that the file cannot satisfy are reported. */
+/* Reports options that the file cannot satisfy. */
 static fathom_status check_asked(const fathom_scene *scene, const char *path) {
     const fathom_read_options *asked = scene->asked;
     if (asked->camera && !scene->cameras.count) {
@@ -323,7 +324,7 @@ fathom_status fathom_scene_read_with(fathom_context *context, const char *path,
     if (status != FATHOM_OK) return status;
     scene->without_uvs = asked.without_uvs;
     status = read_whole(scene, path, &asked);
-    /* A changed file explains every other fault. */
+    /* If a file has changed, all other errors may be a result of it. */
     if (status == FATHOM_OK || status == FATHOM_BAD_INPUT) {
         fathom_status changed = fathom_scene_check_files(scene);
         if (changed != FATHOM_OK) status = changed;

@@ -1,53 +1,54 @@
-/* The readers, a folder for each format. Each adds the contents of a file to a scene. */
+/* The readers, one folder per format. Each reader adds the contents of a file to a scene. */
 #ifndef READ_READ_H
 #define READ_READ_H
 
 #include "scene/scene.h"
 
-/* How a mesh file is to be read. */
+/* How to read a mesh file. */
 typedef struct read_mesh_options {
-    fathom_id material; /* for everything in the file; FATHOM_NONE: the file's own */
+    fathom_id material; /* material of all meshes of the file; FATHOM_NONE: the file's own */
     unsigned flags;     /* of every mesh: FATHOM_CASTS_NO_SHADOW… */
     bool flat;          /* ignore the file's normals and smoothing groups */
     bool smooth;        /* make smooth vertex normals where the file has none */
-    bool surroundings;  /* take the file's camera and lights too; only into the root */
-    double unit;        /* scale of the group's instance, which cameras and lights follow; 0: none */
+    bool surroundings;  /* also read the file's camera and lights; only if the group is the root */
+    double unit;        /* scale of the group's instance, applied to cameras and lights too; 0: no scale */
 } read_mesh_options;
 
 /* The path of a file that the file `base` names. `base` may come from Windows: backslashes separate folders,
- * and case does not count. Release it with free(). FATHOM_BAD_INPUT when it is outside the allowed folder;
+ * and letter case is ignored. Release it with free(). FATHOM_BAD_INPUT when it is outside the allowed folder;
  * the caller adds the place to the message. */
 fathom_status read_beside(fathom_scene *scene, const char *base, const char *name, char **out);
 
-/* The same for an image. If `name` is no readable file, tries its trailing path components next to `base`,
- * the longest first, because a path may come from another computer. FATHOM_OK with *out NULL: no such file.
- */
+/* The same for an image. If `name` is not a readable file, tries the trailing components of its path next to
+ * `base`, the longest first, because the path may come from another computer. FATHOM_OK with *out NULL: no
+ * file was found. */
 fathom_status read_image_beside(fathom_scene *scene, const char *base, const char *name, char **out);
 
-/* The curve of sRGB, for a number in [0,1] of a vertex colour: files hold what screens show. */
+/* Decodes sRGB to linear, for a vertex colour in [0,1]: files store display values. */
 static inline float read_linear(double srgb) {
     return (float)(srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4));
 }
 
-/* A material for a file that has colours and no materials: its diffuse reflectance is 1, times the colours.
- */
+/* Adds a material for a file with vertex colours but no materials: its diffuse reflectance is 1, multiplied
+ * by the colours. */
 fathom_status read_colored_material(fathom_scene *scene, fathom_id *out);
 
-/* The integrator that the scene is read for; `own`: the file's. */
+/* The integrator that the scene is read for; `own`: the integrator that the file names. */
 fathom_integrator read_integrator(const fathom_scene *scene, fathom_integrator own);
 
-/* The origin of a mesh's float positions: zero, unless the vertices lie so far out for their extent that
- * float would lose digits that the file has.
+/* The origin of a mesh's float positions: zero, unless the vertices lie so far from the origin, compared with
+ * their extent, that float would lose digits of the file.
  *
- * A float coordinate of size M is rounded by up to 2^-24 M. The widest image, 65536 pixels, of a mesh with
- * half-extent e has pixels of e 2^-15, so up to M = 16 e the error stays below 2^-20 e, a thirty-second of
- * its pixels. Beyond that the origin moves to the centre, and M becomes at most 1.5 e again.
- * It moves by a multiple of a power of two not above e: coordinates that were floats in the file then keep
- * every bit, since their differences from it are multiples of their own last bit and no larger than they. */
+ * A float coordinate of size M has a rounding error of at most 2^-24 M. In the widest image, 65536 pixels, a
+ * mesh with half-extent e has pixels of size e 2^-15. So up to M = 16 e the error is below 2^-20 e, 1/32 of a
+ * pixel. Above that the origin moves to the centre, and M is then at most 1.5 e. The origin moves by a
+ * multiple of a power of two not above e. Coordinates that were floats in the file then keep every bit,
+ * because their differences from the origin are multiples of their own last bit and no larger than they. */
 vec3_f64 origin_for(const scene_bounds *bounds);
 
-/* Each adds its meshes to `group`. FATHOM_BAD_INPUT names the file with its line (text) or byte offset
- * (binary) and the field. After a failure the scene may hold a part of the file and can only be destroyed. */
+/* Each call adds its meshes to `group`. The message of FATHOM_BAD_INPUT names the file, the line (text) or
+ * byte offset (binary), and the field. After a failure the scene may hold a part of the file: only destroy
+ * it. */
 fathom_status read_obj(fathom_scene *scene, fathom_id group, const char *path,
                        const read_mesh_options *options);
 fathom_status read_ply(fathom_scene *scene, fathom_id group, const char *path,
@@ -55,10 +56,10 @@ fathom_status read_ply(fathom_scene *scene, fathom_id group, const char *path,
 fathom_status read_gltf(fathom_scene *scene, fathom_id group, const char *path,
                         const read_mesh_options *options);
 
-/* Scene JSON: adds to the root, and sets camera, background, settings and name. */
+/* Reads scene JSON: adds its objects to the root, and sets camera, background, settings and name. */
 fathom_status read_json(fathom_scene *scene, const char *path);
 
-/* Any mesh file, by its extension: .obj, .ply, .gltf, .glb. */
+/* Reads any mesh file; the extension selects the format: .obj, .ply, .gltf, .glb. */
 fathom_status read_mesh(fathom_scene *scene, fathom_id group, const char *path,
                         const read_mesh_options *options);
 

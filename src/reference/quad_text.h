@@ -1,13 +1,12 @@
-/* Quads v0 v1 v2 v3, corners in order, and infinite planes: the one text that reference.h stamps for each
- * precision. */
+/* Quads v0 v1 v2 v3 (corners in order) and infinite planes. Included once per precision; see stamp.h. */
 
 /* Zero times a number is zero unless it is infinite or NaN. */
 static inline bool FN(corner_is_finite)(VEC3 p) { return p.x * 0 + p.y * 0 + p.z * 0 == 0; }
 
-/* The two triangles (v0,v1,v3) and (v2,v3,v1), as Embree splits its QUAD, by the watertight test: the
- * diagonal leaks no more than the sides. The nearer hit, the first triangle's on equal t. (u,v) is (0,0) at
- * v0, (1,0) at v1, (0,1) at v3, (1,1) at v2, and continuous over the diagonal. A quad with a corner that is
- * not finite is never met, not even the triangle without it. */
+/* Tests the triangles (v0,v1,v3) and (v2,v3,v1), which is how Embree splits its QUAD, with the watertight
+ * test: the diagonal leaks no more than the sides. Reports the nearer hit, on equal t the first triangle's.
+ * (u,v) is (0,0) at v0, (1,0) at v1, (0,1) at v3, (1,1) at v2, and continuous over the diagonal. A quad with
+ * a corner that is not finite is never hit, not even in the triangle without that corner. */
 static inline bool FN(quad_robust)(VEC3 v0, VEC3 v1, VEC3 v2, VEC3 v3, VEC3 org, VEC3 dir, REAL t_min,
                                    REAL t_max, FN(reference_hit) * hit) {
     FN(triangle_ray) ray = FN(triangle_ray_make)(org, dir);
@@ -24,9 +23,9 @@ static inline bool FN(quad_robust)(VEC3 v0, VEC3 v1, VEC3 v2, VEC3 v3, VEC3 org,
 }
 
 /* The plane (P - point)·n = 0: t = (point-E)·n / (d·n). n need not be unit. Parallel rays miss. *sure:
- * rounding cannot have turned the sign of the numerator or the denominator. Difference, product and sums
- * leave at most 4 u of each of three products, 12 u of the product of the largest sides; from 64 u on both
- * signs are beyond doubt. */
+ * rounding cannot have changed the sign of the numerator or the denominator. The difference, product and sums
+ * have an error of at most 4 u of each of three products, so 12 u of the product of the largest components.
+ * Above 64 u both signs are certain. */
 static inline REAL FN(plane_ratio)(VEC3 point, VEC3 normal, VEC3 org, VEC3 dir, bool *sure) {
     VEC3 f = FN(sub)(point, org);
     REAL above = FN(dot)(f, normal), along = FN(dot)(dir, normal), n = FN(largest)(normal);
@@ -37,8 +36,8 @@ static inline REAL FN(plane_ratio)(VEC3 point, VEC3 normal, VEC3 org, VEC3 dir, 
     return above / along;
 }
 
-/* The same, in the next wider precision where the origin is as good as on the plane or the ray as good as
- * along it. */
+/* Same, but in the next wider precision if the origin is nearly on the plane or the ray nearly parallel to
+ * it. */
 static inline bool FN(plane_robust)(VEC3 point, VEC3 normal, VEC3 org, VEC3 dir, REAL t_min, REAL t_max,
                                     REAL *t) {
     bool sure;

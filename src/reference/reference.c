@@ -3,7 +3,7 @@
 
 real_f128 sqrt_f128(real_f128 x) {
     if (!(x > 0) || x - x != 0) return x < 0 ? (x - x) / (x - x) : x; /* zero, NaN and infinity stay */
-    /* Into the range of double, by even powers of two. */
+    /* Scales x into the range of double, by even powers of two. */
     real_f128 scale = 1;
     for (; x > (real_f128)0x1p1000; x *= (real_f128)0x1p-1000) scale *= (real_f128)0x1p500;
     for (; x < (real_f128)0x1p-1000; x *= (real_f128)0x1p1000) scale *= (real_f128)0x1p-500;

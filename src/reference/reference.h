@@ -1,8 +1,8 @@
 /* The hand-written intersectors, in float (_f32) and double (_f64); reference_f128.h has them in quadruple.
  *
- * They give, for any finite input, the answer that their precision can give. A hit has t in the open interval
- * (t_min, t_max); t is in units of |dir|, which need not be 1. NaN and infinite input is never met (but t_max
- * may be infinite); nor is a direction of zero. None traps, allocates or keeps state.
+ * They work for any finite input, as well as their precision allows. A hit has t in the open interval (t_min,
+ * t_max); t is in units of |dir|, which need not be 1. NaN or infinite input always misses (but t_max may be
+ * infinite); so does a zero direction. None of them traps, allocates or keeps state.
  *
  * sphere_robust_f32(center, radius, org, dir, t_min, t_max, &t)
  * triangle_robust_f32(a, b, c, org, dir, t_min, t_max, &hit)

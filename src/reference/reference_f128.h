@@ -1,5 +1,5 @@
-/* The hand-written intersectors in quadruple precision (_f128): the truth for float and double ones. There is
- * no wider precision to fall back to. Some hundred times slower than float. */
+/* The hand-written intersectors in quadruple precision (_f128): the ground truth for float and double. There
+ * is no wider precision to fall back to. About a hundred times slower than float. */
 #ifndef REFERENCE_REFERENCE_F128_H
 #define REFERENCE_REFERENCE_F128_H
 

@@ -1,16 +1,16 @@
-/* Spheres |P - C| = R: the one text that reference.h stamps for each precision. */
+/* Spheres |P - C| = R. Included once per precision; see stamp.h. */
 
-/* Both roots in order, or false, by plain arithmetic without branches.
+/* Computes both roots in order, without branches. False: the line misses.
  *
- * With f = E - C, a = |d|², b = -f·d: the rejection l = f + (b/a) d carries the discriminant D = R² - |l|²,
- * so that nothing of size |f|² is subtracted; q = b + sign(b) √(a D), and the roots are c/q and q/a with c =
- * |f|² - R², so that nothing is subtracted from √ either (Haines et al., Ray Tracing Gems, chapter 7).
+ * With f = E - C, a = |d|², b = -f·d: the discriminant D = R² - |l|² comes from the rejection l = f + (b/a)
+ * d, so nothing of size |f|² is subtracted. With q = b + sign(b) √(a D) and c = |f|² - R², the roots are c/q
+ * and q/a, so nothing is subtracted from √ either (Haines et al., Ray Tracing Gems, chapter 7).
  *
- * Error, with u the unit roundoff: f, b, a and the sum leave |δl| ≤ 10 u |f|, so |δD| ≤ 20 u |f||l| + 5 u (R²
- * + |l|²), at most 36 u |f| √(R² + |l|²) where D is near 0; and |δc| ≤ 6 u (|f|² + R²). *sure says that sizes
- * are in range, that |D| is at least 256 u |f| √(R² + |l|²), seven times its error, and |c| at least R²/4:
- * hit or miss and inside or outside are then beyond doubt, c has a relative error of at most 54 u, D of at
- * most 1/7. */
+ * Errors, with u the unit roundoff: f, b, a and the sum give |δl| ≤ 10 u |f|, so |δD| ≤ 20 u |f||l| + 5 u (R²
+ * + |l|²), at most 36 u |f| √(R² + |l|²) where D is near 0; and |δc| ≤ 6 u (|f|² + R²). *sure means that
+ * sizes are in range, |D| is at least 256 u |f| √(R² + |l|²), seven times its error, and |c| is at least
+ * R²/4. Then hit or miss and inside or outside are certain, c has a relative error of at most 54 u, and D of
+ * at most 1/7. */
 static inline bool FN(sphere_plain)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL roots[2], bool *sure) {
     VEC3 f = FN(sub)(org, center);
     REAL far = FN(largest)(f), big = far > radius ? far : radius, longest = FN(largest)(dir);
@@ -24,11 +24,11 @@ static inline bool FN(sphere_plain)(VEC3 center, REAL radius, VEC3 org, VEC3 dir
     REAL by_c = q != 0 ? c / q : 0, by_a = q / a;
     roots[0] = b < 0 ? by_a : by_c;
     roots[1] = b < 0 ? by_c : by_a;
-    /* From inside, every line leaves. */
+    /* A ray that starts inside always hits. */
     return (((c < 0) & (D < 0)) | (D >= 0)) & (radius > 0);
 }
 
-/* The same for any finite numbers: what is not sure is decided in the next wider precision. */
+/* Same, for any finite numbers: falls back to the next wider precision if not sure. */
 static inline bool FN(sphere_roots)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL roots[2]) {
     bool sure, met = FN(sphere_plain)(center, radius, org, dir, roots, &sure);
     return sure ? met : FN(sphere_roots_wide)(center, radius, org, dir, roots);
@@ -41,15 +41,14 @@ static inline bool FN(sphere_choose)(const REAL roots[2], REAL t_min, REAL t_max
 }
 
 /* Nearest root in (t_min, t_max). t is in units of |dir|, which need not be 1. Zero or negative radii and
- * zero directions are never met. A hit decided in float is the hit that double decides for the same float
- * inputs. */
+ * zero directions miss. Float and double agree about a hit for the same float inputs. */
 static inline bool FN(sphere_robust)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL t_min, REAL t_max,
                                      REAL *t) {
     REAL roots[2];
     return FN(sphere_roots)(center, radius, org, dir, roots) && FN(sphere_choose)(roots, t_min, t_max, t);
 }
 
-/* The same for a centre and a radius in two parts. */
+/* Same, for a centre and a radius in two parts. */
 static inline bool FN(sphere_split)(const VEC3 center[2], const REAL radius[2], VEC3 org, VEC3 dir,
                                     REAL t_min, REAL t_max, REAL *t) {
     REAL roots[2];

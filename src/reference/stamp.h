@@ -1,8 +1,9 @@
-/* Includes every text once, with REAL, VEC3, FN(name), SQRT, ABS and these defined:
- * UNIT: the unit roundoff. RANGE_LOW, RANGE_HIGH: between them fourth powers keep full relative precision.
- * AREA_LOW, AREA_HIGH: sums of products of that size keep it too, whether or not denormals are flushed. */
+/* Includes the intersectors for one precision. Defined before: REAL, VEC3, FN(name), SQRT, ABS, and
+ * - UNIT: the unit roundoff;
+ * - RANGE_LOW, RANGE_HIGH: fourth powers of numbers between them keep full relative precision;
+ * - AREA_LOW, AREA_HIGH: sums of products between them keep it too, with denormals flushed or not. */
 
-/* u, v: P = (1-u-v) A + u B + v C; of a quad: see quad_text.h. */
+/* Triangle: P = (1-u-v) A + u B + v C. Quad: see quad_text.h. */
 typedef struct FN(reference_hit) {
     REAL t, u, v;
 } FN(reference_hit);
@@ -12,12 +13,12 @@ static inline REAL FN(largest)(VEC3 a) {
     return m > z ? m : z;
 }
 
-/* Decisions in the next wider precision; reference.c. Rarely called. */
+/* Fallbacks in the next wider precision, in reference.c. Rarely called. */
 bool FN(sphere_roots_wide)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL roots[2]);
-/* The same for a sphere whose centre and radius are sums of two numbers each, the second below the last place
+/* Same, for a sphere whose centre and radius are sums of two numbers each; the second is below the last place
  * of the first. */
 bool FN(sphere_roots_split)(const VEC3 center[2], const REAL radius[2], VEC3 org, VEC3 dir, REAL roots[2]);
-/* The weights of B and C of three sheared vertices; false: miss. */
+/* Computes the weights of B and C from three sheared vertices; false: miss. */
 bool FN(triangle_weights_wide)(VEC3 a, VEC3 b, VEC3 c, REAL weights[2]);
 bool FN(triangle_has_area_wide)(VEC3 a, VEC3 b, VEC3 c);
 REAL FN(plane_wide)(VEC3 point, VEC3 normal, VEC3 org, VEC3 dir);

@@ -1,14 +1,14 @@
-/* Triangles A, B, C: the one text that reference.h stamps for each precision.
- * Hits carry P = (1-u-v) A + u B + v C. */
+/* Triangles A, B, C. Included once per precision; see stamp.h. A hit at P has u and v with P = (1-u-v) A + u
+ * B + v C. */
 
-/* The ray as the watertight test needs it, computed once for many triangles. */
+/* The ray, prepared for the watertight test; computed once for many triangles. */
 typedef struct FN(triangle_ray) {
     VEC3 org;
-    REAL dz, sx, sy; /* the largest component of the direction; the other two over it */
-    int axis;        /* which one it is */
+    REAL dz, sx, sy; /* the largest component of the direction; the other two divided by it */
+    int axis;        /* index of the largest component */
 } FN(triangle_ray);
 
-/* v with its coordinate `axis` last, in cyclic order. */
+/* v with its coordinates permuted cyclically so that `axis` comes last. */
 static inline VEC3 FN(turned)(VEC3 v, int axis) {
     VEC3 r = {axis == 0   ? v.y
               : axis == 1 ? v.z
@@ -30,15 +30,15 @@ static inline FN(triangle_ray) FN(triangle_ray_make)(VEC3 org, VEC3 dir) {
     return ray;
 }
 
-/* The vertex as the ray sees it: the ray starts at 0 and runs along z. It depends on the ray and the vertex
- * alone, so triangles that share the vertex agree on it to the last bit. */
+/* The vertex in the ray's sheared space, where the ray starts at 0 and runs along z. The result depends only
+ * on the ray and the vertex, so triangles that share a vertex get the same bits. */
 static inline VEC3 FN(sheared)(const FN(triangle_ray) * ray, VEC3 p) {
     VEC3 q = FN(turned)(FN(sub)(p, ray->org), ray->axis);
     return FN(vec)(q.x - ray->sx * q.z, q.y - ray->sy * q.z, q.z);
 }
 
-/* False when the triangle's area cannot be told from zero in the next wider precision. Each component of the
- * computed cross product is off by at most 8 u times the longest sides. */
+/* False when the area cannot be distinguished from zero even in the next wider precision. Each component of
+ * the cross product has an error of at most 8 u times the product of the longest sides. */
 static inline bool FN(triangle_has_area)(VEC3 a, VEC3 b, VEC3 c) {
     VEC3 e = FN(sub)(b, a), g = FN(sub)(c, a);
     if (FN(largest)(FN(cross)(e, g)) > 8 * UNIT * FN(largest)(e) * FN(largest)(g) + AREA_LOW) return true;
@@ -46,13 +46,13 @@ static inline bool FN(triangle_has_area)(VEC3 a, VEC3 b, VEC3 c) {
 }
 
 /* The watertight test on sheared vertices (Woop, Benthin, Wald 2013, Journal of Computer Graphics Techniques
- * 2(1)): the ray meets the triangle when the three edge functions do not differ in sign. Rounding cannot turn
- * a sign, only make it zero; then, or when the sum leaves the range of full relative precision, the products
- * are formed again in the next wider precision, where they are exact. So neighbours never disagree about
- * their edge, and a ray cannot pass between them.
+ * 2(1)): the ray hits the triangle if the three edge functions do not differ in sign. Rounding cannot change
+ * a sign, it can only give zero. Then, or when the sum leaves the range of full relative precision, the
+ * products are computed again in the next wider precision, where they are exact. So neighbours always agree
+ * about their common edge, and no ray passes between them.
  *
- * The depth is computed from A and the differences to it: its error is a few units of the distance to A, and
- * of the edges' depth times the relative error of u and v. */
+ * The depth is computed from A and the differences to it. Its error is a few units of the distance to A, plus
+ * the edges' depth times the relative error of u and v. */
 static inline bool FN(triangle_sheared)(const FN(triangle_ray) * ray, VEC3 a, VEC3 b, VEC3 c, REAL t_min,
                                         REAL t_max, FN(reference_hit) * hit) {
     REAL u = c.x * b.y - c.y * b.x, v = a.x * c.y - a.y * c.x, w = b.x * a.y - b.y * a.x;
@@ -68,7 +68,8 @@ static inline bool FN(triangle_sheared)(const FN(triangle_ray) * ray, VEC3 a, VE
     return true;
 }
 
-/* For many triangles and one ray. Vertices that are not finite and triangles without area are never met. */
+/* For many triangles and one ray. Triangles with a vertex that is not finite or without area are never
+ * hit. */
 static inline bool FN(triangle_robust_ray)(VEC3 a, VEC3 b, VEC3 c, const FN(triangle_ray) * ray, REAL t_min,
                                            REAL t_max, FN(reference_hit) * hit) {
     return FN(triangle_sheared)(ray, FN(sheared)(ray, a), FN(sheared)(ray, b), FN(sheared)(ray, c), t_min,
@@ -76,7 +77,7 @@ static inline bool FN(triangle_robust_ray)(VEC3 a, VEC3 b, VEC3 c, const FN(tria
            FN(triangle_has_area)(a, b, c);
 }
 
-/* Both sides count. t in (t_min, t_max), in units of |dir|, which need not be 1. */
+/* Two-sided. t in (t_min, t_max), in units of |dir|, which need not be 1. */
 static inline bool FN(triangle_robust)(VEC3 a, VEC3 b, VEC3 c, VEC3 org, VEC3 dir, REAL t_min, REAL t_max,
                                        FN(reference_hit) * hit) {
     FN(triangle_ray) ray = FN(triangle_ray_make)(org, dir);

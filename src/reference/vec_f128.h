@@ -1,5 +1,5 @@
-/* Quadruple precision: vec3_f128 with dot_f128, cross_f128… as math/vec.h has them for float and double.
- * binary128 by whatever name the processor's compiler gives it; libquadmath is not needed. */
+/* Quadruple precision: vec3_f128 with dot_f128, cross_f128…, like math/vec.h for float and double. real_f128
+ * is the compiler's type for binary128; libquadmath is not needed. */
 #ifndef REFERENCE_VEC_F128_H
 #define REFERENCE_VEC_F128_H
 
@@ -14,8 +14,8 @@ typedef __float128 real_f128;
 #error "Fathom's reference intersectors need a compiler with binary128"
 #endif
 
-/* Square root within one unit in the last place, NaN below zero. Newton's iteration from the double root: the
- * relative error goes from 2^-53 to 2^-107 and then to the last rounding. */
+/* Square root with an error below one ulp; NaN below zero. Newton's iteration starts from the double root:
+ * the relative error falls from 2^-53 to 2^-107, then to the final rounding. */
 real_f128 sqrt_f128(real_f128 x);
 
 static inline real_f128 abs_f128(real_f128 x) { return x < 0 ? -x : x; }

@@ -1,5 +1,6 @@
-/* Decisions that the inline forms leave to the next wider precision. Included with REAL, VEC3, FN(name), and
- * the wider WIDE, WIDE_VEC3, WIDE_FN(name), WIDER(v) (a VEC3 in the wider precision) and WIDE_ABS defined. */
+/* The fallbacks that the inline intersectors call in the next wider precision. Defined before: REAL, VEC3,
+ * FN(name), and for the wider precision WIDE, WIDE_VEC3, WIDE_FN(name), WIDER(v) (converts a VEC3) and
+ * WIDE_UNIT. */
 
 static bool FN(plain_wide)(WIDE_VEC3 center, WIDE radius, VEC3 org, VEC3 dir, REAL roots[2]) {
     WIDE wide[2];
@@ -22,7 +23,7 @@ bool FN(triangle_weights_wide)(VEC3 a, VEC3 b, VEC3 c, REAL weights[2]) {
     WIDE ax = a.x, ay = a.y, bx = b.x, by = b.y, cx = c.x, cy = c.y;
     WIDE u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax, sum = u + v + w;
     bool negative = u < 0 || v < 0 || w<0, positive = u> 0 || v > 0 || w > 0;
-    if (negative == positive) return false; /* they differ, or the ray lies in the triangle's plane */
+    if (negative == positive) return false; /* the signs differ, or the ray lies in the triangle's plane */
     weights[0] = (REAL)(v / sum), weights[1] = (REAL)(w / sum);
     return true;
 }

@@ -16,7 +16,7 @@ METRICS = {
     "relmse": ("relative MSE", "relative MSE"),
     "flip": ("FLIP", "FLIP, 0 to 1"),
 }
-# A fitted slope known no better than this is drawn without its interval, which would fill the plot.
+# A fitted slope with a larger half interval is drawn without it, because the interval would fill the plot.
 HALF_DRAWN = 0.5
 
 
@@ -85,7 +85,7 @@ def trace_table(runs):
 
 
 def fewer_rays(runs, run, name):
-    """Slow tracers are asked fewer rays than others of the same scene."""
+    """True if the tracer traced fewer rays than others in the same scene, because it is slow."""
     most = max(rate_of(r, name).get("rays", 0) for r in runs if r.get("triangles") == run.get("triangles"))
     return rate_of(run, name).get("rays", 0) < most
 
@@ -215,7 +215,7 @@ def error_points(results, metric):
 
 
 def draw_fit(plot, fit, xs, series):
-    """A power law through the middle of its points, and those with the ends of the slope's interval."""
+    """A power law through the middle of its points; also with both ends of the slope's interval."""
     slope, scale, half = at(fit, "slope"), at(fit, "scale"), at(fit, "half")
     ends = (min(xs), max(xs))
     middle = 1.0

@@ -9,10 +9,10 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from html_page import number, power, text
 
-# Each has a contrast of at least 3 to white and to the dark paper.
+# Each has a contrast of at least 3 with white and with the dark paper.
 COLOURS = ["#1f77b4", "#d1600f", "#258f63", "#9467bd", "#b8860b", "#c44e52", "#17889e", "#7f7f7f", "#6b8e23", "#a0522d"]
 MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "p"]
-# matplotlib's colours stand for the page's own: see style.css.
+# Placeholders in matplotlib; the page replaces them by its own colours: see style.css.
 INK, SOFT, LINE, PAPER = "#010203", "#010204", "#010205", "#010206"
 PAGE_COLOURS = {INK: "var(--ink)", SOFT: "var(--soft)", LINE: "var(--line)", PAPER: "var(--paper)"}
 
@@ -39,7 +39,7 @@ def usable(x):
 
 
 class Plot:
-    """Points and lines on two logarithmic axes; points tell their numbers when pointed at."""
+    """Points and lines on two logarithmic axes; a point shows its numbers when the pointer is over it."""
 
     def __init__(self, title, x_name, y_name, *, summary, size=(1040, 400)):
         self.title, self.summary = title, summary

@@ -85,7 +85,7 @@ def _row(cells):
 
 
 def table(caption, columns, rows):
-    """columns: names; those that begin with "#" hold numbers. rows: lists of cells, or a markup that heads a group."""
+    """columns: names; those that begin with "#" hold numbers. rows: lists of cells, or markup for the head of a group."""
     heads = "".join(f'<th scope="col" class="{"n" if c.startswith("#") else ""}">{text(c.lstrip("#"))}</th>' for c in columns)
     body = []
     for row in rows:

@@ -18,7 +18,7 @@ def tracers_of(runs):
 
 
 def spread_of_quartiles(quartiles):
-    """Half the distance of the quartiles."""
+    """Half the distance between the quartiles."""
     if not at(quartiles, "median", missing=0):
         return ""
     return f"±{50 * (quartiles['high'] - quartiles['low']) / quartiles['median']:.0f}\u202f%"
@@ -69,7 +69,7 @@ class Spread:
             self.bins[key] = self.bins.get(key, 0) + n
 
     def quantile(self, q):
-        """The quantile q: 0 when it lies below all classes, NaN when nothing was counted."""
+        """The quantile q: 0 when it lies below all bins, NaN when nothing was counted."""
         if not self.total:
             return math.nan
         below = self.zeros
@@ -83,7 +83,7 @@ class Spread:
         return self.most
 
     def octaves(self):
-        """Counts by octave: finer bars would not be seen."""
+        """Counts by octave: finer bars would not be visible."""
         sums = {}
         for key, n in self.bins.items():
             if n:

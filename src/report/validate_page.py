@@ -21,7 +21,7 @@ MEANINGS = {
 MARKS = {"wrong": "bad", "leak": "leak"}
 ORDINARY = ("camera", "uniform")
 FAILURES_SHOWN = 20
-# Colours of the maps. Verdicts bound the constant by 16 to 64, by the shape; below 0.1 an answer is as good as exact.
+# Range of the maps' colours. The limit of the constant is 16 to 64, depending on the shape; below 0.1 a result is nearly exact.
 CONSTANTS = (0.1, 100)
 
 
@@ -184,7 +184,7 @@ def failures_section(results):
 
 
 def time_of(runs):
-    """Nanoseconds a ray over all scenes, weighed by rays; NaN where a run has no time."""
+    """Nanoseconds a ray over all scenes, weighted by rays; NaN where a run has no time."""
     rays = rays_of(runs)
     return sum(at(r, "nsPerRay") * rays_of([r]) for r in runs) / rays if rays else float("nan")
 
@@ -242,7 +242,7 @@ def histograms_section(results):
 
 
 def heat(value):
-    """From 0 to 1 over the range of colours, logarithmic."""
+    """Position in the range of colours, from 0 to 1, on a logarithmic scale."""
     low, high = (math.log(v) for v in CONSTANTS)
     return 0.0 if not value or value <= 0 else min(1.0, max(0.0, (math.log(value) - low) / (high - low)))
 

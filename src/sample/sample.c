@@ -7,7 +7,7 @@ uint64_t sample_pixel_hash(const sampler *s, uint32_t x, uint32_t y) {
     return pixel_hash(mix(s->seed + 0x9e3779b97f4a7c15u), x, y);
 }
 
-/* The first dimension has none of its own. */
+/* The first dimension uses the hash of the pixel itself. */
 static uint64_t key_hash(const sampler *s, sample_key key, sample_dimension dimension) {
     const uint64_t pixel = sample_pixel_hash(s, key.x, key.y);
     return dimension ? mix(pixel ^ (uint64_t)dimension * 0xd1342543de82ef95u) : pixel;

@@ -1,5 +1,5 @@
-/* The numbers that a sample is made of. Each is a function of the sampler and of the sample's pixel, index
- * and dimension alone, so that no order of work changes any. */
+/* The random numbers of samples. Each number depends only on the sampler and on the sample's pixel, index and
+ * dimension, so the order of work has no effect. */
 #ifndef SAMPLE_SAMPLE_H
 #define SAMPLE_SAMPLE_H
 
@@ -9,20 +9,20 @@
 
 #include <stdint.h>
 
-/* The uses of the numbers, two numbers each. */
+/* The dimensions of a sample, two numbers each. */
 typedef enum sample_dimension {
-    SAMPLE_PIXEL, /* where in its pixel a sample lies, from the top left */
-    SAMPLE_LENS,  /* where a ray leaves the lens */
-    SAMPLE_TIME,  /* when the shutter is open */
-    SAMPLE_VERTEX /* the first of a path's vertices: see sample_at_vertex() */
+    SAMPLE_PIXEL, /* position in the pixel, from its top left corner */
+    SAMPLE_LENS,  /* position on the lens */
+    SAMPLE_TIME,  /* time while the shutter is open */
+    SAMPLE_VERTEX /* the first vertex of a path: see sample_at_vertex() */
 } sample_dimension;
 
-/* The uses of numbers at a vertex of a path. */
+/* The dimensions at each vertex of a path. */
 typedef enum sample_purpose {
     SAMPLE_LIGHT,    /* a point on a light */
-    SAMPLE_SCATTER,  /* a direction */
-    SAMPLE_CHOICE,   /* which light, and which lobe */
-    SAMPLE_ROULETTE, /* whether the path goes on */
+    SAMPLE_SCATTER,  /* a direction of scattering */
+    SAMPLE_CHOICE,   /* selection of a light, and of a lobe */
+    SAMPLE_ROULETTE, /* whether the path continues */
     SAMPLE_PURPOSES
 } sample_purpose;
 
@@ -31,29 +31,29 @@ static inline sample_dimension sample_at_vertex(uint32_t vertex, sample_purpose 
 }
 
 typedef struct sample_key {
-    uint32_t x, y, index; /* the pixel, in the image, and which of its samples */
+    uint32_t x, y, index; /* the pixel in the image, and the index of the sample in it */
 } sample_key;
 
 typedef struct sampler {
-    fathom_pattern pattern; /* of SAMPLE_PIXEL; all others follow Sobol's sequence */
+    fathom_pattern pattern; /* of SAMPLE_PIXEL; all other dimensions use the Sobol sequence */
     uint32_t grid;          /* n of the n × n patterns; index = row * n + column */
     uint64_t seed;
 } sampler;
 
-/* Grid: the cells' centres. Stratified: a place in each cell by hash. Sobol: point `index` of the
- * two-dimensional Sobol sequence, Owen-scrambled by hash (Laine and Karras 2011; Burley 2020), with another
- * scramble for each pixel and dimension: any run of 2^k points from a multiple of 2^k is stratified in all
- * ways at once. (u, v) lies in [0,1)². */
+/* Grid: the centre of a cell. Stratified: a hashed position in each cell. Sobol: point `index` of the
+ * two-dimensional Sobol sequence, Owen-scrambled by a hash (Laine and Karras 2011; Burley 2020), with a
+ * different scramble for each pixel and dimension. Any run of 2^k points that starts at a multiple of 2^k is
+ * a (0,k,2)-net: all its elementary intervals are stratified at once. (u, v) lies in [0,1)². */
 void sample_2d(const sampler *s, sample_key key, sample_dimension dimension, double *u, double *v);
 
-/* The part of a key that all dimensions of a pixel share. */
+/* The hash of a pixel, common to all its samples and dimensions. */
 uint64_t sample_pixel_hash(const sampler *s, uint32_t x, uint32_t y);
 
 typedef struct sample_kernels {
     /* sample_pixel_hash() of a square of 4 × 4 pixels, row by row. */
     void (*square)(const sampler *s, uint32_t left, uint32_t top, uint64_t *out);
 
-    /* sample_2d() of sixteen pixels in SAMPLE_PIXEL, where the pattern is Sobol's. */
+    /* sample_2d() of sixteen pixels in the dimension SAMPLE_PIXEL, for the Sobol pattern. */
     void (*places)(const uint64_t pixel[LANES], uint32_t index, double *x, double *y);
 
     /* sample_2d() of sixteen samples, rounded down to 24 bits, in a dimension other than SAMPLE_PIXEL. */
@@ -62,7 +62,8 @@ typedef struct sample_kernels {
 } sample_kernels;
 
 const sample_kernels *sample_kernels_best(void);
-/* Those that this processor can run, from the plainest to the best; NULL past the last. */
+/* The variants that this processor can run, from the oldest instruction set to the newest; NULL past the
+ * last. */
 const sample_kernels *sample_kernels_at(unsigned index);
 
 #endif

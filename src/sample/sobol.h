@@ -1,4 +1,4 @@
-/* Owen-scrambled Sobol numbers, of one sample: what sample_2d() and its kernel share. */
+/* Owen-scrambled Sobol points of one sample, shared by sample_2d() and its kernel. */
 #ifndef SAMPLE_SOBOL_H
 #define SAMPLE_SOBOL_H
 
@@ -12,7 +12,7 @@ static inline uint64_t mix(uint64_t h) {
     return h ^ (h >> 31);
 }
 
-/* seed: mixed. */
+/* `seed` has already passed through mix(). */
 static inline uint64_t pixel_hash(uint64_t seed, uint32_t x, uint32_t y) {
     return mix(seed ^ ((uint64_t)y << 32 | x));
 }
@@ -25,8 +25,8 @@ static inline uint32_t reverse_bits(uint32_t v) {
     return v >> 16 | v << 16;
 }
 
-/* A permutation of 32-bit numbers in which each bit is changed by lower ones only: on reversed bits that is a
- * nested uniform scramble. */
+/* A permutation of 32-bit numbers in which each bit is changed by lower bits only. On reversed bits it is a
+ * nested uniform (Owen) scramble. */
 static inline uint32_t permute(uint32_t v, uint32_t seed) {
     v += seed;
     v ^= v * 0x6c50b47cu;
@@ -36,9 +36,10 @@ static inline uint32_t permute(uint32_t v, uint32_t seed) {
     return v;
 }
 
-/* The second dimension of the Sobol sequence, of the primitive polynomial x + 1, in reversed bits. Bit i of
- * the index adds row i of Pascal's triangle modulo 2, the highest bit first: the triangle of 2^k rows is that
- * of 2^(k-1) rows three times, so the sum takes five steps. The first dimension is the index itself. */
+/* The second dimension of the Sobol sequence, with the primitive polynomial x + 1, in reversed bits. Bit i of
+ * the index adds row i of Pascal's triangle modulo 2, the highest bit first. The triangle of 2^k rows
+ * consists of three copies of the triangle of 2^(k-1) rows, so five steps compute the sum. The first
+ * dimension is the index itself. */
 static inline uint32_t sobol_second(uint32_t index) {
     uint32_t v = index;
     v ^= v >> 1 & 0x55555555u;
@@ -49,7 +50,7 @@ static inline uint32_t sobol_second(uint32_t index) {
     return v;
 }
 
-/* Point `index` of the sequence in a scrambled order, each dimension scrambled. */
+/* Point `index` of the sequence. The order of the points and each dimension are scrambled. */
 static inline void sobol_point(uint32_t index, uint64_t hash, uint32_t *u, uint32_t *v) {
     const uint32_t k = reverse_bits(permute(reverse_bits(index), (uint32_t)hash));
     *u = reverse_bits(permute(k, (uint32_t)(hash >> 32)));

@@ -73,7 +73,7 @@ fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph, 
     scene_bounds *of_group = malloc(scene->groups.count * sizeof *of_group);
     *out = of_group;
     if (!of_group) return fail_memory(scene->context, scene->groups.count * sizeof *of_group);
-    /* Backwards through the order: what a group holds is known before the group. */
+    /* In reverse order, so that the bounds of groups inside a group are known first. */
     for (uint32_t k = graph->order_count; k-- > 0;) {
         uint32_t g = graph->order[k];
         of_group[g] = bounds_empty();

@@ -1,4 +1,4 @@
-/* The arrays of all meshes as pieces of memory. */
+/* The mesh arrays as ranges of memory. */
 #include "scene/scene.h"
 
 #include "base/clock.h"
@@ -38,7 +38,7 @@ static void add_mesh(piece_list *list, const fathom_mesh *m, unsigned which, boo
     }
 }
 
-/* Arrays that lie within each other, as in rows of a vertex each, become one piece. */
+/* Merges ranges that overlap, such as interleaved vertex attributes. */
 static void merge(piece_list *list) {
     size_t kept = 0;
     if (list->count) qsort(list->items, list->count, sizeof *list->items, by_start);
@@ -53,7 +53,7 @@ static void merge(piece_list *list) {
     list->count = kept;
 }
 
-/* In order, apart from each other. Release the items with free(). */
+/* Lists the ranges in ascending order, without overlap. Release the items with free(). */
 static fathom_status list_pieces(const fathom_scene *scene, const fathom_mesh *meshes, size_t count,
                                  unsigned which, piece_list *out) {
     const size_t room = count * 9;
@@ -74,8 +74,8 @@ fathom_status scene_buffer_bytes(const fathom_scene *scene, unsigned which, uint
     return status;
 }
 
-/* Reading a page brings its neighbours, so many bytes by default on Linux: a smaller gap would save
- * nothing. */
+/* Reading a page also loads its neighbours, by default this many bytes on Linux, so dropping a smaller gap
+ * would save nothing. */
 #define LEAST_GAP 65536u
 
 static void rest_gap(const file_map *map, uintptr_t begin, uintptr_t end) {

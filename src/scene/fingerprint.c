@@ -12,7 +12,7 @@
 
 #define PUT(hash, field) hash_put(hash, &(field), sizeof(field))
 
-/* A scene without keys keeps its number. */
+/* Adds nothing without keys, so that scenes without motion keep their fingerprint. */
 static void hash_keys(hash *h, uint32_t count, const double *times, const double *maps) {
     if (!count) return;
     PUT(h, count);
@@ -55,13 +55,13 @@ static void hash_light(hash *h, const fathom_light *l) {
     PUT(h, l->radius), PUT(h, l->angular_radius);
 }
 
-/* Not where its file lies; that is hashed whole. */
+/* Leaves out the path of the file, whose contents are hashed. */
 static void hash_environment(hash *h, const fathom_light *l) {
     PUT(h, l->intensity), PUT(h, l->rotation);
     if (l->up[0] != 0 || l->up[1] != 1 || l->up[2] != 0) PUT(h, l->up);
 }
 
-/* Nor where its image lies. */
+/* Leaves out the path of the image, too. */
 static void hash_texture(hash *h, const fathom_texture *t) {
     const unsigned modes[] = {(unsigned)t->color_space, (unsigned)t->wrap_u, (unsigned)t->wrap_v,
                               (unsigned)t->filter};
@@ -163,7 +163,7 @@ static bool add_array(pieces *p, const void *data, size_t rows, size_t row, size
     return true;
 }
 
-/* The arrays that are read only where materials take parameters from images, or the others. */
+/* Adds the arrays that are read only if materials use texture coordinates (mapped), or the others. */
 static bool add_arrays(pieces *p, const fathom_mesh *m, bool mapped) {
     const size_t corners = (size_t)m->triangle_count * 3, each = sizeof(uint32_t);
     for (int k = 0; k < MESH_ARRAYS; ++k) {
@@ -184,7 +184,7 @@ static bool add_keys(pieces *p, const fathom_mesh *m) {
            add_array(p, m->key_normals, m->key_count * (size_t)m->normal_count, vector, vector);
 }
 
-/* Rows with gaps are packed first: the bytes between them belong to another array, or to none. */
+/* Rows with gaps are packed first, because the bytes between them belong to other arrays or to none. */
 static uint64_t hash_piece(const piece *p) {
     hash h;
     hash_begin(&h);

@@ -17,8 +17,8 @@ static bool make_lists(const fathom_scene *scene, size_t count, key_fn key, grap
     out->first = calloc(groups + 2, sizeof *out->first);
     out->items = malloc((count ? count : 1) * sizeof *out->items);
     if (!out->first || !out->items) return false;
-    /* One slot ahead: after the second loop first[g + 1] has moved to the end of g, which is where g + 1
-     * begins. */
+    /* The counts are one slot ahead: the last loop moves first[g + 1] to the end of g, which is the beginning
+     * of g + 1. */
     for (size_t i = 0; i < count; ++i) ++out->first[key(scene, i) + 2];
     for (size_t g = 2; g <= groups + 1; ++g) out->first[g] += out->first[g - 1];
     for (size_t i = 0; i < count; ++i) out->items[out->first[key(scene, i) + 1]++] = (uint32_t)i;
@@ -47,8 +47,8 @@ static fathom_status report_cycle(const fathom_scene *scene, const walk_step *st
 
 enum { UNSEEN, OPEN, DONE };
 
-/* Depth first from `start`; finished groups are written to order from its end, so that holders come before
- * the held. */
+/* Depth-first search from `start`. Finished groups are written to `order` from its end, so that each group
+ * comes before the groups in it. */
 static fathom_status walk(const fathom_scene *scene, scene_graph *graph, uint32_t start, unsigned char *state,
                           walk_step *stack, uint32_t *place) {
     size_t depth = 1;
@@ -72,7 +72,8 @@ static fathom_status walk(const fathom_scene *scene, scene_graph *graph, uint32_
     return FATHOM_OK;
 }
 
-/* Groups that the root does not reach are walked as well, after it: a cycle among them is wrong too. */
+/* Groups that the root does not reach are visited as well, after it, because a cycle among them is an error
+ * too. */
 static fathom_status sort_groups(const fathom_scene *scene, scene_graph *graph) {
     uint32_t groups = (uint32_t)scene->groups.count, place = groups;
     unsigned char *state = calloc(groups, 1);
@@ -136,7 +137,7 @@ fathom_status scene_check_cycles(const fathom_scene *scene) {
     return status;
 }
 
-/* True when anything can be seen: an object in a group that the root reaches. */
+/* FATHOM_OK if there is an object in a group that the root reaches. */
 static fathom_status check_presence(const fathom_scene *scene, const scene_graph *graph) {
     for (uint32_t k = 0; k < graph->order_count; ++k) {
         uint32_t g = graph->order[k];

@@ -13,19 +13,19 @@ typedef struct graph_lists {
 typedef struct scene_graph {
     graph_lists objects;   /* object ids by group */
     graph_lists instances; /* instance ids by parent */
-    uint32_t *order;       /* groups that the root reaches, each before those it holds; the root first */
+    uint32_t *order;       /* groups that the root reaches, each before the groups in it; the root first */
     uint32_t order_count;
 } scene_graph;
 
-/* FATHOM_BAD_INPUT on a cycle, naming the groups on it. Release with graph_destroy(). */
+/* FATHOM_BAD_INPUT on a cycle; the message names its groups. Release with graph_destroy(). */
 fathom_status graph_create(const fathom_scene *scene, scene_graph *out);
 void graph_destroy(scene_graph *graph);
 
 /* The bounds of each group that the root reaches, in the group's own coordinates; release with free(). */
 fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph, scene_bounds **out);
 
-/* Ways from the root to each group; returns their sum. `placements` has an entry a group, all 0. As double,
- * so that absurd counts do not wrap. */
+/* Counts the paths from the root to each group, and returns their sum. `placements` has one entry per group,
+ * all 0 at first. The counts are double, so that huge ones do not wrap. */
 double graph_count_placements(const fathom_scene *scene, const scene_graph *graph, double *placements);
 
 #endif

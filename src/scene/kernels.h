@@ -9,24 +9,25 @@
 typedef struct scene_kernels {
     const char *name; /* "plain", "avx2", "avx512" */
 
-    /* Adds `count` vectors that lie `stride` bytes apart to the extremes; NaNs may be skipped. False where a
+    /* Extends the bounds by `count` vectors that are `stride` bytes apart; NaNs may be skipped. False if a
      * number is not finite. */
     bool (*vectors)(const float *values, size_t stride, size_t count, float lower[3], float upper[3]);
 
     /* True when all of `count` indices are below the limit. */
     bool (*indices)(const uint32_t *indices, size_t count, uint32_t limit);
 
-    /* The sum of boundary_sum() over `count` triangles, by the indices of their vertices. */
+    /* The sum of boundary_sum() over `count` triangles, with boundary_of_index() of their vertices. */
     uint64_t (*boundary)(const uint32_t *triangles, size_t count);
 
-    /* False where not each of `count` triangles has an area for sure and lies within WORLD_REACH; else raises
-     * *largest to the largest of their coordinates. Reads four floats from each vertex. */
+    /* True if it is certain that each of `count` triangles has an area and lies within WORLD_REACH; then
+     * raises *largest to the largest magnitude of their coordinates. Reads four floats from each vertex. */
     bool (*areas)(const float *positions, size_t stride, const uint32_t *triangles, size_t count,
                   float *largest);
 } scene_kernels;
 
 const scene_kernels *scene_kernels_best(void);
-/* Those that this processor can run, from the plainest to the best; NULL past the last. */
+/* The variants that this processor can run, from the oldest instruction set to the newest; NULL past the
+ * last. */
 const scene_kernels *scene_kernels_at(unsigned index);
 
 /* ---- a sum over the edges of triangles that is zero for closed meshes; see closed.c ---- */
@@ -39,7 +40,7 @@ static inline uint32_t boundary_mixed(uint32_t x) {
     return x ^ x >> 16;
 }
 
-/* The two numbers of a vertex. */
+/* The two numbers assigned to a vertex. */
 typedef struct boundary_pair {
     uint32_t x, y;
 } boundary_pair;
@@ -48,8 +49,8 @@ static inline boundary_pair boundary_of_index(uint32_t i) {
     return (boundary_pair){i, boundary_mixed(i + 0x9e3779b9u)};
 }
 
-/* x(a) y(b) - x(b) y(a) of the edge from a to b, and so of the other two edges of a triangle, in all; modulo
- * 2^64, so that sums may be taken in any order. */
+/* The sum of x(a) y(b) - x(b) y(a) over the edges of a triangle, where an edge goes from a to b. It is modulo
+ * 2^64, so the order of summation does not matter. */
 static inline uint64_t boundary_sum(boundary_pair a, boundary_pair b, boundary_pair c) {
     const uint64_t x = a.x, y = a.y;
     return (b.x - x) * (c.y - y) - (c.x - x) * (b.y - y);

@@ -1,10 +1,10 @@
-/* Light groups: which sources of light are kept apart in the image. */
+/* Light groups: sets of light sources whose light is kept separate in the image. */
 #include "scene/light_groups.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Names become parts of channels' names: compositors allow no more. */
+/* Names become parts of channel names; compositors allow no other letters and no greater length. */
 static bool is_name(const char *name) {
     const size_t length = strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_");
     return length > 0 && length < LIGHT_GROUP_NAME && !name[length];

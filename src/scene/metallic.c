@@ -1,32 +1,31 @@
-/* Metallic-roughness to the classic model. It is a microfacet surface: a dielectric layer over a diffuse
- * base, mixed with a metal. The classic model has Lambert, a Blinn highlight, a mirror and refraction. With m
- * = metallic, b = base colour, r = roughness, alpha = r^2, T = transmission, f0 = ((ior - 1) / (ior + 1))^2
- * tinted by KHR_materials_specular, and F0 = (1 - m) f0 + m b:
+/* Conversion of metallic-roughness to the classic model. The former is a microfacet model: a dielectric layer
+ * over a diffuse base, mixed with a metal. The classic model has Lambert, a Blinn highlight, a mirror and
+ * refraction. Let m = metallic, b = base colour, r = roughness, alpha = r^2, T = transmission, f0 =
+ * ((ior - 1) / (ior + 1))^2 tinted by KHR_materials_specular, and F0 = (1 - m) f0 + m b:
  *
- * - k_d = (1 - m) (1 - T) (1 - f0) b: what the layer reflects does not reach the base. The format's BRDF
- *   is b / pi; the model's has no 1 / pi, which the lights carry (see gltf_light.c).
- * - n = 2 / alpha^2 - 2, in [1, 1e6]: Blinn's exponent whose lobe is as wide as the format's. The variance
- *   of its slopes is 2 / (n + 2), that of a Beckmann lobe alpha^2.
- * - k_s = F0 N(n), N(n) = (n + 2)(n + 4) / (8 (2^(-n/2) + n)): the lobe sends back F0 of the light that
- *   meets it head on, since its integral with the cosine is pi / N(n). Capped, hue unchanged, so that k_d
- *   + k_s <= 1 in every channel: small bright lobes stay displayable.
- * - k_r = w F0, w = t^2 / (alpha^2 + t^2), t = tan(3 degrees): the share of GGX microfacets tilted by less
- *   than 3 degrees, the part of the reflection that is blurred so little that a mirror may stand for it.
- *   Below 5 % (r > 0.48) there is none. A dielectric (m < 1/2) has k_r = w times the specular factor, and
- *   `fresnel`, whose reflectance rises from f0; metals keep their colour instead.
- * - k_t = (1 - m) T b, refracted by ior, with Fresnel (where there is none: times 1 - f0); unblurred
- *   whatever r is. The format's transmission without a volume is a thin wall; here the mesh is taken as a
+ * - k_d = (1 - m) (1 - T) (1 - f0) b: light that the layer reflects does not reach the base. The format's
+ *   BRDF is b / pi. The classic one has no factor 1 / pi; the lights contain it (see gltf_light.c).
+ * - n = 2 / alpha^2 - 2, in [1, 1e6]: Blinn's exponent whose lobe is as wide as the format's. The variance of
+ *   its slopes is 2 / (n + 2), that of a Beckmann lobe is alpha^2.
+ * - k_s = F0 N(n), N(n) = (n + 2)(n + 4) / (8 (2^(-n/2) + n)): the lobe reflects F0 of the light at normal
+ *   incidence, because its integral with the cosine is pi / N(n). It is limited, with the same hue, so that
+ *   k_d + k_s <= 1 in every channel: small bright lobes stay displayable.
+ * - k_r = w F0, w = t^2 / (alpha^2 + t^2), t = tan(3 degrees): the fraction of GGX microfacets tilted by less
+ *   than 3 degrees. This part of the reflection is blurred so little that a mirror can represent it. If w
+ *   would be below 0.05 (r > 0.48), it is 0. A dielectric (m < 1/2) has k_r = w times the specular factor and
+ *   colour, and `fresnel`, whose reflectance rises from f0; metals keep their colour instead.
+ * - k_t = (1 - m) T b, refracted by ior, with Fresnel (without `fresnel`: times 1 - f0). It is not blurred,
+ *   whatever r is. The format's transmission without a volume is a thin wall; here the mesh counts as a
  *   solid.
- * - k_a = k_d + (1 - w) F0: light from all around is reflected by the rough part; the mirror finds its
- *   own.
+ * - k_a = k_d + (1 - w) F0: the rough part reflects light from all directions; the mirror traces its own.
  *
- * Lights are never met by mirrored rays, so k_s (lights) and k_r (everything else) share F0 without
- * counting it twice: what a surface reflects is k_d + max(k_s / N, k_r F) + k_t (1 - F) <= 1.
+ * Mirrored rays never hit lights, so k_s (for lights) and k_r (for everything else) share F0, and no light is
+ * counted twice: a surface passes on k_d + max(k_s / N, k_r F) + k_t (1 - F) <= 1 in all.
  *
- * - cover: all of the above is scaled by it, and k_t gets what is left with ior 1, which passes straight on.
- *   With T > 0 the refraction's ior stays.
+ * - cover: scales all of the above. k_t gets the remainder, with ior 1, so this light passes without
+ *   refraction. With T > 0 the ior of the refraction is kept.
  * - emission: k_e = its colour times its strength.
- * - ior 0: F0 is the specular colour, no refraction. Older workflows are carried over so. */
+ * - ior 0: f0 is the specular colour, and there is no refraction. Older workflows are converted this way. */
 #include "scene/metallic.h"
 
 #include "scene/scene.h"
@@ -40,7 +39,7 @@ static double mirror_share(double alpha) {
 }
 
 static double exponent_of(double alpha) {
-    /* alpha = 0 gives infinity, which the clamp takes. */
+    /* alpha = 0 gives infinity, which fmin() limits. */
     return fmin(fmax(2 / (alpha * alpha) - 2, 1), 1e6);
 }
 

@@ -1,4 +1,4 @@
-/* Metallic-roughness materials as the classic model has them. */
+/* Conversion of metallic-roughness materials to the classic model. */
 #ifndef SCENE_METALLIC_H
 #define SCENE_METALLIC_H
 

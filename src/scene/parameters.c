@@ -1,4 +1,5 @@
-/* The tables of settings and of material parameters. Adding one is a line here and a member in the struct. */
+/* The tables of settings and of material parameters. To add one, add a row here and a member to the
+ * struct. */
 #include "base/sized.h"
 #include "scene/scene.h"
 #include "scene/settings.h"
@@ -28,7 +29,7 @@
 #define SOFT (HARD | FATHOM_PARAMETER_SOFT)
 
 #define SAMPLING "Sampling to an error or a time (with the pattern sobol)"
-/* Products of a few numbers up to this stay finite as float. */
+/* The maximum of radiances and of other values without a natural limit. */
 #define RADIANCE 1e30
 
 /* clang-format off */
@@ -261,7 +262,7 @@ static fathom_status check_maps(fathom_context *context, const fathom_material *
     return FATHOM_OK;
 }
 
-/* The members of its own model. A negative first entry of k_a means k_d. */
+/* Checks only the members of the material's model. A negative first entry of k_a means k_d. */
 fathom_status scene_check_material(fathom_context *context, const fathom_material *material) {
     fathom_material m = *material;
     if ((unsigned)m.model > FATHOM_MODEL_METALLIC_ROUGHNESS)

@@ -103,7 +103,7 @@ fathom_status scene_allocate_items(fathom_scene *scene, size_t count, size_t byt
     return scene_allocate(scene, all, out);
 }
 
-/* NULL stays NULL. */
+/* A NULL text stays NULL. */
 static fathom_status copy_text(fathom_context *context, const char *text, char **out) {
     *out = text ? strdup(text) : NULL;
     return text && !*out ? fail_memory(context, strlen(text)) : FATHOM_OK;
@@ -315,7 +315,8 @@ static fathom_status check_instance(const fathom_scene *scene, const fathom_inst
     return FATHOM_OK;
 }
 
-/* Keys that mirror and keys that do not have flat ones between them. */
+/* If one key mirrors and the next does not, the interpolated transform flattens space at some time in
+ * between, so this is an error. */
 static fathom_status check_motion(fathom_context *context, const fathom_instance *instance) {
     fathom_status status = motion_check_keys(context, instance->key_times, instance->key_count, NULL, 0);
     if (status == FATHOM_OK && !instance->key_transforms) status = fail_null(context, "key_transforms");

@@ -6,10 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Half a level or unit, less a fiftieth for the roundings of the sums. The sRGB curve is concave: nowhere is
- * it steeper than in its linear part, of slope 12.9233, and rounding to levels moves by one where the curve
- * moves by less than half a level. Half floats of a value I are at least max(2^-24, 2^-11 I) apart, so half
- * of that is lost by no more than 2^-26 + 2^-13 I: the sum is at most twice the larger. */
+/* The losses are half a level, or half a unit in the last place, minus 2 % for the rounding errors of sums.
+ * The sRGB curve is concave and steepest in its linear part, with slope 12.9233. If the curve changes by less
+ * than half a level, the rounded level changes by at most one. Half floats near a value I are at least
+ * max(2^-24, 2^-11 I) apart. Half of that is at least 2^-26 + 2^-13 I, because a sum is at most twice the
+ * larger term. */
 fathom_status fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss, float exposure) {
     fathom_settings full;
     fathom_status status = SIZED_OWN(NULL, fathom_settings, settings, &full);
@@ -65,7 +66,7 @@ static fathom_status check_crop(fathom_context *context, const fathom_settings *
 
 static bool is_power(uint32_t n) { return n && !(n & (n - 1)); }
 
-/* Every pass doubles the samples of a Sobol sequence. */
+/* Every pass of adaptive sampling doubles the samples of a Sobol sequence, so spp is a power of two. */
 static fathom_status check_adaptive(fathom_context *context, const fathom_settings *s) {
     if (!(s->target_error > 0 || s->max_time > 0)) return FATHOM_OK;
     if (s->pattern != FATHOM_PATTERN_SOBOL) {
@@ -86,7 +87,7 @@ static fathom_status check_adaptive(fathom_context *context, const fathom_settin
     return FATHOM_OK;
 }
 
-/* Only samples of several scrambles tell their error. */
+/* The error can be estimated only from samples with several independent scrambles. */
 static fathom_status check_error(fathom_context *context, const fathom_settings *s) {
     const bool in_groups =
         s->pattern == FATHOM_PATTERN_SOBOL &&
@@ -117,7 +118,7 @@ fathom_status fathom_scene_set_settings(fathom_scene *scene, const fathom_settin
     fathom_status status = SIZED_OWN(scene->context, fathom_settings, settings, &full);
     if (status == FATHOM_OK) status = scene_check_settings(scene->context, &full);
     if (status != FATHOM_OK) return status;
-    char *tracer = full.tracer ? strdup(full.tracer) : NULL; /* may be the scene's own */
+    char *tracer = full.tracer ? strdup(full.tracer) : NULL; /* full.tracer may be the scene's own text */
     if (full.tracer && !tracer) return fail_memory(scene->context, strlen(full.tracer) + 1);
     free(scene->tracer);
     scene->settings = full;

@@ -1,5 +1,5 @@
-/* The tables of settings and of material parameters. Adding one is a line there and a member in the struct.
- */
+/* The tables of settings and of material parameters (parameters.c). To add one, add a row there and a member
+ * to the struct. */
 #ifndef SCENE_SETTINGS_H
 #define SCENE_SETTINGS_H
 
@@ -9,8 +9,8 @@ extern const parameter_table settings_table, classic_table, metallic_table;
 /* The parameters of a model. */
 parameter_table material_table(fathom_model model);
 
-/* The settings that pixels depend on, "max depth=8; epsilon=auto; ", and zeros to the end: for headers and
- * checkpoints. */
+/* Writes the settings on which pixels depend, as "max depth=8; epsilon=auto; ", and zeros to the end. For
+ * image headers and checkpoints. */
 enum { SETTINGS_TEXT = 1024 };
 void settings_print(const fathom_settings *settings, char out[SETTINGS_TEXT]);
 

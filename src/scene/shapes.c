@@ -1,4 +1,4 @@
-/* Adding shapes: what is wrong with one alone is found here. */
+/* Adding shapes. All errors of a single shape are found here. */
 #include "base/sized.h"
 #include "scene/mesh/mesh_array.h"
 #include "scene/motion/motion.h"
@@ -27,7 +27,7 @@ void fathom_quad_from_axes_sized(const double center[3], const double u[3], cons
     sized_give(out, size, &quad, sizeof quad);
 }
 
-/* Checks what all shapes have and books the object: kind, index, group. */
+/* Checks the group and the material, and registers the object: kind, index, group. */
 static fathom_status book(fathom_scene *scene, scene_kind kind, size_t index, fathom_id group,
                           fathom_id material, fathom_id *out) {
     if (group >= scene->groups.count)
@@ -76,9 +76,9 @@ fathom_status fathom_scene_add_sphere_sized(fathom_scene *scene, fathom_id group
     return status;
 }
 
-/* Corners come from decimal text or float: each coordinate is off by up to 2^-24 of the largest one, and the
- * fourth corner's distance from the plane of the others sums four such errors, stretched by the quad's shape
- * at most twice. */
+/* Corners come from decimal text or float, so each coordinate has an error of up to 2^-24 of the largest one.
+ * The distance of the fourth corner from the plane of the others sums four such errors, and the quad's shape
+ * can double this. */
 static double planarity_slack(const fathom_quad *quad) {
     double big = 0;
     for (int i = 0; i < 4; ++i) {
@@ -150,7 +150,7 @@ fathom_status fathom_scene_add_plane_sized(fathom_scene *scene, fathom_id group,
 
 /* ---- meshes ---- */
 
-/* An array other than the positions. */
+/* Checks an array other than the positions. */
 static fathom_status check_array(fathom_context *context, const fathom_mesh *m, mesh_kind kind) {
     const mesh_array a = mesh_array_of(m, kind);
     if (!a.values) return FATHOM_OK;
@@ -235,7 +235,7 @@ static void default_strides(fathom_mesh *mesh) {
     mesh_array_pack(mesh);
 }
 
-/* The mesh's strides are set. */
+/* The mesh's strides must be set. */
 static fathom_status add_mesh(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
                               const mesh_facts *facts, fathom_id *out) {
     if (!array_room(&scene->meshes, 1) || !array_room(&scene->mesh_facts, 1))
@@ -254,7 +254,7 @@ fathom_status scene_add_mesh_checked(fathom_scene *scene, fathom_id group, const
     return add_mesh(scene, group, &stored, facts, out);
 }
 
-/* The caller's mesh with its strides, checked. */
+/* Reads the caller's mesh, sets its strides and checks it. */
 static fathom_status read_mesh(const fathom_scene *scene, const fathom_mesh *mesh, size_t size,
                                fathom_mesh *out, mesh_facts *facts) {
     fathom_status status = SIZED_ITEM(scene->context, fathom_mesh, mesh, size, out);
@@ -271,8 +271,8 @@ fathom_status fathom_scene_add_mesh_shared_sized(fathom_scene *scene, fathom_id 
     return status == FATHOM_OK ? add_mesh(scene, group, &stored, &facts, out) : status;
 }
 
-/* Copies `count` items of `stride` bytes; the last one only as far as its `size` bytes reach. NULL where
- * there are none, or *status is a failure. */
+/* Copies `count` items that are `stride` bytes apart; of the last one only its `size` bytes. NULL if there
+ * are none, or if *status is or becomes a failure. */
 static const void *copied(fathom_scene *scene, const void *from, size_t stride, size_t size, size_t count,
                           fathom_status *status) {
     void *to = NULL;

@@ -25,7 +25,7 @@ static void corner_uvs(const fathom_mesh *m, uint32_t triangle, unsigned set, fl
         memcpy(uv[k], mesh_row(values, stride, indices[3 * (size_t)triangle + (size_t)k]), 2 * sizeof(float));
 }
 
-/* Of the half (0,1,3) of a quad's corners, and of the half (2,3,1). */
+/* Texture coordinates of a quad's half with corners (0,1,3), and of the half (2,3,1). */
 static const float half_uvs[2][3][2] = {{{0, 1}, {1, 1}, {0, 0}}, {{1, 0}, {0, 0}, {1, 1}}};
 
 static void mix_uvs(const float uv[3][2], const float weight[3], float out[2]) {
@@ -89,7 +89,7 @@ static bool is_second_half(const surface_gather *g, const world *w, unsigned i) 
     return at.x != quad->corner[0].x || at.y != quad->corner[0].y || at.z != quad->corner[0].z;
 }
 
-/* The sides of the facet as sums of du and dv, solved. */
+/* Solves for du and dv: the sides of the facet are linear combinations of them. */
 static void facet_uv(const surface_gather *g, const world_instance *instance, unsigned i,
                      const float uv[3][2], surface_uv *out) {
     const float weight[3] = {g->local.weight[0][i], g->local.weight[1][i], g->local.weight[2][i]};
@@ -107,7 +107,7 @@ static void facet_uv(const surface_gather *g, const world_instance *instance, un
                         .dv = scale_f32(inverse, sub_f32(scale_f32(bu, ac), scale_f32(cu, ab)))};
 }
 
-/* By the angles of the point seen from the centre. At a pole du would be 0. */
+/* From the spherical angles of the point. The sine has a minimum, because du would be 0 at a pole. */
 static void sphere_uv(const surface_gather *g, const world *w, const world_instance *instance, unsigned i,
                       surface_uv *out) {
     const world_sphere *sphere =

@@ -1,6 +1,6 @@
-/* Where a ray that leaves may start: as far off as its own rounding takes it (surface/kernels/surfaces.c),
- * and `self_hit`, how wrong the intersector may be about a start that it knows exactly: placed.h says how
- * wrong in an instance. */
+/* Safe origins for rays that leave a surface: the offset covers the ray's own rounding
+ * (surface/kernels/surfaces.c) and `self_hit`, the error of the intersector for an origin that is exact. See
+ * placed.h for this error in instances. */
 #include "surface/gather.h"
 
 #include "math/lane.h"
@@ -21,10 +21,11 @@ double surface_stretch_along(const world_instance *instance, vec3_f64 n) {
     return sum;
 }
 
-/* Embree interpolates the parts of a place in float. The rotation comes from a sum of two quaternions, made
- * unit by an inverse root: 3 u for each number and 4 u for the root; an entry of its matrix, of two products,
- * doubles that and rounds three times: 17 u. The stretch adds 3 u, the products with it 3 u more. So a point
- * is off by 24 u of the sizes of all that is added up, and the translation by 3 u of itself. */
+/* Embree interpolates the components of a moving transform in float. The rotation is a sum of two
+ * quaternions, normalised by an inverse square root: 3 u for each number and 4 u for the root. An entry of
+ * its matrix, of two products, doubles this and rounds three times: 17 u. The scale adds 3 u, the products
+ * with it 3 u more. So a point has an error of 24 u of the sum of the terms' sizes, and the translation one
+ * of 3 u of itself. */
 #define MOVED_TURN (24 * 0x1p-24)
 #define MOVED_SHIFT (3 * 0x1p-24)
 
@@ -37,7 +38,7 @@ double surface_moved_along(const world_instance *instance, vec3_f64 n, vec3_f64 
         double square = 0;
         for (int k = 0; k < 3; ++k)
             square += (double)instance->to_world[k][i] * (double)instance->to_world[k][i];
-        reach += sqrt(square) * at[i]; /* a column's length: what the rotation turns */
+        reach += sqrt(square) * at[i]; /* a column's length, which the rotation keeps */
         shift += along[i] * fabs((double)m[3]);
     }
     return MOVED_TURN * (along[0] + along[1] + along[2]) * reach + MOVED_SHIFT * shift;
@@ -55,7 +56,7 @@ static void to_world(const world_instance *instance, local_block *b, unsigned i)
     put_lane_f32(b->lift, i, hit.lift);
 }
 
-/* So many lanes of one instance take as long by the kernel as one by one. */
+/* Up to this many lanes of one instance, single lanes are as fast as the kernel. */
 #define FEW_LANES 3
 
 static void leave_instances(surface_gather *g, const world *w, const surface_kernels *kernels) {
@@ -91,8 +92,7 @@ void surface_gather_begin(surface_gather *g) {
     g->facets.smooth = false;
 }
 
-/* For hits that come one by one. Unused lanes are computed as well: they hold a triangle seen from a distance
- * of 1. */
+/* Clears all lanes, for hits that are added one by one: the kernels compute unused lanes too. */
 static void clear_lanes(surface_gather *g) {
     memset(g->facets.corner, 0, sizeof g->facets.corner);
     memset(g->facets.normal, 0, sizeof g->facets.normal);
@@ -102,7 +102,7 @@ static void clear_lanes(surface_gather *g) {
     memset(g->local.smooth, 0, sizeof g->local.smooth);
 }
 
-/* A triangle's corners and normals are only fetched here; facets() computes. */
+/* Only fetches a triangle's corners and normals; facets() computes points and normals from them. */
 static void add_moving_facet(surface_gather *g, unsigned i, const world *w, const world_geometry *geometry) {
     const bool normals = w->meshes.items[geometry->first].normals != NULL;
     vec3_f32 corner[3], normal[3];
@@ -132,7 +132,7 @@ static void add_facet(surface_gather *g, unsigned i, const fathom_mesh *mesh, ui
     g->facets.smooth = true;
 }
 
-/* A quad is the half of it that the ray meets. */
+/* Adds the half of the quad that the ray hits, as a triangle. */
 static void add_half(surface_gather *g, unsigned i, const world_quad *quad, const local_ray *local) {
     static const int halves[2][3] = {{0, 1, 3}, {2, 3, 1}};
     const vec3_f32 *v = quad->corner;
@@ -195,8 +195,9 @@ void surface_gather_add(surface_gather *g, const world *w, const trace_block *bl
     add_primitive(g, i, w, &local);
 }
 
-/* The mesh that all lanes met in one instance or as part of the root, or the quads there none of which is
- * flat; NULL: they did not. Without motion in instances: each lane would have a place of its own. */
+/* The mesh that all lanes hit, in one instance or in the root, or a run of quads in the root without flat
+ * ones; else NULL. Also NULL for instances in a world that moves, because each lane would have its own
+ * transform. */
 static const world_geometry *common_facets(const world *w, const trace_hits *hits) {
     uint32_t differ = 0;
     const uint32_t id = hits->geometry[0], instance = hits->instance[0];
@@ -214,10 +215,11 @@ static bool same_primitive(const uint32_t primitive[LANES]) {
     return !differ;
 }
 
-/* Triangles of a mesh that caches do not hold from one wave to the next: some 20 bytes each. */
+/* Minimum number of triangles of a mesh that does not stay in the caches between waves, at about 20 bytes
+ * each. */
 #define LARGE_MESH (1u << 20)
 
-/* The large mesh that the first lane met; NULL: it met none. The others are likely to have met it, too. */
+/* The large mesh that the first lane hit, or NULL. The other lanes have probably hit it too. */
 static const fathom_mesh *large_mesh(const world *w, const trace_hits *hits) {
     uint32_t id = hits->geometry[0];
     if (id >= w->geometries.count) return NULL;
@@ -285,7 +287,7 @@ bool surface_gather_block(surface_gather *g, const world *w, const surface_kerne
     return !quads || same_primitive(hits->primitive);
 }
 
-/* The rest of a block repeats its last hit. */
+/* Unused lanes repeat the last hit. */
 static void pad(surface_gather *g) {
     local_block *b = &g->local;
     for (unsigned i = g->count, last = g->count - 1; i < LANES; ++i) {

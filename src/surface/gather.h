@@ -1,5 +1,5 @@
-/* From what a tracer found to the surface points that shading sees, and from which rays leave. Sixteen hits
- * are gathered, then computed together. */
+/* Converts a tracer's hits to surface points for shading and for the origins of new rays. Sixteen hits are
+ * gathered, then computed together. */
 #ifndef SURFACE_GATHER_H
 #define SURFACE_GATHER_H
 
@@ -13,43 +13,44 @@ typedef struct surface_gather {
     uint32_t geometry[LANES], primitive[LANES], instance[LANES]; /* as in trace_hits */
     unsigned count;
     uint32_t instances;                  /* bit i: lane i is in an instance */
-    uint32_t shaped;                     /* bit i: lane i met a mesh whose vertices move */
+    uint32_t shaped;                     /* bit i: lane i hit a mesh whose vertices move */
     float time[LANES];                   /* of the shutter; set in worlds that move */
-    const world_instance *placed[LANES]; /* of lanes in instances, as they are then; set as time is */
+    const world_instance *placed[LANES]; /* lanes in instances: the instance at `time`; set in worlds that
+                                            move */
     world_instance moved[LANES];
-    bool faceted; /* some lane met a triangle or a quad */
+    bool faceted; /* some lane hit a triangle or a quad */
 } surface_gather;
 
-/* Makes it empty. */
+/* Empties g. */
 void surface_gather_begin(surface_gather *g);
-/* Adds what a lane met; there must be room. */
+/* Adds a lane's hit; fewer than 16 must be in g. */
 void surface_gather_add(surface_gather *g, const world *w, const trace_block *block, size_t lane);
 /* The material of lane i. */
 fathom_id surface_gather_material(const surface_gather *g, const world *w, unsigned i);
-/* Adds all sixteen lanes, which all met something, to an empty one. True when they are known to meet one
- * object.
- */
+/* Adds all sixteen lanes, which must all be hits, to an empty g. True when they are known to hit one
+ * object. */
 bool surface_gather_block(surface_gather *g, const world *w, const surface_kernels *kernels,
                           const trace_block *block);
-/* Ask the caches for what gathering a block of hits reads, where it is likely not to be there: indices first
- * and, once these have come, corners. */
+/* Prefetch data that gathering a block of hits reads, if it is probably not in the caches: first the indices
+ * and, once these have arrived, the corners. */
 void surface_ask_indices(const world *w, const trace_hits *hits);
 void surface_ask_corners(const world *w, const trace_hits *hits);
-/* Fills the first g->count lanes of s, without material and count, and turns those of g->local to the world's
- * coordinates; all other lanes get something finite. lift: whether the points for shadow rays are wanted.
- * automatic: rays begin off the surface by the point's error; else on it. */
+/* Fills the first g->count lanes of s, except material and count, and transforms those of g->local to world
+ * coordinates. Other lanes get finite values. lift: also compute `lift` for shadow rays. automatic: rays
+ * start off the surface by the point's error; else on it. */
 void surface_gather_end(surface_gather *g, const world *w, const surface_kernels *kernels, bool lift,
                         bool automatic, surface_block *s);
 
 /* ---- for light_surfaces.c as well ---- */
 
-/* Σ |n_i| |A_ij|, A the map to object space: by how much each part of a vector may count along n. */
+/* Σ |n_i| |A_ij| with A the matrix to object space: bound of how much each coordinate of a vector counts
+ * along n. */
 double surface_stretch_along(const world_instance *instance, vec3_f64 n);
-/* The most that Embree errs along the unit normal n of the world about the place of an object's point in an
- * instance that moves. */
+/* Upper bound of Embree's error along the world's unit normal n, for the position of an object's point in a
+ * moving instance. */
 double surface_moved_along(const world_instance *instance, vec3_f64 n, vec3_f64 object_p);
-/* Corners that move are so much further off, in roundings of their size: two products and a sum, where ours
- * is one rounding. */
+/* Additional error of Embree's moving corners, in unit roundoffs of their size: two products and a sum, where
+ * ours has one rounding. */
 #define SURFACE_BENT 4
 
 #endif

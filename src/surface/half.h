@@ -1,4 +1,4 @@
-/* Which half of a quad a ray meets: the triangle (0,1,3) of its corners, or (2,3,1). */
+/* Which half of a quad a ray hits: the triangle (0,1,3) of its corners, or (2,3,1). */
 #ifndef SURFACE_HALF_H
 #define SURFACE_HALF_H
 
@@ -17,7 +17,7 @@ static inline double half_side(vec3_f64 v0, vec3_f64 v1, vec3_f64 v3, vec3_f64 o
     return dot_f64(dir, cross_f64(sub_f64(v1, org), sub_f64(v3, org))) * dot_f64(dir, normal);
 }
 
-/* True when the ray meets the second half: one without area is not met. */
+/* True when the ray hits the second half. A half without area is never hit. */
 static inline bool half_is_second(vec3_f64 v0, vec3_f64 v1, vec3_f64 v2, vec3_f64 v3, vec3_f64 org,
                                   vec3_f64 dir) {
     bool second = half_side(v0, v1, v3, org, dir) < 0;

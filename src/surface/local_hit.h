@@ -1,15 +1,15 @@
-/* One hit in the coordinates of its object, where there is no kernel for sixteen: see surface/local.h.
- * Inline: a ray that passes through memory, stored by numbers and loaded by pairs, waits for its own stores.
+/* One hit in object space, for shapes without a 16-lane kernel: see surface/local.h. Inline, because passing
+ * the ray through memory (stored as single numbers, loaded as pairs) stalls on store forwarding.
  *
- * Points are computed in double, so that what is left of their error is a matter of how they are used: see
- * gather.c. `self_hit` is what an intersector itself may be wrong about. */
+ * Points are computed in double, so their remaining error depends on how they are used: see gather.c.
+ * `self_hit` is the error of the intersector itself. */
 #ifndef SURFACE_LOCAL_HIT_H
 #define SURFACE_LOCAL_HIT_H
 
 #include "reference/reference.h"
 #include "scene/world/world.h"
 
-/* As a lane of local_block. */
+/* One lane of local_block. */
 typedef struct local_hit {
     vec3_f64 p, n;
     vec3_f32 ns;
@@ -23,21 +23,21 @@ typedef struct local_ray {
 
 static inline double local_extent(vec3_f64 v) { return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z))); }
 
-/* v / |v|: the squares of what is computed of floats stay in the range of double. */
+/* v / |v|. The squares of numbers computed from floats stay in the range of double. */
 static inline vec3_f64 local_unit(vec3_f64 v) {
     double square = dot_f64(v, v);
     return square > 0 ? scale_f64(1 / sqrt(square), v) : v;
 }
 
-/* True when a ray starts inside is decided in double wherever float is in doubt, and for split spheres
- * (sphere_text.h), by c = |f|² - R²: near the surface it is off by 6 (|f|² + R²) 2^-53, which is 6 R 2^-53 of
- * distance. f and the point here are off by a few 2^-53 of |C| + R more. */
+/* Intersectors decide in double whether a ray starts inside if float is in doubt, and always for split
+ * spheres (sphere_text.h). They use c = |f|² - R²: near the surface its error is 6 (|f|² + R²) 2^-53, which
+ * is 6 R 2^-53 of distance. f and the point here add an error of a few 2^-53 of |C| + R. */
 static inline local_hit local_sphere(const world_sphere *sphere, const local_ray *ray) {
     vec3_f64 c = world_sphere_center(sphere);
     double radius = world_sphere_radius(sphere), roots[2];
     bool sure;
     vec3_f64 from = sub_f64(ray->org, c);
-    /* A ray that, recomputed, just misses: the point nearest to the centre. */
+    /* For a ray that just misses when recomputed: the point nearest to the centre. */
     double t = -dot_f64(from, ray->dir) / dot_f64(ray->dir, ray->dir);
     if (sphere_plain_f64(c, radius, ray->org, ray->dir, roots, &sure)) {
         t = roots[0] > (double)ray->t_near ? roots[0] : roots[1];
@@ -49,7 +49,7 @@ static inline local_hit local_sphere(const world_sphere *sphere, const local_ray
                        .self_hit = 16 * 0x1p-53 * (local_extent(c) + radius)};
 }
 
-/* On which side of a plane a ray starts is decided in double wherever float is in doubt (quad_text.h). */
+/* Intersectors decide in double on which side of a plane a ray starts if float is in doubt (quad_text.h). */
 static inline local_hit local_plane(const world_plane *plane, const local_ray *ray) {
     vec3_f64 n = widen(plane->normal), point = widen(plane->point);
     double along = dot_f64(n, ray->dir), t = dot_f64(n, sub_f64(point, ray->org)) / along;

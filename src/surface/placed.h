@@ -1,12 +1,12 @@
-/* From the space of an instance's objects to the world's and back, in double. Inline: lanes one by one and
- * the kernel of sixteen have the same bits.
+/* Transforms between an instance's object space and world space, in double. Inline, so that single lanes and
+ * the 16-lane kernel get the same bits.
  *
- * With u = 2^-24, in an instance the start of a ray is carried to object space, o_i = Σ A_ij s_j + T_i, and
- * rounded there. Our own tracers do that with A and T = to_object as given and one rounding, u |o_i|. Embree
- * inverts to_world in float: its A is off by E_ij (to_object_error), and its T = -A t, with t the translation
- * of to_world, by that and by three roundings of its products; three more enter when the start is carried. As
- * A s + T = A (s - t), E counts by |s - t|: in all Σ_j E_ij |s_j - t_j| + 6 u Σ_j |A_ij| (|s_j| + |t_j|) on
- * axis i. A distance e along the object's normal n is e / |Aᵀn| in the world, whose normal is Aᵀn / |Aᵀn|. */
+ * Errors, with u = 2^-24: the origin s of a ray is transformed to object space, o_i = Σ A_ij s_j + T_i, and
+ * rounded there. Our own tracers use A and T of to_object with one rounding, u |o_i|. Embree inverts to_world
+ * in float: its A has the error E_ij (to_object_error). Its T = -A t, with t the translation of to_world, has
+ * this error and three roundings of its products; transforming s adds three more. Since A s + T = A (s - t),
+ * E is multiplied by |s - t|. The sum on axis i is Σ_j E_ij |s_j - t_j| + 6 u Σ_j |A_ij| (|s_j| + |t_j|). A
+ * distance e along the object's normal n is e / |Aᵀn| in the world, where the normal is Aᵀn / |Aᵀn|. */
 #ifndef SURFACE_PLACED_H
 #define SURFACE_PLACED_H
 
@@ -28,8 +28,8 @@ static inline vec3_f64 placed_point(const float m[3][4], vec3_f64 p) {
     return add_f64(placed_vector(m, p), placed_shift(m));
 }
 
-/* Mᵀ v. An object's normal in the world, where M is to_object, not unit: a distance e along the unit normal
- * is e over its length there. */
+/* Mᵀ v. With M = to_object it transforms an object's normal to world space. The result is not unit: a
+ * distance e along the object's unit normal is e divided by its length in the world. */
 static inline vec3_f64 placed_normal(const float m[3][4], vec3_f64 v) {
     return (vec3_f64){(double)m[0][0] * v.x + (double)m[1][0] * v.y + (double)m[2][0] * v.z,
                       (double)m[0][1] * v.x + (double)m[1][1] * v.y + (double)m[2][1] * v.z,
@@ -38,7 +38,7 @@ static inline vec3_f64 placed_normal(const float m[3][4], vec3_f64 v) {
 
 static inline vec3_f64 placed_absolute(vec3_f64 v) { return (vec3_f64){fabs(v.x), fabs(v.y), fabs(v.z)}; }
 
-/* The most that a tracer errs along the object's unit normal n when it carries a point of the world to object
+/* Upper bound of a tracer's error along the object's unit normal n when it transforms a world point to object
  * space. */
 static inline double placed_carried_along(const world_instance *instance, vec3_f64 n, vec3_f64 p) {
     const vec3_f64 shift = placed_shift(instance->to_world), from = placed_absolute(sub_f64(p, shift)),
@@ -55,15 +55,15 @@ static inline double placed_carried_along(const world_instance *instance, vec3_f
     return error;
 }
 
-/* As a lane of local_block. */
+/* One lane of local_block. */
 typedef struct placed_hit {
     vec3_f64 p, n;
     double self_hit;
     vec3_f32 ns, lift;
 } placed_hit;
 
-/* Object to world: to the point that to_object, as it was rounded, carries to the object's: to_world is its
- * inverse but for some u, so what is left after one step of Newton's is of the order u². */
+/* Object to world. The result is the point that the rounded to_object maps to the object's point: to_world is
+ * its inverse up to a few u, so after one Newton step the error is of the order u². */
 static inline placed_hit placed_to_world(const world_instance *instance, placed_hit h) {
     const float(*m)[4] = instance->to_world, (*inverse)[4] = instance->to_object;
     const vec3_f64 near = placed_point(m, h.p), n = placed_normal(inverse, h.n),

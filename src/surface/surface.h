@@ -12,20 +12,21 @@ typedef struct surface_block {
     lanes3 ns;             /* shading normal, unit, on the same side of the surface as ng */
     lanes3 v;              /* towards the viewer, unit */
     lanes3 lift;           /* from p to where shadow rays begin: off the facet of a smooth mesh, else 0 */
-    float offset[LANES];   /* how far along ±ng a ray must begin to be clear of the surface; >= 0 */
+    float offset[LANES]; /* distance along ±ng at which a ray must start to avoid self-intersection; >= 0 */
     uint32_t material[LANES];
     uint32_t entering[LANES]; /* all ones: the viewer is outside, by the geometric normal; else 0 */
-    uint32_t smooth[LANES];   /* all ones: the side of a light is judged by ns, not ng; else 0 */
+    uint32_t smooth[LANES];   /* all ones: ns, not ng, decides on which side a light is; else 0 */
     uint32_t count;           /* lanes [0, count) are points; the others repeat the last */
-    uint32_t mapped;          /* bits: lanes whose ns a normal map has turned */
-    uint32_t coated;          /* bits: lanes of which a clear coat has a normal of its own */
-    uint32_t directed;        /* bits: lanes with a tangent that materials ask for */
-    lanes3 base;  /* where some are: ns without the map. The side of a light is judged by it, too */
-    lanes3 coat;  /* the normal of those coats, unit, on the viewer's side as ns */
-    lanes3 along; /* the tangent of directed lanes, turned by the material; not quite in the surface */
+    uint32_t mapped;          /* bits: lanes whose ns comes from a normal map */
+    uint32_t coated;          /* bits: lanes with a clear coat that has its own normal */
+    uint32_t directed;        /* bits: lanes with a tangent, for materials that need one */
+    lanes3 base;  /* if some lanes are mapped: ns without the map; it also decides on which side a light is */
+    lanes3 coat;  /* the coats' normals, unit, on the viewer's side like ns */
+    lanes3 along; /* the tangent of directed lanes, rotated by the material; only roughly in the surface */
 } surface_block;
 
-/* A coordinate of where a ray begins that leaves p along ±n; offset is negative on the side away from n. */
+/* One coordinate of the origin of a ray that leaves p along ±n; offset is negative on the side opposite to
+ * n. */
 static inline float surface_start(float p, float offset, float n) { return p + offset * n; }
 
 #endif

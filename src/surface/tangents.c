@@ -4,14 +4,14 @@
 
 #include <stdlib.h>
 
-/* How the image lies on a triangle: not at all, with v to the right of u, or to the left. */
+/* Orientation of the uvs on a triangle: degenerate, v to the right of u, or v to the left. */
 enum { LIES_NOT, LIES_RIGHT, LIES_LEFT };
 
 struct surface_tangents {
     unsigned set;
     uint8_t *lies;          /* of each triangle */
     uint32_t *vertex;       /* of each corner; NULL: the mesh's indices */
-    vec3_f32 (*tangent)[2]; /* of each vertex, for triangles whose image is mirrored or not */
+    vec3_f32 (*tangent)[2]; /* of each vertex, separately for mirrored and unmirrored triangles */
 };
 
 #define MOST_CORNERS ((size_t)1 << 24)
@@ -36,7 +36,8 @@ static bool same_corner(const fathom_mesh *m, unsigned set, size_t a, size_t b) 
            uv_indices(m, set)[a] == uv_indices(m, set)[b];
 }
 
-/* Numbers the vertices by an open table of the first corner of each. Returns how many there are. */
+/* Numbers the vertices with an open-addressing hash table of the first corner of each. Returns their
+ * number. */
 static uint32_t number_vertices(const fathom_mesh *m, unsigned set, uint32_t *table, size_t mask,
                                 uint32_t *vertex) {
     uint32_t count = 0;
@@ -77,8 +78,8 @@ static bool make_unit(vec3_f32 *v) {
 
 static vec3_f32 across(vec3_f32 n, vec3_f32 v) { return sub_f32(v, scale_f32(dot_f32(n, v), n)); }
 
-/* The way of u along the triangle, and whether v runs to the left of it. False: the image does not lie on it.
- */
+/* The tangent (direction of u) on the triangle, and whether v runs to the left of it. False: the uvs are
+ * degenerate. */
 static bool way_of_u(const fathom_mesh *m, unsigned set, uint32_t triangle, vec3_f32 *way, bool *left) {
     const uint32_t *p = m->indices + 3 * (size_t)triangle, *uv = uv_indices(m, set) + 3 * (size_t)triangle;
     vec3_f32 at[3];
@@ -95,7 +96,7 @@ static bool way_of_u(const fathom_mesh *m, unsigned set, uint32_t triangle, vec3
     return area != 0 && make_unit(way);
 }
 
-/* Of the triangle at corner k, seen along the normal. */
+/* The triangle's angle at corner k, projected along the normal. */
 static float angle_at(const fathom_mesh *m, const uint32_t *p, int k, vec3_f32 n) {
     const vec3_f32 at = load_f32(mesh_vertex(m, p[k]));
     vec3_f32 a = across(n, sub_f32(load_f32(mesh_vertex(m, p[(k + 1) % 3])), at));

@@ -61,7 +61,7 @@ static fathom_status plan_image(texture_cache *cache, fathom_context *context, c
     return FATHOM_OK;
 }
 
-/* A declared type that is wrong: the content decides. */
+/* Warns if the declared type is wrong; the content determines the type. */
 static void check_mime(fathom_context *context, const fathom_texture *t, const char *format) {
     static const char *const known[][2] = {
         {"image/png", "png"}, {"image/jpeg", "jpeg"}, {"image/webp", "webp"}, {"image/x-exr", "openexr"}};
@@ -92,11 +92,11 @@ static fathom_status open_image(texture_cache *cache, fathom_context *context, c
 typedef struct cache_part {
     cache_image *image;
     unsigned part;
-    bool unused; /* no texture filters between levels, and it is not the first */
+    bool unused; /* no texture filters between levels, and the part is not level 0 */
     uint64_t bytes;
 } cache_part;
 
-/* Small ones first: each level of an image is looked up about as often as the next. */
+/* Small parts first, because each level of an image is looked up about as often as the next one. */
 static int compare_parts(const void *a, const void *b) {
     const cache_part *x = a, *y = b;
     if (x->unused != y->unused) return x->unused ? 1 : -1;
@@ -127,8 +127,9 @@ static size_t list_parts(const texture_cache *cache, cache_part *parts, uint64_t
     return count;
 }
 
-/* Memory has all, or the smaller parts, up to three quarters of the limit; then the disk has the others, and
- * what is left of the limit to show them. */
+/* If all parts fit into the limit, they are in memory. Otherwise the smaller parts, up to three quarters of
+ * the limit, are in memory and the others on the disk; the remaining limit is for mapped parts of the disk
+ * file. */
 static fathom_status place_images(texture_cache *cache, fathom_context *context, uint64_t limit) {
     const size_t room = cache->image_count * PYRAMID_LEVELS * sizeof(cache_part);
     cache_part *parts = malloc(room + 1);
@@ -145,10 +146,10 @@ static fathom_status place_images(texture_cache *cache, fathom_context *context,
     return store_open(context, kept, at - kept, limit - kept, &cache->store);
 }
 
-/* Texels that are worth a further helper, which takes a tenth of a second to start. */
+/* One more helper per this many texels; a helper takes a tenth of a second to start. */
 #define HELPER_TEXELS ((uint64_t)1 << 24)
 
-/* More helpers load their libraries while the scene is made ready. */
+/* The additional helpers load their libraries while the scene is prepared. */
 static void start_helpers(texture_cache *cache) {
     uint64_t texels = 0;
     for (size_t i = 0; i < cache->image_count; ++i)
@@ -236,7 +237,7 @@ fathom_status texture_average(texture_cache *cache, fathom_context *context, fat
         memcpy(rgba, img->mean, sizeof img->mean);
         return status;
     }
-    /* The last level is the mean; a footprint wider than the image shows it. */
+    /* The last level is the mean. A lookup with a footprint wider than the image reads it. */
     const cache_slot whole = {img, FATHOM_WRAP_CLAMP, FATHOM_WRAP_CLAMP, FATHOM_TEXTURE_TRILINEAR};
     cache->kernels->mean(cache, &whole, 0.5f, 0.5f, 2, rgba);
     return texture_cache_check(cache, context);

@@ -1,4 +1,4 @@
-/* Images through the helper into the store. */
+/* Decodes images with the helper, and writes their tiles to the store. */
 #include "image/helper/helper.h"
 #include "texture/cache.h"
 
@@ -9,12 +9,12 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* Bytes of rows that are asked for at once. */
+/* Bytes of rows per request. */
 #define BAND_BYTES ((size_t)4 << 20)
 
 /* ---- sources ---- */
 
-/* A file in memory with the bytes; -1 without memory. */
+/* A file in memory with the texture's bytes; -1 when out of memory. */
 static int descriptor_of(const fathom_texture *t) {
     const int descriptor = memfd_create("fathom-texture", MFD_CLOEXEC);
     if (descriptor < 0) return -1;
@@ -47,7 +47,7 @@ void cache_close_source(cache_image *img) {
     img->source = NULL;
 }
 
-/* Files that were open longest are closed for others, unless they are read at the moment. */
+/* Adds an open file. If there are too many, closes the one that was opened first and is not being read. */
 static void remember_source(texture_cache *cache, cache_image *img) {
     pthread_mutex_lock(&cache->lock);
     for (unsigned tries = 0; tries < CACHE_OPEN; ++tries) {
@@ -63,7 +63,7 @@ static void remember_source(texture_cache *cache, cache_image *img) {
     pthread_mutex_unlock(&cache->lock);
 }
 
-/* Under the image's lock. */
+/* The caller holds the image's lock. */
 static fathom_status reopen(texture_cache *cache, cache_image *img, image_message *why) {
     image_texture_info again;
     if (img->source) return FATHOM_OK;
@@ -89,7 +89,7 @@ static void forget_source(texture_cache *cache, cache_image *img) {
     cache_close_source(img);
 }
 
-/* Asks again if the helper has ended, perhaps on behalf of another file. */
+/* Tries again if the helper ended, because another file may be the cause. */
 static fathom_status read_region(texture_cache *cache, cache_image *img, const image_region *r, void *texels,
                                  size_t bytes, image_message *why) {
     fathom_status status = reopen(cache, img, why);
@@ -163,7 +163,7 @@ static fathom_status read_rows(filling *f, image_texture *source, pyramid_builde
     return status;
 }
 
-/* Says that the store holds the part. */
+/* Marks the part's chunks as present in the store. */
 static void fill_part(const filling *f, unsigned part) {
     const pyramid *p = &f->img->plan;
     const uint64_t end = p->levels[part].offset + pyramid_part_bytes(p, part);
@@ -195,7 +195,7 @@ static fathom_status fill_all(filling *f) {
     return status;
 }
 
-/* Tiles of a mip-mapped file: [x0, x1) × [y0, y1) texels, in one row of tiles. */
+/* Reads tiles of a mip-mapped file: [x0, x1) × [y0, y1) texels, in one row of tiles. */
 static fathom_status fill_region(filling *f, const image_region *r) {
     cache_image *img = f->img;
     const pyramid_level *l = &img->plan.levels[r->level];
@@ -241,7 +241,7 @@ static fathom_status fill_tail(filling *f) {
     return status;
 }
 
-/* The tiles in a chunk of a mip-mapped file. */
+/* Reads the tiles of one chunk of a mip-mapped file. */
 static fathom_status fill_chunk(filling *f, uint64_t chunk) {
     const pyramid *p = &f->img->plan;
     const uint64_t at = chunk << PYRAMID_CHUNK_SHIFT;
@@ -284,8 +284,8 @@ static bool is_filled(const texture_cache *cache, uint64_t chunk) {
     return __atomic_load_n(&cache->store.filled[chunk], __ATOMIC_ACQUIRE);
 }
 
-/* A thread that would wait for an image decodes the next one meanwhile, which its material mostly has as
- * well. Images that fail here fail again when they are looked up. */
+/* A thread that would wait for an image decodes the next one instead: the same material often uses it. If
+ * this fails, the lookup of that image fails again and reports the error. */
 static void fill_another(texture_cache *cache, const cache_image *busy) {
     for (cache_image *img = cache->images; img < cache->images + cache->image_count; ++img) {
         if (img <= busy || img->info.mipmapped || __atomic_load_n(&img->decoded, __ATOMIC_ACQUIRE) ||
@@ -314,7 +314,8 @@ bool cache_fill(texture_cache *cache, cache_image *img, uint64_t chunk) {
     return !is_broken(img);
 }
 
-/* One read of all that lies between, where that is little: the texels of a filter mostly share a tile. */
+/* Reads the texels from the file. If they are close together, one read gets them all: the texels of a filter
+ * are mostly in one tile. */
 static bool copy_texels(const store *s, const uint64_t *places, unsigned count, size_t size, cache_copy *copy,
                         const unsigned char **at) {
     uint64_t low = places[0], high = places[0];

@@ -7,7 +7,7 @@
 typedef struct texture_kernels {
     /* texture_lookup() */
     void (*look_up)(texture_cache *cache, const texture_queries *q, float rgba[4][TEXTURE_BLOCK]);
-    /* The weighted mean at one place of a texture. */
+    /* The filtered value at one point of a texture. */
     void (*mean)(texture_cache *cache, const cache_slot *slot, float u, float v, float width, float rgba[4]);
     /* One texel of a level. False when the image is broken. */
     bool (*texel)(texture_cache *cache, const cache_slot *slot, unsigned level, uint32_t x, uint32_t y,
@@ -15,7 +15,7 @@ typedef struct texture_kernels {
 } texture_kernels;
 
 const texture_kernels *texture_kernels_best(void);
-/* Those that this processor can run, from the plainest to the best; NULL past the last. */
+/* The kernels that this processor supports, from the simplest to the best; NULL past the last. */
 const texture_kernels *texture_kernels_at(unsigned index);
 
 #endif

@@ -77,7 +77,7 @@ static float float_from_half(uint16_t half) {
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* Number i of a row that was sent. `type` and `srgb` are constants where this is inlined. */
+/* Number i of a row from the helper. `type` and `srgb` are constants after inlining. */
 INLINE float number_at(const float *table, image_texel type, bool srgb, const void *sent, size_t i) {
     float value = 0;
     switch (type) {
@@ -89,7 +89,7 @@ INLINE float number_at(const float *table, image_texel type, bool srgb, const vo
     return srgb ? (float)srgb_decoded((double)value) : value;
 }
 
-/* n channels of a type to `channels` of floats. */
+/* Converts n channels of a type to `channels` floats per texel. */
 INLINE void decode_row(const pyramid_decoding *d, image_texel type, bool srgb, size_t n, unsigned channels,
                        const void *sent, size_t count, float *restrict linear) {
     const float *color = d->color, *alpha = d->alpha;
@@ -102,7 +102,7 @@ INLINE void decode_row(const pyramid_decoding *d, image_texel type, bool srgb, s
     }
 }
 
-/* Each type and number of channels has a loop of its own. */
+/* Each type and number of channels has its own loop. */
 INLINE void decode_type(const pyramid_decoding *d, image_texel type, bool srgb, unsigned channels,
                         const void *sent, size_t count, float *linear) {
     if (channels == 1)
@@ -127,8 +127,7 @@ void pyramid_decode(const pyramid *p, const pyramid_decoding *d, const void *sen
     }
 }
 
-/* Adds the alpha that texels lack; grey counts three times. n and size are constants where this is inlined.
- */
+/* Adds a missing alpha, and uses grey for all three colours. n and size are constants after inlining. */
 INLINE void keep_row(size_t n, size_t size, const unsigned char *restrict sent, size_t count,
                      unsigned char *restrict kept) {
     for (size_t i = 0; i < count; ++i, sent += n * size, kept += 4 * size) {
@@ -140,7 +139,7 @@ INLINE void keep_row(size_t n, size_t size, const unsigned char *restrict sent, 
     }
 }
 
-/* Level 0 keeps integers as they are. */
+/* Level 0 stores integers unchanged. */
 static void keep_integers(const pyramid *p, const pyramid_decoding *d, const void *sent, size_t count,
                           void *kept) {
     const size_t n = d->sent_channels;
@@ -181,9 +180,9 @@ size_t pyramid_find_bad(const float *linear, size_t count) {
 
 /* ---- levels ---- */
 
-/* A level that is being made. */
+/* A level under construction. */
 typedef struct making {
-    uint32_t rows;        /* that it has */
+    uint32_t rows;        /* rows added so far */
     unsigned char *strip; /* a row of tiles */
     unsigned char *kept;  /* a row of texels */
     float *halved;        /* a row as wide as the next level's */
@@ -241,7 +240,7 @@ pyramid_builder *pyramid_builder_open(const pyramid *p, const pyramid_decoding *
     return NULL;
 }
 
-/* Adds the next row to the level's strip of tiles, and writes that when it is full. */
+/* Adds the next row to the level's strip of tiles, and writes the strip when it is full. */
 static bool add_to_strip(pyramid_builder *b, unsigned i) {
     const pyramid_level *l = &b->p.levels[i];
     making *m = &b->levels[i];
@@ -262,7 +261,7 @@ INLINE void halve_even(const float *row, size_t to, size_t channels, float *rest
             out[j * channels + c] = 0.5f * (row[2 * j * channels + c] + row[(2 * j + 1) * channels + c]);
 }
 
-/* Texel j of `to` covers [j from / to, (j + 1) from / to). */
+/* Reduces a row of `from` texels to `to` texels. Texel j covers [j from / to, (j + 1) from / to). */
 static void halve(const float *row, uint32_t from, uint32_t to, unsigned channels, float *out) {
     if (from == 2 * to) {
         channels == 4 ? halve_even(row, to, 4, out) : halve_even(row, to, 1, out);
@@ -282,7 +281,7 @@ static void halve(const float *row, uint32_t from, uint32_t to, unsigned channel
 
 static bool add_row(pyramid_builder *b, unsigned i, uint32_t y, const void *sent, const float *linear);
 
-/* Adds row y, halved, to the rows of the next level that it lies in. */
+/* Halves row y, and adds it to the rows of the next level that it overlaps. */
 static bool pass_on(pyramid_builder *b, unsigned i, uint32_t y, const float *linear) {
     if (i + 1 == b->p.count) return true;
     const pyramid_level *l = &b->p.levels[i], *next = l + 1;

@@ -1,4 +1,4 @@
-/* The textures that a scene names. */
+/* The textures of a scene. */
 #include "base/sized.h"
 #include "scene/scene.h"
 
@@ -41,7 +41,7 @@ static bool same(const fathom_texture *a, const fathom_texture *b) {
            a->wrap_u == b->wrap_u && a->wrap_v == b->wrap_v && a->filter == b->filter;
 }
 
-/* Replaces what `data` points to by a copy that the scene owns; NULL stays NULL. */
+/* Replaces *data by a copy that the scene owns; NULL stays NULL. */
 static fathom_status keep(fathom_scene *scene, const void **data, size_t bytes) {
     void *copy;
     if (!*data) return FATHOM_OK;

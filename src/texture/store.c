@@ -11,7 +11,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* $TMPDIR; else a folder that is on a disk, as /tmp often is not. */
+/* $TMPDIR; else /var/tmp if it is writable, because /tmp is often not on a disk; else /tmp. */
 static const char *folder(void) {
     const char *named = getenv("TMPDIR");
     if (named && *named) return named;
@@ -35,7 +35,7 @@ static fathom_status fail_file_size(fathom_context *context, uint64_t size) {
         (double)size * 1e-9, strerror(errno));
 }
 
-/* Maps a file of its own at `at`, inside the reserved addresses. */
+/* Maps a file at `at`, inside the reserved address range. */
 static bool map_file(int descriptor, unsigned char *at, uint64_t size) {
     return descriptor >= 0 && ftruncate(descriptor, (off_t)size) == 0 &&
            mmap(at, size, PROT_READ, MAP_SHARED | MAP_NORESERVE | MAP_FIXED, descriptor, 0) != MAP_FAILED;
@@ -115,8 +115,8 @@ static uint64_t chunk_count(const store *s) { return s->size >> PYRAMID_CHUNK_SH
 
 static bool is_mapped(unsigned char state) { return state == STORE_IDLE || state == STORE_USED; }
 
-/* Takes the memory of all chunks of [from, end), whoever used them. One call for many, because each flushes
- * the address translations of all processors. */
+/* Evicts all chunks of [from, end), even if they are in use. Uses one call for many chunks, because each call
+ * flushes the TLBs of all processors. */
 static void drop_chunks(store *s, uint64_t from, uint64_t end) {
     uint64_t low = end, high = from, count = 0;
     for (uint64_t chunk = from; chunk < end; ++chunk) {
@@ -128,14 +128,14 @@ static void drop_chunks(store *s, uint64_t from, uint64_t end) {
     count_resident(s, s->resident - (count << PYRAMID_CHUNK_SHIFT)), s->dropped += count;
 }
 
-/* How many chunks are dropped together: not much of the limit. */
+/* The number of chunks evicted together: a small fraction of the limit. */
 static uint64_t batch_of(const store *s) {
     const uint64_t eighth = (s->limit >> PYRAMID_CHUNK_SHIFT) / 8;
     return eighth < 1 ? 1 : (eighth < STORE_BATCH ? eighth : STORE_BATCH);
 }
 
-/* Drops the next chunks, unless most of them were used since the hand came by; `all`: in any case. Chunks
- * that were read are forgotten. */
+/* Evicts the next chunks, unless most of them were used since the last pass of the clock's hand; `all`: in
+ * any case. Resets the read counts of chunks that are not mapped. */
 static void pass_hand(store *s, bool all) {
     const uint64_t from = s->hand, end = chunk_count(s), batch = batch_of(s);
     uint64_t used = 0, idle = 0, chunk = from;
@@ -149,7 +149,7 @@ static void pass_hand(store *s, bool all) {
     s->hand = chunk < end ? chunk : s->kept >> PYRAMID_CHUNK_SHIFT;
 }
 
-/* Others may use chunks as fast as the hand passes: then the third round takes all. */
+/* Other threads may use chunks as fast as the hand passes; then the third round evicts all. */
 static void make_room(store *s) {
     const uint64_t batches = (s->limit >> PYRAMID_CHUNK_SHIFT) / batch_of(s) + 2;
     for (uint64_t i = 0; s->resident && s->resident + PYRAMID_CHUNK > s->limit; ++i)
@@ -166,7 +166,7 @@ static void map_chunk(store *s, uint64_t chunk) {
     }
     pthread_mutex_unlock(&s->lock);
 #ifdef MADV_POPULATE_READ
-    /* Costs less than a page fault; where it fails, the fault comes. */
+    /* Costs less than a page fault. If it fails, page faults map the chunk. */
     if (!mapped) madvise(s->bytes + (chunk << PYRAMID_CHUNK_SHIFT), PYRAMID_CHUNK, MADV_POPULATE_READ);
 #endif
 }
@@ -178,7 +178,7 @@ bool store_admit(store *s, uint64_t chunk, unsigned lookups) {
     const bool full = __atomic_load_n(&s->resident, __ATOMIC_RELAXED) + PYRAMID_CHUNK > s->limit;
     const unsigned reads = state + lookups * STORE_READ;
     if (full && state != STORE_IDLE && reads <= STORE_READS * STORE_READ) {
-        /* Others may count at the same time; a few reads more or less do not matter. */
+        /* Other threads may count at the same time; an error of a few reads does not matter. */
         exchange(s, chunk, state, (unsigned char)reads);
         return false;
     }

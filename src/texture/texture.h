@@ -1,8 +1,8 @@
 /* Lookups in the textures of a scene.
  *
- * Images are decoded by the image helper when they are first looked up, into mip-mapped tiles. The tiles in
- * memory stay within a limit; the others lie in a temporary file that has no name. No result depends on the
- * limit, on threads, or on the order of lookups. */
+ * The image helper decodes an image when it is first looked up, into mip-mapped tiles. A limit applies to the
+ * tiles in memory; the others are in a temporary file without a name. Results do not depend on the limit, on
+ * threads, or on the order of lookups. */
 #ifndef TEXTURE_TEXTURE_H
 #define TEXTURE_TEXTURE_H
 
@@ -12,41 +12,41 @@
 
 typedef struct texture_cache texture_cache;
 
-/* Reads the header of each texture's image. limit: bytes of tiles in memory. FATHOM_BAD_INPUT, with the
- * file, when one is no image, is too large, has no colours or names an unknown colour space. `scene` and
- * `context` have to outlive the cache. Release with texture_cache_close(), which takes NULL. */
+/* Reads the header of each texture's image. limit: bytes of tiles in memory. FATHOM_BAD_INPUT names the file
+ * that is not an image, is too large, has no colours or has an unknown colour space. `scene` and `context`
+ * have to outlive the cache. Release with texture_cache_close(), which takes NULL. */
 fathom_status texture_cache_open(fathom_context *context, const fathom_scene *scene, uint64_t limit,
                                  texture_cache **out);
 void texture_cache_close(texture_cache *cache);
 
-/* Lookups that are made together. */
+/* Number of lookups in one block. */
 #define TEXTURE_BLOCK 16
 typedef struct texture_queries {
     unsigned count;
     fathom_id texture[TEXTURE_BLOCK];
     float u[TEXTURE_BLOCK], v[TEXTURE_BLOCK]; /* finite */
     float width[TEXTURE_BLOCK];               /* of the footprint, in u and v; 0: a point */
-    /* One texel is taken by `chance`, uniform in [0,1), instead of the weighted mean of up to eight: the
-     * expectation is the same. */
+    /* Takes one texel, selected by the random number `chance`, uniform in [0,1), instead of the weighted mean
+     * of up to eight. The expected value is the same. */
     bool stochastic;
     float chance[TEXTURE_BLOCK];
 } texture_queries;
 
-/* Linear Rec.709 or data, and alpha, which is 1 in images without. Any thread. A texture that turns out to be
- * broken gives (1, 0, 1, 1), and texture_cache_check() says why. */
+/* Returns linear Rec.709 or data, and alpha, which is 1 for images without alpha. Thread-safe. A broken
+ * texture gives (1, 0, 1, 1), and texture_cache_check() returns the reason. */
 void texture_lookup(texture_cache *cache, const texture_queries *queries, float rgba[4][TEXTURE_BLOCK]);
 
 /* FATHOM_OK, or the failure of an earlier lookup: data of an image that cannot be decoded, texels that are
  * not finite, a full disk. Call it before a result of lookups is used. */
 fathom_status texture_cache_check(texture_cache *cache, fathom_context *context);
 
-/* Texels of the image. */
+/* Width and height of the image in texels. */
 void texture_size(const texture_cache *cache, fathom_id texture, uint32_t *width, uint32_t *height);
 /* The mean of all texels, linear. Decodes the image. */
 fathom_status texture_average(texture_cache *cache, fathom_context *context, fathom_id texture,
                               float rgba[4]);
-/* True when alpha is 1 everywhere. May say no of a tiled file with alpha. Decodes the image if it has alpha.
- */
+/* *out: whether alpha is 1 everywhere; always false for a mip-mapped file with alpha. Decodes the image if it
+ * has alpha. */
 fathom_status texture_is_opaque(texture_cache *cache, fathom_context *context, fathom_id texture, bool *out);
 
 #endif

@@ -1,4 +1,4 @@
-/* Textures as mip-mapped files. */
+/* Writes textures as mip-mapped files. */
 #include "base/file.h"
 #include "image/helper/helper.h"
 #include "image/output.h"
@@ -128,7 +128,7 @@ static fathom_status write_texture(texture_cache *cache, fathom_context *context
     return status;
 }
 
-/* Bytes of tiles in memory while a file is written. */
+/* Maximum bytes of tiles in memory while a file is written. */
 #define WRITE_MEMORY 1000000000u
 
 fathom_status fathom_texture_write(fathom_context *context, const fathom_texture *texture, const char *path) {

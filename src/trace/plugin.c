@@ -1,5 +1,5 @@
-/* A tracer from a shared library: loads it, hands it the world's triangles as one mesh, and carries blocks to
- * it and back. */
+/* A tracer from a shared library: loads it, passes the world's triangles to it as one mesh, and converts
+ * blocks of rays and hits. */
 #include "trace/search.h"
 #include "trace/tracer.h"
 
@@ -11,16 +11,16 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Blocks handed over in one call. */
+/* Blocks per call. */
 #define BATCH 8
 
-/* Triangles of some of the world's geometries as one mesh, and what the library built of them. */
+/* Triangles of some or all of the world's geometries as one mesh, and the library's data for them. */
 typedef struct plugin_part {
     float *positions;
     uint32_t *indices;
     uint32_t vertex_count, triangle_count;
-    uint32_t *first;    /* by geometry: its first triangle here */
-    uint32_t *geometry; /* parallel to first, which may leave geometries out */
+    uint32_t *first;    /* first triangle of each geometry in this mesh */
+    uint32_t *geometry; /* the world's index of each; parallel to first */
     uint32_t geometry_count;
     bool built;
     void *data;
@@ -30,20 +30,20 @@ typedef struct plugin_tracer {
     trace_tracer base;
     void *library;
     const fathom_plugin *plugin;
-    plugin_part all, shadows; /* shadows: what casts them, where that is not all */
+    plugin_part all, shadows; /* shadows: the geometries that cast shadows, if not all do */
     bool own_shadows;
 } plugin_tracer;
 
 /* ---- the library ---- */
 
-/* dlopen() would wait for a pipe. */
+/* dlopen() would block on a pipe. */
 static bool is_file_or_none(const char *path) {
     struct stat info;
     return stat(path, &info) != 0 || S_ISREG(info.st_mode);
 }
 
 static fathom_status load(fathom_context *context, const char *path, plugin_tracer *tracer) {
-    char local[4096]; /* without a slash dlopen() would search the system's folders */
+    char local[4096]; /* without a slash, dlopen() would search the system's folders */
     if (!strchr(path, '/')) {
         snprintf(local, sizeof local, "./%s", path);
         path = local;
@@ -60,7 +60,7 @@ static fathom_status load(fathom_context *context, const char *path, plugin_trac
                     "tracer %s: has no function fathom_plugin_get(); expected one as in fathom/plugin.h",
                     path);
     }
-    memcpy(&get, &symbol, sizeof get); /* C has no conversion from objects to functions */
+    memcpy(&get, &symbol, sizeof get); /* C cannot convert object pointers to function pointers */
     const fathom_plugin *p = tracer->plugin = get();
     if (!p || p->version != FATHOM_PLUGIN_VERSION) {
         return fail(context, FATHOM_BAD_INPUT, "tracer %s: is of version %u; expected %u", path,
@@ -170,7 +170,7 @@ static void block_load(const trace_rays *r, unsigned lanes, fathom_plugin_block 
     for (unsigned i = 0; i < LANES; ++i) to->primitive[i] = FATHOM_PLUGIN_MISS;
 }
 
-/* The place in `first` of the part that holds the triangle. */
+/* Index in `first` of the geometry that contains the triangle. */
 static uint32_t part_of(const plugin_part *part, uint32_t triangle) {
     uint32_t low = 0, high = part->geometry_count;
     while (high - low > 1) {
@@ -183,7 +183,7 @@ static uint32_t part_of(const plugin_part *part, uint32_t triangle) {
     return low;
 }
 
-/* A number that names no triangle counts as a miss. */
+/* An invalid triangle number counts as a miss. */
 static void lane_store(const plugin_tracer *tracer, const fathom_plugin_block *from, unsigned i,
                        trace_block *to, trace_fine *fine) {
     const world *w = tracer->base.world;
@@ -204,7 +204,7 @@ static void lane_store(const plugin_tracer *tracer, const fathom_plugin_block *f
     fine->t[i] = from->t[i], fine->t_low[i] = 0, fine->u[i] = from->u[i], fine->v[i] = from->v[i];
 }
 
-/* Closest hits of `blocks`, or any hits of `rays` where those are NULL. */
+/* Closest hits of `blocks`, or any hits of `rays` if blocks is NULL. */
 static void ask(const plugin_tracer *tracer, const plugin_part *part, trace_block *blocks, trace_rays *rays,
                 trace_fine *fine, size_t count) {
     size_t total = (count + LANES - 1) / LANES;

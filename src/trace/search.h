@@ -1,5 +1,5 @@
-/* One ray through the world in each precision, search_f32, search_f64 and search_f128, for the hand-written
- * tracers; see search_text.h. */
+/* Traces one ray through the world in each precision (search_f32, search_f64 and search_f128), for the
+ * hand-written tracers; see search_text.h. */
 #ifndef TRACE_SEARCH_H
 #define TRACE_SEARCH_H
 
@@ -14,7 +14,8 @@ static inline void search_corners(const fathom_mesh *mesh, uint32_t triangle, ve
     for (unsigned c = 0; c < 3; ++c) out[c] = load_f32(mesh_vertex(mesh, index[c]));
 }
 
-/* The corners of primitive k of a geometry that is no run of spheres; how many there are, 3 or 4. */
+/* Gets the corners of primitive k of a geometry that is not a run of spheres. Returns their number, 3 or
+ * 4. */
 static inline unsigned search_flat(const world *w, const world_geometry *geometry, uint32_t k,
                                    vec3_f32 out[4]) {
     if (geometry->kind == WORLD_MESH) {

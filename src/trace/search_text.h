@@ -1,27 +1,27 @@
-/* The one text that search.h stamps for each precision. Included with REAL, VEC3, FN(name), FROM(v), a
- * vec3_f32 in that precision, and SUM, the precision in which rays are carried into other spaces. */
+/* Source that search.h includes once per precision, with these defined: REAL, VEC3, FN(name), FROM(v)
+ * (converts a vec3_f32 to VEC3), and SUM, the precision in which rays are transformed. */
 
 typedef struct FN(search) {
     const world *world;
     vec3_f32 world_org, world_dir;
-    VEC3 org, dir; /* in the space at hand */
+    VEC3 org, dir; /* in the current space */
     FN(triangle_ray) ray;
     REAL t_min, t_max;
     float time;                  /* of the shutter; 0 where nothing moves */
-    bool any;                    /* any hit will do; geometry that casts no shadow does not count */
-    bool met;                    /* what follows is set */
+    bool any;                    /* any-hit query; geometry that casts no shadow is skipped */
+    bool met;                    /* the fields below are set */
     FN(reference_hit) best;      /* on equal t the first in world order */
-    uint32_t at[3], best_ids[3]; /* instance, geometry, primitive: at hand, and of the best hit */
+    uint32_t at[3], best_ids[3]; /* instance, geometry, primitive: current, and of the best hit */
 } FN(search);
 
-/* A row of the map applied to p and w, rounded once: the products of floats are exact in double. */
+/* Dot product of a matrix row with (p, w), rounded once: products of two floats are exact in double. */
 static inline REAL FN(search_row)(const float row[4], vec3_f32 p, float w) {
     return (REAL)((SUM)row[0] * (SUM)p.x + (SUM)row[1] * (SUM)p.y + (SUM)row[2] * (SUM)p.z +
                   (SUM)row[3] * (SUM)w);
 }
 
-/* Into the space of an instance, or the world's for FATHOM_NONE. Directions keep their length, so t keeps its
- * meaning. */
+/* Transforms the ray to the space of an instance, or the world's for FATHOM_NONE. Directions are not
+ * normalised, so t keeps its meaning. */
 static inline void FN(search_enter)(FN(search) * s, uint32_t instance) {
     s->at[0] = instance;
     if (instance == FATHOM_NONE) {
@@ -36,8 +36,8 @@ static inline void FN(search_enter)(FN(search) * s, uint32_t instance) {
     s->ray = FN(triangle_ray_make)(s->org, s->dir);
 }
 
-/* The order of the world: the root's geometries, then the instances in order; an id of no instance wraps to
- * 0. */
+/* World order: the root's geometries, then the instances in order. FATHOM_NONE + 1 wraps to 0, so the root
+ * comes first. */
 static inline bool FN(search_comes_before)(const uint32_t a[3], const uint32_t b[3]) {
     if (a[0] != b[0]) return a[0] + 1 < b[0] + 1;
     return a[1] != b[1] ? a[1] < b[1] : a[2] < b[2];
@@ -53,9 +53,9 @@ static inline void FN(search_offer)(FN(search) * s, uint32_t primitive, const FN
     s->best_ids[0] = s->at[0], s->best_ids[1] = s->at[1], s->best_ids[2] = primitive;
 }
 
-/* ---- one primitive of the geometry at hand ----
- * The interval stays as it was asked: whether a primitive is met and at which t does not depend on what was
- * met before, so the order in which primitives are tried decides nothing. */
+/* ---- one primitive of the current geometry ----
+ * The interval never shrinks. So a primitive's hit and its t do not depend on earlier hits, and the result
+ * does not depend on the order of the tests. */
 
 static inline bool FN(search_sphere_robust)(const world_sphere *sphere, VEC3 org, VEC3 dir, REAL t_min,
                                             REAL t_max, REAL *t) {
@@ -85,7 +85,7 @@ static inline void FN(search_triangle)(FN(search) * s, const vec3_f32 corner[3],
         FN(search_offer)(s, k, &hit);
 }
 
-/* Primitive k of the geometry at hand. */
+/* Tests primitive k of the current geometry. */
 static inline void FN(search_primitive)(FN(search) * s, const world_geometry *geometry, uint32_t k) {
     const world *w = s->world;
     switch (geometry->kind) {
@@ -103,7 +103,7 @@ static inline void FN(search_primitive)(FN(search) * s, const world_geometry *ge
     }
 }
 
-/* Planes come last: on equal t geometry wins. */
+/* Planes are tested last: on equal t, other geometry wins. */
 static inline void FN(search_planes)(FN(search) * s) {
     FN(search_enter)(s, FATHOM_NONE);
     s->at[1] = TRACE_PLANE;
@@ -123,7 +123,7 @@ static inline void FN(search_planes)(FN(search) * s) {
 
 /* ---- from blocks and back ---- */
 
-/* False: the lane has nothing to look for. */
+/* False: the lane's interval is empty. */
 static inline bool FN(search_begin)(FN(search) * s, const world *w, const trace_rays *rays, unsigned lane,
                                     bool any) {
     *s = (FN(search)){.world = w,
@@ -136,7 +136,7 @@ static inline bool FN(search_begin)(FN(search) * s, const world *w, const trace_
     return rays->t_near[lane] < rays->t_far[lane];
 }
 
-/* The normal as the tracer has it, in the space of the primitive. */
+/* The normal as the tracer computes it, in the space of the primitive. */
 static inline vec3_f32 FN(search_normal)(FN(search) * s) {
     const world *w = s->world;
     if (s->best_ids[1] == TRACE_PLANE) return w->planes.items[s->best_ids[2]].normal;

@@ -12,7 +12,7 @@
 
 typedef struct word {
     const char *text;
-    size_t field; /* of trace_spec; options that set the same one exclude each other */
+    size_t field; /* offset in trace_spec; options with the same field exclude each other */
     unsigned value;
     unsigned kinds;
 } word;

@@ -1,5 +1,5 @@
-/* A tracer's specification in words: "linear:f64", "embree:user:high:16", "./mine.so". A kind, then
- * options in any order, at most one of each sort. */
+/* A tracer's specification as text: "linear:f64", "embree:user:high:16", "./mine.so". A kind, then options in
+ * any order, at most one per field of trace_spec. */
 #ifndef TRACE_SPEC_H
 #define TRACE_SPEC_H
 
@@ -17,7 +17,7 @@ typedef enum trace_precision { TRACE_F32, TRACE_F64, TRACE_F128 } trace_precisio
 
 /* The intersector of each shape: Embree's own, or ours as user geometry. */
 typedef enum trace_shapes {
-    TRACE_SHAPES_TRIANGLES, /* Embree's triangles, in robust scenes two for each quad; spheres ours */
+    TRACE_SHAPES_TRIANGLES, /* Embree's triangles, in robust scenes also two for each quad; spheres ours */
     TRACE_SHAPES_USER       /* all ours */
 } trace_shapes;
 
@@ -27,7 +27,7 @@ typedef enum trace_scene_flags {
     TRACE_SCENE_COMPACT
 } trace_scene_flags;
 
-/* Build time against tracing time. No settled hit depends on it. */
+/* Trades build time for tracing time. Settled hits do not depend on it. */
 typedef enum trace_quality {
     TRACE_QUALITY_AUTO, /* by expected_rays */
     TRACE_QUALITY_LOW,
@@ -35,7 +35,7 @@ typedef enum trace_quality {
     TRACE_QUALITY_HIGH
 } trace_quality;
 
-/* How rays reach Embree. No packet is wider than the processor's kernels. */
+/* Rays per Embree call. No packet is wider than the processor's kernels. */
 typedef enum trace_calls {
     TRACE_CALLS_AUTO, /* by trace_options.width */
     TRACE_CALLS_1,
@@ -45,8 +45,8 @@ typedef enum trace_calls {
 } trace_calls;
 
 typedef enum trace_ties {
-    TRACE_SETTLED, /* one answer, however rays are grouped: embree_settle.c */
-    TRACE_RAW      /* Embree's answers as they are */
+    TRACE_SETTLED, /* the hit does not depend on the grouping of rays: embree_settle.c */
+    TRACE_RAW      /* Embree's hits, unchanged */
 } trace_ties;
 
 typedef struct trace_spec {
@@ -57,12 +57,12 @@ typedef struct trace_spec {
     trace_quality quality;
     trace_calls calls;
     trace_ties ties;
-    isa_set isa;      /* the most that Embree may use; the processor may have less */
+    isa_set isa;      /* the widest that Embree may use; the processor may have less */
     const char *path; /* plugin: as given; not owned */
 } trace_spec;
 
-/* FATHOM_BAD_USAGE says which word is wrong and which there are. A text that ends in ".so" is a file; `text`
- * must then outlive `out`. "reference" is "linear", NULL "embree". */
+/* FATHOM_BAD_USAGE: the message names the wrong word and lists the valid ones. A text that ends in ".so" is a
+ * file name; `text` must then outlive `out`. "reference" means "linear", NULL "embree". */
 fathom_status trace_spec_parse(fathom_context *context, const char *text, trace_spec *out);
 
 #endif

@@ -2,7 +2,7 @@
 
 #include <float.h>
 
-/* The component at the scale of its direction. */
+/* Scales one component of a direction; tiny ones become zero. */
 static float scaled(float part, int e) {
     part = ldexpf(part, -e);
     return fabsf(part) < STRETCH_ZERO ? copysignf(0, part) : part;
@@ -26,7 +26,7 @@ void stretch_rays(trace_rays *r, unsigned lanes, stretch *out) {
 float stretch_back(const stretch *s, unsigned lane, float t, float t_near, float t_far) {
     if (s->exponent[lane] == 0) return t;
     t = ldexpf(t, -s->exponent[lane]);
-    /* Threads that trace take denormals for zero. */
+    /* Tracing threads treat denormals as zero. */
     float least = t_near < FLT_MIN ? FLT_MIN : nextafterf(t_near, INFINITY), most = nextafterf(t_far, 0);
     return t < least ? least : t > most ? most : t;
 }

@@ -21,9 +21,9 @@ unsigned trace_thread_begin(void) { return 0; }
 void trace_thread_end(unsigned state) { (void)state; }
 #endif
 
-/* ---- infinite planes: they have no bounds, so they are tested next to the tracer's own structure ---- */
+/* ---- infinite planes: they have no bounds, so they are tested outside the tracer's own structure ---- */
 
-/* Finds t for each line without branches, then again for the few lanes whose sign is in doubt. */
+/* Computes t of each lane without branches, then again for the few lanes whose signs are not certain. */
 static void planes_distances(const world_plane *plane, const trace_rays *rays, unsigned lanes,
                              float t[LANES]) {
     int doubt[LANES], any = 0;
@@ -53,8 +53,8 @@ static void set_hit(trace_block *block, unsigned lane, const world_plane *plane,
     hits->instance[lane] = FATHOM_NONE;
 }
 
-/* Closest hits of `block`, or any hits of `rays` where that is NULL. On equal t the earlier hit stays:
- * geometry wins over planes, and a plane over those after it. */
+/* Closest hits of `block`, or any hits of `rays` if block is NULL. On equal t the earlier hit stays: geometry
+ * wins over planes, and a plane wins over later ones. */
 static void trace_planes(const world *w, trace_rays *rays, trace_block *block, unsigned lanes) {
     for (size_t p = 0; p < w->planes.count; ++p) {
         const world_plane *plane = &w->planes.items[p];
@@ -80,7 +80,7 @@ static void closest(const trace_tracer *tracer, trace_block *blocks, trace_fine 
 
 /* ---- tracers ---- */
 
-/* Whoever knows no motion is refused, not wrong. */
+/* Tracers without support for motion are refused, so that they do not give wrong images. */
 static fathom_status check_motion(fathom_context *context, const world *w, const trace_spec *spec,
                                   const trace_options *options) {
     if (!w->moves) return FATHOM_OK;

@@ -1,10 +1,10 @@
 /* Closest and any hit over blocks of 16 rays: the interface of every tracer.
  *
- * Coordinates are the world's (see world.h), not the scene's. No ray may hold a NaN or an infinity (but t_far
- * may be infinite), and no direction may be zero: Debian's Embree can abort on those. 0 <= t_near. A hit has
- * t in the open interval (t_near, t_far), as the tracer computes it. Our own shapes are met exactly when that
- * t is inside; Embree's, off by 8 units of roundoff over the cosine to the normal, may be left out or counted
- * within as much of an end. */
+ * Coordinates are the world's (see world.h), not the scene's. Rays must not contain a NaN or an infinity
+ * (except t_far), and no direction may be zero: Debian's Embree can abort on those. 0 <= t_near. A hit has t
+ * in the open interval (t_near, t_far), as the tracer computes it. Our own intersectors report a hit exactly
+ * if this t is inside. Embree's t has an error of 8 unit roundoffs divided by the cosine to the normal;
+ * within this distance of an end of the interval, it may report or miss a hit. */
 #ifndef TRACE_TRACE_H
 #define TRACE_TRACE_H
 
@@ -19,12 +19,13 @@ typedef struct trace_rays {
     _Alignas(64) float org_x[16];
     float org_y[16], org_z[16], t_near[16];
     float dir_x[16], dir_y[16], dir_z[16];
-    float time[16];  /* of the shutter, in [0, 1]; read in worlds that move, else the tracer's own */
-    float t_far[16]; /* closest: becomes the hit's t; any: becomes -infinity where something is hit */
+    float time[16];  /* shutter time in [0, 1]; read only if the world moves, else the tracer may write
+                        here */
+    float t_far[16]; /* closest: becomes the hit's t; any: becomes -infinity on a hit */
     uint32_t mask[16], id[16], flags[16]; /* the tracer's own; callers need not set them */
 } trace_rays;
 
-/* Their coordinates as rows: x, y, z. */
+/* Ray coordinates as rows: x, y, z. */
 typedef const float (*trace_rows)[LANES];
 static inline trace_rows trace_origins(const trace_rays *rays) {
     return (trace_rows)(const void *)((const char *)rays + offsetof(trace_rays, org_x));
@@ -43,7 +44,7 @@ static inline void trace_rays_move(const trace_rays *from, size_t i, trace_rays 
 /* Hits, laid out as Embree's RTCHit16. After trace_closest() the ids are the world's. */
 typedef struct trace_hits {
     _Alignas(64) float ng_x[16];
-    float ng_y[16], ng_z[16], u[16], v[16]; /* as the tracer computed them; the renderer makes its own */
+    float ng_y[16], ng_z[16], u[16], v[16]; /* as the tracer computed them; the renderer computes its own */
     uint32_t primitive[16];                 /* within the geometry; of a plane: its index */
     uint32_t geometry[16]; /* index into world.geometries, TRACE_PLANE, or FATHOM_NONE: no hit */
     uint32_t instance[16]; /* index into world.instances, or FATHOM_NONE */
@@ -57,7 +58,7 @@ typedef struct trace_block {
     trace_hits hits;
 } trace_block;
 
-/* The lanes in use of a block when `count` rays lie in blocks. */
+/* Number of lanes in use in a block, for `count` rays in all. */
 static inline unsigned trace_lanes(size_t count, size_t block) {
     size_t left = count - block * LANES;
     return left < LANES ? (unsigned)left : LANES;
@@ -69,67 +70,69 @@ static inline vec3_f32 trace_dir(const trace_rays *r, size_t i) {
     return (vec3_f32){r->dir_x[i], r->dir_y[i], r->dir_z[i]};
 }
 
-/* The hits of a block as the tracer computed them, before they became float. */
+/* The hits of a block in the tracer's own precision. */
 typedef struct trace_fine {
     double t[16], t_low[16]; /* t + t_low is the hit's t; t_low is 0 except in quadruple precision */
     double u[16], v[16];
 } trace_fine;
 
 typedef struct trace_options {
-    const trace_spec *spec; /* NULL: by words */
-    const char *words; /* as trace_spec_parse() takes them; NULL: "embree", compact where memory is short */
-    unsigned width;    /* rays in one call of Embree: 1, 4, 8 or 16; 0 counts as 1. No hit depends on it */
-    unsigned threads;  /* for building; 0: the context's */
-    bool timed;        /* the caller's rays have times; a world that moves is refused without */
-    uint64_t expected_rays; /* of all kinds; 0: unknown, taken as many */
+    const trace_spec *spec; /* NULL: use words */
+    const char *words;      /* for trace_spec_parse(); NULL: "embree", compact if memory is short */
+    unsigned width;         /* rays per Embree call: 1, 4, 8 or 16; 0 means 1. Hits do not depend on it */
+    unsigned threads;       /* for building; 0: the context's */
+    bool timed;             /* the caller's rays have times; required for a world that moves */
+    uint64_t expected_rays; /* of all kinds; 0: unknown, treated as many */
     trace_quality quality;
-    uint64_t memory; /* bytes for building and for the structure; 0: no limit */
-    bool (*progress)(void *user,
-                     double fraction); /* while building, from any thread; false stops it; may be NULL */
+    uint64_t memory;                               /* bytes for building and for the structure; 0: no limit */
+    bool (*progress)(void *user, double fraction); /* called while building, from any thread; false stops the
+                                                      build; may be NULL */
     void *user;
 } trace_options;
 
 typedef struct trace_tracer trace_tracer;
 
-/* Embree's build quality by the numbers of rays and primitives; 0 rays: unknown, taken as many. */
+/* Chooses Embree's build quality from the numbers of rays and primitives; 0 rays: unknown, treated as
+ * many. */
 trace_quality trace_quality_auto(uint64_t expected_rays, const world *w);
 
-/* FATHOM_INTERRUPTED when progress said stop. The world must outlive the tracer. */
+/* FATHOM_INTERRUPTED when progress returned false. The world must outlive the tracer. */
 fathom_status trace_create(fathom_context *context, const world *w, const trace_options *options,
                            trace_tracer **out);
 void trace_destroy(trace_tracer *tracer);
 
-/* Each rendering thread calls this before its first ray: denormals are flushed to zero, as Embree wants it.
- * Returns the state for trace_thread_end(). */
+/* Each rendering thread calls this before its first ray: it makes the processor flush denormals to zero, as
+ * Embree requires. Returns the state for trace_thread_end(). */
 unsigned trace_thread_begin(void);
 void trace_thread_end(unsigned state);
 
-/* The caller's knowledge of the rays in a block. It affects speed alone. */
+/* What the caller knows about the rays of a block. It affects only speed. */
 typedef enum trace_coherence {
     TRACE_INCOHERENT, /* nothing */
-    TRACE_NEIGHBOURS, /* they begin close to one another; directions may differ */
-    TRACE_COHERENT    /* and run alike */
+    TRACE_NEIGHBOURS, /* origins are close together; directions may differ */
+    TRACE_COHERENT    /* origins and directions are similar */
 } trace_coherence;
 
-/* Traces the first `count` lanes of the blocks, 16 to a block; other lanes are left alone. The caller sets
+/* Traces the first `count` lanes of the blocks, 16 per block; other lanes stay unchanged. The caller sets the
  * rays; hits may be uninitialised. */
 void trace_closest(const trace_tracer *tracer, trace_block *blocks, size_t count, trace_coherence coherence);
-/* The same, and `fine`, one for each block, gets the lanes that hit. */
+/* Same, and also sets the lanes that hit in `fine`, one for each block. */
 void trace_closest_fine(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                         trace_coherence coherence);
-/* Rays that meet anything that casts a shadow get t_far = -infinity. */
+/* Rays that hit anything that casts a shadow get t_far = -infinity. */
 void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
 
 /* "Embree 3.13.5, AVX-512", "reference": for the statistics. */
 const char *trace_name(const trace_tracer *tracer);
-/* Rays between two looks at a stop flag, a multiple of 16: linear search may take milliseconds for each. */
+/* Number of rays to trace between two checks of a stop flag, a multiple of 16: linear search may take
+ * milliseconds per ray. */
 size_t trace_piece(const trace_tracer *tracer);
-/* The name that Embree's tracer has on this machine, by default. */
+/* The default name of the Embree tracer on this machine. */
 void trace_embree_name(char *out, size_t size);
-/* The name, and all that answers depend on: "Embree 3.13.5, AVX-512, triangles, robust, settled". */
+/* The name and all choices that hits depend on: "Embree 3.13.5, AVX-512, triangles, robust, settled". */
 void trace_identity(const trace_tracer *tracer, char out[128]);
 uint64_t trace_bvh_bytes(const trace_tracer *tracer);
-/* The most memory held while building, and the expected figure; 0: unknown. */
+/* Peak memory during the build, and the estimate made before it; 0: unknown. */
 uint64_t trace_peak_bytes(const trace_tracer *tracer);
 uint64_t trace_foreseen_bytes(const trace_tracer *tracer);
 /* The unit roundoff of the arithmetic in which t is computed: 2^-24 for float. */

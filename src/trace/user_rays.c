@@ -1,6 +1,6 @@
-/* The public API for the user's own rays. They are moved near the world's origin in double before they become
- * float, and t, point and normals of hits are computed in double. A hit is in the interval exactly when its
- * double t is: the float ray's interval is a little wider, and hits outside the user's are passed by. */
+/* The public API for the user's own rays. Rays are converted to world coordinates in double and then to
+ * float; t, point and normals of hits are computed in double. A hit counts if its double t is in the
+ * interval: the float ray's interval is slightly wider, and hits outside the user's interval are skipped. */
 #include "reference/reference.h"
 #include "trace/trace.h"
 
@@ -10,7 +10,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 
-/* ---- what a ray hits: point, normals, uv and ids, in double ---- */
+/* ---- hits: point, normals, uv and ids, in double ---- */
 
 /* A hit in the space of its geometry. Normals need not be unit. */
 typedef struct local_hit {
@@ -27,7 +27,7 @@ static vec3_f64 weighted(const vec3_f64 v[3], double u, double w) {
 
 /* ---- shapes ---- */
 
-/* The root nearest to t; for a ray that passes the sphere by, its nearest point. */
+/* The root nearest to t; if the double ray misses, the point of closest approach. */
 static local_hit sphere_hit(const world_sphere *s, vec3_f64 org, vec3_f64 dir, double t) {
     double roots[2], radius = world_sphere_radius(s);
     vec3_f64 center = world_sphere_center(s), from = sub_f64(org, center);
@@ -45,7 +45,8 @@ static local_hit sphere_hit(const world_sphere *s, vec3_f64 org, vec3_f64 dir, d
                        .v = acos(n.z < -1 ? -1 : (n.z > 1 ? 1 : n.z)) / M_PI};
 }
 
-/* Of a ray that passes by: where it meets the plane of a, b and c, and the weights of b and c there. */
+/* For a double ray that misses the triangle: its hit with the plane of a, b and c, and the clamped weights of
+ * b and c there. */
 static reference_hit_f64 nearest_hit(vec3_f64 a, vec3_f64 b, vec3_f64 c, vec3_f64 org, vec3_f64 dir,
                                      double t) {
     const vec3_f64 e = sub_f64(b, a), g = sub_f64(c, a), n = cross_f64(e, g);
@@ -139,8 +140,8 @@ static local_hit geometry_hit(const world *w, const world_geometry *geometry, ui
     return mesh_hit(&w->meshes.items[geometry->first], primitive, org, dir, t);
 }
 
-/* In the space of the instance. The inverse is taken in double of the map as it was rounded, so that going
- * there and back loses nothing. */
+/* A hit in an instance. It inverts the rounded map in double, so that a transform there and back loses
+ * nothing. */
 static local_hit instance_hit(const world *w, const world_instance *instance, const world_geometry *geometry,
                               uint32_t primitive, vec3_f64 org, vec3_f64 dir, double t) {
     affine_f64 to_world, to_object;
@@ -165,8 +166,8 @@ static void set_out(const world *w, const local_hit *hit, fathom_hit *out) {
     out->u = (float)hit->u, out->v = (float)hit->v;
 }
 
-/* The lane's hit on the ray org + t dir in the world's coordinates. Where the exact ray just misses the
- * primitive, its nearest point is taken. */
+/* Computes the lane's hit for the ray org + t dir in world coordinates. If the double ray just misses the
+ * primitive, it takes the nearest point. */
 static void resolve_hit(const world *w, const trace_block *block, unsigned lane, vec3_f64 org, vec3_f64 dir,
                         fathom_hit *out) {
     uint32_t geometry = block->hits.geometry[lane], primitive = block->hits.primitive[lane];
@@ -198,7 +199,7 @@ static void resolve_hit(const world *w, const trace_block *block, unsigned lane,
 struct fathom_tracer {
     fathom_context *context;
     pthread_mutex_t message; /* guards the context's message: calls may run at the same time */
-    fathom_scene scene;      /* the caller's, seen through this context */
+    fathom_scene scene;      /* the caller's scene with this context */
     world *world;
     trace_tracer *tracer;
 };
@@ -213,7 +214,7 @@ fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *
     if (!out) return fail_null(context, "out");
     *out = NULL;
     if (!context || !scene) return fail_null(context, "scene");
-    trace_spec spec; /* a wrong word is told before the world is built */
+    trace_spec spec; /* reports a wrong word before the world is built */
     fathom_status status = trace_spec_parse(context, words, &spec);
     if (status != FATHOM_OK) return status;
     fathom_tracer *tracer = calloc(1, sizeof *tracer);
@@ -243,14 +244,14 @@ void fathom_tracer_destroy(fathom_tracer *tracer) {
 
 /* ---- rays ---- */
 
-/* A ray as it is traced: t_user = (t + skipped) 2^exponent. */
+/* The traced ray: t_user = (t + skipped) 2^-exponent. */
 typedef struct user_ray {
     vec3_f64 org, dir;
     double skipped, t_min, t_max; /* in the traced ray's units */
     int exponent;
 } user_ray;
 
-/* what: of ray `index`; NULL: an argument of this name is. */
+/* what: the problem of ray `index`. NULL: the argument `null` is NULL. */
 static fathom_status refuse(const fathom_tracer *tracer, const char *what, size_t index, const char *null) {
     fathom_tracer *own = (fathom_tracer *)(uintptr_t)tracer;
     pthread_mutex_lock(&own->message);
@@ -266,7 +267,8 @@ static bool in_range(vec3_f64 p) {
     return fabs(p.x) < WORLD_REACH && fabs(p.y) < WORLD_REACH && fabs(p.z) < WORLD_REACH;
 }
 
-/* Scales the direction by a power of two, and moves the origin to a negative t_min. */
+/* Scales the direction by a power of two. If t_min is negative, moves the origin there. Returns NULL, or the
+ * problem. */
 static const char *ray_prepare(const world *w, const fathom_ray *ray, user_ray *out) {
     vec3_f64 org = load_f64(ray->origin), dir = load_f64(ray->direction);
     if (!finite_f64(org)) return "origin: is not finite";
@@ -286,9 +288,9 @@ static const char *ray_prepare(const world *w, const fathom_ray *ray, user_ray *
     return NULL;
 }
 
-/* Float moves the origin by half a unit of its coordinates, the direction by half a unit, and t by a few
- * units of what it is computed from: 16 units of t and of the origin's distance cover them on surfaces that
- * are not grazed. */
+/* Rounding to float changes the origin by half a unit of its coordinates, the direction by half a unit, and t
+ * by a few units of its inputs. 16 units of t and of the origin's distance cover this, except at grazing
+ * angles. */
 static void ray_narrow(const user_ray *ray, trace_rays *rays, unsigned lane) {
     double size = length_f64(ray->org), slack = 16 * 0x1p-24;
     double t_near = ray->t_min - slack * (ray->t_min + size),
@@ -301,7 +303,8 @@ static void ray_narrow(const user_ray *ray, trace_rays *rays, unsigned lane) {
     rays->t_far[lane] = ray->t_min < ray->t_max ? (float)t_far : -1;
 }
 
-/* Looks at what each lane met. A hit outside the interval is passed by: true when a lane has to go on. */
+/* Computes the hits of all lanes. Hits outside the user's interval are skipped. True when some lane must
+ * continue. */
 static bool take_hits(const fathom_tracer *tracer, const user_ray *rays, trace_block *block, unsigned lanes,
                       const float *t_far, fathom_hit *hits) {
     bool again = false;
@@ -315,14 +318,14 @@ static bool take_hits(const fathom_tracer *tracer, const user_ray *rays, trace_b
         resolve_hit(tracer->world, block, i, ray->org, ray->dir, &hits[i]);
         bool inside = hits[i].t > ray->t_min && hits[i].t < ray->t_max;
         hits[i].t = inside ? ldexp(hits[i].t + ray->skipped, -ray->exponent) : HUGE_VAL;
-        block->rays.t_near[i] = met; /* the interval is open, so the ray goes on behind this hit */
+        block->rays.t_near[i] = met; /* the interval is open, so the ray continues behind this hit */
         block->rays.t_far[i] = inside ? -1 : t_far[i];
         again = again || !inside;
     }
     return again;
 }
 
-/* Up to 16 rays. A lane that is done has an empty interval. */
+/* Traces up to 16 rays. A finished lane has an empty interval. */
 static void closest_block(const fathom_tracer *tracer, const user_ray *rays, unsigned lanes,
                           fathom_hit *hits) {
     trace_block block = {0};
@@ -364,7 +367,7 @@ fathom_status fathom_tracer_closest(const fathom_tracer *tracer, const fathom_ra
     return trace_user(tracer, rays, count, hits, NULL);
 }
 
-/* By closest hits: shadow rays would pass through what casts none. */
+/* Uses closest hits, because any-hit queries skip shapes that cast no shadow. */
 fathom_status fathom_tracer_any(const fathom_tracer *tracer, const fathom_ray *rays, size_t count,
                                 bool *hits) {
     return trace_user(tracer, rays, count, NULL, hits);

@@ -103,7 +103,7 @@ typedef struct first_way {
     uint64_t nanoseconds;
 } first_way;
 
-/* Processor time of this thread alone. */
+/* Processor time of this thread. */
 static uint64_t thread_nanoseconds(void) {
     struct timespec now;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -150,7 +150,7 @@ typedef struct way {
     bool reversed;
 } way;
 
-/* The first is all that a slow tracer is asked. */
+/* Slow tracers use only the first way. */
 #define SLOW_WAYS 1
 static const way ways[] = {
     {"16-coherent", 16, TRACE_COHERENT, false},
@@ -169,7 +169,7 @@ static const way ways[] = {
 unsigned ask_ways(void) { return sizeof ways / sizeof *ways; }
 const char *ask_way_name(unsigned w) { return w < ask_ways() ? ways[w].name : "given"; }
 
-/* The lane of the block that goes into this place of a way's calls. */
+/* The lane of the block at this position in the calls of a way. */
 static unsigned lane_at(const way *w, unsigned place, unsigned lanes) {
     return w->reversed ? lanes - 1 - place : place;
 }
@@ -190,7 +190,7 @@ static void keep(other_ways *o, size_t ray, unsigned w, bool any, const ask_answ
     pthread_mutex_unlock(&o->lock);
 }
 
-/* Places [begin, end) of the way as one call. */
+/* Makes one call with positions [begin, end) of the way. */
 static void ask_part(other_ways *o, size_t block, unsigned w, unsigned begin, unsigned end) {
     const ask_batch *batch = o->batch;
     const ask_call *call = call_of(batch, block);
@@ -212,7 +212,7 @@ static void ask_part(other_ways *o, size_t block, unsigned w, unsigned begin, un
     }
 }
 
-/* Blocks again and again: neighbours in the loop run at the same time. */
+/* Repeats the blocks several times: neighbours in the loop run at the same time. */
 static void ask_block_ways(void *user, size_t begin, size_t end, unsigned worker) {
     other_ways *o = user;
     (void)worker;
@@ -228,7 +228,7 @@ static void ask_block_ways(void *user, size_t begin, size_t end, unsigned worker
     trace_thread_end(state);
 }
 
-/* Equal answers stay in the order of their ways. */
+/* Equal results are ordered by their ways. */
 static int by_answer(const void *a, const void *b) {
     const ask_other *x = a, *y = b;
     if (x->ray != y->ray) return x->ray < y->ray ? -1 : 1;
@@ -252,7 +252,7 @@ static void drop_repeats(ask_others *others) {
     others->count = kept;
 }
 
-/* As many blocks at least, so that threads that run at the same time meet in the tracer. */
+/* Minimum number of blocks for which threads overlap in the tracer; fewer blocks are repeated. */
 #define BLOCKS_LEAST 16
 
 bool ask_others_find(const trace_tracer *tracer, const ask_batch *batch, unsigned threads, bool once,

@@ -1,5 +1,5 @@
-/* Blocks of rays and a tracer's answers: asked in one call, and once more in all the ways that a renderer
- * might ask them. No answer may depend on the way. */
+/* Blocks of rays and a tracer's hits. Rays are traced once in a first way, then again in all the ways in
+ * which a renderer may call a tracer (packet sizes, coherence, order). Results must not depend on the way. */
 #ifndef VERIFY_ASK_H
 #define VERIFY_ASK_H
 
@@ -9,23 +9,23 @@
 
 /* One call of trace_closest_fine() and one of trace_any() for the same rays, or only one of them. */
 typedef struct ask_call {
-    size_t first, count; /* its first block; its rays, 16 to a block */
+    size_t first, count; /* index of its first block; number of its rays, 16 per block */
     trace_coherence coherence;
     bool closest, any;
 } ask_call;
 
-/* A tracer's answer to one ray. */
+/* A tracer's results for one ray. */
 typedef struct ask_answer {
-    verdict_answer hit; /* of the closest hit */
+    verdict_answer hit; /* the closest hit; u, v and normal belong to it */
     double u, v;
     vec3_f32 normal;
-    bool met; /* of any hit */
+    bool met; /* result of the any-hit query */
 } ask_answer;
 
-/* Rays, and what the tracer said to each in the first way. */
+/* Rays, and the tracer's results in the first way. */
 typedef struct ask_batch {
     ARRAY(ask_call) calls;
-    oracle_ray *rays; /* 16 a block */
+    oracle_ray *rays; /* 16 per block */
     trace_block *closest;
     trace_fine *fine;
     trace_rays *any;
@@ -33,19 +33,19 @@ typedef struct ask_batch {
     size_t blocks, room;
 } ask_batch;
 
-/* Makes room for so many blocks and forgets those that were there. False when out of memory. */
+/* Removes all blocks and allocates room for `blocks` new ones. False when out of memory. */
 bool ask_batch_clear(ask_batch *batch, size_t blocks);
 void ask_batch_free(ask_batch *batch);
-/* Appends a call without its rays. False when out of memory. */
+/* Appends a call; the caller then sets its rays. False when out of memory. */
 bool ask_batch_add(ask_batch *batch, size_t count, trace_coherence coherence, bool closest, bool any);
 unsigned ask_lanes(const ask_batch *batch, size_t block);
 
-/* Asks all calls in the first way, on so many threads. Returns the nanoseconds that closest hits took, added
- * up over threads. */
+/* Makes all calls in the first way, on this many threads. Returns the nanoseconds spent on closest hits,
+ * summed over threads. */
 uint64_t ask_all(const trace_tracer *tracer, ask_batch *batch, unsigned threads);
 ask_answer ask_answer_of(const ask_batch *batch, size_t ray);
 
-/* An answer that another way of asking got, or an answer that was given before. */
+/* A result from another way of calling, or from an earlier render. */
 typedef struct ask_other {
     size_t ray;
     unsigned way;
@@ -54,22 +54,22 @@ typedef struct ask_other {
 } ask_other;
 typedef ARRAY(ask_other) ask_others;
 
-/* Ways, from 0: by 16, 11, 8, 4 and 1 rays in a call, as coherent rays, neighbours or neither, in reverse
- * order. The lanes that are not asked hold NaNs. */
-/* No ways: the answer that a render got, and what its repair of leaks made of it. */
+/* Ways are numbered from 0: 16, 11, 8, 5, 4 or 1 rays per call, as coherent rays, neighbours or neither, or
+ * in reverse order. Unused lanes hold NaNs. */
+/* Special values of `way`: the result that a render got, and that result after the repair of leaks. */
 #define ASK_GIVEN UINT32_MAX
 #define ASK_REPAIRED (UINT32_MAX - 1)
 unsigned ask_ways(void);
 const char *ask_way_name(unsigned way);
 
-/* Asks all blocks in all ways, on so many threads at once and, unless `once`, again until calls overlap; a
- * slow tracer in one way, once. Appends the answers that differ from the first way's, each once, in the order
- * of rays; at most ASK_OTHERS_MOST, since more are no news. False when out of memory. */
+/* Traces all blocks in all ways, on this many threads at once and, unless `once`, again until calls overlap;
+ * a slow tracer in one way, once. Appends the results that differ from the first way's, each once, in the
+ * order of rays. Stops at ASK_OTHERS_MOST, because more would add nothing. False when out of memory. */
 #define ASK_OTHERS_MOST 500
 bool ask_others_find(const trace_tracer *tracer, const ask_batch *batch, unsigned threads, bool once,
                      ask_others *out);
 
-/* The rays of one call of up to 16, and which of them is meant: enough to ask it again as it was asked. */
+/* The rays of one call (up to 16) and the lane of interest: enough to repeat the call exactly. */
 typedef struct ask_block {
     oracle_ray rays[LANES];
     unsigned lanes, lane;
@@ -77,7 +77,7 @@ typedef struct ask_block {
     bool any;
 } ask_block;
 
-/* The call in which a way asked this ray; where it is no way, its block by itself, as it was. */
+/* The call that traced this ray in `way`. For ASK_GIVEN and similar values: its own block, unchanged. */
 ask_block ask_block_of(const ask_batch *batch, size_t ray, unsigned way, bool any);
 ask_answer ask_block_again(const trace_tracer *tracer, const ask_block *block);
 bool ask_same(const ask_answer *a, const ask_answer *b, bool any);

@@ -48,7 +48,7 @@ void build_sphere(builder *b, vec3_f64 center, double radius, fathom_id material
     if (b->status == FATHOM_OK) b->status = fathom_scene_add_sphere(b->scene, b->group, &sphere, NULL);
 }
 
-/* In the root: planes cannot be placed. */
+/* Always in the root group: planes cannot be in instances. */
 void build_plane(builder *b, vec3_f64 point, vec3_f64 normal, fathom_id material) {
     fathom_plane plane = {.material = material, .flags = b->flags};
     store_f64(plane.point, point), store_f64(plane.normal, normal);

@@ -1,5 +1,5 @@
-/* A scene of the judges while it is made. The first failure stays in `status` and every later call does
- * nothing, so a scene reads as a list of what is in it. */
+/* Builds test scenes. `status` keeps the first failure, and all later calls do nothing, so callers need not
+ * check each call. */
 #ifndef VERIFY_BUILDER_H
 #define VERIFY_BUILDER_H
 
@@ -11,13 +11,13 @@ typedef struct builder {
     fathom_context *context;
     fathom_scene *scene;
     fathom_status status;
-    fathom_id group; /* of the shapes that are added next; FATHOM_ROOT at first */
-    uint32_t flags;  /* of these */
+    fathom_id group; /* group of the shapes added next; FATHOM_ROOT at first */
+    uint32_t flags;  /* flags of these shapes */
 } builder;
 
-/* An empty scene: release it with fathom_scene_destroy(), whatever `status` says. */
+/* Makes an empty scene. Release it with fathom_scene_destroy(), also after a failure. */
 void build_open(fathom_context *context, builder *out);
-/* Completes and checks it; returns the status. */
+/* Completes and checks the scene; returns the status. */
 fathom_status build_finish(builder *b);
 
 /* ---- materials ---- */
@@ -25,11 +25,11 @@ fathom_status build_finish(builder *b);
 void build_rgb(float out[3], vec3_f64 rgb);
 fathom_material build_lambert(vec3_f64 k_d);
 fathom_material build_black(void);
-/* Black, and sends out so much. */
+/* Black, with emission k_e. */
 fathom_material build_emitter(vec3_f64 k_e);
 fathom_id build_material(builder *b, fathom_material m);
 
-/* ---- shapes: of a material of the scene, or (paint) of one of their own ---- */
+/* ---- shapes: build_ functions take a material of the scene, paint_ functions add their own ---- */
 
 void build_sphere(builder *b, vec3_f64 center, double radius, fathom_id material);
 void build_plane(builder *b, vec3_f64 point, vec3_f64 normal, fathom_id material);
@@ -41,7 +41,7 @@ void paint_quad(builder *b, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_mate
 
 fathom_id build_group(builder *b);
 void build_instance(builder *b, const fathom_instance *instance);
-/* map: in rows, as fathom_instance has it. */
+/* map: row-major, as in fathom_instance. */
 void build_place(builder *b, fathom_id group, fathom_id parent, const double *map);
 
 /* ---- light and camera ---- */

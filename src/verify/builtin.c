@@ -27,13 +27,14 @@ static void add_ball(judged_scene *c, fathom_id group) {
 }
 
 static void add_planes(judged_scene *c, fathom_id group) {
-    (void)group; /* planes cannot be placed but in the world */
+    (void)group; /* planes can only be in the root group */
     case_plane(c, vec_f64(-0.7, 0, 0), vec_f64(0, 1, 0));
     case_plane(c, vec_f64(0, -1.4, 0), vec_f64(0.6, 0.8, 0));
     case_plane(c, vec_f64(0, 0, -0.7 * 3), vec_f64(0.3, -0.2, 2));
 }
 
-/* A box of whole sixteenths, its sides powers of two: nothing about a ray along an axis is rounded. */
+/* A box on multiples of 1/16 with sides that are powers of two: intersections with rays along an axis are
+ * exact. */
 static void add_box(judged_scene *c, fathom_id group, vec3_f64 low, vec3_f64 size) {
     static const uint32_t sides[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                        2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
@@ -54,7 +55,7 @@ static void add_boxes(judged_scene *c, fathom_id group) {
     add_box(c, group, vec_f64(-0.25, 1.5, 0), vec_f64(0.5, 0.5, 0.5));
 }
 
-/* The same with quads and planes. */
+/* Similar, with quads and planes. */
 static void add_squares(judged_scene *c, fathom_id group) {
     case_quad(c, group, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 1, 0));
     case_quad(c, group, vec_f64(2, 0, 0.5), vec_f64(0, 1, 0), vec_f64(0, 0, 0.5));
@@ -63,7 +64,7 @@ static void add_squares(judged_scene *c, fathom_id group) {
     case_plane(c, vec_f64(3, 0, 0), vec_f64(-1, 0, 0));
 }
 
-/* More vertices and triangles than 16 and 18 bits count. */
+/* More than 2^16 vertices and 2^18 triangles. */
 static void add_fine(judged_scene *c, fathom_id group) {
     case_ball_of(c, group, vec_f64(0, 0, 0), 1, 366, 366);
 }
@@ -97,7 +98,7 @@ static void add_masked_shapes(judged_scene *c, fathom_id parent) {
     case_instance(c, group, parent, &mirrored);
 }
 
-/* Everything that has bounds, turned, squeezed, sheared and mirrored. */
+/* All bounded shapes, rotated, scaled, sheared and mirrored. */
 static void add_instances(judged_scene *c, fathom_id parent) {
     static const affine_f64 maps[5] = {{{{0.5, 0, 0, 3}, {0, 1.5, 0, 0}, {0, 0, 0.2, 0.5}}},
                                        {{{-1, 0, 0, -3}, {0, 1, 0, 0.3}, {0, 0, 1, 0}}},

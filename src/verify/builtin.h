@@ -1,4 +1,4 @@
-/* Small scenes that hold every shape, for runs without a scene of one's own. */
+/* Small scenes with every kind of shape, for runs without a scene file. */
 #ifndef PARITY_BUILTIN_H
 #define PARITY_BUILTIN_H
 
@@ -7,7 +7,7 @@
 /* "spheres" …; NULL past the last. */
 const char *builtin_name(unsigned index);
 
-/* Complete and checked; release with fathom_scene_destroy(). */
+/* Makes the scene, complete and checked; release with fathom_scene_destroy(). */
 fathom_status builtin_create(fathom_context *context, unsigned index, fathom_scene **out);
 
 #endif

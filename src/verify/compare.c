@@ -7,14 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rays between two reports of progress: as many as take about a tenth of a second. */
+/* Rays per batch, between two reports of progress: chosen to take about a tenth of a second. */
 #define BATCH_LEAST 1024
 #define BATCH_MOST 16384
 #define BATCH_SECONDS 0.1
 
 static uint64_t index_of(const comparison *c, size_t ray) { return c->first + ray; }
 
-/* ---- judging ---- */
+/* ---- checking ---- */
 
 static bool is_failure(verdict v) { return v == VERDICT_WRONG || v == VERDICT_LEAK; }
 
@@ -26,7 +26,7 @@ static void keep_failure(compare_worker *w, const comparison *c, size_t ray, uns
     if (!array_push(&w->failures, failure)) w->failed = true;
 }
 
-/* Judges u, v and the normal of an answer whose t is right. */
+/* Checks u, v and the normal of a hit with a correct t. */
 static verdict judge_details(const compare_subject *s, const oracle_ray *ray, const ask_answer *a,
                              verdict_report *report, error_report *errors) {
     const error_said said = {.t = a->hit.t, .normal = a->normal, .u = a->u, .v = a->v};
@@ -83,7 +83,8 @@ void compare_judge_other(const comparison *c, compare_worker *w, const ask_other
         keep_failure(w, c, other->ray, other->way, other->any, report.verdict, &other->answer);
 }
 
-/* The exact answer by the tree of spheres against that by every primitive: the same ties. */
+/* Compares the exact search by the sphere tree with the search over all primitives: the ties must be
+ * equal. */
 static void check_search(const comparison *c, compare_worker *w, const oracle_ray *ray) {
     const search *s = c->subject->search;
     if (!search_closest(s, ray, &w->room) || !search_exhaustive(s, ray, &w->linear)) {
@@ -98,7 +99,7 @@ static void check_search(const comparison *c, compare_worker *w, const oracle_ra
     ++w->sampled, w->differ += !same;
 }
 
-/* Holds the answer that a render got against the same call once more; t is a float there. */
+/* Compares the render's result with the repeated call. The render has t as a float. */
 static void judge_given(const comparison *c, compare_worker *w, size_t ray, bool any) {
     ask_answer first = ask_answer_of(&c->batch, ray);
     const ask_answer *given = &c->given[ray];
@@ -133,7 +134,7 @@ static void judge_others(void *user, size_t begin, size_t end, unsigned index) {
         compare_judge_other(c, &c->workers[index], &c->others.items[i]);
 }
 
-/* ---- joining what the threads have ---- */
+/* ---- joining the threads' results ---- */
 
 static int by_index(const void *a, const void *b) {
     const compare_failure *x = a, *y = b;
@@ -142,7 +143,7 @@ static int by_index(const void *a, const void *b) {
     return x->way == y->way ? 0 : x->way < y->way ? -1 : 1;
 }
 
-/* Batches follow each other, so sorting each by itself sorts all. */
+/* Batches come in order, so sorting each one sorts the whole list. */
 static bool join_failures(const comparison *c, compare_result *out, size_t family_begin) {
     size_t begin = out->failures.count;
     for (unsigned i = 0; i < c->options->threads; ++i) {
@@ -177,8 +178,7 @@ fathom_status compare_join_workers(fathom_context *context, const comparison *c,
 
 /* ---- a batch ---- */
 
-/* Intervals that end in the very hit, as the tracer said it: its t rounded to either side, and one float
- * further. */
+/* Makes intervals that end exactly at the hit: at the tracer's t rounded down or up, and one ulp beyond. */
 static void end_in_hits(const comparison *c) {
     for (size_t ray = 0; ray < c->batch.blocks * LANES; ++ray) {
         if (ray % LANES >= ask_lanes(&c->batch, ray / LANES)) continue;
@@ -198,7 +198,7 @@ static void end_in_hits(const comparison *c) {
     }
 }
 
-/* What a render's repair made of this batch's answers is judged with the others. */
+/* Adds this batch's results from a render's repair to `others`, to be checked with them. */
 static bool add_repaired(comparison *c) {
     const recorded *r = c->options->rendered;
     for (size_t i = 0; c->given && i < r->repaired.count; ++i) {
@@ -247,7 +247,7 @@ static bool fill_batch(comparison *c, size_t count) {
     return true;
 }
 
-/* No result depends on how many go at once. */
+/* Results do not depend on the batch size. */
 static uint64_t next_batch(uint64_t batch, double seconds) {
     if (seconds < BATCH_SECONDS / 2 && batch < BATCH_MOST) return 2 * batch;
     return seconds > 2 * BATCH_SECONDS && batch > BATCH_LEAST ? batch / 2 : batch;

@@ -1,4 +1,4 @@
-/* A tracer against the oracle, family by family. */
+/* Compares a tracer with the oracle, family by family. */
 #ifndef VERIFY_COMPARE_H
 #define VERIFY_COMPARE_H
 
@@ -8,19 +8,19 @@
 #include "verify/search/rays.h"
 #include "verify/verdict/verdict.h"
 
-/* An answer that is a leak or wrong, and the call that got it. */
+/* A result that is a leak or wrong, and the call that returned it. */
 typedef struct compare_failure {
     rays_family family;
     uint64_t index;
     verdict verdict;
-    unsigned way; /* ask.h; COMPARE_FIRST: the first one */
+    unsigned way; /* of calling, see ask.h; COMPARE_FIRST: the first call */
     ask_block block;
     ask_answer answer;
 } compare_failure;
 
 #define COMPARE_FIRST (UINT32_MAX - 2)
 
-/* The tracer to judge and what that needs; borrowed. */
+/* The tracer to check, and the data needed for it. All pointers are borrowed. */
 typedef struct compare_subject {
     const world *world;
     const search *search;
@@ -34,36 +34,39 @@ typedef struct compare_options {
     uint64_t rays;     /* of each family */
     uint64_t seed;
     unsigned threads;
-    bool once;       /* few rays are not asked again until threads meet in the tracer */
-    size_t failures; /* kept, of each family: the first ones */
-    uint64_t
-        sample; /* of each family so many rays first have their exact answer found by every primitive too */
-    const struct recorded *rendered; /* the calls of a render, judged as RAYS_RENDERED; may be NULL */
-    /* So many rays more are only judged where this other tracer answers otherwise; NULL: none. */
+    bool once;       /* do not repeat small batches until threads overlap in the tracer */
+    size_t failures; /* maximum number of failures kept per family: the first ones */
+    uint64_t sample; /* for this many first rays of each family, the exact hit is also searched over all
+                        primitives */
+    const struct recorded *rendered; /* the calls of a render, checked as the family RAYS_RENDERED; may be
+                                        NULL */
+    /* `screened` more rays are traced, and checked only if this other tracer gives another result; NULL:
+     * none. */
     const trace_tracer *second;
     uint64_t screened;
-    /* From the calling thread, with the number of rays done. False stops it. May be NULL. */
+    /* Called from the calling thread, with the number of rays done. False stops the run. May be NULL. */
     bool (*progress)(void *user, uint64_t rays);
     void *user;
 } compare_options;
 
 typedef struct compare_result {
     compare_family families[RAYS_FAMILIES];
-    ARRAY(compare_failure) failures; /* leaks and what is wrong, by family and index, any hit after closest */
-    uint64_t sampled, differ;        /* rays of the sample; those where both ways did not find the same */
-    uint64_t screened, unequal;      /* rays asked of both tracers; those that were judged */
-    uint64_t nanoseconds, rays; /* spent tracing closest hits, added up over threads, and of how many rays */
+    ARRAY(compare_failure) failures; /* leaks and wrong results, by family and index, any hit after closest */
+    uint64_t sampled, differ;        /* rays of the sample; those for which the two searches differ */
+    uint64_t screened, unequal;      /* rays traced with both tracers; those that differed and were checked */
+    uint64_t nanoseconds, rays;      /* time spent on closest hits, summed over threads, and number of these
+                                        rays */
 } compare_result;
 
-/* Zero `out` first and release it with compare_result_free() whatever comes back. FATHOM_INTERRUPTED when
- * progress said stop: `out` then holds what was done. No number but nanoseconds depends on the threads, as
- * long as the tracer's answers do not. */
+/* Zero `out` first; release it with compare_result_free(), also after a failure. FATHOM_INTERRUPTED when
+ * progress returned false: `out` then holds the results so far. Only `nanoseconds` depends on the threads, if
+ * the tracer's hits do not. */
 fathom_status compare_run(fathom_context *context, const compare_subject *subject,
                           const compare_options *options, compare_result *out);
 void compare_result_free(compare_result *result);
 
-/* Judges an answer to the ray: its closest hit with all that it reports, or any hit. `room` is for searches.
- * False when out of memory. */
+/* Checks a result for the ray: its closest hit with all reported values, or any hit. `room` is working memory
+ * for searches. False when out of memory. */
 bool compare_judge(const compare_subject *subject, const oracle_ray *ray, const ask_answer *answer, bool any,
                    search_result *room, verdict_report *out, error_report *errors);
 

@@ -10,7 +10,7 @@ static void add_error(compare_error *e, double value, uint64_t index, const orac
     keep_most(&e->most, value, index, ray);
 }
 
-/* Errors beyond 1024 units say no more about a bias than that. */
+/* Errors are clamped to 1024 units, because larger ones are no better evidence of a bias. */
 static void add_bias(compare_bias *b, double signed_units) {
     int64_t steps = (int64_t)(fmax(-1024, fmin(1024, signed_units)) * 1024);
     b->sum += steps, b->squares += (uint64_t)(steps * steps), ++b->count;

@@ -1,4 +1,4 @@
-/* A comparison on its way: what its files share. */
+/* The state of a running comparison, shared by its source files. */
 #ifndef VERIFY_COMPARE_INNER_H
 #define VERIFY_COMPARE_INNER_H
 
@@ -8,10 +8,10 @@
 
 /* One thread's counts. */
 typedef struct compare_worker {
-    search_result room, linear; /* linear: of the sample */
+    search_result room, linear; /* linear: for the sample */
     compare_family family;
     ARRAY(compare_failure) failures;
-    ask_batch batch; /* for rays that two tracers are asked */
+    ask_batch batch; /* for rays that two tracers trace */
     uint64_t sampled, differ, screened, unequal;
     bool failed; /* out of memory */
 } compare_worker;
@@ -20,24 +20,24 @@ typedef struct comparison {
     const compare_subject *subject;
     const compare_options *options;
     rays_family family;
-    uint64_t first; /* ray of the batch, in its family */
+    uint64_t first; /* first ray of the batch: its index in the family */
     ask_batch batch;
     ask_others others;
-    const ask_answer *given; /* by the render, parallel to the batch's rays; NULL: none */
+    const ask_answer *given; /* results of the render, parallel to the batch's rays; NULL: none */
     compare_worker *workers;
 } comparison;
 
-/* Judges an answer, and counts the verdict with those of other ways of asking. */
+/* Checks a result from another way of calling, and adds its verdict to other_counts. */
 void compare_judge_other(const comparison *c, compare_worker *w, const ask_other *other);
-/* Makes rays `begin` to `end` of the batch; a loop's body, whose user is the comparison. */
+/* Makes rays [begin, end) of the batch. Body of a parallel loop; user: the comparison. */
 void compare_make_rays(void *user, size_t begin, size_t end, unsigned index);
-/* After each batch: what the threads have goes to `out`, and their counts begin anew. */
+/* After each batch: adds the workers' results to `out` and resets the workers. */
 fathom_status compare_join_workers(fathom_context *context, const comparison *c, compare_result *out,
                                    size_t family_begin);
 fathom_status compare_tell(fathom_context *context, const compare_options *o, uint64_t done);
 
-/* compare_screen.c: rays that two tracers are asked. Their indices are past those of the family, so no ray is
- * asked twice. */
+/* compare_screen.c: rays that two tracers trace. Their indices follow those of the family, so all rays are
+ * new. */
 fathom_status compare_screen(fathom_context *context, comparison *c, uint64_t done, compare_result *out);
 
 #endif

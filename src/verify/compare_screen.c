@@ -1,15 +1,15 @@
-/* Rays that two tracers are asked: only those that they answer otherwise are judged. */
+/* Traces rays with two tracers, and checks only those with different results. */
 #include "verify/compare_inner.h"
 
 #include "base/threads.h"
 
-/* Units of a float by which two tracers may differ without being judged, at the size of the world at least:
- * their errors are relative to that. */
+/* Two tracers' t may differ by this many ulps without a check. An ulp is at least that of the world's size,
+ * because errors are relative to it. */
 #define SCREEN_ULPS 64
-/* Rays begin this far from their origin, over the world's radius: what two tracers say of the surface that a
- * ray begins on is rounding, which the families judge. */
+/* t_near of these rays, divided by the world's radius. Differences at the surface on which a ray starts are
+ * only rounding, which the families test. */
 #define SCREEN_NEAR 0x1p-12
-/* A thread that found so many errors among 2^17 rays asks no more of them. */
+/* A thread that has found this many errors stops for the present 2^17 rays. */
 #define SCREEN_ENOUGH 100
 
 static bool agree(const ask_answer *a, const ask_answer *b, double size) {
@@ -67,7 +67,7 @@ static void screen_calls(void *user, size_t begin, size_t end, unsigned index) {
         screen_call(c, &c->workers[index], c->first + at, end - at < COMPARE_CALL ? end - at : COMPARE_CALL);
 }
 
-/* The first of these families that is asked for at all: half of the rays of RAYS_SURFACE miss. */
+/* The first of these families that is enabled. RAYS_SURFACE comes first: half of its rays miss. */
 static rays_family screening_family(unsigned families) {
     static const rays_family usual[] = {RAYS_SURFACE, RAYS_UNIFORM, RAYS_CAMERA, RAYS_INTERVAL, RAYS_FAR};
     for (size_t i = 0; i < sizeof usual / sizeof *usual; ++i) {

@@ -1,4 +1,4 @@
-/* In quadruple precision: what is computed here is known to far more digits than any tracer has. */
+/* Computes in quadruple precision, which has far more digits than any tracer needs. */
 #include "verify/error.h"
 #include "verify/exact/exact.h"
 #include "verify/mode.h"

@@ -1,8 +1,8 @@
-/* The arithmetic that the oracle is proved for: to nearest, denormals as they are. Tracers run with denormals
- * flushed to zero (see trace_thread_begin()); the oracle must not.
+/* The floating-point mode that the oracle's proofs assume: round to nearest, denormals kept. Tracers run with
+ * denormals flushed to zero (see trace_thread_begin()); the oracle must not.
  *
- * Put the arithmetic between enter and leave into a function that is not inlined: compilers move arithmetic
- * across a change of mode. */
+ * Put the arithmetic between enter and leave into a function that is not inlined, because compilers move
+ * arithmetic across a mode change. */
 #ifndef PARITY_MODE_H
 #define PARITY_MODE_H
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- a tracer that hands its calls on and keeps them ---- */
+/* ---- a tracer that forwards its calls and records them ---- */
 
 typedef struct recorder {
     trace_tracer base;
@@ -53,7 +53,7 @@ static ask_answer answer_of(const trace_block *block, unsigned lane) {
 static void closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                     trace_coherence coherence) {
     recorded *r = of(tracer)->to;
-    (void)fine; /* no render asks for it */
+    (void)fine; /* renders do not use it */
     size_t first = keep_rays(r, false, blocks, count, coherence);
     trace_closest(of(tracer)->real, blocks, count, coherence);
     for (size_t i = 0; first != SIZE_MAX && i < count; ++i)
@@ -72,7 +72,7 @@ static void destroy(trace_tracer *tracer) { (void)tracer; }
 
 /* ---- its repair of leaks ---- */
 
-/* The place of a ray that the render asked last in this block of its own, or SIZE_MAX. */
+/* Index in the record of the last ray that the render traced in this lane of its own block, or SIZE_MAX. */
 static size_t place_of(const recorded *r, bool any, const void *block, unsigned lane) {
     const uintptr_t at = (uintptr_t)block;
     for (size_t k = r->calls.count; k-- > 0;) {
@@ -84,7 +84,7 @@ static size_t place_of(const recorded *r, bool any, const void *block, unsigned 
     return SIZE_MAX;
 }
 
-/* A later round takes an earlier one's place; rounds follow each other within a block. */
+/* A later round replaces an earlier one. Rounds of a block follow each other. */
 static void keep_repaired(recorded *r, bool any, size_t ray, const ask_answer *answer) {
     const ask_other other = {ray, ASK_REPAIRED, any, *answer};
     if (ray == SIZE_MAX) return;
@@ -123,7 +123,7 @@ static void bounds(const trace_tracer *tracer, uint32_t group, vec3_f32 *lower, 
     real->retry->bounds(real->self, group, lower, upper);
 }
 
-/* Planes are in the answers already. */
+/* ops.planes is true, because the recorded calls already include planes. */
 static void recorder_begin(const trace_tracer *real, recorded *to, recorder *out) {
     static const trace_ops ops = {destroy, closest, any, false, true};
     static const trace_retry retry = {retry_closest, retry_any, crossings, bounds};

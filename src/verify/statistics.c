@@ -23,7 +23,7 @@ void statistics_bias(const compare_bias *bias, double *mean, double *error) {
     if (!bias->count) return;
     *mean = sum / n;
     double variance = fmax(0, (double)bias->squares / (1024.0 * 1024.0) / n - *mean * *mean);
-    *error = sqrt((variance + 1) / n); /* as if one unit were spread at least */
+    *error = sqrt((variance + 1) / n); /* at least a variance of one unit */
 }
 
 static bool check_constants(const histogram *constants, statistics_findings *out) {
@@ -49,24 +49,24 @@ static bool check_bias(const compare_bias *bias, statistics_findings *out) {
         mean, error, STATISTICS_BIAS);
 }
 
-/* The share of rays of a family that such a tracer is known to lose, twice what was measured: Embree 3.13.5
- * by each instruction set, closed meshes, robust: 1.9 % at vertices, 0.1 % elsewhere; else 31 %, 6 % at
- * edges. */
+/* The fraction of rays of a family that such a tracer is known to lose. It is about twice the measured one:
+ * Embree 3.13.5 with each instruction set and closed meshes; robust: 1.9 % at vertices, 0.1 % elsewhere; else
+ * 31 % at vertices (also taken for lattice rays), 6 % at edges. */
 static double known_leaks(const trace_spec *spec, rays_family family) {
     bool robust = spec->kind == TRACE_EMBREE && spec->flags == TRACE_SCENE_ROBUST;
     if (robust) return family == RAYS_VERTEX ? 0.04 : 0.003;
     return family == RAYS_VERTEX || family == RAYS_LATTICE ? 0.62 : 0.12;
 }
 
-/* More than the known share by six standard deviations of a Poisson count, and ten: below 1e-9 for any count.
- */
+/* True if the count exceeds the known fraction by six standard deviations of a Poisson count plus ten. For a
+ * correct tracer the probability is below 1e-9 for any count. */
 static bool is_more(uint64_t found, double share, uint64_t rays) {
     const double known = share * (double)rays;
     return (double)found > known + STATISTICS_SIGMAS * sqrt(known) + 10;
 }
 
 /* A render starts its rays off the surface by the error of a hit, and ends shadow rays before their light. So
- * a correct tracer needs no excuse there; one that meets the surface it starts on darkens the image. */
+ * a correct tracer never gets RANGE there. A tracer with self-intersections darkens the image. */
 static bool check_ends(const compare_family *f, statistics_findings *out) {
     const uint64_t ends =
         f->counts[VERDICT_RANGE] + f->any_counts[VERDICT_RANGE] + f->other_counts[VERDICT_RANGE];
@@ -94,7 +94,7 @@ bool statistics_run(const trace_spec *spec, const compare_family families[RAYS_F
     compare_bias bias = {.count = 0};
     for (int f = 0; f < RAYS_FAMILIES; ++f) {
         const compare_family *family = &families[f];
-        /* Inputs that are exactly zero have no part in a condition number. */
+        /* Excluded, because inputs that are exactly zero add nothing to a condition number. */
         const unsigned special = 1u << RAYS_AXIS | 1u << RAYS_TINY | 1u << RAYS_LATTICE | 1u << RAYS_ENDS;
         if (!(special >> f & 1)) histogram_join(&constants, &family->constants);
         bias.sum += family->bias.sum, bias.squares += family->bias.squares, bias.count += family->bias.count;
@@ -106,7 +106,7 @@ bool statistics_run(const trace_spec *spec, const compare_family families[RAYS_F
     return check_ends(&families[RAYS_RENDERED], out) && room;
 }
 
-/* Only a library declares its unit; those of Fathom's own tracers are the precision of their numbers. */
+/* Only plug-ins declare a unit. The units of Fathom's own tracers follow from their precision. */
 bool statistics_tracer(const trace_spec *spec, double unit, const compare_family *sum,
                        statistics_findings *out) {
     if (spec->kind != TRACE_PLUGIN) return true;

@@ -1,6 +1,6 @@
-/* Faults that many answers show and no single one does: errors too large on the whole or to one side, more
- * leaks than a tracer is known to have, surfaces met where a render's rays start, a unit roundoff that is
- * declared too large. */
+/* Faults that only show in many results together: errors that are too large on average or biased, more leaks
+ * than the tracer is known to have, self-intersections of a render's rays, and a declared unit roundoff that
+ * is too large. */
 #ifndef VERIFY_STATISTICS_H
 #define VERIFY_STATISTICS_H
 
@@ -12,40 +12,41 @@ typedef struct statistics_finding {
 } statistics_finding;
 typedef ARRAY(statistics_finding) statistics_findings;
 
-/* Errors over condition number and unit roundoff. Correct tracers stay below 0.5 (median). The largest are
- * below 4, but where many inputs are exactly zero, which have no part in a condition number: 36 in scenes of
- * boxes. */
+/* Limit of the median of errors divided by (condition number times unit roundoff). Correct tracers stay below
+ * 0.5. Their largest errors are below 4, or up to 36 in scenes of boxes: there many inputs are exactly zero,
+ * and zeros add nothing to a condition number. */
 #define STATISTICS_MEDIAN 1.0
-/* Limits the 99.9th percentile to a quarter of COMPARE_SHAPED: bounds add up 26 roundings and more of one
- * sign. As many that are independent and even within ±1 have a standard deviation of √(26 / 3) = 3, and
- * a 99.9th percentile of 10, less than a third. */
+/* Limit of the 99.9th percentile: a quarter of COMPARE_SHAPED. Bounds add at least 26 roundings of one sign.
+ * The same number of independent roundings, uniform in ±1, has a standard deviation of √(26 / 3) = 3 and a
+ * 99.9th percentile of 10, less than a third of the bound. */
 #define STATISTICS_HIGH 64.0
-#define STATISTICS_LEAST 100 /* hits, or nothing is said */
+#define STATISTICS_LEAST 100 /* minimum number of hits for a finding */
 
-/* The mean signed error of t, in units of roundoff, may be this much by rules of rounding alone (an
- * approximate reciprocal, a truncated product); it is tested at STATISTICS_SIGMAS standard errors, one-sided
- * level 1e-9 for each run. A hundred thousand runs of a correct tracer have a false alarm with a probability
- * of 1e-4. */
+/* Limit of the mean signed error of t, in units of roundoff. Such a bias can come from the rounding method
+ * alone (an approximate reciprocal, a truncated product). The test uses STATISTICS_SIGMAS standard errors, a
+ * one-sided level of 1e-9 per run. A hundred thousand runs of a correct tracer have a false alarm with a
+ * probability of 1e-4. */
 #define STATISTICS_BIAS 2.0
 #define STATISTICS_SIGMAS 6.0
 
-/* The share of a render's rays that may be excused at an end of their interval. Correct tracers had none in
- * 25,000 rays of the built-in scenes and of four scanned and modelled meshes. */
+/* Limit of the fraction of a render's rays with the verdict RANGE. Correct tracers had none in 25,000 rays of
+ * the built-in scenes and of four scanned and modelled meshes. */
 #define STATISTICS_ENDS 1e-3
 
-/* A declared unit may be so many times the one that is measured: the 99th percentile of the constants. */
+/* Limit of the declared unit divided by the measured one, which is the 99th percentile of the constants. */
 #define STATISTICS_UNIT 64.0
 
-/* One tracer over one scene. False when out of memory, as below. */
+/* Checks one tracer on one scene. False when out of memory, as below. */
 bool statistics_run(const trace_spec *spec, const compare_family families[RAYS_FAMILIES],
                     statistics_findings *out);
-/* One tracer over all scenes: `sum` of them. */
+/* Checks one tracer on all scenes; `sum`: of their families. */
 bool statistics_tracer(const trace_spec *spec, double unit, const compare_family *sum,
                        statistics_findings *out);
 
 /* The mean of the signed errors of t, and its standard error. */
 void statistics_bias(const compare_bias *bias, double *mean, double *error);
-/* With none found in `rays`, the rate is below this with a probability of 95 %: -log(0.05) / rays. */
+/* If none of `rays` rays fails, the rate of failures is below this with 95 % confidence: -log(0.05) /
+ * rays. */
 double statistics_power(uint64_t rays);
 
 #endif

@@ -20,7 +20,7 @@ static fathom_status open_image(fathom_context *context, const fathom_texture *t
     return status;
 }
 
-/* Adds the image unless it is there already. */
+/* Adds the image unless it was added before. */
 static fathom_status add_image(fathom_context *context, const fathom_texture *texture, write_images *to,
                                uint32_t *index) {
     write_image *image = &to->items[to->count];
@@ -83,8 +83,8 @@ const char *write_image_type(const write_image *image) {
 
 /* ---- files ---- */
 
-/* The name of `file` as a file at `path` says it, if it is in its folder or below; else NULL. Links lead
- * out of a folder. */
+/* The path of `file` relative to the folder of `path`, if it lies in or below this folder; otherwise NULL.
+ * Symbolic links are resolved first. */
 static char *name_within(const char *path, const char *file) {
     char *folder = file_beside(path, "."), *from = folder ? realpath(folder, NULL) : NULL,
          *to = from ? realpath(file, NULL) : NULL, *name = NULL;

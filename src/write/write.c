@@ -1,4 +1,4 @@
-/* fathom_scene_write(): which format, and what of the scene it cannot hold. */
+/* fathom_scene_write(): chooses the format, and notes the data of the scene that it cannot hold. */
 #include "write/write.h"
 
 #include "read/json/json_form.h"
@@ -22,7 +22,8 @@ static int compare_names(const void *a, const void *b) {
     return order ? order : x->index < y->index ? -1 : 1;
 }
 
-/* Not one that a nameless thing gets; and if `words`, one word, which any reader takes whole. */
+/* True if the name can be written as it is: not one that an unnamed item could get, and if `words`, without
+ * blanks and #, so that any reader accepts it. */
 static bool is_name(const char *name, const char *prefix, bool words) {
     if (!name || !*name || strncmp(name, prefix, strlen(prefix)) == 0) return false;
     for (; words && *name; ++name) {
@@ -31,7 +32,7 @@ static bool is_name(const char *name, const char *prefix, bool words) {
     return true;
 }
 
-/* The first of a name keeps it. */
+/* Of items with the same name, the first one keeps it. */
 static fathom_status name_all(fathom_context *context, named *items, size_t count, const char *prefix,
                               bool words, char ***out) {
     char **names = *out = calloc(count + 1, sizeof *names);
@@ -80,7 +81,7 @@ write_turn write_turn_of(const float m[6]) {
     write_turn t = {.scale = {a, d}};
     t.plain = a == 1 && d == 1 && b == 0 && c == 0 && m[2] == 0 && m[5] == 0;
     if (b == 0 && c == 0) return t;
-    /* The columns are (cos, -sin) and (sin, cos), scaled. */
+    /* The columns are (cos, -sin) and (sin, cos), each times a scale. */
     t.radians = atan2(-c, a);
     t.scale[0] = hypot(a, c), t.scale[1] = b * sin(t.radians) + d * cos(t.radians);
     t.sheared = fabs(a * b + c * d) > 1e-5 * t.scale[0] * fabs(t.scale[1]);
@@ -113,7 +114,7 @@ static size_t count_moving(const fathom_scene *scene) {
     return count;
 }
 
-/* Readers of glTF let a mesh of a clear material cast no shadow. */
+/* Does not count meshes of highly transparent materials: the glTF reader makes them cast no shadow. */
 static size_t count_shadowless(const fathom_scene *scene) {
     size_t count = 0;
     for (size_t i = 0; i < scene->meshes.count; ++i) {
@@ -135,7 +136,7 @@ static size_t count_maps(const fathom_scene *scene, bool sheared) {
     return count;
 }
 
-/* Models read integers of colours as sRGB, and numbers as linear; an alpha is the same in either. */
+/* Models use integer colours as sRGB, and other maps as linear; alpha is the same in both. */
 static bool has_own_space(const fathom_scene *scene, const fathom_map *map, int kind) {
     const fathom_color_space usual = form_map_is_color(kind) ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
     const fathom_color_space space = scene->textures.items[map->texture].color_space;
@@ -189,7 +190,7 @@ static size_t count_settings(const fathom_scene *scene) {
     return count;
 }
 
-/* Vertices of meshes whose colour, or its fourth number, is not in [0, 1] or not 1. */
+/* Number of vertices whose colour is above 1; with `opacities`, of those whose opacity is not 1. */
 static size_t count_colors(const fathom_scene *scene, bool opacities) {
     size_t count = 0;
     for (size_t i = 0; i < scene->meshes.count; ++i) {
@@ -203,7 +204,7 @@ static size_t count_colors(const fathom_scene *scene, bool opacities) {
     return count;
 }
 
-/* Clouds whose radius readers of the format do not find again. */
+/* Number of point clouds whose radius a reader of the format would not choose. */
 static fathom_status count_radii(const fathom_scene *scene, const scene_graph *graph, format_id format,
                                  size_t *out) {
     *out = 0;
@@ -266,7 +267,7 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
     return status;
 }
 
-/* Models hold triangles and points; notes other shapes, which are left out. */
+/* Model formats hold only triangles and points. Adds notes on all other shapes, which are not written. */
 static fathom_status check_shapes(const fathom_scene *scene, const size_t *ways, const char *path,
                                   note_list *notes) {
     static const char *const names[] = {"a sphere is no triangles, and is left out",
@@ -324,7 +325,7 @@ fathom_status fathom_scene_write(const fathom_scene *scene, const char *path) {
     scene_graph graph;
     fathom_status status = graph_create(scene, &graph);
     if (status != FATHOM_OK) return status;
-    /* Numbers have a dot, whatever the user's locale. */
+    /* Numbers have a decimal point in every locale. */
     locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before = uselocale(c);
     status = write_as(scene, &graph, &formats[format], path);
     uselocale(before);

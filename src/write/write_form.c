@@ -54,7 +54,7 @@ static bool named_differs(const form *f, const char *name, const void *values, c
     return key && differs(key, values, usual);
 }
 
-/* True when the keys that it needs are there. */
+/* True if all keys that this key needs are written. */
 static bool has_needed(const form *f, const form_key *key, const void *values, const void *usual) {
     for (const form_rule *const *part = f->rules; *part; ++part) {
         for (const form_rule *rule = *part; rule->kind != FORM_NO_RULE; ++rule) {

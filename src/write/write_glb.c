@@ -1,6 +1,5 @@
-/* Binary glTF: a JSON chunk, then a binary chunk with the arrays as they lie in memory, and the files of
- * images. Each starts at a multiple of 16 bytes of the file, so that a reader can use it in the mapped file.
- */
+/* Binary glTF: a JSON chunk, then a binary chunk with the arrays as in memory, and the image files. Each of
+ * them is aligned to 16 bytes in the file, so that a reader can use it in the mapped file. */
 #include "write/write_glb.h"
 
 #include <stdlib.h>
@@ -11,7 +10,7 @@ enum { GLB_ALIGNMENT = 16, GLB_HEADERS = 12 + 2 * 8 };
 
 static size_t glb_align(size_t size) { return (size + GLB_ALIGNMENT - 1) / GLB_ALIGNMENT * GLB_ALIGNMENT; }
 
-/* Numbers of an entry. */
+/* Numbers per entry. */
 static unsigned glb_width(const fathom_mesh *mesh, int kind) {
     return kind == GLB_INDEX ? 1 : write_mesh_width(mesh, (mesh_kind)kind);
 }
@@ -168,7 +167,7 @@ static void put_arrays(const glb *g, file_writer *t, bool views) {
                           g->image_offsets[i], g->images.items[i].size);
 }
 
-/* Padded with spaces to align the arrays. */
+/* Makes the JSON text, padded with spaces to align the arrays. */
 static fathom_status make_json(glb *g) {
     file_writer *t;
     fathom_status status = file_writer_open_memory(g->scene->context, g->path, &t);

@@ -10,19 +10,19 @@
 enum { GLB_INDEX = MESH_ARRAYS, GLB_ARRAYS };
 
 typedef struct glb_mesh {
-    write_mesh vertices; /* .mesh is NULL: not placed, not written */
-    uint32_t accessor;   /* of the first array; those of the others that exist follow */
-    size_t offset;       /* likewise, each aligned */
+    write_mesh vertices; /* .mesh is NULL: not placed, so not written */
+    uint32_t accessor;   /* accessor of the first array; those of the other arrays follow */
+    size_t offset;       /* byte offset of the first array; the others follow, aligned */
 } glb_mesh;
 
-/* glTF's meshes carry their materials, so a group placed under k different overriding materials becomes k
- * glTF meshes over the same arrays. A mesh with its own origin needs its own node and glTF mesh. */
+/* A glTF mesh contains its materials. So a group that is placed with k different overriding materials becomes
+ * k glTF meshes that share their arrays. A mesh with its own origin needs its own node and glTF mesh. */
 typedef struct glb_group {
-    ARRAY(fathom_id) overrides; /* sorted, each once; with FATHOM_NONE if it is placed without one */
-    uint32_t first_mesh;        /* glTF mesh of the first override */
+    ARRAY(fathom_id) overrides; /* sorted, unique; FATHOM_NONE: placed without one */
+    uint32_t first_mesh;        /* the glTF mesh for the first override */
     uint32_t far_count;         /* meshes with their own origin */
     bool near;                  /* whether there are other meshes */
-    size_t nodes;               /* of one placement, with everything inside */
+    size_t nodes;               /* nodes for one placement, with all nodes below it */
 } glb_group;
 
 typedef struct glb {
@@ -35,16 +35,16 @@ typedef struct glb {
     size_t placed_count;
     write_images images;
     size_t *image_offsets;
-    uint32_t views; /* of arrays; those of images follow */
+    uint32_t views; /* number of views of arrays; the views of images follow */
     size_t binary_size;
     unsigned char *json;
     size_t json_size;
     note_list *notes;
 } glb;
 
-/* The mesh of an item of the graph's objects; NULL: another shape. */
+/* The mesh of item `item` of the graph's objects; NULL: not a mesh. */
 const fathom_mesh *glb_object_mesh(const glb *g, uint32_t item, uint32_t *index);
-/* Bytes of each array, 0 where the mesh has none. */
+/* Bytes of each array; 0 if the mesh does not have it. */
 void glb_sizes(const glb_mesh *m, size_t sizes[GLB_ARRAYS]);
 
 /* ---- groups, meshes, nodes ---- */
@@ -57,7 +57,7 @@ void glb_put_tree(const glb *g, file_writer *t);
 
 /* ---- cameras and lights ---- */
 
-/* How many nodes the lights and the camera take, and these nodes, which follow all others. */
+/* The number of nodes of the lights and the camera; and these nodes, which follow all other nodes. */
 size_t glb_surroundings(const glb *g);
 void glb_put_surroundings(const glb *g, file_writer *t);
 /* The members "cameras", and "extensions" with the lights. */
@@ -70,8 +70,8 @@ bool glb_has_lights(const glb *g);
 void glb_put_materials(glb *g, file_writer *t);
 /* The members "textures", "samplers" and "images". */
 void glb_put_textures(const glb *g, file_writer *t);
-/* A material of the classic model as a metallic-roughness one: the inverse of reading, as far as they agree.
- */
+/* Converts a material of the classic model to metallic-roughness: the inverse of reading, as far as
+ * possible. */
 fathom_material glb_classic(const fathom_material *m);
 
 #endif

@@ -1,14 +1,13 @@
 /* Materials of the classic model as glTF's metallic-roughness materials.
  *
- * glTF has no Phong lobe, no light from behind and no ambient reflectance; highlight and mirror are one
- * reflectance F0, blurred by one roughness. n is the exponent of Blinn's lobe and N(n) = (n + 2)(n + 4) / (8
- * (2^(-n/2) + n)) the inverse of its integral:
- * - roughness r: r^4 = 2 / (n + 2), lobes of equal width; 0 with a mirror;
+ * glTF has no Phong lobe, no light from behind and no ambient reflectance. It has one reflectance F0 for
+ * highlight and mirror, with one roughness. Below, n is the exponent of Blinn's lobe, and
+ * N(n) = (n + 2)(n + 4) / (8 (2^(-n/2) + n)) is 1 divided by the lobe's integral:
+ * - roughness r: r^4 = 2 / (n + 2), for lobes of equal width; 0 with a mirror;
  * - F0 = k_r with a mirror, else k_s / N(n);
- * - F0 without k_d and k_t is a metal of that base colour, unless Fresnel's law applies; else it is the
- * dielectric's
- *   ((ior - 1) / (ior + 1))^2, tinted by KHR_materials_specular to give F0;
- * - k_t goes to KHR_materials_transmission; k_d and k_t share the base colour;
+ * - F0 without k_d and k_t becomes a metal of this base colour, unless Fresnel's law applies. Otherwise it is
+ *   the dielectric's ((ior - 1) / (ior + 1))^2, with a tint by KHR_materials_specular that gives F0;
+ * - k_t becomes KHR_materials_transmission; k_d and k_t share the base colour;
  * - k_t without refraction (ior 1, no Fresnel) becomes 1 - alpha. */
 #include "write/write_glb.h"
 
@@ -35,8 +34,8 @@ static double reflectance(const fathom_material *m, double f0[3]) {
     return has_mirror ? 0 : has_lobe ? sqrt(sqrt(2 / (n + 2))) : 1;
 }
 
-/* Chooses ior and tint so that the layer's reflectance is f0. Under Fresnel's law k_r scales the dielectric's
- * own reflectance. */
+/* Chooses ior and tint so that the layer's reflectance is f0. With Fresnel's law, k_r is a factor of the
+ * dielectric's own reflectance. */
 static void set_layer(const fathom_material *m, double f0[3], pbr *out) {
     out->ior = m->ior >= 1 ? (double)m->ior : 1 / (double)m->ior;
     if (m->fresnel && m->k_r[0] + m->k_r[1] + m->k_r[2] > 0) {
@@ -86,7 +85,7 @@ static pbr convert(const fathom_material *m) {
     return out;
 }
 
-/* Maps of what both models have stay. */
+/* Keeps the maps of parameters that both models have. */
 fathom_material glb_classic(const fathom_material *m) {
     static const fathom_map_kind both[] = {FATHOM_MAP_COLOR, FATHOM_MAP_OPACITY, FATHOM_MAP_EMISSIVE,
                                            FATHOM_MAP_NORMAL};

@@ -1,5 +1,5 @@
-/* Materials as glTF has them: a table of keys, of which those are written that differ from glTF's defaults.
- * Numbers are written so that they read back as the same float. */
+/* Materials as glTF: by the table of keys, writes those that differ from glTF's defaults. Numbers are written
+ * so that they read back as the same float. */
 #include "write/write_glb.h"
 
 #include "read/gltf/gltf_keys.h"
@@ -8,8 +8,8 @@
 
 /* ---- a material in glTF's terms ---- */
 
-/* unlit: it sends out its base colour and nothing else. glossy: an older workflow, whose roughness is one
- * minus the alpha of an image. */
+/* unlit: only emits its base colour. glossy: an older workflow; its roughness is one minus the alpha of an
+ * image. */
 typedef struct shape {
     fathom_material m;
     bool unlit, glossy, blends;
@@ -19,7 +19,7 @@ static bool is_black(const float c[3]) { return c[0] == 0 && c[1] == 0 && c[2] =
 
 static bool has_map(const fathom_material *m, int kind) { return m->maps[kind].texture != FATHOM_NONE; }
 
-/* One image of two parameters. */
+/* True if two maps can share one image. */
 static bool same_place(const fathom_map *a, const fathom_map *b) {
     return a->texture == b->texture && a->uv_set == b->uv_set &&
            memcmp(a->transform, b->transform, sizeof a->transform) == 0;
@@ -51,7 +51,8 @@ static bool is_glossy(const fathom_material *m) {
            m->ior == 0 && same_place(rough, &m->maps[FATHOM_MAP_SPECULAR_COLOR]);
 }
 
-/* glTF's factors of emission end at 1; a power of two moves the rest into the strength without rounding. */
+/* glTF limits the emissive factor to 1. A power of two moves the excess into the strength without rounding
+ * error. */
 static void limit_emission(fathom_material *m) {
     const float most = fmaxf(m->emissive[0], fmaxf(m->emissive[1], m->emissive[2]));
     int exponent;
@@ -61,8 +62,8 @@ static void limit_emission(fathom_material *m) {
     for (int c = 0; c < 3; ++c) m->emissive[c] = ldexpf(m->emissive[c], -exponent);
 }
 
-/* glTF fixes the channel of each image, and has no image of metal or roughness alone, nor of an opacity that
- * is not the colour's alpha. *lost: images without a place. */
+/* Drops maps that glTF cannot hold: glTF fixes the channel of each image, has no separate images for
+ * metalness and roughness, and needs opacity in the alpha of the colour. *lost: counts the dropped maps. */
 static void drop_strangers(shape *s, size_t *lost) {
     fathom_map *maps = s->m.maps, *metal = &maps[FATHOM_MAP_METALLIC], *rough = &maps[FATHOM_MAP_ROUGHNESS],
                *alpha = &maps[FATHOM_MAP_OPACITY];
@@ -81,7 +82,7 @@ static void drop_strangers(shape *s, size_t *lost) {
     }
 }
 
-/* A material does not tell that alpha counts where only the vertices' colours have one. */
+/* If only vertex colours have alpha, the material itself does not show that alpha is used. */
 static bool has_alpha_vertices(const fathom_scene *scene, fathom_id material) {
     for (size_t i = 0; i < scene->meshes.count; ++i) {
         const fathom_mesh *mesh = &scene->meshes.items[i];
@@ -90,7 +91,7 @@ static bool has_alpha_vertices(const fathom_scene *scene, fathom_id material) {
     return false;
 }
 
-/* glTF has that, with the light that it sends out. */
+/* glTF can represent such a material exactly, emission included. */
 static bool is_lambert(const fathom_material *m) {
     return m->specular == FATHOM_SPECULAR_NONE && is_black(m->k_r) && is_black(m->k_t) && m->k_a[0] < 0 &&
            !m->lit_from_behind;
@@ -152,7 +153,7 @@ static void put_floats(file_writer *t, const char *name, const float *values, un
     file_writer_print(t, count > 1 ? "]" : "");
 }
 
-/* The inverse of reading: columns are the scaled axes of a rotation. */
+/* The inverse of reading. */
 static void put_transform(file_writer *t, const float m[6]) {
     const write_turn turn = write_turn_of(m);
     if (turn.plain) return;
@@ -172,7 +173,7 @@ static void put_map(file_writer *t, const shape *s, const gltf_key *key) {
     file_writer_print(t, "}");
 }
 
-/* The colour and the opacity, which glTF has as one. */
+/* Writes colour and opacity, which are one value in glTF. */
 static void put_base(file_writer *t, const shape *s) {
     const float *c = s->m.base_color, rgba[4] = {c[0], c[1], c[2], s->m.opacity};
     put_floats(t, s->glossy ? "diffuseFactor" : "baseColorFactor", rgba, 4);
@@ -193,7 +194,7 @@ static void put_keys(file_writer *t, const shape *s, gltf_holder of, const char 
     }
 }
 
-/* A bit for each holder. */
+/* A bit for each holder that the material needs. */
 static unsigned holders_of(const shape *s) {
     unsigned used = (s->unlit ? 1u << GLTF_UNLIT : 0) | 1u << (s->glossy ? GLTF_GLOSSINESS : GLTF_PBR);
     for (size_t i = 0; i < gltf_key_count; ++i) {

@@ -1,4 +1,4 @@
-/* Binary glTF besides meshes and materials: textures, lights, the camera. */
+/* Textures, lights and the camera of binary glTF. */
 #include "write/write_glb.h"
 
 #include "math/frame.h"
@@ -27,7 +27,7 @@ static const char *filter_codes(fathom_texture_filter filter) {
     return "";
 }
 
-/* Types that glTF has by extensions alone are named there. */
+/* Image types that need an extension are named in the extension. */
 static void put_source(file_writer *t, const char *type, uint32_t image) {
     if (type && (strcmp(type, "image/webp") == 0 || strcmp(type, "image/avif") == 0))
         file_writer_print(t, "\"extensions\":{\"EXT_texture_%s\":{\"source\":%u}}", strchr(type, '/') + 1,
@@ -91,8 +91,8 @@ static void put_frame(file_writer *t, vec3_f64 x, vec3_f64 y, vec3_f64 z, const 
                       x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z, origin[0], origin[1], origin[2]);
 }
 
-/* Lights shine along -z of their nodes. The direction stays as it is, and so does its length, which says
- * nothing; y is of no meaning. */
+/* A light points along the -z axis of its node. The direction is written unchanged, with its length, which
+ * has no effect. The y axis is arbitrary. */
 static void put_light_node(file_writer *t, const fathom_light *light, size_t number) {
     static const double zero[3] = {0, 0, 0};
     const bool placed = light->type != FATHOM_LIGHT_DIRECTIONAL;
@@ -117,7 +117,8 @@ void glb_put_surroundings(const glb *g, file_writer *t) {
     file_writer_print(t, "}");
 }
 
-/* The angle of which the reader's 2 tan(yfov / 2) is `size`, if some double is. */
+/* The angle for which the reader's 2 tan(yfov / 2) is exactly `size`, if a double near it is; else the
+ * nearest. */
 static double angle_of(double size) {
     const double middle = 2 * atan(size / 2);
     double angle = middle, up = middle;
@@ -128,7 +129,7 @@ static double angle_of(double size) {
     return middle;
 }
 
-/* glTF needs a near plane, and Fathom none. */
+/* glTF requires a near plane; Fathom has none, so its value is arbitrary. */
 static void put_camera(const glb *g, file_writer *t) {
     const fathom_camera *c = &g->scene->camera;
     const fathom_settings *s = &g->scene->settings;
@@ -150,7 +151,7 @@ static void put_camera(const glb *g, file_writer *t) {
         notes_add(g->notes, 1, "", "the camera's lens has no place in glTF, and becomes a pinhole");
 }
 
-/* The reader's strength is the colour times the intensity over pi. */
+/* The reader's strength is the colour times the intensity divided by pi. */
 static void put_light(const glb *g, file_writer *t, const fathom_light *light) {
     static const char *const types[] = {"point", "directional", "spot", ""};
     const float *k = light->intensity;

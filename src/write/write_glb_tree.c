@@ -1,4 +1,4 @@
-/* The hierarchy of binary glTF: groups as meshes, and each place of a group as nodes. */
+/* The hierarchy of binary glTF: groups as meshes, and each instance of a group as nodes. */
 #include "write/write_glb.h"
 
 #include "scene/motion/motion.h"
@@ -7,7 +7,7 @@
 
 /* ---- groups ---- */
 
-/* A node takes about a hundred bytes of JSON, and a file has at most 2^32. */
+/* A node takes about a hundred bytes of JSON, and a file has at most 2^32 bytes. */
 #define MOST_NODES ((size_t)1 << 26)
 
 static bool is_near(const fathom_mesh *mesh) {
@@ -30,7 +30,7 @@ static void sort_overrides(glb_group *group) {
     group->overrides.count = count;
 }
 
-/* The outermost override counts. */
+/* The outermost override is the one that applies. */
 static bool pass_overrides(const glb_group *from, const fathom_instance *instance, glb_group *to) {
     for (size_t i = 0; i < from->overrides.count; ++i) {
         fathom_id override = from->overrides.items[i];
@@ -122,7 +122,7 @@ static void put_primitive(const glb *g, file_writer *t, uint32_t index, fathom_i
                       override != FATHOM_NONE ? override : m->vertices.mesh->material);
 }
 
-/* One glTF mesh for the meshes that share the group's origin, then one for each other mesh, in the order of
+/* Writes one glTF mesh for the meshes with origin 0, then one for each other mesh, in the order of
  * mesh_number(). */
 static void put_group_meshes(const glb *g, file_writer *t, uint32_t group, fathom_id override,
                              const char **comma) {
@@ -166,7 +166,7 @@ static void put_transform(file_writer *t, const char **separator, const affine_f
     file_writer_print(t, "]");
 }
 
-/* Children are numbered after their parent, each followed by everything inside it. */
+/* Children are numbered after their parent, each followed by all its descendants. */
 static void put_children(const glb *g, file_writer *t, const char *separator, uint32_t group, size_t number) {
     size_t child = number + 1;
     const char *comma = "[";
@@ -191,7 +191,7 @@ static void put_far_nodes(const glb *g, file_writer *t, uint32_t group, uint32_t
     }
 }
 
-/* Each placement of a group gets its own nodes, because nodes form a tree. */
+/* Each instance of a group gets its own nodes, because nodes form a tree. */
 static void put_nodes(const glb *g, file_writer *t, uint32_t group, const fathom_instance *instance,
                       fathom_id override, size_t *number) {
     const char *name = g->scene->groups.items[group], *separator = "";

@@ -1,4 +1,4 @@
-/* Scene JSON: everything that a scene holds. Images stay where they are or are copied next to the file. */
+/* Scene JSON: holds the whole scene. Images stay in place or are copied next to the file. */
 #include "write/write_json.h"
 
 #include "read/json/json_form.h"
@@ -68,7 +68,8 @@ static void put_camera(json_out *o) {
     file_writer_print(t, "}");
 }
 
-/* A number of samples alone would turn the error off. */
+/* Writes target_error if the number of samples or the pattern differs from the default: these keys would turn
+ * it off when read. */
 static void put_image(json_out *o) {
     const fathom_settings *s = &o->scene->settings;
     fathom_settings usual = write_usual_settings(o->scene);
@@ -120,7 +121,7 @@ static void put_material(const json_out *o, fathom_id id) {
     file_writer_print(o->stream.file, "}");
 }
 
-/* Every scene has material 0. */
+/* Material 0 is not written, because every scene has it. */
 static void put_materials(const json_out *o) {
     file_writer *t = o->stream.file;
     if (o->scene->materials.count < 2) return;
@@ -216,7 +217,7 @@ fathom_status write_json(const fathom_scene *scene, const scene_graph *graph, co
     fathom_status status = write_images_open(scene, true, &o.images);
     if (status == FATHOM_OK) status = write_names(scene, false, false, &o.materials);
     if (status == FATHOM_OK) status = write_names(scene, true, false, &o.groups);
-    /* Images exist before the file that names them. */
+    /* Writes images before the file that names them. */
     if (status == FATHOM_OK) status = write_images_beside(scene, path, &o.images);
     if (status == FATHOM_OK) status = put_file(&o, path);
     write_names_free(o.materials, scene->materials.count);

@@ -11,12 +11,12 @@ static const form_object_values usual = {.casts_shadow = true,
 
 /* ---- meshes ---- */
 
-/* Rows of one array of a mesh, of `count` numbers from `from` on. */
+/* Rows of one array of a mesh: `count` numbers each, starting at number `from`. */
 typedef struct rows {
     const write_mesh *mesh;
     mesh_kind kind;
     unsigned from, count;
-    const double *origin; /* added in double; NULL: floats as they are */
+    const double *origin; /* added in double; NULL: floats are written unchanged */
 } rows;
 
 enum { NUMBER_MOST = WRITE_NUMBER_BYTES, ROW_MOST = 4 * NUMBER_MOST + 4 };
@@ -67,8 +67,9 @@ static size_t format_triangles(const void *user, size_t begin, size_t end, char 
     return (size_t)(out - start);
 }
 
-/* Floats are short as floats. The reader moves what is far from zero to an origin of its own, in double; only
- * the whole number leads to the same float there. */
+/* Numbers are written as floats, which are short, unless the mesh has an origin or its reader will choose
+ * one. The reader then converts to its origin in double; only the full number in double gives the same float
+ * again. */
 static const double *origin_of(const fathom_scene *scene, fathom_id object, const fathom_mesh *mesh) {
     const scene_bounds box = scene_object_bounds(scene, object);
     const vec3_f64 far = origin_for(&box), own = load_f64(mesh->origin);
@@ -76,8 +77,8 @@ static const double *origin_of(const fathom_scene *scene, fathom_id object, cons
     return plain ? NULL : mesh->origin;
 }
 
-/* The vertices at each time. The keys have an entry for each of the mesh's own, so they are written as those
- * of a mesh that stays. */
+/* Writes the vertices at each key. A key has an entry for each of the mesh's own vertices, so it is written
+ * like a mesh without motion. */
 static void put_keys(json_out *o, const write_mesh *m, const double *origin) {
     const fathom_mesh *mesh = m->mesh;
     for (uint32_t k = 0; k < mesh->key_count; ++k) {

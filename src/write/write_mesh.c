@@ -1,4 +1,4 @@
-/* Meshes as formats with one index want them, and where they stand in the world. */
+/* Converts meshes for formats with one index per vertex, and computes their positions in the world. */
 #include "write/write.h"
 
 #include "scene/motion/motion.h"
@@ -6,12 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- one index for each vertex: corners with the same position, normal and uv become one ---- */
+/* ---- one index for each vertex: corners with the same position, normal and uv are merged ---- */
 
 typedef struct welder {
     const fathom_mesh *mesh;
-    uint32_t *newest;      /* by position: the last vertex made for it, FATHOM_NONE: none */
-    ARRAY(uint32_t) older; /* by vertex: the one made before it for the same position */
+    uint32_t *newest;      /* for each position: the last vertex made for it; FATHOM_NONE: none */
+    ARRAY(uint32_t) older; /* for each vertex: the previous vertex with the same position */
     ARRAY(uint32_t) positions;
     ARRAY(uint32_t) normals;
     ARRAY(uint32_t) uvs;
@@ -23,7 +23,7 @@ static bool push_vertex(welder *w, uint32_t p, uint32_t n, uint32_t t) {
            array_push(&w->positions, p) && array_push(&w->normals, n) && array_push(&w->uvs, t);
 }
 
-/* A chain is as long as a position has different normals and uvs: a few. */
+/* The chain has one vertex for each different pair of normal and uv at a position, so it is short. */
 static bool weld_corner(welder *w, size_t corner) {
     const fathom_mesh *m = w->mesh;
     uint32_t p = m->indices[corner], n = m->normal_indices ? m->normal_indices[corner] : p;
@@ -129,7 +129,7 @@ uint32_t write_mesh_index(const write_mesh *m, size_t corner) {
     return m->indices ? m->indices[corner] : m->mesh->indices[corner];
 }
 
-/* ---- placing ---- */
+/* ---- instances ---- */
 
 size_t write_add(size_t a, size_t b) { return a > SIZE_MAX - b ? SIZE_MAX : a + b; }
 size_t write_multiply(size_t a, size_t b) { return b && a > SIZE_MAX / b ? SIZE_MAX : a * b; }
@@ -164,7 +164,7 @@ typedef struct placer {
     void *user;
 } placer;
 
-/* The determinant of the rows made unit. Only its sign is used; nothing overflows. */
+/* The determinant after normalising the rows, which avoids overflow. Only its sign is used. */
 static double determinant(const affine_f64 *a) {
     vec3_f64 x = {a->m[0][0], a->m[0][1], a->m[0][2]}, y = {a->m[1][0], a->m[1][1], a->m[1][2]};
     vec3_f64 z = {a->m[2][0], a->m[2][1], a->m[2][2]};

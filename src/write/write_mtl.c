@@ -1,9 +1,9 @@
 /* The library of materials of an OBJ file: the inverse of reading, as far as the format allows.
  *
- * The classic model has one colour for highlight and mirror there, one kind of highlight (Blinn's), and no
- * light from behind. The keys of metallic-roughness materials have no thin walls, for which the
- * classic equivalent is written, and few layers. Images have a scale and an offset, and repeat or end at
- * their edge; v grows upwards. */
+ * In the format, the classic model has one colour for highlight and mirror, one kind of highlight (Blinn's),
+ * and no light from behind. The keys of metallic-roughness materials have few layers and no thin walls; for
+ * the latter the classic equivalent is written. Images have a scale and an offset, and repeat or clamp; v
+ * grows upwards. */
 #include "read/obj/mtl.h"
 #include "write/write_obj.h"
 
@@ -19,8 +19,8 @@ static void put_color(file_writer *file, const char *key, const float rgb[3], fl
 
 /* ---- the classic model ---- */
 
-/* 1 Lambert, 2 with highlight, 3 and a mirror, 5 the same by Fresnel's law, 6 glass, 7 glass by Fresnel's
- * law, 9 glass that does not refract. */
+/* 1 Lambert, 2 with highlight, 3 with highlight and mirror, 5 the same with Fresnel's law, 6 glass, 7 glass
+ * with Fresnel's law, 9 glass without refraction. */
 static int illumination(const fathom_material *m) {
     if (largest(m->k_t) > 0) return m->fresnel ? 7 : m->ior == 1 ? 9 : 6;
     if (largest(m->k_r) > 0) return m->fresnel ? 5 : 3;
@@ -30,7 +30,7 @@ static int illumination(const fathom_material *m) {
 static void put_classic(file_writer *t, const fathom_material *m) {
     int illum = illumination(m);
     bool glass = illum == 6 || illum == 7 || illum == 9, mirror = illum >= 3 && largest(m->k_r) > 0;
-    /* Reading scales the diffuse part of glass by 1 - k_t. */
+    /* The reader multiplies the diffuse part of glass by 1 - the maximum of k_t. */
     float left = glass && largest(m->k_t) < 1 ? 1 - largest(m->k_t) : 1;
     put_color(t, "Kd", m->k_d, 1 / left);
     if (m->k_a[0] >= 0) put_color(t, "Ka", m->k_a, 1 / left);
@@ -65,7 +65,7 @@ static bool is_black(const float rgb[3]) { return !(largest(rgb) > 0); }
 
 static bool is_white(const float rgb[3]) { return rgb[0] == 1 && rgb[1] == 1 && rgb[2] == 1; }
 
-/* Readers take Ps for a white sheen of this roughness; the format has no other. */
+/* The reader uses Ps as a white sheen of this roughness; the format has no key for another one. */
 static bool is_sheen(const fathom_material *m) {
     const float *c = m->sheen_color;
     return c[0] == c[1] && c[0] == c[2] && m->sheen_roughness == 0.5f && c[0] > 0 && c[0] <= 1;
@@ -111,7 +111,7 @@ static const char *name_of(const write_library *l, const fathom_map *map) {
     return l->images->items[l->images->of_texture[map->texture]].name;
 }
 
-/* The reader's map is u' = s0 u + o0 and v' = 1 - o1 - s1 v, for the file's v. */
+/* The reader's transform is u' = s0 u + o0 and v' = 1 - o1 - s1 v, for the v of the file. */
 static void put_image(const write_library *l, file_writer *t, const struct mtl_image_key *key,
                       const fathom_material *m) {
     const fathom_map *map = &m->maps[key->map];
@@ -130,7 +130,7 @@ static void put_image(const write_library *l, file_writer *t, const struct mtl_i
     file_writer_print(t, " %s\n", name_of(l, map));
 }
 
-/* True when the format can say how the image lies, and which part of it counts. */
+/* True if the format can hold the map's transform, wrap mode and channel. */
 static bool is_plain(const fathom_scene *scene, const fathom_map *map, bool color) {
     const fathom_texture *texture = &scene->textures.items[map->texture];
     return map->uv_set == 0 && !map->inverted && map->transform[1] == 0 && map->transform[3] == 0 &&

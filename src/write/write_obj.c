@@ -1,5 +1,5 @@
-/* OBJ: instances are placed, normals and uvs have their own indices, materials are in a library next to the
- * file (write_mtl.c). */
+/* OBJ: instances are expanded to meshes in world space, normals and uvs have their own indices, materials are
+ * in a library next to the file (write_mtl.c). */
 #include "write/write_obj.h"
 
 #include <stdio.h>
@@ -13,9 +13,9 @@ typedef struct obj {
     char **names; /* of materials */
     bool flips;   /* v is written as 1 - v */
     note_list *notes;
-    fathom_id material; /* in use */
+    fathom_id material; /* current material */
     size_t objects;
-    size_t positions, normals, uvs; /* lines before the placement being written */
+    size_t positions, normals, uvs; /* lines before the current mesh */
 } obj;
 
 /* ---- lines ---- */
@@ -30,7 +30,7 @@ static char *put_line(char *out, const char *key, const float *numbers, int coun
     return out;
 }
 
-/* As screens show it, which is how readers take it: the inverse of sRGB's curve. */
+/* Encodes the colour as sRGB, because readers decode it. */
 static void put_color(const fathom_mesh *m, size_t vertex, float out[3]) {
     const float *linear = (const float *)(const void *)((const char *)m->colors + m->color_stride * vertex);
     for (int k = 0; k < 3; ++k) {
@@ -70,7 +70,7 @@ static size_t format_vertices(const void *user, size_t begin, size_t end, char *
     return (size_t)(out - start);
 }
 
-/* a, a/t, a//n or a/t/n, counted from 1 over the whole file. */
+/* Writes a, a/t, a//n or a/t/n, with indices from 1 over the whole file. */
 static char *put_corner(char *out, const obj_part *f, size_t corner) {
     const fathom_mesh *m = f->at->mesh;
     uint32_t position = m->indices[corner];
@@ -143,7 +143,7 @@ static fathom_status put_placement(void *user, const write_placement *at) {
     return FATHOM_OK;
 }
 
-/* Readers index with 32 bits. */
+/* Checks that all indices fit into 32 bits, the size in readers. */
 static fathom_status check_count(const obj *o, const char *path) {
     size_t *ways, vertices = 0;
     fathom_status status = write_count_ways(o->scene, o->graph, &ways);
@@ -188,7 +188,7 @@ static fathom_status put_all(obj *o, const char *path, const char *library) {
     if (status != FATHOM_OK) return status;
     file_writer_print(o->stream.file, "# Fathom %s\nmtllib %s\n", fathom_version(), file_name(library));
     status = write_each_placement(o->scene, o->graph, put_placement, o);
-    /* The images and the library exist before the file that names it. */
+    /* Writes images and library before the file that names the library. */
     if (status == FATHOM_OK) status = put_library(o, path, library);
     return write_stream_close(&o->stream, status);
 }

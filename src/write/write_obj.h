@@ -13,8 +13,8 @@ typedef struct write_library {
     note_list *notes;
 } write_library;
 
-/* True when the file's v is one minus the scene's, so that images lie upright in most readers: those of OBJ
- * files do already. */
+/* True if the file stores 1 - v, so that images are upright in most readers. False if the first map flips v
+ * already, as in scenes from OBJ files. */
 bool write_mtl_flips(const fathom_scene *scene);
 /* Writes the whole file or none. */
 fathom_status write_mtl(const write_library *l, const char *path);

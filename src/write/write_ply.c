@@ -1,8 +1,9 @@
-/* PLY: little-endian binary, instances are placed. Normals, uvs and colours are written if any mesh has them,
- * and opacities as alpha. The second uv set is s1 and t1, which no other program is known to read. A vertex
- * has one normal, so flat meshes among smooth ones get a vertex for each corner, with the facet's normal. An
- * image that all triangles have in common is named in a comment, and lies as the uvs say: v grows upwards.
- * Points are vertices of a file without faces; next to triangles they have no place. */
+/* PLY: little-endian binary, with instances expanded to meshes in world space. Normals, uvs and colours are
+ * written if any mesh has them, and opacities as alpha. The second uv set is s1 and t1; no other program is
+ * known to read it. A vertex has one normal, so if other meshes are smooth, flat meshes get a vertex for each
+ * corner, with the facet's normal. If all triangles have the same image, a comment names it, and the uvs
+ * include its transform: v grows upwards. Points become the vertices of a file without faces; together with
+ * triangles, they cannot be written. */
 #include "write/image.h"
 #include "write/write.h"
 
@@ -16,16 +17,16 @@ typedef struct ply {
     const char *path;
     write_stream stream;
     write_mesh *meshes;                              /* one for each of the scene's meshes */
-    bool normals, uvs, uvs_1, colors, alpha, points; /* points: they have a place */
-    const fathom_map *map;                           /* of the image; NULL: none */
-    write_images images;                             /* that one */
-    size_t vertices, triangles;                      /* in all */
-    size_t first_vertex;                             /* of the placement being written */
+    bool normals, uvs, uvs_1, colors, alpha, points; /* points: they can be written */
+    const fathom_map *map;                           /* the map with the image; NULL: none */
+    write_images images;                             /* only this image */
+    size_t vertices, triangles;                      /* total numbers */
+    size_t first_vertex;                             /* first vertex of the current mesh */
 } ply;
 
 /* ---- counting ---- */
 
-/* Notes the arrays of a mesh, and prepares it once the arrays of all meshes are known. */
+/* Records which arrays a mesh has; with `prepare`, when those of all meshes are known, prepares it. */
 static fathom_status count_mesh(ply *p, uint32_t index, size_t ways, bool prepare) {
     const fathom_mesh *mesh = &p->scene->meshes.items[index];
     write_mesh *m = &p->meshes[index];
@@ -92,8 +93,8 @@ static fathom_status count_all(ply *p) {
 
 typedef struct image_search {
     const fathom_scene *scene;
-    fathom_id material; /* of all triangles; FATHOM_NONE: none seen yet */
-    bool differs;       /* they have several, or some have no uvs */
+    fathom_id material; /* the common material; FATHOM_NONE: no triangles so far */
+    bool differs;       /* triangles have several materials, or some have no uvs */
 } image_search;
 
 static fathom_status look_at_placement(void *user, const write_placement *at) {
@@ -121,7 +122,7 @@ static fathom_status put_image(ply *p) {
     return status == FATHOM_OK ? write_images_beside(p->scene, p->path, &p->images) : status;
 }
 
-/* Readers let v grow upwards where a file names an image. */
+/* If a file names an image, readers assume that v grows upwards. */
 static void place_on_image(const ply *p, float uv[2]) {
     const float *m = p->map->transform, u = uv[0], v = uv[1];
     uv[0] = m[0] * u + m[1] * v + m[2];
@@ -132,7 +133,7 @@ static void place_on_image(const ply *p, float uv[2]) {
 
 #define HEADER_BYTES 1024
 
-/* Returns the length. `blanks` follow the comment. */
+/* Returns the length of the header. `blanks`: number of spaces after the comment. */
 static int format_header(const ply *p, int blanks, char text[HEADER_BYTES]) {
     char faces[128] = "";
     if (p->triangles)
@@ -151,7 +152,7 @@ static int format_header(const ply *p, int blanks, char text[HEADER_BYTES]) {
         p->alpha ? "property float alpha\n" : "", faces);
 }
 
-/* Padded to a multiple of 4 bytes, so that the vertices can be used in the mapped file. */
+/* The header is padded to a multiple of 4 bytes, so that readers can use the vertices in the mapped file. */
 static void put_header(ply *p) {
     char text[HEADER_BYTES];
     int length = format_header(p, 0, text);
@@ -165,13 +166,13 @@ typedef struct ply_part {
     const write_placement *at;
 } ply_part;
 
-/* White and opaque where the mesh has none. */
+/* The colour of a vertex: white and opaque if the mesh has none. */
 static void put_color(const write_mesh *mesh, uint32_t vertex, float out[4]) {
     out[0] = out[1] = out[2] = out[3] = 1;
     if (mesh->mesh->colors) write_mesh_entry(mesh, MESH_COLORS, vertex, out);
 }
 
-#define PLY_NUMBERS 14 /* of a vertex at most */
+#define PLY_NUMBERS 14 /* maximum numbers per vertex */
 
 static size_t format_vertices(const void *user, size_t begin, size_t end, char *out) {
     const ply_part *part = user;

@@ -1,5 +1,5 @@
-/* No format but scene JSON holds the radius of points: readers find one by how many points lie how far apart.
- */
+/* Only scene JSON holds the radius of points. Readers of other formats choose one by the number of points and
+ * the size of their bounds. */
 #include "read/mesh/strokes.h"
 #include "write/write.h"
 
@@ -11,7 +11,7 @@ typedef struct cloud {
 } cloud;
 
 typedef struct radius_search {
-    cloud *clouds; /* that are read */
+    cloud *clouds; /* as a reader would group the points */
     write_clouds how;
     size_t off;
 } radius_search;
@@ -32,10 +32,11 @@ static fathom_status add_points(void *user, const write_placement *at) {
     return FATHOM_OK;
 }
 
-/* Some roundings of float. */
+/* Equal up to a few rounding errors of float. */
 static bool same(double a, double b) { return fabs(a - b) <= 1e-5 * b; }
 
-/* A map that stretches keeps the points' places alone. */
+/* A transform with a non-uniform scale also counts as a different radius: only the points' positions can be
+ * written. */
 static fathom_status check_radius(void *user, const write_placement *at) {
     radius_search *s = user;
     const double(*m)[4] = at->map.m, radius = (double)at->mesh->point_radius;

@@ -28,7 +28,7 @@ typedef struct items_job {
     write_stream *stream;
     write_format format;
     const void *user;
-    size_t first, count, grain; /* of the items in this round; grain of them fill a piece */
+    size_t first, count, grain; /* items of this round; `grain` items per piece */
 } items_job;
 
 static void format_pieces(void *user, size_t begin, size_t end, unsigned worker) {
@@ -77,7 +77,8 @@ size_t write_integer(char *out, uint64_t value) {
     return count;
 }
 
-/* digits · 10^last as plain decimals without trailing zeros; 10^8 <= digits < 10^9, -13 <= last <= 0. */
+/* Writes digits · 10^last as a plain decimal number without trailing zeros; 10^8 <= digits < 10^9, -13 <=
+ * last <= 0. */
 static size_t put_decimals(char *out, uint32_t digits, int last) {
     char text[24];
     int count = 0, written = 0;
@@ -92,9 +93,10 @@ static size_t put_decimals(char *out, uint32_t digits, int last) {
     return (size_t)written;
 }
 
-/* Nine significant digits distinguish any two floats. The product with an exact power of ten is off by 2^-53
- * of itself, so the nine digits are off by at most 1/2 + 2^-23 of the last one. Half the distance of
- * neighbouring floats is at least 2.9 of it, so the text reads back as the same float. */
+/* Nine significant digits distinguish any two floats. The product with an exact power of ten has a relative
+ * error of 2^-53, so the nine digits have an error of at most 1/2 + 2^-23 units in the last digit. Half the
+ * distance between neighbouring floats is at least 2.9 such units, so the text reads back as the same
+ * float. */
 size_t write_float(char *out, float value) {
     static const double powers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13};
     double size = fabs((double)value);

@@ -24,8 +24,8 @@ static void parallel_rays(const shade_camera *camera, uint32_t left, uint32_t to
     }
 }
 
-/* Samples that are alike are read as two numbers: the processor would wait for sixteen that were stored one
- * by one a moment ago. */
+/* Samples that are alike are read as two numbers: loading sixteen that were just stored one by one would
+ * stall. */
 static void rays(const shade_camera *camera, float t_near, uint32_t left, uint32_t top,
                  const square_samples *at, trace_rays *restrict out) {
     if (at->alike)

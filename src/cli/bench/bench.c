@@ -31,7 +31,7 @@ static void put_text(FILE *out, const char *text) {
     fputc('"', out);
 }
 
-/* A number that is not finite is null in JSON and inf here: it must not look like one that is missing. */
+/* Numbers that are not finite are null in JSON; they become inf here, to differ from missing ones. */
 static void put_value(FILE *out, const json_t *value) {
     if (json_is_string(value))
         put_text(out, json_string_value(value));
@@ -43,7 +43,7 @@ static void put_value(FILE *out, const json_t *value) {
         fputs(value ? "inf" : "nan", out);
 }
 
-/* The next of "name=path, name"; false at the end. */
+/* Reads the next column of "name=path, name"; false at the end. */
 static bool next_column(const char **columns, char name[64], char path[64]) {
     int used = 0;
     path[0] = '\0';
@@ -153,12 +153,12 @@ void bench_print_slope(const json_t *slope, const json_t *half, int width) {
 
 /* ---- progress ---- */
 
-/* An estimate from less than this, of the work or in seconds, would say little. */
+/* Before this fraction of the work, or this many seconds, an estimate is too uncertain. */
 #define SURE_FRACTION 0.01
 #define SURE_SECONDS 5.0
 
 static struct {
-    double began; /* when measuring did; 0: not yet */
+    double began; /* start of measuring; 0: not started */
     bool estimated;
 } state;
 
@@ -194,7 +194,7 @@ static fathom_status measure_and_write(fathom_context *context, const bench_sett
     fflush(stdout);
     const bool partial = measured == FATHOM_INTERRUPTED && json_is_true(json_object_get(root, "interrupted"));
     if (measured != FATHOM_OK && !partial) return measured;
-    if (json_memory_lacked()) return fail_memory(context, 4096); /* results are missing */
+    if (json_memory_lacked()) return fail_memory(context, 4096); /* some results are missing */
     const fathom_status written = write_outputs(context, asked, root, asked->run.csv);
     return written == FATHOM_OK ? measured : written;
 }
@@ -250,7 +250,7 @@ fathom_status bench_sphere(fathom_context *context, uint64_t triangles, fathom_s
 
 /* ---- the command ---- */
 
-/* Each is a command of two words. */
+/* Commands of two words. */
 static const command *const benches[] = {&command_bench_trace, &command_bench_render, &command_bench_error,
                                          NULL};
 

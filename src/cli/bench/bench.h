@@ -1,4 +1,5 @@
-/* `fathom bench WHAT`: measurements. Results are one JSON object, from which table, CSV and page are made. */
+/* `fathom bench WHAT`: measurements. The results are one JSON object; tables, CSV and pages are made from
+ * it. */
 #ifndef CLI_BENCH_H
 #define CLI_BENCH_H
 
@@ -12,14 +13,15 @@
 
 extern const command command_bench_trace, command_bench_render, command_bench_error;
 
-/* A row of CSV for each item of the array root[rows], and of the array `inner` in each of them if it is not
- * NULL. columns: "spp, seconds_low=seconds.low", paths in the inner item or else the outer. */
+/* A row of CSV for each item of the array root[rows], or for each item of its array `inner`, if that is not
+ * NULL. columns: "spp, seconds_low=seconds.low"; paths are looked up in the inner item first, then in the
+ * outer. */
 typedef struct bench_csv {
     const char *rows, *inner, *columns;
 } bench_csv;
 
-/* Adds results to `root` and prints them unless quiet. If FATHOM_INTERRUPTED comes with root.interrupted
- * true, the results are written. */
+/* Adds results to `root` and prints them unless quiet. With FATHOM_INTERRUPTED, the results are still written
+ * if root.interrupted is true. */
 typedef fathom_status (*bench_measure)(fathom_context *context, const void *settings, json_t *root);
 
 typedef struct bench_kind {
@@ -34,9 +36,9 @@ typedef struct bench_settings {
     command_common common;
     bench_kind run; /* set by bench_run() */
     const char *scene, *tracer;
-    args_size size; /* 0 × 0: the scene's */
+    args_size size; /* 0 × 0: the scene's size */
     uint32_t repeats;
-    const char *json, *csv, *report; /* NULL: not asked for */
+    const char *json, *csv, *report; /* NULL: not requested */
 } bench_settings;
 
 /* Rows for the tables of options. */
@@ -64,22 +66,22 @@ extern const size_t bench_operand_offsets[1];
 /* Runs the whole command. `settings` begin with bench_settings. */
 fathom_status bench_run(const bench_kind *b, int argc, char **argv, void *settings);
 
-/* Shows the progress of a measurement that is this part of the whole, and an estimate of the time. */
+/* A watch that shows the progress of one part [from, to] of the whole, and an estimate of the time. */
 bench_watch bench_progress_part(double from, double to);
 void bench_progress_tell(void *unused, double fraction);
 
-/* The file's scene with its settings, except one sample a pixel and neither a target error nor a time;
- * classic: for that integrator.
- * Release with stage_close(), whatever comes back. */
+/* Opens the file's scene with its settings, but with one sample a pixel and neither target error nor time.
+ * classic: with that integrator. Release with stage_close(), whatever the status. */
 fathom_status bench_open(fathom_context *context, const bench_settings *asked, bool classic,
                          bench_stage *out);
 
-/* A sphere as `fathom generate sphere` makes it. Release with fathom_scene_destroy(), whatever comes back. */
+/* The sphere that `fathom generate sphere` makes. Release with fathom_scene_destroy(), whatever the
+ * status. */
 fathom_status bench_sphere(fathom_context *context, uint64_t triangles, fathom_scene **out);
 
 /* ---- results ---- */
 
-/* Adds "embree" to the machine, if the tracer is Embree's. */
+/* Adds "embree" to the machine, if the tracer is Embree. */
 void bench_add_tracer(json_t *root, const char *tracer_name);
 
 /* {"low", "median", "high"} */
@@ -87,7 +89,7 @@ json_t *bench_quartiles(quartiles q);
 /* {"cpu": …, "wall": …}, quartiles or numbers. */
 json_t *bench_clocks(const quartiles q[BENCH_CLOCKS]);
 extern const char *const bench_clock_names[BENCH_CLOCKS];
-/* "  0.123 +- 0.004", the half only where it is known, "-" without a slope. */
+/* "  0.123 +- 0.004". The part from "+-" on only if `half` is known; "-" without a slope. */
 void bench_print_slope(const json_t *slope, const json_t *half, int width);
 
 #endif

@@ -1,4 +1,4 @@
-/* `fathom bench error`: image error against run time, by antialiasing pattern. */
+/* `fathom bench error`: image error against run time, for each antialiasing pattern. */
 #include "cli/bench/bench.h"
 
 #include "base/status.h"
@@ -271,7 +271,7 @@ static void print_part(double part, double of) {
         printf(" %9s", "-");
 }
 
-/* Pixels whose samples are all alike have no interval to speak of, and are told apart. */
+/* Pixels whose samples are all alike have no real interval, so they are listed separately. */
 static void print_shares(const json_t *row) {
     const share trusted = share_of(row, "trusted"), doubtful = share_of(row, "doubtful"),
                 alike = share_of(row, "alike"),
@@ -315,7 +315,7 @@ static fathom_status open_stage(fathom_context *context, const bench_settings *a
     trace_spec spec;
     fathom_status status = asked->tracer ? trace_spec_parse(context, asked->tracer, &spec) : FATHOM_OK;
     if (status == FATHOM_OK) status = bench_open(context, asked, false, stage);
-    /* Built as for a long render, as it is one. */
+    /* Expected rays 0: builds as for a long render. */
     return status == FATHOM_OK ? stage_build(context, stage, asked->tracer, 0) : status;
 }
 

@@ -1,4 +1,4 @@
-/* `fathom bench render`: the phases of a render, and its time over Embree's bare calls. */
+/* `fathom bench render`: the phases of a render, and its time divided by that of bare Embree calls. */
 #include "cli/bench/bench.h"
 #include "cli/outputs.h"
 
@@ -13,9 +13,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Enough for a million pixels of ten rays; no machine that renders them lacks it. */
+/* Enough for a million pixels with ten rays each; any machine that can render those has this memory. */
 #define RECORD_BYTES ((uint64_t)512 << 20)
-/* A .glb ends at 4 GB, 28 bytes a triangle. */
+/* A .glb file has at most 4 GB, at 28 bytes per triangle. */
 #define MOST_TRIANGLES 150e6
 
 typedef struct bench_render_settings {
@@ -34,7 +34,7 @@ typedef struct source {
     quartiles read[BENCH_CLOCKS];
 } source;
 
-/* One of its renders. */
+/* One render of a source. */
 typedef struct measured {
     const char *spec;
     fathom_settings settings;
@@ -154,7 +154,8 @@ static bool is_alike(const json_t *a, const json_t *b) {
            (uint64_t)json_number_at(a, "spp") == (uint64_t)json_number_at(b, "spp");
 }
 
-/* The exponent over all runs by the tracer and the samples of `first`; nothing where they are too few. */
+/* Adds the exponent over all runs with the tracer and sample count of `first`; adds nothing if they are too
+ * few. */
 static void add_fit(json_t *fits, const json_t *runs, const json_t *first, size_t k) {
     const size_t room = json_array_size(runs);
     double *x = malloc(2 * room * sizeof *x);
@@ -212,7 +213,7 @@ static fathom_settings settings_of(const fathom_scene *scene, const bench_render
     return settings;
 }
 
-/* The settings that follow from the scene and the command line together. */
+/* Checks the combination of the scene's settings and the command line. */
 static fathom_status check_settings(fathom_context *context, const fathom_scene *scene,
                                     const bench_render_settings *asked) {
     for (size_t i = 0; i < asked->spp.count; ++i) {
@@ -222,7 +223,7 @@ static fathom_status check_settings(fathom_context *context, const fathom_scene 
     return FATHOM_OK;
 }
 
-/* The share of the first `index` counts in all of them, each with `more` added. */
+/* The first `index` counts as a fraction of all, with `more` added to each count. */
 static double share_before(const args_counts *counts, size_t index, double more) {
     double before = 0, all = 0;
     for (size_t i = 0; i < counts->count; ++i) {
@@ -248,7 +249,7 @@ static fathom_status write_once(fathom_context *context, const fathom_scene *sce
     return status;
 }
 
-/* index: of the samples a pixel. */
+/* index: in the list of samples a pixel. */
 static fathom_status measure_run(fathom_context *context, const bench_render_settings *asked,
                                  const source *from, const char *spec, size_t index, const bench_watch *watch,
                                  json_t *root) {
@@ -317,7 +318,7 @@ static fathom_status measure_sphere(fathom_context *context, const bench_render_
     return status;
 }
 
-/* Rendering takes as long as reading and building of about a million triangles. */
+/* Rendering takes about the time of reading and building a million triangles. */
 #define RENDER_WORK 1e6
 
 static fathom_status measure_all(fathom_context *context, const bench_render_settings *asked,

@@ -1,4 +1,4 @@
-/* `fathom bench trace`: rays a second of every tracer, build times, by triangle count. */
+/* `fathom bench trace`: rays per second and build time of every tracer, by triangle count. */
 #include "cli/bench/bench.h"
 
 #include "base/clock.h"
@@ -13,7 +13,7 @@ typedef struct bench_trace_settings {
     args_list tracers;
     args_counts triangles;
     uint64_t rays;
-    uint32_t tracing; /* threads */
+    uint32_t tracing; /* threads that build and trace */
     double seconds;
 } bench_trace_settings;
 
@@ -40,10 +40,10 @@ static fathom_status enter(fathom_context *context, field *f, const char *text) 
     return status;
 }
 
-/* The most primitives for linear search unless it is asked for: sixteen rays take it some 30 ms. */
+/* Maximum number of primitives for linear search by default: sixteen rays take about 30 ms then. */
 #define LINEAR_MOST 1000000
 
-/* All tracers except those that would only repeat another. */
+/* Adds all tracers, except those that would only repeat another. */
 static void enter_all(fathom_context *context, field *f, uint64_t primitives) {
     static const char *const always[] = {"embree:1",      "embree:4",       "embree:8", "embree:16",
                                          "embree:raw:16", "embree:user:16", "bvh"};
@@ -64,7 +64,7 @@ typedef struct arena {
     bench_stage stage; /* without a tracer: each contestant has its own */
     const char *name;
     uint64_t triangles, primitives;
-    double from, to; /* its share of all scenes */
+    double from, to; /* its range within all scenes */
 } arena;
 
 static fathom_status open_sphere(fathom_context *context, uint64_t triangles, bench_stage *out) {
@@ -88,7 +88,7 @@ static fathom_status build(fathom_context *context, const world *w, contestant *
     return status == FATHOM_OK ? status : fail_within(context, status, &(fathom_place){.field = c->text});
 }
 
-/* The rays come from the first tracer's hits. */
+/* The first tracer finds the hits from which the rays start. */
 static fathom_status race(fathom_context *context, const arena *s, const bench_trace_settings *asked,
                           field *f, trace_sets *sets) {
     const world *w = s->stage.world;
@@ -138,7 +138,7 @@ static void print_rate(const json_t *rate, uint64_t most) {
     printf(" %-15s", cell);
 }
 
-/* The most rays that any tracer was asked of a set. */
+/* The maximum number of rays of a set that any tracer traced. */
 static uint64_t most_rays(const field *f, size_t set) {
     uint64_t most = 0;
     for (size_t i = 0; i < f->count; ++i)
@@ -216,7 +216,7 @@ static fathom_status run_arena(fathom_context *context, const arena *s, const be
     return status;
 }
 
-/* Scene i of all: the one given, then the spheres. */
+/* Opens scene i: the given one first, then the spheres. */
 static fathom_status open_arena(fathom_context *context, const bench_trace_settings *asked, size_t i,
                                 arena *out) {
     const size_t given = asked->all.scene != NULL, all = given + asked->triangles.count;

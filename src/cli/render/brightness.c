@@ -7,18 +7,18 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The share of the pixels from which on there is a warning. */
+/* Warns if more than this fraction of the pixels is affected. */
 #define MOST_PIXELS 0.5
 
-/* 8 of 255 levels of sRGB, whose curve is 12.92 x there. */
+/* 8 of 255 levels of sRGB; the slope of the sRGB curve is 12.92 there. */
 #define DARK (8 / (255 * 12.92))
 
-/* In the studio, this share of the pixels may clip (highlights, lamps in mirrors). Above it, the exposure
+/* In the studio, this fraction of the pixels may clip (highlights, lamps in mirrors). Above it, the exposure
  * drops by at most STUDIO_STOPS: a white surface in the studio has a radiance of at most 1.4, half a stop. */
 #define STUDIO_CLIPPED 0.02
 #define STUDIO_STOPS 0.5f
 
-/* Only the built-in view is known to clip at 1. */
+/* True if a file for the display clips at 1; this is known only of the built-in view. */
 static bool any_for_display(const render_options *options) {
     char extension[16];
     for (size_t i = 0; i < options->outputs.count; ++i) {
@@ -32,7 +32,7 @@ static float strength(const fathom_light *light) {
     return fmaxf(light->intensity[0], fmaxf(light->intensity[1], light->intensity[2]));
 }
 
-/* Below 0: there is none. */
+/* The intensity of the strongest light; below 0: there is no light. */
 static float strongest(const fathom_scene *scene) {
     fathom_light light;
     float best = -1;
@@ -49,7 +49,7 @@ static void warn_black(warning_list *warnings, const fathom_scene *scene, const 
                       : "the scene has no lights; give it some, or leave its empty list of lights out");
 }
 
-/* Says what is wrong with the image at this exposure; false: nothing. scene: NULL when only its film is
+/* Describes the problem of the image at this exposure; false: there is none. scene: NULL if only its film is
  * known. */
 static bool shows_little(const fathom_scene *scene, const fathom_brightness *b, float exposure,
                          char out[160]) {
@@ -68,7 +68,7 @@ static bool shows_little(const fathom_scene *scene, const fathom_brightness *b, 
 
 static float within_limits(float exposure) { return fminf(fmaxf(exposure, -64), 64); }
 
-/* Stops down for a white model, as photographers do. */
+/* Lowers the exposure for a white model, as photographers do. */
 static float studio_exposure(const fathom_brightness *b) {
     if ((double)b->clipped <= STUDIO_CLIPPED * (double)b->pixels) return 0;
     return fminf(fmaxf(b->exposure, -STUDIO_STOPS), 0);

@@ -1,13 +1,13 @@
-/* How bright images for the display are, and warnings about those that show nothing. */
+/* Exposure of images for the display, and warnings about images that show nothing. */
 #ifndef CLI_BRIGHTNESS_H
 #define CLI_BRIGHTNESS_H
 
 #include "cli/notes.h"
 #include "cli/render/render_options.h"
 
-/* Finds the exposure that options->exposure asks for, and warns of an image that is black, or nearly all
- * black or white in a file for the display. `name` begins the warnings. scene: NULL when only its film is
- * known, or is not finished. */
+/* Finds the exposure that options->exposure requests. Warns if the image is black, or if a file for the
+ * display is nearly all black or white. `name` begins the warnings. scene: NULL if only its film is known, or
+ * if the film is not finished. */
 void brightness_settle(warning_list *warnings, const fathom_scene *scene, const char *name,
                        const fathom_film *film, render_options *options);
 

@@ -22,7 +22,7 @@ extern "C" {
 static std::atomic<void *> reserve;
 static std::atomic<bool> was_refused;
 
-/* Asks for no memory. */
+/* Allocates no memory. */
 [[noreturn]] static void leave(fathom_status status, const char *text) {
     log_line(LOG_ERROR, text);
     fathom_file_abandon_all();
@@ -36,9 +36,9 @@ static void on_refusal() {
     munmap(spare, RESERVE);
 }
 
-/* TBB throws from destructors where it lacked memory that it takes by malloc(), and that hides the bad_alloc:
- * its missing_wait has no other cause here. Threads that cannot be had are a system_error, or TBB's own
- * words. */
+/* True if the exception means lack of memory or threads. If TBB's own malloc() fails, its destructors throw
+ * missing_wait, which hides the bad_alloc; missing_wait has no other cause here. A thread that cannot be
+ * created gives a system_error, or TBB's own message. */
 static bool is_lack(const std::exception &e) {
     return dynamic_cast<const std::bad_alloc *>(&e) || dynamic_cast<const std::system_error *>(&e) ||
            std::strstr(typeid(e).name(), "missing_wait") ||

@@ -6,7 +6,7 @@
 
 #include <limits.h>
 
-/* first > last: none asked for. */
+/* first > last: no frames were requested. */
 typedef struct render_frames {
     uint32_t first, last;
     double fps; /* 0: not given */
@@ -17,10 +17,10 @@ static inline bool frames_asked(const render_frames *frames) { return frames->fi
 
 /* "1-24" or "7". */
 bool take_frames(const args_option *option, const char *value, void *field, args_problem *problem);
-/* Seconds. */
+/* The time of a frame, in seconds. */
 double frames_time(const render_frames *frames, uint32_t frame);
-/* The path with the frame's number in place of its first run of #, as wide as that or wider. False where it
- * has none, or would be too long. */
+/* Replaces the first run of # in the path with the frame's number, padded to the width of the run. False: the
+ * path has no #, or the result is too long. */
 bool frames_name(const char *path, uint32_t frame, char out[PATH_MAX]);
 
 #endif

@@ -15,7 +15,7 @@
 #define PARTIAL ".partial"
 #define REWEIGHTED ".reweighted"
 
-/* "out.partial.exr" for "out.exr", cut where names may not be as long. */
+/* "out.partial.exr" for "out.exr"; the stem is cut if the name would be too long. */
 static fathom_status marked_name(fathom_context *context, const char *path, const char *mark,
                                  char out[PATH_MAX]) {
     const char *name = file_name(path), *extension = path + file_stem_length(path);
@@ -39,7 +39,7 @@ fathom_status images_rename(fathom_context *context, args_list *outputs, image_n
     return status;
 }
 
-/* None of the files may be where this one's goes. why: what puts it there. */
+/* Fails if one of the files has the marked name of `path`. why: the cause, for the message. */
 static fathom_status check_one(fathom_context *context, const char *path, const char *mark, const char *why,
                                const char *const *files, size_t count) {
     char name[PATH_MAX];
@@ -106,7 +106,7 @@ static bool holds_all(const char *path) {
     return strcmp(extension, "exr") == 0;
 }
 
-/* The second image of each output, where the film has what that takes. */
+/* Writes the second image of each output, if the film has the data. */
 static fathom_status write_reweighted(fathom_context *context, const fathom_film *film,
                                       const render_options *options) {
     const args_list *outputs = &options->outputs;

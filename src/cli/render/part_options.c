@@ -24,7 +24,7 @@ static bool number_of(const char *variable, uint32_t *out) {
     return text && sscanf(text, "%9u%c", out, &end) == 1;
 }
 
-/* Which of the tasks least, least + step, … this one is. */
+/* Finds the position of this task among the tasks least, least + step, …. */
 static bool take_slurm(fathom_part *part, args_problem *problem) {
     uint32_t task, least = 0, step = 1;
     if (!number_of("SLURM_ARRAY_TASK_ID", &task) || !number_of("SLURM_ARRAY_TASK_COUNT", &part->count))

@@ -6,7 +6,7 @@
 
 /* Takes K/N into a fathom_part. */
 bool part_options_take(const args_option *option, const char *value, void *field, args_problem *problem);
-/* Makes an output that ends in .part the part's file. False: wrong usage. */
+/* Turns an output whose name ends in .part into the part's file. False: wrong usage. */
 bool part_options_finish(render_options *options, args_problem *problem);
 
 #endif

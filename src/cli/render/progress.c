@@ -11,14 +11,14 @@
 
 typedef enum display { DISPLAY_NONE, DISPLAY_LINES, DISPLAY_BAR, DISPLAY_JSON } display;
 
-/* One process, one stderr. */
+/* Global, because a process has one stderr. */
 static struct {
     display display;
-    bool drawn;      /* a bar stands on the terminal's line */
-    unsigned tenths; /* last one printed of this phase */
+    bool drawn;      /* the terminal shows a bar */
+    unsigned tenths; /* last tenth printed in this phase */
     fathom_phase phase;
-    double seconds;   /* of the last JSON line of this phase; < 0: none yet */
-    const char *work; /* the name of the phase of rendering; NULL: "render" */
+    double seconds;   /* time of the last JSON line of this phase; < 0: none yet */
+    const char *work; /* name of the rendering phase; NULL: "render" */
 } state;
 
 /* Shorter runs print no lines. */
@@ -83,7 +83,7 @@ static double rays_per_second(const fathom_progress *p) {
     return p->seconds > 0 ? (double)p->rays / p->seconds : 0;
 }
 
-/* By what was done so far; < 0: not known yet. */
+/* Estimated from the progress so far; < 0: unknown. */
 static double seconds_left(const fathom_progress *p) {
     double fraction = clamp_fraction(p->fraction);
     return fraction > 0 && p->seconds > 0.2 ? p->seconds * (1 - fraction) / fraction : -1;
@@ -98,7 +98,7 @@ static void put_clock(double seconds, char *out, size_t size) {
         snprintf(out, size, "%u:%02u:%02u", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-/* ", 45.2 Mrays/s, 0:12 left, error 0.019": each part only when it is known. */
+/* ", 45.2 Mrays/s, 0:12 left, error 0.019"; each part only if it is known. */
 static void put_rate(const fathom_progress *p, char *out, size_t size) {
     char rate[32] = "", clock[16], left[32] = "", error[32] = "";
     if (p->rays && p->seconds > 0) {
@@ -120,11 +120,11 @@ void progress_line(const fathom_progress *p, char *out, size_t size) {
     snprintf(out, size, "%s %u %%%s", phase_name(p->phase), percent(p), rate);
 }
 
-/* "render  47% [=======>        ] 45.2 Mrays/s, 0:12 left". The line is cut off at the right edge. The
- * bar's own length follows from the columns alone, so that it does not jump about. */
+/* "render  47% [=======>        ] 45.2 Mrays/s, 0:12 left". The line is cut at the right edge. The length of
+ * the bar depends only on the number of columns, so that it stays constant. */
 #define BAR_LEAST 10u
 #define BAR_MOST 50u
-#define BAR_OTHERS 46u /* the text next to it, up to "render 100% [] 12345.6 Mrays/s, 10:00:00 left" */
+#define BAR_OTHERS 46u /* length of the other text, up to "render 100% [] 12345.6 Mrays/s, 10:00:00 left" */
 
 void progress_bar(const fathom_progress *p, unsigned width, char *out, size_t size) {
     char rate[96], cells[BAR_MOST + 1];

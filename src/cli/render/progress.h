@@ -1,4 +1,4 @@
-/* Progress on stderr: a bar redrawn in place on a terminal, else lines with percent, or JSON. */
+/* Progress on stderr: a bar redrawn in place on a terminal; otherwise lines with percent, or JSON. */
 #ifndef CLI_PROGRESS_H
 #define CLI_PROGRESS_H
 
@@ -8,12 +8,12 @@
 extern "C" {
 #endif
 
-/* quiet: nothing is ever shown. */
+/* quiet: shows nothing. */
 void progress_begin(bool quiet);
-/* Names the phase of rendering; the default is "render". The text stays the caller's. */
+/* Sets the name of the rendering phase; the default is "render". The caller owns the text. */
 void progress_call(const char *name);
 
-/* A phase that reports nothing while it lasts: shown by its name on a terminal. */
+/* Begins a phase that reports no progress; a terminal shows its name. */
 void progress_phase(fathom_phase phase);
 void progress_update(const fathom_progress *progress);
 /* Prints "takes about 12:30", unless that is short. */
@@ -21,10 +21,10 @@ void progress_estimate(double seconds);
 
 /* Removes the bar, so that a line can be printed in its place; the next update draws it again. */
 void progress_clear_line(void);
-/* The text that clears the line, for a signal handler; "" when there is no bar. */
+/* The text that clears the line, for a signal handler; "" if there is no bar. */
 const char *progress_clear_text(void);
 
-/* The bar's text for a terminal of so many columns, at most columns - 1 characters. */
+/* The text of the bar for a terminal with this many columns; at most columns - 1 characters. */
 void progress_bar(const fathom_progress *progress, unsigned columns, char *out, size_t size);
 /* The same facts as one line: "render 30 %, 45.2 Mrays/s, 0:12 left". */
 void progress_line(const fathom_progress *progress, char *out, size_t size);

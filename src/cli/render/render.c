@@ -23,18 +23,18 @@ typedef struct task {
     fathom_context *context;
     int argc;
     char **argv;
-    double start; /* when the command began */
+    double start; /* start of the command */
     render_options options;
     fathom_scene *scene;
     fathom_film *film;
     render_report report;
     saving saving;
-    fathom_ranks ranks;     /* without --mpi a single one */
-    char *fetched;          /* the folder of files that came from rank 0; NULL: none */
-    fathom_framing framing; /* of all frames, where reading makes the camera */
+    fathom_ranks ranks;     /* a single one without --mpi */
+    char *fetched;          /* folder of files received from rank 0; NULL: none */
+    fathom_framing framing; /* of all frames, if the reader creates the camera */
 } task;
 
-/* A rank of an MPI job that only renders; rank 0 does all else. */
+/* True for a rank of an MPI job that only renders; rank 0 does everything else. */
 static bool is_other(const task *s) { return s->ranks.rank; }
 
 static fathom_status say(const task *s, fathom_status status) {
@@ -83,7 +83,7 @@ static fathom_status read_scene(task *s) {
                                                       &s->scene, &s->fetched)
                                   : fathom_scene_read_with(s->context, o->scene, &read, &s->scene);
     s->report.read_seconds = clock_seconds() - began;
-    fathom_status free_again = fathom_file_protect(s->context, NULL, 0); /* the checkpoint is read */
+    fathom_status free_again = fathom_file_protect(s->context, NULL, 0); /* to read the checkpoint */
     return status == FATHOM_OK ? free_again : status;
 }
 
@@ -98,8 +98,8 @@ static fathom_status check_sizes(const task *s) {
     return status;
 }
 
-/* Puts the command line's settings over those of the scene's file. Errors of the combination, such as a crop
- * outside the scene's image, are wrong usage, because the scene itself has been checked. */
+/* Overrides the settings of the scene's file with those of the command line. Errors of the combination, such
+ * as a crop outside the scene's image, are wrong usage, because the scene itself has already been checked. */
 static fathom_status merge_settings(task *s) {
     fathom_settings settings;
     args_problem problem;
@@ -117,7 +117,7 @@ static fathom_status merge_settings(task *s) {
     return check_sizes(s);
 }
 
-/* The part of --max-time that is left for rendering and writing. */
+/* Sets the time to the part of --max-time that is left for rendering and writing. */
 static fathom_status set_time_left(task *s) {
     const double elapsed = clock_seconds() - s->start;
     render_options *o = &s->options;
@@ -141,7 +141,7 @@ static void list_left_out(task *s) {
     list->no_helper = !images_need_helper(&s->options);
 }
 
-/* After writing, which began then. */
+/* Call after writing. began: the time at which writing began. */
 static fathom_status tell_stats(task *s, double began, fathom_status status) {
     const double end = clock_seconds();
     s->report.write_seconds = end - began;
@@ -222,8 +222,8 @@ static bool on_progress(void *user, const fathom_progress *progress) {
     return !interrupt_asked();
 }
 
-/* Says why there is no image. Errors that no reader could find, such as how the scene's parts fit together,
- * name no file yet. */
+/* Reports why there is no image. Some errors name no file yet, for example errors in how the scene's parts
+ * fit together. */
 static fathom_status say_failure(task *s, fathom_status status) {
     if (status == FATHOM_BAD_INPUT || status == FATHOM_OUT_OF_RESOURCES)
         cli_fail_within(s->context, s->options.scene);
@@ -311,7 +311,8 @@ static fathom_status begin_frame(const task *all, uint32_t frame, frame_names *r
 
 static void tell_nobody(void *user, const char *text) { (void)user, (void)text; }
 
-/* False: there is none, or the frame cannot be read, which it says itself when its turn comes. */
+/* False: there is no framing, or the frame cannot be read. That error is reported when the frame is
+ * rendered. */
 static bool framing_of_frame(const task *all, uint32_t frame, fathom_framing *out) {
     frame_names room;
     task s;
@@ -326,10 +327,10 @@ static bool framing_of_frame(const task *all, uint32_t frame, fathom_framing *ou
     return out->made;
 }
 
-/* At most so many frames are read to see how far the model moves. */
+/* Maximum number of frames that are read to find how far the model moves. */
 enum { FRAMED_MOST = 17 };
 
-/* A camera that sees all frames, and a floor below all of them. */
+/* Finds a camera that sees all frames, and a floor below all of them. */
 static void frame_them(task *all) {
     const render_frames *frames = &all->options.frames;
     const uint32_t last = frames->last - frames->first, count = last < FRAMED_MOST ? last + 1 : FRAMED_MOST;
@@ -344,7 +345,7 @@ static void frame_them(task *all) {
     }
 }
 
-/* All have the exposure of the first, so that none of them flickers. */
+/* All frames get the exposure of the first, to avoid flicker. */
 static fathom_status run_frames(task *all) {
     const render_frames *frames = &all->options.frames;
     frame_names room;

@@ -59,7 +59,7 @@ static bool set(render_options *options, size_t index, const char *value, args_p
     return true;
 }
 
-/* option->least: the setting's place in the table. The option of a bool takes no value and inverts the
+/* option->least: the setting's index in the table. The option of a bool takes no value and inverts the
  * default. */
 static bool take_setting(const args_option *option, const char *value, void *field, args_problem *problem) {
     return set(field, (size_t)option->least, value, problem);
@@ -70,12 +70,12 @@ static bool take_aovs(const args_option *option, const char *value, void *field,
     return set(field, index_of("aovs"), value, problem);
 }
 
-/* Checked before the scene is read, which can take a while. */
+/* Checks the tracer before the scene is read, which can take long. */
 static bool take_tracer(const args_option *option, const char *value, void *field, args_problem *problem) {
     fathom_context *context;
     if (!take_setting(option, value, field, problem)) return false;
     if (fathom_tracer_check(NULL, value) == FATHOM_OK) return true;
-    /* Once more, for the words: a right value takes no memory. */
+    /* Parses again to get the message, so that a valid value needs no memory. */
     if (fathom_context_create(&context) != FATHOM_OK)
         return args_wrong(problem, "expected %s, found \"%.60s\"", option->value, value);
     fathom_tracer_check(context, value);
@@ -86,7 +86,7 @@ static bool take_tracer(const args_option *option, const char *value, void *fiel
 
 #define FIELD(name) offsetof(render_options, name)
 
-/* Those that `fathom merge` has, too. */
+/* Options that `fathom merge` shares. */
 #define OUTPUT_OPTION                                                                                        \
     {                                                                                                        \
         "output", 'o', "IMAGE", take_output, FIELD(outputs), 0, 0,                                           \
@@ -127,7 +127,7 @@ static bool take_tracer(const args_option *option, const char *value, void *fiel
 #define QUIET_OPTION                                                                                         \
     { "quiet", 'q', NULL, take_true, FIELD(quiet), 0, 0, "only errors and warnings" }
 
-/* Settings with an option are listed after these, under the heading of their group. */
+/* Settings with an option are listed after these, at the end of their group. */
 static const args_option own_options[] = {
     {.help = "Output"},
     OUTPUT_OPTION,
@@ -211,11 +211,11 @@ const args_option merge_option_table[] = {
 
 enum { OPTIONS_MAX = 96, SETTINGS_MAX = 32, HELP_MAX = 1024 };
 
-/* Room for the texts of the options that set settings. */
+/* Buffers for the texts of the options that set settings. */
 static struct setting_texts { char name[PARAMETER_NAME + 3], help[HELP_MAX]; } texts[SETTINGS_MAX];
 
-/* A name in quotes: the option of a setting of this name in JSON; else the name itself. Returns the place of
- * the closing quote. */
+/* Prints a name in backquotes: as an option if it is the JSON name of a setting, otherwise unchanged. Returns
+ * the position of the closing backquote. */
 static const char *put_name(const char *name, FILE *to) {
     const char *end = strchr(name, '`');
     char found[PARAMETER_NAME];
@@ -232,7 +232,7 @@ static const char *put_name(const char *name, FILE *to) {
     return end;
 }
 
-/* The help with names as the command line has them, and with the default. */
+/* The help text with the names of the command line, and with the default. */
 static void put_help(const fathom_parameter *p, char out[HELP_MAX]) {
     fathom_settings defaults;
     char value[PARAMETER_TEXT];
@@ -252,7 +252,7 @@ static void put_help(const fathom_parameter *p, char out[HELP_MAX]) {
     fclose(to);
 }
 
-/* --aov says what its setting does, and which words there are. */
+/* The help of --aov: that of its setting, and the list of words. */
 static const char *aov_help(void) {
     static char help[HELP_MAX];
     const fathom_parameter *p = &settings_table().rows[index_of("aovs")];
@@ -317,7 +317,7 @@ void render_options_default(render_options *options) {
     fathom_part_default(&options->part);
 }
 
-/* The AOVs that at least one of the outputs can hold: .exr all, .png and .tif alpha, .jpg none. */
+/* The AOVs that at least one of the outputs can hold: all in .exr, alpha in .png and .tif, none in .jpg. */
 static unsigned held_aovs(const args_list *outputs) {
     unsigned held = 0;
     for (size_t i = 0; i < outputs->count; ++i) {
@@ -329,14 +329,15 @@ static unsigned held_aovs(const args_list *outputs) {
     return held;
 }
 
-/* The settings that nobody gave. */
+/* True if the scene's sampling settings are the defaults of its integrator. */
 static bool is_preset(const fathom_settings *scene) {
     fathom_settings preset = *scene;
     fathom_settings_set_integrator(&preset, scene->integrator);
     return scene->target_error == preset.target_error && scene->spp == preset.spp && !(scene->max_time > 0);
 }
 
-/* A file without a target means the same number of samples everywhere. */
+/* If the command line gives a target or a time, and the file has none of its own, the file's pattern and spp
+ * are meant for uniform sampling, so they are replaced. */
 static bool finish_adaptive(render_options *options, const fathom_settings *scene, args_problem *problem) {
     fathom_settings *s = &options->settings;
     options->max_time = s->max_time;
@@ -354,7 +355,7 @@ static bool finish_adaptive(render_options *options, const fathom_settings *scen
     return true;
 }
 
-/* Only for the built-in view it is known how a loss shows. */
+/* 8bit needs the built-in view: only there is it known how a loss is displayed. */
 static bool finish_loss(render_options *options, args_problem *problem) {
     if (options->loss == FATHOM_LOSS_8BIT && !fathom_write_is_srgb(&options->write)) {
         return args_wrong(problem, "--leave-out-below 8bit: what shows is known of the built-in sRGB view "
@@ -368,11 +369,12 @@ static bool finish_loss(render_options *options, args_problem *problem) {
     return true;
 }
 
-/* The scene's settings, under those that the command line gives. */
+/* Overrides the scene's settings with those of the command line. */
 static bool merge(render_options *options, const fathom_settings *scene, args_problem *problem) {
     fathom_settings *s = &options->settings;
     *s = *scene;
-    /* A number of samples means so many everywhere, and a time the best that it buys. */
+    /* --spp or a pattern other than Sobol means uniform sampling; a time alone means the best image in that
+     * time. Both drop a target error that the command line does not give. */
     const bool grid =
         render_options_give(options, "pattern") && options->asked.pattern != FATHOM_PATTERN_SOBOL;
     if ((render_options_give(options, "spp") || grid) && s->integrator != FATHOM_INTEGRATOR_CLASSIC)
@@ -390,7 +392,7 @@ static bool merge(render_options *options, const fathom_settings *scene, args_pr
 
 /* ---- frames ---- */
 
-/* The files that are written, besides the outputs. */
+/* Number of files that are written in addition to the outputs. */
 enum { OTHERS = 3 };
 static void others_of(render_options *options, const char **others[OTHERS]) {
     others[0] = &options->stats, others[1] = &options->checkpoint, others[2] = &options->part.path;

@@ -13,10 +13,10 @@ typedef struct render_background {
     float rgb[3];
 } render_background;
 
-/* Where the exposure of files for the display comes from. */
+/* How the exposure of files for the display is chosen. */
 typedef enum exposure_rule {
-    EXPOSURE_USUAL, /* 0; where most pixels would be white or nearly black, as EXPOSURE_AUTO */
-    EXPOSURE_AUTO,  /* found once the film is there */
+    EXPOSURE_USUAL, /* 0; but as EXPOSURE_AUTO if most pixels would be white or nearly black */
+    EXPOSURE_AUTO,  /* computed from the finished film */
     EXPOSURE_GIVEN
 } exposure_rule;
 
@@ -24,12 +24,12 @@ typedef struct render_options {
     const char *scene;
     args_list outputs;
     fathom_settings
-        asked; /* by the command line; of these, those in `given`: bits by their place in the table */
+        asked; /* from the command line; only those in `given` are set: bits by index in the table */
     uint64_t given;
-    fathom_settings settings; /* the scene's, with those put over them: see render_options_finish() */
+    fathom_settings settings; /* the scene's, overridden by the given ones: see render_options_finish() */
     command_model model;
     render_frames frames;
-    double max_time;  /* seconds of the whole command; 0: none */
+    double max_time;  /* limit in seconds for the whole command; 0: none */
     args_size size;   /* 0 × 0: the settings' own */
     unsigned threads; /* 0: all processors */
     render_background background;
@@ -50,21 +50,22 @@ typedef struct render_options {
 } render_options;
 
 void render_options_default(render_options *options);
-/* The settings, once parsed: the scene's, with those that the command line gives. Called with the defaults to
- * find wrong usage before anything is read, and with the scene's. False: wrong usage. */
+/* Call after parsing. Computes the settings: the scene's, overridden by those of the command line. Called
+ * with the default settings to find wrong usage before anything is read, then with the scene's. False: wrong
+ * usage. */
 bool render_options_finish(render_options *options, const fathom_settings *scene, args_problem *problem);
 /* Room for the names of a frame's files. */
 typedef struct frame_names {
     char names[ARGS_LIST_MAX + 3][PATH_MAX];
 } frame_names;
 
-/* Makes them the options of one frame, before they are finished. False: wrong usage. */
+/* Sets the file names and the time of one frame, before the options are finished. False: wrong usage. */
 bool render_options_frame(render_options *options, uint32_t frame, frame_names *room, args_problem *problem);
-/* True when the command line has the setting of this name. */
+/* True if the command line sets the setting with this name. */
 bool render_options_give(const render_options *options, const char *name);
 
 const args_option *render_option_table(void);
-/* The options of `fathom merge`, for the same struct. */
+/* The options of `fathom merge`, which fill the same struct. */
 extern const args_option merge_option_table[];
 
 #endif

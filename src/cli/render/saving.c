@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A message that names a path twice. */
+/* Enough for a message that names a path twice. */
 #define SAID 8192
 
 static bool wanted(void *user) {
@@ -18,7 +18,7 @@ static bool wanted(void *user) {
     return s->asked;
 }
 
-/* Says only the first of several failures in a row: the disk may stay full for hours. */
+/* Reports only the first of several failures in a row: the disk may stay full for hours. */
 static void saved(void *user, fathom_status status, const char *message, double fraction) {
     saving *s = user;
     char text[SAID];

@@ -1,5 +1,5 @@
-/* --checkpoint FILE: saves on SIGUSR1, says whether that worked, and removes the file once the images are
- * safe. */
+/* --checkpoint FILE: saves on SIGUSR1, reports whether the save succeeded, and removes the file once the
+ * images are written. */
 #ifndef CLI_SAVING_H
 #define CLI_SAVING_H
 
@@ -7,8 +7,8 @@
 
 typedef struct saving {
     fathom_checkpoint request;
-    bool asked;  /* by SIGUSR1, of the save under way */
-    bool failed; /* the last save */
+    bool asked;  /* SIGUSR1 requested the save in progress */
+    bool failed; /* the last save failed */
 } saving;
 
 /* Finds the errors that can be found before the scene is read. */
@@ -19,8 +19,8 @@ void saving_begin(const render_options *options, saving *out);
 const fathom_checkpoint *saving_request(const saving *s);
 /* While rendering: without --checkpoint, says that SIGUSR1 saves nothing. */
 void saving_tick(const saving *s);
-/* After images were written, with that status. Returns it, or FATHOM_OUT_OF_RESOURCES when an interrupted
- * render could not be saved. */
+/* Call after the images were written, with that status. Returns it, or FATHOM_OUT_OF_RESOURCES if an
+ * interrupted render could not be saved. */
 fathom_status saving_end(const saving *s, bool interrupted, fathom_status status);
 
 #endif

@@ -66,7 +66,7 @@ static json_t *pack_rays(const render_report *r) {
                    JSON("unlitShadow", s->unlit_shadow_rays), JSON("faintShadow", s->faint_shadow_rays));
 }
 
-/* The spp asked for is the most of a pixel when samples follow the error. */
+/* "spp": the requested number; with sampling to an error, the maximum of a pixel. */
 static json_t *pack_image(const render_report *r, const render_options *options) {
     const double error = r->stats.error_estimate;
     return json_of(JSON("width", r->width), JSON("height", r->height), JSON("spp", options->settings.spp),
@@ -99,7 +99,7 @@ static json_t *pack_outputs(const args_list *outputs) {
 
 static json_t *pack(const render_report *r, const render_options *options) {
     const fathom_stats *s = &r->stats;
-    char fingerprint[24]; /* text: a number of 64 bits is more than most readers of JSON hold */
+    char fingerprint[24]; /* text, because most JSON readers cannot hold numbers of 64 bits */
     snprintf(fingerprint, sizeof fingerprint, "%016llx", (unsigned long long)s->scene_fingerprint);
     json_t *root = json_of(
         JSON("fathom", fathom_version()), JSON("commit", machine_commit()),
@@ -171,8 +171,8 @@ static void print_details(const render_report *r, const render_options *options)
     left_out_print(&r->left_out, "left out ");
 }
 
-/* Says whether the error or the most samples ended it. A time limit, or a part of the image, tells nothing.
- */
+/* Prints whether the error or the maximum number of samples ended the render. With a time limit, or for a
+ * part of the image, this is not known. */
 static void print_why_it_ended(const render_report *r, const fathom_settings *s) {
     if (!(s->target_error > 0) || r->stats.finished < 1) return;
     if (r->stats.error_estimate <= s->target_error)

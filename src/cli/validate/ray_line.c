@@ -7,7 +7,8 @@
 
 #define LINE_ROOM 4608
 
-/* A field up to the next space, by its own reading of hexadecimal floats. */
+/* Reads a number that ends at the next space; accepts hexadecimal floats and rejects numbers that are not
+ * exact in float. */
 static bool take_number(const char **text, float *out) {
     char *end;
     double x = strtod(*text, &end);
@@ -44,7 +45,7 @@ static fathom_status fail_line(const ray_lines *lines, const char *what) {
     return fail_at(lines->context, FATHOM_BAD_INPUT, &place, "%s", what);
 }
 
-/* The text up to the end of the line, which is that of any system. */
+/* The text up to the end of the line; accepts the line ends of all systems. */
 static size_t take_line(ray_lines *lines, const char **text) {
     const char *at = *text = lines->at;
     while (at < lines->end && *at != '\n' && *at != '\r') ++at;
@@ -75,7 +76,7 @@ static bool parse_block(const char *text, ray_line *out) {
     return read && coherence <= TRACE_COHERENT && block->lanes <= LANES && block->lane < block->lanes;
 }
 
-/* The lines of the call behind a ray's line, if there are any. */
+/* Reads the lines of the call after a ray's line, if there are any. */
 static fathom_status read_block(ray_lines *lines, ray_line *out) {
     char copy[LINE_ROOM];
     const char *text;

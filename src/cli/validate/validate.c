@@ -12,7 +12,8 @@
 
 /* ---- results ---- */
 
-/* Few runs: an insertion keeps the scenes' order within each tracer. */
+/* Insertion sort, because it is stable and there are few runs: keeps the order of scenes within each
+ * tracer. */
 static void sort_by_tracer(validate_runs *runs) {
     for (size_t i = 1; i < runs->count; ++i) {
         const validate_run run = runs->items[i];
@@ -39,7 +40,7 @@ static uint64_t count_other(const validate_results *results, verdict v) {
     return sum;
 }
 
-/* A tracer's first run carries the findings about the tracer as a whole. */
+/* Stores the findings about a tracer as a whole in its first run. */
 static bool check_tracers(validate_runs *runs) {
     for (size_t i = 0, end; i < runs->count; i = end) {
         validate_run *run = &runs->items[i];
@@ -137,7 +138,7 @@ static fathom_status validate(fathom_context *context, const validate_settings *
 
 static const args_list default_tracers = {{"embree", "reference"}, 2};
 
-/* Several even on one processor: races want threads that interrupt each other. */
+/* At least four, even on one processor: races appear only if threads interrupt each other. */
 static unsigned judging_threads(void) { return processor_count() > 4 ? processor_count() : 4; }
 
 static fathom_status prepare_and_validate(fathom_context *context, void *user) {

@@ -9,10 +9,10 @@
 
 /* ---- running ---- */
 
-/* A case gets a twelfth of the rays that a family of a scene gets. */
+/* A case gets 1 / SHARE of the rays of a family in a scene. */
 #define SHARE 12
 
-/* At most so many failures of each family, case and tracer go to --failures. */
+/* Maximum number of failures of each family, case and tracer in --failures. */
 #define FAILURES_KEPT 100
 
 static const char *const default_tracers[] = {"linear:f32", "linear:f64", "bvh", "embree", "embree:user"};
@@ -118,7 +118,7 @@ static void print_group(const char *name) {
     print_heading(title);
 }
 
-/* Where the number is only one of a list, by words. */
+/* Prints the parameter; in words if the number is only an index in a list. */
 static void print_parameter(const extremes_row *row) {
     if (*extremes_meaning(group_of(row->group)))
         printf("%-*g", NAME_WIDTH, row->parameter);
@@ -126,7 +126,7 @@ static void print_parameter(const extremes_row *row) {
         printf("%-*.*s", NAME_WIDTH, NAME_WIDTH, row->words);
 }
 
-/* A line a case, of all its tracers; with --verbose one for each tracer too. */
+/* Prints one line per case for all tracers; with --verbose also one for each tracer. */
 static void print_cases(const extremes_rows *rows, bool verbose) {
     const char *group = "";
     extremes_row sum = {.rays = 0};
@@ -163,7 +163,7 @@ static void print_tracers(const extremes_rows *rows) {
     }
 }
 
-/* The table is long: what is wrong in it is said once more. */
+/* Repeats the wrong cases after the table, because the table is long. */
 static void print_wrong(const extremes_rows *rows) {
     for (size_t i = 0; i < rows->count; ++i) {
         const extremes_row *row = &rows->items[i];

@@ -1,6 +1,6 @@
-/* Failing rays as text: what they were asked of, and their numbers as hexadecimal floats, which lose nothing.
- * A ray asked for any hit has "any-" before its verdict. Lines that begin with + follow: the way of asking
- * and the answer, then all rays of the call. */
+/* Writes failing rays as text: tracer, scene and the numbers of the ray as hexadecimal floats, which are
+ * exact. Any-hit rays have "any-" before the verdict. Lines that begin with + follow: how the ray was traced
+ * and the result, then all rays of the call. */
 #include "cli/validate/validate.h"
 
 #include "base/file.h"
@@ -20,7 +20,7 @@ static int format_ray(const oracle_ray *r, char *out, size_t room) {
                     (double)r->t_far);
 }
 
-/* All of a line but the scene's name, which may be long. */
+/* A whole line except the scene's name, which may be long. */
 static void format_line(const char *spec, const compare_failure *f, char line[LINE_ROOM]) {
     int length =
         snprintf(line, LINE_ROOM, "%.100s %s %llu %s%s ", spec, rays_family_name(f->family),
@@ -97,28 +97,28 @@ fathom_status validate_write_failures(fathom_context *context, const validate_re
 typedef struct replay {
     const validate_settings *settings;
     judged_scene stage;
-    char scene[4096], spec[128]; /* that are open; "" at first */
+    char scene[4096], spec[128]; /* that are open; "" at the start */
     trace_tracer *tracer;
     compare_subject subject;
-    uint64_t rays, wrong, given; /* given: answers that are given again */
+    uint64_t rays, wrong, given; /* given: number of results equal to the recorded ones */
 } replay;
 
-/* What a file names is not what someone typed: scenes lie in the working folder, and no code is run. Extreme
- * cases and built-in scenes are names without a slash, and lie in it as well. */
+/* Unlike the command line, a file is not trusted: scenes must lie in the working folder, and no code is run.
+ * Names of extreme cases and built-in scenes have no slash, so they pass this check too. */
 static fathom_status check_names(fathom_context *context, const replay *r, const ray_line *line) {
     trace_spec spec;
     fathom_status status = FATHOM_OK;
     if (!r->settings->scene) status = file_confine(context, "", line->scene, line->scene);
     if (status != FATHOM_OK || r->settings->tracers.count) return status;
     status = trace_spec_parse(context, line->spec, &spec);
-    if (status == FATHOM_BAD_USAGE) return FATHOM_BAD_INPUT; /* the file used it */
+    if (status == FATHOM_BAD_USAGE) return FATHOM_BAD_INPUT; /* the wrong usage is in the file */
     if (status != FATHOM_OK || spec.kind != TRACE_PLUGIN) return status;
     return fail(context, FATHOM_BAD_INPUT,
                 "the tracer %s is a library; a file may not choose what code runs: expected --tracer %s",
                 line->spec, line->spec);
 }
 
-/* The scene and the tracer of the line, unless they are open already. */
+/* Opens the scene and the tracer of the line, unless they are open already. */
 static fathom_status open_subject(fathom_context *context, replay *r, const ray_line *line) {
     fathom_status allowed = check_names(context, r, line);
     if (allowed != FATHOM_OK) return allowed;
@@ -168,7 +168,7 @@ static void print_head(const replay *r, const ray_line *line, verdict v) {
            verdict_name(v));
 }
 
-/* The call as it was; of a line without one, the ray alone. */
+/* The original call; for a line without one, the ray alone. */
 static ask_block block_of(const ray_line *line) {
     if (line->has_block) return line->block;
     return (ask_block){.rays = {line->ray}, .lanes = 1, .any = line->any};

@@ -13,10 +13,10 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Right images fail one run in 500. With some 130 tests that puts each at about 4.2 standard errors, for
- * errors that are well known. */
+/* Correct images fail in one run of 500. With about 130 tests, each test fails at about 4.2 standard errors,
+ * if the standard errors are well known. */
 #define LEVEL 0.002
-/* Sums of a path's 65 products and as many terms, in float. */
+/* Rounding error in float of the 65 products of a path and the same number of sums. */
 #define ALLOWANCE 2e-5
 
 typedef struct light_work {
@@ -107,7 +107,8 @@ static fathom_status closed_forms(fathom_context *context, const validate_settin
 
 /* ---- a scene ---- */
 
-/* A scene is rendered many times, each time with the same warnings. user: a warning_list. */
+/* Prints each warning once: a scene is rendered many times, each time with the same warnings. user: a
+ * warning_list. */
 static void say_once(void *user, const char *message) {
     const warning_list *said = user;
     for (size_t i = 0; i < said->count; ++i) {
@@ -133,7 +134,7 @@ static fathom_status compare_scene(fathom_context *context, const validate_setti
                       .seed = settings->seed,
                       .threads = settings->common.threads ? settings->common.threads : processor_count(),
                       .allowance = ALLOWANCE};
-    /* The relative deviation of a sample is some 1 to 10. */
+    /* The relative standard deviation of a sample is about 1 to 10. */
     pair.samples = (uint64_t)(4 / (settings->light_error * settings->light_error));
     status = fathom_scene_check(scene);
     if (status == FATHOM_OK) status = laws_pair_run(context, scene, &pair, &d);

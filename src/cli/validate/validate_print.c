@@ -26,7 +26,7 @@ compare_family validate_sum_tracer(const validate_runs *runs, size_t first, size
     return sum;
 }
 
-/* Spent tracing closest hits, by one thread. */
+/* Time of one thread for tracing closest hits. */
 static double ns_per_ray(const validate_run *run) {
     uint64_t rays = run->result.rays;
     return rays ? (double)run->result.nanoseconds / (double)rays : 0;
@@ -106,7 +106,7 @@ static void print_run(const validate_run *run, bool verbose) {
     print_statistics(&sum, ns_per_ray(run));
 }
 
-/* ---- what a run is worth, and what it found ---- */
+/* ---- statistical power and findings ---- */
 
 static void print_power(const validate_runs *runs, size_t first, const compare_family *sum, size_t end) {
     const uint64_t wrong =
@@ -242,7 +242,7 @@ static json_t *pack_family(const char *name, const compare_family *f) {
     return family;
 }
 
-/* "AVX2", behind the comma of the name; NULL for other tracers than Embree. */
+/* "AVX2", after the comma in the name; NULL for tracers other than Embree. */
 static const char *isa_of(const validate_run *run) {
     const char *comma = strchr(run->tracer, ',');
     return strncmp(run->tracer, "Embree ", 7) == 0 && comma ? comma + 2 : NULL;

@@ -1,4 +1,4 @@
-/* Every tracer over every scene: builds both, records a render, and has all rays judged. */
+/* Checks every tracer over every scene: builds both, records a render, and checks all rays. */
 #include "cli/validate/validate.h"
 
 #include "base/clock.h"
@@ -11,16 +11,16 @@
 #include <string.h>
 
 #define FAILURES_KEPT 20000 /* of each family, for a file */
-#define FAILURES_FIRST 1000 /* of each family, for the page, which shows the first that are wrong */
+#define FAILURES_FIRST 1000 /* of each family, for the page, which shows the first wrong ones */
 
 typedef struct work {
     const validate_settings *settings;
     const fathom_scene *scene; /* NULL: a built-in one */
-    double next_look;          /* at its files */
+    double next_look;          /* when to check its files again */
     validate_results *results;
     unsigned scenes;
     uint64_t before, total; /* rays */
-    bool sampled;           /* the scene: the exact search itself does not depend on the tracer */
+    bool sampled; /* the exact search in this scene is already checked; it does not depend on the tracer */
 } work;
 
 static bool on_progress(void *user, uint64_t rays) {
@@ -43,16 +43,16 @@ static validate_run *add_run(validate_runs *runs, const char *scene, const char 
     return run->scene && run->spec ? run : NULL;
 }
 
-/* One whose arithmetic and structure are not the subject's, over the same world. */
+/* A tracer over the same world with other arithmetic and another structure than the subject. */
 static fathom_status second_tracer(fathom_context *context, const judged_scene *stage, const trace_spec *spec,
                                    trace_tracer **out) {
     const trace_options options = {.words = spec->kind == TRACE_BVH ? "embree:user" : "bvh", .width = LANES};
     return trace_create(context, stage->world, &options, out);
 }
 
-#define LARGE 100000 /* primitives: each ray costs more, and most of it is the same as in small scenes */
+#define LARGE 100000 /* primitives; rays cost more above, and mostly repeat the work of small scenes */
 
-/* Rays of each family: fewer in large scenes, and far fewer where each is tested against every primitive. */
+/* Number of rays of each family: fewer in large scenes, and far fewer if every primitive is tested. */
 static uint64_t rays_of(const work *k, const judged_scene *stage, const trace_tracer *tracer) {
     uint64_t count = 0;
     for (size_t g = 0; g < stage->world->geometries.count; ++g)
@@ -64,7 +64,7 @@ static uint64_t rays_of(const work *k, const judged_scene *stage, const trace_tr
                                                : 16;
 }
 
-/* Where no power is asked for, as much work as the judged rays are worth. */
+/* The default power; at most SCREENED_A_RAY screened rays per checked ray, so that both take similar work. */
 #define USUAL_POWER 3e-6
 #define SCREENED_A_RAY 100
 
@@ -77,7 +77,7 @@ static uint64_t screened_of(const work *k) {
 #define RENDER_WIDTH 48
 #define RENDER_WIDTH_SLOW 16
 
-/* Renders, then judges those rays and all families. */
+/* Renders, then checks the rays of the render and of all families. */
 static fathom_status compare_all(fathom_context *context, work *k, const judged_scene *stage,
                                  const compare_subject *subject, validate_run *run) {
     const validate_settings *settings = k->settings;

@@ -10,11 +10,11 @@
 
 static bool on_progress(void *user, const fathom_progress *progress) {
     (void)user;
-    (void)progress; /* of one of some hundred small images */
+    (void)progress; /* of one of about a hundred small images */
     return !interrupt_asked();
 }
 
-/* Rows of one group next to each other, in the order they came in. */
+/* Moves the rows of each group together, in their original order. */
 static void gather_groups(shading_rows *rows) {
     for (size_t i = 1; i < rows->count; ++i) {
         shading_row row = rows->items[i];
@@ -62,7 +62,7 @@ static void print_row(const shading_row *row) {
            row->expected, row->error, row->bound, row->ok ? "" : "  wrong");
 }
 
-/* A line for each group; what is wrong, and with --verbose every case, beneath it. */
+/* Prints a line for each group; below it the wrong cases, or with --verbose every case. */
 static size_t print_group(const shading_rows *rows, size_t first, bool verbose) {
     size_t end = first, wrong = 0;
     double most = 0;

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <time.h>
 
-/* Several even where there is one processor: a fault of theirs would show in any build. */
+/* More than one thread even on one processor: an error of parallel builds could appear in any build. */
 #define BUILD_THREADS 4
 
 static fathom_status open_scene(fathom_context *context, const char *name, fathom_scene **out) {
@@ -64,13 +64,13 @@ struct validate_decoys {
     fathom_scene *scene;
     world *world;
     trace_tracer *tracers[2];
-    fathom_context *context; /* of the thread */
+    fathom_context *context; /* context of the thread */
     pthread_t thread;
     bool started;
     atomic_bool stop;
 };
 
-/* So many builds, so far apart in nanoseconds: a build takes far less. */
+/* Number of builds, and the pause between them in nanoseconds; a build takes far less. */
 #define DECOY_BUILDS 40
 #define DECOY_PAUSE 2000000
 
@@ -86,7 +86,7 @@ static void *build_again(void *user) {
     const struct timespec pause = {.tv_nsec = DECOY_PAUSE};
     for (int k = 0; k < DECOY_BUILDS && !atomic_load(&d->stop); ++k) {
         trace_tracer *tracer = NULL;
-        (void)decoy(d->context, d, &tracer); /* a build that fails fails for the judged tracer, too */
+        (void)decoy(d->context, d, &tracer); /* an error here also occurs for the checked tracer */
         trace_destroy(tracer);
         nanosleep(&pause, NULL);
     }
@@ -103,7 +103,7 @@ fathom_status validate_decoys_begin(fathom_context *context, const char *text, v
     validate_decoys *d = *out = calloc(1, sizeof *d);
     if (!d) return fail_memory(context, sizeof *d);
     d->text = text;
-    /* Without a second thread nothing is built at the same time. */
+    /* Decoys need a second thread to build at the same time. */
     if (threads_granted(1) == 0) return FATHOM_OK;
     fathom_status status = fathom_context_create(&d->context);
     if (status == FATHOM_OK) status = builtin_create(context, decoy_scene(), &d->scene);

@@ -1,4 +1,4 @@
-/* Images as the public interface has them: read, looked into, compared. */
+/* Images of the public interface: reading, access to channels, comparison. */
 #include "base/file.h"
 #include "base/sized.h"
 #include "image/compare/flip.h"
@@ -7,14 +7,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* clang takes no comparison of floats for a constant. */
+/* In clang, a comparison of floats is not a constant expression. */
 _Static_assert((int)FATHOM_FLIP_PPD == (int)FLIP_PPD && (int)FATHOM_FLIP_PPD_LEAST == (int)FLIP_PPD_LEAST &&
                    (int)FATHOM_FLIP_PPD_MOST == (int)FLIP_PPD_MOST,
                "fathom/image.h says what FLIP takes");
 
 struct fathom_image {
     const image *img;
-    bool encoded; /* values are sRGB's; EXR holds linear ones */
+    bool encoded; /* values are sRGB; in EXR files they are linear */
     char path[];  /* for messages */
 };
 
@@ -169,7 +169,7 @@ static void take_plane(const image_channel *c, const fathom_image *from, float *
     }
 }
 
-/* The planes are in *memory, to be released with free(). */
+/* The planes are in *memory; the caller frees it. */
 static fathom_status take_image(fathom_context *context, const fathom_image *from, float **memory,
                                 metric_image *out) {
     static const char *const names[3] = {"R", "G", "B"};

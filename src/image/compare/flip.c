@@ -4,26 +4,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The paper's constants: exponents of the colour and the feature difference. Colour differences up to 0.4 of
- * the largest are spread over the first 0.95 of [0,1]. */
+/* The paper's constants: exponents of the colour and feature differences. Colour differences up to 0.4 of the
+ * maximum are mapped linearly to the first 0.95 of [0,1]. */
 #define COLOUR_POWER 0.7
 #define FEATURE_POWER 0.5
 #define KNEE_AT 0.4
 #define KNEE_VALUE 0.95
-/* Width in degrees of the edges that the eye sees best. */
+/* Width, in degrees, of the edges to which the eye is most sensitive. */
 #define FEATURE_WIDTH 0.082
 
 /* ---- colours ---- */
 
-/* XYZ over those of white, from the chromaticities of sRGB's primaries and of D65 as fractions: each row sums
- * to one. */
+/* XYZ divided by that of white. The coefficients are fractions from the chromaticities of sRGB's primaries
+ * and of D65; each row sums to one. */
 static void relative_xyz(const double c[3], double out[3]) {
     out[0] = (10135552 * c[0] + 8788810 * c[1] + 4435075 * c[2]) / 23359437;
     out[1] = (2613072 * c[0] + 8788810 * c[1] + 887015 * c[2]) / 12288897;
     out[2] = (1425312 * c[0] + 8788810 * c[1] + 70074185 * c[2]) / 80288307;
 }
 
-/* Its inverse, rounded. */
+/* The inverse, rounded. */
 static const double rgb_of_xyz[3][3] = {
     {3.080341988280461, -1.5373989694887855, -0.5429430187916751},
     {-0.9211783961651236, 1.875929983695176, 0.04524841246994758},
@@ -48,7 +48,7 @@ void flip_opponent_rgb(const double opponent[3], double out[3]) {
     for (int i = 0; i < 3; ++i) out[i] = rgb_of_xyz[i][0] * x + rgb_of_xyz[i][1] * y + rgb_of_xyz[i][2] * z;
 }
 
-/* CIE 15: a straight line below (6/29)³, where the cube root is too steep. */
+/* CIE 15: linear below (6/29)³, where the cube root is too steep. */
 static double lightness(double t) {
     const double delta = 6.0 / 29;
     return t > delta * delta * delta ? cbrt(t) : t / (3 * delta * delta) + 4.0 / 29;
@@ -67,20 +67,20 @@ double flip_hyab(const double a[3], const double b[3]) {
     return fabs(a[0] - b[0]) + hypot(a[1] - b[1], a[2] - b[2]);
 }
 
-/* ---- filters: each a product of one along rows and one along columns; the border goes on outside ---- */
+/* ---- separable filters; pixels outside repeat the border ---- */
 
 #define RADIUS_MOST 80 /* at FLIP_PPD_MOST a filter reaches 68 pixels */
 
 typedef struct kernel {
     int radius;
-    double weights[2 * RADIUS_MOST + 1]; /* the middle one at [radius] */
+    double weights[2 * RADIUS_MOST + 1]; /* the centre is at [radius] */
 } kernel;
 
 typedef struct image_size {
     size_t width, height;
 } image_size;
 
-/* Positive weights sum to one, negative ones to minus one. */
+/* Normalises: positive weights sum to one, negative ones to minus one. */
 static void balance(kernel *k) {
     double above = 0, below = 0;
     for (int i = 0; i <= 2 * k->radius; ++i) {
@@ -90,8 +90,8 @@ static void balance(kernel *k) {
     for (int i = 0; i <= 2 * k->radius; ++i) k->weights[i] /= k->weights[i] < 0 ? below : above;
 }
 
-/* exp(-x² / (2 sigma²)), x in pixels up to the radius; its first derivative, which finds edges; or its second
- * one, which finds points and lines. */
+/* exp(-x² / (2 sigma²)), with x in pixels up to the radius; or its first derivative, which detects edges; or
+ * its second derivative, which detects points and lines. */
 static kernel kernel_make(double sigma, int radius, int derivative) {
     kernel k = {.radius = radius};
     for (int x = -radius; x <= radius; ++x) {
@@ -102,7 +102,7 @@ static kernel kernel_make(double sigma, int radius, int derivative) {
     return k;
 }
 
-/* Extends the row beyond the border by its end values. */
+/* Extends the row on both sides by its first and last value. */
 static void extend_row(const double *row, size_t width, size_t radius, double *line) {
     for (size_t i = 0; i < radius; ++i) line[i] = row[0], line[radius + width + i] = row[width - 1];
     memcpy(line + radius, row, width * sizeof *row);
@@ -112,7 +112,7 @@ static void add_row(const double *restrict from, double weight, size_t width, do
     for (size_t x = 0; x < width; ++x) to[x] += weight * from[x];
 }
 
-/* `line` has room for a row and two radii; `out` is neither of the other arrays. */
+/* `line` has room for a row plus two radii; `out` must differ from the other arrays. */
 static void filter_rows(const double *in, image_size size, const kernel *k, double *line, double *out) {
     memset(out, 0, size.width * size.height * sizeof *out);
     for (size_t y = 0; y < size.height; ++y) {
@@ -138,8 +138,8 @@ static void filter_columns(const double *in, image_size size, const kernel *k, d
 
 struct flip_view {
     image_size size;
-    double *hunt[3];      /* colours after the eye's blur */
-    double *edge, *point; /* how much of either there is */
+    double *hunt[3];      /* colours after the contrast sensitivity filter */
+    double *edge, *point; /* strength of edges and points */
     unsigned char *broken;
     double *memory;
 };
@@ -149,11 +149,11 @@ struct flip_view {
 static const struct {
     double a, b;
 } sensitivity[3][2] = {{{1, 0.0047}, {0, 1e-5}}, {{1, 0.0053}, {0, 1e-5}}, {{34.1, 0.04}, {13.5, 0.025}}};
-#define WIDEST 0.04 /* b: all filters reach three deviations of the widest */
+#define WIDEST 0.04 /* largest b; the radius of all filters is three of its standard deviations */
 
 static double deviation_of(double b, double ppd) { return sqrt(b / (2 * M_PI * M_PI)) * ppd; }
 
-/* A Gaussian's part of the sum over the pixels, before normalisation. */
+/* A Gaussian's contribution to the sum of weights, before normalisation. */
 static double share_of(double a, double b, double ppd, int radius) {
     double sum = 0, sigma = deviation_of(b, ppd);
     for (int x = -radius; x <= radius; ++x) sum += exp(-x * x / (2 * sigma * sigma));
@@ -184,7 +184,7 @@ static void blur(const flip_view *v, int channel, double ppd, const workroom *ro
 
 /* ---- edges and points ---- */
 
-/* √(gx² + gy²) of a filter along x and along y; each is smoothed in the other direction. */
+/* √(gx² + gy²) of the filter along x and along y; each result is smoothed in the other direction. */
 static void detect(const flip_view *v, const kernel *k, const kernel *smooth, const workroom *room,
                    double *out) {
     size_t count = v->size.width * v->size.height;
@@ -217,7 +217,7 @@ static void take_channel(const metric_image *img, int channel, double *out) {
     }
 }
 
-/* Clamps blurred colours to those that a screen can show. */
+/* Clamps filtered colours to the range of a screen, and converts them to Hunt-adjusted L*a*b*. */
 static void see_colours(flip_view *v) {
     for (size_t p = 0; p < v->size.width * v->size.height; ++p) {
         double opponent[3] = {v->hunt[0][p], v->hunt[1][p], v->hunt[2][p]}, rgb[3], hunt[3];
@@ -279,7 +279,7 @@ void flip_view_destroy(flip_view *view) {
 
 /* ---- differences ---- */
 
-/* No two colours differ by more than green and blue. */
+/* The maximum difference of two colours is that of green and blue. */
 static double largest_colour(void) {
     double green[3], blue[3];
     flip_hunt((const double[3]){0, 1, 0}, green);
@@ -300,7 +300,7 @@ static double feature_difference(const flip_view *a, const flip_view *b, size_t 
     return pow(fmax(edge, point) / M_SQRT2, FEATURE_POWER);
 }
 
-/* A colour difference counts more where a feature differs too. */
+/* A feature difference increases the effect of a colour difference. */
 static double difference(const flip_view *a, const flip_view *b, size_t p, double largest) {
     if (a->broken[p] | b->broken[p]) return 1;
     return pow(colour_difference(a, b, p, largest), 1 - feature_difference(a, b, p));

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#define RELATIVE_FLOOR 0.01 /* as the literature has it, so that figures compare */
+#define RELATIVE_FLOOR 0.01 /* as in the literature, so that results are comparable */
 
 static size_t pixels_of(const metric_image *a) { return (size_t)a->width * a->height; }
 
@@ -29,7 +29,7 @@ double metric_rmse(const metric_image *a, const metric_image *b) {
 
 double metric_relmse(const metric_image *reference, const metric_image *test) {
     double sum = 0;
-    bool finite = true; /* an infinite reference would divide any difference away */
+    bool finite = true; /* an infinite reference would make every relative difference 0 */
     for (int c = 0; c < 3; ++c) {
         for (size_t i = 0; i < pixels_of(reference); ++i) {
             double r = (double)reference->rgb[c][i], d = (double)test->rgb[c][i] - r;

@@ -1,4 +1,4 @@
-/* Differences of two images over linear RGB, in double.
+/* Differences of two images in linear RGB, computed in double.
  *
  * An image is three planes of values, top row first. A pixel that is not finite in either image makes RMSE
  * and relative MSE infinite, has the largest error 1 in FLIP, and is counted by metric_nonfinite(). */
@@ -20,7 +20,7 @@ uint64_t metric_nonfinite(const metric_image *a, const metric_image *b);
 /* √(Σ (a - b)² / n) over the n values of all channels. */
 double metric_rmse(const metric_image *a, const metric_image *b);
 
-/* Σ (test - reference)² / (reference² + 0.01) / n over values, so that differences count relative to the
+/* Σ (test - reference)² / (reference² + 0.01) / n over values, so that differences are relative to the
  * reference (Rousselle, Knaus and Zwicker, Adaptive sampling and reconstruction using greedy error
  * minimization, 2011). */
 double metric_relmse(const metric_image *reference, const metric_image *test);

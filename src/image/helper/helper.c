@@ -23,7 +23,8 @@ extern char **environ;
 
 typedef enum helper_state { HELPER_NONE, HELPER_STARTING, HELPER_READY, HELPER_FAILED } helper_state;
 
-/* One for each request that may be under way at a time; the first serves whatever is no texture. */
+/* A helper process. It handles one request at a time; the first process handles all requests except
+ * textures. */
 typedef struct helper_process {
     pthread_mutex_t lock; /* guards the other members but `open`; held during a request */
     helper_state state;
@@ -31,10 +32,10 @@ typedef struct helper_process {
     pid_t child;
     int socket;
     wire_memory memory;
-    uint64_t process;     /* counts the starts: a multiple of HELPERS_MOST, and its number, from 1 */
-    unsigned open;        /* textures; atomic */
+    uint64_t process;     /* id of the current start: index + 1, plus HELPERS_MOST for each restart */
+    unsigned open;        /* number of open textures; atomic */
     char libraries[1024]; /* from its first reply */
-    char why[1024];       /* the last start failed */
+    char why[1024];       /* why the last start failed */
 } helper_process;
 
 static helper_process helpers[HELPERS_MOST] = {[0 ... HELPERS_MOST - 1] = {.lock = PTHREAD_MUTEX_INITIALIZER,
@@ -49,14 +50,14 @@ static void say(char text[1024], const char *format, ...) {
     va_end(list);
 }
 
-/* ---- its program ---- */
+/* ---- the program ---- */
 
-/* Relative to the folder of the file that holds this code: libfathom.so in a library folder, or a program in
- * bin/. IMAGE_LIBRARY_FOLDER: the installation's library folder, relative to its programs; IMAGE_MULTIARCH:
- * the system's name for the architecture, perhaps "". */
+/* Folders to search, relative to that of the file with this code: libfathom.so in a library folder, or a
+ * program in bin/. IMAGE_LIBRARY_FOLDER: the installation's library folder, relative to its programs;
+ * IMAGE_MULTIARCH: the system's name for the architecture, may be "". */
 static const char *const places[] = {"", IMAGE_LIBRARY_FOLDER "/", "../lib/", "../lib/" IMAGE_MULTIARCH "/"};
 
-/* The main program has an empty name in the link map. */
+/* Finds the file that contains this code. The main program has an empty name in the link map. */
 static bool own_file(char path[PATH_MAX]) {
     Dl_info info;
     struct link_map *map = NULL;
@@ -95,7 +96,7 @@ fathom_status helper_find(fathom_context *context) {
     return find_program(path, text) ? FATHOM_OK : fail_helper(context, text);
 }
 
-/* ---- its life ---- */
+/* ---- start and end ---- */
 
 static double limit_seconds(void) {
     const char *named = getenv("FATHOM_IMAGE_SECONDS");
@@ -103,7 +104,8 @@ static double limit_seconds(void) {
     return seconds > 0 && seconds <= 1e6 ? seconds : HELPER_SECONDS;
 }
 
-/* Under the lock. Ends the helper and releases its resources. A forked child only releases its copies. */
+/* The caller holds the lock. Kills the helper and releases its resources. A forked child only releases its
+ * copies. */
 static void end(helper_process *h) {
     if (h->socket >= 0) close(h->socket);
     h->socket = -1;
@@ -115,11 +117,11 @@ static void end(helper_process *h) {
     h->child = 0;
 }
 
-/* Under the lock. Says how the helper ended. */
+/* The caller holds the lock. Writes to `text` how the helper ended. */
 static void say_end(helper_process *h, char text[1024], const char *doing) {
     int status;
     pid_t found = 0;
-    for (int i = 0; i < 50 && found == 0; ++i) { /* its socket closes just before it ends */
+    for (int i = 0; i < 50 && found == 0; ++i) { /* the socket closes shortly before the process ends */
         found = waitpid(h->child, &status, WNOHANG);
         if (found == 0) usleep(2000);
     }
@@ -139,15 +141,15 @@ static void say_end(helper_process *h, char text[1024], const char *doing) {
             doing);
 }
 
-/* Moves a descriptor above those of the helper; it is closed in programs that are started. */
+/* Moves a descriptor to a number above those of the helper, with close-on-exec. */
 static int move_up(int descriptor) {
     int moved = descriptor < 0 ? -1 : fcntl(descriptor, F_DUPFD_CLOEXEC, 10);
     if (descriptor >= 0) close(descriptor);
     return moved;
 }
 
-/* The helper's output is discarded, and it gets no other descriptor of this process: a pipe that it held open
- * would keep its reader waiting. */
+/* The helper's output is discarded. It inherits no other descriptors: with a copy of a pipe's end in the
+ * helper, the pipe's reader would never see its end. */
 static bool spawn(helper_process *h, const char *path, int socket, int memory) {
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
@@ -173,7 +175,7 @@ static bool spawn(helper_process *h, const char *path, int socket, int memory) {
     return !failed;
 }
 
-/* Under the lock. */
+/* The caller holds the lock. */
 static void start(helper_process *h) {
     char path[PATH_MAX];
     int sockets[2] = {-1, -1};
@@ -184,7 +186,7 @@ static void start(helper_process *h) {
     h->socket = move_up(sockets[0]);
     int theirs = move_up(sockets[1]);
     h->memory.descriptor = move_up(memfd_create("fathom-image", MFD_CLOEXEC | MFD_ALLOW_SEALING));
-    /* A mapping of memory that shrinks would end this process. */
+    /* Access to a mapping of a file that shrank would end this process. */
     made = made && h->socket >= 0 && theirs >= 0 && h->memory.descriptor >= 0 &&
            fcntl(h->memory.descriptor, F_ADD_SEALS, F_SEAL_SHRINK) == 0 &&
            spawn(h, path, theirs, h->memory.descriptor);
@@ -199,7 +201,7 @@ static void start(helper_process *h) {
     end(h);
 }
 
-/* Under the lock. Receives the helper's first reply; waits for it if `wait`. */
+/* The caller holds the lock. Receives the helper's first reply; with `wait`, waits for it. */
 static void come_up(helper_process *h, bool wait) {
     wire_reply hello;
     int milliseconds = wait ? (int)(1000 * limit_seconds()) : 0;
@@ -222,7 +224,7 @@ static void come_up(helper_process *h, bool wait) {
     if (h->state == HELPER_FAILED) end(h);
 }
 
-/* Under the lock. A child of fork() starts a helper of its own. */
+/* The caller holds the lock. In a child of fork(), releases the parent's helper; the child starts its own. */
 static void disown(helper_process *h) {
     if (h->state == HELPER_NONE || h->owner == getpid()) return;
     end(h);
@@ -245,7 +247,7 @@ void helper_prefetch(unsigned count) {
 fathom_status image_prefetch_status(fathom_context *context) {
     char why[1024];
     helper_process *h = &helpers[0];
-    if (pthread_mutex_trylock(&h->lock) != 0) return FATHOM_OK; /* somebody waits for it */
+    if (pthread_mutex_trylock(&h->lock) != 0) return FATHOM_OK; /* another thread waits for the helper */
     disown(h);
     if (h->state == HELPER_STARTING) come_up(h, false);
     bool failed = h->state == HELPER_FAILED;
@@ -261,7 +263,8 @@ static fathom_status fail_text(helper_exchange *e, const char *text) {
     return FATHOM_OUT_OF_RESOURCES;
 }
 
-/* Under the lock: a helper that is ready. */
+/* The caller holds the lock. Makes the helper ready: starts it if necessary, and waits for its first
+ * reply. */
 static fathom_status be_ready(helper_process *h, helper_exchange *e) {
     disown(h);
     if (e->process && (h->state != HELPER_READY || e->process != h->process))
@@ -271,7 +274,7 @@ static fathom_status be_ready(helper_process *h, helper_exchange *e) {
     return h->state == HELPER_READY ? FATHOM_OK : fail_text(e, h->why);
 }
 
-/* Under the lock. */
+/* The caller holds the lock. */
 static fathom_status exchange(helper_process *h, helper_exchange *e) {
     if (e->request.size && !wire_memory_reach(&h->memory, e->request.size, true))
         return fail_text(e, errno == ENOMEM || errno == ENOSPC ? "out of memory" : strerror(errno));
@@ -290,8 +293,8 @@ static fathom_status exchange(helper_process *h, helper_exchange *e) {
     return FATHOM_OUT_OF_RESOURCES;
 }
 
-/* The one that has what the request is about; else, of those that it may take, one with the fewest open
- * textures. */
+/* The helper that owns the request's object; for process 0, the one with the fewest open textures of those
+ * that the request may use. */
 static helper_process *choose(const helper_exchange *e) {
     helper_process *best = &helpers[e->process ? (e->process - 1) % HELPERS_MOST : 0];
     for (unsigned i = 1; !e->process && i < e->helpers && i < HELPERS_MOST; ++i) {

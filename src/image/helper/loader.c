@@ -1,4 +1,4 @@
-/* The calls of module.h, each made in the helper. */
+/* The calls of module.h, each run in the helper. */
 #include "base/file.h"
 #include "image/helper/helper.h"
 #include "image/pack.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Something that is open in the helper. */
+/* An object that is open in the helper. */
 typedef struct remote {
     uint64_t object, process;
     unsigned threads;
@@ -27,7 +27,7 @@ static fathom_status lacks_memory(image_message *message) {
     return FATHOM_OUT_OF_RESOURCES;
 }
 
-/* Asks with what `b` holds, which is released. */
+/* Sends the request with the contents of `b`, and releases `b`. */
 static fathom_status ask_with(helper_exchange *e, wire_buffer *b, image_message *message) {
     e->bytes = b->items, e->request.size = b->count;
     fathom_status status = b->lost ? lacks_memory(message) : ask(e, message);
@@ -35,7 +35,8 @@ static fathom_status ask_with(helper_exchange *e, wire_buffer *b, image_message 
     return status;
 }
 
-/* The same to open something. Without memory the helper keeps it open until it ends. */
+/* The same for a request that opens an object. If this process is out of memory, the object stays open until
+ * the helper ends. */
 static fathom_status open_with(helper_exchange *e, wire_buffer *b, image_message *message, remote **out) {
     fathom_status status = ask_with(e, b, message);
     if (status != FATHOM_OK) return status;
@@ -101,14 +102,14 @@ static fathom_status close_writer(image_writer *writer, bool finish, image_messa
 
 /* ---- reading ---- */
 
-/* An image that was read; everything that it points to lies in `bytes`. */
+/* An image that was read. All its pointers point into `bytes`. */
 typedef struct read_image_memory {
     image img;
     wire_image parts;
     unsigned char *bytes;
 } read_image_memory;
 
-/* Checks the sizes that the helper gave. */
+/* Sets the channels' planes, after checking the helper's sizes. */
 static bool place_planes(read_image_memory *m, uint64_t described, uint64_t size) {
     const image *img = &m->parts.img;
     uint64_t at = (described + WIRE_ALIGNED - 1) / WIRE_ALIGNED * WIRE_ALIGNED;
@@ -147,7 +148,7 @@ static fathom_status take_image(void *user, const unsigned char *bytes, const wi
     return status;
 }
 
-/* The working folder of the helper may differ, so it gets a whole path. */
+/* The helper may have another working directory, so it gets an absolute path. */
 static const char *whole_path(const char *path, char whole[PATH_MAX]) {
     return path && realpath(path, whole) ? whole : path;
 }

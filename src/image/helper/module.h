@@ -1,12 +1,12 @@
-/* The calls between C and the C++ of OpenImageIO and OpenColorIO: fathom_image.so offers them to the image
- * helper, and image_calls to the library. No exception passes: each call returns a status, and its reason in
- * `message`. */
+/* The interface between C and the C++ libraries OpenImageIO and OpenColorIO. fathom_image.so implements it
+ * for the image helper, and image_calls for the library. No call throws: each returns a status, with the
+ * reason in `message`. */
 #ifndef IMAGE_MODULE_MODULE_H
 #define IMAGE_MODULE_MODULE_H
 
 #include "image/image.h"
 
-/* Grows with every change of this file: a module of another build is refused, not called. */
+/* Increases with every change of this file: a module of another build is refused before any call. */
 #define IMAGE_MODULE_VERSION 8
 #define IMAGE_MODULE_SYMBOL "fathom_image_module"
 
@@ -20,11 +20,11 @@ typedef enum image_storage {
     IMAGE_STORE_HALF,
     IMAGE_STORE_FLOAT,
     IMAGE_STORE_UINT,
-    IMAGE_STORE_U16 /* of mip-mapped files alone */
+    IMAGE_STORE_U16 /* only in mip-mapped files */
 } image_storage;
 
-/* A file to be written: its bytes go to `file` in order, or to `descriptor` by offset, which the writer
- * closes; `path` is for messages. Only these two are used after the call. */
+/* A file to write. Its bytes go to `file` in order, or to `descriptor` by offset, which the writer closes.
+ * `path` is for messages. After the call only `file` and `descriptor` are used. */
 struct file_writer; /* base/file.h */
 
 typedef struct image_target {
@@ -35,10 +35,10 @@ typedef struct image_target {
     unsigned threads;
     bool srgb;        /* mark the pixels as sRGB */
     const char *date; /* "2026:11:22 16:45:33", for formats that hold one; NULL: now */
-    bool mipmapped;   /* TIFF alone: tiles of IMAGE_TILE; smaller levels follow */
-    const image *img; /* sizes, attributes, names of channels; not their pixels */
+    bool mipmapped;   /* only TIFF: tiles of IMAGE_TILE; smaller levels follow */
+    const image *img; /* sizes, attributes, names of channels; pixels are not used */
     const image_storage
-        *storage; /* of each channel; EXR takes a mixture, mip-mapped files any one, others bytes */
+        *storage; /* of each channel; a mixture only in EXR; others bytes, mip-mapped files any one */
 } image_target;
 
 /* A display and view of a config. NULL: the built-in config, the config's default display, the display's
@@ -54,7 +54,7 @@ typedef struct image_writer_calls {
     fathom_status (*open)(const image_target *target, image_writer **out, image_message *message);
     /* Writes the next `count` rows: pixels of interleaved channels, each in its storage. */
     fathom_status (*rows)(image_writer *writer, uint32_t count, const void *pixels, image_message *message);
-    /* Ends the writer, even if it fails; `finish` false abandons the file. */
+    /* Ends the writer, even on failure; `finish` false abandons the file. */
     fathom_status (*close)(image_writer *writer, bool finish, image_message *message);
 } image_writer_calls;
 
@@ -66,35 +66,34 @@ static inline size_t image_texel_size(image_texel texel) {
     return texel == IMAGE_TEXEL_U8 ? 1 : texel == IMAGE_TEXEL_FLOAT ? 4 : 2;
 }
 
-/* The tiles that are read where they are lie within these. */
+/* The tiles of mip-mapped files that are read in place lie within tiles of this size. */
 #define IMAGE_TILE 64u
 
-/* The content comes from `path`, or from `descriptor`, which the reader closes, if path is NULL. */
+/* The content comes from `path`. If path is NULL, it comes from `descriptor`, which the reader closes. */
 typedef struct image_texture_request {
     const char *path;
     int descriptor;
     const char *config; /* of OpenColorIO; NULL: the built-in one */
     const char
-        *space; /* texels are converted from this space to linear Rec.709; NULL: they stay as they are */
-    uint64_t most_side, most_texels; /* larger images are refused */
+        *space; /* texels are converted from this space to linear Rec.709; NULL: they are not converted */
+    uint64_t most_side, most_texels; /* larger images are rejected */
     unsigned threads;
     unsigned helpers; /* processes that the library may choose from; 0: one */
 } image_texture_request;
 
 typedef struct image_texture_info {
     uint32_t width, height;
-    uint32_t channels; /* 1: grey; 2: grey, alpha; 3: R, G, B; 4: R, G, B, alpha, not premultiplied */
-    image_texel sent;  /* the type of what is read */
+    uint32_t channels; /* 1: grey; 2: grey, alpha; 3: R, G, B; 4: R, G, B, alpha; not premultiplied */
+    image_texel sent;  /* the type of the texels that read() returns */
     image_texel kept;  /* the type that keeps its precision */
-    uint32_t band;     /* rows are read in multiples of this, or to the end */
+    uint32_t band;     /* read() takes rows in multiples of this, or up to the end */
     bool
-        mipmapped; /* tiles within IMAGE_TILE, and each level half as large as the one before, rounded down */
+        mipmapped; /* tiles at most IMAGE_TILE wide; each level half the size of the previous, rounded down */
     char format[32]; /* "png", "openexr" */
 } image_texture_info;
 
 /* Texels [x0, x1) × [y0, y1). Level 0 unless the file is mip-mapped; then x0 and y0 are multiples of
- * IMAGE_TILE, and x1 and y1 too, or the level ends there. Otherwise whole rows, from the top to the bottom.
- */
+ * IMAGE_TILE, and x1 and y1 too, or the level ends there. Otherwise whole rows, in order from the top. */
 typedef struct image_region {
     uint32_t level, x0, y0, x1, y1;
 } image_region;
@@ -104,7 +103,7 @@ typedef struct image_texture image_texture;
 typedef struct image_texture_calls {
     fathom_status (*open)(const image_texture_request *request, image_texture **out, image_texture_info *info,
                           image_message *message);
-    /* Interleaved texels, as many bytes as the region has. */
+    /* Reads interleaved texels; `bytes` is the size of the region. */
     fathom_status (*read)(image_texture *texture, const image_region *region, void *texels, size_t bytes,
                           image_message *message);
     void (*close)(image_texture *texture);
@@ -117,18 +116,18 @@ typedef struct image_module {
     fathom_status (*read)(const char *path, unsigned threads, const image **out, image_message *message);
     void (*release)(const image *img);
 
-    /* *srgb: whether the view is for an sRGB screen. */
+    /* *srgb: whether the result of the view is sRGB. */
     fathom_status (*view_open)(const image_view_request *request, image_view **out, bool *srgb,
                                image_message *message);
-    /* In place, on `count` pixels of four floats; finite values only. The number of threads changes no pixel.
-     */
+    /* Works in place on `count` pixels of four floats, all finite. The result does not depend on the number
+     * of threads. */
     fathom_status (*view_apply)(const image_view *view, unsigned threads, float *rgba, size_t count,
                                 image_message *message);
     void (*view_close)(image_view *view);
 
     image_texture_calls texture;
-    /* Begins the next level of a mip-mapped file, when the last one has all its rows. Its rows, but for the
-     * last, come in multiples of IMAGE_TILE. */
+    /* Begins the next level of a mip-mapped file, after all rows of the previous one. Each rows() call for it
+     * has a multiple of IMAGE_TILE rows, except the last one. */
     fathom_status (*writer_level)(image_writer *writer, uint32_t width, uint32_t height,
                                   image_message *message);
 

@@ -13,8 +13,8 @@
 
 /* ---- the shared memory ---- */
 
-/* posix_fallocate() fails without memory or beyond ulimit -f; writing to unallocated pages would be a SIGBUS.
- */
+/* posix_fallocate() fails when out of memory or above ulimit -f. Without it, writing to unallocated pages
+ * would cause SIGBUS. */
 static bool grow_file(int descriptor, size_t size) {
     errno = posix_fallocate(descriptor, 0, (off_t)size);
     return errno == 0;
@@ -61,7 +61,7 @@ void wire_put_text(wire_buffer *b, const char *text) {
     if (text) wire_put(b, text, strlen(text) + 1);
 }
 
-/* NULL when there are fewer bytes. */
+/* NULL if fewer bytes remain. */
 static const void *wire_take(wire_cursor *c, size_t size) {
     if (c->bad || (size_t)(c->end - c->at) < size) {
         c->bad = true;
@@ -124,7 +124,7 @@ static bool take_channels(wire_cursor *c, wire_image *out) {
     return true;
 }
 
-/* `numbers` has room for everything that the memory can hold. */
+/* out->numbers has room for all numbers that the memory can hold. */
 static bool take_attributes(wire_cursor *c, wire_image *out) {
     double *room = out->numbers;
     for (size_t i = 0; i < out->img.attribute_count; ++i) {
@@ -141,7 +141,7 @@ static bool take_attributes(wire_cursor *c, wire_image *out) {
     return true;
 }
 
-/* A channel takes at least 13 bytes and an attribute 12, which limits their counts. */
+/* A channel takes at least 13 bytes and an attribute at least 12, which limits their counts. */
 bool wire_take_image(wire_cursor *c, wire_image *out) {
     *out = (wire_image){.storage = NULL};
     image *img = &out->img;

@@ -1,8 +1,8 @@
 /* The protocol between the library and its image helper.
  *
- * Requests and replies are structs of fixed size over a socket; data of variable size lies in shared memory.
- * One request is under way at a time. The helper sends one reply unasked, when it has loaded its libraries.
- * The library checks every size and text that it reads from the shared memory. */
+ * Requests and replies are structs of fixed size, sent over a socket. Data of variable size lies in shared
+ * memory. There is one request at a time. The helper sends one reply without a request, when it has loaded
+ * its libraries. The library checks every size and text that it reads from the shared memory. */
 #ifndef IMAGE_HELPER_WIRE_H
 #define IMAGE_HELPER_WIRE_H
 
@@ -12,13 +12,13 @@
 #define WIRE_SOCKET 3
 #define WIRE_MEMORY 4
 
-/* Grows with every change of the protocol. */
+/* Increases with every change of the protocol. */
 #define WIRE_VERSION 4u
 
 typedef enum wire_op {
-    WIRE_OPEN,  /* begins a file; the request carries its descriptor; the memory holds a wire image */
+    WIRE_OPEN,  /* opens a file; its descriptor comes with the request; the memory holds a wire image */
     WIRE_ROWS,  /* `count` rows of `object`; the memory holds their `size` bytes */
-    WIRE_LEVEL, /* the next level of `object`: its width times 2^32, and its height, are `count` */
+    WIRE_LEVEL, /* the next level of `object`; `count` is its width times 2^32 plus its height */
     WIRE_CLOSE, /* ends `object`; count 0: the file is abandoned */
     WIRE_READ,  /* the memory holds a path, and afterwards a wire image and its planes */
     WIRE_VIEW,  /* the memory holds config, display and view */
@@ -37,7 +37,7 @@ typedef struct wire_request {
 typedef struct wire_reply {
     uint32_t version, status; /* fathom_status */
     uint64_t object, size;
-    uint32_t flag; /* of a view: it ends in sRGB */
+    uint32_t flag; /* of a view: its result is sRGB */
     char text[1024];
 } wire_reply;
 
@@ -67,14 +67,14 @@ void wire_put_text(wire_buffer *b, const char *text);
 
 typedef struct wire_cursor {
     const unsigned char *at, *end;
-    bool bad; /* the bytes ended too early: everything read since is 0 or NULL */
+    bool bad; /* the bytes ended too early; all later reads return 0 or NULL */
 } wire_cursor;
 
 uint32_t wire_take_u32(wire_cursor *c);
-/* Lies in the memory; NULL where NULL was put. */
+/* The text stays in the shared memory; NULL if NULL was put. */
 const char *wire_take_text(wire_cursor *c);
 
-/* ---- an image's description: all but its pixels ---- */
+/* ---- an image's description: everything except its pixels ---- */
 
 /* storage: of each channel, or NULL. */
 void wire_put_image(wire_buffer *b, const image *img, const image_storage *storage);
@@ -96,16 +96,15 @@ void wire_put_texture(wire_buffer *b, const image_texture_info *info);
 /* False when a number is out of range. */
 bool wire_take_texture(wire_cursor *c, image_texture_info *out);
 
-/* The planes of a read image follow its description from a multiple of this: width × height values of four
- * bytes each. */
+/* Alignment of the planes that follow the description of a read image: width × height values of four bytes
+ * each. */
 #define WIRE_ALIGNED 64
 
 /* ---- a message ---- */
 
-/* Sends a message, with a descriptor unless it is -1. False when the other side is gone. */
+/* Sends a message, with a descriptor unless it is -1. False if the other process has closed the socket. */
 bool wire_send(int socket, const void *message, size_t size, int descriptor);
-/* Waits for up to `milliseconds`, or without end if -1. *descriptor, unless NULL, receives the descriptor or
- * -1. */
+/* Waits for up to `milliseconds`; -1: no limit. *descriptor, unless NULL, receives the descriptor or -1. */
 typedef enum wire_result { WIRE_CAME, WIRE_GONE, WIRE_LATE } wire_result;
 wire_result wire_receive(int socket, void *message, size_t size, int milliseconds, int *descriptor);
 

@@ -1,4 +1,4 @@
-/* Lanes of blocks, moved together. */
+/* Copies lanes of blocks to consecutive positions. */
 #include "base/kernel.h"
 #include "integrate/kernels/kernel.h"
 #include "math/lanes.h"

@@ -28,8 +28,8 @@ static uint32_t alike(const uint32_t key[LANES], uint32_t one) {
 
 /* ---- shadows ---- */
 
-/* The ray ends before the light, not behind it: two roundings enter the distance, and one the product. What
- * surfaces near the light need is in the distance already (light/kernels/light.c). */
+/* The ray ends before the light, not behind it: two roundings enter the distance, and one the product. The
+ * distance already includes the clearance from surfaces near the light (light/kernels/light.c). */
 static const float before_light = 1 - 4 * 0x1p-24f;
 
 static uint32_t shadow_rays(const light_block *light, const float gain[3][LANES], float t_near,
@@ -47,7 +47,7 @@ static uint32_t shadow_rays(const light_block *light, const float gain[3][LANES]
     return bits;
 }
 
-/* Each product is limited before the next, so that no infinity meets a zero. */
+/* Each product is limited before the next, so that infinity is never multiplied by zero. */
 static void gains(const path_block *path, const light_block *light, const bsdf_value *value,
                   float (*restrict gain)[LANES]) {
     for (int c = 0; c < 3; ++c) {
@@ -59,7 +59,8 @@ static void gains(const path_block *path, const light_block *light, const bsdf_v
     }
 }
 
-/* For blocks of neighbouring pixels, which most are. An occluded lane adds 0, which changes no sum. */
+/* For blocks of neighbouring pixels, the most frequent case. An occluded lane adds 0, which changes no
+ * sum. */
 static void add_seen_row(const trace_rays *rays, const float gain[LANES], float *restrict to) {
     for (int i = 0; i < LANES; ++i) to[i] += chosen(rays->t_far[i] < 0 ? ~0u : 0, 0, gain[i]);
 }

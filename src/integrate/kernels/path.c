@@ -1,4 +1,4 @@
-/* Light that the vertices of paths ask for. */
+/* Light samples of path vertices, and the scattered rays. */
 #include "base/kernel.h"
 #include "integrate/path_kernels.h"
 #include "math/limit.h"
@@ -43,7 +43,7 @@ static void weigh(const path_block *path, const emitter_sample *light, const lan
     }
 }
 
-/* ---- the way on ---- */
+/* ---- scattered rays ---- */
 
 static void carry(const path_block *path, const shader_sample *to, float (*restrict weight)[LANES]) {
     for (int c = 0; c < 3; ++c) {
@@ -53,8 +53,9 @@ static void carry(const path_block *path, const shader_sample *to, float (*restr
 
 static inline float larger(float a, float b) { return a > b ? a : b; }
 
-/* The chance to go on is the largest part of the weight, so that weights grow to 1 at most; what the camera
- * would see of a path says nothing about the light it will meet. */
+/* The probability to continue is the largest component of the weight, at most 1, so roulette raises weights
+ * to at most 1. The fraction of a path that the camera would see says nothing about the light that the path
+ * will hit. */
 static uint32_t survive(const float u[LANES], float (*restrict weight)[LANES]) {
     uint32_t bits = 0;
     float chance[LANES];

@@ -15,19 +15,19 @@
 SIZED_DEFAULT_OWN(fathom_checkpoint, {.every = 60})
 
 struct checkpoint {
-    fathom_context *context, *saving; /* the second is for the thread that saves */
+    fathom_context *context, *saving; /* saving: for the thread that saves */
     fathom_checkpoint options;
-    file_lock *file; /* two renders would each write over what the other saved */
+    file_lock *file; /* held so that no other render overwrites the file */
     fathom_settings settings;
     const fathom_scene *scene;
     fathom_film *film;
     checkpoint_key key;
-    pthread_mutex_t lock; /* of the state */
+    pthread_mutex_t lock; /* guards the state */
     checkpoint_state state;
     checkpoint_past before;
-    double began, next; /* clock_seconds(): of rendering; when to save again */
+    double began, next; /* clock_seconds() at the start of rendering, and of the next save */
 
-    /* The save that is under way. */
+    /* The save in progress. */
     pool_task task;
     bool is_saving;
     atomic_bool give_up;
@@ -150,7 +150,7 @@ static void finish_save(checkpoint *c) {
     c->is_saving = false;
     c->next = clock_seconds() + c->options.every;
     c->film->stats.checkpoint_seconds += c->seconds;
-    /* Nothing is saved of a scene whose files changed: that ends the render. */
+    /* These are not reported: the save was cancelled, or the scene's files changed, which ends the render. */
     if (c->status == FATHOM_INTERRUPTED || c->status == FATHOM_BAD_INPUT) return;
     if (c->status == FATHOM_OK) ++c->film->stats.checkpoints;
     if (c->options.saved) {
@@ -174,7 +174,7 @@ void checkpoint_tick(checkpoint *c, double fraction, uint64_t rays) {
     finish_save(c);
 }
 
-/* The one under way is older than what comes next: another one, or the image. */
+/* Cancels a save in progress: a newer save or the finished image replaces it. */
 void checkpoint_end(checkpoint *c, bool interrupted, double fraction, uint64_t rays) {
     if (c->is_saving) {
         atomic_store(&c->give_up, true);
@@ -216,7 +216,7 @@ unit_sink checkpoint_sink(checkpoint *c) { return (unit_sink){finish, c}; }
 
 bool checkpoint_is_begun(const checkpoint *c, uint32_t place) { return c->state.records[place]; }
 
-/* Threads that render alone put records there, each for its own waves. */
+/* Needs no lock: only rendering threads store records, each for its own waves. */
 bool checkpoint_resume(checkpoint *c, uint32_t place, adaptive_wave *a) {
     const unsigned char *record = c->state.records[place];
     if (record) adaptive_record_load(&c->settings, record, a);

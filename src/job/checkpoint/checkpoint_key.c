@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Settings that mean the same have the same key. */
+/* Settings with the same meaning get the same key. */
 void checkpoint_key_of(const fathom_settings *settings, uint64_t scene, checkpoint_key *out) {
     fathom_settings s = *settings;
     const settings_region r = settings_region_of(&s);

@@ -1,5 +1,5 @@
-/* A checkpoint from its bytes. Nothing is allocated but the records of waves, whose sizes follow from this
- * render and whose bytes are all there. */
+/* Reads a checkpoint from bytes. The only allocations are the records of waves. Their sizes follow from this
+ * render, and their bytes were found in the file before. */
 #include "base/hash.h"
 #include "job/adaptive_record.h"
 #include "job/checkpoint/checkpoint_state.h"
@@ -21,7 +21,7 @@ static fathom_status damaged(const reading *r, const char *what) {
                      "the checkpoint is damaged: %s; remove it to render from the beginning", what);
 }
 
-/* NULL when there are not as many bytes. */
+/* NULL if fewer bytes are left. */
 static const unsigned char *take(reading *r, size_t bytes) {
     if (r->left < bytes) return NULL;
     const unsigned char *from = r->at;
@@ -50,7 +50,7 @@ static fathom_status check_format(reading *r) {
                      format, CHECKPOINT_FORMAT);
 }
 
-/* The hash of all bytes before the last eight. */
+/* Checks the hash of all bytes before the last eight. */
 static fathom_status check_sum(reading *r, const unsigned char *bytes, size_t size) {
     uint64_t sum;
     hash h;
@@ -81,7 +81,7 @@ static fathom_status read_record(reading *r, uint32_t place) {
     return FATHOM_OK;
 }
 
-/* In rising order: none comes twice. */
+/* Records are in ascending order, so none occurs twice. */
 static fathom_status read_records(reading *r) {
     for (uint64_t next = 0;;) {
         uint32_t head[2];
@@ -117,7 +117,8 @@ static bool read_wave(reading *r, uint32_t wave) {
     return from;
 }
 
-/* What is finished needs no record: one may have been saved just before. */
+/* Discards the records of waves with finished squares: a record may have been saved just before its wave
+ * finished. */
 static fathom_status read_film(reading *r) {
     checkpoint_state *state = r->state;
     for (uint32_t i = 0; i < state->grid.count; ++i) {

@@ -26,7 +26,7 @@ uint64_t checkpoint_pixels(const wave_grid *grid, uint32_t wave, uint64_t square
     return unit_pixels(&unit);
 }
 
-/* A square in the image. The film shows the part from (x0, y0) up to but not including (x1, y1). */
+/* A square in the image. The film shows its part [x0, x1) × [y0, y1). */
 typedef struct part {
     uint32_t left, top, x0, y0, x1, y1;
 } part;

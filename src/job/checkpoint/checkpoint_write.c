@@ -49,7 +49,7 @@ static void put_head(output *o, const checkpoint_key *key) {
     put(o, key->settings, sizeof key->settings);
 }
 
-/* Copied under the lock, which is not held while the disk may be waited for. */
+/* Copies the record under the lock; the lock is not held while the file is written. */
 static bool copy_record(output *o, uint32_t place, size_t bytes) {
     pthread_mutex_lock(o->lock);
     const unsigned char *record = o->state->records[place];
@@ -70,7 +70,8 @@ static void put_records(output *o) {
     put(o, last, sizeof last);
 }
 
-/* After the records: what was finished meanwhile is in the film, what was not has its record. */
+/* Comes after the records: a wave that finished in the meantime is in the film, and any other has its
+ * record. */
 static void put_progress(output *o) {
     const size_t bytes = o->state->grid.count * sizeof *o->room->squares;
     pthread_mutex_lock(o->lock);

@@ -16,7 +16,7 @@
 
 SIZED_DEFAULT_OWN(fathom_part, {.split = FATHOM_SPLIT_AUTO})
 
-/* Bytes that wait for the next tick, unless there are more. */
+/* Bytes that may wait for the next tick; more are written at once. */
 #define WAITING ((size_t)1 << 20)
 
 struct part {
@@ -24,23 +24,21 @@ struct part {
     const char *path;
     file_lock *lock;
     int file;   /* < 0: not open */
-    off_t size; /* of what is whole in the file; 0: no head yet */
+    off_t size; /* bytes of whole records in the file; 0: no head yet */
     part_head head;
     part_shape shape;
     fathom_film *film;
-    bool *done; /* of each tile */
+    bool *done; /* for each tile */
     wave_share share;
-    pthread_mutex_t mutex; /* of the following */
+    pthread_mutex_t mutex; /* guards the following */
     unsigned char *waiting;
     size_t used, room;
-    int error; /* errno of the write that failed */
+    int error; /* errno of the failed write */
 };
 
 /* ---- what can be split, and how ---- */
 
-/* FATHOM_BAD_USAGE when the numbers make no sense, FATHOM_OUT_OF_RESOURCES when the file could not be
- * written.
- */
+/* FATHOM_BAD_USAGE: the numbers are invalid; FATHOM_OUT_OF_RESOURCES: the file could not be written. */
 static fathom_status part_check(fathom_context *context, const fathom_part *options) {
     if (!options->path) return fail_null(context, "part: path");
     if (!options->index || options->index > options->count || options->count > PART_MOST) {
@@ -111,7 +109,7 @@ static void count_before(part *p, const part_record *r) {
     b->rays += r->rays.camera + r->rays.shadow + r->rays.reflection + r->rays.refraction;
 }
 
-/* What follows the last whole record was being written when the process ended. */
+/* Bytes after the last whole record are discarded: the process ended while it wrote them. */
 static fathom_status read_map(part *p, const file_map *map) {
     part_head theirs;
     fathom_status status = part_head_read(p->context, p->path, map->bytes, map->size, &theirs);
@@ -128,7 +126,7 @@ static fathom_status read_map(part *p, const file_map *map) {
     return FATHOM_OK;
 }
 
-/* Killed before its head was whole: there is nothing in it. */
+/* False if the writer was killed before the head was complete: the file then holds no data. */
 static bool is_begun(const part *p) {
     char bytes[sizeof(part_head) + sizeof(uint64_t)] = "";
     const ssize_t size = read(p->file, bytes, sizeof bytes);

@@ -24,7 +24,7 @@ static uint32_t common_divisor(uint32_t a, uint32_t b) {
     return a;
 }
 
-/* Every tile has a place of its own only where the stride has no divisor in common with their number. */
+/* The stride must be coprime to the number of tiles, so that each tile gets its own place. */
 static uint32_t stride_of(uint32_t count) {
     uint32_t stride = (uint32_t)(0.618033988749895 * count);
     while (common_divisor(stride, count) != 1) ++stride;
@@ -102,7 +102,7 @@ static bool is_whole(const part_head *h) {
            ends(h->stats.tracer, sizeof h->stats.tracer);
 }
 
-/* What a hash of its own does not make sure of: that this program's checks hold for it. */
+/* A correct hash does not prove that the values are valid, so check them. */
 static bool makes_sense(const part_head *h) {
     const bool split = h->split == FATHOM_SPLIT_SAMPLES || h->split == FATHOM_SPLIT_TILES;
     if (!split || !h->index || h->index > h->count || h->count > PART_MOST || h->settings.tracer ||

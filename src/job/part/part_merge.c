@@ -1,4 +1,4 @@
-/* Parts to a film. Their files stay mapped meanwhile: one tile after another is read from all of them. */
+/* Merges parts into a film. Their files stay mapped; each tile is read from all parts before the next one. */
 #include "base/file.h"
 #include "base/sized.h"
 #include "integrate/parts.h"
@@ -13,12 +13,12 @@ typedef struct source {
     file_map map;
     part_head *head;
     part_shape shape;
-    size_t *tiles; /* of each, where its bytes are; only with samples */
+    size_t *tiles; /* for each tile, the offset of its bytes; only with samples */
 } source;
 
 typedef struct merging {
     fathom_context *context;
-    source *sources; /* by part, once ordered */
+    source *sources; /* by part, after order() */
     size_t count;
     fathom_film *film;
     bool *done;
@@ -59,7 +59,7 @@ static fathom_status open_source(const merging *m, source *s) {
 
 #define LISTED 200
 
-/* "3, 7, 9"; ends with "…" where there are more than fit. */
+/* "3, 7, 9"; ends with "…" if more are missing than fit. */
 static void list_missing(const source *const *by_part, uint32_t count, char out[LISTED + 8]) {
     size_t used = 0;
     out[0] = '\0';
@@ -91,7 +91,7 @@ static fathom_status find_parts(const merging *m, const source **by_part) {
                      "is one of %u parts, and missing are: %s", count, missing);
 }
 
-/* Each part once: puts them into their order. */
+/* Sorts the parts, and checks that each occurs once. */
 static fathom_status order(merging *m) {
     const uint32_t count = m->sources[0].head->count;
     const source **by_part = calloc(count, sizeof *by_part);
@@ -172,8 +172,8 @@ static fathom_status read_parts(merging *m) {
 typedef struct adding {
     pixel_sums sums;
     sum_stack stack;
-    sum_node *nodes;  /* of one part, and those of the stack */
-    size_t square_at; /* bytes of a tile before this square, over those of a square */
+    sum_node *nodes;  /* of one part, then the stack's */
+    size_t square_at; /* number of squares of the tile before this one */
     uint32_t samples[WAVE_SQUARES];
 } adding;
 

@@ -1,16 +1,16 @@
-/* The calls between the library and fathom_mpi.so. */
+/* The interface between the library and fathom_mpi.so. */
 #ifndef JOB_RANKS_MPI_MODULE_H
 #define JOB_RANKS_MPI_MODULE_H
 
 #include <fathom/ranks.h>
 
-/* Grows with every change of this file: a module of another build is refused, not called. */
+/* Increase with every change of this file: the library refuses a module of another version. */
 #define MPI_MODULE_VERSION 1u
 #define MPI_MODULE_SYMBOL "fathom_mpi_module"
 
 typedef struct mpi_module {
     uint32_t version;
-    const char *(*open)(fathom_ranks *out); /* NULL, or why it failed */
+    const char *(*open)(fathom_ranks *out); /* returns NULL, or why it failed */
     void (*close)(void);
 } mpi_module;
 

@@ -1,16 +1,17 @@
-/* Units of work (job/unit.h) handed out by need.
+/* Rank 0 hands out units of work (job/unit.h) on request.
  *
  *     rank 0                                  others
- *       ◀── HELLO: what I render ───────────── once
- *       ◀── DONE: records and pixels ───────── of all units that are finished, when more are asked for
- *       ◀── WANT: so many threads ──────────── when fewer units wait than there are threads
- *       ─── UNITS: these, or none: the end ──▶
+ *       ◀── HELLO: key of the render ────────── once
+ *       ◀── DONE: records and pixels ────────── of all finished units, before more are requested, or sooner
+ *       ◀── WANT: number of threads ─────────── when fewer units are queued than there are threads
+ *       ─── UNITS: these; none: the end ─────▶
  *
- * Ranks that cannot open the scene's files ask for these before: ranks_files.c.
+ * Ranks that cannot open the scene's files request these first: ranks_files.c.
  *
- * One thread of each rank talks, and sleeps between two looks: MPI's own waiting would keep a processor busy.
- * Rank 0 hands out many squares at a time while there are many, and a batch of samples in the end. A rank
- * that dies takes the whole job with it; what came before is in the film and the checkpoint of rank 0. */
+ * One thread of each rank sends and receives, and sleeps between two polls: MPI's own waiting would keep a
+ * processor busy. At first, rank 0 hands out many squares at a time; at the end, as many as one batch of
+ * samples needs. If a rank dies, the whole job ends; work that rank 0 has received is in its film and
+ * checkpoint. */
 #include "job/ranks/ranks.h"
 
 #include "base/clock.h"
@@ -28,19 +29,20 @@
 
 SIZED_DEFAULT_OWN(fathom_ranks, {.count = 1})
 
-/* One request gets this part of all that is left, but enough to last three looks, and until rank 0 has
- * answered all others. At most so many units. */
+/* One thread gets 1 / LEFT_SHARE of its part of the remaining squares, but at least enough for
+ * REQUEST_SECONDS (three polls) and until rank 0 has answered all other ranks. A reply has at most MOST_UNITS
+ * units. */
 #define LEFT_SHARE 4u
 #define REQUEST_SECONDS 0.003
 #define ANSWER_SECONDS 8e-6
 #define MOST_UNITS 1024u
 
-/* Between two looks for messages: of rank 0 or while an answer is due, and else, only for MPI to go on with
- * what it sends. */
+/* Seconds between two polls for messages: LOOK_SECONDS on rank 0 or while a reply is due; otherwise
+ * IDLE_SECONDS, only so that MPI continues its sends. */
 #define LOOK_SECONDS 0.001
 #define IDLE_SECONDS 0.02
 
-/* Finished units go at once when they take so much, or are so old. */
+/* Finished units are sent at once if they exceed this size or age. */
 #define MOST_RESULTS ((size_t)4 << 20)
 #define RESULT_SECONDS 1.0
 
@@ -51,24 +53,24 @@ struct ranks {
     checkpoint *saving;
     checkpoint_key key;
     wave_grid grid;
-    uint32_t threads; /* of this rank, and as a guess of each */
-    uint32_t least;   /* squares of a unit */
+    uint32_t threads; /* of this rank; assumed for every other rank */
+    uint32_t least;   /* minimum squares of a unit */
     wave_share share;
     pool_task task;
     bool is_talking;
-    char wrong[768];       /* with another rank; "": nothing */
-    pthread_mutex_t mutex; /* of the following */
+    char wrong[768];       /* error about another rank; "": none */
+    pthread_mutex_t mutex; /* guards the following */
     pthread_cond_t changed;
-    unit_queue queue;  /* to do; others than rank 0 get some at a time */
-    unit_results done; /* to send */
+    unit_queue queue;  /* units to do; other ranks than 0 receive some at a time */
+    unit_results done; /* results to send */
     double next_report;
-    double seconds;   /* that others took for squares, */
-    uint64_t squares; /* so many */
+    double seconds;   /* that other ranks spent on `squares` */
+    uint64_t squares; /* finished by other ranks */
     uint32_t away;    /* units handed to other ranks */
-    uint32_t ended;   /* other ranks that were told that there is no more */
-    bool asked;       /* for more */
-    bool no_more;     /* to come */
-    bool stop;        /* talking */
+    uint32_t ended;   /* number of other ranks that were told that no work is left */
+    bool asked;       /* a request for more is pending */
+    bool no_more;     /* no more units will come */
+    bool stop;        /* ends the communication thread */
     bool no_memory;
 };
 
@@ -76,8 +78,8 @@ static bool is_root(const ranks *r) { return !r->other->rank; }
 
 /* ---- work ---- */
 
-/* Rank 0, with the lock held. Units for each thread of the requesting rank: fewer towards the end, so that
- * all ranks finish together. */
+/* Squares per thread of the requesting rank; runs with the lock held. Fewer towards the end, so that all
+ * ranks finish together. */
 static uint32_t squares_each(const ranks *r) {
     const double all = (double)r->threads * r->other->count, left = (double)r->queue.squares;
     const double enough = fmax(REQUEST_SECONDS, ANSWER_SECONDS * r->other->count);
@@ -99,7 +101,7 @@ static void wait_changed(ranks *r, double seconds) {
     pthread_cond_timedwait(&r->changed, &r->mutex, &until);
 }
 
-/* Rank 0 is done when all others' units are there, and all others know that there are no more. */
+/* Rank 0 must wait until all other ranks' results have arrived and all of them know that no work is left. */
 static bool is_waiting(const ranks *r) {
     return !r->queue.squares && (!r->no_more || r->away || (is_root(r) && r->ended + 1 < r->other->count));
 }
@@ -119,7 +121,7 @@ static bool next(void *user, const atomic_bool *stop, work_unit *unit) {
     return found;
 }
 
-/* Rank 0 has its own pixels in the film, and the checkpoint knows. */
+/* Rank 0 sends nothing: its pixels are already in the film and the checkpoint. */
 static bool take(void *user, const wave_result *w) {
     ranks *r = user;
     if (is_root(r)) return true;
@@ -151,7 +153,7 @@ static void stop(ranks *r) {
     pthread_mutex_unlock(&r->mutex);
 }
 
-/* False: this is no key. */
+/* False: the message is not a key. */
 static bool compare_key(ranks *r, uint32_t from, const unsigned char *body) {
     checkpoint_key theirs;
     key_difference d;
@@ -204,7 +206,7 @@ static void count_result(ranks *r, const unit_record *w) {
     pthread_mutex_unlock(&r->mutex);
 }
 
-/* The next record of a message, with its pixels, into the film. */
+/* Stores the next record of a message, with its pixels, in the film. */
 static bool take_result(ranks *r, const unsigned char **at, size_t *left) {
     unit_record w;
     if (*left < sizeof w) return false;
@@ -252,7 +254,7 @@ static bool understand(ranks *r, uint32_t from, const message *m, const unsigned
     return m->kind == WANT && !size;
 }
 
-/* True when there was a message. */
+/* True if there was a message. */
 static bool hear(ranks *r) {
     uint32_t from;
     size_t size;
@@ -276,7 +278,8 @@ static void send_results(ranks *r) {
     r->next_report = clock_seconds() + RESULT_SECONDS;
 }
 
-/* Under the lock, of others than rank 0. Results come first: rank 0 knows of them when it hands out more. */
+/* Runs with the lock held, on ranks other than 0. Sends results before a request, so that rank 0 knows of
+ * them when it hands out more. */
 static void report(ranks *r) {
     const bool asks = wants_more(r);
     if (r->done.used &&
@@ -326,7 +329,7 @@ fathom_status ranks_open(fathom_context *context, const fathom_ranks *options,
     r->context = context, r->other = options, r->film = film;
     r->grid = film_waves(film);
     r->threads = fathom_context_threads(context);
-    /* A wave's error decides for all of its squares. */
+    /* With a target error, all squares of a wave decide together, so a unit is a whole wave. */
     r->least = settings->target_error > 0 ? WAVE_SQUARES : unit_least_squares(settings->spp);
     checkpoint_key_of(settings, film->stats.scene_fingerprint, &r->key);
     pthread_mutex_init(&r->mutex, NULL);

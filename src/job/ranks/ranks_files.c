@@ -1,10 +1,10 @@
-/* The files of a scene for ranks that cannot open them. Such a rank asks rank 0 for one piece after another,
- * and rank 0 answers while it renders, from the files that it has read:
+/* Transfers the files of a scene to ranks that cannot open them. Such a rank requests one piece after another
+ * from rank 0. Rank 0 replies while it renders, from the files that it has read:
  *
- *     WANT_FILE: number of the file, where in it ──▶ rank 0
- *     FILE: how many files there are, this one's size and name, a piece of its bytes
+ *     FILE_WANTED: number of the file, offset ──▶ rank 0
+ *     FILE_PIECE: number of files; size and name of this file; a piece of its bytes
  *
- * They get the names that they have below the scene's folder, in a private folder. */
+ * The copies keep their names relative to the scene's folder, in a private folder. */
 #include "job/ranks/ranks_files.h"
 
 #include "base/file.h"
@@ -24,20 +24,20 @@
 #define LOOK_NANOSECONDS 1000000
 
 typedef struct file_wanted {
-    message head; /* count: the number of the file */
+    message head; /* count: index of the file */
     uint64_t at;
 } file_wanted;
 
-/* Then the bytes. */
+/* The bytes follow. */
 typedef struct file_piece {
-    message head;    /* count: of all files; 0: this one cannot be sent */
-    uint64_t size;   /* of the file */
-    char name[1024]; /* below the scene's folder; of a file that cannot be sent, or "": its path */
+    message head;    /* count: number of files; 0: this file cannot be sent */
+    uint64_t size;   /* size of the file */
+    char name[1024]; /* relative to the scene's folder; if the file cannot be sent: its path */
 } file_piece;
 
 /* ---- rank 0 ---- */
 
-/* NULL: it is not below the folder of the first one, which is the scene. */
+/* The path relative to the folder of the first file, the scene; NULL: it is not below that folder. */
 static const char *name_below(const char *scene, const char *path) {
     const size_t folder = (size_t)(file_name(scene) - scene);
     if (strncmp(path, scene, folder) != 0) return NULL;
@@ -82,7 +82,7 @@ typedef struct fetching {
     const fathom_ranks *ranks;
     bool (*stopped)(void);
     char folder[PATH_MAX], path[PATH_MAX];
-    file_piece piece; /* the last one; its bytes are the messages' */
+    file_piece piece; /* the last piece; its bytes belong to the message */
     const unsigned char *bytes;
     size_t count;
 } fetching;
@@ -124,7 +124,8 @@ static fathom_status cannot_write(const fetching *f) {
         f->ranks->rank, strerror(errno));
 }
 
-/* The folders above the file, too. Names come from rank 0: none leads out of the folder. */
+/* Also creates the folders above the file. Names come from rank 0; rejects names that lead out of the
+ * folder. */
 static int create_file(fetching *f) {
     const char *name = f->piece.name;
     if (*name == '/' || strstr(name, "..") ||
@@ -189,7 +190,8 @@ fathom_status fathom_ranks_read(fathom_context *context, const fathom_ranks *ran
     if (!context || !ranks) return fail_null(context, "ranks");
     if (!folder) return fail_null(context, "folder");
     *folder = NULL;
-    /* Until the scene's fingerprint is known, which opens the images that reading does not. */
+    /* Records opened files until the scene's fingerprint is known; computing it opens images that reading
+     * does not. */
     context_note_opened(context, !ranks->rank);
     fathom_status status = fathom_scene_read_with(context, path, options, out);
     if (status != FATHOM_BAD_INPUT || !ranks->rank) return status;

@@ -1,4 +1,4 @@
-/* Files of the scene for ranks that cannot open them. */
+/* Sends files of the scene to ranks that cannot open them. */
 #ifndef JOB_RANKS_FILES_H
 #define JOB_RANKS_FILES_H
 
@@ -7,8 +7,8 @@
 
 #include <fathom/ranks.h>
 
-/* Answers a message FILE_WANTED, of which `body` is what follows the head. False: it makes no sense, or the
- * answer cannot be sent. */
+/* Replies to a message FILE_WANTED. `body` follows the head of the message. False: the message is invalid, or
+ * the reply cannot be sent. */
 bool ranks_answer_file(const fathom_ranks *ranks, const fathom_context *context, uint32_t from,
                        const unsigned char *body, size_t size, uint32_t index);
 

@@ -9,7 +9,7 @@
 
 static const mpi_module *opened;
 
-/* MPI loads parts of its own, which look for it among what all see. */
+/* MPI loads plugins that need its symbols globally, hence RTLD_GLOBAL. */
 static const mpi_module *load(fathom_context *context) {
     char path[PATH_MAX];
     if (!helper_find_file(MODULE_FILE, path)) {

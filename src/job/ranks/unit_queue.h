@@ -1,24 +1,25 @@
-/* Units of work in their order, and the message that tells of their results. */
+/* A queue of units of work, and the messages between ranks. */
 #ifndef JOB_RANKS_UNIT_QUEUE_H
 #define JOB_RANKS_UNIT_QUEUE_H
 
 #include "job/job.h"
 
-/* Zeros are an empty one; release `units` with free(). */
+/* An empty queue is all zeros. Release `units` with free(). */
 typedef struct unit_queue {
     work_unit *units;
     uint32_t first, end, room;
-    uint64_t squares; /* of all units from `first` on */
+    uint64_t squares; /* total of the units in the queue */
 } unit_queue;
 
 /* False when out of memory. */
 bool unit_queue_add(unit_queue *q, work_unit unit);
-/* At most so many squares of the next unit, of which the others stay; none where there is no unit. */
+/* Takes at most `most` squares of the first unit; its other squares stay. No squares if the queue is
+ * empty. */
 work_unit unit_queue_take(unit_queue *q, uint32_t most);
 
 enum { HELLO = 1, WANT, UNITS, DONE, FILE_WANTED, FILE_PIECE };
 
-/* In front of each message. */
+/* The head of each message. */
 typedef struct message {
     uint32_t kind, count;
 } message;
@@ -30,14 +31,14 @@ typedef struct unit_record {
     ray_counts rays;
 } unit_record;
 
-/* A message that grows, of `count` records, each with its pixels. Release `bytes` with free(). */
+/* A growing message of `count` records, each with its pixels. Release `bytes` with free(). */
 typedef struct unit_results {
     char *bytes;
-    size_t used, room; /* with the message's head, which the sender fills in */
+    size_t used, room; /* including the message's head, which the sender fills in */
     uint32_t count;
 } unit_results;
 
-/* Room for a record and its pixels; NULL: out of memory. */
+/* Appends uninitialised memory for a record and its pixels; NULL: out of memory. */
 char *unit_results_add(unit_results *all, size_t bytes);
 
 #endif

@@ -1,4 +1,4 @@
-/* One face that all lanes ask: shape_see() and shape_triangle_sample() in float. */
+/* One face that all lanes sample: shape_see() and shape_triangle_sample() in float. */
 #include "light/kernels/kernel.h"
 #include "math/turn.h"
 
@@ -10,7 +10,7 @@ SHAPE_INLINE vec3_f32 either(uint32_t mask, vec3_f32 a, vec3_f32 b) {
     return (vec3_f32){chosen(mask, a.x, b.x), chosen(mask, a.y, b.y), chosen(mask, a.z, b.z)};
 }
 
-/* shape_angle(). The polynomial has the least greatest error of its degree: 1.5e-8 of the angle. */
+/* shape_angle(). The polynomial is the minimax one of its degree: its error is 1.5e-8 of the angle. */
 SHAPE_INLINE float angle_of(float y, float x) {
     const float wide = fabsf(x), big = wide > y ? wide : y, little = wide > y ? y : wide;
     const float q = little / (big + 0x1p-120f), z = q * q;
@@ -23,7 +23,7 @@ SHAPE_INLINE float angle_of(float y, float x) {
     return chosen(mask_of(x < 0), PI - a, a);
 }
 
-/* The height over a triangle's plane is the one difference of much larger numbers: of double, it keeps all
+/* The height above a triangle's plane is a small difference of large numbers: computed in double, it has all
  * digits of float. */
 static void find_heights(const shape_face_f32 *f, int k, const lanes3 p, float *restrict height) {
     const vec3_f64 n = f->n[k], at = widen(f->corner[2 * k]);
@@ -39,7 +39,7 @@ typedef struct seen {
     float g0, g1, g2, height, angle;
 } seen;
 
-/* Towards a corner: unit, and the inverse of its distance. Squares have to stay in float's range. */
+/* The unit vector towards a corner, and the inverse of its distance. Squares must stay in float's range. */
 SHAPE_INLINE vec3_f32 towards(vec3_f32 corner, vec3_f32 p, float *inverse, uint32_t *unsure) {
     const vec3_f32 to = sub_f32(corner, p);
     const float square = dot_f32(to, to);
@@ -48,8 +48,9 @@ SHAPE_INLINE vec3_f32 towards(vec3_f32 corner, vec3_f32 p, float *inverse, uint3
     return scale_f32(*inverse, to);
 }
 
-/* apart: the product of the three inverse distances. Where the parts of the tangent are both small, they are
- * sums of larger numbers, and hold few digits: above 1/16 they give the angle to 2^-17 of it. */
+/* apart: the product of the three inverse distances. If both arguments of the tangent are small, they are
+ * sums of larger numbers and have few digits; above 1/16 they give the angle with a relative error of
+ * 2^-17. */
 SHAPE_INLINE seen see(vec3_f32 a, vec3_f32 b, vec3_f32 c, float size, float apart, float height, float clear,
                       uint32_t *unsure) {
     seen s = {.a = a, .b = b, .c = c, .height = height};
@@ -86,7 +87,7 @@ SHAPE_INLINE vec3_f32 sample(const seen *s, float u, float v) {
     return scale_f32(inverse_root_f32(dot_f32(d, d)), d);
 }
 
-/* Directions in float tell the place on a light of less than this only roughly. */
+/* For a light with a smaller solid angle, float directions resolve positions on it only roughly. */
 #define LEAST_ANGLE 0x1p-16f
 
 uint32_t KERNEL(face)(const shape_face_f32 *f, const lanes3 p, const lanes3 u, float *restrict density,
@@ -117,7 +118,7 @@ uint32_t KERNEL(face)(const shape_face_f32 *f, const lanes3 p, const lanes3 u, f
         const float end = length - (f->clear + f->slope * length) / cosine;
         direction[0][i] = to.x, direction[1][i] = to.y, direction[2][i] = to.z;
         distance[i] = end > 0x1p-126f ? end : 0x1p-126f;
-        /* On the face itself it is dark for sure. */
+        /* A point on the face itself gets no light, and needs no double precision. */
         const uint32_t lit = mask_of((height[0][i] > f->clear) | (height[1][i] > f->clear));
         density[i] = chosen(lit, 1 / all, 0);
         unsure[i] = lit & (doubt | mask_of(!(all > LEAST_ANGLE)));

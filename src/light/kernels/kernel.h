@@ -1,4 +1,4 @@
-/* Shared by the files of kernels. */
+/* Shared by the kernel files of this folder. */
 #ifndef LIGHT_KERNELS_KERNEL_H
 #define LIGHT_KERNELS_KERNEL_H
 

@@ -1,4 +1,4 @@
-/* Lights as sixteen points see them, and the shadow rays towards them. */
+/* Lights evaluated at sixteen points, and the shadow rays towards them. */
 #include "light/light.h"
 #include "base/kernel.h"
 #include "math/limit.h"
@@ -15,7 +15,7 @@ static void reach_from(const shade_light *light, const lanes3 origin, float (*re
     }
 }
 
-/* For squared distances beyond the range of float. A light in the very point, or beyond float's reach,
+/* For squared distances beyond the range of float. A light at the point itself, or beyond the range of float,
  * has no direction: distance 0. */
 static void reach_stiff(const lanes3 to, unsigned i, lanes3 direction, float *distance, float *inverse) {
     double x = (double)to[0][i], y = (double)to[1][i], z = (double)to[2][i],
@@ -49,17 +49,18 @@ static void reach_along(const lanes3 to, float (*restrict direction)[LANES], flo
 }
 
 /* ---- shadow rays ----
- * A ray ends as it begins: clear of the surface it touches there. A light that a surface holds is seen from
- * both sides of it, so the end moves to the side from which the ray comes; a surface that lies next to the
- * light hides it from one side, so the end moves away from it. light_surface
- * (light/light_surfaces.c) has the distance that the end must keep. */
+ * A shadow ray ends as it starts: clear of the surface there. If a surface holds the light, both of its sides
+ * are lit, so the end moves to the side from which the ray comes. If a surface lies next to the light, it
+ * hides the light from one side, so the end moves away from the surface. light_surface
+ * (light/light_surfaces.c) has the distance to keep. */
 
 typedef struct ray_ends {
-    lanes3 moved;         /* from the light */
-    float shorter[LANES]; /* what moving could not do */
+    lanes3 moved;         /* offset of the end from the light */
+    float shorter[LANES]; /* how much shorter the ray must be where moving is not enough */
 } ray_ends;
 
-/* The side of the surface on which the lane's ray must end; `along` is from its start to the light. */
+/* The side of the surface on which the lane's ray must end; `along` is the normal component of the vector
+ * from the ray's start to the light. */
 static inline float side_of(const light_surface *s, float along) {
     float from = along > 0 ? -1 : 1;
     return s->above > 0 ? 1 : (s->above < 0 ? -1 : from);
@@ -69,8 +70,8 @@ static inline float along_of(const light_surface *s, const lanes3 v, unsigned i)
     return s->normal.x * v[0][i] + s->normal.y * v[1][i] + s->normal.z * v[2][i];
 }
 
-/* By how much a lane's ray ends too near the surface. The sum of its coordinates is at least
- * its length. */
+/* How much too near to the surface a lane's ray ends. The sum of the absolute coordinates is an upper bound
+ * of the length. */
 static inline float lack_of(const light_surface *s, const lanes3 to, const ray_ends *ends, float side,
                             unsigned i) {
     float length = fabsf(to[0][i]) + fabsf(to[1][i]) + fabsf(to[2][i]);
@@ -87,8 +88,8 @@ static void move_off(const light_surface *s, const lanes3 to, ray_ends *restrict
     }
 }
 
-/* In the edge between surfaces, moving off one can lead back to another. There the ray is cut short where it
- * is still clear of both: by the lack over the cosine. */
+/* At an edge between surfaces, moving away from one can lead back to another. There the ray is shortened
+ * until it is clear of both: by the lack divided by the cosine. */
 static void cut_short(const light_surface *s, const lanes3 to, ray_ends *restrict ends) {
     for (unsigned i = 0; i < LANES; ++i) {
         float along = along_of(s, to, i), lack = lack_of(s, to, ends, side_of(s, along), i);
@@ -109,8 +110,8 @@ static void keep_clear(const shade_light *light, lanes3 to, ray_ends *restrict e
     }
 }
 
-/* A ray that has nowhere to go without meeting the surfaces sees the light: it keeps the least length there
- * is. 0 would mean that there is no light. */
+/* A ray that cannot be clear of the surfaces counts as unoccluded: it gets the smallest positive length. A
+ * length of 0 would mean that there is no light. */
 static void shorten(const float shorter[LANES], float *restrict distance) {
     for (unsigned i = 0; i < LANES; ++i) {
         float left = distance[i] - shorter[i], least = distance[i] > 0 ? 0x1p-126f : 0;
@@ -141,14 +142,15 @@ static void aim(const shade_light *light, light_block *b) {
     if (light->surface_count) shorten(ends.shorter, b->distance);
 }
 
-/* ---- what arrives ---- */
+/* ---- arriving light ---- */
 
 static void fall_off(const shade_light *light, const light_block *out, float falloff[LANES]) {
     for (unsigned i = 0; i < LANES; ++i)
         falloff[i] = light_falloff(light, out->direction[0][i], out->direction[1][i], out->direction[2][i]);
 }
 
-/* The squared distance is divided by in two steps: it may be out of range where the quotient is not. */
+/* The division by the squared distance has two steps: the square may be out of range even if the quotient is
+ * not. */
 static void arrive(const shade_light *light, const float inverse[LANES], float (*restrict radiance)[LANES]) {
     for (int c = 0; c < 3; ++c) {
         for (unsigned i = 0; i < LANES; ++i) {

@@ -1,4 +1,4 @@
-/* Emissive shapes as sixteen points see them. */
+/* Emissive shapes seen from sixteen points. */
 #include "light/kernels/kernel.h"
 #include "math/lane.h"
 
@@ -9,7 +9,8 @@ static inline void put(const shape_answers *restrict from, lanes3 direction, flo
     }
 }
 
-/* What point `at` sees of a face. Either triangle of a quad is taken by its part of the solid angle. */
+/* Samples a face seen from the point `at`. One triangle of a quad is chosen by its fraction of the solid
+ * angle. */
 __attribute__((always_inline)) static inline void face_lane(const vec3_f64 corner[4], double clear,
                                                             double slope, bool quad, vec3_f64 at, double u,
                                                             double v, unsigned i, shape_answers *made) {
@@ -34,7 +35,7 @@ __attribute__((always_inline)) static inline void face_lane(const vec3_f64 corne
 __attribute__((always_inline)) static inline void face_lanes(const shape_faces *restrict f,
                                                              const lanes3_f64 p, const lanes3 u, bool quads,
                                                              shape_answers *out) {
-    shape_answers made; /* of its own: it aliases nothing */
+    shape_answers made; /* a local variable: it aliases nothing */
     for (unsigned i = 0; i < LANES; ++i) {
         const vec3_f64 corner[4] = {lane_f64(f->corner[0], i), lane_f64(f->corner[1], i),
                                     lane_f64(f->corner[2], i), lane_f64(f->corner[3], i)};

@@ -1,4 +1,4 @@
-/* Images of skies, as sixteen surfaces ask for them. */
+/* Images of skies, evaluated and sampled for sixteen surfaces. */
 #include "light/sky.h"
 #include "base/kernel.h"
 #include "light/shape.h"
@@ -12,12 +12,12 @@ typedef struct sky_cells {
 
 typedef struct sky_places {
     sky_cells cells;
-    double u[LANES], v[LANES]; /* [0,1], to the next column and row of texels */
+    double u[LANES], v[LANES]; /* [0,1], position between this and the next column and row of texels */
 } sky_places;
 
 /* ---- into the image's axes, and from there ---- */
 
-/* Lanes that are not asked for look along z. */
+/* Lanes without a query get the direction z. */
 static void turn(const sky_image *s, unsigned lanes, const lanes3_f64 from, double (*restrict to)[LANES]) {
     const vec3_f64 a = s->axes[0], b = s->axes[1], c = s->axes[2];
     lanes3_f64 v;
@@ -38,7 +38,7 @@ static void turn(const sky_image *s, unsigned lanes, const lanes3_f64 from, doub
 SHAPE_INLINE double least(double a, double b) { return a < b ? a : b; }
 SHAPE_INLINE double most(double a, double b) { return a > b ? a : b; }
 
-/* As unfold() of sky.c lays them. */
+/* The inverse of unfold() in sky.c. */
 static void find_views(const lanes3_f64 n, uint32_t *restrict view) {
     int none = 0;
     for (unsigned i = 0; i < LANES; ++i) {
@@ -55,7 +55,7 @@ static void find_views(const lanes3_f64 n, uint32_t *restrict view) {
         if (!(fabs(n[0][i]) + fabs(n[1][i]) + fabs(n[2][i]) > 0)) view[i] = SKY_VIEWS;
 }
 
-/* ---- places of directions ---- */
+/* ---- image positions of directions ---- */
 
 static void find_places(const sky_image *s, const lanes3_f64 d, sky_places *restrict out) {
     const double width = s->width, height = s->height;
@@ -77,9 +77,9 @@ static void find_places(const sky_image *s, const lanes3_f64 d, sky_places *rest
     }
 }
 
-/* ---- light of places ---- */
+/* ---- light of image positions ---- */
 
-/* The texels at a cell's corners: above, then below. */
+/* The texels at a cell's corners: the upper row, then the lower one. */
 typedef struct sky_corners {
     const sky_texel *at[2][2];
 } sky_corners;
@@ -100,7 +100,7 @@ static void prefetch(const sky_image *s, const sky_cells *cells, unsigned lanes)
     }
 }
 
-/* A texel. gcc makes no vectors of a loop of four. */
+/* A texel. gcc does not vectorise a loop of four. */
 typedef float texel_f32 __attribute__((vector_size(16)));
 
 static inline texel_f32 load(const sky_texel *t) {
@@ -146,9 +146,9 @@ static void at(const sky_image *s, unsigned lanes, const lanes3_f64 n, const lan
 
 /* ---- cells by light ---- */
 
-/* The first of the sums that exceeds the share u of the last one, which is not 0; u comes to be how far that
- * share reaches into it. A weight of 0 is never taken. Counting is faster than halving: no step waits for
- * another, and vectors compare. */
+/* The first of the prefix sums that exceeds the fraction u of the last one, which is not 0; u becomes the
+ * position of that value within the chosen interval. A weight of 0 is never chosen. Counting is faster than
+ * bisection: no step depends on another, and the comparison vectorises. */
 static inline uint32_t choose(const double *sums, uint32_t count, double *u) {
     const double all = sums[count - 1], at = least(*u * all, all * (1 - 0x1p-53));
     uint64_t passed = 0;
@@ -158,8 +158,8 @@ static inline uint32_t choose(const double *sums, uint32_t count, double *u) {
     return (uint32_t)passed;
 }
 
-/* Each step reads what the one before has asked for in all lanes: the tables are larger than caches. Returns
- * the lanes that have a cell: others face no light. */
+/* Each step reads what the step before prefetched for all lanes: the tables are larger than caches. Returns
+ * the lanes that have a cell: the others face no light. */
 static unsigned choose_cells(const sky_image *s, unsigned lanes, const uint32_t view[LANES],
                              sky_places *out) {
     const size_t rows = (size_t)s->height + 1;
@@ -191,9 +191,9 @@ static unsigned choose_cells(const sky_image *s, unsigned lanes, const uint32_t 
     return taken;
 }
 
-/* ---- places in cells ---- */
+/* ---- positions in cells ---- */
 
-/* The number u in [0,1) to a place in [0,1] with a density that goes from a to b. */
+/* Maps u in [0,1) to a position in [0,1] whose density is linear, from a to b. */
 SHAPE_INLINE double along_slope(double u, double a, double b) {
     const double root = a + sqrt(a * a + u * (b * b - a * a));
     return least(u * (a + b) / (root + 0x1p-1000), 1);
@@ -203,7 +203,8 @@ SHAPE_INLINE double between(double u, double a, double b) { return a + u * (b - 
 
 SHAPE_INLINE double inside(double u, double margin) { return margin + (1 - 2 * margin) * u; }
 
-/* By luminance, and then the directions there. Lanes that are not taken have the cell of some number. */
+/* Chooses positions in proportion to luminance, then their directions. Other lanes are computed from
+ * arbitrary cells. */
 static void choose_places(const sky_image *s, unsigned lanes, sky_places *restrict p,
                           double (*restrict direction)[LANES]) {
     double light[4][LANES] = {{0}}, ends[2][LANES] = {{0}}, column[LANES] = {0};

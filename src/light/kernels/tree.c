@@ -1,25 +1,26 @@
-/* How much the lights below a node's children may send to a point, and which of them it asks. */
+/* How much light a node's children may send to a point, and the random choice of one light. */
 #include "light/tree.h"
 #include "base/kernel.h"
 #include "math/limit.h"
 
-/* Nodes that may send less than this part of all are not worth their children. */
+/* Nodes that may send less than this fraction of the total are not replaced by their children. */
 #define LITTLE 0.02f
 
 static inline float positive(float x) { return x > 0 ? x : 0; }
 
-/* cos(a - b), and 1 where a <= b, of angles in [0, pi] by their cosines and the sine of b. */
+/* cos(a - b), or 1 if a <= b, for angles in [0, pi] given by their cosines and the sine of b. */
 static inline float cos_less(float cos_a, float cos_b, float sin_b) {
     float less = cos_a * cos_b + sqrtf(positive(1 - cos_a * cos_a)) * sin_b;
     return cos_a >= cos_b ? 1 : less;
 }
 
-/* Power times the cosines at both ends over a squared distance. A cosine is the mean of that of the box's
- * middle and of a bound: the corner that is highest above the surface, or off the lights' own, over the
- * distance of the nearest point. So a flat field of lights sends little along itself, however large it is,
- * and lights that reach the point have a chance. Distances of less than half of the half diagonal count as
- * that, because a large light sends a bounded amount to a point near it. One of many lights may be very near,
- * so the squared distance of several is the product of the middle's and the nearest point's distances. */
+/* Power times the cosines at both ends, divided by a squared distance. Each cosine is the mean of the cosine
+ * of the box's centre and of an upper bound: the height of the highest corner, above the surface or the
+ * lights' own plane, divided by the distance of the nearest point. So a flat field of lights sends little
+ * along itself, however large it is, and lights that can reach the point keep a probability above 0.
+ * Distances are at least half of the half diagonal, because a large light sends a bounded amount to a point
+ * near it. One of many lights may be very near, so the squared distance of a node is the product of the
+ * distances of the centre and of the nearest point. */
 static void weigh(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[restrict TREE_WIDE],
                   float unsure[restrict TREE_WIDE]) {
     const float one_sided = n.x != 0 || n.y != 0 || n.z != 0 ? 1 : 0;
@@ -54,13 +55,13 @@ static inline float sum_of(const float value[TREE_WIDE]) {
     return sum;
 }
 
-/* The nodes that a cut opens, and by how much each was unsure. */
+/* The nodes that a cut opens, and how unsure their children are. */
 typedef struct opening {
     float unsure[1 + TREE_NEAR][TREE_WIDE], most[1 + TREE_NEAR];
-    float sum; /* of all weights */
+    float sum; /* sum of all weights */
 } opening;
 
-/* A child of node k, which comes after it and all that were less sure. */
+/* Opens a child of node k. In the order, it comes after node k and all nodes that were more unsure. */
 static inline void open_child(const tree *t, vec3_f32 p, vec3_f32 n, uint32_t k, int child, opening *o,
                               tree_cut *out) {
     const uint32_t last = out->count++;
@@ -74,14 +75,15 @@ static inline void open_child(const tree *t, vec3_f32 p, vec3_f32 n, uint32_t k,
     out->weight[k][child] = 0;
 }
 
-/* Level by level: the nodes of one do not wait for each other, so the processor works on several at once. */
+/* Level by level: nodes of one level do not depend on each other, so the processor works on several at
+ * once. */
 static void cut(const tree *t, vec3_f32 p, vec3_f32 n, tree_cut *out) {
     opening o;
     out->node[0] = out->next[0] = 0, out->count = 1;
     weigh(t->nodes, p, n, out->weight[0], o.unsure[0]);
     o.sum = sum_of(out->weight[0]);
     for (uint32_t first = 0, end = 1; first < end; first = end, end = out->count) {
-        const float little = LITTLE * positive(o.sum); /* its rounding may exceed it */
+        const float little = LITTLE * positive(o.sum); /* rounding may make the sum negative */
         for (uint32_t k = first; k < end; ++k) {
             uint32_t open = 0;
             for (int i = 0; i < TREE_WIDE; ++i) open |= (o.unsure[k][i] > little ? 1u : 0u) << i;
@@ -91,8 +93,8 @@ static void cut(const tree *t, vec3_f32 p, vec3_f32 n, tree_cut *out) {
     }
 }
 
-/* The child at u times the sum of weights: the first up to which more than that has been summed up, so one
- * with a weight. *u becomes its place within the child. */
+/* The child at u times the sum of weights: the first child whose prefix sum exceeds that value, so its weight
+ * is above 0. *u becomes the position within the child's interval. */
 static int pick(const float weight[TREE_WIDE], double *u, double *chance) {
     double below[TREE_WIDE + 1] = {0};
     for (int i = 0; i < TREE_WIDE; ++i) below[i + 1] = below[i] + (double)weight[i];
@@ -107,7 +109,7 @@ static int pick(const float weight[TREE_WIDE], double *u, double *chance) {
     return found;
 }
 
-/* The node of the cut at u times the sum of weights; -1: nothing has a weight. */
+/* The node of the cut at u times the sum of weights; -1: all weights are 0. */
 static int pick_node(const tree_cut *cut, double *u, double *chance) {
     double part[1 + TREE_NEAR] = {0}, sum = 0;
     for (uint32_t k = 0; k < cut->count; ++k) {
@@ -128,7 +130,7 @@ static int pick_node(const tree_cut *cut, double *u, double *chance) {
     return found;
 }
 
-/* One step of a walk: the child of a node, whose weights are known. False: it ends there. */
+/* One step of a traversal: chooses a child of a node, whose weights are known. False: the traversal ends. */
 static inline bool walk(const tree_node *node, const float weight[TREE_WIDE], double *u, uint32_t *light,
                         double *chance) {
     const int child = pick(weight, u, chance);
@@ -140,7 +142,7 @@ static inline bool walk(const tree_node *node, const float weight[TREE_WIDE], do
     return !(*light & TREE_LEAF);
 }
 
-/* The first step of each lane's walk; returns those that go on. */
+/* The first step of each lane's traversal; returns the lanes that continue. */
 static unsigned leave_cuts(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
                            uint32_t light[LANES], double chance[LANES]) {
     unsigned on = 0;
@@ -158,7 +160,7 @@ static unsigned leave_cuts(const tree *t, const lanes3 p, const lanes3 n, unsign
     return on;
 }
 
-/* Level by level: the processor works on several lanes' nodes at once while they come from memory. */
+/* Level by level: the processor works on several lanes' nodes at once while they are fetched from memory. */
 static void choose(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
                    uint32_t light[LANES], double chance[LANES]) {
     for (int i = 0; i < LANES; ++i) light[i] = 0, chance[i] = 1;

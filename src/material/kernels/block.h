@@ -34,8 +34,8 @@ static inline void set_again(const shader *m, int i, shader_block *restrict out)
     set_colour(m->again_cross, i, out->again_cross);
 }
 
-/* Surfaces that transmit smoothly have no facets to cross. A viewer inside a solid sees its base as without
- * what scatters again. */
+/* Surfaces that transmit smoothly have no rough facets to cross. For a viewer inside a solid, the base is
+ * without compensation for multiple scattering. */
 static inline void set_cross(const shader *m, int i, uint32_t entering, shader_block *restrict out) {
     const uint32_t rough = m->lobes & (SHADER_THIN | SHADER_REFRACT) ? ~0u : 0;
     for (int c = 0; c < 3; ++c) out->cross[c][i] = chosen(rough, m->cross[c], 0);
@@ -44,7 +44,7 @@ static inline void set_cross(const shader *m, int i, uint32_t entering, shader_b
     for (int c = 0; c < 3; ++c) out->diffuse[c][i] *= chosen(out->even[i], 1, m->mean_under);
 }
 
-/* The index of the path's channel; 1 would be a thin wall. */
+/* The index of the path's channel; an index of 1 would make it a thin wall. */
 static inline float dispersed_eta(const shader *m, uint32_t channel) {
     float eta = m->eta + ((float)channel - 2) * m->eta_spread;
     return m->lobes & SHADER_DISPERSIVE && channel ? fmaxf(eta, 1.0001f) : m->eta;
@@ -62,8 +62,8 @@ static inline void set_coat(const shader *m, int i, shader_block *restrict out) 
 
 #define CROSSING (SHADER_THIN | SHADER_REFRACT | SHADER_PASS | SHADER_SOLID)
 
-/* The constants that the block's lobes read. Most blocks see one material: loops over lanes that copy the
- * same numbers vectorise. */
+/* Sets the constants that the block's lobes read. Most blocks have one material: then the loops over lanes
+ * copy the same numbers and vectorise. */
 static inline void set_parts(const surface_block *s, const shader *const at[LANES], uint32_t lobes,
                              shader_block *restrict out) {
     for (int i = 0; i < LANES; ++i) set_lane(at[i], i, out);
@@ -103,14 +103,14 @@ static void set_materials(const surface_block *s, shader_block *restrict out) {
     out->lobes = lobes;
 }
 
-/* Two axes across n (Duff et al., JCGT 2017). */
+/* Two axes orthogonal to n (Duff et al., JCGT 2017). */
 static inline void across(float x, float y, float z, float t[3], float b[3]) {
     float sign = copysignf(1, z), a = -1 / (sign + z), xy = x * y * a;
     t[0] = 1 + sign * x * x * a, t[1] = sign * xy, t[2] = -sign * x;
     b[0] = xy, b[1] = sign + y * y * a, b[2] = -y;
 }
 
-/* A viewer on the very horizon is lifted off it by float's roundoff. */
+/* A viewer exactly on the horizon is raised by float's rounding error. */
 static void set_frames(const surface_block *s, shader_block *restrict out) {
     for (int i = 0; i < LANES; ++i) {
         float up = 0, t[3], b[3];
@@ -127,7 +127,7 @@ static void set_frames(const surface_block *s, shader_block *restrict out) {
     }
 }
 
-/* Along the surface's tangent, in lanes that are stretched and have one. */
+/* Aligns the frames with the surface's tangent, in anisotropic lanes that have one. */
 static void stretch_frames(const surface_block *s, shader_block *restrict out) {
     for (int i = 0; i < LANES; ++i) {
         float t[3], n[3] = {out->n[0][i], out->n[1][i], out->n[2][i]}, square = 0, x = 0, y = 0;
@@ -151,8 +151,8 @@ static void stretch_frames(const surface_block *s, shader_block *restrict out) {
     }
 }
 
-/* The coat's normal as smooth lobes choose theirs: its own, or that of the surface without a map, or the
- * geometric one, the first whose mirror sends the viewer to no place behind the surface. */
+/* The coat's normal, chosen as for smooth lobes: the first of its own normal, the surface's normal without a
+ * map and the geometric normal that mirrors the viewer to no direction behind the surface. */
 static const lanes3 *coat_normal(const surface_block *s, int i) {
     const lanes3 *const normals[2] = {&s->coat, &s->base};
     for (int k = 0; k < 2; ++k) {
@@ -164,7 +164,7 @@ static const lanes3 *coat_normal(const surface_block *s, int i) {
     return &s->ng;
 }
 
-/* The coats' own frames, where they have one; else those of the block. */
+/* The coats' own frames, if they have any; otherwise those of the block. */
 static void turn_coats(const surface_block *s, shader_block *restrict out) {
     memset(out->coat_axes, 0, sizeof out->coat_axes);
     for (int i = 0; i < LANES; ++i) {
@@ -185,7 +185,7 @@ static void turn_coats(const surface_block *s, shader_block *restrict out) {
     }
 }
 
-/* Glass of the classic model: as MODEL.md has it. */
+/* Glass of the classic model, as MODEL.md describes it. */
 static void set_classic(const surface_block *s, int i, shader_block *out) {
     const shader *m = out->at[i];
     const glass g = {
@@ -193,7 +193,7 @@ static void set_classic(const surface_block *s, int i, shader_block *out) {
     glass_scatter(s, i, &g, out->mirror, out->mirror_share, out->pass, out->pass_share);
 }
 
-/* Light through the coat, and the mirror of a smooth one. */
+/* Attenuates transmission by the coat, and adds the mirror of a smooth coat. */
 static void coat_flat(const shader *m, int i, shader_block *out) {
     const float rise = schlick(out->v[2][i], 1), far = dot_lane(out->n, out->pass, i);
     const float coat = m->lobes & SHADER_COAT ? 0 : m->coat * (0.04f + 0.96f * rise);
@@ -203,7 +203,7 @@ static void coat_flat(const shader *m, int i, shader_block *out) {
     }
 }
 
-/* Light between the fibres. */
+/* Attenuates the smooth lobes by the fibres. */
 static void sheen_flat(const shader *m, int i, shader_block *out) {
     float unused;
     const float far = sheen_left(m, dot_lane(out->n, out->pass, i), &unused);
@@ -213,8 +213,8 @@ static void sheen_flat(const shader *m, int i, shader_block *out) {
     }
 }
 
-/* A facet that lies in the surface. Rough surfaces that transmit smoothly let through what their layer does
- * not reflect in all. */
+/* The smooth lobes, of a facet parallel to the surface. Rough surfaces that transmit smoothly transmit the
+ * light that their layer does not reflect at any order of scattering. */
 static void set_flat(const surface_block *s, int i, shader_block *out) {
     const shader *m = out->at[i];
     const glass g = {.k_r = {1, 1, 1}, .k_t = {1, 1, 1}, .ior = dispersed_eta(m, out->channel[i])};
@@ -246,8 +246,9 @@ static void set_smooth(const surface_block *s, shader_block *out) {
     }
 }
 
-/* About what each lobe sends to the viewer. None that carries light has a chance of 0, and rough transmission
- * keeps a tenth of its own where a facet along the surface would send nothing through. */
+/* Approximate light that each lobe scatters to the viewer. A lobe that carries light never has a probability
+ * of 0. Rough transmission keeps at least a tenth of its weight, even if a facet parallel to the surface
+ * would transmit nothing. */
 static void weigh_lobes(shader_block *restrict out) {
     for (int k = 0; k < SHADER_TAKES; ++k) {
         for (int i = 0; i < LANES; ++i) out->take[k][i] = 0;
@@ -264,7 +265,8 @@ static void weigh_lobes(shader_block *restrict out) {
             if ((out->at[i]->lobes & (SHADER_FILM | SHADER_GGX)) != (SHADER_FILM | SHADER_GGX)) continue;
             const float up = out->v[2][i];
             const float sum = film_at(out, i, 0, up) + film_at(out, i, 1, up) + film_at(out, i, 2, up);
-            out->take[SHADER_TAKE_GGX][i] = fmaxf(sum * (1 / 3.0f), 0.02f); /* other angles may have more */
+            out->take[SHADER_TAKE_GGX][i] =
+                fmaxf(sum * (1 / 3.0f), 0.02f); /* other angles may reflect more */
         }
     }
     if (out->lobes & SHADER_LEAF) {
@@ -338,7 +340,7 @@ static void share_lobes(shader_block *restrict out) {
     if (out->lobes & SHADER_STRAIGHT) share_holes(out);
 }
 
-/* share_lobes() of one lobe. */
+/* weigh_lobes() and share_lobes() for the diffuse lobe alone. */
 static void take_diffuse(shader_block *restrict out) {
     memset(out->take, 0, sizeof out->take);
     for (int i = 0; i < LANES; ++i) {

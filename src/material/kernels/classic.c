@@ -26,7 +26,7 @@ static void set_lane(const bsdf *m, int i, bsdf_block *out) {
     out->from_behind[i] = m->from_behind;
 }
 
-/* Most blocks see one material: a loop over lanes that copies the same numbers vectorises. */
+/* Most blocks have one material: a loop over lanes that copies the same numbers vectorises. */
 static void make(const bsdf *const at[LANES], bsdf_block *restrict out) {
     bool differ = false;
     for (int i = 1; i < LANES; ++i) differ |= at[i] != at[0];
@@ -40,9 +40,9 @@ static void make(const bsdf *const at[LANES], bsdf_block *restrict out) {
 
 /* ---- light from one direction ---- */
 
-/* Opaque: a light on the far side counts nothing. On smooth meshes the facets stand for a round surface,
- * whose side the shading normal tells (Hanika 2021); lit_from_behind takes either side. With a normal map
- * both that normal and the mapped one have to face the light. */
+/* An opaque surface gets no light from its far side. On smooth meshes the facets approximate a round surface,
+ * and the shading normal decides the side (Hanika 2021); lit_from_behind accepts both sides. With a normal
+ * map, both the normal without the map and the mapped one must face the light. */
 static void judge_sides(const surface_block *s, const bsdf_block *m, const lanes3 l, float n_dot_l[LANES],
                         bsdf_value *restrict out) {
     for (int i = 0; i < LANES; ++i) {

@@ -5,7 +5,7 @@
 #include "material/kernels/facets.h"
 #include "material/kernels/glass.h"
 
-/* From the block's frame to that of the coat. */
+/* From the block's frame to the coat's. */
 static inline void into_coat(const shader_block *b, const lanes3 from, float (*restrict to)[LANES]) {
     for (int k = 0; k < 3; ++k) {
         for (int i = 0; i < LANES; ++i) {
@@ -23,8 +23,9 @@ static inline void out_of_coat(const shader_block *b, const lanes3 from, float (
     }
 }
 
-/* The light that passes the clear coat twice, and the light that it reflects; v, l and h in its frame. front:
- * all ones where l is on the viewer's side of the surface that it covers. */
+/* Multiplies f by the clear coat's transmittance in both directions, and adds the light that the coat
+ * reflects; v, l and h in the coat's frame. front: all ones if l is on the viewer's side of the surface below
+ * the coat. */
 static inline void add_coat_as(const shader_block *b, incidence *at, const uint32_t front[LANES],
                                const lanes3 v, const lanes3 l, const lanes3 h, const float below[LANES],
                                const float rise[LANES], float (*restrict f)[LANES], float *restrict density) {
@@ -38,7 +39,8 @@ static inline void add_coat_as(const shader_block *b, incidence *at, const uint3
     }
 }
 
-/* A coat with a normal of its own does not ask for that of what it covers, which a map may have turned. */
+/* For a coat with its own normal, the normal of the surface below does not count: a map may have rotated
+ * it. */
 static inline void judge_coats(const surface_block *s, const lanes3 l, const incidence *at,
                                uint32_t front[LANES]) {
     for (int i = 0; i < LANES; ++i) {
@@ -47,7 +49,7 @@ static inline void judge_coats(const surface_block *s, const lanes3 l, const inc
     }
 }
 
-/* l: as the world has it. */
+/* l: in world space. */
 static inline void add_coat(const surface_block *s, const shader_block *b, incidence *at, const lanes3 l,
                             const lanes3 h, const float rise[LANES], float (*restrict f)[LANES],
                             float *restrict density) {

@@ -1,15 +1,15 @@
-/* Lambert's lobes, on either side. */
+/* Lambert's lobes, on both sides. */
 #ifndef MATERIAL_KERNELS_DIFFUSE_H
 #define MATERIAL_KERNELS_DIFFUSE_H
 
 #include "material/kernels/facets.h"
 
-/* |cosine| / pi, of light that counts. */
+/* |cosine| / pi in lanes where `lit` is set, else 0. */
 static inline float lambert(uint32_t lit, float z) { return chosen(lit, fabsf(z) * (1 / PI), 0); }
 
 static inline float cosine_density(float take, float z) { return take * fabsf(z) * (1 / PI); }
 
-/* Lambert's lobe under what the dielectric layer leaves. */
+/* Lambert's lobe, multiplied by the light that the dielectric layer transmits. */
 static inline __attribute__((always_inline)) void add_diffuse(const shader_block *b, bool rare,
                                                               const incidence *at, const lanes3 h,
                                                               const float rise[LANES],
@@ -23,7 +23,8 @@ static inline __attribute__((always_inline)) void add_diffuse(const shader_block
     }
 }
 
-/* The same of light that crosses the surface: the layer is that of l mirrored to the viewer's side. */
+/* The same for light that crosses the surface: the layer's factor is that of l mirrored to the viewer's
+ * side. */
 static inline void add_leaf(const shader_block *b, const incidence *at, float (*restrict f)[LANES]) {
     lanes3 l, h;
     float rise[LANES];

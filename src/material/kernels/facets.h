@@ -1,21 +1,22 @@
-/* GGX: reflection, transmission through walls, refraction, and what scatters more than once. */
+/* GGX: reflection, transmission through walls, refraction, and multiple scattering. */
 #ifndef MATERIAL_KERNELS_FACETS_H
 #define MATERIAL_KERNELS_FACETS_H
 
 #include "material/kernels/film.h"
 #include "material/kernels/stretch.h"
 
-/* sqrt(cos^2 + alpha^2 sin^2): Smith's masking is G1 = 2 cos / (cos + it), and of both directions together
- * G2 / (4 cos cos') = 1 / (2 (cos it' + cos' it)) (Heitz 2014). */
+/* s = sqrt(cos^2 + alpha^2 sin^2): Smith's masking is G1 = 2 cos / (cos + s), and for both directions
+ * together G2 / (4 cos cos') = 1 / (2 (cos s' + cos' s)) (Heitz 2014). */
 static inline float smith(float a2, float x, float y, float z) { return sqrtf(a2 * (x * x + y * y) + z * z); }
 
-/* Trowbridge & Reitz's distribution, from the sine of h, which keeps its digits where alpha is small. */
+/* Trowbridge & Reitz's distribution. It uses the sine of h, which keeps its digits if alpha is small. */
 static inline float ggx(float a2, float hx, float hy, float hz) {
     float t = hx * hx + hy * hy + a2 * (hz * hz);
     return a2 / (PI * t * t);
 }
 
-/* The half vector, and Schlick's factor there. Opposite directions have none, and get a zero vector. */
+/* The half vector, and Schlick's factor for it. Opposite directions have no half vector, and get a zero
+ * vector. */
 static inline void set_half(const shader_block *b, const lanes3 l, lanes3 h, float *restrict rise) {
     for (int i = 0; i < LANES; ++i) {
         float x = b->v[0][i] + l[0][i], y = b->v[1][i] + l[1][i], z = b->v[2][i] + l[2][i];
@@ -31,8 +32,8 @@ static inline void set_half(const shader_block *b, const lanes3 l, lanes3 h, flo
     }
 }
 
-/* D G2 / (4 n·v n·l) times n·l, and the density of l by visible normals: D G1 / (4 n·v). z and lz are the
- * cosines, to and from what smith() says of both. */
+/* D G2 / (4 n·v n·l) times n·l, and the density of l when visible normals are sampled: D G1 / (4 n·v). z and
+ * lz are the cosines of v and l, to and from their values of smith(). */
 static inline float both_ways(float d, float z, float lz, float to, float from, float *density) {
     *density = d / (2 * (z + to));
     return d * lz / (2 * (z * from + lz * to));
@@ -46,7 +47,7 @@ static inline float mirrored_facets(const lanes3 v, float alpha, int i, const la
     return both_ways(d, z, lz, to, from, density);
 }
 
-/* smith() and mirrored_facets() of the base. rare: some lane may be stretched. */
+/* smith(), ggx() and mirrored_facets() of the base. rare: some lane may be anisotropic. */
 static inline __attribute__((always_inline)) float smith_of(const shader_block *b, bool rare, int i, float x,
                                                             float y, float z) {
     if (is_stretched(b, rare, i)) return smith_stretched(b, i, x, y, z);
@@ -78,7 +79,7 @@ static inline __attribute__((always_inline)) void add_ggx(const shader_block *b,
     for (int i = 0; i < LANES; ++i) {
         float d, value = facets_of(b, rare, i, at->l, h, &d);
         value = chosen(at->reflected[i], value, 0);
-        if (rare && !(b->at[i]->lobes & SHADER_GGX)) value = 0; /* others have no f0 and f90 there */
+        if (rare && !(b->at[i]->lobes & SHADER_GGX)) value = 0; /* other lanes have no f0 and f90 there */
         for (int c = 0; c < 3; ++c) {
             f[c][i] +=
                 value * reflectance_at(b, rare, i, c, along_half(b, h, i), rise[i], b->f0[c][i], b->f90[i]);
@@ -107,8 +108,8 @@ static inline void set_mirrored(const shader_block *b, const incidence *at, lane
     set_half(b, l, h, rise);
 }
 
-/* Light through a thin wall: the reflection of l mirrored to the viewer's side, times the light that the
- * layer lets through. */
+/* Light through a thin wall: the reflection of l mirrored to the viewer's side, multiplied by the layer's
+ * transmittance. */
 static inline __attribute__((always_inline)) void add_thin(const shader_block *b, bool rare,
                                                            const incidence *at, float (*restrict f)[LANES],
                                                            float *restrict density) {
@@ -124,8 +125,8 @@ static inline __attribute__((always_inline)) void add_thin(const shader_block *b
     }
 }
 
-/* Walter et al. (2007), of radiance over the squared index: times eta^2. h = ±(v + eta l), whose length is
- * v·h + eta l·h. */
+/* Walter et al. (2007), for radiance divided by the squared index, hence the factor eta^2. h = ±(v + eta l),
+ * whose length is v·h + eta l·h. */
 static inline __attribute__((always_inline)) void add_refraction(const shader_block *b, bool rare,
                                                                  const incidence *at,
                                                                  float (*restrict f)[LANES],

@@ -1,4 +1,4 @@
-/* Phong's and Blinn's highlights, a block at a time. */
+/* Phong's and Blinn's highlights, for a block of lanes. */
 #ifndef MATERIAL_KERNELS_HIGHLIGHT_H
 #define MATERIAL_KERNELS_HIGHLIGHT_H
 
@@ -7,8 +7,8 @@
 #include "math/power.h"
 
 /* k_s max(0, v·r)^n with r = -l + 2(n·l)n, or k_s max(0, n·h)^n with h = (l+v)/|l+v|. The cosine of two unit
- * vectors is 1 less half the square of their difference: that keeps the angle's digits where the cosine
- * itself would round to 1, and exponents in the millions need them. */
+ * vectors is 1 minus half the square of their difference. This form keeps the digits of small angles, where
+ * the cosine itself would round to 1; exponents in the millions need them. */
 static inline void apart_phong(const lanes3 n, const lanes3 v, const lanes3 l, const float n_dot_l[LANES],
                                float *restrict out) {
     for (int i = 0; i < LANES; ++i) {
@@ -36,7 +36,7 @@ static inline void apart_blinn(const lanes3 n, const lanes3 v, const lanes3 l, f
     }
 }
 
-/* max(0, v·r)^n or max(0, n·h)^n, 0 where the masks of both are; n: the normal. */
+/* max(0, v·r)^n or max(0, n·h)^n, or 0 in lanes where both masks are 0; n: the normal. */
 static inline void highlight(const lanes3 n, const lanes3 v, const uint32_t is_phong[LANES],
                              const uint32_t is_blinn[LANES], const float shininess[LANES], const lanes3 l,
                              const float n_dot_l[LANES], float *restrict out) {
@@ -47,7 +47,7 @@ static inline void highlight(const lanes3 n, const lanes3 v, const uint32_t is_p
     if (any_phong) apart_phong(n, v, l, n_dot_l, phong);
     if (any_blinn) apart_blinn(n, v, l, blinn);
     for (int i = 0; i < LANES; ++i) {
-        /* Light from straight behind leaves no half vector: no highlight. */
+        /* Light from the direction opposite to v has no half vector: no highlight. */
         float half = 0.5f * chosen(is_phong[i], phong[i], blinn[i]);
         less[i] = half < 1 ? half : 1;
     }

@@ -1,4 +1,4 @@
-/* Where light comes from, what the materials' curves say there, and Schlick's factor. */
+/* Incident directions, the materials' curves at their cosines, and Schlick's factor. */
 #ifndef MATERIAL_KERNELS_INCIDENCE_H
 #define MATERIAL_KERNELS_INCIDENCE_H
 
@@ -18,12 +18,13 @@ static inline float power5(float x) {
 
 typedef struct incidence {
     _Alignas(64) lanes3 l;                   /* in the block's frame */
-    uint32_t reflected[LANES], cross[LANES]; /* all ones: l is on the viewer's side, or on the other */
+    uint32_t reflected[LANES], cross[LANES]; /* all ones: l is on the viewer's side; on the other side */
     uint32_t coated[LANES];                  /* the clear coat reflects l */
     float missing[LANES], under[LANES], below_coat[LANES]; /* of the materials, at l */
 } incidence;
 
-/* Light and viewer are on the same side of the surface without its normal map, too. */
+/* Light and viewer must also be on the same side of the surface without its normal map (cross: on opposite
+ * sides). */
 static inline void judge_mapped(const surface_block *s, const lanes3 l, incidence *restrict out) {
     for (int i = 0; i < LANES; ++i) {
         float side = s->base[0][i] * l[0][i] + s->base[1][i] * l[1][i] + s->base[2][i] * l[2][i];
@@ -48,7 +49,7 @@ static inline void judge_sides(const surface_block *s, const shader_block *b, co
     if (s->mapped) judge_mapped(s, l, out);
 }
 
-/* The node of the curves below a cosine, and the part of the way to the next one. */
+/* The node of the curves below a cosine, and the fraction of the interval to the next node. */
 static inline int node_at(float cosine, float *part) {
     const float x = sqrtf(sqrtf(fabsf(cosine))) * ENERGY_STEPS;
     const int k = (int)x < ENERGY_STEPS - 1 ? (int)x : ENERGY_STEPS - 1;
@@ -88,8 +89,8 @@ static inline void read_curves(const shader_block *b, const float cosine[LANES],
 
 /* ---- Schlick ---- */
 
-/* (1 - cos)^5, of the angle in the thinner medium: 1 at total reflection. eta: of the far side over the near
- * one. */
+/* (1 - cos)^5 of the angle in the thinner medium; 1 at total reflection. eta: index of the far side divided
+ * by that of the near side. */
 static inline float schlick(float cosine, float eta) {
     float near = cosine < 1 ? (cosine > 0 ? cosine : 0) : 1;
     float far2 = 1 - (1 - near) * (1 + near) / (eta * eta), far = sqrtf(far2 > 0 ? far2 : 0);

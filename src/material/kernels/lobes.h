@@ -1,4 +1,4 @@
-/* Values and densities of all lobes but the smooth ones, of light from one direction a lane. */
+/* Values and densities of all lobes except the smooth ones, for light from one direction per lane. */
 #ifndef MATERIAL_KERNELS_LOBES_H
 #define MATERIAL_KERNELS_LOBES_H
 
@@ -8,8 +8,8 @@
 #include "material/kernels/sheen.h"
 #include "math/limit.h"
 
-/* Phong's lobe is sampled by (n+1)/2pi (r·l)^n about the mirrored viewer, Blinn's by the same of the half
- * vector, whose solid angle is 1 / (4 v·h) of the direction's. */
+/* Phong's lobe is sampled with the density (n+1)/2pi (r·l)^n about the mirrored viewer, Blinn's with the same
+ * density of the half vector, whose solid angle is 1 / (4 v·h) of the direction's. */
 static inline void add_highlight(const surface_block *s, const shader_block *b, const incidence *at,
                                  const lanes3 l, const lanes3 h, float (*restrict f)[LANES],
                                  float *restrict density) {
@@ -30,7 +30,8 @@ static inline void add_highlight(const surface_block *s, const shader_block *b, 
 
 /* ---- all of them ---- */
 
-/* rare: some lane is SHADER_RARE. A constant, so that the loops of other blocks stay plain. */
+/* rare: some lane is SHADER_RARE. It is a compile-time constant: blocks without such lanes get simpler
+ * loops. */
 __attribute__((always_inline)) static inline __attribute__((always_inline)) void
 add_lobes_as(const surface_block *s, const shader_block *b, bool rare, const lanes3 l, incidence *at,
              float (*restrict f)[LANES], float *restrict density) {

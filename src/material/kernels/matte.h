@@ -1,12 +1,12 @@
-/* Blocks of which all materials are Lambert's alone, as most of a room is: the same numbers as the general
- * way's, which reads and writes four times as much. */
+/* Blocks whose materials are all pure Lambert, as most of a room is. The results are the same as those of the
+ * general code, which reads and writes four times as much. */
 #ifndef MATERIAL_KERNELS_MATTE_H
 #define MATERIAL_KERNELS_MATTE_H
 
 #include "material/kernels/block.h"
 #include "math/turn.h"
 
-/* Where a normal map has turned normals, sides are judged by more. */
+/* If a normal map rotated normals, the test of sides also needs the normal without the map. */
 static inline bool is_matte(const surface_block *s, uint32_t lobes) {
     return lobes == SHADER_DIFFUSE && !s->mapped;
 }
@@ -24,7 +24,7 @@ static void set_diffuse(shader_block *restrict out) {
     }
 }
 
-/* False where the block is none. */
+/* Returns false if the block is not matte. */
 static bool make_matte(const surface_block *s, shader_block *restrict out) {
     uint32_t lobes = 0;
     float up[LANES] = {0};
@@ -42,7 +42,7 @@ static bool make_matte(const surface_block *s, shader_block *restrict out) {
     return true;
 }
 
-/* f |cosine|, the density and the side of direction l. */
+/* f |cosine|, the density and the side masks of direction l. */
 static inline void matte_lane(const surface_block *s, const shader_block *b, int i, const float l[3],
                               float f[3], float *density, uint32_t *reflected, uint32_t *cross) {
     float z = 0, side = 0;
@@ -67,7 +67,7 @@ static void evaluate_matte(const surface_block *s, const shader_block *b, const 
     memcpy(f, value, sizeof value);
 }
 
-/* By the cosine; a black surface gets its normal. */
+/* Samples proportionally to the cosine; a black surface gets its normal. */
 static inline void matte_direction(const shader_block *b, int i, const float u[2], float d[3]) {
     const uint32_t some = b->take[SHADER_TAKE_DIFFUSE][i] > 0 ? ~0u : 0;
     float r = sqrtf(u[0]), up = 1 - u[0], z = sqrtf(up > 0 ? up : 0), cosine, sine, t[3], across_t[3];

@@ -1,4 +1,4 @@
-/* Shaders of plain materials; the terms are those of prepare_metallic() in shader.c. */
+/* Shaders of plain materials; the formulas are those of prepare_metallic() in shader.c. */
 #include "material/plain.h"
 
 #include "base/kernel.h"
@@ -34,7 +34,7 @@ static void name_lobes(const plain_block *b, plain_shaders *restrict out) {
     }
 }
 
-/* Light that scatters more than once. */
+/* Compensation for light that scatters more than once. */
 static void give_back(const plain_block *b, plain_shaders *restrict out) {
     for (int i = 0; i < LANES; ++i) {
         const float mean = b->mean[i], specular = b->specular[i], metal = b->metallic[i];

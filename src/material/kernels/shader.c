@@ -1,4 +1,4 @@
-/* BSDFs under path tracing: blocks, values and densities, and sampled directions. */
+/* BSDFs for path tracing: blocks, values and densities, and sampled directions. */
 #include "material/kernels/matte.h"
 
 static void evaluate(const surface_block *s, const shader_block *b, const lanes3 l, float (*f)[LANES],
@@ -38,7 +38,7 @@ static void choose_lobes(const shader_block *b, const float u[LANES], uint32_t *
 
 static inline float root(float x) { return sqrtf(x > 0 ? x : 0); }
 
-/* By the cosine. */
+/* Samples proportionally to the cosine. */
 static void sample_cosine(const uint32_t lobe[LANES], const lanes3 u, float (*restrict l)[LANES]) {
     for (int i = 0; i < LANES; ++i) {
         float r = sqrtf(u[0][i]), z = root(1 - u[0][i]), cosine, sine;
@@ -48,7 +48,7 @@ static void sample_cosine(const uint32_t lobe[LANES], const lanes3 u, float (*re
     }
 }
 
-/* Over the hemisphere. */
+/* Samples uniformly over the hemisphere. */
 static void sample_evenly(const lanes3 u, float (*restrict l)[LANES]) {
     for (int i = 0; i < LANES; ++i) {
         float r = sqrtf(u[0][i] * (2 - u[0][i])), cosine, sine;
@@ -65,8 +65,8 @@ static inline void mirror_about(const lanes3 v, int i, float x, float y, float z
 }
 
 /* Visible normals by spherical caps (Dupuy & Benyoub 2023). In the space where the distribution is a
- * hemisphere, h = cap + v with the cap's z + v.z = (1-u)(1+v.z); sines come from what is left of 1, not from
- * squares that cancel. */
+ * hemisphere, h = cap + v, with the cap's z + v.z = (1-u)(1+v.z). The sine uses 1 - z computed from x and y,
+ * because a difference of squares would cancel. */
 static void sample_facets(const lanes3 v, const float along[LANES], const float alphas[LANES], const lanes3 u,
                           float (*restrict h)[LANES]) {
     for (int i = 0; i < LANES; ++i) {
@@ -85,8 +85,8 @@ static void sample_facets(const lanes3 v, const float along[LANES], const float 
     }
 }
 
-/* Through a thin wall: the mirrored direction, mirrored again by the wall. Through a solid: by Snell's law
- * about the facet; straight back where it reflects all, which no density has. */
+/* Through a thin wall: the mirrored direction, mirrored again by the wall. Through a solid: refracted about
+ * the facet by Snell's law. On total reflection the result is v, which has a density of 0. */
 static void sample_cross(const shader_block *b, const lanes3 h, float (*restrict l)[LANES]) {
     for (int i = 0; i < LANES; ++i) {
         float inverse = 1 / b->eta[i];
@@ -103,13 +103,13 @@ static void sample_cross(const shader_block *b, const lanes3 h, float (*restrict
     }
 }
 
-/* 1 - u^k for the cosine of a power lobe, k = 2/(n+1) <= 2; u = 1 - d. The exponential less 1 by its series
- * where it is small, so that a cosine near 1 has its sine. */
+/* 1 - u^k for the cosine of a power lobe, k = 2/(n+1) <= 2; u = 1 - d. If the exponent is small, a series
+ * gives the exponential minus 1, so that a cosine near 1 keeps an accurate sine. */
 static inline float one_less_power(float d, float k) {
     double y = power_exponent(d, k), x = y * 0.69314718055994531, plain = 1 - (double)power_exp2(y);
     double small =
         -x * (1 + x * (1 / 2.0 + x * (1 / 6.0 + x * (1 / 24.0 + x * (1 / 120.0 + x * (1 / 720.0))))));
-    double is_small = x > -0.1 ? 1.0 : 0.0; /* a factor, where a choice would become a branch */
+    double is_small = x > -0.1 ? 1.0 : 0.0; /* a factor, because a conditional would become a branch */
     return (float)(is_small * small + (1 - is_small) * plain);
 }
 
@@ -145,7 +145,7 @@ static void sample_coat(const shader_block *b, const lanes3 u, float (*restrict 
     if (turned) out_of_coat(b, own, l);
 }
 
-/* In the block's frame; the normal, where no rough lobe is chosen. */
+/* In the block's frame; the normal, if no rough lobe is chosen. */
 static void sample_rough(const shader_block *b, const lanes3 u, const uint32_t lobe[LANES], lanes3 out) {
     lanes3 l, h;
     const uint32_t lobes = b->lobes;
@@ -214,8 +214,8 @@ static void take_smooth(const surface_block *s, const shader_block *b, const uin
 
 static inline uint32_t is(uint32_t lobe, uint32_t take) { return lobe == take ? ~0u : 0; }
 
-/* True when the direction is on the side that its lobe is for; a facet's may not be, and other lobes'
- * densities do not count for it. */
+/* True if the direction is on the side of its lobe. A sampled facet may give the wrong side; the densities of
+ * other lobes do not count then. */
 static inline uint32_t meant(const incidence *at, uint32_t lobe, int i) {
     uint32_t front = is(lobe, SHADER_TAKE_DIFFUSE) | is(lobe, SHADER_TAKE_GGX) | is(lobe, SHADER_TAKE_SHEEN);
     uint32_t coat = is(lobe, SHADER_TAKE_COAT);

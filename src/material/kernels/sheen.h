@@ -1,5 +1,5 @@
-/* Fibres that stand on the surface (KHR_materials_sheen; Estevez & Kulla 2017): (2 + 1/α) sin^(1/α) / 2π for
- * the distribution of half vectors, over 4 n·v n·l (1 + Λ(v) + Λ(l)). */
+/* Fibres that stand on the surface (KHR_materials_sheen; Estevez & Kulla 2017): the distribution of half
+ * vectors (2 + 1/α) sin^(1/α) / 2π, divided by 4 n·v n·l (1 + Λ(v) + Λ(l)). */
 #ifndef MATERIAL_KERNELS_SHEEN_H
 #define MATERIAL_KERNELS_SHEEN_H
 
@@ -12,7 +12,8 @@ static inline float sheen_exp2(float y) {
     return y > 0 ? 1 / p : p;
 }
 
-/* Λ by the fit a / (1 + b x^c) + d x + e of its logarithm, mirrored about 1/2; all times log2 e. */
+/* Λ by the fit a / (1 + b x^c) + d x + e of its logarithm, mirrored about 1/2; the coefficients include the
+ * factor log2 e. */
 static inline float sheen_lambda(const shader *m, float cosine) {
     float z = fminf(fabsf(cosine), 1), x = z < 0.5f ? z : 1 - z;
     const float *fit = m->sheen_fit;
@@ -20,15 +21,15 @@ static inline float sheen_lambda(const shader *m, float cosine) {
     return sheen_exp2(z < 0.5f ? l : fit[5] - l);
 }
 
-/* The share that the fibres let through: s of shader.h. Their albedo by these formulas exceeds 1 where few
- * lean and the view grazes; they count by no more than 1 over it. */
+/* The fraction that the fibres transmit: s of shader.h. Their albedo by these formulas exceeds 1 if α is
+ * small and the view is grazing; then `part` scales them by 1 / albedo. */
 static inline float sheen_left(const shader *m, float cosine, float *part) {
     float albedo = m->lobes & SHADER_SHEEN ? curve_at(m->sheen_albedo, fminf(fabsf(cosine), 1)) : 0;
     *part = albedo > 1 ? 1 / albedo : 1;
     return 1 - m->sheen_most * fminf(albedo, 1);
 }
 
-/* All else counts by the smaller of what the fibres let through on both ways. */
+/* Everything below is multiplied by the smaller of the fibres' transmittances for v and l. */
 static inline void add_sheen(const shader_block *b, const incidence *at, const lanes3 h,
                              float (*restrict f)[LANES], float *restrict density) {
     for (int i = 0; i < LANES; ++i) {

@@ -1,4 +1,5 @@
-/* GGX of two alphas, along and across the surface's tangent (KHR_materials_anisotropy; Heitz 2014). */
+/* Anisotropic GGX: one alpha along the surface's tangent, one across it (KHR_materials_anisotropy; Heitz
+ * 2014). */
 #ifndef MATERIAL_KERNELS_STRETCH_H
 #define MATERIAL_KERNELS_STRETCH_H
 
@@ -19,7 +20,7 @@ static inline float ggx_stretched(const shader_block *b, int i, float hx, float 
     return both / (PI * t * t);
 }
 
-/* Albedos at a direction, from the tables of energy.h. */
+/* Albedos for a direction, from the tables of energy.h. */
 static inline void stretch_albedos(const shader *m, float x, float y, float z, float *all, float *edge) {
     float w = sqrtf(sqrtf(fabsf(z))) * ENERGY_STEPS, sum = fabsf(x) + fabsf(y);
     float t = (sum > 0 ? fabsf(y) / sum : 0) * ENERGY_TURNS;
@@ -38,7 +39,7 @@ static inline void stretch_albedos(const shader *m, float x, float y, float z, f
     *all = out[0], *edge = out[1];
 }
 
-/* Replaces what read_curves() found, which does not know these lobes. */
+/* Replaces the results of read_curves(), which does not handle anisotropic lobes. */
 static inline void stretch_curves(const shader_block *b, const lanes3 d, float *restrict missing,
                                   float *restrict under) {
     for (int i = 0; i < LANES; ++i) {

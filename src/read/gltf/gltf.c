@@ -2,8 +2,8 @@
  *
  * Reads the nodes of the default scene (else the first scene, else all root nodes, else every mesh once),
  * triangles of any mode, materials with their textures and vertex colours, skins, morph targets, animations
- * posed at the time that is asked for, or while the shutter is open, one perspective camera, and the
- * extensions below. Triangles are seen from both sides, which is noted. */
+ * posed at the requested time or while the shutter is open, one camera, and the extensions below. Triangles
+ * are visible from both sides; for single-sided materials this adds a note. */
 #include "read/gltf/gltf.h"
 
 #include "base/text.h"
@@ -11,8 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* glTF 1 has objects where 2 has arrays, and its files need not say which they are: "1.0", 1, 0.8 or nothing.
- */
+/* True for glTF 1, which has objects instead of arrays. Its version may be "1.0", 1, 0.8 or missing. */
 static bool is_first(const gltf *g, const gltf_value *asset) {
     const json_t *version = json_object_get(asset->json, "version");
     if (json_is_string(version)) return strncmp(json_string_value(version), "1.", 2) == 0;
@@ -20,7 +19,7 @@ static bool is_first(const gltf *g, const gltf_value *asset) {
     return json_is_object(json_object_get(g->root.json, "meshes"));
 }
 
-/* "2.0" and any "2.x": a later minor version stays readable unless minVersion says otherwise. */
+/* "2.0" and any "2.x": a later minor version is readable, unless minVersion is above 2.0. */
 static void check_version(gltf *g) {
     gltf_value asset;
     const char *version = NULL, *least = NULL;
@@ -41,7 +40,7 @@ static void check_version(gltf *g) {
         gltf_fail(g, &asset, "minVersion", "is \"%.40s\"; 2.0 is what is understood", least);
 }
 
-/* True when the extension is followed. */
+/* True if the extension is supported. */
 static bool is_known(const char *name) {
     static const char names[] =
         "KHR_lights_punctual|KHR_materials_ior|KHR_materials_transmission|KHR_materials_specular|"
@@ -51,14 +50,14 @@ static bool is_known(const char *name) {
         "EXT_meshopt_compression|KHR_draco_mesh_compression|"
         "EXT_mesh_gpu_instancing|KHR_materials_pbrSpecularGlossiness|KHR_node_visibility|"
         "KHR_texture_transform|EXT_texture_webp|EXT_texture_avif|MSFT_texture_dds|KHR_animation_pointer";
-    /* Facts about things, which no image shows. */
+    /* Metadata, which does not affect images. */
     static const char facts[] =
         "KHR_xmp|KHR_xmp_json_ld|KHR_node_selectability|KHR_node_hoverability|EXT_mesh_features|"
         "EXT_instance_features|EXT_structural_metadata|EXT_mesh_manifold|FB_geometry_metadata";
     return words_find(names, name, strlen(name)) >= 0 || words_find(facts, name, strlen(name)) >= 0;
 }
 
-/* FATHOM_BAD_INPUT when the file requires an extension that is not followed. */
+/* FATHOM_BAD_INPUT if the file requires an extension that is not supported. */
 static void check_extensions(gltf *g) {
     gltf_value required;
     gltf_array(g, &g->root, "extensionsRequired", &required);
@@ -91,7 +90,7 @@ static void note_of(gltf *g, const gltf_value *holder) {
     }
 }
 
-/* Notes the extensions that are used and not followed, and null. The parser limits the depth. */
+/* Adds notes on null values and on used extensions that are not supported. The parser limits the depth. */
 static void note_extensions(gltf *g, const gltf_value *v) {
     if (json_is_object(v->json)) {
         const char *key;
@@ -152,7 +151,7 @@ static void close_source(gltf *g, gltf_source *source) {
     free(source);
 }
 
-/* Closes the sources that the scene did not take over. */
+/* Closes the sources that the scene does not own. */
 static void finish(gltf *g) {
     for (size_t i = 0; g->buffer_table && i < gltf_count(&g->buffers); ++i) {
         if (g->buffer_table[i].owns_source) close_source(g, g->buffer_table[i].source);

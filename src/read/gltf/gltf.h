@@ -3,22 +3,22 @@
  * gltf.c            versions, extensions, the order of the steps
  * gltf_json.c       typed values with their place in the document
  * gltf_buffer.c     GLB chunks, the JSON text, buffers
- * gltf_view.c       parts of buffers, and what is unpacked of them
- * gltf_accessor.c   typed arrays in buffers, checked, as plain arrays; limits on memory
- * gltf_draco.c      meshes that are compressed
- * gltf_mesh.c       meshes to groups
+ * gltf_view.c       buffer views, decompressed if necessary
+ * gltf_accessor.c   accessors, checked, as plain arrays; limits on memory
+ * gltf_draco.c      compressed meshes
+ * gltf_mesh.c       converts meshes to groups
  * gltf_morph.c      morph targets
  * gltf_skin.c       skins
  * gltf_animation.c  animations, posed at a time
  * gltf_motion.c     poses while the shutter is open
- * gltf_transform.c  where nodes are
+ * gltf_transform.c  transforms of nodes
  * gltf_variant.c    variants of materials
- * gltf_choice.c     what there is to choose from by name
- * gltf_material.c   materials to the model's
- * gltf_texture.c    images and samplers, as maps of materials
- * gltf_node.c       the hierarchy, its instances
+ * gltf_choice.c     choice of an item by its name or number
+ * gltf_material.c   converts materials
+ * gltf_texture.c    converts images and samplers to maps of materials
+ * gltf_node.c       the hierarchy of nodes; adds instances
  * gltf_light.c      lights
- * gltf_camera.c     cameras, and which one is taken */
+ * gltf_camera.c     cameras, and the choice of one */
 #ifndef READ_GLTF_H
 #define READ_GLTF_H
 
@@ -29,8 +29,8 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "glTF buffers are little-endian and used in place");
 
-/* A value and its place in the document, for messages. json is NULL if the file has no such value. The parent
- * must outlive it: places live on the stack of the functions that walk down. */
+/* A value and its path in the document, for messages. json is NULL if the file has no such value. The parent
+ * must outlive the value: both are local variables of the functions that walk the document. */
 typedef struct gltf_value {
     json_t *json;
     const struct gltf_value *parent; /* NULL: the document */
@@ -38,7 +38,7 @@ typedef struct gltf_value {
     size_t index;
 } gltf_value;
 
-/* The bytes of one file; given to the scene once it points into them. */
+/* The bytes of one file; the scene owns them once it uses pointers into them. */
 typedef struct gltf_source {
     file_map map;
     bool shared;
@@ -47,8 +47,8 @@ typedef struct gltf_source {
 typedef struct gltf_buffer {
     const unsigned char *bytes; /* NULL: not loaded yet */
     uint64_t size;
-    gltf_source *source; /* NULL: memory of the scene */
-    bool owns_source;    /* false where source is the main file */
+    gltf_source *source; /* NULL: the scene owns the bytes */
+    bool owns_source;    /* false if `source` is the main file */
 } gltf_buffer;
 
 /* An accessor's elements as an array that a mesh can use: finite floats, or 32-bit indices. */
@@ -56,16 +56,16 @@ typedef struct gltf_elements {
     const void *values; /* NULL: not made yet */
     size_t stride;      /* bytes */
     uint32_t count;
-    mesh_facts facts; /* the extremes, of floats with three components */
+    mesh_facts facts; /* the extremes, for floats with three components */
 } gltf_elements;
 
 typedef struct gltf_material {
     fathom_id id;   /* FATHOM_NONE: not made yet */
-    unsigned flags; /* of the meshes that wear it */
-    bool blends;    /* its alpha counts */
+    unsigned flags; /* flags of the meshes that have it */
+    bool blends;    /* its alpha mode is BLEND or MASK */
 } gltf_material;
 
-/* The parts of a node's transform. */
+/* The components of a node's transform. */
 enum { GLTF_TRANSLATION, GLTF_ROTATION, GLTF_SCALE, GLTF_PARTS };
 extern const char *const gltf_part_names[GLTF_PARTS];
 
@@ -84,42 +84,42 @@ typedef struct gltf_world {
 
 #define GLTF_MOMENTS 65 /* at most */
 
-/* A map at each moment. */
+/* A transform at each moment. */
 typedef struct gltf_way {
     size_t count;
     affine_f64 at[GLTF_MOMENTS];
 } gltf_way;
 
-/* The matrices of a skin's joints, from meshes to the world, less `origin`. */
+/* The matrices of a skin's joints, from mesh to world space, minus `origin`. */
 typedef struct gltf_joints {
     affine_f64 *matrices; /* NULL: not made yet */
     uint32_t count;
     vec3_f64 origin; /* the same at all moments */
 } gltf_joints;
 
-/* The nodes at a time. */
+/* The state of the nodes at one time. */
 typedef struct gltf_moment {
     double time; /* seconds */
     ARRAY(gltf_pose) poses;
-    uint32_t *pose_of;  /* for each node its place in poses, counted from 1; NULL: no animation is posed */
+    uint32_t *pose_of;  /* for each node, its index in poses plus 1; NULL: no animation is posed */
     gltf_world *worlds; /* for each node */
-    gltf_joints *skins; /* for each skin; NULL: none is made yet */
+    gltf_joints *skins; /* one for each skin; NULL: none is made yet */
 } gltf_moment;
 
-/* How a node shapes its mesh. */
+/* How a node deforms its mesh. */
 typedef struct gltf_shape {
     double *weights; /* of morph targets; owned */
     size_t weight_count;
     const gltf_joints *joints; /* NULL: no skin */
 } gltf_shape;
 
-/* A camera of a node; one for each of the scene's cameras. */
+/* The node and the index of a camera; one for each camera of the scene. */
 typedef struct gltf_camera {
-    uint32_t node, index; /* of nodes and of cameras */
+    uint32_t node, index; /* `node` into nodes, `index` into cameras */
 } gltf_camera;
 
 typedef struct gltf {
-    fathom_status status; /* the first failure; from then on all calls below leave things as they are */
+    fathom_status status; /* the first failure; after it, the calls below change nothing */
     fathom_scene *scene;
     fathom_context *context;
     fathom_id group;
@@ -129,27 +129,27 @@ typedef struct gltf {
     const unsigned char *binary; /* the GLB's BIN chunk, or NULL */
     uint64_t binary_size;
     const char *text; /* the JSON */
-    size_t text_at;   /* the byte of a .glb at which it begins; 0 in .gltf files */
-    json_arena arena; /* of all values */
+    size_t text_at;   /* byte offset of `text` in a .glb; 0 in .gltf files */
+    json_arena arena; /* memory of all values */
     gltf_value root, accessors, views, buffers, images, textures, samplers, materials, meshes, nodes, scenes,
         cameras, skins, animations;
     gltf_value extensions, punctual, lights, varying, variants; /* of the document */
     gltf_buffer *buffer_table;                                  /* for each buffer */
-    gltf_buffer *image_table;        /* for each image that is a data URI: its bytes, once decoded */
-    gltf_buffer *view_table;         /* for each buffer view that is compressed: unpacked */
-    struct gltf_draco *draco;        /* meshes that are being unpacked; NULL: none was */
-    gltf_material *material_table;   /* for each material, then the default one */
+    gltf_buffer *image_table;        /* for each image: the bytes of a data URI, once decoded */
+    gltf_buffer *view_table;         /* for each buffer view: the decompressed bytes, if it is compressed */
+    struct gltf_draco *draco;        /* meshes that are being decompressed; NULL: there are none */
+    gltf_material *material_table;   /* one for each material, then the default material */
     gltf_elements (*array_table)[2]; /* for each accessor: floats, indices */
     fathom_id *mesh_table;           /* for each mesh: the group, FATHOM_NONE (not made) or GLTF_EMPTY */
-    uint32_t *parents;               /* for each node; beyond all nodes: a root */
-    ARRAY(uint32_t) playing;         /* animations that are posed */
-    bool posed;                      /* at one moment already: what there is to note has been */
-    size_t keys_inside;              /* the most that a sampler has while the shutter is open */
-    uint32_t variant;                /* of materials; GLTF_ABSENT: none */
-    ARRAY(gltf_moment) moments;      /* as the shutter opens, at even times, and as it closes; closed: one */
-    double *key_times;               /* theirs, in memory of the scene; NULL: one moment */
-    uint64_t file_bytes;             /* of the files opened */
-    uint64_t charged;                /* bytes: gltf_charge() */
+    uint32_t *parents;          /* for each node, its parent; a number not below the node count: a root */
+    ARRAY(uint32_t) playing;    /* animations that are posed */
+    bool posed;                 /* one moment has been posed already, and its notes were added */
+    size_t keys_inside;         /* maximum number of keys of a sampler while the shutter is open */
+    uint32_t variant;           /* of materials; GLTF_ABSENT: none */
+    ARRAY(gltf_moment) moments; /* uniform, from shutter open to close; or one */
+    double *key_times;          /* the times of the moments, owned by the scene; NULL: one moment */
+    uint64_t file_bytes;        /* size of the opened files */
+    uint64_t charged;           /* bytes counted by gltf_charge() */
     ARRAY(gltf_camera) seen_cameras;
     note_list notes;
 } gltf;
@@ -158,15 +158,15 @@ typedef struct gltf {
 #define GLTF_ABSENT UINT32_MAX       /* no index given */
 
 /* ---- gltf_json.c ----
- * Getters leave *out, which holds the default, if the member is absent or null. They fail with
+ * If a member is absent or null, getters leave *out unchanged: it holds the default. They fail with
  * FATHOM_BAD_INPUT and the place: "file:3: meshes[2].name: is a number; expected a string".
  *
- * Failures are kept in g->status: readers go on with the defaults, which are empty, and ask gltf_fine()
- * before they use an index, call the scene or begin a long loop. */
+ * g->status keeps the first failure. Readers then continue with the defaults, which are empty. They check
+ * gltf_fine() before they use an index, call the scene or begin a long loop. */
 
 static inline bool gltf_fine(const gltf *g) { return g->status == FATHOM_OK; }
 
-/* A place for messages, with the memory of its path. */
+/* A place for messages, with a buffer for its path. */
 typedef struct gltf_spot {
     fathom_place place;
     char path[256];
@@ -181,15 +181,15 @@ const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *
                                   gltf_place(g, at, key, &(gltf_spot){.place.line = 0}), __VA_ARGS__))       \
          : (g)->status)
 fathom_status gltf_fail_memory(gltf *g, size_t bytes);
-/* Takes over the status of a call of the scene, and adds the place to its error. */
+/* Stores the status of a call on the scene in g->status, and adds the place to its error. */
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status);
 /* True when the file requires the extension. */
 bool gltf_requires(const gltf *g, const char *name);
-/* Notes something that is left out or read differently; see notes.h. */
+/* Adds a note about a value that is skipped or read differently; see text.h. */
 void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* The same for all items of an array at once. */
+/* The same for all items of an array, as one note. */
 void gltf_note_all(gltf *g, const gltf_value *array, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -197,12 +197,12 @@ fathom_status gltf_object(gltf *g, const gltf_value *parent, const char *key, gl
 fathom_status gltf_array(gltf *g, const gltf_value *parent, const char *key, gltf_value *out);
 /* Item `index` of an array, which must be an object. */
 fathom_status gltf_item(gltf *g, const gltf_value *array, size_t index, gltf_value *out);
-/* The object extensions.NAME of `parent`, if there is one. `holder` receives the object between. */
+/* The object extensions.NAME of `parent`, if it exists. `holder` receives the object `extensions`. */
 fathom_status gltf_extension(gltf *g, const gltf_value *parent, const char *name, gltf_value *holder,
                              gltf_value *out);
 size_t gltf_count(const gltf_value *array);
 
-/* In [lowest, highest]; of another number the nearest one there, which is noted. */
+/* A number in [lowest, highest]. Any other number is clamped to the range, with a note. */
 fathom_status gltf_number(gltf *g, const gltf_value *parent, const char *key, double lowest, double highest,
                           double *out);
 /* The same for exactly n numbers. */
@@ -210,7 +210,7 @@ fathom_status gltf_numbers(gltf *g, const gltf_value *parent, const char *key, s
                            double highest, double *out);
 fathom_status gltf_integer(gltf *g, const gltf_value *parent, const char *key, uint64_t lowest,
                            uint64_t highest, uint64_t *out);
-/* An index into `into`; -1 is taken as none, which is noted. */
+/* An index into `into`; -1 means none, and adds a note. */
 fathom_status gltf_index(gltf *g, const gltf_value *parent, const char *key, const gltf_value *into,
                          uint32_t *out);
 /* The same for item i of an array of indices. */
@@ -224,24 +224,26 @@ fathom_status gltf_flag(gltf *g, const gltf_value *parent, const char *key, bool
 /* Opens the file, finds its chunks and parses its JSON into g->root. */
 void gltf_open(gltf *g);
 fathom_status gltf_buffer_load(gltf *g, uint32_t index, gltf_buffer **out);
-/* Gives the buffer's bytes to the scene. Call before anything of the scene points into them. */
+/* Transfers ownership of the buffer's bytes to the scene. Call it before the scene gets pointers into
+ * them. */
 void gltf_buffer_share(gltf *g, gltf_buffer *buffer);
-/* True when it is a data URI; its bytes, which belong to the scene. */
+/* gltf_is_data(): true if `uri` is a data URI. gltf_data_uri(): its bytes, owned by the scene. */
 bool gltf_is_data(const char *uri);
 void gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out);
-/* The path of the image that a uri names; release it with free(). NULL: there is none, which is noted. */
+/* The path of the image that a uri names; release it with free(). NULL: there is no such file, which adds a
+ * note. */
 char *gltf_image_path(gltf *g, const gltf_value *at, const char *uri);
 
 /* ---- gltf_view.c ---- */
 
-/* The bytes of a buffer view, unpacked where it is compressed, and the buffer that holds them. */
+/* The bytes of a buffer view, decompressed if necessary, and the buffer that holds them. */
 typedef struct gltf_view {
     const unsigned char *bytes;
     uint64_t length;
     gltf_buffer *buffer;
 } gltf_view;
 
-/* *at: the view, for messages. */
+/* *at receives the view, for messages. */
 fathom_status gltf_view_open(gltf *g, uint32_t index, gltf_value *at, gltf_view *out);
 
 /* ---- gltf_accessor.c ---- */
@@ -255,15 +257,15 @@ enum {
     GLTF_TAKES_QUANTIZED = GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED
 };
 
-/* Counts memory (below 2^40 bytes) that a value takes beyond the document and its files. FATHOM_BAD_INPUT
- * when the sum is out of proportion to the files. */
+/* Counts memory (below 2^40 bytes) that a value takes beyond the document and its files. FATHOM_BAD_INPUT if
+ * the sum is too large compared with the size of the files. */
 fathom_status gltf_charge(gltf *g, const gltf_value *at, const char *key, uint64_t bytes);
-/* scene_allocate() for what is charged to the value. */
+/* scene_allocate(), after gltf_charge() for the same bytes. */
 fathom_status gltf_allocate(gltf *g, const gltf_value *at, const char *key, uint64_t bytes, void **out);
 
-/* The accessor that member `key` of `user` names, as an array; components and `takes` say what is expected:
- * indices with GLTF_TAKES_UINT, which are not checked, else floats. False, and *out is empty, where there is
- * no such member, or reading has failed. */
+/* The accessor that member `key` of `user` names, as an array with this number of components. `takes` has the
+ * accepted component types: with GLTF_TAKES_UINT the elements are indices, whose range is not checked,
+ * otherwise floats. False, with *out empty, if there is no such member or reading has failed. */
 bool gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned components, unsigned takes,
                      gltf_elements *out);
 
@@ -272,103 +274,104 @@ bool gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned 
 #define GLTF_LIST 192 /* bytes */
 /* 0 "Walk", 1 "Run" and 7 more */
 void gltf_print_names(const gltf_value *array, char out[GLTF_LIST]);
-/* The item with this name, else this number. FATHOM_BAD_USAGE, with a list of what there is, where there is
- * none such or there are several. what: "animation". */
+/* The item with this name, or else with this number. FATHOM_BAD_USAGE, with a list of the names, if there is
+ * no such item or there are several. what: "animation". */
 uint32_t gltf_choose(gltf *g, const gltf_value *array, const char *what, const char *wanted);
 
 /* ---- gltf_variant.c ---- */
 
-/* Sets g->variant by what is asked for. */
+/* Sets g->variant to the requested variant. */
 void gltf_variant_choose(gltf *g);
-/* *material, the primitive's own, becomes that of the variant if it has one for it. */
+/* Replaces *material, the primitive's own, by the material of the variant, if the primitive has one. */
 void gltf_variant_material(gltf *g, const gltf_value *primitive, uint32_t *material);
 
 /* ---- gltf_transform.c ---- */
 
-/* NULL: no animation poses it. */
+/* The pose of a node; NULL: no animation poses it. */
 const gltf_pose *gltf_pose_of(const gltf_moment *m, uint32_t node);
 /* g->parents must have no cycle. */
 affine_f64 gltf_node_world(gltf *g, gltf_moment *m, uint32_t node);
 affine_f64 gltf_compose(double parts[GLTF_PARTS][4]);
-/* The last row of an affine matrix: 0 0 0 1, up to rounding. */
+/* Checks that the last row of a matrix is 0 0 0 1, up to rounding error. */
 void gltf_check_row(gltf *g, const gltf_value *at, const char *key, const double row[4]);
 /* True when a quaternion is not zero. */
 bool gltf_is_rotation(const double r[4]);
 
 /* ---- gltf_motion.c ---- */
 
-/* How long the shutter is open, in seconds; 0: nothing is animated, or stands. */
+/* How long the shutter is open, in seconds; 0 if no animation is posed. */
 double gltf_shutter(const gltf *g);
 /* Fills in g->moments and g->key_times. */
 void gltf_moments_open(gltf *g);
 void gltf_moments_close(gltf *g);
 /* True when the `count` shapes of one node at the moments differ. */
 bool gltf_shapes_move(const gltf_shape *shapes, size_t count);
-/* The node's maps to the world, at all moments. */
+/* The node's transforms to the world, at all moments. */
 void gltf_node_way(gltf *g, uint32_t node, gltf_way *out);
-/* The way of a thing that `inner` places inside one that goes `way`. */
+/* The motion of an object with the transform `inner` inside a parent with the motion `way`. */
 void gltf_way_of(const gltf_way *way, const affine_f64 *inner, gltf_way *out);
 bool gltf_way_moves(const gltf_way *way);
-/* True when it is never flat, nor turned inside out on the way. */
+/* True if no transform after the first is singular, and all have the same handedness. */
 bool gltf_way_can_blur(const gltf_way *way);
-/* The scale that cameras and lights follow. */
+/* The scale that applies to cameras and lights. */
 static inline double gltf_unit(const gltf *g) { return g->options->unit > 0 ? g->options->unit : 1; }
-/* For messages; "" where it has none. */
+/* The value's name, for messages; "" if it has none. */
 const char *gltf_name(const gltf_value *at);
 
 /* ---- gltf_animation.c ---- */
 
-/* Sets g->playing by what is asked for. */
+/* Sets g->playing to the requested animations. */
 void gltf_animation_choose(gltf *g);
 /* Poses the nodes by g->playing at the moment's time. */
 void gltf_animation_pose(gltf *g, gltf_moment *m);
-/* The unit quaternion at the part u in [0,1] of the shorter arc from a to b, which become unit. */
+/* The unit quaternion at the fraction u in [0,1] of the shorter arc from a to b. Normalises a and b. */
 void gltf_slerp(double a[4], double b[4], double u, double out[4]);
 
 /* ---- gltf_morph.c, gltf_skin.c ---- */
 
-/* Weights: posed, else the node's, else the mesh's. node may be NULL. */
+/* Reads the weights: from the pose, else from the node, else from the mesh. node may be NULL. */
 void gltf_weights_read(gltf *g, const gltf_pose *pose, const gltf_value *node, const gltf_value *mesh,
                        gltf_shape *out);
-/* Each replaces the floats of an attribute by new ones, if the shape moves them: in `to`, tightly packed, or
- * where that is NULL in new memory of the scene. */
+/* Each call replaces the floats of an attribute by deformed ones, if the shape changes them. They are tightly
+ * packed in `to`, or in new memory of the scene if `to` is NULL. */
 void gltf_morph(gltf *g, const gltf_value *primitive, const gltf_shape *shape, const char *key,
                 unsigned components, gltf_elements *floats, float *to);
 typedef enum gltf_kind { GLTF_POINT, GLTF_NORMAL, GLTF_TANGENT } gltf_kind;
 void gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *joints, gltf_kind kind,
                      gltf_elements *floats, float *to);
-/* The joints of skin `index` at a moment of g; they live as long as it. */
+/* The joints of skin `index` at a moment of g; valid as long as the moment. */
 const gltf_joints *gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index);
 
-/* Makes a copy of these the elements of the accessor that member `key` of `user` names, which must be
- * described by it. normalized: divided by the largest number of the accessor's type already. */
+/* Stores a copy of `values` as the elements of the accessor that member `key` of `user` names. Count and
+ * components must be those of the accessor. normalized: `values` are already divided by the maximum of the
+ * accessor's type. */
 fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, bool integers,
                               unsigned components, bool normalized, uint32_t count, const void *values);
 
 /* ---- gltf_draco.c ---- */
 
-/* Unpacks a primitive that is compressed, as elements of its accessors. */
+/* Decompresses a primitive, and stores the result as elements of its accessors. */
 fathom_status gltf_draco_read(gltf *g, const gltf_value *primitive);
 void gltf_draco_close(gltf *g);
 
 /* The components of the accessor that member `key` of `user` names, 1 to 4; 0: there is no such member. */
 unsigned gltf_components(gltf *g, const gltf_value *user, const char *key);
 
-/* ---- what the document holds ---- */
+/* ---- contents of the document ---- */
 
-/* The group that holds mesh `index`, made when first asked for, or GLTF_EMPTY. With shapes, one for each
- * moment: a group of its own. */
+/* The group that holds mesh `index`, or GLTF_EMPTY. The first call makes the group. With shapes, one for each
+ * moment, each call makes a new group. */
 fathom_id gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes);
-/* The texture that member `key` of `parent` describes; color: its numbers are sRGB. False where there is none
- * or it cannot be read, which is noted. */
+/* The texture that member `key` of `parent` describes; color: its values are sRGB. False if there is no
+ * texture, or it cannot be read; the latter adds a note. */
 bool gltf_map(gltf *g, const gltf_value *parent, const char *key, bool color, fathom_map *out);
-/* Material `index`; GLTF_ABSENT is the file format's default one. False: reading has failed. */
+/* Material `index`; GLTF_ABSENT: glTF's default material. False: reading has failed. */
 bool gltf_material_make(gltf *g, uint32_t index, gltf_material *out);
 /* Walks the nodes of the scene. */
 void gltf_nodes_place(gltf *g);
 void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *to_world);
 void gltf_camera_note(gltf *g, const gltf_value *node);
-/* Gives the scene the requested camera, else the first perspective one, of those noted. */
+/* Sets the scene's camera to the requested one of the noted cameras, else to the first perspective one. */
 void gltf_camera_take(gltf *g);
 
 #endif

@@ -1,12 +1,13 @@
-/* Typed arrays in buffers, checked in 64 bits against their views and buffers; then as arrays that meshes can
- * use: in place where they are that already, else converted, each once. */
+/* Typed arrays in buffers, checked against their views and buffers in 64-bit arithmetic. Meshes use them in
+ * place if the format fits; otherwise each array is converted once. */
 #include "base/threads.h"
 #include "read/gltf/gltf.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Elements without bytes in the file still take memory: a few lines must not ask for gigabytes. */
+/* Elements without bytes in the file still take memory, so their number is limited: a few lines must not
+ * allocate gigabytes. */
 #define ZEROS_MAX (1 << 20)
 
 typedef enum component {
@@ -27,24 +28,25 @@ typedef struct span {
 
 typedef struct accessor {
     component type;
-    unsigned components; /* of an element: 1 to 4, or 16 */
+    unsigned components; /* per element: 1 to 4, or 16 */
     bool normalized;
     uint32_t count; /* elements */
     span elements;
-    uint32_t sparse_count; /* elements that are replaced */
+    uint32_t sparse_count; /* number of replaced elements */
     component sparse_type;
     span sparse_indices, sparse_values;
 } accessor;
 
 /* ---- memory ---- */
 
-/* A few bytes of glTF can ask for any amount of memory: by zero elements, or by one array used in many ways.
- * Bytes take at most 4 times their size as floats, 12 times as a strip, about 20 times as instances. */
+/* A few bytes of glTF can allocate any amount of memory: by elements without data, or by one array that is
+ * converted in many ways. Bytes take at most 4 times their size as floats, 12 times as a strip, about 20
+ * times as instances. */
 #define FACTOR 128u
 #define FREE 65536u
 
 fathom_status gltf_charge(gltf *g, const gltf_value *at, const char *key, uint64_t bytes) {
-    /* Sums of sizes that are in memory: no overflow, as `bytes` is below 2^40. */
+    /* These are sums of sizes in memory, so they do not overflow: `bytes` is below 2^40. */
     uint64_t most = FREE + FACTOR * g->file_bytes;
     g->charged += bytes;
     if (g->charged <= most) return g->status;
@@ -111,7 +113,7 @@ static void copy_floats(void *user, size_t begin, size_t end, unsigned worker) {
     for (size_t i = begin; i < end; ++i) memcpy(c->floats + i * c->components, c->from + i * c->stride, size);
 }
 
-/* By type - GLTF_BYTE. Normalized integers are divided by `divisor`. NULL: not accepted. */
+/* Indexed by type - GLTF_BYTE. Normalized integers are divided by `divisor`. NULL: not accepted. */
 static const struct {
     const char *name;
     unsigned size, takes;
@@ -144,7 +146,7 @@ static void read_component_type(gltf *g, const gltf_value *at, component *out) {
         *out = (component)type;
 }
 
-/* The part of a buffer that `user` (an accessor or a part of a sparse one) uses: `count` elements of
+/* Finds the part of a buffer that `user` (an accessor or a part of a sparse one) uses: `count` elements of
  * `element` bytes at its byteOffset. `strided`: the view's byteStride applies. */
 static void open_span(gltf *g, const gltf_value *user, uint64_t count, unsigned element, bool strided,
                       span *out) {
@@ -221,13 +223,14 @@ static unsigned components_of(const char *type) {
                : 0;
 }
 
-/* All but where the elements are. A count of 0 is against the format: some writers leave empty ones. */
+/* Reads all members except the position of the elements. A count of 0 is invalid in glTF, but some exporters
+ * write it. */
 static void open_head(gltf *g, const gltf_value *at, accessor *out) {
     const char *type = "";
     uint64_t count = UINT64_MAX;
     read_component_type(g, at, &out->type);
     gltf_text(g, at, "type", &type);
-    /* Vertex ids have 32 bits, and the last one means none. */
+    /* Vertex indices have 32 bits, and the last one is reserved. */
     gltf_integer(g, at, "count", 0, UINT32_MAX - 1, &count);
     gltf_flag(g, at, "normalized", &out->normalized);
     if (count == UINT64_MAX) gltf_fail(g, at, "count", "is missing; expected the number of elements");
@@ -247,8 +250,8 @@ static void open_elements(gltf *g, const gltf_value *at, accessor *out) {
     if (gltf_fine(g)) open_sparse(g, at, out);
 }
 
-/* The accessor that member `key` of `user` names, as `out`, all but its elements. False: there is none, or
- * reading has failed. */
+/* Finds the accessor that member `key` of `user` names, and reads all but its elements. False: there is no
+ * such member, or reading has failed. */
 static bool find_accessor(gltf *g, const gltf_value *user, const char *key, uint32_t *index, gltf_value *at,
                           accessor *out) {
     *index = GLTF_ABSENT;
@@ -286,7 +289,7 @@ static bool is_aligned(const span *s) {
     return s->bytes && s->stride % 4 == 0 && (uintptr_t)s->bytes % 4 == 0;
 }
 
-/* Converts the base elements (zeros if there are none), then the sparse ones over them. */
+/* Converts the base elements (zeros if there are none), then replaces some by the sparse ones. */
 static void convert(gltf *g, const accessor *a, conversion *c, loop_body body) {
     if (a->elements.bytes) {
         c->from = a->elements.bytes;
@@ -305,8 +308,8 @@ static void convert(gltf *g, const accessor *a, conversion *c, loop_body body) {
     }
 }
 
-/* The elements as floats or integers: in place where the file holds them aligned, else converted into memory
- * of the scene that is charged to member `key` of `user`. Integers are tightly packed. */
+/* Makes the elements an array of floats or integers: in place if the file has them aligned, otherwise in
+ * memory of the scene, charged to member `key` of `user`. Integers are tightly packed. */
 static void make_array(gltf *g, const gltf_value *user, const char *key, const accessor *a, bool integers,
                        gltf_elements *out) {
     const size_t packed = (size_t)a->components * 4;
@@ -327,13 +330,13 @@ static void make_array(gltf *g, const gltf_value *user, const char *key, const a
     out->values = memory, out->stride = packed;
 }
 
-/* True for what shades and does not place: without a value there is still a surface. */
+/* True for attributes that only affect shading: without them there is still a surface. */
 static bool is_look(const char *key) {
     return strncmp(key, "NORMAL", 6) == 0 || strncmp(key, "TANGENT", 7) == 0 ||
            strncmp(key, "TEXCOORD_", 9) == 0 || strncmp(key, "COLOR_", 6) == 0;
 }
 
-/* Zeros for what is no finite number: exporters divide by the length of nothing. */
+/* Replaces numbers that are not finite by 0: exporters write them when they normalise a zero vector. */
 static void mend_look(gltf *g, const gltf_value *user, const char *key, unsigned components,
                       gltf_elements *made) {
     const size_t row = components * sizeof(float);
@@ -356,7 +359,7 @@ static fathom_status look_at_floats(gltf *g, unsigned components, gltf_elements 
     return mesh_check_finite(g->context, "entry", made->values, made->stride, components, made->count);
 }
 
-/* Keeps what was made for the accessor; floats are looked at first. */
+/* Stores the array for the accessor; floats are checked first. */
 static void keep_array(gltf *g, const gltf_value *user, const char *key, bool integers, unsigned components,
                        gltf_elements *made, gltf_elements *kept) {
     fathom_status status = gltf_fine(g) && !integers ? look_at_floats(g, components, made) : g->status;

@@ -1,5 +1,5 @@
-/* Animations, posed at a time: their samplers evaluated as the specification's appendix C says. Before the
- * first key and after the last one, things rest at that key. */
+/* Animations, posed at a time. Samplers are evaluated as in appendix C of the specification: before the first
+ * key and after the last one, the value is that of this key. */
 #include "read/gltf/gltf.h"
 
 #include <math.h>
@@ -10,13 +10,13 @@ const char *const gltf_part_names[GLTF_PARTS] = {"translation", "rotation", "sca
 
 typedef enum interpolation { STEP, LINEAR, CUBICSPLINE } interpolation;
 
-/* `per_key` numbers for each key: an element of a vector, or as many scalars as there are weights. */
+/* `per_key` numbers for each key: a vector element, or one scalar for each weight. */
 typedef struct sampler {
-    gltf_value at; /* for messages; its parent is the caller's */
+    gltf_value at; /* for messages; the caller owns its parent */
     interpolation way;
     gltf_elements times, values;
     size_t per_key;
-    bool scalars; /* a number is an element of its own */
+    bool scalars; /* each number is a separate element */
     bool turns;   /* quaternions */
 } sampler;
 
@@ -28,7 +28,7 @@ static double time_of(const sampler *s, size_t key) {
     return (double)time;
 }
 
-/* part: of a cubic spline 0 for the tangent that comes in, 1 the value, 2 the tangent that goes out. */
+/* part, of cubic splines: 0 the in-tangent, 1 the value, 2 the out-tangent. */
 static double number_of(const sampler *s, size_t key, size_t part, size_t c) {
     const size_t item = s->way == CUBICSPLINE ? key * 3 + part : key;
     const size_t element = s->scalars ? item * s->per_key + c : item;
@@ -43,9 +43,9 @@ static void normalize_turn(double q[4]) {
     for (int i = 0; i < 4 && length > 0; ++i) q[i] /= length;
 }
 
-/* The part u of the shorter arc from a to b, which become unit. The arc is halved 24 times: sums, products
- * and roots are the same bits on every processor, sines are not. The remaining arc is below 1e-7 radians,
- * where it and its chord are the same double. */
+/* Normalises a and b, then takes the fraction u of the shorter arc between them. The arc is halved 24 times,
+ * because sums, products and roots have the same bits on every processor, and sines do not. The remaining arc
+ * is below 1e-7 radians, where the arc and its chord are the same double. */
 void gltf_slerp(double a[4], double b[4], double u, double out[4]) {
     normalize_turn(a);
     normalize_turn(b);
@@ -62,7 +62,7 @@ void gltf_slerp(double a[4], double b[4], double u, double out[4]) {
     for (int i = 0; i < 4; ++i) out[i] = a[i] + u * (b[i] - a[i]);
 }
 
-/* Between a key and the next one, u in [0,1), `seconds` apart. */
+/* The spline between a key and the next one, which are `seconds` apart, at u in [0,1). */
 static double hermite(const sampler *s, size_t key, double u, double seconds, size_t c) {
     const double u2 = u * u, u3 = u2 * u;
     return (2 * u3 - 3 * u2 + 1) * number_of(s, key, 1, c) +
@@ -122,7 +122,7 @@ static void check_times(gltf *g, const sampler *s) {
     }
 }
 
-/* As many values as the keys ask for; of weights, a whole number for each key. */
+/* Checks the number of values: as many as the keys need; for weights, a multiple of the number of keys. */
 static void check_values(gltf *g, sampler *s) {
     const uint64_t items = s->times.count * (uint64_t)(s->way == CUBICSPLINE ? 3 : 1);
     if (s->scalars) s->per_key = (size_t)(s->values.count / items);
@@ -177,7 +177,7 @@ static void pose_part(gltf *g, const sampler *s, double t, int part, gltf_pose *
         gltf_fail(g, &s->at, "output", "is a rotation of zero at %g s; expected unit quaternions", t);
 }
 
-/* KHR_animation_pointer: "/nodes/3/rotation" is as the node and the path would be. */
+/* KHR_animation_pointer: "/nodes/3/rotation" is equivalent to node 3 with the path "rotation". */
 static void follow_pointer(gltf *g, const gltf_value *target, uint32_t *node, const char **path) {
     static const char nodes[] = "/nodes/";
     gltf_value holder, at;
@@ -191,12 +191,12 @@ static void follow_pointer(gltf *g, const gltf_value *target, uint32_t *node, co
     *node = (uint32_t)index, *path = end + 1;
 }
 
-/* A channel moves this part of a node; node GLTF_ABSENT: an extension says what it moves. */
+/* The animated property of a channel. node GLTF_ABSENT: an extension names the target. */
 typedef struct channel_target {
     gltf_value at;
     uint32_t node;
     const char *path;
-    int part; /* GLTF_PARTS: weights; -1: nothing that is followed */
+    int part; /* GLTF_PARTS: weights; -1: not supported */
 } channel_target;
 
 static channel_target read_target(gltf *g, const gltf_value *channel) {
@@ -212,7 +212,7 @@ static channel_target read_target(gltf *g, const gltf_value *channel) {
     return t;
 }
 
-/* A jump cannot be blurred: the node stands as the shutter opens. */
+/* A STEP sampler cannot be blurred: the node keeps its pose at the opening of the shutter. */
 static double time_to_pose(gltf *g, const gltf_moment *m, const sampler *s, uint32_t node) {
     const double open = g->moments.items[0].time;
     const size_t keys = find_key(s, open + gltf_shutter(g)) - find_key(s, open);
@@ -269,14 +269,14 @@ void gltf_animation_pose(gltf *g, gltf_moment *m) {
     g->posed = true;
 }
 
-/* ---- which ones ---- */
+/* ---- choice of animations ---- */
 
 static void play(gltf *g, uint32_t index) {
     if (!array_push(&g->playing, index)) gltf_fail_memory(g, sizeof index);
 }
 
-/* True when the animation moves something that has a bit in `moved`, for each node a bit for each part.
- * add: the bits of what it moves are set. */
+/* True if the animation moves a property whose bit is set in `moved`, which has for each node a bit for each
+ * part. add: sets the bits of the properties that it moves. */
 static bool moves_any(gltf *g, uint32_t index, unsigned char *moved, bool add) {
     gltf_value animation, channels, channel;
     bool any = false;
@@ -292,8 +292,8 @@ static bool moves_any(gltf *g, uint32_t index, unsigned char *moved, bool add) {
     return any;
 }
 
-/* Each that moves nothing that an earlier one moves: a walk and a run are one or the other, but programs such
- * as Blender write an animation for each object. */
+/* Plays each animation that does not move a property of one played before. So of a walk and a run only one is
+ * played, but all animations of a file from Blender, which writes one for each object. */
 static void play_together(gltf *g) {
     const size_t nodes = gltf_count(&g->nodes);
     unsigned char *moved = calloc(nodes + 1, 1);

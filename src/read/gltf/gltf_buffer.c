@@ -1,5 +1,5 @@
-/* The file and its buffers: GLB chunks, the JSON text, files next to it, base64. Buffers are loaded when an
- * accessor first needs them. */
+/* The file and its buffers: GLB chunks, the JSON text, files next to it, base64. A buffer is loaded when an
+ * accessor first needs it. */
 #include "read/gltf/gltf.h"
 #include "read/json/json_where.h"
 
@@ -11,7 +11,7 @@
 /* ---- the file ---- */
 
 enum { HEADER_SIZE = 12, CHUNK_HEADER_SIZE = 8 };
-enum { ZEROS_MOST = 4096 }; /* skipped at the end of a JSON text: a sparse file has any number */
+enum { ZEROS_MOST = 4096 }; /* zeros skipped at the end of a JSON text: a sparse file may have any number */
 static const uint32_t chunk_json = 0x4E4F534A, chunk_bin = 0x004E4942;
 
 static uint32_t word_at(const unsigned char *bytes, size_t at) {
@@ -25,7 +25,7 @@ static uint32_t word_at(const unsigned char *bytes, size_t at) {
          fail_at((g)->context, FATHOM_BAD_INPUT,                                                             \
                  &(const fathom_place){.file = (g)->path, .has_byte = true, .byte = position}, __VA_ARGS__))
 
-/* Other programs take the last of two equal keys. */
+/* Like other programs, takes the last of two equal keys. */
 static void parse_with_equal_keys(gltf *g, const char *text, size_t size, json_error_t *error) {
     char place[32] = "";
     if (!g->text_at) snprintf(place, sizeof place, ":%d", error->line);
@@ -36,8 +36,8 @@ static void parse_with_equal_keys(gltf *g, const char *text, size_t size, json_e
 /* `at`: where the text begins in a GLB; 0 for a .gltf file. */
 static void parse_json(gltf *g, const char *begin, size_t size, size_t at) {
     json_error_t error;
-    /* A byte order mark is against the standard but harmless. So are zeros at the end, with which some
-     * writers pad. */
+    /* A byte order mark is against the standard but harmless. So are zeros at the end, which some exporters
+     * use as padding. */
     const char *text = text_after_mark(begin, begin + size), *end = begin + size;
     for (int i = 0; i < ZEROS_MOST && end > text && end[-1] == 0; ++i) --end;
     size = (size_t)(end - text), at += at ? (size_t)(text - begin) : 0;
@@ -57,7 +57,7 @@ static void parse_json(gltf *g, const char *begin, size_t size, size_t at) {
             fail_file(g->context, FATHOM_BAD_INPUT, g->path, "the JSON is an array; expected a glTF object");
 }
 
-/* The length that the file says it has, as far as it is there. */
+/* The length in the header. Fails if it is below the minimum or above the file's size. */
 static size_t read_header(gltf *g, const file_map *map) {
     const uint32_t version = map->size < HEADER_SIZE ? 0 : word_at(map->bytes, 4);
     const size_t length = map->size < HEADER_SIZE ? 0 : word_at(map->bytes, 8);
@@ -77,7 +77,7 @@ static size_t read_header(gltf *g, const file_map *map) {
     return length;
 }
 
-/* The JSON chunk comes first, the BIN chunk second; other chunks are skipped, as the format asks. */
+/* The JSON chunk comes first, the BIN chunk second; other chunks are skipped, as the format requires. */
 static void read_chunks(gltf *g, const file_map *map) {
     const size_t length = read_header(g, map);
     size_t json_at = 0, json_size = 0;
@@ -134,8 +134,8 @@ static void make_base64_table(unsigned char table[256]) {
     for (unsigned i = 0; i < 64; ++i) table[(unsigned char)alphabet[i]] = (unsigned char)i;
 }
 
-/* Decodes into `out`, which has room for 3 bytes for each 4 characters begun. Returns the number of valid
- * characters, `length` on success. Padding is optional. */
+/* Decodes into `out`, which has room for 3 bytes for every 4 characters, rounded up. Returns the number of
+ * valid characters, `length` on success. Padding is optional. */
 static size_t decode_base64(const char *text, size_t length, unsigned char *out, size_t *size) {
     unsigned char table[256];
     make_base64_table(table);
@@ -150,7 +150,7 @@ static size_t decode_base64(const char *text, size_t length, unsigned char *out,
             if (six == 0xff) return i + k;
             bits |= (uint32_t)six << (18 - 6 * k);
         }
-        if (n == 1) return i; /* six bits are no byte */
+        if (n == 1) return i; /* six bits do not make a byte */
         for (size_t k = 0; k + 1 < n; ++k) out[(*size)++] = (unsigned char)(bits >> (16 - 8 * k));
     }
     return length;
@@ -198,7 +198,7 @@ static bool has_scheme(const char *uri) {
     return colon && (!slash || colon < slash);
 }
 
-/* The path of the file that a uri names; NULL: there is none, or reading has failed. */
+/* The path of the file that a uri names; NULL: there is no such file, or reading has failed. */
 static char *path_of(gltf *g, const gltf_value *at, const char *uri,
                      fathom_status (*find)(fathom_scene *, const char *, const char *, char **)) {
     char *path = NULL, *name = strdup(uri);
@@ -252,7 +252,7 @@ static void load(gltf *g, const gltf_value *at, gltf_buffer *out) {
         *out = (gltf_buffer){g->binary, g->binary_size, g->source, false};
 }
 
-/* Views are held to the bytes that there are, whatever the file says that there should be. */
+/* Checks byteLength. Views are checked against the buffer's actual size, not against byteLength. */
 static void check_length(gltf *g, const gltf_value *at, const gltf_buffer *buffer) {
     uint64_t size = 0;
     gltf_integer(g, at, "byteLength", 0, INT64_MAX, &size);
@@ -278,7 +278,7 @@ void gltf_buffer_share(gltf *g, gltf_buffer *buffer) {
     source->shared = true;
     g->status = scene_adopt_file(g->scene, source, release_source, &source->map);
     if (gltf_fine(g)) return;
-    /* It is released already. */
+    /* On failure, the call has released it already. */
     buffer->source = NULL;
     buffer->bytes = NULL;
     if (!buffer->owns_source) g->source = NULL;

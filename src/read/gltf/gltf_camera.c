@@ -1,11 +1,11 @@
-/* Cameras. Near and far planes cut nothing away. The walk over the hierarchy notes the nodes with a camera;
- * the chosen one is read when all are known. It looks along its node's -z; scale does not change it
- * otherwise.
+/* Cameras. Near and far planes do not clip. The walk over the hierarchy notes the nodes with a camera; the
+ * chosen one is read when all are known. It looks along its node's -z axis; the node's scale only affects the
+ * position.
  *
- * yfov applies to any image shape, as in Blender's importer: pixels are square. aspectRatio gives the image
- * its shape if no size is asked for. The specification (2.0, Projection Matrices) says that a view should be
- * neither cropped nor stretched when the shapes differ. Nothing is stretched here; images narrower than the
- * camera's view lose its sides, with a warning. */
+ * yfov applies to any aspect ratio of the image, as in Blender's importer: pixels are square. aspectRatio
+ * sets the image's aspect ratio if no size is requested. The specification (2.0, Projection Matrices) says
+ * that a view should be neither cropped nor stretched when the aspect ratios differ. Here, nothing is
+ * stretched; an image narrower than the camera's view crops its sides, with a warning. */
 #include "math/frame.h"
 #include "read/gltf/gltf.h"
 #include "scene/camera/camera.h"
@@ -28,7 +28,7 @@ static bool is_orthographic(gltf *g, const gltf_value *camera) {
     return orthographic;
 }
 
-/* Names are no longer than the document, but many nodes may hold the same camera. */
+/* Charges the camera's memory: many nodes may have the same camera, so its name may be copied often. */
 static void charge(gltf *g, const gltf_value *node, const char *own_name) {
     const size_t kept = sizeof(gltf_camera) + sizeof(scene_camera);
     gltf_charge(g, node, "camera", 3 * kept + (own_name ? strlen(own_name) : 0));
@@ -49,7 +49,7 @@ void gltf_camera_note(gltf *g, const gltf_value *node) {
         gltf_fail_memory(g, sizeof noted);
 }
 
-/* Half the width and height of the view; a file may mirror it, which says nothing here. */
+/* xmag and ymag are half the width and height of the view; their signs are ignored. */
 static void read_orthographic(gltf *g, const gltf_value *camera, double *high, double *aspect) {
     gltf_value orthographic;
     double across = 0, up = 0;
@@ -77,7 +77,7 @@ static void read_perspective(gltf *g, const gltf_value *camera, double *high, do
     *high = 2 * tan(fovy / 2);
 }
 
-/* Scale does not change it, but for its place. */
+/* The camera's frame; scale affects only its position. */
 static affine_f64 frame_of(const gltf *g, const affine_f64 *to_world) {
     const frame_f64 frame = frame_from(scale_f64(gltf_unit(g), affine_point(to_world, (vec3_f64){0, 0, 0})),
                                        affine_vector(to_world, (vec3_f64){0, 0, 1}),

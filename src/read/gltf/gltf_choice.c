@@ -10,7 +10,7 @@ static const char *name_of(const gltf_value *array, size_t i) {
 }
 
 void gltf_print_names(const gltf_value *array, char out[GLTF_LIST]) {
-    const size_t count = gltf_count(array), room = GLTF_LIST - 32; /* for how many more there are */
+    const size_t count = gltf_count(array), room = GLTF_LIST - 32; /* 32: "and N more" */
     size_t used = 0, i = 0;
     *out = '\0';
     for (; i < count; ++i) {

@@ -1,9 +1,9 @@
-/* KHR_draco_mesh_compression: a process of its own unpacks each mesh (helper/draco.cpp), because Draco's
- * library is not made for broken files. Its answer is checked like a file, and becomes the arrays of
- * the accessors that the primitive names.
+/* KHR_draco_mesh_compression. A separate process decompresses each mesh (helper/draco.cpp), because Draco's
+ * library is not safe with corrupt files. Its output is checked like a file, and becomes the arrays of the
+ * accessors that the primitive names.
  *
- * While one primitive is read, processes unpack those that come after it in the file, as many at once as
- * there are threads. What fails ahead says nothing until the primitive itself is read. */
+ * While one primitive is read, processes decompress the next ones of the file, one per thread. A failure of
+ * such a process is only reported when its primitive is read. */
 #include "read/gltf/gltf_draco.h"
 
 #include "image/helper/helper.h"
@@ -36,7 +36,7 @@ static bool write_all(int file, const unsigned char *bytes, uint64_t size) {
     return lseek(file, 0, SEEK_SET) == 0;
 }
 
-/* 0, or why it could not be started. */
+/* Returns 0, or the error number. */
 static int start(const char *path, int from, int to, pid_t *child) {
     posix_spawn_file_actions_t actions;
     int failed = posix_spawn_file_actions_init(&actions);
@@ -59,18 +59,18 @@ static fathom_status fail_broken(gltf *g, const gltf_value *at, int status, int 
     return gltf_fail(g, at, NULL, "cannot be unpacked by Draco: %s", n > 0 ? text : "the data is broken");
 }
 
-/* ---- several at once ---- */
+/* ---- parallel decompression ---- */
 
-/* Of a buffer view. */
+/* The decompression of one buffer view. */
 typedef struct draco_job {
     bool started;
     pid_t child;
-    int answer; /* a file */
+    int answer; /* descriptor of the output file */
 } draco_job;
 
 struct gltf_draco {
-    size_t mesh, primitive; /* the next to look at */
-    unsigned running;       /* started, and not waited for */
+    size_t mesh, primitive; /* the next primitive to examine */
+    unsigned running;       /* number of started processes that were not waited for yet */
     draco_job jobs[];
 };
 
@@ -98,7 +98,7 @@ void gltf_draco_close(gltf *g) {
     free(g->draco);
 }
 
-/* Has the view's bytes unpacked into the job's file. */
+/* Starts a process that decompresses the view's bytes into the job's file. */
 static fathom_status start_job(gltf *g, const gltf_value *at, uint32_t view) {
     char path[PATH_MAX];
     gltf_value view_at;
@@ -130,7 +130,7 @@ static fathom_status start_job(gltf *g, const gltf_value *at, uint32_t view) {
     return status;
 }
 
-/* The view of the next primitive of the file that is compressed, without judging it. */
+/* Finds the view of the next compressed primitive of the file, without checking the primitive. */
 static bool find_next(gltf *g, uint32_t *view) {
     struct gltf_draco *d = g->draco;
     for (; d->mesh < gltf_count(&g->meshes); ++d->mesh, d->primitive = 0) {
@@ -155,7 +155,7 @@ static void start_ahead(gltf *g) {
     }
 }
 
-/* Unpacks a view into a file, which the caller closes. */
+/* Decompresses a view into a file, which the caller closes. */
 static fathom_status unpack(gltf *g, const gltf_value *at, uint32_t view, int *answer) {
     draco_job *job = &g->draco->jobs[view];
     int status = 0;
@@ -172,7 +172,7 @@ static fathom_status unpack(gltf *g, const gltf_value *at, uint32_t view, int *a
     return status || ended < 0 ? fail_broken(g, at, status, *answer) : FATHOM_OK;
 }
 
-/* ---- the answer ---- */
+/* ---- the output ---- */
 
 typedef struct answer {
     const unsigned char *bytes, *end;
@@ -191,7 +191,7 @@ static bool open_answer(answer *a) {
     return a->head.points && a->head.faces && a->head.points < UINT32_MAX && a->head.faces < UINT32_MAX / 3;
 }
 
-/* NULL: there is none with this id, or it ends too soon. */
+/* NULL: there is no attribute with this id, or the output is too short. */
 static const unsigned char *find_attribute(const answer *a, uint64_t id, draco_attribute *out) {
     const unsigned char *at = a->attributes;
     for (uint32_t i = 0; i < a->head.attributes && (size_t)(a->end - at) >= sizeof *out; ++i) {

@@ -1,12 +1,12 @@
-/* The Draco helper's output: a draco_head, three indices for each face, and for each attribute a
- * draco_attribute with its floats, `components` for each point. */
+/* The Draco helper's output: a draco_head; three indices for each face; for each attribute a draco_attribute,
+ * followed by `components` floats for each point. */
 #ifndef READ_GLTF_DRACO_H
 #define READ_GLTF_DRACO_H
 
 #include <stdint.h>
 
 #define DRACO_MAGIC 0x4f435244u /* "DRCO" */
-#define DRACO_SECONDS 60        /* of the processor's, for one mesh */
+#define DRACO_SECONDS 60        /* CPU seconds for one mesh */
 #define DRACO_MEMORY (UINT64_C(8) << 30)
 #define DRACO_COMPONENTS_MAX 4
 
@@ -16,7 +16,7 @@ typedef struct draco_head {
 
 typedef struct draco_attribute {
     uint32_t id, components;
-    uint32_t normalized; /* whole numbers were divided by the largest of their type */
+    uint32_t normalized; /* integers were divided by the maximum of their type */
 } draco_attribute;
 
 #endif

@@ -1,4 +1,4 @@
-/* Typed values with their place in the document. */
+/* Typed values and their paths in the document. */
 #include "read/gltf/gltf.h"
 #include "read/json/json_where.h"
 
@@ -6,10 +6,10 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Deeper than any value that is read. */
+/* Larger than the depth of any value that is read. */
 enum { DEPTH = 32 };
 
-/* The steps to a member of `v`, or to `v` itself; links: filled in. NULL for the document. */
+/* The path to a member of `v`, or to `v` itself, in `links`. NULL for the document. */
 static const where *steps_to(const gltf_value *v, const char *key, where links[DEPTH]) {
     size_t count = 0;
     if (key) links[count++] = (where){NULL, key, 0};
@@ -83,7 +83,7 @@ static void fail_kind(gltf *g, gltf_value *at, const char *expected) {
     at->json = NULL;
 }
 
-/* Some languages write null for members that they have nothing for. */
+/* Some languages write null for members without a value. */
 static gltf_value member(const gltf_value *parent, const char *key) {
     gltf_value out = {.json = json_object_get(parent->json, key), .parent = parent, .key = key};
     if (json_is_null(out.json)) out.json = NULL;
@@ -150,7 +150,7 @@ fathom_status gltf_numbers(gltf *g, const gltf_value *parent, const char *key, s
     return g->status;
 }
 
-/* 3.0 counts as an integer: some languages write only one kind of number. */
+/* 3.0 is accepted as an integer: some languages have only one kind of number. */
 static void integer_of(gltf *g, gltf_value *v, uint64_t lowest, uint64_t highest, uint64_t *out) {
     const double real = json_number_value(v->json);
     const bool whole = json_is_integer(v->json) || (fabs(real) < 0x1p53 && floor(real) == real);
@@ -176,7 +176,7 @@ fathom_status gltf_integer(gltf *g, const gltf_value *parent, const char *key, u
 }
 
 static void index_of(gltf *g, gltf_value *v, const gltf_value *into, uint32_t *out) {
-    const long long below = json_integer_value(v->json); /* 0: it is no integer */
+    const long long below = json_integer_value(v->json); /* 0: not an integer */
     uint64_t index = 0;
     if (below >= 0) integer_of(g, v, 0, INT64_MAX, &index);
     if (below < 0 || index >= gltf_count(into) || index >= GLTF_ABSENT)

@@ -6,13 +6,13 @@
  * k_l = colour I / pi, and likewise for directional lights. So a pixel holds the luminance in cd/m^2 for
  * lengths in metres. Highlights are normalised like b / pi (see gltf_material.c).
  *
- * Nothing is rescaled but lamps of Blender. Since its version 3.4 it writes 683 lm for each watt, so that a
- * lamp of 1000 W becomes 54,351 cd, but it writes the radiance of emission as it is. Its importer takes the
- * watts back, as is done here: else emission would be 683 times too dark beside lamps. Files made for viewers
- * that ignore units, and those of earlier versions, have values around 1 to 100.
+ * Only lamps of Blender are rescaled. Since version 3.4 it writes 683 lm for each watt, so a lamp of 1000 W
+ * becomes 54,351 cd, but it writes the radiance of emission unchanged. Its importer converts back to watts,
+ * and so does this reader: otherwise emission would be 683 times too dark compared with lamps. Files for
+ * viewers that ignore units, and files of earlier versions, have values of about 1 to 100.
  *
- * `range` is ignored: light falls off by 1 / d^2 without end. The spot's falloff between its cones is the
- * model's. Lights look along their node's -z; scale does not change them otherwise. */
+ * `range` is ignored: light falls off by 1 / d^2 without limit. A spot's falloff between its cones is
+ * Fathom's own. Lights point along their node's -z axis; the node's scale only affects the position. */
 #include "read/gltf/gltf.h"
 
 #include <math.h>
@@ -21,7 +21,7 @@
 
 static const double pi = 3.14159265358979324;
 
-/* False, and noted: it is none that is known. */
+/* False, with a note, if the type is unknown. */
 static bool read_type(gltf *g, const gltf_value *at, fathom_light_type *out) {
     const char *type = "";
     gltf_text(g, at, "type", &type);
@@ -37,7 +37,7 @@ static bool read_type(gltf *g, const gltf_value *at, fathom_light_type *out) {
 static void read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
     gltf_value spot;
     double inner = 0, outer = pi / 4;
-    /* One float step above pi/2, which exporters write for a right angle. */
+    /* One float ulp above pi/2, because exporters write this number for a right angle. */
     const double right_angle = 1.57079637050628662;
     gltf_object(g, at, "spot", &spot);
     gltf_number(g, &spot, "innerConeAngle", 0, right_angle, &inner);
@@ -60,8 +60,8 @@ static bool counts_in_lumens(const char *generator) {
     return major > 3 || (major == 3 && minor >= 4);
 }
 
-/* By which Blender has multiplied intensities, unless its user turned that off, which its files do not say.
- */
+/* The factor by which Blender multiplied intensities. Its user may have turned this off; files do not
+ * tell. */
 static double lumens_a_watt(gltf *g, const gltf_value *at) {
     gltf_value asset;
     const char *generator = "";

@@ -1,23 +1,23 @@
-/* glTF materials: metallic-roughness, with the classic model's equivalent of scene/metallic.h.
+/* glTF materials, read as metallic-roughness; scene/metallic.h has the equivalent in the classic model.
  *
- * - alphaMode MASK: a base alpha below the cutoff makes the surface absent (k_t = 1, ior 1:
- * scene/mesh/absent.h).
+ * - alphaMode MASK: if base alpha is below the cutoff, the surface is absent (k_t = 1, ior 1:
+ *   scene/mesh/absent.h).
  * - alphaMode BLEND: base alpha is coverage.
- * - KHR_materials_clearcoat and KHR_materials_volume: path tracing alone; without a volume transmission is a
- * thin wall there, and solid for the classic model.
- * - KHR_materials_sheen, _anisotropy, _iridescence, _dispersion and _diffuse_transmission: path tracing
- * alone.
- * - KHR_materials_unlit: emission of the base colour, nothing else.
- * - KHR_materials_pbrSpecularGlossiness: an ior of 0 with the specular colour, a dielectric with the diffuse
- *   colour as b, and r = 1 - glossiness.
+ * - KHR_materials_clearcoat and KHR_materials_volume: only with path tracing. Without a volume, a surface
+ *   that transmits light is a thin wall in path tracing, and solid in the classic model.
+ * - KHR_materials_sheen, _anisotropy, _iridescence, _dispersion and _diffuse_transmission: only with path
+ *   tracing.
+ * - KHR_materials_unlit: only emission, of the base colour.
+ * - KHR_materials_pbrSpecularGlossiness: a dielectric with ior 0, the specular colour, the diffuse colour as
+ *   base colour, and roughness = 1 - glossiness.
  *
- * Textures multiply the factors, point by point (FATHOM_MAP_ in fathom/scene.h); so do the colours of
- * vertices. Occlusion textures are left out without a word: what they show is computed. With MASK or BLEND,
- * the alpha of the base colour texture is a map of the opacity. The thickness of a volume is what its mesh
- * has; that of the factor and the texture do not matter, but for 0.
+ * Textures multiply the factors at each point (FATHOM_MAP_ in fathom/scene.h); so do vertex colours.
+ * Occlusion textures are ignored without a note, because occlusion is computed. With MASK or BLEND, the alpha
+ * of the base colour texture is a map of the opacity. The mesh determines the thickness of a volume; the
+ * thickness factor only matters if it is 0, and its texture is not used.
  *
- * A mesh whose material lets more than half of the light through casts no shadow, because shadow rays are all
- * or nothing. */
+ * A mesh whose material transmits more than half of the light casts no shadow, because shadow rays are either
+ * blocked or not. */
 #include "read/gltf/gltf.h"
 #include "read/gltf/gltf_keys.h"
 #include "read/json/json_form.h"
@@ -27,7 +27,7 @@
 
 typedef enum alpha_mode { ALPHA_OPAQUE, ALPHA_MASK, ALPHA_BLEND } alpha_mode;
 
-/* A material under reading. Alpha and opacity become one at the end. */
+/* A material while it is read. Alpha and opacity are combined at the end. */
 typedef struct draft {
     fathom_material m;
     alpha_mode alpha;
@@ -38,8 +38,8 @@ static void scale_all(float rgb[3], float factor) {
     for (int c = 0; c < 3; ++c) rgb[c] *= factor;
 }
 
-/* A texture that cannot be read is noted. Its factor is mostly 1 and means little alone, so the least wrong
- * even value stands in: grey, no metal and rough, no emission, no transmission; and no layer that it would
+/* A texture that cannot be read adds a note. Its factor is mostly 1, so a plausible uniform value replaces
+ * it: grey, rough and not metallic, no emission, no transmission; and no layer that the texture would
  * vary. */
 static void without_image(int kind, draft *d) {
     fathom_material *m = &d->m;
@@ -65,7 +65,7 @@ static void set_map(const fathom_map *map, int kind, int channel, bool inverted,
     d->m.maps[kind].inverted = inverted;
 }
 
-/* Some images are of two parameters. */
+/* Some images have two parameters. */
 static void read_image(gltf *g, const gltf_value *at, const gltf_key *key, draft *d) {
     fathom_map map;
     if (!json_object_get(at->json, key->name)) return;
@@ -97,7 +97,7 @@ static void read_number(gltf *g, const gltf_value *at, const gltf_key *key, draf
     for (unsigned i = 0; i < key->count && gltf_fine(g); ++i) to[i] = (float)numbers[i];
 }
 
-/* Colour and opacity, which glTF has as one. */
+/* Reads colour and opacity, which are one value in glTF. */
 static void read_base(gltf *g, const gltf_value *at, const char *key, draft *d) {
     double base[4] = {1, 1, 1, 1};
     gltf_numbers(g, at, key, 4, 0, 1, base);
@@ -113,7 +113,7 @@ static void read_keys(gltf *g, const gltf_value *at, gltf_holder of, draft *d) {
     }
 }
 
-/* ---- parts of their own ---- */
+/* ---- other parts ---- */
 
 static void read_alpha(gltf *g, const gltf_value *at, draft *d) {
     const char *mode = "OPAQUE";
@@ -129,7 +129,7 @@ static void read_alpha(gltf *g, const gltf_value *at, draft *d) {
     if (d->alpha == ALPHA_MASK) d->m.opacity_cutoff = (float)fmax(cutoff, 1e-6);
 }
 
-/* The older workflow, instead of metallic and roughness. */
+/* Reads the older workflow, which replaces metallic-roughness. */
 static void read_glossiness(gltf *g, const gltf_value *at, draft *d) {
     double glossiness = 1;
     gltf_number(g, at, "glossinessFactor", 0, 1, &glossiness);
@@ -171,7 +171,7 @@ static void read_sides(gltf *g, const gltf_value *at) {
     if (!both) gltf_note(g, at, "doubleSided", "back faces are seen, whatever doubleSided says");
 }
 
-/* It sends out its base colour, and does nothing else. */
+/* The surface emits its base colour, and reflects nothing. */
 static void make_unlit(draft *d) {
     const fathom_material given = d->m;
     fathom_material *m = &d->m;
@@ -184,7 +184,7 @@ static void make_unlit(draft *d) {
     m->maps[FATHOM_MAP_OPACITY] = given.maps[FATHOM_MAP_OPACITY];
 }
 
-/* glTF's defaults are the members' own, but for metal and roughness. */
+/* glTF's defaults are those of fathom_material, except metallic and roughness. */
 static void read_material(gltf *g, const gltf_value *at, draft *d) {
     gltf_value extensions, unlit;
     fathom_material_default(&d->m);

@@ -1,4 +1,4 @@
-/* Meshes to groups, a mesh of the scene for each primitive. */
+/* Makes each mesh a group, with a mesh of the scene for each primitive. */
 #include "read/gltf/gltf.h"
 #include "read/mesh/compact.h"
 #include "read/mesh/normals.h"
@@ -15,8 +15,8 @@ typedef struct primitive {
     const gltf_value *attributes;
     const gltf_shape *shapes; /* at each moment */
     uint64_t mode;
-    bool blends;                      /* the material's alpha counts */
-    gltf_elements positions, normals; /* as the file has them; values NULL: none */
+    bool blends;                      /* the material uses alpha */
+    gltf_elements positions, normals; /* as in the file; values NULL: none */
     fathom_mesh mesh;
     mesh_facts facts;
 } primitive;
@@ -34,8 +34,8 @@ static const uint32_t *count_up(gltf *g, const gltf_value *at, uint32_t count) {
     return indices;
 }
 
-/* Triangle i of a strip is i, then the next two in the order that keeps the winding of triangle 0; of a fan,
- * the vertices i + 1, i + 2 and 0. */
+/* Turns a strip or fan into triangles. Triangle i of a strip is i, then the next two in the order that keeps
+ * the winding of triangle 0; of a fan, the vertices i + 1, i + 2 and 0. */
 static const uint32_t *unroll(gltf *g, const gltf_value *at, uint64_t mode, const uint32_t *from,
                               uint32_t triangles) {
     uint32_t *indices = new_indices(g, at, (uint64_t)triangles * 3), *to = indices;
@@ -52,7 +52,7 @@ static uint32_t triangles_of(uint64_t mode, uint32_t corners) {
     return mode == MODE_TRIANGLES ? corners / 3 : corners < 3 ? 0 : corners - 2;
 }
 
-/* The indices of whole triangles are checked later. Those of strips and fans, and any left over, are checked
+/* The indices of mode TRIANGLES are checked later, if their number is a multiple of 3. All others are checked
  * here. NULL: points without indices, or reading has failed. */
 static const uint32_t *read_corners(gltf *g, const primitive *p, uint32_t *count) {
     gltf_elements indices;
@@ -81,7 +81,7 @@ static void read_indices(gltf *g, primitive *p) {
         gltf_within(g, p->at, "indices", mesh_look_at_triangles(g->context, "entry", &p->mesh, &p->facts));
 }
 
-/* Deforms an attribute by a shape, into `to` or, where that is NULL, into memory of its own. */
+/* Deforms an attribute by a shape, into `to`, or into new memory if `to` is NULL. */
 static void deform(gltf *g, const primitive *p, const gltf_shape *shape, const char *key, gltf_kind kind,
                    gltf_elements *floats, float *to) {
     const void *stored = floats->values;
@@ -108,7 +108,7 @@ static void read_positions(gltf *g, primitive *p) {
     p->facts = floats.facts;
 }
 
-/* Reads an attribute, which has an entry for each of POSITION. */
+/* Reads an attribute, and checks that it has an entry for each vertex. */
 static bool read_attribute(gltf *g, const primitive *p, const char *key, unsigned components, unsigned takes,
                            gltf_elements *out) {
     if (!gltf_array_read(g, p->attributes, key, components, takes, out)) return false;
@@ -128,10 +128,10 @@ static void make_normals(gltf *g, primitive *p) {
     p->mesh.normals = normals;
     p->mesh.normal_count = p->mesh.vertex_count;
     g->status = normals_smooth(g->context, &p->mesh, NULL, p->mesh.vertex_count, normals);
-    g->charged -= sums; /* it is freed by now */
+    g->charged -= sums; /* normals_smooth() has freed it */
 }
 
-/* A mesh without normals is flat by the standard, unless smooth ones are asked for. */
+/* By the standard, a mesh without normals is flat. The option `smooth` makes smooth normals. */
 static void read_normals(gltf *g, primitive *p) {
     gltf_elements floats;
     if (!read_attribute(g, p, "NORMAL", 3, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &floats)) {
@@ -145,7 +145,7 @@ static void read_normals(gltf *g, primitive *p) {
     p->mesh.normal_count = floats.count;
 }
 
-/* Both sets, and tangents. */
+/* Reads both sets of texture coordinates, and tangents. */
 static void read_coordinates(gltf *g, primitive *p) {
     gltf_elements floats;
     if (read_attribute(g, p, "TEXCOORD_0", 2, GLTF_TAKES_QUANTIZED, &floats))
@@ -159,12 +159,12 @@ static void read_coordinates(gltf *g, primitive *p) {
     p->mesh.tangents = floats.values, p->mesh.tangent_stride = floats.stride;
 }
 
-/* Alpha counts for materials alone whose alphaMode lets it. */
+/* Alpha is used only for materials whose alphaMode is not OPAQUE. */
 static void read_colors(gltf *g, primitive *p) {
     gltf_elements floats;
     unsigned components = gltf_components(g, p->attributes, "COLOR_0");
     if (!components) return;
-    if (components < 3) components = 3; /* refused below */
+    if (components < 3) components = 3; /* read_attribute() rejects it */
     if (!read_attribute(g, p, "COLOR_0", components, GLTF_TAKES_FLOAT | GLTF_TAKES_UNSIGNED, &floats)) return;
     p->mesh.colors = floats.values;
     p->mesh.color_stride = floats.stride;
@@ -185,7 +185,7 @@ static void read_material(gltf *g, primitive *p) {
     p->mesh.flags |= material.flags;
 }
 
-/* Each line's two ends, of a strip or a loop. */
+/* Makes two indices for each line of a strip or a loop. */
 static void unroll_lines(gltf *g, const primitive *p, const uint32_t *from, strokes *s) {
     const uint32_t corners = s->count;
     s->count = p->mode == MODE_LINES ? corners / 2
@@ -198,7 +198,7 @@ static void unroll_lines(gltf *g, const primitive *p, const uint32_t *from, stro
     s->indices = to;
 }
 
-/* Points and lines are shown by their own shapes' normals, and without textures. */
+/* Points and lines have the normals of their spheres and rods, and no textures. */
 static void note_unread(gltf *g, const primitive *p) {
     static const char *const keys[] = {"NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1"};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
@@ -207,7 +207,7 @@ static void note_unread(gltf *g, const primitive *p) {
     }
 }
 
-/* Makes a cloud of points, and triangles of lines. */
+/* Turns points into a point cloud, and lines into triangles. */
 static void read_strokes(gltf *g, primitive *p) {
     strokes s = {.positions = p->mesh.positions,
                  .position_stride = p->mesh.position_stride,
@@ -296,7 +296,7 @@ static uint64_t bytes_of(const fathom_mesh *mesh) {
     return row * mesh->vertex_count + 3 * sizeof(uint32_t) * (uint64_t)mesh->triangle_count;
 }
 
-/* Primitives may share the arrays of all. */
+/* Removes unused vertices: primitives may share large arrays. */
 static void compact(gltf *g, primitive *p) {
     bool copied;
     gltf_within(g, p->at, NULL, mesh_compact(g->scene, false, &p->mesh, &copied));

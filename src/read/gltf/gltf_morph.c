@@ -1,4 +1,4 @@
-/* Morph targets: base + sum of weight times target, for positions, normals and the directions of tangents. */
+/* Morph targets: base + sum of weight times target, for positions, normals and the xyz of tangents. */
 #include "base/threads.h"
 #include "read/gltf/gltf.h"
 
@@ -7,7 +7,7 @@
 
 typedef struct morph {
     const gltf_elements *base, *target;
-    unsigned components; /* of the base; those beyond the third stay */
+    unsigned components; /* of the base; those after the third are unchanged */
     float weight;
     float *to;
 } morph;
@@ -32,7 +32,7 @@ static void add_target(void *user, size_t begin, size_t end, unsigned worker) {
     }
 }
 
-/* The displacements of target k; false where it has none of this attribute. */
+/* Reads the displacements of target k; false if it has none for this attribute. */
 static bool read_target(gltf *g, const gltf_value *targets, size_t k, const char *key, uint32_t count,
                         gltf_elements *out) {
     gltf_value target;

@@ -1,13 +1,15 @@
-/* Motion while the shutter is open: the nodes posed at even times, so many that what moves linearly between
- * two of them is nowhere off by more than 2^-8 of its way in the whole time: a pixel where it draws 256. */
+/* Motion while the shutter is open. Nodes are posed at uniform times. There are enough poses that the error
+ * of linear interpolation is at most 2^-8 of the largest displacement during the exposure: one pixel for a
+ * motion of 256 pixels. */
 #include "read/gltf/gltf.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Poses are compared at 8 to 64 intervals, twice as many as the keys that they are for may have, and at no
- * fewer than samplers have keys: a wheel that is back where it was at every pose would seem to stand. */
+/* Poses are sampled at 8 to 64 intervals, twice as many as the keys may then use, and at least as many as
+ * samplers have keys. With too few samples, a wheel that returns to the same position at every pose would
+ * seem not to move. */
 enum { INTERVALS_FIRST = 8, INTERVALS_MOST = GLTF_MOMENTS - 1 };
 
 double gltf_shutter(const gltf *g) {
@@ -68,8 +70,8 @@ static double distance(const double a[3], const double b[3]) {
     return length_f64(sub_f64(load_f64(a), load_f64(b)));
 }
 
-/* *stride shrinks to 1 if need be. Positions are sums of products of doubles: 2^-40 of their size is far
- * above the rounding and far below what shows. */
+/* Reduces *stride, to 1 if necessary, until linear interpolation fits the curve. Positions are sums of
+ * products of doubles: 2^-40 of their size is far above the rounding error and far below a visible size. */
 static void fit_curve(const curve *c, size_t *stride) {
     double points[INTERVALS_MOST + 1][3], way = 0, size = 0;
     const size_t intervals = c->g->moments.count - 1;
@@ -84,7 +86,7 @@ static void fit_curve(const curve *c, size_t *stride) {
         const double u = (double)(i - from) / (double)*stride;
         double between[3];
         for (int k = 0; k < 3; ++k) between[k] = (1 - u) * points[from][k] + u * points[from + *stride][k];
-        /* Begins again with twice the keys. */
+        /* Starts again with half the stride. */
         if (!(distance(between, points[i]) <= slack)) *stride /= 2, i = 0;
     }
 }
@@ -96,7 +98,7 @@ static void fit_node(gltf *g, uint32_t node, size_t *stride) {
         fit_curve(&(curve){.g = g, .node = node, .at = k, .weights = true}, stride);
 }
 
-/* Keeps the poses that are a stride apart. */
+/* Keeps every `stride`-th pose. */
 static void thin(gltf *g, size_t stride) {
     size_t kept = 0;
     for (size_t i = 0; i < g->moments.count; ++i) {

@@ -1,5 +1,5 @@
-/* The hierarchy: each node with a mesh becomes an instance of the mesh's group, placed by the product of the
- * transforms above it, in double. */
+/* The hierarchy: each node with a mesh becomes an instance of the mesh's group. Its transform is the product
+ * of the transforms above it, in double. */
 #include "read/gltf/gltf.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 
 typedef struct step {
     uint32_t node;
-    bool hidden; /* the node's parent is */
+    bool hidden; /* the node's parent is hidden */
 } step;
 
 typedef struct walk {
@@ -38,8 +38,8 @@ static void find_parents(gltf *g, uint32_t *parents) {
     }
 }
 
-/* Each node has one parent, so a node without a root above it lies on a cycle or below one. Every node is
- * visited once: `seen` holds the walk upwards that passed it. */
+/* Each node has at most one parent, so a node without a root above it is in a cycle or below one. Each node
+ * is visited once: `seen` stores which walk upwards visited it. */
 static void find_cycle(gltf *g, const uint32_t *parents) {
     uint32_t count = (uint32_t)gltf_count(&g->nodes);
     uint32_t *seen = calloc((size_t)count + 1, sizeof *seen);
@@ -77,7 +77,7 @@ static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const
         gltf_fail(g, node, NULL, "is placed out of the range of numbers by its transforms");
         return;
     }
-    /* Files hide things by a scale of zero. */
+    /* Some files hide objects by a scale of zero. */
     if (!affine_invert(&way->at[0], &inverse)) {
         gltf_note(g, node, NULL, "is scaled to nothing, and left out");
         return;
@@ -92,7 +92,7 @@ static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const
         instance.key_count = (uint32_t)way->count, instance.key_times = g->key_times;
         instance.key_transforms = &way->at[0].m[0][0];
     }
-    /* Held twice, plus half as much again while the array grows. */
+    /* The instance is stored twice, plus half of that while the array grows. */
     gltf_charge(g, node, NULL, 3 * sizeof instance + instance.key_count * 13 * sizeof(double));
     if (gltf_fine(g)) gltf_within(g, node, NULL, fathom_scene_add_instance(g->scene, &instance, NULL));
 }
@@ -112,7 +112,7 @@ static void part_at(const gltf_elements *part, uint32_t i, int n, double *out) {
     for (int k = 0; k < n; ++k) out[k] = (double)values[k];
 }
 
-/* EXT_mesh_gpu_instancing: one node, many places. */
+/* EXT_mesh_gpu_instancing: one node with many instances. */
 static void add_many(gltf *g, const gltf_value *node, const gltf_value *instancing, fathom_id group,
                      const gltf_way *to_world) {
     gltf_value attributes;
@@ -136,7 +136,8 @@ static void add_many(gltf *g, const gltf_value *node, const gltf_value *instanci
     }
 }
 
-/* A node with a skin, or with weights of its own, has a copy of its mesh. */
+/* Reads how the node deforms its mesh. A node with a skin, or with its own weights, gets a copy of the
+ * mesh. */
 static bool read_shape(gltf *g, gltf_moment *m, const gltf_value *node, uint32_t mesh, gltf_shape *out) {
     uint32_t skin = GLTF_ABSENT;
     gltf_value at;
@@ -150,7 +151,7 @@ static bool read_shape(gltf *g, gltf_moment *m, const gltf_value *node, uint32_t
     return true;
 }
 
-/* *joints: as the shutter opens; NULL: no skin. */
+/* *joints: at the opening of the shutter; NULL: no skin. */
 static fathom_id shape_mesh(gltf *g, const gltf_value *node, uint32_t mesh, const gltf_joints **joints) {
     gltf_shape shapes[GLTF_MOMENTS] = {{.weights = NULL}};
     bool own = false;
@@ -183,7 +184,7 @@ static void place_mesh(gltf *g, const gltf_value *node, const gltf_way *to_world
     }
 }
 
-/* Pushes children last to first, so that nodes come in the order of the file. */
+/* Pushes children from last to first, so that nodes are visited in the order of the file. */
 static void stack_children(gltf *g, walk *w, const gltf_value *list, bool hidden) {
     for (size_t i = gltf_count(list); i-- > 0 && gltf_fine(g);) {
         step next = {.hidden = hidden};
@@ -192,7 +193,7 @@ static void stack_children(gltf *g, walk *w, const gltf_value *list, bool hidden
     }
 }
 
-/* KHR_node_visibility hides meshes and lights of the node and of all below it. */
+/* KHR_node_visibility hides meshes and lights of the node and of all nodes below it. */
 static bool is_visible(gltf *g, const gltf_value *node) {
     gltf_value extensions, visibility;
     bool visible = true;
@@ -227,10 +228,10 @@ static void walk_down(gltf *g, walk *w) {
     }
 }
 
-/* ---- where to begin ---- */
+/* ---- start of the walk ---- */
 
-/* A scene names roots, each once. The others follow: each node is shown once, where its parents place
- * it. */
+/* A scene should list only roots, each once. Adds notes on other nodes: each node is added once, with the
+ * transforms of its parents. */
 static void note_odd_roots(gltf *g, const gltf_value *list, bool *named) {
     for (size_t i = 0; i < gltf_count(list); ++i) {
         uint32_t node = GLTF_ABSENT;
@@ -264,7 +265,7 @@ static void walk_roots(gltf *g, walk *w) {
     }
 }
 
-/* A library of meshes without nodes: places each once. */
+/* For a file of meshes without nodes: adds each mesh once. */
 static void place_all_meshes(gltf *g) {
     const gltf_way identity = {.count = 1, .at = {affine_identity()}};
     for (uint32_t i = 0; i < gltf_count(&g->meshes) && gltf_fine(g); ++i) {

@@ -1,9 +1,9 @@
-/* Skins: each vertex is carried by the weighted sum of its joints' matrices, from the mesh to the world. The
- * node that holds the mesh does not move it (specification, 3.7.3.2).
+/* Skins: each vertex is transformed by the weighted sum of its joints' matrices, from mesh to world space.
+ * The transform of the mesh's own node is not used (specification, 3.7.3.2).
  *
- * Positions become float here, so they are counted from the first joint: a figure far from the origin keeps
- * its digits. Normals follow by the cofactors, which keep them at right angles to the surface however joints
- * scale. */
+ * Positions become float here, so they are relative to the first joint: a figure far from the origin keeps
+ * its digits. Normals are transformed by the cofactor matrix, so that they stay perpendicular to the surface
+ * for any scale of the joints. */
 #include "base/threads.h"
 #include "read/gltf/gltf.h"
 
@@ -25,7 +25,7 @@ static const float *element(const gltf_elements *e, size_t i) {
 
 /* ---- joints ---- */
 
-/* False: there are none. */
+/* False: there are no inverse bind matrices. */
 static bool read_inverse(gltf *g, const gltf_value *skin, uint32_t joints, gltf_elements *out) {
     if (!gltf_array_read(g, skin, "inverseBindMatrices", 16, GLTF_TAKES_FLOAT, out)) return false;
     if (out->count < joints)
@@ -83,7 +83,7 @@ const gltf_joints *gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index) {
 
 /* ---- vertices ---- */
 
-enum { SETS = 8 }; /* of four joints each, that one vertex may have */
+enum { SETS = 8 }; /* maximum sets of four joints for each vertex */
 
 typedef struct skinning {
     const gltf_joints *joints;
@@ -94,7 +94,8 @@ typedef struct skinning {
     float *to;
 } skinning;
 
-/* The matrix of vertex i. Weights count by their sum; without any, the first joint carries the vertex. */
+/* The matrix of vertex i. Weights are divided by their sum; if all are 0, the vertex follows its first
+ * joint. */
 static affine_f64 blend(const skinning *s, size_t i) {
     affine_f64 out = {{{0}}};
     double sum = 0;
@@ -133,7 +134,8 @@ static void carry(void *user, size_t begin, size_t end, unsigned worker) {
     }
 }
 
-/* A joint without weight may be any number, except the first of a vertex: it carries one without weights. */
+/* A joint of weight 0 may be any number, except a vertex's first joint: blend() uses it if all weights are
+ * 0. */
 static void check_places(gltf *g, const gltf_value *attributes, const char *key, const gltf_elements *e,
                          const gltf_elements *weights, uint32_t joints) {
     for (size_t i = 0; i < 4 * (size_t)e->count; ++i) {
@@ -152,7 +154,7 @@ static void read_set(gltf *g, const gltf_value *attributes, const char *key, uns
                   vertices);
 }
 
-/* JOINTS_0 and WEIGHTS_0, and so on as long as there are both. */
+/* Reads JOINTS_0 and WEIGHTS_0, JOINTS_1 and WEIGHTS_1, … as long as both exist. */
 static void read_sets(gltf *g, const gltf_value *attributes, uint32_t vertices, skinning *s) {
     for (unsigned n = 0; gltf_fine(g); ++n) {
         char places[32], weights[32];

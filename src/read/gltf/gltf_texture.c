@@ -15,7 +15,7 @@ static void view_image(gltf *g, uint32_t index, fathom_texture *out) {
     out->bytes = view.bytes, out->byte_count = (size_t)view.length;
 }
 
-/* *path: to be freed. *out names the image in one way or another, or in none: then that is noted. */
+/* *path: the caller frees it. Sets the image's file or bytes in *out. If there is none, adds a note. */
 static void open_image(gltf *g, const gltf_value *image, fathom_texture *out, char **path) {
     const char *uri = NULL;
     uint32_t view = GLTF_ABSENT;
@@ -51,7 +51,8 @@ static fathom_wrap read_wrap(gltf *g, const gltf_value *sampler, const char *key
     return mode == GL_CLAMP ? FATHOM_WRAP_CLAMP : mode == GL_MIRROR ? FATHOM_WRAP_MIRROR : FATHOM_WRAP_REPEAT;
 }
 
-/* What is magnified to squares stays squares; a minification filter without mip levels does without them. */
+/* If the magnification filter is nearest, so is the texture's filter. A minification filter without mip
+ * levels means linear. */
 static void read_sampler(gltf *g, uint32_t index, fathom_texture *out) {
     gltf_value at;
     uint64_t larger = GL_LINEAR, smaller = 0;
@@ -68,7 +69,7 @@ static void read_sampler(gltf *g, uint32_t index, fathom_texture *out) {
 
 /* ---- textures ---- */
 
-/* The image of a texture: an extension's, where it has one that is understood, else its own. */
+/* The image of a texture: that of a supported extension, if there is one, else the texture's own. */
 static uint32_t find_source(gltf *g, const gltf_value *texture) {
     static const char *const extensions[] = {"EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"};
     uint32_t source = GLTF_ABSENT;
@@ -81,7 +82,7 @@ static uint32_t find_source(gltf *g, const gltf_value *texture) {
     return source;
 }
 
-/* FATHOM_NONE, and noted, where it has no image that can be read. */
+/* FATHOM_NONE, with a note, if the texture has no readable image. */
 static fathom_id read_texture(gltf *g, uint32_t index, bool color) {
     gltf_value at, image;
     uint32_t sampler = GLTF_ABSENT;
@@ -103,7 +104,7 @@ static fathom_id read_texture(gltf *g, uint32_t index, bool color) {
     const size_t before = g->scene->textures.count;
     if (gltf_fine(g) && (t.file || t.bytes))
         gltf_within(g, &image, NULL, fathom_scene_add_texture(g->scene, &t, &out));
-    /* Each way to look an image up has a copy of its bytes. */
+    /* A new texture has its own copy of the image's bytes. */
     if (t.bytes && g->scene->textures.count > before) gltf_charge(g, &at, NULL, t.byte_count);
     free(path);
     return out;
@@ -111,7 +112,7 @@ static fathom_id read_texture(gltf *g, uint32_t index, bool color) {
 
 /* ---- maps ---- */
 
-/* offset, then rotation, then scale, as the extension multiplies them. */
+/* offset · rotation · scale, in the extension's order of multiplication. */
 static void read_transform(gltf *g, const gltf_value *info, double *set, fathom_map *out) {
     gltf_value holder, at;
     double offset[2] = {0, 0}, scale[2] = {1, 1}, rotation = 0;

@@ -1,5 +1,5 @@
-/* Where nodes are: the parts of their transforms, which an animation may replace, and the product of the
- * transforms above each, in double. */
+/* Transforms of nodes: their components, which an animation may replace, and the product of the transforms
+ * above each node, in double. */
 #include "read/gltf/gltf.h"
 
 #include <math.h>
@@ -47,7 +47,7 @@ static void check_no_parts(gltf *g, const gltf_value *node, const gltf_pose *pos
     }
 }
 
-/* Values that an animation gives replace the node's own. */
+/* Values of an animation replace the node's own. */
 static affine_f64 read_local(gltf *g, const gltf_value *node, const gltf_pose *pose) {
     if (json_is_array(json_object_get(node->json, "matrix"))) {
         check_no_parts(g, node, pose);
@@ -71,7 +71,7 @@ const gltf_pose *gltf_pose_of(const gltf_moment *m, uint32_t node) {
     return m->pose_of && m->pose_of[node] ? &m->poses.items[m->pose_of[node] - 1] : NULL;
 }
 
-/* Climbs to the first node that is known, then comes down again: each node is computed once. */
+/* Goes up to the first node whose transform is known, then down again. So each node is computed once. */
 affine_f64 gltf_node_world(gltf *g, gltf_moment *m, uint32_t node) {
     affine_f64 above = affine_identity();
     ARRAY(uint32_t) below = {NULL, 0, 0};

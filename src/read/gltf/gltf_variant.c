@@ -1,4 +1,4 @@
-/* KHR_materials_variants: one mesh, several looks. */
+/* KHR_materials_variants: one mesh with several sets of materials. */
 #include "read/gltf/gltf.h"
 
 static const char name[] = "KHR_materials_variants";

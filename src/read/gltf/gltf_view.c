@@ -1,4 +1,4 @@
-/* Buffer views: a part of a buffer, or what EXT_meshopt_compression unpacks to. */
+/* Buffer views: a part of a buffer, or the decompressed data of EXT_meshopt_compression. */
 #include "read/gltf/gltf.h"
 
 #ifdef FATHOM_MESHOPT
@@ -6,7 +6,7 @@
 #endif
 #include <string.h>
 
-/* The bytes in the buffer that the member `byteOffset` and its like of `at` describe. */
+/* The bytes that the members `buffer`, `byteOffset` and `byteLength` of `at` describe. */
 static void open_part(gltf *g, const gltf_value *at, gltf_view *out) {
     uint32_t buffer = GLTF_ABSENT;
     uint64_t offset = 0;
@@ -49,7 +49,7 @@ static int read_word(gltf *g, const gltf_value *at, const char *key, const char 
     return 0;
 }
 
-/* The extension's table of what goes together; the decoder relies on it. */
+/* The valid combinations by the extension; the decoder relies on them. */
 static void check_stride(gltf *g, const gltf_value *at, const packed *p) {
     const uint64_t s = p->stride;
     const bool fine = p->mode != ATTRIBUTES     ? s == 2 || s == 4
@@ -120,7 +120,7 @@ static void open_packed(gltf *g, const gltf_value *view, uint32_t index, const g
 
 #else
 
-/* Without the library the buffer that stands in, which a file need not have. */
+/* Without the library: uses the uncompressed fallback buffer, which not every file has. */
 static void open_packed(gltf *g, const gltf_value *view, uint32_t index, const gltf_value *at,
                         gltf_view *out) {
     (void)index;

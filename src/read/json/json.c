@@ -13,7 +13,7 @@
 
 /* ---- camera and image ---- */
 
-/* Left out, the focus is at the target. */
+/* Without a focus distance in the file, the focus is at the target. */
 static fathom_status set_lens(const object_reader *r, const where *at, json_t *value,
                               const form_camera_values *c, fathom_camera *camera) {
     camera->lens_radius = c->f_stop > 0 ? c->focal_length / (2 * c->f_stop) : c->lens_radius;
@@ -26,7 +26,7 @@ static fathom_status set_lens(const object_reader *r, const where *at, json_t *v
     return FATHOM_OK;
 }
 
-/* By eye and target, or by a frame: of the camera, or of one of its keys. */
+/* Positions the camera, or one of its keys, by eye and target or by a frame. */
 static fathom_status place_camera(const object_reader *r, const where *at, json_t *value,
                                   const form_camera_values *c, double fovy, fathom_camera *camera) {
     const where target = {at, "target", 0}, framed = {at, "frame", 0};
@@ -88,8 +88,8 @@ static fathom_status set_camera(const object_reader *r, json_t *value, const for
     return status;
 }
 
-/* The integrator decides what the other settings are where the file does not give them. A number of samples,
- * or a pattern whose samples cannot be added to, means the same samples everywhere. */
+/* The integrator sets the defaults of the other settings. With a number of samples, or a pattern other than
+ * "sobol", all pixels get the same number of samples. */
 static fathom_integrator choose_integrator(const fathom_scene *scene, json_t *root, fathom_settings *image) {
     json_t *from = json_object_get(root, "image");
     const char *word = json_string_value(json_object_get(from, "integrator")),
@@ -102,7 +102,7 @@ static fathom_integrator choose_integrator(const fathom_scene *scene, json_t *ro
     return image->integrator;
 }
 
-/* The camera decides the image's size where the file does not give it. */
+/* The camera's aspect ratio sets the image's size, as far as the file does not give it. */
 static fathom_status set_image(const object_reader *r, json_t *root, form_scene_values *v) {
     const where at = {NULL, "image", 0};
     json_t *image = json_object_get(root, "image");
@@ -121,7 +121,7 @@ static fathom_status add_materials(const object_reader *r, json_t *materials) {
     fathom_status status = FATHOM_OK;
     const char *name;
     json_t *value;
-    /* Exactly, because a growing array takes up to two and a half times its items. */
+    /* Reserves the exact size, because a growing array takes up to two and a half times the memory. */
     if (!array_room(&r->scene->materials, json_object_size(materials)))
         return fail_memory(r->scene->context, json_object_size(materials) * sizeof(scene_named_material));
     json_object_foreach(materials, name, value) {
@@ -152,7 +152,7 @@ static fathom_light_type light_type(form_light_id id) {
     return FATHOM_LIGHT_POINT;
 }
 
-/* A light's strength is the radiance of a white diffuser, which sends out 1/pi of what arrives. */
+/* A light's strength is the radiance of a white diffuser, which is the irradiance divided by pi. */
 static double strength_of(json_t *value, const form_light_values *v) {
     if (doc_has(value, "radiantIntensity")) return (double)v->radiant_intensity / 3.14159265358979323846;
     if (doc_has(value, "irradiance")) return (double)v->irradiance / 3.14159265358979323846;
@@ -173,7 +173,7 @@ static void set_light(json_t *value, const form_light_values *v, fathom_light *l
     memcpy(light->up, v->up, sizeof light->up);
 }
 
-/* The image's path, next to the scene file. */
+/* The image's path is relative to the scene file. */
 static fathom_status add_environment(const object_reader *r, const where *at, const char *name,
                                      fathom_light *light) {
     const where file = {at, "file", 0};
@@ -262,8 +262,8 @@ static fathom_status check_cycles(const object_reader *r) {
     return status == FATHOM_BAD_INPUT ? doc_within(r->doc, &at, status) : status;
 }
 
-/* Limits nested instances: each level multiplies the placements, so a few bytes can ask for any number. Each
- * takes about 0.5 kB in a render. */
+/* Limits nested instances: each level multiplies the number of instances, so a few bytes of JSON could create
+ * any number. Each takes about 0.5 kB in a render. */
 static fathom_status check_placements(const object_reader *r) {
     const double most = 0x1p20 + (double)strlen(r->doc->text) / 4;
     const size_t groups = r->scene->groups.count;
@@ -342,7 +342,7 @@ fathom_status read_json(fathom_scene *scene, const char *path) {
     size_t size = (size_t)(end - text);
     const doc d = {scene->context, path, text};
     json_error_t error;
-    /* Numbers are read as double: 1, 1.0 and 1e0 are the same, and 1e20 needs no point. */
+    /* Numbers are read as double: 1, 1.0 and 1e0 are equal, and 1e20 is valid without a point. */
     json_arena arena = {NULL, false};
     json_t *root =
         json_arena_read(&arena, text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &error);

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- what is wrong, and where ---- */
+/* ---- errors and their places ---- */
 
 enum { TEXT_ROOM = 512 };
 
@@ -34,12 +34,12 @@ fathom_status doc_expected(const doc *d, const where *at, json_t *value, const c
     size_t most = 40;
     if (place.length <= most)
         return doc_fail(d, at, "expected %s, found %.*s", expected, (int)place.length, place.value);
-    /* Not in the middle of a UTF-8 sequence. */
+    /* Does not cut a UTF-8 sequence. */
     while (((unsigned char)place.value[most] & 0xC0) == 0x80) --most;
     return doc_fail(d, at, "expected %s, found %.*s...", expected, (int)most, place.value);
 }
 
-/* ---- names that are not known ---- */
+/* ---- unknown names ---- */
 
 /* Appends to a list in text, with `mark` around the word. */
 static void list_word(char *text, size_t room, const char *word, const char *mark) {
@@ -119,7 +119,7 @@ static bool in_range(form_range r, double x) {
     return r.open & FORM_OPEN_HIGH ? x < r.high : x <= r.high;
 }
 
-/* `to` is NULL when the number is only checked; `place` is its place in the member's array. */
+/* `to`: NULL only checks the number; `place`: its index in the member's array. */
 static fathom_status read_number(const doc *d, const where *at, json_t *value, const form_key *key, void *to,
                                  size_t place) {
     double x = json_number_value(value);
@@ -164,7 +164,7 @@ static fathom_status read_numbers(const doc *d, const where *at, json_t *value, 
     return status;
 }
 
-/* Any number of rows, checked here and loaded by doc_rows(). */
+/* Checks any number of rows; doc_rows() loads them. */
 static fathom_status read_rows(const doc *d, const where *at, json_t *value, const form_key *key,
                                json_t **to) {
     if (!json_is_array(value) || !json_array_size(value))
@@ -193,7 +193,7 @@ static fathom_status fail_word(const doc *d, const where *at, json_t *value, con
     return doc_expected(d, at, value, text);
 }
 
-/* *word: the place of the word in the list. */
+/* *word: the index of the word in the list. */
 static fathom_status choose_word(const doc *d, const where *at, json_t *value, const char *words, int *word) {
     *word =
         json_is_string(value) ? words_find(words, json_string_value(value), json_string_length(value)) : -1;

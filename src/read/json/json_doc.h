@@ -1,4 +1,5 @@
-/* A JSON document under reading: its tables followed, its errors placed. */
+/* A JSON document while it is read: reads its objects by the tables of json_form.h, and adds the line and
+ * path to errors. */
 #ifndef READ_JSON_DOC_H
 #define READ_JSON_DOC_H
 
@@ -12,7 +13,7 @@ typedef struct doc {
     const char *text; /* all of it, zero-terminated */
 } doc;
 
-/* A place for messages, with the memory of its path. */
+/* A place for messages, with a buffer for its path. */
 typedef struct doc_spot {
     fathom_place place;
     char path[512];
@@ -22,19 +23,20 @@ typedef struct doc_spot {
 const fathom_place *doc_place(const doc *d, const where *at, doc_spot *spot);
 #define doc_fail(d, at, ...)                                                                                 \
     fail_at((d)->context, FATHOM_BAD_INPUT, doc_place(d, at, &(doc_spot){.place.line = 0}), __VA_ARGS__)
-/* Adds the place to a callee's error. Its field joins the path where the document has it under that name. */
+/* Adds the place to a callee's error. If the value at the place has a member with the name of the error's
+ * field, the path includes the field. */
 fathom_status doc_within(const doc *d, const where *at, fathom_status status);
 /* "expected `expected`, found " and the value there. */
 fathom_status doc_expected(const doc *d, const where *at, json_t *value, const char *expected);
-/* "there is no `what` "name"", with the nearest name of those in `names`, or all of them when they are few.
- */
+/* "there is no `what` "name"", with the most similar name in `names`, or with all names if there are only a
+ * few. */
 fathom_status doc_unknown_name(const doc *d, const where *at, const char *what, const char *name,
                                json_t *names);
 
-/* Reads an object by its form into the struct the form fills. Members whose keys are absent keep what they
- * hold. */
+/* Reads an object by its form into the struct that the form fills. If a key is absent, its member is
+ * unchanged. */
 fathom_status doc_read(const doc *d, const where *at, json_t *value, const form *f, void *to);
-/* The variant that the object's "type" names, or its form's own tag. */
+/* Finds the variant that the object's "type", or the form's own tag, names. */
 fathom_status doc_choose(const doc *d, const where *at, json_t *value, const form *f, const form **out);
 
 /* The numbers of a FORM_ROWS value that was read, row after row. */

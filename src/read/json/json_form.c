@@ -1,5 +1,5 @@
-/* The format of scene JSON, as one table: longer than other files, because the schema is checked against it.
- */
+/* The format of scene JSON as tables. They are in one file, longer than others, because a test compares them
+ * with the schema. */
 #include "read/json/json_form.h"
 
 #include "scene/settings.h"
@@ -17,7 +17,7 @@
 #define NOT_NEGATIVE .range = {0, INFINITY, 0}
 #define POSITIVE .range = {0, INFINITY, FORM_OPEN_LOW}
 #define UNIT .range = {0, 1, 0}
-/* Floats are bounded well inside their range, so that products of a few stay finite. */
+/* Far below the largest float, so that products of a few numbers stay finite. */
 #define FLOATS .range = {-1e30, 1e30, 0}
 #define RADIANCE .range = {0, 1e30, 0}
 
@@ -184,7 +184,7 @@ static const form_rule metallic_rules[] = {
     END_RULES,
 };
 
-/* Without a lobe, k_s and its exponent would be dropped in silence. */
+/* Without a lobe, k_s and its exponent would have no effect. */
 static const form_rule classic_rules[] = {
     {FORM_NEEDS, "ks", {"specular"}},
     {FORM_NEEDS, "shininess", {"specular"}},
@@ -366,7 +366,7 @@ static const form_key instance_keys[] = {
     END_KEYS,
 };
 
-/* Every shape takes a material, may cast no shadow, and may be placed. */
+/* Every shape can have a material, a transform and a motion, and can be set to cast no shadow. */
 #define SHAPE(shape, shape_id, shape_rules)                                                                  \
     {                                                                                                        \
         .name = #shape, .id = shape_id,                                                                      \
@@ -428,7 +428,7 @@ static form_range range_of(const fathom_parameter *p) {
         (above ? FORM_OPEN_LOW : 0u) | (p->flags & FATHOM_PARAMETER_OPEN_HIGH ? FORM_OPEN_HIGH : 0u)};
 }
 
-/* names: room for those of the keys, which last as long as the keys. */
+/* names: memory for the names of the keys; it must outlive the keys. */
 static void fill_keys(parameter_table table, form_key *keys, char names[][PARAMETER_NAME]) {
     for (size_t i = 0; i < table.count; ++i) {
         const fathom_parameter *p = &table.rows[i];

@@ -1,6 +1,6 @@
 /* The format of scene JSON as tables: what is allowed where, and which member of a struct it fills.
  *
- * The reader follows these tables, and the tests hold scenes/fathom.schema.json against them, key by key. */
+ * The reader follows these tables. The tests compare scenes/fathom.schema.json with them, key by key. */
 #ifndef READ_JSON_FORM_H
 #define READ_JSON_FORM_H
 
@@ -8,16 +8,16 @@
 #include <jansson.h>
 
 typedef enum form_kind {
-    /* Those of fathom_parameter_type. */
+    /* The same as in fathom_parameter_type. */
     FORM_BOOL,
     FORM_U32, /* uint32_t, or count of them */
     FORM_U64,
     FORM_F32,    /* float, or count of them */
     FORM_F64,    /* double, or count of them, or rows × count */
-    FORM_WORD,   /* int: the place of the word in `words`, "grid|sobol" */
+    FORM_WORD,   /* int: the index of the word in `words`, "grid|sobol" */
     FORM_WORDS,  /* unsigned: a bit for each word of `words` */
     FORM_TEXT,   /* const char *, borrowed from the document */
-    FORM_TAG,    /* the form's own name, which told it from its siblings; stored nowhere */
+    FORM_TAG,    /* the key that selects this variant of a form; its value is the form's name; not stored */
     FORM_OBJECT, /* another form, read into the member itself */
     FORM_ROWS,   /* json_t *: one or more rows of `count` numbers, each checked */
     FORM_LIST,   /* json_t *: an array, whose items the reader reads by `form` */
@@ -30,7 +30,7 @@ enum { FORM_OPEN_LOW = 1, FORM_OPEN_HIGH = 2 };
 /* The range of each number. All zero: any finite number. */
 typedef struct form_range {
     double low, high; /* may be infinite */
-    unsigned open;    /* the ends that do not belong to it */
+    unsigned open;    /* FORM_OPEN_ bits: ends that are out of range */
 } form_range;
 
 typedef struct form form;
@@ -50,9 +50,9 @@ typedef struct form_key {
 
 typedef enum form_rule_kind {
     FORM_NO_RULE,  /* ends a table */
-    FORM_NEEDS,    /* where `key` is, all the others are */
-    FORM_EXCLUDES, /* where `key` is, none of the others is */
-    FORM_ONE_OF    /* exactly one of the others is there */
+    FORM_NEEDS,    /* if `key` is present, all others must be */
+    FORM_EXCLUDES, /* if `key` is present, none of the others may be */
+    FORM_ONE_OF    /* exactly one of the others is present */
 } form_rule_kind;
 
 typedef struct form_rule {
@@ -61,26 +61,26 @@ typedef struct form_rule {
     const char *others[7];
 } form_rule;
 
-/* An object of the document. With variants, its "type" or `tag` chooses which of them it is. */
+/* An object of the document. If the form has variants, the key "type" or `tag` selects one of them. */
 struct form {
     const char *name;
     int id;                      /* which variant this is: a form_light_id, form_object_id or fathom_model */
     const form_key *parts[6];    /* tables of keys */
     const form_rule *rules[4];   /* tables of rules */
     const form *const *variants; /* ended by NULL */
-    const char *tag;             /* the key that chooses, if it is not "type"; the first variant needs none */
+    const char *tag;             /* the selecting key, if not "type"; the first variant needs none */
 };
 
-/* The whole document, and what it is made of. form_prepare() before the first use fills in the image and the
- * materials, whose keys are the settings and the material parameters that files may have. */
+/* The whole document, and its parts. Call form_prepare() before the first use: it fills in form_image and the
+ * materials. Their keys are the settings and the material parameters that files may have. */
 void form_prepare(void);
 extern const form form_scene, form_camera, form_image, form_material, form_texture, form_light, form_object,
     form_frame, form_turn, form_camera_key, form_place_key, form_vertex_key;
 
-/* NULL when the form knows no such key. */
+/* NULL if the form has no such key. */
 const form_key *form_find(const form *f, const char *name);
 
-/* ---- what the forms fill ---- */
+/* ---- structs that the forms fill ---- */
 
 typedef struct form_frame_values {
     double origin[3], x[3], y[3], z[3];
@@ -90,7 +90,7 @@ typedef struct form_camera_values {
     double eye[3], target[3], up[3];
     form_frame_values frame;
     double fovy, d, w, h; /* fovy in degrees */
-    double orthographic;  /* the height of a parallel view */
+    double orthographic;  /* height of a parallel projection */
     double lens_radius, f_stop, focal_length, focus_distance;
     uint32_t blades;
     double blade_rotation;   /* degrees */
@@ -107,7 +107,7 @@ typedef struct form_texture_values {
     double scale[2], offset[2], rotation; /* degrees */
 } form_texture_values;
 
-/* The kinds of maps, and metal and roughness in one image, as glTF has them. */
+/* One kind more than fathom_map has: metalness and roughness in one image, as in glTF. */
 #define FORM_METALLIC_ROUGHNESS ((int)FATHOM_MAPS)
 
 /* True when images of this kind of map hold colours. */

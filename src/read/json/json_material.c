@@ -10,7 +10,7 @@ bool form_map_is_color(int kind) {
            kind == FATHOM_MAP_SHEEN_COLOR || kind == FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR;
 }
 
-/* By the image for colours and linear for numbers, unless it is said. */
+/* By default, the image decides for maps of colours; maps of numbers are linear. */
 static void set_space(const form_texture_values *v, int kind, fathom_texture *out) {
     out->color_space = form_map_is_color(kind) ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
     if (!v->color_space) return;
@@ -20,7 +20,7 @@ static void set_space(const form_texture_values *v, int kind, fathom_texture *ou
     if (strcmp(v->color_space, "linear") == 0) out->color_space = FATHOM_COLOR_LINEAR;
 }
 
-/* As glTF's KHR_texture_transform: scale, then rotation, then offset. */
+/* As in glTF's KHR_texture_transform: scale, then rotation, then offset. */
 static void set_transform(const form_texture_values *v, float out[6]) {
     const double turn = place_radians(v->rotation), c = cos(turn), s = sin(turn);
     out[0] = (float)(c * v->scale[0]), out[1] = (float)(s * v->scale[1]), out[2] = (float)v->offset[0];

@@ -12,9 +12,10 @@ typedef struct mesh_arrays {
     unsigned channels;                                             /* of colours */
     uint32_t *indices;
     size_t vertices, triangles;
-    float point_radius; /* > 0: a cloud of points */
+    float point_radius; /* > 0: a point cloud */
     bool smooth;        /* make normals if there are none */
-    size_t keys;        /* times of which all vertices, and normals, follow each other; 0: they stay */
+    size_t keys; /* number of keys; the arrays hold all vertices and normals of one key after another; 0: no
+                    motion */
     double *key_times, *key_positions, *key_normals;
 } mesh_arrays;
 
@@ -36,7 +37,7 @@ static vec3_f64 choose_origin(const mesh_arrays *a) {
     return origin_for(&box);
 }
 
-/* Normals made as the mesh's are, or the given ones. */
+/* Normals are computed as for the mesh, or are those in the file. */
 static fathom_status add_keys(const object_reader *r, const mesh_arrays *a, fathom_mesh *mesh,
                               float **positions, float **normals) {
     static const double zero[3] = {0, 0, 0};
@@ -99,7 +100,7 @@ static fathom_status add_arrays(const object_reader *r, fathom_id group, const m
     return status;
 }
 
-/* ---- loose triangles ---- */
+/* ---- single triangles ---- */
 
 void mesh_batch_free(mesh_batch *batch) {
     array_free(&batch->positions);
@@ -185,7 +186,7 @@ static fathom_status load_indices(const object_reader *r, const where *at, json_
     return FATHOM_OK;
 }
 
-/* Colours with the opacity behind each. */
+/* Colours, each followed by its opacity. */
 static fathom_status load_colors(const object_reader *r, const form_object_values *o, mesh_arrays *out) {
     json_t *rows = o->as.mesh.colors, *opacities = o->as.mesh.opacities;
     out->channels = opacities ? 4 : 3;
@@ -242,7 +243,7 @@ static fathom_status load_keys(const object_reader *r, const where *at, json_t *
     return status;
 }
 
-/* The arrays of *out are the caller's, even after a failure. */
+/* The caller owns the arrays of *out, even after a failure. */
 static fathom_status load_inline(const object_reader *r, const where *at, const form_object_values *o,
                                  mesh_arrays *out) {
     size_t vertices = json_array_size(o->as.mesh.positions);

@@ -9,17 +9,18 @@
 
 /* ---- objects ---- */
 
-/* An object as read, with what it names looked up. */
+/* An object from the file, with the ids of the names that it uses. */
 typedef struct object {
     form_object_id kind;
     form_object_values values;
     fathom_id material; /* FATHOM_NONE: not given */
     unsigned flags;
-    bool placed; /* by keys of its own, or by motion */
+    bool placed; /* it has a transform or a motion */
     affine_f64 map;
 } object;
 
-/* Children nest by recursion: what does not recurse keeps its variables out of the frames that do. */
+/* Children are read by recursion. Functions that do not recurse are not inlined, so that their variables take
+ * no space in the recursive stack frames. */
 #define LEAF static __attribute__((noinline))
 
 static fathom_status find_id(const object_reader *r, const where *at, const char *key, const char *what,
@@ -50,7 +51,7 @@ LEAF fathom_status read_object(const object_reader *r, const where *at, json_t *
     return status;
 }
 
-/* ---- each kind ---- */
+/* ---- kinds of objects ---- */
 
 LEAF fathom_status add_sphere(const object_reader *r, const object *o, fathom_id group, fathom_id material) {
     fathom_sphere sphere = o->values.as.sphere;
@@ -92,7 +93,7 @@ LEAF fathom_status add_file(const object_reader *r, const where *at, const objec
     return status == FATHOM_OK ? status : doc_within(r->doc, &file, status);
 }
 
-/* Objects added since there were `first`. */
+/* Sets the flags of all objects from `first` on. */
 static void set_flags(fathom_scene *scene, size_t first, unsigned flags) {
     for (size_t i = first; i < scene->objects.count; ++i) {
         scene_object o = scene->objects.items[i];
@@ -116,12 +117,12 @@ LEAF fathom_status add_generated(const object_reader *r, const object *o, fathom
     size_t first = r->scene->objects.count;
     fathom_status status = fathom_scene_generate(r->scene, group, &options);
     set_flags(r->scene, first, o->flags);
-    /* Here the file makes the mistake, not a caller of the library. */
+    /* The fault is in the file, not in a call of the library. */
     return status == FATHOM_BAD_USAGE ? FATHOM_BAD_INPUT : status;
 }
 
-/* Each level is read by calls within calls, which take about 1.2 kB of stack: 0.6 MB of the 1 MB there may
- * be. */
+/* Each level of nesting is read by recursion, and takes about 1.2 kB of stack: 0.6 MB in all, of a stack that
+ * may have only 1 MB. */
 #define NESTING_MAX 512
 
 static unsigned nesting(const where *at) {
@@ -140,8 +141,8 @@ static fathom_status add_children(const object_reader *r, const where *at, const
     return object_list(r, &children, o->values.as.group.children, group);
 }
 
-/* Adds the object's content to the group. Messages of the scene's own checks get their place here; the others
- * have it. */
+/* Adds the object's content to the group. Adds the place to messages of the scene's own checks; other
+ * messages have it already. */
 static fathom_status add_content(const object_reader *r, const where *at, json_t *value, const object *o,
                                  fathom_id group, mesh_batch *batch) {
     fathom_id material = o->material == FATHOM_NONE ? 0 : o->material;
@@ -163,9 +164,9 @@ static fathom_status add_content(const object_reader *r, const where *at, json_t
     return status == FATHOM_OK ? status : doc_within(r->doc, at, status);
 }
 
-/* ---- placing ---- */
+/* ---- transforms ---- */
 
-/* The group that the object's content goes to. A placed shape and a group get one of their own. */
+/* The group that receives the object's content. A shape with a transform, and a group, get a new one. */
 LEAF fathom_status choose_group(const object_reader *r, const where *at, const object *o, fathom_id parent,
                                 fathom_id *out) {
     *out = parent;
@@ -219,7 +220,7 @@ static fathom_status add_object(const object_reader *r, const where *at, json_t 
     if (status == FATHOM_OK) status = add_content(r, at, value, &o, group, batch);
     if (status != FATHOM_OK) return status;
     if (o.kind == FORM_TRIANGLE && o.values.light_group) {
-        /* Its mesh comes later. */
+        /* Its mesh is added later. */
         const where named = {at, "group", 0};
         uint8_t found;
         status = light_group_find(r->scene, o.values.light_group, &found);

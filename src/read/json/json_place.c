@@ -1,4 +1,4 @@
-/* Frames, placements and their motion in scene JSON. */
+/* Frames, transforms and their motion in scene JSON. */
 #include "read/json/json_scene.h"
 
 #include <stdlib.h>
@@ -6,8 +6,8 @@
 
 double place_radians(double degrees) { return degrees * 0.017453292519943295; }
 
-/* Axes typed with three decimals are off by up to 5e-4 in each component, so by sqrt(3) 5e-4 each; the cosine
- * of two axes is off by twice that. */
+/* Axes with three decimals have an error of up to 5e-4 in each component, so of sqrt(3) 5e-4 in length. The
+ * error of the cosine of two axes is up to twice that. */
 static bool right_angle(vec3_f64 a, vec3_f64 b) {
     return fabs(dot_f64(normalize_f64(a), normalize_f64(b))) <= 1.8e-3;
 }

@@ -1,4 +1,4 @@
-/* Scene JSON from the document into the scene. */
+/* Adds the contents of a scene JSON document to the scene. */
 #ifndef READ_JSON_SCENE_H
 #define READ_JSON_SCENE_H
 
@@ -16,7 +16,8 @@ typedef struct object_reader {
 /* Adds the objects of `list` to `group`, in their order. */
 fathom_status object_list(const object_reader *r, const where *at, json_t *list, fathom_id group);
 
-/* Puts sources [first, end) into the light group that `at` names under `key`; NULL: into none. */
+/* Adds the sources [first, end) to the light group `name`; NULL: no light group. `at` and `key`: for
+ * messages. */
 fathom_status light_group_set(const object_reader *r, const where *at, const char *key,
                               fathom_light_source source, size_t first, size_t end, const char *name);
 
@@ -32,27 +33,27 @@ fathom_status place_frame(const doc *d, const where *at, json_t *value, const fo
 
 double place_radians(double degrees);
 
-/* The map of an object's placement keys; *placed is false when it has none. */
+/* The transform that an object's placement keys describe; *placed is false if it has no such keys. */
 fathom_status place_object(const doc *d, const where *at, json_t *object, const form_place_values *values,
                            affine_f64 *out, bool *placed);
 
-/* Reads one key of a motion: its time and its map. */
+/* Reads one key of a motion: its time and its transform. */
 typedef fathom_status place_key_reader(const object_reader *r, const where *at, json_t *value, double *time,
                                        affine_f64 *map);
-/* The keys of the motion of what is at `at`: *count times, then as many maps of 12 numbers, row by row. The
- * caller frees *keys, even after a failure. */
+/* Reads the motion `list` of the object or camera at `at`. *keys holds *count times, then *count maps of 12
+ * numbers, row by row. The caller frees *keys, even after a failure. */
 fathom_status place_motion(const object_reader *r, const where *at, json_t *list, place_key_reader *read,
                            uint32_t *count, double **keys);
 
 /* ---- triangles (json_mesh.c) ---- */
 
-/* Successive triangles with the same material, flags and kinds of data: they become one mesh, because a
- * tracer handles one mesh of many triangles far better than many of one. */
+/* Successive triangles with the same material, flags and kinds of data. They become one mesh, because a
+ * tracer is much faster with one mesh of many triangles than with many meshes of one triangle. */
 typedef struct mesh_batch {
     ARRAY(double) positions, normals, uvs;
     fathom_id group, material;
     unsigned flags;
-    const char *light_group, *name; /* of the document; NULL: none */
+    const char *light_group, *name; /* owned by the document; NULL: none */
 } mesh_batch;
 
 /* Adds a triangle; first flushes the batch if its triangles differ from this one. */
@@ -62,7 +63,7 @@ fathom_status mesh_batch_add(const object_reader *r, json_t *value, const form_o
 fathom_status mesh_batch_flush(const object_reader *r, mesh_batch *batch);
 void mesh_batch_free(mesh_batch *batch);
 
-/* The mesh of an object with "positions". */
+/* Adds the mesh of an object that has "positions". */
 fathom_status mesh_inline(const object_reader *r, const where *at, const form_object_values *o,
                           fathom_id group, fathom_id material, unsigned flags);
 

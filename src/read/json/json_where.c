@@ -1,4 +1,4 @@
-/* jansson keeps no positions, so the one value that is wrong is searched for in the text. */
+/* jansson does not store positions, so after an error the value is searched for in the text. */
 #include "read/json/json_where.h"
 
 #include "json/memory.h"
@@ -12,7 +12,7 @@ static const char *skip_space(const char *c) {
     return c;
 }
 
-/* c: at the opening quote. */
+/* c: the opening quote. */
 static const char *skip_string(const char *c) {
     for (++c; *c && *c != '"'; ++c) {
         if (*c == '\\' && c[1]) ++c;
@@ -57,7 +57,7 @@ static bool says(const char *begin, const char *end, const char *key) {
     return same;
 }
 
-/* One step down from the value at c. *shown: the place whose line is reported. */
+/* Takes one step down from the value at c. *shown: the position whose line is reported. */
 static const char *step(const char *c, const where *at, const char **shown) {
     if (*c != (at->key ? '{' : '[')) return NULL;
     c = skip_space(c + 1);
@@ -79,7 +79,7 @@ static const char *step(const char *c, const where *at, const char **shown) {
     return NULL;
 }
 
-/* False when a step is missing; *value and *shown then tell where the walk ended. */
+/* False if a step is missing; *value and *shown are then those of the last step found. */
 static bool descend(const char *text, const where *at, const char **value, const char **shown) {
     if (!at) {
         *value = *shown = skip_space(text);

@@ -16,20 +16,21 @@ typedef struct where {
 } where;
 
 typedef struct where_place {
-    unsigned line;     /* from 1; of the key, for the value of a key */
+    unsigned line;     /* from 1; for a member, the line of its key */
     const char *value; /* the value's text */
     size_t length;
-    bool whole; /* the path was followed to its end */
+    bool whole; /* all steps of the path were found */
 } where_place;
 
-/* Follows the path through the text, which must be JSON and end with a zero byte. If a step is missing, the
- * place is that of the last value found. */
+/* Follows the path through the text, which must be JSON and end with a zero byte. If a step is missing,
+ * returns the place of the last value found. */
 where_place where_find(const char *text, const where *at);
 
 /* Writes the path as objects[3].radius or materials["dark red"]; "" for the document. */
 void where_path(const where *at, char *out, size_t room);
 
-/* jansson's error text, replaced where it speaks of its parser and flags rather than of the file. */
+/* jansson's error text. Two texts that mention jansson's parser or flags are replaced by texts about the
+ * file. */
 static inline const char *json_syntax_text(const json_error_t *error) {
     enum json_error_code code = json_error_code(error);
     if (code == json_error_stack_overflow)

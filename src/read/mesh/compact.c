@@ -5,14 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The rows of an array that indices name. */
+/* The rows of an array that indices refer to. */
 typedef struct selection {
     const uint32_t *indices;
     size_t corners;
-    uint32_t first, reach; /* the least index, and how many there are from it to the largest one */
+    uint32_t first, reach; /* the smallest index, and the number of rows from it to the largest index */
     uint32_t used;
-    uint32_t *numbers;        /* by row from the first: UINT32_MAX where unused, else the new number */
-    const uint32_t *replaced; /* the new indices, once they are made */
+    uint32_t *numbers;        /* for each row from `first`: UINT32_MAX if unused, else the new number */
+    const uint32_t *replaced; /* the new indices, once computed */
 } selection;
 
 static bool select_rows(const uint32_t *indices, size_t corners, selection *out) {
@@ -88,14 +88,14 @@ static fathom_status compact_all(fathom_scene *scene, bool in_place, selection *
     return status;
 }
 
-/* A closed mesh that uses all of its vertices has six corners for each: with half of that, half may be
- * unused. One with four is not asked. */
+/* A closed mesh that uses all its vertices has about six corners per vertex. With three, half of its vertices
+ * may be unused. Meshes with four or more are not checked. */
 static bool may_be_sparse(const fathom_mesh *mesh) {
     return mesh->triangle_count && !mesh->key_count && !(mesh->point_radius > 0) &&
            3 * (uint64_t)mesh->triangle_count < 4 * (uint64_t)mesh->vertex_count;
 }
 
-/* *out: whether it uses at most half of its vertices. False without memory. */
+/* *out: whether the mesh uses at most half of its vertices. False when out of memory. */
 static bool find_sparse(const fathom_mesh *mesh, bool *out) {
     const size_t corners = 3 * (size_t)mesh->triangle_count;
     uint64_t *seen = calloc(mesh->vertex_count / 64 + 1, sizeof *seen);

@@ -6,9 +6,9 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* Sums are integers, so that the order in which threads add does not matter. The unit is 2^-29: a corner
- * weighs at most pi, so a sum holds 2^63 / 2^29 / pi = 5.4e9 corners, more than a mesh can have. A corner's
- * share is rounded by 2^-30, far below a float normal's own 2^-24. */
+/* Sums are integers, so that the order in which threads add does not matter. The unit is 2^-29. A corner
+ * weighs at most pi, so a sum has room for 2^63 / 2^29 / pi = 5.4e9 corners, more than a mesh can have. The
+ * rounding error of a corner is 2^-30, far below the 2^-24 of a float normal. */
 #define UNIT 0x1p29
 
 typedef struct smoothing {
@@ -17,11 +17,11 @@ typedef struct smoothing {
     uint32_t slot_count;
     _Atomic int64_t (*sums)[3];
     float *normals;
-    atomic_bool empty; /* some sum is zero */
+    atomic_bool empty; /* at least one sum is zero */
 } smoothing;
 
-/* atan over [0, 1], error below 2e-8 (Abramowitz and Stegun 4.4.49). The C library's last bit differs between
- * processors. */
+/* atan over [0, 1], error below 2e-8 (Abramowitz and Stegun 4.4.49). The C library's function differs in the
+ * last bit between processors. */
 static double arc_tangent(double t) {
     double s = t * t;
     return t * (1 + s * (-.3333314528 +
@@ -32,7 +32,7 @@ static double arc_tangent(double t) {
                                              s * (.0429096138 + s * (-.0161657367 + s * .0028662257))))))));
 }
 
-/* The angle whose sine and cosine are proportional to these; sine >= 0. */
+/* The angle whose sine and cosine are proportional to the arguments; sine >= 0. */
 static double angle_of(double sine, double cosine) {
     const double half_pi = 1.5707963267948966;
     double c = fabs(cosine);
@@ -93,8 +93,8 @@ static void finish_slots(void *user, size_t begin, size_t end, unsigned worker) 
     }
 }
 
-/* Serial, because "the last triangle" depends on the order. Only meshes with cancelling corners or unused
- * vertices get here. */
+/* Serial, because "the last triangle" depends on the order. Only needed for meshes with corners that cancel
+ * out or unused vertices. */
 static void fill_empty(const smoothing *s) {
     for (size_t t = 0; t < s->mesh->triangle_count; ++t) {
         for (size_t i = 0; i < 3; ++i) {

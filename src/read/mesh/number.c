@@ -32,8 +32,8 @@ bool number_read_special(const char **cursor, double *out) {
 }
 
 static double by_library(const char *text) {
-    /* glibc has the C locale built in, so this cannot fail. Elsewhere a failure gives NaN, which every reader
-     * refuses. */
+    /* Cannot fail in glibc, where the C locale is built in. In other libraries a failure gives NaN, which
+     * every reader rejects. */
     locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (!c) return (double)NAN;
     double value = strtod_l(text, NULL, c);
@@ -42,7 +42,7 @@ static double by_library(const char *text) {
 }
 
 /* 10^n = 5^n 2^n, and 5^27 < 2^63: the product of 64-bit digits with 5^n is exact in 128 bits, and a quotient
- * by 5^n with its remainder decides the rounding. Converting a 128-bit integer to double rounds to nearest
+ * by 5^n with its remainder determines the rounding. Converting a 128-bit integer to double rounds to nearest
  * even, and the remaining power of two is exact because 10^±46 is far from the ends of double's range. */
 double number_rounded(uint64_t digits, unsigned significant, int64_t exponent, const char *text) {
     if (significant > 19 || exponent < -27 || exponent > 27) return by_library(text);

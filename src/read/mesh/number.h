@@ -1,16 +1,16 @@
-/* Decimal numbers from text, the same in every locale, rounded to the nearest double. The text must end in
- * something that is no part of a number, such as file_map's padding. */
+/* Decimal numbers from text, the same in every locale, rounded to the nearest double. The text must end in a
+ * byte that cannot belong to a number, such as file_map's padding. */
 #ifndef READ_NUMBER_H
 #define READ_NUMBER_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-/* digits × 10^exponent beyond the fast path of number_read(). `text`: where the number starts after its sign,
+/* digits × 10^exponent, if the fast path of number_read() does not apply. `text`: the number after its sign,
  * for the C library. */
 double number_rounded(uint64_t digits, unsigned significant, int64_t exponent, const char *text);
 
-/* "nan", "inf" or "infinity" in any case; false when none. */
+/* Reads "nan", "inf" or "infinity" in upper or lower case; false if the text is none of them. */
 bool number_read_special(const char **cursor, double *out);
 
 static inline unsigned number_digit(char c) { return (unsigned)(unsigned char)c - '0'; }
@@ -24,7 +24,7 @@ static inline const char *number_digits(const char *p, uint64_t *value) {
     return p;
 }
 
-/* Reads an exponent such as e+12; a lone e is left. Large exponents saturate. */
+/* Reads an exponent such as e+12; an e without digits is not consumed. Large exponents saturate. */
 static inline const char *number_exponent(const char *p, int64_t *exponent) {
     const char *digit = p + 1 + (p[1] == '-' || p[1] == '+');
     if (number_digit(*digit) >= 10) return p;
@@ -40,9 +40,9 @@ static inline const char *number_exponent(const char *p, int64_t *exponent) {
 unsigned number_significant(const char *text, const char *end);
 
 /* Reads a number at *cursor and moves past it: sign, digits with an optional point, optional exponent; nan
- * and inf too. False, cursor unmoved, when there is none. Powers of ten up to 10^22 and digits up to 2^53 are
- * exact doubles, so one multiplication or division rounds once (Clinger 1990). number_rounded() does the
- * others. */
+ * and inf too. False, with the cursor unmoved, if there is no number. Powers of ten up to 10^22 and digits up
+ * to 2^53 are exact doubles, so one multiplication or division rounds once (Clinger 1990). number_rounded()
+ * handles all others. */
 static inline bool number_read(const char **cursor, double *out) {
     static const double tens[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                   1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
@@ -76,7 +76,8 @@ static inline bool number_read(const char **cursor, double *out) {
     return true;
 }
 
-/* Reads an integer at *cursor; saturates far beyond any index. False, cursor unmoved, when there is none. */
+/* Reads an integer at *cursor; saturates far above any index. False, with the cursor unmoved, if there is no
+ * integer. */
 static inline bool number_read_integer(const char **cursor, int64_t *out) {
     const char *p = *cursor;
     bool negative = *p == '-';

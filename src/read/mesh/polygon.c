@@ -15,14 +15,14 @@ static vec3_f64 vertex(const polygon_vertices *v, uint32_t i) {
     return (vec3_f64){(double)p[0], (double)p[1], (double)p[2]};
 }
 
-/* The corner of a fan: 0, 1, then the last of each triangle. */
+/* The position of a corner in a fan's indices: 0, 1, then the last index of each triangle. */
 static size_t fan_place(size_t corner) { return corner < 2 ? corner : 3 * (corner - 2) + 2; }
 
-/* True when the quad is to be split along 1-3 instead of 0-2. The better diagonal keeps the winding of both
- * triangles. If both do, it is the one opposite to the smaller angles (Delaunay's choice): 0-2 while the
- * angles at 1 and 3 sum to at most pi, sin(B + D) >= 0. Rectangles and cells of grids and spheres are ties
- * that rounding would decide, so 0-2 is kept up to a slack of 2^-8, a quarter of a degree. This exceeds the
- * rounding of corners whose edges keep 8 of the coordinates' 24 bits. */
+/* True if the quad should be split along 1-3 instead of 0-2. The better diagonal keeps the winding of both
+ * triangles. If both diagonals do, it is the one opposite to the smaller angles (Delaunay): 0-2 while the
+ * angles at 1 and 3 sum to at most pi, sin(B + D) >= 0. Rectangles, and cells of grids and spheres, are ties
+ * that rounding error would decide. So 0-2 is kept up to a slack of 2^-8, a quarter of a degree. This is more
+ * than the rounding error of corners whose edges keep 8 of the coordinates' 24 bits. */
 static bool other_diagonal(const vec3_f64 p[4]) {
     vec3_f64 edge[4];
     for (int i = 0; i < 4; ++i) edge[i] = normalize_f64(sub_f64(p[(i + 1) % 4], p[i]));
@@ -54,21 +54,21 @@ static void split_quad(const polygon_vertices *v, uint32_t *fan, uint32_t *secon
     turn_quad(third);
 }
 
-/* How the remaining outline turns at a corner. Convex corners stay convex when ears are cut, because angles
- * only shrink. */
+/* The kind of a corner of the remaining outline. Convex corners stay convex when ears are clipped, because
+ * angles only shrink. */
 typedef enum turn { TURN_CONVEX, TURN_FLAT, TURN_REFLEX, TURN_GONE } turn;
 
 enum { TURNS = TURN_GONE + 1 };
 
-#define LEAF_CORNERS 16 /* at most; the tree then takes less memory than the ring */
+#define LEAF_CORNERS 16 /* maximum per leaf, so that the tree takes less memory than the ring */
 
-/* A k-d tree of the corners that may lie in an ear, those that are not convex. Node 1 is the root, node k has
+/* A k-d tree of the corners that are not convex: only these can lie in an ear. Node 1 is the root, node k has
  * the children 2k and 2k + 1, and nodes from `leaves` on are leaves. */
 typedef struct tree {
     uint32_t leaves;  /* a power of two; 0: the tree is empty */
     uint32_t *order;  /* the corners, leaf after leaf */
-    uint32_t *first;  /* of each leaf, in order[]; one more for the end */
-    uint32_t *live;   /* of each node: how many of its corners remain and are not convex */
+    uint32_t *first;  /* start of each leaf in order[], then the end */
+    uint32_t *live;   /* of each node: number of its remaining corners that are not convex */
     double (*box)[4]; /* of each node: lowest x, y, highest x, y */
 } tree;
 
@@ -79,12 +79,12 @@ typedef struct ring {
     uint32_t *next, *last;
     uint32_t *leaf;      /* the tree's leaf that holds a corner; 0: none */
     uint32_t *triangles; /* corner numbers, 3 each */
-    uint32_t *moved;     /* n, for carrying streams along */
-    uint32_t *queue;     /* corners that may be ears: a circle of n */
-    uint32_t *queued;    /* whether a corner is in it */
+    uint32_t *moved;     /* n numbers, to reorder streams */
+    uint32_t *queue;     /* ring buffer of n corners that may be ears */
+    uint32_t *queued;    /* whether a corner is in the queue */
     uint32_t queue_begin, queue_count;
     turn *turns;
-    uint32_t count[TURNS]; /* of corners that turn so */
+    uint32_t count[TURNS]; /* number of corners of each kind */
     uint32_t triangle_count;
     tree tree;
 } ring;
@@ -141,7 +141,7 @@ static bool ring_allocate(polygon_work *work, uint32_t n, ring *r) {
     return true;
 }
 
-/* Projects along the largest axis of Newell's normal, which loses no bit of the coordinates. */
+/* Projects along the largest axis of Newell's normal, so that the coordinates keep all their bits. */
 static void project(const polygon_vertices *v, const uint32_t *fan, ring *r) {
     vec3_f64 first = vertex(v, fan[0]), normal = {0, 0, 0};
     for (size_t i = 1; i + 1 < r->n; ++i) {
@@ -168,7 +168,8 @@ static void project(const polygon_vertices *v, const uint32_t *fan, ring *r) {
     }
 }
 
-/* True when all corners turn left and the outline goes round once, so that x reverses just twice. */
+/* True if all corners turn left and the outline has one revolution: then x changes direction exactly
+ * twice. */
 static bool is_convex(const ring *r) {
     unsigned reversals = 0;
     bool right = r->point[0][0] > r->point[r->n - 1][0];
@@ -184,8 +185,8 @@ static bool is_convex(const ring *r) {
 
 /* ---- the tree ---- */
 
-/* Partially sorts order[begin…end) by the axis, so that place `nth` is as if fully sorted (Hoare's
- * selection). */
+/* Partially sorts order[begin…end) by the axis, so that element `nth` is the same as after a full sort
+ * (Hoare's selection). */
 static void select_nth(const ring *r, int axis, uint32_t begin, uint32_t end, uint32_t nth) {
     uint32_t *order = r->tree.order;
     while (end - begin > 1) {
@@ -261,8 +262,8 @@ static void set_turn(ring *r, uint32_t i, turn to) {
 
 static bool same_point(const double a[2], const double b[2]) { return a[0] == b[0] && a[1] == b[1]; }
 
-/* True when corner k lies in the ear a, b, c. Corners at the same place as one of the ear's do not count: an
- * outline may touch itself where a hole is joined to it. */
+/* True when corner k lies in the ear a, b, c. Corners at the same position as a corner of the ear are
+ * ignored: an outline may touch itself where it is connected to a hole. */
 static bool blocks(const ring *r, uint32_t k, const double *a, const double *b, const double *c) {
     if (!may_block(r->turns[k])) return false;
     const double *p = r->point[k];
@@ -271,7 +272,7 @@ static bool blocks(const ring *r, uint32_t k, const double *a, const double *b, 
 }
 
 /* True when all points of the box are to the right of the line from a to b, by orientation(). It is monotonic
- * in each coordinate even after rounding, so one corner of the box decides. */
+ * in each coordinate even after rounding, so checking one corner of the box is enough. */
 static bool right_of(const double *a, const double *b, const double box[4]) {
     const double extreme[2] = {b[1] - a[1] < 0 ? box[2] : box[0], b[0] - a[0] < 0 ? box[1] : box[3]};
     return orientation(a, b, extreme) < 0;
@@ -308,8 +309,8 @@ static void cut(ring *r, uint32_t i) {
     set_turn(r, next, turn_at(r, next));
 }
 
-/* When no corner is an ear, the outline crosses itself or the remaining polygon has no area. Flat corners go
- * first because they cover nothing, then convex ones. */
+/* Chooses a corner to cut if no corner is an ear: the outline crosses itself, or the remaining polygon has no
+ * area. Takes flat corners first, because they have no area, then convex ones. */
 static uint32_t least_bad(const ring *r, uint32_t i) {
     const turn own = r->turns[i];
     const turn wanted = r->count[TURN_FLAT] > (own == TURN_FLAT) ? TURN_FLAT : TURN_CONVEX;
@@ -334,10 +335,10 @@ static uint32_t dequeue(ring *r) {
     return i;
 }
 
-/* Cutting an ear can make only its two neighbours into ears: a corner inside another ear is reflex, and is
- * neither cut nor turned convex while it is inside (Eberly, "Triangulation by ear clipping"). So each cut
- * tests two corners again. The corner after an ear waits, because cutting on and on would make a fan of
- * slivers. */
+/* Cutting an ear can only turn its two neighbours into ears. A corner inside another ear is reflex, and as
+ * long as it is inside, it is neither cut nor becomes convex (Eberly, "Triangulation by ear clipping"). So
+ * only two corners are tested again after each cut. The next corner is not cut directly after an ear, because
+ * this would make a fan of slivers. */
 static void cut_ears(ring *r) {
     for (uint32_t i = 0; i < r->n; ++i) {
         r->queued[i] = 0;

@@ -1,4 +1,4 @@
-/* Polygons into triangles. */
+/* Triangulates polygons. */
 #ifndef READ_POLYGON_H
 #define READ_POLYGON_H
 
@@ -18,19 +18,19 @@ typedef struct polygon_work {
     size_t size;
 } polygon_work;
 
-/* A polygon written as a fan. */
+/* A polygon that was written as a fan. */
 typedef struct polygon_fan {
-    size_t first; /* triangle */
+    size_t first; /* index of its first triangle */
     uint32_t corners;
 } polygon_fan;
 
 void polygon_work_free(polygon_work *work);
 
-/* Readers write a polygon of n corners as the fan (0,1,2) (0,2,3)… before they know the vertices. This turns
- * the fan, n - 2 triangles of vertex indices at `fan`, into a good triangulation with the same winding: quads
- * along the better diagonal, concave polygons by cutting ears. The corners of the other streams (indices of
- * normals and uvs, or NULL) move along. Polygons that are not simple become some n - 2 triangles. False: out
- * of memory, nothing is changed. */
+/* Readers write a polygon of n corners as the fan (0,1,2) (0,2,3)… before they know the vertices. This call
+ * replaces the fan, n - 2 triangles of vertex indices at `fan`, by a good triangulation with the same
+ * winding: quads along the better diagonal, concave polygons by ear clipping. The corners of the other
+ * streams (indices of normals and uvs, or NULL) are reordered in the same way. A polygon that is not simple
+ * also becomes n - 2 triangles, whose shape is not specified. False: out of memory, nothing is changed. */
 bool polygon_split(polygon_work *work, const polygon_vertices *vertices, uint32_t corners, uint32_t *fan,
                    uint32_t *second, uint32_t *third);
 

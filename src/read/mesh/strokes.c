@@ -10,7 +10,7 @@ enum { SIDES = 4 };
 _Static_assert(ROD_VERTICES == 2 * SIDES + 2 && ROD_TRIANGLES == 4 * SIDES, "its parts");
 _Static_assert(ROD_VERTICES *(3 + 3 + 4) * 4 + ROD_TRIANGLES * 12 <= ROD_BYTES, "its arrays");
 
-/* Where the arrays are filled up to. */
+/* The arrays, and how far they are filled. */
 typedef struct pen {
     const strokes *s;
     float *positions, *normals, *colors;
@@ -71,7 +71,7 @@ double strokes_radius(const scene_bounds *bounds, size_t count, bool lines) {
     return diagonal > 0 ? diagonal * share : 1;
 }
 
-/* 0: there are none, or *status is a failure. */
+/* Returns 0 if there are no points or lines, or on failure (*status). */
 static double find_radius(fathom_scene *scene, const strokes *s, fathom_status *status) {
     scene_bounds b = bounds_empty();
     const size_t corners = (size_t)s->count * (s->lines ? 2 : 1);
@@ -87,7 +87,7 @@ static double find_radius(fathom_scene *scene, const strokes *s, fathom_status *
     return 0;
 }
 
-/* Points in the order of their indices. Without indices the arrays are shared. */
+/* Makes a point cloud in the order of the indices. Without indices, it shares the arrays. */
 static fathom_status make_cloud(fathom_scene *scene, const strokes *s, double radius, fathom_mesh *mesh) {
     void *positions = NULL, *colors = NULL;
     mesh->positions = s->positions, mesh->position_stride = s->position_stride;

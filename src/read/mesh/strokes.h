@@ -1,14 +1,14 @@
-/* Points and lines, which have no size, as spheres and thin rods of triangles. */
+/* Turns points and lines, which have no size, into spheres and thin rods of triangles. */
 #ifndef READ_STROKES_H
 #define READ_STROKES_H
 
 #include "read/mesh/text.h"
 #include "scene/scene.h"
 
-/* One line has so many. */
+/* Vertices and triangles of one line. */
 enum { ROD_VERTICES = 10, ROD_TRIANGLES = 16 };
 
-/* Bytes of the arrays for each line, and for each point with an index, at most; with colours. */
+/* Maximum bytes of the arrays for each line, and for each point with an index, colours included. */
 #define ROD_BYTES 592u
 #define POINT_BYTES 28u
 
@@ -18,23 +18,23 @@ typedef struct strokes {
     const float *colors; /* NULL: none */
     size_t color_stride;
     unsigned color_channels;
-    const uint32_t *indices; /* of vertices: one a point, two a line; NULL: 0, 1, 2…, and points share the
-                                arrays, which are the scene's then */
+    const uint32_t *indices; /* vertex indices: one per point, two per line. NULL: 0, 1, 2…; then points use
+                                the arrays above without a copy, so the scene must own them */
     uint32_t count;          /* of points or of lines */
     bool lines;
-    note_list *notes; /* is told of lines without length */
+    note_list *notes; /* receives notes on lines of length 0 */
 } strokes;
 
-/* With D the diagonal of the bounds, a line is a rod of radius D / 1000, and one of n points a sphere of
- * radius D / (2 sqrt(n)), which is about half the distance of points that are spread over a surface, but at
- * least D / 2000 and at most D / 200; 1 where all points are one. */
+/* D is the diagonal of the bounds. A line is a rod of radius D / 1000. One of n points is a sphere of radius
+ * D / (2 sqrt(n)), clamped to [D / 2000, D / 200]: about half the distance between points that are spread
+ * over a surface. The radius is 1 if all points are equal. */
 double strokes_radius(const scene_bounds *bounds, size_t count, bool lines);
 
-/* Makes *mesh a cloud of the points, or a mesh of the lines, in memory of the scene. A line without length is
- * left out. FATHOM_BAD_INPUT: more lines than 2^32 vertices can show, or something that leaves the range of
- * float. */
+/* Makes *mesh a cloud of the points, or a mesh of the lines, in memory of the scene. Lines of length 0 are
+ * skipped. FATHOM_BAD_INPUT: the lines need more than 2^32 vertices, or a coordinate is out of float's
+ * range. */
 fathom_status strokes_make(fathom_scene *scene, const strokes *s, fathom_mesh *mesh);
-/* False where nothing is left of *mesh. */
+/* False if *mesh is empty. */
 static inline bool strokes_any(const fathom_mesh *mesh) {
     return mesh->triangle_count || mesh->point_radius > 0;
 }

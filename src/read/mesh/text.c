@@ -153,7 +153,7 @@ const char **text_pieces(const text_file *file, size_t grain, size_t *count) {
     if (!starts) return NULL;
     starts[0] = file->begin;
     while (starts[n] < file->end) {
-        /* Search from one byte before the target, so that a line end there is found. */
+        /* Starts one byte before the target, so that a line end there is found. */
         const char *from = starts[n] + grain - 1, *next = NULL;
         while ((size_t)(file->end - starts[n]) > grain && from < file->end) {
             next = memchr(from, '\n', (size_t)(file->end - from));
@@ -168,7 +168,7 @@ const char **text_pieces(const text_file *file, size_t grain, size_t *count) {
 
 /* ---- notes ---- */
 
-/* The note if this is the first of its kind and needs a place; else NULL. */
+/* Returns the note if it is the first of its kind and needs a place; otherwise NULL. */
 static note *count_in(note_list *notes, size_t times, const char *format, va_list args) {
     note fresh = {.count = times};
     vsnprintf(fresh.text, sizeof fresh.text, format, args);

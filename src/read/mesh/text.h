@@ -10,18 +10,18 @@ typedef struct text_file {
     fathom_context *context;
     const char *path;
     const char *begin, *end;
-    char *copy;         /* the text if it is not the file's own bytes; else NULL */
-    const char *binary; /* where bytes begin that are no text; NULL: nowhere */
+    char *copy;         /* owned copy of the text; NULL if the file's own bytes are used */
+    const char *binary; /* where bytes begin that are not text; NULL: all bytes are text */
     size_t size;        /* of the file */
 } text_file;
 
-/* The text of a mapped file, without a byte order mark. If its first line ends in a carriage return alone, as
- * on old Macs, it is a copy in which all such line ends are line feeds. */
+/* Opens the text of a mapped file, and skips a byte order mark. If the first line ends in a lone carriage
+ * return, as on old Macs, the text is a copy with line feeds as line ends. */
 fathom_status text_open(fathom_context *context, const char *path, const file_map *map, text_file *out);
 void text_close(text_file *file);
 
-/* The parts of text_open(), for files that are only partly text. text_copy() leaves the line ends alone;
- * zeros follow the copy. */
+/* The parts of text_open(), for files that are only partly text. text_copy() does not change line ends; zeros
+ * follow the copy. */
 /* The text after a byte order mark, which some editors write. */
 const char *text_after_mark(const char *begin, const char *end);
 bool text_ends_lines_in_cr(const char *begin, const char *end);
@@ -29,12 +29,12 @@ fathom_status text_copy(text_file *file);
 /* Replaces carriage returns without a following line feed by line feeds. */
 void text_mend_line_ends(char *begin, const char *end);
 
-/* A fault that any thread finds, reported later by the calling thread: lack of memory, else the
- * fault that is first in the file. Zero it to start with. */
+/* A fault that any thread records, and that the calling thread reports later: out of memory, else the fault
+ * that comes first in the file. Zero it before use. */
 typedef struct text_fault {
     bool no_memory;
     const char *at; /* NULL: none */
-    char field[52]; /* the statement or property; "": none */
+    char field[52]; /* name of the statement or property; "": none */
     char what[200];
 } text_fault;
 
@@ -45,23 +45,24 @@ bool text_no_memory(text_fault *fault);
 /* Adds ", found" and the word at `at` to the text. */
 bool text_found(text_fault *fault, const char *at, const char *field, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
-/* Records a fault at the first zero byte, which text does not have, and returns false. */
+/* If there is a zero byte, records a fault at the first one and returns false. */
 bool text_has_no_zeros(text_fault *fault, const char *begin, const char *end);
-/* FATHOM_OK without a fault, FATHOM_OUT_OF_RESOURCES, or FATHOM_BAD_INPUT at the fault's line or byte. */
+/* FATHOM_OK if there is no fault, FATHOM_OUT_OF_RESOURCES, or FATHOM_BAD_INPUT at the fault's line or
+ * byte. */
 fathom_status text_status(const text_file *file, const text_fault *fault);
 
-/* The word at `at` in quotes, or "the end of the line", cut to fit a message. Returns `out`. */
+/* The word at `at` in quotes, or "the end of the line", truncated to fit a message. Returns `out`. */
 const char *text_quote(const char *at, char out[48]);
 
 /* Where the pieces of a text begin, and where the last one ends. Each has about `grain` bytes and ends with a
- * line; a line that ends in a backslash goes on. NULL when out of memory; release with free(). */
+ * line; a backslash at the end of a line continues it. NULL when out of memory; release with free(). */
 const char **text_pieces(const text_file *file, size_t grain, size_t *count);
 
 static inline bool text_is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 static inline bool text_is_end(char c) { return c == '\n' || c == '\0'; }
-/* True when a word ends here. */
+/* True if this character ends a word. */
 static inline bool text_is_break(char c) { return text_is_blank(c) || text_is_end(c) || c == '\\'; }
 
 /* Skips a backslash at a line end; returns the start of the next line, or p. */
@@ -81,38 +82,40 @@ static inline const char *text_skip(const char *p) {
     }
 }
 
-/* The start of the next line, at most `end`; joined lines count as one. */
+/* The start of the next line, or `end`; joined lines count as one. */
 const char *text_next(const char *p, const char *end);
 
-/* The remaining line without blanks at either end; returns its length. A # is kept, because names may hold
- * one. */
+/* The remaining part of the line without blanks at either end; returns its length. A # is kept, because names
+ * may contain it. */
 size_t text_rest(const char **p, const char *end);
 
-/* ---- notes: what a reader leaves out of a file or reads differently. One warning for each kind, with its
+/* ---- notes: parts of a file that a reader skips or reads differently. One warning for each kind, with its
  * count and its first place. ---- */
 
-#define NOTES_MAX 32 /* kinds; the others are counted together */
+#define NOTES_MAX 32 /* kinds; further kinds share one count */
 
 typedef struct note {
     char text[320];   /* identifies the kind */
-    char place[128];  /* of the first, as it follows the file's name: ":12", ": meshes[0]", or "" */
+    char place[128];  /* of the first occurrence, in the form that follows the file's name: ":12", ":
+                         meshes[0]", or "" */
     char example[48]; /* the word at that place, or "" */
     size_t count;
 } note;
 
-/* Zero it to start with; it owns no memory. */
+/* Zero it before use; it owns no memory. */
 typedef struct note_list {
     note items[NOTES_MAX];
     size_t count, beyond;
 } note_list;
 
-/* Adds `times` to the kind that the text names. The first call for a kind gives its place. */
+/* Adds `times` to the count of the kind that the text identifies. The first call for a kind sets its
+ * place. */
 void notes_add(note_list *notes, size_t times, const char *place, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
-/* The place is the line of `at`; `quoted`: the word there is an example. */
+/* The place is the line of `at`; `quoted`: stores the word there as an example. */
 void notes_add_at(note_list *notes, size_t times, const text_file *file, const char *at, bool quoted,
                   const char *format, ...) __attribute__((format(printf, 6, 7)));
-/* Warns of all kinds, in the order they were added. */
+/* Warns about all kinds, in the order in which they were added. */
 void notes_tell(const note_list *notes, fathom_context *context, const char *path);
 
 #endif

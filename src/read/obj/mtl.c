@@ -1,4 +1,4 @@
-/* Reads MTL: statements to the values of mtl_material.c, which says what they mean. */
+/* Reads MTL: fills in the values of statements. mtl_material.c converts the values to materials. */
 #include "read/obj/mtl.h"
 #include "read/mesh/number.h"
 
@@ -11,7 +11,7 @@ typedef struct mtl_reader {
     text_fault fault;
     mtl_library *library;
     mtl_entry entry;
-    size_t current; /* index of the material that is being read */
+    size_t current; /* index of the material being read */
     bool begun;
     note_list notes;
 } mtl_reader;
@@ -19,7 +19,7 @@ typedef struct mtl_reader {
 static void note_at(mtl_reader *r, const char *at, const char *text) {
     notes_add_at(&r->notes, 1, &r->file, at, false, "%s", text);
 }
-/* With the word at that place, if the text does not name it. */
+/* Adds a note that quotes the word at `at`, for texts that do not contain it. */
 static void note_word(mtl_reader *r, const char *at, const char *text) {
     notes_add_at(&r->notes, 1, &r->file, at, true, "%s", text);
 }
@@ -42,7 +42,7 @@ static void note_unused(mtl_reader *r) {
     if (illum == 10) note_at(r, m->at[MTL_ILLUM], "illum 10 is read as 2");
 }
 
-/* Tr 1 would make a surface that nobody sees. MeshLab writes it for opaque ones. */
+/* Tr 1 would make a surface invisible. MeshLab writes it for opaque surfaces. */
 static void settle_opacity(mtl_reader *r) {
     mtl_entry *m = &r->entry;
     if (m->d > 0 || mtl_is_glass(m)) return;
@@ -123,12 +123,13 @@ static const struct mtl_field {
     [MTL_ANISOR] = {"anisor", offsetof(mtl_entry, anisor), 1, -1, 1},
 };
 
-/* Images: the map that each makes, and the value that is 1 where the file gives none; -1: none. */
+/* Images: the map of each keyword, and the kind of value that defaults to 1 if an image is given. -1:
+ * none. */
 static const struct mtl_map {
     const char *keyword;
     int map, kind;
     bool color;
-    const char *text; /* why it is left out */
+    const char *text; /* why the image is not used */
 } mtl_maps[] = {
     {"map_Kd", FATHOM_MAP_COLOR, MTL_KD, true, NULL},
     {"map_Ks", FATHOM_MAP_SPECULAR_COLOR, MTL_KS, true, NULL},
@@ -150,7 +151,7 @@ static const struct mtl_map {
     {"refl", -1, -1, false, "refl is not read; mirrors show the scene alone"},
 };
 
-/* The value, or the nearest one in the field's range; `before` for NaN. */
+/* The value, clamped to the field's range; `before` for NaN. */
 static double limited(mtl_reader *r, const struct mtl_field *field, const char *at, double value,
                       double before) {
     if (value >= field->lowest && value <= field->highest) return value;
@@ -159,8 +160,8 @@ static double limited(mtl_reader *r, const struct mtl_field *field, const char *
     return isnan(value) ? before : value > field->highest ? field->highest : field->lowest;
 }
 
-/* One number stands for all three of a colour. False, and noted: there are none, as programs write what is no
- * number: "1.#QNAN". */
+/* A single number is used for all three channels of a colour. False, with a note, if the text is not a
+ * number: some programs write "1.#QNAN". */
 static bool read_numbers(mtl_reader *r, const struct mtl_field *field, const char *p, double *out) {
     for (int i = 0; i < field->numbers; ++i) {
         const char *at = text_skip(p);
@@ -196,7 +197,7 @@ static void read_field(mtl_reader *r, int kind, const char *at) {
         note_word(r, at, "colours as spectra or in xyz are not read");
         return;
     }
-    /* A halo would fade towards the outline; the number means the same. */
+    /* A halo would fade towards the outline; the number has the same meaning. */
     if (kind == MTL_D && is_word(p, "-halo")) {
         note_at(r, p, "d -halo is read as d");
         p += 5;
@@ -216,7 +217,7 @@ static void read_field(mtl_reader *r, int kind, const char *at) {
     r->entry.at[kind] = at;
 }
 
-/* "-s 2 2" and the like: up to three numbers; those that are missing stay. */
+/* Options such as "-s 2 2": reads up to three numbers; missing ones leave `out` unchanged. */
 static const char *read_option_numbers(const char *p, double out[3]) {
     for (int i = 0; i < 3; ++i) {
         const char *next = text_skip(p);
@@ -233,7 +234,7 @@ static const char *skip_word(const char *p) {
     return p;
 }
 
-/* Options before the name of a file. */
+/* Reads the options before the name of a file. */
 static const char *read_options(mtl_reader *r, const char *p, mtl_image *image) {
     double offset[3] = {0, 0, 0}, size[3] = {1, 1, 1}, unused[3];
     for (p = text_skip(p); *p == '-'; p = text_skip(p)) {
@@ -271,7 +272,7 @@ bool mtl_says_normal(const char *name) {
     return false;
 }
 
-/* Values that the file gives later are kept. */
+/* Sets a value to 1 unless the file gave it before; a later statement replaces the 1. */
 static void set_one(mtl_reader *r, int kind, const char *at) {
     if (kind < 0 || mtl_given(&r->entry, kind)) return;
     const struct mtl_field *field = &mtl_fields[kind];
@@ -303,7 +304,7 @@ static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at)
     return true;
 }
 
-/* *known: whether the line is one of them. False without memory. */
+/* *known: whether the statement is an image. False when out of memory. */
 static bool read_map(mtl_reader *r, const char *at, bool *known) {
     for (size_t i = 0; i < sizeof mtl_maps / sizeof *mtl_maps; ++i) {
         const struct mtl_map *map = &mtl_maps[i];

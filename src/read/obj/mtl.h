@@ -1,10 +1,10 @@
-/* The values of an MTL material, and what they become: what the mtl*.c files share. */
+/* Shared by the mtl*.c files: the values of an MTL material, and their conversion to a fathom_material. */
 #ifndef READ_OBJ_MTL_H
 #define READ_OBJ_MTL_H
 
 #include "read/obj/obj.h"
 
-/* A material's values as the file gives them. */
+/* A material's values as written in the file. */
 typedef struct mtl_entry {
     double ka[3], kd[3], ks[3], ke[3], tf[3], ns, ni, d, illum, pr, pm, pc, pcr, ps, aniso, anisor;
     unsigned given; /* bits of the kinds below */
@@ -37,14 +37,14 @@ static inline bool mtl_given(const mtl_entry *m, int kind) { return m->given >> 
 static inline bool mtl_is_white(const double rgb[3]) { return rgb[0] == 1 && rgb[1] == 1 && rgb[2] == 1; }
 static inline bool mtl_is_black(const double rgb[3]) { return rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0; }
 
-/* True when the name of a bump image says that it holds normals, as exporters of today write it. */
+/* True if the name of a bump image says that it holds normals; current exporters write such names. */
 bool mtl_says_normal(const char *name);
 int mtl_illum(const mtl_entry *m);
-/* Its opacity says how much passes through, or its filter does. */
+/* True if its illumination model (4, 6, 7 or 9) transmits light; 9 with d < 1 only if Tf is given. */
 bool mtl_is_glass(const mtl_entry *m);
-/* It has keys of metallic-roughness. */
+/* True if it has keys of the metallic-roughness model. */
 bool mtl_is_metallic(const mtl_entry *m);
-/* Without its maps. */
+/* The material without its maps. */
 fathom_material mtl_material_from(const mtl_entry *m);
 
 #endif

@@ -1,42 +1,44 @@
-/* Wavefront MTL to Fathom's materials.
+/* Converts Wavefront MTL to Fathom's materials.
  *
  *   Kd      k_d
- *   Ka      k_a; none, or white, means k_d: exporters without an ambient colour write white, which would make
- *           every material reflect the ambient light alike
- *   Ks, Ns  k_s and shininess of Blinn's highlight, as the format defines it ((N·H)^Ns); no highlight if Ns <
- * 1, which exporters write for rough surfaces and which would add Ks to everything that faces a light Ke k_e
- *   Ni      ior for refraction and Fresnel's law; none or 0: 1.5
- *   d, Tr   opacity and 1 - opacity; the last one in the file counts. Tr 1 means opaque but for glass
- *   Tf      filter of the glass models; the others ignore it, because exporters write white everywhere
+ *   Ka      k_a; if missing or white, k_d is used: exporters without an ambient colour write white, and
+ *           every material would reflect the same ambient light
+ *   Ks, Ns  k_s and shininess of Blinn's highlight, as the format defines it ((N·H)^Ns). Ns < 1 means no
+ *           highlight: exporters write it for rough surfaces, and it would add Ks to all lit surfaces
+ *   Ke      k_e
+ *   Ni      ior for refraction and Fresnel's law; missing or 0: 1.5
+ *   d, Tr   opacity and 1 - opacity; the last one in the file is used. Tr 1 means opaque, except for glass
+ *   Tf      filter of the glass models; other models ignore it, because exporters always write white
  *
- *   illum   none: 2 if there is a Ks that is not black, else 1
+ *   illum   if missing: 2 if Ks is given and not black, else 1
  *   0       Lambert without ambient light
  *   1       Lambert
- *   2, 10   with highlights
- *   3, 8    and a mirror: k_r = Ks
- *   5       and a mirror by Fresnel's law
+ *   2, 10   Lambert with highlights
+ *   3, 8    the same with a mirror: k_r = Ks
+ *   5       the same with a mirror by Fresnel's law
  *   4, 9    glass that does not refract (ior 1): k_t, k_r
  *   6       glass: k_t, k_r, ior
  *   7       glass by Fresnel's law
  *
- * 9 with d < 1 and no Tf, as Blender writes opacity, is 2.
+ * Blender writes opacity as 9 with d < 1 and no Tf; this is read as 2.
  *
- * Models other than glass dissolve if d < 1: their light is scaled by d, and k_t = 1 - d passes straight on
- * (ior 1). Authors mean this by "illum 2, d 0.3, Ni 1.45". Glass has k_t = 1 - d if d < 1, times Tf if given;
- * else Tf; else 1 - Ks, the format's own formula. Its diffuse part fades as it clears: times d if d < 1, else
- * times 1 - the largest of k_t; highlights stay. Without Fresnel's law k_r is limited to 1 - k_t, which
- * conserves energy. Fresnel's law needs ior != 1; with Ni 1 the mirror is a plain one.
+ * Models other than glass are partly transparent if d < 1: their light is multiplied by d, and k_t = 1 - d
+ * passes straight through (ior 1). Authors mean this by "illum 2, d 0.3, Ni 1.45". Glass has k_t = 1 - d if
+ * d < 1, times Tf if given; else Tf; else 1 - Ks, the format's own formula. Its diffuse part is multiplied by
+ * d if d < 1, else by 1 - the maximum of k_t; its highlights are not. Without Fresnel's law k_r is limited to
+ * 1 - k_t, which conserves energy. Fresnel's law needs ior != 1; with Ni 1 the mirror does not use it.
  *
- * Pr, Pm, Pc and Pcr (roughness, metal, clear coat and its roughness) make it metallic-roughness: Kd is the
- * base colour, d the opacity, Ni the index, and Tf how much of the light the solid lets through: Blender
- * writes it for such materials alone. The remaining values above have no meaning there. So do Ps, a white
- * sheen whose roughness, which the format does not know, is 0.5, and aniso with anisor, a part of a turn.
+ * Pr, Pm, Pc, Ps and aniso (roughness, metalness, clear coat, sheen, anisotropy) select metallic-roughness.
+ * Kd is then the base colour, d the opacity, Ni the ior, and Tf the transmission of the solid: Blender writes
+ * Tf only for such materials. Pcr is the clear coat's roughness. Ps is a white sheen. Its roughness is
+ * 0.5, because the format has no key for it. anisor is a fraction of a full turn. Ke is the emission. Other
+ * values above have no effect.
  *
  * Images (map_Kd map_Ks map_Ke map_Ns map_d map_Pr map_Pm map_Pc map_Ps norm) multiply their values, which
- * are 1 where the file gives an image alone. Single numbers are the image's red, those of map_d its alpha
- * where it is the image of map_Kd; -imfchan says otherwise. -s, -o and -clamp are followed; v grows upwards
- * in this format. map_Bump and bump are heights; -bm is the height of 1 in units of length. Where the image's
- * name says that it is a normal map, as exporters of today write it, it is one, and -bm its factor. */
+ * default to 1 if there is an image. A single number is the image's red channel; for map_d it is alpha if
+ * map_Kd has the same image; -imfchan selects another channel. -s, -o and -clamp are used; v grows upwards in
+ * this format. map_Bump and bump are heights; -bm is the height of value 1 in units of length. If the name of
+ * a bump image says that it is a normal map, as current exporters write, it is one, and -bm its factor. */
 #include "read/obj/mtl.h"
 
 #include <stdlib.h>
@@ -144,8 +146,8 @@ fathom_material mtl_material_from(const mtl_entry *m) {
 
 /* ---- images ---- */
 
-/* An image that cannot be read is told of. Its value is mostly 1, which would make a mirror, a lamp or a
- * white wall: none, or grey, is the least wrong. */
+/* The value of a material with an image that cannot be read. The file's value is mostly 1, which would make a
+ * mirror, a lamp or a white wall, so 0, or half for colours, is used instead. */
 static void without_image(int kind, fathom_material *m) {
     if (kind == FATHOM_MAP_METALLIC) m->metallic = 0;
     for (int c = 0; c < 3; ++c) {

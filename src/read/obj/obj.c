@@ -45,7 +45,7 @@ bool obj_smoothing_group(const char *p, uint32_t *group) {
     p = text_skip(p);
     int64_t number = 0;
     if (text_is_end(*p))
-        ; /* no number: programs write it as "off" */
+        ; /* not a number; some programs write this instead of "off" */
     else if (strncmp(p, "off", 3) == 0)
         p += 3;
     else if (strncmp(p, "on", 2) == 0)
@@ -77,7 +77,7 @@ static void scan_piece(obj_reader *r, obj_piece *piece) {
             if (!array_push(&piece->libraries, mention(p, piece->end))) text_no_memory(&r->fault);
             break;
         case OBJ_S_SMOOTHING:
-            /* A wrong one is reported by the parse. */
+            /* The parse reports an invalid group. */
             if (obj_smoothing_group(p, &piece->last_group)) piece->sets_group = true;
             break;
         case OBJ_S_EMPTY:
@@ -97,7 +97,7 @@ static void scan_pieces(void *user, size_t begin, size_t end, unsigned worker) {
     for (size_t i = begin; i < end; ++i) scan_piece(r, &r->pieces[i]);
 }
 
-/* Finds what precedes each piece: vertices, material, smoothing group. */
+/* Finds the state at the start of each piece: number of vertices, material, smoothing group. */
 static fathom_status carry_over(obj_reader *r) {
     uint32_t slot = 0, group = 0;
     for (size_t i = 0; i < r->piece_count; ++i) {
@@ -135,7 +135,7 @@ static fathom_status scan(obj_reader *r) {
 
 /* ---- the file ---- */
 
-#ifndef OBJ_PIECE /* fuzzing cuts small files */
+#ifndef OBJ_PIECE /* fuzzing sets a small size, so that small files have several pieces */
 #define OBJ_PIECE ((size_t)1 << 18)
 #endif
 
@@ -148,7 +148,7 @@ static fathom_status cut_pieces(obj_reader *r) {
     return r->pieces ? FATHOM_OK : fail_memory(r->scene->context, r->piece_count * sizeof *r->pieces);
 }
 
-/* Joins what the pieces counted. */
+/* Adds up the tallies of the pieces as notes. */
 static void note_tallies(obj_reader *r) {
     static const char *const texts[OBJ_TALLIES] = {
         [OBJ_T_LINES] = "lines have no width, and are shown as thin rods",

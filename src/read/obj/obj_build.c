@@ -8,14 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The triangles of one material with the same kinds of data. */
+/* A mesh of all triangles of one material with the same kinds of data. */
 typedef struct obj_mesh {
     uint32_t slot;
     bool has[OBJ_KINDS], same[OBJ_KINDS];
     size_t count;
     uint32_t *indices[OBJ_KINDS];
     fathom_mesh mesh;
-    bool copied; /* it has arrays of its own, else those of the file */
+    bool copied; /* it has its own arrays; otherwise it uses those of the file */
 } obj_mesh;
 
 typedef struct obj_builder {
@@ -57,7 +57,7 @@ static fathom_status place_runs(obj_builder *b) {
     return FATHOM_OK;
 }
 
-/* Index arrays that equal the positions' are not made. */
+/* Index arrays equal to those of the positions are not allocated. */
 static fathom_status allocate_meshes(obj_builder *b) {
     for (size_t i = 0; i < b->meshes.count; ++i) {
         obj_mesh *mesh = &b->meshes.items[i];
@@ -130,7 +130,7 @@ fathom_status obj_add_mesh(const obj_reader *r, uint32_t slot, fathom_mesh *mesh
     return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, mesh, &facts, NULL) : status;
 }
 
-/* Of the file's own arrays. */
+/* Makes a mesh that uses the arrays of the whole file. */
 static void make_mesh(const obj_builder *b, obj_mesh *from) {
     const obj_reader *r = b->r;
     fathom_mesh *mesh = &from->mesh;
@@ -158,7 +158,7 @@ static fathom_status look_at_vertices(const obj_reader *r, const fathom_mesh *me
                                  mesh->vertex_count, facts);
 }
 
-/* facts: of the vertices of all that are not copied. */
+/* facts: of the vertices of all meshes that are not copied. */
 static fathom_status add_all(obj_builder *b, const mesh_facts *facts) {
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < b->meshes.count && status == FATHOM_OK; ++i) {

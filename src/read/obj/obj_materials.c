@@ -42,21 +42,21 @@ void names_free(name_table *table) {
 
 /* ---- libraries ---- */
 
-/* Exporters repeat the statement for each object. */
+/* The names that were read: exporters repeat the statement for each object. */
 typedef struct library_names {
-    name_table seen;   /* as they are written */
-    obj_tally absent;  /* names of no file */
-    obj_tally refused; /* names of files that may not be read */
+    name_table seen;   /* as written in the file */
+    obj_tally absent;  /* names without a file */
+    obj_tally refused; /* names of files that must not be read */
     size_t absent_length;
-    char why[320]; /* the first was refused */
+    char why[320]; /* why the first of them was refused */
 } library_names;
 
 static void tally(obj_tally *t, const char *at) {
     if (!t->count++) t->first = at;
 }
 
-/* *out: the path of the file that a mention of `length` bytes names, or NULL when there is none.
- * FATHOM_BAD_INPUT: the file may not be read, and the message says why. */
+/* *out: the path of the file with this name of `length` bytes; NULL: no such file. FATHOM_BAD_INPUT: the file
+ * must not be read; the message has the reason. */
 static fathom_status find_library(const obj_reader *r, const char *name, size_t length, char **out) {
     *out = NULL;
     char *copy = strndup(name, length);
@@ -67,8 +67,8 @@ static fathom_status find_library(const obj_reader *r, const char *name, size_t 
     return status;
 }
 
-/* Reads the file if there is one and it was not read yet; FATHOM_BAD_INPUT when it may not be read. *found:
- * whether there is one. */
+/* Reads the file if it exists and was not read yet; FATHOM_BAD_INPUT if it must not be read. *found: whether
+ * the file exists. */
 static fathom_status read_name(obj_reader *r, mtl_library *library, library_names *names, const char *name,
                                size_t length, bool *found) {
     char *path;
@@ -83,7 +83,7 @@ static fathom_status read_name(obj_reader *r, mtl_library *library, library_name
     return status;
 }
 
-/* A model without its materials is still a model: a missing library is only noted. */
+/* A missing library only adds a note, because the geometry is still usable. */
 static fathom_status read_word(obj_reader *r, mtl_library *library, library_names *names, const char *word,
                                size_t length) {
     bool found;
@@ -101,7 +101,8 @@ static fathom_status read_word(obj_reader *r, mtl_library *library, library_name
     return status;
 }
 
-/* Either one name, which may hold blanks, or several names between blanks. */
+/* Reads a statement's text: as one name, which may contain blanks, or as several names separated by
+ * blanks. */
 static fathom_status read_mention(obj_reader *r, mtl_library *library, library_names *names,
                                   const obj_mention *mention) {
     bool found;
@@ -161,7 +162,7 @@ static bool push_slot(obj_reader *r, fathom_id material, uint32_t same_as) {
     return array_push(&r->slots, slot);
 }
 
-/* Names without a material share slot 0 with faces that name none. */
+/* Names without a material use slot 0, like faces that name none. */
 static fathom_status fill_slots(obj_reader *r, const mtl_library *library) {
     size_t missing = 0;
     const name_entry *first = NULL;

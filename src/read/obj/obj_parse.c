@@ -20,8 +20,8 @@ typedef struct obj_parser {
     obj_piece *piece;
     uint64_t seen[OBJ_KINDS]; /* in the whole file */
     uint32_t slot, group;
-    const char *keyword; /* of the element that is read: f, l or p */
-    unsigned absent;     /* the parts of the element that the file has no data for */
+    const char *keyword; /* of the current element: f, l or p */
+    unsigned absent;     /* bits of the kinds of indices that the element has, but the file has no data for */
     size_t next_material;
     ARRAY(obj_corner) face;
 } obj_parser;
@@ -32,7 +32,7 @@ static void tally(obj_parser *s, int kind, size_t times, const char *at) {
     t->count += times;
 }
 
-/* How programs print what is no number: "nan", "-nan(ind)", "1.#QNAN", "inf". */
+/* True if the text is a printed NaN or infinity: "nan", "-nan(ind)", "1.#QNAN", "inf". */
 static bool is_odd(const char *p) {
     if (*p == '-' || *p == '+') ++p;
     return strncasecmp(p, "nan", 3) == 0 || strncasecmp(p, "inf", 3) == 0 || strncmp(p, "1.#", 3) == 0;
@@ -64,7 +64,7 @@ static const char *read_values(obj_parser *s, const char *what, const char *p, i
     return p;
 }
 
-/* True when there is room for one more: another process may have changed the file since it was counted. */
+/* Checks that there is room for one more vertex: another process may have changed the file since the scan. */
 static bool has_room(obj_parser *s, int kind, const char *at) {
     return s->seen[kind] < s->r->total[kind] ||
            text_wrong(&s->r->fault, at, NULL, "the file has changed since it was counted through");
@@ -89,13 +89,13 @@ static const char *read_vector(obj_parser *s, int kind, const char *p) {
     return p;
 }
 
-/* Of the vertex read last. */
+/* Stores the colour of the vertex that was read last. */
 static void put_color(const obj_parser *s, const double v[3]) {
     float *out = s->r->colors + 3 * (s->seen[OBJ_POSITION] - 1);
     for (int k = 0; k < 3; ++k) out[k] = read_linear(v[k] > 0 ? (v[k] < 1 ? v[k] : 1) : 0);
 }
 
-/* After x, y and z there may be a weight, which only curves use, or a colour. */
+/* Reads the numbers after x, y and z: a weight, which only curves use, or a colour. */
 static void read_behind(obj_parser *s, const char *at) {
     const char *p = text_skip(at);
     double v[3], weight = 0;
@@ -113,7 +113,7 @@ static void read_behind(obj_parser *s, const char *at) {
         tally(s, OBJ_T_BEHIND, 1, at);
 }
 
-/* An index of a corner: from 1, or negative, counted back from the last vertex above. */
+/* Reads an index of a corner: from 1, or negative, counted backwards from the last vertex so far. */
 static bool read_index(obj_parser *s, int kind, const char **p, uint32_t *out) {
     int64_t index;
     const char *at = *p;
@@ -141,7 +141,7 @@ static bool read_index(obj_parser *s, int kind, const char **p, uint32_t *out) {
                       corner, kinds[kind], (long long)index, (unsigned long long)s->r->total[kind]);
 }
 
-/* v, v/vt, v//vn or v/vt/vn; `parts` gets a bit for each kind. */
+/* Reads v, v/vt, v//vn or v/vt/vn; *parts gets a bit for each kind. */
 static bool read_corner(obj_parser *s, const char **p, obj_corner *out, unsigned *parts) {
     const char *at = *p;
     *parts = 1u << OBJ_POSITION;
@@ -201,7 +201,7 @@ bool obj_keep_indices(obj_piece *piece, int kind) {
     return true;
 }
 
-/* The fan's indices of uvs or normals, once they differ from those of the positions. */
+/* Appends the fan's indices of uvs or normals, once any in the piece differ from those of the positions. */
 static bool push_kind(obj_parser *s, obj_run *run, int kind) {
     const obj_corner *c = s->face.items;
     int from = run->has[kind] ? kind : OBJ_POSITION;
@@ -230,8 +230,8 @@ static bool push_face(obj_parser *s, const char *at, unsigned parts) {
     return true;
 }
 
-/* The corners of an element up to the end of its line, and the parts that they have, which those of a face
- * have in common. NULL after a fault. */
+/* Reads the corners of an element up to the end of its line. *parts: the kinds of indices that all corners of
+ * a face have. NULL after a fault. */
 static const char *read_corners(obj_parser *s, const char *keyword, const char *p, unsigned *parts) {
     const char *first = p;
     bool mixed = false;
@@ -277,7 +277,7 @@ static bool push_strokes(obj_parser *s, int kind) {
     return true;
 }
 
-/* Their texture coordinates have no surface to lie on. */
+/* Reads a line or points; texture coordinates are not used. */
 static const char *read_stroke(obj_parser *s, int kind, const char *first) {
     unsigned parts;
     const char *p = read_corners(s, kind == OBJ_LINES ? "l" : "p", first, &parts);
@@ -304,7 +304,7 @@ static const char *read_statement(obj_parser *s, obj_statement statement, const 
         return p;
     case OBJ_S_UV:
         if (scene_keeps_uvs(s->r->scene)) return read_vector(s, OBJ_UV, p);
-        ++s->seen[OBJ_UV]; /* indices may count back from it */
+        ++s->seen[OBJ_UV]; /* negative indices count it */
         return p;
     case OBJ_S_NORMAL: return read_vector(s, OBJ_NORMAL, p);
     case OBJ_S_FACE: return read_face(s, p);
@@ -381,7 +381,7 @@ static fathom_status allocate_values(obj_reader *r) {
     return FATHOM_OK;
 }
 
-/* Vertices once more, for their colours alone. */
+/* Reads the vertices again, only for their colours. */
 static void color_pieces(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     obj_reader *r = user;
@@ -398,7 +398,7 @@ static void color_pieces(void *user, size_t begin, size_t end, unsigned worker) 
     }
 }
 
-/* They take memory only where some vertex has one. */
+/* Allocates and reads colours only if at least one vertex has one. */
 static fathom_status parse_colors(obj_reader *r) {
     bool any = false;
     void *memory;

@@ -5,16 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A vertex gets a normal for each smoothing group of its faces. The number of a key is the normal's. */
+/* A vertex gets one normal for each smoothing group of its faces. The index of a key is the index of its
+ * normal. */
 typedef struct smooth_key {
     uint32_t vertex, group;
 } smooth_key;
 
 typedef struct smooth_faces {
     size_t triangle_count;
-    uint32_t group;    /* of the first */
-    bool one_group;    /* all are in it: then a normal's number is its vertex's */
-    uint32_t *indices; /* of the triangles to be smoothed, in the order of the file */
+    uint32_t group;    /* of the first run */
+    bool one_group;    /* all runs are in it; then a normal has the index of its vertex */
+    uint32_t *indices; /* of the triangles to smooth, in the order of the file */
     uint32_t *slots;   /* for each index; NULL with one group */
     uint32_t slot_count;
 } smooth_faces;
@@ -23,7 +24,7 @@ typedef struct run_cursor {
     size_t piece, run;
 } run_cursor;
 
-/* The next run to be smoothed, NULL after the last. Start from {0, 0}. */
+/* The next run to smooth, NULL after the last. Start from {0, 0}. */
 static obj_run *next_run(const obj_reader *r, run_cursor *c, obj_piece **piece) {
     for (; c->piece < r->piece_count; ++c->piece, c->run = 0) {
         *piece = &r->pieces[c->piece];
@@ -60,15 +61,16 @@ static fathom_status gather_indices(const obj_reader *r, smooth_faces *faces) {
     return FATHOM_OK;
 }
 
-/* The file chooses the keys, so their places depend on a number that it cannot know. */
+/* A hash table. The file determines the keys, so the hash uses a secret that no file can know, against many
+ * collisions. */
 typedef struct smooth_table {
-    uint32_t *places; /* a key's number + 1; 0: free */
-    size_t mask;      /* one less than there are places, a power of two */
+    uint32_t *places; /* index of a key + 1; 0: free */
+    size_t mask;      /* number of places, a power of two, minus 1 */
     uint64_t secret;
     ARRAY(smooth_key) keys;
 } smooth_table;
 
-/* Every bit of the key moves every bit of the place (the finalizer of MurmurHash3). */
+/* Every bit of the key affects every bit of the place (the finalizer of MurmurHash3). */
 static size_t place_of(const smooth_table *t, smooth_key key) {
     uint64_t h = ((uint64_t)key.vertex << 32 | key.group) ^ t->secret;
     h = (h ^ h >> 33) * 0xff51afd7ed558ccdu;
@@ -76,7 +78,8 @@ static size_t place_of(const smooth_table *t, smooth_key key) {
     return (size_t)(h ^ h >> 33) & t->mask;
 }
 
-/* UINT32_MAX when out of memory, or when there are as many normals as numbers. */
+/* The index of the key's normal; adds the key if it is new. UINT32_MAX when out of memory, or out of 32-bit
+ * indices. */
 static uint32_t number_of(smooth_table *t, smooth_key key) {
     size_t place = place_of(t, key);
     for (; t->places[place]; place = (place + 1) & t->mask) {
@@ -103,7 +106,7 @@ static bool fill_slots(const obj_reader *r, smooth_faces *faces, smooth_table *t
     return true;
 }
 
-/* At least twice as many places as corners: each corner may have a normal of its own. */
+/* Uses at least twice as many places as corners, because each corner may have its own normal. */
 static bool make_table(size_t corners, smooth_table *t) {
     size_t places = 8;
     while (places < 2 * corners) places *= 2;

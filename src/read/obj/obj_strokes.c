@@ -1,4 +1,4 @@
-/* Points and lines to spheres and rods: one mesh for each material. */
+/* Turns points and lines into spheres and rods: one mesh for each material. */
 #include "read/mesh/strokes.h"
 #include "read/obj/obj.h"
 
@@ -9,7 +9,7 @@
 typedef struct stroke_sorter {
     obj_reader *r;
     int kind;
-    size_t *ends;      /* of each slot's corners; first, while they are filled in, their begins */
+    size_t *ends;      /* end of each slot's corners; during the sort, the next free position */
     uint32_t *corners; /* indices of positions */
 } stroke_sorter;
 
@@ -84,7 +84,7 @@ static fathom_status add_kind(obj_reader *r, int kind, bool *added) {
     return status;
 }
 
-/* Programs for scans write vertices and nothing else. */
+/* Adds all vertices as points: scanning software writes files with only vertices. */
 static fathom_status add_cloud(obj_reader *r) {
     const stroke_sorter s = {.r = r, .kind = OBJ_POINTS};
     notes_add(&r->notes, (size_t)r->total[OBJ_POSITION], "",

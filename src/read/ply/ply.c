@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Allocates the arrays that are present and have no memory, and sets their values and strides. */
+/* Allocates the arrays that are present and have no values yet, and sets their values and strides. */
 static fathom_status allocate_arrays(ply_reader *r) {
     for (int a = 0; a < PLY_ARRAYS; ++a) {
         ply_array *array = &r->arrays[a];
@@ -86,7 +86,8 @@ fathom_status ply_read_vertices(ply_reader *r, size_t count, size_t grain, loop_
     return status;
 }
 
-/* Whole numbers are as screens show them, of their type's range. */
+/* The number that means colour 1: integers are sRGB in the range of their type; 0 for floats, which are
+ * linear. */
 static double whole_of(const ply_reader *r, int role) {
     if (r->role[role] < 0) return 0;
     switch (r->header.elements.items[r->vertex_element].properties.items[r->role[role]].type) {
@@ -131,7 +132,7 @@ static void release_map(void *data) {
     free(data);
 }
 
-/* The scene keeps the mapped file if it uses its bytes. */
+/* If meshes use bytes of the mapped file, the scene takes ownership of the mapping. */
 static fathom_status keep_map(ply_reader *r) {
     bool used = false;
     for (int a = 0; a < PLY_ARRAYS; ++a) used = used || (r->arrays[a].values && !r->arrays[a].own);
@@ -152,10 +153,10 @@ static fathom_status check_and_add(ply_reader *r, const fathom_mesh *mesh) {
     return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, mesh, &facts, NULL) : status;
 }
 
-/* Vertices with nothing between them are a cloud of points. */
+/* A file without faces and edges is a point cloud. */
 static bool is_cloud(const ply_reader *r) { return r->face_element == SIZE_MAX && !r->edges; }
 
-/* The vertices of `mesh`, or the edges between them. */
+/* Adds the vertices of `mesh` as points, or its edges as rods. */
 static fathom_status add_strokes(ply_reader *r, fathom_mesh mesh) {
     const uint64_t count =
         r->edges ? r->header.elements.items[r->edge_element].count : (uint64_t)mesh.vertex_count;
@@ -180,8 +181,8 @@ static fathom_status add_strokes(ply_reader *r, fathom_mesh mesh) {
     return strokes_any(&mesh) ? check_and_add(r, &mesh) : FATHOM_OK;
 }
 
-/* The image that a comment of the header names, as the colour of the surface. In these files v grows upwards.
- */
+/* Uses the image that a comment of the header names as the surface's colour map. In these files v grows
+ * upwards. */
 static fathom_status read_texture(ply_reader *r) {
     const fathom_map map = {.transform = {1, 0, 0, 0, -1, 1}};
     fathom_material material;
@@ -239,8 +240,8 @@ static fathom_status add_surface(ply_reader *r, fathom_mesh mesh) {
     return check_and_add(r, &mesh);
 }
 
-/* Opacities of 1 need no place. Those that are 0 at all vertices were never meant: some programs do not fill
- * them in. */
+/* Opacities that are all 1 are not stored. Opacities that are all 0 are ignored: some programs never set
+ * them. */
 static unsigned color_channels(ply_reader *r) {
     const ply_array *colors = &r->arrays[PLY_COLORS];
     bool clear = true, whole = true;

@@ -1,6 +1,6 @@
-/* A PLY file becomes a mesh: the header (ply_header.c) says what the rows hold; rows of text (ply_ascii.c) or
- * bytes (ply_binary.c) are read in parallel; polygons are split and joined into one list of triangles
- * (ply_faces.c); ply.c puts it together. */
+/* Reads a PLY file as a mesh. The header (ply_header.c) describes the rows. Rows of text (ply_ascii.c) or
+ * bytes (ply_binary.c) are read in parallel. Polygons are triangulated and joined into one list of triangles
+ * (ply_faces.c). ply.c calls these steps. */
 #ifndef READ_PLY_H
 #define READ_PLY_H
 
@@ -81,8 +81,8 @@ enum { PLY_POSITIONS, PLY_NORMALS, PLY_UVS, PLY_UVS_1, PLY_COLORS, PLY_ARRAYS };
 typedef struct ply_array {
     int first_role, components;
     bool present;
-    float *own;          /* converted; NULL if the file's bytes are used in place */
-    const float *values; /* own, or inside the mapped file */
+    float *own;          /* converted values; NULL if the file's bytes are used in place */
+    const float *values; /* `own`, or an address in the mapped file */
     size_t stride;
 } ply_array;
 
@@ -90,9 +90,9 @@ typedef struct ply_array {
 typedef struct ply_faces {
     ARRAY(uint32_t) indices;
     ARRAY(polygon_fan) polygons;
-    ARRAY(uint32_t) row; /* the list being read; UINT32_MAX ends a strip */
-    size_t small;        /* faces of less than 3 corners */
-    size_t target;       /* first triangle in the mesh */
+    ARRAY(uint32_t) row; /* the list that is being read; UINT32_MAX ends a strip */
+    size_t small;        /* faces with fewer than 3 corners */
+    size_t target;       /* index of its first triangle in the mesh */
 } ply_faces;
 
 typedef struct ply_reader {
@@ -105,47 +105,48 @@ typedef struct ply_reader {
     note_list notes;
     unsigned threads;
     ply_header header;
-    size_t vertex_element, face_element, edge_element; /* SIZE_MAX: none with rows */
-    bool strips;                                       /* the face element is tristrips */
-    const char *texture; /* in the header, up to the end of its line; NULL: none */
-    size_t index_list;   /* the face element's property */
-    int role[PLY_ROLES]; /* the vertex element's property; -1: none */
+    size_t vertex_element, face_element, edge_element; /* SIZE_MAX: no such element with rows */
+    bool strips;                                       /* the face element is "tristrips" */
+    const char *texture; /* the name in the header, up to the end of the line; NULL: none */
+    size_t index_list;   /* property of the face element */
+    int role[PLY_ROLES]; /* property of the vertex element; -1: none */
     uint32_t vertex_count;
     ply_array arrays[PLY_ARRAYS];
-    double whole_color;   /* what the colours' numbers are for 1; 0: they are linear floats */
+    double whole_color;   /* the stored number that means colour 1; 0: colours are linear floats */
     double whole_alpha;   /* the same for opacities */
-    pthread_mutex_t lock; /* of the bounds */
+    pthread_mutex_t lock; /* guards the bounds */
     scene_bounds bounds;
     vec3_f64 origin;
-    bool moving;       /* vertices are stored a second time, from the origin */
-    ply_faces *pieces; /* of successive parts of the file */
+    bool moving;       /* second pass: vertices are stored again, relative to the origin */
+    ply_faces *pieces; /* for successive parts of the file */
     size_t piece_count;
-    uint32_t *indices; /* the scene's */
+    uint32_t *indices; /* owned by the scene */
     size_t triangle_count;
-    uint32_t *edges; /* two vertices each; NULL: none */
+    uint32_t *edges; /* two vertex indices per edge; NULL: none */
 } ply_reader;
 
-/* Opens the file as text: gives the header, and the rows if they are text, line feeds. */
+/* Opens the file as text. Replaces the line ends of old Macs by line feeds in the header, and in the rows if
+ * they are text. */
 fathom_status ply_open_text(ply_reader *r, const char *path);
 fathom_status ply_read_header(ply_reader *r);
-/* Notes the elements and properties that are not read. */
+/* Adds a note for the elements and properties that are not read. */
 void ply_note_unused(ply_reader *r);
 
-/* Each fills arrays[] (checked: all finite), bounds, origin and the triangles. */
+/* Each fills in arrays[], checked to be finite, bounds, origin and the triangles. */
 fathom_status ply_read_ascii(ply_reader *r);
 fathom_status ply_read_binary(ply_reader *r);
 
-/* Checks the numbers of vertex `i`, adds it to the bounds, and stores it in the arrays with memory of their
- * own; if it is moving, only its position. `at`: its place in the file. */
+/* Checks the numbers of vertex `i`, adds it to the bounds, and stores it in those arrays that have `own`.
+ * With `moving`, stores only its position. `at`: its place in the file. */
 bool ply_put_vertex(ply_reader *r, uint32_t i, const double values[PLY_ROLES], const void *at,
                     scene_bounds *bounds);
-/* Reads the vertices by loops of `body`, which calls ply_put_vertex() and ply_join_bounds(): twice if they
- * lie far from the origin. */
+/* Reads the vertices by parallel loops over `body`, which calls ply_put_vertex() and ply_join_bounds(). Runs
+ * the loop twice if the vertices lie far from the origin. */
 fathom_status ply_read_vertices(ply_reader *r, size_t count, size_t grain, loop_body body, void *user);
 void ply_join_bounds(ply_reader *r, const scene_bounds *bounds);
 
 fathom_status ply_make_pieces(ply_reader *r, size_t count);
-/* Adds an index to the row; false after a fault or without memory. */
+/* Adds an index to the row. False: a fault was recorded, or out of memory. */
 bool ply_push_checked(ply_reader *r, ply_faces *faces, int64_t index, const void *at);
 static inline bool ply_push_index(ply_reader *r, ply_faces *faces, int64_t index, const void *at) {
     if ((uint64_t)index >= r->vertex_count || faces->row.count == faces->row.capacity)
@@ -153,12 +154,12 @@ static inline bool ply_push_index(ply_reader *r, ply_faces *faces, int64_t index
     faces->row.items[faces->row.count++] = (uint32_t)index;
     return true;
 }
-/* Adds the triangles of the row, and begins another. False without memory. */
+/* Adds the triangles of the row, and begins a new row. False: out of memory. */
 bool ply_end_row(ply_reader *r, ply_faces *faces);
 fathom_status ply_allocate_triangles(ply_reader *r, uint64_t count);
 /* Checks the vertices of edge number `i`, and stores them. */
 bool ply_put_edge(ply_reader *r, uint64_t i, const double values[PLY_ENDS], const void *at);
-/* Splits the polygons of all pieces and joins them. */
+/* Triangulates the polygons of all pieces, and joins the pieces. */
 fathom_status ply_join_faces(ply_reader *r);
 
 #endif

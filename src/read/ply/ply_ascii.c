@@ -1,25 +1,25 @@
-/* Rows of text, one line each; blank lines are skipped. */
+/* Reads rows of text, one line each; blank lines are skipped. */
 #include "read/mesh/number.h"
 #include "read/ply/ply.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#ifndef PLY_PIECE /* fuzzing cuts small files */
+#ifndef PLY_PIECE /* fuzzing sets a small size, so that small files have several pieces */
 #define PLY_PIECE ((size_t)1 << 18)
 #endif
 
 typedef struct ascii_piece {
-    uint64_t rows, base; /* rows in it, rows before it */
+    uint64_t rows, base; /* rows in the piece, rows before it */
     size_t longer;       /* rows with more numbers than properties */
     const char *first_longer;
 } ascii_piece;
 
 typedef struct ascii_reader {
     ply_reader *r;
-    const char **starts; /* of each piece, and the end of the last one */
+    const char **starts; /* start of each piece, and the end of the last one */
     ascii_piece *pieces;
-    uint64_t vertex_begin, face_begin, edge_begin, rows; /* those that the header promises */
+    uint64_t vertex_begin, face_begin, edge_begin, rows; /* row numbers and total by the header's counts */
 } ascii_reader;
 
 static const char *line_after(const char *p, const char *end) {
@@ -81,7 +81,7 @@ static bool read_list(ply_reader *r, const ply_property *property, const char **
     return true;
 }
 
-/* Skips numbers beyond the properties. */
+/* Skips extra numbers after the last property. */
 static bool end_row(ply_reader *r, const ply_element *element, ascii_piece *piece, const char *p) {
     double number;
     const char *first = skip_blanks(p);
@@ -109,7 +109,8 @@ static bool read_properties(ply_reader *r, size_t index, ascii_piece *piece, con
     return r->moving || end_row(r, element, piece, p);
 }
 
-/* True when the row, counted from the element's first (those before it wrap), is one of the element. */
+/* True if the element has this row, counted from its first row. Numbers of rows before it wrap around to
+ * large values. */
 static bool is_of(const ply_reader *r, size_t element, uint64_t row) {
     return element != SIZE_MAX && row < r->header.elements.items[element].count;
 }
@@ -154,7 +155,7 @@ static fathom_status cut_pieces(ascii_reader *a) {
     return ply_make_pieces(r, count);
 }
 
-/* Finds each element's rows, and checks that there are as many as the header promises. */
+/* Finds each element's rows, and checks their number against the header. */
 static fathom_status place_rows(ascii_reader *a) {
     ply_reader *r = a->r;
     uint64_t rows = 0;

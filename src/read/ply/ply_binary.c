@@ -1,28 +1,28 @@
-/* Rows of bytes. They are read in blocks: rows that differ in size are walked once, which notes where each
- * block begins. */
+/* Binary rows. They are read in blocks. If rows differ in size, one pass over them finds where each block
+ * begins. */
 #include "read/ply/ply.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-#ifndef PLY_BLOCK /* fuzzing cuts small files */
+#ifndef PLY_BLOCK /* fuzzing sets a small size, so that small files have several blocks */
 #define PLY_BLOCK 4096
 #endif
 
-/* Where the rows of an element lie. */
+/* The position of an element's rows in the file. */
 typedef struct ply_rows {
     const ply_element *element;
     const unsigned char *begin, *end;
-    size_t row;                   /* bytes of every row, if they are alike */
-    size_t *offsets;              /* of each property in the row, if they are alike */
-    const unsigned char **blocks; /* else where each block begins */
+    size_t row;                   /* bytes per row, if all rows have the same size */
+    size_t *offsets;              /* of each property in the row, if all rows are alike */
+    const unsigned char **blocks; /* otherwise the start of each block */
     size_t block_count;
 } ply_rows;
 
 typedef struct binary_reader {
     ply_reader *r;
-    bool big; /* the most significant byte comes first */
+    bool big; /* big-endian */
     ply_rows vertices, faces, edges;
     atomic_bool refused; /* copy_triangles() found an index out of range */
 } binary_reader;
@@ -35,7 +35,7 @@ static inline uint32_t load_32(const unsigned char *p, bool big) {
     return big ? __builtin_bswap32(bits) : bits;
 }
 
-/* Every type's numbers are doubles exactly. */
+/* A double represents the numbers of all types exactly. */
 static inline double load(const unsigned char *p, ply_type type, bool big) {
     uint16_t bits16;
     uint32_t bits32;
@@ -65,13 +65,13 @@ static inline double load(const unsigned char *p, ply_type type, bool big) {
     return 0;
 }
 
-/* ---- where rows lie ---- */
+/* ---- positions of rows ---- */
 
 static size_t bytes_left(const ply_reader *r, const unsigned char *p) {
     return (size_t)((const unsigned char *)r->file.end - p);
 }
 
-/* The length of the list at `p`, past which it moves; false after a fault. */
+/* Reads the length of the list at *p, and moves *p past it; false after a fault. */
 static bool list_count(const binary_reader *b, const ply_property *list, const unsigned char **p,
                        uint64_t *out) {
     text_fault *fault = &b->r->fault;
@@ -109,8 +109,9 @@ static const unsigned char *walk_row(const binary_reader *b, const ply_element *
     return p;
 }
 
-/* True when all rows have lists as long as the first row's, so that all rows have one size. By induction: a
- * row that starts at its assumed place and has those lengths ends where the next one is assumed to start. */
+/* Checks that all rows have lists of the same lengths as the first row, so that all rows have one size. By
+ * induction: a row that starts at its assumed position and has these lengths ends where the next row is
+ * assumed to start. */
 typedef struct likeness {
     const ply_rows *rows;
     atomic_bool differs;
@@ -142,7 +143,7 @@ static bool rows_are_alike(const binary_reader *b, const ply_rows *rows) {
     return !all.differs;
 }
 
-/* False after a fault or without memory. */
+/* False after a fault or when out of memory. */
 static bool walk_rows(const binary_reader *b, ply_rows *rows) {
     const unsigned char *p = rows->begin;
     rows->blocks = malloc(rows->block_count * sizeof *rows->blocks);
@@ -173,7 +174,7 @@ static bool find_rows(const binary_reader *b, const ply_element *element, const 
 
 static void free_rows(const ply_rows *rows) { free(rows->offsets), free(rows->blocks); }
 
-/* Walks through all elements up to the last one that is needed. */
+/* Finds the rows of all elements up to the last one that is needed. */
 static bool find_all_rows(binary_reader *b) {
     ply_reader *r = b->r;
     const unsigned char *p = (const unsigned char *)r->header.body;
@@ -221,11 +222,11 @@ static void each_row(const binary_reader *b, const ply_rows *rows, size_t block,
 
 /* ---- vertices ---- */
 
-/* Uses the mapped file in place where it holds aligned little-endian floats in rows of one size. */
+/* Uses the mapped file in place if it has aligned little-endian floats in rows of one size. */
 static void use_in_place(const binary_reader *b, ply_array *array) {
     const ply_rows *rows = &b->vertices;
     if (!array->present || rows->blocks || rows->row % sizeof(float) || b->big) return;
-    if (b->r->file.copy) return; /* it does not outlive the reader */
+    if (b->r->file.copy) return; /* the copy does not outlive the reader */
     size_t first = rows->offsets[b->r->role[array->first_role]];
     const unsigned char *values = rows->begin + first;
     if ((uintptr_t)values % sizeof(float)) return;
@@ -342,8 +343,8 @@ static void copy_triangles(void *user, size_t begin, size_t end, unsigned worker
     if (highest >= b->r->vertex_count) atomic_store(&b->refused, true);
 }
 
-/* True when all faces are triangles with 32-bit indices, by far the most common. Negative indices are out of
- * range as unsigned ones. */
+/* True if all faces are triangles with 32-bit indices, by far the most common case. Negative indices, read as
+ * unsigned, are out of range. */
 static bool has_plain_triangles(const binary_reader *b) {
     const ply_property *list = index_list(b);
     if (b->faces.blocks || b->r->strips || (list->type != PLY_INT32 && list->type != PLY_UINT32))

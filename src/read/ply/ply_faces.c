@@ -24,7 +24,8 @@ static void push_triangle(ply_faces *faces, uint32_t a, uint32_t b, uint32_t c) 
     faces->indices.count += 3;
 }
 
-/* Each index makes a triangle with the two before it; every other triangle is turned to keep the winding. */
+/* Each index forms a triangle with the two before it. Every second triangle is reversed to keep the
+ * winding. */
 static void push_strips(ply_faces *faces) {
     const uint32_t *row = faces->row.items;
     size_t length = 0;

@@ -9,7 +9,8 @@
 /* The longest header line. A file without a header may have no line end at all. */
 #define LINE_MAX_BYTES ((size_t)1 << 16)
 
-/* A word of the header, "" at the end of the line. Long words are cut; no known word is that long. */
+/* Reads a word of the header; "" at the end of the line. Longer words are truncated; no known word is that
+ * long. */
 static const char *read_word(const char **p, char out[PLY_NAME]) {
     const char *at = *p;
     while (text_is_blank(*at)) ++at;
@@ -24,7 +25,7 @@ static const char *read_word(const char **p, char out[PLY_NAME]) {
 }
 
 static bool read_type(ply_reader *r, const char **p, ply_type *out) {
-    /* Two names for each, in the order of ply_type. */
+    /* Two names for each type, in the order of ply_type. */
     static const char names[] = "char|int8|uchar|uint8|short|int16|ushort|uint16|int|int32|uint|uint32|"
                                 "float|float32|double|float64";
     char word[PLY_NAME], quote[48];
@@ -90,7 +91,7 @@ static bool read_property(ply_reader *r, const char *line, const char *p) {
     return array_push(&element->properties, property) || text_no_memory(&r->fault);
 }
 
-/* MeshLab names its textures in comments. */
+/* MeshLab stores names of textures in comments. */
 static void read_comment(ply_reader *r, const char *p) {
     char word[PLY_NAME];
     const char *at = read_word(&p, word);
@@ -101,7 +102,7 @@ static void read_comment(ply_reader *r, const char *p) {
         r->texture = p;
 }
 
-/* Blender 2.4 forgot the word "comment" before "Created by Blender". */
+/* Blender 2.4 writes "Created by Blender" without the word "comment" before it. */
 static bool is_remark(const char *word) {
     static const char *const words[] = {"", "comment", "obj_info", "Created"};
     for (size_t i = 0; i < sizeof words / sizeof *words; ++i) {
@@ -110,7 +111,7 @@ static bool is_remark(const char *word) {
     return false;
 }
 
-/* at: the first word of a line, `word`; p: behind it. */
+/* at: the first word of a line, `word`; p: the end of this word. */
 static bool read_statement(ply_reader *r, const char *word, const char *at, const char *p) {
     if (strcmp(word, "format") == 0) return read_format(r, p);
     if (strcmp(word, "element") == 0) return read_element(r, at, p);
@@ -161,11 +162,11 @@ static uint64_t smallest_row(const ply_reader *r, const ply_element *element) {
     return bytes;
 }
 
-/* Refuses counts that the file has no bytes for, before anything is allocated. */
+/* Rejects counts that are too large for the file's size, before anything is allocated. */
 static bool check_counts(ply_reader *r) {
     char field[52];
     uint64_t left = (uint64_t)(r->file.end - r->header.body);
-    if (r->header.format == PLY_ASCII) ++left; /* the last line need not end */
+    if (r->header.format == PLY_ASCII) ++left; /* the last line may lack a line end */
     for (size_t i = 0; i < r->header.elements.count; ++i) {
         const ply_element *element = &r->header.elements.items[i];
         if (!element->count) continue;
@@ -191,7 +192,7 @@ static size_t find_element(const ply_header *header, const char *name) {
     return SIZE_MAX;
 }
 
-/* The first property with the first of the names that there is; -1: none. */
+/* The first property that has the earliest possible name of the list; -1: none. */
 static int find_property(const ply_element *element, const char *names) {
     int found = -1, best = INT_MAX;
     for (size_t i = 0; i < element->properties.count; ++i) {
@@ -202,7 +203,7 @@ static int find_property(const ply_element *element, const char *names) {
     return found;
 }
 
-/* Two of three make no colour, and an opacity alone none. */
+/* Colours need all three channels; without them, an opacity is ignored too. */
 static void drop_partial_colors(ply_reader *r, const ply_element *vertex) {
     if (r->role[PLY_R] >= 0 && r->role[PLY_G] >= 0 && r->role[PLY_B] >= 0) return;
     for (int role = PLY_R; role <= PLY_A; ++role) {
@@ -277,7 +278,7 @@ static bool find_faces(ply_reader *r) {
     return true;
 }
 
-/* An element edge that lacks one of its two vertices is noted as not read. */
+/* An element "edge" without both vertices is not read, and gets a note. */
 static void find_edges(ply_reader *r) {
     static const char *const names[PLY_ENDS] = {"vertex1", "vertex2"};
     r->edge_element = find_element(&r->header, "edge");
@@ -293,7 +294,7 @@ static void find_edges(ply_reader *r) {
     if (!good) r->edge_element = SIZE_MAX;
 }
 
-/* Mends header lines that end in a carriage return alone, and the rows after them if they are text. */
+/* Replaces carriage returns that end lines by line feeds: in the header, and in the rows if they are text. */
 static void mend_lines(char *text, const char *end) {
     bool is_text = false;
     for (char *line = text, *cr; (cr = memchr(line, '\r', (size_t)(end - line))) != NULL; line = cr + 1) {
@@ -336,7 +337,7 @@ fathom_status ply_read_header(ply_reader *r) {
     return text_status(&r->file, &r->fault);
 }
 
-/* ---- parts that are not read ---- */
+/* ---- unused parts ---- */
 
 static bool is_color(const char *name) {
     return words_find("red|green|blue|alpha|r|g|b|a|diffuse_red|diffuse_green|diffuse_blue", name,

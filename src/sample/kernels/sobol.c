@@ -3,7 +3,7 @@
 #include "base/kernel.h"
 #include "sample/sample.h"
 
-/* Rounded down, so that 1 is never reached. */
+/* Rounded down to 24 bits, so that the result is below 1. */
 static inline float unit_from(uint32_t bits) { return (float)(int32_t)(bits >> 8) * 0x1p-24f; }
 
 static void square(const sampler *s, uint32_t left, uint32_t top, uint64_t *restrict out) {

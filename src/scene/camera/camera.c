@@ -29,7 +29,8 @@ void fathom_camera_default_sized(fathom_camera *camera, size_t size) {
 
 static bool is_frame(const fathom_camera *camera) {
     vec3_f64 x = load_f64(camera->x), y = load_f64(camera->y), z = load_f64(camera->z);
-    /* Frames may come as float (glTF) or from decimal text: axes good to 1e-4 are meant as a frame. */
+    /* Frames may come from float (glTF) or decimal text, so axes count as orthonormal if they are accurate to
+     * 1e-4. */
     const double slack = 1e-4;
     return finite_f64(load_f64(camera->origin)) && fabs(dot_f64(x, x) - 1) < slack &&
            fabs(dot_f64(y, y) - 1) < slack && fabs(dot_f64(z, z) - 1) < slack &&
@@ -77,7 +78,7 @@ static fathom_status check_camera(fathom_context *context, const fathom_camera *
     return FATHOM_OK;
 }
 
-/* Each key is a frame as the camera's own. */
+/* Each key must be a valid frame, as the camera's own. */
 static fathom_status check_keys(fathom_context *context, const fathom_camera *camera) {
     fathom_status status = motion_check_keys(context, camera->key_times, camera->key_count, NULL, 0);
     if (status == FATHOM_OK && !camera->key_frames) status = fail_null(context, "key_frames");
@@ -97,7 +98,7 @@ static fathom_status adopt_keys(fathom_scene *scene, fathom_camera *camera) {
     return status;
 }
 
-/* Whoever knows no motion sees the camera where it is when the shutter opens. */
+/* The camera as it is when the shutter opens, with all keys. Code that ignores motion uses this frame. */
 static fathom_camera camera_when_open(const fathom_camera *camera) {
     fathom_camera out = motion_camera(camera, camera->shutter[0]);
     out.key_count = camera->key_count;
@@ -122,7 +123,7 @@ fathom_status fathom_scene_set_camera_sized(fathom_scene *scene, const fathom_ca
 
 /* ---- completing ---- */
 
-/* The scene fills this share of the image in the tighter direction. */
+/* The scene fills this fraction of the image in the tighter direction. */
 static const double filled = 0.9;
 
 frame_f64 scene_default_view(fathom_up up) {
@@ -167,10 +168,10 @@ static fathom_status frame_everything(fathom_scene *scene) {
     return FATHOM_OK;
 }
 
-/* A key light from above the camera's left, and a weak one from its right that keeps shadowed sides readable.
- * Directional, so that no scale enters. Some ambient light and a dark grey behind, where the file says
- * nothing of them, keep the shadowed side apart from the background. Path tracing has the studio instead
- * (light/studio.h). */
+/* Adds a key light from the camera's upper left, and a weak one from its right that keeps shadowed sides
+ * visible. Both are directional, so they work at any scale. Adds some ambient light and a dark grey
+ * background, unless the file has its own; they separate the shadowed side from the background. Path tracing
+ * uses the studio instead (light/studio.h). */
 static fathom_status light_everything(fathom_scene *scene) {
     vec3_f64 x = load_f64(scene->camera.x), y = load_f64(scene->camera.y), z = load_f64(scene->camera.z);
     const struct {
@@ -210,8 +211,8 @@ bool scene_replaces_lights(const fathom_scene *scene) {
     return scene->in_studio || (scene->lights_made && background_shines(scene));
 }
 
-/* Path tracing lights a scene by its background and its surfaces, unless these are mere displays and signals
- * that leave the scene around them dark. */
+/* *out: true if, under path tracing, the background or the emissive surfaces light the scene. Emissive
+ * surfaces that leave the rest of the scene dark, such as displays and signals, do not count. */
 static fathom_status lights_itself(const fathom_scene *scene, bool *out) {
     *out = false;
     if (scene->settings.integrator == FATHOM_INTEGRATOR_CLASSIC) return FATHOM_OK;

@@ -1,4 +1,5 @@
-/* Cameras: which of a file's is taken, where one must stand to see everything, and the image's shape. */
+/* Cameras: the choice among those of a file, the position that shows the whole scene, and the aspect ratio of
+ * images. */
 #ifndef SCENE_CAMERA_H
 #define SCENE_CAMERA_H
 
@@ -7,70 +8,73 @@
 
 /* ---- the cameras of files that have several ---- */
 
-/* Adds to scene->cameras. The names are copied; NULL: none. */
+/* Adds a camera to scene->cameras. The names are copied; NULL: it has none. */
 fathom_status scene_note_camera(fathom_scene *scene, const char *name, const char *own_name,
                                 bool orthographic);
 
-/* Sets scene->camera_taken to the camera that was asked for, else to the first perspective one; FATHOM_NONE
- * when there is none. Warns of the others where none was asked for. FATHOM_BAD_USAGE, with a list, when there
- * is no such camera, when several have the name, and when it is orthographic. */
+/* Sets scene->camera_taken to the requested camera, else to the first perspective one, else to the first.
+ * FATHOM_NONE when the file has no camera. Warns if there are several and none was requested.
+ * FATHOM_BAD_USAGE, with a list, when the requested camera does not exist or several have its name. */
 fathom_status scene_choose_camera(fathom_scene *scene, const char *path);
 
-/* ---- where a camera must stand to see everything ---- */
+/* ---- the camera position that shows the whole scene ---- */
 
-/* Finds the nearest place from which all of the scene lies in view, for an eye that looks along -axes->z and
- * sees out->slopes from the middle of its image; axes->origin is not read. Sets out->eye and out->reach. The
- * scene touches both sides of the view in the tighter direction, unless the eye would come too near to its
- * foremost point, and is centred in the other. The scene must have no cycle. *empty: nothing in it has
- * bounds, and nothing is set. FATHOM_BAD_INPUT when the place is not finite. */
+/* Finds the nearest position of the eye from which the whole scene is in view. The eye looks along -axes->z,
+ * and its view extends to out->slopes on both sides of the image's middle; axes->origin is not read. Sets
+ * out->eye and out->reach. In the tighter direction the scene touches both sides of the view, unless the eye
+ * would come too near to its foremost point. In the other direction it is centred. The scene must have no
+ * cycle. *empty: nothing in the scene has bounds, and nothing else is set. FATHOM_BAD_INPUT when the position
+ * is not finite. */
 fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, bool *empty,
                               fathom_framing *out);
 
-/* The point below the middle of everything, as low along the unit vector `up` as the lowest point of all, and
- * the radius of the bounds. The scene must have no cycle. *empty: nothing in it has bounds, and nothing is
- * set. */
+/* Sets *foot to the point below the centre of the scene's bounds, at the height of the scene's lowest point
+ * along the unit vector `up`, and *radius to the radius of the bounds. The scene must have no cycle. *empty:
+ * nothing in the scene has bounds, and the results are 0. */
 fathom_status scene_stand_all(const fathom_scene *scene, vec3_f64 up, bool *empty, vec3_f64 *foot,
                               double *radius);
 
-/* The axes of the automatic camera: it looks from ahead, a little to the right and above. */
+/* The axes of the automatic camera, which looks at the front of the scene from slightly right and above. */
 frame_f64 scene_default_view(fathom_up up);
-/* True when whoever reads the scene gives the place of its automatic camera and floor. */
+/* True when the read options give the position of the automatic camera and the floor. */
 bool scene_framing_asked(const fathom_scene *scene);
 
-/* As whoever reads the scene asked for it; y unless they did. */
+/* The up direction from the read options; y by default. */
 vec3_f64 scene_way_up(const fathom_scene *scene);
 
-/* Stands the scene on a floor (floor.c), an object of its own. Nothing happens unless path tracing sees the
- * studio, or the environment that was asked for, by a camera that fathom_scene_complete() made. */
+/* Adds a floor below the scene (floor.c), as an object of its own. Does nothing unless the integrator is path
+ * tracing, fathom_scene_complete() made the camera, and the camera sees the built-in studio or the
+ * environment from the read options. */
 fathom_status scene_add_floor(fathom_scene *scene);
 
 /* ---- light ---- */
 
-/* The mean irradiance that even emission, as luminance, brings to what does not shine, by sight alone: an
- * estimate from a few hundred points, without shadows. 0 where nothing shines but by images. INFINITY where
- * something shines and there is a plane: its mean has no bound, and files of models have none. */
+/* Estimates the mean irradiance (as luminance) that uniformly emissive surfaces cause on the other surfaces,
+ * from a few hundred points and without occlusion. 0 if nothing emits except by textures. INFINITY if
+ * something emits and the scene has a plane: the mean over a plane has no bound, and model files have no
+ * planes. */
 fathom_status scene_measure_lamps(const fathom_scene *scene, double *out);
 
-/* The luminance of the built-in studio (light/studio.h), the mean of all directions. */
+/* The mean luminance of the built-in studio (light/studio.h) over all directions. */
 #define STUDIO_LUMINANCE 0.696
-/* Lamps that light the scene by themselves bring at least this share of what the studio would. */
+/* Emissive surfaces can light a scene alone if they give at least this fraction of the studio's light. */
 #define LAMPS_SHARE (1.0 / 16)
 
-/* ---- the shape of images ---- */
+/* ---- the aspect ratio of images ---- */
 
 typedef struct image_size {
     uint32_t width, height;
 } image_size;
 
-/* The size of the image that the scene is read for: the one asked for, else the settings'. */
+/* The size of the image for which the scene is read: from the read options, else from the settings. */
 image_size scene_image_size(const fathom_scene *scene);
 
-/* Gives the image the shape of a camera of this width over height, > 0: the length that is given stays, and
- * nothing changes where both are. Where none is, the longer side stays what the longer one was. */
+/* Gives the image the aspect ratio of a camera (width / height, > 0). A length that is given stays; if both
+ * are given, nothing changes. If neither is given, the longer side gets the length of the old longer side. */
 void image_size_follow(fathom_settings *settings, double aspect, bool has_width, bool has_height);
 
-/* Warns where the image that the scene is read for has another shape than its camera: it is stretched, or
- * shows less than the camera does. */
+/* Warns if the image has another aspect ratio than the camera: the image is stretched, or shows less than the
+ * camera's view. */
 void scene_warn_shape(const fathom_scene *scene, const char *path);
 
 #endif

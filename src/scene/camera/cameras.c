@@ -20,12 +20,12 @@ fathom_status scene_note_camera(fathom_scene *scene, const char *name, const cha
     return fail_memory(scene->context, sizeof camera);
 }
 
-/* ---- in words ---- */
+/* ---- as text ---- */
 
 #define LISTED_MOST 20
-#define CAMERA_TEXT 128 /* what print_camera() writes at most */
+#define CAMERA_TEXT 128 /* the maximum that print_camera() writes */
 
-/* 3 "Top" (orthographic) */
+/* Writes a camera as in: 3 "Top" (orthographic) */
 static size_t print_camera(const fathom_scene *scene, size_t i, char out[CAMERA_TEXT]) {
     const scene_camera *c = &scene->cameras.items[i];
     const char *name = c->name ? c->name : c->own_name, *quote = name ? "\"" : "";
@@ -46,7 +46,7 @@ static void print_all(const fathom_scene *scene, char out[(LISTED_MOST + 1) * CA
 
 typedef enum name_kind { NAME_OF_NODE, NAME_OF_CAMERA } name_kind;
 
-/* How many have the name; *out is the first. */
+/* Returns how many cameras have the name; *out is the first. */
 static size_t find_name(const fathom_scene *scene, const char *wanted, name_kind kind, uint32_t *out) {
     size_t found = 0;
     for (size_t i = 0; i < scene->cameras.count; ++i) {
@@ -91,7 +91,7 @@ static void warn_others(const fathom_scene *scene, const char *path) {
          taken);
 }
 
-/* Perspective ones go before others. */
+/* Unless one is requested, perspective cameras take precedence. */
 fathom_status scene_choose_camera(fathom_scene *scene, const char *path) {
     const char *wanted = scene->asked ? scene->asked->camera : NULL;
     scene->camera_taken = FATHOM_NONE;
@@ -105,7 +105,7 @@ fathom_status scene_choose_camera(fathom_scene *scene, const char *path) {
     return FATHOM_OK;
 }
 
-/* ---- the shape of images ---- */
+/* ---- the aspect ratio of images ---- */
 
 image_size scene_image_size(const fathom_scene *scene) {
     const fathom_read_options *asked = scene->asked;
@@ -128,7 +128,7 @@ void image_size_follow(fathom_settings *s, double aspect, bool has_width, bool h
         s->width = pixels(s->height * aspect);
 }
 
-/* No whole number of pixels may be nearer, in the direction in which the size was rounded. */
+/* True if one side follows from the other by the aspect ratio, rounded to whole pixels. */
 static bool has_shape(image_size size, double aspect) {
     return fabs(size.width - size.height * aspect) <= 0.5 || fabs(size.height - size.width / aspect) <= 0.5;
 }

@@ -1,6 +1,6 @@
-/* A run of vertices is read only where its box reaches beyond the best so far. This never changes the result:
- * rounding is monotonic, so the same operations in the same order on the box's outermost corner give no less
- * than on any vertex inside. The bound needs no slack. */
+/* A run of vertices is read only if its box exceeds the maximum found so far. This never changes the result:
+ * rounding is monotonic, so the same operations in the same order give for the outermost corner of the box at
+ * least the value of any vertex inside. The bound needs no tolerance. */
 #include "scene/camera/extent.h"
 
 #include "base/threads.h"
@@ -9,9 +9,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Vertices in a run. Shorter runs have tighter boxes, but more of them have to be compared in each pass. */
+/* Vertices in a run. Shorter runs have tighter boxes, but then each pass compares more boxes. */
 #define RUN 128
-/* Runs that a thread takes at a time, some 0.1 ms of work where all are looked at. */
+/* Runs that a thread takes at a time, about 0.1 ms of work if all their vertices are read. */
 #define PIECE 256
 
 static size_t run_end(const fathom_mesh *mesh, size_t run) {
@@ -27,7 +27,7 @@ typedef struct box_loop {
     extent_box *boxes;
 } box_loop;
 
-/* A run with a number that is not finite gets an endless box: it is always looked at. */
+/* A run that contains a number that is not finite gets an infinite box, so it is always read. */
 static void make_boxes(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     const box_loop *loop = user;
@@ -56,7 +56,7 @@ bool extent_make_boxes(unsigned threads, const fathom_mesh *mesh, extent_boxes *
 
 static double larger(double a, double b) { return a > b ? a : b; }
 
-/* How far the outermost corner reaches along side i. Not a number where a product or a sum is not. */
+/* The extent of the outermost corner along side i. It may be NaN. */
 static double reach_of_box(const extent_sides *s, int i, const extent_box *box) {
     const double x = larger(s->x[i] * (double)box->lower[0], s->x[i] * (double)box->upper[0]);
     const double y = larger(s->y[i] * (double)box->lower[1], s->y[i] * (double)box->upper[1]);
@@ -70,7 +70,7 @@ bool extent_box_beyond(const extent_sides *sides, const extent_box *box, const d
     return beyond;
 }
 
-/* The loop over the sides is the inner one: it becomes vector code. */
+/* The loop over the sides is the inner one, so that the compiler vectorises it. */
 static void look_at_run(const extent_sides *s, const fathom_mesh *mesh, size_t run,
                         double out[EXTENT_SIDES]) {
     double most[EXTENT_SIDES];
@@ -86,7 +86,7 @@ static void look_at_run(const extent_sides *s, const fathom_mesh *mesh, size_t r
     for (int i = 0; i < EXTENT_SIDES; ++i) out[i] = most[i];
 }
 
-/* The run whose box reaches farthest along each side comes first: few others reach beyond its vertices. */
+/* For each side, the run whose box extends farthest is read first: few other boxes exceed its vertices. */
 void extent_of_mesh(const extent_sides *sides, const fathom_mesh *mesh, const extent_boxes *boxes,
                     double most[EXTENT_SIDES]) {
     double farthest[EXTENT_SIDES];

@@ -1,4 +1,4 @@
-/* How far the vertices of a mesh reach along a few directions, without reading most of them. */
+/* The extent of a mesh's vertices along a few directions, found without reading most of them. */
 #ifndef SCENE_EXTENT_H
 #define SCENE_EXTENT_H
 
@@ -9,8 +9,8 @@
 
 enum { EXTENT_SIDES = 4 };
 
-/* Along side i a vertex p reaches to x[i] p.x + y[i] p.y + z[i] p.z + origin[i] + offset[i], added in this
- * order. */
+/* The extent of a vertex p along side i is x[i] p.x + y[i] p.y + z[i] p.z + origin[i] + offset[i], added in
+ * this order. */
 typedef struct extent_sides {
     double x[EXTENT_SIDES], y[EXTENT_SIDES], z[EXTENT_SIDES];
     double origin[EXTENT_SIDES], offset[EXTENT_SIDES];
@@ -20,19 +20,19 @@ typedef struct extent_box {
     float lower[3], upper[3];
 } extent_box;
 
-/* A box for each run of vertices that follow each other. */
+/* A bounding box for each run of consecutive vertices. */
 typedef struct extent_boxes {
     extent_box *items; /* NULL: not made yet; the owner frees it */
     size_t count;
 } extent_boxes;
 
-/* False when there is no memory. The mesh's strides are set. */
+/* False when out of memory. The mesh's strides must be set. */
 bool extent_make_boxes(unsigned threads, const fathom_mesh *mesh, extent_boxes *out);
 
-/* True when a vertex in the box may reach beyond `most` along some side; true where that is not a number. */
+/* True when the extent of a vertex in the box may exceed `most` along some side, or is NaN there. */
 bool extent_box_beyond(const extent_sides *sides, const extent_box *box, const double most[EXTENT_SIDES]);
 
-/* Raises `most` to how far the vertices reach. Vertices whose reach is not a number do not count. */
+/* Raises `most` to the extent of the vertices. A vertex whose extent is NaN does not count. */
 void extent_of_mesh(const extent_sides *sides, const fathom_mesh *mesh, const extent_boxes *boxes,
                     double most[EXTENT_SIDES]);
 

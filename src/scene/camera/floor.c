@@ -1,20 +1,20 @@
-/* A model stands on a sheet. In the built-in studio it is the sweep of a photographer: a floor that bends up
- * into a wall behind it, so that no edge shows. It is wide and high enough to fill the image, and low enough
- * to leave the light of the studio's panels (light/studio.h) on the model. In an image of the sky it is a
- * round plate, whose edge fades into the image. */
+/* The sheet on which a model stands. In the built-in studio it is a photographer's sweep: a floor that curves
+ * up into a wall behind the model, so that no edge is visible. It is wide and high enough to fill the image,
+ * and low enough not to block the light of the studio's panels (light/studio.h). In an environment image it
+ * is a round plate, whose edge fades into the image. */
 #include "scene/camera/camera.h"
 
 #include <math.h>
 
-/* In radii of the model's bounds: how far behind its middle the sweep's bend begins, and the bend's radius.
- */
+/* In radii of the model's bounds: the distance behind its centre at which the sweep starts to curve, and the
+ * radius of that curve. */
 static const double bend_begins = 2.5, bend_radius = 3;
-/* How far it reaches beyond what the image shows. */
+/* The factor by which the sweep extends beyond the visible part. */
 static const double spare = 1.1;
-/* In the same radii: where the plate begins to fade, and where it ends. */
+/* In the same radii: the distances at which the plate starts to fade and at which it ends. */
 static const double fade_begins = 1, fade_ends = 2.2;
-/* Below the model's lowest point, in its radii: a model that is flat below does not lie in the floor itself.
- */
+/* The distance of the floor below the model's lowest point, in radii, so that a flat bottom does not coincide
+ * with the floor. */
 static const double gap = 0x1p-10;
 
 /* The reflectance of a photographer's grey card. */
@@ -24,14 +24,14 @@ enum { BEND_STEPS = 48, SWEEP_ROWS = BEND_STEPS + 3, PLATE_ROWS = 64 };
 
 typedef struct stand {
     vec3_f64 foot;                /* the point of the floor below the model's middle */
-    vec3_f64 across, up, towards; /* towards the viewer; level */
+    vec3_f64 across, up, towards; /* `towards` points to the viewer and is level */
     double radius;                /* of the model's bounds */
     fathom_id material;
 } stand;
 
 /* ---- sheets ---- */
 
-/* Rows of vertices of a mesh, which the scene owns. */
+/* The vertices of a mesh in rows and columns, in arrays that the scene owns. */
 typedef struct sheet {
     uint32_t rows, columns;
     float *positions, *normals;
@@ -52,7 +52,8 @@ static fathom_status make_sheet(fathom_scene *scene, uint32_t rows, uint32_t col
     return status;
 }
 
-/* A vertex at `across`, `up` and `towards` of the foot. Its normal lies in the plane of the latter two. */
+/* Sets a vertex. `at`: its coordinates along across, up and towards, relative to the foot. `normal`: along up
+ * and towards. */
 static void set_vertex(const sheet *to, const stand *s, uint32_t v, const double at[3],
                        const double normal[2]) {
     const vec3_f64 p = madd_f64(madd_f64(scale_f64(at[2], s->towards), at[1], s->up), at[0], s->across),
@@ -89,7 +90,7 @@ static fathom_status add_sheet(fathom_scene *scene, const stand *s, const sheet 
 
 /* ---- the plate ---- */
 
-/* 1 in the middle, 0 beyond the edge, and level at both. */
+/* 1 in the middle, 0 beyond the edge, with a slope of 0 at both ends of the fade. */
 static float opacity_at(double distance) {
     const double part = fmin(fmax((fade_ends - distance) / (fade_ends - fade_begins), 0), 1);
     return (float)(part * part * (3 - 2 * part));
@@ -112,12 +113,12 @@ static fathom_status add_plate(fathom_scene *scene, const stand *s) {
 
 /* ---- the sweep ---- */
 
-/* How far it reaches: in front of the middle, above the foot and to the sides. */
+/* The extent of the sweep: in front of the centre, above the foot and to each side. */
 typedef struct reach {
     double front, height, half_width;
 } reach;
 
-/* A row as seen from the side. */
+/* A row of the sweep in side view. */
 typedef struct row {
     double towards, up, normal_towards, normal_up;
 } row;
@@ -132,8 +133,8 @@ static void rows_of(const stand *s, const reach *to, row out[SWEEP_ROWS]) {
     out[SWEEP_ROWS - 1] = (row){begin - bend, to->height, 1, 0};
 }
 
-/* As far as rays of the image's upper corners and its upper middle reach on the wall; the lower ones meet the
- * floor in front of it. */
+/* The sweep extends to where the rays of the image's upper corners and upper middle hit the wall. The lower
+ * rays hit the floor in front of it. */
 static reach reach_of_view(const fathom_scene *scene, const stand *s) {
     const fathom_camera *camera = &scene->camera;
     const image_size size = scene_image_size(scene);
@@ -167,7 +168,7 @@ static fathom_status add_sweep(fathom_scene *scene, const stand *s) {
     return add_sheet(scene, s, &sweep, "studio floor");
 }
 
-/* ---- either ---- */
+/* ---- both ---- */
 
 static fathom_status add_grey(fathom_scene *scene, fathom_id *out) {
     fathom_material material;

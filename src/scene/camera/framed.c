@@ -9,7 +9,8 @@ fathom_status fathom_scene_framing(const fathom_scene *scene, fathom_framing *ou
     return status;
 }
 
-/* The eye at e sees as far as e.x + s e.z on each side (framing.c), and stays as far away as either was. */
+/* An eye at e sees points up to e.x + s e.z on each side (framing.c). The new eye is at least as far away as
+ * both. */
 static vec3_f64 unite_eyes(const fathom_framing *f, const fathom_framing *other) {
     const frame_f64 view = scene_default_view(f->up);
     double back = fmax(dot_f64(load_f64(f->eye), view.z), dot_f64(load_f64(other->eye), view.z)), middle[2];
@@ -20,7 +21,7 @@ static vec3_f64 unite_eyes(const fathom_framing *f, const fathom_framing *other)
     return madd_f64(madd_f64(scale_f64(back, view.z), middle[0], view.x), middle[1], view.y);
 }
 
-/* As low as the lower one; between the two, with both within the radius. */
+/* The common foot is as low as the lower one and lies between the two. The radius includes both. */
 static void unite_feet(fathom_framing *f, const fathom_framing *other) {
     if (!(f->radius > 0) || !(other->radius > 0)) return;
     const vec3_f64 up = f->up == FATHOM_UP_Z ? vec_f64(0, 0, 1) : vec_f64(0, 1, 0), a = load_f64(f->foot),

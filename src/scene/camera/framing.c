@@ -1,13 +1,13 @@
-/* A view is bounded by four planes through the eye. Their normals follow from the view's axes and slopes
- * alone, so the eye's place depends only on how far the scene reaches along four directions. Let x, y,
- * z be coordinates along the view's axes. An eye at e sees p within the slope s across when
+/* A view is bounded by four planes through the eye. Their normals depend only on the view's axes and slopes,
+ * so the position of the eye depends only on the extent of the scene along four directions. Let x, y, z be
+ * coordinates along the view's axes. An eye at e sees a point p within the slope s across if
  *
  *     p.x + s p.z <= e.x + s e.z   and   -p.x + s p.z <= -e.x + s e.z,
  *
- * and likewise up. With A and B the largest left sides of all points, e.z >= (A + B) / 2s, and with equality
- * e.x = (A - B) / 2. The direction that asks for the larger e.z is the tighter one. In the other one the
- * scene takes a smaller slope s, the one with (A + B) / 2s = e.z, and e.x = (A - B) / 2 for that slope
- * centres it. */
+ * and likewise for up. Let A and B be the maxima of the left sides over all points. Then e.z >= (A + B) / 2s,
+ * and with equality e.x = (A - B) / 2. The direction that needs the larger e.z is the tighter one. In the
+ * other direction the scene needs a smaller slope s, the one with (A + B) / 2s = e.z, and e.x = (A - B) / 2
+ * for that slope centres the scene. */
 #include "scene/camera/camera.h"
 
 #include "scene/camera/extent.h"
@@ -19,12 +19,13 @@
 
 enum { SIDES = EXTENT_SIDES };
 
-/* The most vertices read in one pass, at some 4 ns each, and the most groups entered. The others count by
- * their boxes. */
+/* The maximum number of vertices read in one pass, at about 4 ns each, and of groups entered. Beyond these,
+ * boxes are used. */
 #define VERTICES_MOST ((uint64_t)1 << 24)
 #define PLACES_MOST 65536u
 
-/* The four directions in the coordinates of a group: a point p there reaches to normal[i] · p + offset[i]. */
+/* The four directions in the coordinates of a group. The extent of a point p there is normal[i] · p +
+ * offset[i]. */
 typedef struct directions {
     vec3_f64 normal[SIDES];
     double offset[SIDES];
@@ -32,7 +33,7 @@ typedef struct directions {
 
 typedef struct step {
     uint32_t group;
-    bool moves; /* it, or a group around it */
+    bool moves; /* the group, or one around it, moves */
     directions along;
 } step;
 
@@ -41,14 +42,14 @@ typedef struct walk {
     const scene_graph *graph;
     const scene_bounds *of_group;
     ARRAY(step) stack;
-    const double *times; /* at which all must be in view, the shutter's opening first */
+    const double *times; /* at which everything must be in view; the first is the shutter's opening */
     uint32_t time_count, time;
-    uint64_t vertices; /* that may still be looked at */
-    uint32_t places;   /* that may still be stepped into */
+    uint64_t vertices; /* that may still be read */
+    uint32_t places;   /* groups that may still be entered */
     double reach[SIDES];
     unsigned threads;
-    extent_boxes *boxes; /* for each mesh, or each of its keys */
-    size_t *first_boxes; /* of each mesh */
+    extent_boxes *boxes; /* one for each mesh, or for each of its keys */
+    size_t *first_boxes; /* index of the first one of each mesh */
 } walk;
 
 static directions through(const directions *d, const affine_f64 *map) {
@@ -76,7 +77,7 @@ static void add_box(walk *w, const directions *d, const scene_bounds *box) {
     for (int i = 0; i < 8 && !bounds_is_empty(box); ++i) add_point(w, d, bounds_corner(box, i));
 }
 
-/* How far the mesh reaches as it is at a key. */
+/* Raises `most` to the extent of the mesh at a key. False when out of memory. */
 static bool reach_of_key(walk *w, const extent_sides *sides, uint32_t index, uint32_t key,
                          double most[SIDES]) {
     fathom_mesh mesh = w->scene->meshes.items[index];
@@ -90,8 +91,8 @@ static bool reach_of_key(walk *w, const extent_sides *sides, uint32_t index, uin
     return true;
 }
 
-/* Between two keys no vertex reaches farther than the mean of how far it does at either; the mean of the two
- * farthest is as near as that, where one vertex is both. */
+/* Between two keys, the extent of a vertex is the weighted mean of its extents at both. So the weighted mean
+ * of the two maxima is an upper bound, and exact if the same vertex has both. */
 static bool reach_between(walk *w, const extent_sides *sides, uint32_t index, uint32_t key, double u) {
     double a[SIDES], b[SIDES];
     for (int i = 0; i < SIDES; ++i) a[i] = b[i] = -INFINITY;
@@ -100,7 +101,7 @@ static bool reach_between(walk *w, const extent_sides *sides, uint32_t index, ui
     return true;
 }
 
-/* A mesh that does not reach beyond the rest of the scene needs no boxes. */
+/* A mesh whose box does not exceed the extent found so far needs no boxes of runs. */
 static bool add_mesh(walk *w, const directions *d, uint32_t index) {
     const fathom_mesh *mesh = &w->scene->meshes.items[index];
     const mesh_facts *facts = &w->scene->mesh_facts.items[index];
@@ -164,7 +165,7 @@ static bool has_keys(const fathom_scene *scene, fathom_id id) {
     return object.kind == SCENE_MESH && scene->meshes.items[object.index].key_count > 1;
 }
 
-/* After the first time only what moves is looked at again. */
+/* After the first time, only moving objects are visited again. */
 static bool add_group(walk *w, const step *at) {
     const uint32_t *objects = w->graph->objects.first + at->group,
                    *instances = w->graph->instances.first + at->group;
@@ -185,13 +186,14 @@ static bool add_group(walk *w, const step *at) {
     return true;
 }
 
-/* Along which side i of a view of these slopes is reached: right, left, up, down. */
+/* The direction of side i of a view with these slopes: right, left, up, down. */
 static vec3_f64 side(const frame_f64 *axes, int i, const double slope[2]) {
     const vec3_f64 axis = i < 2 ? axes->x : axes->y;
     return madd_f64(i % 2 ? neg_f64(axis) : axis, slope[i / 2], axes->z);
 }
 
-/* How far everything reaches from `center` along the normals of a view of these slopes. */
+/* Sets w->reach to the extent of the scene from `center` along the sides of a view with these slopes. False
+ * when out of memory. */
 static bool measure(walk *w, const frame_f64 *axes, vec3_f64 center, const double slope[2]) {
     step root = {.group = FATHOM_ROOT};
     for (int i = 0; i < SIDES; ++i) {
@@ -211,10 +213,10 @@ static bool measure(walk *w, const frame_f64 *axes, vec3_f64 center, const doubl
     return fine;
 }
 
-/* The slope at which a slack direction is centred enters its own equation: excess(s) = A + B - 2 s distance =
- * 0. The excess is convex, not negative at 0 and not positive at the slope of the whole view. Regula falsi
- * keeps the root between the two; halving the value of an end that stays (the Illinois rule) keeps it fast.
- */
+/* The slope s that centres the scene in the slack direction solves excess(s) = A + B - 2 s distance = 0,
+ * where A and B depend on s. The excess is convex, not negative at 0 and not positive at the slope of the
+ * whole view. Regula falsi keeps the root between the two ends. If one end stays, its value is halved
+ * (Illinois method), which keeps convergence fast. */
 typedef struct bracket {
     double low, above; /* a slope and its excess, >= 0 */
     double high, below;
@@ -238,7 +240,7 @@ static void narrow_to(bracket *b, double slope, double excess) {
     }
 }
 
-/* How far the box of everything comes towards the eye from its middle. */
+/* The extent of the scene's box towards the eye, from the centre of the box. */
 static double foremost(const frame_f64 *axes, const scene_bounds *box) {
     double most = 0;
     for (int i = 0; i < 8; ++i)
@@ -246,29 +248,29 @@ static double foremost(const frame_f64 *axes, const scene_bounds *box) {
     return most;
 }
 
-/* The error allowed in centring, as a share of the view's slope at the foremost point. */
+/* The allowed centring error, as a fraction of the view's slope at the foremost point. */
 static const double off_centre = 1.0 / 512;
 
-/* The least distance of the eye, as a share of the scene's radius. Where one point is outermost on all sides,
- * the nearest eye would be that point: a deep scene fills the cone before its tip. No view of a scene as wide
- * as its image needs to be this near. */
+/* The minimum distance of the eye from the foremost corner of the scene's box, as a fraction of its radius.
+ * If one point is outermost on all sides, the nearest eye position would be that point: a deep scene fills
+ * the view cone up to its tip. A scene that is as wide as its image never needs the eye this near. */
 #define CLEAR (1.0 / 32)
 
-/* Most scenes take four or five; each looks at the box of every run of vertices. */
+/* Most scenes need four or five. Each pass reads the box of every run of vertices. */
 #define PASSES_MOST 16
 
 typedef struct fit {
     double most[2];
-    double distance, clear; /* of the eye from the middle and from the foremost corner of the box */
+    double distance, clear; /* of the eye from the centre of the box and from its foremost corner */
     bracket of[2];          /* across, up */
-    double reach[SIDES];    /* at the view's slopes, from the origin */
+    double reach[SIDES];    /* at the view's slopes, relative to the origin */
 } fit;
 
 static double excess(const walk *w, const fit *f, int i, double slope) {
     return w->reach[2 * i] + w->reach[2 * i + 1] - 2 * slope * f->distance;
 }
 
-/* The two ends of the brackets; the view's own slopes tell how far the eye has to be. */
+/* Sets both ends of the brackets. The view's own slopes determine the distance of the eye. */
 static bool begin_fit(walk *w, const frame_f64 *axes, const scene_bounds *box, fit *f) {
     if (!measure(w, axes, bounds_center(box), f->most)) return false;
     for (int i = 0; i < SIDES; ++i)
@@ -339,7 +341,7 @@ static void release(walk *w) {
     free(w->first_boxes);
 }
 
-/* Looks at everything through `look`, unless there is nothing with bounds. */
+/* Calls `look` for the whole scene, unless nothing in it has bounds. */
 static fathom_status look_at_all(const fathom_scene *scene, bool (*look)(walk *w, void *user), void *user,
                                  bool *empty) {
     scene_graph graph;
@@ -392,7 +394,7 @@ typedef struct foot_search {
     double radius;
 } foot_search;
 
-/* With slopes of 0, sides 2 and 3 look along the axis y and against it. */
+/* With slopes of 0, sides 2 and 3 are the directions of the axis y and against it. */
 static bool search_foot(walk *w, void *user) {
     foot_search *s = user;
     const scene_bounds *box = &w->of_group[FATHOM_ROOT];

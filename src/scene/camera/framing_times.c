@@ -4,7 +4,7 @@
 
 enum { EVEN_TIMES = 17 };
 
-/* Keys while the shutter is open. */
+/* Adds the times of keys while the shutter is open, each once. */
 static void add_keys(const double shutter[2], const double *keys, uint32_t count, framing_times *times) {
     for (uint32_t k = 0; k < count; ++k) {
         bool known = !(keys[k] > shutter[0] && keys[k] < shutter[1]);

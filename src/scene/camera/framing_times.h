@@ -1,4 +1,4 @@
-/* The times at which the automatic camera looks at what moves. */
+/* The times at which the automatic camera considers moving objects. */
 #ifndef SCENE_FRAMING_TIMES_H
 #define SCENE_FRAMING_TIMES_H
 
@@ -11,8 +11,8 @@ typedef struct framing_times {
     uint32_t count;
 } framing_times;
 
-/* The shutter's opening alone where nothing moves; else even times while it is open, in case things turn
- * between two keys, and keys, as far as there is room. */
+/* If nothing moves: only the time when the shutter opens. Otherwise also uniform times while it is open,
+ * because objects may rotate between two keys, and the times of keys, as many as fit. */
 void framing_choose_times(const fathom_scene *scene, framing_times *times);
 
 #endif

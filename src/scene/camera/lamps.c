@@ -1,8 +1,9 @@
-/* How brightly the emission of a model lights the model itself: the mean irradiance over what does not shine,
- * from points spread evenly over both, by area. Nothing is in the way between two points, but a surface is
- * lit on one side alone: its front, so that the display on a telephone does not light the telephone, whose
- * surfaces all face away from it; or, where the scene's own camera stands among them, the side that it sees,
- * as some programs let the walls of rooms face outwards. */
+/* Estimates how much light the emissive surfaces of a model give to the model itself: the mean irradiance of
+ * all other surfaces, from points distributed uniformly by area over both. Occlusion is ignored, but a
+ * surface is lit on one side only. This is its front: the display of a telephone does not light the
+ * telephone, because its other surfaces all face away from the display. If the scene's own camera stands
+ * among the surfaces, it is the side that the camera sees, because some programs let the walls of rooms face
+ * outwards. */
 #include "scene/camera/camera.h"
 
 #include "scene/graph.h"
@@ -11,12 +12,13 @@
 #include <float.h>
 #include <stdlib.h>
 
-/* The most points on each, triangles read of one mesh, triangles read in all, and groups entered. */
+/* Maxima: points on emissive and on other surfaces each, triangles read of one mesh, triangles read in all,
+ * groups entered. */
 enum { PATCHES = 256, TRIANGLES_OF_MESH = 4096, TRIANGLES_MOST = 1 << 22, PLACES_MOST = 1 << 16 };
 
 typedef struct surface {
     double radiance;
-    double front; /* 1; -1 where its place mirrors it */
+    double front; /* 1; -1 if its transform mirrors it */
     bool both;    /* light counts on both sides */
 } surface;
 
@@ -28,26 +30,27 @@ typedef struct patch {
 typedef struct patches {
     patch items[PATCHES];
     uint32_t count;
-    double area, passed; /* of everything, and up to where the second walk has come */
+    double area, passed; /* the total, and the part that the second walk has passed */
 } patches;
 
 typedef struct place {
     uint32_t group;
     affine_f64 to_world;
-    fathom_id material; /* that replaces those inside */
+    fathom_id material; /* replaces those inside; or FATHOM_NONE */
 } place;
 
 typedef struct lamp_walk {
     const fathom_scene *scene;
     const scene_graph *graph;
     ARRAY(place) stack;
-    uint32_t triangles, places; /* that may still be looked at */
-    bool spreads;               /* the second walk, which puts the points where the first found area */
+    uint32_t triangles, places; /* that may still be read, and entered */
+    bool spreads;               /* the second walk: puts the points where the first found area */
     patches lamps, others;
-    bool inside; /* the camera stands among the others */
+    bool inside; /* the camera is within the bounds of the points of `others` */
 } lamp_walk;
 
-/* An image of emission is a display or a signal, as on most models: it does not count. */
+/* The emitted radiance as luminance. A texture of emission is a display or a signal on most models: it does
+ * not count. */
 static double radiance_of(const fathom_material *m) {
     if (m->maps[FATHOM_MAP_EMISSIVE].texture != FATHOM_NONE) return 0;
     const bool classic = m->model == FATHOM_MODEL_CLASSIC;
@@ -58,7 +61,7 @@ static double radiance_of(const fathom_material *m) {
 
 /* ---- points ---- */
 
-/* The low-discrepancy sequence of Roberts, folded into the triangle. */
+/* Puts a point in the triangle: the low-discrepancy sequence of Roberts, folded from the square. */
 static void put_patch(patches *list, const surface *of, vec3_f64 normal, const vec3_f64 corner[3]) {
     const double i = list->count + 1.0;
     double u = fmod(0.7548776662466927 * i, 1), v = fmod(0.5698402909980532 * i, 1);
@@ -68,7 +71,7 @@ static void put_patch(patches *list, const surface *of, vec3_f64 normal, const v
     list->items[list->count++] = (patch){at, scale_f64(of->front, normal), *of};
 }
 
-/* A triangle that stands for `weight` like it. */
+/* Adds a triangle that represents `weight` triangles like it. */
 static void add_triangle(lamp_walk *w, const vec3_f64 corner[3], double weight, const surface *of) {
     patches *list = of->radiance > 0 ? &w->lamps : &w->others;
     const vec3_f64 n = cross_f64(sub_f64(corner[1], corner[0]), sub_f64(corner[2], corner[0]));
@@ -94,7 +97,7 @@ static void add_placed(lamp_walk *w, const affine_f64 *map, const vec3_f64 corne
 
 enum { SQUARES = 16 };
 
-/* Squares that touch it, of its area in all. It stands for `weight` like it. */
+/* Adds a sphere as tangent squares with the same total area. It represents `weight` spheres like it. */
 static void add_sphere(lamp_walk *w, const affine_f64 *map, vec3_f64 center, double radius, double weight,
                        const surface *of) {
     const double side = sqrt(4 * 3.14159265358979324 / SQUARES) * radius;
@@ -111,7 +114,7 @@ static void add_sphere(lamp_walk *w, const affine_f64 *map, vec3_f64 center, dou
     }
 }
 
-/* Which side of a quad is its front means nothing to whoever wrote it. */
+/* Both sides count: authors of a quad do not care which side is its front. */
 static void add_quad(lamp_walk *w, const affine_f64 *map, const fathom_quad *q, surface of) {
     of.both = true;
     const vec3_f64 c[4] = {load_f64(q->corners[0]), load_f64(q->corners[1]), load_f64(q->corners[2]),
@@ -131,7 +134,7 @@ static void add_mesh(lamp_walk *w, const affine_f64 *map, const fathom_mesh *mes
     }
 }
 
-/* As many points as take the triangles of a mesh. */
+/* Reads at most POINTS points: they have as many triangles as are read of one mesh. */
 static void add_cloud(lamp_walk *w, const affine_f64 *map, const fathom_mesh *mesh, const surface *of) {
     enum { TRIANGLES = 2 * SQUARES, POINTS = TRIANGLES_OF_MESH / TRIANGLES };
     const uint32_t every = (mesh->vertex_count - 1) / POINTS + 1;
@@ -200,7 +203,8 @@ static bool has_camera_inside(const lamp_walk *w) {
            eye.z > bounds.lower.z && eye.z < bounds.upper.z;
 }
 
-/* A lamp's patch is a disc of its area, seen from straight ahead: no point is too near to it. */
+/* The patch of a lamp counts as a disc of its area, seen along its axis, so the result is bounded even if the
+ * points are close together. */
 static double irradiance_at(const lamp_walk *w, const patch *to) {
     const double area = w->lamps.area / PATCHES;
     const bool behind =

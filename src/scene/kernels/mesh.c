@@ -1,5 +1,5 @@
-/* Loops over the arrays of meshes; see kernels.h. The compiler vectorises loops over indices. Elsewhere
- * registers are named: `wide` is as many floats as the instruction set has in one. */
+/* Loops over the arrays of meshes; see kernels.h. The compiler vectorises the loops over indices. The other
+ * loops use vector types: `wide` has as many floats as a register of the instruction set. */
 #include "scene/kernels.h"
 
 #include "base/kernel.h"
@@ -23,7 +23,7 @@
 typedef float wide __attribute__((vector_size(4 * WIDE)));
 typedef int wide_marks __attribute__((vector_size(4 * WIDE))); /* each -1 or 0 */
 
-/* gcc 12 makes four instructions of a choice, where there is one. */
+/* gcc 12 would compile the selection to four instructions; the intrinsics are one instruction. */
 ALWAYS_INLINE wide_marks wide_larger(wide_marks a, wide_marks b) {
 #if defined(__AVX512F__)
     return (wide_marks)_mm512_max_epi32((__m512i)a, (__m512i)b);
@@ -36,7 +36,7 @@ ALWAYS_INLINE wide_marks wide_larger(wide_marks a, wide_marks b) {
 
 /* ---- extremes of vectors, and whether all their numbers are finite ---- */
 
-/* WIDE vectors that follow each other, number by number. v - v is NaN where v is not finite, else 0. */
+/* Reads WIDE consecutive vectors at a time, number by number. v - v is NaN if v is not finite, else 0. */
 static bool packed_vectors(const float *values, size_t count, float lower[3], float upper[3]) {
     float low[3 * WIDE], high[3 * WIDE], odd[3 * WIDE] = {0};
     bool finite = true;
@@ -94,8 +94,8 @@ static uint64_t boundary(const uint32_t *triangles, size_t count) {
 }
 
 /* ---- whether triangles have an area ----
- * A quick test, right where it says so: WIDE_FOURS triangles at once, each vertex in four floats of a
- * register, of which the last has no use. */
+ * A fast test: true is certain, false is not. It handles WIDE_FOURS triangles at once, each vertex in four
+ * floats of a register; the last of the four is not used. */
 
 typedef float four __attribute__((vector_size(16)));
 
@@ -136,22 +136,22 @@ ALWAYS_INLINE wide corners(const float *positions, size_t stride, const uint32_t
 
 ALWAYS_INLINE wide magnitude(wide v) { return (wide)((wide_marks)v & 0x7fffffff); }
 
-/* Magnitudes order as their bits do; a NaN is the largest. */
+/* Magnitudes have the same order as their bits; a NaN is the largest. */
 ALWAYS_INLINE wide_marks larger(wide_marks bits, wide v) {
     return wide_larger(bits, (wide_marks)magnitude(v));
 }
 
-/* The sign is set where p - q, products of differences of floats, is not zero for sure. With u = 2^-24 the
- * differences are off by up to u of themselves, their products by 3u and p - q by 4u (|p| + |q|) in all; 16u
- * leave room for the sum's own roundings, and 2^-120 for the loss of denormals. They are not zero in double
- * either then. Nothing within reach overflows. */
+/* The sign is set if p - q is certainly not zero; p and q are products of differences of floats. With
+ * u = 2^-24, the relative error of the differences is up to u and that of the products up to 3u; the error of
+ * p - q is 4u (|p| + |q|) in all. 16u leave room for the rounding errors of the sum, and 2^-120 for the loss
+ * of denormals. In double p - q is then not zero either. Nothing within reach overflows. */
 ALWAYS_INLINE wide_marks surely_not_zero(wide p, wide q) {
     return (wide_marks)((magnitude(p) + magnitude(q)) * 0x1p-20f + 0x1p-120f - magnitude(p - q));
 }
 
 typedef struct state {
-    wide_marks most; /* of the magnitudes, as bits */
-    wide_marks fine; /* the sign of each triangle's numbers is set */
+    wide_marks most; /* maximum of the magnitudes, as bits */
+    wide_marks fine; /* the sign is set for triangles that have an area */
 } state;
 
 ALWAYS_INLINE void look(state *s, const float *positions, size_t stride, const uint32_t *t) {
@@ -162,7 +162,7 @@ ALWAYS_INLINE void look(state *s, const float *positions, size_t stride, const u
     s->most = larger(larger(larger(s->most, a), b), c);
 }
 
-/* The same triangle as often as a register holds. */
+/* Handles one triangle, repeated to fill the register. */
 ALWAYS_INLINE void look_at_one(state *s, const float *positions, size_t stride, const uint32_t *t) {
     uint32_t same[3 * WIDE_FOURS];
     for (int k = 0; k < 3 * WIDE_FOURS; ++k) same[k] = t[k % 3];

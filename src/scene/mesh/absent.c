@@ -7,7 +7,7 @@ static bool all_are(const float rgb[3], float value) {
 }
 
 bool absent_material(const fathom_material *m) {
-    const bool ambient = m->k_a[0] >= 0 && !all_are(m->k_a, 0); /* a negative one is k_d */
+    const bool ambient = m->k_a[0] >= 0 && !all_are(m->k_a, 0); /* negative: the same as k_d */
     const bool highlight = m->specular != FATHOM_SPECULAR_NONE && !all_are(m->k_s, 0);
     return all_are(m->k_t, 1) && m->ior == 1 && all_are(m->k_d, 0) && all_are(m->k_r, 0) &&
            all_are(m->k_e, 0) && !ambient && !highlight;
@@ -36,7 +36,7 @@ bool absent_by_own_material(const fathom_scene *scene) {
     return true;
 }
 
-/* The groups in which some way from the root replaces the materials. */
+/* Sets replaced[g] if an instance on some path from the root to group g replaces materials. */
 static void find_replaced(const fathom_scene *scene, const scene_graph *graph, bool *replaced) {
     for (uint32_t k = 0; k < graph->order_count; ++k) {
         const uint32_t g = graph->order[k];

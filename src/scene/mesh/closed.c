@@ -1,12 +1,12 @@
-/* A mesh has no boundary when its directed edges cancel: each edge from a to b has one from b to a. Give
- * every vertex v two numbers x(v), y(v); then x(a) y(b) - x(b) y(a) of an edge and of its reverse cancel, and
- * the sum over all edges of all triangles, modulo 2^64, is zero where the mesh is closed. In an open mesh the
- * edges of the boundary remain, and each of its vertices b counts y(b) times the difference of x at its two
- * neighbours there: with x different for all vertices and y pseudo-random, the sum is zero with a probability
- * of about 2^-32. (A linear map of the chain's boundary: no edge is ever looked up.)
+/* A mesh has no boundary if its directed edges cancel: for each edge from a to b there is one from b to a.
+ * Each vertex v gets two numbers x(v) and y(v). The term x(a) y(b) - x(b) y(a) of an edge cancels that of the
+ * reverse edge, so the sum over all edges of all triangles, modulo 2^64, is zero if the mesh is closed. In an
+ * open mesh the boundary edges remain: each boundary vertex b contributes y(b) times the difference of x at
+ * its two neighbours. If x is different for all vertices and y is pseudo-random, the sum is zero with a
+ * probability of about 2^-32. (This is a linear map of the chain's boundary; it needs no lookup of edges.)
  *
- * The numbers come from the vertex's index at first: that sum is taken as a mesh comes in. Meshes whose
- * vertices are doubled along seams look open that way, so for these they come from the position. */
+ * The numbers first come from vertex indices; that sum is computed when a mesh is added. Meshes with
+ * duplicate vertices along seams then look open, so for these the numbers come from the positions. */
 #include "scene/mesh/closed.h"
 
 #include "base/threads.h"
@@ -18,7 +18,7 @@
 
 #define GRAIN ((size_t)1 << 15)
 
-/* Equal floats have equal bits but for the two zeros. */
+/* Equal floats have equal bits, except for the two zeros; adding +0 makes them equal. */
 static inline uint32_t bits_of(float f) {
     uint32_t bits;
     f += 0.0f;
@@ -36,7 +36,7 @@ static boundary_pair of_position(const float p[3]) {
 typedef struct sum {
     const fathom_mesh *mesh;
     boundary_pair *pairs;   /* by vertex, from its position */
-    _Atomic uint64_t total; /* modulo 2^64, so in any order */
+    _Atomic uint64_t total; /* modulo 2^64, so the order does not matter */
 } sum;
 
 static void set_pairs(void *user, size_t begin, size_t end, unsigned worker) {
@@ -55,7 +55,8 @@ static void add_by_position(void *user, size_t begin, size_t end, unsigned worke
     atomic_fetch_add(&s->total, total);
 }
 
-/* *left: what the mesh leaves open, by position; 0: nothing. False when out of memory. */
+/* *left: the sum of the mesh by index if that is 0, else by position; 0: the mesh is closed. False when out
+ * of memory. */
 static bool open_sum(unsigned threads, const fathom_mesh *mesh, const mesh_facts *facts, uint64_t *left) {
     *left = facts->boundary;
     if (!*left) return true;
@@ -72,7 +73,7 @@ static bool is_open_mesh(const world *w, uint32_t geometry, const closed_how *cl
     return w->geometries.items[geometry].kind == WORLD_MESH && closed[geometry] == CLOSED_NOT;
 }
 
-/* The geometries [first, end) of one group. */
+/* Finds the closed meshes among the geometries [first, end) of one group. */
 static bool find_in_group(const world *w, uint32_t first, uint32_t end, closed_how *closed) {
     unsigned threads = fathom_context_threads(w->scene->context);
     uint64_t together = 0;

@@ -1,5 +1,4 @@
-/* The arrays of floats of a mesh, as one table: whoever copies, checks, counts or writes all of them goes
- * through it. */
+/* The float arrays of a mesh as one table, for code that copies, checks, counts or writes all of them. */
 #ifndef SCENE_MESH_ARRAY_H
 #define SCENE_MESH_ARRAY_H
 
@@ -16,13 +15,13 @@ typedef enum mesh_kind {
 } mesh_kind;
 
 typedef struct mesh_array {
-    const char *name, *index_name; /* of the members */
+    const char *name, *index_name; /* of the members of fathom_mesh */
     const float *values;           /* NULL: none */
     size_t stride;
-    unsigned width; /* floats of an entry */
+    unsigned width; /* floats per entry */
     uint32_t count;
-    const uint32_t *indices; /* of its own, 3 a triangle; NULL: an entry a vertex */
-    bool mapped;             /* shading reads it where materials take parameters from images alone */
+    const uint32_t *indices; /* its indices, 3 per triangle; NULL: one entry per vertex */
+    bool mapped; /* shading reads it only if materials use texture coordinates (scene->uses_uvs) */
 } mesh_array;
 
 mesh_array mesh_array_of(const fathom_mesh *mesh, mesh_kind kind);

@@ -12,8 +12,8 @@
 
 KERNEL_CHOICE(scene_kernels)
 
-/* One array in a parallel loop. Sums, extremes and the first bad item do not depend on the order in which
- * threads add to them. */
+/* An array that a parallel loop reads. Sums, extremes and the first bad item do not depend on the order in
+ * which threads add to them. */
 typedef struct look {
     const scene_kernels *kernels;
     const float *values;
@@ -46,9 +46,8 @@ static const float *item(const look *l, size_t i) {
     return (const float *)(const void *)((const char *)l->values + l->stride * i);
 }
 
-/* The top bit of the result is set if the exponent of any of n floats has all its bits set: without the sign,
- * one more in the last place of the exponent then carries into the top bit. Integer arithmetic, so the loop
- * vectorises. */
+/* A float is not finite if all bits of its exponent are set. Without the sign, adding one to the lowest bit
+ * of the exponent then carries into the top bit. This is integer arithmetic, so the loop vectorises. */
 static bool is_finite(const float *values, size_t n) {
     uint32_t full = 0;
     for (size_t i = 0; i < n; ++i) {
@@ -141,7 +140,7 @@ fathom_status mesh_check_indices(fathom_context *context, const char *what, cons
     return check_indices(context, what, &l, count, 1u << 18, check_index_run);
 }
 
-/* By the definition; a NaN is beyond reach. */
+/* Applies the definitions of the facts, in double. A NaN counts as beyond reach. */
 static void look_closely(const fathom_mesh *m, size_t begin, size_t end, mesh_facts *to) {
     for (size_t i = begin; i < end; ++i) {
         const uint32_t *t = &m->indices[3 * i];
@@ -156,10 +155,12 @@ static void look_closely(const fathom_mesh *m, size_t begin, size_t end, mesh_fa
     }
 }
 
-/* So few that their indices stay in the first-level cache from one kernel to the next. */
+/* Triangles per kernel call, few enough that their indices stay in the L1 cache from one kernel to the
+ * next. */
 #define TOGETHER 512
 
-/* The quick look reads four floats of each vertex: of the last there may be but three. */
+/* The kernel `areas` reads four floats from each vertex, but the last vertex may have only three. Runs that
+ * use the last vertex are therefore checked by look_closely() instead. */
 static bool look_at_some(const look *l, size_t begin, size_t end, mesh_facts *to) {
     const fathom_mesh *m = l->mesh;
     const uint32_t *indices = m->indices + 3 * begin;

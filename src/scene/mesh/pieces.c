@@ -1,5 +1,5 @@
-/* Union-find over vertices, by all threads at once. A vertex's parent is never a later vertex, so one pass in
- * order leaves every vertex next to its root. */
+/* Union-find over vertices, by all threads at once. The parent of a vertex is never a later vertex, so after
+ * one pass in order the parent of every vertex is its root. */
 #include "scene/mesh/closed.h"
 
 #include "base/threads.h"
@@ -16,25 +16,25 @@ typedef _Atomic uint32_t shared;
 typedef struct search {
     const fathom_mesh *mesh;
     shared *parent; /* by vertex */
-    shared *table;  /* the first vertex met at a position, by the position's hash; FATHOM_NONE: none */
-    size_t mask;    /* of places in it */
+    shared *table;  /* hash table of positions: the first vertex inserted at each; FATHOM_NONE: empty */
+    size_t mask;    /* its number of slots, a power of two, minus 1 */
 } search;
 
 static inline uint32_t get(shared *from) { return atomic_load_explicit(from, memory_order_relaxed); }
 static inline void set(shared *to, uint32_t v) { atomic_store_explicit(to, v, memory_order_relaxed); }
 
-/* Halves the path. Another thread may do the same: each writes an ancestor. */
+/* Finds the root and halves the path. Another thread may do the same; each writes an ancestor. */
 static uint32_t root_of(shared *parent, uint32_t v) {
     for (uint32_t above = get(&parent[v]); above != v; above = get(&parent[v])) {
         uint32_t next = get(&parent[above]);
-        if (next != above) set(&parent[v], next); /* a cache line that is only read stays shared */
+        if (next != above) set(&parent[v], next); /* else the cache line stays shared */
         v = next;
     }
     return v;
 }
 
-/* The later root goes below the earlier one, so which vertices are roots in the end does not depend on the
- * order. */
+/* The later root becomes a child of the earlier one, so the final roots do not depend on the order of
+ * work. */
 static void join(shared *parent, uint32_t a, uint32_t b) {
     if (get(&parent[a]) == get(&parent[b])) return;
     for (;;) {
@@ -52,7 +52,7 @@ static void join_triangles(void *user, size_t begin, size_t end, unsigned worker
     for (size_t i = begin; i < end; ++i, t += 3) join(s->parent, t[0], t[1]), join(s->parent, t[0], t[2]);
 }
 
-/* Bits that are equal where the positions are: +0 makes one zero of two. */
+/* Bits that are equal if the positions are. Adding +0 makes both zeros equal. */
 static void position_bits(const fathom_mesh *mesh, uint32_t v, uint32_t out[3]) {
     float p[3];
     memcpy(p, mesh_vertex(mesh, v), sizeof p);
@@ -60,7 +60,7 @@ static void position_bits(const fathom_mesh *mesh, uint32_t v, uint32_t out[3]) 
     memcpy(out, p, sizeof p);
 }
 
-/* The first vertex at the position of v, which may be v. */
+/* The first vertex inserted at the position of v; this may be v. */
 static uint32_t first_at(const search *s, uint32_t v) {
     uint32_t key[3], other[3];
     position_bits(s->mesh, v, key);
@@ -93,8 +93,9 @@ static bool join_doubles(search *s, unsigned threads) {
     return true;
 }
 
-/* Gives every vertex its root as parent. True when all have the same root. Vertices without a triangle spoil
- * this; then number_roots() is called for nothing. */
+/* Sets the parent of every vertex to its root. True when all have the same root, or there are no triangles.
+ * Vertices without a triangle are roots too; with them the result may be false for a single piece, and
+ * number_roots() is called in vain. */
 static bool flatten(const search *s) {
     bool one = true;
     for (uint32_t v = 0; v < s->mesh->vertex_count; ++v) {
@@ -105,7 +106,8 @@ static bool flatten(const search *s) {
     return one || !s->mesh->triangle_count;
 }
 
-/* Numbers the roots of triangles in order, and gives every vertex its number. False: more than `most`. */
+/* Numbers the roots in the order of the triangles, and gives every vertex the number of its root. False:
+ * there are more than `most`. */
 static bool number_roots(const search *s, uint32_t *number, uint32_t most, uint32_t *count) {
     *count = 0;
     memset(number, 0xff, s->mesh->vertex_count * sizeof *number);

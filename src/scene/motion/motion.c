@@ -5,7 +5,7 @@
 /* ---- parts ---- */
 
 /* The quaternion of a rotation matrix, given by its columns (Shepperd 1978): the largest of the four numbers
- * is found first. */
+ * is computed first. */
 static void quaternion_of(vec3_f64 x, vec3_f64 y, vec3_f64 z, double q[4]) {
     const double square[4] = {1 + x.x + y.y + z.z, 1 + x.x - y.y - z.z, 1 - x.x + y.y - z.z,
                               1 - x.x - y.y + z.z};
@@ -52,7 +52,8 @@ static double dot_turns(const motion_parts *a, const motion_parts *b) {
 
 double motion_turn_cosine(const motion_parts *a, const motion_parts *b) { return fabs(dot_turns(a, b)); }
 
-/* The weights of the two quaternions are given; their sum is made unit. */
+/* Interpolates linearly at u. The two quaternions get the weights `from` and `to`; their sum is
+ * normalised. */
 static motion_parts mix(const motion_parts *a, const motion_parts *b, double u, double from, double to) {
     motion_parts out;
     double square = 0;
@@ -74,7 +75,7 @@ motion_parts motion_on_chord(const motion_parts *a, const motion_parts *b, doubl
     return mix(a, b, u, 1 - u, u);
 }
 
-/* Below 1e-4 of angle chord and arc are the same to 1e-13. */
+/* Below an angle of 1e-4 radians, chord and arc differ by less than 1e-13. */
 motion_parts motion_between(const motion_parts *a, const motion_parts *b, double u) {
     const double angle = acos(fmin(motion_turn_cosine(a, b), 1));
     if (angle < 1e-4) return motion_on_chord(a, b, u);
@@ -114,7 +115,7 @@ affine_f64 motion_place(const fathom_instance *instance, double time) {
     return map;
 }
 
-/* True when the maps that count between the two times differ. */
+/* True when the maps of the keys that matter between the two times differ. */
 static bool keys_move(const double *times, const double *maps, uint32_t count, const double shutter[2]) {
     if (!count || !(shutter[1] > shutter[0])) return false;
     double u;

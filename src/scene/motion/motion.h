@@ -1,8 +1,8 @@
-/* Placements that change with time.
+/* Transforms that change with time.
  *
- * A placement is taken apart into M = T R S: a translation, a rotation, and a stretch S that is an upper
- * triangle, as Gram and Schmidt find it from the columns; S mirrors where M does. Between two keys T and S
- * move linearly, R on the shortest arc of unit quaternions (Shoemake 1985). */
+ * A transform is decomposed into M = T R S: a translation, a rotation, and an upper triangular matrix S of
+ * scale and shear, found by Gram-Schmidt from the columns. S mirrors if M does. Between two keys, T and S are
+ * interpolated linearly, and R on the shortest arc of unit quaternions (Shoemake 1985). */
 #ifndef SCENE_MOTION_H
 #define SCENE_MOTION_H
 
@@ -18,38 +18,43 @@ typedef struct motion_parts {
 /* The map must have an inverse. */
 motion_parts motion_take_apart(const affine_f64 *map);
 affine_f64 motion_put_together(const motion_parts *parts);
-/* The arc from a to b at u in [0, 1]. */
+/* Interpolates from a to b at u in [0, 1], with the rotation on the arc. */
 motion_parts motion_between(const motion_parts *a, const motion_parts *b, double u);
-/* The same with the rotation on the chord, made unit: rigid too, and for arcs of a few degrees next to
- * evenly fast. It is what Embree does with such. */
+/* The same with the rotation on the chord: the quaternion is interpolated linearly and normalised. This is a
+ * rotation too, and for arcs of a few degrees its speed is almost constant. Embree interpolates such arcs
+ * this way. */
 motion_parts motion_on_chord(const motion_parts *a, const motion_parts *b, double u);
 /* The cosine of half the angle between two rotations, >= 0. */
 double motion_turn_cosine(const motion_parts *a, const motion_parts *b);
 
 /* ---- keys ---- */
 
-/* The key before `time` and how far it is to the next: key k at u = 0, or between k and k + 1. */
+/* The key k before `time`, and the fraction u of the way to key k + 1. u is 0 at a key, before the first and
+ * after the last. */
 uint32_t motion_key(const double *times, uint32_t count, double time, double *u);
 
-/* The place of an instance at a time: the very matrix of a key where it rests there. */
+/* The transform of an instance at a time. It is exactly the matrix of a key if the instance does not move at
+ * that time, or if the time is the key's. */
 affine_f64 motion_place(const fathom_instance *instance, double time);
-/* True when the instance moves in the camera's shutter time. */
+/* True when the instance moves while the shutter is open. */
 bool motion_is_moving(const fathom_instance *instance, const double shutter[2]);
-/* The bounds of an instance's group, `inside`, at the shutter's ends and at the keys between. */
+/* The union of the bounds of an instance at the ends of the shutter interval and at the keys between.
+ * `inside`: the bounds of its group. */
 scene_bounds motion_bounds(const fathom_instance *instance, const double shutter[2],
                            const scene_bounds *inside);
 
-/* The positions, or the normals, of a mesh with keys at a time: `count` numbers. rows: those of all keys. */
+/* Interpolates the positions, or the normals, of a mesh with keys at a time. rows: those of all keys, `count`
+ * floats per key. */
 void motion_rows(const fathom_mesh *mesh, const float *rows, size_t count, double time, float *out);
 
-/* The camera at a time, without keys. */
+/* The camera at a time. The result has no keys. */
 fathom_camera motion_camera(const fathom_camera *camera, double time);
 bool motion_camera_moves(const fathom_camera *camera);
 
-/* Checks the times of keys; `numbers` of them are all to be finite, unless NULL. */
+/* Checks that the times of keys are finite and ascending, and that `numbers`, unless NULL, are finite. */
 fathom_status motion_check_keys(fathom_context *context, const double *times, uint32_t count,
                                 const double *numbers, size_t number_count);
-/* Copies of both, owned by the scene. */
+/* Replaces both arrays by copies that the scene owns. `numbers` may be NULL. */
 fathom_status motion_copy_keys(fathom_scene *scene, uint32_t count, size_t numbers_each, const double **times,
                                const double **numbers);
 

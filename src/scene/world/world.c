@@ -11,7 +11,8 @@
 
 static vec3_f32 relative(const double p[3], vec3_f64 origin) { return narrow(sub_f64(load_f64(p), origin)); }
 
-/* Extends the last geometry when it is of this kind and its flags fit, else begins one. */
+/* Returns the last geometry of the group if its kind and flags fit, to be extended, else a new one. NULL when
+ * out of memory. */
 static world_geometry *open_run(world *w, world_kind kind, uint32_t first_of_group, uint32_t next,
                                 unsigned flags) {
     if (w->geometries.count > first_of_group) {
@@ -23,17 +24,17 @@ static world_geometry *open_run(world *w, world_kind kind, uint32_t first_of_gro
     return array_push(&w->geometries, fresh) ? &w->geometries.items[w->geometries.count - 1] : NULL;
 }
 
-/* The rounding error of x as a float, or 0 where tracers would flush it. */
+/* The rounding error of x as a float, or 0 if tracers would flush it to zero. */
 static float rest_of(double x) {
     float rest = (float)(x - (double)(float)x);
     return fabsf(rest) < FLT_MIN ? 0 : rest;
 }
 
-/* Where a sphere passes by the origin at a distance g, float tells things of 2^-24 g apart, and the view may
- * show what is 2^-12 g large, a pixel. A planet's centre and radius, rounded to half a metre, would bury or
- * lift everything on it. So their rounding errors are kept where they exceed 2^-16 g, a sixteenth of such a
- * pixel: for spheres at least some 2^7 times larger than g. Others are the floats that all tracers share,
- * Embree's own spheres too: more digits would not show. */
+/* If the surface of a sphere passes the origin at a distance g, float coordinates there resolve 2^-24 g, and
+ * the view may show details of 2^-12 g, the size of a pixel. If a planet's centre and radius were rounded to
+ * half a metre, everything on it would sink or float. So their rounding errors are kept if they exceed 2^-16
+ * g, a sixteenth of such a pixel: for spheres at least about 2^7 times larger than g. Other spheres have
+ * plain floats, as in all tracers, including Embree's own spheres: more digits would not be visible. */
 static world_sphere sphere_of(vec3_f64 center, double radius) {
     world_sphere sphere = {.center = narrow(center), .radius = (float)radius};
     vec3_f32 rest = {rest_of(center.x), rest_of(center.y), rest_of(center.z)};
@@ -63,7 +64,7 @@ static bool add_quad(world *w, const fathom_quad *q, fathom_id object, uint32_t 
     return true;
 }
 
-/* The floats of the mesh are the spheres'. */
+/* The spheres use the float coordinates of the mesh as they are. */
 static bool add_cloud(world *w, const fathom_mesh *mesh, fathom_id object) {
     const world_geometry geometry = {.kind = WORLD_SPHERES,
                                      .first = (uint32_t)w->spheres.count,
@@ -116,7 +117,7 @@ static bool add_mesh(world *w, uint32_t index, fathom_id object) {
 
 static bool same_point(const double p[3], vec3_f64 q) { return p[0] == q.x && p[1] == q.y && p[2] == q.z; }
 
-/* All of kind `kind` in the group, so that runs of spheres and of quads are as long as can be. */
+/* Adds all shapes of one kind in the group, so that runs of spheres and of quads are as long as possible. */
 static bool add_kind(world *w, const scene_graph *graph, uint32_t group, scene_kind kind, uint32_t first,
                      vec3_f64 origin) {
     const fathom_scene *scene = w->scene;
@@ -152,7 +153,7 @@ bool world_add_lone_mesh(world *w, fathom_id object) {
     return add_mesh(w, w->scene->objects.items[object].index, object);
 }
 
-/* ---- the whole ---- */
+/* ---- the whole world ---- */
 
 fathom_status world_create(const fathom_scene *scene, world **out) {
     return world_create_from(scene, NULL, out);

@@ -1,12 +1,13 @@
-/* Meshes that are placed once, carried into the world: their vertices, normals and tangents are copied there.
- * No ray then has to be carried to their space and back, and where many of them lie within each other, as the
- * parts of a room do, a ray meets one structure in place of one for each.
+/* Meshes that are placed only once are carried into the world: their vertices, normals and tangents are
+ * copied in world coordinates. Rays then need no transformation to the mesh's space and back. Where many
+ * meshes overlap, as the parts of a room do, a ray traverses one structure instead of one for each mesh.
  *
- * Nothing is carried in a mirror, which turns triangles over. A stretched mesh is carried if nothing of it
- * depends on angles: normals that differ within a triangle are made unit before they are interpolated, and
- * directions are made from texture coordinates where there are no tangents. Float loses little of it. A
- * mesh of radius r whose centre is |c| from the origin keeps 2^-24 (|c| + r) / r of its radius, 2^-18 at the
- * distance below: a hundredth of a pixel for a mesh of 2,600 pixels. No triangle may lose its area by it. */
+ * A mesh that is mirrored is not carried, because mirroring reverses the orientation of triangles. A mesh
+ * that is scaled non-uniformly is carried if nothing in it depends on angles: normals that differ within a
+ * triangle are normalised before interpolation, and tangents are derived from texture coordinates if the mesh
+ * has none. The loss of precision is small. A mesh of radius r whose centre is |c| from the origin gets a
+ * rounding error of 2^-24 (|c| + r) / r of its radius, which is 2^-18 at the maximum distance below: a
+ * hundredth of a pixel for a mesh of 2,600 pixels. No triangle may lose its area. */
 #include "base/threads.h"
 #include "scene/mesh/mesh_array.h"
 #include "scene/world/world_build.h"
@@ -14,25 +15,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The farthest centre, in radii of the mesh. */
+/* The maximum distance of the centre from the origin, in radii of the mesh. */
 static const double far_ratio = 63;
-/* How far columns of the map may differ in length, and lie from a right angle, as float turns lie: then it
- * keeps angles. */
+/* The tolerance for columns of the map to be equally long and orthogonal; rotations in float are within it.
+ * Such a map preserves angles. */
 static const double even_slack = 0x1p-18;
-/* Thousandths of a unit become units, and the other way; farther off, what is small in float is small. */
+/* The maximum scale; the minimum is its inverse. Enough for millimetres to metres and the reverse; beyond
+ * that, small values may be too small for float. */
 static const double scale_most = 0x1p12;
-/* The volume of the axes over that of a box with their lengths, at least. */
+/* The minimum volume of the axes, divided by that of a box with their lengths. */
 static const double skew_least = 0x1p-6;
-/* Vertices a triangle, at most. Meshes that share an array with many others would each copy all of it. */
+/* The maximum number of vertices per triangle. Without it, meshes that share an array with many others would
+ * each copy all of it. */
 enum { VERTICES_PER_TRIANGLE = 3 };
 
-/* ---- what can be carried ---- */
+/* ---- which meshes can be carried ---- */
 
-/* The axes of a mesh in the world. */
+/* The axes of a mesh in world coordinates. */
 typedef struct mesh_axes {
     vec3_f64 x, y, z;
-    double least, most; /* lengths */
-    double volume;      /* negative in a mirror */
+    double least, most; /* minimum and maximum length */
+    double volume;      /* negative if the map mirrors */
 } mesh_axes;
 
 static mesh_axes axes_of(const affine_f64 *map) {
@@ -73,7 +76,7 @@ static bool depends_on_angles(const fathom_mesh *m) {
     return (m->uvs && !m->tangents) || m->uvs_1 || normals_differ(m);
 }
 
-/* From the mesh's own coordinates, without its origin. */
+/* The map from vertex coordinates, which are relative to the mesh's origin. */
 static affine_f64 map_of(const fathom_mesh *mesh, const affine_f64 *to_world) {
     const affine_f64 shift = affine_translation(load_f64(mesh->origin));
     return affine_compose(to_world, &shift);
@@ -116,7 +119,7 @@ static void carry_points(void *user, size_t begin, size_t end, unsigned worker) 
     }
 }
 
-/* The fourth number of a tangent is a sign. */
+/* The fourth number of a tangent is a sign, which is copied. */
 static void carry_directions(void *user, size_t begin, size_t end, unsigned worker) {
     const carrying *c = user;
     const unsigned width = c->from.width;
@@ -145,7 +148,8 @@ static bool carry_array(world *w, fathom_mesh *mesh, mesh_kind kind, const affin
     return true;
 }
 
-/* Normals by the inverse map transposed, tangents by the map; both keep their length where it is even. */
+/* Normals are transformed by the inverse transpose, tangents by the map. Both keep their lengths if the map
+ * is uniform. */
 static bool carry_arrays(world *w, fathom_mesh *mesh, const affine_f64 *map, const affine_f64 *inverse) {
     const mesh_axes axes = axes_of(map);
     const double size = cbrt(axes.volume);

@@ -1,9 +1,9 @@
-/* Facts about the world's primitives that tracers need, and checks of the whole. */
+/* Facts about primitives that tracers need, and checks of the whole world. */
 #include "scene/world/world_build.h"
 
 static float larger(float a, float b) { return a > b ? a : b; }
 
-/* Takes one primitive into the counts; reach: of its largest coordinate. */
+/* Adds one primitive to the counts. reach: the magnitude of its largest coordinate. */
 static void survey_one(world *w, world_geometry *geometry, float reach, bool flat) {
     bool within = reach < (float)WORLD_REACH;
     w->beyond_reach += !within;
@@ -19,7 +19,7 @@ static void survey_quad(world *w, world_geometry *geometry, const world_quad *qu
     float reach = 0;
     for (int i = 0; i < 4; ++i) {
         float corner = world_reach_of(quad->corner[i]);
-        reach = corner <= reach ? reach : corner; /* NaN too */
+        reach = corner <= reach ? reach : corner; /* keeps NaN */
         if (!(reach < INFINITY)) break;
     }
     vec3_f64 a = widen(quad->corner[0]), b = widen(quad->corner[1]), c = widen(quad->corner[2]),
@@ -66,9 +66,9 @@ fathom_status world_survey(world *w) {
     return status;
 }
 
-/* ---- lights in spheres, which light nothing outside: mostly a mistake ---- */
+/* ---- lights in spheres: they light nothing outside, which is mostly a mistake ---- */
 
-/* The most pairs of a light and a sphere to look at, a few hundredths of a second. */
+/* The maximum number of pairs of a light and a sphere to check: a few hundredths of a second. */
 #define PAIRS_MOST ((size_t)1 << 22)
 
 typedef struct light_search {
@@ -86,7 +86,7 @@ static vec3_f64 carried(const light_search *s, const affine_f64 *to_object, cons
     return affine_point(to_object, sub_f64(load_f64(point), s->w->origin));
 }
 
-/* Meant as such only when the camera is in there too (a room, a sky). */
+/* If the camera is inside the sphere too (a room, a sky), the light is there on purpose. */
 static void look_in_sphere(light_search *s, size_t sphere, const affine_f64 *to_object) {
     const fathom_scene *scene = s->w->scene;
     const world_sphere *around = &s->w->spheres.items[sphere];
@@ -126,9 +126,9 @@ static void warn_of_lights(const world *w) {
          s.light, p[0], p[1], p[2], s.object, s.found > 1 ? " (and so for others)" : "");
 }
 
-/* ---- faults of a world as a whole ---- */
+/* ---- errors of a world as a whole ---- */
 
-/* A scene of nothing but triangles without area shows nothing. */
+/* A scene that has only triangles without area shows nothing. */
 static fathom_status check_area(const world *w) {
     uint64_t triangles = 0;
     for (size_t i = 0; i < w->meshes.count; ++i) triangles += w->meshes.items[i].triangle_count;
@@ -140,7 +140,8 @@ static fathom_status check_area(const world *w) {
                 (unsigned long long)triangles);
 }
 
-/* Farther out no ray of the camera could be traced, nor float tell one pixel's ray from the next. */
+/* Farther out, rays of the camera could not be traced, and float could not separate the rays of neighbouring
+ * pixels. */
 static fathom_status check_camera(const world *w) {
     vec3_f64 eye = sub_f64(load_f64(w->scene->camera.origin), w->origin);
     if (fabs(eye.x) < WORLD_REACH && fabs(eye.y) < WORLD_REACH && fabs(eye.z) < WORLD_REACH) return FATHOM_OK;

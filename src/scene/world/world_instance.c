@@ -1,15 +1,17 @@
-/* The maps of an instance, and their error in a tracer that inverts to_world itself in float.
+/* The maps of an instance, and the error bound for a tracer that inverts to_world itself in float.
  *
- * u = 2^-24. The inverse is the adjugate over the determinant. An entry of the adjugate is the difference of
- * two products, off by 2 u P, P the sum of their sizes. The determinant D is the sum of three products of an
- * entry and one of the adjugate, off by 5 u S, S the sum of the sizes of its six products. Its reciprocal and
- * the last product round by at most 4 u more. So an entry a of the inverse is off by 2 u P / |D| + |a| (5 S /
- * |D| + 4) u, and to_object itself by u |a|, once it is rounded. */
+ * Let u = 2^-24. The inverse is the adjugate divided by the determinant. An entry of the adjugate is the
+ * difference of two products. Its error is 2 u P, where P is the sum of their magnitudes. The determinant D
+ * is the sum of three products of an entry of the matrix and one of the adjugate. Its error is 5 u S, where S
+ * is the sum of the magnitudes of its six products. The reciprocal of D and the last product add rounding
+ * errors of at most 4 u. So the error of an entry a of the inverse is 2 u P / |D| + |a| (5 S / |D| + 4) u,
+ * and rounding to_object itself adds u |a|. */
 #include "scene/world/world.h"
 
 static const double unit_round = 0x1p-24;
 
-/* Rows and columns but i and j, cyclic: entry (i, j) of the inverse is their determinant over D. */
+/* P of entry (i, j) of the inverse. That entry is, divided by D, the determinant of all rows but j and all
+ * columns but i, in cyclic order. */
 static double minor_size(const affine_f64 *a, int i, int j) {
     int r = (j + 1) % 3, s = (j + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
     return fabs(a->m[r][c] * a->m[s][d]) + fabs(a->m[r][d] * a->m[s][c]);
@@ -34,15 +36,16 @@ static void set_error(world_instance *instance, const affine_f64 *to_world, cons
 
 /* Smaller numbers may be flushed to zero. */
 static const double least = 0x1p-126;
-/* Embree takes no component of a direction for less than 1e-18 where it tests boxes. A direction carried to
- * the object and back turns by no more than 2^-24 of its length where nothing grows by more than this. Then
- * no product of three entries leaves the range above. */
+/* In box tests, Embree raises components of a direction to a magnitude of at least 1e-18. If no vector grows
+ * by more than this factor, a direction that is transformed to the object and back turns by at most 2^-24 of
+ * its length. Then no product of three entries overflows. */
 static const double growth_most = 0x1p35;
 
 static double row_sum(const double row[4]) { return fabs(row[0]) + fabs(row[1]) + fabs(row[2]); }
 
-/* Flushing takes up to six times `least` from a determinant's products, which must be negligible next to
- * 2^-24 of it; and twice `least` from an entry of the adjugate, next to 2^-24 of the largest in its row. */
+/* Flushing to zero changes the products of a determinant by up to 6 `least`, which must be negligible
+ * compared with 2^-24 of it. It changes an entry of the adjugate by up to 2 `least`, which must be negligible
+ * compared with 2^-24 of the largest entry in its row. */
 bool world_instance_fits_float(const world_instance *instance) {
     affine_f64 map;
     for (int i = 0; i < 12; ++i) map.m[i / 4][i % 4] = (double)instance->to_world[i / 4][i % 4];
@@ -56,7 +59,7 @@ bool world_instance_fits_float(const world_instance *instance) {
     return true;
 }
 
-/* to_object inverts the rounded to_world, so that both say the same place. */
+/* to_object is the inverse of the rounded to_world, so that both describe the same transform. */
 bool world_instance_set(world_instance *instance, const affine_f64 *to_world) {
     affine_f64 rounded, inverse;
     for (int i = 0; i < 12; ++i) {

@@ -1,4 +1,4 @@
-/* Motion in even steps, which is what tracers take, and what is where between two of them. */
+/* Motion in uniform steps, as tracers need it, and positions between two steps. */
 #include "scene/world/world_build.h"
 
 #include <float.h>
@@ -7,8 +7,8 @@
 
 /* ---- steps ---- */
 
-/* The two steps around the time, and how far it is from the first to the second. The product is rounded as
- * Embree rounds it. */
+/* Returns the step before the time; *u is the fraction of the way to the next step. The product is rounded as
+ * in Embree. */
 static uint32_t world_step(uint32_t steps, float time, double *u) {
     const float at = time * (float)(steps - 1);
     float whole = floorf(at);
@@ -23,9 +23,9 @@ static const uint32_t intervals[] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32
 #define INTERVALS (sizeof intervals / sizeof *intervals)
 _Static_assert(WORLD_STEPS_MOST == 129, "the last of them");
 
-/* Rotations of neighbouring steps are less than 3 degrees apart: Embree goes along the chord below 3.6, and
- * above along an arc that it only approximates, to some 1e-5. */
-#define TURN_COSINE 0.99965732 /* of half of 3 degrees */
+/* Rotations of neighbouring steps are less than 3 degrees apart. Below 3.6 degrees Embree interpolates on the
+ * chord; above, on an arc that it only approximates, to about 1e-5. */
+#define TURN_COSINE 0.99965732 /* cosine of half of 3 degrees */
 
 /* ---- instances ---- */
 
@@ -41,7 +41,7 @@ typedef struct way {
 
 static float to_float(double x) { return fabs(x) < (double)FLT_MIN ? 0 : (float)x; }
 
-/* As floats: those that tracers get. */
+/* Rounded to float, as tracers get them. */
 static motion_parts rounded(const motion_parts *p) {
     motion_parts out;
     const double *from = (const double *)p;
@@ -67,7 +67,7 @@ static bool turns_slowly(const motion_parts *parts, uint32_t steps) {
     return true;
 }
 
-/* How far the corners of what moves are from where they should be. */
+/* The maximum position error of the box's corners at u in [0, 1] of the shutter interval. */
 static double off_at(const way *y, const motion_parts *parts, uint32_t steps, double u) {
     const affine_f64 exact = y->place(y->user, y->open + u * (y->close - y->open));
     const double at = u * (steps - 1), whole = fmin(floor(at), steps - 2.0);
@@ -95,7 +95,8 @@ static bool fits(const way *y, const motion_parts *parts, uint32_t steps) {
     return true;
 }
 
-/* 2^-14 of the size, as much as a far place may cost (world_place.c), and some roundings of float. */
+/* The allowed error: 2^-14 of the radius, the same as for far objects (world_place.c), plus some rounding
+ * errors of float. */
 static double slack_of(const way *y) {
     const affine_f64 at = y->place(y->user, y->open);
     const scene_bounds there = bounds_transformed(y->inside, &at);
@@ -152,8 +153,8 @@ void world_move_instance(const world *w, const world_instance *instance, float t
 
 /* ---- vertices ---- */
 
-/* The share of an interval by which a key misses the steps around it, 0 to 1/2; the vertices are off by at
- * most that part of what they turn aside there. */
+/* The maximum distance of a key from the nearest step, as a fraction of an interval, 0 to 1/2. The error of a
+ * vertex is at most this fraction of the change of its motion at the key. */
 static double misses(const fathom_mesh *m, const double shutter[2], uint32_t steps) {
     double most = 0;
     for (uint32_t k = 0; k < m->key_count; ++k) {
@@ -188,7 +189,7 @@ static bool is_still(const fathom_mesh *m, const double shutter[2]) {
     return true;
 }
 
-/* Bytes that Embree may read beyond the last vertex. */
+/* Floats that Embree may read beyond the last vertex. */
 #define BEYOND 4
 
 float *world_new_rows(size_t steps, size_t count) {
@@ -224,7 +225,7 @@ bool world_add_vertex_motion(world *w, world_geometry *geometry, fathom_mesh *me
     mesh->positions = made.positions, mesh->position_stride = 3 * sizeof(float);
     if (made.normals) mesh->normals = made.normals, mesh->normal_stride = 3 * sizeof(float);
     if (still) return mesh_look_at_triangles(w->scene->context, "indices", mesh, facts) == FATHOM_OK;
-    /* A triangle that is flat at one time may not be at another. */
+    /* A triangle without area at one time may have an area at another. */
     facts->flat = 0;
     geometry->moving = (uint32_t)w->vertex_motions.count;
     w->moves = true;

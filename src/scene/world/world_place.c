@@ -1,22 +1,22 @@
-/* Nested groups become one level of instances: each way from the root to a group is one placement. */
+/* Nested groups become one level of instances: each path from the root to a group is one placement. */
 #include "math/frame.h"
 #include "scene/world/world_build.h"
 
 #include <stdlib.h>
 
-/* ---- where each group's float coordinates are counted from ----
+/* ---- the origin of each group's float coordinates ----
  *
- * A float coordinate at distance |c| from the origin is good to 2^-24 |c|. An object of radius r there keeps
- * 2^-14 of its radius as long as |c| <= 2^10 r: a hundredth of a pixel for an object 160 pixels tall. Beyond
- * that it is far, and the origin moves to a far object: in the root to the one nearest to the camera, where
- * loss would be seen, in other groups to the first. An origin that need not move stays at zero: then buffers
- * are shared and no frame is needed. */
+ * A float coordinate at distance |c| from the origin has a rounding error of 2^-24 |c|. For an object of
+ * radius r this is at most 2^-14 of its radius if |c| <= 2^10 r: a hundredth of a pixel for an object 160
+ * pixels tall. Beyond that distance the object is far, and the origin moves to a far object: in the root to
+ * the one nearest to the camera, where the error would be visible, in other groups to the first. Otherwise
+ * the origin stays at zero, so that buffers are shared and no instance is needed. */
 
 static const double far_ratio = 1024;
 
 typedef struct origin_search {
     vec3_f64 eye;
-    bool nearest; /* to the eye; else the first */
+    bool nearest; /* take the one nearest to the eye; else the first */
     bool found;
     double distance;
     vec3_f64 origin;
@@ -33,7 +33,7 @@ static void consider(origin_search *search, const scene_bounds *bounds, vec3_f64
     search->origin = origin;
 }
 
-/* A mesh that has an origin of its own offers that one: then the mesh needs no frame. */
+/* The origin of a mesh if it has one, so that the mesh needs no instance; else the centre of the bounds. */
 static vec3_f64 offered_origin(const fathom_scene *scene, fathom_id id, const scene_bounds *bounds) {
     scene_object object = scene->objects.items[id];
     if (object.kind == SCENE_MESH) {
@@ -73,16 +73,16 @@ static fathom_status choose_origins(const fathom_scene *scene, const scene_graph
     return FATHOM_OK;
 }
 
-/* ---- placing ---- */
+/* ---- placements ---- */
 
-/* One frame in which part of a group lies: its main part at the group's origin, or a mesh with an origin of
- * its own. */
+/* A part of a group with an origin: its main part at the group's origin, or a mesh with an origin of its
+ * own. */
 typedef struct group_part {
     uint32_t world_group;
     vec3_f64 origin;
 } group_part;
 
-/* An instance on the way from the root to a placement. */
+/* An instance on the path from the root to a placement. */
 typedef struct placement_link {
     fathom_id instance;
     uint32_t outer; /* the link of the instance around it, FATHOM_NONE: the root */
@@ -92,14 +92,14 @@ typedef struct placer {
     world *w;
     const scene_graph *graph;
     vec3_f64 *origins;    /* by group */
-    bool *in_root;        /* by group: its main part is among the root's geometries, and needs no frame */
+    bool *in_root;        /* by group: its main part is among the root's geometries, and needs no instance */
     uint32_t *first_part; /* by group, FATHOM_NONE: not made yet */
     uint32_t *part_count; /* by group */
-    double *placements;   /* by group: ways from the root */
+    double *placements;   /* by group: number of paths from the root */
     ARRAY(group_part) parts;
-    ARRAY(placement_link) links; /* where something moves */
-    scene_bounds *bounds;        /* by group; where something moves */
-    ARRAY(double) times;         /* of the keys at hand */
+    ARRAY(placement_link) links; /* only if something moves */
+    scene_bounds *bounds;        /* by group; only if something moves */
+    ARRAY(double) times;         /* of the keys of the current placement */
 } placer;
 
 static fathom_status no_memory(const placer *p) {
@@ -116,7 +116,7 @@ static bool add_part(placer *p, size_t first_geometry, vec3_f64 origin) {
     return add_group(p->w, first_geometry) && array_push(&p->parts, part);
 }
 
-/* Makes the group's geometries, once however often it is placed. */
+/* Makes the group's geometries, only once even if the group is placed several times. */
 static fathom_status make_parts(placer *p, uint32_t group) {
     if (p->first_part[group] != FATHOM_NONE) return FATHOM_OK;
     world *w = p->w;
@@ -184,7 +184,8 @@ static fathom_status place_planes(placer *p, uint32_t group, const affine_f64 *t
     return FATHOM_OK;
 }
 
-/* Where a group's coordinates already are the world's, its geometries join the root's as they are. */
+/* True if the group's coordinates already are the world's, so that its geometries join the root's
+ * unchanged. */
 static bool is_in_place(const placer *p, uint32_t group, const affine_f64 *to_world) {
     vec3_f64 a = p->origins[group], b = p->w->origin;
     return affine_is_identity(to_world) && a.x == b.x && a.y == b.y && a.z == b.z;
@@ -192,9 +193,9 @@ static bool is_in_place(const placer *p, uint32_t group, const affine_f64 *to_wo
 
 typedef struct placement {
     uint32_t group;
-    affine_f64 to_world; /* the scene's world, not yet moved to the origin; as the shutter opens */
+    affine_f64 to_world; /* to the scene's world, before the origin is subtracted, when the shutter opens */
     fathom_id material, id;
-    uint32_t link; /* the innermost instance, where something moves */
+    uint32_t link; /* the innermost instance, if something moves */
     bool moves;
 } placement;
 
@@ -211,10 +212,11 @@ static placement child_placement(const placer *p, const placement *parent, fatho
     return child;
 }
 
-/* Placements still to visit, the next one last. Groups nest to any depth, so no visit calls another. */
+/* Placements still to visit; the next one is the last. Groups nest to any depth, so visits are not
+ * recursive. */
 typedef ARRAY(placement) placement_stack;
 
-/* Puts the instances in the group of `at` on the stack, in such an order that the first is visited first. */
+/* Pushes the instances in the group of `at` in reverse order, so that the first is visited first. */
 static fathom_status push_children(placer *p, placement_stack *stack, const placement *at) {
     uint32_t first = p->graph->instances.first[at->group];
     for (uint32_t i = p->graph->instances.first[at->group + 1]; i-- > first;) {
@@ -230,7 +232,7 @@ static fathom_status push_children(placer *p, placement_stack *stack, const plac
 
 typedef fathom_status (*visit_fn)(placer *p, const placement *at, bool *descend);
 
-/* The root, then everything it holds: each placement before those in it. */
+/* Visits the root, then everything in it: each placement before those inside it. */
 static fathom_status visit_all(placer *p, visit_fn visit) {
     placement_stack stack = {.items = NULL};
     placement at = {FATHOM_ROOT, affine_identity(), FATHOM_NONE, FATHOM_NONE, FATHOM_NONE, false};
@@ -246,7 +248,7 @@ static fathom_status visit_all(placer *p, visit_fn visit) {
     return status;
 }
 
-/* ---- what needs no frame: groups that are placed once ---- */
+/* ---- groups that are placed once and need no instance ---- */
 
 static fathom_status join_in_place(placer *p, uint32_t group) {
     if (!world_add_geometries(p->w, p->graph, group, p->w->origin)) return no_memory(p);
@@ -254,7 +256,7 @@ static fathom_status join_in_place(placer *p, uint32_t group) {
     return FATHOM_OK;
 }
 
-/* Meshes alone are carried. Planes are placed by themselves. */
+/* Only meshes are carried. Planes do not matter: place_planes() transforms them. */
 static bool can_carry(const placer *p, uint32_t group, const affine_f64 *to_world) {
     const fathom_scene *scene = p->w->scene;
     for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1]; ++i) {
@@ -295,13 +297,14 @@ static fathom_status join_carried(placer *p, uint32_t group, const affine_f64 *t
     const fathom_status status = carry_all(p, group, to_world, &fits);
     if (status != FATHOM_OK) return status;
     if (fits)
-        p->first_part[group] = 0, p->part_count[group] = 0; /* nothing is left to make */
+        p->first_part[group] = 0, p->part_count[group] = 0; /* make_parts() has nothing left to do */
     else
         take_back(w, geometries, meshes, arrays, bytes);
     return FATHOM_OK;
 }
 
-/* The root's geometries first, with those of groups that join it: they must lie together. */
+/* The root's geometries come first, with those of the groups that join it, because they must be
+ * contiguous. */
 static fathom_status join_root(placer *p, const placement *at, bool *descend) {
     *descend = !at->moves && (at->group == FATHOM_ROOT || p->placements[at->group] == 1);
     if (!*descend) return FATHOM_OK;
@@ -318,7 +321,7 @@ static fathom_status join_root(placer *p, const placement *at, bool *descend) {
     return status;
 }
 
-/* ---- what moves ---- */
+/* ---- moving placements ---- */
 
 typedef struct moving {
     const placer *p;
@@ -339,7 +342,7 @@ static affine_f64 place_when(const void *user, double time) {
     return affine_compose(&move, &map);
 }
 
-/* Collects the times of all keys on the way from the root. */
+/* Collects the times of all keys on the path from the root. */
 static bool find_times(placer *p, const placement *at) {
     p->times.count = 0;
     for (uint32_t l = at->link; l != FATHOM_NONE; l = p->links.items[l].outer) {
@@ -394,7 +397,7 @@ static fathom_status place(placer *p, const placement *at, bool *descend) {
 
 static fathom_status count_placements(placer *p) {
     const double total = graph_count_placements(p->w->scene, p->graph, p->placements);
-    /* Embree's geometry ids are 32 bits wide, and the root's own geometries want some of them. */
+    /* Embree's geometry ids have 32 bits, and the root's own geometries need some of them. */
     if (total < 0x1p31) return FATHOM_OK;
     return fail(p->w->scene->context, FATHOM_OUT_OF_RESOURCES,
                 "nested instances place %.3g groups, at most 2^31 can be held; nest fewer", total);
@@ -411,7 +414,7 @@ static fathom_status place_all(placer *p, const vec3_f64 *origin) {
     if (status != FATHOM_OK) return status;
     if (origin) p->origins[FATHOM_ROOT] = *origin;
     p->w->origin = p->origins[FATHOM_ROOT];
-    /* The root's own geometries and those that join: one run, group 0. */
+    /* The root's own geometries and those that join them are one run, group 0. */
     status = visit_all(p, join_root);
     if (status != FATHOM_OK) return status;
     if (!add_group(p->w, 0)) return no_memory(p);

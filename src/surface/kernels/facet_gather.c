@@ -1,7 +1,7 @@
-/* The corners of sixteen triangles of one mesh, or of sixteen halves of quads.
+/* Gathers the corners of sixteen triangles of one mesh, or of sixteen halves of quads.
  *
- * A row of three numbers is one load, and four rows are turned into columns by seven shuffles. Gather
- * instructions, three for each corner, take twice as long or more: bench/README.md. */
+ * A row of three numbers is one load, and seven shuffles transpose four rows. Gather instructions, three for
+ * each corner, take twice as long or more: bench/README.md. */
 #include "surface/half.h"
 #include "surface/kernels/kernel.h"
 
@@ -11,7 +11,8 @@
 
 typedef float row __attribute__((vector_size(16)));
 
-/* Three numbers and something. Nothing is read behind them: the array may end there. */
+/* Loads three numbers; the fourth is undefined. It does not read past them, because the array may end
+ * there. */
 static inline row load_row(const float *p) {
 #if defined(__AVX512VL__)
     return _mm_maskz_loadu_ps(7, p);
@@ -27,7 +28,7 @@ static inline void store_column(row column, float *to) { memcpy(to, &column, siz
 #define LOW(a, b) __builtin_shufflevector((a), (b), 0, 4, 1, 5)
 #define HIGH(a, b) __builtin_shufflevector((a), (b), 2, 6, 3, 7)
 
-/* Lanes i to i + 3. */
+/* Transposes four rows and stores them in lanes i to i + 3. */
 static inline void store_rows(const row r[4], float out[3][LANES], int i) {
     row xy_01 = LOW(r[0], r[1]), xy_23 = LOW(r[2], r[3]);
     row z_01 = HIGH(r[0], r[1]), z_23 = HIGH(r[2], r[3]);
@@ -36,7 +37,7 @@ static inline void store_rows(const row r[4], float out[3][LANES], int i) {
     store_column(__builtin_shufflevector(z_01, z_23, 0, 1, 4, 5), out[2] + i);
 }
 
-/* stride: of the rows, in bytes. */
+/* stride: distance of rows in bytes. */
 static inline void fetch(const float *rows, size_t stride, const uint32_t *indices,
                          const uint32_t triangle[LANES], float out[3][3][LANES]) {
     const size_t words = stride / sizeof(float);
@@ -84,7 +85,7 @@ static inline void fetch_quads(const world_quad *quads, const uint32_t primitive
     }
 }
 
-/* One quad for all lanes, as where the view shows a floor. */
+/* One quad for all lanes, for example a floor. */
 static inline void spread_quad(const world_quad *quad, float (*restrict out)[3][LANES]) {
     for (int k = 0; k < 4; ++k) {
         float corner[3];

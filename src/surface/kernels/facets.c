@@ -16,16 +16,16 @@ static inline void put_f32(float to[3][LANES], unsigned i, uint32_t mine, vec3_f
     to[2][i] = chosen(mine, v.z, to[2][i]);
 }
 
-/* The largest coordinate of a side; a rounding of float does not matter to what it bounds. */
+/* The largest coordinate of any side. Float is accurate enough for its use as a bound. */
 static inline float extent_of(vec3_f32 a, vec3_f32 b, vec3_f32 c) {
     return larger(largest(sub_f32(b, a)), larger(largest(sub_f32(c, a)), largest(sub_f32(c, b))));
 }
 
-/* Step by step and in double alone: loops this short overlap in the processor, where a long one waits for its
- * quotients and roots. */
+/* Computed step by step, all in double: the processor overlaps such short loops, but one long loop would wait
+ * for its divisions and roots. */
 typedef struct facet_points {
     double a[3][LANES], ab[3][LANES], ac[3][LANES]; /* a corner, and the sides from it */
-    double n[3][LANES], inverse[LANES];             /* across, and the inverse of its length */
+    double n[3][LANES], inverse[LANES];             /* normal, and the inverse of its length */
     double u[LANES], v[LANES], determinant[LANES];  /* weights of the second and third corner */
 } facet_points;
 
@@ -49,8 +49,8 @@ static void find_normals(facet_points *restrict p) {
     for (unsigned i = 0; i < LANES; ++i) p->inverse[i] = inverse_root(p->inverse[i] > 0 ? p->inverse[i] : 1);
 }
 
-/* Weights of the second and third corner (Möller and Trumbore 1997), clamped into the triangle: a tracer with
- * other arithmetic may have found a point that falls a rounding outside. */
+/* Weights of the second and third corner (Möller and Trumbore 1997), clamped to the triangle: another
+ * tracer's hit may be outside by a rounding here. */
 static void weigh(const local_block *b, facet_points *restrict p) {
     for (unsigned i = 0; i < LANES; ++i) {
         vec3_f64 ab = lane_f64(p->ab, i), ac = lane_f64(p->ac, i), dir = lane_f64(b->dir, i);
@@ -112,9 +112,9 @@ static void find_points(const facet_block *f, local_block *restrict b) {
     }
 }
 
-/* v / |v| where the square leaves the range of float: v is first multiplied by a power of two, which is
- * exact, so a scene of another size gets the same bits. In two halves: the whole power may itself be out of
- * range. */
+/* v / |v| if the square is out of float's range. First v is multiplied by a power of two. This is exact, so a
+ * scaled scene gets the same bits. It is done in two steps, because the full power may be out of range
+ * itself. */
 static vec3_f32 unit_of_stiff(vec3_f32 v) {
     int exponent;
     frexpf(largest(v), &exponent);
@@ -123,8 +123,9 @@ static vec3_f32 unit_of_stiff(vec3_f32 v) {
     return square > 0 ? scale_f32(1 / sqrtf(square), v) : v;
 }
 
-/* Lengths so near to 1 stay: they weigh in the mean, which is made unit afterwards, and being off by 2^-21
- * turn it by that part of the angle between the normals. */
+/* Normals with a squared length this close to 1 are not normalised. Their length only acts as a weight in the
+ * mean, which is normalised later: an error of 2^-21 rotates it by this fraction of the angle between the
+ * normals. */
 #define UNIT_SQUARE 0x1p-20f
 
 static bool are_unit(const float normal[3][LANES], const uint32_t has_normals[LANES]) {
@@ -157,7 +158,7 @@ static void make_unit(const float from[3][LANES], float (*restrict to)[LANES]) {
     }
 }
 
-/* Normals that cancel say nothing: the facet is then as flat as it looks, and not `smooth`. */
+/* If the normals cancel, the facet keeps its geometric normal and is not `smooth`. */
 static void mix_normals(const facet_block *f, const float (*normal)[3][LANES], local_block *restrict b) {
     for (unsigned i = 0; i < LANES; ++i) {
         vec3_f32 sum = {0, 0, 0};
@@ -170,8 +171,8 @@ static void mix_normals(const facet_block *f, const float (*normal)[3][LANES], l
 }
 
 /* Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II (2021): p plus the weighted mean of its
- * distances to the tangent planes at the corners, where those lie above it on the viewer's side. Windings and
- * normals may disagree on the outside, and the normals' own counts. */
+ * offsets to the tangent planes at the corners, for planes that lie above it on the viewer's side. Winding
+ * and normals may disagree about the outside; the normals decide. */
 static void lift(const facet_block *f, const float (*normal)[3][LANES], local_block *restrict b) {
     for (unsigned i = 0; i < LANES; ++i) {
         vec3_f32 p = narrow(lane_f64(b->p, i)), sum = {0, 0, 0};

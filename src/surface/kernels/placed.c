@@ -1,4 +1,4 @@
-/* Sixteen rays or hits of one instance that rests. */
+/* Sixteen rays or hits of one instance that does not move. */
 #include "surface/placed.h"
 
 #include "math/lane.h"
@@ -12,7 +12,7 @@ void KERNEL(rays_to_object)(const world_instance *instance, local_block *restric
     }
 }
 
-/* Each of three numbers apart: a choice between structs becomes a branch. */
+/* Selects each number separately, because a select between structs becomes a branch. */
 static inline vec3_f64 kept_f64(bool mine, vec3_f64 yes, vec3_f64 no) {
     return vec_f64(mine ? yes.x : no.x, mine ? yes.y : no.y, mine ? yes.z : no.z);
 }

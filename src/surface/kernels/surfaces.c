@@ -1,14 +1,14 @@
-/* From hits to the surface points that shading sees. */
+/* Computes surface points for shading from hits. */
 #include "surface/kernels/kernel.h"
 
-/* How far rounding takes the start of a ray along the normal. With u = 2^-24 and the point known to the last
- * digits of double, the start p + h n of a ray has each coordinate rounded twice, by u |p_i| when p becomes
- * float and by u |p_i + h n_i| when the ray is made; the product h n_i and the float normal add 3 u h, and h
- * is no more than some 30 u |p|. So the start strays by at most Σ |n_i| 2 u |p_i| along the normal. Adding
- * an eighth covers the second-order terms. */
+/* Error of a ray's origin along the normal by rounding. With u = 2^-24 and p accurate in double, each
+ * coordinate of the origin p + h n is rounded twice: by u |p_i| when p becomes float, and by u |p_i + h n_i|
+ * when the ray is made. The product h n_i and the float normal add 3 u h, with h below about 30 u |p|. So the
+ * error along the normal is at most Σ |n_i| 2 u |p_i|. An eighth more covers the second-order terms. */
 static const double rounding = 2.25 * 0x1p-24;
 
-/* n turns to the viewer: the geometric normal decides, and takes the shading normal with it. */
+/* Flips normals to face the viewer: the geometric normal by the ray, then the shading normal to the same
+ * side. */
 static void surfaces(const local_block *b, bool automatic, surface_block *restrict s) {
     const double scale = automatic ? 1 : 0;
     s->mapped = s->directed = s->coated = 0;
@@ -36,7 +36,8 @@ static void surfaces(const local_block *b, bool automatic, surface_block *restri
     }
 }
 
-/* A point lifted off its facet is clear of it wherever a light lies, but of no use to a light behind. */
+/* A point lifted off its facet avoids self-shadowing for any light in front, but must not be used for a light
+ * behind. */
 static void starts(const surface_block *s, const uint32_t behind[LANES], float (*restrict origin)[LANES]) {
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LANES; ++i) {

@@ -1,4 +1,4 @@
-/* Texels by place and footprint. */
+/* Texture lookups by coordinates and footprint. */
 #include "base/kernel.h"
 #include "texture/kernels.h"
 
@@ -21,7 +21,8 @@ INLINE float from_half(const uint16_t *n) { return _cvtsh_ss(*n); }
 
 INLINE rgba_f32 from_halves(const uint16_t n[4]) { return _mm_cvtph_ps(_mm_loadl_epi64((const void *)n)); }
 #else
-/* Finite halves. Denormals are built by a subtraction, so that no operand is denormal as a float. */
+/* Converts finite halves. Denormals are converted by a subtraction of normal floats, so that no operand is a
+ * denormal float. */
 INLINE rgba_f32 lifted_halves(rgba_u32 half) {
     const rgba_u32 magnitude = (half & 0x7fff) << 13, sign = (half & 0x8000) << 16;
     const rgba_u32 small = (rgba_u32)(magnitude < (1u << 23));
@@ -46,8 +47,8 @@ INLINE rgba_f32 grey(float value) { return (rgba_f32){value, value, value, 1}; }
 
 typedef unsigned char rgba_u8 __attribute__((vector_size(4)));
 
-/* `type`, `channels` and whether `color` is NULL are constants where this is inlined. NULL: linear; the
- * quotients are those of the table. */
+/* `type`, `channels` and whether `color` is NULL are constants after inlining. NULL: linear, with the same
+ * quotients as the table. */
 INLINE rgba_f32 texel_at(const unsigned char *at, image_texel type, unsigned channels, const float *color,
                          const float *alpha) {
     switch (type) {
@@ -76,16 +77,17 @@ INLINE rgba_f32 texel_at(const unsigned char *at, image_texel type, unsigned cha
     return (rgba_f32){n[0], n[1], n[2], n[3]};
 }
 
-/* ---- places ---- */
+/* ---- addresses of texels ---- */
 
-/* A level that each lane of a block reads, and four of its texels, or one. */
+/* For each lane of a block: the level that it reads, and four texels of the level, or one. */
 typedef struct block_level {
     const pyramid_level *level[TEXTURE_BLOCK];
-    /* Texels of two columns and two rows. A column's and a row's make the texel's number in the level. */
+    /* Two columns and two rows of texels. The index of a texel in the level is the sum of a number for its
+     * column and one for its row. */
     uint32_t column[2][TEXTURE_BLOCK], row[2][TEXTURE_BLOCK];
-    float right[TEXTURE_BLOCK], below[TEXTURE_BLOCK]; /* weights of the second ones */
-    uint64_t
-        place[4][TEXTURE_BLOCK]; /* of the texels in the store, in bytes; the second is right of the first */
+    float right[TEXTURE_BLOCK], below[TEXTURE_BLOCK]; /* weights of the second column and row */
+    uint64_t place[4][TEXTURE_BLOCK]; /* byte offsets of the texels in the store; the second is right of the
+                                         first */
 } block_level;
 
 typedef struct block {
@@ -96,14 +98,14 @@ typedef struct block {
     float u[TEXTURE_BLOCK], v[TEXTURE_BLOCK], width[TEXTURE_BLOCK];
     float chance[TEXTURE_BLOCK];
     uint32_t wrap_u[TEXTURE_BLOCK], wrap_v[TEXTURE_BLOCK], filter[TEXTURE_BLOCK];
-    uint32_t across[TEXTURE_BLOCK], down[TEXTURE_BLOCK], last[TEXTURE_BLOCK]; /* level 0, the last level */
+    uint32_t across[TEXTURE_BLOCK], down[TEXTURE_BLOCK], last[TEXTURE_BLOCK]; /* of level 0; the last level */
     uint32_t level[TEXTURE_BLOCK];
-    float share[TEXTURE_BLOCK]; /* of the next level */
+    float share[TEXTURE_BLOCK]; /* weight of the next level */
     block_level at[2];
     cache_copy copy;
 } block;
 
-/* `lanes` is a constant where these are inlined: loops over 16 lanes vectorise. */
+/* `lanes` is a constant after inlining, so that loops over 16 lanes vectorise. */
 
 INLINE void gather_slots(block *b, int lanes) {
     for (int i = 0; i < lanes; ++i) {
@@ -114,7 +116,7 @@ INLINE void gather_slots(block *b, int lanes) {
     }
 }
 
-/* In [0, 1], whatever u is. */
+/* Wraps u; the result is in [0, 1] for any u. */
 INLINE void wrap(float *u, const uint32_t *mode, int lanes) {
     for (int i = 0; i < lanes; ++i) {
         const float at = u[i], repeated = at - floorf(at), twice = at - 2 * floorf(0.5f * at);
@@ -126,8 +128,8 @@ INLINE void wrap(float *u, const uint32_t *mode, int lanes) {
     }
 }
 
-/* The level whose texels are as wide as the footprint, and the share of the next one. log2 is taken as linear
- * between powers of two, which is off by less than 0.09. */
+/* Finds the level whose texels are as wide as the footprint, and the weight of the next level. log2 is
+ * approximated as linear between powers of two; the error is below 0.09. */
 INLINE void find_levels(block *b, int lanes) {
     for (int i = 0; i < lanes; ++i) {
         const uint32_t side = b->across[i] > b->down[i] ? b->across[i] : b->down[i];
@@ -142,7 +144,7 @@ INLINE void find_levels(block *b, int lanes) {
     }
 }
 
-/* Takes the second of two with probability `share`; *chance is then uniform in [0,1) anew. */
+/* Takes the second of two with probability `share`, and rescales *chance to be uniform in [0,1) again. */
 INLINE bool second_by(float *chance, float share) {
     const bool second = *chance < share;
     *chance = second ? *chance / share : (*chance - share) / (1 - share);
@@ -156,10 +158,10 @@ INLINE void choose_levels(block *b, int lanes) {
     }
 }
 
-/* The size of a level, as pyramid_plan() has it. */
+/* The size of a level, as in pyramid_plan(). */
 INLINE uint32_t side_of(uint32_t side, uint32_t level) { return side >> level ? side >> level : 1; }
 
-/* Two texels next to each other around t of a side. */
+/* Finds the two texels whose centres are next to t along a side, and the weight of the second one. */
 INLINE void find_pairs(const block *b, uint32_t next, const float *t, const uint32_t *side,
                        const uint32_t *mode, uint32_t (*to)[TEXTURE_BLOCK], float *share, int lanes) {
     for (int i = 0; i < lanes; ++i) {
@@ -174,13 +176,13 @@ INLINE void find_pairs(const block *b, uint32_t next, const float *t, const uint
     }
 }
 
-/* The texel that t is in. */
+/* The texel that contains t. */
 INLINE uint32_t nearest(float t, uint32_t size) {
     const uint32_t x = (uint32_t)(t * (float)size);
     return x < size ? x : size - 1;
 }
 
-/* One texel instead of four. */
+/* Chooses one texel instead of four. */
 INLINE void choose_texels(block *b, block_level *l, int lanes) {
     for (int i = 0; i < lanes; ++i) {
         if (b->filter[i] == FATHOM_TEXTURE_NEAREST) {
@@ -205,7 +207,7 @@ INLINE uint64_t place_of(uint64_t offset, uint64_t shift, uint32_t column, uint3
     return offset + ((uint64_t)(column + row) << shift);
 }
 
-/* From texels to their numbers. */
+/* Converts columns and rows to the numbers that give a texel's index. */
 INLINE void number_texels(const block *b, uint32_t next, block_level *l, int lanes) {
     for (int i = 0; i < lanes; ++i) {
         const uint32_t width = side_of(b->across[i], b->level[i] + next),
@@ -219,7 +221,8 @@ INLINE void number_texels(const block *b, uint32_t next, block_level *l, int lan
     }
 }
 
-/* Levels and texels are lanes of their own, because loops that read them by a pointer do not vectorise. */
+/* Copies the levels' offsets to lanes first, because loops that read them through a pointer do not
+ * vectorise. */
 INLINE void place_texels(const block *b, uint32_t next, block_level *l, int lanes) {
     uint64_t offset[TEXTURE_BLOCK], shift[TEXTURE_BLOCK];
     for (int i = 0; i < lanes; ++i) {
@@ -253,7 +256,7 @@ INLINE void find_texels(block *b, unsigned k, bool some_single, int lanes) {
 
 INLINE uint64_t chunk_of(uint64_t place) { return place >> PYRAMID_CHUNK_SHIFT; }
 
-/* The block's lookups that begin in the chunk, at least 1. */
+/* Number of the block's lookups whose first texel is in the chunk, at least 1. */
 static unsigned neighbours(const block *b, uint64_t chunk) {
     unsigned count = 0;
     for (unsigned i = 0; i < b->count; ++i) {
@@ -263,7 +266,7 @@ static unsigned neighbours(const block *b, uint64_t chunk) {
     return count ? count : 1;
 }
 
-/* Where texels may be read that are not in memory yet. False: the image is broken. */
+/* Gets the addresses of texels whose chunk may not be in memory. False: the image is broken. */
 static __attribute__((noinline, cold)) bool fetch(block *b, const block_level *of, unsigned lane,
                                                   const uint64_t *places, unsigned count,
                                                   const unsigned char **at) {
@@ -283,7 +286,7 @@ INLINE rgba_f32 between(const unsigned char *const at[4], float right, float bel
     return top + below * (low - top);
 }
 
-/* Each type has its own loop-free code. */
+/* Each type has its own code without a loop. */
 #define BY_TYPE(call, type, channels)                                                                        \
     switch ((type)) {                                                                                        \
     case IMAGE_TEXEL_U8: return (channels) == 1 ? call(IMAGE_TEXEL_U8, 1) : call(IMAGE_TEXEL_U8, 4);         \
@@ -325,7 +328,7 @@ static rgba_f32 single(block *b, unsigned i, bool *broken) {
 #undef CALL
 }
 
-/* The lookups in one of two levels. A function of its own, because its code is long. */
+/* The lookups in one of two levels. Not inlined, because its code is long. */
 static __attribute__((noinline)) void filter_level(block *b, unsigned k, rgba_f32 found[TEXTURE_BLOCK]) {
     for (unsigned i = 0; i < b->count; ++i) {
         bool broken = false;
@@ -342,7 +345,7 @@ static __attribute__((noinline)) void filter_level(block *b, unsigned k, rgba_f3
 
 /* ---- blocks ---- */
 
-/* All places first, so that memory has time to bring the texels. */
+/* Computes all addresses first, so that prefetched texels have time to arrive. */
 INLINE void filter_lanes(block *b, float rgba[4][TEXTURE_BLOCK], int lanes) {
     rgba_f32 found[TEXTURE_BLOCK];
     bool two = false, some_single = b->stochastic;

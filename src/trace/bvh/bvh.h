@@ -1,6 +1,6 @@
-/* The hand-written BVH gives exactly the answers of linear search. Boxes and leaves are float, as the world's
- * numbers are, so one structure serves every precision: a tree for each geometry, and one for each group over
- * its geometries; the root's also holds the instances. */
+/* The hand-written BVH gives exactly the hits of linear search. Boxes are float, like the world's
+ * coordinates, so one structure serves every precision. There is one tree per geometry, and one per group
+ * over its geometries; the root's tree also holds the instances. */
 #ifndef TRACE_BVH_H
 #define TRACE_BVH_H
 
@@ -8,7 +8,7 @@
 
 typedef struct bvh_node {
     float lower[3], upper[3];
-    uint32_t first; /* inner: its first child, the other follows; leaf: of its items */
+    uint32_t first; /* inner: index of its first child, the second follows; leaf: of its first item */
     uint32_t count; /* of items, at most BVH_LEAF; 0: an inner node */
 } bvh_node;
 
@@ -17,11 +17,12 @@ typedef struct bvh_node {
 typedef struct bvh_tree {
     const world_geometry *geometry; /* NULL: the tree of a group */
     bvh_node *nodes;                /* [0] is the root */
-    uint32_t node_count;            /* 0: nothing in it can be met */
+    uint32_t node_count;            /* 0: nothing in it can be hit */
     uint32_t *items;                /* primitives; of a group: its geometries, then the instances */
     uint32_t count;                 /* of items */
-    /* How far a ray may pass outside a box and still meet what is in it, and how much nearer along the ray:
-     * unit roundoffs of the ray's distance to the box, unit roundoffs of 1, and a length. bvh_text.h. */
+    /* Slack of the box tests: by how much a ray may miss a box and still hit something in it, and by how much
+     * nearer along the ray. spread: in unit roundoffs of the distance to the box; offset: in unit roundoffs
+     * of 1; reach: a length. See bvh_text.h. */
     double spread, offset, reach;
 } bvh_tree;
 
@@ -31,13 +32,13 @@ typedef struct bvh_tracer {
     bvh_tree *groups;
 } bvh_tracer;
 
-/* An item to be put into a tree. */
+/* Input of a build. */
 typedef struct bvh_item {
     float lower[3], upper[3];
     uint32_t id;
 } bvh_item;
 
-/* Fills the nodes from the items, which it reorders. `go_on` may be NULL; false: FATHOM_INTERRUPTED. */
+/* Builds the nodes and reorders the items. `go_on` may be NULL; if it returns false: FATHOM_INTERRUPTED. */
 typedef struct bvh_build {
     fathom_context *context;
     bool (*go_on)(void *user, double fraction);

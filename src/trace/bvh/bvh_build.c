@@ -1,5 +1,5 @@
-/* Builds one tree from the top down. The surface area heuristic over 16 bins along each axis finds the
- * cheapest split (Wald 2007, On fast construction of SAH-based bounding volume hierarchies). */
+/* Builds one tree from the top down. Each split minimises the surface area heuristic over 16 bins per axis
+ * (Wald 2007, On fast construction of SAH-based bounding volume hierarchies). */
 #include "base/array.h"
 #include "trace/bvh/bvh.h"
 
@@ -7,7 +7,8 @@
 #include <string.h>
 
 #define BINS 16
-/* Below this level items are halved: the traversal's stack holds 48 + log2(2^32 / 4) levels. */
+/* Below this level, items are split at the median index, because the traversal stack holds 48 + log2(2^32 /
+ * 4) levels. */
 #define SPLIT_LEVELS 48
 
 /* ---- boxes ---- */
@@ -25,7 +26,7 @@ static void box_join(box *b, const float lower[3], const float upper[3]) {
     }
 }
 
-/* Half the surface. Double: squares of floats do not overflow. */
+/* Half the surface area. In double, squares of floats do not overflow. */
 static double box_area(const box *b) {
     double x = (double)b->upper[0] - (double)b->lower[0], y = (double)b->upper[1] - (double)b->lower[1],
            z = (double)b->upper[2] - (double)b->lower[2];
@@ -41,7 +42,7 @@ static float item_center(const bvh_item *item, int axis) {
 typedef struct bins {
     box boxes[3][BINS];
     uint32_t counts[3][BINS];
-    float begin[3], scale[3]; /* scale 0: all centres are in one place */
+    float begin[3], scale[3]; /* scale 0: all centres are equal */
 } bins;
 
 static unsigned bin_of(const bins *b, const bvh_item *item, int axis) {
@@ -67,7 +68,7 @@ static void bins_fill(bins *b, const bvh_item *items, uint32_t count, const box 
 
 static double side_cost(const box *b, uint32_t count) { return count ? box_area(b) * (double)count : 0; }
 
-/* The cheapest split along one axis: items of bins below *at go to the first side. */
+/* Returns the cost of the cheapest split along one axis: items of bins below *at go to the first side. */
 static double axis_cost(const bins *b, int axis, unsigned *at) {
     double above[BINS], best = HUGE_VAL;
     box side = nothing;
@@ -87,7 +88,7 @@ static double axis_cost(const bins *b, int axis, unsigned *at) {
     return best;
 }
 
-/* Reorders the items; returns how many are on the first side, never 0 nor all. */
+/* Reorders the items. Returns the number on the first side, never 0 or all. */
 static uint32_t split(bvh_item *items, uint32_t count, const box *centers, unsigned level) {
     bins b;
     int axis = -1;
@@ -123,10 +124,10 @@ typedef struct builder {
     bool stopped;
 } builder;
 
-/* Nodes over fewer items do not ask whether to go on: they take less than 10 ms. */
+/* Nodes with fewer items do not call go_on(): they take less than 10 ms. */
 #define ASK_LEAST 65536
 
-/* The items before `begin` are done. */
+/* Reports progress: the items before `begin` are done. False: stop. */
 static bool go_on(builder *b, uint32_t begin, uint32_t end) {
     if (begin && end - begin < ASK_LEAST) return true;
     const bvh_build *build = b->build;
@@ -134,7 +135,7 @@ static bool go_on(builder *b, uint32_t begin, uint32_t end) {
     return !b->stopped;
 }
 
-/* The node `at` over items [begin, end), and all below it. False: out of memory, or stopped. */
+/* Builds the node `at` over items [begin, end), and its subtree. False: out of memory, or stopped. */
 static bool build_node(builder *b, uint32_t at, uint32_t begin, uint32_t end, unsigned level) {
     box bounds = nothing, centers = nothing;
     for (uint32_t i = begin; i < end; ++i) {

@@ -1,40 +1,41 @@
-/* Going through the trees with one ray: the one text that bvh_trace.c stamps for each precision. Included
- * with REAL, FN(name), ABS and UNIT defined.
+/* BVH traversal with one ray. bvh_trace.c includes this file once per precision, with REAL, FN(name), ABS and
+ * UNIT defined.
  *
- * No box may be culled that holds a primitive which the linear search meets (the aim of Ize 2013, Robust BVH
- * Ray Traversal, JCGT 2(2)). For triangles and quads that holds to the last bit, without any slack: the
- * watertight test shears each vertex, X = fl(fl(x - ox) - fl(sx fl(z - oz))), and meets the triangle only if
- * the origin lies in the hull of its sheared vertices. Rounding is monotonic, so the same operations on the
- * box's faces bound the X of every vertex in it; the triangle is met only if these bounds hold 0. The same
- * goes for Y. A box is thus cut away by the rectangle around its shadow along the ray, and needs no division.
+ * A box must not be culled if it holds a primitive that linear search hits (the aim of Ize 2013, Robust BVH
+ * Ray Traversal, JCGT 2(2)). For triangles and quads this is exact, without any slack. The watertight test
+ * shears each vertex, X = fl(fl(x - ox) - fl(sx fl(z - oz))), and hits the triangle only if the origin lies
+ * in the hull of the sheared vertices. Rounding is monotonic, so the same operations on the box's faces bound
+ * the X of every vertex in it, and a hit requires that these bounds contain 0. The same holds for Y. So a box
+ * is culled by the bounding rectangle of its projection along the ray, without a division.
  *
- * Along the ray: the reported depth is that of A plus positive weights of at most 1 in sum times differences
- * to it, so it lies between the vertices' depths up to 14 units of the largest: 6 of the differences, each
- * at most twice the largest, 1 of the sum, and the rest in second order. 16 units stand for them and for
- * rounding here. It is only the depth that is bounded so: the t of a sliver may lie well outside of the
- * other two slabs. Hence boxes are put in order, and cut off behind the best hit, by their depth alone.
+ * Along the ray: the reported depth is the depth of A plus differences to it, with positive weights whose sum
+ * is at most 1. So it lies between the vertices' depths, up to 14 units of the largest: 6 from the
+ * differences, each at most twice the largest, 1 from the sum, and the rest of second order. We use 16 units,
+ * which cover the rounding here too. Only the depth has this bound: the t of a sliver may lie well outside
+ * the other two slabs. So boxes are sorted, and culled behind the best hit, by their depth only.
  *
- * Spheres, F the largest coordinate of the box as seen from the ray's origin, |f| <= √3 F the distance to the
- * centre, u a unit: where the form is sure, the point at the reported t satisfies |P - C|² = R² + δD with
- * |δD| <= 51 u |f| R (sphere_text.h), so it lies within 26 u |f| of the sphere; c / q is off by 54 u for c,
- * by δD / q <= 102 u |f|, since q >= √c >= R / 2, and a few u for the rest: together 256 u |f|. Where it is
- * not sure, the wider precision decides, whose own error is negligible, even √u R where both roots vanish;
- * quadruple has no wider one, so there double's units are taken. Shearing adds 5 u F: 512 u F holds all of
- * it.
+ * Spheres, with F the largest coordinate of the box relative to the ray's origin, |f| <= √3 F the distance to
+ * the centre, and u the unit roundoff: if sphere_plain() is sure, the point at the reported t satisfies |P -
+ * C|² = R² + δD with |δD| <= 51 u |f| R (sphere_text.h), so it lies within 26 u |f| of the sphere; the error
+ * of c / q is 54 u from c, δD / q <= 102 u |f|, since q >= √c >= R / 2, and a few u for the rest: together
+ * 256 u |f|. If it is not sure, the wider precision decides; its error is negligible, even √u R where both
+ * roots vanish. Quadruple has no wider precision, so we use double's units there. Shearing adds 5 u F: 512 u
+ * F covers everything.
  *
- * Instances: a ray is carried into the object's space with 4 units of each product for origin and direction,
- * with M the map, B and T the largest coordinate in the world and of M's translation: 4 u (|M| (F + B) + T)
- * and 4 u |M| 3 F. Shearing there adds 5 u |M| F. Carried back, all grow by |M⁻¹|: 21 u κ F + 4 u (κ B +
- * |M⁻¹| T), κ = |M| |M⁻¹|; 32 and 8 units hold it with shearing here. The slack of the object's own tree
- * grows by κ. A sliver's t may lie outside its box by the box's extent, `reach` in the world. */
+ * Instances: transforming a ray to object space costs 4 units of each product, for origin and direction. With
+ * M the matrix, B the largest coordinate in the world and T that of M's translation, these are 4 u (|M| (F +
+ * B) + T) and 4 u |M| 3 F. Shearing there adds 5 u |M| F. Transformed back, all of these grow by |M⁻¹|: 21 u
+ * κ F + 4 u (κ B + |M⁻¹| T), κ = |M| |M⁻¹|; 32 and 8 units cover this and the shearing here. The slack of the
+ * object's own tree grows by κ. A sliver's t may lie outside its box by up to the box's extent, which is
+ * `reach` in the world. */
 
-/* The ray as the boxes of one tree see it. */
+/* The ray, prepared for the box tests of one tree. */
 typedef struct FN(bvh_view) {
-    REAL ox, oy, oz, sx, sy; /* turned, so that z is the axis of the ray */
+    REAL ox, oy, oz, sx, sy; /* axes permuted so that z is the ray's main axis */
     int x, y, z;
     bool up;                    /* the ray runs along +z */
     REAL spread, offset, reach; /* of the tree */
-    REAL length, near;          /* |dz|; depths below cannot matter */
+    REAL length, near;          /* |dz|; the minimum depth of a hit */
 } FN(bvh_view);
 
 static inline FN(bvh_view) FN(bvh_view_make)(const FN(search) * s, const bvh_tree *tree) {
@@ -58,13 +59,14 @@ static inline FN(bvh_view) FN(bvh_view_make)(const FN(search) * s, const bvh_tre
     return v;
 }
 
-/* Depths above cannot matter: t <= best means depth <= best |dz| (1 + 2 u), and rounding takes 3 more. */
+/* The maximum depth that still matters: t <= best means depth <= best |dz| (1 + 2 u); rounding adds 3 u
+ * more. */
 static inline REAL FN(bvh_limit)(const FN(search) * s, const FN(bvh_view) * v) {
     return (s->met ? s->best.t : s->t_max) * v->length * (1 + 8 * UNIT);
 }
 
-/* True if anything in the box can be met before `limit`; *depth: no nearer than that. Comparisons are such
- * that a NaN, from infinities, never hides a box. */
+/* True if the ray may hit something in the box before `limit`. *depth: lower bound of its depth. The
+ * comparisons are written so that a NaN (from infinities) never culls a box. */
 static inline bool FN(bvh_meets)(const FN(bvh_view) * v, const bvh_node *node, REAL limit, REAL *depth) {
     REAL x0 = (REAL)node->lower[v->x] - v->ox, x1 = (REAL)node->upper[v->x] - v->ox;
     REAL y0 = (REAL)node->lower[v->y] - v->oy, y1 = (REAL)node->upper[v->y] - v->oy;
@@ -107,8 +109,8 @@ static inline void FN(bvh_leaf)(FN(search) * s, const bvh_tracer *tracer, const 
             FN(bvh_part)(s, tracer, tree->items[i]);
 }
 
-/* Depth first, the nearer child first. A child that begins exactly at the best hit is still visited: what is
- * in it may be as near, and earlier in the world's order. */
+/* Depth first, the nearer child first. A child that begins exactly at the best hit is still visited: it may
+ * hold a hit at the same t that comes earlier in world order. */
 static void FN(bvh_walk)(FN(search) * s, const bvh_tracer *tracer, const bvh_tree *tree) {
     struct {
         REAL depth;

@@ -1,10 +1,11 @@
 #include "trace/bvh/bvh.h"
 #include "trace/search.h"
 
-/* A waiting node for each level: 48 splits of bvh_build.c, then halvings of at most 2^32 items. */
+/* One pending node per level: 48 levels of splits in bvh_build.c, then halvings of at most 2^32 items. */
 #define BVH_STACK 80
 
-/* Flushed denormals move a depth by a few smallest normal floats; the lengths of scenes are above. */
+/* Flushed denormals change a depth by a few times the smallest normal float. This is larger, and smaller than
+ * lengths in scenes. */
 #define TINY 0x1p-120f
 
 #define REAL float

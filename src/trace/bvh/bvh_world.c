@@ -1,4 +1,4 @@
-/* From the world to trees: the boxes of everything, and how far they can be trusted. */
+/* Builds the trees of a world: the boxes of all items, and the slack of their tests. */
 #include "base/array.h"
 #include "trace/bvh/bvh.h"
 #include "trace/search.h"
@@ -20,9 +20,9 @@ static void item_add(bvh_item *item, vec3_f32 p) {
     }
 }
 
-/* ---- boxes of primitives; false: never met ---- */
+/* ---- boxes of primitives; false: never hit ---- */
 
-/* The float beyond the double: outward by at least half a unit. */
+/* A float strictly below or above x, by at least half an ulp. */
 static float below(double x) { return nextafterf((float)x, -INFINITY); }
 static float above(double x) { return nextafterf((float)x, INFINITY); }
 
@@ -37,7 +37,7 @@ static bool sphere_box(const world_sphere *s, bvh_item *item) {
     return true;
 }
 
-/* Triangles and quads with a corner that is not finite are never met. */
+/* Triangles and quads with a corner that is not finite are never hit. */
 static bool primitive_box(const world *w, const world_geometry *geometry, uint32_t k, bvh_item *item) {
     if (geometry->kind == WORLD_SPHERES) return sphere_box(&w->spheres.items[geometry->first + k], item);
     vec3_f32 v[4];
@@ -62,7 +62,7 @@ static fathom_status fill_items(const bvh_build *build, const item_array *items,
 static fathom_status build_geometry(const bvh_build *build, const world *w, uint32_t index, bvh_tree *tree) {
     const world_geometry *geometry = &w->geometries.items[index];
     *tree = (bvh_tree){.geometry = geometry};
-    /* The point of a reported hit on a sphere lies within 256 units of the distance of it (bvh_text.h). */
+    /* A reported hit point lies within 256 unit roundoffs of the distance from its sphere (bvh_text.h). */
     if (geometry->kind == WORLD_SPHERES) tree->spread = 512;
     item_array items = {0};
     if (!array_room(&items, geometry->count))
@@ -81,7 +81,8 @@ static fathom_status build_geometry(const bvh_build *build, const world *w, uint
 
 /* ---- the tree of a group ---- */
 
-/* The largest sum of a row: how much longer the linear part can make the largest coordinate of a vector. */
+/* The largest row sum of the linear part: bounds how much the map enlarges the largest coordinate of a
+ * vector. */
 static double norm(const affine_f64 *map) {
     double most = 0;
     for (int r = 0; r < 3; ++r)
@@ -95,8 +96,8 @@ static double largest_of(const float a[3], const float b[3]) {
     return most;
 }
 
-/* The box of an instance in the world, and what its rays' roundings add to the tree's slack: see bvh_text.h.
- * Where a map cannot be inverted, the box holds everything. */
+/* Sets the world box of an instance, and adds the rounding of its rays to the tree's slack: see bvh_text.h.
+ * If the map cannot be inverted, the box contains everything. */
 static void instance_box(const world_instance *instance, const bvh_tree *inside, bvh_item *item,
                          bvh_tree *tree) {
     affine_f64 to_object, to_world;
@@ -168,7 +169,7 @@ static fathom_status build_group(const bvh_build *build, bvh_tracer *tracer, uin
     return status;
 }
 
-/* ---- all of it ---- */
+/* ---- the world ---- */
 
 static fathom_status build_world(const bvh_build *build, bvh_tracer *tracer) {
     const world *w = tracer->base.world;
@@ -179,7 +180,7 @@ static fathom_status build_world(const bvh_build *build, bvh_tracer *tracer) {
     fathom_status status = FATHOM_OK;
     for (uint32_t g = 0; g < w->geometries.count && status == FATHOM_OK; ++g)
         status = build_geometry(build, w, g, &tracer->geometries[g]);
-    /* The root's group is the first and holds the others. */
+    /* The root group comes first in the array and is built last, because it contains the others. */
     for (uint32_t g = (uint32_t)w->groups.count; g-- > 0 && status == FATHOM_OK;)
         status = build_group(build, tracer, g);
     return status;

@@ -1,4 +1,4 @@
-/* The Embree tracer: the device, its settings and its reports. */
+/* The Embree tracer: the device, its settings and its callbacks. */
 #include "trace/embree/embree.h"
 
 #include "base/threads.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- the device's reports; from any thread ---- */
+/* ---- the device's callbacks; from any thread ---- */
 
 static void on_error(void *user, enum RTCError code, const char *text) {
     embree_tracer *tracer = user;
@@ -18,7 +18,7 @@ static void on_error(void *user, enum RTCError code, const char *text) {
     snprintf(tracer->error_text, sizeof tracer->error_text, "%s", text ? text : "");
 }
 
-/* False, and Embree stops with an error, where more would be held than is allowed. */
+/* False if the limit would be exceeded; Embree then stops with an error. */
 static bool on_memory(void *user, ssize_t bytes, bool post) {
     embree_tracer *tracer = user;
     int64_t held = atomic_fetch_add(&tracer->bytes, (int64_t)bytes) + (int64_t)bytes;
@@ -30,12 +30,12 @@ static bool on_memory(void *user, ssize_t bytes, bool post) {
 
 /* ---- choices ---- */
 
-/* Low quality saves building time and costs tracing time. Measured on displaced spheres at 1280x720 with two
- * lights (2.8 million expected rays a sample), it is faster for build and render together up to 25 samples a
+/* Low quality saves build time and costs tracing time. Measured on displaced spheres at 1280x720 with two
+ * lights (2.8 million expected rays per sample), build and render together are faster up to 25 samples per
  * pixel at 70 thousand triangles, 23 at 150 thousand, 44 at 360 thousand, 48 at 1 million, 113 at 2.5 million
- * and 223 at 8 million, in processor time; 6, 22, 29, 29, 72 and 123 by the clock. The saving grows with the
- * triangles, the cost of a ray with about their square root. More threads shrink both alike. */
-#define LOW_QUALITY_RAYS 150e6 /* of a million primitives */
+ * and 223 at 8 million, in processor time; in wall time 6, 22, 29, 29, 72 and 123. The saving is proportional
+ * to the triangles, the cost of a ray to about their square root. More threads reduce both equally. */
+#define LOW_QUALITY_RAYS 150e6 /* at a million primitives */
 
 trace_quality trace_quality_auto(uint64_t expected_rays, const world *w) {
     double primitives = (double)w->instances.count;
@@ -57,8 +57,8 @@ static enum RTCBuildQuality build_quality(const trace_spec *spec, const trace_op
     return RTC_BUILD_QUALITY_MEDIUM;
 }
 
-/* Embree 3 splits a packet wider than its kernels and then traces lanes that are not valid, on whose numbers
- * it can abort. So calls are no wider than the kernels. */
+/* Embree 3 splits a packet that is wider than its kernels. It then also traces invalid lanes and can abort on
+ * their numbers. So calls are never wider than the kernels. */
 unsigned embree_call_width(const embree_tracer *tracer, unsigned asked) {
     RTCDevice device = tracer->device;
     if (asked >= 16 && rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) return 16;
@@ -67,8 +67,8 @@ unsigned embree_call_width(const embree_tracer *tracer, unsigned asked) {
     return 1;
 }
 
-/* Embree does not report its kernels: their widths tell pairs of instruction sets apart, the processor which
- * of the two. */
+/* Embree does not report its instruction set. The packet widths narrow it down to two; the processor and
+ * `most` decide between these. */
 static const char *isa_name(RTCDevice device, isa_set most) {
 #if defined(__x86_64__)
     if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) return "AVX-512";
@@ -85,9 +85,9 @@ static const char *isa_name(RTCDevice device, isa_set most) {
 }
 
 /* ---- threads ----
- * Embree's scheduler ends the process when it cannot start a thread that it expects, also when the last
- * device is released. So it may use only threads that the system grants, and where these are fewer than asked
- * for, devices are never released. */
+ * Embree's scheduler ends the process if it cannot start an expected thread, also when the last device is
+ * released. So Embree gets only as many threads as the system grants. If these are fewer than wanted, devices
+ * are never released. */
 
 static atomic_bool scarce;
 
@@ -117,7 +117,7 @@ static void destroy(trace_tracer *base) {
     free(tracer);
 }
 
-/* An Embree without a kind of geometry reports nothing: every ray misses. */
+/* If Embree was built without a kind of geometry, it reports no error, and every ray misses. */
 static fathom_status check_device(const embree_tracer *tracer) {
     static const struct {
         enum RTCDeviceProperty property;
@@ -154,12 +154,12 @@ static fathom_status open_device(embree_tracer *tracer) {
     return check_device(tracer);
 }
 
-/* The filters for wide packets use the instructions of the kernels for them. */
+/* The filter must match the packet width: it uses the same instructions as the kernels of that width. */
 static void choose_calls(embree_tracer *tracer) {
     static const unsigned widths[] = {0, 1, 4, 8, 16};
     unsigned asked = widths[tracer->spec.calls];
-    /* Embree's packets and single rays interpolate places by different instructions. Packets are taken apart
-     * by what other rays do, so only single rays have one answer. */
+    /* Embree's packets and single rays interpolate transforms with different instructions, and packets split
+     * depending on the other rays. So only single rays give reproducible hits. */
     if (tracer->base.world->moves) asked = 1;
     tracer->width = embree_call_width(tracer, asked ? asked : tracer->options->width);
     if (tracer->spec.ties == TRACE_SETTLED) tracer->filter = embree_filter(tracer->width);
@@ -197,7 +197,7 @@ fathom_status embree_create(fathom_context *context, const world *w, const trace
     if (!tracer) return fail_memory(context, sizeof *tracer);
     tracer->base.ops = &ops;
     tracer->kernels = embree_kernels_best();
-    tracer->base.retry = w->moves ? NULL : embree_retry(spec); /* it has no times */
+    tracer->base.retry = w->moves ? NULL : embree_retry(spec); /* it does not support motion */
     tracer->base.self = &tracer->base;
     tracer->base.world = w;
     tracer->base.unit = 0x1p-24;
@@ -209,8 +209,8 @@ fathom_status embree_create(fathom_context *context, const world *w, const trace
     if (status == FATHOM_OK) {
         choose_calls(tracer);
         tracer->quality = build_quality(&tracer->spec, options, w);
-        /* At low quality trees depend on the threads, and Embree's hits on moving shapes by a rounding on
-         * them. */
+        /* At low quality trees depend on the threads, and Embree's hits on moving shapes depend on the tree
+         * by a rounding. */
         if (w->moves && tracer->quality == RTC_BUILD_QUALITY_LOW) tracer->quality = RTC_BUILD_QUALITY_MEDIUM;
         status = embree_build(tracer);
     }

@@ -13,7 +13,7 @@
 #include <string.h>
 
 /* Ray and geometry masks: for camera and mirrored rays, for shadow rays, and for the rays of embree_repair.c,
- * which meet Embree's own triangles alone. */
+ * which test only Embree's own triangles. */
 #define EMBREE_SEEN 1u
 #define EMBREE_SHADOWS 2u
 #define EMBREE_MESHES 4u
@@ -25,18 +25,18 @@ typedef struct embree_tracer {
     trace_tracer base;
     const embree_kernels *kernels;
     RTCDevice device;
-    RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
+    RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL if empty or never used */
     uint32_t *halved; /* by the world's geometries, 1: its quads are Embree's triangles; NULL: none are */
-    few_spheres *few; /* the root's spheres, which are not in the scene; NULL: they are */
+    few_spheres *few; /* the root's spheres, kept out of the scene; NULL: they are in it */
     const few_kernels *few_kernels;
     sphere_clusters *clusters; /* by the world's geometries: of the spheres that are in scenes; NULL: none */
     enum RTCBuildQuality quality;
     unsigned width;            /* rays in one call, no more than the kernels take */
-    trace_reach reach;         /* of the rays that are given to Embree */
+    trace_reach reach;         /* of the rays that Embree may get */
     RTCFilterFunctionN filter; /* NULL: ties are not settled */
     _Atomic int64_t bytes;     /* held by Embree, and by clusters */
-    _Atomic int64_t peak;      /* the most of it */
-    uint64_t most_bytes;       /* that it may hold; 0: no limit */
+    _Atomic int64_t peak;      /* maximum of `bytes` */
+    uint64_t most_bytes;       /* limit of `bytes`; 0: none */
     _Atomic int error;         /* the first RTCError that the device reported */
     char error_text[256];      /* its message; written once, by the thread that set error */
     fathom_context *context;   /* while building */
@@ -48,27 +48,27 @@ typedef struct embree_tracer {
 
 /* ---- embree_limits.c ---- */
 
-/* Takes compact structures where the usual ones do not fit into options->memory and the caller named none.
- * FATHOM_OUT_OF_RESOURCES where nothing fits. */
+/* Switches to compact structures if the usual ones exceed options->memory and the caller chose none.
+ * FATHOM_OUT_OF_RESOURCES if nothing fits. */
 fathom_status embree_fit_memory(embree_tracer *tracer);
 
 /* ---- embree_build.c ---- */
 
-/* Fills tracer->scenes. FATHOM_INTERRUPTED when progress said stop. */
+/* Fills tracer->scenes. FATHOM_INTERRUPTED when progress returned false. */
 fathom_status embree_build(embree_tracer *tracer);
 
 /* ---- embree_shapes.c ---- */
 
-/* User geometry over the hand-written intersectors; NULL when Embree is out of memory. geometry: the world's.
- */
+/* User geometry that calls the hand-written intersectors; NULL when Embree is out of memory. geometry: the
+ * world's index. */
 RTCGeometry embree_user_geometry(const embree_tracer *tracer, uint32_t geometry);
 
 /* ---- embree_native.c ---- */
 
-/* True if Embree's own intersectors answer for the geometry. */
+/* True if Embree's own intersectors handle the geometry. */
 bool embree_is_native(const trace_spec *spec, const world *w, const world_geometry *geometry);
 /* True for quads that are traced as triangles, primitives 2 k and 2 k + 1 for quad k: only in robust scenes,
- * since in others rays slip through where the halves meet. */
+ * because in others rays slip through between the halves. */
 bool embree_is_halved(const trace_spec *spec, const world *w, const world_geometry *geometry);
 
 /* Embree's own triangles, of a mesh or of quads; NULL when Embree is out of memory. */
@@ -76,7 +76,8 @@ RTCGeometry embree_native_geometry(RTCDevice device, const world *w, const world
 
 /* ---- embree_settle.c: which of several candidates is the closest hit ---- */
 
-/* Candidates within half the window of the best are put to the vote. */
+/* Candidates within half the window of the best one are compared by the reference intersector
+ * (embree_vote.h). */
 #define EMBREE_WINDOW (1 + 0x1p-14f)
 #define EMBREE_HALF_WINDOW (1 + 0x1p-15f)
 
@@ -84,27 +85,27 @@ RTCGeometry embree_native_geometry(RTCDevice device, const world *w, const world
 typedef struct embree_call {
     embree_context context;         /* first, so that a callback's context is the call */
     _Alignas(64) float best[LANES]; /* nearest t offered so far */
-    float far[LANES];               /* t_far as it was asked */
-    int tied[LANES];                /* not 0: the answer may not be the only one */
+    float far[LANES];               /* t_far of the query */
+    int tied[LANES];                /* not 0: the hit is ambiguous; see embree_settle.c */
     struct embree_vote *vote;       /* not NULL: the call settles one tied ray */
-    bool raw;                       /* nothing is noted: the nearest stays, or the last of those */
+    bool raw;                       /* no ties are recorded: the nearest candidate wins, of equals the last */
 } embree_call;
 
 /* The filter for triangles in calls of this width. */
 RTCFilterFunctionN embree_filter(unsigned width);
 
-/* A candidate of a user geometry at t, its hit in rows of n numbers: returns the ray's new t_far. */
+/* Offers a candidate of a user geometry at t; `hit` has rows of n numbers. Returns the ray's new t_far. */
 float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned n, float t);
 
-/* Embree takes no component of a direction for less than 1e-18 where it tests boxes. */
+/* In box tests, Embree clamps the magnitude of each direction component to at least 1e-18. */
 #define EMBREE_LEAST_DIRECTION 0x1p-58f
 
-/* Decides a tied lane anew, with its t_far as asked. */
+/* Traces a tied lane again and decides it. t_far: of the original query. */
 void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lane, float t_far);
 
 /* ---- embree_way.c ---- */
 
-/* How a block goes to Embree: rays in a packet, and whether to its kernels for coherent packets. */
+/* How a block is passed to Embree: rays per packet, and whether its kernels for coherent packets are used. */
 typedef struct embree_way {
     unsigned width;
     bool coherent;
@@ -115,7 +116,7 @@ embree_way embree_way_any(const embree_tracer *tracer, trace_coherence coherence
 
 /* ---- embree.c ---- */
 
-/* The widest packet, up to `asked`, that Embree's kernels take whole. */
+/* The widest packet, up to `asked`, that Embree's kernels process as a whole. */
 unsigned embree_call_width(const embree_tracer *tracer, unsigned asked);
 
 /* ---- embree_trace.c ---- */
@@ -126,11 +127,10 @@ typedef struct embree_asked {
     float t_near[LANES], t_far[LANES];
 } embree_asked;
 
-/* Our intervals are open, Embree's may be closed. The far end becomes the last float inside (infinity and
- * numbers that are not positive stay). A triangle may be met at t_near itself, so the t that comes back is
- * moved inside; Embree's t is off by more than that. A ray that starts in a triangle has a t of exactly 0,
- * which is no hit: so t_near is at least the smallest positive number on threads that flush denormals to
- * zero. */
+/* Our intervals are open, Embree's may be closed. So Embree gets the last float below t_far (infinity and
+ * non-positive numbers stay). Embree may report a triangle hit at t_near itself; such a t is moved inside, by
+ * less than Embree's own error. A ray that starts in a triangle gets t = 0 exactly, which is no hit: so
+ * Embree's t_near is at least the smallest normal float, on threads that flush denormals to zero. */
 static inline float embree_last_inside(float t_far) {
     uint32_t bits;
     memcpy(&bits, &t_far, sizeof bits);
@@ -156,13 +156,13 @@ typedef struct embree_packets {
     _Alignas(64) uint32_t rows[EMBREE_PACKET_ROWS * LANES];
 } embree_packets;
 _Static_assert(EMBREE_RAY_ROWS + EMBREE_HIT_ROWS <= EMBREE_PACKET_ROWS, "a packet's rows");
-/* The one whose first ray is the block's lane `first`. */
+/* The packet whose first ray is the block's lane `first`. */
 static inline uint32_t *embree_packet(embree_packets *packets, unsigned first) {
     return &packets->rows[EMBREE_PACKET_ROWS * first];
 }
 
-/* How far the directions of a block are from its first, |Δx| + |Δy| + |Δz| over the first's |x| + |y| + |z|;
- * see embree_way.c. */
+/* Difference between the directions of a block and its first: |Δx| + |Δy| + |Δz| divided by the first's |x| +
+ * |y| + |z|. See embree_way.c. */
 #define EMBREE_ALIKE 0.05f
 #define EMBREE_SIMILAR 0.5f
 typedef enum embree_spread {
@@ -173,15 +173,15 @@ typedef enum embree_spread {
 
 /* The work on a block before and after Embree's call; kernels/embree_block.c. */
 struct embree_kernels {
-    /* Marks the lanes to trace, those in Embree's range and whose interval is not empty, and makes their
-     * intervals Embree's. */
+    /* Marks the lanes to trace (within Embree's range, with a non-empty interval) and converts their
+     * intervals to Embree's. */
     void (*prepare)(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
                     int valid[LANES]);
-    /* The same, and prepares the call except its context, vote and raw. False: nothing is done, because
-     * stretch.h must scale directions first. scaled: it has. */
+    /* Same, and prepares the call except its context, vote and raw. False: nothing was done, because
+     * stretch.h must scale the directions first. scaled: they are already scaled. */
     bool (*begin_closest)(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
                           embree_asked *asked, embree_call *call);
-    /* Sets t_far, and t_near as it was. True when lanes are tied. */
+    /* Sets t_far and restores t_near. True when some lanes are tied. */
     bool (*end_closest)(trace_block *block, unsigned lanes, const embree_asked *asked, embree_call *call);
     /* embree_join_half() for all hits of a block. */
     void (*join_halves)(const uint32_t *halved, trace_hits *hits, unsigned lanes);
@@ -189,7 +189,8 @@ struct embree_kernels {
                       embree_asked *asked);
     void (*end_any)(trace_rays *rays, unsigned lanes, const embree_asked *asked);
     embree_spread (*spread)(const trace_rays *rays, unsigned lanes);
-    /* To packets of 1, 4 or 8, and t_far and the hits back, for all sixteen lanes. hits may be NULL. */
+    /* split: copies all sixteen lanes to packets of 1, 4 or 8 rays. join: copies t_far and the hits back.
+     * hits may be NULL. */
     void (*split)(const trace_rays *rays, const trace_hits *hits, unsigned width, embree_packets *out);
     void (*join)(const embree_packets *from, unsigned width, trace_rays *rays, trace_hits *hits);
 };
@@ -197,7 +198,7 @@ const embree_kernels *embree_kernels_best(void);
 /* Closest hits of a prepared block, in packets of the way's width. */
 void embree_closest_packets(const embree_tracer *tracer, trace_block *block, const int *valid, unsigned lanes,
                             const embree_way *way, embree_context *context, RTCFilterFunctionN filter);
-/* Turns Embree's ids of an instance and a geometry of the group's scene into the world's. */
+/* Converts Embree's ids of an instance and a geometry in the group's scene to the world's ids. */
 static inline void embree_world_ids(const world *w, uint32_t group, uint32_t *instance, uint32_t *geometry) {
     if (*instance != RTC_INVALID_GEOMETRY_ID) {
         *instance -= w->groups.items[0].count;
@@ -205,8 +206,8 @@ static inline void embree_world_ids(const world *w, uint32_t group, uint32_t *in
     }
     *geometry += w->groups.items[group].first;
 }
-/* A hit of the world's geometry: where that is quads in halves, its primitive, u and v become the quad's.
- * Returns the half, else 0. */
+/* For a hit on a quad that is traced as two triangles: converts primitive, u and v to the quad's, and returns
+ * the half, 0 or 1. Other hits stay, and it returns 0. */
 static inline uint32_t embree_join_half(const embree_tracer *tracer, uint32_t geometry, uint32_t *primitive,
                                         float *u, float *v) {
     if (!tracer->halved || !tracer->halved[geometry]) return 0;
@@ -215,7 +216,7 @@ static inline uint32_t embree_join_half(const embree_tracer *tracer, uint32_t ge
     *primitive /= 2;
     return half;
 }
-/* One ray, and no hit yet. */
+/* A single ray without a hit. */
 static inline struct RTCRayHit embree_alone(vec3_f32 org, vec3_f32 dir, float t_near, float t_far,
                                             uint32_t mask) {
     return (struct RTCRayHit){
@@ -230,7 +231,7 @@ static inline struct RTCRayHit embree_alone(vec3_f32 org, vec3_f32 dir, float t_
                 .mask = mask},
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
 }
-/* True if packets of 16 coherent shadow rays may hang Embree. */
+/* True if packets of 16 coherent shadow rays may make Embree hang. */
 bool embree_may_hang(const embree_tracer *tracer);
 
 void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
@@ -239,9 +240,9 @@ void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, tr
 
 /* ---- embree_spheres.c ---- */
 
-/* Sets tracer->few where few spheres are to be tested there. */
+/* Sets tracer->few if the root has few enough spheres and shapes are not `user`. */
 fathom_status embree_spheres_choose(embree_tracer *tracer);
-/* Tests the spheres after Embree's answer, whose hits have the world's ids. Needs tracer->few. */
+/* Tests the spheres after Embree's call. The block's hits already have the world's ids. Needs tracer->few. */
 void embree_spheres_closest(const embree_tracer *tracer, trace_block *block, unsigned lanes,
                             const embree_asked *asked);
 void embree_spheres_any(const embree_tracer *tracer, trace_rays *rays, unsigned lanes,
@@ -249,7 +250,7 @@ void embree_spheres_any(const embree_tracer *tracer, trace_rays *rays, unsigned 
 
 /* ---- embree_repair.c ---- */
 
-/* NULL where the tracer's own triangles are not Embree's, or where it answers raw. */
+/* NULL if Embree does not intersect the triangles itself, or if hits are not settled (TRACE_RAW). */
 const trace_retry *embree_retry(const trace_spec *spec);
 
 #endif

@@ -1,7 +1,7 @@
-/* Embree 3.13 and 4 behind one interface: no other file knows which it is.
+/* Embree 3.13 and 4 behind one interface. No other file depends on the version.
  *
- * Version 3 passes flags and filter in a context, version 4 in separate arguments; the callbacks get a
- * pointer to the context in both, so what a call carries lies behind the context in a larger struct. */
+ * Version 3 passes flags and filter in a context, version 4 in separate arguments; callbacks get a pointer to
+ * the context in both. So the data of a call follows the context in a larger struct. */
 #ifndef TRACE_EMBREE_API_H
 #define TRACE_EMBREE_API_H
 
@@ -17,8 +17,8 @@ typedef struct RTCRayQueryContext embree_context;
 typedef struct RTCIntersectContext embree_context;
 #define EMBREE_SCENE_FLAG_FILTER RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
 /* Debian 12's build (3.13.5, gcc 12): the AVX-512 kernels for coherent occlusion of 16 rays over instances,
- * and over triangles that are both compact and robust, keep the 16-bit mask of rays still to do in a 64-bit
- * slot whose upper bits are whatever the stack held, and loop until it is zero. */
+ * and over triangles that are both compact and robust, keep the 16-bit mask of remaining rays in a 64-bit
+ * stack slot. Its upper bits are uninitialised, and the kernels loop until the whole slot is zero. */
 #define EMBREE_COHERENT_16_MAY_HANG true
 #else
 #error "Fathom needs Embree 3.13 or 4"
@@ -28,7 +28,7 @@ typedef struct RTCIntersectContext embree_context;
 _Static_assert(RTC_MAX_INSTANCE_LEVEL_COUNT == 1, "Embree built for nested instances");
 _Static_assert(RTC_INVALID_GEOMETRY_ID == FATHOM_NONE, "no hit and no id are the same number");
 
-/* A block is handed over as it is when 16 rays go at once. */
+/* Calls with 16 rays pass the block itself, without a copy. */
 _Static_assert(sizeof(struct RTCRay16) == sizeof(trace_rays), "rays");
 _Static_assert(offsetof(struct RTCRay16, tnear) == offsetof(trace_rays, t_near), "t_near");
 _Static_assert(offsetof(struct RTCRay16, dir_x) == offsetof(trace_rays, dir_x), "dir");
@@ -49,7 +49,7 @@ _Static_assert(_Alignof(struct RTCRayHit16) <= _Alignof(trace_block), "alignment
 _Static_assert(offsetof(struct RTCHit16, instPrimID) == offsetof(trace_hits, reserved), "reserved");
 #endif
 
-/* Packets of any width N are rows of N numbers: 12 of the ray, then those of the hit. */
+/* A packet of width N consists of rows of N numbers: 12 rows for the ray, then those of the hit. */
 enum {
     EMBREE_ROW_ORG = 0,
     EMBREE_ROW_T_NEAR = 3,
@@ -80,9 +80,8 @@ _Static_assert(offsetof(struct RTCRayHit, hit) == sizeof(struct RTCRay), "the hi
     default: call##1(__VA_ARGS__); break;                                                                    \
     }
 
-/* embree_intersect(): closest hits of `width` rays, 1, 4, 8 or 16; `filter`, unless NULL, is called for each
- * candidate on Embree's own shapes.
- * embree_occluded(): sets t_far of rays that meet anything to -infinity. */
+/* embree_intersect(): closest hits of `width` rays (1, 4, 8 or 16). `filter`, unless NULL, is called for each
+ * candidate on Embree's own shapes. embree_occluded(): sets t_far of rays that hit anything to -infinity. */
 #if FATHOM_EMBREE_MAJOR == 4
 
 static inline void embree_context_init(embree_context *context) { rtcInitRayQueryContext(context); }

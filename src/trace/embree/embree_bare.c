@@ -46,7 +46,7 @@ static void trace_block_bare(const embree_tracer *tracer, bare_query query, embr
     }
 }
 
-/* User geometry's callbacks take every context for an embree_call. */
+/* The context must be an embree_call, because the callbacks of user geometry expect one. */
 void embree_bare_trace(const trace_tracer *base, bare_query query, bare_block *blocks, size_t count) {
     const embree_tracer *tracer = (const embree_tracer *)base;
     embree_call call;

@@ -1,11 +1,12 @@
-/* Embree's calls alone: rays are brought into Embree's form beforehand, and answers stay in it. Any renderer
- * on Embree must spend this time on the same rays; the tracer is measured against it. */
+/* Embree's calls alone: rays are converted to Embree's layout beforehand, and results stay in it. Every
+ * renderer that uses Embree spends at least this time on the same rays; the benchmark compares the tracer
+ * with it. */
 #ifndef TRACE_EMBREE_BARE_H
 #define TRACE_EMBREE_BARE_H
 
 #include "trace/trace.h"
 
-/* Numbers for each ray in packets of fewer than 16: 12 of the ray, at most 9 of the hit, and padding. */
+/* Numbers for each ray in packets of fewer than 16: 12 for the ray, at most 9 for the hit, and padding. */
 #define EMBREE_BARE_ROWS 24
 
 /* Up to 16 rays: one packet, or several narrower ones in a row. */
@@ -21,14 +22,15 @@ typedef struct bare_block {
 
 typedef enum bare_query { BARE_CLOSEST, BARE_ANY } bare_query;
 
-/* True for Embree's tracers: others have no bare form. */
+/* True for Embree's tracers. Other tracers have no bare form. */
 bool embree_bare_possible(const trace_tracer *tracer);
-/* The first `lanes` rays as the tracer would hand them over: masks, valid lanes, t_far, width and kernels. */
+/* Prepares the first `lanes` rays as the tracer would: masks, valid lanes, t_far, packet width and
+ * kernels. */
 void embree_bare_load(const trace_tracer *tracer, bare_query query, trace_coherence coherence,
                       const trace_rays *rays, unsigned lanes, bare_block *out);
-/* The calls, over the tracer's own scene: same flags, same build. */
+/* Makes the calls on the tracer's own scene, with the same flags and the same build. */
 void embree_bare_trace(const trace_tracer *tracer, bare_query query, bare_block *blocks, size_t count);
-/* How many rays of a traced block met something. */
+/* Number of rays of a traced block that hit something. */
 unsigned embree_bare_met(bare_query query, const bare_block *block);
 
 #endif

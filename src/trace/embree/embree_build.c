@@ -1,4 +1,4 @@
-/* From the world to Embree's scenes: one for each group, instances in the root. */
+/* Builds Embree's scenes from the world: one for each group, with the instances in the root. */
 #include "reference/reference.h"
 #include "trace/embree/embree.h"
 
@@ -8,7 +8,7 @@
 
 /* ---- errors and progress ---- */
 
-/* Embree 3 knows a bad_alloc of its own code by its text alone. */
+/* Embree 3 reports a bad_alloc of its own code as an unknown error; only the text identifies it. */
 static bool lacked_memory(int error, const char *text) {
     return error == RTC_ERROR_OUT_OF_MEMORY ||
            (error == RTC_ERROR_UNKNOWN && (strstr(text, "bad_alloc") || strstr(text, "out of memory")));
@@ -36,8 +36,8 @@ static bool on_progress(void *user, double fraction) { return go_on(user, fracti
 
 /* ---- geometries ---- */
 
-/* Masks are set for every geometry: Embree 3 begins with all bits, Embree 4 with one. So is the quality: a
- * scene of low quality builds each mesh by its geometry's own. */
+/* Sets the mask of every geometry, because the default is all bits in Embree 3 and one bit in Embree 4. Sets
+ * the quality too: a scene of low quality builds each mesh with its geometry's own quality. */
 static void attach(embree_tracer *tracer, RTCScene scene, RTCGeometry geometry, uint32_t id, unsigned mask) {
     if (!geometry) return;
     rtcSetGeometryBuildQuality(geometry, tracer->quality);
@@ -54,7 +54,7 @@ static unsigned geometry_mask(const embree_tracer *tracer, const world_geometry 
     return mask | EMBREE_SHADOWS | (mesh ? EMBREE_MESH_SHADOWS : 0);
 }
 
-/* True if a geometry of the group is tested next to the scene. */
+/* True if a geometry of the group is in tracer->few, not in the scene. */
 static bool is_few(const embree_tracer *tracer, const world_group *group, const world_geometry *geometry) {
     return tracer->few && group == &tracer->base.world->groups.items[0] && geometry->kind == WORLD_SPHERES;
 }
@@ -114,9 +114,8 @@ static void attach_instances(embree_tracer *tracer, RTCScene root) {
 
 /* ---- scenes ---- */
 
-/* Robust unless asked otherwise: it costs packets next to nothing. Never together with the compact flag: with
- * both, occlusion of coherent packets does not return on AVX-512. The filter flag costs nothing until a call
- * brings a filter. */
+/* Robust by default: it costs packets almost nothing. Never robust and compact together: with both, occlusion
+ * of coherent packets does not return on AVX-512. The filter flag costs nothing in calls without a filter. */
 static enum RTCSceneFlags scene_flags(const trace_spec *spec) {
     enum RTCSceneFlags filter = spec->ties == TRACE_SETTLED ? EMBREE_SCENE_FLAG_FILTER : RTC_SCENE_FLAG_NONE;
     switch (spec->flags) {
@@ -189,7 +188,7 @@ static bool find_halved(embree_tracer *tracer) {
     return tracer->halved != NULL;
 }
 
-/* Sorts all spheres that scenes will hold into clusters. */
+/* Groups all spheres of the scenes into clusters. */
 static fathom_status make_clusters(embree_tracer *tracer, const bool *placed) {
     const world *w = tracer->base.world;
     fathom_status status = FATHOM_OK;
@@ -212,7 +211,7 @@ static fathom_status make_clusters(embree_tracer *tracer, const bool *placed) {
     return status;
 }
 
-/* The intersectors for user geometry know no times. */
+/* The intersectors of user geometry do not support motion. */
 static fathom_status check_moving(const embree_tracer *tracer) {
     const world *w = tracer->base.world;
     for (uint32_t g = 0; w->moves && g < w->geometries.count; ++g) {

@@ -20,7 +20,7 @@ typedef struct run {
     size_t count;
 } run;
 
-/* Runs that threads share. */
+/* The number of runs that are split in parallel. */
 enum { LEVELS = 6, RUNS = 1 << LEVELS };
 
 typedef struct run_list {
@@ -41,8 +41,8 @@ static unsigned longest_axis(const run *r) {
     return x >= y ? (x >= z ? 0 : 2) : (y >= z ? 1 : 2);
 }
 
-/* Puts the `first` smallest along the axis in front (Hoare's selection). The pivots are drawn by a fixed
- * sequence, so that no order of a file is the worst case. */
+/* Moves the `first` smallest items along the axis to the front (Hoare's selection). Pivots come from a fixed
+ * pseudo-random sequence, so that no usual order of spheres is the worst case. */
 static void select_first(const run *r, size_t first, unsigned axis) {
     item *a = r->items;
     ptrdiff_t low = 0, high = (ptrdiff_t)r->count - 1, k = (ptrdiff_t)first;
@@ -66,8 +66,8 @@ static void select_first(const run *r, size_t first, unsigned axis) {
     }
 }
 
-/* Halves the run along its longest axis again and again, each time at a whole number of clusters, down to
- * single clusters, or to runs that are left in the list. */
+/* Halves the run along its longest axis recursively, always at a multiple of CLUSTER, down to single
+ * clusters. With `left`, it stops after `levels` levels and appends the remaining runs to the list. */
 static void halve(const run *r, unsigned levels, run_list *left) {
     if (r->count <= CLUSTER) return;
     if (left && !levels) {
@@ -112,7 +112,7 @@ static void fill(void *user, size_t begin, size_t end, unsigned worker) {
     }
 }
 
-/* With the margin of its bounds, too. */
+/* True if Embree can hold the sphere, including the margin of its bounds. */
 static bool holdable(const world_sphere *s) {
     return world_reach_of(s->center) + fabsf(s->radius) < REACH_LARGEST * (1 - 0x1p-8f);
 }

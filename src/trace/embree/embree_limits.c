@@ -9,22 +9,22 @@
 
 /* ---- memory ---- */
 
-/* Embree 3.13.5 on a displaced sphere, bytes a triangle beyond the mesh's own: of 2 and 8 million triangles
- * the usual structures keep 68 and 63 and pass 35 and 32 while they are built; at low quality they keep 92
- * and pass 12, which is the same at the most. Compact ones keep 36 and pass 2; at low quality, 50 and 22. Of
- * less than a million, compact ones pass as much as the usual, and some megabytes. Quads are two triangles.
- */
+/* Embree 3.13.5 on a displaced sphere, in bytes per triangle in addition to the mesh. With 2 and 8 million
+ * triangles, the usual structures keep 68 and 63 bytes, and need 35 and 32 more during the build; at low
+ * quality 92 and 12, with the same peak. Compact ones keep 36 and need 2 more; at low quality 50 and 22.
+ * Below a million triangles, compact ones need as much during the build as the usual ones, plus some
+ * megabytes. A quad counts as two triangles. */
 static const trace_need usual_need = {68, 36}, compact_need = {37, 4};
 
-/* In clusters (embree_clusters.h), of 0.2 to 10 million: the usual structures keep 36 to 37 and pass 2 to 5,
- * compact ones save 2. */
+/* Per sphere in clusters (embree_clusters.h), for 0.2 to 10 million spheres: the usual structures keep 36 to
+ * 37 bytes and need 2 to 5 more during the build; compact ones save 2. */
 static const trace_need sphere_need = {37, 6};
 
-/* Measured on one and two million instances of one triangle; includes what Embree allocates without reporting
- * it. */
+/* Per instance, measured on one and two million instances of one triangle. Includes memory that Embree does
+ * not report. */
 static const trace_need instance_need = {440, 120};
 
-/* A mesh with flat triangles has its indices copied, quads have indices and corners; see embree_native.c. */
+/* Copies made in embree_native.c: the indices of a mesh with flat triangles; indices and corners of quads. */
 static double copied_bytes(const world_geometry *geometry) {
     double indices = 3 * sizeof(uint32_t) * (double)geometry->count;
     if (geometry->kind == WORLD_QUADS) return 2 * indices + sizeof(world_quad) * (double)geometry->count;
@@ -68,13 +68,15 @@ fathom_status embree_fit_memory(embree_tracer *tracer) {
     double need = total(trace_need_of(w, chosen)), less = total(trace_need_of(w, true));
     tracer->base.foreseen_bytes = (uint64_t)need;
     if (!tracer->options->memory) return FATHOM_OK;
-    /* Embree reserves up to twice the memory it uses. The limit catches estimates that are far off. */
+    /* Embree reserves up to twice the memory it uses. This limit only catches estimates that are far too
+     * low. */
     tracer->most_bytes = 2 * tracer->options->memory + RESERVE;
     if (need <= room) return FATHOM_OK;
     if (!free_to_choose || less > room) return refuse(tracer, free_to_choose ? less : need);
     tracer->base.foreseen_bytes = (uint64_t)less;
     tracer->spec.flags = TRACE_SCENE_COMPACT;
-    tracer->spec.quality = TRACE_QUALITY_MEDIUM; /* low passes as much as the usual structures */
+    tracer->spec.quality = TRACE_QUALITY_MEDIUM; /* low needs as much during the build as the usual
+                                                    structures */
     warn(tracer->context,
          "the usual acceleration structure would take about %.2f GB, and %.2f GB are left after program, "
          "meshes and image: a compact one of %.2f GB is built, which is slower to trace",
@@ -82,13 +84,14 @@ fathom_status embree_fit_memory(embree_tracer *tracer) {
     return FATHOM_OK;
 }
 
-/* ---- how far rays may start ----
+/* ---- how far away rays may start ----
  *
- * Embree may abort on a ray with a coordinate beyond its largest, in the space of an instance too: there an
- * origin has coordinates of up to s |o| + |m|, and a direction s |d|, s the largest sum of a row of the map,
- * m its translation. Rays from beyond the reach are not given to Embree, so all there is must lie within. */
+ * Embree may abort on a ray with a coordinate beyond its limit, also in the space of an instance. There an
+ * origin has coordinates of up to s |o| + |m| and a direction of up to s |d|, with s the largest row sum of
+ * the matrix and m its translation. Rays beyond the reach are not passed to Embree, so the whole world must
+ * lie within it. */
 
-static const float limit = REACH_LARGEST / 2; /* and no NaN is below it */
+static const float limit = REACH_LARGEST / 2; /* a NaN is never below it */
 
 /* ---- what can be hit ---- */
 
@@ -102,7 +105,7 @@ static bool any_sphere(const world_sphere *spheres, uint32_t count) {
     return false;
 }
 
-/* True if anything in the geometry can be hit. */
+/* True if any primitive of the geometry can be hit. */
 static bool any_usable(const world *w, const world_geometry *geometry) {
     if (geometry->kind == WORLD_SPHERES)
         return any_sphere(&w->spheres.items[geometry->first], geometry->count);
@@ -145,7 +148,7 @@ static float group_size(const world *w, uint32_t index) {
 
 static float row_sum(const float m[4]) { return fabsf(m[0]) + fabsf(m[1]) + fabsf(m[2]); }
 
-/* The largest coordinate of what an instance places, at any step. */
+/* The largest world coordinate of an instance's contents, at any motion step. */
 static float instance_size(const world *w, uint32_t k, float size) {
     const world_instance *instance = &w->instances.items[k];
     const uint32_t steps = instance->moving ? w->motions.items[instance->moving - 1].steps : 1;
@@ -160,8 +163,8 @@ static float instance_size(const world *w, uint32_t k, float size) {
     return most;
 }
 
-/* The largest coordinate that Embree accepts; `sizes`: of the groups. Counts the instances that it leaves
- * out. */
+/* The largest coordinate of the world, among those that Embree accepts; `sizes`: of the groups. *left_out:
+ * number of instances that Embree leaves out. */
 static float world_size(const world *w, const bool *placed, const float *sizes, uint64_t *left_out) {
     float size = fminf(sizes[0], limit);
     *left_out = 0;
@@ -178,7 +181,7 @@ static float world_size(const world *w, const bool *placed, const float *sizes, 
 
 /* ---- the reach ---- */
 
-/* Lowers the reach until the instance is safe. */
+/* Lowers the reach so that rays stay within Embree's limit in the instance's space. */
 static void limit_rays(trace_reach *reach, const world_instance *instance) {
     for (int i = 0; i < 3; ++i) {
         const float *m = instance->to_object[i];
@@ -188,7 +191,7 @@ static void limit_rays(trace_reach *reach, const world_instance *instance) {
     }
 }
 
-/* At each step of an instance that moves. False: it does not fit float somewhere. */
+/* Does so for each step of a moving instance. False: at some step, float cannot invert the transform. */
 static bool limit_steps(const world *w, uint32_t k, trace_reach *reach) {
     const world_instance *instance = &w->instances.items[k];
     const uint32_t steps = instance->moving ? w->motions.items[instance->moving - 1].steps : 1;
@@ -203,7 +206,7 @@ static bool limit_steps(const world *w, uint32_t k, trace_reach *reach) {
     return fits;
 }
 
-/* A mesh far from the others has a frame of its own, which is no instance of the scene. */
+/* A mesh far from the others gets its own frame: an instance in the world, but not in the scene. */
 static fathom_status refuse_far_mesh(fathom_context *context, const world *w, const world_instance *instance,
                                      float size) {
     return fail(context, FATHOM_BAD_INPUT,
@@ -226,7 +229,7 @@ static fathom_status refuse_range(fathom_context *context, const world *w, const
         shrinks ? "scale its contents" : "place it nearer");
 }
 
-/* Directions of up to 2, which unit vectors and those of user rays are not, must be good anywhere. */
+/* Directions of length up to 2 must be valid in every instance; unit vectors and user rays stay below. */
 static fathom_status find(fathom_context *context, const world *w, const bool *placed, float size,
                           trace_reach *out) {
     *out = (trace_reach){limit, limit};

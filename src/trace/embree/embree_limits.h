@@ -8,15 +8,16 @@
 
 typedef struct trace_need {
     double kept;   /* bytes of Embree's finished structure, beyond the meshes themselves */
-    double passed; /* held in addition while it is built */
+    double passed; /* additional bytes during the build */
 } trace_need;
 
-/* Within a fifth for meshes of a million triangles and more. */
+/* Accurate to a fifth for meshes of a million triangles and more. */
 trace_need trace_need_of(const world *w, bool compact);
 
 /* ---- range ---- */
 
-/* Embree drops primitives whose coordinates are not below this; half of it leaves room for sums. */
+/* Embree drops primitives with coordinates not below this limit. We use half of it, to leave room for
+ * sums. */
 #define REACH_LARGEST 1.844e18f
 
 /* The largest coordinates of rays, as magnitudes. */
@@ -26,12 +27,12 @@ typedef struct trace_reach {
 
 bool reach_usable(vec3_f32 p);
 
-/* A flag for each group that is placed and holds something that can be hit; set for the root. Release with
- * free(). NULL when out of memory. */
+/* One flag per group: the group is used by the root or by an instance, and contains something that can be
+ * hit. Always set for the root. Release with free(). NULL when out of memory. */
 bool *reach_placed(const world *w);
 
-/* FATHOM_BAD_INPUT where an instance takes rays out of the range, or has a frame that Embree cannot invert in
- * float; warns of instances too far out to be seen. placed: from reach_placed(). */
+/* FATHOM_BAD_INPUT if an instance moves rays out of the range, or its transform cannot be inverted in float.
+ * Warns of instances that Embree leaves out because they are too far away. placed: from reach_placed(). */
 fathom_status reach_find(fathom_context *context, const world *w, const bool *placed, trace_reach *out);
 
 /* The same check without building anything. */

@@ -1,4 +1,4 @@
-/* Embree's own shapes over the world's numbers, and where they are used. */
+/* Embree's own triangles on the world's buffers, and the choice of where to use them. */
 #include "reference/reference.h"
 #include "trace/embree/embree.h"
 #include "trace/search.h"
@@ -6,19 +6,19 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- which ---- */
+/* ---- where Embree's triangles are used ---- */
 
-/* Embree's triangles are met by products of three lengths, two sides and a distance from the ray's origin, in
- * float: those of whole precision lie between 2^-102 and 2^127. In a mesh as large as c, with sides down to
- * c 2^-12 (16 million triangles over a ball) and seen from up to 2^18 c, that is from c = 2^-24 to 2^36. Our
- * own intersectors go on to wider numbers where they must. Quads are triangles, spheres are met by products
- * of two lengths, of four where the direction is as long. */
+/* Embree's triangle test multiplies three lengths in float: two sides and a distance from the ray's origin.
+ * The products have full precision between 2^-102 and 2^127. For a mesh of size c with sides down to c 2^-12
+ * (16 million triangles over a ball), seen from up to 2^18 c, this holds from c = 2^-24 to 2^36. Our own
+ * intersectors switch to wider numbers if necessary. Quads are triangles here. Spheres need products of two
+ * lengths, or four if the direction is as long. */
 static bool in_native_range(const world_geometry *geometry) {
     return geometry->largest == 0 || (geometry->largest >= 0x1p-24f && geometry->largest <= 0x1p36f);
 }
 
-/* A run of quads may hold small ones next to large ones. Those with sides down to 2^-34, seen from as near,
- * are met by products in the same range. A quad that is only a point is never met. */
+/* A run of quads may mix small and large ones. With sides down to 2^-34, seen from equally small distances,
+ * the products stay in the same range. A quad that is only a point is never hit. */
 static bool quads_in_native_range(const world_quad *quads, uint32_t count) {
     for (uint32_t k = 0; k < count; ++k) {
         const vec3_f32 *v = quads[k].corner;
@@ -36,7 +36,7 @@ bool embree_is_halved(const trace_spec *spec, const world *w, const world_geomet
            quads_in_native_range(&w->quads.items[geometry->first], geometry->count);
 }
 
-/* copy_indices() hides single flat triangles from Embree. */
+/* Meshes with some flat triangles are native too: copy_indices() hides these from Embree. */
 bool embree_is_native(const trace_spec *spec, const world *w, const world_geometry *geometry) {
     switch (geometry->kind) {
     case WORLD_SPHERES: return false;
@@ -48,8 +48,8 @@ bool embree_is_native(const trace_spec *spec, const world *w, const world_geomet
 
 /* ---- geometries ---- */
 
-/* In doubt Embree's robust mode meets triangles without area: rounding gives them a normal. It leaves out
- * triangles that name no vertex, so flat ones get indices of none. */
+/* Embree's robust mode may hit triangles without area, because rounding gives them a normal. Embree skips
+ * triangles with an invalid vertex index, so flat ones get such an index. */
 static bool copy_indices(RTCGeometry geometry, const fathom_mesh *mesh) {
     uint32_t *to = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                            3 * sizeof *to, mesh->triangle_count);
@@ -91,7 +91,8 @@ static RTCGeometry mesh_geometry(RTCDevice device, const fathom_mesh *mesh, bool
     return geometry;
 }
 
-/* The triangle of three corners of a quad; it names no vertex if it has no area or the quad is never met. */
+/* Sets the triangle of three corners of a quad. Its indices are invalid if it has no area or the quad can
+ * never be hit. */
 static void set_half(const world_quad *quad, bool met, const uint32_t corner[3], uint32_t first,
                      uint32_t out[3]) {
     const vec3_f32 *v = quad->corner;
@@ -104,9 +105,9 @@ static bool usable(const world_quad *quad) {
     return reach_usable(v[0]) && reach_usable(v[1]) && reach_usable(v[2]) && reach_usable(v[3]);
 }
 
-/* Quads as the triangles (0,1,3) and (2,3,1), among those of the meshes. Embree keeps a tree for each kind of
- * geometry, and every ray goes through all of them: one QUAD, or one box with a callback, next to a mesh
- * costs each ray a second tree. */
+/* Quads as the triangles (0,1,3) and (2,3,1), in the same tree as the meshes. Embree keeps one tree per kind
+ * of geometry, and every ray traverses all of them: a single QUAD or user box next to a mesh costs each ray a
+ * second traversal. */
 static RTCGeometry half_geometry(RTCDevice device, const world_quad *quads, uint32_t count) {
     static const uint32_t halves[2][3] = {{0, 1, 3}, {2, 3, 1}};
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);

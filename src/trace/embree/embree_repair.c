@@ -1,28 +1,29 @@
-/* Missed vertices found again.
+/* Finds hits that Embree missed at vertices.
  *
- * Embree's robust triangle test (Plücker coordinates relative to the ray's origin) decides each edge by a sum
- * that is off by a few units u of the distance times the edge's length, whatever the triangle's size. The two
- * triangles at an edge see the same sum, so edges hold. Around a vertex each edge of the fan errs by itself:
- * a ray that passes within a few u of the distance can find itself outside of every triangle. The reference
- * intersector cannot: it decides exactly on corners that it rounds once, the same for each triangle.
+ * Embree's robust triangle test (Plücker coordinates relative to the ray's origin) decides each edge by a
+ * sum. Its error is a few units u of the distance times the edge's length, whatever the triangle's size. The
+ * two triangles at an edge compute the same sum, so edges do not leak. Around a vertex, each edge of the fan
+ * has its own error: a ray that passes within a few u of the distance can be outside every triangle. The
+ * reference intersector has no such gaps: it decides exactly on corners that it rounds once, in the same way
+ * for each triangle.
  *
- * So a ray whose answer cannot be right (watertight.c tells which) is surrounded: sixteen rays around it, at
- * 2^-20 of the distance, sixteen times the error, find the triangles there as candidates, and the reference
- * intersector says which of them the ray itself meets. A triangle that is too narrow or too small for these,
- * or an instance's map that rounds more, is left to further rounds, with the rays turned and four times
- * farther out each time. */
+ * So a ray with an impossible hit (found by watertight.c) is surrounded: sixteen rays around it, at 2^-20 of
+ * the distance, sixteen times the error, find the nearby triangles as candidates. The reference intersector
+ * decides which of them the ray itself hits. If a triangle is too narrow or too small for these rays, or an
+ * instance's transform rounds more, further rounds follow, with the rays rotated and four times farther out
+ * each time. */
 #include "trace/embree/embree_vote.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A call that records all candidates and accepts none. Its rays' masks leave user geometry out, so no
- * callback but the filter ever sees it. */
+/* A call that records all candidates and accepts none. The ray masks exclude user geometry, so only the
+ * filter gets this context. */
 typedef struct gather {
     embree_context context; /* first, so that a callback's context is the gather */
-    embree_vote *vote;      /* either this */
-    trace_crossings *list;  /* or this */
+    embree_vote *vote;      /* either collect candidates here */
+    trace_crossings *list;  /* or list crossings here */
     bool out_of_memory;
 } gather;
 
@@ -57,7 +58,8 @@ static void gather_filter(const struct RTCFilterFunctionNArguments *args) {
 
 /* ---- surrounding a ray ---- */
 
-/* Sixteen rays on a cone around the lane's. In double: directions need not be unit, and may be huge. */
+/* Sixteen rays on a cone around the lane's ray. In double, because directions need not be unit and may be
+ * huge. */
 static void surround(const trace_rays *from, unsigned lane, unsigned round, trace_rays *out) {
     const double apart = ldexp(1, -20 + 2 * (int)round), step = 6.283185307179586 / LANES;
     vec3_f64 d = {(double)from->dir_x[lane], (double)from->dir_y[lane], (double)from->dir_z[lane]};
@@ -75,7 +77,7 @@ static void surround(const trace_rays *from, unsigned lane, unsigned round, trac
     }
 }
 
-/* True if the lane's own ray meets any of the triangles around it. */
+/* True if the lane's own ray hits any of the triangles around it. */
 static bool look_around(const embree_tracer *tracer, const trace_rays *rays, unsigned lane, unsigned round,
                         uint32_t mask, embree_vote *vote) {
     trace_block around;
@@ -108,7 +110,7 @@ static bool retry_any(const trace_tracer *tracer, trace_rays *rays, unsigned lan
     return true;
 }
 
-/* ---- all that a line crosses ---- */
+/* ---- all crossings of a line ---- */
 
 static int by_ids(const void *a, const void *b) {
     const trace_crossing *x = a, *y = b;
@@ -117,7 +119,7 @@ static int by_ids(const void *a, const void *b) {
     return (x->primitive > y->primitive) - (x->primitive < y->primitive);
 }
 
-/* Where a build splits triangles in space, both halves report. */
+/* If a build splits a triangle spatially, both parts report it: keeps one of each. */
 static void leave_one_each(trace_crossings *list) {
     size_t kept = 0;
     if (list->count) qsort(list->items, list->count, sizeof *list->items, by_ids);

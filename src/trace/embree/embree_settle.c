@@ -1,40 +1,41 @@
-/* One answer for every ray, however rays are grouped.
+/* Makes the hit of a ray independent of how rays are grouped.
  *
- * Embree's kernels agree to the last bit on whether a ray meets a triangle and at which t, but where two
- * candidates are equally near, the one visited last stays, and that depends on the kernel, on the other rays
- * of the packet and on the tree, whose layout at low build quality depends on the threads. Coherent packets
- * also skip a box that begins, rounded, behind the t at hand, so candidates a few units apart can change
- * places too. Both happen at every edge that two triangles share and wherever surfaces touch.
+ * Embree's kernels agree to the last bit on whether a ray hits a triangle and at which t. But if two
+ * candidates have equal t, the last one visited wins. That depends on the kernel, on the other rays of the
+ * packet and on the tree, whose layout at low build quality depends on the threads. Coherent packets also
+ * skip a box whose rounded start lies behind the current t, so candidates a few units apart can swap too.
+ * Both happen at every shared edge and wherever surfaces touch.
  *
- * So each candidate is noted when Embree accepts it, and the ray is kept longer than its best hit by
- * a window, within which further candidates are still seen. A ray that saw but one keeps it. A ray that saw
- * two is tied, and is asked once more, alone: the candidates within half the window of the best are put to
- * the vote of embree_vote.h.
+ * So the filter records each candidate that Embree accepts, and sets the ray's t_far beyond its best hit by a
+ * window, so that further candidates in it are still visited. If there was only one, it is the hit. If there
+ * were two, the ray is tied and is traced once more, alone: the vote of embree_vote.h decides between the
+ * candidates within half the window of the best.
  *
- * The window, 2^-14 of t, is 1024 units of roundoff. The t of a triangle is off by some 8 u / cos θ, θ the
- * angle to its normal, so half of it covers rays that graze at cos θ = 1/64. Differences between kernels were
- * measured up to 2e-6 of t, a fifteenth of that.
+ * The window, 2^-14 of t, is 1024 units of roundoff. The error of a triangle's t is about 8 u / cos θ, θ the
+ * angle to its normal, so half of the window covers grazing rays up to cos θ = 1/64. Measured differences
+ * between kernels are at most 2e-6 of t, a fifteenth of that.
  *
- * A ray along an axis, one that keeps a coordinate, gets to one side alone of a box's face in which it runs:
- * to which of two triangles at an edge in such a plane depends on the tree. So where such a ray meets an edge
- * it is asked once for each side, by directions that lean to it by less than rounding.
+ * A ray along an axis (with a constant coordinate) that runs in a face of a box enters only the box on one
+ * side of it. Which of the two triangles at an edge in such a plane it hits depends on the tree. So if such a
+ * ray hits an edge, it is traced once for each side, with directions that lean to that side by less than
+ * rounding.
  *
- * One case remains: a ray that passes an edge within rounding can be accepted by the triangle but skipped by
- * its box, which depends on kernel and tree. None of 4e7 random and camera rays did; of rays aimed at edges
- * and vertices, 2 in a million.
+ * One case remains: if a ray passes an edge within rounding, the triangle test may accept it although the
+ * traversal skips the triangle's box. This depends on kernel and tree. It happened to none of 4e7 random and
+ * camera rays; of rays aimed at edges and vertices, 2 in a million.
  *
- * Embree and the reference intersector still disagree about some edges. Both decide the side in float, each
- * off by a few units of the distance, so Embree may offer only the neighbour of what the reference meets: for
- * 24 of 4.9 million camera rays on a sphere of 100 thousand triangles, and for 78 on one of a million. Two of
- * those 78 pass the rim of what only the reference meets, and meet something farther. No filter sees what
- * Embree rejects, so no vote finds it. Kernels with and without fused products differ among themselves as
- * much. */
+ * Embree and the reference intersector still disagree about some edges. Both decide the side in float, with
+ * an error of a few units of the distance, so Embree may report only the neighbour of the triangle that the
+ * reference hits: for 24 of 4.9 million camera rays on a sphere of 100 thousand triangles, and for 78 on one
+ * of a million. Two of those 78 pass the rim of the only triangle that the reference hits, and hit something
+ * farther away. No filter sees the triangles that Embree rejects, so no vote finds them. Kernels with and
+ * without fused multiply-add differ from each other as often. */
 #include "base/kernel.h"
 #include "trace/embree/embree_vote.h"
 
 #include <math.h>
 
-/* ---- every ray: noting candidates ---- */
+/* ---- every ray: recording candidates ---- */
 
 float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned n, float t) {
     if (call->vote) embree_vote_consider(call->vote, hit, n, t);
@@ -44,7 +45,7 @@ float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned 
     return reach < call->far[lane] ? reach : call->far[lane];
 }
 
-/* Accepts every candidate and lengthens the ray again, as filters may. */
+/* Accepts every candidate and extends t_far again, which filters may do. */
 static __attribute__((noinline)) void filter_any(const struct RTCFilterFunctionNArguments *args) {
     embree_call *call = (embree_call *)args->context;
     unsigned n = args->N;
@@ -55,7 +56,7 @@ static __attribute__((noinline)) void filter_any(const struct RTCFilterFunctionN
         if (args->valid[i]) t_far[i] = embree_offer(call, ids[i], hit + i, n, t_far[i]);
 }
 
-/* True if the rays of a packet are a run of the block's lanes in order, as they are unless Embree regrouped
+/* True if the rays of a packet are consecutive lanes of the block in order. They are, unless Embree regrouped
  * them. */
 static inline __attribute__((always_inline)) bool in_order(const uint32_t *ids, unsigned n) {
     uint32_t first = ids[0] & (LANES - n), moved = 0;
@@ -63,7 +64,7 @@ static inline __attribute__((always_inline)) bool in_order(const uint32_t *ids, 
     return !moved;
 }
 
-/* The same for a packet of n rays, n known to the compiler, as a loop that vectorises. */
+/* Same for a packet of n rays. n is a compile-time constant, so the loop vectorises. */
 static inline __attribute__((always_inline)) void
 filter_packet(const struct RTCFilterFunctionNArguments *args, unsigned n) {
     embree_call *call = (embree_call *)args->context;
@@ -87,8 +88,8 @@ filter_packet(const struct RTCFilterFunctionNArguments *args, unsigned n) {
     }
 }
 
-/* Where Embree runs packets of 16 or 8 the processor has the instructions for them. Compares, selects and
- * products come out the same with all of them. */
+/* If Embree runs packets of 16 or 8, the processor has the instructions for them. Comparisons, selects and
+ * products give the same bits with every instruction set. */
 #if defined(__x86_64__)
 #define INSTRUCTIONS(isa) __attribute__((target(isa)))
 #else
@@ -106,7 +107,7 @@ RTCFilterFunctionN embree_filter(unsigned width) {
     return width == 16 ? filter_16 : (width == 8 ? filter_8 : filter_any);
 }
 
-/* ---- the tied ray asked again ---- */
+/* ---- tracing the tied ray again ---- */
 
 static void announce(trace_block *block, unsigned lane, float t_far, const embree_offered *winner) {
     block->rays.t_far[lane] = embree_move_inside(winner->t, block->rays.t_near[lane], t_far);
@@ -119,7 +120,7 @@ static void announce(trace_block *block, unsigned lane, float t_far, const embre
     hits->primitive[lane] = winner->ids[2];
 }
 
-/* Puts to the vote what the lane's ray meets in a direction of its own. */
+/* Traces the lane's ray with another direction; its candidates go to the vote. */
 static void ask(const embree_tracer *tracer, const trace_rays *r, unsigned lane, vec3_f32 dir, float t_far,
                 embree_vote *vote) {
     struct RTCRayHit alone =
@@ -130,7 +131,7 @@ static void ask(const embree_tracer *tracer, const trace_rays *r, unsigned lane,
     embree_intersect(1, NULL, tracer->scenes[0], &call.context, false, filter_any, &alone);
 }
 
-/* Asks on both sides of each coordinate that the ray keeps too small for Embree. */
+/* Each direction component that is below Embree's minimum is tried with both signs of that minimum. */
 void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lane, float t_far) {
     const trace_rays *r = &block->rays;
     const float straight[3] = {r->dir_x[lane], r->dir_y[lane], r->dir_z[lane]};
@@ -138,7 +139,7 @@ void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lan
     embree_vote_begin(&vote, tracer, r, lane, t_far);
     for (unsigned side = 0; side < 8; ++side) {
         float dir[3];
-        bool other = true; /* than those before it */
+        bool other = true; /* different from all earlier directions */
         for (unsigned k = 0; k < 3; ++k) {
             bool kept = fabsf(straight[k]) < EMBREE_LEAST_DIRECTION, below = side >> k & 1;
             dir[k] = !kept ? straight[k] : (below ? -EMBREE_LEAST_DIRECTION : EMBREE_LEAST_DIRECTION);

@@ -1,4 +1,4 @@
-/* Our shapes in Embree's BVH: bounds and callbacks over the hand-written intersectors. */
+/* Our shapes in Embree's BVH: bounds, and callbacks that call the hand-written intersectors. */
 #include "reference/reference.h"
 #include "trace/embree/embree.h"
 #include "trace/search.h"
@@ -6,24 +6,24 @@
 #include <string.h>
 
 /* ---- bounds ----
- * A box must hold every point at which the intersector can report a hit, or Embree skips the primitive where
- * the linear search meets it. With u = 2^-24, |f| the distance from the ray's origin and S the primitive's
- * size:
+ * A box must contain every point at which the intersector can report a hit; otherwise Embree skips a
+ * primitive that linear search hits. With u = 2^-24, |f| the distance from the ray's origin and S the
+ * primitive's size:
  *
- * Sphere, S = R: hit or miss is decided as double decides it, so the line of a reported hit meets the true
- * sphere, and Embree's own slack covers the rest. The point on it does stray: where the float form is sure,
- * |δD| <= 36 u |f| √(R² + l²) <= 51 u |f| R, so |P - C|² <= R² + |δD| and P lies within 26 u |f| of the
- * sphere.
+ * Sphere, S = R: hit or miss is decided as in double, so the line of a reported hit intersects the true
+ * sphere, and Embree's own slack covers the rest. But the hit point has an error: if sphere_plain() is sure
+ * in float, |δD| <= 36 u |f| √(R² + l²) <= 51 u |f| R, so |P - C|² <= R² + |δD| and P lies within 26 u |f| of
+ * the sphere.
  *
- * Quad and triangle, S = the longest side: the edge functions are exact on sheared corners, and a sheared
- * coordinate is off by at most u |f| from the difference, 2 u |f| from the shear's ratio, u |f| each from
- * product and difference: 5 u |f| along each of two axes, 8 u |f| together, and no more along the third.
+ * Quad and triangle, S = the longest side: the edge functions are exact on sheared corners. A sheared
+ * coordinate has an error of at most u |f| from the difference, 2 u |f| from the shear's ratio and u |f| each
+ * from product and difference: 5 u |f| along each of two axes, 8 u |f| together, and no more along the third.
  *
- * The margin S 2^-12 + |c| 2^-19, |c| the largest coordinate, is at least 26 u |f| as long as |f| is below
- * 157 S or below 1.2 |c|: rays from where the shape shows at more than a third of a degree, or from within
- * its own distance from the world's origin. Beyond, a sphere's point strays along the ray by |δ√D| <= √|δD|,
- * at most 7.2 √(u R / |f|) |f| / 5 = 1.44 √(u / 157) |f| < 2^-15 |f|: half the window in which
- * embree_settle.c keeps every candidate, so the closest hit is right all the same. */
+ * The margin S 2^-12 + |c| 2^-19, |c| the largest coordinate, is at least 26 u |f| if |f| is below 157 S or
+ * below 1.2 |c|: the shape subtends more than a third of a degree, or the ray starts closer to it than the
+ * world's origin is. Beyond, the error of a sphere's point along the ray is |δ√D| <= √|δD|, at most 7.2 √(u R
+ * / |f|) |f| / 5 = 1.44 √(u / 157) |f| < 2^-15 |f|. This is half the window in which embree_settle.c keeps
+ * every candidate, so the closest hit is still right. */
 static float margin(float size, float coordinate) { return size * 0x1p-12f + coordinate * 0x1p-19f; }
 
 static void bounds_set(struct RTCBounds *out, vec3_f32 lower, vec3_f32 upper, float m) {
@@ -32,7 +32,8 @@ static void bounds_set(struct RTCBounds *out, vec3_f32 lower, vec3_f32 upper, fl
     out->lower_z = nextafterf(lower.z - m, -INFINITY), out->upper_z = nextafterf(upper.z + m, INFINITY);
 }
 
-/* C - R and C + R round by u (|C| + R), a 32nd of the margin; the second part of a split sphere is less. */
+/* Rounding C - R and C + R costs u (|C| + R), a 32nd of the margin. The second part of a split sphere is
+ * smaller. */
 static void cluster_bounds(const struct RTCBoundsFunctionArguments *args) {
     const sphere_clusters *all = args->geometryUserPtr;
     const sphere_cluster *c = &all->items[args->primID];
@@ -46,7 +47,7 @@ static void cluster_bounds(const struct RTCBoundsFunctionArguments *args) {
     bounds_set(args->bounds_o, lower, upper, 0);
 }
 
-/* A shape with a corner that is not finite is never met; a box that is none leaves it out. */
+/* A shape with a corner that is not finite can never be hit. Embree skips it because its box is invalid. */
 static void flat_bounds(const vec3_f32 *v, int corners, struct RTCBounds *out) {
     const vec3_f32 none = {NAN, NAN, NAN};
     vec3_f32 lower = v[0], upper = v[0];
@@ -105,7 +106,7 @@ static void packet_record(const struct RTCIntersectFunctionNArguments *args, uin
         call->raw ? hit->t : embree_offer(call, packet_lane(p, i), row, p.n, hit->t);
 }
 
-/* The open end of the ray's interval: t_far as Embree has it is the last float inside. */
+/* The open end of the ray's interval: Embree's t_far is the last float inside. */
 static float packet_end(packet p, unsigned i) {
     uint32_t bits;
     memcpy(&bits, &p.ray[EMBREE_ROW_T_FAR * p.n + i], sizeof bits);
@@ -121,7 +122,7 @@ typedef struct shape {
     vec3_f32 corner[4];
 } shape;
 
-/* `quad` is a constant in each callback, so that only one shape's code is left in it. */
+/* `quad` is a constant in each callback, so that each contains only one shape's code. */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
 ALWAYS_INLINE shape shape_of(bool quad, const void *first, uint32_t primitive) {
@@ -174,7 +175,7 @@ CALLBACKS(triangle, false)
 
 /* ---- clusters of spheres ---- */
 
-/* One ray of a packet and the spheres of a cluster that it may meet, by the reference intersector. */
+/* One ray of a packet and the spheres of a cluster that it may hit, by the reference intersector. */
 typedef struct meeting {
     const sphere_clusters *all;
     const sphere_cluster *cluster;
@@ -182,7 +183,7 @@ typedef struct meeting {
     unsigned i;
     vec3_f32 org, dir;
     cluster_roots roots;
-    uint32_t left; /* bits of the spheres still to look at */
+    uint32_t left; /* bits: spheres still to test */
 } meeting;
 
 static inline void meet(meeting *m, const void *all, uint32_t primitive, packet p, unsigned i) {
@@ -192,7 +193,7 @@ static inline void meet(meeting *m, const void *all, uint32_t primitive, packet 
     m->left = (m->roots.met | m->roots.doubt) & m->cluster->lanes;
 }
 
-/* The next hit in the ray's interval as it is now; false: there is none. */
+/* Finds the next hit in the ray's present interval. False: none. */
 static inline bool next_hit(meeting *m, const world_sphere **sphere, uint32_t *primitive, float *t) {
     const float t_near = m->p.ray[EMBREE_ROW_T_NEAR * m->p.n + m->i], t_far = packet_end(m->p, m->i);
     while (m->left) {

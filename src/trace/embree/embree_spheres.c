@@ -1,4 +1,4 @@
-/* A few spheres tested next to Embree's answers; see embree_spheres.h. */
+/* A few spheres, tested after Embree's calls; see embree_spheres.h. */
 #include "base/kernel.h"
 #include "trace/embree/embree_vote.h"
 
@@ -47,14 +47,15 @@ static bool sphere_t(const world_sphere *sphere, const trace_rays *r, unsigned i
     return search_sphere_robust_f32(sphere, trace_org(r, i), trace_dir(r, i), r->t_near[i], t_far, t);
 }
 
-/* Lanes, as bits, to ask: of a block that is not whole, nothing is known of the others. */
+/* The valid lanes as bits. In a partial block, the unused lanes are undefined. */
 static unsigned lanes_of(const int valid[LANES]) {
     unsigned lanes = 0;
     for (unsigned i = 0; i < LANES; ++i) lanes |= (unsigned)(valid[i] & 1) << i;
     return lanes;
 }
 
-/* For the lanes that may meet the sphere, in a whole block. */
+/* Returns the lanes that may hit the sphere, as bits. A partial block is not tested here: all its lanes are
+ * in doubt. */
 static unsigned candidates(const embree_tracer *tracer, unsigned k, const trace_rays *rays, unsigned lanes,
                            bool whole, few_roots *roots) {
     if (whole)
@@ -73,8 +74,8 @@ static bool lane_t(const world_sphere *sphere, const trace_rays *rays, const few
 
 /* ---- a hit ---- */
 
-/* True if the sphere, met at t, comes before what the lane met until now: where both are about equally near,
- * by the reference's t of both, as embree_settle.c has it. */
+/* True if the sphere at t is nearer than the lane's present hit. If both are about equally near, compares the
+ * reference intersector's t of both, as embree_settle.c does. */
 static bool comes_first(const embree_tracer *tracer, const trace_block *block, unsigned lane, float t_far,
                         const uint32_t ids[3], float t) {
     const trace_hits *hits = &block->hits;
@@ -82,7 +83,7 @@ static bool comes_first(const embree_tracer *tracer, const trace_block *block, u
     if (hits->geometry[lane] == FATHOM_NONE) return true;
     const uint32_t other[3] = {hits->instance[lane], hits->geometry[lane], hits->primitive[lane]};
     bool settled = tracer->filter && t <= met * EMBREE_HALF_WINDOW && met <= t * EMBREE_HALF_WINDOW;
-    /* Where the reference has no t of its own, Embree's stands. */
+    /* If the reference intersector misses, Embree's t stays. */
     if (settled) (void)embree_vote_reference(tracer, &block->rays, lane, t_far, other, &met);
     return t < met || (t == met && search_comes_before_f32(ids, other));
 }
@@ -100,7 +101,7 @@ static void set_hit(trace_block *block, unsigned lane, const few_spheres *s, uns
 
 /* ---- a block ---- */
 
-/* The spheres `close` of a whole block, or of each lane: closest hits, or any where `block` is NULL. */
+/* Tests the spheres `close` (bits): closest hits, or any hits if `block` is NULL. */
 static void test_spheres(const embree_tracer *tracer, uint32_t close, trace_rays *rays, trace_block *block,
                          unsigned lanes, const embree_asked *asked) {
     const few_spheres *s = tracer->few;

@@ -1,9 +1,9 @@
-/* A few spheres of the root, tested next to Embree's trees as planes are.
+/* A few spheres of the root group, tested outside Embree's trees, as planes are.
  *
- * Embree keeps a tree for each kind of geometry, and every ray goes through all of them: ten spheres with
- * callbacks next to a mesh of a million triangles cost all rays 6 to 7 %, met or not (bench/README.md). Two
- * of AVX2's vectors hold sixteen spheres, which are tested against a whole block of rays; few blocks come
- * near one. */
+ * Embree keeps one tree per kind of geometry, and every ray traverses all of them. Ten spheres with callbacks
+ * next to a mesh of a million triangles therefore cost every ray 6 to 7 %, whether it hits them or not
+ * (bench/README.md). Here sixteen spheres fit in two AVX2 vectors. They are tested against a whole block of
+ * rays; few blocks come near one. */
 #ifndef TRACE_EMBREE_SPHERES_H
 #define TRACE_EMBREE_SPHERES_H
 
@@ -17,13 +17,13 @@ typedef struct few_spheres {
     const world_sphere *sphere[FEW_SPHERES_MOST];
     uint32_t geometry[FEW_SPHERES_MOST], primitive[FEW_SPHERES_MOST]; /* the world's */
     unsigned count;
-    uint32_t shadows; /* bit k: sphere k casts them */
+    uint32_t shadows; /* bit k: sphere k casts shadows */
 } few_spheres;
 
-/* The spheres of the world's root; false: there are none, or more than FEW_SPHERES_MOST. */
+/* Collects the spheres of the world's root group. False: none, or more than FEW_SPHERES_MOST. */
 bool few_gather(const world *w, few_spheres *out);
 
-/* Where the line of each lane meets a sphere, in order; `doubt`: lanes that float cannot decide. */
+/* Intersections of each lane's line with a sphere, near <= far; `doubt`: lanes that need more than float. */
 typedef struct few_roots {
     _Alignas(64) float near[LANES], far[LANES];
     uint32_t met, doubt; /* bits, one for each lane */
@@ -31,9 +31,10 @@ typedef struct few_roots {
 
 /* kernels/spheres_block.c */
 typedef struct few_kernels {
-    /* A ray of a packet, its rows `stride` floats apart. Bits of lanes that are not in use mean nothing. */
+    /* Intersects one ray of a packet, whose rows are `stride` floats apart. Output bits of unused lanes are
+     * undefined. */
     void (*cluster)(const sphere_cluster *cluster, const float *ray, size_t stride, cluster_roots *out);
-    /* Spheres, as bits, that rays of a whole block may meet before t_far. */
+    /* Returns a bit for each sphere that some ray of the block may hit before t_far. */
     uint32_t (*close)(const few_spheres *spheres, const trace_rays *rays);
     void (*roots)(const world_sphere *sphere, const trace_rays *rays, few_roots *out);
 } few_kernels;

@@ -1,4 +1,4 @@
-/* Blocks of rays to Embree's calls and back: whole where the call takes 16, else in packets. */
+/* Passes blocks of rays to Embree and gets the hits: whole blocks if a call takes 16 rays, else packets. */
 #include "base/kernel.h"
 #include "trace/embree/embree.h"
 #include "trace/stretch.h"
@@ -27,8 +27,8 @@ void embree_closest_packets(const embree_tracer *tracer, trace_block *block, con
     tracer->kernels->join(&packets, width, &block->rays, &block->hits);
 }
 
-/* Turns Embree's ids of hits into the world's. Without instances there is one group, whose geometries come
- * first. */
+/* Converts Embree's ids of hits to the world's. Without instances there is only one group, and the ids are
+ * equal. */
 static void translate(const embree_tracer *tracer, trace_hits *hits, unsigned lanes) {
     const world *w = tracer->base.world;
     for (unsigned i = 0; w->instances.count && i < lanes; ++i) {
@@ -45,7 +45,7 @@ static void settle(const embree_tracer *tracer, trace_block *block, unsigned lan
     }
 }
 
-/* False where directions have to be scaled first. */
+/* False if directions must be scaled first. */
 static bool closest_block(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
                           trace_coherence coherence) {
     embree_asked asked;

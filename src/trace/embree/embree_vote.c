@@ -29,9 +29,8 @@ bool embree_vote_reference(const embree_tracer *tracer, const trace_rays *rays, 
     return true;
 }
 
-/* True when the reference meets a sphere well before the t that Embree offers. Then Embree, by its own
- * rounding, has lost the near root to the near end of the interval. It offers the far root,
- * which is another hit. */
+/* True when the reference intersector hits a sphere well before Embree's t. Then Embree's rounding has put
+ * the near root before the interval's start, and it reports the far root, which is a different hit. */
 static bool is_far_root(const embree_vote *vote, const embree_offered *c) {
     return vote->tracer->base.world->geometries.items[c->ids[1]].kind == WORLD_SPHERES &&
            vote->search.best.t * EMBREE_HALF_WINDOW < c->t;
@@ -46,7 +45,7 @@ static void put_to_reference(embree_vote *vote, const embree_offered *c) {
         vote->met = *c;
 }
 
-/* On equal t the first in world order, so that the order of the visits decides nothing. */
+/* On equal t the first in world order, so that the order of visits does not matter. */
 static bool is_nearer(const embree_offered *a, const embree_offered *b) {
     if (a->t != b->t) return a->t < b->t;
     return search_comes_before_f32(a->ids, b->ids) ||
@@ -65,7 +64,7 @@ void embree_vote_consider(embree_vote *vote, const float *hit, unsigned n, float
     embree_world_ids(vote->tracer->base.world, 0, &c.ids[0], &c.ids[1]);
     c.half = embree_join_half(vote->tracer, c.ids[1], &c.ids[2], &c.u, &c.v);
     if (!vote->offered.any || is_nearer(&c, &vote->offered)) vote->offered = c;
-    /* Embree offers both halves of a quad. */
+    /* Embree may report both halves of a quad. */
     bool farther =
         vote->met.any && memcmp(vote->met.ids, c.ids, sizeof c.ids) == 0 && !is_nearer(&c, &vote->met);
     if (!farther) put_to_reference(vote, &c);

@@ -9,11 +9,12 @@
 
 /* ---- before ---- */
 
-/* Embree can abort on numbers that are not finite or too large. Such lanes never reach it and miss. */
+/* Embree can abort on numbers that are not finite or too large. Lanes with such numbers are not traced: they
+ * miss. */
 static ALWAYS_INLINE void prepare(const embree_tracer *tracer, trace_rays *restrict rays, unsigned lanes,
                                   uint32_t mask, int *restrict valid) {
     const float reach = tracer->reach.origin,
-                longest = tracer->reach.direction; /* and no NaN is within them */
+                longest = tracer->reach.direction; /* a NaN is never within them */
     for (unsigned i = lanes; i < LANES; ++i) valid[i] = 0;
     for (unsigned i = 0; i < lanes; ++i) {
         bool from = (fabsf(rays->org_x[i]) <= reach) & (fabsf(rays->org_y[i]) <= reach) &
@@ -56,7 +57,7 @@ static ALWAYS_INLINE bool begin_closest_lanes(const embree_tracer *tracer, trace
     return true;
 }
 
-/* Nearly all blocks are full, and loops of known length need no code for their ends. */
+/* Nearly all blocks are full, and loops of constant length need no remainder code. */
 static bool begin_closest(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
                           embree_asked *asked, embree_call *call) {
     return lanes == LANES ? begin_closest_lanes(tracer, block, LANES, scaled, asked, call)
@@ -88,8 +89,8 @@ static embree_spread spread(const trace_rays *rays, unsigned lanes) {
 
 /* ---- packets ---- */
 
-/* A packet's kernel waits where it loads a row whole that was stored in parts. Without tuning flags gcc
- * copies 32 bytes by two moves of 16. */
+/* Embree's kernels load whole rows; a row that was stored in parts stalls on store forwarding. Without tuning
+ * flags, gcc would copy 32 bytes as two moves of 16. */
 typedef uint32_t row_of_8 __attribute__((vector_size(32), aligned(4), may_alias));
 
 static ALWAYS_INLINE void copy_row(uint32_t *to, const uint32_t *from, unsigned width) {
@@ -99,7 +100,7 @@ static ALWAYS_INLINE void copy_row(uint32_t *to, const uint32_t *from, unsigned 
         memcpy(to, from, width * sizeof *to);
 }
 
-/* Rows of `width` numbers. */
+/* Copies rows of `width` numbers. */
 static ALWAYS_INLINE void copy_rows(uint32_t *to, unsigned to_row, const uint32_t *from, unsigned from_row,
                                     unsigned rows, unsigned width) {
     for (unsigned r = 0; r < rows; ++r) copy_row(to + r * to_row, from + r * from_row, width);
@@ -141,11 +142,11 @@ static void join(const embree_packets *from, unsigned width, trace_rays *rays, t
 
 /* ---- after ---- */
 
-/* In barycentric coordinates: more than their rounding on triangles that are seen from up to 2^10 times their
- * size. */
+/* Width of an edge in barycentric coordinates: above their rounding error, for triangles seen from up to 2^10
+ * times their size. */
 #define EDGE 0x1p-12f
 
-/* Where embree_settle.c has to ask for both sides of a box: hits at an edge by a ray along an axis. */
+/* All ones if embree_settle.c must trace both sides of a box: a hit at an edge by a ray along an axis. */
 static ALWAYS_INLINE uint32_t along_box(const trace_block *restrict block, unsigned i) {
     const trace_rays *r = &block->rays;
     const float u = block->hits.u[i], v = block->hits.v[i], least = EMBREE_LEAST_DIRECTION;
@@ -176,8 +177,8 @@ static bool end_closest(trace_block *block, unsigned lanes, const embree_asked *
                           : end_closest_lanes(block, lanes, asked, call);
 }
 
-/* in_halves: 1 for lanes whose hit is a quad in halves. Without a branch: which half is a matter of chance.
- */
+/* in_halves: 1 for lanes whose hit is a quad traced as two triangles. Without a branch, because the half is
+ * unpredictable. */
 static ALWAYS_INLINE void join_lanes(const uint32_t *restrict in_halves, trace_hits *restrict hits,
                                      unsigned lanes) {
     for (unsigned i = 0; i < lanes; ++i) {
@@ -188,7 +189,7 @@ static ALWAYS_INLINE void join_lanes(const uint32_t *restrict in_halves, trace_h
     }
 }
 
-/* Most blocks meet one geometry, which is then looked up once; the least number is one that was met. */
+/* Most blocks hit only one geometry, which is then looked up once. The smallest id is one that was hit. */
 static ALWAYS_INLINE void join_halves_lanes(const uint32_t *restrict halved, trace_hits *restrict hits,
                                             unsigned lanes) {
     uint32_t least = RTC_INVALID_GEOMETRY_ID, other = 0, in_halves[LANES];

@@ -10,8 +10,8 @@
 
 /* ---- all spheres against the beam of a block ---- */
 
-/* With o and d of the first ray, all rays of the block: |o_i - o| <= wide, |d_i - d| <= turn, t_i <= end. The
- * norm of differences is the sum of the coordinates, which is never less than the length. */
+/* Bounds all rays of a block relative to o and d of the first: |o_i - o| <= wide, |d_i - d| <= turn, t_i <=
+ * end. The norm is the 1-norm, which is never below the length. */
 typedef struct beam {
     vec3_f32 org, dir;
     float wide, turn, end;
@@ -33,8 +33,8 @@ static ALWAYS_INLINE float of_bits(int32_t bits) {
     return x;
 }
 
-/* Floats that are not negative have the order of their bits, NaN last: the compiler vectorises a largest of
- * integers. All negative: some of them. */
+/* Non-negative floats have the same order as their bits, with NaN last, and the compiler vectorises an
+ * integer maximum. If all t_far are negative, `end` is one of them. */
 static ALWAYS_INLINE beam beam_of(const trace_rays *rays) {
     beam b = {.org = {rays->org_x[0], rays->org_y[0], rays->org_z[0]},
               .dir = {rays->dir_x[0], rays->dir_y[0], rays->dir_z[0]}};
@@ -50,19 +50,21 @@ static ALWAYS_INLINE beam beam_of(const trace_rays *rays) {
     return b;
 }
 
-/* A point of a ray at t lies within wide + t turn of o + t d. A ray that meets a sphere at t has come t |d_i|
- * <= |f| + R + wide, f from o to the centre, so t <= T = (|f| + R + wide) / (|d| - turn), and the line of o
- * and d passes the centre within R + wide + T turn, or o lies as close. It also begins to meet it no sooner
- * than after |f| - R - wide. The sum of its coordinates, or the largest, stands for |f|, whichever is safe.
+/* A point of a ray at t lies within wide + t turn of o + t d. With f from o to the centre: a ray that hits a
+ * sphere at t has travelled t |d_i| <= |f| + R + wide, so t <= T = (|f| + R + wide) / (|d| - turn). Then the
+ * line of o and d passes the centre within R + wide + T turn, or o itself is that close. The ray also travels
+ * at least |f| - R - wide before the hit. For |f| we use the 1-norm or the maximum norm, whichever is safe.
  *
- * Float: f is off by 2 u of the coordinates on each axis, f²d² - (f·d)² by less than 16 u f²d², all others by
- * less than 16 u of themselves, u = 2^-24. 2^-18 holds each of these. A NaN anywhere counts as close. */
+ * Errors in float, u = 2^-24: f has 2 u of the coordinates on each axis, f²d² - (f·d)² less than 16 u f²d²,
+ * all other terms less than 16 u of themselves. 2^-18 covers each of these. With a NaN anywhere, the sphere
+ * counts as close. */
 static uint32_t close_to(const few_spheres *s, const trace_rays *rays) {
     const beam b = beam_of(rays);
     const float slack = 0x1p-18f, a = dot_f32(b.dir, b.dir), length = sqrtf(a);
     const float least = length * (1 - slack) - b.turn, most = (length + b.turn) * (1 + slack);
     const float around = sum_of(b.org), rate = b.turn / least;
-    const float end = b.end * most * (1 + 0x1p-14f); /* and hits about as near: embree_settle.c */
+    const float end = b.end * most * (1 + 0x1p-14f); /* including hits that are about equally near:
+                                                        embree_settle.c */
     if (!(least > 0.5f * length) || !(b.wide < INFINITY)) return (1u << s->count) - 1;
     uint32_t close = 0;
     for (int k = 0; k < FEW_SPHERES_MOST; ++k) {
@@ -103,13 +105,13 @@ static vec3_f32 row_vector(const float *row, size_t stride) {
     return vec_f32(row[0], row[stride], row[2 * stride]);
 }
 
-/* The ray is read here: vectors as arguments would be packed in halves, and unpacked at once. */
+/* The ray is read here, because vector arguments would be packed in halves and unpacked again. */
 static void cluster_meet(const sphere_cluster *c, const float *ray, size_t stride,
                          cluster_roots *restrict out) {
     const vec3_f32 org = row_vector(ray + EMBREE_ROW_ORG * stride, stride),
                    dir = row_vector(ray + EMBREE_ROW_DIR * stride, stride);
     uint32_t real[CLUSTER], unsure[CLUSTER], met = 0, doubt = 0;
-#pragma GCC unroll 1 /* so few passes would be unrolled instead of vectorised */
+#pragma GCC unroll 1 /* otherwise gcc unrolls the short loop instead of vectorising it */
     for (int k = 0; k < CLUSTER; ++k) {
         const vec3_f32 center = {c->x[k], c->y[k], c->z[k]};
         float roots[2];

@@ -4,7 +4,7 @@
 
 #define ALWAYS_INLINE inline __attribute__((always_inline))
 
-/* d·n of each lane, n the geometric normal, both in the space of the instance. */
+/* d·n of each lane in the space of the instance; n is the geometric normal. */
 static ALWAYS_INLINE void along_in(const float m[3][4], const trace_block *block, float out[LANES]) {
     const trace_rays *r = &block->rays;
     const trace_hits *h = &block->hits;
@@ -31,7 +31,7 @@ static ALWAYS_INLINE bool any_back_lanes(const world *w, bool turned, const trac
     for (unsigned i = 0; i < lanes; ++i) {
         uint32_t instance = h->instance[i];
         if (h->geometry[i] == FATHOM_NONE || instance == FATHOM_NONE) continue;
-        if (i && instance == h->instance[i - 1]) continue; /* neighbours meet the same one as a rule */
+        if (i && instance == h->instance[i - 1]) continue; /* neighbours usually hit the same instance */
         float along[LANES];
         along_in(w->instances.items[instance].to_object, block, along);
         for (unsigned k = 0; k < LANES; ++k) back |= (h->instance[k] == instance) & (along[k] > 0);

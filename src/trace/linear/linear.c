@@ -1,6 +1,6 @@
 /* Linear search: every ray against every primitive, in world order, in any precision. In float it is the
- * reference tracer, whose answers define closest hit and any hit. Nothing is culled before the intersectors:
- * no cull could be trusted more than they are. */
+ * reference tracer, whose results define closest hit and any hit. It culls nothing before the intersectors,
+ * because a cull would not be more reliable than they are. */
 #include "trace/search.h"
 
 #include <stdio.h>

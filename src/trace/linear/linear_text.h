@@ -1,17 +1,17 @@
-/* Linear search through the world for blocks of rays: the one text that linear.c stamps for each precision.
- * Included with REAL, VEC3 and FN(name) defined. */
+/* Linear search through the world for blocks of rays. linear.c includes this file once per precision, with
+ * REAL, VEC3 and FN(name) defined. */
 
-/* Up to 16 rays in the space of the geometry at hand. Lanes that are not in use hold zeros. */
+/* Up to 16 rays in the space of the current geometry. Unused lanes are zero. */
 typedef struct FN(linear_block) {
     FN(search) s[LANES];
-    unsigned lanes; /* bit i: lane i is still looking */
-    /* For triangle_candidates(): the lanes by the axis along which they are sheared, the origin turned to it,
-     * the shear. */
+    unsigned lanes; /* bit i: lane i is still searching */
+    /* For triangle_candidates(): the lanes of each shear axis, as bits; the origin with permuted axes; the
+     * shear. */
     unsigned axis_lanes[3];
     REAL ox[LANES], oy[LANES], oz[LANES], sx[LANES], sy[LANES];
 } FN(linear_block);
 
-/* Takes all rays into the space of an instance, or the world's for FATHOM_NONE. */
+/* Transforms all rays to the space of an instance, or the world's for FATHOM_NONE. */
 static void FN(linear_enter)(FN(linear_block) * b, uint32_t instance) {
     b->axis_lanes[0] = b->axis_lanes[1] = b->axis_lanes[2] = 0;
     for (unsigned i = 0; i < LANES; ++i) {
@@ -25,8 +25,9 @@ static void FN(linear_enter)(FN(linear_block) * b, uint32_t instance) {
     }
 }
 
-/* The lanes, as if all had this axis, whose edge functions do not differ in sign: triangle_sheared() up to
- * its first return, the same operations in the same order, for all at once. */
+/* The lanes whose edge functions do not differ in sign, as if all lanes had this axis. It is
+ * triangle_sheared() up to its first return, for all lanes at once, with the same operations in the same
+ * order. */
 static unsigned FN(triangle_candidates)(const FN(linear_block) * b, int axis, const VEC3 v[3]) {
     const VEC3 p = FN(turned)(v[0], axis), q = FN(turned)(v[1], axis), r = FN(turned)(v[2], axis);
     int candidate[LANES], any = 0;
@@ -47,7 +48,7 @@ static unsigned FN(triangle_candidates)(const FN(linear_block) * b, int axis, co
     return lanes;
 }
 
-/* A lane that looks for any hit is done at its first. */
+/* A lane of an any-hit query is done at its first hit. */
 static void FN(linear_note)(FN(linear_block) * b, unsigned i) {
     if (b->s[i].any && b->s[i].met) b->lanes &= ~(1u << i);
 }
@@ -55,7 +56,8 @@ static void FN(linear_note)(FN(linear_block) * b, unsigned i) {
 static void FN(linear_triangle)(FN(linear_block) * b, const vec3_f32 corner[3], uint32_t k) {
     const VEC3 v[3] = {FROM(corner[0]), FROM(corner[1]), FROM(corner[2])};
     unsigned lanes = b->lanes;
-    /* Vectors of SSE2 hold four floats, which gains; two doubles lose where directions have several axes. */
+    /* SSE2 vectors hold four floats, which is faster. With two doubles it is slower if the directions have
+     * several axes. */
     if (sizeof(REAL) == sizeof(float)) {
         lanes = 0;
         for (int axis = 0; axis < 3; ++axis) {
@@ -96,7 +98,7 @@ static void FN(linear_group)(FN(linear_block) * b, uint32_t group, uint32_t inst
     for (uint32_t i = 0; i < g->count && b->lanes; ++i) FN(linear_geometry)(b, g->first + i);
 }
 
-/* The first `count` lanes of one block. */
+/* Traces the first `count` lanes of one block. */
 static void FN(linear_walk)(const trace_tracer *tracer, const trace_rays *rays, size_t count, bool any,
                             FN(linear_block) * b) {
     const world *w = tracer->world;

@@ -4,10 +4,11 @@
 
 #include <stdlib.h>
 
-/* Pieces of one mesh, spheres or quads of one run, that are told apart. Beyond, all are one body, around
- * which any number may lie. */
+/* Maximum number of pieces of one mesh, or spheres or quads of one run, that get their own bodies. Above it,
+ * all of them are one vague body. */
 #define PIECES_MOST 256
-/* Vertices of a mesh that shares none along its seams: each is looked up by position, at some 50 ns. */
+/* Maximum number of vertices of a mesh with duplicate vertices along seams: each is looked up by position, in
+ * about 50 ns. */
 #define DOUBLES_MOST ((uint32_t)1 << 20)
 
 const float bodies_probes[BODIES_PROBES][3] = {{0.5773f, 0.2113f, 0.7886f},
@@ -36,13 +37,13 @@ vec3_f32 finder_point(const world *w, const sample *at, unsigned k) {
     return quad ? between_f32(v[2], v[3], v[1], 1 - s, 1 - t) : between_f32(v[0], v[1], v[2], 1 - s, 1 - t);
 }
 
-/* The same share of primitives between one sample and the next. */
+/* Samples at equal steps through the primitives. */
 static void set_samples(finder *f, uint32_t geometry, uint32_t body, uint32_t first, uint32_t count) {
     for (uint32_t k = 0; k < SAMPLES; ++k)
         f->samples[body][k] = (sample){geometry, first + (uint32_t)((uint64_t)k * count / SAMPLES)};
 }
 
-/* Triangles of every piece. */
+/* Samples for every piece of a mesh, at equal steps through its triangles. */
 static void set_piece_samples(finder *f, uint32_t geometry) {
     const geometry_bodies *of = &f->out->of[geometry];
     const fathom_mesh *mesh = world_mesh(f->world, geometry);
@@ -56,9 +57,9 @@ static void set_piece_samples(finder *f, uint32_t geometry) {
     }
 }
 
-/* ---- what bodies there are ---- */
+/* ---- finding bodies ---- */
 
-/* Sets everything in the geometry's bodies except `first`. */
+/* Sets all fields of the geometry's bodies except `first`. False when out of memory. */
 static bool split_geometry(finder *f, uint32_t geometry) {
     const world_geometry *g = &f->world->geometries.items[geometry];
     geometry_bodies *of = &f->out->of[geometry];
@@ -82,7 +83,8 @@ static bool split_geometry(finder *f, uint32_t geometry) {
     return true;
 }
 
-/* Bodies are numbered by geometry; those of a group that are closed together are one. */
+/* Numbers the bodies geometry by geometry. Geometries of a group that are only closed together form one
+ * body. */
 static bool number_bodies(finder *f) {
     const world *w = f->world;
     bodies *b = f->out;
@@ -123,9 +125,9 @@ static void find_casts(finder *f) {
     }
 }
 
-/* ---- what faces out ---- */
+/* ---- facing ---- */
 
-/* The nearest crossing of the body; NULL: none. */
+/* The nearest crossing with the body; NULL: none. */
 static const trace_crossing *first_crossing(const finder *f, uint32_t body) {
     const trace_crossing *first = NULL;
     for (size_t i = 0; i < f->room.count; ++i) {
@@ -135,7 +137,8 @@ static const trace_crossing *first_crossing(const finder *f, uint32_t body) {
     return first;
 }
 
-/* The first crossing from far outside goes in: most of the probes decide. */
+/* The first crossing of a ray from far outside enters the body: the majority of the probes decides its
+ * facing. */
 static bool find_facing(finder *f, uint32_t group, uint32_t body) {
     vec3_f32 lower, upper;
     int out = 0;

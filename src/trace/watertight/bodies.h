@@ -1,5 +1,5 @@
-/* Closed bodies: the connected pieces of closed meshes, which divide space, and how many of them lie around
- * everything that a ray can meet. */
+/* Closed bodies are the connected pieces of closed meshes. This module finds them, and how many of them lie
+ * around each surface that a ray can hit. */
 #ifndef TRACE_BODIES_H
 #define TRACE_BODIES_H
 
@@ -9,34 +9,34 @@
 /* The outer side of a body, by the order of its corners. */
 typedef enum facing { FACING_NONE, FACING_OUT, FACING_IN } facing;
 
-/* The least and the largest number of closed bodies around something. */
+/* Minimum and maximum number of closed bodies around something. */
 #define BODIES_ANY 255
 typedef struct depth_span {
     uint8_t low, high;
 } depth_span;
 
-/* One piece of a closed mesh; or an open mesh, a sphere, a quad: these face nowhere. */
+/* One piece of a closed mesh. Also an open mesh, a sphere or a quad: these have FACING_NONE. */
 typedef struct trace_body {
     facing facing;
     bool casts;        /* shadows, all of it */
-    depth_span around; /* other bodies of its group, in front of its surface */
+    depth_span around; /* number of other bodies of its group, in front of its surface */
 } trace_body;
 
 typedef struct geometry_bodies {
     uint32_t first, count; /* in `all` */
-    uint32_t *of_vertex;   /* a mesh of several pieces: the one of each vertex */
-    bool vague;            /* one body for what may lie in several places: anything may be around it */
-    bool closed;           /* some of them are */
-    bool nested;           /* some of them lie inside of other bodies of the group */
+    uint32_t *of_vertex;   /* mesh of several pieces: the piece of each vertex */
+    bool vague;            /* one body stands for several pieces or primitives: any number may be around it */
+    bool closed;           /* some of its bodies are closed */
+    bool nested;           /* some of its bodies lie inside other bodies of the group */
 } geometry_bodies;
 
-/* A box around some closed bodies, as placed. */
+/* Bounding box of some closed bodies, in world space. */
 typedef struct body_box {
     vec3_f32 lower, upper;
     uint8_t count; /* of bodies in it; BODIES_ANY: any number */
 } body_box;
 
-/* With more boxes than this, one holds them all: looking into each would take longer. */
+/* With more boxes than this, one box is used for all: testing each would take longer. */
 #define BODIES_BOXES 16
 
 typedef struct bodies {
@@ -44,13 +44,13 @@ typedef struct bodies {
     geometry_bodies *of; /* by the world's geometries */
     trace_body *all;
     size_t count;
-    depth_span *around; /* by instance: outside of it */
+    depth_span *around; /* by instance: number of bodies around the whole instance */
     body_box boxes[BODIES_BOXES];
     unsigned box_count;
 } bodies;
 
-/* For tracers with `retry`, which must outlive it. `all` is NULL where nothing is closed. False when out of
- * memory; release in any case. */
+/* For tracers with `retry`; the tracer must outlive `out`. out->all is NULL if nothing is closed. False when
+ * out of memory; call bodies_release() in any case. */
 bool bodies_find(const trace_tracer *tracer, bodies *out);
 void bodies_release(bodies *b);
 
@@ -62,8 +62,8 @@ static inline const trace_body *bodies_at(const bodies *b, uint32_t geometry, ui
                    of->of_vertex[world_mesh(b->tracer->world, geometry)->indices[3 * (size_t)primitive]]];
 }
 
-/* Directions without a pattern that scenes share. A line meets an edge or a vertex with a probability of some
- * 10^-5, so of five it is never most. */
+/* Irregular directions, unlikely to match a pattern in a scene. A line hits an edge or a vertex with a
+ * probability of about 10^-5, so most of the five never do. */
 #define BODIES_PROBES 5
 extern const float bodies_probes[BODIES_PROBES][3];
 
@@ -72,14 +72,14 @@ typedef struct body_counts {
     int casting, other;
 } body_counts;
 
-/* By the list of all crossings from the point in one direction: ways out less ways in. */
+/* Computed from the list of all crossings from the point in one direction: exits minus entries. */
 body_counts bodies_around(const bodies *b, const trace_crossings *list);
 
-/* ---- between bodies.c, which finds the bodies, and bodies_around.c, which looks around them ---- */
+/* ---- shared by bodies.c (finds the bodies) and bodies_around.c (counts bodies around them) ---- */
 
-/* Bodies and instances whose surroundings are looked at, a few microseconds each. */
+/* Maximum number of bodies and instances whose surroundings are sampled, a few microseconds each. */
 #define LOOKS_MOST 1024
-/* Points on each. */
+/* Sample points on each. */
 #define SAMPLES 8
 
 typedef struct sample {
@@ -88,7 +88,7 @@ typedef struct sample {
 
 typedef struct owned_box {
     body_box box;
-    uint32_t owner; /* a geometry, or an instance: these count on after all geometries */
+    uint32_t owner; /* index of a geometry, or number of geometries + index of an instance */
 } owned_box;
 
 typedef struct finder {
@@ -97,7 +97,7 @@ typedef struct finder {
     const trace_retry *retry;
     closed_how *closed;         /* by geometry */
     sample (*samples)[SAMPLES]; /* by body */
-    ARRAY(owned_box) boxes;     /* around closed bodies of the group at hand */
+    ARRAY(owned_box) boxes;     /* around closed bodies of the current group */
     unsigned looks;
     trace_crossings room;
 } finder;
@@ -109,10 +109,10 @@ static inline uint32_t finder_body(const finder *f, uint32_t geometry, uint32_t 
     return (uint32_t)(bodies_at(f->out, geometry, primitive) - f->out->all);
 }
 
-/* Bodies around a point before the crossing less those around one behind it: -1, 0 or 1. */
+/* Number of bodies around a point before the crossing minus that behind it: -1, 0 or 1. */
 int bodies_step_out(const bodies *b, const trace_crossing *c);
 
-/* Sets what lies around all bodies and instances, and boxes. False when out of memory. */
+/* Sets `around` of all bodies and instances, and the boxes. False when out of memory. */
 bool finder_around(finder *f);
 
 #endif

@@ -4,7 +4,7 @@ static const depth_span anything = {0, BODIES_ANY};
 
 /* ---- from a point ---- */
 
-/* A surface whose surroundings are wanted: a body, or everything that an instance places. */
+/* A surface whose surroundings are sampled: a body, or all contents of an instance. */
 typedef struct surface {
     uint32_t group, instance, body;
     vec3_f32 points[SAMPLES];
@@ -19,7 +19,8 @@ static uint8_t clamp_depth(int depth) {
     return (uint8_t)(depth < 0 ? 0 : (depth < BODIES_ANY ? depth : BODIES_ANY));
 }
 
-/* Surfaces that all but touch the point, within 2^-10 of its body's size, may lie to either side. */
+/* Counts the bodies around point k. Surfaces that nearly touch it, within 2^-10 of its body's size, may lie
+ * on either side, so they widen the span. */
 static bool look_at(finder *f, const surface *s, unsigned k, float touching, depth_span *out) {
     int low = 0, high = 0;
     vec3_f32 dir = load_f32(bodies_probes[k % BODIES_PROBES]);
@@ -67,7 +68,7 @@ static void box_join(body_box *box, const body_box *other) {
     box->count = clamp_depth(box->count + other->count);
 }
 
-/* A little wider: it only decides whether to look again. */
+/* Makes the box a little wider. Boxes are only a filter for further tests, so this is safe. */
 static void box_widen(body_box *box) {
     vec3_f32 margin = scale_f32(0x1p-10f, sub_f32(box->upper, box->lower));
     box->lower = sub_f32(box->lower, margin), box->upper = add_f32(box->upper, margin);
@@ -112,7 +113,7 @@ static uint8_t closed_bodies(const finder *f, uint32_t geometry) {
     return of->vague ? BODIES_ANY : clamp_depth((int)of->count);
 }
 
-/* How many closed bodies a group places. */
+/* Number of closed bodies in a group. */
 static uint8_t group_bodies(const finder *f, uint32_t group) {
     const world_group *g = &f->world->groups.items[group];
     int count = 0;
@@ -125,7 +126,7 @@ static bool push_box(finder *f, body_box box, uint32_t owner, uint8_t count) {
     return !count || array_push(&f->boxes, ((owned_box){box, owner}));
 }
 
-/* Finds the boxes of the closed bodies in a group's own space. */
+/* Finds the boxes of the closed bodies in the group's space. */
 static bool find_boxes(finder *f, uint32_t group) {
     const world_group *g = &f->world->groups.items[group];
     const uint32_t geometries = (uint32_t)f->world->geometries.count;
@@ -140,7 +141,7 @@ static bool find_boxes(finder *f, uint32_t group) {
     return true;
 }
 
-/* Keeps the root's boxes for watertight.c. */
+/* Stores the root's boxes for watertight.c. */
 static void keep_boxes(finder *f) {
     bodies *b = f->out;
     body_box all = box_none();
@@ -157,7 +158,7 @@ static void keep_boxes(finder *f) {
     for (unsigned i = 0; i < b->box_count; ++i) b->boxes[i] = f->boxes.items[i].box;
 }
 
-/* True if closed bodies of another owner may be around it. */
+/* True if other closed bodies may lie around the box. */
 static bool may_lie_in(const finder *f, const body_box *box, uint32_t owner) {
     for (size_t i = 0; i < f->boxes.count; ++i) {
         const owned_box *other = &f->boxes.items[i];
@@ -193,7 +194,7 @@ static bool find_around_body(finder *f, uint32_t group, uint32_t geometry, uint3
     surface s = {.group = group, .instance = FATHOM_NONE, .body = body};
     depth_span *around = &f->out->all[body].around;
     const body_box box = body_box_of(f, &samples[0]);
-    if (!may_lie_in(f, &box, geometry)) return true; /* nothing is */
+    if (!may_lie_in(f, &box, geometry)) return true; /* nothing can be around it */
     for (unsigned i = 0; i < SAMPLES; ++i) s.points[i] = finder_point(f->world, &samples[i], i);
     return look_around(f, &s, around);
 }

@@ -12,16 +12,17 @@ struct watertight {
     const trace_tracer *tracer;
     const watertight_kernels *kernels;
     bodies bodies;
-    bool inward; /* some bodies face in */
-    bool nested; /* something lies inside of a body */
-    bool turned; /* some bodies are placed by maps that turn, mirror or skew */
+    bool inward; /* some bodies have FACING_IN */
+    bool nested; /* something lies inside a body */
+    bool turned; /* some instances with closed bodies are rotated, mirrored or skewed */
 };
 
-/* ---- how deep a point lies ---- */
+/* ---- depth of a point ---- */
 
-/* A depth: how many bodies that cast shadows in the low bits, and how many others. */
+/* A depth code: the number of bodies that cast shadows in the low bits, the number of others in the high
+ * bits. */
 #define DEPTH_BITS 4
-#define COUNT_MOST ((1 << DEPTH_BITS) - 1) /* more are counted as so many */
+#define COUNT_MOST ((1 << DEPTH_BITS) - 1) /* larger counts are clamped to this */
 
 static int clamp_count(int count) { return count < 0 ? 0 : (count < COUNT_MOST ? count : COUNT_MOST); }
 
@@ -33,7 +34,7 @@ static body_counts counts_of(uint8_t depth) { return (body_counts){depth & COUNT
 
 static int total_of(uint8_t depth) { return counts_of(depth).casting + counts_of(depth).other; }
 
-/* As one direction shows it. False when out of memory. */
+/* Depth of p, counted along one direction. False when out of memory. */
 static bool depth_along(const watertight *w, vec3_f32 p, vec3_f32 dir, uint8_t *depth) {
     trace_crossings room = {0};
     bool fine = w->tracer->retry->crossings(w->tracer->self, 0, p, dir, &room);
@@ -54,17 +55,17 @@ uint8_t watertight_depth(const watertight *w, vec3_f32 p) {
     return best;
 }
 
-/* ---- answers that cannot be ---- */
+/* ---- impossible hits ---- */
 
-/* The body that the lane's ray meets; NULL: none, or a plane. */
+/* The body that the lane's ray hits; NULL: none, or a plane. */
 static const trace_body *body_met(const watertight *w, const trace_block *block, unsigned lane) {
     uint32_t geometry = block->hits.geometry[lane];
     if (geometry >= TRACE_PLANE) return NULL;
     return bodies_at(&w->bodies, geometry, block->hits.primitive[lane]);
 }
 
-/* True if the lane's ray goes through its hit to the outside of the closed body. The normal is in the space
- * of the instance. */
+/* True if the lane's ray leaves the closed body at its hit. The hit's normal is in the space of the
+ * instance. */
 static bool leaves(const watertight *w, const trace_block *block, unsigned lane, facing face) {
     const trace_hits *h = &block->hits;
     vec3_f32 d = trace_dir(&block->rays, lane);
@@ -78,7 +79,7 @@ static bool leaves(const watertight *w, const trace_block *block, unsigned lane,
     return (dot_f32(n, d) > 0) == (face == FACING_OUT);
 }
 
-/* How many closed bodies at most lie around the lane's hit, by their boxes. */
+/* Upper bound of the number of closed bodies around the lane's hit, from their boxes. */
 static int most_around(const watertight *w, const trace_block *block, unsigned lane) {
     const trace_rays *r = &block->rays;
     int most = 0;
@@ -93,8 +94,8 @@ static int most_around(const watertight *w, const trace_block *block, unsigned l
     return most;
 }
 
-/* True if a ray from inside `depth` bodies can have met what the lane says first: as many have to be around a
- * point just in front of it. */
+/* True if the lane's hit is possible for a ray that starts inside `depth` bodies: the same number must lie
+ * around the point just before the hit. */
 static bool is_possible(const watertight *w, const trace_block *block, unsigned lane, int depth) {
     const trace_hits *h = &block->hits;
     if (h->geometry[lane] == FATHOM_NONE) return depth == 0;
@@ -115,14 +116,14 @@ static bool is_possible(const watertight *w, const trace_block *block, unsigned 
     return depth == 0 || low == high || depth <= most_around(w, block, lane);
 }
 
-/* True if any lane meets something that lies inside of a body, or (back) something closed. */
+/* True if any lane hits something inside a body, or (if `back`) something closed. */
 static bool any_in_doubt(const watertight *w, const trace_block *block, unsigned lanes, bool back) {
     const trace_hits *h = &block->hits;
     const bodies *b = &w->bodies;
     const size_t count = w->tracer->world->geometries.count;
     unsigned found = 0;
     for (unsigned i = 0; i < lanes; ++i) {
-        if (h->geometry[i] >= count) continue; /* nothing, or a plane */
+        if (h->geometry[i] >= count) continue; /* a miss, or a plane */
         const geometry_bodies *of = &b->of[h->geometry[i]];
         found |= of->nested | (of->closed & back);
         if (b->around && h->instance[i] != FATHOM_NONE) found |= b->around[h->instance[i]].low;
@@ -130,13 +131,13 @@ static bool any_in_doubt(const watertight *w, const trace_block *block, unsigned
     return found;
 }
 
-/* A ray from outside meets bodies that are not nested from the front, so one test serves all lanes. */
+/* A ray from outside hits bodies that are not nested from the front, so one test covers all lanes. */
 static bool are_possible_from_outside(const watertight *w, const trace_block *block, unsigned lanes) {
     bool back = w->inward || w->kernels->any_back(w->tracer->world, w->turned, block, lanes);
     return !(back || w->nested) || !any_in_doubt(w, block, lanes, back);
 }
 
-/* The lanes, as bits, whose answer cannot be right. */
+/* The lanes with an impossible hit, as bits. */
 static unsigned wrong_lanes(const watertight *w, const trace_block *block, const uint8_t *depth,
                             unsigned lanes) {
     static const uint8_t outside[LANES];
@@ -165,10 +166,10 @@ watertight_sides watertight_sides_of(const watertight *w, const trace_block *blo
     return sides;
 }
 
-/* ---- asking again ---- */
+/* ---- tracing again ---- */
 
-/* True if everything that the lane's line crosses agrees with its depth. Then the answer may be right after
- * all: where bodies cross or touch, a surface's surroundings vary. */
+/* True if the crossings along the lane's ray agree with its depth. Then the hit may be right after all: if
+ * bodies cross or touch, the number of bodies around a surface varies. */
 static bool is_explained(const watertight *w, const trace_block *block, unsigned lane, uint8_t depth) {
     const trace_rays *r = &block->rays;
     uint8_t found;
@@ -177,8 +178,8 @@ static bool is_explained(const watertight *w, const trace_block *block, unsigned
     return total_of(found) == total_of(depth);
 }
 
-/* Rounds of looking around a ray, at 2^-20 to 2^-6 of the distance. Where the first few find nothing, the
- * answer may be explained. */
+/* Rounds of retries around a ray, at 2^-20 to 2^-6 of the distance. If the first ROUNDS_FIRST find nothing,
+ * is_explained() is tried. */
 #define ROUNDS 8
 #define ROUNDS_FIRST 2
 
@@ -220,7 +221,7 @@ unsigned watertight_any(const watertight *w, trace_rays *rays, const uint8_t dep
 
 /* ---- life ---- */
 
-/* True if normals in the instance's space stand to the world's rays as they do to its own. */
+/* True if d·n has the same sign with the ray in world space and in the instance's space. */
 static bool is_straight(const world_instance *instance) {
     const float(*m)[4] = instance->to_object;
     bool diagonal =

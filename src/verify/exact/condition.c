@@ -1,17 +1,18 @@
-/* With s_i = |E_i| + |t| |d_i| + (the size of the shape's own coordinate i), the vector of what inputs off by
- * a relative u can move the point of the ray and the surface apart, in units of u:
+/* Let s_i = |E_i| + |t| |d_i| + (size of the shape's own coordinate i). In units of u, this vector bounds how
+ * far the ray's point and the surface move apart if inputs have a relative error of u.
  *
- * Triangle, n its normal: t moves by n·δ / (d·n) for a displacement δ of the origin, by t n·δ / (d·n) for one
- * of the direction, by -w_k n·δ / (d·n) for one of corner k with weight w_k. So the condition of t is Σ|n_i|
+ * Triangle, n its normal: t changes by n·δ / (d·n) for a change δ of the origin, by t n·δ / (d·n) for one of
+ * the direction, and by -w_k n·δ / (d·n) for one of corner k with weight w_k. So the condition of t is Σ|n_i|
  * s_i / |d·n| with the shape's size Σ_k |w_k| |V_k,i|.
  *
- * Sphere, m = P - C: t moves by m·δ / (d·m) and by R δR / (d·m): (Σ|m_i| s_i + R²) / |d·m|.
+ * Sphere, m = P - C: t changes by m·δ / (d·m) and by R δR / (d·m), so the condition is (Σ|m_i| s_i + R²) /
+ * |d·m|.
  *
  * Plane: as a triangle, plus |P - point|_i |n_i| for its normal.
  *
- * In an instance E is M E + T, and d is M d: their sizes are |M| |E| + |T| and |M| |d|. A tracer that has the
- * inverse A of M instead is off by |M| |A| |M| where M itself is off by |M|, for each of its few roundings.
- * Sizes here are plain binary128: a condition number needs no more digits than one. */
+ * In an instance E is M E + T, and d is M d: their sizes are |M| |E| + |T| and |M| |d|. For a tracer that
+ * inverts A to get M, each of its few roundings costs |M| |A| |M| instead of |M|. Sizes are computed in plain
+ * binary128, because a condition number needs only one digit. */
 #include "verify/exact/exact.h"
 #include "verify/mode.h"
 
@@ -28,7 +29,7 @@ static real weighted(vec3_f128 v, const real size[3]) {
     return abs_f128(v.x) * size[0] + abs_f128(v.y) * size[1] + abs_f128(v.z) * size[2];
 }
 
-/* |M| |A| |M| and its share of the translation, or |M| itself. */
+/* |M| |A| |M| with its translation part, or |M| itself. */
 static void map_sizes(const world_instance *instance, bool inverted, real out[3][4]) {
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 4; ++j) out[i][j] = abs_f128((real)instance->to_object[i][j]);
@@ -104,7 +105,7 @@ static double of_triangle(const oracle_primitive *triangle, const sizes *size, c
     return ratio(weighted(n, s), dot_f128(size->ray.dir, n));
 }
 
-/* At a tangent d·m is zero but for rounding. */
+/* At a tangent, d·m is zero except for rounding. */
 static double of_sphere(const oracle_primitive *sphere, const sizes *size, const oracle_answer *answer) {
     if (!(answer->edge > 0)) return (double)INFINITY;
     vec3_f128 center = quadruple_f64(oracle_center(sphere));

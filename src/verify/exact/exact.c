@@ -1,12 +1,12 @@
 #include "verify/exact/exact.h"
 
-/* A ray in the primitive's space, and the primitive's points seen from its origin. */
+/* A ray in the primitive's space, and the primitive's points relative to the ray's origin. */
 typedef struct exact_view {
     integer dir[3], from_org[3][3]; /* from_org: the corners; of spheres and planes only the first */
     int point_exponent, dir_exponent;
 } exact_view;
 
-/* Up to four terms that make up one coordinate. */
+/* One coordinate, as a sum of up to four terms. */
 typedef struct dyadic_sum {
     dyadic term[4];
     int count;
@@ -55,7 +55,7 @@ static dyadic_sum point_of(const oracle_primitive *primitive, int k, int row) {
     return sum;
 }
 
-/* The radius of a sphere, which must be whole in the scale of points; else 0. */
+/* The radius of a sphere, which must be an integer in the scale of points; 0 for other shapes. */
 static dyadic_sum radius_of(const oracle_primitive *primitive) {
     dyadic_sum sum = {.count = 0};
     if (primitive->shape != ORACLE_SPHERE) return sum;
@@ -78,7 +78,7 @@ static void view(const oracle_ray *ray, const oracle_primitive *primitive, int p
             lower_exponent(&pe, &point[k][i]);
         }
     }
-    if (pe == 1000) pe = 0; /* nothing but zeros */
+    if (pe == 1000) pe = 0; /* only zeros */
     if (de == 1000) de = 0;
     for (int i = 0; i < 3; ++i) {
         integer_init(&out->dir[i]);
@@ -130,7 +130,7 @@ typedef struct exact_plane {
     int scale;
 } exact_plane;
 
-/* Corners a, b, c as seen from the origin: t = a·(b×c) / (d·(b×c) + d·(c×a) + d·(a×b)). */
+/* With corners a, b, c relative to the origin: t = a·(b×c) / (d·(b×c) + d·(c×a) + d·(a×b)). */
 static void triangle_of(const oracle_ray *ray, const oracle_primitive *triangle, exact_plane *out) {
     exact_view v;
     view(ray, triangle, 3, &v);
@@ -154,7 +154,7 @@ static void plane_of(const oracle_ray *ray, const oracle_primitive *plane, exact
         dyadic d = dyadic_of(n[i]);
         integer_init(&normal[i]);
         mpz_set_si(normal[i].z, d.m);
-        mpz_mul_2exp(normal[i].z, normal[i].z, (mp_bitcnt_t)(d.e + 149)); /* its length does not count */
+        mpz_mul_2exp(normal[i].z, normal[i].z, (mp_bitcnt_t)(d.e + 149)); /* its length does not matter */
     }
     integer_dot(&out->n, v.from_org[0], normal);
     integer_dot(&out->along, v.dir, normal);

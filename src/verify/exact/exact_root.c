@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* ---- whole numbers ---- */
+/* ---- integers ---- */
 
 _Static_assert(GMP_NUMB_BITS == 64, "limbs of 64 bits");
 
@@ -28,7 +28,7 @@ void integer_cross(integer r[3], const integer a[3], const integer b[3]) {
     }
 }
 
-/* The upper three limbs hold at least 129 bits: dropping the others changes less than 2^-128, and the two
+/* The upper three limbs hold at least 129 bits. Dropping the others changes less than 2^-128, and the two
  * sums round by 2^-113 each. Scaling by powers of two is exact. */
 real_f128 integer_real(const integer *a) {
     int n = (int)mpz_size(a->z), low = n > 3 ? n - 3 : 0;
@@ -38,7 +38,7 @@ real_f128 integer_real(const integer *a) {
     return mpz_sgn(a->z) < 0 ? -value : value;
 }
 
-/* Reads the bits, whatever the thread's mode does with denormals. */
+/* Reads the bits, so the thread's denormal mode does not matter. */
 dyadic dyadic_of(float x) {
     uint32_t bits;
     memcpy(&bits, &x, sizeof bits);
@@ -95,8 +95,8 @@ static int sign_of_sum(const integer *a, int s, const integer *d) {
     return sa * ((order > 0) - (order < 0));
 }
 
-/* The sign of a + s √e + r √f. With X = a + s √e the first two: if √f pulls the same way, that of X; else X²
- * against f, which is a² + e - f + 2 a s √e against 0. */
+/* The sign of a + s √e + r √f. Let X = a + s √e. If r √f has the same sign as X, it is that sign. Else
+ * compare X² with f, which means a² + e - f + 2 a s √e with 0. */
 static int sign_of_sums(const integer *a, int s, const integer *e, int r, const integer *f) {
     int sx = s ? sign_of_sum(a, s, e) : mpz_sgn(a->z), sf = r * mpz_sgn(f->z);
     if (sx * sf >= 0) return sx ? sx : sf;
@@ -118,9 +118,9 @@ static void square_times(integer *out, const integer *q, const integer *d) {
     mpz_mul(out->z, square.z, d->z);
 }
 
-/* x - y over the product of both q: p1 q2 - p2 q1 + s1 √(q2² d1) - s2 √(q1² d2). After an instance's map, and
- * scaled, p and q have at most 1720 bits and d 3440; the square of the first term then has 6,900, and its
- * square in turn 13,800. */
+/* The sign of x - y, times the product of both q: p1 q2 - p2 q1 + s1 √(q2² d1) - s2 √(q1² d2). After an
+ * instance's transform and scaling, p and q have at most 1720 bits and d 3440. The square of the first term
+ * then has 6,900 bits, and the square of that 13,800. */
 int exact_root_compare(const exact_root *x, const exact_root *y) {
     integer a, b, e, f;
     integer_init(&a), integer_init(&b), integer_init(&e), integer_init(&f);
@@ -132,7 +132,7 @@ int exact_root_compare(const exact_root *x, const exact_root *y) {
     return sign_of_sums(&a, x->s, &e, -y->s, &f);
 }
 
-/* Where p and s √d pull against each other, p + s √d = (p² - d) / (p - s √d), whose parts do not cancel. */
+/* If p and s √d have opposite signs, uses p + s √d = (p² - d) / (p - s √d), which has no cancellation. */
 real_f128 exact_root_real(const exact_root *r) {
     const real_f128 p = integer_real(&r->p), q = integer_real(&r->q);
     if (!r->s) return p / q;

@@ -9,9 +9,9 @@ static double row_times(const float row[4], vec3_f64 p, double w, double *size) 
     return x + y + z + t;
 }
 
-/* Products of floats are exact in double; the three sums are off by at most 3 u of the sum of their terms'
- * sizes. Adding up all rows bounds the Euclidean length; 8 u leaves room for the rounding of the bound
- * itself. */
+/* Products of floats are exact in double. The three sums have an error of at most 3 u of the sum of their
+ * terms' sizes. The sum over all rows bounds the Euclidean length; 8 u leaves room for the rounding of the
+ * bound itself. */
 static vec3_f64 carried(const float m[3][4], vec3_f64 p, double w, double *error) {
     double size = 0;
     vec3_f64 r = {row_times(m[0], p, w, &size), 0, 0};
@@ -21,8 +21,8 @@ static vec3_f64 carried(const float m[3][4], vec3_f64 p, double w, double *error
     return r;
 }
 
-/* dir·dir is off by 2 |dir| dir_error and by rounding; with dir_error <= |dir|/64 all quotients by it are
- * within 8 dir_error/|dir| + 2^-48 of themselves. */
+/* The error of dir·dir is 2 |dir| dir_error plus rounding. With dir_error <= |dir|/64, quotients by it have a
+ * relative error of at most 8 dir_error/|dir| + 2^-48. */
 filter_ray filter_ray_of(const oracle_ray *ray, const world_instance *instance) {
     filter_ray r = {.org = widen(ray->org), .dir = widen(ray->dir)};
     if (instance) {
@@ -38,10 +38,10 @@ filter_ray filter_ray_of(const oracle_ray *ray, const world_instance *instance) 
     return r;
 }
 
-/* With f from the origin to a sphere's centre, F = |f|, B = |dir|: the line passes the sphere when |f×dir| >
- * R B. The difference, the products and the sums leave at most 16 u F B in |f×dir| and in f·dir, the ray's
- * own errors org_error B + F dir_error, and R B is off by R dir_error; `reach` is R B with twice all that and
- * more. t of a point inside it lies within (f·dir ± reach) / dir·dir. */
+/* With f from the origin to a sphere's centre, F = |f|, B = |dir|: the line misses the sphere if |f×dir| > R
+ * B. The difference, the products and the sums have an error of at most 16 u F B in |f×dir| and in f·dir. The
+ * ray's own errors add org_error B + F dir_error, and R B has an error of R dir_error. `reach` is R B plus
+ * more than twice all of this. t of a point in the sphere is within (f·dir ± reach) / dir·dir. */
 static bool may_meet(const filter_ray *ray, double x, double y, double z, double radius, double *low) {
     double fx = x - ray->org.x, fy = y - ray->org.y, fz = z - ray->org.z;
     double dx = ray->dir.x, dy = ray->dir.y, dz = ray->dir.z;
@@ -76,13 +76,14 @@ static double larger(double a, double b) { return a > b ? a : b; }
 
 static double largest(vec3_f64 a) { return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z))); }
 
-/* Corners p, q, r as seen from the origin, A their largest component, ε = u A + org_error the error of each;
- * sides as differences of floats, L their largest component, u L the error of each; B the largest component
- * of dir. From afar L is much less than A, so edge functions are formed as d·(q×r) = d·(q×(r-q)), six terms d
- * q s: each is moved by 1.1 B L ε by the corner, by 1.1 u A B L by the side, by 1.2 A L dir_error by the
- * direction (for ε <= A/16), and by 5.1 u A B L by rounding: less than 16 B L ε + 64 u A B L + 8 A L
- * dir_error in all. Their sum is d·n with n = s×s' of two sides: six terms d s s', each moved by 2.2 u B L²,
- * 1.1 L² dir_error, and 5.1 u B L². p·n likewise: 1.1 L² ε, 2.2 u A L² and 5.1 u A L². */
+/* Corners p, q, r are relative to the origin; A is their largest component and ε = u A + org_error the error
+ * of each. Sides are differences of floats; L is their largest component and u L the error of each. B is the
+ * largest component of dir. From far away L is much less than A, so edge functions are computed as d·(q×r) =
+ * d·(q×(r-q)), with six terms d q s. The error of each term is 1.1 B L ε from the corner, 1.1 u A B L from
+ * the side, 1.2 A L dir_error from the direction (for ε <= A/16), and 5.1 u A B L from rounding: in all less
+ * than 16 B L ε + 64 u A B L + 8 A L dir_error. Their sum is d·n with n = s×s' of two sides: six terms d s
+ * s', each with errors of 2.2 u B L², 1.1 L² dir_error and 5.1 u B L². Likewise for p·n: 1.1 L² ε, 2.2 u A L²
+ * and 5.1 u A L². */
 filter_verdict filter_triangle(const filter_ray *ray, vec3_f64 a, vec3_f64 b, vec3_f64 c, double *low,
                                double *high) {
     *low = -(double)INFINITY, *high = (double)INFINITY;

@@ -21,7 +21,7 @@ static unsigned points_of(const oracle_primitive *primitive) {
     return 4;
 }
 
-/* True when there is a ray and a shape at all. */
+/* True when ray and shape are valid. */
 static bool answerable(const oracle_ray *ray, const oracle_primitive *primitive) {
     for (unsigned i = 0; i < points_of(primitive); ++i) {
         if (!finite_f32(primitive->v[i])) return false;
@@ -95,8 +95,8 @@ static oracle_pair pair_of(const oracle_primitive *primitive, const oracle_answe
     return pair;
 }
 
-/* The hit; of two hits, and of two that lie outside the interval, the nearer, the first part's on equal t;
- * else a part that the line meets; else the one that it came closer to. */
+/* Prefers the part that is hit. If both are hit, or the line hits both outside the interval: the nearer, on
+ * equal t the first. Else the part that the line hits, or the one that it passes more closely. */
 static unsigned better_part(const oracle_ray *ray, const oracle_primitive *quad,
                             const oracle_answer part[2]) {
     if (part[0].parallel || part[1].parallel) return part[0].parallel;
@@ -150,7 +150,7 @@ static void root_of(const oracle_ray *ray, const oracle_pair *pair, exact_root *
     exact_root_of(ray, &one, pair->answer.part, out);
 }
 
-/* What is apart by more than their rounding needs no whole numbers. */
+/* Integers are only needed if the difference is within the rounding of t. */
 static MODE_APART int compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b) {
     const real_f128 x_t = a->answer.t, y_t = b->answer.t, apart = x_t - y_t;
     if (abs_f128(apart) > (real_f128)0x1p-90 * (abs_f128(x_t) + abs_f128(y_t))) return apart > 0 ? 1 : -1;

@@ -1,18 +1,18 @@
-/* The exact oracle: whether a ray meets a primitive, where, and by how much, for the real-number geometry of
- * the very floats that tracers are given.
+/* The exact oracle: whether and where a ray hits a primitive, and by which margin, in real-number geometry of
+ * the same floats that tracers get.
  *
- * All is computed in whole numbers (exact.h), without any rounding, and rounded once in the end. So every
- * sign is right, and zero is zero.
+ * It computes in integers (exact.h), without rounding, and rounds once at the end. So all signs are right,
+ * and zero is exactly zero.
  *
  * Definitions. A hit has t in the open interval (t_near, t_far), in units of |dir|. Triangles are closed:
  * their edges and vertices belong to them; rays in the triangle's plane miss; triangles without area are
- * never met. A quad is the triangles (0,1,3) and (2,3,1). A sphere is met where its discriminant is at least
- * 0, at the smaller root in the interval, else the larger; its radius must be above 0. A plane holds the
- * points with (P - point) · normal = 0; parallel rays miss. In an instance the ray is carried by to_object,
- * row by row, without rounding. Input that is not finite is never met (but t_near and t_far may be infinite),
- * nor is anything by a ray without direction.
+ * never hit. A quad is the triangles (0,1,3) and (2,3,1). A sphere is hit if its discriminant is at least 0,
+ * at the smaller root if that is in the interval, else at the larger; its radius must be above 0. A plane
+ * consists of the points with (P - point) · normal = 0; parallel rays miss. In an instance, the ray is
+ * transformed by to_object, row by row, without rounding. Input that is not finite always misses (but t_near
+ * and t_far may be infinite), and so does a zero direction.
  *
- * Nothing allocates, fails, keeps state or depends on the thread's floating-point mode. */
+ * No function allocates, fails, keeps state or depends on the thread's floating-point mode. */
 #ifndef PARITY_ORACLE_H
 #define PARITY_ORACLE_H
 
@@ -30,7 +30,7 @@ typedef struct oracle_primitive {
     oracle_shape shape;
     vec3_f32 v[4]; /* corners; of a sphere: v[0] is the centre; of a plane: v[0] a point, v[1] the normal */
     float radius;  /* of a sphere */
-    vec3_f32 rest; /* of a sphere: is added to its centre, and radius_rest to its radius (world_sphere) */
+    vec3_f32 rest; /* of a sphere: added to its centre, as radius_rest to its radius (world_sphere) */
     float radius_rest;
     const world_instance *instance; /* NULL: none. Borrowed */
 } oracle_primitive;
@@ -43,42 +43,43 @@ static inline double oracle_radius(const oracle_primitive *p) {
     return (double)p->radius + (double)p->radius_rest;
 }
 
-/* Numbers are within 2^-100 of themselves, and exactly zero where the true number is. */
+/* Numbers have a relative error of at most 2^-100; they are exactly zero if the true number is. */
 typedef struct oracle_answer {
     bool hit;
-    bool parallel; /* the ray lies along the plane, or there is no such shape or ray: nothing below is set */
-    bool line;     /* the whole line meets the shape, wherever t lies */
-    unsigned part; /* quad: the triangle, 0 or 1, of a miss the one that came closer; sphere: 0 the smaller
-                      root, 1 the larger */
-    real_f128 t;   /* of the hit; for a miss: where the plane is met; the root that was rejected last; of a
-                      sphere that the line misses, the closest approach */
+    bool parallel; /* the ray is parallel to the plane, or the shape or ray is invalid: nothing below is
+                      set */
+    bool line;     /* the infinite line hits the shape, whatever t is */
+    unsigned part; /* quad: the triangle, 0 or 1; for a miss, the closer one. Sphere: 0 for the smaller root,
+                      1 for the larger */
+    real_f128 t;   /* of the hit. For a miss: of the intersection with the plane; sphere: of the root that was
+                      rejected last, or of the closest approach if the line misses */
     real_f128 other;                 /* sphere with line set: the other root */
-    real_f128 above_near, below_far; /* t - t_near, t_far - t: both positive for a hit; not set when a
-                                        sphere's line is false */
-    real_f128
-        weight[3]; /* of the triangle's corners A, B, C at t; they add to 1; for a quad, of the part's */
-    /* At least 0 exactly where line is true. Triangle: the smallest weight. Quad: of a hit the smaller of the
-     * two weights at the outer edges; of a miss the larger of both parts' smallest weights. Sphere: 1 - l²/R²
-     * with l the line's distance from the centre. Plane: 1. */
+    real_f128 above_near, below_far; /* t - t_near, t_far - t: both positive for a hit; not set if `line` of a
+                                        sphere is false */
+    real_f128 weight[3]; /* of the triangle's corners A, B, C at t, with sum 1; for a quad, of its `part` */
+    /* Signed margin: at least 0 if and only if `line` is true. Triangle: the smallest weight. Quad: for a
+     * hit, the smaller of the two weights at the outer edges; for a miss, the larger of both parts' smallest
+     * weights. Sphere: 1 - l²/R² with l the line's distance from the centre. Plane: 1. */
     real_f128 edge;
 } oracle_answer;
 
 void oracle_ask(const oracle_ray *ray, const oracle_primitive *primitive, oracle_answer *answer);
 
-/* How far inputs off by a relative u each move the t of an answer whose line is set, to first order: by at
- * most u times this. Infinite where t is not differentiable. Inputs are those given, to_object among them;
- * `inverted`: for a tracer that inverts to_world in its own precision, as Embree does. */
+/* Condition number: if each input has a relative error of u, t changes by at most u times this, to first
+ * order. For answers with `line` set. Infinite if t is not differentiable. Inputs are all given numbers,
+ * including to_object; `inverted`: for a tracer that inverts to_world in its own precision, as Embree
+ * does. */
 double oracle_condition(const oracle_ray *ray, const oracle_primitive *primitive, const oracle_answer *answer,
                         bool inverted);
 
-/* A primitive and its answer to one ray. */
+/* A primitive and its answer for one ray. */
 typedef struct oracle_pair {
     oracle_primitive primitive;
     oracle_answer answer;
 } oracle_pair;
 
-/* -1, 0 or 1 as the t of a is less than, equal to or greater than that of b, exactly. Both must have line
- * set. */
+/* Compares exactly: -1, 0 or 1 if the t of a is less than, equal to or greater than that of b. Both must have
+ * `line` set. */
 int oracle_compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b);
 
 #endif

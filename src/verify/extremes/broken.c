@@ -1,5 +1,5 @@
-/* Primitives that are none, among good ones: without area, not finite, or twice there. They are never hit and
- * hide nothing. Primitives that a scene refuses are put into the world directly. */
+/* Invalid primitives among good ones: without area, not finite, or duplicated. Invalid ones are never hit and
+ * occlude nothing. Primitives that a scene refuses are put directly into the world. */
 #include "verify/extremes/case.h"
 
 #include <float.h>
@@ -12,7 +12,7 @@ static vec3_f64 corner_at(unsigned i, unsigned k) {
                    floor(case_scattered(i, k + 6, -64, 64)) / 64);
 }
 
-/* ---- what a scene takes ---- */
+/* ---- primitives that a scene accepts ---- */
 
 /* Corners a, a + p s, a + q s. */
 static void put_lines(judged_scene *c, double p, double q) {
@@ -37,13 +37,13 @@ static void put_whole(judged_scene *c) {
     case_triangles(c, FATHOM_ROOT, vec_f64(0, 0, 0), corners, BROKEN);
 }
 
-/* ---- what it does not ---- */
+/* ---- primitives that it refuses ---- */
 
 static void set_one(vec3_f32 *p, unsigned axis, float to) {
     *(axis % 3 == 0 ? &p->x : axis % 3 == 1 ? &p->y : &p->z) = to;
 }
 
-/* One coordinate of each triangle of the second mesh. */
+/* Replaces one coordinate of each triangle of the second mesh. */
 static void break_mesh(judged_scene *c) {
     const float to = (float)c->number[0];
     fathom_mesh *mesh = &c->world->meshes.items[1];
@@ -54,7 +54,7 @@ static void break_mesh(judged_scene *c) {
     mesh->positions = positions;
 }
 
-/* Every other one. */
+/* Breaks every second quad. */
 static void break_quads(judged_scene *c) {
     const float to = (float)c->number[0];
     for (uint32_t i = 0; i < c->world->quads.count; i += 2)
@@ -86,7 +86,7 @@ static const struct {
     const char *words;
     void (*put)(judged_scene *c);
     void (*patch)(judged_scene *c);
-    float to; /* what the patch puts in, from number[0] */
+    float to; /* value for the patch, passed in number[0] */
 } kinds[] = {
     {"triangles with corners on a line", put_collinear, NULL, 0},
     {"triangles that are a point", put_points, NULL, 0},

@@ -161,7 +161,7 @@ void case_ball(judged_scene *c, fathom_id group, vec3_f64 at, double radius) {
     case_ball_of(c, group, at, radius, 7, 12);
 }
 
-/* ---- placing ---- */
+/* ---- instances and the camera ---- */
 
 fathom_id case_group(judged_scene *c) { return build_group(&c->b); }
 

@@ -1,4 +1,4 @@
-/* A scene and what answers and judges rays in it; and how the cases of the grid are made. */
+/* A scene with the data to trace and check rays in it; and functions that make the cases of the grid. */
 #ifndef VERIFY_EXTREMES_CASE_H
 #define VERIFY_EXTREMES_CASE_H
 
@@ -12,25 +12,25 @@ struct judged_scene {
     world *world;
     search *search;
     rays_source *source;
-    char words[EXTREMES_WORDS];     /* of an extreme case: to be set */
-    unsigned families;              /* of its rays, bit i: rays_family i; not used where `maker` is set */
-    rays_maker maker;               /* its own rays; `user` is the case */
-    unsigned thin;                  /* where a ray costs many times as much: one in so many; 0 counts as 1 */
+    char words[EXTREMES_WORDS];     /* description; the `make` function of an extreme case must set it */
+    unsigned families;              /* bit i: use rays_family i; ignored if `maker` is set */
+    rays_maker maker;               /* makes the case's own rays; `user` is the case */
+    unsigned thin;                  /* for expensive rays: divide the number of rays by this; 0 means 1 */
     double number[4];               /* for maker and patch */
-    void (*patch)(judged_scene *c); /* changes the world before anything looks at it */
-    ARRAY(void *) owned;            /* released with it */
+    void (*patch)(judged_scene *c); /* changes the world before it is used */
+    ARRAY(void *) owned;            /* memory, freed with the case */
 };
 
-/* Where rays may be weak at any shape, but for those of the camera and of other lengths. */
+/* The families that test the weak points of any shape, except camera rays and directions of other lengths. */
 #define CASE_FAMILIES                                                                                        \
     (1u << RAYS_UNIFORM | 1u << RAYS_EDGE | 1u << RAYS_VERTEX | 1u << RAYS_GRAZING | 1u << RAYS_TANGENT |    \
      1u << RAYS_SURFACE | 1u << RAYS_FAR | 1u << RAYS_AXIS | 1u << RAYS_INTERVAL | 1u << RAYS_ENDS)
 
-/* Zeroed first. `make` adds shapes and says what rays there are. Release with judged_close() whatever comes
- * back. */
+/* Zeroes *out; then `make` adds shapes and selects the rays. Release with judged_close(), also after a
+ * failure. */
 fathom_status case_open(fathom_context *context, void (*make)(judged_scene *c, double parameter),
                         double parameter, judged_scene *out);
-/* Zeroed memory that lives as long as the case; NULL sets its status. */
+/* Zeroed memory, freed with the case. After a failure: NULL, and the case's status is set. */
 void *case_memory(judged_scene *c, size_t bytes);
 void case_say(judged_scene *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
@@ -39,23 +39,23 @@ void case_say(judged_scene *c, const char *format, ...) __attribute__((format(pr
 void case_sphere(judged_scene *c, fathom_id group, vec3_f64 center, double radius);
 void case_quad(judged_scene *c, fathom_id group, vec3_f64 center, vec3_f64 u, vec3_f64 v);
 void case_plane(judged_scene *c, vec3_f64 point, vec3_f64 normal);
-/* positions are copied. */
+/* Copies the positions. */
 void case_mesh(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64 *positions,
                uint32_t vertices, const uint32_t *indices, uint32_t triangles);
 /* Triangle k has the corners 3 k, 3 k + 1, 3 k + 2. */
 void case_triangles(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64 *corners,
                     uint32_t triangles);
-/* Scattered over a ball: sizes from a hundredth of the radius on. */
+/* Scattered in a ball, with sizes from a hundredth of the radius. */
 void case_spheres(judged_scene *c, fathom_id group, vec3_f64 at, double radius);
 void case_quads(judged_scene *c, fathom_id group, vec3_f64 at, double radius);
-/* A closed bumpy mesh whose coordinates are counted from `at`. */
+/* A closed bumpy mesh with coordinates relative to `at`. */
 void case_ball(judged_scene *c, fathom_id group, vec3_f64 at, double radius);
 void case_ball_of(judged_scene *c, fathom_id group, vec3_f64 at, double radius, unsigned rings,
                   unsigned around);
 fathom_id case_group(judged_scene *c);
 void case_instance(judged_scene *c, fathom_id group, fathom_id parent, const affine_f64 *map);
 void case_camera(judged_scene *c, vec3_f64 eye, vec3_f64 target);
-/* Irregular numbers in [low, high), the same everywhere. */
+/* Pseudo-random numbers in [low, high), the same on every machine. */
 double case_scattered(unsigned i, unsigned k, double low, double high);
 
 /* ---- scenes.c, rays.c, broken.c: the groups ---- */
@@ -90,8 +90,7 @@ void beyond_quads(judged_scene *c, double at);
 void beyond_triangles(judged_scene *c, double at);
 void broken_make(judged_scene *c, double kind);
 
-/* Cases of the public calls: what was asked and what came back as it should, into the row's counts of AGREE
- * and WRONG. */
+/* Cases of the public API. Correct and incorrect results go to the row's counts of AGREE and WRONG. */
 fathom_status refused_check(fathom_context *context, const char *tracer, double which, extremes_row *row);
 fathom_status user_rays_check(fathom_context *context, const char *words, double which, extremes_row *row);
 

@@ -1,4 +1,4 @@
-/* The table of groups, and how a case is asked. */
+/* The table of groups, and the code that runs a case. */
 #include "verify/extremes/case.h"
 
 #include <stdlib.h>
@@ -74,7 +74,7 @@ double extremes_parameter(unsigned g, unsigned index) { return groups[g].values[
 
 /* ---- cases of rays ---- */
 
-/* True when the tracer takes such scenes at all. */
+/* True when the tracer supports the shapes of the scene. */
 static bool suits(const judged_scene *c, const trace_spec *spec) {
     const world *w = c->world;
     return spec->kind != TRACE_PLUGIN ||
@@ -113,7 +113,7 @@ static fathom_status compare_case(const judged_scene *c, const char *text, const
                                .seed = o->seed,
                                .threads = o->threads,
                                .once =
-                                   true, /* a ray among many copies costs as much as thousands of others */
+                                   true, /* a ray among many copies is as expensive as thousands of others */
                                .failures = o->kept,
                                .progress = o->progress,
                                .user = o->user};
@@ -162,7 +162,7 @@ static fathom_status run_case(fathom_context *context, const group *g, double pa
     return status;
 }
 
-/* ---- one case opened ---- */
+/* ---- opening one case ---- */
 
 fathom_status extremes_open(fathom_context *context, const char *name, double parameter, judged_scene *out) {
     memset(out, 0, sizeof *out);
@@ -174,7 +174,7 @@ fathom_status extremes_open(fathom_context *context, const char *name, double pa
                 name);
 }
 
-/* ---- cases of the public calls ---- */
+/* ---- cases of the public API ---- */
 
 static fathom_status run_check(fathom_context *context, const group *g, double parameter,
                                extremes_rows *rows) {

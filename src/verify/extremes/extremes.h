@@ -1,5 +1,5 @@
-/* The grid of stiff and extreme cases. A case is a small scene with rays that are hard in one respect; its
- * answers are judged by the exact oracle as any other's. A group is a line of cases along one number. */
+/* The grid of extreme cases. A case is a small scene with rays that are difficult in one respect; its hits
+ * are checked by the exact oracle as usual. A group is a series of cases with one varying parameter. */
 #ifndef EXTREMES_EXTREMES_H
 #define EXTREMES_EXTREMES_H
 
@@ -7,21 +7,21 @@
 
 #define EXTREMES_WORDS 120
 
-/* One case asked of one tracer. */
+/* One case with one tracer. */
 typedef struct extremes_row {
     const char *group, *spec; /* borrowed; spec from the options */
     double parameter;
-    char words[EXTREMES_WORDS]; /* what the case is, for a person */
+    char words[EXTREMES_WORDS]; /* description of the case for the user */
     uint64_t rays, counts[VERDICT_COUNT];
-    uint64_t any_rays, any_counts[VERDICT_COUNT]; /* of the same rays, asked for any hit */
+    uint64_t any_rays, any_counts[VERDICT_COUNT]; /* the same rays, as any-hit queries */
     double constant;                              /* as in compare_family */
 } extremes_row;
 
 typedef ARRAY(extremes_row) extremes_rows;
 
-/* A leak or a wrong answer, and where. */
+/* A leak or a wrong result, and its case. */
 typedef struct extremes_failure {
-    const char *group, *spec; /* borrowed, as of a row */
+    const char *group, *spec; /* borrowed, as in a row */
     double parameter;
     compare_failure failure;
 } extremes_failure;
@@ -31,36 +31,37 @@ typedef ARRAY(extremes_failure) extremes_failures;
 typedef struct extremes_options {
     const char *const *specs; /* tracers, as in trace/spec.h */
     size_t spec_count;
-    uint64_t rays; /* of each case and tracer, about: families of rays share them */
+    uint64_t rays; /* about this many per case and tracer, divided among the families */
     uint64_t seed;
     unsigned threads;
-    size_t kept;                 /* failures of each family of a case and tracer: the first ones */
-    extremes_failures *failures; /* appended; NULL where kept is 0 */
-    /* From the calling thread, with the rays done of the case. False stops it. May be NULL. */
+    size_t kept;                 /* maximum number of failures per family, case and tracer: the first ones */
+    extremes_failures *failures; /* failures are appended; NULL if kept is 0 */
+    /* Called from the calling thread, with the number of rays done in the case. False stops the run. May be
+     * NULL. */
     bool (*progress)(void *user, uint64_t rays);
     void *user;
 } extremes_options;
 
-/* Groups in the table's order, and the cases of each. */
+/* Groups in the order of the table, and their cases. */
 unsigned extremes_groups(void);
 const char *extremes_name(unsigned group);
-const char *extremes_meaning(unsigned group); /* of the number; "": one of a list */
+const char *extremes_meaning(unsigned group); /* of the parameter; "": index in a list */
 unsigned extremes_cases(unsigned group);
 double extremes_parameter(unsigned group, unsigned index);
 
-/* Appends a row for each tracer that takes such scenes; a library's takes triangles alone. Cases of the
- * public calls are asked once for each of their own tracers, whatever the options name. FATHOM_INTERRUPTED
- * when progress said stop. */
+/* Appends a row for each tracer that supports the scene; plug-ins support only triangles. Cases of the public
+ * API run once for each of their own tracers, whatever the options say. FATHOM_INTERRUPTED when progress
+ * returned false. */
 fathom_status extremes_run(fathom_context *context, unsigned group, unsigned index,
                            const extremes_options *options, extremes_rows *rows);
 
 /* ---- one scene ---- */
 
 typedef struct judged_scene judged_scene; /* case.h */
-/* Takes a scene that is checked, in any case. Release with judged_close() whatever comes back. */
+/* Takes ownership of a checked scene, even if it fails. Release with judged_close(), also after a failure. */
 fathom_status judged_open(fathom_context *context, fathom_scene *scene, judged_scene *out);
-/* The scene of a case of rays, by its group and number, to ask one ray again. FATHOM_BAD_INPUT when there is
- * no such group; release it likewise. */
+/* Opens the scene of a case by its group and parameter, to trace one ray again. FATHOM_BAD_INPUT when the
+ * group does not exist. Release *out with judged_close() too. */
 fathom_status extremes_open(fathom_context *context, const char *group, double parameter, judged_scene *out);
 void judged_close(judged_scene *scene);
 

@@ -8,7 +8,7 @@ static const vec3_f64 middle = {0, 0, 0};
 
 #define STRIP 16u
 
-/* A strip of slivers that share their long sides, curved, and as many case_scattered alone. */
+/* A curved strip of slivers that share their long sides, and the same number of separate ones. */
 void sliver_make(judged_scene *c, double aspect) {
     case_say(c, "triangles %g times as long as wide, in a strip and alone", aspect);
     vec3_f64 strip[STRIP + 2], alone[3 * STRIP];
@@ -33,7 +33,7 @@ void sliver_make(judged_scene *c, double aspect) {
 
 /* ---- grazing ---- */
 
-/* At a fixed angle off the surface, towards it from either side. */
+/* A ray at a fixed angle to the surface, from either side. */
 static rays_draft grazing_ray(const void *user, rays_random *r, uint64_t index) {
     const judged_scene *c = user;
     (void)index;
@@ -73,7 +73,7 @@ void grazing_planes(judged_scene *c, double angle) {
 
 /* ---- tangent ---- */
 
-/* Past the rim by a fraction of the radius, or short of it. */
+/* A ray that passes the silhouette outside or inside, by a fraction of the radius. */
 static rays_draft tangent_ray(const void *user, rays_random *r, uint64_t index) {
     const judged_scene *c = user;
     uint32_t sphere = (uint32_t)(rays_unit(r) * (double)c->world->spheres.count);
@@ -84,7 +84,8 @@ static rays_draft tangent_ray(const void *user, rays_random *r, uint64_t index) 
     return (rays_draft){madd_f64(point, -radius * rays_power(r, 0, 2), dir), dir, 0, (double)INFINITY};
 }
 
-/* Along an axis, all numbers whole multiples of the radius, a power of two: exactly on the rim in float. */
+/* A ray along an axis that touches the sphere exactly, also in float: all numbers are multiples of the
+ * radius, which is a power of two. */
 static rays_draft touching_ray(const void *user, rays_random *r, uint64_t index) {
     const judged_scene *c = user;
     uint32_t sphere = (uint32_t)(rays_unit(r) * (double)c->world->spheres.count);
@@ -111,19 +112,19 @@ void tangent_make(judged_scene *c, double off) {
         case_sphere(c, FATHOM_ROOT, vec_f64(8 * k, 4 * (k % 3), k), ldexp(1, k % 4 - 2));
 }
 
-/* ---- one sphere seen from near and far: the radius over the distance ---- */
+/* ---- one sphere seen from near and far: radius divided by distance ---- */
 
 static const vec3_f64 unit_center = {0.37, -0.21, 0.13};
 
-/* A line past the sphere's centre at distance `by` from it, from `org`. */
+/* Direction from `org` that passes the sphere's centre at distance `by`. */
 static vec3_f64 aimed_past(rays_random *r, vec3_f64 org, vec3_f64 center, double by) {
     vec3_f64 to = sub_f64(center, org);
     double far = length_f64(to), sine = by < far ? by / far : 1, cosine = sqrt((1 - sine) * (1 + sine));
     return add_f64(scale_f64(cosine, normalize_f64(to)), scale_f64(sine, rays_perpendicular(r, to)));
 }
 
-/* Every other ray near the rim, by 1e-7 to 1e-1 of the radius; the others anywhere up to it and a little
- * beyond. */
+/* Every second ray passes near the silhouette, by 1e-7 to 1e-1 of the radius; the others anywhere up to it
+ * and a little beyond. */
 static double distance_past(rays_random *r, uint64_t index, double radius) {
     if (index % 2) return radius * sqrt(rays_unit(r)) * 1.05;
     double off = rays_power(r, -7, -1);
@@ -137,7 +138,7 @@ static rays_draft outer_ray(const void *user, rays_random *r, uint64_t index) {
                         (double)INFINITY};
 }
 
-/* A unit sphere; number[0]: the distance to its surface. */
+/* Adds a unit sphere; number[0]: distance to its surface. */
 static void near_unit(judged_scene *c, const char *side, double ratio, rays_maker maker) {
     case_say(c, "a sphere from %s, its radius %g times the distance to its surface", side, ratio);
     case_sphere(c, FATHOM_ROOT, unit_center, 1);
@@ -157,7 +158,7 @@ static rays_draft inner_ray(const void *user, rays_random *r, uint64_t index) {
 
 void ratio_inside(judged_scene *c, double ratio) { near_unit(c, "inside", ratio, inner_ray); }
 
-/* From the surface, as float rounds it, every other ray nearly along it. */
+/* A ray from the surface, rounded to float; every second ray is nearly tangent. */
 static rays_draft surface_ray(const void *user, rays_random *r, uint64_t index) {
     const judged_scene *c = user;
     const world_sphere *sphere = &c->world->spheres.items[0];
@@ -167,7 +168,8 @@ static rays_draft surface_ray(const void *user, rays_random *r, uint64_t index) 
     return (rays_draft){org, dir, 0, (double)INFINITY};
 }
 
-/* The world moves to a sphere only if that is small compared to its distance; this one does not move. */
+/* The world's origin moves to a sphere only if the sphere is small compared to its distance. Here it must not
+ * move, so the patch sets the centre directly. */
 static void push_away(judged_scene *c) {
     c->world->spheres.items[0].center = narrow(normalize_f64(unit_center));
 }
@@ -183,7 +185,7 @@ void ratio_surface(judged_scene *c, double ratio) {
 
 static const double earth = 6.371e6;
 
-/* From around the part, at it, or past it at the ground. */
+/* A ray from around the part, aimed at the part or past it at the ground. */
 static rays_draft part_ray(const void *user, rays_random *r, uint64_t index) {
     const judged_scene *c = user;
     vec3_f64 at =
@@ -193,7 +195,7 @@ static rays_draft part_ray(const void *user, rays_random *r, uint64_t index) {
     return (rays_draft){org, sub_f64(target, org), 0, (double)INFINITY};
 }
 
-/* The part floats over the planet at twice its radius. */
+/* The part floats above the planet; its centre is two of its own radii above the ground. */
 static void put_part(judged_scene *c, double size) {
     vec3_f64 up = vec_f64(0.48, 0.6, 0.64), at = scale_f64(earth + 2 * size, up);
     case_sphere(c, FATHOM_ROOT, vec_f64(0, 0, 0), earth);
@@ -209,7 +211,7 @@ void planet_make(judged_scene *c, double size) {
     c->maker = part_ray;
 }
 
-/* All that families of rays do where one thing is ten orders larger than the other. */
+/* All families of rays in a scene in which one object is many orders of magnitude larger than the other. */
 void planet_outer(judged_scene *c, double size) {
     case_say(c, "the same part of %g m and planet by rays from anywhere", size);
     put_part(c, size);

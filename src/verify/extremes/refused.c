@@ -1,4 +1,4 @@
-/* Shapes and rays that the public calls must refuse, each with a message. */
+/* Shapes and rays that the public API must refuse, each with a message. */
 #include "verify/extremes/case.h"
 
 #include <fathom/trace.h>
@@ -114,7 +114,7 @@ fathom_status refused_check(fathom_context *context, const char *tracer, double 
 
 /* ---- rays ---- */
 
-/* Towards the unit sphere at the origin, from 3 before it: t = 2. */
+/* A ray from distance 3 towards the unit sphere at the origin: t = 2. */
 static const fathom_ray good = {{0, 0, 3}, {0, 0, -1}, 0, HUGE_VAL};
 
 typedef struct ray_check {
@@ -123,7 +123,7 @@ typedef struct ray_check {
     extremes_row *row;
 } ray_check;
 
-/* The call says which ray it is, and has answered those before it. */
+/* The call must name the bad ray and set the hits of the rays before it. */
 static void expect_refusal(const ray_check *c, fathom_ray ray) {
     fathom_ray rays[20];
     fathom_hit hits[20];
@@ -137,7 +137,7 @@ static void expect_refusal(const ray_check *c, fathom_ray ray) {
     count(c->row, right);
 }
 
-/* t: infinite for a miss. Double's rounding of what a few operations give: 8 units. */
+/* t: infinite for a miss. The tolerance is the rounding of a few operations in double: 8 units. */
 static void expect_t(const ray_check *c, fathom_ray ray, double t) {
     fathom_hit hit;
     bool any = false;
@@ -182,24 +182,24 @@ static void miss_empty_intervals(const ray_check *c) {
     }
 }
 
-/* Directions of any length, denormal ones in double or in float among them. */
+/* Directions of any length, including denormal ones in double or in float. */
 static void meet_any_length(const ray_check *c) {
     for (int e = -1070; e <= 1020; e += 10) {
         fathom_ray ray = good;
         ray.direction[2] = -ldexp(1, e);
-        /* 2 / |d|, where double holds that. */
+        /* 2 / |d|, if double can represent it. */
         if (e > -1020) expect_t(c, ray, ldexp(2, -e));
     }
 }
 
-/* t itself is beyond double's range: there is no number to say it by. */
+/* t itself exceeds the range of double, so it cannot be reported. */
 static void miss_beyond_range(const ray_check *c) {
     fathom_ray ray = good;
     ray.direction[2] = -DBL_TRUE_MIN;
     expect_t(c, ray, HUGE_VAL);
 }
 
-/* A part that float or double cannot hold is as good as 0. */
+/* A component that float or double cannot represent acts as 0. */
 static void meet_denormal_parts(const ray_check *c) {
     const double parts[] = {1e-40, -1e-40, 1e-46, DBL_TRUE_MIN, -DBL_TRUE_MIN};
     for (unsigned i = 0; i < 20; ++i) {

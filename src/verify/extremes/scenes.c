@@ -1,5 +1,5 @@
-/* Groups of scenes: sizes and places, shapes in one place, nested groups, shapes at the end of float's range.
- */
+/* Groups of scenes: sizes and positions, coinciding shapes, nested groups, shapes at the end of float's
+ * range. */
 #include "verify/extremes/case.h"
 
 #include <string.h>
@@ -37,7 +37,7 @@ void offset_near(judged_scene *c, double offset) {
     c->families |= 1u << RAYS_CAMERA;
 }
 
-/* ---- as if nothing were moved near the origin ---- */
+/* ---- far from the origin in float, without the world's own shift of coordinates ---- */
 
 static vec3_f32 moved(vec3_f32 p, vec3_f64 by) { return narrow(add_f64(widen(p), by)); }
 
@@ -69,9 +69,9 @@ void offset_raw(judged_scene *c, double offset) {
     c->patch = move_world;
 }
 
-/* ---- surfaces in one place: which of them answers is a tie ---- */
+/* ---- coinciding surfaces: which of them is hit is a tie ---- */
 
-/* The oracle looks at every copy. */
+/* Reduces the rays, because the oracle tests every copy. */
 static void thin_out(judged_scene *c, double copies) { c->thin = (unsigned)fmax(1, copies / 500); }
 
 void copies_triangles(judged_scene *c, double count) {
@@ -100,10 +100,10 @@ void copies_spheres(judged_scene *c, double count) {
     for (double i = 0; i < count; ++i) case_sphere(c, FATHOM_ROOT, vec_f64(0.1, 0.2, -0.1), 0.7);
 }
 
-/* ---- partly over each other ---- */
+/* ---- overlapping ---- */
 
-/* Triangles and quads in one plane, their corners anywhere: no side lies along another's, where surfaces that
- * share no corners would leave a seam. */
+/* Triangles and quads in one plane with irregular corners. No two sides coincide, because surfaces without
+ * shared corners would leak there. */
 static void put_layer(judged_scene *c, double count, vec3_f64 x, vec3_f64 y) {
     uint32_t n = (uint32_t)count;
     thin_out(c, 10 * count);
@@ -130,7 +130,7 @@ void overlap_tilted(judged_scene *c, double count) {
     put_layer(c, count, vec_f64(0.8, 0.13, 0.57), vec_f64(-0.3, 0.9, 0.31));
 }
 
-/* ---- groups in groups, scaled up and down, stretched and mirrored ---- */
+/* ---- nested groups: scaled up and down, stretched and mirrored ---- */
 
 static fathom_id put_things(judged_scene *c, double size) {
     fathom_id group = case_group(c);
@@ -142,14 +142,15 @@ static fathom_id put_things(judged_scene *c, double size) {
 
 static affine_f64 turned(double angle) { return affine_rotation_axis(vec_f64(0.3, 1, -0.4), angle); }
 
-/* First the scale, then a turn, then a shift. */
+/* Scale, then rotation, then translation. */
 static affine_f64 placing(vec3_f64 scale, double angle, vec3_f64 shift) {
     affine_f64 s = affine_scaling(scale), r = turned(angle), t = affine_translation(shift);
     affine_f64 rs = affine_compose(&r, &s);
     return affine_compose(&t, &rs);
 }
 
-/* Two placements of `inner`, one of `middle` within each of two of `outer`. */
+/* Puts `things` by `inner` into a group, and this group twice into the root: by `outer`, and by `outer` moved
+ * aside. */
 static void nest(judged_scene *c, fathom_id things, const affine_f64 *inner, const affine_f64 *outer) {
     fathom_id group = case_group(c);
     case_instance(c, things, group, inner);
@@ -179,7 +180,7 @@ void nested_grow(judged_scene *c, double ratio) {
 
 void nested_stretch(judged_scene *c, double ratio) {
     case_say(c, "groups stretched by %g along one axis between two turns", ratio);
-    c->thin = ratio < 1e-5 || ratio > 1e5 ? 4 : 1; /* so flat that few primitives can be told apart */
+    c->thin = ratio < 1e-5 || ratio > 1e5 ? 4 : 1; /* so flat that few primitives can be distinguished */
     fathom_id things = put_things(c, 1);
     affine_f64 inner = placing(vec_f64(1, 1, 1), 0.7, vec_f64(0.3, 0, 0.1));
     affine_f64 outer = placing(vec_f64(1, ratio, 1), -1.1, vec_f64(0.2, 0.1, -0.3));
@@ -196,8 +197,8 @@ void nested_mirror(judged_scene *c, double ratio) {
     nest(c, things, &inner, &outer);
 }
 
-/* ---- shapes at the end of float's range and past it, next to good ones ----
- * Embree leaves out what has a coordinate beyond 1.8e18; the world counts that. */
+/* ---- shapes at the end of float's range and beyond, next to good ones ----
+ * Embree leaves out shapes with a coordinate beyond 1.8e18; the world counts these. */
 
 static void put_far_triangles(judged_scene *c, double at) {
     vec3_f64 corners[24];
@@ -211,7 +212,7 @@ static void put_far_triangles(judged_scene *c, double at) {
 
 void beyond_triangles(judged_scene *c, double at) {
     case_say(c, "among good triangles: some with a corner %g away", at);
-    c->thin = 8; /* such exponents take the oracle's whole numbers long */
+    c->thin = 8; /* the oracle's integers are slow with such exponents */
     case_ball(c, FATHOM_ROOT, middle, 0.3);
     put_far_triangles(c, at);
 }

@@ -4,7 +4,7 @@
 #define PI 3.14159265358979323846
 
 static const vec3_f64 center = {0, 0, 0}, above = {0, 0, 1}, below = {0, 0, -1};
-/* Albedos of the three channels, and what the walls send out. */
+/* Albedos of the three channels, and the walls' emission. */
 static const vec3_f64 albedo = {0.75, 0.5, 0.25}, sent = {1, 0.5, 2};
 
 static fathom_material wall(void) {
@@ -51,7 +51,7 @@ static void furnace_mesh(law_room *room) {
 
 static const double sphere_radius = 1.5, intensity = 3;
 
-/* k_l/R² (ρ + ρ² + …): the light shows k_l ρ/R² by itself. */
+/* k_l/R² (ρ + ρ² + …); direct light alone gives k_l ρ/R². */
 static double lit_sphere(double rho, const double *unused) {
     (void)unused;
     return intensity / (sphere_radius * sphere_radius) * law_powers(rho, 1, 64);
@@ -71,8 +71,9 @@ static void ball_light_in_sphere(law_room *room) {
     law_value(room, law_each(albedo, lit_sphere, NULL));
 }
 
-/* The wall outside the cone sees the mean over the sphere of what the cone shows, times ρ + ρ² + …. A squared
- * ramp in the cosine from `outer` to `inner` has the mean (1 - inner + (inner - outer)/3)/2. */
+/* The radiance of the wall outside the cone: the mean over the sphere of the directly lit wall's radiance,
+ * times ρ + ρ² + …. A squared ramp in the cosine from `outer` to `inner` has the mean (1 - inner + (inner -
+ * outer)/3)/2. */
 static double spot_wall(double rho, const double *share) { return *share * (rho * lit_sphere(rho, NULL)); }
 
 static void spot_in_sphere(law_room *room) {
@@ -91,8 +92,8 @@ static void spot_in_sphere(law_room *room) {
 }
 
 /* ---- a sphere cut by an emitting plane ----
- * Every ray from the wall to the cap that is cut off crosses the plane: it fills the share f of what any
- * point of the wall sees. The plane sees the wall alone. B = ρ (f (L + σB) + (1-f) B) for the wall, σ the
+ * Every ray from the wall to the removed cap crosses the plane, so the plane fills the fraction f of the view
+ * of any point of the wall. The plane sees only the wall. B = ρ (f (L + σB) + (1-f) B) for the wall, σ the
  * plane's albedo. */
 
 static double cut_sphere(double rho, const double *f_and_plane) {

@@ -12,7 +12,7 @@
 static const law *const lists[] = {laws_of_enclosures, laws_of_lights, laws_of_matter, laws_of_layers,
                                    laws_of_motion};
 
-/* The i-th law that is asked for; NULL beyond the last. */
+/* The i-th of the selected laws; NULL past the last. */
 static const law *law_at(const laws_options *o, size_t i) {
     for (size_t list = 0; list < sizeof lists / sizeof *lists; ++list) {
         for (const law *l = lists[list]; l->name; ++l) {
@@ -28,7 +28,7 @@ const char *laws_verdict_name(laws_verdict v) {
     return names[v];
 }
 
-/* ---- judging ---- */
+/* ---- testing ---- */
 
 static double relative_error(const law_room *room, const sample_mean found[3]) {
     double most = 0;
@@ -36,8 +36,8 @@ static double relative_error(const law_room *room, const sample_mean found[3]) {
     return most;
 }
 
-/* A pilot tells how many samples the error needs; its own do not count, so that no stopping depends on what
- * is judged. A fifth more makes up for what the pilot does not know. */
+/* A pilot render estimates the number of samples for the wanted error. Its samples are not reused, so the
+ * tested samples do not decide when to stop. A fifth more allows for the uncertainty of the pilot. */
 static fathom_status render(const laws_options *o, const law_room *room, uint64_t seed, laws_row *row) {
     fathom_status status = o->render.render(o->render.user, room, o->pilot, seed, row->found);
     const double ratio = relative_error(room, row->found) / o->error;
@@ -96,7 +96,8 @@ static void finish(const laws_options *o, laws_rows *out) {
         laws_row *row = &out->rows.items[i];
         if (row->verdict == LAWS_REFUSED) continue;
         least = fmin(least, row->p);
-        /* The pilot's error is an estimate, too: half as much again is still no other order. */
+        /* The pilot's error is only an estimate, so an error of up to 1.5 times the wanted one is
+         * accepted. */
         if (!(row->relative <= 1.5 * o->error)) row->verdict = LAWS_NOISY;
         if (row->p < out->test_level) row->verdict = LAWS_BROKEN;
     }
@@ -129,9 +130,9 @@ size_t laws_failed(const laws_rows *rows) {
 
 /* ---- two renders ---- */
 
-/* Where renders found little light, their samples do not tell their error: no sample may have met a light
- * that few can meet, and all were equal. One more that brings the brightest mean would change a mean of n by
- * the nth part of that. It is the least error of any mean. */
+/* In dark cells the samples underestimate the error: rare bright paths may be missing, and all samples are
+ * equal. One more sample as bright as the brightest mean would change a mean of n samples by 1/n of it. This
+ * is the minimum error of any mean. */
 void laws_least_error(sample_mean *means, size_t count, double samples) {
     double most = 0;
     for (size_t i = 0; i < count; ++i) most = fmax(most, fabs(means[i].mean));
@@ -146,7 +147,7 @@ laws_difference laws_compare(const sample_mean *a, const sample_mean *b, size_t 
         if (p < d.p) d.p = p, d.worst = i;
         sum += (a[i].mean + b[i].mean) / 2, difference += a[i].mean - b[i].mean;
     }
-    /* The three channels of a cell go together: their errors add up. */
+    /* The three channels of a cell are correlated, so their errors add linearly. */
     for (size_t i = 0; i + 2 < count; i += 3) {
         double error = 0;
         for (size_t c = i; c < i + 3; ++c) error += sqrt(a[c].error * a[c].error + b[c].error * b[c].error);

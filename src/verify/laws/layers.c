@@ -1,4 +1,4 @@
-/* Layers and lobes of metallicRoughness that glTF's extensions add. */
+/* Layers and lobes of metallicRoughness from glTF extensions. */
 #include "verify/laws/room.h"
 
 #define PI 3.14159265358979323846
@@ -8,7 +8,7 @@ static const vec3_f64 eye = {0, 0, 1}, aside = {0.8, 0, 0.6}, across = {0, 0.8, 
 
 static double square(double x) { return x * x; }
 
-/* A dielectric of which the base alone is left, and that is black. */
+/* A dielectric without reflection and with a black base. */
 static fathom_material bare(void) {
     fathom_material m = law_metallic();
     m.specular_factor = 0;
@@ -42,7 +42,7 @@ static void leaf_from_behind(law_room *room) {
     build_background(&room->b, origin);
 }
 
-/* White leaves under a dielectric layer lose nothing. */
+/* A white leaf under a dielectric layer is lossless. */
 static void white_leaf(law_room *room) {
     fathom_material m = law_metallic();
     m.diffuse_transmission = m.roughness = 0.5f, m.specular_factor = 1, m.multiscatter = true;
@@ -146,7 +146,7 @@ static fathom_material clear(double index, unsigned priority) {
     return m;
 }
 
-/* A material that loses no light is invisible in an even sky, whatever its colours do. */
+/* A lossless material is invisible in a uniform sky, whatever its dispersion. */
 static void fire(law_room *room) {
     fathom_material m = clear(1.5, 0);
     m.dispersion = 5;
@@ -155,16 +155,15 @@ static void fire(law_room *room) {
 
 static double both(double r, double s) { return r + square(1 - r) * s / (1 - r * s); }
 
-/* Both planes are of one material: what is entered by one is left by the other.
- */
+/* Both planes have the same material: a ray enters the volume at one and leaves it at the other. */
 static void slab(law_room *room, double top, double bottom, fathom_material m) {
     const fathom_id material = build_material(&room->b, m);
     build_plane(&room->b, vec_f64(0, 0, top), up, material);
     build_plane(&room->b, vec_f64(0, 0, bottom), down, material);
 }
 
-/* Two slabs that overlap: the higher priority ends where it ends, and the other
- * one begins there. */
+/* Two overlapping slabs: the one with higher priority fills the overlap, and the other one begins at its
+ * end. */
 static void overlap(law_room *room, fathom_material first, double second) {
     slab(room, -1, -2, first);
     slab(room, -1.5, -3, clear(second, 1));
@@ -177,7 +176,7 @@ static void overlap_even(law_room *room) {
     law_value(room, scale_f64(both(0.04, 0.04), white));
 }
 
-/* The first one absorbs over its whole width, there and back. */
+/* The first slab absorbs over its full thickness, there and back. */
 static double from_slabs(double remains, const double *reflected) {
     const double r = reflected[0], s = reflected[1] * square(remains);
     return r + square(1 - r) * s / (1 - r * s);
@@ -193,8 +192,7 @@ static void overlap_uneven(law_room *room) {
     law_value(room, law_each(remains, from_slabs, reflected));
 }
 
-/* Where they overlap the higher priority fills the space, and it is clear:
- * light is absorbed over a way of 1. */
+/* The clear slab has the higher priority and fills the overlap, so light is absorbed over a distance of 1. */
 static double through_slabs(double remains, const double *reflected) {
     const double r = reflected[0];
     return square(1 - r) * remains / (1 - square(r * remains));

@@ -1,4 +1,4 @@
-/* A floor under lights of many shapes: z = 0, seen at the origin. */
+/* A floor z = 0 under lights of many shapes; the camera looks at the origin. */
 #include "verify/laws/room.h"
 
 #define PI 3.14159265358979323846
@@ -6,7 +6,7 @@
 static const vec3_f64 origin = {0, 0, 0}, up = {0, 0, 1};
 static const vec3_f64 albedo = {1, 0.5, 0.2};
 
-/* The floor and its value, for a share of the light's radiance of 1. */
+/* Adds the floor and sets its radiance: albedo times `share`, the irradiance divided by pi. */
 static void floor_under(law_room *room, double share) {
     room->depth = 4;
     paint_plane(&room->b, origin, up, build_lambert(albedo));
@@ -42,7 +42,8 @@ static void cut_pentagon(law_room *room) {
     polygon(room, corners, 5);
 }
 
-/* The same sum over the parallel square, by the two of them: both are seen whole. */
+/* The mean over the lower square is the form factor of two parallel unit squares at distance 1. The image
+ * shows the whole lower square. */
 static void parallel_squares(law_room *room) {
     const double x = 1, root = sqrt(1 + x * x);
     const double factor =
@@ -64,7 +65,7 @@ static double under_disk(void) {
     return (1 - (1 + H * H - R * R) / sqrt(Z * Z - 4 * R * R)) / 2;
 }
 
-/* A polygon of N corners on the circle has the area 1 - 2π²/3N² of the disk. */
+/* A polygon with N corners on the circle has the fraction 1 - 2π²/3N² of the disk's area. */
 static void disk_of_triangles(law_room *room) {
     enum { CORNERS = 2000 };
     vec3_f64 p[CORNERS];
@@ -76,7 +77,7 @@ static void disk_of_triangles(law_room *room) {
     floor_under(room, under_disk());
 }
 
-/* A sphere squeezed to a thousandth: its outline differs from the disk's by its square. */
+/* A sphere scaled by 1/1000 along z. Its outline differs from the disk's only by the square of that. */
 static void disk_squeezed(law_room *room) {
     const double squeeze[12] = {1, 0, 0, disk_center.x, 0, 1, 0, disk_center.y, 0, 0, 1e-3, disk_center.z};
     const fathom_id group = room->b.group = build_group(&room->b);
@@ -104,7 +105,7 @@ static void sphere_cut(law_room *room, double angle) {
 static void sphere_cut_high(law_room *room) { sphere_cut(room, 1.3); }
 static void sphere_cut_low(law_room *room) { sphere_cut(room, 1.8); }
 
-/* ---- lights without a surface: k_l cos θ, over the squared distance ---- */
+/* ---- lights without a surface: k_l cos θ, divided by the squared distance ---- */
 
 static void point_over_floor(law_room *room, double radius) {
     const vec3_f64 at = {1, 0.5, 2};
@@ -140,7 +141,7 @@ static void many_points(law_room *room) {
     floor_under(room, sum);
 }
 
-/* Lights of several kinds add up. */
+/* The light of several kinds of lights adds up. */
 static void several(law_room *room) {
     const double R = 0.5, d = 2, angle = 0.6;
     sun_over_floor(room, 0);

@@ -1,4 +1,4 @@
-/* Materials, volumes and light from outside. */
+/* Materials, volumes and environment light. */
 #include "verify/laws/room.h"
 
 #define PI 3.14159265358979323846
@@ -8,7 +8,7 @@ static const vec3_f64 eye = {0, 0, 1};
 
 static vec3_f64 gray(double x) { return vec_f64(x, x, x); }
 
-/* ---- light from outside ---- */
+/* ---- environment light ---- */
 
 static const vec3_f64 albedo = {1, 0.5, 0.2};
 
@@ -19,7 +19,7 @@ static void even_sky(law_room *room) {
     law_value(room, vec_f64(1, 0.25, 0.05));
 }
 
-/* Legendre's polynomials around an axis for each channel: bands 0 to 4 of a rotated spherical harmonic. */
+/* Legendre polynomials around one axis per channel: bands 0 to 4 of a rotated spherical harmonic. */
 static const double bands[5] = {1, 0.4, 0.25, 0.2, 0.1};
 static const vec3_f64 sky_axes[3] = {{0, 0, 1}, {0.6, 0, 0.8}, {0.48, 0.64, -0.6}};
 
@@ -42,7 +42,7 @@ static vec3_f64 harmonic_sky(void *user, vec3_f64 d) {
                    band_sum(sky_axes[2], d, all));
 }
 
-/* Irradiance weights bands by π, 2π/3, π/4, 0, -π/24; the floor shows it over π. */
+/* Irradiance weights bands by π, 2π/3, π/4, 0, -π/24; the floor's radiance is the irradiance divided by π. */
 static void harmonics(law_room *room) {
     const double factors[5] = {1, 2.0 / 3, 0.25, 0, -1.0 / 24};
     paint_plane(&room->b, origin, up, build_lambert(white));
@@ -51,8 +51,7 @@ static void harmonics(law_room *room) {
     for (int c = 0; c < 3; ++c) room->value[c] = band_sum(sky_axes[c], up, factors);
 }
 
-/* ---- mirrors with Fresnel's factor, averaged over a cosine: a floor between itself and a mirrored ceiling
- * ---- */
+/* ---- mirrors with a Fresnel factor, averaged over the cosine: a floor under a mirror ceiling ---- */
 
 /* B = 1 + ρ F B. */
 static void ceiling(law_room *room, vec3_f64 normal, fathom_material mirror, vec3_f64 mean) {
@@ -84,7 +83,7 @@ static void schlick(law_room *room) {
     ceiling(room, down, m, vec_f64(f0.x + (1 - f0.x) / 21, f0.y + (1 - f0.y) / 21, f0.z + (1 - f0.z) / 21));
 }
 
-/* ---- the reflectance of a lobe seen straight on, under an even sky ---- */
+/* ---- the reflectance of a lobe at normal incidence, under a uniform sky ---- */
 
 static void ggx_full(law_room *room) {
     fathom_material m = law_metallic();
@@ -126,14 +125,14 @@ static void lit_from_behind(law_room *room) {
     law_lobe(room, m, eye, albedo);
 }
 
-/* ---- what loses no light is not seen in an even sky ---- */
+/* ---- lossless objects are invisible in a uniform sky ---- */
 
 static void glass_ball(law_room *room) { law_unseen_ball(room, glass(1, 1)); }
 
 static void thin_ball(law_room *room) { law_unseen_ball(room, law_clear(0)); }
 static void refracting_ball(law_room *room) { law_unseen_ball(room, law_clear(1)); }
 
-/* Black glows as brightly as the sky, within glass as outside: nothing is seen of either. */
+/* A black emitter with the sky's radiance is invisible, in glass or outside, and so is the glass. */
 static void lamp_in_glass(law_room *room) {
     paint_sphere(&room->b, vec_f64(0, 0.2, 0), 0.5, build_emitter(white));
     law_unseen_ball(room, law_clear(1));
@@ -141,7 +140,7 @@ static void lamp_in_glass(law_room *room) {
 
 /* ---- glass ---- */
 
-/* Both surfaces reflect r; between them light bounces until it leaves. */
+/* Both surfaces reflect r, with all orders of reflection between them. */
 static void slab(law_room *room) {
     const double r = 0.04;
     paint_plane(&room->b, vec_f64(0, 0, -1), up, glass(1, 1));
@@ -151,8 +150,8 @@ static void slab(law_room *room) {
     law_value(room, gray(2 * r / (1 + r)));
 }
 
-/* The image is the square around the ball: a disc of it, and the sky around. 1000 radii away the view is
- * parallel up to parts in 1e6. */
+/* The image is the square around the ball: the ball's disc and the sky around it. From 1000 radii away the
+ * view is parallel to about 1e-6. */
 static double through_ball(double remains, const double *unused) {
     (void)unused;
     const double way = -2 * log(remains); /* 2σR */
@@ -170,7 +169,7 @@ static void absorbing_ball(law_room *room) {
     law_value(room, law_each(remains, through_ball, NULL));
 }
 
-/* ---- coverage: a black sheet that is there to a quarter, between a floor and the sun ---- */
+/* ---- coverage: a black sheet with coverage 1/4, between a floor and the sun ---- */
 
 static void coverage(law_room *room) {
     fathom_material m = law_metallic();
@@ -187,7 +186,8 @@ static void coverage(law_room *room) {
     law_value(room, scale_f64(0.75 * 0.75, albedo));
 }
 
-/* Passing what is not there counts as no bounce: one is enough for the sky, with four sheets on the way. */
+/* Passing through the uncovered part of a sheet is not a bounce: with four sheets on the path, one bounce
+ * reaches the sky. */
 static void sky_through_sheets(law_room *room) {
     fathom_material m = law_metallic();
     build_rgb(m.base_color, origin);
@@ -215,7 +215,7 @@ static void lamp_behind_sheets(law_room *room) {
     law_value(room, scale_f64(0.75 * 0.75 * R / d * (R / d) * cos(angle), albedo));
 }
 
-/* ---- shapes that cast no shadow hide the sky all the same ---- */
+/* ---- shapes that cast no shadow still hide the sky ---- */
 
 static void no_shadow(law_room *room) {
     room->b.flags = FATHOM_CASTS_NO_SHADOW;
@@ -229,9 +229,9 @@ static void no_shadow(law_room *room) {
     law_value(room, albedo);
 }
 
-/* ---- a lens: the edge of an emitting plane's half, out of focus ----
- * The image is one point of the plane of focus. Seen through the lens it is a disc on the plane of the edge:
- * its part beyond the edge at x radii is (acos x - x √(1-x²))/π. */
+/* ---- a lens: the edge of an emitting half plane, out of focus ----
+ * The image is one point of the plane of focus. Through the lens, this point projects to a disc on the plane
+ * of the edge. The fraction of the disc beyond the edge at x radii is (acos x - x √(1-x²))/π. */
 
 static void lens(law_room *room) {
     const double focus = 4, distance = 3, radius = 0.5, offset = 0.05;

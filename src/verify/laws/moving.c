@@ -3,10 +3,10 @@
 
 static const vec3_f64 white = {1, 1, 1};
 
-/* ---- an edge that moves steadily across ----
+/* ---- an edge that moves at constant speed ----
  * The image is the square of side 1 around 0; a black half plane hides the sky right of x(t) = from + t (to -
- * from). At a time its share of the image is clamp(1/2 - x), and its mean over time the area of a trapezoid
- * in x, over to - from. */
+ * from). Its fraction of the image at a time is clamp(1/2 - x). The mean over time is the area of a trapezoid
+ * in x, divided by to - from. */
 
 /* ∫ clamp(1/2 - y, 0, 1) dy from -1/2 to x. */
 static double trapezoid(double x) {
@@ -17,7 +17,7 @@ static double trapezoid(double x) {
 
 static const double from = -0.8, to = 0.35;
 
-/* It looks down on the square, from 4 above, while the shutter is open from 2 to 3. */
+/* Sets a camera that looks down on the square from height 4, with the shutter open from 2 to 3. */
 static void look_at_edge(law_room *room, const double *key_times, const double *key_frames) {
     fathom_camera camera;
     fathom_camera_look_at((double[3]){0, 0, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 1, &camera);
@@ -29,12 +29,12 @@ static void look_at_edge(law_room *room, const double *key_times, const double *
     law_value(room, vec_f64(seen, seen, seen));
 }
 
-/* Between keys at 0 and 4 the edge passes `from` at 2 and `to` at 3. */
+/* Keys are at 0 and 4. The edge is at `from` at time 2 and at `to` at time 3. */
 static const double times[2] = {0, 4};
 static double start(void) { return from - 2 * (to - from); }
 static double end(void) { return to + (to - from); }
 
-/* Places a group by two maps at the times above. */
+/* Adds an instance of the group with two key transforms at the times above. */
 static void move_group(law_room *room, fathom_id group, const double maps[24]) {
     fathom_instance instance;
     fathom_instance_default(&instance);
@@ -63,7 +63,7 @@ static void moving_camera(law_room *room) {
     look_at_edge(room, times, frames);
 }
 
-/* The corners of the edge move, the others stay. */
+/* The corners on the edge move, the others do not. */
 static void moving_corners(law_room *room) {
     const float a = (float)start(), b = (float)end();
     const float keys[24] = {a, -10, 0, 20, -10, 0, 20, 10, 0, a, 10, 0,
@@ -77,8 +77,8 @@ static void moving_corners(law_room *room) {
     look_at_edge(room, NULL, NULL);
 }
 
-/* ---- a convex body that flies, turns and is stretched under an even sky: ρ L ----
- * No ray that leaves it meets it again. */
+/* ---- a convex body that moves, rotates and is scaled under a uniform sky: ρ L ----
+ * No ray that leaves the body hits it again. */
 
 static void move_body(law_room *room, bool ball) {
     const double albedo = 0.5, half = sqrt(0.5);
@@ -104,7 +104,8 @@ static void move_body(law_room *room, bool ball) {
 static void moving_ball(law_room *room) { move_body(room, true); }
 static void moving_box(law_room *room) { move_body(room, false); }
 
-/* ---- a lamp that moves over a floor, whose place 0 is seen while the shutter is open from 0 to 4 ---- */
+/* ---- a lamp that moves over a floor; the camera looks at the origin, the shutter is open from 0 to 4
+ * ---- */
 
 static void floor_under(law_room *room, double share) {
     const vec3_f64 albedo = {1, 0.5, 0.2};
@@ -130,7 +131,7 @@ static void rising_lamp(law_room *room) {
 
 static const vec3_f64 panel[4] = {{-0.5, -0.4, 0}, {0.5, -0.3, 0}, {0.6, 0.5, 0}, {-0.4, 0.4, 0}};
 
-/* The mean over time, by Simpson's rule. */
+/* Mean irradiance of the panel over time, by Simpson's rule. */
 static double mean_polygon(void (*when)(double time, vec3_f64 corners[4])) {
     enum { PARTS = 256 };
     double sum = 0;
@@ -142,7 +143,7 @@ static double mean_polygon(void (*when)(double time, vec3_f64 corners[4])) {
     return sum / (3 * PARTS);
 }
 
-/* It turns around x as it flies. */
+/* The panel rotates around x while it moves. */
 static const double tilt = 1.1;
 
 static void tilted(double time, vec3_f64 corners[4]) {
@@ -160,7 +161,7 @@ static void turning_panel(law_room *room) {
     floor_under(room, mean_polygon(tilted));
 }
 
-/* Two of its corners fall, and all go aside. */
+/* Two corners of the panel move down, and all move sideways. */
 static void bent(double time, vec3_f64 corners[4]) {
     for (int k = 0; k < 4; ++k)
         corners[k] = vec_f64(panel[k].x + 0.3 * time, panel[k].y, k < 2 ? 1.2 - 0.9 * time : 1.2);

@@ -1,4 +1,4 @@
-/* The integrators that the laws judge. */
+/* The integrators that the laws test. */
 #include "base/status.h"
 #include "integrate/reference.h"
 #include "verify/laws/laws.h"
@@ -10,7 +10,8 @@
 
 enum { SIDE = 16, PIXELS = SIDE * SIDE };
 
-/* The error of a square in an image so wide. Pixels are independent: errors add up by their squares. */
+/* Mean and error of a square of side `side` in an image `width` pixels wide. Pixels are independent, so the
+ * squares of their errors add up. */
 static sample_mean mean_of(const reference_estimate *pixels, uint32_t side, uint32_t width, int channel,
                            uint32_t samples) {
     const uint32_t count = side * side;
@@ -44,14 +45,14 @@ laws_render laws_reference(unsigned *threads) { return (laws_render){"reference"
 
 /* ---- the path integrator ---- */
 
-/* Samples of a low-discrepancy sequence depend on each other: only whole renders with seeds of their own tell
- * the error. */
+/* Samples of a low-discrepancy sequence are not independent, so the error comes from whole renders with
+ * different seeds. */
 enum { SEEDS = 16 };
 
-/* Means of the cells of a grid over the image, three each, and of their squares, over all seeds. */
+/* Sums over all seeds of the means of a grid's cells, three channels each, and of their squares. */
 typedef struct cells {
     uint32_t across, count;
-    double *sums, *squares; /* three of each cell, zeroed */
+    double *sums, *squares; /* three per cell; the caller zeroes them */
 } cells;
 
 static void add_film(const fathom_film *film, uint32_t side, const cells *k) {
@@ -109,7 +110,7 @@ static fathom_status path_room(void *user, const law_room *room, uint64_t sample
 
 laws_render laws_path(void) { return (laws_render){"path", path_room, NULL}; }
 
-/* ---- both, of one scene ---- */
+/* ---- both integrators on one scene ---- */
 
 static fathom_status reference_cells(const fathom_scene *scene, const laws_pair *o, uint32_t side,
                                      sample_mean *out) {

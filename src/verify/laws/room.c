@@ -145,7 +145,7 @@ vec3_f64 law_each(vec3_f64 rho, double (*of)(double rho, const double *numbers),
     return vec_f64(of(rho.x, numbers), of(rho.y, numbers), of(rho.z, numbers));
 }
 
-/* ---- what several laws are about ---- */
+/* ---- shared by several laws ---- */
 
 /* The part of the polygon with z > 0; `out` has room for twice as many corners. */
 static uint32_t above_floor(const vec3_f64 *p, uint32_t count, vec3_f64 *out) {
@@ -158,7 +158,7 @@ static uint32_t above_floor(const vec3_f64 *p, uint32_t count, vec3_f64 *out) {
     return kept;
 }
 
-/* Lambert's sum over edges, for the point 0 with the normal z. */
+/* Lambert's sum over edges, for the origin with the normal z. */
 static double edge_sum(const vec3_f64 *p, uint32_t count) {
     double sum = 0;
     for (uint32_t i = 0; i < count; ++i) {
@@ -198,8 +198,8 @@ fathom_material law_clear(double thickness) {
 
 static double square(double x) { return x * x; }
 
-/* By midpoints over half vectors h around n: the albedo is ∫ D G₂ v·h / n·v dh where the mirrored direction
- * leaves. Good to 1e-6 for alphas from 0.3. */
+/* Integrates ∫ D G₂ v·h / n·v dh by the midpoint rule over half vectors h whose reflected direction leaves
+ * the surface. Accurate to 1e-6 for alphas from 0.3. */
 double law_ggx_albedo(double ax, double ay, vec3_f64 v) {
     enum { RINGS = 1500, AROUND = 1000 };
     double sum = 0;

@@ -3,7 +3,7 @@
 #include <math.h>
 
 /* The continued fraction of the incomplete beta function (DLMF 8.17.22), by Lentz's method. It converges in
- * some sqrt(max(a, b)) steps. */
+ * about sqrt(max(a, b)) steps. */
 static double beta_fraction(double a, double b, double x) {
     const double tiny = 1e-300;
     double c = 1, d = 1 - (a + b) * x / (a + 1);
@@ -33,7 +33,8 @@ static double incomplete_beta(double a, double b, double x) {
     return 1 - front * beta_fraction(b, a, 1 - x) / b;
 }
 
-/* From 1e6 degrees of freedom on the normal distribution is as good to a part in 1e5 at 6 standard errors. */
+/* Above 1e6 degrees of freedom it uses the normal distribution, with a relative error of 1e-5 at 6 standard
+ * errors. */
 double student_p(double t, double freedom) {
     if (isinf(t)) return 0;
     if (freedom > 1e6) return erfc(fabs(t) / sqrt(2));

@@ -1,5 +1,5 @@
-/* Stiff and extreme cases of shading: small scenes through the real renderer, each compared with a formula
- * evaluated in double. The bound follows from roundings counted at the case. */
+/* Extreme cases of shading: small scenes rendered by the real renderer, each compared with a formula
+ * evaluated in double. Comments at each case derive its error bound by counting roundings. */
 #ifndef VERIFY_SHADING_H
 #define VERIFY_SHADING_H
 
@@ -7,12 +7,12 @@
 
 #include <fathom/fathom.h>
 
-/* One case. A case of many pixels is told by the one whose error is the largest share of its bound. */
+/* One case. If it has many pixels, the row shows the pixel with the largest ratio of error to bound. */
 typedef struct shading_row {
-    const char *group; /* "mirrors", "ior"…: what one plot shows */
-    double parameter;  /* its x axis */
-    char what[120];    /* the case in words for a person */
-    const char *spec;  /* the tracer, as asked for: the caller's text */
+    const char *group; /* "mirrors", "ior"…: one plot per group */
+    double parameter;  /* x coordinate in the plot */
+    char what[120];    /* description of the case for the user */
+    const char *spec;  /* the tracer's specification; points to the caller's text */
     double measured, expected, error, bound;
     bool ok; /* error <= bound, and every channel of every pixel is finite */
 } shading_row;
@@ -21,7 +21,7 @@ typedef ARRAY(shading_row) shading_rows;
 
 typedef struct shading_image {
     char title[64], caption[400];
-    double difference; /* the most that a pixel differs by from the first image */
+    double difference; /* largest difference of a pixel from the first image */
     unsigned char *png;
     size_t png_bytes;
 } shading_image;
@@ -29,20 +29,20 @@ typedef struct shading_image {
 typedef ARRAY(shading_image) shading_images;
 
 typedef struct shading_options {
-    const char *spec;            /* what traces, as trace_spec_parse() reads it; outlives the rows */
-    double twist;                /* for tests: the formulas' parameters are taken wrong by this share; 0 */
-    fathom_progress_fn progress; /* of each small image, as fathom_render() tells; may be NULL */
+    const char *spec;            /* the tracer, for trace_spec_parse(); must outlive the rows */
+    double twist;                /* for tests: relative error put into the formulas' parameters; default 0 */
+    fathom_progress_fn progress; /* progress of each small image, as in fathom_render(); may be NULL */
     void *user;
 } shading_options;
 
 /* Appends a row for each case. Returns FATHOM_OK even when rows are not ok. */
 fathom_status shading_run(fathom_context *context, const shading_options *options, shading_rows *out);
 
-/* A demonstration scene at the origin of coordinates, moved by the Earth's radius and by other distances: a
- * row for each that compares the images. By linear search in quadruple precision it would take minutes: none
- * then. */
+/* Renders a demonstration scene at the origin, and moved by the Earth's radius and other distances. Appends a
+ * row that compares the images for each distance. Appends none for linear search in quadruple precision,
+ * which would take minutes. */
 fathom_status shading_earth(fathom_context *context, const shading_options *options, shading_rows *rows);
-/* The scene at the origin and moved, and what plain float makes of it; by Embree, whatever is named. */
+/* Renders the scene at the origin, moved, and moved with plain float coordinates. Always uses Embree. */
 fathom_status shading_earth_images(fathom_context *context, const shading_options *options,
                                    shading_images *images);
 

@@ -5,26 +5,26 @@ beam beam_start(vec3_f64 eye, vec3_f64 direction) {
 }
 
 /* Rounding of t and of the primitive's coordinates moves the point by less than 16 u of both. The next ray
- * starts up to 32 u of the size off the surface (bench/offset.sh); this takes twice that. */
+ * starts up to 32 u of the size off the surface (bench/offset.sh); the bound uses twice that. */
 void beam_go(beam *b, double t, double size) {
     b->at = madd_f64(b->at, t, b->along);
     b->aside += t * b->turned + 16 * SHADING_U * (size + t) + 64 * SHADING_U * size;
 }
 
-/* -v + 2(n·v)n: n·v has 3 roundings, the sum 2 in each part, making it unit 3. */
+/* -v + 2(n·v)n: n·v has 3 roundings, the sum 2 per component, the normalisation 3. */
 void beam_mirror(beam *b, vec3_f64 normal, double normal_error) {
     b->along = normalize_f64(madd_f64(b->along, -2 * dot_f64(b->along, normal), normal));
     b->turned += 2 * normal_error + 8 * SHADING_U;
 }
 
 typedef struct snell {
-    vec3_f64 aside; /* v's part along the surface, v = -along */
+    vec3_f64 aside; /* v's component along the surface, v = -along */
     double sine, cos2, sine_error, cos2_error;
 } snell;
 
-/* The sine is off by the beam's turn, by the normal's, and by 4 roundings; 1 - eta^2 sin^2 by twice the share
- * of that, by those of eta and of the products, 6, and by its own. Away from the normal the cosine takes the
- * sine's part: 1 - eta^2 + eta^2 cos^2 has as many roundings of eta^2. */
+/* The error of the sine is that of the beam's direction, that of the normal, and 4 roundings. 1 - eta^2 sin^2
+ * has twice this relative error, 6 roundings of eta and of the products, and its own. At large angles to the
+ * normal, the cosine replaces the sine: 1 - eta^2 + eta^2 cos^2 has the same number of roundings of eta^2. */
 static snell snell_at(const beam *b, vec3_f64 normal, double normal_error, double eta) {
     snell s;
     double cos_in = -dot_f64(b->along, normal);
@@ -44,9 +44,9 @@ double beam_doubt(const beam *b, vec3_f64 normal, double normal_error, double et
     return s.cos2 / s.cos2_error;
 }
 
-/* The direction is -eta aside - cos_out n: its parts are off by eta times the sine's error and its roundings,
- * and by half the squared cosine's error over the cosine. The line's distance from its fellow is as the
- * cosines. */
+/* The direction is -eta aside - cos_out n. Its error is eta times the sine's error and roundings, plus half
+ * the squared cosine's error divided by the cosine. The distance between the two lines changes by the ratio
+ * of the cosines. */
 bool beam_refract(beam *b, vec3_f64 normal, double normal_error, double eta) {
     snell s = snell_at(b, normal, normal_error, eta);
     if (!(s.cos2 > 0)) return false;
@@ -58,7 +58,7 @@ bool beam_refract(beam *b, vec3_f64 normal, double normal_error, double eta) {
     return true;
 }
 
-/* h / r^3 changes by at most 3/r + 1/h of itself for each unit that the point moves, and takes some 24
+/* h / r^3 changes by a fraction of at most 3/r + 1/h for each unit that the point moves, and has about 24
  * roundings. */
 double beam_radiance(const beam *b, vec3_f64 light, vec3_f64 normal, double size, double *bound) {
     vec3_f64 to_light = sub_f64(light, b->at);

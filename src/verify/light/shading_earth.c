@@ -1,6 +1,6 @@
-/* A demonstration scene at the origin of coordinates and moved by the Earth's radius, in double coordinates.
- * The renderer moves coordinates near the view before they become float, so the images are the same. Other
- * images show what float makes of the moved scene without that: positions half a metre apart. */
+/* A demonstration scene at the origin, and moved by the Earth's radius in double coordinates. The renderer
+ * shifts coordinates to an origin near the view before they become float, so the images are the same. Another
+ * image shows the moved scene without this shift: float positions are half a metre apart. */
 #include "job/render.h"
 #include "trace/spec.h"
 #include "verify/light/shading_studio.h"
@@ -17,14 +17,14 @@
 typedef struct demo {
     studio s;
     vec3_f64 shift;
-    double field; /* of view */
+    double field; /* field of view */
 } demo;
 
 static vec3_f64 at(const demo *d, double x, double y, double z) {
     return add_f64(d->shift, (vec3_f64){x, y, z});
 }
 
-/* A ball of triangles with its own normals, in a group of its own. */
+/* A ball of triangles with normals. */
 enum { ROWS = 8, AROUND = 16, VERTICES = (ROWS + 1) * AROUND, TRIANGLES = 2 * (ROWS - 1) * AROUND };
 
 static void fill_ball(float *p, uint32_t *t) {
@@ -36,7 +36,7 @@ static void fill_ball(float *p, uint32_t *t) {
     }
     for (uint32_t i = 0; i < ROWS * AROUND; ++i) {
         uint32_t a = i, b = i / AROUND * AROUND + (i + 1) % AROUND, c = a + AROUND, d = b + AROUND;
-        /* At the poles one of each two has no area. */
+        /* At the poles one of each two triangles has no area; it is left out. */
         if (i >= AROUND) t[0] = a, t[1] = c, t[2] = b, t += 3;
         if (i < (ROWS - 1) * AROUND) t[0] = b, t[1] = c, t[2] = d, t += 3;
     }
@@ -114,13 +114,13 @@ static void set_view(demo *d) {
     s->settings.max_depth = 8, s->settings.min_weight = 1.0f / 65536;
 }
 
-/* Moved along (0.48, 0.6, 0.64), which is unit and along no axis. */
+/* Moves the scene along (0.48, 0.6, 0.64), which is unit and parallel to no axis. */
 static void open_demo(fathom_context *context, const shading_options *options, double distance, demo *d) {
     *d = (demo){.s = {.b = {.context = context}, .options = options},
                 .shift = scale_f64(distance, (vec3_f64){0.48, 0.6, 0.64}),
                 .field = 0.68};
     studio_begin(&d->s, WIDTH);
-    /* For tests of this test: another view at the origin. */
+    /* To test this check: a different view at the origin. */
     if (distance == 0) d->field = studio_twisted(&d->s, d->field);
     add_shapes(d);
     add_lights(d);
@@ -134,7 +134,7 @@ typedef struct way {
     const char *spec;
     double distance;
     uint32_t spp;
-    bool counted_from_zero; /* the world's coordinates from the scene's own origin */
+    bool counted_from_zero; /* world coordinates are relative to the scene's own origin */
 } way;
 
 static fathom_status render_way(fathom_context *context, const shading_options *options, const way *w,
@@ -150,7 +150,7 @@ static fathom_status render_way(fathom_context *context, const shading_options *
     if (d.s.b.status == FATHOM_OK)
         d.s.b.status = render_film(context, d.s.b.scene, &d.s.settings, &request, NULL, out);
     if (d.s.b.status != FATHOM_OK) {
-        fathom_film_destroy(*out); /* where it was stopped: a part of an image */
+        fathom_film_destroy(*out); /* after an interruption: a partial image */
         *out = NULL;
     }
     return studio_end(&d.s);
@@ -210,10 +210,10 @@ static fathom_status keep(fathom_context *context, unsigned k, const way *w, con
     return status;
 }
 
-/* ---- the whole ---- */
+/* ---- all images ---- */
 
-/* Pixels at edges may show one side or the other when coordinates round differently. Samples that close to an
- * edge, 6e-7 m at a pixel's 2 cm, are one in 10^4 of those of pixels with edges: none is allowed for. */
+/* Pixels at edges may show either side if coordinates round differently. Of the samples in such pixels, one
+ * in 10^4 is that close to an edge (6e-7 m, for pixels of 2 cm), so the bound allows for none. */
 static fathom_status add_row(fathom_context *context, const shading_options *options, shading_rows *rows,
                              double distance, const difference *d) {
     studio s = {.b = {.context = context}, .options = options, .rows = rows, .broken = d->broken};

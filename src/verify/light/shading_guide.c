@@ -1,4 +1,4 @@
-/* Total internal reflection: down a bar of glass by dozens of reflections, and on both sides of the critical
+/* Total internal reflection: dozens of reflections along a bar of glass, and both sides of the critical
  * angle. */
 #include "verify/light/shading_studio.h"
 
@@ -9,10 +9,10 @@ static const double ior = 1.5;
 /* ---- a light guide ----
  * Glass between z = 0 and z = 1 that ends at x = length. A ray below 48 degrees to the axis stays inside, and
  * its z goes up and down like a triangle wave; at the end face it leaves by Snell's law. Blue counts the
- * reflections, red tells where on a ruler behind the end the path lands. */
+ * reflections; red shows where the path hits a ruler behind the end. */
 
 static const vec3_f64 guide_eye = {0, 0, 0.5}, guide_view = {1, 0, 0}, guide_up = {0, 0, 1};
-/* Slopes to 0.6, 31 degrees: below the critical 42 degrees at the end face as well. */
+/* Slopes up to 0.6, 31 degrees: below the critical 42 degrees at the end face too. */
 static const double guide_field = 1.2;
 
 static void build_guide(studio *s, double length) {
@@ -27,7 +27,7 @@ static void build_guide(studio *s, double length) {
     studio_camera(s, guide_eye, guide_view, guide_up, guide_field);
 }
 
-/* z at the end, folded back into the bar, and the reflections until then. */
+/* z at the end, folded back into the bar; also counts the reflections. */
 static double folded(double z, double height, double *reflections) {
     double k = floor(z / height), within = z - k * height;
     *reflections = fabs(k);
@@ -39,14 +39,14 @@ static void judge_guide(studio *s, double length, uint32_t i) {
     vec3_f64 d = studio_direction(s, guide_view, guide_up, guide_field, i);
     double slope = d.z / d.x, unfolded = guide_eye.z + length * slope;
     double z = folded(unfolded, height, &reflections);
-    /* Only this beam's bounds count: one stretch and one mirror for each reflection. */
+    /* Only this beam's error bounds are used: one step and one mirror per reflection. */
     beam b = beam_start(guide_eye, d);
     double stretch = length / d.x / (reflections + 1);
     for (unsigned k = 0; k <= reflections; ++k) {
         beam_go(&b, stretch, length);
         if (k) beam_mirror(&b, (vec3_f64){0, 0, d.z > 0 ? -1 : 1}, 4 * SHADING_U);
     }
-    /* At the edge of the end face float may see one reflection more or less. */
+    /* At the edge of the end face, float may count one reflection more or less. */
     if (fmin(z, height - z) < 2 * b.aside / d.x) return;
     studio_judge(s, 0, studio_at(s, 2, i), reflections, 0);
     bool down = (fmod(reflections, 2) > 0.5) != (slope < 0);
@@ -84,7 +84,7 @@ static void critical(studio *s, double near) {
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i) {
         beam b = beam_start(origin, studio_direction(s, view, across, 4 * near, i));
         double doubt = beam_doubt(&b, up, SHADING_U, eta), value = studio_at(s, 0, i);
-        /* Nearer than float can tell it is still one or the other. */
+        /* Too close for float: both results are right, but nothing between them. */
         double expected = fabs(doubt) < 1 ? (value > 0.5 ? 1 : 0) : (doubt < 0 ? 1 : 0);
         studio_judge(s, 0, value, expected, 0);
     }

@@ -1,5 +1,6 @@
-/* Refraction from an index that is nearly that of nothing to indices beyond all glass: through a slab,
- * through a ball, into a half-space, and Fresnel's shares. A ruler behind tells where each ray lands. */
+/* Refraction with indices from nearly that of vacuum to far beyond any glass: through a slab, through a ball,
+ * into a half-space, and the Fresnel factors. A ruler (beam_radiance()) behind the glass shows where each ray
+ * lands. */
 #include "verify/light/shading_studio.h"
 
 #define PIXELS 33
@@ -8,16 +9,16 @@ static const vec3_f64 eye = {0, 0, 0}, view = {0, 0, -1}, across = {1, 0, 0}, up
 
 typedef struct optic {
     const char *name;
-    double ior;   /* as the formula has it */
+    double ior;   /* index of the formula */
     double field; /* width of the view */
     double floor; /* z of the ruler */
     void (*build)(studio *s, fathom_material glass);
-    /* Leaves the beam on the ruler. False: total reflection, nothing arrives; *sure: float knows that, too.
-     */
+    /* Moves the beam to the ruler. False: total reflection, no light arrives. *sure: float certainly gets the
+     * same result. */
     bool (*follow)(beam *b, double ior, bool *sure);
 } optic;
 
-/* Through one surface at height z, its normal towards the eye. */
+/* Refracts at a surface at height z with its normal towards the eye. */
 static bool cross(beam *b, double z, double eta, bool *sure) {
     beam_go(b, (z - b->at.z) / b->along.z, 3);
     *sure = *sure && fabs(beam_doubt(b, up, 4 * SHADING_U, eta)) > 1;
@@ -26,8 +27,7 @@ static bool cross(beam *b, double z, double eta, bool *sure) {
 
 static void land(beam *b, double z) { beam_go(b, (z - b->at.z) / b->along.z, fabs(z) + fabs(b->at.x)); }
 
-/* ---- a slab, z = -1 to z = -2: the ray leaves as steep as it came, moved aside by tan(in) - tan(out) ----
- */
+/* ---- a slab, z = -1 to z = -2: the ray leaves at its old angle, displaced by tan(in) - tan(out) ---- */
 
 static void build_slab(studio *s, fathom_material glass) {
     paint_plane(&s->b, (vec3_f64){0, 0, -1}, up, glass);
@@ -63,7 +63,7 @@ static const vec3_f64 ball = {0, 0, -3};
 
 static void build_ball(studio *s, fathom_material glass) { paint_sphere(&s->b, ball, 1, glass); }
 
-/* The normal follows the point: it is off by as much as the point, over the radius. */
+/* The normal depends on the point: its error is the point's error divided by the radius. */
 static bool cross_ball(beam *b, bool leaving, double eta, bool *sure) {
     vec3_f64 f = sub_f64(b->at, ball);
     double half = dot_f64(f, b->along), root = half * half - dot_f64(f, f) + 1;
@@ -122,11 +122,11 @@ static const optic
     half_space = {
         .name = "into a half-space", .field = 2.2, .floor = -2, .build = build_half, .follow = follow_half};
 
-/* ---- Fresnel's shares: red is mirrored, to a surface behind the eye that emits 1; green passes ---- */
+/* ---- Fresnel factors: red is reflected to an emitter of 1 behind the eye; green is transmitted ---- */
 
-/* Its terms are off by the cosines' roundings, some 8 u, each over a sum that is at least as large as the
- * larger of them; the shares lie within [0, 1]. Where Snell's cosine is small it is off by its square's error
- * over twice itself. */
+/* The terms have the errors of the cosines, about 8 u, divided by a sum that is at least as large as the
+ * larger term; the factors are in [0, 1]. If the refracted cosine is small, its error is the error of its
+ * square divided by twice the cosine. */
 static double reflectance(double cos_in, double eta, double *bound) {
     double cos2 = 1 - eta * eta * (1 - cos_in * cos_in);
     if (cos2 <= 0) return 1;
@@ -150,7 +150,7 @@ static void fresnel(studio *s, float ior, double parameter) {
     double eta = 1 / studio_twisted(s, (double)ior);
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i) {
         double bound = 0, share = reflectance(-studio_direction(s, view, across, 20, i).z, eta, &bound);
-        if (bound > 0.5) continue; /* float cannot tell whether everything is mirrored */
+        if (bound > 0.5) continue; /* float cannot decide whether reflection is total */
         studio_judge(s, 0, studio_at(s, 0, i), share, bound);
         studio_judge(s, 0, studio_at(s, 1, i), 1 - share, bound);
     }
@@ -168,9 +168,9 @@ static void near_one(studio *s, double step) {
     fresnel(s, above, (double)above);
 }
 
-/* Below 1 only rays nearly along the normal get in: the view is as narrow as that, and a little wider. Where
- * they are nearer to it than float can tell, a view of all directions sees them mirrored. From 1e7 on the
- * direction inside holds nothing of the one outside: then only the way in has a formula. */
+/* Below 1, only rays nearly along the normal enter, so the view is only slightly wider than their cone. If
+ * this cone is narrower than float can resolve, a wide view sees only reflection. From 1e7 on, the direction
+ * inside has lost the direction outside, so only the half-space has a formula. */
 static void extreme(studio *s, double ior) {
     optic into = half_space, through = slab;
     into.field = through.field = ior < 1 && ior > 1e-5 ? 2.2 * ior : 2.2;

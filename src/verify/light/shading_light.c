@@ -1,5 +1,5 @@
-/* Point lights in places and of strengths where divisions go wrong: on the surface they light, one rounding
- * off it, at 1e20 and at 1e-20, and brighter than float can add up. */
+/* Point lights with positions and intensities that break divisions: on the surface that they light, one
+ * rounding off it, at distances of 1e20 and 1e-20, and too bright for sums in float. */
 #include "math/limit.h"
 #include "verify/light/shading_studio.h"
 
@@ -10,17 +10,17 @@ static const vec3_f64 zero = {0, 0, 0}, down = {0, 0, -1}, across = {1, 0, 0}, u
 /* x of pixel i at distance 2 from the camera, in a field of view of 1. */
 static double pixel_x(uint32_t i) { return 2 * ((i + 0.5) / PIXELS - 0.5); }
 
-/* Radiance of a white point at distance x from the foot of a light of intensity 1 at height h. */
+/* Radiance of a white surface at distance x from the point below a light of intensity 1 at height h. */
 static double lit(double h, double x) {
     double r = sqrt(h * h + x * x);
     return h > 0 && r > 0 ? h / (r * r * r) : 0;
 }
 
 /* ---- on the surface, and next to it ----
- * The plane z = 1 seen from above: float's neighbours of 1 are 2^-23 above and 2^-24 below it. */
+ * The plane z = 1 seen from above. In float, the neighbours of 1 are 2^-23 above and 2^-24 below it. */
 
-/* The plane puts its points back on itself, and float has 1 - z exactly for z near 1 (Sterbenz): the light's
- * height is what its coordinate says. Sideways the point is good to 16 u of x, and 24 roundings follow. */
+/* Hit points are projected onto the plane, and 1 - z is exact in float for z near 1 (Sterbenz), so the
+ * light's height has no error. Sideways the point's error is 16 u of x, and 24 roundings follow. */
 static void judge_near(studio *s, double height, double x, uint32_t i) {
     double value = lit(height, x), near = lit(height, fabs(x) * (1 - 16 * SHADING_U)),
            far = lit(height, fabs(x) * (1 + 16 * SHADING_U));
@@ -40,8 +40,8 @@ static void near_surface(studio *s, double height) {
 }
 
 /* ---- near and far ----
- * A light at height D, as strong as D^2 or as float allows; for D < 1 the scene is as small as D. The squared
- * distance is beyond float below 1e-19 and above 1e19. */
+ * A light at height D with intensity D^2, or as close to it as float allows; for D < 1 the scene is scaled by
+ * D. The squared distance is out of float's range below 1e-19 and above 1e19. */
 
 static void distant(studio *s, double distance) {
     double size = fmin(distance, 1);
@@ -53,7 +53,8 @@ static void distant(studio *s, double distance) {
     studio_camera(s, (vec3_f64){0, 0, 2 * size}, down, across, 1);
     double taken = studio_twisted(s, distance);
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i) {
-        /* In units of D all is as at D = 1: the point is good to 16 u of 2, and changes 4 times itself. */
+        /* In units of D everything is as at D = 1: the point's error is 16 u of 2, and the value changes by a
+         * fraction of 4 per unit. */
         double x = 2 * size * ((i + 0.5) / PIXELS - 0.5);
         double value = (double)intensity / (distance * distance) * lit(taken / distance, x / distance);
         studio_judge(s, 0, studio_at(s, 0, i), value, value * (4 * 32 + 24) * SHADING_U);
@@ -62,8 +63,8 @@ static void distant(studio *s, double distance) {
                (double)intensity);
 }
 
-/* ---- brighter than can be added up ----
- * Radiance ends at 2^100, see math/limit.h. */
+/* ---- too bright for sums ----
+ * Radiance is limited to 2^100, see math/limit.h. */
 
 static void bright(studio *s, double intensity) {
     studio_begin(s, PIXELS);
@@ -72,7 +73,7 @@ static void bright(studio *s, double intensity) {
     studio_camera(s, (vec3_f64){0, 0, 2}, down, across, 1);
     double height = studio_twisted(s, 1);
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i) {
-        /* Arriving radiance is limited before the cosine. */
+        /* The incident radiance is clamped before the cosine factor. */
         double x = pixel_x(i), cosine = 1 / sqrt(1 + x * x);
         double value = fmin(intensity * lit(height, x), (double)limited(INFINITY) * cosine);
         studio_judge(s, 0, studio_at(s, 0, i), value, value * (4 * 32 + 24) * SHADING_U);
@@ -81,8 +82,8 @@ static void bright(studio *s, double intensity) {
     studio_row(s, 0, "light intensity", intensity, "light of intensity %g", intensity);
 }
 
-/* Facing mirrors that return `gain` times what they get: weights grow until their limit, and the emission of
- * 65 surfaces sums up to gain^0 + gain^1 + ... as far as that goes. Black must stay black. */
+/* Facing mirrors with reflectance `gain`: the throughput grows up to its limit, and the emission of 65
+ * surfaces sums to gain^0 + gain^1 + ... with each term limited. Black must stay black. */
 static void gaining(studio *s, double gain) {
     studio_begin(s, 1);
     fathom_material m = studio_emitter(1, 0, 1);
@@ -94,7 +95,8 @@ static void gaining(studio *s, double gain) {
         double sum = 0, weight = 1, most = (double)limited(INFINITY);
         for (int k = 0; k <= 64; ++k, weight = fmin(weight * (double)(float)studio_twisted(s, gain), most))
             sum += weight;
-        /* Each of 65 sums and products rounds once, and weights bring the roundings of those before them. */
+        /* Each of 65 sums and products rounds once, and each weight includes the roundings of the earlier
+         * ones. */
         studio_judge(s, 0, studio_at(s, 0, 0), sum, sum * 2 * 65 * SHADING_U);
         studio_judge(s, 0, studio_at(s, 1, 0), 0, 0);
     }

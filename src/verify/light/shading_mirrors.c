@@ -1,21 +1,22 @@
-/* Mirrors that face each other and are nearly parallel: one at z = 0, the other from (0, 1) down towards +x
- * by a small angle a. Unfolded, the path is one straight line: after 2m reflections it is the line of the
- * camera's ray turned by -2 m a about the apex, where the mirrors' planes meet, and after one more that line
- * with z turned over. So each hit, and where the path leaves, has a closed form however many there are. */
+/* Two facing mirrors that are nearly parallel: one at z = 0, the other through (0, 1), sloping down towards
+ * +x by a small angle a. Unfolded, the path is one straight line: after 2m reflections it is the camera ray
+ * rotated by -2 m a about the apex, where the mirrors' planes intersect; after one more reflection z is
+ * negated. So each hit and the exit of the path have a closed form, for any number of reflections. */
 #include "verify/light/shading_studio.h"
 
 #define PIXELS 32
 
-/* Ends of the mirrors, and how far off the rulers are. */
+/* Ends of the mirrors, and distance of the rulers from them. */
 static const double left = -1, right = 8, beyond = 2;
 static const vec3_f64 eye = {0, 0, 0.5};
 
 typedef struct corridor {
-    double angle, gap; /* as the formula has them */
+    double angle, gap; /* values for the formula */
     uint32_t max_depth;
 } corridor;
 
-/* The image's x runs along z: pixels differ in slope, from one bounce in 2 to one in 4 for each unit of x. */
+/* The image's x axis runs along z, so pixels differ in slope: from about half a bounce to nearly 200 bounces
+ * per unit of x. */
 static const double field = 1.2;
 static vec3_f64 view_of(void) { return normalize_f64((vec3_f64){1, 0, -1.7}); }
 static vec3_f64 up_of(void) { return normalize_f64((vec3_f64){1.7, 0, 1}); }
@@ -41,8 +42,8 @@ static void build(studio *s, double angle, uint32_t max_depth) {
     s->settings.max_depth = max_depth;
 }
 
-/* The line after `bounces` reflections. (1 - cos θ) and sin θ times the apex's distance gap / tan a stay
- * finite as a goes to 0, θ = -2 m a. */
+/* The line after `bounces` reflections. With θ = -2 m a, (1 - cos θ) and sin θ times the apex's distance gap
+ * / tan a stay finite as a goes to 0. */
 static void unfolded(const corridor *c, vec3_f64 direction, unsigned bounces, vec3_f64 *at, vec3_f64 *along) {
     double m = bounces / 2, turn = 2 * m * c->angle, tangent = tan(c->angle);
     double cosine = cos(turn), sine = -sin(turn), half = sin(m * c->angle);
@@ -54,7 +55,7 @@ static void unfolded(const corridor *c, vec3_f64 direction, unsigned bounces, ve
     if (bounces % 2) at->z = -at->z, along->z = -along->z;
 }
 
-/* How far along the line its next mirror lies, or infinity; x: where. */
+/* Distance along the line to its next mirror, or infinity; x: the coordinate of that point. */
 static double next_mirror(const corridor *c, unsigned bounces, vec3_f64 at, vec3_f64 along, double *x) {
     double slope = bounces % 2 ? -tan(c->angle) : 0, height = bounces % 2 ? c->gap : 0;
     double t = (height + slope * at.x - at.z) / (along.z - slope * along.x);
@@ -64,18 +65,18 @@ static double next_mirror(const corridor *c, unsigned bounces, vec3_f64 at, vec3
 
 typedef struct leaving {
     unsigned hits;
-    bool ended;               /* by the depth limit */
-    bool sure;                /* no hit is so near a mirror's end that float might see it otherwise */
+    bool ended;               /* at the depth limit */
+    bool sure;                /* no hit is so close to a mirror's end that float may decide differently */
     vec3_f64 at, along, last; /* the line, and the last hit on it */
-    beam error;               /* of the path so far: only its bounds count */
+    beam error;               /* error of the path so far: only its bounds are used */
 } leaving;
 
 static vec3_f64 facing(const corridor *c, unsigned bounces) {
     return bounces % 2 ? (vec3_f64){-sin(c->angle), 0, -cos(c->angle)} : (vec3_f64){0, 0, 1};
 }
 
-/* Corners are rounded: over a mirror's 9 units that turns it by less than 2 u. Its normal is that of a cross
- * product made unit. */
+/* Corners are rounded: over a mirror's 9 units, this rotates it by less than 2 u. Its normal is a normalised
+ * cross product. */
 static const double normal_error = 8 * SHADING_U;
 
 static leaving follow(const corridor *c, vec3_f64 direction) {
@@ -97,7 +98,7 @@ static leaving follow(const corridor *c, vec3_f64 direction) {
     }
 }
 
-/* Blue is the number of hits; red and green tell where on the rulers the path ends. */
+/* Blue counts the hits; red and green show where the path ends on the rulers. */
 static void judge(studio *s, const corridor *c, uint32_t i) {
     leaving path = follow(c, studio_direction(s, view_of(), up_of(), field, i));
     if (!path.sure) return;

@@ -1,5 +1,5 @@
-/* Light along the surface, where its cosine goes to zero: on a plane, across a ball's terminator, and spots
- * of a millionth of a radian to half a turn. */
+/* Light at grazing angles, where its cosine goes to zero: on a plane and across a ball's terminator. Also
+ * spots with half angles from a millionth of a radian to a right angle. */
 #include "verify/light/shading_studio.h"
 
 #define PIXELS 33
@@ -14,15 +14,15 @@ static void grazing(studio *s, double cosine) {
     studio_directional_light(s, (vec3_f64){-sqrt(1 - cosine * cosine), 0, -cosine});
     studio_camera(s, (vec3_f64){0, 0, 2}, down, across, 2);
     double expected = studio_twisted(s, cosine);
-    /* n is exact, the light's z is rounded once, and some 6 products follow. */
+    /* n is exact, the light's z is rounded once, and about 6 products follow. */
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i)
         studio_judge(s, 0, studio_at(s, 0, i), expected, 8 * SHADING_U * expected);
     studio_row(s, 0, "grazing light", cosine, "light that meets a surface under a cosine of %g", cosine);
 }
 
 /* ---- across the terminator of a ball ----
- * The ball of radius 1 from z = 4, with light from +x turned by the twist: n·l = x without a twist. No point
- * of the lit side may lie in the ball's own shadow. */
+ * The ball of radius 1 seen from z = 4, with light from +x; n·l = x. The twist rotates the light. No point of
+ * the lit side may be in the ball's own shadow. */
 
 static void terminator(studio *s, double near) {
     studio_begin(s, PIXELS);
@@ -34,8 +34,8 @@ static void terminator(studio *s, double near) {
         vec3_f64 d = studio_direction(s, down, across, field, i);
         double half = 4 * d.z, t = -half - sqrt(half * half - 15), turn = s->options->twist;
         double x = t * d.x, z = 4 + t * d.z, value = x * cos(turn) + z * sin(turn);
-        /* Nothing is added to the direction's x: it is good to 1 u of itself, t to 16 u, and 24 more follow.
-         * z, of which only a twist takes a share, is good to 16 u of 4. */
+        /* The direction's x has no sum: its relative error is 1 u, that of t 16 u, and 24 more roundings
+         * follow. z only matters with a twist; its error is 16 u of 4. */
         double bound = 41 * SHADING_U * fabs(x) + 64 * SHADING_U * fabs(sin(turn));
         studio_judge(s, 0, studio_at(s, 0, i), fmax(0, value), bound);
     }
@@ -43,13 +43,13 @@ static void terminator(studio *s, double near) {
 }
 
 /* ---- spots ----
- * At height 1 over a plane, seen from the light's place: ((cos - cos o)/(cos i - cos o))^2 times the plane's
- * cosine over the squared distance, which is that cosine cubed. */
+ * A spot at height 1 over a plane, seen from the light's position. The radiance is ((cos - cos o)/(cos i -
+ * cos o))^2 times the plane's cosine divided by the squared distance, which is that cosine cubed. */
 
 static double one_less_cosine(double angle) { return 2 * sin(angle / 2) * sin(angle / 2); }
 
 typedef struct cone {
-    double inner, outer; /* as the formula has them */
+    double inner, outer; /* angles of the formula */
     vec3_f64 axis, aside;
     double field;
 } cone;
@@ -65,9 +65,9 @@ static double falloff(const cone *c, double angle) {
     return t * t;
 }
 
-/* Straight down the angle is good to 16 u of itself. Elsewhere the axis, the direction and the point's
- * coordinates are rounded, 36 u together. The cone's edge and scale are off by 4 roundings each, as seen from
- * its middle; 24 more follow. */
+/* Straight down, the angle's relative error is 16 u. Otherwise the axis, the direction and the point's
+ * coordinates are rounded, 36 u together. The cone's edge and scale have 4 roundings each, relative to its
+ * axis; 24 more follow. */
 static void judge_spot(studio *s, const cone *c, uint32_t i) {
     vec3_f64 d = studio_direction(s, c->axis, c->aside, c->field, i);
     double angle = atan(fabs((i + 0.5) / PIXELS - 0.5) * c->field);

@@ -10,8 +10,8 @@
 
 /* Measured and expected value at the worst pixel. */
 typedef struct studio_worst {
-    uint32_t count; /* pixels judged */
-    double share;   /* error over bound; infinite for an error where none is allowed */
+    uint32_t count; /* pixels checked */
+    double share;   /* error divided by bound; infinite for an error where none is allowed */
     double measured, expected, error, bound;
 } studio_worst;
 
@@ -23,11 +23,11 @@ typedef struct studio {
     fathom_film *film;
     const float *channel[3];
     uint64_t broken;       /* channels of the image that are not finite */
-    studio_worst worst[2]; /* a case has one row or two */
+    studio_worst worst[2]; /* a case has one or two rows */
 } studio;
 
-/* Starts a case: an empty scene, an image of one row of `width` pixels, paths of up to 64 bounces without a
- * weight limit. Releases what the case before it made. */
+/* Starts a case: an empty scene, an image with one row of `width` pixels, paths of up to 64 bounces without a
+ * throughput limit. Releases the previous case. */
 void studio_begin(studio *s, uint32_t width);
 /* Releases everything and returns the status. */
 fathom_status studio_end(studio *s);
@@ -40,48 +40,49 @@ fathom_material studio_glass(float ior);
 void studio_point_light(studio *s, vec3_f64 at, double r, double g, double b);
 void studio_directional_light(studio *s, vec3_f64 direction);
 
-/* Looks from `eye` along `view`, +x of the image along `across` (both unit, at right angles); the image plane
- * at distance 1 is `width` wide. */
+/* Sets a camera at `eye` that looks along `view`, with the image's +x along `across` (both unit, orthogonal).
+ * At distance 1 the view is `width` wide. */
 void studio_camera(studio *s, vec3_f64 eye, vec3_f64 view, vec3_f64 across, double width);
 /* The unit direction through pixel i of that camera, in double. */
 vec3_f64 studio_direction(const studio *s, vec3_f64 view, vec3_f64 across, double width, uint32_t i);
 
-/* Returns the number of pixels, 0 after a failure. */
+/* Renders; returns the number of pixels, 0 after a failure. */
 uint32_t studio_render(studio *s);
 double studio_at(const studio *s, unsigned channel, uint32_t i);
 
-/* Judges a pixel for row 0 or 1 of the case. */
+/* Checks a pixel for row 0 or 1 of the case. */
 void studio_judge(studio *s, unsigned row, double measured, double expected, double bound);
-/* Appends the row. It is ok when something was judged, the error is within its bound and the image finite. */
+/* Appends the row. It is ok if a pixel was checked, the error is within its bound and the image is finite. */
 void studio_row(studio *s, unsigned row, const char *group, double parameter, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
 
-/* value * (1 + twist): the parameter that a formula uses. */
+/* value * (1 + twist), the parameter for a formula. */
 double studio_twisted(const studio *s, double value);
 
-/* ---- shading_beam.c: one path in double, and how far the renderer's path in float may be from it ----
+/* ---- shading_beam.c: one path in double, and error bounds for the renderer's path in float ----
  *
- * `aside` bounds the distance between the two lines at right angles to them; a surface at a slant does not
- * grow it, because the line that leaves is as near again. `turned` bounds the difference of the unit
- * directions. Both count to first order in u = 2^-24. */
+ * `aside` bounds the perpendicular distance between the two lines. An oblique surface does not increase it,
+ * because the outgoing line is as close again. `turned` bounds the difference of the unit directions. Both
+ * are first-order in u = 2^-24. */
 typedef struct beam {
     vec3_f64 at, along; /* along: unit */
     double aside, turned;
 } beam;
 
-/* A camera ray: each component of its direction is rounded once. */
+/* Starts with a camera ray: each component of its direction is rounded once. */
 beam beam_start(vec3_f64 eye, vec3_f64 direction);
-/* Moves to distance t, onto a surface whose coordinates are below `size`. */
+/* Advances by t to a surface whose coordinates are below `size`. */
 void beam_go(beam *b, double t, double size);
-/* Mirrors about the unit normal, itself known to `normal_error`. */
+/* Reflects at the unit normal, whose own error is `normal_error`. */
 void beam_mirror(beam *b, vec3_f64 normal, double normal_error);
-/* Refracts by Snell's law with eta = n1/n2 about the unit normal against the beam. False on total internal
- * reflection, which changes nothing. */
+/* Refracts by Snell's law with eta = n1/n2 at the unit normal, which points against the beam. False on total
+ * internal reflection: the beam then stays unchanged. */
 bool beam_refract(beam *b, vec3_f64 normal, double normal_error, double eta);
-/* The square of Snell's cosine over its float error: below 1 in size either answer is right. */
+/* Square of the refracted cosine divided by its float error. If its magnitude is below 1, refraction and
+ * total reflection are both correct. */
 double beam_doubt(const beam *b, vec3_f64 normal, double normal_error, double eta);
-/* A Lambert surface of albedo 1 as a ruler: a point light of intensity 1 at height h over the plane and
- * distance r from the point gives h / r^3. */
+/* Radiance at the beam's end on a Lambert surface of albedo 1: a point light of intensity 1 at height h over
+ * the plane and distance r from the point gives h / r^3. It measures where the beam hits. */
 double beam_radiance(const beam *b, vec3_f64 light, vec3_f64 normal, double size, double *bound);
 
 /* ---- the groups ---- */

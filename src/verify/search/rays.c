@@ -30,7 +30,7 @@ static draft make_uniform(const rays_source *s, rays_random *r, uint64_t index) 
     return towards(org, rays_pick(s, r).point);
 }
 
-/* Every other ray from around the middle of what it aims at: inside, where that is closed. */
+/* Every second ray starts near the centre of its target run: inside, if that is closed. */
 static vec3_f64 viewpoint(const rays_source *s, rays_random *r, const rays_target *target, uint64_t index) {
     return index % 2 ? around(s, r) : rays_in_ball(r, target->run->center, 0.2 * target->run->radius);
 }
@@ -62,7 +62,8 @@ static draft make_grazing(const rays_source *s, rays_random *r, uint64_t index) 
     return (draft){madd_f64(target.point, -away, dir), dir, 0, (double)INFINITY};
 }
 
-/* For a sphere: at right angles to the normal, past the surface by a fraction of the radius, down to 1e-8. */
+/* For a sphere: perpendicular to the normal, offset from the surface by a fraction of the radius, down to
+ * 1e-8. */
 static draft make_tangent(const rays_source *s, rays_random *r, uint64_t index) {
     (void)index;
     rays_target target = rays_pick(s, r);
@@ -102,7 +103,7 @@ static draft make_axis(const rays_source *s, rays_random *r, uint64_t index) {
     return (draft){madd_f64(target, -2 * s->radius, dir), dir, 0, (double)INFINITY};
 }
 
-/* Intervals that end far behind the hit aimed at, at half its t and at twice that. */
+/* Intervals that end far behind the target, at half its t and at twice its t. */
 static draft make_scaled(const rays_source *s, rays_random *r, uint64_t index) {
     draft ray = make_uniform(s, r, index);
     double size = index % 8 ? rays_power(r, -20, 36) : rays_power(r, -31, -30),
@@ -114,7 +115,7 @@ static draft make_scaled(const rays_source *s, rays_random *r, uint64_t index) {
     return ray;
 }
 
-/* The hit aimed at has t = 1 but for rounding. */
+/* The target has t = 1, up to rounding. */
 static draft make_interval(const rays_source *s, rays_random *r, uint64_t index) {
     draft ray = make_uniform(s, r, index);
     double width = rays_power(r, -8, 0);
@@ -149,7 +150,7 @@ static draft make_bundle(const rays_source *s, rays_random *r, uint64_t index) {
     return (draft){org, madd_f64(dir, spread, rays_direction(r)), 0, (double)INFINITY};
 }
 
-/* A corner, a point of a side or inside, in eighths. */
+/* A corner, a point on a side or inside, in multiples of an eighth. */
 static vec3_f64 eighths(const rays_target *target, rays_random *r) {
     if (!target->corners) {
         vec3_f64 p = target->point;
@@ -162,7 +163,7 @@ static vec3_f64 eighths(const rays_target *target, rays_random *r) {
 
 static double largest_part(vec3_f64 v) { return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z))); }
 
-/* A power of two along the axis that is closest to v, either way. */
+/* A power of two along the axis closest to v, with random sign. */
 static vec3_f64 along_axis(vec3_f64 v, rays_random *r) {
     double most = largest_part(v), length = exp2(floor(rays_between(r, -2, 3)));
     if (rays_unit(r) < 0.5) length = -length;
@@ -170,7 +171,7 @@ static vec3_f64 along_axis(vec3_f64 v, rays_random *r) {
     return fabs(v.y) == most ? vec_f64(0, length, 0) : vec_f64(0, 0, length);
 }
 
-/* The origin shares some coordinates with a corner: it lies on planes of boxes. */
+/* Sets some coordinates of the origin to those of a corner, so that it lies on planes of boxes. */
 static vec3_f64 on_planes(const rays_target *target, rays_random *r, vec3_f64 org) {
     vec3_f64 corner =
         target->corners ? target->corner[(unsigned)(rays_unit(r) * target->corners)] : target->point;
@@ -247,6 +248,6 @@ oracle_ray rays_make(const rays_source *source, rays_family family, uint64_t see
         ray = (oracle_ray){rounded(d.org), rounded(d.dir), rays_normal(d.t_near), rays_normal(d.t_far)};
         if (rays_allowed(source, &ray)) return ray;
     }
-    /* Nothing in this world can be aimed at in float. */
+    /* Float cannot represent a ray to any target in this world. */
     return (oracle_ray){{0, 0, 0}, {0, 0, 1}, 0, INFINITY};
 }

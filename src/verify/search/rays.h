@@ -1,57 +1,59 @@
-/* Families of rays that look for the weak places of intersectors. Ray `index` of a family depends on the
- * world, the seed and the index alone. Every ray is allowed: no coordinate of its origin above RAYS_LARGEST,
- * none of its direction, which is not zero, above RAYS_LONGEST, 0 <= t_near <= t_far; t_far may be infinite.
- */
+/* Families of rays that test the weak points of intersectors. Ray `index` of a family depends only on the
+ * world, the seed and the index. Every ray is valid: no origin coordinate above RAYS_LARGEST; the direction
+ * is not zero and has no coordinate above RAYS_LONGEST; 0 <= t_near <= t_far; t_far may be infinite. */
 #ifndef PARITY_RAYS_H
 #define PARITY_RAYS_H
 
 #include "verify/exact/oracle.h"
 
 typedef enum rays_family {
-    RAYS_CAMERA,   /* the scene's own */
-    RAYS_UNIFORM,  /* from around the world to anywhere in it */
-    RAYS_EDGE,     /* at edges; every other one from inside a closed shape, where every miss is wrong */
-    RAYS_VERTEX,   /* at vertices, likewise */
+    RAYS_CAMERA,   /* camera rays of the scene */
+    RAYS_UNIFORM,  /* from points around the world to points in it */
+    RAYS_EDGE,     /* aimed at edges; every second one from inside a closed shape, where every miss is
+                      wrong */
+    RAYS_VERTEX,   /* aimed at vertices, likewise */
     RAYS_GRAZING,  /* 1 to 1e-6 radians off the surface */
-    RAYS_TANGENT,  /* past the rim of spheres; along the edges of others */
-    RAYS_SURFACE,  /* from a point on a surface, as float rounds it */
+    RAYS_TANGENT,  /* past the silhouette of spheres; along the edges of other shapes */
+    RAYS_SURFACE,  /* from a point on a surface, rounded to float */
     RAYS_FAR,      /* from 10 to 1e6 times the world's radius away */
     RAYS_AXIS,     /* one or two components of the direction are 0 or -0 */
-    RAYS_SCALED,   /* directions 1e-31 to 1e36 long, intervals without end or to 1e30 and more */
-    RAYS_INTERVAL, /* intervals around a hit, down to nothing; tiny and huge ones */
+    RAYS_SCALED,   /* directions 1e-31 to 1e36 long; t_far is infinite, 1e30 and more, or half or twice the
+                      target's t */
+    RAYS_INTERVAL, /* intervals around a hit, down to width 0; tiny and huge ones */
     RAYS_TINY,     /* one or two components of the direction are 1e-12 to 1e-36 of the others */
-    RAYS_BUNDLE,   /* 16 from about one place in about one direction, often along an axis */
-    RAYS_LATTICE,  /* along axes at corners, edges and eighths of them, where nothing is rounded if the shape
-                      has  few digits; from corners and planes of boxes; intervals that end in the hit */
-    RAYS_ENDS,     /* intervals that end in the very hit: compare.c shortens them by the tracer's answer */
-    RAYS_RENDERED, /* of a render, in its own blocks; rays_make() makes none */
+    RAYS_BUNDLE,   /* 16 from nearly one point in nearly one direction, often along an axis */
+    RAYS_LATTICE,  /* along axes at corners, edges and eighths of edges, exact if the shape's coordinates have
+                      few digits; from corners and planes of boxes; intervals that end at the hit */
+    RAYS_ENDS,     /* intervals that end exactly at the hit: compare.c sets their end to the tracer's t */
+    RAYS_RENDERED, /* rays of a render, in its own blocks; rays_make() makes none */
     RAYS_FAMILIES
 } rays_family;
 
 /* "camera" … */
 const char *rays_family_name(rays_family family);
 
-/* Where the rays of a world aim. */
+/* The targets for rays in a world. */
 typedef struct rays_source rays_source;
 
-/* FATHOM_BAD_INPUT when nothing is in the world. The world must outlive it. */
+/* FATHOM_BAD_INPUT when the world is empty. The world must outlive *out. */
 fathom_status rays_create(fathom_context *context, const world *w, rays_source **out);
 void rays_destroy(rays_source *source);
 
-/* Sums and differences of such coordinates fit in float. VERDICT_BEYOND covers what a tracer itself cannot
- * take. */
+/* Sums and differences of such coordinates fit in float. Rays that a tracer itself cannot handle get
+ * VERDICT_BEYOND. */
 #define RAYS_LARGEST 1e30
 #define RAYS_LONGEST 1e37
-/* True when a ray may be handed to a tracer: it is within these limits, in the space of any instance too. */
+/* True when the ray is within these limits, also in the space of every instance, so a tracer may get it. */
 bool rays_allowed(const rays_source *source, const oracle_ray *ray);
-/* Tracers flush denormals, the oracle does not: parts of rays that would be denormal are 0 for both. */
+/* Rounds to float, and denormals to 0: tracers flush denormals, the oracle does not, and both must get the
+ * same ray. */
 float rays_normal(double x);
 
-/* Any number of threads at once. */
+/* Thread-safe. */
 oracle_ray rays_make(const rays_source *source, rays_family family, uint64_t seed, uint64_t index);
 
-/* A ray in double, in the world's coordinates; rays_make() rounds it, and asks again with other numbers if it
- * is not allowed. */
+/* A ray in double, in world coordinates. rays_make() rounds it, and makes another with new random numbers if
+ * it is not allowed. */
 typedef struct rays_draft {
     vec3_f64 org, dir;
     double t_near, t_far;
@@ -63,24 +65,24 @@ typedef struct rays_random {
 } rays_random;
 typedef rays_draft (*rays_maker)(const void *user, rays_random *random, uint64_t index);
 
-/* From now on every family is these rays. */
+/* From now on, `make` makes the rays of every family. */
 void rays_set_maker(rays_source *source, rays_maker make, const void *user);
 
-/* The radius of a sphere around everything that has bounds; at least 1e-30. Errors of position are relative
- * to it. */
+/* The radius of a sphere around everything except planes; at least 1e-30. Errors of position are relative to
+ * it. */
 double rays_world_radius(const rays_source *source);
 
-/* ---- rays_aim.c: random numbers, and the places on a world's primitives that rays are aimed at ---- */
+/* ---- rays_aim.c: random numbers, and target points on the world's primitives ---- */
 
 rays_random rays_random_of(uint64_t seed, uint64_t family, uint64_t index);
 double rays_unit(rays_random *r); /* [0,1) */
 double rays_between(rays_random *r, double low, double high);
 double rays_power(rays_random *r, double low, double high); /* 10^x, x in [low, high) */
-vec3_f64 rays_direction(rays_random *r);                    /* unit, evenly over the sphere */
+vec3_f64 rays_direction(rays_random *r);                    /* unit, uniform over the sphere */
 vec3_f64 rays_in_ball(rays_random *r, vec3_f64 center, double radius);
 vec3_f64 rays_perpendicular(rays_random *r, vec3_f64 to); /* unit; `to` need not be */
 
-/* A run of primitives as placed in the world. */
+/* A run of primitives, transformed to world space. */
 typedef struct rays_run {
     uint32_t geometry, instance, count;
     vec3_f64 center; /* of its box, in world coordinates */
@@ -92,12 +94,12 @@ struct rays_source {
     ARRAY(rays_run) runs; /* planes are the last */
     vec3_f64 center;
     double radius;
-    double stretch, shift; /* at most, of what instances do to lengths and to the origin; stretch >= 1 */
+    double stretch, shift; /* maximum scale of lengths and maximum translation by instances; stretch >= 1 */
     rays_maker own;        /* makes the rays of every family; may be NULL */
     const void *own_user;
 };
 
-/* A place to aim at. */
+/* A point to aim at. */
 typedef struct rays_target {
     const rays_run *run;
     oracle_shape shape;

@@ -51,7 +51,7 @@ static vec3_f64 placed(const world_instance *instance, vec3_f64 p) {
     return load_f64(out);
 }
 
-/* A point of the triangle, evenly. */
+/* A uniform point in the triangle. */
 static vec3_f64 in_triangle(rays_random *r, vec3_f64 a, vec3_f64 b, vec3_f64 c) {
     double u = rays_unit(r), v = rays_unit(r);
     if (u + v > 1) u = 1 - u, v = 1 - v;
@@ -84,8 +84,8 @@ static void aim_at_plane(const rays_source *s, const world_plane *plane, rays_ra
     out->normal = widen(plane->normal);
 }
 
-/* Any of them; one in eight is the first, one of the last or next to a power of two, where counters of few
- * bits end. */
+/* A random index. One in eight is the first, one of the last, or next to a power of two, at the limits of
+ * small counters. */
 static uint32_t pick_index(uint32_t count, rays_random *r) {
     uint32_t any = (uint32_t)(rays_unit(r) * (double)count);
     if (rays_unit(r) < 0.875) return any;
@@ -111,7 +111,7 @@ rays_target rays_pick(const rays_source *source, rays_random *r) {
     return target;
 }
 
-/* ---- what is in the world ---- */
+/* ---- the world's contents ---- */
 
 static void add_primitive(scene_bounds *box, const oracle_primitive *p) {
     if (p->shape == ORACLE_SPHERE) {
@@ -164,7 +164,7 @@ static bool add_all(rays_source *source) {
     return planes.count == 0 || array_push(&source->runs, planes);
 }
 
-/* By the Frobenius norm. */
+/* Uses the Frobenius norm. */
 static void set_stretch(rays_source *source) {
     source->stretch = 1;
     for (size_t k = 0; k < source->world->instances.count; ++k) {

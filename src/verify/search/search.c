@@ -89,20 +89,20 @@ void search_result_free(search_result *result) {
 
 /* ---- candidates ---- */
 
-/* One ray on its way through the world. */
+/* State of one ray's search. */
 typedef struct search_walk {
     const search *search;
     const oracle_ray *ray;
     search_result *result;
-    filter_ray local; /* the ray in the space of the instance at hand; its t_far shrinks with `closest` */
-    double closest;   /* t of no closest hit is above: from hits that are certain */
+    filter_ray local; /* the ray in the current instance's space; its t_far shrinks with `closest` */
+    double closest;   /* upper bound of the closest hit's t, from certain hits */
     uint32_t geometry, instance;
-    bool shadows;     /* skip what casts none */
-    bool exhaustive;  /* every primitive is tested */
+    bool shadows;     /* skip shapes that cast none */
+    bool exhaustive;  /* test every primitive */
     double aside;     /* not 0: search_near() */
-    bool failed;      /* no memory */
-    search_hit asked; /* the candidate asked last, whether met or not; geometry FATHOM_NONE: none yet */
-    oracle_primitive primitive; /* the same as the oracle takes it */
+    bool failed;      /* out of memory */
+    search_hit asked; /* the last candidate and its answer, hit or miss; geometry FATHOM_NONE: none yet */
+    oracle_primitive primitive; /* the same candidate, for the oracle */
 } search_walk;
 
 static void add(search_walk *walk, uint32_t primitive, double low) {
@@ -110,7 +110,7 @@ static void add(search_walk *walk, uint32_t primitive, double low) {
     if (!array_push(&walk->result->candidates, c)) walk->failed = true;
 }
 
-/* A certain hit makes the ray shorter for all that follows, but not so short that an equal t is lost. */
+/* A certain hit shortens the ray for all later tests, but keeps hits with equal t. */
 static void shorten(search_walk *walk, double high) {
     if (walk->aside > 0) return;
     if (high < walk->closest) walk->closest = high;
@@ -157,7 +157,7 @@ static void consider_run(search_walk *walk, const search_part *part, size_t run,
     for (uint32_t p = from; p < end; ++p) consider(walk, part->order ? part->order[p] : p, low);
 }
 
-/* The spheres first to first + count of a level, and what is in them. */
+/* Tests the spheres [first, first + count) of a level, and their contents. */
 static void walk_level(search_walk *walk, const search_part *part, unsigned level, size_t first,
                        size_t count) {
     uint8_t meets[BATCH];
@@ -197,7 +197,7 @@ static void walk_geometry(search_walk *walk) {
               by_primitive);
 }
 
-/* As if the origin were known to `aside` only, and so t to what the whole ray may pass in that. */
+/* Treats the origin as uncertain by `aside`, and ignores the interval, because t is then uncertain too. */
 static void widen_filter(search_walk *walk, const world_instance *placed) {
     double norm = 0;
     for (int i = 0; placed && i < 9; ++i) norm += fabs((double)placed->to_object[i / 3][i % 3]);
@@ -237,7 +237,7 @@ static void walk_world(search_walk *walk) {
     walk_planes(walk);
 }
 
-/* ---- the oracle on what is left ---- */
+/* ---- the oracle decides the remaining candidates ---- */
 
 static bool same_shape(const oracle_primitive *a, const oracle_primitive *b) {
     return a->shape == b->shape && a->instance == b->instance && a->radius == b->radius &&
@@ -245,7 +245,7 @@ static bool same_shape(const oracle_primitive *a, const oracle_primitive *b) {
            memcmp(a->v, b->v, sizeof a->v) == 0;
 }
 
-/* Copies of one shape at one place, up to 10,000 in the extreme cases, are asked once. */
+/* Tests equal copies of a shape only once. The extreme cases have up to 10,000 copies. */
 static const search_hit *ask(search_walk *walk, const search_candidate *c) {
     oracle_primitive primitive =
         search_primitive(walk->search->world, c->geometry, c->primitive, c->instance);
@@ -277,7 +277,7 @@ static void decide(search_walk *walk) {
         if (order > 0) continue;
         if (order < 0) result->ties.count = 0;
         if (!array_push(&result->ties, *hit)) walk->failed = true;
-        /* To the next double above, since t may be rounded down. */
+        /* The next double above, because t may have been rounded down. */
         double above = nextafter((double)hit->answer.t, (double)INFINITY);
         if (above < walk->closest) walk->closest = above;
     }

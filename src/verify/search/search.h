@@ -1,8 +1,8 @@
-/* The exact answer over a whole world: closest hit with all its ties, and any hit.
+/* The exact hit in a whole world: closest hit with all ties, and any hit.
  *
- * A test in double precision with a proved error bound (filter.h) rejects only what is certainly missed; runs
- * of primitives are rejected together by spheres around them, and by spheres around those (search_tree.h).
- * The oracle decides the candidates that remain. */
+ * A test in double precision with a proved error bound (filter.h) rejects only certain misses. Runs of
+ * primitives are rejected together by a hierarchy of bounding spheres (search_tree.h). The oracle decides the
+ * remaining candidates. */
 #ifndef PARITY_SEARCH_H
 #define PARITY_SEARCH_H
 
@@ -20,31 +20,31 @@ typedef struct search_candidate {
     double t_low; /* no hit is nearer */
 } search_candidate;
 
-/* One ray's answer and the room it takes; may be used again and again. Zero it first, release it with
- * search_result_free(). One thread at a time. */
+/* One ray's result and working memory; reusable. Zero it first, release it with search_result_free(). One
+ * thread at a time. */
 typedef struct search_result {
     ARRAY(search_hit) ties; /* all hits with the exact smallest t, in the world's order; none: a miss */
     ARRAY(search_candidate) candidates;
 } search_result;
 
-/* Vertices of meshes need not be finite: such triangles are never met. The world must outlive it. */
+/* Mesh vertices need not be finite: such triangles are never hit. The world must outlive *out. */
 fathom_status search_create(fathom_context *context, const world *w, search **out);
 void search_destroy(search *s);
 
-/* False when out of memory. Many threads may search at once, each with a result of its own. */
+/* False when out of memory. Thread-safe, if each thread has its own result. */
 bool search_closest(const search *s, const oracle_ray *ray, search_result *result);
-/* The same without any sphere: every primitive is tested. */
+/* Same without bounding spheres: every primitive is tested. */
 bool search_exhaustive(const search *s, const oracle_ray *ray, search_result *result);
-/* The closest hit among what casts shadows. */
+/* The closest hit among shapes that cast shadows. */
 bool search_shadow(const search *s, const oracle_ray *ray, search_result *result);
-/* Fills `candidates` with everything that casts shadows and may be met when the origin moves by up to `aside`
+/* Fills `candidates` with all shapes that cast shadows and may be hit when the origin moves by up to `aside`
  * and the interval widens accordingly; `ties` stays empty. */
 bool search_near(const search *s, const oracle_ray *ray, double aside, search_result *result);
 void search_result_free(search_result *result);
-/* All but planes lies so far from the world's origin at most. */
+/* Maximum distance of anything but planes from the world's origin. */
 double search_extent(const search *s);
 
-/* The primitive as the oracle takes it. geometry may be TRACE_PLANE; instance FATHOM_NONE. */
+/* Converts a primitive for the oracle. geometry may be TRACE_PLANE; instance may be FATHOM_NONE. */
 oracle_primitive search_primitive(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance);
 
 #endif

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Meshes come in any order, and runs of triangles that lie apart reject nothing: large geometries are put in
- * order along a curve. */
+/* Minimum number of primitives of a sorted geometry. Runs of distant triangles reject nothing, and meshes
+ * come in any order, so large geometries are sorted along a space-filling curve. */
 #define SORTED_FROM 1024
 
 static int corners(const oracle_primitive *p) {
@@ -35,7 +35,7 @@ static void grow(box *b, vec3_f64 p) {
 
 static vec3_f64 middle(const box *b) { return scale_f64(0.5, add_f64(b->low, b->high)); }
 
-/* The radius is rounded up by far more than a difference, a square root and a sum round. */
+/* The radius is rounded up by far more than the rounding of a difference, a square root and a sum. */
 static void set_bound(search_tree *tree, size_t slot, vec3_f64 center, double radius) {
     tree->bounds.x[slot] = center.x, tree->bounds.y[slot] = center.y, tree->bounds.z[slot] = center.z;
     tree->bounds.radius[slot] = radius * (1 + 0x1p-45) + FILTER_LEAST;
@@ -50,8 +50,8 @@ static oracle_primitive primitive_of(const world *w, const search_part *part, ui
     return search_primitive(w, geometry, part->order ? part->order[i] : (uint32_t)i, FATHOM_NONE);
 }
 
-/* The sphere around the middle of the box of all corners (of primitives that are spheres: their centres).
- * Around nothing it is NaN, and rejects nothing. */
+/* The bounding sphere, centred on the bounding box of all corners (for spheres: of their centres). For an
+ * empty run it is NaN, and rejects nothing. */
 static void enclose_primitives(search_tree *tree, const world *w, uint32_t geometry, size_t run) {
     const search_part *part = &tree->parts[geometry];
     size_t first = run * SEARCH_RUN, end = w->geometries.items[geometry].count;
@@ -77,7 +77,7 @@ static vec3_f64 center_of(const search_tree *tree, size_t slot) {
     return vec_f64(tree->bounds.x[slot], tree->bounds.y[slot], tree->bounds.z[slot]);
 }
 
-/* Around spheres; those around nothing count for nothing. */
+/* The bounding sphere of spheres. Spheres of empty runs (NaN) are skipped. */
 static void enclose_spheres(search_tree *tree, size_t slot, size_t first, size_t end) {
     box b = empty_box();
     for (size_t i = first; i < end; ++i) {
@@ -108,7 +108,7 @@ static void enclose(search_tree *tree, const world *w, uint32_t geometry) {
 
 /* ---- order ---- */
 
-/* The lower ten bits of x, two apart (Morton order). */
+/* Spreads the lower ten bits of x with two zeros between them (Morton order). */
 static uint32_t spread(uint32_t x) {
     x = (x | x << 16) & 0x030000ffu;
     x = (x | x << 8) & 0x0300f00fu;
@@ -150,7 +150,7 @@ static bool sort(const world *w, uint32_t geometry, uint32_t *order) {
 
 /* ---- all ---- */
 
-/* Says where the levels of each part go. Returns how many spheres there are. */
+/* Assigns slots to the levels of each part. Returns the total number of spheres. */
 static size_t lay_out(const world *w, search_tree *tree) {
     size_t slots = 0;
     for (size_t g = 0; g < w->geometries.count; ++g) {

@@ -1,4 +1,4 @@
-/* Spheres around runs of a world's primitives, around runs of those spheres, and so on. */
+/* Bounding spheres around runs of a world's primitives, around runs of these spheres, and so on. */
 #ifndef PARITY_SEARCH_TREE_H
 #define PARITY_SEARCH_TREE_H
 
@@ -10,22 +10,23 @@
 /* The levels of one geometry; the last has at most SEARCH_RUN spheres. */
 typedef struct search_part {
     unsigned levels;                                  /* 0: it is empty */
-    size_t slot[SEARCH_LEVELS], count[SEARCH_LEVELS]; /* of each level's spheres; level 0 holds primitives */
-    uint32_t *order; /* which primitives are in the runs, one after another; NULL: as they come */
+    size_t slot[SEARCH_LEVELS], count[SEARCH_LEVELS]; /* first sphere and number of spheres of each level;
+                                                         level 0 bounds primitives */
+    uint32_t *order; /* the primitives of all runs, in order; NULL: order of the world */
 } search_part;
 
 typedef struct search_tree {
     filter_spheres bounds;
     search_part *parts; /* of each geometry of the world */
-    uint32_t *order;    /* of all of them */
-    double extent;      /* all but planes lies so far from the world's origin at most */
+    uint32_t *order;    /* storage for all parts' `order` */
+    double extent;      /* maximum distance of anything but planes from the world's origin */
 } search_tree;
 
-/* Zero it first and free it whatever comes back. False when out of memory. */
+/* Zero *tree first; free it also after a failure. False when out of memory. */
 bool search_tree_build(const world *w, search_tree *tree);
 void search_tree_free(search_tree *tree);
 
-/* True when all its corners are finite: others are never met, and in no sphere. */
+/* True when all its corners are finite. Others are never hit, and are in no sphere. */
 bool search_tree_takes(const oracle_primitive *primitive);
 
 #endif

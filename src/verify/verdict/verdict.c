@@ -1,4 +1,4 @@
-/* Judges answers: what was skipped, what was reported, closest hits and any hits. */
+/* Checks hits: skipped hits, reported hits, closest hits and any hits. */
 #include "verify/verdict/verdict.h"
 #include "trace/trace.h"
 
@@ -26,21 +26,21 @@ verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit) {
                             .largest = embree ? 1.844e18 / 2 : 0};
 }
 
-/* One answer on its way to a verdict. */
+/* State of one check. */
 typedef struct judge {
     const search *search;
     const world *world;
     const verdict_tracer *tracer;
     const oracle_ray *ray;
     search_result *room;
-    bool shadows;               /* only what casts shadows counts */
+    bool shadows;               /* only shapes that cast shadows */
     bool failed;                /* out of memory */
-    const verdict_answer *said; /* what was reported instead of the nearest; NULL: nothing */
+    const verdict_answer *said; /* the hit reported instead of the nearest one; NULL: none */
 } judge;
 
 static double value(real_f128 x) { return (double)x; }
 
-/* The exact t of the nearest hit, infinite for a miss; `room` then holds it. */
+/* The exact t of the nearest hit, infinite for a miss. Leaves the hit in `room`. */
 static double judge_nearest(judge *j, const oracle_ray *ray) {
     bool done = j->shadows ? search_shadow(j->search, ray, j->room) : search_closest(j->search, ray, j->room);
     if (!done) {
@@ -54,13 +54,13 @@ static oracle_primitive primitive_of(const judge *j, const search_hit *hit) {
     return search_primitive(j->world, hit->geometry, hit->primitive, hit->instance);
 }
 
-/* ---- what was skipped ---- */
+/* ---- skipped hits ---- */
 
 static bool same_primitive(const search_hit *hit, const verdict_answer *a) {
     return hit->geometry == a->geometry && hit->primitive == a->primitive && hit->instance == a->instance;
 }
 
-/* The ray moved aside, at right angles to itself: to one of eight sides, by a part of `by` for each ring. */
+/* The ray moved perpendicular to itself, in one of eight directions, by a fraction of `by` for each ring. */
 static oracle_ray moved_aside(const oracle_ray *ray, double by, int k) {
     static const double parts[ASIDE_RINGS] = {1, 0.5, 0.25, 0.75, 0.12};
     vec3_f64 d = normalize_f64(widen(ray->dir));
@@ -74,7 +74,7 @@ static oracle_ray moved_aside(const oracle_ray *ray, double by, int k) {
     return out;
 }
 
-/* The origin moved by one float or none in each coordinate: neighbour `k` of 27. */
+/* The origin moved by one ulp or none in each coordinate: neighbour `k` of 27. */
 static oracle_ray moved_by_floats(const oracle_ray *ray, int k) {
     oracle_ray out = *ray;
     float *part[3] = {&out.org.x, &out.org.y, &out.org.z};
@@ -84,7 +84,7 @@ static oracle_ray moved_by_floats(const oracle_ray *ray, int k) {
     return out;
 }
 
-/* True when the nearest hit is what was reported, or nothing that the tracer could report. */
+/* True when the nearest hit is the reported one, or the tracer's floats cannot represent it. */
 static bool is_fair(const judge *j, const oracle_ray *ray) {
     const search_hit *hit = &j->room->ties.items[0];
     oracle_primitive p = primitive_of(j, hit);
@@ -92,16 +92,15 @@ static bool is_fair(const judge *j, const oracle_ray *ray) {
     return j->said && same_primitive(hit, j->said);
 }
 
-/* True when the moved ray meets nothing before t, or at whatever t what was reported, or what the tracer
- * cannot hold. */
+/* True when the moved ray hits nothing before `before`, or is_fair() for its nearest hit. */
 static bool passes(judge *j, const oracle_ray *ray, double before) {
     if (!finite_f32(ray->org)) return true;
     double t = judge_nearest(j, ray);
     return t >= before || (t < (double)INFINITY && is_fair(j, ray));
 }
 
-/* True when some ray that the precision cannot tell from this one passes. A surface that goes on beyond the
- * edge is met on all sides. Few of these rays pass a thin limb, so there are rings of them. */
+/* True when some ray that the precision cannot distinguish from this one passes. If the surface continues
+ * beyond the edge, all these rays hit. Few of them pass a thin part, so there are several rings. */
 static bool passes_aside(judge *j, const oracle_ray *from, double by, double before) {
     for (int k = 0; k < 8 * ASIDE_RINGS; ++k) {
         oracle_ray ray = moved_aside(from, by, k);
@@ -114,7 +113,8 @@ static bool passes_aside(judge *j, const oracle_ray *from, double by, double bef
     return false;
 }
 
-/* Takes a hit away that lies within its bound of an end of the interval asked for. */
+/* If the hit lies within its error bound of an end of the queried interval, shortens the interval to exclude
+ * it. */
 static bool trim(const judge *j, const search_hit *hit, const verdict_bound *bound, oracle_ray *ray) {
     double t = value(hit->answer.t);
     if (t - (double)j->ray->t_near <= bound->t)
@@ -126,9 +126,9 @@ static bool trim(const judge *j, const search_hit *hit, const verdict_bound *bou
     return true;
 }
 
-/* Embree's rcp_safe(): no component of a direction is taken for less than 1e-18 where boxes are tested. That
- * turns the ray aside for them, by more than rounding does if the whole direction is that small; in the world
- * it never is (trace/stretch.h). */
+/* Embree's rcp_safe() clamps direction components to at least 1e-18 in box tests. For these tests this
+ * rotates the ray. If the whole direction is that small, the rotation exceeds rounding; in world space it
+ * never is (trace/stretch.h). */
 static bool is_clamped(const judge *j, const oracle_primitive *p) {
     if (!p->instance) return false;
     oracle_ray ray = *j->ray;
@@ -140,22 +140,21 @@ static bool is_clamped(const judge *j, const oracle_primitive *p) {
     return most < least && small < clamped;
 }
 
-/* Why the hit, which lies well inside the ray's interval, was not reported. */
+/* The verdict for a hit that lies well inside the interval but was not reported. */
 static verdict judge_inside(judge *j, const oracle_ray *ray, const search_hit *hit, const oracle_primitive *p,
                             const verdict_bound *bound, double before) {
     if (is_clamped(j, p)) return VERDICT_LEAK;
     if (value(hit->answer.edge) > bound->edge) return VERDICT_WRONG;
-    /* Twice as far, and by some units of a float at least, which the origin is rounded to. A slanted surface
-     * is met earlier by its bound, times as much as the ray is moved aside. */
+    /* Twice as far, and at least some ulps, because the origin is rounded to float. A slanted surface is then
+     * hit earlier, by its bound times the ratio of the displacement to bound->aside. */
     double aside = fmax(2 * bound->aside, 0x1p-21 * length_f64(widen(ray->org)));
     double limit = isfinite(before) ? before - 2 * bound->t * aside / bound->aside : before;
     if (passes_aside(j, ray, aside, limit)) return VERDICT_EDGE;
     return j->tracer->leaks ? VERDICT_LEAK : VERDICT_WRONG;
 }
 
-/* Why `nearest`, exactly the nearest hit, was not reported; the tracer saw nothing before t (infinite: at
- * all).
- */
+/* The verdict for the exact nearest hit `nearest`, which was not reported. The tracer reported nothing before
+ * `before` (infinite: a miss). */
 static verdict judge_skip(judge *j, const search_hit *nearest, double before) {
     oracle_ray ray = *j->ray;
     search_hit hit = *nearest;
@@ -173,16 +172,16 @@ static verdict judge_skip(judge *j, const search_hit *nearest, double before) {
     }
 }
 
-/* ---- what was reported ---- */
+/* ---- reported hits ---- */
 
-/* The exact intersection nearest to t; for a sphere, of the root that was taken. */
+/* The exact intersection nearest to t; for a sphere, with the root that the tracer used. */
 static void judge_ask(const judge *j, const oracle_primitive *p, double t, oracle_answer *out) {
     oracle_ask(j->ray, p, out);
     if (out->parallel || p->shape != ORACLE_SPHERE || !out->line) return;
     double here = value(out->t), other = value(out->other);
     if (fabs(t - here) <= fabs(t - other)) return;
-    /* The oracle answers with the smaller root of the whole line: of the line run backwards that is the
-     * larger one. (A bound between both roots need not exist in float.) */
+    /* For the whole line, the oracle gives the smaller root. To get the larger one, reverse the direction. (A
+     * float t_near between both roots may not exist.) */
     bool larger = other > here;
     oracle_ray ray = *j->ray;
     ray.t_near = -INFINITY, ray.t_far = INFINITY;
@@ -194,16 +193,17 @@ static void judge_ask(const judge *j, const oracle_primitive *p, double t, oracl
         out->t = -whole.t, out->other = -whole.other;
         out->part = 1 - whole.part;
     }
-    /* In the interval that was asked for. */
+    /* Check against the queried interval. */
     out->above_near = out->t - (real_f128)j->ray->t_near;
     out->below_far = (real_f128)j->ray->t_far - out->t;
     out->hit = out->above_near > 0 && out->below_far > 0;
 }
 
-/* True when the primitive may be met at that t at all; AGREE: it is, exactly. `a`: what judge_ask() said. */
+/* The verdict for a hit of the primitive at t, by itself: AGREE if the exact ray hits, EDGE or RANGE if
+ * rounding explains it, else WRONG. `a`: from judge_ask(). */
 static verdict judge_meeting(const judge *j, const oracle_primitive *p, const oracle_answer *a, double t,
                              verdict_bound *bound) {
-    /* In its plane a ray exactly misses, but it is as good as on a ray through it. */
+    /* A ray exactly in the plane misses, but rounding cannot distinguish it from one through the plane. */
     if (a->parallel) return verdict_in_plane(j->tracer, j->ray, p) ? VERDICT_EDGE : VERDICT_WRONG;
     *bound = verdict_bound_of(j->tracer, j->ray, p, a);
     if (!a->line && value(a->edge) < -bound->edge) return VERDICT_WRONG;
@@ -216,7 +216,7 @@ static verdict judge_meeting(const judge *j, const oracle_primitive *p, const or
 
 /* ---- closest hit ---- */
 
-/* True when there is such a primitive. */
+/* True when the ids name an existing primitive. */
 static bool names_primitive(const world *w, const verdict_answer *a) {
     if (a->geometry == TRACE_PLANE) return a->primitive < w->planes.count;
     if (a->geometry >= w->geometries.count) return false;
@@ -226,7 +226,7 @@ static bool names_primitive(const world *w, const verdict_answer *a) {
     return a->geometry - g->first < g->count && a->primitive < w->geometries.items[a->geometry].count;
 }
 
-/* A sphere's other root is another hit, unless they coincide. */
+/* The other root of a sphere is another hit, unless the roots are equal. */
 static bool is_tie(const search_hit *hit, const verdict_answer *said, oracle_shape shape,
                    const oracle_answer *a) {
     bool same_root =
@@ -240,7 +240,7 @@ static verdict judge_tie(const judge *j, const verdict_answer *a, double exact) 
     return close ? VERDICT_AGREE : VERDICT_CONDITIONED;
 }
 
-/* Fathom's own shapes and plug-ins keep the interval open; Embree's own may take its ends for inside. */
+/* Fathom's own shapes and plug-ins use the open interval; Embree's own shapes may include its ends. */
 static bool in_interval(const judge *j, const oracle_primitive *p, const verdict_answer *said) {
     double near = (double)j->ray->t_near, far = (double)j->ray->t_far;
     if (!j->tracer->strict || j->tracer->seen >> p->shape & 1) return said->t >= near && said->t <= far;
@@ -302,10 +302,10 @@ bool verdict_closest(const search *s, const world *w, const verdict_tracer *trac
     return !j.failed;
 }
 
-/* ---- any hit: against everything that casts a shadow ---- */
+/* ---- any hit, of all shapes that cast a shadow ---- */
 
-/* True when the primitive may be met anywhere in the interval, though exactly it is not: a sphere's roots lie
- * at either end. */
+/* The verdict if the tracer hit this primitive somewhere in the interval, although the exact ray does not.
+ * Checks both ends of the interval, for both roots of a sphere. */
 static verdict judge_candidate(const judge *j, const search_candidate *c) {
     oracle_primitive p = search_primitive(j->world, c->geometry, c->primitive, c->instance);
     const double ends[2] = {(double)j->ray->t_near, fmin((double)j->ray->t_far, (double)FLT_MAX)};
@@ -331,7 +331,7 @@ static bool casts(const world *w, const verdict_answer *a) {
     return !(flags & FATHOM_CASTS_NO_SHADOW);
 }
 
-/* True when this primitive, which casts a shadow, is met exactly. */
+/* True when this primitive casts a shadow and the exact ray hits it. */
 static bool is_met(const judge *j, const verdict_answer *a) {
     if (!casts(j->world, a)) return false;
     oracle_primitive p = search_primitive(j->world, a->geometry, a->primitive, a->instance);
@@ -340,7 +340,7 @@ static bool is_met(const judge *j, const verdict_answer *a) {
     return answer.hit;
 }
 
-/* The tracer reports a hit where there is none. */
+/* The verdict for a reported hit that does not exist exactly. */
 static verdict judge_phantom(judge *j, const verdict_answer *hint) {
     if (hint && casts(j->world, hint)) {
         search_candidate c = {hint->geometry, hint->primitive, hint->instance, 0};

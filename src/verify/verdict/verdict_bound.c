@@ -1,40 +1,41 @@
 /* Forward error of the intersectors, to first order in the unit roundoff u.
  *
- * S bounds the size of every number that enters as a length: in object space |E| + |t d| + the largest |V|,
- * where the map M of an instance makes |M| (|E| + |T| + |t d|) of the ray's share, T its translation; times
- * |M| |A| for a tracer that computes the inverse M of A itself. In an object's space the ray is rounded once
- * more: by u S. L is the longest side, n = e × e' with |n| <= L².
+ * S bounds every number that is a length: in object space |E| + |t d| + the largest |V|. In an instance with
+ * map M and translation T, the ray's part is |M| (|E| + |T| + |t d|), times |M| |A| for a tracer that
+ * computes M as the inverse of A itself. In object space the ray is rounded once more, by u S. L is the
+ * longest side, n = e × e' with |n| <= L².
  *
- * Triangle, by edge planes (Embree's robust mode) or Cramer's rule: differences and cross products leave
- * 4 u L S in an edge's normal e × v, products and sums 3 more: 7 u |d| L S, so weights are off by 7 u |d| L S
- * / |d·n|, and by as much again for the division by their sum: 14. t = n·v / n·d: 7 u L² S in the numerator,
- * 6 u L² |d| in the denominator, which is 6 u L² S / |d·n| in t: 13, and 3 more for an approximate
- * reciprocal. By shearing (Woop): a sheared coordinate is off by 5 u S, the edge functions of what is sheared
- * are exact where a sign is in doubt, so weights are off by 2 · 5 u |d| L S / |d·n|, otherwise by 13 of them;
- * depth is interpolated over two sides of depth at most L / |d|: 26 u L² S / |d·n|. So 32 bounds all of them,
- * with room for the rounding of the ray in object space. Grazing rays and slivers are in |d·n|.
+ * Triangle, by edge planes (Embree's robust mode) or Cramer's rule: differences and cross products cost 4 u L
+ * S in an edge's normal e × v, products and sums 3 more: 7 u |d| L S. So the error of the weights is 7 u |d|
+ * L S / |d·n|, and the same again for the division by their sum: 14. t = n·v / n·d: 7 u L² S in the
+ * numerator, 6 u L² |d| in the denominator, which is 6 u L² S / |d·n| in t: 13, and 3 more for an approximate
+ * reciprocal. By shearing (Woop): a sheared coordinate has an error of 5 u S. The edge functions of sheared
+ * vertices are exact if a sign is in doubt, so the error of the weights is 2 · 5 u |d| L S / |d·n|, otherwise
+ * 13 of these units. Depth is interpolated over two sides of depth at most L / |d|: 26 u L² S / |d·n|. So 32
+ * bounds all of them, with room for the rounding of the ray in object space. Grazing rays and slivers enter
+ * by |d·n|.
  *
- * Where sides are differences of corners seen from E, as in Embree, they are off by 2 u S, and n by 4 u L S.
- * It stands in both n·v and n·d, so t is off by 4 u L S |V - P| / |d·n| with P on the plane: within L S L for
- * hits; for a point outside the triangle, which the exact ray only passes, |V - P| <= L Σ|w_k|, with its
- * weights. They also make d·n off by 4 u L S |d|: from so far that this is as large as d·n, nothing is left
- * of the normal, and t is anything. These u |d| L S / |d·n| are an eighth of the bound of the weights.
+ * If sides are differences of corners relative to E, as in Embree, their error is 2 u S, and that of n is 4 u
+ * L S. n is used in both n·v and n·d, so the error of t is 4 u L S |V - P| / |d·n| with P on the plane: at
+ * most 4 u L S L / |d·n| for hits. For a point outside the triangle, which the exact ray just misses, |V - P|
+ * <= L Σ|w_k|, with its weights. d·n also gets an error of 4 u L S |d|: from so far away that this equals
+ * d·n, the normal is lost and t is arbitrary. The 4 u |d| L S / |d·n| are an eighth of the bound of the
+ * weights.
  *
- * All of this is to first order, for a denominator that is known: d·n is off by 6 u L² |d|, d itself by the
- * map. Where K u L² |d| / |d·n| = r is not small the quotients are bounded by 1 / (1 - r) times as much, from
- * r = 1 on by nothing: the ray cannot be told from one in the triangle's plane.
+ * All of this is to first order and assumes an accurate denominator. But d·n has an error of 6 u L² |d|, and
+ * d that of the map. If r = K u L² |d| / |d·n| is not small, the bounds grow by 1 / (1 - r). From r = 1 on
+ * there is no bound: the ray cannot be distinguished from one in the triangle's plane.
  *
  * Quad: as its triangles.
  *
  * Sphere in the form without cancellation (sphere_text.h): |δD| <= 36 u |f| √(R² + l²), |f| <= S: 1 - l²/R²
- * is off by 36 u S √(R² + l²) / R² <= 36 u S (R + l) / R²; from so far that l is off by more than R, l is the
- * larger. The root moves by |δD| /
- * (2 |d| √D) <= 26 u S R / |d·m| with m = P - C and |d·m| = |d| √D; c / q adds 27 u |t|, b / a 6 u |f| / |d|:
- * at most 33 u S R / |d·m|, since |d·m| <= |d| R. 64 bounds both sums. |d·m| = |d|² |t - t'| / 2, with t' the
- * other root.
+ * has an error of 36 u S √(R² + l²) / R² <= 36 u S (R + l) / R²; from so far away that the error of l exceeds
+ * R, l is the larger. The root moves by |δD| / (2 |d| √D) <= 26 u S R / |d·m| with m = P - C and |d·m| = |d|
+ * √D; c / q adds 27 u |t|, b / a 6 u |f| / |d|: at most 33 u S R / |d·m|, since |d·m| <= |d| R. 64 bounds
+ * both sums. |d·m| = |d|² |t - t'| / 2, with t' the other root.
  *
- * Plane: f·n is off by 4 u |n| S, d·n by 3 u |n| |d|: together 7 u |n| S / |d·n|, and 16 with the origin's
- * and the quotient's rounding. */
+ * Plane: the error of f·n is 4 u |n| S, that of d·n is 3 u |n| |d|: together 7 u |n| S / |d·n|, and 16 with
+ * the roundings of origin and quotient. */
 #include "reference/reference.h"
 #include "verify/verdict/verdict.h"
 
@@ -44,7 +45,7 @@ typedef struct frame {
     vec3_f64 org, dir;
     double norm, inverse_norm; /* of the map's linear part and its inverse; 1 in the world */
     double shift;              /* of to_world */
-    double dir_size;           /* bounds |dir| and what its error is relative to */
+    double dir_size;           /* bounds |dir|; the direction's error is relative to it */
 } frame;
 
 static double norm_of(const float m[3][4]) {
@@ -107,11 +108,11 @@ static verdict_bound of_triangle(const frame *f, const vec3_f32 v[3], const orac
     return (verdict_bound){side * side * fmax(1, spread) * size * wide, d * side * size * wide, size, 0, 0};
 }
 
-/* Past the rim, the closest approach at t' stands in for the roots, which part from it by at most √|δD| /
- * |d|: that is of the order √u, so `factor` goes under the root. */
+/* If the line misses, the closest approach at t' replaces the roots. They differ from it by at most √|δD| /
+ * |d|, which is of the order √u, so `factor` moves under the root. */
 static verdict_bound of_sphere(const frame *f, double radius, const oracle_answer *answer, double size,
                                double factor) {
-    double d = length_f64(f->dir), l = sqrt(fmax(0, 1 - (double)answer->edge)); /* over R */
+    double d = length_f64(f->dir), l = sqrt(fmax(0, 1 - (double)answer->edge)); /* divided by R */
     double edge = size * (1 + l) / radius;
     if (!answer->line) return (verdict_bound){(size + radius * sqrt(edge / factor)) / d, edge, size, 0, 0};
     double gap = fabs((double)(answer->t - answer->other));
@@ -148,7 +149,7 @@ static double largest_corner(const oracle_primitive *p) {
 static double size_of(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p,
                       const frame *f, double t) {
     double reach = length_f64(widen(ray->org)) + f->shift + fabs(t) * length_f64(widen(ray->dir));
-    /* A flushed result is off by FLT_MIN at most, as rounding would be in one of FLT_MIN / u. */
+    /* A flushed result has an error of at most FLT_MIN, like rounding in a number of size FLT_MIN / u. */
     double size = f->norm * reach + (in_float(tracer) ? (double)FLT_MIN / tracer->unit : 0);
     if (tracer->inverted && p->instance) size *= f->norm * f->inverse_norm;
     return size + largest_corner(p);
@@ -175,7 +176,7 @@ static double twist_of(const oracle_primitive *quad) {
     return atan2(length_f64(cross_f64(n, m)), dot_f64(n, m));
 }
 
-/* Not unit: of the triangle or the quad's part that was met, and its corners. */
+/* The normal (not unit) and corners of the triangle, or of the quad's part that was hit. */
 static vec3_f64 normal_of(const oracle_primitive *p, const oracle_answer *answer, vec3_f64 *a, vec3_f64 *b,
                           vec3_f64 *c) {
     bool quad = p->shape == ORACLE_QUAD, second = quad && answer->part;
@@ -186,8 +187,8 @@ static vec3_f64 normal_of(const oracle_primitive *p, const oracle_answer *answer
     return cross_f64(sub_f64(*b, *a), sub_f64(*c, *a));
 }
 
-/* Embree divides by the sum of the weights, d·n, and takes the quotients for 0 where it is below 1e-18. Twice
- * that leaves room for its rounding. */
+/* Embree divides by the sum of the weights, d·n, and sets the quotients to 0 if it is below 1e-18. The factor
+ * 2 leaves room for rounding. */
 static bool clamps_weights(const verdict_tracer *tracer, const oracle_primitive *p,
                            const oracle_answer *answer, vec3_f64 dir) {
     if (!(tracer->seen >> p->shape & 1)) return false;
@@ -195,15 +196,15 @@ static bool clamps_weights(const verdict_tracer *tracer, const oracle_primitive 
     return fabs(dot_f64(normal_of(p, answer, &a, &b, &c), dir)) < 2 * tracer->clamped;
 }
 
-/* The angle by which a vector may turn whose error is that share of its length: asin(share) <= 2 share. From
- * 1 on it may be zero or point anywhere. */
+/* The maximum rotation of a vector whose error is this fraction of its length: asin(share) <= 2 share. From 1
+ * on, the vector may be zero or point anywhere. */
 static double turn_of(double share) { return share < 1 ? 2 * share : 4; }
 
-/* Sides are off by 2 u of their length or, seen from the ray's origin, of S, and the products and differences
- * of n = e × e' by as much again: 16 u L S / |n| holds both. Two products and their difference, flushed to
- * zero below 2^-126, leave 3 √3 2^-126 more; a side so flushed moves n by less than 16 u L² as long as L is
- * above 2^-104, and all of n is flushed below. A normal above the largest float is not reported at all:
- * infinite. A quad's normal may be either part's. */
+/* The error of sides is 2 u of their length or, if computed relative to the ray's origin, of S; the products
+ * and differences of n = e × e' add the same again: 16 u L S / |n| covers both. Two products and their
+ * difference, flushed to zero below 2^-126, add 3 √3 2^-126. A flushed side changes n by less than 16 u L² if
+ * L is above 2^-104; below, all of n is flushed. A normal above the largest float cannot be reported:
+ * infinite. A quad's normal may be that of either part. */
 static double normal_bound(const verdict_tracer *tracer, const oracle_primitive *p,
                            const oracle_answer *answer, double size) {
     vec3_f64 a, b, c, n = normal_of(p, answer, &a, &b, &c);
@@ -214,12 +215,12 @@ static double normal_bound(const verdict_tracer *tracer, const oracle_primitive 
     return turn_of(r) + (p->shape == ORACLE_QUAD ? twist_of(p) : 0);
 }
 
-/* Normals are reported in float, whatever computed them. */
+/* Normals are reported in float, in every precision. */
 verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *ray,
                                 const oracle_primitive *p, const oracle_answer *answer) {
     verdict_bound bound = verdict_bound_of(tracer, ray, p, answer);
     const double unit = fmax(tracer->unit, 0x1p-24), least = 8 * unit;
-    const double flushed = 2 * (double)FLT_MIN; /* √3 of it: a part each */
+    const double flushed = 2 * (double)FLT_MIN; /* one FLT_MIN per component: √3, rounded up to 2 */
     frame f = frame_of(tracer, ray, p->instance);
     double size = size_of(tracer, ray, p, &f, (double)answer->t);
     bound.weight = clamps_weights(tracer, p, answer, f.dir) ? 1 : bound.edge + 4 * tracer->unit;
@@ -228,14 +229,14 @@ verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *
         bound.normal = least + 2 * (bound.t * length_f64(f.dir) + 8 * unit * size) / oracle_radius(p) +
                        turn_of(flushed / oracle_radius(p));
         break;
-    case ORACLE_PLANE: bound.normal = least; break; /* a copy of the world's, denormals and all */
+    case ORACLE_PLANE: bound.normal = least; break; /* a copy of the world's, with denormals */
     case ORACLE_TRIANGLE:
     case ORACLE_QUAD: bound.normal = least + normal_bound(tracer, p, answer, size); break;
     }
     return bound;
 }
 
-/* ---- where nothing is rounded ---- */
+/* ---- intersections without rounding ---- */
 
 /* A multiple of 1/16 up to 16: products of three differences of such numbers fit in float. */
 static bool has_few_digits(double x) { return fabs(x) <= 16 && 16 * x == floor(16 * x); }
@@ -249,7 +250,7 @@ static bool is_power(double x) {
     return fabs(frexp(x, &exponent)) == 0.5;
 }
 
-/* The axis along which the ray runs by a power of two, or -1. */
+/* The axis of the ray if its direction is a power of two along an axis; else -1. */
 static int axis_of(const oracle_ray *ray) {
     const double d[3] = {(double)ray->dir.x, (double)ray->dir.y, (double)ray->dir.z};
     int axis = -1;
@@ -263,7 +264,8 @@ static int axis_of(const oracle_ray *ray) {
 
 static double part_of(vec3_f32 v, int axis) { return (double)(axis == 0 ? v.x : axis == 1 ? v.y : v.z); }
 
-/* True when all corners are plain and at right angles to the axis, around an area that is a power of two. */
+/* True when all corners have few digits, the primitive is perpendicular to the axis, and its area is a power
+ * of two. */
 static bool is_level(const oracle_primitive *p, int axis) {
     if (p->shape == ORACLE_PLANE)
         return is_plain(p->v[0]) && fabs(part_of(p->v[1], axis)) == 1 && length_f64(widen(p->v[1])) == 1;
@@ -287,7 +289,7 @@ bool verdict_is_exact(const verdict_tracer *tracer, const oracle_ray *ray, const
     return exact;
 }
 
-/* |t d| is at most |E| + extent there, and corners are |M| extent at most. */
+/* |t d| is at most |E| + extent, and corners are at most |M| extent. */
 double verdict_aside(const verdict_tracer *tracer, const world *w, const oracle_ray *ray, double extent) {
     double far = 2 * length_f64(widen(ray->org)) + extent, factor = 64 * tracer->unit;
     double most = factor * (far + extent);
@@ -303,7 +305,7 @@ double verdict_reported(const verdict_tracer *tracer, const oracle_primitive *p,
     return tracer->seen >> p->shape & 1 ? bound->t * widened(bound->edge / 8) : bound->t;
 }
 
-/* As embree_build.c has it. */
+/* The same limit as in embree_limits.c. */
 static bool origin_beyond(const world *w, vec3_f32 org, double limit) {
     double size = (double)largest_f32(org);
     if (size > limit) return true;
