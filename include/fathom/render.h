@@ -61,9 +61,9 @@ enum {
     FATHOM_AOV_ERROR = 1u << 7,
     /* The light of a pixel in three parts, R G B each: emission.R… is what reaches the camera without being
      * scattered, of surfaces and of the surroundings; direct.R… what was scattered once, and indirect.R…
-     * more than once. Mirrors and glass scatter, and a surface that a path passes by its opacity does not.
-     * Each sample's R, G and B are their sum. The classic integrator counts ambient light with the emission
-     * of the surface that reflects it. */
+     * more than once. Mirrors and glass scatter; a surface that a path passes by its opacity, and a clear
+     * thin wall that it passes straight, do not. Each sample's R, G and B are their sum. The classic
+     * integrator counts ambient light with the emission of the surface that reflects it. */
     FATHOM_AOV_DIRECT = 1u << 8,
     FATHOM_AOV_INDIRECT = 1u << 9,
     FATHOM_AOV_EMISSION = 1u << 10,

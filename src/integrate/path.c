@@ -168,7 +168,8 @@ static void leave_vertex(path_wave *p, const surface_block *s, const shader_samp
     if (to->straight[i]) {
         const vec3_f32 way = sub_f32(lane_f32(s->p, i), of_slot(p->p, slot));
         p->passed[slot] = sqrtf(dot_f32(way, way));
-        if (p->wave.run.samples.mattes && !path_scattered(p, slot)) wave_lose_mattes(&p->wave, slot);
+        if (to->pane[i]) p->paned[slot] = true;
+        if (p->wave.run.samples.mattes && path_in_view(p, slot)) wave_lose_mattes(&p->wave, slot);
         ++p->passes[slot];
         /* The light samples of the previous vertex do not see past a hidden surface. */
         if (hidden) p->density[slot] = INFINITY;
@@ -231,8 +232,13 @@ static void push_lanes(path_wave *p, const vertex_block *v, const shader_sample 
 static void pass_alone(const path_wave *p, vertex_block *v) {
     for (unsigned i = 0; i < LANES; ++i) {
         if (!is_done(p, v->path.slot[i])) continue;
-        for (int k = 0; k < SHADER_TAKES; ++k)
-            v->shader.take[k][i] = k == SHADER_TAKE_STRAIGHT && v->shader.take[k][i] > 0 ? 1 : 0;
+        const float hole = v->shader.take[SHADER_TAKE_STRAIGHT][i],
+                    pane = v->shader.at[i]->clear ? v->shader.take[SHADER_TAKE_PASS][i] : 0;
+        for (int k = 0; k < SHADER_TAKES; ++k) v->shader.take[k][i] = 0;
+        if (hole + pane > 0) {
+            v->shader.take[SHADER_TAKE_STRAIGHT][i] = hole / (hole + pane);
+            v->shader.take[SHADER_TAKE_PASS][i] = pane / (hole + pane);
+        }
     }
 }
 
@@ -270,7 +276,7 @@ static void find_depths(path_wave *p, const vertex_block *v) {
     wave *w = &p->wave;
     for (unsigned i = 0; i < v->surface.count; ++i) {
         const uint32_t slot = v->path.slot[i];
-        if (path_scattered(p, slot)) continue;
+        if (!path_in_view(p, slot)) continue;
         shade_camera camera;
         wave_camera_when(w->run.plan, w->times[slot], &camera);
         const vec3_f32 way = sub_f32(lane_f32(v->surface.p, i), camera.eye);
@@ -291,11 +297,9 @@ static void scatter(wave *w, vertex_block *v) {
     push_paths(p, v, &keys, choice[1]);
 }
 
-static bool is_unscattered(const wave *w, uint32_t slot) {
-    return !path_scattered((const path_wave *)w, slot);
-}
+static bool is_in_view(const wave *w, uint32_t slot) { return path_in_view((const path_wave *)w, slot); }
 
-static const wave_stages path_stages = {begin_vertices, path_add_outside, scatter, is_unscattered};
+static const wave_stages path_stages = {begin_vertices, path_add_outside, scatter, is_in_view};
 
 static bool begin_scatter(path_wave *p) {
     wave *w = &p->wave;
@@ -354,6 +358,7 @@ static void begin(path_wave *p, const wave_batch *batch) {
     fill(p->spread, count, plan->pixel_spread);
     fill(p->passed, count, 0);
     memset(p->passes, 0, count * sizeof *p->passes);
+    memset(p->paned, 0, count * sizeof *p->paned);
     for (size_t k = 0; p->wave.run.samples.first && k < count; ++k) {
         p->smooth[k] = true;
         p->tint[0][k] = p->tint[1][k] = p->tint[2][k] = 1;

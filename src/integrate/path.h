@@ -22,6 +22,7 @@ typedef struct path_wave {
     /* Number of surfaces that the ray passed straight through, and the distance from the vertex to the last
      * of them. */
     uint32_t passes[WAVE_SLOTS];
+    bool paned[WAVE_SLOTS]; /* one of them is a clear thin wall */
     float passed[WAVE_SLOTS];
     /* Only if first hits are kept: whether the path has hit only smooth surfaces so far, and their product of
      * colours. */
@@ -39,6 +40,11 @@ static inline vec3_f32 of_slot(const float from[3][WAVE_SLOTS], uint32_t slot) {
 /* How often the path was scattered before its current vertex. */
 static inline uint32_t path_scattered(const path_wave *p, uint32_t slot) {
     return p->depth - p->passes[slot];
+}
+
+/* The camera sees what the path hits next: it has passed nothing but holes. */
+static inline bool path_in_view(const path_wave *p, uint32_t slot) {
+    return !path_scattered(p, slot) && !p->paned[slot];
 }
 
 static inline bool path_sends_light(const shader *s) {

@@ -40,7 +40,7 @@ static void look_outside(path_wave *p, const trace_block *block, const path_bloc
 /* Suns are not in view. */
 static void add_suns(path_wave *p, uint32_t slot, const path_block *path, unsigned i, vec3_f32 direction) {
     const emitters *e = p->wave.run.plan->emitters;
-    for (uint32_t k = 0; k < emitters_sun_count(e) && path_scattered(p, slot); ++k) {
+    for (uint32_t k = 0; k < emitters_sun_count(e) && !path_in_view(p, slot); ++k) {
         emitter_disc disc;
         if (!emitters_disc(e, k, direction, &disc)) continue;
         if (!(disc.density > 0) && p->density[slot] < INFINITY) continue;

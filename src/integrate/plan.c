@@ -69,6 +69,11 @@ static fathom_status plan_surroundings(fathom_context *context, render_plan *pla
 
 /* ---- the path integrator ---- */
 
+/* Images of its roughness may make it clear in some places. */
+static bool is_pane(const fathom_material *m) {
+    return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->transmission > 0 && !(m->thickness > 0);
+}
+
 static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
     const fathom_scene *scene = plan->scene;
     const size_t count = scene->materials.count;
@@ -76,12 +81,14 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
     if (!plan->shaders) return fail_memory(context, (count + 1) * sizeof *plan->shaders);
     for (size_t i = 0; i < count; ++i) {
         shader *s = &plan->shaders[i];
-        shader_prepare(&scene->materials.items[i].value, s);
+        const fathom_material *m = &scene->materials.items[i].value;
+        shader_prepare(m, s);
         const bool holes = plan->texturing && texturing_may_cover(plan->texturing, (fathom_id)i);
         plan->crosses |= s->transmits || holes;
         plan->nested |= s->encloses && s->priority;
         plan->dispersive |= (s->lobes & SHADER_DISPERSIVE) != 0;
-        plan->covered |= s->hole > 0 || holes || plan->nested;
+        plan->panes |= s->clear || (plan->texturing && is_pane(m));
+        plan->covered |= s->hole > 0 || holes || plan->nested || plan->panes;
         plan->absorbs |= s->absorption[0] > 0 || s->absorption[1] > 0 || s->absorption[2] > 0;
     }
     return FATHOM_OK;

@@ -71,7 +71,8 @@ typedef struct render_plan {
     bool nested;                      /* some volume has a priority */
     eye_volumes eye_volumes;          /* around the camera when the shutter opens, if paths track volumes */
     bool dispersive;                  /* some volume disperses light */
-    bool covered;    /* path tracing: some surface may be partly transparent, or volumes have priorities */
+    bool covered;    /* path tracing: light may pass some surface straight, or volumes have priorities */
+    bool panes;      /* path tracing: some surface may be a clear thin wall */
     bool unshadowed; /* path tracing: some shape casts no shadow */
 } render_plan;
 

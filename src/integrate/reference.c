@@ -142,6 +142,15 @@ static const fathom_material *medium_towards(const path *p, const reference_surf
     return s->behind ? medium_of(p, s->material) : s->material;
 }
 
+/* What a clear thin wall lets pass; black for other surfaces. */
+static vec3_f64 passed_by(const reference_surface *s) {
+    if (!reference_is_pane(s->material)) return gray(0);
+    const reference_scatter all = reference_scatter_of(s);
+    const reference_beam *last = &all.beam[all.beams ? all.beams - 1 : 0];
+    const bool straight = all.beams && dot_f64(last->direction, s->to_viewer) < -1 + 1e-12;
+    return straight ? last->weight : gray(0);
+}
+
 /* The light of one lamp, chosen uniformly, that this surface scatters to the viewer. */
 static vec3_f64 light_at(const reference_scene *r, const path *p, const reference_surface *s,
                          reference_random *random) {
@@ -152,25 +161,32 @@ static vec3_f64 light_at(const reference_scene *r, const path *p, const referenc
     const arrival a = afar ? from_afar(light, random) : from_place(light, s->point, random);
     vec3_f64 sum = scale_f64(a.power * (double)count, reference_evaluate(s, a.direction));
     reference_surface blocker;
-    const vec3_f64 from = reference_leave(s, a.direction);
+    vec3_f64 from = reference_leave(s, a.direction);
+    double left = a.distance;
+    while (largest(sum) > 0 && reference_closest(r, from, a.direction, left, true, random, &blocker)) {
+        sum = times(sum, passed_by(&blocker));
+        left -= blocker.t, from = reference_leave(&blocker, a.direction);
+    }
     if (!(largest(sum) > 0)) return gray(0);
-    if (reference_closest(r, from, a.direction, a.distance, true, random, &blocker)) return gray(0);
     const fathom_material *medium = medium_towards(p, s, a.direction);
     if (medium) sum = times(sum, reference_absorbed(medium, a.distance));
     return times(sum, color_of(light->intensity));
 }
 
-/* Chooses one beam, or another direction. False: the path ends. */
-static bool scatter(path *p, const reference_scene *r, const reference_surface *s, reference_random *random) {
+/* Chooses one beam, or another direction. False: the path ends. *straight: it passes a clear thin wall. */
+static bool scatter(path *p, const reference_scene *r, const reference_surface *s, reference_random *random,
+                    bool *straight) {
     const reference_scatter all = reference_scatter_of(s);
     const double others = all.front + all.back + all.facets + all.through + all.coat;
     double sum = others;
     for (unsigned i = 0; i < all.beams; ++i) sum += largest(all.beam[i].weight);
     double pick = reference_uniform(random) * sum;
-    p->smooth = true;
+    *straight = false;
     for (unsigned i = 0; i < all.beams; ++i) {
         const double gain = largest(all.beam[i].weight);
         if (pick < gain) {
+            *straight = i + 1 == all.beams && largest(passed_by(s)) > 0;
+            p->smooth |= !*straight;
             p->direction = all.beam[i].direction;
             p->weight = scale_f64(sum / gain, times(p->weight, all.beam[i].weight));
             return true;
@@ -218,9 +234,15 @@ static bool radiance(const reference_scene *r, path p, reference_random random, 
         if (medium) p.weight = times(p.weight, reference_absorbed(medium, s.t));
         if (meets(&p, &s, &random)) {
             sum = add_f64(sum, times(p.weight, reference_emission(s.material)));
-            if (bounce == r->settings.depth) break;
-            sum = add_f64(sum, times(p.weight, light_at(r, &p, &s, &random)));
-            if (!scatter(&p, r, &s, &random) || !survives(&p, bounce++, &random)) break;
+            bool straight = bounce == r->settings.depth;
+            if (straight) {
+                p.weight = times(p.weight, passed_by(&s)), p.direction = neg_f64(s.to_viewer);
+                if (!(largest(p.weight) > 0)) break;
+            } else {
+                sum = add_f64(sum, times(p.weight, light_at(r, &p, &s, &random)));
+                if (!scatter(&p, r, &s, &random, &straight)) break;
+            }
+            if (!straight && !survives(&p, bounce++, &random)) break;
         }
         advance(&p, &s);
     }

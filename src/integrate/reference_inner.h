@@ -150,6 +150,9 @@ typedef struct reference_scatter {
     double front, back, facets, through, coat;
 } reference_scatter;
 
+/* True for a clear thin wall: its last beam goes straight through. */
+bool reference_is_pane(const fathom_material *m);
+
 /* The first parameter of the material that the reference does not support; NULL: none. */
 const char *reference_lacks(const fathom_material *m);
 /* Reflectances of dielectric and metal. */

@@ -83,7 +83,7 @@ typedef struct wave_stages {
     void (*leave)(wave *w, vertex_block *v);
     /* Whether the ray in this slot left the camera and has since only passed surfaces by their opacity. Used
      * if the plan is `covered`. */
-    bool (*unscattered)(const wave *w, uint32_t slot);
+    bool (*in_view)(const wave *w, uint32_t slot);
 } wave_stages;
 
 struct wave {

@@ -21,7 +21,7 @@ fathom_id wave_hit_object(const wave *w, unsigned i) {
 
 /* The camera sees what the ray in this slot hits: AOVs are of that hit. first: of the camera's rays. */
 static bool in_view(const wave *w, uint32_t slot, bool first) {
-    return first || (w->run.plan->covered && w->stages->unscattered(w, slot));
+    return first || (w->run.plan->covered && w->stages->in_view(w, slot));
 }
 
 static void keep_miss(first_hits *f, uint32_t slot) {

@@ -1,8 +1,8 @@
 /* Some shadow rays cannot be resolved by an any-hit query. They are walked from closest hit to closest hit,
  * until they reach their light or their gain is 0.
  *
- * Partly transparent surfaces (`opacity` below 1) multiply the gain by the fraction of light that passes
- * straight through: the expected value of random transparency.
+ * Partly transparent surfaces (`opacity` below 1) and clear thin walls multiply the gain by the fraction of
+ * light that passes straight through: the expected value of what paths do by chance.
  *
  * Shapes that cast no shadow are skipped on the way to lights that rays cannot hit. They block the light of
  * all other emitters, because BSDF-sampled rays hit these shapes, too, and scatter there. */
@@ -53,16 +53,47 @@ static void add_reached(wave *w, const path_block *path, size_t lane, light_tag 
     if (w->run.samples.layers) wave_add_layers(w, path->slot[lane], tag, direction, gain);
 }
 
-static float passed_part(const wave *w, unsigned i, bool sized) {
+/* The surface in lane i is skipped by light that no ray can hit. */
+static bool is_skipped(const wave *w, unsigned i, bool sized) {
     const world *scene = w->run.plan->world;
     const surface_gather *g = w->gather;
-    const bool plane = g->geometry[i] == TRACE_PLANE;
-    const unsigned flags =
-        plane ? scene->planes.items[g->primitive[i]].flags : scene->geometries.items[g->geometry[i]].flags;
+    const unsigned flags = g->geometry[i] == TRACE_PLANE ? scene->planes.items[g->primitive[i]].flags
+                                                         : scene->geometries.items[g->geometry[i]].flags;
+    return flags & FATHOM_CASTS_NO_SHADOW && !sized;
+}
+
+static float hole_at(const wave *w, unsigned i) {
     const render_plan *plan = w->run.plan;
-    if (flags & FATHOM_CASTS_NO_SHADOW && !sized) return 1;
-    if (plan->texturing) return 1 - texturing_opacity(plan->texturing, g, i, wave_hit_material(w, i));
-    return plan->shaders[wave_hit_material(w, i)].hole;
+    const fathom_id material = wave_hit_material(w, i);
+    if (plan->texturing) return 1 - texturing_opacity(plan->texturing, w->gather, i, material);
+    return plan->shaders[material].hole;
+}
+
+/* What clear thin walls among the lanes let pass, as sample() of their materials has it. */
+static void find_panes(wave *w, surface_block *s, lanes3 part) {
+    const render_plan *plan = w->run.plan;
+    static const float no_width[LANES];
+    shader_block b;
+    for (unsigned i = 0; i < LANES; ++i) {
+        s->material[i] = wave_hit_material(w, i < s->count ? i : s->count - 1);
+        b.at[i] = &plan->shaders[s->material[i]];
+    }
+    if (plan->texturing) texturing_shade(plan->texturing, w->gather, no_width, NULL, s, w->made[0], b.at);
+    memset(b.channel, 0, sizeof b.channel);
+    plan->shader_kernels->make(s, &b);
+    for (unsigned i = 0; i < s->count; ++i) {
+        for (int c = 0; c < 3; ++c) part[c][i] = b.at[i]->clear ? b.pass_share[c][i] : 0;
+    }
+}
+
+/* The fraction of light that passes the surfaces straight. */
+static void find_parts(wave *w, surface_block *s, lanes3 part) {
+    memset(part, 0, 3 * sizeof *part);
+    if (w->run.plan->panes) find_panes(w, s, part);
+    for (unsigned i = 0; i < s->count; ++i) {
+        const float hole = hole_at(w, i);
+        for (int c = 0; c < 3; ++c) part[c][i] += hole;
+    }
 }
 
 /* The remaining length from `start` on, less its rounding error: 5 units for the product, and 1 for the
@@ -73,7 +104,7 @@ static float remaining(float end, const float start[3], vec3_f32 origin, vec3_f3
 }
 
 /* Continues the ray `from` behind lane i of the surfaces. */
-static void move_on(wave *w, size_t from, const surface_block *s, unsigned i, float part) {
+static void move_on(wave *w, size_t from, const surface_block *s, unsigned i, const lanes3 part) {
     const watertight *closed = w->run.plan->watertight;
     const trace_block *block = &w->now.rays[from / LANES];
     const path_block *path = &w->now.paths[from / LANES];
@@ -85,7 +116,7 @@ static void move_on(wave *w, size_t from, const surface_block *s, unsigned i, fl
     shadow_end end = w->shadows.ends[from];
     end.length = remaining(end.length, start, trace_org(&block->rays, old), trace_dir(&block->rays, old));
     path_block *to = &w->now.paths[w->now.count / LANES];
-    for (int c = 0; c < 3; ++c) to->weight[c][lane] = path->weight[c][old] * part;
+    for (int c = 0; c < 3; ++c) to->weight[c][lane] = path->weight[c][old] * part[c][i];
     to->slot[lane] = path->slot[old], to->depth[lane] = depth;
     if (!(end.length > 0)) {
         add_reached(w, to, lane, end.tag, trace_dir(&block->rays, old));
@@ -103,6 +134,7 @@ static void move_on(wave *w, size_t from, const surface_block *s, unsigned i, fl
 static void pass_surfaces(wave *w, size_t done, uint32_t met) {
     const render_plan *plan = w->run.plan;
     surface_block s;
+    lanes3 part;
     unsigned lanes[LANES], count = 0;
     surface_gather_begin(w->gather);
     for (; met; met &= met - 1) {
@@ -112,9 +144,12 @@ static void pass_surfaces(wave *w, size_t done, uint32_t met) {
     if (!count) return;
     surface_gather_end(w->gather, plan->world, plan->surface_kernels, false, !(plan->settings.epsilon > 0),
                        &s);
+    s.count = count;
+    find_parts(w, &s, part);
     for (unsigned i = 0; i < count; ++i) {
-        const float part = passed_part(w, i, w->shadows.ends[done + lanes[i]].sized);
-        if (part > 0) move_on(w, done + lanes[i], &s, i, part);
+        const bool skipped = is_skipped(w, i, w->shadows.ends[done + lanes[i]].sized);
+        for (int c = 0; c < 3 && skipped; ++c) part[c][i] = 1;
+        if (part[0][i] > 0 || part[1][i] > 0 || part[2][i] > 0) move_on(w, done + lanes[i], &s, i, part);
     }
 }
 

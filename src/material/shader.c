@@ -133,6 +133,7 @@ static uint32_t crossing_lobe(const fathom_material *m, float alpha, shader *out
     if (!any(out->cross)) return 0;
     out->transmits = true;
     out->encloses = m->thickness > 0;
+    out->clear = !solid && !out->encloses && alpha < SHADER_SMOOTH_ALPHA;
     if (!solid)
         return alpha < SHADER_SMOOTH_ALPHA ? SHADER_PASS : (m->thickness > 0 ? SHADER_PASS : SHADER_THIN);
     out->eta = least(most(m->ior, 1e-3f), 1e3f);

@@ -89,6 +89,7 @@ typedef struct shader {
     float absorption[3]; /* per unit of length, of the enclosed volume: -ln(colour) / distance; else 0 */
     bool transmits;      /* some lobe transmits light to the other side */
     bool encloses;       /* transmitted light enters or leaves a volume; false for a thin wall */
+    bool clear;          /* a thin wall whose transmitted light goes straight through */
     /* Only kernels use the members below. */
     uint32_t lobes;                /* SHADER_ bits */
     float diffuse[3];              /* Lambert's reflectance; with SHADER_EVEN divided by mean_under */
@@ -219,6 +220,7 @@ typedef struct shader_sample {
     uint32_t through[LANES];  /* all ones: the ray leaves on the side away from the viewer; else 0 */
     uint32_t straight[LANES]; /* all ones: straight through, as if the surface were absent; `through` is set,
                                  too */
+    uint32_t pane[LANES];     /* if straight: all ones: through a clear thin wall; 0: through a hole */
 } shader_sample;
 
 typedef struct shader_kernels {

@@ -137,6 +137,31 @@ static fathom_film *render_room(unsigned threads, const uint32_t crop[4]) {
     return film;
 }
 
+/* ---- panes ---- */
+
+/* Seen from below: k_l / d² times 0.96, what a dielectric of index 1.5 lets in head on, and the colour. The
+ * floor is the only surface that scatters. */
+static void a_pane_tints_the_light_that_passes(void **state) {
+    (void)state;
+    for (int k = 0; k < 2; ++k) {
+        stage s = path_open(4, 1);
+        fathom_material pane;
+        fathom_material_default(&pane);
+        pane.model = FATHOM_MODEL_METALLIC_ROUGHNESS, pane.transmission = 1, pane.roughness = 0;
+        for (int c = 0; c < 3; ++c) pane.base_color[c] = 0.5f;
+        const fathom_id glass = stage_material(&s, &pane);
+        stage_quad(&s, (double[3]){0, 1, 0}, (double[3]){1, 0, 0}, (double[3]){0, 0, 1}, glass);
+        if (k) stage_quad(&s, (double[3]){0, 1.5, 0}, (double[3]){1, 0, 0}, (double[3]){0, 0, 1}, glass);
+        stage_plane(&s, (double[3]){0, 0, 0}, up, stage_lambert(&s, 0.5f));
+        stage_point_light(&s, 0, 2, 0, 4);
+        look(&s, (double[3]){3, 0.5, 0}, (double[3]){0, 0, 0});
+        const double value = 0.5 * 4 / 4 * pow(0.96 * 0.5, k + 1);
+        /* The view is 1e-4 wide: cosines and distances differ by its square. */
+        check_mean(&s, value, value * (32 * 0x1p-24 + 1e-7));
+        stage_close(&s);
+    }
+}
+
 /* ---- suns ---- */
 
 static void add_sun(stage *s, float radius) {
@@ -252,6 +277,7 @@ int main(void) {
         cmocka_unit_test(floor_under_a_rectangle),
         cmocka_unit_test(floor_under_a_sphere),
         cmocka_unit_test(two_spheres_exchange_light),
+        cmocka_unit_test(a_pane_tints_the_light_that_passes),
         cmocka_unit_test(a_sun_shows_in_mirrors),
         cmocka_unit_test(a_sun_is_not_in_view),
         cmocka_unit_test(both_ways_to_a_sun_bring_the_same),

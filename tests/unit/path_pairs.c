@@ -90,6 +90,29 @@ static void coverage_is_a_matter_of_chance(void **state) {
     compare(&s, "coverage");
 }
 
+/* A lamp in a bulb, and a point light and a sun behind a pane, one of which is there in part. Few bounces:
+ * panes are none. */
+static void clear_thin_walls_pass_light_straight(void **state) {
+    (void)state;
+    for (uint32_t depth = 1; depth < 4; depth += 2) {
+        stage s = room_open();
+        fathom_material pane = metallic(0, 0);
+        fathom_light sun;
+        fathom_light_default(&sun);
+        pane.transmission = 0.8f, pane.base_color[1] = 0.5f;
+        s.settings.max_depth = depth;
+        stage_sphere(&s, 0, 1, 0, 0.5, stage_material(&s, &pane));
+        stage_sphere(&s, 0, 1, 0, 0.1, stage_emitter(&s, 5));
+        pane.opacity = 0.7f;
+        stage_quad(&s, (double[3]){0, 2, 0}, (double[3]){1.5, 0, 0}, (double[3]){0, 0, 1.5},
+                   stage_material(&s, &pane));
+        stage_point_light(&s, 1, 3, 1, 2);
+        sun.type = FATHOM_LIGHT_DIRECTIONAL, sun.angular_radius = 0.2f, sun.direction[1] = -1;
+        assert_ok(s.context, fathom_scene_add_light(s.scene, &sun, NULL));
+        compare(&s, "panes");
+    }
+}
+
 static void shapes_that_cast_no_shadow_may_send_out_light(void **state) {
     (void)state;
     stage s = room_open();
@@ -325,6 +348,7 @@ static void the_studio_agrees(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(smooth_meshes_follow_one_rule_of_sides),
+        cmocka_unit_test(clear_thin_walls_pass_light_straight),
         cmocka_unit_test(coverage_is_a_matter_of_chance),
         cmocka_unit_test(shapes_that_cast_no_shadow_may_send_out_light),
         cmocka_unit_test(emission_in_glass_is_as_bright_as_seen_from_outside),

@@ -99,7 +99,7 @@ static void sample_matte(const surface_block *s, const shader_block *b, const la
             out->direction[c][i] = d[c];
             out->weight[c][i] = limited(f[c] * inverse);
         }
-        out->through[i] = cross, out->straight[i] = 0;
+        out->through[i] = cross, out->straight[i] = out->pane[i] = 0;
     }
 }
 

@@ -208,7 +208,8 @@ static void take_smooth(const surface_block *s, const shader_block *b, const uin
         }
         out->density[i] = INFINITY;
         out->through[i] = cross || past ? ~0u : 0;
-        out->straight[i] = past ? ~0u : 0;
+        out->pane[i] = cross && b->at[i]->clear ? ~0u : 0;
+        out->straight[i] = past ? ~0u : out->pane[i];
     }
 }
 
@@ -243,7 +244,7 @@ static void sample(const surface_block *s, const shader_block *b, const lanes3 u
         float inverse = chosen(some, 1 / (out->density[i] + 0x1p-126f), 0);
         out->density[i] = chosen(some, out->density[i], 0);
         for (int c = 0; c < 3; ++c) out->weight[c][i] = limited(out->weight[c][i] * inverse);
-        out->through[i] = at.cross[i], out->straight[i] = 0;
+        out->through[i] = at.cross[i], out->straight[i] = out->pane[i] = 0;
     }
     if (b->lobes & SMOOTH) take_smooth(s, b, lobe, out);
 }
