@@ -52,7 +52,9 @@ typedef struct fathom_read_options {
      * size in the settings of the scene that is read. */
     uint32_t width, height;
     /* With choose_integrator the scene is read for this integrator, whatever its file says: settings that the
-     * file does not give follow it, and so do automatic lights. Default: the file's, else path tracing. */
+     * file does not give follow it, and so do automatic lights. If the file's spp or target error is meant
+     * for another integrator and the pattern cannot take it, the pattern is sobol. Default: the file's, else
+     * path tracing. */
     bool choose_integrator;
     fathom_integrator integrator;
     /* The time, in seconds, of the image. glTF files stand as it poses their animations; without choose_time
@@ -86,6 +88,9 @@ typedef struct fathom_read_options {
     /* Position of the automatic camera and the floor, made for the same `up`, width and height. NULL
      * (default), or a framing with made == false: chosen so that the whole scene is visible. */
     const fathom_framing *framing;
+    /* With choose_integrator: the caller sets spp itself, so the spp and the target error of a file that is
+     * meant for another integrator count for nothing. Default false. */
+    bool own_spp;
 } fathom_read_options;
 
 FATHOM_DEFAULT(fathom_read_options)

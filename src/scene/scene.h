@@ -218,6 +218,8 @@ static inline uint64_t settings_pixels(const fathom_settings *s) {
 
 /* FATHOM_BAD_INPUT: a value is out of range; the message names it. */
 fathom_status scene_check_settings(fathom_context *context, const fathom_settings *settings);
+/* True if n x n samples can be so many. */
+bool settings_spp_is_square(uint32_t spp);
 fathom_status scene_check_material(fathom_context *context, const fathom_material *material);
 
 #endif

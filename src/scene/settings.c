@@ -50,7 +50,7 @@ void fathom_scene_settings_sized(const fathom_scene *scene, fathom_settings *out
     sized_give(out, size, &settings, sizeof settings);
 }
 
-static bool is_square(uint32_t n) {
+bool settings_spp_is_square(uint32_t n) {
     uint32_t root = (uint32_t)(sqrt((double)n) + 0.5);
     return root * root == n;
 }
@@ -102,7 +102,7 @@ fathom_status scene_check_settings(fathom_context *context, const fathom_setting
     if (status == FATHOM_OK) status = check_adaptive(context, s);
     if (status == FATHOM_OK) status = check_error(context, s);
     if (status != FATHOM_OK) return status;
-    if (s->pattern != FATHOM_PATTERN_SOBOL && !is_square(s->spp)) {
+    if (s->pattern != FATHOM_PATTERN_SOBOL && !settings_spp_is_square(s->spp)) {
         uint32_t root = (uint32_t)sqrt((double)s->spp);
         return fail_field(context, FATHOM_BAD_INPUT, "spp",
                           "the pattern is n x n, so expected a square number such as %u or %u, found %u; or "

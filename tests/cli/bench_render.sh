@@ -3,3 +3,10 @@
 BUILD=$BUILD MESHES=5k SIZE=160x90 SPP="1 4" sh "$SOURCE/bench/render.sh" 1 >out.txt || die 'bench/render.sh'
 [ "$(grep -c '^| 5k | [18] | [14] | .* s | [0-9.]* | [0-9.]* (.*) | [0-9.]* |$' out.txt)" = 4 ] ||
     die 'bench/render.sh: 4 rows'
+# A scene that is made for path tracing: the options decide before its settings are judged.
+printf '{"image": {"width": 8, "height": 8, "spp": 128, "aovs": ["error"]}, "objects": [{"type": "sphere", "center":
+[0, 0, 0], "radius": 1}]}' >path.json
+run 0 bench render path.json --spp 4 --repeats 2 --seconds 0 --threads 1
+said err.txt 'image.aovs: "error" is left out'
+sed 's/"spp": 128/"targetError": 0.05/' path.json >error.json
+run 0 bench render error.json --spp 1 --integrator path --repeats 2 --seconds 0 --threads 1

@@ -233,3 +233,15 @@ run 2 render ball.glb -o a.png --environment sky.pfm --integrator classic
 said err.txt 'the classic integrator has no light from images'
 run 3 render ball.glb -o a.png --environment no.hdr
 said err.txt 'no.hdr'
+
+# A file's own spp and pattern, meant for path tracing, are judged only once the options are applied.
+printf '{"image": {"width": 8, "height": 8, "spp": 128}, "objects": [{"type": "sphere", "center": [0, 0, 0],
+"radius": 1}]}' >path.json
+run 0 render path.json -o a.png --integrator classic --spp 4
+run 0 render path.json -o b.png --integrator classic --spp 4 --pattern grid
+same a.png b.png
+run 0 render path.json -o a.png --integrator classic
+run 0 render path.json -o b.png --integrator classic --pattern sobol
+same a.png b.png
+refused 2 'spp: the pattern is n x n' render path.json -o c.png --integrator classic --pattern grid
+refused 2 'spp: the pattern is n x n' render path.json -o c.png --integrator classic --spp 5

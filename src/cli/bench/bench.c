@@ -229,7 +229,8 @@ fathom_status bench_open(fathom_context *context, const bench_settings *asked, b
                                       .width = size.width,
                                       .height = size.height,
                                       .choose_integrator = classic,
-                                      .integrator = FATHOM_INTEGRATOR_CLASSIC};
+                                      .integrator = FATHOM_INTEGRATOR_CLASSIC,
+                                      .own_spp = true};
     fathom_status status = fathom_scene_read_with(context, asked->scene, &read, &scene);
     if (status != FATHOM_OK) return status;
     fathom_scene_settings(scene, &settings);

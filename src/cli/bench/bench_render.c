@@ -207,6 +207,7 @@ static fathom_settings settings_of(const fathom_scene *scene, const bench_render
     fathom_settings settings;
     fathom_scene_settings(scene, &settings);
     settings.spp = (uint32_t)asked->spp.items[index];
+    settings.target_error = 0; /* so many everywhere */
     settings.aovs = 0;
     memset(settings.crop, 0, sizeof settings.crop);
     if (size.width) settings.width = size.width, settings.height = size.height;
@@ -283,6 +284,7 @@ static fathom_status measure_source(fathom_context *context, const bench_render_
     fathom_read_options_default(&read);
     read.width = asked->all.size.width, read.height = asked->all.size.height;
     read.choose_integrator = true, read.integrator = asked->integrator;
+    read.own_spp = true;
     const phases_options options = {asked->all.repeats, asked->seconds, NULL};
     struct stat info;
     source from = {.name = name, .file_bytes = stat(path, &info) == 0 ? (uint64_t)info.st_size : 0};

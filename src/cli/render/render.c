@@ -78,6 +78,7 @@ static fathom_status read_scene(task *s) {
     read.width = o->size.width, read.height = o->size.height;
     read.framing = &s->framing;
     read.choose_integrator = render_options_give(o, "integrator"), read.integrator = o->asked.integrator;
+    read.own_spp = render_options_give(o, "spp");
     const double began = clock_seconds();
     fathom_status status = o->mpi ? fathom_ranks_read(s->context, &s->ranks, o->scene, &read, interrupt_asked,
                                                       &s->scene, &s->fetched)

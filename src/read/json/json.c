@@ -88,18 +88,39 @@ static fathom_status set_camera(const object_reader *r, json_t *value, const for
     return status;
 }
 
+static fathom_integrator own_integrator(json_t *image) {
+    const char *word = json_string_value(json_object_get(image, "integrator"));
+    if (word && strcmp(word, "classic") == 0) return FATHOM_INTEGRATOR_CLASSIC;
+    if (word && strcmp(word, "reference") == 0) return FATHOM_INTEGRATOR_REFERENCE;
+    return FATHOM_INTEGRATOR_PATH;
+}
+
 /* The integrator sets the defaults of the other settings. With a number of samples, or a pattern other than
  * "sobol", all pixels get the same number of samples. */
 static fathom_integrator choose_integrator(const fathom_scene *scene, json_t *root, fathom_settings *image) {
     json_t *from = json_object_get(root, "image");
-    const char *word = json_string_value(json_object_get(from, "integrator")),
-               *pattern = json_string_value(json_object_get(from, "pattern"));
-    fathom_integrator own = FATHOM_INTEGRATOR_PATH;
-    if (word && strcmp(word, "classic") == 0) own = FATHOM_INTEGRATOR_CLASSIC;
-    if (word && strcmp(word, "reference") == 0) own = FATHOM_INTEGRATOR_REFERENCE;
-    fathom_settings_set_integrator(image, read_integrator(scene, own));
+    const char *pattern = json_string_value(json_object_get(from, "pattern"));
+    fathom_settings_set_integrator(image, read_integrator(scene, own_integrator(from)));
     if (doc_has(from, "spp") || (pattern && strcmp(pattern, "sobol") != 0)) image->target_error = 0;
     return image->integrator;
+}
+
+/* Settings that the file meant for another integrator than the one asked for. A scene that is right by itself
+ * stays right: what it does not say gives way. */
+static void suit_integrator(const object_reader *r, json_t *image, fathom_settings *s) {
+    const where at = {NULL, "image", 0}, aovs = {&at, "aovs", 0};
+    const bool replaced = r->scene->asked && r->scene->asked->own_spp;
+    if (s->integrator != FATHOM_INTEGRATOR_CLASSIC || own_integrator(image) == s->integrator) return;
+    if (replaced) s->spp = 1, s->target_error = 0;
+    if (s->target_error > 0 && !doc_has(image, "spp")) s->spp = 1024;
+    if (!doc_has(image, "pattern") && (s->target_error > 0 || !settings_spp_is_square(s->spp)))
+        s->pattern = FATHOM_PATTERN_SOBOL;
+    if (!(s->aovs & FATHOM_AOV_ERROR) || s->target_error > 0) return;
+    s->aovs &= ~(unsigned)FATHOM_AOV_ERROR;
+    doc_warn(
+        r->doc, &aovs,
+        "\"error\" is left out: the integrator classic estimates no error of the same samples everywhere; "
+        "give a target error");
 }
 
 /* The camera's aspect ratio sets the image's size, as far as the file does not give it. */
@@ -324,6 +345,7 @@ static fathom_status read_root(const doc *d, json_t *root, fathom_scene *scene) 
     if (status != FATHOM_OK) return status;
     values.image.integrator = integrator;
     const object_reader reader = {d, scene, json_object(), json_object()};
+    suit_integrator(&reader, json_object_get(root, "image"), &values.image);
     if (reader.materials && reader.groups)
         status = build(&reader, root, &values);
     else

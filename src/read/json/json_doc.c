@@ -16,6 +16,17 @@ const fathom_place *doc_place(const doc *d, const where *at, doc_spot *spot) {
     return &spot->place;
 }
 
+void doc_warn(const doc *d, const where *at, const char *format, ...) {
+    doc_spot spot;
+    char text[2 * TEXT_ROOM];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    const fathom_place *place = doc_place(d, at, &spot);
+    warn(d->context, "%s:%zu: %s: %s", place->file, place->line, place->field, text);
+}
+
 fathom_status doc_within(const doc *d, const where *at, fathom_status status) {
     doc_spot spot;
     const fathom_error *error = fathom_context_error(d->context);
