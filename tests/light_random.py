@@ -196,9 +196,9 @@ def make(seed, folder):
     if moves:
         camera["shutter"] = [0, round(r.uniform(0.3, 1), 2)]
         if r.random() < 0.3:
-            eye = camera["eye"]
+            eye, target = camera.pop("eye"), camera.pop("target")
             camera["motion"] = [{"time": t, "eye": [round(x + t * r.uniform(-0.5, 0.5), 2) for x in eye],
-                                 "target": camera["target"]} for t in (0, 1)]
+                                 "target": target} for t in (0, 1)]
     materials = {"floor": {"kd": color(r, 0.1, 0.8)}}
     objects = [{"type": "plane", "point": [0, -1, 0], "normal": [0, 1, 0], "material": "floor"}]
     glass = r.random() < 0.5

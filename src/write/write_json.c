@@ -55,8 +55,10 @@ static void put_camera(json_out *o) {
     const char *comma = "";
     form_camera_values usual = {.up = {0}},
                        v = {.d = c->d, .h = c->h, .w = c->w, .lens_radius = c->lens_radius};
-    memcpy(v.frame.x, c->x, sizeof c->x), memcpy(v.frame.y, c->y, sizeof c->y);
-    memcpy(v.frame.z, c->z, sizeof c->z), memcpy(v.frame.origin, c->origin, sizeof c->origin);
+    if (!c->key_count) {
+        memcpy(v.frame.x, c->x, sizeof c->x), memcpy(v.frame.y, c->y, sizeof c->y);
+        memcpy(v.frame.z, c->z, sizeof c->z), memcpy(v.frame.origin, c->origin, sizeof c->origin);
+    }
     if (c->orthographic) v.orthographic = c->h, v.d = v.h = 0;
     if (c->lens_radius > 0) v.focus_distance = c->focus_distance;
     v.blades = c->blades, v.blade_rotation = degrees(c->blade_rotation);

@@ -114,7 +114,7 @@ refused 2 'has nothing that moves while a shutter is open' render still.gltf -o 
 # A time alone shows motion where it is then: placements, vertices and cameras, to the last bit.
 at_time() { # time, x of the ball, y of the triangle's corner, z of the camera
     cat >moves.json <<JSON
-{ "camera": { "eye": [0, 0, 1], "target": [0, 0, 0], "motion": [ { "time": 0, "eye": [0, 0, 4], "target": [0, 0, 0] }, { "time": 2, "eye": [0, 0, 6], "target": [0, 0, 0] } ], "d": 1, "h": 1 },
+{ "camera": { "motion": [ { "time": 0, "eye": [0, 0, 4], "target": [0, 0, 0] }, { "time": 2, "eye": [0, 0, 6], "target": [0, 0, 0] } ], "d": 1, "h": 1 },
   "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 0.5, "motion": [ { "time": 0 }, { "time": 2, "translation": [1, 0, 0] } ] },
                { "type": "mesh", "positions": [[-1, 0, 0], [0, 0, 0], [-1, 1, 0]], "indices": [[0, 1, 2]],
                  "vertexKeys": [ { "time": 0, "positions": [[-1, 0, 0], [0, 0, 0], [-1, 1, 0]] }, { "time": 2, "positions": [[-1, 0, 0], [0, 0, 0], [-1, -1, 0]] } ] } ] }
@@ -154,3 +154,15 @@ refused 2 'stands.json: has nothing that moves' render stands.json -o a.png --ti
 run 0 info moving.gltf --unit cm --json
 grep -q '0\.01' out.txt || die '--unit cm'
 refused 2 'has a scale for each model' render scene.json -o a.png --unit mm
+
+# The keys alone place a camera, also after conversion.
+printf '{"camera": {"fovy": 40, "shutter": [0, 1], "motion": [{"time": 0, "eye": [0, 0, 4], "target": [0, 0, 0]},
+{"time": 2, "eye": [1, 0, 5], "target": [0, 0, 0]}]}, "image": {"width": 32, "height": 32, "spp": 4},
+"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]}' >keys.json
+run 0 convert keys.json keys2.json
+run 0 render keys.json -o a.exr
+run 0 render keys2.json -o b.exr
+run 0 compare a.exr b.exr --tolerance 1e-4
+sed 's/"fovy": 40/"lensRadius": 0.1/' keys.json >lens.json
+refused 3 'a lens needs "focusDistance" where "motion" places the camera' render lens.json -o c.png
+rm keys.json keys2.json lens.json a.exr b.exr

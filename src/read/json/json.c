@@ -21,12 +21,14 @@ static fathom_status set_lens(const object_reader *r, const where *at, json_t *v
     camera->focus_distance = c->focus_distance;
     if (doc_has(value, "focusDistance")) return FATHOM_OK;
     if (!doc_has(value, "target"))
-        return doc_fail(r->doc, at, "a lens needs \"focusDistance\", or \"eye\" and \"target\"");
+        return doc_fail(r->doc, at, "a lens needs \"focusDistance\"%s",
+                        c->motion ? " where \"motion\" places the camera" : ", or \"eye\" and \"target\"");
     camera->focus_distance = length_f64(sub_f64(load_f64(c->target), load_f64(c->eye)));
     return FATHOM_OK;
 }
 
-/* Positions the camera, or one of its keys, by eye and target or by a frame. */
+/* Positions the camera, or one of its keys, by eye and target or by a frame. A camera with keys is positioned by
+ * these later. */
 static fathom_status place_camera(const object_reader *r, const where *at, json_t *value,
                                   const form_camera_values *c, double fovy, fathom_camera *camera) {
     const where target = {at, "target", 0}, framed = {at, "frame", 0};
@@ -36,8 +38,9 @@ static fathom_status place_camera(const object_reader *r, const where *at, json_
         fathom_camera_look_at(c->eye, c->target, c->up, fovy, camera);
         return FATHOM_OK;
     }
-    frame_f64 frame;
-    fathom_status status = place_frame(r->doc, &framed, json_object_get(value, "frame"), &c->frame, &frame);
+    frame_f64 frame = frame_from((vec3_f64){0, 0, 0}, (vec3_f64){0, 0, 1}, (vec3_f64){0, 1, 0});
+    fathom_status status = FATHOM_OK;
+    if (!c->motion) status = place_frame(r->doc, &framed, json_object_get(value, "frame"), &c->frame, &frame);
     if (status != FATHOM_OK) return status;
     *camera = (fathom_camera){.d = 1, .h = 2 * tan(fovy / 2)};
     store_f64(camera->origin, frame.origin);

@@ -76,7 +76,6 @@ static const form_key view_keys[] = {
     END_KEYS,
 };
 static const form_rule view_rules[] = {
-    {FORM_ONE_OF, NULL, {"eye", "frame"}},
     {FORM_NEEDS, "eye", {"target"}},
     {FORM_NEEDS, "target", {"eye"}},
     {FORM_NEEDS, "up", {"eye"}},
@@ -99,6 +98,8 @@ static const form_key camera_keys[] = {
     END_KEYS,
 };
 static const form_rule camera_rules[] = {
+    {FORM_EXCLUDES, "motion", {"eye", "target", "up", "frame"}},
+    {FORM_ONE_OF, NULL, {"eye", "frame", "motion"}},
     {FORM_NEEDS, "d", {"h"}},
     {FORM_NEEDS, "h", {"d"}},
     {FORM_NEEDS, "w", {"h"}},
@@ -114,8 +115,9 @@ static const form_key camera_key_keys[] = {
     {"time", FORM_F64, AT(form_camera_values, time), .required = true},
     END_KEYS,
 };
+static const form_rule camera_key_rules[] = {{FORM_ONE_OF, NULL, {"eye", "frame"}}, END_RULES};
 const form form_camera_key = {
-    .name = "cameraKey", .parts = {camera_key_keys, view_keys}, .rules = {view_rules}};
+    .name = "cameraKey", .parts = {camera_key_keys, view_keys}, .rules = {view_rules, camera_key_rules}};
 const form form_camera = {
     .name = "camera", .parts = {view_keys, camera_keys}, .rules = {view_rules, camera_rules}};
 
