@@ -57,6 +57,7 @@ void fathom_scene_destroy(fathom_scene *scene) {
     array_free(&scene->meshes);
     array_free(&scene->mesh_facts);
     array_free(&scene->instances);
+    array_free(&scene->moved);
     array_free(&scene->cameras);
     array_free(&scene->grouped_lights);
     free(scene->name);
@@ -68,6 +69,17 @@ fathom_scene scene_through(const fathom_scene *scene, fathom_context *context) {
     fathom_scene view = *scene;
     view.context = context;
     return view;
+}
+
+fathom_status scene_fail_instance(const fathom_scene *scene, fathom_id instance, const char *text) {
+    const char *name = scene->groups.items[scene->instances.items[instance].group];
+    for (size_t i = 0; i < scene->moved.count; ++i) {
+        const scene_moved *m = &scene->moved.items[i];
+        if (m->instance == instance)
+            return fail_field(scene->context, FATHOM_BAD_INPUT, m->field, "%s", text);
+    }
+    if (!name) return fail(scene->context, FATHOM_BAD_INPUT, "instance %u: %s", instance, text);
+    return fail(scene->context, FATHOM_BAD_INPUT, "instance %u, of \"%.60s\": %s", instance, name, text);
 }
 
 fathom_status scene_adopt(fathom_scene *scene, void *data, void (*release)(void *data)) {

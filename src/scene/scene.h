@@ -35,6 +35,12 @@ typedef struct scene_camera {
     bool orthographic;
 } scene_camera;
 
+/* Which part of the scene's file places an instance that moves: for messages. */
+typedef struct scene_moved {
+    fathom_id instance;
+    const char *field; /* the scene's */
+} scene_moved;
+
 typedef struct scene_named_material {
     fathom_material value;
     fathom_material classic; /* for the classic integrator; equal to `value` if that is classic */
@@ -73,6 +79,7 @@ struct fathom_scene {
     ARRAY(fathom_mesh) meshes;
     ARRAY(mesh_facts) mesh_facts; /* parallel to meshes */
     ARRAY(fathom_instance) instances;
+    ARRAY(scene_moved) moved; /* some of those that move, in ascending order */
     ARRAY(scene_blob) blobs;
     fathom_camera camera;
     bool has_camera;
@@ -215,6 +222,9 @@ static inline uint64_t settings_pixels(const fathom_settings *s) {
     const settings_region r = settings_region_of(s);
     return (uint64_t)r.width * r.height;
 }
+
+/* FATHOM_BAD_INPUT about an instance: at its field in the file where it has one, else by number and name. */
+fathom_status scene_fail_instance(const fathom_scene *scene, fathom_id instance, const char *text);
 
 /* FATHOM_BAD_INPUT: a value is out of range; the message names it. */
 fathom_status scene_check_settings(fathom_context *context, const fathom_settings *settings);

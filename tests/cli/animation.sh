@@ -166,3 +166,27 @@ run 0 compare a.exr b.exr --tolerance 1e-4
 sed 's/"fovy": 40/"lensRadius": 0.1/' keys.json >lens.json
 refused 3 'a lens needs "focusDistance" where "motion" places the camera' render lens.json -o c.png
 rm keys.json keys2.json lens.json a.exr b.exr
+
+# Keys half a turn or more apart do not turn as their angles say: told once for each object, not below.
+spin() { # the angles of three keys; further options
+    printf '{"camera": {"eye": [0, 0, 4], "target": [0, 0, 0], "shutter": [0, 1]}, "image": {"width": 8, "height": 8, "spp": 4},
+"objects": [{"type": "quad", "center": [0, 0, 0], "u": [1, 0, 0], "v": [0, 1, 0], "motion": [
+{"time": 0, "rotate": {"axis": [0, 0, 1], "angle": %s}},
+{"time": 0.5, "rotate": {"axis": [0, 0, 2], "angle": %s}},
+{"time": 1, "rotate": {"axis": [0, 0, -1], "angle": %s}}]}]}' "$@" >spin.json
+}
+spin 0 270 -540
+run 0 render spin.json -o a.png
+[ "$(grep -c 'shorter way' err.txt)" = 1 ] || die 'one warning for each object'
+said err.txt 'spin.json:4: objects[0].motion[1].rotate: 270 degrees from the key before, but motion takes the shorter way, here -90;'
+spin 0 120 -300
+run 0 render spin.json -o a.png
+said err.txt 'spin.json:5: objects[0].motion[2].rotate: -180 degrees from the key before'
+spin 0 179 -358
+run 0 render spin.json -o a.png
+silent err.txt
+# 400 degrees while the shutter is open: the place in the file.
+sed 's/{"time": 0.5/{"time": 0.25, "rotate": {"axis": [0, 0, 1], "angle": 89}}, {"time": 0.75, "rotate": {"axis": [0, 0, 1], "angle": 267}}, &/;
+s/"time": 0.5/"time": 0.9/; s/358/400/; s/179/300/' spin.json >far.json
+refused 3 'far.json: objects[0]: it turns by more than 380 degrees' render far.json -o b.png
+rm spin.json far.json

@@ -185,6 +185,48 @@ static fathom_status read_place_key(const object_reader *r, const where *at, jso
     return status == FATHOM_OK ? place_object(r->doc, at, value, &values.place, map, &placed) : status;
 }
 
+/* The angle about the axis of `to` in degrees between two keys that give it; else 0. */
+static double turn_between(json_t *from, json_t *to) {
+    json_t *a = json_object_get(from, "rotate"), *b = json_object_get(to, "rotate");
+    if (!a || !b) return 0;
+    double axes[2][3];
+    for (int i = 0; i < 3; ++i) {
+        axes[0][i] = json_number_value(json_array_get(json_object_get(a, "axis"), (size_t)i));
+        axes[1][i] = json_number_value(json_array_get(json_object_get(b, "axis"), (size_t)i));
+    }
+    const double along = dot_f64(normalize_f64(load_f64(axes[0])), normalize_f64(load_f64(axes[1])));
+    if (fabs(along) < 1 - 1e-9) return 0;
+    return json_number_value(json_object_get(b, "angle")) -
+           copysign(1, along) * json_number_value(json_object_get(a, "angle"));
+}
+
+/* Whoever writes 0 and 360 degrees means a spin, and gets none. Once for each object. */
+static void warn_of_spin(const object_reader *r, const where *at, json_t *keys) {
+    const where motion = {at, "motion", 0};
+    for (size_t k = 1; k < json_array_size(keys); ++k) {
+        const where key = {&motion, NULL, k}, turn = {&key, "rotate", 0};
+        const double angle = turn_between(json_array_get(keys, k - 1), json_array_get(keys, k));
+        if (!(fabs(angle) >= 180 - 1e-9)) continue;
+        doc_warn(r->doc, &turn,
+                 "%.6g degrees from the key before, but motion takes the shorter way, here %.6g%s; give keys "
+                 "less than half a turn apart, such as 0, 120, 240 and 360 degrees",
+                 angle, remainder(angle, 360),
+                 fabs(fabs(remainder(angle, 360)) - 180) < 1e-9 ? " either way" : "");
+        return;
+    }
+}
+
+static fathom_status note_moved(const object_reader *r, const where *at, fathom_id id) {
+    char path[512];
+    void *field;
+    where_path(at, path, sizeof path);
+    fathom_status status = scene_allocate(r->scene, strlen(path) + 1, &field);
+    if (status != FATHOM_OK) return status;
+    strcpy(field, path);
+    const scene_moved moved = {id, field};
+    return array_push(&r->scene->moved, moved) ? FATHOM_OK : fail_memory(r->scene->context, sizeof moved);
+}
+
 LEAF fathom_status add_instance(const object_reader *r, const where *at, const object *o, fathom_id parent,
                                 fathom_id group) {
     fathom_instance instance;
@@ -194,16 +236,21 @@ LEAF fathom_status add_instance(const object_reader *r, const where *at, const o
     memcpy(instance.transform, o->map.m, sizeof instance.transform);
     if (o->kind == FORM_GROUP || o->kind == FORM_INSTANCE) instance.material = o->material;
     double *keys = NULL;
+    fathom_id id = 0;
     fathom_status status = FATHOM_OK;
     if (o->values.motion) {
         status = place_motion(r, at, o->values.motion, read_place_key, &instance.key_count, &keys);
         instance.key_times = keys, instance.key_transforms = keys ? keys + instance.key_count : NULL;
     }
     if (status == FATHOM_OK) {
-        status = fathom_scene_add_instance(r->scene, &instance, NULL);
+        status = fathom_scene_add_instance(r->scene, &instance, &id);
         if (status != FATHOM_OK) status = doc_within(r->doc, at, status);
     }
     free(keys);
+    if (status == FATHOM_OK && instance.key_count > 1) {
+        warn_of_spin(r, at, o->values.motion);
+        status = note_moved(r, at, id);
+    }
     return status;
 }
 

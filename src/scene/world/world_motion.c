@@ -106,10 +106,9 @@ static double slack_of(const way *y) {
 }
 
 static fathom_status refuse_spin(const world *w, fathom_id id) {
-    return fail(w->scene->context, FATHOM_BAD_INPUT,
-                "instance %u: it turns by more than 380 degrees, or by more than 3 in a 128th of the time "
-                "that the shutter is open; shorten the shutter",
-                id);
+    return scene_fail_instance(w->scene, id,
+                               "it turns by more than 380 degrees, or by more than 3 in a 128th of the time "
+                               "that the shutter is open; shorten the shutter");
 }
 
 fathom_status world_add_motion(world *w, world_place_fn place, const void *user, const scene_bounds *inside,
@@ -136,9 +135,8 @@ fathom_status world_add_motion(world *w, world_place_fn place, const void *user,
     instance->moving = (uint32_t)w->motions.count;
     const affine_f64 first = motion_put_together(&motion.parts[0]);
     if (world_instance_set(instance, &first)) return FATHOM_OK;
-    return fail(w->scene->context, FATHOM_BAD_INPUT,
-                "instance %u: its frame, with those around it, flattens space or leaves the range of float",
-                id);
+    return scene_fail_instance(
+        w->scene, id, "its frame, with those around it, flattens space or leaves the range of float");
 }
 
 void world_move_instance(const world *w, const world_instance *instance, float time, world_instance *moved) {

@@ -353,19 +353,28 @@ static bool find_times(placer *p, const placement *at) {
     return true;
 }
 
+/* The innermost instance on the way from the root that has keys. */
+static fathom_id find_mover(const placer *p, const placement *at) {
+    for (uint32_t l = at->link; l != FATHOM_NONE; l = p->links.items[l].outer) {
+        const fathom_id id = p->links.items[l].instance;
+        if (p->w->scene->instances.items[id].key_count > 1) return id;
+    }
+    return at->id;
+}
+
 static fathom_status refuse_planes(const placer *p, uint32_t group, fathom_id instance) {
     for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1]; ++i) {
         const fathom_id id = p->graph->objects.items[i];
         if (p->w->scene->objects.items[id].kind == SCENE_PLANE && !p->w->absent[id])
-            return fail(p->w->scene->context, FATHOM_BAD_INPUT,
-                        "instance %u: it moves a plane; infinite planes cannot move: use a large quad",
-                        instance);
+            return scene_fail_instance(p->w->scene, instance,
+                                       "it moves a plane; infinite planes cannot move: use a large quad");
     }
     return FATHOM_OK;
 }
 
 static fathom_status place_moving(placer *p, const placement *at) {
-    fathom_status status = refuse_planes(p, at->group, at->id);
+    const fathom_id mover = find_mover(p, at);
+    fathom_status status = refuse_planes(p, at->group, mover);
     if (status == FATHOM_OK && !find_times(p, at)) status = no_memory(p);
     for (uint32_t i = 0; i < p->part_count[at->group] && status == FATHOM_OK; ++i) {
         const group_part part = p->parts.items[p->first_part[at->group] + i];
@@ -373,8 +382,8 @@ static fathom_status place_moving(placer *p, const placement *at) {
         scene_bounds inside = p->bounds[at->group];
         inside.lower = sub_f64(inside.lower, part.origin), inside.upper = sub_f64(inside.upper, part.origin);
         const moving m = {p, at, part.origin};
-        status = world_add_motion(p->w, place_when, &m, &inside, p->times.items, p->times.count, at->id,
-                                  &instance);
+        status =
+            world_add_motion(p->w, place_when, &m, &inside, p->times.items, p->times.count, mover, &instance);
         if (status == FATHOM_OK && !array_push(&p->w->instances, instance)) status = no_memory(p);
     }
     return status;
