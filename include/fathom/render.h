@@ -110,7 +110,8 @@ typedef struct fathom_settings {
     uint32_t min_spp;   /* samples that each pixel gets before an error is trusted: a power of two, at least 4
                            and at most spp; 0 (default): 4 */
     uint32_t max_depth; /* bounces, [0, 1024]; default 16. Classic counts mirrored and refracted ones */
-    float min_weight;   /* a path ends when its weight can change no channel by more; default 1/65536 */
+    float min_weight; /* classic: a path ends when its weight can change no channel by more; default 1/65536.
+                         Path tracing ends paths by Russian roulette, from the fourth vertex on */
     /* Skips shadow rays whose light would hardly be visible. Each channel of a pixel loses at most
      * max_loss + max_relative_loss times its value, summed over all samples, paths and lights of the pixel.
      * [0, 1] each; 0 (default): none is skipped, and the image is exact. fathom_settings_set_loss() sets

@@ -33,11 +33,20 @@ unsigned parts_features(const fathom_scene *scene) {
     return features;
 }
 
+/* What only path tracing shows of a material that passes light: a volume that absorbs, and layers. */
+static bool path_takes_light(const fathom_material *m) {
+    const float *left = m->attenuation_color, *sheen = m->sheen_color;
+    const bool absorbs =
+        m->thickness > 0 && m->attenuation_distance > 0 && (left[0] < 1 || left[1] < 1 || left[2] < 1);
+    return absorbs || m->clearcoat > 0 || sheen[0] > 0 || sheen[1] > 0 || sheen[2] > 0;
+}
+
 /* True if the material transmits all light, in any direction. Fresnel's equations take a fraction of it at
  * every surface that refracts. */
-static bool is_transparent(const fathom_scene *scene, fathom_id material) {
+static bool is_transparent(const fathom_scene *scene, fathom_id material, bool paths) {
     const fathom_material *m = &scene->materials.items[material].classic;
     if (material_has_maps(&scene->materials.items[material].value)) return false;
+    if (paths && path_takes_light(&scene->materials.items[material].value)) return false;
     if (material_features(m) != MATERIAL_REFRACT || (m->fresnel && m->ior != 1)) return false;
     for (int c = 0; c < 3; ++c) {
         if (!(m->k_t[c] >= 1) || m->k_a[c] * scene->ambient[c] > 0) return false;
@@ -45,13 +54,14 @@ static bool is_transparent(const fathom_scene *scene, fathom_id material) {
     return true;
 }
 
-bool parts_all_transparent(const fathom_scene *scene) {
+bool parts_all_transparent(const fathom_scene *scene, fathom_integrator integrator) {
+    const bool paths = integrator != FATHOM_INTEGRATOR_CLASSIC;
     for (size_t i = 0; i < scene->objects.count; ++i) {
-        if (!is_transparent(scene, scene_object_material(scene, (fathom_id)i))) return false;
+        if (!is_transparent(scene, scene_object_material(scene, (fathom_id)i), paths)) return false;
     }
     for (size_t i = 0; i < scene->instances.count; ++i) {
         fathom_id material = scene->instances.items[i].material;
-        if (material != FATHOM_NONE && !is_transparent(scene, material)) return false;
+        if (material != FATHOM_NONE && !is_transparent(scene, material, paths)) return false;
     }
     return scene->objects.count > 0;
 }

@@ -11,7 +11,7 @@
 unsigned parts_features(const fathom_scene *scene);
 
 /* True if only the background can be seen: every surface passes all light, and adds none. */
-bool parts_all_transparent(const fathom_scene *scene);
+bool parts_all_transparent(const fathom_scene *scene, fathom_integrator integrator);
 
 /* A ball around all points from which shadow rays may start. It tells which spot lights reach none of
  * them. */

@@ -218,7 +218,7 @@ static fathom_status render_scene(fathom_context *context, const fathom_scene *s
         warn(context, "shapes and triangles beyond %g from the origin, which Embree leaves out: %llu",
              WORLD_REACH, (unsigned long long)w->beyond_reach);
     }
-    if (status == FATHOM_OK && parts_all_transparent(scene))
+    if (status == FATHOM_OK && parts_all_transparent(scene, settings->integrator))
         warn(context, "all surfaces are fully transparent: nothing but the background can be seen");
     if (status == FATHOM_OK && scene->environments.count && settings->integrator == FATHOM_INTEGRATOR_CLASSIC)
         warn(context, "environments are left out, which only the integrator `path` renders: %zu",

@@ -71,7 +71,8 @@ static const fathom_parameter setting_rows[] = {
     {"max_depth", U32, SETTING(max_depth), PIXELS | IN_FILE | COMMAND, 0, 1024, 16, "N", "Light transport",
      .help = "Maximum number of bounces. `classic` follows mirror reflections and refractions only; its default is 8."},
     {"min_weight", F32, SETTING(min_weight), PIXELS | IN_FILE | COMMAND | BELOW, 0, 1, 1.0 / 65536, "W", "Light transport",
-     .help = "A path ends when it can change no channel of its pixel by more than this."},
+     .help = "Only `classic`: a path ends when it can change no channel of its pixel by more than this. `path` ends paths "
+     "by chance instead, from the fourth vertex on (Russian roulette)."},
     {"max_loss", F32, SETTING(max_loss), PIXELS, 0, 1, 0, NULL, NULL, .help = "Light that a pixel may lose."},
     {"max_relative_loss", F32, SETTING(max_relative_loss), PIXELS, 0, 1, 0, NULL, NULL,
      .help = "Share of its light that a pixel may lose."},

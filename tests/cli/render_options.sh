@@ -169,6 +169,14 @@ printf 'newmtl a\nKd 0.6 0.6 0.6\nd 0\n' >clear.mtl
 printf 'mtllib clear.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >clear.obj
 run 0 render clear.obj --integrator classic -o a.png
 said err.txt 'all surfaces are fully transparent'
+# A volume that absorbs shows itself to paths.
+printf '{"materials": {"wine": {"model": "metallicRoughness", "transmission": 1, "thickness": 1, "roughness": 0, "ior": 1, "specular": 0,
+"attenuationColor": [1, 0.1, 0.1], "attenuationDistance": 0.5}}, "background": [1, 1, 1],
+"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "wine"}]}' >wine.json
+run 0 render wine.json -o a.png --size 32x32 --spp 4
+silent err.txt
+run 0 render wine.json -o a.png --size 32x32 --spp 4 --integrator classic
+said err.txt 'all surfaces are fully transparent'
 
 refused 2 'No Such View' render scene.json -o c.png --view 'No Such View'
 refused 2 'No Such Display' render scene.json -o c.png --display 'No Such Display'
