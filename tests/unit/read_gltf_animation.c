@@ -38,6 +38,26 @@ static void translations_follow_their_interpolation(void **state) {
     assert_moved(f, 3, 6);
 }
 
+static void the_last_of_equal_keys_counts_from_then_on(void **state) {
+    static const char *const ways[] = {"LINEAR", "STEP"};
+    fixture *f = *state;
+    for (int i = 0; i < 2; ++i) {
+        build b = {.size = 0};
+        const int times = PUT_FLOATS(&b, "SCALAR", 6, 0, 1, 1, 1, 2, 2),
+                  values = PUT_FLOATS(&b, "VEC3", 6, 0, 0, 0, 2, 0, 0, 7, 0, 0, 4, 0, 0, 6, 0, 0, 8, 0, 0);
+        write_channel(f, &b, "translation", ways[i], times, values);
+        f->warnings = 0;
+        assert_moved(f, 0.5, i ? 0 : 1);
+        assert_int_equal(f->warnings, 1);
+        assert_non_null(strstr(f->warning, "samplers[0].input: a key has the time of the one before it; from "
+                                           "then on the last counts (3 such)"));
+        assert_moved(f, 1, 4);
+        assert_moved(f, 1.5, i ? 4 : 5);
+        assert_moved(f, 2, 8);
+        assert_moved(f, 9, 8);
+    }
+}
+
 /* KHR_animation_pointer: to a node's part it is as the node's own channel; other pointers are told. */
 static void pointers_to_nodes_are_followed(void **state) {
     static const char *const pointers[] = {"/nodes/0/translation", "/materials/0/alphaCutoff"};
@@ -274,7 +294,7 @@ static void wrong_animations_are_refused(void **state) {
     build good = {.size = 0};
     const int times = PUT_FLOATS(&good, "SCALAR", 2, 1, 3),
               values = PUT_FLOATS(&good, "VEC3", 2, 2, 0, 0, 6, 0, 0),
-              falling = PUT_FLOATS(&good, "SCALAR", 2, 3, 3),
+              falling = PUT_FLOATS(&good, "SCALAR", 2, 3, 1),
               zero = PUT_FLOATS(&good, "VEC4", 2, 0, 0, 0, 0, 0, 0, 0, 1);
     const struct {
         const char *path, *way;
@@ -282,7 +302,7 @@ static void wrong_animations_are_refused(void **state) {
         const char *text;
     } cases[] = {
         {"translation", "LINEAR", falling, values,
-         "samplers[0].input: has 3 s after 3 s, at key 1; expected times that rise"},
+         "samplers[0].input: has 1 s after 3 s, at key 1; expected times that rise"},
         {"translation", "CUBICSPLINE", times, values,
          "has 2 entries; expected 6 for 2 keys of a cubic spline, three for each"},
         {"translation", "BEZIER", times, values, "is \"BEZIER\"; expected LINEAR, STEP or CUBICSPLINE"},
@@ -369,6 +389,7 @@ int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
         TEST(translations_follow_their_interpolation),
+        TEST(the_last_of_equal_keys_counts_from_then_on),
         TEST(pointers_to_nodes_are_followed),
         TEST(cubic_splines_have_the_slopes_of_their_tangents),
         TEST(rotations_turn_evenly_the_shorter_way),

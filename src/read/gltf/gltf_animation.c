@@ -114,11 +114,16 @@ static void read_interpolation(gltf *g, sampler *s) {
     gltf_fail(g, &s->at, "interpolation", "is \"%.40s\"; expected LINEAR, STEP or CUBICSPLINE", name);
 }
 
+/* Exporters that round times write keys at the same time. As in other programs, the first of them ends what
+ * is before, and the last one counts from then on. */
 static void check_times(gltf *g, const sampler *s) {
     for (uint32_t k = 1; k < s->times.count; ++k) {
-        if (!(time_of(s, k) > time_of(s, k - 1)))
+        if (!(time_of(s, k) >= time_of(s, k - 1)))
             gltf_fail(g, &s->at, "input", "has %g s after %g s, at key %u; expected times that rise",
                       time_of(s, k), time_of(s, k - 1), k);
+        else if (time_of(s, k) == time_of(s, k - 1) && !g->posed)
+            gltf_note(g, &s->at, "input",
+                      "a key has the time of the one before it; from then on the last counts");
     }
 }
 
