@@ -260,6 +260,22 @@ static void an_image_alone_has_factors_of_one(void **state) {
     expect_warning(":3: an image without the name");
 }
 
+static void black_times_an_image_is_the_image(void **state) {
+    (void)state;
+    const char *bodies[] = {"Kd 0 0 0\nmap_Kd a\n", "map_Kd a\nKd 0 0 0\n"};
+    for (int i = 0; i < 2; ++i) {
+        fathom_material m = material_of(bodies[i]);
+        expect_color(bodies[i], "k_d", m.k_d, 1, 1, 1);
+        expect_warning(
+            "Kd 0 with map_Kd is read as 1, as other programs do; else the image is black (1 such)");
+    }
+    fathom_material m = material_of("Kd 0 0 0\n");
+    expect_color("Kd", "k_d", m.k_d, 0, 0, 0);
+    m = material_of("Kd 0 0 0\nmap_Kd a\nPm 0.5\n");
+    expect_color("Kd", "base colour", m.base_color, 0, 0, 0);
+    assert_string_equal(mesh_warnings, "");
+}
+
 static void pbr_keys_make_a_metallic_roughness_material(void **state) {
     (void)state;
     const char *body = "Kd 0.5 0.25 1\nPr 0.125\nPm 0.75\nPc 0.5\nPcr 0.25\nd 0.5\nNi 1.25\nKe 1 2 3\n";
@@ -290,7 +306,8 @@ static void statements_without_numbers_are_left_out(void **state) {
 static void numbers_out_of_range_become_the_nearest(void **state) {
     (void)state;
     fathom_material m = material_of("Kd -1 0.5 2\nKs 1 1 1\nNs nan\nd 1.5\nillum 11\nNi -3\n");
-    expect_color("Kd", "k_d", m.k_d, 0, 0.5, 2);
+    expect_color("Kd", "k_d", m.k_d, 0, 0.5, 1);
+    expect_warning("m.mtl:2: Kd above 1, more light than arrives, is read as 1; colours are 0 to 1 (1 such)");
     expect_color("d", "k_t", m.k_t, 0, 0, 0);
     assert_int_equal(m.specular, FATHOM_SPECULAR_NONE);
     expect_warning("m.mtl:2: Kd: expected a number in [0, 1e+09]; the nearest is taken (1 such, the first "
@@ -346,6 +363,7 @@ int main(void) {
         cmocka_unit_test(names_may_hold_blanks),
         cmocka_unit_test(images_become_maps),
         cmocka_unit_test(an_image_alone_has_factors_of_one),
+        cmocka_unit_test(black_times_an_image_is_the_image),
         cmocka_unit_test(pbr_keys_make_a_metallic_roughness_material),
         cmocka_unit_test(statements_without_numbers_are_left_out),
         cmocka_unit_test(numbers_out_of_range_become_the_nearest),

@@ -54,6 +54,21 @@ static void settle_opacity(mtl_reader *r) {
     }
 }
 
+/* Old Blender writes Kd 0 next to an image that it means as it is. Whoever wants black needs no image. */
+static void settle_color(mtl_reader *r, bool has_image) {
+    mtl_entry *m = &r->entry;
+    if (has_image && !mtl_is_metallic(m) && mtl_is_black(m->kd)) {
+        note_at(r, m->at[MTL_KD],
+                "Kd 0 with map_Kd is read as 1, as other programs do; else the image is black");
+        for (int k = 0; k < 3; ++k) m->kd[k] = 1;
+    }
+    /* That of glass is scaled by what does not pass. */
+    if (!mtl_is_glass(m) && fmax(m->kd[0], fmax(m->kd[1], m->kd[2])) > 1) {
+        note_at(r, m->at[MTL_KD], "Kd above 1, more light than arrives, is read as 1; colours are 0 to 1");
+        for (int k = 0; k < 3; ++k) m->kd[k] = fmin(m->kd[k], 1);
+    }
+}
+
 static void finish_material(mtl_reader *r) {
     if (!r->begun) return;
     mtl_material *m = &r->library->materials.items[r->current];
@@ -62,6 +77,7 @@ static void finish_material(mtl_reader *r) {
         opacity->map.channel = strcmp(opacity->file, color->file) == 0 ? 3 : 0;
     for (int k = 0; k < FATHOM_MAPS; ++k) m->images[k].map.channel %= 4;
     settle_opacity(r);
+    settle_color(r, color->file);
     note_unused(r);
     m->value = mtl_material_from(&r->entry);
     if (m->images[FATHOM_MAP_NORMAL].file) m->value.normal_scale = (float)m->images[FATHOM_MAP_NORMAL].bump;

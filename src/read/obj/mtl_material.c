@@ -1,6 +1,6 @@
 /* Converts Wavefront MTL to Fathom's materials.
  *
- *   Kd      k_d
+ *   Kd      k_d, at most 1; 0 next to map_Kd means 1
  *   Ka      k_a; if missing or white, k_d is used: exporters without an ambient colour write white, and
  *           every material would reflect the same ambient light
  *   Ks, Ns  k_s and shininess of Blinn's highlight, as the format defines it ((N·H)^Ns). Ns < 1 means no
