@@ -2,8 +2,8 @@
  *
  * In the format, the classic model has one colour for highlight and mirror, one kind of highlight (Blinn's),
  * and no light from behind. The keys of metallic-roughness materials have few layers and no thin walls; for
- * the latter the classic equivalent is written. Images have a scale and an offset, and repeat or clamp; v
- * grows upwards. */
+ * the latter the classic equivalent is written. A material that only emits is written without these keys.
+ * Images have a scale and an offset, and repeat or clamp; v grows upwards. */
 #include "read/obj/mtl.h"
 #include "write/write_obj.h"
 
@@ -69,6 +69,22 @@ static bool is_white(const float rgb[3]) { return rgb[0] == 1 && rgb[1] == 1 && 
 static bool is_sheen(const fathom_material *m) {
     const float *c = m->sheen_color;
     return c[0] == c[1] && c[0] == c[2] && m->sheen_roughness == 0.5f && c[0] > 0 && c[0] <= 1;
+}
+
+/* An unlit surface: the keys of metallic-roughness would make it shine. */
+static bool only_emits(const fathom_material *m) {
+    return m->model != FATHOM_MODEL_CLASSIC && is_black(m->base_color) && m->metallic == 0 &&
+           m->specular_factor == 0 && m->transmission == 0 && m->diffuse_transmission == 0 &&
+           m->clearcoat == 0 && is_black(m->sheen_color) && m->iridescence == 0;
+}
+
+static void put_emission(file_writer *t, const fathom_material *m, note_list *notes) {
+    const float black[3] = {0, 0, 0};
+    put_color(t, "Kd", black, 1);
+    put_color(t, "Ks", black, 1);
+    put_color(t, "Ke", m->emissive, m->emissive_strength);
+    file_writer_print(t, "d %.9g\nillum 1\n", (double)m->opacity);
+    if (m->opacity_cutoff > 0) notes_add(notes, 1, "", "a material has a cutoff that MTL has no place for");
 }
 
 static void put_metallic(file_writer *t, const fathom_material *m, note_list *notes) {
@@ -138,11 +154,21 @@ static bool is_plain(const fathom_scene *scene, const fathom_map *map, bool colo
            (!color || !map->channel);
 }
 
+/* Readers take Kd 0 with an image for 1. A factor of 0 leaves nothing of the image, which then needs no
+ * place.
+ */
+static bool shows_color(const fathom_material *m) {
+    return m->model == FATHOM_MODEL_CLASSIC ? !is_black(m->k_d) : !only_emits(m);
+}
+
 static void put_images(const write_library *l, file_writer *t, const fathom_material *m) {
     size_t left = 0;
-    for (int k = 0; k < FATHOM_MAPS; ++k) left += m->maps[k].texture != FATHOM_NONE;
+    const bool has_color = shows_color(m);
+    for (int k = 0; k < FATHOM_MAPS; ++k)
+        left += m->maps[k].texture != FATHOM_NONE && (k != FATHOM_MAP_COLOR || has_color);
     for (size_t i = 0; i < IMAGES; ++i) {
         const fathom_map *map = &m->maps[images[i].map];
+        if (images[i].map == FATHOM_MAP_COLOR && !has_color) continue;
         if (map->texture == FATHOM_NONE || !is_plain(l->scene, map, images[i].color)) continue;
         if (images[i].map == FATHOM_MAP_BUMP && mtl_says_normal(name_of(l, map))) continue;
         put_image(l, t, &images[i], m);
@@ -174,7 +200,9 @@ fathom_status write_mtl(const write_library *l, const char *path) {
     for (size_t i = 0; i < l->scene->materials.count; ++i) {
         const fathom_material *m = &l->scene->materials.items[i].value;
         file_writer_print(file, "newmtl %s\n", l->names[i]);
-        if (m->model == FATHOM_MODEL_CLASSIC || (m->transmission > 0 && !(m->thickness > 0)))
+        if (only_emits(m))
+            put_emission(file, m, l->notes);
+        else if (m->model == FATHOM_MODEL_CLASSIC || (m->transmission > 0 && !(m->thickness > 0)))
             put_classic(file, &l->scene->materials.items[i].classic);
         else
             put_metallic(file, m, l->notes);

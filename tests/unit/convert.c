@@ -276,6 +276,33 @@ static void mtl_keeps_solid_transmission_and_makes_glass_of_thin_walls(void **st
     unlink(in_folder("a.obj")), unlink(in_folder("a.mtl"));
 }
 
+/* An unlit surface has no highlight, and what has no effect is not written. */
+static void mtl_keeps_unlit_materials(void **state) {
+    (void)state;
+    const fathom_texture texture = {.size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6};
+    const float color[3] = {0.25f, 0.5f, 0.75f};
+    fathom_material m;
+    fathom_scene *back;
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.specular_factor = 0, m.emissive_strength = 4;
+    for (int c = 0; c < 3; ++c) m.base_color[c] = 0, m.emissive[c] = color[c];
+    m.maps[FATHOM_MAP_COLOR] = m.maps[FATHOM_MAP_EMISSIVE] =
+        (fathom_map){.texture = 0, .transform = {1, 0, 0, 0, 1, 0}};
+    fathom_scene *scene = wearing(&m, &texture);
+    assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
+    assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), &back));
+    const fathom_material *got = &back->materials.items[scene_find_material(back, "material_1")].value;
+    assert_int_equal(got->model, FATHOM_MODEL_CLASSIC);
+    assert_int_equal(got->specular, FATHOM_SPECULAR_NONE);
+    for (int c = 0; c < 3; ++c)
+        assert_true(got->k_d[c] == 0 && got->k_r[c] == 0 && got->k_t[c] == 0 && got->k_e[c] == 4 * color[c]);
+    assert_int_equal(got->maps[FATHOM_MAP_COLOR].texture, FATHOM_NONE);
+    assert_int_not_equal(got->maps[FATHOM_MAP_EMISSIVE].texture, FATHOM_NONE);
+    fathom_scene_destroy(back);
+    fathom_scene_destroy(scene);
+    unlink(in_folder("a.obj")), unlink(in_folder("a.mtl")), unlink(in_folder("a-0.png"));
+}
+
 /* ---- renders ---- */
 
 /* The bits of red, green and blue. */
@@ -543,6 +570,7 @@ int main(void) {
         cmocka_unit_test(every_setting_reads_back_from_json),
         cmocka_unit_test(every_image_reads_back),
         cmocka_unit_test(mtl_keeps_metal_and_its_images),
+        cmocka_unit_test(mtl_keeps_unlit_materials),
         cmocka_unit_test(mtl_keeps_solid_transmission_and_makes_glass_of_thin_walls),
         cmocka_unit_test(mesh_files_keep_vertex_colours),
         cmocka_unit_test(ply_keeps_an_image_of_all_triangles),
