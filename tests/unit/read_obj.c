@@ -412,6 +412,36 @@ static void expect_distance(const fathom_mesh *mesh, uint32_t triangles, uint32_
 
 /* A line is a rod of a thousandth of the diagonal (5), whose tips are as far from its ends as its sides from
  * the line. Coordinates up to 4 are rounded by 2^-22. */
+/* Whole faces, lines and points are left out with a vertex; the others keep their corners and do not move. */
+static void vertices_that_are_no_numbers_are_left_out(void **state) {
+    (void)state;
+    static const char *const odd[] = {"nan", "inf", "1.#QNAN", "1e39"};
+    for (int i = 0; i < 4; ++i) {
+        char text[512];
+        const uint32_t square[] = {0, 1, 2, 0, 2, 3};
+        snprintf(text, sizeof text,
+                 "f 1 5 6 2\nf 1/1 2/2 3/3 4/4\nf 5 1 2\n" SQUARE
+                 "v 0 %s 0\nv 9 9 9\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nl 1 2 5\np 5 1\n",
+                 odd[i]);
+        fathom_scene *scene = read_text(text);
+        assert_int_equal(scene->meshes.count, 3);
+        mesh_expect_indices(mesh_at(scene, 0)->indices, square, 6);
+        assert_true(mesh_at(scene, 0)->uvs[4] == 1 && mesh_at(scene, 0)->uvs[7] == 1);
+        assert_int_equal(mesh_at(scene, 1)->vertex_count, 1);
+        assert_int_equal(mesh_at(scene, 2)->triangle_count, ROD_TRIANGLES);
+        expect_warning("a.obj:8: a vertex with a NaN, an infinity or a number beyond float is left out, with "
+                       "what uses it (1 such)");
+        fathom_scene_destroy(scene);
+    }
+    fathom_scene *scene = read_text("v nan 0 0 1 0 0\nv 1e6 0 0 0 0 0\nv 1000001 0 0 0 1 0\n");
+    const fathom_mesh *cloud = mesh_at(scene, 0);
+    assert_int_equal(cloud->vertex_count, 2);
+    mesh_expect_point(cloud, 1, 1000001, 0, 0);
+    assert_true(cloud->colors[1] == 0 && cloud->colors[4] == 1);
+    expect_warning("(1 such)");
+    fathom_scene_destroy(scene);
+}
+
 static void lines_are_rods_and_points_are_spheres(void **state) {
     (void)state;
     static const vec3_f64 lines[][2] = {{{0, 0, 0}, {4, 0, 0}}, {{4, 0, 0}, {4, 3, 0}}};
@@ -566,6 +596,7 @@ int main(void) {
         cmocka_unit_test(far_meshes_keep_their_digits),
         cmocka_unit_test(omissions_are_reported),
         cmocka_unit_test(normals_that_are_no_numbers_become_zeros),
+        cmocka_unit_test(vertices_that_are_no_numbers_are_left_out),
         cmocka_unit_test(lines_are_rods_and_points_are_spheres),
         cmocka_unit_test(vertices_alone_are_a_cloud_of_points),
         cmocka_unit_test(points_keep_their_materials),

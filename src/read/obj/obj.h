@@ -93,6 +93,7 @@ enum {
     OBJ_T_SHORT,  /* l with fewer than 2 corners */
     OBJ_T_SMALL,  /* faces with fewer than 3 corners */
     OBJ_T_MIXED,  /* faces whose corners have different kinds of indices */
+    OBJ_T_LOST,   /* vertices that are no finite numbers */
     OBJ_T_ODD,    /* numbers of uvs and normals that are not finite numbers */
     OBJ_T_BEHIND, /* extra words after the numbers of a vertex */
     OBJ_T_NO_UV,  /* faces with indices of texture coordinates, in a file without them */
@@ -164,6 +165,7 @@ typedef struct obj_reader {
     float *colors;     /* linear RGB of each vertex, white if it has no colour; NULL: no vertex has one */
     fathom_id colored; /* material of elements without one, in a file with vertex colours */
     vec3_f64 origin;
+    bool cloud;  /* it has vertices alone */
     bool moving; /* second pass: vertices are stored again, relative to the origin */
 } obj_reader;
 
@@ -196,6 +198,8 @@ const char *obj_next(obj_statement statement, const char *p, const char *end);
 fathom_status obj_find_materials(obj_reader *r);
 /* Reads vertices and triangles; then triangulates polygons, which needs the vertices. */
 fathom_status obj_parse(obj_reader *r);
+/* Leaves out vertices that are no finite numbers, and what uses them. FATHOM_BAD_INPUT when none is left. */
+fathom_status obj_drop_lost(obj_reader *r);
 /* Extends the piece's indices of this kind to the number of its positions' indices, by copies of the latter.
  * False: out of memory. */
 bool obj_keep_indices(obj_piece *piece, int kind);

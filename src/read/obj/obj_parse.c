@@ -38,28 +38,26 @@ static bool is_odd(const char *p) {
     return strncasecmp(p, "nan", 3) == 0 || strncasecmp(p, "inf", 3) == 0 || strncmp(p, "1.#", 3) == 0;
 }
 
-/* Reads `count` numbers of a vertex; those after `required` may be missing and are then 0. NULL after a
- * fault. */
+/* Reads `count` numbers of a vertex; those after `required` may be missing and are then 0. What is no number
+ * is 0, but in a position NaN. NULL after a fault. */
 static const char *read_values(obj_parser *s, const char *what, const char *p, int required, int count,
                                double *out) {
+    const bool position = what == kinds[OBJ_POSITION];
     for (int i = 0; i < count; ++i) {
-        const char *at = text_skip(p), *expected = NULL;
+        const char *at = text_skip(p);
         p = at;
         out[i] = 0;
         if (i >= required && (text_is_end(*at) || *at == '#')) continue;
-        if (!number_read(&p, &out[i]) || !text_is_break(*p))
-            expected = "a number";
-        else if (!(fabs(out[i]) <= (double)FLT_MAX))
-            expected = "a finite number that fits a float";
-        if (!expected) continue;
-        if (what != kinds[OBJ_POSITION] && is_odd(at)) {
-            tally(s, OBJ_T_ODD, 1, at);
-            out[i] = 0;
-            for (p = at; !text_is_break(*p);) ++p;
-            continue;
+        const bool read = number_read(&p, &out[i]) && text_is_break(*p);
+        if (read && fabs(out[i]) <= (double)FLT_MAX) continue;
+        if (!is_odd(at) && !(read && position)) {
+            text_found(&s->r->fault, at, what, "number %d of %d: expected %s", i + 1, count,
+                       read ? "a finite number that fits a float" : "a number");
+            return NULL;
         }
-        text_found(&s->r->fault, at, what, "number %d of %d: expected %s", i + 1, count, expected);
-        return NULL;
+        if (!position) tally(s, OBJ_T_ODD, 1, at);
+        out[i] = position ? (double)NAN : 0;
+        for (p = at; !text_is_break(*p);) ++p;
     }
     return p;
 }
@@ -70,6 +68,13 @@ static bool has_room(obj_parser *s, int kind, const char *at) {
            text_wrong(&s->r->fault, at, NULL, "the file has changed since it was counted through");
 }
 
+/* Such a vertex is left out later. Vertices may be read again. */
+static void lose_odd(obj_parser *s, double v[3], const char *at) {
+    if (!isnan(v[0]) && !isnan(v[1]) && !isnan(v[2])) return;
+    v[0] = v[1] = v[2] = (double)NAN;
+    if (!s->r->moving && !s->r->colors) tally(s, OBJ_T_LOST, 1, at);
+}
+
 static const int components[OBJ_KINDS] = {3, 2, 3};
 
 /* A position, uv or normal; the v of a uv may be missing. */
@@ -78,6 +83,7 @@ static const char *read_vector(obj_parser *s, int kind, const char *p) {
     const char *at = p;
     p = read_values(s, kinds[kind], p, kind == OBJ_UV ? 1 : 3, components[kind], v);
     if (!p || !has_room(s, kind, at)) return NULL;
+    if (kind == OBJ_POSITION) lose_odd(s, v, at);
     float *out = s->r->values[kind] + (uint64_t)components[kind] * s->seen[kind]++;
     const double origin[3] = {s->r->origin.x, s->r->origin.y, s->r->origin.z};
     for (int k = 0; k < components[kind]; ++k) {
@@ -412,6 +418,16 @@ static fathom_status parse_colors(obj_reader *r) {
     return text_status(&r->file, &r->fault);
 }
 
+static bool is_cloud(const obj_reader *r) {
+    for (size_t i = 0; i < r->piece_count; ++i) {
+        const obj_piece *piece = &r->pieces[i];
+        if (piece->runs.count || piece->tallies[OBJ_T_SMALL].count || piece->tallies[OBJ_T_SHORT].count ||
+            piece->strokes[OBJ_POINTS].runs.count || piece->strokes[OBJ_LINES].runs.count)
+            return false;
+    }
+    return r->total[OBJ_POSITION] > 0;
+}
+
 static vec3_f64 choose_origin(const obj_reader *r) {
     scene_bounds bounds = bounds_empty();
     for (size_t i = 0; i < r->piece_count; ++i) {
@@ -431,6 +447,9 @@ fathom_status obj_parse(obj_reader *r) {
     r->origin = choose_origin(r);
     r->moving = length_f64(r->origin) > 0;
     if (r->moving) loop_parallel(r->threads, r->piece_count, 1, parse_pieces, r);
+    r->cloud = is_cloud(r);
+    status = obj_drop_lost(r);
+    if (status != FATHOM_OK) return status;
     loop_parallel(r->threads, r->piece_count, 1, split_polygons, r);
     return text_status(&r->file, &r->fault);
 }

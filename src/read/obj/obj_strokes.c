@@ -94,20 +94,11 @@ static fathom_status add_cloud(obj_reader *r) {
     return status != FATHOM_OK ? status : add_slot(&s, 0, NULL, (size_t)r->total[OBJ_POSITION]);
 }
 
-static bool is_cloud(const obj_reader *r) {
-    for (size_t i = 0; i < r->piece_count; ++i) {
-        const obj_piece *piece = &r->pieces[i];
-        if (piece->runs.count || piece->tallies[OBJ_T_SMALL].count || piece->tallies[OBJ_T_SHORT].count)
-            return false;
-    }
-    return r->total[OBJ_POSITION] > 0;
-}
-
 fathom_status obj_add_strokes(obj_reader *r, bool *added) {
     *added = false;
     fathom_status status = add_kind(r, OBJ_POINTS, added);
     if (status == FATHOM_OK) status = add_kind(r, OBJ_LINES, added);
-    if (status != FATHOM_OK || *added || !is_cloud(r)) return status;
+    if (status != FATHOM_OK || *added || !r->cloud) return status;
     *added = true;
     return add_cloud(r);
 }
