@@ -27,8 +27,8 @@ static fathom_status set_lens(const object_reader *r, const where *at, json_t *v
     return FATHOM_OK;
 }
 
-/* Positions the camera, or one of its keys, by eye and target or by a frame. A camera with keys is positioned by
- * these later. */
+/* Positions the camera, or one of its keys, by eye and target or by a frame. A camera with keys is positioned
+ * by these later. */
 static fathom_status place_camera(const object_reader *r, const where *at, json_t *value,
                                   const form_camera_values *c, double fovy, fathom_camera *camera) {
     const where target = {at, "target", 0}, framed = {at, "frame", 0};

@@ -87,8 +87,7 @@ static bool mend(obj_reader *r) {
     while (good < r->total[OBJ_POSITION] && is_lost(r, good)) ++good;
     if (good == r->total[OBJ_POSITION]) return false;
     for (uint64_t i = 0; i < r->total[OBJ_POSITION]; ++i) {
-        if (is_lost(r, i))
-            memcpy(r->values[OBJ_POSITION] + 3 * i, position_of(r, good), 3 * sizeof(float));
+        if (is_lost(r, i)) memcpy(r->values[OBJ_POSITION] + 3 * i, position_of(r, good), 3 * sizeof(float));
     }
     return true;
 }
