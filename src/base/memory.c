@@ -28,9 +28,19 @@ size_t memory_resident(void) { return own_number("VmRSS:"); }
 
 size_t memory_private(void) { return own_number("RssAnon:"); }
 
+/* What a container may still take: cached files make room. */
+static size_t container_free(void) {
+    const size_t most = system_number("/sys/fs/cgroup/memory.max", "", 1),
+                 used = system_number("/sys/fs/cgroup/memory.current", "", 1),
+                 old = system_number("/sys/fs/cgroup/memory.stat", "inactive_file", 1),
+                 recent = system_number("/sys/fs/cgroup/memory.stat", "active_file", 1);
+    if (most == SIZE_MAX || used == SIZE_MAX || old == SIZE_MAX || recent == SIZE_MAX) return most;
+    const size_t kept = used > old + recent ? used - old - recent : 0;
+    return most > kept ? most - kept : 0;
+}
+
 size_t memory_free(void) {
-    size_t machine = system_number("/proc/meminfo", "MemAvailable:", 1024);
-    size_t container = system_number("/sys/fs/cgroup/memory.max", "", 1);
+    size_t machine = system_number("/proc/meminfo", "MemAvailable:", 1024), container = container_free();
     return machine < container ? machine : container;
 }
 

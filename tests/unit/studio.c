@@ -226,6 +226,32 @@ static void a_room_is_lit_by_its_lamps_unless_they_are_dim(void **state) {
     }
 }
 
+/* A floor that only shows its colour lies under a wall: glTF's unlit material. As a lamp of the same
+ * radiance, or a brighter one, it lights the wall. */
+static bool floor_leaves_studio(float specular, float radiance) {
+    fathom_scene *scene;
+    fathom_material m;
+    fathom_id id;
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.specular_factor = specular;
+    for (int c = 0; c < 3; ++c) m.base_color[c] = 0, m.emissive[c] = radiance;
+    assert_ok(context, fathom_scene_create(context, &scene));
+    assert_ok(context, fathom_scene_add_material(scene, "m", &m, &id));
+    add_wall(scene, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 0, 1), id);
+    add_wall(scene, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 1, 0), 0);
+    assert_ok(context, fathom_scene_complete(scene));
+    const bool out = scene->in_studio;
+    fathom_scene_destroy(scene);
+    return out;
+}
+
+static void what_only_shows_its_colour_is_no_lamp(void **state) {
+    (void)state;
+    assert_true(floor_leaves_studio(0, 1));
+    assert_false(floor_leaves_studio(1, 1));
+    assert_false(floor_leaves_studio(0, 1.5f));
+}
+
 /* The faces of a slab, which look outwards. */
 static const uint32_t slab[36] = {0, 2, 1, 1, 2, 3, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5,
                                   0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 4, 5, 6, 5, 7, 6};
@@ -361,6 +387,7 @@ int main(void) {
         cmocka_unit_test(its_luminance_is_what_lamps_are_held_against),
         cmocka_unit_test(a_room_is_lit_by_its_lamps_unless_they_are_dim),
         cmocka_unit_test(a_room_is_lit_for_whoever_stands_in_it),
+        cmocka_unit_test(what_only_shows_its_colour_is_no_lamp),
         cmocka_unit_test(a_display_lights_what_it_faces_alone),
         cmocka_unit_test(a_lamp_over_a_plane_lights_it),
         cmocka_unit_test(irradiance_of_small_squares_has_a_closed_form),

@@ -49,10 +49,19 @@ typedef struct lamp_walk {
     bool inside; /* the camera is within the bounds of the points of `others` */
 } lamp_walk;
 
+/* A surface that shows a colour whatever the light, as glTF's unlit materials do: it reflects nothing, and
+ * emits no more than a white surface would reflect. */
+static bool is_unlit(const fathom_material *m) {
+    bool dim = m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && !(m->specular_factor > 0);
+    for (int c = 0; c < 3; ++c)
+        dim &= !(m->base_color[c] > 0) && m->emissive_strength * m->emissive[c] <= 1;
+    return dim;
+}
+
 /* The emitted radiance as luminance. A texture of emission is a display or a signal on most models: it does
  * not count. */
 static double radiance_of(const fathom_material *m) {
-    if (m->maps[FATHOM_MAP_EMISSIVE].texture != FATHOM_NONE) return 0;
+    if (m->maps[FATHOM_MAP_EMISSIVE].texture != FATHOM_NONE || is_unlit(m)) return 0;
     const bool classic = m->model == FATHOM_MODEL_CLASSIC;
     const float *rgb = classic ? m->k_e : m->emissive;
     const double luminance = 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
