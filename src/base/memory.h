@@ -5,8 +5,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The memory, in bytes, that is available on the machine without swapping, or what the container's limit leaves if
- * that is less; SIZE_MAX if unknown. malloc() does not tell: Linux grants more memory than exists. */
+/* The memory, in bytes, that is available on the machine without swapping, or what the container's limit
+ * leaves if that is less; SIZE_MAX if unknown. malloc() does not tell: Linux grants more memory than exists.
+ */
 size_t memory_free(void);
 /* True if this many bytes are free. Amounts of up to 256 MiB are not checked. */
 bool memory_has(size_t bytes);

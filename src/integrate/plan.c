@@ -69,9 +69,10 @@ static fathom_status plan_surroundings(fathom_context *context, render_plan *pla
 
 /* ---- the path integrator ---- */
 
-/* Images of its roughness may make it clear in some places. */
+/* Images may make it clear in some places. */
 static bool is_pane(const fathom_material *m) {
-    return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->transmission > 0 && !(m->thickness > 0);
+    if (m->model == FATHOM_MODEL_CLASSIC) return m->ior == 1;
+    return m->transmission > 0 && !(m->thickness > 0);
 }
 
 static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {

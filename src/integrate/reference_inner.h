@@ -150,7 +150,8 @@ typedef struct reference_scatter {
     double front, back, facets, through, coat;
 } reference_scatter;
 
-/* True for a clear thin wall: its last beam goes straight through. */
+/* True for a clear thin wall, and for classic glass of index 1: its last beam, if it transmits light, goes
+ * straight through. */
 bool reference_is_pane(const fathom_material *m);
 
 /* The first parameter of the material that the reference does not support; NULL: none. */

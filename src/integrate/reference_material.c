@@ -203,8 +203,8 @@ static vec3_f64 layers_reflect(const reference_surface *s, vec3_f64 l, vec3_f64 
 /* ---- all of it ---- */
 
 bool reference_is_pane(const fathom_material *m) {
-    return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->transmission > 0 && !(m->thickness > 0) &&
-           reference_alpha(m) == 0;
+    if (m->model == FATHOM_MODEL_CLASSIC) return m->ior == 1;
+    return m->transmission > 0 && !(m->thickness > 0) && reference_alpha(m) == 0;
 }
 
 static reference_scatter metallic_scatter(const reference_surface *s) {

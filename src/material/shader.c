@@ -33,6 +33,7 @@ static void prepare_classic(const fathom_material *m, shader *out) {
     out->fresnel = m->fresnel ? ~0u : 0;
     out->from_behind = m->lit_from_behind ? ~0u : 0;
     out->encloses = any(m->k_t);
+    out->clear = any(m->k_t) && m->ior == 1;
     out->transmits = m->lit_from_behind || out->encloses;
     out->lobes = (any(m->k_d) ? SHADER_DIFFUSE : 0u) | (shiny ? SHADER_HIGHLIGHT : 0u) |
                  (any(m->k_r) || any(m->k_t) ? SHADER_CLASSIC : 0u) |

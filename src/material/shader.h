@@ -89,7 +89,8 @@ typedef struct shader {
     float absorption[3]; /* per unit of length, of the enclosed volume: -ln(colour) / distance; else 0 */
     bool transmits;      /* some lobe transmits light to the other side */
     bool encloses;       /* transmitted light enters or leaves a volume; false for a thin wall */
-    bool clear;          /* a thin wall whose transmitted light goes straight through */
+    bool clear;          /* light that it transmits goes straight through: a smooth thin wall, or classic
+                            glass of index 1 */
     /* Only kernels use the members below. */
     uint32_t lobes;                /* SHADER_ bits */
     float diffuse[3];              /* Lambert's reflectance; with SHADER_EVEN divided by mean_under */

@@ -106,6 +106,10 @@ static void clear_thin_walls_pass_light_straight(void **state) {
         pane.opacity = 0.7f;
         stage_quad(&s, (double[3]){0, 2, 0}, (double[3]){1.5, 0, 0}, (double[3]){0, 0, 1.5},
                    stage_material(&s, &pane));
+        fathom_material old = classic_glass();
+        old.ior = 1, old.k_t[0] = 0.5f, old.k_d[1] = 0.3f;
+        stage_quad(&s, (double[3]){-1, 1.5, 0}, (double[3]){0.5, 0, 0}, (double[3]){0, 0.3, 1},
+                   stage_material(&s, &old));
         stage_point_light(&s, 1, 3, 1, 2);
         sun.type = FATHOM_LIGHT_DIRECTIONAL, sun.angular_radius = 0.2f, sun.direction[1] = -1;
         assert_ok(s.context, fathom_scene_add_light(s.scene, &sun, NULL));

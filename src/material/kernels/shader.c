@@ -203,7 +203,8 @@ static void take_smooth(const surface_block *s, const shader_block *b, const uin
         const float chance = b->take[lobe[i]][i];
         for (int c = 0; c < 3; ++c) {
             const float share = past ? b->at[i]->hole : cross ? b->pass_share[c][i] : b->mirror_share[c][i];
-            out->direction[c][i] = past ? -s->v[c][i] : cross ? b->pass[c][i] : b->mirror[c][i];
+            const bool straight = past || (cross && b->at[i]->clear);
+            out->direction[c][i] = straight ? -s->v[c][i] : cross ? b->pass[c][i] : b->mirror[c][i];
             out->weight[c][i] = limited(share / chance);
         }
         out->density[i] = INFINITY;

@@ -53,8 +53,7 @@ typedef struct lamp_walk {
  * emits no more than a white surface would reflect. */
 static bool is_unlit(const fathom_material *m) {
     bool dim = m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && !(m->specular_factor > 0);
-    for (int c = 0; c < 3; ++c)
-        dim &= !(m->base_color[c] > 0) && m->emissive_strength * m->emissive[c] <= 1;
+    for (int c = 0; c < 3; ++c) dim &= !(m->base_color[c] > 0) && m->emissive_strength * m->emissive[c] <= 1;
     return dim;
 }
 
