@@ -130,6 +130,17 @@ static void sun_over_floor(law_room *room, double radius) {
 static void sun(law_room *room) { sun_over_floor(room, 0); }
 static void wide_sun(law_room *room) { sun_over_floor(room, 0.3); }
 
+/* A disc of half the angle a has the irradiance pi L sin² a = pi k_l. */
+static void sun_in_mirror(law_room *room) {
+    const double radius = 0.3, sine = sin((double)(float)radius);
+    fathom_material mirror = build_black();
+    build_rgb(mirror.k_r, albedo);
+    sun_over_floor(room, radius);
+    paint_plane(&room->b, vec_f64(0, 0, 0.25), up, mirror);
+    law_look(room, vec_f64(-1, -2, 2.25), vec_f64(0, 0, 0.25));
+    law_value(room, scale_f64(1.5 / (sine * sine), albedo));
+}
+
 static void many_points(law_room *room) {
     double sum = 0;
     for (int i = 0; i < 40; ++i) {
@@ -164,6 +175,7 @@ const law laws_of_lights[] = {{"rectangle over a floor", "configuration factor",
                               {"point light with a radius", "k_l cos θ/d²", ball},
                               {"directional light", "k_l cos θ", sun},
                               {"directional light with a radius", "k_l cos θ", wide_sun},
+                              {"sun in a mirror", "k_l/sin²a", sun_in_mirror},
                               {"forty point lights", "Σ k_l cos θ/d²", many_points},
                               {"lights of four kinds", "sum", several},
                               {NULL, NULL, NULL}};

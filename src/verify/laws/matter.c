@@ -215,6 +215,25 @@ static void lamp_behind_sheets(law_room *room) {
     law_value(room, scale_f64(0.75 * 0.75 * R / d * (R / d) * cos(angle), albedo));
 }
 
+/* Clear thin walls tint light that passes them straight, from light samples and from BSDF samples. They are
+ * no bounces either. */
+static void lamp_behind_panes(law_room *room) {
+    const double R = 0.5, d = 2, angle = 0.6;
+    const vec3_f64 tint = {0.75, 0.5, 0.25};
+    fathom_material m = law_clear(0);
+    m.specular_factor = 0;
+    build_rgb(m.base_color, tint);
+    paint_plane(&room->b, origin, up, build_lambert(albedo));
+    paint_plane(&room->b, vec_f64(0, 0, 0.5), up, m);
+    paint_plane(&room->b, vec_f64(0, 0, 0.75), up, m);
+    paint_sphere(&room->b, vec_f64(d * sin(angle), 0, d * cos(angle)), R, build_emitter(white));
+    law_look(room, vec_f64(-0.5, -0.4, 0.4), origin);
+    const vec3_f64 left = {tint.x * tint.x * albedo.x, tint.y * tint.y * albedo.y,
+                           tint.z * tint.z * albedo.z};
+    law_value(room, scale_f64(R / d * (R / d) * cos(angle), left));
+    room->depth = 1;
+}
+
 /* ---- shapes that cast no shadow still hide the sky ---- */
 
 static void no_shadow(law_room *room) {
@@ -265,6 +284,7 @@ const law laws_of_matter[] = {{"floor under an even sky", "ρ L", even_sky},
                               {"coverage", "k_l (1-c)²", coverage},
                               {"sky through sheets", "ρ L (1-c)⁴", sky_through_sheets},
                               {"lamp behind sheets", "ρ (1-c)² (R/d)² cos θ", lamp_behind_sheets},
+                              {"lamp behind panes", "ρ t² (R/d)² cos θ", lamp_behind_panes},
                               {"shape that casts no shadow", "k_l cos θ/d²", no_shadow},
                               {"edge out of focus", "(acos x - x √(1-x²))/π", lens},
                               {NULL, NULL, NULL}};
