@@ -1,5 +1,6 @@
 #include "scene/scene.h"
 
+#include "base/file_faces.h"
 #include "base/hash.h"
 #include "base/threads.h"
 #include "scene/mesh/mesh_array.h"
@@ -229,10 +230,19 @@ static fathom_status hash_file(const fathom_scene *scene, const char *path, hash
     return file_finish(scene->context, &map, FATHOM_OK);
 }
 
+static fathom_status hash_sky_files(const fathom_scene *scene, const char *path, hash *h) {
+    file_faces files;
+    fathom_status status = file_faces_open(scene->context, path, &files);
+    for (unsigned i = 0; status == FATHOM_OK && i < files.count; ++i)
+        status = hash_file(scene, files.paths[i], h);
+    file_faces_close(&files);
+    return status;
+}
+
 static fathom_status hash_images(const fathom_scene *scene, hash *h) {
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; status == FATHOM_OK && i < scene->environments.count; ++i)
-        status = hash_file(scene, scene->environments.items[i].file, h);
+        status = hash_sky_files(scene, scene->environments.items[i].file, h);
     for (size_t i = 0; status == FATHOM_OK && i < scene->textures.count; ++i) {
         const char *path = scene->textures.items[i].file;
         if (path) status = hash_file(scene, path, h);

@@ -1,5 +1,7 @@
 #include "write/image.h"
 
+#include "base/file_faces.h"
+
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,12 +43,15 @@ fathom_status write_images_open(const fathom_scene *scene, bool skies, write_ima
     out->items = calloc(textures + more + 1, sizeof *out->items);
     out->of_texture = calloc(textures + more + 1, sizeof *out->of_texture);
     out->skies = calloc(more + 1, sizeof *out->skies);
-    if (!out->items || !out->of_texture || !out->skies)
+    out->sky_count = more;
+    out->faces = calloc(more + 1, sizeof *out->faces);
+    if (!out->items || !out->of_texture || !out->skies || !out->faces)
         return fail_memory(scene->context, (textures + more) * sizeof *out->items);
     for (size_t i = 0; i < textures && status == FATHOM_OK; ++i)
         status = add_image(scene->context, &scene->textures.items[i], out, &out->of_texture[i]);
     for (size_t i = 0; i < more && status == FATHOM_OK; ++i) {
         out->skies[i].file = scene->environments.items[i].file;
+        if (strstr(out->skies[i].file, FILE_FACE)) continue;
         status = add_image(scene->context, &out->skies[i], out, &out->of_texture[textures + i]);
     }
     return status;
@@ -66,6 +71,8 @@ void write_images_close(write_images *images) {
     }
     free(images->items);
     free(images->of_texture);
+    for (size_t i = 0; images->faces && i < images->sky_count; ++i) free(images->faces[i]);
+    free(images->faces);
     free(images->skies);
 }
 
@@ -93,6 +100,24 @@ static char *name_within(const char *path, const char *file) {
         name = strdup(to + length + (length > 1));
     free(folder), free(from), free(to);
     return name;
+}
+
+static fathom_status find_faces_name(fathom_context *context, const char *path, const char *pattern,
+                                     char **out) {
+    file_faces files;
+    fathom_status status = file_faces_open(context, pattern, &files);
+    char *first = status == FATHOM_OK ? name_within(path, files.paths[0]) : NULL;
+    file_faces_close(&files);
+    *out = NULL;
+    if (status != FATHOM_OK) return status;
+    if (!first)
+        return fail_file(
+            context, FATHOM_BAD_INPUT, pattern,
+            "the six files of an environment are not copied; convert to a file in or above their "
+            "folder");
+    *out = file_beside(first, file_name(pattern));
+    free(first);
+    return *out ? FATHOM_OK : fail_memory(context, strlen(pattern));
 }
 
 /* "out/scene.json" gets "scene-3.png". */
@@ -128,6 +153,10 @@ fathom_status write_images_beside(const fathom_scene *scene, const char *path, w
         image->name = copied_name(path, image, i);
         status =
             image->name ? copy_image(scene->context, path, image) : fail_memory(scene->context, strlen(path));
+    }
+    for (size_t i = 0; i < images->sky_count && status == FATHOM_OK; ++i) {
+        const char *file = images->skies[i].file;
+        if (strstr(file, FILE_FACE)) status = find_faces_name(scene->context, path, file, &images->faces[i]);
     }
     return status;
 }

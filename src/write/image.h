@@ -20,6 +20,8 @@ typedef struct write_images {
     uint32_t count;
     uint32_t *of_texture; /* image of each texture of the scene, then of each environment with `skies` */
     fathom_texture *skies;
+    size_t sky_count; /* environments */
+    char **faces;     /* of each: the name with "<FACE>" of its six files, or NULL: it has one image */
 } write_images;
 
 /* Release with write_images_close() even after a failure. */

@@ -179,7 +179,8 @@ static void put_lights(const json_out *o) {
             continue;
         }
         const uint32_t sky = i - (uint32_t)lights, image = o->images.of_texture[scene->textures.count + sky];
-        put_light(o, &scene->environments.items[sky], sky, o->images.items[image].name);
+        const char *faces = o->images.faces[sky];
+        put_light(o, &scene->environments.items[sky], sky, faces ? faces : o->images.items[image].name);
     }
     file_writer_print(o->stream.file, "]");
 }

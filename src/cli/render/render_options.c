@@ -145,9 +145,9 @@ static const args_option own_options[] = {
     {"background", 0, "R,G,B", take_rgb, FIELD(background), 0, 1e9,
      "linear Rec.709 colour of rays that hit nothing (the scene's)"},
     {"environment", 0, "FILE", take_text, FIELD(environment), 0, 0,
-     "light from all around by an equirectangular image, such as .hdr or .exr, in place of the "
-     "background and the environments of SCENE and of the built-in studio; its top points to where --up "
-     "says (path tracing)"},
+     "light from all directions, from an image such as .hdr or .exr: equirectangular, a cross or strip of a "
+     "cube's faces, or six files, sky_<FACE>.hdr. It replaces the background and the environments of SCENE "
+     "and of the built-in studio; its top points to where --up says (path tracing)"},
     {"environment-rotation", 0, "DEGREES", take_f64, FIELD(environment_rotation), -1e6, 1e6,
      "turn it about the axis that is up, counter-clockwise from above (0)"},
     {"no-floor", 0, NULL, take_true, FIELD(no_floor), 0, 0,

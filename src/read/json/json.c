@@ -1,5 +1,6 @@
 /* Scene JSON. The format itself is in json_form.c. */
 #include "base/file.h"
+#include "base/file_faces.h"
 #include "read/json/json_scene.h"
 #include "read/mesh/text.h"
 #include "read/read.h"
@@ -197,6 +198,17 @@ static void set_light(json_t *value, const form_light_values *v, fathom_light *l
     memcpy(light->up, v->up, sizeof light->up);
 }
 
+/* Six files may be links that lead out of the folder. */
+static fathom_status confine_faces(const object_reader *r, const char *path, const char *name) {
+    file_faces files;
+    if (!strstr(path, FILE_FACE)) return FATHOM_OK;
+    fathom_status status = file_faces_open(r->scene->context, path, &files);
+    for (unsigned i = 0; status == FATHOM_OK && r->scene->top && i < files.count; ++i)
+        status = file_confine(r->scene->context, r->scene->top, files.paths[i], name);
+    file_faces_close(&files);
+    return status;
+}
+
 /* The image's path is relative to the scene file. */
 static fathom_status add_environment(const object_reader *r, const where *at, const char *name,
                                      fathom_light *light) {
@@ -205,6 +217,11 @@ static fathom_status add_environment(const object_reader *r, const where *at, co
     if (!*name) return doc_fail(r->doc, &file, "expected the name of a file, found \"\"");
     fathom_status status = read_beside(r->scene, r->doc->path, name, &path);
     if (status != FATHOM_OK) return doc_within(r->doc, &file, status);
+    status = confine_faces(r, path, name);
+    if (status != FATHOM_OK) {
+        free(path);
+        return doc_within(r->doc, &file, status);
+    }
     light->file = path;
     status = fathom_scene_add_light(r->scene, light, NULL);
     free(path);
