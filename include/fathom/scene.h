@@ -163,9 +163,10 @@ typedef struct fathom_light {
                              [0, pi/2); default 0 */
     /* Environment: an equirectangular image in any format that OpenImageIO reads, its radiance times
      * `intensity`; or the faces of a cube: a cross (4:3 or 3:4), a strip (6:1 or 1:6), or six files, named by
-     * "<FACE>" in `file` for px nx py ny pz nz, posx negx … or right left top bottom front back. Its centre lies towards -z, the up axis is y. `rotation` turns it about y, radians,
-     * counter-clockwise from above; default 0. Then the shortest turn takes its top from y to `up`, which
-     * need not be unit; default (0,1,0). The text is copied. */
+     * "<FACE>" in `file` for px nx py ny pz nz, posx negx … or right left top bottom front back. Its centre
+     * lies towards -z, the up axis is y. `rotation` turns it about y, radians, counter-clockwise from above;
+     * default 0. Then the shortest turn takes its top from y to `up`, which need not be unit; default
+     * (0,1,0). The text is copied. */
     const char *file;
     double rotation;
     double up[3];
