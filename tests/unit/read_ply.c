@@ -351,6 +351,54 @@ static void clouds_of_points_are_spheres(void **state) {
     }
 }
 
+/* Vertices without a place: the second row of each file. `far` moves all others, as scans of the ground are.
+ */
+static void points_without_a_place_are_left_out(void **state) {
+    (void)state;
+    for (int k = 0; k < 2 * FLAVOURS; ++k) {
+        const double far = k < FLAVOURS ? 0 : 1e6;
+        ply_maker m;
+        ply_header(&m, (ply_flavour)(k % FLAVOURS),
+                   XYZ "property float red\nproperty float green\nproperty float blue\n", 0);
+        ROW(&m, "ffffff", far, 0, 0, 0, 0, 1);
+        ROW(&m, "ffffff", (double)NAN, 0, (double)INFINITY, 0.25, 0, 1);
+        ROW(&m, "ffffff", far + 4, 3, 0, 0.5, 0, (double)NAN);
+        ROW(&m, "ffffff", far, 3, 0, 0.75, 0, 1);
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        assert_int_equal(mesh->vertex_count, 3);
+        assert_true(mesh->point_radius == 0.025f);
+        for (uint32_t i = 0; i < 3; ++i)
+            assert_true(mesh_row(mesh->colors, mesh->color_stride, i)[0] ==
+                        (i ? 0.25f + 0.25f * (float)i : 0));
+        assert_true(mesh_row(mesh->colors, mesh->color_stride, 1)[2] == 0);
+        expect_warning("a vertex with a NaN, an infinity or a number beyond float is left out, with what "
+                       "uses it (1 such)");
+        expect_warning("a NaN or an infinity of a vertex, not in x, y or z, is taken as 0 (1 such)");
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* A polygon goes with any of its corners; the bounds, and so the camera, do not know the lost vertex. */
+static void faces_of_lost_vertices_are_left_out(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour,
+                   "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n" FACES(3), 0);
+        ROW(&m, "fff fff fff fff fff", 0, 0, 0, 1, 0, 0, 1, 1, 0, (double)NAN, 9, 9, 0, 1, 0);
+        ROW(&m, "biii biiii biii", 3, 0, 1, 2, 4, 0, 1, 2, 3, 3, 0, 2, 4);
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        scene_bounds bounds;
+        assert_int_equal(mesh->triangle_count, 2);
+        for (uint32_t i = 0; i < 6; ++i) assert_true(mesh->indices[i] != 3);
+        assert_ok(context, scene_world_bounds(scene, &bounds));
+        assert_true(bounds.upper.x == 1 && bounds.upper.y == 1 && bounds.lower.x == 0);
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* With faces or without: a rod of a thousandth of the diagonal, 5, in its ends' colours. */
 static void edges_are_rods(void **state) {
     (void)state;
@@ -550,6 +598,8 @@ int main(void) {
         cmocka_unit_test(blanks_in_text_change_nothing),
         cmocka_unit_test(byte_order_mark_and_line_ends_change_nothing),
         cmocka_unit_test(clouds_of_points_are_spheres),
+        cmocka_unit_test(points_without_a_place_are_left_out),
+        cmocka_unit_test(faces_of_lost_vertices_are_left_out),
         cmocka_unit_test(edges_are_rods),
         cmocka_unit_test(unused_properties_are_reported),
         cmocka_unit_test(vertex_colours_are_read),

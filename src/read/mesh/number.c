@@ -3,6 +3,7 @@
 #include <locale.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <strings.h>
 
 unsigned number_significant(const char *text, const char *end) {
@@ -29,6 +30,12 @@ bool number_read_special(const char **cursor, double *out) {
     *out = negative ? -value : value;
     *cursor = p;
     return true;
+}
+
+bool number_is_odd(const char *text) {
+    if (*text == '-' || *text == '+') ++text;
+    return strncasecmp(text, "nan", 3) == 0 || strncasecmp(text, "inf", 3) == 0 ||
+           strncmp(text, "1.#", 3) == 0;
 }
 
 static double by_library(const char *text) {

@@ -12,6 +12,8 @@ double number_rounded(uint64_t digits, unsigned significant, int64_t exponent, c
 
 /* Reads "nan", "inf" or "infinity" in upper or lower case; false if the text is none of them. */
 bool number_read_special(const char **cursor, double *out);
+/* True where a word is what programs print for no number: "nan", "-nan(ind)", "1.#QNAN", "inf". */
+bool number_is_odd(const char *text);
 
 static inline unsigned number_digit(char c) { return (unsigned)(unsigned char)c - '0'; }
 

@@ -6,7 +6,6 @@
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 typedef struct obj_corner {
     uint32_t index[OBJ_KINDS];
@@ -32,12 +31,6 @@ static void tally(obj_parser *s, int kind, size_t times, const char *at) {
     t->count += times;
 }
 
-/* True if the text is a printed NaN or infinity: "nan", "-nan(ind)", "1.#QNAN", "inf". */
-static bool is_odd(const char *p) {
-    if (*p == '-' || *p == '+') ++p;
-    return strncasecmp(p, "nan", 3) == 0 || strncasecmp(p, "inf", 3) == 0 || strncmp(p, "1.#", 3) == 0;
-}
-
 /* Reads `count` numbers of a vertex; those after `required` may be missing and are then 0. What is no number
  * is 0, but in a position NaN. NULL after a fault. */
 static const char *read_values(obj_parser *s, const char *what, const char *p, int required, int count,
@@ -50,7 +43,7 @@ static const char *read_values(obj_parser *s, const char *what, const char *p, i
         if (i >= required && (text_is_end(*at) || *at == '#')) continue;
         const bool read = number_read(&p, &out[i]) && text_is_break(*p);
         if (read && fabs(out[i]) <= (double)FLT_MAX) continue;
-        if (!is_odd(at) && !(read && position)) {
+        if (!number_is_odd(at) && !(read && position)) {
             text_found(&s->r->fault, at, what, "number %d of %d: expected %s", i + 1, count,
                        read ? "a finite number that fits a float" : "a number");
             return NULL;

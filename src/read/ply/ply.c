@@ -34,34 +34,67 @@ static void put_color(const ply_reader *r, uint32_t i, const double values[PLY_R
     put_array(&r->arrays[PLY_COLORS], i, linear);
 }
 
-bool ply_put_vertex(ply_reader *r, uint32_t i, const double values[PLY_ROLES], const void *at,
-                    scene_bounds *bounds) {
-    static const char *const names[PLY_ROLES] = {"x", "y",  "z",  "nx",  "ny",    "nz",   "u",
-                                                 "v", "u1", "v1", "red", "green", "blue", "alpha"};
-    if (r->moving) {
-        const double moved[PLY_ROLES] = {values[PLY_X] - r->origin.x, values[PLY_Y] - r->origin.y,
-                                         values[PLY_Z] - r->origin.z};
-        put_array(&r->arrays[PLY_POSITIONS], i, moved);
-        return true;
+static bool is_finite(double value) { return fabs(value) <= (double)FLT_MAX; }
+
+/* True if the position is finite. */
+static bool has_place(const double values[PLY_ROLES]) {
+    return is_finite(values[PLY_X]) && is_finite(values[PLY_Y]) && is_finite(values[PLY_Z]);
+}
+
+/* Files of scanners and simulations hold such numbers. A lost vertex, which nothing uses then, lies where it
+ * does not change the bounds. */
+static void mend_vertex(ply_reader *r, uint32_t i, double values[PLY_ROLES]) {
+    if (!has_place(values)) {
+        r->lost[i] = 1;
+        values[PLY_X] = r->bounds.lower.x, values[PLY_Y] = r->bounds.lower.y;
+        values[PLY_Z] = r->bounds.lower.z;
     }
+    for (int role = PLY_Z + 1; role < PLY_ROLES; ++role)
+        values[role] = is_finite(values[role]) ? values[role] : 0;
+}
+
+static void put_arrays(const ply_reader *r, uint32_t i, const double values[PLY_ROLES]) {
+    for (int a = PLY_POSITIONS + 1; a < PLY_ARRAYS; ++a) {
+        if (a == PLY_COLORS && r->arrays[a].own)
+            put_color(r, i, values);
+        else if (r->arrays[a].own)
+            put_array(&r->arrays[a], i, values);
+    }
+}
+
+static void put_moved(ply_reader *r, uint32_t i, double values[PLY_ROLES]) {
+    if (r->lost) {
+        mend_vertex(r, i, values);
+        put_arrays(r, i, values);
+    }
+    const double moved[PLY_ROLES] = {values[PLY_X] - r->origin.x, values[PLY_Y] - r->origin.y,
+                                     values[PLY_Z] - r->origin.z};
+    put_array(&r->arrays[PLY_POSITIONS], i, moved);
+}
+
+static void count_odd(ply_reader *r, const double values[PLY_ROLES]) {
     for (int role = 0; role < PLY_ROLES; ++role) {
-        if (fabs(values[role]) <= (double)FLT_MAX) continue;
-        return text_wrong(&r->fault, at, names[role],
-                          "vertex %u has %g; expected a finite number that fits a float", i, values[role]);
+        if (is_finite(values[role])) continue;
+        atomic_store(&r->mends, true);
+        if (role > PLY_Z) atomic_fetch_add(&r->odd, 1);
     }
+}
+
+void ply_put_vertex(ply_reader *r, uint32_t i, double values[PLY_ROLES], scene_bounds *bounds) {
+    if (r->moving) {
+        put_moved(r, i, values);
+        return;
+    }
+    count_odd(r, values);
+    if (!has_place(values)) return;
     bounds->lower.x = values[PLY_X] < bounds->lower.x ? values[PLY_X] : bounds->lower.x;
     bounds->lower.y = values[PLY_Y] < bounds->lower.y ? values[PLY_Y] : bounds->lower.y;
     bounds->lower.z = values[PLY_Z] < bounds->lower.z ? values[PLY_Z] : bounds->lower.z;
     bounds->upper.x = values[PLY_X] > bounds->upper.x ? values[PLY_X] : bounds->upper.x;
     bounds->upper.y = values[PLY_Y] > bounds->upper.y ? values[PLY_Y] : bounds->upper.y;
     bounds->upper.z = values[PLY_Z] > bounds->upper.z ? values[PLY_Z] : bounds->upper.z;
-    for (int a = 0; a < PLY_ARRAYS; ++a) {
-        if (a == PLY_COLORS && r->arrays[a].own)
-            put_color(r, i, values);
-        else if (r->arrays[a].own)
-            put_array(&r->arrays[a], i, values);
-    }
-    return true;
+    if (r->arrays[PLY_POSITIONS].own) put_array(&r->arrays[PLY_POSITIONS], i, values);
+    put_arrays(r, i, values);
 }
 
 void ply_join_bounds(ply_reader *r, const scene_bounds *bounds) {
@@ -70,20 +103,43 @@ void ply_join_bounds(ply_reader *r, const scene_bounds *bounds) {
     pthread_mutex_unlock(&r->lock);
 }
 
+/* The file's own bytes cannot be moved or mended. */
+static fathom_status leave_file(ply_reader *r) {
+    for (int a = 0; a < PLY_ARRAYS; ++a) {
+        if (!r->arrays[a].own && (a == PLY_POSITIONS || r->lost)) r->arrays[a].values = NULL;
+    }
+    return allocate_arrays(r);
+}
+
+static fathom_status note_lost(ply_reader *r) {
+    size_t lost = 0;
+    for (uint32_t i = 0; i < r->vertex_count; ++i) lost += r->lost[i];
+    if (lost == r->vertex_count)
+        return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
+                         "it has no vertex whose x, y and z are finite numbers that fit a float, of %zu",
+                         lost);
+    notes_add(&r->notes, lost, "",
+              "a vertex with a NaN, an infinity or a number beyond float is left out, with what uses it");
+    notes_add(&r->notes, r->odd, "", "a NaN or an infinity of a vertex, not in x, y or z, is taken as 0");
+    return FATHOM_OK;
+}
+
 fathom_status ply_read_vertices(ply_reader *r, size_t count, size_t grain, loop_body body, void *user) {
     fathom_status status = allocate_arrays(r);
     if (status != FATHOM_OK) return status;
     loop_parallel(r->threads, count, grain, body, user);
     status = text_status(&r->file, &r->fault);
     if (status != FATHOM_OK) return status;
+    if (r->mends) {
+        r->lost = calloc(r->vertex_count, 1);
+        if (!r->lost) return fail_memory(r->scene->context, r->vertex_count);
+    }
     r->origin = origin_for(&r->bounds);
-    r->moving = length_f64(r->origin) > 0;
+    r->moving = length_f64(r->origin) > 0 || r->lost;
     if (!r->moving) return FATHOM_OK;
-    ply_array *positions = &r->arrays[PLY_POSITIONS];
-    if (!positions->own) positions->values = NULL;
-    status = allocate_arrays(r);
+    status = leave_file(r);
     if (status == FATHOM_OK) loop_parallel(r->threads, count, grain, body, user);
-    return status;
+    return status == FATHOM_OK && r->lost ? note_lost(r) : status;
 }
 
 /* The number that means colour 1: integers are sRGB in the range of their type; 0 for floats, which are
@@ -154,12 +210,17 @@ static fathom_status check_and_add(ply_reader *r, const fathom_mesh *mesh) {
 }
 
 /* A file without faces and edges is a point cloud. */
-static bool is_cloud(const ply_reader *r) { return r->face_element == SIZE_MAX && !r->edges; }
+static bool is_cloud(const ply_reader *r) {
+    return r->face_element == SIZE_MAX && r->edge_element == SIZE_MAX;
+}
+
+static uint64_t edge_count(const ply_reader *r) {
+    return r->edge_element == SIZE_MAX ? 0 : r->header.elements.items[r->edge_element].count;
+}
 
 /* Adds the vertices of `mesh` as points, or its edges as rods. */
 static fathom_status add_strokes(ply_reader *r, fathom_mesh mesh) {
-    const uint64_t count =
-        r->edges ? r->header.elements.items[r->edge_element].count : (uint64_t)mesh.vertex_count;
+    const uint64_t count = r->edges ? edge_count(r) : (uint64_t)mesh.vertex_count;
     if (count >= UINT32_MAX)
         return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
                          "has %llu edges; more than can be shown", (unsigned long long)count);
@@ -295,9 +356,12 @@ static fathom_status read_mapped(ply_reader *r) {
     status = allocate_edges(r);
     if (status == FATHOM_OK) status = r->header.format == PLY_ASCII ? ply_read_ascii(r) : ply_read_binary(r);
     if (status != FATHOM_OK) return status;
-    if (!r->triangle_count && !r->edges && !is_cloud(r)) {
+    if (r->lost) ply_drop_lost(r);
+    if (!r->triangle_count && !edge_count(r) && !is_cloud(r)) {
         return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
-                         "no faces: expected at least one with 3 corners or more");
+                         r->lost ? "no faces remain: expected at least one whose corners are finite numbers "
+                                   "that fit a float"
+                                 : "no faces: expected at least one with 3 corners or more");
     }
     status = keep_map(r);
     return status == FATHOM_OK ? add_meshes(r) : status;
@@ -311,6 +375,7 @@ static void release(ply_reader *r) {
     }
     free(r->pieces);
     free(r->edges);
+    free(r->lost);
     for (size_t i = 0; i < r->header.elements.count; ++i) array_free(&r->header.elements.items[i].properties);
     array_free(&r->header.elements);
     text_close(&r->file);

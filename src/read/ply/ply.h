@@ -11,6 +11,7 @@
 #include "read/read.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 
 typedef enum ply_format { PLY_ASCII, PLY_LITTLE, PLY_BIG } ply_format;
 
@@ -117,8 +118,11 @@ typedef struct ply_reader {
     pthread_mutex_t lock; /* guards the bounds */
     scene_bounds bounds;
     vec3_f64 origin;
-    bool moving;       /* second pass: vertices are stored again, relative to the origin */
-    ply_faces *pieces; /* for successive parts of the file */
+    bool moving;         /* vertices are read a second time, and stored from the origin */
+    atomic_bool mends;   /* some vertex has a number that is not finite */
+    atomic_size_t odd;   /* such numbers that are no position's; 0 is taken for them */
+    unsigned char *lost; /* whether each vertex has no finite position; NULL: all vertices are fine */
+    ply_faces *pieces;   /* of successive parts of the file */
     size_t piece_count;
     uint32_t *indices; /* owned by the scene */
     size_t triangle_count;
@@ -132,16 +136,15 @@ fathom_status ply_read_header(ply_reader *r);
 /* Adds a note for the elements and properties that are not read. */
 void ply_note_unused(ply_reader *r);
 
-/* Each fills in arrays[], checked to be finite, bounds, origin and the triangles. */
+/* Each fills in arrays[], all finite, bounds, origin and the triangles. */
 fathom_status ply_read_ascii(ply_reader *r);
 fathom_status ply_read_binary(ply_reader *r);
 
-/* Checks the numbers of vertex `i`, adds it to the bounds, and stores it in those arrays that have `own`.
- * With `moving`, stores only its position. `at`: its place in the file. */
-bool ply_put_vertex(ply_reader *r, uint32_t i, const double values[PLY_ROLES], const void *at,
-                    scene_bounds *bounds);
-/* Reads the vertices by parallel loops over `body`, which calls ply_put_vertex() and ply_join_bounds(). Runs
- * the loop twice if the vertices lie far from the origin. */
+/* Adds vertex `i` to the bounds, and stores it in the arrays with memory of their own; if it is moving, only
+ * its position, or what was not stored before a number was found that is not finite. */
+void ply_put_vertex(ply_reader *r, uint32_t i, double values[PLY_ROLES], scene_bounds *bounds);
+/* Reads the vertices by loops of `body`, which calls ply_put_vertex() and ply_join_bounds(): twice if they
+ * lie far from the origin, or if some are not finite. */
 fathom_status ply_read_vertices(ply_reader *r, size_t count, size_t grain, loop_body body, void *user);
 void ply_join_bounds(ply_reader *r, const scene_bounds *bounds);
 
@@ -159,6 +162,8 @@ bool ply_end_row(ply_reader *r, ply_faces *faces);
 fathom_status ply_allocate_triangles(ply_reader *r, uint64_t count);
 /* Checks the vertices of edge number `i`, and stores them. */
 bool ply_put_edge(ply_reader *r, uint64_t i, const double values[PLY_ENDS], const void *at);
+/* Leaves out the faces and edges of lost vertices. */
+void ply_drop_lost(ply_reader *r);
 /* Triangulates the polygons of all pieces, and joins the pieces. */
 fathom_status ply_join_faces(ply_reader *r);
 

@@ -56,6 +56,11 @@ static void count_rows(void *user, size_t begin, size_t end, unsigned worker) {
 static bool read_number(ply_reader *r, const ply_property *property, const char **p, double *out) {
     const char *at = *p = skip_blanks(*p);
     if (number_read(p, out) && text_is_break(**p)) return true;
+    if (number_is_odd(at)) {
+        *out = (double)NAN;
+        for (*p = at; !text_is_break(**p);) ++*p;
+        return true;
+    }
     return text_found(&r->fault, at, property->name, "expected a number");
 }
 
@@ -120,9 +125,11 @@ static bool read_row(const ascii_reader *a, size_t piece, uint64_t row, const ch
     ply_reader *r = a->r;
     const uint64_t vertex = row - a->vertex_begin, edge = row - a->edge_begin;
     double values[PLY_ROLES] = {0};
-    if (vertex < r->vertex_count)
-        return read_properties(r, r->vertex_element, &a->pieces[piece], at, NULL, values) &&
-               ply_put_vertex(r, (uint32_t)vertex, values, at, bounds);
+    if (vertex < r->vertex_count) {
+        if (!read_properties(r, r->vertex_element, &a->pieces[piece], at, NULL, values)) return false;
+        ply_put_vertex(r, (uint32_t)vertex, values, bounds);
+        return true;
+    }
     if (r->moving) return true;
     if (is_of(r, r->edge_element, edge))
         return read_properties(r, r->edge_element, &a->pieces[piece], at, NULL, values) &&

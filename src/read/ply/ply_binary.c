@@ -277,7 +277,8 @@ static bool read_vertex(const binary_reader *b, uint64_t number, const unsigned 
         values[role] =
             load(row + offsets[property], b->vertices.element->properties.items[property].type, b->big);
     }
-    return ply_put_vertex(b->r, (uint32_t)number, values, row, bounds);
+    ply_put_vertex(b->r, (uint32_t)number, values, bounds);
+    return true;
 }
 
 static void read_vertices(void *user, size_t begin, size_t end, unsigned worker) {

@@ -67,6 +67,56 @@ bool ply_put_edge(ply_reader *r, uint64_t i, const double values[PLY_ENDS], cons
     return true;
 }
 
+/* A lost one of the vertices; UINT32_MAX: none is. */
+static uint32_t lost_of(const ply_reader *r, const uint32_t *vertices, size_t count) {
+    uint32_t lost = UINT32_MAX;
+    for (size_t i = 0; i < count; ++i) lost = r->lost[vertices[i]] ? vertices[i] : lost;
+    return lost;
+}
+
+/* The triangles, or edges, that remain of `count`. */
+static size_t keep_good(const ply_reader *r, uint32_t *indices, size_t each, size_t count) {
+    size_t kept = 0;
+    for (size_t i = 0; i < count; ++i) {
+        if (lost_of(r, indices + each * i, each) != UINT32_MAX) continue;
+        memmove(indices + each * kept++, indices + each * i, each * sizeof *indices);
+    }
+    return kept;
+}
+
+/* Those of a cloud have no indices: the later ones move down. */
+static void keep_good_points(ply_reader *r) {
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < r->vertex_count; ++i) {
+        for (int a = 0; a < PLY_ARRAYS && !r->lost[i]; ++a) {
+            const size_t row = (size_t)r->arrays[a].components;
+            float *own = r->arrays[a].own;
+            if (own) memmove(own + row * kept, own + row * i, row * sizeof *own);
+        }
+        kept += !r->lost[i];
+    }
+    r->vertex_count = kept;
+}
+
+void ply_drop_lost(ply_reader *r) {
+    r->triangle_count = keep_good(r, r->indices, 3, r->triangle_count);
+    if (r->edge_element != SIZE_MAX) {
+        uint64_t *count = &r->header.elements.items[r->edge_element].count;
+        *count = keep_good(r, r->edges, PLY_ENDS, (size_t)*count);
+    }
+    if (r->face_element == SIZE_MAX && r->edge_element == SIZE_MAX) keep_good_points(r);
+}
+
+/* Splits a polygon; one with a lost vertex becomes triangles that are dropped, all of them. */
+static bool split(const ply_reader *r, polygon_work *work, const polygon_vertices *vertices, uint32_t corners,
+                  uint32_t *fan) {
+    const size_t count = 3 * ((size_t)corners - 2);
+    const uint32_t lost = r->lost ? lost_of(r, fan, count) : UINT32_MAX;
+    if (lost == UINT32_MAX) return polygon_split(work, vertices, corners, fan, NULL, NULL);
+    for (size_t i = 0; i < count; ++i) fan[i] = lost;
+    return true;
+}
+
 static void join_pieces(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     ply_reader *r = user;
@@ -78,7 +128,7 @@ static void join_pieces(void *user, size_t begin, size_t end, unsigned worker) {
         if (faces->indices.count) memcpy(out, faces->indices.items, faces->indices.count * sizeof *out);
         for (size_t k = 0; k < faces->polygons.count; ++k) {
             polygon_fan polygon = faces->polygons.items[k];
-            if (!polygon_split(&work, &vertices, polygon.corners, out + 3 * polygon.first, NULL, NULL))
+            if (!split(r, &work, &vertices, polygon.corners, out + 3 * polygon.first))
                 text_no_memory(&r->fault);
         }
     }
