@@ -128,28 +128,28 @@ static void ply_text_errors_name_line_and_property(void **state) {
     "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
     const fathom_error *error = error_in(path, HEADER("ascii") "0 0 0\n1 0 0\n0 none 0\n3 0 1 2\n");
     assert_place(error->place, path, 12, "y");
-    assert_place(error_in(path, HEADER("ascii") "0 0 0\n1 0 0\n0 1 nan\n3 0 1 2\n")->place, path, 12, "z");
+    assert_place(error_in(path, HEADER("ascii") "0 0 0\n1 0 0\n0 1 no\n3 0 1 2\n")->place, path, 12, "z");
     assert_place(error_in(path, "ply\nformat ascii 2.0\n")->place, path, 2, "format");
     assert_place(error_in(path, "ply\nformat ascii 1.0\nelement vertex many\n")->place, path, 3,
                  "element vertex");
 }
 
-static void ply_byte_errors_name_byte_and_property(void **state) {
+static void ply_byte_errors_name_byte_and_element(void **state) {
     (void)state;
     const char *path = in_folder("a.ply");
     char bytes[512];
     const size_t header = strlen(HEADER("binary_little_endian"));
-    const float vertices[9] = {0, 0, 0, 1, 0, 0, 0, 1, NAN};
+    const float vertices[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     memcpy(bytes, HEADER("binary_little_endian"), header);
     memcpy(bytes + header, vertices, sizeof vertices);
-    memcpy(bytes + header + sizeof vertices, "\3\0\0\0\0\1\0\0\0\2\0\0\0", 13);
+    memcpy(bytes + header + sizeof vertices, "\3\0\0\0\0\1\0\0\0\7\0\0\0", 13);
     unit_write_file(path, bytes, header + sizeof vertices + 13);
     const fathom_error *error = error_of(path);
     unlink(path);
-    assert_place(error->place, path, 0, "z");
+    assert_place(error->place, path, 0, "face");
     assert_true(error->place->has_byte);
-    assert_int_equal(error->place->byte, header + 24); /* where its vertex begins */
-    assert_message("%s: at byte %zu: z: %s", path, header + 24, error->text);
+    assert_int_equal(error->place->byte, header + sizeof vertices + 9); /* where the index stands */
+    assert_message("%s: at byte %zu: face: %s", path, header + sizeof vertices + 9, error->text);
 }
 
 #define GLTF "{\"asset\": {\"version\": \"2.0\"},\n\"meshes\": [\n{\"primitives\": 3}]}"
@@ -244,7 +244,7 @@ int main(void) {
         cmocka_unit_test(fields_of_calls_join_the_path_in_json),
         cmocka_unit_test(obj_errors_name_line_and_statement),
         cmocka_unit_test(ply_text_errors_name_line_and_property),
-        cmocka_unit_test(ply_byte_errors_name_byte_and_property),
+        cmocka_unit_test(ply_byte_errors_name_byte_and_element),
         cmocka_unit_test(gltf_errors_name_line_and_field),
         cmocka_unit_test(glb_errors_name_byte_and_field),
         cmocka_unit_test(errors_of_named_files_tell_who_names_them),
