@@ -377,11 +377,29 @@ static bool look_around(reference_scene *r) {
     return true;
 }
 
+/* The indices of air and of the volumes that may surround those of material `at`, each once. */
+static unsigned indices_around(const reference_scene *r, size_t at, double *out) {
+    const fathom_material *m = &r->scene->materials.items[at].value;
+    unsigned count = 1;
+    out[0] = 1;
+    for (size_t i = 0; i < r->scene->materials.count && m->priority; ++i) {
+        const fathom_material *other = &r->scene->materials.items[i].value;
+        bool is_new = i != at && reference_refracts(other) && other->priority;
+        for (unsigned k = 0; k < count; ++k) is_new &= out[k] != (double)other->ior;
+        if (is_new) out[count++] = (double)other->ior;
+    }
+    return count;
+}
+
 static fathom_status make_albedos(reference_scene *r) {
     const size_t count = r->scene->materials.count;
-    bool made = (r->albedos = calloc(count + 1, sizeof *r->albedos)) != NULL;
-    for (size_t i = 0; i < count && made; ++i)
-        made = reference_albedos_make(&r->scene->materials.items[i].value, &r->albedos[i]);
+    double *around = calloc(count + 1, sizeof *around);
+    bool made = (r->albedos = calloc(count + 1, sizeof *r->albedos)) != NULL && around;
+    for (size_t i = 0; i < count && made; ++i) {
+        const unsigned indices = indices_around(r, i, around);
+        made = reference_albedos_make(&r->scene->materials.items[i].value, around, indices, &r->albedos[i]);
+    }
+    free(around);
     return made ? FATHOM_OK : fail_memory(r->scene->context, sizeof(reference_albedos));
 }
 

@@ -14,7 +14,7 @@
 /* ---- curves ---- */
 
 /* The cosine of a node; the first is not 0, because albedos are limits there. */
-static double node(int i) {
+double reference_node(int i) {
     const double x = fmax(i, 0.5) / REFERENCE_STEPS;
     return x * x;
 }
@@ -74,7 +74,7 @@ static void make_facets(const fathom_material *m, reference_albedos *out) {
     const double across = reference_alpha(m), along = reference_alpha_along(m);
     for (int i = 0; i < (REFERENCE_TURNS + 1) * (REFERENCE_STEPS + 1); ++i) {
         const int turn = i / (REFERENCE_STEPS + 1), step = i % (REFERENCE_STEPS + 1);
-        const double cosine = node(step), sine = sqrt(1 - cosine * cosine);
+        const double cosine = reference_node(step), sine = sqrt(1 - cosine * cosine);
         const double y = (double)turn / REFERENCE_TURNS, length = hypot(1 - y, y);
         const vec3_f64 v = {sine * (1 - y) / length, sine * y / length, cosine};
         double *all = &out->facets[turn][step], *edge = &out->edge[turn][step];
@@ -124,8 +124,10 @@ static void make_again(const fathom_material *m, reference_albedos *out) {
         metal = madd_f64(metal, 1.0 / (RINGS * AROUND), f.metal);
     }
     const vec3_f64 both = blend(base, metal, metallic);
+    const double solid = reference_is_rough_glass(m) ? 1 - (double)m->transmission : 1;
+    const vec3_f64 layer = {again_of(base.x, mean), again_of(base.y, mean), again_of(base.z, mean)};
     const vec3_f64 parts =
-        blend(vec_f64(again_of(base.x, mean), again_of(base.y, mean), again_of(base.z, mean)),
+        blend(scale_f64(solid, layer),
               vec_f64(again_of(metal.x, mean), again_of(metal.y, mean), again_of(metal.z, mean)), metallic);
     /* A film covers the mixture of metal and dielectric. */
     out->again = m->iridescence > 0
@@ -150,15 +152,17 @@ static void make_even(const fathom_material *m, reference_albedos *out) {
     }
 }
 
-bool reference_albedos_make(const fathom_material *m, reference_albedos **out) {
+bool reference_albedos_make(const fathom_material *m, const double *around, unsigned count,
+                            reference_albedos **out) {
     const bool sheen = largest(color_of(m->sheen_color)) > 0, coat = m->clearcoat > 0;
     const double alpha = reference_coat_alpha(m);
     *out = NULL;
     if (m->model == FATHOM_MODEL_CLASSIC || !(sheen || coat || m->multiscatter)) return true;
-    *out = calloc(1, sizeof **out);
+    const unsigned glasses = m->multiscatter && reference_is_rough_glass(m) ? count : 0;
+    *out = calloc(1, sizeof **out + glasses * sizeof *(*out)->glass);
     if (!*out) return false;
     for (int i = 0; i <= REFERENCE_STEPS; ++i) {
-        const double cosine = node(i);
+        const double cosine = reference_node(i);
         double all, edge = pow(1 - cosine, 5);
         if (sheen) (*out)->sheen[i] = fibres_reflect(m, cosine);
         if (!coat) continue;
@@ -168,6 +172,9 @@ bool reference_albedos_make(const fathom_material *m, reference_albedos **out) {
         (*out)->coat[i] = (double)m->clearcoat * (0.04 * all + 0.96 * edge);
     }
     if (m->multiscatter) make_even(m, *out);
+    (*out)->glasses = glasses;
+    for (unsigned k = 0; k < glasses; ++k)
+        reference_glass_make(m, (double)m->ior / around[k], &(*out)->glass[k]);
     return true;
 }
 

@@ -77,6 +77,12 @@ typedef struct reference_primitive {
  * REFERENCE_STEPS)^2; curves of facets exist for several azimuths, from the axis of the larger alpha to that
  * of the other. */
 enum { REFERENCE_STEPS = 128, REFERENCE_TURNS = 8 };
+/* Of rough glass for an index relative to what surrounds it: the light that the first scattering leaves over,
+ * for viewers outside and inside, and its factors (see reference_glass.c). */
+typedef struct reference_glass {
+    double ior, missing[2][REFERENCE_STEPS + 1], again[2], cross[2];
+} reference_glass;
+
 typedef struct reference_albedos {
     double coat[REFERENCE_STEPS + 1],
         sheen[REFERENCE_STEPS + 1]; /* coat: times the coat's strength; sheen: of white fibres */
@@ -85,6 +91,8 @@ typedef struct reference_albedos {
     /* For `multiscatter` (Kulla & Conty 2017), see reference_energy.c. */
     vec3_f64 again;
     double again_base, low, high, below, lost;
+    unsigned glasses;
+    reference_glass glass[];
 } reference_albedos;
 
 typedef struct reference_sky reference_sky;
@@ -204,8 +212,12 @@ double reference_sky_density(const reference_scene *r, vec3_f64 direction);
 
 /* ---- reference_energy.c: albedos ---- */
 
-/* *out: NULL if the material needs none. False if out of memory. */
-bool reference_albedos_make(const fathom_material *m, reference_albedos **out);
+/* around: indices of the media that may surround rough glass of this material. *out: NULL if the material
+ * needs no albedos; freed by free(). False if out of memory. */
+bool reference_albedos_make(const fathom_material *m, const double *around, unsigned count,
+                            reference_albedos **out);
+/* The cosine at a node of the curves. */
+double reference_node(int i);
 /* The value of a curve of reference_albedos. */
 double reference_curve(const double *curve, double cosine);
 /* (1 - E(v)) (1 - E(l)) / (pi <1 - E>); 0 without `multiscatter`. */
@@ -214,8 +226,16 @@ double reference_again(const reference_surface *s, vec3_f64 l);
  * `multiscatter`. */
 double reference_base(const reference_surface *s, vec3_f64 l, double plain);
 
+/* ---- reference_glass.c ---- */
+
+void reference_glass_make(const fathom_material *m, double ior, reference_glass *out);
+/* What rough glass sends to l after more than one scattering: f for white glass. */
+double reference_glass_again(const reference_surface *s, vec3_f64 l);
+
 /* True if the surface bounds a volume, so that light refracts. */
 bool reference_refracts(const fathom_material *m);
+/* True if its facets refract some light, too, each in its own direction. */
+bool reference_is_rough_glass(const fathom_material *m);
 /* The transmittance of the volume over this distance. */
 vec3_f64 reference_absorbed(const fathom_material *m, double distance);
 

@@ -10,6 +10,10 @@ bool reference_refracts(const fathom_material *m) {
     return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->transmission > 0 && m->thickness > 0;
 }
 
+bool reference_is_rough_glass(const fathom_material *m) {
+    return reference_refracts(m) && m->ior != 1 && m->metallic < 1 && reference_alpha(m) > 0;
+}
+
 const char *reference_lacks(const fathom_material *m) {
     const float *s = m->specular_color;
     const bool plain = m->specular_factor == 1 && s[0] == 1 && s[1] == 1 && s[2] == 1;
@@ -243,9 +247,11 @@ static vec3_f64 metallic_reflect(const reference_surface *s, vec3_f64 l, vec3_f6
     const fathom_material *m = s->material;
     const reference_reflectances f = reflect_of(s, dot_f64(h, s->to_viewer));
     const double lobe = base_lobe(s, h, l), again = reference_again(s, l);
+    const double glass = (1 - (double)m->metallic) * (double)m->transmission * reference_glass_again(s, l);
     const vec3_f64 diffuse = diffuse_of(m, false, reference_base(s, l, f.base));
-    const vec3_f64 once =
+    const vec3_f64 plain =
         blend(madd_f64(diffuse, lobe, f.dielectric), scale_f64(lobe, f.metal), (double)m->metallic);
+    const vec3_f64 once = add_f64(plain, gray(glass));
     return again > 0 ? madd_f64(once, again, s->albedos->again) : once;
 }
 
@@ -273,8 +279,8 @@ static vec3_f64 metallic_transmit(const reference_surface *s, vec3_f64 l) {
     if (!passes_clear(s) && m->transmission > 0) {
         double cosine;
         const double lobe = transmitted_lobe(s, l, front, &cosine);
-        sum = madd_f64(sum, (double)m->transmission * reflect_of(s, cosine).base * lobe,
-                       color_of(m->base_color));
+        const double both = reflect_of(s, cosine).base * lobe + reference_glass_again(s, l);
+        sum = madd_f64(sum, (double)m->transmission * both, color_of(m->base_color));
     }
     return scale_f64(1 - (double)m->metallic, sum);
 }

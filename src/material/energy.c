@@ -18,8 +18,6 @@ static float cosine_at(int k) {
     return mu > 1e-6f ? mu : 1e-6f;
 }
 
-static float power5(float x) { return x * x * (x * x) * x; }
-
 /* A viewer in the plane y = 0, and the same direction in the space where the facets are a hemisphere, of unit
  * length. */
 typedef struct viewer {
@@ -44,7 +42,7 @@ static void add_facets(const viewer *v, float u, float all[ALONG], float edge[AL
         float above = z > 0 ? z : 0, sine2 = 1 - above * above;
         float s = sqrtf(above * above + v->alpha * v->alpha * (sine2 > 0 ? sine2 : 0));
         float part = 2 * q * above * (v->z + v->smith) / (v->z * s + above * v->smith);
-        all[k] += part, edge[k] += part * power5(along < 1 ? 1 - along : 0);
+        all[k] += part, edge[k] += part * energy_power5(along < 1 ? 1 - along : 0);
     }
 }
 
@@ -69,13 +67,16 @@ static void fill_parts(void) {
     }
 }
 
+/* The integral from node k to the next. */
+static double step_of(const float curve[ENERGY_NODES], int k) {
+    const double slope = ((double)curve[k + 1] - (double)curve[k]) * ENERGY_STEPS;
+    return 8 * ((double)curve[k] * parts[k] + slope * slopes[k]);
+}
+
 static float mean_of(const float curve[ENERGY_NODES]) {
     double sum = 0;
-    for (int k = 0; k < ENERGY_STEPS; ++k) {
-        const double slope = ((double)curve[k + 1] - (double)curve[k]) * ENERGY_STEPS;
-        sum += (double)curve[k] * parts[k] + slope * slopes[k];
-    }
-    return (float)(8 * sum);
+    for (int k = 0; k < ENERGY_STEPS; ++k) sum += step_of(curve, k);
+    return (float)sum;
 }
 
 static void fill(void) {
@@ -85,7 +86,7 @@ static void fill(void) {
         float(*const now)[ENERGY_NODES] = tables[j % 2], (*const before)[ENERGY_NODES] = tables[(j + 1) % 2];
         const float y = (float)j / ROUGH_STEPS, alpha = y * y * (y * y);
         for (int k = 0; k < ENERGY_NODES; ++k) {
-            now[0][k] = 1, now[1][k] = power5(1 - cosine_at(k));
+            now[0][k] = 1, now[1][k] = energy_power5(1 - cosine_at(k));
             if (alpha > 0.5f * SHADER_SMOOTH_ALPHA) albedo(alpha, cosine_at(k), &now[0][k], &now[1][k]);
             if (j > 0)
                 nodes[j - 1][k] = (energy_node){before[0][k], before[1][k], now[0][k] - before[0][k],
@@ -117,4 +118,15 @@ void energy_means(const energy_curve *c, float *all, float *edge) {
 float energy_mean(const float curve[ENERGY_NODES]) {
     pthread_once(&once, fill);
     return mean_of(curve);
+}
+
+void energy_sums(const float curve[ENERGY_NODES], float sums[ENERGY_NODES]) {
+    pthread_once(&once, fill);
+    double sum = 0;
+    for (int k = 0; k < ENERGY_STEPS; ++k) {
+        sums[k] = (float)sum;
+        sum += step_of(curve, k);
+    }
+    for (int k = 0; k < ENERGY_STEPS; ++k) sums[k] = sum > 0 ? (float)((double)sums[k] / sum) : 0;
+    sums[ENERGY_STEPS] = 1;
 }

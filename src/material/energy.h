@@ -53,7 +53,21 @@ void energy_stretched(float along, float across, energy_stretch *out);
 /* Their means over the azimuth. */
 void energy_stretched_curves(const energy_stretch *s, float all[ENERGY_NODES], float edge[ENERGY_NODES]);
 
+/* The light that the first scattering by rough glass leaves over: 1 - albedo, reflected and transmitted light
+ * together, for a viewer outside ([0]) and inside ([1]). eta: index inside divided by outside; f0 and f90 of
+ * Schlick's reflectance, with f90 at total reflection; what is not reflected is transmitted. The error is at
+ * most 3e-3. */
+void energy_glass(float alpha, float eta, float f0, float f90, float missing[2][ENERGY_NODES]);
+
+static inline float energy_power5(float x) {
+    const float x2 = x * x;
+    return x2 * x2 * x;
+}
+
 /* The mean over a hemisphere, weighted by the cosine: 2 ∫ f mu dmu. */
 float energy_mean(const float curve[ENERGY_NODES]);
+/* The parts of that mean that come from below each node, as fractions of it. A curve of zeros has 0 below all
+ * but the last. */
+void energy_sums(const float curve[ENERGY_NODES], float sums[ENERGY_NODES]);
 
 #endif

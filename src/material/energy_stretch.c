@@ -12,8 +12,6 @@ static energy_table tables[STEPS + 1][STEPS + 1]; /* along, across */
 static bool made[STEPS + 1][STEPS + 1];
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
-static float power5(float x) { return x * x * (x * x) * x; }
-
 static float alpha_at(int j) {
     const float y = (float)j / STEPS;
     return fmaxf(y * y * (y * y), SHADER_SMOOTH_ALPHA);
@@ -40,7 +38,7 @@ static void add_facets(const lobe *m, float u, float all[ALONG], float edge[ALON
         z = z > 0 ? z : 0;
         float s = sqrtf(m->ax * m->ax * x * x + m->ay * m->ay * y * y + z * z);
         float part = 2 * q * z * (m->v[2] + m->smith) / (m->v[2] * s + z * m->smith);
-        all[k] += part, edge[k] += part * power5(along < 1 ? 1 - along : 0);
+        all[k] += part, edge[k] += part * energy_power5(along < 1 ? 1 - along : 0);
     }
 }
 

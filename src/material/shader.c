@@ -107,7 +107,32 @@ static float again_film(const shader *out, int c, float mean) {
     return reflected * reflected * mean / (1 - reflected * (1 - mean));
 }
 
+/* The factors of light that leaves rough glass after more than one scattering. part: weight of the glass. */
+static void prepare_glass(float alpha, float part, shader *out) {
+    const float open = 1 - (out->layer0 + (out->layer90 - out->layer0) * (1 / 21.0f)), eta = out->eta;
+    float lost[2];
+    energy_glass(alpha, eta, out->layer0, out->layer90, out->glass_missing);
+    for (int side = 0; side < 2; ++side) {
+        lost[side] = energy_mean(out->glass_missing[side]);
+        energy_sums(out->glass_missing[side], out->glass_sums[side]);
+    }
+    for (int side = 0; side < 2; ++side) {
+        const bool denser = (eta < 1) == (side == 0);
+        const float through = denser ? open * least(eta * eta, 1 / (eta * eta)) : open;
+        const float crosses = through * lost[!side] / most(most(lost[0], lost[1]), 1e-6f);
+        out->glass_through[side] = crosses;
+        out->glass_again[side] = part * (1 - crosses) * mixture_scale(lost[side]);
+        for (int c = 0; c < 3; ++c)
+            out->glass_again_cross[side][c] = out->cross[c] * crosses * mixture_scale(lost[!side]);
+    }
+    out->glass_part = part;
+    out->lobes |= SHADER_GLASS_AGAIN;
+    if (part == 1 && !(out->lobes & (SHADER_FILM | SHADER_STRETCHED | SHADER_DISPERSIVE)))
+        out->lobes |= SHADER_GLASS;
+}
+
 static void prepare_even(const fathom_material *m, const mixture *x, float alpha, shader *out) {
+    const float glass = out->lobes & SHADER_REFRACT ? (1 - x->metal) * m->transmission : 0;
     float mean, mean_edge;
     find_means(alpha, out, &mean, &mean_edge);
     const float layer_again = mixture_again(out->layer0, out->layer90, mean), scale = mixture_scale(1 - mean);
@@ -115,22 +140,25 @@ static void prepare_even(const fathom_material *m, const mixture *x, float alpha
     out->mean_under = mixture_under(out->layer0, out->layer90, layer_again, mean, mean_edge);
     if (out->lobes & SHADER_COATED) out->mean_under = mean_below_coat(out);
     for (int c = 0; c < 3; ++c) {
-        const float plain = mixed(mixture_again(x->layer[c], m->specular_factor, mean),
-                                  mixture_again(m->base_color[c], 1, mean), x->metal);
-        const float q = out->lobes & SHADER_FILM ? again_film(out, c, mean) : plain;
+        const float layer = mixture_again(x->layer[c], m->specular_factor, mean);
+        const float plain = mixed(layer, mixture_again(m->base_color[c], 1, mean), x->metal) - glass * layer;
+        const float q = out->lobes & SHADER_FILM ? again_film(out, c, mean) * (1 - glass) : plain;
         out->again[c] = q * scale;
         out->missing_share += q * (1 / 3.0f);
         if (out->lobes & SHADER_THIN) out->again_cross[c] = out->cross[c] * (1 - layer_again) * scale;
         out->diffuse[c] = mixture_lifted(out->diffuse[c], out->mean_under);
         out->leaf[c] = mixture_lifted(out->leaf[c], out->mean_under);
     }
+    if (glass > 0) prepare_glass(alpha, glass, out);
     out->even = ~0u;
     out->lobes |= SHADER_EVEN;
 }
 
-/* An index of 0 does not refract, and its surface transmits no light. */
+/* An index of 0 does not refract, and its surface transmits no light. Rough surfaces whose index deflects
+ * light by less than their least alpha do not refract. */
 static uint32_t crossing_lobe(const fathom_material *m, float alpha, shader *out) {
-    const bool solid = m->thickness > 0 && m->ior > 0 && m->ior != 1;
+    const float bend = fabsf(m->ior - 1), least_bend = alpha < SHADER_SMOOTH_ALPHA ? 0 : SHADER_SMOOTH_ALPHA;
+    const bool solid = m->thickness > 0 && m->ior > 0 && bend > least_bend;
     if (!any(out->cross)) return 0;
     out->transmits = true;
     out->encloses = m->thickness > 0;
@@ -163,6 +191,10 @@ static void cover(float opacity, shader *out) {
                               out->k_r,     out->again_cross, out->albedo,    out->highlight, out->k_t,
                               out->leaf,    out->sheen,       out->metal_rise};
     for (size_t i = 0; i < sizeof colours / sizeof *colours; ++i) scale(opacity, colours[i]);
+    for (int side = 0; side < 2 && out->lobes & SHADER_GLASS_AGAIN; ++side) {
+        scale(opacity, out->glass_again_cross[side]);
+        out->glass_again[side] *= opacity;
+    }
     out->coat *= opacity, out->f90 *= opacity, out->mirror90 *= opacity, out->missing_share *= opacity;
     for (int c = 0; c < 3 && out->lobes & SHADER_FILM; ++c) {
         for (int k = 0; k <= FILM_STEPS; ++k) out->film[c][k] *= opacity;

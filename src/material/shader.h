@@ -21,16 +21,25 @@
  * (2007). Radiance is divided by the squared index of its medium: refraction does not scale it, and a viewer
  * outside sees the emission inside glass unscaled. In the denser medium, the dielectric's S uses the angle on
  * the other side, and total reflection has S = f90; the metal's S keeps its own angle. Lobes whose facets
- * deflect transmitted light by less than 2^-13 radians (alpha min(|ior - 1|, 1)) transmit smoothly.
+ * deflect transmitted light by less than 2^-13 radians (alpha min(|ior - 1|, 1)) transmit smoothly; rough ones
+ * whose index differs from 1 by less than 2^-13 transmit straight.
  *
  * `multiscatter` adds the light that leaves the facets after more than one scattering (Kulla & Conty 2017);
  * the added terms are reciprocal. With E(mu) the albedo of D G2 / (4…) and <> the cosine-weighted mean: metal
  * and dielectric add Q (1 - E(n·v)) (1 - E(n·l)) / (pi <1 - E>), with Q = <S>^2 <E> / (1 - <S> (1 - <E>)) and
  * <S> = f0 + (f90 - f0) / 21. Thin walls transmit (1 - m) T c (1 - Q) times the same factor, with the
  * dielectric's Q. The base below has the weight (1 - R(n·v)) (1 - R(n·l)) / <1 - R> instead of 1 - L, with R
- * the dielectric's albedo over all orders of scattering. White materials that are not rough solids therefore
- * reflect and transmit all light. Refraction through rough solids is not compensated, and for a viewer inside
- * a solid the base is as without `multiscatter`.
+ * the dielectric's albedo over all orders of scattering. For a viewer inside a solid, the base is as without
+ * `multiscatter`.
+ *
+ * Rough glass: with A the dielectric's albedo in D G2 / (4…) and refraction together, for c = 1, M = 1 - A,
+ * and i and o for the viewer's and the other side, (1 - m) T (1 - q) M_i(v) M_i(l) / (pi <M_i>) is added to
+ * the reflected light and (1 - m) T c q M_i(v) M_o(l) / (pi <M_o>) to the transmitted light, instead of the
+ * dielectric's Q. q = <1 - L> <M_o> / max(<M_i>, <M_o>) makes both reciprocal: <1 - L> is the mean light that
+ * a smooth surface transmits to the viewer's side, 1 / eta^2 times as much on the side of the denser medium.
+ * A of anisotropic glass is that of its smaller alpha: it loses light, but gains none.
+ *
+ * White materials therefore reflect and transmit all light.
  *
  * A clear coat of strength k = clearcoat, index 1.5 and its own roughness lies over all of this: k S(0.04, 1)
  * D G2 / (4 n·v n·l) is added, and all else is multiplied by C(n·v) C(n·l), where C(mu) is 1 - k times the
@@ -120,7 +129,12 @@ typedef struct shader {
     float metal_rise[3]; /* with SHADER_INNER_METAL: m (1 - c), the metal's contribution to f90 - f0 */
     /* The members from here on are set only if the lobes need them. */
     energy_stretch stretch;
-    float sheen_fit[6]; /* of Λ; see kernels/sheen.h */
+    float glass_missing[2]
+                       [ENERGY_NODES];  /* with SHADER_GLASS_AGAIN, viewed from outside and from inside: M */
+    float glass_part, glass_through[2]; /* the glass's weight; fraction of M that crosses: q */
+    float glass_again[2], glass_again_cross[2][3]; /* factors of M(v) M(l) */
+    float glass_sums[2][ENERGY_NODES];             /* of M, to sample it: see energy_sums() */
+    float sheen_fit[6];                            /* of Λ; see kernels/sheen.h */
     float sheen_albedo[ENERGY_NODES];
     float film[4][FILM_STEPS + 1]; /* reflectances by channel; [3]: fraction that does not reach the base */
 } shader;
@@ -148,6 +162,8 @@ enum {
     SHADER_DISPERSIVE = 1u << 19,  /* refraction depends on the channel */
     SHADER_TURNED = 1u << 20,      /* the clear coat has a normal of its own */
     SHADER_INNER_METAL = 1u << 21, /* the surface of a solid is partly metal */
+    SHADER_GLASS_AGAIN = 1u << 22, /* multiple scattering by rough glass is compensated */
+    SHADER_GLASS = 1u << 23,       /* the same, and all is sampled together: see kernels/rough_glass.h */
     SHADER_RARE = SHADER_FILM | SHADER_STRETCHED | SHADER_INNER_METAL, /* reflection needs more constants */
 };
 

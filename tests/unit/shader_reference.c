@@ -188,7 +188,7 @@ static void compare_beams(const point *p, const fathom_material *m) {
 static void compare_material(const fathom_material *m, random_state *r) {
     reference_albedos *albedos;
     if (reference_lacks(m)) return;
-    assert_true(reference_albedos_make(m, &albedos));
+    assert_true(reference_albedos_make(m, (const double[]){1}, 1, &albedos));
     for (int k = 0; k < VIEWS; ++k) {
         point p;
         set_point(&p, m, albedos, r);

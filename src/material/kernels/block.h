@@ -249,7 +249,7 @@ static void set_smooth(const surface_block *s, shader_block *out) {
 /* Approximate light that each lobe scatters to the viewer. A lobe that carries light never has a probability
  * of 0. Rough transmission keeps at least a tenth of its weight, even if a facet parallel to the surface
  * would transmit nothing. */
-static void weigh_lobes(shader_block *restrict out) {
+static void weigh_lobes(const surface_block *s, shader_block *restrict out) {
     for (int k = 0; k < SHADER_TAKES; ++k) {
         for (int i = 0; i < LANES; ++i) out->take[k][i] = 0;
     }
@@ -302,6 +302,9 @@ static void weigh_lobes(shader_block *restrict out) {
             uint32_t rough = out->at[i]->lobes & (SHADER_THIN | SHADER_REFRACT) ? ~0u : 0;
             out->take[SHADER_TAKE_CROSS][i] = chosen(rough, mean(out->cross, i) * fmaxf(open, 0.1f), 0);
         }
+    }
+    if (out->lobes & SHADER_GLASS_AGAIN) {
+        for (int i = 0; i < LANES; ++i) weigh_glass(s, i, out);
     }
     if (out->lobes & SHADER_COAT) {
         for (int i = 0; i < LANES; ++i) {
@@ -370,7 +373,7 @@ static void make(const surface_block *s, shader_block *out) {
         }
     }
     set_smooth(s, out);
-    weigh_lobes(out);
+    weigh_lobes(s, out);
     share_lobes(out);
 }
 

@@ -9,11 +9,6 @@
 
 #define PI 3.14159265f
 
-static inline float power5(float x) {
-    float x2 = x * x;
-    return x2 * x2 * x;
-}
-
 /* ---- the direction ---- */
 
 typedef struct incidence {
@@ -94,7 +89,7 @@ static inline void read_curves(const shader_block *b, const float cosine[LANES],
 static inline float schlick(float cosine, float eta) {
     float near = cosine < 1 ? (cosine > 0 ? cosine : 0) : 1;
     float far2 = 1 - (1 - near) * (1 + near) / (eta * eta), far = sqrtf(far2 > 0 ? far2 : 0);
-    return power5(1 - (eta < 1 ? far : near));
+    return energy_power5(1 - (eta < 1 ? far : near));
 }
 
 static inline float layer_share(const shader_block *b, int i, float rise) {

@@ -146,7 +146,8 @@ static void sample_coat(const shader_block *b, const lanes3 u, float (*restrict 
 }
 
 /* In the block's frame; the normal, if no rough lobe is chosen. */
-static void sample_rough(const shader_block *b, const lanes3 u, const uint32_t lobe[LANES], lanes3 out) {
+static void sample_rough(const surface_block *s, const shader_block *b, const lanes3 u,
+                         const uint32_t lobe[LANES], lanes3 out) {
     lanes3 l, h;
     const uint32_t lobes = b->lobes;
     for (int i = 0; i < LANES; ++i) out[0][i] = out[1][i] = 0, out[2][i] = 1;
@@ -179,6 +180,7 @@ static void sample_rough(const shader_block *b, const lanes3 u, const uint32_t l
     if (!(lobes & (SHADER_THIN | SHADER_REFRACT))) return;
     sample_cross(b, h, l);
     take_lanes(lobe, SHADER_TAKE_CROSS, SHADER_TAKE_CROSS, l, out);
+    if (lobes & SHADER_GLASS) sample_glass(s, b, u, h, lobe, out);
 }
 
 static void to_world(const shader_block *b, const lanes3 l, float (*restrict out)[LANES]) {
@@ -218,10 +220,11 @@ static inline uint32_t is(uint32_t lobe, uint32_t take) { return lobe == take ? 
 
 /* True if the direction is on the side of its lobe. A sampled facet may give the wrong side; the densities of
  * other lobes do not count then. */
-static inline uint32_t meant(const incidence *at, uint32_t lobe, int i) {
+static inline uint32_t meant(const shader_block *b, const incidence *at, uint32_t lobe, int i) {
     uint32_t front = is(lobe, SHADER_TAKE_DIFFUSE) | is(lobe, SHADER_TAKE_GGX) | is(lobe, SHADER_TAKE_SHEEN);
     uint32_t coat = is(lobe, SHADER_TAKE_COAT);
     uint32_t back = is(lobe, SHADER_TAKE_BEHIND) | is(lobe, SHADER_TAKE_CROSS);
+    if (b->lobes & SHADER_GLASS && is_glass(b, i)) front |= is(lobe, SHADER_TAKE_CROSS);
     return (front & at->reflected[i]) | (coat & at->coated[i]) | (back & at->cross[i]) |
            is(lobe, SHADER_TAKE_HIGHLIGHT);
 }
@@ -236,12 +239,12 @@ static void sample(const surface_block *s, const shader_block *b, const lanes3 u
         return;
     }
     choose_lobes(b, u[2], lobe);
-    sample_rough(b, u, lobe, l);
+    sample_rough(s, b, u, lobe, l);
     to_world(b, l, out->direction);
     judge_sides(s, b, out->direction, &at);
     add_lobes(s, b, out->direction, &at, out->weight, out->density);
     for (int i = 0; i < LANES; ++i) {
-        uint32_t some = (out->density[i] > 0 ? ~0u : 0) & meant(&at, lobe[i], i);
+        uint32_t some = (out->density[i] > 0 ? ~0u : 0) & meant(b, &at, lobe[i], i);
         float inverse = chosen(some, 1 / (out->density[i] + 0x1p-126f), 0);
         out->density[i] = chosen(some, out->density[i], 0);
         for (int c = 0; c < 3; ++c) out->weight[c][i] = limited(out->weight[c][i] * inverse);

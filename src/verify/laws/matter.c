@@ -132,6 +132,13 @@ static void glass_ball(law_room *room) { law_unseen_ball(room, glass(1, 1)); }
 static void thin_ball(law_room *room) { law_unseen_ball(room, law_clear(0)); }
 static void refracting_ball(law_room *room) { law_unseen_ball(room, law_clear(1)); }
 
+/* Roughness 0.7 loses a quarter of the light that facets scatter more than once. */
+static void rough_ball(law_room *room) {
+    fathom_material m = law_clear(1);
+    m.roughness = 0.7f, m.multiscatter = true;
+    law_unseen_ball(room, m);
+}
+
 /* A black emitter with the sky's radiance is invisible, in glass or outside, and so is the glass. */
 static void lamp_in_glass(law_room *room) {
     paint_sphere(&room->b, vec_f64(0, 0.2, 0), 0.5, build_emitter(white));
@@ -278,6 +285,7 @@ const law laws_of_matter[] = {{"floor under an even sky", "ρ L", even_sky},
                               {"glass ball in an even sky", "L", glass_ball},
                               {"thin-walled ball in an even sky", "L", thin_ball},
                               {"refracting ball in an even sky", "L", refracting_ball},
+                              {"rough glass ball in an even sky", "L", rough_ball},
                               {"lamp in a refracting ball", "L", lamp_in_glass},
                               {"glass slab", "2r/(1+r)", slab},
                               {"absorbing ball", "(1-(1+2σR)e^(-2σR))/(2σ²R²)", absorbing_ball},

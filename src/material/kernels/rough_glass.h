@@ -1,0 +1,160 @@
+/* Rough glass with `multiscatter`: the light that leaves it after more than one scattering (M of shader.h),
+ * and directions for SHADER_GLASS, where reflection, refraction and that light are sampled together:
+ *
+ * A visible facet is sampled. It reflects with the probability L of Schlick's layer, otherwise it refracts.
+ * The direction is kept with the probability G2/G1. All others, M of them, are replaced by a direction on
+ * either side, nearly proportional to M(l) n·l: between two nodes of M's curve the density is that of a
+ * cosine. So the density is nearly the BSDF of white glass, and weights stay close to 1. Lobes chosen
+ * beforehand would have weights above 1, whose product over the bounces inside a ball grows: at a roughness
+ * of 0.7, the noise of a ball would be fourteen times as much.
+ *
+ * The fraction that is replaced is exactly M(v), whereas values and densities have the M(v) of tables
+ * (energy.h): the light of this part may be off by their error. */
+#ifndef MATERIAL_KERNELS_ROUGH_GLASS_H
+#define MATERIAL_KERNELS_ROUGH_GLASS_H
+
+#include "material/kernels/facets.h"
+#include "math/turn.h"
+
+static inline bool is_glass(const shader_block *b, int i) { return b->at[i]->lobes & SHADER_GLASS; }
+
+/* 0: viewed from outside; 1: from inside. */
+static inline int glass_side(const surface_block *s, int i) { return s->entering[i] ? 0 : 1; }
+
+/* ---- values and densities ---- */
+
+static inline float power8(float x) {
+    const float x2 = x * x, x4 = x2 * x2;
+    return x4 * x4;
+}
+
+/* The squared cosine at a node of the curves. */
+static inline float node_square(int k) { return power8((float)k * (1.0f / ENERGY_STEPS)); }
+
+/* The density of M's directions on a side. */
+static inline float missing_density(const shader *m, int side, float z) {
+    float unused;
+    const int k = node_at(z, &unused);
+    const float share = m->glass_sums[side][k + 1] - m->glass_sums[side][k];
+    return share / (node_square(k + 1) - node_square(k)) * fabsf(z) * (1 / PI);
+}
+
+static inline void weigh_glass(const surface_block *s, int i, shader_block *restrict out) {
+    const shader *m = out->at[i];
+    const int side = glass_side(s, i);
+    if (m->lobes & SHADER_GLASS) {
+        out->take[SHADER_TAKE_GGX][i] = 0;
+        out->take[SHADER_TAKE_CROSS][i] = 1;
+    } else if (m->lobes & SHADER_GLASS_AGAIN) {
+        const float missing = curve_at(m->glass_missing[side], out->v[2][i]) * m->glass_part;
+        out->take[SHADER_TAKE_DIFFUSE][i] += missing * (1 - m->glass_through[side]);
+        out->take[SHADER_TAKE_BEHIND][i] += missing * m->glass_through[side];
+    }
+}
+
+/* missing: the density of the light that was scattered more than once. Refraction's density is in
+ * add_refraction(). */
+static inline void add_glass_density(const shader_block *b, const incidence *at, int i, const lanes3 h,
+                                     float rise, float missing, float *density) {
+    float unused, facets = 0;
+    if (at->reflected[i])
+        facets = layer_share(b, i, rise) * mirrored_facets(b->v, b->alpha[i], i, at->l, h, &unused);
+    *density += b->take[SHADER_TAKE_CROSS][i] * (facets + missing);
+}
+
+static inline void add_glass_again(const surface_block *s, const shader_block *b, const incidence *at,
+                                   const lanes3 h, const float rise[LANES], float (*restrict f)[LANES],
+                                   float *restrict density) {
+    for (int i = 0; i < LANES; ++i) {
+        const shader *m = b->at[i];
+        const int side = glass_side(s, i), other = at->cross[i] ? !side : side;
+        if (!(m->lobes & SHADER_GLASS_AGAIN) || !(at->reflected[i] | at->cross[i])) continue;
+        const float z = fabsf(at->l[2][i]), missing = curve_at(m->glass_missing[side], b->v[2][i]);
+        const float value = missing * curve_at(m->glass_missing[other], z) * z;
+        for (int c = 0; c < 3; ++c)
+            f[c][i] += value * (at->cross[i] ? m->glass_again_cross[side][c] : m->glass_again[side]);
+        if (!is_glass(b, i)) continue;
+        const float part = at->cross[i] ? m->glass_through[side] : 1 - m->glass_through[side];
+        add_glass_density(b, at, i, h, rise[i], missing * part * missing_density(m, other, z), &density[i]);
+    }
+}
+
+/* ---- directions ---- */
+
+/* A uniform number that is chosen from: true with the probability p. The rest of the number stays uniform. */
+static inline bool happens(float p, float *u) {
+    const bool yes = *u < p;
+    *u = yes ? *u / p : (*u - p) / (1 - p);
+    return yes;
+}
+
+/* Another two numbers in [0,1), from three. */
+static inline void two_more(const lanes3 u, int i, float out[2]) {
+    uint32_t hash = 0;
+    for (int c = 0; c < 3; ++c) {
+        uint32_t bits;
+        memcpy(&bits, &u[c][i], sizeof bits);
+        hash = (hash ^ bits) * 0x9e3779b1u;
+        hash ^= hash >> 15;
+    }
+    for (int k = 0; k < 2; ++k) {
+        hash = (hash + 0x7f4a7c15u) * 0x85ebca6bu;
+        hash ^= hash >> 13, hash *= 0xc2b2ae35u, hash ^= hash >> 16;
+        out[k] = (float)(hash >> 8) * 0x1p-24f;
+    }
+}
+
+/* The facet's reflected or refracted direction; false: the facet sends nothing to that side. */
+static inline bool leave_facet(const shader_block *b, int i, const lanes3 h, bool reflects, float l[3]) {
+    const float cosine = along_half(b, h, i), inverse = 1 / b->eta[i];
+    const float far2 = 1 - (1 - cosine) * (1 + cosine) * (inverse * inverse);
+    const float of_h = reflects ? 2 * cosine : cosine * inverse - sqrtf(far2 > 0 ? far2 : 0);
+    for (int c = 0; c < 3; ++c) l[c] = of_h * h[c][i] - (reflects ? 1 : inverse) * b->v[c][i];
+    return reflects ? l[2] > 0 : far2 > 0 && l[2] < 0;
+}
+
+/* G2/G1 of the direction. */
+static inline float left_of_facets(const shader_block *b, int i, const float l[3]) {
+    const float a2 = b->alpha[i] * b->alpha[i], z = b->v[2][i], lz = fabsf(l[2]);
+    const float to = smith(a2, b->v[0][i], b->v[1][i], z), from = smith(a2, l[0], l[1], lz);
+    return lz * (z + to) / (z * from + lz * to);
+}
+
+/* A direction's squared cosine. */
+static inline float missing_square(const shader *m, int side, float u) {
+    const float *sums = m->glass_sums[side];
+    int k = 0;
+    for (int step = ENERGY_STEPS / 2; step > 0; step /= 2) k += sums[k + step] <= u ? step : 0;
+    const float low = node_square(k), high = node_square(k + 1), share = sums[k + 1] - sums[k];
+    return low + (high - low) * (share > 0 ? (u - sums[k]) / share : 0);
+}
+
+/* x: the third number, within the lobe's part of [0,1). */
+static inline void glass_direction(const surface_block *s, const shader_block *b, int i, const lanes3 u,
+                                   const lanes3 h, float x, float l[3]) {
+    const float layer = layer_share(b, i, schlick(along_half(b, h, i), b->eta[i]));
+    float more[2], cosine, sine;
+    if (leave_facet(b, i, h, happens(layer, &x), l) && happens(left_of_facets(b, i, l), &x)) return;
+    const shader *m = b->at[i];
+    const int side = glass_side(s, i);
+    const bool through = happens(m->glass_through[side], &x);
+    two_more(u, i, more);
+    const float square = missing_square(m, through ? !side : side, more[0]);
+    const float r = sqrtf(1 - square), z = sqrtf(square);
+    turn_by(more[1], &cosine, &sine);
+    l[0] = r * cosine, l[1] = r * sine, l[2] = through ? -z : z;
+}
+
+static inline void sample_glass(const surface_block *s, const shader_block *b, const lanes3 u, const lanes3 h,
+                                const uint32_t lobe[LANES], lanes3 out) {
+    for (int i = 0; i < LANES; ++i) {
+        if (!is_glass(b, i) || lobe[i] != SHADER_TAKE_CROSS) continue;
+        float start = 0, l[3];
+        for (int k = 0; k < SHADER_TAKE_CROSS; ++k) start += b->take[k][i];
+        const float x = (u[2][i] - start) / b->take[SHADER_TAKE_CROSS][i];
+        glass_direction(s, b, i, u, h, x < 1 ? (x > 0 ? x : 0) : 0x1.fffffep-1f, l);
+        for (int c = 0; c < 3; ++c) out[c][i] = l[c];
+    }
+}
+
+#endif
