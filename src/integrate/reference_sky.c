@@ -62,13 +62,13 @@ static bool add_up(reference_sky *sky) {
 
 static double all_of(const reference_sky *sky) { return sky->before[cells_of(sky->image)]; }
 
-/* light: NULL for the studio. A black image is left out. */
-static fathom_status add_sky(reference_scene *r, const fathom_light *light) {
+/* id: of the environment; FATHOM_NONE for the studio. A black image is left out. */
+static fathom_status add_sky(reference_scene *r, fathom_id id) {
     const fathom_scene *scene = r->scene;
     reference_sky sky = {.owner = NULL};
-    fathom_status status =
-        light ? environment_create(scene->context, light, &sky.owner)
-              : environment_studio(scene->context, load_f64(scene->camera.z), scene->studio_up, &sky.owner);
+    fathom_status status = id != FATHOM_NONE ? environment_open(scene->context, scene, id, &sky.owner)
+                                             : environment_studio(scene->context, load_f64(scene->camera.z),
+                                                                  scene->studio_up, &sky.owner);
     if (status != FATHOM_OK) return status;
     sky.image = environment_sky(sky.owner);
     if (!add_up(&sky)) status = fail_memory(scene->context, sizeof *sky.before);
@@ -85,9 +85,9 @@ fathom_status reference_skies_open(reference_scene *r) {
     if (r->settings.environment) return FATHOM_OK;
     r->skies = calloc(scene->environments.count + 1, sizeof *r->skies);
     if (!r->skies) return fail_memory(scene->context, sizeof *r->skies);
-    if (scene->in_studio) status = add_sky(r, NULL);
+    if (scene->in_studio) status = add_sky(r, FATHOM_NONE);
     for (size_t i = 0; i < scene->environments.count && status == FATHOM_OK; ++i)
-        status = add_sky(r, &scene->environments.items[i]);
+        status = add_sky(r, (fathom_id)i);
     return status;
 }
 

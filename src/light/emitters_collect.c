@@ -196,7 +196,7 @@ static fathom_status emitters_open_skies(fathom_context *context, emitters *e) {
         e->sky_count += status == FATHOM_OK;
     }
     for (size_t i = 0; i < scene->environments.count && status == FATHOM_OK; ++i) {
-        status = environment_create(context, &scene->environments.items[i], &e->skies[i].image);
+        status = environment_open(context, scene, (fathom_id)i, &e->skies[i].image);
         e->sky_count += status == FATHOM_OK;
     }
     share_outside(e);

@@ -2,6 +2,7 @@
 
 #include "light/environment_read.h"
 #include "light/studio.h"
+#include "scene/scene.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -63,6 +64,13 @@ fathom_status environment_create(fathom_context *context, const fathom_light *li
     e->sky.axes[2] = turned_up((vec3_f64){sine, 0, cosine}, up);
     *out = e;
     return finish(context, out);
+}
+
+fathom_status environment_open(fathom_context *context, const fathom_scene *scene, fathom_id id,
+                               environment **out) {
+    const fathom_status status = environment_create(context, &scene->environments.items[id], out);
+    const fathom_place *place = scene_origin_find(scene, SCENE_PART_ENVIRONMENT, id);
+    return status == FATHOM_BAD_INPUT && place ? fail_within(context, status, place) : status;
 }
 
 void environment_brightest(const environment *e, float out[3]) {

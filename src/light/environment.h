@@ -13,6 +13,9 @@ typedef struct environment environment;
  * linear or holds a NaN or an infinity. Negative texels become 0, with a warning. Release with
  * environment_destroy(). */
 fathom_status environment_create(fathom_context *context, const fathom_light *light, environment **out);
+/* The same for an environment of the scene; a message also has the place in the scene's file. */
+fathom_status environment_open(fathom_context *context, const fathom_scene *scene, fathom_id id,
+                               environment **out);
 /* The built-in studio (studio.h), for a camera that looks along -z; `up` is a unit vector. */
 fathom_status environment_studio(fathom_context *context, vec3_f64 z, vec3_f64 up, environment **out);
 void environment_destroy(environment *e);

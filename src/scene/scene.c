@@ -57,7 +57,7 @@ void fathom_scene_destroy(fathom_scene *scene) {
     array_free(&scene->meshes);
     array_free(&scene->mesh_facts);
     array_free(&scene->instances);
-    array_free(&scene->moved);
+    array_free(&scene->origins);
     array_free(&scene->cameras);
     array_free(&scene->grouped_lights);
     free(scene->name);
@@ -71,13 +71,18 @@ fathom_scene scene_through(const fathom_scene *scene, fathom_context *context) {
     return view;
 }
 
+const fathom_place *scene_origin_find(const fathom_scene *scene, scene_part part, fathom_id id) {
+    for (size_t i = 0; i < scene->origins.count; ++i) {
+        const scene_origin *o = &scene->origins.items[i];
+        if (o->part == part && o->id == id) return &o->place;
+    }
+    return NULL;
+}
+
 fathom_status scene_fail_instance(const fathom_scene *scene, fathom_id instance, const char *text) {
     const char *name = scene->groups.items[scene->instances.items[instance].group];
-    for (size_t i = 0; i < scene->moved.count; ++i) {
-        const scene_moved *m = &scene->moved.items[i];
-        if (m->instance == instance)
-            return fail_field(scene->context, FATHOM_BAD_INPUT, m->field, "%s", text);
-    }
+    const fathom_place *place = scene_origin_find(scene, SCENE_PART_MOVED, instance);
+    if (place) return fail_at(scene->context, FATHOM_BAD_INPUT, place, "%s", text);
     if (!name) return fail(scene->context, FATHOM_BAD_INPUT, "instance %u: %s", instance, text);
     return fail(scene->context, FATHOM_BAD_INPUT, "instance %u, of \"%.60s\": %s", instance, name, text);
 }

@@ -35,11 +35,16 @@ typedef struct scene_camera {
     bool orthographic;
 } scene_camera;
 
-/* Which part of the scene's file places an instance that moves: for messages. */
-typedef struct scene_moved {
-    fathom_id instance;
-    const char *field; /* the scene's */
-} scene_moved;
+/* Parts of a scene that can turn out to be wrong after reading: an instance that moves, an environment, the
+ * color space of a texture. */
+typedef enum scene_part { SCENE_PART_MOVED, SCENE_PART_ENVIRONMENT, SCENE_PART_COLOR_SPACE } scene_part;
+
+/* The place in the scene's file that gives a part: for messages. */
+typedef struct scene_origin {
+    scene_part part;
+    fathom_id id;       /* of the instance, environment or texture */
+    fathom_place place; /* the scene owns its texts */
+} scene_origin;
 
 typedef struct scene_named_material {
     fathom_material value;
@@ -79,7 +84,7 @@ struct fathom_scene {
     ARRAY(fathom_mesh) meshes;
     ARRAY(mesh_facts) mesh_facts; /* parallel to meshes */
     ARRAY(fathom_instance) instances;
-    ARRAY(scene_moved) moved; /* some of those that move, in ascending order */
+    ARRAY(scene_origin) origins; /* of some parts */
     ARRAY(scene_blob) blobs;
     fathom_camera camera;
     bool has_camera;
@@ -222,6 +227,9 @@ static inline uint64_t settings_pixels(const fathom_settings *s) {
     const settings_region r = settings_region_of(s);
     return (uint64_t)r.width * r.height;
 }
+
+/* The place in the scene's file that gives the part; NULL: it is not known. */
+const fathom_place *scene_origin_find(const fathom_scene *scene, scene_part part, fathom_id id);
 
 /* FATHOM_BAD_INPUT about an instance: at its field in the file where it has one, else by number and name. */
 fathom_status scene_fail_instance(const fathom_scene *scene, fathom_id instance, const char *text);

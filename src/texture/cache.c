@@ -72,15 +72,24 @@ static void check_mime(fathom_context *context, const fathom_texture *t, const c
     }
 }
 
-static fathom_status open_image(texture_cache *cache, fathom_context *context, const fathom_texture *t,
-                                cache_image **out) {
+/* FATHOM_BAD_USAGE is about the color space or its config, not about the image. */
+static fathom_status fail_open(fathom_context *context, const fathom_scene *scene, fathom_id id,
+                               fathom_status status, const char *why) {
+    const fathom_place *place = scene_origin_find(scene, SCENE_PART_COLOR_SPACE, id);
+    if (status == FATHOM_BAD_USAGE && place) return fail_at(context, FATHOM_BAD_INPUT, place, "%s", why);
+    return fail_file(context, status == FATHOM_BAD_USAGE ? FATHOM_BAD_INPUT : status,
+                     cache_name(&scene->textures.items[id]), "cannot be read as a texture: %s",
+                     *why ? why : "out of memory");
+}
+
+static fathom_status open_image(texture_cache *cache, fathom_context *context, const fathom_scene *scene,
+                                fathom_id id, cache_image **out) {
+    const fathom_texture *t = &scene->textures.items[id];
     cache_image *img = *out = &cache->images[cache->image_count];
     image_message why = {""};
     img->texture = t;
     fathom_status status = cache_open_source(cache, t, &img->source, &img->info, &why);
-    if (status != FATHOM_OK)
-        return fail_file(context, status == FATHOM_BAD_USAGE ? FATHOM_BAD_INPUT : status, cache_name(t),
-                         "cannot be read as a texture: %s", why.text[0] ? why.text : "out of memory");
+    if (status != FATHOM_OK) return fail_open(context, scene, id, status, why.text);
     cache_close_source(img);
     pthread_mutex_init(&img->lock, NULL);
     ++cache->image_count;
@@ -164,7 +173,7 @@ static fathom_status open_all(texture_cache *cache, fathom_context *context, con
     for (size_t i = 0; status == FATHOM_OK && i < cache->count; ++i) {
         const fathom_texture *t = &scene->textures.items[i];
         cache_image *img = find_image(cache, t);
-        if (!img) status = open_image(cache, context, t, &img);
+        if (!img) status = open_image(cache, context, scene, (fathom_id)i, &img);
         cache->slots[i] = (cache_slot){img, t->wrap_u, t->wrap_v, t->filter};
     }
     return status;

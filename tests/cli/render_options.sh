@@ -242,6 +242,14 @@ said err.txt 'the classic integrator has no light from images'
 run 3 render ball.glb -o a.png --environment no.hdr
 said err.txt 'no.hdr'
 
+# What cannot be read only turns out in the render; the scene's line and field are named all the same.
+echo no image >cut.pfm
+sed 's/sky.pfm/cut.pfm/' one_sky.json >cut_sky.json
+for integrator in path reference; do
+    run 3 render cut_sky.json -o a.png --integrator $integrator
+    said err.txt 'fathom: cut_sky.json:2: lights[0].file: cut.pfm: '
+done
+run 0 render cut_sky.json -o a.png --environment sky.pfm --spp 1
 # A file's own spp and pattern, meant for path tracing, are judged only once the options are applied.
 printf '{"image": {"width": 8, "height": 8, "spp": 128}, "objects": [{"type": "sphere", "center": [0, 0, 0],
 "radius": 1}]}' >path.json

@@ -16,6 +16,9 @@ run 0 compare a.png level.tif
 refused 3 'scene.json: cannot be read as a texture' texture scene.json -o b.tx
 refused 3 'absent.png: ' texture absent.png -o b.tx
 refused 3 'no color space "mauve"; expected one of: "Linear Rec.709"' texture a.png -o b.tx --color mauve
+printf '{"materials": {"m": {"kdTexture": {"file": "a.png",\n"colorSpace": "mauve"}}}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}]}' >mauve.json
+refused 3 'mauve.json:2: materials.m.kdTexture.colorSpace: no color space "mauve"; expected one of: "Linear Rec.709"' \
+    render mauve.json -o b.png
 refused 2 'expected a name that ends in .tx, .tif or .tiff' texture a.png -o b.png
 head -c 3000 a.png >cut.png
 refused 3 'cut.png: cannot be read as a texture' texture cut.png -o b.tx

@@ -135,7 +135,7 @@ static void written_defaults_change_nothing(void **state) {
         {"point", LIGHT("\"type\": \"point\", \"position\": [1, 2, 3]")},
         {"directional", LIGHT("\"type\": \"directional\", \"direction\": [1, 2, 3]")},
         {"sun", LIGHT("\"type\": \"sun\", \"direction\": [1, 2, 3]")},
-        {"environment", LIGHT("\"type\": \"environment\", \"file\": \"sky.exr\"")},
+        {"environment", LIGHT("\"type\": \"environment\", \"file\": \"triangle.obj\"")},
         {"spot", LIGHT("\"type\": \"spot\", \"position\": [1, 2, 3], \"target\": [0, 0, 0]")},
         {"sphere", OBJECT("\"type\": \"sphere\", \"center\": [1, 2, 3], \"radius\": 1")},
         {"quad", OBJECT("\"type\": \"quad\", \"center\": [1, 2, 3], \"u\": [1, 0, 0], \"v\": [0, 1, 0]")},

@@ -199,33 +199,42 @@ static void set_light(json_t *value, const form_light_values *v, fathom_light *l
 }
 
 /* Six files may be links that lead out of the folder. */
-static fathom_status confine_faces(const object_reader *r, const char *path, const char *name) {
+static fathom_status check_faces(const object_reader *r, const char *path, const char *name) {
+    fathom_context *context = r->scene->context;
     file_faces files;
-    if (!strstr(path, FILE_FACE)) return FATHOM_OK;
-    fathom_status status = file_faces_open(r->scene->context, path, &files);
-    for (unsigned i = 0; status == FATHOM_OK && r->scene->top && i < files.count; ++i)
-        status = file_confine(r->scene->context, r->scene->top, files.paths[i], name);
+    fathom_status status = file_faces_open(context, path, &files);
+    for (unsigned i = 0; status == FATHOM_OK && i < files.count; ++i) {
+        file_map map;
+        if (r->scene->top && files.count > 1)
+            status = file_confine(context, r->scene->top, files.paths[i], name);
+        if (status == FATHOM_OK) status = file_open(context, files.paths[i], &map);
+        if (status == FATHOM_OK) file_close(&map);
+    }
     file_faces_close(&files);
     return status;
 }
 
-/* The image's path is relative to the scene file. */
+/* The image's path is relative to the scene file. An environment that the caller asked for takes its place.
+ */
 static fathom_status add_environment(const object_reader *r, const where *at, const char *name,
                                      fathom_light *light) {
     const where file = {at, "file", 0};
+    const bool replaced = r->scene->asked && r->scene->asked->environment;
+    fathom_id id;
     char *path;
     if (!*name) return doc_fail(r->doc, &file, "expected the name of a file, found \"\"");
     fathom_status status = read_beside(r->scene, r->doc->path, name, &path);
     if (status != FATHOM_OK) return doc_within(r->doc, &file, status);
-    status = confine_faces(r, path, name);
+    if (!replaced) status = check_faces(r, path, name);
     if (status != FATHOM_OK) {
         free(path);
         return doc_within(r->doc, &file, status);
     }
     light->file = path;
-    status = fathom_scene_add_light(r->scene, light, NULL);
+    status = fathom_scene_add_light(r->scene, light, &id);
     free(path);
-    return status == FATHOM_OK ? status : doc_within(r->doc, at, status);
+    if (status != FATHOM_OK) return doc_within(r->doc, at, status);
+    return replaced ? FATHOM_OK : place_origin(r, &file, SCENE_PART_ENVIRONMENT, id);
 }
 
 static fathom_status group_light(const object_reader *r, const where *at, const form_light_values *v,

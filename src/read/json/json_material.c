@@ -20,6 +20,19 @@ static void set_space(const form_texture_values *v, int kind, fathom_texture *ou
     if (strcmp(v->color_space, "linear") == 0) out->color_space = FATHOM_COLOR_LINEAR;
 }
 
+/* True if the texture is the first with its named color space. If the name is unknown, this one fails. */
+static bool begins_space(const fathom_scene *scene, fathom_id id) {
+    const fathom_texture *all = scene->textures.items;
+    if (all[id].color_space != FATHOM_COLOR_NAMED || scene_origin_find(scene, SCENE_PART_COLOR_SPACE, id))
+        return false;
+    for (fathom_id i = 0; i < id; ++i) {
+        if (all[i].color_space == FATHOM_COLOR_NAMED &&
+            strcmp(all[i].color_space_name, all[id].color_space_name) == 0)
+            return false;
+    }
+    return true;
+}
+
 /* As in glTF's KHR_texture_transform: scale, then rotation, then offset. */
 static void set_transform(const form_texture_values *v, float out[6]) {
     const double turn = place_radians(v->rotation), c = cos(turn), s = sin(turn);
@@ -29,7 +42,7 @@ static void set_transform(const form_texture_values *v, float out[6]) {
 
 static fathom_status add_texture(const object_reader *r, const where *at, const form_texture_values *v,
                                  int kind, fathom_map *out) {
-    const where file = {at, "file", 0};
+    const where file = {at, "file", 0}, space = {at, "colorSpace", 0};
     fathom_texture t;
     char *path;
     fathom_texture_default(&t);
@@ -44,7 +57,10 @@ static fathom_status add_texture(const object_reader *r, const where *at, const 
     set_transform(v, out->transform);
     status = fathom_scene_add_texture(r->scene, &t, &out->texture);
     free(path);
-    return status == FATHOM_OK ? status : doc_within(r->doc, &file, status);
+    if (status != FATHOM_OK) return doc_within(r->doc, &file, status);
+    return begins_space(r->scene, out->texture)
+               ? place_origin(r, &space, SCENE_PART_COLOR_SPACE, out->texture)
+               : FATHOM_OK;
 }
 
 /* The key of a map in the form. */

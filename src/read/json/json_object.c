@@ -216,17 +216,6 @@ static void warn_of_spin(const object_reader *r, const where *at, json_t *keys) 
     }
 }
 
-static fathom_status note_moved(const object_reader *r, const where *at, fathom_id id) {
-    char path[512];
-    void *field;
-    where_path(at, path, sizeof path);
-    fathom_status status = scene_allocate(r->scene, strlen(path) + 1, &field);
-    if (status != FATHOM_OK) return status;
-    strcpy(field, path);
-    const scene_moved moved = {id, field};
-    return array_push(&r->scene->moved, moved) ? FATHOM_OK : fail_memory(r->scene->context, sizeof moved);
-}
-
 LEAF fathom_status add_instance(const object_reader *r, const where *at, const object *o, fathom_id parent,
                                 fathom_id group) {
     fathom_instance instance;
@@ -249,7 +238,7 @@ LEAF fathom_status add_instance(const object_reader *r, const where *at, const o
     free(keys);
     if (status == FATHOM_OK && instance.key_count > 1) {
         warn_of_spin(r, at, o->values.motion);
-        status = note_moved(r, at, id);
+        status = place_origin(r, at, SCENE_PART_MOVED, id);
     }
     return status;
 }

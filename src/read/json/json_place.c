@@ -12,6 +12,23 @@ static bool right_angle(vec3_f64 a, vec3_f64 b) {
     return fabs(dot_f64(normalize_f64(a), normalize_f64(b))) <= 1.8e-3;
 }
 
+/* There may be many moving instances, and each line takes a search of the text, so these have none. */
+fathom_status place_origin(const object_reader *r, const where *at, scene_part part, fathom_id id) {
+    doc_spot spot = {.place.field = spot.path};
+    if (part == SCENE_PART_MOVED)
+        where_path(at, spot.path, sizeof spot.path);
+    else
+        doc_place(r->doc, at, &spot);
+    const size_t file = spot.place.file ? strlen(spot.place.file) + 1 : 0, field = strlen(spot.path) + 1;
+    void *texts;
+    fathom_status status = scene_allocate(r->scene, file + field, &texts);
+    if (status != FATHOM_OK) return status;
+    if (file) spot.place.file = memcpy(texts, spot.place.file, file);
+    spot.place.field = memcpy((char *)texts + file, spot.path, field);
+    const scene_origin origin = {part, id, spot.place};
+    return array_push(&r->scene->origins, origin) ? FATHOM_OK : fail_memory(r->scene->context, sizeof origin);
+}
+
 fathom_status place_frame(const doc *d, const where *at, json_t *value, const form_frame_values *values,
                           frame_f64 *out) {
     vec3_f64 x = load_f64(values->x), y = load_f64(values->y), z = load_f64(values->z);

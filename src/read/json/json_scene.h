@@ -33,6 +33,9 @@ fathom_status place_frame(const doc *d, const where *at, json_t *value, const fo
 
 double place_radians(double degrees);
 
+/* Stores the place of a part for messages after reading. */
+fathom_status place_origin(const object_reader *r, const where *at, scene_part part, fathom_id id);
+
 /* The transform that an object's placement keys describe; *placed is false if it has no such keys. */
 fathom_status place_object(const doc *d, const where *at, json_t *object, const form_place_values *values,
                            affine_f64 *out, bool *placed);
