@@ -121,6 +121,7 @@ same a.png a.tif
 sed 's/"intensity": 25/"intensity": 20000/' scene.json >bright.json
 run 0 render bright.json -o a.png
 said err.txt 'fathom: warning: bright.json: a light of intensity 20000 clips '
+said err.txt ' % of the pixels that show objects, so the exposure is '
 exposure=$(sed -n 's/.*the exposure is \([-0-9.]*\);.*/\1/p' err.txt)
 run 0 render bright.json -o b.png --exposure 0
 said err.txt "try --exposure $exposure, or --exposure auto"
@@ -155,7 +156,7 @@ for white in 1 0.4; do
 done
 sed 's/"intensity": 25/"intensity": 0.01/; s/"background": .*/"background": [0, 0, 0],/' scene.json >dark.json
 run 0 render dark.json -o a.png
-said err.txt 'of the pixels are nearly black, below 8 of 255 levels, so the exposure is '
+said err.txt 'of the lit pixels are nearly black, below 8 of 255 levels, so the exposure is '
 run 0 render dark.json -o b.png --exposure auto
 same a.png b.png
 sed 's/"lights": .*/"lights": [],/' scene.json >black.json
@@ -241,7 +242,6 @@ run 2 render ball.glb -o a.png --environment sky.pfm --integrator classic
 said err.txt 'the classic integrator has no light from images'
 run 3 render ball.glb -o a.png --environment no.hdr
 said err.txt 'no.hdr'
-
 # What cannot be read only turns out in the render; the scene's line and field are named all the same.
 echo no image >cut.pfm
 sed 's/sky.pfm/cut.pfm/' one_sky.json >cut_sky.json
@@ -250,6 +250,7 @@ for integrator in path reference; do
     said err.txt 'fathom: cut_sky.json:2: lights[0].file: cut.pfm: '
 done
 run 0 render cut_sky.json -o a.png --environment sky.pfm --spp 1
+
 # A file's own spp and pattern, meant for path tracing, are judged only once the options are applied.
 printf '{"image": {"width": 8, "height": 8, "spp": 128}, "objects": [{"type": "sphere", "center": [0, 0, 0],
 "radius": 1}]}' >path.json

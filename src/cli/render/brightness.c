@@ -57,12 +57,12 @@ static bool shows_little(const fathom_scene *scene, const fathom_brightness *b, 
         const float most = scene ? strongest(scene) : -1;
         char light[64] = "what it shows clips";
         if (most >= 0) snprintf(light, sizeof light, "a light of intensity %.5g clips", (double)most);
-        snprintf(out, 160, "%s %.0f %% of the pixels", light,
+        snprintf(out, 160, "%s %.0f %% of the pixels that show objects", light,
                  floor(100 * (double)b->clipped / (double)b->pixels));
         return true;
     }
     if (exp2((double)(exposure - b->exposure)) >= DARK) return false;
-    snprintf(out, 160, "99 %% of the pixels are nearly black, below 8 of 255 levels");
+    snprintf(out, 160, "99 %% of the lit pixels are nearly black, below 8 of 255 levels");
     return true;
 }
 
