@@ -246,6 +246,7 @@ static fathom_status group_light(const object_reader *r, const where *at, const 
 }
 
 static fathom_status add_light(const object_reader *r, const where *at, json_t *value) {
+    const where target = {at, "target", 0};
     const form *f;
     fathom_status status = doc_choose(r->doc, at, value, &form_light, &f);
     if (status != FATHOM_OK) return status;
@@ -257,6 +258,8 @@ static fathom_status add_light(const object_reader *r, const where *at, json_t *
     fathom_light_default(&light);
     light.type = light_type((form_light_id)f->id);
     set_light(value, &v, &light);
+    if (doc_has(value, "target") && !(length_f64(load_f64(light.direction)) > 0))
+        return doc_fail(r->doc, &target, "it is the light's position; expected another point to shine at");
     if (f->id == FORM_SUN) light.angular_radius = (float)place_radians(v.angular_diameter / 2);
     if (f->id == FORM_ENVIRONMENT) {
         status = add_environment(r, at, v.file, &light);
