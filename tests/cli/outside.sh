@@ -93,7 +93,8 @@ image() {
 for bad in no%20ne.png ../none.png ../secret/ball.ply '..%5C..%5Csecret%5Cball.ply' "$PWD/secret/ball.ply"; do
     image "$bad"
     run 0 info box/a.gltf
-    said out.txt 'box/a.gltf: images[0].uri: there is no such file that may be read; it is left out (1 such)'
+    said out.txt 'box/a.gltf: images[0].uri: "'
+    said out.txt "$(printf %s "$bad" | tail -c 60)\": there is no such file that may be read; it is left out (1 such)"
 done
 
 # MTL libraries: a model is shown without those that may not be read.

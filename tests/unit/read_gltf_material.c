@@ -186,7 +186,7 @@ static void textures_without_images_become_even_values(void **state) {
     }
     assert_false(material_has_maps(&scene->materials.items[1].value));
     assert_int_equal(f->warnings, 1);
-    assert_non_null(strstr(f->warning, "images[0].uri: there is no such file"));
+    assert_non_null(strstr(f->warning, "images[0].uri: \"no.png\": there is no such file"));
     fathom_scene_destroy(scene);
 }
 

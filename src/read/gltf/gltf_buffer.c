@@ -212,10 +212,18 @@ static char *path_of(gltf *g, const gltf_value *at, const char *uri,
 }
 
 char *gltf_image_path(gltf *g, const gltf_value *at, const char *uri) {
+    enum { SHOWN = 60 }; /* the end of a long uri has the file's name */
+    const size_t length = strlen(uri);
+    const bool cut = length > SHOWN;
+    const char *name = NULL;
+    char place[128];
     char *path = path_of(g, at, uri, read_image_beside);
-    if (!path && gltf_fine(g))
-        gltf_note(g, at, "uri", "there is no such file that may be read; it is left out");
-    return path;
+    gltf_text(g, at, "name", &name);
+    if (path || !gltf_fine(g)) return path;
+    snprintf(place, sizeof place, ": images[%zu].uri: \"%s%s\"%s%.30s%s", at->index, cut ? "..." : "",
+             uri + (cut ? length - SHOWN : 0), name ? " (named \"" : "", name ? name : "", name ? "\")" : "");
+    notes_add(&g->notes, 1, place, "there is no such file that may be read; it is left out");
+    return NULL;
 }
 
 static void load_file(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
