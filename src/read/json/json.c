@@ -86,7 +86,7 @@ static fathom_status set_camera(const object_reader *r, json_t *value, const for
     }
     if (status == FATHOM_OK) {
         status = fathom_scene_set_camera(r->scene, &camera);
-        if (status != FATHOM_OK) status = doc_within(r->doc, &at, status);
+        if (status != FATHOM_OK) status = place_within(r, &at, "motion", status);
     }
     free(keys);
     return status;

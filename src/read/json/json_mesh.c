@@ -278,7 +278,7 @@ fathom_status mesh_inline(const object_reader *r, const where *at, const form_ob
     fathom_status status = load_inline(r, at, o, &arrays);
     if (status == FATHOM_OK) {
         status = add_arrays(r, group, &arrays, material, flags);
-        if (status != FATHOM_OK) status = doc_within(r->doc, at, status);
+        if (status != FATHOM_OK) status = place_within(r, at, "vertexKeys", status);
     }
     free(arrays.positions), free(arrays.normals), free(arrays.uvs), free(arrays.indices);
     free(arrays.uvs_1), free(arrays.colors), free(arrays.tangents);

@@ -233,7 +233,7 @@ LEAF fathom_status add_instance(const object_reader *r, const where *at, const o
     }
     if (status == FATHOM_OK) {
         status = fathom_scene_add_instance(r->scene, &instance, &id);
-        if (status != FATHOM_OK) status = doc_within(r->doc, at, status);
+        if (status != FATHOM_OK) status = place_within(r, at, "motion", status);
     }
     free(keys);
     if (status == FATHOM_OK && instance.key_count > 1) {

@@ -1,6 +1,7 @@
 /* Frames, transforms and their motion in scene JSON. */
 #include "read/json/json_scene.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -109,4 +110,16 @@ fathom_status place_motion(const object_reader *r, const where *at, json_t *list
         memcpy(*keys + n + 12 * k, map.m, sizeof map.m);
     }
     return FATHOM_OK;
+}
+
+fathom_status place_within(const object_reader *r, const where *at, const char *list, fathom_status status) {
+    const fathom_error *error = fathom_context_error(r->doc->context);
+    unsigned k;
+    char of[16];
+    const char *field = error->place->field;
+    /* The camera's own errors name it already. */
+    if (at->key && strcmp(field, at->key) == 0) return doc_within(r->doc, at->parent, status);
+    if (sscanf(field, "key_%15[a-z][%u]", of, &k) != 2) return doc_within(r->doc, at, status);
+    const where keys = {at, list, 0}, key = {&keys, NULL, k}, time = {&key, "time", 0};
+    return doc_fail(r->doc, strcmp(of, "times") == 0 ? &time : &key, "%s", error->text);
 }

@@ -47,6 +47,9 @@ typedef fathom_status place_key_reader(const object_reader *r, const where *at, 
  * numbers, row by row. The caller frees *keys, even after a failure. */
 fathom_status place_motion(const object_reader *r, const where *at, json_t *list, place_key_reader *read,
                            uint32_t *count, double **keys);
+/* doc_within() for an object, mesh or camera with keys in its member `list`: an error about item k of
+ * key_times, key_transforms… is placed at key k. */
+fathom_status place_within(const object_reader *r, const where *at, const char *list, fathom_status status);
 
 /* ---- triangles (json_mesh.c) ---- */
 

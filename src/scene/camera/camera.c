@@ -40,40 +40,40 @@ static bool is_frame(const fathom_camera *camera) {
 
 static fathom_status check_camera(fathom_context *context, const fathom_camera *camera) {
     if (!is_frame(camera)) {
-        return fail(
-            context, FATHOM_BAD_INPUT,
-            "camera: the axes are not a right-handed frame of unit vectors at right angles, or not finite");
+        return fail_field(
+            context, FATHOM_BAD_INPUT, "camera",
+            "the axes are not a right-handed frame of unit vectors at right angles, or not finite");
     }
     if (!(camera->d > 0 && camera->h > 0 && camera->w >= 0) || !isfinite(camera->d + camera->h + camera->w)) {
-        return fail(
-            context, FATHOM_BAD_INPUT,
-            "camera: expected d > 0, h > 0 and w >= 0, found d %g, h %g and w %g; a field of view must lie "
+        return fail_field(
+            context, FATHOM_BAD_INPUT, "camera",
+            "expected d > 0, h > 0 and w >= 0, found d %g, h %g and w %g; a field of view must lie "
             "between 0 and 180 degrees",
             camera->d, camera->h, camera->w);
     }
     const bool lens = camera->lens_radius != 0;
     if (camera->orthographic && (lens || camera->w > 0))
-        return fail(
-            context, FATHOM_BAD_INPUT,
-            "camera: expected neither a lens nor w of an orthographic one, found a lens radius of %g and "
+        return fail_field(
+            context, FATHOM_BAD_INPUT, "camera",
+            "expected neither a lens nor w of an orthographic one, found a lens radius of %g and "
             "w %g; it has no plane of focus, and its pixels are square",
             camera->lens_radius, camera->w);
     if (!(camera->lens_radius >= 0) || isinf(camera->lens_radius) ||
         (lens && !(camera->focus_distance > 0 && isfinite(camera->focus_distance)))) {
-        return fail(context, FATHOM_BAD_INPUT,
-                    "camera: expected a lens radius of at least 0, and with a lens a focus distance above 0; "
-                    "found %g and %g",
-                    camera->lens_radius, camera->focus_distance);
+        return fail_field(context, FATHOM_BAD_INPUT, "camera",
+                          "expected a lens radius of at least 0, and with a lens a focus distance above 0; "
+                          "found %g and %g",
+                          camera->lens_radius, camera->focus_distance);
     }
     if (camera->blades && (camera->blades < 3 || camera->blades > 64 || !isfinite(camera->blade_rotation)))
-        return fail(context, FATHOM_BAD_INPUT,
-                    "camera: expected no blades or 3 to 64, and a finite rotation; found %u and %g",
-                    camera->blades, camera->blade_rotation);
+        return fail_field(context, FATHOM_BAD_INPUT, "camera",
+                          "expected no blades or 3 to 64, and a finite rotation; found %u and %g",
+                          camera->blades, camera->blade_rotation);
     if (!isfinite(camera->shutter[0]) || !isfinite(camera->shutter[1]) ||
         camera->shutter[1] < camera->shutter[0])
-        return fail(
-            context, FATHOM_BAD_INPUT,
-            "camera: expected a shutter that opens, and then closes, at finite times; found %g and %g",
+        return fail_field(
+            context, FATHOM_BAD_INPUT, "shutter",
+            "expected a time when it opens, and then one when it closes, both finite; found %g and %g",
             camera->shutter[0], camera->shutter[1]);
     return FATHOM_OK;
 }
