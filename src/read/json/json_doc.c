@@ -8,7 +8,7 @@
 
 /* ---- errors and their places ---- */
 
-enum { TEXT_ROOM = 512 };
+enum { TEXT_ROOM = 512, KEYS_ROOM = 2048 };
 
 const fathom_place *doc_place(const doc *d, const where *at, doc_spot *spot) {
     where_path(at, spot->path, sizeof spot->path);
@@ -52,10 +52,19 @@ fathom_status doc_expected(const doc *d, const where *at, json_t *value, const c
 
 /* ---- unknown names ---- */
 
-/* Appends to a list in text, with `mark` around the word. */
+/* The key that selects a variant of the form. */
+static const char *tag_of(const form *f) { return f->tag ? f->tag : "type"; }
+
+/* Appends to a list in text, with `mark` around the word. From the first word without room on, "..." stands
+ * for all. */
 static void list_word(char *text, size_t room, const char *word, const char *mark) {
-    size_t used = strlen(text);
-    snprintf(text + used, room - used, "%s%s%s%s", used ? ", " : "", mark, word, mark);
+    static const char more[] = ", ...";
+    const size_t used = strlen(text), end = sizeof more - 1;
+    if (used >= end && strcmp(text + used - end, more) == 0) return;
+    if (used + strlen(word) + 2 * strlen(mark) + 2 + sizeof more > room)
+        snprintf(text + used, room - used, "%s", more);
+    else
+        snprintf(text + used, room - used, "%s%s%s%s", used ? ", " : "", mark, word, mark);
 }
 
 fathom_status doc_unknown_name(const doc *d, const where *at, const char *what, const char *name,
@@ -75,14 +84,39 @@ fathom_status doc_unknown_name(const doc *d, const where *at, const char *what, 
     return doc_fail(d, at, "there is no %s \"%.60s\"; there are: %s", what, name, all);
 }
 
-static fathom_status fail_unknown_key(const doc *d, const where *at, const form *f) {
-    text_search search = text_search_begin(at->key);
-    char all[TEXT_ROOM] = "";
+/* Finds the key of `f` that is nearest to `wanted`. all: a list of the keys, or NULL. */
+static text_search search_keys(const form *f, const char *wanted, char *all) {
+    text_search search = text_search_begin(wanted);
     for (const form_key *const *part = f->parts; *part; ++part) {
         for (const form_key *key = *part; key->name; ++key) {
             text_search_offer(&search, key->name);
-            list_word(all, sizeof all, key->name, "");
+            if (all) list_word(all, KEYS_ROOM, key->name, "");
         }
+    }
+    return search;
+}
+
+/* The form that `f` is a variant of, or NULL. */
+static const form *family_of(const form *f) {
+    static const form *const families[] = {&form_material, &form_light, &form_object};
+    for (size_t i = 0; i < sizeof families / sizeof *families; ++i) {
+        for (const form *const *variant = families[i]->variants; *variant; ++variant)
+            if (*variant == f) return families[i];
+    }
+    return NULL;
+}
+
+/* The key may belong to another variant, such as a material of another model. */
+static fathom_status fail_unknown_key(const doc *d, const where *at, const form *f) {
+    char all[KEYS_ROOM] = "";
+    const text_search search = search_keys(f, at->key, all);
+    const form *family = family_of(f);
+    for (const form *const *other = family ? family->variants : NULL; other && *other; ++other) {
+        const text_search there = search_keys(*other, at->key, NULL);
+        if (*other == f || !there.best || (search.best && there.distance)) continue;
+        return doc_fail(d, at, "unknown key for \"%s\": \"%s\"%s; \"%s\": \"%s\" has \"%s\"", tag_of(family),
+                        f->name, family->tag && f == family->variants[0] ? ", the default" : "",
+                        tag_of(family), (*other)->name, there.best);
     }
     if (search.best) return doc_fail(d, at, "unknown key; did you mean \"%s\"?", search.best);
     return doc_fail(d, at, "unknown key; known here: %s", all);
@@ -330,7 +364,7 @@ fathom_status doc_read(const doc *d, const where *at, json_t *value, const form 
 
 fathom_status doc_choose(const doc *d, const where *at, json_t *value, const form *f, const form **out) {
     if (!json_is_object(value)) return doc_expected(d, at, value, "an object");
-    const where type = {at, f->tag ? f->tag : "type", 0};
+    const where type = {at, tag_of(f), 0};
     json_t *tag = json_object_get(value, type.key);
     *out = f->variants[0];
     if (!tag) return f->tag ? FATHOM_OK : fail_missing(d, at, type.key, f);
