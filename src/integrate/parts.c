@@ -5,13 +5,6 @@
 
 #include <stdio.h>
 
-static bool any_vertex_alpha(const fathom_scene *scene) {
-    for (size_t i = 0; i < scene->meshes.count; ++i) {
-        if (scene->meshes.items[i].colors && scene->meshes.items[i].color_channels > 3) return true;
-    }
-    return false;
-}
-
 /* A map of opacity lets light pass straight through. */
 static unsigned features_of(const fathom_scene *scene, fathom_id material) {
     const scene_named_material *m = &scene->materials.items[material];
@@ -21,7 +14,7 @@ static unsigned features_of(const fathom_scene *scene, fathom_id material) {
 
 unsigned parts_features(const fathom_scene *scene) {
     const bool own = absent_by_own_material(scene);
-    unsigned features = any_vertex_alpha(scene) ? MATERIAL_REFRACT : 0;
+    unsigned features = scene_has_opacities(scene) ? MATERIAL_REFRACT : 0;
     for (size_t i = 0; i < scene->objects.count; ++i) {
         if (own && absent_object(scene, (fathom_id)i)) continue;
         features |= features_of(scene, scene_object_material(scene, (fathom_id)i));

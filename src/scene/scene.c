@@ -211,6 +211,14 @@ uint64_t scene_primitives(const fathom_scene *scene) {
            scene->planes.count;
 }
 
+bool scene_has_opacities(const fathom_scene *scene) {
+    for (size_t i = 0; i < scene->meshes.count; ++i) {
+        const fathom_mesh *mesh = &scene->meshes.items[i];
+        if (mesh->colors && mesh->color_channels == 4) return true;
+    }
+    return false;
+}
+
 fathom_id scene_object_material(const fathom_scene *scene, fathom_id id) {
     scene_object object = scene->objects.items[id];
     switch (object.kind) {

@@ -148,6 +148,8 @@ fathom_id scene_find_material(const fathom_scene *scene, const char *name);
 bool material_has_maps(const fathom_material *material);
 /* True when the material needs the tangent (direction of u) of the surface. */
 bool material_is_directed(const fathom_material *material);
+/* True when the vertices of some mesh have opacities. */
+bool scene_has_opacities(const fathom_scene *scene);
 /* The opacity; with a cutoff it is 0 or 1. */
 float material_opacity(const fathom_material *material);
 

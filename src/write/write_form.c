@@ -54,14 +54,17 @@ static bool named_differs(const form *f, const char *name, const void *values, c
     return key && differs(key, values, usual);
 }
 
-/* True if all keys that this key needs are written. */
+/* True if the keys that this key needs, or has no effect without, are written. */
 static bool has_needed(const form *f, const form_key *key, const void *values, const void *usual) {
     for (const form_rule *const *part = f->rules; *part; ++part) {
         for (const form_rule *rule = *part; rule->kind != FORM_NO_RULE; ++rule) {
-            if (rule->kind != FORM_NEEDS || strcmp(rule->key, key->name) != 0) continue;
-            for (const char *const *other = rule->others; *other; ++other) {
-                if (!named_differs(f, *other, values, usual)) return false;
-            }
+            const bool one = rule->kind == FORM_WANTS_ONE_OF,
+                       all = rule->kind == FORM_NEEDS || rule->kind == FORM_WANTS;
+            size_t count = 0, written = 0;
+            if (!(one || all) || strcmp(rule->key, key->name) != 0) continue;
+            for (const char *const *other = rule->others; *other; ++other, ++count)
+                written += named_differs(f, *other, values, usual);
+            if (all ? written < count : !written) return false;
         }
     }
     return true;

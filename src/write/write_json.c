@@ -114,6 +114,8 @@ static void put_material(const json_out *o, fathom_id id) {
     v = usual;
     v.material = *m;
     if (m->k_a[0] < 0) memcpy(v.material.k_a, usual.material.k_a, sizeof m->k_a);
+    /* The opacities of meshes are cut too, so the cutoff is written, which takes a key for opacity. */
+    if (m->opacity_cutoff > 0 && scene_has_opacities(o->scene)) usual.material.opacity = NAN;
     v.group = json_light_group(o->scene, FATHOM_SOURCE_MATERIAL, id);
     for (int k = 0; k < FATHOM_MAPS; ++k) {
         if (m->maps[k].texture != FATHOM_NONE) set_texture(o, &m->maps[k], k, &v.textures[k]);

@@ -173,3 +173,62 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n' >cloud.obj
 run 0 info cloud.obj
 said out.txt 'triangles 0 in 0 meshes'
 said out.txt 'shapes    3 points in 1 cloud, 0 spheres'
+
+# Keys of scene JSON without effect are problems, each once; those of models, which exporters write, are none, and a
+# conversion leaves them out.
+run 0 render scene.json -o image.png
+useless() {
+    printf '{ "materials": { "m": { "model": "metallicRoughness",
+"baseColorTexture": { "file": "image.png",
+"channel": "g",
+"uvSet": 1 },
+"normalTexture": { "file": "image.png",
+"inverted": true },
+%s "sheenRoughness": 0.5,
+"emissiveStrength": 3,
+"clearcoatRoughness": 0.1,
+"iridescenceIor": 1.4,
+"anisotropyRotation": 1,
+"attenuationColor": [1, 0, 0],
+"attenuationDistance": 1,
+"bumpScale": 2,
+"opacityCutoff": 0.5 } },
+"objects": [ { "type": "mesh", "material": "m", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "indices": [[0, 1, 2]],
+"uvs": [[0, 0], [1, 0], [0, 1]]%s } ] }' "$1" "$2"
+}
+problems() { sed '1,/^problems/d' out.txt | sort -t : -k 2n; }
+useless '' '' >useless.json
+run 0 info useless.json
+problems >found.txt
+cat >expected.txt <<'TXT'
+  useless.json:3: materials.m.baseColorTexture.channel: it has no effect on this image
+  useless.json:4: materials.m.baseColorTexture.uvSet: a mesh with this material has no "uvs1", so each of its triangles shows half the image
+  useless.json:6: materials.m.normalTexture.inverted: it has no effect on this image
+  useless.json:7: materials.m.sheenRoughness: it has no effect without "sheenColor"
+  useless.json:8: materials.m.emissiveStrength: it has no effect without "emissive"
+  useless.json:9: materials.m.clearcoatRoughness: it has no effect without "clearcoat"
+  useless.json:10: materials.m.iridescenceIor: it has no effect without "iridescence"
+  useless.json:11: materials.m.anisotropyRotation: it has no effect without "anisotropy"
+  useless.json:12: materials.m.attenuationColor: it has no effect without "thickness", "transmission"
+  useless.json:13: materials.m.attenuationDistance: it has no effect without "thickness", "transmission"
+  useless.json:14: materials.m.bumpScale: it has no effect without "bumpTexture"
+  useless.json:15: materials.m.opacityCutoff: it has no effect without one of "opacity", "opacityTexture", "opacities"
+TXT
+diff expected.txt found.txt || die 'keys without effect'
+run 0 convert useless.json useless.glb
+run 0 info useless.glb
+not_said out.txt 'no effect'
+run 0 convert useless.glb again.json
+run 0 info again.json
+not_said out.txt 'no effect'
+useless '"sheenColor": [1, 1, 1], "emissive": [1, 1, 1], "clearcoat": 1, "iridescence": 1, "anisotropy": 1, "thickness": 1,
+"transmission": 1, "bumpTexture": { "file": "image.png" },' \
+    ', "uvs1": [[0, 0], [1, 0], [0, 1]], "colors": [[1, 1, 1], [1, 1, 1], [1, 1, 1]], "opacities": [[1], [1], [0]]' |
+    grep -v '"channel"\|"inverted"' | sed 's/"file": "image.png",/"file": "image.png"/; s/^"uvSet"/, &/; s/^"normalTexture.*/& },/' >useful.json
+run 0 info useful.json
+said out.txt 'problems  none'
+# Vertices have opacities, so the cutoff stays.
+run 0 convert useful.json again.json
+said again.json '"opacityCutoff":0.5'
+run 0 info again.json
+said out.txt 'problems  none'

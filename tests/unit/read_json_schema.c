@@ -83,7 +83,9 @@ static json_t *member(json_t *to, const char *key, json_t *(*make)(void)) {
     return value;
 }
 
+/* A schema has no warnings. */
 static void add_rule(json_t *schema, const form_rule *rule) {
+    if (rule->kind == FORM_WANTS || rule->kind == FORM_WANTS_ONE_OF) return;
     json_t *list = json_array();
     for (const char *const *other = rule->others; *other; ++other) {
         json_array_append_new(list, rule->kind == FORM_ONE_OF ? json_pack("{s:[s]}", "required", *other)

@@ -156,6 +156,23 @@ static fathom_status add_materials(const object_reader *r, json_t *materials) {
     return status;
 }
 
+/* Finding the line of each warning takes a search of the text, so a few warnings must do. */
+static void warn_materials(const object_reader *r, json_t *materials) {
+    enum { MOST_WARNINGS = 20 };
+    const where at = {NULL, "materials", 0};
+    const char *name;
+    json_t *value;
+    size_t told = 0;
+    json_object_foreach(materials, name, value) {
+        const where item = {&at, name, 0};
+        if (told >= MOST_WARNINGS) {
+            doc_warn(r->doc, &item, "keys without effect are not looked for from here on");
+            return;
+        }
+        told += material_warn(r, &item, name, value);
+    }
+}
+
 fathom_status light_group_set(const object_reader *r, const where *at, const char *key,
                               fathom_light_source source, size_t first, size_t end, const char *name) {
     const where named = {at, key, 0};
@@ -362,6 +379,7 @@ static fathom_status build(const object_reader *r, json_t *root, form_scene_valu
     if (status == FATHOM_OK) status = add_materials(r, v->materials);
     if (status == FATHOM_OK) status = add_lights(r, v->lights);
     if (status == FATHOM_OK) status = add_objects(r, v);
+    if (status == FATHOM_OK) warn_materials(r, v->materials);
     if (status == FATHOM_OK && doc_has(root, "camera"))
         status = set_camera(r, json_object_get(root, "camera"), &v->camera);
     if (doc_has(root, "lights")) scene->has_lights = true;

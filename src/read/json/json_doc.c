@@ -318,7 +318,8 @@ static fathom_status check_required(const doc *d, const where *at, json_t *value
 }
 
 static fathom_status check_rule(const doc *d, const where *at, json_t *value, const form_rule *rule) {
-    bool applies = rule->kind == FORM_ONE_OF || doc_has(value, rule->key);
+    const bool warns = rule->kind == FORM_WANTS || rule->kind == FORM_WANTS_ONE_OF;
+    bool applies = rule->kind == FORM_ONE_OF || (doc_has(value, rule->key) && !warns);
     if (!applies) return FATHOM_OK;
     size_t present = 0;
     for (const char *const *other = rule->others; *other; ++other) {
@@ -345,6 +346,32 @@ static fathom_status check_rules(const doc *d, const where *at, json_t *value, c
         }
     }
     return FATHOM_OK;
+}
+
+static bool warn_useless(const doc *d, const where *at, json_t *value, const form_rule *rule,
+                         const char *also) {
+    const where key = {at, rule->key, 0};
+    const bool one = rule->kind == FORM_WANTS_ONE_OF;
+    size_t count = 0, missing = 0;
+    char all[TEXT_ROOM] = "";
+    if ((rule->kind != FORM_WANTS && !one) || !doc_has(value, rule->key)) return false;
+    for (const char *const *other = rule->others; *other; ++other, ++count) {
+        if (doc_has(value, *other) || (also && strcmp(also, *other) == 0)) continue;
+        list_word(all, sizeof all, *other, "\"");
+        ++missing;
+    }
+    if (one ? missing < count : !missing) return false;
+    doc_warn(d, &key, "it has no effect without %s%s", one ? "one of " : "", all);
+    return true;
+}
+
+size_t doc_warn_useless(const doc *d, const where *at, json_t *value, const form *f, const char *also) {
+    size_t told = 0;
+    for (const form_rule *const *part = f->rules; *part; ++part) {
+        for (const form_rule *rule = *part; rule->kind != FORM_NO_RULE; ++rule)
+            told += warn_useless(d, at, value, rule, also);
+    }
+    return told;
 }
 
 fathom_status doc_read(const doc *d, const where *at, json_t *value, const form *f, void *to) {

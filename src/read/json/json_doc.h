@@ -38,6 +38,9 @@ fathom_status doc_unknown_name(const doc *d, const where *at, const char *what, 
 /* Reads an object by its form into the struct that the form fills. If a key is absent, its member is
  * unchanged. */
 fathom_status doc_read(const doc *d, const where *at, json_t *value, const form *f, void *to);
+/* Warns of the keys that have no effect, by the rules FORM_WANTS; returns their number. also: a key that
+ * counts as present, or NULL. */
+size_t doc_warn_useless(const doc *d, const where *at, json_t *value, const form *f, const char *also);
 /* Finds the variant that the object's "type", or the form's own tag, names. */
 fathom_status doc_choose(const doc *d, const where *at, json_t *value, const form *f, const form **out);
 

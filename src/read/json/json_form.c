@@ -183,6 +183,21 @@ static const form_rule metallic_rules[] = {
     {FORM_EXCLUDES, "metallicRoughnessTexture", {"metallicTexture", "roughnessTexture"}},
     {FORM_NEEDS, "dispersion", {"thickness"}},
     {FORM_NEEDS, "priority", {"thickness"}},
+    {FORM_WANTS, "emissiveStrength", {"emissive"}},
+    {FORM_WANTS, "attenuationColor", {"attenuationDistance", "thickness", "transmission"}},
+    {FORM_WANTS, "attenuationDistance", {"attenuationColor", "thickness", "transmission"}},
+    {FORM_WANTS, "clearcoatRoughness", {"clearcoat"}},
+    {FORM_WANTS, "clearcoatNormalScale", {"clearcoat", "clearcoatNormalTexture"}},
+    {FORM_WANTS, "sheenRoughness", {"sheenColor"}},
+    {FORM_WANTS, "anisotropyRotation", {"anisotropy"}},
+    {FORM_WANTS, "iridescenceIor", {"iridescence"}},
+    {FORM_WANTS, "iridescenceThicknessMin", {"iridescence", "iridescenceThicknessTexture"}},
+    {FORM_WANTS, "iridescenceThicknessMax", {"iridescence"}},
+    {FORM_WANTS, "diffuseTransmissionColor", {"diffuseTransmission"}},
+    {FORM_WANTS, "normalScale", {"normalTexture"}},
+    {FORM_WANTS, "bumpScale", {"bumpTexture"}},
+    /* The reader adds the opacities of meshes. */
+    {FORM_WANTS_ONE_OF, "opacityCutoff", {"opacity", "opacityTexture", FORM_OPACITIES}},
     END_RULES,
 };
 
@@ -190,6 +205,8 @@ static const form_rule metallic_rules[] = {
 static const form_rule classic_rules[] = {
     {FORM_NEEDS, "ks", {"specular"}},
     {FORM_NEEDS, "shininess", {"specular"}},
+    {FORM_WANTS, "normalScale", {"normalTexture"}},
+    {FORM_WANTS, "bumpScale", {"bumpTexture"}},
     END_RULES,
 };
 static const form_key model_keys[] = {
@@ -321,7 +338,7 @@ static const form_key mesh_keys[] = {
     {"uvs", FORM_ROWS, OBJECT(as.mesh.uvs), FLOATS, .count = 2},
     {"uvs1", FORM_ROWS, OBJECT(as.mesh.uvs_1), FLOATS, .count = 2},
     {"colors", FORM_ROWS, OBJECT(as.mesh.colors), .count = 3, RADIANCE},
-    {"opacities", FORM_ROWS, OBJECT(as.mesh.opacities), .count = 1, UNIT},
+    {FORM_OPACITIES, FORM_ROWS, OBJECT(as.mesh.opacities), .count = 1, UNIT},
     {"tangents", FORM_ROWS, OBJECT(as.mesh.tangents), .count = 4, FLOATS},
     {"pointRadius", FORM_F32, OBJECT(as.mesh.point_radius), .range = {1e-30, 1e30, 0}},
     {"shading", FORM_WORD, OBJECT(as.mesh.shading), .words = shading_words},

@@ -52,8 +52,14 @@ typedef enum form_rule_kind {
     FORM_NO_RULE,  /* ends a table */
     FORM_NEEDS,    /* if `key` is present, all others must be */
     FORM_EXCLUDES, /* if `key` is present, none of the others may be */
-    FORM_ONE_OF    /* exactly one of the others is present */
+    FORM_ONE_OF,   /* exactly one of the others is present */
+    /* Without these, `key` has no effect: a warning. */
+    FORM_WANTS,       /* all others */
+    FORM_WANTS_ONE_OF /* one or more of the others */
 } form_rule_kind;
+
+/* In a rule of a material: some mesh has opacities. */
+#define FORM_OPACITIES "opacities"
 
 typedef struct form_rule {
     form_rule_kind kind;

@@ -40,6 +40,31 @@ static void set_transform(const form_texture_values *v, float out[6]) {
     out[3] = (float)(-s * v->scale[0]), out[4] = (float)(c * v->scale[1]), out[5] = (float)v->offset[1];
 }
 
+/* Keys of textures that some kinds of maps ignore: channel where the image gives colours, directions, or two
+ * parameters from fixed channels; inverted where it does not just scale parameters. */
+#define KIND(kind) (1u << (kind))
+enum {
+    DIRECTIONS = KIND(FATHOM_MAP_NORMAL) | KIND(FATHOM_MAP_CLEARCOAT_NORMAL) | KIND(FATHOM_MAP_ANISOTROPY) |
+                 KIND(FORM_METALLIC_ROUGHNESS)
+};
+static const struct {
+    const char *key;
+    unsigned ignored;
+} texture_extras[] = {
+    {"channel", DIRECTIONS | KIND(FATHOM_MAP_COLOR) | KIND(FATHOM_MAP_EMISSIVE) |
+                    KIND(FATHOM_MAP_SPECULAR_COLOR) | KIND(FATHOM_MAP_SHEEN_COLOR) |
+                    KIND(FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR)},
+    {"inverted", DIRECTIONS | KIND(FATHOM_MAP_BUMP) | KIND(FATHOM_MAP_IRIDESCENCE_THICKNESS)},
+};
+
+static void warn_ignored(const object_reader *r, const where *at, json_t *value, int kind) {
+    for (size_t i = 0; i < sizeof texture_extras / sizeof *texture_extras; ++i) {
+        const where key = {at, texture_extras[i].key, 0};
+        if (texture_extras[i].ignored & KIND(kind) && doc_has(value, key.key))
+            doc_warn(r->doc, &key, "it has no effect on this image");
+    }
+}
+
 static fathom_status add_texture(const object_reader *r, const where *at, const form_texture_values *v,
                                  int kind, fathom_map *out) {
     const where file = {at, "file", 0}, space = {at, "colorSpace", 0};
@@ -83,6 +108,7 @@ static fathom_status add_textures(const object_reader *r, const where *at, json_
         const char *key = key_of(f, kind);
         if (!key || !doc_has(value, key)) continue;
         const where texture = {at, key, 0};
+        warn_ignored(r, &texture, json_object_get(value, key), kind);
         status = add_texture(r, &texture, &v->textures[kind], kind,
                              kind == FORM_METALLIC_ROUGHNESS ? &both : &maps[kind]);
         if (status != FATHOM_OK || kind != FORM_METALLIC_ROUGHNESS) continue;
@@ -113,4 +139,31 @@ fathom_status material_add(const object_reader *r, const where *at, const char *
     if (json_object_set_new(r->materials, name, json_integer(id)) != 0)
         return fail_memory(r->scene->context, strlen(name));
     return FATHOM_OK;
+}
+
+/* Meshes without the second set of texture coordinates that an image of their material takes. Returns the
+ * number of warnings. */
+static size_t warn_sets(const object_reader *r, const where *at, json_t *value, const form *f, fathom_id id) {
+    size_t bare = 0;
+    for (size_t i = 0; i < r->scene->meshes.count; ++i) {
+        const fathom_mesh *mesh = &r->scene->meshes.items[i];
+        bare += mesh->material == id && !mesh->uvs_1 && mesh->triangle_count;
+    }
+    for (int kind = 0; kind <= FORM_METALLIC_ROUGHNESS && bare; ++kind) {
+        const char *key = key_of(f, kind);
+        const where texture = {at, key, 0}, set = {&texture, "uvSet", 0};
+        if (!key || json_number_value(json_object_get(json_object_get(value, key), set.key)) != 1) continue;
+        doc_warn(r->doc, &set,
+                 "a mesh with this material has no \"uvs1\", so each of its triangles shows half the image");
+        return 1;
+    }
+    return 0;
+}
+
+size_t material_warn(const object_reader *r, const where *at, const char *name, json_t *value) {
+    const char *also = scene_has_opacities(r->scene) ? FORM_OPACITIES : NULL;
+    const form *f;
+    if (doc_choose(r->doc, at, value, &form_material, &f) != FATHOM_OK) return 0;
+    const fathom_id id = (fathom_id)json_integer_value(json_object_get(r->materials, name));
+    return doc_warn_useless(r->doc, at, value, f, also) + warn_sets(r, at, value, f, id);
 }
