@@ -30,7 +30,8 @@ typedef struct fathom_camera_choice {
 typedef struct fathom_survey {
     uint64_t triangles, placed_triangles; /* stored; counted once for each instance they appear in */
     uint64_t degenerate_triangles;        /* without area: ignored */
-    uint64_t meshes, spheres, quads, planes, instances, groups, materials; /* without the root group */
+    /* Without the root group, and without material 0 if no shape has it. */
+    uint64_t meshes, spheres, quads, planes, instances, groups, materials;
     const uint64_t *lights;    /* number of each fathom_light_type that the scene's integrator uses */
     bool has_bounds;           /* something other than planes is there */
     double lower[3], upper[3]; /* bounds of what is placed in the world */

@@ -154,7 +154,7 @@ static void print_facts(const json_t *root) {
                "{counts.spheres:.0f} spheres, {counts.quads:.0f} quads, {counts.planes:.0f} planes\n"
                "instances {counts.instances:.0f} of {counts.groups:.0f} groups\n"
                "lights    {lights.point:.0f} point, {lights.directional:.0f} directional, {lights.spot:.0f} "
-               "spot\n"
+               "spot, {lights.environment:.0f} environment\n"
                "materials {counts.materials:.0f}\n");
     if (json_is_object(json_at(root, "bounds")))
         print_pair("bounds    ", json_at(root, "bounds.lower"), " to ", json_at(root, "bounds.upper"), 9);

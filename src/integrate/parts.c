@@ -160,7 +160,9 @@ static bool tell_shapes(const world *w, left_out_list *list) {
                              {w->spheres.count, "sphere geometry", "there is no sphere"},
                              {w->quads.count, "quad geometry", "there is no quad"},
                              {w->planes.count, "planes", "there is none"},
-                             {w->instances.count, "instances", "all shapes lie in the world's own frame"},
+                             {w->instances.count, "instances",
+                              w->scene->instances.count ? "their shapes are moved to the world's own frame"
+                                                        : "all shapes lie in the world's own frame"},
                              {parts_smooth(w), "shading normals", "no mesh has any"},
                              {w->scene->has_maps, "textures", "no material takes an image"}};
     return tell_unneeded(words, sizeof words / sizeof *words, list);

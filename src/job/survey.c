@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LIGHT_TYPES = FATHOM_LIGHT_ENVIRONMENT + 1, FEATURES_MOST = 24, PROBLEMS_MOST = 4 };
+enum { LIGHT_TYPES = FATHOM_LIGHT_ENVIRONMENT + 1, FEATURES_MOST = 30, PROBLEMS_MOST = 4 };
 
 /* A survey and the arrays that it points to. */
 typedef struct survey {
@@ -85,6 +85,13 @@ static bool replaced(const fathom_scene *scene) {
     return scene->settings.integrator != FATHOM_INTEGRATOR_CLASSIC && scene_replaces_lights(scene);
 }
 
+/* Every scene has material 0, which has no name; it counts if a shape has it. */
+static uint64_t count_materials(const fathom_scene *scene) {
+    for (size_t i = 0; i < scene->objects.count; ++i)
+        if (scene_object_material(scene, (fathom_id)i) == 0) return scene->materials.count;
+    return scene->materials.count - 1;
+}
+
 static fathom_status count(const fathom_scene *scene, const world *w, survey *out) {
     fathom_survey *s = &out->shown;
     s->triangles = scene_triangles(scene);
@@ -94,7 +101,7 @@ static fathom_status count(const fathom_scene *scene, const world *w, survey *ou
     s->meshes = scene->meshes.count - s->clouds, s->spheres = scene->spheres.count,
     s->quads = scene->quads.count;
     s->planes = scene->planes.count, s->instances = scene->instances.count;
-    s->groups = scene->groups.count - 1, s->materials = scene->materials.count;
+    s->groups = scene->groups.count - 1, s->materials = count_materials(scene);
     for (size_t i = 0; i < scene->lights.count && !replaced(scene); ++i)
         ++out->lights[scene->lights.items[i].type];
     out->lights[FATHOM_LIGHT_ENVIRONMENT] = scene->environments.count;
@@ -140,15 +147,22 @@ static fathom_status find_memory(const fathom_scene *scene, const world *w, fath
 
 typedef struct material_uses {
     unsigned bits;
-    bool phong, blinn, fresnel, lit_from_behind;
+    bool phong, blinn, ggx, fresnel, lit_from_behind, clearcoat, sheen, iridescence;
 } material_uses;
 
 static void add_material(const fathom_scene *scene, fathom_id id, material_uses *uses) {
-    const fathom_material *m = &scene->materials.items[id].classic;
+    const fathom_material *m = &scene->materials.items[id].classic, *full = &scene->materials.items[id].value;
+    const bool layered = full->model == FATHOM_MODEL_METALLIC_ROUGHNESS &&
+                         scene->settings.integrator != FATHOM_INTEGRATOR_CLASSIC;
     uses->bits |= material_features(m);
     const bool specular = m->k_s[0] > 0 || m->k_s[1] > 0 || m->k_s[2] > 0;
     uses->phong |= specular && m->specular == FATHOM_SPECULAR_PHONG;
-    uses->blinn |= specular && m->specular == FATHOM_SPECULAR_BLINN;
+    uses->blinn |= specular && m->specular == FATHOM_SPECULAR_BLINN && !layered;
+    uses->ggx |= layered;
+    uses->clearcoat |= layered && full->clearcoat > 0;
+    uses->sheen |=
+        layered && (full->sheen_color[0] > 0 || full->sheen_color[1] > 0 || full->sheen_color[2] > 0);
+    uses->iridescence |= layered && full->iridescence > 0;
     uses->fresnel |= m->fresnel;
     uses->lit_from_behind |= m->lit_from_behind;
 }
@@ -165,10 +179,15 @@ static material_uses materials_in_use(const fathom_scene *scene) {
 }
 
 static void find_features(const fathom_scene *scene, survey *out) {
-    bool nested = false, smooth = false;
-    for (size_t i = 0; i < scene->meshes.count; ++i) smooth |= scene->meshes.items[i].normals != NULL;
-    for (size_t i = 0; i < scene->instances.count; ++i)
+    bool nested = false, smooth = false, moves = scene->camera.key_count > 1;
+    for (size_t i = 0; i < scene->meshes.count; ++i) {
+        smooth |= scene->meshes.items[i].normals != NULL;
+        moves |= scene->meshes.items[i].key_count > 1;
+    }
+    for (size_t i = 0; i < scene->instances.count; ++i) {
         nested |= scene->instances.items[i].parent != FATHOM_ROOT;
+        moves |= scene->instances.items[i].key_count > 1;
+    }
     const material_uses uses = materials_in_use(scene);
     const bool classic = scene->settings.integrator == FATHOM_INTEGRATOR_CLASSIC;
     const bool studio = scene->in_studio && !classic;
@@ -183,6 +202,7 @@ static void find_features(const fathom_scene *scene, survey *out) {
                     {smooth, "smooth normals"},
                     {scene->instances.count, "instances"},
                     {nested, "nested groups"},
+                    {moves, "motion"},
                     {out->lights[FATHOM_LIGHT_POINT], "point lights"},
                     {out->lights[FATHOM_LIGHT_DIRECTIONAL], "directional lights"},
                     {out->lights[FATHOM_LIGHT_SPOT], "spot lights"},
@@ -192,6 +212,10 @@ static void find_features(const fathom_scene *scene, survey *out) {
                     {scene->has_maps, "textures"},
                     {uses.phong, "Phong"},
                     {uses.blinn, "Blinn"},
+                    {uses.ggx, "GGX"},
+                    {uses.clearcoat, "clearcoat"},
+                    {uses.sheen, "sheen"},
+                    {uses.iridescence, "iridescence"},
                     {uses.bits & MATERIAL_MIRROR, "mirrors"},
                     {uses.bits & MATERIAL_REFRACT, "refraction"},
                     {uses.fresnel, "Fresnel"},

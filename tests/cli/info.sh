@@ -5,7 +5,7 @@ write_scene
 run 0 info scene.json
 said out.txt 'scene     ball on a floor'
 said out.txt '1 spheres, 1 quads, 0 planes'
-said out.txt 'lights    1 point, 0 directional, 0 spot'
+said out.txt 'lights    1 point, 0 directional, 0 spot, 0 environment'
 said out.txt 'bounds    (-3, 0, -3) to (3, 1.6, 3)'
 said out.txt 'image     96x64, 1 spp'
 said out.txt 'features  spheres, quads, point lights, Phong, mirrors'
@@ -232,3 +232,20 @@ run 0 convert useful.json again.json
 said again.json '"opacityCutoff":0.5'
 run 0 info again.json
 said out.txt 'problems  none'
+
+# What is there is told as it is: an environment, the layers of a material, motion, and instances whose shapes are moved.
+printf 'PF\n1 1\n-1.0\n\0\0\200\77\0\0\200\77\0\0\200\77' >sky.pfm
+cat >layers.json <<'JSON'
+{ "materials": { "m": { "model": "metallicRoughness", "clearcoat": 1, "sheenColor": [1, 1, 1], "iridescence": 1 } },
+  "lights": [ { "type": "environment", "file": "sky.pfm" } ],
+  "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m",
+                 "motion": [ { "time": 0 }, { "time": 1, "translation": [1, 0, 0] } ] } ] }
+JSON
+run 0 info layers.json
+said out.txt '0 spot, 1 environment'
+said out.txt 'materials 1'
+said out.txt 'features  spheres, instances, motion, environments, GGX, clearcoat, sheen, iridescence'
+not_said out.txt 'Blinn'
+run 0 generate sphere -t 20 -o ball.glb
+run 0 info ball.glb
+said out.txt 'instances: their shapes are moved to the world'
