@@ -130,8 +130,8 @@ static const fathom_parameter classic_rows[] = {
     {"k_a", F32, MATERIAL(k_a), SOFT, 0, 1, -1, "R,G,B", "Surface", .help = "Reflectance for `ambient` light. Default: `kd`.",
      .count = 3},
     {"k_e", F32, MATERIAL(k_e), SOFT, 0, RADIANCE, 0, "R,G,B", "Surface",
-     .help = "Emitted radiance, as seen from outside any glass around the surface. Lights other surfaces under path "
-     "tracing.", .count = 3},
+     .help = "Radiance emitted by both sides, as seen from outside any glass around the surface. Lights other surfaces "
+     "under path tracing.", .count = 3},
     {"normal_scale", F32, MATERIAL(normal_scale), HARD, -1e3, 1e3, 1, NULL, "Surface",
      .help = "Factor of the slopes of `normalTexture`."},
     {"bump_scale", F32, MATERIAL(bump_scale), SOFT, -1e6, 1e6, 1, "LENGTH", "Surface",
