@@ -21,8 +21,8 @@
  * (2007). Radiance is divided by the squared index of its medium: refraction does not scale it, and a viewer
  * outside sees the emission inside glass unscaled. In the denser medium, the dielectric's S uses the angle on
  * the other side, and total reflection has S = f90; the metal's S keeps its own angle. Lobes whose facets
- * deflect transmitted light by less than 2^-13 radians (alpha min(|ior - 1|, 1)) transmit smoothly; rough ones
- * whose index differs from 1 by less than 2^-13 transmit straight.
+ * deflect transmitted light by less than 2^-13 radians (alpha min(|ior - 1|, 1)) transmit smoothly; rough
+ * ones whose index differs from 1 by less than 2^-13 transmit straight.
  *
  * `multiscatter` adds the light that leaves the facets after more than one scattering (Kulla & Conty 2017);
  * the added terms are reciprocal. With E(mu) the albedo of D G2 / (4…) and <> the cosine-weighted mean: metal
