@@ -167,7 +167,7 @@ static void a_library_without_a_name_is_reported(void **state) {
 /* Negative indices count back from where they stand. */
 static void negative_indices_count_back(void **state) {
     (void)state;
-    fathom_scene *scene = read_text("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 0 0 1\nf -4 -3 -1\n");
+    fathom_scene *scene = read_text("v 0 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 0 0 1\nf -4 -3 -1\n");
     const uint32_t expected[6] = {1, 2, 3, 1, 2, 4};
     mesh_expect_indices(mesh_at(scene, 0)->indices, expected, 6);
     fathom_scene_destroy(scene);
@@ -251,6 +251,31 @@ static void unused_vertices_are_left_out(void **state) {
     assert_ptr_not_equal(all->positions, few->positions);
     assert_true(scene->mesh_facts.items[0].lower[0] == 0 && scene->mesh_facts.items[0].lower[1] == 0);
     assert_int_equal(all->uv_count, 6);
+    fathom_scene_destroy(scene);
+}
+
+/* The bounds are those of the triangles, at each side of a stray vertex; with two meshes, too. */
+static void stray_vertices_are_left_out(void **state) {
+    (void)state;
+    static const char *const strays[] = {"9 0 0", "-9 0 0", "0 9 0", "0 -9 0", "0 0 9", "0 0 -9"};
+    for (size_t i = 0; i < 2 * sizeof strays / sizeof *strays; ++i) {
+        char text[256];
+        const bool two = i % 2;
+        snprintf(text, sizeof text, "v 0 0 0\nv 1 0 0\nv %s\nv 0 1 0\nv 0 0 1\nf 1 2 4\nf 1 2 5\n%sf 1 4 5\n",
+                 strays[i / 2], two ? "s 1\nvn 0 0 1\nf 2//1 4//1 5//1\nf 1//1 4//1 2//1\n" : "");
+        fathom_scene *scene = read_text(text);
+        scene_bounds bounds;
+        assert_int_equal(scene->meshes.count, two ? 2 : 1);
+        assert_int_equal(mesh_at(scene, 0)->vertex_count, 4);
+        assert_ok(context, scene_world_bounds(scene, &bounds));
+        assert_true(bounds.lower.x == 0 && bounds.lower.y == 0 && bounds.lower.z == 0);
+        assert_true(bounds.upper.x == 1 && bounds.upper.y == 1 && bounds.upper.z == 1);
+        fathom_scene_destroy(scene);
+    }
+    /* Inside the bounds, where it does no harm, the file's own list is used. */
+    fathom_scene *scene =
+        read_text("v 0 0 0\nv 1 0 0\nv 0 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 4\nf 1 2 5\nf 1 4 5\n");
+    assert_int_equal(mesh_at(scene, 0)->vertex_count, 5);
     fathom_scene_destroy(scene);
 }
 
@@ -590,6 +615,7 @@ int main(void) {
         cmocka_unit_test(equal_indices_are_not_stored),
         cmocka_unit_test(each_material_is_one_mesh),
         cmocka_unit_test(unused_vertices_are_left_out),
+        cmocka_unit_test(stray_vertices_are_left_out),
         cmocka_unit_test(a_given_material_replaces_the_files),
         cmocka_unit_test(smoothing_groups_share_normals),
         cmocka_unit_test(polygons_are_triangulated),

@@ -93,9 +93,10 @@ static void signed_and_unsigned_numbers_differ(void **state) {
         for (int i = 0; i < 201; ++i) ROW(&m, "bsi", -i / 2, -i * 100, -i * 100000);
         ROW(&m, "bbbb", 3, 0, 128, 200);
         fathom_scene *scene = ply_read(&m);
-        const uint32_t expected[3] = {0, 128, 200};
+        const uint32_t expected[3] = {0, 1, 2}; /* the used ones alone */
         mesh_expect_indices(mesh_at(scene, 0)->indices, expected, 3);
-        mesh_expect_point(mesh_at(scene, 0), 200, -100, -20000, -20000000);
+        mesh_expect_point(mesh_at(scene, 0), 1, -64, -12800, -12800000);
+        mesh_expect_point(mesh_at(scene, 0), 2, -100, -20000, -20000000);
         fathom_scene_destroy(scene);
     }
 }
@@ -399,6 +400,26 @@ static void faces_of_lost_vertices_are_left_out(void **state) {
     }
 }
 
+/* No face uses the third vertex, so that the bounds do not have it. */
+static void stray_vertices_are_left_out(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour,
+                   "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n" FACES(2), 0);
+        ROW(&m, "fff fff fff fff fff", 0, 0, 0, 1, 0, 0, 9, 0, -9, 1, 1, 0, 0, 1, 0);
+        ROW(&m, "biii biii", 3, 0, 1, 3, 3, 0, 3, 4);
+        fathom_scene *scene = ply_read(&m);
+        const uint32_t corners[6] = {0, 1, 2, 0, 2, 3};
+        scene_bounds bounds;
+        assert_int_equal(mesh_at(scene, 0)->vertex_count, 4);
+        mesh_expect_indices(mesh_at(scene, 0)->indices, corners, 6);
+        assert_ok(context, scene_world_bounds(scene, &bounds));
+        assert_true(bounds.upper.x == 1 && bounds.upper.y == 1 && bounds.lower.z == 0);
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* With faces or without: a rod of a thousandth of the diagonal, 5, in its ends' colours. */
 static void edges_are_rods(void **state) {
     (void)state;
@@ -600,6 +621,7 @@ int main(void) {
         cmocka_unit_test(clouds_of_points_are_spheres),
         cmocka_unit_test(points_without_a_place_are_left_out),
         cmocka_unit_test(faces_of_lost_vertices_are_left_out),
+        cmocka_unit_test(stray_vertices_are_left_out),
         cmocka_unit_test(edges_are_rods),
         cmocka_unit_test(unused_properties_are_reported),
         cmocka_unit_test(vertex_colours_are_read),

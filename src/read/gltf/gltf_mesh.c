@@ -299,7 +299,7 @@ static uint64_t bytes_of(const fathom_mesh *mesh) {
 /* Removes unused vertices: primitives may share large arrays. */
 static void compact(gltf *g, primitive *p) {
     bool copied;
-    gltf_within(g, p->at, NULL, mesh_compact(g->scene, false, &p->mesh, &copied));
+    gltf_within(g, p->at, NULL, mesh_compact(g->scene, false, &p->facts, &p->mesh, &copied));
     if (!gltf_fine(g) || !copied || gltf_charge(g, p->at, NULL, bytes_of(&p->mesh)) != FATHOM_OK) return;
     gltf_within(g, p->at, NULL,
                 mesh_look_at_vertices(g->context, "entry", p->mesh.positions, p->mesh.position_stride,

@@ -180,7 +180,7 @@ static fathom_status add_meshes(obj_builder *b) {
         obj_mesh *mesh = &b->meshes.items[i];
         make_mesh(b, mesh);
         if (!i) status = look_at_vertices(b->r, &mesh->mesh, &facts);
-        if (status == FATHOM_OK) status = mesh_compact(b->r->scene, true, &mesh->mesh, &mesh->copied);
+        if (status == FATHOM_OK) status = mesh_compact(b->r->scene, true, &facts, &mesh->mesh, &mesh->copied);
     }
     if (status == FATHOM_OK) status = adopt_values(b);
     return status == FATHOM_OK ? add_all(b, &facts) : status;

@@ -1,5 +1,6 @@
 #include "read/ply/ply.h"
 
+#include "read/mesh/compact.h"
 #include "read/mesh/normals.h"
 #include "read/mesh/strokes.h"
 
@@ -200,12 +201,18 @@ static fathom_status keep_map(ply_reader *r) {
     return scene_adopt_file(r->scene, kept, release_map, kept);
 }
 
-static fathom_status check_and_add(ply_reader *r, const fathom_mesh *mesh) {
+static fathom_status look_at_vertices(const ply_reader *r, const fathom_mesh *mesh, mesh_facts *facts) {
+    return mesh_look_at_vertices(r->scene->context, r->file.path, mesh->positions, mesh->position_stride,
+                                 mesh->vertex_count, facts);
+}
+
+static fathom_status check_and_add(ply_reader *r, fathom_mesh *mesh) {
     mesh_facts facts;
-    fathom_context *context = r->scene->context;
-    fathom_status status = mesh_look_at_vertices(context, r->file.path, mesh->positions,
-                                                 mesh->position_stride, mesh->vertex_count, &facts);
-    if (status == FATHOM_OK) status = mesh_look_at_triangles(context, r->file.path, mesh, &facts);
+    bool copied = false;
+    fathom_status status = look_at_vertices(r, mesh, &facts);
+    if (status == FATHOM_OK) status = mesh_compact(r->scene, true, &facts, mesh, &copied);
+    if (status == FATHOM_OK && copied) status = look_at_vertices(r, mesh, &facts);
+    if (status == FATHOM_OK) status = mesh_look_at_triangles(r->scene->context, r->file.path, mesh, &facts);
     return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, mesh, &facts, NULL) : status;
 }
 

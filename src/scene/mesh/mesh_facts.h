@@ -6,12 +6,16 @@
 
 #include <fathom/scene.h>
 
+/* Vertices are read in runs of so many. */
+#define MESH_RUN 8192
+
 typedef struct mesh_facts {
-    float lower[3], upper[3]; /* of all vertices, relative to the mesh's origin */
-    float largest;            /* the largest magnitude of a coordinate of triangles within WORLD_REACH */
-    uint32_t flat;            /* triangles without area: stored, never hit */
-    uint32_t beyond;          /* triangles with a coordinate whose magnitude is not below WORLD_REACH */
-    uint64_t boundary;        /* the sum of boundary_sum(), by vertex indices */
+    float lower[3], upper[3];       /* of all vertices, relative to the mesh's origin */
+    uint32_t lowest[3], highest[3]; /* where the first run begins that reaches lower, upper */
+    float largest;     /* the largest magnitude of a coordinate of triangles within WORLD_REACH */
+    uint32_t flat;     /* triangles without area: stored, never hit */
+    uint32_t beyond;   /* triangles with a coordinate whose magnitude is not below WORLD_REACH */
+    uint64_t boundary; /* the sum of boundary_sum(), by vertex indices */
 } mesh_facts;
 
 /* Each of these reads an array in parallel. For the first bad item it returns FATHOM_BAD_INPUT, with
@@ -21,15 +25,15 @@ typedef struct mesh_facts {
 /* An item is bad if it holds a NaN or an infinity. Items have `components` floats. */
 fathom_status mesh_check_finite(fathom_context *context, const char *what, const float *values, size_t stride,
                                 size_t components, uint32_t count);
-/* The same for three-vectors. Also sets facts->lower and facts->upper. */
+/* The same for three-vectors. Also sets lower, upper, lowest and highest of the facts. */
 fathom_status mesh_look_at_vertices(fathom_context *context, const char *what, const float *values,
                                     size_t stride, uint32_t count, mesh_facts *facts);
 
 /* An index, three per triangle, is bad if it is not below `limit`. */
 fathom_status mesh_check_indices(fathom_context *context, const char *what, const uint32_t *indices,
                                  size_t count, uint32_t limit);
-/* An index is bad if there is no such vertex. Sets all facts except lower and upper. Positions may be any
- * floats. The mesh's strides must be set. */
+/* An index is bad if there is no such vertex. Sets all facts that mesh_look_at_vertices() does not. Positions
+ * may be any floats. The mesh's strides must be set. */
 fathom_status mesh_look_at_triangles(fathom_context *context, const char *what, const fathom_mesh *mesh,
                                      mesh_facts *facts);
 
