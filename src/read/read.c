@@ -53,6 +53,29 @@ fathom_status read_colored_material(fathom_scene *scene, fathom_id *out) {
     return fathom_scene_add_material(scene, "vertex colours", &material, out);
 }
 
+fathom_status read_missing_uvs(fathom_scene *scene, fathom_mesh *mesh, uint64_t *bytes) {
+    const fathom_map *maps = scene->materials.items[mesh->material].value.maps;
+    const size_t row = 2 * sizeof(float);
+    bool missing[2] = {false, false};
+    *bytes = 0;
+    if (!scene_keeps_uvs(scene) || mesh->point_radius > 0) return FATHOM_OK;
+    for (int k = 0; k < FATHOM_MAPS; ++k) {
+        if (maps[k].texture != FATHOM_NONE) missing[maps[k].uv_set] = true;
+    }
+    missing[0] &= !mesh->uvs, missing[1] &= !mesh->uvs_1;
+    if (!missing[0] && !missing[1]) return FATHOM_OK;
+    void *zeros;
+    const fathom_status status = scene_allocate_items(scene, mesh->vertex_count, row, &zeros);
+    if (status != FATHOM_OK) return status;
+    *bytes = (uint64_t)mesh->vertex_count * row;
+    memset(zeros, 0, (size_t)*bytes);
+    if (missing[0])
+        mesh->uvs = zeros, mesh->uv_stride = row, mesh->uv_count = mesh->vertex_count,
+        mesh->uv_indices = NULL;
+    if (missing[1]) mesh->uvs_1 = zeros, mesh->uv_1_stride = row;
+    return FATHOM_OK;
+}
+
 static double rounded_to(double x, double step) { return round(x / step) * step; }
 
 vec3_f64 origin_for(const scene_bounds *bounds) {

@@ -29,6 +29,13 @@ static inline float read_linear(double srgb) {
     return (float)(srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4));
 }
 
+/* A surface whose material takes images, and that has no texture coordinates, gets (0, 0) at all vertices:
+ * one texel, rather than the image on each triangle. *bytes: those added; 0: the mesh is unchanged. Points
+ * have no texture coordinates, and are unchanged. */
+fathom_status read_missing_uvs(fathom_scene *scene, fathom_mesh *mesh, uint64_t *bytes);
+#define READ_MISSING_UVS                                                                                     \
+    "a mesh without texture coordinates has a material with images; they are taken at (0, 0) alone"
+
 /* Adds a material for a file with vertex colours but no materials: its diffuse reflectance is 1, multiplied
  * by the colours. */
 fathom_status read_colored_material(fathom_scene *scene, fathom_id *out);

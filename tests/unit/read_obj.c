@@ -279,6 +279,26 @@ static void stray_vertices_are_left_out(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* One texel, and one warning for all such meshes; a mesh with uvs keeps them. */
+static void images_without_uvs_are_one_texel(void **state) {
+    (void)state;
+    const char *mtl = "newmtl a\nmap_Kd t.ppm\nnewmtl b\nKd 0.5 0.5 0.5\nmap_Kd t.ppm\n";
+    mesh_write("m.mtl", mtl, strlen(mtl));
+    mesh_write("t.ppm", "P6 1 1 255\nabc", 14);
+    fathom_scene *scene =
+        read_text("mtllib m.mtl\n" SQUARE "vt 1 1\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nf 1/1 2/1 3/1\n");
+    assert_int_equal(scene->meshes.count, 3);
+    for (size_t i = 0; i < 3; ++i) {
+        const fathom_mesh *mesh = mesh_at(scene, i);
+        assert_non_null(mesh->uvs);
+        for (uint32_t k = 0; k < mesh->uv_count; ++k)
+            assert_true(mesh_row(mesh->uvs, mesh->uv_stride, k)[0] == (i == 2));
+    }
+    expect_warning("a.obj: a mesh without texture coordinates has a material with images; they are taken at "
+                   "(0, 0) alone (2 such)");
+    fathom_scene_destroy(scene);
+}
+
 /* A material that is asked for goes on everything, and the file's own are not looked for. */
 static void a_given_material_replaces_the_files(void **state) {
     (void)state;
@@ -616,6 +636,7 @@ int main(void) {
         cmocka_unit_test(each_material_is_one_mesh),
         cmocka_unit_test(unused_vertices_are_left_out),
         cmocka_unit_test(stray_vertices_are_left_out),
+        cmocka_unit_test(images_without_uvs_are_one_texel),
         cmocka_unit_test(a_given_material_replaces_the_files),
         cmocka_unit_test(smoothing_groups_share_normals),
         cmocka_unit_test(polygons_are_triangulated),

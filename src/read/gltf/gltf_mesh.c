@@ -308,6 +308,13 @@ static void compact(gltf *g, primitive *p) {
         gltf_within(g, p->at, NULL, mesh_look_at_triangles(g->context, "entry", &p->mesh, &p->facts));
 }
 
+static void add_missing_uvs(gltf *g, primitive *p) {
+    uint64_t added = 0;
+    gltf_within(g, p->at, NULL, read_missing_uvs(g->scene, &p->mesh, &added));
+    if (!added || gltf_charge(g, p->at, NULL, added) != FATHOM_OK) return;
+    gltf_note(g, p->at, NULL, READ_MISSING_UVS);
+}
+
 static void add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shapes, bool moves,
                           fathom_id group) {
     gltf_value attributes;
@@ -334,7 +341,9 @@ static void add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shape
         if (gltf_fine(g) && moves && p.mesh.triangle_count) move_vertices(g, &p);
         if (gltf_fine(g)) compact(g, &p);
     }
-    if (gltf_fine(g) && strokes_any(&p.mesh))
+    if (!gltf_fine(g) || !strokes_any(&p.mesh)) return;
+    add_missing_uvs(g, &p);
+    if (gltf_fine(g))
         gltf_within(g, at, NULL, scene_add_mesh_checked(g->scene, group, &p.mesh, &p.facts, NULL));
 }
 

@@ -206,7 +206,7 @@ bool obj_keep_indices(obj_piece *piece, int kind);
 fathom_status obj_smooth(obj_reader *r);
 fathom_status obj_build(obj_reader *r);
 /* Sets the mesh's origin, material and flags, and adds it to the scene. facts: of the vertices. */
-fathom_status obj_add_mesh(const obj_reader *r, uint32_t slot, fathom_mesh *mesh, mesh_facts facts);
+fathom_status obj_add_mesh(obj_reader *r, uint32_t slot, fathom_mesh *mesh, mesh_facts facts);
 /* Adds points and lines as spheres and thin rods. *added: whether there are any. A file with only vertices
  * becomes a point cloud. */
 fathom_status obj_add_strokes(obj_reader *r, bool *added);

@@ -119,14 +119,17 @@ static const uint32_t *shared_indices(const obj_builder *b, const obj_mesh *mesh
     return b->r->total[kind] < b->r->total[OBJ_POSITION] ? mesh->indices[OBJ_POSITION] : NULL;
 }
 
-fathom_status obj_add_mesh(const obj_reader *r, uint32_t slot, fathom_mesh *mesh, mesh_facts facts) {
+fathom_status obj_add_mesh(obj_reader *r, uint32_t slot, fathom_mesh *mesh, mesh_facts facts) {
     store_f64(mesh->origin, r->origin);
     mesh->material = r->slots.items[slot].material;
     mesh->flags = r->options.flags;
     if (r->colors && !mesh->material) mesh->material = r->colored;
     if (absent_material(&r->scene->materials.items[mesh->material].classic))
         mesh->flags |= FATHOM_CASTS_NO_SHADOW;
+    uint64_t added = 0;
     fathom_status status = mesh_look_at_triangles(r->scene->context, r->file.path, mesh, &facts);
+    if (status == FATHOM_OK) status = read_missing_uvs(r->scene, mesh, &added);
+    notes_add(&r->notes, added > 0, "", READ_MISSING_UVS);
     return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, mesh, &facts, NULL) : status;
 }
 

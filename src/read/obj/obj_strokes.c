@@ -14,7 +14,7 @@ typedef struct stroke_sorter {
 } stroke_sorter;
 
 static fathom_status add_slot(const stroke_sorter *s, uint32_t slot, const uint32_t *corners, size_t count) {
-    const obj_reader *r = s->r;
+    obj_reader *r = s->r;
     const size_t each = s->kind == OBJ_LINES ? 2 : 1;
     const strokes drawn = {.positions = r->values[OBJ_POSITION],
                            .position_stride = 3 * sizeof(float),
