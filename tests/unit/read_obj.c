@@ -548,6 +548,28 @@ static void missing_libraries_are_reported(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* By the path's last parts, or under the name of the OBJ file, which is told. */
+static void libraries_elsewhere_are_found(void **state) {
+    (void)state;
+    static const char *const named[] = {"mtllib C:\\far\\m.mtl\n", "mtllib far/m.mtl\n", "",
+                                        "mtllib none.mtl\n"};
+    const char *mtl = "newmtl red\nKd 1 0 0\n";
+    for (size_t i = 0; i < sizeof named / sizeof *named; ++i) {
+        char text[256];
+        const char *path = mesh_write(i < 2 ? "m.mtl" : "a.mtl", mtl, strlen(mtl));
+        snprintf(text, sizeof text, "%s" SQUARE "usemtl red\nf 1 2 3\n", named[i]);
+        fathom_scene *scene = read_text(text);
+        assert_true(scene->materials.items[mesh_at(scene, 0)->material].value.k_d[1] == 0);
+        if (i < 2)
+            assert_string_equal(mesh_warnings, "");
+        else
+            expect_warning(
+                "mtllib: no library that is named can be read; a.mtl next to the file is (1 such)");
+        fathom_scene_destroy(scene);
+        assert_int_equal(unlink(path), 0);
+    }
+}
+
 /* One vertex in each of many smoothing groups has a normal of each; faces that share a group share it. */
 static void many_smoothing_groups_are_read(void **state) {
     (void)state;
@@ -648,6 +670,7 @@ int main(void) {
         cmocka_unit_test(vertices_alone_are_a_cloud_of_points),
         cmocka_unit_test(points_keep_their_materials),
         cmocka_unit_test(missing_libraries_are_reported),
+        cmocka_unit_test(libraries_elsewhere_are_found),
         cmocka_unit_test(byte_order_mark_and_line_ends_change_nothing),
         cmocka_unit_test(any_line_end_counts_a_line),
         cmocka_unit_test(faces_lose_parts_without_data),

@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* ---- names ---- */
 
@@ -55,14 +54,18 @@ static void tally(obj_tally *t, const char *at) {
     if (!t->count++) t->first = at;
 }
 
-/* *out: the path of the file with this name of `length` bytes; NULL: no such file. FATHOM_BAD_INPUT: the file
- * must not be read; the message has the reason. */
+/* *out: the path of the file with this name of `length` bytes, found as images are, because many files have
+ * paths of another machine; NULL: no such file. FATHOM_BAD_INPUT: the file must not be read; the message has
+ * the reason. */
 static fathom_status find_library(const obj_reader *r, const char *name, size_t length, char **out) {
     *out = NULL;
     char *copy = strndup(name, length);
-    fathom_status status =
-        copy ? read_beside(r->scene, r->file.path, copy, out) : fail_memory(r->scene->context, length);
-    if (status == FATHOM_OK && access(*out, F_OK) != 0) free(*out), *out = NULL;
+    if (!copy) return fail_memory(r->scene->context, length);
+    fathom_status status = read_image_beside(r->scene, r->file.path, copy, out);
+    if (status == FATHOM_OK && !*out) {
+        status = read_beside(r->scene, r->file.path, copy, out);
+        free(*out), *out = NULL;
+    }
     free(copy);
     return status;
 }
@@ -143,10 +146,34 @@ static fathom_status read_mentions(obj_reader *r, mtl_library *library, library_
 
 static int shown(size_t length) { return length < 200 ? (int)length : 200; }
 
+/* "models/bunny.obj" -> bunny.mtl, if no library was read and there is such a file: programs that write it
+ * may leave out the statement, and people rename both files. */
+static fathom_status read_namesake(obj_reader *r, mtl_library *library, library_names *names, bool *found) {
+    const char *file = file_name(r->file.path), *dot = strrchr(file, '.');
+    char name[256];
+    *found = false;
+    if (!r->names.entries.count || names->seen.entries.count) return FATHOM_OK;
+    const int length =
+        snprintf(name, sizeof name, "%.*s.mtl", dot ? (int)(dot - file) : (int)strlen(file), file);
+    if (length >= (int)sizeof name) return FATHOM_OK;
+    char *path;
+    fathom_status status = find_library(r, name, (size_t)length, &path);
+    if (status == FATHOM_BAD_INPUT) return FATHOM_OK; /* it must not be read */
+    if (status != FATHOM_OK || !path) return status;
+    *found = true;
+    notes_add(&r->notes, 1, "", "mtllib: no library that is named can be read; %.200s next to the file is",
+              name);
+    status = mtl_read(r->scene->context, path, library);
+    free(path);
+    return status;
+}
+
 static fathom_status read_libraries(obj_reader *r, mtl_library *library) {
     library_names names = {0};
+    bool instead = false;
     fathom_status status = read_mentions(r, library, &names);
-    if (status == FATHOM_OK) {
+    if (status == FATHOM_OK) status = read_namesake(r, library, &names, &instead);
+    if (status == FATHOM_OK && !instead) {
         notes_add_at(&r->notes, names.absent.count, &r->file, names.absent.first, false,
                      "mtllib: there is no file \"%.*s\"; materials named from it get the default",
                      shown(names.absent_length), names.absent.first);
