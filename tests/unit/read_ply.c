@@ -400,6 +400,33 @@ static void faces_of_lost_vertices_are_left_out(void **state) {
     }
 }
 
+/* One warning, and colours as other sRGB colours: 0.5 + f / sqrt(4 pi), clamped. */
+static void splats_are_points(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour,
+                   "element vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+                   "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\n"
+                   "property float f_rest_0\nproperty float opacity\nproperty float scale_0\n"
+                   "property float rot_0\n",
+                   0);
+        ROW(&m, "ffffffffff", 0, 0, 0, 0, 9, -9, 0, 0, 0, 0);
+        ROW(&m, "ffffffffff", 1, 0, 0, 1, 0, 0, 0, 0, 0, 0);
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        const float *first = mesh_row(mesh->colors, mesh->color_stride, 0),
+                    *second = mesh_row(mesh->colors, mesh->color_stride, 1);
+        assert_true(mesh->point_radius > 0 && mesh->vertex_count == 2);
+        assert_near(first[0], 0.21404114048223255, 1e-6);
+        assert_true(first[1] == 1 && first[2] == 0);
+        assert_near(second[0], 0.57392247541874, 1e-6);
+        expect_warning("Gaussian splats are shown as points of their mean colours (2 such)");
+        assert_ptr_equal(strchr(mesh_warnings, 10) + 1, mesh_warnings + strlen(mesh_warnings));
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* No face uses the third vertex, so that the bounds do not have it. */
 static void stray_vertices_are_left_out(void **state) {
     (void)state;
@@ -621,6 +648,7 @@ int main(void) {
         cmocka_unit_test(clouds_of_points_are_spheres),
         cmocka_unit_test(points_without_a_place_are_left_out),
         cmocka_unit_test(faces_of_lost_vertices_are_left_out),
+        cmocka_unit_test(splats_are_points),
         cmocka_unit_test(stray_vertices_are_left_out),
         cmocka_unit_test(edges_are_rods),
         cmocka_unit_test(unused_properties_are_reported),

@@ -28,9 +28,12 @@ static void put_array(const ply_array *array, uint32_t i, const double values[PL
 }
 
 static void put_color(const ply_reader *r, uint32_t i, const double values[PLY_ROLES]) {
+    const double first = 0.28209479177387814; /* of the spherical harmonics: sqrt(1 / (4 pi)) */
     double linear[PLY_ROLES];
     for (int role = PLY_R; role <= PLY_B; ++role)
         linear[role] = r->whole_color > 0 ? (double)read_linear(values[role] / r->whole_color) : values[role];
+    for (int role = PLY_R; role <= PLY_B && r->splats; ++role)
+        linear[role] = (double)read_linear(fmin(fmax(0.5 + first * values[role], 0), 1));
     linear[PLY_A] = r->whole_alpha > 0 ? values[PLY_A] / r->whole_alpha : values[PLY_A];
     put_array(&r->arrays[PLY_COLORS], i, linear);
 }
@@ -240,7 +243,7 @@ static fathom_status add_strokes(ply_reader *r, fathom_mesh mesh) {
                        .count = (uint32_t)count,
                        .lines = r->edges,
                        .notes = &r->notes};
-    notes_add(&r->notes, s.count, "",
+    notes_add(&r->notes, r->splats && !s.lines ? 0 : s.count, "",
               s.lines ? "edges have no width, and are shown as thin rods"
                       : "points have no size, and are shown as small spheres");
     fathom_status status = strokes_make(r->scene, &s, &mesh);

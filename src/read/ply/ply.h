@@ -108,6 +108,7 @@ typedef struct ply_reader {
     ply_header header;
     size_t vertex_element, face_element, edge_element; /* SIZE_MAX: no such element with rows */
     bool strips;                                       /* the face element is "tristrips" */
+    bool splats;         /* the vertices are Gaussian splats; their colours are spherical harmonics */
     const char *texture; /* the name in the header, up to the end of the line; NULL: none */
     size_t index_list;   /* property of the face element */
     int role[PLY_ROLES]; /* property of the vertex element; -1: none */

@@ -226,6 +226,7 @@ static void each_row(const binary_reader *b, const ply_rows *rows, size_t block,
 static void use_in_place(const binary_reader *b, ply_array *array) {
     const ply_rows *rows = &b->vertices;
     if (!array->present || rows->blocks || rows->row % sizeof(float) || b->big) return;
+    if (b->r->splats && array->first_role == PLY_R) return;
     if (b->r->file.copy) return; /* the copy does not outlive the reader */
     size_t first = rows->offsets[b->r->role[array->first_role]];
     const unsigned char *values = rows->begin + first;

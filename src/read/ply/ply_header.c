@@ -212,6 +212,22 @@ static void drop_partial_colors(ply_reader *r, const ply_element *vertex) {
     }
 }
 
+/* The colour of splats is that of their first spherical harmonic, the mean over all directions. */
+static void find_splats(ply_reader *r, const ply_element *vertex) {
+    static const char *const names[] = {"f_dc_0", "f_dc_1", "f_dc_2", "scale_0", "rot_0"};
+    int found[5];
+    for (int i = 0; i < 5; ++i) {
+        found[i] = find_property(vertex, names[i]);
+        if (found[i] < 0 || vertex->properties.items[found[i]].is_list) return;
+    }
+    if (r->role[PLY_R] >= 0) return;
+    r->splats = true;
+    for (int c = 0; c < 3; ++c) {
+        r->role[PLY_R + c] = found[c];
+        vertex->properties.items[found[c]].role = PLY_R + c;
+    }
+}
+
 static bool find_roles(ply_reader *r) {
     static const char *const names[PLY_ROLES] = {"x",
                                                  "y",
@@ -249,6 +265,7 @@ static bool find_roles(ply_reader *r) {
         }
     }
     drop_partial_colors(r, vertex);
+    find_splats(r, vertex);
     return r->vertex_count ||
            text_wrong(&r->fault, r->file.begin, NULL,
                       "no vertices: expected an element vertex that is not empty, and an element face or "
@@ -365,7 +382,10 @@ static void note_properties(ply_reader *r, size_t index) {
 void ply_note_unused(ply_reader *r) {
     for (size_t i = 0; i < r->header.elements.count; ++i) {
         const ply_element *element = &r->header.elements.items[i];
-        if (i == r->vertex_element || i == r->face_element || i == r->edge_element)
+        if (i == r->vertex_element && r->splats)
+            notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false,
+                         "Gaussian splats are shown as points of their mean colours");
+        else if (i == r->vertex_element || i == r->face_element || i == r->edge_element)
             note_properties(r, i);
         else
             notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false,
