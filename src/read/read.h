@@ -19,9 +19,9 @@ typedef struct read_mesh_options {
  * the caller adds the place to the message. */
 fathom_status read_beside(fathom_scene *scene, const char *base, const char *name, char **out);
 
-/* The same for an image. If `name` is not a readable file, tries the trailing components of its path next to
- * `base`, the longest first, because the path may come from another computer. FATHOM_OK with *out NULL: no
- * file was found. */
+/* The same for an image or an MTL library. If `name` is not a readable file, tries the trailing components of
+ * its path next to `base`, the longest first, because the path may come from another computer. FATHOM_OK with
+ * *out NULL: no file was found. */
 fathom_status read_image_beside(fathom_scene *scene, const char *base, const char *name, char **out);
 
 /* Decodes sRGB to linear, for a vertex colour in [0,1]: files store display values. */
@@ -29,12 +29,12 @@ static inline float read_linear(double srgb) {
     return (float)(srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4));
 }
 
-/* A surface whose material takes images, and that has no texture coordinates, gets (0, 0) at all vertices:
- * one texel, rather than the image on each triangle. *bytes: those added; 0: the mesh is unchanged. Points
- * have no texture coordinates, and are unchanged. */
+/* If the mesh has no texture coordinates, but its material has images, all its vertices get (0, 0), as in
+ * Blender and WebGL. Otherwise each triangle would show half of the image. *bytes: the memory added; 0: the
+ * mesh is unchanged, as points are always. */
 fathom_status read_missing_uvs(fathom_scene *scene, fathom_mesh *mesh, uint64_t *bytes);
 #define READ_MISSING_UVS                                                                                     \
-    "a mesh without texture coordinates has a material with images; they are taken at (0, 0) alone"
+    "a mesh has a material with images but no texture coordinates; it shows their colour at (0, 0)"
 
 /* Adds a material for a file with vertex colours but no materials: its diffuse reflectance is 1, multiplied
  * by the colours. */

@@ -294,8 +294,8 @@ static void images_without_uvs_are_one_texel(void **state) {
         for (uint32_t k = 0; k < mesh->uv_count; ++k)
             assert_true(mesh_row(mesh->uvs, mesh->uv_stride, k)[0] == (i == 2));
     }
-    expect_warning("a.obj: a mesh without texture coordinates has a material with images; they are taken at "
-                   "(0, 0) alone (2 such)");
+    expect_warning("a.obj: a mesh has a material with images but no texture coordinates; it shows their "
+                   "colour at (0, 0) (2 such)");
     fathom_scene_destroy(scene);
 }
 
@@ -548,7 +548,7 @@ static void missing_libraries_are_reported(void **state) {
     fathom_scene_destroy(scene);
 }
 
-/* By the path's last parts, or under the name of the OBJ file, which is told. */
+/* By the last parts of the path, or by the name of the OBJ file, with a warning. */
 static void libraries_elsewhere_are_found(void **state) {
     (void)state;
     static const char *const named[] = {"mtllib C:\\far\\m.mtl\n", "mtllib far/m.mtl\n", "",
@@ -564,10 +564,24 @@ static void libraries_elsewhere_are_found(void **state) {
             assert_string_equal(mesh_warnings, "");
         else
             expect_warning(
-                "mtllib: no library that is named can be read; a.mtl next to the file is (1 such)");
+                "no mtllib statement names a file that can be read; a.mtl is read instead (1 such)");
         fathom_scene_destroy(scene);
         assert_int_equal(unlink(path), 0);
     }
+}
+
+/* The search for the last parts of a path does not take several names for one. */
+static void each_of_several_libraries_is_found(void **state) {
+    (void)state;
+    const char *red = "newmtl red\nKd 1 0 0\n", *blue = "newmtl blue\nKd 0 0 1\n";
+    mesh_write("r.mtl", red, strlen(red));
+    mesh_write("b.mtl", blue, strlen(blue));
+    fathom_scene *scene =
+        read_text("mtllib far/r.mtl far/b.mtl\n" SQUARE "usemtl red\nf 1 2 3\nusemtl blue\nf 1 3 4\n");
+    assert_string_equal(mesh_warnings, "");
+    for (size_t i = 0; i < 2; ++i)
+        assert_true(scene->materials.items[mesh_at(scene, i)->material].value.k_d[2] == (float)i);
+    fathom_scene_destroy(scene);
 }
 
 /* One vertex in each of many smoothing groups has a normal of each; faces that share a group share it. */
@@ -671,6 +685,7 @@ int main(void) {
         cmocka_unit_test(points_keep_their_materials),
         cmocka_unit_test(missing_libraries_are_reported),
         cmocka_unit_test(libraries_elsewhere_are_found),
+        cmocka_unit_test(each_of_several_libraries_is_found),
         cmocka_unit_test(byte_order_mark_and_line_ends_change_nothing),
         cmocka_unit_test(any_line_end_counts_a_line),
         cmocka_unit_test(faces_lose_parts_without_data),

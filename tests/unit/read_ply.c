@@ -422,9 +422,34 @@ static void splats_are_points(void **state) {
         assert_true(first[1] == 1 && first[2] == 0);
         assert_near(second[0], 0.57392247541874, 1e-6);
         expect_warning("Gaussian splats are shown as points of their mean colours (2 such)");
-        assert_ptr_equal(strchr(mesh_warnings, 10) + 1, mesh_warnings + strlen(mesh_warnings));
+        assert_ptr_equal(strchr(mesh_warnings, '\n') + 1, mesh_warnings + strlen(mesh_warnings));
         fathom_scene_destroy(scene);
     }
+}
+
+/* A material that a scene gives to the file may have images. */
+static void images_without_uvs_are_one_texel(void **state) {
+    (void)state;
+    ply_maker m;
+    ply_header(&m, LITTLE, XYZ FACES(1), 0);
+    ply_square(&m);
+    ROW(&m, "biiii", 4, 0, 1, 2, 3);
+    read_mesh_options options = plain;
+    fathom_scene *scene;
+    fathom_texture texture;
+    fathom_material material;
+    fathom_texture_default(&texture);
+    fathom_material_default(&material);
+    texture.file = mesh_write("t.ppm", "P6 1 1 255\nabc", 14);
+    mesh_warnings[0] = '\0';
+    assert_ok(context, fathom_scene_create(context, &scene));
+    assert_ok(context, fathom_scene_add_texture(scene, &texture, &material.maps[FATHOM_MAP_COLOR].texture));
+    assert_ok(context, fathom_scene_add_material(scene, "m", &material, &options.material));
+    assert_ok(context, read_ply(scene, FATHOM_ROOT, mesh_write("a.ply", m.bytes, m.size), &options));
+    for (int i = 0; i < 8; ++i) assert_true(mesh_at(scene, 0)->uvs[i] == 0);
+    expect_warning("a mesh has a material with images but no texture coordinates; it shows their colour at "
+                   "(0, 0) (1 such)");
+    fathom_scene_destroy(scene);
 }
 
 /* No face uses the third vertex, so that the bounds do not have it. */
@@ -649,6 +674,7 @@ int main(void) {
         cmocka_unit_test(points_without_a_place_are_left_out),
         cmocka_unit_test(faces_of_lost_vertices_are_left_out),
         cmocka_unit_test(splats_are_points),
+        cmocka_unit_test(images_without_uvs_are_one_texel),
         cmocka_unit_test(stray_vertices_are_left_out),
         cmocka_unit_test(edges_are_rods),
         cmocka_unit_test(unused_properties_are_reported),

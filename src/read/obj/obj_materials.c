@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* ---- names ---- */
 
@@ -54,15 +55,15 @@ static void tally(obj_tally *t, const char *at) {
     if (!t->count++) t->first = at;
 }
 
-/* *out: the path of the file with this name of `length` bytes, found as images are, because many files have
- * paths of another machine; NULL: no such file. FATHOM_BAD_INPUT: the file must not be read; the message has
- * the reason. */
+/* *out: the path of the file with this name of `length` bytes, searched for as images are, because the path
+ * may come from another computer; NULL: no such file. FATHOM_BAD_INPUT: the file must not be read; the
+ * message has the reason. */
 static fathom_status find_library(const obj_reader *r, const char *name, size_t length, char **out) {
     *out = NULL;
     char *copy = strndup(name, length);
     if (!copy) return fail_memory(r->scene->context, length);
     fathom_status status = read_image_beside(r->scene, r->file.path, copy, out);
-    if (status == FATHOM_OK && !*out) {
+    if (status == FATHOM_OK && !*out) { /* was it forbidden? */
         status = read_beside(r->scene, r->file.path, copy, out);
         free(*out), *out = NULL;
     }
@@ -104,16 +105,26 @@ static fathom_status read_word(obj_reader *r, mtl_library *library, library_name
     return status;
 }
 
+/* True for "a.mtl b.mtl": a search for the last part of "x/a.mtl x/b.mtl" would find only b.mtl. */
+static bool names_several(const obj_mention *mention) {
+    const char *end = mention->at + mention->length;
+    for (const char *p = mention->at; p + 4 < end; ++p) {
+        if (text_is_blank(p[4]) && strncasecmp(p, ".mtl", 4) == 0) return true;
+    }
+    return false;
+}
+
 /* Reads a statement's text: as one name, which may contain blanks, or as several names separated by
  * blanks. */
 static fathom_status read_mention(obj_reader *r, mtl_library *library, library_names *names,
                                   const obj_mention *mention) {
-    bool found;
+    bool found = false;
+    fathom_status status = FATHOM_OK;
     if (!mention->length) {
         notes_add_at(&r->notes, 1, &r->file, mention->at, true, "mtllib: expected the name of a file");
         return FATHOM_OK;
     }
-    fathom_status status = read_name(r, library, names, mention->at, mention->length, &found);
+    if (!names_several(mention)) status = read_name(r, library, names, mention->at, mention->length, &found);
     if (found || (status != FATHOM_OK && status != FATHOM_BAD_INPUT)) return status;
     const char *end = mention->at + mention->length;
     for (const char *p = mention->at; p < end;) {
@@ -146,8 +157,8 @@ static fathom_status read_mentions(obj_reader *r, mtl_library *library, library_
 
 static int shown(size_t length) { return length < 200 ? (int)length : 200; }
 
-/* "models/bunny.obj" -> bunny.mtl, if no library was read and there is such a file: programs that write it
- * may leave out the statement, and people rename both files. */
+/* "models/bunny.obj" -> bunny.mtl, if no library was read and there is such a file. Some programs write no
+ * mtllib statement, and people rename both files. *found: whether there is such a file. */
 static fathom_status read_namesake(obj_reader *r, mtl_library *library, library_names *names, bool *found) {
     const char *file = file_name(r->file.path), *dot = strrchr(file, '.');
     char name[256];
@@ -161,7 +172,7 @@ static fathom_status read_namesake(obj_reader *r, mtl_library *library, library_
     if (status == FATHOM_BAD_INPUT) return FATHOM_OK; /* it must not be read */
     if (status != FATHOM_OK || !path) return status;
     *found = true;
-    notes_add(&r->notes, 1, "", "mtllib: no library that is named can be read; %.200s next to the file is",
+    notes_add(&r->notes, 1, "", "no mtllib statement names a file that can be read; %.200s is read instead",
               name);
     status = mtl_read(r->scene->context, path, library);
     free(path);

@@ -27,13 +27,18 @@ static void put_array(const ply_array *array, uint32_t i, const double values[PL
     for (int k = 0; k < array->components; ++k) out[k] = (float)values[array->first_role + k];
 }
 
+/* The first spherical harmonic is sqrt(1 / (4 pi)). Splats store its factor, from the middle of sRGB
+ * (3DGS, Kerbl et al. 2023). */
+static double splat_linear(double value) {
+    return (double)read_linear(fmin(fmax(0.5 + 0.28209479177387814 * value, 0), 1));
+}
+
 static void put_color(const ply_reader *r, uint32_t i, const double values[PLY_ROLES]) {
-    const double first = 0.28209479177387814; /* of the spherical harmonics: sqrt(1 / (4 pi)) */
     double linear[PLY_ROLES];
-    for (int role = PLY_R; role <= PLY_B; ++role)
+    for (int role = PLY_R; role <= PLY_B; ++role) {
         linear[role] = r->whole_color > 0 ? (double)read_linear(values[role] / r->whole_color) : values[role];
-    for (int role = PLY_R; role <= PLY_B && r->splats; ++role)
-        linear[role] = (double)read_linear(fmin(fmax(0.5 + first * values[role], 0), 1));
+        if (r->splats) linear[role] = splat_linear(values[role]);
+    }
     linear[PLY_A] = r->whole_alpha > 0 ? values[PLY_A] / r->whole_alpha : values[PLY_A];
     put_array(&r->arrays[PLY_COLORS], i, linear);
 }
@@ -216,6 +221,9 @@ static fathom_status check_and_add(ply_reader *r, fathom_mesh *mesh) {
     if (status == FATHOM_OK) status = mesh_compact(r->scene, true, &facts, mesh, &copied);
     if (status == FATHOM_OK && copied) status = look_at_vertices(r, mesh, &facts);
     if (status == FATHOM_OK) status = mesh_look_at_triangles(r->scene->context, r->file.path, mesh, &facts);
+    uint64_t added = 0;
+    if (status == FATHOM_OK) status = read_missing_uvs(r->scene, mesh, &added);
+    notes_add(&r->notes, added > 0, "", READ_MISSING_UVS);
     return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, mesh, &facts, NULL) : status;
 }
 

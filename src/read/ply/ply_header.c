@@ -220,9 +220,8 @@ static void find_splats(ply_reader *r, const ply_element *vertex) {
         found[i] = find_property(vertex, names[i]);
         if (found[i] < 0 || vertex->properties.items[found[i]].is_list) return;
     }
-    if (r->role[PLY_R] >= 0) return;
-    r->splats = true;
-    for (int c = 0; c < 3; ++c) {
+    r->splats = r->role[PLY_R] < 0;
+    for (int c = 0; c < 3 && r->splats; ++c) {
         r->role[PLY_R + c] = found[c];
         vertex->properties.items[found[c]].role = PLY_R + c;
     }
