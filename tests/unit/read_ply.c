@@ -427,6 +427,173 @@ static void splats_are_points(void **state) {
     }
 }
 
+#define LOOK_FACES(count) FACES(count) "property list uchar float texcoord\n"
+
+static const char *image(const char *name) { return mesh_write(name, "P6 1 1 255\nabc", 14); }
+
+/* u or v of a corner of a triangle. */
+static float uv_at(const fathom_mesh *mesh, size_t corner, int k) {
+    const uint32_t *indices = mesh->uv_indices ? mesh->uv_indices : mesh->indices;
+    assert_true(indices[corner] < mesh->uv_count);
+    return mesh_row(mesh->uvs, mesh->uv_stride, indices[corner])[k];
+}
+
+/* The first triangle, and a concave polygon whose fan is split anew, have different uvs at shared vertices:
+ * they are x and y, and 10 more on the polygon. Equal uvs at a vertex are stored once. */
+static void corners_have_uvs_of_their_own(void **state) {
+    (void)state;
+    image("t.ppm");
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour,
+                   "comment TextureFile t.ppm\nelement vertex 5\nproperty float x\nproperty float y\n"
+                   "property float z\nproperty float s\nproperty float t\n" LOOK_FACES(2),
+                   0);
+        ROW(&m, "fffff fffff fffff", 0, 0, 0, 7, 7, 4, 0, 0, 7, 7, 1, 1, 0, 7, 7);
+        ROW(&m, "fffff fffff", 0, 4, 0, 7, 7, -4, -4, 0, 7, 7);
+        ROW(&m, "biiibffffff", 3, 0, 1, 4, 6, 0, 0, 4, 0, -4, -4);
+        ROW(&m, "biiiibffffffff", 4, 3, 0, 1, 2, 8, 10, 14, 10, 10, 14, 10, 11, 11);
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        assert_int_equal(mesh->triangle_count, 3);
+        assert_int_equal(mesh->vertex_count, 5);
+        assert_int_equal(mesh->uv_count, 7);
+        for (size_t i = 0; i < 9; ++i) {
+            const vec3_f64 p = mesh_point(mesh, mesh->indices[i]);
+            assert_true((double)uv_at(mesh, i, 0) == p.x + (i < 3 ? 0 : 10));
+            assert_true((double)uv_at(mesh, i, 1) == p.y + (i < 3 ? 0 : 10));
+        }
+        assert_true(scene->materials.items[mesh->material].value.maps[FATHOM_MAP_COLOR].texture == 0);
+        expect_warning("element vertex: the property s is not used (5 such)");
+        assert_null(strstr(mesh_warnings, "texcoord"));
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* A mesh for each texture; -1, or a number without an image, is no texture. */
+static void each_texture_is_one_mesh(void **state) {
+    (void)state;
+    image("t.ppm");
+    image("s.ppm");
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour,
+                   "comment TextureFile t.ppm\ncomment TextureFile none.ppm\ncomment TextureFile "
+                   "s.ppm\n" XYZ LOOK_FACES(6) "property int texnumber\n",
+                   0);
+        ply_square(&m);
+        static const int numbers[6] = {2, 0, -1, 2, 1, 9};
+        for (int i = 0; i < 6; ++i)
+            ROW(&m, "biiibffffffi", 3, 0, 1 + i % 2, 2 + i % 2, 6, i, 1, i, 2, i, 3, numbers[i]);
+        fathom_scene *scene = ply_read(&m);
+        assert_int_equal(scene->meshes.count, 3);
+        static const int expected[3][3] = {{1}, {0, 3}, {2, 4, 5}}, counts[3] = {1, 2, 3};
+        for (size_t k = 0; k < 3; ++k) {
+            const fathom_mesh *mesh = mesh_at(scene, k);
+            assert_int_equal(mesh->triangle_count, counts[k]);
+            for (size_t t = 0; t < mesh->triangle_count; ++t) {
+                assert_true(uv_at(mesh, 3 * t, 0) == (float)expected[k][t]);
+                assert_true(uv_at(mesh, 3 * t + 2, 1) == 3);
+            }
+            const fathom_map *map = &scene->materials.items[mesh->material].value.maps[FATHOM_MAP_COLOR];
+            assert_true(map->texture == (k < 2 ? (fathom_id)k : FATHOM_NONE));
+        }
+        expect_warning(":4: a texture is left out: there is no such image that may be read (1 such");
+        expect_warning("texnumber: a face with the number of no TextureFile gets no texture (1 such)");
+        fathom_scene_destroy(scene);
+    }
+    ply_maker m;
+    ply_header(&m, ASCII, "comment TextureFile t.ppm\ncomment TextureFile s.ppm\n" XYZ LOOK_FACES(1), 0);
+    ply_square(&m);
+    ROW(&m, "biiibffffff", 3, 0, 1, 2, 6, 0, 0, 1, 0, 0, 1);
+    fathom_scene *scene = ply_read(&m);
+    expect_warning(":4: textures after the first one are left out, because faces have no texnumber (1 such");
+    fathom_scene_destroy(scene);
+}
+
+/* Lists of another length, and numbers that are none, are 0; faces of a lost vertex take theirs along. */
+static void odd_uvs_of_corners_are_zero(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour, XYZ LOOK_FACES(4), 0);
+        ROW(&m, "fff fff fff fff", (double)NAN, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0);
+        ROW(&m, "biiibffffff", 3, 0, 1, 2, 6, 9, 9, 9, 9, 9, 9);
+        ROW(&m, "biiibffffff", 3, 1, 2, 3, 6, 5, 5, 5, 5, 5, (double)NAN);
+        ROW(&m, "biiib", 3, 1, 2, 3, 0);
+        ROW(&m, "biiibffffff", 3, 1, 2, 3, 6, 6, 6, 6, 6, 6, 6);
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        static const float expected[3] = {5, 0, 6};
+        assert_int_equal(mesh->triangle_count, 3);
+        for (size_t i = 0; i < 9; ++i) {
+            assert_true(uv_at(mesh, i, 0) == expected[i / 3]);
+            assert_true(uv_at(mesh, i, 1) == (i == 2 ? 0 : expected[i / 3]));
+        }
+        expect_warning("texcoord: a face without 2 numbers for each corner gets 0 for all of them (1 such)");
+        expect_warning("a NaN or an infinity of a face is taken as 0 (1 such)");
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Vertices between two colours are doubled, and keep their normals and uvs. */
+static void colours_of_faces_are_shown(void **state) {
+    (void)state;
+    for (int k = 0; k < 2 * FLAVOURS; ++k) {
+        const bool alpha = k >= FLAVOURS;
+        ply_maker m;
+        char lines[512];
+        snprintf(lines, sizeof lines,
+                 XYZ
+                 "property float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty float "
+                 "t\nproperty float s1\nproperty float t1\n" FACES(3) "property uchar red\nproperty uchar "
+                                                                      "green\nproperty uchar blue\n%s",
+                 alpha ? "property uchar alpha\n" : "property uchar quality\n");
+        ply_header(&m, (ply_flavour)(k % FLAVOURS), lines, 0);
+        for (int i = 0; i < 4; ++i)
+            ROW(&m, "ffffffffff", (i + 1) / 2 % 2, i / 2, 0, 0, 0, i + 1, i, 2 * i, 3 * i, 4 * i);
+        ROW(&m, "biiibbbb", 3, 0, 1, 2, 255, 0, 188, 51);
+        ROW(&m, "biiibbbb", 3, 0, 2, 3, 0, 255, 0, 255);
+        ROW(&m, "biiibbbb", 3, 0, 3, 2, 0, 255, 0, 255);
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        static const uint32_t old[9] = {0, 1, 2, 0, 2, 3, 0, 3, 2};
+        assert_int_equal(mesh->vertex_count, 6);
+        assert_int_equal(mesh->color_channels, alpha ? 4 : 3);
+        assert_true(scene->materials.items[mesh->material].value.k_d[0] == 1);
+        for (size_t i = 0; i < 9; ++i) {
+            const float *c = mesh_row(mesh->colors, mesh->color_stride, mesh->indices[i]),
+                        *s1 = mesh_row(mesh->uvs_1, mesh->uv_1_stride, mesh->indices[i]),
+                        *n = mesh_row(mesh->normals, mesh->normal_stride, mesh->normal_indices[i]);
+            const uint32_t v = old[i];
+            mesh_expect_point(mesh, mesh->indices[i], (v + 1) / 2 % 2, v / 2, 0);
+            assert_true(c[0] == (i < 3) && c[1] == (i >= 3));
+            assert_near(c[2], i < 3 ? 0.50288653 : 0, 1e-7);
+            if (alpha) assert_true(c[3] == (i < 3 ? 0.2f : 1));
+            assert_true(n[2] == (float)v + 1 && uv_at(mesh, i, 0) == (float)v && s1[1] == 4 * (float)v);
+        }
+        assert_null(strstr(mesh_warnings, "colours"));
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Colours of vertices are finer, and go first. */
+static void colours_of_vertices_go_before_those_of_faces(void **state) {
+    (void)state;
+    ply_maker m;
+    ply_header(&m, LITTLE,
+               XYZ "property uchar red\nproperty uchar green\nproperty uchar blue\n" FACES(
+                   1) "property uchar red\nproperty uchar green\nproperty uchar blue\n",
+               0);
+    ROW(&m, "fffbbb fffbbb", 0, 0, 0, 255, 0, 0, 1, 0, 0, 255, 0, 0);
+    ROW(&m, "fffbbb fffbbb", 1, 1, 0, 255, 0, 0, 0, 1, 0, 255, 0, 0);
+    ROW(&m, "biiiibbb", 4, 0, 1, 2, 3, 0, 0, 255);
+    fathom_scene *scene = ply_read(&m);
+    assert_true(mesh_at(scene, 0)->colors[0] == 1 && mesh_at(scene, 0)->colors[2] == 0);
+    expect_warning("face colours are not used (1 such)");
+    fathom_scene_destroy(scene);
+}
+
 /* A material that a scene gives to the file may have images. */
 static void images_without_uvs_are_one_texel(void **state) {
     (void)state;
@@ -674,6 +841,11 @@ int main(void) {
         cmocka_unit_test(points_without_a_place_are_left_out),
         cmocka_unit_test(faces_of_lost_vertices_are_left_out),
         cmocka_unit_test(splats_are_points),
+        cmocka_unit_test(corners_have_uvs_of_their_own),
+        cmocka_unit_test(each_texture_is_one_mesh),
+        cmocka_unit_test(odd_uvs_of_corners_are_zero),
+        cmocka_unit_test(colours_of_faces_are_shown),
+        cmocka_unit_test(colours_of_vertices_go_before_those_of_faces),
         cmocka_unit_test(images_without_uvs_are_one_texel),
         cmocka_unit_test(stray_vertices_are_left_out),
         cmocka_unit_test(edges_are_rods),

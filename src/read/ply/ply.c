@@ -1,15 +1,12 @@
 #include "read/ply/ply.h"
 
-#include "read/mesh/compact.h"
-#include "read/mesh/normals.h"
 #include "read/mesh/strokes.h"
 
 #include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Allocates the arrays that are present and have no values yet, and sets their values and strides. */
-static fathom_status allocate_arrays(ply_reader *r) {
+fathom_status ply_allocate_arrays(ply_reader *r) {
     for (int a = 0; a < PLY_ARRAYS; ++a) {
         ply_array *array = &r->arrays[a];
         if (!array->present || array->values) continue;
@@ -117,7 +114,7 @@ static fathom_status leave_file(ply_reader *r) {
     for (int a = 0; a < PLY_ARRAYS; ++a) {
         if (!r->arrays[a].own && (a == PLY_POSITIONS || r->lost)) r->arrays[a].values = NULL;
     }
-    return allocate_arrays(r);
+    return ply_allocate_arrays(r);
 }
 
 static fathom_status note_lost(ply_reader *r) {
@@ -134,7 +131,7 @@ static fathom_status note_lost(ply_reader *r) {
 }
 
 fathom_status ply_read_vertices(ply_reader *r, size_t count, size_t grain, loop_body body, void *user) {
-    fathom_status status = allocate_arrays(r);
+    fathom_status status = ply_allocate_arrays(r);
     if (status != FATHOM_OK) return status;
     loop_parallel(r->threads, count, grain, body, user);
     status = text_status(&r->file, &r->fault);
@@ -149,23 +146,6 @@ fathom_status ply_read_vertices(ply_reader *r, size_t count, size_t grain, loop_
     status = leave_file(r);
     if (status == FATHOM_OK) loop_parallel(r->threads, count, grain, body, user);
     return status == FATHOM_OK && r->lost ? note_lost(r) : status;
-}
-
-/* The number that means colour 1: integers are sRGB in the range of their type; 0 for floats, which are
- * linear. */
-static double whole_of(const ply_reader *r, int role) {
-    if (r->role[role] < 0) return 0;
-    switch (r->header.elements.items[r->vertex_element].properties.items[r->role[role]].type) {
-    case PLY_INT8:
-    case PLY_UINT8: return 255;
-    case PLY_INT16:
-    case PLY_UINT16: return 65535;
-    case PLY_INT32:
-    case PLY_UINT32: return 4294967295.0;
-    case PLY_FLOAT32:
-    case PLY_FLOAT64: break;
-    }
-    return 0;
 }
 
 static void choose_arrays(ply_reader *r) {
@@ -189,7 +169,11 @@ static void choose_arrays(ply_reader *r) {
             *property = -1;
         }
     }
-    r->whole_color = whole_of(r, PLY_R), r->whole_alpha = whole_of(r, PLY_A);
+    if (!scene_keeps_uvs(r->scene)) r->uv_list = SIZE_MAX;
+    r->whole_color = ply_whole(r, r->vertex_element, r->role[PLY_R]);
+    r->whole_alpha = ply_whole(r, r->vertex_element, r->role[PLY_A]);
+    r->whole_face_color = ply_whole(r, r->face_element, r->face_color);
+    r->whole_face_alpha = ply_whole(r, r->face_element, r->face_alpha);
 }
 
 static void release_map(void *data) {
@@ -207,24 +191,6 @@ static fathom_status keep_map(ply_reader *r) {
     *kept = r->map;
     r->map = (file_map){0};
     return scene_adopt_file(r->scene, kept, release_map, kept);
-}
-
-static fathom_status look_at_vertices(const ply_reader *r, const fathom_mesh *mesh, mesh_facts *facts) {
-    return mesh_look_at_vertices(r->scene->context, r->file.path, mesh->positions, mesh->position_stride,
-                                 mesh->vertex_count, facts);
-}
-
-static fathom_status check_and_add(ply_reader *r, fathom_mesh *mesh) {
-    mesh_facts facts;
-    bool copied = false;
-    fathom_status status = look_at_vertices(r, mesh, &facts);
-    if (status == FATHOM_OK) status = mesh_compact(r->scene, true, &facts, mesh, &copied);
-    if (status == FATHOM_OK && copied) status = look_at_vertices(r, mesh, &facts);
-    if (status == FATHOM_OK) status = mesh_look_at_triangles(r->scene->context, r->file.path, mesh, &facts);
-    uint64_t added = 0;
-    if (status == FATHOM_OK) status = read_missing_uvs(r->scene, mesh, &added);
-    notes_add(&r->notes, added > 0, "", READ_MISSING_UVS);
-    return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, mesh, &facts, NULL) : status;
 }
 
 /* A file without faces and edges is a point cloud. */
@@ -257,102 +223,28 @@ static fathom_status add_strokes(ply_reader *r, fathom_mesh mesh) {
     fathom_status status = strokes_make(r->scene, &s, &mesh);
     if (status != FATHOM_OK)
         return fail_within(r->scene->context, status, &(fathom_place){.file = r->file.path});
-    return strokes_any(&mesh) ? check_and_add(r, &mesh) : FATHOM_OK;
-}
-
-/* Uses the image that a comment of the header names as the surface's colour map. In these files v grows
- * upwards. */
-static fathom_status read_texture(ply_reader *r) {
-    const fathom_map map = {.transform = {1, 0, 0, 0, -1, 1}};
-    fathom_material material;
-    fathom_texture texture;
-    const char *at = r->texture;
-    char *path = NULL, name[512];
-    if (!at || r->options.material != FATHOM_NONE) return FATHOM_OK;
-    const size_t length = text_rest(&at, r->file.end);
-    snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name - 1), at);
-    fathom_status status = read_image_beside(r->scene, r->file.path, name, &path);
-    if (status != FATHOM_OK) return status;
-    if (!path || r->role[PLY_U] < 0 || r->role[PLY_V] < 0) {
-        notes_add_at(&r->notes, 1, &r->file, at, true, "a texture is left out: %s",
-                     path ? "the vertices have no texture coordinates"
-                          : "there is no such image that may be read");
-        free(path);
-        return FATHOM_OK;
-    }
-    fathom_texture_default(&texture);
-    fathom_material_default(&material);
-    texture.file = path;
-    for (int c = 0; c < 3; ++c) material.k_d[c] = 1;
-    material.maps[FATHOM_MAP_COLOR] = map;
-    status = fathom_scene_add_texture(r->scene, &texture, &material.maps[FATHOM_MAP_COLOR].texture);
-    free(path);
-    if (status != FATHOM_OK) return status;
-    return fathom_scene_add_material(r->scene, "texture", &material, &r->options.material);
-}
-
-static fathom_status add_surface(ply_reader *r, fathom_mesh mesh) {
-    mesh.indices = r->indices;
-    mesh.triangle_count = (uint32_t)r->triangle_count;
-    ply_array *normals = &r->arrays[PLY_NORMALS];
-    if (!normals->present && r->options.smooth && !r->options.flat) {
-        normals->present = true;
-        fathom_status status = allocate_arrays(r);
-        if (status == FATHOM_OK)
-            status = normals_smooth(r->scene->context, &mesh, NULL, r->vertex_count, normals->own);
-        if (status != FATHOM_OK) return status;
-    }
-    if (normals->present) {
-        mesh.normals = normals->values;
-        mesh.normal_stride = normals->stride;
-        mesh.normal_count = r->vertex_count;
-    }
-    if (r->arrays[PLY_UVS].present) {
-        mesh.uvs = r->arrays[PLY_UVS].values;
-        mesh.uv_stride = r->arrays[PLY_UVS].stride;
-        mesh.uv_count = r->vertex_count;
-    }
-    if (r->arrays[PLY_UVS_1].present) {
-        mesh.uvs_1 = r->arrays[PLY_UVS_1].values;
-        mesh.uv_1_stride = r->arrays[PLY_UVS_1].stride;
-    }
-    return check_and_add(r, &mesh);
-}
-
-/* Opacities that are all 1 are not stored. Opacities that are all 0 are ignored: some programs never set
- * them. */
-static unsigned color_channels(ply_reader *r) {
-    const ply_array *colors = &r->arrays[PLY_COLORS];
-    bool clear = true, whole = true;
-    if (colors->components < 4) return 3;
-    for (uint32_t i = 0; i < r->vertex_count && (clear || whole); ++i) {
-        const float alpha = mesh_row(colors->values, colors->stride, i)[3];
-        clear &= !(alpha > 0), whole &= alpha >= 1;
-    }
-    if (!clear) return whole ? 3 : 4;
-    notes_add(&r->notes, r->vertex_count, "", "alpha is 0 at all vertices, and left out");
-    return 3;
+    if (status == FATHOM_OK) status = ply_plain_material(r, mesh.colors, &mesh.material);
+    return status == FATHOM_OK && strokes_any(&mesh) ? ply_add_mesh(r, &mesh) : status;
 }
 
 static fathom_status add_meshes(ply_reader *r) {
+    const ply_array *colors = &r->arrays[PLY_COLORS];
     fathom_mesh mesh;
     fathom_mesh_default(&mesh);
     mesh.positions = r->arrays[PLY_POSITIONS].values;
     mesh.position_stride = r->arrays[PLY_POSITIONS].stride;
     mesh.vertex_count = r->vertex_count;
     store_f64(mesh.origin, r->origin);
-    mesh.material = r->options.material == FATHOM_NONE ? 0 : r->options.material;
-    if (r->arrays[PLY_COLORS].present) {
-        mesh.colors = r->arrays[PLY_COLORS].values;
-        mesh.color_stride = r->arrays[PLY_COLORS].stride;
-        mesh.color_channels = color_channels(r);
-        if (r->options.material == FATHOM_NONE) {
-            fathom_status status = read_colored_material(r->scene, &mesh.material);
-            if (status != FATHOM_OK) return status;
-        }
+    if (colors->present) {
+        mesh.colors = colors->values;
+        mesh.color_stride = colors->stride;
+        mesh.color_channels = 3;
+        if (colors->components > 3)
+            mesh.color_channels =
+                ply_color_channels(r, colors->values, colors->stride, r->vertex_count, "vertices");
     }
     mesh.flags = r->options.flags;
-    fathom_status status = r->triangle_count ? add_surface(r, mesh) : FATHOM_OK;
+    fathom_status status = r->triangle_count ? ply_add_surface(r, mesh) : FATHOM_OK;
     return status == FATHOM_OK && (r->edges || is_cloud(r)) ? add_strokes(r, mesh) : status;
 }
 
@@ -368,7 +260,7 @@ static fathom_status read_mapped(ply_reader *r) {
     fathom_status status = ply_read_header(r);
     if (status != FATHOM_OK) return status;
     ply_note_unused(r);
-    status = read_texture(r);
+    status = ply_read_textures(r);
     if (status != FATHOM_OK) return status;
     choose_arrays(r);
     status = allocate_edges(r);
@@ -390,10 +282,18 @@ static void release(ply_reader *r) {
         array_free(&r->pieces[i].indices);
         array_free(&r->pieces[i].polygons);
         array_free(&r->pieces[i].row);
+        array_free(&r->pieces[i].row_uvs);
+        array_free(&r->pieces[i].uvs);
+        array_free(&r->pieces[i].uv_indices);
+        array_free(&r->pieces[i].looks);
     }
     free(r->pieces);
     free(r->edges);
     free(r->lost);
+    free(r->uvs);
+    free(r->looks);
+    array_free(&r->textures);
+    array_free(&r->materials);
     for (size_t i = 0; i < r->header.elements.count; ++i) array_free(&r->header.elements.items[i].properties);
     array_free(&r->header.elements);
     text_close(&r->file);
@@ -404,6 +304,7 @@ fathom_status read_ply(fathom_scene *scene, fathom_id group, const char *path,
     ply_reader r = {.scene = scene,
                     .group = group,
                     .options = *options,
+                    .colored = FATHOM_NONE,
                     .threads = fathom_context_threads(scene->context),
                     .lock = PTHREAD_MUTEX_INITIALIZER,
                     .bounds = bounds_empty()};

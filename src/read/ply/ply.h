@@ -1,6 +1,7 @@
 /* Reads a PLY file as a mesh. The header (ply_header.c) describes the rows. Rows of text (ply_ascii.c) or
  * bytes (ply_binary.c) are read in parallel. Polygons are triangulated and joined into one list of triangles
- * (ply_faces.c). ply.c calls these steps. */
+ * (ply_faces.c). Colours, texture coordinates and textures of faces are given to its corners (ply_surface.c).
+ * ply.c calls these steps. */
 #ifndef READ_PLY_H
 #define READ_PLY_H
 
@@ -38,7 +39,7 @@ typedef struct ply_property {
     bool is_list;
     ply_type count_type; /* of lists */
     ply_type type;
-    int role; /* of a vertex property; -1: none */
+    int role; /* of a property of a vertex, an edge or a face; -1: none */
 } ply_property;
 
 typedef struct ply_element {
@@ -76,6 +77,15 @@ enum {
 /* The meaning of an edge's property: its two vertices. */
 enum { PLY_FROM, PLY_TO, PLY_ENDS };
 
+/* The meaning of a face's property. */
+enum { PLY_FACE_R, PLY_FACE_G, PLY_FACE_B, PLY_FACE_A, PLY_TEXNUMBER, PLY_FACE_ROLES };
+
+/* What a triangle has from its face. */
+typedef struct ply_look {
+    float color[4];   /* linear */
+    uint32_t texture; /* number of a TextureFile; their count: none */
+} ply_look;
+
 /* The mesh's arrays. */
 enum { PLY_POSITIONS, PLY_NORMALS, PLY_UVS, PLY_UVS_1, PLY_COLORS, PLY_ARRAYS };
 
@@ -91,9 +101,17 @@ typedef struct ply_array {
 typedef struct ply_faces {
     ARRAY(uint32_t) indices;
     ARRAY(polygon_fan) polygons;
-    ARRAY(uint32_t) row; /* the list that is being read; UINT32_MAX ends a strip */
-    size_t small;        /* faces with fewer than 3 corners */
-    size_t target;       /* index of its first triangle in the mesh */
+    ARRAY(uint32_t) row;        /* the list that is being read; UINT32_MAX ends a strip */
+    ARRAY(float) row_uvs;       /* the texture coordinates that are being read */
+    ARRAY(float) uvs;           /* of each corner of each face */
+    ARRAY(uint32_t) uv_indices; /* of each corner of each triangle; NULL: faces have none */
+    ARRAY(ply_look) looks;      /* of each triangle; NULL: faces have none */
+    size_t small;               /* faces with fewer than 3 corners */
+    size_t bad_uvs;             /* faces with a wrong number of texture coordinates */
+    size_t odd;                 /* numbers of faces that are not finite; 0 is taken for them */
+    size_t no_texture;          /* faces with a texnumber that no TextureFile has */
+    size_t target;              /* index of its first triangle in the mesh */
+    size_t uv_target;           /* index of its first texture coordinates */
 } ply_faces;
 
 typedef struct ply_reader {
@@ -108,14 +126,20 @@ typedef struct ply_reader {
     ply_header header;
     size_t vertex_element, face_element, edge_element; /* SIZE_MAX: no such element with rows */
     bool strips;                                       /* the face element is "tristrips" */
-    bool splats;         /* the vertices are Gaussian splats; their colours are spherical harmonics */
-    const char *texture; /* the name in the header, up to the end of the line; NULL: none */
-    size_t index_list;   /* property of the face element */
-    int role[PLY_ROLES]; /* property of the vertex element; -1: none */
+    bool splats; /* the vertices are Gaussian splats; their colours are spherical harmonics */
+    ARRAY(const char *) textures; /* the names in the header, up to the ends of the lines */
+    fathom_id colored;            /* the material of colours without a texture; FATHOM_NONE: not made yet */
+    ARRAY(fathom_id) materials;   /* of each of them; FATHOM_NONE: it cannot be shown */
+    size_t index_list;            /* property of the face element */
+    size_t uv_list;               /* the same; SIZE_MAX: none */
+    bool looks_read;              /* faces have colours or numbers of textures */
+    int face_color, face_alpha;   /* properties of the face element; -1: none */
+    int role[PLY_ROLES];          /* property of the vertex element; -1: none */
     uint32_t vertex_count;
     ply_array arrays[PLY_ARRAYS];
-    double whole_color;   /* the stored number that means colour 1; 0: colours are linear floats */
-    double whole_alpha;   /* the same for opacities */
+    double whole_color; /* the stored number that means colour 1; 0: colours are linear floats */
+    double whole_alpha; /* the same for opacities */
+    double whole_face_color, whole_face_alpha;
     pthread_mutex_t lock; /* guards the bounds */
     scene_bounds bounds;
     vec3_f64 origin;
@@ -127,6 +151,9 @@ typedef struct ply_reader {
     size_t piece_count;
     uint32_t *indices; /* owned by the scene */
     size_t triangle_count;
+    uint32_t *uv_indices; /* owned by the scene; of each corner, a row of uvs; NULL: none */
+    float *uvs;
+    ply_look *looks; /* of each triangle; NULL: none */
     uint32_t *edges; /* two vertex indices per edge; NULL: none */
 } ply_reader;
 
@@ -141,6 +168,8 @@ void ply_note_unused(ply_reader *r);
 fathom_status ply_read_ascii(ply_reader *r);
 fathom_status ply_read_binary(ply_reader *r);
 
+/* Allocates the arrays that are present and have no values yet, and sets their values and strides. */
+fathom_status ply_allocate_arrays(ply_reader *r);
 /* Adds vertex `i` to the bounds, and stores it in the arrays with memory of their own; if it is moving, only
  * its position, or what was not stored before a number was found that is not finite. */
 void ply_put_vertex(ply_reader *r, uint32_t i, double values[PLY_ROLES], scene_bounds *bounds);
@@ -158,8 +187,10 @@ static inline bool ply_push_index(ply_reader *r, ply_faces *faces, int64_t index
     faces->row.items[faces->row.count++] = (uint32_t)index;
     return true;
 }
-/* Adds the triangles of the row, and begins a new row. False: out of memory. */
-bool ply_end_row(ply_reader *r, ply_faces *faces);
+/* Adds a number of the face's texture coordinates. False: out of memory. */
+bool ply_push_uv(ply_reader *r, ply_faces *faces, double value);
+/* Adds the triangles of the row, and begins a new row. values: by role. False: out of memory. */
+bool ply_end_row(ply_reader *r, ply_faces *faces, double values[PLY_FACE_ROLES]);
 fathom_status ply_allocate_triangles(ply_reader *r, uint64_t count);
 /* Checks the vertices of edge number `i`, and stores them. */
 bool ply_put_edge(ply_reader *r, uint64_t i, const double values[PLY_ENDS], const void *at);
@@ -167,5 +198,21 @@ bool ply_put_edge(ply_reader *r, uint64_t i, const double values[PLY_ENDS], cons
 void ply_drop_lost(ply_reader *r);
 /* Triangulates the polygons of all pieces, and joins the pieces. */
 fathom_status ply_join_faces(ply_reader *r);
+
+/* Adds a material for each texture that the header names and that can be shown. */
+fathom_status ply_read_textures(ply_reader *r);
+/* The material of what has no texture. */
+fathom_status ply_plain_material(ply_reader *r, bool colored, fathom_id *out);
+/* The number that means colour 1: integers are sRGB in the range of their type; 0 for floats, which are
+ * linear. property: -1: none. */
+double ply_whole(const ply_reader *r, size_t element, int property);
+/* 3 or 4: opacities that are all 1 are not stored. Opacities that are all 0 are ignored, with a note that
+ * names their `places`: some programs never set them. */
+unsigned ply_color_channels(ply_reader *r, const float *colors, size_t stride, size_t count,
+                            const char *places);
+/* Adds the triangles. `mesh` has all else. */
+fathom_status ply_add_surface(ply_reader *r, fathom_mesh mesh);
+/* Adds a mesh after checks; its arrays may change. */
+fathom_status ply_add_mesh(ply_reader *r, fathom_mesh *mesh);
 
 #endif

@@ -70,8 +70,9 @@ static bool read_whole(ply_reader *r, const ply_property *property, const char *
     return text_found(&r->fault, at, property->name, "expected a whole number");
 }
 
-/* `keep`: receives the numbers; NULL skips them. */
-static bool read_list(ply_reader *r, const ply_property *property, const char **p, ply_faces *keep) {
+/* keep: receives the numbers of list `index` of a face; NULL skips them. */
+static bool read_list(ply_reader *r, const ply_property *property, const char **p, ply_faces *keep,
+                      size_t index) {
     int64_t count, whole;
     double number;
     const char *at = *p;
@@ -79,8 +80,12 @@ static bool read_list(ply_reader *r, const ply_property *property, const char **
     if (count < 0)
         return text_wrong(&r->fault, at, property->name, "a list of %lld numbers", (long long)count);
     for (int64_t i = 0; i < count; ++i) {
-        bool good = keep ? read_whole(r, property, p, &whole) && ply_push_index(r, keep, whole, *p)
-                         : read_number(r, property, p, &number);
+        bool good;
+        if (keep && index == r->index_list)
+            good = read_whole(r, property, p, &whole) && ply_push_index(r, keep, whole, *p);
+        else
+            good = read_number(r, property, p, &number) &&
+                   (!keep || index != r->uv_list || ply_push_uv(r, keep, number));
         if (!good) return false;
     }
     return true;
@@ -99,17 +104,17 @@ static bool end_row(ply_reader *r, const ply_element *element, ascii_piece *piec
     return true;
 }
 
-/* Reads the numbers of a row: those with a role, and the list of indices. */
+/* Reads the numbers of a row: those with a role, and the lists of a face. */
 static bool read_properties(ply_reader *r, size_t index, ascii_piece *piece, const char *p, ply_faces *faces,
                             double values[PLY_ROLES]) {
     const ply_element *element = &r->header.elements.items[index];
     for (size_t i = 0; i < element->properties.count; ++i) {
         const ply_property *property = &element->properties.items[i];
         double value;
-        bool good = property->is_list ? read_list(r, property, &p, i == r->index_list ? faces : NULL)
-                                      : read_number(r, property, &p, &value);
+        bool good =
+            property->is_list ? read_list(r, property, &p, faces, i) : read_number(r, property, &p, &value);
         if (!good) return false;
-        if (values && !property->is_list && property->role >= 0) values[property->role] = value;
+        if (!property->is_list && property->role >= 0) values[property->role] = value;
     }
     return r->moving || end_row(r, element, piece, p);
 }
@@ -135,8 +140,8 @@ static bool read_row(const ascii_reader *a, size_t piece, uint64_t row, const ch
         return read_properties(r, r->edge_element, &a->pieces[piece], at, NULL, values) &&
                ply_put_edge(r, edge, values, at);
     if (!is_of(r, r->face_element, row - a->face_begin)) return true;
-    return read_properties(r, r->face_element, &a->pieces[piece], at, &r->pieces[piece], NULL) &&
-           ply_end_row(r, &r->pieces[piece]);
+    return read_properties(r, r->face_element, &a->pieces[piece], at, &r->pieces[piece], values) &&
+           ply_end_row(r, &r->pieces[piece], values);
 }
 
 static void read_pieces(void *user, size_t begin, size_t end, unsigned worker) {

@@ -302,9 +302,28 @@ static const ply_property *index_list(const binary_reader *b) {
     return &b->faces.element->properties.items[b->r->index_list];
 }
 
+static bool read_uvs(const binary_reader *b, const unsigned char *p, ply_faces *faces) {
+    const ply_property *list = &b->faces.element->properties.items[b->r->uv_list];
+    uint64_t count;
+    bool good = list_count(b, list, &p, &count);
+    for (uint64_t i = 0; good && i < count; ++i, p += ply_size(list->type))
+        good = ply_push_uv(b->r, faces, load(p, list->type, b->big));
+    return good;
+}
+
+/* The numbers of the row that have a role, by role. */
+static void load_roles(const binary_reader *b, const ply_element *element, const unsigned char *row,
+                       const size_t *offsets, double *out) {
+    for (size_t i = 0; i < element->properties.count; ++i) {
+        const ply_property *property = &element->properties.items[i];
+        if (property->role >= 0) out[property->role] = load(row + offsets[i], property->type, b->big);
+    }
+}
+
 static bool read_face(const binary_reader *b, uint64_t number, const unsigned char *row,
                       const size_t *offsets, void *user) {
     (void)number;
+    double values[PLY_FACE_ROLES] = {0};
     ply_reader *r = b->r;
     ply_faces *faces = user;
     const ply_property *list = index_list(b);
@@ -318,7 +337,9 @@ static bool read_face(const binary_reader *b, uint64_t number, const unsigned ch
                               index);
         if (!ply_push_index(r, faces, (int64_t)index, p)) return false;
     }
-    return ply_end_row(r, faces);
+    if (r->looks_read) load_roles(b, b->faces.element, row, offsets, values);
+    if (r->uv_list != SIZE_MAX && !read_uvs(b, row + offsets[r->uv_list], faces)) return false;
+    return ply_end_row(r, faces, values);
 }
 
 static void read_blocks(void *user, size_t begin, size_t end, unsigned worker) {
@@ -345,10 +366,11 @@ static void copy_triangles(void *user, size_t begin, size_t end, unsigned worker
     if (highest >= b->r->vertex_count) atomic_store(&b->refused, true);
 }
 
-/* True if all faces are triangles with 32-bit indices, by far the most common case. Negative indices, read as
- * unsigned, are out of range. */
+/* True if all faces are only triangles with 32-bit indices, by far the most common case. Negative indices,
+ * read as unsigned, are out of range. */
 static bool has_plain_triangles(const binary_reader *b) {
     const ply_property *list = index_list(b);
+    if (b->r->looks_read || b->r->uv_list != SIZE_MAX) return false;
     if (b->faces.blocks || b->r->strips || (list->type != PLY_INT32 && list->type != PLY_UINT32))
         return false;
     return load(b->faces.begin + b->faces.offsets[b->r->index_list], list->count_type, b->big) == 3;
@@ -373,12 +395,8 @@ static fathom_status read_faces(binary_reader *b) {
 static bool read_edge(const binary_reader *b, uint64_t number, const unsigned char *row,
                       const size_t *offsets, void *user) {
     (void)user;
-    const ply_element *element = b->edges.element;
     double ends[PLY_ENDS] = {0};
-    for (size_t i = 0; i < element->properties.count; ++i) {
-        const ply_property *property = &element->properties.items[i];
-        if (property->role >= 0) ends[property->role] = load(row + offsets[i], property->type, b->big);
-    }
+    load_roles(b, b->edges.element, row, offsets, ends);
     return ply_put_edge(b->r, number, ends, row);
 }
 

@@ -1,5 +1,6 @@
 #include "read/ply/ply.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,7 +38,53 @@ static void push_strips(ply_faces *faces) {
     }
 }
 
-bool ply_end_row(ply_reader *r, ply_faces *faces) {
+bool ply_push_uv(ply_reader *r, ply_faces *faces, double value) {
+    const bool good = fabs(value) <= (double)FLT_MAX;
+    faces->odd += !good;
+    return array_push(&faces->row_uvs, good ? (float)value : 0) || text_no_memory(&r->fault);
+}
+
+/* Texture coordinates for the n corners of the row, and for its triangles. */
+static bool push_uvs(ply_reader *r, ply_faces *faces, size_t n) {
+    const uint32_t first = (uint32_t)(faces->uvs.count / 2);
+    const bool good = faces->row_uvs.count == 2 * n;
+    if (r->uv_list == SIZE_MAX) return true;
+    if (!array_room(&faces->uvs, 2 * n) || !array_room(&faces->uv_indices, 3 * (n - 2))) return false;
+    faces->bad_uvs += !good;
+    for (size_t i = 0; i < 2 * n; ++i)
+        faces->uvs.items[faces->uvs.count++] = good ? faces->row_uvs.items[i] : 0;
+    uint32_t *out = faces->uv_indices.items + faces->uv_indices.count;
+    for (uint32_t i = 2; i < n; ++i, out += 3) out[0] = first, out[1] = first + i - 1, out[2] = first + i;
+    faces->uv_indices.count += 3 * (n - 2);
+    return true;
+}
+
+static float face_linear(double value, double whole) {
+    return whole > 0 ? read_linear(value / whole) : (float)value;
+}
+
+/* Colour and texture for the triangles of the row. MeshLab writes -1 for no texture. */
+static bool push_looks(const ply_reader *r, ply_faces *faces, size_t triangles,
+                       double values[PLY_FACE_ROLES]) {
+    if (!r->looks_read) return true;
+    const double count = (double)r->textures.count, texture = values[PLY_TEXNUMBER];
+    const bool known = texture >= 0 && texture < count;
+    ply_look look = {.texture = (uint32_t)(known ? texture : count)};
+    for (int role = 0; role < PLY_TEXNUMBER; ++role) {
+        const bool good = fabs(values[role]) <= (double)FLT_MAX;
+        faces->odd += !good;
+        values[role] = good ? values[role] : 0;
+    }
+    for (int c = 0; c < 3; ++c) look.color[c] = face_linear(values[PLY_FACE_R + c], r->whole_face_color);
+    look.color[3] = (float)(values[PLY_FACE_A] / (r->whole_face_alpha > 0 ? r->whole_face_alpha : 1));
+    faces->no_texture += count > 0 && !known && texture != -1;
+    for (size_t i = 0; i < triangles; ++i) {
+        if (!array_push(&faces->looks, look)) return false;
+    }
+    return true;
+}
+
+bool ply_end_row(ply_reader *r, ply_faces *faces, double values[PLY_FACE_ROLES]) {
     const uint32_t *row = faces->row.items;
     const size_t n = faces->row.count;
     const polygon_fan polygon = {faces->indices.count / 3, (uint32_t)n};
@@ -48,10 +95,12 @@ bool ply_end_row(ply_reader *r, ply_faces *faces) {
         return text_no_memory(&r->fault);
     } else if (r->strips) {
         push_strips(faces);
+    } else if (!push_uvs(r, faces, n) || !push_looks(r, faces, n - 2, values)) {
+        return text_no_memory(&r->fault);
     } else {
         for (size_t i = 2; i < n; ++i) push_triangle(faces, row[0], row[i - 1], row[i]);
     }
-    faces->row.count = 0;
+    faces->row.count = faces->row_uvs.count = 0;
     return true;
 }
 
@@ -76,10 +125,15 @@ static uint32_t lost_of(const ply_reader *r, const uint32_t *vertices, size_t co
 
 /* The triangles, or edges, that remain of `count`. */
 static size_t keep_good(const ply_reader *r, uint32_t *indices, size_t each, size_t count) {
+    const bool faces = indices == r->indices;
+    const size_t bytes = each * sizeof *indices;
     size_t kept = 0;
     for (size_t i = 0; i < count; ++i) {
         if (lost_of(r, indices + each * i, each) != UINT32_MAX) continue;
-        memmove(indices + each * kept++, indices + each * i, each * sizeof *indices);
+        memmove(indices + each * kept, indices + each * i, bytes);
+        if (faces && r->uv_indices) memmove(r->uv_indices + each * kept, r->uv_indices + each * i, bytes);
+        if (faces && r->looks) r->looks[kept] = r->looks[i];
+        ++kept;
     }
     return kept;
 }
@@ -109,12 +163,21 @@ void ply_drop_lost(ply_reader *r) {
 
 /* Splits a polygon; one with a lost vertex becomes triangles that are dropped, all of them. */
 static bool split(const ply_reader *r, polygon_work *work, const polygon_vertices *vertices, uint32_t corners,
-                  uint32_t *fan) {
+                  uint32_t *fan, uint32_t *uvs) {
     const size_t count = 3 * ((size_t)corners - 2);
     const uint32_t lost = r->lost ? lost_of(r, fan, count) : UINT32_MAX;
-    if (lost == UINT32_MAX) return polygon_split(work, vertices, corners, fan, NULL, NULL);
+    if (lost == UINT32_MAX) return polygon_split(work, vertices, corners, fan, uvs, NULL);
     for (size_t i = 0; i < count; ++i) fan[i] = lost;
     return true;
+}
+
+static void join_looks(const ply_reader *r, const ply_faces *faces) {
+    for (size_t i = 0; i < faces->uv_indices.count; ++i)
+        r->uv_indices[3 * faces->target + i] = (uint32_t)faces->uv_target + faces->uv_indices.items[i];
+    if (faces->uvs.count)
+        memcpy(r->uvs + 2 * faces->uv_target, faces->uvs.items, faces->uvs.count * sizeof *r->uvs);
+    if (faces->looks.count)
+        memcpy(r->looks + faces->target, faces->looks.items, faces->looks.count * sizeof *r->looks);
 }
 
 static void join_pieces(void *user, size_t begin, size_t end, unsigned worker) {
@@ -125,10 +188,13 @@ static void join_pieces(void *user, size_t begin, size_t end, unsigned worker) {
     for (size_t i = begin; i < end; ++i) {
         const ply_faces *faces = &r->pieces[i];
         uint32_t *out = r->indices + 3 * faces->target;
+        uint32_t *uvs = r->uv_indices ? r->uv_indices + 3 * faces->target : NULL;
         if (faces->indices.count) memcpy(out, faces->indices.items, faces->indices.count * sizeof *out);
+        join_looks(r, faces);
         for (size_t k = 0; k < faces->polygons.count; ++k) {
             polygon_fan polygon = faces->polygons.items[k];
-            if (!split(r, &work, &vertices, polygon.corners, out + 3 * polygon.first))
+            if (!split(r, &work, &vertices, polygon.corners, out + 3 * polygon.first,
+                       uvs ? uvs + 3 * polygon.first : NULL))
                 text_no_memory(&r->fault);
         }
     }
@@ -146,18 +212,47 @@ fathom_status ply_allocate_triangles(ply_reader *r, uint64_t count) {
     return status;
 }
 
+/* Allocates what triangles have from their faces; uvs: the number of texture coordinates. */
+static fathom_status allocate_looks(ply_reader *r, size_t uvs) {
+    void *memory = NULL;
+    if (uvs >= UINT32_MAX)
+        return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
+                         "texcoord: %zu corners; at most 2^32 - 2 fit into a mesh", uvs);
+    if (uvs) {
+        fathom_status status =
+            scene_allocate_items(r->scene, r->triangle_count, 3 * sizeof *r->uv_indices, &memory);
+        if (status != FATHOM_OK) return status;
+        r->uv_indices = memory;
+        r->uvs = malloc(uvs * 2 * sizeof *r->uvs);
+        if (!r->uvs) return fail_memory(r->scene->context, uvs * 2 * sizeof *r->uvs);
+    }
+    if (!r->looks_read) return FATHOM_OK;
+    r->looks = malloc(r->triangle_count * sizeof *r->looks);
+    return r->looks ? FATHOM_OK : fail_memory(r->scene->context, r->triangle_count * sizeof *r->looks);
+}
+
+static void note_faces(ply_reader *r, const ply_faces *faces) {
+    notes_add(&r->notes, faces->small, "", "faces of less than 3 corners are left out");
+    notes_add(&r->notes, faces->bad_uvs, "",
+              "texcoord: a face without 2 numbers for each corner gets 0 for all of them");
+    notes_add(&r->notes, faces->odd, "", "a NaN or an infinity of a face is taken as 0");
+    notes_add(&r->notes, faces->no_texture, "",
+              "texnumber: a face with the number of no TextureFile gets no texture");
+}
+
 fathom_status ply_join_faces(ply_reader *r) {
     uint64_t triangles = 0;
-    size_t small = 0;
+    size_t uvs = 0;
     for (size_t i = 0; i < r->piece_count; ++i) {
-        r->pieces[i].target = (size_t)triangles;
+        r->pieces[i].target = (size_t)triangles, r->pieces[i].uv_target = uvs;
         triangles += r->pieces[i].indices.count / 3;
-        small += r->pieces[i].small;
+        uvs += r->pieces[i].uvs.count / 2;
+        note_faces(r, &r->pieces[i]);
     }
-    notes_add(&r->notes, small, "", "faces of less than 3 corners are left out");
     fathom_status status = text_status(&r->file, &r->fault);
     if (status != FATHOM_OK || !triangles) return status;
     status = ply_allocate_triangles(r, triangles);
+    if (status == FATHOM_OK) status = allocate_looks(r, uvs);
     if (status != FATHOM_OK) return status;
     loop_parallel(r->threads, r->piece_count, 1, join_pieces, r);
     return text_status(&r->file, &r->fault);

@@ -92,14 +92,10 @@ static bool read_property(ply_reader *r, const char *line, const char *p) {
 }
 
 /* MeshLab stores names of textures in comments. */
-static void read_comment(ply_reader *r, const char *p) {
+static bool read_comment(ply_reader *r, const char *p) {
     char word[PLY_NAME];
-    const char *at = read_word(&p, word);
-    if (strcmp(word, "TextureFile") != 0) return;
-    if (r->texture)
-        notes_add_at(&r->notes, 1, &r->file, at, true, "textures after the first one are left out");
-    else
-        r->texture = p;
+    read_word(&p, word);
+    return strcmp(word, "TextureFile") != 0 || array_push(&r->textures, p) || text_no_memory(&r->fault);
 }
 
 /* Blender 2.4 writes "Created by Blender" without the word "comment" before it. */
@@ -116,7 +112,7 @@ static bool read_statement(ply_reader *r, const char *word, const char *at, cons
     if (strcmp(word, "format") == 0) return read_format(r, p);
     if (strcmp(word, "element") == 0) return read_element(r, at, p);
     if (strcmp(word, "property") == 0) return read_property(r, at, p);
-    if (strcmp(word, "comment") == 0) read_comment(r, p);
+    if (strcmp(word, "comment") == 0) return read_comment(r, p);
     return is_remark(word) ||
            text_found(&r->fault, at, NULL, "expected format, comment, element, property or end_header");
 }
@@ -227,6 +223,9 @@ static void find_splats(ply_reader *r, const ply_element *vertex) {
     }
 }
 
+static const char *const color_names[] = {"red|diffuse_red|r", "green|diffuse_green|g", "blue|diffuse_blue|b",
+                                          "alpha|a"};
+
 static bool find_roles(ply_reader *r) {
     static const char *const names[PLY_ROLES] = {"x",
                                                  "y",
@@ -238,10 +237,10 @@ static bool find_roles(ply_reader *r) {
                                                  "v|t|texture_v|texture_t",
                                                  "u1|s1",
                                                  "v1|t1",
-                                                 "red|diffuse_red|r",
-                                                 "green|diffuse_green|g",
-                                                 "blue|diffuse_blue|b",
-                                                 "alpha|a"};
+                                                 color_names[0],
+                                                 color_names[1],
+                                                 color_names[2],
+                                                 color_names[3]};
     r->vertex_element = find_element(&r->header, "vertex");
     if (r->vertex_element == SIZE_MAX)
         return text_wrong(&r->fault, r->file.begin, "element vertex", "the header has none");
@@ -292,6 +291,68 @@ static bool find_faces(ply_reader *r) {
     }
     r->index_list = (size_t)list;
     return true;
+}
+
+/* The property with one of the names; -1: there is none, or it is a list. */
+static int find_number(const ply_element *element, const char *names) {
+    const int found = find_property(element, names);
+    return found >= 0 && !element->properties.items[found].is_list ? found : -1;
+}
+
+/* Colours of faces are read if vertices have none, and need all three channels. */
+static void find_face_colors(ply_reader *r, const ply_element *face) {
+    int found[4];
+    for (int c = 0; c < 4; ++c) {
+        found[c] = find_number(face, color_names[c]);
+        if (r->role[PLY_R] >= 0 || (c < 3 && found[c] < 0)) return;
+    }
+    for (int c = 0; c < 4; ++c) {
+        if (found[c] >= 0) face->properties.items[found[c]].role = PLY_FACE_R + c;
+    }
+    r->face_color = found[0], r->face_alpha = found[3];
+    r->looks_read = true;
+}
+
+/* The number of a face's texture. False: faces have none. */
+static bool find_texture_numbers(ply_reader *r, const ply_element *face) {
+    const int found = find_number(face, "texnumber");
+    if (!r->textures.count || found < 0) return false;
+    face->properties.items[found].role = PLY_TEXNUMBER;
+    r->looks_read = true;
+    return true;
+}
+
+static void keep_one_texture(ply_reader *r) {
+    if (r->textures.count > 1) {
+        notes_add_at(&r->notes, r->textures.count - 1, &r->file, r->textures.items[1], true,
+                     "textures after the first one are left out, because faces have no texnumber");
+        r->textures.count = 1;
+    }
+}
+
+/* Texture coordinates of the faces' corners go before those of vertices. */
+static void find_face_uvs(ply_reader *r, const ply_element *face) {
+    const int list = find_property(face, "texcoord");
+    if (list < 0 || !face->properties.items[list].is_list) return;
+    r->uv_list = (size_t)list;
+    for (int role = PLY_U; role <= PLY_V; ++role) {
+        if (r->role[role] < 0) continue;
+        r->header.elements.items[r->vertex_element].properties.items[r->role[role]].role = -1;
+        r->role[role] = -1;
+    }
+}
+
+static void find_looks(ply_reader *r) {
+    r->uv_list = SIZE_MAX;
+    r->face_color = r->face_alpha = -1;
+    bool numbered = false;
+    if (r->face_element != SIZE_MAX && !r->strips) {
+        const ply_element *face = &r->header.elements.items[r->face_element];
+        find_face_uvs(r, face);
+        find_face_colors(r, face);
+        numbered = find_texture_numbers(r, face);
+    }
+    if (!numbered) keep_one_texture(r);
 }
 
 /* An element "edge" without both vertices is not read, and gets a note. */
@@ -346,6 +407,7 @@ fathom_status ply_read_header(ply_reader *r) {
     if (r->header.body) {
         if (r->header.format != PLY_ASCII) r->file.binary = r->header.body;
         if (find_roles(r) && find_faces(r)) {
+            find_looks(r);
             find_edges(r);
             check_counts(r);
         }
@@ -365,7 +427,8 @@ static void note_properties(ply_reader *r, size_t index) {
     bool colors = false;
     for (size_t i = 0; i < element->properties.count; ++i) {
         const char *name = element->properties.items[i].name;
-        if (element->properties.items[i].role >= 0 || (index == r->face_element && i == r->index_list))
+        if (element->properties.items[i].role >= 0 ||
+            (index == r->face_element && (i == r->index_list || i == r->uv_list)))
             continue;
         if (is_color(name))
             colors = true;
