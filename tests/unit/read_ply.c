@@ -707,6 +707,40 @@ static void vertex_colours_are_read(void **state) {
     }
 }
 
+/* Floats are bytes if all are whole numbers up to 255, and one is above 2; but Fathom's own are light. */
+static void float_colours_of_bytes_are_decoded(void **state) {
+    (void)state;
+    static const struct {
+        const char *comment;
+        double red, alpha;
+        bool bytes;
+    } cases[] = {{"", 255, 51, true},  {"", 255, 0.2, true}, {"", 254.5, 51, false},
+                 {"", 256, 51, false}, {"", 2, 0.2, false},  {"comment Fathom 1\n", 255, 0.2, false},
+                 {"", -255, 51, false}};
+    for (size_t k = 0; k < FLAVOURS * sizeof cases / sizeof *cases; ++k) {
+        const bool bytes = cases[k / FLAVOURS].bytes;
+        const double red = cases[k / FLAVOURS].red, alpha = cases[k / FLAVOURS].alpha;
+        char lines[256];
+        ply_maker m;
+        snprintf(lines, sizeof lines,
+                 "%selement vertex 2\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+                 "red\nproperty float green\nproperty float blue\nproperty float alpha\n",
+                 cases[k / FLAVOURS].comment);
+        ply_header(&m, (ply_flavour)(k % FLAVOURS), lines, 0);
+        ROW(&m, "fffffff fffffff", 0, 0, 0, red, 0, 2, alpha, 1, 0, 0, 0, 0, 1, alpha);
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        assert_true(mesh->colors[0] == (bytes ? 1 : (float)red));
+        assert_near(mesh->colors[2], bytes ? 2 / 255.0 / 12.92 : 2, 1e-7);
+        if (bytes) assert_near(mesh->colors[3], 0.2, 1e-7);
+        if (bytes)
+            expect_warning("vertex colours are floats, but whole numbers up to 255; they are read as "
+                           "sRGB bytes (2 such)");
+        if (!bytes) assert_null(strstr(mesh_warnings, "bytes"));
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* Opacity is a part of its type's range; 0 at all vertices is what some programs write for none. So is a
  * second uv set kept. */
 static void opacities_and_second_uvs_are_read(void **state) {
@@ -851,6 +885,7 @@ int main(void) {
         cmocka_unit_test(edges_are_rods),
         cmocka_unit_test(unused_properties_are_reported),
         cmocka_unit_test(vertex_colours_are_read),
+        cmocka_unit_test(float_colours_of_bytes_are_decoded),
         cmocka_unit_test(opacities_and_second_uvs_are_read),
         cmocka_unit_test(extra_rows_are_reported),
         cmocka_unit_test(meshes_do_not_depend_on_thread_count),

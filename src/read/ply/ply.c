@@ -176,6 +176,43 @@ static void choose_arrays(ply_reader *r) {
     r->whole_face_alpha = ply_whole(r, r->face_element, r->face_alpha);
 }
 
+/* True if these components of all vertices are whole numbers from 0 to 255, and one is above 2. Linear
+ * colours may be above 1, too. Bytes that are all so small would be black. */
+static bool are_bytes(const ply_array *array, uint32_t count, int begin, int end) {
+    float largest = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const float *row = mesh_row(array->values, array->stride, i);
+        for (int k = begin; k < end; ++k) {
+            if (!(row[k] >= 0 && row[k] <= 255) || row[k] != floorf(row[k])) return false;
+            largest = fmaxf(largest, row[k]);
+        }
+    }
+    return largest > 2;
+}
+
+/* Some programs store sRGB bytes as floats. Fathom's own floats are always linear. */
+static fathom_status decode_bytes(ply_reader *r) {
+    ply_array *colors = &r->arrays[PLY_COLORS];
+    const ply_array from = *colors;
+    if (!from.present || r->whole_color > 0 || r->splats || r->by_fathom ||
+        !are_bytes(&from, r->vertex_count, 0, 3))
+        return FATHOM_OK;
+    const bool alpha = from.components > 3 && !(r->whole_alpha > 0);
+    r->whole_color = 255;
+    r->whole_alpha = alpha && are_bytes(&from, r->vertex_count, 3, 4) ? 255 : 0;
+    if (!from.own) colors->values = NULL; /* the file's own bytes */
+    const fathom_status status = ply_allocate_arrays(r);
+    for (uint32_t i = 0; i < r->vertex_count && status == FATHOM_OK; ++i) {
+        double values[PLY_ROLES];
+        const float *row = mesh_row(from.values, from.stride, i);
+        for (int k = 0; k < from.components; ++k) values[PLY_R + k] = (double)row[k];
+        put_color(r, i, values);
+    }
+    notes_add(&r->notes, r->vertex_count, "",
+              "vertex colours are floats, but whole numbers up to 255; they are read as sRGB bytes");
+    return status;
+}
+
 static void release_map(void *data) {
     file_close(data);
     free(data);
@@ -273,7 +310,8 @@ static fathom_status read_mapped(ply_reader *r) {
                                    "that fit a float"
                                  : "no faces: expected at least one with 3 corners or more");
     }
-    status = keep_map(r);
+    status = decode_bytes(r);
+    if (status == FATHOM_OK) status = keep_map(r);
     return status == FATHOM_OK ? add_meshes(r) : status;
 }
 

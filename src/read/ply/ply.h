@@ -126,7 +126,8 @@ typedef struct ply_reader {
     ply_header header;
     size_t vertex_element, face_element, edge_element; /* SIZE_MAX: no such element with rows */
     bool strips;                                       /* the face element is "tristrips" */
-    bool splats; /* the vertices are Gaussian splats; their colours are spherical harmonics */
+    bool splats;    /* the vertices are Gaussian splats; their colours are spherical harmonics */
+    bool by_fathom; /* Fathom wrote the file */
     ARRAY(const char *) textures; /* the names in the header, up to the ends of the lines */
     fathom_id colored;            /* the material of colours without a texture; FATHOM_NONE: not made yet */
     ARRAY(fathom_id) materials;   /* of each of them; FATHOM_NONE: it cannot be shown */

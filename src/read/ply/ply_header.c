@@ -91,10 +91,11 @@ static bool read_property(ply_reader *r, const char *line, const char *p) {
     return array_push(&element->properties, property) || text_no_memory(&r->fault);
 }
 
-/* MeshLab stores names of textures in comments. */
+/* MeshLab stores names of textures in comments. Fathom's own files have a comment with its name. */
 static bool read_comment(ply_reader *r, const char *p) {
     char word[PLY_NAME];
     read_word(&p, word);
+    r->by_fathom |= strcmp(word, "Fathom") == 0;
     return strcmp(word, "TextureFile") != 0 || array_push(&r->textures, p) || text_no_memory(&r->fault);
 }
 
