@@ -97,17 +97,21 @@ for bad in no%20ne.png ../none.png ../secret/ball.ply '..%5C..%5Csecret%5Cball.p
     said out.txt "$(printf %s "$bad" | tail -c 60)\": there is no such file that may be read; it is left out (1 such)"
 done
 
-# MTL libraries: a model is shown without those that may not be read.
-sed 's|^mtllib .*|mtllib ../secret/ball.mtl|' secret/ball.obj >box/c.obj
-grep -q '^mtllib' box/c.obj || sed -i '1i mtllib ../secret/ball.mtl' box/c.obj
+# MTL libraries: a model is shown without those that may not be read. One of the same name next to it may be.
+mv secret/ball.mtl secret/far.mtl
+sed 's|^mtllib .*|mtllib ../secret/far.mtl|' secret/ball.obj >box/c.obj
+grep -q '^mtllib' box/c.obj || sed -i '1i mtllib ../secret/far.mtl' box/c.obj
 line=$(grep -n '^mtllib' box/c.obj | cut -d: -f1)
 run 0 info box/c.obj
-said out.txt "  box/c.obj:$line: mtllib: \"../secret/ball.mtl\" $out"
+said out.txt "  box/c.obj:$line: mtllib: \"../secret/far.mtl\" $out"
 run 0 info box/c.obj --allow-outside
-sed -i "s|^mtllib .*|mtllib none.mtl $PWD/secret/ball.mtl|" box/c.obj
+sed -i "s|^mtllib .*|mtllib none.mtl $PWD/secret/far.mtl|" box/c.obj
 run 0 info box/c.obj
 said out.txt "c.obj:$line: mtllib: there is no file \"none.mtl\""
-said out.txt "c.obj:$line: mtllib: \"$PWD/secret/ball.mtl\" $absolute"
+said out.txt "c.obj:$line: mtllib: \"$PWD/secret/far.mtl\" $absolute"
+sed -i "s|^mtllib .*|mtllib $PWD/secret/ball.mtl|" box/c.obj
+run 0 info box/c.obj
+! grep -q mtllib out.txt || die "box/ball.mtl is not found"
 
 # A file of rays names scenes as they were typed, and tracers: code is run for the command line alone.
 run 1 validate box/models/ball.ply --tracer "$BUILD/tests/plugin/gap.so" --rays 3000 --families edge --failures bad.txt
