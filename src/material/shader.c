@@ -127,8 +127,7 @@ static void prepare_glass(float alpha, float part, shader *out) {
     }
     out->glass_part = part;
     out->lobes |= SHADER_GLASS_AGAIN;
-    if (part == 1 && !(out->lobes & (SHADER_FILM | SHADER_STRETCHED | SHADER_DISPERSIVE)))
-        out->lobes |= SHADER_GLASS;
+    if (!(out->lobes & (SHADER_FILM | SHADER_STRETCHED))) out->lobes |= SHADER_GLASS;
 }
 
 static void prepare_even(const fathom_material *m, const mixture *x, float alpha, shader *out) {
