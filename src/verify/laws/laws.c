@@ -30,22 +30,35 @@ const char *laws_verdict_name(laws_verdict v) {
 
 /* ---- testing ---- */
 
+/* Seeds of a law, and so its renders at most. */
+enum { SEEDS = 6 };
+
 static double relative_error(const law_room *room, const sample_mean found[3]) {
     double most = 0;
     for (int c = 0; c < 3; ++c) most = fmax(most, found[c].error / fabs(room->value[c]));
     return most;
 }
 
-/* A pilot render estimates the number of samples for the wanted error. Its samples are not reused, so the
- * tested samples do not decide when to stop. A fifth more allows for the uncertainty of the pilot. */
+/* A pilot's error is only an estimate, so an error of up to 1.5 times the wanted one is accepted. */
+static bool is_noisy(const laws_options *o, const laws_row *row) {
+    return !(row->relative <= 1.5 * o->error);
+}
+
+/* A pilot render estimates the number of samples for the wanted error; a fifth more allows for its
+ * uncertainty. A render that is too noisy after all is the pilot of another one. The samples of pilots are
+ * not reused, so the tested samples do not decide when to stop. */
 static fathom_status render(const laws_options *o, const law_room *room, uint64_t seed, laws_row *row) {
-    fathom_status status = o->render.render(o->render.user, room, o->pilot, seed, row->found);
-    const double ratio = relative_error(room, row->found) / o->error;
-    const double wanted = fmax(1.2 * ratio * ratio, 1) * (double)o->pilot;
-    row->samples = (uint64_t)fmin(wanted, (double)o->samples);
-    if (status != FATHOM_OK) return status;
-    status = o->render.render(o->render.user, room, row->samples, seed + 1, row->found);
-    row->relative = relative_error(room, row->found);
+    fathom_status status = FATHOM_OK;
+    row->samples = o->pilot;
+    for (uint64_t pass = 0; pass < SEEDS && status == FATHOM_OK; ++pass) {
+        status = o->render.render(o->render.user, room, row->samples, seed + pass, row->found);
+        row->relative = relative_error(room, row->found);
+        if (pass > 0 && (!is_noisy(o, row) || row->samples >= o->samples)) break;
+        const double ratio = row->relative / o->error;
+        if (pass + 1 < SEEDS)
+            row->samples =
+                (uint64_t)fmin(fmax(1.2 * ratio * ratio, 1) * (double)row->samples, (double)o->samples);
+    }
     return status;
 }
 
@@ -75,7 +88,7 @@ static fathom_status run_law(fathom_context *context, const laws_options *o, con
     fathom_status status = law_open(context, tested, &room);
     memcpy(row->value, room.value, sizeof row->value);
     if (status == FATHOM_OK) {
-        status = render(o, &room, o->seed * 1000 + 2 * index, row);
+        status = render(o, &room, o->seed * 1000 + SEEDS * index, row);
         if (status == FATHOM_BAD_INPUT || status == FATHOM_BAD_USAGE)
             refuse(context, row, &status);
         else
@@ -96,9 +109,7 @@ static void finish(const laws_options *o, laws_rows *out) {
         laws_row *row = &out->rows.items[i];
         if (row->verdict == LAWS_REFUSED) continue;
         least = fmin(least, row->p);
-        /* The pilot's error is only an estimate, so an error of up to 1.5 times the wanted one is
-         * accepted. */
-        if (!(row->relative <= 1.5 * o->error)) row->verdict = LAWS_NOISY;
+        if (is_noisy(o, row)) row->verdict = LAWS_NOISY;
         if (row->p < out->test_level) row->verdict = LAWS_BROKEN;
     }
     out->p = sidak(least, (double)out->tests);
