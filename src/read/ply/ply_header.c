@@ -228,20 +228,20 @@ static const char *const color_names[] = {"red|diffuse_red|r", "green|diffuse_gr
                                           "alpha|a"};
 
 static bool find_roles(ply_reader *r) {
-    static const char *const names[PLY_ROLES] = {"x",
-                                                 "y",
-                                                 "z",
-                                                 "nx",
-                                                 "ny",
-                                                 "nz",
-                                                 "u|s|texture_u|texture_s",
-                                                 "v|t|texture_v|texture_t",
-                                                 "u1|s1",
-                                                 "v1|t1",
-                                                 color_names[0],
-                                                 color_names[1],
-                                                 color_names[2],
-                                                 color_names[3]};
+    const char *const names[PLY_ROLES] = {"x",
+                                          "y",
+                                          "z",
+                                          "nx",
+                                          "ny",
+                                          "nz",
+                                          "u|s|texture_u|texture_s",
+                                          "v|t|texture_v|texture_t",
+                                          "u1|s1",
+                                          "v1|t1",
+                                          color_names[0],
+                                          color_names[1],
+                                          color_names[2],
+                                          color_names[3]};
     r->vertex_element = find_element(&r->header, "vertex");
     if (r->vertex_element == SIZE_MAX)
         return text_wrong(&r->fault, r->file.begin, "element vertex", "the header has none");
