@@ -129,6 +129,8 @@ static void make_again(const fathom_material *m, reference_albedos *out) {
     const vec3_f64 parts =
         blend(scale_f64(solid, layer),
               vec_f64(again_of(metal.x, mean), again_of(metal.y, mean), again_of(metal.z, mean)), metallic);
+    out->again_inside = scale_f64(
+        metallic, vec_f64(again_of(metal.x, mean), again_of(metal.y, mean), again_of(metal.z, mean)));
     /* A film covers the mixture of metal and dielectric. */
     out->again = m->iridescence > 0
                      ? vec_f64(again_of(both.x, mean), again_of(both.y, mean), again_of(both.z, mean))
@@ -191,10 +193,16 @@ double reference_again(const reference_surface *s, vec3_f64 l) {
     return (1 - from_l) * (1 - facets_at(a->facets, in_frame(s, s->to_viewer))) / (PI * a->lost);
 }
 
-/* For a viewer inside a solid, the base is as without `multiscatter`. */
+bool reference_is_inside(const reference_surface *s) {
+    const fathom_material *m = s->material;
+    return s->behind && reference_refracts(m) && m->ior != 1 && !(m->iridescence > 0);
+}
+
+/* Light that crosses into a solid is as without `multiscatter`. */
 double reference_base(const reference_surface *s, vec3_f64 l, double plain) {
     const reference_albedos *a = s->albedos;
-    const bool inside = s->behind && reference_refracts(s->material) && s->material->ior != 1;
-    if (!s->material->multiscatter || inside) return plain;
+    const bool behind = s->behind && reference_refracts(s->material) && s->material->ior != 1;
+    if (reference_is_inside(s) && dot_f64(s->normal, l) > 0) return 1;
+    if (!s->material->multiscatter || behind) return plain;
     return a->below > 1e-4 ? under(a, in_frame(s, l)) * under(a, in_frame(s, s->to_viewer)) / a->below : 0;
 }

@@ -89,7 +89,7 @@ typedef struct reference_albedos {
     double facets[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1]; /* for a reflectance of 1 */
     double edge[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1];   /* for (1 - v·h)^5 */
     /* For `multiscatter` (Kulla & Conty 2017), see reference_energy.c. */
-    vec3_f64 again;
+    vec3_f64 again, again_inside; /* again_inside: viewed from inside a solid */
     double again_base, low, high, below, lost;
     unsigned glasses;
     reference_glass glass[];
@@ -222,6 +222,8 @@ double reference_node(int i);
 double reference_curve(const double *curve, double cosine);
 /* (1 - E(v)) (1 - E(l)) / (pi <1 - E>); 0 without `multiscatter`. */
 double reference_again(const reference_surface *s, vec3_f64 l);
+/* True if the viewer is inside a solid, whose base has no layer. */
+bool reference_is_inside(const reference_surface *s);
 /* The fraction of light from l that reaches the base and then v. plain: that fraction without
  * `multiscatter`. */
 double reference_base(const reference_surface *s, vec3_f64 l, double plain);

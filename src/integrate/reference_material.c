@@ -229,7 +229,8 @@ static reference_scatter metallic_scatter(const reference_surface *s) {
                                  reference_coat_alpha(m) > 0 ? (double)m->clearcoat * coat_reflects(nv) : 0};
     if (m->clearcoat > 0 && reference_coat_alpha(m) == 0)
         add_beam(&out, mirror_direction(s), gray((double)m->clearcoat * coat_reflects(nv)));
-    if (smooth) add_beam(&out, mirror_direction(s), scale_f64(below, blend(f.dielectric, f.metal, metallic)));
+    const vec3_f64 layer = scale_f64(reference_is_inside(s) ? (double)m->transmission : 1, f.dielectric);
+    if (smooth) add_beam(&out, mirror_direction(s), scale_f64(below, blend(layer, f.metal, metallic)));
     if (clear)
         add_beam(&out, reference_refracts(m) ? refracted_direction(s) : neg_f64(s->to_viewer),
                  scale_f64(through * f.base, base));
@@ -249,10 +250,12 @@ static vec3_f64 metallic_reflect(const reference_surface *s, vec3_f64 l, vec3_f6
     const double lobe = base_lobe(s, h, l), again = reference_again(s, l);
     const double glass = (1 - (double)m->metallic) * (double)m->transmission * reference_glass_again(s, l);
     const vec3_f64 diffuse = diffuse_of(m, false, reference_base(s, l, f.base));
+    const double bare = reference_is_inside(s) ? (double)m->transmission : 1;
     const vec3_f64 plain =
-        blend(madd_f64(diffuse, lobe, f.dielectric), scale_f64(lobe, f.metal), (double)m->metallic);
+        blend(madd_f64(diffuse, bare * lobe, f.dielectric), scale_f64(lobe, f.metal), (double)m->metallic);
     const vec3_f64 once = add_f64(plain, gray(glass));
-    return again > 0 ? madd_f64(once, again, s->albedos->again) : once;
+    if (!(again > 0)) return once;
+    return madd_f64(once, again, reference_is_inside(s) ? s->albedos->again_inside : s->albedos->again);
 }
 
 /* Thin walls: the reflected lobe, mirrored to the far side. Solids: Walter et al. 2007, equation 21, times

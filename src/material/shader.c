@@ -143,6 +143,7 @@ static void prepare_even(const fathom_material *m, const mixture *x, float alpha
         const float plain = mixed(layer, mixture_again(m->base_color[c], 1, mean), x->metal) - glass * layer;
         const float q = out->lobes & SHADER_FILM ? again_film(out, c, mean) * (1 - glass) : plain;
         out->again[c] = q * scale;
+        out->base_again[c] = (1 - x->metal) * (1 - m->transmission) * layer * scale;
         out->missing_share += q * (1 / 3.0f);
         if (out->lobes & SHADER_THIN) out->again_cross[c] = out->cross[c] * (1 - layer_again) * scale;
         out->diffuse[c] = mixture_lifted(out->diffuse[c], out->mean_under);
@@ -186,14 +187,16 @@ static void scale(float factor, float rgb[3]) {
 
 static void cover(float opacity, shader *out) {
     if (opacity >= 1) return;
-    float *const colours[] = {out->diffuse, out->f0,          out->mirror0,   out->cross,     out->again,
-                              out->k_r,     out->again_cross, out->albedo,    out->highlight, out->k_t,
-                              out->leaf,    out->sheen,       out->metal_rise};
+    float *const colours[] = {out->diffuse,    out->f0,      out->mirror0,     out->cross,
+                              out->again,      out->k_r,     out->again_cross, out->albedo,
+                              out->highlight,  out->k_t,     out->leaf,        out->sheen,
+                              out->metal_rise, out->base_f0, out->base_again};
     for (size_t i = 0; i < sizeof colours / sizeof *colours; ++i) scale(opacity, colours[i]);
     for (int side = 0; side < 2 && out->lobes & SHADER_GLASS_AGAIN; ++side) {
         scale(opacity, out->glass_again_cross[side]);
         out->glass_again[side] *= opacity;
     }
+    out->base_f90 *= opacity;
     out->coat *= opacity, out->f90 *= opacity, out->mirror90 *= opacity, out->missing_share *= opacity;
     for (int c = 0; c < 3 && out->lobes & SHADER_FILM; ++c) {
         for (int k = 0; k <= FILM_STEPS; ++k) out->film[c][k] *= opacity;
@@ -232,6 +235,8 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     out->lobes |= crossing_lobe(m, along, out);
     if (along > out->alpha && out->lobes & (SHADER_GGX | SHADER_THIN | SHADER_REFRACT))
         out->lobes |= SHADER_STRETCHED;
+    for (int c = 0; c < 3; ++c) out->base_f0[c] = base * (1 - m->transmission) * x.layer[c];
+    out->base_f90 = base * (1 - m->transmission) * m->specular_factor;
     if (out->lobes & SHADER_SOLID && x.metal > 0) {
         for (int c = 0; c < 3; ++c) out->metal_rise[c] = x.metal * (1 - m->base_color[c]);
         out->lobes |= SHADER_INNER_METAL;

@@ -29,8 +29,7 @@
  * and dielectric add Q (1 - E(n·v)) (1 - E(n·l)) / (pi <1 - E>), with Q = <S>^2 <E> / (1 - <S> (1 - <E>)) and
  * <S> = f0 + (f90 - f0) / 21. Thin walls transmit (1 - m) T c (1 - Q) times the same factor, with the
  * dielectric's Q. The base below has the weight (1 - R(n·v)) (1 - R(n·l)) / <1 - R> instead of 1 - L, with R
- * the dielectric's albedo over all orders of scattering. For a viewer inside a solid, the base is as without
- * `multiscatter`.
+ * the dielectric's albedo over all orders of scattering.
  *
  * Rough glass: with A the dielectric's albedo in D G2 / (4…) and refraction together, for c = 1, M = 1 - A,
  * and i and o for the viewer's and the other side, (1 - m) T (1 - q) M_i(v) M_i(l) / (pi <M_i>) is added to
@@ -71,6 +70,10 @@
  * dispersion, each at least 1.0001. A path that crosses such a surface carries one channel from then on,
  * multiplied by three (integrate/path.c). F0 uses ior; angles, and therefore total reflection, use the
  * channel's own index.
+ *
+ * Viewed from inside a solid, the base has no layer over it: the dielectric's reflection has the weight (1 -
+ * m) T, and Lambert's term has no factor. With the layer, what is reflected totally and what the base
+ * reflects would add up to more than all light. Solids with a film are as viewed from outside.
  *
  * opacity is coverage: a smooth lobe passes light straight through the surface, and all else is multiplied by
  * opacity. */
@@ -126,6 +129,9 @@ typedef struct shader {
     uint32_t priority; /* of the volume where volumes overlap; 0: none */
     float eta_spread;  /* difference of eta between neighbouring channels, for dispersion */
     float sheen[3], sheen_most, sheen_alpha;
+    /* With SHADER_SOLID: the dielectric over the base; its share of f0, f90 (or mirror0, mirror90) and again.
+     */
+    float base_f0[3], base_f90, base_again[3];
     float metal_rise[3]; /* with SHADER_INNER_METAL: m (1 - c), the metal's contribution to f90 - f0 */
     /* The members from here on are set only if the lobes need them. */
     energy_stretch stretch;
@@ -221,6 +227,7 @@ typedef struct shader_block {
     float coat[LANES], coat_alpha[LANES];
     float below_sheen[LANES], sheen_part[LANES], sheen_lambda[LANES]; /* at the viewer's cosine */
     uint32_t blinn[LANES], from_behind[LANES], even[LANES];
+    uint32_t inside[LANES];  /* all ones: the viewer is inside a solid, whose base has no layer; else 0 */
     lanes3 coat_axes[3];     /* with SHADER_TURNED: the coat's frame in the block's frame; [2] is the coat's
                                 normal */
     lanes3 coat_v;           /* v in the coat's frame */

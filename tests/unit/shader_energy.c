@@ -78,15 +78,18 @@ static void white_surfaces_and_thin_walls_send_on_all_light(void **state) {
     }
 }
 
-/* Glass sends on all light, from inside and outside; without `multiscatter` rough glass loses some. */
+/* Glass sends on all light, from inside and outside, with a white base under half of it, too; without
+ * `multiscatter` rough glass loses some. */
 static void white_solids_send_on_all_light(void **state) {
     (void)state;
     for (int r = 0; r < COUNT(roughnesses); ++r) {
         for (int k = 0; k < COUNT(indices) * COUNT(cosines) * 4; ++k) {
             fathom_material m = white(0, roughnesses[r], indices[k / 4 % COUNT(indices)]);
-            m.transmission = 1, m.thickness = 1, m.multiscatter = k % 4 < 2;
+            m.thickness = 1, m.multiscatter = k % 4 < 2;
+            m.transmission =
+                m.multiscatter && k % 3 == 0 ? 0.5f : 1; /* glTF's bare formulas gain light over a base */
             const double all = sent_on(&m, cosines[k / 4 / COUNT(indices)], k % 2, 2048);
-            const double error = roughnesses[r] < 0.01f ? 1e-5 : 0.005;
+            const double error = roughnesses[r] < 0.01f && m.transmission == 1 ? 1e-5 : 0.005;
             if (!(all <= 1 + error) || (m.multiscatter && !(all >= 1 - error)))
                 fail_msg("roughness %g, ior %g, cosine %g, %s: %g", (double)m.roughness, (double)m.ior,
                          cosines[k / 4 / COUNT(indices)], k % 2 ? "entering" : "leaving", all);

@@ -34,14 +34,29 @@ static inline void set_again(const shader *m, int i, shader_block *restrict out)
     set_colour(m->again_cross, i, out->again_cross);
 }
 
-/* Surfaces that transmit smoothly have no rough facets to cross. For a viewer inside a solid, the base is
- * without compensation for multiple scattering. */
+/* The base has no layer over it. */
+static inline void view_from_inside(const shader *m, int i, shader_block *restrict out) {
+    const bool rough = m->lobes & SHADER_GGX;
+    for (int c = 0; c < 3; ++c) {
+        out->diffuse[c][i] *= m->mean_under;
+        out->f0[c][i] -= rough ? m->base_f0[c] : 0;
+    }
+    for (int c = 0; c < 3 && m->lobes & SHADER_EVEN; ++c) out->again[c][i] -= m->base_again[c];
+    out->f90[i] -= rough ? m->base_f90 : 0;
+    out->even[i] = ~0u;
+}
+
+/* Surfaces that transmit smoothly have no rough facets to cross. */
 static inline void set_cross(const shader *m, int i, uint32_t entering, shader_block *restrict out) {
     const uint32_t rough = m->lobes & (SHADER_THIN | SHADER_REFRACT) ? ~0u : 0;
     for (int c = 0; c < 3; ++c) out->cross[c][i] = chosen(rough, m->cross[c], 0);
     out->eta[i] = chosen(entering, m->eta, 1 / m->eta);
     out->even[i] = m->even & (out->eta[i] == m->eta ? ~0u : 0);
-    for (int c = 0; c < 3; ++c) out->diffuse[c][i] *= chosen(out->even[i], 1, m->mean_under);
+    out->inside[i] = (m->lobes & SHADER_SOLID) && !(m->lobes & SHADER_FILM) && !entering ? ~0u : 0;
+    if (out->inside[i])
+        view_from_inside(m, i, out);
+    else
+        for (int c = 0; c < 3; ++c) out->diffuse[c][i] *= chosen(out->even[i], 1, m->mean_under);
 }
 
 /* The index of the path's channel; an index of 1 would make it a thin wall. */
@@ -79,7 +94,7 @@ static inline void set_parts(const surface_block *s, const shader *const at[LANE
     if (lobes & CROSSING) {
         for (int i = 0; i < LANES; ++i) set_cross(at[i], i, s->entering[i], out);
     } else {
-        for (int i = 0; i < LANES; ++i) out->eta[i] = 1, out->even[i] = at[i]->even;
+        for (int i = 0; i < LANES; ++i) out->eta[i] = 1, out->even[i] = at[i]->even, out->inside[i] = 0;
     }
     if (lobes & SHADER_DISPERSIVE) {
         for (int i = 0; i < LANES; ++i) set_dispersion(at[i], i, s->entering[i], out);
@@ -223,11 +238,13 @@ static void set_flat(const surface_block *s, int i, shader_block *out) {
     const bool rough = m->lobes & SHADER_GGX;
     const float coated = out->below_coat[i];
     float open = 1 - layer_of(out, rare, i, up, rise);
-    if (rough && out->even[i]) open = out->under[i];
+    if (rough && out->even[i] && !out->inside[i]) open = out->under[i];
     glass_scatter(s, i, &g, out->mirror, out->mirror_share, out->pass, out->pass_share);
     for (int c = 0; c < 3; ++c) {
         const bool total = !(out->pass_share[c][i] > 0);
-        const float mirror = reflectance_at(out, rare && !rough, i, c, up, rise, m->mirror0[c], m->mirror90);
+        const float f0 = m->mirror0[c] - (out->inside[i] && !rough ? m->base_f0[c] : 0);
+        const float f90 = m->mirror90 - (out->inside[i] && !rough ? m->base_f90 : 0);
+        const float mirror = reflectance_at(out, rare && !rough, i, c, up, rise, f0, f90);
         out->mirror_share[c][i] = mirror * coated * coated;
         out->pass_share[c][i] = m->lobes & SHADER_PASS && !total ? m->cross[c] * open : 0;
         if (eta == 1) out->pass[c][i] = -s->v[c][i];
@@ -365,6 +382,7 @@ static void make(const surface_block *s, shader_block *out) {
         read_curves(out, out->v[2], out->missing, out->under, out->below_coat);
     if (out->lobes & SHADER_TURNED) turn_coats(s, out);
     if (out->lobes & SHADER_STRETCHED) stretch_curves(out, out->v, out->missing, out->under);
+    if (out->lobes & SHADER_SOLID) open_inside(out, out->under);
     if (out->lobes & SHADER_SHEEN) {
         for (int i = 0; i < LANES; ++i) {
             const bool fibres = out->at[i]->lobes & SHADER_SHEEN;

@@ -33,7 +33,7 @@ static inline void add_leaf(const shader_block *b, const incidence *at, float (*
         const shader *m = b->at[i];
         if (!(m->lobes & SHADER_LEAF)) continue;
         float once = m->mean_under * (1 - layer_of(b, true, i, along_half(b, h, i), rise[i]));
-        float left = chosen(b->even[i], b->under[i] * at->under[i], once);
+        float left = chosen(b->even[i] & ~b->inside[i], b->under[i] * at->under[i], once);
         float value = chosen(at->cross[i], left * l[2][i] * (1 / PI), 0);
         for (int c = 0; c < 3; ++c) f[c][i] += m->leaf[c] * value;
     }

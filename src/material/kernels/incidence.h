@@ -82,6 +82,11 @@ static inline void read_curves(const shader_block *b, const float cosine[LANES],
         below_coat[i] = below_coat_at(b->at[i], cosine[i]);
 }
 
+/* Viewed from inside a solid, the base has no layer. */
+static inline void open_inside(const shader_block *b, float *restrict under) {
+    for (int i = 0; i < LANES; ++i) under[i] = chosen(b->inside[i], 1, under[i]);
+}
+
 /* ---- Schlick ---- */
 
 /* (1 - cos)^5 of the angle in the thinner medium; 1 at total reflection. eta: index of the far side divided

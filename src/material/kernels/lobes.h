@@ -47,6 +47,7 @@ add_lobes_as(const surface_block *s, const shader_block *b, bool rare, const lan
     if (lobes & (SHADER_EVEN | SHADER_COATED))
         read_curves(b, at->l[2], at->missing, at->under, at->below_coat);
     if (lobes & SHADER_STRETCHED) stretch_curves(b, at->l, at->missing, at->under);
+    if (lobes & SHADER_SOLID) open_inside(b, at->under);
     if (lobes & (SHADER_LAYER | SHADER_GGX | SHADER_HIGHLIGHT | SHADER_COATED | SHADER_SHEEN | SHADER_GLASS))
         set_half(b, at->l, h, rise);
     if (lobes & (SHADER_DIFFUSE | SHADER_BEHIND)) add_diffuse(b, rare, at, h, rise, f);

@@ -45,7 +45,7 @@ static inline void weigh_glass(const surface_block *s, int i, shader_block *rest
     if (m->lobes & SHADER_GLASS) {
         const float layer = layer_share(out, i, schlick(out->v[2][i], out->eta[i]));
         if (!(m->lobes & SHADER_INNER_METAL)) out->take[SHADER_TAKE_GGX][i] = 0;
-        out->take[SHADER_TAKE_CROSS][i] = layer + (1 - layer) * m->glass_part;
+        out->take[SHADER_TAKE_CROSS][i] = side ? m->glass_part : layer + (1 - layer) * m->glass_part;
     } else if (m->lobes & SHADER_GLASS_AGAIN) {
         const float missing = curve_at(m->glass_missing[side], out->v[2][i]) * m->glass_part;
         out->take[SHADER_TAKE_DIFFUSE][i] += missing * (1 - m->glass_through[side]);

@@ -139,6 +139,13 @@ static void rough_ball(law_room *room) {
     law_unseen_ball(room, m);
 }
 
+/* What is reflected totally inside also meets the white base. */
+static void half_glass_ball(law_room *room) {
+    fathom_material m = law_clear(1);
+    m.transmission = 0.8f;
+    law_unseen_ball(room, m);
+}
+
 /* A black emitter with the sky's radiance is invisible, in glass or outside, and so is the glass. */
 static void lamp_in_glass(law_room *room) {
     paint_sphere(&room->b, vec_f64(0, 0.2, 0), 0.5, build_emitter(white));
@@ -286,6 +293,7 @@ const law laws_of_matter[] = {{"floor under an even sky", "ρ L", even_sky},
                               {"thin-walled ball in an even sky", "L", thin_ball},
                               {"refracting ball in an even sky", "L", refracting_ball},
                               {"rough glass ball in an even sky", "L", rough_ball},
+                              {"partly diffuse glass ball", "L", half_glass_ball},
                               {"lamp in a refracting ball", "L", lamp_in_glass},
                               {"glass slab", "2r/(1+r)", slab},
                               {"absorbing ball", "(1-(1+2σR)e^(-2σR))/(2σ²R²)", absorbing_ball},
