@@ -143,7 +143,8 @@ static void prepare_even(const fathom_material *m, const mixture *x, float alpha
         const float plain = mixed(layer, mixture_again(m->base_color[c], 1, mean), x->metal) - glass * layer;
         const float q = out->lobes & SHADER_FILM ? again_film(out, c, mean) * (1 - glass) : plain;
         out->again[c] = q * scale;
-        out->base_again[c] = (1 - x->metal) * (1 - m->transmission) * layer * scale;
+        if (out->lobes & SHADER_SOLID)
+            out->base_again[c] = (1 - x->metal) * (1 - m->transmission) * layer * scale;
         out->missing_share += q * (1 / 3.0f);
         if (out->lobes & SHADER_THIN) out->again_cross[c] = out->cross[c] * (1 - layer_again) * scale;
         out->diffuse[c] = mixture_lifted(out->diffuse[c], out->mean_under);
@@ -207,6 +208,16 @@ static void cover(float opacity, shader *out) {
     for (int c = 0; c < 3; ++c) out->albedo[c] += out->hole;
 }
 
+/* Reflection by the surface of a solid, which is not the same from inside. */
+static void prepare_solid(const fathom_material *m, const mixture *x, shader *out) {
+    const float base = (1 - x->metal) * (1 - m->transmission);
+    for (int c = 0; c < 3; ++c) out->base_f0[c] = base * x->layer[c];
+    out->base_f90 = base * m->specular_factor;
+    if (!(x->metal > 0)) return;
+    for (int c = 0; c < 3; ++c) out->metal_rise[c] = x->metal * (1 - m->base_color[c]);
+    out->lobes |= SHADER_INNER_METAL;
+}
+
 /* Schlick's reflectance is linear in F0 and F90, so those of dielectric and metal are mixed once. The light
  * left for the base under the dielectric depends on the largest channel (KHR_materials_specular). */
 static void prepare_metallic(const fathom_material *m, shader *out) {
@@ -235,12 +246,7 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     out->lobes |= crossing_lobe(m, along, out);
     if (along > out->alpha && out->lobes & (SHADER_GGX | SHADER_THIN | SHADER_REFRACT))
         out->lobes |= SHADER_STRETCHED;
-    for (int c = 0; c < 3; ++c) out->base_f0[c] = base * (1 - m->transmission) * x.layer[c];
-    out->base_f90 = base * (1 - m->transmission) * m->specular_factor;
-    if (out->lobes & SHADER_SOLID && x.metal > 0) {
-        for (int c = 0; c < 3; ++c) out->metal_rise[c] = x.metal * (1 - m->base_color[c]);
-        out->lobes |= SHADER_INNER_METAL;
-    }
+    if (out->lobes & SHADER_SOLID) prepare_solid(m, &x, out);
     if (any(out->leaf)) {
         out->lobes |= SHADER_LEAF;
         out->transmits = true;
