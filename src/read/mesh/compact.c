@@ -174,6 +174,12 @@ static bool find_strays(const fathom_mesh *mesh, const mesh_facts *facts, bool *
     return true;
 }
 
+/* Twice the corners per vertex of a closed mesh. With more, the indices that have to be copied would take
+ * much more memory than the vertices, so that a small file could ask for a lot. */
+static bool may_have_strays(const fathom_mesh *mesh) {
+    return 3 * (uint64_t)mesh->triangle_count <= 12 * (uint64_t)mesh->vertex_count;
+}
+
 fathom_status mesh_compact(fathom_scene *scene, bool in_place, const mesh_facts *facts, fathom_mesh *mesh,
                            bool *copied) {
     selection vertices;
@@ -182,7 +188,7 @@ fathom_status mesh_compact(fathom_scene *scene, bool in_place, const mesh_facts 
     if (!can_change(mesh)) return FATHOM_OK;
     if (may_be_sparse(mesh) && !find_sparse(mesh, copied))
         return fail_memory(scene->context, mesh->vertex_count / 8);
-    if (!*copied && !is_spanned(mesh, facts) && !find_strays(mesh, facts, copied))
+    if (!*copied && may_have_strays(mesh) && !is_spanned(mesh, facts) && !find_strays(mesh, facts, copied))
         return fail_memory(scene->context, mesh->vertex_count);
     if (!*copied) return FATHOM_OK;
     if (!select_rows(mesh->indices, 3 * (size_t)mesh->triangle_count, &vertices))
