@@ -1,4 +1,5 @@
 #include "generate/generate_noise.h"
+#include "math/mix.h"
 
 /* 32 well-mixed bits of a lattice point. */
 static uint32_t noise_hash(uint32_t seed, uint32_t x, uint32_t y, uint32_t z) {
@@ -151,19 +152,14 @@ unsigned noise_octaves(double frequency, double shortest) {
     return octaves;
 }
 
-static uint64_t mix(uint64_t z) {
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return z ^ z >> 31;
-}
-
 noise_random noise_random_from(uint64_t seed, uint64_t stream) {
-    return (noise_random){mix(mix(seed + 0x9e3779b97f4a7c15u) ^ (stream + 1) * 0xd1342543de82ef95u)};
+    return (noise_random){
+        mix_bits(mix_bits(seed + 0x9e3779b97f4a7c15u) ^ (stream + 1) * 0xd1342543de82ef95u)};
 }
 
 double random_unit(noise_random *random) {
     random->state += 0x9e3779b97f4a7c15u;
-    return (double)(mix(random->state) >> 11) * 0x1p-53;
+    return (double)(mix_bits(random->state) >> 11) * 0x1p-53;
 }
 
 double random_between(noise_random *random, double low, double high) {

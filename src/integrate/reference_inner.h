@@ -77,8 +77,9 @@ typedef struct reference_primitive {
  * REFERENCE_STEPS)^2; curves of facets exist for several azimuths, from the axis of the larger alpha to that
  * of the other. */
 enum { REFERENCE_STEPS = 128, REFERENCE_TURNS = 8 };
-/* Of rough glass for an index relative to what surrounds it: the light that the first scattering leaves over,
- * for viewers outside and inside, and its factors (see reference_glass.c). */
+/* Constants of rough glass for an index relative to its surroundings. `missing` is the light that the first
+ * scattering leaves over, seen from outside and from inside; again and cross are its factors
+ * (reference_glass.c). */
 typedef struct reference_glass {
     double ior, missing[2][REFERENCE_STEPS + 1], again[2], cross[2];
 } reference_glass;
@@ -231,7 +232,7 @@ double reference_base(const reference_surface *s, vec3_f64 l, double plain);
 /* ---- reference_glass.c ---- */
 
 void reference_glass_make(const fathom_material *m, double ior, reference_glass *out);
-/* What rough glass sends to l after more than one scattering: f for white glass. */
+/* Light that white rough glass sends to l after more than one scattering: f. */
 double reference_glass_again(const reference_surface *s, vec3_f64 l);
 
 /* True if the surface bounds a volume, so that light refracts. */

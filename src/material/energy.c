@@ -2,6 +2,7 @@
 
 #include "material/shader.h"
 #include "math/limit.h"
+#include "math/power.h"
 #include "math/turn.h"
 
 #include <math.h>
@@ -42,7 +43,7 @@ static void add_facets(const viewer *v, float u, float all[ALONG], float edge[AL
         float above = z > 0 ? z : 0, sine2 = 1 - above * above;
         float s = sqrtf(above * above + v->alpha * v->alpha * (sine2 > 0 ? sine2 : 0));
         float part = 2 * q * above * (v->z + v->smith) / (v->z * s + above * v->smith);
-        all[k] += part, edge[k] += part * energy_power5(along < 1 ? 1 - along : 0);
+        all[k] += part, edge[k] += part * power5(along < 1 ? 1 - along : 0);
     }
 }
 
@@ -86,7 +87,7 @@ static void fill(void) {
         float(*const now)[ENERGY_NODES] = tables[j % 2], (*const before)[ENERGY_NODES] = tables[(j + 1) % 2];
         const float y = (float)j / ROUGH_STEPS, alpha = y * y * (y * y);
         for (int k = 0; k < ENERGY_NODES; ++k) {
-            now[0][k] = 1, now[1][k] = energy_power5(1 - cosine_at(k));
+            now[0][k] = 1, now[1][k] = power5(1 - cosine_at(k));
             if (alpha > 0.5f * SHADER_SMOOTH_ALPHA) albedo(alpha, cosine_at(k), &now[0][k], &now[1][k]);
             if (j > 0)
                 nodes[j - 1][k] = (energy_node){before[0][k], before[1][k], now[0][k] - before[0][k],

@@ -59,11 +59,6 @@ void energy_stretched_curves(const energy_stretch *s, float all[ENERGY_NODES], f
  * most 3e-3. */
 void energy_glass(float alpha, float eta, float f0, float f90, float missing[2][ENERGY_NODES]);
 
-static inline float energy_power5(float x) {
-    const float x2 = x * x;
-    return x2 * x2 * x;
-}
-
 /* The mean over a hemisphere, weighted by the cosine: 2 ∫ f mu dmu. */
 float energy_mean(const float curve[ENERGY_NODES]);
 /* The parts of that mean that come from below each node, as fractions of it. A curve of zeros has 0 below all

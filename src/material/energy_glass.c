@@ -1,6 +1,7 @@
 /* Albedos of rough glass: GGX facets that reflect and refract (Walter et al. 2007). */
 #include "material/energy.h"
 #include "material/shader.h"
+#include "math/power.h"
 #include "math/turn.h"
 
 #include <math.h>
@@ -59,7 +60,7 @@ static void add_ring(const viewer *v, float u, ring_sums *sums) {
         const float mirrored = seen_at(v, 2 * along * up * unit - v->z);
         const float through = seen_at(v, v->z * inverse - (along * inverse - far) * up * unit);
         const float refracted = far2 > 0 ? through : 0, near = v->eta < 1 ? far : along;
-        const float rise = far2 > 0 ? energy_power5(1 - near) : 1;
+        const float rise = far2 > 0 ? power5(1 - near) : 1;
         sums->low[k] += 2 * q * (mirrored - refracted) * (1 - rise);
         sums->high[k] += 2 * q * (mirrored - refracted) * rise;
         sums->open[k] += 2 * q * refracted;

@@ -1,6 +1,7 @@
 /* Albedos of GGX lobes with two alphas; as energy.c, with a viewer at any azimuth. */
 #include "material/energy.h"
 #include "material/shader.h"
+#include "math/power.h"
 #include "math/turn.h"
 
 #include <math.h>
@@ -38,7 +39,7 @@ static void add_facets(const lobe *m, float u, float all[ALONG], float edge[ALON
         z = z > 0 ? z : 0;
         float s = sqrtf(m->ax * m->ax * x * x + m->ay * m->ay * y * y + z * z);
         float part = 2 * q * z * (m->v[2] + m->smith) / (m->v[2] * s + z * m->smith);
-        all[k] += part, edge[k] += part * energy_power5(along < 1 ? 1 - along : 0);
+        all[k] += part, edge[k] += part * power5(along < 1 ? 1 - along : 0);
     }
 }
 

@@ -1,4 +1,5 @@
-/* (1-d)^n for highlights, with the same bits on every processor, and vectorised in loops.
+/* Powers: small ones, and (1-d)^n for highlights, with the same bits on every processor, and vectorised in
+ * loops.
  *
  * glibc's powf() has variants by processor, whose last bits may differ, so images would depend on the
  * processor. It is also a function call, which a vectorised loop cannot contain. */
@@ -8,6 +9,16 @@
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
+
+static inline float power5(float x) {
+    const float x2 = x * x;
+    return x2 * x2 * x;
+}
+
+static inline float power8(float x) {
+    const float x2 = x * x, x4 = x2 * x2;
+    return x4 * x4;
+}
 
 /* Series are summed in pairs of pairs (Estrin's scheme): in a loop over few lanes, the latency of a chain of
  * sixteen dependent operations would dominate. */

@@ -4,13 +4,13 @@
 #include "sample/sobol.h"
 
 uint64_t sample_pixel_hash(const sampler *s, uint32_t x, uint32_t y) {
-    return pixel_hash(mix(s->seed + 0x9e3779b97f4a7c15u), x, y);
+    return pixel_hash(mix_bits(s->seed + 0x9e3779b97f4a7c15u), x, y);
 }
 
 /* The first dimension uses the hash of the pixel itself. */
 static uint64_t key_hash(const sampler *s, sample_key key, sample_dimension dimension) {
     const uint64_t pixel = sample_pixel_hash(s, key.x, key.y);
-    return dimension ? mix(pixel ^ (uint64_t)dimension * 0xd1342543de82ef95u) : pixel;
+    return dimension ? mix_bits(pixel ^ (uint64_t)dimension * 0xd1342543de82ef95u) : pixel;
 }
 
 static double unit_from(uint32_t bits) { return bits * 0x1p-32; }
@@ -21,7 +21,7 @@ static void grid(uint32_t n, uint32_t index, double *u, double *v) {
 }
 
 static void stratified(uint32_t n, uint32_t index, uint64_t hash, double *u, double *v) {
-    uint64_t h = mix(hash + index);
+    uint64_t h = mix_bits(hash + index);
     *u = (index % n + unit_from((uint32_t)h)) / n;
     *v = (index / n + unit_from((uint32_t)(h >> 32))) / n;
 }

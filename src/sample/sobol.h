@@ -2,19 +2,13 @@
 #ifndef SAMPLE_SOBOL_H
 #define SAMPLE_SOBOL_H
 
+#include "math/mix.h"
+
 #include <stdint.h>
 
-/* The finaliser of SplitMix64 (Steele, Lea, Flood 2014): every bit of the result depends on every bit of the
- * input. */
-static inline uint64_t mix(uint64_t h) {
-    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
-    h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
-    return h ^ (h >> 31);
-}
-
-/* `seed` has already passed through mix(). */
+/* `seed` has already passed through mix_bits(). */
 static inline uint64_t pixel_hash(uint64_t seed, uint32_t x, uint32_t y) {
-    return mix(seed ^ ((uint64_t)y << 32 | x));
+    return mix_bits(seed ^ ((uint64_t)y << 32 | x));
 }
 
 static inline uint32_t reverse_bits(uint32_t v) {
@@ -54,7 +48,7 @@ static inline uint32_t sobol_second(uint32_t index) {
 static inline void sobol_point(uint32_t index, uint64_t hash, uint32_t *u, uint32_t *v) {
     const uint32_t k = reverse_bits(permute(reverse_bits(index), (uint32_t)hash));
     *u = reverse_bits(permute(k, (uint32_t)(hash >> 32)));
-    *v = reverse_bits(permute(sobol_second(k), (uint32_t)mix(hash + 1)));
+    *v = reverse_bits(permute(sobol_second(k), (uint32_t)mix_bits(hash + 1)));
 }
 
 #endif

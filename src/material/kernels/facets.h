@@ -23,7 +23,7 @@ static inline void set_half(const shader_block *b, const lanes3 l, lanes3 h, flo
         float square = x * x + y * y + z * z, unit = 1 / sqrtf(square > 0x1p-60f ? square : 0x1p-60f);
         h[0][i] = x * unit, h[1][i] = y * unit, h[2][i] = z * unit;
         float cosine = b->v[0][i] * h[0][i] + b->v[1][i] * h[1][i] + b->v[2][i] * h[2][i];
-        rise[i] = energy_power5(1 - (cosine < 1 ? (cosine > 0 ? cosine : 0) : 1));
+        rise[i] = power5(1 - (cosine < 1 ? (cosine > 0 ? cosine : 0) : 1));
     }
     if (!(b->lobes & SHADER_SOLID)) return;
     for (int i = 0; i < LANES; ++i) {
@@ -148,7 +148,7 @@ static inline __attribute__((always_inline)) void add_refraction(const shader_bl
         float to = smith_of(b, rare, i, b->v[0][i], b->v[1][i], z);
         float from = smith_of(b, rare, i, at->l[0][i], at->l[1][i], lz);
         float d = 2 * ggx_of(b, rare, i, h[0], h[1], h[2]) * vh * lh * (eta * eta) / square;
-        float rise = energy_power5(1 - fminf(eta < 1 ? lh : vh, 1));
+        float rise = power5(1 - fminf(eta < 1 ? lh : vh, 1));
         float value = chosen(open, (1 - layer_of(b, rare, i, vh, rise)) * d * lz / (z * from + lz * to), 0);
         for (int c = 0; c < 3; ++c) f[c][i] += b->cross[c][i] * value;
         const bool whole = b->at[i]->lobes & SHADER_GLASS; /* see rough_glass.h */

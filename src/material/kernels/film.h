@@ -38,7 +38,7 @@ static inline __attribute__((always_inline)) float reflectance_at(const shader_b
                                                                   float f90) {
     float plain = f0 + (f90 - f0) * rise;
     if (rare && b->at[i]->lobes & SHADER_INNER_METAL) {
-        plain += b->at[i]->metal_rise[c] * (energy_power5(1 - fminf(cosine, 1)) - rise);
+        plain += b->at[i]->metal_rise[c] * (power5(1 - fminf(cosine, 1)) - rise);
         plain = plain > 0 ? plain : 0; /* rounding may leave less than 0 */
     }
     return film_or(b, rare, i, c, cosine, plain);

@@ -4,6 +4,7 @@
 
 #include "base/kernel.h"
 #include "material/shader.h"
+#include "math/power.h"
 
 #include <math.h>
 
@@ -94,7 +95,7 @@ static inline void open_inside(const shader_block *b, float *restrict under) {
 static inline float schlick(float cosine, float eta) {
     float near = cosine < 1 ? (cosine > 0 ? cosine : 0) : 1;
     float far2 = 1 - (1 - near) * (1 + near) / (eta * eta), far = sqrtf(far2 > 0 ? far2 : 0);
-    return energy_power5(1 - (eta < 1 ? far : near));
+    return power5(1 - (eta < 1 ? far : near));
 }
 
 static inline float layer_share(const shader_block *b, int i, float rise) {

@@ -14,6 +14,7 @@
 #define MATERIAL_KERNELS_ROUGH_GLASS_H
 
 #include "material/kernels/facets.h"
+#include "math/mix.h"
 #include "math/turn.h"
 
 static inline bool is_glass(const shader_block *b, int i) { return b->at[i]->lobes & SHADER_GLASS; }
@@ -22,11 +23,6 @@ static inline bool is_glass(const shader_block *b, int i) { return b->at[i]->lob
 static inline int glass_side(const surface_block *s, int i) { return s->entering[i] ? 0 : 1; }
 
 /* ---- values and densities ---- */
-
-static inline float power8(float x) {
-    const float x2 = x * x, x4 = x2 * x2;
-    return x4 * x4;
-}
 
 /* The squared cosine at a node of the curves. */
 static inline float node_square(int k) { return power8((float)k * (1.0f / ENERGY_STEPS)); }
@@ -91,18 +87,10 @@ static inline bool happens(float p, float *u) {
 
 /* Another two numbers in [0,1), from three. */
 static inline void two_more(const lanes3 u, int i, float out[2]) {
-    uint32_t hash = 0;
-    for (int c = 0; c < 3; ++c) {
-        uint32_t bits;
-        memcpy(&bits, &u[c][i], sizeof bits);
-        hash = (hash ^ bits) * 0x9e3779b1u;
-        hash ^= hash >> 15;
-    }
-    for (int k = 0; k < 2; ++k) {
-        hash = (hash + 0x7f4a7c15u) * 0x85ebca6bu;
-        hash ^= hash >> 13, hash *= 0xc2b2ae35u, hash ^= hash >> 16;
-        out[k] = (float)(hash >> 8) * 0x1p-24f;
-    }
+    uint32_t bits[3];
+    for (int c = 0; c < 3; ++c) memcpy(&bits[c], &u[c][i], sizeof bits[c]);
+    const uint64_t hash = mix_bits(mix_bits((uint64_t)bits[0] << 32 | bits[1]) ^ bits[2]);
+    out[0] = (float)(hash >> 40) * 0x1p-24f, out[1] = (float)(hash & 0xffffff) * 0x1p-24f;
 }
 
 /* The facet's reflected or refracted direction; false: the facet sends nothing to that side. */

@@ -1,7 +1,7 @@
-/* Reads a PLY file as a mesh. The header (ply_header.c) describes the rows. Rows of text (ply_ascii.c) or
- * bytes (ply_binary.c) are read in parallel. Polygons are triangulated and joined into one list of triangles
- * (ply_faces.c). Colours, texture coordinates and textures of faces are given to its corners (ply_surface.c).
- * ply.c calls these steps. */
+/* Reads a PLY file as a mesh. The header (ply_header.c, ply_roles.c) describes the rows. Rows of text
+ * (ply_ascii.c) or bytes (ply_binary.c) are read in parallel. Polygons are triangulated and joined into one
+ * list of triangles (ply_faces.c). Colours, texture coordinates and textures of faces are given to its
+ * corners (ply_surface.c). ply.c calls these steps. */
 #ifndef READ_PLY_H
 #define READ_PLY_H
 
@@ -80,7 +80,7 @@ enum { PLY_FROM, PLY_TO, PLY_ENDS };
 /* The meaning of a face's property. */
 enum { PLY_FACE_R, PLY_FACE_G, PLY_FACE_B, PLY_FACE_A, PLY_TEXNUMBER, PLY_FACE_ROLES };
 
-/* What a triangle has from its face. */
+/* Colour and texture of a triangle, which its face gives. */
 typedef struct ply_look {
     float color[4];   /* linear */
     uint32_t texture; /* number of a TextureFile; their count: none */
@@ -162,6 +162,10 @@ typedef struct ply_reader {
  * they are text. */
 fathom_status ply_open_text(ply_reader *r, const char *path);
 fathom_status ply_read_header(ply_reader *r);
+/* Sets the roles of elements and properties. False: r->fault says what is wrong. */
+bool ply_find_roles(ply_reader *r);
+/* "element NAME", for messages. Returns `out`. */
+const char *ply_element_field(const ply_element *element, char out[52]);
 /* Adds a note for the elements and properties that are not read. */
 void ply_note_unused(ply_reader *r);
 

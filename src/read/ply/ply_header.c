@@ -2,7 +2,6 @@
 #include "read/mesh/number.h"
 #include "read/ply/ply.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -52,8 +51,7 @@ static bool read_format(ply_reader *r, const char *p) {
     return strcmp(word, "1.0") == 0 || text_found(&r->fault, at, "format", "expected version 1.0");
 }
 
-/* Returns `out`. */
-static const char *element_field(const ply_element *element, char out[52]) {
+const char *ply_element_field(const ply_element *element, char out[52]) {
     snprintf(out, 52, "element %.40s", element->name);
     return out;
 }
@@ -67,7 +65,7 @@ static bool read_element(ply_reader *r, const char *line, const char *p) {
     int64_t count;
     at = p;
     if (!number_read_integer(&p, &count) || count < 0 || !text_is_break(*p))
-        return text_found(&r->fault, at, element_field(&element, field), "expected a count");
+        return text_found(&r->fault, at, ply_element_field(&element, field), "expected a count");
     element.count = (uint64_t)count;
     return array_push(&r->header.elements, element) || text_no_memory(&r->fault);
 }
@@ -169,10 +167,10 @@ static bool check_counts(ply_reader *r) {
         if (!element->count) continue;
         uint64_t row = smallest_row(r, element);
         if (!row)
-            return text_wrong(&r->fault, element->line, element_field(element, field),
+            return text_wrong(&r->fault, element->line, ply_element_field(element, field),
                               "it has no properties");
         if (element->count > left / row) {
-            return text_wrong(&r->fault, element->line, element_field(element, field),
+            return text_wrong(&r->fault, element->line, ply_element_field(element, field),
                               "%llu rows of at least %llu bytes do not fit into the %llu bytes that follow",
                               (unsigned long long)element->count, (unsigned long long)row,
                               (unsigned long long)left);
@@ -180,196 +178,6 @@ static bool check_counts(ply_reader *r) {
         left -= element->count * row;
     }
     return true;
-}
-
-static size_t find_element(const ply_header *header, const char *name) {
-    for (size_t i = 0; i < header->elements.count; ++i) {
-        if (strcmp(header->elements.items[i].name, name) == 0) return i;
-    }
-    return SIZE_MAX;
-}
-
-/* The first property that has the earliest possible name of the list; -1: none. */
-static int find_property(const ply_element *element, const char *names) {
-    int found = -1, best = INT_MAX;
-    for (size_t i = 0; i < element->properties.count; ++i) {
-        const char *name = element->properties.items[i].name;
-        int word = words_find(names, name, strlen(name));
-        if (word >= 0 && word < best) best = word, found = (int)i;
-    }
-    return found;
-}
-
-/* Colours need all three channels; without them, an opacity is ignored too. */
-static void drop_partial_colors(ply_reader *r, const ply_element *vertex) {
-    if (r->role[PLY_R] >= 0 && r->role[PLY_G] >= 0 && r->role[PLY_B] >= 0) return;
-    for (int role = PLY_R; role <= PLY_A; ++role) {
-        if (r->role[role] >= 0) vertex->properties.items[r->role[role]].role = -1;
-        r->role[role] = -1;
-    }
-}
-
-/* The colour of splats is that of their first spherical harmonic, the mean over all directions. */
-static void find_splats(ply_reader *r, const ply_element *vertex) {
-    static const char *const names[] = {"f_dc_0", "f_dc_1", "f_dc_2", "scale_0", "rot_0"};
-    int found[5];
-    for (int i = 0; i < 5; ++i) {
-        found[i] = find_property(vertex, names[i]);
-        if (found[i] < 0 || vertex->properties.items[found[i]].is_list) return;
-    }
-    r->splats = r->role[PLY_R] < 0;
-    for (int c = 0; c < 3 && r->splats; ++c) {
-        r->role[PLY_R + c] = found[c];
-        vertex->properties.items[found[c]].role = PLY_R + c;
-    }
-}
-
-static const char *const color_names[] = {"red|diffuse_red|r", "green|diffuse_green|g", "blue|diffuse_blue|b",
-                                          "alpha|a"};
-
-static bool find_roles(ply_reader *r) {
-    const char *const names[PLY_ROLES] = {"x",
-                                          "y",
-                                          "z",
-                                          "nx",
-                                          "ny",
-                                          "nz",
-                                          "u|s|texture_u|texture_s",
-                                          "v|t|texture_v|texture_t",
-                                          "u1|s1",
-                                          "v1|t1",
-                                          color_names[0],
-                                          color_names[1],
-                                          color_names[2],
-                                          color_names[3]};
-    r->vertex_element = find_element(&r->header, "vertex");
-    if (r->vertex_element == SIZE_MAX)
-        return text_wrong(&r->fault, r->file.begin, "element vertex", "the header has none");
-    const ply_element *vertex = &r->header.elements.items[r->vertex_element];
-    if (vertex->count >= UINT32_MAX) {
-        return text_wrong(&r->fault, vertex->line, "element vertex",
-                          "%llu rows; at most 2^32 - 2 can be indexed", (unsigned long long)vertex->count);
-    }
-    r->vertex_count = (uint32_t)vertex->count;
-    for (int role = 0; role < PLY_ROLES; ++role) {
-        r->role[role] = find_property(vertex, names[role]);
-        bool found = r->role[role] >= 0 && !vertex->properties.items[r->role[role]].is_list;
-        if (found)
-            vertex->properties.items[r->role[role]].role = role;
-        else
-            r->role[role] = -1;
-        if (!found && role <= PLY_Z) {
-            return text_wrong(&r->fault, vertex->line, "element vertex",
-                              "it has no number %s; expected x, y and z", names[role]);
-        }
-    }
-    drop_partial_colors(r, vertex);
-    find_splats(r, vertex);
-    return r->vertex_count ||
-           text_wrong(&r->fault, r->file.begin, NULL,
-                      "no vertices: expected an element vertex that is not empty, and an element face or "
-                      "tristrips");
-}
-
-static bool find_faces(ply_reader *r) {
-    char field[52];
-    const ply_element *elements = r->header.elements.items;
-    r->face_element = find_element(&r->header, "face");
-    if (r->face_element == SIZE_MAX || !elements[r->face_element].count) {
-        size_t strips = find_element(&r->header, "tristrips");
-        r->strips = strips != SIZE_MAX && elements[strips].count > 0;
-        if (r->strips) r->face_element = strips;
-    }
-    if (r->face_element == SIZE_MAX || !elements[r->face_element].count) {
-        r->face_element = SIZE_MAX;
-        return true;
-    }
-    const ply_element *face = &elements[r->face_element];
-    int list = find_property(face, "vertex_indices|vertex_index");
-    if (list < 0 || !face->properties.items[list].is_list) {
-        return text_wrong(&r->fault, face->line, element_field(face, field),
-                          "it has no list vertex_indices or vertex_index");
-    }
-    r->index_list = (size_t)list;
-    return true;
-}
-
-/* The property with one of the names; -1: there is none, or it is a list. */
-static int find_number(const ply_element *element, const char *names) {
-    const int found = find_property(element, names);
-    return found >= 0 && !element->properties.items[found].is_list ? found : -1;
-}
-
-/* Colours of faces are read if vertices have none, and need all three channels. */
-static void find_face_colors(ply_reader *r, const ply_element *face) {
-    int found[4];
-    for (int c = 0; c < 4; ++c) {
-        found[c] = find_number(face, color_names[c]);
-        if (r->role[PLY_R] >= 0 || (c < 3 && found[c] < 0)) return;
-    }
-    for (int c = 0; c < 4; ++c) {
-        if (found[c] >= 0) face->properties.items[found[c]].role = PLY_FACE_R + c;
-    }
-    r->face_color = found[0], r->face_alpha = found[3];
-    r->looks_read = true;
-}
-
-/* The number of a face's texture. False: faces have none. */
-static bool find_texture_numbers(ply_reader *r, const ply_element *face) {
-    const int found = find_number(face, "texnumber");
-    if (!r->textures.count || found < 0) return false;
-    face->properties.items[found].role = PLY_TEXNUMBER;
-    r->looks_read = true;
-    return true;
-}
-
-static void keep_one_texture(ply_reader *r) {
-    if (r->textures.count > 1) {
-        notes_add_at(&r->notes, r->textures.count - 1, &r->file, r->textures.items[1], true,
-                     "textures after the first one are left out, because faces have no texnumber");
-        r->textures.count = 1;
-    }
-}
-
-/* Texture coordinates of the faces' corners go before those of vertices. */
-static void find_face_uvs(ply_reader *r, const ply_element *face) {
-    const int list = find_property(face, "texcoord");
-    if (list < 0 || !face->properties.items[list].is_list) return;
-    r->uv_list = (size_t)list;
-    for (int role = PLY_U; role <= PLY_V; ++role) {
-        if (r->role[role] < 0) continue;
-        r->header.elements.items[r->vertex_element].properties.items[r->role[role]].role = -1;
-        r->role[role] = -1;
-    }
-}
-
-static void find_looks(ply_reader *r) {
-    r->uv_list = SIZE_MAX;
-    r->face_color = r->face_alpha = -1;
-    bool numbered = false;
-    if (r->face_element != SIZE_MAX && !r->strips) {
-        const ply_element *face = &r->header.elements.items[r->face_element];
-        find_face_uvs(r, face);
-        find_face_colors(r, face);
-        numbered = find_texture_numbers(r, face);
-    }
-    if (!numbered) keep_one_texture(r);
-}
-
-/* An element "edge" without both vertices is not read, and gets a note. */
-static void find_edges(ply_reader *r) {
-    static const char *const names[PLY_ENDS] = {"vertex1", "vertex2"};
-    r->edge_element = find_element(&r->header, "edge");
-    if (r->edge_element == SIZE_MAX) return;
-    const ply_element *edge = &r->header.elements.items[r->edge_element];
-    int found[PLY_ENDS];
-    bool good = edge->count > 0;
-    for (int end = 0; end < PLY_ENDS; ++end) {
-        found[end] = find_property(edge, names[end]);
-        good = good && found[end] >= 0 && !edge->properties.items[found[end]].is_list;
-    }
-    for (int end = 0; good && end < PLY_ENDS; ++end) edge->properties.items[found[end]].role = end;
-    if (!good) r->edge_element = SIZE_MAX;
 }
 
 /* Replaces carriage returns that end lines by line feeds: in the header, and in the rows if they are text. */
@@ -407,51 +215,7 @@ fathom_status ply_read_header(ply_reader *r) {
     r->header.body = read_lines(r);
     if (r->header.body) {
         if (r->header.format != PLY_ASCII) r->file.binary = r->header.body;
-        if (find_roles(r) && find_faces(r)) {
-            find_looks(r);
-            find_edges(r);
-            check_counts(r);
-        }
+        if (ply_find_roles(r)) check_counts(r);
     }
     return text_status(&r->file, &r->fault);
-}
-
-/* ---- unused parts ---- */
-
-static bool is_color(const char *name) {
-    return words_find("red|green|blue|alpha|r|g|b|a|diffuse_red|diffuse_green|diffuse_blue", name,
-                      strlen(name)) >= 0;
-}
-
-static void note_properties(ply_reader *r, size_t index) {
-    const ply_element *element = &r->header.elements.items[index];
-    bool colors = false;
-    for (size_t i = 0; i < element->properties.count; ++i) {
-        const char *name = element->properties.items[i].name;
-        if (element->properties.items[i].role >= 0 ||
-            (index == r->face_element && (i == r->index_list || i == r->uv_list)))
-            continue;
-        if (is_color(name))
-            colors = true;
-        else
-            notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false,
-                         "element %.40s: the property %s is not used", element->name, name);
-    }
-    if (colors)
-        notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false,
-                     "%.40s colours are not used", element->name);
-}
-
-void ply_note_unused(ply_reader *r) {
-    for (size_t i = 0; i < r->header.elements.count; ++i) {
-        const ply_element *element = &r->header.elements.items[i];
-        if (i == r->vertex_element && r->splats)
-            notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false,
-                         "Gaussian splats are shown as points of their mean colours");
-        else if (i == r->vertex_element || i == r->face_element || i == r->edge_element)
-            note_properties(r, i);
-        else
-            notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false,
-                         "element %.40s is not read", element->name);
-    }
 }

@@ -7,7 +7,7 @@
 static inline float unit_from(uint32_t bits) { return (float)(int32_t)(bits >> 8) * 0x1p-24f; }
 
 static void square(const sampler *s, uint32_t left, uint32_t top, uint64_t *restrict out) {
-    const uint64_t seed = mix(s->seed + 0x9e3779b97f4a7c15u);
+    const uint64_t seed = mix_bits(s->seed + 0x9e3779b97f4a7c15u);
     for (uint32_t i = 0; i < LANES; ++i) out[i] = pixel_hash(seed, left + i % 4, top + i / 4);
 }
 
@@ -22,7 +22,7 @@ static void pairs(const uint64_t pixel[LANES], const uint32_t index[LANES], uint
     const uint64_t of = dimension * 0xd1342543de82ef95u;
     for (int i = 0; i < LANES; ++i) {
         uint32_t a, b;
-        sobol_point(index[i], mix(pixel[i] ^ of), &a, &b);
+        sobol_point(index[i], mix_bits(pixel[i] ^ of), &a, &b);
         u[i] = unit_from(a), v[i] = unit_from(b);
     }
 }

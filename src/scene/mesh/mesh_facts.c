@@ -70,7 +70,7 @@ static void check_finite_run(void *user, size_t begin, size_t end, unsigned work
     note_first_odd(l, begin, end);
 }
 
-/* Of runs that reach equally far, the first is kept, whichever thread is quicker. */
+/* Keeps the first of runs that reach equally far, whichever thread is quicker. */
 static void join_run(mesh_facts *facts, const float low[3], const float high[3], uint32_t begin) {
     for (int k = 0; k < 3; ++k) {
         if (low[k] < facts->lower[k] || (low[k] <= facts->lower[k] && begin < facts->lowest[k]))

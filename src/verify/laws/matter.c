@@ -132,14 +132,14 @@ static void glass_ball(law_room *room) { law_unseen_ball(room, glass(1, 1)); }
 static void thin_ball(law_room *room) { law_unseen_ball(room, law_clear(0)); }
 static void refracting_ball(law_room *room) { law_unseen_ball(room, law_clear(1)); }
 
-/* Roughness 0.7 loses a quarter of the light that facets scatter more than once. */
+/* Without compensation, a ball of this roughness loses 0.29 of the light. */
 static void rough_ball(law_room *room) {
     fathom_material m = law_clear(1);
     m.roughness = 0.7f, m.multiscatter = true;
     law_unseen_ball(room, m);
 }
 
-/* What is reflected totally inside also meets the white base. */
+/* Light that is reflected totally inside must not meet the white base as well. */
 static void half_glass_ball(law_room *room) {
     fathom_material m = law_clear(1);
     m.transmission = 0.8f;

@@ -1,23 +1,18 @@
+#include "math/mix.h"
 #include "trace/trace.h"
 #include "verify/search/rays.h"
 #include "verify/search/search.h"
 
 #include <stdlib.h>
 
-/* splitmix64 (Steele, Lea, Flood 2014). */
-static uint64_t mixed(uint64_t z) {
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return z ^ z >> 31;
-}
-
 rays_random rays_random_of(uint64_t seed, uint64_t family, uint64_t index) {
-    uint64_t key = mixed(seed + 0x9e3779b97f4a7c15u);
-    return (rays_random){mixed(mixed(key + family * 0xd1342543de82ef95u) + index * 0x9e3779b97f4a7c15u)};
+    uint64_t key = mix_bits(seed + 0x9e3779b97f4a7c15u);
+    return (rays_random){
+        mix_bits(mix_bits(key + family * 0xd1342543de82ef95u) + index * 0x9e3779b97f4a7c15u)};
 }
 
 double rays_unit(rays_random *r) {
-    return (double)(mixed(r->counter += 0x9e3779b97f4a7c15u) >> 11) * 0x1p-53;
+    return (double)(mix_bits(r->counter += 0x9e3779b97f4a7c15u) >> 11) * 0x1p-53;
 }
 double rays_between(rays_random *r, double low, double high) { return low + (high - low) * rays_unit(r); }
 double rays_power(rays_random *r, double low, double high) { return pow(10, rays_between(r, low, high)); }
