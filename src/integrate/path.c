@@ -147,7 +147,8 @@ static void push_light(path_wave *p, const vertex_block *v, const vertex_keys *k
 /* ---- scattered rays ---- */
 
 /* Russian roulette starts at the fourth vertex. An earlier start saves time, but not at equal error under a
- * sky (bench/README.md), and surfaces seen behind two mirrors or panes would be found only at random. */
+ * sky (bench/path_tracing.md), and surfaces seen behind two mirrors or panes would be found only at random.
+ */
 #define ROULETTE_FROM 3
 
 /* A direction of density d represents directions within about 1/sqrt(d) of it. A small fraction of that angle
