@@ -54,39 +54,9 @@ static void take_answers(const lane_choices *c, unsigned lanes, const shape_answ
     }
 }
 
-/* The corner weights of the ray's hit on a half of a face, which is the half that was sampled. */
-static void find_place(const shape_face *f, vec3_f64 p, vec3_f64 direction, texturing_place *out) {
-    for (int half = 0; half < (f->quad ? 2 : 1); ++half) {
-        const vec3_f64 a = f->corner[half ? 2 : 0], b = sub_f64(f->corner[half ? 3 : 1], a),
-                       c = sub_f64(f->corner[half ? 1 : 3], a), from = sub_f64(p, a);
-        const vec3_f64 across = cross_f64(direction, c), along = cross_f64(from, b);
-        const double all = dot_f64(b, across), inverse = all != 0 ? 1 / all : 0;
-        const double u = fmin(fmax(dot_f64(from, across) * inverse, 0), 1),
-                     v = fmin(fmax(dot_f64(direction, along) * inverse, 0), 1);
-        const double over = fmax(u + v, 1);
-        out->second = half;
-        out->weight[1] = (float)(u / over), out->weight[2] = (float)(v / over);
-        out->weight[0] = 1 - out->weight[1] - out->weight[2];
-        if (u + v <= 1) return;
-    }
-}
-
-/* The emission at the points that the lanes' rays hit, for materials whose emission varies. */
-static void look_up_radiance(const emitters *e, const lane_choices *c, const lanes3 direction,
-                             float (*value)[3], const float *radiance[LANES]) {
-    for (unsigned left = c->faces; left; left &= left - 1) {
-        const unsigned i = lane_first(left);
-        const emitter_run *run = emitters_run_of(e, c->emitter[i]);
-        const uint32_t primitive = c->emitter[i] - run->first;
-        texturing_place place = {.geometry = run->geometry, .primitive = primitive};
-        place.material = world_material(e->w, run->geometry, primitive, run->instance);
-        if (!texturing_varies_emission(e->texturing, place.material)) continue;
-        shape_face face;
-        emitters_face(e, run, primitive, time_of(e, c, i), &face);
-        find_place(&face, widen(lane_f32(c->from->p, i)), widen(lane_f32(direction, i)), &place);
-        texturing_emission(e->texturing, &place, value[i]);
-        radiance[i] = value[i];
-    }
+static void cut_face(const emitters *e, const emitter_run *run, uint32_t index, shape_face *face) {
+    emitters_cut(e, run, index, face->corner);
+    face->quad = emitters_is_quad(e, run);
 }
 
 /* Lanes that chose no face get the first one. */
@@ -105,8 +75,10 @@ static void sample_faces(const emitters *e, const lane_choices *c, emitter_sampl
         const unsigned i = lane_first(left);
         if (c->emitter[i] != last || e->moving) {
             const emitter_run *run = emitters_run_of(e, c->emitter[i]);
-            emitters_face(e, run, c->emitter[i] - run->first, time_of(e, c, i), &face);
-            light = radiance_of(e, run, c->emitter[i] - run->first);
+            const uint32_t index = c->emitter[i] - run->first, primitive = emitters_primitive(e, run, index);
+            emitters_face(e, run, primitive, time_of(e, c, i), &face);
+            cut_face(e, run, index, &face);
+            light = radiance_of(e, run, primitive);
             quads |= face.quad;
         }
         for (unsigned k = 0; last == FATHOM_NONE && k < LANES; ++k) shape_faces_put(&faces, k, &face);
@@ -115,8 +87,6 @@ static void sample_faces(const emitters *e, const lane_choices *c, emitter_sampl
     }
     load_points(c, p);
     e->shapes->faces(&faces, p, c->u, quads, &answers, direction, distance);
-    float value[LANES][3];
-    if (e->texturing) look_up_radiance(e, c, direction, value, radiance);
     take_answers(c, c->faces, &answers, direction, distance, radiance, out);
 }
 
@@ -165,8 +135,10 @@ static void sample_balls(const emitters *e, const lane_choices *c, emitter_sampl
     take_answers(c, plain, &answers, direction, distance, radiance, out);
 }
 
-static double primitive_density(const emitters *e, const emitter_run *run, const emitter_hit *hit, vec3_f64 p,
-                                vec3_f64 n, vec3_f64 direction) {
+/* Without the choice of the emitter, whose index in the run is *index. */
+static double chosen_density(const emitters *e, const emitter_run *run, const emitter_hit *hit, vec3_f64 p,
+                             vec3_f64 n, vec3_f64 direction, uint32_t *index) {
+    *index = hit->primitive;
     if (e->one.face) return emitters_face_density(&e->one.face->plain, p);
     if (is_ball(e, run)) {
         emitter_ball ball;
@@ -175,6 +147,12 @@ static double primitive_density(const emitters *e, const emitter_run *run, const
     }
     shape_face face;
     emitters_face(e, run, hit->primitive, hit->time, &face);
+    if (run->level) {
+        texturing_place place;
+        emitters_face_place(&face, p, direction, &place);
+        *index = emitters_index_at(e, run, hit->primitive, &place);
+        cut_face(e, run, *index, &face);
+    }
     return emitters_face_density(&face, p);
 }
 
@@ -326,15 +304,17 @@ void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 
     if (c.faces) sample_faces(e, &c, out);
     if (c.balls) sample_balls(e, &c, out);
     if (c.lamps) sample_lamps(e, &c, out);
+    if (e->texturing) emitters_vary(e, c.faces | c.balls, from, c.emitter, out);
 }
 
 float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction,
                            const emitter_hit *hit) {
     const emitter_run *run = emitters_run(e, hit->geometry, hit->instance);
     if (!run) return 0;
-    const uint32_t slot = e->slot_of[run->first + hit->primitive];
+    uint32_t index;
+    double density = chosen_density(e, run, hit, widen(p), unit_or_zero(n), widen(direction), &index);
+    const uint32_t slot = e->slot_of[run->first + index];
     if (slot == FATHOM_NONE) return 0;
-    double density = primitive_density(e, run, hit, widen(p), unit_or_zero(n), widen(direction));
     if (density > 0 && e->only == FATHOM_NONE) density *= tree_chance(&e->lights, p, n, slot);
     return density_f32(density * e->chance[EMITTER_FINITE]);
 }

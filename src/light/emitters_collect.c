@@ -52,6 +52,7 @@ static bool add_runs(emitters *e, run_list *runs, uint32_t group, uint32_t insta
         emitter_run run = {.geometry = k, .instance = instance, .first = (uint32_t)*total};
         if (emits(e, k, instance)) {
             run.count = e->w->geometries.items[k].count;
+            emitters_divide_run(e, &run);
             e->moving |= is_moving(e->w, k, instance);
         }
         any |= run.count > 0;

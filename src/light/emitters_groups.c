@@ -6,7 +6,7 @@
 uint8_t emitters_group_of(const emitters *e, uint32_t emitter) {
     if (emitter >= e->surface_count) return e->lamps[emitter - e->surface_count].group;
     const emitter_run *run = emitters_run_of(e, emitter);
-    const uint32_t primitive = emitter - run->first;
+    const uint32_t primitive = emitters_primitive(e, run, emitter - run->first);
     return light_group_at(e->groups, world_object(e->w, run->geometry, primitive),
                           world_material(e->w, run->geometry, primitive, run->instance));
 }

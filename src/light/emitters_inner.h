@@ -10,10 +10,12 @@
 #include "material/textured.h"
 #include "math/lane.h"
 
-/* Primitives of one geometry in one instance or in the root: emitters first, first + 1, … */
+/* Primitives of one geometry in one instance or in the root, or their cells: emitters first, first + 1, … The
+ * index of an emitter in its run is its number minus `first`. */
 typedef struct emitter_run {
     uint32_t geometry, instance; /* FATHOM_NONE: the root */
     uint32_t first, count;       /* 0: none of them emits */
+    uint8_t level;               /* of the faces' cells; 0: faces are whole. See emitters_cells.c */
 } emitter_run;
 
 /* A class of emitters, with a fixed probability of being chosen. */
@@ -111,7 +113,7 @@ uint8_t emitters_group_of(const emitters *e, uint32_t emitter);
 
 /* The run of a primitive that a ray hit, or NULL if it is not an emitter. */
 const emitter_run *emitters_run(const emitters *e, uint32_t geometry, uint32_t instance);
-/* The run of an emitter that is a primitive. */
+/* The run of an emitter that is a primitive or a cell. */
 const emitter_run *emitters_run_of(const emitters *e, uint32_t emitter);
 
 /* The corners of a face in the space of its group, at a time in [0, 1] of the shutter; a triangle's third
@@ -120,6 +122,25 @@ void emitters_corners(const world *w, uint32_t geometry, uint32_t primitive, flo
 /* A primitive of a run in world space, at a time. */
 void emitters_face(const emitters *e, const emitter_run *run, uint32_t primitive, float time,
                    shape_face *out);
+
+/* ---- emitters_cells.c ---- */
+
+/* Divides the faces of a run whose emission varies enough. Call with the number of primitives as its count.
+ */
+void emitters_divide_run(const emitters *e, emitter_run *run);
+/* True if the emitters of the run are whole quads. */
+bool emitters_is_quad(const emitters *e, const emitter_run *run);
+/* The primitive of an emitter, and the emitter at a place on a primitive; both by their indices in the run.
+ */
+uint32_t emitters_primitive(const emitters *e, const emitter_run *run, uint32_t index);
+uint32_t emitters_index_at(const emitters *e, const emitter_run *run, uint32_t primitive,
+                           const texturing_place *place);
+/* True if the emitter is a cell of the second half of a quad. */
+bool emitters_is_second(const emitters *e, const emitter_run *run, uint32_t index);
+/* Replaces the corners of a whole face, in any space, by those of the emitter. */
+void emitters_cut(const emitters *e, const emitter_run *run, uint32_t index, vec3_f64 c[4]);
+/* The same for the triangle or half quad that holds the emitter. */
+void emitters_divide(vec3_f64 c[3], const emitter_run *run, uint32_t index);
 
 /* A sphere, in the space of its group. */
 typedef struct emitter_ball {
@@ -163,6 +184,18 @@ void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_qu
 void emitters_sample_sun(const emitters *e, double u, double v, double choice, emitter_sample *out,
                          unsigned i);
 
+/* ---- emitters_varied.c ---- */
+
+/* The primitive and the material of an emitter of a run; its weights and width are 0. */
+texturing_place emitters_place(const emitters *e, const emitter_run *run, uint32_t index);
+/* The mean luminance of an emitter whose emission varies. */
+float emitters_varied_power(const emitters *e, const emitter_run *run, uint32_t index);
+/* The half of a face that a ray from p hits, and the weights of its corners there. */
+void emitters_face_place(const shape_face *f, vec3_f64 p, vec3_f64 direction, texturing_place *out);
+/* Sets the radiance of the samples of these lanes whose emission varies. */
+void emitters_vary(const emitters *e, unsigned lanes, const emitter_query *from,
+                   const uint32_t emitter[LANES], emitter_sample *out);
+
 /* A light sample of a primitive, for one point. */
 typedef struct emitter_answer {
     vec3_f64 direction;
@@ -176,6 +209,8 @@ void emitters_ask_ball(const emitter_ball *b, vec3_f64 p, vec3_f64 n, double u, 
                        emitter_answer *out);
 /* The densities of these samples. */
 double emitters_face_density(const shape_face *f, vec3_f64 p);
+/* The unit normal, in the ball's space, where a light sample of this direction hits it. */
+vec3_f64 emitters_ball_normal(const emitter_ball *b, vec3_f64 p, vec3_f64 direction);
 double emitters_ball_density(const emitter_ball *b, vec3_f64 p, vec3_f64 n, vec3_f64 direction);
 
 #endif

@@ -124,21 +124,28 @@ static double face_area(const vec3_f64 c[4], bool quad, vec3_f64 *n) {
     return area;
 }
 
+/* The corners in the space of the face's group. */
+static void own_corners(const emitters *e, const emitter_run *run, uint32_t index, float time,
+                        vec3_f64 c[4]) {
+    emitters_corners(e->w, run->geometry, emitters_primitive(e, run, index), time, c);
+    emitters_cut(e, run, index, c);
+}
+
 /* The corners at a step, in world space. */
-static void corners_at(const emitters *e, const emitter_run *run, uint32_t primitive, const run_motion *m,
+static void corners_at(const emitters *e, const emitter_run *run, uint32_t index, const run_motion *m,
                        uint32_t k, vec3_f64 c[4]) {
-    emitters_corners(e->w, run->geometry, primitive, step_time(k, m->steps), c);
+    own_corners(e, run, index, step_time(k, m->steps), c);
     for (int i = 0; i < 4; ++i) c[i] = affine_point(&m->at[m->placed ? k : 0], c[i]);
 }
 
 /* Bounds all positions of a face whose vertices and transform both move: those of a box around its
  * object-space positions. */
-static void bound_bent(const emitters *e, const emitter_run *run, uint32_t primitive, const run_motion *m,
+static void bound_bent(const emitters *e, const emitter_run *run, uint32_t index, const run_motion *m,
                        tree_item *item) {
     scene_bounds inside = bounds_empty();
     for (uint32_t k = 0; k < m->bends; ++k) {
         vec3_f64 c[4];
-        emitters_corners(e->w, run->geometry, primitive, step_time(k, m->bends), c);
+        own_corners(e, run, index, step_time(k, m->bends), c);
         for (int i = 0; i < 4; ++i) bounds_add(&inside, c[i]);
     }
     for (int i = 0; i < 8; ++i) bound_placed(m, bounds_corner(&inside, i), 0, item);
@@ -147,16 +154,16 @@ static void bound_bent(const emitters *e, const emitter_run *run, uint32_t primi
 /* If vertices move linearly between two steps, their normal is a positive combination of the normals at both
  * steps and of a mixed one: a cone that holds all three also holds it. If the transform rotates, the normal
  * deviates at most by that rotation. For any other motion, the normal may have any direction. */
-static void moving_face(const emitters *e, const emitter_run *run, uint32_t primitive, const run_motion *m,
+static void moving_face(const emitters *e, const emitter_run *run, uint32_t index, const run_motion *m,
                         tree_item *item) {
-    const bool quad = e->w->geometries.items[run->geometry].kind == WORLD_QUADS;
+    const bool quad = emitters_is_quad(e, run);
     vec3_f64 c[4], n, b0 = {0, 0, 0}, c0 = b0, axis;
     double area = 0, least = 1;
-    corners_at(e, run, primitive, m, m->steps / 2, c);
+    corners_at(e, run, index, m, m->steps / 2, c);
     face_area(c, quad, &axis);
     axis = normalize_f64(axis);
     for (uint32_t k = 0; k < m->steps; ++k) {
-        corners_at(e, run, primitive, m, k, c);
+        corners_at(e, run, index, m, k, c);
         area = fmax(area, face_area(c, quad, &n));
         least = fmin(least, dot_f64(axis, normalize_f64(n)));
         const vec3_f64 b1 = sub_f64(c[1], c[0]), c1 = sub_f64(c[3], c[0]);
@@ -165,9 +172,9 @@ static void moving_face(const emitters *e, const emitter_run *run, uint32_t prim
         b0 = b1, c0 = c1;
         if (!m->placed) bound(item, c, 4);
     }
-    emitters_corners(e->w, run->geometry, primitive, 0, c);
+    own_corners(e, run, index, 0, c);
     for (int i = 0; m->placed && !m->bends && i < 4; ++i) bound_placed(m, c[i], 0, item);
-    if (m->placed && m->bends) bound_bent(e, run, primitive, m, item);
+    if (m->placed && m->bends) bound_bent(e, run, index, m, item);
     item->power = (float)area;
     const double angle = acos(fmin(fmax(least, -1), 1)) + m->turn;
     if (m->stretches || (m->placed && m->bends) || !(angle < SHAPE_PI / 2)) return;
@@ -176,16 +183,17 @@ static void moving_face(const emitters *e, const emitter_run *run, uint32_t prim
 }
 
 /* The power is half the sum of both sides' intensities along the normal. */
-static void face_item(const emitters *e, const emitter_run *run, uint32_t primitive, const run_motion *m,
+static void face_item(const emitters *e, const emitter_run *run, uint32_t index, const run_motion *m,
                       tree_item *item) {
     shape_face f;
     vec3_f64 n;
     if (m->steps) {
-        moving_face(e, run, primitive, m, item);
+        moving_face(e, run, index, m, item);
         return;
     }
-    emitters_face(e, run, primitive, 0, &f);
-    item->power = (float)face_area(f.corner, f.quad, &n);
+    emitters_face(e, run, emitters_primitive(e, run, index), 0, &f);
+    emitters_cut(e, run, index, f.corner);
+    item->power = (float)face_area(f.corner, emitters_is_quad(e, run), &n);
     bound(item, f.corner, 4);
     n = normalize_f64(n);
     item->axis[0] = (float)n.x, item->axis[1] = (float)n.y, item->axis[2] = (float)n.z;
@@ -219,40 +227,20 @@ static bool within_reach(const tree_item *item) {
     return within;
 }
 
-/* The mean luminance of a varying emission: looked up at the centre and towards each corner, with footprints
- * that cover the face. If the mean is 0 by mistake, BSDF samples still hit the emission. */
-static float varied_power(const emitters *e, const emitter_run *run, uint32_t primitive) {
-    static const float weight[4][3] = {{1 / 3.0f, 1 / 3.0f, 1 / 3.0f},
-                                       {2 / 3.0f, 1 / 6.0f, 1 / 6.0f},
-                                       {1 / 6.0f, 2 / 3.0f, 1 / 6.0f},
-                                       {1 / 6.0f, 1 / 6.0f, 2 / 3.0f}};
-    const bool quad = e->w->geometries.items[run->geometry].kind == WORLD_QUADS;
-    texturing_place place = {.geometry = run->geometry, .primitive = primitive, .width = 0.5f};
-    place.material = world_material(e->w, run->geometry, primitive, run->instance);
-    float sum = 0;
-    for (int k = 0; k < (quad ? 8 : 4); ++k) {
-        float rgb[3];
-        place.second = k >= 4;
-        memcpy(place.weight, weight[k % 4], sizeof place.weight);
-        texturing_emission(e->texturing, &place, rgb);
-        sum += luminance(rgb);
-    }
-    return sum / (quad ? 8 : 4);
-}
-
-/* Returns false if the primitive emits nothing, has no area, or is out of range. Spheres whose emission
- * varies are left to BSDF samples. */
-static bool primitive_item(const emitters *e, const emitter_run *run, uint32_t primitive, const run_motion *m,
-                           tree_item *item) {
+/* Returns false if the emitter emits nothing, has no area, or is out of range. BSDF samples still hit the
+ * emission if a varying one has the mean 0 by mistake. */
+static bool surface_item(const emitters *e, const emitter_run *run, uint32_t index, const run_motion *m,
+                         tree_item *item) {
     const bool ball = e->w->geometries.items[run->geometry].kind == WORLD_SPHERES;
+    const uint32_t primitive = emitters_primitive(e, run, index);
     float power = emitters_power(e, run->geometry, primitive, run->instance);
     if (power > 0 && e->texturing &&
         texturing_varies_emission(e->texturing,
                                   world_material(e->w, run->geometry, primitive, run->instance)))
-        power = ball ? 0 : varied_power(e, run, primitive);
+        power = emitters_varied_power(e, run, index);
     if (!(power > 0)) return false;
     begin_item(item);
-    (ball ? ball_item : face_item)(e, run, primitive, m, item);
+    (ball ? ball_item : face_item)(e, run, index, m, item);
     if (!(item->power > 0) || !isfinite(item->power)) return false;
     item->power = fmaxf(fminf(item->power * power, FLT_MAX), FLT_MIN);
     return within_reach(item);
@@ -276,7 +264,7 @@ uint32_t emitters_list_items(emitters *e, tree_item *items) {
         for (uint32_t i = 0; i < run->count; ++i) {
             e->slot_of[run->first + i] = FATHOM_NONE;
             items[count].light = run->first + i;
-            count += primitive_item(e, run, i, &m, &items[count]);
+            count += surface_item(e, run, i, &m, &items[count]);
         }
     }
     for (uint32_t i = 0; i < e->lamp_count; ++i) {

@@ -213,6 +213,14 @@ void emitters_ask_ball(const emitter_ball *b, vec3_f64 p, vec3_f64 n, double u, 
         ask_inside(b, &view, n, u, v, out);
 }
 
+vec3_f64 emitters_ball_normal(const emitter_ball *b, vec3_f64 p, vec3_f64 direction) {
+    const ball_view view = view_of(b, p);
+    const vec3_f64 d = to_object(b, direction);
+    const double t =
+        view.outside ? shape_sphere_near(view.from, d, b->radius) : shape_sphere_far(view.from, d, b->radius);
+    return normalize_f64(madd_f64(view.from, t, d));
+}
+
 double emitters_ball_density(const emitter_ball *b, vec3_f64 p, vec3_f64 n, vec3_f64 direction) {
     const ball_view view = view_of(b, p);
     vec3_f64 d = to_object(b, direction);

@@ -44,15 +44,19 @@ bool texturing_may_cover(const texturing *t, fathom_id material);
 
 /* True if the emission varies over a primitive of this material. */
 bool texturing_varies_emission(const texturing *t, fathom_id material);
-/* The emission of a triangle or of a half quad, at these weights of its corners; units as in
- * shader.emission. */
+/* The emission at a point of a triangle, a half quad or a sphere; units as in shader.emission. */
 typedef struct texturing_place {
     fathom_id material;
     uint32_t geometry, primitive;
-    bool second; /* the second half of a quad, as in surface/attributes.h */
-    float weight[3];
-    float width; /* of the footprint, as a fraction of the square root of the triangle's area */
+    bool second;     /* the second half of a quad, as in surface/attributes.h */
+    float weight[3]; /* of the corners; of a sphere the unit normal in its own space */
+    float width; /* of the footprint, as a fraction of the square root of the triangle's area; of a sphere in
+                    u and
+                    v */
 } texturing_place;
 void texturing_emission(const texturing *t, const texturing_place *place, float rgb[3]);
+/* The square root of the number of texels that the triangle or half quad covers in the images of its
+ * emission; 0: there are none. */
+float texturing_emission_texels(const texturing *t, const texturing_place *place);
 
 #endif

@@ -40,9 +40,10 @@ bool texturing_varies_emission(const texturing *t, fathom_id material) {
            (t->colors && texturing_sends_alone(p->material));
 }
 
-/* The square root of the area that the triangle or half quad covers in the image. */
+/* The square root of the area that the triangle or half quad covers in the image; 1 for a sphere. */
 static float image_side(const texturing *t, const texturing_place *place, unsigned set) {
     float uv[3][2];
+    if (t->w->geometries.items[place->geometry].kind == WORLD_SPHERES) return 1;
     for (int k = 0; k < 3; ++k) {
         const float corner[3] = {k == 0, k == 1, k == 2};
         surface_uv_of(t->w, place->geometry, place->primitive, place->second, corner, set, uv[k]);
@@ -52,9 +53,25 @@ static float image_side(const texturing *t, const texturing_place *place, unsign
     return sqrtf(0.5f * fabsf(bu * cv - cu * bv));
 }
 
+static const int kinds[] = {FATHOM_MAP_EMISSIVE,
+                            FATHOM_MAP_OPACITY}; /* the images that emission depends on */
+
+float texturing_emission_texels(const texturing *t, const texturing_place *place) {
+    const material_plan *p = &t->plans[place->material];
+    float most = 0;
+    for (size_t k = 0; k < 2; ++k) {
+        uint32_t width, height;
+        if (p->of[kinds[k]] == NO_LOOKUP) continue;
+        const lookup *l = &p->lookups[p->of[kinds[k]]];
+        texture_size(t->cache, l->texture, &width, &height);
+        const float side = image_side(t, place, l->uv_set) * l->scale;
+        most = fmaxf(most, side * sqrtf((float)width * (float)height));
+    }
+    return most;
+}
+
 /* Makes only the lookups that emission needs. */
 void texturing_emission(const texturing *t, const texturing_place *place, float rgb[3]) {
-    static const int kinds[] = {FATHOM_MAP_EMISSIVE, FATHOM_MAP_OPACITY};
     const material_plan *p = &t->plans[place->material];
     float color[4];
     fathom_material m;

@@ -32,10 +32,21 @@ static void mix_uvs(const float uv[3][2], const float weight[3], float out[2]) {
     for (int c = 0; c < 2; ++c) out[c] = weight[0] * uv[0][c] + weight[1] * uv[1][c] + weight[2] * uv[2][c];
 }
 
+/* From the spherical angles of the unit normal. */
+static void normal_uv(vec3_f32 n, float uv[2]) {
+    const float phi = atan2f(n.y, n.x);
+    uv[0] = phi < 0 ? phi / (2 * pi) + 1 : phi / (2 * pi);
+    uv[1] = acosf(n.z > 1 ? 1 : n.z < -1 ? -1 : n.z) / pi;
+}
+
 void surface_uv_of(const world *w, uint32_t geometry, uint32_t primitive, bool second, const float weight[3],
                    unsigned set, float out[2]) {
     const fathom_mesh *m = mesh_of(w, geometry);
     float uv[3][2];
+    if (w->geometries.items[geometry].kind == WORLD_SPHERES) {
+        normal_uv(load_f32(weight), out);
+        return;
+    }
     if (m)
         corner_uvs(m, primitive, set, uv);
     else
@@ -107,7 +118,7 @@ static void facet_uv(const surface_gather *g, const world_instance *instance, un
                         .dv = scale_f32(inverse, sub_f32(scale_f32(bu, ac), scale_f32(cu, ab)))};
 }
 
-/* From the spherical angles of the point. The sine has a minimum, because du would be 0 at a pole. */
+/* The sine has a minimum, because du would be 0 at a pole. */
 static void sphere_uv(const surface_gather *g, const world *w, const world_instance *instance, unsigned i,
                       surface_uv *out) {
     const world_sphere *sphere =
@@ -116,14 +127,13 @@ static void sphere_uv(const surface_gather *g, const world *w, const world_insta
     if (instance) p = placed_point(instance->to_object, p);
     const vec3_f32 n = narrow(normalize_f64(sub_f64(p, world_sphere_center(sphere))));
     const float flat = n.x * n.x + n.y * n.y, sine = sqrtf(flat > 1e-6f ? flat : 1e-6f);
-    const float phi = atan2f(n.y, n.x), r = (float)world_sphere_radius(sphere);
+    const float r = (float)world_sphere_radius(sphere);
     const float x = flat > 0 ? n.x / sqrtf(flat) : 1, y = flat > 0 ? n.y / sqrtf(flat) : 0;
+    float uv[2];
+    normal_uv(n, uv);
     *out = (surface_uv){
-        .u = phi < 0 ? phi / (2 * pi) + 1 : phi / (2 * pi),
-        .v = acosf(n.z > 1    ? 1
-                   : n.z < -1 ? -1
-                              : n.z) /
-             pi,
+        .u = uv[0],
+        .v = uv[1],
         .du = to_world(instance, (vec3_f32){-y * sine * 2 * pi * r, x * sine * 2 * pi * r, 0}),
         .dv = to_world(instance, (vec3_f32){n.z * x * pi * r, n.z * y * pi * r, -sine * pi * r})};
 }

@@ -14,7 +14,8 @@ typedef struct surface_uv {
 
 /* set: 0 or 1. Meshes without this set get the barycentric coordinates of their triangles. */
 void surface_uv_at(const surface_gather *g, const world *w, unsigned lane, unsigned set, surface_uv *out);
-/* Only u and v, of a mesh triangle or a half quad, at these weights of its corners. */
+/* Only u and v, of a mesh triangle or a half quad at these weights of its corners, or of a sphere where its
+ * unit normal in its own space is `weight`. */
 void surface_uv_of(const world *w, uint32_t geometry, uint32_t primitive, bool second, const float weight[3],
                    unsigned set, float uv[2]);
 /* The mesh's own tangent in world space, not unit, and the bitangent's sign: bitangent = sign · normal ×
