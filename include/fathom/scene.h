@@ -156,9 +156,10 @@ typedef struct fathom_light {
         inner_angle; /* spot: full strength within this angle from the axis; radians, [0, outer); default 0 */
     float outer_angle; /* spot: nothing beyond; radians, (inner, pi/2]; default pi/4 */
 
-    /* The path integrator alone: lights with a size. They send out as much as those without, and are not
-     * themselves seen. The classic integrator takes them without size. */
-    float radius;         /* point and spot: of a sphere, which no ray finds; default 0 */
+    /* The path integrator alone: lights with a size. They send out as much as those without, and the
+     * camera does not see them. The classic integrator takes them without size. */
+    float radius;         /* point and spot: of a sphere, which scattered rays find, and which blocks no ray;
+                             points inside it get the light from its centre; default 0 */
     float angular_radius; /* directional: of the disc it fills in the sky, which scattered rays find; radians,
                              [0, pi/2); default 0 */
     /* Environment: an equirectangular image in any format that OpenImageIO reads, its radiance times

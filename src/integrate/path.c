@@ -323,6 +323,7 @@ static bool step(path_wave *p) {
     const bool first = p->depth == 0, last = p->depth >= w->run.plan->max_depth && !w->run.plan->covered;
     p->ends = last;
     if (!wave_trace(w, 0, w->now.count, first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
+    if (!first && p->shows_lamps) path_add_lamps(p);
     if (!first && !wave_sort_hits(w)) return false;
     if (!begin_scatter(p) || !wave_surfaces(w, first) || !add_lights(p)) return false;
     const path_queue kept = w->now;
@@ -384,6 +385,7 @@ static bool run(integration *state, const wave_region *region, const wave_batch 
     wave *w = &p->wave;
     wave_begin_samples(w);
     p->lit = !emitters_none(w->run.plan->emitters);
+    p->shows_lamps = emitters_any_spheres(w->run.plan->emitters);
     p->light_factor = emitters_mis_factor(w->run.plan->emitters);
     begin(p, batch);
     if (!wave_camera_rays(w, region, batch)) return false;

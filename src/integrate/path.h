@@ -11,6 +11,7 @@ typedef struct path_wave {
     uint32_t depth;
     bool ends;                  /* vertices at this depth continue no paths and take no light samples */
     bool lit;                   /* there are lights to sample */
+    bool shows_lamps;           /* scattered rays may find lamps with a radius */
     float light_factor;         /* emitters_mis_factor() */
     uint64_t pixel[WAVE_SLOTS]; /* pixel hash of the sample's key; see sample_pixel_hash() */
     uint32_t index[WAVE_SLOTS];
@@ -53,6 +54,8 @@ static inline bool path_sends_light(const shader *s) {
 
 /* ---- path_met.c ---- */
 
+/* Adds the lamps with a radius that the rays of `now` meet before their hits. */
+void path_add_lamps(path_wave *p);
 /* Adds light from outside the scene, for lanes that hit nothing. */
 void path_add_outside(wave *w, const trace_block *block, const path_block *path, uint32_t missed);
 /* Adds the emission of the surface that lane i hit; see path_sends_light(). */

@@ -1,4 +1,5 @@
-/* The ends of path rays: emission and light from outside, weighted against light samples, and AOVs. */
+/* What path rays meet: lamps on the way, and at their ends emission or light from outside, weighted against
+ * light samples, and AOVs. */
 #include "integrate/path.h"
 #include "math/limit.h"
 
@@ -66,6 +67,48 @@ void path_add_outside(wave *w, const trace_block *block, const path_block *path,
         add_suns(p, path->slot[i], path, i, met.direction);
     }
 }
+
+/* ---- lamps with a radius ---- */
+
+/* The ray in lane i of a block. */
+typedef struct way_of_lane {
+    path_wave *p;
+    const path_block *path;
+    unsigned i;
+    vec3_f32 direction;
+} way_of_lane;
+
+static void add_lamp(void *user, const emitter_disc *lamp) {
+    const way_of_lane *way = user;
+    path_wave *p = way->p;
+    const uint32_t slot = way->path->slot[way->i];
+    met_light met = {.density = lamp->density, .group = lamp->group, .direction = way->direction};
+    float left[3] = {1, 1, 1};
+    if (p->media) media_left(p->media, slot, lamp->distance - p->passed[slot], left);
+    for (int c = 0; c < 3; ++c) met.radiance[c] = lamp->radiance[c] * left[c];
+    add_light(p, slot, way->path, way->i, &met);
+}
+
+static void look_for_lamps(path_wave *p, const trace_block *block, const path_block *path, unsigned i) {
+    const uint32_t slot = path->slot[i];
+    const float passed = p->passed[slot];
+    way_of_lane way = {p, path, i, trace_dir(&block->rays, i)};
+    const emitter_ray ray = {.p = of_slot(p->p, slot),
+                             .n = of_slot(p->n, slot),
+                             .direction = way.direction,
+                             .from = passed,
+                             .to = passed + block->rays.t_far[i],
+                             .smooth = !(p->density[slot] < INFINITY)};
+    if (!path_in_view(p, slot)) emitters_find_spheres(p->wave.run.plan->emitters, &ray, add_lamp, &way);
+}
+
+void path_add_lamps(path_wave *p) {
+    const wave *w = &p->wave;
+    for (size_t k = 0; k < w->now.count; ++k)
+        look_for_lamps(p, &w->now.rays[k / LANES], &w->now.paths[k / LANES], k % LANES);
+}
+
+/* ---- surfaces ---- */
 
 void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const shader *s) {
     const surface_gather *g = p->wave.gather;

@@ -1,4 +1,4 @@
-/* The path loop of the reference, its camera and its lights. */
+/* The path loop of the reference, and its camera. */
 #include "integrate/reference.h"
 
 #include "base/threads.h"
@@ -10,66 +10,6 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* ---- lights that rays cannot hit ---- */
-
-typedef struct arrival {
-    vec3_f64 direction; /* unit, towards the light */
-    double distance;
-    double power; /* radiance divided by density, for an intensity of 1 */
-} arrival;
-
-/* glTF's falloff: the square of a function that is linear in the cosine between the two angles. */
-static double spot_falloff(const fathom_light *light, vec3_f64 to_light) {
-    if (light->type != FATHOM_LIGHT_SPOT) return 1;
-    const double cosine = -dot_f64(to_light, normalize_f64(load_f64(light->direction)));
-    const double outer = cos((double)light->outer_angle), inner = cos((double)light->inner_angle);
-    const double part = fmin(fmax((cosine - outer) / (inner - outer), 0), 1);
-    return part * part;
-}
-
-/* An intensity of 1 has the irradiance pi at distance 1. A sphere of radius R: radiance 1/R², divided by the
- * density 1 / (4 pi R²). */
-static arrival from_place(const fathom_light *light, vec3_f64 point, reference_random *random) {
-    vec3_f64 out = {0, 0, 0};
-    if (light->radius > 0)
-        out = reference_around((vec3_f64){0, 0, 1}, 2 * reference_uniform(random) - 1, random);
-    const vec3_f64 way = sub_f64(madd_f64(load_f64(light->position), (double)light->radius, out), point);
-    arrival a = {normalize_f64(way), length_f64(way), 0};
-    const double spread = light->radius > 0 ? 4 * fmax(-dot_f64(out, a.direction), 0) : 1;
-    a.power = a.distance > 0 ? PI * spread * spot_falloff(light, a.direction) / (a.distance * a.distance) : 0;
-    return a;
-}
-
-/* As a disc in the sky of half the angle A: radiance 1/sin²A, divided by the density 1 / (2 pi (1 - cos
- * A)). */
-static arrival from_afar(const fathom_light *light, reference_random *random) {
-    const vec3_f64 axis = normalize_f64(neg_f64(load_f64(light->direction)));
-    if (!(light->angular_radius > 0)) return (arrival){axis, (double)INFINITY, PI};
-    const double half = sin((double)light->angular_radius / 2), less = 2 * half * half;
-    const vec3_f64 direction = reference_around(axis, 1 - less * reference_uniform(random), random);
-    return (arrival){direction, (double)INFINITY, 2 * PI / (2 - less)};
-}
-
-static vec3_f64 outside(const reference_scene *r, vec3_f64 direction) {
-    const reference_settings *o = &r->settings;
-    return o->environment ? o->environment(o->user, direction) : reference_sky_light(r, direction);
-}
-
-/* The discs of suns: beams alone meet them. */
-static vec3_f64 suns(const reference_scene *r, vec3_f64 direction) {
-    const size_t count = scene_replaces_lights(r->scene) ? 0 : r->scene->lights.count;
-    vec3_f64 sum = {0, 0, 0};
-    for (size_t i = 0; i < count; ++i) {
-        const fathom_light *light = &r->scene->lights.items[i];
-        const double angle = (double)light->angular_radius, sine = sin(angle);
-        const vec3_f64 axis = normalize_f64(neg_f64(load_f64(light->direction)));
-        if (light->type != FATHOM_LIGHT_DIRECTIONAL || !(angle > 0)) continue;
-        if (dot_f64(axis, direction) < cos(angle)) continue;
-        sum = add_f64(sum, scale_f64(1 / (sine * sine), color_of(light->intensity)));
-    }
-    return sum;
-}
-
 /* ---- paths ---- */
 
 typedef struct path {
@@ -78,7 +18,8 @@ typedef struct path {
     unsigned nested;                   /* and their number */
     unsigned channel;                  /* the one channel that the path carries, 1 to 3; 0: all */
     bool overlap;                      /* volumes without priorities overlap */
-    bool smooth;                       /* the path left its last surface by a beam */
+    bool unlit;                        /* no light samples were taken of what the path meets next */
+    bool in_view;                      /* the camera sees what the path meets next */
 } path;
 
 /* The index of m among the path's volumes, or p->nested if it is not one of them. */
@@ -157,8 +98,7 @@ static vec3_f64 light_at(const reference_scene *r, const path *p, const referenc
     const size_t count = scene_replaces_lights(r->scene) ? 0 : r->scene->lights.count;
     if (!count) return gray(0);
     const fathom_light *light = &r->scene->lights.items[(size_t)(reference_uniform(random) * (double)count)];
-    const bool afar = light->type == FATHOM_LIGHT_DIRECTIONAL;
-    const arrival a = afar ? from_afar(light, random) : from_place(light, s->point, random);
+    const reference_arrival a = reference_arrive(light, s->point, random);
     vec3_f64 sum = scale_f64(a.power * (double)count, reference_evaluate(s, a.direction));
     reference_surface blocker;
     vec3_f64 from = reference_leave(s, a.direction);
@@ -186,14 +126,14 @@ static bool scatter(path *p, const reference_scene *r, const reference_surface *
         const double gain = largest(all.beam[i].weight);
         if (pick < gain) {
             *straight = i + 1 == all.beams && largest(passed_by(s)) > 0;
-            p->smooth |= !*straight;
+            p->unlit |= !*straight;
             p->direction = all.beam[i].direction;
             p->weight = scale_f64(sum / gain, times(p->weight, all.beam[i].weight));
             return true;
         }
         pick -= gain;
     }
-    p->smooth = false;
+    p->unlit = false;
     const double density = reference_choose(r, s, &all, random, &p->direction) * others / sum;
     if (!(density > 0)) return false;
     p->weight = scale_f64(1 / density, times(p->weight, reference_evaluate(s, p->direction)));
@@ -204,6 +144,28 @@ static bool scatter(path *p, const reference_scene *r, const reference_surface *
 static void advance(path *p, const reference_surface *s) {
     p->origin = reference_leave(s, p->direction);
     if (reference_refracts(s->material) && dot_f64(p->direction, s->geometric) < 0) cross(p, s);
+}
+
+static vec3_f64 outside(const reference_scene *r, const path *p) {
+    const reference_settings *o = &r->settings;
+    const vec3_f64 sky =
+        o->environment ? o->environment(o->user, p->direction) : reference_sky_light(r, p->direction);
+    return p->unlit && !p->in_view ? add_f64(sky, reference_suns(r, p->direction)) : sky;
+}
+
+/* The light of the lamps that the path passes on its next `length`. */
+static vec3_f64 lamps(const reference_scene *r, const path *p, double length) {
+    vec3_f64 sum = {0, 0, 0};
+    const size_t count = p->unlit && !p->in_view ? r->scene->lights.count : 0;
+    for (size_t i = 0; i < count && !scene_replaces_lights(r->scene); ++i) {
+        double distance;
+        const vec3_f64 light =
+            reference_lamp_seen(&r->scene->lights.items[i], p->origin, p->direction, &distance);
+        const fathom_material *medium = medium_of(p, NULL);
+        if (!(distance < length)) continue;
+        sum = add_f64(sum, medium ? times(light, reference_absorbed(medium, distance)) : light);
+    }
+    return sum;
 }
 
 /* From the 17th surface on, Russian roulette may end paths. */
@@ -223,11 +185,11 @@ static bool absorbs(const fathom_material *m) {
 static bool radiance(const reference_scene *r, path p, reference_random random, vec3_f64 *out) {
     vec3_f64 sum = {0, 0, 0};
     for (unsigned bounce = 0; !p.overlap;) {
-        reference_surface s;
-        if (!reference_closest(r, p.origin, p.direction, (double)INFINITY, false, &random, &s)) {
-            if (absorbs(medium_of(&p, NULL))) break;
-            sum = add_f64(sum, times(p.weight, outside(r, p.direction)));
-            if (p.smooth) sum = add_f64(sum, times(p.weight, suns(r, p.direction)));
+        reference_surface s = {.t = (double)INFINITY};
+        const bool hit = reference_closest(r, p.origin, p.direction, s.t, false, &random, &s);
+        sum = add_f64(sum, times(p.weight, lamps(r, &p, s.t)));
+        if (!hit) {
+            if (!absorbs(medium_of(&p, NULL))) sum = add_f64(sum, times(p.weight, outside(r, &p)));
             break;
         }
         const fathom_material *medium = medium_of(&p, NULL);
@@ -243,6 +205,9 @@ static bool radiance(const reference_scene *r, path p, reference_random random, 
                 if (!scatter(&p, r, &s, &random, &straight)) break;
             }
             if (!straight && !survives(&p, bounce++, &random)) break;
+            p.in_view = false;
+        } else {
+            p.unlit = true;
         }
         advance(&p, &s);
     }
@@ -299,7 +264,7 @@ bool reference_sample(const reference_scene *r, uint32_t x, uint32_t y, uint32_t
     const double *shutter = r->scene->camera.shutter;
     reference_random random = {reference_mix(pixel + index), 0, shutter[0]};
     const double u = reference_uniform(&random), v = reference_uniform(&random);
-    path p = {.weight = {1, 1, 1}, .nested = r->around_eye.count};
+    path p = {.weight = {1, 1, 1}, .nested = r->around_eye.count, .unlit = true, .in_view = true};
     for (unsigned i = 0; i < p.nested; ++i) p.in[i] = r->around_eye.of[i];
     if (shutter[1] > shutter[0])
         random.time += (r->settings.sharp ? 0.5 : reference_uniform(&random)) * (shutter[1] - shutter[0]);

@@ -200,6 +200,23 @@ vec3_f64 reference_around(vec3_f64 axis, double cosine, reference_random *random
 double reference_choose(const reference_scene *r, const reference_surface *s, const reference_scatter *all,
                         reference_random *random, vec3_f64 *out);
 
+/* ---- reference_lights.c: suns and lamps ---- */
+
+/* A light sample. */
+typedef struct reference_arrival {
+    vec3_f64 direction; /* unit, towards the light */
+    double distance;
+    double power; /* radiance divided by density, for an intensity of 1 */
+} reference_arrival;
+
+reference_arrival reference_arrive(const fathom_light *light, vec3_f64 point, reference_random *random);
+/* Radiance of the discs of suns. */
+vec3_f64 reference_suns(const reference_scene *r, vec3_f64 direction);
+/* Radiance of a lamp with a radius, and the distance at which a ray from outside enters its sphere. INFINITY:
+ * it does not. */
+vec3_f64 reference_lamp_seen(const fathom_light *light, vec3_f64 origin, vec3_f64 direction,
+                             double *distance);
+
 /* ---- reference_sky.c: light from outside ---- */
 
 fathom_status reference_skies_open(reference_scene *r);

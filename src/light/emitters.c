@@ -15,16 +15,7 @@ static void put_answer(emitter_sample *out, unsigned i, const emitter_answer *a,
 
 /* ---- primitives ---- */
 
-/* The lanes' queries, and the lights that they chose. */
-typedef struct lane_choices {
-    const emitter_query *from;
-    const float (*u)[LANES];
-    uint32_t emitter[LANES];
-    double chance[LANES];
-    unsigned faces, balls, lamps; /* bits: lanes that chose a light of this kind */
-} lane_choices;
-
-static float time_of(const emitters *e, const lane_choices *c, unsigned i) {
+static float time_of(const emitters *e, const emitter_choices *c, unsigned i) {
     return e->moving ? c->from->time[i] : 0;
 }
 
@@ -36,14 +27,14 @@ static bool is_ball(const emitters *e, const emitter_run *run) {
     return e->w->geometries.items[run->geometry].kind == WORLD_SPHERES;
 }
 
-static void load_points(const lane_choices *c, lanes3_f64 p) {
+static void load_points(const emitter_choices *c, lanes3_f64 p) {
     for (int k = 0; k < 3; ++k) {
         for (unsigned i = 0; i < LANES; ++i) p[k][i] = (double)c->from->p[k][i];
     }
 }
 
 /* Copies the samples of `lanes` from those of all lanes. */
-static void take_answers(const lane_choices *c, unsigned lanes, const shape_answers *answers,
+static void take_answers(const emitter_choices *c, unsigned lanes, const shape_answers *answers,
                          const lanes3 direction, const float distance[LANES],
                          const float *const radiance[LANES], emitter_sample *out) {
     for (; lanes; lanes &= lanes - 1) {
@@ -60,7 +51,7 @@ static void cut_face(const emitters *e, const emitter_run *run, uint32_t index, 
 }
 
 /* Lanes that chose no face get the first one. */
-static void sample_faces(const emitters *e, const lane_choices *c, emitter_sample *out) {
+static void sample_faces(const emitters *e, const emitter_choices *c, emitter_sample *out) {
     const float *radiance[LANES];
     shape_faces faces;
     shape_answers answers;
@@ -91,7 +82,7 @@ static void sample_faces(const emitters *e, const lane_choices *c, emitter_sampl
 }
 
 /* For points inside spheres, and for spheres in instances. */
-static void sample_odd_ball(const emitter_ball *ball, const lane_choices *c, unsigned i,
+static void sample_odd_ball(const emitter_ball *ball, const emitter_choices *c, unsigned i,
                             const float *radiance, emitter_sample *out) {
     emitter_answer answer;
     emitters_ask_ball(ball, widen(lane_f32(c->from->p, i)), unit_or_zero(lane_f32(c->from->n, i)),
@@ -104,7 +95,7 @@ static void put_ball(shape_balls *to, unsigned i, const emitter_ball *b) {
     to->radius[i] = b->radius, to->clear[i] = b->clear, to->slope[i] = b->slope;
 }
 
-static void sample_balls(const emitters *e, const lane_choices *c, emitter_sample *out) {
+static void sample_balls(const emitters *e, const emitter_choices *c, emitter_sample *out) {
     const float *radiance[LANES], *light = NULL;
     shape_balls balls;
     shape_answers answers;
@@ -156,60 +147,6 @@ static double chosen_density(const emitters *e, const emitter_run *run, const em
     return emitters_face_density(&face, p);
 }
 
-/* ---- lamps ---- */
-
-/* A lamp with a size is a sphere that rays cannot hit, of the radiance k_l / r²; each of its points has the
- * lamp's falloff. Points inside it see it as a lamp without size. more, falloff: factors of the centre's
- * radiance, set if the lamp is seen as a sphere. */
-static void widen_lamp(const emitter_lamp *lamp, vec3_f64 p, double u, double v, emitter_sample *out,
-                       unsigned i, float *more, float *falloff) {
-    const vec3_f64 from = sub_f64(p, widen(lamp->light.position));
-    const double r = (double)lamp->radius;
-    if (!(dot_f64(from, from) > r * r) || !(r > 0)) return;
-    const shape_cone cone = shape_cone_of(from, r);
-    const vec3_f64 d = shape_cone_sample(&cone, u, v);
-    put_lane_f32(out->direction, i, narrow(d));
-    out->distance[i] = (float)fmax(shape_sphere_near(from, d, r) * (1 - 0x1p-20), 0x1p-126);
-    *more = (float)(shape_cone_angle(&cone) / (SHAPE_PI * r * r) * dot_f64(from, from));
-    if (lamp->light.type == FATHOM_LIGHT_SPOT)
-        *falloff =
-            light_falloff(&lamp->light, out->direction[0][i], out->direction[1][i], out->direction[2][i]);
-}
-
-static void sample_lamp(const emitters *e, const emitter_lamp *lamp, const lane_choices *c, unsigned lanes,
-                        emitter_sample *out) {
-    light_block seen, aimed;
-    e->points->sample(&lamp->light, c->from->p, &seen);
-    memcpy(aimed.origin, c->from->p, sizeof aimed.origin);
-    e->points->aim(&lamp->light, &aimed);
-    for (; lanes; lanes &= lanes - 1) {
-        const unsigned i = lane_first(lanes);
-        float more = 1, falloff = seen.falloff[i];
-        for (int k = 0; k < 3; ++k) out->direction[k][i] = aimed.direction[k][i];
-        out->distance[i] = aimed.distance[i];
-        out->density[i] = seen.distance[i] > 0 ? (float)c->chance[i] : 0;
-        out->sized[i] = 0;
-        if (lamp->radius > 0)
-            widen_lamp(lamp, widen(lane_f32(c->from->p, i)), (double)c->u[0][i], (double)c->u[1][i], out, i,
-                       &more, &falloff);
-        for (int k = 0; k < 3; ++k)
-            out->radiance[k][i] = (float)SHAPE_PI * (seen.radiance[k][i] * falloff) * more;
-    }
-}
-
-/* Samples lanes that chose the same lamp together. */
-static void sample_lamps(const emitters *e, const lane_choices *c, emitter_sample *out) {
-    for (unsigned left = c->lamps; left;) {
-        const uint32_t emitter = c->emitter[lane_first(left)];
-        unsigned same = 0;
-        for (unsigned i = 0; i < LANES; ++i) {
-            if (left >> i & 1 && c->emitter[i] == emitter) same |= 1u << i;
-        }
-        sample_lamp(e, &e->lamps[emitter - e->surface_count], c, same, out);
-        left &= ~same;
-    }
-}
-
 /* ---- the choice ---- */
 
 /* u in [0,1) has 24 bits, too few to choose fairly among millions: more bits are derived from a hash of the
@@ -241,7 +178,7 @@ static emitter_part choose_part(const emitters *e, double *u) {
 }
 
 /* Chooses the finite light of each of `lanes`. */
-static void choose_finite(const emitters *e, unsigned lanes, double u[LANES], lane_choices *c,
+static void choose_finite(const emitters *e, unsigned lanes, double u[LANES], emitter_choices *c,
                           emitter_sample *out) {
     if (e->only != FATHOM_NONE) {
         for (unsigned i = 0; i < LANES; ++i) c->emitter[i] = e->only, c->chance[i] = 1;
@@ -289,7 +226,7 @@ void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 
                      emitter_sample *out) {
     _Alignas(64) lanes3 u;
     memcpy(u, numbers, sizeof u);
-    lane_choices c = {.from = from, .u = u};
+    emitter_choices c = {.from = from, .u = u};
     double choice[LANES];
     if (!emitters_choose(e)) {
         emitters_sample_one(e, from, numbers, out);
@@ -303,8 +240,8 @@ void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 
     }
     if (c.faces) sample_faces(e, &c, out);
     if (c.balls) sample_balls(e, &c, out);
-    if (c.lamps) sample_lamps(e, &c, out);
-    if (e->texturing) emitters_vary(e, c.faces | c.balls, from, c.emitter, out);
+    if (c.lamps) emitters_sample_lamps(e, &c, out);
+    if (e->texturing) emitters_vary(e, &c, out);
 }
 
 float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction,

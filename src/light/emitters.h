@@ -47,7 +47,7 @@ typedef struct emitter_sample {
     float density[LANES];  /* density of sampling this direction, including the choice of the light: per solid
                               angle, or for a light without size the probability of its choice. 0: there is no
                               light */
-    uint32_t sized[LANES]; /* all ones: BSDF samples can hit the emitter; 0: it has no size */
+    uint32_t sized[LANES]; /* all ones: BSDF samples can hit the emitter; 0: light samples count alone */
     uint8_t group[LANES];  /* if groups are given, as emitters_outside_group() */
 } emitter_sample;
 
@@ -77,15 +77,29 @@ float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 d
 void emitters_outside(const emitters *e, unsigned lanes, const lanes3 n, const lanes3 direction,
                       lanes3 radiance, float density[LANES]);
 
-/* The disc of a sun, as scattered rays find it; the camera does not see it. */
+/* The disc of a sun, or the sphere of a lamp, as scattered rays find it; the camera does not see it. */
 typedef struct emitter_disc {
     float radiance[3];
-    float density; /* with which emitters_sample() takes each direction to it; 0: as if it had no size, so
-                      that only rays of smooth lobes may add its light */
+    float density;  /* with which emitters_sample() takes each direction to it; 0: it does not, or if it is a
+                       sun, as if it had no size, so that only rays of smooth lobes may add its light */
+    float distance; /* of the sphere; INFINITY: a sun */
     uint8_t group;
 } emitter_disc;
 /* False: the unit direction leads past the disc. k: below emitters_sun_count(). */
 bool emitters_disc(const emitters *e, uint32_t k, vec3_f32 direction, emitter_disc *out);
+
+/* Part of a ray from a point p whose normal is n, as in emitters_hit_density(). */
+typedef struct emitter_ray {
+    vec3_f32 p, n, direction; /* direction: unit */
+    float from, to;           /* distances from p; `to` may be INFINITY */
+    bool smooth;              /* of a smooth lobe: it adds the light of all lamps, and no density is set */
+} emitter_ray;
+/* True if lamps have a radius, so that scattered rays may find them. */
+bool emitters_any_spheres(const emitters *e);
+/* Calls `found` for each lamp whose light a scattered ray adds because it enters the lamp's sphere on this
+ * part, in an order that depends on the lamps alone. */
+void emitters_find_spheres(const emitters *e, const emitter_ray *ray,
+                           void (*found)(void *user, const emitter_disc *lamp), void *user);
 
 /* The light group of the light from outside; LIGHT_GROUP_OUTSIDE: there are several, and
  * emitters_outside_shares() gives their fractions for a direction, by group and channel. */

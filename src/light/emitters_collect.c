@@ -103,16 +103,12 @@ const emitter_run *emitters_run_of(const emitters *e, uint32_t emitter) {
 
 /* ---- lamps and suns ---- */
 
-/* Shapes that cast no shadow let a sun's light pass, but not the rays that would find its disc: there samples
- * of its light count alone. */
 static void sort_suns(emitters *e) {
-    const bool found = world_casts_all_shadows(e->w);
     for (uint32_t i = 0; i < e->sun_count; ++i) {
         const emitter_sun sun = e->suns[i];
         if (!(sun.cap > 0)) continue;
         e->suns[i] = e->suns[e->disc_count];
-        e->suns[e->disc_count] = sun;
-        e->suns[e->disc_count++].sized = found;
+        e->suns[e->disc_count++] = sun;
     }
 }
 
@@ -129,7 +125,8 @@ static bool sort_lights(emitters *e) {
         if (!(luminance(light->intensity) > 0)) continue;
         light_prepare(light, e->w->origin, &made);
         if (light->type != FATHOM_LIGHT_DIRECTIONAL) {
-            e->lamps[e->lamp_count++] = (emitter_lamp){made, light->radius, group};
+            e->lamps[e->lamp_count++] =
+                (emitter_lamp){.light = made, .radius = light->radius, .group = group};
             continue;
         }
         emitter_sun *sun = &e->suns[e->sun_count++];
@@ -139,7 +136,10 @@ static bool sort_lights(emitters *e) {
         for (int c = 0; c < 3; ++c) sun->irradiance[c] = (float)SHAPE_PI * light->intensity[c];
     }
     sort_suns(e);
-    return true;
+    /* Shapes that cast no shadow let the light of suns and lamps pass, but not the rays that would find them:
+     * there light samples count alone. */
+    e->found = world_casts_all_shadows(e->w);
+    return emitters_prepare_lamps(e);
 }
 
 static void share_among_suns(emitters *e) {
@@ -304,6 +304,7 @@ fathom_status emitters_create(fathom_context *context, const world *w, const tex
 void emitters_destroy(emitters *e) {
     if (!e) return;
     tree_destroy(&e->lights);
+    tree_destroy(&e->spheres);
     if (e->run_of) free(e->run_of - 1);
     free(e->emission);
     free(e->one.face);

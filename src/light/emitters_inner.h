@@ -33,7 +33,6 @@ typedef struct emitter_sun {
     double cap;    /* 1 - cos of half the angle that it covers */
     double chance; /* probability among suns; below: the sum of the probabilities of all suns before it */
     double below;
-    bool sized; /* MIS: BSDF samples find the disc, too */
     uint8_t group;
 } emitter_sun;
 
@@ -41,6 +40,7 @@ typedef struct emitter_sun {
 typedef struct emitter_lamp {
     shade_light light;
     float radius;
+    bool sphere; /* it has a radius, and the radiance of its sphere is within the range of float */
     uint8_t group;
 } emitter_lamp;
 
@@ -84,6 +84,8 @@ struct emitters {
     const light_kernels *points;
     emitter_lamp *lamps;
     uint32_t lamp_count;
+    tree spheres;            /* of the lamps that are spheres, by their index; nodes NULL: there are none */
+    bool found;              /* MIS: BSDF samples find these spheres and the discs of suns, too */
     light_surface *surfaces; /* surfaces that hold lamps */
     emitter_sun *suns;       /* those with a size first */
     uint32_t sun_count, disc_count;
@@ -178,6 +180,23 @@ static inline void emitters_finish(emitter_sample *out, unsigned i, double densi
     out->sized[i] = ~0u;
 }
 
+/* The lanes' queries, and the lights that they chose. */
+typedef struct emitter_choices {
+    const emitter_query *from;
+    const float (*u)[LANES];
+    uint32_t emitter[LANES];
+    double chance[LANES];
+    unsigned faces, balls, lamps; /* bits: lanes that chose a light of this kind */
+} emitter_choices;
+
+void emitters_sample_lamps(const emitters *e, const emitter_choices *c, emitter_sample *out);
+/* Sets the radiance of samples of primitives whose emission varies. */
+void emitters_vary(const emitters *e, const emitter_choices *c, emitter_sample *out);
+/* Call after all lamps have been found. False: out of memory. */
+bool emitters_prepare_lamps(emitters *e);
+/* The light tree's item of a lamp, without its index. */
+void emitters_lamp_item(const emitter_lamp *lamp, tree_item *item);
+
 /* Sample light from outside for the lanes whose bits are set, and a sun for one lane. */
 void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_query *from, const lanes3 u,
                              const double choice[LANES], emitter_sample *out);
@@ -192,9 +211,6 @@ texturing_place emitters_place(const emitters *e, const emitter_run *run, uint32
 float emitters_varied_power(const emitters *e, const emitter_run *run, uint32_t index);
 /* The half of a face that a ray from p hits, and the weights of its corners there. */
 void emitters_face_place(const shape_face *f, vec3_f64 p, vec3_f64 direction, texturing_place *out);
-/* Sets the radiance of the samples of these lanes whose emission varies. */
-void emitters_vary(const emitters *e, unsigned lanes, const emitter_query *from,
-                   const uint32_t emitter[LANES], emitter_sample *out);
 
 /* A light sample of a primitive, for one point. */
 typedef struct emitter_answer {

@@ -247,7 +247,7 @@ static bool surface_item(const emitters *e, const emitter_run *run, uint32_t ind
 }
 
 /* The power is the irradiance at distance 1, pi k_l. */
-static void lamp_item(const emitter_lamp *lamp, tree_item *item) {
+void emitters_lamp_item(const emitter_lamp *lamp, tree_item *item) {
     vec3_f64 at = widen(lamp->light.position);
     begin_item(item);
     bound(item, &at, 1);
@@ -269,7 +269,7 @@ uint32_t emitters_list_items(emitters *e, tree_item *items) {
     }
     for (uint32_t i = 0; i < e->lamp_count; ++i) {
         items[count].light = e->surface_count + i;
-        lamp_item(&e->lamps[i], &items[count++]);
+        emitters_lamp_item(&e->lamps[i], &items[count++]);
     }
     return count;
 }

@@ -26,8 +26,8 @@ void emitters_sample_sun(const emitters *e, double u, double v, double choice, e
     const shape_cone cone = {shape_unit(widen(sun->to_light)), 1, sun->cap};
     put_lane_f32(out->direction, i, narrow(shape_cone_sample(&cone, u, v)));
     out->distance[i] = INFINITY, out->group[i] = sun->group;
-    out->sized[i] = sun->sized ? ~0u : 0;
-    if (sun->sized) {
+    out->sized[i] = sun->cap > 0 && e->found ? ~0u : 0;
+    if (out->sized[i]) {
         put_lane_f32(out->radiance, i, disc_radiance(sun));
         out->density[i] = disc_density(e, sun);
         return;
@@ -38,14 +38,13 @@ void emitters_sample_sun(const emitters *e, double u, double v, double choice, e
 
 uint32_t emitters_sun_count(const emitters *e) { return e->disc_count; }
 
-/* Unit vectors at the angle a are the root of 2 (1 - cos a) apart. */
 bool emitters_disc(const emitters *e, uint32_t k, vec3_f32 direction, emitter_disc *out) {
     const emitter_sun *sun = &e->suns[k];
-    const vec3_f64 apart = sub_f64(normalize_f64(widen(direction)), shape_unit(widen(sun->to_light)));
-    if (dot_f64(apart, apart) > 2 * sun->cap) return false;
+    const shape_cone cone = {shape_unit(widen(sun->to_light)), 1, sun->cap};
+    if (!shape_cone_holds(&cone, normalize_f64(widen(direction)))) return false;
     store_f32(out->radiance, disc_radiance(sun));
-    out->density = sun->sized ? disc_density(e, sun) : 0;
-    out->group = sun->group;
+    out->density = e->found ? disc_density(e, sun) : 0;
+    out->distance = INFINITY, out->group = sun->group;
     return true;
 }
 

@@ -88,17 +88,16 @@ static void find_place(const emitters *e, const emitter_run *run, float time, ve
 }
 
 /* Directions that are sampled but hit nothing that emits stay dark. */
-void emitters_vary(const emitters *e, unsigned lanes, const emitter_query *from,
-                   const uint32_t emitter[LANES], emitter_sample *out) {
-    for (; lanes; lanes &= lanes - 1) {
+void emitters_vary(const emitters *e, const emitter_choices *c, emitter_sample *out) {
+    for (unsigned lanes = c->faces | c->balls; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
-        const emitter_run *run = emitters_run_of(e, emitter[i]);
-        texturing_place place = emitters_place(e, run, emitter[i] - run->first);
+        const emitter_run *run = emitters_run_of(e, c->emitter[i]);
+        texturing_place place = emitters_place(e, run, c->emitter[i] - run->first);
         const vec3_f32 even = lane_f32(out->radiance, i);
         const bool dark = !(even.x > 0 || even.y > 0 || even.z > 0);
         if (dark || !texturing_varies_emission(e->texturing, place.material)) continue;
         float rgb[3];
-        find_place(e, run, e->moving ? from->time[i] : 0, widen(lane_f32(from->p, i)),
+        find_place(e, run, e->moving ? c->from->time[i] : 0, widen(lane_f32(c->from->p, i)),
                    widen(lane_f32(out->direction, i)), &place);
         texturing_emission(e->texturing, &place, rgb);
         put_lane_f32(out->radiance, i, load_f32(rgb));

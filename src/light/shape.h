@@ -174,6 +174,11 @@ static inline vec3_f64 shape_cone_sample(const shape_cone *cone, double u, doubl
     shape_turn(v, &c, &s);
     return shape_around(cone->axis, r * c, r * s, 1 - x);
 }
+/* Unit vectors at the angle a are the root of 2 (1 - cos a) apart. */
+static inline bool shape_cone_holds(const shape_cone *cone, vec3_f64 direction) {
+    const vec3_f64 apart = sub_f64(direction, cone->axis);
+    return dot_f64(apart, apart) <= 2 * cone->cap;
+}
 static inline double shape_cone_angle(const shape_cone *cone) { return 2 * SHAPE_PI * cone->cap; }
 
 /* The distance from `from` along d to the nearer intersection with a sphere around the origin; if the ray

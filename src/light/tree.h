@@ -72,6 +72,10 @@ typedef struct tree_kernels {
                   float unsure[TREE_WIDE]);
     void (*cut)(const tree *t, vec3_f32 p, vec3_f32 n, tree_cut *out); /* p: likewise */
 
+    /* Bits: children that a ray from p along the unit vector d may meet before this length; p and length:
+     * likewise. May include some that it does not meet. */
+    unsigned (*meet)(const tree_node *node, vec3_f32 p, vec3_f32 d, float length);
+
     /* The lights that u in [0,1) chooses for points p with unit normals n (0: none), and their probabilities,
      * for the lanes whose bit is set; probability 0: no light reaches the point. Changes u. */
     void (*choose)(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],

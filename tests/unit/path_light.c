@@ -162,18 +162,42 @@ static void a_pane_tints_the_light_that_passes(void **state) {
     }
 }
 
-/* ---- suns ---- */
+/* ---- suns and lamps that have a size ---- */
 
-static void add_sun(stage *s, float radius) {
-    fathom_light light;
-    fathom_light_default(&light);
-    light.type = FATHOM_LIGHT_DIRECTIONAL, light.angular_radius = radius;
-    light.direction[0] = light.direction[1] = 0, light.direction[2] = -1;
-    for (int c = 0; c < 3; ++c) light.intensity[c] = 2;
-    assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
+static void add_light(stage *s, const fathom_light *light) {
+    assert_ok(s->context, fathom_scene_add_light(s->scene, light, NULL));
 }
 
-/* A shape far from the view that casts no shadow: samples of the sun's light then count alone. */
+static fathom_light light_of(fathom_light_type type) {
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = type, light.direction[0] = light.direction[1] = 0, light.direction[2] = -1;
+    for (int c = 0; c < 3; ++c) light.intensity[c] = 2;
+    return light;
+}
+
+static void add_sun(stage *s, double radius) {
+    fathom_light light = light_of(FATHOM_LIGHT_DIRECTIONAL);
+    light.angular_radius = (float)radius;
+    add_light(s, &light);
+}
+
+/* Four units away, of that angle as seen from the origin. */
+static void add_lamp(stage *s, double radius) {
+    fathom_light light = light_of(FATHOM_LIGHT_POINT);
+    light.position[2] = 4, light.radius = (float)(4 * sin(radius));
+    add_light(s, &light);
+}
+
+/* radiance: of one with that angle: pi L sin² a is the irradiance pi k_l at its distance. */
+typedef struct sized_light {
+    void (*add)(stage *s, double radius);
+    double radiance;
+} sized_light;
+static const sized_light kinds[] = {{add_sun, 2}, {add_lamp, 2.0 / 16}};
+enum { KINDS = sizeof kinds / sizeof *kinds };
+
+/* A shape far from the view that casts no shadow: light samples then count alone. */
 static void add_unshadowed(stage *s) {
     fathom_sphere sphere;
     fathom_sphere_default(&sphere);
@@ -182,40 +206,85 @@ static void add_unshadowed(stage *s) {
     assert_ok(s->context, fathom_scene_add_sphere(s->scene, FATHOM_ROOT, &sphere, NULL));
 }
 
-/* pi L sin² a is the irradiance pi k_l. */
-static void a_sun_shows_in_mirrors(void **state) {
+static void add_mirror(stage *s) {
+    fathom_material mirror;
+    fathom_material_default(&mirror);
+    for (int c = 0; c < 3; ++c) mirror.k_d[c] = 0, mirror.k_r[c] = 1;
+    stage_quad(s, (double[3]){0, 0, 0}, (double[3]){1, 0, 0}, (double[3]){0, 1, 0},
+               stage_material(s, &mirror));
+}
+
+static void check_in_mirror(const sized_light *kind, bool unshadowed) {
+    const double radius = 0.05, slack = 16 * 0x1p-24, value = kind->radiance / pow(sin(radius), 2);
+    stage s = path_open(4, 4);
+    add_mirror(&s);
+    kind->add(&s, radius);
+    if (unshadowed) add_unshadowed(&s);
+    look(&s, (double[3]){0, 0, 3}, (double[3]){0, 0, 0});
+    check_mean(&s, value, value * slack);
+    stage_close(&s);
+}
+
+static void suns_and_lamps_show_in_mirrors(void **state) {
     (void)state;
-    const double radius = 0.05, slack = 16 * 0x1p-24;
-    for (int k = 0; k < 2; ++k) {
+    for (int k = 0; k < 2 * KINDS; ++k) check_in_mirror(&kinds[k / 2], k % 2);
+}
+
+static void check_black(stage *s) {
+    fathom_film *film = stage_render(s);
+    for (int i = 0; i < 32 * 32; ++i) assert_true(fathom_film_channel(film, "R")[i] == 0);
+    fathom_film_destroy(film);
+}
+
+/* Nor past a surface that is not there. */
+static void suns_and_lamps_are_not_in_view(void **state) {
+    (void)state;
+    for (int k = 0; k < KINDS; ++k) {
         stage s = path_open(4, 4);
-        fathom_material mirror;
-        fathom_material_default(&mirror);
-        for (int c = 0; c < 3; ++c) mirror.k_d[c] = 0, mirror.k_r[c] = 1;
-        stage_quad(&s, (double[3]){0, 0, 0}, (double[3]){1, 0, 0}, (double[3]){0, 1, 0},
-                   stage_material(&s, &mirror));
-        add_sun(&s, (float)radius);
-        if (k) add_unshadowed(&s);
-        look(&s, (double[3]){0, 0, 3}, (double[3]){0, 0, 0});
-        const double value = 2 / pow(sin((double)(float)radius), 2);
-        check_mean(&s, value, value * slack);
+        fathom_material hole;
+        fathom_material_default(&hole);
+        hole.model = FATHOM_MODEL_METALLIC_ROUGHNESS, hole.opacity = 0;
+        stage_quad(&s, (double[3]){0, 0, 1}, (double[3]){1, 0, 0}, (double[3]){0, 1, 0},
+                   stage_material(&s, &hole));
+        kinds[k].add(&s, 0.05);
+        look(&s, (double[3]){0, 0, 0}, (double[3]){0, 0, 1});
+        check_black(&s);
         stage_close(&s);
     }
 }
 
-/* Nor past a surface that is not there. */
-static void a_sun_is_not_in_view(void **state) {
+/* Between them a black sheet, once nearer than the lamp's sphere and once in it. The lamp hides nothing that
+ * lies behind. */
+static void mirrors_show_lamps_before_what_they_hit(void **state) {
+    (void)state;
+    for (int k = 0; k < 3; ++k) {
+        const double z[3] = {2, 4, 6}, radius = 0.3, lamp = 2.0 / 16 / pow(sin(radius), 2);
+        const double value = k ? lamp + 0.5 : 0.5;
+        stage s = path_open(4, 1);
+        add_mirror(&s);
+        add_lamp(&s, radius);
+        stage_quad(&s, (double[3]){0, 0, z[k]}, (double[3]){1, 0, 0}, (double[3]){0, 1, 0},
+                   gray(&s, 0, 0.5f));
+        look(&s, (double[3]){0, 0, 1}, (double[3]){0, 0, 0});
+        check_mean(&s, value, value * 16 * 0x1p-24);
+        stage_close(&s);
+    }
+}
+
+/* A mirror in a lamp's sphere sees no sphere, and a camera in it neither. */
+static void lamps_are_points_from_inside(void **state) {
     (void)state;
     stage s = path_open(4, 4);
-    fathom_material hole;
-    fathom_material_default(&hole);
-    hole.model = FATHOM_MODEL_METALLIC_ROUGHNESS, hole.opacity = 0;
-    stage_quad(&s, (double[3]){0, 0, 1}, (double[3]){1, 0, 0}, (double[3]){0, 1, 0},
-               stage_material(&s, &hole));
-    add_sun(&s, 0.05f);
-    look(&s, (double[3]){0, 0, 0}, (double[3]){0, 0, 1});
-    fathom_film *film = stage_render(&s);
-    for (int i = 0; i < 32 * 32; ++i) assert_true(fathom_film_channel(film, "R")[i] == 0);
-    fathom_film_destroy(film);
+    add_mirror(&s);
+    fathom_light light = light_of(FATHOM_LIGHT_POINT);
+    light.position[2] = 1, light.radius = 2;
+    add_light(&s, &light);
+    look(&s, (double[3]){0, 0, 0.5}, (double[3]){0, 0, 0});
+    check_black(&s);
+    stage_plane(&s, (double[3]){0, 0, 0.25}, (double[3]){0, 0, 1}, gray(&s, 1, 0));
+    s.settings.max_depth = 1;
+    const double value = 2 / (0.75 * 0.75);
+    check_mean(&s, value, value * (16 * 0x1p-24 + 1e-7)); /* 1e-7: a view of 1e-4 */
     stage_close(&s);
 }
 
@@ -229,10 +298,9 @@ static double mean_of_seed(stage *s, uint64_t seed) {
     return sum;
 }
 
-/* Light samples weighed against rays that find the disc, and light samples alone: Student's t with 30 degrees
- * of freedom is beyond 6.2 in 8e-7 of cases. */
-static void both_ways_to_a_sun_bring_the_same(void **state) {
-    (void)state;
+/* Light samples weighed against rays that find the light, and light samples alone: Student's t with 30
+ * degrees of freedom is beyond 6.2 in 8e-7 of cases. */
+static void check_both_ways(const sized_light *kind) {
     enum { SEEDS = 16 };
     double mean[2] = {0}, squares[2] = {0};
     for (int k = 0; k < 2; ++k) {
@@ -241,7 +309,7 @@ static void both_ways_to_a_sun_bring_the_same(void **state) {
         fathom_material_default(&metal);
         metal.model = FATHOM_MODEL_METALLIC_ROUGHNESS, metal.metallic = 1, metal.roughness = 0.3f;
         stage_sphere(&s, 0, 0, 0, 1, stage_material(&s, &metal));
-        add_sun(&s, 0.2f);
+        kind->add(&s, 0.2);
         if (k) add_unshadowed(&s);
         stage_camera(&s, (double[3]){1, 1, 3}, (double[3]){0, 0, 0}, up, 0.6);
         for (uint64_t seed = 0; seed < SEEDS; ++seed) {
@@ -254,6 +322,11 @@ static void both_ways_to_a_sun_bring_the_same(void **state) {
     const double error = sqrt(variance / (SEEDS - 1));
     assert_true(error < 0.005 * mean[0]);
     assert_near(mean[0], mean[1], 6.2 * error);
+}
+
+static void both_ways_to_suns_and_lamps_bring_the_same(void **state) {
+    (void)state;
+    for (int k = 0; k < KINDS; ++k) check_both_ways(&kinds[k]);
 }
 
 static void pixels_depend_on_no_thread_and_no_crop(void **state) {
@@ -278,9 +351,11 @@ int main(void) {
         cmocka_unit_test(floor_under_a_sphere),
         cmocka_unit_test(two_spheres_exchange_light),
         cmocka_unit_test(a_pane_tints_the_light_that_passes),
-        cmocka_unit_test(a_sun_shows_in_mirrors),
-        cmocka_unit_test(a_sun_is_not_in_view),
-        cmocka_unit_test(both_ways_to_a_sun_bring_the_same),
+        cmocka_unit_test(suns_and_lamps_show_in_mirrors),
+        cmocka_unit_test(suns_and_lamps_are_not_in_view),
+        cmocka_unit_test(mirrors_show_lamps_before_what_they_hit),
+        cmocka_unit_test(lamps_are_points_from_inside),
+        cmocka_unit_test(both_ways_to_suns_and_lamps_bring_the_same),
         cmocka_unit_test(pixels_depend_on_no_thread_and_no_crop),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -117,6 +117,51 @@ static void clear_thin_walls_pass_light_straight(void **state) {
     }
 }
 
+/* ---- lamps with a radius ---- */
+
+static void add_ball_lamp(stage *s, fathom_light_type type, const double at[3], float radius) {
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = type, light.radius = radius;
+    light.inner_angle = 0.5f, light.outer_angle = 1;
+    for (int c = 0; c < 3; ++c) light.position[c] = at[c], light.intensity[c] = 0.5f;
+    assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
+}
+
+/* Mirrors, glass and rough metal show a spot light, and a lamp in a bulb and one in front of it. */
+static void lamps_with_a_radius_show_in_what_scatters(void **state) {
+    (void)state;
+    for (int k = 0; k < 3; ++k) {
+        stage s = room_open();
+        fathom_material pane = metallic(0, 0), m = metallic(k < 2, k ? 0 : 0.3f);
+        pane.transmission = 0.8f, pane.base_color[1] = 0.5f;
+        m.transmission = m.thickness = k == 2;
+        m.attenuation_distance = k == 2, m.attenuation_color[1] = 0.5f;
+        stage_sphere(&s, -0.5, 0, 0, 0.8, stage_material(&s, &m));
+        stage_sphere(&s, 0.9, 0.5, 0, 0.5, stage_material(&s, &pane));
+        add_ball_lamp(&s, FATHOM_LIGHT_POINT, (double[3]){0.9, 0.5, 0}, 0.3f);
+        add_ball_lamp(&s, FATHOM_LIGHT_POINT, (double[3]){0.3, 0.2, 1}, 0.2f);
+        add_ball_lamp(&s, FATHOM_LIGHT_SPOT, (double[3]){-0.5, 2, 0}, 0.3f);
+        compare(&s, k ? k == 2 ? "lamps in glass" : "lamps in chrome" : "lamps in metal");
+    }
+}
+
+/* One of them reaches out of the volume that the other hides in part. */
+static void lamps_with_a_radius_shine_in_volumes(void **state) {
+    (void)state;
+    stage s = room_open();
+    fathom_material drink = metallic(0, 0), ice = drink;
+    drink.transmission = drink.thickness = 1, drink.ior = 1.3f, drink.priority = 1;
+    drink.attenuation_distance = 0.5f, drink.attenuation_color[2] = 0.2f;
+    ice.transmission = ice.thickness = 1, ice.priority = 2;
+    stage_sphere(&s, 0, 0, 0, 1, stage_material(&s, &drink));
+    stage_sphere(&s, 0.5, 0.3, 0, 0.6, stage_material(&s, &ice));
+    stage_sphere(&s, -0.5, 0, 0, 0.2, stage_lambert(&s, 0.7f));
+    add_ball_lamp(&s, FATHOM_LIGHT_POINT, (double[3]){0.1, 0.1, 0}, 0.3f);
+    add_ball_lamp(&s, FATHOM_LIGHT_POINT, (double[3]){-0.2, 0.9, 0.3}, 0.2f);
+    compare(&s, "lamps in volumes");
+}
+
 static void shapes_that_cast_no_shadow_may_send_out_light(void **state) {
     (void)state;
     stage s = room_open();
@@ -354,6 +399,8 @@ int main(void) {
         cmocka_unit_test(smooth_meshes_follow_one_rule_of_sides),
         cmocka_unit_test(clear_thin_walls_pass_light_straight),
         cmocka_unit_test(coverage_is_a_matter_of_chance),
+        cmocka_unit_test(lamps_with_a_radius_show_in_what_scatters),
+        cmocka_unit_test(lamps_with_a_radius_shine_in_volumes),
         cmocka_unit_test(shapes_that_cast_no_shadow_may_send_out_light),
         cmocka_unit_test(emission_in_glass_is_as_bright_as_seen_from_outside),
         cmocka_unit_test(lobes_of_extensions_agree),

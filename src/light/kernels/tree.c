@@ -181,4 +181,22 @@ static void choose(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes
     for (int i = 0; i < LANES; ++i) light[i] &= ~TREE_LEAF;
 }
 
-const tree_kernels KERNEL(tree_kernels) = {.weigh = weigh, .cut = cut, .choose = choose};
+/* Tests the sphere around each box. The errors of the cross product and of `along` are below b = 2^-21 of the
+ * distance, and (a + b)² <= (1 + 2^-10) a² + (1 + 2^10) b². NaNs, which overflow makes, count as met. */
+static unsigned meet(const tree_node *node, vec3_f32 p, vec3_f32 d, float length) {
+    int met[TREE_WIDE];
+    unsigned bits = 0;
+    for (int i = 0; i < TREE_WIDE; ++i) {
+        float x = node->x[i] - p.x, y = node->y[i] - p.y, z = node->z[i] - p.z;
+        float hx = node->half_x[i], hy = node->half_y[i], hz = node->half_z[i];
+        float ax = y * d.z - z * d.y, ay = z * d.x - x * d.z, az = x * d.y - y * d.x;
+        float square = x * x + y * y + z * z, r2 = hx * hx + hy * hy + hz * hz;
+        float wide = r2 * (1 + 0x1p-10f) + square * 0x1p-31f, reach = sqrtf(wide);
+        float along = x * d.x + y * d.y + z * d.z, aside = ax * ax + ay * ay + az * az;
+        met[i] = (node->power[i] > 0) & !(aside > wide) & !(along < -reach) & !(along - reach > length);
+    }
+    for (int i = 0; i < TREE_WIDE; ++i) bits |= (unsigned)met[i] << i;
+    return bits;
+}
+
+const tree_kernels KERNEL(tree_kernels) = {.weigh = weigh, .cut = cut, .meet = meet, .choose = choose};
