@@ -5,6 +5,7 @@ import sys
 # Name, file below src, a law that breaks (part of its name), the text, and the fault in its place. Each text is in its file
 # once, or the script stops: whoever changes the code moves the fault along.
 PATH, EMITTERS, SHAPES = "integrate/path.c", "light/emitters.c", "light/emitters_shapes.c"
+LAMPS = "light/emitters_lamps.c"
 SHAPE, TREE, PICK, LOBES = "light/shape.h", "light/tree.c", "light/kernels/tree.c", "material/kernels/lobes.h"
 ONE, SKY = "light/kernels/face.c", "light/kernels/sky.c"
 VOLUMES, MET, CARRIED = "integrate/path_volumes.c", "integrate/path_met.c", "integrate/path.h"
@@ -47,11 +48,15 @@ MUTANTS = [
      "out->straight[i] = past ? ~0u : out->pane[i];", "out->straight[i] = past ? ~0u : 0;"),
     ("shadow rays pass panes untinted", "integrate/wave_walk.c", "pane",
      "part[c][i] = b.at[i]->clear ? b.pass_share[c][i] : 0;", "part[c][i] = b.at[i]->clear ? 1 : 0;"),
-    ("lamps send 3.1 instead of pi", EMITTERS, "point light",
-     "(float)SHAPE_PI * (seen.radiance[k][i]", "3.1f * (seen.radiance[k][i]"),
-    ("spots have no falloff", EMITTERS, "spot light", "(seen.radiance[k][i] * falloff) * more", "seen.radiance[k][i] * more"),
-    ("a lamp's radius changes its light", EMITTERS, "point light with a radius",
-     "(SHAPE_PI * r * r) * dot_f64(from, from));", "(SHAPE_PI * r * r) * (dot_f64(from, from) - r * r));"),
+    ("lamps send 3.1 instead of pi", LAMPS, "point light",
+     "(float)SHAPE_PI * (seen->radiance[k][i]", "3.1f * (seen->radiance[k][i]"),
+    ("spots have no falloff", LAMPS, "spot light", "(seen->radiance[k][i] * seen->falloff[i])", "seen->radiance[k][i]"),
+    ("a lamp's radius changes its light", LAMPS, "point light with a radius", "(double)falloff / (r * r),", "(double)falloff / (3 * r),"),
+    ("rays that find a lamp's sphere count whole", LAMPS, "point light with a radius",
+     "if (!ray->smooth) disc.density =", "if (ray->smooth) disc.density ="),
+    ("rays find no lamps", PATH, "lamp in a mirror", "if (!first && p->shows_lamps)", "if (first && p->shows_lamps)"),
+    ("a spot's sphere is as bright from all sides", LAMPS, "spot light in a mirror", "(double)falloff / (r * r),", "1 / (r * r) + 0 * (double)falloff,"),
+    ("a volume absorbs no light of lamps in mirrors", MET, "lamp in a mirror and", "= lamp->radiance[c] * left[c];", "= lamp->radiance[c] + 0 * left[c];"),
     ("the light tree chooses with another probability", PICK, "forty", "*chance *= (double)weight[found] / sum;",
      "*chance *= 1.0 / TREE_WIDE + 0 * sum;"),
     ("the light tree tells rays another probability", TREE, "disk of",

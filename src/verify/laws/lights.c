@@ -3,7 +3,7 @@
 
 #define PI 3.14159265358979323846
 
-static const vec3_f64 origin = {0, 0, 0}, up = {0, 0, 1};
+static const vec3_f64 origin = {0, 0, 0}, up = {0, 0, 1}, down = {0, 0, -1};
 static const vec3_f64 albedo = {1, 0.5, 0.2};
 
 /* Adds the floor and sets its radiance: albedo times `share`, the irradiance divided by pi. */
@@ -141,6 +141,49 @@ static void sun_in_mirror(law_room *room) {
     law_value(room, scale_f64(1.5 / (sine * sine), albedo));
 }
 
+/* ---- lamps with a radius, as a mirror shows them: the radiance k_l/R² ---- */
+
+/* The camera looks at a mirror from the distance 1, and the mirrored ray at the centre of a lamp at the
+ * distance 2. value: the lamp's radiance as the camera sees it. */
+static void lamp_in_mirror(law_room *room, fathom_light_type type, double radius, vec3_f64 value) {
+    const vec3_f64 from = {-0.48, -0.64, 0.6}, to = {0.48, 0.64, 0.6}, at = {0, 0, 0.25};
+    fathom_material mirror = build_black();
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = type, light.radius = (float)radius;
+    light.inner_angle = 0.2f, light.outer_angle = 1.2f;
+    store_f64(light.position, madd_f64(at, 2, to));
+    store_f64(light.direction, down);
+    build_rgb(light.intensity, vec_f64(1.5, 1.5, 1.5));
+    build_light(&room->b, &light);
+    build_rgb(mirror.k_r, albedo);
+    paint_plane(&room->b, at, up, mirror);
+    law_look(room, add_f64(at, from), at);
+    law_value(room, vec_f64(albedo.x * value.x, albedo.y * value.y, albedo.z * value.z));
+}
+
+static vec3_f64 all(double x) { return vec_f64(x, x, x); }
+
+static void ball_in_mirror(law_room *room) { lamp_in_mirror(room, FATHOM_LIGHT_POINT, 0.5, all(1.5 / 0.25)); }
+
+/* The light leaves at the cosine 0.6 to the cone's axis. */
+static void spot_in_mirror(law_room *room) {
+    const double inner = cos((double)0.2f), outer = cos((double)1.2f);
+    const double falloff = pow(fmin((0.6 - outer) / (inner - outer), 1), 2);
+    lamp_in_mirror(room, FATHOM_LIGHT_SPOT, 0.5, all(falloff * 1.5 / 0.25));
+}
+
+/* In a volume: 1 to the mirror, and 2 - R to the lamp's sphere. */
+static void ball_in_coloured_mirror(law_room *room) {
+    const vec3_f64 left = {0.25, 0.5, 0.875};
+    fathom_material m = law_clear(1);
+    m.specular_factor = 0, m.ior = 1, m.attenuation_distance = 1;
+    build_rgb(m.attenuation_color, left);
+    paint_sphere(&room->b, origin, 16, m);
+    lamp_in_mirror(room, FATHOM_LIGHT_POINT, 0.5,
+                   scale_f64(1.5 / 0.25, vec_f64(pow(left.x, 2.5), pow(left.y, 2.5), pow(left.z, 2.5))));
+}
+
 static void many_points(law_room *room) {
     double sum = 0;
     for (int i = 0; i < 40; ++i) {
@@ -176,6 +219,9 @@ const law laws_of_lights[] = {{"rectangle over a floor", "configuration factor",
                               {"directional light", "k_l cos θ", sun},
                               {"directional light with a radius", "k_l cos θ", wide_sun},
                               {"sun in a mirror", "k_l/sin²a", sun_in_mirror},
+                              {"lamp in a mirror", "k_l/R²", ball_in_mirror},
+                              {"spot light in a mirror", "k_l f/R²", spot_in_mirror},
+                              {"lamp in a mirror and a volume", "k_l c^(d-R)/R²", ball_in_coloured_mirror},
                               {"forty point lights", "Σ k_l cos θ/d²", many_points},
                               {"lights of four kinds", "sum", several},
                               {NULL, NULL, NULL}};
