@@ -12,7 +12,7 @@ float emitters_power(const emitters *e, uint32_t geometry, uint32_t primitive, u
 /* Empty bounds, no power, all directions. */
 static void begin_item(tree_item *item) {
     for (int k = 0; k < 3; ++k) item->lower[k] = FLT_MAX, item->upper[k] = -FLT_MAX, item->axis[k] = 0;
-    item->power = 0, item->spread = 1;
+    item->power = 0, item->spread = 1, item->beam = false;
 }
 
 static void bound_box(tree_item *item, vec3_f64 at, const double half[3]) {
@@ -246,13 +246,17 @@ static bool surface_item(const emitters *e, const emitter_run *run, uint32_t ind
     return within_reach(item);
 }
 
-/* The power is the irradiance at distance 1, pi k_l. */
+/* The power is the irradiance at distance 1, pi k_l. Spots that light almost half of all directions count as
+ * points. */
 void emitters_lamp_item(const emitter_lamp *lamp, tree_item *item) {
     vec3_f64 at = widen(lamp->light.position);
     begin_item(item);
     bound(item, &at, 1);
     for (int k = 0; k < 3; ++k) item->lower[k] -= lamp->radius, item->upper[k] += lamp->radius;
     item->power = fmaxf(fminf((float)SHAPE_PI * luminance(lamp->light.intensity), FLT_MAX), FLT_MIN);
+    if (lamp->light.type != FATHOM_LIGHT_SPOT || !(lamp->light.cone_edge < 0.9f)) return;
+    store_f32(item->axis, neg_f32(lamp->light.to_light));
+    item->spread = 1 - lamp->light.cone_edge, item->beam = true;
 }
 
 uint32_t emitters_list_items(emitters *e, tree_item *items) {

@@ -11,6 +11,7 @@
 #include "math/lanes.h"
 #include "math/vec.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #define TREE_WIDE 8
@@ -24,13 +25,14 @@ typedef struct tree_item {
                       directions */
     float spread;  /* the cosine of the widest angle between those directions and the axis, if they vary; 1:
                       they do not */
+    bool beam;     /* as a spot: all light goes within the angle of cosine `spread` > 0 of +axis */
     float power;   /* upper bound of the radiant intensity, in any unit; > 0 */
     uint32_t light;
 } tree_item;
 
 /* The bounds of each child: a box given by its centre and half its sides, a cone around ±axis with the cosine
- * `spread`, and the sum of power. Empty children have no power. Lengths are multiplied by the tree's
- * scale. */
+ * `spread`, and the sum of power. If `spread` is negative, all light goes within the angle of cosine -spread
+ * of +axis. Empty children have no power. Lengths are multiplied by the tree's scale. */
 typedef struct tree_node {
     float x[TREE_WIDE], y[TREE_WIDE], z[TREE_WIDE];
     float half_x[TREE_WIDE], half_y[TREE_WIDE], half_z[TREE_WIDE];

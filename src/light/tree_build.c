@@ -200,8 +200,29 @@ static uint32_t part(tree_item *items, uint32_t count) {
 
 /* ---- nodes ---- */
 
+/* A node of beams alone is a beam, if all of them lead to one side. The margin is 1e-6 and more of an angle.
+ */
+static bool bound_beams(const tree_item *items, uint32_t count, tree_node *node, int k) {
+    vec3_f64 sum = {0, 0, 0};
+    double widest = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (!items[i].beam) return false;
+        sum = madd_f64(sum, (double)items[i].power, widen(load_f32(items[i].axis)));
+    }
+    sum = normalize_f64(sum);
+    for (uint32_t i = 0; i < count; ++i) {
+        const double off = acos(fmin(fmax(dot_f64(widen(load_f32(items[i].axis)), sum), -1), 1));
+        widest = fmax(widest, off + acos(fmin((double)items[i].spread, 1)));
+    }
+    if (!(widest < 1.5)) return false;
+    node->axis_x[k] = (float)sum.x, node->axis_y[k] = (float)sum.y, node->axis_z[k] = (float)sum.z;
+    node->spread[k] = (float)(0x1p-20 - cos(widest));
+    return true;
+}
+
 /* The cosine of the widest angle between an axis and the directions of an item. */
 static double spread_around(const tree_item *item, vec3_f64 axis) {
+    if (item->beam) return 0;
     const double own = (double)item->spread, cosine = fabs(dot_f64(widen(load_f32(item->axis)), axis));
     return own < 1 ? cos(acos(fmin(cosine, 1)) + acos(own)) : cosine;
 }
@@ -210,6 +231,7 @@ static double spread_around(const tree_item *item, vec3_f64 axis) {
 static void bound_axes(const tree_item *items, uint32_t count, tree_node *node, int k) {
     vec3_f64 sum = {0, 0, 0};
     double least = 1;
+    if (bound_beams(items, count, node, k)) return;
     for (uint32_t i = 0; i < count; ++i) {
         vec3_f64 axis = widen(load_f32(items[i].axis));
         sum = madd_f64(sum, (double)items[i].power * (dot_f64(axis, sum) < 0 ? -1 : 1), axis);

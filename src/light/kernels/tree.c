@@ -20,7 +20,8 @@ static inline float cos_less(float cos_a, float cos_b, float sin_b) {
  * along itself, however large it is, and lights that can reach the point keep a probability above 0.
  * Distances are at least half of the half diagonal, because a large light sends a bounded amount to a point
  * near it. One of many lights may be very near, so the squared distance of a node is the product of the
- * distances of the centre and of the nearest point. */
+ * distances of the centre and of the nearest point. A beam sends light if its bound may reach the point, and
+ * twice as much if its centre does. */
 static void weigh(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[restrict TREE_WIDE],
                   float unsure[restrict TREE_WIDE]) {
     const float one_sided = n.x != 0 || n.y != 0 || n.z != 0 ? 1 : 0;
@@ -31,10 +32,11 @@ static void weigh(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[re
         float hx = node->half_x[i], hy = node->half_y[i], hz = node->half_z[i];
         float ax = node->axis_x[i], ay = node->axis_y[i], az = node->axis_z[i];
         float square = x * x + y * y + z * z, r2 = hx * hx + hy * hy + hz * hz;
+        float ahead = -(x * ax + y * ay + z * az);
         float nx = positive(fabsf(x) - hx), ny = positive(fabsf(y) - hy), nz = positive(fabsf(z) - hz);
         float nearest = nx * nx + ny * ny + nz * nz, spread = node->spread[i];
         float inverse = 1 / sqrtf(nearest + 0x1p-120f);
-        float leaving = fabsf(x * ax + y * ay + z * az), arriving = x * n.x + y * n.y + z * n.z;
+        float leaving = fabsf(ahead), arriving = x * n.x + y * n.y + z * n.z;
         float along = hx * fabsf(ax) + hy * fabsf(ay) + hz * fabsf(az);
         float above = arriving + hx * fabsf(n.x) + hy * fabsf(n.y) + hz * fabsf(n.z);
         float middle = 1 / sqrtf(square + 0x1p-120f);
@@ -42,6 +44,9 @@ static void weigh(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[re
         float met = 0.5f * (least(1, positive(above * inverse)) + positive(arriving * middle));
         met = one_sided > 0 ? met : 1;
         float sent = cos_less(off, spread, sqrtf(positive(1 - spread * spread)));
+        float lit =
+            ((ahead + along) * inverse >= -spread ? 0.5f : 0) + (ahead * middle >= -spread ? 0.5f : 0);
+        sent = spread < 0 ? lit : sent;
         float within = 0.25f * r2, far = square > within ? square : within;
         far = leaf[i] > 0 ? far : sqrtf(far * (nearest + r2 / 64));
         weight[i] = node->power[i] * sent * met / (far + 0x1p-120f);
