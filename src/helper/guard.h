@@ -15,6 +15,13 @@ struct failure : std::runtime_error {
     fathom_status status;
 };
 
+/* A file that a reader refuses. Some readers give no reason, and some give several, a line each. */
+inline failure unreadable(std::string reason) {
+    for (size_t at; (at = reason.find('\n')) != std::string::npos;)
+        reason.replace(at, 1, at + 1 < reason.size() ? "; " : "");
+    return failure(FATHOM_BAD_INPUT, reason.empty() ? "the file is broken or ends early" : reason);
+}
+
 /* Runs body(). Exceptions of the libraries return `status`. */
 template <class Body>
 fathom_status guarded(image_message *message, fathom_status status, Body body) noexcept {

@@ -404,7 +404,7 @@ static fathom_status image_file_read(const char *path, unsigned threads, const i
         OIIO::ImageSpec config;
         config.attribute("oiio:UnassociatedAlpha", 1);
         auto input = OIIO::ImageInput::open(path, &config);
-        if (!input) throw failure(FATHOM_BAD_INPUT, OIIO::geterror());
+        if (!input) throw unreadable(OIIO::geterror());
         input->threads(static_cast<int>(threads));
         auto file = std::make_unique<file_image>();
         file->spec = input->spec();
@@ -413,9 +413,7 @@ static fathom_status image_file_read(const char *path, unsigned threads, const i
         std::vector<unsigned char> pixels(spec.image_bytes(true));
         /* Some readers return success for a truncated file and only store the error. */
         bool ok = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, pixels.data());
-        if (!ok || input->has_error()) {
-            throw failure(FATHOM_BAD_INPUT, input->geterror());
-        }
+        if (!ok || input->has_error()) throw unreadable(input->geterror());
         collect_channels(*file, pixels);
         collect_attributes(*file);
         fill(*file);

@@ -151,7 +151,7 @@ static fathom_status texture_open(const image_texture_request *request, image_te
         /* A name without an extension: OpenImageIO tries all formats. */
         t->input = OIIO::ImageInput::open(
             request->path ? request->path : "/proc/self/fd/" + std::to_string(request->descriptor), &config);
-        if (!t->input) throw failure(FATHOM_BAD_INPUT, OIIO::geterror());
+        if (!t->input) throw unreadable(OIIO::geterror());
         t->input->threads(static_cast<int>(request->threads));
         describe(*t, *request);
         find_levels(*t);
@@ -191,9 +191,8 @@ static fathom_status texture_read(image_texture *t, const image_region *region, 
             throw failure(FATHOM_INTERNAL, "there is no such region");
         }
         /* Some readers return success for a truncated file and only store the error. */
-        if (!read_native(*t, r, spec, texels) || t->input->has_error()) {
-            throw failure(FATHOM_BAD_INPUT, t->input->geterror());
-        }
+        if (!read_native(*t, r, spec, texels) || t->input->has_error())
+            throw unreadable(t->input->geterror());
         if (t->premultiplied) divide(static_cast<float *>(texels), count, t->info.channels);
         if (t->space) t->space->apply(static_cast<float *>(texels), count, t->info.channels);
     });

@@ -35,9 +35,14 @@ typedef struct scene_camera {
     bool orthographic;
 } scene_camera;
 
-/* Parts of a scene that can turn out to be wrong after reading: an instance that moves, an environment, the
- * color space of a texture. */
-typedef enum scene_part { SCENE_PART_MOVED, SCENE_PART_ENVIRONMENT, SCENE_PART_COLOR_SPACE } scene_part;
+/* Parts of a scene that can turn out to be wrong after reading: an instance that moves, an environment, a
+ * texture, its color space. */
+typedef enum scene_part {
+    SCENE_PART_MOVED,
+    SCENE_PART_ENVIRONMENT,
+    SCENE_PART_TEXTURE,
+    SCENE_PART_COLOR_SPACE
+} scene_part;
 
 /* The place in the scene's file that gives a part: for messages. */
 typedef struct scene_origin {

@@ -72,14 +72,19 @@ static void check_mime(fathom_context *context, const fathom_texture *t, const c
     }
 }
 
+static fathom_status fail_image(fathom_context *context, const cache_image *img, fathom_status status,
+                                const char *why) {
+    fail_file(context, status, cache_name(img->texture), "cannot be read as a texture: %s", why);
+    return img->place ? fail_within(context, status, img->place) : status;
+}
+
 /* FATHOM_BAD_USAGE is about the color space or its config, not about the image. */
 static fathom_status fail_open(fathom_context *context, const fathom_scene *scene, fathom_id id,
-                               fathom_status status, const char *why) {
+                               const cache_image *img, fathom_status status, const char *why) {
     const fathom_place *place = scene_origin_find(scene, SCENE_PART_COLOR_SPACE, id);
     if (status == FATHOM_BAD_USAGE && place) return fail_at(context, FATHOM_BAD_INPUT, place, "%s", why);
-    return fail_file(context, status == FATHOM_BAD_USAGE ? FATHOM_BAD_INPUT : status,
-                     cache_name(&scene->textures.items[id]), "cannot be read as a texture: %s",
-                     *why ? why : "out of memory");
+    return fail_image(context, img, status == FATHOM_BAD_USAGE ? FATHOM_BAD_INPUT : status,
+                      *why ? why : "out of memory");
 }
 
 static fathom_status open_image(texture_cache *cache, fathom_context *context, const fathom_scene *scene,
@@ -87,9 +92,9 @@ static fathom_status open_image(texture_cache *cache, fathom_context *context, c
     const fathom_texture *t = &scene->textures.items[id];
     cache_image *img = *out = &cache->images[cache->image_count];
     image_message why = {""};
-    img->texture = t;
+    img->texture = t, img->place = scene_origin_find(scene, SCENE_PART_TEXTURE, id);
     fathom_status status = cache_open_source(cache, t, &img->source, &img->info, &why);
-    if (status != FATHOM_OK) return fail_open(context, scene, id, status, why.text);
+    if (status != FATHOM_OK) return fail_open(context, scene, id, img, status, why.text);
     cache_close_source(img);
     pthread_mutex_init(&img->lock, NULL);
     ++cache->image_count;
@@ -222,7 +227,7 @@ void texture_cache_close(texture_cache *cache) {
 fathom_status texture_cache_check(texture_cache *cache, fathom_context *context) {
     const fathom_status status = __atomic_load_n(&cache->status, __ATOMIC_ACQUIRE);
     if (status == FATHOM_OK) return status;
-    return fail_file(context, status, cache->failed, "cannot be read as a texture: %s", cache->why.text);
+    return fail_image(context, cache->failed, status, cache->why.text);
 }
 
 void texture_size(const texture_cache *cache, fathom_id texture, uint32_t *width, uint32_t *height) {

@@ -8,6 +8,7 @@
 /* An image, which several textures may share. */
 typedef struct cache_image {
     const fathom_texture *texture; /* the first texture of the image */
+    const fathom_place *place;     /* where the scene's file names it; NULL: not known */
     pyramid plan;
     image_texture_info info;
     pyramid_decoding decoding;
@@ -38,8 +39,8 @@ struct texture_cache {
     pthread_mutex_t lock; /* guards the members below; lock order: an image's lock first, then this one */
     cache_image *open[CACHE_OPEN];
     unsigned next_open;
-    fathom_status status; /* of the first failure */
-    const char *failed;   /* the image's name */
+    fathom_status status;      /* of the first failure */
+    const cache_image *failed; /* its image */
     image_message why;
 };
 

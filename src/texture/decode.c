@@ -269,7 +269,7 @@ static void keep_failure(texture_cache *cache, cache_image *img, fathom_status s
                          const image_message *why) {
     pthread_mutex_lock(&cache->lock);
     if (cache->status == FATHOM_OK) {
-        cache->failed = cache_name(img->texture);
+        cache->failed = img;
         cache->why = *why;
         if (!why->text[0]) snprintf(cache->why.text, sizeof cache->why.text, "out of memory");
         __atomic_store_n(&cache->status, status, __ATOMIC_RELEASE);

@@ -80,9 +80,12 @@ static fathom_status add_texture(const object_reader *r, const where *at, const 
     set_space(v, kind, &t);
     out->uv_set = v->uv_set, out->channel = (uint32_t)v->channel, out->inverted = v->inverted;
     set_transform(v, out->transform);
+    const size_t before = r->scene->textures.count;
     status = fathom_scene_add_texture(r->scene, &t, &out->texture);
     free(path);
     if (status != FATHOM_OK) return doc_within(r->doc, &file, status);
+    if (r->scene->textures.count > before) status = place_origin(r, &file, SCENE_PART_TEXTURE, out->texture);
+    if (status != FATHOM_OK) return status;
     return begins_space(r->scene, out->texture)
                ? place_origin(r, &space, SCENE_PART_COLOR_SPACE, out->texture)
                : FATHOM_OK;
