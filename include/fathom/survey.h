@@ -48,6 +48,8 @@ typedef struct fathom_survey {
     const char *const *problems; /* can be rendered, but are probably mistakes */
     uint32_t problem_count;
     uint64_t points, clouds; /* of points; clouds are not among the meshes above */
+    /* Whose materials emit light, counted once for each instance they appear in; points are shapes. */
+    uint64_t emissive_triangles, emissive_shapes;
 } fathom_survey;
 
 /* Prepares the scene as a render with Embree does, without building or rendering. FATHOM_BAD_INPUT: it cannot

@@ -29,10 +29,11 @@ static json_t *pack_counts(const fathom_survey *s) {
 }
 
 static json_t *pack_lights(const fathom_survey *s) {
-    return json_of(JSON("point", s->lights[FATHOM_LIGHT_POINT]),
-                   JSON("directional", s->lights[FATHOM_LIGHT_DIRECTIONAL]),
-                   JSON("spot", s->lights[FATHOM_LIGHT_SPOT]),
-                   JSON("environment", s->lights[FATHOM_LIGHT_ENVIRONMENT]));
+    return json_of(
+        JSON("point", s->lights[FATHOM_LIGHT_POINT]),
+        JSON("directional", s->lights[FATHOM_LIGHT_DIRECTIONAL]), JSON("spot", s->lights[FATHOM_LIGHT_SPOT]),
+        JSON("environment", s->lights[FATHOM_LIGHT_ENVIRONMENT]),
+        JSON("emissiveTriangles", s->emissive_triangles), JSON("emissiveShapes", s->emissive_shapes));
 }
 
 static json_t *pack_vector(const double v[3]) { return json_vector(v[0], v[1], v[2]); }
@@ -135,6 +136,13 @@ static void print_pair(const char *title, const json_t *first, const char *betwe
     putchar('\n');
 }
 
+static void print_emissive(const json_t *root) {
+    if (json_number_at(root, "lights.emissiveTriangles") > 0)
+        json_print(root, ", {lights.emissiveTriangles:.0f} emissive triangles");
+    if (json_number_at(root, "lights.emissiveShapes") > 0)
+        json_print(root, ", {lights.emissiveShapes:.0f} emissive shapes");
+}
+
 static void print_facts(const json_t *root) {
     size_t i;
     json_t *item;
@@ -154,8 +162,9 @@ static void print_facts(const json_t *root) {
                "{counts.spheres:.0f} spheres, {counts.quads:.0f} quads, {counts.planes:.0f} planes\n"
                "instances {counts.instances:.0f} of {counts.groups:.0f} groups\n"
                "lights    {lights.point:.0f} point, {lights.directional:.0f} directional, {lights.spot:.0f} "
-               "spot, {lights.environment:.0f} environment\n"
-               "materials {counts.materials:.0f}\n");
+               "spot, {lights.environment:.0f} environment");
+    print_emissive(root);
+    json_print(root, "\nmaterials {counts.materials:.0f}\n");
     if (json_is_object(json_at(root, "bounds")))
         print_pair("bounds    ", json_at(root, "bounds.lower"), " to ", json_at(root, "bounds.upper"), 9);
     print_pair("camera    at ", json_at(root, "camera.origin"), " looking along ",

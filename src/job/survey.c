@@ -80,6 +80,64 @@ static fathom_status count_placed(const fathom_scene *scene, uint64_t *out) {
     return FATHOM_OK;
 }
 
+/* Triangles and shapes. */
+typedef struct amount {
+    uint64_t triangles, shapes;
+} amount;
+
+static void add_amount(amount *to, amount from) {
+    to->triangles += from.triangles, to->shapes += from.shapes;
+}
+
+static bool material_emits(const fathom_scene *scene, fathom_id material) {
+    return material_features(&scene->materials.items[material].classic) & MATERIAL_EMIT;
+}
+
+static amount amount_of(const fathom_scene *scene, scene_object object) {
+    if (object.kind != SCENE_MESH) return (amount){.shapes = 1};
+    const fathom_mesh *mesh = &scene->meshes.items[object.index];
+    return mesh->point_radius > 0 ? (amount){.shapes = mesh->vertex_count}
+                                  : (amount){.triangles = mesh->triangle_count};
+}
+
+/* Sets what is in a group, and how much of it emits, from its objects and from the groups in it. An
+ * instance's material replaces those inside. */
+static void add_group(const fathom_scene *scene, const scene_graph *graph, uint32_t group, amount *all,
+                      amount *emits) {
+    for (uint32_t k = graph->objects.first[group]; k < graph->objects.first[group + 1]; ++k) {
+        const uint32_t object = graph->objects.items[k];
+        const amount a = amount_of(scene, scene->objects.items[object]);
+        add_amount(&all[group], a);
+        if (material_emits(scene, scene_object_material(scene, object))) add_amount(&emits[group], a);
+    }
+    for (uint32_t k = graph->instances.first[group]; k < graph->instances.first[group + 1]; ++k) {
+        const fathom_instance *instance = &scene->instances.items[graph->instances.items[k]];
+        const bool own = instance->material == FATHOM_NONE;
+        add_amount(&all[group], all[instance->group]);
+        if (own || material_emits(scene, instance->material))
+            add_amount(&emits[group], (own ? emits : all)[instance->group]);
+    }
+}
+
+/* Groups come after all groups that hold them in the graph's order. */
+static fathom_status count_emissive(const fathom_scene *scene, fathom_survey *out) {
+    const size_t groups = scene->groups.count;
+    scene_graph graph;
+    fathom_status status = graph_create(scene, &graph);
+    if (status != FATHOM_OK) return status;
+    amount *all = calloc(2 * groups, sizeof *all), *emits = all + groups;
+    if (all) {
+        for (uint32_t k = graph.order_count; k > 0; --k)
+            add_group(scene, &graph, graph.order[k - 1], all, emits);
+        out->emissive_triangles = emits[FATHOM_ROOT].triangles;
+        out->emissive_shapes = emits[FATHOM_ROOT].shapes;
+    }
+    graph_destroy(&graph);
+    if (!all) return fail_memory(scene->context, 2 * groups * sizeof *all);
+    free(all);
+    return FATHOM_OK;
+}
+
 /* True if the integrator uses neither the lights nor the ambient light. */
 static bool replaced(const fathom_scene *scene) {
     return scene->settings.integrator != FATHOM_INTEGRATOR_CLASSIC && scene_replaces_lights(scene);
@@ -106,7 +164,8 @@ static fathom_status count(const fathom_scene *scene, const world *w, survey *ou
         ++out->lights[scene->lights.items[i].type];
     out->lights[FATHOM_LIGHT_ENVIRONMENT] = scene->environments.count;
     s->lights = out->lights;
-    return count_placed(scene, &s->placed_triangles);
+    const fathom_status status = count_emissive(scene, s);
+    return status == FATHOM_OK ? count_placed(scene, &s->placed_triangles) : status;
 }
 
 static fathom_status find_place(const fathom_scene *scene, survey *out) {

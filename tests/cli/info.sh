@@ -90,11 +90,28 @@ cat >far.json <<'JSON'
 JSON
 run 0 info far.json
 said out.txt 'features  spheres, instances, emission'
+said out.txt 'lights    0 point, 0 directional, 0 spot, 0 environment, 1 emissive shapes'
 said out.txt 'shapes and triangles beyond 1e+18 from the origin, which Embree leaves out: 1'
 not_said out.txt 'every surface is black'
 printf '{ "name": "x", "ambient": [0, 0.1, 0], "lights": [], "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }' >green.json
 run 0 info green.json
 said out.txt 'features  spheres, ambient'
+
+# What emits is counted as it is placed, in the material that it gets there.
+cat >lamps.json <<'JSON'
+{ "materials": { "lamp": { "ke": [1, 1, 1] }, "paint": {} },
+  "groups": { "pair": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "lamp" },
+                        { "type": "triangle", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]] } ],
+              "pairs": [ { "type": "instance", "of": "pair" },
+                         { "type": "instance", "of": "pair", "material": "lamp", "translation": [3, 0, 0] } ] },
+  "objects": [ { "type": "instance", "of": "pairs" },
+               { "type": "instance", "of": "pairs", "material": "paint", "translation": [0, 9, 0] },
+               { "type": "instance", "of": "pairs", "translation": [0, 5, 0] } ] }
+JSON
+run 0 info lamps.json
+said out.txt 'lights    0 point, 0 directional, 0 spot, 0 environment, 2 emissive triangles, 4 emissive shapes'
+run 0 info lamps.json --json
+[ "$(number out.txt emissiveShapes)" = 4 ] || die "emissive shapes: $(number out.txt emissiveShapes)"
 
 # A name that is no UTF-8 is told all the same, in JSON that is.
 name=$(printf 'a\377.json')
