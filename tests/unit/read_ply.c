@@ -400,7 +400,7 @@ static void faces_of_lost_vertices_are_left_out(void **state) {
     }
 }
 
-/* One warning, and colours as other sRGB colours: 0.5 + f / sqrt(4 pi), clamped. */
+/* One warning, and colours as other sRGB colours: 0.5 + f / sqrt(4 pi), clamped. Opacities are logits. */
 static void splats_are_points(void **state) {
     (void)state;
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
@@ -412,7 +412,7 @@ static void splats_are_points(void **state) {
                    "property float rot_0\n",
                    0);
         ROW(&m, "ffffffffff", 0, 0, 0, 0, 9, -9, 0, 0, 0, 0);
-        ROW(&m, "ffffffffff", 1, 0, 0, 1, 0, 0, 0, 0, 0, 0);
+        ROW(&m, "ffffffffff", 1, 0, 0, 1, 0, 0, 0, -9, 0, 0);
         fathom_scene *scene = ply_read(&m);
         const fathom_mesh *mesh = mesh_at(scene, 0);
         const float *first = mesh_row(mesh->colors, mesh->color_stride, 0),
@@ -421,7 +421,12 @@ static void splats_are_points(void **state) {
         assert_near(first[0], 0.21404114048223255, 1e-6);
         assert_true(first[1] == 1 && first[2] == 0);
         assert_near(second[0], 0.57392247541874, 1e-6);
-        expect_warning("Gaussian splats are shown as points of their mean colours (2 such)");
+        assert_int_equal(mesh->color_channels, 4);
+        assert_true(first[3] == 0.5f);
+        assert_near(second[3], 1 / (1 + exp(9)), 1e-10);
+        expect_warning(
+            "Gaussian splats are shown as points of their mean colours and opacities, without their "
+            "sizes and directions (2 such)");
         assert_ptr_equal(strchr(mesh_warnings, '\n') + 1, mesh_warnings + strlen(mesh_warnings));
         fathom_scene_destroy(scene);
     }
@@ -741,6 +746,36 @@ static void float_colours_of_bytes_are_decoded(void **state) {
     }
 }
 
+/* The same of faces. */
+static void float_face_colours_of_bytes_are_decoded(void **state) {
+    (void)state;
+    for (int k = 0; k < 3 * FLAVOURS; ++k) {
+        const bool bytes = k < 2 * FLAVOURS, alpha = k < FLAVOURS;
+        ply_maker m;
+        char lines[256];
+        snprintf(lines, sizeof lines,
+                 "%s" XYZ FACES(2) "property float red\nproperty float green\nproperty float blue\n"
+                                   "property float alpha\n",
+                 k % 2 ? "" : "comment from a scanner\n");
+        ply_header(&m, (ply_flavour)(k % FLAVOURS), lines, 0);
+        for (int i = 0; i < 4; ++i) ROW(&m, "fff", (i + 1) / 2 % 2, i / 2, 0);
+        ROW(&m, "biiiiffff", 4, 0, 1, 2, 3, 255, 0, bytes ? 2 : 2.5, alpha ? 51 : 0.2);
+        ROW(&m, "biiiffff", 3, 0, 2, 3, 0, 0, 0, alpha ? 51 : 0.2);
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        const float *c = mesh_row(mesh->colors, mesh->color_stride, mesh->indices[0]);
+        assert_true(c[0] == (bytes ? 1 : 255));
+        assert_near(c[2], bytes ? 2 / 255.0 / 12.92 : 2.5, 1e-7);
+        if (bytes) assert_near(c[3], 0.2, 1e-7);
+        if (bytes)
+            expect_warning(
+                "face colours are floats, but whole numbers up to 255; they are read as sRGB bytes "
+                "(2 such)");
+        if (!bytes) assert_null(strstr(mesh_warnings, "bytes"));
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* Opacity is a part of its type's range; 0 at all vertices is what some programs write for none. So is a
  * second uv set kept. */
 static void opacities_and_second_uvs_are_read(void **state) {
@@ -886,6 +921,7 @@ int main(void) {
         cmocka_unit_test(unused_properties_are_reported),
         cmocka_unit_test(vertex_colours_are_read),
         cmocka_unit_test(float_colours_of_bytes_are_decoded),
+        cmocka_unit_test(float_face_colours_of_bytes_are_decoded),
         cmocka_unit_test(opacities_and_second_uvs_are_read),
         cmocka_unit_test(extra_rows_are_reported),
         cmocka_unit_test(meshes_do_not_depend_on_thread_count),

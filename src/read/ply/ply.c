@@ -37,6 +37,7 @@ static void put_color(const ply_reader *r, uint32_t i, const double values[PLY_R
         if (r->splats) linear[role] = splat_linear(values[role]);
     }
     linear[PLY_A] = r->whole_alpha > 0 ? values[PLY_A] / r->whole_alpha : values[PLY_A];
+    if (r->splats) linear[PLY_A] = 1 / (1 + exp(-values[PLY_A]));
     put_array(&r->arrays[PLY_COLORS], i, linear);
 }
 
@@ -176,12 +177,12 @@ static void choose_arrays(ply_reader *r) {
     r->whole_face_alpha = ply_whole(r, r->face_element, r->face_alpha);
 }
 
-/* True if these components of all vertices are whole numbers from 0 to 255, and one is above 2. Linear
- * colours may be above 1, too. Bytes that are all so small would be black. */
-static bool are_bytes(const ply_array *array, uint32_t count, int begin, int end) {
+/* True if these components of all rows are whole numbers from 0 to 255, and one is above 2. Linear colours
+ * may be above 1, too. Bytes that are all so small would be black. */
+static bool are_bytes(const float *values, size_t stride, size_t count, int begin, int end) {
     float largest = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-        const float *row = mesh_row(array->values, array->stride, i);
+    for (size_t i = 0; i < count; ++i) {
+        const float *row = mesh_row(values, stride, i);
         for (int k = begin; k < end; ++k) {
             if (!(row[k] >= 0 && row[k] <= 255) || row[k] != floorf(row[k])) return false;
             largest = fmaxf(largest, row[k]);
@@ -195,11 +196,11 @@ static fathom_status decode_bytes(ply_reader *r) {
     ply_array *colors = &r->arrays[PLY_COLORS];
     const ply_array from = *colors;
     if (!from.present || r->whole_color > 0 || r->splats || r->by_fathom ||
-        !are_bytes(&from, r->vertex_count, 0, 3))
+        !are_bytes(from.values, from.stride, r->vertex_count, 0, 3))
         return FATHOM_OK;
     const bool alpha = from.components > 3 && !(r->whole_alpha > 0);
     r->whole_color = 255;
-    r->whole_alpha = alpha && are_bytes(&from, r->vertex_count, 3, 4) ? 255 : 0;
+    r->whole_alpha = alpha && are_bytes(from.values, from.stride, r->vertex_count, 3, 4) ? 255 : 0;
     if (!from.own) colors->values = NULL; /* the file's own bytes */
     const fathom_status status = ply_allocate_arrays(r);
     for (uint32_t i = 0; i < r->vertex_count && status == FATHOM_OK; ++i) {
@@ -211,6 +212,22 @@ static fathom_status decode_bytes(ply_reader *r) {
     notes_add(&r->notes, r->vertex_count, "",
               "vertex colours are floats, but whole numbers up to 255; they are read as sRGB bytes");
     return status;
+}
+
+/* The same for faces. */
+static void decode_face_bytes(ply_reader *r) {
+    const size_t count = r->triangle_count;
+    if (r->face_color < 0 || !r->looks || r->whole_face_color > 0 || r->by_fathom ||
+        !are_bytes(r->looks->color, sizeof *r->looks, count, 0, 3))
+        return;
+    const bool alpha = r->face_alpha >= 0 && !(r->whole_face_alpha > 0) &&
+                       are_bytes(r->looks->color, sizeof *r->looks, count, 3, 4);
+    for (ply_look *look = r->looks; look < r->looks + count; ++look) {
+        for (int c = 0; c < 3; ++c) look->color[c] = read_linear((double)look->color[c] / 255);
+        if (alpha) look->color[3] /= 255;
+    }
+    notes_add(&r->notes, (size_t)r->header.elements.items[r->face_element].count, "",
+              "face colours are floats, but whole numbers up to 255; they are read as sRGB bytes");
 }
 
 static void release_map(void *data) {
@@ -311,6 +328,7 @@ static fathom_status read_mapped(ply_reader *r) {
                                  : "no faces: expected at least one with 3 corners or more");
     }
     status = decode_bytes(r);
+    decode_face_bytes(r);
     if (status == FATHOM_OK) status = keep_map(r);
     return status == FATHOM_OK ? add_meshes(r) : status;
 }

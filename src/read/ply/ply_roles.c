@@ -23,6 +23,12 @@ static int find_property(const ply_element *element, const char *names) {
     return found;
 }
 
+/* The property with one of the names; -1: there is none, or it is a list. */
+static int find_number(const ply_element *element, const char *names) {
+    const int found = find_property(element, names);
+    return found >= 0 && !element->properties.items[found].is_list ? found : -1;
+}
+
 /* Colours need all three channels; without them, an opacity is ignored too. */
 static void drop_partial_colors(ply_reader *r, const ply_element *vertex) {
     if (r->role[PLY_R] >= 0 && r->role[PLY_G] >= 0 && r->role[PLY_B] >= 0) return;
@@ -32,7 +38,8 @@ static void drop_partial_colors(ply_reader *r, const ply_element *vertex) {
     }
 }
 
-/* The colour of splats is that of their first spherical harmonic, the mean over all directions. */
+/* The colour of splats is that of their first spherical harmonic, the mean over all directions. Their opacity
+ * is a logit. */
 static void find_splats(ply_reader *r, const ply_element *vertex) {
     static const char *const names[] = {"f_dc_0", "f_dc_1", "f_dc_2", "scale_0", "rot_0"};
     int found[5];
@@ -45,6 +52,10 @@ static void find_splats(ply_reader *r, const ply_element *vertex) {
         r->role[PLY_R + c] = found[c];
         vertex->properties.items[found[c]].role = PLY_R + c;
     }
+    const int opacity = find_number(vertex, "opacity");
+    if (!r->splats || opacity < 0) return;
+    r->role[PLY_A] = opacity;
+    vertex->properties.items[opacity].role = PLY_A;
 }
 
 static const char *const color_names[] = {"red|diffuse_red|r", "green|diffuse_green|g", "blue|diffuse_blue|b",
@@ -115,12 +126,6 @@ static bool find_faces(ply_reader *r) {
     }
     r->index_list = (size_t)list;
     return true;
-}
-
-/* The property with one of the names; -1: there is none, or it is a list. */
-static int find_number(const ply_element *element, const char *names) {
-    const int found = find_property(element, names);
-    return found >= 0 && !element->properties.items[found].is_list ? found : -1;
 }
 
 /* Colours of faces are read if vertices have none, and need all three channels. */
@@ -233,7 +238,8 @@ void ply_note_unused(ply_reader *r) {
         const ply_element *element = &r->header.elements.items[i];
         if (i == r->vertex_element && r->splats)
             notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false,
-                         "Gaussian splats are shown as points of their mean colours");
+                         "Gaussian splats are shown as points of their mean colours and opacities, without "
+                         "their sizes and directions");
         else if (i == r->vertex_element || i == r->face_element || i == r->edge_element)
             note_properties(r, i);
         else
