@@ -13,12 +13,15 @@ typedef struct fixture {
     char folder[64], path[128];
     unsigned warnings;
     char warning[512]; /* the last one */
+    char told[4096];   /* all since the last read_triangle(), a line each */
 } fixture;
 
 static inline void note_warning(void *user, const char *message) {
     fixture *f = user;
     ++f->warnings;
     snprintf(f->warning, sizeof f->warning, "%s", message);
+    const size_t length = strlen(f->told);
+    snprintf(f->told + length, sizeof f->told - length, "%s\n", message);
 }
 
 static inline int set_up(void **state) {
@@ -134,7 +137,7 @@ static inline void write_triangle(fixture *f, const char *json) {
 /* Reads f->path into a scene of its own. */
 static inline fathom_scene *read_with(fixture *f, const read_mesh_options *options) {
     fathom_scene *scene;
-    f->warnings = 0;
+    f->warnings = 0, f->told[0] = '\0';
     assert_ok(f->context, fathom_scene_create(f->context, &scene));
     assert_ok(f->context, read_gltf(scene, FATHOM_ROOT, f->path, options));
     return scene;

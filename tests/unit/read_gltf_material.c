@@ -205,7 +205,8 @@ static void textures_become_maps(void **state) {
             "0,"
             "'sampler':0}],'materials':[{'alphaMode':'MASK','alphaCutoff':0.25,'pbrMetallicRoughness':{"
             "'baseColorTexture':{'index':0,'texCoord':1},'metallicRoughnessTexture':{'index':0}},"
-            "'normalTexture':{'index':1,'scale':0.5},'emissiveTexture':{'index':0,'extensions':{"
+            "'normalTexture':{'index':1,'scale':0.5},'emissiveFactor':[1,1,1],'emissiveTexture':{'index':0,'"
+            "extensions':{"
             "'KHR_texture_transform':{'offset':[0,1],'rotation':1.5707963267948966,'scale':[0.5,0.5]}}},"
             "'extensions':{'KHR_materials_clearcoat':{'clearcoatNormalTexture':{'index':1,'scale':0.25}}}}"
             "]"));
@@ -238,6 +239,38 @@ static void textures_become_maps(void **state) {
     }
     assert_int_equal(f->warnings, 1);
     fathom_scene_destroy(scene);
+}
+
+/* glTF's default factors of layers are 0, so a texture alone does nothing: it is told once, with a count. */
+static void textures_with_factors_of_zero_are_told(void **state) {
+    fixture *f = *state;
+    static const struct {
+        const char *material, *told;
+    } cases[] = {
+        {"'emissiveTexture':{'index':0}},{'emissiveTexture':{'index':0}",
+         ": materials[0].emissiveTexture: emissiveTexture has no effect, because its factor emissiveFactor "
+         "is 0, the "
+         "default; expected a factor above 0 (2 such)"},
+        {"'emissiveFactor':[0,0,0],'emissiveTexture':{'index':0}},{",
+         "because its factor emissiveFactor is 0; expected"},
+        {"'extensions':{'KHR_materials_anisotropy':{'anisotropyTexture':{'index':0}}}},{",
+         "anisotropyTexture has no effect, because its factor anisotropyStrength is 0, the default"},
+        {"'extensions':{'KHR_materials_specular':{'specularTexture':{'index':0},'specularColorTexture':{'"
+         "index':0}}},"
+         "'pbrMetallicRoughness':{'metallicFactor':0,'metallicRoughnessTexture':{'index':0}}},{",
+         NULL},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char json[4096];
+        snprintf(json, sizeof json,
+                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0},{"
+                       "'attributes':{'POSITION':0},'material':1}]}]," TEXEL
+                       ",'textures':[{'source':0}],'materials':[{%s}]"),
+                 cases[i].material);
+        fathom_scene_destroy(read_triangle(f, json));
+        if (cases[i].told) assert_non_null(strstr(f->told, cases[i].told));
+        if (!cases[i].told) assert_null(strstr(f->told, "no effect"));
+    }
 }
 
 /* The image of the extension is the one that its author made for programs that know it. */
@@ -416,6 +449,7 @@ int main(void) {
         TEST(ior_zero_takes_the_specular_colour),
         TEST(specular_glossiness_keeps_its_colour),
         TEST(textures_without_images_become_even_values),
+        TEST(textures_with_factors_of_zero_are_told),
         TEST(textures_become_maps),
         TEST(images_of_extensions_go_before_others),
         TEST(emission_is_scaled_by_its_strength),

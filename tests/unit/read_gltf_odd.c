@@ -71,6 +71,40 @@ static void clear_slips_are_read_and_told(void **state) {
     assert_all_read(*state, files, sizeof files / sizeof *files);
 }
 
+/* The first eight by name, however many textures take them; the others are counted. */
+static void missing_images_are_named(void **state) {
+    fixture *f = *state;
+    char meshes[1024] = "", materials[1024] = "", textures[1024] = "", images[1024] = "", json[8192];
+    for (int i = 0; i < 12; ++i) {
+        const char *comma = i ? "," : "";
+        char part[128];
+        snprintf(part, sizeof part, "%s{'attributes':{'POSITION':0},'material':%d}", comma, i);
+        strcat(meshes, part);
+        snprintf(part, sizeof part, "%s{'normalTexture':{'index':%d}}", comma, i);
+        strcat(materials, part);
+        snprintf(part, sizeof part, "%s{'source':%d}", comma, i < 10 ? i : 0);
+        strcat(textures, part);
+        snprintf(part, sizeof part, "%s{'uri':'%d.png'}", comma, i);
+        strcat(images, part);
+    }
+    snprintf(json, sizeof json,
+             SHOWN("'meshes':[{'primitives':[%s]}],'materials':[%s],'textures':[%s],'images':[%s]"), meshes,
+             materials, textures, images);
+    fathom_scene_destroy(read_triangle(f, json));
+    assert_int_equal(f->warnings, 9);
+    for (int i = 0; i < 8; ++i) {
+        char told[128];
+        snprintf(told, sizeof told,
+                 ": images[%d].uri: \"%d.png\": there is no such file that may be read; it is left "
+                 "out (%d such)\n",
+                 i, i, i ? 1 : 3);
+        assert_non_null(strstr(f->told, told));
+    }
+    assert_non_null(strstr(f->told,
+                           ": images beyond the first 8: there is no such file that may be read; it is left "
+                           "out (2 such)"));
+}
+
 /* Where its parent places it, once, in whatever order the scene names the two. */
 static void a_root_with_a_parent_stays_in_its_place(void **state) {
     static const char *const lists[] = {"0,1", "1,0", "0"};
@@ -186,6 +220,7 @@ int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
         TEST(clear_slips_are_read_and_told),
+        TEST(missing_images_are_named),
         TEST(a_root_with_a_parent_stays_in_its_place),
         TEST(factors_out_of_range_become_the_nearest),
         TEST(odd_normals_become_zeros),

@@ -118,6 +118,8 @@ typedef struct gltf_camera {
     uint32_t node, index; /* `node` into nodes, `index` into cameras */
 } gltf_camera;
 
+#define GLTF_LOST_IMAGES 8
+
 typedef struct gltf {
     fathom_status status; /* the first failure; after it, the calls below change nothing */
     fathom_scene *scene;
@@ -151,6 +153,8 @@ typedef struct gltf {
     uint64_t file_bytes;        /* size of the opened files */
     uint64_t charged;           /* bytes counted by gltf_charge() */
     ARRAY(gltf_camera) seen_cameras;
+    uint32_t lost_images[GLTF_LOST_IMAGES]; /* the first images without a file, each of which gets a note */
+    unsigned lost_image_count;
     note_list notes;
 } gltf;
 

@@ -211,18 +211,31 @@ static char *path_of(gltf *g, const gltf_value *at, const char *uri,
     return path;
 }
 
+/* True if the image gets a note of its own: the first few do. */
+static bool names_lost_image(gltf *g, size_t image) {
+    for (unsigned i = 0; i < g->lost_image_count; ++i)
+        if (g->lost_images[i] == image) return true;
+    if (g->lost_image_count == GLTF_LOST_IMAGES) return false;
+    g->lost_images[g->lost_image_count++] = (uint32_t)image;
+    return true;
+}
+
 char *gltf_image_path(gltf *g, const gltf_value *at, const char *uri) {
     enum { SHOWN = 60 }; /* the end of a long uri has the file's name */
     const size_t length = strlen(uri);
     const bool cut = length > SHOWN;
     const char *name = NULL;
+    static const char told[] = "there is no such file that may be read; it is left out";
     char place[128];
     char *path = path_of(g, at, uri, read_image_beside);
     gltf_text(g, at, "name", &name);
     if (path || !gltf_fine(g)) return path;
-    snprintf(place, sizeof place, ": images[%zu].uri: \"%s%s\"%s%.30s%s", at->index, cut ? "..." : "",
+    snprintf(place, sizeof place, "images[%zu].uri: \"%s%s\"%s%.30s%s", at->index, cut ? "..." : "",
              uri + (cut ? length - SHOWN : 0), name ? " (named \"" : "", name ? name : "", name ? "\")" : "");
-    notes_add(&g->notes, 1, place, "there is no such file that may be read; it is left out");
+    if (names_lost_image(g, at->index))
+        notes_add(&g->notes, 1, "", "%s: %s", place, told);
+    else
+        notes_add(&g->notes, 1, "", "images beyond the first %d: %s", GLTF_LOST_IMAGES, told);
     return NULL;
 }
 

@@ -97,6 +97,25 @@ static void read_number(gltf *g, const gltf_value *at, const gltf_key *key, draf
     for (unsigned i = 0; i < key->count && gltf_fine(g); ++i) to[i] = (float)numbers[i];
 }
 
+/* Notes an image whose factor is 0, "xTexture" of "xFactor" or of "xStrength". Factors of layers are 0 by
+ * default. */
+static void note_idle(gltf *g, const gltf_value *at, const gltf_key *image, const draft *d) {
+    const size_t stem = strlen(image->name) - strlen("Texture");
+    for (const gltf_key *key = gltf_keys; key < gltf_keys + gltf_key_count; ++key) {
+        const float *factor = (const float *)(const void *)((const char *)&d->m + key->offset);
+        const char *rest = key->name + stem;
+        float sum = 0;
+        if (key->of != image->of || !key->count || strncmp(key->name, image->name, stem) != 0 ||
+            (strcmp(rest, "Factor") != 0 && strcmp(rest, "Strength") != 0))
+            continue;
+        for (unsigned i = 0; i < key->count; ++i) sum += factor[i];
+        if (sum > 0) continue;
+        gltf_note(g, at, image->name,
+                  "%s has no effect, because its factor %s is 0%s; expected a factor above 0", image->name,
+                  key->name, json_object_get(at->json, key->name) ? "" : ", the default");
+    }
+}
+
 /* Reads colour and opacity, which are one value in glTF. */
 static void read_base(gltf *g, const gltf_value *at, const char *key, draft *d) {
     double base[4] = {1, 1, 1, 1};
@@ -110,6 +129,11 @@ static void read_keys(gltf *g, const gltf_value *at, gltf_holder of, draft *d) {
         const gltf_key *key = &gltf_keys[i];
         if (key->of == of && key->count) read_number(g, at, key, d);
         if (key->of == of && !key->count) read_image(g, at, key, d);
+    }
+    for (size_t i = 0; i < gltf_key_count && gltf_fine(g); ++i) {
+        const gltf_key *key = &gltf_keys[i];
+        if (key->of == of && !key->count && d->m.maps[key->map].texture != FATHOM_NONE)
+            note_idle(g, at, key, d);
     }
 }
 
