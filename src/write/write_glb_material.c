@@ -25,6 +25,19 @@ static bool same_place(const fathom_map *a, const fathom_map *b) {
            memcmp(a->transform, b->transform, sizeof a->transform) == 0;
 }
 
+/* The same for alpha, which no color space changes: scene JSON has it as a linear image. */
+static bool same_alpha(const fathom_scene *scene, const fathom_map *alpha, const fathom_map *color) {
+    if (color->texture == FATHOM_NONE) return false;
+    const fathom_texture *a = &scene->textures.items[alpha->texture],
+                         *b = &scene->textures.items[color->texture];
+    const bool bytes = a->bytes && b->bytes && a->byte_count == b->byte_count &&
+                       memcmp(a->bytes, b->bytes, a->byte_count) == 0;
+    fathom_map moved = *alpha;
+    moved.texture = color->texture;
+    return (bytes || (a->file && b->file && strcmp(a->file, b->file) == 0)) && a->wrap_u == b->wrap_u &&
+           a->wrap_v == b->wrap_v && a->filter == b->filter && same_place(&moved, color);
+}
+
 static void drop_map(shape *s, int kind, size_t *lost) {
     *lost += has_map(&s->m, kind);
     s->m.maps[kind].texture = FATHOM_NONE;
@@ -64,11 +77,11 @@ static void limit_emission(fathom_material *m) {
 
 /* Drops maps that glTF cannot hold: glTF fixes the channel of each image, has no separate images for
  * metalness and roughness, and needs opacity in the alpha of the colour. *lost: counts the dropped maps. */
-static void drop_strangers(shape *s, size_t *lost) {
+static void drop_strangers(const fathom_scene *scene, shape *s, size_t *lost) {
     fathom_map *maps = s->m.maps, *metal = &maps[FATHOM_MAP_METALLIC], *rough = &maps[FATHOM_MAP_ROUGHNESS],
                *alpha = &maps[FATHOM_MAP_OPACITY];
     if (has_map(&s->m, FATHOM_MAP_OPACITY) &&
-        (alpha->channel != 3 || alpha->inverted || !same_place(alpha, &maps[FATHOM_MAP_COLOR])))
+        (alpha->channel != 3 || alpha->inverted || !same_alpha(scene, alpha, &maps[FATHOM_MAP_COLOR])))
         drop_map(s, FATHOM_MAP_OPACITY, lost);
     const bool both = same_place(metal, rough) && metal->channel == 2 && rough->channel == 1 &&
                       !metal->inverted && !rough->inverted;
@@ -106,7 +119,7 @@ static shape shape_of(const glb *g, fathom_id id) {
     if (s.unlit) make_unlit(&s);
     s.glossy = is_glossy(&s.m);
     limit_emission(&s.m);
-    drop_strangers(&s, &lost);
+    drop_strangers(g->scene, &s, &lost);
     s.blends = s.m.opacity < 1 || s.m.opacity_cutoff > 0 || has_map(&s.m, FATHOM_MAP_OPACITY) ||
                has_alpha_vertices(g->scene, id);
     if (lost)
