@@ -20,6 +20,14 @@ void warnings_say(void *user, const char *message) {
     if (user) warnings_keep(user, message);
 }
 
+void warnings_say_once(void *user, const char *message) {
+    const warning_list *said = user;
+    for (size_t i = 0; i < said->count; ++i) {
+        if (strcmp(said->items[i], message) == 0) return;
+    }
+    warnings_say(user, message);
+}
+
 void warnings_tell(warning_list *warnings, const char *format, ...) {
     char text[LOG_LENGTH];
     va_list args;

@@ -10,10 +10,12 @@
 /* Warnings in their order of arrival; the list owns the strings. Initialise with zeros. */
 typedef ARRAY(char *) warning_list;
 
-/* Two fathom_warning_fn; `user` is the list. */
+/* Three fathom_warning_fn; `user` is the list. */
 void warnings_keep(void *user, const char *message);
 /* Also writes the warning to stderr; without a list, only there. */
 void warnings_say(void *user, const char *message);
+/* The same, unless the list has the warning already. */
+void warnings_say_once(void *user, const char *message);
 /* warnings_say() of a formatted text. */
 void warnings_tell(warning_list *warnings, const char *format, ...) __attribute__((format(printf, 2, 3)));
 json_t *warnings_json(const warning_list *warnings);

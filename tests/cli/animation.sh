@@ -57,6 +57,12 @@ same end.png f.0002.png
 # shellcheck disable=SC2086
 run 0 render moving.gltf $small -o 'g#.png' --frames 12 --time 0.5 --fps 24
 same end.png g12.png
+# What all frames would say is said once, and stands in the statistics of each.
+sed 's|"nodes": \[ {|"nodes": [ { "extensions": { "X_none": {} },|' moving.gltf >odd.gltf
+# shellcheck disable=SC2086
+run 0 render odd.gltf $small -o 'w#.png' --frames 0-2 --fps 2 --stats 'w#.json'
+[ "$(grep -c 'the extension X_none is not followed' err.txt)" = 1 ] || die 'a warning that each frame repeats'
+said w2.json 'the extension X_none is not followed'
 # All have the exposure of the first: here of a lamp that leaves, after which a dim one is left.
 cat >lamp.json <<JSON
 { "camera": { "eye": [0, 0, 5], "target": [0, 0, 0], "fovy": 40 },

@@ -32,6 +32,7 @@ typedef struct task {
     fathom_ranks ranks;     /* a single one without --mpi */
     char *fetched;          /* folder of files received from rank 0; NULL: none */
     fathom_framing framing; /* of all frames, if the reader creates the camera */
+    warning_list *said;     /* by earlier frames, which is not said again; NULL: there are no frames */
 } task;
 
 /* True for a rank of an MPI job that only renders; rank 0 does everything else. */
@@ -263,6 +264,12 @@ static fathom_status join_ranks(task *s) {
     return s->options.mpi ? fathom_mpi_open(s->context, &s->ranks) : FATHOM_OK;
 }
 
+static void warn_of_scene(void *user, const char *message) {
+    task *s = user;
+    warnings_keep(&s->report.warnings, message);
+    if (!is_other(s)) (s->said ? warnings_say_once : warnings_say)(s->said, message);
+}
+
 static fathom_status prepare(task *s) {
     fathom_status status = join_ranks(s);
     if (status == FATHOM_OK && !is_other(s)) status = check_outputs(s);
@@ -270,7 +277,7 @@ static fathom_status prepare(task *s) {
     if (!is_other(s) && images_need_helper(&s->options)) fathom_image_prefetch();
     progress_begin(s->options.quiet || is_other(s));
     progress_phase(FATHOM_PHASE_READ);
-    fathom_context_on_warning(s->context, is_other(s) ? warnings_keep : warnings_say, &s->report.warnings);
+    fathom_context_on_warning(s->context, warn_of_scene, s);
     status = read_scene(s);
     if (status == FATHOM_OK) status = merge_settings(s);
     if (status == FATHOM_OK && s->options.background.given)
@@ -350,7 +357,9 @@ static void frame_them(task *all) {
 static fathom_status run_frames(task *all) {
     const render_frames *frames = &all->options.frames;
     frame_names room;
+    warning_list said = {.count = 0};
     task s;
+    all->said = &said;
     fathom_status status = begin_frame(all, frames->first, &room, &s);
     if (status == FATHOM_OK) frame_them(all);
     for (uint32_t frame = frames->first; frame <= frames->last && status == FATHOM_OK; ++frame) {
@@ -360,6 +369,7 @@ static fathom_status run_frames(task *all) {
         all->options.exposure = EXPOSURE_GIVEN;
         all->options.write.exposure = s.options.write.exposure;
     }
+    warnings_free(&said);
     return status;
 }
 

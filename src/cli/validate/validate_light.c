@@ -11,7 +11,6 @@
 #include "verify/laws/laws.h"
 
 #include <stdio.h>
-#include <string.h>
 
 /* Correct images fail in one run of 500. With about 130 tests, each test fails at about 4.2 standard errors,
  * if the standard errors are well known. */
@@ -107,16 +106,6 @@ static fathom_status closed_forms(fathom_context *context, const validate_settin
 
 /* ---- a scene ---- */
 
-/* Prints each warning once: a scene is rendered many times, each time with the same warnings. user: a
- * warning_list. */
-static void say_once(void *user, const char *message) {
-    const warning_list *said = user;
-    for (size_t i = 0; i < said->count; ++i) {
-        if (strcmp(said->items[i], message) == 0) return;
-    }
-    warnings_say(user, message);
-}
-
 /* Means of 8 x 8 cells, each of 64 pixels. */
 static fathom_status compare_scene(fathom_context *context, const validate_settings *settings, bool *fails) {
     fathom_scene *scene;
@@ -125,7 +114,8 @@ static fathom_status compare_scene(fathom_context *context, const validate_setti
     warning_list said = {.count = 0};
     fathom_status status = fathom_scene_read(context, settings->scene, &scene);
     if (status != FATHOM_OK) return status;
-    fathom_context_on_warning(context, say_once, &said);
+    /* The scene is rendered many times, each time with the same warnings. */
+    fathom_context_on_warning(context, warnings_say_once, &said);
     fathom_scene_settings(scene, &of_scene);
     const double ratio = of_scene.height ? (double)of_scene.width / of_scene.height : 1;
     laws_pair pair = {.across = (uint32_t)fmax(round(8 * fmin(ratio, 1)), 1),
