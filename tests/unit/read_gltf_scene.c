@@ -81,20 +81,27 @@ static void the_default_scene_chooses_the_nodes(void **state) {
         const char *tail;
         size_t count;
         double x; /* of the first one */
-    } cases[] = {{"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}],"
-                  "'scenes':[{'nodes':[0]},{'nodes':[1]}],'scene':1",
-                  1, 2},
-                 {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}],"
-                  "'scenes':[{'nodes':[0]},{'nodes':[1]}]",
-                  1, 1},
-                 {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}]", 2, 1},
-                 {"'nodes':[]", 1, 0}};
+        const char *told;
+    } cases[] = {
+        {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}],"
+         "'scenes':[{'nodes':[0]},{'nodes':[1]}],'scene':1",
+         1, 2, "scenes[0]: a scene that \"scene\" does not choose is left out; scenes[1] is shown (1 such)"},
+        {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}],"
+         "'scenes':[{'nodes':[0]},{'nodes':[1]},{'nodes':[0,1]}]",
+         1, 1, "scenes[1]: a scene that \"scene\" does not choose is left out; scenes[0] is shown (2 such)"},
+        {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}],"
+         "'scenes':[{'nodes':[0]},{},{'nodes':[0,1]}],'scene':2",
+         2, 1, NULL},
+        {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}]", 2, 1, NULL},
+        {"'nodes':[]", 1, 0, NULL}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char json[4096];
         snprintf(json, sizeof json, WITH_DATA(TRIANGLE_MESH ",%s"), cases[i].tail);
         fathom_scene *scene = read_triangle(f, json);
         assert_int_equal(scene->instances.count, cases[i].count);
         assert_vec(placed(scene, 0, (vec3_f64){0, 0, 0}), cases[i].x, 0, 0, 0);
+        assert_int_equal(f->warnings, cases[i].told != NULL);
+        if (cases[i].told) assert_non_null(strstr(f->warning, cases[i].told));
         fathom_scene_destroy(scene);
     }
 }

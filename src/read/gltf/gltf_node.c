@@ -246,6 +246,24 @@ static void note_odd_roots(gltf *g, const gltf_value *list, bool *named) {
     memset(named, 0, gltf_count(&g->nodes) * sizeof *named);
 }
 
+/* Notes the scenes of which a node is not shown. What is wrong with them does not matter. */
+static void note_other_scenes(gltf *g, uint32_t taken, const bool *shown) {
+    const json_int_t count = (json_int_t)gltf_count(&g->nodes);
+    for (size_t i = 0; i < gltf_count(&g->scenes); ++i) {
+        const gltf_value scene = {
+            .json = json_array_get(g->scenes.json, i), .parent = &g->scenes, .index = i};
+        const json_t *list = json_object_get(scene.json, "nodes");
+        bool whole = true;
+        for (size_t k = 0; k < json_array_size(list); ++k) {
+            const json_int_t node = json_integer_value(json_array_get(list, k));
+            whole &= node < 0 || node >= count || shown[node];
+        }
+        if (!whole)
+            gltf_note(g, &scene, NULL,
+                      "a scene that \"scene\" does not choose is left out; scenes[%u] is shown", taken);
+    }
+}
+
 static void walk_scene(gltf *g, walk *w) {
     uint32_t index = 0;
     gltf_value scene, list;
@@ -255,6 +273,7 @@ static void walk_scene(gltf *g, walk *w) {
     note_odd_roots(g, &list, w->shown);
     stack_children(g, w, &list, false);
     walk_down(g, w);
+    if (gltf_fine(g)) note_other_scenes(g, index, w->shown);
 }
 
 static void walk_roots(gltf *g, walk *w) {
