@@ -87,13 +87,15 @@ fathom_read_options command_read_options(const command_model *model);
         COMMAND_MODEL_ROW(settings, "variant", "NAME|N", take_text, variant, 0, 0,                           \
                           "which variant of the materials of a .gltf or .glb file, by its name or its "      \
                           "number from 0 (none)"),                                                           \
-        COMMAND_MODEL_ROW(                                                                                   \
-            settings, "up", "y|z", take_choice, up, 0, 0,                                                    \
-            "the axis that the automatic camera and its lights take as up (y); z is what CAD and scanners "  \
-            "mostly write"),                                                                                 \
         COMMAND_MODEL_ROW(settings, "unit", COMMAND_UNITS, take_choice, unit, 0, 0,                          \
                           "unit of the model's lengths. The model is scaled to metres, the unit of lights "  \
                           "and of the AOVs Z and P (m)")
+
+/* For commands that make a camera. */
+#define COMMAND_UP(settings)                                                                                 \
+    COMMAND_MODEL_ROW(settings, "up", "y|z", take_choice, up, 0, 0,                                          \
+                      "the axis that the automatic camera and its lights take as up (y); z is what CAD and " \
+                      "scanners mostly write")
 
 /* Options that most commands share. In all commands except render, they are the first member of the
  * settings. */

@@ -1,4 +1,5 @@
 #include "cli/command.h"
+#include "cli/outputs.h"
 
 #include "base/file_name.h"
 
@@ -30,7 +31,8 @@ static fathom_status convert(fathom_context *context, void *user) {
     fathom_scene *scene = NULL;
     args_problem problem;
     if (!check(settings, &problem)) return say_usage(&command_convert, problem.text);
-    fathom_status status = fathom_file_check(context, settings->output);
+    fathom_status status = outputs_check_distinct(context, &settings->output, 1, settings->input);
+    if (status == FATHOM_OK) status = fathom_file_check(context, settings->output);
     if (status == FATHOM_OK) status = fathom_scene_read_with(context, settings->input, &options, &scene);
     if (status == FATHOM_OK) status = fathom_scene_write(scene, settings->output);
     fathom_scene_destroy(scene);

@@ -252,6 +252,7 @@ static fathom_status run(int argc, char **argv) {
 static const args_option options[] = {
     {.help = "Options"},
     COMMAND_MODEL(info_settings),
+    COMMAND_UP(info_settings),
     {"json", 0, NULL, take_true, offsetof(info_settings, json), 0, 0, "as JSON"},
     COMMAND_ALLOW_OUTSIDE(command_common),
     COMMAND_THREADS,

@@ -1,4 +1,5 @@
 #include "cli/command.h"
+#include "cli/outputs.h"
 
 #include "base/clock.h"
 
@@ -29,7 +30,8 @@ static fathom_status check_and_write(fathom_context *context, void *user) {
     if (!settings->output) return say_usage(&command_texture, "-o FILE is missing");
     const fathom_texture texture = describe(settings);
     const double start = clock_seconds();
-    fathom_status status = fathom_file_check(context, settings->output);
+    fathom_status status = outputs_check_distinct(context, &settings->output, 1, settings->input);
+    if (status == FATHOM_OK) status = fathom_file_check(context, settings->output);
     if (status == FATHOM_OK) status = fathom_texture_write(context, &texture, settings->output);
     if (status != FATHOM_OK || settings->common.quiet) return say_status(&command_texture, context, status);
     struct stat info;

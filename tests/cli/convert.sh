@@ -17,5 +17,11 @@ rm -f some.glb all.json
 refused 2 'OUT: expected a name that ends in .glb, .json, .obj or .ply' convert in.obj out.stl
 refused 2 'OUT is missing' convert in.obj
 refused 3 'none.obj' convert none.obj a.glb
+# The input stays as it is, and so do files that it names.
+refused 2 'in.obj: is the input; expected another name for the output' convert in.obj in.obj
+refused 2 'in.obj: is the input; expected another name for the output' convert in.obj ./in.obj
+printf '{ "objects": [ { "type": "mesh", "file": "in.obj" } ] }' >names.json
+run 2 convert names.json in.obj
+same in.obj "$SOURCE/scenes/example.obj"
 ls -A | grep tmp && die 'a temporary file was left behind'
 exit 0

@@ -20,5 +20,6 @@ printf '{"materials": {"m": {"kdTexture": {"file": "a.png",\n"colorSpace": "mauv
 refused 3 'mauve.json:2: materials.m.kdTexture.colorSpace: no color space "mauve"; expected one of: "Linear Rec.709"' \
     render mauve.json -o b.png
 refused 2 'expected a name that ends in .tx, .tif or .tiff' texture a.png -o b.png
+refused 2 'a.tx: is the input; expected another name for the output' texture a.tx -o a.tx
 head -c 3000 a.png >cut.png
 refused 3 'cut.png: cannot be read as a texture' texture cut.png -o b.tx

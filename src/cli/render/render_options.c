@@ -139,6 +139,7 @@ static const args_option own_options[] = {
 
     {.help = "Image"},
     COMMAND_MODEL(render_options),
+    COMMAND_UP(render_options),
     {"size", 0, "WxH", take_size, FIELD(size), 1, 65536,
      "pixels (the scene's, else the shape its camera is made for, 1280 along the longer side, else "
      "1280x720)"},
