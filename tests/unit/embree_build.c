@@ -420,40 +420,6 @@ static void no_hit_lies_outside_its_interval(void **state) {
     stage_close(&s);
 }
 
-/* Lanes past the count keep every bit, and lanes that are not finite miss without harm to the others. */
-static void lanes_are_apart(void **state) {
-    (void)state;
-    stage s;
-    stage_open(&s);
-    add_ball(&s, FATHOM_ROOT, 10, 0, 1, 0, 0);
-    for (size_t i = 0; i < 4; ++i) {
-        trace_tracer *tracer = stage_embree(&s, widths[i]);
-        for (size_t count = 0; count <= 16; ++count) {
-            ray_set set = rays_new(16);
-            memset(set.blocks, 0xa5, sizeof *set.blocks);
-            const double org[3] = {0.1, 0.2, 5}, dir[3] = {0, 0, -1};
-            for (size_t k = 0; k < count; ++k) ray_set_to(&set, k, org, dir, INFINITY);
-            if (count > 2) set.blocks->rays.org_y[1] = NAN, set.blocks->rays.dir_z[count - 1] = INFINITY;
-            trace_block before = *set.blocks;
-            unsigned mode = trace_thread_begin();
-            trace_closest(tracer, set.blocks, count, TRACE_COHERENT);
-            trace_thread_end(mode);
-            for (size_t row = 0; row < sizeof before / sizeof(float) / 16; ++row) {
-                size_t past = 16 * row + count;
-                assert_memory_equal((float *)(void *)&before + past, (float *)(void *)set.blocks + past,
-                                    (16 - count) * sizeof(float));
-            }
-            for (size_t k = 0; k < count; ++k) {
-                bool broken = count > 2 && (k == 1 || k == count - 1);
-                assert_int_equal(set.blocks->hits.geometry[k], broken ? FATHOM_NONE : 0);
-            }
-            free(set.blocks);
-        }
-        trace_destroy(tracer);
-    }
-    stage_close(&s);
-}
-
 static void threads_get_their_mode_back(void **state) {
     (void)state;
 #if defined(__SSE2__)
@@ -500,7 +466,6 @@ int main(void) {
         cmocka_unit_test(tells_what_it_is),
         cmocka_unit_test(intervals_are_open),
         cmocka_unit_test(no_hit_lies_outside_its_interval),
-        cmocka_unit_test(lanes_are_apart),
         cmocka_unit_test(threads_get_their_mode_back),
         cmocka_unit_test(boxes_hide_no_sphere),
     };

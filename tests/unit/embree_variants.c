@@ -165,10 +165,8 @@ static void raw_is_settled_but_for_ties(void **state) {
 /* Lanes past the count keep every bit, and rays that are not finite miss. */
 static void lanes_are_apart(void **state) {
     (void)state;
-    static const char *const specs[] = {
-        "embree:raw:16",
-        "embree:user:4",
-    };
+    static const char *const specs[] = {"embree:1",  "embree:4",      "embree:8",
+                                        "embree:16", "embree:raw:16", "embree:user:4"};
     stage s;
     stage_open(&s);
     add_ball(&s, FATHOM_ROOT, 10, 0, 1, 0, 0);
@@ -180,6 +178,7 @@ static void lanes_are_apart(void **state) {
             const double org[3] = {0.1, 0.2, 5}, dir[3] = {0, 0, -1};
             for (size_t i = 0; i < count; ++i) ray_set_to(&set, i, org, dir, INFINITY);
             if (count > 2) set.blocks->rays.org_y[1] = NAN, set.blocks->rays.t_far[count - 1] = -1;
+            if (count > 3) set.blocks->rays.dir_z[2] = INFINITY;
             trace_block before = *set.blocks;
             unsigned mode = trace_thread_begin();
             trace_closest(tracer, set.blocks, count, TRACE_COHERENT);
@@ -192,7 +191,7 @@ static void lanes_are_apart(void **state) {
                                     (16 - count) * sizeof(float));
             }
             for (size_t i = 0; i < count; ++i) {
-                bool none = count > 2 && (i == 1 || i == count - 1);
+                bool none = count > 2 && (i == 1 || i == count - 1 || i == 2);
                 assert_int_equal(set.blocks->hits.geometry[i], none ? FATHOM_NONE : 0);
                 assert_true(shadows.t_far[i] == (none ? before.rays.t_far[i] : -INFINITY));
             }

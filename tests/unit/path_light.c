@@ -2,7 +2,7 @@
  * of their mean. A test fails beyond 5 standard errors: 6e-7 by chance (normal, two-sided). */
 #include "render.h"
 
-static const double pi = 3.14159265358979324, tiny = 1e-4;
+static const double tiny = 1e-4;
 static const double up[3] = {0, 1, 0};
 
 static stage path_open(uint32_t spp, uint32_t depth) {
