@@ -81,8 +81,8 @@ def metallic(r, directed):
     return leave_out(m)
 
 
-def solid(r):
-    m = metallic(r, False)
+def solid(r, directed):
+    m = metallic(r, directed)
     m.pop("diffuseTransmission", None)
     m.update(transmission=1, metallic=0, thickness=1, priority=r.randint(1, 255))
     maybe(r, 0.5, m, "attenuationColor", lambda: color(r, 0.1, 1))
@@ -211,7 +211,7 @@ def make(seed, folder):
         elif kind < 0.4:
             material = classic(r)
         elif kind < 0.5 and glass and o["type"] == "sphere":
-            material, glass = solid(r), False
+            material, glass = solid(r, True), False
         else:
             material = metallic(r, o["type"] != "mesh")
         materials[f"m{i}"] = material
@@ -222,7 +222,7 @@ def make(seed, folder):
         maybe(r, 0.1, o, "castsShadow", lambda: False)
         objects.append(nested(r, o, moves) if r.random() < 0.2 else o)
     if r.random() < 0.1:  # all of it under water
-        materials["water"] = solid(r)
+        materials["water"] = solid(r, False)
         objects.append({"type": "plane", "point": [0, 6, 0], "normal": [0, 1, 0], "material": "water"})
     scene = {"camera": camera, "image": {"width": 64, "height": 48, "integrator": "path", "maxDepth": r.randint(1, 10)},
              "materials": materials, "objects": objects, "lights": [light(r, folder) for _ in range(r.randint(0, 2))],

@@ -6,7 +6,8 @@
  *   again = <S>^2 <E> / (1 - <S> (1 - <E>))
  *   R = S's albedo + again (1 - E)
  *   below = <(1 - R) C>
- */
+ *
+ * Each channel of a film has its own R. */
 #include "integrate/reference_inner.h"
 
 #include <stdlib.h>
@@ -25,12 +26,26 @@ double reference_curve(const double *curve, double cosine) {
     return curve[low] + (at - low) * (curve[low + 1] - curve[low]);
 }
 
-/* The curves of facets, for the direction d in the surface's frame. */
-static double facets_at(const double curves[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1], vec3_f64 d) {
+double reference_facets(const double curves[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1], vec3_f64 d) {
     const double sum = fabs(d.x) + fabs(d.y), at = sum > 0 ? fabs(d.y) / sum * REFERENCE_TURNS : 0;
     const int low = (int)fmin(at, REFERENCE_TURNS - 1);
     const double a = reference_curve(curves[low], d.z), b = reference_curve(curves[low + 1], d.z);
     return a + (at - low) * (b - a);
+}
+
+/* The same for colours. */
+static vec3_f64 layer_at(const reference_albedos *a, vec3_f64 d) {
+    const double sum = fabs(d.x) + fabs(d.y), turn = sum > 0 ? fabs(d.y) / sum * REFERENCE_TURNS : 0;
+    const double step = sqrt(fmin(fabs(d.z), 1)) * REFERENCE_STEPS;
+    const int j = (int)fmin(turn, REFERENCE_TURNS - 1), k = (int)fmin(step, REFERENCE_STEPS - 1);
+    return blend(blend(a->layer[j][k], a->layer[j][k + 1], step - k),
+                 blend(a->layer[j + 1][k], a->layer[j + 1][k + 1], step - k), turn - j);
+}
+
+vec3_f64 reference_turned_node(int turn, int step) {
+    const double cosine = reference_node(step), sine = sqrt(1 - cosine * cosine);
+    const double y = (double)turn / REFERENCE_TURNS, length = hypot(1 - y, y);
+    return vec_f64(sine * (1 - y) / length, sine * y / length, cosine);
 }
 
 /* ---- integrals ---- */
@@ -47,16 +62,37 @@ static double fibres_reflect(const fathom_material *m, double nv) {
     return sum * 2 * PI / (RINGS * AROUND);
 }
 
-static double stretched(double along, double across, vec3_f64 d) {
+double reference_stretched(double along, double across, vec3_f64 d) {
     return length_f64(vec_f64(along * d.x, across * d.y, d.z));
 }
 
-/* Midpoint rule over half vectors, distributed like D: G2 (v·h) / ((n·v) (n·h)), and the same times (1 -
- * v·h)^5. The fraction u of D lies within the slope sqrt(u / (1 - u)) of the normal; u = 1 - q^3 makes
+/* The light that a dielectric keeps from the base, by the cosine between viewer and facet: nodes at cosines
+ * (k / LOOKS)^2. */
+enum { LOOKS = 1024 };
+typedef struct kept {
+    vec3_f64 at[LOOKS + 1];
+} kept;
+
+static void look(const fathom_material *m, kept *out) {
+    for (int k = 0; k <= LOOKS; ++k) {
+        const double x = (double)k / LOOKS;
+        out->at[k] = sub_f64(gray(1), reference_reflect(m, (double)m->ior, x * x, x * x).base);
+    }
+}
+
+static vec3_f64 kept_at(const kept *table, double cosine) {
+    const double at = sqrt(fmin(cosine, 1)) * LOOKS;
+    const int low = (int)fmin(at, LOOKS - 1);
+    return blend(table->at[low], table->at[low + 1], at - low);
+}
+
+/* Midpoint rule over half vectors, distributed like D: G2 (v·h) / ((n·v) (n·h)), and the same times what the
+ * layer keeps. The fraction u of D lies within the slope sqrt(u / (1 - u)) of the normal; u = 1 - q^3 makes
  * midpoints denser at steep slopes, so that the error of both albedos is at most 3e-4 for alpha >= 0.02. */
-static void facets_reflect(double along, double across, vec3_f64 v, double *all, double *edge) {
+static void facets_reflect(double along, double across, vec3_f64 v, const kept *table, double *all,
+                           vec3_f64 *layer) {
     enum { RINGS = 128, AROUND = 64 };
-    *all = *edge = 0;
+    *all = 0, *layer = gray(0);
     for (int i = 0; i < RINGS * AROUND; ++i) {
         const double q = (i / AROUND + 0.5) / RINGS, phi = 2 * PI * (i % AROUND + 0.5) / AROUND;
         const double slope = sqrt(1 / (q * q * q) - 1);
@@ -64,26 +100,26 @@ static void facets_reflect(double along, double across, vec3_f64 v, double *all,
         const double vh = dot_f64(v, h);
         const vec3_f64 l = sub_f64(scale_f64(2 * vh, h), v);
         if (!(vh > 0 && l.z > 0)) continue;
-        const double g = l.z * stretched(along, across, v) + v.z * stretched(along, across, l);
+        const double g =
+            l.z * reference_stretched(along, across, v) + v.z * reference_stretched(along, across, l);
         const double part = 3 * q * q * 2 * l.z * vh / (g * h.z) / (RINGS * AROUND);
-        *all += part, *edge += part * pow(1 - vh, 5);
+        *all += part, *layer = madd_f64(*layer, part, kept_at(table, vh));
     }
 }
 
-static void make_facets(const fathom_material *m, reference_albedos *out) {
+static void make_facets(const fathom_material *m, const kept *table, reference_albedos *out) {
     const double across = reference_alpha(m), along = reference_alpha_along(m);
     for (int i = 0; i < (REFERENCE_TURNS + 1) * (REFERENCE_STEPS + 1); ++i) {
         const int turn = i / (REFERENCE_STEPS + 1), step = i % (REFERENCE_STEPS + 1);
-        const double cosine = reference_node(step), sine = sqrt(1 - cosine * cosine);
-        const double y = (double)turn / REFERENCE_TURNS, length = hypot(1 - y, y);
-        const vec3_f64 v = {sine * (1 - y) / length, sine * y / length, cosine};
-        double *all = &out->facets[turn][step], *edge = &out->edge[turn][step];
+        const vec3_f64 v = reference_turned_node(turn, step);
+        double *all = &out->facets[turn][step];
+        vec3_f64 *layer = &out->layer[turn][step];
         if (turn && along == across)
-            *all = out->facets[0][step], *edge = out->edge[0][step];
+            *all = out->facets[0][step], *layer = out->layer[0][step];
         else if (along > 0)
-            facets_reflect(along, across, v, all, edge);
+            facets_reflect(along, across, v, table, all, layer);
         else
-            *all = 1, *edge = pow(1 - cosine, 5);
+            *all = 1, *layer = kept_at(table, v.z);
     }
 }
 
@@ -100,64 +136,64 @@ static double again_of(double reflectance, double mean) {
     return reflectance * reflectance * mean / (1 - reflectance * (1 - mean));
 }
 
-/* The layer over the base: a film counts as a Schlick curve that is nowhere below it. */
-static void make_layer(const fathom_material *m, reference_albedos *out) {
-    enum { LOOKS = 256 };
-    out->low = largest(reference_reflect(m, (double)m->ior, 1, 1).dielectric);
-    out->high = m->iridescence > 0 ? 1 : (double)m->specular_factor;
-    for (int k = 1; k < LOOKS && m->iridescence > 0; ++k) {
-        const double cosine = (double)k / LOOKS * k / LOOKS, rise = pow(1 - cosine, 5);
-        const double film = largest(reference_reflect(m, (double)m->ior, cosine, cosine).dielectric);
-        out->low = fmin(fmax(out->low, (film - rise) / (1 - rise)), 1);
-    }
+static vec3_f64 again_each(vec3_f64 reflectance, double mean) {
+    return vec_f64(again_of(reflectance.x, mean), again_of(reflectance.y, mean),
+                   again_of(reflectance.z, mean));
 }
 
 static void make_again(const fathom_material *m, reference_albedos *out) {
     const double metallic = (double)m->metallic;
+    const double solid = reference_is_rough_glass(m) ? 1 - (double)m->transmission : 1,
+                 part = 1.0 / (RINGS * AROUND);
     double mean = 0;
-    vec3_f64 base = gray(0), metal = gray(0);
+    vec3_f64 base = gray(0), metal = gray(0), layer = gray(0);
     for (int i = 0; i < RINGS * AROUND; ++i) {
         const vec3_f64 d = spread(i);
         const reference_reflectances f = reference_reflect(m, (double)m->ior, d.z, d.z);
-        mean += facets_at(out->facets, d) / (RINGS * AROUND);
-        base = madd_f64(base, 1.0 / (RINGS * AROUND), f.dielectric);
-        metal = madd_f64(metal, 1.0 / (RINGS * AROUND), f.metal);
+        mean += part * reference_facets(out->facets, d);
+        base = madd_f64(base, part, f.dielectric);
+        metal = madd_f64(metal, part, f.metal);
+        layer = madd_f64(layer, part, sub_f64(gray(1), f.base));
     }
-    const vec3_f64 both = blend(base, metal, metallic);
-    const double solid = reference_is_rough_glass(m) ? 1 - (double)m->transmission : 1;
-    const vec3_f64 layer = {again_of(base.x, mean), again_of(base.y, mean), again_of(base.z, mean)};
-    const vec3_f64 parts =
-        blend(scale_f64(solid, layer),
-              vec_f64(again_of(metal.x, mean), again_of(metal.y, mean), again_of(metal.z, mean)), metallic);
-    out->again_inside = scale_f64(
-        metallic, vec_f64(again_of(metal.x, mean), again_of(metal.y, mean), again_of(metal.z, mean)));
-    /* A film covers the mixture of metal and dielectric. */
-    out->again = m->iridescence > 0
-                     ? vec_f64(again_of(both.x, mean), again_of(both.y, mean), again_of(both.z, mean))
-                     : parts;
-    out->again_base = again_of(out->low + (out->high - out->low) / 21, mean);
+    out->again = blend(scale_f64(solid, again_each(base, mean)), again_each(metal, mean), metallic);
+    out->again_inside = scale_f64(metallic, again_each(metal, mean));
+    out->again_base = again_each(layer, mean);
     out->lost = 1 - mean;
 }
 
-static double under(const reference_albedos *a, vec3_f64 d) {
-    const double all = facets_at(a->facets, d), edge = facets_at(a->edge, d);
-    return 1 - a->low * (all - edge) - a->high * edge - a->again_base * (1 - all);
+static vec3_f64 under(const reference_albedos *a, vec3_f64 d) {
+    const double all = reference_facets(a->facets, d);
+    return sub_f64(gray(1), madd_f64(layer_at(a, d), 1 - all, a->again_base));
 }
 
 static void make_even(const fathom_material *m, reference_albedos *out) {
-    make_facets(m, out);
-    make_layer(m, out);
+    kept table;
+    look(m, &table);
+    make_facets(m, &table, out);
     make_again(m, out);
     for (int i = 0; i < RINGS * AROUND; ++i) {
         const vec3_f64 d = spread(i);
-        out->below += under(out, d) * (1 - reference_curve(out->coat, d.z)) / (RINGS * AROUND);
+        const double share = (1 - reference_curve(out->coat, d.z)) / (RINGS * AROUND);
+        out->below = madd_f64(out->below, share, under(out, d));
     }
+}
+
+/* The coat, whose index is 1.5. */
+static double coat_albedo(const fathom_material *m, double cosine) {
+    const double alpha = reference_coat_alpha(m);
+    kept table;
+    double all;
+    vec3_f64 layer;
+    for (int k = 0; k <= LOOKS; ++k)
+        table.at[k] = gray(0.04 + 0.96 * pow(1 - (double)k / LOOKS * k / LOOKS, 5));
+    if (!(alpha > 0)) return kept_at(&table, cosine).x;
+    facets_reflect(alpha, alpha, vec_f64(sqrt(1 - cosine * cosine), 0, cosine), &table, &all, &layer);
+    return layer.x;
 }
 
 bool reference_albedos_make(const fathom_material *m, const double *around, unsigned count,
                             reference_albedos **out) {
     const bool sheen = largest(color_of(m->sheen_color)) > 0, coat = m->clearcoat > 0;
-    const double alpha = reference_coat_alpha(m);
     *out = NULL;
     if (m->model == FATHOM_MODEL_CLASSIC || !(sheen || coat || m->multiscatter)) return true;
     const unsigned glasses = m->multiscatter && reference_is_rough_glass(m) ? count : 0;
@@ -165,13 +201,8 @@ bool reference_albedos_make(const fathom_material *m, const double *around, unsi
     if (!*out) return false;
     for (int i = 0; i <= REFERENCE_STEPS; ++i) {
         const double cosine = reference_node(i);
-        double all, edge = pow(1 - cosine, 5);
         if (sheen) (*out)->sheen[i] = fibres_reflect(m, cosine);
-        if (!coat) continue;
-        all = 1;
-        if (alpha > 0)
-            facets_reflect(alpha, alpha, vec_f64(sqrt(1 - cosine * cosine), 0, cosine), &all, &edge);
-        (*out)->coat[i] = (double)m->clearcoat * (0.04 * all + 0.96 * edge);
+        if (coat) (*out)->coat[i] = (double)m->clearcoat * coat_albedo(m, cosine);
     }
     if (m->multiscatter) make_even(m, *out);
     (*out)->glasses = glasses;
@@ -182,15 +213,16 @@ bool reference_albedos_make(const fathom_material *m, const double *around, unsi
 
 /* ---- at a surface ---- */
 
-static vec3_f64 in_frame(const reference_surface *s, vec3_f64 d) {
+vec3_f64 reference_in_frame(const reference_surface *s, vec3_f64 d) {
     return vec_f64(dot_f64(d, s->along), dot_f64(d, cross_f64(s->normal, s->along)), dot_f64(d, s->normal));
 }
 
 double reference_again(const reference_surface *s, vec3_f64 l) {
     const reference_albedos *a = s->albedos;
     if (!s->material->multiscatter || !(a->lost > 1e-6)) return 0;
-    const double from_l = facets_at(a->facets, in_frame(s, l));
-    return (1 - from_l) * (1 - facets_at(a->facets, in_frame(s, s->to_viewer))) / (PI * a->lost);
+    const double from_l = reference_facets(a->facets, reference_in_frame(s, l));
+    return (1 - from_l) * (1 - reference_facets(a->facets, reference_in_frame(s, s->to_viewer))) /
+           (PI * a->lost);
 }
 
 bool reference_is_inside(const reference_surface *s) {
@@ -199,10 +231,13 @@ bool reference_is_inside(const reference_surface *s) {
 }
 
 /* Light that crosses into a solid is as without `multiscatter`. */
-double reference_base(const reference_surface *s, vec3_f64 l, double plain) {
+vec3_f64 reference_base(const reference_surface *s, vec3_f64 l, vec3_f64 plain) {
     const reference_albedos *a = s->albedos;
     const bool behind = s->behind && reference_refracts(s->material) && s->material->ior != 1;
-    if (reference_is_inside(s) && dot_f64(s->normal, l) > 0) return 1;
+    if (reference_is_inside(s) && dot_f64(s->normal, l) > 0) return gray(1);
     if (!s->material->multiscatter || behind) return plain;
-    return a->below > 1e-4 ? under(a, in_frame(s, l)) * under(a, in_frame(s, s->to_viewer)) / a->below : 0;
+    const vec3_f64 both =
+        times(under(a, reference_in_frame(s, l)), under(a, reference_in_frame(s, s->to_viewer)));
+    return vec_f64(a->below.x > 1e-4 ? both.x / a->below.x : 0, a->below.y > 1e-4 ? both.y / a->below.y : 0,
+                   a->below.z > 1e-4 ? both.z / a->below.z : 0);
 }

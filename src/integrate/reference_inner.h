@@ -76,22 +76,23 @@ typedef struct reference_primitive {
 /* Albedos of a metallic-roughness material's layers. Curves over the cosine mu have nodes at mu = (k /
  * REFERENCE_STEPS)^2; curves of facets exist for several azimuths, from the axis of the larger alpha to that
  * of the other. */
-enum { REFERENCE_STEPS = 128, REFERENCE_TURNS = 8 };
+enum { REFERENCE_STEPS = 128, REFERENCE_TURNS = 16 };
 /* Constants of rough glass for an index relative to its surroundings. `missing` is the light that the first
  * scattering leaves over, seen from outside and from inside; again and cross are its factors
  * (reference_glass.c). */
 typedef struct reference_glass {
-    double ior, missing[2][REFERENCE_STEPS + 1], again[2], cross[2];
+    double ior, missing[2][REFERENCE_TURNS + 1][REFERENCE_STEPS + 1], again[2], cross[2];
 } reference_glass;
 
 typedef struct reference_albedos {
     double coat[REFERENCE_STEPS + 1],
         sheen[REFERENCE_STEPS + 1]; /* coat: times the coat's strength; sheen: of white fibres */
-    double facets[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1]; /* for a reflectance of 1 */
-    double edge[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1];   /* for (1 - v·h)^5 */
+    double facets[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1];  /* for a reflectance of 1 */
+    vec3_f64 layer[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1]; /* of the dielectric over the base */
     /* For `multiscatter` (Kulla & Conty 2017), see reference_energy.c. */
     vec3_f64 again, again_inside; /* again_inside: viewed from inside a solid */
-    double again_base, low, high, below, lost;
+    vec3_f64 again_base, below;
+    double lost;
     unsigned glasses;
     reference_glass glass[];
 } reference_albedos;
@@ -168,7 +169,7 @@ const char *reference_lacks(const fathom_material *m);
 /* Reflectances of dielectric and metal. */
 typedef struct reference_reflectances {
     vec3_f64 dielectric, metal;
-    double base; /* fraction that the dielectric transmits to the base under it */
+    vec3_f64 base; /* fractions that the dielectric transmits to the base under it */
 } reference_reflectances;
 /* Schlick's reflectance, with the film; cosine: between v and h. slant: the same cosine in the thinner
  * medium, negative at total reflection. */
@@ -238,13 +239,20 @@ bool reference_albedos_make(const fathom_material *m, const double *around, unsi
 double reference_node(int i);
 /* The value of a curve of reference_albedos. */
 double reference_curve(const double *curve, double cosine);
+/* The value of curves of facets, for the direction d in the surface's frame; and d in that frame. */
+double reference_facets(const double curves[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1], vec3_f64 d);
+vec3_f64 reference_in_frame(const reference_surface *s, vec3_f64 d);
+/* The direction of a node of these curves. */
+vec3_f64 reference_turned_node(int turn, int step);
+/* The length of d where the facets of these alphas are a hemisphere. */
+double reference_stretched(double along, double across, vec3_f64 d);
 /* (1 - E(v)) (1 - E(l)) / (pi <1 - E>); 0 without `multiscatter`. */
 double reference_again(const reference_surface *s, vec3_f64 l);
 /* True if the viewer is inside a solid, whose base has no layer. */
 bool reference_is_inside(const reference_surface *s);
 /* The fraction of light from l that reaches the base and then v. plain: that fraction without
  * `multiscatter`. */
-double reference_base(const reference_surface *s, vec3_f64 l, double plain);
+vec3_f64 reference_base(const reference_surface *s, vec3_f64 l, vec3_f64 plain);
 
 /* ---- reference_glass.c ---- */
 

@@ -122,7 +122,10 @@ reference_reflectances reference_reflect(const fathom_material *m, double ior, d
     vec3_f64 metal = blend(color, one, metal_rise);
     if (mix > 0) dielectric = blend(dielectric, reference_film(m, f0_limited, cosine), mix);
     if (mix > 0) metal = blend(metal, reference_film(m, color, cosine), mix);
-    return (reference_reflectances){dielectric, metal, 1 - largest(dielectric)};
+    /* With `multiscatter`, each channel of a film keeps from the base what it reflects itself. */
+    const bool each = mix > 0 && m->multiscatter;
+    return (reference_reflectances){dielectric, metal,
+                                    sub_f64(one, each ? dielectric : gray(largest(dielectric)))};
 }
 
 /* Refraction uses the cosine on the side of the smaller index, so that both directions of a path have the
@@ -224,7 +227,7 @@ static reference_scatter metallic_scatter(const reference_surface *s) {
     reference_scatter out = {.front = smooth && !is_covered(m) ? largest(base) * (diffuse - behind) : 0.5,
                              .back = (clear ? 0 : 0.2 * through * largest(base)) + behind * largest(leaf),
                              .facets = smooth ? 0 : largest(blend(f.dielectric, f.metal, metallic)),
-                             .through = clear ? 0 : through * largest(base) * fmax(f.base, 0.1),
+                             .through = clear ? 0 : through * largest(base) * fmax(largest(f.base), 0.1),
                              .coat =
                                  reference_coat_alpha(m) > 0 ? (double)m->clearcoat * coat_reflects(nv) : 0};
     if (m->clearcoat > 0 && reference_coat_alpha(m) == 0)
@@ -233,15 +236,15 @@ static reference_scatter metallic_scatter(const reference_surface *s) {
     if (smooth) add_beam(&out, mirror_direction(s), scale_f64(below, blend(layer, f.metal, metallic)));
     if (clear)
         add_beam(&out, reference_refracts(m) ? refracted_direction(s) : neg_f64(s->to_viewer),
-                 scale_f64(through * f.base, base));
+                 scale_f64(through, times(f.base, base)));
     return out;
 }
 
 /* Lambert's lobe on either side. */
-static vec3_f64 diffuse_of(const fathom_material *m, bool behind, double base) {
+static vec3_f64 diffuse_of(const fathom_material *m, bool behind, vec3_f64 base) {
     const double part = (double)m->diffuse_transmission;
     const vec3_f64 color = color_of(behind ? m->diffuse_transmission_color : m->base_color);
-    return scale_f64((1 - (double)m->transmission) * (behind ? part : 1 - part) * base / PI, color);
+    return scale_f64((1 - (double)m->transmission) * (behind ? part : 1 - part) / PI, times(base, color));
 }
 
 static vec3_f64 metallic_reflect(const reference_surface *s, vec3_f64 l, vec3_f64 h) {
@@ -278,12 +281,13 @@ static vec3_f64 metallic_transmit(const reference_surface *s, vec3_f64 l) {
     const vec3_f64 h = normalize_f64(add_f64(s->to_viewer, front));
     const double again = reference_refracts(m) ? 0 : reference_again(s, l) * (double)m->transmission;
     vec3_f64 sum = diffuse_of(m, true, reference_base(s, l, reflect_of(s, dot_f64(h, s->to_viewer)).base));
-    if (again > 0) sum = madd_f64(sum, again * (1 - s->albedos->again_base), color_of(m->base_color));
+    if (again > 0)
+        sum = madd_f64(sum, again, times(sub_f64(gray(1), s->albedos->again_base), color_of(m->base_color)));
     if (!passes_clear(s) && m->transmission > 0) {
         double cosine;
         const double lobe = transmitted_lobe(s, l, front, &cosine);
-        const double both = reflect_of(s, cosine).base * lobe + reference_glass_again(s, l);
-        sum = madd_f64(sum, (double)m->transmission * both, color_of(m->base_color));
+        const vec3_f64 both = madd_f64(gray(reference_glass_again(s, l)), lobe, reflect_of(s, cosine).base);
+        sum = madd_f64(sum, (double)m->transmission, times(both, color_of(m->base_color)));
     }
     return scale_f64(1 - (double)m->metallic, sum);
 }

@@ -69,9 +69,13 @@ static float part_of(int node) {
     return (float)(sum / (FINE * ENERGY_TURNS) * (2 / 3.14159265358979));
 }
 
+void energy_turn_parts(float parts[ENERGY_TURNS + 1]) {
+    for (int j = 0; j <= ENERGY_TURNS; ++j) parts[j] = part_of(j);
+}
+
 static void fill(float ax, float ay, energy_table *out) {
     float part[ENERGY_TURNS + 1];
-    for (int j = 0; j <= ENERGY_TURNS; ++j) part[j] = part_of(j);
+    energy_turn_parts(part);
     for (int k = 0; k < ENERGY_NODES; ++k) {
         const float w = (float)k / ENERGY_STEPS, mu = fmaxf(w * w * (w * w), 1e-6f);
         for (int j = 0; j <= ENERGY_TURNS; ++j) {

@@ -3,8 +3,10 @@
  * over the colour matching functions as Gaussians in Fourier space. Both interfaces have Schlick's
  * reflectance; phases are 0 or pi. */
 #include "material/layers.h"
+#include "material/mixture.h"
 
 #include <math.h>
+#include <string.h>
 
 #define PI 3.14159265358979323846
 
@@ -60,44 +62,75 @@ static void reflectance(const fathom_material *m, const float f0[3], double cosi
     for (int c = 0; c < 3; ++c) rgb[c] = fmin(fmax(rgb[c], 0), 1);
 }
 
-/* The smallest f0 for which f0 + (1 - f0) (1 - cosine)^5 is nowhere below the film's reflectance. */
-static float bound(const float film[FILM_STEPS + 1]) {
-    float most = 0;
-    for (int k = 1; k <= FILM_STEPS; ++k) {
-        const float x = (float)k / FILM_STEPS, less = 1 - x * x, rise = less * less * (less * less) * less;
-        most = fmaxf(most, (film[k] - rise) / (1 - rise));
-    }
-    return fminf(most, 1);
-}
-
-void prepare_film(const fathom_material *m, const float layer[3], shader *out) {
-    const float part = m->iridescence, metal = m->metallic, base = 1 - metal, s = m->specular_factor;
-    for (int k = 0; k <= FILM_STEPS; ++k) {
-        const double x = (double)k / FILM_STEPS, rise = pow(1 - x * x, 5);
-        double over_metal[3], over_base[3], most = 0;
-        reflectance(m, m->base_color, x * x, over_metal);
-        reflectance(m, layer, x * x, over_base);
-        for (int c = 0; c < 3; ++c) {
-            const double dielectric =
-                (double)part * over_base[c] +
-                (1 - (double)part) * ((double)layer[c] + ((double)s - (double)layer[c]) * rise);
-            const double b = (double)m->base_color[c];
-            const double conductor = (double)part * over_metal[c] + (1 - (double)part) * (b + (1 - b) * rise);
-            out->film[c][k] = (float)((double)base * dielectric + (double)metal * conductor);
-            most = fmax(most, dielectric);
-        }
-        out->film[3][k] = (float)most;
-    }
-    out->layer0 = bound(out->film[3]), out->layer90 = 1;
-    out->lobes |= SHADER_FILM | SHADER_LAYER;
-}
-
 /* With mu = x^2: 4 ∫ f x^3 dx, by Simpson's rule. */
-float film_mean(const float curve[FILM_STEPS + 1]) {
+static float mean_of(const float curve[FILM_STEPS + 1]) {
     float sum = 0;
     for (int k = 0; k <= FILM_STEPS; ++k) {
         const float x = (float)k / FILM_STEPS, weight = k == 0 || k == FILM_STEPS ? 1 : (k % 2 ? 4 : 2);
         sum += weight * curve[k] * x * x * x;
     }
     return sum * 4 / (3.0f * FILM_STEPS);
+}
+
+typedef float film_curves[3][FILM_STEPS + 1];
+
+static double plain(float f0, float f90, double rise) {
+    return (double)f0 + ((double)f90 - (double)f0) * rise;
+}
+
+/* glTF's bare formulas keep from the base what the brightest channel reflects. With `multiscatter` each
+ * channel of the film keeps what it reflects itself, so that nothing is lost; where there is no film the
+ * brightest channel still counts for all (KHR_materials_specular). */
+static void set_node(const fathom_material *m, const float layer[3], int k, film_curves dielectric,
+                     film_curves metal, film_curves kept) {
+    const float most_layer = fmaxf(layer[0], fmaxf(layer[1], layer[2])), s = m->specular_factor;
+    const double x = (double)k / FILM_STEPS, rise = pow(1 - x * x, 5), part = (double)m->iridescence;
+    double over_metal[3], over_base[3], most = 0;
+    reflectance(m, m->base_color, x * x, over_metal);
+    reflectance(m, layer, x * x, over_base);
+    for (int c = 0; c < 3; ++c) {
+        const double reflected = part * over_base[c] + (1 - part) * plain(layer[c], s, rise);
+        dielectric[c][k] = (float)reflected, most = fmax(most, reflected);
+        metal[c][k] = (float)(part * over_metal[c] + (1 - part) * plain(m->base_color[c], 1, rise));
+        kept[c][k] = (float)(part * over_base[c] + (1 - part) * plain(most_layer, s, rise));
+    }
+    for (int c = 0; c < 3 && !m->multiscatter; ++c) kept[c][k] = (float)most;
+}
+
+void prepare_film(const fathom_material *m, const float layer[3], shader *out, film_means *means) {
+    film_curves dielectric, metal;
+    for (int k = 0; k <= FILM_STEPS; ++k) set_node(m, layer, k, dielectric, metal, out->film_kept);
+    out->layer0 = out->layer90 = 0;
+    for (int c = 0; c < 3; ++c) {
+        for (int k = 0; k <= FILM_STEPS; ++k)
+            out->film[c][k] = (1 - m->metallic) * dielectric[c][k] + m->metallic * metal[c][k];
+        means->dielectric[c] = mean_of(dielectric[c]), means->metal[c] = mean_of(metal[c]);
+        means->kept[c] = mean_of(out->film_kept[c]);
+        out->layer0 += out->film_kept[c][FILM_STEPS] * (1 / 3.0f);
+        out->layer90 += out->film_kept[c][0] * (1 / 3.0f);
+    }
+    out->lobes |= SHADER_FILM | SHADER_LAYER;
+}
+
+/* Schlick's part of the reflectance has the albedos of the tables, which depend on the azimuth; what the film
+ * differs from it by has the mean over the azimuth. */
+void prepare_film_base(const film_means *means, float mean, shader *out) {
+    const bool smooth = !(out->lobes & (SHADER_GGX | SHADER_THIN | SHADER_REFRACT));
+    out->film_high = out->film_kept[0][0];
+    for (int c = 0; c < 3; ++c) {
+        float rest[FILM_STEPS + 1];
+        const float low = out->film_kept[c][FILM_STEPS];
+        for (int k = 0; k <= FILM_STEPS; ++k) {
+            const float x = (float)k / FILM_STEPS, less = 1 - x * x,
+                        rise = less * less * (less * less) * less;
+            rest[k] = out->film_kept[c][k] - (low + (out->film_high - low) * rise);
+        }
+        memset(out->film_rest[c], 0, sizeof out->film_rest[c]);
+        if (smooth)
+            memcpy(out->film_rest[c], rest, sizeof rest);
+        else
+            energy_facets(out->along, out->alpha, rest, out->film_rest[c]);
+        out->film_low[c] = low;
+        out->film_again[c] = mixture_again(means->kept[c], means->kept[c], mean);
+    }
 }

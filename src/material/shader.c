@@ -87,8 +87,8 @@ static void find_means(float alpha, shader *out, float *mean, float *mean_edge) 
     *mean = energy_mean(all), *mean_edge = energy_mean(edge);
 }
 
-/* The mean fraction of light that reaches the base through layer and coat. */
-static float mean_below_coat(const shader *out) {
+/* The mean fraction of a channel's light that reaches the base through layer and coat. */
+static float mean_below(const shader *out, int c) {
     float all[ENERGY_NODES], edge[ENERGY_NODES];
     if (out->lobes & SHADER_STRETCHED) {
         energy_stretched_curves(&out->stretch, all, edge);
@@ -96,22 +96,31 @@ static float mean_below_coat(const shader *out) {
         for (int k = 0; k < ENERGY_NODES; ++k)
             all[k] = energy_all(&out->facets, k), edge[k] = energy_edge(&out->facets, k);
     }
-    for (int k = 0; k < ENERGY_NODES; ++k)
-        all[k] = shader_under(out, all[k], edge[k]) * shader_below_coat(out, k);
+    for (int k = 0; k < ENERGY_NODES; ++k) {
+        const float x = (float)k / ENERGY_STEPS;
+        const float under =
+            out->lobes & SHADER_FILM
+                ? film_under(out, c, all[k], edge[k], film_read(out->film_rest[c], x * x * (x * x)))
+                : shader_under(out, all[k], edge[k]);
+        all[k] = under * shader_below_coat(out, k);
+    }
     return energy_mean(all);
 }
 
-/* Q of shader.h for a channel, with the <S> of metal and dielectric together under a film. */
-static float again_film(const shader *out, int c, float mean) {
-    const float reflected = film_mean(out->film[c]);
-    return reflected * reflected * mean / (1 - reflected * (1 - mean));
+static void find_missing(float alpha, shader *out) {
+    if (!(out->lobes & SHADER_STRETCHED)) {
+        energy_glass(alpha, out->eta, out->layer0, out->layer90, out->glass_missing);
+        return;
+    }
+    energy_glass_stretched(out->along, out->alpha, out->eta, out->layer0, out->layer90, &out->glass_stretch);
+    energy_glass_stretched_curves(&out->glass_stretch, out->glass_missing);
 }
 
 /* The factors of light that leaves rough glass after more than one scattering. part: weight of the glass. */
 static void prepare_glass(float alpha, float part, shader *out) {
     const float open = 1 - (out->layer0 + (out->layer90 - out->layer0) * (1 / 21.0f)), eta = out->eta;
     float lost[2];
-    energy_glass(alpha, eta, out->layer0, out->layer90, out->glass_missing);
+    find_missing(alpha, out);
     for (int side = 0; side < 2; ++side) {
         lost[side] = energy_mean(out->glass_missing[side]);
         energy_sums(out->glass_missing[side], out->glass_sums[side]);
@@ -126,29 +135,46 @@ static void prepare_glass(float alpha, float part, shader *out) {
             out->glass_again_cross[side][c] = out->cross[c] * crosses * mixture_scale(lost[!side]);
     }
     out->glass_part = part;
-    out->lobes |= SHADER_GLASS_AGAIN;
-    if (!(out->lobes & (SHADER_FILM | SHADER_STRETCHED))) out->lobes |= SHADER_GLASS;
+    out->lobes |= SHADER_GLASS;
 }
 
-static void prepare_even(const fathom_material *m, const mixture *x, float alpha, shader *out) {
+/* The means of the light that reaches the base, by which its lobes are divided. */
+static void prepare_base(const film_means *film, float mean, float mean_edge, shader *out) {
+    out->layer_again = mixture_again(out->layer0, out->layer90, mean);
+    if (out->lobes & SHADER_FILM) {
+        prepare_film_base(film, mean, out);
+        for (int c = 0; c < 3; ++c) out->film_lift[c] = mixture_lifted(1, mean_below(out, c));
+        return;
+    }
+    out->mean_under = mixture_under(out->layer0, out->layer90, out->layer_again, mean, mean_edge);
+    if (out->lobes & SHADER_COATED) out->mean_under = mean_below(out, 0);
+    for (int c = 0; c < 3; ++c) {
+        out->diffuse[c] = mixture_lifted(out->diffuse[c], out->mean_under);
+        out->leaf[c] = mixture_lifted(out->leaf[c], out->mean_under);
+    }
+}
+
+static void prepare_even(const fathom_material *m, const mixture *x, const film_means *film, float alpha,
+                         shader *out) {
     const float glass = out->lobes & SHADER_REFRACT ? (1 - x->metal) * m->transmission : 0;
+    const bool filmed = out->lobes & SHADER_FILM;
     float mean, mean_edge;
     find_means(alpha, out, &mean, &mean_edge);
-    const float layer_again = mixture_again(out->layer0, out->layer90, mean), scale = mixture_scale(1 - mean);
-    out->layer_again = layer_again;
-    out->mean_under = mixture_under(out->layer0, out->layer90, layer_again, mean, mean_edge);
-    if (out->lobes & SHADER_COATED) out->mean_under = mean_below_coat(out);
+    prepare_base(film, mean, mean_edge, out);
+    const float scale = mixture_scale(1 - mean);
     for (int c = 0; c < 3; ++c) {
-        const float layer = mixture_again(x->layer[c], m->specular_factor, mean);
-        const float plain = mixed(layer, mixture_again(m->base_color[c], 1, mean), x->metal) - glass * layer;
-        const float q = out->lobes & SHADER_FILM ? again_film(out, c, mean) * (1 - glass) : plain;
+        const float *d = film->dielectric, *b = film->metal;
+        const float layer =
+            filmed ? mixture_again(d[c], d[c], mean) : mixture_again(x->layer[c], m->specular_factor, mean);
+        const float metal =
+            filmed ? mixture_again(b[c], b[c], mean) : mixture_again(m->base_color[c], 1, mean);
+        const float q = mixed(layer, metal, x->metal) - glass * layer;
         out->again[c] = q * scale;
         if (out->lobes & SHADER_SOLID)
             out->base_again[c] = (1 - x->metal) * (1 - m->transmission) * layer * scale;
         out->missing_share += q * (1 / 3.0f);
-        if (out->lobes & SHADER_THIN) out->again_cross[c] = out->cross[c] * (1 - layer_again) * scale;
-        out->diffuse[c] = mixture_lifted(out->diffuse[c], out->mean_under);
-        out->leaf[c] = mixture_lifted(out->leaf[c], out->mean_under);
+        const float kept = filmed ? out->film_again[c] : out->layer_again;
+        if (out->lobes & SHADER_THIN) out->again_cross[c] = out->cross[c] * (1 - kept) * scale;
     }
     if (glass > 0) prepare_glass(alpha, glass, out);
     out->even = ~0u;
@@ -193,7 +219,7 @@ static void cover(float opacity, shader *out) {
                               out->highlight,  out->k_t,     out->leaf,        out->sheen,
                               out->metal_rise, out->base_f0, out->base_again};
     for (size_t i = 0; i < sizeof colours / sizeof *colours; ++i) scale(opacity, colours[i]);
-    for (int side = 0; side < 2 && out->lobes & SHADER_GLASS_AGAIN; ++side) {
+    for (int side = 0; side < 2 && out->lobes & SHADER_GLASS; ++side) {
         scale(opacity, out->glass_again_cross[side]);
         out->glass_again[side] *= opacity;
     }
@@ -222,6 +248,7 @@ static void prepare_solid(const fathom_material *m, const mixture *x, shader *ou
  * left for the base under the dielectric depends on the largest channel (KHR_materials_specular). */
 static void prepare_metallic(const fathom_material *m, shader *out) {
     const mixture x = mixture_of(m);
+    film_means means = {{0}, {0}, {0}};
     const float alpha = m->roughness * m->roughness, base = 1 - x.metal, film = m->iridescence;
     const float along = mixed(alpha, 1, m->anisotropy * m->anisotropy);
     const bool shiny = x.f90 > 0 || any(x.f0) || film > 0, smooth = along < SHADER_SMOOTH_ALPHA;
@@ -242,7 +269,7 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     out->ior = m->ior, out->priority = m->priority;
     out->lobes = (any(out->diffuse) ? SHADER_DIFFUSE : 0u) | (out->layer90 > 0 ? SHADER_LAYER : 0u) |
                  (shiny && !smooth ? SHADER_GGX : 0u) | (shiny && smooth ? SHADER_MIRROR : 0u);
-    if (film > 0) prepare_film(m, x.layer, out);
+    if (film > 0) prepare_film(m, x.layer, out, &means);
     out->lobes |= crossing_lobe(m, along, out);
     if (along > out->alpha && out->lobes & (SHADER_GGX | SHADER_THIN | SHADER_REFRACT))
         out->lobes |= SHADER_STRETCHED;
@@ -255,7 +282,7 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     prepare_absorption(m, out);
     if (any(m->sheen_color)) prepare_sheen(m, out);
     prepare_coat(m, out);
-    if (m->multiscatter) prepare_even(m, &x, alpha, out);
+    if (m->multiscatter) prepare_even(m, &x, &means, alpha, out);
 }
 
 void shader_emission(const fathom_material *m, float out[3]) {

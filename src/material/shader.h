@@ -36,7 +36,8 @@
  * the reflected light and (1 - m) T c q M_i(v) M_o(l) / (pi <M_o>) to the transmitted light, instead of the
  * dielectric's Q. q = <1 - L> <M_o> / max(<M_i>, <M_o>) makes both reciprocal: <1 - L> is the mean light that
  * a smooth surface transmits to the viewer's side, 1 / eta^2 times as much on the side of the denser medium.
- * A of anisotropic glass is that of its smaller alpha: it loses light, but gains none.
+ * A of anisotropic glass depends on the azimuth, too. A of glass with a film is that of Schlick's reflectance
+ * with the film's mean over the channels at normal incidence: up to 2 % of the light is lost or gained.
  *
  * White materials therefore reflect and transmit all light.
  *
@@ -60,8 +61,11 @@
  *
  * anisotropy: GGX's alpha is mix(α, 1, anisotropy²) along the tangent, rotated by anisotropyRotation, and α
  * across it; surfaces without texture coordinates take an arbitrary tangent. iridescence: S is mixed with the
- * reflectance of a thin film on it (film.c), and the film's largest channel does not reach the base; if the
- * base has the weight 1 - R, R is that of a layer that reflects at least as much as the film at every angle.
+ * reflectance of a thin film on it (film.c), of dielectric and metal each by itself. The film's largest
+ * channel does not reach the base. With `multiscatter` each channel keeps from the base what the film
+ * reflects of it: L, R and <S> are those of the channel, so a white base sends on all light. Then the base
+ * has the colour that the film's reflection lacks, and an even sky shows no film on white. R is Schlick's
+ * part by the azimuth and the film's difference from it as a mean over the azimuth (energy_facets()).
  *
  * diffuseTransmission moves this fraction of Lambert's lobe to the other side, with its own colour: the same
  * in both directions, for thin walls and for solids.
@@ -135,14 +139,18 @@ typedef struct shader {
     float metal_rise[3]; /* with SHADER_INNER_METAL: m (1 - c), the metal's contribution to f90 - f0 */
     /* The members from here on are set only if the lobes need them. */
     energy_stretch stretch;
-    float glass_missing[2]
-                       [ENERGY_NODES];  /* with SHADER_GLASS_AGAIN, viewed from outside and from inside: M */
-    float glass_part, glass_through[2]; /* the glass's weight; fraction of M that crosses: q */
+    /* With SHADER_GLASS, viewed from outside and from inside: M, or its mean over the azimuth. */
+    float glass_missing[2][ENERGY_NODES];
+    energy_glass_stretch glass_stretch;            /* with SHADER_GLASS and SHADER_STRETCHED: M */
+    float glass_part, glass_through[2];            /* the glass's weight; fraction of M that crosses: q */
     float glass_again[2], glass_again_cross[2][3]; /* factors of M(v) M(l) */
     float glass_sums[2][ENERGY_NODES];             /* of M, to sample it: see energy_sums() */
     float sheen_fit[6];                            /* of Λ; see kernels/sheen.h */
     float sheen_albedo[ENERGY_NODES];
-    float film[4][FILM_STEPS + 1]; /* reflectances by channel; [3]: fraction that does not reach the base */
+    /* By channel: what the film reflects, and the fraction that does not reach the base; see layer_of(). */
+    float film[3][FILM_STEPS + 1], film_kept[3][FILM_STEPS + 1];
+    /* With SHADER_FILM and SHADER_EVEN: R of the layer, see film_under(); lift: 1 / the mean of 1 - R. */
+    float film_low[3], film_high, film_again[3], film_lift[3], film_rest[3][FILM_STEPS + 1];
 } shader;
 
 enum {
@@ -168,8 +176,8 @@ enum {
     SHADER_DISPERSIVE = 1u << 19,  /* refraction depends on the channel */
     SHADER_TURNED = 1u << 20,      /* the clear coat has a normal of its own */
     SHADER_INNER_METAL = 1u << 21, /* the surface of a solid is partly metal */
-    SHADER_GLASS_AGAIN = 1u << 22, /* multiple scattering by rough glass is compensated */
-    SHADER_GLASS = 1u << 23,       /* the same, and all is sampled together: see kernels/rough_glass.h */
+    SHADER_GLASS =
+        1u << 22, /* multiple scattering by rough glass is compensated: see kernels/rough_glass.h */
     SHADER_RARE = SHADER_FILM | SHADER_STRETCHED | SHADER_INNER_METAL, /* reflection needs more constants */
 };
 
@@ -231,6 +239,7 @@ typedef struct shader_block {
     lanes3 coat_axes[3];     /* with SHADER_TURNED: the coat's frame in the block's frame; [2] is the coat's
                                 normal */
     lanes3 coat_v;           /* v in the coat's frame */
+    lanes3 film_under;       /* with SHADER_FILM: `under` by channel, where `under` is only an estimate */
     uint32_t lobes;          /* of all lanes */
     uint32_t channel[LANES]; /* of the path, 1 to 3, or 0 for all; read if some material is dispersive */
 } shader_block;

@@ -12,18 +12,25 @@ static void lattice(uint64_t block, lanes3 u) {
     }
 }
 
-/* The mean weight of samples whose last number is between `start` and `start` + `chance`. */
-static double mean_weight(const shading *at, double start, double chance, int blocks) {
-    double sum = 0;
+/* Adds the weights of samples whose last number is between `start` and `start` + `chance`: their means times
+ * the chance. */
+static void add_weights(const shading *at, double start, double chance, int blocks, double sum[3]) {
     for (int k = 0; k < blocks; ++k) {
         lanes3 u;
         shader_sample out;
         lattice((uint64_t)k, u);
         for (int i = 0; i < LANES; ++i) u[2][i] = (float)(start + chance * (double)u[2][i]);
         at->kernels->sample(&at->surface, &at->block, u, &out);
-        for (int i = 0; i < LANES; ++i) sum += (double)out.weight[1][i];
+        for (int c = 0; c < 3; ++c) {
+            for (int i = 0; i < LANES; ++i) sum[c] += (double)out.weight[c][i] * chance / (16.0 * blocks);
+        }
     }
-    return sum / (16.0 * blocks);
+}
+
+static double mean_weight(const shading *at, double start, double chance, int blocks) {
+    double sum[3] = {0};
+    add_weights(at, start, chance, blocks, sum);
+    return sum[1] / chance;
 }
 
 /* Smooth lobes have one direction. */
@@ -210,17 +217,66 @@ static void brushed_surfaces_send_on_all_light(void **state) {
     }
 }
 
-/* The light added to brushed glass is that of its smaller alpha: some is lost, none gained. */
-static void brushed_glass_gains_nothing(void **state) {
+/* Loss and gain at most 0.5 %: the light that is scattered more than once has the weights M(l) / (the mean of
+ * M over the azimuth of l), whose mean is 1. */
+static void brushed_glass_sends_on_all_light(void **state) {
     (void)state;
-    for (int k = 0; k < 3 * 2 * 2 * 12; ++k) {
-        fathom_material m = white(0, (const float[]){0.1f, 0.3f, 0.6f}[k % 3], 1.5f);
-        m.transmission = m.thickness = 1, m.anisotropy = k / 3 % 2 ? 1 : 0.5f;
-        const double cosine = cosines[k / 12 % 4], turn = (k / 48) * 0.7;
-        const double all = sent_on_directed(&m, cosine, turn, k / 6 % 2, 512);
-        if (!(all <= 1.005) || !(all >= 0.4))
+    for (int k = 0; k < 4 * 2 * 2 * 12; ++k) {
+        fathom_material m = white(0, (const float[]){0.03f, 0.1f, 0.3f, 0.6f}[k % 4], k % 3 ? 1.5f : 3);
+        m.transmission = m.thickness = 1, m.anisotropy = k / 4 % 2 ? 1 : 0.5f;
+        const double cosine = cosines[k / 16 % 4], turn = (k / 64) * 0.7;
+        const double all = sent_on_directed(&m, cosine, turn, k / 8 % 2, 512);
+        if (!(fabs(all - 1) <= 0.005))
             fail_msg("roughness %g, anisotropy %g, cosine %g, turn %g, %s: %g", (double)m.roughness,
-                     (double)m.anisotropy, cosine, turn, k / 6 % 2 ? "entering" : "leaving", all);
+                     (double)m.anisotropy, cosine, turn, k / 8 % 2 ? "entering" : "leaving", all);
+    }
+}
+
+/* The tables for two alphas and for one, each with its own error (energy.h): 8e-3 and 6e-3. */
+static void tables_of_brushed_glass_agree_with_those_of_glass(void **state) {
+    (void)state;
+    for (int k = 0; k < 8 * 7; ++k) {
+        const float alpha = 0.02f + 0.14f * (float)(k % 8),
+                    eta = (const float[]){1.05f, 1.33f, 1.5f, 2, 3, 0.7f, 0.4f}[k / 8];
+        const float f0 = (eta - 1) * (eta - 1) / ((eta + 1) * (eta + 1));
+        float even[2][ENERGY_NODES], brushed[2][ENERGY_NODES];
+        energy_glass_stretch stretch;
+        energy_glass(alpha, eta, f0, 1, even);
+        energy_glass_stretched(alpha, alpha, eta, f0, 1, &stretch);
+        energy_glass_stretched_curves(&stretch, brushed);
+        for (int side = 0; side < 2; ++side) {
+            for (int n = 0; n < ENERGY_NODES; ++n) assert_near(brushed[side][n], even[side][n], 1.4e-2);
+        }
+    }
+}
+
+/* In each channel: the mean weight of all samples, and of the smooth lobe by itself. Errors: of
+ * energy_facets(), 3e-3 of what the film differs from Schlick's curve by (0.3), of energy.h, and of the mean
+ * over 8,192 points. */
+static void films_over_white_bases_send_on_all_light(void **state) {
+    (void)state;
+    for (int k = 0; k < COUNT(roughnesses) * COUNT(cosines) * 4 * 4; ++k) {
+        fathom_material m = white(0, roughnesses[k % COUNT(roughnesses)], k % 3 ? 1.5f : 2);
+        const double cosine = cosines[k / COUNT(roughnesses) % COUNT(cosines)];
+        const int film = k / COUNT(roughnesses) / COUNT(cosines) % 4,
+                  kind = k / COUNT(roughnesses) / COUNT(cosines) / 4;
+        m.iridescence = kind == 1 ? 0.5f : 1,
+        m.iridescence_ior = (const float[]){1.3f, 1.8f, 1.1f, 2.4f}[film];
+        m.iridescence_thickness_max = (const float[]){400, 550, 300, 900}[film];
+        m.diffuse_transmission = kind == 2 ? 0.5f : 0, m.transmission = kind == 3 ? 0.5f : 0;
+        shading at;
+        shading_open(&at, &m, cosine, true);
+        double sum[3] = {0}, start = 0;
+        for (int lobe = 0; lobe < SHADER_TAKES; ++lobe) {
+            const double chance = (double)at.block.take[lobe][0];
+            if (chance > 0) add_weights(&at, start, chance, points_of(lobe, 512), sum);
+            start += chance;
+        }
+        for (int c = 0; c < 3; ++c) {
+            if (!(fabs(sum[c] - 1) <= 0.005))
+                fail_msg("roughness %g, ior %g, film %d, kind %d, cosine %g, channel %d: %g",
+                         (double)m.roughness, (double)m.ior, film, kind, cosine, c, sum[c]);
+        }
     }
 }
 
@@ -264,7 +320,9 @@ int main(void) {
         cmocka_unit_test(coats_gain_nothing_and_lose_little),
         cmocka_unit_test(steep_maps_of_coats_lose_little),
         cmocka_unit_test(brushed_surfaces_send_on_all_light),
-        cmocka_unit_test(brushed_glass_gains_nothing),
+        cmocka_unit_test(brushed_glass_sends_on_all_light),
+        cmocka_unit_test(tables_of_brushed_glass_agree_with_those_of_glass),
+        cmocka_unit_test(films_over_white_bases_send_on_all_light),
         cmocka_unit_test(leaves_send_on_all_light),
         cmocka_unit_test(fibres_and_films_gain_nothing),
         cmocka_unit_test(fresnel_means_are_those_of_theory),

@@ -237,11 +237,12 @@ static void set_flat(const surface_block *s, int i, shader_block *out) {
     const bool rare = m->lobes & SHADER_RARE;
     const bool rough = m->lobes & SHADER_GGX;
     const float coated = out->below_coat[i];
-    float open = 1 - layer_of(out, rare, i, up, rise);
-    if (rough && out->even[i] && !out->inside[i]) open = out->under[i];
     glass_scatter(s, i, &g, out->mirror, out->mirror_share, out->pass, out->pass_share);
     for (int c = 0; c < 3; ++c) {
         const bool total = !(out->pass_share[c][i] > 0);
+        float open = 1 - layer_of(out, rare, i, c, up, rise);
+        if (rough && out->even[i] && !out->inside[i])
+            open = is_filmed(out, rare, i) ? out->film_under[c][i] : out->under[i];
         const float f0 = m->mirror0[c] - (out->inside[i] && !rough ? m->base_f0[c] : 0);
         const float f90 = m->mirror90 - (out->inside[i] && !rough ? m->base_f90 : 0);
         const float mirror = reflectance_at(out, rare && !rough, i, c, up, rise, f0, f90);
@@ -281,9 +282,9 @@ static void weigh_lobes(const surface_block *s, shader_block *restrict out) {
         for (int i = 0; i < LANES; ++i) {
             if ((out->at[i]->lobes & (SHADER_FILM | SHADER_GGX)) != (SHADER_FILM | SHADER_GGX)) continue;
             const float up = out->v[2][i];
-            const float sum = film_at(out, i, 0, up) + film_at(out, i, 1, up) + film_at(out, i, 2, up);
-            out->take[SHADER_TAKE_GGX][i] =
-                fmaxf(sum * (1 / 3.0f), 0.02f); /* other angles may reflect more */
+            float share = 0.02f; /* other angles may reflect more */
+            for (int c = 0; c < 3; ++c) share += film_at(out, i, out->at[i]->film[c], up) * (1 / 3.0f);
+            out->take[SHADER_TAKE_GGX][i] = share;
         }
     }
     if (out->lobes & SHADER_LEAF) {
@@ -320,7 +321,7 @@ static void weigh_lobes(const surface_block *s, shader_block *restrict out) {
             out->take[SHADER_TAKE_CROSS][i] = chosen(rough, mean(out->cross, i) * fmaxf(open, 0.1f), 0);
         }
     }
-    if (out->lobes & SHADER_GLASS_AGAIN) {
+    if (out->lobes & SHADER_GLASS) {
         for (int i = 0; i < LANES; ++i) weigh_glass(s, i, out);
     }
     if (out->lobes & SHADER_COAT) {
@@ -382,6 +383,7 @@ static void make(const surface_block *s, shader_block *out) {
         read_curves(out, out->v[2], out->missing, out->under, out->below_coat);
     if (out->lobes & SHADER_TURNED) turn_coats(s, out);
     if (out->lobes & SHADER_STRETCHED) stretch_curves(out, out->v, out->missing, out->under);
+    if (out->lobes & SHADER_FILM) set_films(out);
     if (out->lobes & SHADER_SOLID) open_inside(out, out->under);
     if (out->lobes & SHADER_SHEEN) {
         for (int i = 0; i < LANES; ++i) {

@@ -17,9 +17,12 @@ static inline __attribute__((always_inline)) void add_diffuse(const shader_block
     for (int i = 0; i < LANES; ++i) {
         uint32_t lit = at->reflected[i] | (at->cross[i] & b->from_behind[i]);
         float cosine = lambert(lit, at->l[2][i]);
-        float left = chosen(b->even[i], b->under[i] * at->under[i],
-                            1 - layer_of(b, rare, i, along_half(b, h, i), rise[i]));
-        for (int c = 0; c < 3; ++c) f[c][i] += b->diffuse[c][i] * left * cosine;
+        for (int c = 0; c < 3; ++c) {
+            float under = b->under[i] * at->under[i];
+            if (is_filmed(b, rare, i) && b->even[i]) under = film_through(b, at, i, c);
+            float left = chosen(b->even[i], under, 1 - layer_of(b, rare, i, c, along_half(b, h, i), rise[i]));
+            f[c][i] += b->diffuse[c][i] * left * cosine;
+        }
     }
 }
 
@@ -32,10 +35,14 @@ static inline void add_leaf(const shader_block *b, const incidence *at, float (*
     for (int i = 0; i < LANES; ++i) {
         const shader *m = b->at[i];
         if (!(m->lobes & SHADER_LEAF)) continue;
-        float once = m->mean_under * (1 - layer_of(b, true, i, along_half(b, h, i), rise[i]));
-        float left = chosen(b->even[i] & ~b->inside[i], b->under[i] * at->under[i], once);
-        float value = chosen(at->cross[i], left * l[2][i] * (1 / PI), 0);
-        for (int c = 0; c < 3; ++c) f[c][i] += m->leaf[c] * value;
+        for (int c = 0; c < 3; ++c) {
+            float once = m->mean_under * (1 - layer_of(b, true, i, c, along_half(b, h, i), rise[i]));
+            float under = b->under[i] * at->under[i];
+            if (is_filmed(b, true, i) && b->even[i]) under = film_through(b, at, i, c);
+            float left = chosen(b->even[i] & ~b->inside[i], under, once);
+            float value = chosen(at->cross[i], left * l[2][i] * (1 / PI), 0);
+            f[c][i] += m->leaf[c] * value;
+        }
     }
 }
 

@@ -68,6 +68,41 @@ static inline __attribute__((always_inline)) float facets_of(const shader_block 
     return both_ways(ggx_stretched(b, i, h[0][i], h[1][i], h[2][i]), z, lz, to, from, density);
 }
 
+/* The probability with which a facet of rough glass reflects, see rough_glass.h: close to its reflectance. */
+static inline __attribute__((always_inline)) float glass_share(const shader_block *b, bool rare, int i,
+                                                               float cosine, float rise) {
+    if (!is_filmed(b, rare, i)) return layer_share(b, i, rise);
+    float sum = 0;
+    for (int c = 0; c < 3; ++c) sum += layer_of(b, rare, i, c, cosine, rise);
+    return sum * (1 / 3.0f);
+}
+
+/* The layer's transmittance under a film. */
+static inline void film_curves(const shader_block *b, const lanes3 d, float (*restrict under)[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        const shader *m = b->at[i];
+        const float z = fminf(fabsf(d[2][i]), 1);
+        float all, edge;
+        if (!(m->lobes & SHADER_FILM) || !m->even) continue;
+        if (m->lobes & SHADER_STRETCHED)
+            stretch_albedos(m, d[0][i], d[1][i], z, &all, &edge);
+        else
+            plain_albedos(m, z, &all, &edge);
+        for (int c = 0; c < 3; ++c) under[c][i] = film_under(m, c, all, edge, film_read(m->film_rest[c], z));
+    }
+}
+
+/* `film_under` at the viewer, and `under` as their mean. */
+static inline void set_films(shader_block *out) {
+    film_curves(out, out->v, out->film_under);
+    for (int i = 0; i < LANES; ++i) {
+        const shader *m = out->at[i];
+        if (!(m->lobes & SHADER_FILM) || !m->even) continue;
+        out->under[i] = 0;
+        for (int c = 0; c < 3; ++c) out->under[i] += out->film_under[c][i] * m->film_lift[c] * (1 / 3.0f);
+    }
+}
+
 static inline float along_half(const shader_block *b, const lanes3 h, int i) {
     return b->v[0][i] * h[0][i] + b->v[1][i] * h[1][i] + b->v[2][i] * h[2][i];
 }
@@ -119,8 +154,10 @@ static inline __attribute__((always_inline)) void add_thin(const shader_block *b
     for (int i = 0; i < LANES; ++i) {
         uint32_t open = at->cross[i] & (b->eta[i] == 1 ? ~0u : 0);
         float d, value = facets_of(b, rare, i, l, h, &d);
-        value = chosen(open, value * (1 - layer_of(b, rare, i, along_half(b, h, i), rise[i])), 0);
-        for (int c = 0; c < 3; ++c) f[c][i] += b->cross[c][i] * value;
+        for (int c = 0; c < 3; ++c) {
+            float left = 1 - layer_of(b, rare, i, c, along_half(b, h, i), rise[i]);
+            f[c][i] += b->cross[c][i] * chosen(open, value * left, 0);
+        }
         density[i] += chosen(open, b->take[SHADER_TAKE_CROSS][i] * d, 0);
     }
 }
@@ -149,8 +186,12 @@ static inline __attribute__((always_inline)) void add_refraction(const shader_bl
         float from = smith_of(b, rare, i, at->l[0][i], at->l[1][i], lz);
         float d = 2 * ggx_of(b, rare, i, h[0], h[1], h[2]) * vh * lh * (eta * eta) / square;
         float rise = power5(1 - fminf(eta < 1 ? lh : vh, 1));
-        float value = chosen(open, (1 - layer_of(b, rare, i, vh, rise)) * d * lz / (z * from + lz * to), 0);
-        for (int c = 0; c < 3; ++c) f[c][i] += b->cross[c][i] * value;
+        for (int c = 0; c < 3; ++c) {
+            float left = 1 - layer_of(b, rare, i, c, vh, rise);
+            f[c][i] += b->cross[c][i] * chosen(open, left * d * lz / (z * from + lz * to), 0);
+        }
+        float value =
+            chosen(open, (1 - glass_share(b, rare, i, vh, rise)) * d * lz / (z * from + lz * to), 0);
         const bool whole = b->at[i]->lobes & SHADER_GLASS; /* see rough_glass.h */
         density[i] += b->take[SHADER_TAKE_CROSS][i] * (whole ? value : chosen(open, d / (z + to), 0));
     }

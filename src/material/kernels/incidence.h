@@ -17,6 +17,7 @@ typedef struct incidence {
     uint32_t reflected[LANES], cross[LANES]; /* all ones: l is on the viewer's side; on the other side */
     uint32_t coated[LANES];                  /* the clear coat reflects l */
     float missing[LANES], under[LANES], below_coat[LANES]; /* of the materials, at l */
+    lanes3 film_under;                                     /* the same with SHADER_FILM, by channel */
 } incidence;
 
 /* Light and viewer must also be on the same side of the surface without its normal map (cross: on opposite
@@ -64,6 +65,14 @@ static inline float below_coat_at(const shader *m, float cosine) {
     const int k = node_at(cosine, &t);
     const float low = shader_below_coat(m, k), high = shader_below_coat(m, k + 1);
     return low + t * (high - low);
+}
+
+/* Albedos of facets that are not anisotropic. */
+static inline void plain_albedos(const shader *m, float cosine, float *all, float *edge) {
+    float t;
+    const int k = node_at(cosine, &t);
+    *all = energy_all(&m->facets, k) + t * (energy_all(&m->facets, k + 1) - energy_all(&m->facets, k));
+    *edge = energy_edge(&m->facets, k) + t * (energy_edge(&m->facets, k + 1) - energy_edge(&m->facets, k));
 }
 
 /* The materials' curves at the cosines. */

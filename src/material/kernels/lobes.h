@@ -47,6 +47,7 @@ add_lobes_as(const surface_block *s, const shader_block *b, bool rare, const lan
     if (lobes & (SHADER_EVEN | SHADER_COATED))
         read_curves(b, at->l[2], at->missing, at->under, at->below_coat);
     if (lobes & SHADER_STRETCHED) stretch_curves(b, at->l, at->missing, at->under);
+    if (lobes & SHADER_FILM) film_curves(b, at->l, at->film_under);
     if (lobes & SHADER_SOLID) open_inside(b, at->under);
     if (lobes & (SHADER_LAYER | SHADER_GGX | SHADER_HIGHLIGHT | SHADER_COATED | SHADER_SHEEN | SHADER_GLASS))
         set_half(b, at->l, h, rise);
@@ -56,7 +57,7 @@ add_lobes_as(const surface_block *s, const shader_block *b, bool rare, const lan
     if (lobes & SHADER_HIGHLIGHT) add_highlight(s, b, at, l, h, f, density);
     if (lobes & SHADER_GGX) add_ggx(b, rare, at, h, rise, f, density);
     if (lobes & SHADER_EVEN) add_again(b, at, f);
-    if (lobes & SHADER_GLASS_AGAIN) add_glass_again(s, b, at, h, rise, f, density);
+    if (lobes & SHADER_GLASS) add_glass_again(s, b, at, h, rise, f, density);
     if (lobes & SHADER_THIN) add_thin(b, rare, at, f, density);
     if (lobes & SHADER_REFRACT) add_refraction(b, rare, at, f, density);
     if (lobes & SHADER_SHEEN) add_sheen(b, at, h, f, density);

@@ -27,7 +27,23 @@ static inline int glass_side(const surface_block *s, int i) { return s->entering
 /* The squared cosine at a node of the curves. */
 static inline float node_square(int k) { return power8((float)k * (1.0f / ENERGY_STEPS)); }
 
-/* The density of M's directions on a side. */
+/* M in a direction. */
+static inline float missing_at(const shader *m, int side, const lanes3 d, int i) {
+    if (!(m->lobes & SHADER_STRETCHED)) return curve_at(m->glass_missing[side], d[2][i]);
+    const energy_glass_stretch *g = &m->glass_stretch;
+    const float ax = fabsf(d[0][i]), ay = fabsf(d[1][i]),
+                t = (ax + ay > 0 ? ay / (ax + ay) : 0) * ENERGY_TURNS;
+    const float w = sqrtf(sqrtf(fabsf(d[2][i]))) * ENERGY_GLASS_STEPS;
+    const int j = (int)t < ENERGY_TURNS - 1 ? (int)t : ENERGY_TURNS - 1;
+    const int k = (int)w < ENERGY_GLASS_STEPS - 1 ? (int)w : ENERGY_GLASS_STEPS - 1;
+    const float x = t - (float)j, y = w - (float)k;
+    const float low = (1 - y) * energy_glass_node(g, side, j, k) + y * energy_glass_node(g, side, j, k + 1);
+    const float high =
+        (1 - y) * energy_glass_node(g, side, j + 1, k) + y * energy_glass_node(g, side, j + 1, k + 1);
+    return low + x * (high - low);
+}
+
+/* The density of M's directions on a side, without their azimuth. */
 static inline float missing_density(const shader *m, int side, float z) {
     float unused;
     const int k = node_at(z, &unused);
@@ -38,14 +54,10 @@ static inline float missing_density(const shader *m, int side, float z) {
 static inline void weigh_glass(const surface_block *s, int i, shader_block *restrict out) {
     const shader *m = out->at[i];
     const int side = glass_side(s, i);
-    if (m->lobes & SHADER_GLASS) {
-        const float layer = layer_share(out, i, schlick(out->v[2][i], out->eta[i]));
+    if (is_glass(out, i)) {
+        const float layer = glass_share(out, true, i, out->v[2][i], schlick(out->v[2][i], out->eta[i]));
         if (!(m->lobes & SHADER_INNER_METAL)) out->take[SHADER_TAKE_GGX][i] = 0;
         out->take[SHADER_TAKE_CROSS][i] = side ? m->glass_part : layer + (1 - layer) * m->glass_part;
-    } else if (m->lobes & SHADER_GLASS_AGAIN) {
-        const float missing = curve_at(m->glass_missing[side], out->v[2][i]) * m->glass_part;
-        out->take[SHADER_TAKE_DIFFUSE][i] += missing * (1 - m->glass_through[side]);
-        out->take[SHADER_TAKE_BEHIND][i] += missing * m->glass_through[side];
     }
 }
 
@@ -55,7 +67,8 @@ static inline void add_glass_density(const shader_block *b, const incidence *at,
                                      float rise, float missing, float *density) {
     float unused, facets = 0;
     if (at->reflected[i])
-        facets = layer_share(b, i, rise) * mirrored_facets(b->v, b->alpha[i], i, at->l, h, &unused);
+        facets =
+            glass_share(b, true, i, along_half(b, h, i), rise) * facets_of(b, true, i, at->l, h, &unused);
     *density += b->take[SHADER_TAKE_CROSS][i] * (facets + missing);
 }
 
@@ -65,12 +78,11 @@ static inline void add_glass_again(const surface_block *s, const shader_block *b
     for (int i = 0; i < LANES; ++i) {
         const shader *m = b->at[i];
         const int side = glass_side(s, i), other = at->cross[i] ? !side : side;
-        if (!(m->lobes & SHADER_GLASS_AGAIN) || !(at->reflected[i] | at->cross[i])) continue;
-        const float z = fabsf(at->l[2][i]), missing = curve_at(m->glass_missing[side], b->v[2][i]);
-        const float value = missing * curve_at(m->glass_missing[other], z) * z;
+        if (!is_glass(b, i) || !(at->reflected[i] | at->cross[i])) continue;
+        const float z = fabsf(at->l[2][i]), missing = missing_at(m, side, b->v, i);
+        const float value = missing * missing_at(m, other, at->l, i) * z;
         for (int c = 0; c < 3; ++c)
             f[c][i] += value * (at->cross[i] ? m->glass_again_cross[side][c] : m->glass_again[side]);
-        if (!is_glass(b, i)) continue;
         const float part = at->cross[i] ? m->glass_through[side] : 1 - m->glass_through[side];
         add_glass_density(b, at, i, h, rise[i], missing * part * missing_density(m, other, z), &density[i]);
     }
@@ -104,8 +116,9 @@ static inline bool leave_facet(const shader_block *b, int i, const lanes3 h, boo
 
 /* G2/G1 of the direction. */
 static inline float left_of_facets(const shader_block *b, int i, const float l[3]) {
-    const float a2 = b->alpha[i] * b->alpha[i], z = b->v[2][i], lz = fabsf(l[2]);
-    const float to = smith(a2, b->v[0][i], b->v[1][i], z), from = smith(a2, l[0], l[1], lz);
+    const float z = b->v[2][i], lz = fabsf(l[2]);
+    const float to = smith_of(b, true, i, b->v[0][i], b->v[1][i], z),
+                from = smith_of(b, true, i, l[0], l[1], lz);
     return lz * (z + to) / (z * from + lz * to);
 }
 
@@ -121,8 +134,9 @@ static inline float missing_square(const shader *m, int side, float u) {
 /* x: the third number, within the lobe's part of [0,1). */
 static inline void glass_direction(const surface_block *s, const shader_block *b, int i, const lanes3 u,
                                    const lanes3 h, float x, float l[3]) {
-    const float layer = layer_share(b, i, schlick(along_half(b, h, i), b->eta[i]));
-    float more[2], cosine, sine;
+    const float cosine = along_half(b, h, i),
+                layer = glass_share(b, true, i, cosine, schlick(cosine, b->eta[i]));
+    float more[2], x_of, y_of;
     if (leave_facet(b, i, h, happens(layer, &x), l) && happens(left_of_facets(b, i, l), &x)) return;
     const shader *m = b->at[i];
     const int side = glass_side(s, i);
@@ -130,8 +144,8 @@ static inline void glass_direction(const surface_block *s, const shader_block *b
     two_more(u, i, more);
     const float square = missing_square(m, through ? !side : side, more[0]);
     const float r = sqrtf(1 - square), z = sqrtf(square);
-    turn_by(more[1], &cosine, &sine);
-    l[0] = r * cosine, l[1] = r * sine, l[2] = through ? -z : z;
+    turn_by(more[1], &x_of, &y_of);
+    l[0] = r * x_of, l[1] = r * y_of, l[2] = through ? -z : z;
 }
 
 static inline void sample_glass(const surface_block *s, const shader_block *b, const lanes3 u, const lanes3 h,

@@ -139,6 +139,13 @@ static void rough_ball(law_room *room) {
     law_unseen_ball(room, m);
 }
 
+/* Without compensation, this one loses 0.45. */
+static void brushed_glass_ball(law_room *room) {
+    fathom_material m = law_clear(1);
+    m.roughness = 0.3f, m.anisotropy = 0.9f, m.multiscatter = true;
+    law_unseen_ball(room, m);
+}
+
 /* Light that is reflected totally inside must not meet the white base as well. */
 static void half_glass_ball(law_room *room) {
     fathom_material m = law_clear(1);
@@ -293,6 +300,7 @@ const law laws_of_matter[] = {{"floor under an even sky", "ρ L", even_sky},
                               {"thin-walled ball in an even sky", "L", thin_ball},
                               {"refracting ball in an even sky", "L", refracting_ball},
                               {"rough glass ball in an even sky", "L", rough_ball},
+                              {"brushed glass ball in an even sky", "L", brushed_glass_ball},
                               {"partly diffuse glass ball", "L", half_glass_ball},
                               {"lamp in a refracting ball", "L", lamp_in_glass},
                               {"glass slab", "2r/(1+r)", slab},

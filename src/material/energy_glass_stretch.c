@@ -1,0 +1,157 @@
+/* Albedos of rough glass whose facets have two alphas; as energy_glass.c, with a viewer at any azimuth. */
+#include "material/energy.h"
+#include "material/shader.h"
+#include "math/power.h"
+#include "math/turn.h"
+
+#include <math.h>
+#include <pthread.h>
+
+/* Tables at alphas (j / STEPS)^4, the larger one along, and at indices whose (n - 1) / (n + 1) is
+ * (k / INDEX_STEPS)^2. */
+enum {
+    STEPS = 24,
+    ROWS = STEPS + 1,
+    PAIRS = ROWS * (ROWS + 1) / 2,
+    INDEX_STEPS = 20,
+    AROUND = 32,
+    ALONG = 64
+};
+static energy_glass_table tables[PAIRS][INDEX_STEPS + 1];
+static bool made[PAIRS][INDEX_STEPS + 1];
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+
+/* ---- integrals ---- */
+
+/* s: the viewer in the space where the facets are a hemisphere, made unit; smith: its length there. eta:
+ * index of the far side divided by that of the viewer's side. */
+typedef struct viewer {
+    float ax, ay, v[3], s[3], smith, eta;
+} viewer;
+
+/* G2/G1 of a direction with this cosine; 0 on the wrong side. */
+static inline float seen_at(const viewer *m, float x, float y, float cosine) {
+    const float z = cosine > 0 ? cosine : 0;
+    const float smith = sqrtf(m->ax * m->ax * x * x + m->ay * m->ay * y * y + z * z);
+    return z * (m->v[2] + m->smith) / (m->v[2] * smith + z * m->smith);
+}
+
+/* Sums over facets, by their place in the ring: separate sums let the loop vectorise. */
+typedef struct ring_sums {
+    float low[ALONG], high[ALONG], open[ALONG];
+} ring_sums;
+
+static void add_ring(const viewer *m, float u, ring_sums *sums) {
+    const float inverse = 1 / m->eta, below = (m->s[0] * m->s[0] + m->s[1] * m->s[1]) / (1 + m->s[2]);
+    float cosine, sine;
+    turn_by(u, &cosine, &sine);
+    for (int k = 0; k < ALONG; ++k) {
+        const float q = ((float)k + 0.5f) / ALONG, up = q * q * (1 + m->s[2]);
+        const float square = (1 - q * q) * (1 + m->s[2]) * (below + up);
+        const float r = sqrtf(square > 0 ? square : 0);
+        const float hx = m->ax * (m->s[0] + r * cosine), hy = m->ay * (m->s[1] + r * sine);
+        const float unit = 1 / sqrtf(hx * hx + hy * hy + up * up);
+        const float x = hx * unit, y = hy * unit, z = up * unit;
+        const float all = m->v[0] * x + m->v[1] * y + m->v[2] * z, along = all < 1 ? all : 1;
+        const float far2 = 1 - (1 - along) * (1 + along) * (inverse * inverse);
+        const float far = sqrtf(far2 > 0 ? far2 : 0), of_h = along * inverse - far;
+        const float mirrored =
+            seen_at(m, 2 * along * x - m->v[0], 2 * along * y - m->v[1], 2 * along * z - m->v[2]);
+        const float through = seen_at(m, of_h * x - m->v[0] * inverse, of_h * y - m->v[1] * inverse,
+                                      m->v[2] * inverse - of_h * z);
+        const float refracted = far2 > 0 ? through : 0, near = m->eta < 1 ? far : along;
+        const float rise = far2 > 0 ? power5(1 - near) : 1;
+        sums->low[k] += 2 * q * (mirrored - refracted) * (1 - rise);
+        sums->high[k] += 2 * q * (mirrored - refracted) * rise;
+        sums->open[k] += 2 * q * refracted;
+    }
+}
+
+/* The parts of an albedo f0 [0] + f90 [1] + [2]. */
+static void albedo(float ax, float ay, float eta, const float v[3], float out[3]) {
+    viewer m = {.ax = ax, .ay = ay, .v = {v[0], v[1], v[2]}, .eta = eta};
+    const float sx = ax * v[0], sy = ay * v[1];
+    m.smith = sqrtf(sx * sx + sy * sy + v[2] * v[2]);
+    m.s[0] = sx / m.smith, m.s[1] = sy / m.smith, m.s[2] = v[2] / m.smith;
+    ring_sums sums = {{0}, {0}, {0}};
+    for (int j = 0; j < AROUND; ++j) add_ring(&m, ((float)j + 0.5f) / AROUND, &sums);
+    out[0] = out[1] = out[2] = 0;
+    for (int k = 0; k < ALONG; ++k) out[0] += sums.low[k], out[1] += sums.high[k], out[2] += sums.open[k];
+    for (int c = 0; c < 3; ++c) out[c] /= AROUND * ALONG;
+}
+
+/* ---- tables ---- */
+
+static void fill_node(float ax, float ay, float eta, int node, bool even,
+                      int16_t out[ENERGY_TURNS + 1][ENERGY_GLASS_STEPS + 1][3]) {
+    const float w = (float)node / ENERGY_GLASS_STEPS, mu = fmaxf(w * w * (w * w), 1e-6f);
+    const float flat = sqrtf((1 - mu) * (1 + mu));
+    for (int j = 0; j <= ENERGY_TURNS; ++j) {
+        const float y = (float)j / ENERGY_TURNS, x = 1 - y, unit = flat / sqrtf(x * x + y * y);
+        float parts[3];
+        if (j == 0 || !even) albedo(ax, ay, eta, (const float[3]){x * unit, y * unit, mu}, parts);
+        for (int c = 0; c < 3; ++c) out[j][node][c] = (int16_t)lrintf(fmaxf(fminf(parts[c], 1), -1) * 32767);
+    }
+}
+
+static void fill(int along, int across, int index, energy_glass_table *out) {
+    const float a = (float)along / STEPS, b = (float)across / STEPS, x = (float)index / INDEX_STEPS;
+    const float ax = fmaxf(a * a * (a * a), SHADER_SMOOTH_ALPHA),
+                ay = fmaxf(b * b * (b * b), SHADER_SMOOTH_ALPHA);
+    const float ratio = fmaxf(x * x, 1e-4f), eta = ratio < 0.999f ? (1 + ratio) / (1 - ratio) : 2e3f;
+    for (int k = 0; k <= ENERGY_GLASS_STEPS; ++k) {
+        fill_node(ax, ay, eta, k, along == across, out->part[0]);
+        fill_node(ax, ay, 1 / eta, k, along == across, out->part[1]);
+    }
+}
+
+static const energy_glass_table *table_at(int along, int across, int index) {
+    const int pair = along * (along + 1) / 2 + across;
+    bool *done = &made[pair][index];
+    if (!__atomic_load_n(done, __ATOMIC_ACQUIRE)) {
+        pthread_mutex_lock(&lock);
+        if (!*done) {
+            fill(along, across, index, &tables[pair][index]);
+            __atomic_store_n(done, true, __ATOMIC_RELEASE);
+        }
+        pthread_mutex_unlock(&lock);
+    }
+    return &tables[pair][index];
+}
+
+static int step_of(float x, int steps, float *part) {
+    const int j = x < (float)(steps - 1) ? (int)x : steps - 1;
+    *part = x - (float)j;
+    return j;
+}
+
+void energy_glass_stretched(float along, float across, float eta, float f0, float f90,
+                            energy_glass_stretch *out) {
+    float s, t, u;
+    const float dense = fmaxf(eta, 1 / eta);
+    const int a = step_of(sqrtf(sqrtf(fminf(along, 1))) * STEPS, STEPS, &s);
+    const int b = step_of(sqrtf(sqrtf(fminf(across, 1))) * STEPS, STEPS, &t);
+    const int k = step_of(sqrtf((dense - 1) / (dense + 1)) * INDEX_STEPS, INDEX_STEPS, &u);
+    out->f0 = f0, out->f90 = f90, out->swapped = eta < 1;
+    for (int r = 0; r < 8; ++r) {
+        const int x = a + (r & 1), y = b + (r >> 1 & 1);
+        const float weight = (r & 1 ? s : 1 - s) * (r & 2 ? t : 1 - t) * (r & 4 ? u : 1 - u);
+        out->table[r] = table_at(x > y ? x : y, x > y ? y : x, k + (r >> 2));
+        out->weight[r] = weight * (1 / 32767.0f);
+        out->turned[r] = y > x;
+    }
+}
+
+void energy_glass_stretched_curves(const energy_glass_stretch *g, float missing[2][ENERGY_NODES]) {
+    float part[ENERGY_TURNS + 1];
+    energy_turn_parts(part);
+    for (int side = 0; side < 2; ++side) {
+        for (int k = 0; k <= ENERGY_STEPS; ++k) missing[side][k] = 0;
+        for (int k = 0; k <= ENERGY_GLASS_STEPS; ++k) {
+            for (int j = 0; j <= ENERGY_TURNS; ++j)
+                missing[side][2 * k] += part[j] * energy_glass_node(g, side, j, k);
+        }
+        for (int k = 1; k < ENERGY_STEPS; k += 2)
+            missing[side][k] = 0.5f * (missing[side][k - 1] + missing[side][k + 1]);
+    }
+}
