@@ -19,6 +19,8 @@ BALLS = {
     "dispersion 1": {"dispersion": 1},
     "transmission 0.8": {"transmission": 0.8},
     "metallic 0.3": {"metallic": 0.3},
+    "anisotropy 0.6": {"anisotropy": 0.6},
+    "film of 400 nm on white": {"iridescence": 1, "transmission": 0},
 }
 ROUGHNESSES = 0.1, 0.3, 0.5, 0.7, 1
 SAMPLES = 256
