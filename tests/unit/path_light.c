@@ -88,7 +88,7 @@ static void light_at_the_centre_of_a_sphere_fills_it(void **state) {
 static void floor_under_a_rectangle(void **state) {
     (void)state;
     const double a = 1 / 1.5, b = 2 / 1.5, ra = sqrt(1 + a * a), rb = sqrt(1 + b * b);
-    const double value = (a / ra * atan(b / ra) + b / rb * atan(a / rb)) / (2 * pi);
+    const double value = (a / ra * atan(b / ra) + b / rb * atan(a / rb)) / (2 * M_PI);
     stage s = path_open(16, 1);
     assert_near(value, 0.12235966, 5e-9);
     stage_plane(&s, (double[3]){0, 0, 0}, up, gray(&s, 1, 0));
