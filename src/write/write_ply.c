@@ -1,9 +1,9 @@
 /* PLY: little-endian binary, with instances expanded to meshes in world space. Normals, uvs and colours are
- * written if any mesh has them, and opacities as alpha. The second uv set is s1 and t1; no other program is
- * known to read it. A vertex has one normal, so if other meshes are smooth, flat meshes get a vertex for each
- * corner, with the facet's normal. If all triangles have the same image, a comment names it, and the uvs
- * include its transform: v grows upwards. Points become the vertices of a file without faces; together with
- * triangles, they cannot be written. */
+ * written if any mesh has them, and opacities as alpha; colours then include those of the materials. The
+ * second uv set is s1 and t1; no other program is known to read it. A vertex has one normal, so if other
+ * meshes are smooth, flat meshes get a vertex for each corner, with the facet's normal. If all triangles have
+ * the same image, a comment names it, and the uvs include its transform: v grows upwards. Points become the
+ * vertices of a file without faces; together with triangles, they cannot be written. */
 #include "write/image.h"
 #include "write/write.h"
 
@@ -166,10 +166,13 @@ typedef struct ply_part {
     const write_placement *at;
 } ply_part;
 
-/* The colour of a vertex: white and opaque if the mesh has none. */
-static void put_color(const write_mesh *mesh, uint32_t vertex, float out[4]) {
+/* The vertex colour times that of the material, which the file cannot hold. */
+static void put_color(const ply_part *part, uint32_t vertex, float out[4]) {
+    const fathom_material *m = &part->p->scene->materials.items[part->at->material].value;
+    const float *base = m->model == FATHOM_MODEL_CLASSIC ? m->k_d : m->base_color;
     out[0] = out[1] = out[2] = out[3] = 1;
-    if (mesh->mesh->colors) write_mesh_entry(mesh, MESH_COLORS, vertex, out);
+    if (part->mesh->mesh->colors) write_mesh_entry(part->mesh, MESH_COLORS, vertex, out);
+    for (int c = 0; c < 3; ++c) out[c] *= base[c];
 }
 
 #define PLY_NUMBERS 14 /* maximum numbers per vertex */
@@ -191,7 +194,7 @@ static size_t format_vertices(const void *user, size_t begin, size_t end, char *
             if (part->mesh->mesh->uvs_1) write_mesh_entry(part->mesh, MESH_UVS_1, i, numbers + count);
             count += 2;
         }
-        if (part->p->colors) put_color(part->mesh, i, numbers + count), count += part->p->alpha ? 4 : 3;
+        if (part->p->colors) put_color(part, i, numbers + count), count += part->p->alpha ? 4 : 3;
         memcpy(out, numbers, count * sizeof *numbers);
         out += count * sizeof *numbers;
     }

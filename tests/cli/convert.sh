@@ -23,5 +23,15 @@ refused 2 'in.obj: is the input; expected another name for the output' convert i
 printf '{ "objects": [ { "type": "mesh", "file": "in.obj" } ] }' >names.json
 run 2 convert names.json in.obj
 same in.obj "$SOURCE/scenes/example.obj"
+# PLY has vertex colours and no materials: where some mesh has colours, those of materials are kept as such.
+cat >two.json <<'JSON'
+{ "materials": { "red": { "kd": [0.5, 0.25, 0.125] }, "white": { "kd": [1, 1, 1] } }, "objects": [
+  { "type": "mesh", "material": "red", "positions": [[0,0,0],[1,0,0],[0,1,0]], "indices": [[0,1,2]] },
+  { "type": "mesh", "material": "white", "positions": [[2,0,0],[3,0,0],[2,1,0]], "indices": [[0,1,2]],
+    "colors": [[0,1,0],[0,1,0],[0,1,0]] } ] }
+JSON
+run 0 convert two.json two.ply
+run 0 convert two.ply back.json
+said back.json '"colors":[[0.5,0.25,0.125],[0.5,0.25,0.125],[0.5,0.25,0.125],[0,1,0],[0,1,0],[0,1,0]]'
 ls -A | grep tmp && die 'a temporary file was left behind'
 exit 0
