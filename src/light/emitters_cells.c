@@ -5,9 +5,10 @@
  * middle one, 3. A cell's number has a digit of base 4 for each level, the largest triangle's first. */
 #include "light/emitters_inner.h"
 
-#define LEVEL_MOST 5                   /* 1024 cells a triangle */
-#define CELL_TEXELS 8                  /* least side of a cell */
-#define CELLS_MOST ((uint64_t)1 << 16) /* of a run */
+#define LEVEL_MOST 5            /* 1024 cells a triangle */
+#define CELL_TEXELS 8           /* least side of a cell */
+#define CELLS_MOST (1u << 16)   /* of a run */
+#define CELLS_OF_ALL (1u << 18) /* of all runs */
 /* Choosing among many cells may double the time of a light sample, so cells must halve the mean square of
  * what even samples give. */
 #define UNEVEN 2
@@ -92,11 +93,11 @@ static float texels_of(const emitters *e, const emitter_run *run) {
     return most;
 }
 
-/* How much more than even samples of each face those of its cells give, by the mean of squares. */
-static bool is_uneven(const emitters *e, const emitter_run *run, uint32_t primitives) {
+/* Compares the means of squares. The count is still that of the primitives. */
+static bool is_uneven(const emitters *e, const emitter_run *run) {
     const uint32_t cells = cells_of(e, run);
     double squares = 0, even = 0;
-    for (uint32_t i = 0; i < primitives; ++i) {
+    for (uint32_t i = 0; i < run->count; ++i) {
         double sum = 0;
         for (uint32_t k = 0; k < cells; ++k) {
             const double power = (double)emitters_varied_power(e, run, i * cells + k);
@@ -107,18 +108,32 @@ static bool is_uneven(const emitters *e, const emitter_run *run, uint32_t primit
     return squares > UNEVEN * even;
 }
 
-void emitters_divide_run(const emitters *e, emitter_run *run) {
-    const uint64_t halves = is_quads(e, run) ? 2 * (uint64_t)run->count : run->count;
+/* How often the sides of the largest face can be halved; 0: the run's faces stay whole. */
+static unsigned levels_of(const emitters *e, const emitter_run *run) {
     const world_kind kind = e->w->geometries.items[run->geometry].kind;
-    if (!e->texturing || kind == WORLD_SPHERES || halves << 2 > CELLS_MOST) return;
+    if (!run->count || kind == WORLD_SPHERES || run->count > CELLS_MOST / 4) return 0;
     const float texels = texels_of(e, run) / CELL_TEXELS;
     unsigned level = 0;
-    while (level < LEVEL_MOST && texels >= (float)(2u << level) && halves << 2 * (level + 1) <= CELLS_MOST)
-        ++level;
-    if (!level) return;
+    while (level < LEVEL_MOST && texels >= (float)(2u << level)) ++level;
+    return level;
+}
+
+static void divide_run(const emitters *e, emitter_run *run, uint64_t most) {
+    const uint64_t halves = is_quads(e, run) ? 2 * (uint64_t)run->count : run->count;
+    unsigned level = levels_of(e, run);
+    while (level && halves << 2 * level > most) --level;
     run->level = (uint8_t)level;
-    if (is_uneven(e, run, run->count))
+    if (!level) return;
+    if (is_uneven(e, run))
         run->count *= cells_of(e, run);
     else
         run->level = 0;
+}
+
+void emitters_divide_runs(emitters *e) {
+    uint32_t count = 0;
+    for (uint32_t r = 0; e->texturing && r < e->run_count; ++r) count += levels_of(e, &e->runs[r]) > 0;
+    if (!count) return;
+    const uint32_t share = CELLS_OF_ALL / count, most = share < CELLS_MOST ? share : CELLS_MOST;
+    for (uint32_t r = 0; r < e->run_count; ++r) divide_run(e, &e->runs[r], most);
 }

@@ -44,26 +44,24 @@ typedef ARRAY(emitter_run) run_list;
 
 /* Adds the runs of a group's geometries, including those that emit nothing; adds none if nothing in the group
  * emits. */
-static bool add_runs(emitters *e, run_list *runs, uint32_t group, uint32_t instance, uint64_t *total) {
+static bool add_runs(emitters *e, run_list *runs, uint32_t group, uint32_t instance) {
     const world_group *g = &e->w->groups.items[group];
     const size_t before = runs->count;
     bool any = false;
     for (uint32_t k = g->first; k < g->first + g->count; ++k) {
-        emitter_run run = {.geometry = k, .instance = instance, .first = (uint32_t)*total};
+        emitter_run run = {.geometry = k, .instance = instance};
         if (emits(e, k, instance)) {
             run.count = e->w->geometries.items[k].count;
-            emitters_divide_run(e, &run);
             e->moving |= is_moving(e->w, k, instance);
         }
         any |= run.count > 0;
-        *total += run.count;
         if (!array_push(runs, run)) return false;
     }
     if (!any) runs->count = before;
     return true;
 }
 
-static bool find_runs(emitters *e, uint64_t *total) {
+static bool find_runs(emitters *e) {
     const world *w = e->w;
     run_list runs = {.items = NULL};
     e->run_of = malloc((w->instances.count + 1) * sizeof *e->run_of);
@@ -72,11 +70,21 @@ static bool find_runs(emitters *e, uint64_t *total) {
     for (size_t i = 0; fine && i <= w->instances.count; ++i) {
         const uint32_t instance = i ? (uint32_t)(i - 1) : FATHOM_NONE;
         const size_t before = runs.count;
-        fine = add_runs(e, &runs, i ? w->instances.items[i - 1].group : 0, instance, total);
+        fine = add_runs(e, &runs, i ? w->instances.items[i - 1].group : 0, instance);
         e->run_of[(ptrdiff_t)i - 1] = runs.count > before ? (uint32_t)before : FATHOM_NONE;
     }
     e->runs = runs.items, e->run_count = (uint32_t)runs.count;
     return fine;
+}
+
+/* Returns the number of emitters. */
+static uint64_t number_runs(emitters *e) {
+    uint64_t total = 0;
+    for (uint32_t r = 0; r < e->run_count; ++r) {
+        e->runs[r].first = (uint32_t)total;
+        total += e->runs[r].count;
+    }
+    return total;
 }
 
 const emitter_run *emitters_run(const emitters *e, uint32_t geometry, uint32_t instance) {
@@ -231,8 +239,9 @@ static fathom_status build_tree(fathom_context *context, emitters *e, uint32_t t
 }
 
 static fathom_status collect(fathom_context *context, emitters *e) {
-    uint64_t total = 0;
-    if (!find_emission(e) || !find_runs(e, &total) || !sort_lights(e)) return fail_memory(context, 1 << 20);
+    if (!find_emission(e) || !find_runs(e) || !sort_lights(e)) return fail_memory(context, 1 << 20);
+    emitters_divide_runs(e);
+    const uint64_t total = number_runs(e);
     if (total + e->lamp_count >= TREE_LEAF / TREE_WIDE) {
         return fail(
             context, FATHOM_OUT_OF_RESOURCES,

@@ -127,9 +127,9 @@ void emitters_face(const emitters *e, const emitter_run *run, uint32_t primitive
 
 /* ---- emitters_cells.c ---- */
 
-/* Divides the faces of a run whose emission varies enough. Call with the number of primitives as its count.
- */
-void emitters_divide_run(const emitters *e, emitter_run *run);
+/* Divides the faces of runs whose emission varies enough. Until then a run's count is that of its
+ * primitives. */
+void emitters_divide_runs(emitters *e);
 /* True if the emitters of the run are whole quads. */
 bool emitters_is_quad(const emitters *e, const emitter_run *run);
 /* The primitive of an emitter, and the emitter at a place on a primitive; both by their indices in the run.

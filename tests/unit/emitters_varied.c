@@ -262,6 +262,24 @@ static void an_even_image_is_not_divided(void **state) {
     assert_square();
 }
 
+/* 2^18 cells for all: each of 10,000 screens of two triangles gets 8, and would get 32 alone. */
+static void many_screens_share_the_cells(void **state) {
+    (void)state;
+    fathom_id group;
+    fathom_instance instance;
+    make_texels(0.1);
+    assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
+    add_mesh(group, 1);
+    fathom_instance_default(&instance);
+    instance.group = group;
+    for (int k = 0; k < 10000; ++k) {
+        instance.transform[3] = 3 * k;
+        assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
+    }
+    open_light();
+    assert_int_equal(e->surface_count, 10000 * 8);
+}
+
 static void a_hit_gets_the_density_of_its_sample(void **state) {
     (void)state;
     make_texels(0.1);
@@ -314,6 +332,7 @@ int main(void) {
         LAW(a_ball_sends_its_image),
         LAW(samples_go_where_the_image_is_bright),
         LAW(an_even_image_is_not_divided),
+        LAW(many_screens_share_the_cells),
         LAW(a_hit_gets_the_density_of_its_sample),
         LAW(the_middle_of_a_cell_lies_in_it),
     };
