@@ -44,6 +44,8 @@ MUTANTS = [
      "energy_glass_stretched(out->along, out->alpha,", "energy_glass_stretched(out->alpha, out->alpha,"),
     ("brushed glass keeps facets' light as glass of one alpha", "material/kernels/rough_glass.h", "brushed glass",
      "from = smith_of(b, true, i, l[0], l[1], lz);", "from = smith_of(b, false, i, l[0], l[1], lz);"),
+    ("the film over a solid's base counts inside, too", "material/kernels/film.h", "partly diffuse",
+     "return film > base ? film - base : 0;", "return film;"),
     ("the dielectric over a solid's base counts inside, too", "material/kernels/block.h", "partly diffuse",
      "const float f90 = m->mirror90 - (out->inside[i] && !rough ? m->base_f90 : 0);", "const float f90 = m->mirror90;"),
     ("rough glass takes the missing light of the wrong side", "material/kernels/rough_glass.h", "rough glass",

@@ -238,7 +238,7 @@ static void cover(float opacity, shader *out) {
 static void prepare_solid(const fathom_material *m, const mixture *x, shader *out) {
     const float base = (1 - x->metal) * (1 - m->transmission);
     for (int c = 0; c < 3; ++c) out->base_f0[c] = base * x->layer[c];
-    out->base_f90 = base * m->specular_factor;
+    out->base_f90 = out->lobes & SHADER_FILM ? base : base * m->specular_factor;
     if (!(x->metal > 0)) return;
     for (int c = 0; c < 3; ++c) out->metal_rise[c] = x->metal * (1 - m->base_color[c]);
     out->lobes |= SHADER_INNER_METAL;

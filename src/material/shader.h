@@ -134,7 +134,7 @@ typedef struct shader {
     float eta_spread;  /* difference of eta between neighbouring channels, for dispersion */
     float sheen[3], sheen_most, sheen_alpha;
     /* With SHADER_SOLID: the dielectric over the base; its share of f0, f90 (or mirror0, mirror90) and again.
-     */
+     * Under a film base_f90 is the base's weight. */
     float base_f0[3], base_f90, base_again[3];
     float metal_rise[3]; /* with SHADER_INNER_METAL: m (1 - c), the metal's contribution to f90 - f0 */
     /* The members from here on are set only if the lobes need them. */

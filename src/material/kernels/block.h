@@ -52,7 +52,7 @@ static inline void set_cross(const shader *m, int i, uint32_t entering, shader_b
     for (int c = 0; c < 3; ++c) out->cross[c][i] = chosen(rough, m->cross[c], 0);
     out->eta[i] = chosen(entering, m->eta, 1 / m->eta);
     out->even[i] = m->even & (out->eta[i] == m->eta ? ~0u : 0);
-    out->inside[i] = (m->lobes & SHADER_SOLID) && !(m->lobes & SHADER_FILM) && !entering ? ~0u : 0;
+    out->inside[i] = (m->lobes & SHADER_SOLID) && !entering ? ~0u : 0;
     if (out->inside[i])
         view_from_inside(m, i, out);
     else

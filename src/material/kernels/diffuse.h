@@ -19,7 +19,7 @@ static inline __attribute__((always_inline)) void add_diffuse(const shader_block
         float cosine = lambert(lit, at->l[2][i]);
         for (int c = 0; c < 3; ++c) {
             float under = b->under[i] * at->under[i];
-            if (is_filmed(b, rare, i) && b->even[i]) under = film_through(b, at, i, c);
+            if (is_under_film(b, rare, i)) under = film_through(b, at, i, c);
             float left = chosen(b->even[i], under, 1 - layer_of(b, rare, i, c, along_half(b, h, i), rise[i]));
             f[c][i] += b->diffuse[c][i] * left * cosine;
         }
@@ -38,7 +38,7 @@ static inline void add_leaf(const shader_block *b, const incidence *at, float (*
         for (int c = 0; c < 3; ++c) {
             float once = m->mean_under * (1 - layer_of(b, true, i, c, along_half(b, h, i), rise[i]));
             float under = b->under[i] * at->under[i];
-            if (is_filmed(b, true, i) && b->even[i]) under = film_through(b, at, i, c);
+            if (is_under_film(b, true, i)) under = film_through(b, at, i, c);
             float left = chosen(b->even[i] & ~b->inside[i], under, once);
             float value = chosen(at->cross[i], left * l[2][i] * (1 / PI), 0);
             f[c][i] += m->leaf[c] * value;

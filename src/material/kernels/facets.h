@@ -97,7 +97,7 @@ static inline void set_films(shader_block *out) {
     film_curves(out, out->v, out->film_under);
     for (int i = 0; i < LANES; ++i) {
         const shader *m = out->at[i];
-        if (!(m->lobes & SHADER_FILM) || !m->even) continue;
+        if (!(m->lobes & SHADER_FILM) || !m->even || out->inside[i]) continue;
         out->under[i] = 0;
         for (int c = 0; c < 3; ++c) out->under[i] += out->film_under[c][i] * m->film_lift[c] * (1 / 3.0f);
     }

@@ -31,7 +31,11 @@ static inline __attribute__((always_inline)) float reflectance_at(const shader_b
         plain += b->at[i]->metal_rise[c] * (power5(1 - fminf(cosine, 1)) - rise);
         plain = plain > 0 ? plain : 0; /* rounding may leave less than 0 */
     }
-    return is_filmed(b, rare, i) ? film_at(b, i, b->at[i]->film[c], cosine) : plain;
+    if (!is_filmed(b, rare, i)) return plain;
+    const float film = film_at(b, i, b->at[i]->film[c], cosine);
+    if (!b->inside[i]) return film;
+    const float base = b->at[i]->base_f90 * film_at(b, i, b->at[i]->film_kept[c], cosine);
+    return film > base ? film - base : 0;
 }
 
 /* The fraction of a channel's light that the layer keeps from the base, at this cosine; rise: its Schlick
@@ -42,7 +46,12 @@ static inline __attribute__((always_inline)) float layer_of(const shader_block *
     return layer_share(b, i, rise);
 }
 
-/* The fraction of a channel's light that reaches the base and leaves it, with `even`. */
+/* True if the base lies under a film that is even. */
+static inline __attribute__((always_inline)) bool is_under_film(const shader_block *b, bool rare, int i) {
+    return is_filmed(b, rare, i) && b->even[i] && !b->inside[i];
+}
+
+/* The fraction of a channel's light that reaches the base and leaves it, if it is under a film. */
 static inline float film_through(const shader_block *b, const incidence *at, int i, int c) {
     return b->film_under[c][i] * at->film_under[c][i] * b->at[i]->film_lift[c];
 }

@@ -155,6 +155,13 @@ static void bubble(law_room *room) {
     law_unseen_ball(room, m);
 }
 
+/* The film is over the glass alone when viewed from inside: the base would gain 0.15. */
+static void half_glass_film(law_room *room) {
+    fathom_material m = filmed(0);
+    m.transmission = 0.8f, m.thickness = 1;
+    law_unseen_ball(room, m);
+}
+
 /* ---- volumes ---- */
 
 static fathom_material clear(double index, unsigned priority) {
@@ -239,6 +246,7 @@ const law laws_of_layers[] = {
     {"smooth film over a white base", "L", smooth_film},
     {"rough film over a white base", "L", rough_film},
     {"bubble in an even sky", "L", bubble},
+    {"partly diffuse ball with a film", "L", half_glass_film},
     {"dispersive ball in an even sky", "L", fire},
     {"slabs of one index that overlap", "2r/(1+r)", overlap_even},
     {"slabs of two indices that overlap", "r + (1-r)² c² s/(1-r c² s)", overlap_uneven},
