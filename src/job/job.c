@@ -5,6 +5,7 @@
 #include "base/threads.h"
 #include "job/preview.h"
 #include "job/watch.h"
+#include "material/textured.h"
 
 #include <stdlib.h>
 
@@ -214,9 +215,12 @@ static double fraction_done(const job *j, double now) {
     return pixels > 0 ? (double)done / pixels : 1;
 }
 
-/* Everything finished more than a second ago used the files' old contents. */
+/* If a file has changed, everything finished more than a second ago used its old contents. Images are decoded
+ * once a ray needs them. */
 static void watch_files(job *j) {
-    if (j->files == FATHOM_OK) j->files = scene_watch_files(j->plan->scene, &j->next_look);
+    const fathom_scene *scene = j->plan->scene;
+    if (j->files == FATHOM_OK) j->files = scene_watch_files(scene, &j->next_look);
+    if (j->files == FATHOM_OK) j->files = texturing_check(j->plan->texturing, scene->context);
     if (j->files != FATHOM_OK) atomic_store(&j->stop, true);
 }
 

@@ -49,7 +49,7 @@ struct job {
     uint64_t rays_before;    /* of earlier calls */
     atomic_bool complete;    /* all is rendered: stopping has no effect */
     bool interrupted;
-    fathom_status files; /* status of the scene's files; a changed file sets it, and ends the job */
+    fathom_status files; /* status of the scene's files; a changed file or a broken image ends the job */
     double next_look;    /* when to check the files again */
     wave_grid grid;      /* of the film */
     double sampled;      /* fraction of the waves that have samples, if time ended before all had */

@@ -23,3 +23,7 @@ refused 2 'expected a name that ends in .tx, .tif or .tiff' texture a.png -o b.p
 refused 2 'a.tx: is the input; expected another name for the output' texture a.tx -o a.tx
 head -c 3000 a.png >cut.png
 refused 3 'cut.png: cannot be read as a texture' texture cut.png -o b.tx
+# A render ends once a ray needs a broken image: this one would take days.
+printf '{"materials": {"m": {"kdTexture": {"file": "cut.png"}}}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}]}' >cut.json
+refused 3 'cut.json:1: materials.m.kdTexture.file: cut.png: cannot be read as a texture' \
+    render cut.json -o b.png --size 8000x8000 --spp 65536
