@@ -48,7 +48,8 @@ typedef struct fathom_survey {
     const char *const *problems; /* can be rendered, but are probably mistakes */
     uint32_t problem_count;
     uint64_t points, clouds; /* of points; clouds are not among the meshes above */
-    /* Whose materials emit light, counted once for each instance they appear in; points are shapes. */
+    /* Triangles and shapes of emissive materials, once for each instance that shows them. A point counts as
+     * a shape. */
     uint64_t emissive_triangles, emissive_shapes;
 } fathom_survey;
 

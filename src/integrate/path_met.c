@@ -1,5 +1,5 @@
-/* What path rays meet: lamps on the way, and at their ends emission or light from outside, weighted against
- * light samples, and AOVs. */
+/* Adds the light that path rays meet: from lamps on the way, and at their ends emission or light from
+ * outside, weighted against light samples. Fills in the AOVs. */
 #include "integrate/path.h"
 #include "math/limit.h"
 

@@ -22,8 +22,8 @@ static float look_up(const emitters *e, vec3_f64 weight, texturing_place *place)
 
 /* ---- means ---- */
 
-/* Of the triangle or half quad at `place`, or of its cell: looked up at the centre and towards each corner,
- * with footprints that cover it. */
+/* Looks up the triangle or half quad at `place`, or its cell, at the centre and towards each corner, with
+ * footprints that cover it. */
 static float half_power(const emitters *e, const emitter_run *run, uint32_t index, texturing_place *place) {
     vec3_f64 c[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     emitters_divide(c, run, index);
@@ -34,7 +34,7 @@ static float half_power(const emitters *e, const emitter_run *run, uint32_t inde
     return sum / 4;
 }
 
-/* Normals of equal spacing along the axis, each turned from the last by the golden angle. */
+/* Looks up normals at equal steps along the axis. Each is turned from the last by the golden angle. */
 static float ball_power(const emitters *e, texturing_place *place) {
     enum { COUNT = 16 };
     float sum = 0;

@@ -83,8 +83,8 @@ static double distance_to(const lamp *l, vec3_f64 p, vec3_f64 d, double near, bo
     return l->radius > 0 && outside > 0 && along > 0 && root > 0 ? along - sqrt(root) : (double)INFINITY;
 }
 
-/* Of part of the way, whole and in two parts, each lamp once. near: float's roundings of distances up to 20.
- */
+/* A part of a ray finds each lamp once, as a whole and cut in two. near: float's roundings of distances up to
+ * 20. */
 static void rays_find_each_lamp_that_they_enter(void **state) {
     (void)state;
     static lamp lamps[MOST];

@@ -246,7 +246,7 @@ static void note_odd_roots(gltf *g, const gltf_value *list, bool *named) {
     memset(named, 0, gltf_count(&g->nodes) * sizeof *named);
 }
 
-/* Notes the scenes of which a node is not shown. What is wrong with them does not matter. */
+/* Notes the scenes that have a node which is not shown. Errors in them do not matter. */
 static void note_other_scenes(gltf *g, uint32_t taken, const bool *shown) {
     const json_int_t count = (json_int_t)gltf_count(&g->nodes);
     for (size_t i = 0; i < gltf_count(&g->scenes); ++i) {
