@@ -548,6 +548,34 @@ static void missing_libraries_are_reported(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* Each search lists a folder: the number of searches has a limit, and so has that of warnings. */
+static void very_many_missing_files_take_little_time(void **state) {
+    (void)state;
+    enum { MANY = 3000 };
+    static char text[64 * MANY];
+    unlink(mesh_path("a.mtl")); /* it would be read instead */
+    size_t n = 0;
+    for (int i = 0; i < MANY; ++i) n += (size_t)sprintf(text + n, "mtllib none%d.mtl\n", i);
+    sprintf(text + n, "mtllib m.mtl\n" SQUARE "usemtl a\nf 1 2 3\n");
+    mesh_write("m.mtl", "newmtl a\n", 9);
+    fathom_scene *scene = read_text(text);
+    expect_warning(
+        ":1: mtllib: there is no file \"none0.mtl\"; materials named from it get the default (3001 such)");
+    expect_warning("1000 names of libraries have no file that can be read; no further name was looked for");
+    fathom_scene_destroy(scene);
+
+    n = 0;
+    for (int i = 0; i < 20; ++i) n += (size_t)sprintf(text + n, "newmtl m%d\nmap_Kd none%d.png\n", i, i);
+    mesh_write("m.mtl", text, n);
+    n = (size_t)sprintf(text, "mtllib m.mtl\n" SQUARE);
+    for (int i = 0; i < 20; ++i) n += (size_t)sprintf(text + n, "usemtl m%d\nf 1 2 3\n", i);
+    scene = read_text(text);
+    expect_warning("material \"m7\": there is no image \"none7.png\" that may be read; it is left out");
+    assert_null(strstr(mesh_warnings, "none8.png"));
+    expect_warning("images beyond the first 8 that may not be read or do not exist are left out (12 such)");
+    fathom_scene_destroy(scene);
+}
+
 /* By the last parts of the path, or by the name of the OBJ file, with a warning. */
 static void libraries_elsewhere_are_found(void **state) {
     (void)state;
@@ -683,6 +711,7 @@ int main(void) {
         cmocka_unit_test(lines_are_rods_and_points_are_spheres),
         cmocka_unit_test(vertices_alone_are_a_cloud_of_points),
         cmocka_unit_test(points_keep_their_materials),
+        cmocka_unit_test(very_many_missing_files_take_little_time),
         cmocka_unit_test(missing_libraries_are_reported),
         cmocka_unit_test(libraries_elsewhere_are_found),
         cmocka_unit_test(each_of_several_libraries_is_found),

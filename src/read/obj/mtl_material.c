@@ -157,7 +157,8 @@ static void without_image(int kind, fathom_material *m) {
     }
 }
 
-fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material, fathom_material *out) {
+fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material, size_t *lost,
+                              fathom_material *out) {
     fathom_status status = FATHOM_OK;
     for (int k = 0; k < FATHOM_MAPS && status == FATHOM_OK; ++k) {
         const mtl_image *image = &material->images[k];
@@ -167,9 +168,10 @@ fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material,
         fathom_texture_default(&t);
         status = read_image_beside(scene, material->library, image->file, &path);
         if (status == FATHOM_OK && !path) {
-            warn(scene->context,
-                 "%s: material \"%.80s\": there is no image \"%.200s\" that may be read; it is left out",
-                 material->library, material->name, image->file);
+            if (++*lost <= MTL_LOST_IMAGES)
+                warn(scene->context,
+                     "%s: material \"%.80s\": there is no image \"%.200s\" that may be read; it is left out",
+                     material->library, material->name, image->file);
             without_image(k, out);
             continue;
         }

@@ -59,8 +59,11 @@ typedef struct mtl_library {
  * unused values, and about a file that cannot be opened. The message of FATHOM_BAD_INPUT names the line. */
 fathom_status mtl_read(fathom_context *context, const char *path, mtl_library *library);
 void mtl_free(mtl_library *library);
-/* Adds the material's images to the scene as the maps of *out. Warns about missing images. */
-fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material, fathom_material *out);
+/* Adds the material's images to the scene as the maps of *out. Missing images are counted in *lost; the first
+ * MTL_LOST_IMAGES are named. */
+#define MTL_LOST_IMAGES 8
+fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material, size_t *lost,
+                              fathom_material *out);
 
 /* ---- meshes ---- */
 

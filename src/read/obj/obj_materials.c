@@ -42,9 +42,13 @@ void names_free(name_table *table) {
 
 /* ---- libraries ---- */
 
-/* The names that were read: exporters repeat the statement for each object. */
+/* Each search for a missing file lists its folder, so a file that names very many would take long. */
+enum { LIBRARIES_MISSED_MOST = 1000 };
+
+/* The names that were looked for: exporters repeat the statement for each object. */
 typedef struct library_names {
-    name_table seen;   /* as written in the file */
+    name_table seen;   /* as written in the file; those that were read */
+    name_table missed; /* those that were not */
     obj_tally absent;  /* names without a file */
     obj_tally refused; /* names of files that must not be read */
     size_t absent_length;
@@ -71,15 +75,26 @@ static fathom_status find_library(const obj_reader *r, const char *name, size_t 
     return status;
 }
 
+static bool known(const name_table *table, const char *name, size_t length) {
+    return names_find(table, name, length) != UINT32_MAX;
+}
+
+static bool missed_most(const library_names *names) {
+    return names->missed.entries.count + names->refused.count >= LIBRARIES_MISSED_MOST;
+}
+
 /* Reads the file if it exists and was not read yet; FATHOM_BAD_INPUT if it must not be read. *found: whether
  * the file exists. */
 static fathom_status read_name(obj_reader *r, mtl_library *library, library_names *names, const char *name,
                                size_t length, bool *found) {
     char *path;
-    *found = names_find(&names->seen, name, length) != UINT32_MAX;
-    if (*found) return FATHOM_OK;
+    *found = known(&names->seen, name, length);
+    if (*found || known(&names->missed, name, length) || missed_most(names)) return FATHOM_OK;
     fathom_status status = find_library(r, name, length, &path);
-    if (status != FATHOM_OK || !path) return status;
+    if (status != FATHOM_OK) return status;
+    if (!path)
+        return names_add(&names->missed, name, length) == UINT32_MAX ? fail_memory(r->scene->context, length)
+                                                                     : FATHOM_OK;
     *found = true;
     status = names_add(&names->seen, name, length) == UINT32_MAX ? fail_memory(r->scene->context, length)
                                                                  : mtl_read(r->scene->context, path, library);
@@ -190,8 +205,12 @@ static fathom_status read_libraries(obj_reader *r, mtl_library *library) {
                      shown(names.absent_length), names.absent.first);
         notes_add_at(&r->notes, names.refused.count, &r->file, names.refused.first, false,
                      "mtllib: %s; materials named from it get the default", names.why);
+        notes_add(&r->notes, missed_most(&names), "",
+                  "%d names of libraries have no file that can be read; no further name was looked for",
+                  LIBRARIES_MISSED_MOST);
     }
     names_free(&names.seen);
+    names_free(&names.missed);
     return status;
 }
 
@@ -202,7 +221,7 @@ static bool push_slot(obj_reader *r, fathom_id material, uint32_t same_as) {
 
 /* Names without a material use slot 0, like faces that name none. */
 static fathom_status fill_slots(obj_reader *r, const mtl_library *library) {
-    size_t missing = 0;
+    size_t missing = 0, lost = 0;
     const name_entry *first = NULL;
     for (size_t i = 0; i < r->names.entries.count; ++i) {
         const name_entry *name = r->names.entries.items[i];
@@ -211,7 +230,7 @@ static fathom_status fill_slots(obj_reader *r, const mtl_library *library) {
         if (found != UINT32_MAX) {
             const mtl_material *from = &library->materials.items[found];
             fathom_material value = from->value;
-            fathom_status status = mtl_open_images(r->scene, from, &value);
+            fathom_status status = mtl_open_images(r->scene, from, &lost, &value);
             if (status == FATHOM_OK)
                 status = fathom_scene_add_material(r->scene, from->name, &value, &material);
             if (status != FATHOM_OK)
@@ -223,6 +242,10 @@ static fathom_status fill_slots(obj_reader *r, const mtl_library *library) {
             return fail_memory(r->scene->context, sizeof(obj_slot));
         }
     }
+    if (lost > MTL_LOST_IMAGES)
+        notes_add(&r->notes, lost - MTL_LOST_IMAGES, "",
+                  "images beyond the first %d that may not be read or do not exist are left out",
+                  MTL_LOST_IMAGES);
     if (missing)
         notes_add_at(&r->notes, missing, &r->file, first->text, false,
                      "usemtl: no material \"%.*s\" is defined; it gets the default", shown(first->length),
