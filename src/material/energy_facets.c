@@ -2,6 +2,7 @@
  * each cosine to the viewer. This does not depend on the reflectance, so films are cheap where their
  * thickness varies. */
 #include "material/energy.h"
+#include "material/energy_ring.h"
 #include "material/shader.h"
 #include "math/turn.h"
 
@@ -17,39 +18,21 @@ static weights tables[ROWS * (ROWS + 1) / 2];
 static bool made[ROWS * (ROWS + 1) / 2];
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
-/* s: the viewer in the space where the facets are a hemisphere, made unit; smith: its length there. */
-typedef struct viewer {
-    float ax, ay, v[3], s[3], smith;
-} viewer;
-
-static viewer viewer_at(float ax, float ay, float mu, float turn) {
+static ring_viewer viewer_at(float ax, float ay, float mu, float turn) {
     const float sine = sqrtf((1 - mu) * (1 + mu));
     float x, y;
     turn_by(turn, &x, &y);
-    viewer m = {.ax = ax, .ay = ay, .v = {sine * x, sine * y, mu}};
-    const float sx = ax * m.v[0], sy = ay * m.v[1];
-    m.smith = sqrtf(sx * sx + sy * sy + mu * mu);
-    m.s[0] = sx / m.smith, m.s[1] = sy / m.smith, m.s[2] = mu / m.smith;
-    return m;
+    return ring_viewer_at(ax, ay, (float[3]){sine * x, sine * y, mu});
 }
 
-/* The parametrisation of energy.c. */
-static void add_ring(const viewer *m, float u, float part, float out[NODES]) {
+static void add_ring(const ring_viewer *m, float u, float part, float out[NODES]) {
     float cosine, sine, share[ALONG], place[ALONG];
     turn_by(u, &cosine, &sine);
     for (int k = 0; k < ALONG; ++k) {
-        float q = ((float)k + 0.5f) / ALONG, up = q * q * (1 + m->s[2]);
-        float below = (m->s[0] * m->s[0] + m->s[1] * m->s[1]) / (1 + m->s[2]);
-        float square = (1 - q * q) * (1 + m->s[2]) * (below + up), r = sqrtf(square > 0 ? square : 0);
-        float hx = m->ax * (m->s[0] + r * cosine), hy = m->ay * (m->s[1] + r * sine);
-        float unit = 1 / sqrtf(hx * hx + hy * hy + up * up);
-        hx *= unit, hy *= unit, up *= unit;
-        float along = m->v[0] * hx + m->v[1] * hy + m->v[2] * up;
-        float x = 2 * along * hx - m->v[0], y = 2 * along * hy - m->v[1], z = 2 * along * up - m->v[2];
-        z = z > 0 ? z : 0;
-        float s = sqrtf(m->ax * m->ax * x * x + m->ay * m->ay * y * y + z * z);
-        share[k] = part * 2 * q * z * (m->v[2] + m->smith) / (m->v[2] * s + z * m->smith);
-        place[k] = sqrtf(along > 0 ? (along < 1 ? along : 1) : 0) * ENERGY_FACETS_STEPS;
+        const float q = ((float)k + 0.5f) / ALONG;
+        const ring_facet f = ring_facet_at(m, q, cosine, sine);
+        share[k] = part * 2 * q * ring_mirrored(m, &f);
+        place[k] = sqrtf(f.along > 0 ? (f.along < 1 ? f.along : 1) : 0) * ENERGY_FACETS_STEPS;
     }
     for (int k = 0; k < ALONG; ++k) {
         const int node = place[k] < ENERGY_FACETS_STEPS - 1 ? (int)place[k] : ENERGY_FACETS_STEPS - 1;
@@ -71,7 +54,7 @@ static void fill(int along, int across, weights *out) {
         const float x = (float)k / ENERGY_FACETS_STEPS, mu = fmaxf(x * x, 1e-6f);
         if (ax < SHADER_SMOOTH_ALPHA) out->of[k][k] = 1;
         for (int j = 0; j < turns && ax >= SHADER_SMOOTH_ALPHA; ++j) {
-            const viewer m = viewer_at(ax, ay, mu, turns > 1 ? 0.25f * ((float)j + 0.5f) / TURNS : 0);
+            const ring_viewer m = viewer_at(ax, ay, mu, turns > 1 ? 0.25f * ((float)j + 0.5f) / TURNS : 0);
             for (int i = 0; i < AROUND; ++i)
                 add_ring(&m, (turns > 1 ? 1 : 0.5f) * ((float)i + 0.5f) / AROUND,
                          1.0f / (float)(turns * AROUND * ALONG), out->of[k]);

@@ -1,5 +1,6 @@
 /* Albedos of rough glass whose facets have two alphas; as energy_glass.c, with a viewer at any azimuth. */
 #include "material/energy.h"
+#include "material/energy_ring.h"
 #include "material/shader.h"
 #include "math/power.h"
 #include "math/turn.h"
@@ -23,43 +24,26 @@ static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
 /* ---- integrals ---- */
 
-/* s: the viewer in the space where the facets are a hemisphere, made unit; smith: its length there. eta:
- * index of the far side divided by that of the viewer's side. */
-typedef struct viewer {
-    float ax, ay, v[3], s[3], smith, eta;
-} viewer;
-
-/* G2/G1 of a direction with this cosine; 0 on the wrong side. */
-static inline float seen_at(const viewer *m, float x, float y, float cosine) {
-    const float z = cosine > 0 ? cosine : 0;
-    const float smith = sqrtf(m->ax * m->ax * x * x + m->ay * m->ay * y * y + z * z);
-    return z * (m->v[2] + m->smith) / (m->v[2] * smith + z * m->smith);
-}
-
 /* Sums over facets, by their place in the ring: separate sums let the loop vectorise. */
 typedef struct ring_sums {
     float low[ALONG], high[ALONG], open[ALONG];
 } ring_sums;
 
-static void add_ring(const viewer *m, float u, ring_sums *sums) {
-    const float inverse = 1 / m->eta, below = (m->s[0] * m->s[0] + m->s[1] * m->s[1]) / (1 + m->s[2]);
+/* eta: index of the far side divided by that of the viewer's side. */
+static void add_ring(const ring_viewer *m, float eta, float u, ring_sums *sums) {
+    const float inverse = 1 / eta;
     float cosine, sine;
     turn_by(u, &cosine, &sine);
     for (int k = 0; k < ALONG; ++k) {
-        const float q = ((float)k + 0.5f) / ALONG, up = q * q * (1 + m->s[2]);
-        const float square = (1 - q * q) * (1 + m->s[2]) * (below + up);
-        const float r = sqrtf(square > 0 ? square : 0);
-        const float hx = m->ax * (m->s[0] + r * cosine), hy = m->ay * (m->s[1] + r * sine);
-        const float unit = 1 / sqrtf(hx * hx + hy * hy + up * up);
-        const float x = hx * unit, y = hy * unit, z = up * unit;
-        const float all = m->v[0] * x + m->v[1] * y + m->v[2] * z, along = all < 1 ? all : 1;
+        const float q = ((float)k + 0.5f) / ALONG;
+        const ring_facet f = ring_facet_at(m, q, cosine, sine);
+        const float along = f.along < 1 ? f.along : 1;
         const float far2 = 1 - (1 - along) * (1 + along) * (inverse * inverse);
         const float far = sqrtf(far2 > 0 ? far2 : 0), of_h = along * inverse - far;
-        const float mirrored =
-            seen_at(m, 2 * along * x - m->v[0], 2 * along * y - m->v[1], 2 * along * z - m->v[2]);
-        const float through = seen_at(m, of_h * x - m->v[0] * inverse, of_h * y - m->v[1] * inverse,
-                                      m->v[2] * inverse - of_h * z);
-        const float refracted = far2 > 0 ? through : 0, near = m->eta < 1 ? far : along;
+        const float mirrored = ring_mirrored(m, &f);
+        const float through = ring_seen(m, of_h * f.h[0] - m->v[0] * inverse,
+                                        of_h * f.h[1] - m->v[1] * inverse, m->v[2] * inverse - of_h * f.h[2]);
+        const float refracted = far2 > 0 ? through : 0, near = eta < 1 ? far : along;
         const float rise = far2 > 0 ? power5(1 - near) : 1;
         sums->low[k] += 2 * q * (mirrored - refracted) * (1 - rise);
         sums->high[k] += 2 * q * (mirrored - refracted) * rise;
@@ -69,12 +53,9 @@ static void add_ring(const viewer *m, float u, ring_sums *sums) {
 
 /* The parts of an albedo f0 [0] + f90 [1] + [2]. */
 static void albedo(float ax, float ay, float eta, const float v[3], float out[3]) {
-    viewer m = {.ax = ax, .ay = ay, .v = {v[0], v[1], v[2]}, .eta = eta};
-    const float sx = ax * v[0], sy = ay * v[1];
-    m.smith = sqrtf(sx * sx + sy * sy + v[2] * v[2]);
-    m.s[0] = sx / m.smith, m.s[1] = sy / m.smith, m.s[2] = v[2] / m.smith;
+    const ring_viewer m = ring_viewer_at(ax, ay, v);
     ring_sums sums = {{0}, {0}, {0}};
-    for (int j = 0; j < AROUND; ++j) add_ring(&m, ((float)j + 0.5f) / AROUND, &sums);
+    for (int j = 0; j < AROUND; ++j) add_ring(&m, eta, ((float)j + 0.5f) / AROUND, &sums);
     out[0] = out[1] = out[2] = 0;
     for (int k = 0; k < ALONG; ++k) out[0] += sums.low[k], out[1] += sums.high[k], out[2] += sums.open[k];
     for (int c = 0; c < 3; ++c) out[c] /= AROUND * ALONG;

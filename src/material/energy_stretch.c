@@ -1,5 +1,6 @@
 /* Albedos of GGX lobes with two alphas; as energy.c, with a viewer at any azimuth. */
 #include "material/energy.h"
+#include "material/energy_ring.h"
 #include "material/shader.h"
 #include "math/power.h"
 #include "math/turn.h"
@@ -18,37 +19,20 @@ static float alpha_at(int j) {
     return fmaxf(y * y * (y * y), SHADER_SMOOTH_ALPHA);
 }
 
-typedef struct lobe {
-    float ax, ay, v[3];
-    float s[3],
-        smith; /* s: v in the space where the facets are a hemisphere, made unit; smith: its length there */
-} lobe;
-
-static void add_facets(const lobe *m, float u, float all[ALONG], float edge[ALONG]) {
+static void add_facets(const ring_viewer *m, float u, float all[ALONG], float edge[ALONG]) {
     float cosine, sine;
     turn_by(u, &cosine, &sine);
     for (int k = 0; k < ALONG; ++k) {
-        float q = ((float)k + 0.5f) / ALONG, up = q * q * (1 + m->s[2]);
-        float below = (m->s[0] * m->s[0] + m->s[1] * m->s[1]) / (1 + m->s[2]);
-        float square = (1 - q * q) * (1 + m->s[2]) * (below + up), r = sqrtf(square > 0 ? square : 0);
-        float hx = m->ax * (m->s[0] + r * cosine), hy = m->ay * (m->s[1] + r * sine);
-        float unit = 1 / sqrtf(hx * hx + hy * hy + up * up);
-        hx *= unit, hy *= unit, up *= unit;
-        float along = m->v[0] * hx + m->v[1] * hy + m->v[2] * up;
-        float x = 2 * along * hx - m->v[0], y = 2 * along * hy - m->v[1], z = 2 * along * up - m->v[2];
-        z = z > 0 ? z : 0;
-        float s = sqrtf(m->ax * m->ax * x * x + m->ay * m->ay * y * y + z * z);
-        float part = 2 * q * z * (m->v[2] + m->smith) / (m->v[2] * s + z * m->smith);
-        all[k] += part, edge[k] += part * power5(along < 1 ? 1 - along : 0);
+        const float q = ((float)k + 0.5f) / ALONG;
+        const ring_facet f = ring_facet_at(m, q, cosine, sine);
+        const float part = 2 * q * ring_mirrored(m, &f);
+        all[k] += part, edge[k] += part * power5(f.along < 1 ? 1 - f.along : 0);
     }
 }
 
 static void albedo(float ax, float ay, float mu, float x, float y, float out[2]) {
     const float sine = sqrtf((1 - mu) * (1 + mu));
-    lobe m = {.ax = ax, .ay = ay, .v = {sine * x, sine * y, mu}};
-    const float sx = ax * m.v[0], sy = ay * m.v[1];
-    m.smith = sqrtf(sx * sx + sy * sy + mu * mu);
-    m.s[0] = sx / m.smith, m.s[1] = sy / m.smith, m.s[2] = mu / m.smith;
+    const ring_viewer m = ring_viewer_at(ax, ay, (float[3]){sine * x, sine * y, mu});
     float all[ALONG] = {0}, edge[ALONG] = {0};
     for (int j = 0; j < AROUND; ++j) add_facets(&m, ((float)j + 0.5f) / AROUND, all, edge);
     out[0] = out[1] = 0;
