@@ -102,24 +102,6 @@ static char *name_within(const char *path, const char *file) {
     return name;
 }
 
-static fathom_status find_faces_name(fathom_context *context, const char *path, const char *pattern,
-                                     char **out) {
-    file_faces files;
-    fathom_status status = file_faces_open(context, pattern, &files);
-    char *first = status == FATHOM_OK ? name_within(path, files.paths[0]) : NULL;
-    file_faces_close(&files);
-    *out = NULL;
-    if (status != FATHOM_OK) return status;
-    if (!first)
-        return fail_file(
-            context, FATHOM_BAD_INPUT, pattern,
-            "the six files of an environment are not copied; convert to a file in or above their "
-            "folder");
-    *out = file_beside(first, file_name(pattern));
-    free(first);
-    return *out ? FATHOM_OK : fail_memory(context, strlen(pattern));
-}
-
 /* "out/scene.json" gets "scene-3.png". */
 static char *copied_name(const char *path, const write_image *image, uint32_t index) {
     const char *type = write_image_type(image), *file = file_name(path);
@@ -133,15 +115,70 @@ static char *copied_name(const char *path, const write_image *image, uint32_t in
     return strdup(name);
 }
 
-static fathom_status copy_image(fathom_context *context, const char *path, const write_image *image) {
-    char *to = file_beside(path, image->name);
+static fathom_status copy_bytes(fathom_context *context, const char *path, const char *name,
+                                const unsigned char *bytes, size_t size) {
+    char *to = file_beside(path, name);
     file_writer *file;
     if (!to) return fail_memory(context, strlen(path));
     fathom_status status = file_writer_open(context, to, &file);
     free(to);
     if (status != FATHOM_OK) return status;
-    file_writer_put(file, image->bytes, image->size);
+    file_writer_put(file, bytes, size);
     return file_writer_commit(file);
+}
+
+/* ---- environments of six files ---- */
+
+/* The name with "<FACE>" of files that stay in place; NULL: they do not lie in or below the folder of
+ * `path`. */
+static char *faces_within(const char *path, const char *pattern, const file_faces *files) {
+    const char *word = strstr(pattern, FILE_FACE);
+    char *first = word < file_name(pattern) ? NULL : name_within(path, files->paths[0]);
+    char *out = first ? file_beside(first, file_name(pattern)) : NULL;
+    free(first);
+    return out;
+}
+
+static fathom_status copy_face(fathom_context *context, const char *path, const char *name,
+                               const char *from) {
+    file_map map;
+    fathom_status status = file_open(context, from, &map);
+    if (status != FATHOM_OK) return status;
+    status = copy_bytes(context, path, name, map.bytes, map.size);
+    file_close(&map);
+    return status;
+}
+
+/* "out/scene.json" gets "scene-sky-0-px.hdr" and so on. */
+static fathom_status copy_faces(fathom_context *context, const char *path, size_t sky,
+                                const file_faces *files, char **out) {
+    char name[PATH_MAX], extension[16] = "";
+    const char *file = file_name(path);
+    fathom_status status = FATHOM_OK;
+    file_extension(files->paths[0], extension);
+    snprintf(name, sizeof name, "%.*s-sky-%zu-" FILE_FACE "%s%s",
+             (int)(file_stem_length(path) - (size_t)(file - path)), file, sky, *extension ? "." : "",
+             extension);
+    *out = strdup(name);
+    if (!*out) return fail_memory(context, strlen(name));
+    for (unsigned i = 0; i < FILE_FACES && status == FATHOM_OK; ++i) {
+        char *face = file_face_name(name, i);
+        status = face ? copy_face(context, path, face, files->paths[i]) : fail_memory(context, strlen(name));
+        free(face);
+    }
+    return status;
+}
+
+/* *out: the name with "<FACE>" of the six files. */
+static fathom_status place_faces(fathom_context *context, const char *path, size_t sky, const char *pattern,
+                                 char **out) {
+    file_faces files;
+    fathom_status status = file_faces_open(context, pattern, &files);
+    if (status != FATHOM_OK) return status;
+    *out = faces_within(path, pattern, &files);
+    if (!*out) status = copy_faces(context, path, sky, &files, out);
+    file_faces_close(&files);
+    return status;
 }
 
 fathom_status write_images_beside(const fathom_scene *scene, const char *path, write_images *images) {
@@ -151,12 +188,12 @@ fathom_status write_images_beside(const fathom_scene *scene, const char *path, w
         if (image->texture->file) image->name = name_within(path, image->texture->file);
         if (image->name) continue;
         image->name = copied_name(path, image, i);
-        status =
-            image->name ? copy_image(scene->context, path, image) : fail_memory(scene->context, strlen(path));
+        status = image->name ? copy_bytes(scene->context, path, image->name, image->bytes, image->size)
+                             : fail_memory(scene->context, strlen(path));
     }
     for (size_t i = 0; i < images->sky_count && status == FATHOM_OK; ++i) {
         const char *file = images->skies[i].file;
-        if (strstr(file, FILE_FACE)) status = find_faces_name(scene->context, path, file, &images->faces[i]);
+        if (strstr(file, FILE_FACE)) status = place_faces(scene->context, path, i, file, &images->faces[i]);
     }
     return status;
 }

@@ -1,4 +1,4 @@
-# An environment of six files: the image of one strip, kept by conversion within its folder, and confined to it.
+# An environment of six files: the image of one strip, kept or copied by conversion, and confined to it.
 . "$SOURCE/tests/cli/check.inc"
 
 python3 - <<'PY'
@@ -29,8 +29,16 @@ run 0 convert cube.json again.json
 run 0 render again.json -o again.exr $options
 run 0 compare cube.exr again.exr
 mkdir inner
-run 3 convert cube.json inner/out.json
-said err.txt 'the six files of an environment are not copied'
+run 0 convert cube.json inner/out.json
+[ "$(LC_ALL=C ls inner)" = "$(printf 'out-sky-0-%s.pfm\n' nx ny nz px py pz; echo out.json)" ]
+run 0 render inner/out.json -o again.exr $options
+run 0 compare cube.exr again.exr
+# A name with <FACE> in a folder cannot be told by the first file alone: such files are copied, too.
+for name in px nx py ny pz nz; do mkdir -p "in/$name"; cp "sky_$name.pfm" "in/$name/sky.pfm"; done
+sed 's|sky_<FACE>|in/<FACE>/sky|' cube.json >folders.json
+run 0 convert folders.json folders_again.json
+run 0 render folders_again.json -o again.exr $options
+run 0 compare cube.exr again.exr
 
 mkdir outside
 mv sky_nz.pfm outside
