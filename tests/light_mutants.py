@@ -1,9 +1,10 @@
-"""Faults of light transport: each is planted, built, and must fail `fathom validate --light`; see light_mutants.sh."""
+"""Faults of light transport: each is planted, built, and must fail `fathom validate --light`; see light_mutants.sh.
+Without arguments it only looks whether all can be planted."""
 import subprocess
 import sys
 
 # Name, file below src, a law that breaks (part of its name), the text, and the fault in its place. Each text is in its file
-# once, or the script stops: whoever changes the code moves the fault along.
+# once, as test light_mutants asks: whoever changes the code moves the fault along.
 PATH, EMITTERS, SHAPES = "integrate/path.c", "light/emitters.c", "light/emitters_shapes.c"
 LAMPS = "light/emitters_lamps.c"
 SHAPE, TREE, PICK, LOBES = "light/shape.h", "light/tree.c", "light/kernels/tree.c", "material/kernels/lobes.h"
@@ -100,7 +101,7 @@ MUTANTS = [
      "chosen(at->cross[i], b->take[SHADER_TAKE_BEHIND][i], 0)", "chosen(at->cross[i], 0.5f * b->take[SHADER_TAKE_BEHIND][i], 0)"),
     ("GGX without shadowing", FACETS, "GGX", "return d * lz / (2 * (z * from + lz * to));", "return d / (4 * z) + 0 * from;"),
     ("visible normals' density lacks the masking", FACETS, "GGX", "*density = d / (2 * (z + to));", "*density = d / (4 * z);"),
-    ("Schlick's power is 4", "material/kernels/incidence.h", "Schlick", "static inline float power5(float x) {",
+    ("Schlick's power is 4", "math/power.h", "Schlick", "static inline float power5(float x) {",
      "static inline float power5(float x) {\n    return x * x * x * x;"),
     ("Fresnel's parallel part lost", "material/kernels/glass.h", "glass slab",
      "return 0.5f * (parallel * parallel + across * across);", "return 0.48f * parallel * parallel + 0.5f * across * across;"),
@@ -157,11 +158,18 @@ def judge(folder, law):
     return subprocess.run(command + (["--light-only", law] if law else []), stderr=subprocess.DEVNULL).returncode
 
 
-def planted(folder, path, law, old, new):
+def read(path):
     with open("src/" + path, encoding="utf-8") as file:
-        text = file.read()
-    if text.count(old) != 1:
-        sys.exit(f"src/{path}: expected once, found {text.count(old)} times: {old}")
+        return file.read()
+
+
+def misplaced():
+    counts = ((path, read(path).count(old), old) for name, path, law, old, new in MUTANTS)
+    return [f"src/{path}: expected once, found {count} times: {old}" for path, count, old in counts if count != 1]
+
+
+def planted(folder, path, law, old, new):
+    text = read(path)
     try:
         with open("src/" + path, "w", encoding="utf-8") as file:
             file.write(text.replace(old, new))
@@ -172,8 +180,10 @@ def planted(folder, path, law, old, new):
             file.write(text)
 
 
-def main(folder, laws, only):
-    missed = []
+def main(folder=None, laws="named", only=""):
+    missed = misplaced()
+    if missed or not folder:
+        sys.exit("\n".join(missed) or 0)
     for name, path, law, old, new in MUTANTS:
         if only not in name:
             continue
