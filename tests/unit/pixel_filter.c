@@ -1,0 +1,85 @@
+/* Pixel filters by closed form: where samples lie, and what a bright edge adds to the pixels around it. */
+#include "camera/filter.h"
+#include "render.h"
+
+static const fathom_filter filters[] = {FATHOM_FILTER_BOX, FATHOM_FILTER_GAUSSIAN,
+                                        FATHOM_FILTER_BLACKMAN_HARRIS};
+
+/* The filter's integral from the middle to x, in widths. */
+static double integral(fathom_filter filter, double x) {
+    if (filter == FATHOM_FILTER_GAUSSIAN) return sqrt(M_PI / 32) * erf(sqrt(8) * x) - exp(-2) * x;
+    if (filter == FATHOM_FILTER_BLACKMAN_HARRIS)
+        return 0.35875 * x + 0.48829 * sin(2 * M_PI * x) / (2 * M_PI) +
+               0.14128 * sin(4 * M_PI * x) / (4 * M_PI) + 0.01168 * sin(6 * M_PI * x) / (6 * M_PI);
+    return x;
+}
+
+/* The part of the filter before x pixels from the pixel's centre. */
+static double part_before(fathom_filter filter, double width, double x) {
+    const double t = fmin(fmax(x / width, -0.5), 0.5);
+    return 0.5 + integral(filter, t) / (2 * integral(filter, 0.5));
+}
+
+/* Between two places of the table the part grows linearly. The filter is monotonous there, so the part is off
+ * by less than a step of the table, and one of the sums that made it: 1024 of them, each at most 1 / 0.35875
+ * times the mean. */
+static const double tolerance = (1 + 1 / (4 * 0.35875)) / FILTER_STEPS;
+
+static void samples_lie_as_the_filter_says(void **state) {
+    (void)state;
+    static const double widths[] = {0.01, 1, 1.5, 16};
+    for (int i = 0; i < 12; ++i) {
+        fathom_settings settings;
+        pixel_filter f;
+        fathom_settings_default(&settings);
+        settings.filter = filters[i % 3], settings.filter_width = widths[i / 3];
+        filter_prepare(&settings, &f);
+        double last = -1e9;
+        for (int k = 0; k < 5000; ++k) {
+            const double u = (k + 0.5) / 5000, place = filter_place(&f, u) - 0.5;
+            assert_true(place > last && fabs(place) < settings.filter_width / 2);
+            assert_near(part_before(settings.filter, settings.filter_width, place), u, tolerance);
+            last = place;
+        }
+    }
+}
+
+/* Between the middles of two pixels stands the edge of a bright half-plane, seen in parallel. */
+static void an_edge_is_as_wide_as_the_filter(void **state) {
+    (void)state;
+    enum { WIDTH = 12, SAMPLES = 4096 };
+    static const double edge = 0.25; /* from the image's middle, in pixels */
+    for (int i = 0; i < 6; ++i) {
+        const double width = i < 3 ? 1 : 4;
+        stage s = stage_open(WIDTH, WIDTH);
+        fathom_settings_set_integrator(&s.settings,
+                                       i % 2 ? FATHOM_INTEGRATOR_PATH : FATHOM_INTEGRATOR_CLASSIC);
+        s.settings.spp = SAMPLES, s.settings.target_error = 0;
+        s.settings.filter = filters[i % 3], s.settings.filter_width = width;
+        stage_quad(&s, (double[3]){edge - 20, 0, -1}, (double[3]){20, 0, 0}, (double[3]){0, 20, 0},
+                   stage_emitter(&s, 1));
+        assert_ok(s.context, fathom_scene_set_background(s.scene, (const float[3]){0, 0, 0}));
+        fathom_camera camera;
+        fathom_camera_default(&camera);
+        camera.orthographic = true, camera.h = WIDTH;
+        assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
+        fathom_film *film = stage_render(&s);
+        const float *red = fathom_film_channel(film, "R");
+        for (int x = 0; x < WIDTH; ++x) {
+            const double want = part_before(s.settings.filter, width, edge - (x + 0.5 - WIDTH / 2.0));
+            /* An image of SAMPLES is divided into at least 2^6 columns of even samples: the edge crosses one.
+             */
+            assert_near(red[5 * WIDTH + x], want, tolerance + 1.0 / 64);
+        }
+        fathom_film_destroy(film);
+        stage_close(&s);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(samples_lie_as_the_filter_says),
+        cmocka_unit_test(an_edge_is_as_wide_as_the_filter),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
