@@ -20,13 +20,11 @@ void emitters_note_groups(emitters *e, const light_groups *groups) {
     bool known = is_lit(e->background);
     e->outside_group = e->background_group;
     for (uint32_t i = 0; i < e->sky_count; ++i) {
-        e->skies[i].group = i < e->w->scene->environments.count ? groups->of[FATHOM_SOURCE_ENVIRONMENT][i]
-                                                                : e->background_group;
-        if (known && e->skies[i].group != e->outside_group) {
-            e->outside_group = LIGHT_GROUP_OUTSIDE;
-            return;
-        }
-        e->outside_group = e->skies[i].group, known = true;
+        const uint8_t group = i < e->w->scene->environments.count ? groups->of[FATHOM_SOURCE_ENVIRONMENT][i]
+                                                                  : e->background_group;
+        e->skies[i].group = group;
+        e->outside_group = known && group != e->outside_group ? LIGHT_GROUP_OUTSIDE : group;
+        known = true;
     }
 }
 

@@ -260,6 +260,60 @@ static void a_group_is_the_image_with_its_lights_alone(void **state) {
     }
 }
 
+/* A sky that is 1 in one channel all around. */
+static fathom_id add_sky(stage *s, const char *path, int color) {
+    enum { TEXELS = 8 * 4 };
+    char file[16 + sizeof(float) * 3 * TEXELS] = "PF\n8 4\n-1.0\n";
+    const size_t header = strlen(file);
+    float texels[TEXELS][3] = {{0}};
+    for (int i = 0; i < TEXELS; ++i) texels[i][color] = 1;
+    memcpy(file + header, texels, sizeof texels);
+    unit_write_file(path, file, header + sizeof texels);
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = path;
+    fathom_id id;
+    assert_ok(s->context, fathom_scene_add_light(s->scene, &light, &id));
+    return id;
+}
+
+/* A red, a green and a blue sky over a gray background and a floor: a group holds the colour of its sky
+ * alone. */
+static void each_of_many_skies_keeps_its_group(void **state) {
+    (void)state;
+    static const char *const names[] = {"light_red", "light_green", "light_blue"};
+    char folder[] = "/tmp/fathom-test-XXXXXX", paths[3][64];
+    assert_non_null(mkdtemp(folder));
+    for (int with_background = 0; with_background < 2; ++with_background) {
+        stage s = open_paths(64, 4);
+        stage_plane(&s, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, stage_lambert(&s, 0.5f));
+        stage_camera(&s, (double[3]){0, 1, 5}, (double[3]){0, 1, 0}, up, 1);
+        const float gray = with_background ? 0.25f : 0;
+        assert_ok(s.context, fathom_scene_set_background(s.scene, (const float[3]){gray, gray, gray}));
+        if (with_background) group(&s, FATHOM_SOURCE_BACKGROUND, 0, "gray");
+        for (int c = 0; c < 3; ++c) {
+            snprintf(paths[c], sizeof paths[c], "%s/%d.pfm", folder, c);
+            group(&s, FATHOM_SOURCE_ENVIRONMENT, add_sky(&s, paths[c], c), names[c] + strlen("light_"));
+        }
+        s.settings.aovs = FATHOM_AOV_LIGHT_GROUPS;
+        fathom_film *film = stage_render(&s);
+        for (int k = 0; k < 9; ++k) {
+            const float *pixels = channel(film, names[k / 3], "RGB"[k % 3]);
+            double sum = 0;
+            for (int i = 0; i < SIDE * SIDE; ++i) sum += (double)pixels[i];
+            /* The sky's half of the image has 1, the floor 0.5, but for light that is lost by chance. */
+            if (k / 3 == k % 3) assert_near(sum / (SIDE * SIDE), 0.75, 0.05);
+            /* What is divided among the groups is divided by float's rounding. */
+            else
+                assert_near(sum, 0, SIDE * SIDE * 0x1p-22);
+        }
+        fathom_film_destroy(film);
+        stage_close(&s);
+        for (int c = 0; c < 3; ++c) unlink(paths[c]);
+    }
+    rmdir(folder);
+}
+
 static void groups_with_a_name_that_no_channel_can_have_are_refused(void **state) {
     (void)state;
     stage s = open_paths(1, 1);
@@ -322,6 +376,7 @@ int main(void) {
         cmocka_unit_test(normals_and_albedo_follow_smooth_surfaces),
         cmocka_unit_test(groups_add_up_to_the_image),
         cmocka_unit_test(a_group_is_the_image_with_its_lights_alone),
+        cmocka_unit_test(each_of_many_skies_keeps_its_group),
         cmocka_unit_test(groups_with_a_name_that_no_channel_can_have_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
