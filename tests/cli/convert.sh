@@ -33,5 +33,21 @@ JSON
 run 0 convert two.json two.ply
 run 0 convert two.ply back.json
 said back.json '"colors":[[0.5,0.25,0.125],[0.5,0.25,0.125],[0.5,0.25,0.125],[0,1,0],[0,1,0],[0,1,0]]'
+
+# Light groups of all kinds of sources.
+cat >groups.json <<'JSON'
+{"image":{"width":32,"height":24,"spp":4,"aovs":["lightGroups"]},
+"camera":{"eye":[0,2,6],"target":[0,0.7,0],"fovy":40},"background":[0.1,0.2,0.3],"backgroundGroup":"sky",
+"lights":[{"type":"point","position":[2,3,2],"intensity":8,"group":"key"},
+{"type":"directional","direction":[-1,-1,0],"intensity":0.3,"group":"rim"}],
+"materials":{"e":{"model":"metallicRoughness","emissive":[2,1,0.5],"group":"glow"}},
+"objects":[{"type":"plane","point":[0,0,0],"normal":[0,1,0]},{"type":"sphere","center":[-1,0.5,0],"radius":0.5,"material":"e"},
+{"type":"sphere","center":[1,0.5,0],"radius":0.5,"material":"e","group":"ball"}]}
+JSON
+run 0 convert groups.json regrouped.json
+run 0 render groups.json -o groups.exr --exr-float -q
+run 0 render regrouped.json -o regrouped.exr --exr-float -q
+run 0 compare groups.exr regrouped.exr
+for name in sky key rim glow ball rest; do grep -q "light_$name.R" regrouped.exr || die "there is no light_$name"; done
 ls -A | grep tmp && die 'a temporary file was left behind'
 exit 0

@@ -43,7 +43,8 @@ long="scene.json --size 240x180 --spp 400 --exr-float"
 # shellcheck disable=SC2086
 {
     run 0 render $long -o one.exr
-    mpirun --oversubscribe -n 3 sh -c 'echo $$ >pid.$OMPI_COMM_WORLD_RANK; exec "$@"' rank "$FATHOM" render $long -o all.exr --mpi --threads 1 --checkpoint c \
+    # After a kill the mpirun of Debian 12 sometimes waits for ever for its own lock, with all ranks gone.
+    timeout -k 5 200 mpirun --oversubscribe -n 3 sh -c 'echo $$ >pid.$OMPI_COMM_WORLD_RANK; exec "$@"' rank "$FATHOM" render $long -o all.exr --mpi --threads 1 --checkpoint c \
         --checkpoint-every 0.01 --quiet >out.txt 2>err.txt &
     job=$!
     until [ -s c ]; do

@@ -260,6 +260,37 @@ static void meshes(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* Smooth shading makes the normals of each vertex key from its positions, unless the key has some. */
+static void vertex_keys(void **state) {
+    (void)state;
+    static const double flat[12] = {0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0};
+    static const double upright[12] = {0, 0, 0, 2, 0, 0, 2, 0, 2, 0, 0, 2};
+#define UPRIGHT "\"positions\": [[0, 0, 0], [2, 0, 0], [2, 0, 2], [0, 0, 2]]"
+#define FLAT "\"positions\": [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]]"
+    fathom_scene *scene =
+        with_objects("{\"type\": \"mesh\", \"shading\": \"smooth\", " ARRAYS
+                     ", \"vertexKeys\": [{\"time\": 1, " FLAT "}, {\"time\": 3, " UPRIGHT "}]},"
+                     "{\"type\": \"mesh\", " ARRAYS ", " NORMALS ", \"vertexKeys\": [{\"time\": 1, " FLAT
+                     ", " NORMALS "}, {\"time\": 3, " UPRIGHT ", " NORMALS "}]},"
+                     "{\"type\": \"mesh\", " ARRAYS ", \"vertexKeys\": [{\"time\": 1, " FLAT
+                     "}, {\"time\": 3, " UPRIGHT "}]}");
+    const fathom_mesh *m = scene->meshes.items;
+    assert_int_equal(scene->meshes.count, 3);
+    for (int i = 0; i < 3; ++i) {
+        assert_int_equal(m[i].key_count, 2);
+        assert_numbers(m[i].key_times, (double[]){1, 3}, 2);
+        assert_floats(m[i].key_positions, flat, 12);
+        assert_floats(m[i].key_positions + 12, upright, 12);
+        for (size_t k = 0; k < 8 && i < 2; ++k) {
+            const double turned = k < 4 ? 0 : -1, up = k < 4 ? 1 : 0;
+            assert_floats(m[i].key_normals + 3 * k, i == 0 ? (double[]){0, turned, up} : (double[]){1, 0, 0},
+                          3);
+        }
+    }
+    assert_null(m[2].key_normals);
+    fathom_scene_destroy(scene);
+}
+
 /* Far out the float vertices are counted from nearby, so that a millimetre at 1e7 metres is still there. */
 static void far_mesh(void **state) {
     (void)state;
@@ -435,6 +466,7 @@ int main(void) {
         cmocka_unit_test(meshes),
         cmocka_unit_test(far_mesh),
         cmocka_unit_test(generated),
+        cmocka_unit_test(vertex_keys),
         cmocka_unit_test(placements),
         cmocka_unit_test(groups),
         cmocka_unit_test(example),
