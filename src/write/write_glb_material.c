@@ -58,10 +58,10 @@ static void make_unlit(shape *s) {
     memset(m->emissive, 0, sizeof m->emissive);
 }
 
-static bool is_glossy(const fathom_material *m) {
+static bool is_glossy(const fathom_scene *scene, const fathom_material *m) {
     const fathom_map *rough = &m->maps[FATHOM_MAP_ROUGHNESS];
     return has_map(m, FATHOM_MAP_ROUGHNESS) && rough->inverted && rough->channel == 3 && m->metallic == 0 &&
-           m->ior == 0 && same_place(rough, &m->maps[FATHOM_MAP_SPECULAR_COLOR]);
+           m->ior == 0 && same_alpha(scene, rough, &m->maps[FATHOM_MAP_SPECULAR_COLOR]);
 }
 
 /* glTF limits the emissive factor to 1. A power of two moves the excess into the strength without rounding
@@ -117,7 +117,7 @@ static shape shape_of(const glb *g, fathom_id id) {
     size_t lost = 0;
     s.unlit = is_unlit(&s.m);
     if (s.unlit) make_unlit(&s);
-    s.glossy = is_glossy(&s.m);
+    s.glossy = is_glossy(g->scene, &s.m);
     limit_emission(&s.m);
     drop_strangers(g->scene, &s, &lost);
     s.blends = s.m.opacity < 1 || s.m.opacity_cutoff > 0 || has_map(&s.m, FATHOM_MAP_OPACITY) ||

@@ -266,19 +266,22 @@ static void mtl_keeps_metal_and_its_images(void **state) {
     unlink(in_folder("a.obj")), unlink(in_folder("a.mtl")), unlink(in_folder("a-0.png"));
 }
 
-/* Scene JSON has opacity as an image of its own, and linear. In glTF it is the alpha of the colour's image.
- */
-static void glb_keeps_opacity_of_the_colour_image(void **state) {
+/* Scene JSON has opacity, and one minus an older workflow's glossiness, as an image of its own, and linear.
+ * In glTF they are the alpha of the colour's image. */
+static void glb_keeps_the_alpha_of_a_colour_image(void **state) {
     (void)state;
     fathom_texture texture = {.size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6};
-    for (int other = 0; other < 3; ++other) {
+    for (int k = 0; k < 6; ++k) {
+        const int other = k % 3, color = k < 3 ? FATHOM_MAP_COLOR : FATHOM_MAP_SPECULAR_COLOR,
+                  alpha = k < 3 ? FATHOM_MAP_OPACITY : FATHOM_MAP_ROUGHNESS;
         fathom_material m;
         fathom_material_default(&m);
         m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
-        m.maps[FATHOM_MAP_COLOR] = (fathom_map){.texture = 0, .transform = {2, 0, 0, 0, 2, 0}};
-        m.maps[FATHOM_MAP_OPACITY] =
-            (fathom_map){.texture = 1, .channel = 3, .transform = {2, 0, 0, 0, 2, 0}};
-        if (other == 1) m.maps[FATHOM_MAP_OPACITY].transform[0] = 1;
+        if (k >= 3) m.ior = 0, m.metallic = 0;
+        m.maps[color] = (fathom_map){.texture = 0, .transform = {2, 0, 0, 0, 2, 0}};
+        m.maps[alpha] =
+            (fathom_map){.texture = 1, .channel = 3, .inverted = k >= 3, .transform = {2, 0, 0, 0, 2, 0}};
+        if (other == 1) m.maps[alpha].transform[0] = 1;
         texture.color_space = FATHOM_COLOR_AUTO, texture.bytes = "\x89PNG\r\n";
         fathom_scene *scene;
         fathom_id id;
@@ -292,10 +295,9 @@ static void glb_keeps_opacity_of_the_colour_image(void **state) {
         assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
         scene = through(scene, GLB);
         const fathom_map *maps = worn(scene)->maps;
-        assert_int_not_equal(maps[FATHOM_MAP_COLOR].texture, FATHOM_NONE);
-        assert_int_equal(maps[FATHOM_MAP_OPACITY].texture,
-                         other ? FATHOM_NONE : maps[FATHOM_MAP_COLOR].texture);
-        if (!other) assert_int_equal(maps[FATHOM_MAP_OPACITY].channel, 3);
+        if (k < 3 || !other) assert_int_not_equal(maps[color].texture, FATHOM_NONE);
+        assert_int_equal(maps[alpha].texture, other ? FATHOM_NONE : maps[color].texture);
+        if (!other) assert_true(maps[alpha].channel == 3 && maps[alpha].inverted == (k >= 3));
         fathom_scene_destroy(scene);
     }
 }
@@ -619,7 +621,7 @@ int main(void) {
         cmocka_unit_test(every_setting_reads_back_from_json),
         cmocka_unit_test(every_image_reads_back),
         cmocka_unit_test(mtl_keeps_metal_and_its_images),
-        cmocka_unit_test(glb_keeps_opacity_of_the_colour_image),
+        cmocka_unit_test(glb_keeps_the_alpha_of_a_colour_image),
         cmocka_unit_test(mtl_keeps_unlit_materials),
         cmocka_unit_test(mtl_keeps_solid_transmission_and_makes_glass_of_thin_walls),
         cmocka_unit_test(mesh_files_keep_vertex_colours),
