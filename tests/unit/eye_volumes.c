@@ -98,12 +98,29 @@ static void other_shapes_bound_volumes_too(void **state) {
     stage_close(&s);
 }
 
+/* Below a plane without end: light from infinitely far away does not get through a volume that absorbs. */
+static void a_volume_without_end_lets_no_light_in_if_it_absorbs(void **state) {
+    (void)state;
+    static const float white[3] = {1, 1, 1};
+    for (int i = 0; i < 4; ++i) {
+        const fathom_material m = clear_volume(i % 2 ? white : red, 0);
+        stage s = open_white(0, (double[3]){9, -1, 0});
+        fathom_settings_set_integrator(&s.settings,
+                                       i < 2 ? FATHOM_INTEGRATOR_PATH : FATHOM_INTEGRATOR_REFERENCE);
+        s.settings.spp = 1, s.settings.target_error = 0;
+        stage_plane(&s, (double[3]){0, 3, 0}, (double[3]){0, 1, 0}, stage_material(&s, &m));
+        expect(&s, i % 2 ? 0 : (double)INFINITY, 0);
+        stage_close(&s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_volume_around_the_eye_absorbs),
         cmocka_unit_test(a_volume_beside_the_eye_does_not),
         cmocka_unit_test(volumes_around_each_other),
         cmocka_unit_test(other_shapes_bound_volumes_too),
+        cmocka_unit_test(a_volume_without_end_lets_no_light_in_if_it_absorbs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
