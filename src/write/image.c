@@ -102,17 +102,24 @@ static char *name_within(const char *path, const char *file) {
     return name;
 }
 
-/* "out/scene.json" gets "scene-3.png". */
+/* "out/scene.json" with the tag "3" and the extension "png" gives "scene-3.png". */
+static char *name_from(const char *path, const char *tag, const char *extension) {
+    const char *file = file_name(path);
+    char name[PATH_MAX];
+    snprintf(name, sizeof name, "%.*s-%s%s%s", (int)(file_stem_length(path) - (size_t)(file - path)), file,
+             tag, *extension ? "." : "", extension);
+    return strdup(name);
+}
+
 static char *copied_name(const char *path, const write_image *image, uint32_t index) {
-    const char *type = write_image_type(image), *file = file_name(path);
-    char extension[16] = "", name[PATH_MAX];
+    const char *type = write_image_type(image);
+    char extension[16] = "", tag[16];
     if (image->texture->file)
         file_extension(image->texture->file, extension);
     else if (type)
         snprintf(extension, sizeof extension, "%s", strchr(type, '/') + 1);
-    snprintf(name, sizeof name, "%.*s-%u%s%s", (int)(file_stem_length(path) - (size_t)(file - path)), file,
-             index, *extension ? "." : "", extension);
-    return strdup(name);
+    snprintf(tag, sizeof tag, "%u", index);
+    return name_from(path, tag, extension);
 }
 
 static fathom_status copy_bytes(fathom_context *context, const char *path, const char *name,
@@ -152,18 +159,15 @@ static fathom_status copy_face(fathom_context *context, const char *path, const 
 /* "out/scene.json" gets "scene-sky-0-px.hdr" and so on. */
 static fathom_status copy_faces(fathom_context *context, const char *path, size_t sky,
                                 const file_faces *files, char **out) {
-    char name[PATH_MAX], extension[16] = "";
-    const char *file = file_name(path);
+    char tag[48], extension[16] = "";
     fathom_status status = FATHOM_OK;
     file_extension(files->paths[0], extension);
-    snprintf(name, sizeof name, "%.*s-sky-%zu-" FILE_FACE "%s%s",
-             (int)(file_stem_length(path) - (size_t)(file - path)), file, sky, *extension ? "." : "",
-             extension);
-    *out = strdup(name);
-    if (!*out) return fail_memory(context, strlen(name));
+    snprintf(tag, sizeof tag, "sky-%zu-" FILE_FACE, sky);
+    *out = name_from(path, tag, extension);
+    if (!*out) return fail_memory(context, strlen(path));
     for (unsigned i = 0; i < FILE_FACES && status == FATHOM_OK; ++i) {
-        char *face = file_face_name(name, i);
-        status = face ? copy_face(context, path, face, files->paths[i]) : fail_memory(context, strlen(name));
+        char *face = file_face_name(*out, i);
+        status = face ? copy_face(context, path, face, files->paths[i]) : fail_memory(context, strlen(*out));
         free(face);
     }
     return status;

@@ -21,8 +21,8 @@ static double part_before(fathom_filter filter, double width, double x) {
 }
 
 /* Between two places of the table the part grows linearly. The filter is monotonous there, so the part is off
- * by less than a step of the table, and one of the sums that made it: 1024 of them, each at most 1 / 0.35875
- * times the mean. */
+ * by less than a step of the table, and one of the sums that made it: four for a step, each at most 1 /
+ * 0.35875 times the mean. */
 static const double tolerance = (1 + 1 / (4 * 0.35875)) / FILTER_STEPS;
 
 static void samples_lie_as_the_filter_says(void **state) {

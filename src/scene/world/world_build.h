@@ -1,5 +1,5 @@
 /* The two halves of building a world: shapes become geometries (world.c), groups become instances
- * (world_place.c). */
+ * (world_place.c), whose origins world_origin.c chooses. */
 #ifndef SCENE_WORLD_BUILD_H
 #define SCENE_WORLD_BUILD_H
 
@@ -43,6 +43,8 @@ float *world_new_rows(size_t steps, size_t count);
 /* Appends a mesh of the scene that is already in the world's coordinates. */
 bool world_add_mesh(world *w, fathom_id object, const fathom_mesh *mesh, const mesh_facts *facts);
 
+/* of_group: gets the origin of each group's float coordinates. */
+fathom_status world_choose_origins(const fathom_scene *scene, const scene_graph *graph, vec3_f64 *of_group);
 /* Chooses origins, makes the groups and places them. origin: that of the root, or NULL to choose it too. */
 fathom_status world_place(world *w, const scene_graph *graph, const vec3_f64 *origin);
 
