@@ -4,7 +4,6 @@
 #include "cli/outputs.h"
 #include "cli/render/part_options.h"
 
-#include "base/file_name.h"
 #include "base/parameter.h"
 
 #include <fathom/image.h>
@@ -309,145 +308,9 @@ const args_option *render_option_table(void) {
     return all;
 }
 
-/* ---- all options together ---- */
-
 void render_options_default(render_options *options) {
     *options = (render_options){.checkpoint_every = -1, .frames = FRAMES_NONE};
     fathom_settings_default(&options->asked);
     fathom_write_options_default(&options->write);
     fathom_part_default(&options->part);
-}
-
-/* The AOVs that at least one of the outputs can hold: all in .exr, alpha in .png and .tif, none in .jpg. */
-static unsigned held_aovs(const args_list *outputs) {
-    unsigned held = 0;
-    for (size_t i = 0; i < outputs->count; ++i) {
-        char extension[16];
-        file_extension(outputs->items[i], extension);
-        if (strcmp(extension, "exr") == 0) return ~0u;
-        if (strncmp(extension, "jp", 2) != 0) held |= FATHOM_AOV_ALPHA;
-    }
-    return held;
-}
-
-/* True if the scene's sampling settings are the defaults of its integrator. */
-static bool is_preset(const fathom_settings *scene) {
-    fathom_settings preset = *scene;
-    fathom_settings_set_integrator(&preset, scene->integrator);
-    return scene->target_error == preset.target_error && scene->spp == preset.spp && !(scene->max_time > 0);
-}
-
-/* If the command line gives a target or a time, and the file has none of its own, the file's pattern and spp
- * are meant for uniform sampling, so they are replaced. */
-static bool finish_adaptive(render_options *options, const fathom_settings *scene, args_problem *problem) {
-    fathom_settings *s = &options->settings;
-    options->max_time = s->max_time;
-    if (!(s->target_error > 0 || s->max_time > 0)) return true;
-    if (render_options_give(options, "pattern") && s->pattern != FATHOM_PATTERN_SOBOL) {
-        return args_wrong(
-            problem, "--pattern: --target-error and --max-time need --pattern sobol, whose samples can be "
-                     "added to");
-    }
-    const bool asked =
-        render_options_give(options, "target_error") || render_options_give(options, "max_time");
-    if (!asked || ((scene->target_error > 0 || scene->max_time > 0) && !is_preset(scene))) return true;
-    s->pattern = FATHOM_PATTERN_SOBOL;
-    if (!render_options_give(options, "spp")) s->spp = 65536;
-    return true;
-}
-
-/* 8bit needs the built-in view: only there is it known how a loss is displayed. */
-static bool finish_loss(render_options *options, args_problem *problem) {
-    if (options->loss == FATHOM_LOSS_8BIT && !fathom_write_is_srgb(&options->write)) {
-        return args_wrong(problem, "--leave-out-below 8bit: what shows is known of the built-in sRGB view "
-                                   "alone; expected no --ocio, --display, --view and no $OCIO");
-    }
-    if (options->loss == FATHOM_LOSS_8BIT && options->exposure == EXPOSURE_AUTO)
-        return args_wrong(problem, "--leave-out-below 8bit: needs the exposure before rendering; expected "
-                                   "--exposure STOPS rather than auto");
-    if (options->loss == FATHOM_LOSS_8BIT) options->exposure = EXPOSURE_GIVEN;
-    fathom_settings_set_loss(&options->settings, options->loss, options->write.exposure);
-    return true;
-}
-
-/* Overrides the scene's settings with those of the command line. */
-static bool merge(render_options *options, const fathom_settings *scene, args_problem *problem) {
-    fathom_settings *s = &options->settings;
-    *s = *scene;
-    /* --spp or a pattern other than Sobol means uniform sampling; a time alone means the best image in that
-     * time. Both drop a target error that the command line does not give. */
-    const bool grid =
-        render_options_give(options, "pattern") && options->asked.pattern != FATHOM_PATTERN_SOBOL;
-    if ((render_options_give(options, "spp") || grid) && s->integrator != FATHOM_INTEGRATOR_CLASSIC)
-        s->target_error = 0;
-    if (render_options_give(options, "max_time") && is_preset(scene)) s->target_error = 0;
-    for (size_t i = 0; i < settings_table().count; ++i) {
-        if (options->given >> i & 1) parameter_copy(&settings_table().rows[i], &options->asked, s);
-    }
-    if (options->size.width) s->width = options->size.width, s->height = options->size.height;
-    if (render_options_give(options, "crop") && (s->crop[0] >= s->crop[2] || s->crop[1] >= s->crop[3]))
-        return args_wrong(problem, "--crop: expected X0 < X1 and Y0 < Y1, found \"%u,%u,%u,%u\"", s->crop[0],
-                          s->crop[1], s->crop[2], s->crop[3]);
-    return true;
-}
-
-/* ---- frames ---- */
-
-/* Number of files that are written in addition to the outputs. */
-enum { OTHERS = 3 };
-static void others_of(render_options *options, const char **others[OTHERS]) {
-    others[0] = &options->stats, others[1] = &options->checkpoint, others[2] = &options->part.path;
-}
-
-bool render_options_frame(render_options *options, uint32_t frame, frame_names *room, args_problem *problem) {
-    const char **others[OTHERS];
-    others_of(options, others);
-    for (size_t i = 0; i < options->outputs.count + OTHERS; ++i) {
-        const char **path = i < OTHERS ? others[i] : &options->outputs.items[i - OTHERS];
-        if (!*path) continue;
-        if (!frames_name(*path, frame, room->names[i]))
-            return args_wrong(problem,
-                              "--frames: expected a name with #### for the number, found \"%.300s\"%s", *path,
-                              strchr(*path, '#') ? ", which is too long" : "");
-        *path = room->names[i];
-    }
-    options->model.time =
-        (args_f64){.given = true, .value = options->model.time.value + frames_time(&options->frames, frame)};
-    return true;
-}
-
-static bool check_frames(const render_options *options, args_problem *problem) {
-    if (!frames_asked(&options->frames))
-        return !(options->frames.fps > 0) || args_wrong(problem, "--fps: only with --frames FIRST-LAST");
-    return !options->mpi || args_wrong(problem, "--mpi: renders one image; expected no --frames");
-}
-
-static bool check_environment(const render_options *options, args_problem *problem) {
-    if (!options->environment)
-        return options->environment_rotation == 0 ||
-               args_wrong(problem, "--environment-rotation: only with --environment FILE");
-    if (options->background.given)
-        return args_wrong(problem, "--environment and --background exclude each other");
-    return options->settings.integrator != FATHOM_INTEGRATOR_CLASSIC ||
-           args_wrong(problem,
-                      "--environment: the classic integrator has no light from images; expected path "
-                      "tracing, by --integrator path");
-}
-
-bool render_options_finish(render_options *options, const fathom_settings *scene, args_problem *problem) {
-    if (!check_frames(options, problem) || !part_options_finish(options, problem)) return false;
-    if (!options->outputs.count && !options->part.path) return args_wrong(problem, "-o IMAGE is missing");
-    if (!merge(options, scene, problem) || !check_environment(options, problem)) return false;
-    if (options->quiet && options->verbose)
-        return args_wrong(problem, "--quiet and --verbose exclude each other");
-    if (!options->checkpoint && (options->resume || options->checkpoint_every >= 0)) {
-        return args_wrong(problem, "--%s: only with --checkpoint FILE",
-                          options->resume ? "resume" : "checkpoint-every");
-    }
-    if (!finish_adaptive(options, scene, problem) || !finish_loss(options, problem)) return false;
-    unsigned held = options->part.path ? ~0u : held_aovs(&options->outputs);
-    if (render_options_give(options, "aovs") && options->settings.aovs & ~held)
-        return args_wrong(problem, "--aov: only .exr holds these channels; expected one more -o FILE.exr");
-    options->settings.aovs &= held;
-    return true;
 }
