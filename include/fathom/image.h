@@ -43,8 +43,8 @@ FATHOM_API bool fathom_write_needs_helper(const char *path, const fathom_write_o
  * FATHOM_BAD_USAGE when it is no such number. The file appears whole or not at all. */
 FATHOM_API fathom_status fathom_film_write(fathom_context *context, const fathom_film *film, const char *path,
                                            const fathom_write_options *options);
-/* All channels as uncompressed, scene-linear EXR of 32-bit values, whatever the extension, without the image
- * helper and hardly any memory: for pixels whose own file cannot be written. The file appears whole or not at
+/* All channels as uncompressed, scene-linear EXR of 32-bit values, whatever the extension, with hardly any
+ * memory: for pixels whose own file cannot be written. The file appears whole or not at
  * all. FATHOM_OUT_OF_RESOURCES. */
 FATHOM_API fathom_status fathom_film_write_plain(fathom_context *context, const fathom_film *film,
                                                  const char *path);
@@ -54,8 +54,8 @@ FATHOM_API fathom_status fathom_film_write_plain(fathom_context *context, const 
  * holds all. FATHOM_OUT_OF_RESOURCES: there is no such place, and `saved` is "". */
 FATHOM_API fathom_status fathom_film_rescue(fathom_context *context, const fathom_film *film,
                                             const char *path, char *saved, size_t size);
-/* Starts the image helper in the background, so that the first write does not wait for it. PNG in the
- * built-in sRGB view does without it. The helper is a process of its own, in which OpenImageIO and
+/* Starts the image helper in the background, so that the first write does not wait for it. EXR, and PNG
+ * in the built-in sRGB view, do without it. The helper is a process of its own, in which OpenImageIO and
  * OpenColorIO work: it ends with this process, and whatever ends it earlier fails one call. */
 FATHOM_API void fathom_image_prefetch(void);
 /* The helper's libraries, "OpenImageIO 2.4.7.1, OpenColorIO 2.1.2", cut to `size` bytes; waits for its start.

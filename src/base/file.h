@@ -49,6 +49,8 @@ const char *file_writer_temporary(const file_writer *writer);
 int file_writer_descriptor(const file_writer *writer);
 /* Buffered; errors are kept and reported by file_writer_commit(). */
 void file_writer_put(file_writer *writer, const void *bytes, size_t size);
+/* Replaces bytes that were put, from the byte `at` on. */
+void file_writer_put_at(file_writer *writer, uint64_t at, const void *bytes, size_t size);
 void file_writer_print(file_writer *writer, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Waits until all bytes are on the disk. file_writer_commit() does this itself. */
 void file_writer_sync(file_writer *writer);

@@ -221,6 +221,16 @@ void file_writer_put(file_writer *writer, const void *bytes, size_t size) {
     if (fwrite(bytes, 1, size, writer->stream) != size) writer->error = errno ? errno : EIO;
 }
 
+static void seek(file_writer *writer, off_t at, int from) {
+    if (!writer->error && fseeko(writer->stream, at, from) != 0) writer->error = errno;
+}
+
+void file_writer_put_at(file_writer *writer, uint64_t at, const void *bytes, size_t size) {
+    seek(writer, (off_t)at, SEEK_SET);
+    file_writer_put(writer, bytes, size);
+    seek(writer, 0, SEEK_END);
+}
+
 void file_writer_print(file_writer *writer, const char *format, ...) {
     va_list args;
     va_start(args, format);

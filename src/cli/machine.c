@@ -55,7 +55,7 @@ static void print_image_module(void) {
     if (fathom_image_libraries(context, libraries, sizeof libraries) == FATHOM_OK)
         printf("images    %s\n", libraries);
     else
-        printf("images    PNG alone: %s\n", fathom_context_message(context));
+        printf("images    EXR and PNG alone: %s\n", fathom_context_message(context));
     fathom_context_destroy(context);
 }
 

@@ -55,10 +55,8 @@ struct image_writer {
     std::string name;
     OIIO::ImageSpec next_level; /* of a mip-mapped file */
     const int descriptor;
-    const bool exr;
     image_writer(const image_target &target)
-        : proxy(target.path, target.descriptor), name(target.path), descriptor(target.descriptor),
-          exr(target.format == IMAGE_EXR) {}
+        : proxy(target.path, target.descriptor), name(target.path), descriptor(target.descriptor) {}
     ~image_writer() { close(descriptor); }
 };
 
@@ -69,66 +67,33 @@ static void check(const image_writer &writer, bool ok) {
         throw failure(FATHOM_OUT_OF_RESOURCES, reason.empty() ? "unknown error" : reason);
 }
 
-static OIIO::TypeDesc type_of(image_storage storage) {
-    switch (storage) {
-    case IMAGE_STORE_U8: return OIIO::TypeDesc::UINT8;
-    case IMAGE_STORE_HALF: return OIIO::TypeDesc::HALF;
-    case IMAGE_STORE_FLOAT: return OIIO::TypeDesc::FLOAT;
-    case IMAGE_STORE_UINT: return OIIO::TypeDesc::UINT32;
-    case IMAGE_STORE_U16: return OIIO::TypeDesc::UINT16;
+static OIIO::TypeDesc type_of(image_texel texel) {
+    switch (texel) {
+    case IMAGE_TEXEL_U8: return OIIO::TypeDesc::UINT8;
+    case IMAGE_TEXEL_U16: return OIIO::TypeDesc::UINT16;
+    case IMAGE_TEXEL_HALF: return OIIO::TypeDesc::HALF;
+    case IMAGE_TEXEL_FLOAT: return OIIO::TypeDesc::FLOAT;
     }
     return OIIO::TypeDesc::UNKNOWN;
 }
 
-static void add_numbers(OIIO::ImageSpec &spec, const image_attribute &a) {
-    using OIIO::TypeDesc;
-    if (image_attribute_is_m44f(&a)) {
-        float matrix[16];
-        std::transform(a.numbers, a.numbers + 16, matrix, [](double x) { return static_cast<float>(x); });
-        spec.attribute(a.name, TypeDesc(TypeDesc::FLOAT, TypeDesc::MATRIX44), matrix);
-        return;
-    }
-    switch (a.count) {
-    case 1: spec.attribute(a.name, TypeDesc(TypeDesc::DOUBLE), a.numbers); return;
-    case 2: spec.attribute(a.name, TypeDesc(TypeDesc::DOUBLE, TypeDesc::VEC2), a.numbers); return;
-    case 3: spec.attribute(a.name, TypeDesc(TypeDesc::DOUBLE, TypeDesc::VEC3), a.numbers); return;
-    case 9: spec.attribute(a.name, TypeDesc(TypeDesc::DOUBLE, TypeDesc::MATRIX33), a.numbers); return;
-    case 16: spec.attribute(a.name, TypeDesc(TypeDesc::DOUBLE, TypeDesc::MATRIX44), a.numbers); return;
-    default: break;
-    }
-    std::string text;
-    for (size_t i = 0; i < a.count; ++i) {
-        char number[32];
-        std::snprintf(number, sizeof number, "%s%.17g", i ? " " : "", a.numbers[i]);
-        text += number;
-    }
-    spec.attribute(a.name, text);
-}
-
 static OIIO::ImageSpec describe(const image_target &target) {
     const image &img = *target.img;
-    bool exr = target.format == IMAGE_EXR;
     OIIO::ImageSpec spec(static_cast<int>(img.width), static_cast<int>(img.height),
-                         static_cast<int>(img.channel_count),
-                         exr ? OIIO::TypeDesc(OIIO::TypeDesc::FLOAT) : type_of(target.storage[0]));
+                         static_cast<int>(img.channel_count), type_of(target.texel));
     spec.x = static_cast<int>(img.x);
     spec.y = static_cast<int>(img.y);
     spec.full_width = static_cast<int>(img.full_width);
     spec.full_height = static_cast<int>(img.full_height);
     for (size_t i = 0; i < img.channel_count; ++i) {
         spec.channelnames[i] = img.channels[i].name;
-        if (exr) spec.channelformats.push_back(type_of(target.storage[i]));
         if (spec.channelnames[i] == "A") spec.alpha_channel = static_cast<int>(i);
-        if (spec.channelnames[i] == "Z") spec.z_channel = static_cast<int>(i);
     }
     /* Without a date, OpenImageIO writes the current time. */
     if (target.date) spec.attribute("DateTime", target.date);
     for (size_t i = 0; i < img.attribute_count; ++i) {
         const image_attribute &a = img.attributes[i];
-        if (a.text)
-            spec.attribute(a.name, a.text);
-        else if (exr)
-            add_numbers(spec, a);
+        if (a.text) spec.attribute(a.name, a.text);
     }
     return spec;
 }
@@ -164,14 +129,7 @@ static void add_profile(OIIO::ImageSpec &spec) {
 
 /* Adds each format's own attributes. */
 static void add_format(OIIO::ImageSpec &spec, const image_target &target) {
-    /* Red, green, blue and white of ITU-R BT.709 as CIE x, y. */
-    static const float rec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
     switch (target.format) {
-    case IMAGE_EXR:
-        spec.attribute("compression", "zip");
-        spec.attribute("oiio:ColorSpace", "Linear");
-        spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709);
-        return;
     case IMAGE_JPEG:
         /* No chroma subsampling: it blurs the edges of shadows and of coloured objects. */
         spec.attribute("compression", "jpeg:95");
@@ -190,6 +148,7 @@ static void add_format(OIIO::ImageSpec &spec, const image_target &target) {
             OIIO::attribute("tiff:half", 1);
         }
         break;
+    case IMAGE_EXR: break; /* write_exr.c */
     case IMAGE_PNG: break; /* write_png.c */
     }
     spec.attribute("oiio:UnassociatedAlpha", 1);
@@ -198,9 +157,9 @@ static void add_format(OIIO::ImageSpec &spec, const image_target &target) {
 
 static const char *format_name(image_format format) {
     switch (format) {
-    case IMAGE_EXR: return "openexr";
     case IMAGE_JPEG: return "jpeg";
     case IMAGE_TIFF: return "tiff";
+    case IMAGE_EXR:
     case IMAGE_PNG: break;
     }
     return "";
@@ -213,21 +172,12 @@ static failure no_writer() {
     return failure(FATHOM_INTERNAL, reason);
 }
 
-/* OpenEXR starts its threads here; if this fails, it continues without threads. */
-static void make_output(image_writer &writer, const image_target &target) {
-    static const int none = -1;
-    OIIO::attribute("exr_threads", static_cast<int>(target.threads));
-    writer.output = OIIO::ImageOutput::create(format_name(target.format));
-    if (!writer.output && OIIO::attribute("exr_threads", none))
-        writer.output = OIIO::ImageOutput::create(format_name(target.format));
-    if (!writer.output) throw no_writer();
-}
-
 static fathom_status writer_open(const image_target *target, image_writer **out,
                                  image_message *message) noexcept {
     return guarded(message, FATHOM_OUT_OF_RESOURCES, [&] {
         auto writer = std::make_unique<image_writer>(*target);
-        make_output(*writer, *target);
+        writer->output = OIIO::ImageOutput::create(format_name(target->format));
+        if (!writer->output) throw no_writer();
         if (!writer->output->supports("ioproxy")) {
             throw failure(FATHOM_INTERNAL, "this OpenImageIO writes the format to named files only");
         }
@@ -251,11 +201,9 @@ static fathom_status writer_rows(image_writer *writer, uint32_t count, const voi
     return guarded(message, FATHOM_OUT_OF_RESOURCES, [&] {
         const OIIO::ImageSpec &spec = writer->output->spec();
         int begin = spec.y + static_cast<int>(writer->next_row), end = begin + static_cast<int>(count);
-        /* UNKNOWN means the file's types, for channels of different types. */
-        OIIO::TypeDesc type = spec.channelformats.empty() ? spec.format : OIIO::TypeDesc::UNKNOWN;
         check(*writer, spec.tile_width ? writer->output->write_tiles(spec.x, spec.x + spec.width, begin, end,
-                                                                     0, 1, type, pixels)
-                                       : writer->output->write_scanlines(begin, end, 0, type, pixels));
+                                                                     0, 1, spec.format, pixels)
+                                       : writer->output->write_scanlines(begin, end, 0, spec.format, pixels));
         writer->next_row += count;
     });
 }
@@ -272,42 +220,6 @@ static fathom_status writer_level(image_writer *writer, uint32_t width, uint32_t
     });
 }
 
-/* ---- check for complete EXR files ----
- * If one of its threads lacks the memory to compress a block, OpenEXR omits the block without an error.
- * Its offset in the table after the header is then 0. */
-
-#define ZIP_ROWS 16
-
-/* Skips past the next zero byte; false if no byte precedes it. */
-static bool skip_word(FILE *file) {
-    size_t length = 0;
-    while (std::getc(file) > 0) ++length;
-    return length > 0;
-}
-
-static uint64_t read_number(FILE *file, unsigned bytes) {
-    uint64_t number = 0;
-    for (unsigned i = 0; i < bytes; ++i) number |= static_cast<uint64_t>(std::getc(file) & 255) << 8 * i;
-    return number;
-}
-
-/* A header is a list of attributes, each a name, a type, a size and its bytes, ended by an empty name. */
-static bool has_all_blocks(FILE *file, uint32_t rows) {
-    if (std::fseek(file, 8, SEEK_SET) != 0) return false;
-    while (skip_word(file) && skip_word(file)) {
-        if (std::fseek(file, static_cast<long>(read_number(file, 4)), SEEK_CUR) != 0) return false;
-    }
-    for (uint32_t row = 0; row < rows; row += ZIP_ROWS) {
-        if (!read_number(file, 8)) return false;
-    }
-    return !std::feof(file) && !std::ferror(file);
-}
-
-static void check_blocks(const image_writer &writer) {
-    std::unique_ptr<FILE, int (*)(FILE *)> file(fdopen(dup(writer.descriptor), "rb"), std::fclose);
-    if (!file || !has_all_blocks(file.get(), writer.next_row)) throw std::bad_alloc();
-}
-
 static fathom_status writer_close(image_writer *writer, bool finish, image_message *message) noexcept {
     return guarded(message, FATHOM_OUT_OF_RESOURCES, [&] {
         std::unique_ptr<image_writer> owner(writer);
@@ -317,7 +229,6 @@ static fathom_status writer_close(image_writer *writer, bool finish, image_messa
             return;
         }
         check(*owner, ok);
-        if (owner->exr) check_blocks(*owner);
     });
 }
 

@@ -89,6 +89,8 @@ static void open_file(const wire_request *request, int descriptor, wire_reply *r
     target.format = (image_format)wire_take_u32(&c);
     target.srgb = wire_take_u32(&c);
     target.mipmapped = wire_take_u32(&c);
+    const uint32_t texel = wire_take_u32(&c);
+    target.texel = texel <= IMAGE_TEXEL_FLOAT ? (image_texel)texel : IMAGE_TEXEL_U8;
     target.date = wire_take_text(&c);
     wire_image w;
     image_writer *writer = NULL;
@@ -97,7 +99,7 @@ static void open_file(const wire_request *request, int descriptor, wire_reply *r
         if (descriptor >= 0) close(descriptor);
         return;
     }
-    target.img = &w.img, target.storage = w.storage;
+    target.img = &w.img;
     reply->status = module->writer.open(&target, &writer, message);
     reply->object = number_of(writer);
     wire_image_free(&w);
@@ -107,7 +109,7 @@ static void open_file(const wire_request *request, int descriptor, wire_reply *r
 static bool give_image(const image *img, wire_reply *reply) {
     wire_buffer b = {NULL, 0, 0, false};
     const size_t plane = (size_t)img->width * img->height * sizeof(float);
-    wire_put_image(&b, img, NULL);
+    wire_put_image(&b, img);
     size_t at = (b.count + WIRE_ALIGNED - 1) / WIRE_ALIGNED * WIRE_ALIGNED,
            size = at + plane * img->channel_count;
     bool fits = !b.lost && wire_memory_reach(&memory, size, true);

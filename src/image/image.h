@@ -1,4 +1,4 @@
-/* Image files. The library itself writes PNG in sRGB. Other formats, reading, and other views need
+/* Image files. The library itself writes EXR, and PNG in sRGB. Other formats, reading, and other views need
  * OpenImageIO and OpenColorIO, which run in their own process, the image helper. The helper starts when the
  * first image needs it, in parallel with other work, because its 260 libraries take a quarter of a second to
  * load. Its failures do not end this process. The library looks for the helper's program in the folder
@@ -65,8 +65,8 @@ typedef struct image {
 fathom_status image_write(fathom_context *context, const image *img, const char *path,
                           const fathom_write_options *options);
 
-/* As image_write() to .exr, but without the helper, and with memory for one row only: no compression, all
- * colours as 32-bit floats. For saving pixels when everything else fails. FATHOM_OUT_OF_RESOURCES. */
+/* As image_write() to .exr, but with memory for one row only: no compression, all colours as 32-bit floats.
+ * For saving pixels when everything else fails. FATHOM_OUT_OF_RESOURCES. */
 fathom_status exr_write_plain(fathom_context *context, const image *img, const char *path);
 
 /* As image_write(), to a file that is then removed: measures the time. */

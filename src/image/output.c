@@ -96,6 +96,7 @@ bool image_view_is_srgb(const fathom_write_options *options) {
 }
 
 static bool output_needs_module(image_format format, const fathom_write_options *options) {
+    if (format == IMAGE_EXR) return false;
     return format != IMAGE_PNG || !image_view_is_srgb(options);
 }
 
@@ -134,6 +135,6 @@ fathom_status image_check(fathom_context *context, const char *path, const fatho
     if (status == FATHOM_OK) status = fathom_file_check(context, path);
     if (status != FATHOM_OK || !output_needs_module(format, options)) return status;
     status = helper_find(context);
-    if (status != FATHOM_OK || format == IMAGE_EXR || image_view_is_srgb(options)) return status;
+    if (status != FATHOM_OK || image_view_is_srgb(options)) return status;
     return check_view(context, options);
 }

@@ -1,4 +1,4 @@
-/* A file's format, by its extension; its date; its view; and the PNG writer. */
+/* A file's format, by its extension; its date; its view; and the writers of EXR and PNG. */
 #ifndef IMAGE_OUTPUT_H
 #define IMAGE_OUTPUT_H
 
@@ -23,6 +23,18 @@ typedef struct image_date {
 /* The date of $SOURCE_DATE_EPOCH, seconds since 1970 in UTC; empty when it is not set. FATHOM_BAD_USAGE if it
  * is not a valid number. */
 fathom_status date_read(fathom_context *context, image_date *out);
+
+typedef struct exr_options {
+    bool float_color; /* colours as 32-bit floats, not halves */
+    bool compressed;  /* by ZIP, 16 rows at a time; else the writer needs memory for one row only */
+    unsigned threads;
+    const char *date; /* "2026:11:22 16:45:33"; NULL: now */
+} exr_options;
+
+/* Puts a whole EXR file with all channels of the image. Errors of writing appear at file_writer_commit().
+ * FATHOM_OUT_OF_RESOURCES: memory is lacking; the file is not complete. */
+fathom_status exr_put(fathom_context *context, struct file_writer *file, const image *img,
+                      const exr_options *options);
 
 /* The PNG writer, which uses libpng, with the module's interface. Channels are R, G, B and optionally A,
  * stored as bytes. */

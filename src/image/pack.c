@@ -51,17 +51,6 @@ void srgb_codes_fill(srgb_codes *out) {
 
 /* ---- rows ---- */
 
-size_t pack_storage_size(image_storage storage) {
-    switch (storage) {
-    case IMAGE_STORE_U8: return 1;
-    case IMAGE_STORE_U16:
-    case IMAGE_STORE_HALF: return 2;
-    case IMAGE_STORE_FLOAT:
-    case IMAGE_STORE_UINT: return 4;
-    }
-    return 0;
-}
-
 static const unsigned char *row_of(const image *img, const image_channel *channel, uint32_t y) {
     return (const unsigned char *)channel->data + (size_t)y * img->width * channel->stride;
 }
@@ -70,24 +59,6 @@ static float load(const unsigned char *from) {
     float value;
     memcpy(&value, from, sizeof value);
     return value;
-}
-
-void pack_row(const image_packing *packing, uint32_t y, unsigned char *out) {
-    const image *img = packing->img;
-    for (size_t c = 0; c < img->channel_count; ++c) {
-        const image_channel *channel = &img->channels[c];
-        const unsigned char *from = row_of(img, channel, y);
-        size_t size = pack_storage_size(packing->storage[c]), step = packing->pixel_bytes;
-        for (size_t x = 0; x < img->width; ++x, from += channel->stride) {
-            if (size == 2) {
-                uint16_t half = half_from_float(load(from));
-                memcpy(out + x * step, &half, 2);
-            } else {
-                memcpy(out + x * step, from, 4); /* floats and unsigned alike */
-            }
-        }
-        out += size;
-    }
 }
 
 /* Clamps values for views, because some turn infinity into NaN and 1e30 into black. The largest half is white

@@ -81,19 +81,12 @@ static inline unsigned char srgb_code(const srgb_codes *codes, float value) {
     return (unsigned char)(code + (inside >= codes->next[code]));
 }
 
+/* For 8-bit files. */
 typedef struct image_packing {
     const image *img;
-    const image_storage *storage; /* of each channel of `img` */
-    size_t pixel_bytes;
-    /* 8-bit files only: */
     float gain;             /* 2^exposure */
     const srgb_codes *srgb; /* for the built-in view */
 } image_packing;
-
-size_t pack_storage_size(image_storage storage);
-
-/* Row y without a change of values. */
-void pack_row(const image_packing *packing, uint32_t y, unsigned char *out);
 
 /* Row y of R, G, B and optionally A, in sRGB, as bytes. */
 void pack_row_srgb(const image_packing *packing, uint32_t y, unsigned char *out);

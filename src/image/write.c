@@ -29,13 +29,12 @@ typedef struct writing {
     const image_writer_calls *calls;
     image_format format;
     image_date date;
-    image shown; /* the part of the image that the file will hold */
-    image_channel *channels;
-    image_storage *storage;
+    image shown;               /* the part of the image that the file will hold */
+    image_channel channels[4]; /* of `shown`, but not in EXR */
     image_packing packing;
     image_view *view; /* NULL: srgb_codes */
     srgb_codes srgb_codes;
-    bool srgb, rehearsal;
+    bool srgb, float_color, rehearsal;
     unsigned char **bytes; /* NULL: writes to a file */
     size_t *size;
     unsigned threads;
@@ -53,32 +52,18 @@ static bool is_of_mattes(const image_attribute *a) {
     return strncmp(a->name, IMAGE_MATTE_ENTRY, strlen(IMAGE_MATTE_ENTRY)) == 0;
 }
 
-static fathom_status choose_channels(writing *w, const image *img, const fathom_write_options *options) {
-    w->shown = *img;
+static fathom_status choose_channels(writing *w, const image *img) {
+    static const char *const names[] = {"R", "G", "B", "A"};
     w->shown.channels = w->channels;
     w->shown.channel_count = 0;
-    size_t *count = &w->shown.channel_count;
-    if (w->format == IMAGE_EXR) {
-        for (size_t i = 0; i < img->channel_count; ++i) {
-            const image_channel *channel = &img->channels[i];
-            bool half = channel->color && !options->float_color;
-            w->storage[*count] = channel->type == IMAGE_UINT ? IMAGE_STORE_UINT
-                                 : half                      ? IMAGE_STORE_HALF
-                                                             : IMAGE_STORE_FLOAT;
-            w->channels[(*count)++] = *channel;
-        }
-        return FATHOM_OK;
-    }
     while (w->shown.attribute_count && is_of_mattes(&img->attributes[w->shown.attribute_count - 1]))
         --w->shown.attribute_count;
-    static const char *const names[] = {"R", "G", "B", "A"};
     for (size_t i = 0; i < (w->format == IMAGE_JPEG ? 3 : 4); ++i) {
         const image_channel *channel = find_channel(img, names[i]);
         if (!channel && i == 3) break;
         if (!channel)
             return fail_file(w->context, FATHOM_INTERNAL, w->path, "the image has no channel %s", names[i]);
-        w->storage[*count] = IMAGE_STORE_U8;
-        w->channels[(*count)++] = *channel;
+        w->channels[w->shown.channel_count++] = *channel;
     }
     /* These formats cannot describe a crop for all readers, so the file is the crop. */
     w->shown.x = w->shown.y = 0;
@@ -87,22 +72,17 @@ static fathom_status choose_channels(writing *w, const image *img, const fathom_
 }
 
 /* These formats compress on one thread, so other threads can pack the next rows. */
-static bool packs_ahead(const writing *w) {
-    return w->threads > 1 && (w->format == IMAGE_PNG || w->format == IMAGE_JPEG);
-}
+static bool packs_ahead(const writing *w) { return w->threads > 1 && w->format != IMAGE_TIFF; }
+
+static size_t row_bytes(const writing *w) { return w->shown.channel_count * w->shown.width; }
 
 static float *row_for_view(const writing *w, size_t y) { return w->shown_rows + 4 * w->shown.width * y; }
 
 static void pack_rows(void *user, size_t begin, size_t end, unsigned worker) {
     writing *w = user;
     (void)worker;
-    size_t row_bytes = w->packing.pixel_bytes * w->shown.width;
     for (size_t y = begin; y < end; ++y) {
-        unsigned char *out = w->rows[w->into] + y * row_bytes;
-        if (w->format == IMAGE_EXR) {
-            pack_row(&w->packing, (uint32_t)(w->first + y), out);
-            continue;
-        }
+        unsigned char *out = w->rows[w->into] + y * row_bytes(w);
         if (w->view)
             pack_row_from_view(&w->packing, (uint32_t)(w->first + y), row_for_view(w, y), out);
         else
@@ -156,7 +136,7 @@ static fathom_status write_chunk(writing *w, image_writer *writer, size_t first,
     return status;
 }
 
-static fathom_status write_rows(writing *w, image_writer *writer, image_message *message) {
+static fathom_status write_chunks(writing *w, image_writer *writer, image_message *message) {
     w->first = 0;
     pack_chunk(w);
     for (size_t first = 0; first < w->shown.height; first += w->chunk) {
@@ -168,7 +148,15 @@ static fathom_status write_rows(writing *w, image_writer *writer, image_message 
     return FATHOM_OK;
 }
 
-static fathom_status write_to(writing *w, file_writer *file) {
+static fathom_status write_exr(const writing *w, file_writer *file) {
+    const exr_options options = {.float_color = w->float_color,
+                                 .compressed = true,
+                                 .threads = w->threads,
+                                 .date = w->date.text[0] ? w->date.text : NULL};
+    return exr_put(w->context, file, &w->shown, &options);
+}
+
+static fathom_status write_bytes(writing *w, file_writer *file) {
     image_message message = {""};
     image_target target = {.path = w->path,
                            .file = file,
@@ -177,13 +165,12 @@ static fathom_status write_to(writing *w, file_writer *file) {
                            .threads = w->threads,
                            .srgb = w->srgb,
                            .date = w->date.text[0] ? w->date.text : NULL,
-                           .img = &w->shown,
-                           .storage = w->storage};
+                           .img = &w->shown};
     image_writer *writer;
     fathom_status status = w->calls->open(&target, &writer, &message);
     if (status != FATHOM_OK)
         return fail_file(w->context, status, w->path, "cannot be written: %s", message.text);
-    status = write_rows(w, writer, &message);
+    status = write_chunks(w, writer, &message);
     fathom_status closed = w->calls->close(writer, status == FATHOM_OK, &message);
     if (status == FATHOM_OK && closed != FATHOM_OK) {
         status = fail_file(w->context, closed, w->path, "cannot be written: %s", message.text);
@@ -192,22 +179,28 @@ static fathom_status write_to(writing *w, file_writer *file) {
 }
 
 /* A view's floats take more memory than the packed rows. */
-static size_t chunk_rows(const writing *w, size_t row_bytes) {
-    if (w->view) row_bytes = 4 * sizeof(float) * w->shown.width;
-    size_t rows = packs_ahead(w) ? CHUNK_ROWS : CHUNK_BYTES / row_bytes / CHUNK_ROWS * CHUNK_ROWS;
+static size_t chunk_rows(const writing *w) {
+    const size_t bytes = w->view ? 4 * sizeof(float) * w->shown.width : row_bytes(w);
+    size_t rows = packs_ahead(w) ? CHUNK_ROWS : CHUNK_BYTES / bytes / CHUNK_ROWS * CHUNK_ROWS;
     if (rows < CHUNK_ROWS) rows = CHUNK_ROWS;
     return rows < w->shown.height ? rows : w->shown.height;
 }
 
 static fathom_status allocate_rows(writing *w) {
-    size_t row_bytes = w->packing.pixel_bytes * w->shown.width;
-    w->chunk = chunk_rows(w, row_bytes);
+    w->chunk = chunk_rows(w);
     size_t view_bytes = w->view ? sizeof(float) * 4 * w->shown.width * w->chunk : 1;
-    w->rows[0] = malloc(w->chunk * row_bytes);
-    w->rows[1] = packs_ahead(w) ? malloc(w->chunk * row_bytes) : NULL;
+    w->rows[0] = malloc(w->chunk * row_bytes(w));
+    w->rows[1] = packs_ahead(w) ? malloc(w->chunk * row_bytes(w)) : NULL;
     w->shown_rows = malloc(view_bytes);
     if (w->rows[0] && (w->rows[1] || !packs_ahead(w)) && w->shown_rows) return FATHOM_OK;
-    return fail_memory(w->context, w->chunk * row_bytes + view_bytes);
+    return fail_memory(w->context, w->chunk * row_bytes(w) + view_bytes);
+}
+
+static fathom_status write_rows(writing *w, file_writer *file) {
+    fathom_status status = allocate_rows(w);
+    if (status == FATHOM_OK) status = write_bytes(w, file);
+    free(w->rows[0]), free(w->rows[1]), free(w->shown_rows);
+    return status;
 }
 
 static fathom_status open_file(const writing *w, file_writer **out) {
@@ -225,17 +218,10 @@ static fathom_status close_file(const writing *w, file_writer *file, fathom_stat
 }
 
 static fathom_status write_file(writing *w) {
-    w->packing.img = &w->shown, w->packing.storage = w->storage;
-    w->packing.srgb = &w->srgb_codes;
-    for (size_t i = 0; i < w->shown.channel_count; ++i) {
-        w->packing.pixel_bytes += pack_storage_size(w->storage[i]);
-    }
-    file_writer *file = NULL;
-    fathom_status status = allocate_rows(w);
-    if (status == FATHOM_OK) status = open_file(w, &file);
-    if (status == FATHOM_OK) status = close_file(w, file, write_to(w, file));
-    free(w->rows[0]), free(w->rows[1]), free(w->shown_rows);
-    return status;
+    file_writer *file;
+    fathom_status status = open_file(w, &file);
+    if (status != FATHOM_OK) return status;
+    return close_file(w, file, w->format == IMAGE_EXR ? write_exr(w, file) : write_rows(w, file));
 }
 
 static fathom_status check_image(fathom_context *context, const image *img, const char *path,
@@ -263,15 +249,14 @@ static fathom_status write_image(writing *w, const image *img, const fathom_writ
     if (status == FATHOM_OK) status = check_image(context, img, w->path, w->format);
     if (status != FATHOM_OK) return status;
     w->calls = w->format == IMAGE_PNG ? &write_png_calls : &image_calls.writer;
-    w->packing.gain = exp2f(options->exposure);
-    w->channels = calloc(img->channel_count, sizeof *w->channels);
-    w->storage = calloc(img->channel_count, sizeof *w->storage);
-    if (!w->channels || !w->storage) status = fail_memory(context, img->channel_count * sizeof *w->channels);
-    if (status == FATHOM_OK) status = choose_channels(w, img, options);
-    if (status == FATHOM_OK && w->format != IMAGE_EXR) status = choose_view(w, options);
+    w->shown = *img;
+    w->float_color = options->float_color;
+    if (w->format == IMAGE_EXR) return write_file(w);
+    status = choose_channels(w, img);
+    if (status == FATHOM_OK) status = choose_view(w, options);
+    w->packing = (image_packing){&w->shown, exp2f(options->exposure), &w->srgb_codes};
     if (status == FATHOM_OK) status = write_file(w);
     if (w->view) image_calls.view_close(w->view);
-    free(w->channels), free(w->storage);
     return status;
 }
 

@@ -78,16 +78,18 @@ static fathom_status prepare(fathom_session *s, fathom_context *context, const f
 
 /* ---- rendering ---- */
 
-/* A render of hours must not end in a file that cannot be written. */
-static bool outputs_are_lost(fathom_session *s) {
-    if (s->options.output_count) s->helper = image_prefetch_status(s->context);
-    return s->helper != FATHOM_OK;
+/* The first output that the image helper writes, or NULL. */
+static const char *output_with_helper(const fathom_session *s) {
+    for (size_t i = 0; i < s->options.output_count; ++i) {
+        if (image_needs_module(s->options.outputs[i], &s->write)) return s->options.outputs[i];
+    }
+    return NULL;
 }
 
-static const char *output_with_helper(const fathom_session *s) {
-    size_t i = 0;
-    while (i + 1 < s->options.output_count && !image_needs_module(s->options.outputs[i], &s->write)) ++i;
-    return s->options.outputs[i];
+/* A render of hours must not end in a file that cannot be written. */
+static bool outputs_are_lost(fathom_session *s) {
+    if (output_with_helper(s)) s->helper = image_prefetch_status(s->context);
+    return s->helper != FATHOM_OK;
 }
 
 static bool on_progress(void *user, const fathom_progress *progress) {

@@ -68,15 +68,10 @@ static fathom_status write_level(written *w, image_writer *writer, unsigned leve
 
 static fathom_status write_levels(written *w, fathom_context *context, const char *path, file_writer *file) {
     static const char *const colors[] = {"R", "G", "B", "A"}, *const grey = "Y";
-    static const image_storage stores[] = {IMAGE_STORE_U8, IMAGE_STORE_U16, IMAGE_STORE_HALF,
-                                           IMAGE_STORE_FLOAT};
     const pyramid *p = &w->slot->image->plan;
     image_channel channels[4];
-    image_storage storage[4];
-    for (unsigned c = 0; c < w->channels; ++c) {
+    for (unsigned c = 0; c < w->channels; ++c)
         channels[c] = (image_channel){.name = w->channels == 1 ? grey : colors[c]};
-        storage[c] = stores[w->type];
-    }
     const uint32_t width = p->levels[0].width, height = p->levels[0].height;
     const image img = {width, height, 0, 0, width, height, channels, w->channels, NULL, 0};
     image_date date;
@@ -89,8 +84,8 @@ static fathom_status write_levels(written *w, fathom_context *context, const cha
                                  .srgb = w->srgb && w->channels > 1,
                                  .date = date.text[0] ? date.text : NULL,
                                  .mipmapped = true,
-                                 .img = &img,
-                                 .storage = storage};
+                                 .texel = w->type,
+                                 .img = &img};
     image_writer *writer;
     status = image_calls.writer.open(&target, &writer, &w->why);
     if (status != FATHOM_OK) return status;

@@ -159,8 +159,8 @@ ls -A | grep tmp && die 'a temporary file was left behind'
 # A module that is none is found out while the render runs, not at its end.
 echo 'no library' >module.so
 code=0
-FATHOM_IMAGE_MODULE=$PWD/module.so "$FATHOM" render scene.json -o e.exr --size 2000x2000 --tracer linear:f64 --spp 1024 \
+FATHOM_IMAGE_MODULE=$PWD/module.so "$FATHOM" render scene.json -o e.tif --size 2000x2000 --tracer linear:f64 --spp 1024 \
     >out.txt 2>err.txt || code=$?
 [ $code -eq 4 ] || die "no module: exit code $code, expected 4"
-said err.txt 'fathom: e.exr: image helper: '
-[ ! -e e.exr ] || die 'no module: there is an image'
+said err.txt 'fathom: e.tif: image helper: '
+[ ! -e e.tif ] || die 'no module: there is an image'

@@ -11,19 +11,19 @@ lose() { # WAY CODE WORDS OPTIONS…
     shift 3
     code=0
     FAULT_LOST=$way FATHOM_IMAGE_SECONDS=2 FATHOM_IMAGE_MODULE=$BUILD/tests/faults/lost.so \
-        "$FATHOM" render scene.json -o a.exr "$@" >out.txt 2>err.txt || code=$?
+        "$FATHOM" render scene.json -o a.tif "$@" >out.txt 2>err.txt || code=$?
     [ $code -eq "$expected" ] || die "a library that ends by $way: exit code $code, expected $expected"
     said err.txt "$words"
 }
 for way in exit abort fault; do
-    lose $way 4 'a.exr: image helper: the image helper' --size 4096x4096 --tracer linear:f64 --spp 65536
+    lose $way 4 'a.tif: image helper: the image helper' --size 4096x4096 --tracer linear:f64 --spp 65536
     [ "$(grep -c '^fathom: ' err.txt)" -eq 1 ] || die "$way: expected one message"
     rm err.txt out.txt
     [ "$(ls -A)" = "$(cat before.txt)" ] || die "$way: left behind: $(ls -A)"
 done
 run 0 render scene.json -o good.exr --size 16x12 -q
 for way in exit abort fault thread hang; do
-    lose rows-$way 4 'a.exr: cannot be written: the image helper' --size 16x12 -q
+    lose rows-$way 4 'a.tif: cannot be written: the image helper' --size 16x12 -q
     said err.txt 'are in a.rescue.exr, as scene-linear EXR'
     run 0 compare good.exr a.rescue.exr --tolerance 0.00390625 # halves in the one, floats in the other
     rm a.rescue.exr

@@ -208,11 +208,11 @@ unset TMPDIR
 mkdir alone
 cp "$FATHOM" alone/fathom
 code=0
-alone/fathom render scene.json -o d.exr >out.txt 2>err.txt || code=$?
+alone/fathom render scene.json -o d.tif >out.txt 2>err.txt || code=$?
 [ $code -eq 4 ] || die "a program without its helper: exit code $code, expected 4"
 said err.txt 'fathom: image helper: fathom/fathom-image was found neither next to'
-said err.txt 'install Fathom again, or write .png'
-alone/fathom render scene.json -o d.png >out.txt 2>err.txt || die 'PNG needs no helper'
+said err.txt 'install Fathom again, or write .exr'
+alone/fathom render scene.json -o d.png -o d.exr >out.txt 2>err.txt || die 'PNG and EXR need no helper'
 alone/fathom --version -v >out.txt
-said out.txt 'images    PNG alone: image helper: '
+said out.txt 'images    EXR and PNG alone: image helper: '
 rm -r alone

@@ -82,7 +82,7 @@ static bool find_program(char path[PATH_MAX], char text[1024]) {
     const bool known = own_file(own);
     say(text,
         "%s was found neither next to %s nor in the library folders near it; install Fathom again, "
-        "or write .png in the sRGB view, which needs no helper",
+        "or write .exr, or .png in the sRGB view: neither needs the helper",
         HELPER_FILE, known ? own : "(unknown program)");
     return false;
 }

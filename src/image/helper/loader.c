@@ -62,14 +62,14 @@ static fathom_status open_writer(const image_target *target, image_writer **out,
     wire_put_u32(&b, target->format);
     wire_put_u32(&b, target->srgb);
     wire_put_u32(&b, target->mipmapped);
+    wire_put_u32(&b, target->texel);
     wire_put_text(&b, target->date);
-    wire_put_image(&b, target->img, target->storage);
+    wire_put_image(&b, target->img);
     remote *r;
     fathom_status status = open_with(&e, &b, message, &r);
     if (status != FATHOM_OK) return status;
     r->width = target->img->width;
-    for (size_t i = 0; i < target->img->channel_count; ++i)
-        r->pixel_bytes += pack_storage_size(target->storage[i]);
+    r->pixel_bytes = target->img->channel_count * image_texel_size(target->texel);
     *out = (image_writer *)(void *)r;
     return FATHOM_OK;
 }

@@ -7,7 +7,7 @@
 #include "image/image.h"
 
 /* Increases with every change of this file: a module of another build is refused before any call. */
-#define IMAGE_MODULE_VERSION 8
+#define IMAGE_MODULE_VERSION 9
 #define IMAGE_MODULE_SYMBOL "fathom_image_module"
 
 typedef struct image_message {
@@ -15,13 +15,12 @@ typedef struct image_message {
 } image_message;
 
 typedef enum image_format { IMAGE_EXR, IMAGE_PNG, IMAGE_JPEG, IMAGE_TIFF } image_format;
-typedef enum image_storage {
-    IMAGE_STORE_U8,
-    IMAGE_STORE_HALF,
-    IMAGE_STORE_FLOAT,
-    IMAGE_STORE_UINT,
-    IMAGE_STORE_U16 /* only in mip-mapped files */
-} image_storage;
+
+typedef enum image_texel { IMAGE_TEXEL_U8, IMAGE_TEXEL_U16, IMAGE_TEXEL_HALF, IMAGE_TEXEL_FLOAT } image_texel;
+
+static inline size_t image_texel_size(image_texel texel) {
+    return texel == IMAGE_TEXEL_U8 ? 1 : texel == IMAGE_TEXEL_FLOAT ? 4 : 2;
+}
 
 /* A file to write. Its bytes go to `file` in order, or to `descriptor` by offset, which the writer closes.
  * `path` is for messages. After the call only `file` and `descriptor` are used. */
@@ -33,12 +32,11 @@ typedef struct image_target {
     int descriptor;
     image_format format;
     unsigned threads;
-    bool srgb;        /* mark the pixels as sRGB */
-    const char *date; /* "2026:11:22 16:45:33", for formats that hold one; NULL: now */
-    bool mipmapped;   /* only TIFF: tiles of IMAGE_TILE; smaller levels follow */
-    const image *img; /* sizes, attributes, names of channels; pixels are not used */
-    const image_storage
-        *storage; /* of each channel; a mixture only in EXR; others bytes, mip-mapped files any one */
+    bool srgb;         /* mark the pixels as sRGB */
+    const char *date;  /* "2026:11:22 16:45:33", for formats that hold one; NULL: now */
+    bool mipmapped;    /* only TIFF: tiles of IMAGE_TILE; smaller levels follow */
+    image_texel texel; /* bytes, unless the file is mip-mapped */
+    const image *img;  /* sizes, texts, names of channels; pixels are not used */
 } image_target;
 
 /* A display and view of a config. NULL: the built-in config, the config's default display, the display's
@@ -52,19 +50,13 @@ typedef struct image_view image_view;
 
 typedef struct image_writer_calls {
     fathom_status (*open)(const image_target *target, image_writer **out, image_message *message);
-    /* Writes the next `count` rows: pixels of interleaved channels, each in its storage. */
+    /* Writes the next `count` rows: pixels of interleaved channels, all of the same type. */
     fathom_status (*rows)(image_writer *writer, uint32_t count, const void *pixels, image_message *message);
     /* Ends the writer, even on failure; `finish` false abandons the file. */
     fathom_status (*close)(image_writer *writer, bool finish, image_message *message);
 } image_writer_calls;
 
 /* ---- textures: images that are read in parts ---- */
-
-typedef enum image_texel { IMAGE_TEXEL_U8, IMAGE_TEXEL_U16, IMAGE_TEXEL_HALF, IMAGE_TEXEL_FLOAT } image_texel;
-
-static inline size_t image_texel_size(image_texel texel) {
-    return texel == IMAGE_TEXEL_U8 ? 1 : texel == IMAGE_TEXEL_FLOAT ? 4 : 2;
-}
 
 /* The tiles of mip-mapped files that are read in place lie within tiles of this size. */
 #define IMAGE_TILE 64u
@@ -111,7 +103,7 @@ typedef struct image_texture_calls {
 
 typedef struct image_module {
     unsigned version;
-    image_writer_calls writer; /* for all formats but PNG */
+    image_writer_calls writer; /* for JPEG and TIFF */
 
     fathom_status (*read)(const char *path, unsigned threads, const image **out, image_message *message);
     void (*release)(const image *img);

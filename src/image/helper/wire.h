@@ -13,7 +13,7 @@
 #define WIRE_MEMORY 4
 
 /* Increases with every change of the protocol. */
-#define WIRE_VERSION 4u
+#define WIRE_VERSION 5u
 
 typedef enum wire_op {
     WIRE_OPEN,  /* opens a file; its descriptor comes with the request; the memory holds a wire image */
@@ -76,14 +76,12 @@ const char *wire_take_text(wire_cursor *c);
 
 /* ---- an image's description: everything except its pixels ---- */
 
-/* storage: of each channel, or NULL. */
-void wire_put_image(wire_buffer *b, const image *img, const image_storage *storage);
+void wire_put_image(wire_buffer *b, const image *img);
 
 /* Release the image's arrays with wire_image_free(); texts stay in the shared memory, pixels are NULL. */
 typedef struct wire_image {
     image img;
     image_channel *channels;
-    image_storage *storage;
     image_attribute *attributes;
     double *numbers;
 } wire_image;
