@@ -140,10 +140,12 @@ FATHOM_API fathom_status fathom_scene_generate(fathom_scene *scene, fathom_id gr
  * integrators' materials, those of path tracing.
  * .obj (with an .mtl, and images, next to it) and .ply (binary): meshes with instances placed; positions
  * become float there.
+ * Quads become two triangles in all but .json, and spheres up to 16,128 with smooth normals: fewer from 249
+ * spheres on.
  * It leaves out what fathom_scene_complete() made, which a reader makes again. Whatever else a format cannot
  * hold is left out with a warning a kind, which counts it. Files appear whole or not at all.
- * FATHOM_BAD_USAGE: unknown extension; no triangles, unless .json; or more than the format can count (4 GiB
- * of .glb, 2^32 vertices); FATHOM_OUT_OF_RESOURCES: cannot be written. */
+ * FATHOM_BAD_USAGE: unknown extension; no shapes but planes, unless .json; or more than the format can count
+ * (4 GiB of .glb, 2^32 vertices); FATHOM_OUT_OF_RESOURCES: cannot be written. */
 FATHOM_API fathom_status fathom_scene_write(const fathom_scene *scene, const char *path);
 
 #ifdef __cplusplus

@@ -66,6 +66,7 @@ const command command_convert = {
             "  .glb   meshes, instances, materials, images, lights and the camera\n"
             "  .obj   meshes, instances expanded; materials in an .mtl next to it\n"
             "  .ply   meshes, instances expanded; one image of colours next to it\n"
+            "Quads and spheres become triangles in all but .json.\n"
             "Warnings name and count what OUT cannot hold. The camera and lights that a\n"
             "render adds to IN are not written, because a render of OUT adds them again.\n",
     .examples = "  fathom convert model.gltf model.glb\n"

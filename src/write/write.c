@@ -267,21 +267,18 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
     return status;
 }
 
-/* Model formats hold only triangles and points. Adds notes on all other shapes, which are not written. */
+/* Model formats hold only triangles and points: quads are written as triangles, and spheres approximated. */
 static fathom_status check_shapes(const fathom_scene *scene, const size_t *ways, const char *path,
                                   note_list *notes) {
-    static const char *const names[] = {"a sphere is no triangles, and is left out",
-                                        "a quad is no triangles, and is left out",
-                                        "a plane is no triangles, and is left out"};
     size_t placed[4] = {0};
     for (size_t i = 0; i < scene->objects.count; ++i)
         placed[scene->objects.items[i].kind] += ways[scene->objects.items[i].group] > 0;
-    for (int kind = SCENE_SPHERE; kind < SCENE_MESH; ++kind) {
-        if (placed[kind]) notes_add(notes, placed[kind], "", "%s", names[kind]);
-    }
-    if (placed[SCENE_MESH]) return FATHOM_OK;
-    return fail_file(scene->context, FATHOM_BAD_USAGE, path,
-                     "the scene holds no triangles or points to write");
+    if (placed[SCENE_SPHERE])
+        notes_add(notes, placed[SCENE_SPHERE], "", "a sphere becomes triangles with smooth normals");
+    if (placed[SCENE_PLANE]) notes_add(notes, placed[SCENE_PLANE], "", "a plane has no end, and is left out");
+    if (placed[SCENE_MESH] || placed[SCENE_QUAD] || placed[SCENE_SPHERE]) return FATHOM_OK;
+    return fail_file(scene->context, FATHOM_BAD_USAGE, path, "the scene holds no shape to write%s",
+                     placed[SCENE_PLANE] ? " but planes without end" : "");
 }
 
 /* ---- the format ---- */
@@ -294,18 +291,34 @@ static const struct format {
 } formats[] = {
     {"glb", GLB, write_glb}, {"ply", PLY, write_ply}, {"obj", OBJ, write_obj}, {"json", JSON, write_json}};
 
-static fathom_status write_as(const fathom_scene *scene, const scene_graph *graph,
-                              const struct format *format, const char *path) {
+/* `written`: the scene, or a view of it without quads and spheres, which has the same groups. `graph` is that
+ * of `written`. */
+static fathom_status write_as(const fathom_scene *scene, const fathom_scene *written,
+                              const scene_graph *graph, const struct format *format, const char *path) {
     note_list *notes = calloc(1, sizeof *notes);
     size_t *ways = NULL;
     fathom_status status = notes ? FATHOM_OK : fail_memory(scene->context, sizeof *notes);
-    if (status == FATHOM_OK) status = write_count_ways(scene, graph, &ways);
+    if (status == FATHOM_OK) status = write_count_ways(written, graph, &ways);
     if (status == FATHOM_OK && format->id != JSON) status = check_shapes(scene, ways, path, notes);
-    if (status == FATHOM_OK) status = note_lost(scene, graph, ways, format->id, notes);
-    if (status == FATHOM_OK) status = format->write(scene, graph, path, notes);
+    if (status == FATHOM_OK) status = note_lost(written, graph, ways, format->id, notes);
+    if (status == FATHOM_OK) status = format->write(written, graph, path, notes);
     if (status == FATHOM_OK) notes_tell(notes, scene->context, path);
     free(ways);
     free(notes);
+    return status;
+}
+
+/* Numbers have a decimal point in every locale. */
+static fathom_status write_in_c(const fathom_scene *scene, const fathom_scene *written,
+                                const struct format *format, const char *path) {
+    scene_graph graph;
+    fathom_status status = graph_create(written, &graph);
+    if (status != FATHOM_OK) return status;
+    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before = uselocale(c);
+    status = write_as(scene, written, &graph, format, path);
+    uselocale(before);
+    freelocale(c);
+    graph_destroy(&graph);
     return status;
 }
 
@@ -322,14 +335,11 @@ fathom_status fathom_scene_write(const fathom_scene *scene, const char *path) {
                          "scenes are written as .glb, .json, .obj or .ply, found extension \"%s\"",
                          extension);
     }
-    scene_graph graph;
-    fathom_status status = graph_create(scene, &graph);
-    if (status != FATHOM_OK) return status;
-    /* Numbers have a decimal point in every locale. */
-    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before = uselocale(c);
-    status = write_as(scene, &graph, &formats[format], path);
-    uselocale(before);
-    freelocale(c);
-    graph_destroy(&graph);
+    if (formats[format].id == JSON || scene->spheres.count + scene->quads.count == 0)
+        return write_in_c(scene, scene, &formats[format], path);
+    fathom_scene view;
+    fathom_status status = write_shapes_as_meshes(scene, &view);
+    if (status == FATHOM_OK) status = write_in_c(scene, &view, &formats[format], path);
+    write_shapes_free(&view);
     return status;
 }

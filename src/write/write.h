@@ -62,6 +62,13 @@ vec3_f32 write_mesh_normal(const write_mesh *m, uint32_t vertex); /* the mesh ha
 void write_mesh_uv(const write_mesh *m, uint32_t vertex, float uv[2]); /* 0 0 if the mesh has none */
 uint32_t write_mesh_index(const write_mesh *m, size_t corner);
 
+/* ---- quads and spheres ---- */
+
+/* A view of the scene in which quads and spheres are meshes; ids of objects differ. The scene must outlive
+ * it. Release with write_shapes_free(), even after a failure. */
+fathom_status write_shapes_as_meshes(const fathom_scene *scene, fathom_scene *view);
+void write_shapes_free(fathom_scene *view);
+
 /* ---- placed meshes ---- */
 
 /* An instance of a mesh in the world. */

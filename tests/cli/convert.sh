@@ -10,7 +10,8 @@ done
 run 0 convert "$SOURCE/scenes/example.json" all.json
 silent err.txt
 run 0 convert "$SOURCE/scenes/example.json" some.glb
-said err.txt 'some.glb: a sphere is no triangles, and is left out (4 such)'
+said err.txt 'some.glb: a sphere becomes triangles with smooth normals (4 such)'
+said err.txt 'some.glb: a plane has no end, and is left out (1 such)'
 said err.txt 'some.glb: the background is left out (1 such)'
 
 rm -f some.glb all.json

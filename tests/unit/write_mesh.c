@@ -525,14 +525,14 @@ static void numbers_are_short(void **state) {
 
 /* ---- failures ---- */
 
-static void shapes_without_triangles_are_reported(void **state) {
+static void spheres_are_told_and_empty_scenes_refused(void **state) {
     (void)state;
     fathom_scene *scene = new_scene();
     assert_fails(context, fathom_scene_write(scene, in_folder("a.stl")), FATHOM_BAD_USAGE,
                  ".glb, .json, .obj or .ply");
     assert_fails(context, fathom_scene_write(scene, in_folder("a")), FATHOM_BAD_USAGE,
                  ".glb, .json, .obj or .ply");
-    assert_fails(context, fathom_scene_write(scene, in_folder("a.ply")), FATHOM_BAD_USAGE, "no triangles");
+    assert_fails(context, fathom_scene_write(scene, in_folder("a.ply")), FATHOM_BAD_USAGE, "no shape to write");
     fathom_sphere sphere;
     fathom_sphere_default(&sphere);
     assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL));
@@ -540,7 +540,7 @@ static void shapes_without_triangles_are_reported(void **state) {
     warnings = 0;
     assert_ok(context, fathom_scene_write(scene, in_folder("a.ply")));
     assert_int_equal(warnings, 1);
-    assert_non_null(strstr(last_warning, "a sphere is no triangles"));
+    assert_non_null(strstr(last_warning, "a sphere becomes triangles with smooth normals"));
     remove_file("a.ply");
     assert_fails(context, fathom_scene_write(scene, in_folder("none/a.obj")), FATHOM_OUT_OF_RESOURCES,
                  "none/a.obj");
@@ -581,7 +581,7 @@ int main(void) {
         cmocka_unit_test(glb_keeps_materials),
         cmocka_unit_test(threads_change_no_byte),
         cmocka_unit_test(glb_is_laid_out_for_mapping),
-        cmocka_unit_test(shapes_without_triangles_are_reported),
+        cmocka_unit_test(spheres_are_told_and_empty_scenes_refused),
         cmocka_unit_test(too_many_triangles_are_refused),
     };
     return cmocka_run_group_tests(tests, set_up, remove_folder);
