@@ -6,14 +6,20 @@
 
 #include <draco/compression/decode.h>
 
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <string>
 #include <sys/resource.h>
+#include <unistd.h>
 #include <vector>
 
+/* The message replaces what was already written. */
 static int fail(const char *text) {
-    std::fprintf(stdout, "%s", text);
+    std::rewind(stdout);
+    if (ftruncate(STDOUT_FILENO, 0) == 0) std::fprintf(stdout, "%s", text);
     return 1;
 }
 
@@ -64,7 +70,8 @@ static int unpack(const std::vector<char> &bytes) {
     for (const draco::PointAttribute *a : attributes) {
         if (!put_attribute(*a, mesh.num_points())) return fail("an attribute cannot be converted");
     }
-    return std::fflush(stdout) == 0 ? 0 : 1;
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return 0;
+    return fail(("what it unpacks to cannot be kept: " + std::string(std::strerror(errno))).c_str());
 }
 
 static void limit(int resource, rlim_t most) {

@@ -3,6 +3,8 @@
 #include "image/helper/helper.h"
 
 #include <limits.h>
+#include <signal.h>
+#include <sys/resource.h>
 #if __has_include(<meshoptimizer.h>)
 #include <meshoptimizer.h>
 #define HAS_MESHOPT 1
@@ -43,10 +45,8 @@ static bool has_draco(void) {
     return helper_find_file("fathom/fathom-draco", path);
 }
 
-static void draco_unpacks_to_what_was_packed(void **state) {
-    fixture *f = *state;
-    if (!has_draco()) skip();
-    write_draco(f, draco, sizeof draco, 4, 0);
+/* Reads f->path, whose mesh has the corner (1,1,2) with its colour. */
+static void assert_corner(fixture *f) {
     fathom_scene *scene = read_file(f);
     const fathom_mesh *mesh = &scene->meshes.items[0];
     assert_int_equal(mesh->triangle_count, 2);
@@ -65,7 +65,18 @@ static void draco_unpacks_to_what_was_packed(void **state) {
     fathom_scene_destroy(scene);
 }
 
-/* Meshes of one primitive each; all but the last have the whole data. */
+static void draco_unpacks_to_what_was_packed(void **state) {
+    if (!has_draco()) skip();
+    write_draco(*state, draco, sizeof draco, 4, 0);
+    assert_corner(*state);
+}
+
+/* Bytes of the data: whether colours are already divided by 255; the largest side of the positions, a float.
+ */
+enum { NORMALIZED_AT = 44, SIDE_AT = 95 };
+
+/* Meshes of one primitive each, of sides 2, 4, 6… and with the same accessors, which only name counts and
+ * types. All but the last have the whole data. */
 static void write_draco_meshes(fixture *f, int count, size_t last_size) {
     uint8_t bytes[16 * sizeof draco];
     char json[8192];
@@ -76,7 +87,9 @@ static void write_draco_meshes(fixture *f, int count, size_t last_size) {
         "'SCALAR','count':6}],'bufferViews':[",
         (size_t)count * sizeof draco);
     for (int i = 0; i < count; ++i) {
+        const float side = 2 * (float)(i + 1);
         memcpy(bytes + (size_t)i * sizeof draco, draco, sizeof draco);
+        memcpy(bytes + (size_t)i * sizeof draco + SIDE_AT, &side, sizeof side);
         at +=
             snprintf(json + at, sizeof json - (size_t)at, "%s{'buffer':0,'byteOffset':%zu,'byteLength':%zu}",
                      i ? "," : "", (size_t)i * sizeof draco, i + 1 < count ? sizeof draco : last_size);
@@ -91,7 +104,7 @@ static void write_draco_meshes(fixture *f, int count, size_t last_size) {
     write_glb(f, json, bytes, (size_t)count * sizeof draco);
 }
 
-static void draco_meshes_unpack_together(void **state) {
+static void draco_meshes_unpack_together_to_their_own_data(void **state) {
     fixture *f = *state;
     if (!has_draco()) skip();
     fathom_context_set_threads(f->context, 3);
@@ -100,10 +113,30 @@ static void draco_meshes_unpack_together(void **state) {
     assert_int_equal(scene->meshes.count, 8);
     for (size_t i = 0; i < 8; ++i) {
         const fathom_mesh *mesh = &scene->meshes.items[i];
+        float most = 0;
         assert_int_equal(mesh->triangle_count, 2);
-        assert_memory_equal(mesh_vertex(mesh, 0), mesh_vertex(&scene->meshes.items[0], 0), 3 * sizeof(float));
+        for (uint32_t v = 0; v < mesh->vertex_count; ++v) most = fmaxf(most, mesh_vertex(mesh, v)[2]);
+        /* 2047 steps of side / 2047: a few roundings. */
+        assert_near(most / (float)(i + 1), 2, 1e-6);
     }
     fathom_scene_destroy(scene);
+}
+
+/* Colours of bytes are divided by 255, whether the data says so, the accessor or neither. */
+static void draco_colours_of_bytes_are_divided_once(void **state) {
+    fixture *f = *state;
+    if (!has_draco()) skip();
+    for (unsigned i = 0; i < 4; ++i) {
+        uint8_t bytes[sizeof draco];
+        char json[2048];
+        memcpy(bytes, draco, sizeof draco);
+        bytes[NORMALIZED_AT] = i & 1;
+        snprintf(json, sizeof json, DRACO_MESH, sizeof bytes, sizeof bytes, 4, 0);
+        if (i & 2) memset(strstr(json, "'normalized':true,"), ' ', 18);
+        write_glb(f, json, bytes, sizeof bytes);
+        assert_corner(f);
+        assert_int_equal(f->warnings, i & 2 ? 1 : 0);
+    }
 }
 
 static void assert_refused(fixture *f, const char *text) {
@@ -141,6 +174,59 @@ static void broken_draco_is_refused(void **state) {
     assert_refused(f, "is accessors[0] of 5 × 3 numbers; what is unpacked has 4 × 3");
     write_draco(f, draco, sizeof draco, 4, 7);
     assert_refused(f, "attributes.POSITION: is 7; the data has no such attribute");
+}
+
+/* Writes the mesh with one piece of its JSON replaced. */
+static void assert_changed_is_refused(fixture *f, const char *from, const char *to, const char *text) {
+    char json[2048], changed[2048];
+    snprintf(json, sizeof json, DRACO_MESH, sizeof draco, sizeof draco, 4, 0);
+    char *at = strstr(json, from);
+    assert_non_null(at);
+    snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - json), json, to, at + strlen(from));
+    write_glb(f, changed, draco, sizeof draco);
+    assert_refused(f, text);
+}
+
+static void draco_that_lacks_a_part_is_refused(void **state) {
+    fixture *f = *state;
+    /* A mesh by Draco's sequential method, without a face or an attribute. */
+    static const uint8_t empty[] = {'D', 'R', 'A', 'C', 'O', 2, 2, 1, 0, 0, 0, 0, 0, 1, 0};
+    if (!has_draco()) skip();
+    assert_changed_is_refused(
+        f, "'bufferView':0,'attributes'", "'attributes'",
+        "KHR_draco_mesh_compression.bufferView: is missing; expected the compressed mesh");
+    assert_changed_is_refused(
+        f, "'indices':2,", "",
+        "primitives[0].indices: is missing; expected an accessor that describes what is unpacked");
+    assert_changed_is_refused(f, ",'attributes':{'POSITION':0,'COLOR_0':1}}}}", "}}}",
+                              "KHR_draco_mesh_compression.attributes: is missing; expected ");
+    write_draco(f, empty, sizeof empty, 4, 0);
+    assert_refused(f, "KHR_draco_mesh_compression: unpacks to no triangles");
+}
+
+/* Reads while files can hold the data, but not what it unpacks to. */
+static void assert_refused_for_size(fixture *f, const char *text) {
+    struct rlimit given, small;
+    fathom_scene *scene;
+    fathom_read_options asked;
+    fathom_read_options_default(&asked);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &given), 0);
+    small = given, small.rlim_cur = sizeof draco + 16;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+    const fathom_status status = read_asked(f, &asked, &scene);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &given), 0);
+    assert_int_equal(status, FATHOM_BAD_INPUT);
+    if (!strstr(fathom_context_message(f->context), text)) fail_msg("%s", fathom_context_message(f->context));
+}
+
+static void draco_processes_that_fail_are_told(void **state) {
+    if (!has_draco()) skip();
+    write_draco(*state, draco, sizeof draco, 4, 0);
+    assert_refused_for_size(*state, "cannot be unpacked: Draco was ended by SIGXFSZ; the data is broken");
+    signal(SIGXFSZ, SIG_IGN);
+    assert_refused_for_size(*state,
+                            "cannot be unpacked by Draco: what it unpacks to cannot be kept: File too");
+    signal(SIGXFSZ, SIG_DFL);
 }
 
 #if HAS_MESHOPT
@@ -209,8 +295,11 @@ int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
         TEST(draco_unpacks_to_what_was_packed),
-        TEST(draco_meshes_unpack_together),
+        TEST(draco_meshes_unpack_together_to_their_own_data),
+        TEST(draco_colours_of_bytes_are_divided_once),
         TEST(broken_draco_is_refused),
+        TEST(draco_that_lacks_a_part_is_refused),
+        TEST(draco_processes_that_fail_are_told),
 #if HAS_MESHOPT
         TEST(meshopt_unpacks_to_what_was_packed),
         TEST(broken_meshopt_is_refused),

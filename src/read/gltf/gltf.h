@@ -56,7 +56,8 @@ typedef struct gltf_elements {
     const void *values; /* NULL: not made yet */
     size_t stride;      /* bytes */
     uint32_t count;
-    mesh_facts facts; /* the extremes, for floats with three components */
+    mesh_facts facts;     /* the extremes, for floats with three components */
+    uint32_t unpacked_of; /* 1 + the view that Draco unpacked them from; 0: the accessor's own elements */
 } gltf_elements;
 
 typedef struct gltf_material {
@@ -346,11 +347,18 @@ void gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *j
 /* The joints of skin `index` at a moment of g; valid as long as the moment. */
 const gltf_joints *gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index);
 
-/* Stores a copy of `values` as the elements of the accessor that member `key` of `user` names. Count and
- * components must be those of the accessor. normalized: `values` are already divided by the maximum of the
- * accessor's type. */
-fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, bool integers,
-                              unsigned components, bool normalized, uint32_t count, const void *values);
+/* Elements for an accessor, unpacked from a view. */
+typedef struct gltf_given {
+    uint32_t view, count;
+    unsigned components;
+    bool integers, normalized; /* normalized: already divided by the maximum of the accessor's type */
+    const void *values;
+} gltf_given;
+
+/* Stores a copy of `given` as the elements of the accessor that member `key` of `user` names, until elements
+ * of another view are given: primitives may share an accessor of compressed elements, since it only has their
+ * type and count. Count and components must be those of the accessor. */
+fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, const gltf_given *given);
 
 /* ---- gltf_draco.c ---- */
 

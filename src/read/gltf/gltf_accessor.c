@@ -371,6 +371,11 @@ static void keep_array(gltf *g, const gltf_value *user, const char *key, bool in
     if (gltf_fine(g)) *kept = *made;
 }
 
+/* Colours in whole numbers are divided by their maximum, even if the accessor does not say so. */
+static bool is_whole_color(const char *key, const accessor *a) {
+    return strncmp(key, "COLOR_", 6) == 0 && a->type != GLTF_FLOAT && !a->normalized;
+}
+
 bool gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned components, unsigned takes,
                      gltf_elements *out) {
     const bool integers = takes & GLTF_TAKES_UINT;
@@ -382,7 +387,7 @@ bool gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned 
     gltf_elements *kept = &g->array_table[index][integers];
     check_kind(g, user, key, index, components, takes, &from);
     if (!from.count) return gltf_fine(g);
-    if (strncmp(key, "COLOR_", 6) == 0 && from.type != GLTF_FLOAT && !from.normalized) {
+    if (is_whole_color(key, &from)) {
         gltf_note(g, &at, NULL, "colours in whole numbers have to be normalized, and are taken so");
         from.normalized = true;
     }
@@ -395,24 +400,28 @@ bool gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned 
     return gltf_fine(g);
 }
 
-fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, bool integers,
-                              unsigned components, bool normalized, uint32_t count, const void *values) {
-    const size_t total = (size_t)count * components;
+fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, const gltf_given *given) {
+    const size_t total = (size_t)given->count * given->components;
     uint32_t index;
     gltf_value at;
     accessor a;
     void *memory;
     if (!find_accessor(g, user, key, &index, &at, &a)) return g->status;
-    if (a.count != count || a.components != components)
+    if (a.count != given->count || a.components != given->components)
         return gltf_fail(g, user, key, "is accessors[%u] of %u × %u numbers; what is unpacked has %u × %u",
-                         index, a.count, a.components, count, components);
-    gltf_elements *kept = &g->array_table[index][integers];
-    if (kept->values || gltf_allocate(g, user, key, total * 4, &memory) != FATHOM_OK) return g->status;
-    memcpy(memory, values, total * 4);
-    const float divisor = a.normalized && !normalized && !integers ? types[a.type - GLTF_BYTE].divisor : 1;
+                         index, a.count, a.components, given->count, given->components);
+    gltf_elements *kept = &g->array_table[index][given->integers];
+    if (kept->unpacked_of == given->view + 1 || gltf_allocate(g, user, key, total * 4, &memory) != FATHOM_OK)
+        return g->status;
+    memcpy(memory, given->values, total * 4);
+    const bool divides = (a.normalized || is_whole_color(key, &a)) && !given->normalized && !given->integers;
+    const float divisor = divides ? types[a.type - GLTF_BYTE].divisor : 1;
     float *floats = memory;
     for (size_t i = 0; divisor != 1 && i < total; ++i) floats[i] = fmaxf(floats[i] / divisor, -1);
-    gltf_elements made = {.values = memory, .stride = (size_t)components * 4, .count = count};
-    keep_array(g, user, key, integers, components, &made, kept);
+    gltf_elements made = {.values = memory,
+                          .stride = (size_t)given->components * 4,
+                          .count = given->count,
+                          .unpacked_of = given->view + 1};
+    keep_array(g, user, key, given->integers, given->components, &made, kept);
     return g->status;
 }

@@ -175,6 +175,7 @@ static fathom_status unpack(gltf *g, const gltf_value *at, uint32_t view, int *a
 /* ---- the output ---- */
 
 typedef struct answer {
+    uint32_t view; /* that was decompressed */
     const unsigned char *bytes, *end;
     draco_head head;
     const unsigned char *indices, *attributes;
@@ -214,8 +215,12 @@ static fathom_status take_attribute(gltf *g, const gltf_value *attributes, const
     const unsigned char *values = find_attribute(a, id, &found);
     if (!values)
         return gltf_fail(g, ids, key, "is %llu; the data has no such attribute", (unsigned long long)id);
-    return gltf_array_give(g, attributes, key, false, found.components, found.normalized, a->head.points,
-                           values);
+    return gltf_array_give(g, attributes, key,
+                           &(gltf_given){.view = a->view,
+                                         .count = a->head.points,
+                                         .components = found.components,
+                                         .normalized = found.normalized,
+                                         .values = values});
 }
 
 static fathom_status take_all(gltf *g, const gltf_value *primitive, const gltf_value *draco,
@@ -226,23 +231,31 @@ static fathom_status take_all(gltf *g, const gltf_value *primitive, const gltf_v
     fathom_status status = gltf_object(g, primitive, "attributes", &attributes);
     if (status == FATHOM_OK) status = gltf_object(g, draco, "attributes", &ids);
     if (status != FATHOM_OK) return status;
+    if (!ids.json)
+        return gltf_fail(g, draco, "attributes", "is missing; expected the ids of the compressed attributes");
     if (!json_object_get(primitive->json, "indices"))
         return gltf_fail(g, primitive, "indices",
                          "is missing; expected an accessor that describes what is unpacked");
-    status = gltf_array_give(g, primitive, "indices", true, 1, 0, a->head.faces * 3, a->indices);
+    status = gltf_array_give(g, primitive, "indices",
+                             &(gltf_given){.view = a->view,
+                                           .count = a->head.faces * 3,
+                                           .components = 1,
+                                           .integers = true,
+                                           .values = a->indices});
     json_object_foreach(ids.json, key, value) {
         if (status == FATHOM_OK) status = take_attribute(g, &attributes, &ids, key, a);
     }
     return status;
 }
 
-static fathom_status take_answer(gltf *g, const gltf_value *primitive, const gltf_value *draco, int file) {
+static fathom_status take_answer(gltf *g, const gltf_value *primitive, const gltf_value *draco, uint32_t view,
+                                 int file) {
     struct stat facts;
     if (fstat(file, &facts) || facts.st_size <= 0) return gltf_fail(g, draco, NULL, "unpacks to nothing");
     const size_t size = (size_t)facts.st_size;
     void *bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, file, 0);
     if (bytes == MAP_FAILED) return fail_memory(g->context, size);
-    answer a = {.bytes = bytes, .end = (unsigned char *)bytes + size};
+    answer a = {.view = view, .bytes = bytes, .end = (unsigned char *)bytes + size};
     fathom_status status = open_answer(&a) ? take_all(g, primitive, draco, &a)
                                            : gltf_fail(g, draco, NULL, "unpacks to no triangles");
     munmap(bytes, size);
@@ -265,7 +278,7 @@ fathom_status gltf_draco_read(gltf *g, const gltf_value *primitive) {
     }
     if (!be_open(g)) return g->status;
     status = unpack(g, &at, view, &unpacked);
-    if (status == FATHOM_OK) status = take_answer(g, primitive, &at, unpacked);
+    if (status == FATHOM_OK) status = take_answer(g, primitive, &at, view, unpacked);
     if (unpacked >= 0) close(unpacked);
     return status;
 }
