@@ -276,6 +276,73 @@ static void meshopt_unpacks_to_what_was_packed(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* Adds 4 elements, packed with a filter, as a view of the fallback buffer 1 and its accessor. */
+static void put_filtered(build *b, const char *filter, const void *elements, size_t stride,
+                         const char *accessor) {
+    const size_t size =
+        meshopt_encodeVertexBuffer(b->bytes + b->size, sizeof b->bytes - b->size, elements, 4, stride);
+    const char *comma = b->count ? "," : "";
+    snprintf(
+        b->views + strlen(b->views), 512,
+        "%s{'buffer':1,'byteLength':%zu,'byteStride':%zu,'extensions':{'EXT_meshopt_compression':{'buffer':0,"
+        "'byteOffset':%zu,'byteLength':%zu,'byteStride':%zu,'count':4,'mode':'ATTRIBUTES','filter':'%s'}}}",
+        comma, 4 * stride, stride, b->size, size, stride, filter);
+    snprintf(b->accessors + strlen(b->accessors), 256, "%s{'bufferView':%d,'count':4,%s}", comma, b->count++,
+             accessor);
+    b->size += (size + 3) / 4 * 4;
+}
+
+/* A number of the filter EXPONENTIAL: a mantissa of 24 bits, an exponent of 8. */
+#define EXPONENTIAL(mantissa, exponent) ((uint32_t)(exponent) << 24 | ((uint32_t)(mantissa)&0xffffff))
+
+/* Numbers by the extension's equations. Octahedral: x and y, as fractions of the third. Quaternions: three
+ * components as fractions of 1/sqrt(2) of the fourth number, without its last two bits, which name the
+ * component that is missing. */
+static void meshopt_filters_follow_the_equations_of_the_extension(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const uint32_t points[4][3] = {{EXPONENTIAL(0, 0), EXPONENTIAL(0, 5), EXPONENTIAL(0, -9)},
+                                   {EXPONENTIAL(3, -1), 0, 0},
+                                   {0, EXPONENTIAL(-5, 2), 0},
+                                   {EXPONENTIAL(1, 0), EXPONENTIAL(1, 0), EXPONENTIAL(-8388607, -20)}};
+    const int8_t normals[4][4] = {{127, 0, 127, 0}, {0, -127, 127, 0}, {0, 0, 127, 0}, {127, 127, 127, 0}};
+    const int16_t turns[4][4] = {
+        {0, 0, 0, 32767},             /* (x, y, z) = 0, w is missing: none */
+        {0, 0, 32767, 32767},         /* z = w = 1/sqrt(2): a quarter turn about z */
+        {23170, 23170, 23170, 32764}, /* y = z = w = 1/2, x is missing: x to y to z to x */
+        {0, 0, 0, 32766},             /* z is missing: half a turn about z */
+    };
+    static const double places[4][3] = {{1.5, 0, 0}, {0, 1.5, 0}, {0, 1.5, 0}, {-1.5, 0, 0}};
+    static const float expected[4][3] = {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    put_filtered(&b, "EXPONENTIAL", points, sizeof *points, "'componentType':5126,'type':'VEC3'");
+    put_filtered(&b, "OCTAHEDRAL", normals, sizeof *normals,
+                 "'componentType':5120,'normalized':true,'type':'VEC3'");
+    put_filtered(&b, "QUATERNION", turns, sizeof *turns,
+                 "'componentType':5122,'normalized':true,'type':'VEC4'");
+    char json[32768];
+    snprintf(
+        json, sizeof json,
+        "{" ASSET ",'buffers':[{'byteLength':%zu},{'byteLength':900}],'bufferViews':[%s],'accessors':[%s],"
+        "'meshes':[{'primitives':[{'mode':5,'attributes':{'POSITION':0,'NORMAL':1}}]}],'nodes':[{'mesh':0,"
+        "'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'ROTATION':2}}}}],'scenes':[{'nodes':[0]}]}",
+        b.size, b.views, b.accessors);
+    write_glb(f, json, b.bytes, b.size);
+    fathom_scene *scene = read_file(f);
+    const fathom_mesh *mesh = &scene->meshes.items[0];
+    assert_vec(corner(scene, 0, 0, 1), 1.5, 0, 0, 0);
+    assert_vec(corner(scene, 0, 0, 2), 0, -20, 0, 0);
+    assert_vec(corner(scene, 0, 1, 1), 1, 1, -8388607 * 0x1p-20, 0);
+    for (uint32_t i = 0; i < 4; ++i) {
+        assert_memory_equal(mesh_row(mesh->normals, mesh->normal_stride, i), expected[i], sizeof expected[i]);
+        affine_f64 map;
+        affine_load(&map, scene->instances.items[i].transform);
+        /* Components in steps of 1/32767 turn by at most two steps. */
+        assert_vec(affine_point(&map, vec_f64(1.5, 0, 0)), places[i][0], places[i][1], places[i][2],
+                   1.5 * 4 / 32767);
+    }
+    fathom_scene_destroy(scene);
+}
+
 static void broken_meshopt_is_refused(void **state) {
     fixture *f = *state;
     write_meshopt(f, 1, "", VERTICES);
@@ -285,6 +352,8 @@ static void broken_meshopt_is_refused(void **state) {
     assert_refused(f, "byteStride: is 12, which does not go with the mode and the filter");
     write_meshopt(f, 0, ",'filter':'BOXES'", VERTICES);
     assert_refused(f, "filter: is \"BOXES\"; expected one that EXT_meshopt_compression has");
+    write_meshopt(f, 0, ",'filter':'QUATERNION'", VERTICES);
+    assert_refused(f, "byteStride: is 12, which does not go with the mode and the filter");
     write_meshopt(f, 0, "", 16);
     assert_refused(f, "EXT_meshopt_compression: cannot be unpacked");
 }
@@ -302,6 +371,7 @@ int main(void) {
         TEST(draco_processes_that_fail_are_told),
 #if HAS_MESHOPT
         TEST(meshopt_unpacks_to_what_was_packed),
+        TEST(meshopt_filters_follow_the_equations_of_the_extension),
         TEST(broken_meshopt_is_refused),
 #endif
     };
