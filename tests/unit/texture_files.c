@@ -1,0 +1,182 @@
+/* Texture files as a cache reads them: level by level, in bands of rows, and closed and opened again. */
+#include "textures.h"
+
+/* A mip-mapped TIFF of floats, grey, of side × side texels: level 0 has the one value, all other levels have
+ * the other. Returns the offset of the tile that all levels but the first have. */
+static size_t put_levels(const char *name, uint32_t side, float first, float others) {
+    enum {
+        TILE = 64,
+        TILE_BYTES = TILE * TILE * 4,
+        ENTRIES = 13,
+        IFD = 2 + ENTRIES * 12 + 4,
+        FORMAT = 8,
+        TEXT = 16
+    };
+    static unsigned char bytes[2 * TILE_BYTES + 4096];
+    const size_t tiles = 2048;
+    size_t at = FORMAT + TEXT;
+    memset(bytes, 0, sizeof bytes);
+    memcpy(bytes, (const unsigned char[]){'I', 'I', 42, 0, FORMAT + TEXT}, 5);
+    memcpy(bytes + FORMAT, "Plain Texture", 14);
+    for (unsigned level = 0; side >> level; ++level) {
+        const uint32_t width = side >> level, across = (width + TILE - 1) / TILE, count = across * across;
+        const uint32_t tile = (uint32_t)(tiles + (level ? TILE_BYTES : 0)), lists = (uint32_t)(at + IFD),
+                       next = lists + (count > 1 ? 8 * count : 0);
+        const struct {
+            uint16_t tag, type;
+            uint32_t count, value;
+        } entries[ENTRIES] = {{254, 4, 1, level > 0},
+                              {256, 4, 1, width},
+                              {257, 4, 1, width},
+                              {258, 3, 1, 32},
+                              {259, 3, 1, 1},
+                              {262, 3, 1, 1},
+                              {277, 3, 1, 1},
+                              {322, 4, 1, TILE},
+                              {323, 4, 1, TILE},
+                              {324, 4, count, count > 1 ? lists : tile},
+                              {325, 4, count, count > 1 ? lists + 4 * count : TILE_BYTES},
+                              {339, 3, 1, 3},
+                              {33302, 2, 14, FORMAT}};
+        bytes[at] = ENTRIES;
+        memcpy(bytes + at + 2, entries, sizeof entries);
+        if (width > 1) memcpy(bytes + at + 2 + sizeof entries, &next, 4);
+        for (uint32_t i = 0; count > 1 && i < count; ++i) {
+            const uint32_t size = TILE_BYTES;
+            memcpy(bytes + lists + 4 * i, &tile, 4);
+            memcpy(bytes + lists + 4 * (count + i), &size, 4);
+        }
+        at = next;
+    }
+    assert_true(at <= tiles);
+    for (size_t i = 0; i < TILE * TILE; ++i) {
+        memcpy(bytes + tiles + 4 * i, &first, 4);
+        memcpy(bytes + tiles + TILE_BYTES + 4 * i, &others, 4);
+    }
+    put_file(name, bytes, tiles + 2 * TILE_BYTES, "", 0);
+    return tiles + TILE_BYTES;
+}
+
+static const char *numbered(unsigned i) {
+    static char name[16];
+    snprintf(name, sizeof name, "%u.tx", i);
+    return name;
+}
+
+/* Side 128: level 0 fills one chunk of the store, and all others another. */
+static void more_files_than_stay_open_keep_their_texels(void **state) {
+    (void)state;
+    enum { FILES = CACHE_OPEN + 3 };
+    fathom_scene *scene;
+    opened o;
+    assert_ok(context, fathom_scene_create(context, &scene));
+    for (unsigned i = 0; i < FILES; ++i) {
+        put_levels(numbered(i), 128, (float)i + 0.25f, (float)i + 0.75f);
+        const fathom_texture t = texture_of(numbered(i), FATHOM_COLOR_LINEAR);
+        assert_ok(context, fathom_scene_add_texture(scene, &t, NULL));
+    }
+    o.scene = scene;
+    assert_ok(context, texture_cache_open(context, scene, ALL, &o.cache));
+    for (unsigned pass = 0; pass < 2; ++pass) {
+        unsigned open = 0;
+        for (unsigned i = 0; i < FILES; ++i) {
+            float rgba[4];
+            assert_true(o.cache->images[i].info.mipmapped);
+            texel(o.cache, i, pass ? 0 : 3, 5, 9, rgba);
+            assert_true(rgba[0] == (float)i + (pass ? 0.25f : 0.75f));
+        }
+        for (unsigned i = 0; i < FILES; ++i) open += o.cache->images[i].source != NULL;
+        assert_int_equal(open, CACHE_OPEN);
+    }
+    assert_ok(context, texture_cache_check(o.cache, context));
+    close_textures(&o);
+    for (unsigned i = 0; i < FILES; ++i) unlink(in_folder(numbered(i)));
+}
+
+static void check_lookup_fails(texture_cache *cache, const char *text) {
+    float rgba[4];
+    assert_ok(context, texture_cache_check(cache, context));
+    texel(cache, 0, 0, 0, 0, rgba);
+    assert_true(rgba[0] == 1 && rgba[1] == 0 && rgba[2] == 1 && rgba[3] == 1);
+    assert_fails(context, texture_cache_check(cache, context), FATHOM_BAD_INPUT, text);
+}
+
+/* All levels of 64 × 64 texels are read at once. */
+static void a_number_that_is_not_finite_is_told_with_its_level(void **state) {
+    (void)state;
+    const float nan = NAN;
+    const size_t tile = put_levels("a.tx", 64, 1, 2);
+    FILE *file = fopen(in_folder("a.tx"), "r+b");
+    assert_non_null(file);
+    /* Texel (5, 3) of the tile: level 3 of 8 × 8 texels is the last that has it, level 1 the first. */
+    fseek(file, (long)tile + 4 * (3 * 64 + 5), SEEK_SET);
+    fwrite(&nan, sizeof nan, 1, file);
+    fclose(file);
+    const fathom_texture t = texture_of("a.tx", FATHOM_COLOR_LINEAR);
+    opened o = open_textures(&t, 1, ALL);
+    check_lookup_fails(o.cache, "texel (5, 3) of mip level 1, counted from the top left, is not finite in "
+                                "channel Y; expected numbers");
+    close_textures(&o);
+    unlink(in_folder("a.tx"));
+}
+
+static void files_that_change_their_size_are_told(void **state) {
+    (void)state;
+    static const unsigned char rgb[5 * 4 * 3];
+    for (int mipmapped = 0; mipmapped < 2; ++mipmapped) {
+        const char *name = mipmapped ? "a.tx" : "a.ppm";
+        for (int changed = 0; changed < (mipmapped ? 1 : 2); ++changed) {
+            if (mipmapped)
+                put_levels(name, 128, 1, 2);
+            else
+                put_ppm(name, 4, 4, rgb);
+            const fathom_texture t = texture_of(name, FATHOM_COLOR_LINEAR);
+            opened o = open_textures(&t, 1, ALL);
+            if (mipmapped)
+                put_levels(name, 64, 1, 2);
+            else
+                put_ppm(name, changed ? 4 : 5, changed ? 5 : 4, rgb);
+            check_lookup_fails(o.cache, "was changed while it was in use");
+            close_textures(&o);
+            unlink(in_folder(name));
+        }
+    }
+}
+
+/* More than 4 MiB of rows, so they come in two bands. */
+static void large_images_keep_every_row(void **state) {
+    (void)state;
+    enum { WIDTH = 1500, HEIGHT = 1000 };
+    unsigned char *rgb = malloc(WIDTH * HEIGHT * 3 + 32);
+    assert_non_null(rgb);
+    const int header = snprintf((char *)rgb, 32, "P6\n%d %d\n255\n", WIDTH, HEIGHT);
+    for (int i = 0; i < WIDTH * HEIGHT; ++i) {
+        unsigned char *texel = rgb + header + 3 * (size_t)i;
+        texel[0] = (unsigned char)(i % WIDTH), texel[1] = (unsigned char)(i / WIDTH),
+        texel[2] = (unsigned char)(i >> 16);
+    }
+    unit_write_file(in_folder("a.ppm"), rgb, (size_t)header + WIDTH * HEIGHT * 3);
+    free(rgb);
+    fathom_texture t = texture_of("a.ppm", FATHOM_COLOR_LINEAR);
+    t.filter = FATHOM_TEXTURE_NEAREST;
+    opened o = open_textures(&t, 1, ALL);
+    for (unsigned y = 0; y < HEIGHT; ++y) {
+        const unsigned x = y * 7 % WIDTH;
+        float rgba[4];
+        texel(o.cache, 0, 0, x, y, rgba);
+        const unsigned expected[3] = {x & 255, y & 255, (y * WIDTH + x) >> 16};
+        for (int c = 0; c < 3; ++c) assert_near(rgba[c], expected[c] / 255.0, 1e-7);
+    }
+    close_textures(&o);
+    unlink(in_folder("a.ppm"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(more_files_than_stay_open_keep_their_texels),
+        cmocka_unit_test(a_number_that_is_not_finite_is_told_with_its_level),
+        cmocka_unit_test(files_that_change_their_size_are_told),
+        cmocka_unit_test(large_images_keep_every_row),
+    };
+    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+}
