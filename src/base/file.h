@@ -71,6 +71,8 @@ char *file_beside(const char *base, const char *name);
  * Windows need this. Each part of the path matches exactly if possible, else the first match by strcmp() is
  * taken. NULL: no such file, or out of memory. Release with free(). */
 char *file_of_any_case(const char *path, size_t from);
+/* True if the ".." in a path lead above its start. Symbolic links are not followed. */
+bool file_climbs_out(const char *path);
 /* FATHOM_BAD_INPUT when `name`, as written in an input file, is an absolute path, or when `path`, to which it
  * was resolved, lies outside the folder of the file `top` ("": the working folder), unless the context allows
  * it. Symbolic links are followed. Does not guard against changes between this call and file_open(). */

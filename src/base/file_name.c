@@ -88,8 +88,7 @@ static bool holds(const char *folder, const char *path) {
     return strncmp(folder, path, length) == 0 && path[length] == '/';
 }
 
-/* True if the ".." in a path lead above its start. For missing files, whose links cannot be followed. */
-static bool climbs_out(const char *path) {
+bool file_climbs_out(const char *path) {
     long depth = 0;
     for (const char *part = path; *part && depth >= 0; part += strspn(part, "/")) {
         size_t length = strcspn(part, "/");
@@ -107,7 +106,7 @@ static size_t folder_length(const char *path) {
     return slash ? (size_t)(slash - path) + 1 : 0;
 }
 
-/* *out: whether the path leads out of the folder of `top`. */
+/* *out: whether the path leads out of the folder of `top`. The links of a missing file cannot be followed. */
 static fathom_status leads_out(fathom_context *context, const char *top, const char *path, bool *out) {
     char *beside = file_beside(top, "."), *folder = beside ? realpath(beside, NULL) : NULL;
     int error = errno;
@@ -116,7 +115,7 @@ static fathom_status leads_out(fathom_context *context, const char *top, const c
     bool memory = beside && (real || error != ENOMEM);
     size_t length = folder_length(top);
     bool below = strncmp(top, path, length) == 0;
-    *out = real ? !holds(folder, real) : !below || climbs_out(path + length);
+    *out = real ? !holds(folder, real) : !below || file_climbs_out(path + length);
     free(beside);
     free(folder);
     free(real);

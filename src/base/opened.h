@@ -5,7 +5,7 @@
 #include <fathom/base.h>
 #include <stdbool.h>
 
-/* Starts or stops recording. While it is on, file_open() adds its path to a list. */
+/* Starts recording with an empty list, or stops it. While it is on, file_open() adds its path to the list. */
 void context_note_opened(fathom_context *context, bool note);
 /* Adds a path, once, if recording is on. Returns false when out of memory. */
 bool context_add_opened(fathom_context *context, const char *path);

@@ -91,7 +91,10 @@ void fathom_context_copy_files(fathom_context *context, bool copy) {
 
 bool context_copies_files(const fathom_context *context) { return context->copy_files; }
 
-void context_note_opened(fathom_context *context, bool note) { context->note_opened = note; }
+void context_note_opened(fathom_context *context, bool note) {
+    while (note && context->opened.count) free(context->opened.items[--context->opened.count]);
+    context->note_opened = note;
+}
 
 bool context_add_opened(fathom_context *context, const char *path) {
     if (!context->note_opened) return true;

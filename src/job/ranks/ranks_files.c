@@ -42,7 +42,8 @@ static const char *name_below(const char *scene, const char *path) {
     const size_t folder = (size_t)(file_name(scene) - scene);
     if (strncmp(path, scene, folder) != 0) return NULL;
     const char *name = path + folder;
-    return *name == '/' || strstr(name, "..") || strlen(name) >= sizeof((file_piece *)0)->name ? NULL : name;
+    return *name == '/' || file_climbs_out(name) || strlen(name) >= sizeof((file_piece *)0)->name ? NULL
+                                                                                                  : name;
 }
 
 static bool read_piece(const char *path, uint64_t at, file_piece *out, size_t *bytes) {
@@ -128,7 +129,7 @@ static fathom_status cannot_write(const fetching *f) {
  * folder. */
 static int create_file(fetching *f) {
     const char *name = f->piece.name;
-    if (*name == '/' || strstr(name, "..") ||
+    if (*name == '/' || file_climbs_out(name) ||
         snprintf(f->path, sizeof f->path, "%s/%s", f->folder, name) >= (int)sizeof f->path) {
         errno = ENAMETOOLONG;
         return -1;
