@@ -66,7 +66,7 @@ bool glb_has_lights(const glb *g);
 
 /* ---- materials ---- */
 
-/* The members "materials" and "extensionsUsed". */
+/* The members "materials" and "extensionsUsed", and "extensionsRequired" if there are such. */
 void glb_put_materials(glb *g, file_writer *t);
 /* The members "textures", "samplers" and "images". */
 void glb_put_textures(const glb *g, file_writer *t);

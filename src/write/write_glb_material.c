@@ -43,8 +43,10 @@ static void drop_map(shape *s, int kind, size_t *lost) {
     s->m.maps[kind].texture = FATHOM_NONE;
 }
 
+/* Layers above the emission, and light from behind, are no part of an unlit surface. */
 static bool is_unlit(const fathom_material *m) {
     return is_black(m->base_color) && m->metallic == 0 && m->specular_factor == 0 && m->transmission == 0 &&
+           m->clearcoat == 0 && is_black(m->sheen_color) && m->diffuse_transmission == 0 &&
            m->emissive_strength == 1 && !is_black(m->emissive) &&
            !(m->emissive[0] > 1 || m->emissive[1] > 1 || m->emissive[2] > 1);
 }
@@ -253,36 +255,48 @@ static bool has_transforms(const shape *s) {
     return false;
 }
 
+/* The names whose bit is set, as a list. */
+static void put_names(file_writer *t, const char *key, const char *const *names, unsigned used) {
+    const char *open = "[";
+    if (!used) return;
+    file_writer_print(t, ",\n\"%s\":", key);
+    for (unsigned i = 0; used >> i; ++i) {
+        if (used >> i & 1) file_writer_print(t, "%s\"%s\"", open, names[i]), open = ",";
+    }
+    file_writer_print(t, "]");
+}
+
+/* Images of some types are only named by extensions, so that a reader has to know these. */
+static void put_extensions(const glb *g, file_writer *t, unsigned holders, bool transforms) {
+    enum { TRANSFORM = GLTF_HOLDERS, WEBP, AVIF, LIGHTS, NAMES };
+    const char *names[NAMES] = {[TRANSFORM] = "KHR_texture_transform",
+                                [WEBP] = "EXT_texture_webp",
+                                [AVIF] = "EXT_texture_avif",
+                                [LIGHTS] = "KHR_lights_punctual"};
+    unsigned needed = 0;
+    memcpy(names, gltf_holder_names, sizeof gltf_holder_names);
+    for (uint32_t i = 0; i < g->images.count; ++i) {
+        const char *type = write_image_type(&g->images.items[i]);
+        if (type && strcmp(type, "image/webp") == 0) needed |= 1u << WEBP;
+        if (type && strcmp(type, "image/avif") == 0) needed |= 1u << AVIF;
+    }
+    const unsigned parts = 1u << GLTF_PBR | 1u << GLTF_CORE, lights = glb_has_lights(g);
+    put_names(t, "extensionsUsed", names,
+              (holders & ~parts) | (unsigned)transforms << TRANSFORM | lights << LIGHTS | needed);
+    put_names(t, "extensionsRequired", names, needed);
+}
+
 void glb_put_materials(glb *g, file_writer *t) {
-    unsigned used = 0;
-    bool transforms = false, webp = false, avif = false;
+    unsigned holders = 0;
+    bool transforms = false;
     file_writer_print(t, ",\n\"materials\":[");
     for (uint32_t i = 0; i < g->scene->materials.count; ++i) {
         const shape s = shape_of(g, i);
-        used |= holders_of(&s);
+        holders |= holders_of(&s);
         transforms |= has_transforms(&s);
         file_writer_print(t, i ? ",\n" : "\n");
         put_material(t, g->scene->materials.items[i].name, &s);
     }
-    for (uint32_t i = 0; i < g->images.count; ++i) {
-        const char *type = write_image_type(&g->images.items[i]);
-        webp |= type && strcmp(type, "image/webp") == 0;
-        avif |= type && strcmp(type, "image/avif") == 0;
-    }
-    const struct {
-        bool used;
-        const char *name;
-    } others[] = {{transforms, "KHR_texture_transform"},
-                  {webp, "EXT_texture_webp"},
-                  {avif, "EXT_texture_avif"},
-                  {glb_has_lights(g), "KHR_lights_punctual"}};
-    const char *comma = "";
-    file_writer_print(t, "],\n\"extensionsUsed\":[");
-    for (int h = GLTF_CORE + 1; h < GLTF_HOLDERS; ++h) {
-        if (used >> h & 1) file_writer_print(t, "%s\"%s\"", comma, gltf_holder_names[h]), comma = ",";
-    }
-    for (size_t i = 0; i < sizeof others / sizeof *others; ++i) {
-        if (others[i].used) file_writer_print(t, "%s\"%s\"", comma, others[i].name), comma = ",";
-    }
     file_writer_print(t, "]");
+    put_extensions(g, t, holders, transforms);
 }

@@ -1,0 +1,281 @@
+/* Materials in glTF: what it has no words for is replaced by what looks the same, or told. */
+#include "wearing.h"
+
+static char told[2048];
+
+static void note(void *user, const char *message) {
+    (void)user;
+    snprintf(told + strlen(told), sizeof told - strlen(told), "%s\n", message);
+}
+
+static fathom_material metal(void) {
+    fathom_material m;
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    return m;
+}
+
+/* The material after a .glb; *scene, if given, keeps it. */
+static fathom_material after(const fathom_material *m, const fathom_texture *texture) {
+    told[0] = '\0';
+    fathom_scene *back = through(wearing(m, texture), GLB);
+    const fathom_material got = *worn(back);
+    fathom_scene_destroy(back);
+    return got;
+}
+
+/* ---- images ---- */
+
+/* glTF has one image for both: metalness in blue, roughness in green. */
+static void metalness_and_roughness_share_an_image_or_are_left_out(void **state) {
+    (void)state;
+    const fathom_texture texture = {
+        .size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6, .color_space = FATHOM_COLOR_LINEAR};
+    enum { SHARED, OTHER_PLACE, OTHER_SET, OTHER_METAL, OTHER_ROUGH, INVERTED_METAL, INVERTED_ROUGH, CASES };
+    for (int k = 0; k < CASES; ++k) {
+        fathom_material m = metal();
+        fathom_map *a = &m.maps[FATHOM_MAP_METALLIC], *b = &m.maps[FATHOM_MAP_ROUGHNESS];
+        m.metallic = 0.25f, m.roughness = 0.75f;
+        *a = (fathom_map){.texture = 0, .transform = {2, 0, 0.5f, 0, 3, 0}, .channel = 2};
+        *b = *a, b->channel = 1;
+        if (k == OTHER_PLACE) b->transform[0] = 1;
+        if (k == OTHER_SET) b->uv_set = 1;
+        if (k == OTHER_METAL) a->channel = 0;
+        if (k == OTHER_ROUGH) b->channel = 0;
+        a->inverted = k == INVERTED_METAL, b->inverted = k == INVERTED_ROUGH;
+        const fathom_material got = after(&m, &texture);
+        assert_true(got.metallic == 0.25f && got.roughness == 0.75f);
+        const fathom_map *maps[] = {&got.maps[FATHOM_MAP_METALLIC], &got.maps[FATHOM_MAP_ROUGHNESS]};
+        for (int i = 0; i < 2; ++i) {
+            if (k == SHARED) {
+                assert_int_not_equal(maps[i]->texture, FATHOM_NONE);
+                assert_int_equal(maps[i]->channel, 2 - i);
+                for (int e = 0; e < 6; ++e) assert_true(maps[i]->transform[e] == a->transform[e]);
+            } else {
+                assert_int_equal(maps[i]->texture, FATHOM_NONE);
+            }
+        }
+        const char *text =
+            strstr(told, "an image that glTF has no place for, by its parameter or its channel, is left "
+                         "out (2 such)");
+        assert_int_equal(text != NULL, k != SHARED);
+    }
+}
+
+static void images_in_other_channels_are_left_out(void **state) {
+    (void)state;
+    const fathom_texture texture = {
+        .size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6, .color_space = FATHOM_COLOR_LINEAR};
+    for (int k = 0; k < 3; ++k) {
+        fathom_material m = metal();
+        m.clearcoat = 0.5f;
+        fathom_map *map = &m.maps[FATHOM_MAP_CLEARCOAT];
+        *map = (fathom_map){
+            .texture = 0, .transform = {1, 0, 0, 0, 1, 0}, .channel = k == 1, .inverted = k == 2};
+        const fathom_material got = after(&m, &texture);
+        assert_true(got.clearcoat == 0.5f);
+        assert_int_equal(got.maps[FATHOM_MAP_CLEARCOAT].texture != FATHOM_NONE, k == 0);
+        assert_int_equal(strstr(told, "is left out (1 such)") != NULL, k != 0);
+    }
+}
+
+/* ---- emission ---- */
+
+/* A surface that only emits is unlit in glTF, which has no strength for it. Layers above the emission stay.
+ */
+static void surfaces_that_only_emit_keep_their_layers(void **state) {
+    (void)state;
+    for (int k = 0; k < 5; ++k) {
+        fathom_material m = metal();
+        m.specular_factor = 0;
+        for (int c = 0; c < 3; ++c) m.base_color[c] = 0, m.emissive[c] = 0.25f * (float)(c + 1);
+        if (k == 1) m.clearcoat = 0.5f;
+        if (k == 2) m.sheen_color[1] = 0.5f;
+        if (k == 3) m.diffuse_transmission = 0.5f;
+        if (k == 4) m.emissive_strength = 3;
+        const fathom_material got = after(&m, NULL);
+        assert_true(got.specular_factor == 0 && got.metallic == 0 && got.transmission == 0);
+        assert_true(got.clearcoat == m.clearcoat && got.sheen_color[1] == m.sheen_color[1]);
+        assert_true(got.diffuse_transmission == m.diffuse_transmission);
+        for (int c = 0; c < 3; ++c) {
+            assert_true(got.base_color[c] == 0);
+            assert_true(got.emissive[c] * got.emissive_strength == m.emissive[c] * m.emissive_strength);
+        }
+    }
+}
+
+/* glTF's factor is at most 1, and the rest is its strength. */
+static void emission_above_one_keeps_every_bit(void **state) {
+    (void)state;
+    static const float most[] = {1, 1.0000001f, 2, 3.7f, 1e20f};
+    for (size_t i = 0; i < sizeof most / sizeof *most; ++i) {
+        fathom_material m = metal();
+        m.emissive[0] = most[i], m.emissive[1] = 0.3f * most[i], m.emissive_strength = 0.7f;
+        const fathom_material got = after(&m, NULL);
+        assert_true(got.emissive[0] <= 1);
+        for (int c = 0; c < 3; ++c)
+            assert_true(got.emissive[c] * got.emissive_strength == m.emissive[c] * m.emissive_strength);
+    }
+}
+
+/* ---- the classic model ---- */
+
+static fathom_material classic(float d, float r, float t) {
+    fathom_material m;
+    fathom_material_default(&m);
+    for (int c = 0; c < 3; ++c) m.k_d[c] = d, m.k_r[c] = r, m.k_t[c] = t;
+    return m;
+}
+
+#define assert_grey(rgb, expected)                                                                           \
+    do {                                                                                                     \
+        for (int grey_c = 0; grey_c < 3; ++grey_c)                                                           \
+            assert_near((rgb)[grey_c], expected, 4e-7 * fabs(expected));                                     \
+    } while (0)
+
+#define APPROXIMATE "a material of the model classic becomes its nearest metallicRoughness one"
+
+/* Each number by hand from the equations of write_glb_classic.c; rounded once to a float, and perhaps twice
+ * on the way. */
+static void classic_materials_become_their_nearest(void **state) {
+    (void)state;
+    fathom_material m = classic(0.4f, 0, 0), got = after(&m, NULL);
+    assert_grey(got.base_color, 0.4);
+    assert_true(got.specular_factor == 0 && got.metallic == 0 && got.roughness == 1 && got.opacity == 1);
+    assert_null(strstr(told, APPROXIMATE));
+
+    m = classic(0, 0.8f, 0), got = after(&m, NULL); /* a mirror */
+    assert_true(got.metallic == 1 && got.roughness == 0);
+    assert_grey(got.base_color, 0.8);
+    assert_non_null(strstr(told, APPROXIMATE));
+
+    /* N(6) = 8 * 10 / (8 (2^-3 + 6)) = 80 / 49; r^4 = 2 / 8. A lobe alone is a metal. */
+    m = classic(0, 0, 0), m.specular = FATHOM_SPECULAR_BLINN, m.shininess = 6;
+    for (int c = 0; c < 3; ++c) m.k_s[c] = 0.4f;
+    got = after(&m, NULL);
+    assert_true(got.metallic == 1);
+    assert_grey(got.base_color, 0.4 * 49 / 80);
+    assert_near(got.roughness, sqrt(0.5), 1e-7);
+    m.specular = FATHOM_SPECULAR_PHONG,
+    m.shininess = 1.5f; /* as wide as Blinn's of four times the exponent */
+    got = after(&m, NULL);
+    assert_grey(got.base_color, 0.4 * 49 / 80);
+
+    /* With a Lambert part the lobe is a dielectric's: F0 = 0.245 is 6.125 times that of ior 1.5, and the base
+     * is what shows through. */
+    for (int c = 0; c < 3; ++c) m.k_d[c] = 0.302f;
+    got = after(&m, NULL);
+    assert_true(got.metallic == 0 && got.ior == 1.5f && got.specular_factor == 1);
+    assert_grey(got.specular_color, 0.245 / 0.04);
+    assert_grey(got.base_color, 0.302 / 0.755);
+    m.ior = 1, got = after(&m, NULL); /* no dielectric has a highlight without an ior */
+    assert_true(got.ior == 1.5f);
+    assert_grey(got.specular_color, 0.245 / 0.04);
+
+    /* A mirror of all light leaves nothing to divide by. */
+    m = classic(0.25f, 1, 0), got = after(&m, NULL);
+    assert_grey(got.base_color, 0.25);
+    assert_grey(got.specular_color, 25.0);
+}
+
+static void classic_glass_becomes_transmission(void **state) {
+    (void)state;
+    fathom_material m = classic(0, 1, 1), got;
+    m.fresnel = true, got = after(&m, NULL);
+    assert_true(got.transmission == 1 && got.ior == 1.5f && got.specular_factor == 1 && got.roughness == 0);
+    assert_grey(got.specular_color, 1.0);
+    assert_grey(got.base_color, 1.0);
+    m.ior = 0.8f, got = after(&m, NULL); /* seen from the other side */
+    assert_near(got.ior, 1.25, 1e-6);
+    assert_grey(got.specular_color, 1.0);
+    m = classic(0.2f, 0, 0.6f), got = after(&m, NULL);
+    assert_true(got.ior == 1.5f && got.specular_factor == 0);
+    assert_near(got.transmission, 0.75, 1e-7);
+    assert_grey(got.base_color, 0.8);
+}
+
+/* Light that goes straight on is coverage. */
+static void classic_transmission_without_refraction_becomes_coverage(void **state) {
+    (void)state;
+    fathom_material m = classic(0.25f, 0, 0.5f), got;
+    m.ior = 1, got = after(&m, NULL);
+    assert_true(got.opacity == 0.5f && got.transmission == 0);
+    assert_grey(got.base_color, 0.5);
+    m = classic(0.25f, 0, 1), m.ior = 1, got = after(&m, NULL);
+    assert_true(got.opacity == 0);
+    assert_grey(got.base_color, 0.25);
+}
+
+/* ---- extensions ---- */
+
+/* The JSON of a .glb of this scene, which is destroyed; until the next call. */
+static const char *json_of(fathom_scene *scene) {
+    static char bytes[8192];
+    assert_ok(context, fathom_scene_write(scene, in_folder("a.glb")));
+    fathom_scene_destroy(scene);
+    FILE *file = fopen(in_folder("a.glb"), "rb");
+    assert_non_null(file);
+    const size_t size = fread(bytes, 1, sizeof bytes - 1, file);
+    fclose(file);
+    unlink(in_folder("a.glb"));
+    assert_true(size > 20 && size < sizeof bytes - 1);
+    uint32_t length;
+    memcpy(&length, bytes + 12, sizeof length);
+    bytes[20 + length] = '\0';
+    return bytes + 20;
+}
+
+/* Each is listed once. The first is that of the scene's default material, which is Lambert's. An image that
+ * only an extension names makes the extension required. */
+static void extensions_are_listed_if_they_are_used_or_required(void **state) {
+    (void)state;
+    fathom_material m = metal();
+    m.clearcoat = 1;
+    const char *json = json_of(wearing(&m, NULL));
+    assert_non_null(
+        strstr(json, "\"extensionsUsed\":[\"KHR_materials_specular\",\"KHR_materials_clearcoat\"]"));
+    assert_null(strstr(json, "extensionsRequired"));
+    static const struct {
+        const char *bytes;
+        size_t size;
+        const char *name;
+    } images[] = {{"RIFF\4\0\0\0WEBPVP8 ", 16, "EXT_texture_webp"},
+                  {"\0\0\0\x1c"
+                   "ftypavif\0\0\0\0",
+                   16, "EXT_texture_avif"}};
+    for (size_t i = 0; i < 2; ++i) {
+        char text[128];
+        const fathom_texture texture = {
+            .size = sizeof texture, .bytes = images[i].bytes, .byte_count = images[i].size};
+        m = metal(), m.maps[FATHOM_MAP_COLOR] = (fathom_map){.texture = 0, .transform = {1, 0, 0, 0, 1, 0}};
+        json = json_of(wearing(&m, &texture));
+        snprintf(text, sizeof text, "\"extensionsUsed\":[\"KHR_materials_specular\",\"%s\"]", images[i].name);
+        assert_non_null(strstr(json, text));
+        snprintf(text, sizeof text, "\"extensionsRequired\":[\"%s\"]", images[i].name);
+        assert_non_null(strstr(json, text));
+        snprintf(text, sizeof text, "\"extensions\":{\"%s\":{\"source\":0}}", images[i].name);
+        assert_non_null(strstr(json, text));
+        const fathom_material got = after(&m, &texture);
+        assert_int_not_equal(got.maps[FATHOM_MAP_COLOR].texture, FATHOM_NONE);
+    }
+}
+
+static int open_noting(void **state) {
+    const int failed = open_folder(state);
+    if (!failed) fathom_context_on_warning(context, note, NULL);
+    return failed;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(metalness_and_roughness_share_an_image_or_are_left_out),
+        cmocka_unit_test(images_in_other_channels_are_left_out),
+        cmocka_unit_test(surfaces_that_only_emit_keep_their_layers),
+        cmocka_unit_test(emission_above_one_keeps_every_bit),
+        cmocka_unit_test(classic_materials_become_their_nearest),
+        cmocka_unit_test(classic_glass_becomes_transmission),
+        cmocka_unit_test(classic_transmission_without_refraction_becomes_coverage),
+        cmocka_unit_test(extensions_are_listed_if_they_are_used_or_required),
+    };
+    return cmocka_run_group_tests(tests, open_noting, remove_folder);
+}

@@ -1,0 +1,49 @@
+/* A triangle with a material that goes through a file. */
+#ifndef TESTS_WEARING_H
+#define TESTS_WEARING_H
+
+#include "scene/scene.h"
+#include "unit_folder.h"
+
+static const char *const formats[] = {"a.glb", "a.json"};
+enum { GLB, JSON, FORMATS };
+
+static const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, uvs[6] = {0, 0, 1, 0, 0, 1};
+static const uint32_t corners[3] = {0, 1, 2};
+
+static inline fathom_mesh triangle(fathom_id material) {
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = positions, mesh.vertex_count = 3, mesh.indices = corners, mesh.triangle_count = 1;
+    mesh.uvs = uvs, mesh.uv_count = 3, mesh.material = material;
+    return mesh;
+}
+
+static inline fathom_scene *wearing(const fathom_material *m, const fathom_texture *texture) {
+    fathom_scene *scene;
+    fathom_id id, image;
+    assert_ok(context, fathom_scene_create(context, &scene));
+    if (texture) assert_ok(context, fathom_scene_add_texture(scene, texture, &image));
+    assert_ok(context, fathom_scene_add_material(scene, "two words", m, &id));
+    const fathom_mesh mesh = triangle(id);
+    assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+    return scene;
+}
+
+/* Writes the scene, destroys it and reads the file. */
+static inline fathom_scene *through(fathom_scene *scene, int format) {
+    fathom_scene *back;
+    assert_ok(context, fathom_scene_write(scene, in_folder(formats[format])));
+    fathom_scene_destroy(scene);
+    assert_ok(context, fathom_scene_read(context, in_folder(formats[format]), &back));
+    unlink(in_folder(formats[format]));
+    return back;
+}
+
+static inline const fathom_material *worn(const fathom_scene *scene) {
+    const fathom_id id = scene_find_material(scene, "two words");
+    assert_int_not_equal(id, FATHOM_NONE);
+    return &scene->materials.items[id].value;
+}
+
+#endif
