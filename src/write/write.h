@@ -140,6 +140,9 @@ void write_quoted(file_writer *file, const char *text);
  * four times its exponent. 0: no highlight. */
 double write_blinn_exponent(const fathom_material *m);
 
+/* True for a surface of the model metallic-roughness that reflects nothing and lets nothing through. */
+bool write_only_emits(const fathom_material *m);
+
 /* A unique name for each material, or for each group; `words`: names without blanks. Release *out with
  * write_names_free() even after a failure. */
 fathom_status write_names(const fathom_scene *scene, bool groups, bool words, char ***out);

@@ -43,11 +43,8 @@ static void drop_map(shape *s, int kind, size_t *lost) {
     s->m.maps[kind].texture = FATHOM_NONE;
 }
 
-/* Layers above the emission, and light from behind, are no part of an unlit surface. */
 static bool is_unlit(const fathom_material *m) {
-    return is_black(m->base_color) && m->metallic == 0 && m->specular_factor == 0 && m->transmission == 0 &&
-           m->clearcoat == 0 && is_black(m->sheen_color) && m->diffuse_transmission == 0 &&
-           m->emissive_strength == 1 && !is_black(m->emissive) &&
+    return write_only_emits(m) && m->emissive_strength == 1 && !is_black(m->emissive) &&
            !(m->emissive[0] > 1 || m->emissive[1] > 1 || m->emissive[2] > 1);
 }
 

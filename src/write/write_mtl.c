@@ -71,13 +71,6 @@ static bool is_sheen(const fathom_material *m) {
     return c[0] == c[1] && c[0] == c[2] && m->sheen_roughness == 0.5f && c[0] > 0 && c[0] <= 1;
 }
 
-/* An unlit surface: the keys of metallic-roughness would make it shine. */
-static bool only_emits(const fathom_material *m) {
-    return m->model != FATHOM_MODEL_CLASSIC && is_black(m->base_color) && m->metallic == 0 &&
-           m->specular_factor == 0 && m->transmission == 0 && m->diffuse_transmission == 0 &&
-           m->clearcoat == 0 && is_black(m->sheen_color) && m->iridescence == 0;
-}
-
 static void put_emission(file_writer *t, const fathom_material *m, note_list *notes) {
     const float black[3] = {0, 0, 0};
     put_color(t, "Kd", black, 1);
@@ -158,7 +151,7 @@ static bool is_plain(const fathom_scene *scene, const fathom_map *map, bool colo
  * place.
  */
 static bool shows_color(const fathom_material *m) {
-    return m->model == FATHOM_MODEL_CLASSIC ? !is_black(m->k_d) : !only_emits(m);
+    return m->model == FATHOM_MODEL_CLASSIC ? !is_black(m->k_d) : !write_only_emits(m);
 }
 
 static void put_images(const write_library *l, file_writer *t, const fathom_material *m) {
@@ -200,7 +193,7 @@ fathom_status write_mtl(const write_library *l, const char *path) {
     for (size_t i = 0; i < l->scene->materials.count; ++i) {
         const fathom_material *m = &l->scene->materials.items[i].value;
         file_writer_print(file, "newmtl %s\n", l->names[i]);
-        if (only_emits(m))
+        if (write_only_emits(m)) /* the keys of metallic-roughness would make it shine */
             put_emission(file, m, l->notes);
         else if (m->model == FATHOM_MODEL_CLASSIC || (m->transmission > 0 && !(m->thickness > 0)))
             put_classic(file, &l->scene->materials.items[i].classic);
