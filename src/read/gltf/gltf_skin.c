@@ -94,12 +94,17 @@ typedef struct skinning {
     float *to;
 } skinning;
 
+static double weight_of(const skinning *s, size_t i) {
+    double sum = 0;
+    for (unsigned k = 0; k < s->sets * 4; ++k) sum += (double)element(&s->weights[k / 4], i)[k % 4];
+    return sum;
+}
+
 /* The matrix of vertex i. Weights are divided by their sum; if all are 0, the vertex follows its first
  * joint. */
 static affine_f64 blend(const skinning *s, size_t i) {
     affine_f64 out = {{{0}}};
-    double sum = 0;
-    for (unsigned k = 0; k < s->sets * 4; ++k) sum += (double)element(&s->weights[k / 4], i)[k % 4];
+    const double sum = weight_of(s, i);
     if (!(sum > 0)) return s->joints->matrices[(uint32_t)element(&s->places[0], i)[0]];
     for (unsigned k = 0; k < s->sets * 4; ++k) {
         const double weight = (double)element(&s->weights[k / 4], i)[k % 4] / sum;
@@ -134,15 +139,28 @@ static void carry(void *user, size_t begin, size_t end, unsigned worker) {
     }
 }
 
-/* A joint of weight 0 may be any number, except a vertex's first joint: blend() uses it if all weights are
- * 0. */
-static void check_places(gltf *g, const gltf_value *attributes, const char *key, const gltf_elements *e,
-                         const gltf_elements *weights, uint32_t joints) {
-    for (size_t i = 0; i < 4 * (size_t)e->count; ++i) {
-        const float joint = element(e, i / 4)[i % 4];
-        if (!(joint >= 0 && joint < (float)joints) && (i % 4 == 0 || element(weights, i / 4)[i % 4] != 0))
-            gltf_fail(g, attributes, key, "entry %zu names joint %g; the skin has %u", i / 4, (double)joint,
-                      joints);
+static void check_joint(gltf *g, const gltf_value *attributes, const char *key, size_t i, float joint,
+                        uint32_t joints) {
+    if (!(joint >= 0 && joint < (float)joints))
+        gltf_fail(g, attributes, key, "entry %zu names joint %g; the skin has %u", i, (double)joint, joints);
+}
+
+/* A joint of weight 0 may be any number, except the first joint of a vertex without weights: blend() uses
+ * it. */
+static void check_joints(gltf *g, const gltf_value *attributes, const char *key, unsigned set,
+                         const skinning *s) {
+    for (size_t i = 0; i < s->places[set].count; ++i) {
+        const float *joints = element(&s->places[set], i), *weights = element(&s->weights[set], i);
+        for (int k = 0; k < 4; ++k) {
+            if (weights[k] != 0) check_joint(g, attributes, key, i, joints[k], s->joints->count);
+        }
+    }
+}
+
+static void check_first_joints(gltf *g, const gltf_value *attributes, const skinning *s) {
+    for (size_t i = 0; i < s->places[0].count; ++i) {
+        if (!(weight_of(s, i) > 0))
+            check_joint(g, attributes, "JOINTS_0", i, element(&s->places[0], i)[0], s->joints->count);
     }
 }
 
@@ -167,12 +185,12 @@ static void read_sets(gltf *g, const gltf_value *attributes, uint32_t vertices, 
         }
         read_set(g, attributes, places, GLTF_TAKES_FLOAT | GLTF_TAKES_UNSIGNED, vertices, &s->places[n]);
         read_set(g, attributes, weights, GLTF_TAKES_FLOAT | GLTF_TAKES_UNSIGNED, vertices, &s->weights[n]);
-        if (gltf_fine(g))
-            check_places(g, attributes, places, &s->places[n], &s->weights[n], s->joints->count);
+        if (gltf_fine(g)) check_joints(g, attributes, places, n, s);
         s->sets = n + 1;
     }
     if (!s->sets)
         gltf_fail(g, attributes, NULL, "lacks JOINTS_0 or WEIGHTS_0; expected both in a mesh with a skin");
+    if (gltf_fine(g)) check_first_joints(g, attributes, s);
 }
 
 void gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *joints, gltf_kind kind,
