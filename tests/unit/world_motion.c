@@ -1,0 +1,169 @@
+/* The uniform steps of a world's motion against the keys of its scene. */
+#include "scene/motion/motion.h"
+#include "scene/world/world.h"
+
+#include "render.h"
+
+#include <string.h>
+
+static fathom_id new_group(stage *s) {
+    fathom_id group;
+    assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &group));
+    return group;
+}
+
+static void open_shutter(stage *s, double open, double close) {
+    fathom_camera camera;
+    fathom_camera_look_at((double[3]){0, 0, 8}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.8, &camera);
+    camera.shutter[0] = open, camera.shutter[1] = close;
+    assert_ok(s->context, fathom_scene_set_camera(s->scene, &camera));
+}
+
+static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+static const uint32_t order[3] = {0, 1, 2};
+
+static fathom_mesh triangle(void) {
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = corners, mesh.vertex_count = 3;
+    mesh.indices = order, mesh.triangle_count = 1;
+    return mesh;
+}
+
+static void add_triangle(stage *s, fathom_id group) {
+    const fathom_mesh mesh = triangle();
+    assert_ok(s->context, fathom_scene_add_mesh(s->scene, group, &mesh, NULL));
+}
+
+/* ---- instances ---- */
+
+enum { KEYS = 5 };
+
+/* Slides by these along x, with a scale. */
+static void place_keys(stage *s, fathom_id parent, fathom_id group, const double *times, const double *x,
+                       size_t count, double scale) {
+    double maps[KEYS][12] = {{0}};
+    for (size_t k = 0; k < count; ++k) maps[k][0] = maps[k][5] = maps[k][10] = scale, maps[k][3] = x[k];
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    instance.parent = parent, instance.group = group;
+    instance.key_count = (uint32_t)count, instance.key_times = times, instance.key_transforms = maps[0];
+    assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));
+}
+
+/* The jerk lies between two of the 64 times that each choice of steps is looked at, so only its key shows it.
+ */
+static void a_jerk_between_two_keys_is_followed(void **state) {
+    (void)state;
+    const double times[KEYS] = {0, 0.5, 0.5 + 1.0 / 128, 0.5 + 1.0 / 64, 1}, x[KEYS] = {0, 0, 1, 0, 0};
+    stage s = stage_open(8, 8);
+    const fathom_id group = new_group(&s);
+    add_triangle(&s, group);
+    place_keys(&s, FATHOM_ROOT, group, times, x, KEYS, 1);
+    open_shutter(&s, 0, 1);
+    world *w;
+    assert_ok(s.context, world_create(s.scene, &w));
+    assert_true(w->moves);
+    for (int k = 0; k <= 1024; ++k) {
+        world_instance moved;
+        const double time = k / 1024.0;
+        const world_instance *at = world_instance_when(w, 0, (float)time, &moved);
+        const affine_f64 exact = motion_place(&s.scene->instances.items[0], time);
+        /* A step at each key: places in float, near 1. */
+        assert_near((double)at->to_world[0][3] + w->origin.x, exact.m[0][3], 4 * 0x1p-24);
+    }
+    world_destroy(w);
+    stage_close(&s);
+}
+
+/* Each alone is fine. */
+static void nested_places_that_leave_the_range_of_float_are_refused(void **state) {
+    (void)state;
+    const double times[2] = {0, 1}, x[2] = {0, 1e-30};
+    stage s = stage_open(8, 8);
+    const fathom_id outer = new_group(&s), inner = new_group(&s);
+    add_triangle(&s, inner);
+    place_keys(&s, outer, inner, times, x, 2, 1e-25);
+    place_keys(&s, FATHOM_ROOT, outer, times, x, 2, 1e-25);
+    open_shutter(&s, 0, 1);
+    world *w;
+    assert_fails(s.context, world_create(s.scene, &w), FATHOM_BAD_INPUT,
+                 "its frame, with those around it, flattens space or leaves the range of float");
+    stage_close(&s);
+}
+
+/* ---- vertices ---- */
+
+/* The normals of a surface that stands still turn from z to x to y. */
+static void normals_that_turn_alone_are_motion(void **state) {
+    (void)state;
+    static const double times[3] = {0, 1, 2};
+    float keys[27], normals[27] = {0};
+    for (int k = 0; k < 3; ++k) {
+        memcpy(keys + 9 * k, corners, sizeof corners);
+        for (int i = 0; i < 3; ++i) normals[9 * k + 3 * i + (k + 2) % 3] = 1;
+    }
+    stage s = stage_open(8, 8);
+    fathom_mesh mesh = triangle();
+    mesh.normals = normals, mesh.normal_count = 3;
+    mesh.key_count = 3, mesh.key_times = times, mesh.key_positions = keys, mesh.key_normals = normals;
+    assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
+    open_shutter(&s, 0.5, 1.5);
+    world *w;
+    assert_ok(s.context, world_create(s.scene, &w));
+    assert_true(w->moves);
+    for (int k = 0; k <= 8; ++k) {
+        vec3_f32 corner[3], normal[3];
+        world_corners_when(w, &w->geometries.items[0], 0, (float)k / 8, corner, normal);
+        const double time = 0.5 + k / 8.0;
+        for (int i = 0; i < 3; ++i) {
+            assert_near(normal[i].z, fmax(1 - time, 0), 0x1p-24);
+            assert_near(normal[i].x, 1 - fabs(1 - time), 0x1p-24);
+            assert_near(normal[i].y, fmax(time - 1, 0), 0x1p-24);
+        }
+        assert_true(corner[1].x - corner[0].x == 1);
+    }
+    world_destroy(w);
+    stage_close(&s);
+}
+
+/* Keys 0 to 1 move, 1 to 2 stand, 2 to 3 move. */
+static void vertices_that_stand_while_the_shutter_is_open_stand(void **state) {
+    (void)state;
+    static const double shutters[][2] = {{1, 2}, {1.25, 1.5}, {0.5, 2}, {1, 2.5}, {0.5, 0.5}};
+    for (size_t i = 0; i < sizeof shutters / sizeof *shutters; ++i) {
+        static const float x[4] = {0, 2, 2, 8};
+        float keys[36];
+        for (int k = 0; k < 4; ++k) {
+            memcpy(keys + 9 * k, corners, sizeof corners);
+            for (int c = 0; c < 3; ++c) keys[9 * k + 3 * c] += x[k];
+        }
+        stage s = stage_open(8, 8);
+        fathom_mesh mesh = triangle();
+        mesh.key_count = 4, mesh.key_times = (const double[]){0, 1, 2, 3}, mesh.key_positions = keys;
+        assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
+        open_shutter(&s, shutters[i][0], shutters[i][1]);
+        world *w;
+        assert_ok(s.context, world_create(s.scene, &w));
+        assert_int_equal(w->moves, i == 2 || i == 3);
+        for (int k = 0; k <= 12; ++k) {
+            vec3_f32 corner[3];
+            const double time = shutters[i][0] + k / 12.0 * (shutters[i][1] - shutters[i][0]);
+            const double expected = time < 1 ? 2 * time : time < 2 ? 2 : 2 + 6 * (time - 2);
+            world_corners_when(w, &w->geometries.items[0], 0, (float)(k / 12.0), corner, NULL);
+            assert_near((double)corner[0].x + w->origin.x, expected, 4 * 0x1p-22);
+        }
+        world_destroy(w);
+        stage_close(&s);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_jerk_between_two_keys_is_followed),
+        cmocka_unit_test(nested_places_that_leave_the_range_of_float_are_refused),
+        cmocka_unit_test(normals_that_turn_alone_are_motion),
+        cmocka_unit_test(vertices_that_stand_while_the_shutter_is_open_stand),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
