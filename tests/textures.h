@@ -2,6 +2,7 @@
 #ifndef TESTS_TEXTURES_H
 #define TESTS_TEXTURES_H
 
+#include "image/image.h"
 #include "scene/scene.h"
 #include "texture/kernels.h"
 #include "unit_folder.h"
@@ -25,6 +26,36 @@ static inline size_t put_ppm(const char *name, unsigned width, unsigned height, 
     char header[64];
     snprintf(header, sizeof header, "P6\n%u %u\n255\n", width, height);
     return put_file(name, header, strlen(header), rgb, (size_t)width * height * 3);
+}
+
+/* TIFF with one channel of 16 bits, of one row. OpenImageIO rounds those of PGM. */
+static inline void put_tiff16(const char *name, uint16_t width, const uint16_t *grey) {
+    enum { ENTRIES = 8, HEADER = 8 + 2 + ENTRIES * 12 + 4 };
+    /* Width, height, bits, compression, photometric, offset, rows of the strip, its bytes. */
+    const uint32_t entries[ENTRIES][2] = {{256, width}, {257, 1},      {258, 16}, {259, 1},
+                                          {262, 1},     {273, HEADER}, {278, 1},  {279, 2u * width}};
+    unsigned char header[HEADER] = {'I', 'I', 42, 0, 8, 0, 0, 0, ENTRIES};
+    for (unsigned i = 0; i < ENTRIES; ++i) {
+        unsigned char *e = header + 10 + 12 * i;
+        e[0] = (unsigned char)entries[i][0], e[1] = (unsigned char)(entries[i][0] >> 8);
+        e[2] = 4, e[4] = 1; /* one number of 32 bits */
+        memcpy(e + 8, &entries[i][1], 4);
+    }
+    put_file(name, header, sizeof header, grey, 2u * width);
+}
+
+/* Floats, by the library's own writer; `half` rounds them. Grey: one plane; else R, G, B and perhaps A. */
+static inline void put_image(const char *name, unsigned width, unsigned height, const float *planes,
+                             size_t count, bool half) {
+    static const char *const names[] = {"R", "G", "B", "A"};
+    const size_t texels = (size_t)width * height;
+    image_channel channels[4];
+    for (size_t c = 0; c < count; ++c)
+        channels[c] = (image_channel){names[c], IMAGE_FLOAT, half, planes + c * texels, sizeof(float)};
+    const image img = {width, height, 0, 0, width, height, channels, count, NULL, 0};
+    fathom_write_options options;
+    fathom_write_options_default(&options);
+    assert_ok(context, image_write(context, &img, in_folder(name), &options));
 }
 
 /* ---- caches ---- */
@@ -71,6 +102,12 @@ static inline void texel(texture_cache *cache, fathom_id id, unsigned level, uns
     look(cache, id, ((float)x + 0.5f) / (float)p->levels[level].width,
          ((float)y + 0.5f) / (float)p->levels[level].height, (float)(1u << level) / (float)(w > h ? w : h),
          rgba);
+}
+
+/* Writes the texture of file `from` as a mip-mapped one. */
+static inline void write_texture(const char *from, fathom_color_space space, const char *to) {
+    const fathom_texture t = texture_of(from, space);
+    assert_ok(context, fathom_texture_write(context, &t, in_folder(to)));
 }
 
 #endif

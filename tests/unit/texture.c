@@ -1,41 +1,9 @@
 /* Textures: what lookups give, for files of every kind, under any limit and on any threads. */
-#include "image/image.h"
-
 #include "textures.h"
 
 #include <pthread.h>
 
 /* ---- files that a test writes itself ---- */
-
-/* TIFF with one channel of 16 bits, of one row. OpenImageIO rounds those of PGM. */
-static void put_tiff16(const char *name, uint16_t width, const uint16_t *grey) {
-    enum { ENTRIES = 8, HEADER = 8 + 2 + ENTRIES * 12 + 4 };
-    /* Width, height, bits, compression, photometric, offset, rows of the strip, its bytes. */
-    const uint32_t entries[ENTRIES][2] = {{256, width}, {257, 1},      {258, 16}, {259, 1},
-                                          {262, 1},     {273, HEADER}, {278, 1},  {279, 2u * width}};
-    unsigned char header[HEADER] = {'I', 'I', 42, 0, 8, 0, 0, 0, ENTRIES};
-    for (unsigned i = 0; i < ENTRIES; ++i) {
-        unsigned char *e = header + 10 + 12 * i;
-        e[0] = (unsigned char)entries[i][0], e[1] = (unsigned char)(entries[i][0] >> 8);
-        e[2] = 4, e[4] = 1; /* one number of 32 bits */
-        memcpy(e + 8, &entries[i][1], 4);
-    }
-    put_file(name, header, sizeof header, grey, 2u * width);
-}
-
-/* Floats, by the library's own writer; `half` rounds them. Grey: one plane; else R, G, B and perhaps A. */
-static void put_image(const char *name, unsigned width, unsigned height, const float *planes, size_t count,
-                      bool half) {
-    static const char *const names[] = {"R", "G", "B", "A"};
-    const size_t texels = (size_t)width * height;
-    image_channel channels[4];
-    for (size_t c = 0; c < count; ++c)
-        channels[c] = (image_channel){names[c], IMAGE_FLOAT, half, planes + c * texels, sizeof(float)};
-    const image img = {width, height, 0, 0, width, height, channels, count, NULL, 0};
-    fathom_write_options options;
-    fathom_write_options_default(&options);
-    assert_ok(context, image_write(context, &img, in_folder(name), &options));
-}
 
 static double srgb(double x) { return x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4); }
 
@@ -489,11 +457,6 @@ static void places_that_are_not_finite_give_some_texel(void **state) {
 }
 
 /* ---- mip-mapped files ---- */
-
-static void write_texture(const char *from, fathom_color_space space, const char *to) {
-    const fathom_texture t = texture_of(from, space);
-    assert_ok(context, fathom_texture_write(context, &t, in_folder(to)));
-}
 
 static void mip_mapped_files_keep_texels_and_means(void **state) {
     (void)state;

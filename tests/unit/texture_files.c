@@ -171,12 +171,59 @@ static void large_images_keep_every_row(void **state) {
     unlink(in_folder("a.ppm"));
 }
 
+/* Every eighth code of 16 bits, by the sRGB curve and linear. */
+static void written_textures_keep_sixteen_bits(void **state) {
+    (void)state;
+    enum { WIDTH = 8192 };
+    static uint16_t grey[WIDTH];
+    for (unsigned i = 0; i < WIDTH; ++i) grey[i] = (uint16_t)(8 * i + 7);
+    put_tiff16("a.tif", WIDTH, grey);
+    static const fathom_color_space spaces[] = {FATHOM_COLOR_SRGB, FATHOM_COLOR_LINEAR};
+    for (int k = 0; k < 2; ++k) {
+        write_texture("a.tif", spaces[k], "a.tx");
+        fathom_texture t[2] = {texture_of("a.tif", spaces[k]), texture_of("a.tx", spaces[k])};
+        t[0].filter = t[1].filter = FATHOM_TEXTURE_NEAREST;
+        opened o = open_textures(t, 2, ALL);
+        for (unsigned i = 0; i < WIDTH; ++i) {
+            float expected[4], rgba[4];
+            texel(o.cache, 0, 0, i, 0, expected);
+            texel(o.cache, 1, 0, i, 0, rgba);
+            if (memcmp(expected, rgba, sizeof rgba) != 0)
+                fail_msg("code %u becomes %.9g, was %.9g", grey[i], (double)rgba[0], (double)expected[0]);
+        }
+        close_textures(&o);
+        unlink(in_folder("a.tx"));
+    }
+    unlink(in_folder("a.tif"));
+}
+
+static void written_textures_keep_every_bit_of_floats(void **state) {
+    (void)state;
+    const float planes[3 * 4] = {0.1f,   -2.5f,  1e6f, 3e38f, 1.0000001f, 0,
+                                 1e-30f, -1e-3f, 7,    65535, 1e-6f,      0.5f};
+    put_image("a.exr", 4, 1, planes, 3, false);
+    write_texture("a.exr", FATHOM_COLOR_LINEAR, "a.tx");
+    fathom_texture t = texture_of("a.tx", FATHOM_COLOR_LINEAR);
+    t.filter = FATHOM_TEXTURE_NEAREST;
+    opened o = open_textures(&t, 1, ALL);
+    assert_int_equal(o.cache->images[0].info.kept, IMAGE_TEXEL_FLOAT);
+    for (unsigned i = 0; i < 4; ++i) {
+        float rgba[4];
+        texel(o.cache, 0, 0, i, 0, rgba);
+        for (unsigned c = 0; c < 3; ++c) assert_true(rgba[c] == planes[4 * c + i]);
+    }
+    close_textures(&o);
+    unlink(in_folder("a.exr")), unlink(in_folder("a.tx"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(more_files_than_stay_open_keep_their_texels),
         cmocka_unit_test(a_number_that_is_not_finite_is_told_with_its_level),
         cmocka_unit_test(files_that_change_their_size_are_told),
         cmocka_unit_test(large_images_keep_every_row),
+        cmocka_unit_test(written_textures_keep_sixteen_bits),
+        cmocka_unit_test(written_textures_keep_every_bit_of_floats),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }
