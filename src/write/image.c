@@ -111,15 +111,28 @@ static char *name_from(const char *path, const char *tag, const char *extension)
     return strdup(name);
 }
 
-static char *copied_name(const char *path, const write_image *image, uint32_t index) {
+static bool is_taken(const write_images *images, const char *name) {
+    for (uint32_t i = 0; i < images->count; ++i) {
+        if (images->items[i].name && strcmp(images->items[i].name, name) == 0) return true;
+    }
+    return false;
+}
+
+/* A name that no other image has: files of the scene that stay in place may have the first ones. */
+static char *copied_name(const char *path, const write_images *images, uint32_t index) {
+    const write_image *image = &images->items[index];
     const char *type = write_image_type(image);
-    char extension[16] = "", tag[16];
+    char extension[16] = "", tag[16], *name;
     if (image->texture->file)
         file_extension(image->texture->file, extension);
     else if (type)
         snprintf(extension, sizeof extension, "%s", strchr(type, '/') + 1);
-    snprintf(tag, sizeof tag, "%u", index);
-    return name_from(path, tag, extension);
+    do {
+        snprintf(tag, sizeof tag, "%u", index++);
+        name = name_from(path, tag, extension);
+        if (!name || !is_taken(images, name)) return name;
+        free(name);
+    } while (true);
 }
 
 static fathom_status copy_bytes(fathom_context *context, const char *path, const char *name,
@@ -187,11 +200,14 @@ static fathom_status place_faces(fathom_context *context, const char *path, size
 
 fathom_status write_images_beside(const fathom_scene *scene, const char *path, write_images *images) {
     fathom_status status = FATHOM_OK;
-    for (uint32_t i = 0; i < images->count && status == FATHOM_OK; ++i) {
+    for (uint32_t i = 0; i < images->count; ++i) {
         write_image *image = &images->items[i];
         if (image->texture->file) image->name = name_within(path, image->texture->file);
+    }
+    for (uint32_t i = 0; i < images->count && status == FATHOM_OK; ++i) {
+        write_image *image = &images->items[i];
         if (image->name) continue;
-        image->name = copied_name(path, image, i);
+        image->name = copied_name(path, images, i);
         status = image->name ? copy_bytes(scene->context, path, image->name, image->bytes, image->size)
                              : fail_memory(scene->context, strlen(path));
     }

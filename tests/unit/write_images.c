@@ -1,0 +1,95 @@
+/* Images beside files that are written: each keeps its bytes, whatever their names are. */
+#include "wearing.h"
+
+#include <sys/stat.h>
+
+/* A material with two images: the colour's is in memory, and the roughness's a file of this name, or of the
+ * other order. */
+static fathom_scene *wearing_two(const char *file, bool file_first) {
+    fathom_scene *scene;
+    fathom_id id, ids[2];
+    fathom_material m;
+    fathom_texture inner, outer;
+    fathom_texture_default(&inner), fathom_texture_default(&outer);
+    inner.bytes = "\x89PNG\r\n inner", inner.byte_count = 12;
+    outer.file = in_folder(file), outer.color_space = FATHOM_COLOR_LINEAR;
+    assert_ok(context, fathom_scene_create(context, &scene));
+    for (int i = 0; i < 2; ++i) {
+        const bool is_file = (i == 0) == file_first;
+        assert_ok(context, fathom_scene_add_texture(scene, is_file ? &outer : &inner, &ids[is_file]));
+    }
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    m.maps[FATHOM_MAP_COLOR] = (fathom_map){.texture = ids[0], .transform = {1, 0, 0, 0, 1, 0}};
+    m.maps[FATHOM_MAP_ROUGHNESS] =
+        (fathom_map){.texture = ids[1], .transform = {1, 0, 0, 0, 1, 0}, .channel = 1};
+    assert_ok(context, fathom_scene_add_material(scene, "two words", &m, &id));
+    const fathom_mesh mesh = triangle(id);
+    assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+    return scene;
+}
+
+static void assert_file(const char *path, const char *expected) {
+    char bytes[64];
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    const size_t size = fread(bytes, 1, sizeof bytes, file);
+    fclose(file);
+    assert_int_equal(size, strlen(expected));
+    assert_memory_equal(bytes, expected, size);
+}
+
+static const char *file_of(const fathom_scene *scene, int kind) {
+    const fathom_id texture = worn(scene)->maps[kind].texture;
+    assert_int_not_equal(texture, FATHOM_NONE);
+    assert_non_null(scene->textures.items[texture].file);
+    return scene->textures.items[texture].file;
+}
+
+/* A file that stays in its place may have the very name that a copy would get. */
+static void copies_replace_no_image_of_the_scene(void **state) {
+    (void)state;
+    static const char *const names[] = {"a-0.png", "a-1.png", "b.png"};
+    for (int k = 0; k < 6; ++k) {
+        const char *name = names[k / 2];
+        unit_write_file(in_folder(name), "\x89PNG\r\n outer", 12);
+        fathom_scene *back = through(wearing_two(name, k % 2), JSON);
+        assert_file(in_folder(name), "\x89PNG\r\n outer");
+        assert_file(file_of(back, FATHOM_MAP_ROUGHNESS), "\x89PNG\r\n outer");
+        assert_file(file_of(back, FATHOM_MAP_COLOR), "\x89PNG\r\n inner");
+        assert_string_equal(file_of(back, FATHOM_MAP_ROUGHNESS), in_folder(name));
+        unlink(file_of(back, FATHOM_MAP_COLOR));
+        fathom_scene_destroy(back);
+        unlink(in_folder(name));
+    }
+}
+
+/* Files elsewhere are copied; what is below the folder stays, by its relative name. */
+static void files_below_the_folder_stay_and_others_are_copied(void **state) {
+    (void)state;
+    assert_int_equal(mkdir(in_folder("below"), 0700), 0);
+    unit_write_file(in_folder("below/x.png"), "\x89PNG\r\n below", 12);
+    fathom_scene *back = through(wearing_two("below/x.png", false), JSON);
+    assert_string_equal(file_of(back, FATHOM_MAP_ROUGHNESS), in_folder("below/x.png"));
+    unlink(file_of(back, FATHOM_MAP_COLOR));
+    fathom_scene_destroy(back);
+    char path[256];
+    snprintf(path, sizeof path, "%s", in_folder("y.png"));
+    unit_write_file(path, "\x89PNG\r\n above", 12);
+    fathom_scene *scene = wearing_two("y.png", true);
+    assert_ok(context, fathom_scene_write(scene, in_folder("below/a.json")));
+    fathom_scene_destroy(scene);
+    unlink(path);
+    assert_file(in_folder("below/a-0.png"), "\x89PNG\r\n above");
+    assert_file(in_folder("below/a-1.png"), "\x89PNG\r\n inner");
+    unlink(in_folder("below/a-0.png")), unlink(in_folder("below/a-1.png")), unlink(in_folder("below/a.json"));
+    unlink(in_folder("below/x.png")), rmdir(in_folder("below"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(copies_replace_no_image_of_the_scene),
+        cmocka_unit_test(files_below_the_folder_stay_and_others_are_copied),
+    };
+    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+}
