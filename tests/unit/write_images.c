@@ -74,12 +74,13 @@ static void files_below_the_folder_stay_and_others_are_copied(void **state) {
     unlink(file_of(back, FATHOM_MAP_COLOR));
     fathom_scene_destroy(back);
     char path[256];
-    snprintf(path, sizeof path, "%s", in_folder("y.png"));
+    assert_int_equal(mkdir(in_folder("below-2"), 0700), 0);
+    snprintf(path, sizeof path, "%s", in_folder("below-2/y.png"));
     unit_write_file(path, "\x89PNG\r\n above", 12);
-    fathom_scene *scene = wearing_two("y.png", true);
+    fathom_scene *scene = wearing_two("below-2/y.png", true);
     assert_ok(context, fathom_scene_write(scene, in_folder("below/a.json")));
     fathom_scene_destroy(scene);
-    unlink(path);
+    unlink(path), rmdir(in_folder("below-2"));
     assert_file(in_folder("below/a-0.png"), "\x89PNG\r\n above");
     assert_file(in_folder("below/a-1.png"), "\x89PNG\r\n inner");
     unlink(in_folder("below/a-0.png")), unlink(in_folder("below/a-1.png")), unlink(in_folder("below/a.json"));
