@@ -169,32 +169,55 @@ static fathom_status copy_face(fathom_context *context, const char *path, const 
     return status;
 }
 
-/* "out/scene.json" gets "scene-sky-0-px.hdr" and so on. */
-static fathom_status copy_faces(fathom_context *context, const char *path, size_t sky,
-                                const file_faces *files, char **out) {
-    char tag[48], extension[16] = "";
-    fathom_status status = FATHOM_OK;
+static bool has_faces(const write_images *images, const char *name) {
+    for (size_t i = 0; i < images->sky_count; ++i) {
+        if (images->faces[i] && strcmp(images->faces[i], name) == 0) return true;
+    }
+    return false;
+}
+
+/* "out/scene.json" gets "scene-sky-0-px.hdr" and so on, unless faces of the scene that stay have these
+ * names. */
+static char *copied_faces(const char *path, const write_images *images, size_t sky, const file_faces *files) {
+    char tag[48], extension[16] = "", *name;
     file_extension(files->paths[0], extension);
-    snprintf(tag, sizeof tag, "sky-%zu-" FILE_FACE, sky);
-    *out = name_from(path, tag, extension);
-    if (!*out) return fail_memory(context, strlen(path));
+    do {
+        snprintf(tag, sizeof tag, "sky-%zu-" FILE_FACE, sky++);
+        name = name_from(path, tag, extension);
+        if (!name || !has_faces(images, name)) return name;
+        free(name);
+    } while (true);
+}
+
+static fathom_status copy_faces(fathom_context *context, const char *path, const char *pattern,
+                                const file_faces *files) {
+    fathom_status status = FATHOM_OK;
     for (unsigned i = 0; i < FILE_FACES && status == FATHOM_OK; ++i) {
-        char *face = file_face_name(*out, i);
-        status = face ? copy_face(context, path, face, files->paths[i]) : fail_memory(context, strlen(*out));
+        char *face = file_face_name(pattern, i);
+        status =
+            face ? copy_face(context, path, face, files->paths[i]) : fail_memory(context, strlen(pattern));
         free(face);
     }
     return status;
 }
 
-/* *out: the name with "<FACE>" of the six files. */
-static fathom_status place_faces(fathom_context *context, const char *path, size_t sky, const char *pattern,
-                                 char **out) {
-    file_faces files;
-    fathom_status status = file_faces_open(context, pattern, &files);
-    if (status != FATHOM_OK) return status;
-    *out = faces_within(path, pattern, &files);
-    if (!*out) status = copy_faces(context, path, sky, &files, out);
-    file_faces_close(&files);
+/* Names the six files of each environment that has them. copies: those that do not stay in place, which are
+ * copied; otherwise those that do. */
+static fathom_status place_faces(fathom_context *context, const char *path, write_images *images,
+                                 bool copies) {
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < images->sky_count && status == FATHOM_OK; ++i) {
+        const char *pattern = images->skies[i].file;
+        char **name = &images->faces[i];
+        file_faces files;
+        if (!strstr(pattern, FILE_FACE) || *name) continue;
+        status = file_faces_open(context, pattern, &files);
+        if (status != FATHOM_OK) return status;
+        *name = copies ? copied_faces(path, images, i, &files) : faces_within(path, pattern, &files);
+        if (copies)
+            status = *name ? copy_faces(context, path, *name, &files) : fail_memory(context, strlen(path));
+        file_faces_close(&files);
+    }
     return status;
 }
 
@@ -211,9 +234,6 @@ fathom_status write_images_beside(const fathom_scene *scene, const char *path, w
         status = image->name ? copy_bytes(scene->context, path, image->name, image->bytes, image->size)
                              : fail_memory(scene->context, strlen(path));
     }
-    for (size_t i = 0; i < images->sky_count && status == FATHOM_OK; ++i) {
-        const char *file = images->skies[i].file;
-        if (strstr(file, FILE_FACE)) status = place_faces(scene->context, path, i, file, &images->faces[i]);
-    }
-    return status;
+    if (status == FATHOM_OK) status = place_faces(scene->context, path, images, false);
+    return status == FATHOM_OK ? place_faces(scene->context, path, images, true) : status;
 }

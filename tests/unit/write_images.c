@@ -87,9 +87,54 @@ static void files_below_the_folder_stay_and_others_are_copied(void **state) {
     unlink(in_folder("below/x.png")), rmdir(in_folder("below"));
 }
 
+static const char *face_path(const char *pattern, unsigned face) {
+    static const char *const words[] = {"px", "nx", "py", "ny", "pz", "nz"};
+    char name[64];
+    snprintf(name, sizeof name, pattern, words[face]);
+    return in_folder(name);
+}
+
+static void add_sky(fathom_scene *scene, const char *pattern) {
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder(pattern);
+    assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
+}
+
+/* The same for environments of six files. */
+static void copies_replace_no_faces_of_the_scene(void **state) {
+    (void)state;
+    fathom_material m;
+    fathom_material_default(&m);
+    assert_int_equal(mkdir(in_folder("below"), 0700), 0);
+    for (unsigned i = 0; i < 6; ++i) {
+        char text[16];
+        snprintf(text, sizeof text, "above %u", i);
+        unit_write_file(face_path("s-%s.hdr", i), text, strlen(text));
+        snprintf(text, sizeof text, "below %u", i);
+        unit_write_file(face_path("below/a-sky-0-%s.hdr", i), text, strlen(text));
+    }
+    fathom_scene *scene = wearing(&m, NULL);
+    add_sky(scene, "s-<FACE>.hdr");
+    add_sky(scene, "below/a-sky-0-<FACE>.hdr");
+    assert_ok(context, fathom_scene_write(scene, in_folder("below/a.json")));
+    fathom_scene_destroy(scene);
+    for (unsigned i = 0; i < 6; ++i) {
+        char text[16];
+        snprintf(text, sizeof text, "below %u", i);
+        assert_file(face_path("below/a-sky-0-%s.hdr", i), text);
+        snprintf(text, sizeof text, "above %u", i);
+        assert_file(face_path("below/a-sky-1-%s.hdr", i), text);
+        unlink(face_path("s-%s.hdr", i));
+        unlink(face_path("below/a-sky-0-%s.hdr", i)), unlink(face_path("below/a-sky-1-%s.hdr", i));
+    }
+    unlink(in_folder("below/a.json")), rmdir(in_folder("below"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(copies_replace_no_image_of_the_scene),
+        cmocka_unit_test(copies_replace_no_faces_of_the_scene),
         cmocka_unit_test(files_below_the_folder_stay_and_others_are_copied),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);
