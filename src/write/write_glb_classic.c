@@ -7,7 +7,8 @@
  * - F0 = k_r with a mirror, else k_s / N(n);
  * - F0 without k_d and k_t becomes a metal of this base colour, unless Fresnel's law applies. Otherwise it is
  *   the dielectric's ((ior - 1) / (ior + 1))^2, with a tint by KHR_materials_specular that gives F0;
- * - k_t becomes KHR_materials_transmission; k_d and k_t share the base colour;
+ * - k_t becomes KHR_materials_transmission into a solid, which bends light, by a thickness of 1; its value
+ * matters to rasterizers alone, which know no way through a mesh; k_d and k_t share the base colour;
  * - k_t without refraction (ior 1, no Fresnel) becomes 1 - alpha. */
 #include "write/write_glb.h"
 
@@ -95,6 +96,7 @@ fathom_material glb_classic(const fathom_material *m) {
     out.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     narrow3(p.base, out.base_color), narrow3(p.specular_color, out.specular_color);
     out.opacity = (float)p.base[3], out.metallic = (float)p.metallic, out.roughness = (float)p.roughness;
+    out.thickness = p.transmission > 0 ? 1 : 0;
     out.transmission = (float)p.transmission, out.ior = (float)p.ior, out.specular_factor = (float)p.specular;
     memcpy(out.emissive, m->k_e, sizeof out.emissive);
     out.normal_scale = m->normal_scale;

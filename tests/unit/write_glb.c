@@ -183,6 +183,7 @@ static void classic_glass_becomes_transmission(void **state) {
     fathom_material m = classic(0, 1, 1), got;
     m.fresnel = true, got = after(&m, NULL);
     assert_true(got.transmission == 1 && got.ior == 1.5f && got.specular_factor == 1 && got.roughness == 0);
+    assert_true(got.thickness == 1); /* light is bent, as in the classic model */
     assert_grey(got.specular_color, 1.0);
     assert_grey(got.base_color, 1.0);
     m.ior = 0.8f, got = after(&m, NULL); /* seen from the other side */
@@ -199,7 +200,7 @@ static void classic_transmission_without_refraction_becomes_coverage(void **stat
     (void)state;
     fathom_material m = classic(0.25f, 0, 0.5f), got;
     m.ior = 1, got = after(&m, NULL);
-    assert_true(got.opacity == 0.5f && got.transmission == 0);
+    assert_true(got.opacity == 0.5f && got.transmission == 0 && got.thickness == 0);
     assert_grey(got.base_color, 0.5);
     m = classic(0.25f, 0, 1), m.ior = 1, got = after(&m, NULL);
     assert_true(got.opacity == 0);
