@@ -532,7 +532,8 @@ static void spheres_are_told_and_empty_scenes_refused(void **state) {
                  ".glb, .json, .obj or .ply");
     assert_fails(context, fathom_scene_write(scene, in_folder("a")), FATHOM_BAD_USAGE,
                  ".glb, .json, .obj or .ply");
-    assert_fails(context, fathom_scene_write(scene, in_folder("a.ply")), FATHOM_BAD_USAGE, "no shape to write");
+    assert_fails(context, fathom_scene_write(scene, in_folder("a.ply")), FATHOM_BAD_USAGE,
+                 "no shape to write");
     fathom_sphere sphere;
     fathom_sphere_default(&sphere);
     assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL));
