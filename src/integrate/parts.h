@@ -13,6 +13,13 @@ unsigned parts_features(const fathom_scene *scene);
 /* True if only the background can be seen: every surface passes all light, and adds none. */
 bool parts_all_transparent(const fathom_scene *scene, fathom_integrator integrator);
 
+/* Longest text of a warning, with its end. */
+#define PARTS_TEXT 256
+
+/* True if materials in use send out more light than they get, which the classic model allows, and light paths
+ * follow it. Then `text` tells how many do, and which does most. */
+bool parts_brighten(const fathom_scene *scene, fathom_integrator integrator, char text[PARTS_TEXT]);
+
 /* A ball around all points from which shadow rays may start. It tells which spot lights reach none of
  * them. */
 typedef struct parts_extent {

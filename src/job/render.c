@@ -202,6 +202,28 @@ static fathom_status render_traced(fathom_context *context, const world *w, cons
     return status;
 }
 
+/* What the image will lack, or have too much of. */
+static void warn_of(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
+                    const world *w) {
+    const bool classic = settings->integrator == FATHOM_INTEGRATOR_CLASSIC;
+    char brighter[PARTS_TEXT];
+    if (w->degenerate_triangles)
+        warn(context, "triangles without area that are left out: %llu",
+             (unsigned long long)w->degenerate_triangles);
+    if (w->beyond_reach)
+        warn(context, "shapes and triangles beyond %g from the origin, which Embree leaves out: %llu",
+             WORLD_REACH, (unsigned long long)w->beyond_reach);
+    if (parts_all_transparent(scene, settings->integrator))
+        warn(context, "all surfaces are fully transparent: nothing but the background can be seen");
+    if (scene->environments.count && classic)
+        warn(context, "environments are left out, which only the integrator `path` renders: %zu",
+             scene->environments.count);
+    if (parts_ambient(scene) && !scene->lights_made && !classic)
+        warn(context, "ambient light is left out, which only the integrator `classic` has; paths find the "
+                      "light of a background");
+    if (parts_brighten(scene, settings->integrator, brighter)) warn(context, "%s", brighter);
+}
+
 static fathom_status render_scene(fathom_context *context, const fathom_scene *scene,
                                   const fathom_settings *settings, const vec3_f64 *origin, keeping *keep,
                                   job_options *options, fathom_film *film) {
@@ -210,23 +232,7 @@ static fathom_status render_scene(fathom_context *context, const fathom_scene *s
     fathom_status status = world_create_from(scene, origin, &w);
     if (status != FATHOM_OK) return status;
     status = world_check(w);
-    if (status == FATHOM_OK && w->degenerate_triangles) {
-        warn(context, "triangles without area that are left out: %llu",
-             (unsigned long long)w->degenerate_triangles);
-    }
-    if (status == FATHOM_OK && w->beyond_reach) {
-        warn(context, "shapes and triangles beyond %g from the origin, which Embree leaves out: %llu",
-             WORLD_REACH, (unsigned long long)w->beyond_reach);
-    }
-    if (status == FATHOM_OK && parts_all_transparent(scene, settings->integrator))
-        warn(context, "all surfaces are fully transparent: nothing but the background can be seen");
-    if (status == FATHOM_OK && scene->environments.count && settings->integrator == FATHOM_INTEGRATOR_CLASSIC)
-        warn(context, "environments are left out, which only the integrator `path` renders: %zu",
-             scene->environments.count);
-    if (status == FATHOM_OK && parts_ambient(scene) && !scene->lights_made &&
-        settings->integrator != FATHOM_INTEGRATOR_CLASSIC)
-        warn(context, "ambient light is left out, which only the integrator `classic` has; paths find the "
-                      "light of a background");
+    if (status == FATHOM_OK) warn_of(context, scene, settings, w);
     trace_tracer *tracer = NULL;
     if (status == FATHOM_OK)
         status = run_build(context, w, film, settings, options->progress, options->user, &tracer);

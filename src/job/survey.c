@@ -24,7 +24,7 @@ typedef struct survey {
     const char *features[FEATURES_MOST];
     left_out_list left_out;
     const char *problems[PROBLEMS_MOST];
-    char texts[PROBLEMS_MOST][128];
+    char texts[PROBLEMS_MOST][PARTS_TEXT];
 } survey;
 
 /* ---- facts about a scene ---- */
@@ -326,9 +326,12 @@ static void find_problems(const fathom_scene *scene, const world *w, survey *out
     if (w->beyond_reach)
         add_problem(out, "shapes and triangles beyond %g from the origin, which Embree leaves out: %llu",
                     WORLD_REACH, (unsigned long long)w->beyond_reach);
-    const bool emits = materials_in_use(scene).bits & MATERIAL_EMIT;
+    const bool shines = parts_background(scene) && scene->settings.integrator != FATHOM_INTEGRATOR_CLASSIC,
+               emits = shines || materials_in_use(scene).bits & MATERIAL_EMIT;
     if (!scene->lights.count && !scene->environments.count && !emits && !parts_ambient(scene))
         add_problem(out, "no light, no ambient light and nothing that emits: every surface is black");
+    char brighter[PARTS_TEXT];
+    if (parts_brighten(scene, scene->settings.integrator, brighter)) add_problem(out, "%s", brighter);
 }
 
 /* ---- the whole ---- */

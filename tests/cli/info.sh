@@ -93,6 +93,16 @@ said out.txt 'features  spheres, instances, emission'
 said out.txt 'lights    0 point, 0 directional, 0 spot, 0 environment, 1 emissive shapes'
 said out.txt 'shapes and triangles beyond 1e+18 from the origin, which Embree leaves out: 1'
 not_said out.txt 'every surface is black'
+# Under path tracing the background lights the scene, and sums above 1 brighten it.
+printf '{ "image": { "integrator": "path" }, "background": [1, 1, 1], "lights": [], "materials": { "g": { "kt": [1, 1, 1] } },
+"objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "g" } ] }' >bright.json
+run 0 info bright.json
+not_said out.txt 'every surface is black'
+said out.txt '"g" sends out 1.5 times as much; expected less kd (0.5 if not given), ks, kr or kt'
+run 0 render bright.json -o a.png --size 8x8 --spp 1
+said err.txt 'materials that send out more light than they get, so that paths brighten at each hit: 1; "g"'
+run 0 render bright.json -o a.png --size 8x8 --spp 1 --integrator classic
+silent err.txt
 printf '{ "name": "x", "ambient": [0, 0.1, 0], "lights": [], "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }' >green.json
 run 0 info green.json
 said out.txt 'features  spheres, ambient'
