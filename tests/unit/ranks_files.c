@@ -269,7 +269,7 @@ static void rank_0_checks_what_it_is_asked(void **state) {
     assert_int_equal(piece.head.count, 1);
     assert_int_equal(piece.size, strlen(TRIANGLE));
     assert_string_equal(piece.name, "t.obj");
-    assert_memory_equal(p.bytes + sizeof piece, TRIANGLE + at, strlen(TRIANGLE) - at);
+    assert_memory_equal(p.bytes + sizeof piece, &TRIANGLE[at], strlen(TRIANGLE) - at);
     /* No file has this offset, and the file is gone. */
     at = UINT64_MAX;
     memcpy(body, &at, sizeof at);

@@ -221,7 +221,7 @@ typedef enum lies {
     LIES_KINDS
 } lies;
 
-static bool is_mirrored(int how) { return how == LIES_MIRRORED || how == LIES_SMOOTH_MIRRORED; }
+static bool is_mirrored(lies how) { return how == LIES_MIRRORED || how == LIES_SMOOTH_MIRRORED; }
 
 static void add_mapped(stage *s, lies how, fathom_id material) {
     square q;
