@@ -255,10 +255,11 @@ static fathom_status add_object(const object_reader *r, const where *at, json_t 
     const size_t first = r->scene->objects.count;
     if (status == FATHOM_OK) status = add_content(r, at, value, &o, group, batch);
     if (status != FATHOM_OK) return status;
-    if (o.kind == FORM_TRIANGLE && o.values.light_group) {
-        /* Its mesh is added later. */
+    if (o.kind == FORM_TRIANGLE) {
+        /* Its mesh is added later; one added now is that of the triangles before it. */
         const where named = {at, "group", 0};
         uint8_t found;
+        if (!o.values.light_group) return FATHOM_OK;
         status = light_group_find(r->scene, o.values.light_group, &found);
         return status == FATHOM_OK ? status : doc_within(r->doc, &named, status);
     }

@@ -1,0 +1,140 @@
+/* Scene JSON: values that have several forms, or that depend on their neighbours in the list. */
+#include "json_scene.h"
+#include "scene/motion/motion.h"
+
+#define TRIANGLE(more) "{\"type\": \"triangle\", \"vertices\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]" more "}"
+
+static json_scene s;
+
+static int setup(void **state) {
+    (void)state;
+    json_scene_open(&s);
+    return 0;
+}
+
+static int teardown(void **state) {
+    (void)state;
+    json_scene_close(&s);
+    return 0;
+}
+
+/* Neighbours of one name are one mesh; a neighbour of another name takes nothing from it. */
+static void loose_triangles_keep_their_own_names(void **state) {
+    (void)state;
+    fathom_scene *scene = json_scene_good(
+        &s, "{\"objects\": [" TRIANGLE(", \"name\": \"a\"") "," TRIANGLE(", \"name\": \"a\"") "," TRIANGLE(
+                ", \"name\": \"b\"") "," TRIANGLE("") "," TRIANGLE(", \"name\": \"c\"") "]}");
+    const char *const names[] = {"a", "b", NULL, "c"};
+    assert_int_equal(scene->objects.count, 4);
+    for (size_t i = 0; i < 4; ++i) {
+        const char *found = scene->objects.items[i].name;
+        if (!names[i] != !found || (found && strcmp(found, names[i]) != 0))
+            fail_msg("object %zu is called \"%s\", expected \"%s\"", i, found ? found : "",
+                     names[i] ? names[i] : "");
+    }
+    assert_int_equal(scene->meshes.items[0].triangle_count, 2);
+    fathom_scene_destroy(scene);
+}
+
+/* The radius is focalLength / (2 fStop), and the focus is at the target unless a distance is given. */
+static void lenses_follow_f_stops(void **state) {
+    (void)state;
+    static const struct {
+        const char *more;
+        double distance;
+    } cases[] = {{"", 5}, {", \"focusDistance\": 3", 3}};
+    for (size_t i = 0; i < 2; ++i) {
+        char text[256];
+        snprintf(text, sizeof text,
+                 "{\"camera\": {\"eye\": [0, 0, 5], \"target\": [0, 0, 0], \"focalLength\": 0.5, \"fStop\": 2"
+                 "%s}, \"objects\": []}",
+                 cases[i].more);
+        fathom_scene *scene = json_scene_good(&s, text);
+        assert_true(scene->camera.lens_radius == 0.125);
+        assert_true(scene->camera.focus_distance == cases[i].distance);
+        fathom_scene_destroy(scene);
+    }
+    json_scene_bad(&s,
+                   "{\"camera\": {\"frame\": {\"origin\": [0, 0, 5], \"z\": [0, 0, 1]}, \"focalLength\": 1, "
+                   "\"fStop\": 2}, \"objects\": []}",
+                   "a lens needs \"focusDistance\", or \"eye\" and \"target\"");
+}
+
+/* What is stored is the radiance of a white diffuser: a pi-th of the irradiance. */
+static void units_of_lights_are_pi_times_intensities(void **state) {
+    (void)state;
+    fathom_scene *scene = json_scene_good(
+        &s, "{\"lights\": [{\"type\": \"point\", \"position\": [0, 0, 1], \"color\": [1, 0.5, 0], "
+            "\"radiantIntensity\": 4},"
+            "{\"type\": \"spot\", \"position\": [0, 0, 1], \"direction\": [0, 0, -1], "
+            "\"radiantIntensity\": 2},"
+            "{\"type\": \"directional\", \"direction\": [0, -2, 0], \"irradiance\": 3},"
+            "{\"type\": \"sun\", \"direction\": [0, -2, 0], \"irradiance\": 6}], \"objects\": []}");
+    const double expected[4][2] = {{4, 2}, {2, 2}, {3, 3}, {6, 6}};
+    assert_int_equal(scene->lights.count, 4);
+    for (size_t i = 0; i < 4; ++i) {
+        /* A quotient and a product in double, rounded to float below 2. */
+        for (size_t c = 0; c < 2; ++c)
+            assert_near(scene->lights.items[i].intensity[c], expected[i][c] / 3.14159265358979324, 0x1p-24);
+    }
+    fathom_scene_destroy(scene);
+}
+
+/* One key is a place: at any time, and for the camera as well. */
+static void motion_of_one_key_is_a_place(void **state) {
+    (void)state;
+    fathom_scene *scene = json_scene_good(
+        &s, "{\"camera\": {\"shutter\": [0, 1], \"motion\": [{\"time\": 7, \"eye\": [1, 2, 5], \"target\": "
+            "[1, 2, "
+            "0]}]}, \"objects\": [{\"type\": \"sphere\", \"center\": [1, 0, 0], \"radius\": 1, \"motion\": "
+            "[{\"time\": 7, \"translation\": [1, 2, 3], \"scale\": [2, 2, 2]}]}]}");
+    const fathom_instance *it = &scene->instances.items[0];
+    assert_int_equal(it->key_count, 1);
+    for (int t = 6; t < 9; ++t) {
+        const affine_f64 map = motion_place(it, t);
+        const vec3_f64 center = affine_point(&map, (vec3_f64){1, 0, 0});
+        assert_true(center.x == 3 && center.y == 2 && center.z == 3);
+        const fathom_camera camera = motion_camera(&scene->camera, t);
+        assert_true(camera.origin[0] == 1 && camera.origin[1] == 2 && camera.origin[2] == 5);
+        assert_true(camera.z[2] == 1 && camera.y[1] == 1);
+    }
+    assert_false(motion_is_moving(it, (double[2]){0, 10}));
+    assert_false(motion_camera_moves(&scene->camera));
+    fathom_scene_destroy(scene);
+}
+
+/* Colours, opacities, both uvs and tangents, each from its own list, with the key that moves them. */
+static void arrays_of_moving_meshes_stay_apart(void **state) {
+    (void)state;
+    fathom_scene *scene = json_scene_good(
+        &s,
+        "{\"objects\": [{\"type\": \"mesh\", \"positions\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], \"indices\": "
+        "[[0, 1, 2]], \"normals\": [[0, 0, 1], [0, 0, 1], [0, 0, 1]], \"colors\": [[0.25, 0.5, 0.75], [0.25, "
+        "0.5, 0.75], [0.25, 0.5, 0.75]], \"opacities\": [[0], [0.5], [1]], \"uvs\": [[1, 2], [1, 2], [1, 2]],"
+        "\"uvs1\": [[3, 4], [3, 4], [3, 4]], \"tangents\": [[1, 0, 0, -1], [1, 0, 0, -1], [1, 0, 0, -1]], "
+        "\"vertexKeys\": [{\"time\": 0, \"positions\": [[0, 0, 0], [0, 1, 0], [1, 0, 0]], \"normals\": [[0, "
+        "0, -1], [0, 0, -1], [0, 0, -1]]}]}]}");
+    const fathom_mesh *m = &scene->meshes.items[0];
+    assert_int_equal(m->color_channels, 4);
+    assert_int_equal(m->key_count, 1);
+    for (size_t i = 0; i < 3; ++i) {
+        const float *color = m->colors + 4 * i, *tangent = m->tangents + 4 * i;
+        assert_true(color[0] == 0.25f && color[1] == 0.5f && color[2] == 0.75f && color[3] == (float)i / 2);
+        assert_true(tangent[0] == 1 && tangent[3] == -1);
+        assert_true(m->uvs[2 * i] == 1 && m->uvs_1[2 * i + 1] == 4);
+        assert_true(m->normals[3 * i + 2] == 1 && m->key_normals[3 * i + 2] == -1);
+        assert_true(m->key_positions[3 * i] == (i == 2) && m->key_positions[3 * i + 1] == (i == 1));
+    }
+    fathom_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(loose_triangles_keep_their_own_names),
+        cmocka_unit_test(lenses_follow_f_stops),
+        cmocka_unit_test(units_of_lights_are_pi_times_intensities),
+        cmocka_unit_test(motion_of_one_key_is_a_place),
+        cmocka_unit_test(arrays_of_moving_meshes_stay_apart),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
