@@ -147,13 +147,15 @@ fathom_material mtl_material_from(const mtl_entry *m) {
 /* ---- images ---- */
 
 /* The value of a material with an image that cannot be read. The file's value is mostly 1, which would make a
- * mirror, a lamp or a white wall, so 0, or half for colours, is used instead. */
+ * mirror, a lamp, a coat or a white wall, so 0, or half for colours, is used instead. */
 static void without_image(int kind, fathom_material *m) {
     if (kind == FATHOM_MAP_METALLIC) m->metallic = 0;
+    if (kind == FATHOM_MAP_CLEARCOAT) m->clearcoat = 0;
     for (int c = 0; c < 3; ++c) {
         if (kind == FATHOM_MAP_COLOR) m->k_d[c] *= 0.5f, m->base_color[c] *= 0.5f;
         if (kind == FATHOM_MAP_SPECULAR_COLOR) m->k_s[c] = m->k_r[c] = 0;
         if (kind == FATHOM_MAP_EMISSIVE) m->k_e[c] = m->emissive[c] = 0;
+        if (kind == FATHOM_MAP_SHEEN_COLOR) m->sheen_color[c] = 0;
     }
 }
 

@@ -1,0 +1,90 @@
+/* MTL: options of images in any order, and materials whose images are lost. */
+#include "mesh_file.h"
+
+#include "read/obj/obj.h"
+
+/* The material of an OBJ file with this library. */
+static fathom_material material_of(const char *body) {
+    static const char faces[] = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
+    char text[512];
+    fathom_status status;
+    snprintf(text, sizeof text, "newmtl m\n%s", body);
+    mesh_write("m.mtl", text, strlen(text));
+    const read_mesh_options options = {.material = FATHOM_NONE};
+    fathom_scene *scene = mesh_try(read_obj, mesh_write("m.obj", faces, strlen(faces)), options, &status);
+    if (!scene) fail_msg("%s", fathom_context_message(context));
+    const fathom_material out = scene->materials.items[mesh_at(scene, 0)->material].value;
+    fathom_scene_destroy(scene);
+    return out;
+}
+
+static void write_image(const char *name) { mesh_write(name, "P6\n1 1\n255\n\0\0\0", 14); }
+
+/* The image's channel and transform do not depend on the order of the options, nor on options that are not
+ * read, whatever they are followed by. */
+static void options_of_images_may_be_in_any_order(void **state) {
+    (void)state;
+    static const char *const options[] = {
+        "-s 2 3 -o 0.5 0.25 -imfchan b",
+        "-imfchan b -o 0.5 0.25 0 -s 2 3 1",
+        "-blendu on -blendv off -imfchan b -cc off -o 0.5 0.25 -boost 2 -s 2 3 -texres 512",
+        "-mm 0 1 -s 2 3 -t 0.1 0.2 0.3 -o 0.5 0.25 -type sphere -imfchan b",
+        "-t 0.1 -imfchan b -mm 0.5 2 -o 0.5 0.25 -s 2 3",
+    };
+    const float transform[6] = {2, 0, 0.5f, 0, -3, 0.75f};
+    write_image("1.ppm");
+    for (size_t i = 0; i < sizeof options / sizeof *options; ++i) {
+        char body[160];
+        snprintf(body, sizeof body, "map_Ns %s 1.ppm\n", options[i]);
+        const fathom_map map = material_of(body).maps[FATHOM_MAP_SHININESS];
+        assert_int_not_equal(map.texture, FATHOM_NONE);
+        assert_int_equal(map.channel, 2);
+        for (int k = 0; k < 6; ++k) assert_true(map.transform[k] == transform[k]);
+        assert_true(!strstr(mesh_warnings, "-mm and -t") == (i < 3));
+    }
+    static const char *const channels[] = {"r", "g", "b", "m"};
+    for (uint32_t c = 0; c < 4; ++c) {
+        char body[64];
+        snprintf(body, sizeof body, "map_d -imfchan %s 1.ppm\nmap_Kd 1.ppm\n", channels[c]);
+        assert_int_equal(material_of(body).maps[FATHOM_MAP_OPACITY].channel, c);
+    }
+    assert_int_equal(material_of("map_d 1.ppm\nmap_Kd 1.ppm\n").maps[FATHOM_MAP_OPACITY].channel, 3);
+}
+
+/* An image alone means a factor of 1. Without the image, that would be a lamp, a mirror, a coat or a sheen
+ * all over. */
+static void lost_images_leave_no_layer(void **state) {
+    (void)state;
+    fathom_material m = material_of("Kd 0.5 0.5 0.5\nmap_Ke no.png\nmap_Ks no.png\nillum 3\nNs 9\n");
+    for (int c = 0; c < 3; ++c) assert_true(m.k_e[c] == 0 && m.k_s[c] == 0 && m.k_r[c] == 0);
+    m = material_of(
+        "map_Kd no.png\nmap_Pm no.png\nmap_Pr no.png\nmap_Pc no.png\nmap_Ps no.png\nmap_Ke no.png\n");
+    assert_int_equal(m.model, FATHOM_MODEL_METALLIC_ROUGHNESS);
+    assert_true(m.metallic == 0 && m.roughness == 1 && m.clearcoat == 0);
+    for (int c = 0; c < 3; ++c)
+        assert_true(m.base_color[c] == 0.5f && m.sheen_color[c] == 0 && m.emissive[c] == 0);
+}
+
+/* Any of the keys selects the model. */
+static void every_pbr_key_selects_the_model(void **state) {
+    (void)state;
+    static const char *const keys[] = {"Pr", "Pm", "Pc", "Ps", "aniso"};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
+        char body[32];
+        snprintf(body, sizeof body, "Kd 1 1 1\n%s 0.25\n", keys[i]);
+        const fathom_material m = material_of(body);
+        assert_int_equal(m.model, FATHOM_MODEL_METALLIC_ROUGHNESS);
+        const float found[] = {m.roughness, m.metallic, m.clearcoat, m.sheen_color[1], m.anisotropy};
+        assert_true(found[i] == 0.25f);
+    }
+    assert_int_equal(material_of("Pcr 0.5\nanisor 0.5\n").model, FATHOM_MODEL_CLASSIC);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(options_of_images_may_be_in_any_order),
+        cmocka_unit_test(lost_images_leave_no_layer),
+        cmocka_unit_test(every_pbr_key_selects_the_model),
+    };
+    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
+}
