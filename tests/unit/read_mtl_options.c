@@ -80,11 +80,20 @@ static void every_pbr_key_selects_the_model(void **state) {
     assert_int_equal(material_of("Pcr 0.5\nanisor 0.5\n").model, FATHOM_MODEL_CLASSIC);
 }
 
+/* A NaN leaves what was before it. */
+static void a_nan_changes_nothing(void **state) {
+    (void)state;
+    assert_true(material_of("Pr 0.5\nd 0.25\nTr nan\n").opacity == 0.25f);
+    assert_true(material_of("Pr 0.5\nd 0.25\nd nan\n").opacity == 0.25f);
+    assert_true(material_of("Pr 0.5\nTr nan\n").opacity == 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(options_of_images_may_be_in_any_order),
         cmocka_unit_test(lost_images_leave_no_layer),
         cmocka_unit_test(every_pbr_key_selects_the_model),
+        cmocka_unit_test(a_nan_changes_nothing),
     };
     return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
 }

@@ -220,6 +220,7 @@ static void read_field(mtl_reader *r, int kind, const char *at) {
     }
     double *out = (double *)(void *)((char *)&r->entry + field->offset);
     const mtl_entry before = r->entry;
+    if (kind == MTL_TR) *out = 1 - *out; /* a NaN keeps the value, and so d */
     if (!read_numbers(r, field, p, out)) {
         r->entry = before;
         return;
