@@ -149,6 +149,12 @@ fathom_status ply_read_vertices(ply_reader *r, size_t count, size_t grain, loop_
     return status == FATHOM_OK && r->lost ? note_lost(r) : status;
 }
 
+/* What is left of `whole` when wide integers go into *wide. */
+static double part_wide(double whole, double *wide) {
+    *wide = whole > 255 ? whole : 0;
+    return whole > 255 ? 0 : whole;
+}
+
 static void choose_arrays(ply_reader *r) {
     const ply_array kinds[PLY_ARRAYS] = {{.first_role = PLY_X, .components = 3},
                                          {.first_role = PLY_NX, .components = 3},
@@ -171,10 +177,10 @@ static void choose_arrays(ply_reader *r) {
         }
     }
     if (!scene_keeps_uvs(r->scene)) r->uv_list = SIZE_MAX;
-    r->whole_color = ply_whole(r, r->vertex_element, r->role[PLY_R]);
-    r->whole_alpha = ply_whole(r, r->vertex_element, r->role[PLY_A]);
-    r->whole_face_color = ply_whole(r, r->face_element, r->face_color);
-    r->whole_face_alpha = ply_whole(r, r->face_element, r->face_alpha);
+    r->whole_color = part_wide(ply_whole(r, r->vertex_element, r->role[PLY_R]), &r->wide.color);
+    r->whole_alpha = part_wide(ply_whole(r, r->vertex_element, r->role[PLY_A]), &r->wide.alpha);
+    r->whole_face_color = part_wide(ply_whole(r, r->face_element, r->face_color), &r->wide_face.color);
+    r->whole_face_alpha = part_wide(ply_whole(r, r->face_element, r->face_alpha), &r->wide_face.alpha);
 }
 
 /* True if these components of all rows are whole numbers from 0 to 255, and one is above 2. Linear colours
@@ -191,16 +197,33 @@ static bool are_bytes(const float *values, size_t stride, size_t count, int begi
     return largest > 2;
 }
 
-/* Some programs store sRGB bytes as floats. Fathom's own floats are always linear. */
-static fathom_status decode_bytes(ply_reader *r) {
+/* The numbers that mean colour 1 and opacity 1 in `count` rows of stored colours; 0: they are linear. Some
+ * programs store sRGB bytes as floats, or as wider integers. Fathom's own floats are always linear.
+ * *bytes: they are such bytes. */
+static ply_wide find_whole(const ply_reader *r, const float *values, size_t stride, size_t count, bool alpha,
+                           const ply_wide *wide, bool *bytes) {
+    ply_wide out = *wide;
+    *bytes = !r->by_fathom && are_bytes(values, stride, count, 0, 3);
+    if (*bytes) out.color = 255;
+    if (alpha && (*bytes || out.alpha > 0) && are_bytes(values, stride, count, 3, 4)) out.alpha = 255;
+    return out;
+}
+
+static void note_bytes(ply_reader *r, size_t element, bool wide) {
+    notes_add(&r->notes, (size_t)r->header.elements.items[element].count, "",
+              "%s colours are %s, but whole numbers up to 255; they are read as sRGB bytes",
+              element == r->vertex_element ? "vertex" : "face", wide ? "wide integers" : "floats");
+}
+
+static fathom_status decode_colors(ply_reader *r) {
     ply_array *colors = &r->arrays[PLY_COLORS];
     const ply_array from = *colors;
-    if (!from.present || r->whole_color > 0 || r->splats || r->by_fathom ||
-        !are_bytes(from.values, from.stride, r->vertex_count, 0, 3))
-        return FATHOM_OK;
+    bool bytes;
+    if (!from.present || r->splats || (r->whole_color > 0 && !(r->wide.alpha > 0))) return FATHOM_OK;
     const bool alpha = from.components > 3 && !(r->whole_alpha > 0);
-    r->whole_color = 255;
-    r->whole_alpha = alpha && are_bytes(from.values, from.stride, r->vertex_count, 3, 4) ? 255 : 0;
+    const ply_wide whole = find_whole(r, from.values, from.stride, r->vertex_count, alpha, &r->wide, &bytes);
+    if (!(whole.color > 0 || whole.alpha > 0)) return FATHOM_OK;
+    r->whole_color = whole.color, r->whole_alpha = whole.alpha;
     if (!from.own) colors->values = NULL; /* the file's own bytes */
     const fathom_status status = ply_allocate_arrays(r);
     for (uint32_t i = 0; i < r->vertex_count && status == FATHOM_OK; ++i) {
@@ -209,25 +232,24 @@ static fathom_status decode_bytes(ply_reader *r) {
         for (int k = 0; k < from.components; ++k) values[PLY_R + k] = (double)row[k];
         put_color(r, i, values);
     }
-    notes_add(&r->notes, r->vertex_count, "",
-              "vertex colours are floats, but whole numbers up to 255; they are read as sRGB bytes");
+    if (bytes) note_bytes(r, r->vertex_element, r->wide.color > 0);
     return status;
 }
 
 /* The same for faces. */
-static void decode_face_bytes(ply_reader *r) {
+static void decode_face_colors(ply_reader *r) {
     const size_t count = r->triangle_count;
-    if (r->face_color < 0 || !r->looks || r->whole_face_color > 0 || r->by_fathom ||
-        !are_bytes(r->looks->color, sizeof *r->looks, count, 0, 3))
-        return;
-    const bool alpha = r->face_alpha >= 0 && !(r->whole_face_alpha > 0) &&
-                       are_bytes(r->looks->color, sizeof *r->looks, count, 3, 4);
+    bool bytes;
+    if (r->face_color < 0 || !r->looks || (r->whole_face_color > 0 && !(r->wide_face.alpha > 0))) return;
+    const bool alpha = r->face_alpha >= 0 && !(r->whole_face_alpha > 0);
+    const ply_wide whole =
+        find_whole(r, r->looks->color, sizeof *r->looks, count, alpha, &r->wide_face, &bytes);
     for (ply_look *look = r->looks; look < r->looks + count; ++look) {
-        for (int c = 0; c < 3; ++c) look->color[c] = read_linear((double)look->color[c] / 255);
-        if (alpha) look->color[3] /= 255;
+        for (int c = 0; c < 3 && whole.color > 0; ++c)
+            look->color[c] = read_linear((double)look->color[c] / whole.color);
+        if (alpha && whole.alpha > 0) look->color[3] = (float)((double)look->color[3] / whole.alpha);
     }
-    notes_add(&r->notes, (size_t)r->header.elements.items[r->face_element].count, "",
-              "face colours are floats, but whole numbers up to 255; they are read as sRGB bytes");
+    if (bytes) note_bytes(r, r->face_element, r->wide_face.color > 0);
 }
 
 static void release_map(void *data) {
@@ -327,8 +349,8 @@ static fathom_status read_mapped(ply_reader *r) {
                                    "that fit a float"
                                  : "no faces: expected at least one with 3 corners or more");
     }
-    status = decode_bytes(r);
-    decode_face_bytes(r);
+    status = decode_colors(r);
+    decode_face_colors(r);
     if (status == FATHOM_OK) status = keep_map(r);
     return status == FATHOM_OK ? add_meshes(r) : status;
 }

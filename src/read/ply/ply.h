@@ -97,6 +97,12 @@ typedef struct ply_array {
     size_t stride;
 } ply_array;
 
+/* Colours and opacities in integers of more than a byte are stored as they are, until all are known: they may
+ * be bytes. The numbers that mean 1 by their types; 0: others. */
+typedef struct ply_wide {
+    double color, alpha;
+} ply_wide;
+
 /* The triangles of successive rows. */
 typedef struct ply_faces {
     ARRAY(uint32_t) indices;
@@ -138,9 +144,10 @@ typedef struct ply_reader {
     int role[PLY_ROLES];          /* property of the vertex element; -1: none */
     uint32_t vertex_count;
     ply_array arrays[PLY_ARRAYS];
-    double whole_color; /* the stored number that means colour 1; 0: colours are linear floats */
+    double whole_color; /* the stored number that means colour 1; 0: as stored, linear floats or `wide` */
     double whole_alpha; /* the same for opacities */
     double whole_face_color, whole_face_alpha;
+    ply_wide wide, wide_face;
     pthread_mutex_t lock; /* guards the bounds */
     scene_bounds bounds;
     vec3_f64 origin;

@@ -1,0 +1,173 @@
+/* PLY files whose properties are of rare types, or only part of what belongs together. */
+#include "ply_file.h"
+
+#include "read/mesh/strokes.h"
+
+/* Bytes in wider integers: the value that means white is 255, as long as no channel is above. */
+static void whole_colours_of_bytes_are_decoded(void **state) {
+    (void)state;
+    static const struct {
+        const char *type;
+        char code;
+        double red, blue, expected;
+        const char *told;
+    } cases[] = {
+        {"int", 'i', 255, 51, 1, "sRGB bytes"},          {"uint", 'i', 255, 51, 1, "sRGB bytes"},
+        {"short", 's', 255, 51, 1, "sRGB bytes"},        {"ushort", 's', 255, 51, 1, "sRGB bytes"},
+        {"ushort", 's', 65535, 13107, 1, NULL},          {"uchar", 'b', 255, 51, 1, NULL},
+        {"uint", 'i', 4294967295.0, 858993459, 1, NULL},
+    };
+    for (size_t k = 0; k < 2 * FLAVOURS * sizeof cases / sizeof *cases; ++k) {
+        const size_t i = k / (2 * FLAVOURS);
+        const bool faces = k / FLAVOURS % 2;
+        char colors[128], lines[512];
+        ply_maker m;
+        snprintf(colors, sizeof colors, "property %s red\nproperty %s green\nproperty %s blue\n",
+                 cases[i].type, cases[i].type, cases[i].type);
+        snprintf(lines, sizeof lines,
+                 "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                 "%s" FACES(1) "%s",
+                 faces ? "" : colors, faces ? colors : "");
+        ply_header(&m, (ply_flavour)(k % FLAVOURS), lines, 0);
+        const char row[] = {cases[i].code, cases[i].code, cases[i].code, 0};
+        const double color[] = {cases[i].red, 0, cases[i].blue};
+        for (int v = 0; v < 3; ++v) {
+            char types[8];
+            snprintf(types, sizeof types, "fff%s", faces ? "" : row);
+            const double values[] = {v % 2, v / 2, 0, color[0], color[1], color[2]};
+            ply_row(&m, types, values);
+        }
+        char types[8];
+        snprintf(types, sizeof types, "biii%s", faces ? row : "");
+        const double face[] = {3, 0, 1, 2, color[0], color[1], color[2]};
+        ply_row(&m, types, face);
+        fathom_scene *scene = ply_read(&m);
+        const float *c = mesh_at(scene, 0)->colors;
+        /* A fifth of the range of sRGB: ((0.2 + 0.055) / 1.055)^2.4. */
+        if (fabs((double)c[0] - cases[i].expected) > 0 || fabs((double)c[2] - 0.0331047666) > 1e-7)
+            fail_msg("%s of %s: (%g, %g, %g)", cases[i].type, faces ? "faces" : "vertices", (double)c[0],
+                     (double)c[1], (double)c[2]);
+        if (cases[i].told)
+            assert_non_null(strstr(mesh_warnings, cases[i].told));
+        else
+            assert_null(strstr(mesh_warnings, "bytes"));
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Opacities have a type of their own. */
+static void opacities_follow_their_own_type(void **state) {
+    (void)state;
+    static const struct {
+        const char *colors, *alphas, *row;
+        double red, alpha;
+    } cases[] = {{"uchar", "ushort", "bbbs", 255, 13107}, {"uchar", "ushort", "bbbs", 255, 51},
+                 {"float", "ushort", "fffs", 1, 13107},   {"ushort", "uchar", "sssb", 65535, 51},
+                 {"int", "float", "iiif", 255, 0.2},      {"ushort", "ushort", "ssss", 65535, 13107}};
+    for (size_t k = 0; k < 2 * sizeof cases / sizeof *cases; ++k) {
+        const size_t i = k / 2;
+        const bool faces = k % 2;
+        char colors[160], lines[512], types[16];
+        ply_maker m;
+        snprintf(colors, sizeof colors, "property %s r\nproperty %s g\nproperty %s b\nproperty %s a\n",
+                 cases[i].colors, cases[i].colors, cases[i].colors, cases[i].alphas);
+        snprintf(lines, sizeof lines,
+                 "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n%s" FACES(1) "%s",
+                 faces ? "" : colors, faces ? colors : "");
+        ply_header(&m, BIG, lines, 0);
+        const double red = cases[i].red, alpha = cases[i].alpha;
+        snprintf(types, sizeof types, "fff%s", faces ? "" : cases[i].row);
+        for (int v = 0; v < 3; ++v) ROW(&m, types, v % 2, v / 2, 0, red, 0, 0, alpha);
+        snprintf(types, sizeof types, "biii%s", faces ? cases[i].row : "");
+        ROW(&m, types, 3, 0, 1, 2, red, 0, 0, alpha);
+        fathom_scene *scene = ply_read(&m);
+        const float *c = mesh_at(scene, 0)->colors;
+        assert_int_equal(mesh_at(scene, 0)->color_channels, 4);
+        if (c[0] != 1 || c[1] != 0 || fabs((double)c[3] - 0.2) > 0x1p-24)
+            fail_msg("%s with %s: (%g, %g), alpha %g", cases[i].colors, cases[i].alphas, (double)c[0],
+                     (double)c[1], (double)c[3]);
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Of a face without an alpha nothing odd is told, whatever the vertices before it hold. */
+static void odd_normals_say_nothing_about_faces(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour,
+                   XYZ "property float nx\nproperty float ny\nproperty float nz\n" FACES(
+                       1) "property uchar red\nproperty uchar green\nproperty uchar blue\n",
+                   0);
+        for (int i = 0; i < 4; ++i)
+            ROW(&m, "ffffff", (i + 1) / 2 % 2, i / 2, 0, (double)NAN, (double)NAN, (double)NAN);
+        ROW(&m, "biiiibbb", 4, 0, 1, 2, 3, 255, 0, 0);
+        fathom_scene *scene = ply_read(&m);
+        assert_non_null(strstr(mesh_warnings, "a NaN or an infinity of a vertex"));
+        assert_null(strstr(mesh_warnings, "of a face"));
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Lists whose lengths and indices have any type, next to lists that nothing reads. */
+static void lists_of_every_type_are_read(void **state) {
+    (void)state;
+    static const char *const names[] = {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
+    static const char codes[] = "bbssiifd";
+    for (size_t k = 0; k < 8 * 8 * FLAVOURS; ++k) {
+        const size_t length = k / FLAVOURS % 8, index = k / FLAVOURS / 8;
+        const ply_flavour flavour = (ply_flavour)(k % FLAVOURS);
+        char lines[512], types[32];
+        ply_maker m;
+        snprintf(lines, sizeof lines,
+                 XYZ "element face 2\nproperty list %s %s other\nproperty list %s %s vertex_index\n"
+                     "property %s flags\n",
+                 names[length], names[index], names[length], names[index], names[index]);
+        ply_header(&m, flavour, lines, k);
+        ply_square(&m);
+        const char n = codes[length], i = codes[index];
+        /* Rows of different sizes, so that none is found by its number alone. */
+        snprintf(types, sizeof types, "%c%c%c%c%c%c%c", n, i, n, i, i, i, i);
+        ROW(&m, types, 1, 9, 3, 0, 1, 2, 7);
+        snprintf(types, sizeof types, "%c%c%c%c%c%c", n, n, i, i, i, i);
+        ROW(&m, types, 0, 3, 0, 2, 3, 7);
+        fathom_scene *scene = ply_read(&m);
+        ply_expect_square(scene);
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* What is lost takes its edges and, of a cloud, its colour along. */
+static void edges_and_colours_go_with_lost_vertices(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour,
+                   XYZ "element edge 3\nproperty int vertex1\nproperty int vertex2\n", 0);
+        ROW(&m, "fff fff fff fff", 0, 0, 0, (double)NAN, 0, 0, 1, 1, 0, 0, 1, 0);
+        ROW(&m, "ii ii ii", 0, 1, 1, 2, 2, 3);
+        fathom_scene *scene = ply_read(&m);
+        assert_int_equal(mesh_at(scene, 0)->triangle_count, ROD_TRIANGLES);
+        fathom_scene_destroy(scene);
+        ply_header(&m, (ply_flavour)flavour,
+                   XYZ "property float red\nproperty float green\nproperty float blue\n", 0);
+        for (int i = 0; i < 4; ++i) ROW(&m, "ffffff", i == 1 ? (double)INFINITY : i, 0, 0, 0.25 * i, 0, 0);
+        scene = ply_read(&m);
+        assert_int_equal(mesh_at(scene, 0)->vertex_count, 3);
+        mesh_expect_point(mesh_at(scene, 0), 1, 2, 0, 0);
+        const float *second = mesh_row(mesh_at(scene, 0)->colors, mesh_at(scene, 0)->color_stride, 1);
+        assert_true(second[0] == 0.5f);
+        fathom_scene_destroy(scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(whole_colours_of_bytes_are_decoded),
+        cmocka_unit_test(opacities_follow_their_own_type),
+        cmocka_unit_test(odd_normals_say_nothing_about_faces),
+        cmocka_unit_test(lists_of_every_type_are_read),
+        cmocka_unit_test(edges_and_colours_go_with_lost_vertices),
+    };
+    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
+}
