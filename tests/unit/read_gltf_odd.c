@@ -37,6 +37,13 @@ static void assert_all_read(fixture *f, const odd_file *files, size_t count) {
     }
 }
 
+/* A view of 3 positions with these members, and a node that shows them. */
+#define STRIDED(members)                                                                                     \
+    "{" ASSET ",'buffers':[{'byteLength':120}],'bufferViews':[{'buffer':0,'byteLength':36," members          \
+    "}],'accessors':[{'bufferView':0,'componentType':5126,'type':'VEC3','count':3}],'meshes':[{'primitives'" \
+    ":"                                                                                                      \
+    "[{'attributes':{'POSITION':0}}]}],'nodes':[{'mesh':0}]}"
+
 static void clear_slips_are_read_and_told(void **state) {
     const odd_file files[] = {
         {TRIANGLE_NODES("{'mesh':0,'name':null,'children':null,'skin':null}"),
@@ -53,6 +60,7 @@ static void clear_slips_are_read_and_told(void **state) {
          "scenes[0].nodes: a scene names a node that has a parent"},
         {BUFFER("'byteLength':121"), "buffers[0].byteLength: a buffer has fewer bytes than it says"},
         {BUFFER("'name':'b'"), "buffers[0].byteLength: a buffer's length is missing"},
+        {STRIDED("'byteStride':0"), "bufferViews[0].byteStride: a stride of 0"},
         {IMAGE("http://example.org/a.png"),
          "images[0].uri: \"http://example.org/a.png\": there is no such file that may be read"},
         {IMAGE("a.png','name':'wood"), "images[0].uri: \"a.png\" (named \"wood\"): there is no such file"},

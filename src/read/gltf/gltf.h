@@ -250,6 +250,8 @@ typedef struct gltf_view {
 
 /* *at receives the view, for messages. */
 fathom_status gltf_view_open(gltf *g, uint32_t index, gltf_value *at, gltf_view *out);
+/* *stride: that of elements side by side, if the view has none; 0 means none to programs that write it. */
+void gltf_view_stride(gltf *g, const gltf_value *view, uint64_t *stride);
 
 /* ---- gltf_accessor.c ---- */
 

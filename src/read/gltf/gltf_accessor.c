@@ -158,7 +158,7 @@ static void open_span(gltf *g, const gltf_value *user, uint64_t count, unsigned 
     gltf_integer(g, user, "byteOffset", 0, INT64_MAX, &offset);
     if (!gltf_fine(g) || index == GLTF_ABSENT) return;
     gltf_view_open(g, index, &view, &from);
-    if (strided) gltf_integer(g, &view, "byteStride", 1, 252, &stride);
+    if (strided) gltf_view_stride(g, &view, &stride);
     if (stride < element)
         gltf_fail(g, &view, "byteStride", "is %llu; the elements of %s[%zu] have %u bytes",
                   (unsigned long long)stride, user->parent->key ? user->parent->key : "sparse", user->index,

@@ -145,3 +145,12 @@ fathom_status gltf_view_open(gltf *g, uint32_t index, gltf_value *view, gltf_vie
         open_part(g, view, out);
     return g->status;
 }
+
+void gltf_view_stride(gltf *g, const gltf_value *view, uint64_t *stride) {
+    uint64_t given = *stride;
+    gltf_integer(g, view, "byteStride", 0, 252, &given);
+    if (given)
+        *stride = given;
+    else
+        gltf_note(g, view, "byteStride", "a stride of 0, which is against the format, is taken as none");
+}
