@@ -1,0 +1,150 @@
+/* glTF materials whose images are lost or shared, their samplers, and features that are left out with a note.
+ */
+#include "gltf_build.h"
+
+/* PPMs of one texel. */
+#define TEXELS                                                                                               \
+    "'images':[{'uri':'data:image/x-portable-pixmap;base64,UDYKMSAxCjI1NQoAAAA='},{'uri':'no.png'}]"
+#define MATERIAL(material, textures)                                                                         \
+    WITH_DATA("'meshes':[{'primitives':[{'attributes':{'POSITION':0,'TEXCOORD_0':5,'TEXCOORD_1':5},"         \
+              "'material':0}]}],'nodes':[{'mesh':0}]," TEXELS "," textures ",'materials':[{" material "}]")
+
+static fathom_material material_of(fixture *f, const char *json) {
+    fathom_scene *scene = read_triangle(f, json);
+    const fathom_material out = scene->materials.items[1].value;
+    fathom_scene_destroy(scene);
+    return out;
+}
+
+#define LOST(extension) material_of(f, MATERIAL("'extensions':{" extension "}", "'textures':[{'source':1}]"))
+#define IMAGE(name) "'" name "':{'index':0}"
+
+/* Factors next to an image are mostly 1, and the image says where. Without it, a layer would be everywhere.
+ */
+static void lost_images_leave_no_layer(void **state) {
+    fixture *f = *state;
+    fathom_material m = LOST("'KHR_materials_clearcoat':{'clearcoatFactor':1," IMAGE("clearcoatTexture") "}");
+    assert_true(m.clearcoat == 0);
+    m = LOST("'KHR_materials_sheen':{'sheenColorFactor':[1,1,1]," IMAGE("sheenColorTexture") "}");
+    assert_true(m.sheen_color[0] == 0 && m.sheen_color[1] == 0 && m.sheen_color[2] == 0);
+    m = LOST("'KHR_materials_anisotropy':{'anisotropyStrength':1," IMAGE("anisotropyTexture") "}");
+    assert_true(m.anisotropy == 0);
+    m = LOST("'KHR_materials_iridescence':{'iridescenceFactor':1," IMAGE("iridescenceTexture") "}");
+    assert_true(m.iridescence == 0);
+    m = LOST("'KHR_materials_diffuse_transmission':{'diffuseTransmissionFactor':1," IMAGE(
+        "diffuseTransmissionTexture") "}");
+    assert_true(m.diffuse_transmission == 0);
+    m = LOST("'KHR_materials_transmission':{'transmissionFactor':1," IMAGE("transmissionTexture") "}");
+    assert_true(m.transmission == 0);
+    assert_non_null(strstr(f->warning, "no.png"));
+}
+
+/* The specular colour tints the 4 % that the ior reflects; with ior 0 it is all that is reflected. */
+static void lost_specular_colours_leave_plain_plastic(void **state) {
+    fixture *f = *state;
+    fathom_material m = LOST("'KHR_materials_specular':{'specularColorFactor':[1,0.5,1]," IMAGE(
+        "specularColorTexture") "," IMAGE("specularTexture") "}");
+    assert_true(m.specular_color[0] == 1 && m.specular_color[1] == 0.5f && m.specular_factor == 1);
+    m = LOST("'KHR_materials_ior':{'ior':0},'KHR_materials_specular':{" IMAGE("specularColorTexture") "}");
+    assert_true(m.specular_color[0] == 0.04f);
+    m = LOST("'KHR_materials_pbrSpecularGlossiness':{" IMAGE("specularGlossinessTexture") "}");
+    assert_true(m.specular_color[2] == 0.04f && m.roughness == 1);
+}
+
+#define COLOR(more) "'pbrMetallicRoughness':{'baseColorTexture':{'index':0" more "}}"
+
+/* Each direction wraps by itself; filters without mip levels take none; the same image with another sampler
+ * is another texture. */
+static void samplers_are_followed(void **state) {
+    fixture *f = *state;
+    static const struct {
+        const char *sampler;
+        fathom_wrap u, v;
+        fathom_texture_filter filter;
+        unsigned warnings;
+    } cases[] = {
+        {"", FATHOM_WRAP_REPEAT, FATHOM_WRAP_REPEAT, FATHOM_TEXTURE_TRILINEAR, 0},
+        {"'wrapS':33071", FATHOM_WRAP_CLAMP, FATHOM_WRAP_REPEAT, FATHOM_TEXTURE_TRILINEAR, 0},
+        {"'wrapT':33648", FATHOM_WRAP_REPEAT, FATHOM_WRAP_MIRROR, FATHOM_TEXTURE_TRILINEAR, 0},
+        {"'wrapS':10497,'wrapT':33071", FATHOM_WRAP_REPEAT, FATHOM_WRAP_CLAMP, FATHOM_TEXTURE_TRILINEAR, 0},
+        {"'wrapS':33069", FATHOM_WRAP_REPEAT, FATHOM_WRAP_REPEAT, FATHOM_TEXTURE_TRILINEAR, 1},
+        {"'magFilter':9728,'minFilter':9987", FATHOM_WRAP_REPEAT, FATHOM_WRAP_REPEAT, FATHOM_TEXTURE_NEAREST,
+         0},
+        {"'magFilter':9729,'minFilter':9728", FATHOM_WRAP_REPEAT, FATHOM_WRAP_REPEAT, FATHOM_TEXTURE_LINEAR,
+         0},
+        {"'minFilter':9729", FATHOM_WRAP_REPEAT, FATHOM_WRAP_REPEAT, FATHOM_TEXTURE_LINEAR, 0},
+        {"'minFilter':9985", FATHOM_WRAP_REPEAT, FATHOM_WRAP_REPEAT, FATHOM_TEXTURE_TRILINEAR, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char json[4096];
+        snprintf(json, sizeof json,
+                 MATERIAL(COLOR("") ",'emissiveFactor':[1,1,1],'emissiveTexture':{'index':1}",
+                          "'samplers':[{%s}],'textures':[{'source':0,'sampler':0},{'source':0}]"),
+                 cases[i].sampler);
+        fathom_scene *scene = read_triangle(f, json);
+        const fathom_material *m = &scene->materials.items[1].value;
+        const fathom_texture *t = &scene->textures.items[m->maps[FATHOM_MAP_COLOR].texture],
+                             *other = &scene->textures.items[m->maps[FATHOM_MAP_EMISSIVE].texture];
+        if (t->wrap_u != cases[i].u || t->wrap_v != cases[i].v || t->filter != cases[i].filter ||
+            f->warnings != cases[i].warnings)
+            fail_msg("{%s}: %d, %d, %d, %u warnings", cases[i].sampler, (int)t->wrap_u, (int)t->wrap_v,
+                     (int)t->filter, f->warnings);
+        assert_int_equal(other->wrap_u, FATHOM_WRAP_REPEAT);
+        assert_int_equal(other->filter, FATHOM_TEXTURE_TRILINEAR);
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* The extension's own set of texture coordinates overrides the texture's; what is not given changes nothing.
+ */
+static void transforms_choose_their_set(void **state) {
+    fixture *f = *state;
+    static const char textures[] = "'textures':[{'source':0}]";
+    char json[4096];
+    static const struct {
+        const char *more;
+        uint32_t set;
+        float transform[6];
+    } cases[] = {
+        {",'texCoord':1", 1, {1, 0, 0, 0, 1, 0}},
+        {",'texCoord':1,'extensions':{'KHR_texture_transform':{'texCoord':0}}", 0, {1, 0, 0, 0, 1, 0}},
+        {",'extensions':{'KHR_texture_transform':{'texCoord':1,'offset':[0.25,0.5]}}",
+         1,
+         {1, 0, 0.25f, 0, 1, 0.5f}},
+        {",'texCoord':1,'extensions':{'KHR_texture_transform':{'scale':[2,-3]}}", 1, {2, 0, 0, 0, -3, 0}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        snprintf(json, sizeof json, MATERIAL(COLOR("%s"), "%s"), textures, cases[i].more);
+        const fathom_map map = material_of(f, json).maps[FATHOM_MAP_COLOR];
+        assert_int_equal(map.uv_set, cases[i].set);
+        for (int k = 0; k < 6; ++k) assert_true(map.transform[k] == cases[i].transform[k]);
+    }
+    snprintf(json, sizeof json, MATERIAL(COLOR(",'texCoord':2"), "%s"), textures);
+    assert_int_equal(material_of(f, json).maps[FATHOM_MAP_COLOR].texture, FATHOM_NONE);
+    assert_non_null(strstr(f->warning, "beyond the second"));
+}
+
+/* An unlit surface sends its colour, through its image, where its alpha lets it. */
+static void unlit_images_are_masked(void **state) {
+    fixture *f = *state;
+    const fathom_material m = material_of(
+        f, MATERIAL("'alphaMode':'MASK','pbrMetallicRoughness':{'baseColorFactor':[0.5,0.25,1,0.75],"
+                    "'baseColorTexture':{'index':0,'texCoord':1}},'emissiveFactor':[1,1,1],'extensions':{"
+                    "'KHR_materials_unlit':{}}",
+                    "'textures':[{'source':0}]"));
+    assert_true(m.emissive[0] == 0.5f && m.emissive[1] == 0.25f && m.emissive[2] == 1);
+    assert_true(m.opacity == 0.75f && m.opacity_cutoff == 0.5f && m.base_color[2] == 0);
+    assert_int_equal(m.maps[FATHOM_MAP_COLOR].texture, FATHOM_NONE);
+    assert_true(m.maps[FATHOM_MAP_EMISSIVE].uv_set == 1 && m.maps[FATHOM_MAP_OPACITY].uv_set == 1);
+    assert_int_equal(m.maps[FATHOM_MAP_OPACITY].channel, 3);
+}
+
+int main(void) {
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(lost_images_leave_no_layer), TEST(lost_specular_colours_leave_plain_plastic),
+        TEST(samplers_are_followed),      TEST(transforms_choose_their_set),
+        TEST(unlit_images_are_masked),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
