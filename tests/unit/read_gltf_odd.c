@@ -13,6 +13,10 @@ typedef struct odd_file {
 #define LIGHT(light)                                                                                         \
     WITH_DATA(TRIANGLE_MESH ",'extensions':{'KHR_lights_punctual':{'lights':[{" light                        \
                             "}]}},'nodes':[{'mesh':0,'extensions':{'KHR_lights_punctual':{'light':0}}}]")
+#define LIGHT_IN(node, light)                                                                                \
+    WITH_DATA(TRIANGLE_MESH ",'extensions':{'KHR_lights_punctual':{'lights':[{" light                        \
+                            "}]}},'nodes':[{'mesh':0},{" node                                                \
+                            "'extensions':{'KHR_lights_punctual':{'light':0}}}]")
 #define BUFFER(members)                                                                                      \
     "{" ASSET ",'buffers':[{" members "}]," VIEWS "," ACCESSORS "," TRIANGLE_MESH ",'nodes':[{'mesh':0}]}"
 #define IMAGE(uri)                                                                                           \
@@ -71,6 +75,9 @@ static void clear_slips_are_read_and_told(void **state) {
         {LIGHT("'type':'spot','spot':{'innerConeAngle':0.5,'outerConeAngle':0.5}"),
          "innerConeAngle: expected less than outerConeAngle"},
         {LIGHT("'type':'spot','spot':{'outerConeAngle':2}"), "outerConeAngle is out of range"},
+        {LIGHT_IN("'scale':[0,0,0],", "'type':'spot'"),
+         "nodes[1]: a light is scaled to nothing, and left out"},
+        {LIGHT_IN("'scale':[1,1,0],", "'type':'directional'"), "a light is scaled to nothing, and left out"},
         {MATERIAL("'pbrMetallicRoughness':{'metallicFactor':2}"),
          "metallicFactor is out of range: expected a number <= 1; the nearest is taken"},
         {MATERIAL("'alphaMode':'blend'"), "\"blend\" is none of OPAQUE, MASK and BLEND"},

@@ -102,7 +102,12 @@ void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *way) {
                   "the light \"%.40s\" moves while the shutter is open, and is not blurred; it stands as "
                   "the shutter opens",
                   gltf_name(node));
+    const vec3_f64 along = affine_vector(to_world, (vec3_f64){0, 0, -1});
+    if (light.type != FATHOM_LIGHT_POINT && !(length_f64(along) > 0)) {
+        gltf_note(g, node, NULL, "a light is scaled to nothing, and left out");
+        return;
+    }
     store_f64(light.position, scale_f64(gltf_unit(g), affine_point(to_world, (vec3_f64){0, 0, 0})));
-    store_f64(light.direction, normalize_f64(affine_vector(to_world, (vec3_f64){0, 0, -1})));
+    store_f64(light.direction, normalize_f64(along));
     gltf_within(g, node, NULL, fathom_scene_add_light(g->scene, &light, NULL));
 }
