@@ -62,6 +62,9 @@ static void clear_slips_are_read_and_told(void **state) {
         {TRIANGLE_NODES("{'mesh':0}],'scenes':[{'nodes':[0,0]}"), "a scene names a node twice"},
         {TRIANGLE_NODES("{'mesh':0},{'children':[0]}],'scenes':[{'nodes':[0,1]}"),
          "scenes[0].nodes: a scene names a node that has a parent"},
+        {TRIANGLE_NODES(
+             "{'mesh':0},{'mesh':0,'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'_ID':3}}}}"),
+         "nodes[1].extensions.EXT_mesh_gpu_instancing: instances without TRANSLATION, ROTATION and SCALE"},
         {BUFFER("'byteLength':121"), "buffers[0].byteLength: a buffer has fewer bytes than it says"},
         {BUFFER("'name':'b'"), "buffers[0].byteLength: a buffer's length is missing"},
         {STRIDED("'byteStride':0"), "bufferViews[0].byteStride: a stride of 0"},

@@ -123,6 +123,8 @@ static void add_many(gltf *g, const gltf_value *node, const gltf_value *instanci
     read_part(g, &attributes, "TRANSLATION", 3, GLTF_TAKES_FLOAT, &translations, &count);
     read_part(g, &attributes, "ROTATION", 4, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &rotations, &count);
     read_part(g, &attributes, "SCALE", 3, GLTF_TAKES_FLOAT, &scales, &count);
+    if (!translations.values && !rotations.values && !scales.values && gltf_fine(g))
+        gltf_note(g, instancing, NULL, "instances without TRANSLATION, ROTATION and SCALE are left out");
     for (uint32_t i = 0; i < count && gltf_fine(g); ++i) {
         double parts[GLTF_PARTS][4] = {{0, 0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1, 0}};
         part_at(&translations, i, 3, parts[GLTF_TRANSLATION]);
