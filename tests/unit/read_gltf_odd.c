@@ -65,6 +65,10 @@ static void clear_slips_are_read_and_told(void **state) {
         {TRIANGLE_NODES(
              "{'mesh':0},{'mesh':0,'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'_ID':3}}}}"),
          "nodes[1].extensions.EXT_mesh_gpu_instancing: instances without TRANSLATION, ROTATION and SCALE"},
+        {MESH("'attributes':{'POSITION':0},'targets':[{'TEXCOORD_0':5,'_X':5},{'COLOR_0':4}]}],'weights':[1,"
+              "0],'x':[{"),
+         "meshes[0].primitives[0].targets[0].TEXCOORD_0: morph targets of TEXCOORD_0 are not followed (1 "
+         "such)"},
         {BUFFER("'byteLength':121"), "buffers[0].byteLength: a buffer has fewer bytes than it says"},
         {BUFFER("'name':'b'"), "buffers[0].byteLength: a buffer's length is missing"},
         {STRIDED("'byteStride':0"), "bufferViews[0].byteStride: a stride of 0"},

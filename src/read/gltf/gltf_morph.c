@@ -1,4 +1,5 @@
 /* Morph targets: base + sum of weight times target, for positions, normals and the xyz of tangents. */
+#include "base/text.h"
 #include "base/threads.h"
 #include "read/gltf/gltf.h"
 
@@ -67,6 +68,21 @@ void gltf_morph(gltf *g, const gltf_value *primitive, const gltf_shape *shape, c
         loop_parallel(threads, floats->count, 1u << 14, add_target, &m);
     }
     if (m.to) floats->values = m.to, floats->stride = bytes;
+}
+
+void gltf_morph_note(gltf *g, const gltf_value *primitive, const gltf_shape *shape) {
+    static const char followed[] = "POSITION|NORMAL|TANGENT";
+    gltf_value targets, target;
+    const char *key;
+    json_t *value;
+    gltf_array(g, primitive, "targets", &targets);
+    for (size_t k = 0; k < gltf_count(&targets) && k < shape->weight_count && gltf_fine(g); ++k) {
+        gltf_item(g, &targets, k, &target);
+        json_object_foreach(target.json, key, value) {
+            if (shape->weights[k] != 0 && *key != '_' && words_find(followed, key, strlen(key)) < 0)
+                gltf_note(g, &target, key, "morph targets of %.40s are not followed", key);
+        }
+    }
 }
 
 /* ---- weights ---- */
