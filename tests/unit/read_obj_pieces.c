@@ -13,6 +13,10 @@ static bool has_uvs(int quad) { return quad % 4 & 1; }
 static bool has_normals(int quad) { return quad % 4 & 2; }
 static bool is_lost(int quad) { return quad % LOST == 5; }
 
+/* The last quad before this one that names a material and a smoothing group. */
+static int leader_of(int quad) { return quad / 50 * 50; }
+static int group_of(int quad) { return leader_of(quad) % 7 ? leader_of(quad) : 0; }
+
 static size_t write_quad(char *out, size_t room, int quad) {
     size_t used = 0;
 #define PUT(...) used += (size_t)snprintf(out + used, room - used, __VA_ARGS__)
@@ -22,7 +26,7 @@ static size_t write_quad(char *out, size_t room, int quad) {
         if (has_uvs(quad)) PUT("vt %d %d\n", quad, c);
         if (has_normals(quad)) PUT("vn %d %d 1\n", quad, c);
     }
-    if (quad % 50 == 0) PUT("usemtl m%d\ns %d\n", quad % 3, quad % 7 ? quad : 0);
+    if (quad == leader_of(quad)) PUT("usemtl m%d\ns %d\n", quad % 3, group_of(quad));
     PUT("f");
     for (int c = 0; c < 4; ++c) {
         PUT(" %d", c - 4);
@@ -46,6 +50,7 @@ static void check_corner(const fathom_mesh *m, size_t corner, int quad) {
     const float *color = row_of(m, MESH_COLORS, corner);
     assert_true(color[0] == (c == 0) && color[1] == (c == 1) && color[2] == (c == 2));
     assert_true(!m->uvs == !has_uvs(quad));
+    assert_true(!m->normals == !(has_normals(quad) || group_of(quad)));
     if (m->uvs) {
         const float *uv = row_of(m, MESH_UVS, corner);
         if (uv[0] != (float)quad || uv[1] != (float)c) fail_msg("uv of quad %d", quad);
@@ -67,17 +72,22 @@ static void pieces_count_on_from_those_before(void **state) {
     unsigned char found[QUADS] = {0};
     fathom_status status;
     assert_non_null(text);
+    used += (size_t)sprintf(text, "mtllib a.mtl\n");
     for (int quad = 0; quad < QUADS; ++quad) used += write_quad(text + used, room - used, quad);
     assert_true(used > 3 * ((size_t)1 << 18)); /* pieces have 2^18 bytes */
+    static const char library[] = "newmtl m0\nnewmtl m1\nKd 0 0 0\nnewmtl m2\nKd 0.5 0 0\n";
+    mesh_write("a.mtl", library, strlen(library));
     const read_mesh_options options = {.material = FATHOM_NONE};
     fathom_scene *scene = mesh_try(read_obj, mesh_write("a.obj", text, used), options, &status);
     if (!scene) fail_msg("%s", fathom_context_message(context));
     for (size_t i = 0; i < scene->meshes.count; ++i) {
         const fathom_mesh *m = &scene->meshes.items[i];
+        const char *material = scene->materials.items[m->material].name;
         for (size_t t = 0; t < m->triangle_count; ++t) {
             double least = INFINITY;
             for (size_t k = 0; k < 3; ++k) least = fmin(least, mesh_point(m, m->indices[3 * t + k]).x);
             ++found[(int)least];
+            assert_int_equal(material[1] - '0', leader_of((int)least) % 3);
             for (size_t k = 0; k < 3; ++k) check_corner(m, 3 * t + k, (int)least);
         }
     }
