@@ -208,12 +208,92 @@ static void instances_follow_mirrored_and_moving_nodes(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* Twelve vertices, of which each primitive uses three: what is left of every array belongs to the vertex that
+ * it was written for, whose number is in all its values. */
+static void shared_arrays_are_cut_alike(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    float points[12][3], normals[12][3], tangents[12][4], uvs[12][2], uvs_1[12][2];
+    uint8_t colors[12][4];
+    for (int i = 0; i < 12; ++i) {
+        const float n = (float)i;
+        memcpy(points[i], (float[3]){n, n * n, 1}, sizeof points[i]);
+        memcpy(normals[i], (float[3]){n, 0, 1}, sizeof normals[i]);
+        memcpy(tangents[i], (float[4]){0, n, 1, i % 2 ? 1 : -1}, sizeof tangents[i]);
+        memcpy(uvs[i], (float[2]){n, 1}, sizeof uvs[i]), memcpy(uvs_1[i], (float[2]){1, n}, sizeof uvs_1[i]);
+        memcpy(colors[i], (uint8_t[4]){(uint8_t)i, 0, 0, (uint8_t)(255 - i)}, sizeof colors[i]);
+    }
+    const int position = put_typed(&b, 5126, "VEC3", 12, points, sizeof points, ""),
+              normal = put_typed(&b, 5126, "VEC3", 12, normals, sizeof normals, ""),
+              tangent = put_typed(&b, 5126, "VEC4", 12, tangents, sizeof tangents, ""),
+              uv = put_typed(&b, 5126, "VEC2", 12, uvs, sizeof uvs, ""),
+              uv_1 = put_typed(&b, 5126, "VEC2", 12, uvs_1, sizeof uvs_1, ""),
+              color = put_typed(&b, 5121, "VEC4", 12, colors, sizeof colors, ",'normalized':true"),
+              first = PUT_BYTES(&b, "SCALAR", 3, 11, 4, 7), second = PUT_BYTES(&b, "SCALAR", 3, 2, 5, 3);
+#define SHARED                                                                                               \
+    "{'attributes':{'POSITION':%d,'NORMAL':%d,'TANGENT':%d,'TEXCOORD_0':%d,'TEXCOORD_1':%d,'COLOR_0':%d},"   \
+    "'indices':%d,'material':0}"
+    build_write(f, &b,
+                "'meshes':[{'primitives':[" SHARED "," SHARED
+                "]}],'materials':[{'alphaMode':'BLEND'}],'nodes':[{'mesh':0}]",
+                position, normal, tangent, uv, uv_1, color, first, position, normal, tangent, uv, uv_1, color,
+                second);
+    fathom_scene *scene = read_file(f);
+    static const uint32_t used[2][3] = {{11, 4, 7}, {2, 5, 3}};
+    assert_int_equal(scene->meshes.count, 2);
+    for (size_t m = 0; m < 2; ++m) {
+        const fathom_mesh *mesh = &scene->meshes.items[m];
+        assert_int_equal(mesh->vertex_count, 3);
+        for (size_t k = 0; k < 3; ++k) {
+            const size_t i = mesh->indices[k];
+            const float n = (float)used[m][k], *p = row_of(mesh->positions, mesh->position_stride, i),
+                        *t = row_of(mesh->tangents, mesh->tangent_stride, i),
+                        *c = row_of(mesh->colors, mesh->color_stride, i);
+            assert_true(p[0] == n && p[1] == n * n && t[1] == n && t[3] == (used[m][k] % 2 ? 1 : -1));
+            assert_true(row_of(mesh->normals, mesh->normal_stride, i)[0] == n);
+            assert_true(row_of(mesh->uvs, mesh->uv_stride, i)[0] == n);
+            assert_true(row_of(mesh->uvs_1, mesh->uv_1_stride, i)[1] == n);
+            assert_true(c[0] == n / 255 && c[3] == (255 - n) / 255);
+        }
+    }
+    fathom_scene_destroy(scene);
+}
+
+/* Strips, fans, loops and strips of lines by indices that skip vertices. */
+static void odd_modes_take_indices(void **state) {
+    fixture *f = *state;
+    static const struct {
+        int mode;
+        uint32_t triangles, corners[9]; /* by the specification, 3.7.2.1 */
+    } cases[] = {{4, 1, {4, 1, 3}}, {5, 3, {4, 1, 3, 1, 0, 3, 3, 0, 2}}, {6, 3, {1, 3, 4, 3, 0, 4, 0, 2, 4}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        build b = {.size = 0};
+        const int points = PUT_FLOATS(&b, "VEC3", 5, 0, 0, 0, 1, 0, 0, 2, 1, 0, 3, 3, 0, 4, 7, 1),
+                  order = put_typed(&b, 5123, "SCALAR", 5, (const uint16_t[]){4, 1, 3, 0, 2}, 10, "");
+        build_write(
+            f, &b,
+            "'meshes':[{'primitives':[{'attributes':{'POSITION':%d},'indices':%d,'mode':%d}]}],'nodes':"
+            "[{'mesh':0}]",
+            points, order, cases[i].mode);
+        fathom_scene *scene = read_file(f);
+        assert_int_equal(scene->meshes.items[0].triangle_count, cases[i].triangles);
+        for (uint32_t k = 0; k < 3 * cases[i].triangles; ++k)
+            assert_near(corner(scene, 0, k / 3, (int)(k % 3)).x, cases[i].corners[k], 0);
+        fathom_scene_destroy(scene);
+    }
+}
+
 int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(sparse_values_are_normalized_as_others), TEST(sparse_looks_are_read),
-        TEST(splines_of_weights_move_sparse_targets), TEST(moving_targets_may_begin_at_rest),
-        TEST(splines_of_rotations_are_normalized),    TEST(instances_follow_mirrored_and_moving_nodes),
+        TEST(sparse_values_are_normalized_as_others),
+        TEST(sparse_looks_are_read),
+        TEST(splines_of_weights_move_sparse_targets),
+        TEST(moving_targets_may_begin_at_rest),
+        TEST(splines_of_rotations_are_normalized),
+        TEST(shared_arrays_are_cut_alike),
+        TEST(odd_modes_take_indices),
+        TEST(instances_follow_mirrored_and_moving_nodes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
