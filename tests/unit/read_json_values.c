@@ -128,12 +128,54 @@ static void arrays_of_moving_meshes_stay_apart(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* A file that is right by itself is right for another integrator: what it says of samples stays, and what it
+ * does not say gives way. */
+static void files_suit_the_integrator_asked_for(void **state) {
+    (void)state;
+    static const struct {
+        const char *image;
+        uint32_t spp;
+        double target_error;
+        fathom_pattern pattern;
+        bool own_spp;
+    } cases[] = {
+        {"", 1, 0, FATHOM_PATTERN_GRID, false},
+        {"\"targetError\": 0.125", 1024, 0.125, FATHOM_PATTERN_SOBOL, false},
+        {"\"targetError\": 0.125", 1, 0, FATHOM_PATTERN_GRID, true},
+        {"\"targetError\": 0.125, \"spp\": 64", 64, 0.125, FATHOM_PATTERN_SOBOL, false},
+        {"\"targetError\": 0.125, \"pattern\": \"sobol\"", 1024, 0.125, FATHOM_PATTERN_SOBOL, false},
+        {"\"spp\": 8", 8, 0, FATHOM_PATTERN_SOBOL, false},
+        {"\"spp\": 9", 9, 0, FATHOM_PATTERN_GRID, false},
+        {"\"spp\": 9, \"pattern\": \"sobol\"", 9, 0, FATHOM_PATTERN_SOBOL, false},
+        {"\"spp\": 8", 1, 0, FATHOM_PATTERN_GRID, true},
+        {"\"pattern\": \"sobol\"", 1, 0, FATHOM_PATTERN_SOBOL, false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char text[256];
+        fathom_read_options asked;
+        fathom_scene *scene;
+        fathom_read_options_default(&asked);
+        asked.choose_integrator = true, asked.integrator = FATHOM_INTEGRATOR_CLASSIC;
+        asked.own_spp = cases[i].own_spp;
+        snprintf(text, sizeof text, "{\"image\": {%s}, \"objects\": [" TRIANGLE("") "]}", cases[i].image);
+        unit_write_file(s.file, text, strlen(text));
+        assert_ok(s.context, fathom_scene_read_with(s.context, s.file, &asked, &scene));
+        const fathom_settings *found = &scene->settings;
+        if (found->spp != cases[i].spp || found->target_error != cases[i].target_error ||
+            found->pattern != cases[i].pattern)
+            fail_msg("{%s}: spp %u, error %g, pattern %d", cases[i].image, found->spp, found->target_error,
+                     (int)found->pattern);
+        fathom_scene_destroy(scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(loose_triangles_keep_their_own_names),
         cmocka_unit_test(lenses_follow_f_stops),
         cmocka_unit_test(units_of_lights_are_pi_times_intensities),
         cmocka_unit_test(motion_of_one_key_is_a_place),
+        cmocka_unit_test(files_suit_the_integrator_asked_for),
         cmocka_unit_test(arrays_of_moving_meshes_stay_apart),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
