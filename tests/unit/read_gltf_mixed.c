@@ -283,6 +283,36 @@ static void odd_modes_take_indices(void **state) {
     }
 }
 
+/* What only shading reads is 0 where it is no number, and the rest of it is what the file says; of morph
+ * targets, too. */
+static void numbers_that_are_none_are_zero(void **state) {
+    fixture *f = *state;
+    const float nan = NAN;
+    build b = {.size = 0};
+    const int points = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE),
+              normals = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 1, nan, nan, nan, 0, 0, 1),
+              tangents = PUT_FLOATS(&b, "VEC4", 3, 1, 0, 0, 1, 1, nan, 0, -1, 1, 0, 0, 1),
+              uvs = PUT_FLOATS(&b, "VEC2", 3, 1, 2, 3, INFINITY, 5, 6),
+              colors = PUT_FLOATS(&b, "VEC3", 3, 0.5f, 0.5f, 0.5f, 0.25f, nan, 1, 0.5f, 0.5f, 0.5f),
+              bent = PUT_FLOATS(&b, "VEC3", 3, nan, 0, 0, 0, 2, 0, 0, 0, 0);
+    build_write(
+        f, &b,
+        "'meshes':[{'weights':[0.5],'primitives':[{'attributes':{'POSITION':%d,'NORMAL':%d,'TANGENT':%d,"
+        "'TEXCOORD_0':%d,'COLOR_0':%d},'targets':[{'NORMAL':%d}]}]}],'nodes':[{'mesh':0}]",
+        points, normals, tangents, uvs, colors, bent);
+    fathom_scene *scene = read_file(f);
+    const fathom_mesh *m = &scene->meshes.items[0];
+    const float *t = row_of(m->tangents, m->tangent_stride, 1), *uv = row_of(m->uvs, m->uv_stride, 1),
+                *c = row_of(m->colors, m->color_stride, 1);
+    assert_vec(widen(load_f32(row_of(m->normals, m->normal_stride, 0))), 0, 0, 1, 0);
+    assert_vec(widen(load_f32(row_of(m->normals, m->normal_stride, 1))), 0, 1, 0, 0);
+    assert_true(t[0] == 1 && t[1] == 0 && t[2] == 0 && t[3] == -1);
+    assert_true(uv[0] == 3 && uv[1] == 0);
+    assert_true(c[0] == 0.25f && c[1] == 0 && c[2] == 1);
+    assert_int_equal(f->warnings, 4); /* one for each name */
+    fathom_scene_destroy(scene);
+}
+
 int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
@@ -293,6 +323,7 @@ int main(void) {
         TEST(splines_of_rotations_are_normalized),
         TEST(shared_arrays_are_cut_alike),
         TEST(odd_modes_take_indices),
+        TEST(numbers_that_are_none_are_zero),
         TEST(instances_follow_mirrored_and_moving_nodes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
