@@ -261,9 +261,9 @@ typedef struct fathom_mesh {
     const float *tangents;   /* x y z w: the direction of u, and w = ±1 with bitangent = w normal × tangent.
                                 NULL: from how the first uv set lies on each triangle */
     size_t tangent_stride;
-    /* Motion: the vertices at `key_count` times, in ascending order; 0 (default): they stay. `positions` then
-     * says how many there are, and tangents are made of it. Between two keys vertices and normals move
-     * linearly; before the first and after the last they rest. */
+    /* Motion: the vertices at `key_count` times, in ascending order; 0 (default): they stay. `positions` must
+     * be given as well, and has no effect: tangents, for one, are made of the first key. Between two keys
+     * vertices and normals move linearly; before the first and after the last they rest. */
     uint32_t key_count;
     const double *key_times;
     const float *key_positions; /* key_count times vertex_count x y z, tightly packed */

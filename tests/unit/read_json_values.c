@@ -169,6 +169,39 @@ static void files_suit_the_integrator_asked_for(void **state) {
     }
 }
 
+/* A mesh of keys has a number of positions, but shows none of them: camera, origin and lights do not depend
+ * on where they are. Its square of 2 x 2 lies at 2^26 + x, where float has steps of 8. */
+static void positions_beside_keys_show_nowhere(void **state) {
+    (void)state;
+#define SQUARE "[[67108864, 0, 0], [67108866, 0, 0], [67108866, 2, 0], [67108864, 2, 0]]"
+    static const char *const positions[] = {SQUARE, "[[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]",
+                                            "[[-900, 0, 0], [0, 900, 0], [0, 0, 900], [5, 5, 5]]"};
+    fathom_scene *scenes[3];
+    for (size_t i = 0; i < 3; ++i) {
+        char text[1024];
+        snprintf(
+            text, sizeof text,
+            "{\"materials\": {\"lamp\": {\"ke\": [9, 9, 9]}, \"grey\": {}}, \"objects\": [{\"type\": "
+            "\"mesh\", \"material\": \"lamp\", \"positions\": %s, \"indices\": [[0, 2, 1], [0, 3, 2]], "
+            "\"vertexKeys\": [{\"time\": 0, \"positions\": " SQUARE "}]}, {\"type\": \"quad\", "
+            "\"material\": \"grey\", \"center\": [67108865, 0, -1], \"u\": [1, 0, 0], \"v\": [0, 1, 0]}]}",
+            positions[i]);
+        scenes[i] = json_scene_good(&s, text);
+        assert_ok(s.context, fathom_scene_complete(scenes[i]));
+        const fathom_mesh *m = &scenes[i]->meshes.items[0];
+        for (uint32_t k = 0; k < 4; ++k) {
+            assert_true(m->origin[0] + (double)m->key_positions[3 * k] == 67108864 + 2 * (k % 3 > 0));
+            assert_true(m->key_positions[3 * k + 1] + (float)m->origin[1] == (k < 2 ? 0 : 2));
+        }
+        assert_memory_equal(scenes[i]->camera.origin, scenes[0]->camera.origin, 3 * sizeof(double));
+        assert_memory_equal(m->origin, scenes[0]->meshes.items[0].origin, sizeof m->origin);
+        assert_int_equal(scenes[i]->in_studio, scenes[0]->in_studio);
+        assert_int_equal(scenes[i]->lights.count, scenes[0]->lights.count);
+    }
+    assert_false(scenes[0]->in_studio);
+    for (size_t i = 0; i < 3; ++i) fathom_scene_destroy(scenes[i]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(loose_triangles_keep_their_own_names),
@@ -176,6 +209,7 @@ int main(void) {
         cmocka_unit_test(units_of_lights_are_pi_times_intensities),
         cmocka_unit_test(motion_of_one_key_is_a_place),
         cmocka_unit_test(files_suit_the_integrator_asked_for),
+        cmocka_unit_test(positions_beside_keys_show_nowhere),
         cmocka_unit_test(arrays_of_moving_meshes_stay_apart),
     };
     return cmocka_run_group_tests(tests, setup, teardown);

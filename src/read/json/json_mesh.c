@@ -32,8 +32,10 @@ static fathom_status narrow_all(const object_reader *r, const double *from, size
 }
 
 static vec3_f64 choose_origin(const mesh_arrays *a) {
+    const double *points = a->keys ? a->key_positions : a->positions;
+    const size_t count = a->keys ? a->keys * a->vertices : a->vertices;
     scene_bounds box = bounds_empty();
-    for (size_t i = 0; i < a->vertices; ++i) bounds_add(&box, load_f64(a->positions + 3 * i));
+    for (size_t i = 0; i < count; ++i) bounds_add(&box, load_f64(points + 3 * i));
     return origin_for(&box);
 }
 
