@@ -1,6 +1,7 @@
 #include "integrate/parts.h"
 
 #include "material/material.h"
+#include "scene/mapped.h"
 #include "scene/mesh/absent.h"
 
 #include <stdio.h>
@@ -8,8 +9,11 @@
 /* A map of opacity lets light pass straight through. */
 static unsigned features_of(const fathom_scene *scene, fathom_id material) {
     const scene_named_material *m = &scene->materials.items[material];
-    const bool mapped = m->value.maps[FATHOM_MAP_OPACITY].texture != FATHOM_NONE;
-    return material_features(&m->classic) | (mapped ? MATERIAL_REFRACT : 0u);
+    const bool holes = m->value.maps[FATHOM_MAP_OPACITY].texture != FATHOM_NONE;
+    fathom_material between;
+    if (!material_has_maps(&m->value)) return material_features(&m->classic);
+    mapped_between_classic(&m->value, &between);
+    return material_features(&between) | (holes ? MATERIAL_REFRACT : 0u);
 }
 
 unsigned parts_features(const fathom_scene *scene) {
@@ -190,8 +194,11 @@ static bool tell_classic(const world *w, const fathom_settings *s, left_out_list
 /* The path integrator can do without lens samples and absorption. */
 static bool tell_paths(const world *w, left_out_list *list) {
     bool absorbs = false;
-    for (size_t i = 0; i < w->scene->materials.count; ++i)
-        absorbs |= material_absorbs(&w->scene->materials.items[i].value);
+    for (size_t i = 0; i < w->scene->materials.count; ++i) {
+        fathom_material between;
+        mapped_between(&w->scene->materials.items[i].value, &between);
+        absorbs |= material_absorbs(&between);
+    }
     const wording words[] = {{w->scene->camera.lens_radius > 0, "samples on the lens", "it is a pinhole"},
                              {absorbs, "absorption along rays", "no material absorbs light"}};
     return tell_unneeded(words, sizeof words / sizeof *words, list);

@@ -3,6 +3,7 @@
 #include "integrate/integrator.h"
 #include "integrate/reference.h"
 #include "light/light_surfaces.h"
+#include "scene/mapped.h"
 
 #include <stdlib.h>
 
@@ -69,7 +70,7 @@ static fathom_status plan_surroundings(fathom_context *context, render_plan *pla
 
 /* ---- the path integrator ---- */
 
-/* Images may make it clear in some places. */
+/* Images may make it smooth in some places. */
 static bool is_pane(const fathom_material *m) {
     if (m->model == FATHOM_MODEL_CLASSIC) return m->ior == 1;
     return m->transmission > 0 && !(m->thickness > 0);
@@ -82,13 +83,14 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
     if (!plan->shaders) return fail_memory(context, (count + 1) * sizeof *plan->shaders);
     for (size_t i = 0; i < count; ++i) {
         shader *s = &plan->shaders[i];
-        const fathom_material *m = &scene->materials.items[i].value;
-        shader_prepare(m, s);
+        fathom_material m;
+        mapped_between(&scene->materials.items[i].value, &m);
+        shader_prepare(&m, s);
         const bool holes = plan->texturing && texturing_may_cover(plan->texturing, (fathom_id)i);
         plan->crosses |= s->transmits || holes;
         plan->nested |= s->encloses && s->priority;
         plan->dispersive |= (s->lobes & SHADER_DISPERSIVE) != 0;
-        plan->panes |= s->clear || (plan->texturing && is_pane(m));
+        plan->panes |= s->clear || (plan->texturing && is_pane(&m));
         plan->covered |= s->hole > 0 || holes || plan->nested || plan->panes;
         plan->absorbs |= s->absorption[0] > 0 || s->absorption[1] > 0 || s->absorption[2] > 0;
     }

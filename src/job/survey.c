@@ -4,6 +4,7 @@
 #include "integrate/parts.h"
 #include "material/material.h"
 #include "scene/graph.h"
+#include "scene/mapped.h"
 #include "scene/mesh/closed.h"
 #include "trace/embree/embree_limits.h"
 
@@ -210,7 +211,10 @@ typedef struct material_uses {
 } material_uses;
 
 static void add_material(const fathom_scene *scene, fathom_id id, material_uses *uses) {
-    const fathom_material *m = &scene->materials.items[id].classic, *full = &scene->materials.items[id].value;
+    fathom_material classic, between;
+    mapped_between_classic(&scene->materials.items[id].value, &classic);
+    mapped_between(&scene->materials.items[id].value, &between);
+    const fathom_material *m = &classic, *full = &between;
     const bool layered = full->model == FATHOM_MODEL_METALLIC_ROUGHNESS &&
                          scene->settings.integrator != FATHOM_INTEGRATOR_CLASSIC;
     uses->bits |= material_features(m);

@@ -13,8 +13,9 @@ unsigned material_features(const fathom_material *m) {
 
 bool material_absorbs(const fathom_material *m) {
     const float *c = m->attenuation_color;
-    return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->thickness > 0 && m->transmission > 0 &&
-           m->attenuation_distance > 0 && (c[0] < 1 || c[1] < 1 || c[2] < 1);
+    return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->thickness > 0 &&
+           (m->transmission > 0 || m->diffuse_transmission > 0) && m->attenuation_distance > 0 &&
+           (c[0] < 1 || c[1] < 1 || c[2] < 1);
 }
 
 /* A negative k_a stands for k_d. */

@@ -1,5 +1,6 @@
 #include "material/textured_inner.h"
 #include "math/limit.h"
+#include "scene/mapped.h"
 #include "scene/metallic.h"
 
 #include <stdlib.h>
@@ -43,6 +44,7 @@ static bool any_directed(const fathom_scene *scene) {
 fathom_status texturing_create(fathom_context *context, const world *w, uint64_t memory, texturing **out) {
     const fathom_scene *scene = w->scene;
     const bool colors = any_colors(w, 3);
+    fathom_material between;
     *out = NULL;
     if (!scene->has_maps && !colors && !any_directed(scene)) return FATHOM_OK;
     const size_t bytes = sizeof **out + scene->materials.count * sizeof(material_plan);
@@ -56,6 +58,8 @@ fathom_status texturing_create(fathom_context *context, const world *w, uint64_t
         texturing_plan_parameters(&t->plans[i]);
         t->plans[i].directed = material_is_directed(t->plans[i].material);
         if (t->plans[i].directed) t->plans[i].sets |= 1;
+        mapped_between(t->plans[i].material, &between);
+        t->plans[i].coat_turns = shader_coat_has_normal(&between);
     }
     fathom_status status = texturing_make_tangents(context, t);
     if (status == FATHOM_OK) status = texture_cache_open(context, scene, memory, &t->cache);

@@ -39,14 +39,15 @@ typedef struct material_plan {
     uint8_t of[FATHOM_MAPS]; /* the index of the lookup for a kind of map, or NO_LOOKUP */
     unsigned sets;           /* bits: uv sets that are needed */
     bool directed;           /* it needs a tangent */
+    bool coat_turns;         /* some point has a clear coat with a normal of its own */
 } material_plan;
 
 struct texturing {
     const world *w;
     texture_cache *cache;
     const plain_kernels *kernels;
-    bool colors;                 /* some mesh has vertex colours */
-    bool alphas;                 /* some mesh has vertex colours with alpha */
+    bool colors; /* some mesh has vertex colours */
+    bool alphas; /* some mesh has vertex colours with alpha */
     surface_tangents **tangents; /* by mesh of the world; NULL: it has its own, or needs none */
     material_plan plans[];
 };

@@ -212,7 +212,7 @@ void texturing_turn_normals(const points *p, surface_block *s) {
         const unsigned i = (unsigned)__builtin_ctz(left);
         const uint8_t *of = p->plan[i]->of;
         if (of[FATHOM_MAP_NORMAL] != NO_LOOKUP || of[FATHOM_MAP_BUMP] != NO_LOOKUP) mapped |= 1u << i;
-        if (shader_coat_has_normal(p->plan[i]->material)) coated |= 1u << i;
+        if (p->plan[i]->coat_turns) coated |= 1u << i;
     }
     if (!(mapped | coated)) return;
     memcpy(s->base, s->ns, sizeof s->base);
