@@ -106,9 +106,50 @@ static void an_image_of_zeros_is_a_number_at_the_end_of_its_range(void **state) 
     }
 }
 
+/* ---- shapes that seem to be absent ---- */
+
+/* No light but the lamp's and the background's, for which such shapes are as others. */
+static void render_without_shadow(const fathom_material *m, unsigned flags, float rgb[3][SIZE * SIZE]) {
+    stage s = stage_open(SIZE, SIZE);
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    render_ball(&s, m, flags, rgb);
+    stage_close(&s);
+}
+
+static void a_volume_of_index_1_is_seen_without_its_shadow(void **state) {
+    (void)state;
+    static float with[3][SIZE * SIZE], without[3][SIZE * SIZE];
+    const range fog = {.roughness = 1, .transmission = 1, .thickness = 1, .distance = 1};
+    fathom_material m = material_of(&fog);
+    m.ior = 1;
+    render_without_shadow(&m, 0, with);
+    render_without_shadow(&m, FATHOM_CASTS_NO_SHADOW, without);
+    assert_memory_equal(with, without, sizeof with);
+    /* Straight through its middle: what is left of a length of 1.6 or less, where 0.2 are left of 1. */
+    assert_true(without[2][SIZE * (SIZE / 2) + SIZE / 2] < 0.3f * without[0][SIZE * (SIZE / 2) + SIZE / 2]);
+}
+
+static void an_inverted_image_covers_a_surface_of_opacity_0(void **state) {
+    (void)state;
+    static const unsigned char black[3] = {0, 0, 0};
+    static float with[3][SIZE * SIZE], without[3][SIZE * SIZE];
+    const range matt = {.roughness = 1};
+    fathom_material m = material_of(&matt);
+    render_without_shadow(&m, FATHOM_CASTS_NO_SHADOW, without);
+    stage s = stage_open(SIZE, SIZE);
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    m.opacity = 0, m.maps[FATHOM_MAP_OPACITY].texture = add_texel(&s, black);
+    m.maps[FATHOM_MAP_OPACITY].inverted = true;
+    render_ball(&s, &m, FATHOM_CASTS_NO_SHADOW, with);
+    stage_close(&s);
+    assert_memory_equal(with, without, sizeof with);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_image_of_zeros_is_a_number_at_the_end_of_its_range),
+        cmocka_unit_test(a_volume_of_index_1_is_seen_without_its_shadow),
+        cmocka_unit_test(an_inverted_image_covers_a_surface_of_opacity_0),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

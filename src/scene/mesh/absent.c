@@ -23,10 +23,18 @@ static unsigned flags_of(const fathom_scene *scene, scene_object object) {
     return 0;
 }
 
+/* Path tracing shows volumes, layers and reflection at grazing angles, which the classic form of a material
+ * lacks. So a metallic-roughness material must cover nothing, everywhere. */
+static bool is_absent(const fathom_material *m) {
+    const fathom_map *map = &m->maps[FATHOM_MAP_OPACITY];
+    if (m->model == FATHOM_MODEL_CLASSIC) return absent_material(m);
+    return material_opacity(m) == 0 && (map->texture == FATHOM_NONE || !map->inverted);
+}
+
 bool absent_object(const fathom_scene *scene, fathom_id object) {
     const fathom_id material = scene_object_material(scene, object);
     return flags_of(scene, scene->objects.items[object]) & FATHOM_CASTS_NO_SHADOW &&
-           absent_material(&scene->materials.items[material].classic);
+           is_absent(&scene->materials.items[material].value);
 }
 
 bool absent_by_own_material(const fathom_scene *scene) {

@@ -1,4 +1,4 @@
-/* Invisible shapes: their material transmits all light without refraction, and they cast no shadow. glTF's
+/* Invisible shapes: their material transmits all light as it is, and they cast no shadow. glTF's
  * alphaMode MASK and an MTL's `d 0` remove surfaces this way. No ray hits these shapes, so they cost no
  * bounce and appear in no AOV. */
 #ifndef SCENE_ABSENT_H
@@ -13,7 +13,8 @@ bool absent_material(const fathom_material *m);
  * it is then traced in all placements of its group. */
 fathom_status absent_find(const fathom_scene *scene, const scene_graph *graph, bool *out);
 
-/* True when the shape is invisible with its own material. */
+/* True when the shape is invisible with its own material: a classic one as above, or a metallic-roughness one
+ * that covers nothing. */
 bool absent_object(const fathom_scene *scene, fathom_id object);
 /* True when no instance replaces materials, so that absent_object() decides alone. */
 bool absent_by_own_material(const fathom_scene *scene);
