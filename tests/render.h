@@ -6,6 +6,8 @@
 
 #include <fathom/fathom.h>
 
+#include <stdio.h>
+
 typedef struct stage {
     fathom_context *context;
     fathom_scene *scene;
@@ -91,6 +93,20 @@ static inline void stage_point_light(stage *s, double x, double y, double z, flo
     light.position[0] = x, light.position[1] = y, light.position[2] = z;
     for (int c = 0; c < 3; ++c) light.intensity[c] = intensity;
     assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
+}
+
+/* An image of one texel, of these numbers. */
+static inline fathom_id stage_texel(stage *s, const float rgb[3]) {
+    char bytes[32];
+    const int header = snprintf(bytes, sizeof bytes, "PF\n1 1\n-1.0\n");
+    memcpy(bytes + header, rgb, 3 * sizeof *rgb);
+    fathom_texture t;
+    fathom_id id;
+    fathom_texture_default(&t);
+    t.bytes = bytes, t.byte_count = (size_t)header + 3 * sizeof *rgb, t.name = "texel.pfm";
+    t.color_space = FATHOM_COLOR_LINEAR, t.filter = FATHOM_TEXTURE_NEAREST;
+    assert_ok(s->context, fathom_scene_add_texture(s->scene, &t, &id));
+    return id;
 }
 
 /* A sphere of 2 (rows - 1) segments triangles with its exact normals. */

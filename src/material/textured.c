@@ -73,7 +73,8 @@ fathom_status texturing_create(fathom_context *context, const world *w, uint64_t
 void texturing_destroy(texturing *t) {
     if (!t) return;
     texture_cache_close(t->cache);
-    for (size_t i = 0; t->tangents && i < t->w->meshes.count; ++i) surface_tangents_free(t->tangents[i]);
+    for (size_t i = 0; t->tangents && i < 2 * t->w->meshes.count; ++i)
+        surface_tangents_free(t->tangents[i / 2][i % 2]);
     free(t->tangents);
     free(t);
 }

@@ -48,7 +48,8 @@ struct texturing {
     const plain_kernels *kernels;
     bool colors; /* some mesh has vertex colours */
     bool alphas; /* some mesh has vertex colours with alpha */
-    surface_tangents **tangents; /* by mesh of the world; NULL: it has its own, or needs none */
+    /* By mesh of the world and uv set; NULL: the mesh has its own, or needs none. */
+    surface_tangents *(*tangents)[2];
     material_plan plans[];
 };
 

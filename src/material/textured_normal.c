@@ -16,17 +16,23 @@ static const fathom_map *map_of_frame(const material_plan *p) {
     return &maps[own ? FATHOM_MAP_ANISOTROPY : FATHOM_MAP_CLEARCOAT_NORMAL];
 }
 
+/* True if an image stands in a frame of this uv set. A coat may have another one than the base. */
+static bool takes_frame(const material_plan *p, unsigned set) {
+    const fathom_map *map = map_of_frame(p), *coat = &p->material->maps[FATHOM_MAP_CLEARCOAT_NORMAL];
+    return ((map->texture != FATHOM_NONE || p->directed) && map->uv_set == set) ||
+           (coat->texture != FATHOM_NONE && coat->uv_set == set);
+}
+
 fathom_status texturing_make_tangents(fathom_context *context, texturing *t) {
     const world *w = t->w;
     fathom_status status = FATHOM_OK;
     t->tangents = calloc(w->meshes.count + 1, sizeof *t->tangents);
     if (!t->tangents) return fail_memory(context, w->meshes.count * sizeof *t->tangents);
-    for (size_t i = 0; i < w->meshes.count && status == FATHOM_OK; ++i) {
-        const fathom_mesh *m = &w->meshes.items[i];
-        const material_plan *plan = &t->plans[m->material];
-        const fathom_map *map = map_of_frame(plan);
-        if ((map->texture == FATHOM_NONE && !plan->directed) || (m->tangents && map->uv_set == 0)) continue;
-        status = surface_tangents_make(context, m, map->uv_set, &t->tangents[i]);
+    for (size_t i = 0; i < 2 * w->meshes.count && status == FATHOM_OK; ++i) {
+        const fathom_mesh *m = &w->meshes.items[i / 2];
+        const unsigned set = i % 2;
+        if (!takes_frame(&t->plans[m->material], set) || (m->tangents && set == 0)) continue;
+        status = surface_tangents_make(context, m, set, &t->tangents[i / 2][set]);
     }
     return status;
 }
@@ -47,7 +53,7 @@ typedef struct frame_block {
 static bool made_tangent(const points *p, unsigned i, const lookup *l, vec3_f32 *t) {
     const world *w = p->t->w;
     if (l->m[1] != 0 || l->m[3] != 0 || !(l->m[0] > 0) || !mesh_of(w, p->g->geometry[i])) return false;
-    const surface_tangents *made = p->t->tangents[w->geometries.items[p->g->geometry[i]].first];
+    const surface_tangents *made = p->t->tangents[w->geometries.items[p->g->geometry[i]].first][l->uv_set];
     return made && surface_made_tangent_at(p->g, w, i, made, t);
 }
 

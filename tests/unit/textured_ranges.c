@@ -4,23 +4,8 @@
 #include "render.h"
 
 #include <stddef.h>
-#include <stdio.h>
 
 enum { SIZE = 16 };
-
-/* One texel, as it is. */
-static fathom_id add_texel(stage *s, const unsigned char rgb[3]) {
-    char bytes[16];
-    const int header = snprintf(bytes, sizeof bytes, "P6\n1 1\n255\n");
-    memcpy(bytes + header, rgb, 3);
-    fathom_texture t;
-    fathom_id id;
-    fathom_texture_default(&t);
-    t.bytes = bytes, t.byte_count = (size_t)header + 3, t.name = "texel.ppm";
-    t.color_space = FATHOM_COLOR_LINEAR, t.filter = FATHOM_TEXTURE_NEAREST;
-    assert_ok(s->context, fathom_scene_add_texture(s->scene, &t, &id));
-    return id;
-}
 
 /* A ball over a floor, under a lamp. */
 static void render_ball(stage *s, const fathom_material *m, unsigned flags, float rgb[3][SIZE * SIZE]) {
@@ -81,15 +66,15 @@ static fathom_material material_of(const range *r) {
 }
 
 static void render_range(const range *r, bool mapped, float rgb[3][SIZE * SIZE]) {
-    static const unsigned char black[3] = {0, 0, 0}, tilted[3] = {150, 110, 230};
+    static const float black[3] = {0, 0, 0}, tilted[3] = {0.6f, 0.4f, 0.9f};
     stage s = stage_open(SIZE, SIZE);
     fathom_material m = material_of(r);
     float *number = (float *)(void *)((char *)&m + r->number);
     if (!r->classic) fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     stage_point_light(&s, 2, 3, 2, 8);
-    if (r->bumpy) m.maps[FATHOM_MAP_NORMAL].texture = add_texel(&s, tilted);
+    if (r->bumpy) m.maps[FATHOM_MAP_NORMAL].texture = stage_texel(&s, tilted);
     if (mapped)
-        m.maps[r->map].texture = add_texel(&s, black), m.maps[r->map].inverted = r->inverted;
+        m.maps[r->map].texture = stage_texel(&s, black), m.maps[r->map].inverted = r->inverted;
     else
         *number = r->inverted ? 1 : 0;
     render_ball(&s, &m, 0, rgb);
@@ -131,14 +116,14 @@ static void a_volume_of_index_1_is_seen_without_its_shadow(void **state) {
 
 static void an_inverted_image_covers_a_surface_of_opacity_0(void **state) {
     (void)state;
-    static const unsigned char black[3] = {0, 0, 0};
+    static const float black[3] = {0, 0, 0};
     static float with[3][SIZE * SIZE], without[3][SIZE * SIZE];
     const range matt = {.roughness = 1};
     fathom_material m = material_of(&matt);
     render_without_shadow(&m, FATHOM_CASTS_NO_SHADOW, without);
     stage s = stage_open(SIZE, SIZE);
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
-    m.opacity = 0, m.maps[FATHOM_MAP_OPACITY].texture = add_texel(&s, black);
+    m.opacity = 0, m.maps[FATHOM_MAP_OPACITY].texture = stage_texel(&s, black);
     m.maps[FATHOM_MAP_OPACITY].inverted = true;
     render_ball(&s, &m, FATHOM_CASTS_NO_SHADOW, with);
     stage_close(&s);
