@@ -1,6 +1,7 @@
 #include "film/film.h"
 
 #include "base/memory.h"
+#include "scene/motion/motion.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -185,7 +186,7 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     film->full_width = settings->width, film->full_height = settings->height;
     film->settings = *settings;
     film->settings.tracer = NULL; /* the film does not own it; the tracer's name is in the statistics */
-    film->camera = scene->camera;
+    film->camera = motion_camera_shown(&scene->camera, settings->motion_blur);
     memcpy(film->background, scene->background, sizeof film->background);
     find_brightest(scene, film->brightest);
     film->in_studio = scene->in_studio && settings->integrator != FATHOM_INTEGRATOR_CLASSIC;

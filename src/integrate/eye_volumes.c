@@ -50,6 +50,7 @@ void eye_volumes_find(const render_plan *plan, eye_volumes *out) {
     memset(&block, 0, sizeof block), memset(&s, 0, sizeof s);
     block.rays.org_x[0] = plan->camera.eye.x, block.rays.org_y[0] = plan->camera.eye.y;
     block.rays.org_z[0] = plan->camera.eye.z;
+    block.rays.time[0] = plan->settings.motion_blur ? 0 : 0.5f;
     block.rays.dir_x[0] = direction.x, block.rays.dir_y[0] = direction.y, block.rays.dir_z[0] = direction.z;
     *out = entered;
     const unsigned state = trace_thread_begin();

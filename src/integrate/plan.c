@@ -4,6 +4,7 @@
 #include "integrate/reference.h"
 #include "light/light_surfaces.h"
 #include "scene/mapped.h"
+#include "scene/motion/motion.h"
 
 #include <stdlib.h>
 
@@ -241,7 +242,8 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->lights = lights;
     plan->features = parts_features(scene);
     plan->parts = film_parts_of(settings, &scene->light_groups);
-    camera_prepare(&scene->camera, settings->width, settings->height, w->origin, &plan->camera);
+    const fathom_camera camera = motion_camera_shown(&scene->camera, settings->motion_blur);
+    camera_prepare(&camera, settings->width, settings->height, w->origin, &plan->camera);
     plan->sampler =
         (sampler){settings->pattern, (uint32_t)(sqrt((double)settings->spp) + 0.5), settings->seed};
     filter_prepare(settings, &plan->filter);

@@ -114,6 +114,36 @@ static void matrices_take_points_to_their_pixels(void **state) {
     }
 }
 
+/* Without blur the image is that of the camera halfway, and so are the matrices. */
+static void matrices_of_a_sharp_image_are_of_the_middle_of_the_time(void **state) {
+    (void)state;
+    static const double times[2] = {0, 2};
+    stage s = askance(0);
+    fathom_camera camera[2];
+    double frames[24];
+    for (int k = 0; k < 2; ++k) {
+        fathom_camera_look_at((double[3]){7 + k, 3 - k, -4}, (double[3]){1, 0.5 + k, 2},
+                              (double[3]){0.1, 1, 0.2}, 0.7, &camera[k]);
+        for (int i = 0; i < 12; ++i) {
+            const double column[4] = {camera[k].x[i / 4], camera[k].y[i / 4], camera[k].z[i / 4],
+                                      camera[k].origin[i / 4]};
+            frames[12 * k + i] = column[i % 4];
+        }
+    }
+    camera->shutter[0] = 0.5, camera->shutter[1] = 1.75;
+    camera->key_count = 2, camera->key_times = times, camera->key_frames = frames;
+    assert_ok(s.context, fathom_scene_set_camera(s.scene, camera));
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    s.settings.target_error = 0, s.settings.spp = 1, s.settings.pattern = FATHOM_PATTERN_GRID;
+    s.settings.motion_blur = false;
+    fathom_film *film = stage_render(&s);
+    bytes b = write_and_read(&s, film, false);
+    check_points(&s, film, &b);
+    free(b.at);
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
 /* Blender takes the last part of a name for a component, and older versions know single letters alone. */
 static void every_channel_ends_in_a_single_letter(void **state) {
     (void)state;
@@ -171,6 +201,7 @@ static void only_an_interrupted_film_says_so(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(matrices_take_points_to_their_pixels),
+        cmocka_unit_test(matrices_of_a_sharp_image_are_of_the_middle_of_the_time),
         cmocka_unit_test(every_channel_ends_in_a_single_letter),
         cmocka_unit_test(only_an_interrupted_film_says_so),
     };

@@ -171,6 +171,15 @@ bool motion_camera_moves(const fathom_camera *camera) {
     return keys_move(camera->key_times, camera->key_frames, camera->key_count, camera->shutter);
 }
 
+fathom_camera motion_camera_shown(const fathom_camera *camera, bool blurred) {
+    const double *shutter = camera->shutter;
+    fathom_camera out = *camera;
+    if (!blurred && motion_camera_moves(camera))
+        return motion_camera(camera, shutter[0] + 0.5 * (shutter[1] - shutter[0]));
+    out.key_count = 0, out.key_times = out.key_frames = NULL;
+    return out;
+}
+
 /* ---- checks and copies ---- */
 
 fathom_status motion_check_keys(fathom_context *context, const double *times, uint32_t count,

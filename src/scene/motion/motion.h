@@ -50,6 +50,9 @@ void motion_rows(const fathom_mesh *mesh, const float *rows, size_t count, doubl
 /* The camera at a time. The result has no keys. */
 fathom_camera motion_camera(const fathom_camera *camera, double time);
 bool motion_camera_moves(const fathom_camera *camera);
+/* The camera of an image as a whole: when the shutter opens, or halfway without motion blur. The result has
+ * no keys. */
+fathom_camera motion_camera_shown(const fathom_camera *camera, bool blurred);
 
 /* Checks that the times of keys are finite and ascending, and that `numbers`, unless NULL, are finite. */
 fathom_status motion_check_keys(fathom_context *context, const double *times, uint32_t count,
