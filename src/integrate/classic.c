@@ -28,15 +28,6 @@ static bool emits(const bsdf_block *b) {
     return sum > 0;
 }
 
-/* Call while the hits are still in w->gather. */
-static void add_emission_layers(wave *w, const vertex_block *v) {
-    for (unsigned i = 0; i < v->surface.count; ++i) {
-        float rgb[3];
-        for (int c = 0; c < 3; ++c) rgb[c] = limited(v->path.weight[c][i] * v->bsdf.emission[c][i]);
-        wave_add_layers(w, v->path.slot[i], tag_after(w->bounces, wave_hit_group(w, i)), anywhere, rgb);
-    }
-}
-
 static void make_bsdfs(wave *w, vertex_block *v) {
     static const float exact[LANES];
     const render_plan *plan = w->run.plan;
@@ -45,7 +36,8 @@ static void make_bsdfs(wave *w, vertex_block *v) {
     for (int i = 0; i < LANES; ++i) at[i] = &plan->bsdfs[v->surface.material[i]];
     if (plan->texturing) texturing_classic(plan->texturing, w->gather, exact, &v->surface, made, at);
     plan->material_kernels->make(at, &v->bsdf);
-    if (w->run.samples.layers && emits(&v->bsdf)) add_emission_layers(w, v);
+    for (unsigned i = 0; w->run.samples.layers && i < v->surface.count; ++i)
+        v->group[i] = wave_hit_group(w, i); /* as long as the hits are in w->gather */
 }
 
 static void add_background(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
@@ -68,7 +60,15 @@ static const wave_stages classic_stages = {make_bsdfs, add_background, NULL, NUL
 
 /* ---- light ---- */
 
-/* Ambient and emitted light. */
+static void add_emission_layers(wave *w, const vertex_block *v, const lanes3 value) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        const float rgb[3] = {value[0][i], value[1][i], value[2][i]};
+        wave_add_layers(w, v->path.slot[i], tag_after(w->bounces, v->group[i]), anywhere, rgb);
+    }
+}
+
+/* Ambient and emitted light. Its layers are added here too, after all misses: a sample has several paths, and
+ * the order of its sums must not depend on how they share blocks with paths of others. */
 static void add_emission(wave *w, const vertex_block *v) {
     lanes3 value;
     if (!emits(&v->bsdf)) return;
@@ -77,6 +77,7 @@ static void add_emission(wave *w, const vertex_block *v) {
         for (uint32_t i = 0; i < v->surface.count; ++i)
             w->run.samples.radiance[c][v->path.slot[i]] += value[c][i];
     }
+    if (w->run.samples.layers) add_emission_layers(w, v, (const float(*)[LANES])value);
 }
 
 /* Rounded upwards: `lost` is never less than the sum of the gains, however many are added. */

@@ -27,6 +27,7 @@ typedef struct vertex_block {
     };
     path_block path;             /* arriving paths; depth: on the viewer's side */
     uint8_t depth_behind[LANES]; /* depth on the other side; depths are set if trace/watertight is in use */
+    uint8_t group[LANES];        /* light groups of the surfaces; set by the classic integrator for AOVs */
 } vertex_block;
 
 /* The vertex and the light of a shadow ray. */
