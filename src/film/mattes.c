@@ -48,43 +48,41 @@ static uint32_t float_bits(uint32_t hash) {
 uint32_t matte_id(const char *name) { return float_bits(murmur_hash(name, strlen(name))); }
 
 /* Ids are hashes of these names: the shape's own name, otherwise its group's; otherwise kind and number, such
- * as "sphere 3". */
-#define MATTE_NAME 128
+ * as "sphere 3", which are written to `made`. */
+#define MADE_NAME 32
 
-static void take_name(const char *name, const char *kind, size_t number, char out[MATTE_NAME]) {
-    if (name && *name)
-        snprintf(out, MATTE_NAME, "%s", name);
-    else
-        snprintf(out, MATTE_NAME, "%s %zu", kind, number);
+static const char *name_or(const char *name, const char *kind, size_t number, char made[MADE_NAME]) {
+    if (name && *name) return name;
+    snprintf(made, MADE_NAME, "%s %zu", kind, number);
+    return made;
 }
 
-static void matte_object_name(const fathom_scene *scene, fathom_id object, char out[MATTE_NAME]) {
+static const char *object_name(const fathom_scene *scene, fathom_id object, char made[MADE_NAME]) {
     static const char *const kinds[] = {
         [SCENE_SPHERE] = "sphere", [SCENE_QUAD] = "quad", [SCENE_PLANE] = "plane", [SCENE_MESH] = "mesh"};
     const scene_object *o = &scene->objects.items[object];
     const char *group = o->group == FATHOM_ROOT ? NULL : scene->groups.items[o->group];
-    take_name(o->name ? o->name : group, kinds[o->kind], o->index, out);
+    return name_or(o->name ? o->name : group, kinds[o->kind], o->index, made);
 }
 
-static void matte_material_name(const fathom_scene *scene, fathom_id material, char out[MATTE_NAME]) {
-    take_name(scene->materials.items[material].name, "material", material, out);
+static const char *material_name(const fathom_scene *scene, fathom_id material, char made[MADE_NAME]) {
+    return name_or(scene->materials.items[material].name, "material", material, made);
 }
 
 static size_t count_of(const fathom_scene *scene, matte_kind kind) {
     return kind == MATTE_OBJECT ? scene->objects.count : scene->materials.count;
 }
 
-static void name_of(const fathom_scene *scene, matte_kind kind, size_t i, char out[MATTE_NAME]) {
-    (kind == MATTE_OBJECT ? matte_object_name : matte_material_name)(scene, (fathom_id)i, out);
+static const char *name_of(const fathom_scene *scene, matte_kind kind, size_t i, char made[MADE_NAME]) {
+    return (kind == MATTE_OBJECT ? object_name : material_name)(scene, (fathom_id)i, made);
 }
 
 uint32_t *matte_ids(const fathom_scene *scene, matte_kind kind) {
     const size_t count = count_of(scene, kind);
     uint32_t *ids = malloc((count + 1) * sizeof *ids);
     for (size_t i = 0; ids && i < count; ++i) {
-        char name[MATTE_NAME];
-        name_of(scene, kind, i, name);
-        ids[i] = matte_id(name);
+        char made[MADE_NAME];
+        ids[i] = matte_id(name_of(scene, kind, i, made));
     }
     return ids;
 }
@@ -116,14 +114,13 @@ static int by_hash(const void *a, const void *b) {
 /* Writes each id once, in the order of the ids. */
 static void put_entries(FILE *to, const fathom_scene *scene, matte_kind kind, manifest_entry *all,
                         size_t count) {
-    char name[MATTE_NAME];
+    char made[MADE_NAME];
     qsort(all, count, sizeof *all, by_hash);
     putc('{', to);
     for (size_t i = 0, put = 0; i < count; ++i) {
         if (i && all[i].hash == all[i - 1].hash) continue;
-        name_of(scene, kind, all[i].item, name);
         fputs(put++ ? ",\"" : "\"", to);
-        put_escaped(to, name);
+        put_escaped(to, name_of(scene, kind, all[i].item, made));
         fprintf(to, "\":\"%08x\"", all[i].hash);
     }
     putc('}', to);
@@ -132,12 +129,11 @@ static void put_entries(FILE *to, const fathom_scene *scene, matte_kind kind, ma
 char *matte_manifest(const fathom_scene *scene, matte_kind kind) {
     const size_t count = count_of(scene, kind);
     manifest_entry *all = malloc((count + 1) * sizeof *all);
-    char *text = NULL, name[MATTE_NAME];
+    char *text = NULL, made[MADE_NAME];
     size_t size;
     FILE *to = all ? open_memstream(&text, &size) : NULL;
     for (size_t i = 0; to && i < count; ++i) {
-        name_of(scene, kind, i, name);
-        all[i] = (manifest_entry){matte_id(name), (uint32_t)i};
+        all[i] = (manifest_entry){matte_id(name_of(scene, kind, i, made)), (uint32_t)i};
     }
     if (to) put_entries(to, scene, kind, all, count);
     free(all);

@@ -269,6 +269,32 @@ static void ranks_are_the_largest(void **state) {
     }
 }
 
+/* A path of an assembly, say, whose parts differ in its last letter. */
+static void long_names_are_whole(void **state) {
+    (void)state;
+    char names[2][402], entry[1024];
+    stage s = stage_open(SIDE, SIDE);
+    for (int k = 0; k < 2; ++k) {
+        for (int i = 0; i < 200; ++i) memcpy(names[k] + 2 * i, "\xc3\xa9", 2);
+        names[k][400] = (char)('a' + k), names[k][401] = 0;
+        stage_sphere(&s, 2 * k - 1, 0, 0, 0.5, 0);
+        name_last(&s, names[k]);
+    }
+    char *manifest = matte_manifest(s.scene, MATTE_OBJECT);
+    uint32_t *ids = matte_ids(s.scene, MATTE_OBJECT);
+    assert_non_null(manifest);
+    assert_non_null(ids);
+    for (int k = 0; k < 2; ++k) {
+        assert_int_equal(ids[k], matte_id(names[k]));
+        snprintf(entry, sizeof entry, "\"%s\":\"%08x\"", names[k], ids[k]);
+        assert_non_null(strstr(manifest, entry));
+    }
+    assert_true(ids[0] != ids[1]);
+    free(manifest);
+    free(ids);
+    stage_close(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_hash_is_murmur3),
@@ -279,6 +305,7 @@ int main(void) {
         cmocka_unit_test(what_is_there_in_part_covers_in_part),
         cmocka_unit_test(headers_hold_the_names),
         cmocka_unit_test(ranks_are_the_largest),
+        cmocka_unit_test(long_names_are_whole),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }
