@@ -114,6 +114,29 @@ static void a_volume_without_end_lets_no_light_in_if_it_absorbs(void **state) {
     }
 }
 
+/* The camera comes in from x = -4, and is at 0.5 in the middle of the time. */
+static void a_sharp_image_knows_what_is_around_the_eye_halfway(void **state) {
+    (void)state;
+    static const double times[2] = {0, 1};
+    const fathom_material m = clear_volume(red, 0);
+    stage s = open_white(-4, (double[3]){9, 0, 0});
+    fathom_camera camera;
+    double frames[24];
+    fathom_camera_look_at((double[3]){-4, 0, 0}, (double[3]){9, 0, 0}, (double[3]){0, 1, 0}, 1e-6, &camera);
+    for (int i = 0; i < 24; ++i) {
+        const int row = i % 12 / 4;
+        const double columns[4] = {camera.x[row], camera.y[row], camera.z[row], row ? 0 : i < 12 ? -4 : 5};
+        frames[i] = columns[i % 4];
+    }
+    camera.shutter[1] = 1;
+    camera.key_count = 2, camera.key_times = times, camera.key_frames = frames;
+    assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
+    s.settings.motion_blur = false;
+    stage_sphere(&s, 0, 0, 0, 2, stage_material(&s, &m));
+    expect(&s, 1.5, 0);
+    stage_close(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_volume_around_the_eye_absorbs),
@@ -121,6 +144,7 @@ int main(void) {
         cmocka_unit_test(volumes_around_each_other),
         cmocka_unit_test(other_shapes_bound_volumes_too),
         cmocka_unit_test(a_volume_without_end_lets_no_light_in_if_it_absorbs),
+        cmocka_unit_test(a_sharp_image_knows_what_is_around_the_eye_halfway),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
