@@ -537,7 +537,7 @@ static void unfinished_scenes(void **state) {
     assert_fails(s.context, fathom_tracer_create(s.context, s.scene, "embree", &tracer), FATHOM_BAD_INPUT,
                  nothing);
     assert_null(tracer);
-    assert_fails(s.context, fathom_scene_write(s.scene, "a.ply"), FATHOM_BAD_USAGE, "no triangles");
+    assert_fails(s.context, fathom_scene_write(s.scene, "a.ply"), FATHOM_BAD_USAGE, "no shape to write");
     /* What is named before it is there. */
     fathom_instance instance;
     fathom_instance_default(&instance);
