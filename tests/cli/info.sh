@@ -236,8 +236,10 @@ cat >expected.txt <<'TXT'
   useless.json:9: materials.m.clearcoatRoughness: it has no effect without "clearcoat"
   useless.json:10: materials.m.iridescenceIor: it has no effect without "iridescence"
   useless.json:11: materials.m.anisotropyRotation: it has no effect without "anisotropy"
-  useless.json:12: materials.m.attenuationColor: it has no effect without "thickness", "transmission"
-  useless.json:13: materials.m.attenuationDistance: it has no effect without "thickness", "transmission"
+  useless.json:12: materials.m.attenuationColor: it has no effect without "thickness"
+  useless.json:12: materials.m.attenuationColor: it has no effect without one of "transmission", "diffuseTransmission"
+  useless.json:13: materials.m.attenuationDistance: it has no effect without "thickness"
+  useless.json:13: materials.m.attenuationDistance: it has no effect without one of "transmission", "diffuseTransmission"
   useless.json:14: materials.m.bumpScale: it has no effect without "bumpTexture"
   useless.json:15: materials.m.opacityCutoff: it has no effect without one of "opacity", "opacityTexture", "opacities"
 TXT
@@ -254,6 +256,13 @@ useless '"sheenColor": [1, 1, 1], "emissive": [1, 1, 1], "clearcoat": 1, "irides
     grep -v '"channel"\|"inverted"' | sed 's/"file": "image.png",/"file": "image.png"/; s/^"uvSet"/, &/; s/^"normalTexture.*/& },/' >useful.json
 run 0 info useful.json
 said out.txt 'problems  none'
+# Light that is scattered into a volume is absorbed there, too.
+sed 's/"transmission": 1/"diffuseTransmission": 1/' useful.json >milk.json
+run 0 info milk.json
+said out.txt 'problems  none'
+run 0 convert milk.json again.json
+said again.json '"attenuationColor"'
+said again.json '"attenuationDistance":1'
 # Vertices have opacities, so the cutoff stays.
 run 0 convert useful.json again.json
 said again.json '"opacityCutoff":0.5'
