@@ -63,7 +63,7 @@ def wrapped(x, how):
 class Texture:
     """An image as a material looks it up; turns and scales keep cells on texels."""
 
-    def __init__(self, r, image, colored):
+    def __init__(self, r, image, colored, may_invert=False):
         self.image = image
         self.keys = {"file": image.name, "filter": "nearest"}
         light_random.maybe(r, 0.3, self.keys, "scale", lambda: [r.choice((-1, 1)), r.choice((-1, 1))])
@@ -75,6 +75,8 @@ class Texture:
         if not colored:
             light_random.maybe(r, 0.5, self.keys, "channel", lambda: r.choice("rgb"))
         light_random.maybe(r, 0.4, self.keys, "colorSpace", lambda: r.choice(("srgb", "linear")))
+        if may_invert:
+            light_random.maybe(r, 0.3, self.keys, "inverted", lambda: True)
         self.colored = colored
 
     def at(self, uvs):
@@ -91,6 +93,11 @@ class Texture:
     def factor(self, uvs):
         texel = self.at(uvs)
         return texel if self.colored else texel["rgb".index(self.keys.get("channel", "r"))]
+
+    def applied(self, value, uvs):
+        if "inverted" in self.keys:
+            return 1 - (1 - value) * self.factor(uvs)
+        return multiplied(value, self.factor(uvs))
 
 
 def multiplied(value, factor):
@@ -160,7 +167,7 @@ def textured(r, m, sheet, folder):
     for key in METALLIC if "model" in m else CLASSIC:
         needless = key in ("ks", "shininess") and "ks" not in m or key == "shininess" and "specular" not in m
         if not needless and r.random() < (0.7 if key in m else 0.1):
-            textures[key] = Texture(r, Image(r, folder, key), key in COLORS)
+            textures[key] = Texture(r, Image(r, folder, key), key in COLORS, "model" in m and key not in COLORS)
     if r.random() < 0.3:
         textures.pop("metallic", None), textures.pop("roughness", None)
         textures["metallicRoughness"] = Texture(r, Image(r, folder, "both"), True)
@@ -185,7 +192,7 @@ def of_cell(m, textures, sheet, at):
             m["roughness"] = m.get("roughness", 0.5) * texel[1]
             continue
         zero = [0, 0, 0] if texture.colored else 0
-        m[key] = multiplied(m.get(key, DEFAULT.get(key, zero)), texture.factor(uvs))
+        m[key] = texture.applied(m.get(key, DEFAULT.get(key, zero)), uvs)
     return m
 
 
