@@ -233,8 +233,8 @@ static void pack_block(const exr *out, size_t block, unsigned char *to) {
     }
 }
 
-/* What zlib compresses: the bytes with an even index, then the others, each as its difference from the one
- * before it, plus 128. All types have an even number of bytes. */
+/* zlib compresses the bytes with an even index, then the others, each as its difference from the one before
+ * it, plus 128. All types have an even number of bytes. */
 static void take_differences(const unsigned char *restrict bytes, size_t size, unsigned char *restrict to) {
     const size_t half = size / 2;
     to[0] = bytes[0];

@@ -25,8 +25,8 @@ static double smooth_of(const fathom_material *m, int channel) {
     return fmax(mirror, least * mirror + (1 - least) * glass);
 }
 
-/* Light that leaves over light that comes, in the channel where it is largest. What an image gives is not
- * known here and counts as 0. */
+/* The ratio of the light that leaves to the light that comes, in the channel where it is largest. Numbers
+ * that an image changes are not known here, and count as 0. */
 static double albedo_of(const fathom_material *m) {
     const bool colored = m->maps[FATHOM_MAP_COLOR].texture != FATHOM_NONE,
                shining = m->maps[FATHOM_MAP_SPECULAR_COLOR].texture != FATHOM_NONE ||

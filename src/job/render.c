@@ -202,7 +202,7 @@ static fathom_status render_traced(fathom_context *context, const world *w, cons
     return status;
 }
 
-/* What the image will lack, or have too much of. */
+/* Warns of all that the image will lack, or have too much of. */
 static void warn_of(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                     const world *w) {
     const bool classic = settings->integrator == FATHOM_INTEGRATOR_CLASSIC;

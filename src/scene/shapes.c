@@ -229,7 +229,7 @@ static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m, m
 }
 
 static void default_strides(fathom_mesh *mesh) {
-    /* What reads vertices without a time, as bounds and estimates do, reads those of the first key. */
+    /* Bounds and estimates read vertices without a time: those of the first key. */
     if (mesh->positions && mesh->key_count && mesh->key_positions)
         mesh->positions = mesh->key_positions, mesh->position_stride = 3 * sizeof(float);
     if (!mesh->colors) mesh->color_channels = 3;

@@ -1,22 +1,8 @@
 /* Scene JSON into the scene: every value arrives where it belongs. */
-#include "json_scene.h"
+#include "json_group.h"
 #include "scene/light_groups.h"
 
 #define SPHERE "{\"type\": \"sphere\", \"center\": [1, 2, 3], \"radius\": 4}"
-
-static json_scene s;
-
-static int setup(void **state) {
-    (void)state;
-    json_scene_open(&s);
-    return 0;
-}
-
-static int teardown(void **state) {
-    (void)state;
-    json_scene_close(&s);
-    return 0;
-}
 
 /* The document with these objects. */
 static fathom_scene *with_objects(const char *objects) {

@@ -1,19 +1,5 @@
 /* Where scene JSON is wrong: the line, the place, and no crash on whatever bytes come. */
-#include "json_scene.h"
-
-static json_scene s;
-
-static int setup(void **state) {
-    (void)state;
-    json_scene_open(&s);
-    return 0;
-}
-
-static int teardown(void **state) {
-    (void)state;
-    json_scene_close(&s);
-    return 0;
-}
+#include "json_group.h"
 
 static const char whole[] =
     "{\n"                                                                                             /* 1 */

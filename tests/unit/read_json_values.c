@@ -1,22 +1,8 @@
 /* Scene JSON: values that have several forms, or that depend on their neighbours in the list. */
-#include "json_scene.h"
+#include "json_group.h"
 #include "scene/motion/motion.h"
 
 #define TRIANGLE(more) "{\"type\": \"triangle\", \"vertices\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]" more "}"
-
-static json_scene s;
-
-static int setup(void **state) {
-    (void)state;
-    json_scene_open(&s);
-    return 0;
-}
-
-static int teardown(void **state) {
-    (void)state;
-    json_scene_close(&s);
-    return 0;
-}
 
 /* Neighbours of one name are one mesh; a neighbour of another name takes nothing from it. */
 static void loose_triangles_keep_their_own_names(void **state) {

@@ -149,7 +149,7 @@ fathom_status ply_read_vertices(ply_reader *r, size_t count, size_t grain, loop_
     return status == FATHOM_OK && r->lost ? note_lost(r) : status;
 }
 
-/* What is left of `whole` when wide integers go into *wide. */
+/* Puts the number of wide integers into *wide, and returns that of others; 0: the colours are not such. */
 static double part_wide(double whole, double *wide) {
     *wide = whole > 255 ? whole : 0;
     return whole > 255 ? 0 : whole;
