@@ -76,6 +76,64 @@ static void a_jerk_between_two_keys_is_followed(void **state) {
     stage_close(&s);
 }
 
+/* A triangle at the end of a lever that turns by `angle` about z. Returns the largest error at 999 times of
+ * the shutter, which are none of those that choose the steps. */
+static double turn_lever(stage *s, double lever, double angle) {
+    const fathom_id arm = new_group(s), body = new_group(s);
+    const double times[2] = {0, 1};
+    const double keys[2][12] = {
+        {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
+        {cos(angle), -sin(angle), 0, 0, sin(angle), cos(angle), 0, 0, 0, 0, 1, 0},
+    };
+    add_triangle(s, body);
+    place_keys(s, arm, body, times, &lever, 1, 1);
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    instance.group = arm, instance.key_count = 2, instance.key_times = times;
+    instance.key_transforms = keys[0];
+    assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));
+    open_shutter(s, 0, 1);
+    world *w;
+    assert_ok(s->context, world_create(s->scene, &w));
+    assert_ok(s->context, world_check(w));
+    double most = 0;
+    for (int k = 1; k < 1000; ++k) {
+        world_instance moved;
+        const float time = (float)k / 1000;
+        const world_instance *at = world_instance_when(w, 0, time, &moved);
+        const double turn = (double)time * angle;
+        most = fmax(most, hypot((double)at->to_world[0][3] + w->origin.x - lever * cos(turn),
+                                (double)at->to_world[1][3] + w->origin.y - lever * sin(turn)));
+    }
+    world_destroy(w);
+    return most;
+}
+
+static void keep_warning(void *user, const char *message) { snprintf(user, 300, "%s", message); }
+
+/* 64 straight pieces of the arc would be off by 64 (1/256)^2 / 8 = 1.2e-4. Allowed are 2^-14 of the radius
+ * sqrt(1/2) of the triangle's box, and 2^-21 of how far it is. */
+static void long_levers_turn_on_arcs(void **state) {
+    (void)state;
+    char told[300] = "";
+    stage s = stage_open(8, 8);
+    fathom_context_on_warning(s.context, keep_warning, told);
+    assert_true(turn_lever(&s, 64, 0.25) <= 0x1p-14 * sqrt(0.5) + 0x1p-21 * 65);
+    assert_string_equal(told, "");
+    stage_close(&s);
+}
+
+/* The error of 128 pieces of an arc: 4096 (0.8 / 128)^2 / 8 = 0.02. Places near 4096 are rounded by 2^-12. */
+static void levers_too_long_for_the_steps_are_told(void **state) {
+    (void)state;
+    char told[300] = "";
+    stage s = stage_open(8, 8);
+    fathom_context_on_warning(s.context, keep_warning, told);
+    assert_near(turn_lever(&s, 4096, 0.8), 0.02, 2 * 0x1p-12);
+    assert_non_null(strstr(told, " moves along a curve that 128 straight pieces miss by up to 0.02"));
+    stage_close(&s);
+}
+
 /* Each alone is fine. */
 static void nested_places_that_leave_the_range_of_float_are_refused(void **state) {
     (void)state;
@@ -161,6 +219,8 @@ static void vertices_that_stand_while_the_shutter_is_open_stand(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_jerk_between_two_keys_is_followed),
+        cmocka_unit_test(long_levers_turn_on_arcs),
+        cmocka_unit_test(levers_too_long_for_the_steps_are_told),
         cmocka_unit_test(nested_places_that_leave_the_range_of_float_are_refused),
         cmocka_unit_test(normals_that_turn_alone_are_motion),
         cmocka_unit_test(vertices_that_stand_while_the_shutter_is_open_stand),

@@ -142,6 +142,8 @@ typedef struct world {
                        meshes that were carried into the world (world_carry.c) */
     uint64_t carried_bytes;        /* of the carried meshes in still_vertices */
     bool moves;                    /* some geometry or instance moves */
+    double motion_error;           /* the largest error of motions that need too many steps; 0: none */
+    fathom_id motion_error_of;     /* the scene's instance */
     bool *absent;                  /* by object of the scene: true if it is in no geometry; see absent.h */
     uint64_t degenerate_triangles; /* without area: stored, never hit */
     uint64_t beyond_reach; /* primitives with a coordinate whose magnitude is not below WORLD_REACH, in their

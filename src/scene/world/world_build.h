@@ -19,8 +19,8 @@ typedef affine_f64 (*world_place_fn)(const void *user, double time);
 
 /* Resamples the motion `place` of an instance to uniform steps: the fewest with an error of at most 2^-14 of
  * the radius of `inside`, the bounds of the moving geometry, plus rounding errors. At Embree's limit of steps
- * a larger error is accepted. Also sets the instance's maps. id: for messages. FATHOM_BAD_INPUT if it rotates
- * too fast for the steps. */
+ * a larger error is accepted, and world_check() warns of it. Also sets the instance's maps. id: for messages.
+ * FATHOM_BAD_INPUT if it rotates too fast for the steps. */
 fathom_status world_add_motion(world *w, world_place_fn place, const void *user, const scene_bounds *inside,
                                const double *times, size_t time_count, fathom_id id,
                                world_instance *instance);

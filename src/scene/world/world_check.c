@@ -126,6 +126,16 @@ static void warn_of_lights(const world *w) {
          s.light, p[0], p[1], p[2], s.object, s.found > 1 ? " (and so for others)" : "");
 }
 
+static void warn_of_motion(const world *w) {
+    if (!(w->motion_error > 0)) return;
+    const fathom_id id = w->motion_error_of;
+    const fathom_place *place = scene_origin_find(w->scene, SCENE_PART_MOVED, id);
+    warn(w->scene->context,
+         "instance %u%s%s moves along a curve that %u straight pieces miss by up to %g; shorten the shutter",
+         id, place && place->field ? ", of " : "", place && place->field ? place->field : "",
+         WORLD_STEPS_MOST - 1, w->motion_error);
+}
+
 /* ---- errors of a world as a whole ---- */
 
 /* A scene that has only triangles without area shows nothing. */
@@ -161,5 +171,6 @@ fathom_status world_check(const world *w) {
     fathom_status status = check_area(w);
     if (status == FATHOM_OK) status = check_camera(w);
     if (status == FATHOM_OK) warn_of_lights(w);
+    if (status == FATHOM_OK) warn_of_motion(w);
     return status;
 }

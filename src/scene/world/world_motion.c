@@ -82,17 +82,22 @@ static double off_at(const way *y, const motion_parts *parts, uint32_t steps, do
     return most;
 }
 
+/* The least number of times to look at. */
 #define LOOKS 64
 
-static bool fits(const way *y, const motion_parts *parts, uint32_t steps) {
-    for (int i = 1; i < LOOKS; ++i) {
-        if (!(off_at(y, parts, steps, (double)i / LOOKS) <= y->slack)) return false;
+/* The largest error that was found, or the first above `enough`; NaN if there is one. A curve is farthest
+ * from its chord near the middle, so each interval is looked at in its middle, and few intervals also beside
+ * it. */
+static double find_error(const way *y, const motion_parts *parts, uint32_t steps, double enough) {
+    const uint32_t spans = steps - 1, looks = spans * ((LOOKS / spans) | 1);
+    double most = 0;
+    for (size_t i = 0; i < looks + y->time_count && most <= enough; ++i) {
+        const double u =
+            i < looks ? ((double)i + 0.5) / looks : (y->times[i - looks] - y->open) / (y->close - y->open);
+        const double off = u > 0 && u < 1 ? off_at(y, parts, steps, u) : 0;
+        if (!(off <= most)) most = off;
     }
-    for (size_t k = 0; k < y->time_count; ++k) {
-        const double u = (y->times[k] - y->open) / (y->close - y->open);
-        if (u > 0 && u < 1 && !(off_at(y, parts, steps, u) <= y->slack)) return false;
-    }
-    return true;
+    return most;
 }
 
 /* The allowed error: 2^-14 of the radius, the same as for far objects (world_place.c), plus some rounding
@@ -111,6 +116,10 @@ static fathom_status refuse_spin(const world *w, fathom_id id) {
                                "that the shutter is open; shorten the shutter");
 }
 
+static void keep_error(world *w, double error, fathom_id id) {
+    if (error > w->motion_error) w->motion_error = error, w->motion_error_of = id;
+}
+
 fathom_status world_add_motion(world *w, world_place_fn place, const void *user, const scene_bounds *inside,
                                const double *times, size_t time_count, fathom_id id,
                                world_instance *instance) {
@@ -127,11 +136,12 @@ fathom_status world_add_motion(world *w, world_place_fn place, const void *user,
         motion.steps = intervals[i] + 1;
         sample(&y, motion.steps, motion.parts);
         slow = turns_slowly(motion.parts, motion.steps);
-        fine = slow && fits(&y, motion.parts, motion.steps);
+        fine = slow && find_error(&y, motion.parts, motion.steps, y.slack) <= y.slack;
     }
     w->motions.items[w->motions.count - 1] = motion;
     w->moves = true;
     if (!slow) return refuse_spin(w, id);
+    if (!fine) keep_error(w, find_error(&y, motion.parts, motion.steps, INFINITY), id);
     instance->moving = (uint32_t)w->motions.count;
     const affine_f64 first = motion_put_together(&motion.parts[0]);
     if (world_instance_set(instance, &first)) return FATHOM_OK;
