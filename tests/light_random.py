@@ -72,6 +72,7 @@ def metallic(r, directed):
     maybe(r, 0.2, m, "diffuseTransmissionColor", lambda: color(r))
     maybe(r, 0.2, m, "opacity", unit)
     maybe(r, 0.3, m, "multiscatter", lambda: False)
+    maybe(r, 0.2, m, "doubleSided", lambda: False)
     maybe(r, 0.3, m, "transmission", unit)
     if r.random() < 0.2:
         m.update(iridescence=unit(), iridescenceIor=round(r.uniform(1, 2.5), 2),

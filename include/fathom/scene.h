@@ -123,6 +123,9 @@ typedef struct fathom_material {
     float clearcoat_normal_scale; /* the same of FATHOM_MAP_CLEARCOAT_NORMAL; default 1 */
     float bump_scale; /* either model: the height in units of length where FATHOM_MAP_BUMP is 1; default 1 */
     fathom_map maps[FATHOM_MAPS];
+    bool double_sided; /* false: under path tracing the camera looks through the back of the surface, as if it
+                          were absent there; to all other rays it has two sides. Without effect on volumes;
+                          default true */
 } fathom_material;
 
 FATHOM_DEFAULT(fathom_material)

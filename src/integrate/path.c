@@ -49,6 +49,16 @@ static float width_at(const path_wave *p, const vertex_block *v, unsigned i) {
     return p->width[slot] + p->spread[slot] * sqrtf(dot_f32(way, way));
 }
 
+/* The camera looks through the backs of one-sided surfaces. */
+static void hide_backs(path_wave *p, vertex_block *v) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        if (v->surface.entering[i] || !p->wave.run.plan->shaders[v->surface.material[i]].one_sided) continue;
+        if (!path_in_view(p, v->path.slot[i])) continue;
+        v->shader.at[i] = &p->hidden;
+        p->looked_through = true;
+    }
+}
+
 /* Sets the shaders at the points. */
 static void find_shaders(path_wave *p, vertex_block *v) {
     wave *w = &p->wave;
@@ -62,6 +72,7 @@ static void find_shaders(path_wave *p, vertex_block *v) {
                         w->made[v - w->vertices], v->shader.at);
     }
     if (plan->nested) path_hide_surfaces(p, v, around, hidden);
+    if (plan->one_sided) hide_backs(p, v);
     if (plan->dispersive) path_choose_channels(p, v);
 }
 
@@ -92,11 +103,17 @@ static void ask(const path_wave *p, const vertex_block *v, emitter_query *out) {
     }
 }
 
+/* Whether paths may pass surfaces straight here, or have done so and have scattered less often than others.
+ */
+static bool may_pass(const path_wave *p) {
+    const render_plan *plan = p->wave.run.plan;
+    return plan->covered || (plan->one_sided && (!p->depth || p->looked_through));
+}
+
 /* Lanes whose paths may only pass straight through surfaces, as masks; see is_done(). */
 static void find_done(const path_wave *p, const vertex_block *v, uint32_t done[LANES]) {
     memset(done, 0, LANES * sizeof *done);
-    for (unsigned i = 0; p->wave.run.plan->covered && i < LANES; ++i)
-        done[i] = is_done(p, v->path.slot[i]) ? ~0u : 0;
+    for (unsigned i = 0; may_pass(p) && i < LANES; ++i) done[i] = is_done(p, v->path.slot[i]) ? ~0u : 0;
 }
 
 /* Light from outside ends in no closed mesh. The depths of other lights are not known. */
@@ -263,7 +280,7 @@ static void push_paths(path_wave *p, vertex_block *v, const vertex_keys *keys, c
     numbers(p, keys, SAMPLE_SCATTER, u);
     if (roulette) numbers(p, keys, SAMPLE_ROULETTE, chance);
     memcpy(u[2], choice, sizeof u[2]);
-    if (plan->covered) pass_alone(p, v);
+    if (may_pass(p)) pass_alone(p, v);
     plan->shader_kernels->sample(&v->surface, &v->shader, u, &to);
     plan->path_kernels->carry(&v->path, &to, path.weight);
     if (plan->dispersive) part_paths(p, v, &to, path.weight);
@@ -320,7 +337,7 @@ static bool add_lights(path_wave *p) {
 
 static bool step(path_wave *p) {
     wave *w = &p->wave;
-    const bool first = p->depth == 0, last = p->depth >= w->run.plan->max_depth && !w->run.plan->covered;
+    const bool first = p->depth == 0, last = p->depth >= w->run.plan->max_depth && !may_pass(p);
     p->ends = last;
     if (!wave_trace(w, 0, w->now.count, first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
     if (!first && p->shows_lamps) path_add_lamps(p);
@@ -387,6 +404,7 @@ static bool run(integration *state, const wave_region *region, const wave_batch 
     p->lit = !emitters_none(w->run.plan->emitters);
     p->shows_lamps = emitters_any_spheres(w->run.plan->emitters);
     p->light_factor = emitters_mis_factor(w->run.plan->emitters);
+    p->looked_through = false;
     begin(p, batch);
     if (!wave_camera_rays(w, region, batch)) return false;
     if (w->run.plan->camera_moves || w->run.plan->camera.parallel) begin_at_eyes(p);

@@ -10,6 +10,7 @@ typedef struct path_wave {
     wave wave; /* must be first: the integrator's interface points to it */
     uint32_t depth;
     bool ends;                  /* vertices at this depth continue no paths and take no light samples */
+    bool looked_through;        /* some ray of the batch has passed the back of a one-sided surface */
     bool lit;                   /* there are lights to sample */
     bool shows_lamps;           /* scattered rays may find lamps with a radius */
     float light_factor;         /* emitters_mis_factor() */
@@ -31,7 +32,8 @@ typedef struct path_wave {
     float tint[3][WAVE_SLOTS];
     media *media;                /* NULL: no volume absorbs light or has a priority */
     uint8_t channel[WAVE_SLOTS]; /* the one channel that the path carries, from 1; 0: all three */
-    shader hidden;               /* shader of surfaces inside a volume of a higher priority */
+    shader hidden; /* of surfaces inside a volume of a higher priority, and of backs that the camera does not
+                      see */
 } path_wave;
 
 static inline vec3_f32 of_slot(const float from[3][WAVE_SLOTS], uint32_t slot) {

@@ -93,6 +93,7 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
         plan->dispersive |= (s->lobes & SHADER_DISPERSIVE) != 0;
         plan->panes |= s->clear || (plan->texturing && is_pane(&m));
         plan->covered |= s->hole > 0 || holes || plan->nested || plan->panes;
+        plan->one_sided |= s->one_sided;
         plan->absorbs |= s->absorption[0] > 0 || s->absorption[1] > 0 || s->absorption[2] > 0;
     }
     return FATHOM_OK;

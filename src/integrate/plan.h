@@ -72,6 +72,7 @@ typedef struct render_plan {
     eye_volumes eye_volumes;          /* around the camera when the shutter opens, if paths track volumes */
     bool dispersive;                  /* some volume disperses light */
     bool covered;    /* path tracing: light may pass some surface straight, or volumes have priorities */
+    bool one_sided;  /* path tracing: the camera looks through the back of some surface */
     bool panes;      /* path tracing: some surface may be a clear thin wall */
     bool unshadowed; /* path tracing: some shape casts no shadow */
 } render_plan;

@@ -76,6 +76,11 @@ static bool meets(path *p, reference_surface *s, reference_random *random) {
     return true;
 }
 
+/* The camera looks through the backs of one-sided surfaces. */
+static bool is_seen(const path *p, const reference_surface *s) {
+    return !(p->in_view && s->behind && material_is_one_sided(s->material));
+}
+
 /* The volume on the side of the surface that the direction leads to; NULL: none. */
 static const fathom_material *medium_towards(const path *p, const reference_surface *s, vec3_f64 direction) {
     const bool crosses = reference_refracts(s->material) && dot_f64(s->geometric, direction) < 0;
@@ -194,7 +199,7 @@ static bool radiance(const reference_scene *r, path p, reference_random random, 
         }
         const fathom_material *medium = medium_of(&p, NULL);
         if (medium) p.weight = times(p.weight, reference_absorbed(medium, s.t));
-        if (meets(&p, &s, &random)) {
+        if (is_seen(&p, &s) && meets(&p, &s, &random)) {
             sum = add_f64(sum, times(p.weight, reference_emission(s.material)));
             bool straight = bounce == r->settings.depth;
             if (straight) {

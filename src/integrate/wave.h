@@ -82,8 +82,8 @@ typedef struct wave_stages {
     /* Makes the rays that leave a block of vertices, after AOVs have read it. The next block reuses its
      * memory, which is still in the cache. NULL: all blocks are kept. */
     void (*leave)(wave *w, vertex_block *v);
-    /* Whether the ray in this slot left the camera and has since only passed surfaces by their opacity. Used
-     * if the plan is `covered`. */
+    /* Whether the ray in this slot left the camera and has since only passed surfaces by their opacity, or
+     * backs of one-sided surfaces. Used if the plan is `covered` or `one_sided`. */
     bool (*in_view)(const wave *w, uint32_t slot);
 } wave_stages;
 

@@ -202,6 +202,13 @@ static fathom_status render_traced(fathom_context *context, const world *w, cons
     return status;
 }
 
+static size_t count_one_sided(const fathom_scene *scene) {
+    size_t count = 0;
+    for (size_t i = 0; i < scene->materials.count; ++i)
+        count += material_is_one_sided(&scene->materials.items[i].value);
+    return count;
+}
+
 /* Warns of all that the image will lack, or have too much of. */
 static void warn_of(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                     const world *w) {
@@ -218,6 +225,10 @@ static void warn_of(fathom_context *context, const fathom_scene *scene, const fa
     if (scene->environments.count && classic)
         warn(context, "environments are left out, which only the integrator `path` renders: %zu",
              scene->environments.count);
+    if (classic && count_one_sided(scene))
+        warn(context,
+             "materials with one side whose back is shown, as only path tracing looks through it: %zu",
+             count_one_sided(scene));
     if (parts_ambient(scene) && !scene->lights_made && !classic)
         warn(context, "ambient light is left out, which only the integrator `classic` has; paths find the "
                       "light of a background");

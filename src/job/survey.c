@@ -207,7 +207,7 @@ static fathom_status find_memory(const fathom_scene *scene, const world *w, fath
 
 typedef struct material_uses {
     unsigned bits;
-    bool phong, blinn, ggx, fresnel, lit_from_behind, clearcoat, sheen, iridescence;
+    bool phong, blinn, ggx, fresnel, lit_from_behind, clearcoat, sheen, iridescence, one_sided;
 } material_uses;
 
 static void add_material(const fathom_scene *scene, fathom_id id, material_uses *uses) {
@@ -226,6 +226,7 @@ static void add_material(const fathom_scene *scene, fathom_id id, material_uses 
     uses->sheen |=
         layered && (full->sheen_color[0] > 0 || full->sheen_color[1] > 0 || full->sheen_color[2] > 0);
     uses->iridescence |= layered && full->iridescence > 0;
+    uses->one_sided |= layered && material_is_one_sided(full);
     uses->fresnel |= m->fresnel;
     uses->lit_from_behind |= m->lit_from_behind;
 }
@@ -279,6 +280,7 @@ static void find_features(const fathom_scene *scene, survey *out) {
                     {uses.clearcoat, "clearcoat"},
                     {uses.sheen, "sheen"},
                     {uses.iridescence, "iridescence"},
+                    {uses.one_sided, "one-sided surfaces"},
                     {uses.bits & MATERIAL_MIRROR, "mirrors"},
                     {uses.bits & MATERIAL_REFRACT, "refraction"},
                     {uses.fresnel, "Fresnel"},

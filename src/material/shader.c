@@ -283,6 +283,7 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     if (any(m->sheen_color)) prepare_sheen(m, out);
     prepare_coat(m, out);
     if (m->multiscatter) prepare_even(m, &x, &means, alpha, out);
+    out->one_sided = material_is_one_sided(m);
 }
 
 void shader_emission(const fathom_material *m, float out[3]) {

@@ -107,6 +107,7 @@ typedef struct shader {
     bool encloses;       /* transmitted light enters or leaves a volume; false for a thin wall */
     bool clear;          /* light that it transmits goes straight through: a smooth thin wall, or classic
                             glass of index 1 */
+    bool one_sided;      /* the camera looks through its back */
     /* Only kernels use the members below. */
     uint32_t lobes;                /* SHADER_ bits */
     float diffuse[3];              /* Lambert's reflectance; with SHADER_EVEN divided by mean_under */

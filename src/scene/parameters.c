@@ -206,6 +206,9 @@ static const fathom_parameter metallic_rows[] = {
      .help = "Factor of the slopes of `clearcoatNormalTexture`."},
     {"bump_scale", F32, MATERIAL(bump_scale), SOFT, -1e6, 1e6, 1, "LENGTH", "Surface",
      .help = "Height of the surface in units of length where `bumpTexture` is 1."},
+    {"double_sided", BOOL, MATERIAL(double_sided), HARD, 0, 1, true, NULL, "Surface",
+     .help = "`false`: the camera looks through the back of the surface, which is otherwise as before. Volumes have two "
+     "sides."},
     {"multiscatter", BOOL, MATERIAL(multiscatter), HARD, 0, 1, true, NULL, "Surface",
      .help = "Adds the energy that rough surfaces lose without multiple scattering between microfacets. `false`: glTF's "
      "formulas alone."},

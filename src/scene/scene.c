@@ -148,6 +148,11 @@ bool material_is_directed(const fathom_material *m) {
     return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->anisotropy > 0;
 }
 
+bool material_is_one_sided(const fathom_material *m) {
+    const bool bounds = m->thickness > 0 && (m->transmission > 0 || m->diffuse_transmission > 0);
+    return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && !m->double_sided && !bounds;
+}
+
 float material_opacity(const fathom_material *m) {
     return m->opacity_cutoff > 0 ? (m->opacity >= m->opacity_cutoff ? 1.0f : 0.0f) : m->opacity;
 }

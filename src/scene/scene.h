@@ -155,6 +155,8 @@ bool material_has_maps(const fathom_material *material);
 bool material_is_directed(const fathom_material *material);
 /* True when the vertices of some mesh have opacities. */
 bool scene_has_opacities(const fathom_scene *scene);
+/* True if the camera looks through the back of the surface. */
+bool material_is_one_sided(const fathom_material *material);
 /* The opacity; with a cutoff it is 0 or 1. */
 float material_opacity(const fathom_material *material);
 

@@ -218,7 +218,7 @@ static unsigned holders_of(const shape *s) {
 static void put_material(file_writer *t, const char *name, const shape *s) {
     const unsigned used = holders_of(s);
     const char *open = ",\"extensions\":{";
-    file_writer_print(t, "{\"doubleSided\":true");
+    file_writer_print(t, "{\"doubleSided\":%s", s->m.double_sided ? "true" : "false");
     if (name) {
         file_writer_print(t, ",\"name\":");
         write_quoted(t, name);

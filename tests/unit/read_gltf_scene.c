@@ -125,9 +125,6 @@ static void each_omission_is_reported_once(void **state) {
          "index':0}"
          "}]",
          "textures[0]: a texture without an image that can be read is left out (2 such)"},
-        {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{'doubleSided':"
-         "false}]",
-         "materials[0].doubleSided: back faces are seen"},
         {"'extensionsUsed':['A_b'],'materials':[{'extensions':{'A_b':{'extensions':{'KHR_texture_transform':{"
          "}}}},"
          "'extras':{'extensions':{'B_c':0}}},{'extensions':{'A_b':1}}]," TRIANGLE_MESH,

@@ -190,12 +190,6 @@ static void read_extensions(gltf *g, const gltf_value *at, const gltf_value *ext
     read_keys(g, &part, GLTF_PBR, d);
 }
 
-static void read_sides(gltf *g, const gltf_value *at) {
-    bool both = true;
-    gltf_flag(g, at, "doubleSided", &both);
-    if (!both) gltf_note(g, at, "doubleSided", "back faces are seen, whatever doubleSided says");
-}
-
 /* The surface emits its base colour, and reflects nothing. */
 static void make_unlit(draft *d) {
     const fathom_material given = d->m;
@@ -204,12 +198,13 @@ static void make_unlit(draft *d) {
     memcpy(m->emissive, given.base_color, sizeof m->emissive);
     memset(m->base_color, 0, sizeof m->base_color);
     m->specular_factor = 0;
-    m->opacity = given.opacity, m->opacity_cutoff = given.opacity_cutoff;
+    m->double_sided = given.double_sided, m->opacity = given.opacity,
+    m->opacity_cutoff = given.opacity_cutoff;
     m->maps[FATHOM_MAP_EMISSIVE] = given.maps[FATHOM_MAP_COLOR];
     m->maps[FATHOM_MAP_OPACITY] = given.maps[FATHOM_MAP_OPACITY];
 }
 
-/* glTF's defaults are those of fathom_material, except metallic and roughness. */
+/* glTF's defaults are those of fathom_material, except metallic, roughness and double_sided. */
 static void read_material(gltf *g, const gltf_value *at, draft *d) {
     gltf_value extensions, unlit;
     fathom_material_default(&d->m);
@@ -221,7 +216,8 @@ static void read_material(gltf *g, const gltf_value *at, draft *d) {
     read_extensions(g, at, &extensions, d);
     read_keys(g, at, GLTF_CORE, d);
     read_scale(g, at, "normalTexture", &d->m.normal_scale);
-    read_sides(g, at);
+    d->m.double_sided = false;
+    gltf_flag(g, at, "doubleSided", &d->m.double_sided);
     if (d->unlit) make_unlit(d);
     d->m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
 }
