@@ -91,16 +91,17 @@ static void begin_vertices(wave *w, vertex_block *v) {
 
 /* ---- light samples ---- */
 
-static bool lit_from_both_sides(const vertex_block *v, unsigned i) { return v->shader.at[i]->transmits; }
+/* Light below the horizon of this normal does not count; 0: light from both sides does. A clear coat with a
+ * normal of its own reflects light from behind the normal of the layers below it. */
+static vec3_f32 lit_side(const vertex_block *v, unsigned i) {
+    if (v->shader.at[i]->transmits) return (vec3_f32){0, 0, 0};
+    return lane_f32(v->surface.coated >> i & 1 ? v->surface.ng : v->shader.n, i);
+}
 
 static void ask(const path_wave *p, const vertex_block *v, emitter_query *out) {
     memcpy(out->p, v->surface.p, sizeof out->p);
-    memcpy(out->n, v->surface.ns, sizeof out->n);
     for (unsigned i = 0; p->wave.times && i < LANES; ++i) out->time[i] = p->wave.times[v->path.slot[i]];
-    for (unsigned i = 0; i < LANES; ++i) {
-        if (!lit_from_both_sides(v, i)) continue;
-        for (int c = 0; c < 3; ++c) out->n[c][i] = 0;
-    }
+    for (unsigned i = 0; i < LANES; ++i) put_lane_f32(out->n, i, lit_side(v, i));
 }
 
 /* Whether paths may pass surfaces straight here, or have done so and have scattered less often than others.
@@ -180,11 +181,12 @@ static void widen_cone(path_wave *p, const vertex_block *v, const shader_sample 
 
 /* Records the vertex that the ray leaves. If the ray passes straight through, this is not a vertex: the next
  * hit is weighted as if the ray came from the previous vertex. */
-static void leave_vertex(path_wave *p, const surface_block *s, const shader_sample *to, unsigned i, bool both,
+static void leave_vertex(path_wave *p, const vertex_block *v, const shader_sample *to, unsigned i,
                          bool hidden, uint32_t slot) {
+    const vec3_f32 at = lane_f32(v->surface.p, i), n = lit_side(v, i);
     if (p->wave.run.samples.first) path_leave_features(p, to, i, slot);
     if (to->straight[i]) {
-        const vec3_f32 way = sub_f32(lane_f32(s->p, i), of_slot(p->p, slot));
+        const vec3_f32 way = sub_f32(at, of_slot(p->p, slot));
         p->passed[slot] = sqrtf(dot_f32(way, way));
         if (to->pane[i]) p->paned[slot] = true;
         if (p->wave.run.samples.mattes && path_in_view(p, slot)) wave_lose_mattes(&p->wave, slot);
@@ -193,10 +195,8 @@ static void leave_vertex(path_wave *p, const surface_block *s, const shader_samp
         if (hidden) p->density[slot] = INFINITY;
         return;
     }
-    for (int c = 0; c < 3; ++c) {
-        p->p[c][slot] = s->p[c][i];
-        p->n[c][slot] = both ? 0 : s->ns[c][i];
-    }
+    p->p[0][slot] = at.x, p->p[1][slot] = at.y, p->p[2][slot] = at.z;
+    p->n[0][slot] = n.x, p->n[1][slot] = n.y, p->n[2][slot] = n.z;
     p->density[slot] = to->density[i];
     p->passed[slot] = 0;
 }
@@ -208,7 +208,7 @@ static void keep_path(path_wave *p, const vertex_block *v, const shader_sample *
     const render_plan *plan = p->wave.run.plan;
     const bool hidden = v->shader.at[i] == &p->hidden;
     if (plan->texturing && !to->straight[i]) widen_cone(p, v, to, i);
-    leave_vertex(p, s, to, i, lit_from_both_sides(v, i), hidden, slot);
+    leave_vertex(p, v, to, i, hidden, slot);
     if (to->through[i] && (!to->straight[i] || hidden) && p->media && plan->shaders[s->material[i]].encloses)
         media_cross(p->media, slot, s->material[i], s->entering[i] != 0);
 }
