@@ -247,16 +247,17 @@ static void push_lanes(path_wave *p, const vertex_block *v, const shader_sample 
     if (room != lanes) push_some(p, &rays, path, lanes & ~room);
 }
 
+/* In view, a hole keeps the probability of its area, because AOVs count the paths that end at the surface. */
 static void pass_alone(const path_wave *p, vertex_block *v) {
     for (unsigned i = 0; i < LANES; ++i) {
         if (!is_done(p, v->path.slot[i])) continue;
         const float hole = v->shader.take[SHADER_TAKE_STRAIGHT][i],
                     pane = v->shader.at[i]->clear ? v->shader.take[SHADER_TAKE_PASS][i] : 0;
         for (int k = 0; k < SHADER_TAKES; ++k) v->shader.take[k][i] = 0;
-        if (hole + pane > 0) {
-            v->shader.take[SHADER_TAKE_STRAIGHT][i] = hole / (hole + pane);
-            v->shader.take[SHADER_TAKE_PASS][i] = pane / (hole + pane);
-        }
+        if (!(hole + pane > 0)) continue;
+        const float straight = path_in_view(p, v->path.slot[i]) ? hole : hole / (hole + pane);
+        v->shader.take[SHADER_TAKE_STRAIGHT][i] = straight;
+        v->shader.take[SHADER_TAKE_PASS][i] = pane > 0 ? 1 - straight : 0;
     }
 }
 

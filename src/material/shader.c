@@ -214,10 +214,9 @@ static void scale(float factor, float rgb[3]) {
 
 static void cover(float opacity, shader *out) {
     if (opacity >= 1) return;
-    float *const colours[] = {out->diffuse,    out->f0,      out->mirror0,     out->cross,
-                              out->again,      out->k_r,     out->again_cross, out->albedo,
-                              out->highlight,  out->k_t,     out->leaf,        out->sheen,
-                              out->metal_rise, out->base_f0, out->base_again};
+    float *const colours[] = {out->diffuse, out->f0,          out->mirror0,   out->cross,     out->again,
+                              out->k_r,     out->again_cross, out->highlight, out->k_t,       out->leaf,
+                              out->sheen,   out->metal_rise,  out->base_f0,   out->base_again};
     for (size_t i = 0; i < sizeof colours / sizeof *colours; ++i) scale(opacity, colours[i]);
     for (int side = 0; side < 2 && out->lobes & SHADER_GLASS; ++side) {
         scale(opacity, out->glass_again_cross[side]);
@@ -231,7 +230,6 @@ static void cover(float opacity, shader *out) {
     out->hole = 1 - opacity;
     out->lobes |= SHADER_STRAIGHT;
     out->transmits = true;
-    for (int c = 0; c < 3; ++c) out->albedo[c] += out->hole;
 }
 
 /* Reflection by the surface of a solid, which is not the same from inside. */

@@ -100,8 +100,9 @@ enum { FILM_STEPS = 64 };
 /* A material's constants, made once before rendering. */
 typedef struct shader {
     fathom_model model;
-    float emission[3]; /* radiance of both sides, times opacity */
-    float albedo[3];   /* for the AOV: approximate fraction of white light that is reflected or transmitted */
+    float emission[3];   /* radiance of both sides, times opacity */
+    float albedo[3];     /* for the AOV: approximate fraction of white light that is reflected or transmitted;
+                            not times opacity, because AOVs do not count paths that pass a hole */
     float absorption[3]; /* per unit of length, of the enclosed volume: -ln(colour) / distance; else 0 */
     bool transmits;      /* some lobe transmits light to the other side */
     bool encloses;       /* transmitted light enters or leaves a volume; false for a thin wall */
