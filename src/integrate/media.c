@@ -85,11 +85,6 @@ bool media_meet(const media *m, uint32_t slot, uint32_t material, bool entering,
     return other->priority <= priority && m->in[slot][at] != material;
 }
 
-bool media_absorbs(const media *m, uint32_t slot) {
-    const shader *s = filled_by(m, slot);
-    return s && (s->absorption[0] > 0 || s->absorption[1] > 0 || s->absorption[2] > 0);
-}
-
 static void left_in(const shader *s, float length, float left[3]) {
     for (int c = 0; c < 3; ++c) left[c] = s && s->absorption[c] > 0 ? expf(-s->absorption[c] * length) : 1;
 }

@@ -19,9 +19,8 @@ void media_cross(media *m, uint32_t slot, uint32_t material, bool entering);
  * volume fills the space on both of its sides. around: the index of the volume that fills the space outside
  * the surface. */
 bool media_meet(const media *m, uint32_t slot, uint32_t material, bool entering, float *around);
-/* The volume around the path absorbs light. */
-bool media_absorbs(const media *m, uint32_t slot);
-/* left: the transmittance over a distance through the volume: exp(-sigma length) (Beer and Lambert). */
+/* left: the transmittance over a distance, which may be INFINITY, through the volume: exp(-sigma length)
+ * (Beer and Lambert). */
 void media_left(const media *m, uint32_t slot, float length, float left[3]);
 /* The same on the other side of a surface that the path hits. */
 void media_left_behind(const media *m, uint32_t slot, uint32_t material, bool entering, float length,

@@ -38,15 +38,16 @@ static void look_outside(path_wave *p, const trace_block *block, const path_bloc
     emitters_outside(p->wave.run.plan->emitters, lanes, n, direction, radiance, density);
 }
 
-/* Suns are not in view. */
-static void add_suns(path_wave *p, uint32_t slot, const path_block *path, unsigned i, vec3_f32 direction) {
+/* Suns are not in view. left: the fraction of their light that volumes let pass. */
+static void add_suns(path_wave *p, uint32_t slot, const path_block *path, unsigned i, vec3_f32 direction,
+                     const float left[3]) {
     const emitters *e = p->wave.run.plan->emitters;
     for (uint32_t k = 0; k < emitters_sun_count(e) && !path_in_view(p, slot); ++k) {
         emitter_disc disc;
         if (!emitters_disc(e, k, direction, &disc)) continue;
         if (!(disc.density > 0) && p->density[slot] < INFINITY) continue;
         met_light met = {.density = disc.density, .group = disc.group, .direction = direction};
-        memcpy(met.radiance, disc.radiance, sizeof met.radiance);
+        for (int c = 0; c < 3; ++c) met.radiance[c] = disc.radiance[c] * left[c];
         add_light(p, slot, path, i, &met);
     }
 }
@@ -58,13 +59,14 @@ void path_add_outside(wave *w, const trace_block *block, const path_block *path,
     look_outside(p, block, path, missed, radiance, density);
     for (; missed; missed &= missed - 1) {
         const unsigned i = lane_first(missed);
-        const met_light met = {.radiance = {radiance[0][i], radiance[1][i], radiance[2][i]},
-                               .density = density[i],
-                               .group = emitters_outside_group(w->run.plan->emitters),
-                               .direction = trace_dir(&block->rays, i)};
-        if (p->media && media_absorbs(p->media, path->slot[i])) continue;
+        float left[3] = {1, 1, 1};
+        if (p->media) media_left(p->media, path->slot[i], INFINITY, left);
+        met_light met = {.density = density[i],
+                         .group = emitters_outside_group(w->run.plan->emitters),
+                         .direction = trace_dir(&block->rays, i)};
+        for (int c = 0; c < 3; ++c) met.radiance[c] = radiance[c][i] * left[c];
         add_light(p, path->slot[i], path, i, &met);
-        add_suns(p, path->slot[i], path, i, met.direction);
+        add_suns(p, path->slot[i], path, i, met.direction, left);
     }
 }
 

@@ -181,24 +181,18 @@ static bool survives(path *p, unsigned bounce, reference_random *random) {
     return reference_uniform(random) < chance;
 }
 
-/* Light from infinitely far away does not get through a volume that absorbs. */
-static bool absorbs(const fathom_material *m) {
-    const float *c = m ? m->attenuation_color : NULL;
-    return m && m->attenuation_distance > 0 && (c[0] < 1 || c[1] < 1 || c[2] < 1);
-}
-
 static bool radiance(const reference_scene *r, path p, reference_random random, vec3_f64 *out) {
     vec3_f64 sum = {0, 0, 0};
     for (unsigned bounce = 0; !p.overlap;) {
         reference_surface s = {.t = (double)INFINITY};
         const bool hit = reference_closest(r, p.origin, p.direction, s.t, false, &random, &s);
         sum = add_f64(sum, times(p.weight, lamps(r, &p, s.t)));
+        const fathom_material *medium = medium_of(&p, NULL);
+        if (medium) p.weight = times(p.weight, reference_absorbed(medium, hit ? s.t : (double)INFINITY));
         if (!hit) {
-            if (!absorbs(medium_of(&p, NULL))) sum = add_f64(sum, times(p.weight, outside(r, &p)));
+            sum = add_f64(sum, times(p.weight, outside(r, &p)));
             break;
         }
-        const fathom_material *medium = medium_of(&p, NULL);
-        if (medium) p.weight = times(p.weight, reference_absorbed(medium, s.t));
         if (is_seen(&p, &s) && meets(&p, &s, &random)) {
             sum = add_f64(sum, times(p.weight, reference_emission(s.material)));
             bool straight = bounce == r->settings.depth;
