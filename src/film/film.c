@@ -134,6 +134,8 @@ static fathom_status check_memory(fathom_context *context, const fathom_film *fi
 static fathom_status take_pixels(fathom_context *context, fathom_film *film, const char *scene_name,
                                  fathom_film **out) {
     film->scene_name = strdup(scene_name);
+    if (film->settings.fireflies == FATHOM_FIREFLIES_REWEIGHT)
+        strcpy(film->fireflies, "kept; a second image has them reweighted");
     film->bytes = (uint64_t)film->width * film->height * sizeof(float) *
                   film_channels(&film->settings, &film->light_groups);
     fathom_status status = check_memory(context, film);
@@ -191,8 +193,6 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     find_brightest(scene, film->brightest);
     film->in_studio = scene->in_studio && settings->integrator != FATHOM_INTEGRATOR_CLASSIC;
     film->light_groups = scene->light_groups;
-    if (settings->fireflies == FATHOM_FIREFLIES_REWEIGHT)
-        strcpy(film->fireflies, "kept; a second image has them reweighted");
     fathom_status status = make_manifests(context, scene, film);
     if (status != FATHOM_OK) {
         fathom_film_destroy(film);
@@ -212,7 +212,6 @@ fathom_status film_create_like(fathom_context *context, const fathom_film *film,
     copy->settings = film->settings;
     copy->camera = film->camera;
     copy->light_groups = film->light_groups;
-    memcpy(copy->fireflies, film->fireflies, sizeof copy->fireflies);
     for (int k = 0; k < MATTE_KINDS; ++k) {
         if (!film->manifests[k] || (copy->manifests[k] = strdup(film->manifests[k]))) continue;
         fathom_film_destroy(copy);

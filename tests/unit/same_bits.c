@@ -57,6 +57,7 @@ static bool takes_from_neighbours(const film_channel *c) {
 static void assert_same(stage *s, const fathom_film *a, const fathom_film *part) {
     const bool crop = part->width < a->width;
     assert_int_equal(a->channel_count, part->channel_count);
+    assert_string_equal(a->fireflies, part->fireflies);
     for (uint32_t i = 0; i < a->channel_count; ++i) {
         if (crop && takes_from_neighbours(&a->channels[i])) continue;
         assert_same_channel(a, a->channels[i].data, part, part->channels[i].data, 0);
