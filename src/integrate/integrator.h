@@ -39,8 +39,8 @@ typedef struct integrator {
     /* Creates the state of one thread, which runs until stop becomes true; NULL if out of memory. */
     integration *(*create)(const render_plan *plan, const atomic_bool *stop);
     /* Computes the samples of the squares' pixels that lie in the region; writes their radiance and first
-     * hits by slot. A sample's radiance depends only on its key and the plan. False if it was stopped or ran
-     * out of memory: the results must not be used then. */
+     * hits by slot. A sample's radiance depends only on its key and the plan. False if it was stopped, ran
+     * out of memory, or met what the reference does not support: the results must not be used then. */
     bool (*run)(integration *state, const wave_region *region, const wave_batch *batch);
     void (*destroy)(integration *state);
 } integrator;

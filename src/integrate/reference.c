@@ -7,7 +7,6 @@
 #include "math/frame.h"
 #include "scene/motion/motion.h"
 
-#include <stdatomic.h>
 #include <stdlib.h>
 
 /* ---- paths ---- */
@@ -253,12 +252,11 @@ static void camera_ray(const reference_scene *r, double x, double y, reference_r
 }
 
 typedef struct render {
-    const reference_scene *scene;
+    reference_scene *scene;
     reference_estimate *out;
-    atomic_bool overlap;
 } render;
 
-bool reference_sample(const reference_scene *r, uint32_t x, uint32_t y, uint32_t index, vec3_f64 *out) {
+bool reference_sample(reference_scene *r, uint32_t x, uint32_t y, uint32_t index, vec3_f64 *out) {
     const uint64_t pixel = reference_mix(reference_mix(r->settings.seed) + ((uint64_t)y << 32 | x));
     const double *shutter = r->scene->camera.shutter;
     reference_random random = {reference_mix(pixel + index), 0, shutter[0]};
@@ -269,7 +267,9 @@ bool reference_sample(const reference_scene *r, uint32_t x, uint32_t y, uint32_t
         random.time += (r->settings.sharp ? 0.5 : reference_uniform(&random)) * (shutter[1] - shutter[0]);
     camera_ray(r, x + u, y + v, &random, &p);
     const reference_random own = {reference_mix(random.key), 0, random.time};
-    return radiance(r, p, own, out);
+    if (radiance(r, p, own, out)) return true;
+    r->overlap = true;
+    return false;
 }
 
 static void render_pixel(render *k, size_t index) {
@@ -279,7 +279,7 @@ static void render_pixel(render *k, size_t index) {
     vec3_f64 sum = {0, 0, 0}, squares = {0, 0, 0};
     for (uint32_t i = 0; i < o->samples; ++i) {
         vec3_f64 rgb;
-        if (!reference_sample(k->scene, x, y, i, &rgb)) k->overlap = true;
+        reference_sample(k->scene, x, y, i, &rgb);
         sum = add_f64(sum, rgb), squares = add_f64(squares, times(rgb, rgb));
     }
     const vec3_f64 mean = scale_f64(1.0 / o->samples, sum);
@@ -302,7 +302,7 @@ static fathom_status lacking(const fathom_scene *scene, const char *array, size_
                      "the reference integrator does not implement %s; render with another one", what);
 }
 
-static fathom_status check(const reference_scene *r) {
+static fathom_status check_scene(const reference_scene *r) {
     const fathom_scene *scene = r->scene;
     if (scene->has_maps) return lacking(scene, "textures", 0, "textures");
     for (size_t i = 0; i < scene->meshes.count; ++i)
@@ -324,7 +324,8 @@ static fathom_status check(const reference_scene *r) {
 static bool look_around(reference_scene *r) {
     path p = {.nested = 0};
     reference_surface s;
-    reference_random random = {0, 0, r->scene->camera.shutter[0]};
+    const double *shutter = r->scene->camera.shutter;
+    reference_random random = {0, 0, r->settings.sharp ? 0.5 * (shutter[0] + shutter[1]) : shutter[0]};
     vec3_f64 at = load_f64(motion_camera(&r->scene->camera, random.time).origin);
     const vec3_f64 up = vec_f64(0.48, 0.8, -0.36);
     while (reference_closest(r, at, up, (double)INFINITY, false, &random, &s)) {
@@ -374,7 +375,7 @@ fathom_status reference_open(const fathom_scene *scene, const reference_settings
     if (!r) return fail_memory(scene->context, sizeof *r);
     r->scene = scene, r->settings = *settings;
     fathom_status status = reference_gather(r);
-    if (status == FATHOM_OK) status = check(r);
+    if (status == FATHOM_OK) status = check_scene(r);
     if (status == FATHOM_OK) status = make_albedos(r);
     if (status == FATHOM_OK) status = reference_skies_open(r);
     if (status == FATHOM_OK && !look_around(r))
@@ -401,6 +402,11 @@ void reference_close(reference_scene *r) {
     free(r);
 }
 
+fathom_status reference_check(const reference_scene *r) {
+    return r && r->overlap ? lacking(r->scene, "shapes", 0, "volumes of two materials that overlap")
+                           : FATHOM_OK;
+}
+
 fathom_status reference_render(const fathom_scene *scene, const reference_settings *settings,
                                reference_estimate *out) {
     reference_scene *r;
@@ -409,6 +415,7 @@ fathom_status reference_render(const fathom_scene *scene, const reference_settin
     render k = {.scene = r, .out = out};
     const size_t pixels = (size_t)settings->region.width * settings->region.height;
     loop_parallel(settings->threads ? settings->threads : 1, pixels, 1, render_pixels, &k);
+    status = reference_check(r);
     reference_close(r);
-    return k.overlap ? lacking(scene, "shapes", 0, "volumes of two materials that overlap") : FATHOM_OK;
+    return status;
 }

@@ -39,9 +39,10 @@ fathom_status reference_open(const fathom_scene *scene, const reference_settings
 void reference_close(reference_scene *reference);
 
 /* One sample of the radiance of the pixel (x, y) of the image. False: volumes overlap without priorities,
- * which is not supported. */
-bool reference_sample(const reference_scene *reference, uint32_t x, uint32_t y, uint32_t index,
-                      vec3_f64 *out);
+ * which is not supported; reference_check() then says so. Thread-safe. */
+bool reference_sample(reference_scene *reference, uint32_t x, uint32_t y, uint32_t index, vec3_f64 *out);
+/* FATHOM_BAD_INPUT if a sample of a reference failed; NULL: none is in use. */
+fathom_status reference_check(const reference_scene *reference);
 
 /* out: of each pixel of the region, row by row from the top. */
 fathom_status reference_render(const fathom_scene *scene, const reference_settings *settings,

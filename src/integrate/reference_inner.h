@@ -7,6 +7,8 @@
 #include "math/affine.h"
 #include "trace/bvh/bvh.h"
 
+#include <stdatomic.h>
+
 #define PI 3.14159265358979323846
 
 /* ---- colours ---- */
@@ -117,7 +119,8 @@ struct reference_scene {
     ARRAY(reference_lamp) lamps; /* at most REFERENCE_LAMPS; empty if there are more */
     reference_sky *skies;        /* images of skies, and the studio */
     unsigned sky_count;
-    reference_volumes around_eye; /* at the time the shutter opens */
+    reference_volumes around_eye; /* at the time the shutter opens, or halfway if the image is sharp */
+    atomic_bool overlap;          /* a sample met volumes that overlap without priorities */
     bvh_item *items;              /* the primitives that are not planes */
     bvh_tree tree;                /* its leaves hold items */
     vec3_f64 middle;              /* origin of the boxes of items and tree, which are float */

@@ -6,16 +6,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void add_sample(integration *state, const wave_square *square, uint32_t slot) {
+static bool add_sample(integration *state, const wave_square *square, uint32_t slot) {
     const uint32_t lane = slot % LANES, index = square->index * SAMPLE_GROUPS + square->group;
     vec3_f64 rgb;
     if (!reference_sample(state->plan->reference, square->left + lane % 4, square->top + lane / 4, index,
                           &rgb))
-        rgb = vec_f64(0, 0, 0);
+        return false;
     state->samples.radiance[0][slot] = limited((float)rgb.x);
     state->samples.radiance[1][slot] = limited((float)rgb.y);
     state->samples.radiance[2][slot] = limited((float)rgb.z);
     ++state->rays.camera;
+    return true;
 }
 
 static bool run(integration *state, const wave_region *region, const wave_batch *batch) {
@@ -24,8 +25,9 @@ static bool run(integration *state, const wave_region *region, const wave_batch 
         uint32_t left = wave_square_pixels(region, &batch->squares[s]);
         if (state->square_rays) state->square_rays[s] = (uint32_t)__builtin_popcount(left);
         for (; left; left &= left - 1) {
+            const uint32_t slot = s * LANES + (uint32_t)__builtin_ctz(left);
             if (atomic_load_explicit(state->stop, memory_order_relaxed)) return false;
-            add_sample(state, &batch->squares[s], s * LANES + (uint32_t)__builtin_ctz(left));
+            if (!add_sample(state, &batch->squares[s], slot)) return false;
         }
     }
     return true;

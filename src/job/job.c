@@ -186,8 +186,10 @@ static void collect(job *j) {
     }
 }
 
+/* The reference samples pixels of the whole image alone. */
 static void show_preview(job *j) {
     if (j->schedule == &schedule_to_time || j->plan->settings.spp == 1 || j->options->share) return;
+    if (j->plan->reference) return;
     preview_run(j->plan, j->threads, &j->stop, j->options->saving, j->film);
 }
 

@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/memory.h"
 #include "base/opened.h"
+#include "integrate/reference.h"
 #include "job/checkpoint/checkpoint.h"
 #include "job/job.h"
 #include "job/part/part.h"
@@ -157,8 +158,9 @@ static fathom_status run_plan(fathom_context *context, const render_plan *plan, 
     const double began = clock_seconds();
     fathom_status status = job_run(context, plan, options, film, &result);
     if (status == FATHOM_OK || status == FATHOM_INTERRUPTED) {
-        const fathom_status looked_up = texturing_check(plan->texturing, context);
-        if (looked_up != FATHOM_OK) status = looked_up;
+        fathom_status found = texturing_check(plan->texturing, context);
+        if (found == FATHOM_OK) found = reference_check(plan->reference);
+        if (found != FATHOM_OK) status = found;
     }
     film->stats.render_seconds = clock_seconds() - began;
     film->stats.camera_rays = result.rays.camera;

@@ -51,6 +51,28 @@ static void a_volume_around_the_eye_absorbs(void **state) {
     }
 }
 
+/* No light comes from infinity through water that absorbs it, but that of other colours does. */
+static void a_sea_without_end_passes_what_it_does_not_absorb(void **state) {
+    (void)state;
+    static const float clear_red[3] = {1, 0.5f, 1};
+    for (int kind = 0; kind < 2; ++kind) {
+        const fathom_material m = clear_volume(clear_red, 0);
+        stage s = open_white(0, (double[3]){9, 0, 0});
+        fathom_settings_set_integrator(&s.settings,
+                                       kind ? FATHOM_INTEGRATOR_REFERENCE : FATHOM_INTEGRATOR_PATH);
+        s.settings.spp = 4, s.settings.target_error = 0;
+        stage_plane(&s, (double[3]){1, 0, 0}, (double[3]){-1, 0, 0}, stage_material(&s, &m));
+        fathom_film *film = stage_render(&s);
+        for (int i = 0; i < 64; ++i) {
+            assert_near((double)fathom_film_channel(film, "R")[i], 1, 1e-6);
+            assert_true(fathom_film_channel(film, "G")[i] == 0);
+            assert_near((double)fathom_film_channel(film, "B")[i], 1, 1e-6);
+        }
+        fathom_film_destroy(film);
+        stage_close(&s);
+    }
+}
+
 static void a_volume_beside_the_eye_does_not(void **state) {
     (void)state;
     const fathom_material m = clear_volume(red, 0);
@@ -134,12 +156,16 @@ static void a_sharp_image_knows_what_is_around_the_eye_halfway(void **state) {
     s.settings.motion_blur = false;
     stage_sphere(&s, 0, 0, 0, 2, stage_material(&s, &m));
     expect(&s, 1.5, 0);
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_REFERENCE);
+    s.settings.spp = 4, s.settings.target_error = 0;
+    expect(&s, 1.5, 0);
     stage_close(&s);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_volume_around_the_eye_absorbs),
+        cmocka_unit_test(a_sea_without_end_passes_what_it_does_not_absorb),
         cmocka_unit_test(a_volume_beside_the_eye_does_not),
         cmocka_unit_test(volumes_around_each_other),
         cmocka_unit_test(other_shapes_bound_volumes_too),

@@ -87,6 +87,23 @@ static void a_render_to_an_error_that_is_stopped_shows_the_whole_frame(void **st
     stage_close(&s);
 }
 
+/* The reference has no preview: what it has not sampled is empty. */
+static void a_stopped_reference_shows_its_own_samples_alone(void **state) {
+    (void)state;
+    static const uint32_t middle[4] = {40, 40, 60, 60};
+    stage s = two_balls();
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_REFERENCE);
+    s.settings.target_error = 0, s.settings.aovs = FATHOM_AOV_SAMPLES;
+    memcpy(s.settings.crop, middle, sizeof middle);
+    fathom_film *film = render_and_stop(&s, ENDLESS_SPP);
+    for (size_t i = 0; i < 400; ++i) {
+        assert_int_equal(fathom_film_channel_id(film, "samples")[i], 0);
+        assert_true(fathom_film_channel(film, "G")[i] == 0);
+    }
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
 /* The preview is seen in no image that is finished, and counts in no figure. */
 static void a_finished_render_holds_samples_alone(void **state) {
     (void)state;
@@ -107,6 +124,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_stopped_render_shows_the_whole_frame),
         cmocka_unit_test(a_render_to_an_error_that_is_stopped_shows_the_whole_frame),
+        cmocka_unit_test(a_stopped_reference_shows_its_own_samples_alone),
         cmocka_unit_test(a_finished_render_holds_samples_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

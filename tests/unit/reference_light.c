@@ -134,6 +134,16 @@ static void overlapping_volumes_are_refused(void **state) {
     }
     look_at_ball();
     assert_fails(context, reference_render(scene, &few, out), FATHOM_BAD_INPUT, "overlap");
+    fathom_settings settings;
+    fathom_film *film;
+    fathom_settings_default(&settings);
+    fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_REFERENCE);
+    settings.width = settings.height = 8;
+    for (int to_error = 0; to_error < 2; ++to_error) {
+        settings.target_error = to_error ? 0.1 : 0, settings.spp = 16;
+        assert_fails(context, fathom_render(context, scene, &settings, NULL, NULL, NULL, &film),
+                     FATHOM_BAD_INPUT, "overlap");
+    }
 }
 
 int main(void) {
