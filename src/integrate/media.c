@@ -85,6 +85,10 @@ bool media_meet(const media *m, uint32_t slot, uint32_t material, bool entering,
     return other->priority <= priority && m->in[slot][at] != material;
 }
 
+const shader *media_around(const media *m, uint32_t slot, uint32_t material, bool entering) {
+    return shader_at(m, slot, filling(m, slot, entering ? MOST : place_of(m, slot, material)));
+}
+
 static void left_in(const shader *s, float length, float left[3]) {
     for (int c = 0; c < 3; ++c) left[c] = s && s->absorption[c] > 0 ? expf(-s->absorption[c] * length) : 1;
 }
@@ -99,5 +103,5 @@ void media_left_behind(const media *m, uint32_t slot, uint32_t material, bool en
         left_in(&m->shaders[material], length, left);
         return;
     }
-    left_in(shader_at(m, slot, filling(m, slot, place_of(m, slot, material))), length, left);
+    left_in(media_around(m, slot, material, entering), length, left);
 }

@@ -19,6 +19,8 @@ void media_cross(media *m, uint32_t slot, uint32_t material, bool entering);
  * volume fills the space on both of its sides. around: the index of the volume that fills the space outside
  * the surface. */
 bool media_meet(const media *m, uint32_t slot, uint32_t material, bool entering, float *around);
+/* The volume that fills the space outside of a surface of this material that the path hits; NULL: none. */
+const shader *media_around(const media *m, uint32_t slot, uint32_t material, bool entering);
 /* left: the transmittance over a distance, which may be INFINITY, through the volume: exp(-sigma length)
  * (Beer and Lambert). */
 void media_left(const media *m, uint32_t slot, float length, float left[3]);

@@ -71,9 +71,9 @@ static void find_shaders(path_wave *p, vertex_block *v) {
         texturing_shade(plan->texturing, w->gather, width, plan->nested ? around : NULL, &v->surface,
                         w->made[v - w->vertices], v->shader.at);
     }
+    if (plan->dispersive) path_choose_channels(p, v);
     if (plan->nested) path_hide_surfaces(p, v, around, hidden);
     if (plan->one_sided) hide_backs(p, v);
-    if (plan->dispersive) path_choose_channels(p, v);
 }
 
 static void begin_vertices(wave *w, vertex_block *v) {

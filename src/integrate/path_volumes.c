@@ -25,6 +25,18 @@ uint32_t path_meet_volumes(const path_wave *p, const vertex_block *v, float arou
     return hidden;
 }
 
+/* If the volume inside or the one around disperses light, so does the surface between them. The shader has
+ * the index of the path's channel alone. */
+static void disperse(const path_wave *p, const vertex_block *v, unsigned i, shader *made) {
+    const uint32_t material = v->surface.material[i], channel = v->shader.channel[i];
+    const shader *own = &p->wave.run.plan->shaders[material],
+                 *other = media_around(p->media, v->path.slot[i], material, v->surface.entering[i] != 0);
+    if (!(made->lobes & SHADER_SOLID) || !((own->lobes | other->lobes) & SHADER_DISPERSIVE)) return;
+    const float eta = shader_index(own, channel) / shader_index(other, channel);
+    made->lobes |= SHADER_DISPERSIVE;
+    made->eta_spread = (eta - made->eta) * ((float)channel - 2);
+}
+
 void path_hide_surfaces(path_wave *p, vertex_block *v, const float around[LANES], uint32_t hidden) {
     wave *w = &p->wave;
     for (unsigned i = 0; i < LANES; ++i) {
@@ -32,11 +44,12 @@ void path_hide_surfaces(path_wave *p, vertex_block *v, const float around[LANES]
         shader *made = &w->made[v - w->vertices][i];
         if (hidden >> i & 1) {
             v->shader.at[i] = &p->hidden;
-        } else if (around[i] != 1 && v->shader.at[i] != made) {
+        } else if (around[i] != 1) {
             fathom_material m = w->run.plan->scene->materials.items[material].value;
             m.ior /= around[i];
-            shader_prepare(&m, made);
+            if (v->shader.at[i] != made) shader_prepare(&m, made);
             v->shader.at[i] = made;
+            if (w->run.plan->dispersive) disperse(p, v, i, made);
         }
     }
 }
@@ -50,9 +63,10 @@ void path_choose_channels(const path_wave *p, vertex_block *v) {
 }
 
 bool path_part_channels(const path_wave *p, const vertex_block *v, unsigned i, bool crosses, float rgb[3]) {
-    const bool inside = !v->surface.entering[i];
-    if (!(v->shader.at[i]->lobes & SHADER_DISPERSIVE) || p->channel[v->path.slot[i]]) return false;
-    if (!crosses && !inside) return false;
+    const shader *s = v->shader.at[i];
+    const bool denser = (v->surface.entering[i] != 0) != (s->eta > 1); /* on the viewer's side */
+    if (!(s->lobes & SHADER_DISPERSIVE) || p->channel[v->path.slot[i]]) return false;
+    if (!crosses && !denser) return false;
     for (uint32_t c = 0; c < 3; ++c) rgb[c] *= c + 1 == v->shader.channel[i] ? 3 : 0;
     return true;
 }

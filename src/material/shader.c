@@ -319,4 +319,9 @@ void shader_prepare_hole(shader *out) {
     out->lobes = SHADER_STRAIGHT;
 }
 
+float shader_index(const shader *m, uint32_t channel) {
+    if (!(m->lobes & SHADER_DISPERSIVE)) return m->ior;
+    return fmaxf(m->ior + ((float)channel - 2) * m->eta_spread, 1.0001f);
+}
+
 KERNEL_CHOICE(shader_kernels)

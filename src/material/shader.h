@@ -72,8 +72,8 @@
  *
  * dispersion: the three channels refract with the indices ior - d, ior and ior + d, d = 0.025 (ior - 1)
  * dispersion, each at least 1.0001. A path that crosses such a surface carries one channel from then on,
- * multiplied by three (integrate/path.c). F0 uses ior; angles, and therefore total reflection, use the
- * channel's own index.
+ * multiplied by three (integrate/path.c). Between two volumes, each index is the quotient of theirs. F0 uses
+ * ior; angles, and therefore total reflection, use the channel's own index.
  *
  * Viewed from inside a solid, the base has no layer over it: the dielectric's reflection has the weight (1 -
  * m) T, and Lambert's term has no factor. With the layer, what is reflected totally and what the base
@@ -202,6 +202,8 @@ void shader_prepare(const fathom_material *material, shader *out);
 void shader_begin(const fathom_material *material, shader *out);
 /* A fully transparent surface: rays pass straight through. */
 void shader_prepare_hole(shader *out);
+/* The index of the volume that the material bounds, for a channel of its light, 1 to 3. */
+float shader_index(const shader *m, uint32_t channel);
 /* shader.emission alone. */
 void shader_emission(const fathom_material *material, float out[3]);
 

@@ -162,6 +162,46 @@ static void a_sharp_image_knows_what_is_around_the_eye_halfway(void **state) {
     stage_close(&s);
 }
 
+/* ---- dispersion between volumes ---- */
+
+/* Below z = 0 is one volume, and up to z = 5 another one, which holds the camera. Light in it is reflected
+ * totally by the air above. So a channel sees all of the white below, or nothing if z = 0 reflects it
+ * totally, too: there sin(a) n = m for the indices n of the upper and m of the lower volume. */
+static void check_channels(float upper, float upper_dispersion, float lower, float lower_dispersion,
+                           double sine, const double expected[3]) {
+    static const float clear[3] = {1, 1, 1};
+    static const char *const names[] = {"R", "G", "B"};
+    const double eye[3] = {0, 0, 1}, target[3] = {sine, 0, 1 - sqrt(1 - sine * sine)};
+    stage s = stage_open(8, 8);
+    fathom_material above = clear_volume(clear, 1), below = clear_volume(clear, 2);
+    above.ior = upper, above.dispersion = upper_dispersion;
+    below.ior = lower, below.dispersion = lower_dispersion;
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    s.settings.spp = 48, s.settings.target_error = 0, s.settings.max_depth = 256; /* each channel has 16 */
+    assert_ok(s.context, fathom_scene_set_background(s.scene, clear));
+    stage_camera(&s, eye, target, (double[3]){0, 1, 0}, 1e-6);
+    stage_plane(&s, (double[3]){0, 0, 5}, (double[3]){0, 0, 1}, stage_material(&s, &above));
+    stage_plane(&s, (double[3]){0, 0, 0}, (double[3]){0, 0, 1}, stage_material(&s, &below));
+    fathom_film *film = stage_render(&s);
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < 64; ++i)
+            assert_near((double)fathom_film_channel(film, names[c])[i], expected[c], 1e-4);
+    }
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+/* The index of a channel differs from that of green by 0.025 (ior - 1) dispersion. */
+static void volumes_disperse_inside_each_other(void **state) {
+    (void)state;
+    /* n sin(a) is 1.229, 1.277, 1.325. */
+    check_channels(1.6f, 4, 1.3f, 0, 0.798, (double[3]){1, 1, 0});
+    /* m is 1.24, 1.3, 1.36; n sin(a) is 1.328. */
+    check_channels(1.6f, 0, 1.3f, 8, 0.83, (double[3]){0, 0, 1});
+    /* n sin(a) is 1.233, 1.289, 1.344, and m 1.24, 1.3, 1.36: the quotients hardly differ. */
+    check_channels(1.6f, 4.6f, 1.3f, 8, 0.8055, (double[3]){1, 1, 1});
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_volume_around_the_eye_absorbs),
@@ -170,6 +210,7 @@ int main(void) {
         cmocka_unit_test(volumes_around_each_other),
         cmocka_unit_test(other_shapes_bound_volumes_too),
         cmocka_unit_test(a_volume_without_end_lets_no_light_in_if_it_absorbs),
+        cmocka_unit_test(volumes_disperse_inside_each_other),
         cmocka_unit_test(a_sharp_image_knows_what_is_around_the_eye_halfway),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

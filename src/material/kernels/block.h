@@ -59,10 +59,12 @@ static inline void set_cross(const shader *m, int i, uint32_t entering, shader_b
         for (int c = 0; c < 3; ++c) out->diffuse[c][i] *= chosen(out->even[i], 1, m->mean_under);
 }
 
-/* The index of the path's channel; an index of 1 would make it a thin wall. */
+/* The index of the path's channel; an index of 1 would make it a thin wall. Inside a denser volume it is
+ * below 1. */
 static inline float dispersed_eta(const shader *m, uint32_t channel) {
     float eta = m->eta + ((float)channel - 2) * m->eta_spread;
-    return m->lobes & SHADER_DISPERSIVE && channel ? fmaxf(eta, 1.0001f) : m->eta;
+    eta = m->eta > 1 ? fmaxf(eta, 1.0001f) : fminf(eta, 0.9999f);
+    return m->lobes & SHADER_DISPERSIVE && channel ? eta : m->eta;
 }
 
 static inline void set_dispersion(const shader *m, int i, uint32_t entering, shader_block *restrict out) {
