@@ -86,7 +86,6 @@ static void begin_vertices(wave *w, vertex_block *v) {
         const shader *s = v->shader.at[i];
         if (path_sends_light(s)) path_add_emission(p, v, i, s);
     }
-    if (w->run.samples.first && p->depth) path_show_features(p, v);
 }
 
 /* ---- light samples ---- */
@@ -283,6 +282,7 @@ static void push_paths(path_wave *p, vertex_block *v, const vertex_keys *keys, c
     memcpy(u[2], choice, sizeof u[2]);
     if (may_pass(p)) pass_alone(p, v);
     plan->shader_kernels->sample(&v->surface, &v->shader, u, &to);
+    if (p->wave.run.samples.first && p->depth) path_show_features(p, v, &to);
     plan->path_kernels->carry(&v->path, &to, path.weight);
     if (plan->dispersive) part_paths(p, v, &to, path.weight);
     const uint32_t lanes = plan->path_kernels->survive(roulette ? chance[0] : NULL, path.weight) &
@@ -290,26 +290,16 @@ static void push_paths(path_wave *p, vertex_block *v, const vertex_keys *keys, c
     if (lanes) push_lanes(p, v, &to, &path, lanes);
 }
 
-/* z of the first hits along the viewing direction of a moving camera. */
-static void find_depths(path_wave *p, const vertex_block *v) {
-    wave *w = &p->wave;
-    for (unsigned i = 0; i < v->surface.count; ++i) {
-        const uint32_t slot = v->path.slot[i];
-        if (!path_in_view(p, slot)) continue;
-        shade_camera camera;
-        wave_camera_when(w->run.plan, w->times[slot], &camera);
-        const vec3_f32 way = sub_f32(lane_f32(v->surface.p, i), camera.eye);
-        w->run.samples.first->z[slot] = (float)dot_f64(widen(way), camera.view);
-    }
-}
-
 /* Fills `next` with scattered rays, and samples lights. */
 static void scatter(wave *w, vertex_block *v) {
     path_wave *p = (path_wave *)w;
     vertex_keys keys;
     float choice[2][LANES];
-    if (w->run.samples.first && w->run.plan->camera_moves) find_depths(p, v);
-    if (p->ends) return;
+    if (w->run.samples.first && w->run.plan->camera_moves) path_show_depths(p, v);
+    if (p->ends) {
+        if (w->run.samples.first && p->depth) path_show_features(p, v, NULL);
+        return;
+    }
     find_keys(p, v, &keys);
     choices(p, v, &keys, choice);
     if (p->lit) push_light(p, v, &keys, choice[0]);

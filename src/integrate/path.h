@@ -63,9 +63,12 @@ void path_add_outside(wave *w, const trace_block *block, const path_block *path,
 /* Adds the emission of the surface that lane i hit; see path_sends_light(). */
 void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const shader *s);
 
-/* The features for denoisers, if requested, after the first vertex and on the way from it. */
-void path_show_features(path_wave *p, const vertex_block *v);
+/* The features for denoisers, if requested, after the first vertex and on the way from it. to: where the
+ * paths go, because those that pass a hole do not show its surface; NULL: they all end. */
+void path_show_features(path_wave *p, const vertex_block *v, const shader_sample *to);
 void path_leave_features(path_wave *p, const shader_sample *to, unsigned i, uint32_t slot);
+/* z of the first hits along the viewing direction of a moving camera. */
+void path_show_depths(path_wave *p, const vertex_block *v);
 
 /* ---- path_volumes.c ---- */
 

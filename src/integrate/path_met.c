@@ -132,9 +132,10 @@ void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const sh
 /* Denoisers need the normals and albedo seen in smooth mirrors and through glass (Open Image Denoise,
  * "Albedos" and "Normals"): those of the first vertex that scatters otherwise. Fresnel's equations mix them
  * over the samples, as they mix the light. */
-void path_show_features(path_wave *p, const vertex_block *v) {
+void path_show_features(path_wave *p, const vertex_block *v, const shader_sample *to) {
     for (unsigned i = 0; i < v->surface.count; ++i) {
         const uint32_t slot = v->path.slot[i];
+        if (to && to->straight[i] && !to->pane[i]) continue;
         const float tint[3] = {p->tint[0][slot], p->tint[1][slot], p->tint[2][slot]};
         if (p->smooth[slot]) wave_keep_features(&p->wave, v, i, tint);
     }
@@ -144,4 +145,16 @@ void path_show_features(path_wave *p, const vertex_block *v) {
 void path_leave_features(path_wave *p, const shader_sample *to, unsigned i, uint32_t slot) {
     p->smooth[slot] &= to->straight[i] || isinf(to->density[i]);
     for (int c = 0; c < 3 && p->smooth[slot]; ++c) p->tint[c][slot] *= fminf(to->weight[c][i], 1);
+}
+
+void path_show_depths(path_wave *p, const vertex_block *v) {
+    wave *w = &p->wave;
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        if (!path_in_view(p, slot)) continue;
+        shade_camera camera;
+        wave_camera_when(w->run.plan, w->times[slot], &camera);
+        const vec3_f32 way = sub_f32(lane_f32(v->surface.p, i), camera.eye);
+        w->run.samples.first->z[slot] = (float)dot_f64(widen(way), camera.view);
+    }
 }
