@@ -37,6 +37,12 @@ static void disperse(const path_wave *p, const vertex_block *v, unsigned i, shad
     made->eta_spread = (eta - made->eta) * ((float)channel - 2);
 }
 
+static void prepare_between(const path_wave *p, uint32_t material, float around, shader *made) {
+    fathom_material m = p->wave.run.plan->scene->materials.items[material].value;
+    m.ior /= around;
+    shader_prepare(&m, made);
+}
+
 void path_hide_surfaces(path_wave *p, vertex_block *v, const float around[LANES], uint32_t hidden) {
     wave *w = &p->wave;
     for (unsigned i = 0; i < LANES; ++i) {
@@ -45,9 +51,7 @@ void path_hide_surfaces(path_wave *p, vertex_block *v, const float around[LANES]
         if (hidden >> i & 1) {
             v->shader.at[i] = &p->hidden;
         } else if (around[i] != 1) {
-            fathom_material m = w->run.plan->scene->materials.items[material].value;
-            m.ior /= around[i];
-            if (v->shader.at[i] != made) shader_prepare(&m, made);
+            if (v->shader.at[i] != made) prepare_between(p, material, around[i], made);
             v->shader.at[i] = made;
             if (w->run.plan->dispersive) disperse(p, v, i, made);
         }

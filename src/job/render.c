@@ -157,11 +157,10 @@ static fathom_status run_plan(fathom_context *context, const render_plan *plan, 
     job_result result = {.samples = 0};
     const double began = clock_seconds();
     fathom_status status = job_run(context, plan, options, film, &result);
-    if (status == FATHOM_OK || status == FATHOM_INTERRUPTED) {
-        fathom_status found = texturing_check(plan->texturing, context);
-        if (found == FATHOM_OK) found = reference_check(plan->reference);
-        if (found != FATHOM_OK) status = found;
-    }
+    fathom_status found = reference_check(plan->reference);
+    if (found == FATHOM_OK && (status == FATHOM_OK || status == FATHOM_INTERRUPTED))
+        found = texturing_check(plan->texturing, context);
+    if (found != FATHOM_OK) status = found;
     film->stats.render_seconds = clock_seconds() - began;
     film->stats.camera_rays = result.rays.camera;
     film->stats.shadow_rays = result.rays.shadow;
