@@ -129,20 +129,17 @@ static void open_arrays(gltf *g) {
 
 static void make_tables(gltf *g) {
     size_t buffers = gltf_count(&g->buffers), materials = gltf_count(&g->materials) + 1,
-           meshes = gltf_count(&g->meshes), accessors = gltf_count(&g->accessors);
+           accessors = gltf_count(&g->accessors);
     g->buffer_table = calloc(buffers + 1, sizeof *g->buffer_table);
     g->view_table = calloc(gltf_count(&g->views) + 1, sizeof *g->view_table);
     g->image_table = calloc(gltf_count(&g->images) + 1, sizeof *g->image_table);
     g->material_table = calloc(materials, sizeof *g->material_table);
-    g->mesh_table = calloc(meshes + 1, sizeof *g->mesh_table);
     g->array_table = calloc(accessors + 1, sizeof *g->array_table);
-    if (!g->buffer_table || !g->image_table || !g->material_table || !g->mesh_table || !g->array_table ||
-        !g->view_table) {
-        gltf_fail_memory(g, (buffers + materials + meshes + accessors) * sizeof *g->array_table);
+    if (!g->buffer_table || !g->image_table || !g->material_table || !g->array_table || !g->view_table) {
+        gltf_fail_memory(g, (buffers + materials + accessors) * sizeof *g->array_table);
         return;
     }
     for (size_t i = 0; i < materials; ++i) g->material_table[i].id = FATHOM_NONE;
-    for (size_t i = 0; i < meshes; ++i) g->mesh_table[i] = FATHOM_NONE;
 }
 
 static void close_source(gltf *g, gltf_source *source) {
@@ -158,6 +155,7 @@ static void finish(gltf *g) {
     }
     close_source(g, g->source);
     gltf_draco_close(g);
+    gltf_posed_close(g);
     gltf_moments_close(g);
     array_free(&g->moments);
     array_free(&g->playing);
@@ -166,7 +164,6 @@ static void finish(gltf *g) {
     free(g->buffer_table);
     free(g->image_table);
     free(g->material_table);
-    free(g->mesh_table);
     free(g->array_table);
     array_free(&g->seen_cameras);
     json_arena_release(&g->arena);

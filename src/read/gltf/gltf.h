@@ -7,6 +7,7 @@
  * gltf_accessor.c   accessors, checked, as plain arrays; limits on memory
  * gltf_draco.c      compressed meshes
  * gltf_mesh.c       converts meshes to groups
+ * gltf_shape.c      how nodes deform meshes; posed meshes that nodes share
  * gltf_morph.c      morph targets
  * gltf_skin.c       skins
  * gltf_animation.c  animations, posed at a time
@@ -114,6 +115,8 @@ typedef struct gltf_shape {
     const gltf_joints *joints; /* NULL: no skin */
 } gltf_shape;
 
+typedef struct gltf_posed gltf_posed; /* a mesh in the shapes of one or more nodes */
+
 /* The node and the index of a camera; one for each camera of the scene. */
 typedef struct gltf_camera {
     uint32_t node, index; /* `node` into nodes, `index` into cameras */
@@ -143,7 +146,8 @@ typedef struct gltf {
     struct gltf_draco *draco;        /* meshes that are being decompressed; NULL: there are none */
     gltf_material *material_table;   /* one for each material, then the default material */
     gltf_elements (*array_table)[2]; /* for each accessor: floats, indices */
-    fathom_id *mesh_table;           /* for each mesh: the group, FATHOM_NONE (not made) or GLTF_EMPTY */
+    ARRAY(gltf_posed) posed_meshes;
+    uint32_t *posed_table;      /* the hash table of posed_meshes; NULL: it is empty */
     uint32_t *parents;          /* for each node, its parent; a number not below the node count: a root */
     ARRAY(uint32_t) playing;    /* animations that are posed */
     bool posed;                 /* one moment has been posed already, and its notes were added */
@@ -152,7 +156,8 @@ typedef struct gltf {
     ARRAY(gltf_moment) moments; /* uniform, from shutter open to close; or one */
     double *key_times;          /* the times of the moments, owned by the scene; NULL: one moment */
     uint64_t file_bytes;        /* size of the opened files */
-    uint64_t charged;           /* bytes counted by gltf_charge() */
+    uint64_t charged[2];        /* bytes counted by gltf_charge(): of poses in [1], of all else in [0] */
+    bool posing;                /* gltf_charge() counts bytes of poses */
     ARRAY(gltf_camera) seen_cameras;
     uint32_t lost_images[GLTF_LOST_IMAGES]; /* the first images without a file, each of which gets a note */
     unsigned lost_image_count;
@@ -264,8 +269,8 @@ enum {
     GLTF_TAKES_QUANTIZED = GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED
 };
 
-/* Counts memory (below 2^40 bytes) that a value takes beyond the document and its files. FATHOM_BAD_INPUT if
- * the sum is too large compared with the size of the files. */
+/* Counts memory (below 2^40 bytes) that a value takes beyond the document and its files: as that of poses
+ * while g->posing. FATHOM_BAD_INPUT if the sum is too large compared with the size of the files. */
 fathom_status gltf_charge(gltf *g, const gltf_value *at, const char *key, uint64_t bytes);
 /* scene_allocate(), after gltf_charge() for the same bytes. */
 fathom_status gltf_allocate(gltf *g, const gltf_value *at, const char *key, uint64_t bytes, void **out);
@@ -334,6 +339,15 @@ void gltf_animation_pose(gltf *g, gltf_moment *m);
 /* The unit quaternion at the fraction u in [0,1] of the shorter arc from a to b. Normalises a and b. */
 void gltf_slerp(double a[4], double b[4], double u, double out[4]);
 
+/* ---- gltf_shape.c ---- */
+
+/* The group that holds mesh `mesh` as the node deforms it at all moments, or GLTF_EMPTY. Nodes that deform it
+ * alike share the group. node NULL: the mesh's own weights. *joints: at the opening of the shutter; NULL: no
+ * skin. */
+fathom_id gltf_shape_mesh(gltf *g, const gltf_value *node, uint32_t mesh, const gltf_joints **joints);
+/* Call it before gltf_moments_close(). */
+void gltf_posed_close(gltf *g);
+
 /* ---- gltf_morph.c, gltf_skin.c ---- */
 
 /* Reads the weights: from the pose, else from the node, else from the mesh. node may be NULL. */
@@ -375,9 +389,9 @@ unsigned gltf_components(gltf *g, const gltf_value *user, const char *key);
 
 /* ---- contents of the document ---- */
 
-/* The group that holds mesh `index`, or GLTF_EMPTY. The first call makes the group. With shapes, one for each
- * moment, each call makes a new group. */
-fathom_id gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes);
+/* Makes a group with mesh `index`; GLTF_EMPTY if it has no triangle. moves: there is a shape for each moment,
+ * else there is one. */
+fathom_id gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes, bool moves);
 /* The texture that member `key` of `parent` describes; color: its values are sRGB. False if there is no
  * texture, or it cannot be read; the latter adds a note. */
 bool gltf_map(gltf *g, const gltf_value *parent, const char *key, bool color, fathom_map *out);

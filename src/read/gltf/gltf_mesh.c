@@ -128,7 +128,7 @@ static void make_normals(gltf *g, primitive *p) {
     p->mesh.normals = normals;
     p->mesh.normal_count = p->mesh.vertex_count;
     g->status = normals_smooth(g->context, &p->mesh, NULL, p->mesh.vertex_count, normals);
-    g->charged -= sums; /* normals_smooth() has freed it */
+    g->charged[g->posing] -= sums; /* normals_smooth() has freed it */
 }
 
 /* By the standard, a mesh without normals is flat. The option `smooth` makes smooth normals. */
@@ -348,31 +348,20 @@ static void add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shape
         gltf_within(g, at, NULL, scene_add_mesh_checked(g->scene, group, &p.mesh, &p.facts, NULL));
 }
 
-static fathom_id make_group(gltf *g, const gltf_value *mesh, const gltf_shape *shapes, bool moves) {
-    gltf_value primitives, at;
+fathom_id gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes, bool moves) {
+    gltf_value mesh, primitives, at;
     const char *name = NULL;
     fathom_id group = GLTF_EMPTY;
-    gltf_text(g, mesh, "name", &name);
-    gltf_array(g, mesh, "primitives", &primitives);
+    gltf_item(g, &g->meshes, index, &mesh);
+    gltf_text(g, &mesh, "name", &name);
+    gltf_array(g, &mesh, "primitives", &primitives);
+    g->posing = shapes->weight_count || shapes->joints;
     if (gltf_fine(g)) g->status = fathom_scene_add_group(g->scene, name, &group);
     const size_t before = g->scene->meshes.count;
     for (size_t i = 0; i < gltf_count(&primitives) && gltf_fine(g); ++i) {
         gltf_item(g, &primitives, i, &at);
         add_primitive(g, &at, shapes, moves, group);
     }
+    g->posing = false;
     return g->scene->meshes.count > before ? group : GLTF_EMPTY;
-}
-
-fathom_id gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes) {
-    gltf_value mesh;
-    gltf_shape own = {.weights = NULL};
-    if (!gltf_fine(g)) return GLTF_EMPTY;
-    fathom_id *kept = &g->mesh_table[index];
-    if (!shapes && *kept != FATHOM_NONE) return *kept;
-    gltf_item(g, &g->meshes, index, &mesh);
-    if (shapes) return make_group(g, &mesh, shapes, gltf_shapes_move(shapes, g->moments.count));
-    gltf_weights_read(g, NULL, NULL, &mesh, &own);
-    *kept = make_group(g, &mesh, &own, false);
-    free(own.weights);
-    return *kept;
 }

@@ -20,7 +20,9 @@ static uint64_t moment_bytes(const gltf *g) { return gltf_count(&g->nodes) * siz
 
 static void open_at(gltf *g, double time) {
     const size_t nodes = gltf_count(&g->nodes);
+    g->posing = true;
     if (g->moments.count) gltf_charge(g, &g->animations, NULL, moment_bytes(g));
+    g->posing = false;
     if (!gltf_fine(g)) return;
     gltf_moment m = {.time = time, .worlds = calloc(nodes + 1, sizeof *m.worlds)};
     if (!m.worlds || !array_push(&g->moments, m)) {
@@ -111,7 +113,7 @@ static void thin(gltf *g, size_t stride) {
 }
 
 static void open_even(gltf *g, double time, double shutter, size_t intervals) {
-    if (g->moments.count) g->charged -= (g->moments.count - 1) * moment_bytes(g);
+    if (g->moments.count) g->charged[1] -= (g->moments.count - 1) * moment_bytes(g);
     gltf_moments_close(g);
     for (size_t i = 0; i <= intervals && gltf_fine(g); ++i)
         open_at(g, time + shutter * ((double)i / (double)intervals));

@@ -93,7 +93,10 @@ static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const
         instance.key_transforms = &way->at[0].m[0][0];
     }
     /* The instance is stored twice, plus half of that while the array grows. */
-    gltf_charge(g, node, NULL, 3 * sizeof instance + instance.key_count * 13 * sizeof(double));
+    gltf_charge(g, node, NULL, 3 * sizeof instance);
+    g->posing = true;
+    gltf_charge(g, node, NULL, instance.key_count * 13 * sizeof(double));
+    g->posing = false;
     if (gltf_fine(g)) gltf_within(g, node, NULL, fathom_scene_add_instance(g->scene, &instance, NULL));
 }
 
@@ -138,40 +141,13 @@ static void add_many(gltf *g, const gltf_value *node, const gltf_value *instanci
     }
 }
 
-/* Reads how the node deforms its mesh. A node with a skin, or with its own weights, gets a copy of the
- * mesh. */
-static bool read_shape(gltf *g, gltf_moment *m, const gltf_value *node, uint32_t mesh, gltf_shape *out) {
-    uint32_t skin = GLTF_ABSENT;
-    gltf_value at;
-    const gltf_pose *pose = gltf_pose_of(m, (uint32_t)node->index);
-    gltf_index(g, node, "skin", &g->skins, &skin);
-    gltf_item(g, &g->meshes, mesh, &at);
-    if (skin == GLTF_ABSENT && !json_object_get(node->json, "weights") && !(pose && pose->weights))
-        return false;
-    gltf_weights_read(g, pose, node, &at, out);
-    if (skin != GLTF_ABSENT && gltf_fine(g)) out->joints = gltf_skin_read(g, m, skin);
-    return true;
-}
-
-/* *joints: at the opening of the shutter; NULL: no skin. */
-static fathom_id shape_mesh(gltf *g, const gltf_value *node, uint32_t mesh, const gltf_joints **joints) {
-    gltf_shape shapes[GLTF_MOMENTS] = {{.weights = NULL}};
-    bool own = false;
-    for (size_t k = 0; k < g->moments.count && gltf_fine(g); ++k)
-        own = read_shape(g, &g->moments.items[k], node, mesh, &shapes[k]);
-    const fathom_id group = gltf_mesh_group(g, mesh, own ? shapes : NULL);
-    for (size_t k = 0; k < g->moments.count; ++k) free(shapes[k].weights);
-    *joints = shapes[0].joints;
-    return group;
-}
-
 static void place_mesh(gltf *g, const gltf_value *node, const gltf_way *to_world) {
     uint32_t mesh = GLTF_ABSENT;
     gltf_value extensions, instancing;
-    const gltf_joints *joints;
+    const gltf_joints *joints = NULL;
     gltf_index(g, node, "mesh", &g->meshes, &mesh);
     if (mesh == GLTF_ABSENT) return;
-    const fathom_id group = shape_mesh(g, node, mesh, &joints);
+    const fathom_id group = gltf_shape_mesh(g, node, mesh, &joints);
     gltf_extension(g, node, "EXT_mesh_gpu_instancing", &extensions, &instancing);
     if (!gltf_fine(g) || group == GLTF_EMPTY) return;
     if (joints) {
@@ -291,7 +267,8 @@ static void place_all_meshes(gltf *g) {
     const gltf_way identity = {.count = 1, .at = {affine_identity()}};
     for (uint32_t i = 0; i < gltf_count(&g->meshes) && gltf_fine(g); ++i) {
         const gltf_value mesh = {.parent = &g->meshes, .index = i};
-        const fathom_id group = gltf_mesh_group(g, i, NULL);
+        const gltf_joints *none = NULL;
+        const fathom_id group = gltf_shape_mesh(g, NULL, i, &none);
         if (gltf_fine(g) && group != GLTF_EMPTY) add_instance(g, &mesh, group, &identity);
     }
 }
