@@ -139,12 +139,48 @@ static void unlit_images_are_masked(void **state) {
     assert_int_equal(m.maps[FATHOM_MAP_OPACITY].channel, 3);
 }
 
+/* The colours of the file multiply the material that an object of a scene gives it, as those of PLY do. */
+static void colours_stay_with_another_material(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    static const char ply[] =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float red\nproperty float green\nproperty float blue\nelement face 1\nproperty list uchar "
+        "int vertex_indices\nend_header\n0 0 0 1 0 0.5\n1 0 0 0.25 1 0\n0 1 0 0 0 1\n3 0 1 2\n";
+    static const char json[] =
+        "{\"materials\":{\"grey\":{\"kd\":[0.5,0.5,0.5]}},\"objects\":[{\"type\":\"mesh\",\"file\":"
+        "\"test.glb\",\"material\":\"grey\"},{\"type\":\"mesh\",\"file\":\"test.ply\",\"material\":"
+        "\"grey\"}]}";
+    const int points = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0),
+              colors = PUT_FLOATS(&b, "VEC4", 3, 1, 0, 0.5f, 0.5f, 0.25f, 1, 0, 0.5f, 0, 0, 1, 0.5f);
+    build_write(f, &b,
+                "'materials':[{}],'meshes':[{'primitives':[{'material':0,'attributes':{'POSITION':%d,"
+                "'COLOR_0':%d}},{'mode':1,'attributes':{'POSITION':%d,'COLOR_0':%d}}]}],'nodes':[{'mesh':0}]",
+                points, colors, points, colors);
+    write_bytes(f, "test.ply", ply, strlen(ply));
+    write_bytes(f, "test.json", json, strlen(json));
+    fathom_scene *scene;
+    assert_ok(f->context, fathom_scene_read(f->context, f->path, &scene));
+    assert_int_equal(scene->meshes.count, 3);
+    const fathom_mesh *from_ply = &scene->meshes.items[2];
+    for (size_t m = 0; m < 2; ++m) {
+        const fathom_mesh *mesh = &scene->meshes.items[m];
+        assert_int_equal(mesh->material, from_ply->material);
+        assert_int_equal(mesh->color_channels, 3);
+        for (uint32_t i = 0; i < 3 && m == 0; ++i)
+            assert_memory_equal(mesh_row(mesh->colors, mesh->color_stride, i),
+                                mesh_row(from_ply->colors, from_ply->color_stride, i), 3 * sizeof(float));
+        assert_non_null(mesh->colors);
+    }
+    fathom_scene_destroy(scene);
+}
+
 int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
         TEST(lost_images_leave_no_layer), TEST(lost_specular_colours_leave_plain_plastic),
         TEST(samplers_are_followed),      TEST(transforms_choose_their_set),
-        TEST(unlit_images_are_masked),
+        TEST(unlit_images_are_masked),    TEST(colours_stay_with_another_material),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -159,7 +159,8 @@ static void read_coordinates(gltf *g, primitive *p) {
     p->mesh.tangents = floats.values, p->mesh.tangent_stride = floats.stride;
 }
 
-/* Alpha is used only for materials whose alphaMode is not OPAQUE. */
+/* Colours also multiply a material that replaces the file's. Alpha is used only for materials of the file
+ * whose alphaMode is not OPAQUE. */
 static void read_colors(gltf *g, primitive *p) {
     gltf_elements floats;
     unsigned components = gltf_components(g, p->attributes, "COLOR_0");
@@ -238,7 +239,7 @@ static void read_surface(gltf *g, primitive *p) {
     if (!g->options->flat) read_normals(g, p);
     read_material(g, p);
     if (scene_keeps_uvs(g->scene)) read_coordinates(g, p);
-    if (g->options->material == FATHOM_NONE) read_colors(g, p);
+    read_colors(g, p);
 }
 
 /* ---- motion ---- */
@@ -330,7 +331,7 @@ static void add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shape
         gltf_note(g, at, NULL, "a mesh without POSITION is left out");
     } else if (p.mode < MODE_TRIANGLES) {
         read_material(g, &p);
-        if (g->options->material == FATHOM_NONE) read_colors(g, &p);
+        read_colors(g, &p);
         if (gltf_fine(g)) read_strokes(g, &p);
         note_unread(g, &p);
         if (moves)
