@@ -1,5 +1,5 @@
 /* glTF files that are against the format, and yet clear: they are read, and each oddity is told once. */
-#include "gltf_file.h"
+#include "gltf_build.h"
 
 typedef struct odd_file {
     const char *json, *told;
@@ -219,6 +219,31 @@ static void arrays_of_another_length_are_told(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* The matrix counts for what moves the node, and weights are followed there as in any node. */
+static void animations_of_nodes_with_a_matrix_are_left_out(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int positions = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0),
+              times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1), slide = PUT_FLOATS(&b, "VEC3", 2, 0, 0, 0, 8, 0, 0),
+              weights = PUT_FLOATS(&b, "SCALAR", 2, 0, 1);
+    build_write(f, &b,
+                "'meshes':[{'primitives':[{'attributes':{'POSITION':%d},'targets':[{'POSITION':%d}]}]}],"
+                "'nodes':[{'mesh':0},{'name':'fixed','mesh':0,'matrix':[1,0,0,0,0,1,0,0,0,0,1,0,0,3,0,1]}],"
+                "'animations':[{'samplers':[{'input':%d,'output':%d},{'input':%d,'output':%d}],'channels':["
+                "{'sampler':0,'target':{'node':0,'path':'translation'}},"
+                "{'sampler':0,'target':{'node':1,'path':'translation'}},"
+                "{'sampler':0,'target':{'node':1,'path':'scale'}},"
+                "{'sampler':1,'target':{'node':1,'path':'weights'}}]}]",
+                positions, positions, times, slide, times, weights);
+    fathom_scene *scene = read_at(f, 0.5);
+    assert_vec(placed_corner(scene, 0, 0, 1), 5, 0, 0, 0);
+    assert_vec(placed_corner(scene, 1, 1, 1), 1.5, 3, 0, 0);
+    assert_int_equal(f->warnings, 1);
+    assert_non_null(strstr(f->warning, ": nodes[1] (\"fixed\"): a node has a matrix and an animation"));
+    assert_non_null(strstr(f->warning, "(2 such)"));
+    fathom_scene_destroy(scene);
+}
+
 /* A mark before the JSON and zeros behind it. */
 static void marks_and_zeros_around_the_json_are_skipped(void **state) {
     fixture *f = *state;
@@ -248,6 +273,7 @@ int main(void) {
         TEST(odd_normals_become_zeros),
         TEST(colours_in_bytes_are_normalized),
         TEST(arrays_of_another_length_are_told),
+        TEST(animations_of_nodes_with_a_matrix_are_left_out),
         TEST(marks_and_zeros_around_the_json_are_skipped),
         TEST(facts_may_be_required),
     };

@@ -303,6 +303,8 @@ void gltf_variant_material(gltf *g, const gltf_value *primitive, uint32_t *mater
 const gltf_pose *gltf_pose_of(const gltf_moment *m, uint32_t node);
 /* g->parents must have no cycle. */
 affine_f64 gltf_node_world(gltf *g, gltf_moment *m, uint32_t node);
+/* True if the node's matrix replaces the components of its transform. */
+bool gltf_has_matrix(const gltf_value *node);
 affine_f64 gltf_compose(double parts[GLTF_PARTS][4]);
 /* Checks that the last row of a matrix is 0 0 0 1, up to rounding error. */
 void gltf_check_row(gltf *g, const gltf_value *at, const char *key, const double row[4]);

@@ -3,6 +3,7 @@
 #include "read/gltf/gltf.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -234,6 +235,20 @@ static double time_to_pose(gltf *g, const gltf_moment *m, const sampler *s, uint
     return open;
 }
 
+/* By the specification, no channel moves a node that has a matrix: nothing says which part of the matrix it
+ * would replace. */
+static bool is_fixed(gltf *g, const channel_target *to) {
+    const gltf_value node = {.json = json_array_get(g->nodes.json, to->node)};
+    char place[128];
+    if (to->part == GLTF_PARTS || !gltf_has_matrix(&node)) return false;
+    snprintf(place, sizeof place, ": nodes[%u] (\"%.40s\")", to->node, gltf_name(&node));
+    if (!g->posed)
+        notes_add(&g->notes, 1, place,
+                  "a node has a matrix and an animation that moves it; the matrix counts, and the animation "
+                  "is left out: export it with translation, rotation and scale");
+    return true;
+}
+
 static void pose_channel(gltf *g, gltf_moment *m, const gltf_value *samplers, const gltf_value *channel) {
     const channel_target to = read_target(g, channel);
     uint32_t index = GLTF_ABSENT;
@@ -242,7 +257,7 @@ static void pose_channel(gltf *g, gltf_moment *m, const gltf_value *samplers, co
     if (!gltf_fine(g)) return;
     if (to.part < 0 && !g->posed)
         gltf_note(g, &to.at, "path", "the animation of \"%.40s\" is not followed", to.path);
-    if (to.part < 0 || to.node == GLTF_ABSENT) return;
+    if (to.part < 0 || to.node == GLTF_ABSENT || is_fixed(g, &to)) return;
     sampler s;
     read_sampler(g, samplers, index, to.part, &s);
     gltf_pose *pose = gltf_fine(g) ? pose_for(g, m, to.node) : NULL;

@@ -34,23 +34,20 @@ affine_f64 gltf_compose(double parts[GLTF_PARTS][4]) {
     return out;
 }
 
-static void check_no_parts(gltf *g, const gltf_value *node, const gltf_pose *pose) {
+bool gltf_has_matrix(const gltf_value *node) { return json_is_array(json_object_get(node->json, "matrix")); }
+
+static void note_parts(gltf *g, const gltf_value *node) {
     for (int i = 0; i < GLTF_PARTS; ++i) {
         if (json_object_get(node->json, gltf_part_names[i]))
             gltf_note(g, node, gltf_part_names[i],
                       "a node has a matrix and parts of a transform; the matrix counts");
-        if (pose && pose->given[i])
-            gltf_fail(g, node, "matrix",
-                      "is that of a node whose %s is animated; expected translation, rotation and "
-                      "scale there",
-                      gltf_part_names[i]);
     }
 }
 
 /* Values of an animation replace the node's own. */
 static affine_f64 read_local(gltf *g, const gltf_value *node, const gltf_pose *pose) {
-    if (json_is_array(json_object_get(node->json, "matrix"))) {
-        check_no_parts(g, node, pose);
+    if (gltf_has_matrix(node)) {
+        note_parts(g, node);
         return read_matrix(g, node);
     }
     double parts[GLTF_PARTS][4] = {{0, 0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1, 0}};
