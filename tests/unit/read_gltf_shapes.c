@@ -117,6 +117,28 @@ static void equal_weights_are_alike_wherever_they_stand(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* A target without weight as the shutter opens, and another that never has any. */
+static void targets_are_told_of_if_they_count_at_any_moment(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int points = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0),
+              times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1), grows = PUT_FLOATS(&b, "SCALAR", 4, 0, 0, 1, 0);
+    build_write(f, &b,
+                "'meshes':[{'primitives':[{'attributes':{'POSITION':%d},'targets':[{'COLOR_0':%d},{'TEXCOORD_"
+                "0':%d}]}]"
+                "}],'nodes':[{'mesh':0}],'animations':[{'samplers':[{'input':%d,'output':%d}],'channels':[{'"
+                "sampler':0"
+                ",'target':{'node':0,'path':'weights'}}]}]",
+                points, points, points, times, grows);
+    for (int open = 0; open < 2; ++open) {
+        fathom_scene *scene;
+        assert_ok(f->context, read_open(f, open, &scene));
+        assert_int_equal(f->warnings, open);
+        if (open) assert_non_null(strstr(f->warning, "morph targets of COLOR_0 are not followed (1 such)"));
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* A million vertices without data, in 65 poses: 780 MB by a file of 2 kB. */
 static void poses_without_end_are_refused(void **state) {
     fixture *f = *state;
@@ -143,6 +165,7 @@ int main(void) {
         TEST(nodes_that_deform_a_mesh_alike_share_it),
         TEST(nodes_that_deform_a_mesh_differently_are_posed_each),
         TEST(equal_weights_are_alike_wherever_they_stand),
+        TEST(targets_are_told_of_if_they_count_at_any_moment),
         TEST(poses_without_end_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

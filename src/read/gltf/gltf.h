@@ -359,8 +359,8 @@ void gltf_weights_read(gltf *g, const gltf_pose *pose, const gltf_value *node, c
  * packed in `to`, or in new memory of the scene if `to` is NULL. */
 void gltf_morph(gltf *g, const gltf_value *primitive, const gltf_shape *shape, const char *key,
                 unsigned components, gltf_elements *floats, float *to);
-/* Adds a note for each attribute of the shape's targets that is not deformed. */
-void gltf_morph_note(gltf *g, const gltf_value *primitive, const gltf_shape *shape);
+/* Adds a note for each attribute that is not deformed of the targets that a shape uses at any moment. */
+void gltf_morph_note(gltf *g, const gltf_value *primitive, const gltf_shape *shapes, size_t moments);
 typedef enum gltf_kind { GLTF_POINT, GLTF_NORMAL, GLTF_TANGENT } gltf_kind;
 void gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *joints, gltf_kind kind,
                      gltf_elements *floats, float *to);

@@ -325,7 +325,7 @@ static void add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shape
     gltf_integer(g, at, "mode", 0, MODE_FAN, &p.mode);
     if (gltf_fine(g)) g->status = gltf_draco_read(g, at);
     read_positions(g, &p);
-    if (gltf_fine(g)) gltf_morph_note(g, at, shapes);
+    if (gltf_fine(g)) gltf_morph_note(g, at, shapes, moves ? g->moments.count : 1);
     if (!gltf_fine(g)) return;
     if (!p.positions.values) {
         gltf_note(g, at, NULL, "a mesh without POSITION is left out");

@@ -70,16 +70,25 @@ void gltf_morph(gltf *g, const gltf_value *primitive, const gltf_shape *shape, c
     if (m.to) floats->values = m.to, floats->stride = bytes;
 }
 
-void gltf_morph_note(gltf *g, const gltf_value *primitive, const gltf_shape *shape) {
+/* True if the target has a weight at any moment. */
+static bool is_used(const gltf_shape *shapes, size_t moments, size_t target) {
+    for (size_t m = 0; m < moments; ++m) {
+        if (target < shapes[m].weight_count && shapes[m].weights[target] != 0) return true;
+    }
+    return false;
+}
+
+void gltf_morph_note(gltf *g, const gltf_value *primitive, const gltf_shape *shapes, size_t moments) {
     static const char followed[] = "POSITION|NORMAL|TANGENT";
     gltf_value targets, target;
     const char *key;
     json_t *value;
     gltf_array(g, primitive, "targets", &targets);
-    for (size_t k = 0; k < gltf_count(&targets) && k < shape->weight_count && gltf_fine(g); ++k) {
+    for (size_t k = 0; k < gltf_count(&targets) && gltf_fine(g); ++k) {
+        if (!is_used(shapes, moments, k)) continue;
         gltf_item(g, &targets, k, &target);
         json_object_foreach(target.json, key, value) {
-            if (shape->weights[k] != 0 && *key != '_' && words_find(followed, key, strlen(key)) < 0)
+            if (*key != '_' && words_find(followed, key, strlen(key)) < 0)
                 gltf_note(g, &target, key, "morph targets of %.40s are not followed", key);
         }
     }
