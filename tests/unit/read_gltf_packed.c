@@ -139,6 +139,45 @@ static void draco_colours_of_bytes_are_divided_once(void **state) {
     }
 }
 
+/* A packed primitive, one of the same accessors that is not packed, and both once more; then one of an
+ * accessor that has no data of its own. */
+static void other_primitives_have_the_accessors_own_data(void **state) {
+    fixture *f = *state;
+    static const uint32_t corners[6] = {0, 1, 2, 2, 1, 3};
+    static const float own[12] = {0, 0, 7, 3, 0, 7, 0, 3, 7, 3, 3, 7};
+    uint8_t bytes[sizeof draco + 3 + sizeof own + sizeof corners] = {0};
+    char json[4096];
+    if (!has_draco()) skip();
+    const size_t at = (sizeof draco + 3) / 4 * 4;
+    memcpy(bytes, draco, sizeof draco);
+    memcpy(bytes + at, own, sizeof own);
+    memcpy(bytes + at + sizeof own, corners, sizeof corners);
+#define PACKED(points)                                                                                       \
+    "{'attributes':{'POSITION':" points "},'indices':1,'extensions':{'KHR_draco_mesh_compression':{"         \
+    "'bufferView':0,'attributes':{'POSITION':0}}}}"
+#define PLAIN(points) "{'attributes':{'POSITION':" points "},'indices':1}"
+    snprintf(
+        json, sizeof json,
+        "{" ASSET ",'extensionsRequired':['KHR_draco_mesh_compression'],'buffers':[{'byteLength':%zu}],"
+        "'bufferViews':[{'buffer':0,'byteLength':%zu},{'buffer':0,'byteOffset':%zu,'byteLength':48},{"
+        "'buffer':0,'byteOffset':%zu,'byteLength':24}],'accessors':[{'bufferView':1,'componentType':5126,"
+        "'type':'VEC3','count':4},{'bufferView':2,'componentType':5125,'type':'SCALAR','count':6},{"
+        "'componentType':5126,'type':'VEC3','count':4}],'meshes':[{'primitives':[" PACKED("0") "," PLAIN(
+            "0") "," PACKED("0") "," PLAIN("0") "," PACKED("2") "," PLAIN("2") "]}]}",
+        at + 72, sizeof draco, at, at + 48);
+    write_glb(f, json, bytes, at + 72);
+    fathom_scene *scene = read_file(f);
+    static const float highest[] = {2, 7, 2, 7, 2, 0};
+    assert_int_equal(scene->meshes.count, 6);
+    for (size_t i = 0; i < 6; ++i) {
+        float most = 0;
+        for (uint32_t v = 0; v < 4; ++v) most = fmaxf(most, mesh_vertex(&scene->meshes.items[i], v)[2]);
+        /* As above, half a step of Draco's positions; the others are in the file. */
+        assert_near((double)most, (double)highest[i], i % 2 ? 0 : 1 / 2047.0);
+    }
+    fathom_scene_destroy(scene);
+}
+
 static void assert_refused(fixture *f, const char *text) {
     fathom_scene *scene;
     fathom_read_options asked;
@@ -366,6 +405,7 @@ int main(void) {
         TEST(draco_unpacks_to_what_was_packed),
         TEST(draco_meshes_unpack_together_to_their_own_data),
         TEST(draco_colours_of_bytes_are_divided_once),
+        TEST(other_primitives_have_the_accessors_own_data),
         TEST(broken_draco_is_refused),
         TEST(draco_that_lacks_a_part_is_refused),
         TEST(draco_processes_that_fail_are_told),

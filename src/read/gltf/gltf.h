@@ -141,11 +141,14 @@ typedef struct gltf {
         cameras, skins, animations;
     gltf_value extensions, punctual, lights, varying, variants; /* of the document */
     gltf_buffer *buffer_table;                                  /* for each buffer */
-    gltf_buffer *image_table;        /* for each image: the bytes of a data URI, once decoded */
-    gltf_buffer *view_table;         /* for each buffer view: the decompressed bytes, if it is compressed */
-    struct gltf_draco *draco;        /* meshes that are being decompressed; NULL: there are none */
-    gltf_material *material_table;   /* one for each material, then the default material */
-    gltf_elements (*array_table)[2]; /* for each accessor: floats, indices */
+    gltf_buffer *image_table;      /* for each image: the bytes of a data URI, once decoded */
+    gltf_buffer *view_table;       /* for each buffer view: the decompressed bytes, if it is compressed */
+    struct gltf_draco *draco;      /* meshes that are being decompressed; NULL: there are none */
+    gltf_material *material_table; /* one for each material, then the default material */
+    /* For each accessor its own elements, then those that Draco unpacked: a compressed primitive and another
+     * one may name the same accessor. Floats, then indices. */
+    gltf_elements (*array_table)[2][2];
+    uint32_t unpacked; /* 1 + the view that the primitive is unpacked from; 0: it is not packed */
     ARRAY(gltf_posed) posed_meshes;
     uint32_t *posed_table;      /* the hash table of posed_meshes; NULL: it is empty */
     uint32_t *parents;          /* for each node, its parent; a number not below the node count: a root */
@@ -375,14 +378,15 @@ typedef struct gltf_given {
     const void *values;
 } gltf_given;
 
-/* Stores a copy of `given` as the elements of the accessor that member `key` of `user` names, until elements
- * of another view are given: primitives may share an accessor of compressed elements, since it only has their
- * type and count. Count and components must be those of the accessor. */
+/* Stores a copy of `given` as the unpacked elements of the accessor that member `key` of `user` names, until
+ * elements of another view are given: primitives may share an accessor of compressed elements, since it only
+ * has their type and count. Count and components must be those of the accessor. */
 fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, const gltf_given *given);
 
 /* ---- gltf_draco.c ---- */
 
-/* Decompresses a primitive, and stores the result as elements of its accessors. */
+/* Sets g->unpacked. Decompresses the primitive if it is compressed, and stores the result as elements of its
+ * accessors. */
 fathom_status gltf_draco_read(gltf *g, const gltf_value *primitive);
 void gltf_draco_close(gltf *g);
 

@@ -387,6 +387,12 @@ static bool is_whole_color(const char *key, const accessor *a) {
     return strncmp(key, "COLOR_", 6) == 0 && a->type != GLTF_FLOAT && !a->normalized;
 }
 
+/* The elements that Draco unpacked for the present primitive, if there are any, else the accessor's own. */
+static gltf_elements *elements_for(gltf *g, uint32_t index, bool integers) {
+    gltf_elements *own = &g->array_table[index][0][integers], *unpacked = &g->array_table[index][1][integers];
+    return g->unpacked && unpacked->unpacked_of == g->unpacked ? unpacked : own;
+}
+
 bool gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned components, unsigned takes,
                      gltf_elements *out) {
     const bool integers = takes & GLTF_TAKES_UINT;
@@ -395,7 +401,7 @@ bool gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned 
     uint32_t index;
     *out = (gltf_elements){.values = NULL};
     if (!find_accessor(g, user, key, &index, &at, &from)) return false;
-    gltf_elements *kept = &g->array_table[index][integers];
+    gltf_elements *kept = elements_for(g, index, integers);
     check_kind(g, user, key, index, components, takes, &from);
     if (!from.count) return gltf_fine(g);
     if (is_whole_color(key, &from)) {
@@ -421,7 +427,7 @@ fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, 
     if (a.count != given->count || a.components != given->components)
         return gltf_fail(g, user, key, "is accessors[%u] of %u × %u numbers; what is unpacked has %u × %u",
                          index, a.count, a.components, given->count, given->components);
-    gltf_elements *kept = &g->array_table[index][given->integers];
+    gltf_elements *kept = &g->array_table[index][1][given->integers];
     if (kept->unpacked_of == given->view + 1 || gltf_allocate(g, user, key, total * 4, &memory) != FATHOM_OK)
         return g->status;
     memcpy(memory, given->values, total * 4);

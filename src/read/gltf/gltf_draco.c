@@ -266,6 +266,7 @@ fathom_status gltf_draco_read(gltf *g, const gltf_value *primitive) {
     gltf_value holder, at;
     uint32_t view = GLTF_ABSENT;
     int unpacked = -1;
+    g->unpacked = 0;
     fathom_status status = gltf_extension(g, primitive, extension, &holder, &at);
     if (status != FATHOM_OK || !at.json) return status;
     status = gltf_index(g, &at, "bufferView", &g->views, &view);
@@ -279,6 +280,7 @@ fathom_status gltf_draco_read(gltf *g, const gltf_value *primitive) {
     if (!be_open(g)) return g->status;
     status = unpack(g, &at, view, &unpacked);
     if (status == FATHOM_OK) status = take_answer(g, primitive, &at, view, unpacked);
+    if (status == FATHOM_OK) g->unpacked = view + 1;
     if (unpacked >= 0) close(unpacked);
     return status;
 }

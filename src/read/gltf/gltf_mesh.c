@@ -363,6 +363,6 @@ fathom_id gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes, boo
         gltf_item(g, &primitives, i, &at);
         add_primitive(g, &at, shapes, moves, group);
     }
-    g->posing = false;
+    g->posing = false, g->unpacked = 0;
     return g->scene->meshes.count > before ? group : GLTF_EMPTY;
 }
