@@ -4,7 +4,8 @@
  * gltf_json.c       typed values with their place in the document
  * gltf_buffer.c     GLB chunks, the JSON text, buffers
  * gltf_view.c       buffer views, decompressed if necessary
- * gltf_accessor.c   accessors, checked, as plain arrays; limits on memory
+ * gltf_memory.c     limits on memory
+ * gltf_accessor.c   accessors, checked, as plain arrays
  * gltf_draco.c      compressed meshes
  * gltf_mesh.c       converts meshes to groups
  * gltf_shape.c      how nodes deform meshes; posed meshes that nodes share
@@ -261,6 +262,14 @@ fathom_status gltf_view_open(gltf *g, uint32_t index, gltf_value *at, gltf_view 
 /* *stride: that of elements side by side, if the view has none; 0 means none to programs that write it. */
 void gltf_view_stride(gltf *g, const gltf_value *view, uint64_t *stride);
 
+/* ---- gltf_memory.c ---- */
+
+/* Counts memory (below 2^40 bytes) that a value takes beyond the document and its files: as that of poses
+ * while g->posing. FATHOM_BAD_INPUT if the sum is too large compared with the size of the files. */
+fathom_status gltf_charge(gltf *g, const gltf_value *at, const char *key, uint64_t bytes);
+/* scene_allocate(), after gltf_charge() for the same bytes. */
+fathom_status gltf_allocate(gltf *g, const gltf_value *at, const char *key, uint64_t bytes, void **out);
+
 /* ---- gltf_accessor.c ---- */
 
 /* Component types that are accepted, as bits. */
@@ -271,12 +280,6 @@ enum {
     GLTF_TAKES_UINT = 1u << 3,
     GLTF_TAKES_QUANTIZED = GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED
 };
-
-/* Counts memory (below 2^40 bytes) that a value takes beyond the document and its files: as that of poses
- * while g->posing. FATHOM_BAD_INPUT if the sum is too large compared with the size of the files. */
-fathom_status gltf_charge(gltf *g, const gltf_value *at, const char *key, uint64_t bytes);
-/* scene_allocate(), after gltf_charge() for the same bytes. */
-fathom_status gltf_allocate(gltf *g, const gltf_value *at, const char *key, uint64_t bytes, void **out);
 
 /* The accessor that member `key` of `user` names, as an array with this number of components. `takes` has the
  * accepted component types: with GLTF_TAKES_UINT the elements are indices, whose range is not checked,
