@@ -244,6 +244,34 @@ static void animations_of_nodes_with_a_matrix_are_left_out(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* However many times the shutter poses the nodes, each oddity of a node counts once. */
+static void oddities_count_once_while_the_shutter_is_open(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int positions = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0),
+              times = PUT_FLOATS(&b, "SCALAR", 3, 0, 1, 1),
+              turns = PUT_FLOATS(&b, "VEC4", 3, 0, 0, 0, 1, 0, 0.6f, 0, 0.8f, 0, 0.6f, 0, 0.8f);
+    build_write(f, &b,
+                "'meshes':[{'primitives':[{'attributes':{'POSITION':%d},'targets':[{'POSITION':%d}]}]}],"
+                "'nodes':[{'mesh':0},{'mesh':0,'weights':[1e31],'rotation':[0,0,0,0]}],'animations':[{"
+                "'samplers':[{'input':%d,'output':%d}],'channels':[{'sampler':0,'target':{'node':0,'path':"
+                "'rotation'}},{'sampler':0,'target':{'node':-1,'path':'rotation'}}]}]",
+                positions, positions, times, turns);
+    fathom_scene *scene;
+    fathom_read_options asked;
+    fathom_read_options_default(&asked);
+    asked.choose_time = true, asked.shutter = 1;
+    memset(f->told, 0, sizeof f->told);
+    assert_ok(f->context, read_asked(f, &asked, &scene));
+    assert_true(scene->instances.items[0].key_count > 2);
+    fathom_scene_destroy(scene);
+    assert_int_equal(f->warnings, 4);
+    for (const char *line = f->told; *line; line = strchr(line, '\n') + 1) {
+        const char *end = strchr(line, '\n');
+        if (strncmp(end - 8, "(1 such)", 8) != 0) fail_msg("%s", f->told);
+    }
+}
+
 /* A mark before the JSON and zeros behind it. */
 static void marks_and_zeros_around_the_json_are_skipped(void **state) {
     fixture *f = *state;
@@ -274,6 +302,7 @@ int main(void) {
         TEST(colours_in_bytes_are_normalized),
         TEST(arrays_of_another_length_are_told),
         TEST(animations_of_nodes_with_a_matrix_are_left_out),
+        TEST(oddities_count_once_while_the_shutter_is_open),
         TEST(marks_and_zeros_around_the_json_are_skipped),
         TEST(facts_may_be_required),
     };

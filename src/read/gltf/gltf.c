@@ -161,6 +161,7 @@ static void finish(gltf *g) {
     array_free(&g->playing);
     free(g->view_table);
     free(g->parents);
+    free(g->told);
     free(g->buffer_table);
     free(g->image_table);
     free(g->material_table);

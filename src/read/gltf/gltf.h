@@ -166,6 +166,8 @@ typedef struct gltf {
     uint32_t lost_images[GLTF_LOST_IMAGES]; /* the first images without a file, each of which gets a note */
     unsigned lost_image_count;
     note_list notes;
+    bool quiet; /* gltf_note() adds nothing, because what is read now was read for another moment */
+    bool *told; /* for each node: the notes on its transform were added */
 } gltf;
 
 #define GLTF_EMPTY (FATHOM_NONE - 1) /* a mesh without a triangle */

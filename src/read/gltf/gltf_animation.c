@@ -122,7 +122,7 @@ static void check_times(gltf *g, const sampler *s) {
         if (!(time_of(s, k) >= time_of(s, k - 1)))
             gltf_fail(g, &s->at, "input", "has %g s after %g s, at key %u; expected times that rise",
                       time_of(s, k), time_of(s, k - 1), k);
-        else if (time_of(s, k) == time_of(s, k - 1) && !g->posed)
+        else if (time_of(s, k) == time_of(s, k - 1))
             gltf_note(g, &s->at, "input",
                       "a key has the time of the one before it; from then on the last counts");
     }
@@ -224,7 +224,7 @@ static double time_to_pose(gltf *g, const gltf_moment *m, const sampler *s, uint
     const size_t keys = find_key(s, open + gltf_shutter(g)) - find_key(s, open);
     if (keys > g->keys_inside) g->keys_inside = keys;
     if (s->way != STEP) return m->time;
-    if (!g->posed && keys) {
+    if (keys) {
         const gltf_value at = {
             .json = json_array_get(g->nodes.json, node), .parent = &g->nodes, .index = node};
         gltf_note(g, &at, NULL,
@@ -242,7 +242,7 @@ static bool is_fixed(gltf *g, const channel_target *to) {
     char place[128];
     if (to->part == GLTF_PARTS || !gltf_has_matrix(&node)) return false;
     snprintf(place, sizeof place, ": nodes[%u] (\"%.40s\")", to->node, gltf_name(&node));
-    if (!g->posed)
+    if (!g->quiet)
         notes_add(&g->notes, 1, place,
                   "a node has a matrix and an animation that moves it; the matrix counts, and the animation "
                   "is left out: export it with translation, rotation and scale");
@@ -255,8 +255,7 @@ static void pose_channel(gltf *g, gltf_moment *m, const gltf_value *samplers, co
     gltf_index(g, channel, "sampler", samplers, &index);
     if (index == GLTF_ABSENT) gltf_fail(g, channel, "sampler", "is missing; expected an index into samplers");
     if (!gltf_fine(g)) return;
-    if (to.part < 0 && !g->posed)
-        gltf_note(g, &to.at, "path", "the animation of \"%.40s\" is not followed", to.path);
+    if (to.part < 0) gltf_note(g, &to.at, "path", "the animation of \"%.40s\" is not followed", to.path);
     if (to.part < 0 || to.node == GLTF_ABSENT || is_fixed(g, &to)) return;
     sampler s;
     read_sampler(g, samplers, index, to.part, &s);
@@ -285,8 +284,9 @@ static void pose_animation(gltf *g, gltf_moment *m, uint32_t index) {
 }
 
 void gltf_animation_pose(gltf *g, gltf_moment *m) {
+    g->quiet = g->posed;
     for (size_t i = 0; i < g->playing.count && gltf_fine(g); ++i) pose_animation(g, m, g->playing.items[i]);
-    g->posed = true;
+    g->quiet = false, g->posed = true;
 }
 
 /* ---- choice of animations ---- */
@@ -318,11 +318,13 @@ static void play_together(gltf *g) {
     const size_t nodes = gltf_count(&g->nodes);
     unsigned char *moved = calloc(nodes + 1, 1);
     if (!moved) gltf_fail_memory(g, nodes);
+    g->quiet = true; /* what is played is read again */
     for (uint32_t i = 0; i < gltf_count(&g->animations) && gltf_fine(g); ++i) {
         if (moves_any(g, i, moved, false)) continue;
         moves_any(g, i, moved, true);
         play(g, i);
     }
+    g->quiet = false;
     free(moved);
 }
 

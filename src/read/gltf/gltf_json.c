@@ -48,6 +48,7 @@ void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *forma
     char place[128] = ": ", text[320];
     where links[DEPTH];
     va_list args;
+    if (g->quiet) return;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);

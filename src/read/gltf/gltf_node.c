@@ -277,7 +277,8 @@ void gltf_nodes_place(gltf *g) {
     const size_t bytes = (gltf_count(&g->nodes) + 1) * sizeof *g->parents;
     walk w = {.shown = calloc(gltf_count(&g->nodes) + 1, sizeof *w.shown)};
     g->parents = malloc(bytes);
-    if (!g->parents || !w.shown) {
+    g->told = calloc(gltf_count(&g->nodes) + 1, sizeof *g->told);
+    if (!g->parents || !g->told || !w.shown) {
         gltf_fail_memory(g, bytes);
         free(w.shown);
         return;

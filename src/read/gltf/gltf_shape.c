@@ -53,8 +53,11 @@ static void read_key(gltf *g, const gltf_value *node, uint32_t mesh, gltf_posed 
     if (node) gltf_index(g, node, "skin", &g->skins, &out->skin);
     out->shapes = calloc(moments, sizeof *out->shapes);
     if (!out->shapes) gltf_fail_memory(g, moments * sizeof *out->shapes);
-    for (size_t k = 0; k < moments && gltf_fine(g); ++k)
+    for (size_t k = 0; k < moments && gltf_fine(g); ++k) {
+        g->quiet = k > 0;
         read_shape(g, &g->moments.items[k], node, out, &out->shapes[k]);
+    }
+    g->quiet = false;
     if (!gltf_fine(g)) return;
     out->moves = gltf_shapes_move(out->shapes, moments);
     if (!out->moves) keep_first(out, moments);

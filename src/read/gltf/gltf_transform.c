@@ -81,7 +81,10 @@ affine_f64 gltf_node_world(gltf *g, gltf_moment *m, uint32_t node) {
         gltf_value value;
         at = below.items[--below.count];
         gltf_item(g, &g->nodes, at, &value);
+        const bool quiet = g->quiet;
+        g->quiet |= g->told[at];
         const affine_f64 local = read_local(g, &value, gltf_pose_of(m, at));
+        g->quiet = quiet, g->told[at] = true;
         above = affine_compose(&above, &local);
         m->worlds[at] = (gltf_world){.known = true, .to_world = above};
     }
