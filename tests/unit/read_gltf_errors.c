@@ -211,7 +211,8 @@ static void wrong_values_name_their_place(void **state) {
 static void broken_nodes_are_refused(void **state) {
     const bad_file files[] = {
         {NODES("{'children':[1]},{'children':[2]},{'children':[1]}"),
-         "names nodes[1], which is a child of nodes[0]"},
+         "nodes[2].children: leads back to nodes[1]"},
+        {NODES("{'children':[1]},{'children':[0]},{'children':[0]}"), "leads back to nodes[0]"},
         {NODES("{},{'children':[2]},{'children':[1]}"), "nodes[1].children: leads back to nodes[1]"},
         {NODES("{'children':[0]}"), "nodes[0].children: leads back to nodes[0]"},
         {NODES("{'children':[7]}"), "nodes[0].children[0]: is 7; expected an index into nodes"},

@@ -272,6 +272,52 @@ static void oddities_count_once_while_the_shutter_is_open(void **state) {
     }
 }
 
+/* It and what is below it, also while an animation moves it. */
+static void nodes_of_several_parents_are_shown_below_each(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int positions = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0),
+              times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1), slide = PUT_FLOATS(&b, "VEC3", 2, 0, 0, 0, 0, 0, 8);
+    build_write(
+        f, &b,
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':%d}}]}],'scenes':[{'nodes':[0]}],'nodes':["
+        "{'children':[1,2]},{'translation':[1,0,0],'children':[3,4,3]},{'translation':[0,5,0],"
+        "'children':[3]},{'children':[5]},{'mesh':0},{'mesh':0,'scale':[2,2,2]}],'animations':[{"
+        "'samplers':[{'input':%d,'output':%d}],'channels':[{'sampler':0,'target':{'node':3,'path':"
+        "'translation'}}]}]",
+        positions, times, slide);
+    f->told[0] = '\0';
+    fathom_scene *scene = read_at(f, 0.25);
+    assert_int_equal(scene->instances.count, 3);
+    assert_vec(placed_corner(scene, 0, 0, 1), 3, 0, 2, 0);
+    assert_vec(placed_corner(scene, 1, 0, 1), 2, 0, 0, 0);
+    assert_vec(placed_corner(scene, 2, 0, 1), 2, 5, 2, 0);
+    assert_int_equal(f->warnings, 2);
+    assert_non_null(strstr(f->told, "nodes[1].children: a node names a child twice; it is shown once (1 "));
+    assert_non_null(strstr(f->told, "nodes[2].children: a node with several parents, which is against the "
+                                    "format, is shown below each of them (1 such)"));
+    fathom_scene_destroy(scene);
+}
+
+/* Twenty pairs of nodes, each below both nodes of the pair before: a million copies. */
+static void copies_of_nodes_are_limited(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    char nodes[2048] = "";
+    fathom_scene *scene;
+    fathom_read_options asked;
+    fathom_read_options_default(&asked);
+    const int positions = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0);
+    for (int i = 0; i < 40; ++i)
+        snprintf(nodes + strlen(nodes), sizeof nodes - strlen(nodes), "{'children':[%d,%d]},", i / 2 * 2 + 2,
+                 i / 2 * 2 + 3);
+    build_write(
+        f, &b, "'meshes':[{'primitives':[{'attributes':{'POSITION':%d}}]}],'nodes':[%s{'mesh':0},{'mesh':0}]",
+        positions, nodes);
+    assert_fails(f->context, read_asked(f, &asked, &scene), FATHOM_BAD_INPUT,
+                 "which has another parent already; expected at most 65536 copies of nodes");
+}
+
 /* A mark before the JSON and zeros behind it. */
 static void marks_and_zeros_around_the_json_are_skipped(void **state) {
     fixture *f = *state;
@@ -303,6 +349,8 @@ int main(void) {
         TEST(arrays_of_another_length_are_told),
         TEST(animations_of_nodes_with_a_matrix_are_left_out),
         TEST(oddities_count_once_while_the_shutter_is_open),
+        TEST(nodes_of_several_parents_are_shown_below_each),
+        TEST(copies_of_nodes_are_limited),
         TEST(marks_and_zeros_around_the_json_are_skipped),
         TEST(facts_may_be_required),
     };

@@ -160,7 +160,7 @@ static void finish(gltf *g) {
     array_free(&g->moments);
     array_free(&g->playing);
     free(g->view_table);
-    free(g->parents);
+    array_free(&g->links);
     free(g->told);
     free(g->buffer_table);
     free(g->image_table);

@@ -18,7 +18,8 @@
  * gltf_choice.c     choice of an item by its name or number
  * gltf_material.c   converts materials
  * gltf_texture.c    converts images and samplers to maps of materials
- * gltf_node.c       the hierarchy of nodes; adds instances
+ * gltf_tree.c       the tree of nodes
+ * gltf_node.c       walks the tree; adds instances
  * gltf_light.c      lights
  * gltf_camera.c     cameras, and the choice of one */
 #ifndef READ_GLTF_H
@@ -105,7 +106,7 @@ typedef struct gltf_moment {
     double time; /* seconds */
     ARRAY(gltf_pose) poses;
     uint32_t *pose_of;  /* for each node, its index in poses plus 1; NULL: no animation is posed */
-    gltf_world *worlds; /* for each node */
+    gltf_world *worlds; /* for each link */
     gltf_joints *skins; /* one for each skin; NULL: none is made yet */
 } gltf_moment;
 
@@ -118,9 +119,17 @@ typedef struct gltf_shape {
 
 typedef struct gltf_posed gltf_posed; /* a mesh in the shapes of one or more nodes */
 
-/* The node and the index of a camera; one for each camera of the scene. */
+/* A place of a node in the tree. Links to others are GLTF_ABSENT if there are none. */
+typedef struct gltf_link {
+    uint32_t node; /* its index */
+    uint32_t parent;
+    uint32_t child; /* the last one */
+    uint32_t next;  /* the sibling before it */
+} gltf_link;
+
+/* The place and the index of a camera; one for each camera of the scene. */
 typedef struct gltf_camera {
-    uint32_t node, index; /* `node` into nodes, `index` into cameras */
+    uint32_t link, index; /* `link` into links, `index` into cameras */
 } gltf_camera;
 
 #define GLTF_LOST_IMAGES 8
@@ -152,7 +161,7 @@ typedef struct gltf {
     uint32_t unpacked; /* 1 + the view that the primitive is unpacked from; 0: it is not packed */
     ARRAY(gltf_posed) posed_meshes;
     uint32_t *posed_table;      /* the hash table of posed_meshes; NULL: it is empty */
-    uint32_t *parents;          /* for each node, its parent; a number not below the node count: a root */
+    ARRAY(gltf_link) links;     /* one for each node, in their order, then copies */
     ARRAY(uint32_t) playing;    /* animations that are posed */
     bool posed;                 /* one moment has been posed already, and its notes were added */
     size_t keys_inside;         /* maximum number of keys of a sampler while the shutter is open */
@@ -309,8 +318,7 @@ void gltf_variant_material(gltf *g, const gltf_value *primitive, uint32_t *mater
 
 /* The pose of a node; NULL: no animation poses it. */
 const gltf_pose *gltf_pose_of(const gltf_moment *m, uint32_t node);
-/* g->parents must have no cycle. */
-affine_f64 gltf_node_world(gltf *g, gltf_moment *m, uint32_t node);
+affine_f64 gltf_node_world(gltf *g, gltf_moment *m, uint32_t link);
 /* True if the node's matrix replaces the components of its transform. */
 bool gltf_has_matrix(const gltf_value *node);
 affine_f64 gltf_compose(double parts[GLTF_PARTS][4]);
@@ -328,8 +336,8 @@ void gltf_moments_open(gltf *g);
 void gltf_moments_close(gltf *g);
 /* True when the `count` shapes of one node at the moments differ. */
 bool gltf_shapes_move(const gltf_shape *shapes, size_t count);
-/* The node's transforms to the world, at all moments. */
-void gltf_node_way(gltf *g, uint32_t node, gltf_way *out);
+/* The link's transforms to the world, at all moments. */
+void gltf_node_way(gltf *g, uint32_t link, gltf_way *out);
 /* The motion of an object with the transform `inner` inside a parent with the motion `way`. */
 void gltf_way_of(const gltf_way *way, const affine_f64 *inner, gltf_way *out);
 bool gltf_way_moves(const gltf_way *way);
@@ -408,10 +416,12 @@ fathom_id gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes, boo
 bool gltf_map(gltf *g, const gltf_value *parent, const char *key, bool color, fathom_map *out);
 /* Material `index`; GLTF_ABSENT: glTF's default material. False: reading has failed. */
 bool gltf_material_make(gltf *g, uint32_t index, gltf_material *out);
+/* Fills in g->links, which then have no cycle. */
+void gltf_tree_open(gltf *g);
 /* Walks the nodes of the scene. */
 void gltf_nodes_place(gltf *g);
 void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *to_world);
-void gltf_camera_note(gltf *g, const gltf_value *node);
+void gltf_camera_note(gltf *g, const gltf_value *node, uint32_t link);
 /* Sets the scene's camera to the requested one of the noted cameras, else to the first perspective one. */
 void gltf_camera_take(gltf *g);
 

@@ -34,9 +34,9 @@ static void charge(gltf *g, const gltf_value *node, const char *own_name) {
     gltf_charge(g, node, "camera", 3 * kept + (own_name ? strlen(own_name) : 0));
 }
 
-void gltf_camera_note(gltf *g, const gltf_value *node) {
+void gltf_camera_note(gltf *g, const gltf_value *node, uint32_t link) {
     gltf_value camera;
-    gltf_camera noted = {.node = (uint32_t)node->index, .index = GLTF_ABSENT};
+    gltf_camera noted = {.link = link, .index = GLTF_ABSENT};
     gltf_index(g, node, "camera", &g->cameras, &noted.index);
     if (noted.index == GLTF_ABSENT) return;
     gltf_item(g, &g->cameras, noted.index, &camera);
@@ -110,13 +110,13 @@ void gltf_camera_take(gltf *g) {
     fathom_camera camera = {.d = 1,
                             .orthographic = g->scene->cameras.items[g->scene->camera_taken].orthographic};
     double aspect;
-    gltf_item(g, &g->nodes, taken->node, &node);
+    gltf_item(g, &g->nodes, g->links.items[taken->link].node, &node);
     gltf_item(g, &g->cameras, taken->index, &at);
     if (camera.orthographic)
         read_orthographic(g, &at, &camera.h, &aspect);
     else
         read_perspective(g, &at, &camera.h, &aspect);
-    gltf_node_way(g, taken->node, &way);
+    gltf_node_way(g, taken->link, &way);
     if (!gltf_fine(g)) return;
     g->scene->camera_aspect = aspect;
     if (aspect > 0) image_size_follow(&g->scene->settings, aspect, false, false);

@@ -16,18 +16,18 @@ double gltf_shutter(const gltf *g) {
     return g->scene->asked && g->playing.count ? g->scene->asked->shutter : 0;
 }
 
-static uint64_t moment_bytes(const gltf *g) { return gltf_count(&g->nodes) * sizeof(gltf_world); }
+static uint64_t moment_bytes(const gltf *g) { return g->links.count * sizeof(gltf_world); }
 
 static void open_at(gltf *g, double time) {
-    const size_t nodes = gltf_count(&g->nodes);
+    const size_t links = g->links.count;
     g->posing = true;
     if (g->moments.count) gltf_charge(g, &g->animations, NULL, moment_bytes(g));
     g->posing = false;
     if (!gltf_fine(g)) return;
-    gltf_moment m = {.time = time, .worlds = calloc(nodes + 1, sizeof *m.worlds)};
+    gltf_moment m = {.time = time, .worlds = calloc(links + 1, sizeof *m.worlds)};
     if (!m.worlds || !array_push(&g->moments, m)) {
         free(m.worlds);
-        gltf_fail_memory(g, nodes * sizeof *m.worlds);
+        gltf_fail_memory(g, links * sizeof *m.worlds);
         return;
     }
     if (g->playing.count) gltf_animation_pose(g, &g->moments.items[g->moments.count - 1]);
@@ -52,7 +52,7 @@ void gltf_moments_close(gltf *g) {
 /* A column of a node's matrix, or one of its weights, at all moments. */
 typedef struct curve {
     gltf *g;
-    uint32_t node;
+    uint32_t link;
     bool weights;
     size_t at;
 } curve;
@@ -61,10 +61,10 @@ static void point_of(const curve *c, size_t moment, double out[3]) {
     gltf_moment *m = &c->g->moments.items[moment];
     out[1] = out[2] = 0;
     if (c->weights) {
-        out[0] = gltf_pose_of(m, c->node)->weights[c->at];
+        out[0] = gltf_pose_of(m, c->g->links.items[c->link].node)->weights[c->at];
         return;
     }
-    const affine_f64 world = gltf_node_world(c->g, m, c->node);
+    const affine_f64 world = gltf_node_world(c->g, m, c->link);
     for (int i = 0; i < 3; ++i) out[i] = world.m[i][c->at];
 }
 
@@ -93,11 +93,11 @@ static void fit_curve(const curve *c, size_t *stride) {
     }
 }
 
-static void fit_node(gltf *g, uint32_t node, size_t *stride) {
-    const gltf_pose *pose = gltf_pose_of(&g->moments.items[0], node);
-    for (size_t k = 0; k < 4 && gltf_fine(g); ++k) fit_curve(&(curve){.g = g, .node = node, .at = k}, stride);
+static void fit_node(gltf *g, uint32_t link, size_t *stride) {
+    const gltf_pose *pose = gltf_pose_of(&g->moments.items[0], g->links.items[link].node);
+    for (size_t k = 0; k < 4 && gltf_fine(g); ++k) fit_curve(&(curve){.g = g, .link = link, .at = k}, stride);
     for (size_t k = 0; pose && pose->weights && k < pose->weight_count && gltf_fine(g); ++k)
-        fit_curve(&(curve){.g = g, .node = node, .at = k, .weights = true}, stride);
+        fit_curve(&(curve){.g = g, .link = link, .at = k, .weights = true}, stride);
 }
 
 /* Keeps every `stride`-th pose. */
@@ -138,7 +138,7 @@ void gltf_moments_open(gltf *g) {
         if (!gltf_fine(g)) return;
         if (intervals < g->keys_inside && intervals < INTERVALS_MOST) continue;
         stride = intervals;
-        for (uint32_t i = 0; i < gltf_count(&g->nodes); ++i) fit_node(g, i, &stride);
+        for (uint32_t i = 0; i < g->links.count; ++i) fit_node(g, i, &stride);
     }
     if (!gltf_fine(g)) return;
     if (stride == 1) {
@@ -170,9 +170,9 @@ const char *gltf_name(const gltf_value *at) {
     return name ? name : "";
 }
 
-void gltf_node_way(gltf *g, uint32_t node, gltf_way *out) {
+void gltf_node_way(gltf *g, uint32_t link, gltf_way *out) {
     out->count = g->moments.count;
-    for (size_t k = 0; k < out->count; ++k) out->at[k] = gltf_node_world(g, &g->moments.items[k], node);
+    for (size_t k = 0; k < out->count; ++k) out->at[k] = gltf_node_world(g, &g->moments.items[k], link);
 }
 
 void gltf_way_of(const gltf_way *way, const affine_f64 *inner, gltf_way *out) {

@@ -7,55 +7,14 @@
 #include <string.h>
 
 typedef struct step {
-    uint32_t node;
+    uint32_t link;
     bool hidden; /* the node's parent is hidden */
 } step;
 
 typedef struct walk {
     ARRAY(step) steps;
-    bool *shown; /* for each node */
+    bool *shown; /* for each link */
 } walk;
-
-/* ---- the graph ---- */
-
-static void find_parents(gltf *g, uint32_t *parents) {
-    uint32_t count = (uint32_t)gltf_count(&g->nodes);
-    for (uint32_t i = 0; i < count; ++i) parents[i] = GLTF_ABSENT;
-    for (uint32_t i = 0; i < count && gltf_fine(g); ++i) {
-        gltf_value node, children;
-        gltf_item(g, &g->nodes, i, &node);
-        gltf_array(g, &node, "children", &children);
-        for (size_t k = 0; k < gltf_count(&children); ++k) {
-            uint32_t child = GLTF_ABSENT;
-            gltf_index_item(g, &children, k, &g->nodes, &child);
-            if (!gltf_fine(g)) return;
-            if (parents[child] != GLTF_ABSENT)
-                gltf_fail(g, &children, NULL,
-                          "names nodes[%u], which is a child of nodes[%u] already; expected one parent",
-                          child, parents[child]);
-            parents[child] = i;
-        }
-    }
-}
-
-/* Each node has at most one parent, so a node without a root above it is in a cycle or below one. Each node
- * is visited once: `seen` stores which walk upwards visited it. */
-static void find_cycle(gltf *g, const uint32_t *parents) {
-    uint32_t count = (uint32_t)gltf_count(&g->nodes);
-    uint32_t *seen = calloc((size_t)count + 1, sizeof *seen);
-    if (!seen) gltf_fail_memory(g, count * sizeof *seen);
-    for (uint32_t i = 0; i < count && gltf_fine(g); ++i) {
-        uint32_t k = i;
-        while (k != GLTF_ABSENT && !seen[k]) {
-            seen[k] = i + 1;
-            k = parents[k];
-        }
-        const gltf_value node = {.parent = &g->nodes, .index = k};
-        if (k != GLTF_ABSENT && seen[k] == i + 1)
-            gltf_fail(g, &node, "children", "leads back to nodes[%u]: a node may not hold itself", k);
-    }
-    free(seen);
-}
 
 /* ---- placing ---- */
 
@@ -162,13 +121,15 @@ static void place_mesh(gltf *g, const gltf_value *node, const gltf_way *to_world
     }
 }
 
-/* Pushes children from last to first, so that nodes are visited in the order of the file. */
-static void stack_children(gltf *g, walk *w, const gltf_value *list, bool hidden) {
-    for (size_t i = gltf_count(list); i-- > 0 && gltf_fine(g);) {
-        step next = {.hidden = hidden};
-        gltf_index_item(g, list, i, &g->nodes, &next.node);
-        if (!array_push(&w->steps, next)) gltf_fail_memory(g, sizeof next);
-    }
+static void stack(gltf *g, walk *w, uint32_t link, bool hidden) {
+    const step next = {link, hidden};
+    if (!array_push(&w->steps, next)) gltf_fail_memory(g, sizeof next);
+}
+
+static void stack_children(gltf *g, walk *w, uint32_t link, bool hidden) {
+    for (uint32_t c = g->links.items[link].child; c != GLTF_ABSENT && gltf_fine(g);
+         c = g->links.items[c].next)
+        stack(g, w, c, hidden);
 }
 
 /* KHR_node_visibility hides meshes and lights of the node and of all nodes below it. */
@@ -182,21 +143,20 @@ static bool is_visible(gltf *g, const gltf_value *node) {
 }
 
 static void visit(gltf *g, walk *w, const step *at) {
-    gltf_value node, children;
+    gltf_value node;
     gltf_way to_world;
-    if (w->shown[at->node]) return;
-    w->shown[at->node] = true;
-    gltf_item(g, &g->nodes, at->node, &node);
-    gltf_node_way(g, at->node, &to_world);
+    if (w->shown[at->link]) return;
+    w->shown[at->link] = true;
+    gltf_item(g, &g->nodes, g->links.items[at->link].node, &node);
+    gltf_node_way(g, at->link, &to_world);
     const bool hidden = !is_visible(g, &node) || at->hidden;
     if (!gltf_fine(g)) return;
     if (!hidden) place_mesh(g, &node, &to_world);
     if (g->options->surroundings) {
-        gltf_camera_note(g, &node);
+        gltf_camera_note(g, &node, at->link);
         if (!hidden) gltf_light_place(g, &node, &to_world);
     }
-    gltf_array(g, &node, "children", &children);
-    stack_children(g, w, &children, hidden);
+    stack_children(g, w, at->link, hidden);
 }
 
 static void walk_down(gltf *g, walk *w) {
@@ -217,7 +177,7 @@ static void note_odd_roots(gltf *g, const gltf_value *list, bool *named) {
         if (!gltf_fine(g)) return;
         if (named[node])
             gltf_note(g, list, NULL, "a scene names a node twice; it is shown once");
-        else if (g->parents[node] != GLTF_ABSENT)
+        else if (g->links.items[node].parent != GLTF_ABSENT)
             gltf_note(g, list, NULL, "a scene names a node that has a parent; it stays where that places it");
         named[node] = true;
     }
@@ -249,7 +209,11 @@ static void walk_scene(gltf *g, walk *w) {
     gltf_item(g, &g->scenes, index, &scene);
     gltf_array(g, &scene, "nodes", &list);
     note_odd_roots(g, &list, w->shown);
-    stack_children(g, w, &list, false);
+    for (size_t i = gltf_count(&list); i-- > 0 && gltf_fine(g);) {
+        uint32_t root = GLTF_ABSENT;
+        gltf_index_item(g, &list, i, &g->nodes, &root);
+        if (gltf_fine(g)) stack(g, w, root, false);
+    }
     walk_down(g, w);
     if (gltf_fine(g)) note_other_scenes(g, index, w->shown);
 }
@@ -257,7 +221,7 @@ static void walk_scene(gltf *g, walk *w) {
 static void walk_roots(gltf *g, walk *w) {
     for (uint32_t i = 0; i < gltf_count(&g->nodes); ++i) {
         step root = {i, false};
-        if (g->parents[i] == GLTF_ABSENT && gltf_fine(g)) visit(g, w, &root);
+        if (g->links.items[i].parent == GLTF_ABSENT && gltf_fine(g)) visit(g, w, &root);
         walk_down(g, w);
     }
 }
@@ -274,24 +238,17 @@ static void place_all_meshes(gltf *g) {
 }
 
 void gltf_nodes_place(gltf *g) {
-    const size_t bytes = (gltf_count(&g->nodes) + 1) * sizeof *g->parents;
-    walk w = {.shown = calloc(gltf_count(&g->nodes) + 1, sizeof *w.shown)};
-    g->parents = malloc(bytes);
+    gltf_tree_open(g);
+    walk w = {.shown = calloc(g->links.count + 1, sizeof *w.shown)};
     g->told = calloc(gltf_count(&g->nodes) + 1, sizeof *g->told);
-    if (!g->parents || !g->told || !w.shown) {
-        gltf_fail_memory(g, bytes);
-        free(w.shown);
-        return;
-    }
-    find_parents(g, g->parents);
-    if (gltf_fine(g)) find_cycle(g, g->parents);
+    if (!g->told || !w.shown) gltf_fail_memory(g, g->links.count * sizeof *w.shown);
     if (gltf_fine(g)) gltf_animation_choose(g);
     if (gltf_fine(g)) gltf_moments_open(g);
-    if (!gltf_count(&g->nodes))
+    if (gltf_fine(g) && !gltf_count(&g->nodes))
         place_all_meshes(g);
-    else if (gltf_count(&g->scenes) && gltf_fine(g))
+    else if (gltf_fine(g) && gltf_count(&g->scenes))
         walk_scene(g, &w);
-    else
+    else if (gltf_fine(g))
         walk_roots(g, &w);
     array_free(&w.steps);
     free(w.shown);

@@ -68,23 +68,24 @@ const gltf_pose *gltf_pose_of(const gltf_moment *m, uint32_t node) {
     return m->pose_of && m->pose_of[node] ? &m->poses.items[m->pose_of[node] - 1] : NULL;
 }
 
-/* Goes up to the first node whose transform is known, then down again. So each node is computed once. */
-affine_f64 gltf_node_world(gltf *g, gltf_moment *m, uint32_t node) {
+/* Goes up to the first node whose transform is known, then down again. So each link is computed once. */
+affine_f64 gltf_node_world(gltf *g, gltf_moment *m, uint32_t link) {
     affine_f64 above = affine_identity();
     ARRAY(uint32_t) below = {NULL, 0, 0};
-    uint32_t at = node;
-    for (; at < gltf_count(&g->nodes) && !m->worlds[at].known && gltf_fine(g); at = g->parents[at]) {
+    uint32_t at = link;
+    for (; at != GLTF_ABSENT && !m->worlds[at].known && gltf_fine(g); at = g->links.items[at].parent) {
         if (!array_push(&below, at)) gltf_fail_memory(g, sizeof at);
     }
-    if (at < gltf_count(&g->nodes)) above = m->worlds[at].to_world;
+    if (at != GLTF_ABSENT) above = m->worlds[at].to_world;
     while (below.count && gltf_fine(g)) {
         gltf_value value;
         at = below.items[--below.count];
-        gltf_item(g, &g->nodes, at, &value);
+        const uint32_t node = g->links.items[at].node;
+        gltf_item(g, &g->nodes, node, &value);
         const bool quiet = g->quiet;
-        g->quiet |= g->told[at];
-        const affine_f64 local = read_local(g, &value, gltf_pose_of(m, at));
-        g->quiet = quiet, g->told[at] = true;
+        g->quiet |= g->told[node];
+        const affine_f64 local = read_local(g, &value, gltf_pose_of(m, node));
+        g->quiet = quiet, g->told[node] = true;
         above = affine_compose(&above, &local);
         m->worlds[at] = (gltf_world){.known = true, .to_world = above};
     }
