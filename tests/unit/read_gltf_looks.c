@@ -37,6 +37,8 @@ static void lost_images_leave_no_layer(void **state) {
     m = LOST("'KHR_materials_transmission':{'transmissionFactor':1," IMAGE("transmissionTexture") "}");
     assert_true(m.transmission == 0);
     assert_non_null(strstr(f->warning, "no.png"));
+    m = LOST("'KHR_materials_clearcoat':{'clearcoatFactor':1,'clearcoatTexture':{'index':-1}}");
+    assert_true(m.clearcoat == 1); /* it has no image to lose */
 }
 
 /* The specular colour tints the 4 % that the ior reflects; with ior 0 it is all that is reflected. */

@@ -72,6 +72,8 @@ static void clear_slips_are_read_and_told(void **state) {
         {BUFFER("'byteLength':121"), "buffers[0].byteLength: a buffer has fewer bytes than it says"},
         {BUFFER("'name':'b'"), "buffers[0].byteLength: a buffer's length is missing"},
         {STRIDED("'byteStride':0"), "bufferViews[0].byteStride: a stride of 0"},
+        {MATERIAL("'emissiveTexture':{'index':-1}"),
+         "materials[0].emissiveTexture.index: an index of -1, which is against the format, is taken as none"},
         {IMAGE("http://example.org/a.png"),
          "images[0].uri: \"http://example.org/a.png\": there is no such file that may be read"},
         {IMAGE("a.png','name':'wood"), "images[0].uri: \"a.png\" (named \"wood\"): there is no such file"},

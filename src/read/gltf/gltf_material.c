@@ -67,10 +67,18 @@ static void set_map(const fathom_map *map, int kind, int channel, bool inverted,
 }
 
 /* Some images have two parameters. */
+/* True for an index of -1, or null. */
+static bool names_no_texture(const json_t *info) {
+    const json_t *index = json_object_get(info, "index");
+    return json_is_null(index) || json_integer_value(index) == -1;
+}
+
 static void read_image(gltf *g, const gltf_value *at, const gltf_key *key, draft *d) {
     fathom_map map;
-    if (!json_object_get(at->json, key->name)) return;
+    const json_t *info = json_object_get(at->json, key->name);
+    if (!info) return;
     const fathom_map *found = gltf_map(g, at, key->name, form_map_is_color(key->map), &map) ? &map : NULL;
+    if (names_no_texture(info)) return;
     set_map(found, key->map, key->channel, false, d);
     if (key->map == FATHOM_MAP_COLOR && d->alpha != ALPHA_OPAQUE)
         set_map(found, FATHOM_MAP_OPACITY, 3, false, d);

@@ -135,7 +135,9 @@ bool gltf_map(gltf *g, const gltf_value *parent, const char *key, bool color, fa
     gltf_object(g, parent, key, &info);
     if (!info.json) return false;
     gltf_index(g, &info, "index", &g->textures, &index);
-    if (index == GLTF_ABSENT) gltf_fail(g, &info, "index", "is missing; expected an index into textures");
+    if (!json_object_get(info.json, "index"))
+        gltf_fail(g, &info, "index", "is missing; expected an index into textures");
+    if (index == GLTF_ABSENT) return false;
     gltf_number(g, &info, "texCoord", 0, 1e6, &set);
     read_transform(g, &info, &set, out);
     if (!gltf_fine(g)) return false;
