@@ -178,11 +178,12 @@ static void what_cannot_blur_stands_and_is_named(void **state) {
         const char *path, *way, *more, *said;
         int output;
     } cases[] = {{"translation", "STEP", "",
-                  "\"it\" jumps while the shutter is open, by STEP, and is not blurred", slide},
+                  "nodes[0] (\"it\"): a node jumps while the shutter is open, by STEP, and is not blurred",
+                  slide},
                  {"scale", "LINEAR", "",
-                  "\"it\" is flat or turned inside out while the shutter is open, and not blurred", flat},
+                  "nodes[0] (\"it\"): a node is flat or turned inside out while the shutter is open", flat},
                  {"translation", "LINEAR", ",'extensions':{'KHR_lights_punctual':{'light':0}}",
-                  "the light \"it\" moves while the shutter is open, and is not blurred", slide}};
+                  "nodes[0] (\"it\"): a light moves while the shutter is open, and is not blurred", slide}};
     for (int i = 0; i < 3; ++i) {
         build own = b;
         write_channel(f, &own, cases[i].path, cases[i].way, cases[i].more, times, cases[i].output);

@@ -214,9 +214,11 @@ bool gltf_requires(const gltf *g, const char *name);
 void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* The same for all items of an array, as one note. */
-void gltf_note_all(gltf *g, const gltf_value *array, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+/* The same for `times` items of an array, as one note. */
+void gltf_note_all(gltf *g, size_t times, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* The same for a node; the place has the node's name, if any. */
+void gltf_note_node(gltf *g, uint32_t node, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 fathom_status gltf_object(gltf *g, const gltf_value *parent, const char *key, gltf_value *out);
 fathom_status gltf_array(gltf *g, const gltf_value *parent, const char *key, gltf_value *out);
@@ -345,8 +347,6 @@ bool gltf_way_moves(const gltf_way *way);
 bool gltf_way_can_blur(const gltf_way *way);
 /* The scale that applies to cameras and lights. */
 static inline double gltf_unit(const gltf *g) { return g->options->unit > 0 ? g->options->unit : 1; }
-/* The value's name, for messages; "" if it has none. */
-const char *gltf_name(const gltf_value *at);
 
 /* ---- gltf_animation.c ---- */
 

@@ -3,7 +3,6 @@
 #include "read/gltf/gltf.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -224,14 +223,11 @@ static double time_to_pose(gltf *g, const gltf_moment *m, const sampler *s, uint
     const size_t keys = find_key(s, open + gltf_shutter(g)) - find_key(s, open);
     if (keys > g->keys_inside) g->keys_inside = keys;
     if (s->way != STEP) return m->time;
-    if (keys) {
-        const gltf_value at = {
-            .json = json_array_get(g->nodes.json, node), .parent = &g->nodes, .index = node};
-        gltf_note(g, &at, NULL,
-                  "\"%.40s\" jumps while the shutter is open, by STEP, and is not blurred; it stands as the "
-                  "shutter opens",
-                  gltf_name(&at));
-    }
+    if (keys)
+        gltf_note_node(
+            g, node,
+            "a node jumps while the shutter is open, by STEP, and is not blurred; it stands as the "
+            "shutter opens");
     return open;
 }
 
@@ -239,13 +235,11 @@ static double time_to_pose(gltf *g, const gltf_moment *m, const sampler *s, uint
  * would replace. */
 static bool is_fixed(gltf *g, const channel_target *to) {
     const gltf_value node = {.json = json_array_get(g->nodes.json, to->node)};
-    char place[128];
     if (to->part == GLTF_PARTS || !gltf_has_matrix(&node)) return false;
-    snprintf(place, sizeof place, ": nodes[%u] (\"%.40s\")", to->node, gltf_name(&node));
-    if (!g->quiet)
-        notes_add(&g->notes, 1, place,
-                  "a node has a matrix and an animation that moves it; the matrix counts, and the animation "
-                  "is left out: export it with translation, rotation and scale");
+    gltf_note_node(
+        g, to->node,
+        "a node has a matrix and an animation that moves it; the matrix counts, and the animation is "
+        "left out: export it with translation, rotation and scale");
     return true;
 }
 
@@ -341,14 +335,13 @@ void gltf_animation_choose(gltf *g) {
     }
     gltf_print_names(&g->animations, list);
     if (!asked || !(asked->choose_time || asked->shutter > 0)) {
-        gltf_note_all(g, &g->animations, "animations are not played; --time SECONDS poses them: %s", list);
+        gltf_note_all(g, count, "animations are not played; --time SECONDS poses them: %s", list);
         return;
     }
     play_together(g);
     if (gltf_fine(g) && g->playing.count < count)
-        gltf_note_all(
-            g, &g->animations,
-            "animations, of which %zu move what an earlier one moves, and are left out; --animation "
-            "NAME|N takes one alone: %s",
-            count - g->playing.count, list);
+        gltf_note_all(g, count - g->playing.count,
+                      "animations that move what an earlier one moves are left out; --animation NAME|N takes "
+                      "one alone: %s",
+                      list);
 }

@@ -56,13 +56,26 @@ void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *forma
     notes_add(&g->notes, 1, place[2] ? place : "", "%s", text);
 }
 
-void gltf_note_all(gltf *g, const gltf_value *array, const char *format, ...) {
+void gltf_note_node(gltf *g, uint32_t node, const char *format, ...) {
+    char place[128], text[320];
+    const char *name = json_string_value(json_object_get(json_array_get(g->nodes.json, node), "name"));
+    va_list args;
+    if (g->quiet) return;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    const int length = snprintf(place, sizeof place, ": nodes[%u]", node);
+    if (name) snprintf(place + length, sizeof place - (size_t)length, " (\"%.40s\")", name);
+    notes_add(&g->notes, 1, place, "%s", text);
+}
+
+void gltf_note_all(gltf *g, size_t times, const char *format, ...) {
     char text[320];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    notes_add(&g->notes, gltf_count(array), "", "%s", text);
+    notes_add(&g->notes, times, "", "%s", text);
 }
 
 static const char *kind_name(const json_t *json) {

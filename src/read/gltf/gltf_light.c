@@ -98,10 +98,10 @@ void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *way) {
     gltf_item(g, &g->lights, index, &at);
     if (!read_light(g, &at, &light)) return;
     if (gltf_way_moves(way))
-        gltf_note(g, node, NULL,
-                  "the light \"%.40s\" moves while the shutter is open, and is not blurred; it stands as "
-                  "the shutter opens",
-                  gltf_name(node));
+        gltf_note_node(
+            g, (uint32_t)node->index,
+            "a light moves while the shutter is open, and is not blurred; it stands as the shutter "
+            "opens");
     const vec3_f64 along = affine_vector(to_world, (vec3_f64){0, 0, -1});
     if (light.type != FATHOM_LIGHT_POINT && !(length_f64(along) > 0)) {
         gltf_note(g, node, NULL, "a light is scaled to nothing, and left out");

@@ -142,10 +142,11 @@ void gltf_moments_open(gltf *g) {
     }
     if (!gltf_fine(g)) return;
     if (stride == 1) {
-        gltf_note_all(g, &g->animations,
-                      "animations, of which one moves things so unevenly while the shutter is open that %d "
-                      "poses only come near; a shorter shutter follows it",
-                      INTERVALS_MOST + 1);
+        gltf_note_all(
+            g, 1,
+            "an animation moves things so unevenly while the shutter is open that %d poses only come "
+            "near; a shorter shutter follows it",
+            INTERVALS_MOST + 1);
     }
     thin(g, stride);
     list_times(g);
@@ -163,11 +164,6 @@ bool gltf_shapes_move(const gltf_shape *shapes, size_t count) {
             return true;
     }
     return false;
-}
-
-const char *gltf_name(const gltf_value *at) {
-    const char *name = json_string_value(json_object_get(at->json, "name"));
-    return name ? name : "";
 }
 
 void gltf_node_way(gltf *g, uint32_t link, gltf_way *out) {

@@ -43,10 +43,10 @@ static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const
     }
     const bool moves = gltf_way_moves(way), blurs = moves && gltf_way_can_blur(way);
     if (moves && !blurs)
-        gltf_note(g, node, NULL,
-                  "\"%.40s\" is flat or turned inside out while the shutter is open, and not blurred; it "
-                  "stands as the shutter opens",
-                  gltf_name(node));
+        gltf_note_node(
+            g, (uint32_t)node->index,
+            "a node is flat or turned inside out while the shutter is open, and not blurred; it stands "
+            "as the shutter opens");
     if (blurs) {
         instance.key_count = (uint32_t)way->count, instance.key_times = g->key_times;
         instance.key_transforms = &way->at[0].m[0][0];

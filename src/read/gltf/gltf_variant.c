@@ -16,7 +16,8 @@ void gltf_variant_choose(gltf *g) {
         return;
     }
     gltf_print_names(&g->variants, list);
-    gltf_note_all(g, &g->variants, "variants are not shown; --variant NAME|N takes one of %s", list);
+    gltf_note_all(g, gltf_count(&g->variants), "variants are not shown; --variant NAME|N takes one of %s",
+                  list);
 }
 
 static bool names_variant(gltf *g, const gltf_value *mapping) {
