@@ -28,20 +28,24 @@ static inline size_t put_ppm(const char *name, unsigned width, unsigned height, 
     return put_file(name, header, strlen(header), rgb, (size_t)width * height * 3);
 }
 
-/* TIFF with one channel of 16 bits, of one row. OpenImageIO rounds those of PGM. */
-static inline void put_tiff16(const char *name, uint16_t width, const uint16_t *grey) {
-    enum { ENTRIES = 8, HEADER = 8 + 2 + ENTRIES * 12 + 4 };
-    /* Width, height, bits, compression, photometric, offset, rows of the strip, its bytes. */
-    const uint32_t entries[ENTRIES][2] = {{256, width}, {257, 1},      {258, 16}, {259, 1},
-                                          {262, 1},     {273, HEADER}, {278, 1},  {279, 2u * width}};
-    unsigned char header[HEADER] = {'I', 'I', 42, 0, 8, 0, 0, 0, ENTRIES};
-    for (unsigned i = 0; i < ENTRIES; ++i) {
+/* TIFF of one row: grey, or R, G, B that are multiplied by A; of 8 or 16 bits. */
+static inline void put_tiff(const char *name, uint16_t width, unsigned channels, unsigned bits,
+                            const void *texels) {
+    enum { ENTRIES = 10, HEADER = 8 + 2 + ENTRIES * 12 + 4 };
+    const uint32_t bytes = width * channels * (bits / 8), color = channels > 1;
+    /* Width, height, bits, compression, photometric, offset, samples, rows of the strip, its bytes, kind of
+     * the fourth sample, which is left out for grey. */
+    const uint32_t entries[ENTRIES][2] = {{256, width},     {257, 1},      {258, bits},     {259, 1},
+                                          {262, color + 1}, {273, HEADER}, {277, channels}, {278, 1},
+                                          {279, bytes},     {338, 1}};
+    unsigned char header[HEADER] = {'I', 'I', 42, 0, 8, 0, 0, 0, (unsigned char)(ENTRIES - !color)};
+    for (unsigned i = 0; i < header[8]; ++i) {
         unsigned char *e = header + 10 + 12 * i;
         e[0] = (unsigned char)entries[i][0], e[1] = (unsigned char)(entries[i][0] >> 8);
         e[2] = 4, e[4] = 1; /* one number of 32 bits */
         memcpy(e + 8, &entries[i][1], 4);
     }
-    put_file(name, header, sizeof header, grey, 2u * width);
+    put_file(name, header, sizeof header, texels, bytes);
 }
 
 /* Floats, by the library's own writer; `half` rounds them. Grey: one plane; else R, G, B and perhaps A. */

@@ -113,6 +113,14 @@ static void check_size(const OIIO::ImageSpec &spec, const image_texture_request 
     }
 }
 
+/* Files of other formats are not premultiplied, by their definition or by the option passed to OpenImageIO.
+ * Its versions before 3 multiply WebP's colours by alpha in spite of the option. */
+static bool is_premultiplied(const image_texture &t, const OIIO::ImageSpec &spec) {
+    const std::string format = t.input->format_name();
+    const bool may = format == "openexr" || format == "tiff" || (format == "webp" && OIIO_VERSION_MAJOR < 3);
+    return may && t.info.channels % 2 == 0 && !spec.get_int_attribute("oiio:UnassociatedAlpha");
+}
+
 static void describe(image_texture &t, const image_texture_request &request) {
     const OIIO::ImageSpec spec = t.input->spec();
     check_size(spec, request);
@@ -123,15 +131,11 @@ static void describe(image_texture &t, const image_texture_request &request) {
     t.info.sent = t.info.kept = texel;
     std::snprintf(t.info.format, sizeof t.info.format, "%s", t.input->format_name());
     t.info.band = static_cast<uint32_t>(std::max(spec.tile_height, 1));
-    /* Other formats with alpha are not premultiplied, by their definition or by the option passed to
-     * OpenImageIO. */
-    const std::string format = t.input->format_name();
-    t.premultiplied = t.info.channels % 2 == 0 && (format == "openexr" || format == "tiff") &&
-                      !spec.get_int_attribute("oiio:UnassociatedAlpha");
-    if (!request.space && !t.premultiplied) return;
+    t.premultiplied = is_premultiplied(t, spec);
+    if (t.premultiplied && texel == IMAGE_TEXEL_HALF) t.info.sent = IMAGE_TEXEL_FLOAT;
+    if (!request.space) return;
     t.info.sent = IMAGE_TEXEL_FLOAT;
     t.info.kept = texel == IMAGE_TEXEL_U8 || texel == IMAGE_TEXEL_HALF ? IMAGE_TEXEL_HALF : IMAGE_TEXEL_FLOAT;
-    if (!request.space) return;
     if (t.info.channels < 3) {
         throw failure(FATHOM_BAD_INPUT, std::string("expected the channels R, G and B for the color space ") +
                                             request.space + ", found " + names_of(spec));
@@ -170,11 +174,34 @@ static bool read_native(image_texture &t, const image_region &r, const OIIO::Ima
     return t.input->read_tiles(0, level, x0, x1, y0, y1, 0, 1, t.first_channel, end, type, texels);
 }
 
+static float quotient(float color, float alpha) { return color / alpha; }
+
+/* Rounded, and at most 1, which is `One`. */
+template <uint32_t One> static uint32_t whole_quotient(uint32_t color, uint32_t alpha) {
+    return std::min((color * One + alpha / 2) / alpha, One);
+}
+static uint8_t quotient(uint8_t color, uint8_t alpha) {
+    return static_cast<uint8_t>(whole_quotient<UINT8_MAX>(color, alpha));
+}
+static uint16_t quotient(uint16_t color, uint16_t alpha) {
+    return static_cast<uint16_t>(whole_quotient<UINT16_MAX>(color, alpha));
+}
+
 /* Divides colours by alpha. */
-static void divide(float *texels, size_t count, size_t channels) {
-    for (float *t = texels, *end = texels + count * channels; t != end; t += channels) {
-        const float alpha = t[channels - 1];
-        for (size_t c = 0; c + 1 < channels && alpha != 0; ++c) t[c] /= alpha;
+template <typename Number> static void divide(void *texels, size_t count, size_t channels) {
+    Number *t = static_cast<Number *>(texels);
+    for (Number *end = t + count * channels; t != end; t += channels) {
+        const Number alpha = t[channels - 1];
+        for (size_t c = 0; c + 1 < channels && alpha != 0; ++c) t[c] = quotient(t[c], alpha);
+    }
+}
+
+static void divide_texels(const image_texture &t, void *texels, size_t count) {
+    switch (t.info.sent) {
+    case IMAGE_TEXEL_U8: divide<uint8_t>(texels, count, t.info.channels); break;
+    case IMAGE_TEXEL_U16: divide<uint16_t>(texels, count, t.info.channels); break;
+    case IMAGE_TEXEL_HALF: break; /* describe() asks for floats */
+    case IMAGE_TEXEL_FLOAT: divide<float>(texels, count, t.info.channels); break;
     }
 }
 
@@ -193,7 +220,7 @@ static fathom_status texture_read(image_texture *t, const image_region *region, 
         /* Some readers return success for a truncated file and only store the error. */
         if (!read_native(*t, r, spec, texels) || t->input->has_error())
             throw unreadable(t->input->geterror());
-        if (t->premultiplied) divide(static_cast<float *>(texels), count, t->info.channels);
+        if (t->premultiplied) divide_texels(*t, texels, count);
         if (t->space) t->space->apply(static_cast<float *>(texels), count, t->info.channels);
     });
 }

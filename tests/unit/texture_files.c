@@ -177,7 +177,7 @@ static void written_textures_keep_sixteen_bits(void **state) {
     enum { WIDTH = 8192 };
     static uint16_t grey[WIDTH];
     for (unsigned i = 0; i < WIDTH; ++i) grey[i] = (uint16_t)(8 * i + 7);
-    put_tiff16("a.tif", WIDTH, grey);
+    put_tiff("a.tif", WIDTH, 1, 16, grey);
     static const fathom_color_space spaces[] = {FATHOM_COLOR_SRGB, FATHOM_COLOR_LINEAR};
     for (int k = 0; k < 2; ++k) {
         write_texture("a.tif", spaces[k], "a.tx");
@@ -216,6 +216,77 @@ static void written_textures_keep_every_bit_of_floats(void **state) {
     unlink(in_folder("a.exr")), unlink(in_folder("a.tx"));
 }
 
+/* ---- alpha ---- */
+
+static double srgb(double x) { return x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4); }
+
+/* OpenEXR's colours are multiplied by alpha. */
+static void premultiplied_colors_are_divided_by_alpha(void **state) {
+    (void)state;
+    const float planes[4][2] = {{0.25f, 0}, {0.125f, 0}, {0, 0}, {0.5f, 0}};
+    put_image("p.exr", 2, 1, planes[0], 4, true);
+    const fathom_texture t = texture_of("p.exr", FATHOM_COLOR_LINEAR);
+    opened o = open_textures(&t, 1, ALL);
+    float rgba[4];
+    texel(o.cache, 0, 0, 0, 0, rgba);
+    assert_true(rgba[0] == 0.5f && rgba[1] == 0.25f && rgba[2] == 0 && rgba[3] == 0.5f);
+    texel(o.cache, 0, 0, 1, 0, rgba);
+    assert_true(rgba[0] == 0 && rgba[3] == 0);
+    close_textures(&o);
+    unlink(in_folder("p.exr"));
+}
+
+/* Texels of a file of integers, and of the mip-mapped file that is made of it: code / most is decoded as sRGB
+ * unless the texture is linear, and alpha never. */
+static void check_codes(const char *name, const unsigned (*codes)[4], unsigned texels, unsigned most) {
+    write_texture(name, FATHOM_COLOR_AUTO, "written.tx");
+    const fathom_texture t[3] = {texture_of(name, FATHOM_COLOR_AUTO), texture_of(name, FATHOM_COLOR_LINEAR),
+                                 texture_of("written.tx", FATHOM_COLOR_AUTO)};
+    opened o = open_textures(t, 3, ALL);
+    for (fathom_id id = 0; id < 3; ++id) {
+        for (unsigned i = 0; i < texels; ++i) {
+            float rgba[4];
+            texel(o.cache, id, 0, i, 0, rgba);
+            for (int c = 0; c < 4; ++c) {
+                const double at = codes[i][c] / (double)most;
+                assert_true(rgba[c] == (float)(c < 3 && id != 1 ? srgb(at) : at));
+            }
+        }
+    }
+    close_textures(&o);
+    unlink(in_folder("written.tx"));
+}
+
+/* maketx writes such files. Integers stay integers, so that they are decoded as sRGB; a colour above alpha
+ * becomes 1. */
+static void premultiplied_integers_are_divided_as_integers(void **state) {
+    (void)state;
+    static const unsigned char bytes[4][4] = {
+        {15, 64, 77, 77}, {1, 2, 3, 4}, {255, 128, 0, 255}, {9, 0, 8, 8}};
+    static const uint16_t words[2][4] = {{1000, 20000, 0, 40000}, {65535, 7, 1, 65535}};
+    put_tiff("a.tif", 4, 4, 8, bytes);
+    check_codes(
+        "a.tif",
+        (const unsigned[][4]){{50, 212, 255, 77}, {64, 128, 191, 4}, {255, 128, 0, 255}, {255, 0, 255, 8}}, 4,
+        255);
+    put_tiff("a.tif", 2, 4, 16, words);
+    check_codes("a.tif", (const unsigned[][4]){{1638, 32768, 0, 40000}, {65535, 7, 1, 65535}}, 2, 65535);
+    unlink(in_folder("a.tif"));
+}
+
+/* WebP without loss, of the texels (255, 0, 255, 128) and (0, 255, 0, 255). OpenImageIO 2 multiplies WebP's
+ * colours by alpha. */
+static void webp_keeps_its_colors_below_alpha(void **state) {
+    (void)state;
+    static const unsigned char bytes[] = {'R',  'I',  'F',  'F',  32,   0,    0,    0,    'W',  'E',
+                                          'B',  'P',  'V',  'P',  '8',  'L',  20,   0,    0,    0,
+                                          0x2f, 0x01, 0x00, 0x00, 0x10, 0x0f, 0x30, 0xff, 0xfb, 0xbf,
+                                          0xff, 0xff, 0x03, 0x0c, 0x0f, 0x54, 0x20, 0xa2, 0xff, 0x01};
+    put_file("a.webp", bytes, sizeof bytes, "", 0);
+    check_codes("a.webp", (const unsigned[][4]){{255, 0, 255, 128}, {0, 255, 0, 255}}, 2, 255);
+    unlink(in_folder("a.webp"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(more_files_than_stay_open_keep_their_texels),
@@ -224,6 +295,9 @@ int main(void) {
         cmocka_unit_test(large_images_keep_every_row),
         cmocka_unit_test(written_textures_keep_sixteen_bits),
         cmocka_unit_test(written_textures_keep_every_bit_of_floats),
+        cmocka_unit_test(premultiplied_colors_are_divided_by_alpha),
+        cmocka_unit_test(premultiplied_integers_are_divided_as_integers),
+        cmocka_unit_test(webp_keeps_its_colors_below_alpha),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }
