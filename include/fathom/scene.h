@@ -265,8 +265,9 @@ typedef struct fathom_mesh {
                                 NULL: from how the first uv set lies on each triangle */
     size_t tangent_stride;
     /* Motion: the vertices at `key_count` times, in ascending order; 0 (default): they stay. `positions` must
-     * be given as well, and has no effect: tangents, for one, are made of the first key. Between two keys
-     * vertices and normals move linearly; before the first and after the last they rest. */
+     * be given as well, and has no effect. Between two keys vertices and normals move linearly; before the
+     * first and after the last they rest. `tangents` are those of the first key, and move with the
+     * triangles. */
     uint32_t key_count;
     const double *key_times;
     const float *key_positions; /* key_count times vertex_count x y z, tightly packed */

@@ -163,6 +163,30 @@ void surface_uv_at(const surface_gather *g, const world *w, unsigned i, unsigned
     facet_uv(g, instance, i, uv, out);
 }
 
+/* Moves a vector with a triangle: it keeps its weights of two sides, and its part along the unit normal. */
+static vec3_f32 moved_with(const vec3_f32 from[3], const vec3_f32 to[3], vec3_f32 v) {
+    const vec3_f64 ab = widen(sub_f32(from[1], from[0])), ac = widen(sub_f32(from[2], from[0])),
+                   n = cross_f64(ab, ac), at = widen(v);
+    const double square = dot_f64(n, n);
+    if (!(square > 0)) return v;
+    const double b = dot_f64(cross_f64(at, ac), n) / square, c = dot_f64(cross_f64(ab, at), n) / square;
+    const vec3_f64 to_ab = widen(sub_f32(to[1], to[0])), to_ac = widen(sub_f32(to[2], to[0])),
+                   to_n = normalize_f64(cross_f64(to_ab, to_ac));
+    return narrow(madd_f64(madd_f64(scale_f64(b, to_ab), c, to_ac), dot_f64(at, n) / sqrt(square), to_n));
+}
+
+/* Moves a tangent of triangle i's mesh, which belongs to these positions, to where the hit's corners are. */
+static vec3_f32 moved_tangent(const surface_gather *g, const fathom_mesh *m, unsigned i,
+                              const float *positions, size_t stride, vec3_f32 tangent) {
+    const uint32_t *index = m->indices + 3 * (size_t)g->primitive[i];
+    vec3_f32 from[3], to[3];
+    for (int k = 0; k < 3; ++k) {
+        from[k] = load_f32(mesh_row(positions, stride, index[k]));
+        to[k] = lane_f32(g->facets.corner[k], i);
+    }
+    return moved_with(from, to, tangent);
+}
+
 bool surface_tangent_at(const surface_gather *g, const world *w, unsigned i, vec3_f32 *tangent, float *sign) {
     const fathom_mesh *m = mesh_of(w, g->geometry[i]);
     if (!m || !m->tangents) return false;
@@ -176,16 +200,21 @@ bool surface_tangent_at(const surface_gather *g, const world *w, unsigned i, vec
         sum = madd_f32(sum, weight, load_f32(at));
         turn += weight * at[3];
     }
+    if (m->key_count) sum = moved_tangent(g, m, i, m->key_positions, 3 * sizeof(float), sum);
     *tangent = to_world(instance, sum);
     *sign = (turn < 0) != mirrors(instance) ? -1 : 1;
     return true;
 }
 
+/* They are made of the vertices at the opening of the shutter. */
 bool surface_made_tangent_at(const surface_gather *g, const world *w, unsigned i,
                              const surface_tangents *made, vec3_f32 *tangent) {
     const float weight[3] = {g->local.weight[0][i], g->local.weight[1][i], g->local.weight[2][i]};
+    const fathom_mesh *m = world_mesh(w, g->geometry[i]);
     vec3_f32 at;
-    if (!surface_tangents_at(made, world_mesh(w, g->geometry[i]), g->primitive[i], weight, &at)) return false;
+    if (!surface_tangents_at(made, m, g->primitive[i], weight, &at)) return false;
+    if (w->geometries.items[g->geometry[i]].moving)
+        at = moved_tangent(g, m, i, m->positions, m->position_stride, at);
     *tangent = to_world(instance_of(g, w, i), at);
     return true;
 }

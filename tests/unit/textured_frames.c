@@ -1,5 +1,5 @@
-/* Frames in which normal maps stand: each map has that of its own texture coordinates. And light that comes
- * from behind shading normals. */
+/* Frames in which normal maps stand: each map has that of its own texture coordinates, and moves with its
+ * mesh. And light that comes from behind shading normals. */
 #include "render.h"
 
 enum { SIZE = 8 };
@@ -103,10 +103,89 @@ static void lamps_behind_a_shading_normal_add_up(void **state) {
     }
 }
 
+/* ---- vertices that move ---- */
+
+enum { STILL, TURNED_STILL, TURNED_OPEN, TANGENTS = 4 };
+
+/* A bent sheet of two triangles; half of it is turned by a right angle around y, which its keys reach at time
+ * 1 of 0 to 2: to there they move on straight lines. */
+static void add_sheet(stage *s, fathom_id material, int how) {
+    static const float tangents[16] = {1, 0, 0.2f, 1, 1, 0.3f, 0, 1, 1, 0, 0, 1, 1, 0, -0.1f, 1},
+                       uvs[8] = {0, 1, 1, 1, 1, 0, 0, 0};
+    static const float points[2][12] = {{-1, -1, 0.2f, 1, -1, 0, 1, 1, -0.2f, -1, 1, 0.1f},
+                                        {0, 0.2f, 1, 0.2f, 0, 1, -0.1f, 0, 1, 0, -0.3f, 1}};
+    static const double times[2] = {0, 2};
+    static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+    float turned[3][12], turned_tangents[16], keys[2][2][12];
+    for (int k = 0; k < 4; ++k) {
+        const float *v[3] = {points[0] + 3 * k, points[1] + 3 * k, tangents + 4 * k};
+        for (int j = 0; j < 3; ++j)
+            memcpy(turned[j] + 3 * k, ((const float[]){v[j][2], v[j][1], -v[j][0]}), 3 * sizeof(float));
+        memcpy(turned_tangents + 4 * k, turned[2] + 3 * k, 3 * sizeof(float));
+        turned_tangents[4 * k + 3] = 1;
+    }
+    for (int j = 0; j < 2; ++j)
+        for (int c = 0; c < 12; ++c)
+            keys[j][0][c] = points[j][c], keys[j][1][c] = 2 * turned[j][c] - points[j][c];
+    const bool moves = (how & ~TANGENTS) != STILL;
+    fathom_mesh m;
+    fathom_mesh_default(&m);
+    m.positions = moves ? points[0] : turned[0], m.normals = moves ? points[1] : turned[1], m.uvs = uvs;
+    if (how & TANGENTS) m.tangents = moves ? tangents : turned_tangents;
+    m.vertex_count = m.normal_count = m.uv_count = 4;
+    m.indices = indices, m.triangle_count = 2, m.material = material;
+    if (moves) m.key_count = 2, m.key_times = times, m.key_positions = keys[0][0], m.key_normals = keys[1][0];
+    assert_ok(s->context, fathom_scene_add_mesh(s->scene, FATHOM_ROOT, &m, NULL));
+}
+
+static void render_sheet(int how, float normal[3][SIZE * SIZE]) {
+    static const float tilted[3] = {0.7f, 0.45f, 0.9f};
+    static const char *const channels[] = {"N.X", "N.Y", "N.Z"};
+    const bool open = (how & ~TANGENTS) == TURNED_OPEN;
+    stage s = stage_open(SIZE, SIZE);
+    fathom_material m;
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    s.settings.target_error = 0, s.settings.spp = 4, s.settings.motion_blur = false;
+    s.settings.aovs = FATHOM_AOV_N;
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    m.maps[FATHOM_MAP_NORMAL].texture = stage_texel(&s, tilted);
+    add_sheet(&s, stage_material(&s, &m), how);
+    stage_point_light(&s, 3, 0.5, 1, 8);
+    fathom_camera camera;
+    fathom_camera_look_at((double[]){4, 0.5, 0.5}, (double[]){0, 0, 0}, (double[]){0, 1, 0}, 0.6, &camera);
+    camera.shutter[0] = open ? 0 : 1, camera.shutter[1] = open ? 2 : 1;
+    assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
+    fathom_film *film = stage_render(&s);
+    for (int c = 0; c < 3; ++c)
+        memcpy(normal[c], fathom_film_channel(film, channels[c]), SIZE * SIZE * sizeof(float));
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+/* Tangents that are given, and those that are made of texture coordinates, on a sheet that its keys turn and
+ * on one that was built turned. Both know the corners to a few roundings of numbers up to 4; 64 of them are
+ * more than the normals take. */
+static void normal_maps_turn_with_the_vertices(void **state) {
+    (void)state;
+    for (int tangents = 0; tangents <= TANGENTS; tangents += TANGENTS) {
+        float built[3][SIZE * SIZE];
+        render_sheet(STILL | tangents, built);
+        for (int how = TURNED_STILL; how <= TURNED_OPEN; ++how) {
+            float found[3][SIZE * SIZE];
+            render_sheet(how | tangents, found);
+            for (int c = 0; c < 3; ++c)
+                for (size_t i = 0; i < SIZE * SIZE; ++i)
+                    assert_near(found[c][i], built[c][i], 64 * 4 * 0x1p-24);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lamps_behind_a_shading_normal_add_up),
         cmocka_unit_test(a_coat_keeps_its_frame_over_an_image_of_another_uv_set),
+        cmocka_unit_test(normal_maps_turn_with_the_vertices),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
