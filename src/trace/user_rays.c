@@ -99,7 +99,7 @@ static void mesh_attributes(const fathom_mesh *mesh, uint32_t triangle, local_hi
         const uint32_t *index = (mesh->normal_indices ? mesh->normal_indices : mesh->indices) + first;
         vec3_f64 n[3];
         for (int c = 0; c < 3; ++c)
-            n[c] = widen(load_f32(mesh_row(mesh->normals, mesh->normal_stride, index[c])));
+            n[c] = normalize_f64(widen(load_f32(mesh_row(mesh->normals, mesh->normal_stride, index[c]))));
         vec3_f64 shading = weighted(n, u, v);
         if (finite_f64(shading) && dot_f64(shading, shading) > 0) hit->shading = shading;
     }

@@ -109,6 +109,27 @@ static void a_mesh_instanced(void **state) {
     }
 }
 
+/* As renders do, whatever the lengths of the normals. */
+static void normals_at_corners_count_as_unit(void **state) {
+    (void)state;
+    static const float p[] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, n[] = {0, 0, 8, 1, 0, 1, 0, 0.25f, 0.25f};
+    static const uint32_t t[] = {0, 1, 2};
+    stage s;
+    stage_open(&s);
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = p, mesh.vertex_count = 3, mesh.indices = t, mesh.triangle_count = 1;
+    mesh.normals = n, mesh.normal_count = 3;
+    assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
+    fathom_tracer *tracer = stage_tracer(&s, kinds[0]);
+    const fathom_hit hit = shoot(&s, tracer, (fathom_ray){{0.25, 0.5, 8}, {0, 0, -1}, 0, HUGE_VAL});
+    const double x = 0.25 * sqrt(0.5), y = 0.5 * sqrt(0.5), z = 0.25 + x + y,
+                 length = sqrt(x * x + y * y + z * z);
+    normals_near(hit.shading_normal, x / length, y / length, z / length);
+    fathom_tracer_destroy(tracer);
+    stage_close(&s);
+}
+
 static void a_quad_and_a_plane(void **state) {
     (void)state;
     for (int k = 0; k < 2; ++k) {
@@ -366,6 +387,7 @@ int main(void) {
         cmocka_unit_test(rays_from_a_surface_end_and_meet_what_is_inside),
         cmocka_unit_test(a_sphere_anywhere),
         cmocka_unit_test(a_mesh_instanced),
+        cmocka_unit_test(normals_at_corners_count_as_unit),
         cmocka_unit_test(a_quad_and_a_plane),
         cmocka_unit_test(continuing_from_a_hit),
         cmocka_unit_test(ids_in_images_are_those_of_hits),
