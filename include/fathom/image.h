@@ -112,7 +112,7 @@ typedef struct fathom_flip {
 } fathom_flip;
 
 /* FLIP, the visible difference when alternating between two images on a screen (Andersson et al., 2020), on
- * their sRGB values. Values of .exr files are taken as linear, those of other files as sRGB.
+ * their sRGB values. Values of .exr, .hdr and .pfm files are taken as linear, those of other files as sRGB.
  * FATHOM_CHECK_FAILED as fathom_image_compare(); FATHOM_BAD_INPUT without the channels R, G and B;
  * FATHOM_BAD_USAGE when ppd is out of range. */
 FATHOM_API fathom_status fathom_image_flip(fathom_context *context, const fathom_image *a,

@@ -72,8 +72,7 @@ static const args_option options[] = {
      "differences up to T do not count (0)"},
     {"flip", 0, NULL, take_true, offsetof(compare_settings, flip), 0, 0,
      "also FLIP, the difference that is seen when flipping between the two, from 0 to 1, after sRGB: values "
-     "of "
-     ".exr are taken as linear, of others as sRGB's"},
+     "of .exr, .hdr and .pfm are taken as linear, of others as sRGB's"},
     {"ppd", 0, "N", take_f64, offsetof(compare_settings, ppd), FATHOM_FLIP_PPD_LEAST, FATHOM_FLIP_PPD_MOST,
      "pixels that a degree of the eye holds, for FLIP (67: a 4K screen, 0.7 m wide and away)"},
     COMMAND_QUIET("only the exit code"),

@@ -362,6 +362,48 @@ static int remove_images(void **state) {
     return remove_folder(state);
 }
 
+/* ---- FLIP ---- */
+
+/* Rows run from the bottom; three numbers of a pixel lie together. */
+static void put_pfm(const char *name, const float *rgb, size_t pixels) {
+    FILE *file = fopen(in_folder(name), "wb");
+    fprintf(file, "PF\n%zu 1\n-1.0\n", pixels);
+    assert_int_equal(fwrite(rgb, sizeof *rgb, 3 * pixels, file), 3 * pixels);
+    assert_int_equal(fclose(file), 0);
+}
+
+static double flip_between(const char *a, const char *b) {
+    const fathom_image *images[2];
+    fathom_flip flip = {.size = sizeof flip};
+    assert_ok(context, fathom_image_read(context, in_folder(a), &images[0]));
+    assert_ok(context, fathom_image_read(context, in_folder(b), &images[1]));
+    assert_ok(context, fathom_image_flip(context, images[0], images[1], FATHOM_FLIP_PPD, &flip));
+    for (int i = 0; i < 2; ++i) fathom_image_destroy(images[i]);
+    return flip.mean;
+}
+
+/* The same halfs in both formats. */
+static void flip_takes_pfm_as_linear_like_exr(void **state) {
+    (void)state;
+    enum { PIXELS = 16 };
+    static const char *const names[2][2] = {{"a.exr", "b.exr"}, {"a.pfm", "b.pfm"}}, *const channels[] = {
+                                                                                         "R", "G", "B"};
+    const fathom_write_options options = defaults();
+    for (int k = 0; k < 2; ++k) {
+        float rgb[PIXELS][3];
+        image_channel of[3];
+        for (int i = 0; i < 3 * PIXELS; ++i) rgb[i / 3][i % 3] = (float)((i * 7 + k * (i % 5)) % 64) / 64;
+        for (int c = 0; c < 3; ++c)
+            of[c] = (image_channel){channels[c], IMAGE_FLOAT, true, &rgb[0][c], sizeof rgb[0]};
+        const image img = {PIXELS, 1, 0, 0, PIXELS, 1, of, 3, NULL, 0};
+        assert_ok(context, image_write(context, &img, in_folder(names[0][k]), &options));
+        put_pfm(names[1][k], rgb[0], PIXELS);
+    }
+    const double exr = flip_between("a.exr", "b.exr");
+    assert_true(exr > 0 && flip_between("a.pfm", "b.pfm") == exr);
+    for (int i = 0; i < 4; ++i) unlink(in_folder(names[i / 2][i % 2]));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(halves_round_to_nearest_even),
@@ -377,6 +419,7 @@ int main(void) {
         cmocka_unit_test(jpeg_is_close),
         cmocka_unit_test(small_images_are_written_whole),
         cmocka_unit_test(files_do_not_depend_on_thread_count),
+        cmocka_unit_test(flip_takes_pfm_as_linear_like_exr),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_images);
 }

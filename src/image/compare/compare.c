@@ -1,6 +1,7 @@
 /* Images of the public interface: reading, access to channels, comparison. */
 #include "base/file.h"
 #include "base/sized.h"
+#include "base/text.h"
 #include "image/compare/flip.h"
 #include "image/image.h"
 
@@ -14,9 +15,15 @@ _Static_assert((int)FATHOM_FLIP_PPD == (int)FLIP_PPD && (int)FATHOM_FLIP_PPD_LEA
 
 struct fathom_image {
     const image *img;
-    bool encoded; /* values are sRGB; in EXR files they are linear */
+    bool encoded; /* values are sRGB, not linear */
     char path[];  /* for messages */
 };
+
+static bool is_encoded(const char *path) {
+    char extension[16];
+    file_extension(path, extension);
+    return words_find("exr|hdr|pfm", extension, strlen(extension)) < 0;
+}
 
 fathom_status fathom_image_read(fathom_context *context, const char *path, const fathom_image **out) {
     if (!out) return fail_null(context, "out");
@@ -26,9 +33,7 @@ fathom_status fathom_image_read(fathom_context *context, const char *path, const
     fathom_image *found = calloc(1, sizeof *found + length);
     if (!found) return fail_memory(context, sizeof *found + length);
     memcpy(found->path, path, length);
-    char extension[16];
-    file_extension(path, extension);
-    found->encoded = strcmp(extension, "exr") != 0;
+    found->encoded = is_encoded(path);
     fathom_status status = image_read(context, path, &found->img);
     if (status == FATHOM_OK)
         *out = found;
