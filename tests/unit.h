@@ -33,6 +33,41 @@ static inline int unit_run(const char *name, const struct CMUnitTest *tests, siz
     return failed + unit_teardown_failed;
 }
 
+/* ---- UNIT_TEST(law) { … } is a test of the program, which may use `state`. main() returns unit_main() or
+ * unit_main_each(). ---- */
+
+enum { UNIT_TESTS_MAX = 64 };
+static struct CMUnitTest unit_tests[UNIT_TESTS_MAX];
+static int unit_lines[UNIT_TESTS_MAX];
+static size_t unit_test_count;
+
+/* By line: the linker puts constructors in any order. */
+static inline void unit_add(const char *name, void (*run)(void **state), int line) {
+    size_t at = unit_test_count++;
+    if (at == UNIT_TESTS_MAX) abort();
+    for (; at > 0 && unit_lines[at - 1] > line; --at)
+        unit_tests[at] = unit_tests[at - 1], unit_lines[at] = unit_lines[at - 1];
+    unit_tests[at] = (struct CMUnitTest){.name = name, .test_func = run};
+    unit_lines[at] = line;
+}
+
+#define UNIT_TEST(law)                                                                                       \
+    static void law(void **state);                                                                           \
+    __attribute__((constructor)) static void unit_add_##law(void) { unit_add(#law, law, __LINE__); }         \
+    static void law(void **state __attribute__((unused)))
+
+/* Runs all tests in the order of the file, between one set-up and tear-down (NULL: none). */
+static inline int unit_main(int (*setup)(void **state), int (*teardown)(void **state)) {
+    return unit_run("tests", unit_tests, unit_test_count, setup, teardown);
+}
+
+/* Runs each test between its own set-up and tear-down. */
+static inline int unit_main_each(int (*setup)(void **state), int (*teardown)(void **state)) {
+    for (size_t i = 0; i < unit_test_count; ++i)
+        unit_tests[i].setup_func = setup, unit_tests[i].teardown_func = teardown;
+    return unit_main(NULL, NULL);
+}
+
 #undef cmocka_run_group_tests
 #define cmocka_run_group_tests(tests, setup, teardown)                                                       \
     unit_run(#tests, tests, sizeof(tests) / sizeof(tests)[0], setup, teardown)

@@ -54,8 +54,7 @@ static void assert_wrong(const char *a, const char *b, const char *text) {
     if (!strstr(problem.text, text)) fail_msg("\"%s\" does not hold \"%s\"", problem.text, text);
 }
 
-static void spellings_mean_the_same(void **state) {
-    (void)state;
+UNIT_TEST(spellings_mean_the_same) {
     assert_int_equal(parse("scene", "--spp", "16", NULL), ARGS_READY);
     assert_int_equal(got.spp, 16);
     assert_int_equal(parse("--spp=16", "scene", NULL, NULL), ARGS_READY);
@@ -72,21 +71,18 @@ static void spellings_mean_the_same(void **state) {
     assert_true(got.quiet);
 }
 
-static void what_is_not_given_stays(void **state) {
-    (void)state;
+UNIT_TEST(what_is_not_given_stays) {
     assert_int_equal(parse("scene", NULL, NULL, NULL), ARGS_READY);
     assert_int_equal(got.spp, 7);
     assert_false(got.quiet);
 }
 
-static void the_last_one_holds(void **state) {
-    (void)state;
+UNIT_TEST(the_last_one_holds) {
     assert_int_equal(parse("scene", "--spp=2", "--spp=3", NULL), ARGS_READY);
     assert_int_equal(got.spp, 3);
 }
 
-static void dashes(void **state) {
-    (void)state;
+UNIT_TEST(dashes) {
     assert_int_equal(parse("--exposure", "-1.5", "scene", NULL), ARGS_READY);
     assert_near(got.exposure, -1.5, 0);
     assert_int_equal(parse("--", "--spp", NULL, NULL), ARGS_READY);
@@ -97,14 +93,12 @@ static void dashes(void **state) {
     assert_string_equal(got.text, "--spp");
 }
 
-static void help_ends_parsing(void **state) {
-    (void)state;
+UNIT_TEST(help_ends_parsing) {
     assert_int_equal(parse("--help", NULL, NULL, NULL), ARGS_HELP);
     assert_int_equal(parse("scene", "-h", "--nonsense", NULL), ARGS_HELP);
 }
 
-static void wrong_usage_is_named(void **state) {
-    (void)state;
+UNIT_TEST(wrong_usage_is_named) {
     assert_wrong("--sppp", "4", "unknown option --sppp; did you mean --spp?");
     assert_wrong("--expsoure=2", NULL, "did you mean --exposure?");
     assert_wrong("--zebra", NULL, "unknown option --zebra");
@@ -122,8 +116,7 @@ static void wrong_usage_is_named(void **state) {
     assert_string_equal(problem.text, "SCENE is missing");
 }
 
-static void whole_numbers_are_whole(void **state) {
-    (void)state;
+UNIT_TEST(whole_numbers_are_whole) {
     static const char *const wrong[] = {"",    "0",     "65537", "-1",  "+1",  "1.0",
                                         "1e2", "0x10",  "12x",   " 12", "12 ", "one",
                                         "nan", "1,000", "1 0",   "٣",   "1\n", "18446744073709551617"};
@@ -142,8 +135,7 @@ static void whole_numbers_are_whole(void **state) {
     assert_wrong("--seed=99999999999999999999999", NULL, "from 0 to 2^64 - 1");
 }
 
-static void counts_have_units(void **state) {
-    (void)state;
+UNIT_TEST(counts_have_units) {
     static const struct {
         const char *text;
         uint64_t count;
@@ -163,8 +155,7 @@ static void counts_have_units(void **state) {
     assert_wrong("-t", "0e18446744073709551615", "-t: expected a whole number from 1 to 100000000000");
 }
 
-static void counts_make_lists(void **state) {
-    (void)state;
+UNIT_TEST(counts_make_lists) {
     assert_int_equal(parse("scene", "--counts", "1,20k,3e2", NULL), ARGS_READY);
     assert_int_equal(got.counts.count, 3);
     assert_true(got.counts.items[0] == 1 && got.counts.items[1] == 20000 && got.counts.items[2] == 300);
@@ -187,8 +178,7 @@ static void counts_make_lists(void **state) {
     assert_wrong("--counts", long_one, "--counts: expected a whole number from 1 to 100000000000");
 }
 
-static void sizes_have_two_sides(void **state) {
-    (void)state;
+UNIT_TEST(sizes_have_two_sides) {
     assert_int_equal(parse("scene", "--size", "1x100", NULL), ARGS_READY);
     assert_true(got.size.width == 1 && got.size.height == 100);
     static const char *const wrong[] = {"0x1", "1x0", "101x1", "1x101", "1", "1x", "x1", "1x1x1", "1X1"};
@@ -196,8 +186,7 @@ static void sizes_have_two_sides(void **state) {
         assert_wrong("--size", wrong[i], "--size: expected WIDTHxHEIGHT, each from 1 to 100");
 }
 
-static void numbers_are_decimal_and_finite(void **state) {
-    (void)state;
+UNIT_TEST(numbers_are_decimal_and_finite) {
     static const struct {
         const char *text;
         double number;
@@ -215,8 +204,7 @@ static void numbers_are_decimal_and_finite(void **state) {
     }
 }
 
-static void choices_are_exact(void **state) {
-    (void)state;
+UNIT_TEST(choices_are_exact) {
     static const char *const words[] = {"grid", "stratified", "sobol"};
     for (unsigned i = 0; i < 3; ++i) {
         assert_int_equal(parse("scene", "--pattern", words[i], NULL), ARGS_READY);
@@ -228,8 +216,7 @@ static void choices_are_exact(void **state) {
     }
 }
 
-static void lists_end(void **state) {
-    (void)state;
+UNIT_TEST(lists_end) {
     char *argv[2 + ARGS_LIST_MAX + 1] = {(char *)(uintptr_t) "render", (char *)(uintptr_t) "scene"};
     for (int i = 0; i <= ARGS_LIST_MAX; ++i) argv[2 + i] = (char *)(uintptr_t) "-ofile";
     got = (settings){.spp = 1};
@@ -239,8 +226,7 @@ static void lists_end(void **state) {
     assert_int_equal(args_parse(&spec, 3 + ARGS_LIST_MAX, argv, &got, &problem), ARGS_WRONG);
 }
 
-static void the_nearest_name(void **state) {
-    (void)state;
+UNIT_TEST(the_nearest_name) {
     static const char *const names[] = {"render", "info", "generate", NULL, "help"};
     assert_string_equal(args_nearest("rendr", names, 5), "render");
     assert_string_equal(args_nearest("renedr", names, 5), "render");
@@ -254,22 +240,4 @@ static void the_nearest_name(void **state) {
     assert_null(args_nearest(long_name, names, 5));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spellings_mean_the_same),
-        cmocka_unit_test(what_is_not_given_stays),
-        cmocka_unit_test(the_last_one_holds),
-        cmocka_unit_test(dashes),
-        cmocka_unit_test(help_ends_parsing),
-        cmocka_unit_test(wrong_usage_is_named),
-        cmocka_unit_test(whole_numbers_are_whole),
-        cmocka_unit_test(counts_have_units),
-        cmocka_unit_test(counts_make_lists),
-        cmocka_unit_test(sizes_have_two_sides),
-        cmocka_unit_test(numbers_are_decimal_and_finite),
-        cmocka_unit_test(choices_are_exact),
-        cmocka_unit_test(lists_end),
-        cmocka_unit_test(the_nearest_name),
-    };
-    return cmocka_run_group_tests_name("args", tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

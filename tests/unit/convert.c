@@ -55,8 +55,7 @@ static fathom_material layered(int format) {
 }
 
 /* Each alone has an unusual value. */
-static void every_material_parameter_reads_back(void **state) {
-    (void)state;
+UNIT_TEST(every_material_parameter_reads_back) {
     const fathom_texture image = {.size = sizeof image, .bytes = "\x89PNG\r\n of no use", .byte_count = 16};
     size_t count;
     const fathom_parameter *rows = fathom_material_parameters(FATHOM_MODEL_METALLIC_ROUGHNESS, &count);
@@ -83,8 +82,7 @@ static void every_material_parameter_reads_back(void **state) {
     }
 }
 
-static void every_setting_reads_back_from_json(void **state) {
-    (void)state;
+UNIT_TEST(every_setting_reads_back_from_json) {
     static const char *const values[][2] = {
         {"integrator", "classic"}, {"integrator", "reference"}, {"width", "333"},        {"spp", "64"},
         {"pattern", "stratified"}, {"filter", "gaussian"},      {"filter_width", "1.7"}, {"seed", "77"},
@@ -152,8 +150,7 @@ static void check_map(const fathom_scene *back, const fathom_map *given, int kin
 }
 
 /* Scaled, turned and moved, in the second set; of every kind that a format has. */
-static void every_image_reads_back(void **state) {
-    (void)state;
+UNIT_TEST(every_image_reads_back) {
     const fathom_texture texture = {.size = sizeof texture,
                                     .bytes = "\x89PNG\r\n of no use",
                                     .byte_count = 16,
@@ -179,8 +176,7 @@ static void every_image_reads_back(void **state) {
 }
 
 /* The file's v is one minus the scene's, so that an image that lies as glTF's do needs no options. */
-static void mtl_keeps_metal_and_its_images(void **state) {
-    (void)state;
+UNIT_TEST(mtl_keeps_metal_and_its_images) {
     const fathom_texture texture = {.size = sizeof texture,
                                     .bytes = "\x89PNG\r\n",
                                     .byte_count = 6,
@@ -225,8 +221,7 @@ static void mtl_keeps_metal_and_its_images(void **state) {
 
 /* Scene JSON has opacity, and one minus an older workflow's glossiness, as an image of its own, and linear.
  * In glTF they are the alpha of the colour's image. */
-static void glb_keeps_the_alpha_of_a_colour_image(void **state) {
-    (void)state;
+UNIT_TEST(glb_keeps_the_alpha_of_a_colour_image) {
     fathom_texture texture = {.size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6};
     for (int k = 0; k < 6; ++k) {
         const int other = k % 3, color = k < 3 ? FATHOM_MAP_COLOR : FATHOM_MAP_SPECULAR_COLOR,
@@ -260,8 +255,7 @@ static void glb_keeps_the_alpha_of_a_colour_image(void **state) {
 }
 
 /* MTL has no thin walls among the keys of metals, but has glass. */
-static void mtl_keeps_solid_transmission_and_makes_glass_of_thin_walls(void **state) {
-    (void)state;
+UNIT_TEST(mtl_keeps_solid_transmission_and_makes_glass_of_thin_walls) {
     for (int solid = 0; solid < 2; ++solid) {
         fathom_material m;
         fathom_scene *back;
@@ -284,8 +278,7 @@ static void mtl_keeps_solid_transmission_and_makes_glass_of_thin_walls(void **st
 }
 
 /* An unlit surface has no highlight, and what has no effect is not written. */
-static void mtl_keeps_unlit_materials(void **state) {
-    (void)state;
+UNIT_TEST(mtl_keeps_unlit_materials) {
     const fathom_texture texture = {.size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6};
     const float color[3] = {0.25f, 0.5f, 0.75f};
     fathom_material m;
@@ -409,14 +402,12 @@ static void check_conversion(bool parallel) {
     fathom_scene_destroy(made);
 }
 
-static void renders_survive_conversion(void **state) {
-    (void)state;
+UNIT_TEST(renders_survive_conversion) {
     check_conversion(false);
     check_conversion(true);
 }
 
-static void scene_json_survives_conversion(void **state) {
-    (void)state;
+UNIT_TEST(scene_json_survives_conversion) {
     static const char *const files[] = {"light/cornell-box.json", "light/moving-balls.json",
                                         "tour/08-spot-lights.json", "tour/20-camera.json",
                                         "tour/21-instances.json"};
@@ -438,8 +429,7 @@ static void scene_json_survives_conversion(void **state) {
 
 /* One of two meshes has colours and one has none; one of the colours is black, one above 1. PLY has opacities
  * and a second uv set too, and includes the k_d of the default material, 0.5, as it has no materials. */
-static void mesh_files_keep_vertex_colours(void **state) {
-    (void)state;
+UNIT_TEST(mesh_files_keep_vertex_colours) {
     static const float colors[12] = {0.001f, 0.5f, 0.2f, 1, 0, 0, 0, 1, 0.4f, 2.5f, 0.7f, 0.8f};
     static const char *const names[] = {"a.ply", "a.obj"};
     fathom_scene *scene;
@@ -474,8 +464,7 @@ static void mesh_files_keep_vertex_colours(void **state) {
 }
 
 /* Wherever it lies: turned, scaled and moved. The reader's v is one minus the file's. */
-static void ply_keeps_an_image_of_all_triangles(void **state) {
-    (void)state;
+UNIT_TEST(ply_keeps_an_image_of_all_triangles) {
     static const char pixel[] = "P6\n1 1\n255\n\x80\x80\x80";
     const fathom_texture texture = {.size = sizeof texture, .bytes = pixel, .byte_count = sizeof pixel - 1};
     static const float turned[6] = {0.5f, 0.25f, 0.125f, -0.25f, 2, 0.75f};
@@ -535,8 +524,7 @@ static void add_odd_image(fathom_scene *scene) {
     assert_ok(context, fathom_scene_add_material(scene, "odd", &m, NULL));
 }
 
-static void what_a_format_lacks_is_told(void **state) {
-    (void)state;
+UNIT_TEST(what_a_format_lacks_is_told) {
     const struct {
         const char *name, *lacks;
     } cases[] = {
@@ -572,20 +560,4 @@ static void what_a_format_lacks_is_told(void **state) {
     fathom_scene_destroy(scene);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_material_parameter_reads_back),
-        cmocka_unit_test(every_setting_reads_back_from_json),
-        cmocka_unit_test(every_image_reads_back),
-        cmocka_unit_test(mtl_keeps_metal_and_its_images),
-        cmocka_unit_test(glb_keeps_the_alpha_of_a_colour_image),
-        cmocka_unit_test(mtl_keeps_unlit_materials),
-        cmocka_unit_test(mtl_keeps_solid_transmission_and_makes_glass_of_thin_walls),
-        cmocka_unit_test(mesh_files_keep_vertex_colours),
-        cmocka_unit_test(ply_keeps_an_image_of_all_triangles),
-        cmocka_unit_test(renders_survive_conversion),
-        cmocka_unit_test(scene_json_survives_conversion),
-        cmocka_unit_test(what_a_format_lacks_is_told),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

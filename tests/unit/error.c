@@ -38,8 +38,7 @@ static void assert_message(const char *format, ...) {
     assert_string_equal(fathom_context_message(context), expected);
 }
 
-static void no_error_before_a_call_fails(void **state) {
-    (void)state;
+UNIT_TEST(no_error_before_a_call_fails) {
     fathom_context *fresh;
     assert_int_equal(fathom_context_create(&fresh), FATHOM_OK);
     const fathom_context *contexts[] = {fresh, NULL};
@@ -54,8 +53,7 @@ static void no_error_before_a_call_fails(void **state) {
     fathom_context_destroy(fresh);
 }
 
-static void argument_errors_name_the_field(void **state) {
-    (void)state;
+UNIT_TEST(argument_errors_name_the_field) {
     fathom_scene *scene;
     fathom_sphere sphere;
     assert_ok(context, fathom_scene_create(context, &scene));
@@ -81,8 +79,7 @@ static void argument_errors_name_the_field(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void json_errors_name_line_and_field(void **state) {
-    (void)state;
+UNIT_TEST(json_errors_name_line_and_field) {
     const char *path = in_folder("a.json");
     const fathom_error *error =
         error_in(path, "{\"objects\": [\n{\"type\": \"sphere\", \"center\": [0, 0, 0],\n\"radius\": -1}]}");
@@ -92,8 +89,7 @@ static void json_errors_name_line_and_field(void **state) {
     assert_message("%s:3: objects[0].radius: %s", path, error->text);
 }
 
-static void json_syntax_errors_name_line_and_column(void **state) {
-    (void)state;
+UNIT_TEST(json_syntax_errors_name_line_and_column) {
     const char *path = in_folder("a.json");
     const fathom_error *error = error_in(path, "{\n  \"objects\": [}");
     assert_place(error->place, path, 2, "");
@@ -102,8 +98,7 @@ static void json_syntax_errors_name_line_and_column(void **state) {
 }
 
 /* The scene finds it, not the reader; the document has the field under the same name. */
-static void fields_of_calls_join_the_path_in_json(void **state) {
-    (void)state;
+UNIT_TEST(fields_of_calls_join_the_path_in_json) {
     const char *path = in_folder("a.json");
     const fathom_error *error =
         error_in(path, "{\"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1}],\n"
@@ -111,8 +106,7 @@ static void fields_of_calls_join_the_path_in_json(void **state) {
     assert_place(error->place, path, 3, "lights[0].direction");
 }
 
-static void obj_errors_name_line_and_statement(void **state) {
-    (void)state;
+UNIT_TEST(obj_errors_name_line_and_statement) {
     const char *path = in_folder("a.obj");
     const fathom_error *error = error_in(path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n");
     assert_place(error->place, path, 4, "f");
@@ -120,8 +114,7 @@ static void obj_errors_name_line_and_statement(void **state) {
     assert_place(error_in(path, "v 0 0 0\nv 1 none 0\n" GOOD_OBJ)->place, path, 2, "v");
 }
 
-static void ply_text_errors_name_line_and_property(void **state) {
-    (void)state;
+UNIT_TEST(ply_text_errors_name_line_and_property) {
     const char *path = in_folder("a.ply");
 #define HEADER(FORMAT)                                                                                       \
     "ply\nformat " FORMAT " 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"   \
@@ -134,8 +127,7 @@ static void ply_text_errors_name_line_and_property(void **state) {
                  "element vertex");
 }
 
-static void ply_byte_errors_name_byte_and_element(void **state) {
-    (void)state;
+UNIT_TEST(ply_byte_errors_name_byte_and_element) {
     const char *path = in_folder("a.ply");
     char bytes[512];
     const size_t header = strlen(HEADER("binary_little_endian"));
@@ -154,8 +146,7 @@ static void ply_byte_errors_name_byte_and_element(void **state) {
 
 #define GLTF "{\"asset\": {\"version\": \"2.0\"},\n\"meshes\": [\n{\"primitives\": 3}]}"
 
-static void gltf_errors_name_line_and_field(void **state) {
-    (void)state;
+UNIT_TEST(gltf_errors_name_line_and_field) {
     const char *path = in_folder("a.gltf");
     const fathom_error *error = error_in(path, GLTF);
     assert_place(error->place, path, 3, "meshes[0].primitives");
@@ -165,8 +156,7 @@ static void gltf_errors_name_line_and_field(void **state) {
     assert_true(error->place->column > 0);
 }
 
-static void glb_errors_name_byte_and_field(void **state) {
-    (void)state;
+UNIT_TEST(glb_errors_name_byte_and_field) {
     const char *path = in_folder("a.glb");
     const uint32_t size = sizeof GLTF - 1, head[5] = {0x46546C67, 2, 20 + size, size, 0x4E4F534A};
     char bytes[512];
@@ -189,8 +179,7 @@ static void glb_errors_name_byte_and_field(void **state) {
 }
 
 /* The error is in the mesh; `within` is the object that names it. */
-static void errors_of_named_files_tell_who_names_them(void **state) {
-    (void)state;
+UNIT_TEST(errors_of_named_files_tell_who_names_them) {
     const char *scene = in_folder("a.json"), *mesh = in_folder("bad.obj");
     unit_write_file(mesh, "v 0 0 0\nf 1 1 2\n", 16);
     const fathom_error *error =
@@ -203,8 +192,7 @@ static void errors_of_named_files_tell_who_names_them(void **state) {
     assert_message("%s:3: objects[0].file: %s:2: f: %s", scene, mesh, error->text);
 }
 
-static void missing_files_are_named(void **state) {
-    (void)state;
+UNIT_TEST(missing_files_are_named) {
     const char *path = in_folder("none.obj");
     fathom_scene *scene;
     assert_int_equal(fathom_scene_read(context, path, &scene), FATHOM_BAD_INPUT);
@@ -213,8 +201,7 @@ static void missing_files_are_named(void **state) {
 }
 
 /* A terminal must not obey the name of a file; whoever opens the file needs its bytes. */
-static void only_the_file_may_hold_control_characters(void **state) {
-    (void)state;
+UNIT_TEST(only_the_file_may_hold_control_characters) {
     const char *path = in_folder("a\033[2J.json");
     const fathom_error *error = error_in(path, "{\"\\u001b[2J\": 1}");
     assert_string_equal(error->place->file, path);
@@ -223,8 +210,7 @@ static void only_the_file_may_hold_control_characters(void **state) {
     assert_null(strchr(fathom_context_message(context), '\033'));
 }
 
-static void success_keeps_the_last_error(void **state) {
-    (void)state;
+UNIT_TEST(success_keeps_the_last_error) {
     const char *bad = in_folder("a.json"), *good = in_folder("a.obj");
     error_in(bad, "{");
     unit_write_file(good, GOOD_OBJ, strlen(GOOD_OBJ));
@@ -235,22 +221,4 @@ static void success_keeps_the_last_error(void **state) {
     assert_string_equal(fathom_context_error(context)->place->file, bad);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_error_before_a_call_fails),
-        cmocka_unit_test(argument_errors_name_the_field),
-        cmocka_unit_test(json_errors_name_line_and_field),
-        cmocka_unit_test(json_syntax_errors_name_line_and_column),
-        cmocka_unit_test(fields_of_calls_join_the_path_in_json),
-        cmocka_unit_test(obj_errors_name_line_and_statement),
-        cmocka_unit_test(ply_text_errors_name_line_and_property),
-        cmocka_unit_test(ply_byte_errors_name_byte_and_element),
-        cmocka_unit_test(gltf_errors_name_line_and_field),
-        cmocka_unit_test(glb_errors_name_byte_and_field),
-        cmocka_unit_test(errors_of_named_files_tell_who_names_them),
-        cmocka_unit_test(missing_files_are_named),
-        cmocka_unit_test(only_the_file_may_hold_control_characters),
-        cmocka_unit_test(success_keeps_the_last_error),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

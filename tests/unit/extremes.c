@@ -32,8 +32,7 @@ static void check_row(const extremes_row *row) {
 
 /* Every case, a row for each tracer. The tracers that fathom validates by default have no wrong answer,
  * here with far fewer rays. */
-static void every_case_gives_its_rows(void **state) {
-    (void)state;
+UNIT_TEST(every_case_gives_its_rows) {
     static const char *const specs[] = {"linear:f32", "linear:f64", "bvh", "embree", "embree:user"};
     extremes_options options = asked(specs, 5, 36);
     for (unsigned g = 0; g < extremes_groups(); ++g) {
@@ -51,8 +50,7 @@ static void every_case_gives_its_rows(void **state) {
 
 /* Hits that lie closer than any normal float: intervals that would end there are none for the tracer, which
  * flushes denormals, and for the oracle alike. */
-static void intervals_below_the_least_float_are_empty_for_all(void **state) {
-    (void)state;
+UNIT_TEST(intervals_below_the_least_float_are_empty_for_all) {
     static const char *const specs[] = {"linear:f64", "bvh"}, *const groups[] = {"size-spheres", "size-quads",
                                                                                  "size-triangles"};
     extremes_options options = asked(specs, 2, 1000);
@@ -67,8 +65,7 @@ static void intervals_below_the_least_float_are_empty_for_all(void **state) {
 }
 
 /* The reference leaks nowhere, and of 10,000 copies the first answers, so there it agrees. */
-static void copies_are_ties(void **state) {
-    (void)state;
+UNIT_TEST(copies_are_ties) {
     static const char *const specs[] = {"linear:f32", "embree"};
     extremes_options options = asked(specs, 2, 100);
     static const char *const groups[] = {"copies-triangles", "copies-quads", "copies-spheres"};
@@ -85,8 +82,7 @@ static void copies_are_ties(void **state) {
 }
 
 /* A library with a fault: it takes triangles alone, and is caught where it answers. */
-static void a_faulty_library_is_caught(void **state) {
-    (void)state;
+UNIT_TEST(a_faulty_library_is_caught) {
     static const char *const good[] = {PLUGIN_FOLDER "/correct.so"}, *const gap[] = {PLUGIN_FOLDER "/gap.so"},
                              *const culls[] = {PLUGIN_FOLDER "/culls.so"};
     unsigned g = group_of("scale-triangles");
@@ -109,8 +105,7 @@ static void a_faulty_library_is_caught(void **state) {
     array_free(&rows);
 }
 
-static void no_number_depends_on_the_threads(void **state) {
-    (void)state;
+UNIT_TEST(no_number_depends_on_the_threads) {
     static const char *const specs[] = {"embree:user"};
     extremes_options options = asked(specs, 1, 2000);
     extremes_rows rows = {.items = NULL};
@@ -133,8 +128,7 @@ static bool stop(void *user, uint64_t rays) {
     return false;
 }
 
-static void a_run_can_be_stopped(void **state) {
-    (void)state;
+UNIT_TEST(a_run_can_be_stopped) {
     static const char *const specs[] = {"linear:f32", "bvh"};
     extremes_options options = asked(specs, 2, 200);
     options.progress = stop;
@@ -144,14 +138,4 @@ static void a_run_can_be_stopped(void **state) {
     array_free(&rows);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_case_gives_its_rows),
-        cmocka_unit_test(intervals_below_the_least_float_are_empty_for_all),
-        cmocka_unit_test(copies_are_ties),
-        cmocka_unit_test(a_faulty_library_is_caught),
-        cmocka_unit_test(no_number_depends_on_the_threads),
-        cmocka_unit_test(a_run_can_be_stopped),
-    };
-    return cmocka_run_group_tests(tests, open_context, close_context);
-}
+int main(void) { return unit_main(open_context, close_context); }

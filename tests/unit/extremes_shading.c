@@ -1,8 +1,6 @@
 /* Shading where it is stiff: each case within its bound, and each case able to fail. */
-#include "unit.h"
+#include "unit_context.h"
 #include "verify/light/shading_studio.h"
-
-static fathom_context *context;
 
 static shading_rows run(const char *spec, double twist) {
     const shading_options options = {.spec = spec, .twist = twist};
@@ -11,8 +9,7 @@ static shading_rows run(const char *spec, double twist) {
     return rows;
 }
 
-static void all_within_bounds(void **state) {
-    (void)state;
+UNIT_TEST(all_within_bounds) {
     static const char *const specs[] = {"embree", "reference", "bvh:f64"};
     for (size_t k = 0; k < sizeof specs / sizeof *specs; ++k) {
         shading_rows rows = run(specs[k], 0);
@@ -53,8 +50,7 @@ static bool indifferent(const shading_row *r) {
 }
 
 /* A mutant of each law: the formula's parameter off by a twentieth either way, or by a third. */
-static void each_case_can_fail(void **state) {
-    (void)state;
+UNIT_TEST(each_case_can_fail) {
     static const double twists[] = {0.05, -0.05, 0.3};
     shading_rows rows[3];
     for (int k = 0; k < 3; ++k) rows[k] = run("embree", twists[k]);
@@ -67,8 +63,7 @@ static void each_case_can_fail(void **state) {
 }
 
 /* The same figures each time. */
-static void same_twice(void **state) {
-    (void)state;
+UNIT_TEST(same_twice) {
     shading_rows a = run("embree", 0), b = run("embree", 0);
     assert_int_equal(a.count, b.count);
     for (size_t i = 0; i < a.count; ++i) {
@@ -80,8 +75,7 @@ static void same_twice(void **state) {
 }
 
 /* What is not a number, what is in nobody's bound, and what nobody judged are wrong. */
-static void what_is_wrong(void **state) {
-    (void)state;
+UNIT_TEST(what_is_wrong) {
     const struct {
         double measured, expected, bound;
         uint64_t broken;
@@ -105,15 +99,4 @@ static void what_is_wrong(void **state) {
     array_free(&rows);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(all_within_bounds),
-        cmocka_unit_test(each_case_can_fail),
-        cmocka_unit_test(same_twice),
-        cmocka_unit_test(what_is_wrong),
-    };
-    if (fathom_context_create(&context) != FATHOM_OK) return 1;
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    fathom_context_destroy(context);
-    return failed;
-}
+int main(void) { return unit_main(open_context, close_context); }

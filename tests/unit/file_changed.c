@@ -85,8 +85,7 @@ static void fails_to_render(fathom_scene *scene, blow *at_progress, const char *
 static const char *const mapped[] = {"ball.ply", "ball.glb"};
 #define EACH_MAPPED(i) for (size_t i = 0; i < sizeof mapped / sizeof *mapped; ++i)
 
-static void truncation_before_rendering_is_an_error(void **state) {
-    (void)state;
+UNIT_TEST(truncation_before_rendering_is_an_error) {
     guard();
     EACH_MAPPED(i) {
         for (off_t left = 0; left <= 200000; left += 100000) {
@@ -102,8 +101,7 @@ static void truncation_before_rendering_is_an_error(void **state) {
 }
 
 /* The file is gone as well: the fault itself has to be noticed. */
-static void truncation_of_a_removed_file_is_an_error(void **state) {
-    (void)state;
+UNIT_TEST(truncation_of_a_removed_file_is_an_error) {
     guard();
     EACH_MAPPED(i) {
         fathom_scene *scene;
@@ -116,8 +114,7 @@ static void truncation_of_a_removed_file_is_an_error(void **state) {
 }
 
 /* A triangle without area is warned about when the world is made, before Embree builds. */
-static void truncation_before_building_is_an_error(void **state) {
-    (void)state;
+UNIT_TEST(truncation_before_building_is_an_error) {
     guard();
     static const float flat[9] = {0};
     static const uint32_t corners[3] = {0, 1, 2};
@@ -136,8 +133,7 @@ static void truncation_before_building_is_an_error(void **state) {
     }
 }
 
-static void truncation_while_rendering_is_an_error(void **state) {
-    (void)state;
+UNIT_TEST(truncation_while_rendering_is_an_error) {
     guard();
     EACH_MAPPED(i) {
         fathom_scene *scene;
@@ -160,8 +156,7 @@ static void fails_to_read(blow *b) {
 
 /* OBJ warns between looking for statements and reading them, PLY between counting rows and reading them, glTF
  * between nodes. */
-static void truncation_while_reading_is_an_error(void **state) {
-    (void)state;
+UNIT_TEST(truncation_while_reading_is_an_error) {
     guard();
     for (off_t left = 0; left <= 100000; left += 50000) {
         blow obj = {.path = write_ball("ball.obj"), .warning = "mtllib", .left = left};
@@ -189,8 +184,7 @@ static void write_over(const char *path) {
     assert_int_equal(fclose(f), 0);
 }
 
-static void a_changed_byte_is_an_error(void **state) {
-    (void)state;
+UNIT_TEST(a_changed_byte_is_an_error) {
     guard();
     EACH_MAPPED(i) {
         fathom_scene *scene;
@@ -208,8 +202,7 @@ static bool write_over_at_progress(void *user, const fathom_progress *progress) 
 }
 
 /* A render of which nobody would see the end does not go on for long. */
-static void a_render_of_a_changed_file_ends_soon(void **state) {
-    (void)state;
+UNIT_TEST(a_render_of_a_changed_file_ends_soon) {
     guard();
     fathom_scene *scene;
     fathom_film *film;
@@ -236,8 +229,7 @@ static double sum_of(fathom_scene *scene) {
 }
 
 /* Another file under the old name is no change, and neither is what happens to one that was copied. */
-static void replaced_and_copied_files_keep_their_bytes(void **state) {
-    (void)state;
+UNIT_TEST(replaced_and_copied_files_keep_their_bytes) {
     guard();
     EACH_MAPPED(i) {
         fathom_scene *scene;
@@ -259,8 +251,7 @@ static void replaced_and_copied_files_keep_their_bytes(void **state) {
 }
 
 /* A new name, a link or other rights leave the bytes alone. */
-static void links_and_rights_change_nothing(void **state) {
-    (void)state;
+UNIT_TEST(links_and_rights_change_nothing) {
     guard();
     EACH_MAPPED(i) {
         fathom_scene *scene;
@@ -277,8 +268,7 @@ static void links_and_rights_change_nothing(void **state) {
 }
 
 /* More files at once than a chunk of the table has slots, in any order of closing. */
-static void many_files_can_be_mapped_at_once(void **state) {
-    (void)state;
+UNIT_TEST(many_files_can_be_mapped_at_once) {
     guard();
     enum { COUNT = 500 };
     static file_map maps[COUNT];
@@ -304,8 +294,7 @@ static void exit_7(int number) {
 }
 
 /* A SIGBUS of others goes where it went before, sent by a process or come of memory that is not ours. */
-static void other_bus_errors_reach_their_handler(void **state) {
-    (void)state;
+UNIT_TEST(other_bus_errors_reach_their_handler) {
     guard();
     for (int way = 0; way < 2; ++way) {
         char name[64];
@@ -349,18 +338,5 @@ int main(int argc, char **argv) {
     if (argc == 3) return meet_foreign_fault(argv[1][0] - '0', argv[2]);
     fathom_guard_files();
     sigaction(SIGBUS, NULL, &guard_action);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(truncation_before_rendering_is_an_error),
-        cmocka_unit_test(truncation_of_a_removed_file_is_an_error),
-        cmocka_unit_test(truncation_before_building_is_an_error),
-        cmocka_unit_test(truncation_while_rendering_is_an_error),
-        cmocka_unit_test(truncation_while_reading_is_an_error),
-        cmocka_unit_test(a_changed_byte_is_an_error),
-        cmocka_unit_test(a_render_of_a_changed_file_ends_soon),
-        cmocka_unit_test(links_and_rights_change_nothing),
-        cmocka_unit_test(replaced_and_copied_files_keep_their_bytes),
-        cmocka_unit_test(many_files_can_be_mapped_at_once),
-        cmocka_unit_test(other_bus_errors_reach_their_handler),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_files);
+    return unit_main(open_folder, remove_files);
 }

@@ -104,8 +104,7 @@ static void fails_to_open(const char *path, fathom_status status, const char *te
     no_fault();
 }
 
-static void failures_to_open_are_reported(void **state) {
-    (void)state;
+UNIT_TEST(failures_to_open_are_reported) {
     const char *path = in_folder("a.bin");
     make(path, "0123456789");
     static const struct {
@@ -130,8 +129,7 @@ static void failures_to_open_are_reported(void **state) {
     unlink(path);
 }
 
-static void failures_to_copy_are_reported(void **state) {
-    (void)state;
+UNIT_TEST(failures_to_copy_are_reported) {
     const char *path = in_folder("a.bin");
     make(path, "0123456789");
     fathom_context_copy_files(context, true);
@@ -206,8 +204,7 @@ static void ends_with_0(pid_t child) {
     assert_int_equal(WEXITSTATUS(status), 0);
 }
 
-static void other_bus_errors_reach_their_handler(void **state) {
-    (void)state;
+UNIT_TEST(other_bus_errors_reach_their_handler) {
     for (int k = 0; k < 8; ++k) {
         const bool with_info = k & 1, sent = k & 2, lacking = k & 4;
         if (sent && lacking) continue;
@@ -254,8 +251,7 @@ static fathom_status open_to_write(fathom_context *c, const char *path) {
     return status;
 }
 
-static void failures_to_begin_a_file_are_reported(void **state) {
-    (void)state;
+UNIT_TEST(failures_to_begin_a_file_are_reported) {
     const char *path = in_folder("a.bin");
     fail_call("open", EDQUOT);
     cannot_write(open_to_write, path, "Disk quota exceeded");
@@ -276,8 +272,7 @@ static void lose_temporary(void) {
 
 /* A name that another has is left to him, and so is one that was removed while it was locked, or may have
  * been; when all are taken, that is said. */
-static void temporary_names_in_use_are_skipped(void **state) {
-    (void)state;
+UNIT_TEST(temporary_names_in_use_are_skipped) {
     const char *path = in_folder("a.bin");
     file_writer *writer;
     before_calls("fstat", 1, 1, lose_temporary);
@@ -309,8 +304,7 @@ static fathom_status write_all(fathom_context *c, const char *path) {
     return file_writer_commit(writer);
 }
 
-static void failures_to_write_leave_nothing(void **state) {
-    (void)state;
+UNIT_TEST(failures_to_write_leave_nothing) {
     const char *path = in_folder("a.bin");
     fail_call("fwrite", ENOSPC);
     cannot_write(write_all, path, "No space left on device");
@@ -330,8 +324,7 @@ static void failures_to_write_leave_nothing(void **state) {
 }
 
 /* The file has its name by then, and keeps it: whether it is on the disk is not known. */
-static void failures_after_the_rename_keep_the_file(void **state) {
-    (void)state;
+UNIT_TEST(failures_after_the_rename_keep_the_file) {
     const char *path = in_folder("a.bin");
     for (int closing = 0; closing < 2; ++closing) {
         if (closing)
@@ -347,8 +340,7 @@ static void failures_after_the_rename_keep_the_file(void **state) {
     }
 }
 
-static void failures_to_write_to_memory_are_reported(void **state) {
-    (void)state;
+UNIT_TEST(failures_to_write_to_memory_are_reported) {
     file_writer *writer;
     unsigned char *bytes;
     size_t size;
@@ -370,8 +362,7 @@ static void failures_to_write_to_memory_are_reported(void **state) {
     }
 }
 
-static void unwritable_paths_are_found_before_writing(void **state) {
-    (void)state;
+UNIT_TEST(unwritable_paths_are_found_before_writing) {
     const char *path = in_folder("a.bin");
     fail_call("faccessat", EACCES);
     cannot_write(fathom_file_check, path, "its folder: Permission denied");
@@ -390,8 +381,7 @@ static void unwritable_paths_are_found_before_writing(void **state) {
 }
 
 /* Names like those of temporary files, of what is none. */
-static void only_temporary_files_are_removed(void **state) {
-    (void)state;
+UNIT_TEST(only_temporary_files_are_removed) {
     const char *link = in_folder("a.fathom-tmp1.bin"), *inside = in_folder("a.fathom-tmp2.bin"),
                *file = in_folder("a.fathom-tmp3.bin");
     assert_int_equal(symlink("nowhere", link), 0);
@@ -408,18 +398,4 @@ static void only_temporary_files_are_removed(void **state) {
     unlink(link), rmdir(inside);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(other_bus_errors_reach_their_handler), /* the first: no guard is there yet */
-        cmocka_unit_test(failures_to_open_are_reported),
-        cmocka_unit_test(failures_to_copy_are_reported),
-        cmocka_unit_test(failures_to_begin_a_file_are_reported),
-        cmocka_unit_test(temporary_names_in_use_are_skipped),
-        cmocka_unit_test(failures_to_write_leave_nothing),
-        cmocka_unit_test(failures_after_the_rename_keep_the_file),
-        cmocka_unit_test(failures_to_write_to_memory_are_reported),
-        cmocka_unit_test(unwritable_paths_are_found_before_writing),
-        cmocka_unit_test(only_temporary_files_are_removed),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

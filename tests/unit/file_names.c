@@ -54,8 +54,7 @@ static fathom_status confine(const char *scene, const char *name) {
     return status;
 }
 
-static void paths_inside_the_folder_are_allowed(void **state) {
-    (void)state;
+UNIT_TEST(paths_inside_the_folder_are_allowed) {
     static const char *const within[] = {"a",          "./a",       "inner/a",  "inner/../a", "within/a",
                                          "inner//./a", "../box/a",  "...",      "..a",        "inner/none",
                                          "none/a",     "none/../a", ".../../a", "none/./a"};
@@ -65,8 +64,7 @@ static void paths_inside_the_folder_are_allowed(void **state) {
 }
 
 /* Folders that begin with the same letters are others; of files that are not there the words are judged. */
-static void paths_outside_the_folder_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(paths_outside_the_folder_are_refused) {
     static const char *const outside[] = {"../box-two/a", "../box.d/a",  "../scene",      "link/a",
                                           "..",           "../none",     "inner/../../x", "../box-two/none",
                                           "./../x",       ".../../../x", "none/../../a"};
@@ -81,8 +79,7 @@ static void paths_outside_the_folder_are_refused(void **state) {
 }
 
 /* All lies within the root; a scene without a folder lies in the working folder. */
-static void root_and_working_folders_confine_too(void **state) {
-    (void)state;
+UNIT_TEST(root_and_working_folders_confine_too) {
     assert_ok(context, confine("/fathom-no-such-scene", "etc/passwd"));
     assert_ok(context, confine("/fathom-no-such-scene", "tmp/../etc/passwd"));
     char before[4096];
@@ -95,8 +92,7 @@ static void root_and_working_folders_confine_too(void **state) {
 }
 
 /* Of each part that names nothing the letters of what is there; the first of several. */
-static void names_are_found_in_any_case(void **state) {
-    (void)state;
+UNIT_TEST(names_are_found_in_any_case) {
     static const char *const names[][2] = {{"box/inner/a", "box/inner/a"},
                                            {"BOX/Inner/A", "box/inner/a"},
                                            {"box//INNER/./A", "box//inner/./a"},
@@ -119,8 +115,7 @@ static void names_are_found_in_any_case(void **state) {
     free(upper);
 }
 
-static void paths_split_into_stem_name_and_extension(void **state) {
-    (void)state;
+UNIT_TEST(paths_split_into_stem_name_and_extension) {
     const struct {
         const char *path, *name, *extension;
         size_t stem;
@@ -141,8 +136,7 @@ static void paths_split_into_stem_name_and_extension(void **state) {
 }
 
 /* What no memory holds is refused, and what there is stays as it was. */
-static void impossible_array_sizes_change_nothing(void **state) {
-    (void)state;
+UNIT_TEST(impossible_array_sizes_change_nothing) {
     ARRAY(double) list = {.items = NULL};
     for (int i = 0; i < 100; ++i) assert_true(array_push(&list, i));
     const double *items = list.items;
@@ -159,14 +153,4 @@ static void impossible_array_sizes_change_nothing(void **state) {
     array_free(&list);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(paths_inside_the_folder_are_allowed),
-        cmocka_unit_test(paths_outside_the_folder_are_refused),
-        cmocka_unit_test(root_and_working_folders_confine_too),
-        cmocka_unit_test(names_are_found_in_any_case),
-        cmocka_unit_test(paths_split_into_stem_name_and_extension),
-        cmocka_unit_test(impossible_array_sizes_change_nothing),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+int main(void) { return unit_main(set_up, tear_down); }

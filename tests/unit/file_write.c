@@ -110,7 +110,7 @@ static void make(const char *path) {
 /* ---- laws ---- */
 
 /* Bytes, then the name, then the folder that holds the name. */
-static void bytes_are_on_the_disk_before_the_name(void **state) {
+UNIT_TEST(bytes_are_on_the_disk_before_the_name) {
     place *p = *state;
     assert_ok(p->context, file_writer_commit(begin(p, "one")));
     assert_string_equal(calls, "frD");
@@ -118,7 +118,7 @@ static void bytes_are_on_the_disk_before_the_name(void **state) {
     assert_int_equal(count_files(p, false), 1);
 }
 
-static void a_failing_disk_keeps_the_old_file(void **state) {
+UNIT_TEST(a_failing_disk_keeps_the_old_file) {
     place *p = *state;
     assert_ok(p->context, file_writer_commit(begin(p, "one")));
     sync_error = EIO;
@@ -128,14 +128,14 @@ static void a_failing_disk_keeps_the_old_file(void **state) {
     assert_int_equal(count_files(p, false), 1);
 }
 
-static void file_systems_without_sync_are_accepted(void **state) {
+UNIT_TEST(file_systems_without_sync_are_accepted) {
     place *p = *state;
     sync_error = EINVAL;
     assert_ok(p->context, file_writer_commit(begin(p, "one")));
     assert_holds(p, "one");
 }
 
-static void writers_of_one_file_do_not_interfere(void **state) {
+UNIT_TEST(writers_of_one_file_do_not_interfere) {
     place *p = *state;
     file_writer *first = begin(p, "first"), *second = begin(p, "second");
     assert_string_not_equal(file_writer_temporary(first), file_writer_temporary(second));
@@ -146,14 +146,14 @@ static void writers_of_one_file_do_not_interfere(void **state) {
     assert_int_equal(count_files(p, false), 1);
 }
 
-static void abort_leaves_nothing(void **state) {
+UNIT_TEST(abort_leaves_nothing) {
     place *p = *state;
     file_writer_abort(begin(p, "one"));
     assert_int_equal(count_files(p, false), 0);
 }
 
 /* As whole as in a file, and nothing is there beside the memory. */
-static void memory_holds_the_bytes_written(void **state) {
+UNIT_TEST(memory_holds_the_bytes_written) {
     place *p = *state;
     file_writer *writer;
     unsigned char *bytes;
@@ -177,7 +177,7 @@ static mode_t mode_of(const char *path) {
     return info.st_mode;
 }
 
-static void a_new_file_keeps_the_old_rights(void **state) {
+UNIT_TEST(a_new_file_keeps_the_old_rights) {
     place *p = *state;
     const mode_t before = umask(022);
     assert_ok(p->context, file_writer_commit(begin(p, "one")));
@@ -192,7 +192,7 @@ static void a_new_file_keeps_the_old_rights(void **state) {
 
 /* A name that others could foresee: the file that they put there is not written to, nor what leads elsewhere.
  */
-static void predicted_temporary_names_are_harmless(void **state) {
+UNIT_TEST(predicted_temporary_names_are_harmless) {
     place *p = *state;
     char name[64], other[400];
     snprintf(name, sizeof name, "a.fathom-tmp%ld.bin", (long)getpid());
@@ -210,7 +210,7 @@ static void predicted_temporary_names_are_harmless(void **state) {
     }
 }
 
-static void a_link_is_replaced_and_its_target_stays(void **state) {
+UNIT_TEST(a_link_is_replaced_and_its_target_stays) {
     place *p = *state;
     char other[400];
     snprintf(other, sizeof other, "%s", at(p, "other"));
@@ -230,7 +230,7 @@ static void a_link_is_replaced_and_its_target_stays(void **state) {
 }
 
 /* Every name that the system takes: what comes before the extension is left out of the temporary one. */
-static void the_longest_file_names_work(void **state) {
+UNIT_TEST(the_longest_file_names_work) {
     place *p = *state;
     char path[sizeof p->folder + 300], name[256];
     for (size_t stem = 200; stem < 252; ++stem) {
@@ -256,7 +256,7 @@ static void the_longest_file_names_work(void **state) {
 }
 
 /* Only who has no say over the file but may write to its folder learns of it in the end otherwise. */
-static void protected_files_are_refused(void **state) {
+UNIT_TEST(protected_files_are_refused) {
     place *p = *state;
     assert_ok(p->context, file_writer_commit(begin(p, "one")));
     assert_int_equal(chmod(p->path, 0444), 0);
@@ -277,7 +277,7 @@ static void protected_files_are_refused(void **state) {
     assert_holds(p, "one");
 }
 
-static void abort_removes_added_files(void **state) {
+UNIT_TEST(abort_removes_added_files) {
     place *p = *state;
     char path[400];
     snprintf(path, sizeof path, "%s", at(p, "other"));
@@ -291,7 +291,7 @@ static void abort_removes_added_files(void **state) {
     }
 }
 
-static void only_left_over_files_are_removed(void **state) {
+UNIT_TEST(only_left_over_files_are_removed) {
     place *p = *state;
     file_writer *alive = begin(p, "one");
     make(at(p, "a.fathom-tmp1.bin"));
@@ -309,7 +309,7 @@ static void only_left_over_files_are_removed(void **state) {
 }
 
 /* While the child lives its file is in use; killed, it has left it over. */
-static void the_file_of_a_killed_writer_is_removed(void **state) {
+UNIT_TEST(the_file_of_a_killed_writer_is_removed) {
     place *p = *state;
     int ready[2];
     char byte;
@@ -331,22 +331,4 @@ static void the_file_of_a_killed_writer_is_removed(void **state) {
     close(ready[0]), close(ready[1]);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(bytes_are_on_the_disk_before_the_name, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_failing_disk_keeps_the_old_file, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(file_systems_without_sync_are_accepted, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(writers_of_one_file_do_not_interfere, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(abort_leaves_nothing, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(memory_holds_the_bytes_written, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_new_file_keeps_the_old_rights, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(predicted_temporary_names_are_harmless, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_link_is_replaced_and_its_target_stays, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_longest_file_names_work, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(protected_files_are_refused, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(abort_removes_added_files, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(only_left_over_files_are_removed, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_file_of_a_killed_writer_is_removed, set_up, tear_down),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

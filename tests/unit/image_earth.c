@@ -2,8 +2,7 @@
 #include "unit.h"
 #include "verify/light/shading.h"
 
-static void moved_scene(void **state) {
-    (void)state;
+UNIT_TEST(moved_scene) {
     fathom_context *context;
     assert_int_equal(fathom_context_create(&context), FATHOM_OK);
     const shading_options options = {.spec = "embree"};
@@ -32,8 +31,7 @@ static void moved_scene(void **state) {
 }
 
 /* Another field of view by a ten-thousandth is another image. */
-static void another_view(void **state) {
-    (void)state;
+UNIT_TEST(another_view) {
     fathom_context *context;
     assert_int_equal(fathom_context_create(&context), FATHOM_OK);
     const shading_options options = {.spec = "embree", .twist = 1e-4};
@@ -45,7 +43,4 @@ static void another_view(void **state) {
     fathom_context_destroy(context);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(moved_scene), cmocka_unit_test(another_view)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -5,8 +5,7 @@
 
 /* Tables of Student's distribution, two-sided, to four digits; 1 degree is Cauchy's and 2 has a closed form.
  */
-static void student_p_matches_closed_forms_and_tables(void **state) {
-    (void)state;
+UNIT_TEST(student_p_matches_closed_forms_and_tables) {
     for (double t = 0.1; t < 50; t *= 1.7) {
         assert_near(student_p(t, 1), 1 - 2 / 3.14159265358979324 * atan(t), 1e-13);
         assert_near(student_p(-t, 2), 1 - t / sqrt(2 + t * t), 1e-13);
@@ -19,8 +18,7 @@ static void student_p_matches_closed_forms_and_tables(void **state) {
     assert_near(student_p(1.9600, 1e9), 0.05, 1e-5);
 }
 
-static void sidak_undoes_its_level(void **state) {
-    (void)state;
+UNIT_TEST(sidak_undoes_its_level) {
     for (double n = 1; n < 1e6; n *= 7) assert_near(sidak(sidak_level(0.01, n), n), 0.01, 1e-14);
     assert_near(sidak(1e-12, 1e3), 1e-9, 1e-15);
     assert_near(sidak(1, 5), 1, 0);
@@ -46,8 +44,7 @@ static void assert_level(int alarms, int runs, double level) {
     assert_near(alarms, runs * level, 5 * sqrt(runs * level * (1 - level)));
 }
 
-static void corrected_tests_alarm_as_often_as_their_level(void **state) {
-    (void)state;
+UNIT_TEST(corrected_tests_alarm_as_often_as_their_level) {
     enum { RUNS = 4000, LAWS = 40 };
     const double level = 0.05, each = sidak_level(level, LAWS);
     random_state r = {1};
@@ -61,8 +58,7 @@ static void corrected_tests_alarm_as_often_as_their_level(void **state) {
 }
 
 /* Welch's approximation of the degrees of freedom is good to a few parts in a hundred of the level here. */
-static void welch_alarms_as_often_as_its_level(void **state) {
-    (void)state;
+UNIT_TEST(welch_alarms_as_often_as_its_level) {
     enum { RUNS = 4000, MEANS = 30 };
     random_state r = {2};
     int alarms = 0;
@@ -74,8 +70,7 @@ static void welch_alarms_as_often_as_its_level(void **state) {
     assert_level(alarms, RUNS, 0.05);
 }
 
-static void a_difference_of_eight_errors_is_found(void **state) {
-    (void)state;
+UNIT_TEST(a_difference_of_eight_errors_is_found) {
     random_state r = {3};
     sample_mean a[50], b[50];
     for (int i = 0; i < 50; ++i) a[i] = of_normals(&r, 100, 5, 1), b[i] = of_normals(&r, 100, 5, 1);
@@ -86,8 +81,7 @@ static void a_difference_of_eight_errors_is_found(void **state) {
     assert_int_equal(d.worst, 17);
 }
 
-static void equal_constants_agree_and_others_do_not(void **state) {
-    (void)state;
+UNIT_TEST(equal_constants_agree_and_others_do_not) {
     const sample_mean exact = {2, 0, 10}, same = {2 + 1e-9, 0, 10}, other = {2.1, 0, 10};
     assert_near(welch_p(exact, same, 1e-6), 1, 0);
     assert_near(welch_p(exact, other, 1e-6), 0, 0);
@@ -95,8 +89,7 @@ static void equal_constants_agree_and_others_do_not(void **state) {
 }
 
 /* None of a million samples met a light of 1e-12, which another renderer asks for. */
-static void light_too_rare_to_be_met_is_no_difference(void **state) {
-    (void)state;
+UNIT_TEST(light_too_rare_to_be_met_is_no_difference) {
     sample_mean found[2] = {{3e-12, 1e-13, 100}, {1, 1e-3, 100}}, missed[2] = {{0, 0, 15}, {1, 1e-3, 15}};
     assert_true(laws_compare(found, missed, 2, 0).p < 1e-6);
     laws_least_error(found, 2, 1e6);
@@ -108,15 +101,4 @@ static void light_too_rare_to_be_met_is_no_difference(void **state) {
     assert_true(laws_compare(found, missed, 2, 0).p < 1e-6);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(student_p_matches_closed_forms_and_tables),
-        cmocka_unit_test(sidak_undoes_its_level),
-        cmocka_unit_test(corrected_tests_alarm_as_often_as_their_level),
-        cmocka_unit_test(welch_alarms_as_often_as_its_level),
-        cmocka_unit_test(a_difference_of_eight_errors_is_found),
-        cmocka_unit_test(equal_constants_agree_and_others_do_not),
-        cmocka_unit_test(light_too_rare_to_be_met_is_no_difference),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

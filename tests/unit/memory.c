@@ -5,8 +5,7 @@
 #define MEGABYTE ((size_t)1 << 20)
 
 /* Little is not asked about, and what no machine has is refused wherever the system tells. */
-static void free_memory_is_granted(void **state) {
-    (void)state;
+UNIT_TEST(free_memory_is_granted) {
     assert_true(memory_has(0));
     assert_true(memory_has(256 * MEGABYTE));
     assert_int_equal(memory_has(SIZE_MAX - 1), memory_free() == SIZE_MAX);
@@ -14,8 +13,7 @@ static void free_memory_is_granted(void **state) {
 }
 
 /* All is zero; up to 64 MB is in memory at once. */
-static void taken_memory_is_resident(void **state) {
-    (void)state;
+UNIT_TEST(taken_memory_is_resident) {
     static const size_t sizes[] = {1, 8 * MEGABYTE, 64 * MEGABYTE, 64 * MEGABYTE + 1, 1024 * MEGABYTE};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
         const size_t before = memory_resident(), at_once = memory_taken(sizes[i]);
@@ -33,8 +31,4 @@ static void taken_memory_is_resident(void **state) {
     assert_true(memory_private() <= memory_resident());
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(free_memory_is_granted),
-                                       cmocka_unit_test(taken_memory_is_resident)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -46,8 +46,7 @@ static void render_quietly(stage *s, const fathom_checkpoint *saving) {
     fathom_film_destroy(film);
 }
 
-static void a_render_that_succeeds_leaves_no_message(void **state) {
-    (void)state;
+UNIT_TEST(a_render_that_succeeds_leaves_no_message) {
     static const char *const tracers[] = {NULL,         "embree:user", "embree:compact",
                                           "embree:low", "bvh",         "linear:f64"};
     stage s = full_stage();
@@ -59,8 +58,7 @@ static void a_render_that_succeeds_leaves_no_message(void **state) {
     stage_close(&s);
 }
 
-static void every_way_to_sample_leaves_no_message(void **state) {
-    (void)state;
+UNIT_TEST(every_way_to_sample_leaves_no_message) {
     stage s = full_stage();
     s.settings.spp = 16;
     render_quietly(&s, NULL);
@@ -72,8 +70,7 @@ static void every_way_to_sample_leaves_no_message(void **state) {
 }
 
 /* resume without a file there is warned of, and no failure. */
-static void a_checkpointed_render_leaves_no_message(void **state) {
-    (void)state;
+UNIT_TEST(a_checkpointed_render_leaves_no_message) {
     const char *path = in_folder("a.part");
     stage s = full_stage();
     fathom_checkpoint saving;
@@ -84,8 +81,7 @@ static void a_checkpointed_render_leaves_no_message(void **state) {
     stage_close(&s);
 }
 
-static void writing_leaves_no_message(void **state) {
-    (void)state;
+UNIT_TEST(writing_leaves_no_message) {
     static const char *const images[] = {"a.png", "a.exr", "a.jpg", "a.tif"};
     static const char *const meshes[] = {"a.ply", "a.glb", "a.obj"};
     stage s = full_stage();
@@ -109,8 +105,7 @@ static void writing_leaves_no_message(void **state) {
     stage_close(&s);
 }
 
-static void reading_leaves_no_message(void **state) {
-    (void)state;
+UNIT_TEST(reading_leaves_no_message) {
     static const char *const files[] = {"scenes/example.json", "scenes/example.obj",
                                         "scenes/first-render.json"};
     for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
@@ -125,8 +120,7 @@ static void reading_leaves_no_message(void **state) {
     }
 }
 
-static void tracing_leaves_no_message(void **state) {
-    (void)state;
+UNIT_TEST(tracing_leaves_no_message) {
     stage s = full_stage();
     const char *const kinds[] = {"embree", "reference"};
     for (size_t i = 0; i < 2; ++i) {
@@ -142,14 +136,4 @@ static void tracing_leaves_no_message(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_render_that_succeeds_leaves_no_message),
-        cmocka_unit_test(every_way_to_sample_leaves_no_message),
-        cmocka_unit_test(a_checkpointed_render_leaves_no_message),
-        cmocka_unit_test(writing_leaves_no_message),
-        cmocka_unit_test(reading_leaves_no_message),
-        cmocka_unit_test(tracing_leaves_no_message),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -104,22 +104,19 @@ static void exhaust_command(const command *c, const char *line) {
 
 /* ---- the commands ---- */
 
-static void describing(void **state) {
-    (void)state;
+UNIT_TEST(describing) {
     exhaust_command(&command_info, "@scene.json");
     exhaust_command(&command_info, "@scene.json --json");
     exhaust_command(&command_generate, "sphere -t 64 -o >made.ply");
 }
 
-static void rendering(void **state) {
-    (void)state;
+UNIT_TEST(rendering) {
     exhaust_command(&command_render, "@scene.json -o >a.png --threads 1 --tracer linear -v");
     exhaust_command(&command_render, "@scene.json -o @b.png --stats @a.json --threads 1 --tracer linear -q");
     exhaust_command(&command_compare, "@b.png @b.png --flip");
 }
 
-static void validating(void **state) {
-    (void)state;
+UNIT_TEST(validating) {
     exhaust_command(&command_validate,
                     "@scene.json --rays 2 --families camera --tracer linear --threads 1 --json >a.json -v");
     exhaust_command(&command_validate,
@@ -127,8 +124,7 @@ static void validating(void **state) {
     exhaust_command(&command_validate, "--replay @rays.txt");
 }
 
-static void measuring(void **state) {
-    (void)state;
+UNIT_TEST(measuring) {
     refused_each = 200;
     exhaust_command(&command_bench_trace,
                     "@scene.json --tracer bvh --rays 64 --repeats 1 --seconds 1e-4 --json >a.json");
@@ -174,12 +170,4 @@ static int end(void **state) {
     return rmdir(folder);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(describing),
-        cmocka_unit_test(rendering),
-        cmocka_unit_test(validating),
-        cmocka_unit_test(measuring),
-    };
-    return cmocka_run_group_tests(tests, begin, end);
-}
+int main(void) { return unit_main(begin, end); }

@@ -30,8 +30,7 @@ static oracle_answer drop(float x, float y, float t_far) {
     return ask(ray_of(vec_f32(x, y, 2), vec_f32(0, 0, -1), 0, t_far), triangle_of(A, B, C));
 }
 
-static void edges_and_vertices_belong_to_the_triangle(void **state) {
-    (void)state;
+UNIT_TEST(edges_and_vertices_belong_to_the_triangle) {
     oracle_answer inner = drop(0.25f, 0.25f, INFINITY);
     assert_true(inner.hit && is_exactly(inner.t, 2) && is_exactly(inner.edge, 0.25));
     assert_true(is_exactly(inner.weight[0], 0.5));
@@ -49,8 +48,7 @@ static void edges_and_vertices_belong_to_the_triangle(void **state) {
     assert_true(!past.hit && is_exactly(past.weight[0], -0x1p-25));
 }
 
-static void the_interval_is_open(void **state) {
-    (void)state;
+UNIT_TEST(the_interval_is_open) {
     assert_false(drop(0.25f, 0.25f, 2).hit);
     assert_true(is_exactly(drop(0.25f, 0.25f, 2).below_far, 0));
     assert_true(drop(0.25f, 0.25f, nextafterf(2, 3)).hit);
@@ -69,8 +67,7 @@ static void the_interval_is_open(void **state) {
     assert_false(ask(ray_of(org, thrice, INFINITY, INFINITY), triangle).hit);
 }
 
-static void nothing_meets_what_has_no_area_or_is_not_finite(void **state) {
-    (void)state;
+UNIT_TEST(nothing_meets_what_has_no_area_or_is_not_finite) {
     oracle_ray ray = ray_of(vec_f32(0.25f, 0.25f, 2), vec_f32(0, 0, -1), 0, INFINITY);
     assert_true(ask(ray, triangle_of(A, B, B)).parallel);
     assert_true(ask(ray, triangle_of(A, A, A)).parallel);
@@ -87,8 +84,7 @@ static void nothing_meets_what_has_no_area_or_is_not_finite(void **state) {
     assert_false(ask(ray, sphere_of(A, INFINITY)).hit);
 }
 
-static void a_tangent_meets_the_sphere_once(void **state) {
-    (void)state;
+UNIT_TEST(a_tangent_meets_the_sphere_once) {
     oracle_primitive sphere = sphere_of(vec_f32(0, 0, 0), 5);
     oracle_ray ray = ray_of(vec_f32(-7, 5, 0), vec_f32(2, 0, 0), 0, INFINITY);
     oracle_answer touch = ask(ray, sphere);
@@ -117,8 +113,7 @@ static void a_tangent_meets_the_sphere_once(void **state) {
     assert_true(ask(diagonal, round).hit);
 }
 
-static void quads_are_their_two_triangles(void **state) {
-    (void)state;
+UNIT_TEST(quads_are_their_two_triangles) {
     oracle_primitive quad = {.shape = ORACLE_QUAD, .v = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
     vec3_f32 down = {0, 0, -1};
     oracle_answer a = ask(ray_of(vec_f32(0.25f, 0.5f, 1), down, 0, 9), quad);
@@ -135,8 +130,7 @@ static void quads_are_their_two_triangles(void **state) {
     assert_true(fold.hit && fold.part == 1 && is_exactly(fold.t, 0.75));
 }
 
-static void planes_end_at_parallel_rays(void **state) {
-    (void)state;
+UNIT_TEST(planes_end_at_parallel_rays) {
     oracle_primitive plane = {.shape = ORACLE_PLANE, .v = {{0, 3, 0}, {0, 2, 0}}};
     oracle_answer a = ask(ray_of(vec_f32(5, 7, 5), vec_f32(0, -1, 0), 0, 9), plane);
     assert_true(a.hit && is_exactly(a.t, 4));
@@ -153,8 +147,7 @@ static int order_of(oracle_ray ray, oracle_primitive p, oracle_primitive q) {
     return order;
 }
 
-static void distances_are_compared_exactly(void **state) {
-    (void)state;
+UNIT_TEST(distances_are_compared_exactly) {
     oracle_ray ray = ray_of(vec_f32(0.25f, 0.25f, 2), vec_f32(0, 0, -3), 0, INFINITY);
     oracle_primitive flat = triangle_of(A, B, C),
                      wide = triangle_of(vec_f32(-4, -4, 0), vec_f32(9, -4, 0), vec_f32(-4, 9, 0));
@@ -192,8 +185,7 @@ static world_instance placed(float scale, vec3_f32 offset) {
     return instance;
 }
 
-static void instances_carry_the_ray_exactly(void **state) {
-    (void)state;
+UNIT_TEST(instances_carry_the_ray_exactly) {
     world_instance instance = placed(0x1p20f, vec_f32(0x1p23f, 1, 0));
     oracle_primitive triangle = triangle_of(A, B, C);
     triangle.instance = &instance;
@@ -223,8 +215,7 @@ static double moved_by(oracle_ray ray, oracle_primitive p, double base, double u
     return sum / u;
 }
 
-static void condition_numbers_are_sensitivities(void **state) {
-    (void)state;
+UNIT_TEST(condition_numbers_are_sensitivities) {
     oracle_ray ray = ray_of(vec_f32(3, 4, 5), vec_f32(-2.75f, -3.5f, -6), 0, INFINITY);
     oracle_primitive triangle = triangle_of(vec_f32(-1, -2, 0.5f), vec_f32(3, 1, -1), vec_f32(-2, 5, 0.25f));
     oracle_answer a = ask(ray, triangle);
@@ -240,17 +231,4 @@ static void condition_numbers_are_sensitivities(void **state) {
     assert_near(oracle_condition(&ray, &sphere, &s, false) / slope, 1, 0.01);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(edges_and_vertices_belong_to_the_triangle),
-        cmocka_unit_test(the_interval_is_open),
-        cmocka_unit_test(nothing_meets_what_has_no_area_or_is_not_finite),
-        cmocka_unit_test(a_tangent_meets_the_sphere_once),
-        cmocka_unit_test(quads_are_their_two_triangles),
-        cmocka_unit_test(planes_end_at_parallel_rays),
-        cmocka_unit_test(distances_are_compared_exactly),
-        cmocka_unit_test(instances_carry_the_ray_exactly),
-        cmocka_unit_test(condition_numbers_are_sensitivities),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -374,8 +374,7 @@ static void run_family(family f, bool in_instance) {
     }
 }
 
-static void rational_numbers_agree(void **state) {
-    (void)state;
+UNIT_TEST(rational_numbers_agree) {
     for (int f = 0; f < FAMILIES; ++f) {
         run_family((family)f, false);
         run_family((family)f, true);
@@ -383,8 +382,7 @@ static void rational_numbers_agree(void **state) {
 }
 
 /* Tracers run with denormals flushed; the oracle is asked from the same threads. */
-static void a_thread_that_flushes_denormals_gets_the_same_answers(void **state) {
-    (void)state;
+UNIT_TEST(a_thread_that_flushes_denormals_gets_the_same_answers) {
     random_state r = {77};
     int hits = 0;
     for (int i = 0; i < 4000; ++i) {
@@ -407,8 +405,7 @@ static void a_thread_that_flushes_denormals_gets_the_same_answers(void **state) 
     assert_true(hits > 100);
 }
 
-static void pairs_are_ordered_alike(void **state) {
-    (void)state;
+UNIT_TEST(pairs_are_ordered_alike) {
     random_state r = {5};
     int ties = 0;
     for (int i = 0; i < 20000; ++i) {
@@ -436,8 +433,7 @@ static __attribute__((noinline)) void round_beside(const double *x, float *d, do
     dd[0] = (double)d[0], dd[1] = (double)d[1];
 }
 
-static void rounding_to_float_is_kept(void **state) {
-    (void)state;
+UNIT_TEST(rounding_to_float_is_kept) {
     random_state r = {9};
     for (int i = 0; i < 1000; ++i) {
         double x[2] = {random_in(&r, -1, 1), random_in(&r, -1, 1)}, dd[2];
@@ -488,8 +484,7 @@ static void order_both_ways(const oracle_ray *ray, const oracle_primitive *p, co
 }
 
 /* The longest numbers there are: both ends of float's range in one scene, in an instance. */
-static void extremes_stay_within_the_numbers(void **state) {
-    (void)state;
+UNIT_TEST(extremes_stay_within_the_numbers) {
     mp_set_memory_functions(no_allocation, no_reallocation, NULL);
     const float huge = 0x1.fffffep127f, least = 0x1p-149f;
     /* Origins and centres near (huge, huge, huge), 2^-298 the last digit of both: from inside. */
@@ -513,13 +508,4 @@ static void extremes_stay_within_the_numbers(void **state) {
     mp_set_memory_functions(NULL, NULL, NULL);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rational_numbers_agree),
-        cmocka_unit_test(a_thread_that_flushes_denormals_gets_the_same_answers),
-        cmocka_unit_test(pairs_are_ordered_alike),
-        cmocka_unit_test(rounding_to_float_is_kept),
-        cmocka_unit_test(extremes_stay_within_the_numbers),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -161,7 +161,7 @@ static oracle_ray ray_of(random_state *r, int i) {
     return ray;
 }
 
-static void it_finds_what_asking_everything_finds(void **state) {
+UNIT_TEST(it_finds_what_asking_everything_finds) {
     fixture *f = *state;
     random_state r = {2};
     search_result result = {0};
@@ -190,7 +190,7 @@ static void it_finds_what_asking_everything_finds(void **state) {
 }
 
 /* The reference tracer answers in float: it must be one of the ties, or off by no more than float is. */
-static void the_reference_tracer_finds_it_too(void **state) {
+UNIT_TEST(the_reference_tracer_finds_it_too) {
     fixture *f = *state;
     trace_options options = {.words = "reference"};
     trace_tracer *tracer;
@@ -221,10 +221,4 @@ static void the_reference_tracer_finds_it_too(void **state) {
     trace_destroy(tracer);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(it_finds_what_asking_everything_finds),
-        cmocka_unit_test(the_reference_tracer_finds_it_too),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+int main(void) { return unit_main(set_up, tear_down); }

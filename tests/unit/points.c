@@ -112,8 +112,7 @@ static void expect_same_pixels(fathom_film *a, fathom_film *b) {
 }
 
 /* By either integrator and by every tracer, to the last bit. */
-static void a_cloud_renders_as_its_spheres(void **state) {
-    (void)state;
+UNIT_TEST(a_cloud_renders_as_its_spheres) {
     static const char *const tracers[] = {"embree", "embree:1", "embree:user:8", "bvh", "linear"};
     for (int classic = 0; classic < 2; ++classic) {
         stage apart = crowd(true), whole = crowd(false);
@@ -133,8 +132,7 @@ static void a_cloud_renders_as_its_spheres(void **state) {
     }
 }
 
-static void a_moving_cloud_renders_as_its_spheres(void **state) {
-    (void)state;
+UNIT_TEST(a_moving_cloud_renders_as_its_spheres) {
     static const double times[2] = {0, 1}, frames[24] = {1, 0, 0, 0,   0, 1, 0, 0, 0, 0, 1, 0,
                                                          1, 0, 0, 0.8, 0, 1, 0, 0, 0, 0, 1, 0.5};
     fathom_film *films[2];
@@ -159,8 +157,7 @@ static void a_moving_cloud_renders_as_its_spheres(void **state) {
 }
 
 /* Points that are there several times, and runs of all lengths: clusters of eight are not seen. */
-static void tracers_agree_on_every_point(void **state) {
-    (void)state;
+UNIT_TEST(tracers_agree_on_every_point) {
     static const char *const tracers[] = {"linear",   "bvh",         "embree",
                                           "embree:1", "embree:user", "embree:compact:4"};
     static float grid[500][3];
@@ -196,8 +193,7 @@ static void tracers_agree_on_every_point(void **state) {
 }
 
 /* The memory foreseen is at least what is taken, and not far above. */
-static void memory_of_points_is_foreseen(void **state) {
-    (void)state;
+UNIT_TEST(memory_of_points_is_foreseen) {
     enum { MANY = 200000 };
     stage s = stage_open(8, 8);
     float *many = malloc(MANY * 3 * sizeof *many);
@@ -221,8 +217,7 @@ static void memory_of_points_is_foreseen(void **state) {
 
 /* ---- what a world tells of points ---- */
 
-static void points_are_primitives_of_their_object(void **state) {
-    (void)state;
+UNIT_TEST(points_are_primitives_of_their_object) {
     stage s = stage_open(8, 8);
     world *w;
     const fathom_id lambert = stage_lambert(&s, 0.5f), other = stage_lambert(&s, 0.6f);
@@ -254,8 +249,7 @@ static void points_are_primitives_of_their_object(void **state) {
 }
 
 /* Also where the frame is a mesh's own, far away. */
-static void bounds_reach_around_points(void **state) {
-    (void)state;
+UNIT_TEST(bounds_reach_around_points) {
     stage s = stage_open(8, 8);
     fathom_mesh mesh = cloud_of(0.5f, stage_lambert(&s, 0.5f));
     mesh.vertex_count = 1, mesh.origin[0] = 1e6;
@@ -282,8 +276,7 @@ static void bounds_reach_around_points(void **state) {
 /* ---- colours ---- */
 
 /* A point looks as a sphere of its colour does. */
-static void each_point_has_its_colour(void **state) {
-    (void)state;
+UNIT_TEST(each_point_has_its_colour) {
     fathom_film *films[2];
     for (int k = 0; k < 2; ++k) {
         stage s = stage_open(96, 64);
@@ -320,8 +313,7 @@ static void each_point_has_its_colour(void **state) {
 /* ---- the reference integrator ---- */
 
 /* Each alarms falsely once in 100,000 seeds, which are fixed. */
-static void path_and_reference_agree_on_clouds(void **state) {
-    (void)state;
+UNIT_TEST(path_and_reference_agree_on_clouds) {
     static const laws_pair options = {
         .across = 4, .down = 4, .depth = 6, .samples = 1 << 17, .seed = 1, .threads = 2, .allowance = 2e-5};
     laws_difference d;
@@ -379,8 +371,7 @@ static const char *const files[] = {"a.ply", "a.obj", "a.glb", "a.json"};
 #define LOST "the radius of a cloud of points is left out"
 
 /* OBJ holds colours as screens show them, and PLY includes the k_d of the default material, 0.5. */
-static void points_and_colours_read_back(void **state) {
-    (void)state;
+UNIT_TEST(points_and_colours_read_back) {
     for (int f = 0; f < 4; ++f) {
         fathom_mesh mesh = cloud_of(usual_radius(), 0);
         mesh.colors = colors[0], mesh.color_stride = sizeof colors[0];
@@ -402,8 +393,7 @@ static void points_and_colours_read_back(void **state) {
 }
 
 /* Scene JSON alone holds a radius; the others say once that theirs is another. */
-static void a_radius_of_ones_own_is_kept_or_told(void **state) {
-    (void)state;
+UNIT_TEST(a_radius_of_ones_own_is_kept_or_told) {
     for (int f = 0; f < 4; ++f) {
         const fathom_mesh mesh = cloud_of(0.3f, 0);
         fathom_scene *back = through(scene_of(&mesh), files[f]);
@@ -414,8 +404,7 @@ static void a_radius_of_ones_own_is_kept_or_told(void **state) {
 }
 
 /* A placed cloud is written where it stands: twice as large in a mirror, its radius is found again. */
-static void placed_clouds_read_back(void **state) {
-    (void)state;
+UNIT_TEST(placed_clouds_read_back) {
     for (int f = 0; f < 4; ++f) {
         const fathom_mesh mesh = cloud_of(usual_radius(), 0);
         fathom_instance instance;
@@ -435,8 +424,7 @@ static void placed_clouds_read_back(void **state) {
     }
 }
 
-static void ply_has_no_place_for_points_among_triangles(void **state) {
-    (void)state;
+UNIT_TEST(ply_has_no_place_for_points_among_triangles) {
     static const uint32_t indices[3] = {0, 1, 2};
     const fathom_mesh mesh = cloud_of(0.3f, 0);
     fathom_mesh triangle;
@@ -457,20 +445,6 @@ static void ply_has_no_place_for_points_among_triangles(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_cloud_renders_as_its_spheres),
-        cmocka_unit_test(a_moving_cloud_renders_as_its_spheres),
-        cmocka_unit_test(tracers_agree_on_every_point),
-        cmocka_unit_test(memory_of_points_is_foreseen),
-        cmocka_unit_test(points_are_primitives_of_their_object),
-        cmocka_unit_test(bounds_reach_around_points),
-        cmocka_unit_test(each_point_has_its_colour),
-        cmocka_unit_test(path_and_reference_agree_on_clouds),
-        cmocka_unit_test(points_and_colours_read_back),
-        cmocka_unit_test(a_radius_of_ones_own_is_kept_or_told),
-        cmocka_unit_test(placed_clouds_read_back),
-        cmocka_unit_test(ply_has_no_place_for_points_among_triangles),
-    };
     fill_cloud();
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+    return unit_main(open_folder, remove_folder);
 }

@@ -8,8 +8,7 @@ static fathom_progress at(double fraction, uint64_t rays, double seconds) {
         .phase = FATHOM_PHASE_RENDER, .fraction = fraction, .rays = rays, .seconds = seconds};
 }
 
-static void the_bar_fits(void **state) {
-    (void)state;
+UNIT_TEST(the_bar_fits) {
     for (unsigned columns = 0; columns < 300; ++columns) {
         for (int i = 0; i <= 20; ++i) {
             fathom_progress p = at(i / 20.0, 123456789, 3.0);
@@ -21,8 +20,7 @@ static void the_bar_fits(void **state) {
     }
 }
 
-static void the_bar_is_as_full_as_the_work(void **state) {
-    (void)state;
+UNIT_TEST(the_bar_is_as_full_as_the_work) {
     int before = -1;
     for (int i = 0; i <= 100; ++i) {
         fathom_progress p = at(i / 100.0, 1000000, 2.0);
@@ -37,8 +35,7 @@ static void the_bar_is_as_full_as_the_work(void **state) {
     }
 }
 
-static void lines_say_what_is_known(void **state) {
-    (void)state;
+UNIT_TEST(lines_say_what_is_known) {
     char text[128];
     fathom_progress p = at(0.25, 90000000, 2.0);
     progress_line(&p, text, sizeof text);
@@ -52,8 +49,7 @@ static void lines_say_what_is_known(void **state) {
     assert_string_equal(text, "render 0 %");
 }
 
-static void hundred_percent_means_done(void **state) {
-    (void)state;
+UNIT_TEST(hundred_percent_means_done) {
     char text[128];
     fathom_progress p = at(0.9999, 0, 0);
     progress_line(&p, text, sizeof text);
@@ -63,8 +59,7 @@ static void hundred_percent_means_done(void **state) {
     assert_string_equal(text, "render 100 %");
 }
 
-static void odd_fractions_are_held(void **state) {
-    (void)state;
+UNIT_TEST(odd_fractions_are_held) {
     const double odd[] = {-1, 2, (double)NAN, (double)INFINITY, 1e-300};
     for (size_t i = 0; i < sizeof odd / sizeof *odd; ++i) {
         fathom_progress p = at(odd[i], UINT64_MAX, 1e9);
@@ -76,13 +71,4 @@ static void odd_fractions_are_held(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_bar_fits),
-        cmocka_unit_test(the_bar_is_as_full_as_the_work),
-        cmocka_unit_test(lines_say_what_is_known),
-        cmocka_unit_test(hundred_percent_means_done),
-        cmocka_unit_test(odd_fractions_are_held),
-    };
-    return cmocka_run_group_tests_name("progress", tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -26,8 +26,7 @@ static void expect_color(const char *body, const char *field, const float found[
     }
 }
 
-static void absent_values_get_defaults(void **state) {
-    (void)state;
+UNIT_TEST(absent_values_get_defaults) {
     fathom_material plain, found = material_of("");
     fathom_material_default(&plain);
     assert_memory_equal(found.k_d, plain.k_d, sizeof plain.k_d);
@@ -37,8 +36,7 @@ static void absent_values_get_defaults(void **state) {
     expect_color("", "k_r", found.k_r, 0, 0, 0);
 }
 
-static void diffuse_and_highlights_are_read(void **state) {
-    (void)state;
+UNIT_TEST(diffuse_and_highlights_are_read) {
     const char *body = "Kd 0.1 0.2 0.3\nKs 0.4 0.5 0.6\nNs 50\nKe 1 2 3\nKa 0.7 0.8 0.9\nillum 2\n";
     fathom_material m = material_of(body);
     expect_color(body, "k_d", m.k_d, 0.1, 0.2, 0.3);
@@ -58,8 +56,7 @@ static void diffuse_and_highlights_are_read(void **state) {
     expect_color("Kd 0.25", "k_d", m.k_d, 0.25, 0.25, 0.25);
 }
 
-static void ambient_follows_ka_and_illum(void **state) {
-    (void)state;
+UNIT_TEST(ambient_follows_ka_and_illum) {
     assert_true(material_of("Kd 0.1 0.2 0.3\nKa 1 1 1\nillum 2\n").k_a[0] < 0);
     fathom_material m = material_of("Ka 0 0 0\nillum 1\n");
     expect_color("Ka 0", "k_a", m.k_a, 0, 0, 0);
@@ -68,8 +65,7 @@ static void ambient_follows_ka_and_illum(void **state) {
 }
 
 /* What Blender and others write for a surface that is simply opaque. */
-static void materials_as_exported_look_right(void **state) {
-    (void)state;
+UNIT_TEST(materials_as_exported_look_right) {
     const char *body =
         "Ns 250.000000\nKa 1.000000 1.000000 1.000000\nKd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nKe 0 0 0\nNi 1.45\n"
         "d 1.000000\nTr 0.0\nTf 1 1 1\nillum 2\n";
@@ -83,8 +79,7 @@ static void materials_as_exported_look_right(void **state) {
     assert_ptr_equal(strchr(mesh_warnings, '\n'), mesh_warnings + strlen(mesh_warnings) - 1);
 }
 
-static void mirrors_follow_illum(void **state) {
-    (void)state;
+UNIT_TEST(mirrors_follow_illum) {
     const char *models[] = {"illum 3", "illum 5\nNi 1.5", "illum 8"};
     for (int i = 0; i < 3; ++i) {
         char body[64];
@@ -103,8 +98,7 @@ static void mirrors_follow_illum(void **state) {
 }
 
 /* Dissolving fades all that the surface sends out and bends nothing, however it is written. */
-static void dissolved_materials_pass_light_straight(void **state) {
-    (void)state;
+UNIT_TEST(dissolved_materials_pass_light_straight) {
     const char *bodies[] = {
         "Kd 0.8 0.8 0.8\nKs 1 1 1\nNs 10\nKe 1 1 1\nKa 0.4 0.4 0.4\nillum 2\nNi 1.45\nd 0.25\n",
         "Kd 0.8 0.8 0.8\nKs 1 1 1\nNs 10\nKe 1 1 1\nKa 0.4 0.4 0.4\nillum 2\nNi 1.45\nTr 0.75\n",
@@ -122,8 +116,7 @@ static void dissolved_materials_pass_light_straight(void **state) {
 }
 
 /* MeshLab writes Tr 1 for opaque surfaces. What says d 0 is not seen, which is told. */
-static void tr_1_is_opaque(void **state) {
-    (void)state;
+UNIT_TEST(tr_1_is_opaque) {
     const char *opaque[] = {"Kd 0.8 0.8 0.8\nTr 1.000000\nillum 2\nNs 0\n", "Kd 0.8 0.8 0.8\nd 1\nTr 1\n"};
     for (int i = 0; i < 2; ++i) {
         fathom_material m = material_of(opaque[i]);
@@ -143,8 +136,7 @@ static void tr_1_is_opaque(void **state) {
     assert_string_equal(mesh_warnings, "");
 }
 
-static void glass_follows_its_formulas(void **state) {
-    (void)state;
+UNIT_TEST(glass_follows_its_formulas) {
     /* By Fresnel's law: all goes through or is mirrored, highlights stay. */
     const char *body = "Kd 0.01 0.01 0.01\nKs 1 1 1\nNs 200\nNi 1.5\nTf 0.9 1 0.8\nillum 7\n";
     fathom_material m = material_of(body);
@@ -185,8 +177,7 @@ static void glass_follows_its_formulas(void **state) {
 }
 
 /* Tf beside keys of metallic-roughness, and no word on a highlight, which Pr gives. */
-static void clear_metallic_materials_transmit(void **state) {
-    (void)state;
+UNIT_TEST(clear_metallic_materials_transmit) {
     fathom_material m = material_of("Kd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nPr 0\nNi 1.45\nillum 2\nTf 1 1 1\n");
     assert_int_equal(m.model, FATHOM_MODEL_METALLIC_ROUGHNESS);
     assert_true(m.transmission == 1 && m.thickness > 0 && m.ior == 1.45f);
@@ -201,8 +192,7 @@ static void expect_warning(const char *text) {
     if (!strstr(mesh_warnings, text)) fail_msg("no \"%s\" in:\n%s", text, mesh_warnings);
 }
 
-static void omissions_are_reported(void **state) {
-    (void)state;
+UNIT_TEST(omissions_are_reported) {
     material_of("Kd 1 1 1\nfoo 0.5\nKs spectral x.rfl\nbar 1\nTf 0.5 1 1\nd -halo 1\nillum 10\n");
     expect_warning("m.mtl:3: statements that are not read are left out (2 such, the first here: \"foo\")");
     expect_warning("m.mtl:4: colours as spectra or in xyz are not read (1 such");
@@ -229,8 +219,7 @@ static void expect_map(const char *body, fathom_map_kind kind, const char *file,
 }
 
 /* v grows upwards in the format, and downwards in maps. */
-static void images_become_maps(void **state) {
-    (void)state;
+UNIT_TEST(images_become_maps) {
     const float plain[6] = {1, 0, 0, 0, -1, 1}, moved[6] = {2, 0, 0.5f, 0, -3, 0.75f};
     expect_map("map_Kd a b.png\n", FATHOM_MAP_COLOR, "a b.png", 0, plain);
     expect_map("map_Kd \"a b.png\"\n", FATHOM_MAP_COLOR, "a b.png", 0, plain);
@@ -246,8 +235,7 @@ static void images_become_maps(void **state) {
     expect_map("map_Bump -bm 0.5 -imfchan g wall.png\n", FATHOM_MAP_BUMP, "wall.png", 1, plain);
 }
 
-static void an_image_alone_has_factors_of_one(void **state) {
-    (void)state;
+UNIT_TEST(an_image_alone_has_factors_of_one) {
     const char *body = "map_Kd a\nmap_Ke d\nKe 0.5 0.5 0.5\n";
     fathom_material m = material_of(body);
     expect_color(body, "k_d", m.k_d, 1, 1, 1);
@@ -260,8 +248,7 @@ static void an_image_alone_has_factors_of_one(void **state) {
     expect_warning(":3: an image without the name");
 }
 
-static void black_times_an_image_is_the_image(void **state) {
-    (void)state;
+UNIT_TEST(black_times_an_image_is_the_image) {
     const char *bodies[] = {"Kd 0 0 0\nmap_Kd a\n", "map_Kd a\nKd 0 0 0\n"};
     for (int i = 0; i < 2; ++i) {
         fathom_material m = material_of(bodies[i]);
@@ -276,8 +263,7 @@ static void black_times_an_image_is_the_image(void **state) {
     assert_string_equal(mesh_warnings, "");
 }
 
-static void pbr_keys_make_a_metallic_roughness_material(void **state) {
-    (void)state;
+UNIT_TEST(pbr_keys_make_a_metallic_roughness_material) {
     const char *body = "Kd 0.5 0.25 1\nPr 0.125\nPm 0.75\nPc 0.5\nPcr 0.25\nd 0.5\nNi 1.25\nKe 1 2 3\n";
     fathom_material m = material_of(body);
     assert_int_equal(m.model, FATHOM_MODEL_METALLIC_ROUGHNESS);
@@ -293,8 +279,7 @@ static void pbr_keys_make_a_metallic_roughness_material(void **state) {
 }
 
 /* The words of printf() for what is no number; missing numbers. What was there before counts. */
-static void statements_without_numbers_are_left_out(void **state) {
-    (void)state;
+UNIT_TEST(statements_without_numbers_are_left_out) {
     fathom_material m = material_of("Kd 0.25 0.5 0.75\nKd 1 x 0\nKd 1 0\nNs 1.#QNAN\nNi\nKe 1 2 3\n");
     expect_color("Kd", "k_d", m.k_d, 0.25, 0.5, 0.75);
     expect_color("Ke", "k_e", m.k_e, 1, 2, 3);
@@ -303,8 +288,7 @@ static void statements_without_numbers_are_left_out(void **state) {
     expect_warning("m.mtl:6: Ni: expected a number; it is left out (1 such)");
 }
 
-static void numbers_out_of_range_become_the_nearest(void **state) {
-    (void)state;
+UNIT_TEST(numbers_out_of_range_become_the_nearest) {
     fathom_material m = material_of("Kd -1 0.5 2\nKs 1 1 1\nNs nan\nd 1.5\nillum 11\nNi -3\n");
     expect_color("Kd", "k_d", m.k_d, 0, 0.5, 1);
     expect_warning("m.mtl:2: Kd above 1, more light than arrives, is read as 1; colours are 0 to 1 (1 such)");
@@ -320,8 +304,7 @@ static void numbers_out_of_range_become_the_nearest(void **state) {
     expect_warning("m.mtl:2: illum: expected a whole number");
 }
 
-static void materials_without_a_name_have_the_empty_one(void **state) {
-    (void)state;
+UNIT_TEST(materials_without_a_name_have_the_empty_one) {
     const char *text = "Kd 0 0 0\nnewmtl\nKd 1 0 0\nnewmtl b\nKd 0 1 0\n";
     mtl_library library = {0};
     mesh_warnings[0] = '\0';
@@ -335,8 +318,7 @@ static void materials_without_a_name_have_the_empty_one(void **state) {
 }
 
 /* Names are whole lines; a later material of a name takes the place of the earlier. */
-static void names_may_hold_blanks(void **state) {
-    (void)state;
+UNIT_TEST(names_may_hold_blanks) {
     const char *text =
         "newmtl Material #25 \r\nKd 1 0 0\r\nnewmtl b\nKd 0 1 0\nnewmtl Material #25\nKd 0 0 1\n";
     mtl_library library = {0};
@@ -348,26 +330,4 @@ static void names_may_hold_blanks(void **state) {
     mtl_free(&library);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(absent_values_get_defaults),
-        cmocka_unit_test(diffuse_and_highlights_are_read),
-        cmocka_unit_test(ambient_follows_ka_and_illum),
-        cmocka_unit_test(materials_as_exported_look_right),
-        cmocka_unit_test(mirrors_follow_illum),
-        cmocka_unit_test(dissolved_materials_pass_light_straight),
-        cmocka_unit_test(tr_1_is_opaque),
-        cmocka_unit_test(clear_metallic_materials_transmit),
-        cmocka_unit_test(glass_follows_its_formulas),
-        cmocka_unit_test(omissions_are_reported),
-        cmocka_unit_test(names_may_hold_blanks),
-        cmocka_unit_test(images_become_maps),
-        cmocka_unit_test(an_image_alone_has_factors_of_one),
-        cmocka_unit_test(black_times_an_image_is_the_image),
-        cmocka_unit_test(pbr_keys_make_a_metallic_roughness_material),
-        cmocka_unit_test(statements_without_numbers_are_left_out),
-        cmocka_unit_test(numbers_out_of_range_become_the_nearest),
-        cmocka_unit_test(materials_without_a_name_have_the_empty_one),
-    };
-    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
-}
+int main(void) { return unit_main(mesh_setup, mesh_teardown); }

@@ -22,8 +22,7 @@ static void write_image(const char *name) { mesh_write(name, "P6\n1 1\n255\n\0\0
 
 /* The image's channel and transform do not depend on the order of the options, nor on options that are not
  * read, whatever they are followed by. */
-static void options_of_images_may_be_in_any_order(void **state) {
-    (void)state;
+UNIT_TEST(options_of_images_may_be_in_any_order) {
     static const char *const options[] = {
         "-s 2 3 -o 0.5 0.25 -imfchan b",
         "-imfchan b -o 0.5 0.25 0 -s 2 3 1",
@@ -53,8 +52,7 @@ static void options_of_images_may_be_in_any_order(void **state) {
 
 /* An image alone means a factor of 1. Without the image, that would be a lamp, a mirror, a coat or a sheen
  * all over. */
-static void lost_images_leave_no_layer(void **state) {
-    (void)state;
+UNIT_TEST(lost_images_leave_no_layer) {
     fathom_material m = material_of("Kd 0.5 0.5 0.5\nmap_Ke no.png\nmap_Ks no.png\nillum 3\nNs 9\n");
     for (int c = 0; c < 3; ++c) assert_true(m.k_e[c] == 0 && m.k_s[c] == 0 && m.k_r[c] == 0);
     m = material_of(
@@ -66,8 +64,7 @@ static void lost_images_leave_no_layer(void **state) {
 }
 
 /* Any of the keys selects the model. */
-static void every_pbr_key_selects_the_model(void **state) {
-    (void)state;
+UNIT_TEST(every_pbr_key_selects_the_model) {
     static const char *const keys[] = {"Pr", "Pm", "Pc", "Ps", "aniso"};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
         char body[32];
@@ -81,19 +78,10 @@ static void every_pbr_key_selects_the_model(void **state) {
 }
 
 /* A NaN leaves what was before it. */
-static void a_nan_changes_nothing(void **state) {
-    (void)state;
+UNIT_TEST(a_nan_changes_nothing) {
     assert_true(material_of("Pr 0.5\nd 0.25\nTr nan\n").opacity == 0.25f);
     assert_true(material_of("Pr 0.5\nd 0.25\nd nan\n").opacity == 0.25f);
     assert_true(material_of("Pr 0.5\nTr nan\n").opacity == 1);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(options_of_images_may_be_in_any_order),
-        cmocka_unit_test(lost_images_leave_no_layer),
-        cmocka_unit_test(every_pbr_key_selects_the_model),
-        cmocka_unit_test(a_nan_changes_nothing),
-    };
-    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
-}
+int main(void) { return unit_main(mesh_setup, mesh_teardown); }

@@ -16,8 +16,7 @@ static void smooth(const float (*p)[3], uint32_t vertices, const uint32_t *indic
 
 /* A cube's corners point along its diagonals however its faces are cut: with area or no weights the cuts
  * would show. The angles' error is 2e-8 of pi/2, the sums' rounding 2^-29, float's own 2^-24. */
-static void a_cube_has_normals_along_its_diagonals(void **state) {
-    (void)state;
+UNIT_TEST(a_cube_has_normals_along_its_diagonals) {
     float p[8][3], n[8][3];
     for (int i = 0; i < 8; ++i) {
         for (int k = 0; k < 3; ++k) p[i][k] = i >> k & 1 ? 1 : -1;
@@ -40,8 +39,7 @@ static void a_cube_has_normals_along_its_diagonals(void **state) {
 }
 
 /* The corner of a pyramid of random steep sides: the sum of unit normals times angles, from the C library. */
-static void corners_are_weighted_by_their_angle(void **state) {
-    (void)state;
+UNIT_TEST(corners_are_weighted_by_their_angle) {
     random_state random = {4};
     for (int round = 0; round < 1000; ++round) {
         float p[4][3] = {{0, 0, 0}};
@@ -68,8 +66,7 @@ static void corners_are_weighted_by_their_angle(void **state) {
 }
 
 /* Slots keep groups apart: two faces of a fold that share vertices but not normals stay flat. */
-static void corners_add_to_their_slot(void **state) {
-    (void)state;
+UNIT_TEST(corners_add_to_their_slot) {
     const float p[4][3] = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}};
     const uint32_t indices[6] = {0, 2, 1, 0, 1, 3}, apart[6] = {0, 1, 2, 3, 4, 5};
     float n[6][3];
@@ -82,8 +79,7 @@ static void corners_add_to_their_slot(void **state) {
 }
 
 /* Nothing to sum, or a sum of zero: still unit normals. */
-static void cancelled_corners_get_a_triangles_normal(void **state) {
-    (void)state;
+UNIT_TEST(cancelled_corners_get_a_triangles_normal) {
     const float p[5][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 5, 5}, {5, 5, 5}};
     const uint32_t indices[9] = {0, 1, 2, 0, 2, 1, 3, 3, 4};
     float n[5][3];
@@ -92,8 +88,7 @@ static void cancelled_corners_get_a_triangles_normal(void **state) {
     assert_true(n[3][2] == 1 && n[4][2] == 1);
 }
 
-static void normals_do_not_depend_on_thread_count(void **state) {
-    (void)state;
+UNIT_TEST(normals_do_not_depend_on_thread_count) {
     enum { vertices = 20000, triangles = 60000 };
     float(*p)[3] = malloc(vertices * sizeof *p), (*n[2])[3];
     uint32_t *indices = malloc(3 * triangles * sizeof *indices);
@@ -114,13 +109,4 @@ static void normals_do_not_depend_on_thread_count(void **state) {
     free(p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_cube_has_normals_along_its_diagonals),
-        cmocka_unit_test(corners_are_weighted_by_their_angle),
-        cmocka_unit_test(corners_add_to_their_slot),
-        cmocka_unit_test(cancelled_corners_get_a_triangles_normal),
-        cmocka_unit_test(normals_do_not_depend_on_thread_count),
-    };
-    return cmocka_run_group_tests(tests, open_context, close_context);
-}
+int main(void) { return unit_main(open_context, close_context); }

@@ -17,8 +17,7 @@ static void expect_same(const char *text) {
     }
 }
 
-static void numbers_at_the_ends_of_the_range_are_exact(void **state) {
-    (void)state;
+UNIT_TEST(numbers_at_the_ends_of_the_range_are_exact) {
     const char *texts[] = {"0",
                            "-0",
                            "+1",
@@ -54,8 +53,7 @@ static void numbers_at_the_ends_of_the_range_are_exact(void **state) {
 }
 
 /* Every count of digits, every place of the point, exponents around all limits of the fast ways. */
-static void random_numbers_round_like_the_library(void **state) {
-    (void)state;
+UNIT_TEST(random_numbers_round_like_the_library) {
     random_state seed = {1};
     char text[96];
     for (int round = 0; round < 400000; ++round) {
@@ -74,8 +72,7 @@ static void random_numbers_round_like_the_library(void **state) {
 }
 
 /* Halfway between two doubles: the even one, and to either side of it. */
-static void ties_round_to_even(void **state) {
-    (void)state;
+UNIT_TEST(ties_round_to_even) {
     random_state seed = {2};
     for (int round = 0; round < 2000; ++round) {
         uint64_t odd = (UINT64_C(1) << 53 | random_bits(&seed) >> 11) << 1 | 1;
@@ -89,8 +86,7 @@ static void ties_round_to_even(void **state) {
     }
 }
 
-static void words_are_no_numbers(void **state) {
-    (void)state;
+UNIT_TEST(words_are_no_numbers) {
     const char *texts[] = {"", "-", "+", ".", "e5", "-.", "x1", ",5", "i", "na"};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
         const char *p = texts[i];
@@ -104,8 +100,7 @@ static void words_are_no_numbers(void **state) {
     assert_string_equal(comma, ",5");
 }
 
-static void nan_and_infinity_are_read(void **state) {
-    (void)state;
+UNIT_TEST(nan_and_infinity_are_read) {
     const char *p = "-inf x";
     double value;
     assert_true(number_read(&p, &value) && isinf(value) && value < 0);
@@ -114,8 +109,7 @@ static void nan_and_infinity_are_read(void **state) {
 }
 
 /* A point stays a point where the locale has a comma. */
-static void the_locale_changes_nothing(void **state) {
-    (void)state;
+UNIT_TEST(the_locale_changes_nothing) {
     const char *names[] = {"de_DE.UTF-8", "de_DE.utf8",  "fr_FR.UTF-8", "fr_FR.utf8",
                            "de_DE",       "nl_NL.UTF-8", "es_ES.UTF-8"};
     const char *set = NULL;
@@ -129,8 +123,7 @@ static void the_locale_changes_nothing(void **state) {
     assert_true(*p == '\0');
 }
 
-static void integers_saturate(void **state) {
-    (void)state;
+UNIT_TEST(integers_saturate) {
     const char *p = "-12/3";
     int64_t value;
     assert_true(number_read_integer(&p, &value));
@@ -143,15 +136,4 @@ static void integers_saturate(void **state) {
     assert_false(number_read_integer(&p, &value));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_at_the_ends_of_the_range_are_exact),
-        cmocka_unit_test(random_numbers_round_like_the_library),
-        cmocka_unit_test(ties_round_to_even),
-        cmocka_unit_test(words_are_no_numbers),
-        cmocka_unit_test(nan_and_infinity_are_read),
-        cmocka_unit_test(the_locale_changes_nothing),
-        cmocka_unit_test(integers_saturate),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

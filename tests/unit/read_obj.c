@@ -33,8 +33,7 @@ static void expect_square(const char *text, uint32_t triangles) {
 }
 
 /* One square, written in all the ways the format allows. */
-static void every_way_to_write_a_face_is_read(void **state) {
-    (void)state;
+UNIT_TEST(every_way_to_write_a_face_is_read) {
     expect_square(SQUARE "f 1 2 3\nf 1 3 4\n", 2);
     expect_square(SQUARE "f 1 2 3 4\n", 2);
     expect_square(SQUARE "f -4 -3 -2 -1", 2);
@@ -52,8 +51,7 @@ static void every_way_to_write_a_face_is_read(void **state) {
 }
 
 /* What dissolves to nothing is not there, and casts no shadow. */
-static void fully_dissolved_materials_are_absent(void **state) {
-    (void)state;
+UNIT_TEST(fully_dissolved_materials_are_absent) {
     for (int i = 0; i < 2; ++i) {
         const char *library =
             i ? "newmtl m\nKd 1 1 1\nKs 1 1 1\nillum 2\nd 0\n" : "newmtl m\nKd 1 1 1\nd 0.25\n";
@@ -79,8 +77,7 @@ static size_t write_text(const char *text, const char *line_end, bool mark, char
 
 static const char *const line_ends[] = {"\n", "\r\n", "\r"};
 
-static void byte_order_mark_and_line_ends_change_nothing(void **state) {
-    (void)state;
+UNIT_TEST(byte_order_mark_and_line_ends_change_nothing) {
     const char *mtl = "newmtl b\nKd 0 1 0\nnewmtl a\nKd 1 0 0\n";
     const char *obj =
         "v 9 9 9\nmtllib a.mtl\n# a \\\nv 0 0 0\nv 1 0 \\\n 0\nv 0 1 0\nusemtl a\nf 2 3 4\nf 4 3 1\n";
@@ -99,11 +96,11 @@ static void byte_order_mark_and_line_ends_change_nothing(void **state) {
         assert_true(scenes[i]->materials.items[1].value.k_d[0] == 1);
     }
     for (int i = 0; i < 6; ++i) fathom_scene_destroy(scenes[i]);
+    unlink(mesh_path("a.mtl")); /* other tests would read it */
 }
 
 /* A fault in such a file stands in the line that an editor shows. */
-static void any_line_end_counts_a_line(void **state) {
-    (void)state;
+UNIT_TEST(any_line_end_counts_a_line) {
     char text[128];
     for (int i = 0; i < 6; ++i) {
         fathom_status status;
@@ -118,8 +115,7 @@ static void expect_warning(const char *text) {
 }
 
 /* Exporters name texture coordinates and normals that they do not write. */
-static void faces_lose_parts_without_data(void **state) {
-    (void)state;
+UNIT_TEST(faces_lose_parts_without_data) {
     const char *wrong[] = {"f 1/1/1 2/2/2 3/3/3\n", "f 1//1 2//2 3//3\n", "f 1/-1 2/-1 3/-1\n",
                            "vt 0 0\nvn 0 0 1\nf 1/1/1 2/2/2 3/1/1\n", "vt 0 0\nf 1/1/-1 2/1/-1 3/1/-9\n"};
     const bool has_uv[] = {false, false, false, false, true};
@@ -137,16 +133,14 @@ static void faces_lose_parts_without_data(void **state) {
     }
 }
 
-static void words_after_a_vertex_are_reported(void **state) {
-    (void)state;
+UNIT_TEST(words_after_a_vertex_are_reported) {
     fathom_scene *scene = read_text("v 0 0 0 1 0 0\nv 1 0 0 1 0 0 1\nv 1 1 0 1.0\nv 0 1 0 0.5\nf 1 2 3\n");
     expect_warning(":4: what follows x y z of a vertex is not read (1 such");
     fathom_scene_destroy(scene);
 }
 
 /* As screens show them, and white where a vertex has none. */
-static void vertex_colours_are_read(void **state) {
-    (void)state;
+UNIT_TEST(vertex_colours_are_read) {
     fathom_scene *scene = read_text("v 0 0 0 1 0 0.5\nv 1 0 0\nv 1 1 0 0 2 0\nf 1 2 3\n");
     const fathom_mesh *mesh = mesh_at(scene, 0);
     const float expected[9] = {1, 0, 0.21404114f, 1, 1, 1, 0, 1, 0};
@@ -157,24 +151,21 @@ static void vertex_colours_are_read(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void a_library_without_a_name_is_reported(void **state) {
-    (void)state;
+UNIT_TEST(a_library_without_a_name_is_reported) {
     fathom_scene *scene = read_text("mtllib\nmtllib \n" SQUARE "usemtl\nf 1 2 3\n");
     expect_warning(":1: mtllib: expected the name of a file");
     fathom_scene_destroy(scene);
 }
 
 /* Negative indices count back from where they stand. */
-static void negative_indices_count_back(void **state) {
-    (void)state;
+UNIT_TEST(negative_indices_count_back) {
     fathom_scene *scene = read_text("v 0 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 0 0 1\nf -4 -3 -1\n");
     const uint32_t expected[6] = {1, 2, 3, 1, 2, 4};
     mesh_expect_indices(mesh_at(scene, 0)->indices, expected, 6);
     fathom_scene_destroy(scene);
 }
 
-static void uvs_and_normals_keep_their_indices(void **state) {
-    (void)state;
+UNIT_TEST(uvs_and_normals_keep_their_indices) {
     fathom_scene *scene = read_text(SQUARE "vt 0.25 0.5\nvt 0.75\nvt 1 2 3\nvn 0 0 1\nvn 0 0 2\n"
                                            "f 1/1/1 2/2/2 3/3/1\nf 1/-1/-1 3/-2/-2 4/-3/-1\n");
     const fathom_mesh *mesh = mesh_at(scene, 0);
@@ -189,8 +180,7 @@ static void uvs_and_normals_keep_their_indices(void **state) {
 }
 
 /* Indices that equal the vertices' take no memory of their own; too few values for that, and they do. */
-static void equal_indices_are_not_stored(void **state) {
-    (void)state;
+UNIT_TEST(equal_indices_are_not_stored) {
     const char *four = SQUARE "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nf 1//1 2//2 3//3 4//4\n";
     fathom_scene *scene = read_text(four);
     assert_null(mesh_at(scene, 0)->normal_indices);
@@ -202,8 +192,7 @@ static void equal_indices_are_not_stored(void **state) {
 }
 
 /* One mesh a material and kind of data, over the same vertices, each face in one of them. */
-static void each_material_is_one_mesh(void **state) {
-    (void)state;
+UNIT_TEST(each_material_is_one_mesh) {
     const char *mtl = "newmtl red\nKd 1 0 0\nnewmtl a b\nKd 0 1 0\n";
     mesh_write("m.mtl", mtl, strlen(mtl));
     fathom_scene *scene =
@@ -227,8 +216,7 @@ static void each_material_is_one_mesh(void **state) {
 
 /* Of six vertices the first mesh uses three, the second all: the first has copies, in the file's order, with
  * uvs whose indices are the positions', and normals by indices of their own. */
-static void unused_vertices_are_left_out(void **state) {
-    (void)state;
+UNIT_TEST(unused_vertices_are_left_out) {
     const char *mtl = "newmtl rest\nKd 1 0 0\n";
     mesh_write("m.mtl", mtl, strlen(mtl));
     fathom_scene *scene =
@@ -255,8 +243,7 @@ static void unused_vertices_are_left_out(void **state) {
 }
 
 /* The bounds are those of the triangles, at each side of a stray vertex; with two meshes, too. */
-static void stray_vertices_are_left_out(void **state) {
-    (void)state;
+UNIT_TEST(stray_vertices_are_left_out) {
     static const char *const strays[] = {"9 0 0", "-9 0 0", "0 9 0", "0 -9 0", "0 0 9", "0 0 -9"};
     for (size_t i = 0; i < 2 * sizeof strays / sizeof *strays; ++i) {
         char text[256];
@@ -280,8 +267,7 @@ static void stray_vertices_are_left_out(void **state) {
 }
 
 /* One texel, and one warning for all such meshes; a mesh with uvs keeps them. */
-static void images_without_uvs_are_one_texel(void **state) {
-    (void)state;
+UNIT_TEST(images_without_uvs_are_one_texel) {
     const char *mtl = "newmtl a\nmap_Kd t.ppm\nnewmtl b\nKd 0.5 0.5 0.5\nmap_Kd t.ppm\n";
     mesh_write("m.mtl", mtl, strlen(mtl));
     mesh_write("t.ppm", "P6 1 1 255\nabc", 14);
@@ -300,8 +286,7 @@ static void images_without_uvs_are_one_texel(void **state) {
 }
 
 /* A material that is asked for goes on everything, and the file's own are not looked for. */
-static void a_given_material_replaces_the_files(void **state) {
-    (void)state;
+UNIT_TEST(a_given_material_replaces_the_files) {
     const read_mesh_options options = {.material = 0, .flags = FATHOM_CASTS_NO_SHADOW};
     fathom_scene *scene =
         read_with("mtllib nowhere.mtl\n" SQUARE "usemtl x\nf 1 2 3\nusemtl y\nf 1 3 4\n", options);
@@ -332,8 +317,7 @@ static void expect_roof(const char *faces, read_mesh_options options, int smooth
     fathom_scene_destroy(scene);
 }
 
-static void smoothing_groups_share_normals(void **state) {
-    (void)state;
+UNIT_TEST(smoothing_groups_share_normals) {
     const read_mesh_options smooth = {.material = FATHOM_NONE, .smooth = true};
     const read_mesh_options flat = {.material = FATHOM_NONE, .flat = true};
     expect_roof("f 1 2 3\nf 2 4 3\n", plain, -1);
@@ -351,8 +335,7 @@ static void smoothing_groups_share_normals(void **state) {
 }
 
 /* Polygons of any size; concave ones, whose fan would turn over. */
-static void polygons_are_triangulated(void **state) {
-    (void)state;
+UNIT_TEST(polygons_are_triangulated) {
     fathom_scene *scene =
         read_text("v 0 0 0\nv 2 -1 0\nv 0.5 0 0\nv 2 1 0\nv 0 3 0\nvt 0 0\nvt 1 0\nvt 2 0\nvt 3 0\n"
                   "f 1/1 2/2 3/3 4/4\nf 4/4 5/1 1/2 2/3 3/4\n");
@@ -375,8 +358,7 @@ static void polygons_are_triangulated(void **state) {
 
 /* Earth-sized coordinates with details of a millimetre come back to the last digit that a float of the extent
  * has: 1.5 × 2^-24 of half of it, plus double's own. */
-static void far_meshes_keep_their_digits(void **state) {
-    (void)state;
+UNIT_TEST(far_meshes_keep_their_digits) {
     const double x = 6378137.123456, y = -6378000.654321, z = 12.3456789;
     char text[512];
     snprintf(text, sizeof text, "v %.9f %.9f %.9f\nv %.9f %.9f %.9f\nv %.9f %.9f %.9f\nf 1 2 3\n", x, y, z,
@@ -405,8 +387,7 @@ static void far_meshes_keep_their_digits(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void omissions_are_reported(void **state) {
-    (void)state;
+UNIT_TEST(omissions_are_reported) {
     fathom_scene *scene = read_text(
         SQUARE "f 1 2 3\nl 1 2\nl 2 2\np 1\nf 1 2\nl 3\ncurv 0 1 1 2\nmtllib none.mtl\nusemtl x\nusemtl y\n"
                "vt 0 0\nf 1/1 2/1 3\n");
@@ -430,8 +411,7 @@ static void omissions_are_reported(void **state) {
 }
 
 /* Exporters divide by the length of nothing, and print what comes of it in many ways. */
-static void normals_that_are_no_numbers_become_zeros(void **state) {
-    (void)state;
+UNIT_TEST(normals_that_are_no_numbers_become_zeros) {
     fathom_scene *scene = read_text(
         SQUARE "vn nan 0 1\nvn -nan(ind) inf 1.#QNAN\nvn 0 0 1\nvt -1.#IND 1\nf 1/1/1 2/1/2 3/1/3\n");
     const fathom_mesh *mesh = mesh_at(scene, 0);
@@ -458,8 +438,7 @@ static void expect_distance(const fathom_mesh *mesh, uint32_t triangles, uint32_
 /* A line is a rod of a thousandth of the diagonal (5), whose tips are as far from its ends as its sides from
  * the line. Coordinates up to 4 are rounded by 2^-22. */
 /* Whole faces, lines and points are left out with a vertex; the others keep their corners and do not move. */
-static void vertices_that_are_no_numbers_are_left_out(void **state) {
-    (void)state;
+UNIT_TEST(vertices_that_are_no_numbers_are_left_out) {
     static const char *const odd[] = {"nan", "inf", "1.#QNAN", "1e39"};
     for (int i = 0; i < 4; ++i) {
         char text[512];
@@ -487,8 +466,7 @@ static void vertices_that_are_no_numbers_are_left_out(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void lines_are_rods_and_points_are_spheres(void **state) {
-    (void)state;
+UNIT_TEST(lines_are_rods_and_points_are_spheres) {
     static const vec3_f64 lines[][2] = {{{0, 0, 0}, {4, 0, 0}}, {{4, 0, 0}, {4, 3, 0}}};
     const char *const ways[] = {"l 1 2 3\n", "l -3 -2\nl 2 3\n", "vt 0 0\nl 1/1 2/1 3\n"};
     for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i) {
@@ -505,8 +483,7 @@ static void lines_are_rods_and_points_are_spheres(void **state) {
 }
 
 /* Programs for scans write no elements at all. */
-static void vertices_alone_are_a_cloud_of_points(void **state) {
-    (void)state;
+UNIT_TEST(vertices_alone_are_a_cloud_of_points) {
     fathom_scene *scene = read_text("v 0 0 0 1 0 0\nv 4 0 0 1 1 1\nv 4 3 0 1 1 1\n");
     const fathom_mesh *mesh = mesh_at(scene, 0);
     assert_int_equal(scene->meshes.count, 1);
@@ -519,8 +496,7 @@ static void vertices_alone_are_a_cloud_of_points(void **state) {
 }
 
 /* Points of one material are one mesh, in the file's order, whatever the pieces that it is read in. */
-static void points_keep_their_materials(void **state) {
-    (void)state;
+UNIT_TEST(points_keep_their_materials) {
     static const char library[] = "newmtl a\nKd 1 0 0\nnewmtl b\nKd 0 1 0\n";
     mesh_write("a.mtl", library, strlen(library));
     fathom_scene *scene =
@@ -538,8 +514,7 @@ static void points_keep_their_materials(void **state) {
 }
 
 /* However often and under however many names: one warning. */
-static void missing_libraries_are_reported(void **state) {
-    (void)state;
+UNIT_TEST(missing_libraries_are_reported) {
     fathom_scene *scene = read_text("mtllib a b\nmtllib c\nmtllib b\nmtllib c\n" SQUARE "f 1 2 3\n");
     const char *text =
         ":1: mtllib: there is no file \"a\"; materials named from it get the default (5 such)\n";
@@ -549,8 +524,7 @@ static void missing_libraries_are_reported(void **state) {
 }
 
 /* Each search lists a folder: the number of searches has a limit, and so has that of warnings. */
-static void very_many_missing_files_take_little_time(void **state) {
-    (void)state;
+UNIT_TEST(very_many_missing_files_take_little_time) {
     enum { MANY = 3000 };
     static char text[64 * MANY];
     unlink(mesh_path("a.mtl")); /* it would be read instead */
@@ -577,8 +551,7 @@ static void very_many_missing_files_take_little_time(void **state) {
 }
 
 /* By the last parts of the path, or by the name of the OBJ file, with a warning. */
-static void libraries_elsewhere_are_found(void **state) {
-    (void)state;
+UNIT_TEST(libraries_elsewhere_are_found) {
     static const char *const named[] = {"mtllib C:\\far\\m.mtl\n", "mtllib far/m.mtl\n", "",
                                         "mtllib none.mtl\n"};
     const char *mtl = "newmtl red\nKd 1 0 0\n";
@@ -599,8 +572,7 @@ static void libraries_elsewhere_are_found(void **state) {
 }
 
 /* The search for the last parts of a path does not take several names for one. */
-static void each_of_several_libraries_is_found(void **state) {
-    (void)state;
+UNIT_TEST(each_of_several_libraries_is_found) {
     const char *red = "newmtl red\nKd 1 0 0\n", *blue = "newmtl blue\nKd 0 0 1\n";
     mesh_write("r.mtl", red, strlen(red));
     mesh_write("b.mtl", blue, strlen(blue));
@@ -613,8 +585,7 @@ static void each_of_several_libraries_is_found(void **state) {
 }
 
 /* One vertex in each of many smoothing groups has a normal of each; faces that share a group share it. */
-static void many_smoothing_groups_are_read(void **state) {
-    (void)state;
+UNIT_TEST(many_smoothing_groups_are_read) {
     enum { groups = 100 };
     char text[64 + groups * 40] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n", *p = text + strlen(text);
     for (int i = 0; i < 2 * groups; ++i)
@@ -655,8 +626,7 @@ static char *big_file(size_t *size) {
     return text;
 }
 
-static void meshes_do_not_depend_on_thread_count(void **state) {
-    (void)state;
+UNIT_TEST(meshes_do_not_depend_on_thread_count) {
     const unsigned threads[] = {1, 2, 7};
     fathom_scene *scenes[3];
     size_t size;
@@ -690,39 +660,4 @@ static void meshes_do_not_depend_on_thread_count(void **state) {
     fathom_context_set_threads(context, 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_way_to_write_a_face_is_read),
-        cmocka_unit_test(fully_dissolved_materials_are_absent),
-        cmocka_unit_test(negative_indices_count_back),
-        cmocka_unit_test(uvs_and_normals_keep_their_indices),
-        cmocka_unit_test(equal_indices_are_not_stored),
-        cmocka_unit_test(each_material_is_one_mesh),
-        cmocka_unit_test(unused_vertices_are_left_out),
-        cmocka_unit_test(stray_vertices_are_left_out),
-        cmocka_unit_test(images_without_uvs_are_one_texel),
-        cmocka_unit_test(a_given_material_replaces_the_files),
-        cmocka_unit_test(smoothing_groups_share_normals),
-        cmocka_unit_test(polygons_are_triangulated),
-        cmocka_unit_test(far_meshes_keep_their_digits),
-        cmocka_unit_test(omissions_are_reported),
-        cmocka_unit_test(normals_that_are_no_numbers_become_zeros),
-        cmocka_unit_test(vertices_that_are_no_numbers_are_left_out),
-        cmocka_unit_test(lines_are_rods_and_points_are_spheres),
-        cmocka_unit_test(vertices_alone_are_a_cloud_of_points),
-        cmocka_unit_test(points_keep_their_materials),
-        cmocka_unit_test(very_many_missing_files_take_little_time),
-        cmocka_unit_test(missing_libraries_are_reported),
-        cmocka_unit_test(libraries_elsewhere_are_found),
-        cmocka_unit_test(each_of_several_libraries_is_found),
-        cmocka_unit_test(byte_order_mark_and_line_ends_change_nothing),
-        cmocka_unit_test(any_line_end_counts_a_line),
-        cmocka_unit_test(faces_lose_parts_without_data),
-        cmocka_unit_test(words_after_a_vertex_are_reported),
-        cmocka_unit_test(vertex_colours_are_read),
-        cmocka_unit_test(a_library_without_a_name_is_reported),
-        cmocka_unit_test(many_smoothing_groups_are_read),
-        cmocka_unit_test(meshes_do_not_depend_on_thread_count),
-    };
-    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
-}
+int main(void) { return unit_main(mesh_setup, mesh_teardown); }

@@ -18,8 +18,7 @@ static void expect_error(const char *text, const char *message) {
 
 #define TRIANGLE "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 
-static void wrong_vertices_name_their_line(void **state) {
-    (void)state;
+UNIT_TEST(wrong_vertices_name_their_line) {
     expect_error("v 0 0\n", "a.obj:1: v: number 3 of 3: expected a number, found the end of the line");
     expect_error(TRIANGLE "v 0 zero 0\n", "a.obj:4: v: number 2 of 3: expected a number, found \"zero\"");
     expect_error("v 0 1,5 0\n", "found \"1,5\"");
@@ -33,8 +32,7 @@ static void wrong_vertices_name_their_line(void **state) {
     expect_error("v 1 \\\n2 \\\nx\n", "a.obj:3: v: number 3 of 3");
 }
 
-static void wrong_faces_name_their_line(void **state) {
-    (void)state;
+UNIT_TEST(wrong_faces_name_their_line) {
     expect_error(TRIANGLE "f 1 2 4\n", "a.obj:4: f: corner 3: v: index 4 is out of range; the file has 3");
     expect_error(TRIANGLE "f 1 2 -4\n",
                  "a.obj:4: f: corner 3: v: index -4 goes back beyond the first; there are 3 above");
@@ -49,8 +47,7 @@ static void wrong_faces_name_their_line(void **state) {
 }
 
 /* Of several faults the one that comes first in the file is told, whichever thread met it. */
-static void the_first_fault_is_reported(void **state) {
-    (void)state;
+UNIT_TEST(the_first_fault_is_reported) {
     const size_t lines = 200000;
     char *text = malloc(lines * 16 + 64), *p = text;
     for (size_t i = 0; i < lines; ++i) p += sprintf(p, i == 60000 || i == 150000 ? "v x 0 0\n" : "v 1 2 3\n");
@@ -62,8 +59,7 @@ static void the_first_fault_is_reported(void **state) {
     free(text);
 }
 
-static void files_without_faces_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(files_without_faces_are_refused) {
     fathom_status status;
     expect_error("# nothing\n", "it has no faces (0 vertices)");
     expect_error(TRIANGLE "f 1 2\n", "a.obj: it has no faces (3 vertices)");
@@ -84,8 +80,7 @@ static void files_without_faces_are_refused(void **state) {
 
 /* A file that holds a bit of everything, cut after each byte: read or refused, and never more (the sanitizers
  * watch). */
-static void truncation_anywhere_does_no_harm(void **state) {
-    (void)state;
+UNIT_TEST(truncation_anywhere_does_no_harm) {
     const char mtl[] = "newmtl a\nKd 0.5 0.5 \\\n0.5\nillum 7\nNi 1.5\nmap_Kd x.png\nd -halo 0.5\n";
     const char text[] =
         "# x\nmtllib m.mtl\nv 0 0 0\nv 1e0 0 .5 \\\n 1\nv 1 1 0\r\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl a\ns 1\n"
@@ -102,11 +97,4 @@ static void truncation_anywhere_does_no_harm(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_vertices_name_their_line),   cmocka_unit_test(wrong_faces_name_their_line),
-        cmocka_unit_test(the_first_fault_is_reported),      cmocka_unit_test(files_without_faces_are_refused),
-        cmocka_unit_test(truncation_anywhere_does_no_harm),
-    };
-    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
-}
+int main(void) { return unit_main(mesh_setup, mesh_teardown); }

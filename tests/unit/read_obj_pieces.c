@@ -64,8 +64,7 @@ static void check_corner(const fathom_mesh *m, size_t corner, int quad) {
     }
 }
 
-static void pieces_count_on_from_those_before(void **state) {
-    (void)state;
+UNIT_TEST(pieces_count_on_from_those_before) {
     const size_t room = (size_t)QUADS * 256;
     char *text = malloc(room);
     size_t used = 0;
@@ -98,9 +97,4 @@ static void pieces_count_on_from_those_before(void **state) {
     free(text);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pieces_count_on_from_those_before),
-    };
-    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
-}
+int main(void) { return unit_main(mesh_setup, mesh_teardown); }

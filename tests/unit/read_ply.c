@@ -6,8 +6,7 @@
 #include "random.h"
 
 /* All formats, at all alignments. */
-static void triangles_and_quads_are_read(void **state) {
-    (void)state;
+UNIT_TEST(triangles_and_quads_are_read) {
     for (int i = 0; i < 4 * FLAVOURS; ++i) {
         ply_maker m;
         ply_header(&m, (ply_flavour)(i / 4), XYZ FACES(2), (size_t)i);
@@ -27,8 +26,7 @@ static void triangles_and_quads_are_read(void **state) {
 
 /* The scene keeps a file whose vertices it can use as they are: aligned, little endian, floats side by side.
  */
-static void aligned_floats_are_used_in_place(void **state) {
-    (void)state;
+UNIT_TEST(aligned_floats_are_used_in_place) {
     for (size_t shift = 0; shift < 2; ++shift) {
         ply_maker m;
         ply_header(
@@ -53,8 +51,7 @@ static void aligned_floats_are_used_in_place(void **state) {
 }
 
 /* Every type and both of its names, for coordinates and for indices. */
-static void all_number_types_are_read(void **state) {
-    (void)state;
+UNIT_TEST(all_number_types_are_read) {
     static const struct {
         const char *names[2];
         char code;
@@ -82,8 +79,7 @@ static void all_number_types_are_read(void **state) {
 }
 
 /* Signs are kept: characters and shorts below zero, indices above 127 and 32767. */
-static void signed_and_unsigned_numbers_differ(void **state) {
-    (void)state;
+UNIT_TEST(signed_and_unsigned_numbers_differ) {
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
         ply_header(&m, (ply_flavour)flavour,
@@ -102,8 +98,7 @@ static void signed_and_unsigned_numbers_differ(void **state) {
 }
 
 /* Properties in any order, lists among the vertex's, faces before vertices, elements between and behind. */
-static void elements_may_come_in_any_order(void **state) {
-    (void)state;
+UNIT_TEST(elements_may_come_in_any_order) {
     const char *lines =
         "comment made by hand\nobj_info x\nCreated by Blender3D 247\nelement camera 1\nproperty list uchar "
         "float view\nproperty int "
@@ -141,8 +136,7 @@ static void elements_may_come_in_any_order(void **state) {
     }
 }
 
-static void all_names_of_uvs_are_known(void **state) {
-    (void)state;
+UNIT_TEST(all_names_of_uvs_are_known) {
     const char *names[3][2] = {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}};
     for (int i = 0; i < 3; ++i) {
         char lines[256];
@@ -160,8 +154,7 @@ static void all_names_of_uvs_are_known(void **state) {
 }
 
 /* Concave polygons of different sizes in one file, faces too small to be any. */
-static void polygons_are_triangulated(void **state) {
-    (void)state;
+UNIT_TEST(polygons_are_triangulated) {
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
         ply_header(&m, (ply_flavour)flavour,
@@ -186,8 +179,7 @@ static void polygons_are_triangulated(void **state) {
 }
 
 /* A strip zigzags: every other triangle is turned round. -1 starts again. */
-static void strips_keep_their_winding(void **state) {
-    (void)state;
+UNIT_TEST(strips_keep_their_winding) {
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
         ply_header(&m, (ply_flavour)flavour,
@@ -205,8 +197,7 @@ static void strips_keep_their_winding(void **state) {
 }
 
 /* Doubles far out keep what a float of their extent can hold; floats are moved without losing a bit. */
-static void far_meshes_keep_their_digits(void **state) {
-    (void)state;
+UNIT_TEST(far_meshes_keep_their_digits) {
     for (int i = 0; i < 2 * FLAVOURS; ++i) {
         bool wide = i % 2;
         ply_maker m;
@@ -231,8 +222,7 @@ static void far_meshes_keep_their_digits(void **state) {
     }
 }
 
-static void options_are_applied(void **state) {
-    (void)state;
+UNIT_TEST(options_are_applied) {
     ply_maker m;
     fathom_status status;
     ply_header(&m, LITTLE, XYZ "property float nx\nproperty float ny\nproperty float nz\n" FACES(1), 0);
@@ -261,8 +251,7 @@ static void options_are_applied(void **state) {
 }
 
 /* Blank lines, tabs and \r\n are no rows; rows beyond those promised are warned about. */
-static void blanks_in_text_change_nothing(void **state) {
-    (void)state;
+UNIT_TEST(blanks_in_text_change_nothing) {
     const char *text = "ply\r\nformat ascii 1.0\r\n" XYZ FACES(
         2) "end_header\r\n"
            "\r\n0 0 0\r\n\t1 0\t0 \r\n\n1 1 0\n0 1 0\n\n3 0 1 2\n3 0 2 3\n\n5 5\n";
@@ -275,8 +264,7 @@ static void blanks_in_text_change_nothing(void **state) {
 }
 
 /* The header's lines may end in any way, behind a byte order mark or not; so may rows of text. */
-static void byte_order_mark_and_line_ends_change_nothing(void **state) {
-    (void)state;
+UNIT_TEST(byte_order_mark_and_line_ends_change_nothing) {
     static const char *const ends[] = {"\n", "\r\n", "\r"};
     for (int i = 0; i < 6 * FLAVOURS; ++i) {
         const char *line_end = ends[i / 2 % 3];
@@ -304,8 +292,7 @@ static void expect_warning(const char *text) {
     if (!strstr(mesh_warnings, text)) fail_msg("no \"%s\" in:\n%s", text, mesh_warnings);
 }
 
-static void unused_properties_are_reported(void **state) {
-    (void)state;
+UNIT_TEST(unused_properties_are_reported) {
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
         ply_header(&m, (ply_flavour)flavour,
@@ -329,8 +316,7 @@ static void unused_properties_are_reported(void **state) {
 }
 
 /* Without faces each vertex is a point, in its colour. */
-static void clouds_of_points_are_spheres(void **state) {
-    (void)state;
+UNIT_TEST(clouds_of_points_are_spheres) {
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
         ply_header(&m, (ply_flavour)flavour,
@@ -354,8 +340,7 @@ static void clouds_of_points_are_spheres(void **state) {
 
 /* Vertices without a place: the second row of each file. `far` moves all others, as scans of the ground are.
  */
-static void points_without_a_place_are_left_out(void **state) {
-    (void)state;
+UNIT_TEST(points_without_a_place_are_left_out) {
     for (int k = 0; k < 2 * FLAVOURS; ++k) {
         const double far = k < FLAVOURS ? 0 : 1e6;
         ply_maker m;
@@ -381,8 +366,7 @@ static void points_without_a_place_are_left_out(void **state) {
 }
 
 /* A polygon goes with any of its corners; the bounds, and so the camera, do not know the lost vertex. */
-static void faces_of_lost_vertices_are_left_out(void **state) {
-    (void)state;
+UNIT_TEST(faces_of_lost_vertices_are_left_out) {
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
         ply_header(&m, (ply_flavour)flavour,
@@ -401,8 +385,7 @@ static void faces_of_lost_vertices_are_left_out(void **state) {
 }
 
 /* One warning, and colours as other sRGB colours: 0.5 + f / sqrt(4 pi), clamped. Opacities are logits. */
-static void splats_are_points(void **state) {
-    (void)state;
+UNIT_TEST(splats_are_points) {
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
         ply_header(&m, (ply_flavour)flavour,
@@ -445,8 +428,7 @@ static float uv_at(const fathom_mesh *mesh, size_t corner, int k) {
 
 /* The first triangle, and a concave polygon whose fan is split anew, have different uvs at shared vertices:
  * they are x and y, and 10 more on the polygon. Equal uvs at a vertex are stored once. */
-static void corners_have_uvs_of_their_own(void **state) {
-    (void)state;
+UNIT_TEST(corners_have_uvs_of_their_own) {
     image("t.ppm");
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
@@ -476,8 +458,7 @@ static void corners_have_uvs_of_their_own(void **state) {
 }
 
 /* A mesh for each texture; -1, or a number without an image, is no texture. */
-static void each_texture_is_one_mesh(void **state) {
-    (void)state;
+UNIT_TEST(each_texture_is_one_mesh) {
     image("t.ppm");
     image("s.ppm");
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
@@ -517,8 +498,7 @@ static void each_texture_is_one_mesh(void **state) {
 }
 
 /* Lists of another length, and numbers that are none, are 0; faces of a lost vertex take theirs along. */
-static void odd_uvs_of_corners_are_zero(void **state) {
-    (void)state;
+UNIT_TEST(odd_uvs_of_corners_are_zero) {
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
         ply_header(&m, (ply_flavour)flavour, XYZ LOOK_FACES(4), 0);
@@ -542,8 +522,7 @@ static void odd_uvs_of_corners_are_zero(void **state) {
 }
 
 /* Vertices between two colours are doubled, and keep their normals and uvs. */
-static void colours_of_faces_are_shown(void **state) {
-    (void)state;
+UNIT_TEST(colours_of_faces_are_shown) {
     for (int k = 0; k < 2 * FLAVOURS; ++k) {
         const bool alpha = k >= FLAVOURS;
         ply_maker m;
@@ -583,8 +562,7 @@ static void colours_of_faces_are_shown(void **state) {
 }
 
 /* Colours of vertices are finer, and go first. */
-static void colours_of_vertices_go_before_those_of_faces(void **state) {
-    (void)state;
+UNIT_TEST(colours_of_vertices_go_before_those_of_faces) {
     ply_maker m;
     ply_header(&m, LITTLE,
                XYZ "property uchar red\nproperty uchar green\nproperty uchar blue\n" FACES(
@@ -600,8 +578,7 @@ static void colours_of_vertices_go_before_those_of_faces(void **state) {
 }
 
 /* A material that a scene gives to the file may have images. */
-static void images_without_uvs_are_one_texel(void **state) {
-    (void)state;
+UNIT_TEST(images_without_uvs_are_one_texel) {
     ply_maker m;
     ply_header(&m, LITTLE, XYZ FACES(1), 0);
     ply_square(&m);
@@ -625,8 +602,7 @@ static void images_without_uvs_are_one_texel(void **state) {
 }
 
 /* No face uses the third vertex, so that the bounds do not have it. */
-static void stray_vertices_are_left_out(void **state) {
-    (void)state;
+UNIT_TEST(stray_vertices_are_left_out) {
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
         ply_header(&m, (ply_flavour)flavour,
@@ -645,8 +621,7 @@ static void stray_vertices_are_left_out(void **state) {
 }
 
 /* With faces or without: a rod of a thousandth of the diagonal, 5, in its ends' colours. */
-static void edges_are_rods(void **state) {
-    (void)state;
+UNIT_TEST(edges_are_rods) {
     for (int flavour = 0; flavour < 2 * FLAVOURS; ++flavour) {
         const bool faces = flavour < FLAVOURS;
         char lines[256];
@@ -682,8 +657,7 @@ static void edges_are_rods(void **state) {
 }
 
 /* Whole numbers are as screens show them; floats are linear. */
-static void vertex_colours_are_read(void **state) {
-    (void)state;
+UNIT_TEST(vertex_colours_are_read) {
     for (int flavour = 0; flavour < 2 * FLAVOURS; ++flavour) {
         const bool whole = flavour < FLAVOURS;
         ply_maker m;
@@ -713,8 +687,7 @@ static void vertex_colours_are_read(void **state) {
 }
 
 /* Floats are bytes if all are whole numbers up to 255, and one is above 2; but Fathom's own are light. */
-static void float_colours_of_bytes_are_decoded(void **state) {
-    (void)state;
+UNIT_TEST(float_colours_of_bytes_are_decoded) {
     static const struct {
         const char *comment;
         double red, alpha;
@@ -747,8 +720,7 @@ static void float_colours_of_bytes_are_decoded(void **state) {
 }
 
 /* The same of faces. */
-static void float_face_colours_of_bytes_are_decoded(void **state) {
-    (void)state;
+UNIT_TEST(float_face_colours_of_bytes_are_decoded) {
     for (int k = 0; k < 3 * FLAVOURS; ++k) {
         const bool bytes = k < 2 * FLAVOURS, alpha = k < FLAVOURS;
         ply_maker m;
@@ -778,8 +750,7 @@ static void float_face_colours_of_bytes_are_decoded(void **state) {
 
 /* Opacity is a part of its type's range; 0 at all vertices is what some programs write for none. So is a
  * second uv set kept. */
-static void opacities_and_second_uvs_are_read(void **state) {
-    (void)state;
+UNIT_TEST(opacities_and_second_uvs_are_read) {
     for (int flavour = 0; flavour < 4 * FLAVOURS; ++flavour) {
         const bool whole = flavour / FLAVOURS % 2, clear = flavour / FLAVOURS / 2;
         ply_maker m;
@@ -806,8 +777,7 @@ static void opacities_and_second_uvs_are_read(void **state) {
 }
 
 /* Behind the last row, and behind the last number of a row of text. */
-static void extra_rows_are_reported(void **state) {
-    (void)state;
+UNIT_TEST(extra_rows_are_reported) {
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
         ply_header(&m, (ply_flavour)flavour, XYZ FACES(1), 0);
@@ -886,45 +856,9 @@ static void expect_one_mesh(bool alike) {
     fathom_context_set_threads(context, 0);
 }
 
-static void meshes_do_not_depend_on_thread_count(void **state) {
-    (void)state;
+UNIT_TEST(meshes_do_not_depend_on_thread_count) {
     expect_one_mesh(true);
     expect_one_mesh(false);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(triangles_and_quads_are_read),
-        cmocka_unit_test(aligned_floats_are_used_in_place),
-        cmocka_unit_test(all_number_types_are_read),
-        cmocka_unit_test(signed_and_unsigned_numbers_differ),
-        cmocka_unit_test(elements_may_come_in_any_order),
-        cmocka_unit_test(all_names_of_uvs_are_known),
-        cmocka_unit_test(polygons_are_triangulated),
-        cmocka_unit_test(strips_keep_their_winding),
-        cmocka_unit_test(far_meshes_keep_their_digits),
-        cmocka_unit_test(options_are_applied),
-        cmocka_unit_test(blanks_in_text_change_nothing),
-        cmocka_unit_test(byte_order_mark_and_line_ends_change_nothing),
-        cmocka_unit_test(clouds_of_points_are_spheres),
-        cmocka_unit_test(points_without_a_place_are_left_out),
-        cmocka_unit_test(faces_of_lost_vertices_are_left_out),
-        cmocka_unit_test(splats_are_points),
-        cmocka_unit_test(corners_have_uvs_of_their_own),
-        cmocka_unit_test(each_texture_is_one_mesh),
-        cmocka_unit_test(odd_uvs_of_corners_are_zero),
-        cmocka_unit_test(colours_of_faces_are_shown),
-        cmocka_unit_test(colours_of_vertices_go_before_those_of_faces),
-        cmocka_unit_test(images_without_uvs_are_one_texel),
-        cmocka_unit_test(stray_vertices_are_left_out),
-        cmocka_unit_test(edges_are_rods),
-        cmocka_unit_test(unused_properties_are_reported),
-        cmocka_unit_test(vertex_colours_are_read),
-        cmocka_unit_test(float_colours_of_bytes_are_decoded),
-        cmocka_unit_test(float_face_colours_of_bytes_are_decoded),
-        cmocka_unit_test(opacities_and_second_uvs_are_read),
-        cmocka_unit_test(extra_rows_are_reported),
-        cmocka_unit_test(meshes_do_not_depend_on_thread_count),
-    };
-    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
-}
+int main(void) { return unit_main(mesh_setup, mesh_teardown); }

@@ -20,8 +20,7 @@ static void expect_text_error(const char *text, const char *message) {
 
 #define START "ply\nformat ascii 1.0\n"
 
-static void wrong_headers_name_their_line(void **state) {
-    (void)state;
+UNIT_TEST(wrong_headers_name_their_line) {
     expect_text_error("plx\n", "a.ply:1: expected \"ply\" as the first line of a PLY file, found \"plx\"");
     expect_text_error("ply", "a.ply:1: the file ends inside the header");
     expect_text_error(START, "a.ply:3: the file ends inside the header; expected end_header");
@@ -51,8 +50,7 @@ static void wrong_headers_name_their_line(void **state) {
                       "a.ply:9: element x: it has no properties");
 }
 
-static void files_without_faces_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(files_without_faces_are_refused) {
     expect_text_error(
         START XYZ
         "element face 1\nproperty list uchar int corners\nend_header\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n1 0\n",
@@ -62,8 +60,7 @@ static void files_without_faces_are_refused(void **state) {
 }
 
 /* Counts that the file has no room for are refused before anything is allocated for them. */
-static void false_counts_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(false_counts_are_refused) {
     expect_text_error(
         START "element vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\n" FACES(
             1) "end_header\n0 0 0\n",
@@ -98,8 +95,7 @@ static void false_counts_are_refused(void **state) {
     }
 }
 
-static void wrong_text_names_its_line(void **state) {
-    (void)state;
+UNIT_TEST(wrong_text_names_its_line) {
 #define TEXT(rows) START XYZ FACES(1) "end_header\n" rows
     expect_text_error(TEXT("0 0 0\n0 x 0\n0 0 0\n0 0 0\n3 0 1 2\n"),
                       "a.ply:11: y: expected a number, found \"x\"");
@@ -126,8 +122,7 @@ static void wrong_text_names_its_line(void **state) {
                       "a.ply:16: the file ends after 4 rows; its header promises 5");
 }
 
-static void wrong_bytes_name_their_offset(void **state) {
-    (void)state;
+UNIT_TEST(wrong_bytes_name_their_offset) {
     for (int flavour = LITTLE; flavour <= BIG; ++flavour) {
         for (size_t shift = 0; shift < 2; ++shift) {
             ply_maker m;
@@ -160,8 +155,7 @@ static void wrong_bytes_name_their_offset(void **state) {
 }
 
 /* Of several faults the one that comes first in the file is told, whichever thread found it. */
-static void the_first_fault_is_reported(void **state) {
-    (void)state;
+UNIT_TEST(the_first_fault_is_reported) {
     enum { faces = 300000, row = 13 };
     static const unsigned char right[row] = {3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0}, wrong = 7;
     ply_maker m;
@@ -215,8 +209,7 @@ static void read_or_refuse(const unsigned char *bytes, size_t size) {
 
 /* Cut after each byte, and with random bytes changed: read or refused, and never more (the sanitizers watch).
  */
-static void damage_anywhere_does_no_harm(void **state) {
-    (void)state;
+UNIT_TEST(damage_anywhere_does_no_harm) {
     random_state random = {11};
     for (int i = 0; i < 2 * FLAVOURS; ++i) {
         ply_maker m;
@@ -232,12 +225,4 @@ static void damage_anywhere_does_no_harm(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_headers_name_their_line), cmocka_unit_test(files_without_faces_are_refused),
-        cmocka_unit_test(false_counts_are_refused),      cmocka_unit_test(wrong_text_names_its_line),
-        cmocka_unit_test(wrong_bytes_name_their_offset), cmocka_unit_test(the_first_fault_is_reported),
-        cmocka_unit_test(damage_anywhere_does_no_harm),
-    };
-    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
-}
+int main(void) { return unit_main(mesh_setup, mesh_teardown); }

@@ -4,8 +4,7 @@
 #include "read/mesh/strokes.h"
 
 /* Bytes in wider integers: the value that means white is 255, as long as no channel is above. */
-static void whole_colours_of_bytes_are_decoded(void **state) {
-    (void)state;
+UNIT_TEST(whole_colours_of_bytes_are_decoded) {
     static const struct {
         const char *type;
         char code;
@@ -56,8 +55,7 @@ static void whole_colours_of_bytes_are_decoded(void **state) {
 }
 
 /* Opacities have a type of their own. */
-static void opacities_follow_their_own_type(void **state) {
-    (void)state;
+UNIT_TEST(opacities_follow_their_own_type) {
     static const struct {
         const char *colors, *alphas, *row;
         double red, alpha;
@@ -91,8 +89,7 @@ static void opacities_follow_their_own_type(void **state) {
 }
 
 /* Of a face without an alpha nothing odd is told, whatever the vertices before it hold. */
-static void odd_normals_say_nothing_about_faces(void **state) {
-    (void)state;
+UNIT_TEST(odd_normals_say_nothing_about_faces) {
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
         ply_header(&m, (ply_flavour)flavour,
@@ -110,8 +107,7 @@ static void odd_normals_say_nothing_about_faces(void **state) {
 }
 
 /* Lists whose lengths and indices have any type, next to lists that nothing reads. */
-static void lists_of_every_type_are_read(void **state) {
-    (void)state;
+UNIT_TEST(lists_of_every_type_are_read) {
     static const char *const names[] = {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
     static const char codes[] = "bbssiifd";
     for (size_t k = 0; k < 8 * 8 * FLAVOURS; ++k) {
@@ -138,8 +134,7 @@ static void lists_of_every_type_are_read(void **state) {
 }
 
 /* What is lost takes its edges and, of a cloud, its colour along. */
-static void edges_and_colours_go_with_lost_vertices(void **state) {
-    (void)state;
+UNIT_TEST(edges_and_colours_go_with_lost_vertices) {
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
         ply_header(&m, (ply_flavour)flavour,
@@ -161,13 +156,4 @@ static void edges_and_colours_go_with_lost_vertices(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(whole_colours_of_bytes_are_decoded),
-        cmocka_unit_test(opacities_follow_their_own_type),
-        cmocka_unit_test(odd_normals_say_nothing_about_faces),
-        cmocka_unit_test(lists_of_every_type_are_read),
-        cmocka_unit_test(edges_and_colours_go_with_lost_vertices),
-    };
-    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
-}
+int main(void) { return unit_main(mesh_setup, mesh_teardown); }

@@ -59,8 +59,7 @@ static void expect_closed(uint32_t n, const uint32_t *fan) {
 static float grid(double x) { return (float)(round(x * 4096) / 4096); }
 
 /* Star-shaped around the origin with random radii, in all planes and both ways round. */
-static void stars_are_covered_exactly(void **state) {
-    (void)state;
+UNIT_TEST(stars_are_covered_exactly) {
     random_state random = {1};
     for (int round = 0; round < 3000; ++round) {
         uint32_t n = 4 + (uint32_t)(random_bits(&random) % (CORNERS - 4)), fan[3 * CORNERS];
@@ -82,8 +81,7 @@ static void stars_are_covered_exactly(void **state) {
 }
 
 /* The same outline run the other way comes out turned the other way. */
-static void clockwise_polygons_keep_their_winding(void **state) {
-    (void)state;
+UNIT_TEST(clockwise_polygons_keep_their_winding) {
     const float p[6][3] = {{0, 0, 0}, {0, 2, 0}, {1, 2, 0}, {1, 1, 0}, {2, 1, 0}, {2, 0, 0}};
     const float mirrored[6][3] = {{0, 0, 0}, {0, -2, 0}, {1, -2, 0}, {1, -1, 0}, {2, -1, 0}, {2, 0, 0}};
     uint32_t fan[12];
@@ -93,8 +91,7 @@ static void clockwise_polygons_keep_their_winding(void **state) {
 }
 
 /* Where every corner is a place that a fan, or a careless ear, goes wrong. */
-static void hard_outlines_are_covered_exactly(void **state) {
-    (void)state;
+UNIT_TEST(hard_outlines_are_covered_exactly) {
     const struct {
         uint32_t n;
         float p[16][3];
@@ -157,8 +154,7 @@ static void hard_outlines_are_covered_exactly(void **state) {
 }
 
 /* An outline that crosses itself has no triangulation; what comes back has the right size and corners. */
-static void crossed_outlines_give_all_triangles(void **state) {
-    (void)state;
+UNIT_TEST(crossed_outlines_give_all_triangles) {
     random_state random = {5};
     for (int round = 0; round < 500; ++round) {
         uint32_t n = 4 + (uint32_t)(random_bits(&random) % 20), fan[3 * CORNERS];
@@ -173,8 +169,7 @@ static void crossed_outlines_give_all_triangles(void **state) {
 
 /* A concave quad is cut at its reflex corner, wherever that is; a convex one along the diagonal that leaves
  * the larger smallest angle; a rectangle along 0-2, however its corners are rounded. */
-static void quads_split_along_the_better_diagonal(void **state) {
-    (void)state;
+UNIT_TEST(quads_split_along_the_better_diagonal) {
     const float dart[4][3] = {{0, 0, 0}, {2, -1, 0}, {0.5f, 0, 0}, {2, 1, 0}};
     const float kite[4][3] = {{-4, 0, 0}, {0, -1, 0}, {4, 0, 0}, {0, 1, 0}};
     for (uint32_t turn = 0; turn < 4; ++turn) {
@@ -206,8 +201,7 @@ static void quads_split_along_the_better_diagonal(void **state) {
 }
 
 /* Other streams go along corner by corner. */
-static void other_streams_move_along(void **state) {
-    (void)state;
+UNIT_TEST(other_streams_move_along) {
     const float p[6][3] = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
     const float quad[4][3] = {{0, 0, 0}, {2, -1, 0}, {0.5f, 0, 0}, {2, 1, 0}};
     uint32_t fan[12], second[12], third[12];
@@ -227,8 +221,7 @@ static void other_streams_move_along(void **state) {
 
 /* A saw of 100,000 teeth, the handle far away: work that grew with the square of the corners would take
  * minutes. */
-static void many_corners_are_triangulated(void **state) {
-    (void)state;
+UNIT_TEST(many_corners_are_triangulated) {
     const uint32_t teeth = 100000, n = 2 * teeth + 1;
     float(*p)[3] = calloc(n, sizeof *p);
     uint32_t *fan = malloc(3 * (size_t)n * sizeof *fan);
@@ -246,8 +239,7 @@ static void many_corners_are_triangulated(void **state) {
 
 /* Long ears that many corners could lie in, and outlines that cross themselves everywhere: the time does not
  * grow with the square of the corners, or this test would not end. */
-static void many_reflex_corners_are_triangulated(void **state) {
-    (void)state;
+UNIT_TEST(many_reflex_corners_are_triangulated) {
     const uint32_t n = 200000;
     float(*p)[3] = calloc(n, sizeof *p);
     uint32_t *fan = malloc(3 * (size_t)n * sizeof *fan);
@@ -268,16 +260,4 @@ static void many_reflex_corners_are_triangulated(void **state) {
     free(fan);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(stars_are_covered_exactly),
-        cmocka_unit_test(clockwise_polygons_keep_their_winding),
-        cmocka_unit_test(hard_outlines_are_covered_exactly),
-        cmocka_unit_test(crossed_outlines_give_all_triangles),
-        cmocka_unit_test(quads_split_along_the_better_diagonal),
-        cmocka_unit_test(other_streams_move_along),
-        cmocka_unit_test(many_corners_are_triangulated),
-        cmocka_unit_test(many_reflex_corners_are_triangulated),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

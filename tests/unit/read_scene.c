@@ -13,8 +13,7 @@ static void expect_error(const char *name, const char *text, const char *message
     assert_null(scene);
 }
 
-static void by_extension(void **state) {
-    (void)state;
+UNIT_TEST(by_extension) {
     expect_error("a", "x", "the name has no extension; expected .json, .obj, .ply, .gltf or .glb");
     expect_error("a.stl", "x", "a.stl: the extension .stl is not known");
     expect_error("a.obj", NULL, "a.obj: No such file or directory");
@@ -27,8 +26,7 @@ static void by_extension(void **state) {
 
 /* A bare model becomes a scene that can be rendered: with a name, a camera that has all of it in view,
  * lights. */
-static void bare_model(void **state) {
-    (void)state;
+UNIT_TEST(bare_model) {
     fathom_scene *scene;
     const char *path = mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID));
     assert_ok(context, fathom_scene_read(context, path, &scene));
@@ -45,8 +43,7 @@ static void bare_model(void **state) {
 }
 
 /* By as many of the last parts of its name as lead to one; of Windows, too. */
-static void images_of_another_computer_are_found(void **state) {
-    (void)state;
+UNIT_TEST(images_of_another_computer_are_found) {
     char base[256], wall[256];
     fathom_scene *scene;
     assert_int_equal(mkdir(mesh_path("Maps"), 0700), 0);
@@ -77,8 +74,7 @@ static void images_of_another_computer_are_found(void **state) {
 }
 
 /* What is asked of a file that cannot give it is said. */
-static void what_a_file_lacks_is_not_passed_over(void **state) {
-    (void)state;
+UNIT_TEST(what_a_file_lacks_is_not_passed_over) {
     static const char json[] = "{\"camera\":{\"eye\":[0,0,5],\"target\":[0,0,0]},\"objects\":[{\"type\":"
                                "\"sphere\",\"center\":[0,0,0],\"radius\":1}]}";
     fathom_scene *scene;
@@ -111,8 +107,7 @@ static void what_a_file_lacks_is_not_passed_over(void **state) {
 }
 
 /* A size that is asked for shapes the automatic camera's view, not the settings. */
-static void the_camera_fits_the_size_asked_for(void **state) {
-    (void)state;
+UNIT_TEST(the_camera_fits_the_size_asked_for) {
     const char *path = mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID));
     double away[2];
     for (int i = 0; i < 2; ++i) {
@@ -136,8 +131,7 @@ static uint32_t spp_of(const char *path) {
     return settings.spp;
 }
 
-static void scene_files_may_say_how_many_samples(void **state) {
-    (void)state;
+UNIT_TEST(scene_files_may_say_how_many_samples) {
     static const char
         bare[] = "{\"objects\":[{\"type\":\"mesh\",\"file\":\"thing.v2.obj\"}]}",
         four[] = "{\"image\":{\"spp\":4},\"objects\":[{\"type\":\"mesh\",\"file\":\"thing.v2.obj\"}]}";
@@ -148,8 +142,7 @@ static void scene_files_may_say_how_many_samples(void **state) {
 
 /* The image follows w over h of a scene file's camera where the file does not say its size; where it does and
  * the two differ, the image is stretched, as asked for, and that is said. */
-static void scene_files_shape_their_image(void **state) {
-    (void)state;
+UNIT_TEST(scene_files_shape_their_image) {
     const struct {
         const char *image, *warning;
         uint32_t width, height;
@@ -177,8 +170,7 @@ static void scene_files_shape_their_image(void **state) {
 }
 
 /* Any format's mesh may be asked for by name; scenes are no meshes. */
-static void meshes(void **state) {
-    (void)state;
+UNIT_TEST(meshes) {
     fathom_status status;
     const read_mesh_options options = {.material = FATHOM_NONE};
     fathom_scene *scene =
@@ -191,16 +183,4 @@ static void meshes(void **state) {
                  "the extension .json is not known; expected .obj, .ply, .gltf or .glb");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(by_extension),
-        cmocka_unit_test(bare_model),
-        cmocka_unit_test(images_of_another_computer_are_found),
-        cmocka_unit_test(what_a_file_lacks_is_not_passed_over),
-        cmocka_unit_test(the_camera_fits_the_size_asked_for),
-        cmocka_unit_test(scene_files_may_say_how_many_samples),
-        cmocka_unit_test(scene_files_shape_their_image),
-        cmocka_unit_test(meshes),
-    };
-    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
-}
+int main(void) { return unit_main(mesh_setup, mesh_teardown); }

@@ -12,15 +12,13 @@ static void becomes(const char *text, const char *expected) {
     assert_string_equal(room, expected);
 }
 
-static void valid_text_is_kept(void **state) {
-    (void)state;
+UNIT_TEST(valid_text_is_kept) {
     becomes("", "");
     becomes("a b~", "a b~");
     becomes("\u00e4\u00a0\u20ac\u202f\U0001f41f", "\u00e4\u00a0\u20ac\u202f\U0001f41f");
 }
 
-static void control_characters_are_replaced(void **state) {
-    (void)state;
+UNIT_TEST(control_characters_are_replaced) {
     becomes("a\nb\t\x1b[31m\x7f", "a?b??[31m?");
     becomes("\xc2\x80\xc2\x9b"
             "31m\xc2\x9f",
@@ -29,8 +27,7 @@ static void control_characters_are_replaced(void **state) {
                                                                       "????????????????????????");
 }
 
-static void invalid_utf8_is_replaced(void **state) {
-    (void)state;
+UNIT_TEST(invalid_utf8_is_replaced) {
     becomes("\x9b"
             "31m",
             "?31m");
@@ -42,9 +39,4 @@ static void invalid_utf8_is_replaced(void **state) {
     becomes("\xf0\x9f\x90\x9f\xf0", "\U0001f41f?");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(valid_text_is_kept),
-                                       cmocka_unit_test(control_characters_are_replaced),
-                                       cmocka_unit_test(invalid_utf8_is_replaced)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -69,8 +69,7 @@ static void check_loop(bool nested) {
 }
 
 /* The first of all: no thread waits in the pool yet. */
-static void refused_threads_only_cost_time(void **state) {
-    (void)state;
+UNIT_TEST(refused_threads_only_cost_time) {
     for (int granted = 0; granted < 3; ++granted) {
         atomic_store(&threads_left, granted);
         assert_int_equal(threads_granted(5), granted);
@@ -88,8 +87,7 @@ static void refused_threads_only_cost_time(void **state) {
 }
 
 /* Those that this process may use; one, where the system does not say. */
-static void the_affinity_counts_processors(void **state) {
-    (void)state;
+UNIT_TEST(the_affinity_counts_processors) {
     cpu_set_t all, one;
     assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
     assert_int_equal(processor_count(), CPU_COUNT(&all));
@@ -112,8 +110,7 @@ static void count_any(void *user, size_t begin, size_t end, unsigned worker) {
 }
 
 /* Nothing to do, pieces of nothing, more threads than there are. */
-static void loops_of_odd_sizes_run(void **state) {
-    (void)state;
+UNIT_TEST(loops_of_odd_sizes_run) {
     const struct {
         unsigned threads;
         size_t count, grain;
@@ -128,13 +125,11 @@ static void loops_of_odd_sizes_run(void **state) {
     }
 }
 
-static void every_item_runs_once(void **state) {
-    (void)state;
+UNIT_TEST(every_item_runs_once) {
     for (int i = 0; i < 100; ++i) check_loop(false);
 }
 
-static void loops_can_nest(void **state) {
-    (void)state;
+UNIT_TEST(loops_can_nest) {
     for (int i = 0; i < 20; ++i) check_loop(true);
 }
 
@@ -144,8 +139,7 @@ static void *loop_of_its_own(void *unused) {
     return NULL;
 }
 
-static void loops_can_run_in_parallel(void **state) {
-    (void)state;
+UNIT_TEST(loops_can_run_in_parallel) {
     pthread_t threads[4];
     for (int i = 0; i < 4; ++i) assert_int_equal(pthread_create(&threads[i], NULL, loop_of_its_own, NULL), 0);
     for (int i = 0; i < 4; ++i) pthread_join(threads[i], NULL);
@@ -156,8 +150,7 @@ static void wait_for_flag(void *user) {
 }
 
 /* Waiting with a limit says that the work goes on, and when it has ended. */
-static void waiting_ends_in_time(void **state) {
-    (void)state;
+UNIT_TEST(waiting_ends_in_time) {
     atomic_bool flag = false;
     pool_task task = {.run = wait_for_flag, .user = &flag};
     assert_true(pool_run(&task));
@@ -167,8 +160,7 @@ static void waiting_ends_in_time(void **state) {
 }
 
 /* A forked child has none of the threads, and makes its own. */
-static void a_forked_child_runs_loops(void **state) {
-    (void)state;
+UNIT_TEST(a_forked_child_runs_loops) {
 #ifdef __SANITIZE_THREAD__
     skip(); /* it does not support threads in a forked child */
 #endif
@@ -185,16 +177,4 @@ static void a_forked_child_runs_loops(void **state) {
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(refused_threads_only_cost_time),
-        cmocka_unit_test(the_affinity_counts_processors),
-        cmocka_unit_test(loops_of_odd_sizes_run),
-        cmocka_unit_test(every_item_runs_once),
-        cmocka_unit_test(loops_can_nest),
-        cmocka_unit_test(loops_can_run_in_parallel),
-        cmocka_unit_test(waiting_ends_in_time),
-        cmocka_unit_test(a_forked_child_runs_loops),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -54,8 +54,7 @@ static verdict_answer at(uint32_t geometry, uint32_t primitive, double t) {
     return (verdict_answer){geometry, primitive, FATHOM_NONE, t, 0};
 }
 
-static void test_agree(void **state) {
-    (void)state;
+UNIT_TEST(test_agree) {
     court c;
     squares(&c);
     assert_int_equal(judged(&c, &plain, down(-0.5f, -0.5f), at(0, 0, 1)), VERDICT_AGREE);
@@ -65,8 +64,7 @@ static void test_agree(void **state) {
 }
 
 /* On the diagonal both triangles are met at the same t. */
-static void test_tie(void **state) {
-    (void)state;
+UNIT_TEST(test_tie) {
     court c;
     squares(&c);
     verdict a = judged(&c, &plain, down(0.25f, -0.25f), at(0, 0, 1));
@@ -78,8 +76,7 @@ static void test_tie(void **state) {
 
 /* Beside an open edge by less than u times the numbers at hand, a hit is as good as a miss; inside the mesh a
  * miss at the diagonal is not. Further out nothing excuses either. */
-static void test_edge_and_leak(void **state) {
-    (void)state;
+UNIT_TEST(test_edge_and_leak) {
     court c;
     squares(&c);
     float in = nextafterf(1, 0), out = nextafterf(1, 2);
@@ -95,8 +92,7 @@ static void test_edge_and_leak(void **state) {
 
 /* Next to a slit that is narrower than what the precision can tell, a ray may pass: on all sides at that
  * distance is surface. */
-static void test_slit(void **state) {
-    (void)state;
+UNIT_TEST(test_slit) {
     const float e = 2e-6f, x[4] = {-1, -e, e, 1};
     float *positions = NULL;
     static const uint32_t indices[12] = {0, 1, 4, 1, 5, 4, 2, 3, 6, 3, 7, 6};
@@ -115,8 +111,7 @@ static void test_slit(void **state) {
 }
 
 /* The surface behind is right only where the interval or an edge hides the one in front. */
-static void test_range(void **state) {
-    (void)state;
+UNIT_TEST(test_range) {
     court c;
     squares(&c);
     oracle_ray ray = down(-0.5f, -0.5f);
@@ -136,8 +131,7 @@ static void test_range(void **state) {
 }
 
 /* Where a line leaves a sphere is no hit while the way in counts. */
-static void test_far_root(void **state) {
-    (void)state;
+UNIT_TEST(test_far_root) {
     court c;
     court_open(&c);
     add_sphere(&c.stage, FATHOM_ROOT, 0, 0, -3, 1, 0);
@@ -152,8 +146,7 @@ static void test_far_root(void **state) {
 
 /* Two roots with no float between them, 1 and 1 ± 2^-38: what was reported is held against the one it means.
  */
-static void test_close_roots(void **state) {
-    (void)state;
+UNIT_TEST(test_close_roots) {
     const verdict_tracer quadruple = {.unit = 0x1p-113};
     court c;
     court_open(&c);
@@ -174,8 +167,7 @@ static void test_close_roots(void **state) {
 }
 
 /* At 1e-4 radians off the surface an error of 1e-5 is what rounding does; head on it is a fault. */
-static void test_conditioned(void **state) {
-    (void)state;
+UNIT_TEST(test_conditioned) {
     court c;
     squares(&c);
     const double tilt = 1e-4;
@@ -186,8 +178,7 @@ static void test_conditioned(void **state) {
     court_close(&c);
 }
 
-static void test_wrong(void **state) {
-    (void)state;
+UNIT_TEST(test_wrong) {
     court c;
     squares(&c);
     assert_int_equal(judged(&c, &embree, down(-0.5f, -0.5f), miss), VERDICT_WRONG);
@@ -202,8 +193,7 @@ static void test_wrong(void **state) {
 }
 
 /* Numbers beyond what a tracer takes, or that its t cannot hold. */
-static void test_beyond(void **state) {
-    (void)state;
+UNIT_TEST(test_beyond) {
     court c;
     squares(&c);
     const verdict_tracer limited = {.unit = 0x1p-24, .leaks = true, .largest = 1e18},
@@ -227,8 +217,7 @@ static verdict judged_any(court *c, const verdict_tracer *tracer, oracle_ray ray
 }
 
 /* Each class of any hit: the squares one behind the other, so that an edge of one alone excuses nothing. */
-static void test_any(void **state) {
-    (void)state;
+UNIT_TEST(test_any) {
     court c;
     squares(&c);
     float in = nextafterf(1, 0), out = nextafterf(1, 2);
@@ -256,8 +245,7 @@ static void test_any(void **state) {
 }
 
 /* What casts no shadow is not there for any hit. */
-static void test_any_shadows(void **state) {
-    (void)state;
+UNIT_TEST(test_any_shadows) {
     court c;
     court_open(&c);
     add_sphere(&c.stage, FATHOM_ROOT, 0, 0, 0, 0.5, FATHOM_CASTS_NO_SHADOW);
@@ -274,8 +262,7 @@ static const verdict_tracer strict = {.unit = 0x1p-24, .strict = true},
                             strict_embree = {.unit = 0x1p-24, .strict = true, .seen = 1u << ORACLE_TRIANGLE};
 
 /* The closed squares are met at t = 1 and 2 without rounding: neither end of the interval is in doubt. */
-static void test_open_ends(void **state) {
-    (void)state;
+UNIT_TEST(test_open_ends) {
     court c;
     squares(&c);
     oracle_ray near = down(-0.5f, -0.25f), far = near;
@@ -298,8 +285,7 @@ static void test_open_ends(void **state) {
 }
 
 /* u, v and the normal are judged with the hit. */
-static void test_details(void **state) {
-    (void)state;
+UNIT_TEST(test_details) {
     court c;
     squares(&c);
     rays_source *source;
@@ -344,8 +330,7 @@ static unsigned found_of(const compare_family *family, rays_family at_family) {
     return (unsigned)found.count;
 }
 
-static void test_statistics(void **state) {
-    (void)state;
+UNIT_TEST(test_statistics) {
     compare_family f;
     memset(&f, 0, sizeof f);
     for (int i = 0; i < 1000; ++i) histogram_add(&f.constants, i < 995 ? 0.3 : 3);
@@ -367,8 +352,7 @@ static void test_statistics(void **state) {
 }
 
 /* A library may declare up to 64 times the unit that its errors show; without hits, no more than float's. */
-static void test_declared_unit(void **state) {
-    (void)state;
+UNIT_TEST(test_declared_unit) {
     static const struct {
         double unit, constant;
         unsigned hits, found;
@@ -389,8 +373,7 @@ static void test_declared_unit(void **state) {
 }
 
 /* No error in n rays: (1 - p)^n is 5 % at the rate that is named. */
-static void test_power(void **state) {
-    (void)state;
+UNIT_TEST(test_power) {
     double p = statistics_power(100000);
     assert_true(fabs(exp(100000 * log1p(-p)) - 0.05) < 1e-5);
     assert_true(statistics_power(0) == 1);
@@ -399,8 +382,7 @@ static void test_power(void **state) {
 /* ---- errors ---- */
 
 /* By hand: a ray from (-0.5,-0.5,1) straight down onto the corner's half of the square. */
-static void test_errors(void **state) {
-    (void)state;
+UNIT_TEST(test_errors) {
     court c;
     squares(&c);
     oracle_ray ray = down(-0.5f, -0.5f);
@@ -429,8 +411,7 @@ static void test_errors(void **state) {
 }
 
 /* On a sphere the normal is the point seen from the centre, in an instance's own space. */
-static void test_sphere_errors(void **state) {
-    (void)state;
+UNIT_TEST(test_sphere_errors) {
     court c;
     court_open(&c);
     fathom_id group;
@@ -511,8 +492,7 @@ static void trial_run(trial *t, unsigned threads, compare_result *out) {
     assert_ok(t->court.stage.context, compare_run(t->court.stage.context, &t->subject, &options, out));
 }
 
-static void failures_fail_again_when_their_calls_are_asked_again(void **state) {
-    (void)state;
+UNIT_TEST(failures_fail_again_when_their_calls_are_asked_again) {
     trial t;
     compare_result result;
     trial_open(&t);
@@ -533,8 +513,7 @@ static void failures_fail_again_when_their_calls_are_asked_again(void **state) {
     trial_close(&t);
 }
 
-static void no_number_and_no_failure_depends_on_the_threads(void **state) {
-    (void)state;
+UNIT_TEST(no_number_and_no_failure_depends_on_the_threads) {
     trial t;
     compare_result one, three;
     trial_open(&t);
@@ -552,8 +531,7 @@ static void no_number_and_no_failure_depends_on_the_threads(void **state) {
 /* ---- rays and counts ---- */
 
 /* Every ray of every family is allowed, and the same when asked for again; another seed makes others. */
-static void test_rays(void **state) {
-    (void)state;
+UNIT_TEST(test_rays) {
     court c;
     court_open(&c);
     add_everything(&c.stage);
@@ -576,8 +554,7 @@ static void test_rays(void **state) {
     court_close(&c);
 }
 
-static void test_histogram(void **state) {
-    (void)state;
+UNIT_TEST(test_histogram) {
     histogram h;
     memset(&h, 0, sizeof h);
     assert_true(histogram_quantile(&h, 0.5) == 0);
@@ -592,31 +569,4 @@ static void test_histogram(void **state) {
     assert_int_equal(h.total, 1001);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_agree),
-        cmocka_unit_test(test_tie),
-        cmocka_unit_test(test_edge_and_leak),
-        cmocka_unit_test(test_range),
-        cmocka_unit_test(test_conditioned),
-        cmocka_unit_test(test_wrong),
-        cmocka_unit_test(test_beyond),
-        cmocka_unit_test(test_any),
-        cmocka_unit_test(test_any_shadows),
-        cmocka_unit_test(test_errors),
-        cmocka_unit_test(test_sphere_errors),
-        cmocka_unit_test(failures_fail_again_when_their_calls_are_asked_again),
-        cmocka_unit_test(no_number_and_no_failure_depends_on_the_threads),
-        cmocka_unit_test(test_rays),
-        cmocka_unit_test(test_histogram),
-        cmocka_unit_test(test_close_roots),
-        cmocka_unit_test(test_far_root),
-        cmocka_unit_test(test_open_ends),
-        cmocka_unit_test(test_details),
-        cmocka_unit_test(test_statistics),
-        cmocka_unit_test(test_declared_unit),
-        cmocka_unit_test(test_power),
-        cmocka_unit_test(test_slit),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -27,8 +27,7 @@ static fathom_material after(const fathom_material *m, const fathom_texture *tex
 /* ---- images ---- */
 
 /* glTF has one image for both: metalness in blue, roughness in green. */
-static void metalness_and_roughness_share_an_image_or_are_left_out(void **state) {
-    (void)state;
+UNIT_TEST(metalness_and_roughness_share_an_image_or_are_left_out) {
     const fathom_texture texture = {
         .size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6, .color_space = FATHOM_COLOR_LINEAR};
     enum { SHARED, OTHER_PLACE, OTHER_SET, OTHER_METAL, OTHER_ROUGH, INVERTED_METAL, INVERTED_ROUGH, CASES };
@@ -62,8 +61,7 @@ static void metalness_and_roughness_share_an_image_or_are_left_out(void **state)
     }
 }
 
-static void images_in_other_channels_are_left_out(void **state) {
-    (void)state;
+UNIT_TEST(images_in_other_channels_are_left_out) {
     const fathom_texture texture = {
         .size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6, .color_space = FATHOM_COLOR_LINEAR};
     for (int k = 0; k < 3; ++k) {
@@ -83,8 +81,7 @@ static void images_in_other_channels_are_left_out(void **state) {
 
 /* A surface that only emits is unlit in glTF, which has no strength for it. Layers above the emission stay.
  */
-static void surfaces_that_only_emit_keep_their_layers(void **state) {
-    (void)state;
+UNIT_TEST(surfaces_that_only_emit_keep_their_layers) {
     for (int k = 0; k < 5; ++k) {
         fathom_material m = metal();
         m.specular_factor = 0;
@@ -105,8 +102,7 @@ static void surfaces_that_only_emit_keep_their_layers(void **state) {
 }
 
 /* glTF's factor is at most 1, and the rest is its strength. */
-static void emission_above_one_keeps_every_bit(void **state) {
-    (void)state;
+UNIT_TEST(emission_above_one_keeps_every_bit) {
     static const float most[] = {1, 1.0000001f, 2, 3.7f, 1e20f};
     for (size_t i = 0; i < sizeof most / sizeof *most; ++i) {
         fathom_material m = metal();
@@ -137,8 +133,7 @@ static fathom_material classic(float d, float r, float t) {
 
 /* Each number by hand from the equations of write_glb_classic.c; rounded once to a float, and perhaps twice
  * on the way. */
-static void classic_materials_become_their_nearest(void **state) {
-    (void)state;
+UNIT_TEST(classic_materials_become_their_nearest) {
     fathom_material m = classic(0.4f, 0, 0), got = after(&m, NULL);
     assert_grey(got.base_color, 0.4);
     assert_true(got.specular_factor == 0 && got.metallic == 0 && got.roughness == 1 && got.opacity == 1);
@@ -178,8 +173,7 @@ static void classic_materials_become_their_nearest(void **state) {
     assert_grey(got.specular_color, 25.0);
 }
 
-static void classic_glass_becomes_transmission(void **state) {
-    (void)state;
+UNIT_TEST(classic_glass_becomes_transmission) {
     fathom_material m = classic(0, 1, 1), got;
     m.fresnel = true, got = after(&m, NULL);
     assert_true(got.transmission == 1 && got.ior == 1.5f && got.specular_factor == 1 && got.roughness == 0);
@@ -196,8 +190,7 @@ static void classic_glass_becomes_transmission(void **state) {
 }
 
 /* Light that goes straight on is coverage. */
-static void classic_transmission_without_refraction_becomes_coverage(void **state) {
-    (void)state;
+UNIT_TEST(classic_transmission_without_refraction_becomes_coverage) {
     fathom_material m = classic(0.25f, 0, 0.5f), got;
     m.ior = 1, got = after(&m, NULL);
     assert_true(got.opacity == 0.5f && got.transmission == 0 && got.thickness == 0);
@@ -228,8 +221,7 @@ static const char *json_of(fathom_scene *scene) {
 
 /* Each is listed once. The first is that of the scene's default material, which is Lambert's. An image that
  * only an extension names makes the extension required. */
-static void extensions_are_listed_if_they_are_used_or_required(void **state) {
-    (void)state;
+UNIT_TEST(extensions_are_listed_if_they_are_used_or_required) {
     fathom_material m = metal();
     m.clearcoat = 1;
     const char *json = json_of(wearing(&m, NULL));
@@ -267,16 +259,4 @@ static int open_noting(void **state) {
     return failed;
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(metalness_and_roughness_share_an_image_or_are_left_out),
-        cmocka_unit_test(images_in_other_channels_are_left_out),
-        cmocka_unit_test(surfaces_that_only_emit_keep_their_layers),
-        cmocka_unit_test(emission_above_one_keeps_every_bit),
-        cmocka_unit_test(classic_materials_become_their_nearest),
-        cmocka_unit_test(classic_glass_becomes_transmission),
-        cmocka_unit_test(classic_transmission_without_refraction_becomes_coverage),
-        cmocka_unit_test(extensions_are_listed_if_they_are_used_or_required),
-    };
-    return cmocka_run_group_tests(tests, open_noting, remove_folder);
-}
+int main(void) { return unit_main(open_noting, remove_folder); }

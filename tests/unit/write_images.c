@@ -47,8 +47,7 @@ static const char *file_of(const fathom_scene *scene, int kind) {
 }
 
 /* A file that stays in its place may have the very name that a copy would get. */
-static void copies_replace_no_image_of_the_scene(void **state) {
-    (void)state;
+UNIT_TEST(copies_replace_no_image_of_the_scene) {
     static const char *const names[] = {"a-0.png", "a-1.png", "b.png"};
     for (int k = 0; k < 6; ++k) {
         const char *name = names[k / 2];
@@ -65,8 +64,7 @@ static void copies_replace_no_image_of_the_scene(void **state) {
 }
 
 /* Files elsewhere are copied; what is below the folder stays, by its relative name. */
-static void files_below_the_folder_stay_and_others_are_copied(void **state) {
-    (void)state;
+UNIT_TEST(files_below_the_folder_stay_and_others_are_copied) {
     assert_int_equal(mkdir(in_folder("below"), 0700), 0);
     unit_write_file(in_folder("below/x.png"), "\x89PNG\r\n below", 12);
     fathom_scene *back = through(wearing_two("below/x.png", false), JSON);
@@ -102,8 +100,7 @@ static void add_sky(fathom_scene *scene, const char *pattern) {
 }
 
 /* The same for environments of six files. */
-static void copies_replace_no_faces_of_the_scene(void **state) {
-    (void)state;
+UNIT_TEST(copies_replace_no_faces_of_the_scene) {
     fathom_material m;
     fathom_material_default(&m);
     assert_int_equal(mkdir(in_folder("below"), 0700), 0);
@@ -131,11 +128,4 @@ static void copies_replace_no_faces_of_the_scene(void **state) {
     unlink(in_folder("below/a.json")), rmdir(in_folder("below"));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(copies_replace_no_image_of_the_scene),
-        cmocka_unit_test(copies_replace_no_faces_of_the_scene),
-        cmocka_unit_test(files_below_the_folder_stay_and_others_are_copied),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -183,8 +183,7 @@ static fathom_scene *generate(fathom_generator kind, uint64_t triangles) {
 /* ---- round trips ---- */
 
 /* One mesh comes back as the same arrays, order and all. */
-static void one_mesh_keeps_its_arrays(void **state) {
-    (void)state;
+UNIT_TEST(one_mesh_keeps_its_arrays) {
     const fathom_generator kinds[] = {FATHOM_GENERATE_SPHERE, FATHOM_GENERATE_TERRAIN};
     const char *const names[] = {"mesh.glb", "mesh.ply", "mesh.obj"};
     for (size_t i = 0; i < 6; ++i) {
@@ -210,8 +209,7 @@ static void one_mesh_keeps_its_arrays(void **state) {
     remove_file("mesh.mtl");
 }
 
-static void instances_are_placed(void **state) {
-    (void)state;
+UNIT_TEST(instances_are_placed) {
     fathom_scene *scene = generate(FATHOM_GENERATE_FOREST, 20000);
     check_all_formats(scene);
     fathom_scene_destroy(scene);
@@ -286,16 +284,14 @@ static fathom_scene *make_hard_scene(void) {
     return scene;
 }
 
-static void hard_scenes_are_read_back(void **state) {
-    (void)state;
+UNIT_TEST(hard_scenes_are_read_back) {
     fathom_scene *scene = make_hard_scene();
     check_all_formats(scene);
     fathom_scene_destroy(scene);
 }
 
 /* Far from the origin .glb keeps the mesh's own numbers: a node moves it there in double. */
-static void far_meshes_keep_their_digits_in_glb(void **state) {
-    (void)state;
+UNIT_TEST(far_meshes_keep_their_digits_in_glb) {
     fathom_scene *scene = new_scene(), *back;
     const double far[3] = {4.5e6 + 0x1p-20, -5.2e6, 1.0 / 3};
     add_tetra(scene, FATHOM_ROOT, PLAIN, far);
@@ -359,8 +355,7 @@ static void common_cases(fathom_material cases[5]) {
 }
 
 /* What the format can say comes back; numbers pass through a few operations of float or double. */
-static void mtl_keeps_materials(void **state) {
-    (void)state;
+UNIT_TEST(mtl_keeps_materials) {
     fathom_material cases[5];
     common_cases(cases);
     cases[1].shininess = 77;
@@ -381,8 +376,7 @@ static void mtl_keeps_materials(void **state) {
     }
 }
 
-static void glb_keeps_materials(void **state) {
-    (void)state;
+UNIT_TEST(glb_keeps_materials) {
     fathom_material cases[5];
     common_cases(cases);
     /* A highlight too broad to be a mirror as well. */
@@ -419,8 +413,7 @@ static void *whole_file(const char *name, size_t *size) {
     return copy;
 }
 
-static void threads_change_no_byte(void **state) {
-    (void)state;
+UNIT_TEST(threads_change_no_byte) {
     const char *const names[] = {"a.glb", "a.ply", "a.obj"};
     fathom_scene *scene = generate(FATHOM_GENERATE_SPHERE, 100000);
     for (size_t i = 0; i < 3; ++i) {
@@ -443,8 +436,7 @@ static void threads_change_no_byte(void **state) {
 }
 
 /* The chunks fill the file, and the arrays begin on multiples of 16 bytes. */
-static void glb_is_laid_out_for_mapping(void **state) {
-    (void)state;
+UNIT_TEST(glb_is_laid_out_for_mapping) {
     fathom_scene *scene = make_hard_scene();
     assert_ok(context, fathom_scene_write(scene, in_folder("a.glb")));
     size_t size;
@@ -471,8 +463,7 @@ static void glb_is_laid_out_for_mapping(void **state) {
 }
 
 /* Every bit pattern of a float, in steps of a prime. */
-static void floats_read_back(void **state) {
-    (void)state;
+UNIT_TEST(floats_read_back) {
     for (uint64_t bits = 0; bits < UINT64_C(1) << 32; bits += 4099) {
         uint32_t pattern = (uint32_t)bits;
         float value, back;
@@ -489,8 +480,7 @@ static void floats_read_back(void **state) {
 }
 
 /* The last floats before the powers of ten, where rounding up would carry farthest. */
-static void floats_below_powers_of_ten(void **state) {
-    (void)state;
+UNIT_TEST(floats_below_powers_of_ten) {
     for (int power = -6; power <= 9; ++power) {
         const float ten = (float)pow(10, power);
         for (float value = nextafterf(nextafterf(ten, 0), 0); value <= ten;
@@ -503,8 +493,7 @@ static void floats_below_powers_of_ten(void **state) {
     }
 }
 
-static void numbers_are_short(void **state) {
-    (void)state;
+UNIT_TEST(numbers_are_short) {
     const struct {
         float value;
         const char *text;
@@ -525,8 +514,7 @@ static void numbers_are_short(void **state) {
 
 /* ---- failures ---- */
 
-static void spheres_are_told_and_empty_scenes_refused(void **state) {
-    (void)state;
+UNIT_TEST(spheres_are_told_and_empty_scenes_refused) {
     fathom_scene *scene = new_scene();
     assert_fails(context, fathom_scene_write(scene, in_folder("a.stl")), FATHOM_BAD_USAGE,
                  ".glb, .json, .obj or .ply");
@@ -548,8 +536,7 @@ static void spheres_are_told_and_empty_scenes_refused(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void too_many_triangles_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(too_many_triangles_are_refused) {
     fathom_scene *scene = generate(FATHOM_GENERATE_SPONGE, UINT64_C(100000000000));
     assert_fails(context, fathom_scene_write(scene, in_folder("a.ply")), FATHOM_BAD_USAGE, "107642880000");
     assert_fails(context, fathom_scene_write(scene, in_folder("a.obj")), FATHOM_BAD_USAGE, ".glb");
@@ -569,21 +556,4 @@ static void too_many_triangles_are_refused(void **state) {
     fathom_scene_destroy(scene);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(floats_read_back),
-        cmocka_unit_test(floats_below_powers_of_ten),
-        cmocka_unit_test(numbers_are_short),
-        cmocka_unit_test(one_mesh_keeps_its_arrays),
-        cmocka_unit_test(instances_are_placed),
-        cmocka_unit_test(hard_scenes_are_read_back),
-        cmocka_unit_test(far_meshes_keep_their_digits_in_glb),
-        cmocka_unit_test(mtl_keeps_materials),
-        cmocka_unit_test(glb_keeps_materials),
-        cmocka_unit_test(threads_change_no_byte),
-        cmocka_unit_test(glb_is_laid_out_for_mapping),
-        cmocka_unit_test(spheres_are_told_and_empty_scenes_refused),
-        cmocka_unit_test(too_many_triangles_are_refused),
-    };
-    return cmocka_run_group_tests(tests, set_up, remove_folder);
-}
+int main(void) { return unit_main(set_up, remove_folder); }

@@ -40,8 +40,7 @@ static void check_text(const char *text) {
     free(back);
 }
 
-static void any_text_becomes_json(void **state) {
-    (void)state;
+UNIT_TEST(any_text_becomes_json) {
     char text[8] = {0};
     for (unsigned first = 1; first < 256; ++first) {
         for (unsigned second = 0; second < 256; ++second) {
@@ -65,8 +64,7 @@ static void any_text_becomes_json(void **state) {
 }
 
 /* One wrong byte becomes one mark; what is around it stays. */
-static void invalid_utf8_becomes_question_marks(void **state) {
-    (void)state;
+UNIT_TEST(invalid_utf8_becomes_question_marks) {
     const char *const cases[][2] = {{"a\xff"
                                      "b",
                                      "a?b"},
@@ -84,8 +82,7 @@ static void invalid_utf8_becomes_question_marks(void **state) {
 /* ---- names ---- */
 
 /* Each material gets a name of its own that every reader of OBJ takes whole. */
-static void names_are_words_and_differ(void **state) {
-    (void)state;
+UNIT_TEST(names_are_words_and_differ) {
     const char *const given[] = {"red",       "two words",        "red", "", NULL, "material_3", "a#b",
                                  "tab\there", "\xc3\xa9t\xc3\xa9"};
     const char *const expected[] = {"red",        "material_2", "material_3",
@@ -139,8 +136,7 @@ static void check_corners(const fathom_mesh *mesh, const write_mesh *out) {
 }
 
 /* Corners that agree in all are one vertex: the two triangles share two positions. */
-static void equal_corners_share_a_vertex(void **state) {
-    (void)state;
+UNIT_TEST(equal_corners_share_a_vertex) {
     static const uint32_t same[6] = {0, 0, 0, 0, 0, 0}, one_each[6] = {0, 0, 0, 1, 1, 1},
                           seam[6] = {0, 1, 2, 4, 1, 3};
     const struct {
@@ -161,8 +157,7 @@ static void equal_corners_share_a_vertex(void **state) {
 }
 
 /* Facets have corners of their own, which keep their texture coordinates, and the facet's normal. */
-static void facets_keep_texture_coordinates(void **state) {
-    (void)state;
+UNIT_TEST(facets_keep_texture_coordinates) {
     static const uint32_t seam[6] = {0, 1, 2, 4, 1, 3};
     for (int i = 0; i < 3; ++i) {
         fathom_mesh mesh = two_triangles();
@@ -205,8 +200,7 @@ static fathom_material through_file(const char *name, const fathom_material *mat
 
 /* Neither format has Phong's lobe: Blinn's of four times the exponent is as wide. MTL keeps the exponent as
  * it is written, glTF as a roughness r with 2 / r^4 - 2 for it. */
-static void phong_becomes_blinn(void **state) {
-    (void)state;
+UNIT_TEST(phong_becomes_blinn) {
     fathom_material phong;
     fathom_material_default(&phong);
     phong.specular = FATHOM_SPECULAR_PHONG, phong.shininess = 5;
@@ -221,8 +215,7 @@ static void phong_becomes_blinn(void **state) {
 
 /* What MTL alone has: reflected ambient light; glass that lets light straight on; a mirror by Fresnel's law.
  */
-static void mtl_has_every_material_value(void **state) {
-    (void)state;
+UNIT_TEST(mtl_has_every_material_value) {
     fathom_material given;
     fathom_material_default(&given);
     given.k_a[0] = 0.25f, given.k_a[1] = 0.5f, given.k_a[2] = 0;
@@ -240,15 +233,4 @@ static void mtl_has_every_material_value(void **state) {
     assert_true(m.fresnel && m.ior == 1.75f && m.k_r[2] == 1 && m.k_t[2] == 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(any_text_becomes_json),
-        cmocka_unit_test(invalid_utf8_becomes_question_marks),
-        cmocka_unit_test(names_are_words_and_differ),
-        cmocka_unit_test(equal_corners_share_a_vertex),
-        cmocka_unit_test(facets_keep_texture_coordinates),
-        cmocka_unit_test(phong_becomes_blinn),
-        cmocka_unit_test(mtl_has_every_material_value),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

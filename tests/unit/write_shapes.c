@@ -86,8 +86,7 @@ static void check_triangles(const fathom_mesh *m, double radius) {
     assert_true(volume < whole && volume > whole * (1 - 3 * 0.0006));
 }
 
-static void spheres_become_closed_meshes(void **state) {
-    (void)state;
+UNIT_TEST(spheres_become_closed_meshes) {
     fathom_scene *scene = scene_with(true), view;
     add_sphere(scene, FATHOM_ROOT, 1e6, 3);
     assert_ok(context, write_shapes_as_meshes(scene, &view));
@@ -101,8 +100,7 @@ static void spheres_become_closed_meshes(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void many_spheres_get_fewer_triangles(void **state) {
-    (void)state;
+UNIT_TEST(many_spheres_get_fewer_triangles) {
     static const struct {
         size_t spheres;
         uint32_t rows;
@@ -119,8 +117,7 @@ static void many_spheres_get_fewer_triangles(void **state) {
     }
 }
 
-static void quads_become_two_triangles(void **state) {
-    (void)state;
+UNIT_TEST(quads_become_two_triangles) {
     static const float uvs[4][2] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
     fathom_scene *scene = scene_with(true), view;
     add_quad(scene, FATHOM_ROOT);
@@ -144,8 +141,7 @@ static void quads_become_two_triangles(void **state) {
 }
 
 /* In every model format, in a group that is placed twice. */
-static void shapes_are_read_back(void **state) {
-    (void)state;
+UNIT_TEST(shapes_are_read_back) {
     static const char *const names[] = {"a.glb", "a.ply", "a.obj"};
     fathom_scene *scene = scene_with(false);
     fathom_id group;
@@ -178,8 +174,7 @@ static void shapes_are_read_back(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void planes_alone_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(planes_alone_are_refused) {
     fathom_scene *scene = scene_with(false);
     fathom_plane plane;
     fathom_plane_default(&plane);
@@ -189,11 +184,4 @@ static void planes_alone_are_refused(void **state) {
     fathom_scene_destroy(scene);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spheres_become_closed_meshes), cmocka_unit_test(many_spheres_get_fewer_triangles),
-        cmocka_unit_test(quads_become_two_triangles),   cmocka_unit_test(shapes_are_read_back),
-        cmocka_unit_test(planes_alone_are_refused),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }
