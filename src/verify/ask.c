@@ -166,8 +166,9 @@ static const way ways[] = {
     {"1-coherent", 1, TRACE_COHERENT, false},
 };
 
-unsigned ask_ways(void) { return sizeof ways / sizeof *ways; }
-const char *ask_way_name(unsigned w) { return w < ask_ways() ? ways[w].name : "given"; }
+#define WAYS (sizeof ways / sizeof *ways)
+
+const char *ask_way_name(unsigned w) { return w < WAYS ? ways[w].name : "given"; }
 
 /* The lane of the block at this position in the calls of a way. */
 static unsigned lane_at(const way *w, unsigned place, unsigned lanes) {
@@ -259,7 +260,7 @@ bool ask_others_find(const trace_tracer *tracer, const ask_batch *batch, unsigne
                      ask_others *out) {
     bool slow = trace_piece(tracer) <= LANES;
     once = once || slow || batch->blocks == 0 || batch->blocks >= BLOCKS_LEAST;
-    other_ways o = {tracer, batch, slow ? SLOW_WAYS : ask_ways(), PTHREAD_MUTEX_INITIALIZER, out, false};
+    other_ways o = {tracer, batch, slow ? SLOW_WAYS : WAYS, PTHREAD_MUTEX_INITIALIZER, out, false};
     size_t rounds = once ? 1 : BLOCKS_LEAST / batch->blocks;
     loop_parallel(threads, rounds * batch->blocks, 1, ask_block_ways, &o);
     drop_repeats(out);
@@ -272,7 +273,7 @@ ask_block ask_block_of(const ask_batch *batch, size_t ray, unsigned w, bool any)
     const size_t block = ray / LANES;
     const unsigned lanes = ask_lanes(batch, block);
     const way as_it_was = {"given", LANES, call_of(batch, block)->coherence, false};
-    const way *how = w < ask_ways() ? &ways[w] : &as_it_was;
+    const way *how = w < WAYS ? &ways[w] : &as_it_was;
     unsigned place = lane_at(how, ray % LANES, lanes), begin = place / how->lanes * how->lanes;
     ask_block out = {.lane = place - begin, .coherence = how->coherence, .any = any};
     for (unsigned i = begin; i < lanes && i < begin + how->lanes; ++i)

@@ -59,7 +59,6 @@ typedef ARRAY(ask_other) ask_others;
 /* Special values of `way`: the result that a render got, and that result after the repair of leaks. */
 #define ASK_GIVEN UINT32_MAX
 #define ASK_REPAIRED (UINT32_MAX - 1)
-unsigned ask_ways(void);
 const char *ask_way_name(unsigned way);
 
 /* Traces all blocks in all ways, on this many threads at once and, unless `once`, again until calls overlap;

@@ -113,6 +113,15 @@ void build_point_light(builder *b, vec3_f64 at, vec3_f64 intensity, double radiu
     build_light(b, &light);
 }
 
+void build_directional_light(builder *b, vec3_f64 direction, vec3_f64 intensity, double radius) {
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_DIRECTIONAL, light.angular_radius = (float)radius;
+    store_f64(light.direction, direction);
+    build_rgb(light.intensity, intensity);
+    build_light(b, &light);
+}
+
 void build_background(builder *b, vec3_f64 rgb) {
     float color[3];
     build_rgb(color, rgb);

@@ -48,6 +48,8 @@ void build_place(builder *b, fathom_id group, fathom_id parent, const double *ma
 
 void build_light(builder *b, const fathom_light *light);
 void build_point_light(builder *b, vec3_f64 at, vec3_f64 intensity, double radius);
+/* radius: half of its angle. */
+void build_directional_light(builder *b, vec3_f64 direction, vec3_f64 intensity, double radius);
 void build_background(builder *b, vec3_f64 rgb);
 void build_camera(builder *b, const fathom_camera *camera);
 

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 static bool find(statistics_findings *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static bool find(statistics_findings *out, const char *format, ...) {
@@ -30,11 +29,10 @@ static bool check_constants(const histogram *constants, statistics_findings *out
     double median = histogram_quantile(constants, 0.5), high = histogram_quantile(constants, 0.999);
     if (constants->total < STATISTICS_LEAST || (median <= STATISTICS_MEDIAN && high <= STATISTICS_HIGH))
         return true;
-    return find(
-        out,
-        "constants: the median error of t is %.2g units of its condition, the 99.9th percentile %.2g; "
-        "expected at most %g and %g",
-        median, high, STATISTICS_MEDIAN, STATISTICS_HIGH);
+    return find(out,
+                "constants: the median error of t is %.2g units of its condition, the 99.9th percentile "
+                "%.2g; expected at most %g and %g",
+                median, high, STATISTICS_MEDIAN, STATISTICS_HIGH);
 }
 
 static bool check_bias(const compare_bias *bias, statistics_findings *out) {
@@ -42,11 +40,10 @@ static bool check_bias(const compare_bias *bias, statistics_findings *out) {
     statistics_bias(bias, &mean, &error);
     bool fine = fabs(mean) - STATISTICS_SIGMAS * error <= STATISTICS_BIAS;
     if (bias->count < STATISTICS_LEAST || fine) return true;
-    return find(
-        out,
-        "bias: t is off by %+.2f units of roundoff on average, with a standard error of %.2g; expected "
-        "at most %g",
-        mean, error, STATISTICS_BIAS);
+    return find(out,
+                "bias: t is off by %+.2f units of roundoff on average, with a standard error of %.2g; "
+                "expected at most %g",
+                mean, error, STATISTICS_BIAS);
 }
 
 /* The fraction of rays of a family that such a tracer is known to lose. It is about twice the measured one:
@@ -72,11 +69,10 @@ static bool check_ends(const compare_family *f, statistics_findings *out) {
         f->counts[VERDICT_RANGE] + f->any_counts[VERDICT_RANGE] + f->other_counts[VERDICT_RANGE];
     const uint64_t rays = f->rays + f->any_rays;
     if (!is_more(ends, STATISTICS_ENDS, rays)) return true;
-    return find(
-        out,
-        "ends: %llu of %llu rays of a render are answered with a surface at an end of their interval; "
-        "expected at most %.2g %%",
-        (unsigned long long)ends, (unsigned long long)rays, 100 * STATISTICS_ENDS);
+    return find(out,
+                "ends: %llu of %llu rays of a render are answered with a surface at an end of their "
+                "interval; expected at most %.2g %%",
+                (unsigned long long)ends, (unsigned long long)rays, 100 * STATISTICS_ENDS);
 }
 
 static bool check_leaks(const trace_spec *spec, rays_family family, uint64_t rays, uint64_t leaks,
@@ -119,9 +115,8 @@ bool statistics_tracer(const trace_spec *spec, double unit, const compare_family
                     unit, (unsigned long long)sum->constants.total, STATISTICS_LEAST);
     }
     if (unit <= STATISTICS_UNIT * measured) return true;
-    return find(
-        out,
-        "unit: the library declares a unit roundoff of %.2g and computes with one of %.2g; expected at most "
-        "%g times that",
-        unit, measured, STATISTICS_UNIT);
+    return find(out,
+                "unit: the library declares a unit roundoff of %.2g and computes with one of %.2g; expected "
+                "at most %g times that",
+                unit, measured, STATISTICS_UNIT);
 }

@@ -2,7 +2,6 @@
 #ifndef CLI_RAY_LINE_H
 #define CLI_RAY_LINE_H
 
-#include "base/file.h"
 #include "verify/ask.h"
 
 /* Prefix of the verdict of any-hit rays. */

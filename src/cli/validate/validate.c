@@ -188,9 +188,7 @@ static const args_option options[] = {
     {"seed", 0, "N", take_u64, offsetof(validate_settings, seed), 0, 0, "of the rays (0)"},
     {"families", 0, "LIST", take_families, offsetof(validate_settings, families), 0, 0,
      "camera, uniform, edge, vertex, grazing, tangent, surface, far, axis, scaled, interval, tiny, bundle, "
-     "lattice, "
-     "ends "
-     "and rendered, separated by commas (all)"},
+     "lattice, ends and rendered, separated by commas (all)"},
     {"power", 0, "RATE", take_f64, offsetof(validate_settings, power), 0, 1,
      "trace 3/RATE further rays with each tracer, over all scenes, and check those on which a second tracer "
      "disagrees: finds errors of this rate with 95 % probability (3e-6, and at most 100 rays for each of "
@@ -224,8 +222,6 @@ static const args_option options[] = {
      "trace the rays of such a file again, grouped as before, and print the answers that have changed"},
     {.help = NULL},
 };
-static const char *const operands[] = {"SCENE"};
-static const size_t operand_offsets[] = {offsetof(validate_settings, scene)};
 
 const command command_validate = {
     .name = "validate",
@@ -290,6 +286,6 @@ const command command_validate = {
                 "  fathom validate --replay bad.txt\n"
                 "  fathom validate --extremes --json all.json\n"
                 "  fathom validate --light\n",
-    .args = {options, operands, operand_offsets, 1, 1},
+    .args = {options, {{"SCENE", offsetof(validate_settings, scene)}}, 1},
     .run = run,
 };

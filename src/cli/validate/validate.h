@@ -74,9 +74,6 @@ fathom_status validate_stage_open(fathom_context *context, const char *name, jud
 /* text must outlive the subject; release its tracer with trace_destroy(). */
 fathom_status validate_subject(fathom_context *context, const judged_scene *stage, const char *text,
                                compare_subject *out, trace_tracer **tracer);
-/* True if the tracer supports the world's shapes. A library supports only triangles. Planes next to a library
- * would be intersected in float, so they count as unsupported. */
-bool validate_holds(const world *w, const trace_spec *spec);
 
 /* Other tracers of the same kind, over another scene. They exist before, next to and after the checked
  * tracer; one more is built repeatedly at the same time. They reveal state that builds share by mistake. */

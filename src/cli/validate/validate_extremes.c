@@ -4,7 +4,6 @@
 #include "cli/interrupt.h"
 #include "cli/render/progress.h"
 
-#include <math.h>
 #include <string.h>
 
 /* ---- running ---- */

@@ -7,7 +7,6 @@
 #include "cli/validate/ray_line.h"
 
 #include <limits.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define LINE_ROOM 512

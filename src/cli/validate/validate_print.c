@@ -6,7 +6,6 @@
 #include "cli/report.h"
 #include "verify/verdict/verdict.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 compare_family validate_sum(const validate_run *run) {

@@ -7,7 +7,6 @@
 #include "verify/builtin.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define FAILURES_KEPT 20000 /* of each family, for a file */
@@ -136,8 +135,7 @@ static fathom_status judge(fathom_context *context, work *k, const judged_scene 
     }
     if (run && run->result.differ)
         return fail_file(context, FATHOM_INTERNAL, scene,
-                         "the search for exact hits and testing every primitive differ "
-                         "in %llu of %llu rays",
+                         "the search for exact hits and testing every primitive differ in %llu of %llu rays",
                          (unsigned long long)run->result.differ, (unsigned long long)run->result.sampled);
     return status;
 }
@@ -155,7 +153,7 @@ static fathom_status run_tracer(fathom_context *context, work *k, const judged_s
     validate_decoys *decoys = NULL;
     fathom_status status = trace_spec_parse(context, words, &spec);
     if (status != FATHOM_OK) return status;
-    if (!k->settings->scene && !validate_holds(stage->world, &spec)) return skip(context, k, scene, words);
+    if (!k->settings->scene && !judged_suits(stage, &spec)) return skip(context, k, scene, words);
     status = validate_decoys_begin(context, words, &decoys);
     if (status == FATHOM_OK) status = judge(context, k, stage, scene, words, decoys);
     validate_decoys_end(decoys);

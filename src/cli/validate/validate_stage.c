@@ -52,11 +52,6 @@ fathom_status validate_subject(fathom_context *context, const judged_scene *stag
     return FATHOM_OK;
 }
 
-bool validate_holds(const world *w, const trace_spec *spec) {
-    return spec->kind != TRACE_PLUGIN ||
-           !(w->spheres.count || w->quads.count || w->planes.count || w->instances.count);
-}
-
 /* ---- decoys ---- */
 
 struct validate_decoys {

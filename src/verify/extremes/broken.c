@@ -2,8 +2,6 @@
  * occlude nothing. Primitives that a scene refuses are put directly into the world. */
 #include "verify/extremes/case.h"
 
-#include <float.h>
-
 #define BROKEN 24u
 
 static vec3_f64 corner_at(unsigned i, unsigned k) {

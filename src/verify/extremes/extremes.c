@@ -1,7 +1,6 @@
 /* The table of groups, and the code that runs a case. */
 #include "verify/extremes/case.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct group {
@@ -70,12 +69,10 @@ unsigned extremes_groups(void) { return sizeof groups / sizeof *groups; }
 const char *extremes_name(unsigned g) { return groups[g].name; }
 const char *extremes_meaning(unsigned g) { return groups[g].meaning; }
 unsigned extremes_cases(unsigned g) { return groups[g].count; }
-double extremes_parameter(unsigned g, unsigned index) { return groups[g].values[index]; }
 
 /* ---- cases of rays ---- */
 
-/* True when the tracer supports the shapes of the scene. */
-static bool suits(const judged_scene *c, const trace_spec *spec) {
+bool judged_suits(const judged_scene *c, const trace_spec *spec) {
     const world *w = c->world;
     return spec->kind != TRACE_PLUGIN ||
            !(w->spheres.count || w->quads.count || w->planes.count || w->instances.count);
@@ -135,7 +132,7 @@ static fathom_status ask_tracer(const judged_scene *c, const extremes_options *o
                                 extremes_row *row, extremes_rows *rows) {
     trace_spec spec;
     fathom_status status = trace_spec_parse(c->b.context, text, &spec);
-    if (status != FATHOM_OK || !suits(c, &spec)) return status;
+    if (status != FATHOM_OK || !judged_suits(c, &spec)) return status;
     trace_tracer *tracer;
     trace_options options = {.spec = &spec, .width = LANES, .threads = o->threads};
     status = trace_create(c->b.context, c->world, &options, &tracer);

@@ -47,7 +47,6 @@ unsigned extremes_groups(void);
 const char *extremes_name(unsigned group);
 const char *extremes_meaning(unsigned group); /* of the parameter; "": index in a list */
 unsigned extremes_cases(unsigned group);
-double extremes_parameter(unsigned group, unsigned index);
 
 /* Appends a row for each tracer that supports the scene; plug-ins support only triangles. Cases of the public
  * API run once for each of their own tracers, whatever the options say. FATHOM_INTERRUPTED when progress
@@ -64,5 +63,8 @@ fathom_status judged_open(fathom_context *context, fathom_scene *scene, judged_s
  * group does not exist. Release *out with judged_close() too. */
 fathom_status extremes_open(fathom_context *context, const char *group, double parameter, judged_scene *out);
 void judged_close(judged_scene *scene);
+/* True if the tracer supports the scene's shapes. A library supports only triangles. Planes next to a library
+ * would be intersected in float, so they count as unsupported. */
+bool judged_suits(const judged_scene *scene, const trace_spec *spec);
 
 #endif

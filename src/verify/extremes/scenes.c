@@ -2,8 +2,6 @@
  * range. */
 #include "verify/extremes/case.h"
 
-#include <string.h>
-
 static const vec3_f64 middle = {0, 0, 0};
 
 void scale_spheres(judged_scene *c, double scale) {

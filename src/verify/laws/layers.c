@@ -33,11 +33,7 @@ static void leaf(law_room *room) {
 }
 
 static void leaf_from_behind(law_room *room) {
-    fathom_light light;
-    fathom_light_default(&light);
-    light.type = FATHOM_LIGHT_DIRECTIONAL;
-    store_f64(light.direction, up);
-    build_light(&room->b, &light);
+    build_directional_light(&room->b, up, white, 0);
     law_lobe(room, leaf_material(), eye, scale_f64(0.75, through));
     build_background(&room->b, origin);
 }

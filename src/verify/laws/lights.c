@@ -118,12 +118,7 @@ static void point(law_room *room) { point_over_floor(room, 0); }
 static void ball(law_room *room) { point_over_floor(room, 0.75); }
 
 static void sun_over_floor(law_room *room, double radius) {
-    fathom_light light;
-    fathom_light_default(&light);
-    light.type = FATHOM_LIGHT_DIRECTIONAL, light.angular_radius = (float)radius;
-    store_f64(light.direction, vec_f64(-1, -2, -2));
-    build_rgb(light.intensity, vec_f64(1.5, 1.5, 1.5));
-    build_light(&room->b, &light);
+    build_directional_light(&room->b, vec_f64(-1, -2, -2), vec_f64(1.5, 1.5, 1.5), radius);
     floor_under(room, 1.5 * 2 / 3);
 }
 

@@ -194,15 +194,11 @@ static void absorbing_ball(law_room *room) {
 
 static void coverage(law_room *room) {
     fathom_material m = law_metallic();
-    fathom_light light;
-    fathom_light_default(&light);
-    light.type = FATHOM_LIGHT_DIRECTIONAL;
-    store_f64(light.direction, down);
     build_rgb(m.base_color, origin);
     m.opacity = 0.25f;
     paint_plane(&room->b, origin, up, build_lambert(albedo));
     paint_plane(&room->b, up, up, m);
-    build_light(&room->b, &light);
+    build_directional_light(&room->b, down, white, 0);
     law_look(room, vec_f64(0.5, 0, 2), origin);
     law_value(room, scale_f64(0.75 * 0.75, albedo));
 }

@@ -92,11 +92,7 @@ static void add_lights(demo *d) {
     light.inner_angle = 0.3f, light.outer_angle = 0.5f;
     light.intensity[0] = light.intensity[1] = light.intensity[2] = 20;
     build_light(&d->s.b, &light);
-    fathom_light_default(&light);
-    light.type = FATHOM_LIGHT_DIRECTIONAL;
-    light.direction[0] = 0.3, light.direction[2] = -0.6;
-    light.intensity[0] = light.intensity[1] = light.intensity[2] = 0.25f;
-    build_light(&d->s.b, &light);
+    build_directional_light(&d->s.b, vec_f64(0.3, -1, -0.6), vec_f64(0.25, 0.25, 0.25), 0);
 }
 
 static void set_view(demo *d) {

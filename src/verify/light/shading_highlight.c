@@ -41,7 +41,7 @@ static void one(studio *s, fathom_specular kind, double n, double field) {
     m.k_s[0] = m.k_s[1] = m.k_s[2] = 1;
     m.specular = kind, m.shininess = (float)n;
     paint_plane(&s->b, (vec3_f64){0, 0, 0}, normal, m);
-    studio_directional_light(s, (vec3_f64){mirrored.x, 0, -mirrored.z});
+    build_directional_light(&s->b, (vec3_f64){mirrored.x, 0, -mirrored.z}, vec_f64(1, 1, 1), 0);
     studio_camera(s, scale_f64(4, mirrored), neg_f64(mirrored), across, field);
     gloss g = {kind, studio_twisted(s, n)};
     for (uint32_t i = 0, pixels = studio_render(s); i < pixels; ++i) judge(s, &g, field, i);

@@ -11,7 +11,7 @@ static const vec3_f64 zero = {0, 0, 0}, down = {0, 0, -1}, across = {1, 0, 0}, u
 static void grazing(studio *s, double cosine) {
     studio_begin(s, PIXELS);
     paint_quad(&s->b, zero, (vec3_f64){4, 0, 0}, (vec3_f64){0, 4, 0}, studio_lambert(1, 1, 1));
-    studio_directional_light(s, (vec3_f64){-sqrt(1 - cosine * cosine), 0, -cosine});
+    build_directional_light(&s->b, (vec3_f64){-sqrt(1 - cosine * cosine), 0, -cosine}, vec_f64(1, 1, 1), 0);
     studio_camera(s, (vec3_f64){0, 0, 2}, down, across, 2);
     double expected = studio_twisted(s, cosine);
     /* n is exact, the light's z is rounded once, and about 6 products follow. */
@@ -27,7 +27,7 @@ static void grazing(studio *s, double cosine) {
 static void terminator(studio *s, double near) {
     studio_begin(s, PIXELS);
     paint_sphere(&s->b, zero, 1, studio_lambert(1, 1, 1));
-    studio_directional_light(s, neg_f64(across));
+    build_directional_light(&s->b, neg_f64(across), vec_f64(1, 1, 1), 0);
     double field = 2 * near / 3; /* at distance 3 from the terminator */
     studio_camera(s, (vec3_f64){0, 0, 4}, down, across, field);
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i) {

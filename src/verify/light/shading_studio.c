@@ -69,14 +69,6 @@ void studio_point_light(studio *s, vec3_f64 at, double r, double g, double b) {
     build_point_light(&s->b, at, vec_f64(r, g, b), 0);
 }
 
-void studio_directional_light(studio *s, vec3_f64 direction) {
-    fathom_light light;
-    fathom_light_default(&light);
-    light.type = FATHOM_LIGHT_DIRECTIONAL;
-    store_f64(light.direction, direction);
-    build_light(&s->b, &light);
-}
-
 void studio_camera(studio *s, vec3_f64 eye, vec3_f64 view, vec3_f64 across, double width) {
     fathom_camera camera;
     fathom_camera_default(&camera);

@@ -38,7 +38,6 @@ fathom_material studio_emitter(double r, double g, double b);
 fathom_material studio_glass(float ior);
 
 void studio_point_light(studio *s, vec3_f64 at, double r, double g, double b);
-void studio_directional_light(studio *s, vec3_f64 direction);
 
 /* Sets a camera at `eye` that looks along `view`, with the image's +x along `across` (both unit, orthogonal).
  * At distance 1 the view is `width` wide. */
