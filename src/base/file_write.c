@@ -126,6 +126,10 @@ void fathom_file_remove_left_over(const char *path) {
 
 /* ---- writing ---- */
 
+static fathom_status cannot_write(fathom_context *context, const char *path, int error) {
+    return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be written: %s", strerror(error));
+}
+
 static void writer_free(file_writer *writer) {
     if (writer->temporary) temporaries_swap(writer->temporary, NULL);
     free(writer->path);
@@ -201,8 +205,7 @@ fathom_status file_writer_open(fathom_context *context, const char *path, file_w
     int descriptor = open_temporary(writer);
     writer->stream = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
     if (!writer->stream) {
-        fathom_status status =
-            fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be written: %s", strerror(errno));
+        fathom_status status = cannot_write(context, path, errno);
         if (descriptor >= 0) close(descriptor), unlink(writer->temporary);
         writer_free(writer);
         return status;
@@ -273,8 +276,7 @@ fathom_status file_writer_commit(file_writer *writer) {
     fathom_status status = FATHOM_OK;
     if (error) {
         if (!renamed) unlink(writer->temporary);
-        status = fail_file(context, FATHOM_OUT_OF_RESOURCES, writer->path, "cannot be written: %s",
-                           strerror(error));
+        status = cannot_write(context, writer->path, error);
     }
     writer_free(writer);
     return status;
@@ -310,8 +312,7 @@ static fathom_status probe(fathom_context *context, const char *path) {
     file_writer_put(writer, zeros, sizeof zeros);
     int error = fflush(writer->stream) == 0 ? writer->error : errno;
     file_writer_abort(writer);
-    if (!error) return FATHOM_OK;
-    return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be written: %s", strerror(error));
+    return error ? cannot_write(context, path, error) : FATHOM_OK;
 }
 
 /* The errno with which replacing the file would fail later, or 0. A file without write permission could be
@@ -348,8 +349,7 @@ fathom_status fathom_file_check(fathom_context *context, const char *path) {
     fathom_status status = check_folder(context, path, folder);
     int error = status == FATHOM_OK ? refusal(path, folder) : 0;
     free(folder);
-    if (error)
-        status = fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be written: %s", strerror(error));
+    if (error) status = cannot_write(context, path, error);
     return status == FATHOM_OK ? probe(context, path) : status;
 }
 

@@ -2,7 +2,6 @@
 
 #include "base/status.h"
 
-#include <errno.h>
 #include <locale.h>
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,6 @@
 #include "write/write.h"
 
 #include "read/json/json_form.h"
-#include "scene/motion/motion.h"
 #include "scene/settings.h"
 
 #include <stdio.h>
@@ -88,12 +87,10 @@ write_turn write_turn_of(const float m[6]) {
     return t;
 }
 
-static bool is_black(const float c[3]) { return c[0] == 0 && c[1] == 0 && c[2] == 0; }
-
 bool write_only_emits(const fathom_material *m) {
-    return m->model != FATHOM_MODEL_CLASSIC && is_black(m->base_color) && m->metallic == 0 &&
+    return m->model != FATHOM_MODEL_CLASSIC && write_is_black(m->base_color) && m->metallic == 0 &&
            m->specular_factor == 0 && m->transmission == 0 && m->diffuse_transmission == 0 &&
-           m->clearcoat == 0 && is_black(m->sheen_color) && m->iridescence == 0;
+           m->clearcoat == 0 && write_is_black(m->sheen_color) && m->iridescence == 0;
 }
 
 /* ---- what formats cannot hold ---- */
@@ -238,8 +235,7 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
         const char *text;
     } facts[] = {
         {MESHES, count_copies(ways, scene),
-         "a place of a group that is placed several times has triangles of "
-         "its own"},
+         "a place of a group that is placed several times has triangles of its own"},
         {ALL, cameras - taken, "a camera that was not chosen is left out"},
         {ALL, scene->has_animations, "animation is not kept; all stands as it is posed"},
         {ALL, scene->has_variants, "variants of materials are not kept; the chosen one is"},

@@ -140,6 +140,8 @@ void write_quoted(file_writer *file, const char *text);
  * four times its exponent. 0: no highlight. */
 double write_blinn_exponent(const fathom_material *m);
 
+static inline bool write_is_black(const float c[3]) { return c[0] == 0 && c[1] == 0 && c[2] == 0; }
+
 /* True for a surface of the model metallic-roughness that reflects nothing and lets nothing through. */
 bool write_only_emits(const fathom_material *m);
 

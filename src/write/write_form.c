@@ -72,30 +72,24 @@ static bool has_needed(const form *f, const form_key *key, const void *values, c
 
 /* ---- text ---- */
 
-void form_put_number(file_writer *t, double number) {
+/* The fewest digits, at least 6, that read back as the same number, or as the same float. */
+static void put_shortest(file_writer *t, double number, bool single) {
     char text[40];
-    for (int digits = 6; digits <= 17; ++digits) {
+    for (int digits = 6; digits <= (single ? 9 : 17); ++digits) {
         snprintf(text, sizeof text, "%.*g", digits, number);
-        if (strtod(text, NULL) == number) break;
+        if (single ? strtof(text, NULL) == (float)number : strtod(text, NULL) == number) break;
     }
     file_writer_print(t, "%s", text);
 }
 
-static void put_float(file_writer *t, float number) {
-    char text[40];
-    for (int digits = 6; digits <= 9; ++digits) {
-        snprintf(text, sizeof text, "%.*g", digits, (double)number);
-        if (strtof(text, NULL) == number) break;
-    }
-    file_writer_print(t, "%s", text);
-}
+void form_put_number(file_writer *t, double number) { put_shortest(t, number, false); }
 
 static void put_one(file_writer *t, const form_key *key, const char *value, size_t i) {
     const void *at = value;
     switch (key->kind) {
     case FORM_U32: file_writer_print(t, "%u", ((const uint32_t *)at)[i]); break;
     case FORM_U64: file_writer_print(t, "%llu", (unsigned long long)((const uint64_t *)at)[i]); break;
-    case FORM_F32: put_float(t, ((const float *)at)[i]); break;
+    case FORM_F32: put_shortest(t, (double)((const float *)at)[i], true); break;
     case FORM_F64: form_put_number(t, ((const double *)at)[i]); break;
     case FORM_BOOL:
     case FORM_WORD:

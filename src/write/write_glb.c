@@ -192,11 +192,10 @@ static fathom_status make_json(glb *g) {
 static fathom_status put_file(const glb *g) {
     size_t total = GLB_HEADERS + g->json_size + g->binary_size;
     if (total > UINT32_MAX) {
-        return fail_file(
-            g->scene->context, FATHOM_BAD_USAGE, g->path,
-            "the arrays and nodes take %zu bytes, and a .glb holds at most 4294967295; .ply holds more "
-            "triangles",
-            total);
+        return fail_file(g->scene->context, FATHOM_BAD_USAGE, g->path,
+                         "the arrays and nodes take %zu bytes, and a .glb holds at most 4294967295; .ply "
+                         "holds more triangles",
+                         total);
     }
     const uint32_t head[5] = {0x46546c67, 2, (uint32_t)total, (uint32_t)g->json_size, 0x4e4f534a};
     const uint32_t binary[2] = {(uint32_t)g->binary_size, 0x004e4942};

@@ -15,8 +15,6 @@ typedef struct shape {
     bool unlit, glossy, blends;
 } shape;
 
-static bool is_black(const float c[3]) { return c[0] == 0 && c[1] == 0 && c[2] == 0; }
-
 static bool has_map(const fathom_material *m, int kind) { return m->maps[kind].texture != FATHOM_NONE; }
 
 /* True if two maps can share one image. */
@@ -44,7 +42,7 @@ static void drop_map(shape *s, int kind, size_t *lost) {
 }
 
 static bool is_unlit(const fathom_material *m) {
-    return write_only_emits(m) && m->emissive_strength == 1 && !is_black(m->emissive) &&
+    return write_only_emits(m) && m->emissive_strength == 1 && !write_is_black(m->emissive) &&
            !(m->emissive[0] > 1 || m->emissive[1] > 1 || m->emissive[2] > 1);
 }
 
@@ -105,8 +103,8 @@ static bool has_alpha_vertices(const fathom_scene *scene, fathom_id material) {
 
 /* glTF can represent such a material exactly, emission included. */
 static bool is_lambert(const fathom_material *m) {
-    return m->specular == FATHOM_SPECULAR_NONE && is_black(m->k_r) && is_black(m->k_t) && m->k_a[0] < 0 &&
-           !m->lit_from_behind;
+    return m->specular == FATHOM_SPECULAR_NONE && write_is_black(m->k_r) && write_is_black(m->k_t) &&
+           m->k_a[0] < 0 && !m->lit_from_behind;
 }
 
 static shape shape_of(const glb *g, fathom_id id) {
@@ -123,15 +121,13 @@ static shape shape_of(const glb *g, fathom_id id) {
                has_alpha_vertices(g->scene, id);
     if (lost)
         notes_add(g->notes, lost, "",
-                  "an image that glTF has no place for, by its parameter or its channel, "
-                  "is left out");
+                  "an image that glTF has no place for, by its parameter or its channel, is left out");
     if (s.blends && has_map(&s.m, FATHOM_MAP_COLOR) && !has_map(&s.m, FATHOM_MAP_OPACITY))
         notes_add(g->notes, 1, "",
                   "the alpha of a material's colour image, if it has one, counts as opacity");
     if (classic && !is_lambert(given))
         notes_add(g->notes, 1, "",
-                  "a material of the model classic becomes its nearest metallicRoughness "
-                  "one");
+                  "a material of the model classic becomes its nearest metallicRoughness one");
     if (s.m.priority || !s.m.multiscatter)
         notes_add(g->notes, 1, "", "priority and multiscatter of a material have no place in glTF");
     if (s.m.ior > 0 && s.m.ior < 1) {
@@ -219,10 +215,7 @@ static void put_material(file_writer *t, const char *name, const shape *s) {
     const unsigned used = holders_of(s);
     const char *open = ",\"extensions\":{";
     file_writer_print(t, "{\"doubleSided\":%s", s->m.double_sided ? "true" : "false");
-    if (name) {
-        file_writer_print(t, ",\"name\":");
-        write_quoted(t, name);
-    }
+    if (name) glb_put_name(t, ",", name);
     if (!s->glossy) {
         file_writer_print(t, ",\"%s\":{", gltf_holder_names[GLTF_PBR]);
         put_base(t, s);

@@ -85,10 +85,9 @@ size_t glb_surroundings(const glb *g) { return lights_of(g) + has_camera(g); }
 
 /* Columns x, y, z and the origin. */
 static void put_frame(file_writer *t, vec3_f64 x, vec3_f64 y, vec3_f64 z, const double origin[3]) {
-    file_writer_print(t,
-                      "\"matrix\":[%.17g,%.17g,%.17g,0,%.17g,%.17g,%.17g,0,%.17g,%.17g,%.17g,0,%.17g,%.17g,"
-                      "%.17g,1]",
-                      x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z, origin[0], origin[1], origin[2]);
+    file_writer_print(
+        t, "\"matrix\":[%.17g,%.17g,%.17g,0,%.17g,%.17g,%.17g,0,%.17g,%.17g,%.17g,0,%.17g,%.17g,%.17g,1]",
+        x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z, origin[0], origin[1], origin[2]);
 }
 
 /* A light points along the -z axis of its node. The direction is written unchanged, with its length, which
@@ -141,10 +140,9 @@ static void put_camera(const glb *g, file_writer *t) {
                           0.5 * c->h * (aspect > 0 ? aspect : (double)s->width / s->height), 0.5 * c->h);
         return;
     }
-    file_writer_print(t,
-                      ",\n\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":%.17g,\"znear\":"
-                      "0.001",
-                      angle_of(c->h / c->d));
+    file_writer_print(
+        t, ",\n\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":%.17g,\"znear\":0.001",
+        angle_of(c->h / c->d));
     if (aspect > 0) file_writer_print(t, ",\"aspectRatio\":%.17g", aspect);
     file_writer_print(t, "}}]");
     if (c->lens_radius > 0)

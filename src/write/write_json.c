@@ -3,7 +3,6 @@
 
 #include "read/json/json_form.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static double degrees(double radians) { return radians / 0.017453292519943295; }

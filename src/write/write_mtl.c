@@ -7,8 +7,6 @@
 #include "read/obj/mtl.h"
 #include "write/write_obj.h"
 
-#include <string.h>
-
 static float largest(const float rgb[3]) { return fmaxf(rgb[0], fmaxf(rgb[1], rgb[2])); }
 
 static void put_color(file_writer *file, const char *key, const float rgb[3], float factor) {

@@ -2,7 +2,6 @@
  * in a library next to the file (write_mtl.c). */
 #include "write/write_obj.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -158,11 +157,10 @@ static fathom_status check_count(const obj *o, const char *path) {
     }
     free(ways);
     if (vertices <= UINT32_MAX) return FATHOM_OK;
-    return fail_file(
-        o->scene->context, FATHOM_BAD_USAGE, path,
-        "with all instances placed there are %zu vertices, and readers of OBJ count to 4294967295; .glb "
-        "keeps instances as they are",
-        vertices);
+    return fail_file(o->scene->context, FATHOM_BAD_USAGE, path,
+                     "with all instances placed there are %zu vertices, and readers of OBJ count to "
+                     "4294967295; .glb keeps instances as they are",
+                     vertices);
 }
 
 /* "models/bunny.obj" -> "models/bunny.mtl" */

@@ -80,11 +80,10 @@ static fathom_status count_all(ply *p) {
     if (status == FATHOM_OK) status = count_meshes(p, ways, true);
     free(ways);
     if (status == FATHOM_OK && (p->vertices > UINT32_MAX || p->triangles > UINT32_MAX)) {
-        return fail_file(
-            p->scene->context, FATHOM_BAD_USAGE, p->path,
-            "with all instances placed there are %zu vertices and %zu triangles, and PLY counts to "
-            "4294967295; .glb keeps instances as they are",
-            p->vertices, p->triangles);
+        return fail_file(p->scene->context, FATHOM_BAD_USAGE, p->path,
+                         "with all instances placed there are %zu vertices and %zu triangles, and PLY counts "
+                         "to 4294967295; .glb keeps instances as they are",
+                         p->vertices, p->triangles);
     }
     return status;
 }

@@ -101,8 +101,7 @@ UNIT_TEST(signed_and_unsigned_numbers_differ) {
 UNIT_TEST(elements_may_come_in_any_order) {
     const char *lines =
         "comment made by hand\nobj_info x\nCreated by Blender3D 247\nelement camera 1\nproperty list uchar "
-        "float view\nproperty int "
-        "id\n"
+        "float view\nproperty int id\n"
         "element face 3\nproperty uchar red\nproperty list uint float weights\n"
         "property list short ushort vertex_indices\nproperty double area\n"
         "element edge 2\nproperty int vertex1\nproperty int vertex2\n"
@@ -407,9 +406,8 @@ UNIT_TEST(splats_are_points) {
         assert_int_equal(mesh->color_channels, 4);
         assert_true(first[3] == 0.5f);
         assert_near(second[3], 1 / (1 + exp(9)), 1e-10);
-        expect_warning(
-            "Gaussian splats are shown as points of their mean colours and opacities, without their "
-            "sizes and directions (2 such)");
+        expect_warning("Gaussian splats are shown as points of their mean colours and opacities, without "
+                       "their sizes and directions (2 such)");
         assert_ptr_equal(strchr(mesh_warnings, '\n') + 1, mesh_warnings + strlen(mesh_warnings));
         fathom_scene_destroy(scene);
     }
@@ -528,10 +526,9 @@ UNIT_TEST(colours_of_faces_are_shown) {
         ply_maker m;
         char lines[512];
         snprintf(lines, sizeof lines,
-                 XYZ
-                 "property float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty float "
-                 "t\nproperty float s1\nproperty float t1\n" FACES(3) "property uchar red\nproperty uchar "
-                                                                      "green\nproperty uchar blue\n%s",
+                 XYZ "property float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty "
+                     "float t\nproperty float s1\nproperty float t1\n" FACES(
+                         3) "property uchar red\nproperty uchar green\nproperty uchar blue\n%s",
                  alpha ? "property uchar alpha\n" : "property uchar quality\n");
         ply_header(&m, (ply_flavour)(k % FLAVOURS), lines, 0);
         for (int i = 0; i < 4; ++i)
@@ -741,8 +738,7 @@ UNIT_TEST(float_face_colours_of_bytes_are_decoded) {
         if (bytes) assert_near(c[3], 0.2, 1e-7);
         if (bytes)
             expect_warning(
-                "face colours are floats, but whole numbers up to 255; they are read as sRGB bytes "
-                "(2 such)");
+                "face colours are floats, but whole numbers up to 255; they are read as sRGB bytes (2 such)");
         if (!bytes) assert_null(strstr(mesh_warnings, "bytes"));
         fathom_scene_destroy(scene);
     }

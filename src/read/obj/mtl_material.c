@@ -42,7 +42,6 @@
 #include "read/obj/mtl.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 static void set(float out[3], const double rgb[3], double factor) {
     for (int k = 0; k < 3; ++k) out[k] = (float)(factor * rgb[k]);

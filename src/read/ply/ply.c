@@ -3,7 +3,6 @@
 #include "read/mesh/strokes.h"
 
 #include <float.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 fathom_status ply_allocate_arrays(ply_reader *r) {
