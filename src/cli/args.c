@@ -97,7 +97,7 @@ static bool parse_short(parser *p, const char *typed) {
 }
 
 static bool add_operand(parser *p, const char *text) {
-    args_many *all = (args_many *)(void *)(p->settings + p->spec->operand_offsets[0]);
+    args_many *all = (args_many *)(void *)(p->settings + p->spec->operands[0].offset);
     if (!all->items) all->items = calloc((size_t)p->argc, sizeof *all->items);
     if (!all->items) return args_wrong(p->problem, "out of memory");
     all->items[all->count++] = text;
@@ -105,12 +105,17 @@ static bool add_operand(parser *p, const char *text) {
     return true;
 }
 
+static size_t operand_count(const args_spec *spec) {
+    size_t count = 0;
+    while (count < ARGS_OPERANDS_MAX && spec->operands[count].name) ++count;
+    return count;
+}
+
 static bool parse_operand(parser *p, const char *text) {
     if (p->spec->many) return add_operand(p, text);
-    if (p->operands == p->spec->operand_count)
+    if (p->operands == operand_count(p->spec))
         return args_wrong(p->problem, "unexpected argument \"%.300s\"", text);
-    size_t offset = p->spec->operand_offsets[p->operands++];
-    memcpy(p->settings + offset, &text, sizeof text);
+    memcpy(p->settings + p->spec->operands[p->operands++].offset, &text, sizeof text);
     return true;
 }
 
@@ -135,7 +140,7 @@ args_result args_parse(const args_spec *spec, int argc, char **argv, void *setti
             fine = text[1] == '-' ? parse_long(&p, text) : parse_short(&p, text);
         if (!fine) return ARGS_WRONG;
     }
-    if (p.operands + spec->operands_optional >= spec->operand_count) return ARGS_READY;
-    args_wrong(problem, "%s is missing", spec->operands[p.operands]);
+    if (p.operands + spec->operands_optional >= operand_count(spec)) return ARGS_READY;
+    args_wrong(problem, "%s is missing", spec->operands[p.operands].name);
     return ARGS_WRONG;
 }

@@ -64,12 +64,23 @@ struct args_option {
     const char *help;
 };
 
+/* A row of a table of options, for macros. */
+#define ARGS_ROW(...)                                                                                        \
+    { __VA_ARGS__ }
+
+/* The field is a const char *. */
+typedef struct args_operand {
+    const char *name; /* "SCENE" */
+    size_t offset;    /* of the field in the settings */
+} args_operand;
+
+#define ARGS_OPERANDS_MAX 2
+
 typedef struct args_spec {
-    const args_option *options;    /* NULL: none */
-    const char *const *operands;   /* "SCENE"; all are required, except the optional ones */
-    const size_t *operand_offsets; /* of their const char * fields */
-    size_t operand_count;
-    size_t operands_optional;          /* number of optional operands, which come last */
+    const args_option *options;               /* NULL: none */
+    args_operand operands[ARGS_OPERANDS_MAX]; /* up to the first without a name; all are required, except the
+                                                 optional ones */
+    size_t operands_optional;                 /* number of optional operands, which come last */
     const args_option *(*table)(void); /* creates the options if they follow from another table; or NULL */
     bool many;                         /* the only operand is an args_many */
 } args_spec;

@@ -49,10 +49,8 @@ bool command_parse(const command *c, int argc, char **argv, void *settings, fath
 
 /* A row of a table of options, for settings with a bool named allow_outside. */
 #define COMMAND_ALLOW_OUTSIDE(settings)                                                                      \
-    {                                                                                                        \
-        "allow-outside", 0, NULL, take_true, offsetof(settings, allow_outside), 0, 0,                        \
-            "files that SCENE names may lie outside its folder"                                              \
-    }
+    ARGS_ROW("allow-outside", 0, NULL, take_true, offsetof(settings, allow_outside), 0, 0,                   \
+             "files that SCENE names may lie outside its folder")
 
 /* The options that choose the part of a model to read, and how to read it. */
 typedef struct command_model {
@@ -68,7 +66,7 @@ fathom_read_options command_read_options(const command_model *model);
 
 /* Rows for settings with a command_model named model. */
 #define COMMAND_MODEL_ROW(settings, name, word, take, field, ...)                                            \
-    { name, 0, word, take, offsetof(settings, model.field), __VA_ARGS__ }
+    ARGS_ROW(name, 0, word, take, offsetof(settings, model.field), __VA_ARGS__)
 #define COMMAND_MODEL(settings)                                                                              \
     COMMAND_MODEL_ROW(                                                                                       \
         settings, "camera", "NAME|N", take_text, camera, 0, 0,                                               \
@@ -105,9 +103,10 @@ typedef struct command_common {
 } command_common;
 
 #define COMMAND_THREADS                                                                                      \
-    { "threads", 0, "N", take_u32, offsetof(command_common, threads), 1, 1024, "1 to 1024 (one a processor)" }
+    ARGS_ROW("threads", 0, "N", take_u32, offsetof(command_common, threads), 1, 1024,                        \
+             "1 to 1024 (one a processor)")
 #define COMMAND_QUIET(help)                                                                                  \
-    { "quiet", 'q', NULL, take_true, offsetof(command_common, quiet), 0, 0, help }
+    ARGS_ROW("quiet", 'q', NULL, take_true, offsetof(command_common, quiet), 0, 0, help)
 
 /* Reads the command line into `settings`, which begin with a command_common and hold the defaults. Then calls
  * `body` with a context. During `body`, a signal ends the process. The body prints its own errors. */

@@ -78,8 +78,6 @@ static const args_option options[] = {
     COMMAND_QUIET("only the exit code"),
     {.help = NULL},
 };
-static const char *const operands[] = {"A", "B"};
-static const size_t operand_offsets[] = {offsetof(compare_settings, a), offsetof(compare_settings, b)};
 
 const command command_compare = {
     .name = "compare",
@@ -91,6 +89,6 @@ const command command_compare = {
             "differ in size, crop or channels. FLIP does not change the exit code.\n",
     .examples = "  fathom compare old.exr new.exr --tolerance 0.001\n"
                 "  fathom compare old.png new.png --flip\n",
-    .args = {options, operands, operand_offsets, 2},
+    .args = {options, {{"A", offsetof(compare_settings, a)}, {"B", offsetof(compare_settings, b)}}},
     .run = run,
 };

@@ -53,9 +53,6 @@ static const args_option options[] = {
     COMMAND_QUIET("only errors and warnings"),
     {.help = NULL},
 };
-static const char *const operands[] = {"IN", "OUT"};
-static const size_t operand_offsets[] = {offsetof(convert_settings, input),
-                                         offsetof(convert_settings, output)};
 
 const command command_convert = {
     .name = "convert",
@@ -71,6 +68,7 @@ const command command_convert = {
             "render adds to IN are not written, because a render of OUT adds them again.\n",
     .examples = "  fathom convert model.gltf model.glb\n"
                 "  fathom convert walk.glb pose.json --time 1.5\n",
-    .args = {options, operands, operand_offsets, 2},
+    .args = {options,
+             {{"IN", offsetof(convert_settings, input)}, {"OUT", offsetof(convert_settings, output)}}},
     .run = run,
 };

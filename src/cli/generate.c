@@ -90,8 +90,6 @@ static const args_option options[] = {
     COMMAND_QUIET("only errors and warnings"),
     {.help = NULL},
 };
-static const char *const operands[] = {"KIND"};
-static const size_t operand_offsets[] = {offsetof(generate_settings, kind)};
 
 const command command_generate = {
     .name = "generate",
@@ -105,6 +103,6 @@ const command command_generate = {
             "The same KIND, N and S always give the same file.\n",
     .examples = "  fathom generate sphere --triangles 8M -o heavy.glb\n"
                 "  fathom render heavy.glb -o heavy.png\n",
-    .args = {options, operands, operand_offsets, 1},
+    .args = {options, {{"KIND", offsetof(generate_settings, kind)}}},
     .run = run,
 };

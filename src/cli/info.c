@@ -158,11 +158,10 @@ static void print_facts(const json_t *root) {
         json_print(root, "{counts.points:.0f} points in {counts.clouds:.0f} cloud");
         fputs(one ? ", " : "s, ", stdout);
     }
-    json_print(root,
-               "{counts.spheres:.0f} spheres, {counts.quads:.0f} quads, {counts.planes:.0f} planes\n"
-               "instances {counts.instances:.0f} of {counts.groups:.0f} groups\n"
-               "lights    {lights.point:.0f} point, {lights.directional:.0f} directional, {lights.spot:.0f} "
-               "spot, {lights.environment:.0f} environment");
+    json_print(root, "{counts.spheres:.0f} spheres, {counts.quads:.0f} quads, {counts.planes:.0f} planes\n"
+                     "instances {counts.instances:.0f} of {counts.groups:.0f} groups\n"
+                     "lights    {lights.point:.0f} point, {lights.directional:.0f} directional, "
+                     "{lights.spot:.0f} spot, {lights.environment:.0f} environment");
     print_emissive(root);
     json_print(root, "\nmaterials {counts.materials:.0f}\n");
     if (json_is_object(json_at(root, "bounds")))
@@ -258,8 +257,6 @@ static const args_option options[] = {
     COMMAND_THREADS,
     {.help = NULL},
 };
-static const char *const operands[] = {"SCENE"};
-static const size_t operand_offsets[] = {offsetof(info_settings, scene)};
 
 const command command_info = {
     .name = "info",
@@ -268,6 +265,6 @@ const command command_info = {
     .text = "Prints counts, bounds, the features used, the parts of the renderer that a\n"
             "render skips and why, an estimate of its memory, and the problems found. The\n"
             "exit code is 3 if Embree, the default tracer, cannot render the scene.\n",
-    .args = {options, operands, operand_offsets, 1},
+    .args = {options, {{"SCENE", offsetof(info_settings, scene)}}},
     .run = run,
 };

@@ -4,7 +4,6 @@
 
 #include <fathom/file.h>
 #include <signal.h>
-#include <string.h>
 #include <time.h>
 #include <unistd.h>
 

@@ -3,7 +3,6 @@
 #include "base/text.h"
 #include "cli/render/progress.h"
 
-#include <stdio.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>

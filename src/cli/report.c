@@ -73,11 +73,10 @@ static fathom_status check_drawable(fathom_context *context) {
             SCRIPT);
     char *arguments[] = {(char[]){FATHOM_PYTHON}, (char[]){"-EsB"}, script, (char[]){"--check"}, NULL};
     if (run_script(arguments, true) == 0) return FATHOM_OK;
-    return cli_fail(
-        context, FATHOM_OUT_OF_RESOURCES,
-        "report: pages are drawn by %s with matplotlib, and one of them is missing: apt-get install "
-        "python3-matplotlib; --json writes the same results",
-        FATHOM_PYTHON);
+    return cli_fail(context, FATHOM_OUT_OF_RESOURCES,
+                    "report: pages are drawn by %s with matplotlib, and one of them is missing: apt-get "
+                    "install python3-matplotlib; --json writes the same results",
+                    FATHOM_PYTHON);
 }
 
 /* ---- the folder ---- */

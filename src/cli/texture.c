@@ -56,8 +56,6 @@ static const args_option options[] = {
     COMMAND_QUIET("only errors and warnings"),
     {.help = NULL},
 };
-static const char *const operands[] = {"IMAGE"};
-static const size_t operand_offsets[] = {offsetof(texture_settings, input)};
 
 const command command_texture = {
     .name = "texture",
@@ -68,6 +66,6 @@ const command command_texture = {
             "the number type of the image. A scene can use it in place of the image.\n",
     .examples = "  fathom texture wood.png -o wood.tx\n"
                 "  fathom texture normals.png -o normals.tx --color linear\n",
-    .args = {options, operands, operand_offsets, 1},
+    .args = {options, {{"IMAGE", offsetof(texture_settings, input)}}},
     .run = run,
 };

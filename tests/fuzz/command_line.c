@@ -42,10 +42,8 @@ static void check_spec(const char *text) {
 }
 
 static void check_render(int argc, char **argv) {
-    static const char *const operands[] = {"SCENE"};
-    static const size_t offsets[] = {offsetof(render_options, scene)};
-    const args_spec spec = {
-        .operands = operands, .operand_offsets = offsets, .operand_count = 1, .table = render_option_table};
+    const args_spec spec = {.operands = {{"SCENE", offsetof(render_options, scene)}},
+                            .table = render_option_table};
     render_options options;
     fathom_settings settings;
     args_problem problem;

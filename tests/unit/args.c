@@ -31,9 +31,7 @@ static const args_option table[] = {
     {"quiet", 'q', NULL, take_true, offsetof(settings, quiet), 0, 0, "quiet"},
     {.help = NULL},
 };
-static const char *const operands[] = {"SCENE"};
-static const size_t operand_offsets[] = {offsetof(settings, scene)};
-static const args_spec spec = {table, operands, operand_offsets, .operand_count = 1};
+static const args_spec spec = {.options = table, .operands = {{"SCENE", offsetof(settings, scene)}}};
 
 static settings got;
 static args_problem problem;

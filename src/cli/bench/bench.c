@@ -2,8 +2,6 @@
 
 #include "base/clock.h"
 #include "base/status.h"
-#include "base/threads.h"
-#include "cli/interrupt.h"
 #include "cli/machine.h"
 #include "cli/outputs.h"
 #include "cli/report.h"
@@ -12,8 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const bench_operands[1] = {"SCENE"};
-const size_t bench_operand_offsets[1] = {BENCH_FIELD(scene)};
 const char *const bench_clock_names[BENCH_CLOCKS] = {"cpu", "wall"};
 
 /* ---- files ---- */

@@ -9,8 +9,6 @@
 #include "measure/stage.h"
 #include "measure/statistics.h"
 
-#include <stdio.h>
-
 extern const command command_bench_trace, command_bench_render, command_bench_error;
 
 /* A row of CSV for each item of the array root[rows], or for each item of its array `inner`, if that is not
@@ -44,22 +42,16 @@ typedef struct bench_settings {
 /* Rows for the tables of options. */
 #define BENCH_FIELD(name) offsetof(bench_settings, name)
 #define BENCH_SIZE                                                                                           \
-    { "size", 0, "WxH", take_size, BENCH_FIELD(size), 1, 65536, "pixels (the scene's, else 1280x720)" }
-#define BENCH_REPEATS(most, help)                                                                            \
-    { "repeats", 0, "N", take_u32, BENCH_FIELD(repeats), 1, most, help }
+    ARGS_ROW("size", 0, "WxH", take_size, BENCH_FIELD(size), 1, 65536, "pixels (the scene's, else 1280x720)")
+#define BENCH_REPEATS(most, help) ARGS_ROW("repeats", 0, "N", take_u32, BENCH_FIELD(repeats), 1, most, help)
 #define BENCH_RESULTS                                                                                        \
-    {.help = "Results"}, COMMAND_QUIET("no table"),                                                          \
-        {"json", 0, "FILE", take_text, BENCH_FIELD(json), 0, 0, "all figures"},                              \
-        {"csv", 0, "FILE", take_text, BENCH_FIELD(csv), 0, 0, BENCH_CSV_HELP},                               \
-        {"report", 0, "DIR", take_text, BENCH_FIELD(report), 0, 0, BENCH_REPORT_HELP}, {                     \
-        .help = NULL                                                                                         \
-    }
-#define BENCH_CSV_HELP "the same as comma-separated values, with the machine in lines that begin with #"
-#define BENCH_REPORT_HELP "the same as one page with tables and plots, DIR/index.html"
-
-/* The operand SCENE. */
-extern const char *const bench_operands[1];
-extern const size_t bench_operand_offsets[1];
+    ARGS_ROW(.help = "Results"), COMMAND_QUIET("no table"),                                                  \
+        ARGS_ROW("json", 0, "FILE", take_text, BENCH_FIELD(json), 0, 0, "all figures"),                      \
+        ARGS_ROW("csv", 0, "FILE", take_text, BENCH_FIELD(csv), 0, 0,                                        \
+                 "the same as comma-separated values, with the machine in lines that begin with #"),         \
+        ARGS_ROW("report", 0, "DIR", take_text, BENCH_FIELD(report), 0, 0,                                   \
+                 "the same as one page with tables and plots, DIR/index.html"),                              \
+        ARGS_ROW(.help = NULL)
 
 /* ---- running ---- */
 

@@ -440,6 +440,6 @@ const command command_bench_error = {
             "samples of the first seed that all patterns have; the exit code is 5.\n",
     .examples = "  fathom bench error scenes/example.json --size 480x270 --report results\n"
                 "  fathom bench error forest.glb --seeds 5 --max-spp 256 --csv forest.csv\n",
-    .args = {options, bench_operands, bench_operand_offsets, 1},
+    .args = {options, {{"SCENE", BENCH_FIELD(scene)}}},
     .run = run,
 };

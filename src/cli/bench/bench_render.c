@@ -95,11 +95,10 @@ static void print_run(const json_t *run) {
     json_t *s;
     print_name(stdout, json_text_at(run, "scene"));
     json_print(run, ", {triangles:.0f} triangles, {spec:s}\n");
-    json_print(run,
-               "{spp:.0f} spp  read {seconds.read:.3f}, build {seconds.build:.3f}, plan {seconds.plan:.4f}, "
-               "render {seconds.render:.4f}, write {seconds.write:.3f} s\n"
-               "  rays        camera {rays.camera:.0f}, shadow {rays.shadow:.0f}, reflection "
-               "{rays.reflection:.0f}, refraction {rays.refraction:.0f}\n");
+    json_print(run, "{spp:.0f} spp  read {seconds.read:.3f}, build {seconds.build:.3f}, plan "
+                    "{seconds.plan:.4f}, render {seconds.render:.4f}, write {seconds.write:.3f} s\n"
+                    "  rays        camera {rays.camera:.0f}, shadow {rays.shadow:.0f}, reflection "
+                    "{rays.reflection:.0f}, refraction {rays.refraction:.0f}\n");
     json_array_foreach(json_object_get(run, "speeds"), i, s) {
         printf("  %2.0f thread%s", json_number_at(s, "threads"),
                json_number_at(s, "threads") > 1 ? "s" : " ");
@@ -108,12 +107,11 @@ static void print_run(const json_t *run) {
                       "{cpuSeconds.median:.4f} s\n");
     }
     if (json_is_object(json_object_get(run, "ceiling")))
-        json_print(run,
-                   "  bare calls  {ceiling.bareCpuSeconds.median:.4f} s of one thread; through the tracer "
-                   "{ceiling.tracedToBare.median:.3f} times that ({ceiling.tracedToBare.low:.3f} to "
-                   "{ceiling.tracedToBare.high:.3f})\n"
-                   "  all of the render phase: {ceiling.renderToBare.median:.3f} times the bare calls "
-                   "({ceiling.renderToBare.low:.3f} to {ceiling.renderToBare.high:.3f})\n");
+        json_print(run, "  bare calls  {ceiling.bareCpuSeconds.median:.4f} s of one thread; through the "
+                        "tracer {ceiling.tracedToBare.median:.3f} times that ({ceiling.tracedToBare.low:.3f} "
+                        "to {ceiling.tracedToBare.high:.3f})\n"
+                        "  all of the render phase: {ceiling.renderToBare.median:.3f} times the bare calls "
+                        "({ceiling.renderToBare.low:.3f} to {ceiling.renderToBare.high:.3f})\n");
     else
         puts("  no bare form of this tracer: expected embree");
     fflush(stdout);
@@ -122,19 +120,17 @@ static void print_run(const json_t *run) {
 static const bench_csv csv = {
     .rows = "runs",
     .inner = "speeds",
-    .columns = "spp, width, height, threads, seconds_low=seconds.low, seconds_median=seconds.median, "
-               "seconds_high=seconds.high, cpu_seconds_median=cpuSeconds.median, "
-               "speedup_median=speedup.median, rays_camera=rays.camera, rays_shadow=rays.shadow, "
-               "rays_reflection=rays.reflection, rays_refraction=rays.refraction, "
-               "bare_cpu_seconds_median=ceiling.bareCpuSeconds.median, "
-               "render_to_bare_low=ceiling.renderToBare.low, "
-               "render_to_bare_median=ceiling.renderToBare.median, "
-               "render_to_bare_high=ceiling.renderToBare.high, "
-               "traced_to_bare_median=ceiling.tracedToBare.median, "
-               "scene, triangles, "
-               "tracer=spec, file_bytes=fileBytes, bvh_bytes=bvhBytes, bvh_peak_bytes=bvhPeakBytes, "
-               "read_cpu_seconds=readSeconds.cpu.median, read_seconds=readSeconds.wall.median, "
-               "build_cpu_seconds=buildSeconds.cpu.median, build_seconds=buildSeconds.wall.median"};
+    .columns =
+        "spp, width, height, threads, seconds_low=seconds.low, seconds_median=seconds.median, "
+        "seconds_high=seconds.high, cpu_seconds_median=cpuSeconds.median, speedup_median=speedup.median, "
+        "rays_camera=rays.camera, rays_shadow=rays.shadow, rays_reflection=rays.reflection, "
+        "rays_refraction=rays.refraction, bare_cpu_seconds_median=ceiling.bareCpuSeconds.median, "
+        "render_to_bare_low=ceiling.renderToBare.low, render_to_bare_median=ceiling.renderToBare.median, "
+        "render_to_bare_high=ceiling.renderToBare.high, traced_to_bare_median=ceiling.tracedToBare.median, "
+        "scene, triangles, tracer=spec, file_bytes=fileBytes, bvh_bytes=bvhBytes, "
+        "bvh_peak_bytes=bvhPeakBytes, read_cpu_seconds=readSeconds.cpu.median, "
+        "read_seconds=readSeconds.wall.median, build_cpu_seconds=buildSeconds.cpu.median, "
+        "build_seconds=buildSeconds.wall.median"};
 
 /* ---- growth with the triangles ---- */
 
@@ -405,6 +401,6 @@ const command command_bench_render = {
     .examples = "  fathom bench render forest.glb\n"
                 "  fathom bench render forest.glb --tracer embree:low --tracer embree:medium\n"
                 "  fathom bench render --triangles 10k,100k,1M,10M --spp 1 --report results\n",
-    .args = {options, bench_operands, bench_operand_offsets, 1, 1},
+    .args = {options, {{"SCENE", BENCH_FIELD(scene)}}, 1},
     .run = run,
 };

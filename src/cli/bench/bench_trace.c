@@ -6,7 +6,6 @@
 #include "measure/trace_time.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 typedef struct bench_trace_settings {
     bench_settings all;
@@ -296,6 +295,6 @@ const command command_bench_trace = {
     .examples = "  fathom bench trace --triangles 10k,100k,1M --report results\n"
                 "  fathom bench trace heavy.glb --tracer embree:8 --tracer embree:16\n",
 
-    .args = {options, bench_operands, bench_operand_offsets, 1, 1},
+    .args = {options, {{"SCENE", BENCH_FIELD(scene)}}, 1},
     .run = run,
 };

@@ -75,9 +75,6 @@ static fathom_status run(int argc, char **argv) {
     return status;
 }
 
-static const char *const operands[] = {"PART"};
-static const size_t operand_offsets[] = {offsetof(render_options, parts)};
-
 const command command_merge = {
     .name = "merge",
     .usage = "PART ... -o IMAGE [-o IMAGE2 ...] [options]",
@@ -85,6 +82,6 @@ const command command_merge = {
     .text = "The image has the same bits as a render on a single machine. Give every part of\n"
             "one render exactly once. All parts must be finished.\n",
     .examples = "  fathom merge p*.part -o final.exr -o final.png\n",
-    .args = {merge_option_table, operands, operand_offsets, 1, .many = true},
+    .args = {merge_option_table, {{"PART", offsetof(render_options, parts)}}, .many = true},
     .run = run,
 };

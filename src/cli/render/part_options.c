@@ -37,11 +37,10 @@ static bool take_slurm(fathom_part *part, args_problem *problem) {
     part->index = step && task >= least ? (task - least) / step + 1 : 0;
     if (part->index && part->index <= part->count && part->count <= 65536 && (task - least) % step == 0)
         return true;
-    return args_wrong(
-        problem,
-        "-o %.300s: task %u is none of an array of %u tasks from %u on in steps of %u; expected "
-        "such an array, or --part K/N",
-        part->path, task, part->count, least, step);
+    return args_wrong(problem,
+                      "-o %.300s: task %u is none of an array of %u tasks from %u on in steps of %u; "
+                      "expected such an array, or --part K/N",
+                      part->path, task, part->count, least, step);
 }
 
 static bool is_part(const char *path) {

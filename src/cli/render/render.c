@@ -16,13 +16,10 @@
 #include <fathom/session.h>
 #include <fathom/survey.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* One run of the command. */
 typedef struct task {
     fathom_context *context;
-    int argc;
-    char **argv;
     double start; /* start of the command */
     render_options options;
     fathom_scene *scene;
@@ -374,7 +371,7 @@ static fathom_status run_frames(task *all) {
 }
 
 static fathom_status run(int argc, char **argv) {
-    task s = {.argc = argc, .argv = argv, .start = clock_seconds(), .framing = {.size = sizeof s.framing}};
+    task s = {.start = clock_seconds(), .framing = {.size = sizeof s.framing}};
     fathom_settings settings;
     fathom_status status;
     args_problem problem;
@@ -386,9 +383,6 @@ static fathom_status run(int argc, char **argv) {
         return say_usage(&command_render, problem.text);
     return run_once(&s);
 }
-
-static const char *const operands[] = {"SCENE"};
-static const size_t operand_offsets[] = {offsetof(render_options, scene)};
 
 const command command_render = {
     .name = "render",
@@ -417,6 +411,6 @@ const command command_render = {
                 "  fathom render walk.glb -o walk.####.exr --frames 1-48 --fps 24\n"
                 "  fathom render scene.json -o p3.part --part 3/16\n"
                 "  mpirun -n 8 fathom render scene.json -o out.exr --mpi\n",
-    .args = {NULL, operands, operand_offsets, 1, 0, render_option_table},
+    .args = {NULL, {{"SCENE", offsetof(render_options, scene)}}, 0, render_option_table},
     .run = run,
 };

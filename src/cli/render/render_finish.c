@@ -121,9 +121,8 @@ static bool check_environment(const render_options *options, args_problem *probl
     if (options->background.given)
         return args_wrong(problem, "--environment and --background exclude each other");
     return options->settings.integrator != FATHOM_INTEGRATOR_CLASSIC ||
-           args_wrong(problem,
-                      "--environment: the classic integrator has no light from images; expected path "
-                      "tracing, by --integrator path");
+           args_wrong(problem, "--environment: the classic integrator has no light from images; expected "
+                               "path tracing, by --integrator path");
 }
 
 bool render_options_finish(render_options *options, const fathom_settings *scene, args_problem *problem) {

@@ -9,7 +9,6 @@
 #include <fathom/image.h>
 #include <fathom/trace.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static bool take_exposure(const args_option *option, const char *value, void *field, args_problem *problem) {
@@ -87,44 +86,23 @@ static bool take_tracer(const args_option *option, const char *value, void *fiel
 
 /* Options that `fathom merge` shares. */
 #define OUTPUT_OPTION                                                                                        \
-    {                                                                                                        \
-        "output", 'o', "IMAGE", take_output, FIELD(outputs), 0, 0,                                           \
-            ".exr (scene-linear), .png, .jpg or .tif (8 bit, for the display); - is PNG to standard "        \
-            "output, and "                                                                                   \
-            "exr:- "                                                                                         \
-            "another format; give it again for more images of the same render"                               \
-    }
+    ARGS_ROW("output", 'o', "IMAGE", take_output, FIELD(outputs), 0, 0,                                      \
+             ".exr (scene-linear), .png, .jpg or .tif (8 bit, for the display); - is PNG to standard "       \
+             "output, and exr:- another format; give it again for more images of the same render")
 #define FLOAT_OPTION                                                                                         \
-    {                                                                                                        \
-        "exr-float", 0, NULL, take_true, FIELD(write.float_color), 0, 0,                                     \
-            "colours in the .exr as 32-bit float rather than half"                                           \
-    }
+    ARGS_ROW("exr-float", 0, NULL, take_true, FIELD(write.float_color), 0, 0,                                \
+             "colours in the .exr as 32-bit float rather than half")
 #define COLOUR_OPTIONS                                                                                       \
-    {"exposure",                                                                                             \
-     0,                                                                                                      \
-     "STOPS|auto",                                                                                           \
-     take_exposure,                                                                                          \
-     0,                                                                                                      \
-     -64,                                                                                                    \
-     64,                                                                                                     \
-     "exposure in stops; +1 doubles the brightness. auto: 99 % of the lit pixels are at most white. "        \
-     "Default: "                                                                                             \
-     "0, but auto if most pixels would be white or nearly black; -0.5 to 0 in the built-in studio. With "    \
-     "--frames, the first frame decides for all"},                                                           \
-        {"display",                                                                                          \
-         0,                                                                                                  \
-         "NAME",                                                                                             \
-         take_text,                                                                                          \
-         FIELD(write.display),                                                                               \
-         0,                                                                                                  \
-         0,                                                                                                  \
-         "of the OpenColorIO config (its default)"},                                                         \
-        {"view", 0, "NAME", take_text, FIELD(write.view), 0, 0, "of the display (its default)"}, {           \
-        "ocio", 0, "FILE", take_text, FIELD(write.ocio), 0, 0,                                               \
-            "OpenColorIO config ($OCIO, else a built-in one for sRGB)"                                       \
-    }
-#define QUIET_OPTION                                                                                         \
-    { "quiet", 'q', NULL, take_true, FIELD(quiet), 0, 0, "only errors and warnings" }
+    ARGS_ROW("exposure", 0, "STOPS|auto", take_exposure, 0, -64, 64,                                         \
+             "exposure in stops; +1 doubles the brightness. auto: 99 % of the lit pixels are at most "       \
+             "white. Default: 0, but auto if most pixels would be white or nearly black; -0.5 to 0 in the "  \
+             "built-in studio. With --frames, the first frame decides for all"),                             \
+        ARGS_ROW("display", 0, "NAME", take_text, FIELD(write.display), 0, 0,                                \
+                 "of the OpenColorIO config (its default)"),                                                 \
+        ARGS_ROW("view", 0, "NAME", take_text, FIELD(write.view), 0, 0, "of the display (its default)"),     \
+        ARGS_ROW("ocio", 0, "FILE", take_text, FIELD(write.ocio), 0, 0,                                      \
+                 "OpenColorIO config ($OCIO, else a built-in one for sRGB)")
+#define QUIET_OPTION ARGS_ROW("quiet", 'q', NULL, take_true, FIELD(quiet), 0, 0, "only errors and warnings")
 
 /* Settings with an option are listed after these, at the end of their group. */
 static const args_option own_options[] = {
@@ -187,8 +165,7 @@ static const args_option own_options[] = {
     {.help = "Light transport"},
     {"leave-out-below", 0, "none|8bit|half", take_choice, FIELD(loss), 0, 0,
      "skip shadow rays whose light would be invisible. 8bit: a pixel of a .png or .tif changes by at most "
-     "one "
-     "of 255 levels. half: a pixel of an .exr changes by at most one unit in the last place (none)"},
+     "one of 255 levels. half: a pixel of an .exr changes by at most one unit in the last place (none)"},
 
     {.help = "Colour of .png, .jpg and .tif"},
     COLOUR_OPTIONS,

@@ -5,7 +5,6 @@
 #include "cli/command.h"
 #include "cli/render/frames.h"
 
-#include <fathom/read.h>
 #include <fathom/session.h>
 
 typedef struct render_background {
