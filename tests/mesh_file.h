@@ -54,6 +54,18 @@ static inline fathom_scene *mesh_try(mesh_reader reader, const char *path, read_
     return NULL;
 }
 
+/* Reads what is well formed. */
+static inline fathom_scene *mesh_read(mesh_reader reader, const char *path, read_mesh_options options) {
+    fathom_status status;
+    fathom_scene *scene = mesh_try(reader, path, options, &status);
+    assert_ok(context, status);
+    return scene;
+}
+
+static inline void expect_warning(const char *text) {
+    if (!strstr(mesh_warnings, text)) fail_msg("no \"%s\" in:\n%s", text, mesh_warnings);
+}
+
 static int mesh_setup(void **state) {
     (void)state;
     strcpy(mesh_folder, "/tmp/fathom_mesh_XXXXXX");

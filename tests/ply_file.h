@@ -89,10 +89,7 @@ static inline fathom_scene *ply_try(const ply_maker *m, fathom_status *status) {
 }
 
 static inline fathom_scene *ply_read(const ply_maker *m) {
-    fathom_status status;
-    fathom_scene *scene = ply_try(m, &status);
-    if (!scene) fail_msg("%s", fathom_context_message(context));
-    return scene;
+    return mesh_read(read_ply, mesh_write("a.ply", m->bytes, m->size), plain);
 }
 
 #define XYZ "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"

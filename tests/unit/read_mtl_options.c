@@ -7,12 +7,10 @@
 static fathom_material material_of(const char *body) {
     static const char faces[] = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
     char text[512];
-    fathom_status status;
     snprintf(text, sizeof text, "newmtl m\n%s", body);
     mesh_write("m.mtl", text, strlen(text));
     const read_mesh_options options = {.material = FATHOM_NONE};
-    fathom_scene *scene = mesh_try(read_obj, mesh_write("m.obj", faces, strlen(faces)), options, &status);
-    if (!scene) fail_msg("%s", fathom_context_message(context));
+    fathom_scene *scene = mesh_read(read_obj, mesh_write("m.obj", faces, strlen(faces)), options);
     const fathom_material out = scene->materials.items[mesh_at(scene, 0)->material].value;
     fathom_scene_destroy(scene);
     return out;

@@ -69,7 +69,6 @@ UNIT_TEST(pieces_count_on_from_those_before) {
     char *text = malloc(room);
     size_t used = 0;
     unsigned char found[QUADS] = {0};
-    fathom_status status;
     assert_non_null(text);
     used += (size_t)sprintf(text, "mtllib a.mtl\n");
     for (int quad = 0; quad < QUADS; ++quad) used += write_quad(text + used, room - used, quad);
@@ -77,8 +76,7 @@ UNIT_TEST(pieces_count_on_from_those_before) {
     static const char library[] = "newmtl m0\nnewmtl m1\nKd 0 0 0\nnewmtl m2\nKd 0.5 0 0\n";
     mesh_write("a.mtl", library, strlen(library));
     const read_mesh_options options = {.material = FATHOM_NONE};
-    fathom_scene *scene = mesh_try(read_obj, mesh_write("a.obj", text, used), options, &status);
-    if (!scene) fail_msg("%s", fathom_context_message(context));
+    fathom_scene *scene = mesh_read(read_obj, mesh_write("a.obj", text, used), options);
     for (size_t i = 0; i < scene->meshes.count; ++i) {
         const fathom_mesh *m = &scene->meshes.items[i];
         const char *material = scene->materials.items[m->material].name;
