@@ -3,12 +3,8 @@
 #define TESTS_MESH_FILE_H
 
 #include "read/read.h"
-#include "unit.h"
+#include "unit_folder.h"
 
-#include <unistd.h>
-
-static fathom_context *context;
-static char mesh_folder[64];
 static char mesh_warnings[4096]; /* one a line */
 static char mesh_files[8][16];   /* written in the folder */
 
@@ -18,17 +14,8 @@ static void mesh_keep_warning(void *user, const char *message) {
     snprintf(mesh_warnings + used, sizeof mesh_warnings - used, "%s\n", message);
 }
 
-/* The path of a file in the folder; valid until the eighth call after. */
-static const char *mesh_path(const char *name) {
-    static char paths[8][256];
-    static unsigned next;
-    char *path = paths[next++ % 8];
-    snprintf(path, sizeof paths[0], "%s/%s", mesh_folder, name);
-    return path;
-}
-
 static const char *mesh_write(const char *name, const void *bytes, size_t size) {
-    const char *path = mesh_path(name);
+    const char *path = in_folder(name);
     for (int i = 0; i < 8; ++i) {
         if (strcmp(mesh_files[i], name) == 0) break;
         if (mesh_files[i][0]) continue;
@@ -67,20 +54,16 @@ static inline void expect_warning(const char *text) {
 }
 
 static int mesh_setup(void **state) {
-    (void)state;
-    strcpy(mesh_folder, "/tmp/fathom_mesh_XXXXXX");
-    if (!mkdtemp(mesh_folder) || fathom_context_create(&context) != FATHOM_OK) return -1;
+    if (open_folder(state) != 0) return -1;
     fathom_context_on_warning(context, mesh_keep_warning, NULL);
     return 0;
 }
 
 static int mesh_teardown(void **state) {
-    (void)state;
     for (int i = 0; i < 8; ++i) {
-        if (mesh_files[i][0]) unlink(mesh_path(mesh_files[i]));
+        if (mesh_files[i][0]) unlink(in_folder(mesh_files[i]));
     }
-    fathom_context_destroy(context);
-    return rmdir(mesh_folder);
+    return remove_folder(state);
 }
 
 static inline const fathom_mesh *mesh_at(const fathom_scene *scene, size_t i) {

@@ -1,21 +1,10 @@
 /* Paths: which lead out of a folder, and what their parts are; and room in arrays. */
 #include "base/array.h"
 #include "base/file.h"
-#include "unit.h"
+#include "unit_folder.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
-
-static fathom_context *context;
-static char top[] = "/tmp/fathom_names_XXXXXX";
-
-static const char *in_top(const char *name) {
-    static char paths[4][256];
-    static unsigned next;
-    char *path = paths[next++ % 4];
-    snprintf(path, sizeof paths[0], "%s/%s", top, name);
-    return path;
-}
 
 static const char *const folders[] = {"box", "box/inner", "box-two", "box.d"};
 static const char *const files[] = {"scene",     "box/scene", "box/a",   "box/inner/a",
@@ -23,26 +12,23 @@ static const char *const files[] = {"scene",     "box/scene", "box/a",   "box/in
 #define COUNT(list) (sizeof(list) / sizeof *(list))
 
 static int set_up(void **state) {
-    (void)state;
-    if (!mkdtemp(top) || fathom_context_create(&context) != FATHOM_OK) return 1;
-    for (size_t i = 0; i < COUNT(folders); ++i) assert_int_equal(mkdir(in_top(folders[i]), 0700), 0);
+    if (open_folder(state) != 0) return -1;
+    for (size_t i = 0; i < COUNT(folders); ++i) assert_int_equal(mkdir(in_folder(folders[i]), 0700), 0);
     for (size_t i = 0; i < COUNT(files); ++i) {
-        FILE *file = fopen(in_top(files[i]), "wb");
+        FILE *file = fopen(in_folder(files[i]), "wb");
         assert_non_null(file);
         fclose(file);
     }
-    assert_int_equal(symlink("../box-two", in_top("box/link")), 0);
-    assert_int_equal(symlink("inner", in_top("box/within")), 0);
+    assert_int_equal(symlink("../box-two", in_folder("box/link")), 0);
+    assert_int_equal(symlink("inner", in_folder("box/within")), 0);
     return 0;
 }
 
 static int tear_down(void **state) {
-    (void)state;
-    fathom_context_destroy(context);
-    unlink(in_top("box/link")), unlink(in_top("box/within"));
-    for (size_t i = 0; i < COUNT(files); ++i) unlink(in_top(files[i]));
-    for (size_t i = COUNT(folders); i-- > 0;) rmdir(in_top(folders[i]));
-    return rmdir(top);
+    unlink(in_folder("box/link")), unlink(in_folder("box/within"));
+    for (size_t i = 0; i < COUNT(files); ++i) unlink(in_folder(files[i]));
+    for (size_t i = COUNT(folders); i-- > 0;) rmdir(in_folder(folders[i]));
+    return remove_folder(state);
 }
 
 /* The name as a scene in `scene` has it. */
@@ -59,7 +45,7 @@ UNIT_TEST(paths_inside_the_folder_are_allowed) {
                                          "inner//./a", "../box/a",  "...",      "..a",        "inner/none",
                                          "none/a",     "none/../a", ".../../a", "none/./a"};
     char scene[256];
-    snprintf(scene, sizeof scene, "%s", in_top("box/scene"));
+    snprintf(scene, sizeof scene, "%s", in_folder("box/scene"));
     for (size_t i = 0; i < COUNT(within); ++i) assert_ok(context, confine(scene, within[i]));
 }
 
@@ -69,10 +55,10 @@ UNIT_TEST(paths_outside_the_folder_are_refused) {
                                           "..",           "../none",     "inner/../../x", "../box-two/none",
                                           "./../x",       ".../../../x", "none/../../a"};
     char scene[256];
-    snprintf(scene, sizeof scene, "%s", in_top("box/scene"));
+    snprintf(scene, sizeof scene, "%s", in_folder("box/scene"));
     for (size_t i = 0; i < COUNT(outside); ++i)
         assert_fails(context, confine(scene, outside[i]), FATHOM_BAD_INPUT, "leads outside");
-    assert_fails(context, confine(scene, in_top("box/a")), FATHOM_BAD_INPUT, "is an absolute path");
+    assert_fails(context, confine(scene, in_folder("box/a")), FATHOM_BAD_INPUT, "is an absolute path");
     fathom_context_allow_outside(context, true);
     for (size_t i = 0; i < COUNT(outside); ++i) assert_ok(context, confine(scene, outside[i]));
     fathom_context_allow_outside(context, false);
@@ -84,7 +70,7 @@ UNIT_TEST(root_and_working_folders_confine_too) {
     assert_ok(context, confine("/fathom-no-such-scene", "tmp/../etc/passwd"));
     char before[4096];
     assert_non_null(getcwd(before, sizeof before));
-    assert_int_equal(chdir(in_top("box")), 0);
+    assert_int_equal(chdir(in_folder("box")), 0);
     assert_ok(context, confine("scene", "inner/a"));
     assert_fails(context, confine("scene", "../box-two/a"), FATHOM_BAD_INPUT, "the folder of scene");
     assert_fails(context, confine("scene", "../none"), FATHOM_BAD_INPUT, "leads outside");
@@ -99,16 +85,16 @@ UNIT_TEST(names_are_found_in_any_case) {
                                            {"Box-Two/a", "box-two/a"},
                                            {"box/../BOX.D/A", "box/../box.d/a"}};
     static const char *const none[] = {"box/inner/b", "boxes/a", "box/a/A", "BOX/inner/ab"};
-    const size_t from = strlen(top) + 1;
+    const size_t from = strlen(folder) + 1;
     for (size_t i = 0; i < COUNT(names); ++i) {
-        char *found = file_of_any_case(in_top(names[i][0]), from);
+        char *found = file_of_any_case(in_folder(names[i][0]), from);
         assert_non_null(found);
-        assert_string_equal(found, in_top(names[i][1]));
+        assert_string_equal(found, in_folder(names[i][1]));
         free(found);
     }
-    for (size_t i = 0; i < COUNT(none); ++i) assert_null(file_of_any_case(in_top(none[i]), from));
+    for (size_t i = 0; i < COUNT(none); ++i) assert_null(file_of_any_case(in_folder(none[i]), from));
     /* What comes before is taken as it is. */
-    char *upper = strdup(in_top("box"));
+    char *upper = strdup(in_folder("box"));
     for (size_t i = 1; i < from; ++i)
         upper[i] = (char)(upper[i] >= 'a' && upper[i] <= 'z' ? upper[i] - 32 : upper[i]);
     assert_null(file_of_any_case(upper, from));

@@ -91,7 +91,7 @@ UNIT_TEST(byte_order_mark_and_line_ends_change_nothing) {
         assert_true(scenes[i]->materials.items[1].value.k_d[0] == 1);
     }
     for (int i = 0; i < 6; ++i) fathom_scene_destroy(scenes[i]);
-    unlink(mesh_path("a.mtl")); /* other tests would read it */
+    unlink(in_folder("a.mtl")); /* other tests would read it */
 }
 
 /* A fault in such a file stands in the line that an editor shows. */
@@ -516,7 +516,7 @@ UNIT_TEST(missing_libraries_are_reported) {
 UNIT_TEST(very_many_missing_files_take_little_time) {
     enum { MANY = 3000 };
     static char text[64 * MANY];
-    unlink(mesh_path("a.mtl")); /* it would be read instead */
+    unlink(in_folder("a.mtl")); /* it would be read instead */
     size_t n = 0;
     for (int i = 0; i < MANY; ++i) n += (size_t)sprintf(text + n, "mtllib none%d.mtl\n", i);
     sprintf(text + n, "mtllib m.mtl\n" SQUARE "usemtl a\nf 1 2 3\n");

@@ -70,11 +70,11 @@ UNIT_TEST(files_without_faces_are_refused) {
     expect_error_with("\x7f"
                       "ELF\0\0\0\0",
                       8, plain, "a.obj:1: a zero byte; expected text");
-    assert_null(mesh_try(read_obj, mesh_path("none.obj"), plain, &status));
+    assert_null(mesh_try(read_obj, in_folder("none.obj"), plain, &status));
     assert_fails(context, status, FATHOM_BAD_INPUT, "none.obj: No such file");
     assert_null(mesh_try(read_obj, mesh_write("empty.obj", "", 0), plain, &status));
     assert_fails(context, status, FATHOM_BAD_INPUT, "empty");
-    assert_null(mesh_try(read_obj, mesh_folder, plain, &status));
+    assert_null(mesh_try(read_obj, folder, plain, &status));
     assert_fails(context, status, FATHOM_BAD_INPUT, "is a folder");
 }
 
@@ -93,7 +93,7 @@ UNIT_TEST(truncation_anywhere_does_no_harm) {
         if (status == FATHOM_OK)
             fathom_scene_destroy(scene);
         else
-            assert_non_null(strstr(fathom_context_message(context), mesh_folder));
+            assert_non_null(strstr(fathom_context_message(context), folder));
     }
 }
 

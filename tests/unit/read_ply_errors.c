@@ -204,7 +204,7 @@ static void read_or_refuse(const unsigned char *bytes, size_t size) {
     if (status == FATHOM_OK)
         fathom_scene_destroy(scene);
     else
-        assert_non_null(strstr(fathom_context_message(context), mesh_folder));
+        assert_non_null(strstr(fathom_context_message(context), folder));
 }
 
 /* Cut after each byte, and with random bytes changed: read or refused, and never more (the sanitizers watch).

@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 static void expect_error(const char *name, const char *text, const char *message) {
-    fathom_scene *scene = (fathom_scene *)(void *)mesh_folder;
-    const char *path = text ? mesh_write(name, text, strlen(text)) : mesh_path(name);
+    fathom_scene *scene = (fathom_scene *)(void *)folder;
+    const char *path = text ? mesh_write(name, text, strlen(text)) : in_folder(name);
     assert_fails(context, fathom_scene_read(context, path, &scene), FATHOM_BAD_INPUT, message);
     assert_null(scene);
 }
@@ -46,9 +46,9 @@ UNIT_TEST(bare_model) {
 UNIT_TEST(images_of_another_computer_are_found) {
     char base[256], wall[256];
     fathom_scene *scene;
-    assert_int_equal(mkdir(mesh_path("Maps"), 0700), 0);
-    snprintf(wall, sizeof wall, "%s", mesh_path("Maps/Wall.png"));
-    snprintf(base, sizeof base, "%s", mesh_path("a.mtl"));
+    assert_int_equal(mkdir(in_folder("Maps"), 0700), 0);
+    snprintf(wall, sizeof wall, "%s", in_folder("Maps/Wall.png"));
+    snprintf(base, sizeof base, "%s", in_folder("a.mtl"));
     unit_write_file(wall, "x", 1);
     assert_ok(context, fathom_scene_create(context, &scene));
     scene->top = base;
@@ -70,7 +70,7 @@ UNIT_TEST(images_of_another_computer_are_found) {
     }
     scene->top = NULL;
     fathom_scene_destroy(scene);
-    assert_int_equal(unlink(wall) | rmdir(mesh_path("Maps")), 0);
+    assert_int_equal(unlink(wall) | rmdir(in_folder("Maps")), 0);
 }
 
 /* What is asked of a file that cannot give it is said. */
