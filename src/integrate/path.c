@@ -49,16 +49,6 @@ static float width_at(const path_wave *p, const vertex_block *v, unsigned i) {
     return p->width[slot] + p->spread[slot] * sqrtf(dot_f32(way, way));
 }
 
-/* The camera looks through the backs of one-sided surfaces. */
-static void hide_backs(path_wave *p, vertex_block *v) {
-    for (unsigned i = 0; i < v->surface.count; ++i) {
-        if (v->surface.entering[i] || !p->wave.run.plan->shaders[v->surface.material[i]].one_sided) continue;
-        if (!path_in_view(p, v->path.slot[i])) continue;
-        v->shader.at[i] = &p->hidden;
-        p->looked_through = true;
-    }
-}
-
 /* Sets the shaders at the points. */
 static void find_shaders(path_wave *p, vertex_block *v) {
     wave *w = &p->wave;
@@ -73,7 +63,7 @@ static void find_shaders(path_wave *p, vertex_block *v) {
     }
     if (plan->dispersive) path_choose_channels(p, v);
     if (plan->nested) path_hide_surfaces(p, v, around, hidden);
-    if (plan->one_sided) hide_backs(p, v);
+    if (plan->one_sided) path_hide_backs(p, v);
 }
 
 static void begin_vertices(wave *w, vertex_block *v) {

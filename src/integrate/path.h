@@ -78,6 +78,8 @@ void path_absorb(path_wave *p, vertex_block *v);
 uint32_t path_meet_volumes(const path_wave *p, const vertex_block *v, float around[LANES]);
 /* Gives these lanes the shaders that apply inside the surrounding volumes. */
 void path_hide_surfaces(path_wave *p, vertex_block *v, const float around[LANES], uint32_t hidden);
+/* The camera looks through the backs of one-sided surfaces. */
+void path_hide_backs(path_wave *p, vertex_block *v);
 /* Consecutive samples of a pixel take the channels in turn; the first channel is random per pixel. */
 void path_choose_channels(const path_wave *p, vertex_block *v);
 /* At a dispersive surface, keeps one channel of rgb, multiplied by three. crosses: the ray crosses the

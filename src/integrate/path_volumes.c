@@ -58,6 +58,15 @@ void path_hide_surfaces(path_wave *p, vertex_block *v, const float around[LANES]
     }
 }
 
+void path_hide_backs(path_wave *p, vertex_block *v) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        if (v->surface.entering[i] || !p->wave.run.plan->shaders[v->surface.material[i]].one_sided) continue;
+        if (!path_in_view(p, v->path.slot[i])) continue;
+        v->shader.at[i] = &p->hidden;
+        p->looked_through = true;
+    }
+}
+
 void path_choose_channels(const path_wave *p, vertex_block *v) {
     for (unsigned i = 0; i < LANES; ++i) {
         const uint32_t slot = v->path.slot[i];
