@@ -1,6 +1,5 @@
 /* Growing arrays: a pointer, a count, a capacity. */
-#ifndef BASE_ARRAY_H
-#define BASE_ARRAY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -21,5 +20,3 @@ bool array_reserve(void *items, size_t *capacity, size_t count, size_t more, siz
 #define array_push(array, value)                                                                             \
     (array_room((array), 1) ? ((array)->items[(array)->count++] = (value), true) : false)
 #define array_free(array) free((array)->items)
-
-#endif

@@ -1,6 +1,5 @@
 /* Clocks, in seconds. */
-#ifndef BASE_CLOCK_H
-#define BASE_CLOCK_H
+#pragma once
 
 #include <time.h>
 
@@ -15,5 +14,3 @@ static inline double clock_seconds(void) { return clock_read(CLOCK_MONOTONIC); }
 /* Processor time of the calling thread, and of all threads of the process. */
 static inline double clock_thread_seconds(void) { return clock_read(CLOCK_THREAD_CPUTIME_ID); }
 static inline double clock_process_seconds(void) { return clock_read(CLOCK_PROCESS_CPUTIME_ID); }
-
-#endif

@@ -1,6 +1,5 @@
 /* Files: mapped for reading, written whole or not at all, locked, and their names. */
-#ifndef BASE_FILE_H
-#define BASE_FILE_H
+#pragma once
 
 #include "base/file_name.h"
 #include "base/status.h"
@@ -77,5 +76,3 @@ bool file_climbs_out(const char *path);
  * was resolved, lies outside the folder of the file `top` ("": the working folder), unless the context allows
  * it. Symbolic links are followed. Does not guard against changes between this call and file_open(). */
 fathom_status file_confine(fathom_context *context, const char *top, const char *path, const char *name);
-
-#endif

@@ -1,6 +1,5 @@
 /* Six files with the faces of a cube, named by one path with "<FACE>" in it. */
-#ifndef BASE_FILE_FACES_H
-#define BASE_FILE_FACES_H
+#pragma once
 
 #include "base/status.h"
 
@@ -21,5 +20,3 @@ void file_faces_close(file_faces *files);
 
 /* `pattern` with px, nx, py, ny, pz or nz in place of each "<FACE>". Release with free(). NULL: no memory. */
 char *file_face_name(const char *pattern, unsigned face);
-
-#endif

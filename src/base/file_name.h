@@ -1,6 +1,5 @@
 /* File names, as text. */
-#ifndef BASE_FILE_NAME_H
-#define BASE_FILE_NAME_H
+#pragma once
 
 #include <stddef.h>
 
@@ -13,5 +12,3 @@ const char *file_name(const char *path);
 size_t file_stem_length(const char *path);
 /* The length to which `name` is cut to have at most `most` bytes; no UTF-8 character is split. */
 size_t file_name_cut(const char *name, size_t most);
-
-#endif

@@ -1,8 +1,7 @@
 /* A 64-bit hash of bytes, the same on every machine. It detects accidental changes, not forgeries. A change
  * within one block of eight bytes, at an offset that is a multiple of eight, always changes the hash. Any
  * other change leaves the hash equal with a probability of 2^-64. */
-#ifndef BASE_HASH_H
-#define BASE_HASH_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -17,5 +16,3 @@ void hash_begin(hash *h);
 /* The hash does not depend on how the bytes are divided among calls. */
 void hash_put(hash *h, const void *bytes, size_t size);
 uint64_t hash_end(const hash *h);
-
-#endif

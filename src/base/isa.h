@@ -1,7 +1,6 @@
 /* The instruction sets that kernels and Embree may use: those of the processor, limited by $FATHOM_ISA if it
  * is set. */
-#ifndef BASE_ISA_H
-#define BASE_ISA_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -16,5 +15,3 @@ isa_set isa_limit(isa_set most);
 bool isa_usable(isa_set set);
 /* The value of $FATHOM_ISA if it is set but names no known set, else NULL. */
 const char *isa_unknown(void);
-
-#endif

@@ -4,8 +4,7 @@
  *
  * Loops over lanes use forms that gcc vectorises: no branches, no conditional loads, no outputs that may
  * alias, no selection of floats by a comparison of doubles. */
-#ifndef BASE_KERNEL_H
-#define BASE_KERNEL_H
+#pragma once
 
 #include "base/isa.h"
 
@@ -67,5 +66,3 @@ static inline float chosen(uint32_t mask, float a, float b) {
     memcpy(&a, &x, sizeof a);
     return a;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* The machine's memory. */
-#ifndef BASE_MEMORY_H
-#define BASE_MEMORY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -29,5 +28,3 @@ size_t memory_taken(size_t bytes);
 size_t memory_resident(void);
 /* Resident bytes that are not pages of files; memory_free() counts pages of files as free. 0 if unknown. */
 size_t memory_private(void);
-
-#endif

@@ -1,11 +1,8 @@
 /* MurmurHash3_x86_32 (Appleby, public domain; github.com/aappleby/smhasher) with seed 0, as Cryptomatte uses
  * it. */
-#ifndef BASE_MURMUR_H
-#define BASE_MURMUR_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
 
 uint32_t murmur_hash(const char *bytes, size_t size);
-
-#endif

@@ -1,6 +1,5 @@
 /* The list of files that a context has opened. */
-#ifndef BASE_OPENED_H
-#define BASE_OPENED_H
+#pragma once
 
 #include <fathom/base.h>
 #include <stdbool.h>
@@ -11,5 +10,3 @@ void context_note_opened(fathom_context *context, bool note);
 bool context_add_opened(fathom_context *context, const char *path);
 size_t context_opened_count(const fathom_context *context);
 const char *context_opened(const fathom_context *context, size_t index);
-
-#endif

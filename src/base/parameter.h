@@ -1,7 +1,6 @@
 /* Access to members of plain structs through rows of a table: defaults, checks, text, numbers. `base` is the
  * address of the struct. */
-#ifndef BASE_PARAMETER_H
-#define BASE_PARAMETER_H
+#pragma once
 
 #include "base/text.h"
 
@@ -46,5 +45,3 @@ size_t parameter_print(const fathom_parameter *p, const void *base, char *out, s
 /* Reads decimal digits up to the character `end` and moves *text past it. False: there is no digit, the
  * number is too large, or another character follows. */
 bool text_read_u64(const char **text, char end, uint64_t *out);
-
-#endif

@@ -1,8 +1,7 @@
 /* A thread pool, shared by the whole process. Creating a thread takes the dynamic loader's lock, which
  * loading a large module holds for 0.2 s; existing threads do not need it. The pool has as many threads as
  * were ever busy at once. They end with the process. */
-#ifndef BASE_POOL_H
-#define BASE_POOL_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -20,5 +19,3 @@ bool pool_run(pool_task *task);
 /* Waits until the task has ended, for at most `seconds`, or without limit if negative. Returns whether the
  * task has ended. */
 bool pool_wait(pool_task *task, double seconds);
-
-#endif

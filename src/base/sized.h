@@ -2,8 +2,7 @@
  *
  * New members go to the end of a struct, beyond its previous size. They must not use its tail padding,
  * because older callers leave that uninitialised. */
-#ifndef BASE_SIZED_H
-#define BASE_SIZED_H
+#pragma once
 
 #include "base/status.h"
 
@@ -40,5 +39,3 @@ void sized_give(void *out, size_t size, const void *full, size_t known);
         value.size = bytes;                                                                                  \
         sized_give(out, bytes, &value, sizeof value);                                                        \
     }
-
-#endif

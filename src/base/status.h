@@ -1,6 +1,5 @@
 /* The context's error, and how functions fail. */
-#ifndef BASE_STATUS_H
-#define BASE_STATUS_H
+#pragma once
 
 #include <fathom/base.h>
 #include <stdarg.h>
@@ -41,5 +40,3 @@ fathom_status fail_null(fathom_context *context, const char *argument);
 /* Warns the user through fathom_context_on_warning(). Call it only on the thread that made the public
  * call. */
 void warn(fathom_context *context, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-#endif

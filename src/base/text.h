@@ -1,6 +1,5 @@
 /* Text from files and users. */
-#ifndef BASE_TEXT_H
-#define BASE_TEXT_H
+#pragma once
 
 #include <stddef.h>
 
@@ -27,5 +26,3 @@ typedef struct text_search {
 
 text_search text_search_begin(const char *wanted);
 void text_search_offer(text_search *search, const char *candidate);
-
-#endif

@@ -1,6 +1,5 @@
 /* Parallel loops. */
-#ifndef BASE_THREADS_H
-#define BASE_THREADS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -17,5 +16,3 @@ typedef void (*loop_body)(void *user, size_t begin, size_t end, unsigned worker)
  * Pieces are started in ascending order. The result of a piece must not depend on the worker. Uses fewer
  * threads if the system refuses more. */
 void loop_parallel(unsigned threads, size_t count, size_t grain, loop_body body, void *user);
-
-#endif

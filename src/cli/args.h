@@ -2,8 +2,7 @@
  *
  * A command has a plain struct of settings, and a table that gives for each option its field and its help
  * text. Single values are read as fathom/parameter.h describes. */
-#ifndef CLI_ARGS_H
-#define CLI_ARGS_H
+#pragma once
 
 #include <fathom/parameter.h>
 #include <stdbool.h>
@@ -129,6 +128,4 @@ bool take_parameter(const fathom_parameter *p, const char *value, void *field, a
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

@@ -1,6 +1,5 @@
 /* The subcommands, and the code that they share. */
-#ifndef CLI_COMMAND_H
-#define CLI_COMMAND_H
+#pragma once
 
 #include "cli/args.h"
 
@@ -115,5 +114,3 @@ fathom_status command_run(const command *c, int argc, char **argv, void *setting
 
 /* Creates a context whose warnings go to stderr. Prints the error if memory runs out. */
 fathom_status command_context(unsigned threads, fathom_context **out);
-
-#endif

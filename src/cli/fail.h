@@ -1,6 +1,5 @@
 /* Failures of the command-line program, as errors of the context. */
-#ifndef CLI_FAIL_H
-#define CLI_FAIL_H
+#pragma once
 
 #include <fathom/base.h>
 #include <stddef.h>
@@ -14,5 +13,3 @@ fathom_status cli_fail_file(fathom_context *context, fathom_status status, const
 /* Adds the file to an error that names none, for example an error in how the parts of a scene fit
  * together. */
 void cli_fail_within(fathom_context *context, const char *file);
-
-#endif

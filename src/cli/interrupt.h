@@ -2,8 +2,7 @@
  * (SIGXCPU). While there is nothing to save, the first one ends the process at once; later it sets a flag,
  * and the finished work is saved. A second Ctrl-C or SIGTERM ends the process at once. SIGUSR1 requests a
  * save. */
-#ifndef CLI_INTERRUPT_H
-#define CLI_INTERRUPT_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -19,5 +18,3 @@ bool interrupt_asked(void);
 void interrupt_install_save(void);
 /* True if it requested a save since the last call. */
 bool interrupt_take_save(void);
-
-#endif

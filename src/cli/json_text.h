@@ -1,6 +1,5 @@
 /* Writing JSON, and looking up values in it. */
-#ifndef CLI_JSON_TEXT_H
-#define CLI_JSON_TEXT_H
+#pragma once
 
 #include <fathom/base.h>
 #include <jansson.h>
@@ -72,5 +71,3 @@ char *json_dump_text(const json_t *root, unsigned digits);
 
 /* Writes the text with 9 digits and a line end, as a whole file or none. */
 fathom_status json_write_file(fathom_context *context, const char *path, const json_t *root);
-
-#endif

@@ -1,6 +1,5 @@
 /* Lines on stderr: for people, or with --log json one JSON object a line for programs. */
-#ifndef CLI_LOG_H
-#define CLI_LOG_H
+#pragma once
 
 #include "cli/args.h"
 
@@ -25,6 +24,4 @@ void log_line_with(log_level level, const char *text, const char *members);
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

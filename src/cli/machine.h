@@ -1,6 +1,5 @@
 /* Describes the program and the machine, for `fathom --version` and for stored results. */
-#ifndef CLI_MACHINE_H
-#define CLI_MACHINE_H
+#pragma once
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -15,5 +14,3 @@ json_t *machine_json(void);
 const char *machine_commit(void);
 /* Today's date as "2026-11-21", in UTC. */
 void machine_date(char out[16]);
-
-#endif

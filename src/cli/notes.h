@@ -1,6 +1,5 @@
 /* Notes about a scene: warnings, and the parts that a render leaves out. */
-#ifndef CLI_NOTES_H
-#define CLI_NOTES_H
+#pragma once
 
 #include "base/array.h"
 
@@ -32,5 +31,3 @@ typedef struct left_out_list {
 void left_out_print(const left_out_list *list, const char *title);
 /* [{"what": …, "why": …}, …] */
 json_t *left_out_json(const left_out_list *list);
-
-#endif

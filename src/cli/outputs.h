@@ -1,6 +1,5 @@
 /* Outputs of a command: files, standard output, and temporary files. */
-#ifndef CLI_OUTPUTS_H
-#define CLI_OUTPUTS_H
+#pragma once
 
 #include "cli/args.h"
 
@@ -50,5 +49,3 @@ void standard_output_end(void);
  * process, removes it. */
 fathom_status temporary_create(fathom_context *context, const char *ending, char path[TEMPORARY_PATH]);
 void temporary_remove(char path[TEMPORARY_PATH]);
-
-#endif

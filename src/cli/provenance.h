@@ -1,6 +1,5 @@
 /* Provenance of a result, for headers of images and for --stats. */
-#ifndef CLI_PROVENANCE_H
-#define CLI_PROVENANCE_H
+#pragma once
 
 #include <jansson.h>
 
@@ -13,5 +12,3 @@ void provenance_note(int argc, char **argv);
 const char *provenance_command(void);
 /* The unchanged arguments, for the user's own files. */
 json_t *provenance_arguments(void);
-
-#endif

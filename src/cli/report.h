@@ -1,6 +1,5 @@
 /* Pages of results: DIR/results.json, and DIR/index.html drawn from it by share/fathom/report/report.py. */
-#ifndef CLI_REPORT_H
-#define CLI_REPORT_H
+#pragma once
 
 #include <fathom/base.h>
 #include <jansson.h>
@@ -14,5 +13,3 @@ fathom_status report_check_files(fathom_context *context, const char *const *fil
 
 /* Creates the folder if needed. Each of the two files is written whole or not at all. */
 fathom_status report_write(fathom_context *context, const char *folder, const json_t *results);
-
-#endif

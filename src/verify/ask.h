@@ -1,7 +1,6 @@
 /* Blocks of rays and a tracer's hits. Rays are traced once in a first way, then again in all the ways in
  * which a renderer may call a tracer (packet sizes, coherence, order). Results must not depend on the way. */
-#ifndef VERIFY_ASK_H
-#define VERIFY_ASK_H
+#pragma once
 
 #include "base/array.h"
 #include "trace/trace.h"
@@ -80,5 +79,3 @@ typedef struct ask_block {
 ask_block ask_block_of(const ask_batch *batch, size_t ray, unsigned way, bool any);
 ask_answer ask_block_again(const trace_tracer *tracer, const ask_block *block);
 bool ask_same(const ask_answer *a, const ask_answer *b, bool any);
-
-#endif

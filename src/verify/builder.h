@@ -1,7 +1,6 @@
 /* Builds test scenes. `status` keeps the first failure, and all later calls do nothing, so callers need not
  * check each call. */
-#ifndef VERIFY_BUILDER_H
-#define VERIFY_BUILDER_H
+#pragma once
 
 #include "math/vec.h"
 
@@ -52,5 +51,3 @@ void build_point_light(builder *b, vec3_f64 at, vec3_f64 intensity, double radiu
 void build_directional_light(builder *b, vec3_f64 direction, vec3_f64 intensity, double radius);
 void build_background(builder *b, vec3_f64 rgb);
 void build_camera(builder *b, const fathom_camera *camera);
-
-#endif

@@ -1,6 +1,5 @@
 /* Small scenes with every kind of shape, for runs without a scene file. */
-#ifndef PARITY_BUILTIN_H
-#define PARITY_BUILTIN_H
+#pragma once
 
 #include <fathom/scene.h>
 
@@ -9,5 +8,3 @@ const char *builtin_name(unsigned index);
 
 /* Makes the scene, complete and checked; release with fathom_scene_destroy(). */
 fathom_status builtin_create(fathom_context *context, unsigned index, fathom_scene **out);
-
-#endif

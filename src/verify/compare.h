@@ -1,6 +1,5 @@
 /* Compares a tracer with the oracle, family by family. */
-#ifndef VERIFY_COMPARE_H
-#define VERIFY_COMPARE_H
+#pragma once
 
 #include "trace/trace.h"
 #include "verify/ask.h"
@@ -69,5 +68,3 @@ void compare_result_free(compare_result *result);
  * for searches. False when out of memory. */
 bool compare_judge(const compare_subject *subject, const oracle_ray *ray, const ask_answer *answer, bool any,
                    search_result *room, verdict_report *out, error_report *errors);
-
-#endif

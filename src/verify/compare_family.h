@@ -1,6 +1,5 @@
 /* A tracer's results for one family of rays: counts of verdicts, and measured errors. */
-#ifndef VERIFY_COMPARE_FAMILY_H
-#define VERIFY_COMPARE_FAMILY_H
+#pragma once
 
 #include "verify/error.h"
 #include "verify/verdict/verdict.h"
@@ -64,5 +63,3 @@ void compare_family_measure(compare_family *f, const oracle_ray *ray, uint64_t i
                             double radius);
 /* Adds the counts of `from` to `to`. The sums do not depend on the order of the calls. */
 void compare_family_join(compare_family *to, const compare_family *from);
-
-#endif

@@ -1,6 +1,5 @@
 /* The state of a running comparison, shared by its source files. */
-#ifndef VERIFY_COMPARE_INNER_H
-#define VERIFY_COMPARE_INNER_H
+#pragma once
 
 #include "verify/compare.h"
 
@@ -39,5 +38,3 @@ fathom_status compare_tell(fathom_context *context, const compare_options *o, ui
 /* compare_screen.c: rays that two tracers trace. Their indices follow those of the family, so all rays are
  * new. */
 fathom_status compare_screen(fathom_context *context, comparison *c, uint64_t done, compare_result *out);
-
-#endif

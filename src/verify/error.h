@@ -1,6 +1,5 @@
 /* Errors of a tracer's position, normal and u, v. */
-#ifndef VERIFY_ERROR_H
-#define VERIFY_ERROR_H
+#pragma once
 
 #include "verify/exact/oracle.h"
 
@@ -50,5 +49,3 @@ void histogram_join(histogram *h, const histogram *other);
 /* Upper bound of the q-quantile: at most 2^(1/4) too large, and not above `largest`. 0 if there are no
  * values. */
 double histogram_quantile(const histogram *h, double q);
-
-#endif

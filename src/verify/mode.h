@@ -3,8 +3,7 @@
  *
  * Put the arithmetic between enter and leave into a function that is not inlined, because compilers move
  * arithmetic across a mode change. */
-#ifndef PARITY_MODE_H
-#define PARITY_MODE_H
+#pragma once
 
 #define MODE_APART __attribute__((noinline))
 
@@ -23,6 +22,4 @@ static inline void mode_leave(unsigned state) {
 /* trace_thread_begin() changes nothing here. */
 static inline unsigned mode_enter(void) { return 0; }
 static inline void mode_leave(unsigned state) { (void)state; }
-#endif
-
 #endif

@@ -1,7 +1,6 @@
 /* A recording of a render's tracer calls: its rays in their original blocks, the hits, and the hits that its
  * repair of leaks (trace/watertight) changed. */
-#ifndef VERIFY_RECORDED_H
-#define VERIFY_RECORDED_H
+#pragma once
 
 #include "verify/ask.h"
 
@@ -26,5 +25,3 @@ typedef struct recorded {
 fathom_status recorded_render(fathom_context *context, const world *w, const trace_tracer *tracer,
                               uint32_t width, recorded *out);
 void recorded_free(recorded *r);
-
-#endif

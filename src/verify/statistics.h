@@ -1,8 +1,7 @@
 /* Faults that only show in many results together: errors that are too large on average or biased, more leaks
  * than the tracer is known to have, self-intersections of a render's rays, and a declared unit roundoff that
  * is too large. */
-#ifndef VERIFY_STATISTICS_H
-#define VERIFY_STATISTICS_H
+#pragma once
 
 #include "trace/spec.h"
 #include "verify/compare.h"
@@ -48,5 +47,3 @@ void statistics_bias(const compare_bias *bias, double *mean, double *error);
 /* If none of `rays` rays fails, the rate of failures is below this with 95 % confidence: -log(0.05) /
  * rays. */
 double statistics_power(uint64_t rays);
-
-#endif

@@ -1,6 +1,5 @@
 /* The image files of textures. Writers embed them, or put them next to the file that they write. */
-#ifndef WRITE_IMAGE_H
-#define WRITE_IMAGE_H
+#pragma once
 
 #include "base/file.h"
 #include "scene/scene.h"
@@ -35,5 +34,3 @@ void write_images_close(write_images *images);
 
 /* The media type, such as "image/png", by the first bytes; NULL: not a type that glTF allows. */
 const char *write_image_type(const write_image *image);
-
-#endif

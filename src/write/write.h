@@ -1,6 +1,5 @@
 /* Shared by the writers of mesh files. */
-#ifndef READ_WRITE_H
-#define READ_WRITE_H
+#pragma once
 
 #include "base/file.h"
 #include "read/mesh/text.h"
@@ -164,5 +163,3 @@ typedef struct write_turn {
 } write_turn;
 
 write_turn write_turn_of(const float m[6]);
-
-#endif

@@ -1,6 +1,5 @@
 /* Writes structs as JSON, by the tables that the reader of scene JSON uses (read/json/json_form.h). */
-#ifndef WRITE_FORM_H
-#define WRITE_FORM_H
+#pragma once
 
 #include "base/file.h"
 #include "read/json/json_form.h"
@@ -13,5 +12,3 @@ void form_put(file_writer *t, const form *f, const void *values, const void *usu
 const form *form_variant(const form *f, int id);
 /* Decimal text that reads back as the same number. */
 void form_put_number(file_writer *t, double number);
-
-#endif

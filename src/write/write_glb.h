@@ -1,6 +1,5 @@
 /* Shared by the parts of the writer of binary glTF. */
-#ifndef WRITE_GLB_H
-#define WRITE_GLB_H
+#pragma once
 
 #include "write/write.h"
 
@@ -73,5 +72,3 @@ void glb_put_textures(const glb *g, file_writer *t);
 /* Converts a material of the classic model to metallic-roughness: the inverse of reading, as far as
  * possible. */
 fathom_material glb_classic(const fathom_material *m);
-
-#endif

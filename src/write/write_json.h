@@ -1,6 +1,5 @@
 /* Shared by the parts of the writer of scene JSON. */
-#ifndef WRITE_JSON_H
-#define WRITE_JSON_H
+#pragma once
 
 #include "write/image.h"
 #include "write/write.h"
@@ -21,5 +20,3 @@ const char *json_light_group(const fathom_scene *scene, fathom_light_source sour
 fathom_status json_put_objects(json_out *o);
 /* Twelve numbers, rows of an affine map, as an array of columns. */
 void json_put_matrix(file_writer *t, const double rows[12]);
-
-#endif

@@ -1,6 +1,5 @@
 /* The library of materials next to an OBJ file. */
-#ifndef WRITE_OBJ_H
-#define WRITE_OBJ_H
+#pragma once
 
 #include "write/image.h"
 #include "write/write.h"
@@ -18,5 +17,3 @@ typedef struct write_library {
 bool write_mtl_flips(const fathom_scene *scene);
 /* Writes the whole file or none. */
 fathom_status write_mtl(const write_library *l, const char *path);
-
-#endif

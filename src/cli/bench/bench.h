@@ -1,7 +1,6 @@
 /* `fathom bench WHAT`: measurements. The results are one JSON object; tables, CSV and pages are made from
  * it. */
-#ifndef CLI_BENCH_H
-#define CLI_BENCH_H
+#pragma once
 
 #include "cli/command.h"
 #include "cli/json_text.h"
@@ -83,5 +82,3 @@ json_t *bench_clocks(const quartiles q[BENCH_CLOCKS]);
 extern const char *const bench_clock_names[BENCH_CLOCKS];
 /* "  0.123 +- 0.004". The part from "+-" on only if `half` is known; "-" without a slope. */
 void bench_print_slope(const json_t *slope, const json_t *half, int width);
-
-#endif

@@ -1,6 +1,5 @@
 /* Exposure of images for the display, and warnings about images that show nothing. */
-#ifndef CLI_BRIGHTNESS_H
-#define CLI_BRIGHTNESS_H
+#pragma once
 
 #include "cli/notes.h"
 #include "cli/render/render_options.h"
@@ -13,5 +12,3 @@ void brightness_settle(warning_list *warnings, const fathom_scene *scene, const 
 
 /* ", exposure -0.4" if one was chosen. */
 void brightness_print(const render_options *options);
-
-#endif

@@ -1,6 +1,5 @@
 /* Handles out-of-memory in libraries. */
-#ifndef CLI_EXHAUSTED_H
-#define CLI_EXHAUSTED_H
+#pragma once
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,6 +14,4 @@ void exhausted_watch(void);
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

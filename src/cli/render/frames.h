@@ -1,6 +1,5 @@
 /* Frames of an animation, one image each. */
-#ifndef CLI_FRAMES_H
-#define CLI_FRAMES_H
+#pragma once
 
 #include "cli/args.h"
 
@@ -22,5 +21,3 @@ double frames_time(const render_frames *frames, uint32_t frame);
 /* Replaces the first run of # in the path with the frame's number, padded to the width of the run. False: the
  * path has no #, or the result is too long. */
 bool frames_name(const char *path, uint32_t frame, char out[PATH_MAX]);
-
-#endif

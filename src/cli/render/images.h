@@ -1,7 +1,6 @@
 /* The files that receive the pixels of a render: the named images; if the render was interrupted, files next
  * to them, so that no finished image is overwritten; other places if these cannot be written. */
-#ifndef CLI_IMAGES_H
-#define CLI_IMAGES_H
+#pragma once
 
 #include "cli/render/render_options.h"
 
@@ -35,5 +34,3 @@ fathom_status images_write(fathom_context *context, const fathom_film *film, con
 /* Calls fathom_film_rescue() for a `path` that must not be, or could not be, written. Prints where the pixels
  * are, or that there was no place for them. which: names the pixels in the message. */
 void images_rescue(fathom_context *context, const fathom_film *film, const char *path, const char *which);
-
-#endif

@@ -1,6 +1,5 @@
 /* Progress on stderr: a bar redrawn in place on a terminal; otherwise lines with percent, or JSON. */
-#ifndef CLI_PROGRESS_H
-#define CLI_PROGRESS_H
+#pragma once
 
 #include <fathom/render.h>
 
@@ -31,6 +30,4 @@ void progress_line(const fathom_progress *progress, char *out, size_t size);
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

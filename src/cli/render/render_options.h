@@ -1,6 +1,5 @@
 /* The options of `fathom render`. */
-#ifndef CLI_RENDER_OPTIONS_H
-#define CLI_RENDER_OPTIONS_H
+#pragma once
 
 #include "cli/command.h"
 #include "cli/render/frames.h"
@@ -66,5 +65,3 @@ bool render_options_give(const render_options *options, const char *name);
 const args_option *render_option_table(void);
 /* The options of `fathom merge`, which fill the same struct. */
 extern const args_option merge_option_table[];
-
-#endif

@@ -1,7 +1,6 @@
 /* --checkpoint FILE: saves on SIGUSR1, reports whether the save succeeded, and removes the file once the
  * images are written. */
-#ifndef CLI_SAVING_H
-#define CLI_SAVING_H
+#pragma once
 
 #include "cli/render/render_options.h"
 
@@ -22,5 +21,3 @@ void saving_tick(const saving *s);
 /* Call after the images were written, with that status. Returns it, or FATHOM_OUT_OF_RESOURCES if an
  * interrupted render could not be saved. */
 fathom_status saving_end(const saving *s, bool interrupted, fathom_status status);
-
-#endif

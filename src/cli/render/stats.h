@@ -1,6 +1,5 @@
 /* The numbers of a render. */
-#ifndef CLI_STATS_H
-#define CLI_STATS_H
+#pragma once
 
 #include "cli/notes.h"
 #include "cli/render/render_options.h"
@@ -22,5 +21,3 @@ fathom_status stats_write(fathom_context *context, const render_report *report,
 
 /* One line to stdout; several with --verbose, none with --quiet. */
 void stats_print(const render_report *report, const render_options *options);
-
-#endif

@@ -1,6 +1,5 @@
 /* Lines of `fathom validate --failures`, read back by --replay. */
-#ifndef CLI_RAY_LINE_H
-#define CLI_RAY_LINE_H
+#pragma once
 
 #include "verify/ask.h"
 
@@ -30,5 +29,3 @@ typedef struct ray_lines {
 /* Reads the next ray; *found is false at the end. Skips empty lines and those that begin with #.
  * FATHOM_BAD_INPUT names file and line. */
 fathom_status ray_lines_next(ray_lines *lines, ray_line *out, bool *found);
-
-#endif

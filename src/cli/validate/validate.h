@@ -1,6 +1,5 @@
 /* Shared by the files of `fathom validate`. */
-#ifndef CLI_VALIDATE_H
-#define CLI_VALIDATE_H
+#pragma once
 
 #include "cli/command.h"
 #include "cli/json_text.h"
@@ -136,5 +135,3 @@ void validate_shading_print(const shading_rows *rows, const validate_settings *s
 /* The lists "shading" and "images" of --json. */
 json_t *validate_shading_json(const shading_rows *rows);
 json_t *validate_images_json(const shading_images *images);
-
-#endif

@@ -1,6 +1,5 @@
 /* Removes unused vertices from meshes. */
-#ifndef READ_COMPACT_H
-#define READ_COMPACT_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -15,5 +14,3 @@
  * must be in range. */
 fathom_status mesh_compact(fathom_scene *scene, bool in_place, const mesh_facts *facts, fathom_mesh *mesh,
                            bool *copied);
-
-#endif

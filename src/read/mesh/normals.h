@@ -1,6 +1,5 @@
 /* Smooth normals for meshes that have none. */
-#ifndef READ_NORMALS_H
-#define READ_NORMALS_H
+#pragma once
 
 #include "base/status.h"
 
@@ -16,5 +15,3 @@
  * that touches it, or (0,0,1). */
 fathom_status normals_smooth(fathom_context *context, const fathom_mesh *mesh, const uint32_t *slots,
                              uint32_t slot_count, float *normals);
-
-#endif

@@ -1,7 +1,6 @@
 /* Decimal numbers from text, the same in every locale, rounded to the nearest double. The text must end in a
  * byte that cannot belong to a number, such as file_map's padding. */
-#ifndef READ_NUMBER_H
-#define READ_NUMBER_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -93,5 +92,3 @@ static inline bool number_read_integer(const char **cursor, int64_t *out) {
     *cursor = p;
     return true;
 }
-
-#endif

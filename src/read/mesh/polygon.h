@@ -1,6 +1,5 @@
 /* Triangulates polygons. */
-#ifndef READ_POLYGON_H
-#define READ_POLYGON_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -33,5 +32,3 @@ void polygon_work_free(polygon_work *work);
  * also becomes n - 2 triangles, whose shape is not specified. False: out of memory, nothing is changed. */
 bool polygon_split(polygon_work *work, const polygon_vertices *vertices, uint32_t corners, uint32_t *fan,
                    uint32_t *second, uint32_t *third);
-
-#endif

@@ -1,6 +1,5 @@
 /* Turns points and lines, which have no size, into spheres and thin rods of triangles. */
-#ifndef READ_STROKES_H
-#define READ_STROKES_H
+#pragma once
 
 #include "read/mesh/text.h"
 #include "scene/scene.h"
@@ -38,5 +37,3 @@ fathom_status strokes_make(fathom_scene *scene, const strokes *s, fathom_mesh *m
 static inline bool strokes_any(const fathom_mesh *mesh) {
     return mesh->triangle_count || mesh->point_radius > 0;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Lines and words of mapped text files. Zeros follow the last byte, so no word runs past the end. */
-#ifndef READ_TEXT_H
-#define READ_TEXT_H
+#pragma once
 
 #include "base/file.h"
 #include "base/status.h"
@@ -117,5 +116,3 @@ void notes_add_at(note_list *notes, size_t times, const text_file *file, const c
                   const char *format, ...) __attribute__((format(printf, 6, 7)));
 /* Warns about all kinds, in the order in which they were added. */
 void notes_tell(const note_list *notes, fathom_context *context, const char *path);
-
-#endif

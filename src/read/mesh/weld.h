@@ -1,6 +1,5 @@
 /* Joins the corners of triangles that have the same vertex and the same value. */
-#ifndef READ_WELD_H
-#define READ_WELD_H
+#pragma once
 
 #include "base/array.h"
 #include "base/status.h"
@@ -24,5 +23,3 @@ typedef struct weld {
  * `rows`. Pairs are numbered in the order of their first corners. A vertex with many values may get some
  * pairs twice. FATHOM_OUT_OF_RESOURCES: out of memory, or 2^32 - 1 pairs. */
 fathom_status weld_corners(fathom_context *context, weld *w, const uint32_t *rows, uint32_t *out);
-
-#endif

@@ -1,6 +1,5 @@
 /* Shared by the mtl*.c files: the values of an MTL material, and their conversion to a fathom_material. */
-#ifndef READ_OBJ_MTL_H
-#define READ_OBJ_MTL_H
+#pragma once
 
 #include "read/obj/obj.h"
 
@@ -46,5 +45,3 @@ bool mtl_is_glass(const mtl_entry *m);
 bool mtl_is_metallic(const mtl_entry *m);
 /* The material without its maps. */
 fathom_material mtl_material_from(const mtl_entry *m);
-
-#endif

@@ -4,8 +4,7 @@
  * triangles to their piece. Then polygons are triangulated, smooth normals are computed (obj_smooth.c), and
  * triangles are sorted into one mesh per material (obj_build.c). Points and lines become meshes of their own
  * (obj_strokes.c). The size of a piece does not depend on the thread count, so no result does. */
-#ifndef READ_OBJ_H
-#define READ_OBJ_H
+#pragma once
 
 #include "base/array.h"
 #include "read/mesh/polygon.h"
@@ -213,5 +212,3 @@ fathom_status obj_add_mesh(obj_reader *r, uint32_t slot, fathom_mesh *mesh, mesh
 /* Adds points and lines as spheres and thin rods. *added: whether there are any. A file with only vertices
  * becomes a point cloud. */
 fathom_status obj_add_strokes(obj_reader *r, bool *added);
-
-#endif

@@ -2,8 +2,7 @@
  * (ply_ascii.c) or bytes (ply_binary.c) are read in parallel. Polygons are triangulated and joined into one
  * list of triangles (ply_faces.c). Colours, texture coordinates and textures of faces are given to its
  * corners (ply_surface.c). ply.c calls these steps. */
-#ifndef READ_PLY_H
-#define READ_PLY_H
+#pragma once
 
 #include "base/file.h"
 #include "base/threads.h"
@@ -226,5 +225,3 @@ unsigned ply_color_channels(ply_reader *r, const float *colors, size_t stride, s
 fathom_status ply_add_surface(ply_reader *r, fathom_mesh mesh);
 /* Adds a mesh after checks; its arrays may change. */
 fathom_status ply_add_mesh(ply_reader *r, fathom_mesh *mesh);
-
-#endif

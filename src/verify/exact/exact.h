@@ -1,7 +1,6 @@
 /* The oracle's arithmetic: integers, without rounding. A power of two scales the coordinates to integers,
  * another one the directions; t is then scaled by their ratio. */
-#ifndef VERIFY_EXACT_H
-#define VERIFY_EXACT_H
+#pragma once
 
 #include "verify/exact/oracle.h"
 
@@ -82,5 +81,3 @@ real_f128 exact_root_real(const exact_root *r);
 /* The t of root `which` (spheres: 0 smaller, 1 larger; else 0). The line must hit the shape; for a quad, pass
  * the triangle of its `part`. */
 void exact_root_of(const oracle_ray *ray, const oracle_primitive *primitive, unsigned which, exact_root *out);
-
-#endif

@@ -4,8 +4,7 @@
  * space (0 outside instances); the primitives' floats are exact. Nothing here overflows: the largest product
  * has degree 4 in numbers of at most 2^258. Products of very small numbers may lose all digits: FILTER_LEAST
  * covers this. A NaN rejects nothing, because a test rejects only if a comparison is true. */
-#ifndef PARITY_FILTER_H
-#define PARITY_FILTER_H
+#pragma once
 
 #include "verify/exact/oracle.h"
 
@@ -42,5 +41,3 @@ typedef enum filter_verdict { FILTER_MISS, FILTER_DOUBT, FILTER_HIT } filter_ver
  * of t. */
 filter_verdict filter_triangle(const filter_ray *ray, vec3_f64 a, vec3_f64 b, vec3_f64 c, double *low,
                                double *high);
-
-#endif

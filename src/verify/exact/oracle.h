@@ -13,8 +13,7 @@
  * and t_far may be infinite), and so does a zero direction.
  *
  * No function allocates, fails, keeps state or depends on the thread's floating-point mode. */
-#ifndef PARITY_ORACLE_H
-#define PARITY_ORACLE_H
+#pragma once
 
 #include "reference/vec_f128.h"
 #include "scene/world/world.h"
@@ -81,5 +80,3 @@ typedef struct oracle_pair {
 /* Compares exactly: -1, 0 or 1 if the t of a is less than, equal to or greater than that of b. Both must have
  * `line` set. */
 int oracle_compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b);
-
-#endif

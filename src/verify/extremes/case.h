@@ -1,6 +1,5 @@
 /* A scene with the data to trace and check rays in it; and functions that make the cases of the grid. */
-#ifndef VERIFY_EXTREMES_CASE_H
-#define VERIFY_EXTREMES_CASE_H
+#pragma once
 
 #include "math/affine.h"
 #include "verify/builder.h"
@@ -93,5 +92,3 @@ void broken_make(judged_scene *c, double kind);
 /* Cases of the public API. Correct and incorrect results go to the row's counts of AGREE and WRONG. */
 fathom_status refused_check(fathom_context *context, const char *tracer, double which, extremes_row *row);
 fathom_status user_rays_check(fathom_context *context, const char *words, double which, extremes_row *row);
-
-#endif

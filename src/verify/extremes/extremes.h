@@ -1,7 +1,6 @@
 /* The grid of extreme cases. A case is a small scene with rays that are difficult in one respect; its hits
  * are checked by the exact oracle as usual. A group is a series of cases with one varying parameter. */
-#ifndef EXTREMES_EXTREMES_H
-#define EXTREMES_EXTREMES_H
+#pragma once
 
 #include "verify/compare.h"
 
@@ -66,5 +65,3 @@ void judged_close(judged_scene *scene);
 /* True if the tracer supports the scene's shapes. A library supports only triangles. Planes next to a library
  * would be intersected in float, so they count as unsupported. */
 bool judged_suits(const judged_scene *scene, const trace_spec *spec);
-
-#endif

@@ -1,6 +1,5 @@
 /* Renders scenes whose radiance has a closed form, and tests the result. */
-#ifndef VERIFY_LAWS_LAWS_H
-#define VERIFY_LAWS_LAWS_H
+#pragma once
 
 #include "base/array.h"
 #include "verify/laws/room.h"
@@ -95,5 +94,3 @@ typedef struct laws_pair {
  * cannot render it. */
 fathom_status laws_pair_run(fathom_context *context, const fathom_scene *scene, const laws_pair *options,
                             laws_difference *out);
-
-#endif

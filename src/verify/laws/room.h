@@ -1,6 +1,5 @@
 /* A law of light transport as a scene, with the expected radiance. */
-#ifndef VERIFY_LAWS_ROOM_H
-#define VERIFY_LAWS_ROOM_H
+#pragma once
 
 #include "verify/builder.h"
 
@@ -62,5 +61,3 @@ fathom_material law_clear(double thickness);
 double law_ggx_albedo(double ax, double ay, vec3_f64 v);
 /* Applies a formula to the albedo of each channel. */
 vec3_f64 law_each(vec3_f64 rho, double (*of)(double rho, const double *numbers), const double *numbers);
-
-#endif

@@ -1,6 +1,5 @@
 /* Statistical tests: the probability that a difference is only random. */
-#ifndef VERIFY_LAWS_STATISTICS_H
-#define VERIFY_LAWS_STATISTICS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -23,5 +22,3 @@ double sidak_level(double level, double n);
 double mean_p(sample_mean a, double value, double allowance);
 /* Compares two means with unequal errors (Welch 1947). */
 double welch_p(sample_mean a, sample_mean b, double allowance);
-
-#endif

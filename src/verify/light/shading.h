@@ -1,7 +1,6 @@
 /* Extreme cases of shading: small scenes rendered by the real renderer, each compared with a formula
  * evaluated in double. Comments at each case derive its error bound by counting roundings. */
-#ifndef VERIFY_SHADING_H
-#define VERIFY_SHADING_H
+#pragma once
 
 #include "base/array.h"
 
@@ -47,5 +46,3 @@ fathom_status shading_earth_images(fathom_context *context, const shading_option
                                    shading_images *images);
 
 void shading_images_free(shading_images *images);
-
-#endif

@@ -1,6 +1,5 @@
 /* Renders the small scenes of the shading cases and collects rows. */
-#ifndef VERIFY_SHADING_STUDIO_H
-#define VERIFY_SHADING_STUDIO_H
+#pragma once
 
 #include "verify/builder.h"
 #include "verify/light/shading.h"
@@ -96,5 +95,3 @@ void shading_slants(studio *s);
 /* Runs one of the six. */
 fathom_status shading_group(fathom_context *context, const shading_options *options, unsigned group,
                             shading_rows *out);
-
-#endif

@@ -1,8 +1,7 @@
 /* Families of rays that test the weak points of intersectors. Ray `index` of a family depends only on the
  * world, the seed and the index. Every ray is valid: no origin coordinate above RAYS_LARGEST; the direction
  * is not zero and has no coordinate above RAYS_LONGEST; 0 <= t_near <= t_far; t_far may be infinite. */
-#ifndef PARITY_RAYS_H
-#define PARITY_RAYS_H
+#pragma once
 
 #include "verify/exact/oracle.h"
 
@@ -110,5 +109,3 @@ typedef struct rays_target {
 } rays_target;
 
 rays_target rays_pick(const rays_source *source, rays_random *r);
-
-#endif

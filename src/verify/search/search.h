@@ -3,8 +3,7 @@
  * A test in double precision with a proved error bound (filter.h) rejects only certain misses. Runs of
  * primitives are rejected together by a hierarchy of bounding spheres (search_tree.h). The oracle decides the
  * remaining candidates. */
-#ifndef PARITY_SEARCH_H
-#define PARITY_SEARCH_H
+#pragma once
 
 #include "verify/exact/oracle.h"
 
@@ -46,5 +45,3 @@ double search_extent(const search *s);
 
 /* Converts a primitive for the oracle. geometry may be TRACE_PLANE; instance may be FATHOM_NONE. */
 oracle_primitive search_primitive(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance);
-
-#endif

@@ -1,6 +1,5 @@
 /* Bounding spheres around runs of a world's primitives, around runs of these spheres, and so on. */
-#ifndef PARITY_SEARCH_TREE_H
-#define PARITY_SEARCH_TREE_H
+#pragma once
 
 #include "verify/exact/filter.h"
 
@@ -28,5 +27,3 @@ void search_tree_free(search_tree *tree);
 
 /* True when all its corners are finite. Others are never hit, and are in no sphere. */
 bool search_tree_takes(const oracle_primitive *primitive);
-
-#endif

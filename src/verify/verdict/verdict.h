@@ -1,6 +1,5 @@
 /* Checks a tracer's hit against the exact one. */
-#ifndef PARITY_VERDICT_H
-#define PARITY_VERDICT_H
+#pragma once
 
 #include "trace/spec.h"
 #include "verify/search/search.h"
@@ -116,5 +115,3 @@ bool verdict_is_exact(const verdict_tracer *tracer, const oracle_ray *ray, const
 
 /* The constants, for reports. */
 double verdict_constant(oracle_shape shape);
-
-#endif
