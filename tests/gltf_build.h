@@ -1,6 +1,5 @@
 /* glTF files of arrays, made array by array: put() each, then build_read() with the other members. */
-#ifndef TESTS_GLTF_BUILD_H
-#define TESTS_GLTF_BUILD_H
+#pragma once
 
 #include "gltf_file.h"
 
@@ -69,5 +68,3 @@ static inline vec3_f64 placed_corner(const fathom_scene *scene, size_t i, size_t
     affine_load(&map, scene->instances.items[i].transform);
     return affine_point(&map, corner(scene, m, 0, c));
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Hand-made glTF files for the tests of its reader. JSON is written with ' for ". */
-#ifndef TESTS_GLTF_FILE_H
-#define TESTS_GLTF_FILE_H
+#pragma once
 
 #include "read/read.h"
 #include "unit.h"
@@ -169,5 +168,3 @@ static inline vec3_f64 corner(const fathom_scene *scene, size_t m, uint32_t t, i
         assert_near(vec_v.y, (ey), (tolerance));                                                             \
         assert_near(vec_v.z, (ez), (tolerance));                                                             \
     } while (0)
-
-#endif

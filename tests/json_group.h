@@ -1,6 +1,5 @@
 /* A json_scene for a group of tests, with its set-up and tear-down. */
-#ifndef TESTS_JSON_GROUP_H
-#define TESTS_JSON_GROUP_H
+#pragma once
 
 #include "json_scene.h"
 
@@ -17,5 +16,3 @@ static inline int teardown(void **state) {
     json_scene_close(&s);
     return 0;
 }
-
-#endif

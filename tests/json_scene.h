@@ -1,6 +1,5 @@
 /* Scene JSON from text, for tests. */
-#ifndef TESTS_JSON_SCENE_H
-#define TESTS_JSON_SCENE_H
+#pragma once
 
 #include "read/read.h"
 #include "unit.h"
@@ -54,5 +53,3 @@ static inline void json_scene_bad(json_scene *s, const char *text, const char *m
     fathom_scene *scene;
     assert_fails(s->context, json_scene_read(s, text, strlen(text), &scene), FATHOM_BAD_INPUT, message);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* For the tests of OBJ, MTL and PLY: files in a folder of their own, scenes read from them, warnings kept. */
-#ifndef TESTS_MESH_FILE_H
-#define TESTS_MESH_FILE_H
+#pragma once
 
 #include "read/read.h"
 #include "unit_folder.h"
@@ -110,5 +109,3 @@ static inline void mesh_expect_equal(const fathom_mesh *a, const fathom_mesh *b)
         assert_memory_equal(n, (const char *)b->normals + i * b->normal_stride, 12);
     }
 }
-
-#endif

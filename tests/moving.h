@@ -1,6 +1,5 @@
 /* A scene in which a turned quad, a nested sphere, the vertices of a mesh and the camera move. */
-#ifndef TESTS_MOVING_H
-#define TESTS_MOVING_H
+#pragma once
 
 #include "render.h"
 
@@ -98,5 +97,3 @@ static inline stage moving_stage(unsigned moves, double open, double close) {
     look(&s, moves & PAN, open, close);
     return s;
 }
-
-#endif

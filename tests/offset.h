@@ -22,8 +22,7 @@
  * larger, for they are what is subtracted; for spheres, of double's last place of centre and radius, which
  * are what is subtracted there; in an instance, also of the largest sum of products |M| (|A| |p| + |T|), A
  * and T the map to object space and M its inverse: those products are what is rounded there. */
-#ifndef TESTS_OFFSET_H
-#define TESTS_OFFSET_H
+#pragma once
 
 #include "math/affine.h"
 #include "random.h"
@@ -638,5 +637,3 @@ static inline offset_case offset_case_of(random_state *r, offset_shape shape, bo
     offset_case c = {shape, pow(10, random_in(r, -8, 8)), aways[random_bits(r) % 4], instance, stretch, thin};
     return c;
 }
-
-#endif

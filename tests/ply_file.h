@@ -1,6 +1,5 @@
 /* For the tests of PLY: the same rows in all three formats. */
-#ifndef TESTS_PLY_FILE_H
-#define TESTS_PLY_FILE_H
+#pragma once
 
 #include "mesh_file.h"
 
@@ -108,5 +107,3 @@ static inline void ply_expect_square(const fathom_scene *scene) {
     mesh_expect_point(mesh, 2, 1, 1, 0);
     mesh_expect_point(mesh, 3, 0, 1, 0);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Random numbers for tests: the same on every machine. */
-#ifndef TESTS_RANDOM_H
-#define TESTS_RANDOM_H
+#pragma once
 
 #include <math.h>
 #include <stdint.h>
@@ -25,5 +24,3 @@ static inline double random_in(random_state *r, double low, double high) {
 static inline double random_log(random_state *r, double low, double high) {
     return exp(random_in(r, log(low), log(high)));
 }
-
-#endif

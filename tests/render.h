@@ -1,6 +1,5 @@
 /* Scenes from a few lines, rendered in memory: for tests of images. */
-#ifndef TESTS_RENDER_H
-#define TESTS_RENDER_H
+#pragma once
 
 #include "unit.h"
 
@@ -142,5 +141,3 @@ static inline void stage_mesh_sphere(stage *s, fathom_id group, uint32_t rows, u
     free(p);
     free(index);
 }
-
-#endif

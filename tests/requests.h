@@ -1,8 +1,7 @@
 /* Memory that runs out at every one of the library's own requests in turn: each call then fails with its
  * status, a message and no result, and gives back all it took; or does without, and its result is the same.
  * The program is linked with --wrap, so that the requests pass through here: see tests/CMakeLists.txt. */
-#ifndef TESTS_REQUESTS_H
-#define TESTS_REQUESTS_H
+#pragma once
 
 #include "unit.h"
 
@@ -230,5 +229,3 @@ static inline void requests_begin(void) {
     snprintf(folder, sizeof folder, "/tmp/fathom-oom-XXXXXX");
     assert_non_null(mkdtemp(folder));
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* What tests of BSDFs share: a point seen under an angle, directions, integrals over the sphere. */
-#ifndef TESTS_SHADING_H
-#define TESTS_SHADING_H
+#pragma once
 
 #include "material/shader.h"
 #include "random.h"
@@ -60,5 +59,3 @@ static inline void shading_numbers(random_state *r, lanes3 u) {
         }
     }
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Every Embree tracer that a name can ask for, but for the instruction set and what is left to the build. */
-#ifndef TESTS_SPECS_H
-#define TESTS_SPECS_H
+#pragma once
 
 #include <stdio.h>
 
@@ -22,5 +21,3 @@ static inline void specs_each(void (*visit)(void *user, const char *text), void 
         for (digit = 0; digit < SPECS_WORDS && !words[digit][++at[digit]]; ++digit) at[digit] = 0;
     }
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* What tests of tracers share: scenes of every shape, and sets of rays. */
-#ifndef TESTS_STAGE_H
-#define TESTS_STAGE_H
+#pragma once
 
 #include "base/array.h"
 #include "trace/trace.h"
@@ -344,5 +343,3 @@ static inline bool same_hit(const ray_set *a, const ray_set *b, size_t i) {
 }
 
 static inline float hit_t(const ray_set *a, size_t i) { return a->blocks[i / 16].rays.t_far[i % 16]; }
-
-#endif

@@ -1,6 +1,5 @@
 /* A blurred image against the mean of still ones, of 32 x 32 pixels. */
-#ifndef TESTS_STILLS_H
-#define TESTS_STILLS_H
+#pragma once
 
 #include "render.h"
 #include "verify/laws/laws.h"
@@ -50,5 +49,3 @@ static inline void assert_mean_of_stills(stage_fn make, void *user, double open,
     }
     if (sidak(least, 16) < 1e-5) fail_msg("p %g", sidak(least, 16));
 }
-
-#endif

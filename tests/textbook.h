@@ -1,6 +1,5 @@
 /* Intersectors as lectures have them, to tell the robust ones from. */
-#ifndef TESTS_TEXTBOOK_H
-#define TESTS_TEXTBOOK_H
+#pragma once
 
 #include "reference/reference.h"
 #include "reference/reference_f128.h"
@@ -24,5 +23,3 @@
 #undef VEC3
 #undef FN
 #undef SQRT
-
-#endif

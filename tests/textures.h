@@ -1,6 +1,5 @@
 /* Texture files of tests, and what caches of them look up. */
-#ifndef TESTS_TEXTURES_H
-#define TESTS_TEXTURES_H
+#pragma once
 
 #include "image/image.h"
 #include "scene/scene.h"
@@ -113,5 +112,3 @@ static inline void write_texture(const char *from, fathom_color_space space, con
     const fathom_texture t = texture_of(from, space);
     assert_ok(context, fathom_texture_write(context, &t, in_folder(to)));
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* What a measurement tells of how far it is: never less than before, and in the end all of its part. */
-#ifndef TESTS_TOLD_H
-#define TESTS_TOLD_H
+#pragma once
 
 #include "measure/statistics.h"
 #include "unit.h"
@@ -28,5 +27,3 @@ static inline void told_all(const told *t, unsigned least) {
     assert_true(t->calls >= least);
     assert_true(t->last > 0.75 - 1e-12 && t->last < 0.75 + 1e-12);
 }
-
-#endif

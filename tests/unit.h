@@ -1,6 +1,5 @@
 /* What every unit test includes. */
-#ifndef TESTS_UNIT_H
-#define TESTS_UNIT_H
+#pragma once
 
 #include <math.h>
 #include <setjmp.h>
@@ -107,5 +106,3 @@ static inline void unit_write_file(const char *path, const void *bytes, size_t s
                      (text));                                                                                \
         }                                                                                                    \
     } while (0)
-
-#endif

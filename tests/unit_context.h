@@ -1,6 +1,5 @@
 /* A context, for tests that need no more: set-up and tear-down of a group. */
-#ifndef TESTS_UNIT_CONTEXT_H
-#define TESTS_UNIT_CONTEXT_H
+#pragma once
 
 #include "unit.h"
 
@@ -18,5 +17,3 @@ static inline int close_context(void **state) {
     fathom_context_destroy(context);
     return 0;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* A folder of the test's own, and a context. A file left in it at the end makes the program fail.
  */
-#ifndef TESTS_UNIT_FOLDER_H
-#define TESTS_UNIT_FOLDER_H
+#pragma once
 
 #include "unit.h"
 
@@ -33,5 +32,3 @@ static inline int remove_folder(void **state) {
     fathom_context_destroy(context);
     return rmdir(folder);
 }
-
-#endif

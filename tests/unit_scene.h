@@ -1,6 +1,5 @@
 /* An empty scene and its context, for tests that fill it: set-up and tear-down of each. */
-#ifndef TESTS_UNIT_SCENE_H
-#define TESTS_UNIT_SCENE_H
+#pragma once
 
 #include "unit.h"
 
@@ -21,5 +20,3 @@ static inline int close_scene(void **state) {
     fathom_context_destroy(context);
     return 0;
 }
-
-#endif

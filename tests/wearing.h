@@ -1,6 +1,5 @@
 /* A triangle with a material that goes through a file. */
-#ifndef TESTS_WEARING_H
-#define TESTS_WEARING_H
+#pragma once
 
 #include "scene/scene.h"
 #include "unit_folder.h"
@@ -45,5 +44,3 @@ static inline const fathom_material *worn(const fathom_scene *scene) {
     assert_int_not_equal(id, FATHOM_NONE);
     return &scene->materials.items[id].value;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Camera rays of a pinhole, a thin lens or an orthographic camera. */
-#ifndef CAMERA_CAMERA_H
-#define CAMERA_CAMERA_H
+#pragma once
 
 #include "math/inverse_root.h"
 #include "math/lanes.h"
@@ -76,5 +75,3 @@ typedef struct camera_kernels {
 const camera_kernels *camera_kernels_best(void);
 /* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
 const camera_kernels *camera_kernels_at(unsigned index);
-
-#endif

@@ -1,7 +1,6 @@
 /* Pixel filters by importance sampling: sample positions are distributed like the filter, and each sample
  * counts only in its own pixel (Ernst, Stamminger, Greiner 2006). Pixels therefore stay independent. */
-#ifndef CAMERA_FILTER_H
-#define CAMERA_FILTER_H
+#pragma once
 
 #include <fathom/render.h>
 
@@ -20,5 +19,3 @@ void filter_prepare(const fathom_settings *settings, pixel_filter *out);
 /* Maps a position in the pixel, [0,1), to one distributed like the filter, relative to the pixel's first
  * edge. */
 double filter_place(const pixel_filter *f, double u);
-
-#endif

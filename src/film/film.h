@@ -1,6 +1,5 @@
 /* The film: planar channels of the cropped image, top row first. */
-#ifndef FILM_FILM_H
-#define FILM_FILM_H
+#pragma once
 
 #include "base/array.h"
 #include "film/fireflies.h"
@@ -126,4 +125,3 @@ double film_error_weight(double grey);
 
 /* Number of channels of a film with these settings; each is one float or uint32_t per pixel. */
 uint32_t film_channels(const fathom_settings *settings, const light_group_names *groups);
-#endif

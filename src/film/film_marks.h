@@ -1,6 +1,5 @@
 /* Entries of an image's header: the position of its pixels in the world, and how the image was made. */
-#ifndef FILM_FILM_MARKS_H
-#define FILM_FILM_MARKS_H
+#pragma once
 
 #include "film/film.h"
 #include "image/image.h"
@@ -18,5 +17,3 @@ typedef struct film_marks {
 
 /* options: NULL for files without a view. The entries point into `out` and the film. */
 void film_marks_of(const fathom_film *film, const fathom_write_options *options, film_marks *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* Fireflies: sums of samples by brightness, and a second image in which rare bright samples have a lower
  * weight. */
-#ifndef FILM_FIREFLIES_H
-#define FILM_FIREFLIES_H
+#pragma once
 
 #include "film/squares.h"
 
@@ -15,5 +14,3 @@
 /* Adds the 16 samples at slots from `from` on to the sums of the cascades (three per cascade), at slots from
  * `slot` on. */
 void fireflies_add(const wave_samples *samples, uint32_t from, double (*to)[WAVE_SLOTS], uint32_t slot);
-
-#endif

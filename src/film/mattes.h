@@ -1,8 +1,7 @@
 /* Cryptomatte (Friedman and Jones, SIGGRAPH 2015; github.com/Psyop/Cryptomatte, specification 1.2): the
  * objects and materials that cover a pixel, and the fraction that each covers. An id is the hash of a
  * name. */
-#ifndef FILM_MATTES_H
-#define FILM_MATTES_H
+#pragma once
 
 #include "math/lanes.h"
 #include "scene/scene.h"
@@ -38,5 +37,3 @@ char *matte_manifest(const fathom_scene *scene, matte_kind kind);
 
 /* "CryptoObject", "CryptoMaterial". */
 const char *matte_layer(matte_kind kind);
-
-#endif

@@ -1,6 +1,5 @@
 /* Sums samples into pixels, in double and in the order of the samples. */
-#ifndef FILM_PIXEL_SUMS_H
-#define FILM_PIXEL_SUMS_H
+#pragma once
 
 #include "film/film.h"
 #include "film/squares.h"
@@ -75,5 +74,3 @@ double pixel_sums_error(const pixel_sums *sums, uint32_t slot, uint32_t samples,
 static inline wave_grid film_waves(const fathom_film *film) {
     return wave_grid_of(film->x, film->y, film->x + film->width, film->y + film->height);
 }
-
-#endif

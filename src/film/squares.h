@@ -1,8 +1,7 @@
 /* How an image is divided: into waves of 32 × 32 pixels, and these into squares of 4 × 4. A batch is a list
  * of squares with one sample of each pixel. The grid is fixed to the image, not to tiles, crops or
  * threads. */
-#ifndef FILM_SQUARES_H
-#define FILM_SQUARES_H
+#pragma once
 
 #include "math/lanes.h"
 #include "sample/sample.h"
@@ -141,5 +140,3 @@ typedef struct wave_samples {
     float (*layers)[WAVE_SLOTS];    /* three for each layer of film_parts; NULL: there are none */
     uint32_t (*mattes)[WAVE_SLOTS]; /* ids for each matte of film_parts, 0 for no hit; NULL: there are none */
 } wave_samples;
-
-#endif

@@ -6,8 +6,7 @@
  * first, added from the end. A machine with only some adjacent leaves sums the nodes that lie inside them.
  * The machine that merges the nodes of all machines continues from there, and so does the same additions as
  * one machine with all leaves. */
-#ifndef FILM_SUM_TREE_H
-#define FILM_SUM_TREE_H
+#pragma once
 
 #include "film/pixel_sums.h"
 
@@ -73,5 +72,3 @@ void sum_fold(const pixel_sums *like, sum_stack *stack);
 size_t sum_bytes(uint32_t groups, film_parts parts);
 void sum_save(const square_sums *from, uint32_t groups, film_parts parts, unsigned char *out);
 void sum_load(const unsigned char *in, uint32_t groups, film_parts parts, square_sums *to);
-
-#endif

@@ -1,6 +1,5 @@
 /* Shared by the generators. */
-#ifndef READ_GENERATE_H
-#define READ_GENERATE_H
+#pragma once
 
 #include "generate/generate_noise.h"
 #include "scene/scene.h"
@@ -59,5 +58,3 @@ fathom_status generate_sphere(fathom_scene *scene, fathom_id group, const fathom
 fathom_status generate_terrain(fathom_scene *scene, fathom_id group, const fathom_generate_options *options);
 fathom_status generate_sponge(fathom_scene *scene, fathom_id group, const fathom_generate_options *options);
 fathom_status generate_forest(fathom_scene *scene, fathom_id group, const fathom_generate_options *options);
-
-#endif

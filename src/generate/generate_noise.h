@@ -1,7 +1,6 @@
 /* Gradient noise and random numbers from integer hashes. Uses only + - * / and square roots in double, so
  * every processor gives the same bits. */
-#ifndef READ_GENERATE_NOISE_H
-#define READ_GENERATE_NOISE_H
+#pragma once
 
 #include "math/vec.h"
 #include <stdint.h>
@@ -41,5 +40,3 @@ double random_between(noise_random *random, double low, double high); /* [low,hi
 vec3_f64 random_in_ball(noise_random *random);                        /* uniform in the unit ball */
 vec3_f64 random_direction(noise_random *random);                      /* uniform on the unit sphere */
 vec3_f64 random_turn(noise_random *random); /* uniform on the unit circle in the plane y = 0 */
-
-#endif

@@ -1,6 +1,5 @@
 /* Turns C++ exceptions into a status and a message. */
-#ifndef IMAGE_MODULE_GUARD_H
-#define IMAGE_MODULE_GUARD_H
+#pragma once
 
 #include "image/helper/module.h"
 
@@ -49,5 +48,3 @@ struct image_space {
 };
 /* Throws `failure` if the config lacks this space or linear Rec.709. config may be NULL: the built-in one. */
 std::unique_ptr<image_space> space_open(const char *config, const char *name);
-
-#endif

@@ -3,8 +3,7 @@
  * first image needs it, in parallel with other work, because its 260 libraries take a quarter of a second to
  * load. Its failures do not end this process. The library looks for the helper's program in the folder
  * `fathom` next to the file that holds this code, then in the library folders near that file. */
-#ifndef IMAGE_IMAGE_H
-#define IMAGE_IMAGE_H
+#pragma once
 
 #include "base/status.h"
 
@@ -110,5 +109,3 @@ fathom_status image_libraries(fathom_context *context, char out[256]);
 /* FATHOM_OUT_OF_RESOURCES with the reason if the helper failed to start, so that a render for a file that
  * cannot be written stops early; otherwise FATHOM_OK. Thread-safe. */
 fathom_status image_prefetch_status(fathom_context *context);
-
-#endif

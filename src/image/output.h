@@ -1,6 +1,5 @@
 /* A file's format, by its extension; its date; its view; and the writers of EXR and PNG. */
-#ifndef IMAGE_OUTPUT_H
-#define IMAGE_OUTPUT_H
+#pragma once
 
 #include "image/helper/module.h"
 
@@ -39,5 +38,3 @@ fathom_status exr_put(fathom_context *context, struct file_writer *file, const i
 /* The PNG writer, which uses libpng, with the module's interface. Channels are R, G, B and optionally A,
  * stored as bytes. */
 extern const image_writer_calls write_png_calls;
-
-#endif

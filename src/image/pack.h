@@ -1,6 +1,5 @@
 /* Converts an image's channels to rows of interleaved pixels in a file's types. */
-#ifndef IMAGE_PACK_H
-#define IMAGE_PACK_H
+#pragma once
 
 #include "image/helper/module.h"
 
@@ -95,5 +94,3 @@ void pack_row_srgb(const image_packing *packing, uint32_t y, unsigned char *out)
 void pack_row_for_view(const image_packing *packing, uint32_t y, float *rgba);
 /* Row y of the file from the view's result, as bytes. */
 void pack_row_from_view(const image_packing *packing, uint32_t y, const float *rgba, unsigned char *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* Integrators: compute the radiance of pixel samples. Work units, threads and the film use only this
  * interface. */
-#ifndef INTEGRATE_INTEGRATOR_H
-#define INTEGRATE_INTEGRATOR_H
+#pragma once
 
 #include "integrate/plan.h"
 
@@ -56,5 +55,3 @@ extern const integrator integrator_path;
 /* A second, independent implementation of path tracing: slow, in double; see reference.h. It writes no
  * AOVs. */
 extern const integrator integrator_reference;
-
-#endif

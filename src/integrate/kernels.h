@@ -1,6 +1,5 @@
 /* Operations of integrators on a block of sixteen rays; see base/kernel.h. */
-#ifndef INTEGRATE_KERNELS_H
-#define INTEGRATE_KERNELS_H
+#pragma once
 
 #include "light/light.h"
 #include "material/material.h"
@@ -55,5 +54,3 @@ enum { ROWS_OF_RAYS = 9, ROWS_OF_PATHS = 4, ROWS_OF_IDS = 3, ROWS_OF_NORMALS = 3
 const integrate_kernels *integrate_kernels_best(void);
 /* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
 const integrate_kernels *integrate_kernels_at(unsigned index);
-
-#endif

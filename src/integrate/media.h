@@ -1,8 +1,7 @@
 /* The volumes around each path of a wave: closed surfaces that the path has entered and not left. If volumes
  * overlap, the one of the highest priority fills the space (Schmidt & Budge, "Simple Nested Dielectrics in
  * Ray Traced Images", 2002); among equals, and without priorities, the one that was entered last. */
-#ifndef INTEGRATE_MEDIA_H
-#define INTEGRATE_MEDIA_H
+#pragma once
 
 #include "film/squares.h"
 #include "material/shader.h"
@@ -27,5 +26,3 @@ void media_left(const media *m, uint32_t slot, float length, float left[3]);
 /* The same on the other side of a surface that the path hits. */
 void media_left_behind(const media *m, uint32_t slot, uint32_t material, bool entering, float length,
                        float left[3]);
-
-#endif

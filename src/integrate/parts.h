@@ -1,6 +1,5 @@
 /* Which parts of the renderer a scene needs, and descriptions of those that it does not. */
-#ifndef INTEGRATE_PARTS_H
-#define INTEGRATE_PARTS_H
+#pragma once
 
 #include "film/film.h"
 #include "scene/world/world.h"
@@ -43,5 +42,3 @@ bool parts_bounces(const fathom_scene *scene, const fathom_settings *settings);
 /* The parts that a render does not use, and why. repair: whether trace/watertight is in use. False if out of
  * memory. */
 bool left_out_find(const world *w, const fathom_settings *settings, bool repair, left_out_list *out);
-
-#endif

@@ -1,6 +1,5 @@
 /* The state of a wave of path tracing, and the functions shared by its files. */
-#ifndef INTEGRATE_PATH_H
-#define INTEGRATE_PATH_H
+#pragma once
 
 #include "integrate/media.h"
 #include "integrate/wave.h"
@@ -89,5 +88,3 @@ bool path_part_channels(const path_wave *p, const vertex_block *v, unsigned i, b
 void path_dim_lights(const path_wave *p, const vertex_block *v, const light_block *ray,
                      const uint32_t behind[LANES], lanes3 gain);
 void path_part_lights(const path_wave *p, const vertex_block *v, const uint32_t behind[LANES], lanes3 gain);
-
-#endif

@@ -1,6 +1,5 @@
 /* Steps of path tracing for a block of sixteen vertices at once; see base/kernel.h. */
-#ifndef INTEGRATE_PATH_KERNELS_H
-#define INTEGRATE_PATH_KERNELS_H
+#pragma once
 
 #include "integrate/kernels.h"
 #include "light/emitters.h"
@@ -35,5 +34,3 @@ typedef struct path_kernels {
 } path_kernels;
 
 const path_kernels *path_kernels_best(void);
-
-#endif

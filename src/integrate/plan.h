@@ -1,6 +1,5 @@
 /* Everything that rendering this scene needs: computed once before rendering. */
-#ifndef INTEGRATE_PLAN_H
-#define INTEGRATE_PLAN_H
+#pragma once
 
 #include "camera/camera.h"
 #include "camera/filter.h"
@@ -88,5 +87,3 @@ void eye_volumes_find(const render_plan *plan, eye_volumes *out);
 
 /* Rays a render with these settings is expected to trace, within a factor of a few: for the build quality. */
 uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *settings);
-
-#endif

@@ -5,8 +5,7 @@
  *
  * Radiance is divided by the square of the index of its medium, so that refraction does not scale it: a
  * viewer outside sees the emission inside glass unscaled. Only the settings below have an effect. */
-#ifndef INTEGRATE_REFERENCE_H
-#define INTEGRATE_REFERENCE_H
+#pragma once
 
 #include "math/vec.h"
 #include "scene/scene.h"
@@ -47,5 +46,3 @@ fathom_status reference_check(const reference_scene *reference);
 /* out: of each pixel of the region, row by row from the top. */
 fathom_status reference_render(const fathom_scene *scene, const reference_settings *settings,
                                reference_estimate *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* Declarations shared by the files of the reference path tracer. Colours are vectors: x, y, z for red, green,
  * blue. */
-#ifndef INTEGRATE_REFERENCE_INNER_H
-#define INTEGRATE_REFERENCE_INNER_H
+#pragma once
 
 #include "integrate/reference.h"
 #include "math/affine.h"
@@ -269,5 +268,3 @@ bool reference_refracts(const fathom_material *m);
 bool reference_is_rough_glass(const fathom_material *m);
 /* The transmittance of the volume over this distance. */
 vec3_f64 reference_absorbed(const fathom_material *m, double distance);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * Every queue keeps the order of its parents. The contributions to a sample, and the order of their sum,
  * depend on nothing else. */
-#ifndef INTEGRATE_WAVE_H
-#define INTEGRATE_WAVE_H
+#pragma once
 
 #include "integrate/integrator.h"
 #include "surface/gather.h"
@@ -197,5 +196,3 @@ fathom_id wave_hit_object(const wave *w, unsigned i);
 
 /* Counts rays of `now` by square, if requested. */
 void wave_count_rays(const wave *w);
-
-#endif

@@ -66,8 +66,7 @@
  * unbiased. This estimate has one degree of freedom per pixel, and sixteen per square. The reported error of
  * a wave is the error of its image, from all four groups (pixel_sums_error()). The decisions do not know the
  * reported error: they aim at ADAPTIVE_AIM times the target, so that it is seldom above the target. */
-#ifndef JOB_ADAPTIVE_H
-#define JOB_ADAPTIVE_H
+#pragma once
 
 #include "integrate/integrator.h"
 #include "job/unit.h"
@@ -169,5 +168,3 @@ adaptive_result adaptive_pass(integration *work, const adaptive_goal *goal, adap
 void adaptive_rate(const fathom_settings *settings, adaptive_wave *a);
 /* The wave's image, clipped to the film. The result points into the wave and `view`. */
 unit_result adaptive_unit(const adaptive_wave *a, const fathom_film *film, adaptive_view *view);
-
-#endif

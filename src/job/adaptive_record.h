@@ -1,6 +1,5 @@
 /* A wave between two passes, as bytes: the state that the next pass needs. */
-#ifndef JOB_ADAPTIVE_RECORD_H
-#define JOB_ADAPTIVE_RECORD_H
+#pragma once
 
 #include "job/adaptive.h"
 
@@ -12,5 +11,3 @@ void adaptive_record_save(const adaptive_wave *a, unsigned char *out);
 bool adaptive_record_check(const unsigned char *record, uint32_t spp);
 /* a: after adaptive_begin(). */
 void adaptive_record_load(const fathom_settings *settings, const unsigned char *record, adaptive_wave *a);
-
-#endif

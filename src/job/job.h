@@ -1,6 +1,5 @@
 /* The job: distributes waves to threads, sums samples into pixels, reports progress, and stops. */
-#ifndef JOB_JOB_H
-#define JOB_JOB_H
+#pragma once
 
 #include "film/sum_tree.h"
 #include "job/checkpoint/checkpoint.h"
@@ -69,5 +68,3 @@ typedef struct job_options {
  * came before each pixel had a sample. */
 fathom_status job_run(fathom_context *context, const render_plan *plan, const job_options *options,
                       fathom_film *film, job_result *out);
-
-#endif

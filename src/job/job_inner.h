@@ -1,6 +1,5 @@
 /* Internals that the schedules of a job share. */
-#ifndef JOB_JOB_INNER_H
-#define JOB_JOB_INNER_H
+#pragma once
 
 #include "film/sum_tree.h"
 #include "job/adaptive.h"
@@ -77,5 +76,3 @@ void job_run_tiles(job *j, render_wave_fn render);
 
 /* Bytes that the schedule to a time needs. */
 size_t timed_bytes(const job *j);
-
-#endif

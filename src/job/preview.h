@@ -1,6 +1,5 @@
 /* A coarse image that stands in for pixels without samples. */
-#ifndef JOB_PREVIEW_H
-#define JOB_PREVIEW_H
+#pragma once
 
 #include "job/checkpoint/checkpoint.h"
 
@@ -10,5 +9,3 @@
  * If memory runs out, the film stays as it is. */
 void preview_run(const render_plan *plan, unsigned threads, const atomic_bool *stop, const checkpoint *saving,
                  fathom_film *film);
-
-#endif

@@ -1,6 +1,5 @@
 /* Internal rendering interface. */
-#ifndef JOB_RENDER_H
-#define JOB_RENDER_H
+#pragma once
 
 #include "job/job.h"
 #include "scene/world/world.h"
@@ -26,5 +25,3 @@ typedef struct render_request {
 /* Implements fathom_session_run(), with complete settings. stats may be NULL. */
 fathom_status render_film(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           const render_request *request, fathom_stats *stats, fathom_film **out);
-
-#endif

@@ -1,7 +1,6 @@
 /* A unit of work: squares of one wave with all their samples. Also its result, and the sinks that receive
  * it. */
-#ifndef JOB_UNIT_H
-#define JOB_UNIT_H
+#pragma once
 
 #include "film/pixel_sums.h"
 
@@ -41,5 +40,3 @@ typedef struct unit_sink {
 
 /* Stores the means of the samples as the film's pixels. */
 unit_sink unit_film_sink(fathom_film *film);
-
-#endif

@@ -1,6 +1,5 @@
 /* Runs work on a separate thread, while the calling thread handles progress and stopping. */
-#ifndef JOB_WATCH_H
-#define JOB_WATCH_H
+#pragma once
 
 typedef struct watch_calls {
     void (*work)(void *user);
@@ -10,5 +9,3 @@ typedef struct watch_calls {
 /* Returns when the work has ended. tick is called from the calling thread only. If no thread can be created,
  * the calling thread does the work, and ticks at the end. */
 void watch_run(const watch_calls *calls, void *user);
-
-#endif

@@ -2,8 +2,7 @@
  * numbers while parsing, and then returns wrong values or writes out of bounds; while writing, it leaves keys
  * out. Therefore this module replaces its allocation functions, for the whole process. Requests of
  * json_arena_read() on the same thread get memory from the arena; all others go to the previous functions. */
-#ifndef JSON_MEMORY_H
-#define JSON_MEMORY_H
+#pragma once
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -27,5 +26,3 @@ void json_arena_release(json_arena *arena);
  * since json_memory_watch(). */
 void json_memory_watch(void);
 bool json_memory_lacked(void);
-
-#endif

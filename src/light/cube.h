@@ -15,8 +15,7 @@
  *           -x +z +x -z          -x +z +x     1:6  the same from the top
  *              -y                   -y
  *                                   -z, turned by 180 degrees */
-#ifndef LIGHT_CUBE_H
-#define LIGHT_CUBE_H
+#pragma once
 
 #include "light/sky.h"
 
@@ -37,5 +36,3 @@ bool cube_covers(const cube *c, uint32_t x, uint32_t y);
  * evenly over the texel. Within a face a direction's radiance is bilinear between the centres of texels, and
  * constant from the outermost ones to the edge. False without memory. */
 bool cube_unfold(const cube *c, const sky_texel *image, unsigned threads, sky_texel *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* All emitters for path tracing: emissive surfaces, the background, environments, suns (directional lights),
  * and point and spot lights. A light sample chooses one emitter at random. */
-#ifndef LIGHT_EMITTERS_H
-#define LIGHT_EMITTERS_H
+#pragma once
 
 #include "math/lanes.h"
 #include "scene/light_groups.h"
@@ -105,5 +104,3 @@ void emitters_find_spheres(const emitters *e, const emitter_ray *ray,
  * emitters_outside_shares() gives their fractions for a direction, by group and channel. */
 uint8_t emitters_outside_group(const emitters *e);
 void emitters_outside_shares(const emitters *e, vec3_f32 direction, float (*shares)[3]);
-
-#endif

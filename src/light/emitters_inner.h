@@ -1,6 +1,5 @@
 /* Internals of emitters, shared by emitters*.c. */
-#ifndef LIGHT_EMITTERS_INNER_H
-#define LIGHT_EMITTERS_INNER_H
+#pragma once
 
 #include "light/emitters.h"
 #include "light/environment.h"
@@ -228,5 +227,3 @@ double emitters_face_density(const shape_face *f, vec3_f64 p);
 /* The unit normal, in the ball's space, where a light sample of this direction hits it. */
 vec3_f64 emitters_ball_normal(const emitter_ball *b, vec3_f64 p, vec3_f64 direction);
 double emitters_ball_density(const emitter_ball *b, vec3_f64 p, vec3_f64 n, vec3_f64 direction);
-
-#endif

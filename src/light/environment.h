@@ -1,6 +1,5 @@
 /* Light from all directions, given by an equirectangular image; see sky.h. */
-#ifndef LIGHT_ENVIRONMENT_H
-#define LIGHT_ENVIRONMENT_H
+#pragma once
 
 #include "base/status.h"
 #include "light/sky.h"
@@ -41,5 +40,3 @@ void environment_radiance(const environment *e, vec3_f64 direction, float radian
  * the poles, where it may leave the cell by about 1e-7. */
 void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n, const double u[LANES],
                         const double v[LANES], lanes3_f64 direction, sky_light *out);
-
-#endif

@@ -1,6 +1,5 @@
 /* Reads the images of an environment. */
-#ifndef LIGHT_ENVIRONMENT_READ_H
-#define LIGHT_ENVIRONMENT_READ_H
+#pragma once
 
 #include "base/status.h"
 #include "light/sky.h"
@@ -13,5 +12,3 @@
  * FATHOM_BAD_INPUT, with the file: it cannot be read, has no colours or is not linear; or with the texel: a
  * NaN or an infinity. */
 fathom_status environment_read(fathom_context *context, const fathom_light *light, sky_image *out);
-
-#endif

@@ -1,6 +1,5 @@
 /* Lights evaluated at points: direction, distance and arriving radiance. */
-#ifndef LIGHT_LIGHT_H
-#define LIGHT_LIGHT_H
+#pragma once
 
 #include "math/lanes.h"
 #include "scene/scene.h"
@@ -61,5 +60,3 @@ typedef struct light_kernels {
 const light_kernels *light_kernels_best(void);
 /* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
 const light_kernels *light_kernels_at(unsigned index);
-
-#endif

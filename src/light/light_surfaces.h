@@ -1,7 +1,6 @@
 /* Finds the surfaces that hold a light or are very close to it: light/kernels/light.c ends shadow rays clear
  * of them. */
-#ifndef LIGHT_LIGHT_SURFACES_H
-#define LIGHT_LIGHT_SURFACES_H
+#pragma once
 
 #include "light/light.h"
 #include "scene/world/world.h"
@@ -15,5 +14,3 @@
  * holds the light. */
 fathom_status light_surfaces_find(fathom_context *context, const world *w, vec3_f32 eye, shade_light *lights,
                                   uint32_t count, bool *in_mesh, light_surface **out);
-
-#endif

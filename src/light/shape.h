@@ -3,8 +3,7 @@
  * All arithmetic is double, on differences that are exact or nearly so: shapes of any size and distance are
  * at least as accurate as float. No C library function is called except square roots: the bits are the same
  * on every processor, and loops over lanes vectorise. */
-#ifndef LIGHT_SHAPE_H
-#define LIGHT_SHAPE_H
+#pragma once
 
 #include "math/inverse_root.h"
 #include "math/vec.h"
@@ -196,5 +195,3 @@ static inline double shape_sphere_far(vec3_f64 from, vec3_f64 d, double radius) 
     double square = (radius * radius - dot_f64(nearest, nearest)) / a;
     return square > 0 ? t + sqrt(square) : t;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Blocks of emissive shapes, one shape and one point per lane. */
-#ifndef LIGHT_SHAPE_BLOCK_H
-#define LIGHT_SHAPE_BLOCK_H
+#pragma once
 
 #include "light/shape.h"
 #include "math/lanes.h"
@@ -53,5 +52,3 @@ typedef struct shape_kernels {
 } shape_kernels;
 
 const shape_kernels *shape_kernels_best(void);
-
-#endif

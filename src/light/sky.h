@@ -13,8 +13,7 @@
  * The choice of a block depends on the surface's normal. Normals fall into cells of an octahedron, each of
  * which has a table of the blocks. A product of light and cosine at this resolution needs no table of all
  * pairs of normals and cells, and excludes the half of the sky behind the surface. */
-#ifndef LIGHT_SKY_H
-#define LIGHT_SKY_H
+#pragma once
 
 #include "math/lanes.h"
 #include "math/vec.h"
@@ -88,5 +87,3 @@ typedef struct sky_kernels {
 const sky_kernels *sky_kernels_best(void);
 /* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
 const sky_kernels *sky_kernels_at(unsigned index);
-
-#endif

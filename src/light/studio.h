@@ -1,6 +1,5 @@
 /* The built-in studio, which lights models that have no light of their own. */
-#ifndef LIGHT_STUDIO_H
-#define LIGHT_STUDIO_H
+#pragma once
 
 #include "math/vec.h"
 
@@ -20,5 +19,3 @@ typedef struct studio {
 void studio_open(studio *out);
 /* Radiance from a unit direction. y is up, and the viewer stands towards z; x is the viewer's right. */
 void studio_radiance(const studio *s, vec3_f64 direction, float radiance[3]);
-
-#endif

@@ -5,8 +5,7 @@
  * its probability to far lights at every level. The traversal therefore starts from a cut through the tree:
  * nodes near the point are replaced by their children, level by level, up to TREE_NEAR of them (as in
  * Yuksel's stochastic lightcuts, 2019, but chosen for each point). */
-#ifndef LIGHT_TREE_H
-#define LIGHT_TREE_H
+#pragma once
 
 #include "math/lanes.h"
 #include "math/vec.h"
@@ -85,5 +84,3 @@ typedef struct tree_kernels {
 } tree_kernels;
 
 const tree_kernels *tree_kernels_best(void);
-
-#endif

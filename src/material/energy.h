@@ -1,6 +1,5 @@
 /* Directional albedo of the first scattering by a rough surface's facets. */
-#ifndef MATERIAL_ENERGY_H
-#define MATERIAL_ENERGY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -109,5 +108,3 @@ float energy_mean(const float curve[ENERGY_NODES]);
 /* The parts of that mean that come from below each node, as fractions of it. A curve of zeros has 0 below all
  * but the last. */
 void energy_sums(const float curve[ENERGY_NODES], float sums[ENERGY_NODES]);
-
-#endif

@@ -1,6 +1,5 @@
 /* Visible GGX facets with two alphas in rings around a viewer: what the tables of albedos sum. */
-#ifndef MATERIAL_ENERGY_RING_H
-#define MATERIAL_ENERGY_RING_H
+#pragma once
 
 #include <math.h>
 
@@ -43,5 +42,3 @@ static inline float ring_mirrored(const ring_viewer *m, const ring_facet *f) {
     return ring_seen(m, 2 * f->along * f->h[0] - m->v[0], 2 * f->along * f->h[1] - m->v[1],
                      2 * f->along * f->h[2] - m->v[2]);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Layers of metallicRoughness whose preparation computes curves: fibres and thin films. */
-#ifndef MATERIAL_LAYERS_H
-#define MATERIAL_LAYERS_H
+#pragma once
 
 #include "material/shader.h"
 
@@ -38,5 +37,3 @@ static inline float film_read(const float curve[FILM_STEPS + 1], float cosine) {
     float first = from[1] - before, third = 3 * (from[0] - from[1]) + after - before;
     return from[0] + 0.5f * t * (first + t * (2 * before - 5 * from[0] + 4 * from[1] - after + t * third));
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Materials: conversion of parameters to BSDFs, a block of sixteen points at a time. */
-#ifndef MATERIAL_MATERIAL_H
-#define MATERIAL_MATERIAL_H
+#pragma once
 
 #include "scene/scene.h"
 #include "surface/surface.h"
@@ -70,5 +69,3 @@ typedef struct material_kernels {
 const material_kernels *material_kernels_best(void);
 /* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
 const material_kernels *material_kernels_at(unsigned index);
-
-#endif

@@ -1,6 +1,5 @@
 /* The blend of dielectric and metal that glTF defines, for shader.c and kernels/plain.c. */
-#ifndef MATERIAL_MIXTURE_H
-#define MATERIAL_MIXTURE_H
+#pragma once
 
 #include "math/limit.h"
 
@@ -29,5 +28,3 @@ static inline float mixture_under(float layer0, float layer90, float layer_again
 
 /* Lambert's reflectance divided by that mean. */
 static inline float mixture_lifted(float diffuse, float under) { return under > 1e-4f ? diffuse / under : 0; }
-
-#endif

@@ -1,8 +1,7 @@
 /* Plain materials of sixteen points, whose shaders are prepared together: metallic-roughness with
  * `multiscatter`, opaque, without transmission, clear coat, sheen, anisotropy, film and diffuse
  * transmission. */
-#ifndef MATERIAL_PLAIN_H
-#define MATERIAL_PLAIN_H
+#pragma once
 
 #include "material/shader.h"
 
@@ -33,5 +32,3 @@ const plain_kernels *plain_kernels_at(unsigned index);
 bool plain_add(plain_block *b, unsigned i, const fathom_material *material, shader *out);
 /* Fills in the shaders of the lanes that were added. */
 void plain_finish(const plain_block *b, const plain_kernels *kernels, shader made[LANES]);
-
-#endif

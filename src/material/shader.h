@@ -81,8 +81,7 @@
  *
  * opacity is coverage: a smooth lobe passes light straight through the surface, and all else is multiplied by
  * opacity. */
-#ifndef MATERIAL_SHADER_H
-#define MATERIAL_SHADER_H
+#pragma once
 
 #include "material/energy.h"
 #include "scene/scene.h"
@@ -275,5 +274,3 @@ typedef struct shader_kernels {
 const shader_kernels *shader_kernels_best(void);
 /* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
 const shader_kernels *shader_kernels_at(unsigned index);
-
-#endif

@@ -11,8 +11,7 @@
  * u, made orthogonal to the shading normal, and the bitangent against v. A rotated normal that faces away
  * from the viewer is rotated back until it faces the viewer. The side that light arrives on is also checked
  * with the normal without the map: see `base` in surface/surface.h. */
-#ifndef MATERIAL_TEXTURED_H
-#define MATERIAL_TEXTURED_H
+#pragma once
 
 #include "material/material.h"
 #include "material/shader.h"
@@ -58,5 +57,3 @@ void texturing_emission(const texturing *t, const texturing_place *place, float 
 /* The square root of the number of texels that the triangle or half quad covers in the images of its
  * emission; 0: there are none. */
 float texturing_emission_texels(const texturing *t, const texturing_place *place);
-
-#endif

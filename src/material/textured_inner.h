@@ -1,6 +1,5 @@
 /* Shared by the files that implement textured.h. */
-#ifndef MATERIAL_TEXTURED_INNER_H
-#define MATERIAL_TEXTURED_INNER_H
+#pragma once
 
 #include "material/plain.h"
 #include "material/textured.h"
@@ -99,5 +98,3 @@ void texturing_direct(const points *p, unsigned i, const fathom_material *m, sur
 /* ---- lookups ---- */
 
 void texturing_place_lookup(const lookup *l, float u, float v, float width, texture_queries *q);
-
-#endif

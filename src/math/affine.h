@@ -1,6 +1,5 @@
 /* Affine maps p' = M p + T, as 3 rows of 4. */
-#ifndef MATH_AFFINE_H
-#define MATH_AFFINE_H
+#pragma once
 
 #include "math/vec.h"
 #include <stdbool.h>
@@ -39,5 +38,3 @@ static inline vec3_f64 affine_transposed_vector(const affine_f64 *a, vec3_f64 v)
                       a->m[0][1] * v.x + a->m[1][1] * v.y + a->m[2][1] * v.z,
                       a->m[0][2] * v.x + a->m[1][2] * v.y + a->m[2][2] * v.z};
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Frames: an origin and three orthonormal axes. */
-#ifndef MATH_FRAME_H
-#define MATH_FRAME_H
+#pragma once
 
 #include "math/vec.h"
 
@@ -12,5 +11,3 @@ typedef struct frame_f64 {
  * parallel to z is replaced by the coordinate axis along which z has its smallest component. The result is
  * always right-handed and orthonormal. A zero z_hint counts as (0,0,1). */
 frame_f64 frame_from(vec3_f64 origin, vec3_f64 z_hint, vec3_f64 y_hint);
-
-#endif

@@ -1,7 +1,6 @@
 /* 1 / sqrt(x), with the same bits on every processor. In loops it takes a quarter of the time of a division
  * by the square root. */
-#ifndef MATH_INVERSE_ROOT_H
-#define MATH_INVERSE_ROOT_H
+#pragma once
 
 #include <stdint.h>
 #include <string.h>
@@ -34,5 +33,3 @@ static inline float inverse_root_f32(float x) {
     r = r * (1.5f - half * r * r);
     return r * (1.5f - half * r * r);
 }
-
-#endif

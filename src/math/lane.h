@@ -1,6 +1,5 @@
 /* Access to one lane of a block, as a vector; sets of lanes as bit masks. */
-#ifndef MATH_LANE_H
-#define MATH_LANE_H
+#pragma once
 
 #include "math/lanes.h"
 #include "math/vec.h"
@@ -19,5 +18,3 @@ static inline void put_lane_f32(lanes3 v, unsigned i, vec3_f32 a) {
 static inline void put_lane_f64(lanes3_f64 v, unsigned i, vec3_f64 a) {
     v[0][i] = a.x, v[1][i] = a.y, v[2][i] = a.z;
 }
-
-#endif

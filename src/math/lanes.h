@@ -1,10 +1,7 @@
 /* Blocks of sixteen lanes, as structures of arrays. */
-#ifndef MATH_LANES_H
-#define MATH_LANES_H
+#pragma once
 
 #define LANES 16
 
 typedef float lanes3[3][LANES];
 typedef double lanes3_f64[3][LANES];
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef MATH_MIX_H
-#define MATH_MIX_H
+#pragma once
 
 #include <stdint.h>
 
@@ -10,5 +9,3 @@ static inline uint64_t mix_bits(uint64_t z) {
     z = (z ^ z >> 27) * 0x94d049bb133111ebu;
     return z ^ z >> 31;
 }
-
-#endif

@@ -3,8 +3,7 @@
  *
  * glibc's powf() has variants by processor, whose last bits may differ, so images would depend on the
  * processor. It is also a function call, which a vectorised loop cannot contain. */
-#ifndef MATH_POWER_H
-#define MATH_POWER_H
+#pragma once
 
 #include <math.h>
 #include <stdint.h>
@@ -72,5 +71,3 @@ static inline float power_finish(float d, double exponent) {
     return some * power_exp2(exponent);
 }
 static inline float power_one_less(float d, float n) { return power_finish(d, power_exponent(d, n)); }
-
-#endif

@@ -1,7 +1,6 @@
 /* Cosine and sine of a fraction of a full turn, with the same bits on every processor, and vectorised in
  * loops. */
-#ifndef MATH_TURN_H
-#define MATH_TURN_H
+#pragma once
 
 #include <stdint.h>
 #include <string.h>
@@ -21,5 +20,3 @@ static inline void turn_by(float u, float *cosine, float *sine) {
     uint32_t first = ((cs & ~odd) | (sn & odd)) ^ minus_c, second = ((sn & ~odd) | (cs & odd)) ^ minus_s;
     memcpy(cosine, &first, sizeof first), memcpy(sine, &second, sizeof second);
 }
-
-#endif

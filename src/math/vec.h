@@ -1,6 +1,5 @@
 /* Three-vectors in float and double: vec3_f32 with dot_f32, cross_f32…, and the same with _f64. */
-#ifndef MATH_VEC_H
-#define MATH_VEC_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -29,5 +28,3 @@ static inline vec3_f64 widen(vec3_f32 a) { return (vec3_f64){(double)a.x, (doubl
 static inline vec3_f32 narrow(vec3_f64 a) { return (vec3_f32){(float)a.x, (float)a.y, (float)a.z}; }
 static inline bool finite_f64(vec3_f64 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
 static inline bool finite_f32(vec3_f32 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
-
-#endif

@@ -1,6 +1,5 @@
 /* Image error against run time, for each antialiasing pattern. */
-#ifndef BENCH_CONVERGE_H
-#define BENCH_CONVERGE_H
+#pragma once
 
 #include "base/array.h"
 #include "measure/stage.h"
@@ -107,5 +106,3 @@ size_t converge_equal_time(const converge_result *result, converge_metric metric
                            converge_row out[CONVERGE_ROWS]);
 size_t converge_equal_error(const converge_result *result, converge_metric metric,
                             converge_row out[CONVERGE_ROWS]);
-
-#endif

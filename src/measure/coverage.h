@@ -1,7 +1,6 @@
 /* Measures how accurate the stated errors of renders are: how often the 95 % interval of a pixel's channel
  * contains the true value, and whether the mean of images over seeds equals the mean of the true image. */
-#ifndef BENCH_COVERAGE_H
-#define BENCH_COVERAGE_H
+#pragma once
 
 #include "measure/stage.h"
 
@@ -36,5 +35,3 @@ typedef struct coverage_options {
 fathom_status coverage_measure(fathom_context *context, const bench_stage *stage,
                                const coverage_options *options, coverage_row out[COVERAGE_ROWS],
                                unsigned *count);
-
-#endif

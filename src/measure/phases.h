@@ -1,6 +1,5 @@
 /* Measures reading, building and rendering, phase by phase. */
-#ifndef BENCH_PHASES_H
-#define BENCH_PHASES_H
+#pragma once
 
 #include "measure/render_time.h"
 #include "measure/stage.h"
@@ -30,5 +29,3 @@ typedef struct phases {
 fathom_status phases_measure(fathom_context *context, const fathom_scene *scene,
                              const fathom_settings *settings, const char *words,
                              const phases_options *options, const render_time_options *times, phases *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* The cost of rendering in addition to tracing: the time of the render phase, compared with bare Embree calls
  * for the same rays. */
-#ifndef BENCH_RENDER_TIME_H
-#define BENCH_RENDER_TIME_H
+#pragma once
 
 #include "integrate/wave.h"
 #include "measure/statistics.h"
@@ -44,5 +43,3 @@ typedef struct render_time_options {
 fathom_status render_time_measure(fathom_context *context, const world *w, const trace_tracer *tracer,
                                   const fathom_settings *settings, const render_time_options *options,
                                   render_time *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* Records the rays that a render traces, and traces them again, timed. This tracing time is the lower limit
  * of the render time. */
-#ifndef BENCH_REPLAY_H
-#define BENCH_REPLAY_H
+#pragma once
 
 #include "base/array.h"
 #include "trace/embree/embree_bare.h"
@@ -42,5 +41,3 @@ typedef struct replay_result {
  * calls and loaded into the second-level cache: in a render, they are in the cache too. False when out of
  * memory. */
 bool replay(const record *r, const trace_tracer *tracer, bool bare, replay_result *out);
-
-#endif

@@ -1,6 +1,5 @@
 /* A scene that is built once and rendered repeatedly, with the rendering timed separately. */
-#ifndef BENCH_STAGE_H
-#define BENCH_STAGE_H
+#pragma once
 
 #include "integrate/integrator.h"
 #include "scene/world/world.h"
@@ -57,5 +56,3 @@ fathom_status stage_film(fathom_context *context, const world *w, const trace_tr
 /* rgb: room for three planes of the image; may be NULL. progress as in fathom_render(). */
 fathom_status stage_render(fathom_context *context, const bench_stage *stage, const stage_shot *shot,
                            fathom_progress_fn progress, void *user, float *rgb, stage_cost *cost);
-
-#endif

@@ -1,6 +1,5 @@
 /* Quartiles, means, and straight lines through measurements. */
-#ifndef BENCH_STATISTICS_H
-#define BENCH_STATISTICS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -53,5 +52,3 @@ typedef struct bench_watch {
 void bench_watch_tell(const bench_watch *watch, double done, double total);
 /* A watch for the part of the measurement between two fractions; if `watch` is NULL, it reports to nobody. */
 bench_watch bench_watch_part(const bench_watch *watch, double from, double to);
-
-#endif

@@ -1,6 +1,5 @@
 /* Rays to measure tracers with: four kinds that renderers and path tracers trace. */
-#ifndef BENCH_TRACE_SETS_H
-#define BENCH_TRACE_SETS_H
+#pragma once
 
 #include "trace/trace.h"
 
@@ -30,5 +29,3 @@ typedef struct trace_sets {
 fathom_status trace_sets_create(fathom_context *context, const world *w, const trace_tracer *tracer,
                                 uint64_t rays, trace_sets *out);
 void trace_sets_free(trace_sets *sets);
-
-#endif

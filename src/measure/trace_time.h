@@ -1,6 +1,5 @@
 /* Rays per second of several tracers over the same rays. */
-#ifndef BENCH_TRACE_TIME_H
-#define BENCH_TRACE_TIME_H
+#pragma once
 
 #include "measure/statistics.h"
 #include "measure/trace_sets.h"
@@ -27,5 +26,3 @@ typedef struct trace_time_options {
 fathom_status trace_time_measure(fathom_context *context, trace_tracer *const *tracers, size_t count,
                                  const trace_sets *sets, const trace_time_options *options,
                                  trace_rate (*out)[TRACE_SETS]);
-
-#endif

@@ -1,6 +1,5 @@
 /* The readers, one folder per format. Each reader adds the contents of a file to a scene. */
-#ifndef READ_READ_H
-#define READ_READ_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -69,5 +68,3 @@ fathom_status read_json(fathom_scene *scene, const char *path);
 /* Reads any mesh file; the extension selects the format: .obj, .ply, .gltf, .glb. */
 fathom_status read_mesh(fathom_scene *scene, fathom_id group, const char *path,
                         const read_mesh_options *options);
-
-#endif

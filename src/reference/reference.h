@@ -8,8 +8,7 @@
  * triangle_robust_f32(a, b, c, org, dir, t_min, t_max, &hit)
  * quad_robust_f32(v0, v1, v2, v3, org, dir, t_min, t_max, &hit)
  * plane_robust_f32(point, normal, org, dir, t_min, t_max, &t) */
-#ifndef REFERENCE_REFERENCE_H
-#define REFERENCE_REFERENCE_H
+#pragma once
 
 #include "math/vec.h"
 
@@ -36,5 +35,3 @@
 #define AREA_LOW 0x1p-900
 #define AREA_HIGH 0x1p1000
 #include "reference/stamp.h"
-
-#endif

@@ -1,7 +1,6 @@
 /* The hand-written intersectors in quadruple precision (_f128): the ground truth for float and double. There
  * is no wider precision to fall back to. About a hundred times slower than float. */
-#ifndef REFERENCE_REFERENCE_F128_H
-#define REFERENCE_REFERENCE_F128_H
+#pragma once
 
 #include "reference/vec_f128.h"
 
@@ -16,5 +15,3 @@
 #define AREA_LOW ((real_f128)0x1p-16000L)
 #define AREA_HIGH ((real_f128)0x1p16000L)
 #include "reference/stamp.h"
-
-#endif

@@ -1,7 +1,6 @@
 /* Quadruple precision: vec3_f128 with dot_f128, cross_f128…, like math/vec.h for float and double. real_f128
  * is the compiler's type for binary128; libquadmath is not needed. */
-#ifndef REFERENCE_VEC_F128_H
-#define REFERENCE_VEC_F128_H
+#pragma once
 
 #include "math/vec.h"
 #include <float.h>
@@ -32,5 +31,3 @@ static inline real_f128 abs_f128(real_f128 x) { return x < 0 ? -x : x; }
 
 static inline vec3_f128 quadruple_f32(vec3_f32 a) { return (vec3_f128){a.x, a.y, a.z}; }
 static inline vec3_f128 quadruple_f64(vec3_f64 a) { return (vec3_f128){a.x, a.y, a.z}; }
-
-#endif

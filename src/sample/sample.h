@@ -1,7 +1,6 @@
 /* The random numbers of samples. Each number depends only on the sampler and on the sample's pixel, index and
  * dimension, so the order of work has no effect. */
-#ifndef SAMPLE_SAMPLE_H
-#define SAMPLE_SAMPLE_H
+#pragma once
 
 #include <fathom/render.h>
 
@@ -65,5 +64,3 @@ const sample_kernels *sample_kernels_best(void);
 /* The variants that this processor can run, from the oldest instruction set to the newest; NULL past the
  * last. */
 const sample_kernels *sample_kernels_at(unsigned index);
-
-#endif

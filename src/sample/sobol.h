@@ -1,6 +1,5 @@
 /* Owen-scrambled Sobol points of one sample, shared by sample_2d() and its kernel. */
-#ifndef SAMPLE_SOBOL_H
-#define SAMPLE_SOBOL_H
+#pragma once
 
 #include "math/mix.h"
 
@@ -50,5 +49,3 @@ static inline void sobol_point(uint32_t index, uint64_t hash, uint32_t *u, uint3
     *u = reverse_bits(permute(k, (uint32_t)(hash >> 32)));
     *v = reverse_bits(permute(sobol_second(k), (uint32_t)mix_bits(hash + 1)));
 }
-
-#endif

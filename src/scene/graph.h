@@ -1,6 +1,5 @@
 /* The scene's groups as a graph. */
-#ifndef SCENE_GRAPH_H
-#define SCENE_GRAPH_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -27,5 +26,3 @@ fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph, 
 /* Counts the paths from the root to each group, and returns their sum. `placements` has one entry per group,
  * all 0 at first. The counts are double, so that huge ones do not wrap. */
 double graph_count_placements(const fathom_scene *scene, const scene_graph *graph, double *placements);
-
-#endif

@@ -1,6 +1,5 @@
 /* Loops over the arrays of meshes; see base/kernel.h. */
-#ifndef SCENE_KERNELS_H
-#define SCENE_KERNELS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -55,5 +54,3 @@ static inline uint64_t boundary_sum(boundary_pair a, boundary_pair b, boundary_p
     const uint64_t x = a.x, y = a.y;
     return (b.x - x) * (c.y - y) - (c.x - x) * (b.y - y);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Light groups: sets of light sources whose light is kept separate in the image. */
-#ifndef SCENE_LIGHT_GROUPS_H
-#define SCENE_LIGHT_GROUPS_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -28,5 +27,3 @@ static inline uint8_t light_group_at(const light_groups *g, fathom_id object, fa
     const uint8_t own = g->of[FATHOM_SOURCE_OBJECT][object];
     return own == LIGHT_GROUP_NONE ? g->of[FATHOM_SOURCE_MATERIAL][material] : own;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Materials whose numbers vary by images, before any point of them is known. */
-#ifndef SCENE_MAPPED_H
-#define SCENE_MAPPED_H
+#pragma once
 
 #include <fathom/scene.h>
 
@@ -10,5 +9,3 @@
 void mapped_between(const fathom_material *material, fathom_material *out);
 /* The same by the classic model. */
 void mapped_between_classic(const fathom_material *material, fathom_material *out);
-
-#endif

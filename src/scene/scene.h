@@ -1,6 +1,5 @@
 /* The scene as plain arrays and integer handles. */
-#ifndef SCENE_SCENE_H
-#define SCENE_SCENE_H
+#pragma once
 
 #include "base/array.h"
 #include "base/file.h"
@@ -248,5 +247,3 @@ fathom_status scene_check_settings(fathom_context *context, const fathom_setting
 /* True if n x n samples can be so many. */
 bool settings_spp_is_square(uint32_t spp);
 fathom_status scene_check_material(fathom_context *context, const fathom_material *material);
-
-#endif

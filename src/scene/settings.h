@@ -1,7 +1,6 @@
 /* The tables of settings and of material parameters (parameters.c). To add one, add a row there and a member
  * to the struct. */
-#ifndef SCENE_SETTINGS_H
-#define SCENE_SETTINGS_H
+#pragma once
 
 #include "base/parameter.h"
 
@@ -13,5 +12,3 @@ parameter_table material_table(fathom_model model);
  * image headers and checkpoints. */
 enum { SETTINGS_TEXT = 1024 };
 void settings_print(const fathom_settings *settings, char out[SETTINGS_TEXT]);
-
-#endif

@@ -1,7 +1,6 @@
 /* Texture coordinates, tangents and vertex colours of one lane of gathered hits. Call after
  * surface_gather_end(). */
-#ifndef SURFACE_ATTRIBUTES_H
-#define SURFACE_ATTRIBUTES_H
+#pragma once
 
 #include "surface/gather.h"
 #include "surface/tangents.h"
@@ -30,5 +29,3 @@ bool surface_color_of(const world *w, uint32_t geometry, uint32_t primitive, con
                       float rgba[4]);
 /* The interpolated vertex colour. False and rgba = 1 if the shape has none. */
 bool surface_color_at(const surface_gather *g, const world *w, unsigned lane, float rgba[4]);
-
-#endif

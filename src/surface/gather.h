@@ -1,7 +1,6 @@
 /* Converts a tracer's hits to surface points for shading and for the origins of new rays. Sixteen hits are
  * gathered, then computed together. */
-#ifndef SURFACE_GATHER_H
-#define SURFACE_GATHER_H
+#pragma once
 
 #include "scene/world/world.h"
 #include "surface/kernels.h"
@@ -52,5 +51,3 @@ double surface_moved_along(const world_instance *instance, vec3_f64 n, vec3_f64 
 /* Additional error of Embree's moving corners, in unit roundoffs of their size: two products and a sum, where
  * ours has one rounding. */
 #define SURFACE_BENT 4
-
-#endif

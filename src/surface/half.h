@@ -1,6 +1,5 @@
 /* Which half of a quad a ray hits: the triangle (0,1,3) of its corners, or (2,3,1). */
-#ifndef SURFACE_HALF_H
-#define SURFACE_HALF_H
+#pragma once
 
 #include "math/vec.h"
 
@@ -23,5 +22,3 @@ static inline bool half_is_second(vec3_f64 v0, vec3_f64 v1, vec3_f64 v2, vec3_f6
     bool second = half_side(v0, v1, v3, org, dir) < 0;
     return (second && half_has_area(v2, v3, v1)) || !half_has_area(v0, v1, v3);
 }
-
-#endif

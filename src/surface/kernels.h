@@ -1,6 +1,5 @@
 /* Computes surface points from hits, sixteen at once; see base/kernel.h. */
-#ifndef SURFACE_KERNELS_H
-#define SURFACE_KERNELS_H
+#pragma once
 
 #include "scene/world/world.h"
 #include "surface/local.h"
@@ -37,5 +36,3 @@ typedef struct surface_kernels {
 const surface_kernels *surface_kernels_best(void);
 /* Kernels that this processor can run, from the plainest to the best; NULL past the last. */
 const surface_kernels *surface_kernels_at(unsigned index);
-
-#endif

@@ -2,8 +2,7 @@
  *
  * Position and normals depend only on the ray and the primitive. So every tracer, packet width and grouping
  * of rays that finds the same primitive gives the same pixel. */
-#ifndef SURFACE_LOCAL_H
-#define SURFACE_LOCAL_H
+#pragma once
 
 #include "math/lanes.h"
 
@@ -43,5 +42,3 @@ typedef struct facet_block {
     uint32_t has_normals[LANES]; /* all ones: the facet has normals; they need not be unit */
     bool smooth;                 /* some lane has normals */
 } facet_block;
-
-#endif

@@ -3,8 +3,7 @@
  *
  * Points are computed in double, so their remaining error depends on how they are used: see gather.c.
  * `self_hit` is the error of the intersector itself. */
-#ifndef SURFACE_LOCAL_HIT_H
-#define SURFACE_LOCAL_HIT_H
+#pragma once
 
 #include "reference/reference.h"
 #include "scene/world/world.h"
@@ -60,5 +59,3 @@ static inline local_hit local_plane(const world_plane *plane, const local_ray *r
                        .ns = plane->normal,
                        .self_hit = 16 * 0x1p-53 * (local_extent(point) + local_extent(p))};
 }
-
-#endif

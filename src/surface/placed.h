@@ -7,8 +7,7 @@
  * this error and three roundings of its products; transforming s adds three more. Since A s + T = A (s - t),
  * E is multiplied by |s - t|. The sum on axis i is Σ_j E_ij |s_j - t_j| + 6 u Σ_j |A_ij| (|s_j| + |t_j|). A
  * distance e along the object's normal n is e / |Aᵀn| in the world, where the normal is Aᵀn / |Aᵀn|. */
-#ifndef SURFACE_PLACED_H
-#define SURFACE_PLACED_H
+#pragma once
 
 #include "scene/world/world.h"
 
@@ -76,5 +75,3 @@ static inline placed_hit placed_to_world(const world_instance *instance, placed_
                         .ns = narrow(scale_f64(1 / sqrt(dot_f64(ns, ns)), ns)),
                         .lift = narrow(placed_vector(m, widen(h.lift)))};
 }
-
-#endif

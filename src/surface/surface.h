@@ -1,6 +1,5 @@
 /* Sixteen surface points, as materials and lights see them: a structure of arrays. */
-#ifndef SURFACE_SURFACE_H
-#define SURFACE_SURFACE_H
+#pragma once
 
 #include "math/lanes.h"
 
@@ -28,5 +27,3 @@ typedef struct surface_block {
 /* One coordinate of the origin of a ray that leaves p along ±n; offset is negative on the side opposite to
  * n. */
 static inline float surface_start(float p, float offset, float n) { return p + offset * n; }
-
-#endif

@@ -4,8 +4,7 @@
  * coordinates and have the same orientation (mirrored or not) of their uvs. Each triangle adds its tangent,
  * made orthogonal to the normal and unit, weighted by its angle at the corner. Unlike MikkTSpace, triangles
  * that share a vertex but no edge are averaged too. */
-#ifndef SURFACE_TANGENTS_H
-#define SURFACE_TANGENTS_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -19,5 +18,3 @@ void surface_tangents_free(surface_tangents *t);
 /* Interpolates between the corners of a triangle; in the mesh's space, not unit. False: there is none. */
 bool surface_tangents_at(const surface_tangents *t, const fathom_mesh *mesh, uint32_t triangle,
                          const float weight[3], vec3_f32 *tangent);
-
-#endif

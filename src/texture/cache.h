@@ -1,6 +1,5 @@
 /* The internals of a texture cache, for lookups and decoding. */
-#ifndef TEXTURE_CACHE_H
-#define TEXTURE_CACHE_H
+#pragma once
 
 #include "texture/store.h"
 #include "texture/texture.h"
@@ -65,5 +64,3 @@ void cache_close_source(cache_image *img);
 static inline const char *cache_name(const fathom_texture *t) {
     return t->name ? t->name : t->file ? t->file : "(texture in memory)";
 }
-
-#endif

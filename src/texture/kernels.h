@@ -1,6 +1,5 @@
 /* Lookups, compiled for each instruction set; see base/kernel.h. */
-#ifndef TEXTURE_KERNELS_H
-#define TEXTURE_KERNELS_H
+#pragma once
 
 #include "texture/cache.h"
 
@@ -17,5 +16,3 @@ typedef struct texture_kernels {
 const texture_kernels *texture_kernels_best(void);
 /* The kernels that this processor supports, from the simplest to the best; NULL past the last. */
 const texture_kernels *texture_kernels_at(unsigned index);
-
-#endif

@@ -1,6 +1,5 @@
 /* An image as mip-mapped tiles: the layout of texels, and the computation of levels. */
-#ifndef TEXTURE_PYRAMID_H
-#define TEXTURE_PYRAMID_H
+#pragma once
 
 #include "base/status.h"
 #include "image/helper/module.h"
@@ -73,5 +72,3 @@ pyramid_builder *pyramid_builder_open(const pyramid *p, const pyramid_decoding *
 bool pyramid_builder_row(pyramid_builder *b, const void *sent, size_t *bad);
 /* Releases the builder. Returns the mean of the rows, and the smallest alpha. */
 void pyramid_builder_close(pyramid_builder *b, float mean[4], float *least_alpha);
-
-#endif

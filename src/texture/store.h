@@ -9,8 +9,7 @@
  * Mapping one chunk and evicting another costs as much as STORE_READS short reads of the file. So at the
  * limit, the first STORE_READS lookups of a chunk read from the file, and the next one maps it. More than
  * STORE_READS lookups in one block map it at once. */
-#ifndef TEXTURE_STORE_H
-#define TEXTURE_STORE_H
+#pragma once
 
 #include "base/status.h"
 #include "texture/pyramid.h"
@@ -54,5 +53,3 @@ bool store_read(const store *s, uint64_t offset, void *bytes, size_t size);
 static inline unsigned char store_state(const store *s, uint64_t chunk) {
     return __atomic_load_n(&s->states[chunk], __ATOMIC_ACQUIRE);
 }
-
-#endif

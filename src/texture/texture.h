@@ -3,8 +3,7 @@
  * The image helper decodes an image when it is first looked up, into mip-mapped tiles. A limit applies to the
  * tiles in memory; the others are in a temporary file without a name. Results do not depend on the limit, on
  * threads, or on the order of lookups. */
-#ifndef TEXTURE_TEXTURE_H
-#define TEXTURE_TEXTURE_H
+#pragma once
 
 #include "base/status.h"
 
@@ -48,5 +47,3 @@ fathom_status texture_average(texture_cache *cache, fathom_context *context, fat
 /* *out: whether alpha is 1 everywhere; always false for a mip-mapped file with alpha. Decodes the image if it
  * has alpha. */
 fathom_status texture_is_opaque(texture_cache *cache, fathom_context *context, fathom_id texture, bool *out);
-
-#endif

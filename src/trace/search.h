@@ -1,7 +1,6 @@
 /* Traces one ray through the world in each precision (search_f32, search_f64 and search_f128), for the
  * hand-written tracers; see search_text.h. */
-#ifndef TRACE_SEARCH_H
-#define TRACE_SEARCH_H
+#pragma once
 
 #include "reference/reference.h"
 #include "reference/reference_f128.h"
@@ -46,5 +45,3 @@ static inline unsigned search_flat(const world *w, const world_geometry *geometr
 #define FROM quadruple_f32
 #define SUM real_f128
 #include "trace/search_text.h"
-
-#endif

@@ -1,7 +1,6 @@
 /* A tracer's specification as text: "linear:f64", "embree:user:high:16", "./mine.so". A kind, then options in
  * any order, at most one per field of trace_spec. */
-#ifndef TRACE_SPEC_H
-#define TRACE_SPEC_H
+#pragma once
 
 #include "base/isa.h"
 #include "base/status.h"
@@ -64,5 +63,3 @@ typedef struct trace_spec {
 /* FATHOM_BAD_USAGE: the message names the wrong word and lists the valid ones. A text that ends in ".so" is a
  * file name; `text` must then outlive `out`. "reference" means "linear", NULL "embree". */
 fathom_status trace_spec_parse(fathom_context *context, const char *text, trace_spec *out);
-
-#endif

@@ -4,8 +4,7 @@
  * In box tests, Embree clamps direction components to at least 1e-18 in magnitude, which changes short
  * directions. It takes no coordinate above 1.84e18, and the square of a direction leaves float's range beyond
  * 1e±19. */
-#ifndef TRACE_STRETCH_H
-#define TRACE_STRETCH_H
+#pragma once
 
 #include "trace/trace.h"
 
@@ -45,5 +44,3 @@ void stretch_rays(trace_rays *rays, unsigned lanes, stretch *out);
 /* Returns a lane's t in the units of the original ray. A t outside float's range becomes the nearest float
  * inside (t_near, t_far), the original interval. */
 float stretch_back(const stretch *s, unsigned lane, float t, float t_near, float t_far);
-
-#endif

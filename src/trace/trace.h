@@ -5,8 +5,7 @@
  * in the open interval (t_near, t_far), as the tracer computes it. Our own intersectors report a hit exactly
  * if this t is inside. Embree's t has an error of 8 unit roundoffs divided by the cosine to the normal;
  * within this distance of an end of the interval, it may report or miss a hit. */
-#ifndef TRACE_TRACE_H
-#define TRACE_TRACE_H
+#pragma once
 
 #include "math/lanes.h"
 #include "scene/world/world.h"
@@ -137,5 +136,3 @@ uint64_t trace_peak_bytes(const trace_tracer *tracer);
 uint64_t trace_foreseen_bytes(const trace_tracer *tracer);
 /* The unit roundoff of the arithmetic in which t is computed: 2^-24 for float. */
 double trace_unit(const trace_tracer *tracer);
-
-#endif

@@ -1,7 +1,6 @@
 /* The implementation side of trace.h: a table of functions for each kind of tracer. The struct of each tracer
  * begins with a trace_tracer. */
-#ifndef TRACE_TRACER_H
-#define TRACE_TRACER_H
+#pragma once
 
 #include "trace/trace.h"
 
@@ -63,5 +62,3 @@ fathom_status plugin_create(fathom_context *context, const world *w, const trace
                             const trace_options *options, trace_tracer **out);
 fathom_status bvh_create(fathom_context *context, const world *w, const trace_spec *spec,
                          const trace_options *options, trace_tracer **out);
-
-#endif

@@ -4,8 +4,7 @@
  * Files are in memory: the linker hands the readers' calls of file_open(), file_close(), file_finish(),
  * file_rest() and access() to the ones of fuzz_files.c (--wrap), so that no byte of src/ knows of fuzzing. A
  * file ends exactly FILE_PADDING zeros after its last byte: AddressSanitizer sees a read beyond. */
-#ifndef FUZZ_FUZZ_H
-#define FUZZ_FUZZ_H
+#pragma once
 
 #include "base/file.h"
 
@@ -57,5 +56,3 @@ void fuzz_judge(fathom_status status);
 /* Reads and checks a scene from the file put as `path`, and a mesh file with smooth normals once more, within
  * the limits. */
 void fuzz_scene(const char *path, size_t size, size_t factor);
-
-#endif

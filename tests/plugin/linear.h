@@ -1,8 +1,7 @@
 /* A tracer as anyone might write one: linear search in double by Woop, Benthin and Wald 2013, so that
  * neighbours agree about their edge. The libraries beside it include this text, each with a test for "inside"
  * of its own. */
-#ifndef TESTS_PLUGIN_LINEAR_H
-#define TESTS_PLUGIN_LINEAR_H
+#pragma once
 
 #include <fathom/plugin.h>
 
@@ -114,5 +113,3 @@ static void destroy(void *tracer) { free(tracer); }
 
 #define LINEAR_PLUGIN(name)                                                                                  \
     { FATHOM_PLUGIN_VERSION, name, 0x1p-53, build, closest, any, destroy }
-
-#endif

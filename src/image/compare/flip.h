@@ -5,8 +5,7 @@
  * This is LDR-FLIP after the display transform of sRGB: linear values are clamped to [0,1], the range of such
  * a screen. The encoding to sRGB and its inverse, the metric's first step, cancel. NaN counts as 0, as in
  * image files. The metric is symmetric in its two images. */
-#ifndef IMAGE_FLIP_H
-#define IMAGE_FLIP_H
+#pragma once
 
 #include "image/compare/metric.h"
 
@@ -38,5 +37,3 @@ void flip_hunt(const double rgb[3], double out[3]);
 /* |ΔL| + √(Δa² + Δb²), for large differences (Abasi, Amani Tehran and Fairchild,
  * Distance metrics for very large color differences, 2019). */
 double flip_hyab(const double a[3], const double b[3]);
-
-#endif

@@ -2,8 +2,7 @@
  *
  * An image is three planes of values, top row first. A pixel that is not finite in either image makes RMSE
  * and relative MSE infinite, has the largest error 1 in FLIP, and is counted by metric_nonfinite(). */
-#ifndef IMAGE_METRIC_H
-#define IMAGE_METRIC_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -24,5 +23,3 @@ double metric_rmse(const metric_image *a, const metric_image *b);
  * reference (Rousselle, Knaus and Zwicker, Adaptive sampling and reconstruction using greedy error
  * minimization, 2011). */
 double metric_relmse(const metric_image *reference, const metric_image *test);
-
-#endif

@@ -1,7 +1,6 @@
 /* The processes of the image helper. Each starts on first use, handles one request at a time, and is not used
  * again after a failure. Textures may use several processes in parallel. */
-#ifndef IMAGE_HELPER_H
-#define IMAGE_HELPER_H
+#pragma once
 
 #include "image/helper/wire.h"
 
@@ -43,5 +42,3 @@ fathom_status helper_find(fathom_context *context);
 /* The calls of module.h, each run in the helper. Thread-safe. If a call crashes the helper, it fails with
  * FATHOM_OUT_OF_RESOURCES. So do all later calls on objects that were open in the helper then. */
 extern const image_module image_calls;
-
-#endif

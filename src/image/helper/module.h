@@ -1,8 +1,7 @@
 /* The interface between C and the C++ libraries OpenImageIO and OpenColorIO. fathom_image.so implements it
  * for the image helper, and image_calls for the library. No call throws: each returns a status, with the
  * reason in `message`. */
-#ifndef IMAGE_MODULE_MODULE_H
-#define IMAGE_MODULE_MODULE_H
+#pragma once
 
 #include "image/image.h"
 
@@ -133,6 +132,4 @@ fathom_status image_view_apply(const image_view *view, unsigned threads, float *
                                image_message *message) noexcept;
 void image_view_close(image_view *view) noexcept;
 extern const image_texture_calls image_texture_table;
-#endif
-
 #endif

@@ -3,8 +3,7 @@
  * Requests and replies are structs of fixed size, sent over a socket. Data of variable size lies in shared
  * memory. There is one request at a time. The helper sends one reply without a request, when it has loaded
  * its libraries. The library checks every size and text that it reads from the shared memory. */
-#ifndef IMAGE_HELPER_WIRE_H
-#define IMAGE_HELPER_WIRE_H
+#pragma once
 
 #include "image/helper/module.h"
 
@@ -105,5 +104,3 @@ bool wire_send(int socket, const void *message, size_t size, int descriptor);
 /* Waits for up to `milliseconds`; -1: no limit. *descriptor, unless NULL, receives the descriptor or -1. */
 typedef enum wire_result { WIRE_CAME, WIRE_GONE, WIRE_LATE } wire_result;
 wire_result wire_receive(int socket, void *message, size_t size, int milliseconds, int *descriptor);
-
-#endif

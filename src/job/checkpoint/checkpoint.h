@@ -2,8 +2,7 @@
  *
  * Rendering never waits for a save. Finished pixels do not change. A separate thread writes them, and a lock
  * guards the list of finished squares. */
-#ifndef JOB_CHECKPOINT_H
-#define JOB_CHECKPOINT_H
+#pragma once
 
 #include "job/adaptive.h"
 
@@ -63,5 +62,3 @@ void checkpoint_keep(checkpoint *c, uint32_t place, const adaptive_wave *a);
 
 /* Bytes for each wave that is begun and not finished. */
 size_t checkpoint_wave_bytes(const checkpoint *c);
-
-#endif

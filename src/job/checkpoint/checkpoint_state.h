@@ -21,8 +21,7 @@
  *     u64 each    finished squares, for every wave
  *     squares     for each wave, finished square and channel: 16 values, 0 outside the film
  *     u64         hash (base/hash.h) of all bytes before it */
-#ifndef JOB_CHECKPOINT_STATE_H
-#define JOB_CHECKPOINT_STATE_H
+#pragma once
 
 #include "job/adaptive.h"
 #include "scene/settings.h"
@@ -84,5 +83,3 @@ void checkpoint_pixels_load(const wave_grid *grid, const fathom_film *film, uint
 fathom_status checkpoint_read(fathom_context *context, const char *name, const unsigned char *bytes,
                               size_t size, const checkpoint_key *key, const fathom_film *film,
                               checkpoint_state *state, char tracer[128]);
-
-#endif

@@ -1,6 +1,5 @@
 /* Writes a checkpoint to its file; checkpoint_state.h describes the format. */
-#ifndef JOB_CHECKPOINT_WRITE_H
-#define JOB_CHECKPOINT_WRITE_H
+#pragma once
 
 #include "job/checkpoint/checkpoint_state.h"
 
@@ -25,5 +24,3 @@ fathom_status checkpoint_write_file(fathom_context *context, checkpoint_write *w
                                     const checkpoint_key *key, const fathom_scene *scene,
                                     const fathom_film *film, const checkpoint_state *state,
                                     pthread_mutex_t *lock, const atomic_bool *give_up);
-
-#endif

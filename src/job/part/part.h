@@ -1,6 +1,5 @@
 /* A part of a render, written to its file while it is rendered: see fathom/part.h and part_file.h. */
-#ifndef JOB_PART_H
-#define JOB_PART_H
+#pragma once
 
 #include "job/job.h"
 
@@ -18,5 +17,3 @@ fathom_status part_begin(part *p, const char *tracer, wave_share **share);
 /* Call after the render ended with `status`: writes the finished tiles and releases the part. Returns
  * `status`, or FATHOM_OUT_OF_RESOURCES if the tiles could not be written. NULL is fine. */
 fathom_status part_close(part *p, fathom_status status);
-
-#endif

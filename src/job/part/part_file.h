@@ -10,8 +10,7 @@
  * The bytes of a tile are its squares of 4 × 4 pixels inside the film, one after another. Split by tiles: for
  * each channel 16 values, 0 outside the film. Split by samples: the sums of each node of the part
  * (sum_list_nodes(), sum_save()). */
-#ifndef JOB_PART_FILE_H
-#define JOB_PART_FILE_H
+#pragma once
 
 #include "job/checkpoint/checkpoint_state.h"
 #include "job/job.h"
@@ -75,5 +74,3 @@ uint64_t part_hash(const void *bytes, size_t size);
  * `done` marks the tiles of earlier records; this tile is added. *payload: the bytes of the tile. */
 bool part_record_next(const part_shape *shape, const unsigned char *bytes, size_t size, size_t *at,
                       bool *done, part_record *out, const unsigned char **payload);
-
-#endif

@@ -1,6 +1,5 @@
 /* The interface between the library and fathom_mpi.so. */
-#ifndef JOB_RANKS_MPI_MODULE_H
-#define JOB_RANKS_MPI_MODULE_H
+#pragma once
 
 #include <fathom/ranks.h>
 
@@ -15,5 +14,3 @@ typedef struct mpi_module {
 } mpi_module;
 
 extern const mpi_module fathom_mpi_module;
-
-#endif

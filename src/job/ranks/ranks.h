@@ -1,6 +1,5 @@
 /* A render by several processes: see fathom/ranks.h. */
-#ifndef JOB_RANKS_H
-#define JOB_RANKS_H
+#pragma once
 
 #include "job/job.h"
 
@@ -17,5 +16,3 @@ fathom_status ranks_begin(ranks *r, const char *tracer, checkpoint *saving, wave
 /* Call after the render ended with `status`. Returns `status`, or FATHOM_BAD_INPUT if another rank renders
  * something else. NULL is fine. */
 fathom_status ranks_close(ranks *r, fathom_status status);
-
-#endif

@@ -1,6 +1,5 @@
 /* Sends files of the scene to ranks that cannot open them. */
-#ifndef JOB_RANKS_FILES_H
-#define JOB_RANKS_FILES_H
+#pragma once
 
 #include "base/opened.h"
 #include "job/ranks/unit_queue.h"
@@ -11,5 +10,3 @@
  * the reply cannot be sent. */
 bool ranks_answer_file(const fathom_ranks *ranks, const fathom_context *context, uint32_t from,
                        const unsigned char *body, size_t size, uint32_t index);
-
-#endif

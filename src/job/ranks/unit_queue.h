@@ -1,6 +1,5 @@
 /* A queue of units of work, and the messages between ranks. */
-#ifndef JOB_RANKS_UNIT_QUEUE_H
-#define JOB_RANKS_UNIT_QUEUE_H
+#pragma once
 
 #include "job/job.h"
 
@@ -40,5 +39,3 @@ typedef struct unit_results {
 
 /* Appends uninitialised memory for a record and its pixels; NULL: out of memory. */
 char *unit_results_add(unit_results *all, size_t bytes);
-
-#endif

@@ -1,6 +1,5 @@
 /* From surface points and materials to a block of BSDFs. */
-#ifndef MATERIAL_KERNELS_BLOCK_H
-#define MATERIAL_KERNELS_BLOCK_H
+#pragma once
 
 #include "material/kernels/glass.h"
 #include "material/kernels/lobes.h"
@@ -398,5 +397,3 @@ static void make(const surface_block *s, shader_block *out) {
     weigh_lobes(s, out);
     share_lobes(out);
 }
-
-#endif

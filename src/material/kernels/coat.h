@@ -1,6 +1,5 @@
 /* The clear coat. */
-#ifndef MATERIAL_KERNELS_COAT_H
-#define MATERIAL_KERNELS_COAT_H
+#pragma once
 
 #include "material/kernels/facets.h"
 #include "material/kernels/glass.h"
@@ -66,5 +65,3 @@ static inline void add_coat(const surface_block *s, const shader_block *b, incid
     for (int i = 0; i < LANES; ++i) below[i] = below_coat_at(b->at[i], own_l[2][i]);
     add_coat_as(b, at, front, b->coat_v, own_l, own_h, below, rise, f, density);
 }
-
-#endif

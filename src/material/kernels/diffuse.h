@@ -1,6 +1,5 @@
 /* Lambert's lobes, on both sides. */
-#ifndef MATERIAL_KERNELS_DIFFUSE_H
-#define MATERIAL_KERNELS_DIFFUSE_H
+#pragma once
 
 #include "material/kernels/facets.h"
 
@@ -53,5 +52,3 @@ static inline void add_cosines(const shader_block *b, const incidence *at, float
         density[i] += cosine_density(take, at->l[2][i]);
     }
 }
-
-#endif

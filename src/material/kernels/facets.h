@@ -1,6 +1,5 @@
 /* GGX: reflection, transmission through walls, refraction, and multiple scattering. */
-#ifndef MATERIAL_KERNELS_FACETS_H
-#define MATERIAL_KERNELS_FACETS_H
+#pragma once
 
 #include "material/kernels/film.h"
 #include "material/kernels/stretch.h"
@@ -196,5 +195,3 @@ static inline __attribute__((always_inline)) void add_refraction(const shader_bl
         density[i] += b->take[SHADER_TAKE_CROSS][i] * (whole ? value : chosen(open, d / (z + to), 0));
     }
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Reflectances of thin films, from the curves of their materials. */
-#ifndef MATERIAL_KERNELS_FILM_H
-#define MATERIAL_KERNELS_FILM_H
+#pragma once
 
 #include "material/kernels/incidence.h"
 #include "material/layers.h"
@@ -55,5 +54,3 @@ static inline __attribute__((always_inline)) bool is_under_film(const shader_blo
 static inline float film_through(const shader_block *b, const incidence *at, int i, int c) {
     return b->film_under[c][i] * at->film_under[c][i] * b->at[i]->film_lift[c];
 }
-
-#endif

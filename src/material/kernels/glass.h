@@ -1,6 +1,5 @@
 /* A smooth dielectric: its mirrored and refracted directions, one lane at a time. */
-#ifndef MATERIAL_KERNELS_GLASS_H
-#define MATERIAL_KERNELS_GLASS_H
+#pragma once
 
 #include "math/limit.h"
 #include "surface/surface.h"
@@ -98,5 +97,3 @@ static inline void glass_scatter(const surface_block *s, int i, const glass *g, 
     set_shares(g, i, total, total ? 1 : fresnel_reflectance(eta, cos_in, cos_out), mirrored_share,
                refracted_share);
 }
-
-#endif

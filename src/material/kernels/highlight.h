@@ -1,6 +1,5 @@
 /* Phong's and Blinn's highlights, for a block of lanes. */
-#ifndef MATERIAL_KERNELS_HIGHLIGHT_H
-#define MATERIAL_KERNELS_HIGHLIGHT_H
+#pragma once
 
 #include "base/kernel.h"
 #include "math/lanes.h"
@@ -55,5 +54,3 @@ static inline void highlight(const lanes3 n, const lanes3 v, const uint32_t is_p
     for (int i = 0; i < LANES; ++i) exponent[i] = power_exponent(less[i], shininess[i]);
     for (int i = 0; i < LANES; ++i) out[i] = power_finish(less[i], exponent[i]);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Incident directions, the materials' curves at their cosines, and Schlick's factor. */
-#ifndef MATERIAL_KERNELS_INCIDENCE_H
-#define MATERIAL_KERNELS_INCIDENCE_H
+#pragma once
 
 #include "base/kernel.h"
 #include "material/shader.h"
@@ -110,5 +109,3 @@ static inline float schlick(float cosine, float eta) {
 static inline float layer_share(const shader_block *b, int i, float rise) {
     return b->layer0[i] + (b->layer90[i] - b->layer0[i]) * rise;
 }
-
-#endif

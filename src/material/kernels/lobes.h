@@ -1,6 +1,5 @@
 /* Values and densities of all lobes except the smooth ones, for light from one direction per lane. */
-#ifndef MATERIAL_KERNELS_LOBES_H
-#define MATERIAL_KERNELS_LOBES_H
+#pragma once
 
 #include "material/kernels/coat.h"
 #include "material/kernels/diffuse.h"
@@ -74,5 +73,3 @@ static inline void add_lobes(const surface_block *s, const shader_block *b, cons
     else
         add_lobes_as(s, b, false, l, at, f, density);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Blocks whose materials are all pure Lambert, as most of a room is. The results are the same as those of the
  * general code, which reads and writes four times as much. */
-#ifndef MATERIAL_KERNELS_MATTE_H
-#define MATERIAL_KERNELS_MATTE_H
+#pragma once
 
 #include "material/kernels/block.h"
 #include "math/turn.h"
@@ -102,5 +101,3 @@ static void sample_matte(const surface_block *s, const shader_block *b, const la
         out->through[i] = cross, out->straight[i] = out->pane[i] = 0;
     }
 }
-
-#endif

@@ -10,8 +10,7 @@
  *
  * The fraction that is replaced is exactly M(v), whereas values and densities have the M(v) of tables
  * (energy.h): the light of this part may be off by their error. */
-#ifndef MATERIAL_KERNELS_ROUGH_GLASS_H
-#define MATERIAL_KERNELS_ROUGH_GLASS_H
+#pragma once
 
 #include "material/kernels/facets.h"
 #include "math/mix.h"
@@ -159,5 +158,3 @@ static inline void sample_glass(const surface_block *s, const shader_block *b, c
         for (int c = 0; c < 3; ++c) out[c][i] = l[c];
     }
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Fibres that stand on the surface (KHR_materials_sheen; Estevez & Kulla 2017): the distribution of half
  * vectors (2 + 1/α) sin^(1/α) / 2π, divided by 4 n·v n·l (1 + Λ(v) + Λ(l)). */
-#ifndef MATERIAL_KERNELS_SHEEN_H
-#define MATERIAL_KERNELS_SHEEN_H
+#pragma once
 
 #include "material/kernels/incidence.h"
 #include "math/power.h"
@@ -45,5 +44,3 @@ static inline void add_sheen(const shader_block *b, const incidence *at, const l
         density[i] += chosen(at->reflected[i], b->take[SHADER_TAKE_SHEEN][i] * (1 / (2 * PI)), 0);
     }
 }
-
-#endif

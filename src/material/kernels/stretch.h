@@ -1,7 +1,6 @@
 /* Anisotropic GGX: one alpha along the surface's tangent, one across it (KHR_materials_anisotropy; Heitz
  * 2014). */
-#ifndef MATERIAL_KERNELS_STRETCH_H
-#define MATERIAL_KERNELS_STRETCH_H
+#pragma once
 
 #include "material/kernels/incidence.h"
 
@@ -51,5 +50,3 @@ static inline void stretch_curves(const shader_block *b, const lanes3 d, float *
         under[i] = shader_under(m, all, edge);
     }
 }
-
-#endif

@@ -22,8 +22,7 @@
  * gltf_node.c       walks the tree; adds instances
  * gltf_light.c      lights
  * gltf_camera.c     cameras, and the choice of one */
-#ifndef READ_GLTF_H
-#define READ_GLTF_H
+#pragma once
 
 #include "base/file.h"
 #include "read/mesh/text.h"
@@ -424,5 +423,3 @@ void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *to_world)
 void gltf_camera_note(gltf *g, const gltf_value *node, uint32_t link);
 /* Sets the scene's camera to the requested one of the noted cameras, else to the first perspective one. */
 void gltf_camera_take(gltf *g);
-
-#endif

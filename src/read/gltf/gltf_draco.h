@@ -1,7 +1,6 @@
 /* The Draco helper's output: a draco_head; three indices for each face; for each attribute a draco_attribute,
  * followed by `components` floats for each point. */
-#ifndef READ_GLTF_DRACO_H
-#define READ_GLTF_DRACO_H
+#pragma once
 
 #include <stdint.h>
 
@@ -18,5 +17,3 @@ typedef struct draco_attribute {
     uint32_t id, components;
     uint32_t normalized; /* integers were divided by the maximum of their type */
 } draco_attribute;
-
-#endif

@@ -1,6 +1,5 @@
 /* The keys of glTF's materials, used by the reader and the writer of glTF. */
-#ifndef READ_GLTF_KEYS_H
-#define READ_GLTF_KEYS_H
+#pragma once
 
 #include <fathom/scene.h>
 
@@ -40,5 +39,3 @@ typedef struct gltf_key {
  * fathom_material. */
 extern const gltf_key gltf_keys[];
 extern const size_t gltf_key_count;
-
-#endif

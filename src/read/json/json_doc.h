@@ -1,7 +1,6 @@
 /* A JSON document while it is read: reads its objects by the tables of json_form.h, and adds the line and
  * path to errors. */
-#ifndef READ_JSON_DOC_H
-#define READ_JSON_DOC_H
+#pragma once
 
 #include "base/status.h"
 #include "read/json/json_form.h"
@@ -48,5 +47,3 @@ fathom_status doc_choose(const doc *d, const where *at, json_t *value, const for
 void doc_rows(json_t *rows, unsigned count, double *out);
 
 static inline bool doc_has(json_t *object, const char *key) { return json_object_get(object, key) != NULL; }
-
-#endif

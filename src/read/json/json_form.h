@@ -1,8 +1,7 @@
 /* The format of scene JSON as tables: what is allowed where, and which member of a struct it fills.
  *
  * The reader follows these tables. The tests compare scenes/fathom.schema.json with them, key by key. */
-#ifndef READ_JSON_FORM_H
-#define READ_JSON_FORM_H
+#pragma once
 
 #include <fathom/read.h>
 #include <jansson.h>
@@ -210,5 +209,3 @@ typedef struct form_scene_values {
     float background[3], ambient[3];
     json_t *materials, *lights, *groups, *objects;
 } form_scene_values;
-
-#endif

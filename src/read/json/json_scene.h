@@ -1,6 +1,5 @@
 /* Adds the contents of a scene JSON document to the scene. */
-#ifndef READ_JSON_SCENE_H
-#define READ_JSON_SCENE_H
+#pragma once
 
 #include "math/affine.h"
 #include "math/frame.h"
@@ -75,5 +74,3 @@ void mesh_batch_free(mesh_batch *batch);
 /* Adds the mesh of an object that has "positions". */
 fathom_status mesh_inline(const object_reader *r, const where *at, const form_object_values *o,
                           fathom_id group, fathom_id material, unsigned flags);
-
-#endif

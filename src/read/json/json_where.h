@@ -1,6 +1,5 @@
 /* The place of a value in the text of a JSON document. */
-#ifndef READ_JSON_WHERE_H
-#define READ_JSON_WHERE_H
+#pragma once
 
 #include "base/status.h"
 
@@ -46,5 +45,3 @@ static inline fathom_status json_syntax_fail(fathom_context *context, const char
     const fathom_place place = {.file = path, .line = (size_t)error->line, .column = (size_t)error->column};
     return fail_at(context, FATHOM_BAD_INPUT, &place, "%s", json_syntax_text(error));
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Cameras: the choice among those of a file, the position that shows the whole scene, and the aspect ratio of
  * images. */
-#ifndef SCENE_CAMERA_H
-#define SCENE_CAMERA_H
+#pragma once
 
 #include "math/frame.h"
 #include "scene/scene.h"
@@ -76,5 +75,3 @@ void image_size_follow(fathom_settings *settings, double aspect, bool has_width,
 /* Warns if the image has another aspect ratio than the camera: the image is stretched, or shows less than the
  * camera's view. */
 void scene_warn_shape(const fathom_scene *scene, const char *path);
-
-#endif

@@ -1,6 +1,5 @@
 /* The extent of a mesh's vertices along a few directions, found without reading most of them. */
-#ifndef SCENE_EXTENT_H
-#define SCENE_EXTENT_H
+#pragma once
 
 #include "scene/mesh/mesh_facts.h"
 
@@ -35,5 +34,3 @@ bool extent_box_beyond(const extent_sides *sides, const extent_box *box, const d
 /* Raises `most` to the extent of the vertices. A vertex whose extent is NaN does not count. */
 void extent_of_mesh(const extent_sides *sides, const fathom_mesh *mesh, const extent_boxes *boxes,
                     double most[EXTENT_SIDES]);
-
-#endif

@@ -1,6 +1,5 @@
 /* The times at which the automatic camera considers moving objects. */
-#ifndef SCENE_FRAMING_TIMES_H
-#define SCENE_FRAMING_TIMES_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -14,5 +13,3 @@ typedef struct framing_times {
 /* If nothing moves: only the time when the shutter opens. Otherwise also uniform times while it is open,
  * because objects may rotate between two keys, and the times of keys, as many as fit. */
 void framing_choose_times(const fathom_scene *scene, framing_times *times);
-
-#endif

@@ -1,8 +1,7 @@
 /* Invisible shapes: their material transmits all light as it is, and they cast no shadow. glTF's
  * alphaMode MASK and an MTL's `d 0` remove surfaces this way. No ray hits these shapes, so they cost no
  * bounce and appear in no AOV. */
-#ifndef SCENE_ABSENT_H
-#define SCENE_ABSENT_H
+#pragma once
 
 #include "scene/graph.h"
 
@@ -18,5 +17,3 @@ fathom_status absent_find(const fathom_scene *scene, const scene_graph *graph, b
 bool absent_object(const fathom_scene *scene, fathom_id object);
 /* True when no instance replaces materials, so that absent_object() decides alone. */
 bool absent_by_own_material(const fathom_scene *scene);
-
-#endif

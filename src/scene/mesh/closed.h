@@ -1,6 +1,5 @@
 /* Finds which meshes are closed: without a boundary, and consistently oriented. */
-#ifndef SCENE_CLOSED_H
-#define SCENE_CLOSED_H
+#pragma once
 
 #include "scene/world/world.h"
 
@@ -28,5 +27,3 @@ bool pieces_find(unsigned threads, const fathom_mesh *mesh, bool by_position, ui
 static inline uint32_t pieces_of(const uint32_t *of_vertex, const fathom_mesh *mesh, uint32_t triangle) {
     return of_vertex ? of_vertex[mesh->indices[3 * (size_t)triangle]] : 0;
 }
-
-#endif

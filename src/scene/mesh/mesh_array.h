@@ -1,6 +1,5 @@
 /* The float arrays of a mesh as one table, for code that copies, checks, counts or writes all of them. */
-#ifndef SCENE_MESH_ARRAY_H
-#define SCENE_MESH_ARRAY_H
+#pragma once
 
 #include <fathom/scene.h>
 
@@ -28,5 +27,3 @@ mesh_array mesh_array_of(const fathom_mesh *mesh, mesh_kind kind);
 void mesh_array_set(fathom_mesh *mesh, mesh_kind kind, const float *values, size_t stride);
 /* Strides of 0 become those of tightly packed entries. */
 void mesh_array_pack(fathom_mesh *mesh);
-
-#endif

@@ -1,6 +1,5 @@
 /* Facts about a mesh, found by reading its arrays once, when it is added to a scene. */
-#ifndef SCENE_MESH_FACTS_H
-#define SCENE_MESH_FACTS_H
+#pragma once
 
 #include "base/status.h"
 
@@ -46,5 +45,3 @@ static inline const float *mesh_row(const float *first, size_t stride, size_t i)
 static inline const float *mesh_vertex(const fathom_mesh *mesh, size_t i) {
     return mesh_row(mesh->positions, mesh->position_stride, i);
 }
-
-#endif

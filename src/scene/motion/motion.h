@@ -3,8 +3,7 @@
  * A transform is decomposed into M = T R S: a translation, a rotation, and an upper triangular matrix S of
  * scale and shear, found by Gram-Schmidt from the columns. S mirrors if M does. Between two keys, T and S are
  * interpolated linearly, and R on the shortest arc of unit quaternions (Shoemake 1985). */
-#ifndef SCENE_MOTION_H
-#define SCENE_MOTION_H
+#pragma once
 
 #include "math/affine.h"
 #include "scene/scene.h"
@@ -60,5 +59,3 @@ fathom_status motion_check_keys(fathom_context *context, const double *times, ui
 /* Replaces both arrays by copies that the scene owns. `numbers` may be NULL. */
 fathom_status motion_copy_keys(fathom_scene *scene, uint32_t count, size_t numbers_each, const double **times,
                                const double **numbers);
-
-#endif

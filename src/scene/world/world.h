@@ -4,8 +4,7 @@
  * every mesh with another origin, and flattens nested groups. Embree's ids follow from the order here:
  * geometry i of a group is geomID i of its Embree scene; in the root, instance k is geomID groups[0].count +
  * k. */
-#ifndef SCENE_WORLD_H
-#define SCENE_WORLD_H
+#pragma once
 
 #include "math/affine.h"
 #include "scene/motion/motion.h"
@@ -201,5 +200,3 @@ fathom_id world_object(const world *w, uint32_t geometry, uint32_t primitive);
 /* The index of a primitive within its object: the triangle or the point of a mesh, else 0. */
 uint32_t world_primitive(const world *w, uint32_t geometry, uint32_t primitive);
 fathom_id world_material(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance);
-
-#endif

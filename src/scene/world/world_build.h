@@ -1,7 +1,6 @@
 /* The two halves of building a world: shapes become geometries (world.c), groups become instances
  * (world_place.c), whose origins world_origin.c chooses. */
-#ifndef SCENE_WORLD_BUILD_H
-#define SCENE_WORLD_BUILD_H
+#pragma once
 
 #include "scene/graph.h"
 #include "scene/world/world.h"
@@ -47,5 +46,3 @@ bool world_add_mesh(world *w, fathom_id object, const fathom_mesh *mesh, const m
 fathom_status world_choose_origins(const fathom_scene *scene, const scene_graph *graph, vec3_f64 *of_group);
 /* Chooses origins, makes the groups and places them. origin: that of the root, or NULL to choose it too. */
 fathom_status world_place(world *w, const scene_graph *graph, const vec3_f64 *origin);
-
-#endif

@@ -1,6 +1,5 @@
 /* Shared by the sources in this folder; see base/kernel.h. */
-#ifndef SURFACE_KERNELS_KERNEL_H
-#define SURFACE_KERNELS_KERNEL_H
+#pragma once
 
 #include "base/kernel.h"
 #include "surface/kernels.h"
@@ -12,5 +11,3 @@ void KERNEL(quad_gather)(const world_quad *quads, const uint32_t primitive[LANES
 void KERNEL(rays_to_object)(const world_instance *instance, local_block *restrict b);
 void KERNEL(hits_to_world)(const world_instance *instance, uint32_t lanes, local_block *restrict b);
 void KERNEL(facets)(const facet_block *f, bool lifted, local_block *restrict b);
-
-#endif

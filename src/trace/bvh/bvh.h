@@ -1,8 +1,7 @@
 /* The hand-written BVH gives exactly the hits of linear search. Boxes are float, like the world's
  * coordinates, so one structure serves every precision. There is one tree per geometry, and one per group
  * over its geometries; the root's tree also holds the instances. */
-#ifndef TRACE_BVH_H
-#define TRACE_BVH_H
+#pragma once
 
 #include "trace/tracer.h"
 
@@ -51,5 +50,3 @@ extern const trace_ops bvh_ops_f32, bvh_ops_f64, bvh_ops_f128;
 
 /* bvh_world.c */
 void bvh_destroy(trace_tracer *tracer);
-
-#endif

@@ -1,6 +1,5 @@
 /* Shared by the files of the Embree tracer. */
-#ifndef TRACE_EMBREE_H
-#define TRACE_EMBREE_H
+#pragma once
 
 #include "trace/embree/embree_api.h"
 #include "trace/embree/embree_clusters.h"
@@ -252,5 +251,3 @@ void embree_spheres_any(const embree_tracer *tracer, trace_rays *rays, unsigned 
 
 /* NULL if Embree does not intersect the triangles itself, or if hits are not settled (TRACE_RAW). */
 const trace_retry *embree_retry(const trace_spec *spec);
-
-#endif

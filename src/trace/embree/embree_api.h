@@ -2,8 +2,7 @@
  *
  * Version 3 passes flags and filter in a context, version 4 in separate arguments; callbacks get a pointer to
  * the context in both. So the data of a call follows the context in a larger struct. */
-#ifndef TRACE_EMBREE_API_H
-#define TRACE_EMBREE_API_H
+#pragma once
 
 #include "trace/trace.h"
 
@@ -130,5 +129,4 @@ static inline void embree_occluded(unsigned width, const int *valid, RTCScene sc
     EMBREE_BY_WIDTH(rtcOccluded, scene, context, ray)
 }
 
-#endif
 #endif

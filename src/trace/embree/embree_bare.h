@@ -1,8 +1,7 @@
 /* Embree's calls alone: rays are converted to Embree's layout beforehand, and results stay in it. Every
  * renderer that uses Embree spends at least this time on the same rays; the benchmark compares the tracer
  * with it. */
-#ifndef TRACE_EMBREE_BARE_H
-#define TRACE_EMBREE_BARE_H
+#pragma once
 
 #include "trace/trace.h"
 
@@ -32,5 +31,3 @@ void embree_bare_load(const trace_tracer *tracer, bare_query query, trace_cohere
 void embree_bare_trace(const trace_tracer *tracer, bare_query query, bare_block *blocks, size_t count);
 /* Number of rays of a traced block that hit something. */
 unsigned embree_bare_met(bare_query query, const bare_block *block);
-
-#endif

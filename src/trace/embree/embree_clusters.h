@@ -3,8 +3,7 @@
  * One callback, one box and one memory fetch serve eight spheres, which SIMD code tests against a ray. A
  * cloud of a million points takes 36 MB. With one primitive per sphere it takes 96 MB and a fifth more
  * rendering time. */
-#ifndef TRACE_EMBREE_CLUSTERS_H
-#define TRACE_EMBREE_CLUSTERS_H
+#pragma once
 
 #include "trace/trace.h"
 
@@ -35,5 +34,3 @@ typedef struct cluster_roots {
  * a failure; the caller frees it with free(). */
 fathom_status clusters_make(fathom_context *context, const world_sphere *spheres, uint32_t count,
                             unsigned threads, sphere_clusters *out);
-
-#endif

@@ -1,6 +1,5 @@
 /* Limits of Embree, checked before anything is built: the range of coordinates, and memory. */
-#ifndef TRACE_EMBREE_LIMITS_H
-#define TRACE_EMBREE_LIMITS_H
+#pragma once
 
 #include "scene/world/world.h"
 
@@ -37,5 +36,3 @@ fathom_status reach_find(fathom_context *context, const world *w, const bool *pl
 
 /* The same check without building anything. */
 fathom_status reach_check(fathom_context *context, const world *w);
-
-#endif

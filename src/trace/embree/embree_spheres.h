@@ -4,8 +4,7 @@
  * next to a mesh of a million triangles therefore cost every ray 6 to 7 %, whether it hits them or not
  * (bench/README.md). Here sixteen spheres fit in two AVX2 vectors. They are tested against a whole block of
  * rays; few blocks come near one. */
-#ifndef TRACE_EMBREE_SPHERES_H
-#define TRACE_EMBREE_SPHERES_H
+#pragma once
 
 #include "trace/embree/embree_clusters.h"
 
@@ -39,5 +38,3 @@ typedef struct few_kernels {
     void (*roots)(const world_sphere *sphere, const trace_rays *rays, few_roots *out);
 } few_kernels;
 const few_kernels *few_kernels_best(void);
-
-#endif

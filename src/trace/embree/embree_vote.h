@@ -1,7 +1,6 @@
 /* Decides between candidates with the reference intersector: the smallest t wins, then the first in world
  * order, as in linear search. */
-#ifndef TRACE_EMBREE_VOTE_H
-#define TRACE_EMBREE_VOTE_H
+#pragma once
 
 #include "trace/embree/embree.h"
 #include "trace/search.h"
@@ -30,5 +29,3 @@ bool embree_vote_reference(const embree_tracer *tracer, const trace_rays *rays, 
                            const uint32_t ids[3], float *t);
 /* Adds a candidate with Embree's t; `hit` has rows of n numbers. */
 void embree_vote_consider(embree_vote *vote, const float *hit, unsigned n, float t);
-
-#endif

@@ -1,7 +1,6 @@
 /* Closed bodies are the connected pieces of closed meshes. This module finds them, and how many of them lie
  * around each surface that a ray can hit. */
-#ifndef TRACE_BODIES_H
-#define TRACE_BODIES_H
+#pragma once
 
 #include "scene/mesh/closed.h"
 #include "trace/tracer.h"
@@ -114,5 +113,3 @@ int bodies_step_out(const bodies *b, const trace_crossing *c);
 
 /* Sets `around` of all bodies and instances, and the boxes. False when out of memory. */
 bool finder_around(finder *f);
-
-#endif

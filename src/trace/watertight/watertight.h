@@ -11,8 +11,7 @@
  * - a ray that misses two surfaces in a row, one going in and one going out, at two vertices within rounding;
  * - a ray that misses a body and then hits a surface that lies partly inside and partly outside it, because
  *   bodies cross or touch, or are too many to distinguish (bodies.c). */
-#ifndef TRACE_WATERTIGHT_H
-#define TRACE_WATERTIGHT_H
+#pragma once
 
 #include "trace/trace.h"
 
@@ -52,5 +51,3 @@ typedef struct watertight_kernels {
     bool (*any_back)(const world *w, bool turned, const trace_block *block, unsigned lanes);
 } watertight_kernels;
 const watertight_kernels *watertight_kernels_best(void);
-
-#endif
