@@ -81,8 +81,7 @@ static void add_clear_shapes(stage *s, fathom_id group, fathom_id clear, unsigne
     assert_ok(s->context, fathom_scene_add_mesh(s->scene, group, &mesh, NULL));
 }
 
-static void shapes_that_are_not_there_change_nothing(void **state) {
-    (void)state;
+UNIT_TEST(shapes_that_are_not_there_change_nothing) {
     for (int k = 0; k < 4; ++k) {
         stage plain = open_view(), with = open_view();
         const fathom_material clear = clear_material();
@@ -111,8 +110,7 @@ static bool sees_object(stage *s, uint32_t from) {
 }
 
 /* One that casts a shadow is there, and so is one whose material an instance replaces. */
-static void what_can_be_told_is_there(void **state) {
-    (void)state;
+UNIT_TEST(what_can_be_told_is_there) {
     for (int k = 0; k < 2; ++k) {
         stage s = open_view();
         const fathom_material clear = clear_material();
@@ -124,8 +122,4 @@ static void what_can_be_told_is_there(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(shapes_that_are_not_there_change_nothing),
-                                       cmocka_unit_test(what_can_be_told_is_there)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -31,8 +31,7 @@ static void make_runs(converge_result *r, double reference) {
 /* The slopes are those put in; over the clock, which here goes with the square of the samples, half of them.
  * Of -0.5, -0.6, -0.7 the mean is -0.6 and the deviation 0.1. Logarithms and their sums round by some 2^-50.
  */
-static void slopes_come_back(void **state) {
-    (void)state;
+UNIT_TEST(slopes_come_back) {
     converge_result r;
     make_runs(&r, 0);
     for (unsigned p = 0; p < CONVERGE_PATTERNS; ++p) {
@@ -48,8 +47,7 @@ static void slopes_come_back(void **state) {
 }
 
 /* Geometric means of the errors are samples^-0.6, at any place on the line. */
-static void equal_time(void **state) {
-    (void)state;
+UNIT_TEST(equal_time) {
     converge_result r;
     converge_row rows[CONVERGE_ROWS];
     make_runs(&r, 0);
@@ -72,8 +70,7 @@ static void equal_time(void **state) {
 
 /* What is closer to the reference than its halves are to each other is marked and counts for nothing: with
  * 0.1 that is 256 samples, whose mean error is 4^(-4 · 0.6) = 0.036, and 64, of 0.083. */
-static void below_the_reference(void **state) {
-    (void)state;
+UNIT_TEST(below_the_reference) {
     converge_result r;
     make_runs(&r, 0.1);
     const converge_curve *c = &r.curves[0];
@@ -116,8 +113,7 @@ static void open_example(bench_stage *stage) {
 }
 
 /* The stage's images are those of fathom_render(). */
-static void same_image(void **state) {
-    (void)state;
+UNIT_TEST(same_image) {
     bench_stage stage;
     open_example(&stage);
     fathom_settings settings = stage.settings;
@@ -148,8 +144,7 @@ static bool on_progress(void *user, double fraction) {
 }
 
 /* More samples are closer, Sobol's most of all; the grid has no seed, so its rounds are alike. */
-static void measured(void **state) {
-    (void)state;
+UNIT_TEST(measured) {
     bench_stage stage;
     open_example(&stage);
     double last = 0;
@@ -192,8 +187,7 @@ static bool stop(void *user, double fraction) {
     return false;
 }
 
-static void interrupted(void **state) {
-    (void)state;
+UNIT_TEST(interrupted) {
     bench_stage stage;
     open_example(&stage);
     converge_options options = {.rounds = 1, .max_spp = 1, .half_spp = 4096, .ppd = 67, .progress = stop};
@@ -203,14 +197,4 @@ static void interrupted(void **state) {
     stage_close(&stage);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(slopes_come_back),
-        cmocka_unit_test(equal_time),
-        cmocka_unit_test(below_the_reference),
-        cmocka_unit_test(same_image),
-        cmocka_unit_test(measured),
-        cmocka_unit_test(interrupted),
-    };
-    return cmocka_run_group_tests(tests, begin, end);
-}
+int main(void) { return unit_main(begin, end); }

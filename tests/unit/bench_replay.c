@@ -24,8 +24,7 @@ static uint64_t met_closest(const ray_set *set) {
 
 #define RAYS 5003 /* no multiple of 16, and more than a piece of the replay */
 
-static void forwards(void **state) {
-    (void)state;
+UNIT_TEST(forwards) {
     stage s;
     stage_open(&s);
     fill(&s);
@@ -91,8 +90,7 @@ static void replays(const char *words) {
     stage_close(&s);
 }
 
-static void replays_packets(void **state) {
-    (void)state;
+UNIT_TEST(replays_packets) {
     replays("embree:16");
     replays("embree:8");
     replays("embree:4");
@@ -100,8 +98,7 @@ static void replays_packets(void **state) {
     replays("embree:user:16");
 }
 
-static void others_have_no_bare_form(void **state) {
-    (void)state;
+UNIT_TEST(others_have_no_bare_form) {
     stage s;
     stage_open(&s);
     fill(&s);
@@ -112,8 +109,7 @@ static void others_have_no_bare_form(void **state) {
 }
 
 /* All rays of a render are asked again, however the image is cut into bands. */
-static void measures(void **state) {
-    (void)state;
+UNIT_TEST(measures) {
     stage s;
     stage_open(&s);
     fill(&s);
@@ -151,12 +147,4 @@ static void measures(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(forwards),
-        cmocka_unit_test(replays_packets),
-        cmocka_unit_test(others_have_no_bare_form),
-        cmocka_unit_test(measures),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

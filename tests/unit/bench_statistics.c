@@ -3,8 +3,7 @@
 
 #include "measure/statistics.h"
 
-static void medians(void **state) {
-    (void)state;
+UNIT_TEST(medians) {
     double odd[] = {5, 1, 3}, even[] = {4, 1, 3, 2};
     assert_true(quartiles_of(odd, 3).median == 3);
     assert_true(quartiles_of(even, 4).median == 2.5);
@@ -12,8 +11,7 @@ static void medians(void **state) {
 
 /* Of four values in order x1 … x4 the lower quartile lies at 1 + 0.25 · 3, three quarters of the way from the
  * first to the second: 1 + 0.75 · (3 - 1) by hand. */
-static void quarters(void **state) {
-    (void)state;
+UNIT_TEST(quarters) {
     double four[] = {9, 1, 5, 3}, one[] = {7};
     quartiles q = quartiles_of(four, 4);
     assert_true(q.low == 2.5 && q.median == 4 && q.high == 6);
@@ -23,8 +21,7 @@ static void quarters(void **state) {
 }
 
 /* For 2 degrees of freedom Student's distribution has the closed form P(|T| <= t) = t / √(2 + t²). */
-static void student(void **state) {
-    (void)state;
+UNIT_TEST(student) {
     assert_true(isinf(student_95(0)));
     assert_near(student_95(1), tan(0.475 * M_PI), 0.001); /* Cauchy's distribution */
     assert_near(student_95(2), 0.95 * sqrt(2 / (1 - 0.95 * 0.95)), 0.001);
@@ -33,8 +30,7 @@ static void student(void **state) {
 }
 
 /* 1, 2, 3: deviation 1, so the half width is 4.303 / √3. */
-static void means(void **state) {
-    (void)state;
+UNIT_TEST(means) {
     const double values[] = {1, 2, 3};
     mean_interval m = mean_of(values, 3);
     assert_true(m.mean == 2);
@@ -44,8 +40,7 @@ static void means(void **state) {
 }
 
 /* By hand: x̄ = 1, ȳ = 4/3, Σ(x - x̄)(y - ȳ) = 1, Σ(x - x̄)² = 2. */
-static void lines(void **state) {
-    (void)state;
+UNIT_TEST(lines) {
     const double x[] = {0, 1, 2}, y[] = {1, 1, 2}, same[] = {3, 3, 3};
     line_fit l = line_through(x, y, 3);
     assert_near(l.slope, 0.5, 1e-15);
@@ -59,8 +54,7 @@ static void lines(void **state) {
 
 /* Seconds that are a power of the triangles have that exponent, and an interval of nothing but rounding: sums
  * of five logarithms below 20, each rounded, over a spread of Σ (x - x̄)² = 53. */
-static void powers(void **state) {
-    (void)state;
+UNIT_TEST(powers) {
     double n[5], t[5];
     for (int i = 0; i < 5; ++i) n[i] = pow(10, 4 + i), t[i] = 3e-9 * pow(n[i], 1.1);
     power_fit fit = power_through(n, t, 5);
@@ -79,23 +73,11 @@ static void powers(void **state) {
 
 /* One of the times off by a factor e, in the middle of x = 0, 1, 2: the slope stays, the line leaves
  * -1/3, 2/3, -1/3. */
-static void intervals_of_powers(void **state) {
-    (void)state;
+UNIT_TEST(intervals_of_powers) {
     const double n[] = {1, M_E, M_E * M_E}, t[] = {1, M_E * M_E, M_E * M_E};
     power_fit fit = power_through(n, t, 3);
     assert_near(fit.exponent, 1, 1e-14);
     assert_near(fit.half, student_95(1) * sqrt(2.0 / 3 / 2), 1e-13);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(medians),
-        cmocka_unit_test(quarters),
-        cmocka_unit_test(student),
-        cmocka_unit_test(means),
-        cmocka_unit_test(lines),
-        cmocka_unit_test(powers),
-        cmocka_unit_test(intervals_of_powers),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -17,8 +17,7 @@ static void open_scene(stage *s) {
     assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
 }
 
-static void sets(void **state) {
-    (void)state;
+UNIT_TEST(sets) {
     stage s;
     open_scene(&s);
     trace_tracer *tracer = stage_spec(&s, "bvh");
@@ -59,8 +58,7 @@ static void sets(void **state) {
     stage_close(&s);
 }
 
-static void blind(void **state) {
-    (void)state;
+UNIT_TEST(blind) {
     stage s;
     open_scene(&s);
     fathom_camera away;
@@ -76,8 +74,7 @@ static void blind(void **state) {
 }
 
 /* With time enough every tracer is asked all rays, on any number of threads, and meets the same of them. */
-static void whole(void **state) {
-    (void)state;
+UNIT_TEST(whole) {
     stage s;
     open_scene(&s);
     static const char *const words[] = {"embree:16", "embree:1", "bvh", "linear"};
@@ -111,11 +108,4 @@ static void whole(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sets),
-        cmocka_unit_test(blind),
-        cmocka_unit_test(whole),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

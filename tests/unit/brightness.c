@@ -27,23 +27,20 @@ static fathom_brightness brightness_of(float e, float background, unsigned aovs,
     return b;
 }
 
-static void background_does_not_count(void **state) {
-    (void)state;
+UNIT_TEST(background_does_not_count) {
     assert_int_equal(brightness_of(3, 0.5f, 0, 0).pixels, SIDE * SIDE / 2);
     assert_int_equal(brightness_of(3, 0.5f, FATHOM_AOV_ALPHA, 0).pixels, SIDE * SIDE / 2);
     assert_int_equal(brightness_of(0.5f, 0.5f, FATHOM_AOV_ALPHA, 0).pixels, SIDE * SIDE / 2);
 }
 
-static void brighter_than_white_is_clipped(void **state) {
-    (void)state;
+UNIT_TEST(brighter_than_white_is_clipped) {
     assert_int_equal(brightness_of(3, 0.5f, 0, 0).clipped, SIDE * SIDE / 2);
     assert_int_equal(brightness_of(3, 0.5f, 0, -1).clipped, SIDE * SIDE / 2);
     assert_int_equal(brightness_of(3, 0.5f, 0, -2).clipped, 0);
     assert_int_equal(brightness_of(1, 0.5f, 0, 0).clipped, 0);
 }
 
-static void black_is_counted(void **state) {
-    (void)state;
+UNIT_TEST(black_is_counted) {
     fathom_brightness b = brightness_of(0, 0.5f, 0, 0);
     assert_int_equal(b.black, SIDE * SIDE / 2);
     assert_true(b.exposure == 0);
@@ -52,8 +49,7 @@ static void black_is_counted(void **state) {
 
 /* The exposure found shows everything, and half a stop more would not: bins are a sixteenth of an octave
  * wide, and steps a tenth of a stop. */
-static void the_exposure_found_just_clips_nothing(void **state) {
-    (void)state;
+UNIT_TEST(the_exposure_found_just_clips_nothing) {
     for (float e = 1e-20f; e < 1e20f; e *= 7.3f) {
         float exposure = brightness_of(e, 0, 0, 0).exposure;
         assert_int_equal(brightness_of(e, 0, 0, exposure).clipped, 0);
@@ -62,12 +58,4 @@ static void the_exposure_found_just_clips_nothing(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(background_does_not_count),
-        cmocka_unit_test(brighter_than_white_is_clipped),
-        cmocka_unit_test(black_is_counted),
-        cmocka_unit_test(the_exposure_found_just_clips_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -44,8 +44,7 @@ static void check(stage *s, const char *precision, ray_set set) {
     free(set.blocks);
 }
 
-static void everything(void **state) {
-    (void)state;
+UNIT_TEST(everything) {
     stage s;
     stage_open(&s);
     add_everything(&s);
@@ -100,8 +99,7 @@ static ray_set aimed_rays(const world *w, size_t count, double reach) {
     return set;
 }
 
-static void soup(void **state) {
-    (void)state;
+UNIT_TEST(soup) {
     stage s;
     stage_open(&s);
     add_soup(&s, 100000, 4);
@@ -119,8 +117,7 @@ static void soup(void **state) {
 }
 
 /* Everything twice and more: the first in world order stays, whatever the tree looks like. */
-static void ties(void **state) {
-    (void)state;
+UNIT_TEST(ties) {
     stage s;
     stage_open(&s);
     const double center[3] = {0.2, 0, 0}, u[3] = {0.7, 0, 0}, v[3] = {0, 0.7, 0};
@@ -141,8 +138,7 @@ static void ties(void **state) {
 }
 
 /* Spheres by their silhouettes, small and large, near and far. */
-static void silhouettes(void **state) {
-    (void)state;
+UNIT_TEST(silhouettes) {
     stage s;
     stage_open(&s);
     ray_set set = silhouette_rays(&s, 200, -4, 8000, -2, 6);
@@ -170,8 +166,7 @@ static void add_sliver(stage *s, fathom_id group, const double c[3]) {
 /* Instances squeezed, sheared, mirrored, far from the origin, and within one another's boxes; from near by
  * and from as far as float lets a ray find them, where carrying it into their space moves it by their size.
  */
-static void instances(void **state) {
-    (void)state;
+UNIT_TEST(instances) {
     stage s;
     stage_open(&s);
     fathom_id group;
@@ -220,8 +215,7 @@ static void random_map(double m[12]) {
 /* One thing alone, so that its box is no larger than itself: a sphere, a sphere in an instance, a sliver in
  * an instance. From so far that float moves rays by the thing's own size, and carrying them by more: a box
  * without slack would stand beside what the intersector meets. */
-static void lone_boxes(void **state) {
-    (void)state;
+UNIT_TEST(lone_boxes) {
     size_t met = 0;
     for (int round = 0; round < 60; ++round) {
         stage s;
@@ -261,8 +255,7 @@ static void lone_boxes(void **state) {
 
 /* ---- scales, damage, nothing ---- */
 
-static void scales(void **state) {
-    (void)state;
+UNIT_TEST(scales) {
     const double reaches[] = {1e-12, 1e-6, 1e6, 1e15};
     for (int i = 0; i < 4; ++i) {
         stage s;
@@ -289,8 +282,7 @@ static void scales(void **state) {
     }
 }
 
-static void damaged_triangles_are_left_out(void **state) {
-    (void)state;
+UNIT_TEST(damaged_triangles_are_left_out) {
     stage s;
     stage_open(&s);
     add_soup(&s, 1000, 1);
@@ -308,8 +300,7 @@ static void damaged_triangles_are_left_out(void **state) {
     stage_close(&s);
 }
 
-static void shadows_and_planes(void **state) {
-    (void)state;
+UNIT_TEST(shadows_and_planes) {
     stage s;
     stage_open(&s);
     add_shadow_columns(&s);
@@ -350,8 +341,7 @@ static uint32_t holds(const bvh_tree *tree, const bvh_item *items, uint32_t at, 
 }
 
 /* Items that no plane parts (all in one place), and items that each split peels off one by one. */
-static void hard_cases_end(void **state) {
-    (void)state;
+UNIT_TEST(hard_cases_end) {
     enum { count = 20000 };
     bvh_item *items = calloc(count, sizeof *items);
     assert_non_null(items);
@@ -376,8 +366,7 @@ static bool stop_at(void *user, double fraction) {
     return fraction < *at;
 }
 
-static void building_can_be_stopped(void **state) {
-    (void)state;
+UNIT_TEST(building_can_be_stopped) {
     stage s;
     stage_open(&s);
     add_ball(&s, FATHOM_ROOT, 100, 0.05, 1, 0, 0);
@@ -398,19 +387,4 @@ static void building_can_be_stopped(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(everything),
-        cmocka_unit_test(soup),
-        cmocka_unit_test(ties),
-        cmocka_unit_test(silhouettes),
-        cmocka_unit_test(instances),
-        cmocka_unit_test(lone_boxes),
-        cmocka_unit_test(scales),
-        cmocka_unit_test(damaged_triangles_are_left_out),
-        cmocka_unit_test(shadows_and_planes),
-        cmocka_unit_test(hard_cases_end),
-        cmocka_unit_test(building_can_be_stopped),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -29,8 +29,7 @@ static fathom_film *render_glass(const uint32_t crop[4], uint32_t samples) {
     return film;
 }
 
-static void a_crop_has_the_bits_of_the_whole(void **state) {
-    (void)state;
+UNIT_TEST(a_crop_has_the_bits_of_the_whole) {
     static const uint32_t whole[4] = {0, 0, SIDE, SIDE};
     fathom_film *all = render_glass(whole, 4);
     for (uint32_t k = 0; k < 8; ++k) {
@@ -48,9 +47,4 @@ static void a_crop_has_the_bits_of_the_whole(void **state) {
     fathom_film_destroy(all);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_crop_has_the_bits_of_the_whole),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

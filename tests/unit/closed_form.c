@@ -8,8 +8,7 @@ static const double pi = 3.14159265358979324;
 static const double origin[3] = {0, 0, 0}, up[3] = {0, 1, 0};
 
 /* A sphere of radius R at distance D is seen as a disc of angular radius asin(R/D). */
-static void sphere_silhouette(void **state) {
-    (void)state;
+UNIT_TEST(sphere_silhouette) {
     stage s = stage_open(200, 200);
     s.settings.spp = 16;
     stage_camera(&s, origin, (double[3]){0, 0, -1}, up, pi / 2);
@@ -29,8 +28,7 @@ static void sphere_silhouette(void **state) {
 }
 
 /* A diffuse plane at z = -2 under a point light: k_d I cos/d^2 at every pixel. */
-static void lit_plane_radiance(void **state) {
-    (void)state;
+UNIT_TEST(lit_plane_radiance) {
     stage s = stage_open(64, 48);
     stage_camera(&s, origin, (double[3]){0, 0, -1}, up, pi / 3);
     stage_plane(&s, (double[3]){0, 0, -2}, (double[3]){0, 0, 3}, stage_lambert(&s, 0.75f));
@@ -67,8 +65,7 @@ static int edge_of_row(stage *s) {
 
 /* Through a glass surface at z = -1 to an emitter at z = -2 that begins at X: tan(i) + tan(t) = X with sin(i)
  * = ior sin(t). */
-static void snell_edge(void **state) {
-    (void)state;
+UNIT_TEST(snell_edge) {
     const float iors[] = {1.5f, 1.0f, 2.5f, 0.8f};
     for (size_t n = 0; n < 4; ++n) {
         stage s = stage_open(4096, 1);
@@ -102,8 +99,7 @@ static void snell_edge(void **state) {
 }
 
 /* From inside glass, light gets in only where sin < 1/ior; beyond, the surface mirrors what is inside. */
-static void total_internal_reflection(void **state) {
-    (void)state;
+UNIT_TEST(total_internal_reflection) {
     stage s = stage_open(4096, 1);
     fathom_camera camera;
     fathom_camera_default(&camera);
@@ -142,8 +138,7 @@ static double reflectance_inside(double ior, double sine) {
 /* From inside glass with k_r = 0.25 and k_t = 0.75, a red surface is mirrored and a green one shines through.
  * Snell's squared cosine is known to 16 u, so the cosine c to the smaller of 16 u / c and sqrt(16 u); and
  * 1 - F <= 2 c (ior + 1 / ior) / cos, with `cos` that of the ray inside. */
-static void fresnel_shares_do_not_jump_at_the_critical_angle(void **state) {
-    (void)state;
+UNIT_TEST(fresnel_shares_do_not_jump_at_the_critical_angle) {
     const double ior = 1.5, error = 16 * 0x1p-24;
     stage s = stage_open(4096, 1);
     fathom_camera camera;
@@ -176,8 +171,7 @@ static void fresnel_shares_do_not_jump_at_the_critical_angle(void **state) {
 
 /* A light at height 2 over an occluder at height 1 whose edge is at x = 0.25: the shadow on the ground ends
  * at x = 0.5. */
-static void shadow_edge(void **state) {
-    (void)state;
+UNIT_TEST(shadow_edge) {
     stage s = stage_open(4096, 1);
     fathom_camera camera;
     fathom_camera_default(&camera);
@@ -200,8 +194,7 @@ static void shadow_edge(void **state) {
 /* The mirror reflects the view, not the light: an emitter to the right is seen where the angles are equal,
  * wherever the light stands. Camera at z = 1 over a mirror at z = 0, emitter in the plane x = 1 from z = 0.5
  * up: x = 1/(1 + z/1) ... at mirror point m the ray rises by slope 1/m: z = (1 - m)/m >= 0.5 for m <= 2/3. */
-static void mirror_geometry(void **state) {
-    (void)state;
+UNIT_TEST(mirror_geometry) {
     const double lights[][3] = {{0, 0, 3}, {-5, 2, 1}};
     for (int n = 0; n < 2; ++n) {
         stage s = stage_open(4096, 1);
@@ -234,8 +227,7 @@ static void mirror_geometry(void **state) {
 }
 
 /* Two facing mirrors, each sending out 1 and reflecting a half: 1 + 1/2 + 1/4 + … up to the depth limit. */
-static void mirror_corridor(void **state) {
-    (void)state;
+UNIT_TEST(mirror_corridor) {
     stage s = stage_open(4, 4);
     stage_camera(&s, origin, (double[3]){0, 0, -1}, up, 0.1);
     fathom_material m;
@@ -258,8 +250,7 @@ static void mirror_corridor(void **state) {
 }
 
 /* One pixel of a plane seen at a slant: Phong's and Blinn's highlight by their formulas. */
-static void highlights(void **state) {
-    (void)state;
+UNIT_TEST(highlights) {
     const fathom_specular kinds[] = {FATHOM_SPECULAR_PHONG, FATHOM_SPECULAR_BLINN};
     const float exponents[] = {0, 1, 12.5f, 400};
     for (int k2 = 0; k2 < 2; ++k2) {
@@ -296,8 +287,7 @@ static void highlights(void **state) {
 
 /* Straight down onto a plane from a spot at height 1: full within 20 degrees, none beyond 40, between them
  * ((cos - cos 40)/(cos 20 - cos 40))^2. */
-static void spot_falloff(void **state) {
-    (void)state;
+UNIT_TEST(spot_falloff) {
     stage s = stage_open(256, 1);
     fathom_camera camera;
     fathom_camera_default(&camera);
@@ -327,8 +317,7 @@ static void spot_falloff(void **state) {
 }
 
 /* The camera's origin is part of Q: moved far away with the scene, P and Z are what they were, moved. */
-static void camera_origin_counts(void **state) {
-    (void)state;
+UNIT_TEST(camera_origin_counts) {
     const double shift[3] = {3, -7, 11};
     stage s = stage_open(16, 16);
     s.settings.aovs = FATHOM_AOV_P | FATHOM_AOV_Z | FATHOM_AOV_N;
@@ -354,8 +343,7 @@ static void camera_origin_counts(void **state) {
 }
 
 /* A surface lit only from the viewer's far side is black, unless it says otherwise. */
-static void far_side_light(void **state) {
-    (void)state;
+UNIT_TEST(far_side_light) {
     for (int from_behind = 0; from_behind < 2; ++from_behind) {
         stage s = stage_open(1, 1);
         stage_camera(&s, (double[3]){0, 0, 2}, origin, up, 0.01);
@@ -373,20 +361,4 @@ static void far_side_light(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sphere_silhouette),
-        cmocka_unit_test(lit_plane_radiance),
-        cmocka_unit_test(snell_edge),
-        cmocka_unit_test(total_internal_reflection),
-        cmocka_unit_test(shadow_edge),
-        cmocka_unit_test(mirror_geometry),
-        cmocka_unit_test(mirror_corridor),
-        cmocka_unit_test(highlights),
-        cmocka_unit_test(spot_falloff),
-        cmocka_unit_test(camera_origin_counts),
-        cmocka_unit_test(far_side_light),
-        cmocka_unit_test(fresnel_shares_do_not_jump_at_the_critical_angle),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

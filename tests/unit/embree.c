@@ -60,8 +60,7 @@ static size_t agrees_with_linear(stage *s, ray_set set) {
     return differ;
 }
 
-static void parity(void **state) {
-    (void)state;
+UNIT_TEST(parity) {
     stage s;
     stage_open(&s);
     add_everything(&s);
@@ -149,8 +148,7 @@ static void one_answer(stage *s, ray_set set) {
     free(expected.blocks), free(any), free(set.blocks);
 }
 
-static void one_answer_on_everything(void **state) {
-    (void)state;
+UNIT_TEST(one_answer_on_everything) {
     stage s;
     stage_open(&s);
     add_everything(&s);
@@ -162,8 +160,7 @@ static void one_answer_on_everything(void **state) {
 }
 
 /* Twice the same mesh, meshes in one plane, meshes through each other: ties everywhere. */
-static void one_answer_on_ties(void **state) {
-    (void)state;
+UNIT_TEST(one_answer_on_ties) {
     stage s;
     stage_open(&s);
     add_ball(&s, FATHOM_ROOT, 40, 0.05, 0.5, 0, 0);
@@ -184,11 +181,4 @@ static void one_answer_on_ties(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_answer_on_everything),
-        cmocka_unit_test(one_answer_on_ties),
-        cmocka_unit_test(parity),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

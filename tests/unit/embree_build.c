@@ -20,8 +20,7 @@ static uint64_t rays_worth_more(const world *w) {
 }
 
 /* The more there is to build, the more rays it takes. */
-static void quality_follows_the_rays(void **state) {
-    (void)state;
+UNIT_TEST(quality_follows_the_rays) {
     uint64_t before = 1;
     for (uint32_t count = 100; count <= 100000000; count *= 10) {
         world_geometry mesh = {.kind = WORLD_MESH, .count = count};
@@ -62,8 +61,7 @@ static float depth(const trace_tracer *tracer, double x, double y) {
  * for t round twice more. Some instruction sets do better, none has to. */
 static bool triangle_at(float t, float expected) { return fabsf(t - expected) <= 0x1p-21f * expected; }
 
-static void shadows_pass_what_casts_none(void **state) {
-    (void)state;
+UNIT_TEST(shadows_pass_what_casts_none) {
     stage s;
     stage_open(&s);
     add_shadow_columns(&s);
@@ -80,8 +78,7 @@ static void shadows_pass_what_casts_none(void **state) {
     stage_close(&s);
 }
 
-static void nothing_to_hit(void **state) {
-    (void)state;
+UNIT_TEST(nothing_to_hit) {
     stage s;
     stage_open(&s);
     fathom_id group;
@@ -103,8 +100,7 @@ static void nothing_to_hit(void **state) {
 
 /* Triangles 0 and 1 are good, the others hold a NaN, an infinity, a number too large for Embree, or no area.
  */
-static void damaged_triangles_are_left_out(void **state) {
-    (void)state;
+UNIT_TEST(damaged_triangles_are_left_out) {
     static float p[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0, 0, 0,
                         1,  0,  0, 2, 0,  0, 3, 0, 0, 0,  0, 0, 0, 0};
     static const uint32_t t[] = {0, 1, 2, 2, 3, 0, 0, 1, 4, 1, 2, 5, 2, 3, 6, 0, 0, 1, 0, 2, 0};
@@ -135,8 +131,7 @@ static void damaged_triangles_are_left_out(void **state) {
 }
 
 /* Beyond 1.8e18 Embree would abort, in the space of an instance too: a ray from there meets nothing. */
-static void far_rays_are_harmless(void **state) {
-    (void)state;
+UNIT_TEST(far_rays_are_harmless) {
     stage s;
     stage_open(&s);
     fathom_id group;
@@ -166,8 +161,7 @@ static void fill_scaled(stage *s, double radius, double scale, double shift) {
 
 /* Told before anything is built, and by building in the same words. Embree inverts frames in float: of
  * 1e-16, it would make one of NaN, and abort. */
-static void frames_beyond_float_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(frames_beyond_float_are_refused) {
     static const struct {
         double radius, scale, shift;
         const char *message;
@@ -196,8 +190,7 @@ static void frames_beyond_float_are_refused(void **state) {
 }
 
 /* It has a frame of its own, which the message does not call an instance. */
-static void a_mesh_too_far_away_is_named(void **state) {
-    (void)state;
+UNIT_TEST(a_mesh_too_far_away_is_named) {
     static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     static const uint32_t indices[3] = {0, 1, 2};
     stage s;
@@ -215,8 +208,7 @@ static void a_mesh_too_far_away_is_named(void **state) {
     stage_close(&s);
 }
 
-static void frames_of_every_shape(void **state) {
-    (void)state;
+UNIT_TEST(frames_of_every_shape) {
     static const struct {
         double scale[3];
         bool fits;
@@ -233,8 +225,7 @@ static void frames_of_every_shape(void **state) {
 }
 
 /* Up to there they answer. */
-static void frames_within_float_are_met(void **state) {
-    (void)state;
+UNIT_TEST(frames_within_float_are_met) {
     static const double scales[] = {2e-10, 1e-6, 1e6, 3e10};
     for (size_t i = 0; i < 4 * 4; ++i) {
         stage s;
@@ -256,8 +247,7 @@ static void count_warning(void *user, const char *message) {
 }
 
 /* Too far out for Embree, which says nothing: so we do. */
-static void instances_out_of_reach_are_told(void **state) {
-    (void)state;
+UNIT_TEST(instances_out_of_reach_are_told) {
     stage s;
     unsigned count = 0;
     stage_open(&s);
@@ -287,8 +277,7 @@ static bool watch(void *user, double fraction) {
     return fraction < w->stop_at;
 }
 
-static void building_can_be_stopped(void **state) {
-    (void)state;
+UNIT_TEST(building_can_be_stopped) {
     stage s;
     stage_open(&s);
     add_ball(&s, FATHOM_ROOT, 150, 0.05, 1, 0, 0);
@@ -310,8 +299,7 @@ static void building_can_be_stopped(void **state) {
     stage_close(&s);
 }
 
-static void tells_what_it_is(void **state) {
-    (void)state;
+UNIT_TEST(tells_what_it_is) {
     stage s;
     stage_open(&s);
     add_ball(&s, FATHOM_ROOT, 50, 0.05, 1, 0, 0);
@@ -369,8 +357,7 @@ static void open_around(const trace_tracer *tracer, trace_coherence coherence, f
 /* Shapes of our own are in or out to the last bit, Embree's triangles within the units that it is off by.
  * Coherent packets skip boxes that begin, rounded, at the end of the interval, so the t that is reported does
  * not decide either. */
-static void intervals_are_open(void **state) {
-    (void)state;
+UNIT_TEST(intervals_are_open) {
     static const char *const specs[] = {"linear",   "embree:1",  "embree:4",
                                         "embree:8", "embree:16", "embree:user"};
     stage s;
@@ -394,8 +381,7 @@ static void intervals_are_open(void **state) {
 }
 
 /* Wherever it ends, for Embree's own shapes too, and scenes that decide by products and report quotients. */
-static void no_hit_lies_outside_its_interval(void **state) {
-    (void)state;
+UNIT_TEST(no_hit_lies_outside_its_interval) {
     static const char *const specs[] = {
         "embree", "embree:raw", "embree:default", "embree:default:1", "embree:default:raw", "embree:compact",
     };
@@ -420,8 +406,7 @@ static void no_hit_lies_outside_its_interval(void **state) {
     stage_close(&s);
 }
 
-static void threads_get_their_mode_back(void **state) {
-    (void)state;
+UNIT_TEST(threads_get_their_mode_back) {
 #if defined(__SSE2__)
     unsigned before = _mm_getcsr(), saved = trace_thread_begin();
     volatile float tiny = 0x1p-140f;
@@ -433,8 +418,7 @@ static void threads_get_their_mode_back(void **state) {
 }
 
 /* Hit or miss is decided by the intersector, so no box may stand in the way. */
-static void boxes_hide_no_sphere(void **state) {
-    (void)state;
+UNIT_TEST(boxes_hide_no_sphere) {
     stage s;
     stage_open(&s);
     ray_set set = silhouette_rays(&s, 40, -2, 40000, 0.1, 2);
@@ -450,24 +434,4 @@ static void boxes_hide_no_sphere(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(quality_follows_the_rays),
-        cmocka_unit_test(shadows_pass_what_casts_none),
-        cmocka_unit_test(nothing_to_hit),
-        cmocka_unit_test(damaged_triangles_are_left_out),
-        cmocka_unit_test(far_rays_are_harmless),
-        cmocka_unit_test(frames_beyond_float_are_refused),
-        cmocka_unit_test(a_mesh_too_far_away_is_named),
-        cmocka_unit_test(frames_of_every_shape),
-        cmocka_unit_test(frames_within_float_are_met),
-        cmocka_unit_test(instances_out_of_reach_are_told),
-        cmocka_unit_test(building_can_be_stopped),
-        cmocka_unit_test(tells_what_it_is),
-        cmocka_unit_test(intervals_are_open),
-        cmocka_unit_test(no_hit_lies_outside_its_interval),
-        cmocka_unit_test(threads_get_their_mode_back),
-        cmocka_unit_test(boxes_hide_no_sphere),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

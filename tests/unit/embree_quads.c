@@ -59,8 +59,7 @@ static void check_against_reference(const world *w, const ray_set *got, size_t i
 }
 
 /* A ray may differ where it passes within float's reach of a side: two in 40 thousand. */
-static void hits_are_those_of_the_quads(void **state) {
-    (void)state;
+UNIT_TEST(hits_are_those_of_the_quads) {
     stage s;
     stage_open(&s);
     add_quads(&s, 60);
@@ -105,8 +104,7 @@ static ray_set diagonal_rays(const world *w, size_t count) {
     return set;
 }
 
-static void nothing_leaks_along_the_diagonal(void **state) {
-    (void)state;
+UNIT_TEST(nothing_leaks_along_the_diagonal) {
     stage s;
     stage_open(&s);
     for (int i = 0; i < 20; ++i) {
@@ -133,8 +131,7 @@ static void nothing_leaks_along_the_diagonal(void **state) {
 }
 
 /* Two quads in one place: the first counts, and its u and v do not depend on the packets. */
-static void equal_quads_have_one_answer(void **state) {
-    (void)state;
+UNIT_TEST(equal_quads_have_one_answer) {
     stage s;
     stage_open(&s);
     const double center[3] = {0, 0, 0}, u[3] = {0.9, 0.1, 0.2}, v[3] = {-0.1, 0.8, 0};
@@ -182,8 +179,7 @@ static bool meets(stage *s, const char *spec, double x, double y) {
 
 /* As rounding may leave it: quad 0 has one corner in the other's place, quad 1 one that is not finite, quad 2
  * one beyond Embree's range. */
-static void halves_without_area_are_not_met(void **state) {
-    (void)state;
+UNIT_TEST(halves_without_area_are_not_met) {
     static const char *const specs[] = {"linear", "embree:user", "embree"};
     stage s;
     stage_open(&s);
@@ -209,8 +205,7 @@ static void halves_without_area_are_not_met(void **state) {
 }
 
 /* A square of 1e-13 next to one of 1: products of its sides leave float's range. */
-static void tiny_quads_next_to_large_ones_are_met(void **state) {
-    (void)state;
+UNIT_TEST(tiny_quads_next_to_large_ones_are_met) {
     stage s;
     stage_open(&s);
     const double center[3] = {0, 0, 0}, far[3] = {3, 0, 0}, u[3] = {1, 0, 0}, v[3] = {0, 1, 0};
@@ -231,13 +226,4 @@ static void tiny_quads_next_to_large_ones_are_met(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hits_are_those_of_the_quads),
-        cmocka_unit_test(nothing_leaks_along_the_diagonal),
-        cmocka_unit_test(equal_quads_have_one_answer),
-        cmocka_unit_test(halves_without_area_are_not_met),
-        cmocka_unit_test(tiny_quads_next_to_large_ones_are_met),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -51,8 +51,7 @@ static void scales(void *user, const char *text) {
     ++v->tracers;
 }
 
-static void test_embree(void **state) {
-    (void)state;
+UNIT_TEST(test_embree) {
     stage s;
     stage_open(&s);
     add_everything(&s);
@@ -68,8 +67,7 @@ static void test_embree(void **state) {
 }
 
 /* t leaves float's range only to its nearest number in the interval. */
-static void test_back(void **state) {
-    (void)state;
+UNIT_TEST(test_back) {
     const stretch s = {{100, -100}};
     assert_true(stretch_back(&s, 0, 0x1p50f, 0, INFINITY) == 0x1p-50f);
     assert_true(stretch_back(&s, 0, 0x1p-100f, 0, INFINITY) == FLT_MIN);
@@ -78,8 +76,7 @@ static void test_back(void **state) {
     assert_true(stretch_back(&s, 1, 0x1p50f, 0, 3e38f) == nextafterf(3e38f, 0));
 }
 
-static void test_needed(void **state) {
-    (void)state;
+UNIT_TEST(test_needed) {
     ray_set set = random_rays(16);
     trace_rays *r = &set.blocks[0].rays;
     assert_false(stretch_needed(r, 16));
@@ -92,11 +89,4 @@ static void test_needed(void **state) {
     free(set.blocks);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_embree),
-        cmocka_unit_test(test_back),
-        cmocka_unit_test(test_needed),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

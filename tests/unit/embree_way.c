@@ -20,8 +20,7 @@ static bool together(const trace_tracer *tracer, const trace_rays *rays, trace_c
     return way.coherent;
 }
 
-static void by_spread(void **state) {
-    (void)state;
+UNIT_TEST(by_spread) {
     stage s;
     stage_open(&s);
     add_ball(&s, FATHOM_ROOT, 8, 0.1, 1, 0, 0);
@@ -51,8 +50,7 @@ static void by_spread(void **state) {
 }
 
 /* Every coordinate counts, and every lane. */
-static void any_direction(void **state) {
-    (void)state;
+UNIT_TEST(any_direction) {
     stage s;
     stage_open(&s);
     add_ball(&s, FATHOM_ROOT, 8, 0.1, 1, 0, 0);
@@ -79,8 +77,7 @@ static void assert_way(embree_way way, unsigned width, bool coherent) {
 
 /* Kernels that were named are kept where the processor has them, and instances have none for rays together.
  */
-static void never_together(void **state) {
-    (void)state;
+UNIT_TEST(never_together) {
     stage s;
     trace_rays rays;
     lean(&rays, 0);
@@ -147,8 +144,7 @@ static void answers_alike(stage *s, trace_coherence hint) {
     trace_destroy(single);
 }
 
-static void same_answers(void **state) {
-    (void)state;
+UNIT_TEST(same_answers) {
     stage s;
     stage_open(&s);
     add_ball(&s, FATHOM_ROOT, 40, 0.1, 1, 0, 0);
@@ -164,8 +160,7 @@ static void same_answers(void **state) {
 }
 
 /* Lanes past the count stay as they are, rays and hits, however the block is taken apart. */
-static void others_untouched(void **state) {
-    (void)state;
+UNIT_TEST(others_untouched) {
     stage s;
     stage_open(&s);
     add_ball(&s, FATHOM_ROOT, 12, 0.1, 1, 0, 0);
@@ -191,10 +186,4 @@ static void others_untouched(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(by_spread),    cmocka_unit_test(any_direction),    cmocka_unit_test(never_together),
-        cmocka_unit_test(same_answers), cmocka_unit_test(others_untouched),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -137,16 +137,14 @@ static const vec3_f64 up = {0, 0, 1}, origin = {0, 0, 0};
 
 /* ---- closed forms ---- */
 
-static void a_rectangle_sends_what_its_formula_says(void **state) {
-    (void)state;
+UNIT_TEST(a_rectangle_sends_what_its_formula_says) {
     add_quad((double[3]){0.5, 1, 1.5}, (double[3]){0.5, 0, 0}, (double[3]){0, 1, 0}, emission(1, 1, 1));
     open_light();
     assert_irradiance(origin, up, 0.12235966);
 }
 
 /* The same rectangle in triangles, of which one is seen at a time. */
-static void triangles_send_what_their_polygon_does(void **state) {
-    (void)state;
+UNIT_TEST(triangles_send_what_their_polygon_does) {
     static const float p[6][3] = {{0, 0, 1.5f}, {1, 0, 1.5f},    {1, 2, 1.5f},
                                   {0, 2, 1.5f}, {0.3f, 1, 1.5f}, {0.9f, 0.4f, 1.5f}};
     static const uint32_t index[] = {0, 1, 5, 1, 2, 5, 0, 5, 4, 5, 2, 4, 2, 3, 4, 3, 0, 4};
@@ -178,7 +176,7 @@ static vec3_f64 any_direction(random_state *r) {
 
 /* Triangles of any shape, from 1e-6 to 1e6 of their distance, at any tilt, in frames that turn and stretch.
  */
-static void any_triangle_sends_lamberts_edge_sum(void **state) {
+UNIT_TEST(any_triangle_sends_lamberts_edge_sum) {
     random_state r = {7};
     for (int trial = 0; trial < 60; ++trial) {
         double size = random_log(&r, 1e-6, 0.5);
@@ -203,7 +201,7 @@ static void any_triangle_sends_lamberts_edge_sum(void **state) {
     }
 }
 
-static void a_sphere_sends_its_share_of_the_sky(void **state) {
+UNIT_TEST(a_sphere_sends_its_share_of_the_sky) {
     random_state r = {3};
     for (int trial = 0; trial < 40; ++trial) {
         double d = random_log(&r, 1, 1e6), radius = d * random_log(&r, 1e-6, 0.5);
@@ -217,7 +215,7 @@ static void a_sphere_sends_its_share_of_the_sky(void **state) {
     }
 }
 
-static void the_horizon_cuts_a_sphere(void **state) {
+UNIT_TEST(the_horizon_cuts_a_sphere) {
     const double theta[2] = {1.3, 1.8}, expected[2] = {0.08923406, 0.01210569}, radius = sqrt(0.3);
     for (int k = 0; k < 2; ++k) {
         add_sphere(FATHOM_ROOT, vec_f64(sin(theta[k]), 0, cos(theta[k])), radius, emission(1, 1, 1));
@@ -227,8 +225,7 @@ static void the_horizon_cuts_a_sphere(void **state) {
     }
 }
 
-static void inside_a_sphere_light_comes_from_everywhere(void **state) {
-    (void)state;
+UNIT_TEST(inside_a_sphere_light_comes_from_everywhere) {
     add_sphere(FATHOM_ROOT, vec_f64(0.2, 0.3, -0.4), 1, emission(1, 1, 1));
     open_light();
     assert_irradiance(origin, up, 1);
@@ -238,23 +235,20 @@ static void inside_a_sphere_light_comes_from_everywhere(void **state) {
     assert_irradiance(vec_f64(0.2, 0.3, 0.6), up, 0);
 }
 
-static void a_constant_background_sends_its_radiance(void **state) {
-    (void)state;
+UNIT_TEST(a_constant_background_sends_its_radiance) {
     assert_ok(context, fathom_scene_set_background(scene, (float[3]){0.7f, 0.1f, 0.2f}));
     open_light();
     assert_irradiance(origin, up, 0.7);
 }
 
-static void a_point_light_falls_off_by_the_square(void **state) {
-    (void)state;
+UNIT_TEST(a_point_light_falls_off_by_the_square) {
     add_point(vec_f64(0, 0, 2), 3);
     open_light();
     assert_irradiance(origin, up, 0.75); /* k_l / d² */
 }
 
 /* A flattened sphere against rays in all directions. */
-static void an_ellipsoid_sends_what_rays_find(void **state) {
-    (void)state;
+UNIT_TEST(an_ellipsoid_sends_what_rays_find) {
     fathom_id group;
     fathom_instance place;
     assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
@@ -321,8 +315,7 @@ static uint32_t nearest(const vec3_f64 *at, uint32_t count, vec3_f64 p) {
 
 /* chi²: how often each of 90 lights is taken, against the chances that samples state. Wilson and Hilferty
  * 1931 turn the sum into a normal number. */
-static void lights_are_taken_as_often_as_their_samples_say(void **state) {
-    (void)state;
+UNIT_TEST(lights_are_taken_as_often_as_their_samples_say) {
     enum { COUNT = 90 };
     random_state r = {11};
     vec3_f64 at[COUNT];
@@ -394,8 +387,7 @@ static emitter_hit nearest_primitive(vec3_f64 to) {
 }
 
 /* What a sample says of its direction, a ray that goes there by chance gets as well. */
-static void a_hit_gets_the_density_of_its_sample(void **state) {
-    (void)state;
+UNIT_TEST(a_hit_gets_the_density_of_its_sample) {
     enum { COUNT = 60 };
     random_state r = {13};
     vec3_f64 at[COUNT];
@@ -434,8 +426,7 @@ static void a_hit_gets_the_density_of_its_sample(void **state) {
 }
 
 /* A lamp next to the point and a million times weaker ones far away, and so for others. */
-static void many_lights_send_the_sum_of_each(void **state) {
-    (void)state;
+UNIT_TEST(many_lights_send_the_sum_of_each) {
     enum { COUNT = 200 };
     random_state r = {17};
     double expected = 0;
@@ -451,7 +442,7 @@ static void many_lights_send_the_sum_of_each(void **state) {
 }
 
 /* Boxes of the tree stick out above a horizon that all lights are below. */
-static void lights_below_the_horizon_send_nothing(void **state) {
+UNIT_TEST(lights_below_the_horizon_send_nothing) {
     random_state r = {29};
     for (int trial = 0; trial < 200; ++trial) {
         const vec3_f64 n = any_direction(&r);
@@ -468,7 +459,7 @@ static void lights_below_the_horizon_send_nothing(void **state) {
 }
 
 /* A lamp of any size lights as one without does, where it is wholly above the horizon. */
-static void a_lamps_radius_leaves_its_light(void **state) {
+UNIT_TEST(a_lamps_radius_leaves_its_light) {
     random_state r = {19};
     for (int trial = 0; trial < 10; ++trial) {
         fathom_light light;
@@ -483,7 +474,7 @@ static void a_lamps_radius_leaves_its_light(void **state) {
 }
 
 /* A surface that faces the middle of the disc gets the sun's irradiance, whatever the disc's size. */
-static void a_suns_disc_sends_its_irradiance(void **state) {
+UNIT_TEST(a_suns_disc_sends_its_irradiance) {
     random_state r = {23};
     for (int trial = 0; trial < 10; ++trial) {
         fathom_light light;
@@ -497,8 +488,7 @@ static void a_suns_disc_sends_its_irradiance(void **state) {
     }
 }
 
-static void nothing_sends_nothing(void **state) {
-    (void)state;
+UNIT_TEST(nothing_sends_nothing) {
     open_light();
     assert_true(emitters_none(e));
     mean m = irradiance(origin, up, 2);
@@ -597,7 +587,7 @@ static void spread(emitter_query *q, lanes3 u, int from) {
     }
 }
 
-static void no_lane_depends_on_its_neighbours(void **state) {
+UNIT_TEST(no_lane_depends_on_its_neighbours) {
     random_state r = {31};
     for (int trial = 0; trial < 300; ++trial) {
         const int lights = 1 + (int)(random_unit(&r) * (trial % 2 ? 12 : 2));
@@ -619,25 +609,4 @@ static void no_lane_depends_on_its_neighbours(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(a_rectangle_sends_what_its_formula_says, begin, end),
-        cmocka_unit_test_setup_teardown(triangles_send_what_their_polygon_does, begin, end),
-        cmocka_unit_test_setup_teardown(any_triangle_sends_lamberts_edge_sum, begin, end),
-        cmocka_unit_test_setup_teardown(a_sphere_sends_its_share_of_the_sky, begin, end),
-        cmocka_unit_test_setup_teardown(the_horizon_cuts_a_sphere, begin, end),
-        cmocka_unit_test_setup_teardown(inside_a_sphere_light_comes_from_everywhere, begin, end),
-        cmocka_unit_test_setup_teardown(a_constant_background_sends_its_radiance, begin, end),
-        cmocka_unit_test_setup_teardown(a_point_light_falls_off_by_the_square, begin, end),
-        cmocka_unit_test_setup_teardown(an_ellipsoid_sends_what_rays_find, begin, end),
-        cmocka_unit_test_setup_teardown(lights_are_taken_as_often_as_their_samples_say, begin, end),
-        cmocka_unit_test_setup_teardown(a_hit_gets_the_density_of_its_sample, begin, end),
-        cmocka_unit_test_setup_teardown(many_lights_send_the_sum_of_each, begin, end),
-        cmocka_unit_test_setup_teardown(lights_below_the_horizon_send_nothing, begin, end),
-        cmocka_unit_test_setup_teardown(a_lamps_radius_leaves_its_light, begin, end),
-        cmocka_unit_test_setup_teardown(a_suns_disc_sends_its_irradiance, begin, end),
-        cmocka_unit_test_setup_teardown(nothing_sends_nothing, begin, end),
-        cmocka_unit_test_setup_teardown(no_lane_depends_on_its_neighbours, begin, end),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(begin, end); }

@@ -85,8 +85,7 @@ static double distance_to(const lamp *l, vec3_f64 p, vec3_f64 d, double near, bo
 
 /* A part of a ray finds each lamp once, as a whole and cut in two. near: float's roundings of distances up to
  * 20. */
-static void rays_find_each_lamp_that_they_enter(void **state) {
-    (void)state;
+UNIT_TEST(rays_find_each_lamp_that_they_enter) {
     static lamp lamps[MOST];
     random_state r = {5};
     const double near = 1e-4;
@@ -124,8 +123,7 @@ static void rays_find_each_lamp_that_they_enter(void **state) {
 /* A ray along a sample finds the lamp, its radiance, its distance and its density. 1e-5: roundings of float.
  * A direction that is rounded at the edge of a sphere misses it, or meets it elsewhere: of a share of 4 u
  * d/R, 2e-4 in the mean. */
-static void rays_along_samples_find_what_they_say(void **state) {
-    (void)state;
+UNIT_TEST(rays_along_samples_find_what_they_say) {
     static lamp lamps[MOST];
     random_state r = {7};
     uint32_t same = 0, all = 0;
@@ -161,10 +159,4 @@ static void rays_along_samples_find_what_they_say(void **state) {
     assert_true(same >= all - all / 500);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(rays_find_each_lamp_that_they_enter, begin, end),
-        cmocka_unit_test_setup_teardown(rays_along_samples_find_what_they_say, begin, end),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(begin, end); }

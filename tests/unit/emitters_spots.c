@@ -91,8 +91,7 @@ static received receive(vec3_f64 p, vec3_f64 n) {
 }
 
 /* 1e-5: the falloff of narrow spots in float. */
-static void many_spots_send_the_sum_of_each(void **state) {
-    (void)state;
+UNIT_TEST(many_spots_send_the_sum_of_each) {
     random_state r = {7};
     fathom_light all[COUNT];
     for (int k = 0; k < COUNT; ++k) all[k] = any_spot(&r, k), add(&all[k]);
@@ -109,8 +108,7 @@ static void many_spots_send_the_sum_of_each(void **state) {
 
 /* A ceiling of 400 spots, 1 apart and 3 above the floor: two or three light a point of the floor. Without
  * regard to their cones 95 % of the samples go to others. */
-static void spots_that_miss_a_point_take_few_samples(void **state) {
-    (void)state;
+UNIT_TEST(spots_that_miss_a_point_take_few_samples) {
     for (int k = 0; k < 400; ++k) {
         const fathom_light light = spot(vec_f64(k % 20 - 9.7, k / 20 - 9.4, 3), vec_f64(0, 0, -1), 0.3);
         add(&light);
@@ -123,8 +121,7 @@ static void spots_that_miss_a_point_take_few_samples(void **state) {
 /* ---- bounds ---- */
 
 /* Lamps with a radius are lit from all of their points. */
-static void a_spot_that_lights_a_point_has_a_chance(void **state) {
-    (void)state;
+UNIT_TEST(a_spot_that_lights_a_point_has_a_chance) {
     random_state r = {11};
     const vec3_f32 both = {0, 0, 0};
     int lit = 0;
@@ -151,11 +148,4 @@ static void a_spot_that_lights_a_point_has_a_chance(void **state) {
     assert_true(lit > 10000);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(many_spots_send_the_sum_of_each, open_scene, end),
-        cmocka_unit_test_setup_teardown(spots_that_miss_a_point_take_few_samples, open_scene, end),
-        cmocka_unit_test_setup_teardown(a_spot_that_lights_a_point_has_a_chance, open_scene, end),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(open_scene, end); }

@@ -197,8 +197,7 @@ static void assert_square(void) {
     for (int i = 0; i < 4; ++i) assert_received(points[i], normals[i], from_square(points[i], normals[i]));
 }
 
-static void a_divided_quad_sends_its_image(void **state) {
-    (void)state;
+UNIT_TEST(a_divided_quad_sends_its_image) {
     make_texels(0.1);
     add_quad();
     open_light();
@@ -206,8 +205,7 @@ static void a_divided_quad_sends_its_image(void **state) {
     assert_square();
 }
 
-static void a_divided_mesh_sends_its_image(void **state) {
-    (void)state;
+UNIT_TEST(a_divided_mesh_sends_its_image) {
     make_texels(0.1);
     add_mesh(FATHOM_ROOT, 1);
     open_light();
@@ -215,7 +213,7 @@ static void a_divided_mesh_sends_its_image(void **state) {
     assert_square();
 }
 
-static void placed_and_moving_meshes_send_their_images(void **state) {
+UNIT_TEST(placed_and_moving_meshes_send_their_images) {
     for (int moving = 0; moving < 2; ++moving) {
         if (moving) {
             end(state);
@@ -230,8 +228,7 @@ static void placed_and_moving_meshes_send_their_images(void **state) {
     }
 }
 
-static void a_ball_sends_its_image(void **state) {
-    (void)state;
+UNIT_TEST(a_ball_sends_its_image) {
     make_texels(0.5);
     add_ball();
     open_light();
@@ -242,8 +239,7 @@ static void a_ball_sends_its_image(void **state) {
 
 /* A sixteenth of the image is bright: even samples have 15/16 in the dark and 16 times the squared mean.
  * Cells on the border of the bright part see both, as their lookups are filtered. */
-static void samples_go_where_the_image_is_bright(void **state) {
-    (void)state;
+UNIT_TEST(samples_go_where_the_image_is_bright) {
     make_texels(0);
     for (int i = 0; i < SIDE * SIDE / 16; ++i) texels[i / (SIDE / 4)][i % (SIDE / 4)][0] = 255;
     add_quad();
@@ -253,8 +249,7 @@ static void samples_go_where_the_image_is_bright(void **state) {
     assert_true(got.square < 2 * got.mean * got.mean);
 }
 
-static void an_even_image_is_not_divided(void **state) {
-    (void)state;
+UNIT_TEST(an_even_image_is_not_divided) {
     make_texels(1);
     add_quad();
     open_light();
@@ -263,8 +258,7 @@ static void an_even_image_is_not_divided(void **state) {
 }
 
 /* 2^18 cells for all: each of 10,000 screens of two triangles gets 8, and would get 32 alone. */
-static void many_screens_share_the_cells(void **state) {
-    (void)state;
+UNIT_TEST(many_screens_share_the_cells) {
     fathom_id group;
     fathom_instance instance;
     make_texels(0.1);
@@ -280,8 +274,7 @@ static void many_screens_share_the_cells(void **state) {
     assert_int_equal(e->surface_count, 10000 * 8);
 }
 
-static void a_hit_gets_the_density_of_its_sample(void **state) {
-    (void)state;
+UNIT_TEST(a_hit_gets_the_density_of_its_sample) {
     make_texels(0.1);
     add_quad();
     open_light();
@@ -306,8 +299,7 @@ static void a_hit_gets_the_density_of_its_sample(void **state) {
     assert_true(seen > 1000);
 }
 
-static void the_middle_of_a_cell_lies_in_it(void **state) {
-    (void)state;
+UNIT_TEST(the_middle_of_a_cell_lies_in_it) {
     make_texels(0.1);
     add_quad();
     open_light();
@@ -322,19 +314,4 @@ static void the_middle_of_a_cell_lies_in_it(void **state) {
     }
 }
 
-#define LAW(name) cmocka_unit_test_setup_teardown(name, open_scene, end)
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        LAW(a_divided_quad_sends_its_image),
-        LAW(a_divided_mesh_sends_its_image),
-        LAW(placed_and_moving_meshes_send_their_images),
-        LAW(a_ball_sends_its_image),
-        LAW(samples_go_where_the_image_is_bright),
-        LAW(an_even_image_is_not_divided),
-        LAW(many_screens_share_the_cells),
-        LAW(a_hit_gets_the_density_of_its_sample),
-        LAW(the_middle_of_a_cell_lies_in_it),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(open_scene, end); }

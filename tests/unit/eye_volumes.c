@@ -36,8 +36,7 @@ static void expect(stage *s, double in_red, double in_green) {
     fathom_film_destroy(film);
 }
 
-static void a_volume_around_the_eye_absorbs(void **state) {
-    (void)state;
+UNIT_TEST(a_volume_around_the_eye_absorbs) {
     static const char *const tracers[] = {"embree", "embree:user", "bvh", "linear"};
     for (size_t i = 0; i < sizeof tracers / sizeof *tracers; ++i) {
         const fathom_material m = clear_volume(red, 0);
@@ -52,8 +51,7 @@ static void a_volume_around_the_eye_absorbs(void **state) {
 }
 
 /* No light comes from infinity through water that absorbs it, but that of other colours does. */
-static void a_sea_without_end_passes_what_it_does_not_absorb(void **state) {
-    (void)state;
+UNIT_TEST(a_sea_without_end_passes_what_it_does_not_absorb) {
     static const float clear_red[3] = {1, 0.5f, 1};
     for (int kind = 0; kind < 2; ++kind) {
         const fathom_material m = clear_volume(clear_red, 0);
@@ -73,8 +71,7 @@ static void a_sea_without_end_passes_what_it_does_not_absorb(void **state) {
     }
 }
 
-static void a_volume_beside_the_eye_does_not(void **state) {
-    (void)state;
+UNIT_TEST(a_volume_beside_the_eye_does_not) {
     const fathom_material m = clear_volume(red, 0);
     stage s = open_white(0, (double[3]){9, 0, 0});
     stage_sphere(&s, 0.36 * 9, 0.8 * 9, 0.48 * 9, 2, stage_material(&s, &m));
@@ -83,8 +80,7 @@ static void a_volume_beside_the_eye_does_not(void **state) {
 }
 
 /* The inner one fills its space alone where it has the higher priority, or where neither has any. */
-static void volumes_around_each_other(void **state) {
-    (void)state;
+UNIT_TEST(volumes_around_each_other) {
     static const uint32_t priorities[3][2] = {{0, 0}, {1, 2}, {2, 1}};
     for (int i = 0; i < 3; ++i) {
         const fathom_material outer = clear_volume(red, priorities[i][0]),
@@ -98,8 +94,7 @@ static void volumes_around_each_other(void **state) {
 }
 
 /* Under a plane, and in a mesh that an instance mirrors. */
-static void other_shapes_bound_volumes_too(void **state) {
-    (void)state;
+UNIT_TEST(other_shapes_bound_volumes_too) {
     const fathom_material m = clear_volume(red, 0);
     stage s = open_white(0, (double[3]){9, 9, 0});
     stage_plane(&s, (double[3]){0, 2, 0}, (double[3]){0, 1, 0}, stage_material(&s, &m));
@@ -121,8 +116,7 @@ static void other_shapes_bound_volumes_too(void **state) {
 }
 
 /* Below a plane without end: light from infinitely far away does not get through a volume that absorbs. */
-static void a_volume_without_end_lets_no_light_in_if_it_absorbs(void **state) {
-    (void)state;
+UNIT_TEST(a_volume_without_end_lets_no_light_in_if_it_absorbs) {
     static const float white[3] = {1, 1, 1};
     for (int i = 0; i < 4; ++i) {
         const fathom_material m = clear_volume(i % 2 ? white : red, 0);
@@ -137,8 +131,7 @@ static void a_volume_without_end_lets_no_light_in_if_it_absorbs(void **state) {
 }
 
 /* The camera comes in from x = -4, and is at 0.5 in the middle of the time. */
-static void a_sharp_image_knows_what_is_around_the_eye_halfway(void **state) {
-    (void)state;
+UNIT_TEST(a_sharp_image_knows_what_is_around_the_eye_halfway) {
     static const double times[2] = {0, 1};
     const fathom_material m = clear_volume(red, 0);
     stage s = open_white(-4, (double[3]){9, 0, 0});
@@ -192,8 +185,7 @@ static void check_channels(float upper, float upper_dispersion, float lower, flo
 }
 
 /* The index of a channel differs from that of green by 0.025 (ior - 1) dispersion. */
-static void volumes_disperse_inside_each_other(void **state) {
-    (void)state;
+UNIT_TEST(volumes_disperse_inside_each_other) {
     /* n sin(a) is 1.229, 1.277, 1.325. */
     check_channels(1.6f, 4, 1.3f, 0, 0.798, (double[3]){1, 1, 0});
     /* m is 1.24, 1.3, 1.36; n sin(a) is 1.328. */
@@ -202,16 +194,4 @@ static void volumes_disperse_inside_each_other(void **state) {
     check_channels(1.6f, 4.6f, 1.3f, 8, 0.8055, (double[3]){1, 1, 1});
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_volume_around_the_eye_absorbs),
-        cmocka_unit_test(a_sea_without_end_passes_what_it_does_not_absorb),
-        cmocka_unit_test(a_volume_beside_the_eye_does_not),
-        cmocka_unit_test(volumes_around_each_other),
-        cmocka_unit_test(other_shapes_bound_volumes_too),
-        cmocka_unit_test(a_volume_without_end_lets_no_light_in_if_it_absorbs),
-        cmocka_unit_test(volumes_disperse_inside_each_other),
-        cmocka_unit_test(a_sharp_image_knows_what_is_around_the_eye_halfway),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -59,8 +59,7 @@ static void check(const stage *s, const ray_set *set, const trace_tracer *linear
     free(expected.blocks), free(any);
 }
 
-static void few_spheres_are_met_as_by_linear_search(void **state) {
-    (void)state;
+UNIT_TEST(few_spheres_are_met_as_by_linear_search) {
     for (unsigned count = 1; count <= FEW_SPHERES_MOST + 1; count += 5) {
         stage s;
         stage_open(&s);
@@ -77,8 +76,7 @@ static void few_spheres_are_met_as_by_linear_search(void **state) {
 }
 
 /* Where hit or miss is decided by double, and no triangle is near. */
-static void silhouettes_are_those_of_linear_search(void **state) {
-    (void)state;
+UNIT_TEST(silhouettes_are_those_of_linear_search) {
     stage s;
     stage_open(&s);
     ray_set set = silhouette_rays(&s, FEW_SPHERES_MOST, -4, 30000, 0.2, 4);
@@ -91,8 +89,7 @@ static void silhouettes_are_those_of_linear_search(void **state) {
 }
 
 /* What is left out as too far from a block's beam is met by none of its rays. */
-static void nothing_close_is_left_out(void **state) {
-    (void)state;
+UNIT_TEST(nothing_close_is_left_out) {
     const few_kernels *kernels = few_kernels_best();
     stage s;
     stage_open(&s);
@@ -120,11 +117,4 @@ static void nothing_close_is_left_out(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(few_spheres_are_met_as_by_linear_search),
-        cmocka_unit_test(silhouettes_are_those_of_linear_search),
-        cmocka_unit_test(nothing_close_is_left_out),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -22,8 +22,7 @@ static const float *channel(const fathom_film *film, const char *layer, char c) 
 
 /* A mirror of half of the light shows a wall of albedo 0.6 behind the camera; a glass pane with an index of 1
  * shows the wall behind it. Z and P stay with what is in view. */
-static void normals_and_albedo_follow_smooth_surfaces(void **state) {
-    (void)state;
+UNIT_TEST(normals_and_albedo_follow_smooth_surfaces) {
     stage s = open_paths(4, 4);
     s.settings.aovs = FATHOM_AOV_N | FATHOM_AOV_ALBEDO | FATHOM_AOV_Z;
     fathom_material mirror, pane;
@@ -53,8 +52,7 @@ static void normals_and_albedo_follow_smooth_surfaces(void **state) {
 
 /* Half of a sheet before nothing, and before a wall: the samples that end at the sheet have its albedo, and
  * the others what is behind. Without bounces, too. */
-static void albedo_and_alpha_of_holes_are_those_behind(void **state) {
-    (void)state;
+UNIT_TEST(albedo_and_alpha_of_holes_are_those_behind) {
     for (uint32_t i = 0; i < 4; ++i) {
         stage s = open_paths(16, i % 2);
         const bool walled = i > 1;
@@ -88,8 +86,7 @@ static void albedo_and_alpha_of_holes_are_those_behind(void **state) {
 
 /* A mirror shows half of a sheet, and nothing where a sample passes the sheet: there the mirror itself
  * counts. */
-static void a_mirror_shows_no_features_of_holes(void **state) {
-    (void)state;
+UNIT_TEST(a_mirror_shows_no_features_of_holes) {
     stage s = open_paths(16, 4);
     s.settings.aovs = FATHOM_AOV_N | FATHOM_AOV_ALBEDO;
     fathom_material mirror, half;
@@ -114,11 +111,4 @@ static void a_mirror_shows_no_features_of_holes(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(normals_and_albedo_follow_smooth_surfaces),
-        cmocka_unit_test(albedo_and_alpha_of_holes_are_those_behind),
-        cmocka_unit_test(a_mirror_shows_no_features_of_holes),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

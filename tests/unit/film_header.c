@@ -98,8 +98,7 @@ static void check_points(const stage *s, const fathom_film *film, const bytes *b
     }
 }
 
-static void matrices_take_points_to_their_pixels(void **state) {
-    (void)state;
+UNIT_TEST(matrices_take_points_to_their_pixels) {
     for (int i = 0; i < 4; ++i) {
         stage s = askance(i & 1 ? 0.8 : 0); /* 0.8: pixels that are not square */
         if (i & 2) memcpy(s.settings.crop, (uint32_t[4]){5, 3, 31, 20}, sizeof s.settings.crop);
@@ -115,8 +114,7 @@ static void matrices_take_points_to_their_pixels(void **state) {
 }
 
 /* Without blur the image is that of the camera halfway, and so are the matrices. */
-static void matrices_of_a_sharp_image_are_of_the_middle_of_the_time(void **state) {
-    (void)state;
+UNIT_TEST(matrices_of_a_sharp_image_are_of_the_middle_of_the_time) {
     static const double times[2] = {0, 2};
     stage s = askance(0);
     fathom_camera camera[2];
@@ -145,8 +143,7 @@ static void matrices_of_a_sharp_image_are_of_the_middle_of_the_time(void **state
 }
 
 /* Blender takes the last part of a name for a component, and older versions know single letters alone. */
-static void every_channel_ends_in_a_single_letter(void **state) {
-    (void)state;
+UNIT_TEST(every_channel_ends_in_a_single_letter) {
     stage s = askance(0);
     s.settings.aovs = FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ERROR;
     fathom_film *film = stage_render(&s);
@@ -170,8 +167,7 @@ static bool stop_at_once(void *user, const fathom_progress *now) {
     return now->phase != FATHOM_PHASE_RENDER;
 }
 
-static void only_an_interrupted_film_says_so(void **state) {
-    (void)state;
+UNIT_TEST(only_an_interrupted_film_says_so) {
     stage s = askance(0);
     s.settings.spp = 65536;
     fathom_film *film;
@@ -198,12 +194,4 @@ static void only_an_interrupted_film_says_so(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(matrices_take_points_to_their_pixels),
-        cmocka_unit_test(matrices_of_a_sharp_image_are_of_the_middle_of_the_time),
-        cmocka_unit_test(every_channel_ends_in_a_single_letter),
-        cmocka_unit_test(only_an_interrupted_film_says_so),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

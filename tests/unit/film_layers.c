@@ -37,8 +37,7 @@ static void check_mean(const fathom_film *film, const char *part, double value, 
 }
 
 /* Inside a sphere of albedo rho that sends out 1, n scatterings leave rho^n. */
-static void each_bounce_of_a_furnace_is_where_it_belongs(void **state) {
-    (void)state;
+UNIT_TEST(each_bounce_of_a_furnace_is_where_it_belongs) {
     const double rho = 0.7;
     stage s = open_paths(16, 5);
     fathom_material m;
@@ -115,8 +114,7 @@ static void assert_same_image(const fathom_film *a, const fathom_film *b) {
     }
 }
 
-static void the_parts_add_up_to_the_image(void **state) {
-    (void)state;
+UNIT_TEST(the_parts_add_up_to_the_image) {
     stage s = open_paths(16, 16);
     furnish(&s);
     for (int k = 0; k < 4; ++k) {
@@ -137,8 +135,7 @@ static void the_parts_add_up_to_the_image(void **state) {
 }
 
 /* A path that passes a surface by its opacity is not scattered there. */
-static void light_through_a_hole_is_not_scattered(void **state) {
-    (void)state;
+UNIT_TEST(light_through_a_hole_is_not_scattered) {
     stage s = open_paths(16, 4);
     fathom_material veil;
     fathom_material_default(&veil);
@@ -157,8 +154,7 @@ static void light_through_a_hole_is_not_scattered(void **state) {
 }
 
 /* A lamp in one mirror was scattered once, and in the mirror of a mirror twice; by either integrator. */
-static void mirrors_scatter(void **state) {
-    (void)state;
+UNIT_TEST(mirrors_scatter) {
     stage s = open_paths(4, 2);
     fathom_material mirror;
     fathom_material_default(&mirror);
@@ -197,8 +193,7 @@ static void put_into_groups(stage *s) {
     for (fathom_id o = 0; o < 6; ++o) group(s, FATHOM_SOURCE_OBJECT, o, o == 3 ? "ball_2" : "rest");
 }
 
-static void groups_add_up_to_the_image(void **state) {
-    (void)state;
+UNIT_TEST(groups_add_up_to_the_image) {
     static const char *const names[] = {"light_rest", "light_key", "light_sky", "light_wrong",
                                         "light_ball_2"};
     stage s = open_paths(16, 16);
@@ -232,8 +227,7 @@ static void groups_add_up_to_the_image(void **state) {
 }
 
 /* A group is the image with all other lights out: in expectation, here to 5 standard errors. */
-static void a_group_is_the_image_with_its_lights_alone(void **state) {
-    (void)state;
+UNIT_TEST(a_group_is_the_image_with_its_lights_alone) {
     static const char *const names[] = {"light_rest", "light_key", "light_sky", "light_wrong",
                                         "light_ball_2"};
     for (int g = 0; g < 5; ++g) {
@@ -279,8 +273,7 @@ static fathom_id add_sky(stage *s, const char *path, int color) {
 
 /* A red, a green and a blue sky over a gray background and a floor: a group holds the colour of its sky
  * alone. */
-static void each_of_many_skies_keeps_its_group(void **state) {
-    (void)state;
+UNIT_TEST(each_of_many_skies_keeps_its_group) {
     static const char *const names[] = {"light_red", "light_green", "light_blue"};
     char folder[] = "/tmp/fathom-test-XXXXXX", paths[3][64];
     assert_non_null(mkdtemp(folder));
@@ -315,8 +308,7 @@ static void each_of_many_skies_keeps_its_group(void **state) {
     rmdir(folder);
 }
 
-static void groups_with_a_name_that_no_channel_can_have_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(groups_with_a_name_that_no_channel_can_have_are_refused) {
     stage s = open_paths(1, 1);
     static const char *const names[] = {"", "a b", "a.b", "12345678901234567890123456789012", "\xc3\xa4"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
@@ -335,16 +327,4 @@ static void groups_with_a_name_that_no_channel_can_have_are_refused(void **state
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_bounce_of_a_furnace_is_where_it_belongs),
-        cmocka_unit_test(the_parts_add_up_to_the_image),
-        cmocka_unit_test(light_through_a_hole_is_not_scattered),
-        cmocka_unit_test(mirrors_scatter),
-        cmocka_unit_test(groups_add_up_to_the_image),
-        cmocka_unit_test(a_group_is_the_image_with_its_lights_alone),
-        cmocka_unit_test(each_of_many_skies_keeps_its_group),
-        cmocka_unit_test(groups_with_a_name_that_no_channel_can_have_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -63,8 +63,7 @@ static uint64_t fingerprint(void) {
         assert_true(fingerprint() == before);                                                                \
     } while (0)
 
-static void surroundings(void **state) {
-    (void)state;
+UNIT_TEST(surroundings) {
     fathom_camera *c = &scene->camera;
     for (int i = 0; i < 3; ++i) {
         SEES(c->origin[i], 0.25);
@@ -79,8 +78,7 @@ static void surroundings(void **state) {
     SEES(c->w, 9);
 }
 
-static void materials_and_lights(void **state) {
-    (void)state;
+UNIT_TEST(materials_and_lights) {
     fathom_material *m = &scene->materials.items[1].value;
     fathom_light *l = &scene->lights.items[0];
     for (int i = 0; i < 3; ++i) {
@@ -107,8 +105,7 @@ static void materials_and_lights(void **state) {
     SEES(l->angular_radius, 0.25f);
 }
 
-static void shapes(void **state) {
-    (void)state;
+UNIT_TEST(shapes) {
     fathom_sphere *s = &scene->spheres.items[0];
     fathom_quad *q = &scene->quads.items[0];
     fathom_plane *p = &scene->planes.items[0];
@@ -138,8 +135,7 @@ static void shapes(void **state) {
     }
 }
 
-static void meshes(void **state) {
-    (void)state;
+UNIT_TEST(meshes) {
     fathom_mesh *m = &scene->meshes.items[0];
     for (int i = 0; i < 3; ++i) SEES(m->origin[i], 0.25);
     SEES(m->vertex_count, 3);
@@ -157,8 +153,7 @@ static void meshes(void **state) {
 
 /* Arrays so long that threads share them, with room between the vertices: each vertex counts, what is between
  * them does not, and neither does how many threads there are. */
-static void every_vertex_of_many(void **state) {
-    (void)state;
+UNIT_TEST(every_vertex_of_many) {
     enum { VERTICES = 300000, FLOATS = 5 };
     float *long_one = calloc((size_t)VERTICES * FLOATS, sizeof *long_one);
     assert_non_null(long_one);
@@ -180,8 +175,7 @@ static void every_vertex_of_many(void **state) {
 }
 
 /* No pixel depends on them. */
-static void names_and_texture_coordinates(void **state) {
-    (void)state;
+UNIT_TEST(names_and_texture_coordinates) {
     const uint64_t before = fingerprint();
     assert_ok(context, fathom_scene_set_name(scene, "another"));
     scene->materials.items[1].name[0] = 'n', scene->groups.items[1][0] = 'h';
@@ -190,12 +184,4 @@ static void names_and_texture_coordinates(void **state) {
     assert_true(fingerprint() == before);
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        TEST(surroundings), TEST(materials_and_lights), TEST(shapes),
-        TEST(meshes),       TEST(every_vertex_of_many), TEST(names_and_texture_coordinates),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

@@ -29,8 +29,7 @@ static fathom_film *second_of(stage *s, const fathom_film *film) {
  * pixel's value. The one that a single sample met is no part of the second image, whatever it sends out;
  * without it the others are (SAMPLES - 1) / SAMPLES. The sums are of doubles; the film's floats are off by
  * 2^-24 of them. */
-static void a_sample_that_no_other_confirms_is_left_out(void **state) {
-    (void)state;
+UNIT_TEST(a_sample_that_no_other_confirms_is_left_out) {
     uint32_t single = 0;
     for (float lamp = 1e3f; lamp < 1e7f; lamp *= 10) {
         stage s = plate();
@@ -69,8 +68,7 @@ static double lamp_count(const fathom_film *film, float lamp, int x, int y) {
 }
 
 /* Five confirm each other. At a lamp's edge the pixels inside confirm those that it hardly fills. */
-static void what_five_samples_around_confirm_keeps_its_bits(void **state) {
-    (void)state;
+UNIT_TEST(what_five_samples_around_confirm_keeps_its_bits) {
     const float lamp = 1e4f;
     stage s = plate();
     stage_quad(&s, (double[3]){0.3, 0.2, 1}, (double[3]){5, 2, 0}, (double[3]){-2, 5, 0},
@@ -91,8 +89,7 @@ static void what_five_samples_around_confirm_keeps_its_bits(void **state) {
 
 /* Samples of a pixel that are within a factor of 1.5 have the weight 1 (film/fireflies.c), from two on. The
  * floor's brightness spans several cascades. */
-static void a_smooth_image_keeps_its_bits(void **state) {
-    (void)state;
+UNIT_TEST(a_smooth_image_keeps_its_bits) {
     for (int k = 0; k < 6; ++k) {
         stage s = stage_open(SIDE, SIDE);
         fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
@@ -110,8 +107,7 @@ static void a_smooth_image_keeps_its_bits(void **state) {
     }
 }
 
-static void the_first_image_is_the_same_with_and_without(void **state) {
-    (void)state;
+UNIT_TEST(the_first_image_is_the_same_with_and_without) {
     for (int k = 0; k < 3; ++k) {
         stage s = plate();
         stage_sphere(&s, 3, 2, 6, 5, stage_lambert(&s, 0.5f));
@@ -138,8 +134,7 @@ static void the_first_image_is_the_same_with_and_without(void **state) {
 }
 
 /* A cascade and its neighbours count each sample once, whatever its brightness. */
-static void cascades_add_up_and_count(void **state) {
-    (void)state;
+UNIT_TEST(cascades_add_up_and_count) {
     static float radiance[3][WAVE_SLOTS];
     static double sums[3 * FIREFLY_CASCADES][WAVE_SLOTS];
     const wave_samples samples = {.radiance = {radiance[0], radiance[1], radiance[2]}};
@@ -163,13 +158,4 @@ static void cascades_add_up_and_count(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sample_that_no_other_confirms_is_left_out),
-        cmocka_unit_test(what_five_samples_around_confirm_keeps_its_bits),
-        cmocka_unit_test(a_smooth_image_keeps_its_bits),
-        cmocka_unit_test(the_first_image_is_the_same_with_and_without),
-        cmocka_unit_test(cascades_add_up_and_count),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -100,8 +100,7 @@ static void check_uvs(const fathom_mesh *mesh) {
         assert_true(mesh->uvs[i] >= 0 && mesh->uvs[i] <= 1);
 }
 
-static void spheres_are_closed(void **state) {
-    (void)state;
+UNIT_TEST(spheres_are_closed) {
     const uint64_t counts[] = {1, 20, 80, 100, 180, 1000, 20000, 300000};
     for (size_t c = 0; c < sizeof counts / sizeof *counts; ++c) {
         fathom_scene *scene = generate(FATHOM_GENERATE_SPHERE, counts[c], c);
@@ -121,8 +120,7 @@ static void spheres_are_closed(void **state) {
 
 /* Displacement is along the radius: brought back to the unit sphere, the largest triangle has at most 1.2
  * times the area of the smallest, however fine the grid. */
-static void sphere_triangles_are_even(void **state) {
-    (void)state;
+UNIT_TEST(sphere_triangles_are_even) {
     const uint64_t counts[] = {80, 2000, 20000, 200000};
     for (size_t c = 0; c < sizeof counts / sizeof *counts; ++c) {
         fathom_scene *scene = generate(FATHOM_GENERATE_SPHERE, counts[c], 3);
@@ -156,14 +154,12 @@ static void check_square_counts(fathom_generator kind, uint64_t factor) {
     }
 }
 
-static void counts_are_nearest(void **state) {
-    (void)state;
+UNIT_TEST(counts_are_nearest) {
     check_square_counts(FATHOM_GENERATE_SPHERE, 20);
     check_square_counts(FATHOM_GENERATE_TERRAIN, 2);
 }
 
-static void terrain_is_one_sheet(void **state) {
-    (void)state;
+UNIT_TEST(terrain_is_one_sheet) {
     fathom_scene *scene = generate(FATHOM_GENERATE_TERRAIN, 20000, 7);
     const fathom_mesh *mesh = &scene->meshes.items[0];
     check_facets(mesh);
@@ -182,8 +178,7 @@ static void terrain_is_one_sheet(void **state) {
 }
 
 /* The boundary of a sponge of depth b: 2·20^b + 4·8^b squares around a volume of 8 (20/27)^b. */
-static void sponge_boundaries_are_closed(void **state) {
-    (void)state;
+UNIT_TEST(sponge_boundaries_are_closed) {
     const uint64_t triangles[] = {12, 144, 2112, 36096, 672768};
     double volume = 8;
     for (size_t depth = 0; depth < 5; ++depth, volume *= 20.0 / 27) {
@@ -207,8 +202,7 @@ static void sponge_boundaries_are_closed(void **state) {
 
 /* Nested: 20 instances a level, twenty times the triangles. No other boundary and level comes
  * nearer to what was asked for. */
-static void sponges_nest(void **state) {
-    (void)state;
+UNIT_TEST(sponges_nest) {
     const uint64_t boundary[] = {12, 144, 2112, 36096, 672768};
     const uint64_t asked[] = {1, 200, 240, 5000, 1000000, UINT64_C(10000000000), UINT64_C(100000000000)};
     for (size_t c = 0; c < sizeof asked / sizeof *asked; ++c) {
@@ -247,8 +241,7 @@ static double ground_height(const fathom_mesh *ground, double x, double z) {
     return 0;
 }
 
-static void trees_stand_on_the_ground(void **state) {
-    (void)state;
+UNIT_TEST(trees_stand_on_the_ground) {
     fathom_scene *scene = generate(FATHOM_GENERATE_FOREST, 50000, 11);
     const fathom_mesh *ground = &scene->meshes.items[0];
     assert_true(scene->instances.count > 100);
@@ -263,8 +256,7 @@ static void trees_stand_on_the_ground(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void forests_come_out_exact(void **state) {
-    (void)state;
+UNIT_TEST(forests_come_out_exact) {
     const uint64_t asked[] = {32, 100, 101, 1000, 12345, 100000, 999999, 10000019};
     for (size_t c = 0; c < sizeof asked / sizeof *asked; ++c) {
         fathom_scene *scene = generate(FATHOM_GENERATE_FOREST, asked[c], c);
@@ -278,8 +270,7 @@ static void forests_come_out_exact(void **state) {
 }
 
 /* Trees are about one high and stand on their origin; the leaves are bound to the wood. */
-static void trees_have_the_size_of_trees(void **state) {
-    (void)state;
+UNIT_TEST(trees_have_the_size_of_trees) {
     const uint64_t asked[] = {1000, 20000, 1000000, 30000000};
     for (size_t c = 0; c < sizeof asked / sizeof *asked; ++c) {
         fathom_scene *scene = generate(FATHOM_GENERATE_FOREST, asked[c], c);
@@ -292,8 +283,7 @@ static void trees_have_the_size_of_trees(void **state) {
     }
 }
 
-static void forests_use_the_material_asked_for(void **state) {
-    (void)state;
+UNIT_TEST(forests_use_the_material_asked_for) {
     fathom_scene *scene;
     assert_ok(context, fathom_scene_create(context, &scene));
     fathom_material grey;
@@ -331,8 +321,7 @@ static bool same_scene(const fathom_scene *a, const fathom_scene *b) {
     return true;
 }
 
-static void threads_change_nothing_and_seeds_do(void **state) {
-    (void)state;
+UNIT_TEST(threads_change_nothing_and_seeds_do) {
     const fathom_generator kinds[] = {FATHOM_GENERATE_SPHERE, FATHOM_GENERATE_TERRAIN, FATHOM_GENERATE_SPONGE,
                                       FATHOM_GENERATE_FOREST};
     for (size_t k = 0; k < 4; ++k) {
@@ -353,8 +342,7 @@ static void threads_change_nothing_and_seeds_do(void **state) {
     }
 }
 
-static void bad_options_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(bad_options_are_refused) {
     fathom_scene *scene;
     assert_ok(context, fathom_scene_create(context, &scene));
     const fathom_generator kinds[] = {FATHOM_GENERATE_SPHERE, FATHOM_GENERATE_TERRAIN, FATHOM_GENERATE_SPONGE,
@@ -375,8 +363,7 @@ static void bad_options_are_refused(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void too_much_for_the_memory_is_a_status(void **state) {
-    (void)state;
+UNIT_TEST(too_much_for_the_memory_is_a_status) {
     /* 4e9 triangles take 112 GB. */
     if (sysconf(_SC_PHYS_PAGES) > (100l << 30) / sysconf(_SC_PAGESIZE)) skip();
     fathom_scene *scene;
@@ -390,21 +377,4 @@ static void too_much_for_the_memory_is_a_status(void **state) {
     fathom_scene_destroy(scene);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spheres_are_closed),
-        cmocka_unit_test(sphere_triangles_are_even),
-        cmocka_unit_test(counts_are_nearest),
-        cmocka_unit_test(terrain_is_one_sheet),
-        cmocka_unit_test(sponge_boundaries_are_closed),
-        cmocka_unit_test(sponges_nest),
-        cmocka_unit_test(trees_stand_on_the_ground),
-        cmocka_unit_test(forests_come_out_exact),
-        cmocka_unit_test(trees_have_the_size_of_trees),
-        cmocka_unit_test(forests_use_the_material_asked_for),
-        cmocka_unit_test(threads_change_nothing_and_seeds_do),
-        cmocka_unit_test(bad_options_are_refused),
-        cmocka_unit_test(too_much_for_the_memory_is_a_status),
-    };
-    return cmocka_run_group_tests(tests, open_context, close_context);
-}
+int main(void) { return unit_main(open_context, close_context); }

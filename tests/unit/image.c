@@ -17,8 +17,7 @@ static float half_value(unsigned half) {
 
 /* Every half is a fixed point; between two neighbours the nearer one is taken, and of two equally near ones
  * the one whose last bit is 0. */
-static void halves_round_to_nearest_even(void **state) {
-    (void)state;
+UNIT_TEST(halves_round_to_nearest_even) {
     for (unsigned h = 0; h < 0x7c00; ++h) {
         assert_int_equal(half_from_float(half_value(h)), h);
         assert_int_equal(half_from_float(-half_value(h)), h | 0x8000u);
@@ -36,7 +35,7 @@ static void halves_round_to_nearest_even(void **state) {
 }
 
 /* All values of 20 leading bits, and their neighbours: ties, denormals and overflows are among them. */
-static void halves_of_rows_are_those_of_values(void **state) {
+UNIT_TEST(halves_of_rows_are_those_of_values) {
     float values[3 * 64];
     uint16_t halves[3 * 64];
     (void)state;
@@ -121,8 +120,7 @@ static void check_exr_channels(const image *back, bool half) {
     }
 }
 
-static void exr_keeps_every_value(void **state) {
-    (void)state;
+UNIT_TEST(exr_keeps_every_value) {
     for (int half = 0; half < 2; ++half) {
         fathom_write_options options = defaults();
         options.float_color = !half;
@@ -143,8 +141,7 @@ static void exr_keeps_every_value(void **state) {
     }
 }
 
-static void exr_keeps_attributes(void **state) {
-    (void)state;
+UNIT_TEST(exr_keeps_attributes) {
     fathom_write_options options = defaults();
     assert_ok(context, image_write(context, &everything, in_folder("a.exr"), &options));
     const image *back = read_back(in_folder("a.exr"));
@@ -187,8 +184,7 @@ static void codes_of(const float *rgb, uint32_t count, const char *name, const f
 static double srgb(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055; }
 static double srgb_inverse(double v) { return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4); }
 
-static void srgb_codes_are_exact(void **state) {
-    (void)state;
+UNIT_TEST(srgb_codes_are_exact) {
     enum { COUNT = 30000 };
     static float rgb[3 * COUNT];
     static int codes[3 * COUNT];
@@ -210,8 +206,7 @@ static void srgb_codes_are_exact(void **state) {
     }
 }
 
-static void odd_values_have_defined_codes(void **state) {
-    (void)state;
+UNIT_TEST(odd_values_have_defined_codes) {
     const float rgb[] = {NAN, INFINITY, -INFINITY, -1, 1e30f, 1, 0, 1.0001f, -0.0f};
     const int expected[] = {0, 255, 0, 0, 255, 255, 0, 255, 0};
     int codes[9];
@@ -225,8 +220,7 @@ static void odd_values_have_defined_codes(void **state) {
 }
 
 /* Exposure is a factor of 2^stops on light: powers of two are exact, so the codes are the same. */
-static void exposure_is_a_factor(void **state) {
-    (void)state;
+UNIT_TEST(exposure_is_a_factor) {
     float rgb[300], brighter[300];
     int codes[300], expected[300];
     for (size_t i = 0; i < 300; ++i) rgb[i] = (float)i / 900, brighter[i] = 4 * rgb[i];
@@ -240,8 +234,7 @@ static void exposure_is_a_factor(void **state) {
                  "exposure: nan");
 }
 
-static void the_raw_view_changes_nothing(void **state) {
-    (void)state;
+UNIT_TEST(the_raw_view_changes_nothing) {
     float rgb[3 * 256];
     int codes[3 * 256];
     for (size_t i = 0; i < 3 * 256; ++i) rgb[i] = (float)i / (3 * 256 - 1);
@@ -253,8 +246,7 @@ static void the_raw_view_changes_nothing(void **state) {
 
 /* ACES 1.0: grey stays grey, brighter stays brighter, and 18 % grey is shown as 4.8 of 48 nits, above a black
  * of 0.02, with the curve of a dim surround, 0.9811. */
-static void the_aces_view_matches_its_reference(void **state) {
-    (void)state;
+UNIT_TEST(the_aces_view_matches_its_reference) {
     enum { COUNT = 400 };
     float rgb[3 * COUNT];
     int codes[3 * COUNT];
@@ -275,8 +267,7 @@ static void the_aces_view_matches_its_reference(void **state) {
 }
 
 /* Colours come premultiplied and leave as they are seen through nothing. */
-static void alpha_is_divided_out(void **state) {
-    (void)state;
+UNIT_TEST(alpha_is_divided_out) {
     const float rgba[3][4] = {{0.25f, 0.125f, 0, 0.5f}, {0.5f, 0.5f, 0.5f, 0}, {0.2f, 1, 2, 1}};
     const char *const names[] = {"R", "G", "B", "A"}, *const files[] = {"a.png", "a.tiff", "a.jpg"};
     image_channel channels[4];
@@ -302,8 +293,7 @@ static void alpha_is_divided_out(void **state) {
 
 /* One flat grey: its only coefficient is in steps of 2/8 of a code at quality 95, and rounding twice makes 1.
  */
-static void jpeg_is_close(void **state) {
-    (void)state;
+UNIT_TEST(jpeg_is_close) {
     float rgb[3 * 64];
     int codes[3 * 64];
     for (size_t i = 0; i < 3 * 64; ++i) rgb[i] = 0.3f;
@@ -312,8 +302,7 @@ static void jpeg_is_close(void **state) {
     for (size_t i = 0; i < 3 * 64; ++i) assert_near(codes[i], 255 * srgb(0.3), 1);
 }
 
-static void small_images_are_written_whole(void **state) {
-    (void)state;
+UNIT_TEST(small_images_are_written_whole) {
     static float rgb[3 * 200];
     const char *const files[] = {"s.exr", "s.png", "s.jpg", "s.tif"};
     const uint32_t sizes[][2] = {{1, 1}, {200, 1}, {1, 200}, {1, 7}, {17, 11}};
@@ -331,8 +320,7 @@ static void small_images_are_written_whole(void **state) {
     }
 }
 
-static void files_do_not_depend_on_thread_count(void **state) {
-    (void)state;
+UNIT_TEST(files_do_not_depend_on_thread_count) {
     enum { W = 97, H = 301 };
     static float rgb[3 * W * H];
     for (size_t i = 0; i < 3 * W * H; ++i) rgb[i] = (float)(i * 2654435761u % 65536) / 65536;
@@ -383,8 +371,7 @@ static double flip_between(const char *a, const char *b) {
 }
 
 /* The same halfs in both formats. */
-static void flip_takes_pfm_as_linear_like_exr(void **state) {
-    (void)state;
+UNIT_TEST(flip_takes_pfm_as_linear_like_exr) {
     enum { PIXELS = 16 };
     static const char *const names[2][2] = {{"a.exr", "b.exr"}, {"a.pfm", "b.pfm"}}, *const channels[] = {
                                                                                          "R", "G", "B"};
@@ -404,22 +391,4 @@ static void flip_takes_pfm_as_linear_like_exr(void **state) {
     for (int i = 0; i < 4; ++i) unlink(in_folder(names[i / 2][i % 2]));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(halves_round_to_nearest_even),
-        cmocka_unit_test(halves_of_rows_are_those_of_values),
-        cmocka_unit_test(exr_keeps_every_value),
-        cmocka_unit_test(exr_keeps_attributes),
-        cmocka_unit_test(srgb_codes_are_exact),
-        cmocka_unit_test(odd_values_have_defined_codes),
-        cmocka_unit_test(exposure_is_a_factor),
-        cmocka_unit_test(the_raw_view_changes_nothing),
-        cmocka_unit_test(the_aces_view_matches_its_reference),
-        cmocka_unit_test(alpha_is_divided_out),
-        cmocka_unit_test(jpeg_is_close),
-        cmocka_unit_test(small_images_are_written_whole),
-        cmocka_unit_test(files_do_not_depend_on_thread_count),
-        cmocka_unit_test(flip_takes_pfm_as_linear_like_exr),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_images);
-}
+int main(void) { return unit_main(open_folder, remove_images); }

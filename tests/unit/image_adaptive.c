@@ -135,8 +135,7 @@ static void compare_waves(stage *s, const fathom_film *truth, tally *t) {
  * |t| > 2 has 13.9 %; more pixels only make it rarer (8: F(8, 24) > 4 has 0.4 %). Were all waves of that
  * kind, the mean squares of 54 would have F(54, 162): above 2, or below 1/2, in 0.1 % together. The true
  * image has 2048 samples a pixel and another seed: its error, along edges, is 1/13 of that of 64 samples. */
-static void estimate_covers_error(void **state) {
-    (void)state;
+UNIT_TEST(estimate_covers_error) {
     /* Statistics of thousands of samples: minutes under sanitizers, which the other tests are for. */
 #ifdef FATHOM_SANITIZED
     skip();
@@ -163,8 +162,7 @@ static void estimate_covers_error(void **state) {
 }
 
 /* Decisions belong to waves: threads, tiles and block widths change no bit, nor what is counted. */
-static void same_bits_however_rendered(void **state) {
-    (void)state;
+UNIT_TEST(same_bits_however_rendered) {
     stage s = open_subject(BALLS);
     s.settings.target_error = 0.01;
     s.settings.aovs = FATHOM_AOV_ALPHA | FATHOM_AOV_N | FATHOM_AOV_Z | FATHOM_AOV_SAMPLES;
@@ -190,8 +188,7 @@ static void same_bits_however_rendered(void **state) {
 }
 
 /* A crop that cuts through waves shows what the whole shows. */
-static void crop_is_a_part(void **state) {
-    (void)state;
+UNIT_TEST(crop_is_a_part) {
     stage s = open_subject(BALLS);
     s.settings.target_error = 0.01;
     fathom_film *whole = render(&s, NULL);
@@ -210,8 +207,7 @@ static void crop_is_a_part(void **state) {
 
 /* A target below what floats can hold is never reached: then all pixels take the most samples, and these are
  * the samples that every pixel of a path-traced image takes without a target, AOVs included. */
-static void no_error_is_all_samples(void **state) {
-    (void)state;
+UNIT_TEST(no_error_is_all_samples) {
     stage s = open_subject(BARS);
     s.settings.integrator = FATHOM_INTEGRATOR_PATH;
     s.settings.spp = 32, s.settings.aovs = ~0u >> 25; /* all */
@@ -235,8 +231,7 @@ static void no_error_is_all_samples(void **state) {
 }
 
 /* Samples go where edges are, and are counted: halves of powers of two from the least on. */
-static void samples_where_needed(void **state) {
-    (void)state;
+UNIT_TEST(samples_where_needed) {
     stage s = open_subject(BALLS);
     s.settings.target_error = 0.02, s.settings.min_spp = 16, s.settings.aovs = FATHOM_AOV_SAMPLES;
     fathom_stats stats = {.size = sizeof stats};
@@ -257,8 +252,7 @@ static void samples_where_needed(void **state) {
 
 /* What is found in one square of a wave is looked for in all: none has more than four times the samples of
  * another. */
-static void samples_stay_near_each_other(void **state) {
-    (void)state;
+UNIT_TEST(samples_stay_near_each_other) {
     stage s = open_subject(STARS);
     s.settings.target_error = 0.01, s.settings.aovs = FATHOM_AOV_SAMPLES;
     fathom_film *film = render(&s, NULL);
@@ -284,8 +278,7 @@ static void samples_stay_near_each_other(void **state) {
 
 /* Samples to an error state it for each pixel, even classic samples cannot. Where the image is black the
  * channel says what the brightest star could add unseen. */
-static void errors_are_stated(void **state) {
-    (void)state;
+UNIT_TEST(errors_are_stated) {
     stage s = open_subject(STARS);
     s.settings.spp = 64, s.settings.aovs = FATHOM_AOV_ERROR;
     fathom_film *film;
@@ -357,16 +350,14 @@ static double stars_t(double share, float emission, uint32_t seeds) {
 
 /* Decisions by the samples that are in the image lose light: where the first samples miss, no more are
  * taken. Each case has |t| > 4 in less than 0.01 % at 255 degrees of freedom. */
-static void small_lights_lose_nothing(void **state) {
-    (void)state;
+UNIT_TEST(small_lights_lose_nothing) {
     assert_true(fabs(stars_t(0.1, 4, 256)) < 4);
     assert_true(fabs(stars_t(0.01, 20, 256)) < 4);
     assert_true(fabs(stars_t(0.001, 100, 256)) < 4);
 }
 
 /* Light as strong as can be: squares of colours stay numbers, and sampling ends. */
-static void stays_finite(void **state) {
-    (void)state;
+UNIT_TEST(stays_finite) {
     stage s = open_subject(BALLS);
     stage_point_light(&s, 3, 4, 3, 3e38f);
     s.settings.target_error = 0.05, s.settings.spp = 16;
@@ -380,8 +371,7 @@ static void stays_finite(void **state) {
 
 /* However little time there was, each pixel has a sample, and the estimate is told where there is one. A time
  * too short for that is refused. */
-static void to_a_time(void **state) {
-    (void)state;
+UNIT_TEST(to_a_time) {
     stage s = open_subject(BALLS);
     fathom_film *film;
     fathom_stats stats = {.size = sizeof stats};
@@ -412,8 +402,7 @@ static double ask(void *user, const fathom_film *film, double left) {
 
 /* What comes after rendering is asked for once, when each pixel has its first sample. All the time there is:
  * then that is the image. None: then rendering goes on. */
-static void leaves_time(void **state) {
-    (void)state;
+UNIT_TEST(leaves_time) {
     stage s = open_subject(BALLS);
     s.settings.max_time = 1000, s.settings.spp = 8, s.settings.aovs = FATHOM_AOV_SAMPLES;
     const double answers[] = {1e6, 0};
@@ -434,8 +423,7 @@ static void leaves_time(void **state) {
 
 /* With time to spare, rounds over all waves end at the target, or at the most samples, before it is up: at
  * the most samples everywhere it is the even image. */
-static void time_to_spare(void **state) {
-    (void)state;
+UNIT_TEST(time_to_spare) {
     stage s = open_subject(BARS);
     fathom_stats stats = {.size = sizeof stats};
     s.settings.integrator = FATHOM_INTEGRATOR_PATH;
@@ -462,8 +450,7 @@ static void refuse(fathom_settings settings, const char *text) {
     stage_close(&s);
 }
 
-static void bad_settings(void **state) {
-    (void)state;
+UNIT_TEST(bad_settings) {
     fathom_settings good;
     fathom_settings_default(&good);
     good.pattern = FATHOM_PATTERN_SOBOL, good.spp = 64, good.target_error = 0.01;
@@ -484,21 +471,4 @@ static void bad_settings(void **state) {
     refuse(bad, "min spp");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(estimate_covers_error),
-        cmocka_unit_test(same_bits_however_rendered),
-        cmocka_unit_test(crop_is_a_part),
-        cmocka_unit_test(no_error_is_all_samples),
-        cmocka_unit_test(samples_where_needed),
-        cmocka_unit_test(samples_stay_near_each_other),
-        cmocka_unit_test(small_lights_lose_nothing),
-        cmocka_unit_test(errors_are_stated),
-        cmocka_unit_test(stays_finite),
-        cmocka_unit_test(to_a_time),
-        cmocka_unit_test(leaves_time),
-        cmocka_unit_test(time_to_spare),
-        cmocka_unit_test(bad_settings),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

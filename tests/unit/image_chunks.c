@@ -11,8 +11,7 @@
 /* A half holds it as it is. */
 static float value_at(uint32_t x, uint32_t y) { return (float)((x + 131 * y) % 1024) / 1024; }
 
-static void rows_keep_their_place_across_chunks(void **state) {
-    (void)state;
+UNIT_TEST(rows_keep_their_place_across_chunks) {
     fathom_write_options options;
     fathom_write_options_default(&options);
     options.float_color = true;
@@ -42,7 +41,4 @@ static void rows_keep_their_place_across_chunks(void **state) {
     unlink(in_folder("a.exr"));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(rows_keep_their_place_across_chunks)};
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -66,8 +66,7 @@ static void check_file(const char *path, const image *img) {
 }
 
 /* Blocks have 16 rows: one block, whole blocks, and a last block of one row and of fifteen. */
-static void every_size_comes_back(void **state) {
-    (void)state;
+UNIT_TEST(every_size_comes_back) {
     static const uint32_t heights[] = {1, 15, 16, 17, 32, 47, 70}, widths[] = {1, 2, 3, 64, 700};
     const exr_options ways[] = {{.float_color = true, .compressed = true, .threads = 1},
                                 {.float_color = true, .compressed = true, .threads = 3},
@@ -112,8 +111,7 @@ static unsigned char *bytes_of(const char *path, size_t *size) {
 }
 
 /* OpenEXR's library does without the flag of long names and the table of offsets; other readers need them. */
-static void strict_readers_find_all(void **state) {
-    (void)state;
+UNIT_TEST(strict_readers_find_all) {
     const exr_options zip = {.compressed = true, .threads = 2};
     image img = of_size(64, 40);
     for (img.channel_count = CHANNELS; img.channel_count >= 3; img.channel_count -= CHANNELS - 3) {
@@ -144,8 +142,7 @@ static off_t size_of(const char *path) {
 
 /* Smooth planes shrink. Noise does not, and its blocks are stored as they are: 8 bytes and an entry of the
  * table for each block, beside the pixels. */
-static void only_what_shrinks_is_compressed(void **state) {
-    (void)state;
+UNIT_TEST(only_what_shrinks_is_compressed) {
     const exr_options zip = {
         .float_color = true, .compressed = true, .threads = 1, .date = "2026:01:01 00:00:00"};
     image img = of_size(MOST_WIDTH, 64);
@@ -171,8 +168,7 @@ static void only_what_shrinks_is_compressed(void **state) {
     assert_int_equal(unlink(in_folder("a.exr")), 0);
 }
 
-static void threads_make_the_same_file(void **state) {
-    (void)state;
+UNIT_TEST(threads_make_the_same_file) {
     const image img = of_size(MOST_WIDTH, MOST_HEIGHT);
     const char *const names[] = {"1.exr", "2.exr"};
     unsigned char *bytes[2];
@@ -190,11 +186,5 @@ static void threads_make_the_same_file(void **state) {
 
 int main(void) {
     fill_planes();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_size_comes_back),
-        cmocka_unit_test(strict_readers_find_all),
-        cmocka_unit_test(only_what_shrinks_is_compressed),
-        cmocka_unit_test(threads_make_the_same_file),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+    return unit_main(open_folder, remove_folder);
 }

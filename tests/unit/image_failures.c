@@ -97,15 +97,13 @@ static bool with_failing_module(void *user) {
                            "a.txt: cannot be read as an image: is broken");
 }
 
-static void module_failures_are_reported(void **state) {
-    (void)state;
+UNIT_TEST(module_failures_are_reported) {
     write_text(in_folder("a.txt"), "not an image\n");
     in_child(with_failing_module, NULL);
     assert_int_equal(unlink(in_folder("a.txt")), 0);
 }
 
-static void a_missing_helper_is_reported(void **state) {
-    (void)state;
+UNIT_TEST(a_missing_helper_is_reported) {
     write_text(in_folder("a.txt"), "not a library\n");
     in_child(without_module, NULL);
     assert_int_equal(unlink(in_folder("a.tif")), 0);
@@ -130,10 +128,7 @@ static bool png_and_exr_without_module(void *user) {
     return ok && unlink(in_folder("a.png")) == 0 && unlink(in_folder("a.exr")) == 0;
 }
 
-static void png_and_exr_need_no_helper(void **state) {
-    (void)state;
-    in_child(png_and_exr_without_module, NULL);
-}
+UNIT_TEST(png_and_exr_need_no_helper) { in_child(png_and_exr_without_module, NULL); }
 
 /* Whatever a library does while it is loaded or at work ends a call, and not this process; the next call has
  * a new helper. */
@@ -151,8 +146,7 @@ static bool survives(void *user) {
            unlink(in_folder("a.tif")) == 0;
 }
 
-static void libraries_that_end_their_process_end_only_a_call(void **state) {
-    (void)state;
+UNIT_TEST(libraries_that_end_their_process_end_only_a_call) {
     static const char *const ways[] = {"exit",       "abort",     "null",       "fault",
                                        "hang",       "rows-exit", "rows-abort", "rows-null",
                                        "rows-fault", "rows-hang", "rows-thread"};
@@ -186,8 +180,7 @@ static bool texture_survives(void *user) {
     return ok;
 }
 
-static void a_texture_that_ends_the_helper_is_reported(void **state) {
-    (void)state;
+UNIT_TEST(a_texture_that_ends_the_helper_is_reported) {
     static const char *const ways[] = {"texture-exit", "texture-abort", "texture-null", "texture-fault",
                                        "texture-hang"};
     for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i)
@@ -201,8 +194,7 @@ static bool prefetch_and_leave(void *user) {
 }
 
 /* Leaving the process at any moment of the load, with all exit handlers. */
-static void a_helper_that_ends_while_loading_is_reported(void **state) {
-    (void)state;
+UNIT_TEST(a_helper_that_ends_while_loading_is_reported) {
     for (long i = 0; i < 6; ++i) {
         struct timespec wait = {0, i * 40000000};
         in_child(prefetch_and_leave, &wait);
@@ -223,10 +215,7 @@ static bool write_in_both(void *user) {
     return ok && unlink(in_folder("a.tif")) == 0 && unlink(in_folder("b.tif")) == 0;
 }
 
-static void a_forked_child_writes_too(void **state) {
-    (void)state;
-    in_child(write_in_both, NULL);
-}
+UNIT_TEST(a_forked_child_writes_too) { in_child(write_in_both, NULL); }
 
 static bool write_after_prefetch(void *user) {
     (void)user;
@@ -238,13 +227,9 @@ static bool write_after_prefetch(void *user) {
            unlink(in_folder("a.tif")) == 0;
 }
 
-static void writing_waits_for_the_helper(void **state) {
-    (void)state;
-    in_child(write_after_prefetch, NULL);
-}
+UNIT_TEST(writing_waits_for_the_helper) { in_child(write_after_prefetch, NULL); }
 
-static void bad_paths_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(bad_paths_are_refused) {
     image img = noisy();
     fathom_write_options options = defaults();
     assert_int_equal(mkdir(in_folder("folder.png"), 0700), 0);
@@ -281,8 +266,7 @@ static bool as_nobody(void *user) {
                       "Permission denied");
 }
 
-static void closed_folders_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(closed_folders_are_refused) {
     fathom_write_options options = defaults();
     assert_ok(context, image_check(context, in_folder("a.png"), &options));
     assert_int_equal(chmod(folder, 0555), 0);
@@ -300,8 +284,7 @@ static bool with_small_disk(void *user) {
 }
 
 /* The file that was there stays, and nothing else is left. */
-static void a_full_disk_is_reported(void **state) {
-    (void)state;
+UNIT_TEST(a_full_disk_is_reported) {
     for (size_t i = 0; i < 4; ++i) {
         const char *path = in_folder(files[i]);
         write_text(path, "precious");
@@ -317,8 +300,7 @@ static void a_full_disk_is_reported(void **state) {
     }
 }
 
-static void jpeg_size_is_limited(void **state) {
-    (void)state;
+UNIT_TEST(jpeg_size_is_limited) {
     static const float black[3];
     const char *const names[] = {"R", "G", "B"};
     image_channel none[3];
@@ -333,8 +315,7 @@ static void jpeg_size_is_limited(void **state) {
     assert_int_equal(files_in_folder(), 0);
 }
 
-static void broken_images_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(broken_images_are_refused) {
     const image *img;
     assert_fails(context, image_read(context, in_folder("none.png"), &img), FATHOM_BAD_INPUT, "none.png");
     assert_null(img);
@@ -360,21 +341,4 @@ static void broken_images_are_refused(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_missing_helper_is_reported),
-        cmocka_unit_test(png_and_exr_need_no_helper),
-        cmocka_unit_test(a_helper_that_ends_while_loading_is_reported),
-        cmocka_unit_test(a_forked_child_writes_too),
-        cmocka_unit_test(a_texture_that_ends_the_helper_is_reported),
-        cmocka_unit_test(libraries_that_end_their_process_end_only_a_call),
-        cmocka_unit_test(module_failures_are_reported),
-        cmocka_unit_test(writing_waits_for_the_helper),
-        cmocka_unit_test(closed_folders_are_refused),
-        cmocka_unit_test(a_full_disk_is_reported),
-        cmocka_unit_test(bad_paths_are_refused),
-        cmocka_unit_test(jpeg_size_is_limited),
-        cmocka_unit_test(broken_images_are_refused),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -40,8 +40,7 @@ static double spread(double hyab) {
     return d < knee ? 0.95 * d / knee : 0.95 + 0.05 * (d - knee) / (most - knee);
 }
 
-static void colour_spaces_match_the_paper(void **state) {
-    (void)state;
+UNIT_TEST(colour_spaces_match_the_paper) {
     double green[3], blue[3], back[3], opponent[3];
     flip_hunt((const double[3]){0, 1, 0}, green);
     flip_hunt((const double[3]){0, 0, 1}, blue);
@@ -63,8 +62,7 @@ static void colour_spaces_match_the_paper(void **state) {
     for (int c = 0; c < 3; ++c) assert_near(back[c], rgb[c], 1e-13);
 }
 
-static void equal_images_have_no_difference(void **state) {
-    (void)state;
+UNIT_TEST(equal_images_have_no_difference) {
     picture a;
     fill(&a, 0.1f, 0.7f, 0.3f);
     random_state r = {1};
@@ -74,8 +72,7 @@ static void equal_images_have_no_difference(void **state) {
 
 /* Greys 1/8 and 27/125: L* = 116 · 0.5 - 16 = 42 and 116 · 0.6 - 16 = 53.6; nothing else differs, and there
  * are no features. The tolerances are those of 203.302's six digits, and of 0.216 in float. */
-static void uniform_greys_match_the_equations(void **state) {
-    (void)state;
+UNIT_TEST(uniform_greys_match_the_equations) {
     picture a, b;
     fill(&a, 0.125f, 0.125f, 0.125f);
     fill(&b, 0.216f, 0.216f, 0.216f);
@@ -90,8 +87,7 @@ static void uniform_greys_match_the_equations(void **state) {
     assert_true(flip_of(&b, &c, NULL) == 0);
 }
 
-static void uniform_colours_match_the_equations(void **state) {
-    (void)state;
+UNIT_TEST(uniform_colours_match_the_equations) {
     picture a, b;
     fill(&a, 0, 1, 0);
     fill(&b, 0, 0, 1);
@@ -108,8 +104,7 @@ static double blur_weight(int x) {
 /* A step from grey 0.1 to 0.4 between columns 23 and 24, against grey 0.1. In column 23 all positive weights
  * of the edge filter lie on the bright side, so that the edge is 0.3, and no filter finds more; the blur
  * brings 0.3 (1 - w0) / 2 there. */
-static void a_step_matches_the_equations(void **state) {
-    (void)state;
+UNIT_TEST(a_step_matches_the_equations) {
     picture a, b;
     fill(&a, 0.1f, 0.1f, 0.1f);
     fill(&b, 0.1f, 0.1f, 0.1f);
@@ -129,8 +124,7 @@ static void a_step_matches_the_equations(void **state) {
 
 /* A line of grey 0.4 in column 24 on 0.1: there the edge filter finds nothing, and the point filter 0.3 of
  * its middle weight, with deviation 0.041 · 67 pixels and negative weights that sum to one. */
-static void a_line_matches_the_equations(void **state) {
-    (void)state;
+UNIT_TEST(a_line_matches_the_equations) {
     picture a, b;
     fill(&a, 0.1f, 0.1f, 0.1f);
     fill(&b, 0.1f, 0.1f, 0.1f);
@@ -154,8 +148,7 @@ static double line_left(double b, double *share) {
 }
 
 /* A line as light as what is about it: no feature, and each opponent colour is blurred in its own way. */
-static void a_coloured_line_matches_the_equations(void **state) {
-    (void)state;
+UNIT_TEST(a_coloured_line_matches_the_equations) {
     /* 2613072 R + 8788810 G + 887015 B is the same for both, to float's rounding. */
     const double about[3] = {0.3, 0.3, 0.1};
     const double rgb[3] = {0.4, 0.3 - (0.1 * 2613072 + 0.8 * 887015) / 8788810, 0.9};
@@ -184,8 +177,7 @@ static void a_coloured_line_matches_the_equations(void **state) {
 }
 
 /* A picture turned on its side has the same difference, turned: rows and columns are filtered alike. */
-static void turning_both_images_changes_nothing(void **state) {
-    (void)state;
+UNIT_TEST(turning_both_images_changes_nothing) {
     picture a, b, sides[2];
     fill(&a, 0.2f, 0.3f, 0.4f);
     fill(&b, 0.2f, 0.3f, 0.4f);
@@ -208,8 +200,7 @@ static void turning_both_images_changes_nothing(void **state) {
         assert_near((double)map[0][i], (double)map[1][i % WIDTH * HEIGHT + i / WIDTH], 1e-6);
 }
 
-static void more_noise_is_a_larger_difference(void **state) {
-    (void)state;
+UNIT_TEST(more_noise_is_a_larger_difference) {
     picture a, b;
     double last = 0;
     fill(&a, 0.5f, 0.5f, 0.5f);
@@ -227,8 +218,7 @@ static void more_noise_is_a_larger_difference(void **state) {
 
 /* A broken pixel is the largest error, and reaches no other through the filters but as what is shown of it:
  * NaN as black. */
-static void a_pixel_that_is_not_finite_is_the_largest_error(void **state) {
-    (void)state;
+UNIT_TEST(a_pixel_that_is_not_finite_is_the_largest_error) {
     picture a, b;
     fill(&a, 0, 0, 0);
     fill(&b, 0, 0, 0);
@@ -238,18 +228,4 @@ static void a_pixel_that_is_not_finite_is_the_largest_error(void **state) {
     assert_true(map[500] == 1 && map[501] == 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(colour_spaces_match_the_paper),
-        cmocka_unit_test(equal_images_have_no_difference),
-        cmocka_unit_test(uniform_greys_match_the_equations),
-        cmocka_unit_test(uniform_colours_match_the_equations),
-        cmocka_unit_test(a_step_matches_the_equations),
-        cmocka_unit_test(turning_both_images_changes_nothing),
-        cmocka_unit_test(a_line_matches_the_equations),
-        cmocka_unit_test(a_coloured_line_matches_the_equations),
-        cmocka_unit_test(more_noise_is_a_larger_difference),
-        cmocka_unit_test(a_pixel_that_is_not_finite_is_the_largest_error),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -40,8 +40,7 @@ static void check_numbers(const image *back, size_t count) {
     }
 }
 
-static void attributes_hold_any_count_of_numbers(void **state) {
-    (void)state;
+UNIT_TEST(attributes_hold_any_count_of_numbers) {
     image_attribute attributes[MOST + 1] = {{"Software", "Fathom test", NULL, 0}};
     for (size_t i = 0; i < MOST; ++i) numbers[i] = i % 2 ? -1.0 / (double)(i + 2) : ldexp(1 + (double)i, 300);
     for (size_t count = 1; count <= MOST; ++count) {
@@ -64,8 +63,7 @@ static void attributes_hold_any_count_of_numbers(void **state) {
     }
 }
 
-static void impossible_images_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(impossible_images_are_refused) {
     const fathom_write_options options = {.size = sizeof options, .exposure = 0};
     image img = {2, 1, 0, 0, 2, 1, channels, 3, NULL, 0};
     img.width = 0;
@@ -82,10 +80,4 @@ static void impossible_images_are_refused(void **state) {
                  "65501 x 1 pixels");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(attributes_hold_any_count_of_numbers),
-        cmocka_unit_test(impossible_images_are_refused),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -124,8 +124,7 @@ static size_t differing(const fathom_film *a, const fathom_film *b, double toler
 }
 
 /* Threads, tiles and block widths are no part of the image: not a bit of it. */
-static void same_bits_however_rendered(void **state) {
-    (void)state;
+UNIT_TEST(same_bits_however_rendered) {
     stage s = demo(&plain);
     s.settings.pattern = FATHOM_PATTERN_SOBOL;
     fathom_film *first = stage_render(&s);
@@ -145,8 +144,7 @@ static void same_bits_however_rendered(void **state) {
 }
 
 /* A crop is a part of the whole image, bit by bit. */
-static void crop_is_a_part(void **state) {
-    (void)state;
+UNIT_TEST(crop_is_a_part) {
     stage s = demo(&plain);
     fathom_film *whole = stage_render(&s);
     const uint32_t crop[4] = {37, 11, 101, 70};
@@ -164,8 +162,7 @@ static void crop_is_a_part(void **state) {
 }
 
 /* The order in which shapes are added changes no pixel. */
-static void order_of_shapes(void **state) {
-    (void)state;
+UNIT_TEST(order_of_shapes) {
     const layout reversed = {{0, 0, 0}, true, false, 1};
     stage a = demo(&plain), b = demo(&reversed);
     fathom_film *fa = stage_render(&a), *fb = stage_render(&b);
@@ -181,8 +178,7 @@ static void order_of_shapes(void **state) {
  * about once in 2^10 edge pixels, and of a 128 x 96 image fewer than 2^12 pixels hold edges, shadows and
  * mirror images of edges included: at most 16 pixels may differ. Elsewhere roundings of 2^-24 are stretched
  * by highlights (exponent 60) and bent rays: 1e-3. */
-static void rigid_motion(void **state) {
-    (void)state;
+UNIT_TEST(rigid_motion) {
     const layout moves[] = {{{0, 0, 0}, false, true, 1},
                             {{3, -5, 7.5}, false, false, 1},
                             {{6378137, 1000, -2000}, false, true, 1},
@@ -205,8 +201,7 @@ static void rigid_motion(void **state) {
  * exactly, so not a bit of the image may change, from a millionth to a hundred million. At a
  * hundred-millionth the sphere's intersector goes on in double, as what it computes falls below 2^-30: the
  * points it finds are others by a rounding, as in a rigid motion. */
-static void any_scale(void **state) {
-    (void)state;
+UNIT_TEST(any_scale) {
     const struct {
         double scale, tolerance;
         size_t pixels;
@@ -230,8 +225,7 @@ static void any_scale(void **state) {
 /* Embree and linear search: the renderer computes position and normal from the primitive alone, so that
  * images differ only where a ray meets a mesh's edge and the two choose different sides, or a silhouette
  * within a rounding: at most one pixel in a thousand. */
-static void tracers_agree(void **state) {
-    (void)state;
+UNIT_TEST(tracers_agree) {
     stage s = demo(&plain);
     fathom_film *embree = stage_render(&s);
     s.settings.tracer = "reference";
@@ -272,8 +266,7 @@ static size_t black_where_lit(bool fix) {
     return black;
 }
 
-static void shadow_terminator(void **state) {
-    (void)state;
+UNIT_TEST(shadow_terminator) {
     assert_int_equal(black_where_lit(true), 0);
     assert_true(black_where_lit(false) > 100); /* the test sees the defect when the fix is off */
 }
@@ -343,8 +336,7 @@ static void count_lifted(stage *s, size_t *more, size_t *less) {
     fathom_film_destroy(lifted);
 }
 
-static void the_terminator_fix_only_adds_light(void **state) {
-    (void)state;
+UNIT_TEST(the_terminator_fix_only_adds_light) {
     for (int k = 0; k < 8; ++k) {
         stage s = on_floor(k & 1, k & 2, k & 4 ? FATHOM_LIGHT_POINT : FATHOM_LIGHT_DIRECTIONAL);
         for (int tracer = 0; tracer < 2; ++tracer) {
@@ -371,8 +363,7 @@ static bool stop_after(void *user, const fathom_progress *progress) {
 }
 
 /* A stopped render hands over the film as far as it got. */
-static void stopping(void **state) {
-    (void)state;
+UNIT_TEST(stopping) {
     stage s = demo(&plain);
     s.settings.width = 640, s.settings.height = 480, s.settings.spp = 1024;
     stopper stop = {0, 3, pthread_self()};
@@ -388,8 +379,7 @@ static void stopping(void **state) {
 
 /* With coverage asked for, the background behind is left out, and what is left is premultiplied: laid over
  * the background it is the plain image, to a rounding of each of the 4 samples. */
-static void coverage(void **state) {
-    (void)state;
+UNIT_TEST(coverage) {
     stage s = demo(&plain);
     fathom_film *whole = stage_render(&s);
     s.settings.aovs = FATHOM_AOV_ALPHA;
@@ -407,8 +397,7 @@ static void coverage(void **state) {
 }
 
 /* Settings out of range are refused before anything is allocated. */
-static void bad_settings(void **state) {
-    (void)state;
+UNIT_TEST(bad_settings) {
     stage s = demo(&plain);
     fathom_film *film;
     const fathom_settings good = s.settings;
@@ -427,19 +416,4 @@ static void bad_settings(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(same_bits_however_rendered),
-        cmocka_unit_test(crop_is_a_part),
-        cmocka_unit_test(order_of_shapes),
-        cmocka_unit_test(rigid_motion),
-        cmocka_unit_test(any_scale),
-        cmocka_unit_test(tracers_agree),
-        cmocka_unit_test(shadow_terminator),
-        cmocka_unit_test(the_terminator_fix_only_adds_light),
-        cmocka_unit_test(stopping),
-        cmocka_unit_test(coverage),
-        cmocka_unit_test(bad_settings),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

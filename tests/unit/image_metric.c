@@ -17,8 +17,7 @@ static void fill(picture *p, float value) {
     }
 }
 
-static void equal_images_have_no_error(void **state) {
-    (void)state;
+UNIT_TEST(equal_images_have_no_error) {
     picture a;
     fill(&a, 0.3f);
     assert_true(metric_rmse(&a.image, &a.image) == 0);
@@ -28,8 +27,7 @@ static void equal_images_have_no_error(void **state) {
 
 /* An offset d everywhere: RMSE is |d|, relative MSE d² / (r² + 0.01). The values are exact in float; sums of
  * 12 terms and a root round by less than 16 units. */
-static void an_offset_is_the_rmse(void **state) {
-    (void)state;
+UNIT_TEST(an_offset_is_the_rmse) {
     picture a, b;
     fill(&a, 0.5f);
     fill(&b, 0.75f);
@@ -40,8 +38,7 @@ static void an_offset_is_the_rmse(void **state) {
 }
 
 /* One of the 12 values is off by 3, the others by nothing: √(9 / 12), and 9 / 0.01 / 12. */
-static void one_value_matches_the_definition(void **state) {
-    (void)state;
+UNIT_TEST(one_value_matches_the_definition) {
     picture a, b;
     fill(&a, 0);
     fill(&b, 0);
@@ -51,8 +48,7 @@ static void one_value_matches_the_definition(void **state) {
 }
 
 /* Wherever it stands, and though both images have it. */
-static void values_that_are_not_finite_make_errors_infinite(void **state) {
-    (void)state;
+UNIT_TEST(values_that_are_not_finite_make_errors_infinite) {
     const float bad[] = {NAN, INFINITY, -INFINITY};
     for (size_t k = 0; k < 3; ++k) {
         picture a, b;
@@ -72,12 +68,4 @@ static void values_that_are_not_finite_make_errors_infinite(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equal_images_have_no_error),
-        cmocka_unit_test(an_offset_is_the_rmse),
-        cmocka_unit_test(one_value_matches_the_definition),
-        cmocka_unit_test(values_that_are_not_finite_make_errors_infinite),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -59,8 +59,7 @@ static image small(image_channel channels[4], size_t channel_count) {
 
 /* Sizes and kind, sRGB with its intent, and for those who do not know sRGB the gamma 1/2.2 and BT.709; texts
  * as Latin-1, or as UTF-8 where they need it. */
-static void srgb_files_have_srgb_chunks(void **state) {
-    (void)state;
+UNIT_TEST(srgb_files_have_srgb_chunks) {
     image_channel channels[4];
     image img = small(channels, 3);
     assert_ok(context, image_write(context, &img, in_folder("a.png"), &usual));
@@ -86,8 +85,7 @@ static void srgb_files_have_srgb_chunks(void **state) {
 }
 
 /* Colours of another kind are not called sRGB. */
-static void raw_files_have_no_srgb_chunk(void **state) {
-    (void)state;
+UNIT_TEST(raw_files_have_no_srgb_chunk) {
     image_channel channels[4];
     image img = small(channels, 3);
     fathom_write_options raw = usual;
@@ -102,8 +100,7 @@ static void raw_files_have_no_srgb_chunk(void **state) {
     ASSERT_CHUNK("tEXt", 0, "Software\0Fathom test");
 }
 
-static void texts_are_read_back(void **state) {
-    (void)state;
+UNIT_TEST(texts_are_read_back) {
     image_channel channels[4];
     image img = small(channels, 4);
     assert_ok(context, image_write(context, &img, in_folder("a.png"), &usual));
@@ -127,8 +124,7 @@ static void texts_are_read_back(void **state) {
 }
 
 /* libpng has a limit of its own, a million a side, which is lifted. */
-static void long_rows_are_written(void **state) {
-    (void)state;
+UNIT_TEST(long_rows_are_written) {
     image_channel channels[4];
     image img = small(channels, 3);
     for (size_t c = 0; c < 3; ++c) channels[c].stride = 0;
@@ -139,8 +135,7 @@ static void long_rows_are_written(void **state) {
 }
 
 /* PNG's own limit: libpng's error arrives as a status, and the file that was there stays. */
-static void too_many_rows_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(too_many_rows_are_refused) {
     image_channel channels[4];
     image img = small(channels, 3);
     for (size_t c = 0; c < 3; ++c) channels[c].stride = 0;
@@ -153,8 +148,7 @@ static void too_many_rows_are_refused(void **state) {
 }
 
 /* Given up after its rows: nothing is said, and nothing is kept. */
-static void an_abandoned_file_leaves_nothing(void **state) {
-    (void)state;
+UNIT_TEST(an_abandoned_file_leaves_nothing) {
     image_channel channels[4];
     const image img = small(channels, 3);
     image_message message = {""};
@@ -175,11 +169,4 @@ static int remove_image(void **state) {
     return remove_folder(state);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(srgb_files_have_srgb_chunks), cmocka_unit_test(raw_files_have_no_srgb_chunk),
-        cmocka_unit_test(texts_are_read_back),         cmocka_unit_test(long_rows_are_written),
-        cmocka_unit_test(too_many_rows_are_refused),   cmocka_unit_test(an_abandoned_file_leaves_nothing),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_image);
-}
+int main(void) { return unit_main(open_folder, remove_image); }

@@ -48,8 +48,7 @@ static uint32_t step_of_module(unsigned code) {
 }
 
 /* Between two steps the code does not change: with the steps the same, all is. */
-static void every_step_agrees_with_opencolorio(void **state) {
-    (void)state;
+UNIT_TEST(every_step_agrees_with_opencolorio) {
     for (unsigned code = 0; code < 255; ++code) {
         uint32_t step = step_of_module(code);
         assert_int_equal(srgb_code(&codes, from_bits(step)), code + 1);
@@ -64,8 +63,7 @@ static void every_step_agrees_with_opencolorio(void **state) {
 }
 
 /* Values from all over the floats, and of each bucket the ends. */
-static void all_floats_agree_with_opencolorio(void **state) {
-    (void)state;
+UNIT_TEST(all_floats_agree_with_opencolorio) {
     static float values[COUNT];
     static unsigned char expected[COUNT];
     for (uint32_t i = 0; i < SRGB_BUCKETS; ++i) {
@@ -88,8 +86,7 @@ static void all_floats_agree_with_opencolorio(void **state) {
 
 /* Rows through both, with what no view is given as it is: infinities, NaN, 1e38; gains, and alphas to divide
  * by. */
-static void rows_agree_with_opencolorio(void **state) {
-    (void)state;
+UNIT_TEST(rows_agree_with_opencolorio) {
     enum { WIDTH = 512 };
     static float rgba[WIDTH][4], scratch[4 * WIDTH];
     const float odd[] = {NAN, INFINITY, -INFINITY, 1e38f, -1e38f, -0.0f, 65504, 1, 0, -0.25f, 0x1p-149f};
@@ -123,8 +120,7 @@ static void rows_agree_with_opencolorio(void **state) {
 }
 
 /* Decided by the names alone. */
-static void only_exr_and_srgb_png_need_no_helper(void **state) {
-    (void)state;
+UNIT_TEST(only_exr_and_srgb_png_need_no_helper) {
     fathom_write_options options = {.size = sizeof options};
     assert_false(image_needs_module("a.png", &options));
     assert_false(image_needs_module("a.txt", &options)); /* nor can it be written */
@@ -164,12 +160,4 @@ static int close_view(void **state) {
     return 0;
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_step_agrees_with_opencolorio),
-        cmocka_unit_test(all_floats_agree_with_opencolorio),
-        cmocka_unit_test(rows_agree_with_opencolorio),
-        cmocka_unit_test(only_exr_and_srgb_png_need_no_helper),
-    };
-    return cmocka_run_group_tests(tests, open_view, close_view);
-}
+int main(void) { return unit_main(open_view, close_view); }

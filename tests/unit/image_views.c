@@ -45,8 +45,7 @@ static void write_config(const char *name, const char *roles, const char *spaces
 
 #define PLAIN "  - !<ColorSpace>\n    name: Plain\n"
 
-static void unknown_names_are_listed(void **state) {
-    (void)state;
+UNIT_TEST(unknown_names_are_listed) {
     fathom_write_options options = defaults();
     options.view = "Filmic";
     assert_fails(
@@ -61,8 +60,7 @@ static void unknown_names_are_listed(void **state) {
     assert_ok(context, image_check(context, in_folder("a.tif"), &options));
 }
 
-static void missing_and_broken_configs_are_reported(void **state) {
-    (void)state;
+UNIT_TEST(missing_and_broken_configs_are_reported) {
     fathom_write_options options = defaults();
     options.ocio = "/nowhere/config.ocio";
     assert_fails(context, image_check(context, in_folder("a.png"), &options), FATHOM_BAD_USAGE,
@@ -99,8 +97,7 @@ static void assert_codes(const int codes[15], float factor) {
     }
 }
 
-static void the_users_config_is_used(void **state) {
-    (void)state;
+UNIT_TEST(the_users_config_is_used) {
     int codes[15];
     fathom_write_options options = defaults();
     write_config("user.ocio", "  scene_linear: Plain\n", PLAIN);
@@ -118,8 +115,7 @@ static void the_users_config_is_used(void **state) {
 }
 
 /* A space with one of linear Rec.709's names goes before the role: in many configs scene_linear is ACEScg. */
-static void a_named_space_comes_before_roles(void **state) {
-    (void)state;
+UNIT_TEST(a_named_space_comes_before_roles) {
     int codes[15];
     fathom_write_options options = defaults();
     write_config("named.ocio", "  scene_linear: Plain\n",
@@ -133,8 +129,7 @@ static void a_named_space_comes_before_roles(void **state) {
 }
 
 /* Where the config tells ACES2065-1, the same light comes out of it as out of the built-in config. */
-static void interchange_leads_to_rec709(void **state) {
-    (void)state;
+UNIT_TEST(interchange_leads_to_rec709) {
     int codes[15], expected[15];
     fathom_write_options options = defaults();
     options.view = "Raw";
@@ -167,8 +162,7 @@ static bool file_holds(const char *path, const char *bytes, size_t count) {
 }
 
 /* Marked as sRGB when it is: PNG's own chunk, TIFF's ICC profile, JPEG's EXIF tag 0xa001 (short, count 1). */
-static void srgb_files_are_marked(void **state) {
-    (void)state;
+UNIT_TEST(srgb_files_are_marked) {
     static const struct {
         const char *file, *mark;
         size_t size;
@@ -199,14 +193,4 @@ static int remove_image(void **state) {
     return remove_folder(state);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(unknown_names_are_listed),
-        cmocka_unit_test(missing_and_broken_configs_are_reported),
-        cmocka_unit_test(the_users_config_is_used),
-        cmocka_unit_test(a_named_space_comes_before_roles),
-        cmocka_unit_test(interchange_leads_to_rec709),
-        cmocka_unit_test(srgb_files_are_marked),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_image);
-}
+int main(void) { return unit_main(open_folder, remove_image); }

@@ -109,8 +109,7 @@ static void only_raw_leaks(stage *s, bool robust_too) {
 }
 
 /* A black cave, and a bright world outside. */
-static void no_background_from_inside(void **state) {
-    (void)state;
+UNIT_TEST(no_background_from_inside) {
     static vec3_f64 points[W * H];
     stage s = stage_open(W, H);
     const float white[3] = {1, 1, 1};
@@ -170,8 +169,7 @@ static void add_black_cave(stage *s, way how) {
     }
 }
 
-static void nothing_outside_is_seen_from_inside(void **state) {
-    (void)state;
+UNIT_TEST(nothing_outside_is_seen_from_inside) {
     for (way how = STRAIGHT; how <= NESTED; ++how) {
         stage s = stage_open(W, H);
         const float white[3] = {1, 1, 1};
@@ -214,17 +212,9 @@ static void no_sun(bool alone) {
     stage_close(&s);
 }
 
-static void no_sun_from_outside(void **state) {
-    (void)state;
+UNIT_TEST(no_sun_from_outside) {
     no_sun(true);
     no_sun(false);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_background_from_inside),
-        cmocka_unit_test(nothing_outside_is_seen_from_inside),
-        cmocka_unit_test(no_sun_from_outside),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -66,8 +66,7 @@ static void assert_whole_frame(stage *s, const uint32_t crop[4], size_t block) {
     fathom_film_destroy(one);
 }
 
-static void a_stopped_render_shows_the_whole_frame(void **state) {
-    (void)state;
+UNIT_TEST(a_stopped_render_shows_the_whole_frame) {
     stage s = two_balls();
     for (unsigned threads = 1; threads <= 3; threads += 2) {
         fathom_context_set_threads(s.context, threads);
@@ -78,8 +77,7 @@ static void a_stopped_render_shows_the_whole_frame(void **state) {
 }
 
 /* No wave reaches this error. */
-static void a_render_to_an_error_that_is_stopped_shows_the_whole_frame(void **state) {
-    (void)state;
+UNIT_TEST(a_render_to_an_error_that_is_stopped_shows_the_whole_frame) {
     stage s = two_balls();
     s.settings.target_error = 1e-7;
     fathom_context_set_threads(s.context, 2);
@@ -88,8 +86,7 @@ static void a_render_to_an_error_that_is_stopped_shows_the_whole_frame(void **st
 }
 
 /* The reference has no preview: what it has not sampled is empty. */
-static void a_stopped_reference_shows_its_own_samples_alone(void **state) {
-    (void)state;
+UNIT_TEST(a_stopped_reference_shows_its_own_samples_alone) {
     static const uint32_t middle[4] = {40, 40, 60, 60};
     stage s = two_balls();
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_REFERENCE);
@@ -105,8 +102,7 @@ static void a_stopped_reference_shows_its_own_samples_alone(void **state) {
 }
 
 /* The preview is seen in no image that is finished, and counts in no figure. */
-static void a_finished_render_holds_samples_alone(void **state) {
-    (void)state;
+UNIT_TEST(a_finished_render_holds_samples_alone) {
     stage s = two_balls();
     fathom_film *film;
     fathom_stats stats = {.size = sizeof stats};
@@ -120,12 +116,4 @@ static void a_finished_render_holds_samples_alone(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_stopped_render_shows_the_whole_frame),
-        cmocka_unit_test(a_render_to_an_error_that_is_stopped_shows_the_whole_frame),
-        cmocka_unit_test(a_stopped_reference_shows_its_own_samples_alone),
-        cmocka_unit_test(a_finished_render_holds_samples_alone),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -113,8 +113,7 @@ static void random_near(light_surface near[3]) {
     }
 }
 
-static void same_bits_from_all(void **state) {
-    (void)state;
+UNIT_TEST(same_bits_from_all) {
     unsigned sets = 0;
     while (material_kernels_at(sets)) ++sets;
     assert_ptr_equal(material_kernels_at(sets - 1), material_kernels_best());
@@ -194,8 +193,7 @@ static void find_hits(const surface_kernels *k, const hit_case *c, hit_outputs *
 }
 
 /* What is gathered is what the mesh says, and the same is made of it. */
-static void same_hits_from_all(void **state) {
-    (void)state;
+UNIT_TEST(same_hits_from_all) {
     for (int round = 0; round < 3000; ++round) {
         static hit_case c;
         static hit_outputs plain, wide;
@@ -272,8 +270,7 @@ static void instances_are_left_alike(const surface_kernels *k) {
     }
 }
 
-static void instances_are_left_alike_by_all(void **state) {
-    (void)state;
+UNIT_TEST(instances_are_left_alike_by_all) {
     for (unsigned set = 0; surface_kernels_at(set); ++set) {
         for (int round = 0; round < 1000; ++round) instances_are_left_alike(surface_kernels_at(set));
     }
@@ -332,8 +329,7 @@ static void check_halves(const quad_case *c, const hit_outputs *out) {
     }
 }
 
-static void same_halves_from_all(void **state) {
-    (void)state;
+UNIT_TEST(same_halves_from_all) {
     for (int round = 0; round < 3000; ++round) {
         static quad_case c;
         static hit_outputs plain, wide;
@@ -431,8 +427,7 @@ static void is_right(const ray_case *c, const ray_outputs *out) {
     }
 }
 
-static void same_rays_from_all(void **state) {
-    (void)state;
+UNIT_TEST(same_rays_from_all) {
     for (int round = 0; round < 3000; ++round) {
         static ray_case c;
         static ray_outputs plain, wide;
@@ -466,8 +461,7 @@ static void appends_lanes(unsigned set, uint32_t lanes, unsigned at, bool in_pla
     if (!in_place) assert_memory_equal(to, right, sizeof right);
 }
 
-static void lanes_are_appended_in_order_by_all(void **state) {
-    (void)state;
+UNIT_TEST(lanes_are_appended_in_order_by_all) {
     for (unsigned set = 0; integrate_kernels_at(set); ++set) {
         for (uint32_t lanes = 0; lanes < 1u << LANES; lanes += 1 + lanes % 7) {
             const unsigned count = (unsigned)__builtin_popcount(lanes);
@@ -477,12 +471,4 @@ static void lanes_are_appended_in_order_by_all(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(same_bits_from_all),
-                                       cmocka_unit_test(same_hits_from_all),
-                                       cmocka_unit_test(same_halves_from_all),
-                                       cmocka_unit_test(same_rays_from_all),
-                                       cmocka_unit_test(instances_are_left_alike_by_all),
-                                       cmocka_unit_test(lanes_are_appended_in_order_by_all)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -60,8 +60,7 @@ static stage open_plain(void) {
 static const char *const stages[] = {"background", "mirrored and refracted rays", "buffers of AOVs",
                                      "watertight repair", "shading normals"};
 
-static void a_plain_scene_does_without_all(void **state) {
-    (void)state;
+UNIT_TEST(a_plain_scene_does_without_all) {
     stage s = open_plain();
     fathom_film *film = render(&s, NULL);
     for (size_t i = 0; i < sizeof stages / sizeof *stages; ++i) assert_true(says(film, stages[i]));
@@ -73,8 +72,7 @@ static void a_plain_scene_does_without_all(void **state) {
     stage_close(&s);
 }
 
-static void a_scene_that_needs_all_stages_does_without_none(void **state) {
-    (void)state;
+UNIT_TEST(a_scene_that_needs_all_stages_does_without_none) {
     stage s = stage_open(48, 40);
     fathom_material m;
     fathom_material_default(&m);
@@ -94,8 +92,7 @@ static void a_scene_that_needs_all_stages_does_without_none(void **state) {
     stage_close(&s);
 }
 
-static void surfaces_that_only_emit_cast_no_shadow_rays(void **state) {
-    (void)state;
+UNIT_TEST(surfaces_that_only_emit_cast_no_shadow_rays) {
     stage s = stage_open(48, 40);
     stage_mesh_sphere(&s, FATHOM_ROOT, 8, 16, stage_emitter(&s, 1));
     stage_point_light(&s, 2, 3, 2, 20);
@@ -153,8 +150,7 @@ static const char json_text[] =
     " \"uvs\": [[0,0], [1,0], [0,1]] },\n"
     "{ \"type\": \"mesh\", \"file\": \"left_out.obj\" } ] }\n";
 
-static void images_do_not_depend_on_reading_texture_coordinates(void **state) {
-    (void)state;
+UNIT_TEST(images_do_not_depend_on_reading_texture_coordinates) {
     stage s = open_plain();
     write_text("left_out.obj", obj_text);
     write_text("left_out.json", json_text);
@@ -170,8 +166,7 @@ static void images_do_not_depend_on_reading_texture_coordinates(void **state) {
 }
 
 /* Its grooves run across u, whether or not anything has an image. */
-static void brushed_metal_uses_texture_coordinates(void **state) {
-    (void)state;
+UNIT_TEST(brushed_metal_uses_texture_coordinates) {
     write_text(
         "brushed.json",
         "{ \"background\": [0.2, 0.5, 1], \"lights\": [ { \"type\": \"sun\", \"direction\": [1, -1, -1],"
@@ -194,8 +189,7 @@ static uint64_t hit_pixels(const fathom_film *film) {
     return count;
 }
 
-static void each_point_has_a_ray_to_each_light_cast_or_counted(void **state) {
-    (void)state;
+UNIT_TEST(each_point_has_a_ray_to_each_light_cast_or_counted) {
     stage s = stage_open(48, 40);
     stage_sphere(&s, 0, 0, 0, 1, 0);
     stage_point_light(&s, 3, 3, 2, 20);
@@ -232,8 +226,7 @@ static stage open_spot(const double at[3], const double along[3], float outer, b
     return s;
 }
 
-static void a_spot_that_is_left_out_would_have_lit_nothing(void **state) {
-    (void)state;
+UNIT_TEST(a_spot_that_is_left_out_would_have_lit_nothing) {
     random_state random = {7};
     unsigned aside = 0, dark = 0;
     for (int k = 0; k < 150; ++k) {
@@ -258,8 +251,7 @@ static void a_spot_that_is_left_out_would_have_lit_nothing(void **state) {
 }
 
 /* Some of it may lie in any cone. */
-static void a_spot_of_an_endless_scene_is_kept(void **state) {
-    (void)state;
+UNIT_TEST(a_spot_of_an_endless_scene_is_kept) {
     stage s = stage_open(16, 16);
     stage_sphere(&s, 0, 0, 0, 1, 0);
     add_spot(&s, (double[3]){0, 5, 0}, (double[3]){0, 1, 0}, 0.3f);
@@ -322,8 +314,7 @@ static void assert_loses_little(stage *s, uint64_t *faint) {
     fathom_film_destroy(less);
 }
 
-static void no_channel_loses_more_than_is_allowed(void **state) {
-    (void)state;
+UNIT_TEST(no_channel_loses_more_than_is_allowed) {
     stage s = open_faint();
     const float losses[][2] = {{1e-9f, 0}, {1e-4f, 0}, {0, 1e-4f}, {0.01f, 0.01f}, {1, 1}};
     uint64_t before = 0, faint;
@@ -336,8 +327,7 @@ static void no_channel_loses_more_than_is_allowed(void **state) {
     stage_close(&s);
 }
 
-static void each_ray_is_cast_or_faint_or_unlit(void **state) {
-    (void)state;
+UNIT_TEST(each_ray_is_cast_or_faint_or_unlit) {
     stage s = open_faint();
     s.settings.max_depth = 0; /* the same points in either image */
     fathom_stats exact = {.size = sizeof exact}, loses = {.size = sizeof loses};
@@ -378,8 +368,7 @@ static void assert_one_step(stage *s, fathom_loss loss, float exposure) {
     fathom_film_destroy(less);
 }
 
-static void files_change_by_one_step_at_most(void **state) {
-    (void)state;
+UNIT_TEST(files_change_by_one_step_at_most) {
     stage s = open_faint();
     assert_one_step(&s, FATHOM_LOSS_8BIT, 0);
     assert_one_step(&s, FATHOM_LOSS_8BIT, 6);
@@ -388,8 +377,7 @@ static void files_change_by_one_step_at_most(void **state) {
 }
 
 /* What a sample loses depends on nothing but its own paths. */
-static void a_crop_loses_what_the_whole_image_loses(void **state) {
-    (void)state;
+UNIT_TEST(a_crop_loses_what_the_whole_image_loses) {
     stage s = open_faint();
     fathom_settings_set_loss(&s.settings, FATHOM_LOSS_8BIT, 0);
     fathom_film *whole = render(&s, NULL);
@@ -404,8 +392,7 @@ static void a_crop_loses_what_the_whole_image_loses(void **state) {
     stage_close(&s);
 }
 
-static void losses_outside_0_to_1_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(losses_outside_0_to_1_are_refused) {
     stage s = open_plain();
     fathom_film *film;
     const float wrong[] = {-1, 2, NAN};
@@ -418,8 +405,7 @@ static void losses_outside_0_to_1_are_refused(void **state) {
 }
 
 /* The last test: after all of these scenes read and rendered, nothing has asked for it. */
-static void rendering_does_not_load_the_image_libraries(void **state) {
-    (void)state;
+UNIT_TEST(rendering_does_not_load_the_image_libraries) {
     char line[512];
     FILE *maps = fopen("/proc/self/maps", "r");
     if (!maps) skip();
@@ -429,22 +415,4 @@ static void rendering_does_not_load_the_image_libraries(void **state) {
     fclose(maps);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_plain_scene_does_without_all),
-        cmocka_unit_test(a_scene_that_needs_all_stages_does_without_none),
-        cmocka_unit_test(surfaces_that_only_emit_cast_no_shadow_rays),
-        cmocka_unit_test(images_do_not_depend_on_reading_texture_coordinates),
-        cmocka_unit_test(brushed_metal_uses_texture_coordinates),
-        cmocka_unit_test(each_point_has_a_ray_to_each_light_cast_or_counted),
-        cmocka_unit_test(a_spot_that_is_left_out_would_have_lit_nothing),
-        cmocka_unit_test(a_spot_of_an_endless_scene_is_kept),
-        cmocka_unit_test(no_channel_loses_more_than_is_allowed),
-        cmocka_unit_test(each_ray_is_cast_or_faint_or_unlit),
-        cmocka_unit_test(files_change_by_one_step_at_most),
-        cmocka_unit_test(a_crop_loses_what_the_whole_image_loses),
-        cmocka_unit_test(losses_outside_0_to_1_are_refused),
-        cmocka_unit_test(rendering_does_not_load_the_image_libraries),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

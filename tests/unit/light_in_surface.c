@@ -195,8 +195,7 @@ static void count_seen(const trial *t, stage *s, counts *c) {
     }
 }
 
-static void a_surface_that_holds_the_light_casts_nothing(void **state) {
-    (void)state;
+UNIT_TEST(a_surface_that_holds_the_light_casts_nothing) {
     for (int k = 0; k < HOLDERS * 2; ++k) {
         counts c = {0};
         for (uint64_t round = 0; round < 12; ++round) {
@@ -215,8 +214,7 @@ static void a_surface_that_holds_the_light_casts_nothing(void **state) {
 
 /* A screen parallel to the surface, at twice the distance that light_surfaces.c promises: 2^-17 of the room
  * and of where the light lies. Its edge is ten thousand times farther from the light. */
-static void what_is_just_in_front_of_the_light_casts(void **state) {
-    (void)state;
+UNIT_TEST(what_is_just_in_front_of_the_light_casts) {
     for (int k = 0; k < 2; ++k) {
         counts c = {0};
         for (uint64_t round = 0; round < 12; ++round) {
@@ -246,8 +244,4 @@ static void what_is_just_in_front_of_the_light_casts(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_surface_that_holds_the_light_casts_nothing),
-                                       cmocka_unit_test(what_is_just_in_front_of_the_light_casts)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -55,8 +55,7 @@ static void *nested_renders(void *unused) {
     return NULL;
 }
 
-static void nesting_on_a_small_stack(void **state) {
-    (void)state;
+UNIT_TEST(nesting_on_a_small_stack) {
     pthread_t thread;
     pthread_attr_t attributes;
     assert_int_equal(pthread_attr_init(&attributes), 0);
@@ -67,8 +66,7 @@ static void nesting_on_a_small_stack(void **state) {
 }
 
 /* A cycle of such length is told as one, by names cut short. */
-static void long_cycle(void **state) {
-    (void)state;
+UNIT_TEST(long_cycle) {
     stage s = stage_open(3, 3);
     fathom_id outer = nest(&s, DEPTH);
     fathom_instance instance;
@@ -80,10 +78,4 @@ static void long_cycle(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nesting_on_a_small_stack),
-        cmocka_unit_test(long_cycle),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -178,8 +178,7 @@ static lone_hit search(const world *w, vec3_f32 org, vec3_f32 dir) {
 }
 
 /* A block answers what its rays would each alone, one primitive after the other, to the last bit. */
-static void blocks_are_single_rays(void **state) {
-    (void)state;
+UNIT_TEST(blocks_are_single_rays) {
     random_state r = {1};
     fixture f = everything(&r);
     int seen[4] = {0};
@@ -219,8 +218,7 @@ static void blocks_are_single_rays(void **state) {
 
 /* An ellipsoid, mirrored and sheared: the point at t, in world space, is on it, whatever the direction's
  * length. */
-static void t_keeps_its_meaning(void **state) {
-    (void)state;
+UNIT_TEST(t_keeps_its_meaning) {
     random_state r = {2};
     fixture f = begin();
     fathom_id group;
@@ -261,8 +259,7 @@ static void t_keeps_its_meaning(void **state) {
 
 static const float wall[12 + 4] = {-1, -1, 0, 3, -1, 0, -1, 3, 0, 9, 9, 9};
 
-static void equal_t_goes_to_the_first(void **state) {
-    (void)state;
+UNIT_TEST(equal_t_goes_to_the_first) {
     static const uint32_t twice[9] = {0, 3, 3, 0, 1, 2, 0, 1, 2};
     static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     fixture f = begin();
@@ -289,8 +286,7 @@ static void equal_t_goes_to_the_first(void **state) {
     end(&f);
 }
 
-static void first_instance_wins(void **state) {
-    (void)state;
+UNIT_TEST(first_instance_wins) {
     static const uint32_t one[3] = {0, 1, 2};
     static const double nearer[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0.5};
     fixture f = begin();
@@ -309,8 +305,7 @@ static void first_instance_wins(void **state) {
     end(&f);
 }
 
-static void shadows_pass_what_casts_none(void **state) {
-    (void)state;
+UNIT_TEST(shadows_pass_what_casts_none) {
     fixture f = begin();
     add_sphere(&f, FATHOM_ROOT, 0, 0, 0, 1, FATHOM_CASTS_NO_SHADOW);
     add_sphere(&f, FATHOM_ROOT, 10, 0, 0, 1, 0);
@@ -329,8 +324,7 @@ static void shadows_pass_what_casts_none(void **state) {
     end(&f);
 }
 
-static void lanes_out_of_use_stay(void **state) {
-    (void)state;
+UNIT_TEST(lanes_out_of_use_stay) {
     fixture f = begin();
     add_sphere(&f, FATHOM_ROOT, 0, 0, 0, 1, 0);
     add_plane(&f, -5, 0);
@@ -361,8 +355,7 @@ static void lanes_out_of_use_stay(void **state) {
     end(&f);
 }
 
-static void triangles_that_are_none_are_skipped(void **state) {
-    (void)state;
+UNIT_TEST(triangles_that_are_none_are_skipped) {
     static const uint32_t some[12] = {3, 1, 2, 0, 0, 1, 0, 1, 2, 0, 1, 3};
     float vertices[16];
     memcpy(vertices, wall, sizeof vertices);
@@ -382,8 +375,7 @@ static void triangles_that_are_none_are_skipped(void **state) {
     end(&f);
 }
 
-static void threads_flush_denormals_and_restore(void **state) {
-    (void)state;
+UNIT_TEST(threads_flush_denormals_and_restore) {
     volatile float small = FLT_MIN, half = 0.5f;
     unsigned before = trace_thread_begin();
     volatile float flushed = small * half;
@@ -397,16 +389,4 @@ static void threads_flush_denormals_and_restore(void **state) {
 #endif
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blocks_are_single_rays),
-        cmocka_unit_test(t_keeps_its_meaning),
-        cmocka_unit_test(equal_t_goes_to_the_first),
-        cmocka_unit_test(first_instance_wins),
-        cmocka_unit_test(shadows_pass_what_casts_none),
-        cmocka_unit_test(lanes_out_of_use_stay),
-        cmocka_unit_test(triangles_that_are_none_are_skipped),
-        cmocka_unit_test(threads_flush_denormals_and_restore),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

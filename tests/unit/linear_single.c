@@ -23,8 +23,7 @@ static void forget(answers *a) { free(a->rays.blocks), free(a->fine); }
 /* The t of a flat shape is off by some 8 units over the cosine to its normal; a random ray meets a surface at
  * a cosine below c with probability c^2, so 2^12 units are exceeded once in (2^9)^2 rays. Rays come
  * within float's reach of an edge or a silhouette once in some 10^4. */
-static void agree_but_for_precision(void **state) {
-    (void)state;
+UNIT_TEST(agree_but_for_precision) {
     stage s;
     stage_open(&s);
     add_everything(&s);
@@ -64,8 +63,7 @@ static void agree_but_for_precision(void **state) {
 
 /* Past a sphere 4096 radii away, by a hundredth of its radius inside or outside: beyond a plain quadratic
  * in float. */
-static void far_spheres_are_met(void **state) {
-    (void)state;
+UNIT_TEST(far_spheres_are_met) {
     stage s;
     stage_open(&s);
     add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
@@ -95,8 +93,7 @@ static void far_spheres_are_met(void **state) {
 
 /* Two triangles whose t differ by less than float can tell: double finds the nearer one, the second; float
  * ties, and the first stays. */
-static void the_nearer_by_own_precision(void **state) {
-    (void)state;
+UNIT_TEST(the_nearer_by_own_precision) {
     static const float p[] = {-1,       -1, 0,  1,        -1, 0, 0,        1, 0, -1, -1,
                               0x1p-30f, 1,  -1, 0x1p-30f, 0,  1, 0x1p-30f, 0, 0, 0,  0};
     static const uint32_t t[] = {0, 1, 2, 3, 4, 5};
@@ -122,8 +119,7 @@ static void the_nearer_by_own_precision(void **state) {
 
 /* Shadows pass what casts none, planes are seen, lanes past the count and empty intervals stay, and any hit
  * says what closest hit says. */
-static void blocks_are_kept_to(void **state) {
-    (void)state;
+UNIT_TEST(blocks_are_kept_to) {
     stage s;
     stage_open(&s);
     add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, FATHOM_CASTS_NO_SHADOW);
@@ -158,8 +154,7 @@ static void blocks_are_kept_to(void **state) {
     stage_close(&s);
 }
 
-static void any_is_closest(void **state) {
-    (void)state;
+UNIT_TEST(any_is_closest) {
     stage s;
     stage_open(&s);
     add_everything(&s);
@@ -179,13 +174,4 @@ static void any_is_closest(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(agree_but_for_precision),
-        cmocka_unit_test(far_spheres_are_met),
-        cmocka_unit_test(the_nearer_by_own_precision),
-        cmocka_unit_test(blocks_are_kept_to),
-        cmocka_unit_test(any_is_closest),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -16,8 +16,7 @@ static void frame_is_orthonormal(const frame_f64 *f) {
     assert_near(dot_f64(cross_f64(f->x, f->y), f->z), 1, tolerance);
 }
 
-static void frames_from_any_two_directions(void **state) {
-    (void)state;
+UNIT_TEST(frames_from_any_two_directions) {
     const double values[] = {0, 1, -1, 1e-30, 1e30, 0.3};
     const size_t n = sizeof values / sizeof *values;
     for (size_t i = 0; i < n * n * n; ++i) {
@@ -30,8 +29,7 @@ static void frames_from_any_two_directions(void **state) {
     }
 }
 
-static void affine_inverse(void **state) {
-    (void)state;
+UNIT_TEST(affine_inverse) {
     affine_f64 rotation = affine_rotation_axis((vec3_f64){1, 2, 3}, 0.7);
     affine_f64 scaling = affine_scaling((vec3_f64){1e-6, -1, 1e6});
     affine_f64 map = affine_compose(&rotation, &scaling), inverse;
@@ -50,8 +48,7 @@ static void affine_inverse(void **state) {
 }
 
 /* (1-d)^n within an ulp: 2 u of itself, and half an ulp of the smallest normal number. */
-static void powers_next_to_one(void **state) {
-    (void)state;
+UNIT_TEST(powers_next_to_one) {
     const float exponents[] = {0.5f, 1, 2, 12.5f, 400, 1e4f, 1e6f, 1e9f};
     for (size_t e = 0; e < sizeof exponents / sizeof *exponents; ++e) {
         for (float d = 1e-12f; d < 0.29f; d *= 1.07f) {
@@ -73,11 +70,4 @@ static void powers_next_to_one(void **state) {
     assert_near(power_one_less(1, 0), 0, 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(frames_from_any_two_directions),
-        cmocka_unit_test(powers_next_to_one),
-        cmocka_unit_test(affine_inverse),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

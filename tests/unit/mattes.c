@@ -15,8 +15,7 @@
 static const double up[3] = {0, 1, 0};
 
 /* Values of the author's own implementation. */
-static void the_hash_is_murmur3(void **state) {
-    (void)state;
+UNIT_TEST(the_hash_is_murmur3) {
     assert_int_equal(murmur_hash("", 0), 0);
     assert_int_equal(murmur_hash("test", 4), 0xba6bd213);
     assert_int_equal(murmur_hash("hello", 5), 0x248bfa47);
@@ -24,8 +23,7 @@ static void the_hash_is_murmur3(void **state) {
     assert_int_equal(murmur_hash("The quick brown fox jumps over the lazy dog", 43), 0x2e4ff723);
 }
 
-static void ids_are_numbers(void **state) {
-    (void)state;
+UNIT_TEST(ids_are_numbers) {
     char name[16];
     for (unsigned i = 0; i < 100000; ++i) {
         snprintf(name, sizeof name, "object %u", i);
@@ -122,8 +120,7 @@ static stage open_sheet(float color, float opacity) {
 
 /* The corner pixel sees the sheet alone. In each of the four groups, 16 samples of a (0,2)-sequence have one
  * number in each sixteenth: a group is off by a sample at most. */
-static void coverage_is_opacity_whatever_reflects(void **state) {
-    (void)state;
+UNIT_TEST(coverage_is_opacity_whatever_reflects) {
     for (int color = 0; color < 2; ++color) {
         stage s = open_sheet((float)color, 0.25f);
         fathom_film *film = stage_render(&s);
@@ -139,8 +136,7 @@ static void coverage_is_opacity_whatever_reflects(void **state) {
 
 /* Rays that continue at the sheet round otherwise, by some h = 1e-6. So the ball's edge may move in a few
  * pixels, and depths there by sqrt(2 r h) = 1e-3. */
-static void aovs_see_past_holes(void **state) {
-    (void)state;
+UNIT_TEST(aovs_see_past_holes) {
     stage s = open_sheet(1, 0), bare = open_sheet(1, 0);
     for (int k = 0; k < 4; ++k) bare.scene->quads.items[0].corners[k][1] += 100;
     fathom_film *film = stage_render(&s), *expected = stage_render(&bare);
@@ -165,8 +161,7 @@ static void aovs_see_past_holes(void **state) {
     stage_close(&s), stage_close(&bare);
 }
 
-static void mattes_share_what_is_not_empty(void **state) {
-    (void)state;
+UNIT_TEST(mattes_share_what_is_not_empty) {
     static const char *const objects[] = {"left", "right", "curtain", "sphere 2"}, *const materials[] = {
                                                                                        "red \"wax\"", "veil",
                                                                                        "glass"};
@@ -199,8 +194,7 @@ static void mattes_share_what_is_not_empty(void **state) {
 }
 
 /* Each sample meets the curtain with a chance of a quarter: 5 standard errors of all samples on it. */
-static void what_is_there_in_part_covers_in_part(void **state) {
-    (void)state;
+UNIT_TEST(what_is_there_in_part_covers_in_part) {
     stage s = open_balls();
     fathom_film *film = stage_render(&s);
     const double veil = mean_of(film, "CryptoObject", "curtain");
@@ -222,8 +216,7 @@ static void assert_holds(const file_map *map, const char *text) {
     assert_non_null(memmem(map->bytes, map->size, text, strlen(text)));
 }
 
-static void headers_hold_the_names(void **state) {
-    (void)state;
+UNIT_TEST(headers_hold_the_names) {
     stage s = open_balls();
     fathom_film *film = stage_render(&s);
     const char *path = in_folder("a.exr");
@@ -252,8 +245,7 @@ static void headers_hold_the_names(void **state) {
 }
 
 /* A pixel keeps the largest six of sixteen, equal ones by their ids. */
-static void ranks_are_the_largest(void **state) {
-    (void)state;
+UNIT_TEST(ranks_are_the_largest) {
     matte_list list = {{0}, {0}};
     for (uint32_t i = 1; i <= 20; ++i) matte_add(&list, i, i);
     matte_add(&list, 3, 12);
@@ -270,8 +262,7 @@ static void ranks_are_the_largest(void **state) {
 }
 
 /* A path of an assembly, say, whose parts differ in its last letter. */
-static void long_names_are_whole(void **state) {
-    (void)state;
+UNIT_TEST(long_names_are_whole) {
     char names[2][402], entry[1024];
     stage s = stage_open(SIDE, SIDE);
     for (int k = 0; k < 2; ++k) {
@@ -295,17 +286,4 @@ static void long_names_are_whole(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_hash_is_murmur3),
-        cmocka_unit_test(ids_are_numbers),
-        cmocka_unit_test(coverage_is_opacity_whatever_reflects),
-        cmocka_unit_test(aovs_see_past_holes),
-        cmocka_unit_test(mattes_share_what_is_not_empty),
-        cmocka_unit_test(what_is_there_in_part_covers_in_part),
-        cmocka_unit_test(headers_hold_the_names),
-        cmocka_unit_test(ranks_are_the_largest),
-        cmocka_unit_test(long_names_are_whole),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -17,8 +17,7 @@ static stage one_sphere(void) {
     return s;
 }
 
-static void null_for_contexts(void **state) {
-    (void)state;
+UNIT_TEST(null_for_contexts) {
     refuses(fathom_context_create(NULL));
     fathom_context_destroy(NULL);
     assert_string_equal(fathom_context_message(NULL), "");
@@ -43,8 +42,7 @@ static void null_for_contexts(void **state) {
     stage_close(&s);
 }
 
-static void null_for_files(void **state) {
-    (void)state;
+UNIT_TEST(null_for_files) {
     stage s = one_sphere();
     const char *none = NULL;
     refuses(fathom_file_check(NULL, "a"));
@@ -63,8 +61,7 @@ static void null_for_files(void **state) {
     stage_close(&s);
 }
 
-static void null_for_images(void **state) {
-    (void)state;
+UNIT_TEST(null_for_images) {
     stage s = one_sphere();
     fathom_film *film = stage_render(&s);
     fathom_write_options options;
@@ -109,8 +106,7 @@ static void null_for_images(void **state) {
     stage_close(&s);
 }
 
-static void null_for_surveys(void **state) {
-    (void)state;
+UNIT_TEST(null_for_surveys) {
     stage s = one_sphere();
     fathom_light light;
     const fathom_survey *survey;
@@ -125,8 +121,7 @@ static void null_for_surveys(void **state) {
     stage_close(&s);
 }
 
-static void null_for_settings(void **state) {
-    (void)state;
+UNIT_TEST(null_for_settings) {
     stage s = one_sphere();
     char text[32];
     assert_non_null(fathom_settings_parameters(NULL));
@@ -143,8 +138,7 @@ static void null_for_settings(void **state) {
     stage_close(&s);
 }
 
-static void null_for_defaults(void **state) {
-    (void)state;
+UNIT_TEST(null_for_defaults) {
     fathom_settings settings = {.size = sizeof settings, .width = 7}, expected;
     fathom_settings_default(NULL);
     refuses(fathom_settings_set_integrator(NULL, FATHOM_INTEGRATOR_PATH));
@@ -167,8 +161,7 @@ static void null_for_defaults(void **state) {
 }
 
 /* What helps to fill a struct leaves it as it was. */
-static void null_for_helpers(void **state) {
-    (void)state;
+UNIT_TEST(null_for_helpers) {
     const double a[3] = {1, 2, 3}, b[3] = {0, 1, 0};
     fathom_camera camera, camera_before;
     fathom_quad quad, quad_before;
@@ -186,8 +179,7 @@ static void null_for_helpers(void **state) {
     assert_memory_equal(&quad, &quad_before, sizeof quad);
 }
 
-static void null_for_scenes(void **state) {
-    (void)state;
+UNIT_TEST(null_for_scenes) {
     stage s = stage_open(32, 32);
     fathom_scene *scene = s.scene;
     names("out", fathom_scene_create(s.context, NULL));
@@ -233,8 +225,7 @@ static void null_for_scenes(void **state) {
     stage_close(&s);
 }
 
-static void null_for_what_is_added(void **state) {
-    (void)state;
+UNIT_TEST(null_for_what_is_added) {
     stage s = stage_open(32, 32);
     fathom_id id = 77;
     fathom_material material;
@@ -276,8 +267,7 @@ static void null_for_what_is_added(void **state) {
 }
 
 /* Arrays that are NULL though their counts say otherwise, and the other way round. */
-static void null_in_meshes(void **state) {
-    (void)state;
+UNIT_TEST(null_in_meshes) {
     stage s = stage_open(32, 32);
     static const float positions[16] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     static const uint32_t indices[3] = {0, 1, 2};
@@ -298,8 +288,7 @@ static void null_in_meshes(void **state) {
 }
 
 /* A cloud of points has positions and colours alone, and a radius that is a number. */
-static void clouds_with_more_than_points(void **state) {
-    (void)state;
+UNIT_TEST(clouds_with_more_than_points) {
     stage s = stage_open(32, 32);
     static const float rows[16] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     static const uint32_t indices[3] = {0, 1, 2};
@@ -329,8 +318,7 @@ static void clouds_with_more_than_points(void **state) {
     stage_close(&s);
 }
 
-static void null_for_reading(void **state) {
-    (void)state;
+UNIT_TEST(null_for_reading) {
     stage s = stage_open(32, 32);
     fathom_scene *scene = s.scene;
     refuses(fathom_scene_read(NULL, "a.json", &scene));
@@ -352,8 +340,7 @@ static void null_for_reading(void **state) {
     stage_close(&s);
 }
 
-static void null_for_renders(void **state) {
-    (void)state;
+UNIT_TEST(null_for_renders) {
     stage s = one_sphere();
     fathom_film *film = NULL;
     fathom_stats stats = {.size = sizeof stats};
@@ -404,8 +391,7 @@ static void null_for_renders(void **state) {
     stage_close(&s);
 }
 
-static void null_for_sessions(void **state) {
-    (void)state;
+UNIT_TEST(null_for_sessions) {
     stage s = one_sphere();
     fathom_session *session = NULL;
     fathom_progress progress;
@@ -427,8 +413,7 @@ static void null_for_sessions(void **state) {
     stage_close(&s);
 }
 
-static void null_for_films(void **state) {
-    (void)state;
+UNIT_TEST(null_for_films) {
     stage s = one_sphere();
     fathom_film *film = stage_render(&s);
     uint32_t width = 7, height = 7;
@@ -462,8 +447,7 @@ static void null_for_films(void **state) {
     stage_close(&s);
 }
 
-static void null_for_tracers(void **state) {
-    (void)state;
+UNIT_TEST(null_for_tracers) {
     stage s = one_sphere();
     fathom_tracer *tracer = NULL;
     const fathom_ray ray = {.direction = {0, 0, -1}, .t_max = 100};
@@ -492,8 +476,7 @@ static void null_for_tracers(void **state) {
 }
 
 /* No call is forgotten here: each that the headers declare is in this file's text. */
-static void every_call_is_here(void **state) {
-    (void)state;
+UNIT_TEST(every_call_is_here) {
     static const char *const headers[] = {"base.h",  "file.h",    "image.h",  "parameter.h",
                                           "part.h",  "ranks.h",   "read.h",   "render.h",
                                           "scene.h", "session.h", "survey.h", "trace.h"};
@@ -524,8 +507,7 @@ static void every_call_is_here(void **state) {
     assert_true(calls >= 50);
 }
 
-static void unfinished_scenes(void **state) {
-    (void)state;
+UNIT_TEST(unfinished_scenes) {
     stage s = stage_open(32, 32);
     fathom_film *film;
     fathom_tracer *tracer;
@@ -562,8 +544,7 @@ static void unfinished_scenes(void **state) {
     stage_close(&s);
 }
 
-static void destroying_in_any_order(void **state) {
-    (void)state;
+UNIT_TEST(destroying_in_any_order) {
     for (int order = 0; order < 6; ++order) {
         stage s = one_sphere();
         fathom_film *film = stage_render(&s);
@@ -582,8 +563,7 @@ static void destroying_in_any_order(void **state) {
 }
 
 /* A film may be used as long as wanted, by another context too, after a write that failed as well. */
-static void films_outlive(void **state) {
-    (void)state;
+UNIT_TEST(films_outlive) {
     stage s = one_sphere();
     fathom_film *film = stage_render(&s);
     stage_close(&s);
@@ -598,8 +578,7 @@ static void films_outlive(void **state) {
     fathom_context_destroy(other);
 }
 
-static void values_of_no_enumerator(void **state) {
-    (void)state;
+UNIT_TEST(values_of_no_enumerator) {
     stage s = one_sphere();
     fathom_settings settings = s.settings;
     fathom_film *film;
@@ -628,8 +607,7 @@ static void values_of_no_enumerator(void **state) {
 }
 
 /* What failed leaves a context and a scene as good as they were. */
-static void work_goes_on_after_failures(void **state) {
-    (void)state;
+UNIT_TEST(work_goes_on_after_failures) {
     stage s = one_sphere();
     fathom_film *before = stage_render(&s), *film;
     fathom_settings bad = s.settings;
@@ -648,30 +626,4 @@ static void work_goes_on_after_failures(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(null_for_contexts),
-        cmocka_unit_test(null_for_files),
-        cmocka_unit_test(null_for_images),
-        cmocka_unit_test(null_for_surveys),
-        cmocka_unit_test(null_for_settings),
-        cmocka_unit_test(null_for_defaults),
-        cmocka_unit_test(null_for_helpers),
-        cmocka_unit_test(null_for_scenes),
-        cmocka_unit_test(null_for_what_is_added),
-        cmocka_unit_test(null_in_meshes),
-        cmocka_unit_test(clouds_with_more_than_points),
-        cmocka_unit_test(null_for_reading),
-        cmocka_unit_test(null_for_renders),
-        cmocka_unit_test(null_for_sessions),
-        cmocka_unit_test(null_for_films),
-        cmocka_unit_test(null_for_tracers),
-        cmocka_unit_test(every_call_is_here),
-        cmocka_unit_test(unfinished_scenes),
-        cmocka_unit_test(destroying_in_any_order),
-        cmocka_unit_test(films_outlive),
-        cmocka_unit_test(values_of_no_enumerator),
-        cmocka_unit_test(work_goes_on_after_failures),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -42,8 +42,7 @@ static void open_shutter(stage *s, double open, double close) {
 
 /* ---- parts ---- */
 
-static void a_map_taken_apart_and_put_together_is_the_map(void **state) {
-    (void)state;
+UNIT_TEST(a_map_taken_apart_and_put_together_is_the_map) {
     random_state r = {1};
     for (int k = 0; k < 1000; ++k) {
         affine_f64 map;
@@ -54,8 +53,7 @@ static void a_map_taken_apart_and_put_together_is_the_map(void **state) {
     }
 }
 
-static void rotations_stay_rigid_and_evenly_fast_between_keys(void **state) {
-    (void)state;
+UNIT_TEST(rotations_stay_rigid_and_evenly_fast_between_keys) {
     const vec3_f64 axis = {1, 2, -1}, none = {0, 0, 0}, one = {1, 1, 1};
     const affine_f64 from = map_of(0.2, axis, none, one), to = map_of(2.9, axis, none, one);
     const motion_parts a = motion_take_apart(&from), b = motion_take_apart(&to);
@@ -138,8 +136,7 @@ static double nearing(const stage *s, const trace_block *b, int i) {
 
 /* Embree interpolates places in float, the linear search in double: at most a few rays pass a rim by
  * rounding, and none is off by more than some roundings. */
-static void embree_meets_what_the_linear_search_meets_at_the_ray_s_time(void **state) {
-    (void)state;
+UNIT_TEST(embree_meets_what_the_linear_search_meets_at_the_ray_s_time) {
     stage s = moving_stage();
     world *w;
     assert_ok(s.context, world_create(s.scene, &w));
@@ -181,8 +178,7 @@ static void embree_meets_what_the_linear_search_meets_at_the_ray_s_time(void **s
 }
 
 /* The vertices of a mesh that turns half around are as far from its centre at every time. */
-static void turning_meshes_stay_rigid(void **state) {
-    (void)state;
+UNIT_TEST(turning_meshes_stay_rigid) {
     stage s = stage_open(8, 8);
     const fathom_id ball = new_group(&s);
     const vec3_f64 axis = {1, 2, 3}, far = {100, 50, -20}, one = {1, 1, 1};
@@ -214,8 +210,7 @@ static void assert_refused(const stage *s, fathom_status status, const char *wha
     if (!strstr(message, what)) fail_msg("\"%s\" lacks \"%s\"", message, what);
 }
 
-static void tracers_without_times_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(tracers_without_times_are_refused) {
     stage s = moving_stage();
     world *w;
     trace_tracer *tracer;
@@ -233,8 +228,7 @@ static void tracers_without_times_are_refused(void **state) {
     stage_close(&s);
 }
 
-static void bad_keys_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(bad_keys_are_refused) {
     stage s = stage_open(8, 8);
     double maps[24] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     double times[2] = {1, 1};
@@ -256,14 +250,4 @@ static void bad_keys_are_refused(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_map_taken_apart_and_put_together_is_the_map),
-        cmocka_unit_test(rotations_stay_rigid_and_evenly_fast_between_keys),
-        cmocka_unit_test(embree_meets_what_the_linear_search_meets_at_the_ray_s_time),
-        cmocka_unit_test(turning_meshes_stay_rigid),
-        cmocka_unit_test(tracers_without_times_are_refused),
-        cmocka_unit_test(bad_keys_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

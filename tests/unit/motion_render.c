@@ -5,8 +5,7 @@
 
 /* ---- against the reference ---- */
 
-static void both_integrators_blur_alike(void **state) {
-    (void)state;
+UNIT_TEST(both_integrators_blur_alike) {
     const laws_pair options = {
         .across = 4, .down = 4, .depth = 4, .samples = 1 << 16, .seed = 1, .threads = 2, .allowance = 2e-5};
     for (unsigned moves = TURN; moves <= ALL; moves = moves == NEST  ? ALL
@@ -29,10 +28,7 @@ static stage all_moving(void *user, double open, double close) {
     return moving_stage(ALL, open, close);
 }
 
-static void a_blurred_image_is_the_mean_of_still_ones(void **state) {
-    (void)state;
-    assert_mean_of_stills(all_moving, NULL, 0, 2);
-}
+UNIT_TEST(a_blurred_image_is_the_mean_of_still_ones) { assert_mean_of_stills(all_moving, NULL, 0, 2); }
 
 /* ---- to the last bit ---- */
 
@@ -53,14 +49,12 @@ static void assert_same_images(stage *a, stage *b, bool same) {
     stage_close(b);
 }
 
-static void keys_that_are_alike_change_no_bit(void **state) {
-    (void)state;
+UNIT_TEST(keys_that_are_alike_change_no_bit) {
     stage keyed = moving_stage(0, 0, 2), unmoved = moving_stage(0, 0, 0);
     assert_same_images(&keyed, &unmoved, true);
 }
 
-static void threads_change_no_bit(void **state) {
-    (void)state;
+UNIT_TEST(threads_change_no_bit) {
     stage one = moving_stage(ALL, 0, 2), three = moving_stage(ALL, 0, 2);
     fathom_context_set_threads(one.context, 1);
     fathom_context_set_threads(three.context, 3);
@@ -68,8 +62,7 @@ static void threads_change_no_bit(void **state) {
 }
 
 /* A crop traces other rays together, as parts, restarts and adaptive renders do. */
-static void a_crop_changes_no_bit(void **state) {
-    (void)state;
+UNIT_TEST(a_crop_changes_no_bit) {
     stage whole = moving_stage(ALL, 0, 2), part = moving_stage(ALL, 0, 2);
     const uint32_t crop[4] = {5, 3, 30, 22};
     memcpy(part.settings.crop, crop, sizeof crop);
@@ -82,20 +75,9 @@ static void a_crop_changes_no_bit(void **state) {
     stage_close(&part);
 }
 
-static void other_shutters_show_something_else(void **state) {
-    (void)state;
+UNIT_TEST(other_shutters_show_something_else) {
     stage a = moving_stage(FLY, 0, 2), b = moving_stage(FLY, 0, 1);
     assert_same_images(&a, &b, false);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(both_integrators_blur_alike),
-        cmocka_unit_test(a_blurred_image_is_the_mean_of_still_ones),
-        cmocka_unit_test(keys_that_are_alike_change_no_bit),
-        cmocka_unit_test(threads_change_no_bit),
-        cmocka_unit_test(a_crop_changes_no_bit),
-        cmocka_unit_test(other_shutters_show_something_else),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -73,8 +73,7 @@ static void assert_all_vectors(const fathom_film *film, const double expected[4]
 }
 
 /* Pans to the right and up by (dx, dy): the picture moves to the left and down. */
-static void a_camera_that_moves_along_a_plane_shifts_all_pixels(void **state) {
-    (void)state;
+UNIT_TEST(a_camera_that_moves_along_a_plane_shifts_all_pixels) {
     stage s = empty();
     stage_plane(&s, (double[3]){0, 0, 0}, (double[3]){0, 0, 1}, stage_emitter(&s, 1));
     look(&s, 0.6, 0.2, 0, 0, 2);
@@ -86,8 +85,7 @@ static void a_camera_that_moves_along_a_plane_shifts_all_pixels(void **state) {
 }
 
 /* Half of the keys' time: half of the way. */
-static void vectors_are_of_the_shutter_s_time(void **state) {
-    (void)state;
+UNIT_TEST(vectors_are_of_the_shutter_s_time) {
     stage s = empty();
     stage_plane(&s, (double[3]){0, 0, 0}, (double[3]){0, 0, 1}, stage_emitter(&s, 1));
     look(&s, 0.6, 0.2, 0, 0.5, 1.5);
@@ -99,8 +97,7 @@ static void vectors_are_of_the_shutter_s_time(void **state) {
 }
 
 /* Its points keep their depths: each moves by f d / Z. The sky around it rests. */
-static void a_sphere_that_flies_across_moves_by_its_depth(void **state) {
-    (void)state;
+UNIT_TEST(a_sphere_that_flies_across_moves_by_its_depth) {
     stage s = empty();
     flying_ball(&s, 0.5, -0.3);
     look(&s, 0, 0, 0, 0, 2);
@@ -120,8 +117,7 @@ static void a_sphere_that_flies_across_moves_by_its_depth(void **state) {
 }
 
 /* A ball and a camera that move together; the floor behind shifts. */
-static void what_moves_with_the_camera_rests(void **state) {
-    (void)state;
+UNIT_TEST(what_moves_with_the_camera_rests) {
     stage s = empty();
     flying_ball(&s, 0.5, -0.3);
     stage_plane(&s, (double[3]){0, 0, -2}, (double[3]){0, 0, 1}, stage_emitter(&s, 1));
@@ -138,8 +134,7 @@ static void what_moves_with_the_camera_rests(void **state) {
 }
 
 /* Two triangles across the image, from a depth of 6 to one of 5: their points keep x and y. */
-static void vertices_that_come_nearer_part_from_the_middle(void **state) {
-    (void)state;
+UNIT_TEST(vertices_that_come_nearer_part_from_the_middle) {
     stage s = empty();
     static const float from[12] = {-4, -4, 0, 4, -4, 0, 4, 4, 0, -4, 4, 0};
     float keys[24];
@@ -167,8 +162,7 @@ static void vertices_that_come_nearer_part_from_the_middle(void **state) {
 /* Without blur all rays are of the middle of the time, and with a grid of one sample from the pixels'
  * middles. The camera turns by `angle` in all, so that the sky turns by half of it against the middle, either
  * way: (x, y, -1), turned, and divided by its depth again. */
-static void a_camera_that_turns_moves_the_sky(void **state) {
-    (void)state;
+UNIT_TEST(a_camera_that_turns_moves_the_sky) {
     const double angle = 0.1, c = cos(angle / 2), n = sin(angle / 2);
     stage s = empty();
     s.settings.spp = 1, s.settings.pattern = FATHOM_PATTERN_GRID, s.settings.motion_blur = false;
@@ -187,8 +181,7 @@ static void a_camera_that_turns_moves_the_sky(void **state) {
 }
 
 /* However long the shutter is open. */
-static void without_blur_an_image_is_of_the_middle_of_the_time(void **state) {
-    (void)state;
+UNIT_TEST(without_blur_an_image_is_of_the_middle_of_the_time) {
     for (int k = 0; k < 2; ++k) {
         fathom_film *films[2];
         for (int half = 0; half < 2; ++half) {
@@ -205,15 +198,4 @@ static void without_blur_an_image_is_of_the_middle_of_the_time(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_camera_that_moves_along_a_plane_shifts_all_pixels),
-        cmocka_unit_test(vectors_are_of_the_shutter_s_time),
-        cmocka_unit_test(a_sphere_that_flies_across_moves_by_its_depth),
-        cmocka_unit_test(what_moves_with_the_camera_rests),
-        cmocka_unit_test(vertices_that_come_nearer_part_from_the_middle),
-        cmocka_unit_test(a_camera_that_turns_moves_the_sky),
-        cmocka_unit_test(without_blur_an_image_is_of_the_middle_of_the_time),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -96,8 +96,7 @@ static vec3_f64 any_direction(random_state *r) {
     return vec_f64(s * cos(phi), s * sin(phi), z);
 }
 
-static void bounds_hold_at_every_time(void **state) {
-    (void)state;
+UNIT_TEST(bounds_hold_at_every_time) {
     random_state r = {3};
     for (lamp kind = 0; kind < LAMPS; ++kind) {
         stage s = lamp_stage(kind);
@@ -207,8 +206,7 @@ static void sample(probe *p) {
 
 /* Welch's test of each two ways for each lamp, twelve in all: by Šidák's correction one run in 1,000 fails by
  * chance, and the numbers are fixed. */
-static void every_way_to_sample_has_one_expectation(void **state) {
-    (void)state;
+UNIT_TEST(every_way_to_sample_has_one_expectation) {
     const double level = sidak_level(1e-3, 3 * LAMPS);
     for (lamp kind = 0; kind < LAMPS; ++kind) {
         stage s = lamp_stage(kind);
@@ -242,8 +240,7 @@ static void every_way_to_sample_has_one_expectation(void **state) {
 /* ---- images ---- */
 
 /* Each pair alarms falsely once in 100,000 seeds, which are fixed. */
-static void both_integrators_show_the_same_light(void **state) {
-    (void)state;
+UNIT_TEST(both_integrators_show_the_same_light) {
     const laws_pair options = {
         .across = 4, .down = 4, .depth = 4, .samples = 1 << 17, .seed = 1, .threads = 2, .allowance = 2e-5};
     for (lamp kind = 0; kind < LAMPS; ++kind) {
@@ -267,8 +264,7 @@ static fathom_film *render(lamp kind, unsigned threads, unsigned tile, const uin
     return film;
 }
 
-static void threads_tiles_and_crops_change_no_bit(void **state) {
-    (void)state;
+UNIT_TEST(threads_tiles_and_crops_change_no_bit) {
     static const uint32_t whole[4] = {0}, part[4] = {17, 21, 84, 75};
     for (lamp kind = 0; kind < LAMPS; ++kind) {
         fathom_film *one = render(kind, 1, 32, whole), *two = render(kind, 2, 64, whole),
@@ -283,12 +279,4 @@ static void threads_tiles_and_crops_change_no_bit(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bounds_hold_at_every_time),
-        cmocka_unit_test(every_way_to_sample_has_one_expectation),
-        cmocka_unit_test(both_integrators_show_the_same_light),
-        cmocka_unit_test(threads_tiles_and_crops_change_no_bit),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -20,8 +20,7 @@ static double value_3d(vec3_f64 p) { return noise_3d(5, p).value; }
 static double value_2d(vec3_f64 p) { return noise_2d(5, p.x, p.y).value; }
 static double value_fbm(vec3_f64 p) { return noise_fbm(5, p, 4, 0.5).value; }
 
-static void gradients_are_slopes(void **state) {
-    (void)state;
+UNIT_TEST(gradients_are_slopes) {
     noise_random random = noise_random_from(1, 2);
     for (int i = 0; i < 2000; ++i) {
         vec3_f64 p = scale_f64(random_between(&random, 0, 20), random_direction(&random));
@@ -39,8 +38,7 @@ static void gradients_are_slopes(void **state) {
 }
 
 /* Zero on the lattice, continuous across it, and neither constant nor beyond its bounds between. */
-static void noise_is_bounded(void **state) {
-    (void)state;
+UNIT_TEST(noise_is_bounded) {
     noise_random random = noise_random_from(3, 4);
     double least = 0, most = 0;
     for (int i = 0; i < 100000; ++i) {
@@ -56,8 +54,7 @@ static void noise_is_bounded(void **state) {
 }
 
 /* Octaves stop when waves become shorter than asked for. */
-static void octaves_stop(void **state) {
-    (void)state;
+UNIT_TEST(octaves_stop) {
     assert_int_equal(noise_octaves(1, 1), 1);
     assert_int_equal(noise_octaves(1, 100), 1);
     assert_int_equal(noise_octaves(1, 0.25), 2);
@@ -67,8 +64,7 @@ static void octaves_stop(void **state) {
 
 /* A mean of n even numbers in [0,1) lies within 5 standard deviations, 5 / sqrt(12 n); that of a coordinate
  * of a unit vector within 5 / sqrt(3 n). */
-static void random_numbers_are_even(void **state) {
-    (void)state;
+UNIT_TEST(random_numbers_are_even) {
     const int n = 200000;
     noise_random random = noise_random_from(7, 0);
     double sum = 0;
@@ -91,8 +87,7 @@ static void random_numbers_are_even(void **state) {
     assert_true(random_unit(&other) != random_unit(&random));
 }
 
-static void turns_are_cosines(void **state) {
-    (void)state;
+UNIT_TEST(turns_are_cosines) {
     for (int i = 0; i < 5000; ++i) {
         double turns = i * 0.00173;
         vec3_f64 t = tree_turn(turns);
@@ -102,11 +97,4 @@ static void turns_are_cosines(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(gradients_are_slopes), cmocka_unit_test(noise_is_bounded),
-        cmocka_unit_test(octaves_stop),         cmocka_unit_test(random_numbers_are_even),
-        cmocka_unit_test(turns_are_cosines),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -27,22 +27,14 @@ static void check(offset_shape shape, bool instance) {
     if (!instance) assert_true(c.most <= 32);
 }
 
-static void in_the_world(void **state) {
-    (void)state;
+UNIT_TEST(in_the_world) {
     for (int shape = 0; shape < OFFSET_SHAPES; ++shape) check((offset_shape)shape, false);
 }
 
-static void in_instances(void **state) {
-    (void)state;
+UNIT_TEST(in_instances) {
     for (int shape = 0; shape < OFFSET_SHAPES; ++shape) {
         if (shape != OFFSET_PLANE) check((offset_shape)shape, true);
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(in_the_world),
-        cmocka_unit_test(in_instances),
-    };
-    return cmocka_run_group_tests(tests, open_scene, close_scene);
-}
+int main(void) { return unit_main(open_scene, close_scene); }

@@ -54,8 +54,7 @@ static void add_square(stage *s, double z, bool back, fathom_id material) {
     stage_quad(s, (double[3]){0, 0, z}, back ? left : right, above, material);
 }
 
-static void backs_are_looked_through_and_fronts_are_seen(void **state) {
-    (void)state;
+UNIT_TEST(backs_are_looked_through_and_fronts_are_seen) {
     stage s = open_at((double[3]){0, 0, 0}, (double[3]){0, 0, -1});
     add_square(&s, -1, true, emitter(&s, false, 8));
     add_square(&s, -2, true, emitter(&s, false, 16));
@@ -69,8 +68,7 @@ static void backs_are_looked_through_and_fronts_are_seen(void **state) {
     stage_close(&s);
 }
 
-static void aovs_are_of_what_is_seen(void **state) {
-    (void)state;
+UNIT_TEST(aovs_are_of_what_is_seen) {
     stage s = open_at((double[3]){0, 0, 0}, (double[3]){0, 0, -1});
     s.settings.aovs = FATHOM_AOV_Z | FATHOM_AOV_ALPHA | FATHOM_AOV_ID;
     add_square(&s, -1, true, emitter(&s, false, 8));
@@ -86,8 +84,7 @@ static void aovs_are_of_what_is_seen(void **state) {
 }
 
 /* A map of determinant -1 turns the winding, and leaves the front where the normal is. */
-static void fronts_stay_in_front_in_mirror_images(void **state) {
-    (void)state;
+UNIT_TEST(fronts_stay_in_front_in_mirror_images) {
     static const float corners[9] = {-4, -4, 0, 4, -4, 0, 0, 8, 0};
     for (int k = 0; k < 4; ++k) {
         const bool mirrored = k & 1, back = k & 2;
@@ -110,8 +107,7 @@ static void fronts_stay_in_front_in_mirror_images(void **state) {
 }
 
 /* The sky is white, and the body black. */
-static void closed_meshes_are_looked_out_of(void **state) {
-    (void)state;
+UNIT_TEST(closed_meshes_are_looked_out_of) {
     for (int inside = 0; inside < 2; ++inside) {
         stage s = open_at((double[3]){0, 0, inside ? 0 : 4}, (double[3]){0, 0, -1});
         assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){1, 1, 1}));
@@ -124,8 +120,7 @@ static void closed_meshes_are_looked_out_of(void **state) {
 /* ---- what other rays see ---- */
 
 /* The lamp shines on the back of a ceiling, through which the camera looks at the floor in its shadow. */
-static void backs_cast_shadows(void **state) {
-    (void)state;
+UNIT_TEST(backs_cast_shadows) {
     for (int casts = 0; casts < 2; ++casts) {
         static const double east[3] = {9, 0, 0}, north[3] = {0, 0, 9};
         const fathom_material floor = plain(true, 0.5f, 0), ceiling = plain(false, 0, 0);
@@ -145,8 +140,7 @@ static void backs_cast_shadows(void **state) {
 }
 
 /* A mirror shows the back of a square, here behind the camera. */
-static void mirrors_show_backs(void **state) {
-    (void)state;
+UNIT_TEST(mirrors_show_backs) {
     fathom_material mirror = plain(true, 1, 0);
     mirror.metallic = 1, mirror.roughness = 0;
     stage s = open_at((double[3]){0, 0, 0}, (double[3]){0, 0, -1});
@@ -157,8 +151,7 @@ static void mirrors_show_backs(void **state) {
 }
 
 /* Glass refracts the same light, whatever its flag. */
-static void volumes_have_two_sides(void **state) {
-    (void)state;
+UNIT_TEST(volumes_have_two_sides) {
     float kept[PIXELS];
     for (int sides = 1; sides <= 2; ++sides) {
         stage s = open_at((double[3]){0, 0, 4}, (double[3]){0, 0, 0});
@@ -181,8 +174,7 @@ static void volumes_have_two_sides(void **state) {
 
 static void keep_warning(void *user, const char *message) { snprintf(user, 300, "%s", message); }
 
-static void classic_shows_backs_and_says_so(void **state) {
-    (void)state;
+UNIT_TEST(classic_shows_backs_and_says_so) {
     char told[300] = "";
     stage s = open_at((double[3]){0, 0, 0}, (double[3]){0, 0, -1});
     fathom_context_on_warning(s.context, keep_warning, told);
@@ -194,16 +186,4 @@ static void classic_shows_backs_and_says_so(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(backs_are_looked_through_and_fronts_are_seen),
-        cmocka_unit_test(aovs_are_of_what_is_seen),
-        cmocka_unit_test(fronts_stay_in_front_in_mirror_images),
-        cmocka_unit_test(closed_meshes_are_looked_out_of),
-        cmocka_unit_test(backs_cast_shadows),
-        cmocka_unit_test(mirrors_show_backs),
-        cmocka_unit_test(volumes_have_two_sides),
-        cmocka_unit_test(classic_shows_backs_and_says_so),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

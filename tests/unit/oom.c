@@ -136,8 +136,7 @@ static fathom_status trace(fathom_context *context, const char *file, outcome *o
     return status;
 }
 
-static void reading_and_rendering(void **state) {
-    (void)state;
+UNIT_TEST(reading_and_rendering) {
     exhaust(render_linear, "scene.json");
     exhaust(render_linear, "part.obj");
     exhaust(render_linear, "part.ply");
@@ -145,16 +144,14 @@ static void reading_and_rendering(void **state) {
     exhaust(render_linear, "part.glb");
 }
 
-static void tracers(void **state) {
-    (void)state;
+UNIT_TEST(tracers) {
     exhaust(render_bvh, "scene.json");
     exhaust(render_embree, "scene.json");
     exhaust(render_user, "scene.json");
     exhaust(trace, "scene.json");
 }
 
-static void writing_and_generating(void **state) {
-    (void)state;
+UNIT_TEST(writing_and_generating) {
     exhaust(write_mesh, "made.glb");
     exhaust(write_mesh, "made.ply");
     exhaust(write_mesh, "made.obj");
@@ -185,11 +182,4 @@ static int tear_down(void **state) {
     return rmdir(folder);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reading_and_rendering),
-        cmocka_unit_test(tracers),
-        cmocka_unit_test(writing_and_generating),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+int main(void) { return unit_main(set_up, tear_down); }

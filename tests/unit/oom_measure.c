@@ -37,8 +37,7 @@ static fathom_status ask_extremes(fathom_context *context, const char *group, ou
     return status;
 }
 
-static void extremes(void **state) {
-    (void)state;
+UNIT_TEST(extremes) {
     for (unsigned g = 0; g < extremes_groups(); ++g) {
         exhaust(ask_extremes, extremes_name(g));
         refused_each = 64; /* groups differ in how they make their scenes, which comes first */
@@ -58,8 +57,7 @@ static fathom_status open_extreme(fathom_context *context, const char *group, ou
     return status;
 }
 
-static void one_extreme(void **state) {
-    (void)state;
+UNIT_TEST(one_extreme) {
     exhaust(open_extreme, "scale-spheres");
     exhaust_to(open_extreme, "no such group", FATHOM_BAD_INPUT);
     /* Its cases are calls, and have no scene. */
@@ -85,8 +83,7 @@ static fathom_status ask_shading(fathom_context *context, const char *name, outc
     return status;
 }
 
-static void extreme_shading(void **state) {
-    (void)state;
+UNIT_TEST(extreme_shading) {
     for (size_t i = 0; i < sizeof shading / sizeof *shading; ++i) {
         /* One image or two; the two of the Earth take long, and render as the others do. */
         refused_each = strcmp(shading[i], "earth") == 0 ? 24 : 100;
@@ -177,8 +174,7 @@ static fathom_status measure_phases(fathom_context *context, const char *file, o
     return FATHOM_OK;
 }
 
-static void measuring(void **state) {
-    (void)state;
+UNIT_TEST(measuring) {
     exhaust(measure_error, "scene.json");
     exhaust(measure_trace, "scene.json");
     exhaust(measure_phases, "scene.json");
@@ -197,12 +193,4 @@ static int end(void **state) {
     return rmdir(folder);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(measuring),
-        cmocka_unit_test(extremes),
-        cmocka_unit_test(one_extreme),
-        cmocka_unit_test(extreme_shading),
-    };
-    return cmocka_run_group_tests(tests, begin, end);
-}
+int main(void) { return unit_main(begin, end); }

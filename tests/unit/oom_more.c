@@ -43,26 +43,16 @@ static void read_all(const char *format) {
     assert_true(good >= 4);
 }
 
-static void reading_gltf(void **state) {
-    (void)state;
+UNIT_TEST(reading_gltf) {
     read_all("gltf");
     read_all("glb");
 }
 
-static void reading_obj(void **state) {
-    (void)state;
-    read_all("obj");
-}
+UNIT_TEST(reading_obj) { read_all("obj"); }
 
-static void reading_ply(void **state) {
-    (void)state;
-    read_all("ply");
-}
+UNIT_TEST(reading_ply) { read_all("ply"); }
 
-static void reading_json(void **state) {
-    (void)state;
-    read_all("scene_json");
-}
+UNIT_TEST(reading_json) { read_all("scene_json"); }
 
 /* ---- scenes of everything ---- */
 
@@ -144,8 +134,7 @@ static fathom_status render(fathom_context *context, const char *file, outcome *
     return status;
 }
 
-static void tracers(void **state) {
-    (void)state;
+UNIT_TEST(tracers) {
     static const char *const specs[] = {"linear", "bvh",         "bvh:f64",
                                         "embree", "embree:user", "embree:triangles"};
     for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
@@ -154,8 +143,7 @@ static void tracers(void **state) {
     }
 }
 
-static void sampling_and_saving(void **state) {
-    (void)state;
+UNIT_TEST(sampling_and_saving) {
     tracer = "linear";
     for (int k = 1; k < 8; ++k) {
         adaptive = k & 1, timed = k & 2, saved = k & 4;
@@ -200,8 +188,7 @@ static fathom_status write_film(fathom_context *context, const char *file, outco
     return status;
 }
 
-static void writing(void **state) {
-    (void)state;
+UNIT_TEST(writing) {
     exhaust(write_mesh, "made.glb");
     exhaust(write_mesh, "made.ply");
     exhaust(write_mesh, "made.obj");
@@ -234,11 +221,4 @@ static int end(void **state) {
     return rmdir(folder);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reading_gltf), cmocka_unit_test(reading_obj), cmocka_unit_test(reading_ply),
-        cmocka_unit_test(reading_json), cmocka_unit_test(tracers),     cmocka_unit_test(sampling_and_saving),
-        cmocka_unit_test(writing),
-    };
-    return cmocka_run_group_tests(tests, begin, end);
-}
+int main(void) { return unit_main(begin, end); }

@@ -32,8 +32,7 @@ static void reach(uint32_t x, uint32_t y, double *low, double *high) {
 }
 
 /* Rays are off by float's rounding of places below 8 in each axis, and so is the sphere. */
-static void a_sphere_is_a_disc_of_its_radius_at_any_distance(void **state) {
-    (void)state;
+UNIT_TEST(a_sphere_is_a_disc_of_its_radius_at_any_distance) {
     static const fathom_integrator integrators[] = {FATHOM_INTEGRATOR_CLASSIC, FATHOM_INTEGRATOR_PATH,
                                                     FATHOM_INTEGRATOR_REFERENCE};
     static const double distances[] = {1.5, 4, 100}, radius = 1.1, slack = 8 * 0x1p-23;
@@ -55,8 +54,7 @@ static void a_sphere_is_a_disc_of_its_radius_at_any_distance(void **state) {
 }
 
 /* Depths count along the view: that of a plane that faces it is the same everywhere. */
-static void a_facing_plane_has_one_depth(void **state) {
-    (void)state;
+UNIT_TEST(a_facing_plane_has_one_depth) {
     stage s = stage_open(WIDTH, HEIGHT);
     stage_plane(&s, (double[]){0, 0, -4}, (double[]){0, 0, 1}, stage_emitter(&s, 1));
     look_along(&s);
@@ -68,8 +66,7 @@ static void a_facing_plane_has_one_depth(void **state) {
     stage_close(&s);
 }
 
-static void a_crop_is_a_part_of_the_image(void **state) {
-    (void)state;
+UNIT_TEST(a_crop_is_a_part_of_the_image) {
     static const uint32_t crop[4] = {5, 3, 31, 17};
     stage s = with_sphere(FATHOM_INTEGRATOR_PATH, 3, 1.1);
     fathom_film *whole = stage_render(&s);
@@ -86,8 +83,7 @@ static void a_crop_is_a_part_of_the_image(void **state) {
 
 /* The plane that rays leave cuts through a closed mesh: those that begin in it see its inside, all others its
  * outside, and none the background beyond. */
-static void rays_may_begin_inside_a_mesh(void **state) {
-    (void)state;
+UNIT_TEST(rays_may_begin_inside_a_mesh) {
     stage s = stage_open(WIDTH, HEIGHT);
     stage_mesh_sphere(&s, FATHOM_ROOT, 24, 48, stage_emitter(&s, 1));
     assert_ok(s.context, fathom_scene_set_background(s.scene, (const float[3]){0, 0, 0}));
@@ -112,8 +108,7 @@ static void rays_may_begin_inside_a_mesh(void **state) {
     stage_close(&s);
 }
 
-static void lens_and_width_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(lens_and_width_are_refused) {
     stage s = stage_open(8, 8);
     fathom_camera camera;
     fathom_camera_default(&camera);
@@ -125,13 +120,4 @@ static void lens_and_width_are_refused(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sphere_is_a_disc_of_its_radius_at_any_distance),
-        cmocka_unit_test(a_facing_plane_has_one_depth),
-        cmocka_unit_test(a_crop_is_a_part_of_the_image),
-        cmocka_unit_test(rays_may_begin_inside_a_mesh),
-        cmocka_unit_test(lens_and_width_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -52,16 +52,14 @@ static void check_furnace(uint32_t depth) {
     stage_close(&s);
 }
 
-static void a_closed_sphere_adds_up_its_bounces(void **state) {
-    (void)state;
+UNIT_TEST(a_closed_sphere_adds_up_its_bounces) {
     check_furnace(0);
     check_furnace(1);
     check_furnace(4);
     check_furnace(64);
 }
 
-static void a_convex_white_body_is_not_seen_in_a_white_sky(void **state) {
-    (void)state;
+UNIT_TEST(a_convex_white_body_is_not_seen_in_a_white_sky) {
     stage s = path_open(16, 16);
     assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){1, 1, 1}));
     stage_sphere(&s, 0, 0, -4, 1, gray(&s, 1, 0));
@@ -73,8 +71,7 @@ static void a_convex_white_body_is_not_seen_in_a_white_sky(void **state) {
 /* ---- lights ---- */
 
 /* k_l = I / pi: what a bounce adds to the direct light is k_l rho / (1 - rho) in all, for a radius of 1. */
-static void light_at_the_centre_of_a_sphere_fills_it(void **state) {
-    (void)state;
+UNIT_TEST(light_at_the_centre_of_a_sphere_fills_it) {
     const double rho = 0.6, k_l = 2;
     stage s = path_open(16, 64);
     stage_sphere(&s, 0, 0, 0, 1, gray(&s, 0.6f, 0));
@@ -85,8 +82,7 @@ static void light_at_the_centre_of_a_sphere_fills_it(void **state) {
 }
 
 /* A rectangle a × b whose corner is above the point at height h. */
-static void floor_under_a_rectangle(void **state) {
-    (void)state;
+UNIT_TEST(floor_under_a_rectangle) {
     const double a = 1 / 1.5, b = 2 / 1.5, ra = sqrt(1 + a * a), rb = sqrt(1 + b * b);
     const double value = (a / ra * atan(b / ra) + b / rb * atan(a / rb)) / (2 * M_PI);
     stage s = path_open(16, 1);
@@ -99,8 +95,7 @@ static void floor_under_a_rectangle(void **state) {
 }
 
 /* (R/d)² cos θ */
-static void floor_under_a_sphere(void **state) {
-    (void)state;
+UNIT_TEST(floor_under_a_sphere) {
     stage s = path_open(16, 1);
     stage_plane(&s, (double[3]){0, 0, 0}, up, gray(&s, 1, 0));
     stage_sphere(&s, 1, 2, 0, 0.5, gray(&s, 0, 3));
@@ -110,8 +105,7 @@ static void floor_under_a_sphere(void **state) {
 }
 
 /* Inner sphere (r1, rho1, sends out E) in an outer one (r2, rho2). */
-static void two_spheres_exchange_light(void **state) {
-    (void)state;
+UNIT_TEST(two_spheres_exchange_light) {
     stage s = path_open(64, 64);
     stage_sphere(&s, 0, 0, 0, 0.5, gray(&s, 0.3f, 1));
     stage_sphere(&s, 0, 0, 0, 1, gray(&s, 0.7f, 0));
@@ -141,8 +135,7 @@ static fathom_film *render_room(unsigned threads, const uint32_t crop[4]) {
 
 /* Seen from below: k_l / d² times 0.96, what a dielectric of index 1.5 lets in head on, and the colour. The
  * floor is the only surface that scatters. */
-static void a_pane_tints_the_light_that_passes(void **state) {
-    (void)state;
+UNIT_TEST(a_pane_tints_the_light_that_passes) {
     for (int k = 0; k < 2; ++k) {
         stage s = path_open(4, 1);
         fathom_material pane;
@@ -225,8 +218,7 @@ static void check_in_mirror(const sized_light *kind, bool unshadowed) {
     stage_close(&s);
 }
 
-static void suns_and_lamps_show_in_mirrors(void **state) {
-    (void)state;
+UNIT_TEST(suns_and_lamps_show_in_mirrors) {
     for (int k = 0; k < 2 * KINDS; ++k) check_in_mirror(&kinds[k / 2], k % 2);
 }
 
@@ -237,8 +229,7 @@ static void check_black(stage *s) {
 }
 
 /* Nor past a surface that is not there. */
-static void suns_and_lamps_are_not_in_view(void **state) {
-    (void)state;
+UNIT_TEST(suns_and_lamps_are_not_in_view) {
     for (int k = 0; k < KINDS; ++k) {
         stage s = path_open(4, 4);
         fathom_material hole;
@@ -255,8 +246,7 @@ static void suns_and_lamps_are_not_in_view(void **state) {
 
 /* Between them a black sheet, once nearer than the lamp's sphere and once in it. The lamp hides nothing that
  * lies behind. */
-static void mirrors_show_lamps_before_what_they_hit(void **state) {
-    (void)state;
+UNIT_TEST(mirrors_show_lamps_before_what_they_hit) {
     for (int k = 0; k < 3; ++k) {
         const double z[3] = {2, 4, 6}, radius = 0.3, lamp = 2.0 / 16 / pow(sin(radius), 2);
         const double value = k ? lamp + 0.5 : 0.5;
@@ -272,8 +262,7 @@ static void mirrors_show_lamps_before_what_they_hit(void **state) {
 }
 
 /* A mirror in a lamp's sphere sees no sphere, and a camera in it neither. */
-static void lamps_are_points_from_inside(void **state) {
-    (void)state;
+UNIT_TEST(lamps_are_points_from_inside) {
     stage s = path_open(4, 4);
     add_mirror(&s);
     fathom_light light = light_of(FATHOM_LIGHT_POINT);
@@ -324,13 +313,11 @@ static void check_both_ways(const sized_light *kind) {
     assert_near(mean[0], mean[1], 6.2 * error);
 }
 
-static void both_ways_to_suns_and_lamps_bring_the_same(void **state) {
-    (void)state;
+UNIT_TEST(both_ways_to_suns_and_lamps_bring_the_same) {
     for (int k = 0; k < KINDS; ++k) check_both_ways(&kinds[k]);
 }
 
-static void pixels_depend_on_no_thread_and_no_crop(void **state) {
-    (void)state;
+UNIT_TEST(pixels_depend_on_no_thread_and_no_crop) {
     fathom_film *one = render_room(1, (uint32_t[4]){0}), *two = render_room(2, (uint32_t[4]){0}),
                 *part = render_room(2, (uint32_t[4]){7, 3, 29, 30});
     const float *a = fathom_film_channel(one, "R"), *b = fathom_film_channel(two, "R"),
@@ -342,21 +329,4 @@ static void pixels_depend_on_no_thread_and_no_crop(void **state) {
     fathom_film_destroy(part);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_closed_sphere_adds_up_its_bounces),
-        cmocka_unit_test(a_convex_white_body_is_not_seen_in_a_white_sky),
-        cmocka_unit_test(light_at_the_centre_of_a_sphere_fills_it),
-        cmocka_unit_test(floor_under_a_rectangle),
-        cmocka_unit_test(floor_under_a_sphere),
-        cmocka_unit_test(two_spheres_exchange_light),
-        cmocka_unit_test(a_pane_tints_the_light_that_passes),
-        cmocka_unit_test(suns_and_lamps_show_in_mirrors),
-        cmocka_unit_test(suns_and_lamps_are_not_in_view),
-        cmocka_unit_test(mirrors_show_lamps_before_what_they_hit),
-        cmocka_unit_test(lamps_are_points_from_inside),
-        cmocka_unit_test(both_ways_to_suns_and_lamps_bring_the_same),
-        cmocka_unit_test(pixels_depend_on_no_thread_and_no_crop),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

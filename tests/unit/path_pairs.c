@@ -50,8 +50,7 @@ static void compare_by(const laws_pair *o, stage *s, const char *what) {
 static void compare(stage *s, const char *what) { compare_by(&options, s, what); }
 
 /* Coarse, so that many directions lie between the shading normal's horizon and the facet's. */
-static void smooth_meshes_follow_one_rule_of_sides(void **state) {
-    (void)state;
+UNIT_TEST(smooth_meshes_follow_one_rule_of_sides) {
     fathom_material lambert, behind, thin = metallic(0, 0.8f), solid = metallic(0, 0);
     fathom_material_default(&lambert);
     fathom_material_default(&behind);
@@ -76,8 +75,7 @@ static void smooth_meshes_follow_one_rule_of_sides(void **state) {
 }
 
 /* Lamps, the sky and a point light through sheets that are there in part, one of which sends out light. */
-static void coverage_is_a_matter_of_chance(void **state) {
-    (void)state;
+UNIT_TEST(coverage_is_a_matter_of_chance) {
     stage s = room_open();
     fathom_material sheet = metallic(0, 0.7f);
     sheet.opacity = 0.4f;
@@ -92,8 +90,7 @@ static void coverage_is_a_matter_of_chance(void **state) {
 
 /* A lamp in a bulb, and a point light and a sun behind a pane, one of which is there in part. Few bounces:
  * panes are none. */
-static void clear_thin_walls_pass_light_straight(void **state) {
-    (void)state;
+UNIT_TEST(clear_thin_walls_pass_light_straight) {
     for (uint32_t depth = 1; depth < 4; depth += 2) {
         stage s = room_open();
         fathom_material pane = metallic(0, 0);
@@ -129,8 +126,7 @@ static void add_ball_lamp(stage *s, fathom_light_type type, const double at[3], 
 }
 
 /* Mirrors, glass and rough metal show a spot light, and a lamp in a bulb and one in front of it. */
-static void lamps_with_a_radius_show_in_what_scatters(void **state) {
-    (void)state;
+UNIT_TEST(lamps_with_a_radius_show_in_what_scatters) {
     for (int k = 0; k < 3; ++k) {
         stage s = room_open();
         fathom_material pane = metallic(0, 0), m = metallic(k < 2, k ? 0 : 0.3f);
@@ -147,8 +143,7 @@ static void lamps_with_a_radius_show_in_what_scatters(void **state) {
 }
 
 /* One of them reaches out of the volume that the other hides in part. */
-static void lamps_with_a_radius_shine_in_volumes(void **state) {
-    (void)state;
+UNIT_TEST(lamps_with_a_radius_shine_in_volumes) {
     stage s = room_open();
     fathom_material drink = metallic(0, 0), ice = drink;
     drink.transmission = drink.thickness = 1, drink.ior = 1.3f, drink.priority = 1;
@@ -162,8 +157,7 @@ static void lamps_with_a_radius_shine_in_volumes(void **state) {
     compare(&s, "lamps in volumes");
 }
 
-static void shapes_that_cast_no_shadow_may_send_out_light(void **state) {
-    (void)state;
+UNIT_TEST(shapes_that_cast_no_shadow_may_send_out_light) {
     stage s = room_open();
     fathom_material lamp = metallic(0, 0.7f);
     fathom_sphere sphere;
@@ -175,8 +169,7 @@ static void shapes_that_cast_no_shadow_may_send_out_light(void **state) {
     compare(&s, "no shadow");
 }
 
-static void emission_in_glass_is_as_bright_as_seen_from_outside(void **state) {
-    (void)state;
+UNIT_TEST(emission_in_glass_is_as_bright_as_seen_from_outside) {
     for (int k = 0; k < 2; ++k) {
         stage s = room_open();
         fathom_material glass = metallic(0, k ? 0.8f : 0);
@@ -219,7 +212,7 @@ static void frosted(fathom_material *m) {
     m->roughness = 1, m->ior = 3;
 }
 
-static void lobes_of_extensions_agree(void **state) {
+UNIT_TEST(lobes_of_extensions_agree) {
     laws_pair few = options;
     static const struct {
         const char *name;
@@ -258,7 +251,7 @@ static void solid(fathom_material *m) {
 }
 static void tinted(fathom_material *m) { m->specular_factor = 0.7f, m->specular_color[1] = 0.2f; }
 
-static void scattering_again_agrees(void **state) {
+UNIT_TEST(scattering_again_agrees) {
     laws_pair few = options;
     (void)state;
     few.samples = 1 << 15;
@@ -277,8 +270,7 @@ static void scattering_again_agrees(void **state) {
 }
 
 /* The way of u turns the other way round there. */
-static void brushed_metal_agrees_in_a_mirror(void **state) {
-    (void)state;
+UNIT_TEST(brushed_metal_agrees_in_a_mirror) {
     stage s = room_open();
     fathom_material metal = metallic(1, 0.2f);
     fathom_instance instance;
@@ -296,8 +288,7 @@ static void brushed_metal_agrees_in_a_mirror(void **state) {
 }
 
 /* Its light goes in by the rough surface, which it is not absorbed before. */
-static void a_light_without_a_surface_shines_into_coloured_glass(void **state) {
-    (void)state;
+UNIT_TEST(a_light_without_a_surface_shines_into_coloured_glass) {
     stage s = room_open();
     fathom_material glass = metallic(0, 0.6f);
     glass.transmission = glass.thickness = 1;
@@ -308,8 +299,7 @@ static void a_light_without_a_surface_shines_into_coloured_glass(void **state) {
 }
 
 /* The cone's edge crosses the floor, which some of the lamp's points light and others do not. */
-static void a_wide_spot_falls_off_point_by_point(void **state) {
-    (void)state;
+UNIT_TEST(a_wide_spot_falls_off_point_by_point) {
     stage s = stage_open(32, 32);
     fathom_light spot;
     fathom_light_default(&spot);
@@ -324,8 +314,7 @@ static void a_wide_spot_falls_off_point_by_point(void **state) {
 }
 
 /* A cube of ice reaches out of a drink that fills more than its glass. */
-static void volumes_of_higher_priority_win(void **state) {
-    (void)state;
+UNIT_TEST(volumes_of_higher_priority_win) {
     stage s = room_open();
     fathom_material glass = metallic(0, 0), drink = glass;
     glass.transmission = glass.thickness = 1, glass.priority = 2;
@@ -362,8 +351,7 @@ static void write_sky(fathom_context *for_image) {
 }
 
 /* Alone, and with another image and an even light beside. */
-static void images_of_skies_agree(void **state) {
-    (void)state;
+UNIT_TEST(images_of_skies_agree) {
     for (int both = 0; both < 2; ++both) {
         stage s = both ? room_open() : stage_open(32, 32);
         fathom_light light;
@@ -385,8 +373,7 @@ static void images_of_skies_agree(void **state) {
 }
 
 /* With the floor that it comes with. */
-static void the_studio_agrees(void **state) {
-    (void)state;
+UNIT_TEST(the_studio_agrees) {
     stage s = stage_open(32, 32);
     add_balls(&s);
     assert_ok(s.context, fathom_scene_complete(s.scene));
@@ -394,23 +381,4 @@ static void the_studio_agrees(void **state) {
     compare(&s, "the studio");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(smooth_meshes_follow_one_rule_of_sides),
-        cmocka_unit_test(clear_thin_walls_pass_light_straight),
-        cmocka_unit_test(coverage_is_a_matter_of_chance),
-        cmocka_unit_test(lamps_with_a_radius_show_in_what_scatters),
-        cmocka_unit_test(lamps_with_a_radius_shine_in_volumes),
-        cmocka_unit_test(shapes_that_cast_no_shadow_may_send_out_light),
-        cmocka_unit_test(emission_in_glass_is_as_bright_as_seen_from_outside),
-        cmocka_unit_test(lobes_of_extensions_agree),
-        cmocka_unit_test(scattering_again_agrees),
-        cmocka_unit_test(brushed_metal_agrees_in_a_mirror),
-        cmocka_unit_test(a_light_without_a_surface_shines_into_coloured_glass),
-        cmocka_unit_test(a_wide_spot_falls_off_point_by_point),
-        cmocka_unit_test(volumes_of_higher_priority_win),
-        cmocka_unit_test(images_of_skies_agree),
-        cmocka_unit_test(the_studio_agrees),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -177,24 +177,21 @@ static void assert_holds(const found *f) {
 
 /* ---- laws ---- */
 
-static void intervals_of_flat_pixels_hold(void **state) {
-    (void)state;
+UNIT_TEST(intervals_of_flat_pixels_hold) {
     for (uint32_t samples = 16; samples <= 64; samples *= 4) {
         const found f = measure(samples, draw_normal, flat);
         assert_holds(&f);
     }
 }
 
-static void intervals_at_edges_hold(void **state) {
-    (void)state;
+UNIT_TEST(intervals_at_edges_hold) {
     found f = measure(16, draw_normal, stepped);
     assert_holds(&f);
     f = measure(16, draw_normal, mixed);
     assert_holds(&f);
 }
 
-static void intervals_of_skewed_pixels_hold(void **state) {
-    (void)state;
+UNIT_TEST(intervals_of_skewed_pixels_hold) {
     const found f = measure(16, draw_skewed, flat);
     assert_holds(&f);
 }
@@ -202,8 +199,7 @@ static void intervals_of_skewed_pixels_hold(void **state) {
 /* Pixels that met one fail, and few others do. Of normal pixels, the variance of one in 18,000 is 3.9 times
  * the stated one by chance (chi-squared, 9 degrees of freedom over three channels). More than 18 of the
  * 65,536 are a chance of 4e-8 (Poisson, a mean of 3.6). */
-static void rare_bright_samples_are_marked(void **state) {
-    (void)state;
+UNIT_TEST(rare_bright_samples_are_marked) {
     const found f = measure(16, draw_rare, flat);
     assert_holds(&f);
     assert_true(f.failed_marked / f.marks > 10 * f.failed_others / f.others);
@@ -213,8 +209,7 @@ static void rare_bright_samples_are_marked(void **state) {
 
 /* The estimate of the squared variance that tells pixels from noise: unbiased also where the samples are
  * skewed, and where the groups have 2, 2, 1 and 1 of them. */
-static void squared_variances_are_unbiased(void **state) {
-    (void)state;
+UNIT_TEST(squared_variances_are_unbiased) {
     subject *u = open_subject();
     for (uint32_t samples = 6; samples <= 16; samples += 10) {
         shares estimates = {.films = 0};
@@ -241,8 +236,7 @@ static void squared_variances_are_unbiased(void **state) {
 /* The image's error is the mean over its pixels whatever they take from each other, and unbiased: nearby
  * pixels of other noise change nothing. The weight of a pixel is 1 / TRUTH², but for the noise of its grey:
  * 3 (0.2² / 48) / TRUTH², less than 0.1 %. */
-static void error_of_the_image_is_unbiased(void **state) {
-    (void)state;
+UNIT_TEST(error_of_the_image_is_unbiased) {
     subject *u = open_subject();
     double truth = 0;
     shares errors = {.films = 0};
@@ -263,10 +257,4 @@ static void error_of_the_image_is_unbiased(void **state) {
     close_subject(u);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(intervals_of_flat_pixels_hold),   cmocka_unit_test(intervals_at_edges_hold),
-        cmocka_unit_test(intervals_of_skewed_pixels_hold), cmocka_unit_test(rare_bright_samples_are_marked),
-        cmocka_unit_test(squared_variances_are_unbiased),  cmocka_unit_test(error_of_the_image_is_unbiased)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -25,8 +25,7 @@ static double part_before(fathom_filter filter, double width, double x) {
  * 0.35875 times the mean. */
 static const double tolerance = (1 + 1 / (4 * 0.35875)) / FILTER_STEPS;
 
-static void samples_lie_as_the_filter_says(void **state) {
-    (void)state;
+UNIT_TEST(samples_lie_as_the_filter_says) {
     static const double widths[] = {0.01, 1, 1.5, 16};
     for (int i = 0; i < 12; ++i) {
         fathom_settings settings;
@@ -45,8 +44,7 @@ static void samples_lie_as_the_filter_says(void **state) {
 }
 
 /* Between the middles of two pixels stands the edge of a bright half-plane, seen in parallel. */
-static void an_edge_is_as_wide_as_the_filter(void **state) {
-    (void)state;
+UNIT_TEST(an_edge_is_as_wide_as_the_filter) {
     enum { WIDTH = 12, SAMPLES = 4096 };
     static const double edge = 0.25; /* from the image's middle, in pixels */
     for (int i = 0; i < 6; ++i) {
@@ -76,10 +74,4 @@ static void an_edge_is_as_wide_as_the_filter(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples_lie_as_the_filter_says),
-        cmocka_unit_test(an_edge_is_as_wide_as_the_filter),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

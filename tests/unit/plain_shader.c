@@ -21,8 +21,7 @@ static fathom_material any_plain(random_state *r) {
     return m;
 }
 
-static void shaders_of_a_block_are_those_made_one_by_one(void **state) {
-    (void)state;
+UNIT_TEST(shaders_of_a_block_are_those_made_one_by_one) {
     random_state r = {31};
     const plain_kernels *kernels;
     for (unsigned set = 0; (kernels = plain_kernels_at(set)); ++set) {
@@ -41,8 +40,7 @@ static void shaders_of_a_block_are_those_made_one_by_one(void **state) {
     }
 }
 
-static void materials_with_more_lobes_are_not_plain(void **state) {
-    (void)state;
+UNIT_TEST(materials_with_more_lobes_are_not_plain) {
     static const size_t members[] = {
         offsetof(fathom_material, transmission),   offsetof(fathom_material, clearcoat),
         offsetof(fathom_material, sheen_color[1]), offsetof(fathom_material, anisotropy),
@@ -66,10 +64,4 @@ static void materials_with_more_lobes_are_not_plain(void **state) {
     assert_int_equal(b.lanes, 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(shaders_of_a_block_are_those_made_one_by_one),
-        cmocka_unit_test(materials_with_more_lobes_are_not_plain),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -133,23 +133,15 @@ static void check_all(const frame_f64 *ground) {
     }
 }
 
-static void the_part_at_the_origin(void **state) {
-    (void)state;
+UNIT_TEST(the_part_at_the_origin) {
     frame_f64 ground = frame_from(vec_f64(0, 0, 0), vec_f64(0.3, 0.2, 1), vec_f64(0, 1, 0));
     check_all(&ground);
 }
 
-static void the_planet_at_the_origin(void **state) {
-    (void)state;
+UNIT_TEST(the_planet_at_the_origin) {
     vec3_f64 up = normalize_f64(vec_f64(0.6, -0.64, 0.48));
     frame_f64 ground = frame_from(scale_f64(radius, up), up, vec_f64(0, 1, 0));
     check_all(&ground);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_part_at_the_origin),
-        cmocka_unit_test(the_planet_at_the_origin),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

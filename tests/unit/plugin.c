@@ -26,8 +26,7 @@ static void open_meshes(stage *s) {
 }
 
 /* Random rays come within double's reach of an edge once in 10^12. */
-static void a_right_one_agrees(void **state) {
-    (void)state;
+UNIT_TEST(a_right_one_agrees) {
     stage s;
     open_meshes(&s);
     ray_set set = random_rays(5003);
@@ -41,8 +40,7 @@ static void a_right_one_agrees(void **state) {
 }
 
 /* t in double arrives as it is; planes are answered in float beside it. */
-static void double_precision_arrives(void **state) {
-    (void)state;
+UNIT_TEST(double_precision_arrives) {
     stage s;
     open_meshes(&s);
     ray_set set = random_rays(1600);
@@ -67,8 +65,7 @@ static void double_precision_arrives(void **state) {
     stage_close(&s);
 }
 
-static void bugs_show(void **state) {
-    (void)state;
+UNIT_TEST(bugs_show) {
     stage s;
     open_meshes(&s);
     /* From inside, half of all rays. */
@@ -98,8 +95,7 @@ static void refused(stage *s, const char *library, fathom_status status, const c
     assert_null(tracer);
 }
 
-static void what_does_not_fit_is_refused(void **state) {
-    (void)state;
+UNIT_TEST(what_does_not_fit_is_refused) {
     stage s;
     open_meshes(&s);
     refused(&s, "no-such-file.so", FATHOM_BAD_INPUT, "tracer ./no-such-file.so: cannot be loaded");
@@ -118,8 +114,7 @@ static void what_does_not_fit_is_refused(void **state) {
     stage_close(&s);
 }
 
-static void other_shapes_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(other_shapes_are_refused) {
     static const char *const names[] = {"spheres", "quads", "instances", "points"};
     for (int i = 0; i < 4; ++i) {
         stage s;
@@ -146,8 +141,7 @@ static void other_shapes_are_refused(void **state) {
 }
 
 /* A triangle that does not exist is a miss, and lanes past the count stay. */
-static void wild_answers_do_no_harm(void **state) {
-    (void)state;
+UNIT_TEST(wild_answers_do_no_harm) {
     stage s;
     open_meshes(&s);
     setenv("FATHOM_TEST_PLUGIN", "wild", 1);
@@ -169,14 +163,4 @@ static void wild_answers_do_no_harm(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_right_one_agrees),
-        cmocka_unit_test(double_precision_arrives),
-        cmocka_unit_test(bugs_show),
-        cmocka_unit_test(what_does_not_fit_is_refused),
-        cmocka_unit_test(other_shapes_are_refused),
-        cmocka_unit_test(wild_answers_do_no_harm),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

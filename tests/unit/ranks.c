@@ -159,10 +159,7 @@ static void assert_ranks_make_the_whole(change_fn change) {
     stage_close(&s);
 }
 
-static void ranks_make_the_whole(void **state) {
-    (void)state;
-    assert_ranks_make_the_whole(NULL);
-}
+UNIT_TEST(ranks_make_the_whole) { assert_ranks_make_the_whole(NULL); }
 
 static void to_an_error(uint32_t place, stage *s) {
     (void)place;
@@ -170,16 +167,12 @@ static void to_an_error(uint32_t place, stage *s) {
     s->settings.crop[0] = 7, s->settings.crop[1] = 9, s->settings.crop[2] = 140, s->settings.crop[3] = 71;
 }
 
-static void ranks_to_an_error_make_the_whole(void **state) {
-    (void)state;
-    assert_ranks_make_the_whole(to_an_error);
-}
+UNIT_TEST(ranks_to_an_error_make_the_whole) { assert_ranks_make_the_whole(to_an_error); }
 
 static void another_seed(uint32_t place, stage *s) { s->settings.seed = place == 1 ? 5 : 0; }
 
 /* Rank 1 alone: with a third, others would wait for work for ever, until what started them ends them. */
-static void another_render_is_told_of(void **state) {
-    (void)state;
+UNIT_TEST(another_render_is_told_of) {
     post p;
     rank ranks[RANKS];
     open_post(&p, 2);
@@ -206,8 +199,7 @@ static void at_once(uint32_t place, stage *s) {
     s->settings.max_time = 1;
 }
 
-static void a_time_is_refused(void **state) {
-    (void)state;
+UNIT_TEST(a_time_is_refused) {
     post p;
     rank ranks[RANKS];
     run_all(&p, ranks, 1, at_once);
@@ -216,12 +208,4 @@ static void a_time_is_refused(void **state) {
     close_all(ranks, 1);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ranks_make_the_whole),
-        cmocka_unit_test(ranks_to_an_error_make_the_whole),
-        cmocka_unit_test(another_render_is_told_of),
-        cmocka_unit_test(a_time_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -116,8 +116,7 @@ static void remove_got(char *copies) {
 
 /* The scene has one file of more than two pieces below it, which names another beside its folder, and whose
  * name has two dots. */
-static void files_come_whole_with_their_folders(void **state) {
-    (void)state;
+UNIT_TEST(files_come_whole_with_their_folders) {
     pair p;
     fathom_scene *got;
     char *copies, path[256];
@@ -151,8 +150,7 @@ static void files_come_whole_with_their_folders(void **state) {
     rmdir(in_folder("meshes")), rmdir(in_folder("looks"));
 }
 
-static void files_beside_the_scenes_folder_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(files_beside_the_scenes_folder_are_refused) {
     pair p;
     fathom_scene *got;
     char *copies;
@@ -178,8 +176,7 @@ static fathom_status ask_for(pair *p, char **copies) {
 }
 
 /* Rank 0 is believed only as far as the private folder goes. */
-static void names_that_lead_out_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(names_that_lead_out_are_refused) {
     char outside[256], *copies;
     const char *names[] = {outside, "../fathom-outside", "a/../../fathom-outside", ".."};
     snprintf(outside, sizeof outside, "%s", in_folder("outside"));
@@ -196,8 +193,7 @@ static void names_that_lead_out_are_refused(void **state) {
     }
 }
 
-static void a_folder_that_cannot_be_written_is_told(void **state) {
-    (void)state;
+UNIT_TEST(a_folder_that_cannot_be_written_is_told) {
     char *copies;
     pair p;
     open_pair(&p);
@@ -223,8 +219,7 @@ static bool send_short(void *user, uint32_t to, const void *bytes, size_t size) 
 
 static bool stopped(void) { return true; }
 
-static void an_answer_that_is_none_is_told_and_waiting_can_be_stopped(void **state) {
-    (void)state;
+UNIT_TEST(an_answer_that_is_none_is_told_and_waiting_can_be_stopped) {
     char *copies;
     pair p;
     fathom_scene *got;
@@ -244,8 +239,7 @@ static void an_answer_that_is_none_is_told_and_waiting_can_be_stopped(void **sta
 }
 
 /* Rank 0 answers what makes sense, and says of any other message that it does not. */
-static void rank_0_checks_what_it_is_asked(void **state) {
-    (void)state;
+UNIT_TEST(rank_0_checks_what_it_is_asked) {
     pair p;
     fathom_scene *own;
     fathom_read_options options;
@@ -288,13 +282,5 @@ static void rank_0_checks_what_it_is_asked(void **state) {
 
 int main(void) {
     unsetenv("TMPDIR");
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(files_come_whole_with_their_folders),
-        cmocka_unit_test(files_beside_the_scenes_folder_are_refused),
-        cmocka_unit_test(names_that_lead_out_are_refused),
-        cmocka_unit_test(a_folder_that_cannot_be_written_is_told),
-        cmocka_unit_test(an_answer_that_is_none_is_told_and_waiting_can_be_stopped),
-        cmocka_unit_test(rank_0_checks_what_it_is_asked),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+    return unit_main(open_folder, remove_folder);
 }

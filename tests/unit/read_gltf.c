@@ -24,7 +24,7 @@ static void assert_is_triangle(const fathom_scene *scene, size_t mesh, const int
     }
 }
 
-static void arrays_stay_in_the_file(void **state) {
+UNIT_TEST(arrays_stay_in_the_file) {
     fixture *f = *state;
     fathom_scene *scene = read_triangle(f, SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0,'"
                                                  "NORMAL':4,'TEXCOORD_0':5},'indices':1}]}]"));
@@ -40,7 +40,7 @@ static void arrays_stay_in_the_file(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void files_are_closed_after_reading(void **state) {
+UNIT_TEST(files_are_closed_after_reading) {
     fixture *f = *state;
     fathom_scene *scene = read_triangle(f, SHOWN(TRIANGLE_MESH));
     const void *positions = scene->meshes.items[0].positions;
@@ -48,7 +48,7 @@ static void files_are_closed_after_reading(void **state) {
     assert_false(is_mapped_from(positions, f->path));
 }
 
-static void indices_of_every_width_are_read(void **state) {
+UNIT_TEST(indices_of_every_width_are_read) {
     fixture *f = *state;
     const int orders[3][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}};
     for (int i = 0; i < 3; ++i) {
@@ -65,7 +65,7 @@ static void indices_of_every_width_are_read(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void interleaved_and_misaligned_arrays_are_read(void **state) {
+UNIT_TEST(interleaved_and_misaligned_arrays_are_read) {
     fixture *f = *state;
     unsigned char bytes[160] = {0};
     for (int i = 0; i < 3; ++i) {
@@ -95,7 +95,7 @@ static void interleaved_and_misaligned_arrays_are_read(void **state) {
 }
 
 /* KHR_mesh_quantization: f = max(c / (2^(bits-1) - 1), -1) when normalized, else f = c. */
-static void quantized_arrays_are_scaled(void **state) {
+UNIT_TEST(quantized_arrays_are_scaled) {
     fixture *f = *state;
     const struct {
         int16_t shorts[3][4];
@@ -134,7 +134,7 @@ static void quantized_arrays_are_scaled(void **state) {
 
 /* Every triangle of a flat strip or fan faces the way the first one does, and together they cover the whole.
  */
-static void strips_and_fans_keep_their_winding(void **state) {
+UNIT_TEST(strips_and_fans_keep_their_winding) {
     fixture *f = *state;
     const struct {
         float strip[6][3];
@@ -170,7 +170,7 @@ static void strips_and_fans_keep_their_winding(void **state) {
 }
 
 /* Vertex 1 of the triangle is replaced, over the file's values and over zeros. */
-static void sparse_accessors_replace_elements(void **state) {
+UNIT_TEST(sparse_accessors_replace_elements) {
     fixture *f = *state;
     struct {
         triangle_data base;
@@ -201,7 +201,7 @@ static void sparse_accessors_replace_elements(void **state) {
 }
 
 /* Every number of bytes at the end: 0, 1 or 2 over a multiple of three. */
-static void base64_buffers_are_decoded(void **state) {
+UNIT_TEST(base64_buffers_are_decoded) {
     fixture *f = *state;
     for (size_t extra = 0; extra < 3; ++extra) {
         unsigned char bytes[128] = {0};
@@ -220,7 +220,7 @@ static void base64_buffers_are_decoded(void **state) {
     }
 }
 
-static void external_buffers_are_read(void **state) {
+UNIT_TEST(external_buffers_are_read) {
     fixture *f = *state;
     write_bytes(f, "a mesh.bin", &triangle, sizeof triangle);
     char binary[128];
@@ -239,7 +239,7 @@ static void external_buffers_are_read(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void shared_accessors_are_converted_once(void **state) {
+UNIT_TEST(shared_accessors_are_converted_once) {
     fixture *f = *state;
     fathom_scene *scene = read_triangle(
         f,
@@ -252,7 +252,7 @@ static void shared_accessors_are_converted_once(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void options_are_applied(void **state) {
+UNIT_TEST(options_are_applied) {
     fixture *f = *state;
     write_triangle(f, SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':4},'indices':1}]},"
                             "{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}]"));
@@ -267,7 +267,7 @@ static void options_are_applied(void **state) {
 
 /* A mesh without normals is flat by the standard; smooth ones are made when asked for, but never over the
  * file's own. One triangle's are all its geometric normal. */
-static void missing_normals_are_made_smooth(void **state) {
+UNIT_TEST(missing_normals_are_made_smooth) {
     fixture *f = *state;
     write_triangle(f, WITH_DATA("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1},"
                                 "{'attributes':{'POSITION':0,'NORMAL':4},'indices':1}]}]"));
@@ -286,21 +286,4 @@ static void missing_normals_are_made_smooth(void **state) {
     fathom_scene_destroy(scene);
 }
 
-int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(arrays_stay_in_the_file),
-        TEST(files_are_closed_after_reading),
-        TEST(indices_of_every_width_are_read),
-        TEST(interleaved_and_misaligned_arrays_are_read),
-        TEST(quantized_arrays_are_scaled),
-        TEST(strips_and_fans_keep_their_winding),
-        TEST(sparse_accessors_replace_elements),
-        TEST(base64_buffers_are_decoded),
-        TEST(external_buffers_are_read),
-        TEST(shared_accessors_are_converted_once),
-        TEST(options_are_applied),
-        TEST(missing_normals_are_made_smooth),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

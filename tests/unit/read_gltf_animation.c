@@ -25,7 +25,7 @@ static void assert_moved(fixture *f, double time, double x) {
     fathom_scene_destroy(scene);
 }
 
-static void translations_follow_their_interpolation(void **state) {
+UNIT_TEST(translations_follow_their_interpolation) {
     fixture *f = *state;
     build b = {.size = 0};
     const int times = PUT_FLOATS(&b, "SCALAR", 2, 1, 3), values = PUT_FLOATS(&b, "VEC3", 2, 2, 0, 0, 6, 0, 0);
@@ -38,7 +38,7 @@ static void translations_follow_their_interpolation(void **state) {
     assert_moved(f, 3, 6);
 }
 
-static void the_last_of_equal_keys_counts_from_then_on(void **state) {
+UNIT_TEST(the_last_of_equal_keys_counts_from_then_on) {
     static const char *const ways[] = {"LINEAR", "STEP"};
     fixture *f = *state;
     for (int i = 0; i < 2; ++i) {
@@ -59,7 +59,7 @@ static void the_last_of_equal_keys_counts_from_then_on(void **state) {
 }
 
 /* KHR_animation_pointer: to a node's part it is as the node's own channel; other pointers are told. */
-static void pointers_to_nodes_are_followed(void **state) {
+UNIT_TEST(pointers_to_nodes_are_followed) {
     static const char *const pointers[] = {"/nodes/0/translation", "/materials/0/alphaCutoff"};
     fixture *f = *state;
     for (int i = 0; i < 2; ++i) {
@@ -81,7 +81,7 @@ static void pointers_to_nodes_are_followed(void **state) {
 
 /* Three values a key; the spline through (0, 1) and (2, 5) with slopes 3 and -1. Hermite's cubic has these
  * values and slopes at its ends, and no other cubic does. */
-static void cubic_splines_have_the_slopes_of_their_tangents(void **state) {
+UNIT_TEST(cubic_splines_have_the_slopes_of_their_tangents) {
     fixture *f = *state;
     build b = {.size = 0};
     const int times = PUT_FLOATS(&b, "SCALAR", 2, 0, 2),
@@ -94,7 +94,7 @@ static void cubic_splines_have_the_slopes_of_their_tangents(void **state) {
 }
 
 /* Equal times turn by equal angles, the shorter way even where a file has the other sign. */
-static void rotations_turn_evenly_the_shorter_way(void **state) {
+UNIT_TEST(rotations_turn_evenly_the_shorter_way) {
     fixture *f = *state;
     const double half = 0.75, quarter = half / 2; /* radians: of the whole turn's half angle */
     for (int sign = -1; sign <= 1; sign += 2) {
@@ -113,8 +113,7 @@ static void rotations_turn_evenly_the_shorter_way(void **state) {
     }
 }
 
-static void halving_an_arc_is_slerp_to_the_last_bits(void **state) {
-    (void)state;
+UNIT_TEST(halving_an_arc_is_slerp_to_the_last_bits) {
     for (int i = 0; i <= 100; ++i) {
         double a[4] = {0, 0, 0, 2}, b[4] = {sin(1.4), 0, 0, cos(1.4)}, out[4];
         gltf_slerp(a, b, i / 100.0, out);
@@ -124,7 +123,7 @@ static void halving_an_arc_is_slerp_to_the_last_bits(void **state) {
 }
 
 /* The last of three animations moves what the first moves. */
-static void what_does_not_move_the_same_is_posed_together(void **state) {
+UNIT_TEST(what_does_not_move_the_same_is_posed_together) {
     fixture *f = *state;
     build b = {.size = 0};
     const int positions = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE), times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1),
@@ -154,7 +153,7 @@ static void what_does_not_move_the_same_is_posed_together(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void without_a_time_everything_rests_and_it_is_said(void **state) {
+UNIT_TEST(without_a_time_everything_rests_and_it_is_said) {
     fixture *f = *state;
     build b = {.size = 0};
     const int times = PUT_FLOATS(&b, "SCALAR", 2, 1, 3), values = PUT_FLOATS(&b, "VEC3", 2, 2, 0, 0, 6, 0, 0);
@@ -188,7 +187,7 @@ static morphed put_morphed(build *b) {
 }
 
 /* Targets add up by their weights: the node's, else the mesh's, else none. */
-static void targets_add_up_by_weight(void **state) {
+UNIT_TEST(targets_add_up_by_weight) {
     fixture *f = *state;
     build b = {.size = 0};
     const morphed m = put_morphed(&b);
@@ -206,7 +205,7 @@ static void targets_add_up_by_weight(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void weights_are_animated_together(void **state) {
+UNIT_TEST(weights_are_animated_together) {
     fixture *f = *state;
     build b = {.size = 0};
     const morphed m = put_morphed(&b);
@@ -241,7 +240,7 @@ static void write_skin(fixture *f, build *b, int joints, int weights, const char
         positions, normals, joints, weights, more, bind, where);
 }
 
-static void vertices_follow_their_joints_and_no_node(void **state) {
+UNIT_TEST(vertices_follow_their_joints_and_no_node) {
     fixture *f = *state;
     build b = {.size = 0};
     const int joints = PUT_BYTES(&b, "VEC4", 3, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0),
@@ -259,7 +258,7 @@ static void vertices_follow_their_joints_and_no_node(void **state) {
 }
 
 /* Weights count by their sum over all sets, whatever it is; without any, the first joint has the vertex. */
-static void weights_of_all_sets_count_by_their_sum(void **state) {
+UNIT_TEST(weights_of_all_sets_count_by_their_sum) {
     fixture *f = *state;
     build b = {.size = 0};
     const int joints = PUT_BYTES(&b, "VEC4", 3, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0),
@@ -285,7 +284,7 @@ static void assert_refused(fixture *f, fathom_status expected, const fathom_read
     if (!strstr(fathom_context_message(f->context), text)) fail_msg("%s", fathom_context_message(f->context));
 }
 
-static void wrong_animations_are_refused(void **state) {
+UNIT_TEST(wrong_animations_are_refused) {
     fixture *f = *state;
     fathom_read_options asked;
     fathom_read_options_default(&asked);
@@ -321,7 +320,7 @@ static void wrong_animations_are_refused(void **state) {
     assert_refused(f, FATHOM_BAD_USAGE, &asked, "has no animations to pose");
 }
 
-static void wrong_skins_are_refused(void **state) {
+UNIT_TEST(wrong_skins_are_refused) {
     fixture *f = *state;
     fathom_read_options asked;
     fathom_read_options_default(&asked);
@@ -341,7 +340,7 @@ static void wrong_skins_are_refused(void **state) {
 
 /* ---- variants, units ---- */
 
-static void variants_replace_materials(void **state) {
+UNIT_TEST(variants_replace_materials) {
     fixture *f = *state;
     fathom_scene *scene;
     fathom_read_options asked;
@@ -364,7 +363,7 @@ static void variants_replace_materials(void **state) {
                    "there is no variant \"dusk\"; expected one of 0 \"day\", 1 \"night\"");
 }
 
-static void units_scale_models_cameras_and_lamps_alike(void **state) {
+UNIT_TEST(units_scale_models_cameras_and_lamps_alike) {
     fixture *f = *state;
     fathom_scene *scene;
     fathom_read_options asked;
@@ -384,25 +383,4 @@ static void units_scale_models_cameras_and_lamps_alike(void **state) {
     fathom_scene_destroy(scene);
 }
 
-int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(translations_follow_their_interpolation),
-        TEST(the_last_of_equal_keys_counts_from_then_on),
-        TEST(pointers_to_nodes_are_followed),
-        TEST(cubic_splines_have_the_slopes_of_their_tangents),
-        TEST(rotations_turn_evenly_the_shorter_way),
-        TEST(halving_an_arc_is_slerp_to_the_last_bits),
-        TEST(what_does_not_move_the_same_is_posed_together),
-        TEST(without_a_time_everything_rests_and_it_is_said),
-        TEST(targets_add_up_by_weight),
-        TEST(weights_are_animated_together),
-        TEST(vertices_follow_their_joints_and_no_node),
-        TEST(weights_of_all_sets_count_by_their_sum),
-        TEST(wrong_animations_are_refused),
-        TEST(wrong_skins_are_refused),
-        TEST(variants_replace_materials),
-        TEST(units_scale_models_cameras_and_lamps_alike),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

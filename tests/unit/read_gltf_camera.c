@@ -24,7 +24,7 @@ static fathom_status read_asked(fixture *f, const char *camera, uint32_t width, 
     return fathom_scene_read_with(f->context, f->path, &options, out);
 }
 
-static void a_name_or_a_number_chooses(void **state) {
+UNIT_TEST(a_name_or_a_number_chooses) {
     fixture *f = *state;
     const struct {
         const char *asked;
@@ -45,7 +45,7 @@ static void a_name_or_a_number_chooses(void **state) {
     }
 }
 
-static void a_wrong_choice_lists_what_there_is(void **state) {
+UNIT_TEST(a_wrong_choice_lists_what_there_is) {
     fixture *f = *state;
     static const char list[] = "0 \"above\" (orthographic), 1 \"left\", 2 \"right\", 3, 4 \"left\"";
     const struct {
@@ -67,7 +67,7 @@ static void a_wrong_choice_lists_what_there_is(void **state) {
 }
 
 /* Long lists end, and numbers go on. */
-static void many_cameras_are_listed_in_part(void **state) {
+UNIT_TEST(many_cameras_are_listed_in_part) {
     fixture *f = *state;
     char json[8192];
     int used =
@@ -84,7 +84,7 @@ static void many_cameras_are_listed_in_part(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void one_of_several_is_taken_and_said(void **state) {
+UNIT_TEST(one_of_several_is_taken_and_said) {
     fixture *f = *state;
     fathom_scene *scene;
     write_triangle(f, FILE_OF_CAMERAS);
@@ -109,7 +109,7 @@ static void one_of_several_is_taken_and_said(void **state) {
 
 /* A camera that is not taken does no harm, whatever it says. Taken, a view that is none is one of 45 degrees.
  */
-static void only_the_taken_camera_is_read(void **state) {
+UNIT_TEST(only_the_taken_camera_is_read) {
     fixture *f = *state;
     fathom_scene *scene;
     write_triangle(f, WITH_DATA(TRIANGLE_MESH ",'cameras':[{'type':'perspective','perspective':{'yfov':1}},"
@@ -125,7 +125,7 @@ static void only_the_taken_camera_is_read(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void the_image_follows_the_camera(void **state) {
+UNIT_TEST(the_image_follows_the_camera) {
     fixture *f = *state;
     const struct {
         const char *asked;
@@ -150,7 +150,7 @@ static void the_image_follows_the_camera(void **state) {
 }
 
 /* A given size changes no angle; what it cuts off is said, unless it is less than half a pixel. */
-static void a_given_size_keeps_the_vertical_field_of_view(void **state) {
+UNIT_TEST(a_given_size_keeps_the_vertical_field_of_view) {
     fixture *f = *state;
     const struct {
         uint32_t width, height;
@@ -173,16 +173,4 @@ static void a_given_size_keeps_the_vertical_field_of_view(void **state) {
     }
 }
 
-int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(a_name_or_a_number_chooses),
-        TEST(a_wrong_choice_lists_what_there_is),
-        TEST(many_cameras_are_listed_in_part),
-        TEST(one_of_several_is_taken_and_said),
-        TEST(only_the_taken_camera_is_read),
-        TEST(the_image_follows_the_camera),
-        TEST(a_given_size_keeps_the_vertical_field_of_view),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

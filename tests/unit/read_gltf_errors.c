@@ -12,7 +12,7 @@ static void assert_rejected(fixture *f, const char *text) {
     fathom_scene_destroy(scene);
 }
 
-static void broken_containers_are_refused(void **state) {
+UNIT_TEST(broken_containers_are_refused) {
     fixture *f = *state;
     unsigned char glb[4096];
     size_t size = make_glb("{" ASSET "}", &triangle, sizeof triangle, glb);
@@ -56,7 +56,7 @@ static void assert_all_rejected(fixture *f, const bad_file *files, size_t count)
     }
 }
 
-static void broken_documents_are_refused(void **state) {
+UNIT_TEST(broken_documents_are_refused) {
     const bad_file files[] = {
         {"{}", "asset.version: is missing"},
         {"{'asset':{'version':'1.0'}}",
@@ -84,7 +84,7 @@ static void broken_documents_are_refused(void **state) {
     "}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]}"
 #define VEC3(count) "'componentType':5126,'type':'VEC3','count':" #count
 
-static void broken_meshes_are_refused(void **state) {
+UNIT_TEST(broken_meshes_are_refused) {
     const bad_file files[] = {
         {MESH("'attributes':{'POSITION':17}"),
          "meshes[0].primitives[0].attributes.POSITION: is 17; expected an index into accessors, which has 6"},
@@ -103,7 +103,7 @@ static void broken_meshes_are_refused(void **state) {
     assert_all_rejected(*state, files, sizeof files / sizeof *files);
 }
 
-static void broken_accessors_are_refused(void **state) {
+UNIT_TEST(broken_accessors_are_refused) {
     const bad_file files[] = {
         {ONE_VIEW("'buffer':0,'byteLength':121", "'bufferView':0," VEC3(3)), "bufferViews[0]: spans bytes"},
         {ONE_VIEW("'buffer':0,'byteOffset':9007199254740993,'byteLength':36", "'bufferView':0," VEC3(3)),
@@ -146,7 +146,7 @@ static void broken_accessors_are_refused(void **state) {
 
 /* A few bytes may not ask for any amount of memory: elements that are zero, and nothing else, by the million;
  * one array unrolled again and again. The same in proportion to the file is fine. */
-static void memory_out_of_proportion_is_refused(void **state) {
+UNIT_TEST(memory_out_of_proportion_is_refused) {
     fixture *f = *state;
     const bad_file files[] = {
         {"{" ASSET ",'accessors':[{" VEC3(1000000) "}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}"
@@ -167,7 +167,7 @@ static void memory_out_of_proportion_is_refused(void **state) {
 }
 
 /* What making normals takes meanwhile counts, and is given back: the second file makes them three times. */
-static void normals_out_of_proportion_are_refused(void **state) {
+UNIT_TEST(normals_out_of_proportion_are_refused) {
     fixture *f = *state;
     const read_mesh_options smooth = {.material = FATHOM_NONE, .smooth = true};
     fathom_scene *scene;
@@ -187,13 +187,13 @@ static void normals_out_of_proportion_are_refused(void **state) {
 }
 
 /* What a message quotes cannot steer the terminal that shows it. */
-static void control_characters_are_not_printed(void **state) {
+UNIT_TEST(control_characters_are_not_printed) {
     fixture *f = *state;
     write_triangle(f, "{'asset':{'version':'\\u001b[2J\\n'}}");
     assert_rejected(f, "asset.version: is \"?[2J?\"");
 }
 
-static void wrong_values_name_their_place(void **state) {
+UNIT_TEST(wrong_values_name_their_place) {
     fixture *f = *state;
     triangle_data data = triangle;
     data.positions[2][1] = NAN;
@@ -208,7 +208,7 @@ static void wrong_values_name_their_place(void **state) {
 
 #define NODES(nodes) WITH_DATA(TRIANGLE_MESH ",'nodes':[" nodes "]")
 
-static void broken_nodes_are_refused(void **state) {
+UNIT_TEST(broken_nodes_are_refused) {
     const bad_file files[] = {
         {NODES("{'children':[1]},{'children':[2]},{'children':[1]}"),
          "nodes[2].children: leads back to nodes[1]"},
@@ -238,7 +238,7 @@ static void broken_nodes_are_refused(void **state) {
     SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{" material   \
           "}]")
 
-static void broken_lights_and_materials_are_refused(void **state) {
+UNIT_TEST(broken_lights_and_materials_are_refused) {
     const bad_file files[] = {
         {LIGHT("'type':'point','color':[1,1]"), "lights[0].color: has 2 entries"},
         {MATERIAL("'pbrMetallicRoughness':{'baseColorFactor':[1,1,1]}"),
@@ -283,7 +283,7 @@ static bool read_damaged(fixture *f) {
     return status == FATHOM_OK;
 }
 
-static void truncation_anywhere_is_an_error(void **state) {
+UNIT_TEST(truncation_anywhere_is_an_error) {
     fixture *f = *state;
     unsigned char glb[8192];
     size_t size = make_glb(RICH_GLB, &triangle, sizeof triangle, glb);
@@ -332,13 +332,13 @@ static void damage(fixture *f, const char *name, const unsigned char *bytes, siz
     assert_in_range(good, 100, 9900);
 }
 
-static void random_bytes_do_no_harm(void **state) {
+UNIT_TEST(random_bytes_do_no_harm) {
     unsigned char glb[8192];
     damage(*state, "test.glb", glb, make_glb(RICH_GLB, &triangle, sizeof triangle, glb));
 }
 
 /* The same with the buffer in base64, which is decoded into memory of its own. */
-static void random_characters_do_no_harm(void **state) {
+UNIT_TEST(random_characters_do_no_harm) {
     char text[256], json[8192];
     encode_base64((const unsigned char *)&triangle, sizeof triangle, text);
     snprintf(json, sizeof json, RICH_GLTF, text);
@@ -348,22 +348,4 @@ static void random_characters_do_no_harm(void **state) {
     damage(*state, "test.gltf", (const unsigned char *)json, strlen(json));
 }
 
-int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(broken_containers_are_refused),
-        TEST(broken_documents_are_refused),
-        TEST(broken_meshes_are_refused),
-        TEST(broken_accessors_are_refused),
-        TEST(memory_out_of_proportion_is_refused),
-        TEST(normals_out_of_proportion_are_refused),
-        TEST(control_characters_are_not_printed),
-        TEST(wrong_values_name_their_place),
-        TEST(broken_nodes_are_refused),
-        TEST(broken_lights_and_materials_are_refused),
-        TEST(truncation_anywhere_is_an_error),
-        TEST(random_bytes_do_no_harm),
-        TEST(random_characters_do_no_harm),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

@@ -21,7 +21,7 @@ static fathom_material material_of(fixture *f, const char *json) {
 
 /* Factors next to an image are mostly 1, and the image says where. Without it, a layer would be everywhere.
  */
-static void lost_images_leave_no_layer(void **state) {
+UNIT_TEST(lost_images_leave_no_layer) {
     fixture *f = *state;
     fathom_material m = LOST("'KHR_materials_clearcoat':{'clearcoatFactor':1," IMAGE("clearcoatTexture") "}");
     assert_true(m.clearcoat == 0);
@@ -42,7 +42,7 @@ static void lost_images_leave_no_layer(void **state) {
 }
 
 /* The specular colour tints the 4 % that the ior reflects; with ior 0 it is all that is reflected. */
-static void lost_specular_colours_leave_plain_plastic(void **state) {
+UNIT_TEST(lost_specular_colours_leave_plain_plastic) {
     fixture *f = *state;
     fathom_material m = LOST("'KHR_materials_specular':{'specularColorFactor':[1,0.5,1]," IMAGE(
         "specularColorTexture") "," IMAGE("specularTexture") "}");
@@ -57,7 +57,7 @@ static void lost_specular_colours_leave_plain_plastic(void **state) {
 
 /* Each direction wraps by itself; filters without mip levels take none; the same image with another sampler
  * is another texture. */
-static void samplers_are_followed(void **state) {
+UNIT_TEST(samplers_are_followed) {
     fixture *f = *state;
     static const struct {
         const char *sampler;
@@ -99,7 +99,7 @@ static void samplers_are_followed(void **state) {
 
 /* The extension's own set of texture coordinates overrides the texture's; what is not given changes nothing.
  */
-static void transforms_choose_their_set(void **state) {
+UNIT_TEST(transforms_choose_their_set) {
     fixture *f = *state;
     static const char textures[] = "'textures':[{'source':0}]";
     char json[4096];
@@ -127,7 +127,7 @@ static void transforms_choose_their_set(void **state) {
 }
 
 /* An unlit surface sends its colour, through its image, where its alpha lets it. */
-static void unlit_images_are_masked(void **state) {
+UNIT_TEST(unlit_images_are_masked) {
     fixture *f = *state;
     const fathom_material m = material_of(
         f, MATERIAL("'alphaMode':'MASK','pbrMetallicRoughness':{'baseColorFactor':[0.5,0.25,1,0.75],"
@@ -142,7 +142,7 @@ static void unlit_images_are_masked(void **state) {
 }
 
 /* The colours of the file multiply the material that an object of a scene gives it, as those of PLY do. */
-static void colours_stay_with_another_material(void **state) {
+UNIT_TEST(colours_stay_with_another_material) {
     fixture *f = *state;
     build b = {.size = 0};
     static const char ply[] =
@@ -177,12 +177,4 @@ static void colours_stay_with_another_material(void **state) {
     fathom_scene_destroy(scene);
 }
 
-int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(lost_images_leave_no_layer), TEST(lost_specular_colours_leave_plain_plastic),
-        TEST(samplers_are_followed),      TEST(transforms_choose_their_set),
-        TEST(unlit_images_are_masked),    TEST(colours_stay_with_another_material),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

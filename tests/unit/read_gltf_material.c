@@ -50,7 +50,7 @@ static double lobe_integral(double n) {
 
 /* The highlight of a rough surface sends back F0 of the light that meets it head on: k_s times the lobe's
  * integral is pi F0 (the model's terms carry no 1 / pi). F0 of glass 1.5 is 0.04. */
-static void highlight_reflects_f0(void **state) {
+UNIT_TEST(highlight_reflects_f0) {
     fixture *f = *state;
     const double roughness[] = {1, 0.8, 0.6, 0.5};
     for (size_t i = 0; i < sizeof roughness / sizeof *roughness; ++i) {
@@ -67,7 +67,7 @@ static double normal_reflectance(double ior) { return pow((ior - 1) / (ior + 1),
 
 /* No material of the format makes light: for every combination of factors, in every channel, k_d + k_s <= 1
  * and k_d + k_r F + k_t (1 - F) <= 1 head on, and no coefficient is negative. */
-static void no_material_makes_light(void **state) {
+UNIT_TEST(no_material_makes_light) {
     fixture *f = *state;
     const double values[] = {0, 0.3, 0.7, 1}, iors[] = {0, 1, 1.5, 2.4};
     for (int i = 0; i < 1024; ++i) {
@@ -92,7 +92,7 @@ static void no_material_makes_light(void **state) {
     }
 }
 
-static void plastic_and_metal_follow_their_formulas(void **state) {
+UNIT_TEST(plastic_and_metal_follow_their_formulas) {
     fixture *f = *state;
     fathom_material plastic = read_factors(f, 0.8, 0, 0.5, "");
     assert_near(plastic.k_d[0], 0.8 * 0.96, 0x1p-24);
@@ -113,7 +113,7 @@ static void plastic_and_metal_follow_their_formulas(void **state) {
     assert_near(polished.k_r[0], 1, 0);
 }
 
-static void glass_transmits_its_colour(void **state) {
+UNIT_TEST(glass_transmits_its_colour) {
     fixture *f = *state;
     fathom_material m = read_factors(f, 1, 0, 0,
                                      ",'extensions':{'KHR_materials_transmission':{'transmissionFactor':1},"
@@ -129,7 +129,7 @@ static void glass_transmits_its_colour(void **state) {
     assert_near(m.k_t[0], 0, 0);
 }
 
-static void ior_zero_takes_the_specular_colour(void **state) {
+UNIT_TEST(ior_zero_takes_the_specular_colour) {
     fixture *f = *state;
     fathom_material none =
         read_factors(f, 0.8, 0, 0, ",'extensions':{'KHR_materials_specular':{'specularFactor':0}}");
@@ -147,7 +147,7 @@ static void ior_zero_takes_the_specular_colour(void **state) {
 }
 
 /* What lights a material is the same, whichever of the two workflows describes it. */
-static void specular_glossiness_keeps_its_colour(void **state) {
+UNIT_TEST(specular_glossiness_keeps_its_colour) {
     fixture *f = *state;
     const char *more =
         ",'extensions':{'KHR_materials_pbrSpecularGlossiness':{'diffuseFactor':[0.1,0.8,0.2,1],"
@@ -163,7 +163,7 @@ static void specular_glossiness_keeps_its_colour(void **state) {
 }
 
 /* A texture without its image is taken as one even value: no silhouette, no mirror, no glass all over. */
-static void textures_without_images_become_even_values(void **state) {
+UNIT_TEST(textures_without_images_become_even_values) {
     fixture *f = *state;
     char json[8192];
     const char *all =
@@ -194,7 +194,7 @@ static void textures_without_images_become_even_values(void **state) {
  */
 #define TEXEL "'images':[{'uri':'data:image/x-portable-pixmap;base64,UDYKMSAxCjI1NQoAAAA='}]"
 
-static void textures_become_maps(void **state) {
+UNIT_TEST(textures_become_maps) {
     fixture *f = *state;
     char json[8192];
     snprintf(
@@ -242,7 +242,7 @@ static void textures_become_maps(void **state) {
 }
 
 /* glTF's default factors of layers are 0, so a texture alone does nothing: it is told once, with a count. */
-static void textures_with_factors_of_zero_are_told(void **state) {
+UNIT_TEST(textures_with_factors_of_zero_are_told) {
     fixture *f = *state;
     static const struct {
         const char *material, *told;
@@ -274,7 +274,7 @@ static void textures_with_factors_of_zero_are_told(void **state) {
 }
 
 /* The image of the extension is the one that its author made for programs that know it. */
-static void images_of_extensions_go_before_others(void **state) {
+UNIT_TEST(images_of_extensions_go_before_others) {
     fixture *f = *state;
     static const char *const names[] = {"EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
@@ -294,7 +294,7 @@ static void images_of_extensions_go_before_others(void **state) {
     }
 }
 
-static void emission_is_scaled_by_its_strength(void **state) {
+UNIT_TEST(emission_is_scaled_by_its_strength) {
     fixture *f = *state;
     fathom_material m = read_factors(f, 0, 0, 1,
                                      ",'emissiveFactor':[1,0.5,0],'extensions':{"
@@ -308,7 +308,7 @@ static void emission_is_scaled_by_its_strength(void **state) {
     for (int c = 0; c < 3; ++c) assert_near(m.k_d[c] + m.k_s[c] + m.k_r[c] + m.k_t[c] + m.k_a[c], 0, 0);
 }
 
-static void alpha_modes_cover_their_part(void **state) {
+UNIT_TEST(alpha_modes_cover_their_part) {
     fixture *f = *state;
     fathom_material opaque = read_factors(f, 0.8, 0, 1, "");
     fathom_material half =
@@ -330,7 +330,7 @@ static void alpha_modes_cover_their_part(void **state) {
 }
 
 /* More than half of the light passes: no shadow. */
-static void clear_materials_cast_no_shadow(void **state) {
+UNIT_TEST(clear_materials_cast_no_shadow) {
     fixture *f = *state;
     const double alphas[] = {0.25, 0.75};
     for (int i = 0; i < 2; ++i) {
@@ -346,7 +346,7 @@ static void clear_materials_cast_no_shadow(void **state) {
 }
 
 /* Whatever else the material has: the shape is not there. */
-static void masked_surfaces_are_absent(void **state) {
+UNIT_TEST(masked_surfaces_are_absent) {
     fixture *f = *state;
     static const char *const more[] = {
         "", "'emissiveFactor':[1,1,1]", "'extensions':{'KHR_materials_unlit':{}}",
@@ -365,7 +365,7 @@ static void masked_surfaces_are_absent(void **state) {
 }
 
 /* Path tracing takes the format's own numbers. */
-static void factors_are_kept_for_path_tracing(void **state) {
+UNIT_TEST(factors_are_kept_for_path_tracing) {
     fixture *f = *state;
     fathom_material m =
         read_both(f,
@@ -390,7 +390,7 @@ static void factors_are_kept_for_path_tracing(void **state) {
     assert_true(material_opacity(&m) == 0);
 }
 
-static void layers_are_kept_for_path_tracing(void **state) {
+UNIT_TEST(layers_are_kept_for_path_tracing) {
     fixture *f = *state;
     const fathom_material m =
         read_both(f,
@@ -413,7 +413,7 @@ static void layers_are_kept_for_path_tracing(void **state) {
     assert_true(plain.iridescence_thickness_max == 400 && plain.diffuse_transmission_color[0] == 1);
 }
 
-static void extensions_that_are_not_read_are_told(void **state) {
+UNIT_TEST(extensions_that_are_not_read_are_told) {
     fixture *f = *state;
     read_material(f, "'extensions':{'EXT_no_such_thing':{},'KHR_materials_unknown':{'dispersion':1}}");
     assert_int_equal(f->warnings, 2);
@@ -421,7 +421,7 @@ static void extensions_that_are_not_read_are_told(void **state) {
 
 /* Names stay, a material is made once, and one that is not named is the format's default: white rough metal.
  */
-static void materials_keep_names_and_have_a_default(void **state) {
+UNIT_TEST(materials_keep_names_and_have_a_default) {
     fixture *f = *state;
     fathom_scene *scene =
         read_triangle(f, SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':1},{'"
@@ -439,27 +439,4 @@ static void materials_keep_names_and_have_a_default(void **state) {
     fathom_scene_destroy(scene);
 }
 
-int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(highlight_reflects_f0),
-        TEST(no_material_makes_light),
-        TEST(plastic_and_metal_follow_their_formulas),
-        TEST(glass_transmits_its_colour),
-        TEST(ior_zero_takes_the_specular_colour),
-        TEST(specular_glossiness_keeps_its_colour),
-        TEST(textures_without_images_become_even_values),
-        TEST(textures_with_factors_of_zero_are_told),
-        TEST(textures_become_maps),
-        TEST(images_of_extensions_go_before_others),
-        TEST(emission_is_scaled_by_its_strength),
-        TEST(alpha_modes_cover_their_part),
-        TEST(clear_materials_cast_no_shadow),
-        TEST(masked_surfaces_are_absent),
-        TEST(factors_are_kept_for_path_tracing),
-        TEST(layers_are_kept_for_path_tracing),
-        TEST(extensions_that_are_not_read_are_told),
-        TEST(materials_keep_names_and_have_a_default),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

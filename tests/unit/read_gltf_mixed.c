@@ -34,7 +34,7 @@ static const float *row_of(const float *values, size_t stride, size_t i) {
 }
 
 /* max(c / 127, -1) and max(c / 32767, -1), for what is replaced as for what is not. */
-static void sparse_values_are_normalized_as_others(void **state) {
+UNIT_TEST(sparse_values_are_normalized_as_others) {
     fixture *f = *state;
     static const char scaled[] = ",'normalized':true";
     build b = {.size = 0};
@@ -59,7 +59,7 @@ static void sparse_values_are_normalized_as_others(void **state) {
 }
 
 /* Colours and uvs in bytes, sparse over nothing; KHR_mesh_quantization has uvs that are not normalized. */
-static void sparse_looks_are_read(void **state) {
+UNIT_TEST(sparse_looks_are_read) {
     fixture *f = *state;
     build b = {.size = 0};
     const int points = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE),
@@ -87,7 +87,7 @@ static void sparse_looks_are_read(void **state) {
 
 /* Of each key the in-tangents of all weights, then their values, then their out-tangents (specification,
  * 3.11). Targets are sparse, as exporters write them. */
-static void splines_of_weights_move_sparse_targets(void **state) {
+UNIT_TEST(splines_of_weights_move_sparse_targets) {
     fixture *f = *state;
     build b = {.size = 0};
     const int points = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE), which = PUT_BYTES(&b, "SCALAR", 1, 2),
@@ -115,7 +115,7 @@ static void splines_of_weights_move_sparse_targets(void **state) {
 }
 
 /* A weight of 0 when the shutter opens: the stored vertices, interleaved with others, are the first key. */
-static void moving_targets_may_begin_at_rest(void **state) {
+UNIT_TEST(moving_targets_may_begin_at_rest) {
     fixture *f = *state;
     build b = {.size = 0};
     static const float mixed[] = {0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 1};
@@ -155,7 +155,7 @@ static void moving_targets_may_begin_at_rest(void **state) {
 
 /* A quaternion of a spline is normalized before use; here (0, 0, sqrt(1/2), sqrt(1/2)) / 2 from normalized
  * shorts. */
-static void splines_of_rotations_are_normalized(void **state) {
+UNIT_TEST(splines_of_rotations_are_normalized) {
     fixture *f = *state;
     build b = {.size = 0};
     const int points = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE), times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1),
@@ -176,7 +176,7 @@ static void splines_of_rotations_are_normalized(void **state) {
 
 /* Instances of a node: its transform, mirrored here, after translation, rotation and scale of each; with its
  * motion. Rotations are normalized bytes. */
-static void instances_follow_mirrored_and_moving_nodes(void **state) {
+UNIT_TEST(instances_follow_mirrored_and_moving_nodes) {
     fixture *f = *state;
     build b = {.size = 0};
     const int points = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE),
@@ -210,7 +210,7 @@ static void instances_follow_mirrored_and_moving_nodes(void **state) {
 
 /* Twelve vertices, of which each primitive uses three: what is left of every array belongs to the vertex that
  * it was written for, whose number is in all its values. */
-static void shared_arrays_are_cut_alike(void **state) {
+UNIT_TEST(shared_arrays_are_cut_alike) {
     fixture *f = *state;
     build b = {.size = 0};
     float points[12][3], normals[12][3], tangents[12][4], uvs[12][2], uvs_1[12][2];
@@ -260,7 +260,7 @@ static void shared_arrays_are_cut_alike(void **state) {
 }
 
 /* Strips, fans, loops and strips of lines by indices that skip vertices. */
-static void odd_modes_take_indices(void **state) {
+UNIT_TEST(odd_modes_take_indices) {
     fixture *f = *state;
     static const struct {
         int mode;
@@ -285,7 +285,7 @@ static void odd_modes_take_indices(void **state) {
 
 /* What only shading reads is 0 where it is no number, and the rest of it is what the file says; of morph
  * targets, too. */
-static void numbers_that_are_none_are_zero(void **state) {
+UNIT_TEST(numbers_that_are_none_are_zero) {
     fixture *f = *state;
     const float nan = NAN;
     build b = {.size = 0};
@@ -313,18 +313,4 @@ static void numbers_that_are_none_are_zero(void **state) {
     fathom_scene_destroy(scene);
 }
 
-int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(sparse_values_are_normalized_as_others),
-        TEST(sparse_looks_are_read),
-        TEST(splines_of_weights_move_sparse_targets),
-        TEST(moving_targets_may_begin_at_rest),
-        TEST(splines_of_rotations_are_normalized),
-        TEST(shared_arrays_are_cut_alike),
-        TEST(odd_modes_take_indices),
-        TEST(numbers_that_are_none_are_zero),
-        TEST(instances_follow_mirrored_and_moving_nodes),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

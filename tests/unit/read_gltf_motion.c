@@ -31,7 +31,7 @@ static void write_channel(fixture *f, build *b, const char *path, const char *wa
         positions, more, input, output, way, path);
 }
 
-static void an_even_slide_is_two_keys(void **state) {
+UNIT_TEST(an_even_slide_is_two_keys) {
     fixture *f = *state;
     build b = {.size = 0};
     const int times = PUT_FLOATS(&b, "SCALAR", 2, 0, 4), values = PUT_FLOATS(&b, "VEC3", 2, 0, 0, 0, 8, 0, 0);
@@ -53,7 +53,7 @@ static void an_even_slide_is_two_keys(void **state) {
 
 /* A turn, a spline and a kink: at keys the very places of the still scene, between them off by no more than
  * twice 2^-8 of the way (twice: poses are compared at twice the keys, and a kink may lie between those). */
-static void keys_follow_the_stills(void **state) {
+UNIT_TEST(keys_follow_the_stills) {
     fixture *f = *state;
     build b = {.size = 0};
     const int times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1), kinks = PUT_FLOATS(&b, "SCALAR", 3, 0, 0.3f, 1),
@@ -90,7 +90,7 @@ static void keys_follow_the_stills(void **state) {
 }
 
 /* Eight turns in 24 keys: at each eighth of the time it is back where it was. */
-static void a_wheel_does_not_seem_to_stand(void **state) {
+UNIT_TEST(a_wheel_does_not_seem_to_stand) {
     fixture *f = *state;
     build b = {.size = 0};
     float at[25], turns[25][4] = {{0}};
@@ -131,7 +131,7 @@ static void write_figure(fixture *f) {
         positions, normals, joints, weights, target, target, times, morphs, times, turns);
 }
 
-static void vertices_follow_the_stills(void **state) {
+UNIT_TEST(vertices_follow_the_stills) {
     fixture *f = *state;
     write_figure(f);
     fathom_scene *moving = read_blurred(f, 0.5, 1);
@@ -161,14 +161,14 @@ static stage figure_at(void *user, double open, double close) {
     return s;
 }
 
-static void a_blurred_figure_is_the_mean_of_still_ones(void **state) {
+UNIT_TEST(a_blurred_figure_is_the_mean_of_still_ones) {
     write_figure(*state);
     assert_mean_of_stills(figure_at, *state, 0, 2);
 }
 
 /* ---- what cannot be blurred ---- */
 
-static void what_cannot_blur_stands_and_is_named(void **state) {
+UNIT_TEST(what_cannot_blur_stands_and_is_named) {
     fixture *f = *state;
     build b = {.size = 0};
     const int times = PUT_FLOATS(&b, "SCALAR", 2, 0.5f, 1),
@@ -195,15 +195,4 @@ static void what_cannot_blur_stands_and_is_named(void **state) {
     }
 }
 
-int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(an_even_slide_is_two_keys),
-        TEST(keys_follow_the_stills),
-        TEST(a_wheel_does_not_seem_to_stand),
-        TEST(vertices_follow_the_stills),
-        TEST(a_blurred_figure_is_the_mean_of_still_ones),
-        TEST(what_cannot_blur_stands_and_is_named),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

@@ -48,7 +48,7 @@ static void assert_all_read(fixture *f, const odd_file *files, size_t count) {
     ":"                                                                                                      \
     "[{'attributes':{'POSITION':0}}]}],'nodes':[{'mesh':0}]}"
 
-static void clear_slips_are_read_and_told(void **state) {
+UNIT_TEST(clear_slips_are_read_and_told) {
     const odd_file files[] = {
         {TRIANGLE_NODES("{'mesh':0,'name':null,'children':null,'skin':null}"),
          "null, which is against the format, is taken as nothing (3 such)"},
@@ -96,7 +96,7 @@ static void clear_slips_are_read_and_told(void **state) {
 }
 
 /* The first eight by name, however many textures take them; the others are counted. */
-static void missing_images_are_named(void **state) {
+UNIT_TEST(missing_images_are_named) {
     fixture *f = *state;
     char meshes[1024] = "", materials[1024] = "", textures[1024] = "", images[1024] = "", json[8192];
     for (int i = 0; i < 12; ++i) {
@@ -130,7 +130,7 @@ static void missing_images_are_named(void **state) {
 }
 
 /* Where its parent places it, once, in whatever order the scene names the two. */
-static void a_root_with_a_parent_stays_in_its_place(void **state) {
+UNIT_TEST(a_root_with_a_parent_stays_in_its_place) {
     static const char *const lists[] = {"0,1", "1,0", "0"};
     for (size_t i = 0; i < 3; ++i) {
         char json[4096];
@@ -146,7 +146,7 @@ static void a_root_with_a_parent_stays_in_its_place(void **state) {
 }
 
 /* A factor above its range is the largest one there; emission has none, and is as it is given. */
-static void factors_out_of_range_become_the_nearest(void **state) {
+UNIT_TEST(factors_out_of_range_become_the_nearest) {
     fixture *f = *state;
     fathom_scene *scene = read_triangle(
         f, MATERIAL(
@@ -160,7 +160,7 @@ static void factors_out_of_range_become_the_nearest(void **state) {
 }
 
 /* What shades may be missing where it is no number; what places may not. */
-static void odd_normals_become_zeros(void **state) {
+UNIT_TEST(odd_normals_become_zeros) {
     fixture *f = *state;
     triangle_data data = triangle;
     data.normals[1][2] = NAN;
@@ -176,7 +176,7 @@ static void odd_normals_become_zeros(void **state) {
 }
 
 /* Colours in bytes are parts of 255, whether the file says so or not. */
-static void colours_in_bytes_are_normalized(void **state) {
+UNIT_TEST(colours_in_bytes_are_normalized) {
     fixture *f = *state;
     triangle_data data = triangle;
     const uint8_t colors[12] = {255, 0, 51, 255, 255, 0, 51, 255, 255, 0, 51, 255};
@@ -195,7 +195,7 @@ static void colours_in_bytes_are_normalized(void **state) {
 }
 
 /* More entries than vertices: the first ones count. Fewer: none do. No elements at all: no triangle. */
-static void arrays_of_another_length_are_told(void **state) {
+UNIT_TEST(arrays_of_another_length_are_told) {
     fixture *f = *state;
 #define WITH(accessor, attributes)                                                                           \
     "{" ASSET ",'buffers':[{'byteLength':120}]," VIEWS ",'accessors':[{'bufferView':0,'componentType':5126," \
@@ -222,7 +222,7 @@ static void arrays_of_another_length_are_told(void **state) {
 }
 
 /* The matrix counts for what moves the node, and weights are followed there as in any node. */
-static void animations_of_nodes_with_a_matrix_are_left_out(void **state) {
+UNIT_TEST(animations_of_nodes_with_a_matrix_are_left_out) {
     fixture *f = *state;
     build b = {.size = 0};
     const int positions = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0),
@@ -247,7 +247,7 @@ static void animations_of_nodes_with_a_matrix_are_left_out(void **state) {
 }
 
 /* However many times the shutter poses the nodes, each oddity of a node counts once. */
-static void oddities_count_once_while_the_shutter_is_open(void **state) {
+UNIT_TEST(oddities_count_once_while_the_shutter_is_open) {
     fixture *f = *state;
     build b = {.size = 0};
     const int positions = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0),
@@ -275,7 +275,7 @@ static void oddities_count_once_while_the_shutter_is_open(void **state) {
 }
 
 /* It and what is below it, also while an animation moves it. */
-static void nodes_of_several_parents_are_shown_below_each(void **state) {
+UNIT_TEST(nodes_of_several_parents_are_shown_below_each) {
     fixture *f = *state;
     build b = {.size = 0};
     const int positions = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0),
@@ -302,7 +302,7 @@ static void nodes_of_several_parents_are_shown_below_each(void **state) {
 }
 
 /* Twenty pairs of nodes, each below both nodes of the pair before: a million copies. */
-static void copies_of_nodes_are_limited(void **state) {
+UNIT_TEST(copies_of_nodes_are_limited) {
     fixture *f = *state;
     build b = {.size = 0};
     char nodes[2048] = "";
@@ -321,7 +321,7 @@ static void copies_of_nodes_are_limited(void **state) {
 }
 
 /* A mark before the JSON and zeros behind it. */
-static void marks_and_zeros_around_the_json_are_skipped(void **state) {
+UNIT_TEST(marks_and_zeros_around_the_json_are_skipped) {
     fixture *f = *state;
     static const char text[] = "\xEF\xBB\xBF{\"asset\":{\"version\":\"2.0\"}}\0\0";
     write_bytes(f, "test.gltf", text, sizeof text);
@@ -332,29 +332,11 @@ static void marks_and_zeros_around_the_json_are_skipped(void **state) {
 }
 
 /* Extensions that say nothing about how things look may be required. */
-static void facts_may_be_required(void **state) {
+UNIT_TEST(facts_may_be_required) {
     fathom_scene *scene = read_triangle(
         *state, WITH_DATA(TRIANGLE_MESH ",'extensionsRequired':['KHR_xmp_json_ld','EXT_mesh_features']"));
     assert_int_equal(((fixture *)*state)->warnings, 0);
     fathom_scene_destroy(scene);
 }
 
-int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(clear_slips_are_read_and_told),
-        TEST(missing_images_are_named),
-        TEST(a_root_with_a_parent_stays_in_its_place),
-        TEST(factors_out_of_range_become_the_nearest),
-        TEST(odd_normals_become_zeros),
-        TEST(colours_in_bytes_are_normalized),
-        TEST(arrays_of_another_length_are_told),
-        TEST(animations_of_nodes_with_a_matrix_are_left_out),
-        TEST(oddities_count_once_while_the_shutter_is_open),
-        TEST(nodes_of_several_parents_are_shown_below_each),
-        TEST(copies_of_nodes_are_limited),
-        TEST(marks_and_zeros_around_the_json_are_skipped),
-        TEST(facts_may_be_required),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

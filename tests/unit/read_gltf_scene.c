@@ -14,7 +14,7 @@ static vec3_f64 placed(const fathom_scene *scene, size_t instance, vec3_f64 p) {
 
 /* A quarter turn about y takes x to -z and z to x; quaternion (0, sin 45°, 0, cos 45°). The matrix of the
  * inner node, column by column, doubles x and moves by (1, 2, 3). */
-static void transforms_nest(void **state) {
+UNIT_TEST(transforms_nest) {
     fixture *f = *state;
     fathom_scene *scene = read_triangle(
         f, WITH_DATA(
@@ -30,7 +30,7 @@ static void transforms_nest(void **state) {
 }
 
 /* 2^30 at the top of the hierarchy and -2^30 below it cancel without a loss that float would have. */
-static void transforms_are_double(void **state) {
+UNIT_TEST(transforms_are_double) {
     fixture *f = *state;
     fathom_scene *scene =
         read_triangle(f, WITH_DATA(TRIANGLE_MESH ",'nodes':[{'translation':[1073741824,0,0],'children':[1]},"
@@ -39,7 +39,7 @@ static void transforms_are_double(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void a_mesh_is_stored_once(void **state) {
+UNIT_TEST(a_mesh_is_stored_once) {
     fixture *f = *state;
     fathom_scene *scene =
         read_triangle(f, WITH_DATA(TRIANGLE_MESH ",'nodes':[{'mesh':0},{'mesh':0,'translation':[1,0,0]},"
@@ -55,7 +55,7 @@ static void a_mesh_is_stored_once(void **state) {
 }
 
 /* EXT_mesh_gpu_instancing: the positions serve as translations, the normals as scales. */
-static void gpu_instancing_places_every_entry(void **state) {
+UNIT_TEST(gpu_instancing_places_every_entry) {
     fixture *f = *state;
     triangle_data data = triangle;
     for (int i = 0; i < 9; ++i) data.normals[i / 3][i % 3] = (float)(i / 3 + 1);
@@ -75,7 +75,7 @@ static void gpu_instancing_places_every_entry(void **state) {
 }
 
 /* The default scene, else the first, else all roots, else every mesh. */
-static void the_default_scene_chooses_the_nodes(void **state) {
+UNIT_TEST(the_default_scene_chooses_the_nodes) {
     fixture *f = *state;
     const struct {
         const char *tail;
@@ -106,7 +106,7 @@ static void the_default_scene_chooses_the_nodes(void **state) {
     }
 }
 
-static void each_omission_is_reported_once(void **state) {
+UNIT_TEST(each_omission_is_reported_once) {
     fixture *f = *state;
     const struct {
         const char *tail, *warning;
@@ -145,7 +145,7 @@ static void each_omission_is_reported_once(void **state) {
 
 /* Lines, strips and loops of three vertices are as many rods as they have segments; each corner of a rod is
  * its radius from the nearest end. */
-static void lines_are_rods(void **state) {
+UNIT_TEST(lines_are_rods) {
     fixture *f = *state;
     const uint32_t rods[] = {1, 3, 2};
     for (uint32_t mode = 1; mode <= 3; ++mode) {
@@ -171,7 +171,7 @@ static void lines_are_rods(void **state) {
     }
 }
 
-static void what_points_and_lines_cannot_show_is_named(void **state) {
+UNIT_TEST(what_points_and_lines_cannot_show_is_named) {
     fixture *f = *state;
     static const char *const keys[] = {"NORMAL", "TEXCOORD_0"};
     for (size_t i = 0; i < 2; ++i) {
@@ -187,7 +187,7 @@ static void what_points_and_lines_cannot_show_is_named(void **state) {
 }
 
 /* KHR_node_visibility hides what is below as well, and lights, but not cameras. */
-static void hidden_nodes_only_keep_their_camera(void **state) {
+UNIT_TEST(hidden_nodes_only_keep_their_camera) {
     fixture *f = *state;
     fathom_scene *scene = read_triangle(
         f, WITH_DATA(
@@ -212,7 +212,7 @@ static void hidden_nodes_only_keep_their_camera(void **state) {
     "{'type':'perspective','perspective':{'yfov':0.5,'znear':0.1}}]"
 
 /* The first perspective camera of the hierarchy, in the order of the file; its frame is its node's. */
-static void the_camera_follows_its_node(void **state) {
+UNIT_TEST(the_camera_follows_its_node) {
     fixture *f = *state;
     fathom_scene *scene = read_triangle(
         f,
@@ -247,7 +247,7 @@ static void the_camera_follows_its_node(void **state) {
 /* A surface of base colour b lit head on by I candela from d metres has the luminance b / pi · I / d^2: the
  * model's k_d k_l / d^2 must be that. */
 /* 683 lm a watt, which Blender has multiplied by; pi: see gltf_light.c. */
-static void lamps_of_blender_are_in_watts(void **state) {
+UNIT_TEST(lamps_of_blender_are_in_watts) {
     static const char *const generators[] = {
         "Khronos glTF Blender I/O v3.4.50", "Khronos glTF Blender I/O v4.0.1",
         "Khronos glTF Blender I/O v3.3.27", "Khronos glTF Blender I/O v1.5.17", "Khronos glTF blender"};
@@ -270,7 +270,7 @@ static void lamps_of_blender_are_in_watts(void **state) {
     }
 }
 
-static void lights_follow_their_node(void **state) {
+UNIT_TEST(lights_follow_their_node) {
     fixture *f = *state;
     fathom_scene *scene = read_triangle(
         f,
@@ -302,7 +302,7 @@ static void lights_follow_their_node(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void surroundings_only_when_asked_for(void **state) {
+UNIT_TEST(surroundings_only_when_asked_for) {
     fixture *f = *state;
     write_triangle(
         f, WITH_DATA(TRIANGLE_MESH "," LIGHTS "," CAMERAS ",'nodes':[{'mesh':0,'camera':1," LIGHT(0) "}]"));
@@ -315,7 +315,7 @@ static void surroundings_only_when_asked_for(void **state) {
 }
 
 /* Into a group other than the root: the instances lie in it. */
-static void models_can_be_read_into_a_group(void **state) {
+UNIT_TEST(models_can_be_read_into_a_group) {
     fixture *f = *state;
     write_triangle(f, SHOWN(TRIANGLE_MESH));
     fathom_scene *scene;
@@ -328,23 +328,4 @@ static void models_can_be_read_into_a_group(void **state) {
     fathom_scene_destroy(scene);
 }
 
-int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(transforms_nest),
-        TEST(transforms_are_double),
-        TEST(a_mesh_is_stored_once),
-        TEST(gpu_instancing_places_every_entry),
-        TEST(the_default_scene_chooses_the_nodes),
-        TEST(each_omission_is_reported_once),
-        TEST(lines_are_rods),
-        TEST(what_points_and_lines_cannot_show_is_named),
-        TEST(the_camera_follows_its_node),
-        TEST(hidden_nodes_only_keep_their_camera),
-        TEST(lamps_of_blender_are_in_watts),
-        TEST(lights_follow_their_node),
-        TEST(surroundings_only_when_asked_for),
-        TEST(models_can_be_read_into_a_group),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

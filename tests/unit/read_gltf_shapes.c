@@ -84,15 +84,15 @@ static void assert_crowd(fixture *f, int kinds) {
     fathom_scene_destroy(scene);
 }
 
-static void nodes_that_deform_a_mesh_alike_share_it(void **state) {
+UNIT_TEST(nodes_that_deform_a_mesh_alike_share_it) {
     assert_crowd(*state, 1);
     assert_crowd(*state, 7);
 }
 
-static void nodes_that_deform_a_mesh_differently_are_posed_each(void **state) { assert_crowd(*state, NODES); }
+UNIT_TEST(nodes_that_deform_a_mesh_differently_are_posed_each) { assert_crowd(*state, NODES); }
 
 /* The mesh's weights, the node's and the animation's are alike if their numbers are. */
-static void equal_weights_are_alike_wherever_they_stand(void **state) {
+UNIT_TEST(equal_weights_are_alike_wherever_they_stand) {
     fixture *f = *state;
     build b = {.size = 0};
     const int points = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0),
@@ -118,7 +118,7 @@ static void equal_weights_are_alike_wherever_they_stand(void **state) {
 }
 
 /* A target without weight as the shutter opens, and another that never has any. */
-static void targets_are_told_of_if_they_count_at_any_moment(void **state) {
+UNIT_TEST(targets_are_told_of_if_they_count_at_any_moment) {
     fixture *f = *state;
     build b = {.size = 0};
     const int points = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0),
@@ -140,7 +140,7 @@ static void targets_are_told_of_if_they_count_at_any_moment(void **state) {
 }
 
 /* A million vertices without data, in 65 poses: 780 MB by a file of 2 kB. */
-static void poses_without_end_are_refused(void **state) {
+UNIT_TEST(poses_without_end_are_refused) {
     fixture *f = *state;
     build b = {.size = 0};
     float times[40], values[40];
@@ -159,14 +159,4 @@ static void poses_without_end_are_refused(void **state) {
                  "meshes[0].primitives[0]: brings the poses of the file's nodes to ");
 }
 
-int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(nodes_that_deform_a_mesh_alike_share_it),
-        TEST(nodes_that_deform_a_mesh_differently_are_posed_each),
-        TEST(equal_weights_are_alike_wherever_they_stand),
-        TEST(targets_are_told_of_if_they_count_at_any_moment),
-        TEST(poses_without_end_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

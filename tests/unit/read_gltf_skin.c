@@ -40,7 +40,7 @@ static vec3_f64 row_of(const float *values, size_t stride, uint32_t i) {
 
 /* Joint 1 is twice as wide along x, which turns to y. Tangents go with the surface, and normals stay
  * perpendicular to it. */
-static void tangents_lie_in_the_surface_and_normals_stand_on_it(void **state) {
+UNIT_TEST(tangents_lie_in_the_surface_and_normals_stand_on_it) {
     fixture *f = *state;
     const figure made = new_figure();
     write_figure(f, &made, "{},{'rotation':[0,0,0.70710678118,0.70710678118],'scale':[2,1,1]}", "", JOINTS);
@@ -64,7 +64,7 @@ static void tangents_lie_in_the_surface_and_normals_stand_on_it(void **state) {
 }
 
 /* Animations scale a joint to nothing to hide a part. What is left keeps its normals. */
-static void joints_that_flatten_hide_their_part(void **state) {
+UNIT_TEST(joints_that_flatten_hide_their_part) {
     fixture *f = *state;
     static const char *const scales[] = {"[0,0,0]", "[1,0,0]", "[1,1,0]"};
     for (size_t i = 0; i < sizeof scales / sizeof *scales; ++i) {
@@ -82,7 +82,7 @@ static void joints_that_flatten_hide_their_part(void **state) {
 }
 
 /* Exporters fill unused places with any number. */
-static void joints_of_no_weight_may_be_any_number(void **state) {
+UNIT_TEST(joints_of_no_weight_may_be_any_number) {
     fixture *f = *state;
     figure made = new_figure();
     char more[64];
@@ -100,7 +100,7 @@ static void joints_of_no_weight_may_be_any_number(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void vertices_blur_with_their_joints_alone(void **state) {
+UNIT_TEST(vertices_blur_with_their_joints_alone) {
     fixture *f = *state;
     figure made = new_figure();
     const int times = PUT_FLOATS(&made.b, "SCALAR", 2, 0, 2),
@@ -130,7 +130,7 @@ static void vertices_blur_with_their_joints_alone(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void joints_beyond_eight_sets_are_told(void **state) {
+UNIT_TEST(joints_beyond_eight_sets_are_told) {
     fixture *f = *state;
     const figure made = new_figure();
     char more[512] = "";
@@ -143,7 +143,7 @@ static void joints_beyond_eight_sets_are_told(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void wrong_skins_are_refused(void **state) {
+UNIT_TEST(wrong_skins_are_refused) {
     fixture *f = *state;
     const figure good = new_figure();
     figure all = good;
@@ -181,15 +181,4 @@ static void wrong_skins_are_refused(void **state) {
     }
 }
 
-int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(tangents_lie_in_the_surface_and_normals_stand_on_it),
-        TEST(joints_that_flatten_hide_their_part),
-        TEST(joints_of_no_weight_may_be_any_number),
-        TEST(vertices_blur_with_their_joints_alone),
-        TEST(joints_beyond_eight_sets_are_told),
-        TEST(wrong_skins_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

@@ -20,8 +20,7 @@ static void assert_floats(const float *found, const double *expected, size_t cou
     for (size_t i = 0; i < count; ++i) assert_near(found[i], expected[i], fabs(expected[i]) * 0x1p-24);
 }
 
-static void surroundings(void **state) {
-    (void)state;
+UNIT_TEST(surroundings) {
     fathom_scene *scene =
         json_scene_good(&s, "{\"$schema\": \"./x\", \"name\": \"a \\u00e9\", "
                             "\"background\": [0.25, 0.5, 7], \"ambient\": [1, 2, 3],"
@@ -55,8 +54,7 @@ static void surroundings(void **state) {
 }
 
 /* Absent is not the same as empty: only then is the scene completed. */
-static void absent_parts(void **state) {
-    (void)state;
+UNIT_TEST(absent_parts) {
     fathom_scene *scene = json_scene_good(&s, "{\"objects\": []}");
     fathom_settings defaults;
     fathom_settings_default(&defaults);
@@ -75,8 +73,7 @@ static fathom_settings settings_of(const char *image) {
     return found;
 }
 
-static void the_integrator_decides_what_is_not_given(void **state) {
-    (void)state;
+UNIT_TEST(the_integrator_decides_what_is_not_given) {
     fathom_settings found = settings_of("");
     assert_true(found.integrator == FATHOM_INTEGRATOR_PATH && found.pattern == FATHOM_PATTERN_SOBOL);
     assert_true(found.spp == 1024 && found.target_error == 0.02 && found.max_depth == 16);
@@ -102,8 +99,7 @@ static fathom_camera camera_of(const char *camera) {
     return out;
 }
 
-static void cameras(void **state) {
-    (void)state;
+UNIT_TEST(cameras) {
     fathom_camera c = camera_of("{\"eye\": [1, 2, 5], \"target\": [1, 2, 0], \"fovy\": 90}");
     assert_numbers(c.origin, (double[]){1, 2, 5}, 3);
     assert_numbers(c.x, (double[]){1, 0, 0}, 3);
@@ -124,8 +120,7 @@ static void cameras(void **state) {
     assert_numbers((double[]){c.d, c.h}, (double[]){1, 2 * (sqrt(2) - 1)}, 2);
 }
 
-static void materials(void **state) {
-    (void)state;
+UNIT_TEST(materials) {
     fathom_scene *scene = json_scene_good(
         &s, "{\"materials\": {\"plain\": {}, \"all\": {\"kd\": [0.1, 0.2, 0.3], \"ks\": [1, 2, 3], \"kr\": "
             "[0.4, 0.5, 0.6],"
@@ -149,8 +144,7 @@ static void materials(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void lights(void **state) {
-    (void)state;
+UNIT_TEST(lights) {
     fathom_scene *scene = json_scene_good(
         &s, "{\"lights\": [{\"type\": \"point\", \"position\": [1, 2, 3], \"color\": [1, 0.5, 0], "
             "\"intensity\": 4},"
@@ -175,8 +169,7 @@ static void lights(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void shapes(void **state) {
-    (void)state;
+UNIT_TEST(shapes) {
     fathom_scene *scene = with_objects(
         SPHERE ", {\"type\": \"quad\", \"center\": [0, 0, 1], \"u\": [2, 0, 0], \"v\": [0, 3, 0], "
                "\"material\": \"n\"},"
@@ -200,8 +193,7 @@ static void shapes(void **state) {
 #define TRIANGLE "{\"type\": \"triangle\", \"vertices\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]"
 
 /* Triangles that follow each other become one mesh, as long as nothing about them differs. */
-static void loose_triangles(void **state) {
-    (void)state;
+UNIT_TEST(loose_triangles) {
     fathom_scene *scene =
         with_objects(TRIANGLE "}, " TRIANGLE "}, " TRIANGLE ", \"material\": \"m\"}, " TRIANGLE
                               ", \"material\": \"m\", \"castsShadow\": false}," SPHERE "," TRIANGLE
@@ -225,8 +217,7 @@ static void loose_triangles(void **state) {
     "\"positions\": [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]], \"indices\": [[0, 1, 2], [0, 2, 3]]"
 #define NORMALS "\"normals\": [[1, 0, 0], [1, 0, 0], [1, 0, 0], [1, 0, 0]]"
 
-static void meshes(void **state) {
-    (void)state;
+UNIT_TEST(meshes) {
     fathom_scene *scene =
         with_objects("{\"type\": \"mesh\", " ARRAYS "}, {\"type\": \"mesh\", " ARRAYS ", " NORMALS "},"
                      "{\"type\": \"mesh\", \"shading\": \"flat\", " ARRAYS ", " NORMALS "},"
@@ -247,8 +238,7 @@ static void meshes(void **state) {
 }
 
 /* Smooth shading makes the normals of each vertex key from its positions, unless the key has some. */
-static void vertex_keys(void **state) {
-    (void)state;
+UNIT_TEST(vertex_keys) {
     static const double flat[12] = {0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0};
     static const double upright[12] = {0, 0, 0, 2, 0, 0, 2, 0, 2, 0, 0, 2};
 #define UPRIGHT "\"positions\": [[0, 0, 0], [2, 0, 0], [2, 0, 2], [0, 0, 2]]"
@@ -278,8 +268,7 @@ static void vertex_keys(void **state) {
 }
 
 /* Far out the float vertices are counted from nearby, so that a millimetre at 1e7 metres is still there. */
-static void far_mesh(void **state) {
-    (void)state;
+UNIT_TEST(far_mesh) {
     fathom_scene *scene = with_objects("{\"type\": \"mesh\", \"positions\": [[1e7, 0, 0], [10000001, 0, 0], "
                                        "[1e7, 0.001, 0]], \"indices\": [[0, 1, 2]]}");
     const fathom_mesh *m = scene->meshes.items;
@@ -294,8 +283,7 @@ static void far_mesh(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void generated(void **state) {
-    (void)state;
+UNIT_TEST(generated) {
     fathom_scene *scene =
         with_objects("{\"type\": \"generate\", \"kind\": \"sphere\", \"triangles\": 500, \"material\": "
                      "\"m\", \"castsShadow\": false}");
@@ -328,8 +316,7 @@ static void assert_lands(const char *placement, double x, double y, double z) {
 }
 
 /* The point (1, 2, 3), by hand. */
-static void placements(void **state) {
-    (void)state;
+UNIT_TEST(placements) {
     assert_lands("\"translation\": [10, 20, 30]", 11, 22, 33);
     assert_lands("\"scale\": [2, 3, -1]", 2, 6, -3);
     assert_lands("\"rotate\": {\"axis\": [0, 0, 5], \"angle\": 90}", -2, 1, 3);
@@ -342,8 +329,7 @@ static void placements(void **state) {
     assert_lands("\"matrix\": [0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 10, 20, 30, 1]", 8, 21, 33);
 }
 
-static void groups(void **state) {
-    (void)state;
+UNIT_TEST(groups) {
     fathom_scene *scene = json_scene_good(&s, "{\"materials\": {\"m\": {}}, \"groups\": {\"a\": [{\"type\": "
                                               "\"instance\", \"of\": \"b\"}], \"b\": [" SPHERE "]},"
                                               "\"objects\": [{\"type\": \"instance\", \"of\": \"a\", "
@@ -370,8 +356,7 @@ static void groups(void **state) {
 }
 
 /* The published example is read, complete, and passes the scene's own checks. */
-static void example(void **state) {
-    (void)state;
+UNIT_TEST(example) {
     fathom_scene *scene;
     assert_ok(s.context, fathom_scene_read(s.context, SOURCE_DIR "/scenes/example.json", &scene));
     assert_true(scene->has_camera && scene->has_lights && scene->meshes.count >= 4);
@@ -381,8 +366,7 @@ static void example(void **state) {
 /* Any file will do: what is in it is looked at before rendering. */
 #define IMAGE "\"file\": \"triangle.obj\""
 
-static void textures(void **state) {
-    (void)state;
+UNIT_TEST(textures) {
     fathom_scene *scene = json_scene_good(
         &s,
         "{\"materials\": {\"m\": {\"model\": \"metallicRoughness\", \"baseColorTexture\": {" IMAGE
@@ -415,8 +399,7 @@ static void textures(void **state) {
 }
 
 /* Triangles that follow each other become a mesh, but only those of one group. */
-static void light_groups_of_every_source(void **state) {
-    (void)state;
+UNIT_TEST(light_groups_of_every_source) {
     fathom_scene *scene = json_scene_good(
         &s, "{\"background\": [1, 1, 1], \"backgroundGroup\": \"sky\","
             "\"materials\": {\"lamp\": {\"ke\": [1, 1, 1], \"group\": \"key\"}},"
@@ -438,25 +421,4 @@ static void light_groups_of_every_source(void **state) {
     fathom_scene_destroy(scene);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(surroundings),
-        cmocka_unit_test(absent_parts),
-        cmocka_unit_test(the_integrator_decides_what_is_not_given),
-        cmocka_unit_test(cameras),
-        cmocka_unit_test(materials),
-        cmocka_unit_test(lights),
-        cmocka_unit_test(shapes),
-        cmocka_unit_test(light_groups_of_every_source),
-        cmocka_unit_test(loose_triangles),
-        cmocka_unit_test(meshes),
-        cmocka_unit_test(far_mesh),
-        cmocka_unit_test(generated),
-        cmocka_unit_test(vertex_keys),
-        cmocka_unit_test(placements),
-        cmocka_unit_test(groups),
-        cmocka_unit_test(example),
-        cmocka_unit_test(textures),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+int main(void) { return unit_main(setup, teardown); }

@@ -18,8 +18,7 @@ static void judge(json_scene *s, json_t *one, size_t place) {
     free(text);
 }
 
-static void documents_are_judged_right(void **state) {
-    (void)state;
+UNIT_TEST(documents_are_judged_right) {
     json_error_t error;
     json_t *cases = json_load_file(SOURCE_DIR "/tests/json/cases.json", 0, &error), *one;
     if (!cases) fail_msg("cases.json:%d: %s", error.line, error.text);
@@ -32,7 +31,4 @@ static void documents_are_judged_right(void **state) {
     json_decref(cases);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(documents_are_judged_right)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -121,8 +121,7 @@ static size_t try_defaults(json_scene *s, json_t *schema, json_t *form, const ch
 #define LIGHT(text) "{\"lights\": [{" text " @}], \"objects\": []}"
 #define ROW "[[0, 0, 0], [1, 0, 0], [0, 1, 0]]"
 
-static void written_defaults_change_nothing(void **state) {
-    (void)state;
+UNIT_TEST(written_defaults_change_nothing) {
     static const struct {
         const char *form, *document;
     } cases[] = {
@@ -159,7 +158,4 @@ static void written_defaults_change_nothing(void **state) {
     json_scene_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(written_defaults_change_nothing)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

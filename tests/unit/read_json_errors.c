@@ -31,10 +31,7 @@ static const char whole[] =
     "  ]\n"                                                                                           /* 27 */
     "}\n";                                                                                            /* 28 */
 
-static void the_whole_is_good(void **state) {
-    (void)state;
-    fathom_scene_destroy(json_scene_good(&s, whole));
-}
+UNIT_TEST(the_whole_is_good) { fathom_scene_destroy(json_scene_good(&s, whole)); }
 
 /* `whole` with the first `from` replaced is refused at this line and place. */
 static void assert_refused(const char *from, const char *to, unsigned line, const char *message) {
@@ -46,8 +43,7 @@ static void assert_refused(const char *from, const char *to, unsigned line, cons
     json_scene_bad(&s, text, expected);
 }
 
-static void lines_and_places(void **state) {
-    (void)state;
+UNIT_TEST(lines_and_places) {
     assert_refused("\"\\n\\u0041\"", "7", 3, "name: expected a string, found 7");
     /* Cut before the character that would not fit whole. */
     assert_refused(
@@ -82,8 +78,7 @@ static void lines_and_places(void **state) {
 }
 
 /* What a mesh file says comes behind the place that names it. */
-static void mesh_files(void **state) {
-    (void)state;
+UNIT_TEST(mesh_files) {
     char inner[160];
     snprintf(inner, sizeof inner, "groups.a[0].file: %s/none.obj: ", s.folder);
     assert_refused("triangle.obj", "none.obj", 13, inner);
@@ -93,8 +88,7 @@ static void mesh_files(void **state) {
 }
 
 /* Not JSON at all: the line and the column. */
-static void syntax(void **state) {
-    (void)state;
+UNIT_TEST(syntax) {
     const struct {
         const char *text, *message;
     } cases[] = {{"{\n \"objects\": [1,]}", "scene.json:2:16: "},
@@ -119,8 +113,7 @@ static void syntax(void **state) {
 }
 
 /* Numbers mean the same however they are written. */
-static void numbers(void **state) {
-    (void)state;
+UNIT_TEST(numbers) {
     fathom_scene *scene =
         json_scene_good(&s, "{\"image\": {\"width\": 4e2, \"height\": 300.0, \"spp\": 0.4e1}, \"objects\":"
                             "[{\"type\": \"sphere\", \"center\": [100000000000000000000000, -0, 1e-320],"
@@ -144,8 +137,7 @@ static char *nest(size_t depth) {
 }
 
 /* Down to 512 levels is read, with a stack of 1 MB (tests/cli/nested.sh); deeper is an error, not a crash. */
-static void deep_nests(void **state) {
-    (void)state;
+UNIT_TEST(deep_nests) {
     char *text = nest(512);
     fathom_scene *scene = json_scene_good(&s, text);
     assert_int_equal(scene->instances.count, 512);
@@ -160,8 +152,7 @@ static void deep_nests(void **state) {
 }
 
 /* A hundred thousand groups, each placing the next: good as a chain, refused as a ring. */
-static void long_chains(void **state) {
-    (void)state;
+UNIT_TEST(long_chains) {
     const size_t count = 100000;
     char *text = malloc(count * 64 + 256), *end = text;
     end += sprintf(end, "{\"groups\":{");
@@ -176,8 +167,7 @@ static void long_chains(void **state) {
 }
 
 /* A ring through groups that are deep in themselves: no stack holds all of it at once. */
-static void deep_rings(void **state) {
-    (void)state;
+UNIT_TEST(deep_rings) {
     enum { count = 300, depth = 400 };
     char *text = malloc(count * (depth * 40 + 100)), *end = text;
     end += sprintf(end, "{\"groups\":{");
@@ -218,8 +208,7 @@ static size_t mutate(char *text, size_t size, uint64_t *random) {
 }
 
 /* Whatever the bytes, the answer is a scene or a message that names the file. */
-static void mutations(void **state) {
-    (void)state;
+UNIT_TEST(mutations) {
     uint64_t random = 20240229;
     unsigned read = 0, refused = 0;
     for (int i = 0; i < 10000; ++i) {
@@ -241,13 +230,4 @@ static void mutations(void **state) {
     assert_true(read > 100 && refused > 5000);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_whole_is_good), cmocka_unit_test(lines_and_places),
-        cmocka_unit_test(mesh_files),        cmocka_unit_test(syntax),
-        cmocka_unit_test(numbers),           cmocka_unit_test(deep_nests),
-        cmocka_unit_test(long_chains),       cmocka_unit_test(deep_rings),
-        cmocka_unit_test(mutations),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+int main(void) { return unit_main(setup, teardown); }

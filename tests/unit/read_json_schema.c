@@ -285,8 +285,7 @@ static void assert_same(json_t *published, json_t *tables, const char *path) {
              json_dumps(tables, JSON_ENCODE_ANY | JSON_COMPACT));
 }
 
-static void schema_and_reader_agree(void **state) {
-    (void)state;
+UNIT_TEST(schema_and_reader_agree) {
     json_t *tables = schema_of_tables(), *published = published_schema(tables);
     assert_same(published, tables, "");
     json_decref(published);
@@ -310,8 +309,7 @@ static void assert_described(json_t *schema, const char *form_name, parameter_ta
     }
 }
 
-static void schema_describes_as_the_tables_do(void **state) {
-    (void)state;
+UNIT_TEST(schema_describes_as_the_tables_do) {
     json_t *schema = load(SOURCE_DIR "/scenes/fathom.schema.json");
     assert_described(schema, "image", settings_table);
     assert_described(schema, "classic", classic_table);
@@ -348,8 +346,7 @@ static void assert_in_reference(const char *readme, const char *form_name, json_
     }
 }
 
-static void reference_has_every_key(void **state) {
-    (void)state;
+UNIT_TEST(reference_has_every_key) {
     char *readme = load_text(SOURCE_DIR "/scenes/README.md");
     json_t *schema = load(SOURCE_DIR "/scenes/fathom.schema.json"), *definition;
     const char *name;
@@ -361,11 +358,4 @@ static void reference_has_every_key(void **state) {
     free(readme);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(schema_and_reader_agree),
-        cmocka_unit_test(schema_describes_as_the_tables_do),
-        cmocka_unit_test(reference_has_every_key),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

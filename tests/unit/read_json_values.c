@@ -5,8 +5,7 @@
 #define TRIANGLE(more) "{\"type\": \"triangle\", \"vertices\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]" more "}"
 
 /* Neighbours of one name are one mesh; a neighbour of another name takes nothing from it. */
-static void loose_triangles_keep_their_own_names(void **state) {
-    (void)state;
+UNIT_TEST(loose_triangles_keep_their_own_names) {
     fathom_scene *scene = json_scene_good(
         &s, "{\"objects\": [" TRIANGLE(", \"name\": \"a\"") "," TRIANGLE(", \"name\": \"a\"") "," TRIANGLE(
                 ", \"name\": \"b\"") "," TRIANGLE("") "," TRIANGLE(", \"name\": \"c\"") "]}");
@@ -23,8 +22,7 @@ static void loose_triangles_keep_their_own_names(void **state) {
 }
 
 /* The radius is focalLength / (2 fStop), and the focus is at the target unless a distance is given. */
-static void lenses_follow_f_stops(void **state) {
-    (void)state;
+UNIT_TEST(lenses_follow_f_stops) {
     static const struct {
         const char *more;
         double distance;
@@ -47,8 +45,7 @@ static void lenses_follow_f_stops(void **state) {
 }
 
 /* What is stored is the radiance of a white diffuser: a pi-th of the irradiance. */
-static void units_of_lights_are_pi_times_intensities(void **state) {
-    (void)state;
+UNIT_TEST(units_of_lights_are_pi_times_intensities) {
     fathom_scene *scene = json_scene_good(
         &s, "{\"lights\": [{\"type\": \"point\", \"position\": [0, 0, 1], \"color\": [1, 0.5, 0], "
             "\"radiantIntensity\": 4},"
@@ -67,8 +64,7 @@ static void units_of_lights_are_pi_times_intensities(void **state) {
 }
 
 /* One key is a place: at any time, and for the camera as well. */
-static void motion_of_one_key_is_a_place(void **state) {
-    (void)state;
+UNIT_TEST(motion_of_one_key_is_a_place) {
     fathom_scene *scene = json_scene_good(
         &s, "{\"camera\": {\"shutter\": [0, 1], \"motion\": [{\"time\": 7, \"eye\": [1, 2, 5], \"target\": "
             "[1, 2, "
@@ -90,8 +86,7 @@ static void motion_of_one_key_is_a_place(void **state) {
 }
 
 /* Colours, opacities, both uvs and tangents, each from its own list, with the key that moves them. */
-static void arrays_of_moving_meshes_stay_apart(void **state) {
-    (void)state;
+UNIT_TEST(arrays_of_moving_meshes_stay_apart) {
     fathom_scene *scene = json_scene_good(
         &s,
         "{\"objects\": [{\"type\": \"mesh\", \"positions\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], \"indices\": "
@@ -116,8 +111,7 @@ static void arrays_of_moving_meshes_stay_apart(void **state) {
 
 /* A file that is right by itself is right for another integrator: what it says of samples stays, and what it
  * does not say gives way. */
-static void files_suit_the_integrator_asked_for(void **state) {
-    (void)state;
+UNIT_TEST(files_suit_the_integrator_asked_for) {
     static const struct {
         const char *image;
         uint32_t spp;
@@ -157,8 +151,7 @@ static void files_suit_the_integrator_asked_for(void **state) {
 
 /* A mesh of keys has a number of positions, but shows none of them: camera, origin and lights do not depend
  * on where they are. Its square of 2 x 2 lies at 2^26 + x, where float has steps of 8. */
-static void positions_beside_keys_show_nowhere(void **state) {
-    (void)state;
+UNIT_TEST(positions_beside_keys_show_nowhere) {
 #define SQUARE "[[67108864, 0, 0], [67108866, 0, 0], [67108866, 2, 0], [67108864, 2, 0]]"
     static const char *const positions[] = {SQUARE, "[[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]",
                                             "[[-900, 0, 0], [0, 900, 0], [0, 0, 900], [5, 5, 5]]"};
@@ -188,15 +181,4 @@ static void positions_beside_keys_show_nowhere(void **state) {
     for (size_t i = 0; i < 3; ++i) fathom_scene_destroy(scenes[i]);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(loose_triangles_keep_their_own_names),
-        cmocka_unit_test(lenses_follow_f_stops),
-        cmocka_unit_test(units_of_lights_are_pi_times_intensities),
-        cmocka_unit_test(motion_of_one_key_is_a_place),
-        cmocka_unit_test(files_suit_the_integrator_asked_for),
-        cmocka_unit_test(positions_beside_keys_show_nowhere),
-        cmocka_unit_test(arrays_of_moving_meshes_stay_apart),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+int main(void) { return unit_main(setup, teardown); }

@@ -84,8 +84,7 @@ static void count_leaks(const closed_mesh *mesh, random_state *r, vec3_f64 at, d
 }
 
 /* A million rays from inside, aimed at edges and vertices: every miss is wrong. */
-static void closed_meshes_do_not_leak(void **state) {
-    (void)state;
+UNIT_TEST(closed_meshes_do_not_leak) {
     random_state r = {1};
     leak_count leaks = {0};
     const struct {
@@ -115,8 +114,7 @@ static vec3_f32 corner(int k) {
 }
 
 /* A turned box of six quads: rays at diagonals, edges and corners. */
-static void closed_boxes_do_not_leak(void **state) {
-    (void)state;
+UNIT_TEST(closed_boxes_do_not_leak) {
     static const int faces[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1},
                                     {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
     random_state r = {2};
@@ -153,8 +151,7 @@ static vec3_f32 random_point(random_state *r, double size) {
 }
 
 /* Any four corners, planar or not: the nearer of the two triangles' hits, to the last bit. */
-static void quad_is_its_two_triangles(void **state) {
-    (void)state;
+UNIT_TEST(quad_is_its_two_triangles) {
     random_state r = {3};
     int met = 0;
     for (int i = 0; i < 100000; ++i) {
@@ -178,8 +175,7 @@ static void quad_is_its_two_triangles(void **state) {
 }
 
 /* Parallelograms: the bounds in u and v, the split, and the point itself agree. */
-static void quad_coordinates(void **state) {
-    (void)state;
+UNIT_TEST(quad_coordinates) {
     random_state r = {4};
     for (int i = 0; i < 20000; ++i) {
         vec3_f64 v0 = {random_in(&r, -1, 1), random_in(&r, -1, 1), 0};
@@ -205,8 +201,7 @@ static void quad_coordinates(void **state) {
 }
 
 /* Planar corners that are no parallelogram: inside is inside, also beyond the diagonal. */
-static void quad_of_any_planar_corners(void **state) {
-    (void)state;
+UNIT_TEST(quad_of_any_planar_corners) {
     random_state r = {5};
     const vec3_f32 v[4] = {{0, 0, 1}, {4, 0, 1}, {3, 3, 1}, {-1, 2, 1}};
     for (int i = 0; i < 20000; ++i) {
@@ -224,8 +219,7 @@ static void quad_of_any_planar_corners(void **state) {
     }
 }
 
-static void plane_keeps_its_sign(void **state) {
-    (void)state;
+UNIT_TEST(plane_keeps_its_sign) {
     random_state r = {6};
     int close = 0;
     for (int i = 0; i < 50000; ++i) {
@@ -250,11 +244,4 @@ static void plane_keeps_its_sign(void **state) {
                                   INFINITY, &t));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(closed_meshes_do_not_leak),  cmocka_unit_test(closed_boxes_do_not_leak),
-        cmocka_unit_test(quad_is_its_two_triangles),  cmocka_unit_test(quad_coordinates),
-        cmocka_unit_test(quad_of_any_planar_corners), cmocka_unit_test(plane_keeps_its_sign),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

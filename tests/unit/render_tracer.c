@@ -18,8 +18,7 @@ static fathom_film *rendered(stage *s, const char *spec, fathom_stats *stats) {
     return film;
 }
 
-static void words_choose_the_tracer(void **state) {
-    (void)state;
+UNIT_TEST(words_choose_the_tracer) {
     stage s;
     fill(&s);
     fathom_stats stats = {.size = sizeof stats};
@@ -40,8 +39,7 @@ static void words_choose_the_tracer(void **state) {
     stage_close(&s);
 }
 
-static void wrong_words_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(wrong_words_are_refused) {
     stage s;
     fill(&s);
     fathom_settings settings;
@@ -56,8 +54,7 @@ static void wrong_words_are_refused(void **state) {
 }
 
 /* The scene keeps a copy, also when it is given its own text again. */
-static void the_scene_copies_the_words(void **state) {
-    (void)state;
+UNIT_TEST(the_scene_copies_the_words) {
     stage s;
     stage_open(&s);
     char words[] = "bvh:f64";
@@ -80,11 +77,4 @@ static void the_scene_copies_the_words(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(words_choose_the_tracer),
-        cmocka_unit_test(wrong_words_are_refused),
-        cmocka_unit_test(the_scene_copies_the_words),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -134,22 +134,18 @@ static void to_an_error(ways *w) { w->s.settings.target_error = 0.05, w->s.setti
 
 /* ---- the laws ---- */
 
-static void stops_change_no_bit_of_even_samples(void **state) { assert_stops_change_nothing(*state); }
+UNIT_TEST(stops_change_no_bit_of_even_samples) { assert_stops_change_nothing(*state); }
 
-static void stops_change_no_bit_of_samples_to_an_error(void **state) {
+UNIT_TEST(stops_change_no_bit_of_samples_to_an_error) {
     to_an_error(*state);
     assert_stops_change_nothing(*state);
 }
 
-static void parts_by_samples_change_no_bit(void **state) {
-    assert_parts_change_nothing(*state, FATHOM_SPLIT_SAMPLES);
-}
+UNIT_TEST(parts_by_samples_change_no_bit) { assert_parts_change_nothing(*state, FATHOM_SPLIT_SAMPLES); }
 
-static void parts_by_tiles_change_no_bit(void **state) {
-    assert_parts_change_nothing(*state, FATHOM_SPLIT_TILES);
-}
+UNIT_TEST(parts_by_tiles_change_no_bit) { assert_parts_change_nothing(*state, FATHOM_SPLIT_TILES); }
 
-static void parts_change_no_bit_of_samples_to_an_error(void **state) {
+UNIT_TEST(parts_change_no_bit_of_samples_to_an_error) {
     to_an_error(*state);
     assert_parts_change_nothing(*state, FATHOM_SPLIT_TILES);
 }
@@ -164,7 +160,7 @@ static void assert_threads_change_nothing(ways *w) {
     fathom_film_destroy(three);
 }
 
-static void threads_change_no_bit(void **state) {
+UNIT_TEST(threads_change_no_bit) {
     ways *w = *state;
     assert_threads_change_nothing(w);
     to_an_error(w);
@@ -182,24 +178,11 @@ static void assert_crop_changes_nothing(ways *w) {
     fathom_film_destroy(part);
 }
 
-static void a_crop_changes_no_bit(void **state) {
+UNIT_TEST(a_crop_changes_no_bit) {
     ways *w = *state;
     assert_crop_changes_nothing(w);
     to_an_error(w);
     assert_crop_changes_nothing(w);
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        TEST(stops_change_no_bit_of_even_samples),
-        TEST(stops_change_no_bit_of_samples_to_an_error),
-        TEST(parts_by_samples_change_no_bit),
-        TEST(parts_by_tiles_change_no_bit),
-        TEST(parts_change_no_bit_of_samples_to_an_error),
-        TEST(threads_change_no_bit),
-        TEST(a_crop_changes_no_bit),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

@@ -9,8 +9,7 @@ static void sample(const sampler *s, uint32_t x, uint32_t index, uint32_t dimens
     for (int c = 0; c < 2; ++c) assert_true(p[c] >= 0 && p[c] < 1);
 }
 
-static void each_cell_of_a_grid_holds_one_sample(void **state) {
-    (void)state;
+UNIT_TEST(each_cell_of_a_grid_holds_one_sample) {
     static const fathom_pattern patterns[] = {FATHOM_PATTERN_GRID, FATHOM_PATTERN_STRATIFIED};
     for (int k = 0; k < 2; ++k) {
         const sampler s = {patterns[k], 5, 3};
@@ -37,8 +36,7 @@ static void check_boxes(uint32_t pixel, uint32_t dimension, uint32_t run, uint32
     }
 }
 
-static void every_run_of_a_power_of_two_is_stratified_in_every_dimension(void **state) {
-    (void)state;
+UNIT_TEST(every_run_of_a_power_of_two_is_stratified_in_every_dimension) {
     for (uint32_t dimension = 0; dimension < 6; ++dimension) {
         for (uint32_t run = 0; run < 3; ++run) {
             for (uint32_t k = 1; k <= 8; ++k) check_boxes(100 + run, dimension, run, k);
@@ -59,8 +57,7 @@ static void check_pair(const unsigned counts[8][8], double total) {
     assert_true(fabs(z) < 5.1);
 }
 
-static void dimensions_are_independent_of_each_other(void **state) {
-    (void)state;
+UNIT_TEST(dimensions_are_independent_of_each_other) {
     for (uint32_t a = 0; a < 4; ++a) {
         for (uint32_t b = a + 1; b < 4; ++b) {
             for (int c = 0; c < 4; ++c) {
@@ -78,8 +75,7 @@ static void dimensions_are_independent_of_each_other(void **state) {
 }
 
 /* Rounding down to 24 bits keeps every box of 2^-24. */
-static void blocks_hold_the_numbers_of_single_samples(void **state) {
-    (void)state;
+UNIT_TEST(blocks_hold_the_numbers_of_single_samples) {
     uint64_t pixel[LANES];
     uint32_t index[LANES];
     for (int i = 0; i < LANES; ++i)
@@ -99,8 +95,7 @@ static void blocks_hold_the_numbers_of_single_samples(void **state) {
     }
 }
 
-static void squares_hold_the_numbers_of_their_pixels(void **state) {
-    (void)state;
+UNIT_TEST(squares_hold_the_numbers_of_their_pixels) {
     for (unsigned k = 0; sample_kernels_at(k); ++k) {
         for (uint32_t index = 3; index < 3000000; index *= 7) {
             uint64_t pixel[LANES];
@@ -118,13 +113,4 @@ static void squares_hold_the_numbers_of_their_pixels(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_cell_of_a_grid_holds_one_sample),
-        cmocka_unit_test(every_run_of_a_power_of_two_is_stratified_in_every_dimension),
-        cmocka_unit_test(dimensions_are_independent_of_each_other),
-        cmocka_unit_test(blocks_hold_the_numbers_of_single_samples),
-        cmocka_unit_test(squares_hold_the_numbers_of_their_pixels),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

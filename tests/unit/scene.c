@@ -52,8 +52,7 @@ static fathom_mesh small_mesh(void) {
     return mesh;
 }
 
-static void bad_shapes(void **state) {
-    (void)state;
+UNIT_TEST(bad_shapes) {
     fixture f = open_scene();
     assert_fails(f.context, add_sphere(&f, FATHOM_ROOT, 0, 0, 0, -1), FATHOM_BAD_INPUT, "radius");
     assert_fails(f.context, add_sphere(&f, FATHOM_ROOT, NAN, 0, 0, 1), FATHOM_BAD_INPUT, "center");
@@ -90,8 +89,7 @@ static void bad_shapes(void **state) {
     close_scene(&f);
 }
 
-static void wholes_that_cannot_be(void **state) {
-    (void)state;
+UNIT_TEST(wholes_that_cannot_be) {
     fixture f = open_scene();
     assert_fails(f.context, fathom_scene_check(f.scene), FATHOM_BAD_INPUT, "no geometry");
     fathom_id a = add_group(&f, "arm"), b = add_group(&f, "hand");
@@ -122,8 +120,7 @@ static const char *warned_of_light(fixture *f) {
 }
 
 /* Wherever the sphere's frames put it, and whatever it is made of; not where the camera is in there too. */
-static void lights_in_spheres_are_warned_of(void **state) {
-    (void)state;
+UNIT_TEST(lights_in_spheres_are_warned_of) {
     static const double shifts[] = {0, 1e7};
     for (int k = 0; k < 8; ++k) {
         fixture f = open_scene();
@@ -156,8 +153,7 @@ static void lights_in_spheres_are_warned_of(void **state) {
 
 /* Two levels of frames: scale by 2 at x = 10, in a frame scaled by 3 at x = 100. */
 /* A chain of groups, each holding the next: deeper than a stack of calls would hold. */
-static void nests_to_any_depth(void **state) {
-    (void)state;
+UNIT_TEST(nests_to_any_depth) {
     fixture f = open_scene();
     fathom_id parent = FATHOM_ROOT;
     for (int depth = 0; depth < 200000; ++depth) {
@@ -174,8 +170,7 @@ static void nests_to_any_depth(void **state) {
     close_scene(&f);
 }
 
-static void nested_frames_multiply(void **state) {
-    (void)state;
+UNIT_TEST(nested_frames_multiply) {
     fixture f = open_scene();
     fathom_id outer = add_group(&f, "outer"), inner = add_group(&f, "inner");
     assert_ok(f.context, add_sphere(&f, inner, 1, 0, 0, 0.5));
@@ -199,8 +194,7 @@ static void nested_frames_multiply(void **state) {
 }
 
 /* A group that is placed once, unmoved, needs no frame; its instance is still named. */
-static void needless_frames_are_left_out(void **state) {
-    (void)state;
+UNIT_TEST(needless_frames_are_left_out) {
     fixture f = open_scene();
     fathom_id group = add_group(&f, "model");
     fathom_mesh mesh = small_mesh();
@@ -217,8 +211,7 @@ static void needless_frames_are_left_out(void **state) {
 }
 
 /* A mesh at Earth's radius: its own origin becomes the world's, and nothing is lost to float. */
-static void far_scenes_are_brought_near(void **state) {
-    (void)state;
+UNIT_TEST(far_scenes_are_brought_near) {
     fixture f = open_scene();
     fathom_mesh mesh = small_mesh();
     mesh.origin[0] = 6378137.125;
@@ -240,8 +233,7 @@ static void far_scenes_are_brought_near(void **state) {
     close_scene(&f);
 }
 
-static void degenerate_triangles_are_counted(void **state) {
-    (void)state;
+UNIT_TEST(degenerate_triangles_are_counted) {
     fixture f = open_scene();
     const uint32_t indices[12] = {0, 1, 2, 0, 0, 1, 2, 1, 3, 3, 3, 3};
     fathom_mesh mesh = small_mesh();
@@ -255,8 +247,7 @@ static void degenerate_triangles_are_counted(void **state) {
 }
 
 /* What no tracer of Embree's sees is counted: beyond 1e18, or beyond float. */
-static void shapes_beyond_reach_are_counted(void **state) {
-    (void)state;
+UNIT_TEST(shapes_beyond_reach_are_counted) {
     fixture f = open_scene();
     const double places[6] = {0, 9e17, 1.1e18, -3e30, 1e300, 5};
     for (int i = 0; i < 6; ++i) {
@@ -277,17 +268,4 @@ static void shapes_beyond_reach_are_counted(void **state) {
     close_scene(&f);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bad_shapes),
-        cmocka_unit_test(wholes_that_cannot_be),
-        cmocka_unit_test(lights_in_spheres_are_warned_of),
-        cmocka_unit_test(nests_to_any_depth),
-        cmocka_unit_test(nested_frames_multiply),
-        cmocka_unit_test(needless_frames_are_left_out),
-        cmocka_unit_test(far_scenes_are_brought_near),
-        cmocka_unit_test(degenerate_triangles_are_counted),
-        cmocka_unit_test(shapes_beyond_reach_are_counted),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -91,8 +91,7 @@ static void assert_framed(const points *p, double reach) {
 static const uint32_t sizes[][2] = {{1280, 720}, {720, 1280}, {512, 512}, {4000, 100}, {100, 4000}, {3, 2}};
 #define SIZES (sizeof sizes / sizeof *sizes)
 
-static void the_scene_fills_nine_tenths_of_the_tighter_direction(void **state) {
-    (void)state;
+UNIT_TEST(the_scene_fills_nine_tenths_of_the_tighter_direction) {
     const affine_f64 identity = affine_identity();
     points p = {.count = 0};
     note_body(&p, &identity);
@@ -107,8 +106,7 @@ static void the_scene_fills_nine_tenths_of_the_tighter_direction(void **state) {
 
 /* Twenty times as deep, so that near ends look much larger than far ones: seen from a tip that is far
  * narrower than the image, the scene fills less of it, but is in its middle. */
-static void deep_scenes_are_centred(void **state) {
-    (void)state;
+UNIT_TEST(deep_scenes_are_centred) {
     const affine_f64 deep = affine_scaling((vec3_f64){0.5, 0.5, 10});
     points p = {.count = 0};
     fathom_id group = add_group();
@@ -128,8 +126,7 @@ static void deep_scenes_are_centred(void **state) {
 }
 
 /* Groups in groups, turned and scaled; one body far from all others' origin. */
-static void placed_copies_are_framed_by_their_vertices(void **state) {
-    (void)state;
+UNIT_TEST(placed_copies_are_framed_by_their_vertices) {
     fathom_id inner = add_group(), outer = add_group();
     affine_f64 turned = affine_rotation_axis((vec3_f64){1, 2, 3}, 0.7),
                wide = affine_scaling((vec3_f64){3, 1, 0.5});
@@ -174,8 +171,7 @@ static void complete_with_shutter(double open, double close) {
 
 /* There and back again, next to a body that rests: while the shutter is open all ways to the turning point
  * are in view, and with the shutter shut the place alone where it is then. */
-static void what_moves_is_framed_wherever_it_is_seen(void **state) {
-    (void)state;
+UNIT_TEST(what_moves_is_framed_wherever_it_is_seen) {
     const fathom_id group = add_group();
     const affine_f64 rest = affine_translation((vec3_f64){0, 3, 0}),
                      at[3] = {affine_identity(), affine_translation((vec3_f64){9, 1, 2}), affine_identity()};
@@ -205,8 +201,7 @@ static void what_moves_is_framed_wherever_it_is_seen(void **state) {
 /* Between two keys a turn reaches beyond both. Sixteen looks at 80 degrees are 5 apart, which between two of
  * them miss at most 1 - cos 2.5, a thousandth, of the distance from the axis: below 7, at least 3 from the
  * eye. */
-static void turns_stay_in_view(void **state) {
-    (void)state;
+UNIT_TEST(turns_stay_in_view) {
     const fathom_id group = add_group();
     const vec3_f64 axis = {0, 0, 1};
     const affine_f64 at[3] = {affine_identity(), affine_rotation_axis(axis, 1.4),
@@ -230,8 +225,7 @@ static void turns_stay_in_view(void **state) {
 }
 
 /* A body that grows to twice its size: at both ends of the shutter's time, or as large as it is half way. */
-static void moving_vertices_are_framed_as_they_are_then(void **state) {
-    (void)state;
+UNIT_TEST(moving_vertices_are_framed_as_they_are_then) {
     const double shutters[2][2] = {{0, 1}, {0.5, 0.5}};
     float keys[2][6][3];
     fathom_mesh mesh;
@@ -254,8 +248,7 @@ static void moving_vertices_are_framed_as_they_are_then(void **state) {
 }
 
 /* A mesh whose origin is at Earth's radius. */
-static void far_scenes_are_framed_as_near_ones(void **state) {
-    (void)state;
+UNIT_TEST(far_scenes_are_framed_as_near_ones) {
     const double origin[3] = {6378137, -5e6, 4e6};
     const affine_f64 moved = affine_translation(load_f64(origin));
     points p = {.count = 0};
@@ -267,8 +260,7 @@ static void far_scenes_are_framed_as_near_ones(void **state) {
 
 /* A ball touches the four planes of a square view that is a tenth narrower: its centre is a radius from each.
  */
-static void balls_touch_the_view(void **state) {
-    (void)state;
+UNIT_TEST(balls_touch_the_view) {
     fathom_sphere sphere;
     fathom_sphere_default(&sphere);
     sphere.center[0] = 4, sphere.center[1] = -3, sphere.center[2] = 2, sphere.radius = 0.125;
@@ -301,8 +293,7 @@ static void room_in(const fathom_framing *f, vec3_f64 center, double radius, dou
 
 /* A camera of one ball, and of another, become the nearest that sees both: none is outside of any of its four
  * sides, and two sides that face each other are touched. Likewise the floor. Coordinates are below 64. */
-static void two_framings_become_one_that_shows_both(void **state) {
-    (void)state;
+UNIT_TEST(two_framings_become_one_that_shows_both) {
     random_state r = {26};
     const double rounding = 64 * 64 * 0x1p-53;
     for (int k = 0; k < 200; ++k) {
@@ -345,8 +336,7 @@ static void two_framings_become_one_that_shows_both(void **state) {
     assert_true(some.eye[0] == 3 && !none.made);
 }
 
-static void any_scale_is_framed_alike(void **state) {
-    (void)state;
+UNIT_TEST(any_scale_is_framed_alike) {
     const double scales[] = {1e-8, 1, 1e8};
     for (int i = 0; i < 3; ++i) {
         const affine_f64 map = affine_scaling((vec3_f64){scales[i], scales[i], scales[i]});
@@ -364,8 +354,7 @@ static void any_scale_is_framed_alike(void **state) {
 }
 
 /* More copies than are stepped into: those beyond count by their boxes, which hold them. */
-static void too_many_copies_stay_in_view(void **state) {
-    (void)state;
+UNIT_TEST(too_many_copies_stay_in_view) {
     fathom_id group = add_group();
     add_body(group, (double[3]){0, 0, 0});
     points p = {.count = 0};
@@ -381,8 +370,7 @@ static void too_many_copies_stay_in_view(void **state) {
 
 /* What z-up software wrote, turned by hand to have y up, gives the same image: the camera is the turned one.
  */
-static void up_z_is_the_turned_scene(void **state) {
-    (void)state;
+UNIT_TEST(up_z_is_the_turned_scene) {
     const fathom_read_options options = {.size = sizeof options, .up = FATHOM_UP_Z};
     add_body(FATHOM_ROOT, (double[3]){0, 0, 0});
     scene->asked = &options;
@@ -405,8 +393,7 @@ static void up_z_is_the_turned_scene(void **state) {
     }
 }
 
-static void scenes_without_end_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(scenes_without_end_are_refused) {
     fathom_sphere sphere;
     fathom_sphere_default(&sphere);
     sphere.radius = 1e308;
@@ -466,8 +453,7 @@ static extent_sides random_sides(random_state *r) {
     return s;
 }
 
-static void skipped_runs_never_change_the_reach(void **state) {
-    (void)state;
+UNIT_TEST(skipped_runs_never_change_the_reach) {
     static const uint32_t counts[] = {1, 2, 7, 127, 128, 129, 255, 1000, 70000};
     static const size_t strides[] = {12, 16, 20, 32};
     const double nowhere[EXTENT_SIDES] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY},
@@ -488,23 +474,4 @@ static void skipped_runs_never_change_the_reach(void **state) {
     }
 }
 
-int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, open_scene, close_scene)
-    const struct CMUnitTest tests[] = {
-        TEST(the_scene_fills_nine_tenths_of_the_tighter_direction),
-        TEST(deep_scenes_are_centred),
-        TEST(placed_copies_are_framed_by_their_vertices),
-        TEST(far_scenes_are_framed_as_near_ones),
-        TEST(what_moves_is_framed_wherever_it_is_seen),
-        TEST(turns_stay_in_view),
-        TEST(moving_vertices_are_framed_as_they_are_then),
-        TEST(balls_touch_the_view),
-        TEST(two_framings_become_one_that_shows_both),
-        TEST(any_scale_is_framed_alike),
-        TEST(too_many_copies_stay_in_view),
-        TEST(up_z_is_the_turned_scene),
-        TEST(scenes_without_end_are_refused),
-        TEST(skipped_runs_never_change_the_reach),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(open_scene, close_scene); }

@@ -40,8 +40,7 @@ static size_t content(void) {
         assert_ok(context, fathom_scene_set_settings(scene, &s));                                            \
     } while (0)
 
-static void sizes_and_samples(void **state) {
-    (void)state;
+UNIT_TEST(sizes_and_samples) {
     WRONG("width", s.width = 0);
     WRONG("width", s.width = 65537);
     WRONG("height", s.height = 0);
@@ -64,8 +63,7 @@ static void sizes_and_samples(void **state) {
     }
 }
 
-static void crops(void **state) {
-    (void)state;
+UNIT_TEST(crops) {
     const uint32_t wrong[][4] = {{5, 0, 5, 9}, {0, 9, 5, 9},   {6, 0, 5, 9},  {0, 10, 5, 9},
                                  {0, 0, 0, 9}, {0, 0, 101, 9}, {0, 0, 5, 51}, {0, 0, 5, 0}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
@@ -74,8 +72,7 @@ static void crops(void **state) {
     RIGHT(s.width = 100, s.height = 50, s.crop[0] = 99, s.crop[1] = 49, s.crop[2] = 100, s.crop[3] = 50);
 }
 
-static void weights_and_losses(void **state) {
-    (void)state;
+UNIT_TEST(weights_and_losses) {
     WRONG("max depth", s.max_depth = 1025);
     RIGHT(s.max_depth = 1024);
     WRONG("min weight", s.min_weight = -0.1f);
@@ -93,8 +90,7 @@ static void weights_and_losses(void **state) {
 
 #define SOBOL s.pattern = FATHOM_PATTERN_SOBOL, s.spp = 64
 
-static void goals(void **state) {
-    (void)state;
+UNIT_TEST(goals) {
     WRONG("target error", SOBOL, s.target_error = -1);
     WRONG("target error", SOBOL, s.target_error = NAN);
     WRONG("max time", SOBOL, s.max_time = INFINITY);
@@ -109,8 +105,7 @@ static void goals(void **state) {
 }
 
 /* A setting can be given back as it was got: its text is the scene's own. */
-static void settings_of_the_scene_itself(void **state) {
-    (void)state;
+UNIT_TEST(settings_of_the_scene_itself) {
     RIGHT(s.tracer = "bvh");
     fathom_settings own;
     fathom_scene_settings(scene, &own);
@@ -128,8 +123,7 @@ static void settings_of_the_scene_itself(void **state) {
 
 /* ---- materials, lights, the camera ---- */
 
-static void materials(void **state) {
-    (void)state;
+UNIT_TEST(materials) {
 #define MATERIAL(words, ...)                                                                                 \
     do {                                                                                                     \
         fathom_material m;                                                                                   \
@@ -160,8 +154,7 @@ static void materials(void **state) {
     assert_ok(context, fathom_scene_add_material(scene, "turned", &m, NULL));
 }
 
-static void lights(void **state) {
-    (void)state;
+UNIT_TEST(lights) {
 #define LIGHT(words, kind, ...)                                                                              \
     do {                                                                                                     \
         fathom_light l;                                                                                      \
@@ -188,8 +181,7 @@ static void lights(void **state) {
     assert_ok(context, fathom_scene_add_light(scene, &l, NULL));
 }
 
-static void cameras(void **state) {
-    (void)state;
+UNIT_TEST(cameras) {
 #define CAMERA(words, ...)                                                                                   \
     do {                                                                                                     \
         fathom_camera c;                                                                                     \
@@ -219,8 +211,7 @@ static void cameras(void **state) {
     assert_near(scene->camera.x[0] * scene->camera.y[0] + scene->camera.x[1] * scene->camera.y[1], 0, 1e-15);
 }
 
-static void surroundings(void **state) {
-    (void)state;
+UNIT_TEST(surroundings) {
     REFUSED(fathom_scene_set_background(scene, (float[3]){0, -1, 0}), "background");
     REFUSED(fathom_scene_set_ambient(scene, (float[3]){0, 0, INFINITY}), "ambient");
     assert_false(scene->has_background || scene->has_ambient);
@@ -228,8 +219,7 @@ static void surroundings(void **state) {
 
 /* ---- shapes ---- */
 
-static void shapes(void **state) {
-    (void)state;
+UNIT_TEST(shapes) {
     fathom_sphere sphere;
     fathom_sphere_default(&sphere);
     sphere.radius = INFINITY;
@@ -258,8 +248,7 @@ static void shapes(void **state) {
 static const float corners[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
 static const uint32_t triangles[6] = {0, 1, 2, 2, 1, 3}, beyond[6] = {0, 1, 2, 2, 1, 4};
 
-static void meshes(void **state) {
-    (void)state;
+UNIT_TEST(meshes) {
     const float odd[12] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, NAN, 1};
 #define MESH(words, ...)                                                                                     \
     do {                                                                                                     \
@@ -291,8 +280,7 @@ static void meshes(void **state) {
 }
 
 /* Long arrays are checked by several threads: told is the first fault, whoever finds one first. */
-static void the_first_fault_is_told(void **state) {
-    (void)state;
+UNIT_TEST(the_first_fault_is_told) {
     enum { VERTICES = 400000, INDICES = 3 * 400000 };
     float *positions = calloc(VERTICES * 3, sizeof *positions);
     uint32_t *indices = calloc(INDICES, sizeof *indices);
@@ -320,8 +308,7 @@ static void the_first_fault_is_told(void **state) {
     free(indices);
 }
 
-static void instances(void **state) {
-    (void)state;
+UNIT_TEST(instances) {
     fathom_id group;
     assert_ok(context, fathom_scene_add_group(scene, "g", &group));
 #define INSTANCE(words, ...)                                                                                 \
@@ -341,8 +328,7 @@ static void instances(void **state) {
 
 /* ---- sizes ---- */
 
-static void sizes_that_cannot_be(void **state) {
-    (void)state;
+UNIT_TEST(sizes_that_cannot_be) {
     void *out = scene;
     assert_int_equal(scene_allocate(scene, SIZE_MAX - 8, &out), FATHOM_OUT_OF_RESOURCES);
     assert_null(out);
@@ -353,24 +339,4 @@ static void sizes_that_cannot_be(void **state) {
     assert_int_equal(scene->blobs.count, 0);
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, open_scene, close_scene)
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        TEST(sizes_and_samples),
-        TEST(crops),
-        TEST(weights_and_losses),
-        TEST(goals),
-        TEST(settings_of_the_scene_itself),
-        TEST(materials),
-        TEST(lights),
-        TEST(cameras),
-        TEST(surroundings),
-        TEST(shapes),
-        TEST(meshes),
-        TEST(the_first_fault_is_told),
-        TEST(instances),
-        TEST(sizes_that_cannot_be),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(open_scene, close_scene); }

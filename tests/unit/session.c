@@ -23,8 +23,7 @@ static void assert_same_pixels(const fathom_film *a, const fathom_film *b) {
                             sizeof(float) * SIDE * SIDE);
 }
 
-static void a_session_renders_what_a_call_renders(void **state) {
-    (void)state;
+UNIT_TEST(a_session_renders_what_a_call_renders) {
     stage s = stage_open(SIDE, SIDE);
     fill(&s);
     fathom_film *expected = stage_render(&s), *found;
@@ -57,8 +56,7 @@ static size_t check_snapshot(const fathom_film *snapshot, const fathom_film *fil
     return finished;
 }
 
-static void finished_pixels_of_a_snapshot_are_those_of_the_film(void **state) {
-    (void)state;
+UNIT_TEST(finished_pixels_of_a_snapshot_are_those_of_the_film) {
     fathom_context *mine;
     stage s = stage_open(SIDE, SIDE);
     fill(&s);
@@ -85,8 +83,7 @@ static void finished_pixels_of_a_snapshot_are_those_of_the_film(void **state) {
     stage_close(&s);
 }
 
-static void snapshots_of_adaptive_renders_gain_samples(void **state) {
-    (void)state;
+UNIT_TEST(snapshots_of_adaptive_renders_gain_samples) {
     fathom_context *mine;
     stage s = stage_open(SIDE, SIDE);
     fill(&s);
@@ -115,8 +112,7 @@ static void snapshots_of_adaptive_renders_gain_samples(void **state) {
     stage_close(&s);
 }
 
-static void a_stopped_session_is_interrupted(void **state) {
-    (void)state;
+UNIT_TEST(a_stopped_session_is_interrupted) {
     stage s = stage_open(SIDE, SIDE);
     fill(&s);
     s.settings.pattern = FATHOM_PATTERN_SOBOL;
@@ -133,8 +129,7 @@ static void a_stopped_session_is_interrupted(void **state) {
     stage_close(&s);
 }
 
-static void what_is_wrong_is_said_at_the_end(void **state) {
-    (void)state;
+UNIT_TEST(what_is_wrong_is_said_at_the_end) {
     stage s = stage_open(SIDE, SIDE);
     fill(&s);
     fathom_session *session;
@@ -149,13 +144,4 @@ static void what_is_wrong_is_said_at_the_end(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_session_renders_what_a_call_renders),
-        cmocka_unit_test(finished_pixels_of_a_snapshot_are_those_of_the_film),
-        cmocka_unit_test(snapshots_of_adaptive_renders_gain_samples),
-        cmocka_unit_test(a_stopped_session_is_interrupted),
-        cmocka_unit_test(what_is_wrong_is_said_at_the_end),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -16,8 +16,7 @@ static size_t bytes_of(const fathom_parameter *p) {
 }
 
 /* What lies between two members is less than a number: no member is without a row. */
-static void the_table_has_every_member(void **state) {
-    (void)state;
+UNIT_TEST(the_table_has_every_member) {
     size_t end = sizeof(size_t); /* its size */
     EACH(p) {
         assert_in_range(p->offset, end, end + 7);
@@ -35,8 +34,7 @@ static void the_table_has_every_member(void **state) {
     assert_int_equal(count, metallic_table.count);
 }
 
-static void every_row_says_what_it_is_for(void **state) {
-    (void)state;
+UNIT_TEST(every_row_says_what_it_is_for) {
     EACH(p) {
         const bool words = p->type == FATHOM_PARAMETER_WORD || p->type == FATHOM_PARAMETER_WORDS;
         assert_true(p->name && p->help && (!words || p->words));
@@ -47,8 +45,7 @@ static void every_row_says_what_it_is_for(void **state) {
     }
 }
 
-static void defaults_are_allowed(void **state) {
-    (void)state;
+UNIT_TEST(defaults_are_allowed) {
     fathom_settings s;
     fathom_material m;
     fathom_settings_default(&s), fathom_material_default(&m);
@@ -62,8 +59,7 @@ static bool same(const fathom_parameter *p, const fathom_settings *a, const fath
     return memcmp((const char *)a + p->offset, (const char *)b + p->offset, bytes_of(p)) == 0;
 }
 
-static void text_goes_out_as_it_came_in(void **state) {
-    (void)state;
+UNIT_TEST(text_goes_out_as_it_came_in) {
     static const char *const texts[][2] = {{"width", "640"},
                                            {"height", "65536"},
                                            {"spp", "16"},
@@ -105,8 +101,7 @@ static void text_goes_out_as_it_came_in(void **state) {
     assert_int_equal(s.aovs, FATHOM_AOVS & ~(unsigned)(FATHOM_AOV_ALPHA | FATHOM_AOV_ERROR));
 }
 
-static void defaults_go_through_text(void **state) {
-    (void)state;
+UNIT_TEST(defaults_go_through_text) {
     EACH(p) {
         fathom_settings a, b;
         char out[128], wrong[PARAMETER_WRONG];
@@ -119,8 +114,7 @@ static void defaults_go_through_text(void **state) {
     }
 }
 
-static void wrong_text_changes_nothing(void **state) {
-    (void)state;
+UNIT_TEST(wrong_text_changes_nothing) {
     static const char *const wrong[][3] = {
         {"width", "0", "width: expected a whole number from 1 to 65536, found \"0\""},
         {"spp", "4.5", "spp: expected a whole number"},
@@ -147,8 +141,7 @@ static void wrong_text_changes_nothing(void **state) {
     }
 }
 
-static void what_is_missing_is_named(void **state) {
-    (void)state;
+UNIT_TEST(what_is_missing_is_named) {
     fathom_settings s;
     char out[4];
     fathom_settings_default(&s);
@@ -163,8 +156,7 @@ static void what_is_missing_is_named(void **state) {
     assert_non_null(fathom_settings_parameters(NULL));
 }
 
-static void names_have_three_spellings(void **state) {
-    (void)state;
+UNIT_TEST(names_have_three_spellings) {
     const fathom_parameter names[] = {{.name = "max_depth"}, {.name = "k_d"}, {.name = "lit_from_behind"}};
     static const char *const spelled[][3] = {{"max-depth", "max depth", "maxDepth"},
                                              {"kd", "kd", "kd"},
@@ -178,14 +170,4 @@ static void names_have_three_spellings(void **state) {
     }
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, open_scene, close_scene)
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        TEST(the_table_has_every_member), TEST(every_row_says_what_it_is_for),
-        TEST(defaults_are_allowed),       TEST(text_goes_out_as_it_came_in),
-        TEST(defaults_go_through_text),   TEST(wrong_text_changes_nothing),
-        TEST(what_is_missing_is_named),   TEST(names_have_three_spellings),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(open_scene, close_scene); }

@@ -142,8 +142,7 @@ static double chi_of(const shading *at, const polar *p, random_state *r, int blo
 }
 
 /* Level 1e-4 over all cases together, Šidák's correction for how many there are. 65,536 samples each. */
-static void samples_follow_the_density(void **state) {
-    (void)state;
+UNIT_TEST(samples_follow_the_density) {
     fathom_material behind = classic(0.5f, 0.4f, FATHOM_SPECULAR_PHONG, 10);
     behind.lit_from_behind = true;
     fathom_material half = glassy(0.4f, 0, 1.5f, 0.3f);
@@ -306,8 +305,7 @@ static void check_sample(const surface_block *s, const shader *table, const shad
     }
 }
 
-static void any_material_gives_finite_numbers_and_no_light_through_what_is_opaque(void **state) {
-    (void)state;
+UNIT_TEST(any_material_gives_finite_numbers_and_no_light_through_what_is_opaque) {
     random_state r = {3};
     const shader_kernels *kernels = shader_kernels_best();
     for (int round = 0; round < 20000; ++round) {
@@ -358,8 +356,7 @@ static void random_block(random_state *r, shader table[8], surface_block *s, lan
     }
 }
 
-static void every_instruction_set_gives_the_same_bits(void **state) {
-    (void)state;
+UNIT_TEST(every_instruction_set_gives_the_same_bits) {
     random_state r = {5};
     for (int round = 0; round < 500; ++round) {
         surface_block s;
@@ -426,8 +423,7 @@ static lane_found found_by(const shader_kernels *kernels, const surface_block *s
 }
 
 /* Which points share a block depends on the crop and on the wave: what they become must not. */
-static void no_lane_depends_on_its_neighbours(void **state) {
-    (void)state;
+UNIT_TEST(no_lane_depends_on_its_neighbours) {
     random_state r = {8};
     for (int round = 0; round < 10000; ++round) {
         surface_block s;
@@ -476,8 +472,7 @@ static void random_unit_vector(random_state *r, double out[3]) {
  * products have a few roundings of 2^-24; the power n <= 500 makes 500 of each, GGX 2 / alpha with alpha >=
  * 0.04, and a refracting half vector, of which eta - 1 >= 0.2 is left, 5. Cosines of grazing facets are known
  * to a few 2^-24 absolutely. */
-static void scattering_is_reciprocal(void **state) {
-    (void)state;
+UNIT_TEST(scattering_is_reciprocal) {
     random_state r = {9};
     for (int k = 0; k < 20000; ++k) {
         const float roughness = (float)random_in(&r, 0.2, 1), ior = (float)random_in(&r, 1.2, 2);
@@ -506,8 +501,7 @@ static void scattering_is_reciprocal(void **state) {
 }
 
 /* L k_d |n·l| of the lectures is the radiance under the irradiance pi L: f |cosine| pi. */
-static void classic_values_are_the_lectures_over_pi(void **state) {
-    (void)state;
+UNIT_TEST(classic_values_are_the_lectures_over_pi) {
     fathom_material m = classic(0.3f, 0.6f, FATHOM_SPECULAR_PHONG, 5);
     const double l[3] = {0.6, 0, 0.8}; /* the viewer is at (0.8, 0, 0.6): r·l = 0.8 · 0.6 - 0.48 = 0 */
     double f[3];
@@ -520,14 +514,4 @@ static void classic_values_are_the_lectures_over_pi(void **state) {
     assert_near(f[0], (0.3 + 0.6) * 0.6 / M_PI, 1e-6);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples_follow_the_density),
-        cmocka_unit_test(any_material_gives_finite_numbers_and_no_light_through_what_is_opaque),
-        cmocka_unit_test(every_instruction_set_gives_the_same_bits),
-        cmocka_unit_test(no_lane_depends_on_its_neighbours),
-        cmocka_unit_test(scattering_is_reciprocal),
-        cmocka_unit_test(classic_values_are_the_lectures_over_pi),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

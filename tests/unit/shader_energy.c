@@ -69,8 +69,7 @@ static const double cosines[] = {1, 0.7, 0.3, 0.1, 0.02};
 
 /* Loss and gain at most 0.5 %: the curves of energy.h are within 2e-3 but for the last of a degree above the
  * horizon, and with the means of 8,192 points the worst that is found is 2.3e-3. */
-static void white_surfaces_and_thin_walls_send_on_all_light(void **state) {
-    (void)state;
+UNIT_TEST(white_surfaces_and_thin_walls_send_on_all_light) {
     for (int r = 0; r < COUNT(roughnesses); ++r) {
         for (int k = 0; k < COUNT(indices) * COUNT(cosines) * 9; ++k) {
             fathom_material m = white((float)(k % 3) / 2, roughnesses[r], indices[k / 9 % COUNT(indices)]);
@@ -87,8 +86,7 @@ static void white_surfaces_and_thin_walls_send_on_all_light(void **state) {
 
 /* Glass sends on all light, from inside and outside, with a white base under half of it, too; without
  * `multiscatter` rough glass loses some. */
-static void white_solids_send_on_all_light(void **state) {
-    (void)state;
+UNIT_TEST(white_solids_send_on_all_light) {
     for (int r = 0; r < COUNT(roughnesses); ++r) {
         for (int k = 0; k < COUNT(indices) * COUNT(cosines) * 4; ++k) {
             fathom_material m = white(0, roughnesses[r], indices[k / 4 % COUNT(indices)]);
@@ -106,8 +104,7 @@ static void white_solids_send_on_all_light(void **state) {
 
 /* A coat over a white base loses what goes round between the two: at most its mean albedo of that part of the
  * base that is no diffuse one. 0.09 is the coat's own mean. */
-static void coats_gain_nothing_and_lose_little(void **state) {
-    (void)state;
+UNIT_TEST(coats_gain_nothing_and_lose_little) {
     for (int r = 2; r < COUNT(roughnesses); ++r) {
         for (int k = 0; k < COUNT(roughnesses) * COUNT(cosines) * 2; ++k) {
             fathom_material m = white((float)(k % 2), roughnesses[r], 1.5f);
@@ -144,8 +141,7 @@ static double furnace_of_turned_coat(float coat_roughness, double tilt, double c
 }
 
 /* What goes below the surface by its own normal is mirrored by the surface's. */
-static void steep_maps_of_coats_lose_little(void **state) {
-    (void)state;
+UNIT_TEST(steep_maps_of_coats_lose_little) {
     static const float rough[] = {0, 0.1f, 0.3f, 0.6f};
     for (int k = 0; k < COUNT(rough) * COUNT(cosines) * 4; ++k) {
         const double tilt = 20 * (1 + k % 4), cosine = cosines[k / 4 / COUNT(rough)];
@@ -168,8 +164,7 @@ static double mean_mirrored(const fathom_material *m, bool entering) {
     return sum;
 }
 
-static void fresnel_means_are_those_of_theory(void **state) {
-    (void)state;
+UNIT_TEST(fresnel_means_are_those_of_theory) {
     fathom_material glass, layer = white(0, 0, 1.5f);
     fathom_material_default(&glass);
     for (int c = 0; c < 3; ++c) glass.k_d[c] = 0, glass.k_r[c] = glass.k_t[c] = 1;
@@ -180,8 +175,7 @@ static void fresnel_means_are_those_of_theory(void **state) {
 }
 
 /* The albedo of the bare GGX lobe with F = 1 where alpha and the cosine are 1. A lattice of 2^18 points. */
-static void rough_metal_seen_from_above_reflects_one_less_ln_2(void **state) {
-    (void)state;
+UNIT_TEST(rough_metal_seen_from_above_reflects_one_less_ln_2) {
     fathom_material m = white(1, 1, 1.5f);
     m.multiscatter = false;
     assert_near(sent_on(&m, 1, true, 1 << 14), 1 - log(2), 1e-4);
@@ -204,8 +198,7 @@ static double sent_on_directed(const fathom_material *m, double cosine, double t
 }
 
 /* The tables' own error of 3e-3, and that of the means. */
-static void brushed_surfaces_send_on_all_light(void **state) {
-    (void)state;
+UNIT_TEST(brushed_surfaces_send_on_all_light) {
     for (int k = 0; k < 4 * 3 * 4 * 3; ++k) {
         fathom_material m = white((float)(k % 2), (const float[]){0.1f, 0.3f, 0.6f}[k / 4 % 3], 1.5f);
         m.anisotropy = k / 2 % 2 ? 1 : 0.5f;
@@ -219,8 +212,7 @@ static void brushed_surfaces_send_on_all_light(void **state) {
 
 /* Loss and gain at most 0.5 %: the light that is scattered more than once has the weights M(l) / (the mean of
  * M over the azimuth of l), whose mean is 1. */
-static void brushed_glass_sends_on_all_light(void **state) {
-    (void)state;
+UNIT_TEST(brushed_glass_sends_on_all_light) {
     for (int k = 0; k < 4 * 2 * 2 * 12; ++k) {
         fathom_material m = white(0, (const float[]){0.03f, 0.1f, 0.3f, 0.6f}[k % 4], k % 3 ? 1.5f : 3);
         m.transmission = m.thickness = 1, m.anisotropy = k / 4 % 2 ? 1 : 0.5f;
@@ -233,8 +225,7 @@ static void brushed_glass_sends_on_all_light(void **state) {
 }
 
 /* The tables for two alphas and for one, each with its own error (energy.h): 8e-3 and 6e-3. */
-static void tables_of_brushed_glass_agree_with_those_of_glass(void **state) {
-    (void)state;
+UNIT_TEST(tables_of_brushed_glass_agree_with_those_of_glass) {
     for (int k = 0; k < 8 * 7; ++k) {
         const float alpha = 0.02f + 0.14f * (float)(k % 8),
                     eta = (const float[]){1.05f, 1.33f, 1.5f, 2, 3, 0.7f, 0.4f}[k / 8];
@@ -253,8 +244,7 @@ static void tables_of_brushed_glass_agree_with_those_of_glass(void **state) {
 /* In each channel: the mean weight of all samples, and of the smooth lobe by itself. Errors: of
  * energy_facets(), 3e-3 of what the film differs from Schlick's curve by (0.3), of energy.h, and of the mean
  * over 8,192 points. */
-static void films_over_white_bases_send_on_all_light(void **state) {
-    (void)state;
+UNIT_TEST(films_over_white_bases_send_on_all_light) {
     for (int k = 0; k < COUNT(roughnesses) * COUNT(cosines) * 4 * 4; ++k) {
         fathom_material m = white(0, roughnesses[k % COUNT(roughnesses)], k % 3 ? 1.5f : 2);
         const double cosine = cosines[k / COUNT(roughnesses) % COUNT(cosines)];
@@ -280,8 +270,7 @@ static void films_over_white_bases_send_on_all_light(void **state) {
     }
 }
 
-static void leaves_send_on_all_light(void **state) {
-    (void)state;
+UNIT_TEST(leaves_send_on_all_light) {
     for (int k = 0; k < 4 * 3 * 4; ++k) {
         fathom_material m = white(0, (const float[]){0, 0.3f, 0.6f, 1}[k % 4], 1.5f);
         m.diffuse_transmission = (const float[]){0.25f, 0.5f, 1}[k / 4 % 3];
@@ -294,8 +283,7 @@ static void leaves_send_on_all_light(void **state) {
 }
 
 /* Fibres lose what goes between them and the base: the most where both are white. */
-static void fibres_and_films_gain_nothing(void **state) {
-    (void)state;
+UNIT_TEST(fibres_and_films_gain_nothing) {
     for (int k = 0; k < 4 * 4 * COUNT(cosines) * 3; ++k) {
         fathom_material m = white((float)(k / 4 % 2), (const float[]){0, 0.2f, 0.5f, 1}[k % 4], 1.5f);
         const double cosine = cosines[k / 16 % COUNT(cosines)];
@@ -313,20 +301,4 @@ static void fibres_and_films_gain_nothing(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(white_surfaces_and_thin_walls_send_on_all_light),
-        cmocka_unit_test(white_solids_send_on_all_light),
-        cmocka_unit_test(coats_gain_nothing_and_lose_little),
-        cmocka_unit_test(steep_maps_of_coats_lose_little),
-        cmocka_unit_test(brushed_surfaces_send_on_all_light),
-        cmocka_unit_test(brushed_glass_sends_on_all_light),
-        cmocka_unit_test(tables_of_brushed_glass_agree_with_those_of_glass),
-        cmocka_unit_test(films_over_white_bases_send_on_all_light),
-        cmocka_unit_test(leaves_send_on_all_light),
-        cmocka_unit_test(fibres_and_films_gain_nothing),
-        cmocka_unit_test(fresnel_means_are_those_of_theory),
-        cmocka_unit_test(rough_metal_seen_from_above_reflects_one_less_ln_2),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

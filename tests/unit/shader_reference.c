@@ -198,8 +198,7 @@ static void compare_material(const fathom_material *m, random_state *r) {
     free(albedos);
 }
 
-static void path_and_reference_scatter_alike(void **state) {
-    (void)state;
+UNIT_TEST(path_and_reference_scatter_alike) {
     random_state r = {1};
     for (int i = 0; i < MATERIALS; ++i) {
         const fathom_material m = i % 8 ? metallic(&r) : classic(&r);
@@ -207,9 +206,4 @@ static void path_and_reference_scatter_alike(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(path_and_reference_scatter_alike),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -37,8 +37,7 @@ static bool is_untouched(const void *item, size_t size, size_t whole) {
         assert_int_equal(older.size, sizeof older);                                                          \
     } while (0)
 
-static void defaults_end_where_the_struct_of_the_caller_does(void **state) {
-    (void)state;
+UNIT_TEST(defaults_end_where_the_struct_of_the_caller_does) {
     CHECK_OWN_DEFAULT(fathom_settings, UP_TO(fathom_settings, tracer));
     CHECK_OWN_DEFAULT(fathom_write_options, UP_TO(fathom_write_options, view));
     CHECK_OWN_DEFAULT(fathom_read_options, UP_TO(fathom_read_options, width));
@@ -65,8 +64,7 @@ static stage small_stage(void) {
     return s;
 }
 
-static void older_settings_render_the_same(void **state) {
-    (void)state;
+UNIT_TEST(older_settings_render_the_same) {
     stage s = small_stage();
     fathom_film *expected = stage_render(&s), *film;
     fathom_settings older;
@@ -92,8 +90,7 @@ static void older_settings_render_the_same(void **state) {
     stage_close(&s);
 }
 
-static void settings_by_name_stay_within_the_struct(void **state) {
-    (void)state;
+UNIT_TEST(settings_by_name_stay_within_the_struct) {
     stage s = small_stage();
     fathom_settings older;
     memset(&older, beyond, sizeof older);
@@ -108,8 +105,7 @@ static void settings_by_name_stay_within_the_struct(void **state) {
     stage_close(&s);
 }
 
-static void results_end_where_the_struct_of_the_caller_does(void **state) {
-    (void)state;
+UNIT_TEST(results_end_where_the_struct_of_the_caller_does) {
     stage s = small_stage();
     fathom_film *film = stage_render(&s);
     fathom_brightness brightness;
@@ -127,8 +123,7 @@ static void results_end_where_the_struct_of_the_caller_does(void **state) {
     stage_close(&s);
 }
 
-static void older_parts_of_a_scene_have_the_defaults_of_later_members(void **state) {
-    (void)state;
+UNIT_TEST(older_parts_of_a_scene_have_the_defaults_of_later_members) {
     stage s = small_stage();
     fathom_light light, found;
     memset(&light, beyond, sizeof light);
@@ -149,8 +144,7 @@ static void older_parts_of_a_scene_have_the_defaults_of_later_members(void **sta
     stage_close(&s);
 }
 
-static void a_forgotten_size_is_named(void **state) {
-    (void)state;
+UNIT_TEST(a_forgotten_size_is_named) {
     stage s = small_stage();
     fathom_context *c = s.context;
     fathom_film *film = stage_render(&s), *none;
@@ -196,8 +190,7 @@ static void a_forgotten_size_is_named(void **state) {
 }
 
 /* The caller's header is newer than the library: members that it sets would be lost. */
-static void a_size_beyond_this_version_is_refused(void **state) {
-    (void)state;
+UNIT_TEST(a_size_beyond_this_version_is_refused) {
     stage s = small_stage();
     fathom_settings settings = s.settings;
     fathom_film *none;
@@ -214,15 +207,4 @@ static void a_size_beyond_this_version_is_refused(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(defaults_end_where_the_struct_of_the_caller_does),
-        cmocka_unit_test(older_settings_render_the_same),
-        cmocka_unit_test(settings_by_name_stay_within_the_struct),
-        cmocka_unit_test(results_end_where_the_struct_of_the_caller_does),
-        cmocka_unit_test(older_parts_of_a_scene_have_the_defaults_of_later_members),
-        cmocka_unit_test(a_forgotten_size_is_named),
-        cmocka_unit_test(a_size_beyond_this_version_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

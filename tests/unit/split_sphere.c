@@ -15,8 +15,7 @@ static stage open_with(double radius, double z) {
     return s;
 }
 
-static void kept_where_it_shows(void **state) {
-    (void)state;
+UNIT_TEST(kept_where_it_shows) {
     static const struct {
         double radius, z;
         bool split;
@@ -39,8 +38,7 @@ static void kept_where_it_shows(void **state) {
     }
 }
 
-static void the_oracle_takes_all_of_it(void **state) {
-    (void)state;
+UNIT_TEST(the_oracle_takes_all_of_it) {
     stage s = open_with(big, -big);
     oracle_primitive p = search_primitive(s.world, 0, 0, FATHOM_NONE);
     oracle_ray down = {{0, 0, 1}, {0, 0, -1}, 0, INFINITY}, along = {{-1, 0, 0}, {1, 0, 0}, 0, INFINITY};
@@ -57,8 +55,7 @@ static void the_oracle_takes_all_of_it(void **state) {
 
 /* What lies nearer than the roundings of a planet in double, 16 2^-53 R, is no one's; what is farther is
  * told. */
-static void all_tracers_meet_it_where_it_is(void **state) {
-    (void)state;
+UNIT_TEST(all_tracers_meet_it_where_it_is) {
     static const char *const specs[] = {"reference", "linear:f64", "linear:f128", "bvh",        "bvh:f64",
                                         "bvh:f128",  "embree",     "embree:1",    "embree:user"};
     stage s = open_with(6371000.3, -6371000.3);
@@ -94,8 +91,7 @@ static void all_tracers_meet_it_where_it_is(void **state) {
     stage_close(&s);
 }
 
-static void rays_of_ones_own(void **state) {
-    (void)state;
+UNIT_TEST(rays_of_ones_own) {
     stage s = open_with(6371000.3, -6371000.3);
     fathom_tracer *tracer;
     for (int kind = 0; kind < 2; ++kind) {
@@ -116,12 +112,4 @@ static void rays_of_ones_own(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(kept_where_it_shows),
-        cmocka_unit_test(the_oracle_takes_all_of_it),
-        cmocka_unit_test(all_tracers_meet_it_where_it_is),
-        cmocka_unit_test(rays_of_ones_own),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -20,8 +20,7 @@ static vec3_f64 direction(random_state *r) {
 
 /* A texel's corner is at most 0.25 degrees off its centre. The edge of a panel rises by its radiance over 6
  * degrees, at most 1.5 times as fast as evenly: 1/16 of the radiance. */
-static void texels_hold_the_rule(void **state) {
-    (void)state;
+UNIT_TEST(texels_hold_the_rule) {
     environment *e = open_studio(vec_f64(0, 0, 1), vec_f64(0, 1, 0));
     random_state r = {1};
     studio made;
@@ -40,8 +39,7 @@ static void texels_hold_the_rule(void **state) {
 }
 
 /* What stands in it looks the same whichever axis is up, and from wherever the viewer looks. */
-static void it_turns_with_the_viewer(void **state) {
-    (void)state;
+UNIT_TEST(it_turns_with_the_viewer) {
     environment *y = open_studio(vec_f64(0, 0, 1), vec_f64(0, 1, 0)),
                 *z = open_studio(vec_f64(0, -1, 0), vec_f64(0, 0, 1)),
                 *below = open_studio(vec_f64(0, -4, 1), vec_f64(0, 1, 0)),
@@ -89,8 +87,7 @@ static float look(fathom_scene *scene, float *corner) {
 static float mean_of(fathom_scene *scene) { return look(scene, NULL); }
 
 /* Those that complete() made for the classic integrator would light the ball from two sides. */
-static void a_background_alone_lights_a_model_without_lights(void **state) {
-    (void)state;
+UNIT_TEST(a_background_alone_lights_a_model_without_lights) {
     const float sky[3] = {0.3f, 0.3f, 0.3f};
     float before, after;
     fathom_scene *scene = open_ball();
@@ -107,8 +104,7 @@ static void a_background_alone_lights_a_model_without_lights(void **state) {
 }
 
 /* A light, a background or ambient light of the caller's own leaves no studio. */
-static void only_models_without_light_stand_in_it(void **state) {
-    (void)state;
+UNIT_TEST(only_models_without_light_stand_in_it) {
     fathom_scene *scene = open_ball();
     assert_ok(context, fathom_scene_complete(scene));
     const float lit = mean_of(scene);
@@ -149,15 +145,13 @@ static float wall_behind_emissive(bool image) {
 
 /* Nor is a body that shines on nothing: both have the wall behind them, and the one that shines is brighter.
  */
-static void an_emission_that_meets_nothing_is_no_lamp(void **state) {
-    (void)state;
+UNIT_TEST(an_emission_that_meets_nothing_is_no_lamp) {
     assert_true(wall_behind_emissive(true) > 0.01f);
     assert_true(wall_behind_emissive(false) == wall_behind_emissive(true));
 }
 
 /* By 20,000 directions spread evenly; panels have edges of a few degrees. */
-static void its_luminance_is_what_lamps_are_held_against(void **state) {
-    (void)state;
+UNIT_TEST(its_luminance_is_what_lamps_are_held_against) {
     enum { DIRECTIONS = 20000 };
     studio s;
     double sum = 0;
@@ -216,8 +210,7 @@ static bool room_has_studio(double s, float radiance) {
  * front; all of the upper side's meets the ceiling, but so near that the points may miss it. So the mean of
  * five walls is an irradiance from 0.8 pi L / 50 to 1.8 pi L / 50, against a sixteenth of 0.696 pi: lamps and
  * studio part between L = 1.2 and L = 2.7. */
-static void a_room_is_lit_by_its_lamps_unless_they_are_dim(void **state) {
-    (void)state;
+UNIT_TEST(a_room_is_lit_by_its_lamps_unless_they_are_dim) {
     for (double size = 1e-6; size < 1e7; size *= 1e4) {
         assert_false(room_has_studio(size, 20));
         assert_false(room_has_studio(size, 3));
@@ -245,8 +238,7 @@ static bool floor_leaves_studio(float specular, float radiance) {
     return out;
 }
 
-static void what_only_shows_its_colour_is_no_lamp(void **state) {
-    (void)state;
+UNIT_TEST(what_only_shows_its_colour_is_no_lamp) {
     assert_true(floor_leaves_studio(0, 1));
     assert_false(floor_leaves_studio(1, 1));
     assert_false(floor_leaves_studio(0, 1.5f));
@@ -279,8 +271,7 @@ static fathom_scene *open_telephone(float radiance, bool before_wall) {
     return scene;
 }
 
-static void a_display_lights_what_it_faces_alone(void **state) {
-    (void)state;
+UNIT_TEST(a_display_lights_what_it_faces_alone) {
     fathom_scene *scene = open_telephone(1000, false);
     double irradiance;
     assert_ok(context, scene_measure_lamps(scene, &irradiance));
@@ -294,8 +285,7 @@ static void a_display_lights_what_it_faces_alone(void **state) {
 
 /* A room whose walls face outwards is lit by the lamp in it for whoever stands inside, and not for whoever
  * looks at it from outside. */
-static void a_room_is_lit_for_whoever_stands_in_it(void **state) {
-    (void)state;
+UNIT_TEST(a_room_is_lit_for_whoever_stands_in_it) {
     static const float corners[8][3] = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {2, 2, 0},
                                         {0, 0, 2}, {2, 0, 2}, {0, 2, 2}, {2, 2, 2}};
     for (int inside = 0; inside < 2; ++inside) {
@@ -319,8 +309,7 @@ static void a_room_is_lit_for_whoever_stands_in_it(void **state) {
 }
 
 /* A mean over an infinite plane says nothing of its part next to the lamp. */
-static void a_lamp_over_a_plane_lights_it(void **state) {
-    (void)state;
+UNIT_TEST(a_lamp_over_a_plane_lights_it) {
     for (int lamp = 0; lamp < 2; ++lamp) {
         fathom_scene *scene;
         fathom_plane plane;
@@ -338,8 +327,7 @@ static void a_lamp_over_a_plane_lights_it(void **state) {
 
 /* Two small squares at a distance of 1: radiance times area, times the cosine at the receiver. Their sizes
  * change the distance by less than 1e-4 of it. */
-static void irradiance_of_small_squares_has_a_closed_form(void **state) {
-    (void)state;
+UNIT_TEST(irradiance_of_small_squares_has_a_closed_form) {
     const double edge = 0.01, slope = 0.5 * sqrt(3);
     for (int tilted = 0; tilted < 2; ++tilted) {
         fathom_scene *scene;
@@ -356,8 +344,7 @@ static void irradiance_of_small_squares_has_a_closed_form(void **state) {
 }
 
 /* Black pixels say what the studio could add unseen: its brightest panel is above 4. */
-static void errors_know_how_bright_it_is(void **state) {
-    (void)state;
+UNIT_TEST(errors_know_how_bright_it_is) {
     fathom_scene *scene = open_ball();
     assert_ok(context, fathom_scene_complete(scene));
     fathom_settings settings;
@@ -377,21 +364,4 @@ static void errors_know_how_bright_it_is(void **state) {
     fathom_scene_destroy(scene);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(texels_hold_the_rule),
-        cmocka_unit_test(it_turns_with_the_viewer),
-        cmocka_unit_test(a_background_alone_lights_a_model_without_lights),
-        cmocka_unit_test(only_models_without_light_stand_in_it),
-        cmocka_unit_test(an_emission_that_meets_nothing_is_no_lamp),
-        cmocka_unit_test(its_luminance_is_what_lamps_are_held_against),
-        cmocka_unit_test(a_room_is_lit_by_its_lamps_unless_they_are_dim),
-        cmocka_unit_test(a_room_is_lit_for_whoever_stands_in_it),
-        cmocka_unit_test(what_only_shows_its_colour_is_no_lamp),
-        cmocka_unit_test(a_display_lights_what_it_faces_alone),
-        cmocka_unit_test(a_lamp_over_a_plane_lights_it),
-        cmocka_unit_test(irradiance_of_small_squares_has_a_closed_form),
-        cmocka_unit_test(errors_know_how_bright_it_is),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

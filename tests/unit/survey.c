@@ -74,8 +74,7 @@ static void survey_one(float size, unsigned odd, uint32_t triangles, uint64_t ke
     stage_close(&s);
 }
 
-static void triangles_are_counted_as_defined(void **state) {
-    (void)state;
+UNIT_TEST(triangles_are_counted_as_defined) {
     static const float sizes[] = {1, 0.1f, 1e-8f, 1e-20f, 1e-38f, 1e-44f, 1e9f, 1e17f};
     for (uint64_t k = 0; k < 8; ++k) {
         survey_one(sizes[k], 0, 3000, 100 + k);
@@ -86,8 +85,7 @@ static void triangles_are_counted_as_defined(void **state) {
 }
 
 /* Any number of vertices, packed and not. */
-static void bounds_hold_every_vertex(void **state) {
-    (void)state;
+UNIT_TEST(bounds_hold_every_vertex) {
     for (uint32_t count = 3; count < 40; ++count) {
         stage s;
         stage_open(&s);
@@ -118,8 +116,7 @@ static void bounds_hold_every_vertex(void **state) {
 }
 
 /* A page that nobody may touch follows the arrays of a mesh that is copied. */
-static void nothing_is_read_past_the_end(void **state) {
-    (void)state;
+UNIT_TEST(nothing_is_read_past_the_end) {
     const size_t page = (size_t)sysconf(_SC_PAGESIZE);
     char *pages = mmap(NULL, 4 * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     assert_true(pages != MAP_FAILED);
@@ -150,8 +147,7 @@ static void fill(random_state *random, float size, float *p, uint32_t vertices, 
 }
 
 /* What all of them have to say of the same triangles, any number of them. */
-static void areas_are_told_apart(void **state) {
-    (void)state;
+UNIT_TEST(areas_are_told_apart) {
     static const float sizes[] = {1, 1e-20f, 1e17f, 4e17f};
     float p[3 * VERTICES + 4];
     uint32_t t[3 * 40];
@@ -174,8 +170,7 @@ static void areas_are_told_apart(void **state) {
     assert_true(sure > 0);
 }
 
-static void boundaries_are_summed(void **state) {
-    (void)state;
+UNIT_TEST(boundaries_are_summed) {
     uint32_t t[3 * 80];
     for (uint32_t count = 0; count < 80; ++count) {
         random_state random = {count};
@@ -198,8 +193,7 @@ static void boundaries_are_summed(void **state) {
 }
 
 /* Wherever the odd number stands. */
-static void odd_numbers_are_found(void **state) {
-    (void)state;
+UNIT_TEST(odd_numbers_are_found) {
     static const float odd[] = {NAN, INFINITY, -INFINITY};
     float p[3 * 40];
     for (uint32_t at = 0; at < 3 * 40; ++at) {
@@ -216,14 +210,4 @@ static void odd_numbers_are_found(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(triangles_are_counted_as_defined),
-        cmocka_unit_test(bounds_hold_every_vertex),
-        cmocka_unit_test(nothing_is_read_past_the_end),
-        cmocka_unit_test(areas_are_told_apart),
-        cmocka_unit_test(boundaries_are_summed),
-        cmocka_unit_test(odd_numbers_are_found),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -44,8 +44,7 @@ static fathom_mesh flat(const float *uvs) {
 /* Rounding: a few operations on numbers of size 1. */
 static const double rounding = 16 * 0x1p-24;
 
-static void an_even_image_has_one_tangent(void **state) {
-    (void)state;
+UNIT_TEST(an_even_image_has_one_tangent) {
     /* The image is turned by `turn`, scaled, and mirrored in half of the cases. */
     for (int i = 0; i < 14; ++i) {
         const double turn = i / 2, side = i % 2 ? -1 : 1;
@@ -65,8 +64,7 @@ static void an_even_image_has_one_tangent(void **state) {
 
 /* Where u runs to the right on one half and to the left on the other, each half has its own tangents, at
  * shared vertices, too. */
-static void mirrored_halves_keep_apart(void **state) {
-    (void)state;
+UNIT_TEST(mirrored_halves_keep_apart) {
     float uvs[10];
     for (int k = 0; k < 5; ++k)
         uvs[2 * k] = fabsf(square[3 * k] + square[3 * k + 1]), uvs[2 * k + 1] = square[3 * k];
@@ -84,8 +82,7 @@ static void mirrored_halves_keep_apart(void **state) {
 }
 
 /* Two islands of the image, turned against each other, that meet at vertices of the mesh. */
-static void islands_keep_apart(void **state) {
-    (void)state;
+UNIT_TEST(islands_keep_apart) {
     float uvs[20];
     uint32_t at[12];
     for (int k = 0; k < 5; ++k) {
@@ -102,8 +99,7 @@ static void islands_keep_apart(void **state) {
 }
 
 /* A vertex's tangent weighs triangles by their angles there, however large they are. */
-static void angles_weigh(void **state) {
-    (void)state;
+UNIT_TEST(angles_weigh) {
     /* Around vertex 0, with the normal z: a triangle of 90 degrees with u along x, and a much larger one of
      * 45 degrees. */
     static const float points[15] = {0, 0, 0, 1, 0, 0, 0, 1, 0, -50, 50, 0, -1, -1, 0};
@@ -124,8 +120,7 @@ enum { AROUND = 48, DOWN = 24, CORNERS = (AROUND + 1) * (DOWN + 1) };
 
 /* A sphere of latitudes and longitudes: tangents run along the latitudes. By indices of its own for each of
  * positions, normals and uvs it is the same, with the seam at one position. */
-static void a_globe_has_tangents_along_its_latitudes(void **state) {
-    (void)state;
+UNIT_TEST(a_globe_has_tangents_along_its_latitudes) {
     static float points[3 * CORNERS], uvs[2 * CORNERS];
     static uint32_t at[6 * AROUND * DOWN], seamless[6 * AROUND * DOWN];
     uint32_t n = 0;
@@ -171,8 +166,7 @@ static void a_globe_has_tangents_along_its_latitudes(void **state) {
     }
 }
 
-static void what_has_no_direction_has_no_tangent(void **state) {
-    (void)state;
+UNIT_TEST(what_has_no_direction_has_no_tangent) {
     static const float same[10] = {0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f};
     static const float one[10] = {0, 0, 0, 0, 1, 0, 1, 1, 0, 0}; /* triangle 3 has no area in the image */
     fathom_mesh mesh = flat(same);
@@ -192,8 +186,7 @@ static void what_has_no_direction_has_no_tangent(void **state) {
 }
 
 /* The second set's own image, which lies across the first. */
-static void each_set_has_its_own(void **state) {
-    (void)state;
+UNIT_TEST(each_set_has_its_own) {
     float uvs[10], uvs_1[10];
     for (int k = 0; k < 5; ++k) {
         uvs[2 * k] = square[3 * k], uvs[2 * k + 1] = square[3 * k + 1];
@@ -208,15 +201,4 @@ static void each_set_has_its_own(void **state) {
     surface_tangents_free(second);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(an_even_image_has_one_tangent, open_scene, close_scene),
-        cmocka_unit_test_setup_teardown(mirrored_halves_keep_apart, open_scene, close_scene),
-        cmocka_unit_test_setup_teardown(islands_keep_apart, open_scene, close_scene),
-        cmocka_unit_test_setup_teardown(angles_weigh, open_scene, close_scene),
-        cmocka_unit_test_setup_teardown(a_globe_has_tangents_along_its_latitudes, open_scene, close_scene),
-        cmocka_unit_test_setup_teardown(what_has_no_direction_has_no_tangent, open_scene, close_scene),
-        cmocka_unit_test_setup_teardown(each_set_has_its_own, open_scene, close_scene),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(open_scene, close_scene); }

@@ -104,8 +104,7 @@ static void check_colors(texture_cache *cache, fathom_id id, double tolerance) {
     assert_ok(context, texture_cache_check(cache, context));
 }
 
-static void every_format_gives_the_texels_of_its_file(void **state) {
-    (void)state;
+UNIT_TEST(every_format_gives_the_texels_of_its_file) {
     for (size_t i = 0; i < FORMATS; ++i) {
         put_format(formats[i].name);
         const fathom_texture t = texture_of(formats[i].name, formats[i].space);
@@ -123,8 +122,7 @@ static void keep_warning(void *user, const char *message) {
     snprintf(last_warning, sizeof last_warning, "%s", message);
 }
 
-static void content_decides_the_format_of_files_and_of_bytes(void **state) {
-    (void)state;
+UNIT_TEST(content_decides_the_format_of_files_and_of_bytes) {
     put_format("a.tif");
     assert_int_equal(rename(in_folder("a.tif"), in_folder("a.png")), 0);
     FILE *file = fopen(in_folder("a.png"), "rb");
@@ -145,8 +143,7 @@ static void content_decides_the_format_of_files_and_of_bytes(void **state) {
 
 /* ---- numbers ---- */
 
-static void bytes_follow_the_srgb_curve_or_stay_linear(void **state) {
-    (void)state;
+UNIT_TEST(bytes_follow_the_srgb_curve_or_stay_linear) {
     unsigned char ramp[256][3];
     for (int i = 0; i < 256; ++i) memset(ramp[i], i, 3);
     put_ppm("ramp.ppm", 256, 1, ramp[0]);
@@ -164,8 +161,7 @@ static void bytes_follow_the_srgb_curve_or_stay_linear(void **state) {
     unlink(in_folder("ramp.ppm"));
 }
 
-static void sixteen_bits_halves_and_floats_keep_every_digit(void **state) {
-    (void)state;
+UNIT_TEST(sixteen_bits_halves_and_floats_keep_every_digit) {
     uint16_t grey[1024];
     float planes[3 * 1024];
     for (unsigned i = 0; i < 1024; ++i) grey[i] = (uint16_t)(i * 64 + 3);
@@ -196,8 +192,7 @@ static void sixteen_bits_halves_and_floats_keep_every_digit(void **state) {
     unlink(in_folder("g.tif")), unlink(in_folder("f.exr")), unlink(in_folder("h.exr"));
 }
 
-static void alpha_is_linear_and_opaque_images_are_told(void **state) {
-    (void)state;
+UNIT_TEST(alpha_is_linear_and_opaque_images_are_told) {
     float planes[4][4] = {{1, 1, 1, 1}, {0, 0, 0, 0}, {1, 0, 1, 0}, {1, 1, 1, 1}};
     put_image("opaque.png", 2, 2, planes[0], 4, true);
     planes[3][2] = 128 / 255.0f;
@@ -220,8 +215,7 @@ static void alpha_is_linear_and_opaque_images_are_told(void **state) {
     unlink(in_folder("opaque.png")), unlink(in_folder("leaf.png"));
 }
 
-static void named_color_spaces_become_linear_rec709(void **state) {
-    (void)state;
+UNIT_TEST(named_color_spaces_become_linear_rec709) {
     /* ACEScg's white is D60: its (1, 1, 1) is white in Rec.709 too, after Bradford's adaptation. */
     const float planes[3] = {0.5f, 0.5f, 0.5f};
     put_image("white.exr", 1, 1, planes, 3, false);
@@ -259,8 +253,7 @@ static unsigned expected_texel(double u, unsigned size, fathom_wrap mode) {
     return mode == FATHOM_WRAP_REPEAT ? (unsigned)at - size : 2 * size - 1 - (unsigned)at;
 }
 
-static void wrap_modes_repeat_mirror_and_clamp(void **state) {
-    (void)state;
+UNIT_TEST(wrap_modes_repeat_mirror_and_clamp) {
     put_noise("n.ppm", W, H, 1);
     fathom_texture t[9];
     for (unsigned i = 0; i < 9; ++i) {
@@ -287,8 +280,7 @@ static void wrap_modes_repeat_mirror_and_clamp(void **state) {
 }
 
 /* Across an edge too: the neighbour is the one that the wrap mode says. */
-static void linear_filters_lie_between_the_four_texels_around(void **state) {
-    (void)state;
+UNIT_TEST(linear_filters_lie_between_the_four_texels_around) {
     put_noise("n.ppm", W, H, 2);
     fathom_texture t[3];
     for (unsigned i = 0; i < 3; ++i) {
@@ -335,8 +327,7 @@ static void check_means(opened *o, double tolerance) {
 }
 
 /* Sizes that halve without rest and others, below, at and above a tile. */
-static void the_mean_of_each_level_is_the_mean_of_the_image(void **state) {
-    (void)state;
+UNIT_TEST(the_mean_of_each_level_is_the_mean_of_the_image) {
     static const unsigned sizes[][2] = {{1, 1},   {2, 3},   {7, 5},    {64, 64},   {65, 63},
                                         {129, 1}, {1, 200}, {128, 64}, {300, 200}, {255, 257}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
@@ -351,8 +342,7 @@ static void the_mean_of_each_level_is_the_mean_of_the_image(void **state) {
     }
 }
 
-static void trilinear_filters_lie_between_two_levels(void **state) {
-    (void)state;
+UNIT_TEST(trilinear_filters_lie_between_two_levels) {
     put_noise("n.ppm", 64, 64, 3);
     const fathom_texture t = texture_of("n.ppm", FATHOM_COLOR_SRGB);
     opened o = open_textures(&t, 1, ALL);
@@ -373,8 +363,7 @@ static void trilinear_filters_lie_between_two_levels(void **state) {
 
 /* The mean over chance is the filter: it is constant in at most eight intervals of chance, so the mean over N
  * strata is off by at most 8 / N of the range of values, which is 1. */
-static void filters_by_chance_keep_the_expectation(void **state) {
-    (void)state;
+UNIT_TEST(filters_by_chance_keep_the_expectation) {
     enum { N = 4096 };
     put_noise("n.ppm", 65, 33, 4);
     const fathom_texture t = texture_of("n.ppm", FATHOM_COLOR_SRGB);
@@ -411,8 +400,7 @@ static void check_alone(texture_cache *cache, const texture_queries *q, unsigned
 }
 
 /* Bytes and the halves of smaller levels, by each filter, in blocks and alone. */
-static void blocks_and_instruction_sets_look_up_the_same_bits(void **state) {
-    (void)state;
+UNIT_TEST(blocks_and_instruction_sets_look_up_the_same_bits) {
     fathom_texture t[4];
     put_noise("n.ppm", 200, 131, 6);
     for (unsigned i = 0; i < 4; ++i) {
@@ -439,8 +427,7 @@ static void blocks_and_instruction_sets_look_up_the_same_bits(void **state) {
     unlink(in_folder("n.ppm"));
 }
 
-static void places_that_are_not_finite_give_some_texel(void **state) {
-    (void)state;
+UNIT_TEST(places_that_are_not_finite_give_some_texel) {
     put_noise("n.ppm", 3, 3, 5);
     fathom_texture t[3];
     for (unsigned i = 0; i < 3; ++i)
@@ -458,8 +445,7 @@ static void places_that_are_not_finite_give_some_texel(void **state) {
 
 /* ---- mip-mapped files ---- */
 
-static void mip_mapped_files_keep_texels_and_means(void **state) {
-    (void)state;
+UNIT_TEST(mip_mapped_files_keep_texels_and_means) {
     put_noise("n.ppm", 300, 200, 7);
     write_texture("n.ppm", FATHOM_COLOR_SRGB, "n.tx");
     const fathom_texture t[2] = {texture_of("n.tx", FATHOM_COLOR_SRGB),
@@ -479,8 +465,7 @@ static void mip_mapped_files_keep_texels_and_means(void **state) {
     unlink(in_folder("n.ppm")), unlink(in_folder("n.tx"));
 }
 
-static void mip_mapped_files_are_read_in_parts(void **state) {
-    (void)state;
+UNIT_TEST(mip_mapped_files_are_read_in_parts) {
     put_noise("n.ppm", 300, 300, 8);
     write_texture("n.ppm", FATHOM_COLOR_SRGB, "n.tx");
     const fathom_texture t = texture_of("n.tx", FATHOM_COLOR_SRGB);
@@ -496,8 +481,7 @@ static void mip_mapped_files_are_read_in_parts(void **state) {
 }
 
 /* Halves, 16 bits and alpha, with texels of colour that alpha hides. */
-static void mip_mapped_files_keep_the_type_and_what_alpha_hides(void **state) {
-    (void)state;
+UNIT_TEST(mip_mapped_files_keep_the_type_and_what_alpha_hides) {
     uint16_t grey[70];
     float planes[4 * 70];
     for (unsigned i = 0; i < 70; ++i) grey[i] = (uint16_t)(i * 900 + 1);
@@ -581,8 +565,7 @@ static uint64_t lookups_hash(texture_cache *cache, unsigned seed) {
     return hash;
 }
 
-static void no_result_depends_on_what_was_dropped(void **state) {
-    (void)state;
+UNIT_TEST(no_result_depends_on_what_was_dropped) {
     put_images();
     opened all = open_images(ALL), few = open_images(1000000);
     assert_true(lookups_hash(all.cache, 1) == lookups_hash(few.cache, 1));
@@ -596,8 +579,7 @@ static void no_result_depends_on_what_was_dropped(void **state) {
 
 /* Whole levels are in memory, from the smallest on, of all images alike; where no texture filters between
  * levels, the first goes before the others. */
-static void memory_has_the_levels_that_are_looked_up_most(void **state) {
-    (void)state;
+UNIT_TEST(memory_has_the_levels_that_are_looked_up_most) {
     put_images();
     opened o = open_images(1000000);
     uint64_t kept = 0, least = UINT64_MAX;
@@ -637,8 +619,7 @@ static void *look_on(void *user) {
     return NULL;
 }
 
-static void no_result_depends_on_threads(void **state) {
-    (void)state;
+UNIT_TEST(no_result_depends_on_threads) {
     enum { THREADS = 4 };
     put_images();
     opened alone = open_images(ALL), shared = open_images(1000000);
@@ -670,8 +651,7 @@ static void check_opening_fails(const fathom_texture *t, fathom_status status, c
     fathom_scene_destroy(scene);
 }
 
-static void files_that_are_no_textures_are_named(void **state) {
-    (void)state;
+UNIT_TEST(files_that_are_no_textures_are_named) {
     static const char wide[] = "P6\n65537 1\n255\n", many[] = "P6\n65536 65537\n255\n";
     put_file("text.png", "this is no image", 16, "", 0);
     put_file("wide.ppm", wide, sizeof wide - 1, "", 0);
@@ -706,8 +686,7 @@ static void check_lookup_fails(const char *name, const char *text) {
     close_textures(&o);
 }
 
-static void broken_data_is_reported_after_the_lookup(void **state) {
-    (void)state;
+UNIT_TEST(broken_data_is_reported_after_the_lookup) {
     float planes[3 * 6] = {0};
     put_noise("cut.ppm", 100, 100, 6);
     assert_int_equal(truncate(in_folder("cut.ppm"), 9000), 0);
@@ -721,8 +700,7 @@ static void broken_data_is_reported_after_the_lookup(void **state) {
     unlink(in_folder("cut.ppm")), unlink(in_folder("nan.exr")), unlink(in_folder("inf.exr"));
 }
 
-static void wrong_descriptions_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(wrong_descriptions_are_refused) {
     fathom_scene *scene;
     assert_ok(context, fathom_scene_create(context, &scene));
     fathom_texture t = texture_of("absent.png", FATHOM_COLOR_SRGB);
@@ -753,8 +731,7 @@ static void wrong_descriptions_are_refused(void **state) {
     unlink(in_folder("a.ppm")), unlink(in_folder("empty.png"));
 }
 
-static void equal_textures_get_one_id(void **state) {
-    (void)state;
+UNIT_TEST(equal_textures_get_one_id) {
     put_format("a.ppm");
     fathom_scene *scene;
     fathom_id ids[4];
@@ -772,31 +749,4 @@ static void equal_textures_get_one_id(void **state) {
     unlink(in_folder("a.ppm"));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_format_gives_the_texels_of_its_file),
-        cmocka_unit_test(content_decides_the_format_of_files_and_of_bytes),
-        cmocka_unit_test(bytes_follow_the_srgb_curve_or_stay_linear),
-        cmocka_unit_test(sixteen_bits_halves_and_floats_keep_every_digit),
-        cmocka_unit_test(alpha_is_linear_and_opaque_images_are_told),
-        cmocka_unit_test(named_color_spaces_become_linear_rec709),
-        cmocka_unit_test(wrap_modes_repeat_mirror_and_clamp),
-        cmocka_unit_test(linear_filters_lie_between_the_four_texels_around),
-        cmocka_unit_test(the_mean_of_each_level_is_the_mean_of_the_image),
-        cmocka_unit_test(trilinear_filters_lie_between_two_levels),
-        cmocka_unit_test(filters_by_chance_keep_the_expectation),
-        cmocka_unit_test(blocks_and_instruction_sets_look_up_the_same_bits),
-        cmocka_unit_test(places_that_are_not_finite_give_some_texel),
-        cmocka_unit_test(mip_mapped_files_keep_texels_and_means),
-        cmocka_unit_test(mip_mapped_files_are_read_in_parts),
-        cmocka_unit_test(mip_mapped_files_keep_the_type_and_what_alpha_hides),
-        cmocka_unit_test(no_result_depends_on_what_was_dropped),
-        cmocka_unit_test(no_result_depends_on_threads),
-        cmocka_unit_test(memory_has_the_levels_that_are_looked_up_most),
-        cmocka_unit_test(files_that_are_no_textures_are_named),
-        cmocka_unit_test(broken_data_is_reported_after_the_lookup),
-        cmocka_unit_test(wrong_descriptions_are_refused),
-        cmocka_unit_test(equal_textures_get_one_id),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

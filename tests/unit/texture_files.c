@@ -64,8 +64,7 @@ static const char *numbered(unsigned i) {
 }
 
 /* Side 128: level 0 fills one chunk of the store, and all others another. */
-static void more_files_than_stay_open_keep_their_texels(void **state) {
-    (void)state;
+UNIT_TEST(more_files_than_stay_open_keep_their_texels) {
     enum { FILES = CACHE_OPEN + 3 };
     fathom_scene *scene;
     opened o;
@@ -102,8 +101,7 @@ static void check_lookup_fails(texture_cache *cache, const char *text) {
 }
 
 /* All levels of 64 × 64 texels are read at once. */
-static void a_number_that_is_not_finite_is_told_with_its_level(void **state) {
-    (void)state;
+UNIT_TEST(a_number_that_is_not_finite_is_told_with_its_level) {
     const float nan = NAN;
     const size_t tile = put_levels("a.tx", 64, 1, 2);
     FILE *file = fopen(in_folder("a.tx"), "r+b");
@@ -120,8 +118,7 @@ static void a_number_that_is_not_finite_is_told_with_its_level(void **state) {
     unlink(in_folder("a.tx"));
 }
 
-static void files_that_change_their_size_are_told(void **state) {
-    (void)state;
+UNIT_TEST(files_that_change_their_size_are_told) {
     static const unsigned char rgb[5 * 4 * 3];
     for (int mipmapped = 0; mipmapped < 2; ++mipmapped) {
         const char *name = mipmapped ? "a.tx" : "a.ppm";
@@ -144,8 +141,7 @@ static void files_that_change_their_size_are_told(void **state) {
 }
 
 /* More than 4 MiB of rows, so they come in two bands. */
-static void large_images_keep_every_row(void **state) {
-    (void)state;
+UNIT_TEST(large_images_keep_every_row) {
     enum { WIDTH = 1500, HEIGHT = 1000 };
     unsigned char *rgb = malloc(WIDTH * HEIGHT * 3 + 32);
     assert_non_null(rgb);
@@ -172,8 +168,7 @@ static void large_images_keep_every_row(void **state) {
 }
 
 /* Every eighth code of 16 bits, by the sRGB curve and linear. */
-static void written_textures_keep_sixteen_bits(void **state) {
-    (void)state;
+UNIT_TEST(written_textures_keep_sixteen_bits) {
     enum { WIDTH = 8192 };
     static uint16_t grey[WIDTH];
     for (unsigned i = 0; i < WIDTH; ++i) grey[i] = (uint16_t)(8 * i + 7);
@@ -197,8 +192,7 @@ static void written_textures_keep_sixteen_bits(void **state) {
     unlink(in_folder("a.tif"));
 }
 
-static void written_textures_keep_every_bit_of_floats(void **state) {
-    (void)state;
+UNIT_TEST(written_textures_keep_every_bit_of_floats) {
     const float planes[3 * 4] = {0.1f,   -2.5f,  1e6f, 3e38f, 1.0000001f, 0,
                                  1e-30f, -1e-3f, 7,    65535, 1e-6f,      0.5f};
     put_image("a.exr", 4, 1, planes, 3, false);
@@ -221,8 +215,7 @@ static void written_textures_keep_every_bit_of_floats(void **state) {
 static double srgb(double x) { return x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4); }
 
 /* OpenEXR's colours are multiplied by alpha. */
-static void premultiplied_colors_are_divided_by_alpha(void **state) {
-    (void)state;
+UNIT_TEST(premultiplied_colors_are_divided_by_alpha) {
     const float planes[4][2] = {{0.25f, 0}, {0.125f, 0}, {0, 0}, {0.5f, 0}};
     put_image("p.exr", 2, 1, planes[0], 4, true);
     const fathom_texture t = texture_of("p.exr", FATHOM_COLOR_LINEAR);
@@ -259,8 +252,7 @@ static void check_codes(const char *name, const unsigned (*codes)[4], unsigned t
 
 /* maketx writes such files. Integers stay integers, so that they are decoded as sRGB; a colour above alpha
  * becomes 1. */
-static void premultiplied_integers_are_divided_as_integers(void **state) {
-    (void)state;
+UNIT_TEST(premultiplied_integers_are_divided_as_integers) {
     static const unsigned char bytes[4][4] = {
         {15, 64, 77, 77}, {1, 2, 3, 4}, {255, 128, 0, 255}, {9, 0, 8, 8}};
     static const uint16_t words[2][4] = {{1000, 20000, 0, 40000}, {65535, 7, 1, 65535}};
@@ -276,8 +268,7 @@ static void premultiplied_integers_are_divided_as_integers(void **state) {
 
 /* WebP without loss, of the texels (255, 0, 255, 128) and (0, 255, 0, 255). OpenImageIO 2 multiplies WebP's
  * colours by alpha. */
-static void webp_keeps_its_colors_below_alpha(void **state) {
-    (void)state;
+UNIT_TEST(webp_keeps_its_colors_below_alpha) {
     static const unsigned char bytes[] = {'R',  'I',  'F',  'F',  32,   0,    0,    0,    'W',  'E',
                                           'B',  'P',  'V',  'P',  '8',  'L',  20,   0,    0,    0,
                                           0x2f, 0x01, 0x00, 0x00, 0x10, 0x0f, 0x30, 0xff, 0xfb, 0xbf,
@@ -287,17 +278,4 @@ static void webp_keeps_its_colors_below_alpha(void **state) {
     unlink(in_folder("a.webp"));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(more_files_than_stay_open_keep_their_texels),
-        cmocka_unit_test(a_number_that_is_not_finite_is_told_with_its_level),
-        cmocka_unit_test(files_that_change_their_size_are_told),
-        cmocka_unit_test(large_images_keep_every_row),
-        cmocka_unit_test(written_textures_keep_sixteen_bits),
-        cmocka_unit_test(written_textures_keep_every_bit_of_floats),
-        cmocka_unit_test(premultiplied_colors_are_divided_by_alpha),
-        cmocka_unit_test(premultiplied_integers_are_divided_as_integers),
-        cmocka_unit_test(webp_keeps_its_colors_below_alpha),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

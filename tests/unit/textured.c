@@ -111,8 +111,7 @@ static void assert_texels(const fathom_film *film, const unsigned char *rgb, boo
     }
 }
 
-static void an_image_stands_upright_on_a_quad_texel_by_texel(void **state) {
-    (void)state;
+UNIT_TEST(an_image_stands_upright_on_a_quad_texel_by_texel) {
     const fathom_integrator integrators[] = {FATHOM_INTEGRATOR_CLASSIC, FATHOM_INTEGRATOR_PATH};
     unsigned char rgb[SIDE * SIDE * 3];
     fill_texels(rgb);
@@ -131,8 +130,7 @@ static void an_image_stands_upright_on_a_quad_texel_by_texel(void **state) {
     }
 }
 
-static void each_uv_set_has_its_own_place(void **state) {
-    (void)state;
+UNIT_TEST(each_uv_set_has_its_own_place) {
     unsigned char rgb[SIDE * SIDE * 3];
     fill_texels(rgb);
     for (uint32_t set = 0; set < 2; ++set) {
@@ -152,8 +150,7 @@ static void each_uv_set_has_its_own_place(void **state) {
 }
 
 /* Four texels in a row, from u = -1 to 2. */
-static void wrap_modes_go_on_beside_the_image(void **state) {
-    (void)state;
+UNIT_TEST(wrap_modes_go_on_beside_the_image) {
     static const unsigned char row[12] = {10, 10, 10, 20, 20, 20, 30, 30, 30, 40, 40, 40};
     static const int expected[3][12] = {
         [FATHOM_WRAP_REPEAT] = {10, 20, 30, 40, 10, 20, 30, 40, 10, 20, 30, 40},
@@ -179,8 +176,7 @@ static void wrap_modes_go_on_beside_the_image(void **state) {
 /* ---- colours ---- */
 
 /* A colour that is linear over the square is what it is at each pixel, times k_d and the ambient light. */
-static void vertex_colours_interpolate(void **state) {
-    (void)state;
+UNIT_TEST(vertex_colours_interpolate) {
     stage s = stage_open(16, 16);
     fathom_material m;
     fathom_material_default(&m);
@@ -249,8 +245,7 @@ static void add_mapped(stage *s, lies how, fathom_id material) {
 
 /* Red tilts the normal along u, and green against v: upwards in the image. Mirroring the surface mirrors what
  * lies along u. */
-static void a_normal_map_tilts_the_normal(void **state) {
-    (void)state;
+UNIT_TEST(a_normal_map_tilts_the_normal) {
     static const unsigned char texels[3][3] = {{128, 128, 255}, {218, 128, 218}, {128, 218, 218}};
     static const double to_light[3][3] = {{0, 0, 1}, {0.6, 0, 0.8}, {0.48, 0.6, 0.64}};
     for (int how = 0; how < LIES_KINDS; ++how) {
@@ -305,8 +300,7 @@ static float lit_by_sun(const fathom_material *from, int map, const unsigned cha
 /* A coat over nothing is a dielectric of index 1.5 without its base, so that both reflect alike where their
  * normals are alike: with one map in one or the other, and with none where the map is that of the base under
  * the coat. Sums of four samples in float differ by some 2^-20. */
-static void a_coat_has_its_own_normal(void **state) {
-    (void)state;
+UNIT_TEST(a_coat_has_its_own_normal) {
     static const unsigned char tilted[3] = {170, 100, 230};
     static const double to_light[3][3] = {{0, 0, 1}, {0.48, -0.36, 0.8}, {0.64, 0.48, 0.6}};
     fathom_material coat, dielectric;
@@ -328,8 +322,7 @@ static void a_coat_has_its_own_normal(void **state) {
 }
 
 /* A white image changes no number of a material, so neither the light that a smooth coat leaves. */
-static void a_smooth_coat_stays_smooth_over_an_image(void **state) {
-    (void)state;
+UNIT_TEST(a_smooth_coat_stays_smooth_over_an_image) {
     static const unsigned char white[3] = {255, 255, 255};
     static const double to_light[2][3] = {{0, 0, 1}, {0.48, -0.36, 0.8}};
     fathom_material m;
@@ -344,8 +337,7 @@ static void a_smooth_coat_stays_smooth_over_an_image(void **state) {
 
 /* A ramp over the whole square, 2 wide and high: 16 steps of 8 grey levels each along u, as many of -4 along
  * v. A pixel is smaller than a texel, and slopes go over a texel. */
-static void a_ramp_of_heights_tilts_the_normal_by_its_slope(void **state) {
-    (void)state;
+UNIT_TEST(a_ramp_of_heights_tilts_the_normal_by_its_slope) {
     unsigned char rgb[16 * 16][3];
     for (int k = 0; k < 16 * 16; ++k) memset(rgb[k], 70 + 8 * (k % 16) - 4 * (k / 16), 3);
     const double to_light[3] = {0.36, 0.48, 0.8};
@@ -402,8 +394,7 @@ static double light_below(unsigned char opacity, float cutoff) {
     return found;
 }
 
-static void opacity_from_an_image_shades_the_floor(void **state) {
-    (void)state;
+UNIT_TEST(opacity_from_an_image_shades_the_floor) {
     assert_near(light_below(255, 0), 0, 0);
     assert_near(light_below(0, 0), 1, 1e-6);
     assert_near(light_below(102, 0), 0.6, 1e-6);
@@ -417,8 +408,7 @@ static void opacity_from_an_image_shades_the_floor(void **state) {
  * straight above the floor's point at height 1.5: the closed form, 0.12235966. The means of
  * independent seeds have Student's t with 15 degrees of freedom; 4.9 standard errors are met but once in
  * 5,000 such tests. */
-static void half_a_light_by_its_image_is_the_light_of_that_half(void **state) {
-    (void)state;
+UNIT_TEST(half_a_light_by_its_image_is_the_light_of_that_half) {
     static const unsigned char halves[6] = {255, 255, 255, 0, 0, 0};
     enum { SEEDS = 16 };
     double sum = 0, squares = 0;
@@ -475,8 +465,7 @@ static fathom_film *render_ball(unsigned threads, uint32_t tile, bool crop) {
     return film;
 }
 
-static void threads_tiles_and_crops_change_no_pixel(void **state) {
-    (void)state;
+UNIT_TEST(threads_tiles_and_crops_change_no_pixel) {
     fathom_film *one = render_ball(1, 32, false), *three = render_ball(3, 64, false),
                 *crop = render_ball(2, 32, true);
     for (uint32_t y = 0; y < 64; ++y) {
@@ -494,19 +483,4 @@ static void threads_tiles_and_crops_change_no_pixel(void **state) {
     fathom_film_destroy(crop);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(an_image_stands_upright_on_a_quad_texel_by_texel),
-        cmocka_unit_test(each_uv_set_has_its_own_place),
-        cmocka_unit_test(wrap_modes_go_on_beside_the_image),
-        cmocka_unit_test(vertex_colours_interpolate),
-        cmocka_unit_test(a_normal_map_tilts_the_normal),
-        cmocka_unit_test(a_coat_has_its_own_normal),
-        cmocka_unit_test(a_smooth_coat_stays_smooth_over_an_image),
-        cmocka_unit_test(a_ramp_of_heights_tilts_the_normal_by_its_slope),
-        cmocka_unit_test(opacity_from_an_image_shades_the_floor),
-        cmocka_unit_test(half_a_light_by_its_image_is_the_light_of_that_half),
-        cmocka_unit_test(threads_tiles_and_crops_change_no_pixel),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

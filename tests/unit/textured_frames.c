@@ -43,8 +43,7 @@ static void render_coat(bool base, unsigned base_set, unsigned coat_set, float g
 
 /* The coat's image alone, and with an even one below in the other uv set. 64 roundings of numbers near 1 are
  * more than the normals and the highlight take. */
-static void a_coat_keeps_its_frame_over_an_image_of_another_uv_set(void **state) {
-    (void)state;
+UNIT_TEST(a_coat_keeps_its_frame_over_an_image_of_another_uv_set) {
     float sets[2][SIZE * SIZE];
     for (unsigned set = 0; set < 2; ++set) {
         float with[SIZE * SIZE];
@@ -87,8 +86,7 @@ static double lit_by(const fathom_material *from, bool leans, unsigned lamps) {
  * normal faces away from the viewer is lit by its geometric normal. Each of 16384 samples takes one of two
  * lamps. A lamp of light a that is taken with a probability p adds a / p; the deviation is at most a + b if
  * both p are above 0.2, as for these lamps, which are equally far up to a factor of 1.1. */
-static void lamps_behind_a_shading_normal_add_up(void **state) {
-    (void)state;
+UNIT_TEST(lamps_behind_a_shading_normal_add_up) {
     fathom_material coat, lambert;
     fathom_material_default(&coat);
     fathom_material_default(&lambert);
@@ -166,8 +164,7 @@ static void render_sheet(int how, float normal[3][SIZE * SIZE]) {
 /* Tangents that are given, and those that are made of texture coordinates, on a sheet that its keys turn and
  * on one that was built turned. Both know the corners to a few roundings of numbers up to 4; 64 of them are
  * more than the normals take. */
-static void normal_maps_turn_with_the_vertices(void **state) {
-    (void)state;
+UNIT_TEST(normal_maps_turn_with_the_vertices) {
     for (int tangents = 0; tangents <= TANGENTS; tangents += TANGENTS) {
         float built[3][SIZE * SIZE];
         render_sheet(STILL | tangents, built);
@@ -181,11 +178,4 @@ static void normal_maps_turn_with_the_vertices(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lamps_behind_a_shading_normal_add_up),
-        cmocka_unit_test(a_coat_keeps_its_frame_over_an_image_of_another_uv_set),
-        cmocka_unit_test(normal_maps_turn_with_the_vertices),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -81,8 +81,7 @@ static void render_range(const range *r, bool mapped, float rgb[3][SIZE * SIZE])
     stage_close(&s);
 }
 
-static void an_image_of_zeros_is_a_number_at_the_end_of_its_range(void **state) {
-    (void)state;
+UNIT_TEST(an_image_of_zeros_is_a_number_at_the_end_of_its_range) {
     for (size_t k = 0; k < sizeof ranges / sizeof *ranges; ++k) {
         static float with[3][SIZE * SIZE], without[3][SIZE * SIZE];
         render_range(&ranges[k], true, with);
@@ -101,8 +100,7 @@ static void render_without_shadow(const fathom_material *m, unsigned flags, floa
     stage_close(&s);
 }
 
-static void a_volume_of_index_1_is_seen_without_its_shadow(void **state) {
-    (void)state;
+UNIT_TEST(a_volume_of_index_1_is_seen_without_its_shadow) {
     static float with[3][SIZE * SIZE], without[3][SIZE * SIZE];
     const range fog = {.roughness = 1, .transmission = 1, .thickness = 1, .distance = 1};
     fathom_material m = material_of(&fog);
@@ -114,8 +112,7 @@ static void a_volume_of_index_1_is_seen_without_its_shadow(void **state) {
     assert_true(without[2][SIZE * (SIZE / 2) + SIZE / 2] < 0.3f * without[0][SIZE * (SIZE / 2) + SIZE / 2]);
 }
 
-static void an_inverted_image_covers_a_surface_of_opacity_0(void **state) {
-    (void)state;
+UNIT_TEST(an_inverted_image_covers_a_surface_of_opacity_0) {
     static const float black[3] = {0, 0, 0};
     static float with[3][SIZE * SIZE], without[3][SIZE * SIZE];
     const range matt = {.roughness = 1};
@@ -130,11 +127,4 @@ static void an_inverted_image_covers_a_surface_of_opacity_0(void **state) {
     assert_memory_equal(with, without, sizeof with);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(an_image_of_zeros_is_a_number_at_the_end_of_its_range),
-        cmocka_unit_test(a_volume_of_index_1_is_seen_without_its_shadow),
-        cmocka_unit_test(an_inverted_image_covers_a_surface_of_opacity_0),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -96,8 +96,7 @@ static void take_films(job *jobs, fathom_film *const *alone) {
     }
 }
 
-static void contexts_side_by_side(void **state) {
-    (void)state;
+UNIT_TEST(contexts_side_by_side) {
     stage stages[AT_ONCE];
     fathom_film *alone[AT_ONCE];
     job jobs[AT_ONCE] = {0};
@@ -131,8 +130,7 @@ static void *read_and_render(void *user) {
     return NULL;
 }
 
-static void reading_side_by_side(void **state) {
-    (void)state;
+UNIT_TEST(reading_side_by_side) {
     job first = {0}, jobs[AT_ONCE] = {0};
     read_and_render(&first);
     if (!first.film) fail_msg("%s", first.message);
@@ -149,8 +147,7 @@ static void reading_side_by_side(void **state) {
 #define SMALL_STACK ((size_t)64 << 10)
 #endif
 
-static void small_stack_is_enough(void **state) {
-    (void)state;
+UNIT_TEST(small_stack_is_enough) {
     job usual = {0}, small = {0};
     read_and_render(&usual);
     pthread_attr_t attributes;
@@ -168,8 +165,7 @@ static void small_stack_is_enough(void **state) {
 
 /* ---- one scene ---- */
 
-static void one_scene_under_several_renders(void **state) {
-    (void)state;
+UNIT_TEST(one_scene_under_several_renders) {
     stage s = stage_open(SIDE, SIDE);
     fill(&s, 1);
     fathom_film *alone[AT_ONCE];
@@ -191,8 +187,7 @@ static void count_warning(void *user, const char *message) {
 }
 
 /* What a render has to say goes to the context that it was given, not to the scene's. */
-static void messages_go_to_the_renders_context(void **state) {
-    (void)state;
+UNIT_TEST(messages_go_to_the_renders_context) {
     stage s = stage_open(SIDE, SIDE);
     fill(&s, 0);
     static const float line[] = {0, 0, 0, 1, 1, 1, 2, 2, 2, 0, 0, 0, 0};
@@ -259,8 +254,7 @@ static void *shoot(void *user) {
     return NULL;
 }
 
-static void one_tracer_under_several_threads(void **state) {
-    (void)state;
+UNIT_TEST(one_tracer_under_several_threads) {
     stage s = stage_open(SIDE, SIDE);
     fill(&s, 2);
     for (int kind = 0; kind < 2; ++kind) {
@@ -288,14 +282,4 @@ static void one_tracer_under_several_threads(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(contexts_side_by_side),
-        cmocka_unit_test(reading_side_by_side),
-        cmocka_unit_test(small_stack_is_enough),
-        cmocka_unit_test(one_scene_under_several_renders),
-        cmocka_unit_test(messages_go_to_the_renders_context),
-        cmocka_unit_test(one_tracer_under_several_threads),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

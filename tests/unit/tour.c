@@ -60,8 +60,7 @@ static void embree_makes_the_reference_tracers_image(const char *path) {
     fathom_film_destroy(embree), fathom_film_destroy(reference);
 }
 
-static void tracers_agree_on_every_scene(void **state) {
-    (void)state;
+UNIT_TEST(tracers_agree_on_every_scene) {
     glob_t scenes = {0};
     assert_int_equal(glob(SOURCE_DIR "/scenes/example.json", 0, NULL, &scenes), 0);
     assert_int_equal(glob(SOURCE_DIR "/scenes/tour/*.json", GLOB_APPEND, NULL, &scenes), 0);
@@ -71,18 +70,11 @@ static void tracers_agree_on_every_scene(void **state) {
 }
 
 /* The judge can tell: these scenes differ in nothing but the fix of the shadow terminator. */
-static void the_comparison_sees_a_difference(void **state) {
-    (void)state;
+UNIT_TEST(the_comparison_sees_a_difference) {
     fathom_film *with = render(SOURCE_DIR "/scenes/tour/18-terminator-fix.json", "embree", NULL);
     fathom_film *without = render(SOURCE_DIR "/scenes/tour/19-terminator-fix-off.json", "embree", NULL);
     assert_true(differing_pixels(with, without) > 0);
     fathom_film_destroy(with), fathom_film_destroy(without);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(tracers_agree_on_every_scene),
-        cmocka_unit_test(the_comparison_sees_a_difference),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -17,8 +17,7 @@ static void is_alike(const char *text, const char *full) {
     assert_int_equal(a.isa, b.isa);
 }
 
-static void options_in_any_order(void **state) {
-    (void)state;
+UNIT_TEST(options_in_any_order) {
     is_alike("linear", "linear:f32");
     is_alike("reference", "linear:f32");
     is_alike("bvh", "bvh:f32");
@@ -41,8 +40,7 @@ static void refuses(const char *text, const char *message) {
     assert_fails(context, trace_spec_parse(context, text, &spec), FATHOM_BAD_USAGE, message);
 }
 
-static void wrong_words_are_told(void **state) {
-    (void)state;
+UNIT_TEST(wrong_words_are_told) {
     refuses("optix",
             "no tracer is called \"optix\"; expected reference, a shared library FILE.so, linear (options "
             "f32, f64, f128), bvh (f32, f64, f128) or embree (triangles, ");
@@ -61,10 +59,4 @@ static void wrong_words_are_told(void **state) {
     refuses("embree:32", "have no option \"32\"");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(options_in_any_order),
-        cmocka_unit_test(wrong_words_are_told),
-    };
-    return cmocka_run_group_tests(tests, open_context, close_context);
-}
+int main(void) { return unit_main(open_context, close_context); }

@@ -46,8 +46,7 @@ static closed_how closed_of(const body *first, const body *second) {
     return how[0];
 }
 
-static void closed_is_without_boundary(void **state) {
-    (void)state;
+UNIT_TEST(closed_is_without_boundary) {
     const body whole = {0}, drop = {.drop = true}, flip = {.flip = true}, split = {.split = true};
     const body split_drop = {.split = true, .drop = true}, front = {.first = 0, .count = 2};
     const body back = {.first = 2, .count = 2}, back_split = {.first = 2, .count = 2, .split = true};
@@ -70,8 +69,7 @@ static watertight *water(stage *s, const trace_tracer *tracer) {
 }
 
 /* Balls in balls, one placed mirrored, turned and squeezed; spheres and open meshes do not count. */
-static void depth_counts_closed_meshes(void **state) {
-    (void)state;
+UNIT_TEST(depth_counts_closed_meshes) {
     stage s;
     stage_open(&s);
     fathom_id group;
@@ -101,8 +99,7 @@ static void depth_counts_closed_meshes(void **state) {
 }
 
 /* Nothing to do costs nothing: there is no object to ask. */
-static void absent_where_not_needed(void **state) {
-    (void)state;
+UNIT_TEST(absent_where_not_needed) {
     static const char *const own[] = {"embree:user", "linear", "bvh"};
     stage s;
     stage_open(&s);
@@ -239,8 +236,7 @@ static size_t holds(const char *spec, double map_x, double x, double radius, uin
     return before;
 }
 
-static void closest_hits_hold(void **state) {
-    (void)state;
+UNIT_TEST(closest_hits_hold) {
     /* Where Embree leaks, and how much, depends on its instructions. */
     size_t before = holds("embree", 0, 0, 0.5, 1) + holds("embree:high:1", 0, 0, 0.5, 1) +
                     holds("embree:default", 0, 0, 0.5, 1) + holds("embree", 7, 7, 0.2, 1) +
@@ -368,8 +364,7 @@ static void add_halves(stage *s) {
         }                                                                                                    \
     }
 
-static void repair_does_not_depend_on_the_rest_of_the_scene(void **state) {
-    (void)state;
+UNIT_TEST(repair_does_not_depend_on_the_rest_of_the_scene) {
     static const struct {
         void (*add)(stage *s);
         view views[5];
@@ -400,8 +395,7 @@ static void repair_does_not_depend_on_the_rest_of_the_scene(void **state) {
 }
 
 /* From inside to infinity: everything is in the dark. */
-static void shadows_hold(void **state) {
-    (void)state;
+UNIT_TEST(shadows_hold) {
     stage s;
     stage_open(&s);
     add_ball(&s, FATHOM_ROOT, 60, 0.02, 1, 0, 0);
@@ -434,14 +428,4 @@ static void shadows_hold(void **state) {
     stage_close(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(closed_is_without_boundary),
-        cmocka_unit_test(depth_counts_closed_meshes),
-        cmocka_unit_test(absent_where_not_needed),
-        cmocka_unit_test(closest_hits_hold),
-        cmocka_unit_test(repair_does_not_depend_on_the_rest_of_the_scene),
-        cmocka_unit_test(shadows_hold),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -44,8 +44,7 @@ static void assert_vector(const float *found, vec3_f64 expected) {
     for (int k = 0; k < 3; ++k) assert_near((double)found[k], e[k], 0x1.01p-24 * fmax(fabs(e[k]), 0x1p-20));
 }
 
-static void a_mesh_placed_once_is_carried(void **state) {
-    (void)state;
+UNIT_TEST(a_mesh_placed_once_is_carried) {
     stage s = stage_open(8, 8);
     const fathom_id outer = add_group(&s), inner = add_group(&s), red = stage_lambert(&s, 0.5f);
     fathom_mesh mesh = two_triangles();
@@ -82,8 +81,7 @@ static void a_mesh_placed_once_is_carried(void **state) {
 }
 
 /* Normals go by the inverse map transposed: across the surface as before. */
-static void normals_of_stretched_meshes_stay_across(void **state) {
-    (void)state;
+UNIT_TEST(normals_of_stretched_meshes_stay_across) {
     stage s = stage_open(8, 8);
     const fathom_id group = add_group(&s);
     fathom_mesh mesh = two_triangles();
@@ -197,8 +195,7 @@ static void run_trial(const trial *t) {
 }
 
 /* The mesh has a radius of 0.72, and a farthest corner at 1.4. */
-static void some_meshes_keep_their_frames(void **state) {
-    (void)state;
+UNIT_TEST(some_meshes_keep_their_frames) {
     static const trial trials[] = {{0, 1, 0, 0, 0, true},
                                    {0, 4000, 0, 0, 0, true},
                                    {0, 4200, 0, 0, 0, false},
@@ -260,8 +257,7 @@ static stage still_life(bool framed) {
 }
 
 /* A path that meets an edge differently gives another sample. */
-static void carried_meshes_look_as_in_their_frames(void **state) {
-    (void)state;
+UNIT_TEST(carried_meshes_look_as_in_their_frames) {
     stage framed = still_life(true), carried = still_life(false);
     fathom_film *a = stage_render(&framed), *b = stage_render(&carried);
     static const char *const names[] = {"R", "G", "B", "N.X", "N.Y", "N.Z"};
@@ -280,12 +276,4 @@ static void carried_meshes_look_as_in_their_frames(void **state) {
     stage_close(&carried);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_mesh_placed_once_is_carried),
-        cmocka_unit_test(normals_of_stretched_meshes_stay_across),
-        cmocka_unit_test(some_meshes_keep_their_frames),
-        cmocka_unit_test(carried_meshes_look_as_in_their_frames),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -53,8 +53,7 @@ static void place_keys(stage *s, fathom_id parent, fathom_id group, const double
 
 /* The jerk lies between two of the 64 times that each choice of steps is looked at, so only its key shows it.
  */
-static void a_jerk_between_two_keys_is_followed(void **state) {
-    (void)state;
+UNIT_TEST(a_jerk_between_two_keys_is_followed) {
     const double times[KEYS] = {0, 0.5, 0.5 + 1.0 / 128, 0.5 + 1.0 / 64, 1}, x[KEYS] = {0, 0, 1, 0, 0};
     stage s = stage_open(8, 8);
     const fathom_id group = new_group(&s);
@@ -113,8 +112,7 @@ static void keep_warning(void *user, const char *message) { snprintf(user, 300, 
 
 /* 64 straight pieces of the arc would be off by 64 (1/256)^2 / 8 = 1.2e-4. Allowed are 2^-14 of the radius
  * sqrt(1/2) of the triangle's box, and 2^-21 of how far it is. */
-static void long_levers_turn_on_arcs(void **state) {
-    (void)state;
+UNIT_TEST(long_levers_turn_on_arcs) {
     char told[300] = "";
     stage s = stage_open(8, 8);
     fathom_context_on_warning(s.context, keep_warning, told);
@@ -124,8 +122,7 @@ static void long_levers_turn_on_arcs(void **state) {
 }
 
 /* The error of 128 pieces of an arc: 4096 (0.8 / 128)^2 / 8 = 0.02. Places near 4096 are rounded by 2^-12. */
-static void levers_too_long_for_the_steps_are_told(void **state) {
-    (void)state;
+UNIT_TEST(levers_too_long_for_the_steps_are_told) {
     char told[300] = "";
     stage s = stage_open(8, 8);
     fathom_context_on_warning(s.context, keep_warning, told);
@@ -135,8 +132,7 @@ static void levers_too_long_for_the_steps_are_told(void **state) {
 }
 
 /* Each alone is fine. */
-static void nested_places_that_leave_the_range_of_float_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(nested_places_that_leave_the_range_of_float_are_refused) {
     const double times[2] = {0, 1}, x[2] = {0, 1e-30};
     stage s = stage_open(8, 8);
     const fathom_id outer = new_group(&s), inner = new_group(&s);
@@ -153,8 +149,7 @@ static void nested_places_that_leave_the_range_of_float_are_refused(void **state
 /* ---- vertices ---- */
 
 /* The normals of a surface that stands still turn from z to x to y. */
-static void normals_that_turn_alone_are_motion(void **state) {
-    (void)state;
+UNIT_TEST(normals_that_turn_alone_are_motion) {
     static const double times[3] = {0, 1, 2};
     float keys[27], normals[27] = {0};
     for (int k = 0; k < 3; ++k) {
@@ -186,8 +181,7 @@ static void normals_that_turn_alone_are_motion(void **state) {
 }
 
 /* Keys 0 to 1 move, 1 to 2 stand, 2 to 3 move. */
-static void vertices_that_stand_while_the_shutter_is_open_stand(void **state) {
-    (void)state;
+UNIT_TEST(vertices_that_stand_while_the_shutter_is_open_stand) {
     static const double shutters[][2] = {{1, 2}, {1.25, 1.5}, {0.5, 2}, {1, 2.5}, {0.5, 0.5}};
     for (size_t i = 0; i < sizeof shutters / sizeof *shutters; ++i) {
         static const float x[4] = {0, 2, 2, 8};
@@ -216,14 +210,4 @@ static void vertices_that_stand_while_the_shutter_is_open_stand(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_jerk_between_two_keys_is_followed),
-        cmocka_unit_test(long_levers_turn_on_arcs),
-        cmocka_unit_test(levers_too_long_for_the_steps_are_told),
-        cmocka_unit_test(nested_places_that_leave_the_range_of_float_are_refused),
-        cmocka_unit_test(normals_that_turn_alone_are_motion),
-        cmocka_unit_test(vertices_that_stand_while_the_shutter_is_open_stand),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }
