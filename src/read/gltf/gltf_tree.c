@@ -14,10 +14,13 @@ static bool is_above(const gltf *g, uint32_t link, uint32_t node) {
     return false;
 }
 
+/* A cycle makes copies without end. Only their limit is checked for each, as a walk upwards takes long in
+ * deep trees. */
 static void add_copy(gltf *g, const gltf_value *children, uint32_t parent, uint32_t node, uint32_t *out) {
-    if (is_above(g, parent, node))
+    const bool full = g->links.count - gltf_count(&g->nodes) >= COPIES_MOST;
+    if (full && is_above(g, parent, node))
         gltf_fail(g, children, NULL, "leads back to nodes[%u]: a node may not hold itself", node);
-    if (g->links.count - gltf_count(&g->nodes) >= COPIES_MOST)
+    else if (full)
         gltf_fail(
             g, children, NULL,
             "names nodes[%u], which has another parent already; expected at most %u copies of nodes for "
