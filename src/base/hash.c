@@ -22,6 +22,7 @@ static void put_byte(hash *h, unsigned char byte) {
 }
 
 void hash_put(hash *h, const void *bytes, size_t size) {
+    if (!size) return; /* `bytes` may be NULL then */
     const unsigned char *from = bytes, *end = from + size;
     h->length += size;
     while (h->waiting && from < end) put_byte(h, *from++);
