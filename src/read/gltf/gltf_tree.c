@@ -7,18 +7,20 @@
 /* Copies of nodes that each hold two copies of the next one double with each level. */
 #define COPIES_MOST (1u << 16)
 
-static bool is_above(const gltf *g, uint32_t link, uint32_t node) {
-    for (; link != GLTF_ABSENT; link = g->links.items[link].parent) {
+/* Nodes above a copy that are looked at for the node itself. A longer cycle makes copies up to their limit.
+ */
+#define LOOKS 64u
+
+static bool is_above(const gltf *g, uint32_t link, uint32_t node, uint32_t looks) {
+    for (; link != GLTF_ABSENT && looks; link = g->links.items[link].parent, --looks) {
         if (g->links.items[link].node == node) return true;
     }
     return false;
 }
 
-/* A cycle makes copies without end. Only their limit is checked for each, as a walk upwards takes long in
- * deep trees. */
 static void add_copy(gltf *g, const gltf_value *children, uint32_t parent, uint32_t node, uint32_t *out) {
     const bool full = g->links.count - gltf_count(&g->nodes) >= COPIES_MOST;
-    if (full && is_above(g, parent, node))
+    if (is_above(g, parent, node, full ? UINT32_MAX : LOOKS))
         gltf_fail(g, children, NULL, "leads back to nodes[%u]: a node may not hold itself", node);
     else if (full)
         gltf_fail(
@@ -26,6 +28,8 @@ static void add_copy(gltf *g, const gltf_value *children, uint32_t parent, uint3
             "names nodes[%u], which has another parent already; expected at most %u copies of nodes for "
             "their further parents",
             node, COPIES_MOST);
+    else
+        gltf_charge(g, children, NULL, 2 * sizeof(gltf_link)); /* the array grows to twice its size */
     if (parent < gltf_count(&g->nodes))
         gltf_note(g, children, NULL,
                   "a node with several parents, which is against the format, is shown below each of them");
