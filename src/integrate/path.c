@@ -63,7 +63,7 @@ static void find_shaders(path_wave *p, vertex_block *v) {
     }
     if (plan->dispersive) path_choose_channels(p, v);
     if (plan->nested) path_hide_surfaces(p, v, around, hidden);
-    if (plan->one_sided) path_hide_backs(p, v);
+    if (wave_looks_through(&p->wave)) path_hide_backs(p, v);
 }
 
 static void begin_vertices(wave *w, vertex_block *v) {
@@ -93,8 +93,7 @@ static void ask(const path_wave *p, const vertex_block *v, emitter_query *out) {
     for (unsigned i = 0; i < LANES; ++i) put_lane_f32(out->n, i, lit_side(v, i));
 }
 
-/* Whether paths may pass surfaces straight here, or have done so and have scattered less often than others.
- */
+/* See wave.passing. */
 static bool may_pass(const path_wave *p) {
     const render_plan *plan = p->wave.run.plan;
     return plan->covered || (plan->one_sided && (!p->depth || p->looked_through));
@@ -103,7 +102,7 @@ static bool may_pass(const path_wave *p) {
 /* Lanes whose paths may only pass straight through surfaces, as masks; see is_done(). */
 static void find_done(const path_wave *p, const vertex_block *v, uint32_t done[LANES]) {
     memset(done, 0, LANES * sizeof *done);
-    for (unsigned i = 0; may_pass(p) && i < LANES; ++i) done[i] = is_done(p, v->path.slot[i]) ? ~0u : 0;
+    for (unsigned i = 0; p->wave.passing && i < LANES; ++i) done[i] = is_done(p, v->path.slot[i]) ? ~0u : 0;
 }
 
 /* Light from outside ends in no closed mesh. The depths of other lights are not known. */
@@ -270,7 +269,7 @@ static void push_paths(path_wave *p, vertex_block *v, const vertex_keys *keys, c
     numbers(p, keys, SAMPLE_SCATTER, u);
     if (roulette) numbers(p, keys, SAMPLE_ROULETTE, chance);
     memcpy(u[2], choice, sizeof u[2]);
-    if (may_pass(p)) pass_alone(p, v);
+    if (p->wave.passing) pass_alone(p, v);
     plan->shader_kernels->sample(&v->surface, &v->shader, u, &to);
     if (p->wave.run.samples.first && p->depth) path_show_features(p, v, &to);
     plan->path_kernels->carry(&v->path, &to, path.weight);
@@ -318,8 +317,9 @@ static bool add_lights(path_wave *p) {
 
 static bool step(path_wave *p) {
     wave *w = &p->wave;
-    const bool first = p->depth == 0, last = p->depth >= w->run.plan->max_depth && !may_pass(p);
-    p->ends = last;
+    const bool first = p->depth == 0;
+    w->passing = may_pass(p);
+    p->ends = p->depth >= w->run.plan->max_depth && !w->passing;
     if (!wave_trace(w, 0, w->now.count, first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
     if (!first && p->shows_lamps) path_add_lamps(p);
     if (!first && !wave_sort_hits(w)) return false;

@@ -82,7 +82,7 @@ typedef struct wave_stages {
      * memory, which is still in the cache. NULL: all blocks are kept. */
     void (*leave)(wave *w, vertex_block *v);
     /* Whether the ray in this slot left the camera and has since only passed surfaces by their opacity, or
-     * backs of one-sided surfaces. Used if the plan is `covered` or `one_sided`. */
+     * backs of one-sided surfaces. Asked only while `passing`. */
     bool (*in_view)(const wave *w, uint32_t slot);
 } wave_stages;
 
@@ -102,7 +102,13 @@ struct wave {
     shade_camera *cameras; /* for motion vectors; NULL: not requested, or nothing moves */
     float *lost[3];        /* by slot, the light that was skipped; NULL: skipping is not allowed */
     uint32_t bounces;      /* for the classic integrator: bounces of the rays of `now` */
+    /* For path tracing: rays of `now` may pass surfaces straight, or their paths have done so and may have
+     * scattered less often than others. Without it only the camera's own rays are in view. */
+    bool passing;
 };
+
+/* The backs of one-sided surfaces may let rays of `now` pass. */
+static inline bool wave_looks_through(const wave *w) { return w->run.plan->one_sided && w->passing; }
 
 bool wave_create(const render_plan *plan, const atomic_bool *stop, const wave_stages *stages, wave *out);
 void wave_destroy(wave *w);

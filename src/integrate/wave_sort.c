@@ -18,7 +18,7 @@ static uint32_t bin_of(const world *w, uint32_t geometry, uint32_t instance) {
 static void move_depths(const wave *w, size_t block, uint32_t lanes, size_t to) {
     const uint8_t *from = w->now.paths[block].depth;
     uint8_t *depth = &w->next.paths[to / LANES].depth[to % LANES];
-    if (w->run.plan->crosses || w->run.plan->one_sided)
+    if (w->run.plan->crosses || wave_looks_through(w))
         w->run.plan->kernels->append(w->now.rays[block].hits.ng_x, ROWS_OF_NORMALS, lanes,
                                      w->next.rays[to / LANES].hits.ng_x, (unsigned)(to % LANES));
     for (; lanes; lanes &= lanes - 1) *depth++ = from[lane_first(lanes)];

@@ -21,8 +21,7 @@ fathom_id wave_hit_object(const wave *w, unsigned i) {
 
 /* The camera sees what the ray in this slot hits: AOVs are of that hit. first: of the camera's rays. */
 static bool in_view(const wave *w, uint32_t slot, bool first) {
-    const render_plan *plan = w->run.plan;
-    return first || ((plan->covered || plan->one_sided) && w->stages->in_view(w, slot));
+    return first || (w->passing && w->stages->in_view(w, slot));
 }
 
 static void keep_miss(first_hits *f, uint32_t slot) {
@@ -85,7 +84,7 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
 
 /* Transmission takes a path to the other side, as do the backs of one-sided surfaces in view. */
 static bool may_cross(const wave *w, uint32_t slot) {
-    return w->run.plan->crosses || (w->run.plan->one_sided && w->stages->in_view(w, slot));
+    return w->run.plan->crosses || (wave_looks_through(w) && w->stages->in_view(w, slot));
 }
 
 static void note_depths(const wave *w, const trace_block *block, const path_block *path, size_t lane,
@@ -99,7 +98,7 @@ static void note_depths(const wave *w, const trace_block *block, const path_bloc
 
 static void note_all_depths(const wave *w, const trace_block *block, const path_block *path,
                             vertex_block *v) {
-    if (w->run.plan->crosses || w->run.plan->one_sided) {
+    if (w->run.plan->crosses || wave_looks_through(w)) {
         for (unsigned i = 0; i < LANES; ++i) note_depths(w, block, path, i, v, i);
     } else {
         memcpy(v->path.depth, path->depth, sizeof v->path.depth);
@@ -180,7 +179,7 @@ static void add_block(wave *w, const trace_block *block, const path_block *path,
 static uint32_t lanes_in_view(const wave *w, const path_block *path, uint32_t lanes, bool first) {
     if (first) return lanes;
     uint32_t seen = 0;
-    for (uint32_t left = w->run.plan->covered || w->run.plan->one_sided ? lanes : 0; left; left &= left - 1) {
+    for (uint32_t left = w->passing ? lanes : 0; left; left &= left - 1) {
         const unsigned lane = (unsigned)__builtin_ctz(left);
         if (in_view(w, path->slot[lane], first)) seen |= 1u << lane;
     }
