@@ -87,16 +87,14 @@ static unsigned who_asks(const emitters *e, uint32_t k, unsigned lanes, double c
  * which are complete if there is no other source. */
 static void aim_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, const lanes3 u,
                         double choice[LANES], lanes3_f64 direction, sky_light *out) {
-    double place[2][LANES];
-    for (unsigned i = 0; i < LANES; ++i) place[0][i] = (double)u[0][i], place[1][i] = (double)u[1][i];
     for (uint32_t k = 0; k < e->sky_count; ++k) {
         const unsigned asks = who_asks(e, k, lanes, choice);
-        if (asks) environment_sample(e->skies[k].image, asks, n, place[0], place[1], direction, out);
+        if (asks) environment_sample(e->skies[k].image, asks, n, u[0], u[1], direction, out);
         lanes &= ~asks;
     }
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
-        put_lane_f64(direction, i, shape_all_sample(lane_f64(n, i), place[0][i], place[1][i]));
+        put_lane_f64(direction, i, shape_all_sample(lane_f64(n, i), (double)u[0][i], (double)u[1][i]));
     }
 }
 

@@ -37,7 +37,7 @@ double environment_power(const environment *e) { return e->sky.power; }
 
 /* Call once all texels are set. Destroys *e if memory runs out. */
 static fathom_status finish(fathom_context *context, environment **e) {
-    const size_t bytes = (size_t)(*e)->sky.width * (*e)->sky.height * sizeof(double);
+    const size_t bytes = (size_t)(*e)->sky.width * (*e)->sky.height * sizeof *(*e)->sky.cells;
     if (sky_open(&(*e)->sky)) return FATHOM_OK;
     environment_destroy(*e);
     *e = NULL;
@@ -82,9 +82,10 @@ void environment_brightest(const environment *e, float out[3]) {
 
 /* ---- the studio ---- */
 
-/* A texel is a third of a degree wide: finer than the panels' soft edges. */
-#define STUDIO_WIDTH 1024u
-#define STUDIO_HEIGHT 512u
+/* A texel is 0.7 degrees wide, and the soft edges of the panels are 6. Larger tables would leave the caches.
+ */
+#define STUDIO_WIDTH 512u
+#define STUDIO_HEIGHT 256u
 
 /* Sets the axes. If the viewer looks along `up`, the direction of the image's z is arbitrary. */
 static void stand(environment *e, vec3_f64 z, vec3_f64 up) {
@@ -128,7 +129,7 @@ void environment_radiance(const environment *e, vec3_f64 direction, float radian
     for (int c = 0; c < 3; ++c) radiance[c] = light.radiance[c][0];
 }
 
-void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n, const double u[LANES],
-                        const double v[LANES], lanes3_f64 direction, sky_light *out) {
+void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n, const float u[LANES],
+                        const float v[LANES], lanes3_f64 direction, sky_light *out) {
     e->kernels->sample(&e->sky, lanes, n, u, v, direction, out);
 }

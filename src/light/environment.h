@@ -38,5 +38,5 @@ void environment_radiance(const environment *e, vec3_f64 direction, float radian
  * v between rows; both in [0,1). Some texel must not be black. *out is for the sampled direction; density 0:
  * there is no light on that side. A direction stays in its cell when it is rounded to float, except close to
  * the poles, where it may leave the cell by about 1e-7. */
-void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n, const double u[LANES],
-                        const double v[LANES], lanes3_f64 direction, sky_light *out);
+void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n, const float u[LANES],
+                        const float v[LANES], lanes3_f64 direction, sky_light *out);

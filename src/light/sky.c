@@ -64,23 +64,38 @@ typedef struct sky_turn {
     double cosine, sine;
 } sky_turn;
 
+/* Sums, as fractions of the last one. */
+static void normalize_sums(const double *sums, uint32_t count, float *out) {
+    const double all = sums[count - 1];
+    for (uint32_t i = 0; i < count; ++i) out[i] = all > 0 ? (float)(sums[i] / all) : 0;
+}
+
+/* Memory for sums before they are normalised. */
+typedef struct sky_sums {
+    sky_turn *turns; /* by column of cells */
+    double *cells;   /* of a row */
+    double *lines;   /* as in sky_image */
+} sky_sums;
+
 /* The mean of a bilinear function is the mean of its corners. above, below: rows of texels. */
-static void sum_block(sky_image *s, const sky_texel *above, const sky_texel *below, const sky_turn *turns,
+static void sum_block(sky_image *s, const sky_texel *above, const sky_texel *below, const sky_sums *sums,
                       uint32_t y, uint32_t column, sky_block *out) {
     const sky_row row = row_at(s, y);
+    const uint32_t first = s->column_first[column], end = s->column_first[column + 1];
     double line = 0, ahead = 0, right = 0;
-    for (uint32_t x = s->column_first[column]; x < s->column_first[column + 1]; ++x) {
+    for (uint32_t x = first; x < end; ++x) {
         const uint32_t next = x + 1 < s->width ? x + 1 : 0;
         const double light = ((double)above[x].luminance + (double)above[next].luminance +
                               (double)below[x].luminance + (double)below[next].luminance) /
                              4;
-        s->cells[(size_t)y * s->width + x] = line += light;
-        right += light * turns[x].sine, ahead += light * turns[x].cosine;
+        sums->cells[x] = line += light;
+        right += light * sums->turns[x].sine, ahead += light * sums->turns[x].cosine;
     }
+    normalize_sums(sums->cells + first, end - first, s->cells + (size_t)y * s->width + first);
     const double round = sin(row.angle);
     out->sum =
         madd_f64(out->sum, row.solid, (vec3_f64){right * round, line * cos(row.angle), -ahead * round});
-    s->lines[(size_t)column * cell_rows(s) + y] = out->power += line * row.solid;
+    sums->lines[(size_t)column * cell_rows(s) + y] = out->power += line * row.solid;
 }
 
 static sky_block new_block(const sky_image *s, uint32_t row, uint32_t column) {
@@ -92,17 +107,22 @@ static sky_block new_block(const sky_image *s, uint32_t row, uint32_t column) {
                        .centre = sky_direction(middle < 1 ? middle : middle - 1, (top + bottom) / 2)};
 }
 
-static void sum_blocks(sky_image *s, const sky_turn *turns, sky_block *blocks) {
+static void sum_blocks(sky_image *s, const sky_sums *sums, sky_block *blocks) {
     const uint32_t count = s->rows * s->columns;
     for (uint32_t i = 0; i < count; ++i) blocks[i] = new_block(s, i / s->columns, i % s->columns);
     for (uint32_t y = 0; y < cell_rows(s); ++y) {
         const sky_texel *above = s->texels + (size_t)(y ? y - 1 : 0) * s->width,
                         *below = s->texels + (size_t)min_u32(y, s->height - 1) * s->width;
         for (uint32_t column = 0; column < s->columns; ++column)
-            sum_block(s, above, below, turns, y, column, &blocks[s->row_block[y] * s->columns + column]);
+            sum_block(s, above, below, sums, y, column, &blocks[s->row_block[y] * s->columns + column]);
     }
     s->power = 0;
-    for (uint32_t i = 0; i < count; ++i) s->power += blocks[i].power;
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t row = i / s->columns, first = s->row_first[row];
+        const size_t line = (size_t)(i % s->columns) * cell_rows(s) + first;
+        normalize_sums(sums->lines + line, s->row_first[row + 1] - first, s->lines + line);
+        s->power += blocks[i].power;
+    }
 }
 
 /* ---- views ---- */
@@ -137,21 +157,25 @@ static double weight(const sky_block *block, const sky_view *view) {
     return block->power * fmax(cosine, least);
 }
 
+/* Densities are those before the sums are rounded. */
 static void sum_view(sky_image *s, const sky_block *blocks, uint32_t index) {
-    const uint32_t count = s->rows * s->columns;
-    double *rows = s->views + (size_t)index * sky_view_size(s), *columns = rows + s->rows, all = 0;
-    float *scales = s->scales + (size_t)index * count;
+    float *rows = s->views + (size_t)index * sky_view_size(s), *columns = rows + s->rows;
+    float *scales = s->scales + (size_t)index * s->rows * s->columns;
     const sky_view view = view_at(index % SKY_VIEWS);
-    for (uint32_t row = 0; row < s->rows; ++row) {
-        double sum = 0;
-        for (uint32_t i = row * s->columns; i < (row + 1) * s->columns; ++i)
-            columns[i] = sum += index == SKY_VIEWS ? blocks[i].power : weight(&blocks[i], &view);
-        rows[row] = all += sum;
+    double weights[SKY_BLOCK_ROWS * SKY_BLOCK_COLUMNS], all[SKY_BLOCK_ROWS], row[SKY_BLOCK_COLUMNS], sum = 0;
+    for (uint32_t y = 0; y < s->rows; ++y) {
+        const uint32_t first = y * s->columns;
+        double line = 0;
+        for (uint32_t i = first; i < first + s->columns; ++i) {
+            weights[i] = index == SKY_VIEWS ? blocks[i].power : weight(&blocks[i], &view);
+            row[i - first] = line += weights[i];
+        }
+        normalize_sums(row, s->columns, columns + first);
+        all[y] = sum += line;
     }
-    for (uint32_t i = 0; i < count; ++i) {
-        const double before = i % s->columns ? columns[i - 1] : 0, light = blocks[i].power * all;
-        scales[i] = light > 0 ? (float)((columns[i] - before) / light) : 0;
-    }
+    normalize_sums(all, s->rows, rows);
+    for (uint32_t i = 0; i < s->rows * s->columns; ++i)
+        scales[i] = blocks[i].power * sum > 0 ? (float)(weights[i] / (blocks[i].power * sum)) : 0;
 }
 
 /* ---- the whole ---- */
@@ -170,13 +194,16 @@ static bool allocate(sky_image *s) {
 
 static bool fill(sky_image *s) {
     sky_block *blocks = malloc((size_t)s->rows * s->columns * sizeof *blocks);
-    sky_turn *turns = malloc(s->width * sizeof *turns);
-    const bool there = blocks && turns;
+    const sky_sums sums = {malloc(s->width * sizeof *sums.turns), malloc(s->width * sizeof *sums.cells),
+                           malloc((size_t)cell_rows(s) * s->columns * sizeof *sums.lines)};
+    const bool there = blocks && sums.turns && sums.cells && sums.lines;
     for (uint32_t x = 0; there && x < s->width; ++x)
-        shape_turn((x + 1.0) / s->width, &turns[x].cosine, &turns[x].sine);
-    if (there) sum_blocks(s, turns, blocks);
+        shape_turn((x + 1.0) / s->width, &sums.turns[x].cosine, &sums.turns[x].sine);
+    if (there) sum_blocks(s, &sums, blocks);
     for (uint32_t i = 0; there && i <= SKY_VIEWS; ++i) sum_view(s, blocks, i);
-    free(turns);
+    free(sums.lines);
+    free(sums.cells);
+    free(sums.turns);
     free(blocks);
     return there;
 }

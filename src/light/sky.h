@@ -33,7 +33,8 @@ enum {
 };
 
 /* An equirectangular image whose first row is around +y, and whose centre lies towards -z of its axes. Sums
- * are inclusive prefix sums. */
+ * are inclusive prefix sums as fractions of the last one, which is 1, or 0 if there is no light. As floats
+ * they are as fine as the numbers that choose by them, and take half of the caches. */
 typedef struct sky_image {
     uint32_t width, height; /* in texels, less than 2^31 texels in all */
     vec3_f64 axes[3];       /* in world space: to the right and up in the image, and away from its centre */
@@ -48,11 +49,11 @@ typedef struct sky_image {
     uint32_t rows, columns;                                                      /* of blocks */
     uint32_t row_first[SKY_BLOCK_ROWS + 1], column_first[SKY_BLOCK_COLUMNS + 1]; /* cells of the blocks */
     uint8_t *row_block, *column_block; /* of each row and column of cells */
-    double *cells; /* prefix sums of mean luminance, along a row of cells of a block; by cell */
-    double *lines; /* prefix sums of luminance times solid angle, over the rows of cells of a block; height +
-                      1 for each column of blocks */
-    double *views; /* prefix sums of weights of the rows of blocks, then of the blocks along each row, for
-                      each view; the last view is without a normal */
+    float *cells;                      /* sums of mean luminance, along a row of cells of a block; by cell */
+    float *lines;  /* sums of luminance times solid angle, over the rows of cells of a block; height + 1 for
+                      each column of blocks */
+    float *views;  /* sums of weights of the rows of blocks, then of the blocks along each row, for each view;
+                      the last view is without a normal */
     float *scales; /* of the blocks in each view: density of a direction divided by its luminance */
 } sky_image;
 
@@ -80,8 +81,8 @@ typedef struct sky_kernels {
                sky_light *out);
     /* Samples directions; u chooses along the image's rows and v between rows, both in [0,1). If no light
      * comes from the side of n, radiance and density are 0. */
-    void (*sample)(const sky_image *s, unsigned lanes, const lanes3_f64 n, const double u[LANES],
-                   const double v[LANES], lanes3_f64 direction, sky_light *out);
+    void (*sample)(const sky_image *s, unsigned lanes, const lanes3_f64 n, const float u[LANES],
+                   const float v[LANES], lanes3_f64 direction, sky_light *out);
 } sky_kernels;
 
 const sky_kernels *sky_kernels_best(void);

@@ -289,7 +289,7 @@ static void even_numbers_are_even_over_the_light(void **state) {
     light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder("sky.exr");
     assert_ok(context, environment_create(context, &light, &sky));
     for (int i = 0; i < N * N; ++i) {
-        const double u[LANES] = {(i % N + 0.5) / N}, v[LANES] = {(i / N + 0.5) / N};
+        const float u[LANES] = {(float)((i % N + 0.5) / N)}, v[LANES] = {(float)((i / N + 0.5) / N)};
         const lanes3_f64 n = {{0}};
         lanes3_f64 d;
         sky_light answer;
@@ -354,12 +354,12 @@ typedef struct answer {
 static void ask(const sky_kernels *k, const sky_image *s, unsigned lanes, uint64_t seed, answer *out) {
     random_state r = {seed};
     lanes3_f64 n, d;
-    double u[LANES], v[LANES];
+    float u[LANES], v[LANES];
     memset(out, 0, sizeof *out);
     for (unsigned i = 0; i < LANES; ++i) {
         const vec3_f64 any = {random_in(&r, -1, 1), random_in(&r, -1, 1), random_in(&r, -1, 1)};
         put_lane_f64(n, i, random_unit(&r) < 0.1 ? nowhere : normalize_f64(any));
-        u[i] = random_unit(&r), v[i] = random_unit(&r);
+        u[i] = (float)(random_bits(&r) >> 40) * 0x1p-24f, v[i] = (float)(random_bits(&r) >> 40) * 0x1p-24f;
         put_lane_f64(d, i, direction_in((int)(random_unit(&r) * CELLS), random_unit(&r), random_unit(&r)));
     }
     k->sample(s, lanes, n, u, v, out->direction, &out->sampled);

@@ -146,47 +146,53 @@ static void at(const sky_image *s, unsigned lanes, const lanes3_f64 n, const lan
 
 /* ---- cells by light ---- */
 
-/* The first of the prefix sums that exceeds the fraction u of the last one, which is not 0; u becomes the
- * position of that value within the chosen interval. A weight of 0 is never chosen. Counting is faster than
- * bisection: no step depends on another, and the comparison vectorises. */
-static inline uint32_t choose(const double *sums, uint32_t count, double *u) {
-    const double all = sums[count - 1], at = least(*u * all, all * (1 - 0x1p-53));
-    uint64_t passed = 0;
+/* The first of the sums, whose last one is 1, that exceeds u; u becomes the position of that value within the
+ * chosen interval. A weight of 0 is never chosen. Counting is faster than bisection: no step depends on
+ * another, and the comparison vectorises. */
+static inline uint32_t choose(const float *sums, uint32_t count, float *u) {
+    const float at = *u < 1 ? *u : 1 - 0x1p-24f; /* rounding of the position may have led to 1 */
+    uint32_t passed = 0;
     for (uint32_t i = 0; i + 1 < count; ++i) passed += sums[i] <= at;
-    const double before = passed ? sums[passed - 1] : 0;
+    const float before = passed ? sums[passed - 1] : 0;
     *u = (at - before) / (sums[passed] - before);
-    return (uint32_t)passed;
+    return passed;
+}
+
+static inline void prefetch_sums(const float *sums, uint32_t count) {
+    for (uint32_t i = 0; i < count; i += 16) __builtin_prefetch(sums + i);
+    __builtin_prefetch(sums + count - 1);
 }
 
 /* Each step reads what the step before prefetched for all lanes: the tables are larger than caches. Returns
  * the lanes that have a cell: the others face no light. */
-static unsigned choose_cells(const sky_image *s, unsigned lanes, const uint32_t view[LANES],
-                             sky_places *out) {
+static unsigned choose_cells(const sky_image *s, unsigned lanes, const uint32_t view[LANES], float u[LANES],
+                             float v[LANES], sky_cells *out) {
     const size_t rows = (size_t)s->height + 1;
     unsigned taken = 0;
     uint32_t row[LANES], column[LANES];
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
-        const double *sums = s->views + (size_t)view[i] * sky_view_size(s);
+        const float *sums = s->views + (size_t)view[i] * sky_view_size(s);
         if (!(sums[s->rows - 1] > 0)) continue;
-        row[i] = choose(sums, s->rows, &out->v[i]);
-        column[i] = choose(sums + s->rows + (size_t)row[i] * s->columns, s->columns, &out->u[i]);
-        const double *line = s->lines + column[i] * rows + s->row_first[row[i]];
-        for (unsigned k = 0; k < 4; ++k) __builtin_prefetch(line + 8 * k);
+        row[i] = choose(sums, s->rows, &v[i]);
+        column[i] = choose(sums + s->rows + (size_t)row[i] * s->columns, s->columns, &u[i]);
+        const uint32_t first = s->row_first[row[i]];
+        prefetch_sums(s->lines + column[i] * rows + first, s->row_first[row[i] + 1] - first);
         taken |= 1u << i;
     }
     for (unsigned left = taken; left; left &= left - 1) {
         const unsigned i = lane_first(left);
         const uint32_t first = s->row_first[row[i]], end = s->row_first[row[i] + 1];
-        out->cells.row[i] = first + choose(s->lines + column[i] * rows + first, end - first, &out->v[i]);
-        const double *cell = s->cells + (size_t)out->cells.row[i] * s->width + s->column_first[column[i]];
-        for (unsigned k = 0; k < 4; ++k) __builtin_prefetch(cell + 8 * k);
+        out->row[i] = first + choose(s->lines + column[i] * rows + first, end - first, &v[i]);
+        const uint32_t start = s->column_first[column[i]];
+        prefetch_sums(s->cells + (size_t)out->row[i] * s->width + start,
+                      s->column_first[column[i] + 1] - start);
     }
     for (unsigned left = taken; left; left &= left - 1) {
         const unsigned i = lane_first(left);
         const uint32_t first = s->column_first[column[i]], end = s->column_first[column[i] + 1];
-        const double *cells = s->cells + (size_t)out->cells.row[i] * s->width + first;
-        out->cells.column[i] = first + choose(cells, end - first, &out->u[i]);
+        const float *cells = s->cells + (size_t)out->row[i] * s->width + first;
+        out->column[i] = first + choose(cells, end - first, &u[i]);
     }
     return taken;
 }
@@ -205,7 +211,8 @@ SHAPE_INLINE double inside(double u, double margin) { return margin + (1 - 2 * m
 
 /* Chooses positions in proportion to luminance, then their directions. Other lanes are computed from
  * arbitrary cells. */
-static void choose_places(const sky_image *s, unsigned lanes, sky_places *restrict p,
+static void choose_places(const sky_image *s, unsigned lanes, const float across[LANES],
+                          const float down[LANES], sky_places *restrict p,
                           double (*restrict direction)[LANES]) {
     double light[4][LANES] = {{0}}, ends[2][LANES] = {{0}}, column[LANES] = {0};
     for (unsigned left = lanes; left; left &= left - 1) {
@@ -218,9 +225,9 @@ static void choose_places(const sky_image *s, unsigned lanes, sky_places *restri
     const vec3_f64 a = s->axes[0], b = s->axes[1], c = s->axes[2];
     const double part = 1 / (double)s->width;
     for (unsigned i = 0; i < LANES; ++i) {
-        const double v = along_slope(p->v[i], light[0][i] + light[1][i], light[2][i] + light[3][i]);
-        const double u =
-            along_slope(p->u[i], between(v, light[0][i], light[2][i]), between(v, light[1][i], light[3][i]));
+        const double v = along_slope((double)down[i], light[0][i] + light[1][i], light[2][i] + light[3][i]);
+        const double u = along_slope((double)across[i], between(v, light[0][i], light[2][i]),
+                                     between(v, light[1][i], light[3][i]));
         p->u[i] = u, p->v[i] = v;
         const double turn = (column[i] + 0.5 + inside(u, s->margin[0])) * part,
                      folded = turn < 1 ? turn : turn - 1,
@@ -243,17 +250,18 @@ static void no_light(unsigned lanes, sky_light *out) {
     }
 }
 
-static void sample(const sky_image *s, unsigned lanes, const lanes3_f64 n, const double u[LANES],
-                   const double v[LANES], lanes3_f64 direction, sky_light *out) {
+static void sample(const sky_image *s, unsigned lanes, const lanes3_f64 n, const float u[LANES],
+                   const float v[LANES], lanes3_f64 direction, sky_light *out) {
     lanes3_f64 turned, found;
     sky_places places;
     uint32_t view[LANES];
-    memcpy(places.u, u, sizeof places.u), memcpy(places.v, v, sizeof places.v);
+    float across[LANES], down[LANES];
+    memcpy(across, u, sizeof across), memcpy(down, v, sizeof down);
     turn(s, lanes, n, turned);
     find_views(turned, view);
-    const unsigned taken = choose_cells(s, lanes, view, &places);
+    const unsigned taken = choose_cells(s, lanes, view, across, down, &places.cells);
     prefetch(s, &places.cells, taken);
-    choose_places(s, taken, &places, found);
+    choose_places(s, taken, across, down, &places, found);
     for (unsigned left = lanes; left; left &= left - 1) {
         const unsigned i = lane_first(left);
         put_lane_f64(direction, i, lane_f64(found, i));
