@@ -1,5 +1,5 @@
 /* The volumes that contain the camera: a ray from the eye hits the inner sides of their surfaces. */
-#include "integrate/plan.h"
+#include "integrate/wave.h"
 
 #include <math.h>
 #include <string.h>
@@ -43,14 +43,13 @@ static void pass_surface(eye_volumes *v, eye_volumes *entered, uint32_t material
     }
 }
 
-void eye_volumes_find(const render_plan *plan, eye_volumes *out) {
+void eye_volumes_find(const render_plan *plan, vec3_f32 eye, float time, eye_volumes *out) {
     eye_volumes entered = {.count = 0};
     trace_block block;
     surface_block s;
     memset(&block, 0, sizeof block), memset(&s, 0, sizeof s);
-    block.rays.org_x[0] = plan->camera.eye.x, block.rays.org_y[0] = plan->camera.eye.y;
-    block.rays.org_z[0] = plan->camera.eye.z;
-    block.rays.time[0] = plan->settings.motion_blur ? 0 : 0.5f;
+    block.rays.org_x[0] = eye.x, block.rays.org_y[0] = eye.y, block.rays.org_z[0] = eye.z;
+    block.rays.time[0] = time;
     block.rays.dir_x[0] = direction.x, block.rays.dir_y[0] = direction.y, block.rays.dir_z[0] = direction.z;
     *out = entered;
     const unsigned state = trace_thread_begin();
@@ -59,4 +58,28 @@ void eye_volumes_find(const render_plan *plan, eye_volumes *out) {
             pass_surface(out, &entered, s.material[0], s.entering[0] != 0);
     }
     trace_thread_end(state);
+}
+
+/* From the first to the last square along a side, in equal steps. */
+static uint32_t corner(uint32_t side, uint32_t step, uint32_t steps) {
+    return (side - 1) / 4 * step / (steps - 1) * 4;
+}
+
+bool eye_volumes_differ(const render_plan *plan) {
+    enum { STEPS = 4 };
+    for (uint32_t i = 0; i < STEPS * STEPS; ++i) {
+        const wave_square square = {corner(plan->settings.width, i % STEPS, STEPS),
+                                    corner(plan->settings.height, i / STEPS, STEPS), i, 0};
+        trace_rays rays;
+        wave_square_rays(plan, &square, &rays);
+        for (uint32_t k = 0; k < LANES; ++k) {
+            eye_volumes around;
+            eye_volumes_find(plan, trace_org(&rays, k), wave_time_of(plan, wave_square_key(&square, k)),
+                             &around);
+            if (around.count != plan->eye_volumes.count ||
+                memcmp(around.of, plan->eye_volumes.of, around.count * sizeof *around.of) != 0)
+                return true;
+        }
+    }
+    return false;
 }

@@ -18,11 +18,9 @@ media *media_create(const shader *shaders) {
     return m;
 }
 
-void media_begin(media *m, const uint32_t *materials, uint32_t count) {
-    for (size_t slot = 0; slot < WAVE_SLOTS; ++slot) {
-        m->count[slot] = count;
-        memcpy(m->in[slot], materials, count * sizeof *materials);
-    }
+void media_begin(media *m, uint32_t slot, const uint32_t *materials, uint32_t count) {
+    m->count[slot] = count;
+    memcpy(m->in[slot], materials, count * sizeof *materials);
 }
 
 static void enter(media *m, uint32_t slot, uint32_t material) {

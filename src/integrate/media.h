@@ -10,8 +10,8 @@ typedef struct media media;
 
 /* shaders: by material; they must outlive the result. Release with free(). NULL if out of memory. */
 media *media_create(const shader *shaders);
-/* All paths start in these volumes, the innermost last; at most 8. */
-void media_begin(media *m, const uint32_t *materials, uint32_t count);
+/* The path starts in these volumes, the innermost last; at most 8. */
+void media_begin(media *m, uint32_t slot, const uint32_t *materials, uint32_t count);
 /* The path crosses a surface of this material. */
 void media_cross(media *m, uint32_t slot, uint32_t material, bool entering);
 /* The path hits a surface of a material that has a priority. False: the surface is hidden, because another

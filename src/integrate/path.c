@@ -363,7 +363,6 @@ static void begin(path_wave *p, const wave_batch *batch) {
         p->smooth[k] = true;
         p->tint[0][k] = p->tint[1][k] = p->tint[2][k] = 1;
     }
-    if (p->media) media_begin(p->media, plan->eye_volumes.of, plan->eye_volumes.count);
     if (plan->dispersive) memset(p->channel, 0, sizeof p->channel);
 }
 
@@ -378,6 +377,19 @@ static void begin_at_eyes(path_wave *p) {
     }
 }
 
+static void begin_in_volumes(path_wave *p) {
+    const render_plan *plan = p->wave.run.plan;
+    const path_queue *now = &p->wave.now;
+    eye_volumes around = plan->eye_volumes;
+    for (size_t k = 0; k < now->count; ++k) {
+        const uint32_t slot = now->paths[k / LANES].slot[k % LANES];
+        if (plan->volumes_differ)
+            eye_volumes_find(plan, trace_org(&now->rays[k / LANES].rays, k % LANES),
+                             p->wave.times ? p->wave.times[slot] : 0, &around);
+        media_begin(p->media, slot, around.of, around.count);
+    }
+}
+
 static bool run(integration *state, const wave_region *region, const wave_batch *batch) {
     path_wave *p = (path_wave *)state;
     wave *w = &p->wave;
@@ -389,6 +401,7 @@ static bool run(integration *state, const wave_region *region, const wave_batch 
     begin(p, batch);
     if (!wave_camera_rays(w, region, batch)) return false;
     if (w->run.plan->camera_moves || w->run.plan->camera.parallel) begin_at_eyes(p);
+    if (p->media) begin_in_volumes(p);
     for (p->depth = 0; w->now.count; ++p->depth) {
         wave_count_rays(w);
         if (!step(p)) return false;

@@ -99,6 +99,13 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
     return FATHOM_OK;
 }
 
+static void plan_volumes(render_plan *plan) {
+    const bool blurred = plan->settings.motion_blur;
+    eye_volumes_find(plan, plan->camera.eye, blurred ? 0 : 0.5f, &plan->eye_volumes);
+    if ((plan->moves && blurred) || plan->camera.parallel || plan->camera.lens_radius > 0)
+        plan->volumes_differ = eye_volumes_differ(plan);
+}
+
 static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
     fathom_status status = plan_shaders(context, plan);
     if (status == FATHOM_OK)
@@ -106,10 +113,10 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
                                  plan->groups.count ? &plan->groups : NULL, &plan->emitters);
     if (status == FATHOM_OK) status = watertight_create(context, plan->tracer, &plan->watertight);
     if (status != FATHOM_OK) return status;
-    if (plan->absorbs || plan->nested) eye_volumes_find(plan, &plan->eye_volumes);
     plan->background = emitters_any_outside(plan->emitters);
     plan->camera_moves = motion_camera_moves(&plan->scene->camera);
     plan->moves = plan->world->moves || plan->camera_moves;
+    if (plan->absorbs || plan->nested) plan_volumes(plan);
     plan->unshadowed = !world_casts_all_shadows(plan->world);
     plan->max_depth = plan->settings.max_depth;
     return plan->watertight ? plan_eye(plan) : FATHOM_OK;

@@ -68,7 +68,8 @@ typedef struct render_plan {
     bool crosses;                     /* paths may continue behind a surface */
     bool absorbs;                     /* some volume absorbs light */
     bool nested;                      /* some volume has a priority */
-    eye_volumes eye_volumes;          /* around the camera when the shutter opens, if paths track volumes */
+    eye_volumes eye_volumes;          /* around the camera, if paths track volumes */
+    bool volumes_differ;              /* camera rays may start in different ones */
     bool dispersive;                  /* some volume disperses light */
     bool covered;    /* path tracing: light may pass some surface straight, or volumes have priorities */
     bool one_sided;  /* path tracing: the camera looks through the back of some surface */
@@ -81,9 +82,12 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
                           const fathom_settings *settings, render_plan **out);
 void plan_destroy(render_plan *plan);
 
-/* Traces a ray from the eye with the plan's tracer; the plan's shaders must exist. All rays of an
- * orthographic camera or of a lens are assumed to start in the same volumes. */
-void eye_volumes_find(const render_plan *plan, eye_volumes *out);
+/* The volumes around a point. Traces a ray from there with the plan's tracer; the plan's shaders must exist.
+ * time: 0 when the shutter opens, 1 when it closes. */
+void eye_volumes_find(const render_plan *plan, vec3_f32 eye, float time, eye_volumes *out);
+/* Whether some of 256 camera rays over image, lens and time start in others than plan->eye_volumes. If such
+ * rays are so few that none is among these, they count as starting in plan->eye_volumes. */
+bool eye_volumes_differ(const render_plan *plan);
 
 /* Rays a render with these settings is expected to trace, within a factor of a few: for the build quality. */
 uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *settings);

@@ -11,6 +11,9 @@
 
 /* ---- paths ---- */
 
+/* Volumes that a path is in. */
+enum { NESTED = 8 };
+
 typedef struct path {
     vec3_f64 origin, direction, weight;
     const fathom_material *in[NESTED]; /* the volumes that the path is in, */
@@ -251,6 +254,24 @@ static void camera_ray(const reference_scene *r, double x, double y, reference_r
     out->direction = normalize_f64(d);
 }
 
+/* The path starts in the volumes that a ray from its origin leaves without having entered them. */
+static void look_around(const reference_scene *r, double time, path *p) {
+    path seen = {.nested = 0};
+    reference_surface s;
+    reference_random random = {0, 0, time};
+    vec3_f64 at = p->origin;
+    const vec3_f64 up = vec_f64(0.48, 0.8, -0.36);
+    while (reference_closest(r, at, up, (double)INFINITY, false, &random, &s)) {
+        at = reference_leave(&s, up);
+        if (!reference_refracts(s.material)) continue;
+        if (s.behind && place_in(&seen, s.material) == seen.nested)
+            enter(p, s.material);
+        else
+            cross(&seen, &s);
+        if (p->overlap |= seen.overlap) return;
+    }
+}
+
 typedef struct render {
     reference_scene *scene;
     reference_estimate *out;
@@ -261,11 +282,11 @@ bool reference_sample(reference_scene *r, uint32_t x, uint32_t y, uint32_t index
     const double *shutter = r->scene->camera.shutter;
     reference_random random = {reference_mix(pixel + index), 0, shutter[0]};
     const double u = reference_uniform(&random), v = reference_uniform(&random);
-    path p = {.weight = {1, 1, 1}, .nested = r->around_eye.count, .unlit = true, .in_view = true};
-    for (unsigned i = 0; i < p.nested; ++i) p.in[i] = r->around_eye.of[i];
+    path p = {.weight = {1, 1, 1}, .unlit = true, .in_view = true};
     if (shutter[1] > shutter[0])
         random.time += (r->settings.sharp ? 0.5 : reference_uniform(&random)) * (shutter[1] - shutter[0]);
     camera_ray(r, x + u, y + v, &random, &p);
+    if (r->refracts) look_around(r, random.time, &p);
     const reference_random own = {reference_mix(random.key), 0, random.time};
     if (radiance(r, p, own, out)) return true;
     r->overlap = true;
@@ -319,29 +340,6 @@ static fathom_status check_scene(const reference_scene *r) {
     return FATHOM_OK;
 }
 
-/* Finds the volumes around the camera: those that a ray from the eye leaves without having entered. False:
- * too many. */
-static bool look_around(reference_scene *r) {
-    path p = {.nested = 0};
-    reference_surface s;
-    const double *shutter = r->scene->camera.shutter;
-    reference_random random = {0, 0, r->settings.sharp ? 0.5 * (shutter[0] + shutter[1]) : shutter[0]};
-    vec3_f64 at = load_f64(motion_camera(&r->scene->camera, random.time).origin);
-    const vec3_f64 up = vec_f64(0.48, 0.8, -0.36);
-    while (reference_closest(r, at, up, (double)INFINITY, false, &random, &s)) {
-        at = reference_leave(&s, up);
-        if (!reference_refracts(s.material)) continue;
-        if (s.behind && place_in(&p, s.material) == p.nested) {
-            if (r->around_eye.count == NESTED) return false;
-            r->around_eye.of[r->around_eye.count++] = s.material;
-        } else {
-            cross(&p, &s);
-        }
-        if (p.overlap) return false;
-    }
-    return true;
-}
-
 /* The indices of air and of the volumes that may surround those of material `at`, each once. */
 static unsigned indices_around(const reference_scene *r, size_t at, double *out) {
     const fathom_material *m = &r->scene->materials.items[at].value;
@@ -378,8 +376,8 @@ fathom_status reference_open(const fathom_scene *scene, const reference_settings
     if (status == FATHOM_OK) status = check_scene(r);
     if (status == FATHOM_OK) status = make_albedos(r);
     if (status == FATHOM_OK) status = reference_skies_open(r);
-    if (status == FATHOM_OK && !look_around(r))
-        status = lacking(scene, "shapes", 0, "so many volumes around the camera");
+    for (size_t i = 0; i < scene->materials.count; ++i)
+        r->refracts |= reference_refracts(&scene->materials.items[i].value);
     if (status == FATHOM_OK)
         *out = r;
     else

@@ -100,13 +100,6 @@ typedef struct reference_albedos {
 
 typedef struct reference_sky reference_sky;
 
-/* Volumes that a path is in. */
-enum { NESTED = 8 };
-typedef struct reference_volumes {
-    const fathom_material *of[NESTED];
-    unsigned count;
-} reference_volumes;
-
 struct reference_scene {
     const fathom_scene *scene;
     reference_settings settings;
@@ -118,11 +111,11 @@ struct reference_scene {
     ARRAY(reference_lamp) lamps; /* at most REFERENCE_LAMPS; empty if there are more */
     reference_sky *skies;        /* images of skies, and the studio */
     unsigned sky_count;
-    reference_volumes around_eye; /* at the time the shutter opens, or halfway if the image is sharp */
-    atomic_bool overlap;          /* a sample met volumes that overlap without priorities */
-    bvh_item *items;              /* the primitives that are not planes */
-    bvh_tree tree;                /* its leaves hold items */
-    vec3_f64 middle;              /* origin of the boxes of items and tree, which are float */
+    bool refracts;       /* some material bounds volumes */
+    atomic_bool overlap; /* a sample met volumes that overlap without priorities */
+    bvh_item *items;     /* the primitives that are not planes */
+    bvh_tree tree;       /* its leaves hold items */
+    vec3_f64 middle;     /* origin of the boxes of items and tree, which are float */
 };
 
 /* A ray's hit on a surface. The normals are unit and point to the viewer's side. */

@@ -68,6 +68,12 @@ static void camera_rays(const render_plan *plan, const wave_square *s, const squ
     }
 }
 
+void wave_square_rays(const render_plan *plan, const wave_square *s, trace_rays *out) {
+    square_samples at;
+    place(plan, s, &at);
+    camera_rays(plan, s, &at, out);
+}
+
 static uint8_t depth_at(const render_plan *plan, const trace_rays *rays, size_t i) {
     return plan->eyes_differ ? watertight_depth(plan->watertight, trace_org(rays, i)) : plan->eye_depth;
 }

@@ -130,8 +130,21 @@ UNIT_TEST(a_volume_without_end_lets_no_light_in_if_it_absorbs) {
     }
 }
 
-/* The camera comes in from x = -4, and is at 0.5 in the middle of the time. */
-UNIT_TEST(a_sharp_image_knows_what_is_around_the_eye_halfway) {
+/* ---- rays that start in different volumes ---- */
+
+static void render_each(stage *s, void (*check)(const float *pixels)) {
+    static const fathom_integrator integrators[] = {FATHOM_INTEGRATOR_PATH, FATHOM_INTEGRATOR_REFERENCE};
+    for (int k = 0; k < 2; ++k) {
+        fathom_settings_set_integrator(&s->settings, integrators[k]);
+        s->settings.target_error = 0;
+        fathom_film *film = stage_render(s);
+        check(fathom_film_channel(film, "R"));
+        fathom_film_destroy(film);
+    }
+}
+
+/* A ball of radius 2 around the origin. The camera moves along x, from -4 to 5 while the shutter is open. */
+static stage open_moving(void) {
     static const double times[2] = {0, 1};
     const fathom_material m = clear_volume(red, 0);
     stage s = open_white(-4, (double[3]){9, 0, 0});
@@ -146,12 +159,80 @@ UNIT_TEST(a_sharp_image_knows_what_is_around_the_eye_halfway) {
     camera.shutter[1] = 1;
     camera.key_count = 2, camera.key_times = times, camera.key_frames = frames;
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
-    s.settings.motion_blur = false;
     stage_sphere(&s, 0, 0, 0, 2, stage_material(&s, &m));
+    return s;
+}
+
+/* The camera is at 0.5 in the middle of the time. */
+UNIT_TEST(a_sharp_image_knows_what_is_around_the_eye_halfway) {
+    stage s = open_moving();
+    s.settings.motion_blur = false;
     expect(&s, 1.5, 0);
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_REFERENCE);
     s.settings.spp = 4, s.settings.target_error = 0;
     expect(&s, 1.5, 0);
+    stage_close(&s);
+}
+
+/* A number of standard deviations that 1 of 10^5 means exceeds. */
+static const double errors = 4.42;
+
+/* Light passes a length of 4 in 2/9 of the time, of 4 to 0 in 4/9, and none in the rest. No value differs
+ * from the mean by more than 1. */
+static void check_moving(const float *pixels) {
+    const double c = (double)red[0], mean = (2 * c * c + 2 * (c * c - 1) / log(c) + 3) / 9;
+    double sum = 0;
+    for (int i = 0; i < 64; ++i) sum += (double)pixels[i];
+    assert_near(sum / 64, mean, errors / sqrt(64 * 1024));
+}
+
+UNIT_TEST(an_eye_that_moves_into_a_volume_and_out_of_it) {
+    stage s = open_moving();
+    s.settings.spp = 1024;
+    render_each(&s, check_moving);
+    stage_close(&s);
+}
+
+/* A sea up to y = 0, and a camera at its surface. Without specularFactor 0 it would reflect at grazing
+ * angles, even with an index of 1: glTF approximates Fresnel's equations by Schlick's. */
+static stage open_afloat(fathom_camera *camera) {
+    fathom_material m = clear_volume(red, 0);
+    m.specular_factor = 0;
+    stage s = open_white(0, (double[3]){9, 0, 0});
+    fathom_camera_look_at((double[3]){0, 0, 0}, (double[3]){9, 0, 0}, (double[3]){0, 1, 0}, 1e-6, camera);
+    stage_plane(&s, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, stage_material(&s, &m));
+    return s;
+}
+
+static void check_halves(const float *pixels) {
+    for (int i = 0; i < 64; ++i) assert_true(pixels[i] == (i < 32 ? 1.0f : 0.0f));
+}
+
+UNIT_TEST(half_of_an_orthographic_camera_is_in_the_sea) {
+    fathom_camera camera;
+    stage s = open_afloat(&camera);
+    camera.orthographic = true, camera.h = 2, camera.w = 0;
+    assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
+    s.settings.spp = 4;
+    render_each(&s, check_halves);
+    stage_close(&s);
+}
+
+/* Rays from the lower half of the lens pass a length of 2 to where all meet, and no water beyond; of the
+ * others nothing is left. Lengths differ by less than the fraction 1e-4 of 2; no sample is above 1. */
+static void check_lens(const float *pixels) {
+    double sum = 0;
+    for (int i = 0; i < 64; ++i) sum += (double)pixels[i];
+    assert_near(sum / 64, (double)red[0] / 2, errors / sqrt(64 * 256) + 1e-4);
+}
+
+UNIT_TEST(half_of_a_lens_is_in_the_sea) {
+    fathom_camera camera;
+    stage s = open_afloat(&camera);
+    camera.lens_radius = 0.02, camera.focus_distance = 2;
+    assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
+    s.settings.spp = 256;
+    render_each(&s, check_lens);
     stage_close(&s);
 }
 
