@@ -23,24 +23,15 @@ uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s)
     return settings_pixels(s) * spp * (1 + scene->lights.count) * bounces;
 }
 
-/* Rays of an orthographic camera start on a rectangle of a plane. Unless this rectangle is apart from the
- * scene's bounds, each ray may start at a different depth of closed meshes. */
-static fathom_status plan_eye(render_plan *plan) {
-    const shade_camera *c = &plan->camera;
-    scene_bounds all, view = bounds_empty();
-    plan->eye_depth = watertight_depth(plan->watertight, c->eye);
-    if (!c->parallel) return FATHOM_OK;
-    fathom_status status = scene_world_bounds(plan->scene, &all);
-    for (int i = 0; i < 4; ++i) {
-        const vec3_f64 at =
-            camera_towards(c, i % 2 ? plan->settings.width : 0, i / 2 ? plan->settings.height : 0);
-        bounds_add(&view, add_f64(load_f64(plan->scene->camera.origin), at));
-    }
-    const bool apart = view.lower.x > all.upper.x || view.upper.x < all.lower.x ||
-                       view.lower.y > all.upper.y || view.upper.y < all.lower.y ||
-                       view.lower.z > all.upper.z || view.upper.z < all.lower.z;
-    plan->eyes_differ = plan->camera_moves || !apart;
-    return status;
+/* Camera rays start at different points or times. */
+static bool eyes_vary(const render_plan *plan) {
+    return (plan->moves && plan->settings.motion_blur) || plan->camera.parallel ||
+           plan->camera.lens_radius > 0;
+}
+
+static void plan_depths(render_plan *plan) {
+    plan->eye_depth = watertight_depth(plan->watertight, plan->camera.eye);
+    plan->depths_differ = eyes_vary(plan) && eye_depths_differ(plan);
 }
 
 /* Directional light comes from outside all meshes: depth 0. */
@@ -49,7 +40,7 @@ static fathom_status plan_watertight(fathom_context *context, render_plan *plan,
     if (status != FATHOM_OK || !plan->watertight) return status;
     plan->light_depths = calloc(plan->light_count + 1, 1);
     if (!plan->light_depths) return fail_memory(context, plan->light_count + 1);
-    status = plan_eye(plan);
+    plan_depths(plan);
     for (uint32_t i = 0; i < plan->light_count; ++i) {
         if (in_mesh[i])
             plan->light_depths[i] = WATERTIGHT_UNSURE;
@@ -100,10 +91,8 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
 }
 
 static void plan_volumes(render_plan *plan) {
-    const bool blurred = plan->settings.motion_blur;
-    eye_volumes_find(plan, plan->camera.eye, blurred ? 0 : 0.5f, &plan->eye_volumes);
-    if ((plan->moves && blurred) || plan->camera.parallel || plan->camera.lens_radius > 0)
-        plan->volumes_differ = eye_volumes_differ(plan);
+    eye_volumes_find(plan, plan->camera.eye, plan->settings.motion_blur ? 0 : 0.5f, &plan->eye_volumes);
+    plan->volumes_differ = eyes_vary(plan) && eye_volumes_differ(plan);
 }
 
 static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
@@ -119,7 +108,8 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
     if (plan->absorbs || plan->nested) plan_volumes(plan);
     plan->unshadowed = !world_casts_all_shadows(plan->world);
     plan->max_depth = plan->settings.max_depth;
-    return plan->watertight ? plan_eye(plan) : FATHOM_OK;
+    if (plan->watertight) plan_depths(plan);
+    return FATHOM_OK;
 }
 
 /* ---- the reference ---- */

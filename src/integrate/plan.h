@@ -54,7 +54,7 @@ typedef struct render_plan {
      * WATERTIGHT_UNSURE: the light lies in a mesh's surface, and the side on which its rays end depends on
      * their origin. */
     uint8_t eye_depth, *light_depths;
-    bool eyes_differ;                 /* camera rays have different depths */
+    bool depths_differ;               /* camera rays may start at different ones */
     light_surface *light_surfaces;    /* lights[].surfaces point to these */
     unsigned features;                /* MATERIAL_ bits of the materials in use */
     bool background;                  /* it is not black */
@@ -85,9 +85,11 @@ void plan_destroy(render_plan *plan);
 /* The volumes around a point. Traces a ray from there with the plan's tracer; the plan's shaders must exist.
  * time: 0 when the shutter opens, 1 when it closes. */
 void eye_volumes_find(const render_plan *plan, vec3_f32 eye, float time, eye_volumes *out);
-/* Whether some of 256 camera rays over image, lens and time start in others than plan->eye_volumes. If such
- * rays are so few that none is among these, they count as starting in plan->eye_volumes. */
+/* Whether some of 256 camera rays over image, lens and time start in others than plan->eye_volumes, or at
+ * another depth than plan->eye_depth. If such rays are so few that none is among these, they are taken to
+ * start as all others. */
 bool eye_volumes_differ(const render_plan *plan);
+bool eye_depths_differ(const render_plan *plan);
 
 /* Rays a render with these settings is expected to trace, within a factor of a few: for the build quality. */
 uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *settings);

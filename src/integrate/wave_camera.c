@@ -75,7 +75,7 @@ void wave_square_rays(const render_plan *plan, const wave_square *s, trace_rays 
 }
 
 static uint8_t depth_at(const render_plan *plan, const trace_rays *rays, size_t i) {
-    return plan->eyes_differ ? watertight_depth(plan->watertight, trace_org(rays, i)) : plan->eye_depth;
+    return plan->depths_differ ? watertight_depth(plan->watertight, trace_org(rays, i)) : plan->eye_depth;
 }
 
 /* A packet of 16 rays is a square: its rays stay coherent longer than those of a line. first: the slot of the
@@ -84,7 +84,7 @@ static void push_whole(wave *w, const wave_square *s, uint32_t first, const squa
     camera_rays(w->run.plan, s, at, &w->now.rays[w->now.count / LANES].rays);
     w->run.plan->kernels->begin_paths(first, w->run.plan->eye_depth, &w->now.paths[w->now.count / LANES]);
     const trace_rays *rays = &w->now.rays[w->now.count / LANES].rays;
-    for (uint32_t k = 0; w->run.plan->eyes_differ && k < LANES; ++k)
+    for (uint32_t k = 0; w->run.plan->depths_differ && k < LANES; ++k)
         w->now.paths[w->now.count / LANES].depth[k] = depth_at(w->run.plan, rays, k);
     w->now.count += LANES;
 }

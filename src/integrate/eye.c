@@ -1,4 +1,5 @@
-/* The volumes that contain the camera: a ray from the eye hits the inner sides of their surfaces. */
+/* The volumes and closed meshes that contain the camera. A ray from the eye hits the inner sides of their
+ * surfaces. */
 #include "integrate/wave.h"
 
 #include <math.h>
@@ -65,21 +66,34 @@ static uint32_t corner(uint32_t side, uint32_t step, uint32_t steps) {
     return (side - 1) / 4 * step / (steps - 1) * 4;
 }
 
-bool eye_volumes_differ(const render_plan *plan) {
+/* True if it holds for the start of some of 256 rays. */
+static bool any_start(const render_plan *plan,
+                      bool (*holds)(const render_plan *plan, vec3_f32 eye, float time)) {
     enum { STEPS = 4 };
     for (uint32_t i = 0; i < STEPS * STEPS; ++i) {
         const wave_square square = {corner(plan->settings.width, i % STEPS, STEPS),
                                     corner(plan->settings.height, i / STEPS, STEPS), i, 0};
         trace_rays rays;
         wave_square_rays(plan, &square, &rays);
-        for (uint32_t k = 0; k < LANES; ++k) {
-            eye_volumes around;
-            eye_volumes_find(plan, trace_org(&rays, k), wave_time_of(plan, wave_square_key(&square, k)),
-                             &around);
-            if (around.count != plan->eye_volumes.count ||
-                memcmp(around.of, plan->eye_volumes.of, around.count * sizeof *around.of) != 0)
+        for (uint32_t k = 0; k < LANES; ++k)
+            if (holds(plan, trace_org(&rays, k), wave_time_of(plan, wave_square_key(&square, k))))
                 return true;
-        }
     }
     return false;
 }
+
+static bool has_other_volumes(const render_plan *plan, vec3_f32 eye, float time) {
+    eye_volumes around;
+    eye_volumes_find(plan, eye, time, &around);
+    return around.count != plan->eye_volumes.count ||
+           memcmp(around.of, plan->eye_volumes.of, around.count * sizeof *around.of) != 0;
+}
+
+bool eye_volumes_differ(const render_plan *plan) { return any_start(plan, has_other_volumes); }
+
+static bool has_other_depth(const render_plan *plan, vec3_f32 eye, float time) {
+    (void)time;
+    return watertight_depth(plan->watertight, eye) != plan->eye_depth;
+}
+
+bool eye_depths_differ(const render_plan *plan) { return any_start(plan, has_other_depth); }
