@@ -1,4 +1,5 @@
 #include "scene/graph.h"
+#include "scene/kernels.h"
 #include "scene/motion/motion.h"
 
 #include <stdlib.h>
@@ -38,13 +39,48 @@ double bounds_radius(const scene_bounds *b) {
     return bounds_is_empty(b) ? 0 : 0.5 * length_f64(sub_f64(b->upper, b->lower));
 }
 
-static scene_bounds mesh_bounds(const fathom_mesh *mesh, const mesh_facts *facts) {
-    scene_bounds out = bounds_empty();
-    const double reach = (double)mesh->point_radius;
-    const vec3_f64 origin = load_f64(mesh->origin), around = {reach, reach, reach};
-    bounds_add(&out, add_f64(origin, sub_f64(widen(load_f32(facts->lower)), around)));
-    bounds_add(&out, add_f64(origin, add_f64(widen(load_f32(facts->upper)), around)));
+/* The bounds of the vertices at a time, or larger ones between two keys: those of a mean of two lists of
+ * vertices lie within the mean of their bounds. */
+static scene_bounds vertices_at(const fathom_mesh *mesh, double time) {
+    double u, part[2];
+    const size_t points = 3 * (size_t)mesh->vertex_count;
+    const uint32_t key = motion_key(mesh->key_times, mesh->key_count, time, &u);
+    scene_bounds out = {.lower = {0, 0, 0}};
+    part[0] = 1 - u, part[1] = u;
+    for (uint32_t k = 0; k < 2 && part[k] > 0; ++k) {
+        float lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+        scene_kernels_best()->vectors(mesh->key_positions + points * (key + k), 3 * sizeof(float),
+                                      mesh->vertex_count, lower, upper);
+        out.lower = madd_f64(out.lower, part[k], widen(load_f32(lower)));
+        out.upper = madd_f64(out.upper, part[k], widen(load_f32(upper)));
+    }
     return out;
+}
+
+/* The facts are those of all keys, of which some may lie outside the shutter's time. */
+static scene_bounds vertex_bounds(const fathom_mesh *mesh, const mesh_facts *facts, const double shutter[2]) {
+    const double *times = mesh->key_times;
+    const uint32_t count = mesh->key_count;
+    if (!count || (times[0] >= shutter[0] && times[count - 1] <= shutter[1]))
+        return (scene_bounds){widen(load_f32(facts->lower)), widen(load_f32(facts->upper))};
+    scene_bounds out = vertices_at(mesh, shutter[0]);
+    for (uint32_t k = 0; k <= count; ++k) {
+        const double time = k < count ? times[k] : shutter[1];
+        if (!(time > shutter[0] && time <= shutter[1])) continue;
+        const scene_bounds there = vertices_at(mesh, time);
+        bounds_join(&out, &there);
+    }
+    return out;
+}
+
+static scene_bounds mesh_bounds(const fathom_scene *scene, uint32_t index) {
+    const fathom_mesh *mesh = &scene->meshes.items[index];
+    const vec3_f64 origin = load_f64(mesh->origin);
+    const double reach = (double)mesh->point_radius;
+    const vec3_f64 around = {reach, reach, reach};
+    const scene_bounds b = vertex_bounds(mesh, &scene->mesh_facts.items[index], scene->camera.shutter);
+    return (scene_bounds){add_f64(origin, sub_f64(b.lower, around)),
+                          add_f64(origin, add_f64(b.upper, around))};
 }
 
 scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id id) {
@@ -61,9 +97,7 @@ scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id id) {
     case SCENE_QUAD:
         for (int i = 0; i < 4; ++i) bounds_add(&out, load_f64(scene->quads.items[object.index].corners[i]));
         break;
-    case SCENE_MESH:
-        out = mesh_bounds(&scene->meshes.items[object.index], &scene->mesh_facts.items[object.index]);
-        break;
+    case SCENE_MESH: out = mesh_bounds(scene, object.index); break;
     case SCENE_PLANE: break;
     }
     return out;

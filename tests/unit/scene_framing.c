@@ -224,26 +224,32 @@ UNIT_TEST(turns_stay_in_view) {
     }
 }
 
-/* A body that grows to twice its size: at both ends of the shutter's time, or as large as it is half way. */
+/* A body that grows to twice its size, and later to a thousand times: at both ends of the shutter's time, or
+ * as large as it is half way. The bounds are of that time, too. */
 UNIT_TEST(moving_vertices_are_framed_as_they_are_then) {
     const double shutters[2][2] = {{0, 1}, {0.5, 0.5}};
-    float keys[2][6][3];
+    float keys[3][6][3];
     fathom_mesh mesh;
     fathom_mesh_default(&mesh);
     for (int i = 0; i < 6; ++i) {
-        for (int k = 0; k < 3; ++k) keys[0][i][k] = body[i][k], keys[1][i][k] = 2 * body[i][k];
+        for (int k = 0; k < 3; ++k)
+            keys[0][i][k] = body[i][k], keys[1][i][k] = 2 * body[i][k], keys[2][i][k] = 1000 * body[i][k];
     }
     mesh.positions = body[0], mesh.vertex_count = 6, mesh.indices = faces, mesh.triangle_count = 4;
-    mesh.key_count = 2, mesh.key_times = times, mesh.key_positions = keys[0][0];
+    mesh.key_count = 3, mesh.key_times = times, mesh.key_positions = keys[0][0];
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
     for (int i = 0; i < 2; ++i) {
         points p = {.count = 0};
+        scene_bounds bounds;
         const affine_f64 from = affine_scaling(i ? (vec3_f64){1.5, 1.5, 1.5} : (vec3_f64){1, 1, 1}),
                          to = affine_scaling(i ? (vec3_f64){1.5, 1.5, 1.5} : (vec3_f64){2, 2, 2});
         note_body(&p, &from);
         note_body(&p, &to);
         complete_with_shutter(shutters[i][0], shutters[i][1]);
         assert_framed(&p, 16);
+        assert_ok(context, scene_world_bounds(scene, &bounds));
+        assert_true(bounds.lower.x == (i ? 1.5 : 2) * -2 && bounds.upper.x == (i ? 1.5 : 2) * 3);
+        assert_true(bounds.lower.z == (i ? 1.5 : 2) * -6.5 && bounds.upper.z == (i ? 1.5 : 2) * 2.875);
     }
 }
 
