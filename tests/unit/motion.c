@@ -65,6 +65,39 @@ UNIT_TEST(rotations_stay_rigid_and_evenly_fast_between_keys) {
     }
 }
 
+/* A box that turns, grows and moves between random keys. Its corners are below 12 from the pivot, and growth
+ * moves them by less than 6. So a step of 2^-5 radians is allowed 2^-5 (2^-5 · 12 + 2 · 6) / 8 beyond its
+ * chord; and between two looks a corner moves by less than 0.06. */
+UNIT_TEST(bounds_hold_the_whole_way_between_keys) {
+    const scene_bounds box = {{-1, -2, 0.5}, {3, 1, 4}};
+    const double key_times[3] = {0, 1, 3}, shutter[2] = {0.25, 2.5};
+    random_state r = {5};
+    for (int i = 0; i < 50; ++i) {
+        double maps[3][12];
+        scene_bounds seen = bounds_empty();
+        for (int k = 0; k < 3; ++k) {
+            const vec3_f64 axis = {random_in(&r, -1, 1), random_in(&r, -1, 1), random_in(&r, 0.1, 1)},
+                           shift = {random_in(&r, -5, 5), random_in(&r, -5, 5), random_in(&r, -5, 5)},
+                           scale = {random_in(&r, 1, 2), random_in(&r, 1, 2), random_in(&r, 1, 2)};
+            const affine_f64 map = map_of(random_in(&r, -3, 3), axis, shift, scale);
+            memcpy(maps[k], map.m, sizeof map.m);
+        }
+        const fathom_instance instance = {.key_count = 3, .key_times = key_times, .key_transforms = maps[0]};
+        const scene_bounds all = motion_bounds(&instance, shutter, &box);
+        for (int k = 0; k <= 2000; ++k) {
+            const affine_f64 map = motion_place(&instance, 0.25 + 2.25 * k / 2000);
+            const scene_bounds there = bounds_transformed(&box, &map);
+            bounds_join(&seen, &there);
+        }
+        const vec3_f64 below = sub_f64(seen.lower, all.lower), above = sub_f64(all.upper, seen.upper);
+        const double most = 0x1p-5 * (0x1p-5 * 12 + 2 * 6) / 8 + 0.06;
+        assert_true(below.x >= 0 && below.y >= 0 && below.z >= 0 && below.x < most && below.y < most &&
+                    below.z < most);
+        assert_true(above.x >= 0 && above.y >= 0 && above.z >= 0 && above.x < most && above.y < most &&
+                    above.z < most);
+    }
+}
+
 /* ---- what tracers meet ---- */
 
 static void moving_vertices(stage *s) {

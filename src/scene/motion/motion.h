@@ -37,8 +37,7 @@ uint32_t motion_key(const double *times, uint32_t count, double time, double *u)
 affine_f64 motion_place(const fathom_instance *instance, double time);
 /* True when the instance moves while the shutter is open. */
 bool motion_is_moving(const fathom_instance *instance, const double shutter[2]);
-/* The union of the bounds of an instance at the ends of the shutter interval and at the keys between.
- * `inside`: the bounds of its group. */
+/* The bounds of an instance on its way while the shutter is open. `inside`: the bounds of its group. */
 scene_bounds motion_bounds(const fathom_instance *instance, const double shutter[2],
                            const scene_bounds *inside);
 
