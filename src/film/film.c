@@ -156,16 +156,6 @@ static fathom_status take_pixels(fathom_context *context, fathom_film *film, con
     return FATHOM_OK;
 }
 
-/* The brightest emission that the scene itself states; environments are read later. */
-static void find_brightest(const fathom_scene *scene, float out[3]) {
-    memcpy(out, scene->background, 3 * sizeof *out);
-    for (size_t i = 0; i < scene->materials.count; ++i) {
-        const fathom_material *m = &scene->materials.items[i].value;
-        for (int c = 0; c < 3; ++c)
-            out[c] = fmaxf(out[c], fmaxf(m->k_e[c], m->emissive[c] * m->emissive_strength));
-    }
-}
-
 static fathom_status make_manifests(fathom_context *context, const fathom_scene *scene, fathom_film *film) {
     const film_parts parts = film_parts_of(&film->settings, &film->light_groups);
     for (int k = 0; k < MATTE_KINDS; ++k) {
@@ -190,7 +180,7 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     film->settings.tracer = NULL; /* the film does not own it; the tracer's name is in the statistics */
     film->camera = motion_camera_shown(&scene->camera, settings->motion_blur);
     memcpy(film->background, scene->background, sizeof film->background);
-    find_brightest(scene, film->brightest);
+    memcpy(film->brightest, scene->background, sizeof film->brightest);
     film->in_studio = scene->in_studio && settings->integrator != FATHOM_INTEGRATOR_CLASSIC;
     film->light_groups = scene->light_groups;
     fathom_status status = make_manifests(context, scene, film);

@@ -66,7 +66,8 @@ struct fathom_film {
     fathom_camera camera;
     fathom_stats stats;
     bool interrupted;
-    float background[3], brightest[3]; /* brightest: emission of any surface or the surroundings */
+    float background[3], brightest[3]; /* brightest: emission of any surface or of the surroundings; complete
+                                          if the film has error channels */
     bool in_studio;                    /* lit by the built-in studio */
     char *scene_name;
     char fireflies[FIREFLY_TEXT];  /* description of their treatment; "": none was requested */

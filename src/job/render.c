@@ -136,17 +136,37 @@ typedef struct keeping {
     ranks *ranks;
 } keeping;
 
+static void keep_brightest(fathom_film *film, const float rgb[3]) {
+    for (int c = 0; c < 3; ++c) film->brightest[c] = fmaxf(film->brightest[c], rgb[c]);
+}
+
+/* Only the stated errors need it; it may read whole images. */
+static fathom_status find_brightest(fathom_context *context, const render_plan *plan, fathom_film *film) {
+    const fathom_scene *scene = plan->scene;
+    fathom_status status = FATHOM_OK;
+    float rgb[3];
+    if (!film->doubt) return status;
+    if (plan->emitters) {
+        emitters_brightest_outside(plan->emitters, rgb);
+        keep_brightest(film, rgb);
+    }
+    for (size_t i = 0; i < scene->materials.count && status == FATHOM_OK; ++i) {
+        const fathom_material *m = &scene->materials.items[i].value;
+        for (int c = 0; c < 3; ++c) rgb[c] = fmaxf(m->k_e[c], m->emissive[c] * m->emissive_strength);
+        if (!(rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0)) continue;
+        if (plan->texturing) status = texturing_brighten(plan->texturing, context, (fathom_id)i, rgb);
+        keep_brightest(film, rgb);
+    }
+    return status;
+}
+
 static fathom_status make_plan(fathom_context *context, const world *w, const trace_tracer *tracer,
                                const fathom_settings *settings, fathom_film *film, render_plan **out) {
     const double began = clock_seconds();
-    float outside[3];
     fathom_status status = plan_create(context, w, tracer, settings, out);
     film->stats.build_seconds += clock_seconds() - began;
+    if (status == FATHOM_OK) status = find_brightest(context, *out, film);
     if (status != FATHOM_OK) return status;
-    if ((*out)->emitters) {
-        emitters_brightest_outside((*out)->emitters, outside);
-        for (int c = 0; c < 3; ++c) film->brightest[c] = fmaxf(film->brightest[c], outside[c]);
-    }
     return left_out_find(w, settings, (*out)->watertight, &film->left_out)
                ? FATHOM_OK
                : fail_memory(context, sizeof(fathom_left_out));

@@ -54,6 +54,9 @@ typedef struct texturing_place {
                     v */
 } texturing_place;
 void texturing_emission(const texturing *t, const texturing_place *place, float rgb[3]);
+/* Multiplies rgb, the emission of a material, by the largest factors of its image and of vertex colours. */
+fathom_status texturing_brighten(const texturing *t, fathom_context *context, fathom_id material,
+                                 float rgb[3]);
 /* The square root of the number of texels that the triangle or half quad covers in the images of its
  * emission; 0: there are none. */
 float texturing_emission_texels(const texturing *t, const texturing_place *place);

@@ -40,6 +40,28 @@ bool texturing_varies_emission(const texturing *t, fathom_id material) {
            (t->colors && texturing_sends_alone(p->material));
 }
 
+static void find_brightest_color(const world *w, float rgb[3]) {
+    for (size_t i = 0; i < w->meshes.count; ++i) {
+        const fathom_mesh *m = &w->meshes.items[i];
+        for (uint32_t v = 0; m->colors && v < m->vertex_count; ++v) {
+            const float *at = mesh_row(m->colors, m->color_stride, v);
+            for (int c = 0; c < 3; ++c) rgb[c] = fmaxf(rgb[c], at[c]);
+        }
+    }
+}
+
+fathom_status texturing_brighten(const texturing *t, fathom_context *context, fathom_id material,
+                                 float rgb[3]) {
+    const material_plan *p = &t->plans[material];
+    float image[3] = {1, 1, 1}, color[3] = {1, 1, 1};
+    fathom_status status = FATHOM_OK;
+    if (p->of[FATHOM_MAP_EMISSIVE] != NO_LOOKUP)
+        status = texture_brightest(t->cache, context, p->material->maps[FATHOM_MAP_EMISSIVE].texture, image);
+    if (t->colors && texturing_sends_alone(p->material)) find_brightest_color(t->w, color);
+    for (int c = 0; c < 3; ++c) rgb[c] *= image[c] * color[c];
+    return status;
+}
+
 /* The square root of the area that the triangle or half quad covers in the image; 1 for a sphere. */
 static float image_side(const texturing *t, const texturing_place *place, unsigned set) {
     float uv[3][2];

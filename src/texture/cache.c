@@ -3,6 +3,7 @@
 #include "image/helper/helper.h"
 #include "scene/scene.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -255,6 +256,23 @@ fathom_status texture_average(texture_cache *cache, fathom_context *context, fat
     const cache_slot whole = {img, FATHOM_WRAP_CLAMP, FATHOM_WRAP_CLAMP, FATHOM_TEXTURE_TRILINEAR};
     cache->kernels->mean(cache, &whole, 0.5f, 0.5f, 2, rgba);
     return texture_cache_check(cache, context);
+}
+
+fathom_status texture_brightest(texture_cache *cache, fathom_context *context, fathom_id texture,
+                                float rgb[3]) {
+    const cache_slot *slot = &cache->slots[texture];
+    const image_texture_info *info = &slot->image->info;
+    const bool integers = info->sent <= IMAGE_TEXEL_U16;
+    float rgba[4];
+    rgb[0] = rgb[1] = rgb[2] = integers ? 1 : 0;
+    for (uint32_t y = 0; y < info->height && !integers; ++y) {
+        for (uint32_t x = 0; x < info->width; ++x) {
+            if (!cache->kernels->texel(cache, slot, 0, x, y, rgba))
+                return texture_cache_check(cache, context);
+            for (int c = 0; c < 3; ++c) rgb[c] = fmaxf(rgb[c], rgba[c]);
+        }
+    }
+    return FATHOM_OK;
 }
 
 fathom_status texture_is_opaque(texture_cache *cache, fathom_context *context, fathom_id texture, bool *out) {

@@ -44,6 +44,10 @@ void texture_size(const texture_cache *cache, fathom_id texture, uint32_t *width
 /* The mean of all texels, linear. Decodes the image. */
 fathom_status texture_average(texture_cache *cache, fathom_context *context, fathom_id texture,
                               float rgba[4]);
+/* The largest value of each colour among all texels, linear, or an upper bound of it: 1 for an image of
+ * integers. Reads all other images as a whole. */
+fathom_status texture_brightest(texture_cache *cache, fathom_context *context, fathom_id texture,
+                                float rgb[3]);
 /* *out: whether alpha is 1 everywhere; always false for a mip-mapped file with alpha. Decodes the image if it
  * has alpha. */
 fathom_status texture_is_opaque(texture_cache *cache, fathom_context *context, fathom_id texture, bool *out);

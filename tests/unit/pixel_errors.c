@@ -257,4 +257,66 @@ UNIT_TEST(error_of_the_image_is_unbiased) {
     close_subject(u);
 }
 
+/* ---- what is unseen ---- */
+
+/* Two texels of an image in memory, of shared exponents (RGBE): 1 and 64. */
+static fathom_id add_bright_texels(stage *s) {
+    static const unsigned char bytes[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n"
+                                         "\x80\x80\x80\x81\x80\x80\x80\x87";
+    fathom_texture t;
+    fathom_id id;
+    fathom_texture_default(&t);
+    t.bytes = bytes, t.byte_count = sizeof bytes - 1, t.name = "bright.hdr";
+    t.filter = FATHOM_TEXTURE_NEAREST;
+    assert_ok(s->context, fathom_scene_add_texture(s->scene, &t, &id));
+    return id;
+}
+
+/* The error of the green of the image's first pixel, which shows nothing but black. */
+static double error_of_black(stage *s) {
+    stage_camera(s, (double[]){0, 0, 1}, (double[]){0, 0, 2}, (double[]){0, 1, 0}, 1);
+    assert_ok(s->context, fathom_scene_set_background(s->scene, (float[3]){0, 0, 0}));
+    fathom_settings_set_integrator(&s->settings, FATHOM_INTEGRATOR_PATH);
+    s->settings.target_error = 0, s->settings.spp = 16, s->settings.aovs = FATHOM_AOV_ERROR;
+    fathom_film *film = stage_render(s);
+    const double error = (double)fathom_film_channel(film, "error.G")[0];
+    assert_true(fathom_film_channel(film, "error.doubt")[0] == 1);
+    fathom_film_destroy(film);
+    return error;
+}
+
+/* The rule of three, over 1.96; two roundings to float. */
+static void assert_bounds(double error, double brightest) {
+    const double expected = (1 - pow(0.05, 1 / 16.0)) * brightest / FILM_ERROR_T;
+    assert_near(error, expected, 2 * 0x1p-24 * expected);
+}
+
+UNIT_TEST(black_pixels_know_the_brightest_texel_of_emission) {
+    stage s = stage_open(8, 8);
+    fathom_material m;
+    fathom_material_default(&m);
+    m.k_e[0] = m.k_e[1] = m.k_e[2] = 2;
+    m.maps[FATHOM_MAP_EMISSIVE].texture = add_bright_texels(&s);
+    stage_quad(&s, (double[]){0, 0, 0}, (double[]){1, 0, 0}, (double[]){0, 1, 0}, stage_material(&s, &m));
+    assert_bounds(error_of_black(&s), 128);
+    stage_close(&s);
+}
+
+/* Of an unlit mesh, colours multiply the emission. */
+UNIT_TEST(black_pixels_know_the_brightest_colour_of_emission) {
+    static const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, colors[9] = {1, 1, 1, 1, 7, 1, 1, 1, 1};
+    static const uint32_t indices[3] = {0, 1, 2};
+    stage s = stage_open(8, 8);
+    fathom_material m;
+    fathom_mesh mesh;
+    fathom_material_default(&m), fathom_mesh_default(&mesh);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.specular_factor = 0;
+    for (int c = 0; c < 3; ++c) m.base_color[c] = 0, m.emissive[c] = 3;
+    mesh.positions = positions, mesh.vertex_count = 3, mesh.indices = indices, mesh.triangle_count = 1;
+    mesh.colors = colors, mesh.material = stage_material(&s, &m);
+    assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
+    assert_bounds(error_of_black(&s), 21);
+    stage_close(&s);
+}
+
 int main(void) { return unit_main(NULL, NULL); }
