@@ -91,6 +91,9 @@ typedef struct fathom_read_options {
     /* With choose_integrator: the caller sets spp itself, so the spp and the target error of a file that is
      * meant for another integrator count for nothing. Default false. */
     bool own_spp;
+    /* A `shutter` of 0 replaces that of scene JSON, too: everything stands as it is at `time`. Default
+     * false. */
+    bool choose_shutter;
 } fathom_read_options;
 
 FATHOM_DEFAULT(fathom_read_options)

@@ -34,7 +34,8 @@ fathom_read_options command_read_options(const command_model *model) {
                                  .up = model->up,
                                  .choose_time = model->time.given,
                                  .time = model->time.value,
-                                 .shutter = model->shutter,
+                                 .shutter = model->shutter.value,
+                                 .choose_shutter = model->shutter.given,
                                  .animation = model->animation,
                                  .variant = model->variant,
                                  .unit = metres[model->unit]};

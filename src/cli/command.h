@@ -57,7 +57,7 @@ typedef struct command_model {
     fathom_up up;
     unsigned unit; /* index in COMMAND_UNITS */
     args_f64 time;
-    double shutter;
+    args_f64 shutter;
 } command_model;
 
 #define COMMAND_UNITS "m|mm|cm|dm|km|in|ft"
@@ -75,7 +75,7 @@ fathom_read_options command_read_options(const command_model *model);
             settings, "time", "SECONDS", take_given_f64, time, -1e9, 1e9,                                    \
             "time of the image: poses the animations of .gltf and .glb files; opens the shutter of scene "   \
             "JSON (default: animations at rest, shutter as the scene says)"),                                \
-        COMMAND_MODEL_ROW(settings, "shutter", "SECONDS", take_f64, shutter, 0, 1e9,                         \
+        COMMAND_MODEL_ROW(settings, "shutter", "SECONDS", take_given_f64, shutter, 0, 1e9,                   \
                           "blur what moves while the shutter is open, from --time on; it replaces the "      \
                           "shutter of scene JSON (still)"),                                                  \
         COMMAND_MODEL_ROW(settings, "animation", "NAME|N", take_text, animation, 0, 0,                       \

@@ -211,8 +211,9 @@ static fathom_status pose_vertices(fathom_scene *scene) {
 static fathom_status open_shutter(fathom_scene *scene, const char *path) {
     const fathom_read_options *asked = scene->asked;
     double *shutter = scene->camera.shutter;
-    const double length = asked->shutter > 0 ? asked->shutter : shutter[1] - shutter[0];
-    if (asked->shutter > 0 || asked->choose_time) {
+    const bool own = asked->choose_shutter || asked->shutter > 0;
+    const double length = own ? asked->shutter : shutter[1] - shutter[0];
+    if (own || asked->choose_time) {
         shutter[0] = asked->time, shutter[1] = asked->time + length;
         /* Sets the camera again, because a camera with keys takes its position at the time when the shutter
          * opens. */

@@ -93,7 +93,10 @@ same j2.png j4.png
 same k2.png l.png
 differ j2.png l.png
 refused 2 'expected a name with #### for the number, found "a.png"' render moving.gltf -o a.png --frames 1-3
-refused 2 '--frames: expected FIRST-LAST with FIRST <= LAST, such as 1-24, found "3-1"' render moving.gltf -o 'a#.png' --frames 3-1
+for frames in 3-1 -5 1--5 1-1000000 '1- 2' 1-2-3 -; do
+    refused 2 "--frames: expected FIRST-LAST with FIRST <= LAST <= 999999, such as 1-24, found \"$frames\"" \
+        render moving.gltf -o 'a#.png' --frames "$frames"
+done
 refused 2 '--fps: only with --frames' render moving.gltf -o a.png --fps 25
 
 # An open shutter blurs what moves, as motion in scene JSON does, to the last bit; JSON's own motion too.
@@ -115,6 +118,15 @@ run 1 compare blurred.exr a.exr
 rm ./*.exr
 run 0 render moving.json --size 16x16 --spp 1 -o a.png
 said err.txt 'moving.json: has motion, and no shutter: all is still, where it is at time 0; give the camera a shutter'
+# A shutter of no time is still, whatever the file says.
+sed 's/"d": 1/"shutter": [0, 0.5], "d": 1/' moving.json >open.json
+run 0 render open.json --size 16x16 --spp 4 -o open.png
+run 0 render open.json --size 16x16 --spp 4 --shutter 0 -o shut.png
+run 0 render open.json --size 16x16 --spp 4 --time 0.25 --shutter 0 -o later.png
+differ open.png shut.png
+differ shut.png later.png
+run 0 render moving.json --size 16x16 --spp 4 --time 0 -o a.png
+same a.png shut.png
 refused 2 'has nothing that moves while a shutter is open' render still.gltf -o a.png --shutter 1
 
 # A time alone shows motion where it is then: placements, vertices and cameras, to the last bit.

@@ -1,21 +1,25 @@
 #include "cli/render/frames.h"
 
+#include "base/parameter.h"
+
 #include <stdio.h>
 #include <string.h>
 
 #define FPS 24.0
+#define FRAME_MOST 999999u
 
 bool take_frames(const args_option *option, const char *value, void *field, args_problem *problem) {
+    const char *text = value;
+    uint64_t first = 0, last;
+    bool fine = text_read_u64(&text, strchr(value, '-') ? '-' : '\0', &first);
+    last = first;
+    if (fine && strchr(value, '-')) fine = text_read_u64(&text, '\0', &last);
+    if (!fine || first > last || last > FRAME_MOST)
+        return args_wrong(problem, "expected %s with FIRST <= LAST <= %u, such as 1-24, found \"%.60s\"",
+                          option->value, FRAME_MOST, value);
     render_frames *frames = field;
-    char end;
-    const bool one = sscanf(value, "%6u%c", &frames->first, &end) == 1;
-    if (one) frames->last = frames->first;
-    const bool plain = strspn(value, "0123456789-") == strlen(value);
-    if (plain && (one || sscanf(value, "%6u-%6u%c", &frames->first, &frames->last, &end) == 2) &&
-        frames_asked(frames))
-        return true;
-    return args_wrong(problem, "expected %s with FIRST <= LAST, such as 1-24, found \"%.60s\"", option->value,
-                      value);
+    frames->first = (uint32_t)first, frames->last = (uint32_t)last;
+    return true;
 }
 
 double frames_time(const render_frames *frames, uint32_t frame) {
