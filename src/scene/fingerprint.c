@@ -82,9 +82,17 @@ static void hash_instance(hash *h, const fathom_instance *i) {
     hash_keys(h, i->key_count, i->key_times, i->key_transforms);
 }
 
+/* Cryptomatte's ids are those of names. */
+static void hash_name(hash *h, const char *name) {
+    const size_t bytes = name ? strlen(name) + 1 : 0;
+    PUT(h, bytes);
+    hash_put(h, name, bytes);
+}
+
 static void hash_object(hash *h, const scene_object *o) {
     const unsigned kind = (unsigned)o->kind;
     PUT(h, kind), PUT(h, o->index), PUT(h, o->group);
+    hash_name(h, o->name);
 }
 
 static void hash_sphere(hash *h, const fathom_sphere *s) {
@@ -123,7 +131,9 @@ static void hash_values(hash *h, const fathom_scene *scene) {
     for (size_t i = 0; i < materials; ++i) {
         hash_material(h, &scene->materials.items[i].value);
         hash_material(h, &scene->materials.items[i].classic);
+        hash_name(h, scene->materials.items[i].name);
     }
+    for (size_t i = 0; i < groups; ++i) hash_name(h, scene->groups.items[i]);
     PUT_ALL(h, &scene->lights, hash_light);
     PUT_ALL(h, &scene->environments, hash_environment);
     PUT(h, scene->in_studio), PUT(h, scene->lights_made), PUT(h, scene->studio_up);

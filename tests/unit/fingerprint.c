@@ -174,11 +174,17 @@ UNIT_TEST(every_vertex_of_many) {
     free(long_one);
 }
 
+/* The ids of Cryptomatte depend on them. */
+UNIT_TEST(names_of_parts) {
+    SEES(scene->materials.items[1].name[0], 'n');
+    SEES(scene->groups.items[1][0], 'h');
+    SEES(scene->objects.items[0].name, "ball");
+}
+
 /* No pixel depends on them. */
-UNIT_TEST(names_and_texture_coordinates) {
+UNIT_TEST(the_scene_s_name_and_texture_coordinates) {
     const uint64_t before = fingerprint();
     assert_ok(context, fathom_scene_set_name(scene, "another"));
-    scene->materials.items[1].name[0] = 'n', scene->groups.items[1][0] = 'h';
     scene->meshes.items[0].uvs = positions + 4;
     scene->settings.spp = 25;
     assert_true(fingerprint() == before);
