@@ -251,7 +251,8 @@ FATHOM_API uint32_t fathom_film_left_out(const fathom_film *film, const fathom_l
 /* How bright the film is where it shows something other than the bare background. */
 typedef struct fathom_brightness {
     size_t size;
-    uint64_t pixels;  /* that show something else than the background */
+    uint64_t pixels;  /* that show something else than the background; all if the image is black, as is the
+                         background, and there is no alpha */
     uint64_t black;   /* of these: without any light */
     uint64_t clipped; /* of these: brighter than white (1) at the given exposure */
     float exposure; /* stops, a multiple of 0.1: at most 1 % of the lit pixels are brighter than white; 0 when

@@ -162,6 +162,9 @@ same a.png b.png
 sed 's/"lights": .*/"lights": [],/' scene.json >black.json
 run 0 render black.json -o a.exr --max-depth 0
 said err.txt 'all that is in view is black: the scene has no lights'
+sed 's/"lights": .*/"lights": [],/; /"background"/d' scene.json >black.json
+run 0 render black.json -o a.exr --max-depth 0
+said err.txt 'all that is in view is black: the scene has no lights'
 refused 2 '--leave-out-below 8bit: needs the exposure' \
     render scene.json -o c.png --leave-out-below 8bit --exposure auto
 refused 2 '--exposure: expected a number' render scene.json -o c.png --exposure much

@@ -45,6 +45,10 @@ UNIT_TEST(black_is_counted) {
     assert_int_equal(b.black, SIDE * SIDE / 2);
     assert_true(b.exposure == 0);
     assert_int_equal(brightness_of(1e-30f, 0.5f, 0, 0).black, 0);
+    b = brightness_of(0, 0, 0, 0);
+    assert_true(b.black == SIDE * SIDE && b.pixels == SIDE * SIDE && b.exposure == 0);
+    assert_int_equal(brightness_of(0, 0, FATHOM_AOV_ALPHA, 0).black, SIDE * SIDE / 2);
+    assert_int_equal(brightness_of(1, 0, 0, 0).black, 0);
 }
 
 /* The exposure found shows everything, and half a stop more would not: bins are a sixteenth of an octave
