@@ -25,11 +25,11 @@ kills=0 writing=0 finished=0
 survive $((count - count / 2)) $((seed + 1000)) 1200 scene.json --size 160x120 $error
 echo "to an error:                 $kills kills, $writing while a file was written, $finished renders finished"
 kills=0 finished=0
-survive_parts $((count / 2)) $((seed + 2000)) samples scene.json --size 160x120 --spp 256 --aov all --exr-float
+survive_parts $((count / 2)) $((seed + 2000)) samples scene.json --size 160x120 --spp 256 --aov all
 echo "parts by samples:            $kills kills, $finished images merged"
 kills=0 finished=0
 survive_parts $((count - count / 2)) $((seed + 3000)) tiles scene.json --size 160x120 --target-error 0.004 --spp 1024 \
-    --aov all --exr-float
+    --aov all
 echo "parts by tiles, to an error: $kills kills, $finished images merged"
 [ -e "$BUILD/lib/fathom/fathom_mpi.so" ] && command -v mpirun >/dev/null || exit 0
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1

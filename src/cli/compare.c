@@ -45,13 +45,15 @@ static fathom_status compare(fathom_context *context, const fathom_image *a, con
         return status;
     }
     if (!quiet) print_difference(&d, a, settings->tolerance);
-    if (!quiet && settings->flip) status = print_flip(context, a, b, settings->ppd);
+    if (!quiet && settings->flip)
+        status = print_flip(context, a, b, settings->ppd > 0 ? settings->ppd : FATHOM_FLIP_PPD);
     return status == FATHOM_OK && d.pixels ? FATHOM_CHECK_FAILED : status;
 }
 
 static fathom_status read_and_compare(fathom_context *context, void *user) {
     const compare_settings *settings = user;
     const fathom_image *a = NULL, *b = NULL;
+    if (settings->ppd > 0 && !settings->flip) return say_usage(&command_compare, "--ppd: only with --flip");
     fathom_status status = fathom_image_read(context, settings->a, &a);
     if (status == FATHOM_OK) status = fathom_image_read(context, settings->b, &b);
     say_status(&command_compare, context, status);
@@ -62,7 +64,7 @@ static fathom_status read_and_compare(fathom_context *context, void *user) {
 }
 
 static fathom_status run(int argc, char **argv) {
-    compare_settings settings = {.ppd = FATHOM_FLIP_PPD};
+    compare_settings settings = {.a = NULL};
     return command_run(&command_compare, argc, argv, &settings, read_and_compare);
 }
 

@@ -31,6 +31,7 @@ said out.txt 'at 20 pixels a degree'
 run 1 compare a.png b.png --flip --quiet
 silent out.txt
 refused 2 'ppd' compare a.png b.png --flip --ppd 0.5
+refused 2 '--ppd: only with --flip' compare a.png b.png --ppd 20
 run 0 render scene.json -o id.exr --aov id
 run 0 compare id.exr id.exr --flip
 

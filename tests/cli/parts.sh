@@ -105,5 +105,5 @@ rm p1.part
 
 # Killed at random moments. tests/kill.sh does more.
 . "$SOURCE/tests/kill/kill.inc"
-survive_parts 5 1 samples scene.json --size 160x120 --spp 64 --aov all --exr-float
-survive_parts 5 500 tiles scene.json --size 160x120 --target-error 0.01 --spp 1024 --exr-float
+survive_parts 5 1 samples scene.json --size 160x120 --spp 64 --aov all
+survive_parts 5 500 tiles scene.json --size 160x120 --target-error 0.01 --spp 1024

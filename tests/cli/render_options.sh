@@ -167,6 +167,18 @@ run 0 render black.json -o a.exr --max-depth 0
 said err.txt 'all that is in view is black: the scene has no lights'
 refused 2 '--leave-out-below 8bit: needs the exposure' \
     render scene.json -o c.png --leave-out-below 8bit --exposure auto
+# What no output takes is refused rather than dropped.
+refused 2 '--exr-float: only with -o FILE.exr' render scene.json -o c.png --exr-float
+for option in view display ocio; do
+    refused 2 "--$option: only with an image for the display, such as -o FILE.png" render scene.json -o c.exr --$option x
+    refused 2 "--$option: only with an image for the display" merge 0.part -o c.exr --$option x
+done
+for option in '--exr-float' '--exposure 1' '--exposure auto' '--view x' '--ocio x'; do
+    # shellcheck disable=SC2086
+    refused 2 "${option% *}: is about the image, which fathom merge writes" render scene.json -o c.part --part 1/2 $option
+done
+refused 2 '--exr-float: only with -o FILE.exr' merge 0.part -o c.png --exr-float
+refused 2 '--min-weight: only with --integrator classic' render scene.json -o c.png --integrator path --min-weight 0.1
 refused 2 '--exposure: expected a number' render scene.json -o c.png --exposure much
 
 printf 'newmtl a\nKd 0.6 0.6 0.6\nd 0\n' >clear.mtl

@@ -58,9 +58,10 @@ static fathom_status run(int argc, char **argv) {
     fathom_status status;
     fathom_context *context;
     render_options_default(&options);
+    args_problem problem = {"-o IMAGE is missing"};
     bool fine = command_parse(&command_merge, argc, argv, &options, &status);
-    if (fine && !options.outputs.count) {
-        status = say_usage(&command_merge, "-o IMAGE is missing");
+    if (fine && !(options.outputs.count && render_options_check_images(&options, &problem))) {
+        status = say_usage(&command_merge, problem.text);
         fine = false;
     }
     if (fine) status = command_context(options.threads, &context);

@@ -112,6 +112,8 @@ static fathom_status merge_settings(task *s) {
     if (render_options_give(o, "min_spp") && !(o->settings.target_error > 0 || o->settings.max_time > 0))
         return cli_fail(s->context, FATHOM_BAD_USAGE,
                         "--min-spp: only with --target-error E or --max-time SECONDS");
+    if (render_options_give(o, "min_weight") && o->settings.integrator != FATHOM_INTEGRATOR_CLASSIC)
+        return cli_fail(s->context, FATHOM_BAD_USAGE, "--min-weight: only with --integrator classic");
     if (fathom_settings_check(s->context, &o->settings) != FATHOM_OK) return FATHOM_BAD_USAGE;
     return check_sizes(s);
 }
@@ -363,6 +365,7 @@ static fathom_status run_frames(task *all) {
         interrupt_keep_work(false);
         status = begin_frame(all, frame, &room, &s);
         if (status == FATHOM_OK) status = run_once(&s);
+        if (s.options.part.path) continue;
         all->options.exposure = EXPOSURE_GIVEN;
         all->options.write.exposure = s.options.write.exposure;
     }

@@ -125,9 +125,40 @@ static bool check_environment(const render_options *options, args_problem *probl
                                "path tracing, by --integrator path");
 }
 
+static const char *color_option(const fathom_write_options *write) {
+    return write->display ? "display" : write->view ? "view" : write->ocio ? "ocio" : NULL;
+}
+
+/* The exposure decides which rays are left out below a level. */
+static bool check_part(const render_options *options, args_problem *problem) {
+    const bool exposed = options->exposure != EXPOSURE_USUAL && options->loss != FATHOM_LOSS_8BIT;
+    const char *lost = options->write.float_color ? "exr-float"
+                       : exposed                  ? "exposure"
+                                                  : color_option(&options->write);
+    return !lost || args_wrong(problem,
+                               "--%s: is about the image, which fathom merge writes; expected it there, and "
+                               "not with -o FILE.part",
+                               lost);
+}
+
+bool render_options_check_images(const render_options *options, args_problem *problem) {
+    const char *color = color_option(&options->write);
+    bool exr = false, shown = false;
+    for (size_t i = 0; i < options->outputs.count; ++i) {
+        char extension[16];
+        file_extension(options->outputs.items[i], extension);
+        const bool is_exr = strcmp(extension, "exr") == 0;
+        exr |= is_exr, shown |= !is_exr;
+    }
+    if (options->write.float_color && !exr) return args_wrong(problem, "--exr-float: only with -o FILE.exr");
+    return shown || !color ||
+           args_wrong(problem, "--%s: only with an image for the display, such as -o FILE.png", color);
+}
+
 bool render_options_finish(render_options *options, const fathom_settings *scene, args_problem *problem) {
     if (!check_frames(options, problem) || !part_options_finish(options, problem)) return false;
     if (!options->outputs.count && !options->part.path) return args_wrong(problem, "-o IMAGE is missing");
+    if (!(options->part.path ? check_part : render_options_check_images)(options, problem)) return false;
     if (!merge(options, scene, problem) || !check_environment(options, problem)) return false;
     if (options->quiet && options->verbose)
         return args_wrong(problem, "--quiet and --verbose exclude each other");
