@@ -249,6 +249,16 @@ static fathom_status hash_sky_files(const fathom_scene *scene, const char *path,
     return status;
 }
 
+/* What a named colour space means depends on the config. One that cannot be read is reported when the images
+ * are opened. */
+static void hash_config(const fathom_scene *scene, hash *h) {
+    const char *config = getenv("OCIO");
+    bool named = false;
+    for (size_t i = 0; i < scene->textures.count; ++i)
+        named |= scene->textures.items[i].color_space == FATHOM_COLOR_NAMED;
+    if (named && config && hash_file(scene, config, h) != FATHOM_OK) hash_put(h, config, strlen(config));
+}
+
 static fathom_status hash_images(const fathom_scene *scene, hash *h) {
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; status == FATHOM_OK && i < scene->environments.count; ++i)
@@ -257,6 +267,7 @@ static fathom_status hash_images(const fathom_scene *scene, hash *h) {
         const char *path = scene->textures.items[i].file;
         if (path) status = hash_file(scene, path, h);
     }
+    hash_config(scene, h);
     return status;
 }
 

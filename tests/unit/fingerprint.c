@@ -2,6 +2,9 @@
 #include "scene/scene.h"
 #include "unit.h"
 
+#include <stdio.h>
+#include <stdlib.h>
+
 static fathom_context *context;
 static fathom_scene *scene;
 
@@ -172,6 +175,38 @@ UNIT_TEST(every_vertex_of_many) {
     assert_true(fingerprint() == alone);
     *m = short_one;
     free(long_one);
+}
+
+static void write_config(const char *path, const char *text) {
+    FILE *to = fopen(path, "w");
+    assert_non_null(to);
+    fputs(text, to);
+    fclose(to);
+}
+
+/* A named colour space is one of the config in $OCIO; what is in it counts, not where it is. */
+UNIT_TEST(the_config_of_named_color_spaces) {
+    static const unsigned char bytes[] = "P6 1 1 255\n   ";
+    fathom_texture t;
+    fathom_texture_default(&t);
+    t.bytes = bytes, t.byte_count = sizeof bytes - 1;
+    assert_ok(context, fathom_scene_add_texture(scene, &t, NULL));
+    uint64_t of[2][4];
+    for (int named = 0; named < 2; ++named) {
+        scene->textures.items[0].color_space = named ? FATHOM_COLOR_NAMED : FATHOM_COLOR_SRGB;
+        scene->textures.items[0].color_space_name = "acescg";
+        unsetenv("OCIO");
+        of[named][0] = fingerprint();
+        setenv("OCIO", "fingerprint-a.ocio", 1);
+        write_config("fingerprint-a.ocio", "one"), of[named][1] = fingerprint();
+        write_config("fingerprint-a.ocio", "two"), of[named][2] = fingerprint();
+        setenv("OCIO", "fingerprint-b.ocio", 1);
+        write_config("fingerprint-b.ocio", "two"), of[named][3] = fingerprint();
+    }
+    unsetenv("OCIO");
+    remove("fingerprint-a.ocio"), remove("fingerprint-b.ocio");
+    for (int k = 1; k < 4; ++k) assert_true(of[0][k] == of[0][0] && of[1][k] != of[1][0]);
+    assert_true(of[1][1] != of[1][2] && of[1][2] == of[1][3]);
 }
 
 /* The ids of Cryptomatte depend on them. */
