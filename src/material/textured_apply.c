@@ -103,10 +103,10 @@ static void apply_others(const material_plan *p, const float (*values)[4], fatho
     }
 }
 
-void texturing_color(fathom_material *m, const float *color) {
+void texturing_color(const material_plan *p, fathom_material *m, const float *color) {
     if (color) {
-        texturing_multiply(m, texturing_sends_alone(m) ? FATHOM_MAP_EMISSIVE : FATHOM_MAP_COLOR, color,
-                           false);
+        texturing_multiply(m, texturing_sends_alone(p->material) ? FATHOM_MAP_EMISSIVE : FATHOM_MAP_COLOR,
+                           color, false);
         texturing_multiply(m, FATHOM_MAP_OPACITY, &color[3], false);
     }
     m->opacity = material_opacity(m), m->opacity_cutoff = 0;
@@ -121,5 +121,5 @@ void texturing_apply(const material_plan *p, const float (*values)[4], const flo
                  at->inverted, at->bounded);
     }
     apply_others(p, values, m);
-    texturing_color(m, color);
+    texturing_color(p, m, color);
 }

@@ -110,6 +110,6 @@ void texturing_emission(const texturing *t, const texturing_place *place, float 
                            map->inverted);
     }
     const bool colored = surface_color_of(t->w, place->geometry, place->primitive, place->weight, color);
-    texturing_color(&m, colored ? color : NULL);
+    texturing_color(p, &m, colored ? color : NULL);
     shader_emission(&m, rgb);
 }

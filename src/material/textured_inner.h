@@ -74,8 +74,8 @@ typedef struct points {
 void texturing_plan_parameters(material_plan *p);
 /* Multiplies a parameter by the factors of an image; see fathom_map.inverted. */
 void texturing_multiply(fathom_material *m, int kind, const float *factor, bool inverted);
-/* Multiplies the material by a vertex colour; NULL: none. Applies the cutoff to the opacity. */
-void texturing_color(fathom_material *m, const float *color);
+/* Multiplies the material of a point by a vertex colour; NULL: none. Applies the cutoff to the opacity. */
+void texturing_color(const material_plan *p, fathom_material *m, const float *color);
 /* values: results of the lookups. The material's parameters become those of the point; its maps are not
  * copied. */
 void texturing_apply(const material_plan *p, const float (*values)[4], const float *color,

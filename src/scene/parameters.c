@@ -64,7 +64,8 @@ static const fathom_parameter setting_rows[] = {
      "the maximum per pixel, a power of two and at least 4. Off if only `spp` is given, with another pattern, "
      "and with `classic`.", .zero = "off"},
     {"max_time", F64, SETTING(max_time), PIXELS | SWITCH | COMMAND | ABOVE, 0, INFINITY, 0, "SECONDS", SAMPLING,
-     .help = "Time that the whole command takes, from reading to writing; samples go where they lower the error most.",
+     .help = "Time that the whole command takes, from reading to writing, or each frame of an animation; samples go where they "
+     "lower the error most.",
      .zero = "off"},
     {"min_spp", U32, SETTING(min_spp), PIXELS | IN_FILE | COMMAND, 4, 65536, 0, "N", SAMPLING,
      .help = "Samples per pixel before the estimated error may end sampling: a power of two and at least 4; 0: 4.", .zero = "auto"},

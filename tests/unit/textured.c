@@ -204,6 +204,32 @@ UNIT_TEST(vertex_colours_interpolate) {
     stage_close(&s);
 }
 
+/* The material decides, not what an image makes of it at a point: light samples do not look there. */
+UNIT_TEST(colours_multiply_the_emission_of_unlit_materials_alone) {
+    static const unsigned char black[3] = {0, 0, 0};
+    for (int unlit = 0; unlit < 2; ++unlit) {
+        stage s = stage_open(4, 4);
+        fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+        s.settings.target_error = 0, s.settings.spp = 4;
+        fathom_material m;
+        fathom_material_default(&m);
+        m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.specular_factor = 0;
+        for (int c = 0; c < 3; ++c) m.emissive[c] = 1, m.base_color[c] = unlit ? 0 : 1;
+        m.maps[FATHOM_MAP_COLOR].texture = add_texels(&s, 1, 1, black);
+        square q;
+        new_square(&q, stage_material(&s, &m));
+        for (int k = 0; k < 12; ++k) q.colors[k] = 0.5f;
+        q.mesh.colors = q.colors;
+        add_mesh(&s, &q);
+        assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0, 0, 0}));
+        look_at_square(&s);
+        fathom_film *film = stage_render(&s);
+        assert_true(value(film, 'G', 1, 1) == (unlit ? 0.5f : 1));
+        fathom_film_destroy(film);
+        stage_close(&s);
+    }
+}
+
 /* ---- normal maps ---- */
 
 /* Tangents are made for a smooth mesh without. */
