@@ -59,8 +59,9 @@ static void put_camera(json_out *o) {
         memcpy(v.frame.z, c->z, sizeof c->z), memcpy(v.frame.origin, c->origin, sizeof c->origin);
     }
     if (c->orthographic) v.orthographic = c->h, v.d = v.h = 0;
-    if (c->lens_radius > 0) v.focus_distance = c->focus_distance;
-    v.blades = c->blades, v.blade_rotation = degrees(c->blade_rotation);
+    if (c->lens_radius > 0)
+        v.focus_distance = c->focus_distance, v.blades = c->blades,
+        v.blade_rotation = degrees(c->blade_rotation);
     memcpy(v.shutter, c->shutter, sizeof v.shutter);
     if (scene->has_shutter || c->key_count) usual.shutter[0] = NAN;
     file_writer_print(t, ",\n\"camera\":{");

@@ -256,6 +256,19 @@ useless '"sheenColor": [1, 1, 1], "emissive": [1, 1, 1], "clearcoat": 1, "irides
     grep -v '"channel"\|"inverted"' | sed 's/"file": "image.png",/"file": "image.png"/; s/^"uvSet"/, &/; s/^"normalTexture.*/& },/' >useful.json
 run 0 info useful.json
 said out.txt 'problems  none'
+# A lens without a radius has neither blades nor a plane of focus.
+cat >lens.json <<'JSON'
+{ "camera": { "eye": [0, 0, 5], "target": [0, 0, 0],
+"focusDistance": 3,
+"blades": 5 },
+"objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }
+JSON
+run 0 info lens.json
+said out.txt 'lens.json:2: camera.focusDistance: it has no effect without one of "lensRadius", "fStop"'
+said out.txt 'lens.json:3: camera.blades: it has no effect without one of "lensRadius", "fStop"'
+run 0 convert lens.json again.json
+run 0 info again.json
+said out.txt 'problems  none'
 # Light that is scattered into a volume is absorbed there, too.
 sed 's/"transmission": 1/"diffuseTransmission": 1/' useful.json >milk.json
 run 0 info milk.json

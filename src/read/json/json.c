@@ -72,6 +72,7 @@ static fathom_status set_camera(const object_reader *r, json_t *value, const for
     fathom_camera camera;
     fathom_status status = place_camera(r, &at, value, c, place_radians(c->fovy), &camera);
     if (status != FATHOM_OK) return status;
+    doc_warn_useless(r->doc, &at, value, &form_camera, NULL);
     r->scene->has_shutter = doc_has(value, "shutter");
     camera.shutter[0] = c->shutter[0], camera.shutter[1] = c->shutter[1];
     camera.blades = c->blades, camera.blade_rotation = place_radians(c->blade_rotation);

@@ -109,6 +109,8 @@ static const form_rule camera_rules[] = {
     {FORM_NEEDS, "focalLength", {"fStop"}},
     {FORM_EXCLUDES, "lensRadius", {"fStop"}},
     {FORM_NEEDS, "bladeRotation", {"blades"}},
+    {FORM_WANTS_ONE_OF, "focusDistance", {"lensRadius", "fStop"}},
+    {FORM_WANTS_ONE_OF, "blades", {"lensRadius", "fStop"}},
     END_RULES,
 };
 static const form_key camera_key_keys[] = {
