@@ -236,28 +236,6 @@ void texture_size(const texture_cache *cache, fathom_id texture, uint32_t *width
     *width = info->width, *height = info->height;
 }
 
-/* Decodes the image, unless it is a mip-mapped file. */
-static fathom_status be_decoded(texture_cache *cache, fathom_context *context, cache_image *img) {
-    if (__atomic_load_n(&img->decoded, __ATOMIC_ACQUIRE) || img->info.mipmapped) return FATHOM_OK;
-    if (cache_fill(cache, img, img->plan.levels[0].offset >> PYRAMID_CHUNK_SHIFT)) return FATHOM_OK;
-    return texture_cache_check(cache, context);
-}
-
-fathom_status texture_average(texture_cache *cache, fathom_context *context, fathom_id texture,
-                              float rgba[4]) {
-    cache_image *img = cache->slots[texture].image;
-    fathom_status status = be_decoded(cache, context, img);
-    if (status != FATHOM_OK) return status;
-    if (!img->info.mipmapped) {
-        memcpy(rgba, img->mean, sizeof img->mean);
-        return status;
-    }
-    /* The last level is the mean. A lookup with a footprint wider than the image reads it. */
-    const cache_slot whole = {img, FATHOM_WRAP_CLAMP, FATHOM_WRAP_CLAMP, FATHOM_TEXTURE_TRILINEAR};
-    cache->kernels->mean(cache, &whole, 0.5f, 0.5f, 2, rgba);
-    return texture_cache_check(cache, context);
-}
-
 fathom_status texture_brightest(texture_cache *cache, fathom_context *context, fathom_id texture,
                                 float rgb[3]) {
     const cache_slot *slot = &cache->slots[texture];
@@ -279,7 +257,9 @@ fathom_status texture_is_opaque(texture_cache *cache, fathom_context *context, f
     cache_image *img = cache->slots[texture].image;
     *out = img->info.channels % 2 == 1;
     if (*out || img->info.mipmapped) return FATHOM_OK;
-    const fathom_status status = be_decoded(cache, context, img);
-    if (status == FATHOM_OK) *out = img->least_alpha >= 1;
-    return status;
+    if (!__atomic_load_n(&img->decoded, __ATOMIC_ACQUIRE) &&
+        !cache_fill(cache, img, img->plan.levels[0].offset >> PYRAMID_CHUNK_SHIFT))
+        return texture_cache_check(cache, context);
+    *out = img->least_alpha >= 1;
+    return FATHOM_OK;
 }

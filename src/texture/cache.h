@@ -11,10 +11,10 @@ typedef struct cache_image {
     pyramid plan;
     image_texture_info info;
     pyramid_decoding decoding;
-    image_texture *source;      /* an open mip-mapped file; guarded by the lock */
-    pthread_mutex_t lock;       /* held while the image or a part of it is decoded */
-    bool decoded, broken;       /* atomic */
-    float mean[4], least_alpha; /* valid once the image is decoded */
+    image_texture *source; /* an open mip-mapped file; guarded by the lock */
+    pthread_mutex_t lock;  /* held while the image or a part of it is decoded */
+    bool decoded, broken;  /* atomic */
+    float least_alpha;     /* valid once the image is decoded */
 } cache_image;
 
 /* A texture. */

@@ -188,7 +188,7 @@ static fathom_status fill_all(filling *f) {
         b = pyramid_builder_open(&img->plan, &img->decoding, write_tiles, f);
         status = b ? read_rows(f, source, b) : FATHOM_OUT_OF_RESOURCES;
     }
-    pyramid_builder_close(b, img->mean, &img->least_alpha);
+    pyramid_builder_close(b, &img->least_alpha);
     image_calls.texture.close(source);
     for (unsigned i = 0; status == FATHOM_OK && i <= img->plan.tail; ++i) fill_part(f, i);
     if (status == FATHOM_OK) __atomic_store_n(&img->decoded, true, __ATOMIC_RELEASE);

@@ -6,8 +6,6 @@
 typedef struct texture_kernels {
     /* texture_lookup() */
     void (*look_up)(texture_cache *cache, const texture_queries *q, float rgba[4][TEXTURE_BLOCK]);
-    /* The filtered value at one point of a texture. */
-    void (*mean)(texture_cache *cache, const cache_slot *slot, float u, float v, float width, float rgba[4]);
     /* One texel of a level. False when the image is broken. */
     bool (*texel)(texture_cache *cache, const cache_slot *slot, unsigned level, uint32_t x, uint32_t y,
                   float rgba[4]);

@@ -195,7 +195,6 @@ struct pyramid_builder {
     pyramid_write write;
     void *user;
     float *linear;
-    double total[4];
     float least_alpha;
     making levels[PYRAMID_LEVELS];
 };
@@ -308,17 +307,8 @@ static bool add_row(pyramid_builder *b, unsigned i, uint32_t y, const void *sent
     return add_to_strip(b, i) && pass_on(b, i, y, linear);
 }
 
-INLINE void add_to_total(const float *linear, size_t width, size_t channels, double total[4]) {
-    double sum[4] = {0, 0, 0, 0};
-    for (size_t x = 0; x < width; ++x)
-        for (size_t c = 0; c < channels; ++c) sum[c] += (double)linear[x * channels + c];
-    for (size_t c = 0; c < channels; ++c) total[c] += sum[c];
-}
-
-static void count_row(pyramid_builder *b) {
+static void note_alpha(pyramid_builder *b) {
     const size_t width = b->p.levels[0].width;
-    b->p.channels == 4 ? add_to_total(b->linear, width, 4, b->total)
-                       : add_to_total(b->linear, width, 1, b->total);
     for (size_t x = 0; b->decoding.sent_channels % 2 == 0 && x < width; ++x)
         b->least_alpha = b->linear[4 * x + 3] < b->least_alpha ? b->linear[4 * x + 3] : b->least_alpha;
 }
@@ -329,15 +319,12 @@ bool pyramid_builder_row(pyramid_builder *b, const void *sent, size_t *bad) {
     *bad = pyramid_find_bad(b->linear, numbers);
     if (*bad < numbers) return false;
     *bad = SIZE_MAX;
-    count_row(b);
+    note_alpha(b);
     return add_row(b, 0, b->levels[0].rows, sent, b->linear);
 }
 
-void pyramid_builder_close(pyramid_builder *b, float mean[4], float *least_alpha) {
+void pyramid_builder_close(pyramid_builder *b, float *least_alpha) {
     if (!b) return;
-    const double texels = (double)b->p.levels[0].width * b->p.levels[0].height;
-    for (int c = 0; c < 4; ++c) mean[c] = (float)(b->total[b->p.channels == 4 ? c : 0] / texels);
-    if (b->p.channels == 1) mean[3] = 1;
     *least_alpha = b->least_alpha;
     free_builder(b);
 }

@@ -70,5 +70,5 @@ pyramid_builder *pyramid_builder_open(const pyramid *p, const pyramid_decoding *
 /* False if `write` returned false (*bad is SIZE_MAX), or if a number is not finite (*bad is its index, in [0,
  * width × channels)). */
 bool pyramid_builder_row(pyramid_builder *b, const void *sent, size_t *bad);
-/* Releases the builder. Returns the mean of the rows, and the smallest alpha. */
-void pyramid_builder_close(pyramid_builder *b, float mean[4], float *least_alpha);
+/* Releases the builder. Returns the smallest alpha. */
+void pyramid_builder_close(pyramid_builder *b, float *least_alpha);

@@ -41,9 +41,6 @@ fathom_status texture_cache_check(texture_cache *cache, fathom_context *context)
 
 /* Width and height of the image in texels. */
 void texture_size(const texture_cache *cache, fathom_id texture, uint32_t *width, uint32_t *height);
-/* The mean of all texels, linear. Decodes the image. */
-fathom_status texture_average(texture_cache *cache, fathom_context *context, fathom_id texture,
-                              float rgba[4]);
 /* The largest value of each colour among all texels, linear, or an upper bound of it: 1 for an image of
  * integers. Reads all other images as a whole. */
 fathom_status texture_brightest(texture_cache *cache, fathom_context *context, fathom_id texture,

@@ -62,7 +62,7 @@ static void make_levels(const image_texture_info *info, const uint8_t *data, siz
     const bool codes = info->sent <= IMAGE_TEXEL_U16;
     const size_t bytes = (size_t)info->width * info->channels * image_texel_size(info->sent);
     _Alignas(16) unsigned char row[SIDE * 4 * sizeof(float)];
-    float mean[4], least;
+    float least;
     pyramid p;
     if (info->width > SIDE || info->height > SIDE || bytes * info->height > size) return;
     pyramid_plan(&p, info->width, info->height, info->channels == 1 ? 1 : 4, info->sent,
@@ -78,7 +78,7 @@ static void make_levels(const image_texture_info *info, const uint8_t *data, siz
     }
     if (b && !fine && (codes || bad >= (size_t)info->width * p.channels))
         fuzz_wrong("a row of type %d is refused", (int)info->sent);
-    pyramid_builder_close(b, mean, &least);
+    pyramid_builder_close(b, &least);
 }
 
 static void read_texture(const uint8_t *data, size_t size) {

@@ -384,15 +384,6 @@ static void look_up(texture_cache *cache, const texture_queries *q, float rgba[4
         filter_lanes(&b, rgba, TEXTURE_BLOCK);
 }
 
-static void mean(texture_cache *cache, const cache_slot *slot, float u, float v, float width, float rgba[4]) {
-    block b;
-    float found[4][TEXTURE_BLOCK];
-    b.cache = cache, b.count = 1, b.stochastic = false;
-    b.slot[0] = slot, b.u[0] = u, b.v[0] = v, b.width[0] = width;
-    filter_one(&b, found);
-    for (int c = 0; c < 4; ++c) rgba[c] = found[c][0];
-}
-
 static bool texel(texture_cache *cache, const cache_slot *slot, unsigned level, uint32_t x, uint32_t y,
                   float rgba[4]) {
     const pyramid_level *l = &slot->image->plan.levels[level];
@@ -407,4 +398,4 @@ static bool texel(texture_cache *cache, const cache_slot *slot, unsigned level, 
 }
 
 extern const texture_kernels KERNEL(texture_kernels);
-const texture_kernels KERNEL(texture_kernels) = {look_up, mean, texel};
+const texture_kernels KERNEL(texture_kernels) = {look_up, texel};
