@@ -52,6 +52,8 @@ run 0 bench error scene.json --adaptive --size 24x16 --max-spp 16 --reference-sp
 for text in 'trusted' 'doubtful' 'alike'; do said out.txt "$text"; done
 for key in coverage targetError meanSpp light t values held; do said c.json "\"$key\": "; done
 refused 2 '--adaptive: no --csv or --report' bench error scene.json --adaptive --size 24x16 --csv c.csv
+refused 2 '--adaptive: measures no FLIP' bench error scene.json --adaptive --size 24x16 --ppd 20
+refused 2 'tracer' bench error scene.json --adaptive --size 24x16 --tracer none
 
 # A signal keeps what all patterns have, and says so. The first samples are there in no time, the last ones never.
 phase=measure

@@ -40,3 +40,17 @@ run 0 validate sky.json --light --light-error 0.01
 said out.txt 'path less reference: '
 run 2 validate --light --light-only 'no such law'
 said err.txt 'no such law'
+
+# What such a run does not take is refused, and files are checked before it.
+for option in '--report page' '--failures bad.txt' '--tracer bvh' '--rays 5' '--families edge' '--power 0' --heavy --extremes \
+    '--sample 3'; do
+    # shellcheck disable=SC2086
+    refused 2 "${option%% *}: has no effect with --light" validate --light $option
+done
+refused 2 '--light-only: has no effect with --light of a SCENE' validate lit.json --light --light-only sphere
+refused 2 '--light-only: has no effect without --light' validate --light-only sphere
+refused 2 '--light-error: has no effect without --light' validate --light-error 0.1
+refused 2 '--json: has no effect with --replay' validate --replay bad.txt --json a.json
+refused 2 '--light: has no effect with --replay' validate --replay bad.txt --light
+refused 2 'lit.json: is the input' validate lit.json --light --json lit.json
+refused 4 'its folder does not exist' validate lit.json --light --json nowhere/a.json

@@ -349,7 +349,10 @@ static fathom_status measure_coverage(fathom_context *context, const bench_error
         .progress = on_progress};
     if (asked->all.csv || asked->all.report)
         return fail(context, FATHOM_BAD_USAGE, "--adaptive: no --csv or --report; expected --json");
+    if (asked->ppd != FLIP_PPD)
+        return fail(context, FATHOM_BAD_USAGE, "--adaptive: measures no FLIP; expected no --ppd");
     fathom_status status = bench_open(context, &asked->all, false, &stage);
+    if (asked->all.tracer) stage.settings.tracer = asked->all.tracer;
     interrupt_keep_work(true);
     if (status == FATHOM_OK) status = coverage_measure(context, &stage, &options, rows, &count);
     interrupt_keep_work(false);

@@ -110,19 +110,18 @@ static void free_results(validate_results *results) {
     shading_images_free(&results->images);
 }
 
+static fathom_status replay(fathom_context *context, const validate_settings *settings) {
+    const fathom_status status = validate_replay(context, settings);
+    return status == FATHOM_CHECK_FAILED ? status : say_status(&command_validate, context, status);
+}
+
 static fathom_status validate(fathom_context *context, const validate_settings *settings) {
-    fathom_status status = check(context, settings);
-    if (status != FATHOM_OK) return say_status(&command_validate, context, status);
-    if (settings->replay) {
-        status = validate_replay(context, settings);
-        return status == FATHOM_CHECK_FAILED ? status : say_status(&command_validate, context, status);
-    }
     progress_begin(settings->common.quiet);
     progress_call("validate");
     interrupt_keep_work(true);
     validate_results results = {.start = clock_seconds()};
     uint64_t wrong = 0;
-    status = validate_run_all(context, settings, &results);
+    fathom_status status = validate_run_all(context, settings, &results);
     if (status == FATHOM_OK && settings->extremes)
         status = validate_extremes_run(context, settings, &results);
     if (status == FATHOM_OK && settings->extremes) status = validate_shading_run(context, settings, &results);
@@ -141,19 +140,62 @@ static const args_list default_tracers = {{"embree", "reference"}, 2};
 /* At least four, even on one processor: races appear only if threads interrupt each other. */
 static unsigned judging_threads(void) { return processor_count() > 4 ? processor_count() : 4; }
 
+static validate_settings usual_settings(void) {
+    return (validate_settings){
+        .rays = 1500, .sample = 2, .power = -1, .light_error = 1e-3, .families = (1u << RAYS_FAMILIES) - 1};
+}
+
+/* The options that only one of the three kinds of runs takes. */
+static const char *find_unused(const validate_settings *s) {
+    const validate_settings usual = usual_settings();
+    const bool rays = !s->light && !s->replay, light = s->light && !s->replay;
+    const struct {
+        bool given, taken;
+        const char *name;
+    } options[] = {{s->light, !s->replay, "light"},
+                   {s->light_error != usual.light_error, light, "light-error"},
+                   {s->light_only, light && !s->scene, "light-only"},
+                   {s->tracers.count, !s->light, "tracer"},
+                   {s->rays != usual.rays, rays, "rays"},
+                   {s->families != usual.families, rays, "families"},
+                   {s->power >= 0, rays, "power"},
+                   {s->sample != usual.sample, rays, "sample"},
+                   {s->seed, !s->replay, "seed"},
+                   {s->heavy, rays, "heavy"},
+                   {s->extremes, rays, "extremes"},
+                   {s->report, rays, "report"},
+                   {s->failures, rays, "failures"},
+                   {s->json, !s->replay, "json"}};
+    for (size_t i = 0; i < sizeof options / sizeof *options; ++i)
+        if (options[i].given && !options[i].taken) return options[i].name;
+    return NULL;
+}
+
+static fathom_status check_kind(fathom_context *context, const validate_settings *s) {
+    const char *unused = find_unused(s);
+    if (!unused) return FATHOM_OK;
+    const char *kind = s->replay               ? "with --replay"
+                       : s->light && !s->scene ? "with --light"
+                       : s->light              ? "with --light of a SCENE"
+                                               : "without --light";
+    return fail(context, FATHOM_BAD_USAGE, "--%s: has no effect %s", unused, kind);
+}
+
 static fathom_status prepare_and_validate(fathom_context *context, void *user) {
     validate_settings *settings = user;
+    fathom_status status = check_kind(context, settings);
+    if (status == FATHOM_OK) status = check(context, settings);
+    if (status != FATHOM_OK) return say_status(&command_validate, context, status);
     if (settings->light) return validate_light(context, settings);
     settings->tracers_given = settings->tracers.count > 0;
     if (!settings->tracers_given && !settings->replay) settings->tracers = default_tracers;
     settings->threads = settings->common.threads ? settings->common.threads : judging_threads();
     if (settings->heavy) settings->rays *= 10, settings->power /= 10;
-    return validate(context, settings);
+    return (settings->replay ? replay : validate)(context, settings);
 }
 
 static fathom_status run(int argc, char **argv) {
-    validate_settings settings = {
-        .rays = 1500, .sample = 2, .power = -1, .light_error = 1e-3, .families = (1u << RAYS_FAMILIES) - 1};
+    validate_settings settings = usual_settings();
     return command_run(&command_validate, argc, argv, &settings, prepare_and_validate);
 }
 
