@@ -5,6 +5,8 @@
 
 #include <fathom/file.h>
 #include <fathom/read.h>
+#include <limits.h>
+#include <stdio.h>
 #include <string.h>
 
 typedef struct convert_settings {
@@ -25,14 +27,25 @@ static bool check(const convert_settings *settings, args_problem *problem) {
                       settings->output);
 }
 
+/* An .obj has its materials next to it, in an .mtl. */
+static fathom_status check_files(fathom_context *context, const convert_settings *settings) {
+    const char *output = settings->output;
+    char library[PATH_MAX], extension[16];
+    const char *const written[2] = {output, library};
+    file_extension(output, extension);
+    const bool two = strcmp(extension, "obj") == 0;
+    snprintf(library, sizeof library, "%.*s.mtl", (int)file_stem_length(output), output);
+    const fathom_status status = outputs_check_distinct(context, written, two ? 2 : 1, settings->input);
+    return status == FATHOM_OK ? fathom_file_check(context, output) : status;
+}
+
 static fathom_status convert(fathom_context *context, void *user) {
     const convert_settings *settings = user;
     const fathom_read_options options = command_read_options(&settings->model);
     fathom_scene *scene = NULL;
     args_problem problem;
     if (!check(settings, &problem)) return say_usage(&command_convert, problem.text);
-    fathom_status status = outputs_check_distinct(context, &settings->output, 1, settings->input);
-    if (status == FATHOM_OK) status = fathom_file_check(context, settings->output);
+    fathom_status status = check_files(context, settings);
     if (status == FATHOM_OK) status = fathom_scene_read_with(context, settings->input, &options, &scene);
     if (status == FATHOM_OK) status = fathom_scene_write(scene, settings->output);
     fathom_scene_destroy(scene);

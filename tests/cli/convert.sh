@@ -21,6 +21,15 @@ refused 3 'none.obj' convert none.obj a.glb
 # The input stays as it is, and so do files that it names.
 refused 2 'in.obj: is the input; expected another name for the output' convert in.obj in.obj
 refused 2 'in.obj: is the input; expected another name for the output' convert in.obj ./in.obj
+# Nor is the library of materials that an .obj names replaced by that of the copy.
+printf 'newmtl red\nKd 1 0 0\n' >copy.mtl
+cp copy.mtl kept.mtl
+printf 'mtllib copy.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >named.obj
+refused 2 'copy.mtl: would be read and written; expected another output' convert named.obj copy.obj
+cmp copy.mtl kept.mtl || die 'the library of materials was replaced'
+run 0 convert named.obj other.obj
+run 0 convert in.obj copy.obj
+rm copy.mtl kept.mtl named.obj copy.obj other.obj other.mtl
 printf '{ "objects": [ { "type": "mesh", "file": "in.obj" } ] }' >names.json
 run 2 convert names.json in.obj
 same in.obj "$SOURCE/scenes/example.obj"
