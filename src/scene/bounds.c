@@ -103,6 +103,10 @@ scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id id) {
     return out;
 }
 
+scene_bounds graph_object_bounds(const fathom_scene *scene, const scene_graph *graph, fathom_id object) {
+    return graph->absent[object] ? bounds_empty() : scene_object_bounds(scene, object);
+}
+
 fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph, scene_bounds **out) {
     scene_bounds *of_group = malloc(scene->groups.count * sizeof *of_group);
     *out = of_group;
@@ -112,7 +116,7 @@ fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph, 
         uint32_t g = graph->order[k];
         of_group[g] = bounds_empty();
         for (uint32_t i = graph->objects.first[g]; i < graph->objects.first[g + 1]; ++i) {
-            scene_bounds b = scene_object_bounds(scene, graph->objects.items[i]);
+            scene_bounds b = graph_object_bounds(scene, graph, graph->objects.items[i]);
             bounds_join(&of_group[g], &b);
         }
         for (uint32_t i = graph->instances.first[g]; i < graph->instances.first[g + 1]; ++i) {

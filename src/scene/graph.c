@@ -1,5 +1,7 @@
 #include "scene/graph.h"
 
+#include "scene/mesh/absent.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -102,6 +104,7 @@ fathom_status graph_create(const fathom_scene *scene, scene_graph *out) {
         status = fail_memory(scene->context, scene->objects.count * sizeof(uint32_t));
     }
     if (status == FATHOM_OK) status = sort_groups(scene, out);
+    if (status == FATHOM_OK) status = absent_find(scene, out, &out->absent);
     if (status != FATHOM_OK) graph_destroy(out);
     return status;
 }
@@ -112,6 +115,7 @@ void graph_destroy(scene_graph *graph) {
     free(graph->instances.first);
     free(graph->instances.items);
     free(graph->order);
+    free(graph->absent);
     *graph = (scene_graph){.order = NULL};
 }
 

@@ -14,12 +14,15 @@ typedef struct scene_graph {
     graph_lists instances; /* instance ids by parent */
     uint32_t *order;       /* groups that the root reaches, each before the groups in it; the root first */
     uint32_t order_count;
+    bool *absent; /* by object: it is in no geometry; see mesh/absent.h */
 } scene_graph;
 
 /* FATHOM_BAD_INPUT on a cycle; the message names its groups. Release with graph_destroy(). */
 fathom_status graph_create(const fathom_scene *scene, scene_graph *out);
 void graph_destroy(scene_graph *graph);
 
+/* As scene_object_bounds(), but empty for an absent object. */
+scene_bounds graph_object_bounds(const fathom_scene *scene, const scene_graph *graph, fathom_id object);
 /* The bounds of each group that the root reaches, in the group's own coordinates; release with free(). */
 fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph, scene_bounds **out);
 

@@ -264,6 +264,26 @@ UNIT_TEST(far_scenes_are_framed_as_near_ones) {
     assert_framed(&p, 6378137);
 }
 
+/* A shape that no ray meets is neither in the view nor in the bounds. */
+UNIT_TEST(absent_shapes_are_not_framed) {
+    const affine_f64 still = affine_identity();
+    points p = {.count = 0};
+    scene_bounds bounds;
+    fathom_material none;
+    fathom_sphere ball;
+    fathom_material_default(&none), fathom_sphere_default(&ball);
+    none.model = FATHOM_MODEL_METALLIC_ROUGHNESS, none.opacity = 0;
+    ball.radius = 50, ball.flags = FATHOM_CASTS_NO_SHADOW;
+    assert_ok(context, fathom_scene_add_material(scene, "none", &none, &ball.material));
+    assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &ball, NULL));
+    note_body(&p, &still);
+    add_body(FATHOM_ROOT, (double[3]){0, 0, 0});
+    assert_ok(context, fathom_scene_complete(scene));
+    assert_framed(&p, 16);
+    assert_ok(context, scene_world_bounds(scene, &bounds));
+    assert_true(bounds.lower.x == -2 && bounds.upper.x == 3);
+}
+
 /* A ball touches the four planes of a square view that is a tenth narrower: its centre is a radius from each.
  */
 UNIT_TEST(balls_touch_the_view) {

@@ -343,6 +343,25 @@ UNIT_TEST(irradiance_of_small_squares_has_a_closed_form) {
     }
 }
 
+/* A surface emits as far as it covers. */
+UNIT_TEST(irradiance_is_that_of_what_covers) {
+    double irradiance[2];
+    for (int half = 0; half < 2; ++half) {
+        fathom_scene *scene;
+        assert_ok(context, fathom_scene_create(context, &scene));
+        const fathom_id emission = add_emission(scene, 3);
+        fathom_material *m = &scene->materials.items[emission].value;
+        *m = (fathom_material){.model = FATHOM_MODEL_METALLIC_ROUGHNESS, .emissive = {3, 3, 3}};
+        m->emissive_strength = m->specular_factor = 1, m->opacity = half ? 0.5f : 1;
+        for (int k = 0; k < FATHOM_MAPS; ++k) m->maps[k].texture = FATHOM_NONE;
+        add_wall(scene, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 1, 0), emission);
+        add_wall(scene, vec_f64(0, 0, 1), vec_f64(1, 0, 0), vec_f64(0, 1, 0), 0);
+        assert_ok(context, scene_measure_lamps(scene, &irradiance[half]));
+        fathom_scene_destroy(scene);
+    }
+    assert_true(irradiance[0] > 0 && irradiance[1] == irradiance[0] / 2);
+}
+
 /* Black pixels say what the studio could add unseen: its brightest panel is above 4. */
 UNIT_TEST(errors_know_how_bright_it_is) {
     fathom_scene *scene = open_ball();

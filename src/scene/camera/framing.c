@@ -122,6 +122,7 @@ static bool add_mesh(walk *w, const directions *d, uint32_t index) {
 
 static bool add_object(walk *w, const directions *d, fathom_id id) {
     const scene_object object = w->scene->objects.items[id];
+    if (w->graph->absent[id]) return true;
     switch (object.kind) {
     case SCENE_SPHERE: {
         const fathom_sphere *sphere = &w->scene->spheres.items[object.index];

@@ -64,7 +64,7 @@ static double radiance_of(const fathom_material *m) {
     const bool classic = m->model == FATHOM_MODEL_CLASSIC;
     const float *rgb = classic ? m->k_e : m->emissive;
     const double luminance = 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
-    return classic ? luminance : luminance * (double)m->emissive_strength;
+    return classic ? luminance : luminance * (double)m->emissive_strength * (double)material_opacity(m);
 }
 
 /* ---- points ---- */
@@ -163,6 +163,7 @@ static void add_object(lamp_walk *w, const place *at, fathom_id id) {
                    z = {m[0][2], m[1][2], m[2][2]};
     const surface of = {.front = dot_f64(cross_f64(x, y), z) < 0 ? -1 : 1,
                         .radiance = radiance_of(&w->scene->materials.items[material].value)};
+    if (w->graph->absent[id]) return;
     switch (object.kind) {
     case SCENE_SPHERE: {
         const fathom_sphere *s = &w->scene->spheres.items[object.index];

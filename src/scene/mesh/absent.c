@@ -55,14 +55,18 @@ static void find_replaced(const fathom_scene *scene, const scene_graph *graph, b
     }
 }
 
-fathom_status absent_find(const fathom_scene *scene, const scene_graph *graph, bool *out) {
+fathom_status absent_find(const fathom_scene *scene, const scene_graph *graph, bool **out) {
     bool *replaced = calloc(scene->groups.count, sizeof *replaced);
-    if (!replaced) return fail_memory(scene->context, scene->groups.count);
+    *out = calloc(scene->objects.count + 1, sizeof **out);
+    if (!replaced || !*out) {
+        free(replaced);
+        return fail_memory(scene->context, scene->groups.count + scene->objects.count);
+    }
     find_replaced(scene, graph, replaced);
     for (size_t g = 0; g < scene->groups.count; ++g) {
         for (uint32_t i = graph->objects.first[g]; i < graph->objects.first[g + 1]; ++i) {
             const fathom_id object = graph->objects.items[i];
-            out[object] = !replaced[g] && absent_object(scene, object);
+            (*out)[object] = !replaced[g] && absent_object(scene, object);
         }
     }
     free(replaced);

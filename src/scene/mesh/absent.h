@@ -8,9 +8,10 @@
 /* True for a classic material with k_t 1, an ior of 1, and everything else 0. */
 bool absent_material(const fathom_material *m);
 
-/* Sets out[object] for each object of the scene. A shape is kept if any instance gives it another material;
- * it is then traced in all placements of its group. */
-fathom_status absent_find(const fathom_scene *scene, const scene_graph *graph, bool *out);
+/* Finds whether each object of the scene is invisible; release *out with free(). A shape is kept if any
+ * instance gives it another material; it is then traced in all placements of its group. Does not read
+ * graph->absent. */
+fathom_status absent_find(const fathom_scene *scene, const scene_graph *graph, bool **out);
 
 /* True when the shape is invisible with its own material: a classic one as above, or a metallic-roughness one
  * that covers nothing. */

@@ -1,6 +1,5 @@
 #include "scene/world/world.h"
 
-#include "scene/mesh/absent.h"
 #include "scene/world/world_build.h"
 
 #include <float.h>
@@ -124,7 +123,7 @@ static bool add_kind(world *w, const scene_graph *graph, uint32_t group, scene_k
     for (uint32_t i = graph->objects.first[group]; i < graph->objects.first[group + 1]; ++i) {
         fathom_id id = graph->objects.items[i];
         scene_object object = scene->objects.items[id];
-        if (object.kind != kind || w->absent[id]) continue;
+        if (object.kind != kind || graph->absent[id]) continue;
         bool added = true;
         switch (kind) {
         case SCENE_SPHERE:
@@ -167,10 +166,8 @@ fathom_status world_create_from(const fathom_scene *scene, const vec3_f64 *origi
     world *w = calloc(1, sizeof *w);
     if (w) {
         w->scene = scene;
-        w->absent = calloc(scene->objects.count + 1, sizeof *w->absent);
-        status = w->absent ? absent_find(scene, &graph, w->absent)
-                           : fail_memory(scene->context, scene->objects.count);
-        if (status == FATHOM_OK) status = world_place(w, &graph, origin);
+        status = world_place(w, &graph, origin);
+        w->absent = graph.absent, graph.absent = NULL;
     } else {
         status = fail_memory(scene->context, sizeof *w);
     }

@@ -46,7 +46,7 @@ static vec3_f64 choose(const fathom_scene *scene, const scene_graph *graph, uint
     of_group[group] = bounds_empty();
     for (uint32_t i = graph->objects.first[group]; i < graph->objects.first[group + 1]; ++i) {
         fathom_id id = graph->objects.items[i];
-        scene_bounds b = scene_object_bounds(scene, id);
+        scene_bounds b = graph_object_bounds(scene, graph, id);
         if (!bounds_is_empty(&b)) consider(&search, &b, offered_origin(scene, id, &b));
         bounds_join(&of_group[group], &b);
     }

@@ -60,7 +60,7 @@ static fathom_status make_parts(placer *p, uint32_t group) {
     for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1]; ++i) {
         fathom_id id = p->graph->objects.items[i];
         scene_object object = w->scene->objects.items[id];
-        if (object.kind != SCENE_MESH || w->absent[id]) continue;
+        if (object.kind != SCENE_MESH || p->graph->absent[id]) continue;
         vec3_f64 own = load_f64(w->scene->meshes.items[object.index].origin), shared = p->origins[group];
         if (own.x == shared.x && own.y == shared.y && own.z == shared.z) continue;
         first = w->geometries.count;
@@ -107,7 +107,7 @@ static fathom_status place_planes(placer *p, uint32_t group, const affine_f64 *t
         fathom_id id = p->graph->objects.items[i];
         scene_object object = scene->objects.items[id];
         affine_f64 to_group;
-        if (object.kind != SCENE_PLANE || p->w->absent[id]) continue;
+        if (object.kind != SCENE_PLANE || p->graph->absent[id]) continue;
         if (!affine_invert(to_world, &to_group)) return bad_frame(p, instance);
         if (!add_plane(p, &scene->planes.items[object.index], id, to_world, &to_group, material))
             return no_memory(p);
@@ -193,7 +193,7 @@ static bool can_carry(const placer *p, uint32_t group, const affine_f64 *to_worl
     for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1]; ++i) {
         const fathom_id id = p->graph->objects.items[i];
         const scene_object object = scene->objects.items[id];
-        if (object.kind == SCENE_PLANE || p->w->absent[id]) continue;
+        if (object.kind == SCENE_PLANE || p->graph->absent[id]) continue;
         if (object.kind != SCENE_MESH || !world_can_carry(scene, object.index, to_world)) return false;
     }
     return true;
@@ -203,7 +203,7 @@ static fathom_status carry_all(placer *p, uint32_t group, const affine_f64 *to_w
     for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1] && *fits; ++i) {
         const fathom_id id = p->graph->objects.items[i];
         const scene_object object = p->w->scene->objects.items[id];
-        if (object.kind == SCENE_PLANE || p->w->absent[id]) continue;
+        if (object.kind == SCENE_PLANE || p->graph->absent[id]) continue;
         fathom_mesh mesh;
         mesh_facts facts;
         const fathom_status status = world_carry_mesh(p->w, object.index, to_world, &mesh, &facts, fits);
@@ -296,7 +296,7 @@ static fathom_id find_mover(const placer *p, const placement *at) {
 static fathom_status refuse_planes(const placer *p, uint32_t group, fathom_id instance) {
     for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1]; ++i) {
         const fathom_id id = p->graph->objects.items[i];
-        if (p->w->scene->objects.items[id].kind == SCENE_PLANE && !p->w->absent[id])
+        if (p->w->scene->objects.items[id].kind == SCENE_PLANE && !p->graph->absent[id])
             return scene_fail_instance(p->w->scene, instance,
                                        "it moves a plane; infinite planes cannot move: use a large quad");
     }
