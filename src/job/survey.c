@@ -47,40 +47,6 @@ fathom_status fathom_scene_light_sized(const fathom_scene *scene, uint32_t index
 
 /* ---- counting ---- */
 
-static uint64_t triangles_of_group(const fathom_scene *scene, const scene_graph *graph, uint32_t group) {
-    uint64_t triangles = 0;
-    for (uint32_t k = graph->objects.first[group]; k < graph->objects.first[group + 1]; ++k) {
-        scene_object object = scene->objects.items[graph->objects.items[k]];
-        if (object.kind == SCENE_MESH) triangles += scene->meshes.items[object.index].triangle_count;
-    }
-    return triangles;
-}
-
-/* The number of uses of each group follows from its parents, which come first in the graph's order. */
-static fathom_status count_placed(const fathom_scene *scene, uint64_t *out) {
-    scene_graph graph;
-    *out = 0;
-    fathom_status status = graph_create(scene, &graph);
-    if (status != FATHOM_OK) return status;
-    uint64_t *placed = calloc(scene->groups.count, sizeof *placed);
-    if (!placed) {
-        graph_destroy(&graph);
-        return fail_memory(scene->context, scene->groups.count * sizeof *placed);
-    }
-    placed[FATHOM_ROOT] = 1;
-    for (uint32_t k = 0; k < graph.order_count; ++k) {
-        uint32_t group = graph.order[k];
-        *out += placed[group] * triangles_of_group(scene, &graph, group);
-        for (uint32_t i = graph.instances.first[group]; i < graph.instances.first[group + 1]; ++i) {
-            const fathom_instance *instance = &scene->instances.items[graph.instances.items[i]];
-            placed[instance->group] += placed[group];
-        }
-    }
-    free(placed);
-    graph_destroy(&graph);
-    return FATHOM_OK;
-}
-
 /* Triangles and shapes. */
 typedef struct amount {
     uint64_t triangles, shapes;
@@ -121,7 +87,7 @@ static void add_group(const fathom_scene *scene, const scene_graph *graph, uint3
 }
 
 /* Groups come after all groups that hold them in the graph's order. */
-static fathom_status count_emissive(const fathom_scene *scene, fathom_survey *out) {
+static fathom_status count_placed(const fathom_scene *scene, fathom_survey *out) {
     const size_t groups = scene->groups.count;
     scene_graph graph;
     fathom_status status = graph_create(scene, &graph);
@@ -130,6 +96,7 @@ static fathom_status count_emissive(const fathom_scene *scene, fathom_survey *ou
     if (all) {
         for (uint32_t k = graph.order_count; k > 0; --k)
             add_group(scene, &graph, graph.order[k - 1], all, emits);
+        out->placed_triangles = all[FATHOM_ROOT].triangles;
         out->emissive_triangles = emits[FATHOM_ROOT].triangles;
         out->emissive_shapes = emits[FATHOM_ROOT].shapes;
     }
@@ -165,8 +132,7 @@ static fathom_status count(const fathom_scene *scene, const world *w, survey *ou
         ++out->lights[scene->lights.items[i].type];
     out->lights[FATHOM_LIGHT_ENVIRONMENT] = scene->environments.count;
     s->lights = out->lights;
-    const fathom_status status = count_emissive(scene, s);
-    return status == FATHOM_OK ? count_placed(scene, &s->placed_triangles) : status;
+    return count_placed(scene, s);
 }
 
 static fathom_status find_place(const fathom_scene *scene, survey *out) {
