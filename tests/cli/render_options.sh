@@ -67,6 +67,13 @@ run 1 compare a.exr b.exr
 said out.txt 'channel Z is only in the first'
 run 0 render asks.json -o a.png
 said err.txt 'fathom: warning: asks.json: asks for AOVs that only .exr holds; they are left out'
+# All 0 is the whole image, also of a scene that has a crop.
+sed 's/"width": /"crop": [8, 8, 24, 16], &/' scene.json >cropped.json
+run 0 render cropped.json -o a.png --stats a.json
+[ "$(number a.json width)x$(number a.json height)" = 16x8 ] || die 'the crop of a scene'
+run 0 render cropped.json -o a.png --crop 0,0,0,0
+run 0 render scene.json -o b.png
+same a.png b.png
 refused 2 'crop: expected x0 < x1 <= 40' render asks.json -o a.exr --crop 0,0,41,5
 refused 2 'so expected a square number such as 1 or 4, found 3' render scene.json -o a.exr --spp 3
 

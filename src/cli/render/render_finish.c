@@ -77,7 +77,9 @@ static bool merge(render_options *options, const fathom_settings *scene, args_pr
         if (options->given >> i & 1) parameter_copy(&rows[i], &options->asked, s);
     }
     if (options->size.width) s->width = options->size.width, s->height = options->size.height;
-    if (render_options_give(options, "crop") && (s->crop[0] >= s->crop[2] || s->crop[1] >= s->crop[3]))
+    const bool whole = !(s->crop[0] || s->crop[1] || s->crop[2] || s->crop[3]);
+    if (render_options_give(options, "crop") && !whole &&
+        (s->crop[0] >= s->crop[2] || s->crop[1] >= s->crop[3]))
         return args_wrong(problem, "--crop: expected X0 < X1 and Y0 < Y1, found \"%u,%u,%u,%u\"", s->crop[0],
                           s->crop[1], s->crop[2], s->crop[3]);
     return true;
