@@ -56,6 +56,11 @@ for option in --output --size --spp --pattern --crop --threads --seed --max-dept
     --verbose --stats --part --split; do
     said out.txt " $option"
 done
+# It names the words that the command line takes for 0.
+tr -s ' \n' ' ' <out.txt >help.txt
+for text in 'off: every pixel gets --spp samples' 'auto: 4. (auto)' 'auto: the offset follows from error bounds'; do
+    said help.txt "$text"
+done
 rm -f help.txt
 
 refused 2 'unknown command "rendr"; did you mean "render"?; see fathom help' rendr
@@ -96,7 +101,6 @@ done <<'TABLE'
 --crop|5,0,5,9|expected X0 < X1 and Y0 < Y1
 --crop|0,9,5,9|expected X0 < X1 and Y0 < Y1
 --crop|0,0,65537,9|expected X0,Y0,X1,Y1
---crop|0,0,0,0|expected X0 < X1 and Y0 < Y1
 --crop|-1,0,5,9|expected X0,Y0,X1,Y1
 --threads|0|expected a whole number from 1 to 1024
 --threads|all|expected a whole number from 1 to 1024

@@ -209,7 +209,7 @@ static const char *put_name(const char *name, FILE *to) {
     return end;
 }
 
-/* The help text with the names of the command line, and with the default. */
+/* The help text with the names of the command line, such as its word for 0, and with the default. */
 static void put_help(const fathom_parameter *p, char out[HELP_MAX]) {
     fathom_settings defaults;
     char value[PARAMETER_TEXT];
@@ -218,7 +218,9 @@ static void put_help(const fathom_parameter *p, char out[HELP_MAX]) {
     if (!to) return;
     if (p->type == FATHOM_PARAMETER_BOOL && p->fallback != 0) fputs("Turns off: ", to);
     for (const char *c = p->help; *c; ++c) {
-        if (*c == '`')
+        if (p->zero && strncmp(c, " 0:", 3) == 0)
+            fprintf(to, " %s", p->zero), ++c;
+        else if (*c == '`')
             c = put_name(c + 1, to);
         else
             fputc(*c, to);
