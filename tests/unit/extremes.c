@@ -30,16 +30,17 @@ static void check_row(const extremes_row *row) {
                  (int)row->counts[VERDICT_WRONG], (int)row->any_counts[VERDICT_WRONG]);
 }
 
-/* Every case, a row for each tracer. The tracers that fathom validates by default have no wrong answer,
- * here with far fewer rays. */
+/* Every case, a row for each tracer. The tracers that fathom validates by default, and the one in quadruple
+ * precision, have no wrong answer, here with far fewer rays. */
 UNIT_TEST(every_case_gives_its_rows) {
-    static const char *const specs[] = {"linear:f32", "linear:f64", "bvh", "embree", "embree:user"};
-    extremes_options options = asked(specs, 5, 36);
+    static const char *const specs[] = {"linear:f32", "linear:f64", "bvh",
+                                        "bvh:f128",   "embree",     "embree:user"};
+    extremes_options options = asked(specs, 6, 36);
     for (unsigned g = 0; g < extremes_groups(); ++g) {
         extremes_rows rows = {.items = NULL};
         run_group(g, &options, &rows);
         bool calls = strcmp(extremes_name(g), "refused") == 0 || strcmp(extremes_name(g), "user-rays") == 0;
-        assert_int_equal(rows.count, extremes_cases(g) * (calls ? 2 : 5));
+        assert_int_equal(rows.count, extremes_cases(g) * (calls ? 2 : 6));
         for (size_t i = 0; i < rows.count; ++i) {
             assert_string_equal(rows.items[i].group, extremes_name(g));
             check_row(&rows.items[i]);

@@ -215,7 +215,7 @@ static double normal_bound(const verdict_tracer *tracer, const oracle_primitive 
     return turn_of(r) + (p->shape == ORACLE_QUAD ? twist_of(p) : 0);
 }
 
-/* Normals are reported in float, in every precision. */
+/* In every precision normals are reported in float, u and v in double. */
 verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *ray,
                                 const oracle_primitive *p, const oracle_answer *answer) {
     verdict_bound bound = verdict_bound_of(tracer, ray, p, answer);
@@ -223,7 +223,8 @@ verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *
     const double flushed = 2 * (double)FLT_MIN; /* one FLT_MIN per component: √3, rounded up to 2 */
     frame f = frame_of(tracer, ray, p->instance);
     double size = size_of(tracer, ray, p, &f, (double)answer->t);
-    bound.weight = clamps_weights(tracer, p, answer, f.dir) ? 1 : bound.edge + 4 * tracer->unit;
+    bound.weight =
+        clamps_weights(tracer, p, answer, f.dir) ? 1 : bound.edge + 4 * fmax(tracer->unit, 0x1p-53);
     switch (p->shape) {
     case ORACLE_SPHERE:
         bound.normal = least + 2 * (bound.t * length_f64(f.dir) + 8 * unit * size) / oracle_radius(p) +
