@@ -177,23 +177,19 @@ static void resolve_hit(const world *w, const trace_block *block, unsigned lane,
     if (geometry == TRACE_PLANE) {
         const world_plane *plane = &w->planes.items[primitive];
         hit = plane_hit(plane, org, dir, t);
-        set_out(w, &hit, out);
         out->object = plane->object, out->material = plane->material;
         out->primitive = 0, out->instance = FATHOM_NONE;
-        return;
-    }
-    const world_geometry *g = &w->geometries.items[geometry];
-    if (instance == FATHOM_NONE) {
-        hit = geometry_hit(w, g, primitive, org, dir, t);
-        out->instance = g->instance;
     } else {
-        hit = instance_hit(w, &w->instances.items[instance], g, primitive, org, dir, t);
-        out->instance = w->instances.items[instance].id;
+        const world_geometry *g = &w->geometries.items[geometry];
+        const world_instance *placed = instance == FATHOM_NONE ? NULL : &w->instances.items[instance];
+        hit = placed ? instance_hit(w, placed, g, primitive, org, dir, t)
+                     : geometry_hit(w, g, primitive, org, dir, t);
+        out->object = world_object(w, geometry, primitive);
+        out->material = world_material(w, geometry, primitive, instance);
+        out->primitive = world_primitive(w, geometry, primitive);
+        out->instance = placed ? placed->id : g->instance;
     }
     set_out(w, &hit, out);
-    out->object = world_object(w, geometry, primitive);
-    out->material = world_material(w, geometry, primitive, instance);
-    out->primitive = world_primitive(w, geometry, primitive);
 }
 
 struct fathom_tracer {
@@ -202,11 +198,22 @@ struct fathom_tracer {
     fathom_scene scene;      /* the caller's scene with this context */
     world *world;
     trace_tracer *tracer;
+    vec3_f64 center; /* of everything but planes, in the world's coordinates */
+    double radius;   /* infinite: there are only planes */
 };
 
 fathom_status fathom_tracer_check(fathom_context *context, const char *words) {
     trace_spec spec;
     return trace_spec_parse(context, words, &spec);
+}
+
+static fathom_status find_bounds(fathom_tracer *tracer) {
+    scene_bounds bounds;
+    const fathom_status status = scene_world_bounds(&tracer->scene, &bounds);
+    if (status != FATHOM_OK) return status;
+    tracer->center = sub_f64(bounds_center(&bounds), tracer->world->origin);
+    tracer->radius = bounds_is_empty(&bounds) ? (double)INFINITY : bounds_radius(&bounds);
+    return FATHOM_OK;
 }
 
 fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *scene, const char *words,
@@ -225,6 +232,7 @@ fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *
     trace_options options = {.spec = &spec, .width = LANES, .threads = fathom_context_threads(context)};
     status = fathom_scene_check(&tracer->scene);
     if (status == FATHOM_OK) status = world_create(&tracer->scene, &tracer->world);
+    if (status == FATHOM_OK) status = find_bounds(tracer);
     if (status == FATHOM_OK) status = trace_create(context, tracer->world, &options, &tracer->tracer);
     if (status != FATHOM_OK) {
         fathom_tracer_destroy(tracer);
@@ -263,17 +271,35 @@ static fathom_status refuse(const fathom_tracer *tracer, const char *what, size_
     return FATHOM_BAD_USAGE;
 }
 
-static bool in_range(vec3_f64 p) {
-    return fabs(p.x) < WORLD_REACH && fabs(p.y) < WORLD_REACH && fabs(p.z) < WORLD_REACH;
+/* Where the traced ray starts. Float moves a ray's line by 2^-24 of the distance, so a ray from far away
+ * starts before the sphere around the scene (1 % covers the rounding of its coordinates) and before the
+ * nearest plane. With u = 2^-53, n the plane's unit normal and f the way to its point, t = f·n / d·n has an
+ * error of at most 12 u |f| (1 + |d| / |d·n|) / |d·n|; 2^-20 keeps the start before it in float, too. */
+static double start_of(const fathom_tracer *tracer, vec3_f64 org, vec3_f64 dir, double t_min) {
+    const double least = t_min < 0 ? t_min : 0, length = length_f64(dir);
+    const vec3_f64 to = sub_f64(tracer->center, org);
+    const double reach = (1.01 * tracer->radius + 0x1p-40 * length_f64(to)) / length;
+    double start = dot_f64(to, dir) / (length * length) - reach;
+    if (!(start > least + 4 * reach)) return least;
+    for (size_t p = 0; p < tracer->world->planes.count; ++p) {
+        const world_plane *plane = &tracer->world->planes.items[p];
+        const vec3_f64 f = sub_f64(widen(plane->point), org), n = widen(plane->normal);
+        const double along = dot_f64(dir, n), t = dot_f64(f, n) / along;
+        const double slack = (0x1p-49 * length_f64(f) * (1 + length / fabs(along)) +
+                              0x1p-20 * length_f64(madd_f64(org, t, dir))) /
+                             fabs(along);
+        if (t + slack > least) start = fmin(start, t - slack);
+    }
+    return fmax(start, least);
 }
 
-/* Scales the direction by a power of two. If t_min is negative, moves the origin there. Returns NULL, or the
+/* Scales the direction by a power of two, and moves the origin to where the ray starts. Returns NULL, or the
  * problem. */
-static const char *ray_prepare(const world *w, const fathom_ray *ray, user_ray *out) {
+static const char *ray_prepare(const fathom_tracer *tracer, const fathom_ray *ray, user_ray *out) {
     vec3_f64 org = load_f64(ray->origin), dir = load_f64(ray->direction);
     if (!finite_f64(org)) return "origin: is not finite";
     if (!finite_f64(dir)) return "direction: is not finite";
-    double longest = fmax(fabs(dir.x), fmax(fabs(dir.y), fabs(dir.z)));
+    const double longest = largest_f64(dir);
     if (!(longest > 0)) return "direction: is zero";
     if (!isfinite(ray->t_min)) return "t_min: is not finite";
     if (isnan(ray->t_max)) return "t_max: is not a number";
@@ -281,10 +307,12 @@ static const char *ray_prepare(const world *w, const fathom_ray *ray, user_ray *
     out->dir =
         vec_f64(ldexp(dir.x, -out->exponent), ldexp(dir.y, -out->exponent), ldexp(dir.z, -out->exponent));
     double t_min = ldexp(ray->t_min, out->exponent), t_max = ldexp(ray->t_max, out->exponent);
-    out->skipped = t_min < 0 ? t_min : 0;
-    out->org = madd_f64(sub_f64(org, w->origin), out->skipped, out->dir);
+    org = sub_f64(org, tracer->world->origin);
+    if (!(largest_f64(org) < WORLD_REACH)) return "origin: lies more than 1e18 from the scene";
+    out->skipped = start_of(tracer, org, out->dir, t_min);
+    out->org = madd_f64(org, out->skipped, out->dir);
     out->t_min = t_min - out->skipped, out->t_max = t_max - out->skipped;
-    if (!in_range(out->org)) return "origin: lies more than 1e18 from the scene";
+    if (!(largest_f64(out->org) < WORLD_REACH)) return "t_min: lies more than 1e18 from the scene";
     return NULL;
 }
 
@@ -334,12 +362,10 @@ static void closest_block(const fathom_tracer *tracer, const user_ray *rays, uns
         ray_narrow(&rays[i], &block.rays, i);
         hits[i].t = HUGE_VAL;
     }
-    bool again = true;
-    while (again) {
+    do {
         for (unsigned i = 0; i < lanes; ++i) t_far[i] = block.rays.t_far[i];
         trace_closest(tracer->tracer, &block, lanes, TRACE_INCOHERENT);
-        again = take_hits(tracer, rays, &block, lanes, t_far, hits);
-    }
+    } while (take_hits(tracer, rays, &block, lanes, t_far, hits));
 }
 
 static fathom_status trace_user(const fathom_tracer *tracer, const fathom_ray *rays, size_t count,
@@ -351,7 +377,7 @@ static fathom_status trace_user(const fathom_tracer *tracer, const fathom_ray *r
         user_ray own[LANES];
         fathom_hit found[LANES];
         for (unsigned i = 0; i < lanes; ++i) {
-            const char *wrong = ray_prepare(tracer->world, &rays[first + i], &own[i]);
+            const char *wrong = ray_prepare(tracer, &rays[first + i], &own[i]);
             if (wrong) return refuse(tracer, wrong, first + i, NULL);
         }
         unsigned mode = trace_thread_begin();

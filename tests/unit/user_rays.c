@@ -187,6 +187,40 @@ static void continuing_from_a_hit(void **state) {
     stage_close(&s);
 }
 
+/* The origin, the direction and the result are rounded to double, each by at most √3 2^-53 of the distance.
+ * The sphere is hit at up to 64 degrees from its normal and the plane at up to 73, so t is off by at most 3.4
+ * times the line: 3.4 (1 + 2 √3) < 16. */
+static void rays_from_far_away_hit_what_they_are_aimed_at(void **state) {
+    (void)state;
+    for (int k = 0; k < 2; ++k) {
+        stage s;
+        stage_open(&s);
+        add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
+        add_plane(&s, -2, 0);
+        fathom_tracer *tracer = stage_tracer(&s, kinds[k]);
+        for (int i = 0; i < 2000; ++i) {
+            const double far = pow(10, between(1, 12)), z = between(0.3, 1), phi = between(0, 6.28);
+            const double d[3] = {sqrt(1 - z * z) * cos(phi), sqrt(1 - z * z) * sin(phi), -z};
+            double p[3] = {between(-0.5, 0.5), between(-0.5, 0.5), between(-0.5, 0.5)};
+            if (i % 2) p[0] = between(12, 15), p[2] = -2;
+            const double b = p[0] * d[0] + p[1] * d[1] + p[2] * d[2],
+                         c = p[0] * p[0] + p[1] * p[1] + p[2] * p[2] - 1,
+                         t = i % 2 ? 0 : -b - sqrt(b * b - c);
+            fathom_ray ray = {.t_max = HUGE_VAL};
+            for (int j = 0; j < 3; ++j) ray.direction[j] = d[j], ray.origin[j] = p[j] - far * d[j];
+            const fathom_hit hit = shoot(&s, tracer, ray);
+            assert_int_equal(hit.object, i % 2);
+            assert_near(hit.t, far + t, 16 * 0x1p-53 * far);
+            /* The same from the point itself, with a t_min as far back. */
+            memcpy(ray.origin, p, sizeof p);
+            ray.t_min = -far * between(1, 1e20);
+            assert_near(shoot(&s, tracer, ray).t, t, 16 * 0x1p-53 * 16);
+        }
+        fathom_tracer_destroy(tracer);
+        stage_close(&s);
+    }
+}
+
 /* ---- rays that start on a surface ---- */
 
 /* A cube, a grid, a quad, a sphere and a plane in the root, and all but the plane again in two instances. */
@@ -390,6 +424,7 @@ int main(void) {
         cmocka_unit_test(normals_at_corners_count_as_unit),
         cmocka_unit_test(a_quad_and_a_plane),
         cmocka_unit_test(continuing_from_a_hit),
+        cmocka_unit_test(rays_from_far_away_hit_what_they_are_aimed_at),
         cmocka_unit_test(ids_in_images_are_those_of_hits),
         cmocka_unit_test(wrong_rays_are_refused),
         cmocka_unit_test(threads_share_a_tracer),
