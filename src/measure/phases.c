@@ -48,8 +48,10 @@ fathom_status phases_read(fathom_context *context, const char *path, const fatho
 static fathom_status build_once(fathom_context *context, const fathom_scene *scene,
                                 const fathom_settings *settings, const char *words, world **w,
                                 trace_tracer **tracer) {
-    const trace_options options = {
-        .words = words, .width = settings->block_width, .expected_rays = plan_expected_rays(scene, settings)};
+    const trace_options options = {.words = words,
+                                   .timed = settings->integrator != FATHOM_INTEGRATOR_CLASSIC,
+                                   .width = settings->block_width,
+                                   .expected_rays = plan_expected_rays(scene, settings)};
     trace_destroy(*tracer);
     world_destroy(*w);
     *tracer = NULL, *w = NULL;

@@ -85,3 +85,6 @@ silent out.txt
 run 0 bench error scene.json --size 32x32 --max-spp 16 --seeds 1 --reference-spp 1
 said out.txt '* closer to the reference than its halves are'
 said out.txt 'the patterns have nothing in common here'
+
+# What moves, with a time for each ray.
+run 0 bench error "$SOURCE/scenes/light/moving-balls.json" --size 16x16 --max-spp 1 --seeds 1 --reference-spp 4

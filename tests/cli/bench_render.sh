@@ -10,3 +10,7 @@ run 0 bench render path.json --spp 4 --repeats 2 --seconds 0 --threads 1
 said err.txt 'image.aovs: "error" is left out'
 sed 's/"spp": 128/"targetError": 0.05/' path.json >error.json
 run 0 bench render error.json --spp 1 --integrator path --repeats 2 --seconds 0 --threads 1
+# What moves, with a time for each ray.
+moving=$SOURCE/scenes/light/moving-balls.json
+run 0 bench render "$moving" --integrator path --size 16x16 --spp 1 --repeats 2 --seconds 0 --threads 1
+refused 3 'which the classic integrator, validation, bench trace' bench render "$moving" --size 16x16 --spp 1 --repeats 2
