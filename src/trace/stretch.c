@@ -8,12 +8,12 @@ static float scaled(float part, int e) {
     return fabsf(part) < STRETCH_ZERO ? copysignf(0, part) : part;
 }
 
-void stretch_rays(trace_rays *r, unsigned lanes, stretch *out) {
+void stretch_rays(trace_rays *r, unsigned lanes, float high, stretch *out) {
     for (unsigned i = 0; i < lanes; ++i) {
         float x = fabsf(r->dir_x[i]), y = fabsf(r->dir_y[i]), z = fabsf(r->dir_z[i]),
               m = fmaxf(x, fmaxf(y, z));
         bool tiny = stretch_tiny(x) | stretch_tiny(y) | stretch_tiny(z);
-        bool fits = m >= STRETCH_LOW && m <= STRETCH_HIGH && !tiny, usable = m >= FLT_MIN && m <= FLT_MAX;
+        bool fits = m >= STRETCH_LOW && m <= high && !tiny, usable = m >= FLT_MIN && m <= FLT_MAX;
         int e = out->exponent[i] = fits || !usable ? 0 : ilogbf(m);
         if (fits || !usable) continue;
         r->dir_x[i] = scaled(r->dir_x[i], e);

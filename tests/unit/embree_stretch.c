@@ -66,6 +66,29 @@ UNIT_TEST(test_embree) {
     stage_close(&s);
 }
 
+/* In a group that an instance shrinks to 2^-32, rays longer than 2^27 would leave Embree's range. */
+UNIT_TEST(long_directions_reach_into_small_instances) {
+    static const double small[12] = {0x1p-32, 0, 0, 0, 0, 0x1p-32, 0, 0, 0, 0, 0x1p-32, 0};
+    stage s;
+    stage_open(&s);
+    fathom_id group;
+    assert_ok(s.context, fathom_scene_add_group(s.scene, NULL, &group));
+    add_sphere(&s, group, 0, 0, 0, 0x1p32, 0);
+    add_instance(&s, group, small);
+    trace_tracer *tracer = stage_embree(&s, 16);
+    for (int e = -60; e <= 60; ++e) {
+        trace_block block = {.rays = {.org_z[0] = 4, .dir_z[0] = -ldexpf(1, e), .t_far[0] = INFINITY}};
+        trace_rays any = block.rays;
+        trace_closest(tracer, &block, 1, TRACE_INCOHERENT);
+        trace_any(tracer, &any, 1, TRACE_INCOHERENT);
+        assert_int_equal(block.hits.instance[0], 0);
+        assert_near(ldexp((double)block.rays.t_far[0], e), 3, 1e-6);
+        assert_true(any.t_far[0] < 0);
+    }
+    trace_destroy(tracer);
+    stage_close(&s);
+}
+
 /* t leaves float's range only to its nearest number in the interval. */
 UNIT_TEST(test_back) {
     const stretch s = {{100, -100}};
@@ -79,12 +102,13 @@ UNIT_TEST(test_back) {
 UNIT_TEST(test_needed) {
     ray_set set = random_rays(16);
     trace_rays *r = &set.blocks[0].rays;
-    assert_false(stretch_needed(r, 16));
+    assert_false(stretch_needed(r, 16, STRETCH_HIGH));
+    assert_true(stretch_needed(r, 16, 0x1p-20f));
     const float odd[] = {0x1p31f, 0x1p-31f, NAN, INFINITY, 0};
     for (size_t k = 0; k < sizeof odd / sizeof *odd; ++k) {
         r->dir_x[9] = r->dir_y[9] = r->dir_z[9] = odd[k];
-        assert_true(stretch_needed(r, 16));
-        assert_false(stretch_needed(r, 9));
+        assert_true(stretch_needed(r, 16, STRETCH_HIGH));
+        assert_false(stretch_needed(r, 9, STRETCH_HIGH));
     }
     free(set.blocks);
 }

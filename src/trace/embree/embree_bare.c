@@ -18,7 +18,8 @@ void embree_bare_load(const trace_tracer *base, bare_query query, trace_coherenc
                                              : embree_way_closest(tracer, rays, lanes, coherence);
     trace_block ready = {.rays = *rays};
     stretch scale;
-    if (stretch_needed(&ready.rays, lanes)) stretch_rays(&ready.rays, lanes, &scale);
+    const float high = tracer->reach.direction;
+    if (stretch_needed(&ready.rays, lanes, high)) stretch_rays(&ready.rays, lanes, high, &scale);
     tracer->kernels->prepare(tracer, &ready.rays, lanes, query == BARE_ANY ? EMBREE_SHADOWS : EMBREE_SEEN,
                              out->valid);
     for (unsigned i = 0; i < LANES; ++i)

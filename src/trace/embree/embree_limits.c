@@ -3,6 +3,7 @@
 #include "reference/reference.h"
 #include "trace/embree/embree.h"
 #include "trace/search.h"
+#include "trace/stretch.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -229,10 +230,10 @@ static fathom_status refuse_range(fathom_context *context, const world *w, const
         shrinks ? "scale its contents" : "place it nearer");
 }
 
-/* Directions of length up to 2 must be valid in every instance; unit vectors and user rays stay below. */
+/* Directions of length up to 2 must be valid in every instance: longer ones may be scaled (stretch.h). */
 static fathom_status find(fathom_context *context, const world *w, const bool *placed, float size,
                           trace_reach *out) {
-    *out = (trace_reach){limit, limit};
+    *out = (trace_reach){limit, STRETCH_HIGH};
     for (size_t k = 0; k < w->instances.count; ++k) {
         const world_instance *instance = &w->instances.items[k];
         if (!placed[instance->group]) continue;

@@ -19,7 +19,7 @@ trace_need trace_need_of(const world *w, bool compact);
  * sums. */
 #define REACH_LARGEST 1.844e18f
 
-/* The largest coordinates of rays, as magnitudes. */
+/* The largest coordinates of rays, as magnitudes. Longer directions are scaled: see stretch.h. */
 typedef struct trace_reach {
     float origin, direction;
 } trace_reach;

@@ -68,7 +68,7 @@ static __attribute__((noinline)) void closest_stretched(const embree_tracer *tra
                                                         unsigned lanes, trace_coherence coherence) {
     trace_block scaled = *block;
     stretch s;
-    stretch_rays(&scaled.rays, lanes, &s);
+    stretch_rays(&scaled.rays, lanes, tracer->reach.direction, &s);
     closest_block(tracer, &scaled, lanes, true, coherence);
     block->hits = scaled.hits;
     for (unsigned i = 0; i < lanes; ++i) {
@@ -127,7 +127,7 @@ static __attribute__((noinline)) void any_stretched(const embree_tracer *tracer,
                                                     unsigned lanes, trace_coherence coherence) {
     trace_rays scaled = *rays;
     stretch s;
-    stretch_rays(&scaled, lanes, &s);
+    stretch_rays(&scaled, lanes, tracer->reach.direction, &s);
     any_block(tracer, &scaled, lanes, true, coherence);
     for (unsigned i = 0; i < lanes; ++i)
         if (scaled.t_far[i] == -INFINITY) rays->t_far[i] = -INFINITY;

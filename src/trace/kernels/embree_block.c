@@ -39,7 +39,7 @@ static void prepare_lanes(const embree_tracer *tracer, trace_rays *rays, unsigne
 
 static ALWAYS_INLINE bool begin(const embree_tracer *tracer, trace_rays *restrict rays, unsigned lanes,
                                 uint32_t mask, bool scaled, embree_asked *restrict asked) {
-    if (!scaled && stretch_needed(rays, lanes)) return false;
+    if (!scaled && stretch_needed(rays, lanes, tracer->reach.direction)) return false;
     for (unsigned i = 0; i < lanes; ++i) asked->t_near[i] = rays->t_near[i], asked->t_far[i] = rays->t_far[i];
     prepare(tracer, rays, lanes, mask, asked->valid);
     return true;
