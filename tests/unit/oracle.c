@@ -125,6 +125,10 @@ UNIT_TEST(quads_are_their_two_triangles) {
     oracle_answer miss = ask(ray_of(vec_f32(1.5f, 0.75f, 1), down, 0, 9), quad);
     assert_true(!miss.hit && is_exactly(miss.edge, -0.5));
     /* Folded along the diagonal: both halves in the way, the nearer counts. */
+    /* The first half lies in the ray's plane, so the diagonal is the rim of the second. */
+    quad.v[2].z = 0x1p-20f;
+    oracle_answer rim = ask(ray_of(vec_f32(0, 0, 0), vec_f32(0.5f, 0.5f, 0), 0, 9), quad);
+    assert_true(rim.hit && rim.t == 1 && rim.part == 1 && rim.edge == 0);
     quad.v[2] = vec_f32(0, 0, 0.5f);
     oracle_answer fold = ask(ray_of(vec_f32(0.25f, 0.25f, 1), down, 0, 9), quad);
     assert_true(fold.hit && fold.part == 1 && is_exactly(fold.t, 0.75));

@@ -115,8 +115,9 @@ static void ask_quad(const oracle_ray *ray, const oracle_primitive *quad, oracle
         ask_one(ray, &triangle, &part[i]);
         part[i].part = i;
     }
-    *answer = part[better_part(ray, quad, part)];
-    if (answer->line) answer->edge = smallest(answer->weight + 1, 2);
+    const unsigned better = better_part(ray, quad, part);
+    *answer = part[better];
+    if (answer->line && !part[1 - better].parallel) answer->edge = smallest(answer->weight + 1, 2);
 }
 
 static MODE_APART void ask(const oracle_ray *ray, const oracle_primitive *primitive, oracle_answer *answer) {

@@ -57,8 +57,9 @@ typedef struct oracle_answer {
                                         sphere is false */
     real_f128 weight[3]; /* of the triangle's corners A, B, C at t, with sum 1; for a quad, of its `part` */
     /* Signed margin: at least 0 if and only if `line` is true. Triangle: the smallest weight. Quad: for a
-     * hit, the smaller of the two weights at the outer edges; for a miss, the larger of both parts' smallest
-     * weights. Sphere: 1 - l²/R² with l the line's distance from the centre. Plane: 1. */
+     * hit, the smaller of the two weights at the outer edges, if the ray is not parallel to the other part;
+     * for a miss, the larger of both parts' smallest weights. Sphere: 1 - l²/R² with l the line's distance
+     * from the centre. Plane: 1. */
     real_f128 edge;
 } oracle_answer;
 
