@@ -62,7 +62,7 @@ static void follow_run(const emitters *e, const emitter_run *run, run_motion *m)
     m->at[0] = affine_identity();
     if (run->instance == FATHOM_NONE) return;
     const world_instance *instance = &w->instances.items[run->instance];
-    for (int i = 0; i < 12; ++i) m->at[0].m[i / 4][i % 4] = (double)instance->to_world[i / 4][i % 4];
+    m->at[0] = affine_widen(instance->to_world);
     if (!instance->moving) return;
     m->placed = &w->motions.items[instance->moving - 1];
     m->steps = m->placed->steps;

@@ -11,6 +11,11 @@ typedef struct affine_f64 {
 affine_f64 affine_identity(void);
 /* From 3 rows of 4. */
 void affine_load(affine_f64 *out, const double rows[12]);
+static inline affine_f64 affine_widen(const float rows[3][4]) {
+    affine_f64 out;
+    for (int i = 0; i < 12; ++i) out.m[i / 4][i % 4] = (double)rows[i / 4][i % 4];
+    return out;
+}
 affine_f64 affine_translation(vec3_f64 t);
 affine_f64 affine_scaling(vec3_f64 s);
 /* Rotation by a quaternion (x, y, z, w), which need not be unit but must not be zero. */

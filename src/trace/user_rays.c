@@ -144,11 +144,8 @@ static local_hit geometry_hit(const world *w, const world_geometry *geometry, ui
  * nothing. */
 static local_hit instance_hit(const world *w, const world_instance *instance, const world_geometry *geometry,
                               uint32_t primitive, vec3_f64 org, vec3_f64 dir, double t) {
-    affine_f64 to_world, to_object;
-    for (int i = 0; i < 12; ++i) {
-        to_world.m[i / 4][i % 4] = (double)instance->to_world[i / 4][i % 4];
-        to_object.m[i / 4][i % 4] = (double)instance->to_object[i / 4][i % 4];
-    }
+    const affine_f64 to_world = affine_widen(instance->to_world);
+    affine_f64 to_object = affine_widen(instance->to_object);
     affine_invert(&to_world, &to_object);
     local_hit hit = geometry_hit(w, geometry, primitive, affine_point(&to_object, org),
                                  affine_vector(&to_object, dir), t);

@@ -115,7 +115,7 @@ static void warn_of_lights(const world *w) {
     look_in_group(&s, &w->groups.items[0], &to_object);
     for (size_t k = 0; k < w->instances.count && s.pairs < PAIRS_MOST; ++k, ++s.pairs) {
         const world_instance *instance = &w->instances.items[k];
-        for (int i = 0; i < 12; ++i) to_object.m[i / 4][i % 4] = (double)instance->to_object[i / 4][i % 4];
+        to_object = affine_widen(instance->to_object);
         look_in_group(&s, &w->groups.items[instance->group], &to_object);
     }
     if (!s.found) return;

@@ -47,8 +47,7 @@ static double row_sum(const double row[4]) { return fabs(row[0]) + fabs(row[1]) 
  * compared with 2^-24 of it. It changes an entry of the adjugate by up to 2 `least`, which must be negligible
  * compared with 2^-24 of the largest entry in its row. */
 bool world_instance_fits_float(const world_instance *instance) {
-    affine_f64 map;
-    for (int i = 0; i < 12; ++i) map.m[i / 4][i % 4] = (double)instance->to_world[i / 4][i % 4];
+    const affine_f64 map = affine_widen(instance->to_world);
     double d = fabs(determinant(&map));
     if (!(d >= 8 * least / unit_round)) return false;
     for (int i = 0; i < 3; ++i) {

@@ -100,8 +100,8 @@ static double largest_of(const float a[3], const float b[3]) {
  * If the map cannot be inverted, the box contains everything. */
 static void instance_box(const world_instance *instance, const bvh_tree *inside, bvh_item *item,
                          bvh_tree *tree) {
-    affine_f64 to_object, to_world;
-    for (int i = 0; i < 12; ++i) to_object.m[i / 4][i % 4] = (double)instance->to_object[i / 4][i % 4];
+    const affine_f64 to_object = affine_widen(instance->to_object);
+    affine_f64 to_world;
     if (!affine_invert(&to_object, &to_world)) {
         for (int k = 0; k < 3; ++k) item->lower[k] = -0x1p120f, item->upper[k] = 0x1p120f;
         return;

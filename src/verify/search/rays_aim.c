@@ -38,12 +38,8 @@ vec3_f64 rays_perpendicular(rays_random *r, vec3_f64 to) {
 
 static vec3_f64 placed(const world_instance *instance, vec3_f64 p) {
     if (!instance) return p;
-    double in[3] = {p.x, p.y, p.z}, out[3];
-    for (int i = 0; i < 3; ++i) {
-        out[i] = (double)instance->to_world[i][3];
-        for (int j = 0; j < 3; ++j) out[i] += (double)instance->to_world[i][j] * in[j];
-    }
-    return load_f64(out);
+    const affine_f64 to_world = affine_widen(instance->to_world);
+    return affine_point(&to_world, p);
 }
 
 /* A uniform point in the triangle. */

@@ -56,20 +56,12 @@ static double norm_of(const float m[3][4]) {
     return sqrt(sum);
 }
 
-static vec3_f64 carried(const float m[3][4], vec3_f64 p, double w) {
-    double r[3];
-    for (int i = 0; i < 3; ++i) {
-        r[i] = (double)m[i][0] * p.x + (double)m[i][1] * p.y + (double)m[i][2] * p.z + (double)m[i][3] * w;
-    }
-    return load_f64(r);
-}
-
 static frame frame_of(const verdict_tracer *tracer, const oracle_ray *ray, const world_instance *instance) {
     frame f = {widen(ray->org), widen(ray->dir), 1, 1, 0, length_f64(widen(ray->dir))};
     if (!instance) return f;
-    const float(*m)[4] = instance->to_object;
-    f.org = carried(m, f.org, 1), f.dir = carried(m, f.dir, 0);
-    f.norm = norm_of(m), f.inverse_norm = norm_of(instance->to_world);
+    const affine_f64 to_object = affine_widen(instance->to_object);
+    f.org = affine_point(&to_object, f.org), f.dir = affine_vector(&to_object, f.dir);
+    f.norm = norm_of(instance->to_object), f.inverse_norm = norm_of(instance->to_world);
     vec3_f64 shift = {(double)instance->to_world[0][3], (double)instance->to_world[1][3],
                       (double)instance->to_world[2][3]};
     f.shift = length_f64(shift);
@@ -328,8 +320,9 @@ bool verdict_beyond(const verdict_tracer *tracer, const world *w, const oracle_r
 }
 
 vec3_f32 verdict_object_direction(const oracle_ray *ray, const oracle_primitive *p) {
-    vec3_f64 dir = widen(ray->dir);
-    return narrow(p->instance ? carried(p->instance->to_object, dir, 0) : dir);
+    if (!p->instance) return ray->dir;
+    const affine_f64 to_object = affine_widen(p->instance->to_object);
+    return narrow(affine_vector(&to_object, widen(ray->dir)));
 }
 
 bool verdict_in_plane(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p) {
