@@ -21,10 +21,10 @@ typedef struct fathom_hit {
     double position[3];
     float geometric_normal[3], shading_normal[3]; /* unit, world, outward as the shape defines it */
     float u, v; /* mesh: its uvs, else barycentric (u of the second corner, v of the third); quad: along its
-                   sides; plane: distances along its tangents; sphere: azimuth / 2 pi and polar angle / pi
-                   around its own z */
+                   sides; plane: distances along its tangents; sphere and point: azimuth / 2 pi and polar
+                   angle / pi around its own z */
     fathom_id object;    /* the id that fathom_scene_add_…() returned */
-    fathom_id primitive; /* of a mesh: the triangle; else 0 */
+    fathom_id primitive; /* of a mesh: the triangle or the point; else 0 */
     fathom_id instance;  /* FATHOM_NONE in the root group */
     fathom_id material;
 } fathom_hit;
@@ -42,7 +42,9 @@ FATHOM_API void fathom_tracer_destroy(fathom_tracer *tracer);
  * direction is zero: the message names it, and hits of the rays before it are set. Any number of threads may
  * call at the same time; when several fail, the message is one of theirs; read it when all have returned.
  * With Embree, a ray within a few roundings of a mesh's vertex can slip through: 2 % of rays aimed exactly at
- * vertices do. Renders repair this. For single rays, use the tracer "reference". */
+ * vertices do. Renders repair this. For single rays, use the tracer "reference". Where one scene holds
+ * objects farther apart than 1e7 times their size, float can miss those far from its origin. Rays hit what a
+ * material makes transparent, too. */
 FATHOM_API fathom_status fathom_tracer_closest(const fathom_tracer *tracer, const fathom_ray *rays,
                                                size_t count, fathom_hit *hits);
 /* Any hit. Shapes that cast no shadow count, too. */
