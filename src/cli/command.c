@@ -90,12 +90,16 @@ fathom_status command_run(const command *c, int argc, char **argv, void *setting
     const command_common *common = settings;
     fathom_context *context;
     fathom_status status;
+    warning_list said = {.count = 0};
     if (!command_parse(c, argc, argv, settings, &status)) return status;
     status = command_context(common->threads, &context);
     if (status != FATHOM_OK) return status;
+    /* Some commands render a scene many times, each time with the same warnings. */
+    fathom_context_on_warning(context, warnings_say_once, &said);
     fathom_context_allow_outside(context, common->allow_outside);
     interrupt_install();
     status = body(context, settings);
     fathom_context_destroy(context);
+    warnings_free(&said);
     return status;
 }

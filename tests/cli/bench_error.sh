@@ -88,3 +88,9 @@ said out.txt 'the patterns have nothing in common here'
 
 # What moves, with a time for each ray.
 run 0 bench error "$SOURCE/scenes/light/moving-balls.json" --size 16x16 --max-spp 1 --seeds 1 --reference-spp 4
+
+# One warning of a scene, however often it is rendered.
+printf '{"image": {"width": 8, "height": 8}, "lights": [{"type": "point", "position": [0, 0, 0], "intensity": 1}],
+"objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}]}' >inside.json
+run 0 bench error inside.json --adaptive --max-spp 4 --seeds 2 --reference-spp 4
+[ "$(grep -c 'lies inside a sphere' err.txt)" = 1 ] || die 'one warning of the light'

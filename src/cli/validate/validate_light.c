@@ -1,7 +1,6 @@
 /* fathom validate --light: a table and JSON of laws of light. */
 #include "cli/interrupt.h"
 #include "cli/machine.h"
-#include "cli/notes.h"
 #include "cli/render/progress.h"
 #include "cli/validate/validate.h"
 
@@ -111,11 +110,8 @@ static fathom_status compare_scene(fathom_context *context, const validate_setti
     fathom_scene *scene;
     fathom_settings of_scene;
     laws_difference d = {.tests = 0};
-    warning_list said = {.count = 0};
     fathom_status status = fathom_scene_read(context, settings->scene, &scene);
     if (status != FATHOM_OK) return status;
-    /* The scene is rendered many times, each time with the same warnings. */
-    fathom_context_on_warning(context, warnings_say_once, &said);
     fathom_scene_settings(scene, &of_scene);
     const double ratio = of_scene.height ? (double)of_scene.width / of_scene.height : 1;
     laws_pair pair = {.across = (uint32_t)fmax(round(8 * fmin(ratio, 1)), 1),
@@ -144,8 +140,6 @@ static fathom_status compare_scene(fathom_context *context, const validate_setti
                                     JSON("tests", d.tests), JSON("p", d.p), JSON("level", LEVEL),
                                     JSON("difference", d.relative), JSON("standardError", d.relative_error)));
     fathom_scene_destroy(scene);
-    fathom_context_on_warning(context, warnings_say, NULL);
-    warnings_free(&said);
     return status;
 }
 
