@@ -14,7 +14,7 @@ static bool find(statistics_findings *out, const char *format, ...) {
     return array_push(out, finding);
 }
 
-double statistics_power(uint64_t rays) { return rays ? 2.995732273553991 / (double)rays : 1; }
+double statistics_power(uint64_t rays) { return rays ? -expm1(-2.995732273553991 / (double)rays) : 1; }
 
 void statistics_bias(const compare_bias *bias, double *mean, double *error) {
     double n = (double)bias->count, sum = (double)bias->sum / 1024;

@@ -44,6 +44,6 @@ bool statistics_tracer(const trace_spec *spec, double unit, const compare_family
 
 /* The mean of the signed errors of t, and its standard error. */
 void statistics_bias(const compare_bias *bias, double *mean, double *error);
-/* If none of `rays` rays fails, the rate of failures is below this with 95 % confidence: -log(0.05) /
- * rays. */
+/* If none of `rays` rays fails, the rate of failures is below this with 95 % confidence: 1 - 0.05^(1/rays).
+ */
 double statistics_power(uint64_t rays);

@@ -374,8 +374,11 @@ UNIT_TEST(test_declared_unit) {
 
 /* No error in n rays: (1 - p)^n is 5 % at the rate that is named. */
 UNIT_TEST(test_power) {
-    double p = statistics_power(100000);
-    assert_true(fabs(exp(100000 * log1p(-p)) - 0.05) < 1e-5);
+    static const uint64_t rays[] = {1, 3, 100000};
+    for (int i = 0; i < 3; ++i) {
+        const double p = statistics_power(rays[i]);
+        assert_true(fabs(exp((double)rays[i] * log1p(-p)) - 0.05) < 1e-9); /* p is rounded to 2^-53 of 1 */
+    }
     assert_true(statistics_power(0) == 1);
 }
 
