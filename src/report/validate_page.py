@@ -32,14 +32,21 @@ def plural(n, noun):
     return f"{count(n)} {noun}{'' if n == 1 else 's'}"
 
 
+def findings_of(runs):
+    return [f"{r.get('spec', '')}, {r.get('scene', '')}: {words}" for r in runs for words in r.get("findings", [])]
+
+
 def verdict(results):
     runs, cases, shading = results.get("runs", []), results.get("extremes", []), results.get("shading", [])
     wrong = sum(verdicts_of(r, "wrong", any_hit) for r in runs for any_hit in (False, True))
+    wrong += sum(at(f, "others", "verdicts", "wrong", missing=0) for f in families_of(runs))
     leaks = sum(verdicts_of(r, "leak", any_hit) for r in runs for any_hit in (False, True)) + sum(case_verdicts(c, "leak") for c in cases)
     bad_cases, bad_shading = sum(not c.get("ok") for c in cases), sum(not c.get("ok") for c in shading)
     faults = []
     if wrong:
         faults.append(f"{plural(wrong, 'answer')} wrong")
+    if findings_of(runs):
+        faults.append(f"{plural(len(findings_of(runs)), 'statistic')} out of bounds")
     if bad_cases:
         faults.append(f"{count(bad_cases)} of {count(len(cases))} extreme cases failed")
     if bad_shading:
@@ -48,7 +55,8 @@ def verdict(results):
     said = (", ".join(faults) or "Nothing wrong") + f" in {count(rays)} rays"
     if leaks:
         said += f"; {plural(leaks, 'tracer leak')}"
-    return f'<p class="verdict {"bad" if faults else "good"}">{said}.</p>\n'
+    found = "".join(f"<li>{text(line)}</li>\n" for line in findings_of(runs))
+    return f'<p class="verdict {"bad" if faults else "good"}">{said}.</p>\n' + (f"<ul>\n{found}</ul>\n" if found else "")
 
 
 def head(results):

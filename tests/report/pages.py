@@ -114,8 +114,17 @@ class ValidatePage(unittest.TestCase):
             for family in run["families"]:
                 family["verdicts"]["wrong"] = 0
                 family.get("any", {}).get("verdicts", {}).pop("wrong", None)
+                family.get("others", {}).get("verdicts", {}).pop("wrong", None)
+            run["findings"] = []
         clean["extremes"], clean["shading"] = [], []
         self.assertIn("Nothing wrong in", validate_page.page_of(clean))
+        clean["runs"][0]["findings"] = ["bias: t is off by <much>"]
+        found = validate_page.page_of(clean)
+        self.assertIn("1 statistic out of bounds in", found)
+        self.assertIn("bias: t is off by &lt;much&gt;", found)
+        clean["runs"][0]["findings"] = []
+        clean["runs"][0]["families"][0]["others"] = {"verdicts": {"wrong": 3}}
+        self.assertIn("3 answers wrong in", validate_page.page_of(clean))
 
     def test_equal_results_give_equal_pages(self):
         self.assertEqual(self.markup, validate_page.page_of(copy.deepcopy(self.results)))
