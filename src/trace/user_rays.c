@@ -370,17 +370,17 @@ static fathom_status trace_user(const fathom_tracer *tracer, const fathom_ray *r
     if (!tracer) return FATHOM_BAD_USAGE;
     if (count && !(rays && (hits || met))) return refuse(tracer, NULL, 0, rays ? "hits" : "rays");
     for (size_t first = 0; first < count; first += LANES) {
-        unsigned lanes = count - first < LANES ? (unsigned)(count - first) : LANES;
+        unsigned lanes = 0;
+        const char *wrong = NULL;
         user_ray own[LANES];
         fathom_hit found[LANES];
-        for (unsigned i = 0; i < lanes; ++i) {
-            const char *wrong = ray_prepare(tracer, &rays[first + i], &own[i]);
-            if (wrong) return refuse(tracer, wrong, first + i, NULL);
-        }
+        for (; lanes < LANES && first + lanes < count; ++lanes)
+            if ((wrong = ray_prepare(tracer, &rays[first + lanes], &own[lanes]))) break;
         unsigned mode = trace_thread_begin();
         closest_block(tracer, own, lanes, hits ? &hits[first] : found);
         trace_thread_end(mode);
         for (unsigned i = 0; met && i < lanes; ++i) met[first + i] = found[i].t < HUGE_VAL;
+        if (wrong) return refuse(tracer, wrong, first + lanes, NULL);
     }
     return FATHOM_OK;
 }

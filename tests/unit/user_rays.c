@@ -361,8 +361,13 @@ static void wrong_rays_are_refused(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         rays[1] = rays[0];
         memcpy((char *)&rays[1] + cases[i].field * sizeof(double), &cases[i].value, sizeof(double));
+        hits[0].t = 0;
         assert_fails(s.context, fathom_tracer_closest(tracer, rays, 2, hits), FATHOM_BAD_USAGE,
                      cases[i].message);
+        assert_true(hits[0].t == 2); /* rays before the wrong one have hits */
+        bool any[2] = {false, false};
+        assert_fails(s.context, fathom_tracer_any(tracer, rays, 2, any), FATHOM_BAD_USAGE, cases[i].message);
+        assert_true(any[0]);
     }
     assert_ok(s.context, fathom_tracer_closest(tracer, rays, 0, NULL));
     fathom_tracer_destroy(tracer);
