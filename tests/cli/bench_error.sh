@@ -51,9 +51,9 @@ cmp -s one.txt two.txt || die 'errors depend on threads or tracer'
 run 0 bench error scene.json --adaptive --size 24x16 --max-spp 16 --reference-spp 16 --seeds 2 --json c.json
 for text in 'trusted' 'doubtful' 'alike'; do said out.txt "$text"; done
 for key in coverage targetError meanSpp light t values held; do said c.json "\"$key\": "; done
-refused 2 '--adaptive: no --csv or --report' bench error scene.json --adaptive --size 24x16 --csv c.csv
-refused 2 '--adaptive: measures no FLIP' bench error scene.json --adaptive --size 24x16 --ppd 20
-refused 2 'tracer' bench error scene.json --adaptive --size 24x16 --tracer none
+refused 2 '--adaptive: no --csv, --report or --ppd' bench error scene.json --adaptive --size 24x16 --csv c.csv
+refused 2 '--adaptive: no --csv, --report or --ppd' bench error scene.json --adaptive --size 24x16 --ppd 20
+refused 2 'no tracer is called "nope"' bench error scene.json --adaptive --size 24x16 --tracer nope
 
 # A signal keeps what all patterns have, and says so. The first samples are there in no time, the last ones never.
 phase=measure

@@ -315,8 +315,8 @@ static fathom_status open_stage(fathom_context *context, const bench_settings *a
     trace_spec spec;
     fathom_status status = asked->tracer ? trace_spec_parse(context, asked->tracer, &spec) : FATHOM_OK;
     if (status == FATHOM_OK) status = bench_open(context, asked, false, stage);
-    /* Expected rays 0: builds as for a long render. */
-    return status == FATHOM_OK ? stage_build(context, stage, asked->tracer, 0) : status;
+    if (status == FATHOM_OK && asked->tracer) stage->settings.tracer = asked->tracer;
+    return status;
 }
 
 static fathom_status converge(fathom_context *context, const bench_error_settings *asked,
@@ -347,12 +347,9 @@ static fathom_status measure_coverage(fathom_context *context, const bench_error
             asked->half_spp ? asked->half_spp : (asked->max_spp < 16384 ? 4 * asked->max_spp : 65536),
         .seed = asked->seed,
         .progress = on_progress};
-    if (asked->all.csv || asked->all.report)
-        return fail(context, FATHOM_BAD_USAGE, "--adaptive: no --csv or --report; expected --json");
-    if (asked->ppd != FLIP_PPD)
-        return fail(context, FATHOM_BAD_USAGE, "--adaptive: measures no FLIP; expected no --ppd");
-    fathom_status status = bench_open(context, &asked->all, false, &stage);
-    if (asked->all.tracer) stage.settings.tracer = asked->all.tracer;
+    if (asked->all.csv || asked->all.report || asked->ppd != FLIP_PPD)
+        return fail(context, FATHOM_BAD_USAGE, "--adaptive: no --csv, --report or --ppd; expected --json");
+    fathom_status status = open_stage(context, &asked->all, &stage);
     interrupt_keep_work(true);
     if (status == FATHOM_OK) status = coverage_measure(context, &stage, &options, rows, &count);
     interrupt_keep_work(false);
@@ -371,6 +368,8 @@ static fathom_status measure(fathom_context *context, const void *settings, json
     bench_stage stage = {.scene = NULL};
     converge_result result = {.rounds = 0};
     fathom_status status = open_stage(context, &asked->all, &stage);
+    /* Expected rays 0: builds as for a long render. */
+    if (status == FATHOM_OK) status = stage_build(context, &stage, NULL, 0);
     if (status == FATHOM_OK) status = converge(context, asked, &stage, &result);
     if (status == FATHOM_OK) status = fathom_scene_check_files(stage.scene);
     const bool interrupted = status == FATHOM_INTERRUPTED && result.runs.count;
