@@ -27,6 +27,9 @@ done
 run 0 validate scene.json --power 1e-4 --rays 200 --families edge,tangent --tracer linear:f64 -v
 said out.txt '  tangent '
 not_said out.txt '  camera '
+# Ten times of the rays and of the power, which would be ten million rays here without the limit.
+run 0 validate planes --tracer embree --families rendered --rays 1100 --heavy --json heavy.json
+[ "$(number heavy.json screened)" = 1100000 ] || die 'heavy: 100 more rays for each of 11,000'
 # The same numbers on any thread count.
 run 0 validate scene.json --power 1e-4 --rays 1000 --tracer reference --threads 1 --json one.json
 run 0 validate scene.json --power 1e-4 --rays 1000 --tracer reference --threads 3 --json three.json

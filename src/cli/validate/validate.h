@@ -15,7 +15,8 @@ typedef struct validate_settings {
     args_list tracers;
     uint64_t rays, seed;
     uint64_t sample;
-    double power; /* error rate to detect by comparing two tracers; 0: none; < 0: the default, with a limit */
+    double power; /* error rate to detect by comparing two tracers; 0: none; < 0: times the default, with a
+                     limit */
     bool heavy;
     unsigned families; /* bit i: rays_family i */
     unsigned threads;  /* threads that check rays */

@@ -69,7 +69,7 @@ static uint64_t rays_of(const work *k, const judged_scene *stage, const trace_tr
 
 static uint64_t screened_of(const work *k) {
     const double power = k->settings->power, most = SCREENED_A_RAY * (double)k->settings->rays;
-    if (power < 0) return (uint64_t)fmin(ceil(3 / USUAL_POWER / k->scenes), most);
+    if (power < 0) return (uint64_t)fmin(ceil(3 / (-power * USUAL_POWER) / k->scenes), most);
     return power > 0 ? (uint64_t)fmin(ceil(3 / power / k->scenes), 1e15) : 0;
 }
 
