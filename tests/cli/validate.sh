@@ -27,6 +27,11 @@ done
 run 0 validate scene.json --power 1e-4 --rays 200 --families edge,tangent --tracer linear:f64 -v
 said out.txt '  tangent '
 not_said out.txt '  camera '
+# A bound is rounded up: 1 - 0.05^(1/3) is 0.632, 1 - 0.05^(1/203) is 0.0147.
+run 0 validate planes --tracer reference --families camera --rays 3 --power 0
+said out.txt 'the rate is below 0.64 at 95 %'
+run 0 validate planes --tracer reference --families camera --rays 203 --power 0
+said out.txt 'the rate is below 0.015 at 95 %'
 # Ten times of the rays and of the power, which would be ten million rays here without the limit.
 run 0 validate planes --tracer embree --families rendered --rays 1100 --heavy --json heavy.json
 [ "$(number heavy.json screened)" = 1100000 ] || die 'heavy: 100 more rays for each of 11,000'

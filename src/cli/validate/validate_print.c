@@ -107,6 +107,12 @@ static void print_run(const validate_run *run, bool verbose) {
 
 /* ---- statistical power and findings ---- */
 
+/* Two digits, rounded up, so that the statement stays true. */
+static double rate_below(uint64_t rays) {
+    const double rate = statistics_power(rays), place = pow(10, floor(log10(rate)) - 1);
+    return ceil(rate / place) * place;
+}
+
 static void print_power(const validate_runs *runs, size_t first, const compare_family *sum, size_t end) {
     const uint64_t wrong =
         sum->counts[VERDICT_WRONG] + sum->any_counts[VERDICT_WRONG] + sum->other_counts[VERDICT_WRONG];
@@ -114,9 +120,9 @@ static void print_power(const validate_runs *runs, size_t first, const compare_f
     for (size_t i = first; i < end; ++i) screened += runs->items[i].result.screened;
     printf("%s: %llu wrong in %llu rays judged", runs->items[first].spec, (unsigned long long)wrong,
            (unsigned long long)sum->rays);
-    if (!wrong) printf(": the rate is below %.1g at 95 %%", statistics_power(sum->rays));
+    if (!wrong) printf(": the rate is below %.2g at 95 %%", rate_below(sum->rays));
     if (screened) printf("; %llu more asked of a second tracer, too", (unsigned long long)screened);
-    if (screened && !wrong) printf(": below %.1g", statistics_power(screened + sum->rays));
+    if (screened && !wrong) printf(": below %.2g", rate_below(screened + sum->rays));
     putchar('\n');
 }
 
