@@ -62,7 +62,10 @@ fathom_status text_status(const text_file *file, const text_fault *fault) {
 
 bool text_has_no_zeros(text_fault *fault, const char *begin, const char *end) {
     const char *zero = memchr(begin, '\0', (size_t)(end - begin));
-    return !zero || text_wrong(fault, zero, NULL, "a zero byte; expected text");
+    if (!zero) return true;
+    const bool utf16 = memcmp(begin, "\xFF\xFE", 2) == 0 || memcmp(begin, "\xFE\xFF", 2) == 0;
+    return text_wrong(fault, zero, NULL,
+                      utf16 ? "UTF-16; expected UTF-8: save it as UTF-8" : "a zero byte; expected text");
 }
 
 const char *text_after_mark(const char *begin, const char *end) {
