@@ -53,20 +53,22 @@ static fathom_status bad_texel(fathom_context *context, const char *path, uint32
 }
 
 /* Sets the image's texels in `out`, whose rows are `stride` long. Squares of a cross that are no faces stay
- * 0. */
+ * 0, as does what a file has no data of. */
 static fathom_status load_texels(fathom_context *context, const fathom_light *light, const char *path,
                                  const image *img, size_t stride, sky_texel *out) {
     const image_channel *rgb[3];
     size_t negative = 0;
     cube faces;
-    const bool cross = cube_find(img->width, img->height, &faces);
+    const bool cross = cube_find(img->full_width, img->full_height, &faces);
     if (!find_channels(img, rgb))
         return fail_file(context, FATHOM_BAD_INPUT, path, "expected the channels R, G and B, or one");
     for (size_t i = 0; i < (size_t)img->width * img->height; ++i) {
-        const uint32_t x = (uint32_t)(i % img->width), y = (uint32_t)(i / img->width);
+        const uint32_t column = (uint32_t)(i % img->width), row = (uint32_t)(i / img->width);
+        const uint32_t x = img->x + column, y = img->y + row;
         float *to = out[y * stride + x].rgb;
         for (int c = 0; c < 3; ++c) {
-            const float value = cross && !cube_covers(&faces, x, y) ? 0 : channel_at(img, rgb[c], x, y);
+            const float value =
+                cross && !cube_covers(&faces, x, y) ? 0 : channel_at(img, rgb[c], column, row);
             to[c] = value > 0 ? value * light->intensity[c] : 0;
             negative += value < 0;
             if (!isfinite(value) || !isfinite(to[c])) return bad_texel(context, path, x, y, c, value);
@@ -84,7 +86,7 @@ static fathom_status open_image(fathom_context *context, const char *path, const
             "for a display");
     fathom_status status = image_read(context, path, out);
     if (status != FATHOM_OK) return status;
-    const uint64_t count = (uint64_t)(*out)->width * (*out)->height;
+    const uint64_t count = (uint64_t)(*out)->full_width * (*out)->full_height;
     if (count && count <= INT32_MAX) return FATHOM_OK;
     image_release(*out);
     return fail_file(context, FATHOM_BAD_INPUT, path, "expected 1 to 2^31 - 1 texels, found %llu",
@@ -92,17 +94,18 @@ static fathom_status open_image(fathom_context *context, const char *path, const
 }
 
 static fathom_status allocate(fathom_context *context, uint32_t width, uint32_t height, sky_image *out) {
-    const size_t bytes = (size_t)width * height * sizeof *out->texels;
-    *out = (sky_image){.width = width, .height = height, .texels = malloc(bytes)};
-    return out->texels ? FATHOM_OK : fail_memory(context, bytes);
+    const size_t count = (size_t)width * height, size = sizeof *out->texels;
+    *out = (sky_image){.width = width, .height = height, .texels = calloc(count, size)};
+    return out->texels ? FATHOM_OK : fail_memory(context, count * size);
 }
 
 static fathom_status read_one(fathom_context *context, const fathom_light *light, sky_image *out) {
     const image *img;
     fathom_status status = open_image(context, light->file, &img);
     if (status != FATHOM_OK) return status;
-    status = allocate(context, img->width, img->height, out);
-    if (status == FATHOM_OK) status = load_texels(context, light, light->file, img, img->width, out->texels);
+    status = allocate(context, img->full_width, img->full_height, out);
+    if (status == FATHOM_OK)
+        status = load_texels(context, light, light->file, img, img->full_width, out->texels);
     image_release(img);
     return status;
 }
@@ -115,11 +118,11 @@ static fathom_status read_face(fathom_context *context, const fathom_light *ligh
     const image *img;
     fathom_status status = open_image(context, path, &img);
     if (status != FATHOM_OK) return status;
-    const uint32_t side = k ? strip->height : img->width;
-    if (img->width != side || img->height != side)
+    const uint32_t side = k ? strip->height : img->full_width;
+    if (img->full_width != side || img->full_height != side)
         status = fail_file(context, FATHOM_BAD_INPUT, path,
-                           "the image is %u x %u; expected the square face of a cube, %u x %u", img->width,
-                           img->height, side, side);
+                           "the image is %u x %u; expected the square face of a cube, %u x %u",
+                           img->full_width, img->full_height, side, side);
     else if (!k && side <= CUBE_SIDE_MOST)
         status = allocate(context, FILE_FACES * side, side, strip);
     else if (!k)

@@ -19,12 +19,17 @@ static void set_texel(texel to, bool smooth, unsigned face, unsigned x, unsigned
     for (int c = 0; c < 3; ++c) to[c] = smooth ? (float)(1 + d.x / 2 + d.y / 3 + d.z / 5) : (float)(face + 1);
 }
 
-static void write_image(const char *name, unsigned width, unsigned height, texel *texels) {
+static void write_part(const char *name, unsigned width, unsigned height, texel *texels, unsigned x,
+                       unsigned y, unsigned full_width, unsigned full_height) {
     const image_channel channels[3] = {{"R", IMAGE_FLOAT, true, &texels[0][0], sizeof *texels},
                                        {"G", IMAGE_FLOAT, true, &texels[0][1], sizeof *texels},
                                        {"B", IMAGE_FLOAT, true, &texels[0][2], sizeof *texels}};
-    const image img = {width, height, 0, 0, width, height, channels, 3, NULL, 0};
+    const image img = {width, height, x, y, full_width, full_height, channels, 3, NULL, 0};
     assert_ok(context, exr_write_plain(context, &img, in_folder(name)));
+}
+
+static void write_image(const char *name, unsigned width, unsigned height, texel *texels) {
+    write_part(name, width, height, texels, 0, 0, width, height);
 }
 
 /* The square of each face, from the left and the top; squares of a cross without a face hold NaN. */
@@ -159,11 +164,36 @@ static void faults_are_named(void **state) {
     fails_with("sky_<FACE>.exr", "expected the square face of a cube, 16 x 16");
 }
 
+/* A compositor leaves out black edges. */
+static void what_a_file_leaves_out_is_black(void **state) {
+    (void)state;
+    enum { LEFT = 3, TOP = 2, WIDTH = SIDE - 5, HEIGHT = SIDE / 2 - 3 };
+    static texel whole[SIDE * SIDE / 2], part[WIDTH * HEIGHT];
+    environment *e[2];
+    for (unsigned i = 0; i < WIDTH * HEIGHT; ++i) {
+        const unsigned x = LEFT + i % WIDTH, y = TOP + i / WIDTH;
+        for (int c = 0; c < 3; ++c) part[i][c] = whole[y * SIDE + x][c] = (float)(1 + i);
+    }
+    for (int k = 0; k < 2; ++k) {
+        if (k)
+            write_part("sky.exr", WIDTH, HEIGHT, part, LEFT, TOP, SIDE, SIDE / 2);
+        else
+            write_image("sky.exr", SIDE, SIDE / 2, whole);
+        assert_ok(context, open_sky("sky.exr", &e[k]));
+    }
+    for (unsigned i = 0; i < 100; ++i) {
+        const vec3_f64 d = direction_on(i % FACES, sin(i), cos(3 * i));
+        assert_true(red(e[0], d) == red(e[1], d));
+    }
+    environment_destroy(e[0]), environment_destroy(e[1]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(each_face_lies_where_opengl_has_it, clean),
         cmocka_unit_test_teardown(a_smooth_sky_comes_back, clean),
         cmocka_unit_test_teardown(faults_are_named, clean),
+        cmocka_unit_test_teardown(what_a_file_leaves_out_is_black, clean),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }
