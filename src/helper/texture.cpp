@@ -4,6 +4,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <cstring>
 #include <memory>
 #include <unistd.h>
 #include <vector>
@@ -25,6 +26,8 @@ struct image_texture {
     image_texture_info info{};
     int first_channel = 0;
     bool premultiplied = false;
+    bool windowed = false; /* the data lie in another window than the display's, which is the texture */
+    std::vector<unsigned char> data; /* all of it, if windowed */
     std::unique_ptr<image_space> space;
 };
 
@@ -45,7 +48,9 @@ static void choose_channels(image_texture &t, const OIIO::ImageSpec &spec) {
         t.info.channels = is(i + 3, "A") ? 4 : 3;
         return;
     }
-    const bool alpha = names.size() == 2 && (is(1, "A") || spec.alpha_channel == 1);
+    /* OpenImageIO calls grey and alpha of a TGA file R and G. */
+    const bool alpha = names.size() == 2 && (is(1, "A") || spec.alpha_channel == 1 ||
+                                             std::strcmp(t.input->format_name(), "targa") == 0);
     if (names.size() > 4 || (names.size() == 2 && !alpha)) {
         throw failure(FATHOM_BAD_INPUT,
                       "expected the channels R, G, B, or up to four; found " + names_of(spec));
@@ -81,6 +86,17 @@ static TypeDesc type_of(image_texel texel) {
     return TypeDesc::FLOAT;
 }
 
+/* What read() gives texels of: the display window. Other formats only have places on a page, which do not
+ * matter. */
+static OIIO::ImageSpec shown(const OIIO::ImageInput &input) {
+    OIIO::ImageSpec spec = input.spec();
+    if (std::strcmp(input.format_name(), "openexr") == 0) {
+        spec.x = spec.full_x, spec.y = spec.full_y;
+        spec.width = spec.full_width, spec.height = spec.full_height;
+    }
+    return spec;
+}
+
 static bool fits_tiles(const OIIO::ImageSpec &spec) {
     auto fits = [](int side) { return side > 0 && static_cast<int>(IMAGE_TILE) % side == 0; };
     return fits(spec.tile_width) && fits(spec.tile_height) && spec.tile_depth <= 1;
@@ -88,8 +104,9 @@ static bool fits_tiles(const OIIO::ImageSpec &spec) {
 
 /* If the file has all levels down to one texel, t.levels gets them; otherwise only level 0. */
 static void find_levels(image_texture &t) {
-    OIIO::ImageSpec level = t.input->spec();
+    OIIO::ImageSpec level = shown(*t.input);
     t.levels = {level};
+    if (t.windowed) return;
     while (fits_tiles(level) && (level.width > 1 || level.height > 1)) {
         const int width = std::max(level.width / 2, 1), height = std::max(level.height / 2, 1);
         level = t.input->spec(0, static_cast<int>(t.levels.size()));
@@ -122,13 +139,16 @@ static bool is_premultiplied(const image_texture &t, const OIIO::ImageSpec &spec
 }
 
 static void describe(image_texture &t, const image_texture_request &request) {
-    const OIIO::ImageSpec spec = t.input->spec();
+    const OIIO::ImageSpec spec = shown(*t.input);
+    check_size(t.input->spec(), request);
     check_size(spec, request);
+    t.windowed = spec.roi() != t.input->spec().roi();
     choose_channels(t, spec);
     t.info.width = static_cast<uint32_t>(spec.width), t.info.height = static_cast<uint32_t>(spec.height);
-    const image_texel texel =
-        texel_of(widest(spec, t.first_channel, t.first_channel + static_cast<int>(t.info.channels)));
+    const TypeDesc type = widest(spec, t.first_channel, t.first_channel + static_cast<int>(t.info.channels));
+    const image_texel texel = texel_of(type);
     t.info.sent = t.info.kept = texel;
+    t.info.integers = !type.is_floating_point();
     std::snprintf(t.info.format, sizeof t.info.format, "%s", t.input->format_name());
     t.info.band = static_cast<uint32_t>(std::max(spec.tile_height, 1));
     t.premultiplied = is_premultiplied(t, spec);
@@ -172,6 +192,29 @@ static bool read_native(image_texture &t, const image_region &r, const OIIO::Ima
     if (!spec.tile_width)
         return t.input->read_scanlines(0, level, y0, y1, 0, t.first_channel, end, type, texels);
     return t.input->read_tiles(0, level, x0, x1, y0, y1, 0, 1, t.first_channel, end, type, texels);
+}
+
+/* Rows of the display window. Black and clear where there is no data. */
+static bool read_window(image_texture &t, const image_region &r, const OIIO::ImageSpec &window,
+                        unsigned char *texels) {
+    const OIIO::ImageSpec &spec = t.input->spec();
+    const size_t size = t.info.channels * image_texel_size(t.info.sent);
+    auto width = static_cast<size_t>(spec.width), row = static_cast<size_t>(window.width);
+    if (t.data.empty()) {
+        t.data.resize(width * static_cast<size_t>(spec.height) * size);
+        if (!t.input->read_image(0, 0, t.first_channel, t.first_channel + static_cast<int>(t.info.channels),
+                                 type_of(t.info.sent), t.data.data()))
+            return false;
+    }
+    const int y0 = window.y + static_cast<int>(r.y0), y1 = window.y + static_cast<int>(r.y1);
+    const int x0 = std::max(window.x, spec.x), x1 = std::min(window.x + window.width, spec.x + spec.width);
+    std::fill(texels, texels + row * (r.y1 - r.y0) * size, 0);
+    for (int y = std::max(y0, spec.y); x0 < x1 && y < std::min(y1, spec.y + spec.height); ++y) {
+        auto to = static_cast<size_t>(y - y0) * row + static_cast<size_t>(x0 - window.x);
+        auto from = static_cast<size_t>(y - spec.y) * width + static_cast<size_t>(x0 - spec.x);
+        std::copy_n(t.data.data() + from * size, static_cast<size_t>(x1 - x0) * size, texels + to * size);
+    }
+    return true;
 }
 
 static float quotient(float color, float alpha) { return color / alpha; }
@@ -218,7 +261,9 @@ static fathom_status texture_read(image_texture *t, const image_region *region, 
             throw failure(FATHOM_INTERNAL, "there is no such region");
         }
         /* Some readers return success for a truncated file and only store the error. */
-        if (!read_native(*t, r, spec, texels) || t->input->has_error())
+        if (!(t->windowed ? read_window(*t, r, spec, static_cast<unsigned char *>(texels))
+                          : read_native(*t, r, spec, texels)) ||
+            t->input->has_error())
             throw unreadable(t->input->geterror());
         if (t->premultiplied) divide_texels(*t, texels, count);
         if (t->space) t->space->apply(static_cast<float *>(texels), count, t->info.channels);

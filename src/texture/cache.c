@@ -44,8 +44,7 @@ static image_texel type_of_means(const image_texture_info *info) {
 static fathom_status plan_image(texture_cache *cache, fathom_context *context, cache_image *img) {
     const image_texture_info *info = &img->info;
     const fathom_color_space space = img->texture->color_space;
-    const bool srgb =
-        space == FATHOM_COLOR_SRGB || (space == FATHOM_COLOR_AUTO && info->sent <= IMAGE_TEXEL_U16);
+    const bool srgb = space == FATHOM_COLOR_SRGB || (space == FATHOM_COLOR_AUTO && info->integers);
     if (info->width > FATHOM_TEXTURE_SIDE || info->height > FATHOM_TEXTURE_SIDE)
         return fail_file(context, FATHOM_BAD_INPUT, cache_name(img->texture),
                          "expected at most %u texels on a side", FATHOM_TEXTURE_SIDE);

@@ -116,7 +116,9 @@ static fathom_status write_texture(texture_cache *cache, fathom_context *context
     fathom_status status = texture_is_opaque(cache, context, 0, &opaque);
     if (status != FATHOM_OK) return status;
     w.channels = img->plan.channels == 1 ? 1 : opaque ? 3 : 4;
-    w.srgb = img->decoding.srgb;
+    /* By itself, a file of floats counts as linear, also if it comes from integers of 32 bits. */
+    w.srgb =
+        img->decoding.srgb && (w.type <= IMAGE_TEXEL_U16 || img->texture->color_space == FATHOM_COLOR_SRGB);
     srgb_codes_fill(&w.codes);
     status = write_file(&w, context, path);
     free(w.rows);

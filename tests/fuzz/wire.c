@@ -89,7 +89,7 @@ static void read_texture(const uint8_t *data, size_t size) {
     wire_put_texture(&b, &info);
     wire_cursor second = {b.items, b.items + b.count, false};
     if (!wire_take_texture(&second, &again) || again.width != info.width || again.height != info.height ||
-        again.band != info.band || again.mipmapped != info.mipmapped ||
+        again.band != info.band || again.mipmapped != info.mipmapped || again.integers != info.integers ||
         strcmp(again.format, info.format) != 0)
         fuzz_wrong("a description is not read as it was written");
     free(b.items);

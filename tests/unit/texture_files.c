@@ -229,6 +229,39 @@ UNIT_TEST(premultiplied_colors_are_divided_by_alpha) {
     unlink(in_folder("p.exr"));
 }
 
+/* An image of 4 x 2 texels whose display window is made another one than that of its data: texels outside of
+ * the data are black and clear, and data outside of the display are not seen. */
+UNIT_TEST(a_texture_is_the_display_window_of_an_exr_file) {
+    static const int32_t windows[][4] = {{-1, -2, 5, 2}, {1, 0, 2, 1}, {2, 1, 6, 3}, {9, 9, 10, 10}};
+    float planes[4 * 8];
+    for (int i = 0; i < 32; ++i) planes[i] = i < 24 ? (float)(i + 1) : 1;
+    for (size_t k = 0; k < sizeof windows / sizeof *windows; ++k) {
+        const int32_t *w = windows[k], width = w[2] - w[0] + 1, height = w[3] - w[1] + 1;
+        put_image("w.exr", 4, 2, planes, 4, false);
+        FILE *file = fopen(in_folder("w.exr"), "r+b");
+        const size_t size = fread(file_bytes, 1, sizeof file_bytes, file);
+        const unsigned char *at = memmem(file_bytes, size, "displayWindow", 14);
+        assert_true(file && at && memcmp(at + 14, "box2i", 6) == 0);
+        assert_int_equal(fseek(file, at + 24 - file_bytes, SEEK_SET), 0);
+        assert_int_equal(fwrite(w, sizeof *w, 4, file), 4);
+        fclose(file);
+        const fathom_texture t = texture_of("w.exr", FATHOM_COLOR_LINEAR);
+        opened o = open_textures(&t, 1, ALL);
+        const pyramid_level *l = o.cache->images[0].plan.levels;
+        assert_true(l->width == (uint32_t)width && l->height == (uint32_t)height);
+        for (int i = 0; i < width * height; ++i) {
+            const int x = w[0] + i % width, y = w[1] + i / width;
+            const bool inside = x >= 0 && x < 4 && y >= 0 && y < 2;
+            float rgba[4];
+            texel(o.cache, 0, 0, (unsigned)(i % width), (unsigned)(i / width), rgba);
+            for (int c = 0; c < 4; ++c) assert_true(rgba[c] == (inside ? planes[8 * c + 4 * y + x] : 0));
+        }
+        assert_ok(context, texture_cache_check(o.cache, context));
+        close_textures(&o);
+    }
+    unlink(in_folder("w.exr"));
+}
+
 /* Texels of a file of integers, and of the mip-mapped file that is made of it: code / most is decoded as sRGB
  * unless the texture is linear, and alpha never. */
 static void check_codes(const char *name, const unsigned (*codes)[4], unsigned texels, unsigned most) {
@@ -264,6 +297,24 @@ UNIT_TEST(premultiplied_integers_are_divided_as_integers) {
     put_tiff("a.tif", 2, 4, 16, words);
     check_codes("a.tif", (const unsigned[][4]){{1638, 32768, 0, 40000}, {65535, 7, 1, 65535}}, 2, 65535);
     unlink(in_folder("a.tif"));
+}
+
+/* OpenImageIO gives them as floats: 2^31 as 1/2 exactly. */
+UNIT_TEST(integers_of_32_bits_count_as_srgb_as_well) {
+    static const uint32_t codes[2][4] = {{1u << 31, 0, UINT32_MAX, UINT32_MAX},
+                                         {0, UINT32_MAX, 1u << 31, UINT32_MAX}};
+    put_tiff("a.tif", 2, 4, 32, codes);
+    check_codes("a.tif", (const unsigned[][4]){{1, 0, 2, 2}, {0, 2, 1, 2}}, 2, 2);
+    unlink(in_folder("a.tif"));
+}
+
+/* Texels (20, 200) and (255, 0): OpenImageIO gives no name to the alpha of a grey TGA. */
+UNIT_TEST(a_grey_tga_has_alpha) {
+    static const unsigned char header[18] = {[2] = 3, [12] = 2, [14] = 1, [16] = 16, [17] = 0x28};
+    static const unsigned char body[4] = {20, 200, 255, 0};
+    put_file("a.tga", header, sizeof header, body, sizeof body);
+    check_codes("a.tga", (const unsigned[][4]){{20, 20, 20, 200}, {255, 255, 255, 0}}, 2, 255);
+    unlink(in_folder("a.tga"));
 }
 
 /* WebP without loss, of the texels (255, 0, 255, 128) and (0, 255, 0, 255). OpenImageIO 2 multiplies WebP's

@@ -6,7 +6,7 @@
 #include "image/image.h"
 
 /* Increases with every change of this file: a module of another build is refused before any call. */
-#define IMAGE_MODULE_VERSION 9
+#define IMAGE_MODULE_VERSION 10
 #define IMAGE_MODULE_SYMBOL "fathom_image_module"
 
 typedef struct image_message {
@@ -80,6 +80,7 @@ typedef struct image_texture_info {
     uint32_t band;     /* read() takes rows in multiples of this, or up to the end */
     bool
         mipmapped; /* tiles at most IMAGE_TILE wide; each level half the size of the previous, rounded down */
+    bool integers; /* the file has integers, also where `sent` are floats, as for those of 32 bits */
     char format[32]; /* "png", "openexr" */
 } image_texture_info;
 

@@ -165,8 +165,8 @@ void wire_image_free(wire_image *w) {
 /* ---- a texture's description ---- */
 
 void wire_put_texture(wire_buffer *b, const image_texture_info *info) {
-    const uint32_t numbers[] = {info->width,          info->height, info->channels, (uint32_t)info->sent,
-                                (uint32_t)info->kept, info->band,   info->mipmapped};
+    const uint32_t numbers[] = {info->width,          info->height, info->channels,  (uint32_t)info->sent,
+                                (uint32_t)info->kept, info->band,   info->mipmapped, info->integers};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) wire_put_u32(b, numbers[i]);
     wire_put_text(b, info->format);
 }
@@ -177,6 +177,7 @@ bool wire_take_texture(wire_cursor *c, image_texture_info *out) {
     const uint32_t sent = wire_take_u32(c), kept = wire_take_u32(c);
     out->band = wire_take_u32(c);
     out->mipmapped = wire_take_u32(c) != 0;
+    out->integers = wire_take_u32(c) != 0;
     const char *format = wire_take_text(c);
     if (c->bad || !format || !out->width || !out->height || !out->band || out->channels - 1 > 3 ||
         sent > IMAGE_TEXEL_FLOAT || kept > IMAGE_TEXEL_FLOAT)
