@@ -70,5 +70,5 @@ void glb_put_materials(glb *g, file_writer *t);
 /* The members "textures", "samplers" and "images". */
 void glb_put_textures(const glb *g, file_writer *t);
 /* Converts a material of the classic model to metallic-roughness: the inverse of reading, as far as
- * possible. */
-fathom_material glb_classic(const fathom_material *m);
+ * possible. *lost: counts the maps that are not kept. */
+fathom_material glb_classic(const fathom_material *m, size_t *lost);

@@ -87,9 +87,9 @@ static pbr convert(const fathom_material *m) {
 }
 
 /* Keeps the maps of parameters that both models have. */
-fathom_material glb_classic(const fathom_material *m) {
-    static const fathom_map_kind both[] = {FATHOM_MAP_COLOR, FATHOM_MAP_OPACITY, FATHOM_MAP_EMISSIVE,
-                                           FATHOM_MAP_NORMAL};
+fathom_material glb_classic(const fathom_material *m, size_t *lost) {
+    static const unsigned both = 1u << FATHOM_MAP_COLOR | 1u << FATHOM_MAP_OPACITY |
+                                 1u << FATHOM_MAP_EMISSIVE | 1u << FATHOM_MAP_NORMAL | 1u << FATHOM_MAP_BUMP;
     const pbr p = convert(m);
     fathom_material out;
     fathom_material_default(&out);
@@ -100,6 +100,11 @@ fathom_material glb_classic(const fathom_material *m) {
     out.transmission = (float)p.transmission, out.ior = (float)p.ior, out.specular_factor = (float)p.specular;
     memcpy(out.emissive, m->k_e, sizeof out.emissive);
     out.normal_scale = m->normal_scale;
-    for (size_t i = 0; i < sizeof both / sizeof *both; ++i) out.maps[both[i]] = m->maps[both[i]];
+    for (int k = 0; k < FATHOM_MAPS; ++k) {
+        if (both >> k & 1)
+            out.maps[k] = m->maps[k];
+        else
+            *lost += m->maps[k].texture != FATHOM_NONE;
+    }
     return out;
 }

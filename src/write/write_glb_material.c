@@ -72,14 +72,16 @@ static void limit_emission(fathom_material *m) {
     for (int c = 0; c < 3; ++c) m->emissive[c] = ldexpf(m->emissive[c], -exponent);
 }
 
-/* Drops maps that glTF cannot hold: glTF fixes the channel of each image, has no separate images for
- * metalness and roughness, and needs opacity in the alpha of the colour. *lost: counts the dropped maps. */
+/* Drops maps that glTF cannot hold: glTF fixes the channel of each image, has no heights and no separate
+ * images for metalness and roughness, and needs opacity in the alpha of the colour. *lost: counts the dropped
+ * maps. */
 static void drop_strangers(const fathom_scene *scene, shape *s, size_t *lost) {
     fathom_map *maps = s->m.maps, *metal = &maps[FATHOM_MAP_METALLIC], *rough = &maps[FATHOM_MAP_ROUGHNESS],
                *alpha = &maps[FATHOM_MAP_OPACITY];
     if (has_map(&s->m, FATHOM_MAP_OPACITY) &&
         (alpha->channel != 3 || alpha->inverted || !same_alpha(scene, alpha, &maps[FATHOM_MAP_COLOR])))
         drop_map(s, FATHOM_MAP_OPACITY, lost);
+    drop_map(s, FATHOM_MAP_BUMP, lost);
     const bool both = same_place(metal, rough) && metal->channel == 2 && rough->channel == 1 &&
                       !metal->inverted && !rough->inverted;
     if (!both) drop_map(s, FATHOM_MAP_METALLIC, lost);
@@ -110,8 +112,8 @@ static bool is_lambert(const fathom_material *m) {
 static shape shape_of(const glb *g, fathom_id id) {
     const fathom_material *given = &g->scene->materials.items[id].value;
     const bool classic = given->model == FATHOM_MODEL_CLASSIC;
-    shape s = {.m = classic ? glb_classic(given) : *given};
     size_t lost = 0;
+    shape s = {.m = classic ? glb_classic(given, &lost) : *given};
     s.unlit = is_unlit(&s.m);
     if (s.unlit) make_unlit(&s);
     s.glossy = is_glossy(g->scene, &s.m);

@@ -77,6 +77,22 @@ UNIT_TEST(images_in_other_channels_are_left_out) {
     }
 }
 
+/* An image in either model comes back for some parameter, or is told. Metal has no shininess. */
+UNIT_TEST(no_image_is_left_out_silently) {
+    const fathom_texture texture = {
+        .size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6, .color_space = FATHOM_COLOR_LINEAR};
+    for (int k = 0; k < 2 * FATHOM_MAPS; ++k) {
+        fathom_material m = metal();
+        if (k == 2 * FATHOM_MAP_SHININESS) continue;
+        if (k % 2) m.model = FATHOM_MODEL_CLASSIC;
+        m.maps[k / 2] = (fathom_map){.texture = 0, .transform = {1, 0, 0, 0, 1, 0}};
+        const fathom_material got = after(&m, &texture);
+        bool kept = strstr(told, "is left out (1 such)") != NULL;
+        for (int i = 0; i < FATHOM_MAPS; ++i) kept |= got.maps[i].texture != FATHOM_NONE;
+        if (!kept) fail_msg("image %d of model %d is not told: \"%s\"", k / 2, k % 2, told);
+    }
+}
+
 /* ---- emission ---- */
 
 /* A surface that only emits is unlit in glTF, which has no strength for it. Layers above the emission stay.
