@@ -8,12 +8,11 @@ static const fathom_mesh *mesh_of(const world *w, uint32_t geometry) {
     return mesh ? world_mesh(w, geometry) : NULL;
 }
 
-/* The map whose image gives the frame. */
+/* The map whose image gives the frame of normals and grooves; without a texture, that of the first uv set. */
 static const fathom_map *map_of_frame(const material_plan *p) {
-    const fathom_map *maps = p->material->maps;
-    const bool own = p->directed && maps[FATHOM_MAP_ANISOTROPY].texture != FATHOM_NONE;
-    if (maps[FATHOM_MAP_NORMAL].texture != FATHOM_NONE) return &maps[FATHOM_MAP_NORMAL];
-    return &maps[own ? FATHOM_MAP_ANISOTROPY : FATHOM_MAP_CLEARCOAT_NORMAL];
+    const fathom_map *normal = &p->material->maps[FATHOM_MAP_NORMAL],
+                     *own = &p->material->maps[FATHOM_MAP_ANISOTROPY];
+    return normal->texture == FATHOM_NONE && p->directed && own->texture != FATHOM_NONE ? own : normal;
 }
 
 /* True if an image stands in a frame of this uv set. A coat may have another one than the base. */

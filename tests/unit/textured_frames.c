@@ -20,7 +20,9 @@ static void add_square(stage *s, fathom_id material, float lean) {
     assert_ok(s->context, fathom_scene_add_mesh(s->scene, FATHOM_ROOT, &m, NULL));
 }
 
-static void render_coat(bool base, unsigned base_set, unsigned coat_set, float green[SIZE * SIZE]) {
+/* grooves: of a metal below an even coat. */
+static void render_coat(bool base, unsigned base_set, unsigned coat_set, bool grooves,
+                        float green[SIZE * SIZE]) {
     static const float even[3] = {0.5f, 0.5f, 1}, tilted[3] = {0.7f, 0.45f, 0.9f};
     stage s = stage_open(SIZE, SIZE);
     fathom_material m;
@@ -30,7 +32,8 @@ static void render_coat(bool base, unsigned base_set, unsigned coat_set, float g
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.clearcoat = 1, m.clearcoat_roughness = 0.4f;
     fathom_map *coat = &m.maps[FATHOM_MAP_CLEARCOAT_NORMAL], *below = &m.maps[FATHOM_MAP_NORMAL];
-    coat->texture = stage_texel(&s, tilted), coat->uv_set = coat_set;
+    coat->texture = stage_texel(&s, grooves ? even : tilted), coat->uv_set = coat_set;
+    if (grooves) m.metallic = 1, m.anisotropy = 0.9f;
     if (base) below->texture = stage_texel(&s, even), below->uv_set = base_set;
     add_square(&s, stage_material(&s, &m), 0);
     stage_point_light(&s, 1, 0.5, 1, 8);
@@ -47,13 +50,24 @@ UNIT_TEST(a_coat_keeps_its_frame_over_an_image_of_another_uv_set) {
     float sets[2][SIZE * SIZE];
     for (unsigned set = 0; set < 2; ++set) {
         float with[SIZE * SIZE];
-        render_coat(false, 0, set, sets[set]);
-        render_coat(true, !set, set, with);
+        render_coat(false, 0, set, false, sets[set]);
+        render_coat(true, !set, set, false, with);
         for (size_t i = 0; i < SIZE * SIZE; ++i)
             assert_near(with[i], sets[set][i], 64 * 0x1p-24 * (double)sets[set][i]);
     }
     /* The turned image is another one: the law above does not hold of any frame. */
     double apart = 0;
+    for (size_t i = 0; i < SIZE * SIZE; ++i) apart = fmax(apart, fabs((double)(sets[0][i] - sets[1][i])));
+    assert_true(apart > 0.05);
+}
+
+/* The second uv set is turned by a right angle, and the normals of the metal itself do turn the grooves. */
+UNIT_TEST(a_coat_does_not_turn_the_grooves_below) {
+    float sets[2][SIZE * SIZE];
+    double apart = 0;
+    for (unsigned set = 0; set < 2; ++set) render_coat(false, 0, set, true, sets[set]);
+    for (size_t i = 0; i < SIZE * SIZE; ++i) assert_true(sets[0][i] == sets[1][i]);
+    render_coat(true, 1, 0, true, sets[1]);
     for (size_t i = 0; i < SIZE * SIZE; ++i) apart = fmax(apart, fabs((double)(sets[0][i] - sets[1][i])));
     assert_true(apart > 0.05);
 }
