@@ -174,6 +174,21 @@ static size_t count_arrays(const fathom_scene *scene, mesh_kind kind) {
     return count;
 }
 
+/* Number of meshes without the texture coordinates that images of their materials need. */
+static size_t count_bare(const fathom_scene *scene) {
+    size_t count = 0;
+    for (size_t i = 0; i < scene->meshes.count; ++i) {
+        const fathom_mesh *m = &scene->meshes.items[i];
+        bool bare = false;
+        for (int k = 0; k < FATHOM_MAPS; ++k) {
+            const fathom_map *map = &scene->materials.items[m->material].value.maps[k];
+            bare |= map->texture != FATHOM_NONE && !(map->uv_set ? m->uvs_1 : m->uvs);
+        }
+        count += bare && !(m->point_radius > 0);
+    }
+    return count;
+}
+
 fathom_settings write_usual_settings(const fathom_scene *scene) {
     fathom_settings usual;
     fathom_settings_default(&usual);
@@ -242,6 +257,8 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
         {ALL, count_maps(scene, true), "the shear of an image on a surface is left out"},
         {MESHES, scene->has_camera && !scene->made.camera, "the camera is left out"},
         {MESHES, scene->made.lights ? 0 : scene->lights.count, "a light is left out"},
+        {MODELS, scene->has_lights && !scene->lights.count && !scene->environments.count,
+         "an empty list of lights is left out: a render adds its own"},
         {MODELS, scene->environments.count, "an environment of light is left out"},
         {MODELS, scene->has_background && !scene->made.background, "the background is left out"},
         {MODELS, scene->has_ambient && !scene->made.ambient, "the ambient light is left out"},
@@ -252,6 +269,8 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
         {MODELS, count_settings(scene), "a setting of the image is left out"},
         {MODELS, count_spaces(scene),
          "the color space of an image is left out: colours are read as sRGB, and numbers as linear"},
+        {GLB | OBJ, count_bare(scene),
+         "a mesh with images has no texture coordinates; readers show their colour at (0, 0)"},
         {OBJ, count_filters(scene), "the filter of an image is left out"},
         {PLY, scene->materials.count - 1, "a material is left out"},
         {PLY, count_maps(scene, false) - image, "an image on a surface is left out"},

@@ -25,15 +25,26 @@ static int illumination(const fathom_material *m) {
     return m->specular == FATHOM_SPECULAR_NONE ? 1 : 2;
 }
 
-static void put_classic(file_writer *t, const fathom_material *m) {
+static void note_classic(const fathom_material *m, note_list *notes) {
+    const bool shines = m->specular != FATHOM_SPECULAR_NONE && largest(m->k_s) > 0;
+    if (shines && illumination(m) >= 3)
+        notes_add(notes, 1, "", "a highlight on a mirror or on glass has no place in MTL");
+    else if (shines && m->specular == FATHOM_SPECULAR_PHONG)
+        notes_add(notes, 1, "", "a Phong highlight becomes a Blinn one of the same width");
+    if (largest(m->k_t) >= 1 && largest(m->k_d) > 0)
+        notes_add(notes, 1, "", "diffuse light of glass that lets all light through has no place in MTL");
+    if (m->lit_from_behind) notes_add(notes, 1, "", "light from behind a surface has no place in MTL");
+}
+
+static void put_classic(file_writer *t, const fathom_material *m, note_list *notes) {
     int illum = illumination(m);
-    bool glass = illum == 6 || illum == 7 || illum == 9, mirror = illum >= 3 && largest(m->k_r) > 0;
+    bool glass = illum == 6 || illum == 7 || illum == 9;
     /* The reader multiplies the diffuse part of glass by 1 - the maximum of k_t. */
     float left = glass && largest(m->k_t) < 1 ? 1 - largest(m->k_t) : 1;
     put_color(t, "Kd", m->k_d, 1 / left);
     if (m->k_a[0] >= 0) put_color(t, "Ka", m->k_a, 1 / left);
     put_color(t, "Ks",
-              mirror                                ? m->k_r
+              illum >= 3                            ? m->k_r
               : m->specular == FATHOM_SPECULAR_NONE ? (const float[3]){0}
                                                     : m->k_s,
               1);
@@ -42,6 +53,7 @@ static void put_classic(file_writer *t, const fathom_material *m) {
     if (illum >= 5) file_writer_print(t, "Ni %.9g\n", (double)m->ior);
     if (glass) put_color(t, "Tf", m->k_t, 1);
     file_writer_print(t, "illum %d\n", illum);
+    note_classic(m, notes);
 }
 
 /* ---- metallic-roughness ---- */
@@ -89,10 +101,12 @@ static void put_metallic(file_writer *t, const fathom_material *m, note_list *no
     if (is_sheen(m)) file_writer_print(t, "Ps %.9g\n", (double)m->sheen_color[0]);
     if (m->specular_factor != 1 || !is_white(m->specular_color) ||
         (!is_sheen(m) && !is_black(m->sheen_color)) || m->iridescence > 0 || m->diffuse_transmission > 0 ||
-        m->opacity_cutoff > 0 || !(m->ior >= 1) ||
+        m->opacity_cutoff > 0 || !(m->ior >= 1) || m->priority || !m->multiscatter || !m->double_sided ||
         (m->transmission > 0 && (m->attenuation_distance > 0 || m->dispersion > 0)))
-        notes_add(notes, 1, "",
-                  "a material has layers, a tint, a cutoff or a volume that MTL has no place for");
+        notes_add(
+            notes, 1, "",
+            "a material has layers, a tint, a cutoff, a volume, one side or a setting that MTL has no place "
+            "for");
 }
 
 /* ---- images ---- */
@@ -191,10 +205,13 @@ fathom_status write_mtl(const write_library *l, const char *path) {
     for (size_t i = 0; i < l->scene->materials.count; ++i) {
         const fathom_material *m = &l->scene->materials.items[i].value;
         file_writer_print(file, "newmtl %s\n", l->names[i]);
+        const bool thin = m->model != FATHOM_MODEL_CLASSIC && m->transmission > 0 && !(m->thickness > 0);
+        if (thin)
+            notes_add(l->notes, 1, "", "a thin wall that light passes becomes its nearest classic glass");
         if (write_only_emits(m)) /* the keys of metallic-roughness would make it shine */
             put_emission(file, m, l->notes);
-        else if (m->model == FATHOM_MODEL_CLASSIC || (m->transmission > 0 && !(m->thickness > 0)))
-            put_classic(file, &l->scene->materials.items[i].classic);
+        else if (m->model == FATHOM_MODEL_CLASSIC || thin)
+            put_classic(file, &l->scene->materials.items[i].classic, l->notes);
         else
             put_metallic(file, m, l->notes);
         put_images(l, file, m);

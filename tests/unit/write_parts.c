@@ -4,6 +4,7 @@
 #include "unit_folder.h"
 #include "write/write.h"
 
+#include <fathom/parameter.h>
 #include <fathom/read.h>
 
 #include <jansson.h>
@@ -179,23 +180,38 @@ UNIT_TEST(facets_keep_texture_coordinates) {
 
 /* ---- materials ---- */
 
-static fathom_material through_file(const char *name, const fathom_material *material) {
+static char told[4096];
+
+static void tell(void *user, const char *text) {
+    (void)user;
+    snprintf(told + strlen(told), sizeof told - strlen(told), "%s\n", text);
+}
+
+/* `told` gets what the writer says. */
+static scene_named_material through(const char *name, const fathom_material *material) {
     fathom_scene *scene, *back;
     fathom_id id;
+    told[0] = '\0';
     assert_ok(context, fathom_scene_create(context, &scene));
     assert_ok(context, fathom_scene_add_material(scene, "m", material, &id));
     fathom_mesh mesh = two_triangles();
     mesh.material = id;
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+    fathom_context_on_warning(context, tell, NULL);
     assert_ok(context, fathom_scene_write(scene, in_folder(name)));
+    fathom_context_on_warning(context, NULL, NULL);
     assert_ok(context, fathom_scene_read(context, in_folder(name), &back));
     unlink(in_folder(name)), unlink(in_folder("m.mtl"));
     id = scene_find_material(back, "m");
     assert_int_not_equal(id, FATHOM_NONE);
-    fathom_material out = back->materials.items[id].classic;
+    scene_named_material out = back->materials.items[id];
     fathom_scene_destroy(back);
     fathom_scene_destroy(scene);
     return out;
+}
+
+static fathom_material through_file(const char *name, const fathom_material *material) {
+    return through(name, material).classic;
 }
 
 /* Neither format has Phong's lobe: Blinn's of four times the exponent is as wide. MTL keeps the exponent as
@@ -231,6 +247,99 @@ UNIT_TEST(mtl_has_every_material_value) {
     for (int k = 0; k < 3; ++k) given.k_r[k] = 1;
     m = through_file("m.obj", &given);
     assert_true(m.fresnel && m.ior == 1.75f && m.k_r[2] == 1 && m.k_t[2] == 0);
+}
+
+/* MTL has a place for all of this. */
+enum { SHINY, GLASS, METAL, KINDS };
+
+static fathom_material for_mtl(int kind) {
+    fathom_material m;
+    fathom_material_default(&m);
+    m.model = kind == METAL ? FATHOM_MODEL_METALLIC_ROUGHNESS : FATHOM_MODEL_CLASSIC;
+    if (kind == SHINY) m.specular = FATHOM_SPECULAR_BLINN, m.k_s[0] = 0.3f;
+    if (kind == GLASS) m.fresnel = true, m.k_r[0] = m.k_t[0] = 0.5f;
+    m.metallic = m.transmission = m.clearcoat = m.anisotropy = m.emissive[0] = 0.4f, m.thickness = 1;
+    m.sheen_color[0] = m.sheen_color[1] = m.sheen_color[2] = 0.4f, m.sheen_roughness = 0.5f;
+    return m;
+}
+
+static bool has_effect(int kind, const char *name) {
+    static const char *const without[KINDS][10] = {
+        [SHINY] = {"ior", "fresnel", "normal_scale", "bump_scale"},
+        [GLASS] = {"k_s", "shininess", "normal_scale", "bump_scale"},
+        [METAL] = {"normal_scale", "clearcoat_normal_scale", "bump_scale", "iridescence_ior",
+                   "iridescence_thickness_min", "iridescence_thickness_max", "attenuation_color",
+                   "diffuse_transmission_color", "emissive_strength", "thickness"}};
+    for (int i = 0; i < 10 && without[kind][i]; ++i) {
+        if (strcmp(name, without[kind][i]) == 0) return false;
+    }
+    return true;
+}
+
+static void set_unusual(const fathom_parameter *p, fathom_material *m) {
+    void *at = (char *)m + p->offset;
+    if (p->type == FATHOM_PARAMETER_BOOL)
+        *(bool *)at = !*(bool *)at;
+    else if (p->type != FATHOM_PARAMETER_F32)
+        *(uint32_t *)at = 1;
+    else
+        for (unsigned c = 0; c < p->count || !c; ++c)
+            ((float *)at)[c] = (p->low > 0.3 || p->fallback > 1 ? 1.75f : 0.3f) / (float)(c + 1);
+}
+
+static double number_of(const fathom_parameter *p, const fathom_material *m) {
+    return (double)*(const float *)(const void *)((const char *)m + p->offset);
+}
+
+/* Each alone. Decimal numbers and turns lose a rounding or two. */
+UNIT_TEST(mtl_keeps_every_parameter_or_tells) {
+    for (int kind = 0; kind < KINDS; ++kind) {
+        size_t count;
+        const fathom_parameter *rows = fathom_material_parameters(for_mtl(kind).model, &count);
+        for (size_t i = 0; i <= count; ++i) {
+            fathom_material given = for_mtl(kind);
+            if (i < count && !has_effect(kind, rows[i].name)) continue;
+            if (i < count) set_unusual(&rows[i], &given);
+            const fathom_material got = through("m.obj", &given).value;
+            if (i == count) assert_string_equal(told, "");
+            for (size_t k = 0; k < count && !told[0]; ++k) {
+                if (rows[k].type != FATHOM_PARAMETER_F32 || !has_effect(kind, rows[k].name)) continue;
+                const double was = number_of(&rows[k], &given), is = number_of(&rows[k], &got);
+                if (fabs(was - is) > 0x1p-22 * fabs(was))
+                    fail_msg("%s: %g becomes %g with another %s", rows[k].name, was, is,
+                             i < count ? rows[i].name : "name");
+            }
+            if (got.lit_from_behind != given.lit_from_behind || got.double_sided != given.double_sided ||
+                got.multiscatter != given.multiscatter || got.priority != given.priority)
+                assert_string_not_equal(told, "");
+        }
+    }
+}
+
+/* Scene JSON shows half of an image on each triangle of such a mesh, and lights nothing. */
+UNIT_TEST(images_without_coordinates_and_scenes_without_lights_are_told) {
+    static const char *const names[] = {"m.obj", "m.glb", "m.json"};
+    const fathom_texture image = {.size = sizeof image, .bytes = "\x89PNG\r\n", .byte_count = 6};
+    fathom_scene *scene;
+    fathom_material m;
+    fathom_mesh mesh = two_triangles();
+    fathom_material_default(&m);
+    assert_ok(context, fathom_scene_create(context, &scene));
+    assert_ok(context, fathom_scene_add_texture(scene, &image, &m.maps[FATHOM_MAP_COLOR].texture));
+    assert_ok(context, fathom_scene_add_material(scene, "m", &m, &mesh.material));
+    assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+    scene->has_lights = true;
+    for (int k = 0; k < 3; ++k) {
+        told[0] = '\0';
+        fathom_context_on_warning(context, tell, NULL);
+        assert_ok(context, fathom_scene_write(scene, in_folder(names[k])));
+        fathom_context_on_warning(context, NULL, NULL);
+        assert_int_equal(strstr(told, "a mesh with images has no texture coordinates") != NULL, k < 2);
+        assert_int_equal(strstr(told, "an empty list of lights is left out") != NULL, k < 2);
+        unlink(in_folder(names[k])), unlink(in_folder("m.mtl"));
+        unlink(in_folder("m-0.png"));
+    }
+    fathom_scene_destroy(scene);
 }
 
 int main(void) { return unit_main(open_folder, remove_folder); }
