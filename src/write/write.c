@@ -167,6 +167,16 @@ static size_t count_filters(const fathom_scene *scene) {
     return count;
 }
 
+/* Number of meshes whose positions a float does not hold. */
+static size_t count_far(const fathom_scene *scene) {
+    size_t count = 0;
+    for (fathom_id i = 0; i < scene->objects.count; ++i) {
+        const scene_bounds box = scene_object_bounds(scene, i);
+        count += scene->objects.items[i].kind == SCENE_MESH && write_is_far(&box);
+    }
+    return count;
+}
+
 static size_t count_arrays(const fathom_scene *scene, mesh_kind kind) {
     size_t count = 0;
     for (size_t i = 0; i < scene->meshes.count; ++i)
@@ -239,9 +249,13 @@ static fathom_status count_radii(const fathom_scene *scene, const scene_graph *g
 static fathom_status note_lost(const fathom_scene *scene, const scene_graph *graph, const size_t *ways,
                                format_id format, note_list *notes) {
     const size_t lost_points = write_ply_lost_points(scene, ways);
-    size_t radii = 0;
-    const fathom_status status =
+    size_t radii = 0, stretched = 0;
+    scene_bounds world;
+    fathom_status status =
         format == PLY && lost_points ? FATHOM_OK : count_radii(scene, graph, format, &radii);
+    if (status == FATHOM_OK) status = scene_world_bounds(scene, &world);
+    if (status == FATHOM_OK && format & MESHES) status = write_count_stretched(scene, graph, &stretched);
+    const bool far = status == FATHOM_OK && write_is_far(&world);
     const bool image = format == PLY && write_ply_image(scene, graph);
     const size_t cameras = scene->cameras.count, taken = cameras && scene->camera_taken != FATHOM_NONE;
     const struct {
@@ -278,6 +292,9 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
         {OBJ, count_colors(scene, true), "the opacity of a vertex is left out"},
         {OBJ, count_arrays(scene, MESH_UVS_1), "the second uv set of a mesh is left out"},
         {MESHES, count_arrays(scene, MESH_TANGENTS), "the tangents of a mesh are left out"},
+        {MESHES, stretched,
+         "a smooth mesh that is stretched is shaded a little differently between vertices"},
+        {far ? PLY : MESHES, count_far(scene), "a mesh far from the origin loses digits of its positions"},
         {PLY, lost_points, "a point is left out: a PLY file of triangles has no place for points"},
         {MODELS, radii,
          "the radius of a cloud of points is left out; readers find one by how many points lie how far "

@@ -90,12 +90,19 @@ typedef fathom_status (*write_visit)(void *user, const write_placement *p);
 fathom_status write_each_placement(const fathom_scene *scene, const scene_graph *graph, write_visit visit,
                                    void *user);
 
+/* True if what has these bounds is so far from the origin that readers choose another one. */
+bool write_is_far(const scene_bounds *bounds);
+
 /* How readers group the points of a file: one cloud for each mesh, for each material, or for the whole
  * file. */
 typedef enum write_clouds { WRITE_CLOUDS_EACH, WRITE_CLOUDS_BY_MATERIAL, WRITE_CLOUDS_ALL } write_clouds;
 /* Counts the clouds whose radius differs from the one that readers would choose. */
 fathom_status write_count_radii(const fathom_scene *scene, const scene_graph *graph, write_clouds how,
                                 size_t *out);
+
+/* Counts the places of smooth meshes that are stretched. The normals of their vertices, which become unit
+ * vectors, are mixed otherwise than those of the mesh itself. */
+fathom_status write_count_stretched(const fathom_scene *scene, const scene_graph *graph, size_t *out);
 
 /* The number of instances of each group; SIZE_MAX if it overflows. Release with free(). */
 fathom_status write_count_ways(const fathom_scene *scene, const scene_graph *graph, size_t **out);

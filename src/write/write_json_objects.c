@@ -1,8 +1,6 @@
 /* Groups and objects of scene JSON: meshes with their arrays, other shapes, instances. */
 #include "write/write_json.h"
 
-#include "read/read.h"
-
 #include <stdio.h>
 #include <string.h>
 
@@ -72,8 +70,8 @@ static size_t format_triangles(const void *user, size_t begin, size_t end, char 
  * again. */
 static const double *origin_of(const fathom_scene *scene, fathom_id object, const fathom_mesh *mesh) {
     const scene_bounds box = scene_object_bounds(scene, object);
-    const vec3_f64 far = origin_for(&box), own = load_f64(mesh->origin);
-    const bool plain = far.x == 0 && far.y == 0 && far.z == 0 && own.x == 0 && own.y == 0 && own.z == 0;
+    const vec3_f64 own = load_f64(mesh->origin);
+    const bool plain = !write_is_far(&box) && own.x == 0 && own.y == 0 && own.z == 0;
     return plain ? NULL : mesh->origin;
 }
 

@@ -1,6 +1,8 @@
 /* Converts meshes for formats with one index per vertex, and computes their positions in the world. */
 #include "write/write.h"
 
+#include "read/read.h"
+
 #include "scene/motion/motion.h"
 
 #include <stdlib.h>
@@ -155,6 +157,11 @@ vec3_f32 write_placed_position(const write_placement *p, vec3_f32 position) {
 
 vec3_f32 write_placed_normal(const write_placement *p, vec3_f32 normal) {
     return p->plain ? normal : narrow(normalize_f64(affine_transposed_vector(&p->inverse, widen(normal))));
+}
+
+bool write_is_far(const scene_bounds *bounds) {
+    const vec3_f64 origin = origin_for(bounds);
+    return origin.x != 0 || origin.y != 0 || origin.z != 0;
 }
 
 typedef struct placer {

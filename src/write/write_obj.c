@@ -2,6 +2,7 @@
  * in a library next to the file (write_mtl.c). */
 #include "write/write_obj.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,6 +12,7 @@ typedef struct obj {
     write_stream stream;
     char **names; /* of materials */
     bool flips;   /* v is written as 1 - v */
+    bool far;     /* from the origin: floats would lose digits of positions */
     note_list *notes;
     fathom_id material; /* current material */
     size_t objects;
@@ -45,6 +47,12 @@ typedef struct obj_part {
     enum { POSITIONS, NORMALS, UVS } kind; /* of vertices */
 } obj_part;
 
+static char *put_far(char *out, const write_placement *at, size_t i) {
+    const fathom_mesh *m = at->mesh;
+    const vec3_f64 p = affine_point(&at->map, widen(write_item(m->positions, m->position_stride, i)));
+    return out + snprintf(out, 3 * WRITE_NUMBER_BYTES + 4, "v %.17g %.17g %.17g", p.x, p.y, p.z);
+}
+
 static size_t format_vertices(const void *user, size_t begin, size_t end, char *out) {
     static const char *const keys[] = {"v", "vn", "vt"};
     const obj_part *part = user;
@@ -61,10 +69,11 @@ static size_t format_vertices(const void *user, size_t begin, size_t end, char *
             memcpy(v, (const char *)m->uvs + m->uv_stride * i, 2 * sizeof *v);
         if (part->kind == UVS && part->o->flips) v[1] = 1 - v[1];
         if (part->kind == POSITIONS && m->colors) put_color(m, i, v + 3);
-        out = put_line(out, keys[part->kind], v,
-                       part->kind == UVS                      ? 2
-                       : part->kind == POSITIONS && m->colors ? 6
-                                                              : 3);
+        const int count = part->kind == UVS ? 2 : part->kind == POSITIONS && m->colors ? 6 : 3;
+        if (part->kind == POSITIONS && part->o->far)
+            out = put_line(put_far(out, at, i), "", v + 3, count - 3);
+        else
+            out = put_line(out, keys[part->kind], v, count);
     }
     return (size_t)(out - start);
 }
@@ -197,6 +206,9 @@ fathom_status write_obj(const fathom_scene *scene, const scene_graph *graph, con
     o.flips = write_mtl_flips(scene);
     char *library = library_path(path);
     fathom_status status = library ? check_count(&o, path) : fail_memory(scene->context, strlen(path));
+    scene_bounds world;
+    if (status == FATHOM_OK) status = scene_world_bounds(scene, &world);
+    o.far = status == FATHOM_OK && write_is_far(&world);
     if (status == FATHOM_OK) status = write_names(scene, false, true, &o.names);
     if (status == FATHOM_OK) status = put_all(&o, path, library);
     write_names_free(o.names, scene->materials.count);

@@ -1,5 +1,5 @@
-/* Only scene JSON holds the radius of points. Readers of other formats choose one by the number of points and
- * the size of their bounds. */
+/* What a placed mesh loses in formats without instances. Only scene JSON holds the radius of points: readers
+ * of other formats choose one by the number of points and the size of their bounds. */
 #include "read/mesh/strokes.h"
 #include "write/write.h"
 
@@ -35,19 +35,36 @@ static fathom_status add_points(void *user, const write_placement *at) {
 /* Equal up to a few rounding errors of float. */
 static bool same(double a, double b) { return fabs(a - b) <= 1e-5 * b; }
 
+/* True if the map makes everything larger by this factor. */
+static bool scales_by(const affine_f64 *map, double scale) {
+    const double(*m)[4] = map->m;
+    const vec3_f64 x = {m[0][0], m[1][0], m[2][0]}, y = {m[0][1], m[1][1], m[2][1]},
+                   z = {m[0][2], m[1][2], m[2][2]};
+    return same(length_f64(x), scale) && same(length_f64(y), scale) && same(length_f64(z), scale) &&
+           same(fabs(dot_f64(cross_f64(x, y), z)), scale * scale * scale);
+}
+
 /* A transform with a non-uniform scale also counts as a different radius: only the points' positions can be
  * written. */
 static fathom_status check_radius(void *user, const write_placement *at) {
     radius_search *s = user;
-    const double(*m)[4] = at->map.m, radius = (double)at->mesh->point_radius;
+    const double radius = (double)at->mesh->point_radius;
     if (!(radius > 0)) return FATHOM_OK;
     const cloud *c = cloud_of(s, at);
-    const double scale = strokes_radius(&c->bounds, c->points, false) / radius;
-    const vec3_f64 x = {m[0][0], m[1][0], m[2][0]}, y = {m[0][1], m[1][1], m[2][1]},
-                   z = {m[0][2], m[1][2], m[2][2]};
-    s->off += !(same(length_f64(x), scale) && same(length_f64(y), scale) && same(length_f64(z), scale) &&
-                same(fabs(dot_f64(cross_f64(x, y), z)), scale * scale * scale));
+    s->off += !scales_by(&at->map, strokes_radius(&c->bounds, c->points, false) / radius);
     return FATHOM_OK;
+}
+
+static fathom_status check_stretch(void *user, const write_placement *at) {
+    size_t *count = user;
+    const double(*m)[4] = at->map.m;
+    *count += at->mesh->normals && !scales_by(&at->map, length_f64(vec_f64(m[0][0], m[1][0], m[2][0])));
+    return FATHOM_OK;
+}
+
+fathom_status write_count_stretched(const fathom_scene *scene, const scene_graph *graph, size_t *out) {
+    *out = 0;
+    return write_each_placement(scene, graph, check_stretch, out);
 }
 
 static size_t count_each(const fathom_scene *scene) {

@@ -290,20 +290,50 @@ UNIT_TEST(hard_scenes_are_read_back) {
     fathom_scene_destroy(scene);
 }
 
-/* Far from the origin .glb keeps the mesh's own numbers: a node moves it there in double. */
-UNIT_TEST(far_meshes_keep_their_digits_in_glb) {
-    fathom_scene *scene = new_scene(), *back;
+/* The vertices' normals are unit vectors in the world and in the mesh: between them, both are mixed
+ * otherwise. */
+UNIT_TEST(stretched_smooth_meshes_are_told) {
+    static const double rows[][12] = {{0, 3, 0, 1, -3, 0, 0, 2, 0, 0, -3, 0},
+                                      {1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0}};
+    for (int k = 0; k < 4; ++k) {
+        const bool stretched = k % 2, smooth = k / 2;
+        fathom_scene *scene = new_scene();
+        fathom_id group;
+        assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
+        add_tetra(scene, group, smooth ? SPLIT_NORMALS : PLAIN, (const double[3]){0, 0, 0});
+        add_placed(scene, group, FATHOM_ROOT, rows[stretched], FATHOM_NONE);
+        warnings = 0;
+        assert_ok(context, fathom_scene_write(scene, in_folder("a.ply")));
+        assert_int_equal(warnings, smooth && stretched);
+        fathom_scene_destroy(scene);
+        remove_file("a.ply");
+    }
+}
+
+/* Far from the origin .glb keeps the mesh's own numbers: a node moves it there in double. OBJ has the digits
+ * of double, of which the reader makes floats below 2 around its own origin: each is off by at most 2^-24.
+ * PLY has floats alone, and tells. */
+UNIT_TEST(far_meshes_keep_their_digits_or_tell) {
+    static const char *const names[] = {"far.glb", "far.obj", "far.ply"};
     const double far[3] = {4.5e6 + 0x1p-20, -5.2e6, 1.0 / 3};
-    add_tetra(scene, FATHOM_ROOT, PLAIN, far);
-    assert_ok(context, fathom_scene_write(scene, in_folder("far.glb")));
-    assert_ok(context, fathom_scene_read(context, in_folder("far.glb"), &back));
-    scene_bounds a, b;
-    assert_ok(context, scene_world_bounds(scene, &a));
-    assert_ok(context, scene_world_bounds(back, &b));
-    assert_memory_equal(&a, &b, sizeof a);
-    fathom_scene_destroy(back);
-    fathom_scene_destroy(scene);
-    remove_file("far.glb");
+    for (int k = 0; k < 3; ++k) {
+        fathom_scene *scene = new_scene(), *back;
+        add_tetra(scene, FATHOM_ROOT, PLAIN, far);
+        warnings = 0;
+        assert_ok(context, fathom_scene_write(scene, in_folder(names[k])));
+        assert_int_equal(warnings, k == 2);
+        assert_ok(context, fathom_scene_read(context, in_folder(names[k]), &back));
+        scene_bounds a, b;
+        assert_ok(context, scene_world_bounds(scene, &a));
+        assert_ok(context, scene_world_bounds(back, &b));
+        if (k == 0) assert_memory_equal(&a, &b, sizeof a);
+        if (k == 1) assert_true(length_f64(sub_f64(a.lower, b.lower)) < 4 * 0x1p-24);
+        if (k == 1) assert_true(length_f64(sub_f64(a.upper, b.upper)) < 4 * 0x1p-24);
+        fathom_scene_destroy(back);
+        fathom_scene_destroy(scene);
+        remove_file(names[k]);
+    }
+    remove_file("far.mtl");
 }
 
 /* ---- materials ---- */
