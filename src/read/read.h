@@ -23,11 +23,6 @@ fathom_status read_beside(fathom_scene *scene, const char *base, const char *nam
  * *out NULL: no file was found. */
 fathom_status read_image_beside(fathom_scene *scene, const char *base, const char *name, char **out);
 
-/* Decodes sRGB to linear, for a vertex colour in [0,1]: files store display values. */
-static inline float read_linear(double srgb) {
-    return (float)(srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4));
-}
-
 /* If the mesh has no texture coordinates, but its material has images, all its vertices get (0, 0), as in
  * Blender and WebGL. Otherwise each triangle would show half of the image. *bytes: the memory added; 0: the
  * mesh is unchanged, as points are always. */

@@ -1,5 +1,6 @@
 #include "texture/pyramid.h"
 
+#include "base/srgb.h"
 #include "image/pack.h"
 
 #include <math.h>
@@ -51,11 +52,6 @@ void pyramid_place(pyramid *p, unsigned part, uint64_t offset) {
 }
 
 /* ---- numbers ---- */
-
-static double srgb_decoded(double value) {
-    if (value < 0) return -srgb_decoded(-value);
-    return value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
-}
 
 void pyramid_fill_table(float *table, image_texel type, bool srgb) {
     const unsigned most = type == IMAGE_TEXEL_U8 ? 255 : 65535;

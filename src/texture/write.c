@@ -1,5 +1,6 @@
 /* Writes textures as mip-mapped files. */
 #include "base/file.h"
+#include "base/srgb.h"
 #include "image/helper/helper.h"
 #include "image/output.h"
 #include "image/pack.h"
@@ -19,11 +20,6 @@ typedef struct written {
     unsigned char *rows;
     image_message why;
 } written;
-
-static double srgb_encoded(double value) {
-    if (value < 0) return -srgb_encoded(-value);
-    return value <= 0.0031308 ? 12.92 * value : 1.055 * pow(value, 1 / 2.4) - 0.055;
-}
 
 static void put_number(const written *w, float value, bool alpha, unsigned char *out) {
     const bool srgb = w->srgb && !alpha;

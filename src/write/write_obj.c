@@ -2,6 +2,8 @@
  * in a library next to the file (write_mtl.c). */
 #include "write/write_obj.h"
 
+#include "base/srgb.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,10 +36,7 @@ static char *put_line(char *out, const char *key, const float *numbers, int coun
 /* Encodes the colour as sRGB, because readers decode it. */
 static void put_color(const fathom_mesh *m, size_t vertex, float out[3]) {
     const float *linear = (const float *)(const void *)((const char *)m->colors + m->color_stride * vertex);
-    for (int k = 0; k < 3; ++k) {
-        const double c = fmin((double)linear[k], 1);
-        out[k] = (float)(c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1 / 2.4) - 0.055);
-    }
+    for (int k = 0; k < 3; ++k) out[k] = (float)srgb_encoded(fmin((double)linear[k], 1));
 }
 
 /* The lines of one kind of a placed mesh. */

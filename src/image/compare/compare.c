@@ -1,6 +1,7 @@
 /* Images of the public interface: reading, access to channels, comparison. */
 #include "base/file.h"
 #include "base/sized.h"
+#include "base/srgb.h"
 #include "base/text.h"
 #include "image/compare/flip.h"
 #include "image/image.h"
@@ -160,16 +161,11 @@ fathom_status fathom_image_compare(fathom_context *context, const fathom_image *
 
 /* ---- FLIP ---- */
 
-/* IEC 61966-2-1. */
-static double linear_of(double srgb) {
-    return srgb > 0.04045 ? pow((srgb + 0.055) / 1.055, 2.4) : srgb / 12.92;
-}
-
 static void take_plane(const image_channel *c, const fathom_image *from, float *out) {
     for (uint32_t y = 0; y < from->img->height; ++y) {
         for (uint32_t x = 0; x < from->img->width; ++x) {
             double value = value_at(c, from->img->width, x, y);
-            *out++ = (float)(from->encoded ? linear_of(value) : value);
+            *out++ = (float)(from->encoded ? srgb_decoded(value) : value);
         }
     }
 }

@@ -1,5 +1,6 @@
 #include "read/obj/obj.h"
 
+#include "base/srgb.h"
 #include "base/threads.h"
 #include "read/mesh/number.h"
 
@@ -91,7 +92,7 @@ static const char *read_vector(obj_parser *s, int kind, const char *p) {
 /* Stores the colour of the vertex that was read last. */
 static void put_color(const obj_parser *s, const double v[3]) {
     float *out = s->r->colors + 3 * (s->seen[OBJ_POSITION] - 1);
-    for (int k = 0; k < 3; ++k) out[k] = read_linear(v[k] > 0 ? (v[k] < 1 ? v[k] : 1) : 0);
+    for (int k = 0; k < 3; ++k) out[k] = (float)srgb_decoded(v[k] > 0 ? (v[k] < 1 ? v[k] : 1) : 0);
 }
 
 /* Reads the numbers after x, y and z: a weight, which only curves use, or a colour. */

@@ -1,5 +1,6 @@
 #include "read/ply/ply.h"
 
+#include "base/srgb.h"
 #include "read/mesh/strokes.h"
 
 #include <float.h>
@@ -26,13 +27,13 @@ static void put_array(const ply_array *array, uint32_t i, const double values[PL
 /* The first spherical harmonic is sqrt(1 / (4 pi)). Splats store its factor, from the middle of sRGB
  * (3DGS, Kerbl et al. 2023). */
 static double splat_linear(double value) {
-    return (double)read_linear(fmin(fmax(0.5 + 0.28209479177387814 * value, 0), 1));
+    return srgb_decoded(fmin(fmax(0.5 + 0.28209479177387814 * value, 0), 1));
 }
 
 static void put_color(const ply_reader *r, uint32_t i, const double values[PLY_ROLES]) {
     double linear[PLY_ROLES];
     for (int role = PLY_R; role <= PLY_B; ++role) {
-        linear[role] = r->whole_color > 0 ? (double)read_linear(values[role] / r->whole_color) : values[role];
+        linear[role] = r->whole_color > 0 ? srgb_decoded(values[role] / r->whole_color) : values[role];
         if (r->splats) linear[role] = splat_linear(values[role]);
     }
     linear[PLY_A] = r->whole_alpha > 0 ? values[PLY_A] / r->whole_alpha : values[PLY_A];
@@ -245,7 +246,7 @@ static void decode_face_colors(ply_reader *r) {
         find_whole(r, r->looks->color, sizeof *r->looks, count, alpha, &r->wide_face, &bytes);
     for (ply_look *look = r->looks; look < r->looks + count; ++look) {
         for (int c = 0; c < 3 && whole.color > 0; ++c)
-            look->color[c] = read_linear((double)look->color[c] / whole.color);
+            look->color[c] = (float)srgb_decoded((double)look->color[c] / whole.color);
         if (alpha && whole.alpha > 0) look->color[3] = (float)((double)look->color[3] / whole.alpha);
     }
     if (bytes) note_bytes(r, r->face_element, r->wide_face.color > 0);

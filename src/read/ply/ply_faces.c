@@ -1,5 +1,7 @@
 #include "read/ply/ply.h"
 
+#include "base/srgb.h"
+
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
@@ -60,7 +62,7 @@ static bool push_uvs(ply_reader *r, ply_faces *faces, size_t n) {
 }
 
 static float face_linear(double value, double whole) {
-    return whole > 0 ? read_linear(value / whole) : (float)value;
+    return whole > 0 ? (float)srgb_decoded(value / whole) : (float)value;
 }
 
 /* Colour and texture for the triangles of the row. MeshLab writes -1 for no texture. */
