@@ -1,5 +1,7 @@
 """Random scenes (light_random.py) with a sheet of N x N cells: in images.json by images of N x N texels, taken by the nearest
-one; in cells.json each cell is a mesh with a material of its own, whose numbers this script takes from the texels."""
+one; in cells.json each cell is a mesh with a material of its own, whose numbers this script takes from the texels. Images of
+normals and directions have one texel there, in another frame (textured_frames.py), and one of heights has its place from the
+texture coordinates alone."""
 import copy
 import json
 import math
@@ -9,6 +11,7 @@ import struct
 import zlib
 
 import light_random
+import textured_frames
 
 N = 4  # cells along each side
 
@@ -22,10 +25,11 @@ DEFAULT = {"baseColor": [1, 1, 1], "specularColor": [1, 1, 1], "diffuseTransmiss
 
 
 class Image:
-    """N x N texels of chance, as a file of 8 bits or of floats."""
+    """Texels, N x N of chance or one, as a file of 8 bits or of floats."""
 
-    def __init__(self, r, folder, name):
-        self.texels = [[[r.randrange(256) for _ in range(3)] for _ in range(N)] for _ in range(N)]
+    def __init__(self, r, folder, name, texel=None):
+        self.side = 1 if texel else N
+        self.texels = [[texel or [r.randrange(256) for _ in range(3)] for _ in range(self.side)] for _ in range(self.side)]
         self.bytes = r.random() < 0.7
         self.name = name + (".png" if self.bytes else ".pfm")
         with open(os.path.join(folder, self.name), "wb") as file:
@@ -35,12 +39,12 @@ class Image:
         def chunk(kind, data):
             return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
         rows = b"".join(b"\0" + bytes(x for texel in row for x in texel) for row in self.texels)
-        return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", N, N, 8, 2, 0, 0, 0))
+        return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", self.side, self.side, 8, 2, 0, 0, 0))
                 + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
     def pfm(self):
         rows = [x / 255 for row in reversed(self.texels) for texel in row for x in texel]
-        return f"PF\n{N} {N}\n-1.0\n".encode() + struct.pack(f"<{len(rows)}f", *rows)
+        return f"PF\n{self.side} {self.side}\n-1.0\n".encode() + struct.pack(f"<{len(rows)}f", *rows)
 
     def at(self, column, row, space):
         texel = [x / 255 for x in self.texels[row][column]]
@@ -79,16 +83,16 @@ class Texture:
             light_random.maybe(r, 0.3, self.keys, "inverted", lambda: True)
         self.colored = colored
 
+    def place(self, uvs):
+        """Where these coordinates lie in the image."""
+        uv = uvs[self.keys.get("uvSet", 0)]
+        return [a * uv[0] + b * uv[1] + c for (a, b), c in zip(textured_frames.matrix(self.keys), self.keys.get("offset", (0, 0)))]
+
     def at(self, uvs):
         """Three numbers at the middle of a cell, whose coordinates these are."""
-        u, v = uvs[self.keys.get("uvSet", 0)]
-        sx, sy = self.keys.get("scale", (1, 1))
-        turn = math.radians(self.keys.get("rotation", 0))
-        u, v = u * sx, v * sy
-        u, v = u * math.cos(turn) + v * math.sin(turn), v * math.cos(turn) - u * math.sin(turn)
-        ox, oy = self.keys.get("offset", (0, 0))
+        u, v = self.place(uvs)
         space = self.keys.get("colorSpace", "srgb" if self.colored and self.image.bytes else "linear")
-        return self.image.at(wrapped(u + ox, self.keys.get("wrapU", "repeat")), wrapped(v + oy, self.keys.get("wrapV", "repeat")), space)
+        return self.image.at(wrapped(u, self.keys.get("wrapU", "repeat")), wrapped(v, self.keys.get("wrapV", "repeat")), space)
 
     def factor(self, uvs):
         texel = self.at(uvs)
@@ -108,9 +112,12 @@ class Sheet:
     """A mesh, bent and smooth or flat, which may have colours of vertices; or a quad."""
 
     def __init__(self, r):
-        high = r.choice((0, 0.3))
         self.is_quad = r.random() < 0.2
-        self.smooth = r.random() < 0.5
+        # How tangents come about: with the mesh, for smooth vertices, or from how an image lies on flat or bent triangles.
+        self.way = "flat" if self.is_quad else r.choice(("given", "made", "flat", "bent"))
+        self.smooth = self.way in ("given", "made")
+        self.tangents = (1, r.choice((-1, 1))) if self.way == "given" else None
+        high = r.choice((0, 0.3)) if self.way == "given" else 0.3 if self.way == "bent" else 0
         self.positions = {(i, j): [i / N * 2 - 1, round(r.uniform(-high, high), 3), j / N * 2 - 1]
                           for i in range(N + 1) for j in range(N + 1)}
         self.normals = {at: light_random.direction(r)[:1] + [2] + light_random.direction(r)[2:] for at in self.positions}
@@ -122,14 +129,16 @@ class Sheet:
         if self.colors and r.random() < 0.5:
             self.opacities = {(i, j): round(r.random(), 3) for i in range(N) for j in range(N)}
 
-    def mesh(self, cells, whole):
+    def mesh(self, cells, whole, tangents):
         """Of these cells; each has corners of its own."""
         corners = [(i + x, j + y) for i, j in cells for x, y in ((0, 0), (0, 1), (1, 1), (1, 0))]
         o = {"type": "mesh", "positions": [self.positions[at] for at in corners],
              "indices": [[4 * k + a, 4 * k + b, 4 * k + c] for k in range(len(cells)) for a, b, c in ((0, 1, 2), (0, 2, 3))],
              "uvs": [self.uvs[0](*at) for at in corners], "uvs1": [self.uvs[1](*at) for at in corners]}
-        if self.smooth:  # tangents, because those that are made are means over a mesh
-            o.update(normals=[self.normals[at] for at in corners], tangents=[[1, 0, 0, 1] for _ in corners])
+        if self.smooth or tangents:
+            o["normals"] = [self.normals[at] if self.smooth else [0, 1, 0] for at in corners]
+        if tangents:
+            o["tangents"] = [[tangents[0], 0, 0, tangents[1]] for _ in corners]
         if whole and self.colors:
             o["colors"] = [self.colors[at] for at in cells for _ in range(4)]
         if whole and self.opacities:
@@ -141,10 +150,10 @@ class Sheet:
         return {"type": "quad", "center": [2 * left / N - 1 + half, 0, 2 * top / N - 1 + half], "u": [half, 0, 0], "v": [0, 0, -half]}
 
     def whole(self, cells):
-        return self.quad(0, 0, N) if self.is_quad else self.mesh(cells, True)
+        return self.quad(0, 0, N) if self.is_quad else self.mesh(cells, True, self.tangents)
 
-    def cell(self, at):
-        return self.quad(*at, 1) if self.is_quad else self.mesh([at], False)
+    def cell(self, at, tangents):
+        return self.quad(*at, 1) if self.is_quad else self.mesh([at], False, tangents)
 
     def middle(self, i, j):
         return [of(i + 0.5, j + 0.5) for of in self.uvs]
@@ -168,16 +177,38 @@ def textured(r, m, sheet, folder):
         needless = key in ("ks", "shininess") and "ks" not in m or key == "shininess" and "specular" not in m
         if not needless and r.random() < (0.7 if key in m else 0.1):
             textures[key] = Texture(r, Image(r, folder, key), key in COLORS, "model" in m and key not in COLORS)
-    if r.random() < 0.3:
+    if r.random() < 0.3 and "model" in m:
         textures.pop("metallic", None), textures.pop("roughness", None)
         textures["metallicRoughness"] = Texture(r, Image(r, folder, "both"), True)
         textures["metallicRoughness"].keys["colorSpace"] = "linear"
+    for key in (textured_frames.DIRECTED if "model" in m else ("normal",)) + ("bump",):
+        if r.random() < 0.25:
+            textures[key] = Texture(r, Image(r, folder, key), key != "bump")
+            textures[key].keys["colorSpace"] = "linear"
+            if sheet.way == "given" or "bump" in textures:
+                textures[key].keys.pop("uvSet", None)
+    if "bump" in textures:
+        textures["bump"].keys["filter"] = r.choice(("nearest", "linear", "trilinear"))
+        for key in textured_frames.DIRECTED:  # cells need the second uv set
+            textures[key].keys.pop("uvSet", None) if key in textures else None
     for texture in textures.values() if sheet.is_quad else ():
         texture.keys.pop("uvSet", None)
-    return textures if "model" in m else {k: t for k, t in textures.items() if k in CLASSIC}
+    return textures
 
 
-def of_cell(m, textures, sheet, at):
+def bump(o, m, texture, at, sheet):
+    """Gives a cell the image of heights, whose place is in the texture coordinates, or that of a quad."""
+    keys = {k: v for k, v in texture.keys.items() if k not in ("scale", "rotation", "offset")}
+    if sheet.is_quad:
+        offset = texture.place([[x / N for x in at]])
+        keys.update(offset=offset, rotation=texture.keys.get("rotation", 0), scale=[x / N for x in texture.keys.get("scale", (1, 1))])
+    else:
+        o["uvs1"] = [texture.place(uvs) for uvs in zip(o["uvs"], o["uvs1"])]
+        keys["uvSet"] = 1
+    m["bumpTexture"] = keys
+
+
+def of_cell(r, m, textures, sheet, at, tangents, folder):
     """The material that has the texels' numbers."""
     m, uvs = copy.deepcopy(m), sheet.middle(*at)
     color = "baseColor" if "model" in m else "kd"
@@ -185,7 +216,14 @@ def of_cell(m, textures, sheet, at):
         m[color] = multiplied(m.get(color, DEFAULT[color]), sheet.colors[at])
     if sheet.opacities:
         m["opacity"] = m.get("opacity", 1) * sheet.opacities[at]
+    directed = {key: textures[key] for key in textured_frames.DIRECTED if key in textures}
+    texels = {key: texture.at(uvs) for key, texture in directed.items()}
+
+    def save(texel):
+        return Image(r, folder, f"cell-{at[0]}-{at[1]}-{r.random()}", [round(x * 255) for x in texel]).name
     for key, texture in textures.items():
+        if key in directed or key == "bump":
+            continue
         if key == "metallicRoughness":
             texel = texture.at(uvs)
             m["metallic"] = m.get("metallic", 0) * texel[2]
@@ -193,7 +231,17 @@ def of_cell(m, textures, sheet, at):
             continue
         zero = [0, 0, 0] if texture.colored else 0
         m[key] = texture.applied(m.get(key, DEFAULT.get(key, zero)), uvs)
+    textured_frames.put(r, m, {key: t.keys for key, t in directed.items()}, texels, sheet, tangents, save)
     return m
+
+
+def scales(r, m, textures):
+    """Factors that have a meaning with these images."""
+    for key, texture, most in (("normalScale", "normal", 2), ("clearcoatNormalScale", "clearcoatNormal", 2), ("bumpScale", "bump", 0.2)):
+        if texture in textures:
+            m[key] = round(r.uniform(-most, most), 3)
+    if "anisotropy" in textures:
+        m["anisotropy"] = round(r.random(), 3)
 
 
 def make(seed, folder):
@@ -206,15 +254,27 @@ def make(seed, folder):
     if "model" not in m:
         sheet.opacities = None
     textures = textured(r, m, sheet, folder)
+    scales(r, m, textures)
     cells = [(i, j) for i in range(N) for j in range(N)]
     group = {"type": "group"}
     light_random.place(r, group, "shutter" in scene["camera"])
+    placed = not sheet.is_quad and "motion" not in group and r.random() < 0.5
+    if placed and sheet.smooth and "scale" in group:  # a stretch mixes normals otherwise
+        group["scale"] = [math.copysign(group["scale"][0], x) for x in group["scale"]]
     images, plain = copy.deepcopy(scene), scene
     images["materials"]["sheet"] = dict(m, **{k + "Texture": t.keys for k, t in textures.items()})
     images["objects"].append(dict(group, children=[dict(sheet.whole(cells), material="sheet")]))
     for at in cells:
-        plain["materials"][f"cell {at}"] = of_cell(m, textures, sheet, at)
-    plain["objects"].append(dict(group, children=[dict(sheet.cell(at), material=f"cell {at}") for at in cells]))
+        given = sheet.tangents or (sheet.way == "flat" and not sheet.is_quad and "bump" not in textures and r.random() < 0.5)
+        tangents = (r.choice((-1, 1)), r.choice((-1, 1))) if given else None
+        o = sheet.cell(at, tangents)
+        plain["materials"][f"cell {at}"] = of_cell(r, m, textures, sheet, at, tangents, folder)
+        if "bump" in textures:
+            bump(o, plain["materials"][f"cell {at}"], textures["bump"], at, sheet)
+        if placed:
+            o = textured_frames.place(o, textured_frames.placement(group))
+        o["material"] = f"cell {at}"
+        plain["objects"].append(o if placed else dict(group, children=[o]))
     for name, content in (("images", images), ("cells", plain)):
         with open(os.path.join(folder, name + ".json"), "w", encoding="utf-8") as file:
             json.dump(content, file, indent=1)
