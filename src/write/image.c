@@ -118,15 +118,23 @@ static bool is_taken(const write_images *images, const char *name) {
     return false;
 }
 
+/* Readers of text end a name where the line ends, and leave out blanks there. PLY's lines are short. */
+static bool ends_line(const char *name) {
+    size_t length = 0;
+    for (; name[length]; ++length) {
+        if ((unsigned char)name[length] < ' ') return false;
+    }
+    return length < 256 && (!length || name[length - 1] != ' ');
+}
+
 /* A name that no other image has: files of the scene that stay in place may have the first ones. */
 static char *copied_name(const char *path, const write_images *images, uint32_t index) {
     const write_image *image = &images->items[index];
     const char *type = write_image_type(image);
     char extension[16] = "", tag[16], *name;
-    if (image->texture->file)
-        file_extension(image->texture->file, extension);
-    else if (type)
-        snprintf(extension, sizeof extension, "%s", strchr(type, '/') + 1);
+    if (image->texture->file) file_extension(image->texture->file, extension);
+    if (!ends_line(extension)) *extension = '\0';
+    if (!*extension && type) snprintf(extension, sizeof extension, "%s", strchr(type, '/') + 1);
     do {
         snprintf(tag, sizeof tag, "%u", index++);
         name = name_from(path, tag, extension);
@@ -221,11 +229,15 @@ static fathom_status place_faces(fathom_context *context, const char *path, writ
     return status;
 }
 
-fathom_status write_images_beside(const fathom_scene *scene, const char *path, write_images *images) {
+fathom_status write_images_beside(const fathom_scene *scene, const char *path, bool lines,
+                                  write_images *images) {
     fathom_status status = FATHOM_OK;
     for (uint32_t i = 0; i < images->count; ++i) {
         write_image *image = &images->items[i];
         if (image->texture->file) image->name = name_within(path, image->texture->file);
+        if (!lines || !image->name || ends_line(image->name)) continue;
+        free(image->name);
+        image->name = NULL;
     }
     for (uint32_t i = 0; i < images->count && status == FATHOM_OK; ++i) {
         write_image *image = &images->items[i];

@@ -28,8 +28,14 @@ fathom_status write_images_open(const fathom_scene *scene, bool skies, write_ima
 /* The image of one texture only. */
 fathom_status write_image_open_one(const fathom_scene *scene, fathom_id texture, write_images *out);
 /* Names each image for a file at `path`. Images in or below the folder of `path` stay in place; others are
- * copied to that folder. */
-fathom_status write_images_beside(const fathom_scene *scene, const char *path, write_images *images);
+ * copied to that folder. lines: the name will end a line of text, so that files with other names are copied.
+ */
+fathom_status write_images_beside(const fathom_scene *scene, const char *path, bool lines,
+                                  write_images *images);
+/* What to write before a name, so that a line of text does not take it for an option, or leave out blanks. */
+static inline const char *write_before_name(const char *name) {
+    return *name == '-' || *name == ' ' ? "./" : "";
+}
 void write_images_close(write_images *images);
 
 /* The media type, such as "image/png", by the first bytes; NULL: not a type that glTF allows. */

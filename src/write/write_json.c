@@ -223,7 +223,7 @@ fathom_status write_json(const fathom_scene *scene, const scene_graph *graph, co
     if (status == FATHOM_OK) status = write_names(scene, false, false, &o.materials);
     if (status == FATHOM_OK) status = write_names(scene, true, false, &o.groups);
     /* Writes images before the file that names them. */
-    if (status == FATHOM_OK) status = write_images_beside(scene, path, &o.images);
+    if (status == FATHOM_OK) status = write_images_beside(scene, path, false, &o.images);
     if (status == FATHOM_OK) status = put_file(&o, path);
     write_names_free(o.materials, scene->materials.count);
     write_names_free(o.groups, scene->groups.count);

@@ -148,7 +148,7 @@ static void put_image(const write_library *l, file_writer *t, const struct mtl_i
                        : key->map == FATHOM_MAP_BUMP ? m->bump_scale
                                                      : 1;
     if (bump != 1) file_writer_print(t, " -bm %.9g", (double)bump);
-    file_writer_print(t, " %s\n", name_of(l, map));
+    file_writer_print(t, " %s%s\n", write_before_name(name_of(l, map)), name_of(l, map));
 }
 
 /* True if the format can hold the map's transform, wrap mode and channel. */

@@ -182,7 +182,7 @@ static char *library_path(const char *path) {
 static fathom_status put_library(const obj *o, const char *path, const char *library) {
     write_images images;
     fathom_status status = write_images_open(o->scene, false, &images);
-    if (status == FATHOM_OK) status = write_images_beside(o->scene, path, &images);
+    if (status == FATHOM_OK) status = write_images_beside(o->scene, path, true, &images);
     if (status == FATHOM_OK)
         status = write_mtl(&(write_library){o->scene, &images, o->names, o->flips, o->notes}, library);
     write_images_close(&images);
@@ -192,7 +192,8 @@ static fathom_status put_library(const obj *o, const char *path, const char *lib
 static fathom_status put_all(obj *o, const char *path, const char *library) {
     fathom_status status = write_stream_open(o->scene->context, path, &o->stream);
     if (status != FATHOM_OK) return status;
-    file_writer_print(o->stream.file, "# Fathom %s\nmtllib %s\n", fathom_version(), file_name(library));
+    file_writer_print(o->stream.file, "# Fathom %s\nmtllib %s%s\n", fathom_version(),
+                      write_before_name(file_name(library)), file_name(library));
     status = write_each_placement(o->scene, o->graph, put_placement, o);
     /* Writes images and library before the file that names the library. */
     if (status == FATHOM_OK) status = put_library(o, path, library);

@@ -118,7 +118,7 @@ const fathom_map *write_ply_image(const fathom_scene *scene, const scene_graph *
 static fathom_status put_image(ply *p) {
     if (!p->map) return FATHOM_OK;
     fathom_status status = write_image_open_one(p->scene, p->map->texture, &p->images);
-    return status == FATHOM_OK ? write_images_beside(p->scene, p->path, &p->images) : status;
+    return status == FATHOM_OK ? write_images_beside(p->scene, p->path, true, &p->images) : status;
 }
 
 /* If a file names an image, readers assume that v grows upwards. */
@@ -140,10 +140,10 @@ static int format_header(const ply *p, int blanks, char text[HEADER_BYTES]) {
                  p->triangles);
     return snprintf(
         text, HEADER_BYTES,
-        "ply\nformat binary_little_endian 1.0\n%s%.255s%scomment Fathom %s%*s\nelement vertex %zu\n"
+        "ply\nformat binary_little_endian 1.0\n%s%s%.255s%scomment Fathom %s%*s\nelement vertex %zu\n"
         "property float x\nproperty float y\nproperty float z\n%s%s%s%s%s%send_header\n",
-        p->map ? "comment TextureFile " : "", p->map ? p->images.items[0].name : "", p->map ? "\n" : "",
-        fathom_version(), blanks, "", p->vertices,
+        p->map ? "comment TextureFile " : "", p->map ? write_before_name(p->images.items[0].name) : "",
+        p->map ? p->images.items[0].name : "", p->map ? "\n" : "", fathom_version(), blanks, "", p->vertices,
         p->normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
         p->uvs ? "property float s\nproperty float t\n" : "",
         p->uvs_1 ? "property float s1\nproperty float t1\n" : "",

@@ -85,6 +85,30 @@ UNIT_TEST(files_below_the_folder_stay_and_others_are_copied) {
     unlink(in_folder("below/x.png")), rmdir(in_folder("below"));
 }
 
+/* MTL takes what begins with a minus sign for an option; a line of text ends, and so do its blanks. */
+UNIT_TEST(obj_and_ply_name_images_whatever_they_are_called) {
+    static const char *const names[] = {"-s 1 b.png", " b.png", "b.png ", "a\nb.png", "b b#.png", "-", "b."};
+    for (size_t i = 0; i < 2 * sizeof names / sizeof *names; ++i) {
+        const char *name = names[i / 2], *out = i % 2 ? "a.obj" : "a.ply";
+        fathom_texture file;
+        fathom_material m;
+        fathom_scene *back;
+        fathom_texture_default(&file), fathom_material_default(&m);
+        m.maps[FATHOM_MAP_COLOR].texture = 0;
+        file.file = in_folder(name);
+        unit_write_file(in_folder(name), "\x89PNG\r\n outer", 12);
+        fathom_scene *scene = wearing(&m, &file);
+        assert_ok(context, fathom_scene_write(scene, in_folder(out)));
+        fathom_scene_destroy(scene);
+        assert_ok(context, fathom_scene_read(context, in_folder(out), &back));
+        assert_int_equal(back->textures.count, 1);
+        assert_file(back->textures.items[0].file, "\x89PNG\r\n outer");
+        unlink(back->textures.items[0].file), unlink(in_folder(name));
+        fathom_scene_destroy(back);
+        unlink(in_folder(out)), unlink(in_folder("a.mtl"));
+    }
+}
+
 static const char *face_path(const char *pattern, unsigned face) {
     static const char *const words[] = {"px", "nx", "py", "ny", "pz", "nz"};
     char name[64];
