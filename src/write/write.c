@@ -4,67 +4,10 @@
 #include "read/json/json_form.h"
 #include "scene/settings.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- names and numbers that formats share ---- */
-
-typedef struct named {
-    const char *name;
-    size_t index;
-} named;
-
-static int compare_names(const void *a, const void *b) {
-    const named *x = a, *y = b;
-    const int order = strcmp(x->name ? x->name : "", y->name ? y->name : "");
-    return order ? order : x->index < y->index ? -1 : 1;
-}
-
-/* True if the name can be written as it is: not one that an unnamed item could get, and if `words`, without
- * blanks and #, so that any reader accepts it. */
-static bool is_name(const char *name, const char *prefix, bool words) {
-    if (!name || !*name || strncmp(name, prefix, strlen(prefix)) == 0) return false;
-    for (; words && *name; ++name) {
-        if ((unsigned char)*name <= ' ' || *name == '#') return false;
-    }
-    return true;
-}
-
-/* Of items with the same name, the first one keeps it. */
-static fathom_status name_all(fathom_context *context, named *items, size_t count, const char *prefix,
-                              bool words, char ***out) {
-    char **names = *out = calloc(count + 1, sizeof *names);
-    if (!names) return fail_memory(context, count * sizeof *names);
-    qsort(items, count, sizeof *items, compare_names);
-    for (size_t i = 0; i < count; ++i) {
-        const named *at = &items[i];
-        const bool first = i == 0 || !at[-1].name || !at->name || strcmp(at[-1].name, at->name) != 0;
-        char numbered[32];
-        snprintf(numbered, sizeof numbered, "%s%zu", prefix, at->index);
-        names[at->index] = strdup(first && is_name(at->name, prefix, words) ? at->name : numbered);
-        if (!names[at->index]) return fail_memory(context, sizeof numbered);
-    }
-    return FATHOM_OK;
-}
-
-fathom_status write_names(const fathom_scene *scene, bool groups, bool words, char ***out) {
-    const size_t count = groups ? scene->groups.count : scene->materials.count;
-    named *items = calloc(count, sizeof *items);
-    *out = NULL;
-    if (!items) return fail_memory(scene->context, count * sizeof *items);
-    for (size_t i = 0; i < count; ++i)
-        items[i] = (named){groups ? scene->groups.items[i] : scene->materials.items[i].name, i};
-    fathom_status status =
-        name_all(scene->context, items, count, groups ? "group_" : "material_", words, out);
-    free(items);
-    return status;
-}
-
-void write_names_free(char **names, size_t count) {
-    for (size_t i = 0; names && i < count; ++i) free(names[i]);
-    free(names);
-}
+/* ---- numbers that formats share ---- */
 
 double write_blinn_exponent(const fathom_material *m) {
     switch (m->specular) {

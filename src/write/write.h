@@ -151,9 +151,9 @@ static inline bool write_is_black(const float c[3]) { return c[0] == 0 && c[1] =
 /* True for a surface of the model metallic-roughness that reflects nothing and lets nothing through. */
 bool write_only_emits(const fathom_material *m);
 
-/* A unique name for each material, or for each group; `words`: names without blanks. Release *out with
- * write_names_free() even after a failure. */
-fathom_status write_names(const fathom_scene *scene, bool groups, bool words, char ***out);
+/* A unique name for each material, or for each group; `words`: names without blanks. Notes which are not the
+ * scene's. Release *out with write_names_free() even after a failure. */
+fathom_status write_names(const fathom_scene *scene, bool groups, bool words, note_list *notes, char ***out);
 void write_names_free(char **names, size_t count);
 
 /* ---- settings ---- */

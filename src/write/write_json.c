@@ -216,12 +216,11 @@ static fathom_status put_file(json_out *o, const char *path) {
 
 fathom_status write_json(const fathom_scene *scene, const scene_graph *graph, const char *path,
                          note_list *notes) {
-    (void)notes;
     json_out o = {.scene = scene, .graph = graph};
     form_prepare();
     fathom_status status = write_images_open(scene, true, &o.images);
-    if (status == FATHOM_OK) status = write_names(scene, false, false, &o.materials);
-    if (status == FATHOM_OK) status = write_names(scene, true, false, &o.groups);
+    if (status == FATHOM_OK) status = write_names(scene, false, false, notes, &o.materials);
+    if (status == FATHOM_OK) status = write_names(scene, true, false, notes, &o.groups);
     /* Writes images before the file that names them. */
     if (status == FATHOM_OK) status = write_images_beside(scene, path, false, &o.images);
     if (status == FATHOM_OK) status = put_file(&o, path);

@@ -209,7 +209,7 @@ fathom_status write_obj(const fathom_scene *scene, const scene_graph *graph, con
     scene_bounds world;
     if (status == FATHOM_OK) status = scene_world_bounds(scene, &world);
     o.far = status == FATHOM_OK && write_is_far(&world);
-    if (status == FATHOM_OK) status = write_names(scene, false, true, &o.names);
+    if (status == FATHOM_OK) status = write_names(scene, false, true, notes, &o.names);
     if (status == FATHOM_OK) status = put_all(&o, path, library);
     write_names_free(o.names, scene->materials.count);
     free(library);

@@ -82,23 +82,30 @@ UNIT_TEST(invalid_utf8_becomes_question_marks) {
 
 /* ---- names ---- */
 
-/* Each material gets a name of its own that every reader of OBJ takes whole. */
+/* Each material gets a name of its own, in OBJ one that every reader takes whole: the scene's if there is
+ * one. */
 UNIT_TEST(names_are_words_and_differ) {
     const char *const given[] = {"red",       "two words",        "red", "", NULL, "material_3", "a#b",
                                  "tab\there", "\xc3\xa9t\xc3\xa9"};
-    const char *const expected[] = {"red",        "material_2", "material_3",
-                                    "material_4", "material_5", "material_6",
-                                    "material_7", "material_8", "\xc3\xa9t\xc3\xa9"};
+    const char *const expected[][9] = {{"red", "two words", "material_13", "material_4", "material_5",
+                                        "material_3", "a#b", "tab\there", "\xc3\xa9t\xc3\xa9"},
+                                       {"red", "material_2", "material_13", "material_4", "material_5",
+                                        "material_3", "material_7", "material_8", "\xc3\xa9t\xc3\xa9"}};
     fathom_scene *scene;
     fathom_material material;
     fathom_material_default(&material);
     assert_ok(context, fathom_scene_create(context, &scene));
     for (size_t i = 0; i < sizeof given / sizeof *given; ++i)
         assert_ok(context, fathom_scene_add_material(scene, given[i], &material, NULL));
-    char **names;
-    assert_int_equal(write_names(scene, false, true, &names), FATHOM_OK);
-    for (size_t i = 0; i < sizeof given / sizeof *given; ++i) assert_string_equal(names[i + 1], expected[i]);
-    write_names_free(names, scene->materials.count);
+    for (int words = 0; words < 2; ++words) {
+        note_list notes = {.count = 0};
+        char **names;
+        assert_int_equal(write_names(scene, false, words, &notes, &names), FATHOM_OK);
+        for (size_t i = 0; i < sizeof given / sizeof *given; ++i)
+            assert_string_equal(names[i + 1], expected[words][i]);
+        write_names_free(names, scene->materials.count);
+        assert_int_equal(notes.items[0].count, words ? 4 : 1);
+    }
     fathom_scene_destroy(scene);
 }
 
