@@ -211,11 +211,6 @@ def bump(o, m, texture, at, sheet):
 def of_cell(r, m, textures, sheet, at, tangents, folder):
     """The material that has the texels' numbers."""
     m, uvs = copy.deepcopy(m), sheet.middle(*at)
-    color = "baseColor" if "model" in m else "kd"
-    if sheet.colors:
-        m[color] = multiplied(m.get(color, DEFAULT[color]), sheet.colors[at])
-    if sheet.opacities:
-        m["opacity"] = m.get("opacity", 1) * sheet.opacities[at]
     directed = {key: textures[key] for key in textured_frames.DIRECTED if key in textures}
     texels = {key: texture.at(uvs) for key, texture in directed.items()}
 
@@ -231,6 +226,11 @@ def of_cell(r, m, textures, sheet, at, tangents, folder):
             continue
         zero = [0, 0, 0] if texture.colored else 0
         m[key] = texture.applied(m.get(key, DEFAULT.get(key, zero)), uvs)
+    color = "baseColor" if "model" in m else "kd"
+    if sheet.colors:
+        m[color] = multiplied(m.get(color, DEFAULT[color]), sheet.colors[at])
+    if sheet.opacities:  # after images, of which one may be inverted
+        m["opacity"] = m.get("opacity", 1) * sheet.opacities[at]
     textured_frames.put(r, m, {key: t.keys for key, t in directed.items()}, texels, sheet, tangents, save)
     return m
 
