@@ -45,13 +45,13 @@ def other(r, keys, way):
     return out
 
 
-def put(r, m, textures, texels, sheet, tangents, save):
-    """Gives the material of a cell images of one texel. textures: keys of each in the whole sheet; texels: numbers; save: a
-    function that writes an image and gives its name."""
+def put(r, m, textures, texels, sheet, tangents, second, save):
+    """Gives the material of a cell images of one texel. textures: keys of each in the whole sheet; texels: numbers;
+    second: the second uv set is free; save: a function that writes an image and gives its name."""
     new = {}
     for name in textures:
         new[name] = {} if tangents else other(r, textures[name], sheet.way)
-        if sheet.is_quad:
+        if sheet.is_quad or not second:
             new[name].pop("uvSet", None)
     old_way, new_way = (frame(directing(of), t) for of, t in ((textures, sheet.tangents), (new, tangents)))
     for name, keys in new.items():

@@ -231,7 +231,7 @@ def of_cell(r, m, textures, sheet, at, tangents, folder):
         m[color] = multiplied(m.get(color, DEFAULT[color]), sheet.colors[at])
     if sheet.opacities:  # after images, of which one may be inverted
         m["opacity"] = m.get("opacity", 1) * sheet.opacities[at]
-    textured_frames.put(r, m, {key: t.keys for key, t in directed.items()}, texels, sheet, tangents, save)
+    textured_frames.put(r, m, {key: t.keys for key, t in directed.items()}, texels, sheet, tangents, "bump" not in textures, save)
     return m
 
 
