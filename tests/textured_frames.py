@@ -38,10 +38,8 @@ def other(r, keys, way):
     if way == "flat":
         out = {"scale": [r.choice((-1, 1)), r.choice((-1, 1))], "rotation": r.choice((0, 90, 180, 270)), "uvSet": r.choice((0, 1))}
     else:
-        made = way == "made" and keys.get("rotation", 0) == 0 and keys.get("scale", (1, 1))[0] > 0
         out = {k: keys[k] for k in ("rotation", "uvSet") if k in keys}
         out["scale"] = [x * r.choice((-1, 1)) for x in keys.get("scale", (1, 1))]
-        out["scale"][0] = 1 if made else out["scale"][0]
     return out
 
 

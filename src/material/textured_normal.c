@@ -47,13 +47,15 @@ typedef struct frame_block {
     uint32_t lies[LANES]; /* all ones: the axes are valid; else there are none, or they have length 0 */
 } frame_block;
 
-/* The mesh's generated tangent, for maps whose transform does not rotate the image. False: the tangent is
- * that of the image itself. */
+/* The mesh's generated tangent, for maps whose transform does not rotate the image but may mirror it. False:
+ * the tangent is that of the image itself. */
 static bool made_tangent(const points *p, unsigned i, const lookup *l, vec3_f32 *t) {
     const world *w = p->t->w;
-    if (l->m[1] != 0 || l->m[3] != 0 || !(l->m[0] > 0) || !mesh_of(w, p->g->geometry[i])) return false;
+    if (l->m[1] != 0 || l->m[3] != 0 || l->m[0] == 0 || !mesh_of(w, p->g->geometry[i])) return false;
     const surface_tangents *made = p->t->tangents[w->geometries.items[p->g->geometry[i]].first][l->uv_set];
-    return made && surface_made_tangent_at(p->g, w, i, made, t);
+    if (!made || !surface_made_tangent_at(p->g, w, i, made, t)) return false;
+    if (l->m[0] < 0) *t = scale_f32(-1, *t);
+    return true;
 }
 
 /* The tangent, of any length, and the sign of the bitangent. */

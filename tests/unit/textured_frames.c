@@ -117,7 +117,7 @@ UNIT_TEST(lamps_behind_a_shading_normal_add_up) {
 
 /* ---- vertices that move ---- */
 
-enum { STILL, TURNED_STILL, TURNED_OPEN, TANGENTS = 4 };
+enum { STILL, TURNED_STILL, TURNED_OPEN, TANGENTS = 4, MIRRORED = 8 };
 
 /* A bent sheet of two triangles; half of it is turned by a right angle around y, which its keys reach at time
  * 1 of 0 to 2: to there they move on straight lines. */
@@ -151,9 +151,9 @@ static void add_sheet(stage *s, fathom_id material, int how) {
 }
 
 static void render_sheet(int how, float normal[3][SIZE * SIZE]) {
-    static const float tilted[3] = {0.7f, 0.45f, 0.9f};
+    const float tilted[3] = {how & MIRRORED ? 0.3f : 0.7f, 0.45f, 0.9f};
     static const char *const channels[] = {"N.X", "N.Y", "N.Z"};
-    const bool open = (how & ~TANGENTS) == TURNED_OPEN;
+    const bool open = (how & ~(TANGENTS | MIRRORED)) == TURNED_OPEN;
     stage s = stage_open(SIZE, SIZE);
     fathom_material m;
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
@@ -162,7 +162,8 @@ static void render_sheet(int how, float normal[3][SIZE * SIZE]) {
     fathom_material_default(&m);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.maps[FATHOM_MAP_NORMAL].texture = stage_texel(&s, tilted);
-    add_sheet(&s, stage_material(&s, &m), how);
+    if (how & MIRRORED) m.maps[FATHOM_MAP_NORMAL].transform[0] = -1;
+    add_sheet(&s, stage_material(&s, &m), how & ~MIRRORED);
     stage_point_light(&s, 3, 0.5, 1, 8);
     fathom_camera camera;
     fathom_camera_look_at((double[]){4, 0.5, 0.5}, (double[]){0, 0, 0}, (double[]){0, 1, 0}, 0.6, &camera);
@@ -190,6 +191,16 @@ UNIT_TEST(normal_maps_turn_with_the_vertices) {
                     assert_near(found[c][i], built[c][i], 64 * 4 * 0x1p-24);
         }
     }
+}
+
+/* The image is turned left to right by its texel and by its transform: by both, nothing changes, smooth as
+ * the tangents are. */
+UNIT_TEST(mirrored_images_keep_smooth_tangents) {
+    float plain[3][SIZE * SIZE], mirrored[3][SIZE * SIZE];
+    render_sheet(STILL, plain);
+    render_sheet(STILL | MIRRORED, mirrored);
+    for (int c = 0; c < 3; ++c)
+        for (size_t i = 0; i < SIZE * SIZE; ++i) assert_near(mirrored[c][i], plain[c][i], 64 * 4 * 0x1p-24);
 }
 
 int main(void) { return unit_main(NULL, NULL); }
