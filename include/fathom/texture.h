@@ -24,10 +24,12 @@ typedef enum fathom_wrap {
 } fathom_wrap;
 
 typedef enum fathom_texture_filter {
-    FATHOM_TEXTURE_NEAREST,  /* the nearest texel of level 0 */
-    FATHOM_TEXTURE_LINEAR,   /* bilinear in level 0 */
-    FATHOM_TEXTURE_TRILINEAR /* bilinear in the two mip levels whose texels are about as wide as the
-                                footprint, and linear between the two */
+    FATHOM_TEXTURE_NEAREST,   /* the nearest texel of level 0 */
+    FATHOM_TEXTURE_LINEAR,    /* bilinear in level 0 */
+    FATHOM_TEXTURE_TRILINEAR, /* bilinear in the two mip levels whose texels are about as wide as the
+                                 footprint, and linear between the two */
+    FATHOM_TEXTURE_STOCHASTIC /* one of the up to eight texels of FATHOM_TEXTURE_TRILINEAR, chosen by a hash
+                                 of the place; their weights are the probabilities. Not for bump maps */
 } fathom_texture_filter;
 
 /* Limits of an image. */

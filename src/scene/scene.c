@@ -163,6 +163,11 @@ static fathom_status check_textures(const fathom_scene *scene, const fathom_mate
         if (texture != FATHOM_NONE && texture >= scene->textures.count)
             return fail(scene->context, FATHOM_BAD_INPUT, "maps[%d]: there is no texture %u", k, texture);
     }
+    const fathom_id bump = material->maps[FATHOM_MAP_BUMP].texture;
+    if (bump != FATHOM_NONE && scene->textures.items[bump].filter == FATHOM_TEXTURE_STOCHASTIC)
+        return fail(scene->context, FATHOM_BAD_INPUT,
+                    "the bump map's filter: expected nearest, linear or trilinear, found stochastic: texels "
+                    "chosen by chance have no slope");
     return FATHOM_OK;
 }
 

@@ -122,7 +122,7 @@ static int compare_parts(const void *a, const void *b) {
 static bool uses_levels(const texture_cache *cache, const cache_image *img) {
     bool found = false;
     for (size_t i = 0; i < cache->count; ++i)
-        found |= cache->slots[i].image == img && cache->slots[i].filter == FATHOM_TEXTURE_TRILINEAR;
+        found |= cache->slots[i].image == img && cache->slots[i].filter >= FATHOM_TEXTURE_TRILINEAR;
     return found;
 }
 

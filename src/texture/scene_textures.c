@@ -23,7 +23,7 @@ static fathom_status check(fathom_context *context, const fathom_texture *t) {
     if ((unsigned)t->wrap_u > FATHOM_WRAP_CLAMP || (unsigned)t->wrap_v > FATHOM_WRAP_CLAMP)
         return fail_field(context, FATHOM_BAD_USAGE, "wrap_u", "there is no wrap mode %u",
                           (unsigned)(t->wrap_u > t->wrap_v ? t->wrap_u : t->wrap_v));
-    if ((unsigned)t->filter > FATHOM_TEXTURE_TRILINEAR)
+    if ((unsigned)t->filter > FATHOM_TEXTURE_STOCHASTIC)
         return fail_field(context, FATHOM_BAD_USAGE, "filter", "there is no filter %u", (unsigned)t->filter);
     if (t->bytes) return FATHOM_OK;
     file_map map;

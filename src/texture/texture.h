@@ -25,10 +25,6 @@ typedef struct texture_queries {
     fathom_id texture[TEXTURE_BLOCK];
     float u[TEXTURE_BLOCK], v[TEXTURE_BLOCK]; /* finite */
     float width[TEXTURE_BLOCK];               /* of the footprint, in u and v; 0: a point */
-    /* Takes one texel, selected by the random number `chance`, uniform in [0,1), instead of the weighted mean
-     * of up to eight. The expected value is the same. */
-    bool stochastic;
-    float chance[TEXTURE_BLOCK];
 } texture_queries;
 
 /* Returns linear Rec.709 or data, and alpha, which is 1 for images without alpha. Thread-safe. A broken

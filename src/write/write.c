@@ -103,10 +103,11 @@ static size_t count_spaces(const fathom_scene *scene) {
     return count;
 }
 
-static size_t count_filters(const fathom_scene *scene) {
+static size_t count_filters(const fathom_scene *scene, fathom_texture_filter first) {
     size_t count = 0;
     for (size_t i = 0; i < scene->textures.count; ++i)
-        count += scene->textures.items[i].filter != FATHOM_TEXTURE_TRILINEAR;
+        count += scene->textures.items[i].filter >= first &&
+                 scene->textures.items[i].filter != FATHOM_TEXTURE_TRILINEAR;
     return count;
 }
 
@@ -228,7 +229,9 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
          "the color space of an image is left out: colours are read as sRGB, and numbers as linear"},
         {GLB | OBJ, count_bare(scene),
          "a mesh with images has no texture coordinates; readers show their colour at (0, 0)"},
-        {OBJ, count_filters(scene), "the filter of an image is left out"},
+        {OBJ, count_filters(scene, FATHOM_TEXTURE_NEAREST), "the filter of an image is left out"},
+        {GLB, count_filters(scene, FATHOM_TEXTURE_STOCHASTIC),
+         "the filter stochastic of an image is trilinear"},
         {PLY, scene->materials.count - 1, "a material is left out"},
         {PLY, count_maps(scene, false) - image, "an image on a surface is left out"},
         {OBJ, count_colors(scene, false), "the colour of a vertex is cut to 1"},

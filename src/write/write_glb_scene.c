@@ -22,7 +22,8 @@ static const char *filter_codes(fathom_texture_filter filter) {
     switch (filter) {
     case FATHOM_TEXTURE_NEAREST: return "\"magFilter\":9728,\"minFilter\":9728";
     case FATHOM_TEXTURE_LINEAR: return "\"magFilter\":9729,\"minFilter\":9729";
-    case FATHOM_TEXTURE_TRILINEAR: return "\"magFilter\":9729,\"minFilter\":9987";
+    case FATHOM_TEXTURE_TRILINEAR:
+    case FATHOM_TEXTURE_STOCHASTIC: return "\"magFilter\":9729,\"minFilter\":9987";
     }
     return "";
 }

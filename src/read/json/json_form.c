@@ -131,7 +131,8 @@ const form form_image = {.name = "image", .parts = {image_keys}};
 /* ---- materials ---- */
 
 /* In the order of fathom_wrap and of fathom_texture_filter. */
-static const char wrap_words[] = "repeat|mirror|clamp", filter_words[] = "nearest|linear|trilinear";
+static const char wrap_words[] = "repeat|mirror|clamp",
+                  filter_words[] = "nearest|linear|trilinear|stochastic";
 
 static const form_key texture_keys[] = {
     {"file", FORM_TEXT, AT(form_texture_values, file), .required = true},

@@ -1,5 +1,6 @@
 /* Texture lookups by coordinates and footprint. */
 #include "base/kernel.h"
+#include "math/mix.h"
 #include "texture/kernels.h"
 
 #include <math.h>
@@ -93,7 +94,6 @@ typedef struct block_level {
 typedef struct block {
     texture_cache *cache;
     unsigned count;
-    bool stochastic;
     const cache_slot *slot[TEXTURE_BLOCK];
     float u[TEXTURE_BLOCK], v[TEXTURE_BLOCK], width[TEXTURE_BLOCK];
     float chance[TEXTURE_BLOCK];
@@ -137,11 +137,16 @@ INLINE void find_levels(block *b, int lanes) {
         uint32_t bits;
         memcpy(&bits, &texels, sizeof bits);
         const uint32_t level = (bits >> 23) - 127;
-        const bool filtered = b->filter[i] == FATHOM_TEXTURE_TRILINEAR && texels > 1;
+        const bool filtered = b->filter[i] >= FATHOM_TEXTURE_TRILINEAR && texels > 1;
         const bool between = filtered && level < b->last[i];
         b->share[i] = between ? (float)(int32_t)(bits & 0x7fffff) * 0x1p-23f : 0;
         b->level[i] = between ? level : (filtered ? b->last[i] : 0);
     }
+}
+
+/* The lookup reads one texel. */
+INLINE bool takes_one(const block *b, unsigned i) {
+    return b->filter[i] == FATHOM_TEXTURE_NEAREST || b->filter[i] == FATHOM_TEXTURE_STOCHASTIC;
 }
 
 /* Takes the second of two with probability `share`, and rescales *chance to be uniform in [0,1) again. */
@@ -151,8 +156,13 @@ INLINE bool second_by(float *chance, float share) {
     return second;
 }
 
+/* A number for each place, by a hash: the same place has the same texel in all maps, at any time. */
 INLINE void choose_levels(block *b, int lanes) {
     for (int i = 0; i < lanes; ++i) {
+        uint32_t u, v;
+        if (b->filter[i] != FATHOM_TEXTURE_STOCHASTIC) continue;
+        memcpy(&u, &b->u[i], sizeof u), memcpy(&v, &b->v[i], sizeof v);
+        b->chance[i] = (float)(mix_bits((uint64_t)u << 32 | v) >> 40) * 0x1p-24f;
         b->level[i] += second_by(&b->chance[i], b->share[i]);
         b->share[i] = 0;
     }
@@ -188,7 +198,7 @@ INLINE void choose_texels(block *b, block_level *l, int lanes) {
         if (b->filter[i] == FATHOM_TEXTURE_NEAREST) {
             l->column[0][i] = nearest(b->u[i], b->across[i]);
             l->row[0][i] = nearest(b->v[i], b->down[i]);
-        } else if (b->stochastic) {
+        } else if (b->filter[i] == FATHOM_TEXTURE_STOCHASTIC) {
             const bool right = second_by(&b->chance[i], l->right[i]),
                        below = second_by(&b->chance[i], l->below[i]);
             l->column[0][i] = l->column[right][i];
@@ -333,7 +343,7 @@ static __attribute__((noinline)) void filter_level(block *b, unsigned k, rgba_f3
     for (unsigned i = 0; i < b->count; ++i) {
         bool broken = false;
         if (k && !(b->share[i] > 0)) continue;
-        if (b->stochastic || b->filter[i] == FATHOM_TEXTURE_NEAREST) {
+        if (takes_one(b, i)) {
             found[i] = single(b, i, &broken);
         } else {
             const rgba_f32 level = bilinear(b, &b->at[k], i, &broken);
@@ -348,14 +358,14 @@ static __attribute__((noinline)) void filter_level(block *b, unsigned k, rgba_f3
 /* Computes all addresses first, so that prefetched texels have time to arrive. */
 INLINE void filter_lanes(block *b, float rgba[4][TEXTURE_BLOCK], int lanes) {
     rgba_f32 found[TEXTURE_BLOCK];
-    bool two = false, some_single = b->stochastic;
+    bool two = false, some_single = false;
     gather_slots(b, lanes);
     wrap(b->u, b->wrap_u, lanes);
     wrap(b->v, b->wrap_v, lanes);
     find_levels(b, lanes);
-    if (b->stochastic) choose_levels(b, lanes);
-    for (int i = 0; i < lanes; ++i)
-        two |= b->share[i] > 0, some_single |= b->filter[i] == FATHOM_TEXTURE_NEAREST;
+    for (int i = 0; i < lanes; ++i) some_single |= takes_one(b, (unsigned)i);
+    if (some_single) choose_levels(b, lanes);
+    for (int i = 0; i < lanes; ++i) two |= b->share[i] > 0;
     find_texels(b, 0, some_single, lanes);
     if (two) find_texels(b, 1, false, lanes);
     filter_level(b, 0, found);
@@ -370,13 +380,12 @@ static void filter_one(block *b, float rgba[4][TEXTURE_BLOCK]) { filter_lanes(b,
 static void look_up(texture_cache *cache, const texture_queries *q, float rgba[4][TEXTURE_BLOCK]) {
     block b;
     if (!q->count) return;
-    b.cache = cache, b.count = q->count, b.stochastic = q->stochastic;
+    b.cache = cache, b.count = q->count;
     const int lanes = q->count > 1 ? TEXTURE_BLOCK : 1;
     for (unsigned i = 0; i < (unsigned)lanes; ++i) {
         const unsigned from = i < q->count ? i : 0;
         b.slot[i] = &cache->slots[q->texture[from]];
         b.u[i] = q->u[from], b.v[i] = q->v[from], b.width[i] = q->width[from];
-        b.chance[i] = q->stochastic ? q->chance[from] : 0;
     }
     if (lanes == 1)
         filter_one(&b, rgba);
