@@ -76,7 +76,7 @@ seconds() {
 
 echo '| a render, filter | no limit, s | 512 MB, s | ratio |'
 echo '|---|---|---|---|'
-for filter in linear trilinear; do
+for filter in linear trilinear stochastic; do
     write_hall $filter "$@" > "$folder/hall.json"
     free=$(seconds 8G)
     limited=$(seconds 512M)

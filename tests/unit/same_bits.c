@@ -100,7 +100,7 @@ static int render_with_stops(ways *w, fathom_film **out) {
 
 /* More samples until it lasts long enough to be stopped. */
 static void assert_stops_change_nothing(ways *w) {
-    for (int stops = 0; !stops; w->s.settings.spp *= 2) {
+    for (int stops = 0; !stops; w->s.settings.spp *= 2, w->s.settings.target_error /= 2) {
         fathom_film *whole = stage_render(&w->s), *resumed;
         stops = render_with_stops(w, &resumed);
         assert_same(&w->s, whole, resumed);
