@@ -100,5 +100,6 @@ refused 2 '--rays: expected a whole number from 1' validate --rays 0
 refused 2 'unexpected argument "b.json"' validate a.json b.json
 refused 2 'xyzzy' validate --tracer xyzzy
 refused 3 'nothing.json' validate nothing.json
+refused 3 'sphres: expected a file, or a built-in scene: spheres, ' validate sphres
 refused 3 'broken.txt:2: not a ray' validate --replay broken.txt
 refused 2 'same file' validate --json a.txt --failures a.txt

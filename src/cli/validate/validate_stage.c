@@ -18,7 +18,13 @@ static fathom_status open_scene(fathom_context *context, const char *name, fatho
     for (unsigned i = 0; builtin_name(i); ++i) {
         if (strcmp(name, builtin_name(i)) == 0) return builtin_create(context, i, out);
     }
-    return fathom_scene_read(context, name, out);
+    if (strpbrk(name, "./")) return fathom_scene_read(context, name, out);
+    char known[256] = "";
+    for (unsigned i = 0; builtin_name(i); ++i) {
+        const size_t length = strlen(known);
+        snprintf(known + length, sizeof known - length, "%s%s", i ? ", " : "", builtin_name(i));
+    }
+    return fail_file(context, FATHOM_BAD_INPUT, name, "expected a file, or a built-in scene: %s", known);
 }
 
 static fathom_status open_extreme(fathom_context *context, const char *name, judged_scene *out) {
