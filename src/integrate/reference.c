@@ -268,7 +268,8 @@ static void look_around(const reference_scene *r, double time, path *p) {
             enter(p, s.material);
         else
             cross(&seen, &s);
-        if (p->overlap |= seen.overlap) return;
+        p->overlap |= seen.overlap;
+        if (p->overlap) return;
     }
 }
 
