@@ -253,7 +253,7 @@ static void no_light(unsigned lanes, sky_light *out) {
 static void sample(const sky_image *s, unsigned lanes, const lanes3_f64 n, const float u[LANES],
                    const float v[LANES], lanes3_f64 direction, sky_light *out) {
     lanes3_f64 turned, found;
-    sky_places places;
+    sky_places places = {.cells = {{0}}}; /* gcc 14 does not see that only chosen lanes are read */
     uint32_t view[LANES];
     float across[LANES], down[LANES];
     memcpy(across, u, sizeof across), memcpy(down, v, sizeof down);
