@@ -86,8 +86,8 @@ static TypeDesc type_of(image_texel texel) {
     return TypeDesc::FLOAT;
 }
 
-/* What read() gives texels of: the display window. Other formats only have places on a page, which do not
- * matter. */
+/* read() gives the texels of an OpenEXR file's display window. Other formats only have places on a page,
+ * which do not matter. */
 static OIIO::ImageSpec shown(const OIIO::ImageInput &input) {
     OIIO::ImageSpec spec = input.spec();
     if (std::strcmp(input.format_name(), "openexr") == 0) {

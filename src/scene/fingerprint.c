@@ -249,8 +249,8 @@ static fathom_status hash_sky_files(const fathom_scene *scene, const char *path,
     return status;
 }
 
-/* What a named colour space means depends on the config. One that cannot be read is reported when the images
- * are opened. */
+/* The config decides what a named colour space means. Opening the images reports a config that cannot be
+ * read. */
 static void hash_config(const fathom_scene *scene, hash *h) {
     const char *config = getenv("OCIO");
     bool named = false;

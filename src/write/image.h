@@ -32,7 +32,7 @@ fathom_status write_image_open_one(const fathom_scene *scene, fathom_id texture,
  */
 fathom_status write_images_beside(const fathom_scene *scene, const char *path, bool lines,
                                   write_images *images);
-/* What to write before a name, so that a line of text does not take it for an option, or leave out blanks. */
+/* Goes before a name: readers would take it for an option, or leave out its blanks. */
 static inline const char *write_before_name(const char *name) {
     return *name == '-' || *name == ' ' ? "./" : "";
 }

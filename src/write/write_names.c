@@ -40,7 +40,7 @@ static char *numbered(const named *items, size_t count, const char *prefix, size
     return strdup(name);
 }
 
-/* Of items with the same name, the first one keeps it. *replaced: counts those that do not. */
+/* The first of several items with the same name keeps it. *replaced: counts those that do not. */
 static fathom_status name_all(fathom_context *context, named *items, size_t count, const char *prefix,
                               bool words, char **names, size_t *replaced) {
     qsort(items, count, sizeof *items, compare_names);

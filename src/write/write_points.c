@@ -1,4 +1,4 @@
-/* What a placed mesh loses in formats without instances. Only scene JSON holds the radius of points: readers
+/* A placed mesh loses this in formats without instances. Only scene JSON holds the radius of points: readers
  * of other formats choose one by the number of points and the size of their bounds. */
 #include "read/mesh/strokes.h"
 #include "write/write.h"
