@@ -162,20 +162,22 @@ static void sum_view(sky_image *s, const sky_block *blocks, uint32_t index) {
     float *rows = s->views + (size_t)index * sky_view_size(s), *columns = rows + s->rows;
     float *scales = s->scales + (size_t)index * s->rows * s->columns;
     const sky_view view = view_at(index % SKY_VIEWS);
-    double weights[SKY_BLOCK_ROWS * SKY_BLOCK_COLUMNS], all[SKY_BLOCK_ROWS], row[SKY_BLOCK_COLUMNS], sum = 0;
+    double all[SKY_BLOCK_ROWS] = {0}, row[SKY_BLOCK_COLUMNS] = {0}, sum = 0;
     for (uint32_t y = 0; y < s->rows; ++y) {
         const uint32_t first = y * s->columns;
         double line = 0;
         for (uint32_t i = first; i < first + s->columns; ++i) {
-            weights[i] = index == SKY_VIEWS ? blocks[i].power : weight(&blocks[i], &view);
-            row[i - first] = line += weights[i];
+            const double power = blocks[i].power,
+                         part = index == SKY_VIEWS ? power : weight(&blocks[i], &view);
+            row[i - first] = line += part;
+            scales[i] = power > 0 ? (float)(part / power) : 0;
         }
         normalize_sums(row, s->columns, columns + first);
         all[y] = sum += line;
     }
     normalize_sums(all, s->rows, rows);
-    for (uint32_t i = 0; i < s->rows * s->columns; ++i)
-        scales[i] = blocks[i].power * sum > 0 ? (float)(weights[i] / (blocks[i].power * sum)) : 0;
+    for (uint32_t i = 0; sum > 0 && i < s->rows * s->columns; ++i)
+        scales[i] = (float)((double)scales[i] / sum);
 }
 
 /* ---- the whole ---- */

@@ -292,7 +292,7 @@ UNIT_TEST(a_normal_map_tilts_the_normal) {
             look_at_square(&s);
             double n[3], length = 0, cosine = 0;
             for (int c = 0; c < 3; ++c) n[c] = 2 * rgb[c] / 255.0 - 1, length += n[c] * n[c];
-            if (is_mirrored(how)) n[0] = -n[0];
+            if (is_mirrored((lies)how)) n[0] = -n[0];
             for (int c = 0; c < 3; ++c) cosine += n[c] * l[c] / sqrt(length);
             fathom_film *film = stage_render(&s);
             assert_near(value(film, 'R', 1, 1), fmax(cosine, 0), 1e-5);
@@ -382,7 +382,7 @@ UNIT_TEST(a_ramp_of_heights_tilts_the_normal_by_its_slope) {
         assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
         look_at_square(&s);
         const double across = 0.75 * 16 * 8 / 255 / 2, up = 0.75 * 16 * 4 / 255 / 2;
-        const double n[3] = {is_mirrored(how) ? across : -across, -up, 1};
+        const double n[3] = {is_mirrored((lies)how) ? across : -across, -up, 1};
         const double length = sqrt(n[0] * n[0] + n[1] * n[1] + 1);
         double cosine = 0;
         for (int c = 0; c < 3; ++c) cosine += n[c] * to_light[c] / length;
