@@ -72,7 +72,7 @@ bool parts_brighten(const fathom_scene *scene, fathom_integrator integrator, cha
     snprintf(text, PARTS_TEXT,
              "materials that send out more light than they get, so that paths brighten at each hit: %zu; "
              "\"%.60s\" "
-             "sends out %.3g times as much; expected less kd (0.5 if not given), ks, kr or kt",
-             count, name ? name : "default", most);
+             "sends out %.3g %% more; expected less kd (0.5 if not given), ks, kr or kt",
+             count, name ? name : "default", (most - 1) * 100);
     return true;
 }

@@ -98,7 +98,7 @@ printf '{ "image": { "integrator": "path" }, "background": [1, 1, 1], "lights": 
 "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "g" } ] }' >bright.json
 run 0 info bright.json
 not_said out.txt 'every surface is black'
-said out.txt '"g" sends out 1.5 times as much; expected less kd (0.5 if not given), ks, kr or kt'
+said out.txt '"g" sends out 50 % more; expected less kd (0.5 if not given), ks, kr or kt'
 run 0 render bright.json -o a.png --size 8x8 --spp 1
 said err.txt 'materials that send out more light than they get, so that paths brighten at each hit: 1; "g"'
 run 0 render bright.json -o a.png --size 8x8 --spp 1 --integrator classic

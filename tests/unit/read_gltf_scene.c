@@ -155,8 +155,8 @@ UNIT_TEST(lines_are_rods) {
         fathom_scene *scene = read_triangle(f, json);
         const fathom_mesh *mesh = &scene->meshes.items[0];
         assert_int_equal(mesh->triangle_count, ROD_TRIANGLES * rods[mode - 1]);
-        /* A thousandth of the diagonal: of (0,0,0) and (1,0,0), or of all. */
-        const double radius = (mode == 1 ? 1 : 1.5) / 1000;
+        /* A three hundredth of the diagonal: of (0,0,0) and (1,0,0), or of all. */
+        const double radius = (mode == 1 ? 1 : 1.5) / 300;
         for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
             double nearest = INFINITY;
             for (int k = 0; k < 3; ++k) {

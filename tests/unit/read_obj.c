@@ -424,8 +424,8 @@ static void expect_distance(const fathom_mesh *mesh, uint32_t triangles, uint32_
     }
 }
 
-/* A line is a rod of a thousandth of the diagonal (5), whose tips are as far from its ends as its sides from
- * the line. Coordinates up to 4 are rounded by 2^-22. */
+/* A line is a rod of a three hundredth of the diagonal (5), whose tips are as far from its ends as its sides
+ * from the line. Coordinates up to 4 are rounded by 2^-22. */
 /* Whole faces, lines and points are left out with a vertex; the others keep their corners and do not move. */
 UNIT_TEST(vertices_that_are_no_numbers_are_left_out) {
     static const char *const odd[] = {"nan", "inf", "1.#QNAN", "1e39"};
@@ -466,7 +466,7 @@ UNIT_TEST(lines_are_rods_and_points_are_spheres) {
         /* One point alone has no diagonal: its radius is 1. */
         assert_int_equal(mesh_at(scene, 0)->vertex_count, 1);
         assert_true(mesh_at(scene, 0)->point_radius == 1);
-        expect_distance(mesh_at(scene, 1), 2 * ROD_TRIANGLES, ROD_VERTICES, lines, 0.005);
+        expect_distance(mesh_at(scene, 1), 2 * ROD_TRIANGLES, ROD_VERTICES, lines, 5 / 300.0);
         fathom_scene_destroy(scene);
     }
 }
@@ -477,7 +477,7 @@ UNIT_TEST(vertices_alone_are_a_cloud_of_points) {
     const fathom_mesh *mesh = mesh_at(scene, 0);
     assert_int_equal(scene->meshes.count, 1);
     assert_int_equal(mesh->vertex_count, 3);
-    assert_true(mesh->point_radius == 0.025f); /* a two hundredth of the diagonal, 5 */
+    assert_true(mesh->point_radius == 0.0625f); /* an eightieth of the diagonal, 5 */
     for (uint32_t i = 0; i < 3; ++i) assert_true(mesh->colors[3 * i + 1] == (i >= 1));
     expect_warning(
         "vertices without faces are points; they have no size, and are shown as small spheres (3 such)");

@@ -316,7 +316,7 @@ UNIT_TEST(clouds_of_points_are_spheres) {
         const fathom_mesh *mesh = mesh_at(scene, 0);
         assert_int_equal(mesh->triangle_count, 0);
         assert_int_equal(mesh->vertex_count, 4);
-        assert_true(mesh->point_radius == 0.025f); /* a two hundredth of the diagonal, 5 */
+        assert_true(mesh->point_radius == 0.0625f); /* an eightieth of the diagonal, 5 */
         for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
             mesh_expect_point(mesh, i, corners[i][0], corners[i][1], 0);
             const float *c = mesh_row(mesh->colors, mesh->color_stride, i);
@@ -342,7 +342,7 @@ UNIT_TEST(points_without_a_place_are_left_out) {
         fathom_scene *scene = ply_read(&m);
         const fathom_mesh *mesh = mesh_at(scene, 0);
         assert_int_equal(mesh->vertex_count, 3);
-        assert_true(mesh->point_radius == 0.025f);
+        assert_true(mesh->point_radius == 0.0625f);
         for (uint32_t i = 0; i < 3; ++i)
             assert_true(mesh_row(mesh->colors, mesh->color_stride, i)[0] ==
                         (i ? 0.25f + 0.25f * (float)i : 0));
@@ -607,7 +607,7 @@ UNIT_TEST(stray_vertices_are_left_out) {
     }
 }
 
-/* With faces or without: a rod of a thousandth of the diagonal, 5, in its ends' colours. */
+/* With faces or without: a rod of a three hundredth of the diagonal, 5, in its ends' colours. */
 UNIT_TEST(edges_are_rods) {
     for (int flavour = 0; flavour < 2 * FLAVOURS; ++flavour) {
         const bool faces = flavour < FLAVOURS;
@@ -635,7 +635,7 @@ UNIT_TEST(edges_are_rods) {
             /* From the first edge, then from the second. Coordinates up to 4 are rounded by 2^-22. */
             assert_near(i < ROD_VERTICES ? length_f64((vec3_f64){p.x - x, p.y, p.z})
                                          : length_f64((vec3_f64){p.x - 4, p.y - y, p.z}),
-                        0.005, 0x1p-21);
+                        5 / 300.0, 0x1p-21);
         }
         expect_warning("edges have no width, and are shown as thin rods (2 such)");
         expect_warning("element edge: the property quality is not used (2 such)");

@@ -66,8 +66,9 @@ static void put_rod(pen *p, uint32_t from, uint32_t to) {
 }
 
 double strokes_radius(const scene_bounds *bounds, size_t count, bool lines) {
-    const double diagonal = 2 * bounds_radius(bounds),
-                 share = lines ? 1e-3 : fmin(fmax(0.5 / sqrt((double)count), 1 / 2000.0), 1 / 200.0);
+    const double diagonal = 2 * bounds_radius(bounds), distance = 1 / sqrt((double)count),
+                 share = lines ? fmin(fmax(distance / 20, 1 / 1000.0), 1 / 300.0)
+                               : fmin(fmax(distance / 2, 1 / 2000.0), 1 / 80.0);
     return diagonal > 0 ? diagonal * share : 1;
 }
 
