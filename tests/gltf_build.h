@@ -62,6 +62,15 @@ static inline fathom_scene *read_at(fixture *f, double time) {
     return scene;
 }
 
+/* Reads f->path, which is refused with this text in the message. */
+static inline void assert_bad_input(fixture *f, const char *text) {
+    fathom_scene *scene;
+    fathom_read_options asked;
+    fathom_read_options_default(&asked);
+    assert_int_equal(read_asked(f, &asked, &scene), FATHOM_BAD_INPUT);
+    if (!strstr(fathom_context_message(f->context), text)) fail_msg("%s", fathom_context_message(f->context));
+}
+
 /* Corner c of the first triangle of mesh m, where instance i places it. */
 static inline vec3_f64 placed_corner(const fathom_scene *scene, size_t i, size_t m, int c) {
     affine_f64 map;

@@ -47,7 +47,7 @@ static bool is_known(const char *name) {
         "KHR_materials_unlit|KHR_materials_emissive_strength|KHR_materials_volume|KHR_materials_clearcoat|"
         "KHR_materials_sheen|KHR_materials_anisotropy|KHR_materials_iridescence|KHR_materials_dispersion|"
         "KHR_materials_diffuse_transmission|KHR_mesh_quantization|KHR_materials_variants|"
-        "EXT_meshopt_compression|KHR_draco_mesh_compression|"
+        "KHR_meshopt_compression|EXT_meshopt_compression|KHR_draco_mesh_compression|"
         "EXT_mesh_gpu_instancing|KHR_materials_pbrSpecularGlossiness|KHR_node_visibility|"
         "KHR_texture_transform|EXT_texture_webp|EXT_texture_avif|MSFT_texture_dds|KHR_animation_pointer";
     /* Metadata, which does not affect images. */

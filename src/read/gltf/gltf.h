@@ -3,7 +3,9 @@
  * gltf.c            versions, extensions, the order of the steps
  * gltf_json.c       typed values with their place in the document
  * gltf_buffer.c     GLB chunks, the JSON text, buffers
- * gltf_view.c       buffer views, decompressed if necessary
+ * gltf_view.c       buffer views
+ * gltf_packed.c     compressed buffer views
+ * gltf_attributes.c the codec that meshoptimizer does not have
  * gltf_memory.c     limits on memory
  * gltf_accessor.c   accessors, checked, as plain arrays
  * gltf_draco.c      compressed meshes
@@ -269,10 +271,17 @@ typedef struct gltf_view {
     gltf_buffer *buffer;
 } gltf_view;
 
+/* The bytes that the members `buffer`, `byteOffset` and `byteLength` of `at` describe. */
+void gltf_view_part(gltf *g, const gltf_value *at, gltf_view *out);
 /* *at receives the view, for messages. */
 fathom_status gltf_view_open(gltf *g, uint32_t index, gltf_value *at, gltf_view *out);
 /* *stride: that of elements side by side, if the view has none; 0 means none to programs that write it. */
 void gltf_view_stride(gltf *g, const gltf_value *view, uint64_t *stride);
+
+/* ---- gltf_packed.c ---- */
+
+/* Decompresses view `index` once and opens the result. False: the view is not compressed. */
+bool gltf_packed_open(gltf *g, const gltf_value *view, uint32_t index, gltf_view *out);
 
 /* ---- gltf_memory.c ---- */
 
