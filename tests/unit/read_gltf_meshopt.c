@@ -225,6 +225,35 @@ UNIT_TEST(broken_version_1_is_refused_with_its_view) {
                      "colour is 0 or 1");
 }
 
+/* Two triangles of a square. TRIANGLES: three new corners; then the edge from the first to the third and a
+ * new corner. INDICES: the difference to the index before, four times it, or minus four times it minus 2. */
+UNIT_TEST(indices_follow_the_specification) {
+    fixture *f = *state;
+    static const unsigned char triangles[19] = {0xe1, 0xf0, 0x00}, indices[11] = {0xd1, 0, 4, 4, 6, 8, 4};
+    static const uint32_t corners[6] = {0, 1, 2, 0, 2, 3};
+    for (int i = 0; i < 2; ++i) {
+        unsigned char bytes[68] = {0};
+        char json[2048];
+        float points[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+        memcpy(bytes, points, 48);
+        memcpy(bytes + 48, i ? indices : triangles, i ? sizeof indices : sizeof triangles);
+        snprintf(
+            json, sizeof json,
+            "{" ASSET ",'buffers':[{'byteLength':68},{'byteLength':12}],'bufferViews':[{'buffer':0,"
+            "'byteLength':48},{'buffer':1,'byteLength':12,'extensions':{'KHR_meshopt_compression':{'buffer':"
+            "0,'byteOffset':48,'byteLength':%d,'byteStride':2,'count':6,'mode':'%s'}}}],'accessors':[{"
+            "'bufferView':0,'componentType':5126,'type':'VEC3','count':4},{'bufferView':1,'componentType':"
+            "5123,'type':'SCALAR','count':6}],'meshes':[{'primitives':[{'attributes':{'POSITION':0},"
+            "'indices':1}]}]}",
+            i ? 11 : 19, i ? "INDICES" : "TRIANGLES");
+        write_glb(f, json, bytes, sizeof bytes);
+        fathom_scene *scene = read_file(f);
+        assert_int_equal(scene->meshes.items[0].triangle_count, 2);
+        assert_memory_equal(scene->meshes.items[0].indices, corners, sizeof corners);
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* meshoptimizer 0.22 decodes a draft of version 1 whose first byte is 0xae; the answer must not depend on it.
  */
 UNIT_TEST(versions_that_the_extension_does_not_have_are_refused) {

@@ -332,12 +332,4 @@ UNIT_TEST(marks_and_zeros_around_the_json_are_skipped) {
     fathom_scene_destroy(read_file(f));
 }
 
-/* Extensions that say nothing about how things look may be required. */
-UNIT_TEST(facts_may_be_required) {
-    fathom_scene *scene = read_triangle(
-        *state, WITH_DATA(TRIANGLE_MESH ",'extensionsRequired':['KHR_xmp_json_ld','EXT_mesh_features']"));
-    assert_int_equal(((fixture *)*state)->warnings, 0);
-    fathom_scene_destroy(scene);
-}
-
 int main(void) { return unit_main_each(set_up, tear_down); }

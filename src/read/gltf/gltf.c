@@ -2,11 +2,10 @@
  *
  * Reads the nodes of the default scene (else the first scene, else all root nodes, else every mesh once),
  * triangles of any mode, materials with their textures and vertex colours, skins, morph targets, animations
- * posed at the requested time or while the shutter is open, one camera, and the extensions below. Triangles
+ * posed at the requested time or while the shutter is open, one camera, and the extensions that
+ * gltf_extensions.c lists. Triangles
  * are visible from both sides; for single-sided materials this adds a note. */
 #include "read/gltf/gltf.h"
-
-#include "base/text.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -38,75 +37,6 @@ static void check_version(gltf *g) {
         gltf_fail(g, &asset, "version", "is \"%.40s\"; expected \"2.0\"", version);
     else if (least && strcmp(least, "2.0") != 0)
         gltf_fail(g, &asset, "minVersion", "is \"%.40s\"; 2.0 is what is understood", least);
-}
-
-/* True if the extension is supported. */
-static bool is_known(const char *name) {
-    static const char names[] =
-        "KHR_lights_punctual|KHR_materials_ior|KHR_materials_transmission|KHR_materials_specular|"
-        "KHR_materials_unlit|KHR_materials_emissive_strength|KHR_materials_volume|KHR_materials_clearcoat|"
-        "KHR_materials_sheen|KHR_materials_anisotropy|KHR_materials_iridescence|KHR_materials_dispersion|"
-        "KHR_materials_diffuse_transmission|KHR_mesh_quantization|KHR_materials_variants|"
-        "KHR_meshopt_compression|EXT_meshopt_compression|KHR_draco_mesh_compression|"
-        "EXT_mesh_gpu_instancing|KHR_materials_pbrSpecularGlossiness|KHR_node_visibility|"
-        "KHR_texture_transform|EXT_texture_webp|EXT_texture_avif|MSFT_texture_dds|KHR_animation_pointer";
-    /* Metadata, which does not affect images. */
-    static const char facts[] =
-        "KHR_xmp|KHR_xmp_json_ld|KHR_node_selectability|KHR_node_hoverability|EXT_mesh_features|"
-        "EXT_instance_features|EXT_structural_metadata|EXT_mesh_manifold|FB_geometry_metadata";
-    return words_find(names, name, strlen(name)) >= 0 || words_find(facts, name, strlen(name)) >= 0;
-}
-
-/* FATHOM_BAD_INPUT if the file requires an extension that is not supported. */
-static void check_extensions(gltf *g) {
-    gltf_value required;
-    gltf_array(g, &g->root, "extensionsRequired", &required);
-    for (size_t i = 0; i < gltf_count(&required); ++i) {
-        const char *name = json_string_value(json_array_get(required.json, i));
-        const gltf_value at = {.parent = &required, .index = i};
-        if (!name) gltf_fail(g, &at, NULL, "is not a string; expected the name of an extension");
-        if (name && !is_known(name))
-            gltf_fail(g, &at, NULL,
-                      "the file cannot be read without the extension \"%.80s\", which is not supported; "
-                      "export it without",
-                      name);
-    }
-}
-
-bool gltf_requires(const gltf *g, const char *name) {
-    const json_t *required = json_object_get(g->root.json, "extensionsRequired");
-    for (size_t i = 0; i < json_array_size(required); ++i) {
-        const char *item = json_string_value(json_array_get(required, i));
-        if (item && strcmp(item, name) == 0) return true;
-    }
-    return false;
-}
-
-static void note_of(gltf *g, const gltf_value *holder) {
-    const char *name;
-    json_t *value;
-    json_object_foreach(holder->json, name, value) {
-        if (!is_known(name)) gltf_note(g, holder->parent, NULL, "the extension %.80s is not followed", name);
-    }
-}
-
-/* Adds notes on null values and on used extensions that are not supported. The parser limits the depth. */
-static void note_extensions(gltf *g, const gltf_value *v) {
-    if (json_is_object(v->json)) {
-        const char *key;
-        json_t *value;
-        json_object_foreach(v->json, key, value) {
-            const gltf_value member = {.json = value, .parent = v, .key = key};
-            if (strcmp(key, "extensions") == 0) note_of(g, &member);
-            if (json_is_null(value))
-                gltf_note(g, &member, NULL, "null, which is against the format, is taken as nothing");
-            if (strcmp(key, "extras") != 0) note_extensions(g, &member);
-        }
-    }
-    for (size_t i = 0; i < gltf_count(v); ++i) {
-        const gltf_value item = {.json = json_array_get(v->json, i), .parent = v, .index = i};
-        note_extensions(g, &item);
-    }
 }
 
 static void open_arrays(gltf *g) {
@@ -175,14 +105,14 @@ fathom_status read_gltf(fathom_scene *scene, fathom_id group, const char *path,
     gltf g = {.scene = scene, .context = scene->context, .group = group, .path = path, .options = options};
     gltf_open(&g);
     if (gltf_fine(&g)) check_version(&g);
-    check_extensions(&g);
+    gltf_extensions_check(&g);
     open_arrays(&g);
     if (gltf_fine(&g)) make_tables(&g);
     if (gltf_fine(&g)) gltf_variant_choose(&g);
     if (gltf_fine(&g)) gltf_nodes_place(&g);
     if (gltf_fine(&g) && options->surroundings) gltf_camera_take(&g);
     if (gltf_fine(&g)) {
-        note_extensions(&g, &g.root);
+        gltf_extensions_note(&g, &g.root);
         notes_tell(&g.notes, g.context, path);
     }
     finish(&g);

@@ -1,6 +1,7 @@
 /* glTF 2.0: what the gltf*.c files share.
  *
- * gltf.c            versions, extensions, the order of the steps
+ * gltf.c            versions, the order of the steps
+ * gltf_extensions.c which extensions are supported
  * gltf_json.c       typed values with their place in the document
  * gltf_buffer.c     GLB chunks, the JSON text, buffers
  * gltf_view.c       buffer views
@@ -209,8 +210,6 @@ const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *
 fathom_status gltf_fail_memory(gltf *g, size_t bytes);
 /* Stores the status of a call on the scene in g->status, and adds the place to its error. */
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status);
-/* True when the file requires the extension. */
-bool gltf_requires(const gltf *g, const char *name);
 /* Adds a note about a value that is skipped or read differently; see text.h. */
 void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
@@ -246,6 +245,16 @@ fathom_status gltf_index_item(gltf *g, const gltf_value *array, size_t i, const 
                               uint32_t *out);
 fathom_status gltf_text(gltf *g, const gltf_value *parent, const char *key, const char **out);
 fathom_status gltf_flag(gltf *g, const gltf_value *parent, const char *key, bool *out);
+
+/* ---- gltf_extensions.c ---- */
+
+/* FATHOM_BAD_INPUT if the file requires an extension that is not supported. */
+void gltf_extensions_check(gltf *g);
+/* True when the file requires the extension. */
+bool gltf_requires(const gltf *g, const char *name);
+/* Adds notes on null values inside v and on extensions that are not supported but change the image. The
+ * parser limits the depth. */
+void gltf_extensions_note(gltf *g, const gltf_value *v);
 
 /* ---- gltf_buffer.c ---- */
 

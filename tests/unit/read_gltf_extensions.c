@@ -1,0 +1,77 @@
+/* Extensions that are not supported: silent if no image changes, else a note, and refused if required. */
+#include "gltf_build.h"
+
+/* Extensions that say nothing about how things look may be required. */
+UNIT_TEST(facts_may_be_required) {
+    fathom_scene *scene = read_triangle(
+        *state, WITH_DATA(TRIANGLE_MESH ",'extensionsRequired':['KHR_xmp_json_ld','EXT_mesh_features']"));
+    assert_int_equal(((fixture *)*state)->warnings, 0);
+    fathom_scene_destroy(scene);
+}
+
+/* A triangle whose material uses this extension, which the file does not require. */
+static unsigned notes_on(fixture *f, const char *extension) {
+    char json[4096];
+    snprintf(json, sizeof json,
+             WITH_DATA(TRIANGLE_MESH ",'extensionsUsed':['%s'],'materials':[{'extensions':{'%s':{}}}]"),
+             extension, extension);
+    fathom_scene_destroy(read_triangle(f, json));
+    return f->warnings;
+}
+
+UNIT_TEST(extensions_that_change_no_image_add_no_note) {
+    static const char *const names[] = {"KHR_xmp_json_ld",
+                                        "KHR_node_selectability",
+                                        "KHR_node_hoverability",
+                                        "KHR_interactivity",
+                                        "KHR_audio_emitter",
+                                        "KHR_physics_rigid_bodies",
+                                        "KHR_implicit_shapes",
+                                        "EXT_structural_metadata",
+                                        "EXT_mesh_manifold",
+                                        "AGI_stk_metadata",
+                                        "GODOT_single_root",
+                                        "MSFT_lod",
+                                        "MSFT_packing_normalRoughnessMetallic",
+                                        "VRMC_vrm"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
+        if (notes_on(*state, names[i])) fail_msg("%s", ((fixture *)*state)->warning);
+}
+
+/* One note, which names the extension and says what is shown in its place. */
+UNIT_TEST(extensions_that_change_an_image_say_what_is_shown) {
+    static const struct {
+        const char *name, *shown;
+    } cases[] = {{"KHR_gaussian_splatting", "splats are shown as points"},
+                 {"KHR_texture_basisu", "a texture shows its PNG or JPEG image, if it has one"},
+                 {"KHR_materials_volume_scatter", "volumes absorb light, but do not scatter it"},
+                 {"EXT_lights_image_based", "do not light the scene; --environment takes an image that does"},
+                 {"CESIUM_primitive_outline", "outlines are not drawn"},
+                 {"VRMC_materials_mtoon", "materials have glTF's own parameters alone"}};
+    fixture *f = *state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char expected[128];
+        snprintf(expected, sizeof expected,
+                 "materials[0]: the extension %s is not followed: ", cases[i].name);
+        assert_int_equal(notes_on(f, cases[i].name), 1);
+        if (!strstr(f->warning, expected) || !strstr(f->warning, cases[i].shown)) fail_msg("%s", f->warning);
+    }
+}
+
+UNIT_TEST(extensions_that_change_an_image_are_refused_by_name_when_required) {
+    static const char *const names[] = {"KHR_gaussian_splatting", "KHR_texture_basisu",
+                                        "KHR_accessor_float64", "EXT_texture_astc", "A_b"};
+    fixture *f = *state;
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        char json[4096], expected[256];
+        snprintf(json, sizeof json, WITH_DATA(TRIANGLE_MESH ",'extensionsRequired':['%s']"), names[i]);
+        snprintf(expected, sizeof expected,
+                 "extensionsRequired[0]: the file cannot be read without the extension \"%s\", which is not "
+                 "supported; export it without",
+                 names[i]);
+        write_triangle(f, json);
+        assert_bad_input(f, expected);
+    }
+}
+
+int main(void) { return unit_main_each(set_up, tear_down); }
