@@ -370,6 +370,24 @@ def quantized(s):
     show(s, s.material((1, 1, 1), s.texture(patches())), shape)
 
 
+@scene("KHR_meshopt_compression with its filter COLOR; Blender gets plain buffers")
+def packed(s):
+    shape = sphere(1, 128, 64)
+    points, indices = np.round(shape["POSITION"] * 32767).astype(np.int16), shape["indices"].reshape(-1)
+    luma = np.round(120 + 60 * shape["POSITION"][:, 1])
+    co, cg = np.round(40 * shape["POSITION"][:, 0]), np.round(20 * shape["POSITION"][:, 2])
+    colors = np.stack((luma + co - cg, luma + cg, luma - co - cg, 0 * luma + 255), 1).astype(np.uint8)
+    coded = np.stack((luma, co, cg, 0 * luma + 255), 1).astype(np.int16).astype(np.uint8)
+    s.twin = Scene(s.name + "-twin", "")
+    for to in (s, s.twin):
+        stage(to)
+        to.uses("KHR_mesh_quantization", True)
+    arrays = {"POSITION": s.packed(points), "COLOR_0": s.packed(coded, filter="COLOR"),
+              "indices": s.packed(indices, "INDICES")}
+    show(s, s.material((1, 1, 1)), arrays)
+    show(s.twin, s.twin.material((1, 1, 1)), {"POSITION": points, "COLOR_0": colors, "indices": indices})
+
+
 @scene("one mesh in many nodes")
 def instances(s):
     stage(s)
