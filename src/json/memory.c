@@ -90,6 +90,25 @@ json_t *json_arena_read(json_arena *arena, const char *text, size_t size, size_t
     return root;
 }
 
+static json_t *make_value(const double *numbers, size_t count) {
+    if (count == 0) return json_boolean(numbers[0] != 0);
+    if (count == 1) return json_real(numbers[0]);
+    json_t *list = json_array();
+    for (size_t i = 0; i < count; ++i) json_array_append_new(list, json_real(numbers[i]));
+    return list;
+}
+
+static bool set_or_leave(json_t *object, const char *key, const double *numbers, size_t count) {
+    return !setjmp(refused) && json_object_set_new(object, key, make_value(numbers, count)) == 0;
+}
+
+bool json_arena_set(json_arena *arena, json_t *object, const char *key, const double *numbers, size_t count) {
+    reading = arena;
+    const bool done = set_or_leave(object, key, numbers, count);
+    reading = NULL;
+    return done;
+}
+
 void json_memory_watch(void) {
     pthread_once(&once, install);
     lacked = false;

@@ -18,6 +18,9 @@ typedef struct json_arena {
 /* json_loadb() with memory from the arena. The values are complete, or the result is NULL; do not pass them
  * to json_decref(). `error` is not set if arena->lacked. */
 json_t *json_arena_read(json_arena *arena, const char *text, size_t size, size_t flags, json_error_t *error);
+/* Sets member `key` of an object of the arena: to one number, or to an array of several. count 0: to true or
+ * false, as numbers[0] is 0 or not. The numbers must be finite. False: memory ran out. */
+bool json_arena_set(json_arena *arena, json_t *object, const char *key, const double *numbers, size_t count);
 void json_arena_release(json_arena *arena);
 
 /* ---- writing ---- */

@@ -15,6 +15,7 @@
  * gltf_morph.c      morph targets
  * gltf_skin.c       skins
  * gltf_animation.c  animations, posed at a time
+ * gltf_pointer.c    animated values that are not of nodes
  * gltf_motion.c     poses while the shutter is open
  * gltf_transform.c  transforms of nodes
  * gltf_variant.c    variants of materials
@@ -373,6 +374,17 @@ void gltf_animation_choose(gltf *g);
 void gltf_animation_pose(gltf *g, gltf_moment *m);
 /* The unit quaternion at the fraction u in [0,1] of the shorter arc from a to b. Normalises a and b. */
 void gltf_slerp(double a[4], double b[4], double u, double out[4]);
+
+/* The value of samplers[index], `components` numbers, at a time. False: reading has failed. */
+bool gltf_sampler_value(gltf *g, const gltf_value *samplers, uint32_t index, unsigned components, double time,
+                        double out[4]);
+
+/* ---- gltf_pointer.c ---- */
+
+/* Replaces the value that a JSON pointer names by the sampler's, as the shutter opens. Adds a note if no
+ * reader would use the value. */
+void gltf_pointer_pose(gltf *g, const gltf_value *target, const char *pointer, const gltf_value *samplers,
+                       uint32_t sampler);
 
 /* ---- gltf_shape.c ---- */
 

@@ -137,9 +137,8 @@ static void check_values(gltf *g, sampler *s) {
               s->times.count, s->way == CUBICSPLINE ? " of a cubic spline, three for each" : "");
 }
 
-static void read_sampler(gltf *g, const gltf_value *samplers, uint32_t index, int part, sampler *s) {
-    s->turns = part == GLTF_ROTATION, s->scalars = part == GLTF_PARTS;
-    s->per_key = s->scalars ? 1 : s->turns ? 4 : 3;
+/* The caller has set per_key, scalars and turns. */
+static void read_sampler(gltf *g, const gltf_value *samplers, uint32_t index, sampler *s) {
     gltf_item(g, samplers, index, &s->at);
     read_interpolation(g, s);
     const bool times = gltf_array_read(g, &s->at, "input", 1, GLTF_TAKES_FLOAT, &s->times),
@@ -149,6 +148,19 @@ static void read_sampler(gltf *g, const gltf_value *samplers, uint32_t index, in
         gltf_fail(g, &s->at, NULL, "is not whole; expected input and output, indices into accessors");
     if (gltf_fine(g)) check_times(g, s);
     if (gltf_fine(g)) check_values(g, s);
+}
+
+static sampler sampler_for(int part) {
+    const bool scalars = part == GLTF_PARTS, turns = part == GLTF_ROTATION;
+    return (sampler){.per_key = scalars ? 1 : turns ? 4 : 3, .scalars = scalars, .turns = turns};
+}
+
+bool gltf_sampler_value(gltf *g, const gltf_value *samplers, uint32_t index, unsigned components, double time,
+                        double out[4]) {
+    sampler s = {.per_key = components};
+    read_sampler(g, samplers, index, &s);
+    if (gltf_fine(g)) evaluate(&s, time, out);
+    return gltf_fine(g);
 }
 
 /* ---- channels ---- */
@@ -182,38 +194,44 @@ static void pose_part(gltf *g, const sampler *s, double t, int part, gltf_pose *
         gltf_fail(g, &s->at, "output", "is a rotation of zero at %g s; expected unit quaternions", t);
 }
 
-/* KHR_animation_pointer: "/nodes/3/rotation" is equivalent to node 3 with the path "rotation". */
-static void follow_pointer(gltf *g, const gltf_value *target, uint32_t *node, const char **path) {
-    static const char nodes[] = "/nodes/";
-    gltf_value holder, at;
-    const char *pointer = "";
-    gltf_extension(g, target, "KHR_animation_pointer", &holder, &at);
-    gltf_text(g, &at, "pointer", &pointer);
-    if (!gltf_fine(g) || strncmp(pointer, nodes, strlen(nodes)) != 0) return;
-    char *end;
-    const unsigned long index = strtoul(pointer + strlen(nodes), &end, 10);
-    if (*end != '/' || index >= gltf_count(&g->nodes)) return;
-    *node = (uint32_t)index, *path = end + 1;
-}
-
 /* The animated property of a channel. node GLTF_ABSENT: an extension names the target. */
 typedef struct channel_target {
     gltf_value at;
     uint32_t node;
     const char *path;
-    int part; /* GLTF_PARTS: weights; -1: not supported */
+    const char *pointer; /* NULL: none */
+    int part;            /* GLTF_PARTS: weights; -1: none of a node */
 } channel_target;
 
+static int part_of(const char *path) {
+    if (strcmp(path, "weights") == 0) return GLTF_PARTS;
+    for (int i = 0; i < GLTF_PARTS; ++i) {
+        if (strcmp(path, gltf_part_names[i]) == 0) return i;
+    }
+    return -1;
+}
+
+/* KHR_animation_pointer: "/nodes/3/rotation" is equivalent to node 3 with the path "rotation". */
+static void read_pointer(gltf *g, channel_target *t) {
+    static const char nodes[] = "/nodes/";
+    gltf_value holder, at;
+    gltf_extension(g, &t->at, "KHR_animation_pointer", &holder, &at);
+    gltf_text(g, &at, "pointer", &t->pointer);
+    if (!gltf_fine(g) || !t->pointer || strncmp(t->pointer, nodes, strlen(nodes)) != 0) return;
+    char *end;
+    const unsigned long index = strtoul(t->pointer + strlen(nodes), &end, 10);
+    if (*end != '/' || index >= gltf_count(&g->nodes)) return;
+    t->part = part_of(end + 1);
+    if (t->part >= 0) t->node = (uint32_t)index;
+}
+
 static channel_target read_target(gltf *g, const gltf_value *channel) {
-    channel_target t = {.node = GLTF_ABSENT, .path = "", .part = -1};
+    channel_target t = {.node = GLTF_ABSENT, .path = ""};
     gltf_object(g, channel, "target", &t.at);
     gltf_text(g, &t.at, "path", &t.path);
     gltf_index(g, &t.at, "node", &g->nodes, &t.node);
-    if (strcmp(t.path, "pointer") == 0) follow_pointer(g, &t.at, &t.node, &t.path);
-    if (strcmp(t.path, "weights") == 0) t.part = GLTF_PARTS;
-    for (int i = 0; i < GLTF_PARTS; ++i) {
-        if (strcmp(t.path, gltf_part_names[i]) == 0) t.part = i;
-    }
+    t.part = part_of(t.path);
+    if (strcmp(t.path, "pointer") == 0) read_pointer(g, &t);
     return t;
 }
 
@@ -249,10 +267,13 @@ static void pose_channel(gltf *g, gltf_moment *m, const gltf_value *samplers, co
     gltf_index(g, channel, "sampler", samplers, &index);
     if (index == GLTF_ABSENT) gltf_fail(g, channel, "sampler", "is missing; expected an index into samplers");
     if (!gltf_fine(g)) return;
-    if (to.part < 0) gltf_note(g, &to.at, "path", "the animation of \"%.40s\" is not followed", to.path);
+    if (to.part < 0 && to.pointer && m == g->moments.items)
+        gltf_pointer_pose(g, &to.at, to.pointer, samplers, index);
+    else if (to.part < 0 && !to.pointer)
+        gltf_note(g, &to.at, "path", "the animation of \"%.40s\" is not followed", to.path);
     if (to.part < 0 || to.node == GLTF_ABSENT || is_fixed(g, &to)) return;
-    sampler s;
-    read_sampler(g, samplers, index, to.part, &s);
+    sampler s = sampler_for(to.part);
+    read_sampler(g, samplers, index, &s);
     gltf_pose *pose = gltf_fine(g) ? pose_for(g, m, to.node) : NULL;
     if (!pose) {
         gltf_fail_memory(g, sizeof *pose);
@@ -289,9 +310,14 @@ static void play(gltf *g, uint32_t index) {
     if (!array_push(&g->playing, index)) gltf_fail_memory(g, sizeof index);
 }
 
-/* True if the animation moves a property whose bit is set in `moved`, which has for each node a bit for each
- * part. add: sets the bits of the properties that it moves. */
-static bool moves_any(gltf *g, uint32_t index, unsigned char *moved, bool add) {
+/* The properties that animations move. */
+typedef struct moved_things {
+    unsigned char *nodes; /* for each node a bit for each part */
+    json_t *pointers;     /* an object whose keys are pointers */
+} moved_things;
+
+/* True if the animation moves one of the things. add: adds those that it moves. */
+static bool moves_any(gltf *g, uint32_t index, const moved_things *moved, bool add) {
     gltf_value animation, channels, channel;
     bool any = false;
     gltf_item(g, &g->animations, index, &animation);
@@ -299,9 +325,15 @@ static bool moves_any(gltf *g, uint32_t index, unsigned char *moved, bool add) {
     for (size_t i = 0; i < gltf_count(&channels) && gltf_fine(g); ++i) {
         gltf_item(g, &channels, i, &channel);
         const channel_target to = read_target(g, &channel);
-        if (!gltf_fine(g) || to.part < 0 || to.node == GLTF_ABSENT) continue;
-        any |= moved[to.node] >> to.part & 1;
-        if (add) moved[to.node] |= (unsigned char)(1 << to.part);
+        if (!gltf_fine(g)) continue;
+        if (to.part >= 0 && to.node != GLTF_ABSENT) {
+            any |= moved->nodes[to.node] >> to.part & 1;
+            if (add) moved->nodes[to.node] |= (unsigned char)(1 << to.part);
+        } else if (to.pointer) {
+            any |= json_object_get(moved->pointers, to.pointer) != NULL;
+            if (add && json_object_set(moved->pointers, to.pointer, json_true()) != 0)
+                gltf_fail_memory(g, strlen(to.pointer));
+        }
     }
     return any;
 }
@@ -310,16 +342,17 @@ static bool moves_any(gltf *g, uint32_t index, unsigned char *moved, bool add) {
  * played, but all animations of a file from Blender, which writes one for each object. */
 static void play_together(gltf *g) {
     const size_t nodes = gltf_count(&g->nodes);
-    unsigned char *moved = calloc(nodes + 1, 1);
-    if (!moved) gltf_fail_memory(g, nodes);
+    const moved_things moved = {calloc(nodes + 1, 1), json_object()};
+    if (!moved.nodes || !moved.pointers) gltf_fail_memory(g, nodes);
     g->quiet = true; /* what is played is read again */
     for (uint32_t i = 0; i < gltf_count(&g->animations) && gltf_fine(g); ++i) {
-        if (moves_any(g, i, moved, false)) continue;
-        moves_any(g, i, moved, true);
+        if (moves_any(g, i, &moved, false)) continue;
+        moves_any(g, i, &moved, true);
         play(g, i);
     }
     g->quiet = false;
-    free(moved);
+    free(moved.nodes);
+    json_decref(moved.pointers);
 }
 
 void gltf_animation_choose(gltf *g) {
