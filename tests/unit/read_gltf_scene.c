@@ -92,6 +92,9 @@ UNIT_TEST(the_default_scene_chooses_the_nodes) {
         {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}],"
          "'scenes':[{'nodes':[0]},{},{'nodes':[0,1]}],'scene':2",
          2, 1, NULL},
+        {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'name':'lost','mesh':0,'children':[3,4]},{'children':[1]"
+         "},{'mesh':0},{}],'scenes':[{'nodes':[0]}]",
+         1, 1, "nodes[1] (\"lost\"): a node with a mesh is in no scene, and is left out (2 such)"},
         {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}]", 2, 1, NULL},
         {"'nodes':[]", 1, 0, NULL}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {

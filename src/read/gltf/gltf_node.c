@@ -202,6 +202,35 @@ static void note_other_scenes(gltf *g, uint32_t taken, const bool *shown) {
     }
 }
 
+/* Marks what the scenes that are left out hold as shown. Errors in them do not matter. */
+static void mark_other_scenes(gltf *g, walk *w) {
+    const json_int_t count = (json_int_t)gltf_count(&g->nodes);
+    for (size_t i = 0; i < gltf_count(&g->scenes); ++i) {
+        const json_t *list = json_object_get(json_array_get(g->scenes.json, i), "nodes");
+        for (size_t k = 0; k < json_array_size(list); ++k) {
+            const json_int_t node = json_integer_value(json_array_get(list, k));
+            if (node >= 0 && node < count) stack(g, w, (uint32_t)node, true);
+        }
+    }
+    while (w->steps.count && gltf_fine(g)) {
+        const step at = w->steps.items[--w->steps.count];
+        if (!w->shown[at.link]) stack_children(g, w, at.link, true);
+        w->shown[at.link] = true;
+    }
+}
+
+/* Some exporters write nodes of deleted or hidden objects. */
+static void note_lost_nodes(gltf *g, walk *w) {
+    const uint32_t count = (uint32_t)gltf_count(&g->nodes);
+    mark_other_scenes(g, w);
+    for (size_t i = count; i < g->links.count; ++i) w->shown[g->links.items[i].node] |= w->shown[i];
+    for (uint32_t i = 0; i < count && gltf_fine(g); ++i) {
+        const json_t *node = json_array_get(g->nodes.json, i);
+        if (!w->shown[i] && json_is_integer(json_object_get(node, "mesh")))
+            gltf_note_node(g, i, "a node with a mesh is in no scene, and is left out");
+    }
+}
+
 static void walk_scene(gltf *g, walk *w) {
     uint32_t index = 0;
     gltf_value scene, list;
@@ -216,6 +245,7 @@ static void walk_scene(gltf *g, walk *w) {
     }
     walk_down(g, w);
     if (gltf_fine(g)) note_other_scenes(g, index, w->shown);
+    if (gltf_fine(g)) note_lost_nodes(g, w);
 }
 
 static void walk_roots(gltf *g, walk *w) {
