@@ -163,6 +163,14 @@ static void describe(image_texture &t, const image_texture_request &request) {
     t.space = space_open(request.config, request.space);
 }
 
+/* A reason that does not quote a name that its reader has never seen. */
+static std::string without(std::string reason, const std::string &name) {
+    const std::string quoted = '"' + name + '"';
+    for (size_t at; (at = reason.find(quoted)) != std::string::npos;)
+        reason.replace(at, quoted.size(), "its bytes");
+    return reason;
+}
+
 static fathom_status texture_open(const image_texture_request *request, image_texture **out,
                                   image_texture_info *info, image_message *message) noexcept {
     auto t = std::unique_ptr<image_texture>(new (std::nothrow) image_texture);
@@ -173,9 +181,10 @@ static fathom_status texture_open(const image_texture_request *request, image_te
         config.attribute("oiio:UnassociatedAlpha", 1);
         OIIO::attribute("exr_threads", static_cast<int>(request->threads));
         /* A name without an extension: OpenImageIO tries all formats. */
-        t->input = OIIO::ImageInput::open(
-            request->path ? request->path : "/proc/self/fd/" + std::to_string(request->descriptor), &config);
-        if (!t->input) throw unreadable(OIIO::geterror());
+        const std::string name =
+            request->path ? request->path : "/proc/self/fd/" + std::to_string(request->descriptor);
+        t->input = OIIO::ImageInput::open(name, &config);
+        if (!t->input) throw unreadable(request->path ? OIIO::geterror() : without(OIIO::geterror(), name));
         t->input->threads(static_cast<int>(request->threads));
         describe(*t, *request);
         find_levels(*t);

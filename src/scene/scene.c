@@ -71,6 +71,18 @@ fathom_scene scene_through(const fathom_scene *scene, fathom_context *context) {
     return view;
 }
 
+fathom_status scene_origin_add(fathom_scene *scene, scene_part part, fathom_id id,
+                               const fathom_place *place) {
+    const size_t file = place->file ? strlen(place->file) + 1 : 0, field = strlen(place->field) + 1;
+    scene_origin origin = {part, id, *place};
+    void *texts;
+    fathom_status status = scene_allocate(scene, file + field, &texts);
+    if (status != FATHOM_OK) return status;
+    if (file) origin.place.file = memcpy(texts, place->file, file);
+    origin.place.field = memcpy((char *)texts + file, place->field, field);
+    return array_push(&scene->origins, origin) ? FATHOM_OK : fail_memory(scene->context, sizeof origin);
+}
+
 const fathom_place *scene_origin_find(const fathom_scene *scene, scene_part part, fathom_id id) {
     for (size_t i = 0; i < scene->origins.count; ++i) {
         const scene_origin *o = &scene->origins.items[i];

@@ -236,6 +236,8 @@ static inline uint64_t settings_pixels(const fathom_settings *s) {
     return (uint64_t)r.width * r.height;
 }
 
+/* Keeps a copy of the place in the scene's file that gives the part, for messages. */
+fathom_status scene_origin_add(fathom_scene *scene, scene_part part, fathom_id id, const fathom_place *place);
 /* The place in the scene's file that gives the part; NULL: it is not known. */
 const fathom_place *scene_origin_find(const fathom_scene *scene, scene_part part, fathom_id id);
 

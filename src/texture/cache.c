@@ -62,13 +62,15 @@ static fathom_status plan_image(texture_cache *cache, fathom_context *context, c
 }
 
 /* Warns if the declared type is wrong; the content determines the type. */
-static void check_mime(fathom_context *context, const fathom_texture *t, const char *format) {
+static void check_mime(fathom_context *context, const cache_image *img, const char *format) {
+    const fathom_texture *t = img->texture;
+    const fathom_place *at = img->place;
     static const char *const known[][2] = {
         {"image/png", "png"}, {"image/jpeg", "jpeg"}, {"image/webp", "webp"}, {"image/x-exr", "openexr"}};
     for (size_t i = 0; t->mime && i < sizeof known / sizeof *known; ++i) {
         if (strcmp(t->mime, known[i][0]) == 0 && strcmp(format, known[i][1]) != 0)
-            warn(context, "%s: is declared as %s, and read as %s, which it is", cache_name(t), t->mime,
-                 format);
+            warn(context, "%s%s%s%s%s: is declared as %s, and read as %s, which it is", at ? at->file : "",
+                 at ? ": " : "", at ? at->field : "", at ? ": " : "", cache_name(t), t->mime, format);
     }
 }
 
@@ -98,7 +100,7 @@ static fathom_status open_image(texture_cache *cache, fathom_context *context, c
     cache_close_source(img);
     pthread_mutex_init(&img->lock, NULL);
     ++cache->image_count;
-    check_mime(context, t, img->info.format);
+    check_mime(context, img, img->info.format);
     return plan_image(cache, context, img);
 }
 

@@ -53,6 +53,25 @@ UNIT_TEST(lost_specular_colours_leave_plain_plastic) {
     assert_true(m.specular_color[2] == 0.04f && m.roughness == 1);
 }
 
+/* Images are opened by the render: if that fails, its message still has the place in the file. */
+UNIT_TEST(images_know_their_place_in_the_file) {
+    fixture *f = *state;
+    fathom_scene *scene = read_triangle(
+        f, SHOWN("'images':[{'uri':'data:image/png;base64,AAAA'},{'name':'w','uri':'data:;base64,AAAB'}],"
+                 "'textures':[{'source':0},{'source':1}],'materials':[{'normalTexture':{'index':0},"
+                 "'emissiveTexture':{'index':1}}],'meshes':[{'primitives':[{'attributes':{'POSITION':0,"
+                 "'TEXCOORD_0':5},'material':0}]}]"));
+    const fathom_map *maps = scene->materials.items[scene->meshes.items[0].material].value.maps;
+    const int kinds[] = {FATHOM_MAP_NORMAL, FATHOM_MAP_EMISSIVE};
+    for (int i = 0; i < 2; ++i) {
+        const fathom_place *place = scene_origin_find(scene, SCENE_PART_TEXTURE, maps[kinds[i]].texture);
+        assert_non_null(place);
+        assert_string_equal(place->file, f->path);
+        assert_string_equal(place->field, i ? "images[1]" : "images[0]");
+    }
+    fathom_scene_destroy(scene);
+}
+
 #define COLOR(more) "'pbrMetallicRoughness':{'baseColorTexture':{'index':0" more "}}"
 
 /* Each direction wraps by itself; filters without mip levels take none; the same image with another sampler

@@ -203,6 +203,8 @@ typedef struct gltf_spot {
 /* Fills in *spot: the line in .gltf files and the byte in .glb files. `key` may be NULL: the value `at`
  * itself. */
 const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *key, gltf_spot *spot);
+/* The same without the line or byte, which takes a search of the text. */
+const fathom_place *gltf_field(const gltf *g, const gltf_value *at, gltf_spot *spot);
 #define gltf_fail(g, at, key, ...)                                                                           \
     (gltf_fine(g)                                                                                            \
          ? ((g)->status = fail_at((g)->context, FATHOM_BAD_INPUT,                                            \

@@ -31,6 +31,13 @@ const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *
     return &spot->place;
 }
 
+const fathom_place *gltf_field(const gltf *g, const gltf_value *at, gltf_spot *spot) {
+    where links[DEPTH];
+    where_path(steps_to(at, NULL, links), spot->path, sizeof spot->path);
+    spot->place = (fathom_place){.file = g->path, .field = spot->path};
+    return &spot->place;
+}
+
 fathom_status gltf_fail_memory(gltf *g, size_t bytes) {
     if (gltf_fine(g)) g->status = fail_memory(g->context, bytes);
     return g->status;

@@ -82,6 +82,16 @@ static uint32_t find_source(gltf *g, const gltf_value *texture) {
     return source;
 }
 
+static void add_texture(gltf *g, const gltf_value *image, const fathom_texture *t, fathom_id *out) {
+    const size_t before = g->scene->textures.count;
+    gltf_spot spot;
+    gltf_within(g, image, NULL, fathom_scene_add_texture(g->scene, t, out));
+    if (!gltf_fine(g) || g->scene->textures.count == before) return;
+    g->status = scene_origin_add(g->scene, SCENE_PART_TEXTURE, *out, gltf_field(g, image, &spot));
+    /* A new texture has its own copy of the image's bytes. */
+    if (t->bytes && gltf_fine(g)) gltf_charge(g, image, NULL, t->byte_count);
+}
+
 /* FATHOM_NONE, with a note, if the texture has no readable image. */
 static fathom_id read_texture(gltf *g, uint32_t index, bool color) {
     gltf_value at, image;
@@ -101,11 +111,7 @@ static fathom_id read_texture(gltf *g, uint32_t index, bool color) {
     }
     gltf_item(g, &g->images, source, &image);
     open_image(g, &image, &t, &path);
-    const size_t before = g->scene->textures.count;
-    if (gltf_fine(g) && (t.file || t.bytes))
-        gltf_within(g, &image, NULL, fathom_scene_add_texture(g->scene, &t, &out));
-    /* A new texture has its own copy of the image's bytes. */
-    if (t.bytes && g->scene->textures.count > before) gltf_charge(g, &at, NULL, t.byte_count);
+    if (gltf_fine(g) && (t.file || t.bytes)) add_texture(g, &image, &t, &out);
     free(path);
     return out;
 }

@@ -20,14 +20,7 @@ fathom_status place_origin(const object_reader *r, const where *at, scene_part p
         where_path(at, spot.path, sizeof spot.path);
     else
         doc_place(r->doc, at, &spot);
-    const size_t file = spot.place.file ? strlen(spot.place.file) + 1 : 0, field = strlen(spot.path) + 1;
-    void *texts;
-    fathom_status status = scene_allocate(r->scene, file + field, &texts);
-    if (status != FATHOM_OK) return status;
-    if (file) spot.place.file = memcpy(texts, spot.place.file, file);
-    spot.place.field = memcpy((char *)texts + file, spot.path, field);
-    const scene_origin origin = {part, id, spot.place};
-    return array_push(&r->scene->origins, origin) ? FATHOM_OK : fail_memory(r->scene->context, sizeof origin);
+    return scene_origin_add(r->scene, part, id, &spot.place);
 }
 
 fathom_status place_frame(const doc *d, const where *at, json_t *value, const form_frame_values *values,
