@@ -46,6 +46,16 @@ fathom_status read_image_beside(fathom_scene *scene, const char *base, const cha
     return FATHOM_OK;
 }
 
+bool read_is_outside(fathom_scene *scene, const char *base, const char *name) {
+    const char *top = scene->top;
+    char *path = NULL;
+    scene->top = NULL; /* as if each folder were allowed */
+    const bool found = top && read_beside(scene, base, name, &path) == FATHOM_OK && access(path, R_OK) == 0;
+    scene->top = top;
+    free(path);
+    return found;
+}
+
 fathom_status read_colored_material(fathom_scene *scene, fathom_id *out) {
     fathom_material material;
     fathom_material_default(&material);

@@ -23,6 +23,11 @@ fathom_status read_beside(fathom_scene *scene, const char *base, const char *nam
  * *out NULL: no file was found. */
 fathom_status read_image_beside(fathom_scene *scene, const char *base, const char *name, char **out);
 
+/* True if read_image_beside() found no file because the one that `name` names is outside the allowed folder.
+ */
+bool read_is_outside(fathom_scene *scene, const char *base, const char *name);
+#define READ_OUTSIDE "is outside the folder that may be read, and left out; --allow-outside reads it"
+
 /* If the mesh has no texture coordinates, but its material has images, all its vertices get (0, 0), as in
  * Blender and WebGL. Otherwise each triangle would show half of the image. *bytes: the memory added; 0: the
  * mesh is unchanged, as points are always. */

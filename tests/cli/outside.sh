@@ -90,12 +90,20 @@ image() {
     sed -i "s|^{|{ \"images\": [ { \"uri\": \"$1\" } ], \"textures\": [ { \"source\": 0 } ], \"materials\": [ { \"pbrMetallicRoughness\": { \"baseColorTexture\": { \"index\": 0 } } } ],|; s|\"attributes\"|\"material\": 0, \"attributes\"|" \
         box/a.gltf
 }
-for bad in no%20ne.png ../none.png ../secret/ball.ply '..%5C..%5Csecret%5Cball.ply' "$PWD/secret/ball.ply"; do
+for bad in no%20ne.png ../none.png ../secret/ball.ply '..%5Csecret%5Cball.ply' "$PWD/secret/ball.ply"; do
     image "$bad"
+    case $bad in
+    *none.png | no*) why='there is no such file that may be read; it is left out' ;;
+    *) why='is outside the folder that may be read, and left out; --allow-outside reads it' ;;
+    esac
     run 0 info box/a.gltf
     said out.txt 'box/a.gltf: images[0].uri: "'
-    said out.txt "$(printf %s "$bad" | tail -c 60)\": there is no such file that may be read; it is left out (1 such)"
+    said out.txt "$(printf %s "$bad" | tail -c 60)\": $why (1 such)"
 done
+printf 'newmtl m\nmap_Kd ../secret/ball.ply\n' >box/wood.mtl
+printf 'mtllib wood.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n' >box/wood.obj
+run 0 info box/wood.obj
+said out.txt 'material "m": the image "../secret/ball.ply" is outside the folder that may be read, and left out; --allow-outside reads it'
 
 # MTL libraries: a model is shown without those that may not be read. One of the same name next to it may be.
 mv secret/ball.mtl secret/far.mtl

@@ -211,6 +211,15 @@ static char *path_of(gltf *g, const gltf_value *at, const char *uri,
     return path;
 }
 
+static bool is_outside(gltf *g, const char *uri) {
+    char *name = strdup(uri);
+    if (!name) gltf_fail_memory(g, strlen(uri));
+    if (name) decode_percent(name);
+    const bool out = name && read_is_outside(g->scene, g->path, name);
+    free(name);
+    return out;
+}
+
 /* True if the image gets a note of its own: the first few do. */
 static bool names_lost_image(gltf *g, size_t image) {
     for (unsigned i = 0; i < g->lost_image_count; ++i)
@@ -225,11 +234,12 @@ char *gltf_image_path(gltf *g, const gltf_value *at, const char *uri) {
     const size_t length = strlen(uri);
     const bool cut = length > SHOWN;
     const char *name = NULL;
-    static const char told[] = "there is no such file that may be read; it is left out";
     char place[128];
     char *path = path_of(g, at, uri, read_image_beside);
     gltf_text(g, at, "name", &name);
     if (path || !gltf_fine(g)) return path;
+    const char *told =
+        is_outside(g, uri) ? READ_OUTSIDE : "there is no such file that may be read; it is left out";
     snprintf(place, sizeof place, "images[%zu].uri: \"%s%s\"%s%.30s%s", at->index, cut ? "..." : "",
              uri + (cut ? length - SHOWN : 0), name ? " (named \"" : "", name ? name : "", name ? "\")" : "");
     if (names_lost_image(g, at->index))

@@ -170,9 +170,13 @@ fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material,
         status = read_image_beside(scene, material->library, image->file, &path);
         if (status == FATHOM_OK && !path) {
             if (++*lost <= MTL_LOST_IMAGES)
-                warn(scene->context,
-                     "%s: material \"%.80s\": there is no image \"%.200s\" that may be read; it is left out",
-                     material->library, material->name, image->file);
+                warn(
+                    scene->context,
+                    read_is_outside(scene, material->library, image->file)
+                        ? "%s: material \"%.80s\": the image \"%.200s\" " READ_OUTSIDE
+                        : "%s: material \"%.80s\": there is no image \"%.200s\" that may be read; it is left "
+                          "out",
+                    material->library, material->name, image->file);
             without_image(k, out);
             continue;
         }

@@ -43,8 +43,11 @@ static fathom_status read_texture(ply_reader *r, const char *at, fathom_id *out)
     if (status == FATHOM_OK && path && mapped)
         status = add_textured_material(r, path, out);
     else if (status == FATHOM_OK)
-        notes_add_at(&r->notes, 1, &r->file, at, true, "a texture is left out: %s",
-                     path ? "there are no texture coordinates" : "there is no such image that may be read");
+        notes_add_at(&r->notes, 1, &r->file, at, true,
+                     path ? "a texture is left out: there are no texture coordinates"
+                     : read_is_outside(r->scene, r->file.path, name)
+                         ? "a texture " READ_OUTSIDE
+                         : "a texture is left out: there is no such image that may be read");
     free(path);
     return status;
 }
