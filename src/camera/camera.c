@@ -17,7 +17,8 @@ void camera_prepare(const fathom_camera *camera, uint32_t width, uint32_t height
     vec3_f64 x = load_f64(camera->x), y = load_f64(camera->y), z = load_f64(camera->z);
     double w, h;
     camera_extent(camera, width, height, &w, &h);
-    out->eye = narrow(sub_f64(load_f64(camera->origin), origin));
+    out->exact_eye = sub_f64(load_f64(camera->origin), origin);
+    out->eye = narrow(out->exact_eye);
     out->parallel = camera->orthographic;
     out->corner = madd_f64(madd_f64(scale_f64(out->parallel ? 0 : -1, z), -0.5 * w, x), 0.5 * h, y);
     out->across = scale_f64(w / width, x);
@@ -49,19 +50,36 @@ static void polygon_point(uint32_t blades, double rotation, double u, double v, 
     *y = r * ((1 - part) * sin(first) + part * sin(first + step));
 }
 
-void camera_lane_through_lens(const shade_camera *c, double u, double v, trace_rays *rays, uint32_t i) {
+/* A point of the lens, from the eye. */
+static vec3_f64 lens_point(const shade_camera *c, double u, double v) {
     double x, y;
     if (c->blades)
         polygon_point(c->blades, c->blade_rotation, u, v, &x, &y);
     else
         disc_point(u, v, &x, &y);
-    const vec3_f64 d = widen(trace_dir(rays, (size_t)i));
-    const vec3_f64 on = madd_f64(scale_f64(c->lens_radius * x, c->right), c->lens_radius * y, c->up);
-    const vec3_f64 focus = scale_f64(c->focus_distance / dot_f64(d, c->view), d);
+    return madd_f64(scale_f64(c->lens_radius * x, c->right), c->lens_radius * y, c->up);
+}
+
+/* The point of the plane of focus that the pinhole ray intersects, from the eye. */
+static vec3_f64 focus_point(const shade_camera *c, vec3_f64 d) {
+    return scale_f64(c->focus_distance / dot_f64(d, c->view), d);
+}
+
+void camera_lane_through_lens(const shade_camera *c, double u, double v, trace_rays *rays, uint32_t i) {
+    const vec3_f64 on = lens_point(c, u, v), focus = focus_point(c, widen(trace_dir(rays, (size_t)i)));
     const vec3_f32 org = narrow(add_f64(widen(c->eye), on));
     const vec3_f32 dir = narrow(normalize_f64(sub_f64(focus, on)));
     rays->org_x[i] = org.x, rays->org_y[i] = org.y, rays->org_z[i] = org.z;
     rays->dir_x[i] = dir.x, rays->dir_y[i] = dir.y, rays->dir_z[i] = dir.z;
+}
+
+void camera_exact_ray(const shade_camera *c, double x, double y, double u, double v, vec3_f64 *org,
+                      vec3_f64 *dir) {
+    const vec3_f64 d = camera_towards(c, x, y);
+    const bool pinhole = c->parallel || !(c->lens_radius > 0);
+    const vec3_f64 on = pinhole ? vec_f64(0, 0, 0) : lens_point(c, u, v);
+    *org = add_f64(c->exact_eye, c->parallel ? d : on);
+    *dir = c->parallel ? c->view : normalize_f64(pinhole ? d : sub_f64(focus_point(c, d), on));
 }
 
 KERNEL_CHOICE(camera_kernels)

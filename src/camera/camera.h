@@ -10,7 +10,8 @@
 /* d(x, y) = corner + x across + y down, x and y in pixels from the image's top left; not normalised. For an
  * orthographic camera it is the ray's origin relative to the eye. */
 typedef struct shade_camera {
-    vec3_f32 eye; /* in world coordinates */
+    vec3_f32 eye;       /* in world coordinates */
+    vec3_f64 exact_eye; /* before it was rounded to float */
     vec3_f64 corner, across, down;
     vec3_f64 view;                      /* unit, viewing direction */
     vec3_f64 right, up;                 /* unit */
@@ -65,6 +66,11 @@ typedef struct square_samples {
 /* Converts a lane's pinhole ray to a thin-lens ray: from a point on the lens to the point where the pinhole
  * ray intersects the plane of focus. u, v: two numbers in [0,1). */
 void camera_lane_through_lens(const shade_camera *camera, double u, double v, trace_rays *rays, uint32_t i);
+
+/* The ray through image position (x, y) and the lens, in double: for cameras so far away that rounding their
+ * rays to float where they stand would show. dir is unit. u, v: as above; a pinhole ignores them. */
+void camera_exact_ray(const shade_camera *camera, double x, double y, double u, double v, vec3_f64 *org,
+                      vec3_f64 *dir);
 
 typedef struct camera_kernels {
     /* Rays through a square of 4 × 4 pixels, whose first pixel is (left, top), with t_far = infinity. */

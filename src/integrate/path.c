@@ -366,14 +366,23 @@ static void begin(path_wave *p, const wave_batch *batch) {
     if (plan->dispersive) memset(p->channel, 0, sizeof p->channel);
 }
 
-/* Paths of a moving camera start at its position at their time; those of an orthographic camera at their own
- * origins. */
+/* The distance from the eye at which a ray of a camera far away starts. */
+static float skipped(const path_wave *p, uint32_t slot, vec3_f32 org) {
+    const render_plan *plan = p->wave.run.plan;
+    shade_camera camera = plan->camera;
+    if (plan->camera_moves) wave_camera_when(plan, p->wave.times[slot], &camera);
+    return (float)length_f64(sub_f64(widen(org), camera.exact_eye));
+}
+
+/* Paths of a moving camera start at its position at their time; those of an orthographic camera and of one
+ * far away at their own origins. */
 static void begin_at_eyes(path_wave *p) {
     const path_queue *now = &p->wave.now;
     for (size_t k = 0; k < now->count; ++k) {
         const uint32_t slot = now->paths[k / LANES].slot[k % LANES];
         const vec3_f32 org = trace_org(&now->rays[k / LANES].rays, k % LANES);
         p->p[0][slot] = org.x, p->p[1][slot] = org.y, p->p[2][slot] = org.z;
+        if (p->wave.run.plan->far) p->width[slot] += p->spread[slot] * skipped(p, slot, org);
     }
 }
 
@@ -400,7 +409,8 @@ static bool run(integration *state, const wave_region *region, const wave_batch 
     p->looked_through = false;
     begin(p, batch);
     if (!wave_camera_rays(w, region, batch)) return false;
-    if (w->run.plan->camera_moves || w->run.plan->camera.parallel) begin_at_eyes(p);
+    const render_plan *plan = w->run.plan;
+    if (plan->camera_moves || plan->camera.parallel || plan->far) begin_at_eyes(p);
     if (p->media) begin_in_volumes(p);
     for (p->depth = 0; w->now.count; ++p->depth) {
         wave_count_rays(w);

@@ -93,6 +93,8 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
 static void plan_volumes(render_plan *plan) {
     eye_volumes_find(plan, plan->camera.eye, plan->settings.motion_blur ? 0 : 0.5f, &plan->eye_volumes);
     plan->volumes_differ = eyes_vary(plan) && eye_volumes_differ(plan);
+    /* Volumes around a camera far away are behind planes. They absorb light all the way to the camera. */
+    plan->far &= !plan->eye_volumes.count && !plan->volumes_differ;
 }
 
 static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
@@ -211,6 +213,21 @@ static void set_cone(render_plan *plan) {
     plan->pixel_width = c->parallel ? (float)half : 0;
 }
 
+/* Rounding camera rays to float where they start moves them at the scene by 2^-24 of the distance. Up to a
+ * 256th of a pixel this is left as it is. For a pinhole this limit depends on the pixel's angle alone, so
+ * that most scenes need no bounds. */
+static fathom_status plan_approach(render_plan *plan) {
+    const double limit = 0x1p-24 * 128; /* half a pixel has the size pixel_width + pixel_spread * distance */
+    const double spread = (double)plan->pixel_spread, width = (double)plan->pixel_width;
+    if (spread > limit) return FATHOM_OK;
+    const fathom_status status = trace_approach_find(plan->world, &plan->approach);
+    const vec3_f64 eye = plan->camera.exact_eye;
+    const double distance = length_f64(sub_f64(plan->approach.center, eye));
+    plan->far = status == FATHOM_OK && trace_approach_is_far(&plan->approach, eye) &&
+                limit * distance > width + spread * distance;
+    return status;
+}
+
 static fathom_status plan_mattes(fathom_context *context, render_plan *plan) {
     for (int k = 0; k < MATTE_KINDS; ++k) {
         if (plan->parts.mattes[k] < 0) continue;
@@ -250,6 +267,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     fathom_status status = texturing_create(context, w, settings->texture_memory, &plan->texturing);
     if (status == FATHOM_OK && plan->parts.groups >= 0) status = light_groups_create(scene, &plan->groups);
     if (status == FATHOM_OK) status = plan_mattes(context, plan);
+    if (status == FATHOM_OK) status = plan_approach(plan);
     if (status == FATHOM_OK) status = plan_integrator(context, plan);
     if (status == FATHOM_OK)
         *out = plan;

@@ -12,6 +12,7 @@
 #include "sample/sample.h"
 #include "scene/light_groups.h"
 #include "surface/kernels.h"
+#include "trace/approach.h"
 #include "trace/watertight/watertight.h"
 
 typedef struct integrator integrator;
@@ -42,6 +43,8 @@ typedef struct render_plan {
     shader *shaders;          /* by material; path tracing */
     texturing *texturing;     /* NULL: no material varies over a surface */
     bool moves, camera_moves; /* path tracing: something moves while the shutter is open; the camera does */
+    trace_approach approach;  /* set if `far`: camera rays start just before the scene, */
+    bool far;                 /* because the camera is far away */
     float pixel_spread;       /* angle of the cone around a camera ray, */
     float pixel_width;        /* and its radius at the origin */
     emitters *emitters;       /* path tracing */
@@ -81,6 +84,11 @@ typedef struct render_plan {
 fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
                           const fathom_settings *settings, render_plan **out);
 void plan_destroy(render_plan *plan);
+
+/* The camera's position from which rays, depths and motion vectors count. */
+static inline vec3_f64 plan_eye(const render_plan *plan, const shade_camera *camera) {
+    return plan->far ? camera->exact_eye : widen(camera->eye);
+}
 
 /* The volumes around a point. Traces a ray from there with the plan's tracer; the plan's shaders must exist.
  * time: 0 when the shutter opens, 1 when it closes. */

@@ -1,5 +1,7 @@
 #include "integrate/wave.h"
 
+#include <math.h>
+
 static void place(const render_plan *plan, const wave_square *s, square_samples *out) {
     out->alike = plan->settings.pattern == FATHOM_PATTERN_GRID;
     const uint32_t count = out->alike ? 1 : LANES;
@@ -32,31 +34,50 @@ void wave_camera_when(const render_plan *plan, float time, shade_camera *out) {
     camera_prepare(&at, plan->settings.width, plan->settings.height, plan->world->origin, out);
 }
 
-/* Each ray uses the camera at its own time. */
-static void moving_rays(const render_plan *plan, const wave_square *s, const square_samples *at,
+static void set_ray(vec3_f32 org, vec3_f32 dir, float t_near, trace_rays *out, uint32_t k) {
+    out->org_x[k] = org.x, out->org_y[k] = org.y, out->org_z[k] = org.z;
+    out->dir_x[k] = dir.x, out->dir_y[k] = dir.y, out->dir_z[k] = dir.z;
+    out->t_near[k] = t_near, out->t_far[k] = INFINITY;
+}
+
+/* A ray of a camera far away starts just before the scene; u, v: the point on the lens. */
+static void far_ray(const render_plan *plan, const shade_camera *camera, const double at[2],
+                    const double lens[2], trace_rays *out, uint32_t k) {
+    vec3_f64 org, dir;
+    camera_exact_ray(camera, at[0], at[1], lens[0], lens[1], &org, &dir);
+    const double start = trace_approach_start(&plan->approach, org, dir, 0);
+    set_ray(narrow(madd_f64(org, start, dir)), narrow(dir), (float)fmax((double)plan->t_near - start, 0), out,
+            k);
+}
+
+static void near_ray(const render_plan *plan, const shade_camera *camera, const double at[2],
+                     const double lens[2], trace_rays *out, uint32_t k) {
+    vec3_f32 org, dir;
+    camera_ray(camera, at[0], at[1], &org, &dir);
+    set_ray(org, dir, plan->t_near, out, k);
+    if (camera->lens_radius > 0) camera_lane_through_lens(camera, lens[0], lens[1], out, k);
+}
+
+/* Makes rays one by one: if the camera moves, each uses the camera at its own time. */
+static void single_rays(const render_plan *plan, const wave_square *s, const square_samples *samples,
                         trace_rays *out) {
+    shade_camera camera = plan->camera;
     for (uint32_t k = 0; k < LANES; ++k) {
         const sample_key key = wave_square_key(s, k);
-        shade_camera camera;
-        wave_camera_when(plan, wave_time_of(plan, key), &camera);
-        const uint32_t from = at->alike ? 0 : k;
-        vec3_f32 o, d;
-        camera_ray(&camera, (double)(int32_t)(s->left + k % 4) + at->x[from],
-                   (double)(int32_t)(s->top + k / 4) + at->y[from], &o, &d);
-        out->org_x[k] = o.x, out->org_y[k] = o.y, out->org_z[k] = o.z;
-        out->dir_x[k] = d.x, out->dir_y[k] = d.y, out->dir_z[k] = d.z;
-        out->t_near[k] = plan->t_near, out->t_far[k] = INFINITY;
-        if (!(camera.lens_radius > 0)) continue;
-        double u, v;
-        sample_2d(&plan->sampler, key, SAMPLE_LENS, &u, &v);
-        camera_lane_through_lens(&camera, u, v, out, k);
+        if (plan->camera_moves) wave_camera_when(plan, wave_time_of(plan, key), &camera);
+        const uint32_t from = samples->alike ? 0 : k;
+        const double at[2] = {(double)(int32_t)(s->left + k % 4) + samples->x[from],
+                              (double)(int32_t)(s->top + k / 4) + samples->y[from]};
+        double lens[2] = {0, 0};
+        if (camera.lens_radius > 0) sample_2d(&plan->sampler, key, SAMPLE_LENS, &lens[0], &lens[1]);
+        (plan->far ? far_ray : near_ray)(plan, &camera, at, lens, out, k);
     }
 }
 
 static void camera_rays(const render_plan *plan, const wave_square *s, const square_samples *at,
                         trace_rays *out) {
-    if (plan->camera_moves) {
-        moving_rays(plan, s, at, out);
+    if (plan->camera_moves || plan->far) {
+        single_rays(plan, s, at, out);
         return;
     }
     plan->camera_kernels->rays(&plan->camera, plan->t_near, s->left, s->top, at, out);

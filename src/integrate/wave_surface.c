@@ -68,7 +68,7 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
     first_hits *f = w->run.samples.first;
     const bool plane = g->geometry[i] == TRACE_PLANE;
     const vec3_f64 p = {b->p[0][i], b->p[1][i], b->p[2][i]},
-                   from_eye = sub_f64(p, widen(w->run.plan->camera.eye));
+                   from_eye = sub_f64(p, plan_eye(w->run.plan, &w->run.plan->camera));
     f->alpha[slot] = 1;
     f->z[slot] = (float)dot_f64(from_eye, w->run.plan->camera.view);
     f->p[0][slot] = (float)(p.x + scene->origin.x);

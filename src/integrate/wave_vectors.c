@@ -63,7 +63,7 @@ void wave_keep_vectors(wave *w, unsigned i, uint32_t slot) {
             world_instance moved;
             at = map_point(world_instance_when(scene, g->instance[i], times[k], &moved)->to_world, at);
         }
-        from_eye[k] = sub_f64(at, widen(w->cameras[k].eye));
+        from_eye[k] = sub_f64(at, plan_eye(w->run.plan, &w->cameras[k]));
     }
     keep(w->run.samples.first, slot, w->cameras, from_eye);
 }

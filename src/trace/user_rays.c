@@ -2,6 +2,7 @@
  * float; t, point and normals of hits are computed in double. A hit counts if its double t is in the
  * interval: the float ray's interval is slightly wider, and hits outside the user's interval are skipped. */
 #include "reference/reference.h"
+#include "trace/approach.h"
 #include "trace/trace.h"
 
 #include <fathom/trace.h>
@@ -195,22 +196,12 @@ struct fathom_tracer {
     fathom_scene scene;      /* the caller's scene with this context */
     world *world;
     trace_tracer *tracer;
-    vec3_f64 center; /* of everything but planes, in the world's coordinates */
-    double radius;   /* infinite: there are only planes */
+    trace_approach approach;
 };
 
 fathom_status fathom_tracer_check(fathom_context *context, const char *words) {
     trace_spec spec;
     return trace_spec_parse(context, words, &spec);
-}
-
-static fathom_status find_bounds(fathom_tracer *tracer) {
-    scene_bounds bounds;
-    const fathom_status status = scene_world_bounds(&tracer->scene, &bounds);
-    if (status != FATHOM_OK) return status;
-    tracer->center = sub_f64(bounds_center(&bounds), tracer->world->origin);
-    tracer->radius = bounds_is_empty(&bounds) ? (double)INFINITY : bounds_radius(&bounds);
-    return FATHOM_OK;
 }
 
 fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *scene, const char *words,
@@ -229,7 +220,7 @@ fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *
     trace_options options = {.spec = &spec, .width = LANES, .threads = fathom_context_threads(context)};
     status = fathom_scene_check(&tracer->scene);
     if (status == FATHOM_OK) status = world_create(&tracer->scene, &tracer->world);
-    if (status == FATHOM_OK) status = find_bounds(tracer);
+    if (status == FATHOM_OK) status = trace_approach_find(tracer->world, &tracer->approach);
     if (status == FATHOM_OK) status = trace_create(context, tracer->world, &options, &tracer->tracer);
     if (status != FATHOM_OK) {
         fathom_tracer_destroy(tracer);
@@ -268,28 +259,6 @@ static fathom_status refuse(const fathom_tracer *tracer, const char *what, size_
     return FATHOM_BAD_USAGE;
 }
 
-/* Where the traced ray starts. Float moves a ray's line by 2^-24 of the distance, so a ray from far away
- * starts before the sphere around the scene (1 % covers the rounding of its coordinates) and before the
- * nearest plane. With u = 2^-53, n the plane's unit normal and f the way to its point, t = f·n / d·n has an
- * error of at most 12 u |f| (1 + |d| / |d·n|) / |d·n|; 2^-20 keeps the start before it in float, too. */
-static double start_of(const fathom_tracer *tracer, vec3_f64 org, vec3_f64 dir, double t_min) {
-    const double least = t_min < 0 ? t_min : 0, length = length_f64(dir);
-    const vec3_f64 to = sub_f64(tracer->center, org);
-    const double reach = (1.01 * tracer->radius + 0x1p-40 * length_f64(to)) / length;
-    double start = dot_f64(to, dir) / (length * length) - reach;
-    if (!(start > least + 4 * reach)) return least;
-    for (size_t p = 0; p < tracer->world->planes.count; ++p) {
-        const world_plane *plane = &tracer->world->planes.items[p];
-        const vec3_f64 f = sub_f64(widen(plane->point), org), n = widen(plane->normal);
-        const double along = dot_f64(dir, n), t = dot_f64(f, n) / along;
-        const double slack = (0x1p-49 * length_f64(f) * (1 + length / fabs(along)) +
-                              0x1p-20 * length_f64(madd_f64(org, t, dir))) /
-                             fabs(along);
-        if (t + slack > least) start = fmin(start, t - slack);
-    }
-    return fmax(start, least);
-}
-
 /* Scales the direction by a power of two, and moves the origin to where the ray starts. Returns NULL, or the
  * problem. */
 static const char *ray_prepare(const fathom_tracer *tracer, const fathom_ray *ray, user_ray *out) {
@@ -306,7 +275,7 @@ static const char *ray_prepare(const fathom_tracer *tracer, const fathom_ray *ra
     double t_min = ldexp(ray->t_min, out->exponent), t_max = ldexp(ray->t_max, out->exponent);
     org = sub_f64(org, tracer->world->origin);
     if (!(largest_f64(org) < WORLD_REACH)) return "origin: lies more than 1e18 from the scene";
-    out->skipped = start_of(tracer, org, out->dir, t_min);
+    out->skipped = trace_approach_start(&tracer->approach, org, out->dir, t_min < 0 ? t_min : 0);
     out->org = madd_f64(org, out->skipped, out->dir);
     out->t_min = t_min - out->skipped, out->t_max = t_max - out->skipped;
     if (!(largest_f64(out->org) < WORLD_REACH)) return "t_min: lies more than 1e18 from the scene";
