@@ -41,6 +41,23 @@ FATHOM_DEFAULT(fathom_checkpoint)
 FATHOM_API fathom_status fathom_checkpoint_check(fathom_context *context,
                                                  const fathom_checkpoint *checkpoint);
 
+/* ---- sequences of images, such as the frames of an animation ---- */
+
+/* Replaces the checkpoint of a finished render at `path` by a small record: of the render, the options by
+ * which the film was written (NULL: the defaults), and the contents of the files that it was written to.
+ * Remove it once the sequence is finished. FATHOM_OUT_OF_RESOURCES: it cannot be written. */
+FATHOM_API fathom_status fathom_finished_keep(fathom_context *context, const fathom_film *film,
+                                              const char *path, const fathom_write_options *write,
+                                              const char *const *files, size_t count);
+/* *finished: there is such a record of this render, and the files, named in the same order, still have the
+ * same contents. If files, the exposure or other options of writing have changed, the record is removed, and
+ * *finished is false. An exposure of NaN matches any, and becomes that of the record. FATHOM_BAD_INPUT: the
+ * record is damaged, or of another render: the message says what differs. Tracers are not compared. */
+FATHOM_API fathom_status fathom_finished_find(fathom_context *context, const fathom_scene *scene,
+                                              const fathom_settings *settings, const char *path,
+                                              fathom_write_options *write, const char *const *files,
+                                              size_t count, bool *finished);
+
 /* The caller keeps everything that this points to until the session has ended. Every member may be NULL, 0 or
  * false. */
 typedef struct fathom_session_options {

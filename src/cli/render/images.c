@@ -124,6 +124,21 @@ static fathom_status write_reweighted(fathom_context *context, const fathom_film
     return status;
 }
 
+fathom_status images_files(fathom_context *context, const render_options *options, image_files *out) {
+    const bool second = options->settings.fireflies == FATHOM_FIREFLIES_REWEIGHT;
+    fathom_status status = FATHOM_OK;
+    out->count = 0;
+    for (size_t i = 0; i < options->outputs.count && status == FATHOM_OK; ++i) {
+        const char *path = options->outputs.items[i];
+        out->items[out->count++] = path;
+        if (!second) continue;
+        status = marked_name(context, path, REWEIGHTED, out->room.names[i]);
+        out->items[out->count++] = out->room.names[i];
+    }
+    if (options->stats) out->items[out->count++] = options->stats;
+    return status;
+}
+
 /* Tries every output: one full disk is no reason to lose the others. */
 fathom_status images_write(fathom_context *context, const fathom_film *film, const render_options *options) {
     fathom_status result = FATHOM_OK;

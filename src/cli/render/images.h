@@ -27,6 +27,15 @@ typedef struct image_names {
 /* Replaces "out.exr" with "out.partial.exr". Release *room, which holds the names, with free(). */
 fathom_status images_rename(fathom_context *context, args_list *outputs, image_names **room);
 
+/* The files that a render writes: images, and statistics. A name of --fireflies reweight counts whether or
+ * not the film has such an image. */
+typedef struct image_files {
+    const char *items[2 * ARGS_LIST_MAX + 1];
+    size_t count;
+    image_names room;
+} image_files;
+fathom_status images_files(fathom_context *context, const render_options *options, image_files *out);
+
 /* Writes all images, even after a failure, and reports failures. Also writes "out.reweighted.exr" if the film
  * was rendered for it. */
 fathom_status images_write(fathom_context *context, const fathom_film *film, const render_options *options);

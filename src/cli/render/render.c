@@ -189,6 +189,8 @@ static fathom_status finish(task *s) {
         status = write_all(s);
     else
         rescue(s, "the pixels");
+    if (status == FATHOM_OK && !interrupted && s->saving.sequence && s->options.checkpoint)
+        status = say(s, saving_keep(s->context, s->film, &s->options));
     status = saving_end(&s->saving, interrupted, status);
     if (status == FATHOM_OK && interrupted) {
         tell_interrupted(&s->options);
@@ -284,6 +286,14 @@ static fathom_status prepare(task *s) {
     return status == FATHOM_OK ? set_time_left(s) : status;
 }
 
+static void tell_kept(const render_options *options) {
+    progress_clear_line();
+    for (size_t i = 0; i < options->outputs.count && !options->quiet; ++i) {
+        print_name(stdout, options->outputs.items[i]);
+        puts(": is kept, as an earlier run finished it");
+    }
+}
+
 static fathom_status run_once(task *s) {
     fathom_status status = command_context(s->options.threads, &s->context);
     if (status != FATHOM_OK) return status;
@@ -291,8 +301,14 @@ static fathom_status run_once(task *s) {
     s->options.write.command = provenance_command();
     interrupt_install();
     interrupt_install_save();
-    status = say(s, prepare(s));
-    if (status == FATHOM_OK) status = render(s);
+    status = prepare(s);
+    bool finished = false;
+    if (status == FATHOM_OK) status = saving_find(s->context, s->scene, &s->options, &finished);
+    say(s, status);
+    if (finished)
+        tell_kept(&s->options);
+    else if (status == FATHOM_OK)
+        status = render(s);
     fathom_film_destroy(s->film);
     fathom_mpi_close(status == FATHOM_OK);
     warnings_free(&s->report.warnings);
@@ -369,6 +385,7 @@ static fathom_status run_frames(task *all) {
         all->options.exposure = EXPOSURE_GIVEN;
         all->options.write.exposure = s.options.write.exposure;
     }
+    if (status == FATHOM_OK) saving_forget(&all->options);
     warnings_free(&said);
     return status;
 }

@@ -142,7 +142,8 @@ static const args_option own_options[] = {
      "from the end of one save to the next (60)"},
     {"resume", 0, NULL, take_true, FIELD(resume), 0, 0,
      "continue from the checkpoint, or start if there is none. The image has the same bits, on any number of "
-     "threads. Without --resume, an existing FILE is an error"},
+     "threads. Without --resume, an existing FILE is an error. With --frames, keeps the frames that an "
+     "earlier run finished, if their files, scene and options are the same"},
 
     {.help = "Frames of an animation"},
     {"frames", 0, "FIRST-LAST", take_frames, FIELD(frames), 0, 0,

@@ -3,8 +3,10 @@
 #include "cli/command.h"
 #include "cli/interrupt.h"
 #include "cli/log.h"
+#include "cli/render/images.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -37,7 +39,9 @@ static void saved(void *user, fathom_status status, const char *message, double 
 static void fill(const render_options *options, fathom_checkpoint *out) {
     fathom_checkpoint_default(out);
     out->path = options->checkpoint;
-    out->resume = options->resume;
+    /* Frames that are not begun have no checkpoint, which is nothing to warn of. */
+    out->resume =
+        options->resume && !(frames_asked(&options->frames) && access(options->checkpoint, F_OK) != 0);
     if (options->checkpoint_every >= 0) out->every = options->checkpoint_every;
 }
 
@@ -49,7 +53,7 @@ fathom_status saving_check(fathom_context *context, const render_options *option
 }
 
 void saving_begin(const render_options *options, saving *out) {
-    *out = (saving){.asked = false};
+    *out = (saving){.sequence = frames_asked(&options->frames)};
     fill(options, &out->request);
     out->request.wanted = wanted;
     out->request.saved = saved;
@@ -62,6 +66,51 @@ void saving_tick(const saving *s) {
     if (!s->request.path && interrupt_take_save())
         say_error("SIGUSR1: nothing is saved without --checkpoint FILE; rendering goes on");
 }
+
+/* ---- frames ---- */
+
+fathom_status saving_find(fathom_context *context, const fathom_scene *scene, render_options *options,
+                          bool *finished) {
+    image_files files;
+    const char *path = options->checkpoint;
+    *finished = false;
+    if (!frames_asked(&options->frames) || !path || !options->resume || access(path, F_OK) != 0)
+        return FATHOM_OK;
+    fathom_write_options write = options->write;
+    if (options->exposure != EXPOSURE_GIVEN) write.exposure = NAN;
+    fathom_status status = images_files(context, options, &files);
+    if (status == FATHOM_OK)
+        status = fathom_finished_find(context, scene, &options->settings, path, &write, files.items,
+                                      files.count, finished);
+    if (*finished) options->write.exposure = write.exposure;
+    if (status == FATHOM_OK && access(path, F_OK) != 0) {
+        char text[SAID];
+        snprintf(text, sizeof text,
+                 "%s: the images of this finished frame, or the options to write them, have changed; "
+                 "rendering it again",
+                 path);
+        log_line(LOG_WARNING, text);
+    }
+    return status;
+}
+
+fathom_status saving_keep(fathom_context *context, const fathom_film *film, const render_options *options) {
+    image_files files;
+    fathom_status status = images_files(context, options, &files);
+    if (status != FATHOM_OK) return status;
+    return fathom_finished_keep(context, film, options->checkpoint, &options->write, files.items,
+                                files.count);
+}
+
+void saving_forget(const render_options *options) {
+    char path[PATH_MAX];
+    for (uint32_t frame = options->frames.first; options->checkpoint && frame <= options->frames.last;
+         ++frame) {
+        if (frames_name(options->checkpoint, frame, path)) unlink(path);
+    }
+}
+
+/* ---- the end ---- */
 
 fathom_status saving_end(const saving *s, bool interrupted, fathom_status status) {
     const char *path = s->request.path;
@@ -80,7 +129,7 @@ fathom_status saving_end(const saving *s, bool interrupted, fathom_status status
         say_error(text);
         return FATHOM_OUT_OF_RESOURCES;
     }
-    if (!interrupted && unlink(path) != 0 && errno != ENOENT) {
+    if (!interrupted && !s->sequence && unlink(path) != 0 && errno != ENOENT) {
         snprintf(text, sizeof text, "%s: is no longer needed, but cannot be removed: %s", path,
                  strerror(errno));
         log_line(LOG_WARNING, text);
