@@ -174,6 +174,8 @@ typedef struct fathom_light {
     const char *file;
     double rotation;
     double up[3];
+    const char
+        *name; /* for files that fathom_scene_write() makes; NULL (default): none. The text is copied */
 } fathom_light;
 
 FATHOM_DEFAULT(fathom_light)

@@ -283,20 +283,26 @@ static fathom_status check_light(fathom_context *context, const fathom_light *li
     return FATHOM_OK;
 }
 
+/* Replaces the text, which may be NULL, by a copy that belongs to the scene. */
+static fathom_status own_text(fathom_scene *scene, const char **text) {
+    char *copy;
+    fathom_status status = copy_text(scene->context, *text, &copy);
+    *text = copy;
+    return status == FATHOM_OK && copy ? scene_adopt(scene, copy, free) : status;
+}
+
 static fathom_status add_environment(fathom_scene *scene, const fathom_light *light, fathom_id *out) {
     fathom_context *context = scene->context;
     fathom_light entry = *light;
-    char *file;
     if (!light->file || !*light->file)
         return fail_field(context, FATHOM_BAD_INPUT, "file", "expected the path of an image");
     if (!isfinite(light->rotation))
         return fail_field(context, FATHOM_BAD_INPUT, "rotation", "expected a finite number");
     if (!finite_f64(load_f64(light->up)) || length_f64(load_f64(light->up)) == 0)
         return fail_field(context, FATHOM_BAD_INPUT, "up", "expected a finite vector that is not zero");
-    fathom_status status = copy_text(context, light->file, &file);
-    if (status == FATHOM_OK) status = scene_adopt(scene, file, free);
+    fathom_status status = own_text(scene, &entry.file);
+    if (status == FATHOM_OK) status = own_text(scene, &entry.name);
     if (status != FATHOM_OK) return status;
-    entry.file = file;
     if (!array_push(&scene->environments, entry)) return fail_memory(context, sizeof entry);
     if (out) *out = (fathom_id)(scene->environments.count - 1);
     return FATHOM_OK;
@@ -316,6 +322,7 @@ fathom_status fathom_scene_add_light_sized(fathom_scene *scene, const fathom_lig
     if (status != FATHOM_OK) return status;
     if (item.type == FATHOM_LIGHT_ENVIRONMENT) return add_environment(scene, &item, out);
     status = check_light(context, &item);
+    if (status == FATHOM_OK) status = own_text(scene, &item.name);
     if (status != FATHOM_OK) return status;
     if (!array_push(&scene->lights, item)) return fail_memory(context, sizeof item);
     if (out) *out = (fathom_id)(scene->lights.count - 1);

@@ -128,19 +128,45 @@ static size_t count_arrays(const fathom_scene *scene, mesh_kind kind) {
     return count;
 }
 
-/* Number of meshes without the texture coordinates that images of their materials need. */
-static size_t count_bare(const fathom_scene *scene) {
+/* The sets of texture coordinates that a material's images need, as bits. */
+static unsigned sets_of(const fathom_scene *scene, fathom_id material) {
+    unsigned sets = 0;
+    for (int k = 0; material != FATHOM_NONE && k < FATHOM_MAPS; ++k) {
+        const fathom_map *map = &scene->materials.items[material].value.maps[k];
+        if (map->texture != FATHOM_NONE) sets |= 1u << map->uv_set;
+    }
+    return sets;
+}
+
+/* Number of meshes in a group without the texture coordinates that their own images need, or `given` ones. */
+static size_t count_bare_of(const fathom_scene *scene, const scene_graph *graph, uint32_t group,
+                            unsigned given) {
     size_t count = 0;
-    for (size_t i = 0; i < scene->meshes.count; ++i) {
-        const fathom_mesh *m = &scene->meshes.items[i];
-        bool bare = false;
-        for (int k = 0; k < FATHOM_MAPS; ++k) {
-            const fathom_map *map = &scene->materials.items[m->material].value.maps[k];
-            bare |= map->texture != FATHOM_NONE && !(map->uv_set ? m->uvs_1 : m->uvs);
-        }
-        count += bare && !(m->point_radius > 0);
+    for (uint32_t i = graph->objects.first[group]; i < graph->objects.first[group + 1]; ++i) {
+        const scene_object object = scene->objects.items[graph->objects.items[i]];
+        if (object.kind != SCENE_MESH) continue;
+        const fathom_mesh *m = &scene->meshes.items[object.index];
+        const unsigned has = (m->uvs ? 1 : 0) | (m->uvs_1 ? 2 : 0);
+        count += ((given | sets_of(scene, m->material)) & ~has) && !(m->point_radius > 0);
     }
     return count;
+}
+
+/* The same of the scene. The materials of instances replace those of the meshes in them. */
+static fathom_status count_bare(const fathom_scene *scene, const scene_graph *graph, size_t *out) {
+    unsigned *given = calloc(scene->groups.count, sizeof *given);
+    *out = 0;
+    if (!given) return fail_memory(scene->context, scene->groups.count * sizeof *given);
+    for (uint32_t k = 0; k < graph->order_count; ++k) {
+        const uint32_t g = graph->order[k];
+        for (uint32_t i = graph->instances.first[g]; i < graph->instances.first[g + 1]; ++i) {
+            const fathom_instance *instance = &scene->instances.items[graph->instances.items[i]];
+            given[instance->group] |= given[g] | sets_of(scene, instance->material);
+        }
+        *out += count_bare_of(scene, graph, g, given[g]);
+    }
+    free(given);
+    return FATHOM_OK;
 }
 
 fathom_settings write_usual_settings(const fathom_scene *scene) {
@@ -193,11 +219,12 @@ static fathom_status count_radii(const fathom_scene *scene, const scene_graph *g
 static fathom_status note_lost(const fathom_scene *scene, const scene_graph *graph, const size_t *ways,
                                format_id format, note_list *notes) {
     const size_t lost_points = write_ply_lost_points(scene, ways);
-    size_t radii = 0, stretched = 0;
+    size_t radii = 0, stretched = 0, bare = 0;
     scene_bounds world;
     fathom_status status =
         format == PLY && lost_points ? FATHOM_OK : count_radii(scene, graph, format, &radii);
     if (status == FATHOM_OK) status = scene_world_bounds(scene, &world);
+    if (status == FATHOM_OK) status = count_bare(scene, graph, &bare);
     if (status == FATHOM_OK && format & MESHES) status = write_count_stretched(scene, graph, &stretched);
     const bool far = status == FATHOM_OK && write_is_far(&world);
     const bool image = format == PLY && write_ply_image(scene, graph);
@@ -227,7 +254,7 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
         {MODELS, count_settings(scene), "a setting of the image is left out"},
         {MODELS, count_spaces(scene),
          "the color space of an image is left out: colours are read as sRGB, and numbers as linear"},
-        {GLB | OBJ, count_bare(scene),
+        {GLB | OBJ, bare,
          "a mesh with images has no texture coordinates; readers show their colour at (0, 0)"},
         {OBJ, count_filters(scene, FATHOM_TEXTURE_NEAREST), "the filter of an image is left out"},
         {GLB, count_filters(scene, FATHOM_TEXTURE_STOCHASTIC),

@@ -155,7 +155,9 @@ static void put_light(const glb *g, file_writer *t, const fathom_light *light) {
     static const char *const types[] = {"point", "directional", "spot", ""};
     const float *k = light->intensity;
     const double most = fmax((double)k[0], fmax((double)k[1], (double)k[2]));
-    file_writer_print(t, "{\"type\":\"%s\",\"intensity\":%.17g,\"color\":[", types[light->type], most * pi);
+    file_writer_print(t, "{");
+    if (light->name) glb_put_name(t, "", light->name), file_writer_print(t, ",");
+    file_writer_print(t, "\"type\":\"%s\",\"intensity\":%.17g,\"color\":[", types[light->type], most * pi);
     for (int c = 0; c < 3; ++c)
         file_writer_print(t, "%s%.17g", c ? "," : "", most > 0 ? (double)k[c] / most : 1);
     file_writer_print(t, "]");

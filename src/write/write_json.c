@@ -153,7 +153,7 @@ static form_light_id light_id(const fathom_light *light) {
 static void put_light(const json_out *o, const fathom_light *light, fathom_id id, const char *file) {
     const bool sky = light->type == FATHOM_LIGHT_ENVIRONMENT;
     const form_light_values usual = {.color = {1, 1, 1}, .intensity = 1, .up = {0, 1, 0}};
-    form_light_values v = {.intensity = 1, .radius = light->radius, .file = file};
+    form_light_values v = {.name = light->name, .intensity = 1, .radius = light->radius, .file = file};
     const char *comma = "";
     memcpy(v.color, light->intensity, sizeof v.color);
     memcpy(v.position, light->position, sizeof v.position);

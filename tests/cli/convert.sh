@@ -44,6 +44,28 @@ run 0 convert two.json two.ply
 run 0 convert two.ply back.json
 said back.json '"colors":[[0.5,0.25,0.125],[0.5,0.25,0.125],[0.5,0.25,0.125],[0,1,0],[0,1,0],[0,1,0]]'
 
+# Lights keep their names, through scene JSON and glTF; a glTF light without one has that of its node.
+cat >lights.json <<'JSON'
+{ "lights": [ { "type": "point", "name": "key", "position": [2, 3, 2] }, { "type": "spot", "name": "\"rim\"", "position": [0, 4, 0], "direction": [0, -1, 0] },
+    { "type": "directional", "direction": [-1, -1, 0] } ],
+  "objects": [ { "type": "mesh", "positions": [[0,0,0],[1,0,0],[0,1,0]], "indices": [[0,1,2]] } ] }
+JSON
+run 0 convert lights.json lights.glb
+run 0 convert lights.glb back.json
+for name in key '\"rim\"'; do said back.json "\"name\":\"$name\""; done
+not_said back.json '"type":"directional","name"'
+cat >node.gltf <<'JSON'
+{ "asset": { "version": "2.0" }, "extensionsUsed": [ "KHR_lights_punctual" ],
+  "extensions": { "KHR_lights_punctual": { "lights": [ { "type": "point" } ] } },
+  "buffers": [ { "byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" } ],
+  "bufferViews": [ { "buffer": 0, "byteLength": 36 } ],
+  "accessors": [ { "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3 } ],
+  "meshes": [ { "primitives": [ { "attributes": { "POSITION": 0 } } ] } ],
+  "nodes": [ { "mesh": 0 }, { "name": "lamp", "extensions": { "KHR_lights_punctual": { "light": 0 } } } ] }
+JSON
+run 0 convert node.gltf back.json
+said back.json '"name":"lamp"'
+
 # Light groups of all kinds of sources.
 cat >groups.json <<'JSON'
 {"image":{"width":32,"height":24,"spp":4,"aovs":["lightGroups"]},

@@ -323,18 +323,32 @@ UNIT_TEST(mtl_keeps_every_parameter_or_tells) {
     }
 }
 
-/* Scene JSON shows half of an image on each triangle of such a mesh, and lights nothing. */
-UNIT_TEST(images_without_coordinates_and_scenes_without_lights_are_told) {
+/* Scene JSON shows half of an image on each triangle of such a mesh, and lights nothing. by_instance: the
+ * mesh has no images of its own, and is placed by an instance whose material has. */
+static void write_without_coordinates(bool by_instance) {
     static const char *const names[] = {"m.obj", "m.glb", "m.json"};
     const fathom_texture image = {.size = sizeof image, .bytes = "\x89PNG\r\n", .byte_count = 6};
     fathom_scene *scene;
     fathom_material m;
     fathom_mesh mesh = two_triangles();
+    fathom_instance instance;
+    fathom_id id, outer, group = FATHOM_ROOT;
     fathom_material_default(&m);
+    fathom_instance_default(&instance);
     assert_ok(context, fathom_scene_create(context, &scene));
     assert_ok(context, fathom_scene_add_texture(scene, &image, &m.maps[FATHOM_MAP_COLOR].texture));
-    assert_ok(context, fathom_scene_add_material(scene, "m", &m, &mesh.material));
-    assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+    assert_ok(context, fathom_scene_add_material(scene, "m", &m, &id));
+    if (by_instance) {
+        assert_ok(context, fathom_scene_add_group(scene, "inner", &group));
+        assert_ok(context, fathom_scene_add_group(scene, "outer", &outer));
+        instance.group = group, instance.parent = outer;
+        assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
+        instance.group = outer, instance.parent = FATHOM_ROOT, instance.material = id;
+        assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
+    } else {
+        mesh.material = id;
+    }
+    assert_ok(context, fathom_scene_add_mesh(scene, group, &mesh, NULL));
     scene->has_lights = true;
     for (int k = 0; k < 3; ++k) {
         told[0] = '\0';
@@ -347,6 +361,11 @@ UNIT_TEST(images_without_coordinates_and_scenes_without_lights_are_told) {
         unlink(in_folder("m-0.png"));
     }
     fathom_scene_destroy(scene);
+}
+
+UNIT_TEST(images_without_coordinates_and_scenes_without_lights_are_told) {
+    write_without_coordinates(false);
+    write_without_coordinates(true);
 }
 
 int main(void) { return unit_main(open_folder, remove_folder); }

@@ -77,6 +77,7 @@ static bool read_light(gltf *g, const gltf_value *at, fathom_light *out) {
     double color[3] = {1, 1, 1}, intensity = 1;
     fathom_light_default(out);
     if (!read_type(g, at, &out->type)) return false;
+    gltf_text(g, at, "name", &out->name);
     gltf_numbers(g, at, "color", 3, 0, INFINITY, color);
     gltf_number(g, at, "intensity", 0, INFINITY, &intensity);
     if (out->type == FATHOM_LIGHT_SPOT) read_cone(g, at, out);
@@ -107,6 +108,7 @@ void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *way) {
         gltf_note(g, node, NULL, "a light is scaled to nothing, and left out");
         return;
     }
+    if (!light.name) light.name = json_string_value(json_object_get(node->json, "name"));
     store_f64(light.position, scale_f64(gltf_unit(g), affine_point(to_world, (vec3_f64){0, 0, 0})));
     store_f64(light.direction, normalize_f64(along));
     gltf_within(g, node, NULL, fathom_scene_add_light(g->scene, &light, NULL));

@@ -275,6 +275,7 @@ static fathom_status add_light(const object_reader *r, const where *at, json_t *
     fathom_light light;
     fathom_light_default(&light);
     light.type = light_type((form_light_id)f->id);
+    light.name = v.name;
     set_light(value, &v, &light);
     if (doc_has(value, "target") && !(length_f64(load_f64(light.direction)) > 0))
         return doc_fail(r->doc, &target, "it is the light's position; expected another point to shine at");
