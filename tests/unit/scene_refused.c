@@ -219,6 +219,49 @@ UNIT_TEST(surroundings) {
 
 /* ---- shapes ---- */
 
+static const double bad[] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
+
+/* Sets each of `count` numbers from `first` on to each bad value in turn; `add` is of a default item. */
+#define REFUSED_NUMBERS(type, first, count, add, words)                                                      \
+    for (int k = 0; k < 3 * (count); ++k) {                                                                  \
+        type item;                                                                                           \
+        type##_default(&item);                                                                               \
+        (first)[k / 3] = bad[k % 3];                                                                         \
+        REFUSED(add, words);                                                                                 \
+    }
+
+UNIT_TEST(numbers_of_shapes_that_are_not_finite) {
+    REFUSED_NUMBERS(fathom_sphere, item.center, 3, fathom_scene_add_sphere(scene, FATHOM_ROOT, &item, NULL),
+                    "center");
+    REFUSED_NUMBERS(fathom_sphere, &item.radius, 1, fathom_scene_add_sphere(scene, FATHOM_ROOT, &item, NULL),
+                    "radius");
+    REFUSED_NUMBERS(fathom_quad, item.corners[0], 12, fathom_scene_add_quad(scene, FATHOM_ROOT, &item, NULL),
+                    "corners");
+    REFUSED_NUMBERS(fathom_plane, item.point, 3, fathom_scene_add_plane(scene, FATHOM_ROOT, &item, NULL),
+                    "point");
+    REFUSED_NUMBERS(fathom_plane, item.normal, 3, fathom_scene_add_plane(scene, FATHOM_ROOT, &item, NULL),
+                    "normal");
+    fathom_id group;
+    assert_ok(context, fathom_scene_add_group(scene, "g", &group));
+    REFUSED_NUMBERS(fathom_instance, item.transform, 12,
+                    (item.group = group, fathom_scene_add_instance(scene, &item, NULL)), "transform");
+}
+
+UNIT_TEST(shapes_without_an_area) {
+    fathom_sphere sphere;
+    fathom_sphere_default(&sphere);
+    for (int k = 0; k < 2; ++k) {
+        sphere.radius = -k;
+        REFUSED(fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL), "radius");
+    }
+    fathom_quad quad;
+    fathom_quad_default(&quad);
+    memset(quad.corners, 0, sizeof quad.corners);
+    REFUSED(fathom_scene_add_quad(scene, FATHOM_ROOT, &quad, NULL), "area");
+    for (int k = 0; k < 4; ++k) quad.corners[k][0] = k;
+    REFUSED(fathom_scene_add_quad(scene, FATHOM_ROOT, &quad, NULL), "area");
+}
+
 UNIT_TEST(shapes) {
     fathom_sphere sphere;
     fathom_sphere_default(&sphere);
@@ -268,6 +311,14 @@ UNIT_TEST(meshes) {
     MESH("positions: the stride is 14", m.position_stride = 14);
     MESH("positions: the stride is 8", m.position_stride = 8);
     MESH("positions[3]", m.positions = odd);
+    for (int k = 0; k < 36; ++k) {
+        float p[12];
+        char words[32];
+        memcpy(p, corners, sizeof p);
+        p[k / 3] = (float)bad[k % 3];
+        snprintf(words, sizeof words, "positions[%d]", k / 9);
+        MESH(words, m.positions = p);
+    }
     MESH("indices[5]: 4, of triangle 1, is out of range; there are 4", m.indices = beyond);
     MESH("normals: there are 3 for 4", m.normals = corners, m.normal_count = 3);
     MESH("normals: the stride is 8", m.normals = corners, m.normal_count = 4, m.normal_stride = 8);

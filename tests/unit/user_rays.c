@@ -1,6 +1,7 @@
 /* Rays of one's own: what a hit says, against closed forms, on both tracers and at any place and size. */
 #include "stage.h"
 
+#include <float.h>
 #include <pthread.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -342,36 +343,104 @@ static void ids_in_images_are_those_of_hits(void **state) {
     stage_close(&s);
 }
 
+/* A ray from distance 3 towards the unit sphere at the origin: t = 2. */
+static const fathom_ray good = {{0, 0, 3}, {0, 0, -1}, 0, HUGE_VAL};
+
+static const fathom_tracer *unit_sphere(stage *s, const char *kind) {
+    stage_open(s);
+    add_sphere(s, FATHOM_ROOT, 0, 0, 0, 1, 0);
+    return stage_tracer(s, kind);
+}
+
+static void sphere_close(stage *s, const fathom_tracer *tracer) {
+    fathom_tracer_destroy((fathom_tracer *)(uintptr_t)tracer);
+    stage_close(s);
+}
+
+/* The ray is the 18th of 20, in the second block. Those before it have hits. */
+static void refuses_number(stage *s, const fathom_tracer *tracer, size_t field, double value,
+                           const char *message) {
+    fathom_ray rays[20];
+    fathom_hit hits[20];
+    bool any[20] = {false};
+    for (int i = 0; i < 20; ++i) rays[i] = good, hits[i].t = 0;
+    memcpy((char *)&rays[17] + field * sizeof(double), &value, sizeof(double));
+    assert_fails(s->context, fathom_tracer_closest(tracer, rays, 20, hits), FATHOM_BAD_USAGE, message);
+    assert_fails(s->context, fathom_tracer_any(tracer, rays, 20, any), FATHOM_BAD_USAGE, message);
+    for (int i = 0; i < 17; ++i) assert_true(hits[i].t == 2 && any[i]);
+}
+
 static void wrong_rays_are_refused(void **state) {
     (void)state;
-    stage s;
-    stage_open(&s);
-    add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
-    fathom_tracer *tracer = stage_tracer(&s, "embree");
-    fathom_ray rays[2] = {{{3, 0, 0}, {-1, 0, 0}, 0, HUGE_VAL}, {{3, 0, 0}, {-1, 0, 0}, 0, HUGE_VAL}};
-    fathom_hit hits[2];
-    const struct {
-        size_t field;
-        double value;
-        const char *message;
-    } cases[] = {{0, (double)NAN, "rays[1]: origin"},     {1, HUGE_VAL, "rays[1]: origin"},
-                 {4, (double)NAN, "rays[1]: direction"},  {3, 0, "rays[1]: direction: is zero"},
-                 {6, (double)NAN, "rays[1]: t_min"},      {7, (double)NAN, "rays[1]: t_max"},
-                 {0, 1e30, "rays[1]: origin: lies more"}, {6, -HUGE_VAL, "rays[1]: t_min"}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        rays[1] = rays[0];
-        memcpy((char *)&rays[1] + cases[i].field * sizeof(double), &cases[i].value, sizeof(double));
-        hits[0].t = 0;
-        assert_fails(s.context, fathom_tracer_closest(tracer, rays, 2, hits), FATHOM_BAD_USAGE,
-                     cases[i].message);
-        assert_true(hits[0].t == 2); /* rays before the wrong one have hits */
-        bool any[2] = {false, false};
-        assert_fails(s.context, fathom_tracer_any(tracer, rays, 2, any), FATHOM_BAD_USAGE, cases[i].message);
-        assert_true(any[0]);
+    static const double bad[] = {(double)NAN, HUGE_VAL, -HUGE_VAL};
+    for (int k = 0; k < 2; ++k) {
+        stage s;
+        const fathom_tracer *tracer = unit_sphere(&s, kinds[k]);
+        for (size_t i = 0; i < 9; ++i) {
+            refuses_number(&s, tracer, i % 3, bad[i / 3], "rays[17]: origin");
+            refuses_number(&s, tracer, 3 + i % 3, bad[i / 3], "rays[17]: direction");
+            refuses_number(&s, tracer, 6, bad[i / 3], "rays[17]: t_min");
+        }
+        refuses_number(&s, tracer, 5, 0, "rays[17]: direction: is zero");
+        refuses_number(&s, tracer, 5, -0.0, "rays[17]: direction: is zero");
+        refuses_number(&s, tracer, 7, (double)NAN, "rays[17]: t_max");
+        for (int e = 60; e <= 1020; e += 60)
+            refuses_number(&s, tracer, 2, ldexp(1, e), "rays[17]: origin: lies more");
+        assert_ok(s.context, fathom_tracer_closest(tracer, &good, 0, NULL));
+        sphere_close(&s, tracer);
     }
-    assert_ok(s.context, fathom_tracer_closest(tracer, rays, 0, NULL));
-    fathom_tracer_destroy(tracer);
-    stage_close(&s);
+}
+
+static void empty_intervals_hold_no_hit(void **state) {
+    (void)state;
+    const double ends[5][2] = {{1, 1}, {2, 2}, {3, 1}, {0, -HUGE_VAL}, {0, 0}};
+    for (int k = 0; k < 10; ++k) {
+        stage s;
+        const fathom_tracer *tracer = unit_sphere(&s, kinds[k / 5]);
+        fathom_ray ray = good;
+        ray.t_min = ends[k % 5][0], ray.t_max = ends[k % 5][1];
+        assert_true(shoot(&s, tracer, ray).t == HUGE_VAL);
+        sphere_close(&s, tracer);
+    }
+}
+
+/* Directions may be denormal in double. The tolerance is the rounding of a few operations in double: 8 units.
+ * A t beyond the range of double cannot be told: the ray misses. */
+static void directions_and_distances_have_any_size(void **state) {
+    (void)state;
+    for (int k = 0; k < 2; ++k) {
+        stage s;
+        const fathom_tracer *tracer = unit_sphere(&s, kinds[k]);
+        fathom_ray ray = good;
+        for (int e = -1010; e <= 1020; e += 10) {
+            ray.direction[2] = -ldexp(1, e);
+            assert_near(shoot(&s, tracer, ray).t / ldexp(2, -e), 1, 8 * 0x1p-53);
+        }
+        ray.direction[2] = -DBL_TRUE_MIN;
+        assert_true(shoot(&s, tracer, ray).t == HUGE_VAL);
+        ray = good;
+        for (int e = 5; e < 50; e += 5) {
+            ray.origin[2] = ldexp(1, e);
+            assert_near(shoot(&s, tracer, ray).t / (ldexp(1, e) - 1), 1, 8 * 0x1p-53);
+        }
+        sphere_close(&s, tracer);
+    }
+}
+
+/* A component that float or double cannot represent acts as 0. */
+static void denormal_parts_act_as_zero(void **state) {
+    (void)state;
+    const double parts[] = {1e-40, -1e-40, 1e-46, DBL_TRUE_MIN, -DBL_TRUE_MIN};
+    for (int k = 0; k < 2; ++k) {
+        stage s;
+        const fathom_tracer *tracer = unit_sphere(&s, kinds[k]);
+        for (unsigned i = 0; i < 20; ++i) {
+            fathom_ray ray = good;
+            (i < 10 ? ray.origin : ray.direction)[i / 5 % 2] = parts[i % 5];
+            assert_near(shoot(&s, tracer, ray).t, 2, 16 * 0x1p-53);
+        }
+        sphere_close(&s, tracer);
+    }
 }
 
 /* Many threads, one tracer. */
@@ -432,6 +501,9 @@ int main(void) {
         cmocka_unit_test(rays_from_far_away_hit_what_they_are_aimed_at),
         cmocka_unit_test(ids_in_images_are_those_of_hits),
         cmocka_unit_test(wrong_rays_are_refused),
+        cmocka_unit_test(empty_intervals_hold_no_hit),
+        cmocka_unit_test(directions_and_distances_have_any_size),
+        cmocka_unit_test(denormal_parts_act_as_zero),
         cmocka_unit_test(threads_share_a_tracer),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

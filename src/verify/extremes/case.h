@@ -88,7 +88,3 @@ void beyond_spheres(judged_scene *c, double at);
 void beyond_quads(judged_scene *c, double at);
 void beyond_triangles(judged_scene *c, double at);
 void broken_make(judged_scene *c, double kind);
-
-/* Cases of the public API. Correct and incorrect results go to the row's counts of AGREE and WRONG. */
-fathom_status refused_check(fathom_context *context, const char *tracer, double which, extremes_row *row);
-fathom_status user_rays_check(fathom_context *context, const char *words, double which, extremes_row *row);

@@ -6,7 +6,6 @@
 typedef struct group {
     const char *name, *meaning;
     void (*make)(judged_scene *c, double parameter);
-    fathom_status (*check)(fathom_context *context, const char *tracer, double which, extremes_row *row);
     const double *values;
     unsigned count;
 } group;
@@ -29,40 +28,38 @@ static const double numbers[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 
 #define VALUES(a) (a), sizeof(a) / sizeof *(a)
 
 static const group groups[] = {
-    {"scale-spheres", "scale", scale_spheres, NULL, VALUES(scales)},
-    {"scale-quads", "scale", scale_quads, NULL, VALUES(scales)},
-    {"scale-triangles", "scale", scale_triangles, NULL, VALUES(scales)},
-    {"size-spheres", "scale", scale_spheres, NULL, VALUES(sizes)},
-    {"size-quads", "scale", scale_quads, NULL, VALUES(sizes)},
-    {"size-triangles", "scale", scale_triangles, NULL, VALUES(sizes)},
-    {"beyond-spheres", "size", beyond_spheres, NULL, VALUES(reaches)},
-    {"beyond-quads", "size", beyond_quads, NULL, VALUES(reaches)},
-    {"beyond-triangles", "size", beyond_triangles, NULL, reaches, 7},
-    {"offset-near", "distance", offset_near, NULL, VALUES(offsets)},
-    {"offset-raw", "distance", offset_raw, NULL, VALUES(offsets)},
-    {"sliver", "length/width", sliver_make, NULL, VALUES(aspects)},
-    {"grazing-triangles", "radians", grazing_triangles, NULL, VALUES(angles)},
-    {"grazing-quads", "radians", grazing_quads, NULL, VALUES(angles)},
-    {"grazing-spheres", "radians", grazing_spheres, NULL, VALUES(angles)},
-    {"grazing-planes", "radians", grazing_planes, NULL, VALUES(angles)},
-    {"tangent", "distance over radius", tangent_make, NULL, VALUES(tangents)},
-    {"ratio-outside", "radius over distance", ratio_outside, NULL, VALUES(ratios)},
-    {"ratio-inside", "radius over distance", ratio_inside, NULL, ratios + 6, 7},
-    {"ratio-surface", "radius over distance", ratio_surface, NULL, VALUES(ratios)},
-    {"planet-part", "metres", planet_make, NULL, VALUES(parts)},
-    {"planet-all", "metres", planet_outer, NULL, VALUES(parts)},
-    {"copies-triangles", "copies", copies_triangles, NULL, VALUES(counts)},
-    {"copies-quads", "copies", copies_quads, NULL, VALUES(counts)},
-    {"copies-spheres", "copies", copies_spheres, NULL, VALUES(counts)},
-    {"overlap-level", "triangles", overlap_level, NULL, VALUES(layers)},
-    {"overlap-tilted", "triangles", overlap_tilted, NULL, VALUES(layers)},
-    {"nested-back", "factor", nested_back, NULL, VALUES(steps)},
-    {"nested-grow", "factor", nested_grow, NULL, VALUES(steps)},
-    {"nested-stretch", "factor", nested_stretch, NULL, VALUES(steps)},
-    {"nested-mirror", "factor", nested_mirror, NULL, VALUES(steps)},
-    {"broken", "", broken_make, NULL, numbers, 15},
-    {"refused", "", NULL, refused_check, numbers, 5},
-    {"user-rays", "", NULL, user_rays_check, numbers, 8},
+    {"scale-spheres", "scale", scale_spheres, VALUES(scales)},
+    {"scale-quads", "scale", scale_quads, VALUES(scales)},
+    {"scale-triangles", "scale", scale_triangles, VALUES(scales)},
+    {"size-spheres", "scale", scale_spheres, VALUES(sizes)},
+    {"size-quads", "scale", scale_quads, VALUES(sizes)},
+    {"size-triangles", "scale", scale_triangles, VALUES(sizes)},
+    {"beyond-spheres", "size", beyond_spheres, VALUES(reaches)},
+    {"beyond-quads", "size", beyond_quads, VALUES(reaches)},
+    {"beyond-triangles", "size", beyond_triangles, reaches, 7},
+    {"offset-near", "distance", offset_near, VALUES(offsets)},
+    {"offset-raw", "distance", offset_raw, VALUES(offsets)},
+    {"sliver", "length/width", sliver_make, VALUES(aspects)},
+    {"grazing-triangles", "radians", grazing_triangles, VALUES(angles)},
+    {"grazing-quads", "radians", grazing_quads, VALUES(angles)},
+    {"grazing-spheres", "radians", grazing_spheres, VALUES(angles)},
+    {"grazing-planes", "radians", grazing_planes, VALUES(angles)},
+    {"tangent", "distance over radius", tangent_make, VALUES(tangents)},
+    {"ratio-outside", "radius over distance", ratio_outside, VALUES(ratios)},
+    {"ratio-inside", "radius over distance", ratio_inside, ratios + 6, 7},
+    {"ratio-surface", "radius over distance", ratio_surface, VALUES(ratios)},
+    {"planet-part", "metres", planet_make, VALUES(parts)},
+    {"planet-all", "metres", planet_outer, VALUES(parts)},
+    {"copies-triangles", "copies", copies_triangles, VALUES(counts)},
+    {"copies-quads", "copies", copies_quads, VALUES(counts)},
+    {"copies-spheres", "copies", copies_spheres, VALUES(counts)},
+    {"overlap-level", "triangles", overlap_level, VALUES(layers)},
+    {"overlap-tilted", "triangles", overlap_tilted, VALUES(layers)},
+    {"nested-back", "factor", nested_back, VALUES(steps)},
+    {"nested-grow", "factor", nested_grow, VALUES(steps)},
+    {"nested-stretch", "factor", nested_stretch, VALUES(steps)},
+    {"nested-mirror", "factor", nested_mirror, VALUES(steps)},
+    {"broken", "", broken_make, numbers, 15},
 };
 
 unsigned extremes_groups(void) { return sizeof groups / sizeof *groups; }
@@ -146,12 +143,13 @@ static fathom_status ask_tracer(const judged_scene *c, const extremes_options *o
     return status;
 }
 
-static fathom_status run_case(fathom_context *context, const group *g, double parameter,
-                              const extremes_options *o, extremes_rows *rows) {
+fathom_status extremes_run(fathom_context *context, unsigned g, unsigned index, const extremes_options *o,
+                           extremes_rows *rows) {
+    const double parameter = groups[g].values[index];
     judged_scene c;
-    fathom_status status = case_open(context, g->make, parameter, &c);
+    fathom_status status = case_open(context, groups[g].make, parameter, &c);
     for (size_t i = 0; i < o->spec_count && status == FATHOM_OK; ++i) {
-        extremes_row row = {.group = g->name, .parameter = parameter};
+        extremes_row row = {.group = groups[g].name, .parameter = parameter};
         memcpy(row.words, c.words, sizeof row.words);
         status = ask_tracer(&c, o, o->specs[i], &row, rows);
     }
@@ -164,30 +162,7 @@ static fathom_status run_case(fathom_context *context, const group *g, double pa
 fathom_status extremes_open(fathom_context *context, const char *name, double parameter, judged_scene *out) {
     memset(out, 0, sizeof *out);
     for (unsigned g = 0; g < extremes_groups(); ++g) {
-        if (strcmp(groups[g].name, name) == 0 && groups[g].make)
-            return case_open(context, groups[g].make, parameter, out);
+        if (strcmp(groups[g].name, name) == 0) return case_open(context, groups[g].make, parameter, out);
     }
-    return fail(context, FATHOM_BAD_INPUT, "there is no group of extreme cases \"%.60s\" that asks rays",
-                name);
-}
-
-/* ---- cases of the public API ---- */
-
-static fathom_status run_check(fathom_context *context, const group *g, double parameter,
-                               extremes_rows *rows) {
-    static const char *const tracers[] = {"embree", "reference"};
-    fathom_status status = FATHOM_OK;
-    for (size_t i = 0; i < 2 && status == FATHOM_OK; ++i) {
-        extremes_row row = {.group = g->name, .parameter = parameter, .spec = tracers[i]};
-        status = g->check(context, tracers[i], parameter, &row);
-        if (status == FATHOM_OK) status = push(context, rows, &row);
-    }
-    return status;
-}
-
-fathom_status extremes_run(fathom_context *context, unsigned g, unsigned index,
-                           const extremes_options *options, extremes_rows *rows) {
-    double parameter = groups[g].values[index];
-    return groups[g].make ? run_case(context, &groups[g], parameter, options, rows)
-                          : run_check(context, &groups[g], parameter, rows);
+    return fail(context, FATHOM_BAD_INPUT, "there is no group of extreme cases \"%.60s\"", name);
 }

@@ -47,9 +47,8 @@ const char *extremes_name(unsigned group);
 const char *extremes_meaning(unsigned group); /* of the parameter; "": index in a list */
 unsigned extremes_cases(unsigned group);
 
-/* Appends a row for each tracer that supports the scene; plug-ins support only triangles. Cases of the public
- * API run once for each of their own tracers, whatever the options say. FATHOM_INTERRUPTED when progress
- * returned false. */
+/* Appends a row for each tracer that supports the scene; plug-ins support only triangles. FATHOM_INTERRUPTED
+ * when progress returned false. */
 fathom_status extremes_run(fathom_context *context, unsigned group, unsigned index,
                            const extremes_options *options, extremes_rows *rows);
 
