@@ -88,11 +88,6 @@ fathom_status film_create_like(fathom_context *context, const fathom_film *film,
  * written under its lock. */
 fathom_status film_copy(fathom_context *context, const fathom_film *film, fathom_film **out);
 
-/* Encodes to memory the PNG that fathom_film_write() writes with default options; needs no folder. On
- * FATHOM_OK release *bytes with free(). */
-fathom_status film_encode_png(fathom_context *context, const fathom_film *film, unsigned char **bytes,
-                              size_t *size);
-
 typedef struct film_outputs {
     const char *const *paths;
     size_t count;

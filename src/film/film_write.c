@@ -46,12 +46,10 @@ bool fathom_write_needs_helper(const char *path, const fathom_write_options *opt
            image_needs_module(path, &write);
 }
 
-/* The destination; a call leaves members that it does not use NULL. */
+/* The destination. options: NULL for calls that use none. */
 typedef struct target {
     const char *path;
     const fathom_write_options *options;
-    unsigned char **bytes;
-    size_t *size;
 } target;
 
 typedef fathom_status (*write_call)(fathom_context *context, const image *img, const target *to);
@@ -155,10 +153,6 @@ static fathom_status write_rehearsal(fathom_context *context, const image *img, 
     return image_rehearse(context, img, to->path, to->options);
 }
 
-static fathom_status write_memory(fathom_context *context, const image *img, const target *to) {
-    return image_encode_png(context, img, to->options, to->bytes, to->size);
-}
-
 fathom_status fathom_film_write(fathom_context *context, const fathom_film *film, const char *path,
                                 const fathom_write_options *options) {
     if (!context || !film) return fail_null(context, "film");
@@ -173,14 +167,6 @@ fathom_status fathom_film_write_plain(fathom_context *context, const fathom_film
     if (!context || !film) return fail_null(context, "film");
     if (!path) return fail_null(context, "path");
     return write_film(context, film, write_plain, &(target){.path = path});
-}
-
-fathom_status film_encode_png(fathom_context *context, const fathom_film *film, unsigned char **bytes,
-                              size_t *size) {
-    fathom_write_options options;
-    fathom_write_options_default(&options);
-    return write_film(context, film, write_memory,
-                      &(target){.options = &options, .bytes = bytes, .size = size});
 }
 
 /* ---- duration of writing ---- */

@@ -72,10 +72,6 @@ fathom_status exr_write_plain(fathom_context *context, const image *img, const c
 fathom_status image_rehearse(fathom_context *context, const image *img, const char *path,
                              const fathom_write_options *options);
 
-/* Writes a PNG as image_write() does, but to memory. On FATHOM_OK release it with free(). */
-fathom_status image_encode_png(fathom_context *context, const image *img, const fathom_write_options *options,
-                               unsigned char **bytes, size_t *size);
-
 /* Checks path and options before rendering: that the extension is known, that the folder is writable, and
  * that the helper exists if it is needed. Calls the helper only for a view other than the built-in sRGB. */
 fathom_status image_check(fathom_context *context, const char *path, const fathom_write_options *options);

@@ -35,8 +35,6 @@ typedef struct writing {
     image_view *view; /* NULL: srgb_codes */
     srgb_codes srgb_codes;
     bool srgb, float_color, rehearsal;
-    unsigned char **bytes; /* NULL: writes to a file */
-    size_t *size;
     unsigned threads;
 
     size_t chunk;           /* rows per call of the writer */
@@ -203,15 +201,9 @@ static fathom_status write_rows(writing *w, file_writer *file) {
     return status;
 }
 
-static fathom_status open_file(const writing *w, file_writer **out) {
-    return w->bytes ? file_writer_open_memory(w->context, w->path, out)
-                    : file_writer_open(w->context, w->path, out);
-}
-
 /* Ends the file after a write that returned `status`. */
 static fathom_status close_file(const writing *w, file_writer *file, fathom_status status) {
     if (w->rehearsal) file_writer_sync(file); /* its time is part of writing */
-    if (status == FATHOM_OK && w->bytes) return file_writer_take(file, w->bytes, w->size);
     if (status == FATHOM_OK && !w->rehearsal) return file_writer_commit(file);
     file_writer_abort(file);
     return status;
@@ -219,7 +211,7 @@ static fathom_status close_file(const writing *w, file_writer *file, fathom_stat
 
 static fathom_status write_file(writing *w) {
     file_writer *file;
-    fathom_status status = open_file(w, &file);
+    fathom_status status = file_writer_open(w->context, w->path, &file);
     if (status != FATHOM_OK) return status;
     return close_file(w, file, w->format == IMAGE_EXR ? write_exr(w, file) : write_rows(w, file));
 }
@@ -239,7 +231,7 @@ static fathom_status choose_view(writing *w, const fathom_write_options *options
     return FATHOM_OK;
 }
 
-/* The caller must set the context, `path`, `bytes` and `size`. */
+/* The caller must set the context and `path`. */
 static fathom_status write_image(writing *w, const image *img, const fathom_write_options *options) {
     fathom_context *context = w->context;
     w->threads = fathom_context_threads(context);
@@ -269,12 +261,5 @@ fathom_status image_write(fathom_context *context, const image *img, const char 
 fathom_status image_rehearse(fathom_context *context, const image *img, const char *path,
                              const fathom_write_options *options) {
     writing w = {.context = context, .path = path, .rehearsal = true};
-    return write_image(&w, img, options);
-}
-
-fathom_status image_encode_png(fathom_context *context, const image *img, const fathom_write_options *options,
-                               unsigned char **bytes, size_t *size) {
-    writing w = {.context = context, .path = "image.png", .bytes = bytes, .size = size};
-    *bytes = NULL, *size = 0;
     return write_image(&w, img, options);
 }

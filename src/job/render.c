@@ -257,11 +257,11 @@ static void warn_of(fathom_context *context, const fathom_scene *scene, const fa
 }
 
 static fathom_status render_scene(fathom_context *context, const fathom_scene *scene,
-                                  const fathom_settings *settings, const vec3_f64 *origin, keeping *keep,
-                                  job_options *options, fathom_film *film) {
+                                  const fathom_settings *settings, keeping *keep, job_options *options,
+                                  fathom_film *film) {
     double began = clock_seconds();
     world *w;
-    fathom_status status = world_create_from(scene, origin, &w);
+    fathom_status status = world_create(scene, &w);
     if (status != FATHOM_OK) return status;
     status = world_check(w);
     if (status == FATHOM_OK) warn_of(context, scene, settings, w);
@@ -304,8 +304,7 @@ static fathom_status fill(fathom_context *context, const fathom_scene *scene, co
     if (status == FATHOM_OK && request->ranks)
         status = ranks_open(context, request->ranks, settings, film, &keep.ranks);
     if (status == FATHOM_OK && request->on_film) request->on_film(request->user, film);
-    if (status == FATHOM_OK)
-        status = render_scene(context, scene, settings, request->origin, &keep, &options, film);
+    if (status == FATHOM_OK) status = render_scene(context, scene, settings, &keep, &options, film);
     if (request->on_film) request->on_film(request->user, NULL);
     status = ranks_close(keep.ranks, status);
     checkpoint_close(keep.saving);

@@ -12,9 +12,7 @@ typedef struct render_request {
     /* Receives the film once it exists, and NULL before it is released. Other threads may copy it in between
      * (film_copy()). */
     void (*on_film)(void *user, const fathom_film *film);
-    void *user;             /* of both callbacks */
-    const vec3_f64 *origin; /* origin of the world's coordinates, see world_create_from(); used to show the
-                               precision that is lost far from the view */
+    void *user;                      /* of both callbacks */
     const job_reserve *reserve;      /* part of max_time that is reserved for the work after rendering */
     const fathom_checkpoint *saving; /* complete */
     const fathom_part *part;         /* complete; not with `saving` */

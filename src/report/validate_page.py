@@ -1,7 +1,5 @@
 """The page of `fathom validate`."""
 
-import base64
-import binascii
 import math
 
 from figure import Plot, side_by_side
@@ -355,28 +353,7 @@ def shading_section(results):
     return Section("shading", "Shading at extremes", markup)
 
 
-# ---- pictures ----
-
-
-def picture(image):
-    data = image.get("png", "")
-    try:
-        base64.b64decode(data, validate=True)
-    except binascii.Error:
-        return ""
-    title = text(image.get("title", ""))
-    return (f'<figure>\n<h3>{title}</h3>\n<img alt="{title}" src="data:image/png;base64,{data}">\n'
-            f"<figcaption>{text(image.get('caption', ''))}</figcaption>\n</figure>\n") if data else ""
-
-
-def images_section(results):
-    images = results.get("images", [])
-    if not images:
-        return Section("images", "Images", absent("No images: --extremes renders the demo scene at Earth’s radius."))
-    return Section("images", "Images", '<div class="figures pictures">\n' + "".join(map(picture, images)) + "</div>\n")
-
-
 def page_of(results):
-    parts = (runs_section, leaks_section, failures_section, time_section, histograms_section, extremes_section, shading_section, images_section)
+    parts = (runs_section, leaks_section, failures_section, time_section, histograms_section, extremes_section, shading_section)
     sections = [section for section in (part(results) for part in parts) if section]
     return page("Fathom: tracers against exact arithmetic", head(results), sections)

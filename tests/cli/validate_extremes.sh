@@ -1,8 +1,7 @@
 # fathom validate --extremes: the grid as table and JSON.
 . "$SOURCE/tests/cli/check.inc"
 
-# The images in its results need no temporary files.
-(TMPDIR=$PWD/nowhere run 0 validate --extremes --rays 20 --power 0 --families camera --json all.json) || exit 1
+run 0 validate --extremes --rays 20 --power 0 --families camera --json all.json
 said out.txt 'scale-triangles'
 said out.txt 'extreme cases, all'
 said all.json '"extremes": ['
@@ -13,13 +12,11 @@ done
 for spec in linear:f32 linear:f64 bvh embree embree:user; do
     said all.json "\"spec\": \"$spec\""
 done
-# Shading against closed forms, and the scene at the Earth's radius, with its images.
+# Shading against closed forms, and the scene at the Earth's radius.
 said out.txt 'error/bound'
 for group in mirrors 'light guide' 'critical angle' ior fresnel phong blinn 'light distance' terminator spot earth; do
     said all.json "\"group\": \"$group\""
 done
-said all.json "At the Earth's radius, float coordinates"
-test "$(grep -c '"png": "iVBORw0KGgo' all.json)" -eq 3
 not_said all.json '"ok": false'
 
 # A tracer of one's own, each row by itself; the grid changes the exit code. The page counts the leaks that the terminal counts,

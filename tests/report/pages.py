@@ -99,8 +99,7 @@ class ValidatePage(unittest.TestCase):
         rows = everything[: everything.index("</table>")]
         self.assertEqual(rows.count('<th scope="row">'), len(self.results["extremes"]))
 
-    def test_every_image_and_shading_case_is_shown(self):
-        self.assertEqual(self.document.counts["img"], len(self.results["images"]))
+    def test_every_shading_case_is_shown(self):
         self.assertEqual(self.markup.count('class="ratio"'), len(self.results["shading"]) + len({c["group"] for c in self.results["shading"]}))
 
     def test_ids_are_unique(self):

@@ -107,7 +107,6 @@ static void free_results(validate_results *results) {
     array_free(&results->extremes);
     array_free(&results->extremes_failures);
     array_free(&results->shading);
-    shading_images_free(&results->images);
 }
 
 static fathom_status replay(fathom_context *context, const validate_settings *settings) {

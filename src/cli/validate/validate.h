@@ -54,7 +54,6 @@ typedef struct validate_results {
     extremes_rows extremes;
     extremes_failures extremes_failures;
     shading_rows shading;
-    shading_images images;
     double start; /* clock_seconds() at the start */
 } validate_results;
 
@@ -127,12 +126,11 @@ fathom_status validate_light(fathom_context *context, const validate_settings *s
 /* ---- validate_shading.c ---- */
 
 /* Renders all cases of stiff shading with each of the settings' tracers, except tracers from libraries, which
- * support only triangles. Appends rows, and images if --json or --report is given. */
+ * support only triangles. Appends rows. */
 fathom_status validate_shading_run(fathom_context *context, const validate_settings *settings,
                                    validate_results *results);
 /* Number of rows outside their bounds. */
 uint64_t validate_shading_wrong(const shading_rows *rows);
 void validate_shading_print(const shading_rows *rows, const validate_settings *settings);
-/* The lists "shading" and "images" of --json. */
+/* The list "shading" of --json. */
 json_t *validate_shading_json(const shading_rows *rows);
-json_t *validate_images_json(const shading_images *images);

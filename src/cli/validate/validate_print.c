@@ -293,8 +293,7 @@ static json_t *pack(const validate_results *results, const validate_settings *se
                 JSON("raysPerFamily", settings->rays), JSON("boundConstants", bounds), JSON("runs", list));
     if (!settings->extremes) return root;
     return json_add(root, JSON("extremes", validate_extremes_json(&results->extremes)),
-                    JSON("shading", validate_shading_json(&results->shading)),
-                    JSON("images", validate_images_json(&results->images)));
+                    JSON("shading", validate_shading_json(&results->shading)));
 }
 
 fathom_status validate_write_json(fathom_context *context, const validate_results *results,

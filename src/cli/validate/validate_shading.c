@@ -3,7 +3,6 @@
 #include "cli/interrupt.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- running ---- */
@@ -39,9 +38,7 @@ fathom_status validate_shading_run(fathom_context *context, const validate_setti
         if (status == FATHOM_OK) status = shading_earth(context, &options, rows);
     }
     gather_groups(rows);
-    if (status != FATHOM_OK || !(settings->json || settings->report)) return status;
-    const shading_options options = {.progress = on_progress};
-    return shading_earth_images(context, &options, &results->images);
+    return status;
 }
 
 /* ---- results ---- */
@@ -94,34 +91,5 @@ static json_t *pack_row(const shading_row *row) {
 json_t *validate_shading_json(const shading_rows *rows) {
     json_t *list = json_array();
     for (size_t i = 0; i < rows->count; ++i) json_array_append_new(list, pack_row(&rows->items[i]));
-    return list;
-}
-
-/* RFC 4648. NULL when out of memory. */
-static char *base64(const unsigned char *bytes, size_t count) {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    char *text = malloc((count + 2) / 3 * 4 + 1), *c = text;
-    for (size_t i = 0; text && i < count; i += 3) {
-        size_t left = count - i;
-        uint32_t three = (uint32_t)bytes[i] << 16 | (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) |
-                         (left > 2 ? (uint32_t)bytes[i + 2] : 0);
-        *c++ = digits[three >> 18];
-        *c++ = digits[three >> 12 & 63];
-        *c++ = left > 1 ? digits[three >> 6 & 63] : '=';
-        *c++ = left > 2 ? digits[three & 63] : '=';
-    }
-    if (text) *c = 0;
-    return text;
-}
-
-json_t *validate_images_json(const shading_images *images) {
-    json_t *list = json_array();
-    for (size_t i = 0; i < images->count; ++i) {
-        const shading_image *image = &images->items[i];
-        char *png = base64(image->png, image->png_bytes);
-        json_array_append_new(
-            list, json_of(JSON("title", image->title), JSON("caption", image->caption), JSON("png", png)));
-        free(png);
-    }
     return list;
 }

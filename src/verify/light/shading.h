@@ -18,15 +18,6 @@ typedef struct shading_row {
 
 typedef ARRAY(shading_row) shading_rows;
 
-typedef struct shading_image {
-    char title[64], caption[400];
-    double difference; /* largest difference of a pixel from the first image */
-    unsigned char *png;
-    size_t png_bytes;
-} shading_image;
-
-typedef ARRAY(shading_image) shading_images;
-
 typedef struct shading_options {
     const char *spec;            /* the tracer, for trace_spec_parse(); must outlive the rows */
     double twist;                /* for tests: relative error put into the formulas' parameters; default 0 */
@@ -41,8 +32,3 @@ fathom_status shading_run(fathom_context *context, const shading_options *option
  * row that compares the images for each distance. Appends none for linear search in quadruple precision,
  * which would take minutes. */
 fathom_status shading_earth(fathom_context *context, const shading_options *options, shading_rows *rows);
-/* Renders the scene at the origin, moved, and moved with plain float coordinates. Always uses Embree. */
-fathom_status shading_earth_images(fathom_context *context, const shading_options *options,
-                                   shading_images *images);
-
-void shading_images_free(shading_images *images);

@@ -1,13 +1,7 @@
 /* A demonstration scene at the origin, and moved by the Earth's radius in double coordinates. The renderer
- * shifts coordinates to an origin near the view before they become float, so the images are the same. Another
- * image shows the moved scene without this shift: float positions are half a metre apart. */
-#include "job/render.h"
+ * shifts coordinates to an origin near the view before they become float, so the images are the same. */
 #include "trace/spec.h"
 #include "verify/light/shading_studio.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define WIDTH 240
 #define HEIGHT 180
@@ -125,26 +119,15 @@ static void open_demo(fathom_context *context, const shading_options *options, d
 
 /* ---- images of it ---- */
 
-/* How the scene is rendered. */
-typedef struct way {
-    const char *spec;
-    double distance;
-    uint32_t spp;
-    bool counted_from_zero; /* world coordinates are relative to the scene's own origin */
-} way;
-
-static fathom_status render_way(fathom_context *context, const shading_options *options, const way *w,
-                                fathom_film **out) {
-    static const vec3_f64 zero = {0, 0, 0};
+static fathom_status render_moved(fathom_context *context, const shading_options *options, double distance,
+                                  uint32_t spp, fathom_film **out) {
     demo d;
     *out = NULL;
-    open_demo(context, options, w->distance, &d);
-    d.s.settings.spp = w->spp;
-    d.s.settings.tracer = w->spec;
-    const render_request request = {
-        .progress = options->progress, .user = options->user, .origin = w->counted_from_zero ? &zero : NULL};
+    open_demo(context, options, distance, &d);
+    d.s.settings.spp = spp;
     if (d.s.b.status == FATHOM_OK)
-        d.s.b.status = render_film(context, d.s.b.scene, &d.s.settings, &request, NULL, out);
+        d.s.b.status =
+            fathom_render(context, d.s.b.scene, &d.s.settings, options->progress, options->user, NULL, out);
     if (d.s.b.status != FATHOM_OK) {
         fathom_film_destroy(*out); /* after an interruption: a partial image */
         *out = NULL;
@@ -152,84 +135,29 @@ static fathom_status render_way(fathom_context *context, const shading_options *
     return studio_end(&d.s);
 }
 
-typedef struct difference {
-    double most, mean;
-    uint32_t beyond; /* pixels that differ by more than 1e-3 */
-    uint32_t broken; /* channels that are not finite */
-} difference;
-
-static difference compare(const fathom_film *a, const fathom_film *b) {
+/* The largest difference of a channel. *broken: channels that are not finite. */
+static double compare(const fathom_film *a, const fathom_film *b, uint64_t *broken) {
     static const char *const names[3] = {"R", "G", "B"};
-    difference out = {.most = 0};
-    for (uint32_t i = 0; i < WIDTH * HEIGHT; ++i) {
-        double most = 0;
-        for (int c = 0; c < 3; ++c) {
-            double x = (double)fathom_film_channel(a, names[c])[i],
-                   y = (double)fathom_film_channel(b, names[c])[i];
-            if (!isfinite(x) || !isfinite(y)) ++out.broken;
-            most = fmax(most, fabs(x - y));
-            out.mean += fabs(x - y) / (3.0 * WIDTH * HEIGHT);
+    double most = 0;
+    *broken = 0;
+    for (int c = 0; c < 3; ++c) {
+        const float *x = fathom_film_channel(a, names[c]), *y = fathom_film_channel(b, names[c]);
+        for (uint32_t i = 0; i < WIDTH * HEIGHT; ++i) {
+            if (!isfinite(x[i]) || !isfinite(y[i])) ++*broken;
+            most = fmax(most, fabs((double)x[i] - (double)y[i]));
         }
-        out.most = fmax(out.most, most);
-        out.beyond += most > 1e-3 ? 1 : 0;
     }
-    return out;
+    return most;
 }
-
-/* Image k of the ways below. */
-static void describe(unsigned k, const way *w, const difference *d, shading_image *out) {
-    static const char *const titles[] = {"At the origin", "At the Earth's radius",
-                                         "At the Earth's radius, float coordinates"};
-    /* The tracer; the distance. */
-    static const char *const captions[] = {
-        "A scene of 10 m at the origin of coordinates, by %1$s.",
-        ("The same scene, lights and camera moved by %2$g m along no axis, by %1$s: positions are "
-         "double, and counted from near the view before they become float."),
-        "Moved as far, by %1$s, but in float coordinates, half a metre apart there."};
-    snprintf(out->title, sizeof out->title, "%s", titles[k]);
-    snprintf(out->caption, sizeof out->caption, captions[k], w->spec, w->distance);
-    size_t used = strlen(out->caption);
-    if (!k) return;
-    snprintf(out->caption + used, sizeof out->caption - used,
-             " From the first image any pixel differs by at most %.2g, by %.2g in the mean, and %u of %d by "
-             "more than 1e-3.",
-             d->most, d->mean, d->beyond, WIDTH * HEIGHT);
-}
-
-static fathom_status keep(fathom_context *context, unsigned k, const way *w, const fathom_film *film,
-                          const difference *d, shading_images *images) {
-    shading_image image = {.difference = d->most};
-    describe(k, w, d, &image);
-    fathom_status status = film_encode_png(context, film, &image.png, &image.png_bytes);
-    if (status == FATHOM_OK && !array_push(images, image)) status = fail_memory(context, sizeof image);
-    if (status != FATHOM_OK) free(image.png);
-    return status;
-}
-
-/* ---- all images ---- */
 
 /* Pixels at edges may show either side if coordinates round differently. Of the samples in such pixels, one
  * in 10^4 is that close to an edge (6e-7 m, for pixels of 2 cm), so the bound allows for none. */
 static fathom_status add_row(fathom_context *context, const shading_options *options, shading_rows *rows,
-                             double distance, const difference *d) {
-    studio s = {.b = {.context = context}, .options = options, .rows = rows, .broken = d->broken};
-    studio_judge(&s, 0, d->most, 0, 1e-3);
+                             double distance, const fathom_film *first, const fathom_film *moved) {
+    studio s = {.b = {.context = context}, .options = options, .rows = rows};
+    studio_judge(&s, 0, compare(first, moved, &s.broken), 0, 1e-3);
     studio_row(&s, 0, "earth", distance, "largest change of a pixel when a scene is moved by %g m", distance);
     return s.b.status;
-}
-
-/* Renders w's image and compares it with the first one. */
-static fathom_status render_compared(fathom_context *context, const shading_options *options, const way *w,
-                                     fathom_film **first, fathom_film **film, difference *out) {
-    fathom_status status = render_way(context, options, w, film);
-    if (status != FATHOM_OK) return status;
-    if (!*first) *first = *film;
-    *out = compare(*first, *film);
-    return FATHOM_OK;
-}
-
-static void release(fathom_film *film, const fathom_film *first) {
-    if (film != first) fathom_film_destroy(film);
 }
 
 /* Slow tracers get fewer rays. */
@@ -239,37 +167,18 @@ static bool is_hopeless(const trace_spec *spec) {
 }
 
 fathom_status shading_earth(fathom_context *context, const shading_options *options, shading_rows *rows) {
-    static const double distances[] = {0, 6.371e6, 1e3, 1e5, 1e8};
+    static const double distances[] = {6.371e6, 1e3, 1e5, 1e8};
     trace_spec spec;
     fathom_status status = trace_spec_parse(context, options->spec, &spec);
     if (status != FATHOM_OK || is_hopeless(&spec)) return status;
-    size_t count = is_slow(&spec) ? 2 : sizeof distances / sizeof *distances;
-    fathom_film *first = NULL;
+    const size_t count = is_slow(&spec) ? 1 : sizeof distances / sizeof *distances;
+    const uint32_t spp = is_slow(&spec) ? 1 : 4;
+    fathom_film *first, *moved;
+    status = render_moved(context, options, 0, spp, &first);
     for (size_t k = 0; k < count && status == FATHOM_OK; ++k) {
-        const way w = {.spec = options->spec, .distance = distances[k], .spp = is_slow(&spec) ? 1 : 4};
-        fathom_film *film;
-        difference d;
-        status = render_compared(context, options, &w, &first, &film, &d);
-        if (status == FATHOM_OK && k) status = add_row(context, options, rows, w.distance, &d);
-        release(film, first);
-    }
-    fathom_film_destroy(first);
-    return status;
-}
-
-fathom_status shading_earth_images(fathom_context *context, const shading_options *options,
-                                   shading_images *images) {
-    static const way ways[] = {{.spec = "embree", .spp = 4},
-                               {.spec = "embree", .spp = 4, .distance = 6.371e6},
-                               {.spec = "embree", .spp = 4, .distance = 6.371e6, .counted_from_zero = true}};
-    fathom_film *first = NULL;
-    fathom_status status = FATHOM_OK;
-    for (unsigned k = 0; k < sizeof ways / sizeof *ways && status == FATHOM_OK; ++k) {
-        fathom_film *film;
-        difference d;
-        status = render_compared(context, options, &ways[k], &first, &film, &d);
-        if (status == FATHOM_OK) status = keep(context, k, &ways[k], film, &d, images);
-        release(film, first);
+        status = render_moved(context, options, distances[k], spp, &moved);
+        if (status == FATHOM_OK) status = add_row(context, options, rows, distances[k], first, moved);
+        fathom_film_destroy(moved);
     }
     fathom_film_destroy(first);
     return status;

@@ -25,12 +25,6 @@ fathom_status shading_run(fathom_context *context, const shading_options *option
     return status;
 }
 
-void shading_images_free(shading_images *images) {
-    for (size_t i = 0; i < images->count; ++i) free(images->items[i].png);
-    array_free(images);
-    *images = (shading_images){.items = NULL};
-}
-
 fathom_status studio_end(studio *s) {
     fathom_film_destroy(s->film);
     fathom_scene_destroy(s->b.scene);
