@@ -54,7 +54,7 @@ UNIT_TEST(a_mesh_is_stored_once) {
     fathom_scene_destroy(scene);
 }
 
-/* EXT_mesh_gpu_instancing: the positions serve as translations, the normals as scales. */
+/* EXT_mesh_gpu_instancing: the positions serve as translations, the normals as scales. Colours are told. */
 UNIT_TEST(gpu_instancing_places_every_entry) {
     fixture *f = *state;
     triangle_data data = triangle;
@@ -62,10 +62,12 @@ UNIT_TEST(gpu_instancing_places_every_entry) {
     write_glb(f,
               WITH_DATA("'extensionsRequired':['EXT_mesh_gpu_instancing']," TRIANGLE_MESH
                         ",'nodes':[{'mesh':0,'translation':[0,0,1],'extensions':{'EXT_mesh_gpu_instancing':{"
-                        "'attributes':{'TRANSLATION':0,'SCALE':4}}}}]"),
+                        "'attributes':{'TRANSLATION':0,'SCALE':4,'_ID':4,'_COLOR_0':4}}}}]"),
               &data, sizeof data);
     fathom_scene *scene = read_file(f);
     assert_int_equal(scene->instances.count, 3);
+    assert_int_equal(f->warnings, 1);
+    assert_non_null(strstr(f->warning, "attributes._COLOR_0: _COLOR_0 of instances is not followed"));
     for (int i = 0; i < 3; ++i) {
         const float *t = triangle.positions[i];
         assert_vec(placed(scene, (size_t)i, (vec3_f64){1, 1, 1}), t[0] + (float)(i + 1),

@@ -74,6 +74,17 @@ static void part_at(const gltf_elements *part, uint32_t i, int n, double *out) {
     for (int k = 0; k < n; ++k) out[k] = (double)values[k];
 }
 
+/* Other attributes, such as _ID, do not affect images. */
+static void note_colors(gltf *g, const gltf_value *attributes) {
+    const char *key;
+    json_t *value;
+    json_object_foreach(attributes->json, key, value) {
+        if (strncmp(key, "_COLOR_", 7) == 0)
+            gltf_note(g, attributes, key,
+                      "%.40s of instances is not followed; they have their mesh's colours", key);
+    }
+}
+
 /* EXT_mesh_gpu_instancing: one node with many instances. */
 static void add_many(gltf *g, const gltf_value *node, const gltf_value *instancing, fathom_id group,
                      const gltf_way *to_world) {
@@ -82,6 +93,7 @@ static void add_many(gltf *g, const gltf_value *node, const gltf_value *instanci
     uint32_t count = 0;
     gltf_way way;
     gltf_object(g, instancing, "attributes", &attributes);
+    note_colors(g, &attributes);
     read_part(g, &attributes, "TRANSLATION", 3, GLTF_TAKES_FLOAT, &translations, &count);
     read_part(g, &attributes, "ROTATION", 4, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &rotations, &count);
     read_part(g, &attributes, "SCALE", 3, GLTF_TAKES_FLOAT, &scales, &count);
