@@ -94,6 +94,9 @@ typedef struct fathom_read_options {
     /* A `shutter` of 0 replaces that of scene JSON, too: everything stands as it is at `time`. Default
      * false. */
     bool choose_shutter;
+    /* The scene of a glTF file to take, by name or number as `animation`. NULL (default): the file's choice,
+     * else the first. */
+    const char *scene;
 } fathom_read_options;
 
 FATHOM_DEFAULT(fathom_read_options)

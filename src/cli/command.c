@@ -38,6 +38,7 @@ fathom_read_options command_read_options(const command_model *model) {
                                  .choose_shutter = model->shutter.given,
                                  .animation = model->animation,
                                  .variant = model->variant,
+                                 .scene = model->scene,
                                  .unit = metres[model->unit]};
 }
 

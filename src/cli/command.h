@@ -53,7 +53,7 @@ bool command_parse(const command *c, int argc, char **argv, void *settings, fath
 
 /* The options that choose the part of a model to read, and how to read it. */
 typedef struct command_model {
-    const char *camera, *animation, *variant; /* NULL: the first, or none */
+    const char *camera, *animation, *variant, *scene; /* NULL: the first, or none */
     fathom_up up;
     unsigned unit; /* index in COMMAND_UNITS */
     args_f64 time;
@@ -71,6 +71,9 @@ fathom_read_options command_read_options(const command_model *model);
         settings, "camera", "NAME|N", take_text, camera, 0, 0,                                               \
         "camera of a .gltf or .glb file: the name of its node, its own name, or its number from 0 in the "   \
         "list that fathom info prints (the first perspective camera, else the first)"),                      \
+        COMMAND_MODEL_ROW(settings, "scene", "NAME|N", take_text, scene, 0, 0,                               \
+                          "which scene of a .gltf or .glb file, by its name or its number from 0 (the one "  \
+                          "that the file chooses, else the first)"),                                         \
         COMMAND_MODEL_ROW(                                                                                   \
             settings, "time", "SECONDS", take_given_f64, time, -1e9, 1e9,                                    \
             "time of the image: poses the animations of .gltf and .glb files; opens the shutter of scene "   \

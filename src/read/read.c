@@ -246,6 +246,11 @@ static fathom_status check_asked(const fathom_scene *scene, const char *path) {
                          "has no cameras to choose \"%.60s\" from; nodes of .gltf and .glb files have",
                          asked->camera);
     }
+    if (asked->scene && !scene->has_scenes) {
+        return fail_file(scene->context, FATHOM_BAD_USAGE, path,
+                         "has no scenes to choose \"%.60s\" from; .gltf and .glb files may have them",
+                         asked->scene);
+    }
     if (asked->variant && !scene->has_variants) {
         return fail_file(
             scene->context, FATHOM_BAD_USAGE, path,

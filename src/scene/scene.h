@@ -94,10 +94,10 @@ struct fathom_scene {
     bool has_camera;
     double camera_aspect; /* width / height of the images for which the file's camera is made, if the camera
                              itself has no width; 0: any */
-    ARRAY(scene_camera) cameras;       /* the cameras of the file */
-    uint32_t camera_taken;             /* index of the chosen one; FATHOM_NONE: none */
-    const fathom_read_options *asked;  /* while the scene is read: the options of the caller; or NULL */
-    bool has_animations, has_variants; /* some file has them */
+    ARRAY(scene_camera) cameras;      /* the cameras of the file */
+    uint32_t camera_taken;            /* index of the chosen one; FATHOM_NONE: none */
+    const fathom_read_options *asked; /* while the scene is read: the options of the caller; or NULL */
+    bool has_animations, has_variants, has_scenes; /* some file has them; scenes: of glTF */
     light_group_names light_groups;
     ARRAY(scene_grouped_light) grouped_lights; /* later ones override earlier ones */
     float background[3], ambient[3];

@@ -46,6 +46,7 @@ refused 2 'there is no animation "walk"; expected one of 0 "slide"' render movin
 write_scene
 refused 2 'has nothing that moves, and is the same at all times' render scene.json -o a.png --time 1
 refused 2 'has no animations to pose' render scene.json -o a.png --animation walk
+refused 2 'has no scenes to choose "walk" from' render scene.json -o a.png --scene walk
 
 # Frames are the images of their times.
 # shellcheck disable=SC2086

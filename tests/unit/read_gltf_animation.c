@@ -339,7 +339,33 @@ UNIT_TEST(wrong_skins_are_refused) {
     assert_refused(f, FATHOM_BAD_INPUT, &asked, "lacks JOINTS_0 or WEIGHTS_0; expected both");
 }
 
-/* ---- variants, units ---- */
+/* ---- scenes, variants, units ---- */
+
+UNIT_TEST(a_scene_is_chosen_by_name_or_number) {
+    fixture *f = *state;
+    fathom_scene *scene;
+    fathom_read_options asked;
+    fathom_read_options_default(&asked);
+    write_triangle(f,
+                   WITH_DATA("'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}],'nodes':[{'mesh':0},"
+                             "{'mesh':0,'translation':[2,0,0]}],'scenes':[{'name':'left','nodes':[0]},"
+                             "{'name':'right','nodes':[1]}],'scene':1"));
+    const char *const names[] = {NULL, "right", "1", "left", "0"};
+    for (int i = 0; i < 5; ++i) {
+        asked.scene = names[i];
+        assert_ok(f->context, read_asked(f, &asked, &scene));
+        assert_int_equal(scene->instances.count, 1);
+        assert_vec(placed_corner(scene, 0, 0, 0), i < 3 ? 2 : 0, 0, 0, 0);
+        assert_int_equal(f->warnings > 0, !names[i]);
+        fathom_scene_destroy(scene);
+    }
+    asked.scene = "up";
+    assert_refused(f, FATHOM_BAD_USAGE, &asked,
+                   "there is no scene \"up\"; expected one of 0 \"left\", 1 \"right\"");
+    write_triangle(
+        f, WITH_DATA("'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}],'nodes':[{'mesh':0}]"));
+    assert_refused(f, FATHOM_BAD_USAGE, &asked, "has no scenes to choose \"up\" from");
+}
 
 UNIT_TEST(variants_replace_materials) {
     fixture *f = *state;

@@ -87,10 +87,10 @@ UNIT_TEST(the_default_scene_chooses_the_nodes) {
     } cases[] = {
         {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}],"
          "'scenes':[{'nodes':[0]},{'nodes':[1]}],'scene':1",
-         1, 2, "scenes[0]: a scene that \"scene\" does not choose is left out; scenes[1] is shown (1 such)"},
+         1, 2, "scenes[0]: a scene is left out, because scenes[1] is shown; --scene NAME|N takes one of"},
         {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}],"
          "'scenes':[{'nodes':[0]},{'nodes':[1]},{'nodes':[0,1]}]",
-         1, 1, "scenes[1]: a scene that \"scene\" does not choose is left out; scenes[0] is shown (2 such)"},
+         1, 1, "scenes[1]: a scene is left out, because scenes[0] is shown; --scene NAME|N takes one of"},
         {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}],"
          "'scenes':[{'nodes':[0]},{},{'nodes':[0,1]}],'scene':2",
          2, 1, NULL},

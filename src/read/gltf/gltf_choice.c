@@ -1,4 +1,4 @@
-/* Choices that a file offers by name or number: animations, variants of materials. */
+/* Choices that a file offers by name or number: scenes, animations, variants of materials. */
 #include "read/gltf/gltf.h"
 
 #include <stdio.h>

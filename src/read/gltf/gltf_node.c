@@ -199,6 +199,8 @@ static void note_odd_roots(gltf *g, const gltf_value *list, bool *named) {
 /* Notes the scenes that have a node which is not shown. Errors in them do not matter. */
 static void note_other_scenes(gltf *g, uint32_t taken, const bool *shown) {
     const json_int_t count = (json_int_t)gltf_count(&g->nodes);
+    char names[GLTF_LIST];
+    gltf_print_names(&g->scenes, names);
     for (size_t i = 0; i < gltf_count(&g->scenes); ++i) {
         const gltf_value scene = {
             .json = json_array_get(g->scenes.json, i), .parent = &g->scenes, .index = i};
@@ -210,7 +212,8 @@ static void note_other_scenes(gltf *g, uint32_t taken, const bool *shown) {
         }
         if (!whole)
             gltf_note(g, &scene, NULL,
-                      "a scene that \"scene\" does not choose is left out; scenes[%u] is shown", taken);
+                      "a scene is left out, because scenes[%u] is shown; --scene NAME|N takes one of %s",
+                      taken, names);
     }
 }
 
@@ -243,10 +246,18 @@ static void note_lost_nodes(gltf *g, walk *w) {
     }
 }
 
-static void walk_scene(gltf *g, walk *w) {
+static uint32_t choose_scene(gltf *g, const char *wanted) {
     uint32_t index = 0;
-    gltf_value scene, list;
+    g->scene->has_scenes = true;
     gltf_index(g, &g->root, "scene", &g->scenes, &index);
+    return wanted && gltf_fine(g) ? gltf_choose(g, &g->scenes, "scene", wanted) : index;
+}
+
+static void walk_scene(gltf *g, walk *w) {
+    gltf_value scene, list;
+    const char *wanted = g->scene->asked ? g->scene->asked->scene : NULL;
+    const uint32_t index = choose_scene(g, wanted);
+    if (!gltf_fine(g)) return;
     gltf_item(g, &g->scenes, index, &scene);
     gltf_array(g, &scene, "nodes", &list);
     note_odd_roots(g, &list, w->shown);
@@ -256,7 +267,7 @@ static void walk_scene(gltf *g, walk *w) {
         if (gltf_fine(g)) stack(g, w, root, false);
     }
     walk_down(g, w);
-    if (gltf_fine(g)) note_other_scenes(g, index, w->shown);
+    if (gltf_fine(g) && !wanted) note_other_scenes(g, index, w->shown);
     if (gltf_fine(g)) note_lost_nodes(g, w);
 }
 
