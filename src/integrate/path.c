@@ -330,75 +330,6 @@ static bool step(path_wave *p) {
     return true;
 }
 
-static void fill(float *to, size_t count, float value) {
-    for (size_t k = 0; k < count; ++k) to[k] = value;
-}
-
-static void begin_keys(path_wave *p, const wave_batch *batch) {
-    const render_plan *plan = p->wave.run.plan;
-    for (uint32_t s = 0; s < batch->count; ++s) {
-        const sample_key first = wave_square_key(&batch->squares[s], 0);
-        plan->sample_kernels->square(&plan->sampler, first.x, first.y, &p->pixel[s * LANES]);
-        for (uint32_t k = 0; k < LANES; ++k) p->index[s * LANES + k] = first.index;
-        for (uint32_t k = 0; p->wave.times && k < LANES; ++k)
-            p->wave.times[s * LANES + k] = wave_time_of(plan, wave_square_key(&batch->squares[s], k));
-    }
-}
-
-static void begin(path_wave *p, const wave_batch *batch) {
-    const render_plan *plan = p->wave.run.plan;
-    const size_t count = batch->count * LANES;
-    begin_keys(p, batch);
-    fill(p->density, count, INFINITY);
-    fill(p->p[0], count, plan->camera.eye.x);
-    fill(p->p[1], count, plan->camera.eye.y);
-    fill(p->p[2], count, plan->camera.eye.z);
-    for (int c = 0; c < 3; ++c) fill(p->n[c], count, 0);
-    fill(p->width, count, plan->pixel_width);
-    fill(p->spread, count, plan->pixel_spread);
-    fill(p->passed, count, 0);
-    memset(p->passes, 0, count * sizeof *p->passes);
-    memset(p->paned, 0, count * sizeof *p->paned);
-    for (size_t k = 0; p->wave.run.samples.first && k < count; ++k) {
-        p->smooth[k] = true;
-        p->tint[0][k] = p->tint[1][k] = p->tint[2][k] = 1;
-    }
-    if (plan->dispersive) memset(p->channel, 0, sizeof p->channel);
-}
-
-/* The distance from the eye at which a ray of a camera far away starts. */
-static float skipped(const path_wave *p, uint32_t slot, vec3_f32 org) {
-    const render_plan *plan = p->wave.run.plan;
-    shade_camera camera = plan->camera;
-    if (plan->camera_moves) wave_camera_when(plan, p->wave.times[slot], &camera);
-    return (float)length_f64(sub_f64(widen(org), camera.exact_eye));
-}
-
-/* Paths of a moving camera start at its position at their time; those of an orthographic camera and of one
- * far away at their own origins. */
-static void begin_at_eyes(path_wave *p) {
-    const path_queue *now = &p->wave.now;
-    for (size_t k = 0; k < now->count; ++k) {
-        const uint32_t slot = now->paths[k / LANES].slot[k % LANES];
-        const vec3_f32 org = trace_org(&now->rays[k / LANES].rays, k % LANES);
-        p->p[0][slot] = org.x, p->p[1][slot] = org.y, p->p[2][slot] = org.z;
-        if (p->wave.run.plan->far) p->width[slot] += p->spread[slot] * skipped(p, slot, org);
-    }
-}
-
-static void begin_in_volumes(path_wave *p) {
-    const render_plan *plan = p->wave.run.plan;
-    const path_queue *now = &p->wave.now;
-    eye_volumes around = plan->eye_volumes;
-    for (size_t k = 0; k < now->count; ++k) {
-        const uint32_t slot = now->paths[k / LANES].slot[k % LANES];
-        if (plan->volumes_differ)
-            eye_volumes_find(plan, trace_org(&now->rays[k / LANES].rays, k % LANES),
-                             p->wave.times ? p->wave.times[slot] : 0, &around);
-        media_begin(p->media, slot, around.of, around.count);
-    }
-}
-
 static bool run(integration *state, const wave_region *region, const wave_batch *batch) {
     path_wave *p = (path_wave *)state;
     wave *w = &p->wave;
@@ -407,11 +338,9 @@ static bool run(integration *state, const wave_region *region, const wave_batch 
     p->shows_lamps = emitters_any_spheres(w->run.plan->emitters);
     p->light_factor = emitters_mis_factor(w->run.plan->emitters);
     p->looked_through = false;
-    begin(p, batch);
+    path_begin(p, batch);
     if (!wave_camera_rays(w, region, batch)) return false;
-    const render_plan *plan = w->run.plan;
-    if (plan->camera_moves || plan->camera.parallel || plan->far) begin_at_eyes(p);
-    if (p->media) begin_in_volumes(p);
+    path_begin_rays(p);
     for (p->depth = 0; w->now.count; ++p->depth) {
         wave_count_rays(w);
         if (!step(p)) return false;

@@ -53,6 +53,13 @@ static inline bool path_sends_light(const shader *s) {
     return s->emission[0] > 0 || s->emission[1] > 0 || s->emission[2] > 0;
 }
 
+/* ---- path_begin.c ---- */
+
+/* Sets the state of the paths of a batch's samples. */
+void path_begin(path_wave *p, const wave_batch *batch);
+/* Completes it once `now` holds the camera's rays. */
+void path_begin_rays(path_wave *p);
+
 /* ---- path_met.c ---- */
 
 /* Adds the lamps with a radius that the rays of `now` meet before their hits. */
