@@ -59,7 +59,7 @@ static void sums_follow_the_formulas(void **state) {
         {classic(0.5f, 0, 1), "50 % more"},
         {both, "20 % more"},
         {fresnel, "50 % more"},
-        {weak, NULL},          /* at most 0.6 + 0.3: F is 0.04 to 1, and 0.04 0.3 + 0.96 0.2 is less */
+        {weak, NULL},        /* at most 0.6 + 0.3: F is 0.04 to 1, and 0.04 0.3 + 0.96 0.2 is less */
         {faint, "8 % more"}, /* 0.5 + 0.04 0.1 + 0.96 0.6 */
         {shiny(0.9f, 0.8f, FATHOM_SPECULAR_PHONG, 6), "10 % more"},
         {shiny(0.9f, 0.8f, FATHOM_SPECULAR_BLINN, 6), "39 % more"},
