@@ -36,7 +36,7 @@ static bool read_codes(stream *s, unsigned bits, unsigned char out[GROUP]) {
     if (!codes) return false;
     for (unsigned i = 0; i < GROUP; ++i) {
         const unsigned at = i * bits % 8, shift = bits == 1 ? at : 8 - bits - at;
-        unsigned code = codes[i * bits / 8] >> shift & follows;
+        unsigned code = (unsigned)codes[i * bits / 8] >> shift & follows;
         if (code == follows) {
             if (s->at == s->end) return false;
             code = *s->at++;
@@ -182,7 +182,7 @@ const char *gltf_colors_decode(unsigned char *elements, size_t count, size_t str
         unsigned char *e = elements + i * stride;
         uint16_t in[4];
         unsigned out[4];
-        for (size_t k = 0; k < 4; ++k) in[k] = wide ? (uint16_t)(e[2 * k] | e[2 * k + 1] << 8) : e[k];
+        for (size_t k = 0; k < 4; ++k) in[k] = (uint16_t)(wide ? e[2 * k] | e[2 * k + 1] << 8 : e[k]);
         const int co = wide ? (int16_t)in[1] : (int8_t)in[1], cg = wide ? (int16_t)in[2] : (int8_t)in[2];
         if (!to_rgb(in[0], co, cg, in[3], wide ? 65535 : 255, out))
             return "the alpha of a colour is 0 or 1, without the bit that says how many bits the colour has";
