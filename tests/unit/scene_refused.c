@@ -221,29 +221,32 @@ UNIT_TEST(surroundings) {
 
 static const double bad[] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
 
-/* Sets each of `count` numbers from `first` on to each bad value in turn; `add` is of a default item. */
-#define REFUSED_NUMBERS(type, first, count, add, words)                                                      \
-    for (int k = 0; k < 3 * (count); ++k) {                                                                  \
-        type item;                                                                                           \
-        type##_default(&item);                                                                               \
-        (first)[k / 3] = bad[k % 3];                                                                         \
-        REFUSED(add, words);                                                                                 \
+/* Sets each of `count` numbers to each bad value in turn. `number` is number i of the item; `add` is of a
+ * default item. */
+#define REFUSED_NUMBERS(type, number, count, add, words)                                                     \
+    for (int i = 0; i < (count); ++i) {                                                                      \
+        for (int k = 0; k < 3; ++k) {                                                                        \
+            type item;                                                                                       \
+            type##_default(&item);                                                                           \
+            number = bad[k];                                                                                 \
+            REFUSED(add, words);                                                                             \
+        }                                                                                                    \
     }
 
 UNIT_TEST(numbers_of_shapes_that_are_not_finite) {
-    REFUSED_NUMBERS(fathom_sphere, item.center, 3, fathom_scene_add_sphere(scene, FATHOM_ROOT, &item, NULL),
-                    "center");
-    REFUSED_NUMBERS(fathom_sphere, &item.radius, 1, fathom_scene_add_sphere(scene, FATHOM_ROOT, &item, NULL),
+    REFUSED_NUMBERS(fathom_sphere, item.center[i], 3,
+                    fathom_scene_add_sphere(scene, FATHOM_ROOT, &item, NULL), "center");
+    REFUSED_NUMBERS(fathom_sphere, item.radius, 1, fathom_scene_add_sphere(scene, FATHOM_ROOT, &item, NULL),
                     "radius");
-    REFUSED_NUMBERS(fathom_quad, item.corners[0], 12, fathom_scene_add_quad(scene, FATHOM_ROOT, &item, NULL),
-                    "corners");
-    REFUSED_NUMBERS(fathom_plane, item.point, 3, fathom_scene_add_plane(scene, FATHOM_ROOT, &item, NULL),
+    REFUSED_NUMBERS(fathom_quad, item.corners[i / 3][i % 3], 12,
+                    fathom_scene_add_quad(scene, FATHOM_ROOT, &item, NULL), "corners");
+    REFUSED_NUMBERS(fathom_plane, item.point[i], 3, fathom_scene_add_plane(scene, FATHOM_ROOT, &item, NULL),
                     "point");
-    REFUSED_NUMBERS(fathom_plane, item.normal, 3, fathom_scene_add_plane(scene, FATHOM_ROOT, &item, NULL),
+    REFUSED_NUMBERS(fathom_plane, item.normal[i], 3, fathom_scene_add_plane(scene, FATHOM_ROOT, &item, NULL),
                     "normal");
     fathom_id group;
     assert_ok(context, fathom_scene_add_group(scene, "g", &group));
-    REFUSED_NUMBERS(fathom_instance, item.transform, 12,
+    REFUSED_NUMBERS(fathom_instance, item.transform[i], 12,
                     (item.group = group, fathom_scene_add_instance(scene, &item, NULL)), "transform");
 }
 
