@@ -121,7 +121,7 @@ UNIT_TEST(cameras_and_lights_follow_their_pointer) {
     fathom_scene_destroy(scene);
 }
 
-/* Of two nodes with a mesh, the first is hidden from 1 s to 2 s. */
+/* Two nodes have a mesh; the first is hidden from 1 s to 2 s. */
 UNIT_TEST(nodes_are_seen_while_their_visibility_says_so) {
     fixture *f = *state;
     const double at[][2] = {{0.5, 2}, {1, 1}, {1.5, 1}, {2, 2}};

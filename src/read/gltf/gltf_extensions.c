@@ -20,7 +20,7 @@ static bool is_supported(const char *name) {
 }
 
 /* Metadata, sound, physics, what a user does with the model, and data that a file has twice: an image is
- * right without them. Of levels of detail, the finest is shown. */
+ * right without them. The finest level of detail is shown. */
 static bool is_invisible(const char *name) {
     return is_in("KHR_xmp|KHR_xmp_json_ld|KHR_node_selectability|KHR_node_hoverability|KHR_interactivity|"
                  "KHR_audio_emitter|KHR_audio_graph|KHR_physics_rigid_bodies|KHR_collision_shapes|"
@@ -34,7 +34,7 @@ static bool is_invisible(const char *name) {
 
 static bool is_known(const char *name) { return is_supported(name) || is_invisible(name); }
 
-/* What the image shows in place of an extension; NULL: unknown. */
+/* Names the substitute that the image shows for an extension; NULL: unknown. */
 static const char *find_instead(const char *name) {
     static const struct {
         const char *names, *instead;

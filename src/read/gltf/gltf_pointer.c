@@ -33,7 +33,7 @@ static const value_kind kinds[] = {
     {"/nodes/*/extensions/KHR_node_visibility/visible", 0},
 };
 
-/* What follows the pointer to a texture of a material. */
+/* Endings after the pointer to a texture of a material. */
 static const value_kind texture_kinds[] = {
     {"/extensions/KHR_texture_transform/offset", 2},
     {"/extensions/KHR_texture_transform/rotation", 1},
