@@ -5,6 +5,12 @@
 plugin=$BUILD/tests/plugin/truncates.so
 export TRUNCATE TRUNCATE_WHEN TRUNCATE_HOW=cut
 
+# Four tiles of 32 calls each. At the hundredth call two threads have finished one, so that there is something
+# to save.
+render_tiles() {
+    run "$@" --integrator classic --size 64x64 --spp 4 --threads 2 --quiet --tracer "$plugin"
+}
+
 # rescued TEXT: the last render failed with the text, said where its pixels are, and left nothing else.
 rescued() {
     silent out.txt
@@ -19,11 +25,12 @@ for extension in ply glb; do
     run 0 generate sphere --triangles 2k -o ball.$extension
     refused 3 "fathom: ball.$extension: was truncated while it was read: 0 bytes are left of " \
         render ball.$extension -o a.exr -o b.png --integrator classic --size 16x16 --tracer "$plugin" --stats a.json
-    TRUNCATE_WHEN=trace
+    TRUNCATE_WHEN=late
     run 0 generate sphere --triangles 2k -o ball.$extension
-    run 3 render ball.$extension -o a.exr -o b.png --integrator classic --size 16x16 --tracer "$plugin" --stats a.json
+    render_tiles 3 render ball.$extension -o a.exr -o b.png --stats a.json
     rescued "fathom: ball.$extension: was truncated while it was read: 0 bytes are left of "
     rm a.rescue.exr
+    TRUNCATE_WHEN=trace
     # The answers that the truncated scene gave are no verdict either.
     run 0 generate sphere --triangles 100 -o ball.$extension
     refused 3 "fathom: ball.$extension: was truncated while it was read" \
@@ -35,11 +42,11 @@ for extension in ply glb; do
 
     run 0 generate sphere --triangles 100 -o ball.$extension
     TRUNCATE_WHEN=never
-    run 0 render ball.$extension -o good.exr --exr-float --integrator classic --size 16x16 --tracer "$plugin"
-    TRUNCATE_WHEN=trace
+    render_tiles 0 render ball.$extension -o good.exr --exr-float
+    TRUNCATE_WHEN=late
     # Another byte somewhere: nobody knows which pixels it is in.
     TRUNCATE_HOW=write
-    run 3 render ball.$extension -o a.exr --integrator classic --size 16x16 --tracer "$plugin"
+    render_tiles 3 render ball.$extension -o a.exr
     rescued "fathom: ball.$extension: was changed while it was read; try again when nothing writes to it"
     run 0 compare a.rescue.exr good.exr --tolerance 1
     rm a.rescue.exr

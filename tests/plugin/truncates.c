@@ -1,6 +1,6 @@
-/* A library that strikes a file, the one that $TRUNCATE names: when it is built, or when it is asked for the
- * first ray, as $TRUNCATE_WHEN says ("build", "trace"). $TRUNCATE_HOW says what it does: cuts it to nothing
- * (default), or changes the last byte ("write"). */
+/* A library that strikes a file, the one that $TRUNCATE names: when it is built, or when it is asked for rays
+ * for the first or the hundredth time, as $TRUNCATE_WHEN says ("build", "trace", "late"). $TRUNCATE_HOW says
+ * what it does: cuts it to nothing (default), or changes the last byte ("write"). */
 #include "linear.h"
 
 #include <fcntl.h>
@@ -46,7 +46,9 @@ static int build_cut(const fathom_plugin_mesh *mesh, unsigned threads, char *mes
 }
 
 static void closest_cut(const void *tracer, fathom_plugin_block *blocks, size_t count) {
+    static atomic_uint calls;
     strike("trace");
+    if (atomic_fetch_add(&calls, 1) == 99) strike("late");
     closest(tracer, blocks, count);
 }
 
