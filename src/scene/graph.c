@@ -141,12 +141,19 @@ fathom_status scene_check_cycles(const fathom_scene *scene) {
     return status;
 }
 
-/* FATHOM_OK if there is an object in a group that the root reaches. */
+/* FATHOM_OK if there is an object in a group that the root reaches. Frames of an animation may hide all, if
+ * the camera does not depend on what there is to see. */
 static fathom_status check_presence(const fathom_scene *scene, const scene_graph *graph) {
     for (uint32_t k = 0; k < graph->order_count; ++k) {
         uint32_t g = graph->order[k];
         if (graph->objects.first[g] < graph->objects.first[g + 1]) return FATHOM_OK;
     }
+    if (scene->hides && scene->has_camera) return FATHOM_OK;
+    if (scene->hides)
+        return fail(
+            scene->context, FATHOM_BAD_INPUT,
+            "everything is hidden or scaled to nothing, so that there is nothing to point a camera at; "
+            "expected a camera, or a time at which something is shown");
     return fail(scene->context, FATHOM_BAD_INPUT,
                 "the scene holds no geometry: expected at least one object that is placed in "
                 "the world");

@@ -93,6 +93,19 @@ same j2.png j3.png
 same j2.png j4.png
 same k2.png l.png
 differ j2.png l.png
+# Frames in which a scale of zero hides all are empty, and end nothing. Without a camera, the other frames place it.
+growing='AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AACAPwAAgD8='
+sed "s|base64,[^\"]*|base64,$growing|; s/\"path\": \"translation\"/\"path\": \"scale\"/" moving.gltf >growing.gltf
+# shellcheck disable=SC2086
+run 0 render growing.gltf $small -o 'm#.png' --frames 0-2 --fps 2
+said err.txt 'is scaled to nothing, and left out'
+differ m0.png m1.png
+same m2.png rest.png
+sed 's/"camera": 0, "translation"/"translation"/' growing.gltf >alone.gltf
+run 0 render alone.gltf --size 32x32 --spp 4 -o 'n#.png' --frames 0-2 --fps 2
+differ n0.png n1.png
+run 3 render alone.gltf --size 32x32 -o no.png --time 0
+said err.txt 'alone.gltf: everything is hidden or scaled to nothing'
 refused 2 'expected a name with #### for the number, found "a.png"' render moving.gltf -o a.png --frames 1-3
 for frames in 3-1 -5 1--5 1-1000000 '1- 2' 1-2-3 -; do
     refused 2 "--frames: expected FIRST-LAST with FIRST <= LAST <= 999999, such as 1-24, found \"$frames\"" \

@@ -334,7 +334,7 @@ static fathom_status begin_frame(const task *all, uint32_t frame, frame_names *r
 
 static void tell_nobody(void *user, const char *text) { (void)user, (void)text; }
 
-/* False: there is no framing, or the frame cannot be read. That error is reported when the frame is
+/* False: there is nothing to see, or the frame cannot be read. That error is reported when the frame is
  * rendered. */
 static bool framing_of_frame(const task *all, uint32_t frame, fathom_framing *out) {
     frame_names room;
@@ -360,8 +360,8 @@ static void frame_them(task *all) {
     for (uint32_t i = 0; i < count && count > 1 && !interrupt_asked(); ++i) {
         fathom_framing framing;
         const uint32_t frame = frames->first + (uint32_t)((uint64_t)last * i / (count - 1));
-        if (!framing_of_frame(all, frame, &framing)) return;
-        if (i)
+        if (!framing_of_frame(all, frame, &framing)) continue;
+        if (all->framing.made)
             fathom_framing_unite(&all->framing, &framing);
         else
             all->framing = framing;

@@ -38,6 +38,7 @@ static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const
     }
     /* Some files hide objects by a scale of zero. */
     if (!affine_invert(&way->at[0], &inverse)) {
+        g->scene->hides = true;
         gltf_note(g, node, NULL, "is scaled to nothing, and left out");
         return;
     }
@@ -163,6 +164,7 @@ static void visit(gltf *g, walk *w, const step *at) {
     gltf_node_way(g, at->link, &to_world);
     const bool hidden = !is_visible(g, &node) || at->hidden;
     if (!gltf_fine(g)) return;
+    g->scene->hides |= hidden;
     if (!hidden) place_mesh(g, &node, &to_world);
     if (g->options->surroundings) {
         gltf_camera_note(g, &node, at->link);

@@ -138,12 +138,12 @@ static void warn_of_motion(const world *w) {
 
 /* ---- errors of a world as a whole ---- */
 
-/* A scene that has only triangles without area shows nothing. */
+/* A scene that has only triangles without area shows nothing, unless that is so at one time alone. */
 static fathom_status check_area(const world *w) {
     uint64_t triangles = 0;
     for (size_t i = 0; i < w->meshes.count; ++i) triangles += w->meshes.items[i].triangle_count;
     if (w->spheres.count || w->quads.count || w->planes.count || w->degenerate_triangles < triangles ||
-        !triangles)
+        !triangles || w->scene->has_animations)
         return FATHOM_OK;
     return fail(w->scene->context, FATHOM_BAD_INPUT,
                 "the scene holds no geometry with an area: its triangles (%llu) are all degenerate",
