@@ -25,7 +25,7 @@ bool plain_add(plain_block *b, unsigned i, const fathom_material *m, shader *out
     energy_means(&out->facets, &b->mean[i], &b->mean_edge[i]);
     out->alpha = most(b->alpha[i], SHADER_SMOOTH_ALPHA), out->along = b->alpha[i];
     out->layer90 = m->specular_factor;
-    out->ior = m->ior, out->priority = m->priority, out->even = ~0u;
+    out->ior = m->ior, out->priority = m->priority;
     return true;
 }
 
@@ -46,5 +46,9 @@ void plain_finish(const plain_block *b, const plain_kernels *kernels, shader mad
         out->layer0 = p.layer0[i], out->layer_again = p.layer_again[i];
         out->mean_under = p.mean_under[i], out->missing_share = p.missing_share[i];
         out->lobes = p.lobes[i];
+        if (out->lobes & SHADER_EVEN)
+            out->even = ~0u;
+        else
+            out->facets = energy_none;
     }
 }

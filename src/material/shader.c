@@ -280,7 +280,8 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     prepare_absorption(m, out);
     if (any(m->sheen_color)) prepare_sheen(m, out);
     prepare_coat(m, out);
-    if (m->multiscatter) prepare_even(m, &x, &means, alpha, out);
+    /* Lambert's lobe alone has no facets, and faster kernels. */
+    if (m->multiscatter && out->lobes != SHADER_DIFFUSE) prepare_even(m, &x, &means, alpha, out);
     out->one_sided = material_is_one_sided(m);
 }
 

@@ -30,13 +30,15 @@ static void name_lobes(const plain_block *b, plain_shaders *restrict out) {
             (out->f90[i] > 0) | (out->f0[0][i] > 0) | (out->f0[1][i] > 0) | (out->f0[2][i] > 0);
         const uint32_t smooth = b->alpha[i] < SHADER_SMOOTH_ALPHA ? SHADER_MIRROR : SHADER_GGX;
         const uint32_t layer = b->specular[i] > 0 ? SHADER_LAYER : 0;
-        out->lobes[i] = SHADER_EVEN | layer | (lit ? SHADER_DIFFUSE : 0) | (shiny ? smooth : 0);
+        const uint32_t facets = layer | (shiny ? smooth : 0);
+        out->lobes[i] = (lit ? SHADER_DIFFUSE : 0) | (facets || !lit ? facets | SHADER_EVEN : 0);
     }
 }
 
-/* Compensation for light that scatters more than once. */
+/* Compensation for light that scatters more than once; Lambert's lobe alone needs none. */
 static void give_back(const plain_block *b, plain_shaders *restrict out) {
     for (int i = 0; i < LANES; ++i) {
+        const uint32_t even = out->lobes[i] & SHADER_EVEN ? ~0u : 0;
         const float mean = b->mean[i], specular = b->specular[i], metal = b->metallic[i];
         const float again = mixture_again(out->layer0[i], specular, mean), scale = mixture_scale(1 - mean);
         const float under = mixture_under(out->layer0[i], specular, again, mean, b->mean_edge[i]);
@@ -45,10 +47,11 @@ static void give_back(const plain_block *b, plain_shaders *restrict out) {
             const float layer = mixture_layer(b->ior[i], specular, b->specular_color[c][i]);
             const float q = mixed(mixture_again(layer, specular, mean),
                                   mixture_again(b->base_color[c][i], 1, mean), metal);
-            out->again[c][i] = q * scale, share += q * (1 / 3.0f);
-            out->diffuse[c][i] = mixture_lifted(out->diffuse[c][i], under);
+            out->again[c][i] = chosen(even, q * scale, 0), share += q * (1 / 3.0f);
+            out->diffuse[c][i] = chosen(even, mixture_lifted(out->diffuse[c][i], under), out->diffuse[c][i]);
         }
-        out->layer_again[i] = again, out->mean_under[i] = under, out->missing_share[i] = share;
+        out->layer_again[i] = chosen(even, again, 0), out->mean_under[i] = chosen(even, under, 1);
+        out->missing_share[i] = chosen(even, share, 0);
     }
 }
 
