@@ -39,6 +39,9 @@ cp "$plugins/correct.so" near.so
 run 0 render ball.ply --integrator classic -o b.exr --exr-float --size 48x32 --spp 1 --tracer near.so
 same a.exr b.exr
 rm near.so
+# A bare model stands on a floor, which is no instance.
+run 0 render ball.ply -o c.exr --size 16x16 --spp 1 --tracer "$plugins/correct.so"
+rm c.exr
 refused 2 'takes triangles alone, and the scene has' render scene.json -o c.exr --tracer "$plugins/correct.so"
 refused 3 'tracer ./none.so: cannot be loaded' render ball.ply --integrator classic -o c.exr --tracer none.so
 mkfifo pipe.so

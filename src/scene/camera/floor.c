@@ -16,6 +16,10 @@ static const double fade_begins = 1, fade_ends = 2.2;
 /* The distance of the floor below the model's lowest point, in radii, so that a flat bottom does not coincide
  * with the floor. */
 static const double gap = 0x1p-10;
+/* The distance, in radii, up to which the sheet has world coordinates, as the model usually has. Rounding to
+ * float then moves it by less than 2^-17 radii. Rays reach it without a transformation, and tracers that know
+ * no instances can trace it. */
+static const double near_world = 63;
 
 /* The reflectance of a photographer's grey card. */
 static const float grey = 0.18f;
@@ -24,6 +28,7 @@ enum { BEND_STEPS = 48, SWEEP_ROWS = BEND_STEPS + 3, PLATE_ROWS = 64 };
 
 typedef struct stand {
     vec3_f64 foot;                /* the point of the floor below the model's middle */
+    vec3_f64 origin;              /* of the sheet's coordinates: that of the world, or the foot */
     vec3_f64 across, up, towards; /* `towards` points to the viewer and is level */
     double radius;                /* of the model's bounds */
     fathom_id material;
@@ -58,7 +63,7 @@ static void set_vertex(const sheet *to, const stand *s, uint32_t v, const double
                        const double normal[2]) {
     const vec3_f64 p = madd_f64(madd_f64(scale_f64(at[2], s->towards), at[1], s->up), at[0], s->across),
                    n = madd_f64(scale_f64(normal[1], s->towards), normal[0], s->up);
-    store_f32(to->positions + 3 * v, narrow(p));
+    store_f32(to->positions + 3 * v, narrow(add_f64(sub_f64(s->foot, s->origin), p)));
     store_f32(to->normals + 3 * v, narrow(n));
 }
 
@@ -83,7 +88,7 @@ static fathom_status add_sheet(fathom_scene *scene, const stand *s, const sheet 
     mesh.colors = from->colors, mesh.color_channels = 4;
     mesh.indices = from->indices, mesh.triangle_count = 2 * (from->rows - 1) * (from->columns - 1);
     mesh.material = s->material;
-    store_f64(mesh.origin, s->foot);
+    store_f64(mesh.origin, s->origin);
     fathom_status status = fathom_scene_add_mesh_shared(scene, FATHOM_ROOT, &mesh, &object);
     return status == FATHOM_OK ? fathom_scene_name_object(scene, object, name) : status;
 }
@@ -195,6 +200,7 @@ fathom_status scene_add_floor(fathom_scene *scene) {
     store_f64(scene->framing.foot, s.foot);
     scene->framing.radius = s.radius;
     s.foot = madd_f64(s.foot, -gap * s.radius, up);
+    s.origin = length_f64(s.foot) <= near_world * s.radius ? (vec3_f64){0, 0, 0} : s.foot;
     status = add_grey(scene, &s.material);
     if (status != FATHOM_OK) return status;
     return scene->in_studio ? add_sweep(scene, &s) : add_plate(scene, &s);
