@@ -106,6 +106,10 @@ FATHOM_API fathom_status fathom_scene_read_with(fathom_context *context, const c
 
 /* Gives the framing of a scene that was read. FATHOM_BAD_USAGE: `out` has no size. */
 FATHOM_API fathom_status fathom_scene_framing(const fathom_scene *scene, fathom_framing *out);
+/* Gives the times in seconds, 0 among them, between which something moves: by the animations that were played
+ * and by motion of scene JSON. All frames should have the framing of all these times. False: nothing moves,
+ * or the file has a camera of its own. */
+FATHOM_API bool fathom_scene_framed_times(const fathom_scene *scene, double out[2]);
 /* Extends *framing so that it also shows what *other shows. Both must come from scenes that were read for the
  * same `up`, width and height. If either has made == false, the call does nothing. */
 FATHOM_API void fathom_framing_unite(fathom_framing *framing, const fathom_framing *other);

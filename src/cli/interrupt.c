@@ -9,6 +9,7 @@
 
 static volatile sig_atomic_t asked, keep_work, save;
 static struct timespec first;
+static const char *volatile said = "interrupted; nothing was written";
 
 /* timeout(1) and some shells send a signal to the process, and again to its group. The second one then comes
  * faster than a person could send it. */
@@ -37,7 +38,7 @@ static void on_signal(int number) {
     clock_gettime(CLOCK_MONOTONIC, &first);
     asked = 1;
     if (keep_work) return;
-    log_line(LOG_ERROR, "interrupted; nothing was written");
+    log_line(LOG_ERROR, said);
     fathom_file_abandon_all();
     _exit(FATHOM_INTERRUPTED);
 }
@@ -70,5 +71,7 @@ bool interrupt_take_save(void) {
 }
 
 void interrupt_keep_work(bool keep) { keep_work = keep; }
+
+void interrupt_say(const char *text) { said = text; }
 
 bool interrupt_asked(void) { return asked; }

@@ -12,6 +12,9 @@ void interrupt_install(void);
 /* After this call, a signal only sets the flag (true), or ends the process again (false). */
 void interrupt_keep_work(bool keep);
 
+/* What a signal that ends the process says; must stay valid. */
+void interrupt_say(const char *text);
+
 bool interrupt_asked(void);
 
 /* After this call, SIGUSR1 only requests a save. */

@@ -99,6 +99,7 @@ struct fathom_scene {
     const fathom_read_options *asked; /* while the scene is read: the options of the caller; or NULL */
     bool has_animations, has_variants, has_scenes; /* some file has them; scenes: of glTF */
     bool hides; /* a file has shapes that are hidden, or scaled to nothing at this time: none may be left */
+    double played[2]; /* the times, with 0, between which the animations that are played move something */
     light_group_names light_groups;
     ARRAY(scene_grouped_light) grouped_lights; /* later ones override earlier ones */
     float background[3], ambient[3];

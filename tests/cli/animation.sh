@@ -79,10 +79,10 @@ run 0 render $lamp -o 'h#.png' --stats 'h#.stats' --frames 0-1
 run 0 render $lamp -o 'i#.png' --stats 'i#.stats' --frames 1-1
 [ "$(number h0.stats exposure)" = "$(number h1.stats exposure)" ] || die 'frames of two exposures'
 [ "$(number h0.stats exposure)" != "$(number i1.stats exposure)" ] || die 'the dim lamp alone has its own exposure'
-# Without a camera in the file they share one. The triangle rests in the last frames: these are equal. It stands farther
-# away than by its own camera, because the first frames are in view, too.
+# Without a camera in the file they share one, as do frames that another command renders. The triangle rests in the last
+# frames: these are equal. It stands farther away than in an image of its own, because all of its way is in view.
 sed 's/"camera": 0, "translation"/"translation"/' moving.gltf >framed.gltf
-framed='framed.gltf --size 32x32 --spp 4'
+framed='framed.gltf --size 32x32 --spp 4 --exposure 0'
 # shellcheck disable=SC2086
 run 0 render $framed -o 'j#.png' --frames 0-4 --fps 2
 # shellcheck disable=SC2086
@@ -91,7 +91,7 @@ run 0 render $framed -o 'k#.png' --frames 2-4 --fps 2
 run 0 render $framed -o l.png --time 1
 same j2.png j3.png
 same j2.png j4.png
-same k2.png l.png
+same j2.png k2.png
 differ j2.png l.png
 # Frames in which a scale of zero hides all are empty, and end nothing. Without a camera, the other frames place it.
 growing='AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AACAPwAAgD8='
@@ -102,8 +102,10 @@ said err.txt 'is scaled to nothing, and left out'
 differ m0.png m1.png
 same m2.png rest.png
 sed 's/"camera": 0, "translation"/"translation"/' growing.gltf >alone.gltf
-run 0 render alone.gltf --size 32x32 --spp 4 -o 'n#.png' --frames 0-2 --fps 2
+run 0 render alone.gltf --size 32x32 --spp 4 --exposure 0 -o 'n#.png' --frames 0-2 --fps 2
 differ n0.png n1.png
+run 0 render alone.gltf --size 32x32 --spp 4 --exposure 0 -o 'o#.png' --frames 0
+same n0.png o0.png
 run 3 render alone.gltf --size 32x32 -o no.png --time 0
 said err.txt 'alone.gltf: everything is hidden or scaled to nothing'
 refused 2 'expected a name with #### for the number, found "a.png"' render moving.gltf -o a.png --frames 1-3

@@ -63,6 +63,21 @@ said err.txt 'interrupted; nothing was written'
 [ ! -e i.exr ] && [ ! -e i.partial.exr ] && [ ! -e i2.json ] || die 'an output of nothing'
 rm -f large.obj large.mtl
 
+# Between frames: the finished ones are named.
+printf '{"camera": {"eye": [0, 0, 4], "target": [0, 0, 0]}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
+"motion": [{"time": 0}, {"time": 9, "translation": [1, 0, 0]}]}]}' >moving.json
+"$FATHOM" render moving.json --integrator classic --size 8x8 --spp 1 -o 's#.png' --frames 1-99999 >out.txt 2>err.txt &
+child=$!
+until [ -e s2.png ]; do
+    kill -0 $child || die 'frames: it ended by itself'
+    sleep 0.01
+done
+kill -TERM $child
+end 5
+not_said err.txt 'nothing was written'
+said err.txt 'interrupted; '
+rm -f s[0-9]*.png moving.json
+
 # While a mesh is made or written: nothing is left. The signal waits until the program handles it, however long it takes to
 # start: bit 14 of the mask, SIGTERM's.
 for after in 0 0.5; do

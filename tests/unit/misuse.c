@@ -205,6 +205,8 @@ UNIT_TEST(null_for_scenes) {
     refuses(fathom_scene_framing(s.scene, NULL));
     assert_ok(s.context, fathom_scene_framing(NULL, &framing));
     assert_false(framing.made);
+    assert_false(fathom_scene_framed_times(NULL, (double[2]){0}));
+    assert_false(fathom_scene_framed_times(s.scene, NULL));
     fathom_framing_unite(NULL, &framing);
     fathom_framing_unite(&framing, NULL);
 

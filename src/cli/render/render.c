@@ -334,38 +334,49 @@ static fathom_status begin_frame(const task *all, uint32_t frame, frame_names *r
 
 static void tell_nobody(void *user, const char *text) { (void)user, (void)text; }
 
-/* False: there is nothing to see, or the frame cannot be read. That error is reported when the frame is
- * rendered. */
-static bool framing_of_frame(const task *all, uint32_t frame, fathom_framing *out) {
+/* Reads the scene at a time. *framing: where the automatic camera is; *span: the times that frames should
+ * share, equal if there are none. Errors are reported when frames are rendered. */
+static void look_at(const task *all, double time, fathom_framing *framing, double span[2]) {
     frame_names room;
     task s;
-    if (begin_frame(all, frame, &room, &s) != FATHOM_OK) return false;
-    if (command_context(s.options.threads, &s.context) != FATHOM_OK) return false;
+    *framing = (fathom_framing){.size = sizeof *framing};
+    span[0] = span[1] = 0;
+    if (begin_frame(all, all->options.frames.first, &room, &s) != FATHOM_OK) return;
+    if (command_context(s.options.threads, &s.context) != FATHOM_OK) return;
     fathom_context_allow_outside(s.context, s.options.allow_outside);
     fathom_context_on_warning(s.context, tell_nobody, NULL);
-    *out = s.framing = (fathom_framing){.size = sizeof *out};
-    if (read_scene(&s) == FATHOM_OK) fathom_scene_framing(s.scene, out);
+    s.options.model.time = (args_f64){.given = true, .value = time};
+    if (read_scene(&s) == FATHOM_OK && fathom_scene_framed_times(s.scene, span))
+        fathom_scene_framing(s.scene, framing);
     fathom_scene_destroy(s.scene);
     fathom_context_destroy(s.context);
-    return out->made;
 }
 
-/* Maximum number of frames that are read to find how far the model moves. */
-enum { FRAMED_MOST = 17 };
+/* Number of times at which the model is read to find how far it moves. */
+enum { FRAMED_TIMES = 17 };
 
-/* Finds a camera that sees all frames, and a floor below all of them. */
+/* Finds a camera that sees all of the animation, and a floor below all of it, so that frames rendered by
+ * other commands have the same. */
 static void frame_them(task *all) {
-    const render_frames *frames = &all->options.frames;
-    const uint32_t last = frames->last - frames->first, count = last < FRAMED_MOST ? last + 1 : FRAMED_MOST;
-    for (uint32_t i = 0; i < count && count > 1 && !interrupt_asked(); ++i) {
-        fathom_framing framing;
-        const uint32_t frame = frames->first + (uint32_t)((uint64_t)last * i / (count - 1));
-        if (!framing_of_frame(all, frame, &framing)) continue;
+    fathom_framing framing;
+    double span[2], own[2];
+    look_at(all, 0, &framing, span);
+    for (int i = 0; i < FRAMED_TIMES && span[0] < span[1] && !interrupt_asked(); ++i) {
+        look_at(all, span[0] + (span[1] - span[0]) * i / (FRAMED_TIMES - 1), &framing, own);
         if (all->framing.made)
             fathom_framing_unite(&all->framing, &framing);
         else
             all->framing = framing;
     }
+}
+
+/* Two texts, because a signal may come while one is written. */
+static void note_finished(const render_options *options, uint32_t last) {
+    static char texts[2][96];
+    char *text = texts[last % 2];
+    snprintf(text, sizeof *texts, "interrupted; frames %u to %u are finished%s", options->frames.first, last,
+             options->checkpoint ? "; --resume continues" : "");
+    interrupt_say(text);
 }
 
 /* All frames get the exposure of the first, to avoid flicker. */
@@ -381,6 +392,7 @@ static fathom_status run_frames(task *all) {
         interrupt_keep_work(false);
         status = begin_frame(all, frame, &room, &s);
         if (status == FATHOM_OK) status = run_once(&s);
+        if (status == FATHOM_OK) note_finished(&all->options, frame);
         if (s.options.part.path) continue;
         all->options.exposure = EXPOSURE_GIVEN;
         all->options.write.exposure = s.options.write.exposure;

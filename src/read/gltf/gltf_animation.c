@@ -261,6 +261,12 @@ static bool is_fixed(gltf *g, const channel_target *to) {
     return true;
 }
 
+static void note_times(gltf *g, const sampler *s) {
+    double *played = g->scene->played;
+    played[0] = fmin(played[0], time_of(s, 0));
+    played[1] = fmax(played[1], time_of(s, s->times.count - 1));
+}
+
 static void pose_channel(gltf *g, gltf_moment *m, const gltf_value *samplers, const gltf_value *channel) {
     const channel_target to = read_target(g, channel);
     uint32_t index = GLTF_ABSENT;
@@ -279,6 +285,7 @@ static void pose_channel(gltf *g, gltf_moment *m, const gltf_value *samplers, co
         gltf_fail_memory(g, sizeof *pose);
         return;
     }
+    note_times(g, &s);
     const double time = time_to_pose(g, m, &s, to.node);
     if (to.part == GLTF_PARTS)
         pose_weights(g, &s, time, pose);

@@ -2,11 +2,28 @@
 #include "base/sized.h"
 #include "scene/camera/camera.h"
 
+#include <math.h>
+
 fathom_status fathom_scene_framing(const fathom_scene *scene, fathom_framing *out) {
     const fathom_framing none = {.made = false};
     const fathom_status status = sized_check(NULL, "out", out, sizeof none);
     if (status == FATHOM_OK) sized_write(out, scene ? &scene->framing : &none, sizeof none);
     return status;
+}
+
+static void add_times(const double *times, uint32_t count, double out[2]) {
+    for (uint32_t k = 0; k < count; ++k) out[0] = fmin(out[0], times[k]), out[1] = fmax(out[1], times[k]);
+}
+
+bool fathom_scene_framed_times(const fathom_scene *scene, double out[2]) {
+    if (!scene || !out || (scene->has_camera && !scene->made.camera)) return false;
+    out[0] = scene->played[0], out[1] = scene->played[1];
+    /* The keys of a posed animation are times while the shutter is open. */
+    for (size_t i = 0; i < scene->instances.count && !scene->has_animations; ++i)
+        add_times(scene->instances.items[i].key_times, scene->instances.items[i].key_count, out);
+    for (size_t i = 0; i < scene->meshes.count && !scene->has_animations; ++i)
+        add_times(scene->meshes.items[i].key_times, scene->meshes.items[i].key_count, out);
+    return out[0] < out[1];
 }
 
 /* An eye at e sees points up to e.x + s e.z on each side (framing.c). The new eye is at least as far away as
