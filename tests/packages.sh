@@ -4,7 +4,7 @@
 # usage: sh tests/packages.sh build|test|clang
 set -eu
 
-packages="gcc g++ cmake ninja-build pkg-config libembree-dev libopenimageio-dev libopencolorio-dev libjansson-dev libgmp-dev libpng-dev zlib1g-dev libmeshoptimizer-dev libdraco-dev"
+packages="gcc g++ cmake ninja-build pkg-config libembree-dev libopenimageio-dev libopencolorio-dev libjansson-dev libgmp-dev libpng-dev zlib1g-dev libmeshoptimizer-dev libdraco-dev libzstd-dev"
 [ "${1:-build}" != build ] && packages="$packages libcmocka-dev git clang-format python3-matplotlib libopenmpi-dev openmpi-bin"
 [ "${1:-build}" != clang ] || packages="$packages clang clang-tidy cppcheck libclang-rt-dev llvm"
 

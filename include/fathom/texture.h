@@ -10,7 +10,8 @@ extern "C" {
 
 /* What the numbers of an image mean. Alpha is always linear. */
 typedef enum fathom_color_space {
-    FATHOM_COLOR_AUTO,   /* linear where the image has halfs or floats, sRGB where it has integers */
+    FATHOM_COLOR_AUTO,   /* linear where the image has halfs or floats, sRGB where it has integers, unless it
+                            says that they are linear, as KTX 2.0 files may */
     FATHOM_COLOR_SRGB,   /* colours of Rec.709 through the curve of IEC 61966-2-1 */
     FATHOM_COLOR_LINEAR, /* linear Rec.709, or data: the numbers are taken as they are */
     FATHOM_COLOR_NAMED   /* color_space_name, a space of the OpenColorIO config */
@@ -37,7 +38,7 @@ typedef enum fathom_texture_filter {
 #define FATHOM_TEXTURE_TEXELS (UINT64_C(1) << 32) /* in all */
 
 /* An image and how it is looked up. (u, v) = (0, 0) is the upper left corner of the image and (1, 1) the
- * lower right one. Any format that OpenImageIO reads; its content decides, not its name. */
+ * lower right one. KTX 2.0, and any format that OpenImageIO reads; its content decides, not its name. */
 typedef struct fathom_texture {
     size_t size;
     const char *file;  /* a path; NULL: `bytes` holds the image */

@@ -51,7 +51,8 @@ static const args_option options[] = {
     {"output", 'o', "FILE", take_text, offsetof(texture_settings, output), 0, 0, ".tx, .tif or .tiff"},
     {"color", 0, "SPACE", take_text, offsetof(texture_settings, color), 0, 0,
      "what the numbers mean: srgb, linear (also data such as normals), auto: srgb of integers and linear of "
-     "halfs and floats, or a color space of the OpenColorIO config, which becomes linear Rec.709 (auto)"},
+     "halfs and floats, unless the file says, or a color space of the OpenColorIO config, which becomes "
+     "linear Rec.709 (auto)"},
     COMMAND_THREADS,
     COMMAND_QUIET("only errors and warnings"),
     {.help = NULL},

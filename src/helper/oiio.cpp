@@ -1,5 +1,6 @@
 /* Image files through OpenImageIO, and the table of the module's calls. */
 #include "helper/guard.h"
+#include "helper/ktx2_input.h"
 
 #include <OpenColorIO/OpenColorABI.h>
 #include <OpenImageIO/filesystem.h>
@@ -314,7 +315,7 @@ static fathom_status image_file_read(const char *path, unsigned threads, const i
         OIIO::attribute("exr_threads", static_cast<int>(threads));
         OIIO::ImageSpec config;
         config.attribute("oiio:UnassociatedAlpha", 1);
-        auto input = OIIO::ImageInput::open(path, &config);
+        auto input = image_input_open(path, config);
         if (!input) throw unreadable(OIIO::geterror());
         input->threads(static_cast<int>(threads));
         auto file = std::make_unique<file_image>();

@@ -1,7 +1,6 @@
 /* Textures: images that are read in parts. */
 #include "helper/guard.h"
-
-#include <OpenImageIO/imageio.h>
+#include "helper/ktx2_input.h"
 
 #include <algorithm>
 #include <cstring>
@@ -134,7 +133,8 @@ static void check_size(const OIIO::ImageSpec &spec, const image_texture_request 
  * Its versions before 3 multiply WebP's colours by alpha in spite of the option. */
 static bool is_premultiplied(const image_texture &t, const OIIO::ImageSpec &spec) {
     const std::string format = t.input->format_name();
-    const bool may = format == "openexr" || format == "tiff" || (format == "webp" && OIIO_VERSION_MAJOR < 3);
+    const bool may = format == "openexr" || format == "tiff" || format == "ktx2" ||
+                     (format == "webp" && OIIO_VERSION_MAJOR < 3);
     return may && t.info.channels % 2 == 0 && !spec.get_int_attribute("oiio:UnassociatedAlpha");
 }
 
@@ -149,6 +149,7 @@ static void describe(image_texture &t, const image_texture_request &request) {
     const image_texel texel = texel_of(type);
     t.info.sent = t.info.kept = texel;
     t.info.integers = !type.is_floating_point();
+    t.info.transfer = static_cast<image_transfer>(spec.get_int_attribute(IMAGE_INPUT_TRANSFER));
     std::snprintf(t.info.format, sizeof t.info.format, "%s", t.input->format_name());
     t.info.band = static_cast<uint32_t>(std::max(spec.tile_height, 1));
     t.premultiplied = is_premultiplied(t, spec);
@@ -183,7 +184,7 @@ static fathom_status texture_open(const image_texture_request *request, image_te
         /* A name without an extension: OpenImageIO tries all formats. */
         const std::string name =
             request->path ? request->path : "/proc/self/fd/" + std::to_string(request->descriptor);
-        t->input = OIIO::ImageInput::open(name, &config);
+        t->input = image_input_open(name, config);
         if (!t->input) throw unreadable(request->path ? OIIO::geterror() : without(OIIO::geterror(), name));
         t->input->threads(static_cast<int>(request->threads));
         describe(*t, *request);

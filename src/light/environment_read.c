@@ -14,7 +14,7 @@
 static bool is_linear(const char *path) {
     char extension[16];
     file_extension(path, extension);
-    static const char *const encoded[] = {"png", "jpg", "jpeg", "gif", "bmp", "webp", "tga"};
+    static const char *const encoded[] = {"png", "jpg", "jpeg", "gif", "bmp", "webp", "tga", "ktx2"};
     for (size_t i = 0; i < sizeof encoded / sizeof *encoded; ++i) {
         if (strcmp(extension, encoded[i]) == 0) return false;
     }

@@ -4,6 +4,7 @@
 #include "scene/scene.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,10 +42,16 @@ static image_texel type_of_means(const image_texture_info *info) {
                                                                           : IMAGE_TEXEL_FLOAT;
 }
 
+/* A file that says how its colours are encoded is believed, unless the scene says otherwise. */
+static bool is_srgb(const cache_image *img) {
+    const fathom_color_space space = img->texture->color_space;
+    if (space != FATHOM_COLOR_AUTO) return space == FATHOM_COLOR_SRGB;
+    return img->info.integers && img->info.transfer != IMAGE_TRANSFER_LINEAR;
+}
+
 static fathom_status plan_image(texture_cache *cache, fathom_context *context, cache_image *img) {
     const image_texture_info *info = &img->info;
-    const fathom_color_space space = img->texture->color_space;
-    const bool srgb = space == FATHOM_COLOR_SRGB || (space == FATHOM_COLOR_AUTO && info->integers);
+    const bool srgb = is_srgb(img);
     if (info->width > FATHOM_TEXTURE_SIDE || info->height > FATHOM_TEXTURE_SIDE)
         return fail_file(context, FATHOM_BAD_INPUT, cache_name(img->texture),
                          "expected at most %u texels on a side", FATHOM_TEXTURE_SIDE);
@@ -61,17 +68,44 @@ static fathom_status plan_image(texture_cache *cache, fathom_context *context, c
     return FATHOM_OK;
 }
 
+/* A warning about an image, after the place where the scene's file names it. */
+__attribute__((format(printf, 3, 4))) static void warn_image(fathom_context *context, const cache_image *img,
+                                                             const char *format, ...) {
+    const fathom_place *at = img->place;
+    char text[256];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    warn(context, "%s%s%s%s%s: %s", at ? at->file : "", at ? ": " : "", at ? at->field : "", at ? ": " : "",
+         cache_name(img->texture), text);
+}
+
 /* Warns if the declared type is wrong; the content determines the type. */
 static void check_mime(fathom_context *context, const cache_image *img, const char *format) {
     const fathom_texture *t = img->texture;
-    const fathom_place *at = img->place;
-    static const char *const known[][2] = {
-        {"image/png", "png"}, {"image/jpeg", "jpeg"}, {"image/webp", "webp"}, {"image/x-exr", "openexr"}};
+    static const char *const known[][2] = {{"image/png", "png"},
+                                           {"image/jpeg", "jpeg"},
+                                           {"image/webp", "webp"},
+                                           {"image/x-exr", "openexr"},
+                                           {"image/ktx2", "ktx2"}};
     for (size_t i = 0; t->mime && i < sizeof known / sizeof *known; ++i) {
         if (strcmp(t->mime, known[i][0]) == 0 && strcmp(format, known[i][1]) != 0)
-            warn(context, "%s%s%s%s%s: is declared as %s, and read as %s, which it is", at ? at->file : "",
-                 at ? ": " : "", at ? at->field : "", at ? ": " : "", cache_name(t), t->mime, format);
+            warn_image(context, img, "is declared as %.80s, and read as %s, which it is", t->mime, format);
     }
+}
+
+/* Warns if the file says that its colours are encoded otherwise than they are taken. */
+static void check_transfer(fathom_context *context, const cache_image *img) {
+    static const char *const names[] = {[IMAGE_TRANSFER_UNKNOWN] = "",
+                                        [IMAGE_TRANSFER_LINEAR] = "linear",
+                                        [IMAGE_TRANSFER_SRGB] = "sRGB",
+                                        [IMAGE_TRANSFER_OTHER] = "neither sRGB nor linear"};
+    const image_transfer said = img->info.transfer;
+    const image_transfer taken = is_srgb(img) ? IMAGE_TRANSFER_SRGB : IMAGE_TRANSFER_LINEAR;
+    if (said != IMAGE_TRANSFER_UNKNOWN && said != taken && img->texture->color_space != FATHOM_COLOR_NAMED)
+        warn_image(context, img, "says that its numbers are %s; they are taken as %s", names[said],
+                   names[taken]);
 }
 
 static fathom_status fail_image(fathom_context *context, const cache_image *img, fathom_status status,
@@ -101,6 +135,7 @@ static fathom_status open_image(texture_cache *cache, fathom_context *context, c
     pthread_mutex_init(&img->lock, NULL);
     ++cache->image_count;
     check_mime(context, img, img->info.format);
+    check_transfer(context, img);
     return plan_image(cache, context, img);
 }
 

@@ -1,6 +1,8 @@
 /* Texture files as a cache reads them: level by level, in bands of rows, and closed and opened again. */
 #include "textures.h"
 
+#include "ktx2_file.h"
+
 /* A mip-mapped TIFF of floats, grey, of side × side texels: level 0 has the one value, all other levels have
  * the other. Returns the offset of the tile that all levels but the first have. */
 static size_t put_levels(const char *name, uint32_t side, float first, float others) {
@@ -315,6 +317,103 @@ UNIT_TEST(a_grey_tga_has_alpha) {
     put_file("a.tga", header, sizeof header, body, sizeof body);
     check_codes("a.tga", (const unsigned[][4]){{20, 20, 20, 200}, {255, 255, 255, 0}}, 2, 255);
     unlink(in_folder("a.tga"));
+}
+
+static void put_ktx2(const char *name, const ktx2_recipe *r) {
+    uint8_t file[KTX2_FILE_MAX];
+    put_file(name, file, ktx2_make(r, file), "", 0);
+}
+
+UNIT_TEST(ktx2_is_read_as_other_images_are) {
+    static const uint8_t texels[8] = {255, 128, 0, 200, 1, 2, 3, 0},
+                         premultiplied[8] = {15, 64, 77, 77, 1, 2, 3, 4};
+    ktx2_recipe r = {.format = 43,
+                     .width = 2,
+                     .height = 1,
+                     .model = 1,
+                     .transfer = 2,
+                     .channels = "012?",
+                     .level = texels,
+                     .level_size = 8};
+    put_ktx2("a.ktx2", &r);
+    check_codes("a.ktx2", (const unsigned[][4]){{255, 128, 0, 200}, {1, 2, 3, 0}}, 2, 255);
+    r.flags = 1, r.level = premultiplied;
+    put_ktx2("a.ktx2", &r);
+    check_codes("a.ktx2", (const unsigned[][4]){{50, 212, 255, 77}, {64, 128, 191, 4}}, 2, 255);
+    unlink(in_folder("a.ktx2"));
+}
+
+/* Rows that begin at the bottom. */
+UNIT_TEST(ktx2_may_have_its_lowest_row_first) {
+    static const uint8_t rows[3] = {30, 20, 10};
+    put_ktx2("a.ktx2", &(ktx2_recipe){.format = 9,
+                                      .width = 1,
+                                      .height = 3,
+                                      .model = 1,
+                                      .transfer = 1,
+                                      .channels = "0",
+                                      .key = "KTXorientation",
+                                      .value = "ru",
+                                      .level = rows,
+                                      .level_size = 3});
+    const fathom_texture t = texture_of("a.ktx2", FATHOM_COLOR_LINEAR);
+    opened o = open_textures(&t, 1, ALL);
+    for (unsigned y = 0; y < 3; ++y) {
+        float rgba[4];
+        texel(o.cache, 0, 0, 0, y, rgba);
+        assert_true(rgba[0] == (float)((10 + 10 * y) / 255.0));
+    }
+    close_textures(&o);
+    unlink(in_folder("a.ktx2"));
+}
+
+static unsigned warnings;
+static char warning[512];
+static void note(void *user, const char *text) {
+    (void)user;
+    ++warnings;
+    snprintf(warning, sizeof warning, "%s", text);
+}
+
+/* Another colour space in the scene is followed, with a warning. */
+UNIT_TEST(ktx2_files_choose_their_encoding_where_the_scene_does_not) {
+    static const uint8_t level[1] = {100};
+    static const struct {
+        uint8_t transfer;
+        fathom_color_space space;
+        bool srgb;
+        const char *told;
+    } cases[] = {{0, FATHOM_COLOR_AUTO, true, NULL},
+                 {1, FATHOM_COLOR_AUTO, false, NULL},
+                 {2, FATHOM_COLOR_AUTO, true, NULL},
+                 {3, FATHOM_COLOR_AUTO, true, "are neither sRGB nor linear; they are taken as sRGB"},
+                 {0, FATHOM_COLOR_LINEAR, false, NULL},
+                 {1, FATHOM_COLOR_LINEAR, false, NULL},
+                 {2, FATHOM_COLOR_LINEAR, false, "are sRGB; they are taken as linear"},
+                 {1, FATHOM_COLOR_SRGB, true, "are linear; they are taken as sRGB"},
+                 {2, FATHOM_COLOR_SRGB, true, NULL}};
+    fathom_context_on_warning(context, note, NULL);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        put_ktx2("a.ktx2", &(ktx2_recipe){.format = 9,
+                                          .width = 1,
+                                          .height = 1,
+                                          .model = 1,
+                                          .transfer = cases[i].transfer,
+                                          .channels = "0",
+                                          .level = level,
+                                          .level_size = 1});
+        const fathom_texture t = texture_of("a.ktx2", cases[i].space);
+        float rgba[4];
+        warnings = 0;
+        opened o = open_textures(&t, 1, ALL);
+        texel(o.cache, 0, 0, 0, 0, rgba);
+        assert_true(rgba[0] == (float)(cases[i].srgb ? srgb(100 / 255.0) : 100 / 255.0));
+        assert_int_equal(warnings, cases[i].told != NULL);
+        if (cases[i].told && !strstr(warning, cases[i].told)) fail_msg("%s", warning);
+        close_textures(&o);
+    }
+    fathom_context_on_warning(context, NULL, NULL);
+    unlink(in_folder("a.ktx2"));
 }
 
 /* WebP without loss, of the texels (255, 0, 255, 128) and (0, 255, 0, 255). OpenImageIO 2 multiplies WebP's

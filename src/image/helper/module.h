@@ -6,7 +6,7 @@
 #include "image/image.h"
 
 /* Increases with every change of this file: a module of another build is refused before any call. */
-#define IMAGE_MODULE_VERSION 10
+#define IMAGE_MODULE_VERSION 11
 #define IMAGE_MODULE_SYMBOL "fathom_image_module"
 
 typedef struct image_message {
@@ -72,6 +72,14 @@ typedef struct image_texture_request {
     unsigned helpers; /* processes that the library may choose from; 0: one */
 } image_texture_request;
 
+/* How the file says that its colours are encoded. Most files do not say. */
+typedef enum image_transfer {
+    IMAGE_TRANSFER_UNKNOWN,
+    IMAGE_TRANSFER_LINEAR,
+    IMAGE_TRANSFER_SRGB,
+    IMAGE_TRANSFER_OTHER
+} image_transfer;
+
 typedef struct image_texture_info {
     uint32_t width, height;
     uint32_t channels; /* 1: grey; 2: grey, alpha; 3: R, G, B; 4: R, G, B, alpha; not premultiplied */
@@ -82,6 +90,7 @@ typedef struct image_texture_info {
         mipmapped; /* tiles at most IMAGE_TILE wide; each level half the size of the previous, rounded down */
     bool integers; /* the file has integers, also where `sent` are floats, as for those of 32 bits */
     char format[32]; /* "png", "openexr" */
+    image_transfer transfer;
 } image_texture_info;
 
 /* Texels [x0, x1) × [y0, y1). Level 0 unless the file is mip-mapped; then x0 and y0 are multiples of

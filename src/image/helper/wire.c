@@ -169,6 +169,7 @@ void wire_put_texture(wire_buffer *b, const image_texture_info *info) {
                                 (uint32_t)info->kept, info->band,   info->mipmapped, info->integers};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) wire_put_u32(b, numbers[i]);
     wire_put_text(b, info->format);
+    wire_put_u32(b, (uint32_t)info->transfer);
 }
 
 bool wire_take_texture(wire_cursor *c, image_texture_info *out) {
@@ -179,10 +180,12 @@ bool wire_take_texture(wire_cursor *c, image_texture_info *out) {
     out->mipmapped = wire_take_u32(c) != 0;
     out->integers = wire_take_u32(c) != 0;
     const char *format = wire_take_text(c);
+    const uint32_t transfer = wire_take_u32(c);
     if (c->bad || !format || !out->width || !out->height || !out->band || out->channels - 1 > 3 ||
-        sent > IMAGE_TEXEL_FLOAT || kept > IMAGE_TEXEL_FLOAT)
+        sent > IMAGE_TEXEL_FLOAT || kept > IMAGE_TEXEL_FLOAT || transfer > IMAGE_TRANSFER_OTHER)
         return false;
     out->sent = (image_texel)sent, out->kept = (image_texel)kept;
+    out->transfer = (image_transfer)transfer;
     snprintf(out->format, sizeof out->format, "%.31s", format);
     return true;
 }

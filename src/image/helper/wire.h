@@ -12,7 +12,7 @@
 #define WIRE_MEMORY 4
 
 /* Increases with every change of the protocol. */
-#define WIRE_VERSION 5u
+#define WIRE_VERSION 6u
 
 typedef enum wire_op {
     WIRE_OPEN,  /* opens a file; its descriptor comes with the request; the memory holds a wire image */
