@@ -85,6 +85,10 @@ const char *write_image_type(const write_image *image) {
     if (begins(image, 0, "\xff\xd8\xff")) return "image/jpeg";
     if (begins(image, 0, "RIFF") && begins(image, 8, "WEBP")) return "image/webp";
     if (begins(image, 4, "ftypavif")) return "image/avif";
+    /* glTF has KTX 2.0 for Basis Universal alone, whose vkFormat is 0. */
+    if (begins(image, 0, "\xabKTX 20\xbb\r\n\x1a\n") && image->size >= 16 &&
+        memcmp(image->bytes + 12, "\0\0\0", 4) == 0)
+        return "image/ktx2";
     return NULL;
 }
 

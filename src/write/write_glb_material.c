@@ -260,10 +260,11 @@ static void put_names(file_writer *t, const char *key, const char *const *names,
 
 /* Images of some types are only named by extensions, so that a reader has to know these. */
 static void put_extensions(const glb *g, file_writer *t, unsigned holders, bool transforms) {
-    enum { TRANSFORM = GLTF_HOLDERS, WEBP, AVIF, LIGHTS, NAMES };
+    enum { TRANSFORM = GLTF_HOLDERS, WEBP, AVIF, BASISU, LIGHTS, NAMES };
     const char *names[NAMES] = {[TRANSFORM] = "KHR_texture_transform",
                                 [WEBP] = "EXT_texture_webp",
                                 [AVIF] = "EXT_texture_avif",
+                                [BASISU] = "KHR_texture_basisu",
                                 [LIGHTS] = "KHR_lights_punctual"};
     unsigned needed = 0;
     memcpy(names, gltf_holder_names, sizeof gltf_holder_names);
@@ -271,6 +272,7 @@ static void put_extensions(const glb *g, file_writer *t, unsigned holders, bool 
         const char *type = write_image_type(&g->images.items[i]);
         if (type && strcmp(type, "image/webp") == 0) needed |= 1u << WEBP;
         if (type && strcmp(type, "image/avif") == 0) needed |= 1u << AVIF;
+        if (type && strcmp(type, "image/ktx2") == 0) needed |= 1u << BASISU;
     }
     const unsigned parts = 1u << GLTF_PBR | 1u << GLTF_CORE, lights = glb_has_lights(g);
     put_names(t, "extensionsUsed", names,

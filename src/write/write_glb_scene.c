@@ -33,6 +33,8 @@ static void put_source(file_writer *t, const char *type, uint32_t image) {
     if (type && (strcmp(type, "image/webp") == 0 || strcmp(type, "image/avif") == 0))
         file_writer_print(t, "\"extensions\":{\"EXT_texture_%s\":{\"source\":%u}}", strchr(type, '/') + 1,
                           image);
+    else if (type && strcmp(type, "image/ktx2") == 0)
+        file_writer_print(t, "\"extensions\":{\"KHR_texture_basisu\":{\"source\":%u}}", image);
     else
         file_writer_print(t, "\"source\":%u", image);
 }
@@ -49,8 +51,8 @@ static void put_images(const glb *g, file_writer *t) {
         file_writer_print(t, "}");
         if (!type)
             notes_add(g->notes, 1, "",
-                      "an image is none of the formats that glTF names, PNG, JPEG, WebP and "
-                      "AVIF; Fathom reads it, and others may not");
+                      "an image is none of the formats that glTF names, PNG, JPEG, WebP, "
+                      "AVIF and KTX 2.0; Fathom reads it, and others may not");
     }
 }
 

@@ -66,9 +66,9 @@ UNIT_TEST(broken_documents_are_refused) {
         {"{'asset':{'version':2}}", "asset.version: is a number; expected a string"},
         {"{'asset':{'version':'2.1','minVersion':'2.1'}}", "asset.minVersion: "},
         {"{'asset':[]}", "asset: is an array; expected an object"},
-        {"{" ASSET ",'extensionsRequired':['KHR_texture_basisu']}",
+        {"{" ASSET ",'extensionsRequired':['KHR_texture_video']}",
          "extensionsRequired[0]: the file cannot be read without the extension "
-         "\"KHR_texture_basisu\""},
+         "\"KHR_texture_video\""},
         {"{" ASSET ",'extensionsRequired':[1]}", "extensionsRequired[0]: "},
         {"{" ASSET ",'meshes':{}}", "meshes: is an object; expected an array"},
         {"{" ASSET ",'meshes':[1]}", "meshes[0]: is a number; expected an object"},

@@ -43,7 +43,6 @@ UNIT_TEST(extensions_that_change_an_image_say_what_is_shown) {
     static const struct {
         const char *name, *shown;
     } cases[] = {{"KHR_gaussian_splatting", "splats are shown as points"},
-                 {"KHR_texture_basisu", "a texture shows its PNG or JPEG image, if it has one"},
                  {"KHR_materials_volume_scatter", "volumes absorb light, but do not scatter it"},
                  {"EXT_lights_image_based", "do not light the scene; --environment takes an image that does"},
                  {"CESIUM_primitive_outline", "outlines are not drawn"},
@@ -59,7 +58,7 @@ UNIT_TEST(extensions_that_change_an_image_say_what_is_shown) {
 }
 
 UNIT_TEST(extensions_that_change_an_image_are_refused_by_name_when_required) {
-    static const char *const names[] = {"KHR_gaussian_splatting", "KHR_texture_basisu",
+    static const char *const names[] = {"KHR_gaussian_splatting", "KHR_texture_procedurals",
                                         "KHR_accessor_float64", "EXT_texture_astc", "A_b"};
     fixture *f = *state;
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {

@@ -273,10 +273,13 @@ UNIT_TEST(textures_with_factors_of_zero_are_told) {
     }
 }
 
+#define BASISU "'extensions':{'KHR_texture_basisu':{'source':0}}"
+
 /* The image of the extension is the one that its author made for programs that know it. */
 UNIT_TEST(images_of_extensions_go_before_others) {
     fixture *f = *state;
-    static const char *const names[] = {"EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"};
+    static const char *const names[] = {"EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds",
+                                        "KHR_texture_basisu"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
         char json[4096];
         snprintf(json, sizeof json,
@@ -290,6 +293,29 @@ UNIT_TEST(images_of_extensions_go_before_others) {
         assert_string_equal(scene->textures.items[0].name, "of the extension");
         assert_memory_equal(scene->textures.items[0].bytes, "\x04\x10\x41", 3);
         assert_int_equal(f->warnings, 1); /* no texture coordinates */
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* The extension fixes the encoding: sRGB for colours, linear for the rest. */
+UNIT_TEST(basis_universal_has_srgb_colours) {
+    fixture *f = *state;
+    static const struct {
+        const char *material, *texture;
+        fathom_color_space space;
+    } cases[] = {
+        {"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}", BASISU, FATHOM_COLOR_SRGB},
+        {"'normalTexture':{'index':0}", BASISU, FATHOM_COLOR_LINEAR},
+        {"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}", "'source':0", FATHOM_COLOR_AUTO}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char json[4096];
+        snprintf(json, sizeof json,
+                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'images':[{"
+                       "'uri':'data:image/ktx2;base64,AAAA'}],'textures':[{%s}],'materials':[{%s}]"),
+                 cases[i].texture, cases[i].material);
+        fathom_scene *scene = read_triangle(f, json);
+        assert_int_equal(scene->textures.count, 1);
+        assert_int_equal(scene->textures.items[0].color_space, cases[i].space);
         fathom_scene_destroy(scene);
     }
 }

@@ -251,8 +251,9 @@ UNIT_TEST(extensions_are_listed_if_they_are_used_or_required) {
     } images[] = {{"RIFF\4\0\0\0WEBPVP8 ", 16, "EXT_texture_webp"},
                   {"\0\0\0\x1c"
                    "ftypavif\0\0\0\0",
-                   16, "EXT_texture_avif"}};
-    for (size_t i = 0; i < 2; ++i) {
+                   16, "EXT_texture_avif"},
+                  {"\xabKTX 20\xbb\r\n\x1a\n\0\0\0\0", 16, "KHR_texture_basisu"}};
+    for (size_t i = 0; i < 3; ++i) {
         char text[128];
         const fathom_texture texture = {
             .size = sizeof texture, .bytes = images[i].bytes, .byte_count = images[i].size};

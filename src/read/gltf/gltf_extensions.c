@@ -15,7 +15,7 @@ static bool is_supported(const char *name) {
                  "KHR_materials_variants|KHR_materials_pbrSpecularGlossiness|KHR_mesh_quantization|"
                  "KHR_meshopt_compression|EXT_meshopt_compression|KHR_draco_mesh_compression|"
                  "EXT_mesh_gpu_instancing|KHR_node_visibility|KHR_animation_pointer|KHR_texture_transform|"
-                 "EXT_texture_webp|EXT_texture_avif|MSFT_texture_dds",
+                 "KHR_texture_basisu|EXT_texture_webp|EXT_texture_avif|MSFT_texture_dds",
                  name);
 }
 
@@ -39,7 +39,6 @@ static const char *find_instead(const char *name) {
     static const struct {
         const char *names, *instead;
     } table[] = {
-        {"KHR_texture_basisu", "a texture shows its PNG or JPEG image, if it has one"},
         {"KHR_gaussian_splatting", "splats are shown as points"},
         {"KHR_materials_volume_scatter|KHR_materials_subsurface|KHR_materials_sss",
          "volumes absorb light, but do not scatter it"},

@@ -69,16 +69,23 @@ static void read_sampler(gltf *g, uint32_t index, fathom_texture *out) {
 
 /* ---- textures ---- */
 
-/* The image of a texture: that of a supported extension, if there is one, else the texture's own. */
-static uint32_t find_source(gltf *g, const gltf_value *texture) {
-    static const char *const extensions[] = {"EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"};
+/* Whether the extension names an image, which *source then is. */
+static bool takes_source(gltf *g, const gltf_value *texture, const char *name, uint32_t *source) {
+    gltf_value holder, extension;
+    gltf_extension(g, texture, name, &holder, &extension);
+    gltf_index(g, &extension, "source", &g->images, source);
+    return json_object_get(extension.json, "source");
+}
+
+/* The image of a texture: that of a supported extension, if there is one, else the texture's own. *basisu:
+ * the image is that of KHR_texture_basisu. */
+static uint32_t find_source(gltf *g, const gltf_value *texture, bool *basisu) {
     uint32_t source = GLTF_ABSENT;
     gltf_index(g, texture, "source", &g->images, &source);
-    for (size_t i = 0; i < sizeof extensions / sizeof *extensions; ++i) {
-        gltf_value holder, extension;
-        gltf_extension(g, texture, extensions[i], &holder, &extension);
-        gltf_index(g, &extension, "source", &g->images, &source);
-    }
+    takes_source(g, texture, "EXT_texture_webp", &source);
+    takes_source(g, texture, "EXT_texture_avif", &source);
+    takes_source(g, texture, "MSFT_texture_dds", &source);
+    *basisu = takes_source(g, texture, "KHR_texture_basisu", &source);
     return source;
 }
 
@@ -102,7 +109,10 @@ static fathom_id read_texture(gltf *g, uint32_t index, bool color) {
     fathom_texture_default(&t);
     t.color_space = color ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
     gltf_item(g, &g->textures, index, &at);
-    const uint32_t source = find_source(g, &at);
+    bool basisu = false;
+    const uint32_t source = find_source(g, &at, &basisu);
+    /* The extension wants colours to be sRGB, whatever the image says. */
+    if (basisu && color) t.color_space = FATHOM_COLOR_SRGB;
     gltf_index(g, &at, "sampler", &g->samplers, &sampler);
     if (sampler != GLTF_ABSENT) read_sampler(g, sampler, &t);
     if (source == GLTF_ABSENT) {
