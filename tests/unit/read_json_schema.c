@@ -98,7 +98,8 @@ static void add_rule(json_t *schema, const form_rule *rule) {
     json_t *dependencies = member(schema, "dependencies", json_object);
     /* One key has rules of one kind only: both would want the same entry. */
     assert_null(json_object_get(dependencies, rule->key));
-    if (rule->kind == FORM_EXCLUDES) list = json_pack("{s:{s:{s:o}}}", "propertyNames", "not", "enum", list);
+    if (rule->kind == FORM_EXCLUDES || rule->kind == FORM_HOLDS)
+        list = json_pack("{s:{s:{s:o}}}", "propertyNames", "not", "enum", list);
     json_object_set_new(dependencies, rule->key, list);
 }
 

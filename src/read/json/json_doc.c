@@ -327,6 +327,9 @@ static fathom_status check_rule(const doc *d, const where *at, json_t *value, co
         present += has;
         if (rule->kind == FORM_NEEDS && !has)
             return doc_fail(d, at, "\"%s\" is given without \"%s\"", rule->key, *other);
+        if (rule->kind == FORM_HOLDS && has)
+            return doc_fail(d, at, "\"%s\" is given next to \"%s\"; expected it in each item of that", *other,
+                            rule->key);
         if (rule->kind == FORM_EXCLUDES && has)
             return doc_fail(d, at, "\"%s\" and \"%s\" exclude each other", rule->key, *other);
     }

@@ -56,7 +56,7 @@ static const form_key motion_keys[] = {
 };
 static const form_key time_keys[] = {{"time", FORM_F64, PLACE(time), .required = true}, END_KEYS};
 static const form_rule motion_rules[] = {
-    {FORM_EXCLUDES, "motion", {"matrix", "translation", "rotation", "rotate", "scale", "frame"}}, END_RULES};
+    {FORM_HOLDS, "motion", {"matrix", "translation", "rotation", "rotate", "scale", "frame"}}, END_RULES};
 static const form_rule place_rules[] = {
     {FORM_EXCLUDES, "matrix", {"translation", "rotation", "rotate", "scale", "frame"}},
     {FORM_EXCLUDES, "frame", {"translation", "rotation", "rotate"}},
@@ -98,7 +98,7 @@ static const form_key camera_keys[] = {
     END_KEYS,
 };
 static const form_rule camera_rules[] = {
-    {FORM_EXCLUDES, "motion", {"eye", "target", "up", "frame"}},
+    {FORM_HOLDS, "motion", {"eye", "target", "up", "frame"}},
     {FORM_ONE_OF, NULL, {"eye", "frame", "motion"}},
     {FORM_NEEDS, "d", {"h"}},
     {FORM_NEEDS, "h", {"d"}},

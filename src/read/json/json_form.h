@@ -51,6 +51,7 @@ typedef enum form_rule_kind {
     FORM_NO_RULE,  /* ends a table */
     FORM_NEEDS,    /* if `key` is present, all others must be */
     FORM_EXCLUDES, /* if `key` is present, none of the others may be */
+    FORM_HOLDS,    /* if `key` is present, its items have the others, which must not be next to it */
     FORM_ONE_OF,   /* exactly one of the others is present */
     /* Without these, `key` has no effect: a warning. */
     FORM_WANTS,       /* all others */
