@@ -1,3 +1,5 @@
+#include "commit.h" /* by commit.cmake */
+
 #include <fathom/base.h>
 
 #define TEXT(x) #x
