@@ -25,9 +25,9 @@ struct json_chunk {
     _Alignas(ALIGNMENT) unsigned char bytes[];
 };
 
-/* Chunks double in size up to CHUNK_MOST, so that they are few and waste little. */
+/* Chunks grow by half up to CHUNK_MOST, so that they are few, and at most a third of them is unused. */
 static struct json_chunk *add_chunk(json_arena *arena, size_t bytes) {
-    size_t room = arena->last ? 2 * arena->last->room : CHUNK_LEAST;
+    size_t room = arena->last ? arena->last->room / 2 * 3 : CHUNK_LEAST;
     if (room > CHUNK_MOST) room = CHUNK_MOST;
     if (room < bytes) room = bytes;
     struct json_chunk *chunk = room < SIZE_MAX / 2 ? malloc(sizeof *chunk + room) : NULL;
