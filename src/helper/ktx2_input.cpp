@@ -26,8 +26,8 @@ class mapped_file {
         if (file < 0) return false;
         if (fstat(file, &facts) == 0 && facts.st_size > 0) {
             m_size = static_cast<size_t>(facts.st_size);
-            void *bytes = mmap(nullptr, m_size, PROT_READ, MAP_PRIVATE, file, 0);
-            m_bytes = bytes == MAP_FAILED ? nullptr : bytes;
+            m_bytes = mmap(nullptr, m_size, PROT_READ, MAP_PRIVATE, file, 0);
+            if (m_bytes == MAP_FAILED) m_bytes = nullptr;
         }
         close(file);
         return m_bytes != nullptr;
