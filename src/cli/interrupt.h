@@ -12,7 +12,7 @@ void interrupt_install(void);
 /* After this call, a signal only sets the flag (true), or ends the process again (false). */
 void interrupt_keep_work(bool keep);
 
-/* What a signal that ends the process says; must stay valid. */
+/* Sets the line that a signal prints when it ends the process. The text must stay valid. */
 void interrupt_say(const char *text);
 
 bool interrupt_asked(void);

@@ -312,7 +312,7 @@ static fathom_status read_and_complete(fathom_scene *scene, const char *path) {
     if (status != FATHOM_OK) return status;
     status = fathom_scene_complete(scene);
     if (status == FATHOM_OK && scene->asked->floor) status = scene_add_floor(scene);
-    /* Of an animation that hides all at this time, callers may ask for the times at which it does not. */
+    /* Callers may look for other times of an animation that hides all at this one. */
     if (status == FATHOM_OK && !scene->hides) status = fathom_scene_check(scene);
     return status == FATHOM_OK ? status : fail_within(scene->context, status, &(fathom_place){.file = path});
 }

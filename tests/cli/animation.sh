@@ -89,10 +89,13 @@ run 0 render $framed -o 'j#.png' --frames 0-4 --fps 2
 run 0 render $framed -o 'k#.png' --frames 2-4 --fps 2
 # shellcheck disable=SC2086
 run 0 render $framed -o l.png --time 1
+# shellcheck disable=SC2086
+run 0 render $framed -o p.png --time 0
 same j2.png j3.png
 same j2.png j4.png
 same j2.png k2.png
 differ j2.png l.png
+differ j0.png p.png
 # Frames in which a scale of zero hides all are empty, and end nothing. Without a camera, the other frames place it.
 growing='AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AACAPwAAgD8='
 sed "s|base64,[^\"]*|base64,$growing|; s/\"path\": \"translation\"/\"path\": \"scale\"/" moving.gltf >growing.gltf

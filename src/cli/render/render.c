@@ -346,6 +346,7 @@ static void look_at(const task *all, double time, fathom_framing *framing, doubl
     fathom_context_allow_outside(s.context, s.options.allow_outside);
     fathom_context_on_warning(s.context, tell_nobody, NULL);
     s.options.model.time = (args_f64){.given = true, .value = time};
+    s.framing = *framing; /* what other times need does not count */
     if (read_scene(&s) == FATHOM_OK && fathom_scene_framed_times(s.scene, span))
         fathom_scene_framing(s.scene, framing);
     fathom_scene_destroy(s.scene);
@@ -360,8 +361,9 @@ enum { FRAMED_TIMES = 17 };
 static void frame_them(task *all) {
     fathom_framing framing;
     double span[2], own[2];
-    look_at(all, 0, &framing, span);
-    for (int i = 0; i < FRAMED_TIMES && span[0] < span[1] && !interrupt_asked(); ++i) {
+    look_at(all, 0, &all->framing, span);
+    /* The first time is usually 0, which has just been read. */
+    for (int i = span[0] < 0 ? 0 : 1; i < FRAMED_TIMES && span[0] < span[1] && !interrupt_asked(); ++i) {
         look_at(all, span[0] + (span[1] - span[0]) * i / (FRAMED_TIMES - 1), &framing, own);
         if (all->framing.made)
             fathom_framing_unite(&all->framing, &framing);
