@@ -47,6 +47,7 @@ json_t *warnings_json(const warning_list *warnings) {
 void warnings_free(warning_list *warnings) {
     for (size_t i = 0; i < warnings->count; ++i) free(warnings->items[i]);
     array_free(warnings);
+    *warnings = (warning_list){.count = 0};
 }
 
 static const fathom_left_out no_helper = {"image helper",

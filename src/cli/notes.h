@@ -18,6 +18,7 @@ void warnings_say_once(void *user, const char *message);
 /* warnings_say() of a formatted text. */
 void warnings_tell(warning_list *warnings, const char *format, ...) __attribute__((format(printf, 2, 3)));
 json_t *warnings_json(const warning_list *warnings);
+/* Leaves an empty list. */
 void warnings_free(warning_list *warnings);
 
 /* The parts that a render leaves out. The library owns `items`. */

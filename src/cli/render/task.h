@@ -1,0 +1,29 @@
+/* One image: reads the scene, renders and writes. */
+#pragma once
+
+#include "cli/render/saving.h"
+#include "cli/render/stats.h"
+
+#include <fathom/ranks.h>
+
+typedef struct task {
+    fathom_context *context;
+    double start; /* start of the command, or of the frame */
+    render_options options;
+    fathom_scene *scene;
+    fathom_film *film;
+    render_report report;
+    saving saving;
+    fathom_ranks ranks;     /* a single one without --mpi */
+    char *fetched;          /* folder of files received from rank 0; NULL: none */
+    fathom_framing framing; /* of all frames, if the reader creates the camera */
+    /* For the first frame: sets `framing` for all times of the span. NULL: this was done, or there are no
+     * frames. */
+    void (*frame_all)(struct task *s, const double span[2]);
+    warning_list *said; /* by earlier frames, which is not said again; NULL: there are no frames */
+} task;
+
+/* Reads the scene into `scene`. */
+fathom_status task_read(task *s);
+/* Runs the task and destroys all but the options and the framing. */
+fathom_status task_run(task *s);
