@@ -5,14 +5,14 @@ import sys
 
 # Name, file below src, a law that breaks (part of its name), the text, and the fault in its place. Each text is in its file
 # once, as test light_mutants asks: whoever changes the code moves the fault along.
-PATH, EMITTERS, SHAPES = "integrate/path.c", "light/emitters.c", "light/emitters_shapes.c"
+PATH, EMITTERS, SHAPES = "integrate/path/path.c", "light/emitters.c", "light/emitters_shapes.c"
 LAMPS = "light/emitters_lamps.c"
 SHAPE, TREE, PICK, LOBES = "light/shape.h", "light/tree.c", "light/kernels/tree.c", "material/kernels/lobes.h"
 ONE, SKY = "light/kernels/face.c", "light/kernels/sky.c"
-VOLUMES, MET, CARRIED = "integrate/path_volumes.c", "integrate/path_met.c", "integrate/path.h"
+VOLUMES, MET, CARRIED = "integrate/path/path_volumes.c", "integrate/path/path_met.c", "integrate/path/path.h"
 FACETS, DIFFUSE, SHEEN, FILM = ("material/kernels/" + name for name in ("facets.h", "diffuse.h", "sheen.h", "film.h"))
 MUTANTS = [
-    ("MIS weights add up to 0.99", "integrate/path_kernels.h", "rectangle", "return 1 / (1 + ratio * ratio);", "return 0.99f / (1 + ratio * ratio);"),
+    ("MIS weights add up to 0.99", "integrate/path/path_kernels.h", "rectangle", "return 1 / (1 + ratio * ratio);", "return 0.99f / (1 + ratio * ratio);"),
     ("emission counts whole where lights were asked for, too", MET, "rectangle",
      "const float share = path_power_heuristic(p->density[slot], p->light_factor * met->density);",
      "const float share = met->density < 0 ? met->density : 1;"),
@@ -53,7 +53,7 @@ MUTANTS = [
      "other = at->cross[i] ? !side : side;", "other = side;"),
     ("light that passed a pane counts whole", "material/kernels/shader.c", "pane",
      "out->straight[i] = past ? ~0u : out->pane[i];", "out->straight[i] = past ? ~0u : 0;"),
-    ("shadow rays pass panes untinted", "integrate/wave_walk.c", "pane",
+    ("shadow rays pass panes untinted", "integrate/wave/wave_walk.c", "pane",
      "part[c][i] = b.at[i]->clear ? b.pass_share[c][i] : 0;", "part[c][i] = b.at[i]->clear ? 1 : 0;"),
     ("lamps send 3.1 instead of pi", LAMPS, "point light",
      "(float)SHAPE_PI * (seen->radiance[k][i]", "3.1f * (seen->radiance[k][i]"),
@@ -110,8 +110,8 @@ MUTANTS = [
     ("Blinn's half vector without its Jacobian", LOBES, "Blinn", "4 * (cosine > 0x1p-23f ? cosine : 0x1p-23f)", "4"),
     ("absorption of nine tenths of the way", "integrate/media.c", "absorbing",
      "expf(-s->absorption[c] * length)", "expf(-s->absorption[c] * 0.9f * length)"),
-    ("shadow rays stop at what is covered in part", "integrate/wave_walk.c", "coverage", ".hole;", ".hole * 0;"),
-    ("shapes that cast no shadow let all light through", "integrate/wave_walk.c", "casts no shadow",
+    ("shadow rays stop at what is covered in part", "integrate/wave/wave_walk.c", "coverage", ".hole;", ".hole * 0;"),
+    ("shapes that cast no shadow let all light through", "integrate/wave/wave_walk.c", "casts no shadow",
      "FATHOM_CASTS_NO_SHADOW && !sized", "FATHOM_CASTS_NO_SHADOW"),
     ("emission behind sheets counts whole where lights were asked for, too", PATH, "lamp behind",
      "++p->passes[slot];", "++p->passes[slot], p->density[slot] = INFINITY;"),

@@ -1,7 +1,7 @@
 /* Classic recursive ray tracing: each vertex gets the light of every light source, and sends a mirrored and a
  * refracted ray. Whitted, "An improved illumination model for shaded display" (1980), with Phong's and
  * Blinn's highlights. */
-#include "integrate/wave.h"
+#include "integrate/wave/wave.h"
 #include "math/limit.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* The volumes and closed meshes that contain the camera. A ray from the eye hits the inner sides of their
  * surfaces. */
-#include "integrate/wave.h"
+#include "integrate/wave/wave.h"
 
 #include <math.h>
 #include <string.h>

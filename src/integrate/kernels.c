@@ -1,7 +1,7 @@
 #include "integrate/kernels.h"
 
 #include "base/kernel.h"
-#include "integrate/path_kernels.h"
+#include "integrate/path/path_kernels.h"
 
 KERNEL_CHOICE(integrate_kernels)
 KERNEL_BEST(path_kernels)

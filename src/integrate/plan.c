@@ -1,7 +1,7 @@
 #include "integrate/plan.h"
 
 #include "integrate/integrator.h"
-#include "integrate/reference.h"
+#include "integrate/reference/reference.h"
 #include "light/light_surfaces.h"
 #include "scene/mapped.h"
 #include "scene/motion/motion.h"

@@ -6,7 +6,7 @@
 #include "film/pixel_sums.h"
 #include "integrate/kernels.h"
 #include "integrate/parts.h"
-#include "integrate/path_kernels.h"
+#include "integrate/path/path_kernels.h"
 #include "light/emitters.h"
 #include "material/textured.h"
 #include "sample/sample.h"

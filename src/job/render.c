@@ -3,7 +3,7 @@
 #include "base/clock.h"
 #include "base/memory.h"
 #include "base/opened.h"
-#include "integrate/reference.h"
+#include "integrate/reference/reference.h"
 #include "job/checkpoint/checkpoint.h"
 #include "job/job.h"
 #include "job/part/part.h"

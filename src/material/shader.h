@@ -72,8 +72,8 @@
  *
  * dispersion: the three channels refract with the indices ior - d, ior and ior + d, d = 0.025 (ior - 1)
  * dispersion, each at least 1.0001. A path that crosses such a surface carries one channel from then on,
- * multiplied by three (integrate/path.c). Between two volumes, each index is the quotient of theirs. F0 uses
- * ior; angles, and therefore total reflection, use the channel's own index.
+ * multiplied by three (integrate/path/path.c). Between two volumes, each index is the quotient of theirs. F0
+ * uses ior; angles, and therefore total reflection, use the channel's own index.
  *
  * Viewed from inside a solid, the base has no layer over it: the dielectric's reflection has the weight (1 -
  * m) T, and Lambert's term has no factor. With the layer, what is reflected totally and what the base

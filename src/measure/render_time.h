@@ -2,7 +2,7 @@
  * for the same rays. */
 #pragma once
 
-#include "integrate/wave.h"
+#include "integrate/wave/wave.h"
 #include "measure/statistics.h"
 
 #define RENDER_TIME_REPEATS_MAX 1000

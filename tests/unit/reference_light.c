@@ -1,5 +1,5 @@
 /* The reference path tracer meets the closed forms of light, and refuses what it does not implement. */
-#include "integrate/reference.h"
+#include "integrate/reference/reference.h"
 #include "unit_scene.h"
 #include "verify/laws/laws.h"
 

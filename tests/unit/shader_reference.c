@@ -1,6 +1,6 @@
 /* Path tracing and the reference scatter light alike: BSDFs of materials by chance, between directions by
  * chance. Neither samples anything here, so that no tail of a distribution can hide or fake a difference. */
-#include "integrate/reference_inner.h"
+#include "integrate/reference/reference_inner.h"
 #include "math/frame.h"
 #include "shading.h"
 

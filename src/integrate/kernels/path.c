@@ -1,6 +1,6 @@
 /* Light samples of path vertices, and the scattered rays. */
 #include "base/kernel.h"
-#include "integrate/path_kernels.h"
+#include "integrate/path/path_kernels.h"
 #include "math/limit.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* The integrators that the laws test. */
 #include "base/status.h"
-#include "integrate/reference.h"
+#include "integrate/reference/reference.h"
 #include "verify/laws/laws.h"
 
 #include <fathom/render.h>

@@ -2,7 +2,7 @@
  * towards it. The choice of a direction does not depend on the surface: first a cell, bounded by four texels,
  * in proportion to the texels' mean luminance times the cell's solid angle. Cell (x, y) lies between the
  * columns x and x + 1 of texels, and between the rows y - 1 and y. */
-#include "integrate/reference_inner.h"
+#include "integrate/reference/reference_inner.h"
 #include "light/environment.h"
 
 #include <stdlib.h>

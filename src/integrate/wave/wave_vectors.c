@@ -1,6 +1,6 @@
 /* Motion vectors: how far the surface point that a sample shows moves in the image, from the middle of the
  * shutter's time to its end and to its beginning. */
-#include "integrate/wave.h"
+#include "integrate/wave/wave.h"
 
 #include <stdlib.h>
 

@@ -2,7 +2,7 @@
  * towards a lamp or towards the light of a sky. Several strategies may sample the same direction, so its
  * density is the sum of theirs (Veach 1997, one-sample model): a direction that any strategy samples often
  * never has a small density. */
-#include "integrate/reference_inner.h"
+#include "integrate/reference/reference_inner.h"
 #include "math/frame.h"
 
 vec3_f64 reference_around(vec3_f64 axis, double cosine, reference_random *random) {

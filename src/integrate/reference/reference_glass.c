@@ -8,7 +8,7 @@
  *   f = through M_a(v) M_b(l) / (pi <M_b>) on the other side
  *
  * As T_a n_a^2 = T_b n_b^2, the light that passes is reciprocal. */
-#include "integrate/reference_inner.h"
+#include "integrate/reference/reference_inner.h"
 
 static reference_reflectances reflect_at(const fathom_material *m, double ior, double ratio, double cosine) {
     return reference_reflect(m, ior, ratio < 1 ? reference_far_cosine(cosine, ratio) : cosine, cosine);

@@ -1,4 +1,4 @@
-#include "integrate/wave.h"
+#include "integrate/wave/wave.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Converts hits to path vertices: points, materials, and the state of the paths. */
-#include "integrate/wave.h"
+#include "integrate/wave/wave.h"
 
 #include <string.h>
 

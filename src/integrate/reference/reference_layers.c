@@ -1,5 +1,5 @@
 /* Fibres and thin films of the reference (KHR_materials_sheen, _iridescence). */
-#include "integrate/reference_inner.h"
+#include "integrate/reference/reference_inner.h"
 
 /* ---- fibres ---- */
 

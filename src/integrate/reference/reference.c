@@ -1,8 +1,8 @@
 /* The path loop of the reference, and its camera. */
-#include "integrate/reference.h"
+#include "integrate/reference/reference.h"
 
 #include "base/threads.h"
-#include "integrate/reference_inner.h"
+#include "integrate/reference/reference_inner.h"
 
 #include "math/frame.h"
 #include "scene/motion/motion.h"

@@ -1,4 +1,4 @@
-#include "integrate/path.h"
+#include "integrate/path/path.h"
 
 #include <math.h>
 

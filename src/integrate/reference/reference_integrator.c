@@ -1,6 +1,6 @@
 /* The reference with the interface of integrators: one sample at a time. */
 #include "integrate/integrator.h"
-#include "integrate/reference.h"
+#include "integrate/reference/reference.h"
 #include "math/limit.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* Adds the light that path rays meet: from lamps on the way, and at their ends emission or light from
  * outside, weighted against light samples. Fills in the AOVs. */
-#include "integrate/path.h"
+#include "integrate/path/path.h"
 #include "math/limit.h"
 
 #include <math.h>

@@ -8,7 +8,7 @@
  *   below = <(1 - R) C>
  *
  * Each channel of a film has its own R. */
-#include "integrate/reference_inner.h"
+#include "integrate/reference/reference_inner.h"
 
 #include <stdlib.h>
 

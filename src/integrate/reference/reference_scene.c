@@ -1,6 +1,6 @@
 /* Shapes in double, and ray queries: the reference intersectors on every primitive, or on those whose boxes
  * the ray crosses. */
-#include "integrate/reference_inner.h"
+#include "integrate/reference/reference_inner.h"
 #include "math/frame.h"
 #include "reference/reference.h"
 #include "scene/graph.h"

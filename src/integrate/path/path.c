@@ -3,7 +3,7 @@
  * so the mean of the samples is the arriving light.
  *
  * A path has one slot and never splits, so its state is stored there. */
-#include "integrate/path.h"
+#include "integrate/path/path.h"
 #include "math/limit.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* Suns and lamps of the reference. Light samples find all of them; beams, which those leave out, meet suns
  * and lamps that have a size. */
-#include "integrate/reference_inner.h"
+#include "integrate/reference/reference_inner.h"
 
 /* glTF's falloff: the square of a function that is linear in the cosine between the two angles. */
 static double spot_falloff(const fathom_light *light, vec3_f64 to_light) {

@@ -2,7 +2,7 @@
  * blue. */
 #pragma once
 
-#include "integrate/reference.h"
+#include "integrate/reference/reference.h"
 #include "math/affine.h"
 #include "trace/bvh/bvh.h"
 

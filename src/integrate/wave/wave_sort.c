@@ -1,6 +1,6 @@
 /* Sorts hits by geometry. Neighbouring scattered rays hit different objects, and some hit nothing. Without
  * sorting, few blocks of hits could be gathered as a whole. */
-#include "integrate/wave.h"
+#include "integrate/wave/wave.h"
 
 #include "math/lane.h"
 

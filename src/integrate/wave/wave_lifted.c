@@ -3,7 +3,7 @@
  * covers the lifted points near its base. So a light is visible if either the lifted point or the point
  * itself sees it: lifting only adds light. The second ray is traced if the first was occluded and the facet
  * faces the light; otherwise the facet itself would occlude it. */
-#include "integrate/wave.h"
+#include "integrate/wave/wave.h"
 
 #include <string.h>
 

@@ -6,7 +6,7 @@
  *
  * Shapes that cast no shadow are skipped on the way to lights that rays cannot hit. They block the light of
  * all other emitters, because BSDF-sampled rays hit these shapes, too, and scatter there. */
-#include "integrate/wave.h"
+#include "integrate/wave/wave.h"
 
 #include <string.h>
 

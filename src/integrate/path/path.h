@@ -2,7 +2,7 @@
 #pragma once
 
 #include "integrate/media.h"
-#include "integrate/wave.h"
+#include "integrate/wave/wave.h"
 #include "math/lane.h"
 
 typedef struct path_wave {

@@ -2,7 +2,7 @@
  * KHR_materials_ior, _specular, _transmission, _volume; others are in reference_layers.c and
  * reference_energy.c). n is the shading normal, on the viewer's side; v points to the viewer, l to the
  * direction from which light arrives, h is their half vector. */
-#include "integrate/reference_inner.h"
+#include "integrate/reference/reference_inner.h"
 
 /* ---- what is implemented ---- */
 
