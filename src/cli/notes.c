@@ -50,7 +50,7 @@ void warnings_free(warning_list *warnings) {
     *warnings = (warning_list){.count = 0};
 }
 
-static const fathom_left_out no_helper = {"image helper",
+static const fathom_left_out no_helper = {"image helper for writing",
                                           "EXR, and PNG in the built-in sRGB view, are written without it"};
 
 static uint32_t count_all(const left_out_list *list) { return list->count + list->no_helper; }

@@ -25,7 +25,7 @@ void warnings_free(warning_list *warnings);
 typedef struct left_out_list {
     const fathom_left_out *items;
     uint32_t count;
-    bool no_helper; /* the image helper is not started, which is one more item */
+    bool no_helper; /* images are written without the image helper, which is one more item */
 } left_out_list;
 
 /* Prints one line each: the first after `title`, the others below it. */

@@ -184,11 +184,11 @@ said out.txt '"what": "watertight repair"'
 
 # The image helper is for images alone, and not for PNG in sRGB.
 run 0 info scene.json
-said out.txt 'image helper: EXR, and PNG in the built-in sRGB view, are written without it'
+said out.txt 'image helper for writing: EXR, and PNG in the built-in sRGB view, are written without it'
 OCIO=none.ocio run 0 info scene.json
 not_said out.txt 'image helper'
 FATHOM_IMAGE_MODULE=/nowhere run 0 render scene.json -o a.png -v
-said out.txt 'image helper: EXR, and PNG in the built-in sRGB view, are written without it'
+said out.txt 'image helper for writing: EXR, and PNG in the built-in sRGB view, are written without it'
 run 0 render scene.json -o a.png --view raw -v
 not_said out.txt 'image helper'
 run 0 render scene.json -o a.png -o a.tif -v
