@@ -260,32 +260,39 @@ static bool from_outside(const emitters *e) {
     return sum > 0;
 }
 
+/* The weight of the background: its light is even, so scattered rays find it as well as light samples do. */
+#define BACKGROUND_SHARE 0.125
+
 /* The fraction of the light within the scene's bounds that its surfaces and lamps emit; the rest comes from
  * outside. A finite emitter of intensity I emits at most pi I, and the outside contributes pi R² times its
  * luminance over all directions. */
 static fathom_status finite_share(const emitters *e, double *out) {
     scene_bounds bounds;
-    const double intensity = e->lights.power;
+    const double intensity = e->lights.power,
+                 outside = outside_power(e) - (1 - BACKGROUND_SHARE) * background_power(e);
     fathom_status status = scene_world_bounds(e->w->scene, &bounds);
     const double radius = status != FATHOM_OK || bounds_is_empty(&bounds) ? 0 : bounds_radius(&bounds),
-                 all = intensity + outside_power(e) * radius * radius;
+                 all = intensity + outside * radius * radius;
     *out = all > intensity && isfinite(all) ? intensity / all : 0.5;
     return status;
 }
 
 /* Each existing class has the same probability, except that the weaker of finite lights and the outside gives
  * up to half of its probability to the other. This is a guess, since neither is bright everywhere; if it is
- * wrong, it costs twice the samples. */
+ * wrong, it costs twice the samples. All are quarters, because the samples of a pixel that are a net are then
+ * nets within each class: with other fractions light from both has three to ten times the noise at 16
+ * samples (bench/path_tracing.md). */
 static fathom_status share(emitters *e) {
     const bool there[EMITTER_PARTS] = {e->finite_count > 0, from_outside(e), e->sun_count > 0};
-    int parts = 0;
-    for (int k = 0; k < EMITTER_PARTS; ++k) parts += there[k];
+    const int parts = there[EMITTER_FINITE] + there[EMITTER_OUTSIDE] + there[EMITTER_DIRECTIONAL];
     for (int k = 0; k < EMITTER_PARTS; ++k) e->chance[k] = there[k] ? 1.0 / parts : 0;
     if (!there[EMITTER_FINITE] || !there[EMITTER_OUTSIDE]) return FATHOM_OK;
     double finite;
     fathom_status status = finite_share(e, &finite);
-    finite = fmin(fmax(finite, 0.25), 0.75);
-    e->chance[EMITTER_FINITE] = 2.0 / parts * finite, e->chance[EMITTER_OUTSIDE] = 2.0 / parts * (1 - finite);
+    const double both = parts == 2 ? 4 : 3;
+    const double quarters = parts == 2 ? round(4 * fmin(fmax(finite, 0.25), 0.75)) : finite > 0.5 ? 2 : 1;
+    e->chance[EMITTER_FINITE] = quarters / 4, e->chance[EMITTER_OUTSIDE] = (both - quarters) / 4;
+    e->chance[EMITTER_DIRECTIONAL] = 1 - both / 4;
     return status;
 }
 

@@ -386,6 +386,40 @@ static emitter_hit nearest_primitive(vec3_f64 to) {
     return hit;
 }
 
+/* The first number's quarter alone decides between surfaces, the background and suns: samples of a pixel that
+ * are a net are nets in each of these, too. */
+static void expect_quarters(vec3_f64 p) {
+    emitter_query q;
+    emitter_sample s;
+    _Alignas(64) lanes3 u;
+    fill_query(&q, p, vec_f64(0, 0, 1));
+    for (int quarter = 0; quarter < 4; ++quarter) {
+        for (int i = 0; i < LANES; ++i)
+            u[0][i] = ((float)quarter + (float)i / LANES) / 4, u[1][i] = u[2][i] = 0.5f;
+        emitters_sample(e, &q, u, &s);
+        for (int i = 0; i < LANES; ++i) {
+            assert_true(s.density[i] > 0);
+            assert_true(isinf(s.distance[i]) == isinf(s.distance[0]) && s.sized[i] == s.sized[0]);
+        }
+    }
+}
+
+UNIT_TEST(quarters_of_the_numbers_take_one_kind_of_light_each) {
+    add_sphere(FATHOM_ROOT, vec_f64(0, 0, 3), 1, emission(1, 1, 1));
+    for (int sun = 0; sun < 2; ++sun) {
+        fathom_light light;
+        fathom_light_default(&light);
+        light.type = FATHOM_LIGHT_DIRECTIONAL, light.direction[2] = -1;
+        if (sun) assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
+        for (float level = 1e-4f; level < 1e4f; level *= 1.3f) {
+            fathom_scene_set_background(scene, (float[3]){level, level, level});
+            open_light();
+            expect_quarters(vec_f64(0, 0, 0));
+            close_light();
+        }
+    }
+}
+
 /* What a sample says of its direction, a ray that goes there by chance gets as well. */
 UNIT_TEST(a_hit_gets_the_density_of_its_sample) {
     enum { COUNT = 60 };
