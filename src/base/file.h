@@ -64,6 +64,12 @@ typedef struct file_lock file_lock;
 fathom_status file_lock_take(fathom_context *context, const char *path, file_lock **out);
 void file_lock_release(file_lock *lock);
 
+/* False, with errno, when the disk or memory is full. */
+bool file_write_at(int descriptor, uint64_t offset, const void *bytes, size_t size);
+/* A file in memory, without a name, that holds these bytes, for another process to read from its start. The
+ * caller closes the descriptor. -1, with errno, when out of memory. */
+int file_in_memory(const void *bytes, size_t size);
+
 /* The path of `name` next to the file `base`, unless name is absolute. Release with free(). */
 char *file_beside(const char *base, const char *name);
 /* Finds a file whose path equals `path` except for the case of A to Z from index `from` on. Paths written on

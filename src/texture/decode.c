@@ -1,4 +1,5 @@
 /* Decodes images with the helper, and writes their tiles to the store. */
+#include "base/file.h"
 #include "image/helper/helper.h"
 #include "texture/cache.h"
 
@@ -6,22 +7,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 /* Bytes of rows per request. */
 #define BAND_BYTES ((size_t)4 << 20)
 
 /* ---- sources ---- */
-
-/* A file in memory with the texture's bytes; -1 when out of memory. */
-static int descriptor_of(const fathom_texture *t) {
-    const int descriptor = memfd_create("fathom-texture", MFD_CLOEXEC);
-    if (descriptor < 0) return -1;
-    if (store_write_file(descriptor, 0, t->bytes, t->byte_count)) return descriptor;
-    close(descriptor);
-    return -1;
-}
 
 fathom_status cache_open_source(const texture_cache *cache, const fathom_texture *t, image_texture **out,
                                 image_texture_info *info, image_message *why) {
@@ -33,7 +24,7 @@ fathom_status cache_open_source(const texture_cache *cache, const fathom_texture
                                      .threads = cache->threads,
                                      .helpers = cache->helpers};
     if (t->color_space == FATHOM_COLOR_NAMED) request.space = t->color_space_name;
-    if (!t->file && (request.descriptor = descriptor_of(t)) < 0) {
+    if (!t->file && (request.descriptor = file_in_memory(t->bytes, t->byte_count)) < 0) {
         snprintf(why->text, sizeof why->text, "out of memory");
         return FATHOM_OUT_OF_RESOURCES;
     }

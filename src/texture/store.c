@@ -1,5 +1,6 @@
 #include "texture/store.h"
 
+#include "base/file.h"
 #include "base/memory.h"
 
 #include <errno.h>
@@ -71,21 +72,9 @@ void store_close(store *s) {
     *s = (store){.memory = -1, .disk = -1};
 }
 
-bool store_write_file(int descriptor, uint64_t offset, const void *bytes, size_t size) {
-    const char *from = bytes;
-    while (size) {
-        const ssize_t n = pwrite(descriptor, from, size, (off_t)offset);
-        if (n < 0 && errno == EINTR) continue;
-        if (n == 0) errno = ENOSPC;
-        if (n <= 0) return false;
-        from += n, size -= (size_t)n, offset += (uint64_t)n;
-    }
-    return true;
-}
-
 bool store_write(store *s, uint64_t offset, const void *bytes, size_t size) {
     const bool kept = offset < s->kept;
-    return store_write_file(kept ? s->memory : s->disk, kept ? offset : offset - s->kept, bytes, size);
+    return file_write_at(kept ? s->memory : s->disk, kept ? offset : offset - s->kept, bytes, size);
 }
 
 static bool is_kept(const store *s, uint64_t chunk) { return chunk << PYRAMID_CHUNK_SHIFT < s->kept; }

@@ -38,9 +38,8 @@ typedef struct store {
 fathom_status store_open(fathom_context *context, uint64_t kept, uint64_t disk, uint64_t limit, store *out);
 void store_close(store *s);
 
-/* False, with errno, when the disk or memory is full. */
-bool store_write_file(int descriptor, uint64_t offset, const void *bytes, size_t size);
-/* The bytes must lie all in the memory file, or all in the disk file. */
+/* The bytes must lie all in the memory file, or all in the disk file. False, with errno, when the disk or
+ * memory is full. */
 bool store_write(store *s, uint64_t offset, const void *bytes, size_t size);
 /* Marks the chunk's data as present in the file. */
 void store_fill(store *s, uint64_t chunk);

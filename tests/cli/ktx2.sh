@@ -46,6 +46,43 @@ run 0 render told.gltf -o told.png --size 16x16 --spp 4
 said err.txt 'told.gltf: images[0]: linear.ktx2: says that its numbers are linear; they are taken as sRGB'
 same told.png plain.png
 
+# with_plain GLTF KTX2: a texture that has a plain image, too, of another colour.
+with_plain() {
+    scene "$1" "$2" "$texture" "$required"
+    sed -i 's/"images": \[/&{"uri": "green.ppm"}, /; s/"textures": \[{"extensions": {"KHR_texture_basisu": {"source": 0/"textures": [{"source": 0, "extensions": {"KHR_texture_basisu": {"source": 1/' "$1"
+}
+printf 'P6\n1 1\n255\n\000\377\000' >green.ppm
+scene green.gltf green.ppm '"baseColorFactor": [0, 1, 0, 1]' ''
+run 0 render green.gltf -o green.png --size 16x16 --spp 4
+with_plain both.gltf blue.ktx2
+run 0 render both.gltf -o both.png --size 16x16 --spp 4
+silent err.txt
+same both.png plain.png
+
+# If the KTX 2.0 image is cut, of an unknown kind, or cannot be unpacked, the plain one is used.
+# changed OFFSET BYTE: blue.ktx2 with another byte.
+changed() { head -c "$1" blue.ktx2; printf "$2"; tail -c +$(($1 + 2)) blue.ktx2; }
+fall_back() {
+    with_plain fallen.gltf "$1"
+    run 0 render fallen.gltf -o fallen.png --size 16x16 --spp 4
+    said err.txt "fallen.gltf: images[1] ($1): cannot be read as a texture: $2"
+    said err.txt '; the other image of its texture is used (1 such)'
+    same fallen.png green.png
+}
+head -c 150 blue.ktx2 >cut.ktx2
+fall_back cut.ktx2 'level 0 ends early'
+changed 44 '\011' >scheme.ktx2
+fall_back scheme.ktx2 'the supercompression scheme is 9; expected'
+changed 44 '\003' | head -c 96 >head
+{ cat head; printf "\\020$zeros\\000$zeros"; tail -c +105 blue.ktx2; } >packed.ktx2
+fall_back packed.ktx2 'level 0 cannot be unpacked'
+with_plain fallen.gltf missing.ktx2
+run 0 render fallen.gltf -o fallen.png --size 16x16 --spp 4
+said err.txt 'fallen.gltf: images[1]: cannot be read as a texture: there is no image; the other image of its texture'
+same fallen.png green.png
+run 0 convert fallen.gltf fallen.glb
+not_said fallen.glb KHR_texture_basisu
+
 # Converted, it is still Basis Universal.
 run 0 convert textured.gltf copy.glb
 said copy.glb '"extensionsRequired":["KHR_texture_basisu"]'
@@ -56,7 +93,6 @@ same copy.png plain.png
 run 0 texture blue.ktx2 -o blue.tx
 cp blue.tx blue.tif
 run 0 compare blue.ktx2 blue.tif
-head -c 150 blue.ktx2 >cut.ktx2
 refused 3 'cut.ktx2: cannot be read as a texture: level 0 ends early' texture cut.ktx2 -o cut.tx
 { head -c 148 blue.ktx2; printf '\105\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000'; } >broken.ktx2
 refused 3 'broken.ktx2: cannot be read as a texture: the data of level 0 is broken' texture broken.ktx2 -o cut.tx

@@ -275,25 +275,52 @@ UNIT_TEST(textures_with_factors_of_zero_are_told) {
 
 #define BASISU "'extensions':{'KHR_texture_basisu':{'source':0}}"
 
+#define PIXMAP "data:image/x-portable-pixmap;base64,"
+
+/* A texture with an image of its own and one of an extension, which is read from this URI. */
+static fathom_scene *read_two_images(fixture *f, const char *extension, const char *uri) {
+    char json[4096];
+    snprintf(json, sizeof json,
+             SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'images':[{"
+                   "'name':'own','uri':'" PIXMAP
+                   "UDYKMSAxCjI1NQoAAAA='},{'name':'of the extension','uri':'%s'"
+                   "}],'textures':[{'source':0,'extensions':{'%s':{'source':1}}}],'materials':[{"
+                   "'pbrMetallicRoughness':{'baseColorTexture':{'index':0}},'emissiveTexture':{'index':0}}]"),
+             uri, extension);
+    fathom_scene *scene = read_triangle(f, json);
+    assert_int_equal(scene->textures.count, 1);
+    return scene;
+}
+
+static const char *const image_extensions[] = {"EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds",
+                                               "KHR_texture_basisu"};
+
 /* The image of the extension is the one that its author made for programs that know it. */
 UNIT_TEST(images_of_extensions_go_before_others) {
     fixture *f = *state;
-    static const char *const names[] = {"EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds",
-                                        "KHR_texture_basisu"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
-        char json[4096];
-        snprintf(json, sizeof json,
-                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'images':[{"
-                       "'name':'own','uri':'data:image/png;base64,AAAA'},{'name':'of the extension','uri':"
-                       "'data:image/x;base64,BBBB'}],'textures':[{'source':0,'extensions':{'%s':{'source':1}}"
-                       "}],'materials':[{'normalTexture':{'index':0}}]"),
-                 names[i]);
-        fathom_scene *scene = read_triangle(f, json);
-        assert_int_equal(scene->textures.count, 1);
+    for (size_t i = 0; i < sizeof image_extensions / sizeof *image_extensions; ++i) {
+        fathom_scene *scene = read_two_images(f, image_extensions[i], PIXMAP "UDYKMSAxCjI1NQoBAgM=");
         assert_string_equal(scene->textures.items[0].name, "of the extension");
-        assert_memory_equal(scene->textures.items[0].bytes, "\x04\x10\x41", 3);
-        assert_int_equal(f->warnings, 1); /* no texture coordinates */
+        assert_memory_equal(scene->textures.items[0].bytes, "P6\n1 1\n255\n\1\2\3", 14);
+        assert_null(strstr(f->told, "cannot be read"));
         fathom_scene_destroy(scene);
+    }
+}
+
+/* Header, data and file are missing in turn. */
+UNIT_TEST(an_image_that_cannot_be_read_gives_way_to_the_other) {
+    fixture *f = *state;
+    static const char *const uris[] = {"data:image/ktx2;base64,AAAA",
+                                       PIXMAP "UDYKMSAxCjI1NQo=", "missing.ktx2"};
+    for (size_t i = 0; i < sizeof image_extensions / sizeof *image_extensions; ++i) {
+        for (size_t k = 0; k < sizeof uris / sizeof *uris; ++k) {
+            fathom_scene *scene = read_two_images(f, image_extensions[i], uris[k]);
+            assert_string_equal(scene->textures.items[0].name, "own");
+            assert_int_equal(scene->textures.items[0].color_space, FATHOM_COLOR_AUTO);
+            assert_non_null(strstr(f->told, "images[1] (of the extension): cannot be read as a texture: "));
+            assert_non_null(strstr(f->told, "; the other image of its texture is used (1 such)"));
+            fathom_scene_destroy(scene);
+        }
     }
 }
 

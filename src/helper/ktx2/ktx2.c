@@ -225,6 +225,11 @@ static fathom_status read_level(const uint8_t *bytes, size_t size, ktx2_image *o
                       "the supercompression scheme is %u; expected 0 (none), 1 (BasisLZ), 2 (Zstandard) or "
                       "3 (ZLIB)",
                       packing);
+#ifndef FATHOM_ZSTD
+    if (packing == KTX2_ZSTD)
+        return refuse(why, "is packed by Zstandard, without which this Fathom was built (Debian: "
+                           "libzstd-dev); build it with, or encode the image without");
+#endif
     out->packing = (ktx2_packing)packing;
     if (lz != (out->packing == KTX2_BASIS_LZ))
         return refuse(why, lz ? "ETC1S is not packed by BasisLZ" : "only ETC1S is packed by BasisLZ");

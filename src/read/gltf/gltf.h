@@ -21,6 +21,7 @@
  * gltf_variant.c    variants of materials
  * gltf_choice.c     choice of an item by its name or number
  * gltf_material.c   converts materials
+ * gltf_image.c      images, and whether they can be read
  * gltf_texture.c    converts images and samplers to maps of materials
  * gltf_tree.c       the tree of nodes
  * gltf_node.c       walks the tree; adds instances
@@ -56,6 +57,11 @@ typedef struct gltf_buffer {
     gltf_source *source; /* NULL: the scene owns the bytes */
     bool owns_source;    /* false if `source` is the main file */
 } gltf_buffer;
+
+typedef struct gltf_image {
+    gltf_buffer data;   /* the bytes of a data URI, once decoded */
+    bool tried, broken; /* tried: `broken` tells that it cannot be read */
+} gltf_image;
 
 /* An accessor's elements as an array that a mesh can use: finite floats, or 32-bit indices. */
 typedef struct gltf_elements {
@@ -154,7 +160,7 @@ typedef struct gltf {
         cameras, skins, animations;
     gltf_value extensions, punctual, lights, varying, variants; /* of the document */
     gltf_buffer *buffer_table;                                  /* for each buffer */
-    gltf_buffer *image_table;      /* for each image: the bytes of a data URI, once decoded */
+    gltf_image *image_table;                                    /* for each image */
     gltf_buffer *view_table;       /* for each buffer view: the decompressed bytes, if it is compressed */
     struct gltf_draco *draco;      /* meshes that are being decompressed; NULL: there are none */
     gltf_material *material_table; /* one for each material, then the default material */
@@ -442,6 +448,10 @@ unsigned gltf_components(gltf *g, const gltf_value *user, const char *key);
 /* Makes a group with mesh `index`; GLTF_EMPTY if it has no triangle. moves: there is a shape for each moment,
  * else there is one. */
 fathom_id gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes, bool moves);
+/* Sets the image's file or bytes in *out. If there is none, adds a note. The caller frees *path. */
+void gltf_image_open(gltf *g, const gltf_value *at, fathom_texture *out, char **path);
+/* False, with a note that another image is used, if the image helper cannot read the image. */
+bool gltf_image_opens(gltf *g, uint32_t index);
 /* The texture that member `key` of `parent` describes; color: its values are sRGB. False if there is no
  * texture, or it cannot be read; the latter adds a note. */
 bool gltf_map(gltf *g, const gltf_value *parent, const char *key, bool color, fathom_map *out);

@@ -26,16 +26,6 @@ extern char **environ;
 
 /* ---- the process ---- */
 
-static bool write_all(int file, const unsigned char *bytes, uint64_t size) {
-    while (size) {
-        const ssize_t n = write(file, bytes, size > 1u << 30 ? 1u << 30 : (size_t)size);
-        if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) return false;
-        bytes += n, size -= (uint64_t)n;
-    }
-    return lseek(file, 0, SEEK_SET) == 0;
-}
-
 /* Returns 0, or the error number. */
 static int start(const char *path, int from, int to, pid_t *child) {
     posix_spawn_file_actions_t actions;
@@ -110,10 +100,10 @@ static fathom_status start_job(gltf *g, const gltf_value *at, uint32_t view) {
             g, at, NULL,
             "needs Draco, without which this Fathom was built (Debian: libdraco-dev); build it with, or "
             "export the model without compression");
-    const int question = memfd_create("fathom-draco", MFD_CLOEXEC);
-    job.answer = memfd_create("fathom-draco", MFD_CLOEXEC);
+    const int question = file_in_memory(packed.bytes, packed.length);
+    job.answer = file_in_memory(NULL, 0);
     fathom_status status = FATHOM_OK;
-    if (question < 0 || job.answer < 0 || !write_all(question, packed.bytes, packed.length))
+    if (question < 0 || job.answer < 0)
         status = fail_file(g->context, FATHOM_OUT_OF_RESOURCES, g->path, "no memory for a mesh to unpack: %s",
                            strerror(errno));
     const int failed = status == FATHOM_OK ? start(path, question, job.answer, &job.child) : 0;

@@ -1,41 +1,8 @@
-/* Textures: images in files, data URIs and buffer views, with their samplers, as maps of materials. */
+/* Textures: images with their samplers, as maps of materials. */
 #include "read/gltf/gltf.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
-
-/* ---- images ---- */
-
-/* The bytes of an image in a buffer view. */
-static void view_image(gltf *g, uint32_t index, fathom_texture *out) {
-    gltf_value at;
-    gltf_view view;
-    gltf_view_open(g, index, &at, &view);
-    out->bytes = view.bytes, out->byte_count = (size_t)view.length;
-}
-
-/* *path: the caller frees it. Sets the image's file or bytes in *out. If there is none, adds a note. */
-static void open_image(gltf *g, const gltf_value *image, fathom_texture *out, char **path) {
-    const char *uri = NULL;
-    uint32_t view = GLTF_ABSENT;
-    gltf_text(g, image, "uri", &uri);
-    gltf_text(g, image, "name", &out->name);
-    gltf_text(g, image, "mimeType", &out->mime);
-    gltf_index(g, image, "bufferView", &g->views, &view);
-    if (!gltf_fine(g)) return;
-    if (view != GLTF_ABSENT) {
-        view_image(g, view, out);
-    } else if (!uri) {
-        gltf_note(g, image, NULL, "an image with neither uri nor bufferView is left out");
-    } else if (gltf_is_data(uri)) {
-        gltf_buffer *bytes = &g->image_table[image->index];
-        if (!bytes->bytes) gltf_data_uri(g, image, uri, bytes);
-        out->bytes = bytes->bytes, out->byte_count = (size_t)bytes->size;
-    } else {
-        out->file = *path = gltf_image_path(g, image, uri);
-    }
-}
 
 /* ---- samplers ---- */
 
@@ -69,24 +36,33 @@ static void read_sampler(gltf *g, uint32_t index, fathom_texture *out) {
 
 /* ---- textures ---- */
 
-/* Whether the extension names an image, which *source then is. */
-static bool takes_source(gltf *g, const gltf_value *texture, const char *name, uint32_t *source) {
-    gltf_value holder, extension;
-    gltf_extension(g, texture, name, &holder, &extension);
-    gltf_index(g, &extension, "source", &g->images, source);
-    return json_object_get(extension.json, "source");
+/* The image that the extension names, or GLTF_ABSENT. */
+static uint32_t source_of(gltf *g, const gltf_value *texture, const char *extension) {
+    gltf_value holder, at;
+    uint32_t source = GLTF_ABSENT;
+    gltf_extension(g, texture, extension, &holder, &at);
+    gltf_index(g, &at, "source", &g->images, &source);
+    return source;
 }
 
-/* The image of a texture: that of a supported extension, if there is one, else the texture's own. *basisu:
- * the image is that of KHR_texture_basisu. */
+/* The image of a texture: that of a supported extension, else the texture's own. An image that cannot be read
+ * is passed over if another one follows. *basisu: the image is that of KHR_texture_basisu. */
 static uint32_t find_source(gltf *g, const gltf_value *texture, bool *basisu) {
-    uint32_t source = GLTF_ABSENT;
-    gltf_index(g, texture, "source", &g->images, &source);
-    takes_source(g, texture, "EXT_texture_webp", &source);
-    takes_source(g, texture, "EXT_texture_avif", &source);
-    takes_source(g, texture, "MSFT_texture_dds", &source);
-    *basisu = takes_source(g, texture, "KHR_texture_basisu", &source);
-    return source;
+    static const char *const extensions[] = {"KHR_texture_basisu", "MSFT_texture_dds", "EXT_texture_avif",
+                                             "EXT_texture_webp"};
+    enum { EXTENSIONS = sizeof extensions / sizeof *extensions };
+    uint32_t sources[EXTENSIONS + 1], count = 0, taken = 0;
+    for (size_t i = 0; i < EXTENSIONS; ++i) {
+        sources[count] = source_of(g, texture, extensions[i]);
+        if (i == 0) *basisu = sources[0] != GLTF_ABSENT;
+        count += sources[count] != GLTF_ABSENT;
+    }
+    sources[count] = GLTF_ABSENT;
+    gltf_index(g, texture, "source", &g->images, &sources[count]);
+    count += sources[count] != GLTF_ABSENT;
+    while (taken + 1 < count && !gltf_image_opens(g, sources[taken])) ++taken;
+    *basisu &= taken == 0;
+    return count ? sources[taken] : GLTF_ABSENT;
 }
 
 static void add_texture(gltf *g, const gltf_value *image, const fathom_texture *t, fathom_id *out) {
@@ -120,7 +96,7 @@ static fathom_id read_texture(gltf *g, uint32_t index, bool color) {
         return FATHOM_NONE;
     }
     gltf_item(g, &g->images, source, &image);
-    open_image(g, &image, &t, &path);
+    gltf_image_open(g, &image, &t, &path);
     if (gltf_fine(g) && (t.file || t.bytes)) add_texture(g, &image, &t, &out);
     free(path);
     return out;
