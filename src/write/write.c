@@ -291,7 +291,9 @@ static fathom_status check_shapes(const fathom_scene *scene, const size_t *ways,
     if (placed[SCENE_PLANE]) notes_add(notes, placed[SCENE_PLANE], "", "a plane has no end, and is left out");
     if (placed[SCENE_MESH] || placed[SCENE_QUAD] || placed[SCENE_SPHERE]) return FATHOM_OK;
     return fail_file(scene->context, FATHOM_BAD_USAGE, path, "the scene holds no shape to write%s",
-                     placed[SCENE_PLANE] ? " but planes without end" : "");
+                     placed[SCENE_PLANE] ? " but planes without end"
+                     : scene->hides      ? ": everything is hidden, or scaled to nothing at this time"
+                                         : "");
 }
 
 /* ---- the format ---- */
@@ -313,6 +315,8 @@ static fathom_status write_as(const fathom_scene *scene, const fathom_scene *wri
     fathom_status status = notes ? FATHOM_OK : fail_memory(scene->context, sizeof *notes);
     if (status == FATHOM_OK) status = write_count_ways(written, graph, &ways);
     if (status == FATHOM_OK && format->id != JSON) status = check_shapes(scene, ways, path, notes);
+    /* Where all is hidden and no camera is given, the file could not be read again. */
+    if (status == FATHOM_OK && format->id == JSON && scene->hides) status = fathom_scene_check(scene);
     if (status == FATHOM_OK) status = note_lost(written, graph, ways, format->id, notes);
     if (status == FATHOM_OK) status = format->write(written, graph, path, notes);
     if (status == FATHOM_OK) notes_tell(notes, scene->context, path);

@@ -111,6 +111,18 @@ run 0 render alone.gltf --size 32x32 --spp 4 --exposure 0 -o 'o#.png' --frames 0
 same n0.png o0.png
 run 3 render alone.gltf --size 32x32 -o no.png --time 0
 said err.txt 'alone.gltf: everything is hidden or scaled to nothing'
+# Such a frame as scene JSON; models hold shapes.
+# shellcheck disable=SC2086
+run 0 render growing.gltf $small -o empty.png --time 0
+run 0 convert growing.gltf empty.json --time 0
+# shellcheck disable=SC2086
+run 0 render empty.json $small -o again.png
+same empty.png again.png
+run 2 convert growing.gltf no.glb --time 0
+said err.txt 'no.glb: the scene holds no shape to write: everything is hidden'
+run 3 convert alone.gltf no.json --time 0
+said err.txt 'everything is hidden or scaled to nothing'
+[ ! -e no.glb ] && [ ! -e no.json ] || die 'a file was written'
 refused 2 'expected a name with #### for the number, found "a.png"' render moving.gltf -o a.png --frames 1-3
 for frames in 3-1 -5 1--5 1-1000000 '1- 2' 1-2-3 -; do
     refused 2 "--frames: expected FIRST-LAST with FIRST <= LAST <= 999999, such as 1-24, found \"$frames\"" \

@@ -385,6 +385,8 @@ static fathom_status build(const object_reader *r, json_t *root, form_scene_valu
     if (status == FATHOM_OK && doc_has(root, "camera"))
         status = set_camera(r, json_object_get(root, "camera"), &v->camera);
     if (doc_has(root, "lights")) scene->has_lights = true;
+    /* So that frames of an animation in which everything is hidden can be converted. */
+    if (json_array_size(v->objects) == 0 && scene->has_camera) scene->hides = true;
     return status;
 }
 
