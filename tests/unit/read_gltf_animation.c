@@ -1,6 +1,6 @@
 /* glTF that moves: animations, skins, morph targets, each against its closed form. */
 #include "gltf_build.h"
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_pose.h"
 
 #include <math.h>
 

@@ -5,7 +5,11 @@
  * posed at the requested time or while the shutter is open, one camera, and the extensions that
  * gltf_extensions.c lists. Triangles
  * are visible from both sides; for single-sided materials this adds a note. */
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_data.h"
+#include "read/gltf/gltf_material.h"
+#include "read/gltf/gltf_mesh.h"
+#include "read/gltf/gltf_pose.h"
+#include "read/gltf/gltf_tree.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Typed arrays in buffers, checked against their views and buffers in 64-bit arithmetic. Meshes use them in
  * place if the format fits; otherwise each array is converted once. */
 #include "base/threads.h"
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_data.h"
 
 #include <math.h>
 #include <string.h>
@@ -352,7 +352,8 @@ static bool is_whole_color(const char *key, const accessor *a) {
 
 /* The elements that Draco unpacked for the present primitive, if there are any, else the accessor's own. */
 static gltf_elements *elements_for(gltf *g, uint32_t index, bool integers) {
-    gltf_elements *own = &g->array_table[index][0][integers], *unpacked = &g->array_table[index][1][integers];
+    gltf_elements *own = &g->array_table[index].own[integers],
+                  *unpacked = &g->array_table[index].unpacked[integers];
     return g->unpacked && unpacked->unpacked_of == g->unpacked ? unpacked : own;
 }
 
@@ -390,7 +391,7 @@ fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, 
     if (a.count != given->count || a.components != given->components)
         return gltf_fail(g, user, key, "is accessors[%u] of %u × %u numbers; what is unpacked has %u × %u",
                          index, a.count, a.components, given->count, given->components);
-    gltf_elements *kept = &g->array_table[index][1][given->integers];
+    gltf_elements *kept = &g->array_table[index].unpacked[given->integers];
     if (kept->unpacked_of == given->view + 1 || gltf_allocate(g, user, key, total * 4, &memory) != FATHOM_OK)
         return g->status;
     memcpy(memory, given->values, total * 4);

@@ -1,6 +1,7 @@
 /* Animations, posed at a time. Samplers are evaluated as in appendix C of the specification: before the first
  * key and after the last one, the value is that of this key. */
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_data.h"
+#include "read/gltf/gltf_pose.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -375,13 +376,13 @@ void gltf_animation_choose(gltf *g) {
     }
     gltf_print_names(&g->animations, list);
     if (!asked || !(asked->choose_time || asked->shutter > 0)) {
-        gltf_note_all(g, count, "animations are not played; --time SECONDS poses them: %s", list);
+        notes_add(&g->notes, count, "", "animations are not played; --time SECONDS poses them: %s", list);
         return;
     }
     play_together(g);
     if (gltf_fine(g) && g->playing.count < count)
-        gltf_note_all(g, count - g->playing.count,
-                      "animations that move what an earlier one moves are left out; --animation NAME|N takes "
-                      "one alone: %s",
-                      list);
+        notes_add(&g->notes, count - g->playing.count, "",
+                  "animations that move what an earlier one moves are left out; --animation NAME|N takes "
+                  "one alone: %s",
+                  list);
 }

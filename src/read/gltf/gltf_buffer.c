@@ -1,6 +1,6 @@
 /* The file and its buffers: GLB chunks, the JSON text, files next to it, base64. A buffer is loaded when an
  * accessor first needs it. */
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_data.h"
 #include "read/json/json_where.h"
 
 #include <ctype.h>

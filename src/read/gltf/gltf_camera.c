@@ -7,7 +7,8 @@
  * that a view should be neither cropped nor stretched when the aspect ratios differ. Here, nothing is
  * stretched; an image narrower than the camera's view crops its sides, with a warning. */
 #include "math/frame.h"
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_pose.h"
+#include "read/gltf/gltf_tree.h"
 #include "scene/camera/camera.h"
 
 #include <math.h>

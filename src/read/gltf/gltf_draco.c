@@ -7,7 +7,7 @@
 #include "read/gltf/gltf_draco.h"
 
 #include "image/helper/helper.h"
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_data.h"
 
 #include <errno.h>
 #include <limits.h>

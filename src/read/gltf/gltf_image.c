@@ -1,6 +1,7 @@
 /* Images: in files, data URIs and buffer views. */
 #include "image/helper/helper.h"
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_data.h"
+#include "read/gltf/gltf_material.h"
 
 #include <stdio.h>
 #include <stdlib.h>

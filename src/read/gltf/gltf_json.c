@@ -76,15 +76,6 @@ void gltf_note_node(gltf *g, uint32_t node, const char *format, ...) {
     notes_add(&g->notes, 1, place, "%s", text);
 }
 
-void gltf_note_all(gltf *g, size_t times, const char *format, ...) {
-    char text[320];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    notes_add(&g->notes, times, "", "%s", text);
-}
-
 static const char *kind_name(const json_t *json) {
     switch (json_typeof(json)) {
     case JSON_OBJECT: return "an object";

@@ -13,7 +13,8 @@
  *
  * `range` is ignored: light falls off by 1 / d^2 without limit. A spot's falloff between its cones is
  * Fathom's own. Lights point along their node's -z axis; the node's scale only affects the position. */
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_pose.h"
+#include "read/gltf/gltf_tree.h"
 
 #include <math.h>
 #include <stdio.h>

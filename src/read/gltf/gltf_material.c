@@ -18,7 +18,7 @@
  *
  * A mesh whose material transmits more than half of the light casts no shadow, because shadow rays are either
  * blocked or not. */
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_material.h"
 #include "read/gltf/gltf_keys.h"
 #include "read/json/json_form.h"
 

@@ -1,5 +1,8 @@
 /* Makes each mesh a group, with a mesh of the scene for each primitive. */
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_mesh.h"
+#include "read/gltf/gltf_data.h"
+#include "read/gltf/gltf_material.h"
+#include "read/gltf/gltf_pose.h"
 #include "read/mesh/compact.h"
 #include "read/mesh/normals.h"
 #include "read/mesh/strokes.h"
@@ -20,6 +23,15 @@ typedef struct primitive {
     fathom_mesh mesh;
     mesh_facts facts;
 } primitive;
+
+/* The facts about vertices that are not those of the file. */
+static void look_at(gltf *g, primitive *p) {
+    gltf_within(g, p->at, NULL,
+                mesh_look_at_vertices(g->context, "entry", p->mesh.positions, p->mesh.position_stride,
+                                      p->mesh.vertex_count, &p->facts));
+    if (gltf_fine(g))
+        gltf_within(g, p->at, NULL, mesh_look_at_triangles(g->context, "entry", &p->mesh, &p->facts));
+}
 
 static uint32_t *new_indices(gltf *g, const gltf_value *at, uint64_t count) {
     void *memory;
@@ -226,11 +238,7 @@ static void read_strokes(gltf *g, primitive *p) {
               s.lines ? "lines have no width, and are shown as thin rods"
                       : "points have no size, and are shown as small spheres");
     if (!strokes_any(&p->mesh)) return;
-    gltf_within(g, p->at, NULL,
-                mesh_look_at_vertices(g->context, "entry", p->mesh.positions, p->mesh.position_stride,
-                                      p->mesh.vertex_count, &p->facts));
-    if (gltf_fine(g))
-        gltf_within(g, p->at, NULL, mesh_look_at_triangles(g->context, "entry", &p->mesh, &p->facts));
+    look_at(g, p);
 }
 
 static void read_surface(gltf *g, primitive *p) {
@@ -302,11 +310,7 @@ static void compact(gltf *g, primitive *p) {
     bool copied;
     gltf_within(g, p->at, NULL, mesh_compact(g->scene, false, &p->facts, &p->mesh, &copied));
     if (!gltf_fine(g) || !copied || gltf_charge(g, p->at, NULL, bytes_of(&p->mesh)) != FATHOM_OK) return;
-    gltf_within(g, p->at, NULL,
-                mesh_look_at_vertices(g->context, "entry", p->mesh.positions, p->mesh.position_stride,
-                                      p->mesh.vertex_count, &p->facts));
-    if (gltf_fine(g))
-        gltf_within(g, p->at, NULL, mesh_look_at_triangles(g->context, "entry", &p->mesh, &p->facts));
+    look_at(g, p);
 }
 
 static void add_missing_uvs(gltf *g, primitive *p) {

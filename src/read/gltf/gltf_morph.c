@@ -1,7 +1,9 @@
 /* Morph targets: base + sum of weight times target, for positions, normals and the xyz of tangents. */
 #include "base/text.h"
 #include "base/threads.h"
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_data.h"
+#include "read/gltf/gltf_mesh.h"
+#include "read/gltf/gltf_pose.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,9 @@
 /* Motion while the shutter is open. Nodes are posed at uniform times. There are enough poses that the error
  * of linear interpolation is at most 2^-8 of the largest displacement during the exposure: one pixel for a
  * motion of 256 pixels. */
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_mesh.h"
+#include "read/gltf/gltf_pose.h"
+#include "read/gltf/gltf_tree.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -142,11 +144,10 @@ void gltf_moments_open(gltf *g) {
     }
     if (!gltf_fine(g)) return;
     if (stride == 1) {
-        gltf_note_all(
-            g, 1,
-            "an animation moves things so unevenly while the shutter is open that %d poses only come "
-            "near; a shorter shutter follows it",
-            INTERVALS_MOST + 1);
+        notes_add(&g->notes, 1, "",
+                  "an animation moves things so unevenly while the shutter is open that %d poses only come "
+                  "near; a shorter shutter follows it",
+                  INTERVALS_MOST + 1);
     }
     thin(g, stride);
     list_times(g);

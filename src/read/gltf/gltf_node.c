@@ -1,6 +1,9 @@
 /* The hierarchy: each node with a mesh becomes an instance of the mesh's group. Its transform is the product
  * of the transforms above it, in double. */
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_data.h"
+#include "read/gltf/gltf_mesh.h"
+#include "read/gltf/gltf_pose.h"
+#include "read/gltf/gltf_tree.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* Buffer views that KHR_meshopt_compression or EXT_meshopt_compression compress: two names of one format.
  * meshoptimizer decodes indices, version 0 of attributes and three filters; gltf_attributes.c the rest. */
-#include "read/gltf/gltf.h"
 #include "read/gltf/gltf_attributes.h"
+#include "read/gltf/gltf_data.h"
 
 #ifdef FATHOM_MESHOPT
 #include <meshoptimizer.h>

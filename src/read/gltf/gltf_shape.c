@@ -1,7 +1,8 @@
 /* How nodes deform their meshes. Nodes with the same mesh, skin and weights, at all moments, share one posed
  * mesh. */
 #include "base/hash.h"
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_mesh.h"
+#include "read/gltf/gltf_pose.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,7 +5,9 @@
  * its digits. Normals are transformed by the cofactor matrix, so that they stay perpendicular to the surface
  * for any scale of the joints. */
 #include "base/threads.h"
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_data.h"
+#include "read/gltf/gltf_mesh.h"
+#include "read/gltf/gltf_pose.h"
 
 #include <stdio.h>
 #include <stdlib.h>

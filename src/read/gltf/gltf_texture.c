@@ -1,5 +1,5 @@
 /* Textures: images with their samplers, as maps of materials. */
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_material.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 /* Transforms of nodes: their components, which an animation may replace, and the product of the transforms
  * above each node, in double. */
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_pose.h"
+#include "read/gltf/gltf_tree.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* The tree of nodes. The format gives each node one parent at most. Some exporters write nodes with several:
  * each further parent gets a copy of the node and of what is below it. */
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_tree.h"
 
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
 /* KHR_materials_variants: one mesh with several sets of materials. */
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_material.h"
 
 static const char name[] = "KHR_materials_variants";
 
@@ -16,8 +16,8 @@ void gltf_variant_choose(gltf *g) {
         return;
     }
     gltf_print_names(&g->variants, list);
-    gltf_note_all(g, gltf_count(&g->variants), "variants are not shown; --variant NAME|N takes one of %s",
-                  list);
+    notes_add(&g->notes, gltf_count(&g->variants), "",
+              "variants are not shown; --variant NAME|N takes one of %s", list);
 }
 
 static bool names_variant(gltf *g, const gltf_value *mapping) {

@@ -1,5 +1,5 @@
 /* Buffer views: a part of a buffer, or decompressed data. */
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_data.h"
 
 void gltf_view_part(gltf *g, const gltf_value *at, gltf_view *out) {
     uint32_t buffer = GLTF_ABSENT;
