@@ -39,13 +39,15 @@ void gltf_image_open(gltf *g, const gltf_value *at, fathom_texture *out, char **
 
 /* ---- images that another one may replace ---- */
 
-/* Unpacks the data of most formats. */
+#define ROWS_MOST ((size_t)1 << 20) /* bytes */
+
+/* Unpacks the data of most formats. Rows that take much memory are left to the render. */
 static fathom_status read_first_rows(image_texture *open, const image_texture_info *info,
                                      image_message *why) {
     const image_region rows = {.x1 = info->width,
                                .y1 = info->band < info->height ? info->band : info->height};
     const size_t bytes = (size_t)rows.x1 * rows.y1 * info->channels * image_texel_size(info->sent);
-    if (info->mipmapped) return FATHOM_OK;
+    if (info->mipmapped || bytes > ROWS_MOST) return FATHOM_OK;
     void *texels = malloc(bytes);
     const fathom_status status =
         texels ? image_calls.texture.read(open, &rows, texels, bytes, why) : FATHOM_OUT_OF_RESOURCES;
