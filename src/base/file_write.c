@@ -152,21 +152,22 @@ static int open_new(const char *name, mode_t mode) {
 }
 
 /* Returns -1 and sets errno on failure. A file that replaces another is private until it gets the permissions
- * of the old file. */
+ * of the old file. The name is noted before there is a file, so that no signal in between leaves one. */
 static int open_temporary(file_writer *writer) {
     struct stat old;
     const bool replaces = lstat(writer->path, &old) == 0 && S_ISREG(old.st_mode);
     for (unsigned attempt = 0; attempt < ATTEMPTS; ++attempt) {
         writer->temporary = temporary_name(writer->path, attempt);
         if (!writer->temporary) return -1;
+        temporaries_swap(NULL, writer->temporary);
         int descriptor = open_new(writer->temporary, replaces ? 0600 : 0666);
         if (descriptor < 0 && errno != EEXIST) return -1;
         if (descriptor >= 0 && lock_named(descriptor)) {
-            temporaries_swap(NULL, writer->temporary);
             if (replaces) (void)!fchmod(descriptor, old.st_mode & 0777);
             return descriptor;
         }
         if (descriptor >= 0) close(descriptor);
+        temporaries_swap(writer->temporary, NULL);
         free(writer->temporary);
         writer->temporary = NULL;
     }
