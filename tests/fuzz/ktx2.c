@@ -3,9 +3,6 @@
 
 #include "helper/ktx2/ktx2.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 enum { SIDE = 256 };
 
 static void judge(fathom_status status, const image_message *why) {

@@ -1,7 +1,6 @@
 /* The reference BVH answers what linear search answers, to the last bit: the same primitive, the same t. */
 #include "stage.h"
 
-#include "base/clock.h"
 #include "trace/bvh/bvh.h"
 
 /* ---- parity ---- */

@@ -5,8 +5,6 @@
 #include "random.h"
 #include "unit_scene.h"
 
-#include <float.h>
-
 enum { BLOCKS = 4000 };
 
 static const double errors = 5;

@@ -5,8 +5,6 @@
 #include "random.h"
 #include "render.h"
 
-#include <float.h>
-
 typedef enum holder { SPHERE, BOX, QUAD, PAIR, RIDGE, PLANE, HOLDERS } holder;
 
 enum { SIDE = 48 };

@@ -1,6 +1,5 @@
 /* The oracle against cases computed by hand. */
 #include "verify/exact/oracle.h"
-#include "random.h"
 #include "trace/trace.h"
 #include "unit.h"
 #include "verify/exact/exact.h"

@@ -1,5 +1,4 @@
 /* Models without a camera stand on the floor of the studio, or on a plate in an image of the sky. */
-#include "random.h"
 #include "scene/scene.h"
 #include "unit_folder.h"
 

@@ -3,8 +3,6 @@
 
 #include "unit.h"
 
-#include <string.h>
-
 static void becomes(const char *text, const char *expected) {
     char room[64];
     snprintf(room, sizeof room, "%s", text);

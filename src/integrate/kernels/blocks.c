@@ -2,8 +2,6 @@
 #include "integrate/kernels/kernel.h"
 #include "math/limit.h"
 
-#include <math.h>
-
 static void begin_paths(uint32_t first_slot, uint8_t depth, path_block *restrict out) {
     for (uint32_t i = 0; i < LANES; ++i) {
         out->weight[0][i] = out->weight[1][i] = out->weight[2][i] = 1;

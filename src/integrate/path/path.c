@@ -4,7 +4,6 @@
  *
  * A path has one slot and never splits, so its state is stored there. */
 #include "integrate/path/path.h"
-#include "math/limit.h"
 
 #include <stdlib.h>
 #include <string.h>

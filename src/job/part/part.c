@@ -1,6 +1,5 @@
 #include "job/part/part.h"
 
-#include "base/clock.h"
 #include "base/file.h"
 #include "base/sized.h"
 #include "job/part/part_file.h"

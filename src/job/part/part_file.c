@@ -1,7 +1,6 @@
 #include "job/part/part_file.h"
 
 #include "base/hash.h"
-#include "integrate/parts.h"
 
 #include <string.h>
 

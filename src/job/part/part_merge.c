@@ -1,7 +1,6 @@
 /* Merges parts into a film. Their files stay mapped; each tile is read from all parts before the next one. */
 #include "base/file.h"
 #include "base/sized.h"
-#include "integrate/parts.h"
 #include "job/part/part_file.h"
 
 #include <stdio.h>

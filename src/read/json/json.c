@@ -8,7 +8,6 @@
 #include "scene/graph.h"
 #include "json/memory.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
