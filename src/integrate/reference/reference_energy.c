@@ -14,8 +14,8 @@
 
 /* ---- curves ---- */
 
-/* The cosine of a node; the first is not 0, because albedos are limits there. */
-double reference_node(int i) {
+/* The cosine at a node of the curves; the first is not 0, because albedos are limits there. */
+static double node_cosine(int i) {
     const double x = fmax(i, 0.5) / REFERENCE_STEPS;
     return x * x;
 }
@@ -43,7 +43,7 @@ static vec3_f64 layer_at(const reference_albedos *a, vec3_f64 d) {
 }
 
 vec3_f64 reference_turned_node(int turn, int step) {
-    const double cosine = reference_node(step), sine = sqrt(1 - cosine * cosine);
+    const double cosine = node_cosine(step), sine = sqrt(1 - cosine * cosine);
     const double y = (double)turn / REFERENCE_TURNS, length = hypot(1 - y, y);
     return vec_f64(sine * (1 - y) / length, sine * y / length, cosine);
 }
@@ -200,7 +200,7 @@ bool reference_albedos_make(const fathom_material *m, const double *around, unsi
     *out = calloc(1, sizeof **out + glasses * sizeof *(*out)->glass);
     if (!*out) return false;
     for (int i = 0; i <= REFERENCE_STEPS; ++i) {
-        const double cosine = reference_node(i);
+        const double cosine = node_cosine(i);
         if (sheen) (*out)->sheen[i] = fibres_reflect(m, cosine);
         if (coat) (*out)->coat[i] = (double)m->clearcoat * coat_albedo(m, cosine);
     }

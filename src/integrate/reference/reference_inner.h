@@ -230,8 +230,6 @@ double reference_sky_density(const reference_scene *r, vec3_f64 direction);
  * needs no albedos; freed by free(). False if out of memory. */
 bool reference_albedos_make(const fathom_material *m, const double *around, unsigned count,
                             reference_albedos **out);
-/* The cosine at a node of the curves. */
-double reference_node(int i);
 /* The value of a curve of reference_albedos. */
 double reference_curve(const double *curve, double cosine);
 /* The value of curves of facets, for the direction d in the surface's frame; and d in that frame. */

@@ -107,11 +107,5 @@ vec3_f32 verdict_object_direction(const oracle_ray *ray, const oracle_primitive 
 verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *ray,
                                 const oracle_primitive *primitive, const oracle_answer *answer);
 
-/* True when every intersector computes this t without rounding: the direction is a power of two along an
- * axis, and the ray hits at right angles a primitive whose coordinates and weights have few digits. Then
- * rounding does not affect the ends of the interval either. */
-bool verdict_is_exact(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *primitive,
-                      const oracle_answer *answer);
-
 /* The constants, for reports. */
 double verdict_constant(oracle_shape shape);

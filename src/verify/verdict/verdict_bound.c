@@ -129,6 +129,64 @@ static verdict_bound of_shape(const frame *f, const oracle_primitive *p, const o
     return of_triangle(f, parts[p->shape == ORACLE_QUAD ? answer->part : 0], answer, size, factor);
 }
 
+/* ---- intersections without rounding ---- */
+
+/* A multiple of 1/16 up to 16: products of three differences of such numbers fit in float. */
+static bool has_few_digits(double x) { return fabs(x) <= 16 && 16 * x == floor(16 * x); }
+
+static bool is_plain(vec3_f32 p) {
+    return has_few_digits((double)p.x) && has_few_digits((double)p.y) && has_few_digits((double)p.z);
+}
+
+static bool is_power(double x) {
+    int exponent;
+    return fabs(frexp(x, &exponent)) == 0.5;
+}
+
+/* The axis of the ray if its direction is a power of two along an axis; else -1. */
+static int axis_of(const oracle_ray *ray) {
+    const double d[3] = {(double)ray->dir.x, (double)ray->dir.y, (double)ray->dir.z};
+    int axis = -1;
+    for (int i = 0; i < 3; ++i) {
+        if (d[i] == 0) continue;
+        if (axis >= 0 || !is_power(d[i]) || fabs(d[i]) > 256 || fabs(d[i]) < 1.0 / 256) return -1;
+        axis = i;
+    }
+    return axis;
+}
+
+static double part_of(vec3_f32 v, int axis) { return (double)(axis == 0 ? v.x : axis == 1 ? v.y : v.z); }
+
+/* True when all corners have few digits, the primitive is perpendicular to the axis, and its area is a power
+ * of two. */
+static bool is_level(const oracle_primitive *p, int axis) {
+    if (p->shape == ORACLE_PLANE)
+        return is_plain(p->v[0]) && fabs(part_of(p->v[1], axis)) == 1 && length_f64(widen(p->v[1])) == 1;
+    const unsigned corners = p->shape == ORACLE_QUAD ? 4 : 3;
+    for (unsigned k = 0; k < corners; ++k) {
+        if (!is_plain(p->v[k]) || part_of(p->v[k], axis) != part_of(p->v[0], axis)) return false;
+    }
+    vec3_f64 a = widen(p->v[0]);
+    vec3_f64 n = cross_f64(sub_f64(widen(p->v[1]), a), sub_f64(widen(p->v[corners - 1]), a));
+    return is_power(n.x + n.y + n.z);
+}
+
+/* True when every intersector computes this t without rounding: the direction is a power of two along an
+ * axis, and the ray hits at right angles a primitive whose coordinates and weights have few digits. Then
+ * rounding does not affect the ends of the interval either. */
+static bool is_exact(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p,
+                     const oracle_answer *answer) {
+    int axis = axis_of(ray);
+    bool ours = tracer->strict && !(tracer->seen >> p->shape & 1);
+    if (!ours || p->instance || p->shape == ORACLE_SPHERE || axis < 0) return false;
+    bool exact = is_plain(ray->org) && is_level(p, axis);
+    for (int k = 0; k < 3 && p->shape != ORACLE_PLANE; ++k)
+        exact = exact && has_few_digits((double)answer->weight[k]);
+    return exact;
+}
+
+/* ---- the bounds ---- */
+
 static double largest_corner(const oracle_primitive *p) {
     if (p->shape == ORACLE_PLANE) return length_f64(widen(p->v[0]));
     if (p->shape == ORACLE_SPHERE) return length_f64(widen(p->v[0])) + (double)p->radius;
@@ -156,7 +214,7 @@ verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *r
     bound.t = factor * bound.t + verdict_rounding(tracer, t);
     bound.edge *= factor;
     bound.aside *= factor * (primitive->instance ? f.inverse_norm : 1);
-    if (verdict_is_exact(tracer, ray, primitive, answer)) bound.t = bound.edge = 0;
+    if (is_exact(tracer, ray, primitive, answer)) bound.t = bound.edge = 0;
     return bound;
 }
 
@@ -227,59 +285,6 @@ verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *
     case ORACLE_QUAD: bound.normal = least + normal_bound(tracer, p, answer, size); break;
     }
     return bound;
-}
-
-/* ---- intersections without rounding ---- */
-
-/* A multiple of 1/16 up to 16: products of three differences of such numbers fit in float. */
-static bool has_few_digits(double x) { return fabs(x) <= 16 && 16 * x == floor(16 * x); }
-
-static bool is_plain(vec3_f32 p) {
-    return has_few_digits((double)p.x) && has_few_digits((double)p.y) && has_few_digits((double)p.z);
-}
-
-static bool is_power(double x) {
-    int exponent;
-    return fabs(frexp(x, &exponent)) == 0.5;
-}
-
-/* The axis of the ray if its direction is a power of two along an axis; else -1. */
-static int axis_of(const oracle_ray *ray) {
-    const double d[3] = {(double)ray->dir.x, (double)ray->dir.y, (double)ray->dir.z};
-    int axis = -1;
-    for (int i = 0; i < 3; ++i) {
-        if (d[i] == 0) continue;
-        if (axis >= 0 || !is_power(d[i]) || fabs(d[i]) > 256 || fabs(d[i]) < 1.0 / 256) return -1;
-        axis = i;
-    }
-    return axis;
-}
-
-static double part_of(vec3_f32 v, int axis) { return (double)(axis == 0 ? v.x : axis == 1 ? v.y : v.z); }
-
-/* True when all corners have few digits, the primitive is perpendicular to the axis, and its area is a power
- * of two. */
-static bool is_level(const oracle_primitive *p, int axis) {
-    if (p->shape == ORACLE_PLANE)
-        return is_plain(p->v[0]) && fabs(part_of(p->v[1], axis)) == 1 && length_f64(widen(p->v[1])) == 1;
-    const unsigned corners = p->shape == ORACLE_QUAD ? 4 : 3;
-    for (unsigned k = 0; k < corners; ++k) {
-        if (!is_plain(p->v[k]) || part_of(p->v[k], axis) != part_of(p->v[0], axis)) return false;
-    }
-    vec3_f64 a = widen(p->v[0]);
-    vec3_f64 n = cross_f64(sub_f64(widen(p->v[1]), a), sub_f64(widen(p->v[corners - 1]), a));
-    return is_power(n.x + n.y + n.z);
-}
-
-bool verdict_is_exact(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p,
-                      const oracle_answer *answer) {
-    int axis = axis_of(ray);
-    bool ours = tracer->strict && !(tracer->seen >> p->shape & 1);
-    if (!ours || p->instance || p->shape == ORACLE_SPHERE || axis < 0) return false;
-    bool exact = is_plain(ray->org) && is_level(p, axis);
-    for (int k = 0; k < 3 && p->shape != ORACLE_PLANE; ++k)
-        exact = exact && has_few_digits((double)answer->weight[k]);
-    return exact;
 }
 
 /* |t d| is at most |E| + extent, and corners are at most |M| extent. */
