@@ -45,27 +45,22 @@ mean_interval mean_of(const double *values, size_t count) {
 }
 
 line_fit line_through(const double *x, const double *y, size_t count) {
-    double mean_x = 0, mean_y = 0, across = 0, along = 0;
+    double mean_x = 0, mean_y = 0, across = 0, along = 0, left = 0;
     for (size_t i = 0; i < count; ++i) mean_x += x[i] / (double)count, mean_y += y[i] / (double)count;
     for (size_t i = 0; i < count; ++i) {
         across += (x[i] - mean_x) * (x[i] - mean_x);
         along += (x[i] - mean_x) * (y[i] - mean_y);
     }
-    if (!(across > 0)) return (line_fit){(double)NAN, (double)NAN};
-    double slope = along / across;
-    return (line_fit){slope, mean_y - slope * mean_x};
-}
-
-double line_slope_half(const double *x, const double *y, size_t count) {
-    line_fit fit = line_through(x, y, count);
-    if (count < 3) return INFINITY;
-    double mean_x = 0, across = 0, left = 0;
-    for (size_t i = 0; i < count; ++i) mean_x += x[i] / (double)count;
+    line_fit fit = {(double)NAN, (double)NAN, count < 3 ? (double)INFINITY : (double)NAN};
+    if (!(across > 0)) return fit;
+    fit.slope = along / across, fit.intercept = mean_y - fit.slope * mean_x;
+    if (count < 3) return fit;
     for (size_t i = 0; i < count; ++i) {
-        double r = y[i] - fit.intercept - fit.slope * x[i];
-        across += (x[i] - mean_x) * (x[i] - mean_x), left += r * r;
+        const double r = y[i] - fit.intercept - fit.slope * x[i];
+        left += r * r;
     }
-    return student_95(count - 2) * sqrt(left / (double)(count - 2) / across);
+    fit.half = student_95(count - 2) * sqrt(left / (double)(count - 2) / across);
+    return fit;
 }
 
 power_fit power_through(const double *x, const double *y, size_t count) {
@@ -78,8 +73,7 @@ power_fit power_through(const double *x, const double *y, size_t count) {
         lx[fit.count] = log(x[i]), ly[fit.count++] = log(y[i]);
     }
     line_fit line = line_through(lx, ly, fit.count);
-    fit.exponent = line.slope, fit.scale = exp(line.intercept);
-    fit.half = line_slope_half(lx, ly, fit.count);
+    fit.exponent = line.slope, fit.half = line.half, fit.scale = exp(line.intercept);
     free(logs);
     return fit;
 }

@@ -22,15 +22,12 @@ typedef struct mean_interval {
 mean_interval mean_of(const double *values, size_t count);
 
 /* y = intercept + slope x by least squares: slope = Σ (x - x̄)(y - ȳ) / Σ (x - x̄)². Both are NAN unless
- * there are two different x. */
+ * there are two different x. The 95 % interval of the slope is slope ± half, infinite for fewer than three
+ * points: half = student_95(n - 2) √(Σ r² / (n - 2) / Σ (x - x̄)²), with r the residuals of the line. */
 typedef struct line_fit {
-    double slope, intercept;
+    double slope, intercept, half;
 } line_fit;
 line_fit line_through(const double *x, const double *y, size_t count);
-
-/* Half of the 95 % interval of the slope: student_95(n - 2) √(Σ r² / (n - 2) / Σ (x - x̄)²), with r the
- * residuals of the line; infinite for fewer than three points. */
-double line_slope_half(const double *x, const double *y, size_t count);
 
 /* y ∝ x^exponent, by least squares of the logarithms; the 95 % interval is exponent ± half. Ignores pairs
  * that are not positive; NAN if fewer than two different pairs are left. */

@@ -48,8 +48,8 @@ UNIT_TEST(lines) {
     assert_true(isnan(line_through(same, y, 3).slope));
     assert_true(isnan(line_through(x, y, 0).slope));
     /* The line leaves 1/6, -1/3, 1/6: squares of 1/6 together, one degree of freedom. */
-    assert_near(line_slope_half(x, y, 3), student_95(1) * sqrt(1.0 / 12), 1e-14);
-    assert_true(isinf(line_slope_half(x, y, 2)));
+    assert_near(l.half, student_95(1) * sqrt(1.0 / 12), 1e-14);
+    assert_true(isinf(line_through(x, y, 2).half));
 }
 
 /* Seconds that are a power of the triangles have that exponent, and an interval of nothing but rounding: sums
