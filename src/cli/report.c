@@ -20,8 +20,6 @@ extern char **environ;
 
 /* The page and its results. */
 #define REPORT_FILES 2
-/* Maximum number of other outputs of the same command. */
-#define REPORT_OTHERS 4
 
 /* Marks a page as ours: html_page.py writes it at the beginning. */
 #define GENERATOR "<meta name=\"generator\" content=\"fathom"
@@ -125,13 +123,13 @@ static fathom_status check_report(fathom_context *context, const char *folder) {
     return status == FATHOM_OK ? check_drawable(context) : status;
 }
 
-fathom_status report_check_files(fathom_context *context, const char *const *files, size_t count,
-                                 const char *report, const char *input) {
+fathom_status report_check_files(fathom_context *context, const char *const files[2], const char *report,
+                                 const char *input) {
     char pages[REPORT_FILES][PATH_MAX];
-    const char *paths[REPORT_OTHERS + REPORT_FILES];
+    const char *paths[2 + REPORT_FILES];
     size_t found = 0;
-    fathom_status status = standard_output_begin(context, &(args_list){.count = 0}, files, count);
-    for (size_t i = 0; i < count; ++i)
+    fathom_status status = standard_output_begin(context, &(args_list){.count = 0}, files, 2);
+    for (size_t i = 0; i < 2; ++i)
         if (files[i] && !outputs_is_standard(files[i])) paths[found++] = files[i];
     for (size_t i = 0; i < found && status == FATHOM_OK; ++i) status = fathom_file_check(context, paths[i]);
     if (status == FATHOM_OK && report) status = check_report(context, report);

@@ -72,9 +72,9 @@ static inline sample_key wave_square_key(const wave_square *s, uint32_t k) {
 }
 
 /* Square s of the region's wave, counted row by row. Its pixels have the slots from s * 16 on. */
-static inline wave_square wave_square_at(const wave_region *r, uint32_t s, uint32_t index) {
+static inline wave_square wave_square_at(const wave_region *r, uint32_t s) {
     const uint32_t across = WAVE_SIDE / 4;
-    return (wave_square){r->left + s % across * 4, r->top + s / across * 4, index, 0};
+    return (wave_square){r->left + s % across * 4, r->top + s / across * 4, 0, 0};
 }
 
 /* Sample n of a pixel; samples go to the groups in turn. */
@@ -106,7 +106,7 @@ static inline uint32_t wave_square_pixels(const wave_region *r, const wave_squar
 static inline uint64_t wave_region_bits(const wave_region *r) {
     uint64_t bits = 0;
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
-        const wave_square q = wave_square_at(r, s, 0);
+        const wave_square q = wave_square_at(r, s);
         bits |= (uint64_t)(q.left < r->x1 && q.left + 4 > r->x0 && q.top < r->y1 && q.top + 4 > r->y0) << s;
     }
     return bits;
@@ -115,7 +115,7 @@ static inline uint64_t wave_region_bits(const wave_region *r) {
 /* Lists the squares of these bits row by row, with sample index 0; returns their number. */
 static inline uint32_t wave_list_squares(const wave_region *r, uint64_t bits, wave_square out[WAVE_SQUARES]) {
     uint32_t count = 0;
-    for (; bits; bits &= bits - 1) out[count++] = wave_square_at(r, (uint32_t)__builtin_ctzll(bits), 0);
+    for (; bits; bits &= bits - 1) out[count++] = wave_square_at(r, (uint32_t)__builtin_ctzll(bits));
     return count;
 }
 

@@ -73,7 +73,7 @@ void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adapti
 
 /* The pixels of the square inside the image, as bits. */
 static uint32_t square_pixels(const adaptive_wave *a, uint32_t s) {
-    const wave_square square = wave_square_at(&a->region, s, 0);
+    const wave_square square = wave_square_at(&a->region, s);
     return wave_square_pixels(&a->region, &square);
 }
 
@@ -279,7 +279,7 @@ static adaptive_result run_batch(pass *p) {
 
 static adaptive_result add_to_batch(pass *p, uint32_t s, uint32_t n) {
     uint32_t place = p->batch.count++;
-    p->batch.squares[place] = wave_square_sample(wave_square_at(&p->a->region, s, 0), n, SAMPLE_GROUPS);
+    p->batch.squares[place] = wave_square_sample(wave_square_at(&p->a->region, s), n, SAMPLE_GROUPS);
     p->square[place] = (uint8_t)s;
     return p->batch.count == WAVE_SQUARES ? run_batch(p) : ADAPTIVE_PASSED;
 }

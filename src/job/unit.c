@@ -6,7 +6,7 @@ static uint64_t count(const unit_result *r, bool samples) {
     uint64_t sum = 0;
     for (uint64_t left = r->squares; left; left &= left - 1) {
         const uint32_t s = (uint32_t)__builtin_ctzll(left);
-        const wave_square square = wave_square_at(&r->region, s, 0);
+        const wave_square square = wave_square_at(&r->region, s);
         const bool whole = wave_square_is_whole(&r->region, &square);
         const int pixels = whole ? LANES : __builtin_popcount(wave_square_pixels(&r->region, &square));
         sum += (uint64_t)pixels * (samples ? r->samples[s] : 1);
@@ -30,7 +30,7 @@ static void to_film(void *user, const unit_result *r) {
     pthread_mutex_lock(&film->lock);
     for (uint64_t left = r->squares; left; left &= left - 1) {
         const uint32_t s = (uint32_t)__builtin_ctzll(left);
-        const wave_square square = wave_square_at(&r->region, s, 0);
+        const wave_square square = wave_square_at(&r->region, s);
         if (r->samples[s])
             pixel_sums_store_square(r->sums, &r->region, &square, (sums_count){r->samples[s], r->hits[s]},
                                     film);

@@ -138,12 +138,11 @@ static fathom_status copy_text(fathom_context *context, const char *text, char *
     return text && !*out ? fail_memory(context, strlen(text)) : FATHOM_OK;
 }
 
-static fathom_status check_color(fathom_context *context, const char *what, const float rgb[3],
-                                 float lowest) {
+static fathom_status check_color(fathom_context *context, const char *what, const float rgb[3]) {
     for (int i = 0; i < 3; ++i) {
-        if (!isfinite(rgb[i]) || rgb[i] < lowest) {
-            return fail_field(context, FATHOM_BAD_INPUT, what, "expected finite numbers >= %g, found %g",
-                              (double)lowest, (double)rgb[i]);
+        if (!isfinite(rgb[i]) || rgb[i] < 0) {
+            return fail_field(context, FATHOM_BAD_INPUT, what, "expected finite numbers >= 0, found %g",
+                              (double)rgb[i]);
         }
     }
     return FATHOM_OK;
@@ -318,7 +317,7 @@ fathom_status fathom_scene_add_light_sized(fathom_scene *scene, const fathom_lig
     scene->in_studio = scene->lights_made = false;
     if ((unsigned)item.type > FATHOM_LIGHT_ENVIRONMENT)
         return fail(context, FATHOM_BAD_USAGE, "light: there is no type %u", (unsigned)item.type);
-    status = check_color(context, "intensity", item.intensity, 0);
+    status = check_color(context, "intensity", item.intensity);
     if (status != FATHOM_OK) return status;
     if (item.type == FATHOM_LIGHT_ENVIRONMENT) return add_environment(scene, &item, out);
     status = check_light(context, &item);
@@ -372,7 +371,7 @@ static fathom_status check_instance(const fathom_scene *scene, const fathom_inst
 /* If one key mirrors and the next does not, the interpolated transform flattens space at some time in
  * between, so this is an error. */
 static fathom_status check_motion(fathom_context *context, const fathom_instance *instance) {
-    fathom_status status = motion_check_keys(context, instance->key_times, instance->key_count, NULL, 0);
+    fathom_status status = motion_check_keys(context, instance->key_times, instance->key_count);
     if (status == FATHOM_OK && !instance->key_transforms) status = fail_null(context, "key_transforms");
     bool mirrored = false;
     for (uint32_t k = 0; k < instance->key_count && status == FATHOM_OK; ++k) {
@@ -410,7 +409,7 @@ fathom_status fathom_scene_add_instance_sized(fathom_scene *scene, const fathom_
 static fathom_status set_color(fathom_scene *scene, const char *what, const float rgb[3], float out[3],
                                bool *given) {
     if (!rgb) return fail_null(scene->context, what);
-    fathom_status status = check_color(scene->context, what, rgb, 0);
+    fathom_status status = check_color(scene->context, what, rgb);
     if (status != FATHOM_OK) return status;
     memcpy(out, rgb, 3 * sizeof *out);
     *given = true;

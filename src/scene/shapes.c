@@ -163,7 +163,7 @@ static fathom_status check_array(fathom_context *context, const fathom_mesh *m, 
 }
 
 fathom_status mesh_check_vertex_keys(fathom_context *context, const fathom_mesh *m, mesh_facts *facts) {
-    fathom_status status = motion_check_keys(context, m->key_times, m->key_count, NULL, 0);
+    fathom_status status = motion_check_keys(context, m->key_times, m->key_count);
     if (status == FATHOM_OK && !m->key_positions) status = fail_null(context, "key_positions");
     if (status == FATHOM_OK && m->normals && !m->key_normals)
         status = fail_field(context, FATHOM_BAD_INPUT, "key_normals",

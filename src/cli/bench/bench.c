@@ -198,7 +198,7 @@ static fathom_status measure_and_write(fathom_context *context, const bench_sett
 static fathom_status check_and_measure(fathom_context *context, void *settings) {
     const bench_settings *asked = settings;
     const char *const files[] = {asked->json, asked->csv};
-    fathom_status status = report_check_files(context, files, 2, asked->report, asked->scene);
+    fathom_status status = report_check_files(context, files, asked->report, asked->scene);
     if (status == FATHOM_OK) {
         progress_start(asked->common.quiet);
         json_t *root = head(asked->run.command->name + strlen("bench "));

@@ -87,7 +87,7 @@ static fathom_status check(fathom_context *context, const validate_settings *set
     fathom_status status = FATHOM_OK;
     if (outputs_is_standard(settings->failures))
         return fail(context, FATHOM_BAD_USAGE, "--failures: expected a file, found standard output");
-    status = report_check_files(context, files, 2, settings->report, settings->scene);
+    status = report_check_files(context, files, settings->report, settings->scene);
     for (size_t i = 0; i < settings->tracers.count && status == FATHOM_OK; ++i) {
         trace_spec spec;
         status = trace_spec_parse(context, settings->tracers.items[i], &spec);

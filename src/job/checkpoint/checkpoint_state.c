@@ -33,7 +33,7 @@ typedef struct part {
 
 static part shown_part(const wave_grid *grid, uint32_t wave, unsigned square) {
     const wave_region r = wave_grid_region(grid, wave);
-    const wave_square s = wave_square_at(&r, square, 0);
+    const wave_square s = wave_square_at(&r, square);
     return (part){s.left,
                   s.top,
                   max_u32(s.left, r.x0),

@@ -80,7 +80,7 @@ static fathom_status check_camera(fathom_context *context, const fathom_camera *
 
 /* Each key must be a valid frame, as the camera's own. */
 static fathom_status check_keys(fathom_context *context, const fathom_camera *camera) {
-    fathom_status status = motion_check_keys(context, camera->key_times, camera->key_count, NULL, 0);
+    fathom_status status = motion_check_keys(context, camera->key_times, camera->key_count);
     if (status == FATHOM_OK && !camera->key_frames) status = fail_null(context, "key_frames");
     for (uint32_t k = 0; k < camera->key_count && status == FATHOM_OK; ++k) {
         const fathom_camera at = motion_camera(camera, camera->key_times[k]);

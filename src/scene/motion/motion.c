@@ -227,18 +227,12 @@ fathom_camera motion_camera_shown(const fathom_camera *camera, bool blurred) {
 
 /* ---- checks and copies ---- */
 
-fathom_status motion_check_keys(fathom_context *context, const double *times, uint32_t count,
-                                const double *numbers, size_t number_count) {
+fathom_status motion_check_keys(fathom_context *context, const double *times, uint32_t count) {
     if (!times) return fail_null(context, "key_times");
     for (uint32_t k = 0; k < count; ++k) {
         if (!isfinite(times[k]) || (k && !(times[k] > times[k - 1])))
             return fail_item(context, FATHOM_BAD_INPUT, "key_times", k,
                              "expected finite times, each later than the one before, found %g", times[k]);
-    }
-    for (size_t i = 0; numbers && i < number_count; ++i) {
-        if (!isfinite(numbers[i]))
-            return fail(context, FATHOM_BAD_INPUT, "motion: key %zu holds a NaN or an infinity",
-                        i / (number_count / count));
     }
     return FATHOM_OK;
 }

@@ -52,9 +52,8 @@ bool motion_camera_moves(const fathom_camera *camera);
  * no keys. */
 fathom_camera motion_camera_shown(const fathom_camera *camera, bool blurred);
 
-/* Checks that the times of keys are finite and ascending, and that `numbers`, unless NULL, are finite. */
-fathom_status motion_check_keys(fathom_context *context, const double *times, uint32_t count,
-                                const double *numbers, size_t number_count);
+/* Checks that the times of keys are finite and ascending. */
+fathom_status motion_check_keys(fathom_context *context, const double *times, uint32_t count);
 /* Replaces both arrays by copies that the scene owns. `numbers` may be NULL. */
 fathom_status motion_copy_keys(fathom_scene *scene, uint32_t count, size_t numbers_each, const double **times,
                                const double **numbers);

@@ -19,7 +19,7 @@ static void put_lines(judged_scene *c, double p, double q) {
         vec3_f64 a = corner_at(i, 0), s = scale_f64(0.25, corner_at(i, 9));
         corners[3 * i] = a, corners[3 * i + 1] = madd_f64(a, p, s), corners[3 * i + 2] = madd_f64(a, q, s);
     }
-    case_triangles(c, FATHOM_ROOT, vec_f64(0, 0, 0), corners, BROKEN);
+    case_triangles(c, vec_f64(0, 0, 0), corners, BROKEN);
 }
 
 static void put_collinear(judged_scene *c) { put_lines(c, 1, 3); }
@@ -32,7 +32,7 @@ static void put_whole(judged_scene *c) {
     for (unsigned i = 0; i < BROKEN; ++i) {
         for (unsigned k = 0; k < 3; ++k) corners[3 * i + k] = corner_at(i, 3 * k);
     }
-    case_triangles(c, FATHOM_ROOT, vec_f64(0, 0, 0), corners, BROKEN);
+    case_triangles(c, vec_f64(0, 0, 0), corners, BROKEN);
 }
 
 /* ---- primitives that it refuses ---- */

@@ -100,12 +100,11 @@ void case_mesh(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64
     build_mesh(&c->b, mesh, 0);
 }
 
-void case_triangles(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64 *corners,
-                    uint32_t triangles) {
+void case_triangles(judged_scene *c, vec3_f64 origin, const vec3_f64 *corners, uint32_t triangles) {
     uint32_t *indices = case_memory(c, triangles * 3 * sizeof *indices);
     if (!indices) return;
     for (uint32_t i = 0; i < 3 * triangles; ++i) indices[i] = i;
-    case_mesh(c, group, origin, corners, 3 * triangles, indices, triangles);
+    case_mesh(c, FATHOM_ROOT, origin, corners, 3 * triangles, indices, triangles);
 }
 
 void case_spheres(judged_scene *c, fathom_id group, vec3_f64 at, double radius) {

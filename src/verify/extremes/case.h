@@ -42,8 +42,7 @@ void case_plane(judged_scene *c, vec3_f64 point, vec3_f64 normal);
 void case_mesh(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64 *positions,
                uint32_t vertices, const uint32_t *indices, uint32_t triangles);
 /* Triangle k has the corners 3 k, 3 k + 1, 3 k + 2. */
-void case_triangles(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64 *corners,
-                    uint32_t triangles);
+void case_triangles(judged_scene *c, vec3_f64 origin, const vec3_f64 *corners, uint32_t triangles);
 /* Scattered in a ball, with sizes from a hundredth of the radius. */
 void case_spheres(judged_scene *c, fathom_id group, vec3_f64 at, double radius);
 void case_quads(judged_scene *c, fathom_id group, vec3_f64 at, double radius);

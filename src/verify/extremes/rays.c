@@ -28,7 +28,7 @@ void sliver_make(judged_scene *c, double aspect) {
         indices[3 * i] = i, indices[3 * i + 1] = i + 1, indices[3 * i + 2] = i + 2;
     }
     case_mesh(c, FATHOM_ROOT, middle, strip, STRIP + 2, indices, STRIP);
-    case_triangles(c, FATHOM_ROOT, middle, alone, STRIP);
+    case_triangles(c, middle, alone, STRIP);
 }
 
 /* ---- grazing ---- */

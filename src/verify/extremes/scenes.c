@@ -82,7 +82,7 @@ void copies_triangles(judged_scene *c, double count) {
         corners[3 * (size_t)i + 1] = vec_f64(1.1, -0.4, -0.3);
         corners[3 * (size_t)i + 2] = vec_f64(0.2, 1.3, 0.2);
     }
-    if (corners) case_triangles(c, FATHOM_ROOT, middle, corners, n);
+    if (corners) case_triangles(c, middle, corners, n);
 }
 
 void copies_quads(judged_scene *c, double count) {
@@ -109,7 +109,7 @@ static void put_layer(judged_scene *c, double count, vec3_f64 x, vec3_f64 y) {
     for (uint32_t i = 0; corners && i < 3 * n; ++i)
         corners[i] =
             add_f64(scale_f64(case_scattered(i, 0, -1, 1), x), scale_f64(case_scattered(i, 1, -1, 1), y));
-    if (corners) case_triangles(c, FATHOM_ROOT, middle, corners, n);
+    if (corners) case_triangles(c, middle, corners, n);
     for (uint32_t i = 0; i < n; ++i) {
         double size = case_scattered(i, 4, 0.02, 0.5);
         vec3_f64 at =
@@ -205,7 +205,7 @@ static void put_far_triangles(judged_scene *c, double at) {
             vec_f64(case_scattered(i, 0, -1, 1), case_scattered(i, 1, -1, 1), case_scattered(i, 2, -1, 1));
         if (i % 3 == i / 3 % 3) corners[i] = scale_f64(at, normalize_f64(corners[i]));
     }
-    case_triangles(c, FATHOM_ROOT, middle, corners, 8);
+    case_triangles(c, middle, corners, 8);
 }
 
 void beyond_triangles(judged_scene *c, double at) {

@@ -97,7 +97,8 @@ static void brushed_across(law_room *room) { brushed(room, across); }
 /* ---- a thin film on smooth metal, at a cosine of 9/16: Belcour & Barla's
  * (2017) sum, term by term ---- */
 
-static double airy(double f0, double index, double nanometres, double cosine, int channel) {
+static double airy(double f0, double cosine, int channel) {
+    const double index = 1.5, nanometres = 450;
     static const double fits[4][3] = {{5.4856e-13, 1.6810e6, 4.3278e9},
                                       {4.4201e-13, 1.7953e6, 9.3046e9},
                                       {5.2481e-13, 2.2084e6, 6.6121e9},
@@ -130,8 +131,7 @@ static void film(law_room *room) {
     m.metallic = m.iridescence = 1, m.iridescence_ior = 1.5f, m.iridescence_thickness_max = 450;
     build_rgb(m.base_color, color);
     law_lobe(room, m, vec_f64(sqrt(1 - cosine * cosine), 0, cosine),
-             vec_f64(airy(color.x, 1.5, 450, cosine, 0), airy(color.y, 1.5, 450, cosine, 1),
-                     airy(color.z, 1.5, 450, cosine, 2)));
+             vec_f64(airy(color.x, cosine, 0), airy(color.y, cosine, 1), airy(color.z, cosine, 2)));
 }
 
 /* Each channel of the base gets what the film does not reflect. Without that, this ball is 0.27 darker. */

@@ -51,7 +51,7 @@ static void parallel_squares(law_room *room) {
         (log((1 + x * x) / sqrt(1 + 2 * x * x)) + 2 * x * root * atan(x / root) - 2 * x * atan(x));
     paint_quad(&room->b, origin, vec_f64(0.5, 0, 0), vec_f64(0, 0.5, 0), build_lambert(albedo));
     paint_quad(&room->b, up, vec_f64(0.5, 0, 0), vec_f64(0, 0.5, 0), lamp());
-    law_look_down(room, 0.5, 0, 1);
+    law_look_down(room, 0.5, 1);
     law_value(room, scale_f64(factor, albedo));
     room->depth = 4;
 }
@@ -140,12 +140,12 @@ static void sun_in_mirror(law_room *room) {
 
 /* The camera looks at a mirror from the distance 1, and the mirrored ray at the centre of a lamp at the
  * distance 2. value: the lamp's radiance as the camera sees it. */
-static void lamp_in_mirror(law_room *room, fathom_light_type type, double radius, vec3_f64 value) {
+static void lamp_in_mirror(law_room *room, fathom_light_type type, vec3_f64 value) {
     const vec3_f64 from = {-0.48, -0.64, 0.6}, to = {0.48, 0.64, 0.6}, at = {0, 0, 0.25};
     fathom_material mirror = build_black();
     fathom_light light;
     fathom_light_default(&light);
-    light.type = type, light.radius = (float)radius;
+    light.type = type, light.radius = 0.5f;
     light.inner_angle = 0.2f, light.outer_angle = 1.2f;
     store_f64(light.position, madd_f64(at, 2, to));
     store_f64(light.direction, down);
@@ -159,13 +159,13 @@ static void lamp_in_mirror(law_room *room, fathom_light_type type, double radius
 
 static vec3_f64 all(double x) { return vec_f64(x, x, x); }
 
-static void ball_in_mirror(law_room *room) { lamp_in_mirror(room, FATHOM_LIGHT_POINT, 0.5, all(1.5 / 0.25)); }
+static void ball_in_mirror(law_room *room) { lamp_in_mirror(room, FATHOM_LIGHT_POINT, all(1.5 / 0.25)); }
 
 /* The light leaves at the cosine 0.6 to the cone's axis. */
 static void spot_in_mirror(law_room *room) {
     const double inner = cos((double)0.2f), outer = cos((double)1.2f);
     const double falloff = pow(fmin((0.6 - outer) / (inner - outer), 1), 2);
-    lamp_in_mirror(room, FATHOM_LIGHT_SPOT, 0.5, all(falloff * 1.5 / 0.25));
+    lamp_in_mirror(room, FATHOM_LIGHT_SPOT, all(falloff * 1.5 / 0.25));
 }
 
 /* In a volume: 1 to the mirror, and 2 - R to the lamp's sphere. */
@@ -175,7 +175,7 @@ static void ball_in_coloured_mirror(law_room *room) {
     m.specular_factor = 0, m.ior = 1, m.attenuation_distance = 1;
     build_rgb(m.attenuation_color, left);
     paint_sphere(&room->b, origin, 16, m);
-    lamp_in_mirror(room, FATHOM_LIGHT_POINT, 0.5,
+    lamp_in_mirror(room, FATHOM_LIGHT_POINT,
                    scale_f64(1.5 / 0.25, vec_f64(pow(left.x, 2.5), pow(left.y, 2.5), pow(left.z, 2.5))));
 }
 

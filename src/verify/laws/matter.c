@@ -186,7 +186,7 @@ static void absorbing_ball(law_room *room) {
     build_rgb(m.attenuation_color, remains);
     paint_sphere(&room->b, origin, 1, m);
     build_background(&room->b, white);
-    law_look_down(room, 1000, 0, 2);
+    law_look_down(room, 1000, 2);
     law_value(room, law_each(remains, through_ball, NULL));
 }
 

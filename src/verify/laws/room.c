@@ -129,8 +129,8 @@ static void set_camera(law_room *room, vec3_f64 eye, vec3_f64 target, double slo
 
 void law_look(law_room *room, vec3_f64 eye, vec3_f64 target) { set_camera(room, eye, target, 1.0 / 4096); }
 
-void law_look_down(law_room *room, double eye_z, double z, double side) {
-    set_camera(room, (vec3_f64){0, 0, eye_z}, (vec3_f64){0, 0, z}, side / (eye_z - z));
+void law_look_down(law_room *room, double eye_z, double side) {
+    set_camera(room, (vec3_f64){0, 0, eye_z}, (vec3_f64){0, 0, 0}, side / eye_z);
 }
 
 void law_value(law_room *room, vec3_f64 value) { store_f64(room->value, value); }

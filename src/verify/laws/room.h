@@ -42,8 +42,8 @@ void law_point_light(law_room *room, vec3_f64 at, double intensity, double radiu
 void law_sky(law_room *room, vec3_f64 (*radiance)(void *user, vec3_f64 direction));
 /* A camera that looks at one point. The image height is 1/4096 of the distance. */
 void law_look(law_room *room, vec3_f64 eye, vec3_f64 target);
-/* A camera that looks down along z at a square with this side around (0, 0, z). */
-void law_look_down(law_room *room, double eye_z, double z, double side);
+/* A camera that looks down along z at a square with this side around the origin. */
+void law_look_down(law_room *room, double eye_z, double side);
 void law_value(law_room *room, vec3_f64 value);
 
 /* Σ x^k for k from..to. */
