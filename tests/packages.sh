@@ -1,12 +1,17 @@
 #!/bin/sh
-# Installs what is missing of the distribution's packages for building, for testing as well ("test"), or for testing, fuzzing and
-# static analysis ("clang").
-# usage: sh tests/packages.sh build|test|clang
+# Installs what is missing of the distribution's packages for building, for making scenes as well ("scenes"), for testing
+# as well ("test"), or for testing, fuzzing and static analysis ("clang").
+# usage: sh tests/packages.sh build|scenes|test|clang
 set -eu
 
 packages="gcc g++ cmake ninja-build pkg-config libembree-dev libopenimageio-dev libopencolorio-dev libjansson-dev libgmp-dev libpng-dev zlib1g-dev libmeshoptimizer-dev libdraco-dev libzstd-dev"
-[ "${1:-build}" != build ] && packages="$packages libcmocka-dev git clang-format python3-matplotlib libopenmpi-dev openmpi-bin"
-[ "${1:-build}" != clang ] || packages="$packages clang clang-tidy cppcheck libclang-rt-dev llvm"
+case ${1:-build} in
+build) more="" ;;
+scenes) more="python3-numpy python3-pil" ;;
+*) more="python3-numpy python3-pil libcmocka-dev git clang-format python3-matplotlib libopenmpi-dev openmpi-bin" ;;
+esac
+[ "${1:-build}" != clang ] || more="$more clang clang-tidy cppcheck libclang-rt-dev llvm"
+packages="$packages $more"
 
 stop() {
     echo "fathom set-up: $*" >&2
