@@ -13,12 +13,17 @@ KERNEL_BEST(shape_kernels)
 
 /* ---- materials ---- */
 
+/* Forgets the textures if no emission varies, because scenes with a single even light are faster. */
 static bool find_emission(emitters *e) {
     const fathom_scene *scene = e->w->scene;
+    bool varies = false;
     e->emission = calloc(scene->materials.count, sizeof *e->emission);
     for (size_t i = 0; e->emission && i < scene->materials.count; ++i) {
         shader_emission(&scene->materials.items[i].value, e->emission[i]);
+        varies |= e->texturing && luminance(e->emission[i]) > 0 &&
+                  texturing_varies_emission(e->texturing, (fathom_id)i);
     }
+    if (!varies) e->texturing = NULL;
     return e->emission != NULL;
 }
 
