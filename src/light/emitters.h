@@ -72,7 +72,7 @@ float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 d
                            const emitter_hit *hit);
 
 /* Radiance from outside the scene, and the density of its direction as above, in the lanes whose bits are
- * set. */
+ * set. The density is 0 if light samples leave an even background to scattered rays. */
 void emitters_outside(const emitters *e, unsigned lanes, const lanes3 n, const lanes3 direction,
                       lanes3 radiance, float density[LANES]);
 

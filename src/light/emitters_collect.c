@@ -265,30 +265,28 @@ static bool from_outside(const emitters *e) {
     return sum > 0;
 }
 
-/* The weight of the background: its light is even, so scattered rays find it as well as light samples do. */
-#define BACKGROUND_SHARE 0.125
-
 /* The fraction of the light within the scene's bounds that its surfaces and lamps emit; the rest comes from
  * outside. A finite emitter of intensity I emits at most pi I, and the outside contributes pi R² times its
  * luminance over all directions. */
 static fathom_status finite_share(const emitters *e, double *out) {
     scene_bounds bounds;
-    const double intensity = e->lights.power,
-                 outside = outside_power(e) - (1 - BACKGROUND_SHARE) * background_power(e);
+    const double intensity = e->lights.power;
     fathom_status status = scene_world_bounds(e->w->scene, &bounds);
     const double radius = status != FATHOM_OK || bounds_is_empty(&bounds) ? 0 : bounds_radius(&bounds),
-                 all = intensity + outside * radius * radius;
+                 all = intensity + outside_power(e) * radius * radius;
     *out = all > intensity && isfinite(all) ? intensity / all : 0.5;
     return status;
 }
 
-/* Each existing class has the same probability, except that the weaker of finite lights and the outside gives
- * up to half of its probability to the other. This is a guess, since neither is bright everywhere; if it is
- * wrong, it costs twice the samples. All are quarters, because the samples of a pixel that are a net are then
- * nets within each class: with other fractions light from both has three to ten times the noise at 16
- * samples (bench/path_tracing.md). */
+/* Each class has the same probability, except that the weaker of finite lights and the outside gives up to
+ * half of its probability to the other. This is a guess, since neither is bright everywhere; if it is wrong,
+ * it costs twice the samples. All are quarters, because the samples of a pixel that are a net are then nets
+ * within each class. A background without images is even: scattered rays find it as well as light samples
+ * do, so these go to the other lights, if there are any. bench/path_tracing.md has the noise of both rules.
+ */
 static fathom_status share(emitters *e) {
-    const bool there[EMITTER_PARTS] = {e->finite_count > 0, from_outside(e), e->sun_count > 0};
+    bool there[EMITTER_PARTS] = {e->finite_count > 0, from_outside(e), e->sun_count > 0};
+    if (there[EMITTER_FINITE] || there[EMITTER_DIRECTIONAL]) there[EMITTER_OUTSIDE] &= e->sky_count > 0;
     const int parts = there[EMITTER_FINITE] + there[EMITTER_OUTSIDE] + there[EMITTER_DIRECTIONAL];
     for (int k = 0; k < EMITTER_PARTS; ++k) e->chance[k] = there[k] ? 1.0 / parts : 0;
     if (!there[EMITTER_FINITE] || !there[EMITTER_OUTSIDE]) return FATHOM_OK;
@@ -340,7 +338,7 @@ void emitters_destroy(emitters *e) {
 }
 
 bool emitters_any_outside(const emitters *e) {
-    return e->chance[EMITTER_OUTSIDE] > 0 || (e->chance[EMITTER_DIRECTIONAL] > 0 && e->disc_count);
+    return from_outside(e) || (e->chance[EMITTER_DIRECTIONAL] > 0 && e->disc_count);
 }
 
 bool emitters_move(const emitters *e) { return e->moving; }

@@ -384,61 +384,19 @@ static emitter_hit nearest_primitive(vec3_f64 to) {
     return hit;
 }
 
-/* The first number's quarter alone decides between surfaces, the background and suns: samples of a pixel that
- * are a net are nets in each of these, too. */
-static void expect_quarters(vec3_f64 p) {
-    emitter_query q;
-    emitter_sample s;
-    _Alignas(64) lanes3 u;
-    fill_query(&q, p, vec_f64(0, 0, 1));
-    for (int quarter = 0; quarter < 4; ++quarter) {
-        for (int i = 0; i < LANES; ++i)
-            u[0][i] = ((float)quarter + (float)i / LANES) / 4, u[1][i] = u[2][i] = 0.5f;
-        emitters_sample(e, &q, u, &s);
-        for (int i = 0; i < LANES; ++i) {
-            assert_true(s.density[i] > 0);
-            assert_true(isinf(s.distance[i]) == isinf(s.distance[0]) && s.sized[i] == s.sized[0]);
-        }
-    }
-}
-
-UNIT_TEST(quarters_of_the_numbers_take_one_kind_of_light_each) {
-    add_sphere(FATHOM_ROOT, vec_f64(0, 0, 3), 1, emission(1, 1, 1));
-    for (int sun = 0; sun < 2; ++sun) {
-        fathom_light light;
-        fathom_light_default(&light);
-        light.type = FATHOM_LIGHT_DIRECTIONAL, light.direction[2] = -1;
-        if (sun) assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
-        for (float level = 1e-4f; level < 1e4f; level *= 1.3f) {
-            fathom_scene_set_background(scene, (float[3]){level, level, level});
-            open_light();
-            expect_quarters(vec_f64(0, 0, 0));
-            close_light();
-        }
-    }
-}
-
 /* What a sample says of its direction, a ray that goes there by chance gets as well. */
-UNIT_TEST(a_hit_gets_the_density_of_its_sample) {
-    enum { COUNT = 60 };
-    random_state r = {13};
-    vec3_f64 at[COUNT];
-    many(&r, COUNT, at);
-    add_quad((double[3]){6, 0, 0}, (double[3]){0, 1, 0}, (double[3]){0, 0.3, 1}, emission(3, 1, 1));
-    assert_ok(context, fathom_scene_set_background(scene, (float[3]){0.1f, 0.1f, 0.1f}));
-    open_light();
+static void expect_own_densities(random_state *r, int least) {
     int sized = 0;
     for (int b = 0; b < 400; ++b) {
-        const vec3_f64 p = {random_in(&r, -4, 4), random_in(&r, -4, 4), random_in(&r, -4, 4)};
-        const vec3_f64 n = b % 3 ? any_direction(&r) : origin;
+        const vec3_f64 p = {random_in(r, -4, 4), random_in(r, -4, 4), random_in(r, -4, 4)};
+        const vec3_f64 n = b % 3 ? any_direction(r) : origin;
         const vec3_f32 at_world = narrow(sub_f64(p, w->origin));
         emitter_query q;
-        lanes3 u;
+        lanes3 u, radiance;
         emitter_sample s;
-        fill_query(&q, p, n);
-        fill_numbers(&r, u);
-        lanes3 radiance;
         float outside[LANES];
+        fill_query(&q, p, n);
+        fill_numbers(r, u);
         emitters_sample(e, &q, u, &s);
         emitters_outside(e, (1u << LANES) - 1, q.n, s.direction, radiance, outside);
         for (int i = 0; i < LANES; ++i) {
@@ -449,12 +407,32 @@ UNIT_TEST(a_hit_gets_the_density_of_its_sample) {
                 vec3_f64 to = madd_f64(widen(at_world), (double)s.distance[i], widen(d));
                 emitter_hit hit = nearest_primitive(to);
                 density = emitters_hit_density(e, at_world, narrow(n), d, &hit);
+                assert_true(outside[i] == 0 && radiance[0][i] == 0.1f);
             }
             ++sized;
             assert_near(density, s.density[i], 1e-5 * (double)s.density[i]);
         }
     }
-    assert_true(sized > 1000);
+    assert_true(sized > least);
+}
+
+UNIT_TEST(a_hit_gets_the_density_of_its_sample) {
+    enum { COUNT = 60 };
+    random_state r = {13};
+    vec3_f64 at[COUNT];
+    many(&r, COUNT, at);
+    add_quad((double[3]){6, 0, 0}, (double[3]){0, 1, 0}, (double[3]){0, 0.3, 1}, emission(3, 1, 1));
+    /* Light samples leave an even background to other rays, if there is another light. */
+    assert_ok(context, fathom_scene_set_background(scene, (float[3]){0.1f, 0.1f, 0.1f}));
+    open_light();
+    expect_own_densities(&r, 100);
+}
+
+UNIT_TEST(the_background_gets_the_density_of_its_sample) {
+    random_state r = {14};
+    assert_ok(context, fathom_scene_set_background(scene, (float[3]){0.1f, 0.1f, 0.1f}));
+    open_light();
+    expect_own_densities(&r, 1000);
 }
 
 /* A lamp next to the point and a million times weaker ones far away, and so for others. */

@@ -98,6 +98,56 @@ static void a_constant_sky_sends_its_radiance(void **state) {
     assert_near(mean, 0.5, errors * error);
 }
 
+/* The first number's quarter alone decides between surfaces, the sky and suns: samples of a pixel that are a
+ * net are nets in each of these, too. */
+static void expect_quarters(void) {
+    emitter_query q;
+    emitter_sample s;
+    _Alignas(64) lanes3 u;
+    fill(&q, up);
+    for (int quarter = 0; quarter < 4; ++quarter) {
+        for (int i = 0; i < LANES; ++i)
+            u[0][i] = ((float)quarter + (float)i / LANES) / 4, u[1][i] = u[2][i] = 0.5f;
+        emitters_sample(e, &q, u, &s);
+        for (int i = 0; i < LANES; ++i) {
+            assert_true(s.density[i] > 0);
+            assert_true(isinf(s.distance[i]) == isinf(s.distance[0]) && s.sized[i] == s.sized[0]);
+        }
+    }
+}
+
+static void add_ball(float emission) {
+    fathom_material m;
+    fathom_sphere ball;
+    fathom_material_default(&m);
+    fathom_sphere_default(&ball);
+    for (int c = 0; c < 3; ++c) m.k_e[c] = emission;
+    assert_ok(context, fathom_scene_add_material(scene, NULL, &m, &ball.material));
+    ball.center[1] = 3;
+    assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &ball, NULL));
+}
+
+static void add_sun(void) {
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_DIRECTIONAL, light.direction[1] = -1, light.direction[2] = 0;
+    assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
+}
+
+static void quarters_of_the_numbers_take_one_kind_of_light_each(void **state) {
+    for (int sun = 0; sun < 2; ++sun) {
+        for (float level = 1e-3f; level < 1e4f; level *= 3) {
+            for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = 0.5f;
+            add_ball(level);
+            if (sun) add_sun();
+            open_sky(0);
+            expect_quarters();
+            end(state);
+            begin(state);
+        }
+    }
+}
+
 /* ---- cells between the centres of texels, as sky.h has them ---- */
 
 static double row_cosine(int row) { return cos(M_PI * fmin(fmax(row - 0.5, 0), HEIGHT) / HEIGHT); }
@@ -488,6 +538,7 @@ static void another_image_is_another_scene(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_constant_sky_sends_its_radiance, begin, end),
+        cmocka_unit_test_setup_teardown(quarters_of_the_numbers_take_one_kind_of_light_each, begin, end),
         cmocka_unit_test_setup_teardown(radiance_is_interpolated, begin, end),
         cmocka_unit_test_setup_teardown(an_image_lies_as_documented, begin, end),
         cmocka_unit_test_setup_teardown(samples_and_rays_that_leave_agree, begin, end),
