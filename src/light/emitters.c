@@ -129,7 +129,7 @@ static void sample_balls(const emitters *e, const emitter_choices *c, emitter_sa
 /* Without the choice of the emitter, whose index in the run is *index. */
 static double chosen_density(const emitters *e, const emitter_run *run, const emitter_hit *hit, vec3_f64 p,
                              vec3_f64 n, vec3_f64 direction, uint32_t *index) {
-    *index = hit->primitive;
+    *index = run->paired ? hit->primitive / 2 : hit->primitive;
     if (e->one.face) return emitters_face_density(&e->one.face->plain, p);
     if (is_ball(e, run)) {
         emitter_ball ball;

@@ -24,9 +24,12 @@ static uint32_t cells_of(const emitters *e, const emitter_run *run) {
     return run->level && is_quads(e, run) ? 2 * cells_of_half(run) : cells_of_half(run);
 }
 
-bool emitters_is_quad(const emitters *e, const emitter_run *run) { return !run->level && is_quads(e, run); }
+bool emitters_is_quad(const emitters *e, const emitter_run *run) {
+    return run->paired || (!run->level && is_quads(e, run));
+}
 
 uint32_t emitters_primitive(const emitters *e, const emitter_run *run, uint32_t index) {
+    if (run->paired) return 2 * index;
     return run->level ? index / cells_of(e, run) : index;
 }
 

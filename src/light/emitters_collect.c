@@ -246,6 +246,7 @@ static fathom_status build_tree(fathom_context *context, emitters *e, uint32_t t
 static fathom_status collect(fathom_context *context, emitters *e) {
     if (!find_emission(e) || !find_runs(e) || !sort_lights(e)) return fail_memory(context, 1 << 20);
     emitters_divide_runs(e);
+    emitters_pair_runs(e);
     const uint64_t total = number_runs(e);
     if (total + e->lamp_count >= TREE_LEAF / TREE_WIDE) {
         return fail(

@@ -15,6 +15,7 @@ typedef struct emitter_run {
     uint32_t geometry, instance; /* FATHOM_NONE: the root */
     uint32_t first, count;       /* 0: none of them emits */
     uint8_t level;               /* of the faces' cells; 0: faces are whole. See emitters_cells.c */
+    bool paired;                 /* each emitter is two triangles. See emitters_pairs.c */
 } emitter_run;
 
 /* A class of emitters, with a fixed probability of being chosen. */
@@ -118,9 +119,10 @@ const emitter_run *emitters_run(const emitters *e, uint32_t geometry, uint32_t i
 const emitter_run *emitters_run_of(const emitters *e, uint32_t emitter);
 
 /* The corners of a face in the space of its group, at a time in [0, 1] of the shutter; a triangle's third
- * corner is repeated. */
-void emitters_corners(const world *w, uint32_t geometry, uint32_t primitive, float time, vec3_f64 out[4]);
-/* A primitive of a run in world space, at a time. */
+ * corner is repeated. The face of a paired primitive is the quad of both. */
+void emitters_corners(const world *w, const emitter_run *run, uint32_t primitive, float time,
+                      vec3_f64 out[4]);
+/* The face of a primitive of a run in world space, at a time. */
 void emitters_face(const emitters *e, const emitter_run *run, uint32_t primitive, float time,
                    shape_face *out);
 
@@ -129,9 +131,9 @@ void emitters_face(const emitters *e, const emitter_run *run, uint32_t primitive
 /* Divides the faces of runs whose emission varies enough. Until then a run's count is that of its
  * primitives. */
 void emitters_divide_runs(emitters *e);
-/* True if the emitters of the run are whole quads. */
+/* True if the emitters of the run are whole quads, or pairs of triangles. */
 bool emitters_is_quad(const emitters *e, const emitter_run *run);
-/* The primitive of an emitter, and the emitter at a place on a primitive; both by their indices in the run.
+/* The first primitive of an emitter, and the cell at a place on a primitive; all by their indices in the run.
  */
 uint32_t emitters_primitive(const emitters *e, const emitter_run *run, uint32_t index);
 uint32_t emitters_index_at(const emitters *e, const emitter_run *run, uint32_t primitive,
@@ -142,6 +144,15 @@ bool emitters_is_second(const emitters *e, const emitter_run *run, uint32_t inde
 void emitters_cut(const emitters *e, const emitter_run *run, uint32_t index, vec3_f64 c[4]);
 /* The same for the triangle or half quad that holds the emitter. */
 void emitters_divide(vec3_f64 c[3], const emitter_run *run, uint32_t index);
+
+/* ---- emitters_pairs.c ---- */
+
+/* Takes the triangles of runs in pairs where all pairs are quads. Until then a run's count is that of its
+ * primitives. */
+void emitters_pair_runs(emitters *e);
+/* The corners of the quad that two adjacent triangles form, in the order of shape_face. False: they have no
+ * common side. */
+bool emitters_join(const vec3_f32 a[3], const vec3_f32 b[3], vec3_f64 out[4]);
 
 /* A sphere, in the space of its group. */
 typedef struct emitter_ball {

@@ -127,7 +127,7 @@ static double face_area(const vec3_f64 c[4], bool quad, vec3_f64 *n) {
 /* The corners in the space of the face's group. */
 static void own_corners(const emitters *e, const emitter_run *run, uint32_t index, float time,
                         vec3_f64 c[4]) {
-    emitters_corners(e->w, run->geometry, emitters_primitive(e, run, index), time, c);
+    emitters_corners(e->w, run, emitters_primitive(e, run, index), time, c);
     emitters_cut(e, run, index, c);
 }
 

@@ -42,18 +42,26 @@ static double determinant(const float m[3][4]) {
 
 /* ---- faces ---- */
 
-void emitters_corners(const world *w, uint32_t geometry, uint32_t primitive, float time, vec3_f64 out[4]) {
-    const world_geometry *g = &w->geometries.items[geometry];
+void emitters_corners(const world *w, const emitter_run *run, uint32_t primitive, float time,
+                      vec3_f64 out[4]) {
+    const world_geometry *g = &w->geometries.items[run->geometry];
     if (g->kind == WORLD_QUADS) {
         const world_quad *q = &w->quads.items[g->first + primitive];
         for (int k = 0; k < 4; ++k) out[k] = widen(q->corner[k]);
         return;
     }
-    vec3_f32 c[3];
+    vec3_f32 c[3], other[3];
+    const fathom_mesh *mesh = &w->meshes.items[g->first];
+    if (run->paired) {
+        search_corners(mesh, primitive & ~1u, c);
+        search_corners(mesh, primitive | 1, other);
+        emitters_join(c, other, out);
+        return;
+    }
     if (g->moving)
         world_corners_when(w, g, primitive, time, c, NULL);
     else
-        search_corners(&w->meshes.items[g->first], primitive, c);
+        search_corners(mesh, primitive, c);
     out[0] = widen(c[0]), out[1] = widen(c[1]), out[2] = out[3] = widen(c[2]);
 }
 
@@ -92,8 +100,8 @@ void emitters_face(const emitters *e, const emitter_run *run, uint32_t primitive
     const world_instance *instance =
         run->instance == FATHOM_NONE ? NULL : world_instance_when(e->w, run->instance, time, &moved);
     vec3_f64 at[4];
-    out->quad = g->kind == WORLD_QUADS;
-    emitters_corners(e->w, run->geometry, primitive, time, at);
+    out->quad = g->kind == WORLD_QUADS || run->paired;
+    emitters_corners(e->w, run, primitive, time, at);
     for (int k = 0; k < 4; ++k) out->corner[k] = instance ? map_point(instance->to_world, at[k]) : at[k];
     face_bounds(instance, at, out->corner, g->moving, out);
 }
