@@ -28,7 +28,7 @@ static void stratified(uint32_t n, uint32_t index, uint64_t hash, double *u, dou
 
 static void sobol(uint32_t index, uint64_t hash, double *u, double *v) {
     uint32_t a, b;
-    sobol_point(index, hash, &a, &b);
+    sobol_point(sobol_shuffle(index, hash), hash, &a, &b);
     *u = unit_from(a), *v = unit_from(b);
 }
 

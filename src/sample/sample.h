@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-/* The dimensions of a sample, two numbers each. */
+/* The dimensions of a sample, two or three numbers each. */
 typedef enum sample_dimension {
     SAMPLE_PIXEL, /* position in the pixel, from its top left corner */
     SAMPLE_LENS,  /* position on the lens */
@@ -18,9 +18,8 @@ typedef enum sample_dimension {
 
 /* The dimensions at each vertex of a path. */
 typedef enum sample_purpose {
-    SAMPLE_LIGHT,    /* a point on a light */
-    SAMPLE_SCATTER,  /* a direction of scattering */
-    SAMPLE_CHOICE,   /* selection of a light, and of a lobe */
+    SAMPLE_LIGHT,    /* a point on a light, and the light */
+    SAMPLE_SCATTER,  /* a direction of scattering, and the lobe */
     SAMPLE_ROULETTE, /* whether the path continues */
     SAMPLE_PURPOSES
 } sample_purpose;
@@ -58,6 +57,13 @@ typedef struct sample_kernels {
     /* sample_2d() of sixteen samples, rounded down to 24 bits, in a dimension other than SAMPLE_PIXEL. */
     void (*pairs)(const uint64_t pixel[LANES], const uint32_t index[LANES], uint32_t dimension, float *u,
                   float *v);
+
+    /* The same with a third number. The number of points of a run of 2^k in each elementary box of 2 / 2^k is
+     * 2: a (1,k,3)-net. In quarters of the third number, and quarters of them, the first two are
+     * (0,k,2)-nets.
+     */
+    void (*triples)(const uint64_t pixel[LANES], const uint32_t index[LANES], uint32_t dimension, float *u,
+                    float *v, float *w);
 } sample_kernels;
 
 const sample_kernels *sample_kernels_best(void);

@@ -44,6 +44,38 @@ UNIT_TEST(every_run_of_a_power_of_two_is_stratified_in_every_dimension) {
     }
 }
 
+/* 2^a × 2^b × 2^c boxes: 2 of 2^k points in each if a + b + c = k - 1, and one if that is k and c is even. */
+static void check_solid_boxes(const double (*p)[3], uint32_t k, uint32_t a, uint32_t b, uint32_t c) {
+    unsigned taken[256] = {0};
+    for (uint32_t i = 0; i < 1u << k; ++i) {
+        const uint32_t box = ((uint32_t)(p[i][0] * (1u << a)) << b | (uint32_t)(p[i][1] * (1u << b))) << c |
+                             (uint32_t)(p[i][2] * (1u << c));
+        ++taken[box];
+    }
+    for (uint32_t i = 0; i < 1u << (a + b + c); ++i) assert_int_equal(taken[i], 1u << (k - a - b - c));
+}
+
+UNIT_TEST(triples_are_stratified_as_well) {
+    static double p[256][3];
+    for (uint32_t run = 0; run < 5; ++run) {
+        for (uint32_t k = 1; k <= 8; ++k) {
+            for (uint32_t i = 0; i < 1u << k; ++i) {
+                const uint64_t pixel[LANES] = {sample_pixel_hash(&sobol, run, 5)};
+                const uint32_t index[LANES] = {(run << k) + i};
+                float u[3][LANES];
+                sample_kernels_best()->triples(pixel, index, SAMPLE_VERTEX + run, u[0], u[1], u[2]);
+                for (int c = 0; c < 3; ++c) p[i][c] = (double)u[c][0];
+            }
+            for (uint32_t a = 0; a <= k; ++a) {
+                for (uint32_t c = 0; c <= k - a; ++c) {
+                    if (!(c & 1)) check_solid_boxes(p, k, a, k - a - c, c);
+                    if (a + c < k) check_solid_boxes(p, k, a, k - 1 - a - c, c);
+                }
+            }
+        }
+    }
+}
+
 /* Pearson's chi² of a pair of coordinates over 8 × 8 cells, 63 degrees of freedom; each pixel gives its first
  * sample alone, so that nothing stratifies one against another. Wilson and Hilferty's cube root of chi² is
  * normal: |z| < 5.1 holds but for 3.4e-7, for all 24 tests together but for 8e-6 (Bonferroni). */
@@ -82,8 +114,13 @@ UNIT_TEST(blocks_hold_the_numbers_of_single_samples) {
         pixel[i] = sample_pixel_hash(&sobol, 77u + (uint32_t)i, 9), index[i] = 1000003u * (uint32_t)i;
     for (unsigned k = 0; sample_kernels_at(k); ++k) {
         for (uint32_t dimension = SAMPLE_LENS; dimension < 20; ++dimension) {
-            float u[LANES], v[LANES];
+            float u[LANES], v[LANES], triple[3][LANES], first[LANES];
             sample_kernels_at(k)->pairs(pixel, index, dimension, u, v);
+            sample_kernels_at(k)->triples(pixel, index, dimension, triple[0], triple[1], triple[2]);
+            assert_memory_equal(triple[0], u, sizeof u);
+            assert_memory_equal(triple[1], v, sizeof v);
+            sample_kernels_at(0)->triples(pixel, index, dimension, triple[0], triple[1], first);
+            assert_memory_equal(triple[2], first, sizeof first);
             for (int i = 0; i < LANES; ++i) {
                 double x, y;
                 sample_2d(&sobol, (sample_key){77u + (uint32_t)i, 9, index[i]}, (sample_dimension)dimension,

@@ -26,18 +26,17 @@ static void find_keys(const path_wave *p, const vertex_block *v, vertex_keys *ou
     }
 }
 
-/* Two random numbers for each vertex. */
-static void numbers(const path_wave *p, const vertex_keys *keys, sample_purpose purpose, float u[2][LANES]) {
-    p->wave.run.plan->sample_kernels->pairs(keys->pixel, keys->index, sample_at_vertex(p->depth, purpose),
-                                            u[0], u[1]);
-}
-
-/* Random numbers to choose the light and the lobe, if there is a choice. */
-static void choices(const path_wave *p, const vertex_block *v, const vertex_keys *keys, float u[2][LANES]) {
-    if (v->shader.lobes == SHADER_DIFFUSE && !emitters_choose(p->wave.run.plan->emitters))
-        memset(u, 0, 2 * sizeof *u);
-    else
-        numbers(p, keys, SAMPLE_CHOICE, u);
+/* Two random numbers for each vertex, and a third one if there is a choice; else it is 0. */
+static void numbers(const path_wave *p, const vertex_keys *keys, sample_purpose purpose, bool choice,
+                    lanes3 u) {
+    const sample_kernels *kernels = p->wave.run.plan->sample_kernels;
+    const sample_dimension dimension = sample_at_vertex(p->depth, purpose);
+    if (choice) {
+        kernels->triples(keys->pixel, keys->index, dimension, u[0], u[1], u[2]);
+    } else {
+        kernels->pairs(keys->pixel, keys->index, dimension, u[0], u[1]);
+        memset(u[2], 0, sizeof u[2]);
+    }
 }
 
 /* ---- vertices ---- */
@@ -124,8 +123,7 @@ static void note_tags(const path_wave *p, const vertex_block *v, const emitter_s
     }
 }
 
-static void push_light(path_wave *p, const vertex_block *v, const vertex_keys *keys,
-                       const float choice[LANES]) {
+static void push_light(path_wave *p, const vertex_block *v, const vertex_keys *keys) {
     const render_plan *plan = p->wave.run.plan;
     emitter_query query;
     emitter_sample light;
@@ -134,8 +132,7 @@ static void push_light(path_wave *p, const vertex_block *v, const vertex_keys *k
     float density[LANES];
     uint32_t behind[LANES], done[LANES];
     shadow_depths depths;
-    numbers(p, keys, SAMPLE_LIGHT, u);
-    memcpy(u[2], choice, sizeof u[2]);
+    numbers(p, keys, SAMPLE_LIGHT, emitters_choose(plan->emitters), u);
     ask(p, v, &query);
     emitters_sample(plan->emitters, &query, u, &light);
     plan->shader_kernels->evaluate(&v->surface, &v->shader, light.direction, f, density);
@@ -258,16 +255,14 @@ static void part_paths(path_wave *p, const vertex_block *v, const shader_sample 
     }
 }
 
-static void push_paths(path_wave *p, vertex_block *v, const vertex_keys *keys, const float choice[LANES]) {
+static void push_paths(path_wave *p, vertex_block *v, const vertex_keys *keys) {
     const render_plan *plan = p->wave.run.plan;
     const bool roulette = p->depth >= ROULETTE_FROM;
-    lanes3 u;
-    float chance[2][LANES];
+    lanes3 u, chance;
     shader_sample to;
     path_block path;
-    numbers(p, keys, SAMPLE_SCATTER, u);
-    if (roulette) numbers(p, keys, SAMPLE_ROULETTE, chance);
-    memcpy(u[2], choice, sizeof u[2]);
+    numbers(p, keys, SAMPLE_SCATTER, v->shader.lobes != SHADER_DIFFUSE, u);
+    if (roulette) numbers(p, keys, SAMPLE_ROULETTE, false, chance);
     if (p->wave.passing) pass_alone(p, v);
     plan->shader_kernels->sample(&v->surface, &v->shader, u, &to);
     if (p->wave.run.samples.first && p->depth) path_show_features(p, v, &to);
@@ -282,16 +277,14 @@ static void push_paths(path_wave *p, vertex_block *v, const vertex_keys *keys, c
 static void scatter(wave *w, vertex_block *v) {
     path_wave *p = (path_wave *)w;
     vertex_keys keys;
-    float choice[2][LANES];
     if (w->run.samples.first && w->run.plan->camera_moves) path_show_depths(p, v);
     if (p->ends) {
         if (w->run.samples.first && p->depth) path_show_features(p, v, NULL);
         return;
     }
     find_keys(p, v, &keys);
-    choices(p, v, &keys, choice);
-    if (p->lit) push_light(p, v, &keys, choice[0]);
-    push_paths(p, v, &keys, choice[1]);
+    if (p->lit) push_light(p, v, &keys);
+    push_paths(p, v, &keys);
 }
 
 static bool is_in_view(const wave *w, uint32_t slot) { return path_in_view((const path_wave *)w, slot); }

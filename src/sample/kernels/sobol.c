@@ -1,4 +1,4 @@
-/* sample_2d() for sixteen samples at once. */
+/* Numbers of sixteen samples at once. */
 #include "sample/sobol.h"
 #include "base/kernel.h"
 #include "sample/sample.h"
@@ -13,7 +13,7 @@ static void square(const sampler *s, uint32_t left, uint32_t top, uint64_t *rest
 
 static void places(const uint64_t pixel[LANES], uint32_t index, double *restrict x, double *restrict y) {
     uint32_t u[LANES], v[LANES];
-    for (int i = 0; i < LANES; ++i) sobol_point(index, pixel[i], &u[i], &v[i]);
+    for (int i = 0; i < LANES; ++i) sobol_point(sobol_shuffle(index, pixel[i]), pixel[i], &u[i], &v[i]);
     for (int i = 0; i < LANES; ++i) x[i] = u[i] * 0x1p-32, y[i] = v[i] * 0x1p-32;
 }
 
@@ -21,10 +21,24 @@ static void pairs(const uint64_t pixel[LANES], const uint32_t index[LANES], uint
                   float *restrict u, float *restrict v) {
     const uint64_t of = dimension * 0xd1342543de82ef95u;
     for (int i = 0; i < LANES; ++i) {
+        const uint64_t hash = mix_bits(pixel[i] ^ of);
         uint32_t a, b;
-        sobol_point(index[i], mix_bits(pixel[i] ^ of), &a, &b);
+        sobol_point(sobol_shuffle(index[i], hash), hash, &a, &b);
         u[i] = unit_from(a), v[i] = unit_from(b);
     }
 }
 
-const sample_kernels KERNEL(sample_kernels) = {.square = square, .places = places, .pairs = pairs};
+static void triples(const uint64_t pixel[LANES], const uint32_t index[LANES], uint32_t dimension,
+                    float *restrict u, float *restrict v, float *restrict w) {
+    const uint64_t of = dimension * 0xd1342543de82ef95u;
+    for (int i = 0; i < LANES; ++i) {
+        const uint64_t hash = mix_bits(pixel[i] ^ of);
+        const uint32_t k = sobol_shuffle(index[i], hash);
+        uint32_t a, b;
+        sobol_point(k, hash, &a, &b);
+        u[i] = unit_from(a), v[i] = unit_from(b), w[i] = unit_from(sobol_point_third(k, hash));
+    }
+}
+
+const sample_kernels KERNEL(sample_kernels) = {
+    .square = square, .places = places, .pairs = pairs, .triples = triples};
