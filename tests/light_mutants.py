@@ -31,6 +31,8 @@ MUTANTS = [
      "p->ends = p->depth >= w->run.plan->max_depth", "p->ends = p->depth + 1 >= w->run.plan->max_depth"),
     ("light's samples forget the chance of the light", EMITTERS, "disk of",
      "answers->density[i] * c->chance[i]", "answers->density[i] * (c->chance[i] > 0 ? 1 : 0)"),
+    ("the second triangle of a pair gets no samples", SHAPES, "box of triangles",
+     "out->quad = g->kind == WORLD_QUADS || run->paired;", "out->quad = g->kind == WORLD_QUADS;"),
     ("a light met by a ray forgets the chance to be asked", EMITTERS, "four kinds",
      "return density_f32(density * e->chance[EMITTER_FINITE]);", "return density_f32(density);"),
     ("the outside met by a ray forgets the chance to be asked", "light/emitters_outside.c", "four kinds",
