@@ -1,7 +1,10 @@
 /* Samples emitters, and computes densities of hits on them. */
 #include "light/emitters_inner.h"
 
+#include <stdlib.h>
 #include <string.h>
+
+#define READY_MOST (1u << 15) /* 4 MB */
 
 /* ---- one lane ---- */
 
@@ -27,6 +30,15 @@ static bool is_ball(const emitters *e, const emitter_run *run) {
     return e->w->geometries.items[run->geometry].kind == WORLD_SPHERES;
 }
 
+static bool is_ball_chosen(const emitters *e, uint32_t emitter) {
+    return e->ready ? !e->ready[emitter].radiance : is_ball(e, emitters_run_of(e, emitter));
+}
+
+static void cut_face(const emitters *e, const emitter_run *run, uint32_t index, shape_face *face) {
+    emitters_cut(e, run, index, face->corner);
+    face->quad = emitters_is_quad(e, run);
+}
+
 static void load_points(const emitter_choices *c, lanes3_f64 p) {
     for (int k = 0; k < 3; ++k) {
         for (unsigned i = 0; i < LANES; ++i) p[k][i] = (double)c->from->p[k][i];
@@ -45,9 +57,32 @@ static void take_answers(const emitter_choices *c, unsigned lanes, const shape_a
     }
 }
 
-static void cut_face(const emitters *e, const emitter_run *run, uint32_t index, shape_face *face) {
-    emitters_cut(e, run, index, face->corner);
-    face->quad = emitters_is_quad(e, run);
+/* The face of an emitter, and its radiance. */
+static const float *find_face(const emitters *e, uint32_t emitter, float time, shape_face *face) {
+    if (e->ready) {
+        *face = e->ready[emitter].face;
+        return e->ready[emitter].radiance;
+    }
+    const emitter_run *run = emitters_run_of(e, emitter);
+    const uint32_t index = emitter - run->first, primitive = emitters_primitive(e, run, index);
+    emitters_face(e, run, primitive, time, face);
+    cut_face(e, run, index, face);
+    return radiance_of(e, run, primitive);
+}
+
+/* Cells may be many, and a light sample of a face that moves depends on its time. */
+bool emitters_prepare_ready(emitters *e) {
+    if (e->moving || !e->surface_count || e->surface_count > READY_MOST) return true;
+    emitter_ready *ready = calloc(e->surface_count, sizeof *ready);
+    for (uint32_t r = 0; ready && r < e->run_count; ++r) {
+        const emitter_run *run = &e->runs[r];
+        for (uint32_t i = 0; i < run->count && !is_ball(e, run); ++i) {
+            emitter_ready *one = &ready[run->first + i];
+            one->radiance = find_face(e, run->first + i, 0, &one->face);
+        }
+    }
+    e->ready = ready;
+    return ready != NULL;
 }
 
 /* Lanes that chose no face get the first one. */
@@ -65,11 +100,7 @@ static void sample_faces(const emitters *e, const emitter_choices *c, emitter_sa
     for (unsigned left = c->faces; left; left &= left - 1) {
         const unsigned i = lane_first(left);
         if (c->emitter[i] != last || e->moving) {
-            const emitter_run *run = emitters_run_of(e, c->emitter[i]);
-            const uint32_t index = c->emitter[i] - run->first, primitive = emitters_primitive(e, run, index);
-            emitters_face(e, run, primitive, time_of(e, c, i), &face);
-            cut_face(e, run, index, &face);
-            light = radiance_of(e, run, primitive);
+            light = find_face(e, c->emitter[i], time_of(e, c, i), &face);
             quads |= face.quad;
         }
         for (unsigned k = 0; last == FATHOM_NONE && k < LANES; ++k) shape_faces_put(&faces, k, &face);
@@ -131,6 +162,8 @@ static double chosen_density(const emitters *e, const emitter_run *run, const em
                              vec3_f64 n, vec3_f64 direction, uint32_t *index) {
     *index = run->paired ? hit->primitive / 2 : hit->primitive;
     if (e->one.face) return emitters_face_density(&e->one.face->plain, p);
+    if (e->ready && !run->level && e->ready[run->first].radiance)
+        return emitters_face_density(&e->ready[run->first + *index].face, p);
     if (is_ball(e, run)) {
         emitter_ball ball;
         emitters_ball(e, run, hit->primitive, hit->time, &ball);
@@ -192,7 +225,7 @@ static void choose_finite(const emitters *e, unsigned lanes, double u[LANES], em
             no_light(out, i);
         else if (c->emitter[i] >= e->surface_count)
             c->lamps |= 1u << i;
-        else if (is_ball(e, emitters_run_of(e, c->emitter[i])))
+        else if (is_ball_chosen(e, c->emitter[i]))
             c->balls |= 1u << i;
         else
             c->faces |= 1u << i;

@@ -311,7 +311,8 @@ fathom_status emitters_create(fathom_context *context, const world *w, const tex
     fathom_status status = collect(context, e);
     if (status == FATHOM_OK) status = emitters_open_skies(context, e);
     if (status == FATHOM_OK) status = share(e);
-    if (status == FATHOM_OK && !emitters_prepare_one(e)) status = fail_memory(context, sizeof *e->one.face);
+    if (status == FATHOM_OK && (!emitters_prepare_one(e) || !emitters_prepare_ready(e)))
+        status = fail_memory(context, sizeof *e->one.face + e->surface_count * sizeof *e->ready);
     if (status != FATHOM_OK) {
         emitters_destroy(e);
         return status;
@@ -328,6 +329,7 @@ void emitters_destroy(emitters *e) {
     if (e->run_of) free(e->run_of - 1);
     free(e->emission);
     free(e->one.face);
+    free(e->ready);
     free(e->runs);
     free(e->slot_of);
     free(e->lamps);

@@ -59,6 +59,12 @@ typedef struct emitter_face {
     bool exact; /* `fast` holds the corners without rounding */
 } emitter_face;
 
+/* An emitter that does not move, as light samples need it. */
+typedef struct emitter_ready {
+    shape_face face;       /* undefined for a sphere */
+    const float *radiance; /* NULL: a sphere */
+} emitter_ready;
+
 /* The light of a scene with a single light; see emitters_one.c. */
 typedef struct emitter_one {
     emitter_face *face; /* NULL: the light is not a face */
@@ -78,6 +84,7 @@ struct emitters {
     uint32_t *slot_of;      /* by emitter: its leaf; FATHOM_NONE: it emits nothing */
     uint32_t finite_count;  /* leaves */
     uint32_t only;          /* the emitter if there is exactly one leaf; else FATHOM_NONE */
+    emitter_ready *ready;   /* by emitter, without lamps; NULL: they move, or are too many */
     emitter_one one;
     tree lights;
     const shape_kernels *shapes;
@@ -108,6 +115,7 @@ float emitters_power(const emitters *e, uint32_t geometry, uint32_t primitive, u
 uint32_t emitters_list_items(emitters *e, tree_item *items);
 /* Call after all emitters have been found. False: out of memory. */
 bool emitters_prepare_one(emitters *e);
+bool emitters_prepare_ready(emitters *e);
 /* As emitters_sample(), for scenes in which emitters_choose() is false. */
 void emitters_sample_one(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out);
 void emitters_note_groups(emitters *e, const light_groups *groups);
