@@ -45,7 +45,7 @@ static json_t *pack_bounds(const fathom_survey *s) {
 
 static json_t *pack_camera(const fathom_camera *c) {
     return json_of(JSON("origin", pack_vector(c->origin)),
-                   JSON("direction", json_vector(-c->z[0], -c->z[1], -c->z[2])));
+                   JSON("direction", json_vector(0 - c->z[0], 0 - c->z[1], 0 - c->z[2])));
 }
 
 static json_t *pack_cameras(const fathom_survey *s) {

@@ -233,6 +233,7 @@ static void find_features(const fathom_scene *scene, survey *out) {
                     {scene->instances.count, "instances"},
                     {nested, "nested groups"},
                     {moves, "motion"},
+                    {scene->camera.lens_radius > 0, "depth of field"},
                     {out->lights[FATHOM_LIGHT_POINT], "point lights"},
                     {out->lights[FATHOM_LIGHT_DIRECTIONAL], "directional lights"},
                     {out->lights[FATHOM_LIGHT_SPOT], "spot lights"},
