@@ -99,11 +99,12 @@ static void a_constant_sky_sends_its_radiance(void **state) {
 }
 
 /* The first number's quarter alone decides between surfaces, the sky and suns: samples of a pixel that are a
- * net are nets in each of these, too. */
-static void expect_quarters(void) {
+ * net are nets in each of these, too. Returns the number of quarters that surfaces have. */
+static int expect_quarters(void) {
     emitter_query q;
     emitter_sample s;
     _Alignas(64) lanes3 u;
+    int finite = 0;
     fill(&q, up);
     for (int quarter = 0; quarter < 4; ++quarter) {
         for (int i = 0; i < LANES; ++i)
@@ -113,7 +114,9 @@ static void expect_quarters(void) {
             assert_true(s.density[i] > 0);
             assert_true(isinf(s.distance[i]) == isinf(s.distance[0]) && s.sized[i] == s.sized[0]);
         }
+        finite += !isinf(s.distance[0]);
     }
+    return finite;
 }
 
 static void add_ball(float emission) {
@@ -136,15 +139,18 @@ static void add_sun(void) {
 
 static void quarters_of_the_numbers_take_one_kind_of_light_each(void **state) {
     for (int sun = 0; sun < 2; ++sun) {
+        int quarters = 1;
         for (float level = 1e-3f; level < 1e4f; level *= 3) {
             for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = 0.5f;
             add_ball(level);
             if (sun) add_sun();
             open_sky(0);
-            expect_quarters();
+            const int finite = expect_quarters();
+            assert_true(finite == quarters || finite == ++quarters);
             end(state);
             begin(state);
         }
+        assert_int_equal(quarters, sun ? 2 : 3);
     }
 }
 
