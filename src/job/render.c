@@ -6,6 +6,7 @@
 #include "integrate/reference/reference.h"
 #include "job/checkpoint/checkpoint.h"
 #include "job/job.h"
+#include "job/lacks.h"
 #include "job/part/part.h"
 #include "job/ranks/ranks.h"
 #include "job/watch.h"
@@ -223,38 +224,7 @@ static fathom_status render_traced(fathom_context *context, const world *w, cons
     return status;
 }
 
-static size_t count_one_sided(const fathom_scene *scene) {
-    size_t count = 0;
-    for (size_t i = 0; i < scene->materials.count; ++i)
-        count += material_is_one_sided(&scene->materials.items[i].value);
-    return count;
-}
-
-/* Warns of all that the image will lack, or have too much of. */
-static void warn_of(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
-                    const world *w) {
-    const bool classic = settings->integrator == FATHOM_INTEGRATOR_CLASSIC;
-    char brighter[PARTS_TEXT];
-    if (w->degenerate_triangles)
-        warn(context, "triangles without area that are left out: %llu",
-             (unsigned long long)w->degenerate_triangles);
-    if (w->beyond_reach)
-        warn(context, "shapes and triangles beyond %g from the origin, which Embree leaves out: %llu",
-             WORLD_REACH, (unsigned long long)w->beyond_reach);
-    if (parts_all_transparent(scene, settings->integrator))
-        warn(context, "all surfaces are fully transparent: nothing but the background can be seen");
-    if (scene->environments.count && classic)
-        warn(context, "environments are left out, which only the integrator `path` renders: %zu",
-             scene->environments.count);
-    if (classic && count_one_sided(scene))
-        warn(context,
-             "materials with one side whose back is shown, as only path tracing looks through it: %zu",
-             count_one_sided(scene));
-    if (parts_ambient(scene) && !scene->lights_made && !classic)
-        warn(context, "ambient light is left out, which only the integrator `classic` has; paths find the "
-                      "light of a background");
-    if (parts_brighten(scene, settings->integrator, brighter)) warn(context, "%s", brighter);
-}
+static void warn_of(void *user, const char *text) { warn(user, "%s", text); }
 
 static fathom_status render_scene(fathom_context *context, const fathom_scene *scene,
                                   const fathom_settings *settings, keeping *keep, job_options *options,
@@ -264,7 +234,7 @@ static fathom_status render_scene(fathom_context *context, const fathom_scene *s
     fathom_status status = world_create(scene, &w);
     if (status != FATHOM_OK) return status;
     status = world_check(w);
-    if (status == FATHOM_OK) warn_of(context, scene, settings, w);
+    if (status == FATHOM_OK) lacks_find(w, settings->integrator, warn_of, context);
     trace_tracer *tracer = NULL;
     if (status == FATHOM_OK)
         status = run_build(context, w, film, settings, options->progress, options->user, &tracer);

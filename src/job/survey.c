@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "base/sized.h"
 #include "integrate/parts.h"
+#include "job/lacks.h"
 #include "material/material.h"
 #include "scene/graph.h"
 #include "scene/mapped.h"
@@ -14,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LIGHT_TYPES = FATHOM_LIGHT_ENVIRONMENT + 1, FEATURES_MOST = 30, PROBLEMS_MOST = 4 };
+enum { LIGHT_TYPES = FATHOM_LIGHT_ENVIRONMENT + 1, FEATURES_MOST = 30, PROBLEMS_MOST = LACKS_MOST + 1 };
 
 /* A survey and the arrays that it points to. */
 typedef struct survey {
@@ -281,30 +282,21 @@ static fathom_status find_left_out(const world *w, survey *out) {
 
 /* ---- problems ---- */
 
-static void add_problem(survey *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void add_problem(survey *out, const char *format, ...) {
-    char *text = out->texts[out->shown.problem_count];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof *out->texts, format, args);
-    va_end(args);
-    out->problems[out->shown.problem_count++] = text;
+static void add_problem(void *user, const char *text) {
+    survey *out = user;
+    char *to = out->texts[out->shown.problem_count];
+    snprintf(to, sizeof *out->texts, "%s", text);
+    out->problems[out->shown.problem_count++] = to;
 }
 
 static void find_problems(const fathom_scene *scene, const world *w, survey *out) {
-    out->shown.problems = out->problems;
-    if (w->degenerate_triangles)
-        add_problem(out, "triangles without area that are left out: %llu",
-                    (unsigned long long)w->degenerate_triangles);
-    if (w->beyond_reach)
-        add_problem(out, "shapes and triangles beyond %g from the origin, which Embree leaves out: %llu",
-                    WORLD_REACH, (unsigned long long)w->beyond_reach);
-    const bool shines = parts_background(scene) && scene->settings.integrator != FATHOM_INTEGRATOR_CLASSIC,
+    const fathom_integrator integrator = scene->settings.integrator;
+    const bool shines = parts_background(scene) && integrator != FATHOM_INTEGRATOR_CLASSIC,
                emits = shines || materials_in_use(scene).bits & MATERIAL_EMIT;
+    out->shown.problems = out->problems;
+    lacks_find(w, integrator, add_problem, out);
     if (!scene->lights.count && !scene->environments.count && !emits && !parts_ambient(scene))
         add_problem(out, "no light, no ambient light and nothing that emits: every surface is black");
-    char brighter[PARTS_TEXT];
-    if (parts_brighten(scene, scene->settings.integrator, brighter)) add_problem(out, "%s", brighter);
 }
 
 /* ---- the whole ---- */

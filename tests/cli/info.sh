@@ -292,6 +292,11 @@ cat >layers.json <<'JSON'
                  "motion": [ { "time": 0 }, { "time": 1, "translation": [1, 0, 0] } ] } ] }
 JSON
 run 0 info layers.json
+not_said out.txt 'environments are left out'
+sed 's/^{/{ "image": { "integrator": "classic" },/' layers.json >classic.json
+run 0 info classic.json
+said out.txt 'environments are left out, which only the integrator `path` renders: 1'
+run 0 info layers.json
 said out.txt '0 spot, 1 environment'
 said out.txt 'materials 1'
 said out.txt 'looking along (0, 0, -1)'

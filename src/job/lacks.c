@@ -1,0 +1,53 @@
+#include "job/lacks.h"
+
+#include "integrate/parts.h"
+#include "material/material.h"
+
+#include <stdio.h>
+
+typedef struct teller {
+    void (*tell)(void *user, const char *text);
+    void *user;
+} teller;
+
+/* Tells the text and the number, unless that is 0. */
+static void count(const teller *t, const char *text, unsigned long long number) {
+    char line[PARTS_TEXT];
+    if (!number) return;
+    snprintf(line, sizeof line, "%.200s: %llu", text, number);
+    t->tell(t->user, line);
+}
+
+static size_t count_one_sided(const fathom_scene *scene) {
+    size_t found = 0;
+    for (size_t i = 0; i < scene->materials.count; ++i)
+        found += material_is_one_sided(&scene->materials.items[i].value);
+    return found;
+}
+
+/* Only `path` renders these. */
+static void find_classic(const teller *t, const fathom_scene *scene) {
+    count(t, "environments are left out, which only the integrator `path` renders",
+          scene->environments.count);
+    count(t, "materials with one side whose back is shown, as only path tracing looks through it",
+          count_one_sided(scene));
+}
+
+void lacks_find(const world *w, fathom_integrator integrator, void (*tell)(void *user, const char *text),
+                void *user) {
+    const fathom_scene *scene = w->scene;
+    const teller t = {tell, user};
+    char text[PARTS_TEXT];
+    count(&t, "triangles without area that are left out", w->degenerate_triangles);
+    snprintf(text, sizeof text, "shapes and triangles beyond %g from the origin, which Embree leaves out",
+             WORLD_REACH);
+    count(&t, text, w->beyond_reach);
+    if (parts_all_transparent(scene, integrator))
+        tell(user, "all surfaces are fully transparent: nothing but the background can be seen");
+    if (integrator == FATHOM_INTEGRATOR_CLASSIC)
+        find_classic(&t, scene);
+    else if (parts_ambient(scene) && !scene->lights_made)
+        tell(user, "ambient light is left out, which only the integrator `classic` has; paths find the light "
+                   "of a background");
+    if (parts_brighten(scene, integrator, text)) tell(user, text);
+}
