@@ -51,7 +51,14 @@ for leap in realtime:-1000000 realtime:1000000; do
     (leaping $leap 1 && run 0 render scene.json -o leap.exr) || exit 1
     same usual.exr leap.exr
 done
-(leaping monotonic:3600 300 && run 0 render scene.json -o leap.exr --max-time 600 --stats leap.json) || exit 1
+# Libraries read the clock as well while they start, on some systems some hundred times.
+for after in 300 600 1200 2400 4800; do
+    code=0
+    (leaping monotonic:3600 $after
+        exec "$FATHOM" render scene.json -o leap.exr --max-time 600 --stats leap.json >out.txt 2>err.txt) || code=$?
+    [ $code -eq 2 ] && grep -q 'had its first sample' err.txt || break
+done
+[ $code -eq 0 ] || die "a clock that leaps: exit code $code, expected 0"
 same leap.exr leap.exr
 awk "BEGIN { exit !($(number leap.json total) > 3600) }" || die 'the clock did not leap'
 # Samples that are given come whatever the clock does, saved on the way and continued as well; nothing is left of that.
