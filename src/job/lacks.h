@@ -1,9 +1,9 @@
-/* What the image of a scene will lack, or have too much of. */
+/* Tells what the image of a scene will lack, or have too much of. */
 #pragma once
 
 #include "scene/world/world.h"
 
-/* Calls tell() with each sentence, of fewer than PARTS_TEXT bytes; at most LACKS_MOST. */
 enum { LACKS_MOST = 8 };
+/* Calls tell() with each sentence, of fewer than PARTS_TEXT bytes; at most LACKS_MOST times. */
 void lacks_find(const world *w, fathom_integrator integrator, void (*tell)(void *user, const char *text),
                 void *user);

@@ -1,38 +1,12 @@
 /* Laws of sampled light. Every statistical test is made once, with fixed numbers, at 5 standard errors
  * (6e-7); with at most a thousand of them here one fails by chance with 6e-4. */
-#include "light/emitters.h"
 #include "math/lane.h"
 #include "random.h"
-#include "unit_scene.h"
+#include "unit_light.h"
 
 enum { BLOCKS = 4000 };
 
 static const double errors = 5;
-
-static world *w;
-static emitters *e;
-
-static void close_light(void) {
-    emitters_destroy(e);
-    world_destroy(w);
-    e = NULL, w = NULL;
-}
-
-static void open_light(void) {
-    assert_ok(context, world_create(scene, &w));
-    assert_ok(context, emitters_create(context, w, NULL, NULL, &e));
-}
-
-static int begin(void **state) {
-    int failed = open_scene(state);
-    if (!failed) fathom_scene_set_background(scene, (float[3]){0, 0, 0});
-    return failed;
-}
-
-static int end(void **state) {
-    close_light();
-    return close_scene(state);
-}
 
 static fathom_id emission(float r, float g, float b) {
     fathom_material m;
@@ -195,7 +169,7 @@ UNIT_TEST(any_triangle_sends_lamberts_edge_sum) {
         mean m = irradiance(origin, up, 200);
         double expected = edge_sum(origin, up, corner, 3);
         assert_near(mean_of(&m), expected, errors * error_of(&m) + 4e-6 * expected);
-        end(state), begin(state);
+        end_light(state), begin_light(state);
     }
 }
 
@@ -209,7 +183,7 @@ UNIT_TEST(a_sphere_sends_its_share_of_the_sky) {
         mean m = irradiance(origin, up, 200);
         double expected = pow(radius / d, 2) * cos(theta);
         assert_near(mean_of(&m), expected, errors * error_of(&m) + 4e-6 * expected);
-        end(state), begin(state);
+        end_light(state), begin_light(state);
     }
 }
 
@@ -219,7 +193,7 @@ UNIT_TEST(the_horizon_cuts_a_sphere) {
         add_sphere(FATHOM_ROOT, vec_f64(sin(theta[k]), 0, cos(theta[k])), radius, emission(1, 1, 1));
         open_light();
         assert_irradiance(origin, up, expected[k]);
-        end(state), begin(state);
+        end_light(state), begin_light(state);
     }
 }
 
@@ -464,7 +438,7 @@ UNIT_TEST(lights_below_the_horizon_send_nothing) {
         open_light();
         mean m = irradiance(origin, n, 4);
         assert_true(mean_of(&m) == 0);
-        end(state), begin(state);
+        end_light(state), begin_light(state);
     }
 }
 
@@ -479,7 +453,7 @@ UNIT_TEST(a_lamps_radius_leaves_its_light) {
         assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
         open_light();
         assert_irradiance(origin, up, 0.75);
-        end(state), begin(state);
+        end_light(state), begin_light(state);
     }
 }
 
@@ -494,7 +468,7 @@ UNIT_TEST(a_suns_disc_sends_its_irradiance) {
         assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
         open_light();
         assert_irradiance(origin, up, 1);
-        end(state), begin(state);
+        end_light(state), begin_light(state);
     }
 }
 
@@ -615,8 +589,8 @@ UNIT_TEST(no_lane_depends_on_its_neighbours) {
             const lane_sample alone = sampled(&q, u, i);
             assert_memory_equal(&among, &alone, sizeof among);
         }
-        end(state), begin(state);
+        end_light(state), begin_light(state);
     }
 }
 
-int main(void) { return unit_main_each(begin, end); }
+int main(void) { return unit_main_each(begin_light, end_light); }

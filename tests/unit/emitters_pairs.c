@@ -1,27 +1,7 @@
 /* Two triangles that are a quad send light as the quad does. */
 #include "light/emitters_inner.h"
 #include "random.h"
-#include "unit_scene.h"
-
-static world *w;
-static emitters *e;
-
-static void close_light(void) {
-    emitters_destroy(e);
-    world_destroy(w);
-    e = NULL, w = NULL;
-}
-
-static int end(void **state) {
-    close_light();
-    return close_scene(state);
-}
-
-static void open_light(void) {
-    assert_ok(context, fathom_scene_set_background(scene, (float[3]){0, 0, 0}));
-    assert_ok(context, world_create(scene, &w));
-    assert_ok(context, emitters_create(context, w, NULL, NULL, &e));
-}
+#include "unit_light.h"
 
 static fathom_id glow(void) {
     fathom_material m;
@@ -98,8 +78,8 @@ static void compare_squares(bool alone) {
     static emitter_sample mesh[BLOCKS], quad[BLOCKS];
     sample_square(true, alone, mesh);
     assert_int_equal(e->finite_count, alone ? 1 : 2);
-    end(NULL);
-    open_scene(NULL);
+    end_light(NULL);
+    begin_light(NULL);
     sample_square(false, alone, quad);
     assert_memory_equal(mesh, quad, sizeof mesh);
 }
@@ -215,7 +195,7 @@ static const shape shapes[] = {
 UNIT_TEST(only_flat_quads_are_pairs) {
     for (size_t k = 0; k < sizeof shapes / sizeof *shapes; ++k) {
         const shape *s = &shapes[k];
-        if (k) end(NULL), open_scene(NULL);
+        if (k) end_light(NULL), begin_light(NULL);
         add_mesh(FATHOM_ROOT, s->positions[0], s->vertices, s->indices, s->triangles);
         open_light();
         if (e->finite_count != s->emitters)
@@ -223,4 +203,4 @@ UNIT_TEST(only_flat_quads_are_pairs) {
     }
 }
 
-int main(void) { return unit_main_each(open_scene, end); }
+int main(void) { return unit_main_each(begin_light, end_light); }

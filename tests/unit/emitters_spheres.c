@@ -1,29 +1,7 @@
 /* Laws of lamps with a radius: what rays find, and what light samples say of it. */
-#include "light/emitters.h"
 #include "math/lane.h"
 #include "random.h"
-#include "unit_scene.h"
-
-static world *w;
-static emitters *e;
-
-static int begin(void **state) {
-    int failed = open_scene(state);
-    if (!failed) fathom_scene_set_background(scene, (float[3]){0, 0, 0});
-    return failed;
-}
-
-static int end(void **state) {
-    emitters_destroy(e);
-    world_destroy(w);
-    e = NULL, w = NULL;
-    return close_scene(state);
-}
-
-static void open_light(void) {
-    assert_ok(context, world_create(scene, &w));
-    assert_ok(context, emitters_create(context, w, NULL, NULL, &e));
-}
+#include "unit_light.h"
 
 typedef struct lamp {
     vec3_f64 at;
@@ -159,4 +137,4 @@ UNIT_TEST(rays_along_samples_find_what_they_say) {
     assert_true(same >= all - all / 500);
 }
 
-int main(void) { return unit_main_each(begin, end); }
+int main(void) { return unit_main_each(begin_light, end_light); }

@@ -2,24 +2,9 @@
  * errors (6e-7). */
 #include "light/emitters_inner.h"
 #include "random.h"
-#include "unit_scene.h"
+#include "unit_light.h"
 
 enum { COUNT = 200, BLOCKS = 4000 };
-
-static world *w;
-static emitters *e;
-
-static void open_light(void) {
-    assert_ok(context, fathom_scene_set_background(scene, (float[3]){0, 0, 0}));
-    assert_ok(context, world_create(scene, &w));
-    assert_ok(context, emitters_create(context, w, NULL, NULL, &e));
-}
-
-static int end(void **state) {
-    emitters_destroy(e);
-    world_destroy(w);
-    return close_scene(state);
-}
 
 static vec3_f64 any_direction(random_state *r) {
     for (;;) {
@@ -148,4 +133,4 @@ UNIT_TEST(a_spot_that_lights_a_point_has_a_chance) {
     assert_true(lit > 10000);
 }
 
-int main(void) { return unit_main_each(open_scene, end); }
+int main(void) { return unit_main_each(begin_light, end_light); }
