@@ -281,7 +281,7 @@ static fathom_status finite_share(const emitters *e, double *out) {
 
 /* Quarters of the samples for finite lights, of those that they and the outside have. Finite lights are near
  * what they light, and much of the outside is hidden, so that their share of the light is larger where it
- * matters: bench/path_tracing.md has the noise of nine scenes by their share and by this choice. */
+ * matters: bench/path_tracing.md has the noise of scenes by their share and by this choice. */
 static int finite_quarters(double share, int both) {
     if (both == 3) return share > 0.2 ? 2 : 1;
     return share < 0.05 ? 1 : share < 0.5 ? 2 : 3;
