@@ -5,6 +5,7 @@ usage: /usr/bin/python3 screens.py PROGRAM...
 Prints a table for bench/path_tracing.md: for each lamp the noise of a sample relative to the mean, from two seeds, and seconds of
 processor time. Needs python3-openimageio and python3-numpy."""
 
+import itertools
 import json
 import pathlib
 import resource
@@ -61,8 +62,11 @@ def scene(lamp):
     }
 
 
+numbers = itertools.count()  # OpenImageIO may keep what it has read under a name
+
+
 def render(program, folder, seed):
-    image, before = folder / "floor.exr", resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    image, before = folder / f"{next(numbers)}.exr", resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     command = [program, "render", folder / "lamp.json", "-o", image, "--exr-float", "--spp", str(SAMPLES), "--seed", str(seed)]
     subprocess.run([*command, "--threads", "1", "--quiet"], check=True)
     seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before

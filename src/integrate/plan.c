@@ -1,6 +1,7 @@
 #include "integrate/plan.h"
 
 #include "integrate/integrator.h"
+#include "integrate/path/path_scout.h"
 #include "integrate/reference/reference.h"
 #include "light/light_surfaces.h"
 #include "scene/mapped.h"
@@ -111,7 +112,7 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
     plan->unshadowed = !world_casts_all_shadows(plan->world);
     plan->max_depth = plan->settings.max_depth;
     if (plan->watertight) plan_depths(plan);
-    return FATHOM_OK;
+    return path_scout_skies(context, plan);
 }
 
 /* ---- the reference ---- */

@@ -2,6 +2,7 @@
  * and point and spot lights. A light sample chooses one emitter at random. */
 #pragma once
 
+#include "light/sky.h"
 #include "math/lanes.h"
 #include "scene/light_groups.h"
 #include "scene/world/world.h"
@@ -73,8 +74,25 @@ float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 d
 
 /* Radiance from outside the scene, and the density of its direction as above, in the lanes whose bits are
  * set. The density is 0 if light samples leave an even background to scattered rays. */
-void emitters_outside(const emitters *e, unsigned lanes, const lanes3 n, const lanes3 direction,
-                      lanes3 radiance, float density[LANES]);
+void emitters_outside(const emitters *e, unsigned lanes, const lanes3 p, const lanes3 n,
+                      const lanes3 direction, lanes3 radiance, float density[LANES]);
+
+/* ---- learning ---- */
+
+/* A copy for paths that find out what the scene hides, valid as long as e: light samples go to images of
+ * skies and, evenly by direction, past them, and a quarter to surfaces and lamps, if there are any. *out is
+ * NULL if light samples go to no such image. Release with free(). False: out of memory. */
+bool emitters_scout(const emitters *e, emitters **out);
+
+/* What these paths found. */
+typedef struct emitter_lesson {
+    const sky_ray *rays; /* light samples from outside */
+    size_t count;
+    double finite; /* fraction of the light that is of surfaces and lamps; the rest is from outside */
+} emitter_lesson;
+/* Light samples prefer the lights, and the parts of the skies, that reach the points. Call at most once.
+ * False: out of memory. */
+bool emitters_learn(emitters *e, const emitter_lesson *from);
 
 /* The disc of a sun, or the sphere of a lamp, as scattered rays find it; the camera does not see it. */
 typedef struct emitter_disc {

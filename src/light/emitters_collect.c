@@ -266,43 +266,38 @@ static bool from_outside(const emitters *e) {
     return sum > 0;
 }
 
-/* The fraction of the light within the scene's bounds that its surfaces and lamps emit; the rest comes from
- * outside. A finite emitter of intensity I emits at most pi I, and the outside contributes pi R² times its
- * luminance over all directions. */
-static fathom_status finite_share(const emitters *e, double *out) {
-    scene_bounds bounds;
-    const double intensity = e->lights.power;
-    fathom_status status = scene_world_bounds(e->w->scene, &bounds);
-    const double radius = status != FATHOM_OK || bounds_is_empty(&bounds) ? 0 : bounds_radius(&bounds),
-                 all = intensity + outside_power(e) * radius * radius;
-    *out = all > intensity && isfinite(all) ? intensity / all : 0.5;
-    return status;
+/* Quarters of the light samples for finite lights; suns have one quarter. */
+static void set_quarters(emitters *e, int finite) {
+    const int both = e->chance[EMITTER_DIRECTIONAL] > 0 ? 3 : 4;
+    e->chance[EMITTER_FINITE] = finite / 4.0, e->chance[EMITTER_OUTSIDE] = (both - finite) / 4.0;
+    e->chance[EMITTER_DIRECTIONAL] = 1 - both / 4.0;
 }
 
-/* Quarters of the samples for finite lights, of those that they and the outside have. Finite lights are near
- * what they light, and much of the outside is hidden, so that their share of the light is larger where it
- * matters: bench/path_tracing.md has the noise of scenes by their share and by this choice. */
-static int finite_quarters(double share, int both) {
-    if (both == 3) return share > 0.2 ? 2 : 1;
-    return share < 0.05 ? 1 : share < 0.5 ? 2 : 3;
-}
-
-/* Each class has the same probability, except that the weaker of finite lights and the outside gives up to
- * half of its probability to the other. All are quarters, because the samples of a pixel that are a net are
- * then nets within each class. A background without images is even: scattered rays find it as well as light
- * samples do, so these go to the other lights, if there are any. */
-static fathom_status share(emitters *e) {
+/* Each class has the same probability, until paths tell more about finite lights and the outside. All are
+ * quarters, because the samples of a pixel that are a net are then nets within each class. A background
+ * without images is even: scattered rays find it as well as light samples do, so these go to the other
+ * lights, if there are any. */
+static void share(emitters *e) {
     bool there[EMITTER_PARTS] = {e->finite_count > 0, from_outside(e), e->sun_count > 0};
     if (there[EMITTER_FINITE] || there[EMITTER_DIRECTIONAL]) there[EMITTER_OUTSIDE] &= e->sky_count > 0;
     const int parts = there[EMITTER_FINITE] + there[EMITTER_OUTSIDE] + there[EMITTER_DIRECTIONAL];
     for (int k = 0; k < EMITTER_PARTS; ++k) e->chance[k] = there[k] ? 1.0 / parts : 0;
-    if (!there[EMITTER_FINITE] || !there[EMITTER_OUTSIDE]) return FATHOM_OK;
-    double finite;
-    fathom_status status = finite_share(e, &finite);
-    const int both = parts == 2 ? 4 : 3, quarters = finite_quarters(finite, both);
-    e->chance[EMITTER_FINITE] = quarters / 4.0, e->chance[EMITTER_OUTSIDE] = (both - quarters) / 4.0;
-    e->chance[EMITTER_DIRECTIONAL] = 1 - both / 4.0;
-    return status;
+    if (there[EMITTER_FINITE] && there[EMITTER_OUTSIDE]) set_quarters(e, parts == 2 ? 2 : 1);
+}
+
+/* bench/path_tracing.md has the noise of scenes by this share and by the chance. */
+static int finite_quarters(double share, bool sun) {
+    if (sun) return share > 0.5 ? 2 : 1;
+    return share < 0.5 ? 1 : share < 0.75 ? 2 : 3;
+}
+
+bool emitters_learn(emitters *e, const emitter_lesson *from) {
+    bool fine = true;
+    for (uint32_t k = 0; k < e->sky_count && fine; ++k)
+        fine = environment_learn(e->skies[k].image, from->rays, from->count);
+    if (e->chance[EMITTER_FINITE] > 0 && e->chance[EMITTER_OUTSIDE] > 0)
+        set_quarters(e, finite_quarters(from->finite, e->sun_count > 0));
+    return fine;
 }
 
 fathom_status emitters_create(fathom_context *context, const world *w, const texturing *varied,
@@ -315,7 +310,7 @@ fathom_status emitters_create(fathom_context *context, const world *w, const tex
     if (!w->scene->in_studio) memcpy(e->background, w->scene->background, sizeof e->background);
     fathom_status status = collect(context, e);
     if (status == FATHOM_OK) status = emitters_open_skies(context, e);
-    if (status == FATHOM_OK) status = share(e);
+    share(e);
     if (status == FATHOM_OK && (!emitters_prepare_one(e) || !emitters_prepare_ready(e)))
         status = fail_memory(context, sizeof *e->one.face + e->surface_count * sizeof *e->ready);
     if (status != FATHOM_OK) {

@@ -1,6 +1,7 @@
 /* Samples light from outside the scene: the background, environments and suns. */
 #include "light/emitters_inner.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- suns ---- */
@@ -51,8 +52,8 @@ bool emitters_disc(const emitters *e, uint32_t k, vec3_f32 direction, emitter_di
 /* ---- background and environments ---- */
 
 /* Background and environments add up. One of them samples a direction; the density includes all of them. */
-static void look_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,
-                         sky_light *out) {
+static void look_outside(const emitters *e, unsigned lanes, const lanes3 p, const lanes3_f64 n,
+                         const lanes3_f64 direction, sky_light *out) {
     for (unsigned left = lanes; left; left &= left - 1) {
         const unsigned i = lane_first(left);
         put_lane_f32(out->radiance, i, load_f32(e->background));
@@ -60,7 +61,7 @@ static void look_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, 
     }
     for (uint32_t k = 0; k < e->sky_count; ++k) {
         sky_light more;
-        environment_at(e->skies[k].image, lanes, n, direction, &more);
+        environment_at(e->skies[k].image, lanes, p, n, direction, &more);
         for (unsigned left = lanes; left; left &= left - 1) {
             const unsigned i = lane_first(left);
             for (int c = 0; c < 3; ++c) out->radiance[c][i] += more.radiance[c][i];
@@ -85,11 +86,11 @@ static unsigned who_asks(const emitters *e, uint32_t k, unsigned lanes, double c
 
 /* Each lane samples a direction from one source. For an environment this also sets radiance and density,
  * which are complete if there is no other source. */
-static void aim_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, const lanes3 u,
+static void aim_outside(const emitters *e, unsigned lanes, const lanes3 p, const lanes3_f64 n, const lanes3 u,
                         double choice[LANES], lanes3_f64 direction, sky_light *out) {
     for (uint32_t k = 0; k < e->sky_count; ++k) {
         const unsigned asks = who_asks(e, k, lanes, choice);
-        if (asks) environment_sample(e->skies[k].image, asks, n, u[0], u[1], direction, out);
+        if (asks) environment_sample(e->skies[k].image, asks, p, n, u[0], u[1], direction, out);
         lanes &= ~asks;
     }
     for (; lanes; lanes &= lanes - 1) {
@@ -99,7 +100,8 @@ static void aim_outside(const emitters *e, unsigned lanes, const lanes3_f64 n, c
 }
 
 static bool is_one_environment(const emitters *e) {
-    return e->sky_count == 1 && !(e->background[0] + e->background[1] + e->background[2] > 0);
+    return e->sky_count == 1 && !(e->background_chance > 0) &&
+           !(e->background[0] + e->background[1] + e->background[2] > 0);
 }
 
 static void find_normals(unsigned lanes, const lanes3 n, lanes3_f64 out) {
@@ -116,13 +118,13 @@ void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_qu
     double left[LANES];
     memcpy(left, choice, sizeof left);
     find_normals(lanes, from->n, n);
-    aim_outside(e, lanes, n, u, left, direction, &light);
+    aim_outside(e, lanes, from->p, n, u, left, direction, &light);
     for (unsigned some = lanes; some; some &= some - 1) {
         const unsigned i = lane_first(some);
         put_lane_f32(out->direction, i, narrow(lane_f64(direction, i)));
         put_lane_f64(direction, i, widen(lane_f32(out->direction, i)));
     }
-    if (!is_one_environment(e)) look_outside(e, lanes, n, direction, &light);
+    if (!is_one_environment(e)) look_outside(e, lanes, from->p, n, direction, &light);
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
         const vec3_f32 radiance = lane_f32(light.radiance, i);
@@ -133,8 +135,8 @@ void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_qu
     }
 }
 
-void emitters_outside(const emitters *e, unsigned lanes, const lanes3 n, const lanes3 direction,
-                      lanes3 radiance, float density[LANES]) {
+void emitters_outside(const emitters *e, unsigned lanes, const lanes3 p, const lanes3 n,
+                      const lanes3 direction, lanes3 radiance, float density[LANES]) {
     lanes3_f64 normals, directions;
     sky_light light;
     find_normals(lanes, n, normals);
@@ -142,10 +144,34 @@ void emitters_outside(const emitters *e, unsigned lanes, const lanes3 n, const l
         const unsigned i = lane_first(left);
         put_lane_f64(directions, i, widen(lane_f32(direction, i)));
     }
-    look_outside(e, lanes, normals, directions, &light);
+    look_outside(e, lanes, p, normals, directions, &light);
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
         put_lane_f32(radiance, i, lane_f32(light.radiance, i));
         density[i] = density_f32(e->chance[EMITTER_OUTSIDE] * light.density[i]);
     }
+}
+
+/* ---- what the scene hides ---- */
+
+bool emitters_scout(const emitters *e, emitters **out) {
+    double sum = 0;
+    *out = NULL;
+    for (uint32_t k = 0; k < e->sky_count; ++k) sum += e->skies[k].chance;
+    if (!(sum > 0 && e->chance[EMITTER_OUTSIDE] > 0)) return true;
+    emitters *scout = malloc(sizeof *scout + e->sky_count * sizeof *e->skies);
+    if (!scout) return false;
+    *scout = *e;
+    scout->skies = (emitter_sky *)(scout + 1);
+    for (uint32_t k = 0; k < e->sky_count; ++k) {
+        scout->skies[k] = e->skies[k];
+        scout->skies[k].chance *= 0.5 / sum;
+    }
+    scout->background_chance = 0.5;
+    scout->chance[EMITTER_FINITE] = e->chance[EMITTER_FINITE] > 0 ? 0.125 : 0;
+    scout->chance[EMITTER_OUTSIDE] = 1 - scout->chance[EMITTER_FINITE];
+    scout->chance[EMITTER_DIRECTIONAL] = 0;
+    scout->one = (emitter_one){0};
+    *out = scout;
+    return true;
 }

@@ -33,6 +33,10 @@ void environment_destroy(environment *e) {
 
 const sky_image *environment_sky(const environment *e) { return &e->sky; }
 
+bool environment_learn(environment *e, const sky_ray *rays, size_t count) {
+    return sky_learn(&e->sky, rays, count);
+}
+
 double environment_power(const environment *e) { return e->sky.power; }
 
 /* Call once all texels are set. Destroys *e if memory runs out. */
@@ -117,19 +121,20 @@ fathom_status environment_studio(fathom_context *context, vec3_f64 z, vec3_f64 u
 
 /* ---- asking ---- */
 
-void environment_at(const environment *e, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,
-                    sky_light *out) {
-    e->kernels->at(&e->sky, lanes, n, direction, out);
+void environment_at(const environment *e, unsigned lanes, const lanes3 p, const lanes3_f64 n,
+                    const lanes3_f64 direction, sky_light *out) {
+    e->kernels->at(&e->sky, lanes, p, n, direction, out);
 }
 
 void environment_radiance(const environment *e, vec3_f64 direction, float radiance[3]) {
     const lanes3_f64 d = {{direction.x}, {direction.y}, {direction.z}}, n = {{0}};
+    const lanes3 p = {{0}};
     sky_light light;
-    e->kernels->at(&e->sky, 1, n, d, &light);
+    e->kernels->at(&e->sky, 1, p, n, d, &light);
     for (int c = 0; c < 3; ++c) radiance[c] = light.radiance[c][0];
 }
 
-void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n, const float u[LANES],
-                        const float v[LANES], lanes3_f64 direction, sky_light *out) {
-    e->kernels->sample(&e->sky, lanes, n, u, v, direction, out);
+void environment_sample(const environment *e, unsigned lanes, const lanes3 p, const lanes3_f64 n,
+                        const float u[LANES], const float v[LANES], lanes3_f64 direction, sky_light *out) {
+    e->kernels->sample(&e->sky, lanes, p, n, u, v, direction, out);
 }

@@ -27,16 +27,19 @@ double environment_power(const environment *e);
 /* The maximum of each channel. */
 void environment_brightest(const environment *e, float out[3]);
 
-/* Radiance from unit directions, and their densities for surfaces with the normals n (unit or 0). lanes:
+/* As sky_learn(). */
+bool environment_learn(environment *e, const sky_ray *rays, size_t count);
+
+/* Radiance from unit directions, and their densities for surfaces at p with the normals n (unit or 0). lanes:
  * bits; other lanes are not written. */
-void environment_at(const environment *e, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,
-                    sky_light *out);
+void environment_at(const environment *e, unsigned lanes, const lanes3 p, const lanes3_f64 n,
+                    const lanes3_f64 direction, sky_light *out);
 /* Radiance from one direction, without a density. */
 void environment_radiance(const environment *e, vec3_f64 direction, float radiance[3]);
 
-/* Samples directions for surfaces with the normals n; 0: no preferred side. u chooses along the image's rows,
- * v between rows; both in [0,1). Some texel must not be black. *out is for the sampled direction; density 0:
- * there is no light on that side. A direction stays in its cell when it is rounded to float, except close to
- * the poles, where it may leave the cell by about 1e-7. */
-void environment_sample(const environment *e, unsigned lanes, const lanes3_f64 n, const float u[LANES],
-                        const float v[LANES], lanes3_f64 direction, sky_light *out);
+/* Samples directions for surfaces at p with the normals n; 0: no preferred side. u chooses along the image's
+ * rows, v between rows; both in [0,1). Some texel must not be black. *out is for the sampled direction;
+ * density 0: there is no light on that side. A direction stays in its cell when it is rounded to float,
+ * except close to the poles, where it may leave the cell by about 1e-7. */
+void environment_sample(const environment *e, unsigned lanes, const lanes3 p, const lanes3_f64 n,
+                        const float u[LANES], const float v[LANES], lanes3_f64 direction, sky_light *out);

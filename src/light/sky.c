@@ -121,7 +121,7 @@ static void sum_blocks(sky_image *s, const sky_sums *sums, sky_block *blocks) {
         const uint32_t row = i / s->columns, first = s->row_first[row];
         const size_t line = (size_t)(i % s->columns) * cell_rows(s) + first;
         normalize_sums(sums->lines + line, s->row_first[row + 1] - first, s->lines + line);
-        s->power += blocks[i].power;
+        s->power += s->powers[i] = blocks[i].power;
     }
 }
 
@@ -158,19 +158,16 @@ static double weight(const sky_block *block, const sky_view *view) {
 }
 
 /* Densities are those before the sums are rounded. */
-static void sum_view(sky_image *s, const sky_block *blocks, uint32_t index) {
+void sky_table(sky_image *s, const double parts[SKY_BLOCKS], uint32_t index) {
     float *rows = s->views + (size_t)index * sky_view_size(s), *columns = rows + s->rows;
     float *scales = s->scales + (size_t)index * s->rows * s->columns;
-    const sky_view view = view_at(index % SKY_VIEWS);
     double all[SKY_BLOCK_ROWS] = {0}, row[SKY_BLOCK_COLUMNS] = {0}, sum = 0;
     for (uint32_t y = 0; y < s->rows; ++y) {
         const uint32_t first = y * s->columns;
         double line = 0;
         for (uint32_t i = first; i < first + s->columns; ++i) {
-            const double power = blocks[i].power,
-                         part = index == SKY_VIEWS ? power : weight(&blocks[i], &view);
-            row[i - first] = line += part;
-            scales[i] = power > 0 ? (float)(part / power) : 0;
+            row[i - first] = line += parts[i];
+            scales[i] = s->powers[i] > 0 ? (float)(parts[i] / s->powers[i]) : 0;
         }
         normalize_sums(row, s->columns, columns + first);
         all[y] = sum += line;
@@ -178,6 +175,14 @@ static void sum_view(sky_image *s, const sky_block *blocks, uint32_t index) {
     normalize_sums(all, s->rows, rows);
     for (uint32_t i = 0; sum > 0 && i < s->rows * s->columns; ++i)
         scales[i] = (float)((double)scales[i] / sum);
+}
+
+static void sum_view(sky_image *s, const sky_block *blocks, uint32_t index) {
+    const sky_view view = view_at(index % SKY_VIEWS);
+    double parts[SKY_BLOCKS];
+    for (uint32_t i = 0; i < s->rows * s->columns; ++i)
+        parts[i] = index == SKY_VIEWS ? blocks[i].power : weight(&blocks[i], &view);
+    sky_table(s, parts, index);
 }
 
 /* ---- the whole ---- */
@@ -189,9 +194,11 @@ static bool allocate(sky_image *s) {
     s->column_block = malloc(s->width);
     s->cells = malloc(rows * s->width * sizeof *s->cells);
     s->lines = malloc(rows * s->columns * sizeof *s->lines);
+    s->powers = malloc(blocks * sizeof *s->powers);
     s->views = malloc((SKY_VIEWS + 1) * (size_t)sky_view_size(s) * sizeof *s->views);
     s->scales = malloc((SKY_VIEWS + 1) * blocks * sizeof *s->scales);
-    return s->cosines && s->row_block && s->column_block && s->cells && s->lines && s->views && s->scales;
+    return s->cosines && s->row_block && s->column_block && s->cells && s->lines && s->powers && s->views &&
+           s->scales;
 }
 
 static bool fill(sky_image *s) {
@@ -235,6 +242,9 @@ void sky_close(sky_image *s) {
     free(s->column_block);
     free(s->cells);
     free(s->lines);
+    free(s->powers);
     free(s->views);
     free(s->scales);
+    free(s->roots);
+    free(s->splits);
 }

@@ -12,13 +12,17 @@
  *
  * The choice of a block depends on the surface's normal. Normals fall into cells of an octahedron, each of
  * which has a table of the blocks. A product of light and cosine at this resolution needs no table of all
- * pairs of normals and cells, and excludes the half of the sky behind the surface. */
+ * pairs of normals and cells, and excludes the half of the sky behind the surface.
+ *
+ * In a room, most of the sky is hidden. Rays of a few paths tell what the surfaces see of it, and surfaces
+ * with normals in one cell are divided by place into regions, which have tables of their own: sky_learn(). */
 #pragma once
 
 #include "math/lanes.h"
 #include "math/vec.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 typedef struct sky_texel {
@@ -28,9 +32,18 @@ typedef struct sky_texel {
 enum {
     SKY_BLOCK_ROWS = 16,
     SKY_BLOCK_COLUMNS = 32,
+    SKY_BLOCKS = SKY_BLOCK_ROWS * SKY_BLOCK_COLUMNS,
     SKY_VIEW_SIDE = 16,
     SKY_VIEWS = SKY_VIEW_SIDE * SKY_VIEW_SIDE
 };
+
+/* Divides a region in two. below and above are indices of splits, or SKY_TABLE + the index of a table. */
+typedef struct sky_split {
+    float at; /* points with a smaller coordinate are below */
+    uint32_t axis, below, above;
+} sky_split;
+
+#define SKY_TABLE (1u << 31)
 
 /* An equirectangular image whose first row is around +y, and whose centre lies towards -z of its axes. Sums
  * are inclusive prefix sums as fractions of the last one, which is 1, or 0 if there is no light. As floats
@@ -50,11 +63,15 @@ typedef struct sky_image {
     uint32_t row_first[SKY_BLOCK_ROWS + 1], column_first[SKY_BLOCK_COLUMNS + 1]; /* cells of the blocks */
     uint8_t *row_block, *column_block; /* of each row and column of cells */
     float *cells;                      /* sums of mean luminance, along a row of cells of a block; by cell */
-    float *lines;  /* sums of luminance times solid angle, over the rows of cells of a block; height + 1 for
-                      each column of blocks */
-    float *views;  /* sums of weights of the rows of blocks, then of the blocks along each row, for each view;
-                      the last view is without a normal */
-    float *scales; /* of the blocks in each view: density of a direction divided by its luminance */
+    float *lines;   /* sums of luminance times solid angle, over the rows of cells of a block; height + 1 for
+                       each column of blocks */
+    double *powers; /* luminance times solid angle of the blocks */
+    float
+        *views; /* tables: sums of weights of the rows of blocks, then of the blocks along each row. The first
+                   ones are for each view, the last of these is without a normal; then those of regions */
+    float *scales;   /* of the blocks in each table: density of a direction divided by its luminance */
+    uint32_t *roots; /* by view: as sky_split.below; NULL: there are no regions */
+    sky_split *splits;
 } sky_image;
 
 static inline uint32_t sky_view_size(const sky_image *s) { return s->rows * (1 + s->columns); }
@@ -63,6 +80,18 @@ static inline uint32_t sky_view_size(const sky_image *s) { return s->rows * (1 +
  * out of memory. Release with sky_close(). */
 bool sky_open(sky_image *s);
 void sky_close(sky_image *s);
+
+/* A ray from a surface to the sky. */
+typedef struct sky_ray {
+    vec3_f32 p, n, direction; /* from p; n and direction: unit, or n is 0 */
+    float seen;               /* fraction of its light that arrives at p, in [0, 1] */
+} sky_ray;
+
+/* Makes a table, from weights of the blocks; sky_open() and sky_learn() call it. */
+void sky_table(sky_image *s, const double parts[SKY_BLOCKS], uint32_t index);
+
+/* Call at most once. False: out of memory; the sky remains usable. */
+bool sky_learn(sky_image *s, const sky_ray *rays, size_t count);
 
 /* The direction of the image position (u, v) in [0,1]², in the image's axes. */
 vec3_f64 sky_direction(double u, double v);
@@ -73,16 +102,19 @@ typedef struct sky_light {
     double density[LANES];
 } sky_light;
 
-/* Both are for surfaces with the normals n, unit or 0 (no preferred side). lanes: bits; results of other
- * lanes are not written. */
+/* For surfaces at p with the normals n, unit or 0 (no preferred side). lanes: bits; results of other lanes
+ * are not written. */
 typedef struct sky_kernels {
     /* Evaluates unit directions. */
-    void (*at)(const sky_image *s, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,
-               sky_light *out);
+    void (*at)(const sky_image *s, unsigned lanes, const lanes3 p, const lanes3_f64 n,
+               const lanes3_f64 direction, sky_light *out);
     /* Samples directions; u chooses along the image's rows and v between rows, both in [0,1). If no light
      * comes from the side of n, radiance and density are 0. */
-    void (*sample)(const sky_image *s, unsigned lanes, const lanes3_f64 n, const float u[LANES],
-                   const float v[LANES], lanes3_f64 direction, sky_light *out);
+    void (*sample)(const sky_image *s, unsigned lanes, const lanes3 p, const lanes3_f64 n,
+                   const float u[LANES], const float v[LANES], lanes3_f64 direction, sky_light *out);
+    /* The views of the normals, and the blocks of unit directions; of all lanes. */
+    void (*find)(const sky_image *s, const lanes3_f64 n, const lanes3_f64 direction, uint32_t view[LANES],
+                 uint32_t block[LANES]);
 } sky_kernels;
 
 const sky_kernels *sky_kernels_best(void);

@@ -19,12 +19,13 @@ typedef struct bench {
 
 /* One render phase, with its own plan and film, as in a normal render. */
 static fathom_status render_once(const bench *b, const trace_tracer *tracer, const fathom_settings *settings,
-                                 unsigned threads, stage_cost *out) {
+                                 unsigned threads, record *recorded, stage_cost *out) {
     fathom_film *film = NULL;
     fathom_context_set_threads(b->context, threads);
     fathom_status status = film_create(b->context, b->world->scene, settings, &film);
     const job_options options = {.deadline = clock_seconds() + settings->max_time};
-    if (status == FATHOM_OK) status = stage_film(b->context, b->world, tracer, settings, &options, film, out);
+    if (status == FATHOM_OK)
+        status = stage_film(b->context, b->world, tracer, settings, &options, film, recorded, out);
     fathom_film_destroy(film);
     return status;
 }
@@ -44,7 +45,7 @@ static fathom_status time_band(bench *b, const record *r, const fathom_settings 
         replay_result bare, traced;
         bool first = k % 2, ok = true;
         if (first) ok = replay(r, b->tracer, true, &bare);
-        fathom_status status = render_once(b, b->tracer, settings, 1, &render);
+        fathom_status status = render_once(b, b->tracer, settings, 1, NULL, &render);
         if (status != FATHOM_OK) return status;
         if (!first) ok = replay(r, b->tracer, true, &bare);
         if (!ok || !replay(r, b->tracer, false, &traced)) return fail_memory(b->context, sizeof *r);
@@ -58,9 +59,8 @@ static fathom_status time_band(bench *b, const record *r, const fathom_settings 
 static fathom_status record_band(const bench *b, const fathom_settings *settings, record *r) {
     trace_tracer *recorder = record_tracer(b->tracer, r);
     if (!recorder) return fail_memory(b->context, sizeof *r);
-    record_clear(r);
     stage_cost render;
-    fathom_status status = render_once(b, recorder, settings, 1, &render);
+    fathom_status status = render_once(b, recorder, settings, 1, r, &render);
     trace_destroy(recorder);
     if (status != FATHOM_OK || !r->out_of_memory) return status;
     return fail(b->context, FATHOM_OUT_OF_RESOURCES,
@@ -151,7 +151,7 @@ static fathom_status measure_speeds(bench *b) {
     for (unsigned k = 0; k < b->options->repeats; ++k) {
         for (unsigned t = 0; t < b->options->thread_counts && status == FATHOM_OK; ++t) {
             stage_cost render = {.plan = 0};
-            status = render_once(b, b->tracer, b->settings, b->options->threads[t], &render);
+            status = render_once(b, b->tracer, b->settings, b->options->threads[t], NULL, &render);
             s->plan[k] = render.plan;
             s->seconds[t][k] = render.seconds.by[BENCH_WALL], s->cpu[t][k] = render.seconds.by[BENCH_CPU];
             b->out->rays = render.rays;

@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "job/job.h"
+#include "measure/replay.h"
 
 #include <string.h>
 
@@ -48,12 +49,13 @@ void stage_close(bench_stage *stage) {
 
 fathom_status stage_film(fathom_context *context, const world *w, const trace_tracer *tracer,
                          const fathom_settings *settings, const job_options *options, fathom_film *film,
-                         stage_cost *cost) {
+                         record *recorded, stage_cost *cost) {
     render_plan *plan;
     job_result result = {.samples = 0};
     const double began = clock_seconds();
     fathom_status status = plan_create(context, w, tracer, settings, &plan);
     if (status != FATHOM_OK) return status;
+    if (recorded) record_clear(recorded);
     const bench_seconds start = bench_now();
     status = job_run(context, plan, options, film, &result);
     *cost = (stage_cost){start.by[BENCH_WALL] - began, bench_since(&start), result.rays};
@@ -71,7 +73,7 @@ fathom_status stage_render(fathom_context *context, const bench_stage *stage, co
     if (status == FATHOM_OK) status = film_create(context, stage->scene, &settings, &film);
     if (status != FATHOM_OK) return status;
     const job_options options = {.progress = progress, .user = user};
-    status = stage_film(context, stage->world, stage->tracer, &settings, &options, film, cost);
+    status = stage_film(context, stage->world, stage->tracer, &settings, &options, film, NULL, cost);
     size_t pixels = (size_t)film->width * film->height;
     for (size_t c = 0; c < 3 && rgb; ++c) memcpy(rgb + c * pixels, film->rgb[c], pixels * sizeof *rgb);
     fathom_film_destroy(film);

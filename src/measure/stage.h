@@ -47,11 +47,13 @@ typedef struct stage_cost {
     ray_counts rays;
 } stage_cost;
 
-/* One complete render, with its own plan, into a film that matches the settings. */
+/* One complete render, with its own plan, into a film that matches the settings. recorded: NULL, or the
+ * record that the tracer fills: the plan's rays are removed from it. */
 struct job_options;
+struct record;
 fathom_status stage_film(fathom_context *context, const world *w, const trace_tracer *tracer,
                          const fathom_settings *settings, const struct job_options *options,
-                         fathom_film *film, stage_cost *cost);
+                         fathom_film *film, struct record *recorded, stage_cost *cost);
 
 /* rgb: room for three planes of the image; may be NULL. progress as in fathom_render(). */
 fathom_status stage_render(fathom_context *context, const bench_stage *stage, const stage_shot *shot,

@@ -372,7 +372,7 @@ static void expect_own_densities(random_state *r, int least) {
         fill_query(&q, p, n);
         fill_numbers(r, u);
         emitters_sample(e, &q, u, &s);
-        emitters_outside(e, (1u << LANES) - 1, q.n, s.direction, radiance, outside);
+        emitters_outside(e, (1u << LANES) - 1, q.p, q.n, s.direction, radiance, outside);
         for (int i = 0; i < LANES; ++i) {
             if (!s.sized[i] || !(s.density[i] > 0)) continue;
             vec3_f32 d = lane(s.direction, i);

@@ -140,11 +140,13 @@ static void add_sun(void) {
 static void quarters_of_the_numbers_take_one_kind_of_light_each(void **state) {
     for (int sun = 0; sun < 2; ++sun) {
         int quarters = 1;
-        for (float level = 1e-3f; level < 1e4f; level *= 3) {
+        for (double share = 0; share <= 1; share += 0.125) {
+            const emitter_lesson lesson = {NULL, 0, share};
             for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = 0.5f;
-            add_ball(level);
+            add_ball(1);
             if (sun) add_sun();
             open_sky(0);
+            assert_true(emitters_learn(e, &lesson));
             const int finite = expect_quarters();
             assert_true(finite == quarters || finite == ++quarters);
             end(state);
@@ -261,7 +263,7 @@ static void samples_and_rays_that_leave_agree(void **state) {
             float density[LANES];
             draw(&r, up, &s);
             fill(&q, up);
-            emitters_outside(e, (1u << LANES) - 1, q.n, s.direction, radiance, density);
+            emitters_outside(e, (1u << LANES) - 1, q.p, q.n, s.direction, radiance, density);
             for (int i = 0; i < LANES; ++i) {
                 const double off = 100 * 0x1p-20;
                 assert_near((double)density[i], (double)s.density[i], off * (double)s.density[i]);
@@ -347,9 +349,10 @@ static void even_numbers_are_even_over_the_light(void **state) {
     for (int i = 0; i < N * N; ++i) {
         const float u[LANES] = {(float)((i % N + 0.5) / N)}, v[LANES] = {(float)((i / N + 0.5) / N)};
         const lanes3_f64 n = {{0}};
+        const lanes3 p = {{0}};
         lanes3_f64 d;
         sky_light answer;
-        environment_sample(sky, 1, n, u, v, d, &answer);
+        environment_sample(sky, 1, p, n, u, v, d, &answer);
         double across, down;
         const int cell = cell_of(vec_f64(d[0][0], d[1][0], d[2][0]), &across, &down);
         ++taken[cell / WIDTH][cell % WIDTH];
@@ -390,7 +393,7 @@ static void a_surface_asks_all_that_it_faces(void **state) {
                     direction, (unsigned)j,
                     narrow(vec_f64(d.x * cos(0.7) + d.z * sin(0.7), d.y, d.z * cos(0.7) - d.x * sin(0.7))));
             }
-            emitters_outside(e, (1u << count) - 1, q.n, direction, radiance, density);
+            emitters_outside(e, (1u << count) - 1, q.p, q.n, direction, radiance, density);
             for (int j = 0; j < count; ++j) {
                 whole += (double)density[j] * solid_angle(i + j);
                 assert_true(density[j] > 0 || !(dot_f64(n, widen(lane(direction, j))) > 0));
@@ -410,19 +413,39 @@ typedef struct answer {
 static void ask(const sky_kernels *k, const sky_image *s, unsigned lanes, uint64_t seed, answer *out) {
     random_state r = {seed};
     lanes3_f64 n, d;
+    lanes3 p;
     float u[LANES], v[LANES];
     memset(out, 0, sizeof *out);
     for (unsigned i = 0; i < LANES; ++i) {
         const vec3_f64 any = {random_in(&r, -1, 1), random_in(&r, -1, 1), random_in(&r, -1, 1)};
+        put_lane_f32(p, i, narrow(vec_f64(random_in(&r, -1, 1), random_in(&r, -1, 1), 0)));
         put_lane_f64(n, i, random_unit(&r) < 0.1 ? nowhere : normalize_f64(any));
         u[i] = (float)(random_bits(&r) >> 40) * 0x1p-24f, v[i] = (float)(random_bits(&r) >> 40) * 0x1p-24f;
         put_lane_f64(d, i, direction_in((int)(random_unit(&r) * CELLS), random_unit(&r), random_unit(&r)));
     }
-    k->sample(s, lanes, n, u, v, out->direction, &out->sampled);
-    k->at(s, lanes, n, d, &out->seen);
+    k->sample(s, lanes, p, n, u, v, out->direction, &out->sampled);
+    k->at(s, lanes, p, n, d, &out->seen);
 }
 
-/* To the last bit, and they leave other lanes alone. Parts of the sky are black. */
+/* Points with x + y > 0 see the half of the sky with x > 0. */
+static void teach(environment *sky) {
+    enum { COUNT = 20000 };
+    static sky_ray rays[COUNT];
+    random_state r = {15};
+    for (int i = 0; i < COUNT; ++i) {
+        const vec3_f64 p = {random_in(&r, -1, 1), random_in(&r, -1, 1), 0},
+                       d = direction_in((int)(random_unit(&r) * CELLS), random_unit(&r), random_unit(&r)),
+                       n = normalize_f64(
+                           vec_f64(random_in(&r, -1, 1), random_in(&r, -1, 1), random_in(&r, -1, 1)));
+        rays[i] = (sky_ray){narrow(p), i % 4 ? narrow(i % 4 > 1 ? up : n) : narrow(nowhere), narrow(d),
+                            p.x + p.y > 0 && d.x > 0};
+    }
+    assert_true(environment_learn(sky, rays, COUNT));
+    assert_non_null(environment_sky(sky)->roots);
+}
+
+/* To the last bit, and they leave other lanes alone. Parts of the sky are black, and hidden from some points.
+ */
 static void all_instruction_sets_ask_alike(void **state) {
     (void)state;
     random_state r = {14};
@@ -435,6 +458,7 @@ static void all_instruction_sets_ask_alike(void **state) {
     fathom_light_default(&light);
     light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder("sky.exr"), light.rotation = 0.3;
     assert_ok(context, environment_create(context, &light, &sky));
+    teach(sky);
     for (unsigned k = 1; sky_kernels_at(k); ++k) {
         for (uint64_t trial = 1; trial <= 2000; ++trial) {
             const unsigned lanes = trial % 2 ? (unsigned)random_bits(&r) & 0xffff : 0xffff;

@@ -141,6 +141,7 @@ static void push_light(path_wave *p, const vertex_block *v, const vertex_keys *k
     plan->path_kernels->aim(&v->surface, &light, &ray, behind);
     if (p->media) path_dim_lights(p, v, &ray, behind, gain);
     if (plan->dispersive) path_part_lights(p, v, behind, gain);
+    if (p->scout) path_scout_asks(p->scout, v, &query, &light, gain);
     note_depths(v, &light, &ray, behind, &depths);
     if (p->wave.run.samples.layers) note_tags(p, v, &light, &depths);
     wave_push_shadows(&p->wave, 0, 0, &ray, &depths, gain, p->depth == 0);
@@ -300,7 +301,9 @@ static bool begin_scatter(path_wave *p) {
 static bool add_lights(path_wave *p) {
     wave *w = &p->wave;
     if (!p->lit || p->ends) return true;
+    if (p->scout) path_scout_waits(p->scout, w);
     if (!wave_cast_shadows(w, p->depth == 0 ? TRACE_NEIGHBOURS : TRACE_INCOHERENT)) return false;
+    if (p->scout) path_scout_sees(p->scout, w);
     w->run.rays.unlit += w->vertex_count - w->shadows.count;
     return true;
 }

@@ -5,6 +5,8 @@
 #include "integrate/wave/wave.h"
 #include "math/lane.h"
 
+typedef struct path_scout path_scout;
+
 typedef struct path_wave {
     wave wave; /* must be first: the integrator's interface points to it */
     uint32_t depth;
@@ -33,6 +35,7 @@ typedef struct path_wave {
     uint8_t channel[WAVE_SLOTS]; /* the one channel that the path carries, from 1; 0: all three */
     shader hidden; /* of surfaces inside a volume of a higher priority, and of backs that the camera does not
                       see */
+    path_scout *scout; /* NULL: nobody asks what the light samples see */
 } path_wave;
 
 static inline vec3_f32 of_slot(const float from[3][WAVE_SLOTS], uint32_t slot) {
@@ -52,6 +55,15 @@ static inline bool path_in_view(const path_wave *p, uint32_t slot) {
 static inline bool path_sends_light(const shader *s) {
     return s->emission[0] > 0 || s->emission[1] > 0 || s->emission[2] > 0;
 }
+
+/* ---- path_scout.c ---- */
+
+/* Keeps the light samples of the vertices; gain: the light if nothing hides it. */
+void path_scout_asks(path_scout *s, const vertex_block *v, const emitter_query *from,
+                     const emitter_sample *light, const lanes3 gain);
+/* Before and after the shadow rays of a step: notes how much of the light arrives. */
+void path_scout_waits(path_scout *s, const wave *w);
+void path_scout_sees(path_scout *s, const wave *w);
 
 /* ---- path_begin.c ---- */
 

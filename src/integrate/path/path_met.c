@@ -28,14 +28,15 @@ static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsig
 /* Finds the light from outside for the lanes whose bits are set, and its densities. */
 static void look_outside(path_wave *p, const trace_block *block, const path_block *path, uint32_t lanes,
                          lanes3 radiance, float density[LANES]) {
-    lanes3 n, direction;
+    lanes3 from, n, direction;
     for (uint32_t left = lanes; left; left &= left - 1) {
         const unsigned i = lane_first(left);
         const vec3_f32 to = trace_dir(&block->rays, i);
         direction[0][i] = to.x, direction[1][i] = to.y, direction[2][i] = to.z;
-        for (int c = 0; c < 3; ++c) n[c][i] = p->n[c][path->slot[i]];
+        const uint32_t slot = path->slot[i];
+        for (int c = 0; c < 3; ++c) from[c][i] = p->p[c][slot], n[c][i] = p->n[c][slot];
     }
-    emitters_outside(p->wave.run.plan->emitters, lanes, n, direction, radiance, density);
+    emitters_outside(p->wave.run.plan->emitters, lanes, from, n, direction, radiance, density);
 }
 
 /* Suns are not in view. left: the fraction of their light that volumes let pass. */

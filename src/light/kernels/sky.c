@@ -55,6 +55,19 @@ static void find_views(const lanes3_f64 n, uint32_t *restrict view) {
         if (!(fabs(n[0][i]) + fabs(n[1][i]) + fabs(n[2][i]) > 0)) view[i] = SKY_VIEWS;
 }
 
+/* The tables of regions replace those of views. */
+static void find_tables(const sky_image *s, unsigned lanes, const lanes3 p, uint32_t *view) {
+    for (; s->roots && lanes; lanes &= lanes - 1) {
+        const unsigned i = lane_first(lanes);
+        uint32_t at = s->roots[view[i]];
+        while (!(at & SKY_TABLE)) {
+            const sky_split *split = &s->splits[at];
+            at = p[split->axis][i] < split->at ? split->below : split->above;
+        }
+        view[i] = at & ~SKY_TABLE;
+    }
+}
+
 /* ---- image positions of directions ---- */
 
 static void find_places(const sky_image *s, const lanes3_f64 d, sky_places *restrict out) {
@@ -117,7 +130,7 @@ static inline texel_f32 blend(const sky_corners *from, float u, float v) {
     return above + v * (below - above);
 }
 
-static void look_up(const sky_image *s, unsigned lanes, const uint32_t view[LANES], const sky_places *places,
+static void look_up(const sky_image *s, unsigned lanes, const uint32_t table[LANES], const sky_places *places,
                     sky_light *out) {
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
@@ -125,14 +138,14 @@ static void look_up(const sky_image *s, unsigned lanes, const uint32_t view[LANE
         const texel_f32 light = blend(&corners, (float)places->u[i], (float)places->v[i]);
         const uint32_t row = s->row_block[places->cells.row[i]],
                        column = s->column_block[places->cells.column[i]];
-        const float scale = s->scales[((size_t)view[i] * s->rows + row) * s->columns + column];
+        const float scale = s->scales[((size_t)table[i] * s->rows + row) * s->columns + column];
         for (int c = 0; c < 3; ++c) out->radiance[c][i] = light[c];
         out->density[i] = (double)scale * (double)light[3];
     }
 }
 
-static void at(const sky_image *s, unsigned lanes, const lanes3_f64 n, const lanes3_f64 direction,
-               sky_light *out) {
+static void at(const sky_image *s, unsigned lanes, const lanes3 p, const lanes3_f64 n,
+               const lanes3_f64 direction, sky_light *out) {
     lanes3_f64 turned;
     sky_places places;
     uint32_t view[LANES];
@@ -141,7 +154,20 @@ static void at(const sky_image *s, unsigned lanes, const lanes3_f64 n, const lan
     prefetch(s, &places.cells, lanes);
     turn(s, lanes, n, turned);
     find_views(turned, view);
+    find_tables(s, lanes, p, view);
     look_up(s, lanes, view, &places, out);
+}
+
+static void find(const sky_image *s, const lanes3_f64 n, const lanes3_f64 direction, uint32_t view[LANES],
+                 uint32_t block[LANES]) {
+    lanes3_f64 turned;
+    sky_places places;
+    turn(s, (1u << LANES) - 1, direction, turned);
+    find_places(s, turned, &places);
+    turn(s, (1u << LANES) - 1, n, turned);
+    find_views(turned, view);
+    for (unsigned i = 0; i < LANES; ++i)
+        block[i] = s->row_block[places.cells.row[i]] * s->columns + s->column_block[places.cells.column[i]];
 }
 
 /* ---- cells by light ---- */
@@ -165,14 +191,14 @@ static inline void prefetch_sums(const float *sums, uint32_t count) {
 
 /* Each step reads what the step before prefetched for all lanes: the tables are larger than caches. Returns
  * the lanes that have a cell: the others face no light. */
-static unsigned choose_cells(const sky_image *s, unsigned lanes, const uint32_t view[LANES], float u[LANES],
+static unsigned choose_cells(const sky_image *s, unsigned lanes, const uint32_t table[LANES], float u[LANES],
                              float v[LANES], sky_cells *out) {
     const size_t rows = (size_t)s->height + 1;
     unsigned taken = 0;
     uint32_t row[LANES], column[LANES];
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
-        const float *sums = s->views + (size_t)view[i] * sky_view_size(s);
+        const float *sums = s->views + (size_t)table[i] * sky_view_size(s);
         if (!(sums[s->rows - 1] > 0)) continue;
         row[i] = choose(sums, s->rows, &v[i]);
         column[i] = choose(sums + s->rows + (size_t)row[i] * s->columns, s->columns, &u[i]);
@@ -250,8 +276,8 @@ static void no_light(unsigned lanes, sky_light *out) {
     }
 }
 
-static void sample(const sky_image *s, unsigned lanes, const lanes3_f64 n, const float u[LANES],
-                   const float v[LANES], lanes3_f64 direction, sky_light *out) {
+static void sample(const sky_image *s, unsigned lanes, const lanes3 p, const lanes3_f64 n,
+                   const float u[LANES], const float v[LANES], lanes3_f64 direction, sky_light *out) {
     lanes3_f64 turned, found;
     sky_places places = {.cells = {{0}}}; /* gcc 14 does not see that only chosen lanes are read */
     uint32_t view[LANES];
@@ -259,6 +285,7 @@ static void sample(const sky_image *s, unsigned lanes, const lanes3_f64 n, const
     memcpy(across, u, sizeof across), memcpy(down, v, sizeof down);
     turn(s, lanes, n, turned);
     find_views(turned, view);
+    find_tables(s, lanes, p, view);
     const unsigned taken = choose_cells(s, lanes, view, across, down, &places.cells);
     prefetch(s, &places.cells, taken);
     choose_places(s, taken, across, down, &places, found);
@@ -270,4 +297,4 @@ static void sample(const sky_image *s, unsigned lanes, const lanes3_f64 n, const
     look_up(s, taken, view, &places, out);
 }
 
-const sky_kernels KERNEL(sky_kernels) = {.at = at, .sample = sample};
+const sky_kernels KERNEL(sky_kernels) = {.at = at, .sample = sample, .find = find};

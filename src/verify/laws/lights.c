@@ -44,16 +44,44 @@ static void cut_pentagon(law_room *room) {
 
 /* The mean over the lower square is the form factor of two parallel unit squares at distance 1. The image
  * shows the whole lower square. */
-static void parallel_squares(law_room *room) {
+static void under_square(law_room *room) {
     const double x = 1, root = sqrt(1 + x * x);
     const double factor =
         2 / (PI * x * x) *
         (log((1 + x * x) / sqrt(1 + 2 * x * x)) + 2 * x * root * atan(x / root) - 2 * x * atan(x));
     paint_quad(&room->b, origin, vec_f64(0.5, 0, 0), vec_f64(0, 0.5, 0), build_lambert(albedo));
-    paint_quad(&room->b, up, vec_f64(0.5, 0, 0), vec_f64(0, 0.5, 0), lamp());
     law_look_down(room, 0.5, 1);
     law_value(room, scale_f64(factor, albedo));
     room->depth = 4;
+}
+
+static void parallel_squares(law_room *room) {
+    under_square(room);
+    paint_quad(&room->b, up, vec_f64(0.5, 0, 0), vec_f64(0, 0.5, 0), lamp());
+}
+
+/* ---- an image of a sky through a square hole in the roof of a black room ---- */
+
+/* The hole shows directions with a z of at least 1/sqrt(3). */
+static vec3_f64 sky_over_hole(void *user, vec3_f64 direction) {
+    (void)user;
+    const double radiance = direction.z > 0.5 ? 1 : 30;
+    return vec_f64(radiance, radiance, radiance);
+}
+
+static void sky_through_hole(law_room *room) {
+    const double wide = 1.25, far = 1.75, side = 3; /* the roof's parts reach from 0.5 to 3 */
+    under_square(room);
+    law_sky(room, sky_over_hole);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        paint_quad(&room->b, vec_f64(sign * far, 0, 1), vec_f64(wide, 0, 0), vec_f64(0, side, 0),
+                   build_black());
+        paint_quad(&room->b, vec_f64(0, sign * far, 1), vec_f64(0.5, 0, 0), vec_f64(0, wide, 0),
+                   build_black());
+        paint_quad(&room->b, vec_f64(sign * side, 0, 0), up, vec_f64(0, side, 0), build_black());
+        paint_quad(&room->b, vec_f64(0, sign * side, 0), up, vec_f64(side, 0, 0), build_black());
+    }
+    paint_quad(&room->b, down, vec_f64(side, 0, 0), vec_f64(0, side, 0), build_black());
 }
 
 /* ---- disks: radius 1, offset 0.7, height 1.3 ---- */
@@ -204,6 +232,7 @@ const law laws_of_lights[] = {{"rectangle over a floor", "configuration factor",
                               {"tilted triangle over a floor", "Lambert's edge sum", tilted_triangle},
                               {"pentagon cut by the horizon", "Lambert's edge sum", cut_pentagon},
                               {"parallel squares", "form factor", parallel_squares},
+                              {"sky through a hole", "form factor", sky_through_hole},
                               {"disk of 1,998 triangles", "½(1-(1+H²-R²)/√(Z²-4R²))", disk_of_triangles},
                               {"disk, a squeezed sphere", "½(1-(1+H²-R²)/√(Z²-4R²))", disk_squeezed},
                               {"sphere above the horizon", "(R/d)² cos θ", sphere_above},

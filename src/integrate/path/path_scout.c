@@ -1,0 +1,229 @@
+#include "integrate/path/path_scout.h"
+
+#include "base/array.h"
+#include "base/threads.h"
+#include "integrate/path/path.h"
+#include "light/emitters.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Squares of 4 × 4 pixels that have a path for each pixel: half of the image, but at least 64 and at most
+ * 2^13. */
+#define SHARE 2u
+#define LEAST_SQUARES 64u
+#define MOST_SQUARES (1u << 13)
+/* Most light has been sampled after this many scatterings. */
+#define MOST_DEPTH 4u
+/* The image has other random numbers: these paths decide how it samples. */
+#define OTHER_SEED 0x5ce7a5c0u
+/* An eighth of the paths run first. If more than this fraction of the light samples arrive, the others would
+ * gain little. */
+#define ROOM (1 / 3.0)
+
+/* What the paths of a batch found. */
+typedef struct scout_report {
+    ARRAY(sky_ray) rays;
+    double finite, outside; /* sums of light samples that arrived */
+} scout_report;
+
+/* A light sample that waits for its shadow ray. */
+typedef struct scout_question {
+    uint32_t slot;
+    bool outside;    /* it is the next one of the report's rays */
+    double possible; /* its light if nothing hides it, and the light of its slot before */
+    double before;
+} scout_question;
+
+/* The state of one thread. */
+struct path_scout {
+    path_wave *wave;
+    scout_report report;
+    scout_question questions[WAVE_SLOTS]; /* of this step */
+    size_t count, answered;               /* of these, and of the report's rays */
+    bool fails;                           /* out of memory */
+};
+
+/* All threads. */
+typedef struct scouting {
+    const render_plan *plan;
+    atomic_bool stop;  /* stays false */
+    atomic_bool fails; /* out of memory */
+    uint32_t squares, batches, done;
+    scout_report *found; /* by batch */
+    path_scout **scouts;
+    unsigned threads;
+} scouting;
+
+/* ---- light samples ---- */
+
+void path_scout_asks(path_scout *s, const vertex_block *v, const emitter_query *from,
+                     const emitter_sample *light, const lanes3 gain) {
+    for (unsigned i = 0; i < v->surface.count && !s->fails; ++i) {
+        const double possible = (double)gain[0][i] + (double)gain[1][i] + (double)gain[2][i];
+        const bool outside = isinf(light->distance[i]);
+        if (!(light->density[i] > 0 && possible > 0 && isfinite(possible))) continue;
+        const sky_ray ray = {
+            .p = lane_f32(from->p, i), .n = lane_f32(from->n, i), .direction = lane_f32(light->direction, i)};
+        if (outside && !array_push(&s->report.rays, ray))
+            s->fails = true;
+        else
+            s->questions[s->count++] = (scout_question){v->path.slot[i], outside, possible, 0};
+    }
+}
+
+static double light_of(const wave *w, uint32_t slot) {
+    float *const *rgb = w->run.samples.radiance;
+    return (double)rgb[0][slot] + (double)rgb[1][slot] + (double)rgb[2][slot];
+}
+
+void path_scout_waits(path_scout *s, const wave *w) {
+    for (size_t k = 0; k < s->count; ++k) s->questions[k].before = light_of(w, s->questions[k].slot);
+}
+
+void path_scout_sees(path_scout *s, const wave *w) {
+    for (size_t k = 0; k < s->count; ++k) {
+        const scout_question *q = &s->questions[k];
+        const double seen = fmin(fmax((light_of(w, q->slot) - q->before) / q->possible, 0), 1);
+        *(q->outside ? &s->report.outside : &s->report.finite) += seen * q->possible;
+        if (q->outside) s->report.rays.items[s->answered++].seen = (float)seen;
+    }
+    s->count = 0;
+}
+
+/* ---- paths ---- */
+
+/* Squares spread over the image by the additive recurrence R2 (Roberts 2018). */
+static wave_square square_at(const render_plan *plan, uint32_t k) {
+    const double across = (plan->settings.width + 3) / 4, down = (plan->settings.height + 3) / 4;
+    const double u = 0.5 + k * 0.7548776662466927, v = 0.5 + k * 0.5698402909980532;
+    return (wave_square){4 * (uint32_t)((u - floor(u)) * across), 4 * (uint32_t)((v - floor(v)) * down), k,
+                         0};
+}
+
+static uint32_t square_count(const render_plan *plan) {
+    const uint64_t all = (uint64_t)((plan->settings.width + 3) / 4) * ((plan->settings.height + 3) / 4),
+                   some = all / SHARE;
+    return some < LEAST_SQUARES ? LEAST_SQUARES : some < MOST_SQUARES ? (uint32_t)some : MOST_SQUARES;
+}
+
+static path_scout *hire(const scouting *all) {
+    path_scout *s = calloc(1, sizeof *s);
+    if (!s) return NULL;
+    s->wave = (path_wave *)integrator_path.create(all->plan, &all->stop);
+    if (s->wave) s->wave->scout = s;
+    s->fails = !s->wave;
+    return s;
+}
+
+static void run_batch(scouting *all, path_scout *s, uint32_t b) {
+    const wave_region image = {0, 0, all->plan->settings.width, all->plan->settings.height, 0, 0};
+    const uint32_t first = b * WAVE_SQUARES;
+    wave_batch batch = {.count = min_u32(all->squares - first, WAVE_SQUARES)};
+    for (uint32_t k = 0; k < batch.count; ++k) batch.squares[k] = square_at(all->plan, first + k);
+    s->fails |= !integrator_path.run(&s->wave->wave.run, &image, &batch);
+    all->found[b] = s->report;
+    s->report = (scout_report){.finite = 0};
+    s->answered = 0;
+}
+
+static void run_batches(void *user, size_t begin, size_t end, unsigned worker) {
+    scouting *all = user;
+    if (!all->scouts[worker]) all->scouts[worker] = hire(all);
+    path_scout *s = all->scouts[worker];
+    const unsigned state = trace_thread_begin();
+    for (size_t b = begin; s && b < end && !s->fails; ++b) run_batch(all, s, all->done + (uint32_t)b);
+    trace_thread_end(state);
+    if (!s) atomic_store(&all->fails, true);
+}
+
+/* The fraction of the samples from outside that arrived at least in part. */
+static double seen_by(const scout_report *reports, uint32_t count) {
+    double sum = 0, all = 0;
+    for (uint32_t b = 0; b < count; ++b) {
+        const scout_report *r = &reports[b];
+        for (size_t k = 0; k < r->rays.count; ++k) sum += (double)r->rays.items[k].seen;
+        all += (double)r->rays.count;
+    }
+    return all > 0 ? sum / all : 1;
+}
+
+/* Adds all reports to the first one. False: out of memory. */
+static bool collect(const scouting *all) {
+    scout_report *to = &all->found[0];
+    size_t count = 0;
+    for (uint32_t b = 1; b < all->batches; ++b) count += all->found[b].rays.count;
+    if (!array_room(&to->rays, count)) return false;
+    for (uint32_t b = 1; b < all->batches; ++b) {
+        const scout_report *from = &all->found[b];
+        to->finite += from->finite, to->outside += from->outside;
+        if (!from->rays.count) continue;
+        memcpy(to->rays.items + to->rays.count, from->rays.items,
+               from->rays.count * sizeof *from->rays.items);
+        to->rays.count += from->rays.count;
+    }
+    return true;
+}
+
+static bool teach(const scout_report *r, emitters *e) {
+    const double all = r->finite + r->outside;
+    const emitter_lesson lesson = {r->rays.items, r->rays.count, all > 0 ? r->finite / all : 0.5};
+    return emitters_learn(e, &lesson);
+}
+
+/* Runs batches up to `end`. False: out of memory. */
+static bool run_until(scouting *all, uint32_t end) {
+    loop_parallel(all->threads, end - all->done, 1, run_batches, all);
+    all->done = end;
+    for (unsigned t = 0; t < all->threads; ++t)
+        if (all->scouts[t] && all->scouts[t]->fails) return false;
+    return !all->fails;
+}
+
+/* The first paths tell whether more are needed. False: out of memory. */
+static bool scout(scouting *all, emitters *e) {
+    if (!run_until(all, (all->batches + 7) / 8)) return false;
+    const double seen = seen_by(all->found, all->done);
+    if (seen < ROOM && !run_until(all, all->batches)) return false;
+    return collect(all) && teach(&all->found[0], e);
+}
+
+/* The plan of these paths: no AOVs. */
+static render_plan plan_for(const render_plan *plan, emitters *skies) {
+    render_plan out = *plan;
+    out.emitters = skies;
+    out.settings.aovs = 0, out.settings.fireflies = FATHOM_FIREFLIES_KEEP;
+    out.parts = film_parts_of(&out.settings, NULL);
+    out.groups.count = 0;
+    out.sampler.seed ^= OTHER_SEED;
+    out.max_depth = min_u32(plan->max_depth, MOST_DEPTH);
+    return out;
+}
+
+static void release(scouting *all) {
+    for (unsigned t = 0; all->scouts && t < all->threads; ++t) {
+        if (!all->scouts[t]) continue;
+        if (all->scouts[t]->wave) integrator_path.destroy(&all->scouts[t]->wave->wave.run);
+        array_free(&all->scouts[t]->report.rays);
+        free(all->scouts[t]);
+    }
+    for (uint32_t b = 0; all->found && b < all->batches; ++b) array_free(&all->found[b].rays);
+    free(all->scouts);
+    free(all->found);
+}
+
+fathom_status path_scout_skies(fathom_context *context, render_plan *plan) {
+    emitters *skies;
+    bool fine = emitters_scout(plan->emitters, &skies);
+    if (fine && !skies) return FATHOM_OK;
+    const render_plan few = plan_for(plan, skies);
+    const uint32_t squares = square_count(plan), batches = (squares + WAVE_SQUARES - 1) / WAVE_SQUARES;
+    scouting all = {
+        .plan = &few, .squares = squares, .batches = batches, .threads = fathom_context_threads(context)};
+    all.found = calloc(batches, sizeof *all.found), all.scouts = calloc(all.threads, sizeof *all.scouts);
+    fine = fine && all.found && all.scouts && scout(&all, plan->emitters);
+    release(&all);
+    free(skies);
+    return fine ? FATHOM_OK : fail_memory(context, (size_t)squares * LANES * sizeof(sky_ray));
+}

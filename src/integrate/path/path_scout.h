@@ -1,0 +1,8 @@
+/* A few paths that run before the image, to find what the scene hides of images of skies. */
+#pragma once
+
+#include "integrate/plan.h"
+
+/* Tells the plan's emitters; everything else in the plan must be set. The paths depend on the scene, the
+ * whole image and the seed alone. */
+fathom_status path_scout_skies(fathom_context *context, render_plan *plan);

@@ -1,0 +1,212 @@
+/* Finds what surfaces see of a sky, and gives regions of them tables of their own. */
+#include "base/array.h"
+#include "light/sky.h"
+#include "math/lane.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Rays of a region, at least; more regions would know less of the sky each. */
+#define LEAST_RAYS 128u
+/* Splits above a region, at most: outliers could ask for many. */
+#define MOST_DEPTH 16u
+/* A table of its own must reduce the variance of light samples at least to this, by the estimate below. */
+#define WORTH 0.9
+/* A prior counts as much as this many rays. */
+#define PRIOR_RAYS 32.0
+#define LEAST_SEEN 1e-8
+/* The fraction of samples that do not use what was learned: it bounds the variance where rays missed
+ * something. */
+#define DEFENCE 0.1
+
+/* A ray's block; rays are sorted by view. */
+typedef struct sky_look {
+    uint32_t ray, block;
+} sky_look;
+
+typedef struct sky_pupil {
+    sky_image *s;
+    const sky_ray *rays;
+    sky_look *looks;
+    ARRAY(sky_split) splits;
+    uint32_t tables, capacity; /* in s->views and s->scales */
+    bool fails;                /* out of memory */
+} sky_pupil;
+
+/* Looks [begin, end) of one view. */
+typedef struct sky_span {
+    size_t begin, end;
+    uint32_t view;
+} sky_span;
+
+/* ---- what rays tell ---- */
+
+/* Corrects the fractions that are seen, group by group: the number of rays that arrived, divided by the
+ * number expected. */
+static void correct(const sky_pupil *p, sky_span span, uint32_t side, double seen[SKY_BLOCKS]) {
+    const uint32_t columns = p->s->columns, across = (columns + side - 1) / side;
+    double expected[SKY_BLOCKS] = {0}, arrived[SKY_BLOCKS] = {0};
+    uint32_t count[SKY_BLOCKS] = {0};
+    for (size_t k = span.begin; k < span.end; ++k) {
+        const uint32_t block = p->looks[k].block,
+                       group = block / columns / side * across + block % columns / side;
+        expected[group] += seen[block], ++count[group];
+        arrived[group] += (double)p->rays[p->looks[k].ray].seen;
+    }
+    for (uint32_t block = 0; block < p->s->rows * columns; ++block) {
+        const uint32_t group = block / columns / side * across + block % columns / side;
+        if (!count[group]) continue;
+        const double prior = PRIOR_RAYS * expected[group] / count[group],
+                     factor = (arrived[group] + prior) / (expected[group] + prior);
+        seen[block] = fmin(fmax(seen[block] * factor, LEAST_SEEN), 1);
+    }
+}
+
+/* The square root minimises the variance if light from a block either arrives or does not. Returns the
+ * variance with these weights, divided by that with the weights of the view. */
+static double weigh(const sky_image *s, uint32_t view, const double seen[SKY_BLOCKS],
+                    double parts[SKY_BLOCKS]) {
+    const float *scales = s->scales + (size_t)view * s->rows * s->columns;
+    double all = 0, arrives = 0, sum = 0;
+    for (uint32_t i = 0; i < s->rows * s->columns; ++i) {
+        const double part = (double)scales[i] * s->powers[i];
+        parts[i] = part * sqrt(seen[i]);
+        all += part, arrives += part * seen[i], sum += parts[i];
+    }
+    for (uint32_t i = 0; all > 0 && i < s->rows * s->columns; ++i) {
+        const double part = (double)scales[i] * s->powers[i];
+        parts[i] = (1 - DEFENCE) * parts[i] / sum + DEFENCE * part / all;
+    }
+    return all > 0 ? sum * sum / (all * arrives) : 1;
+}
+
+/* ---- regions ---- */
+
+static bool reserve_table(sky_pupil *p) {
+    sky_image *s = p->s;
+    if (p->tables < p->capacity) return true;
+    const size_t capacity = 2 * (size_t)p->capacity;
+    float *views = realloc(s->views, capacity * sky_view_size(s) * sizeof *views);
+    if (views) s->views = views;
+    float *scales = realloc(s->scales, capacity * s->rows * s->columns * sizeof *scales);
+    if (scales) s->scales = scales;
+    if (!views || !scales) return false;
+    p->capacity = (uint32_t)capacity;
+    return true;
+}
+
+/* Returns the region's table: that of its view if another one is not worth it. */
+static uint32_t make_table(sky_pupil *p, uint32_t view, const double seen[SKY_BLOCKS]) {
+    double parts[SKY_BLOCKS];
+    if (weigh(p->s, view, seen, parts) > WORTH) return SKY_TABLE + view;
+    if (!reserve_table(p)) {
+        p->fails = true;
+        return SKY_TABLE + view;
+    }
+    sky_table(p->s, parts, p->tables);
+    return SKY_TABLE + p->tables++;
+}
+
+static float coordinate(const sky_pupil *p, size_t k, uint32_t axis) {
+    const vec3_f32 v = p->rays[p->looks[k].ray].p;
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+/* Splits at the mean along the axis of the largest variance. */
+static sky_split find_split(const sky_pupil *p, sky_span span) {
+    const double count = (double)(span.end - span.begin);
+    sky_split best = {0};
+    double most = -1;
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        double sum = 0, squares = 0;
+        for (size_t k = span.begin; k < span.end; ++k) sum += (double)coordinate(p, k, axis);
+        const double mean = sum / count;
+        for (size_t k = span.begin; k < span.end; ++k) {
+            const double off = (double)coordinate(p, k, axis) - mean;
+            squares += off * off;
+        }
+        if (squares > most) most = squares, best.at = (float)mean, best.axis = axis;
+    }
+    return best;
+}
+
+/* Moves the rays below the split to the front; returns their end. */
+static size_t part(sky_pupil *p, sky_span span, const sky_split *split) {
+    size_t end = span.begin;
+    for (size_t k = span.begin; k < span.end; ++k) {
+        if (!(coordinate(p, k, split->axis) < split->at)) continue;
+        const sky_look look = p->looks[k];
+        p->looks[k] = p->looks[end], p->looks[end++] = look;
+    }
+    return end;
+}
+
+/* Returns the region or its parts, as sky_split.below. seen: what is known of a larger region. */
+static uint32_t divide(sky_pupil *p, sky_span span, const double known[SKY_BLOCKS], unsigned depth) {
+    double seen[SKY_BLOCKS];
+    memcpy(seen, known, sizeof seen);
+    for (uint32_t side = 8; side; side /= 2) correct(p, span, side, seen);
+    if (span.end - span.begin < 2 * LEAST_RAYS || depth == MOST_DEPTH) return make_table(p, span.view, seen);
+    sky_split split = find_split(p, span);
+    const size_t middle = part(p, span, &split);
+    if (middle - span.begin < LEAST_RAYS / 2 || span.end - middle < LEAST_RAYS / 2)
+        return make_table(p, span.view, seen);
+    split.below = divide(p, (sky_span){span.begin, middle, span.view}, seen, depth + 1);
+    split.above = divide(p, (sky_span){middle, span.end, span.view}, seen, depth + 1);
+    if (split.below == split.above) return split.below;
+    if (!array_push(&p->splits, split)) p->fails = true;
+    return (uint32_t)p->splits.count - 1;
+}
+
+/* ---- the whole ---- */
+
+/* Sorts the rays by view; first: the index of each view's first ray. */
+static bool sort_looks(sky_pupil *p, size_t count, size_t first[SKY_VIEWS + 2]) {
+    const sky_kernels *kernels = sky_kernels_best();
+    uint32_t *views = malloc((count + LANES) * sizeof *views),
+             *blocks = malloc((count + LANES) * sizeof *blocks);
+    size_t at[SKY_VIEWS + 2] = {0};
+    for (size_t done = 0; views && blocks && done < count; done += LANES) {
+        lanes3_f64 n, direction;
+        for (unsigned i = 0; i < LANES; ++i) {
+            const sky_ray *ray = &p->rays[done + i < count ? done + i : done];
+            put_lane_f64(n, i, widen(ray->n));
+            put_lane_f64(direction, i, widen(ray->direction));
+        }
+        kernels->find(p->s, n, direction, views + done, blocks + done);
+    }
+    for (size_t k = 0; views && blocks && k < count; ++k) ++at[views[k] + 1];
+    for (unsigned v = 0; v <= SKY_VIEWS; ++v) at[v + 1] += at[v];
+    memcpy(first, at, sizeof at);
+    for (size_t k = 0; views && blocks && k < count; ++k)
+        p->looks[at[views[k]]++] = (sky_look){(uint32_t)k, blocks[k]};
+    free(views), free(blocks);
+    return views && blocks;
+}
+
+static void divide_views(sky_pupil *p, const size_t first[SKY_VIEWS + 2], uint32_t roots[SKY_VIEWS + 1]) {
+    double unknown[SKY_BLOCKS];
+    for (uint32_t i = 0; i < SKY_BLOCKS; ++i) unknown[i] = 1;
+    for (uint32_t view = 0; view <= SKY_VIEWS; ++view) {
+        const sky_span span = {first[view], first[view + 1], view};
+        roots[view] = span.end - span.begin < LEAST_RAYS ? SKY_TABLE + view : divide(p, span, unknown, 0);
+    }
+}
+
+bool sky_learn(sky_image *s, const sky_ray *rays, size_t count) {
+    sky_pupil p = {.s = s, .rays = rays, .tables = SKY_VIEWS + 1, .capacity = SKY_VIEWS + 1};
+    size_t first[SKY_VIEWS + 2];
+    uint32_t *roots = malloc((SKY_VIEWS + 1) * sizeof *roots);
+    p.looks = malloc((count + 1) * sizeof *p.looks);
+    p.fails = !roots || !p.looks || !sort_looks(&p, count, first);
+    if (!p.fails) divide_views(&p, first, roots);
+    free(p.looks);
+    if (p.fails || p.tables == SKY_VIEWS + 1) {
+        free(roots);
+        array_free(&p.splits);
+        return !p.fails;
+    }
+    s->roots = roots, s->splits = p.splits.items;
+    return true;
+}
