@@ -98,7 +98,7 @@ static void plan_volumes(render_plan *plan) {
     plan->far &= !plan->eye_volumes.count && !plan->volumes_differ;
 }
 
-static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
+static fathom_status plan_paths(fathom_context *context, render_plan *plan, const atomic_bool *stop) {
     fathom_status status = plan_shaders(context, plan);
     if (status == FATHOM_OK)
         status = emitters_create(context, plan->world, plan->texturing,
@@ -112,7 +112,7 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
     plan->unshadowed = !world_casts_all_shadows(plan->world);
     plan->max_depth = plan->settings.max_depth;
     if (plan->watertight) plan_depths(plan);
-    return path_scout_skies(context, plan);
+    return path_scout_skies(context, plan, stop);
 }
 
 /* ---- the reference ---- */
@@ -186,10 +186,10 @@ static const integrator *integrator_of(fathom_integrator which) {
     return NULL;
 }
 
-static fathom_status plan_integrator(fathom_context *context, render_plan *plan) {
+static fathom_status plan_integrator(fathom_context *context, render_plan *plan, const atomic_bool *stop) {
     switch (plan->settings.integrator) {
     case FATHOM_INTEGRATOR_CLASSIC: return plan_classic(context, plan);
-    case FATHOM_INTEGRATOR_PATH: return plan_paths(context, plan);
+    case FATHOM_INTEGRATOR_PATH: return plan_paths(context, plan, stop);
     case FATHOM_INTEGRATOR_REFERENCE: return plan_reference(context, plan);
     }
     return FATHOM_BAD_USAGE;
@@ -239,7 +239,8 @@ static fathom_status plan_mattes(fathom_context *context, render_plan *plan) {
 }
 
 fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
-                          const fathom_settings *settings, render_plan **out) {
+                          const fathom_settings *settings, const atomic_bool *stop, render_plan **out) {
+    static const atomic_bool never = false;
     *out = NULL;
     const fathom_scene *scene = w->scene;
     render_plan *plan = calloc(1, sizeof *plan);
@@ -269,7 +270,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     if (status == FATHOM_OK && plan->parts.groups >= 0) status = light_groups_create(scene, &plan->groups);
     if (status == FATHOM_OK) status = plan_mattes(context, plan);
     if (status == FATHOM_OK) status = plan_approach(plan);
-    if (status == FATHOM_OK) status = plan_integrator(context, plan);
+    if (status == FATHOM_OK) status = plan_integrator(context, plan, stop ? stop : &never);
     if (status == FATHOM_OK)
         *out = plan;
     else

@@ -18,6 +18,8 @@ typedef struct build {
     trace_options options;
     trace_tracer *tracer;
     fathom_status status;
+    const fathom_settings *settings;
+    render_plan *plan;
     fathom_progress_fn progress; /* on the calling thread alone */
     void *progress_user;
     double began;
@@ -36,6 +38,11 @@ static void build_tracer(void *user) {
     b->status = trace_create(b->context, b->world, &b->options, &b->tracer);
 }
 
+static void build_plan(void *user) {
+    build *b = user;
+    b->status = plan_create(b->context, b->world, b->tracer, b->settings, &b->stop, &b->plan);
+}
+
 static void report_build(void *user) {
     build *b = user;
     fathom_progress now = {.phase = FATHOM_PHASE_BUILD,
@@ -43,6 +50,11 @@ static void report_build(void *user) {
                            .seconds = clock_seconds() - b->began};
     if (b->progress && !atomic_load(&b->stop) && !b->progress(b->progress_user, &now))
         atomic_store(&b->stop, true);
+}
+
+static fathom_status end_build(build *b) {
+    if (b->status != FATHOM_OK || !atomic_load(&b->stop)) return b->status;
+    return fail(b->context, FATHOM_INTERRUPTED, "stopped while building; there is no image yet");
 }
 
 static uint64_t program_bytes(const fathom_context *context) {
@@ -96,8 +108,7 @@ static fathom_status run_build(fathom_context *context, const world *w, fathom_f
     *out = b.tracer;
     if (b.tracer && trace_foreseen_bytes(b.tracer))
         film->stats.foreseen_bytes = other + trace_foreseen_bytes(b.tracer);
-    if (b.status != FATHOM_OK || !atomic_load(&b.stop)) return b.status;
-    return fail(context, FATHOM_INTERRUPTED, "stopped while building; there is no image yet");
+    return end_build(&b);
 }
 
 static uint64_t placed_triangles(const world *w, uint32_t group) {
@@ -161,11 +172,22 @@ static fathom_status find_brightest(fathom_context *context, const render_plan *
     return status;
 }
 
-static fathom_status make_plan(fathom_context *context, const world *w, const trace_tracer *tracer,
-                               const fathom_settings *settings, fathom_film *film, render_plan **out) {
-    const double began = clock_seconds();
-    fathom_status status = plan_create(context, w, tracer, settings, out);
-    film->stats.build_seconds += clock_seconds() - began;
+static fathom_status make_plan(fathom_context *context, const world *w, trace_tracer *tracer,
+                               const fathom_settings *settings, const job_options *options, fathom_film *film,
+                               render_plan **out) {
+    static const watch_calls calls = {build_plan, report_build};
+    build b = {.context = context,
+               .world = w,
+               .tracer = tracer,
+               .settings = settings,
+               .progress = options->progress,
+               .progress_user = options->user,
+               .began = clock_seconds() - film->stats.build_seconds,
+               .fraction = 1};
+    watch_run(&calls, &b);
+    *out = b.plan;
+    film->stats.build_seconds = clock_seconds() - b.began;
+    fathom_status status = end_build(&b);
     if (status == FATHOM_OK) status = find_brightest(context, *out, film);
     if (status != FATHOM_OK) return status;
     return left_out_find(w, settings, (*out)->watertight, &film->left_out)
@@ -213,11 +235,11 @@ static fathom_status begin_keeping(const trace_tracer *tracer, keeping *keep, jo
 }
 
 /* Keeping begins after the plan, because a part's head holds results of the plan. */
-static fathom_status render_traced(fathom_context *context, const world *w, const trace_tracer *tracer,
+static fathom_status render_traced(fathom_context *context, const world *w, trace_tracer *tracer,
                                    const fathom_settings *settings, keeping *keep, job_options *options,
                                    fathom_film *film) {
     render_plan *plan = NULL;
-    fathom_status status = make_plan(context, w, tracer, settings, film, &plan);
+    fathom_status status = make_plan(context, w, tracer, settings, options, film, &plan);
     if (status == FATHOM_OK) status = begin_keeping(tracer, keep, options);
     if (status == FATHOM_OK) status = run_plan(context, plan, options, film);
     plan_destroy(plan);

@@ -109,7 +109,7 @@ UNIT_TEST(light_samples_leave_by_the_window) {
         s.settings.width = s.settings.height = 256;
         assert_ok(s.context, world_create(s.scene, &w));
         assert_ok(s.context, trace_create(s.context, w, &options, &tracer));
-        assert_ok(s.context, plan_create(s.context, w, tracer, &s.settings, &plan));
+        assert_ok(s.context, plan_create(s.context, w, tracer, &s.settings, NULL, &plan));
         expect_window(plan, 0.4);
         plan_destroy(plan);
         trace_destroy(tracer);

@@ -48,7 +48,7 @@ struct path_scout {
 /* All threads. */
 typedef struct scouting {
     const render_plan *plan;
-    atomic_bool stop;  /* stays false */
+    const atomic_bool *stop;
     atomic_bool fails; /* out of memory */
     uint32_t squares, batches, done;
     scout_report *found; /* by batch */
@@ -111,7 +111,7 @@ static uint32_t square_count(const render_plan *plan) {
 static path_scout *hire(const scouting *all) {
     path_scout *s = calloc(1, sizeof *s);
     if (!s) return NULL;
-    s->wave = (path_wave *)integrator_path.create(all->plan, &all->stop);
+    s->wave = (path_wave *)integrator_path.create(all->plan, all->stop);
     if (s->wave) s->wave->scout = s;
     s->fails = !s->wave;
     return s;
@@ -213,16 +213,19 @@ static void release(scouting *all) {
     free(all->found);
 }
 
-fathom_status path_scout_skies(fathom_context *context, render_plan *plan) {
+fathom_status path_scout_skies(fathom_context *context, render_plan *plan, const atomic_bool *stop) {
     emitters *skies;
     bool fine = emitters_scout(plan->emitters, &skies);
     if (fine && !skies) return FATHOM_OK;
     const render_plan few = plan_for(plan, skies);
     const uint32_t squares = square_count(plan), batches = (squares + WAVE_SQUARES - 1) / WAVE_SQUARES;
-    scouting all = {
-        .plan = &few, .squares = squares, .batches = batches, .threads = fathom_context_threads(context)};
+    scouting all = {.plan = &few,
+                    .stop = stop,
+                    .squares = squares,
+                    .batches = batches,
+                    .threads = fathom_context_threads(context)};
     all.found = calloc(batches, sizeof *all.found), all.scouts = calloc(all.threads, sizeof *all.scouts);
-    fine = fine && all.found && all.scouts && scout(&all, plan->emitters);
+    fine = fine && all.found && all.scouts && (scout(&all, plan->emitters) || atomic_load(stop));
     release(&all);
     free(skies);
     return fine ? FATHOM_OK : fail_memory(context, (size_t)squares * LANES * sizeof(sky_ray));

@@ -4,5 +4,5 @@
 #include "integrate/plan.h"
 
 /* Tells the plan's emitters; everything else in the plan must be set. The paths depend on the scene, the
- * whole image and the seed alone. */
-fathom_status path_scout_skies(fathom_context *context, render_plan *plan);
+ * whole image and the seed alone. They end early if *stop becomes true. */
+fathom_status path_scout_skies(fathom_context *context, render_plan *plan, const atomic_bool *stop);
