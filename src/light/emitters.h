@@ -80,14 +80,16 @@ void emitters_outside(const emitters *e, unsigned lanes, const lanes3 p, const l
 /* ---- learning ---- */
 
 /* A copy for paths that find out what the scene hides, valid as long as e: light samples go to images of
- * skies and, evenly by direction, past them, and a quarter to surfaces and lamps, if there are any. *out is
- * NULL if light samples go to no such image. Release with free(). False: out of memory. */
+ * skies and, evenly by direction, past them, and an eighth to surfaces and lamps, if there are any; or to an
+ * even background, if it is the only light. *out is NULL if light samples go to neither. Release with free().
+ * False: out of memory. */
 bool emitters_scout(const emitters *e, emitters **out);
 
 /* What these paths found. */
 typedef struct emitter_lesson {
     const sky_ray *rays; /* light samples from outside */
     size_t count;
+    double seen;   /* fraction of these that arrive */
     double finite; /* fraction of the light that is of surfaces and lamps; the rest is from outside */
 } emitter_lesson;
 /* Light samples prefer the lights, and the parts of the skies, that reach the points. Call at most once.

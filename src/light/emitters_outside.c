@@ -158,10 +158,12 @@ bool emitters_scout(const emitters *e, emitters **out) {
     double sum = 0;
     *out = NULL;
     for (uint32_t k = 0; k < e->sky_count; ++k) sum += e->skies[k].chance;
-    if (!(sum > 0 && e->chance[EMITTER_OUTSIDE] > 0)) return true;
+    if (!e->one.sky && !(sum > 0 && e->chance[EMITTER_OUTSIDE] > 0)) return true;
     emitters *scout = malloc(sizeof *scout + e->sky_count * sizeof *e->skies);
     if (!scout) return false;
     *scout = *e;
+    *out = scout;
+    if (e->one.sky) return true;
     scout->skies = (emitter_sky *)(scout + 1);
     for (uint32_t k = 0; k < e->sky_count; ++k) {
         scout->skies[k] = e->skies[k];
@@ -172,6 +174,5 @@ bool emitters_scout(const emitters *e, emitters **out) {
     scout->chance[EMITTER_OUTSIDE] = 1 - scout->chance[EMITTER_FINITE];
     scout->chance[EMITTER_DIRECTIONAL] = 0;
     scout->one = (emitter_one){0};
-    *out = scout;
     return true;
 }

@@ -119,6 +119,23 @@ fathom_status environment_studio(fathom_context *context, vec3_f64 z, vec3_f64 u
     return finish(context, out);
 }
 
+/* ---- an even sky ---- */
+
+/* Every block has cells of its own. */
+enum { EVEN_WIDTH = SKY_BLOCK_COLUMNS, EVEN_HEIGHT = SKY_BLOCK_ROWS };
+
+fathom_status environment_even(fathom_context *context, const float radiance[3], environment **out) {
+    sky_image sky = {.width = EVEN_WIDTH, .height = EVEN_HEIGHT, .axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    const size_t bytes = EVEN_WIDTH * EVEN_HEIGHT * sizeof *sky.texels;
+    *out = NULL;
+    sky.texels = malloc(bytes);
+    if (!sky.texels) return fail_memory(context, bytes);
+    for (uint32_t i = 0; i < EVEN_WIDTH * EVEN_HEIGHT; ++i)
+        memcpy(sky.texels[i].rgb, radiance, sizeof sky.texels[i].rgb);
+    *out = wrap(context, &sky);
+    return *out ? finish(context, out) : FATHOM_OUT_OF_RESOURCES;
+}
+
 /* ---- asking ---- */
 
 void environment_at(const environment *e, unsigned lanes, const lanes3 p, const lanes3_f64 n,

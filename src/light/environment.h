@@ -17,6 +17,8 @@ fathom_status environment_open(fathom_context *context, const fathom_scene *scen
                                environment **out);
 /* The built-in studio (studio.h), for a camera that looks along -z; `up` is a unit vector. */
 fathom_status environment_studio(fathom_context *context, vec3_f64 z, vec3_f64 up, environment **out);
+/* The same radiance from all directions. */
+fathom_status environment_even(fathom_context *context, const float radiance[3], environment **out);
 void environment_destroy(environment *e);
 
 /* The image itself; valid as long as the environment. */

@@ -141,7 +141,7 @@ static void quarters_of_the_numbers_take_one_kind_of_light_each(void **state) {
     for (int sun = 0; sun < 2; ++sun) {
         int quarters = 1;
         for (double share = 0; share <= 1; share += 0.125) {
-            const emitter_lesson lesson = {NULL, 0, share};
+            const emitter_lesson lesson = {.finite = share};
             for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = 0.5f;
             add_ball(1);
             if (sun) add_sun();

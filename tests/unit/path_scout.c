@@ -1,4 +1,4 @@
-/* A room that an image of a sky lights through a window: paths before the image tell its light samples where
+/* A room that a sky lights through a window: paths before the image tell its light samples where
  * the window is. */
 #include "image/image.h"
 #include "integrate/plan.h"
@@ -30,9 +30,9 @@ static void add_sky(stage *s) {
     assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
 }
 
-/* A box from -2 to 2, whose side at x = -2 has a window from -1 to 1, with a pane or without; in it a ball
- * and a lamp. */
-static stage room(bool pane, float lamp) {
+/* A box from -2 to 2, whose side at x = -2 has a window from -1 to 1, with a pane or without, under an image
+ * of a sky or an even background; in it a ball and a lamp. */
+static stage room(bool painted, bool pane, float lamp) {
     stage s = stage_open(64, 64);
     const fathom_id wall = stage_lambert(&s, 0.6f);
     fathom_material clear;
@@ -40,7 +40,10 @@ static stage room(bool pane, float lamp) {
     clear.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     clear.metallic = clear.roughness = 0, clear.transmission = 1;
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
-    add_sky(&s);
+    if (painted)
+        add_sky(&s);
+    else
+        assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0.5f, 1, 2}));
     for (int side = 0; side < 5; ++side) {
         const int axis = side < 3 ? side : side - 2;
         double at[3] = {0}, u[3] = {0}, v[3] = {0};
@@ -65,8 +68,8 @@ static stage room(bool pane, float lamp) {
 UNIT_TEST(rooms_are_lit_as_the_reference_says) {
     const laws_pair options = {
         .across = 4, .down = 4, .depth = 6, .samples = 1 << 17, .seed = 1, .threads = 2, .allowance = 2e-5};
-    for (int k = 0; k < 3; ++k) {
-        stage s = room(k == 1, k == 2 ? 5 : 0);
+    for (int k = 0; k < 5; ++k) {
+        stage s = room(k < 3, k % 3 == 1, k == 2 ? 5 : 0);
         laws_difference d;
         assert_ok(s.context, laws_pair_run(s.context, s.scene, &options, &d));
         if (d.p < 1e-5) fail_msg("room %d: p %g, %g +- %g", k, d.p, d.relative, d.relative_error);
@@ -100,8 +103,8 @@ static void expect_window(const render_plan *plan, double least) {
 }
 
 UNIT_TEST(light_samples_leave_by_the_window) {
-    for (int pane = 0; pane < 2; ++pane) {
-        stage s = room(pane, 0);
+    for (int k = 0; k < 4; ++k) {
+        stage s = room(k > 1, k % 2, 0);
         const trace_options options = {.timed = true, .threads = 2, .expected_rays = 1000000};
         trace_tracer *tracer;
         render_plan *plan;
@@ -120,7 +123,7 @@ UNIT_TEST(light_samples_leave_by_the_window) {
 
 /* Paths before the image are the same for all of them. */
 UNIT_TEST(threads_and_crops_change_no_bit) {
-    stage s = room(true, 5);
+    stage s = room(true, true, 5);
     s.settings.spp = 4;
     fathom_context_set_threads(s.context, 1);
     fathom_film *one = stage_render(&s);

@@ -168,7 +168,10 @@ static bool collect(const scouting *all) {
 
 static bool teach(const scout_report *r, emitters *e) {
     const double all = r->finite + r->outside;
-    const emitter_lesson lesson = {r->rays.items, r->rays.count, all > 0 ? r->finite / all : 0.5};
+    const emitter_lesson lesson = {.rays = r->rays.items,
+                                   .count = r->rays.count,
+                                   .seen = seen_by(r, 1),
+                                   .finite = all > 0 ? r->finite / all : 0.5};
     return emitters_learn(e, &lesson);
 }
 

@@ -1,4 +1,4 @@
-/* A few paths that run before the image, to find what the scene hides of images of skies. */
+/* A few paths that run before the image, to find what the scene hides of skies. */
 #pragma once
 
 #include "integrate/plan.h"
