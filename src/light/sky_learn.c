@@ -16,6 +16,8 @@
 /* A prior counts as much as this many rays. */
 #define PRIOR_RAYS 32.0
 #define LEAST_SEEN 1e-8
+/* At least this much of a block is taken to be seen, of what is seen of its neighbours. */
+#define NEIGHBOUR 0.01
 /* The fraction of samples that do not use what was learned: it bounds the variance where rays missed
  * something. */
 #define DEFENCE 0.1
@@ -63,6 +65,16 @@ static void correct(const sky_pupil *p, sky_span span, uint32_t side, double see
     }
 }
 
+/* A region may see some of a block next to one that its rays saw. */
+static double seen_near(const sky_image *s, const double seen[SKY_BLOCKS], uint32_t i) {
+    const uint32_t x = i % s->columns, right = x + 1 < s->columns ? i + 1 : i - x,
+                   left = x ? i - 1 : i + s->columns - 1;
+    double most = fmax(seen[left], seen[right]);
+    if (i >= s->columns) most = fmax(most, seen[i - s->columns]);
+    if (i + s->columns < s->rows * s->columns) most = fmax(most, seen[i + s->columns]);
+    return fmax(seen[i], NEIGHBOUR * most);
+}
+
 /* The square root minimises the variance if light from a block either arrives or does not. Returns the
  * variance with these weights, divided by that with the weights of the view. */
 static double weigh(const sky_image *s, uint32_t view, const double seen[SKY_BLOCKS],
@@ -71,7 +83,7 @@ static double weigh(const sky_image *s, uint32_t view, const double seen[SKY_BLO
     double all = 0, arrives = 0, sum = 0;
     for (uint32_t i = 0; i < s->rows * s->columns; ++i) {
         const double part = (double)scales[i] * s->powers[i];
-        parts[i] = part * sqrt(seen[i]);
+        parts[i] = part * sqrt(seen_near(s, seen, i));
         all += part, arrives += part * seen[i], sum += parts[i];
     }
     for (uint32_t i = 0; all > 0 && i < s->rows * s->columns; ++i) {

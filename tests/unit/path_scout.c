@@ -113,7 +113,7 @@ UNIT_TEST(light_samples_leave_by_the_window) {
         assert_ok(s.context, world_create(s.scene, &w));
         assert_ok(s.context, trace_create(s.context, w, &options, &tracer));
         assert_ok(s.context, plan_create(s.context, w, tracer, &s.settings, NULL, &plan));
-        expect_window(plan, 0.4);
+        expect_window(plan, 0.3);
         plan_destroy(plan);
         trace_destroy(tracer);
         world_destroy(w);
