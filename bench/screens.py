@@ -5,16 +5,9 @@ usage: /usr/bin/python3 screens.py PROGRAM...
 Prints a table for bench/path_tracing.md: for each lamp the noise of a sample relative to the mean, from two seeds, and seconds of
 processor time. Needs python3-openimageio and python3-numpy."""
 
-import itertools
-import json
-import pathlib
-import resource
-import subprocess
-import sys
-import tempfile
-
 import numpy as np
-import OpenImageIO as oiio
+
+from noise import render, table
 
 SIDE, SAMPLES = 1024, 64
 
@@ -62,32 +55,12 @@ def scene(lamp):
     }
 
 
-numbers = itertools.count()  # OpenImageIO may keep what it has read under a name
-
-
-def render(program, folder, seed):
-    image, before = folder / f"{next(numbers)}.exr", resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    command = [program, "render", folder / "lamp.json", "-o", image, "--exr-float", "--spp", str(SAMPLES), "--seed", str(seed)]
-    subprocess.run([*command, "--threads", "1", "--quiet"], check=True)
-    seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-    return oiio.ImageBuf(str(image)).get_pixels()[:, :, 1], seconds
-
-
-def measure(program, folder):
-    (one, first), (two, second) = render(program, folder, 1), render(program, folder, 2)
+def measure(program, scene):
+    options = "--spp", str(SAMPLES), "--threads", "1"
+    (one, first), (two, second) = (render(program, scene, seed, *options) for seed in (1, 2))
+    one, two = one[:, :, 1], two[:, :, 1]
     return np.sqrt(np.mean((one - two) ** 2) / 2) / one.mean() * SAMPLES**0.5, min(first, second)
 
 
-def main():
-    programs = [pathlib.Path(p).resolve() for p in sys.argv[1:]] or sys.exit(__doc__)
-    print("|lamp" + "|noise|s" * len(programs) + "|")
-    print("|-" * (1 + 2 * len(programs)) + "|")
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        for lamp, (image, shape) in LAMPS.items():
-            oiio.ImageBuf(image()).write(str(folder / "lamp.png"), "uint8")
-            (folder / "lamp.json").write_text(json.dumps(scene(shape)))
-            print(f"|{lamp}" + "".join("|%.2f|%.2f" % measure(p, folder) for p in programs) + "|", flush=True)
-
-
-main()
+rows = {title: (scene(shape), "lamp.png", image(), "uint8") for title, (image, shape) in LAMPS.items()}
+table(__doc__, "lamp", rows, measure, 2)

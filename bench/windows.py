@@ -5,16 +5,9 @@ usage: /usr/bin/python3 windows.py PROGRAM...
 Prints a table for bench/path_tracing.md: for each room the relative noise of the median pixel, from two seeds, and seconds of
 processor time. Needs python3-openimageio and python3-numpy."""
 
-import itertools
-import json
-import pathlib
-import resource
-import subprocess
-import sys
-import tempfile
-
 import numpy as np
-import OpenImageIO as oiio
+
+from noise import render, table
 
 WIDTH, HEIGHT, SAMPLES = 512, 256, 32
 
@@ -72,34 +65,12 @@ ROOMS = {
 }
 
 
-numbers = itertools.count()  # OpenImageIO may keep what it has read under a name
-
-
-def render(program, folder, seed):
-    image, before = folder / f"{next(numbers)}.exr", resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    command = [program, "render", folder / "room.json", "-o", image, "--exr-float", "--spp", str(SAMPLES), "--seed", str(seed)]
-    subprocess.run([*command, "--quiet"], check=True)
-    seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-    return oiio.ImageBuf(str(image)).get_pixels()[:, :, :3].mean(axis=2), seconds
-
-
-def measure(program, folder):
-    (one, first), (two, second) = render(program, folder, 1), render(program, folder, 2)
+def measure(program, scene):
+    (one, first), (two, second) = (render(program, scene, seed, "--spp", str(SAMPLES)) for seed in (1, 2))
+    one, two = one.mean(axis=2), two.mean(axis=2)
     off = abs(one - two) / np.maximum((one + two) / 2, 1e-6) / 2**0.5
     return np.median(off) / 0.6745, min(first, second)  # the median of a normal distribution's absolute value
 
 
-def main():
-    programs = [pathlib.Path(p).resolve() for p in sys.argv[1:]] or sys.exit(__doc__)
-    print("|room" + "|noise|s" * len(programs) + "|")
-    print("|-" * (1 + 2 * len(programs)) + "|")
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        for title, (azimuth, scene) in ROOMS.items():
-            oiio.ImageBuf(sky(azimuth)).write(str(folder / "sky.exr"), "float")
-            (folder / "room.json").write_text(json.dumps(scene))
-            print(f"|{title}" + "".join("|%.3f|%.2f" % measure(p, folder) for p in programs) + "|", flush=True)
-
-
-if __name__ == "__main__":
-    main()
+rows = {title: (made, "sky.exr", sky(azimuth), "float") for title, (azimuth, made) in ROOMS.items()}
+table(__doc__, "room", rows, measure, 3)

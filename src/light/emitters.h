@@ -85,7 +85,7 @@ void emitters_outside(const emitters *e, unsigned lanes, const lanes3 p, const l
  * False: out of memory. */
 bool emitters_scout(const emitters *e, emitters **out);
 
-/* What these paths found. */
+/* The findings of these paths. */
 typedef struct emitter_lesson {
     const sky_ray *rays; /* light samples from outside */
     size_t count;

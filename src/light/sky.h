@@ -63,12 +63,11 @@ typedef struct sky_image {
     uint32_t row_first[SKY_BLOCK_ROWS + 1], column_first[SKY_BLOCK_COLUMNS + 1]; /* cells of the blocks */
     uint8_t *row_block, *column_block; /* of each row and column of cells */
     float *cells;                      /* sums of mean luminance, along a row of cells of a block; by cell */
-    float *lines;   /* sums of luminance times solid angle, over the rows of cells of a block; height + 1 for
-                       each column of blocks */
-    double *powers; /* luminance times solid angle of the blocks */
-    float
-        *views; /* tables: sums of weights of the rows of blocks, then of the blocks along each row. The first
-                   ones are for each view, the last of these is without a normal; then those of regions */
+    float *lines;    /* sums of luminance times solid angle, over the rows of cells of a block; height + 1 for
+                        each column of blocks */
+    double *powers;  /* luminance times solid angle of the blocks */
+    float *views;    /* tables: sums of weights of the rows of blocks, then of the blocks along each row; for
+                        each view, of which the last one is without a normal, then for each region */
     float *scales;   /* of the blocks in each table: density of a direction divided by its luminance */
     uint32_t *roots; /* by view: as sky_split.below; NULL: there are no regions */
     sky_split *splits;

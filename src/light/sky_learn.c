@@ -154,7 +154,7 @@ static size_t part(sky_pupil *p, sky_span span, const sky_split *split) {
     return end;
 }
 
-/* Returns the region or its parts, as sky_split.below. seen: what is known of a larger region. */
+/* Returns the region or its parts, as sky_split.below. known: the fractions that a larger region sees. */
 static uint32_t divide(sky_pupil *p, sky_span span, const double known[SKY_BLOCKS], unsigned depth) {
     double seen[SKY_BLOCKS];
     memcpy(seen, known, sizeof seen);

@@ -29,7 +29,7 @@ static vec3_f64 any_direction(random_state *r) {
     return vec_f64(round * cos(turn), y, round * sin(turn));
 }
 
-/* Of the sky, points with x < 0 see what has x < 0, and others what has x > 0. */
+/* Points with x < 0 see the part of the sky with x < 0, others the part with x > 0. */
 static bool sees(vec3_f64 p, vec3_f64 d) { return (p.x < 0) == (d.x < 0); }
 
 static void learn(sky_image *s, bool hidden) {

@@ -22,7 +22,7 @@
  * gain little. */
 #define ROOM (1 / 3.0)
 
-/* What the paths of a batch found. */
+/* The findings of a batch of paths. */
 typedef struct scout_report {
     ARRAY(sky_ray) rays;
     double finite, outside; /* sums of light samples that arrived */
@@ -138,7 +138,7 @@ static void run_batches(void *user, size_t begin, size_t end, unsigned worker) {
     if (!s) atomic_store(&all->fails, true);
 }
 
-/* The fraction of the samples from outside that arrived at least in part. */
+/* The mean fraction of the samples from outside that arrived. */
 static double seen_by(const scout_report *reports, uint32_t count) {
     double sum = 0, all = 0;
     for (uint32_t b = 0; b < count; ++b) {
