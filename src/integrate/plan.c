@@ -14,14 +14,16 @@
 /* Average number of bounces of a path. */
 #define PATH_USUAL_DEPTH 4u
 
+uint32_t plan_expected_spp(const fathom_settings *s) {
+    return s->target_error > 0 || s->max_time > 0 ? min_u32(s->spp, ADAPTIVE_USUAL_SPP) : s->spp;
+}
+
 uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s) {
     unsigned bounces = parts_features(scene) & (MATERIAL_MIRROR | MATERIAL_REFRACT) ? 2 : 1;
-    uint64_t spp = s->spp;
-    if ((s->target_error > 0 || s->max_time > 0) && spp > ADAPTIVE_USUAL_SPP) spp = ADAPTIVE_USUAL_SPP;
+    const uint64_t samples = settings_pixels(s) * plan_expected_spp(s);
     if (s->integrator != FATHOM_INTEGRATOR_CLASSIC)
-        return settings_pixels(s) * spp * 2 *
-               (s->max_depth < PATH_USUAL_DEPTH ? s->max_depth : PATH_USUAL_DEPTH);
-    return settings_pixels(s) * spp * (1 + scene->lights.count) * bounces;
+        return samples * 2 * (s->max_depth < PATH_USUAL_DEPTH ? s->max_depth : PATH_USUAL_DEPTH);
+    return samples * (1 + scene->lights.count) * bounces;
 }
 
 /* Camera rays start at different points or times. */

@@ -102,5 +102,7 @@ void eye_volumes_find(const render_plan *plan, vec3_f32 eye, float time, eye_vol
 bool eye_volumes_differ(const render_plan *plan);
 bool eye_depths_differ(const render_plan *plan);
 
-/* Rays a render with these settings is expected to trace, within a factor of a few: for the build quality. */
+/* Samples of a pixel that a render with these settings is expected to take. */
+uint32_t plan_expected_spp(const fathom_settings *settings);
+/* Rays it is expected to trace, within a factor of a few: for the build quality. */
 uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *settings);

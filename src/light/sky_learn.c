@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Rays of a region, at least; more regions would know less of the sky each. */
-#define LEAST_RAYS 128u
+#define LEAST_RAYS 512u
 /* Splits above a region, at most: outliers could ask for many. */
 #define MOST_DEPTH 16u
 /* A table of its own must reduce the variance of light samples at least to this, by the estimate below. */

@@ -9,18 +9,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Squares of 4 × 4 pixels that have a path for each pixel: half of the image, but at least 64 and at most
- * 2^13. */
-#define SHARE 2u
+/* One path for this many samples of the image, in squares of 4 × 4 pixels: at least 64 squares, at most 2^15.
+ */
+#define SAMPLES_PER_PATH 16u
+#define SPP_TO_TIME 4u
 #define LEAST_SQUARES 64u
-#define MOST_SQUARES (1u << 13)
+#define MOST_SQUARES (1u << 15)
 /* Most light has been sampled after this many scatterings. */
 #define MOST_DEPTH 4u
 /* The image has other random numbers: these paths decide how it samples. */
 #define OTHER_SEED 0x5ce7a5c0u
-/* An eighth of the paths run first. If more than this fraction of the light samples arrive, the others would
- * gain little. */
+/* An eighth of the paths run first, in at most this many squares. The others would gain little if more than a
+ * third of their light samples arrive, or if these bring less than an eighth of the light. */
+#define FIRST_SQUARES (1u << 10)
 #define ROOM (1 / 3.0)
+#define DIM (1 / 8.0)
 
 /* The findings of a batch of paths. */
 typedef struct scout_report {
@@ -102,10 +105,15 @@ static wave_square square_at(const render_plan *plan, uint32_t k) {
                          0};
 }
 
+/* A render to a time may be short. */
 static uint32_t square_count(const render_plan *plan) {
-    const uint64_t all = (uint64_t)((plan->settings.width + 3) / 4) * ((plan->settings.height + 3) / 4),
-                   some = all / SHARE;
-    return some < LEAST_SQUARES ? LEAST_SQUARES : some < MOST_SQUARES ? (uint32_t)some : MOST_SQUARES;
+    const fathom_settings *s = &plan->settings;
+    const uint64_t pixels = (uint64_t)s->width * s->height, /* a crop changes no pixel */
+        spp = s->max_time > 0 ? SPP_TO_TIME : plan_expected_spp(s),
+                   squares = pixels * spp / (SAMPLES_PER_PATH * LANES);
+    return squares < LEAST_SQUARES  ? LEAST_SQUARES
+           : squares < MOST_SQUARES ? (uint32_t)squares
+                                    : MOST_SQUARES;
 }
 
 static path_scout *hire(const scouting *all) {
@@ -138,15 +146,17 @@ static void run_batches(void *user, size_t begin, size_t end, unsigned worker) {
     if (!s) atomic_store(&all->fails, true);
 }
 
-/* The mean fraction of the samples from outside that arrived. */
-static double seen_by(const scout_report *reports, uint32_t count) {
-    double sum = 0, all = 0;
+/* The mean fraction of the samples from outside that arrived, and the part of the light that they bring. */
+static void sum_up(const scout_report *reports, uint32_t count, double *seen, double *share) {
+    double arrived = 0, finite = 0, outside = 0;
+    size_t rays = 0;
     for (uint32_t b = 0; b < count; ++b) {
         const scout_report *r = &reports[b];
-        for (size_t k = 0; k < r->rays.count; ++k) sum += (double)r->rays.items[k].seen;
-        all += (double)r->rays.count;
+        for (size_t k = 0; k < r->rays.count; ++k) arrived += (double)r->rays.items[k].seen;
+        rays += r->rays.count, finite += r->finite, outside += r->outside;
     }
-    return all > 0 ? sum / all : 1;
+    *seen = rays ? arrived / (double)rays : 1;
+    *share = finite + outside > 0 ? outside / (finite + outside) : 0.5;
 }
 
 /* Adds all reports to the first one. False: out of memory. */
@@ -156,22 +166,23 @@ static bool collect(const scouting *all) {
     for (uint32_t b = 1; b < all->batches; ++b) count += all->found[b].rays.count;
     if (!array_room(&to->rays, count)) return false;
     for (uint32_t b = 1; b < all->batches; ++b) {
-        const scout_report *from = &all->found[b];
+        scout_report *from = &all->found[b];
         to->finite += from->finite, to->outside += from->outside;
         if (!from->rays.count) continue;
         memcpy(to->rays.items + to->rays.count, from->rays.items,
                from->rays.count * sizeof *from->rays.items);
         to->rays.count += from->rays.count;
+        array_free(&from->rays);
+        from->rays.items = NULL;
     }
     return true;
 }
 
 static bool teach(const scout_report *r, emitters *e) {
-    const double all = r->finite + r->outside;
-    const emitter_lesson lesson = {.rays = r->rays.items,
-                                   .count = r->rays.count,
-                                   .seen = seen_by(r, 1),
-                                   .finite = all > 0 ? r->finite / all : 0.5};
+    emitter_lesson lesson = {.rays = r->rays.items, .count = r->rays.count};
+    double outside;
+    sum_up(r, 1, &lesson.seen, &outside);
+    lesson.finite = 1 - outside;
     return emitters_learn(e, &lesson);
 }
 
@@ -186,9 +197,11 @@ static bool run_until(scouting *all, uint32_t end) {
 
 /* The first paths tell whether more are needed. False: out of memory. */
 static bool scout(scouting *all, emitters *e) {
-    if (!run_until(all, (all->batches + 7) / 8)) return false;
-    const double seen = seen_by(all->found, all->done);
-    if (seen < ROOM && !run_until(all, all->batches)) return false;
+    const uint32_t first = min_u32((all->batches + 7) / 8, FIRST_SQUARES / WAVE_SQUARES);
+    if (!run_until(all, first)) return false;
+    double seen, outside;
+    sum_up(all->found, all->done, &seen, &outside);
+    if (seen < ROOM && outside > DIM && !run_until(all, all->batches)) return false;
     return collect(all) && teach(&all->found[0], e);
 }
 
