@@ -22,13 +22,17 @@
  * something. */
 #define DEFENCE 0.1
 
-/* A ray's block; rays are sorted by view. */
+/* What remains of a ray once rays are sorted by view. */
 typedef struct sky_look {
-    uint32_t ray, block;
+    float p[3], seen;
+    uint32_t block;
 } sky_look;
+
+enum { LEVELS = 4 };
 
 typedef struct sky_pupil {
     sky_image *s;
+    uint16_t groups[LEVELS][SKY_BLOCKS]; /* by block */
     const sky_ray *rays;
     sky_look *looks;
     ARRAY(sky_split) splits;
@@ -44,20 +48,29 @@ typedef struct sky_span {
 
 /* ---- what rays tell ---- */
 
+/* Groups are squares of 8, 4, 2 and 1 blocks a side. */
+static void set_groups(sky_pupil *p) {
+    const uint32_t columns = p->s->columns;
+    for (uint32_t level = 0, side = 8; level < LEVELS; ++level, side /= 2) {
+        const uint32_t across = (columns + side - 1) / side;
+        for (uint32_t block = 0; block < p->s->rows * columns; ++block)
+            p->groups[level][block] = (uint16_t)(block / columns / side * across + block % columns / side);
+    }
+}
+
 /* Corrects the fractions that are seen, group by group: the number of rays that arrived, divided by the
  * number expected. */
-static void correct(const sky_pupil *p, sky_span span, uint32_t side, double seen[SKY_BLOCKS]) {
-    const uint32_t columns = p->s->columns, across = (columns + side - 1) / side;
+static void correct(const sky_pupil *p, sky_span span, const uint16_t groups[SKY_BLOCKS],
+                    double seen[SKY_BLOCKS]) {
     double expected[SKY_BLOCKS] = {0}, arrived[SKY_BLOCKS] = {0};
     uint32_t count[SKY_BLOCKS] = {0};
     for (size_t k = span.begin; k < span.end; ++k) {
-        const uint32_t block = p->looks[k].block,
-                       group = block / columns / side * across + block % columns / side;
+        const uint32_t block = p->looks[k].block, group = groups[block];
         expected[group] += seen[block], ++count[group];
-        arrived[group] += (double)p->rays[p->looks[k].ray].seen;
+        arrived[group] += (double)p->looks[k].seen;
     }
-    for (uint32_t block = 0; block < p->s->rows * columns; ++block) {
-        const uint32_t group = block / columns / side * across + block % columns / side;
+    for (uint32_t block = 0; block < p->s->rows * p->s->columns; ++block) {
+        const uint32_t group = groups[block];
         if (!count[group]) continue;
         const double prior = PRIOR_RAYS * expected[group] / count[group],
                      factor = (arrived[group] + prior) / (expected[group] + prior);
@@ -120,11 +133,6 @@ static uint32_t make_table(sky_pupil *p, uint32_t view, const double seen[SKY_BL
     return SKY_TABLE + p->tables++;
 }
 
-static float coordinate(const sky_pupil *p, size_t k, uint32_t axis) {
-    const vec3_f32 v = p->rays[p->looks[k].ray].p;
-    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
 /* Splits at the mean along the axis of the largest variance. */
 static sky_split find_split(const sky_pupil *p, sky_span span) {
     const double count = (double)(span.end - span.begin);
@@ -132,10 +140,10 @@ static sky_split find_split(const sky_pupil *p, sky_span span) {
     double most = -1;
     for (uint32_t axis = 0; axis < 3; ++axis) {
         double sum = 0, squares = 0;
-        for (size_t k = span.begin; k < span.end; ++k) sum += (double)coordinate(p, k, axis);
+        for (size_t k = span.begin; k < span.end; ++k) sum += (double)p->looks[k].p[axis];
         const double mean = sum / count;
         for (size_t k = span.begin; k < span.end; ++k) {
-            const double off = (double)coordinate(p, k, axis) - mean;
+            const double off = (double)p->looks[k].p[axis] - mean;
             squares += off * off;
         }
         if (squares > most) most = squares, best.at = (float)mean, best.axis = axis;
@@ -147,7 +155,7 @@ static sky_split find_split(const sky_pupil *p, sky_span span) {
 static size_t part(sky_pupil *p, sky_span span, const sky_split *split) {
     size_t end = span.begin;
     for (size_t k = span.begin; k < span.end; ++k) {
-        if (!(coordinate(p, k, split->axis) < split->at)) continue;
+        if (!(p->looks[k].p[split->axis] < split->at)) continue;
         const sky_look look = p->looks[k];
         p->looks[k] = p->looks[end], p->looks[end++] = look;
     }
@@ -158,7 +166,7 @@ static size_t part(sky_pupil *p, sky_span span, const sky_split *split) {
 static uint32_t divide(sky_pupil *p, sky_span span, const double known[SKY_BLOCKS], unsigned depth) {
     double seen[SKY_BLOCKS];
     memcpy(seen, known, sizeof seen);
-    for (uint32_t side = 8; side; side /= 2) correct(p, span, side, seen);
+    for (int level = 0; level < LEVELS; ++level) correct(p, span, p->groups[level], seen);
     if (span.end - span.begin < 2 * LEAST_RAYS || depth == MOST_DEPTH) return make_table(p, span.view, seen);
     sky_split split = find_split(p, span);
     const size_t middle = part(p, span, &split);
@@ -191,8 +199,10 @@ static bool sort_looks(sky_pupil *p, size_t count, size_t first[SKY_VIEWS + 2]) 
     for (size_t k = 0; views && blocks && k < count; ++k) ++at[views[k] + 1];
     for (unsigned v = 0; v <= SKY_VIEWS; ++v) at[v + 1] += at[v];
     memcpy(first, at, sizeof at);
-    for (size_t k = 0; views && blocks && k < count; ++k)
-        p->looks[at[views[k]]++] = (sky_look){(uint32_t)k, blocks[k]};
+    for (size_t k = 0; views && blocks && k < count; ++k) {
+        const sky_ray *ray = &p->rays[k];
+        p->looks[at[views[k]]++] = (sky_look){{ray->p.x, ray->p.y, ray->p.z}, ray->seen, blocks[k]};
+    }
     free(views), free(blocks);
     return views && blocks;
 }
@@ -210,6 +220,7 @@ bool sky_learn(sky_image *s, const sky_ray *rays, size_t count) {
     sky_pupil p = {.s = s, .rays = rays, .tables = SKY_VIEWS + 1, .capacity = SKY_VIEWS + 1};
     size_t first[SKY_VIEWS + 2];
     uint32_t *roots = malloc((SKY_VIEWS + 1) * sizeof *roots);
+    set_groups(&p);
     p.looks = malloc((count + 1) * sizeof *p.looks);
     p.fails = !roots || !p.looks || !sort_looks(&p, count, first);
     if (!p.fails) divide_views(&p, first, roots);
