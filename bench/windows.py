@@ -1,4 +1,4 @@
-"""Noise and time of a room that an image of a sky lights through a window, by one or more builds of Fathom.
+"""Noise and time of a room that a sky lights through a window, by one or more builds of Fathom.
 
 usage: /usr/bin/python3 windows.py PROGRAM...
 
@@ -25,7 +25,7 @@ def quad(center, u, v, material):
     return {"type": "quad", "center": center, "u": u, "v": v, "material": material}
 
 
-def room(pane=False, lamp=0):
+def room(pane=False, lamp=0, even=False):
     """6 x 2.8 x 8 with a window of 2.4 x 1.3 on the left."""
     shapes = [quad([0, -1.4, 0], [3, 0, 0], [0, 0, -4], "floor")]
     shapes += [quad([0, 1.4, 0], [3, 0, 0], [0, 0, 4], "wall"), quad([0, 0, -4], [3, 0, 0], [0, 1.4, 0], "wall")]
@@ -39,10 +39,10 @@ def room(pane=False, lamp=0):
     for x, z, material in ((-1.6, -1, "gold"), (1.6, -0.2, "plastic"), (0.2, -1.5, "wall")):
         shapes.append({"type": "sphere", "center": [x, -0.9, z], "radius": 0.5, "material": material})
     model = {"model": "metallicRoughness", "roughness": 0.3, "metallic": 0}
-    return {
+    outside = {"background": [0.6, 0.8, 1.2]} if even else {"lights": [{"type": "environment", "file": "sky.exr"}]}
+    return outside | {
         "image": {"width": 320, "height": 200, "maxDepth": 12},
         "camera": {"eye": [0.6, 0.1, 3.8], "target": [-0.3, -0.25, -1], "fovy": 55},
-        "lights": [{"type": "environment", "file": "sky.exr"}],
         "materials": {
             "floor": {**model, "baseColor": [0.35, 0.22, 0.12]},
             "wall": {"kd": [0.7, 0.7, 0.7]},
@@ -62,6 +62,10 @@ ROOMS = {
     "a dim lamp": (0.5, room(lamp=1)),
     "a lamp": (0.5, room(lamp=10)),
     "a bright lamp": (0.5, room(lamp=100)),
+    "an even background": (0, room(even=True)),
+    "the same, and a dim lamp": (0, room(lamp=1, even=True)),
+    "and a lamp": (0, room(lamp=10, even=True)),
+    "and a bright lamp": (0, room(lamp=100, even=True)),
 }
 
 

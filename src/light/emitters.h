@@ -80,9 +80,9 @@ void emitters_outside(const emitters *e, unsigned lanes, const lanes3 p, const l
 /* ---- learning ---- */
 
 /* A copy for paths that find out what the scene hides, valid as long as e: light samples go to images of
- * skies and, evenly by direction, past them, and an eighth to surfaces and lamps, if there are any; or to an
- * even background, if it is the only light. *out is NULL if light samples go to neither. Release with free().
- * False: out of memory. */
+ * skies and, evenly by direction, past them, or to an even background without suns; and an eighth to surfaces
+ * and lamps, if there are any. *out is NULL if there is no such light. Release with free(). False: out of
+ * memory. */
 bool emitters_scout(const emitters *e, emitters **out);
 
 /* The findings of these paths. */

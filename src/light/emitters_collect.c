@@ -291,13 +291,19 @@ static int finite_quarters(double share, bool sun) {
     return share < 0.5 ? 1 : share < 0.75 ? 2 : 3;
 }
 
-/* An even background that is the only light becomes an image if little of it is seen: see
+static void share_as_learned(emitters *e, double finite) {
+    if (e->chance[EMITTER_FINITE] > 0 && e->chance[EMITTER_OUTSIDE] > 0)
+        set_quarters(e, finite_quarters(finite, e->sun_count > 0));
+}
+
+/* An even background becomes an image if little of it is seen, and if it matters next to lamps: see
  * bench/path_tracing.md. */
 #define LITTLE_SEEN 0.25
+#define FAINT 0.2
 
 static bool learn_even(emitters *e, const emitter_lesson *from) {
     environment *sky;
-    if (from->seen > LITTLE_SEEN) return true;
+    if (from->seen > LITTLE_SEEN || 1 - from->finite < FAINT) return true;
     bool fine = environment_even(e->w->scene->context, e->background, &sky) == FATHOM_OK &&
                 environment_learn(sky, from->rays, from->count);
     if (!fine || !environment_sky(sky)->roots) {
@@ -306,17 +312,19 @@ static bool learn_even(emitters *e, const emitter_lesson *from) {
     }
     e->skies[e->sky_count++] = (emitter_sky){sky, 1, e->background_group};
     memset(e->background, 0, sizeof e->background);
-    e->background_chance = 0, e->one.sky = false;
+    free(e->one.face);
+    e->background_chance = 0, e->one = (emitter_one){0};
+    share(e);
+    share_as_learned(e, from->finite);
     return true;
 }
 
 bool emitters_learn(emitters *e, const emitter_lesson *from) {
     bool fine = true;
-    if (e->one.sky) return learn_even(e, from);
+    if (!e->sky_count) return learn_even(e, from);
     for (uint32_t k = 0; k < e->sky_count && fine; ++k)
         fine = environment_learn(e->skies[k].image, from->rays, from->count);
-    if (e->chance[EMITTER_FINITE] > 0 && e->chance[EMITTER_OUTSIDE] > 0)
-        set_quarters(e, finite_quarters(from->finite, e->sun_count > 0));
+    share_as_learned(e, from->finite);
     return fine;
 }
 

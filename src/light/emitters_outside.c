@@ -158,7 +158,9 @@ bool emitters_scout(const emitters *e, emitters **out) {
     double sum = 0;
     *out = NULL;
     for (uint32_t k = 0; k < e->sky_count; ++k) sum += e->skies[k].chance;
-    if (!e->one.sky && !(sum > 0 && e->chance[EMITTER_OUTSIDE] > 0)) return true;
+    const bool painted = sum > 0 && e->chance[EMITTER_OUTSIDE] > 0,
+               even = !e->sky_count && !e->sun_count && e->background_chance > 0;
+    if (!painted && !even) return true;
     emitters *scout = malloc(sizeof *scout + e->sky_count * sizeof *e->skies);
     if (!scout) return false;
     *scout = *e;
@@ -169,7 +171,7 @@ bool emitters_scout(const emitters *e, emitters **out) {
         scout->skies[k] = e->skies[k];
         scout->skies[k].chance *= 0.5 / sum;
     }
-    scout->background_chance = 0.5;
+    scout->background_chance = e->sky_count ? 0.5 : 1;
     scout->chance[EMITTER_FINITE] = e->chance[EMITTER_FINITE] > 0 ? 0.125 : 0;
     scout->chance[EMITTER_OUTSIDE] = 1 - scout->chance[EMITTER_FINITE];
     scout->chance[EMITTER_DIRECTIONAL] = 0;
