@@ -25,7 +25,7 @@ def quad(center, u, v, material):
     return {"type": "quad", "center": center, "u": u, "v": v, "material": material}
 
 
-def room(pane=False, lamp=0, even=False):
+def room(pane=False, lamp=0, even=False, sun=0):
     """6 x 2.8 x 8 with a window of 2.4 x 1.3 on the left."""
     shapes = [quad([0, -1.4, 0], [3, 0, 0], [0, 0, -4], "floor")]
     shapes += [quad([0, 1.4, 0], [3, 0, 0], [0, 0, 4], "wall"), quad([0, 0, -4], [3, 0, 0], [0, 1.4, 0], "wall")]
@@ -39,8 +39,11 @@ def room(pane=False, lamp=0, even=False):
     for x, z, material in ((-1.6, -1, "gold"), (1.6, -0.2, "plastic"), (0.2, -1.5, "wall")):
         shapes.append({"type": "sphere", "center": [x, -0.9, z], "radius": 0.5, "material": material})
     model = {"model": "metallicRoughness", "roughness": 0.3, "metallic": 0}
-    outside = {"background": [0.6, 0.8, 1.2]} if even else {"lights": [{"type": "environment", "file": "sky.exr"}]}
-    return outside | {
+    lights = [] if even else [{"type": "environment", "file": "sky.exr"}]
+    if sun:
+        lights.append({"type": "directional", "direction": [0.8, -0.5, -0.1], "intensity": sun})
+    outside = {"background": [0.6, 0.8, 1.2]} if even else {}
+    return outside | ({"lights": lights} if lights else {}) | {
         "image": {"width": 320, "height": 200, "maxDepth": 12},
         "camera": {"eye": [0.6, 0.1, 3.8], "target": [-0.3, -0.25, -1], "fovy": 55},
         "materials": {
@@ -62,10 +65,12 @@ ROOMS = {
     "a dim lamp": (0.5, room(lamp=1)),
     "a lamp": (0.5, room(lamp=10)),
     "a bright lamp": (0.5, room(lamp=100)),
+    "a dim directional light through the window": (0.5, room(sun=1)),
     "an even background": (0, room(even=True)),
     "the same, and a dim lamp": (0, room(lamp=1, even=True)),
     "and a lamp": (0, room(lamp=10, even=True)),
     "and a bright lamp": (0, room(lamp=100, even=True)),
+    "and a dim directional light": (0, room(even=True, sun=1)),
 }
 
 

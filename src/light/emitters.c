@@ -196,17 +196,17 @@ static double finer(const lanes3 u, unsigned i) {
 /* The class of emitters that a lane samples, EMITTER_PARTS if there is none; *u becomes a number in [0,1)
  * within that class. Numbers that are uniform over the square of the first two stay uniform within each
  * class. */
-static emitter_part choose_part(const emitters *e, double *u) {
+static emitter_part choose_part(const emitter_shares *shares, double *u) {
     emitter_part part = EMITTER_FINITE, last = EMITTER_PARTS;
     double left = *u;
     for (; part < EMITTER_PARTS; ++part) {
-        if (!(e->chance[part] > 0)) continue;
+        if (!(shares->of[part] > 0)) continue;
         last = part;
-        if (left < e->chance[part]) break;
-        left -= e->chance[part];
+        if (left < shares->of[part]) break;
+        left -= shares->of[part];
     }
     if (last == EMITTER_PARTS) return last;
-    *u = fmin(left / e->chance[last], 0x1.fffffffffffffp-1);
+    *u = fmin(left / shares->of[last], 0x1.fffffffffffffp-1);
     return last;
 }
 
@@ -220,7 +220,7 @@ static void choose_finite(const emitters *e, unsigned lanes, double u[LANES], em
     }
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
-        c->chance[i] *= e->chance[EMITTER_FINITE];
+        c->chance[i] *= c->shares[i]->of[EMITTER_FINITE];
         if (!(c->chance[i] > 0))
             no_light(out, i);
         else if (c->emitter[i] >= e->surface_count)
@@ -234,24 +234,27 @@ static void choose_finite(const emitters *e, unsigned lanes, double u[LANES], em
 
 /* Returns the lanes that sample a finite light; the others are complete. choice: numbers that choose among
  * the lights of a class. Changes the first number of u. */
-static unsigned choose_parts(const emitters *e, const emitter_query *from, lanes3 u, double choice[LANES],
+static unsigned choose_parts(const emitters *e, emitter_choices *c, lanes3 u, double choice[LANES],
                              emitter_sample *out) {
     unsigned finite = 0, outside = 0;
     for (unsigned i = 0; i < LANES; ++i) {
         double first = (double)u[0][i];
         choice[i] = finer(u, i);
-        const emitter_part part = choose_part(e, &first);
+        c->shares[i] = emitters_shares(e, lane_f32(c->from->p, i), lane_f32(c->from->n, i));
+        const emitter_part part = choose_part(c->shares[i], &first);
+        out->part[i] = (uint8_t)part;
         u[0][i] = fminf((float)first, 0x1.fffffep-1f);
         switch (part) {
         case EMITTER_FINITE: finite |= 1u << i; break;
         case EMITTER_OUTSIDE: outside |= 1u << i; break;
         case EMITTER_DIRECTIONAL:
-            emitters_sample_sun(e, (double)u[0][i], (double)u[1][i], choice[i], out, i);
+            emitters_sample_sun(e, (double)u[0][i], (double)u[1][i], choice[i], c->shares[i]->of[part], out,
+                                i);
             break;
         case EMITTER_PARTS: no_light(out, i); break;
         }
     }
-    if (outside) emitters_sample_outside(e, outside, from, u, choice, out);
+    if (outside) emitters_sample_outside(e, outside, c->from, u, choice, c->shares, out);
     return finite;
 }
 
@@ -265,7 +268,7 @@ void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 
         emitters_sample_one(e, from, numbers, out);
         return;
     }
-    const unsigned finite = choose_parts(e, from, u, choice, out);
+    const unsigned finite = choose_parts(e, &c, u, choice, out);
     if (finite) choose_finite(e, finite, choice, &c, out);
     for (unsigned lanes = e->groups ? c.faces | c.balls | c.lamps : 0; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
@@ -286,5 +289,5 @@ float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 d
     const uint32_t slot = e->slot_of[run->first + index];
     if (slot == FATHOM_NONE) return 0;
     if (density > 0 && e->only == FATHOM_NONE) density *= tree_chance(&e->lights, p, n, slot);
-    return density_f32(density * e->chance[EMITTER_FINITE]);
+    return density_f32(density * emitters_shares(e, p, n)->of[EMITTER_FINITE]);
 }

@@ -29,6 +29,15 @@ uint32_t emitters_sun_count(const emitters *e);
 /* Upper bound of the radiance from outside in any direction, per channel. */
 void emitters_brightest_outside(const emitters *e, float out[3]);
 
+/* A class of emitters. A light sample chooses one of them by probabilities that depend on the region of the
+ * point. */
+typedef enum emitter_part {
+    EMITTER_FINITE,
+    EMITTER_OUTSIDE,
+    EMITTER_DIRECTIONAL,
+    EMITTER_PARTS
+} emitter_part;
+
 /* Query of a light sample, one point per lane. */
 typedef struct emitter_query {
     _Alignas(64) lanes3 p; /* in world coordinates */
@@ -49,6 +58,7 @@ typedef struct emitter_sample {
                               light */
     uint32_t sized[LANES]; /* all ones: BSDF samples can hit the emitter; 0: light samples count alone */
     uint8_t group[LANES];  /* if groups are given, as emitters_outside_group() */
+    uint8_t part[LANES];   /* emitter_part; set if emitters_choose() */
 } emitter_sample;
 
 /* True if a random choice among lights is needed. */
@@ -79,18 +89,29 @@ void emitters_outside(const emitters *e, unsigned lanes, const lanes3 p, const l
 
 /* ---- learning ---- */
 
-/* A copy for paths that find out what the scene hides, valid as long as e: light samples go to images of
- * skies and, evenly by direction, past them, or to an even background without suns; and an eighth to surfaces
- * and lamps, if there are any. *out is NULL if there is no such light. Release with free(). False: out of
- * memory. */
+/* A copy for paths that find out what the scene hides, valid as long as e: most light samples go
+ * outside, to images of skies and, evenly by direction, past them, or to an even background, and the others
+ * to surfaces and lamps, and to suns. *out is NULL if there is nothing to learn. Release with free(). False:
+ * out of memory. */
 bool emitters_scout(const emitters *e, emitters **out);
+
+/* A light sample. */
+typedef struct emitter_glance {
+    float at[6]; /* point and normal, as in emitter_query */
+    float direction[3], density;
+    float light;   /* that it brings to the viewer, 0 if it does not arrive */
+    uint32_t part; /* emitter_part */
+} emitter_glance;
 
 /* The findings of these paths. */
 typedef struct emitter_lesson {
+    const emitters *by;  /* the copy */
     const sky_ray *rays; /* light samples from outside */
-    size_t count;
-    double seen;   /* fraction of these that arrive */
-    double finite; /* fraction of the light that is of surfaces and lamps; the rest is from outside */
+    size_t ray_count;
+    double seen;             /* fraction of these that arrive */
+    double outside;          /* fraction of the light that they bring */
+    emitter_glance *glances; /* all light samples of some paths; their order is lost */
+    size_t glance_count;
 } emitter_lesson;
 /* Light samples prefer the lights, and the parts of the skies, that reach the points. Call at most once.
  * False: out of memory. */
@@ -104,8 +125,10 @@ typedef struct emitter_disc {
     float distance; /* of the sphere; INFINITY: a sun */
     uint8_t group;
 } emitter_disc;
-/* False: the unit direction leads past the disc. k: below emitters_sun_count(). */
-bool emitters_disc(const emitters *e, uint32_t k, vec3_f32 direction, emitter_disc *out);
+/* For a ray from a point p whose normal is n, as in emitters_hit_density(). False: its unit direction leads
+ * past the disc. k: below emitters_sun_count(). */
+bool emitters_disc(const emitters *e, uint32_t k, vec3_f32 p, vec3_f32 n, vec3_f32 direction,
+                   emitter_disc *out);
 
 /* Part of a ray from a point p whose normal is n, as in emitters_hit_density(). */
 typedef struct emitter_ray {

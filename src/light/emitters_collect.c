@@ -266,46 +266,25 @@ static bool from_outside(const emitters *e) {
     return sum > 0;
 }
 
-/* Quarters of the light samples for finite lights; suns have one quarter. */
-static void set_quarters(emitters *e, int finite) {
-    const int both = e->chance[EMITTER_DIRECTIONAL] > 0 ? 3 : 4;
-    e->chance[EMITTER_FINITE] = finite / 4.0, e->chance[EMITTER_OUTSIDE] = (both - finite) / 4.0;
-    e->chance[EMITTER_DIRECTIONAL] = 1 - both / 4.0;
-}
-
-/* Each class has the same probability, until paths tell more about finite lights and the outside. All are
- * quarters, because the samples of a pixel that are a net are then nets within each class. A background
- * without images is even: scattered rays find it as well as light samples do, so these go to the other
- * lights, if there are any. */
+/* Each class has the same probability, until paths tell more. A background without images is even: scattered
+ * rays find it as well as light samples do, so these go to the other lights, if there are any. */
 static void share(emitters *e) {
     bool there[EMITTER_PARTS] = {e->finite_count > 0, from_outside(e), e->sun_count > 0};
     if (there[EMITTER_FINITE] || there[EMITTER_DIRECTIONAL]) there[EMITTER_OUTSIDE] &= e->sky_count > 0;
     const int parts = there[EMITTER_FINITE] + there[EMITTER_OUTSIDE] + there[EMITTER_DIRECTIONAL];
-    for (int k = 0; k < EMITTER_PARTS; ++k) e->chance[k] = there[k] ? 1.0 / parts : 0;
-    if (there[EMITTER_FINITE] && there[EMITTER_OUTSIDE]) set_quarters(e, parts == 2 ? 2 : 1);
+    for (int k = 0; k < EMITTER_PARTS; ++k) e->shares.of[k] = there[k] ? 1.0 / parts : 0;
 }
 
-/* bench/path_tracing.md has the noise of scenes by this share and by the chance. */
-static int finite_quarters(double share, bool sun) {
-    if (sun) return share > 0.5 ? 2 : 1;
-    return share < 0.5 ? 1 : share < 0.75 ? 2 : 3;
-}
-
-static void share_as_learned(emitters *e, double finite) {
-    if (e->chance[EMITTER_FINITE] > 0 && e->chance[EMITTER_OUTSIDE] > 0)
-        set_quarters(e, finite_quarters(finite, e->sun_count > 0));
-}
-
-/* An even background becomes an image if little of it is seen, and if it matters next to lamps: see
+/* An even background becomes an image if little of it is seen, and if it matters next to other lights: see
  * bench/path_tracing.md. */
 #define LITTLE_SEEN 0.25
-#define FAINT 0.2
+#define FAINT 0.12
 
 static bool learn_even(emitters *e, const emitter_lesson *from) {
     environment *sky;
-    if (from->seen > LITTLE_SEEN || 1 - from->finite < FAINT) return true;
+    if (from->seen > LITTLE_SEEN || from->outside < FAINT) return true;
     bool fine = environment_even(e->w->scene->context, e->background, &sky) == FATHOM_OK &&
-                environment_learn(sky, from->rays, from->count);
+                environment_learn(sky, from->rays, from->ray_count);
     if (!fine || !environment_sky(sky)->roots) {
         environment_destroy(sky);
         return fine;
@@ -315,17 +294,19 @@ static bool learn_even(emitters *e, const emitter_lesson *from) {
     free(e->one.face);
     e->background_chance = 0, e->one = (emitter_one){0};
     share(e);
-    share_as_learned(e, from->finite);
     return true;
 }
 
-bool emitters_learn(emitters *e, const emitter_lesson *from) {
+static bool learn_skies(emitters *e, const emitter_lesson *from) {
     bool fine = true;
-    if (!e->sky_count) return learn_even(e, from);
     for (uint32_t k = 0; k < e->sky_count && fine; ++k)
-        fine = environment_learn(e->skies[k].image, from->rays, from->count);
-    share_as_learned(e, from->finite);
+        fine = environment_learn(e->skies[k].image, from->rays, from->ray_count);
     return fine;
+}
+
+bool emitters_learn(emitters *e, const emitter_lesson *from) {
+    const bool fine = e->sky_count ? learn_skies(e, from) : learn_even(e, from);
+    return fine && emitters_learn_regions(e, from);
 }
 
 fathom_status emitters_create(fathom_context *context, const world *w, const texturing *varied,
@@ -365,17 +346,19 @@ void emitters_destroy(emitters *e) {
     free(e->suns);
     for (uint32_t i = 0; i < e->sky_count; ++i) environment_destroy(e->skies[i].image);
     free(e->skies);
+    free(e->splits);
+    free(e->regions);
     free(e);
 }
 
 bool emitters_any_outside(const emitters *e) {
-    return from_outside(e) || (e->chance[EMITTER_DIRECTIONAL] > 0 && e->disc_count);
+    return from_outside(e) || (e->shares.of[EMITTER_DIRECTIONAL] > 0 && e->disc_count);
 }
 
 bool emitters_move(const emitters *e) { return e->moving; }
 
 bool emitters_none(const emitters *e) {
     double sum = 0;
-    for (int k = 0; k < EMITTER_PARTS; ++k) sum += e->chance[k];
+    for (int k = 0; k < EMITTER_PARTS; ++k) sum += e->shares.of[k];
     return !(sum > 0);
 }

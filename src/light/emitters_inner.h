@@ -18,13 +18,10 @@ typedef struct emitter_run {
     bool paired;                 /* each emitter is two triangles. See emitters_pairs.c */
 } emitter_run;
 
-/* A class of emitters, with a fixed probability of being chosen. */
-typedef enum emitter_part {
-    EMITTER_FINITE,
-    EMITTER_OUTSIDE,
-    EMITTER_DIRECTIONAL,
-    EMITTER_PARTS
-} emitter_part;
+/* Probabilities of the classes; they add up to 1, or are all 0. */
+typedef struct emitter_shares {
+    double of[EMITTER_PARTS];
+} emitter_shares;
 
 /* A directional light. */
 typedef struct emitter_sun {
@@ -102,8 +99,21 @@ struct emitters {
     uint32_t sky_count;
     const light_groups *groups; /* NULL: groups are not needed */
     uint8_t background_group, outside_group;
-    double chance[EMITTER_PARTS]; /* probability of each class; they add up to 1, or are all 0 */
+    emitter_shares shares; /* where regions have none */
+    region_split *splits;  /* of regions; NULL: there are none */
+    emitter_shares *regions;
+    uint32_t root; /* as region_split.below; leaves are regions */
 };
+
+/* ---- emitters_regions.c ---- */
+
+/* Classes are chosen by these probabilities at a point p with the normal n, as in emitter_query. */
+const emitter_shares *emitters_region(const emitters *e, vec3_f32 p, vec3_f32 n);
+static inline const emitter_shares *emitters_shares(const emitters *e, vec3_f32 p, vec3_f32 n) {
+    return e->splits ? emitters_region(e, p, n) : &e->shares;
+}
+/* False: out of memory. */
+bool emitters_learn_regions(emitters *e, const emitter_lesson *from);
 
 static inline float luminance(const float rgb[3]) {
     return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
@@ -202,6 +212,7 @@ static inline void emitters_finish(emitter_sample *out, unsigned i, double densi
 typedef struct emitter_choices {
     const emitter_query *from;
     const float (*u)[LANES];
+    const emitter_shares *shares[LANES];
     uint32_t emitter[LANES];
     double chance[LANES];
     unsigned faces, balls, lamps; /* bits: lanes that chose a light of this kind */
@@ -217,9 +228,10 @@ void emitters_lamp_item(const emitter_lamp *lamp, tree_item *item);
 
 /* Sample light from outside for the lanes whose bits are set, and a sun for one lane. */
 void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_query *from, const lanes3 u,
-                             const double choice[LANES], emitter_sample *out);
-void emitters_sample_sun(const emitters *e, double u, double v, double choice, emitter_sample *out,
-                         unsigned i);
+                             const double choice[LANES], const emitter_shares *const shares[LANES],
+                             emitter_sample *out);
+void emitters_sample_sun(const emitters *e, double u, double v, double choice, double chance,
+                         emitter_sample *out, unsigned i);
 
 /* ---- emitters_varied.c ---- */
 

@@ -7,7 +7,7 @@
 
 static bool is_alone(const emitters *e, emitter_part part) {
     for (int k = 0; k < EMITTER_PARTS; ++k) {
-        if ((e->chance[k] > 0) != (k == (int)part)) return false;
+        if ((e->shares.of[k] > 0) != (k == (int)part)) return false;
     }
     return true;
 }
@@ -116,6 +116,7 @@ static void sample_sky(const emitters *e, const emitter_query *from, const lanes
 }
 
 void emitters_sample_one(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out) {
+    memset(out->part, e->one.face ? EMITTER_FINITE : EMITTER_OUTSIDE, sizeof out->part);
     if (e->one.face)
         sample_face(e, from, u, out);
     else

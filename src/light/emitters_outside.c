@@ -14,13 +14,14 @@ static vec3_f32 disc_radiance(const emitter_sun *sun) {
     return scale_f32((float)(1 / (SHAPE_PI * sine2)), load_f32(sun->irradiance));
 }
 
-static float disc_density(const emitters *e, const emitter_sun *sun) {
-    return density_f32(e->chance[EMITTER_DIRECTIONAL] * sun->chance / solid_angle(sun));
+/* chance: of all suns. */
+static float disc_density(const emitter_sun *sun, double chance) {
+    return density_f32(chance * sun->chance / solid_angle(sun));
 }
 
 /* Without a size it has the irradiance of a surface that faces it: E times 2 / (1 + cos a) over the disc. */
-void emitters_sample_sun(const emitters *e, double u, double v, double choice, emitter_sample *out,
-                         unsigned i) {
+void emitters_sample_sun(const emitters *e, double u, double v, double choice, double chance,
+                         emitter_sample *out, unsigned i) {
     uint32_t k = e->sun_count - 1;
     while (k > 0 && choice < e->suns[k].below) --k;
     const emitter_sun *sun = &e->suns[k];
@@ -30,21 +31,22 @@ void emitters_sample_sun(const emitters *e, double u, double v, double choice, e
     out->sized[i] = sun->cap > 0 && e->found ? ~0u : 0;
     if (out->sized[i]) {
         put_lane_f32(out->radiance, i, disc_radiance(sun));
-        out->density[i] = disc_density(e, sun);
+        out->density[i] = disc_density(sun, chance);
         return;
     }
     put_lane_f32(out->radiance, i, scale_f32((float)(2 / (2 - sun->cap)), load_f32(sun->irradiance)));
-    out->density[i] = (float)(e->chance[EMITTER_DIRECTIONAL] * sun->chance);
+    out->density[i] = (float)(chance * sun->chance);
 }
 
 uint32_t emitters_sun_count(const emitters *e) { return e->disc_count; }
 
-bool emitters_disc(const emitters *e, uint32_t k, vec3_f32 direction, emitter_disc *out) {
+bool emitters_disc(const emitters *e, uint32_t k, vec3_f32 p, vec3_f32 n, vec3_f32 direction,
+                   emitter_disc *out) {
     const emitter_sun *sun = &e->suns[k];
     const shape_cone cone = {shape_unit(widen(sun->to_light)), 1, sun->cap};
     if (!shape_cone_holds(&cone, normalize_f64(widen(direction)))) return false;
     store_f32(out->radiance, disc_radiance(sun));
-    out->density = e->found ? disc_density(e, sun) : 0;
+    out->density = e->found ? disc_density(sun, emitters_shares(e, p, n)->of[EMITTER_DIRECTIONAL]) : 0;
     out->distance = INFINITY, out->group = sun->group;
     return true;
 }
@@ -112,7 +114,8 @@ static void find_normals(unsigned lanes, const lanes3 n, lanes3_f64 out) {
 }
 
 void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_query *from, const lanes3 u,
-                             const double choice[LANES], emitter_sample *out) {
+                             const double choice[LANES], const emitter_shares *const shares[LANES],
+                             emitter_sample *out) {
     lanes3_f64 n, direction;
     sky_light light;
     double left[LANES];
@@ -128,7 +131,7 @@ void emitters_sample_outside(const emitters *e, unsigned lanes, const emitter_qu
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
         const vec3_f32 radiance = lane_f32(light.radiance, i);
-        emitters_finish(out, i, light.density[i] * e->chance[EMITTER_OUTSIDE],
+        emitters_finish(out, i, light.density[i] * shares[i]->of[EMITTER_OUTSIDE],
                         (float[3]){radiance.x, radiance.y, radiance.z});
         if (out->density[i] > 0) out->distance[i] = INFINITY;
         out->group[i] = e->outside_group;
@@ -148,19 +151,31 @@ void emitters_outside(const emitters *e, unsigned lanes, const lanes3 p, const l
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
         put_lane_f32(radiance, i, lane_f32(light.radiance, i));
-        density[i] = density_f32(e->chance[EMITTER_OUTSIDE] * light.density[i]);
+        const emitter_shares *shares = emitters_shares(e, lane_f32(p, i), lane_f32(n, i));
+        density[i] = density_f32(shares->of[EMITTER_OUTSIDE] * light.density[i]);
     }
 }
 
 /* ---- what the scene hides ---- */
 
+/* Three quarters of the light samples go outside, the others to lamps and suns. */
+#define BEYOND 0.75
+
+static emitter_shares scout_shares(const emitters *e, bool outside) {
+    const bool finite = e->finite_count > 0, suns = e->sun_count > 0;
+    double left = 1;
+    if (outside) left = finite || suns ? 1 - BEYOND : 0;
+    const double each = left / (finite && suns ? 2 : 1);
+    return (emitter_shares){{finite ? each : 0, 1 - left, suns ? each : 0}};
+}
+
 bool emitters_scout(const emitters *e, emitters **out) {
     double sum = 0;
     *out = NULL;
     for (uint32_t k = 0; k < e->sky_count; ++k) sum += e->skies[k].chance;
-    const bool painted = sum > 0 && e->chance[EMITTER_OUTSIDE] > 0,
-               even = !e->sky_count && !e->sun_count && e->background_chance > 0;
-    if (!painted && !even) return true;
+    const bool painted = sum > 0 && e->shares.of[EMITTER_OUTSIDE] > 0,
+               even = !e->sky_count && e->background_chance > 0;
+    if (!painted && !even && !(e->finite_count && e->sun_count)) return true;
     emitters *scout = malloc(sizeof *scout + e->sky_count * sizeof *e->skies);
     if (!scout) return false;
     *scout = *e;
@@ -172,9 +187,7 @@ bool emitters_scout(const emitters *e, emitters **out) {
         scout->skies[k].chance *= 0.5 / sum;
     }
     scout->background_chance = e->sky_count ? 0.5 : 1;
-    scout->chance[EMITTER_FINITE] = e->chance[EMITTER_FINITE] > 0 ? 0.125 : 0;
-    scout->chance[EMITTER_OUTSIDE] = 1 - scout->chance[EMITTER_FINITE];
-    scout->chance[EMITTER_DIRECTIONAL] = 0;
+    scout->shares = scout_shares(e, painted || even);
     scout->one = (emitter_one){0};
     return true;
 }

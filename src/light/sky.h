@@ -18,6 +18,7 @@
  * with normals in one cell are divided by place into regions, which have tables of their own: sky_learn(). */
 #pragma once
 
+#include "light/regions.h"
 #include "math/lanes.h"
 #include "math/vec.h"
 
@@ -36,14 +37,6 @@ enum {
     SKY_VIEW_SIDE = 16,
     SKY_VIEWS = SKY_VIEW_SIDE * SKY_VIEW_SIDE
 };
-
-/* Divides a region in two. below and above are indices of splits, or SKY_TABLE + the index of a table. */
-typedef struct sky_split {
-    float at; /* points with a smaller coordinate are below */
-    uint32_t axis, below, above;
-} sky_split;
-
-#define SKY_TABLE (1u << 31)
 
 /* An equirectangular image whose first row is around +y, and whose centre lies towards -z of its axes. Sums
  * are inclusive prefix sums as fractions of the last one, which is 1, or 0 if there is no light. As floats
@@ -69,8 +62,8 @@ typedef struct sky_image {
     float *views;    /* tables: sums of weights of the rows of blocks, then of the blocks along each row; for
                         each view, of which the last one is without a normal, then for each region */
     float *scales;   /* of the blocks in each table: density of a direction divided by its luminance */
-    uint32_t *roots; /* by view: as sky_split.below; NULL: there are no regions */
-    sky_split *splits;
+    uint32_t *roots; /* by view: as region_split.below; leaves are tables; NULL: there are no regions */
+    region_split *splits;
 } sky_image;
 
 static inline uint32_t sky_view_size(const sky_image *s) { return s->rows * (1 + s->columns); }

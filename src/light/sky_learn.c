@@ -35,7 +35,7 @@ typedef struct sky_pupil {
     uint16_t groups[LEVELS][SKY_BLOCKS]; /* by block */
     const sky_ray *rays;
     sky_look *looks;
-    ARRAY(sky_split) splits;
+    ARRAY(region_split) splits;
     uint32_t tables, capacity; /* in s->views and s->scales */
     bool fails;                /* out of memory */
 } sky_pupil;
@@ -124,52 +124,25 @@ static bool reserve_table(sky_pupil *p) {
 /* Returns the region's table: that of its view if another one is not worth it. */
 static uint32_t make_table(sky_pupil *p, uint32_t view, const double seen[SKY_BLOCKS]) {
     double parts[SKY_BLOCKS];
-    if (weigh(p->s, view, seen, parts) > WORTH) return SKY_TABLE + view;
+    if (weigh(p->s, view, seen, parts) > WORTH) return REGION_LEAF + view;
     if (!reserve_table(p)) {
         p->fails = true;
-        return SKY_TABLE + view;
+        return REGION_LEAF + view;
     }
     sky_table(p->s, parts, p->tables);
-    return SKY_TABLE + p->tables++;
+    return REGION_LEAF + p->tables++;
 }
 
-/* Splits at the mean along the axis of the largest variance. */
-static sky_split find_split(const sky_pupil *p, sky_span span) {
-    const double count = (double)(span.end - span.begin);
-    sky_split best = {0};
-    double most = -1;
-    for (uint32_t axis = 0; axis < 3; ++axis) {
-        double sum = 0, squares = 0;
-        for (size_t k = span.begin; k < span.end; ++k) sum += (double)p->looks[k].p[axis];
-        const double mean = sum / count;
-        for (size_t k = span.begin; k < span.end; ++k) {
-            const double off = (double)p->looks[k].p[axis] - mean;
-            squares += off * off;
-        }
-        if (squares > most) most = squares, best.at = (float)mean, best.axis = axis;
-    }
-    return best;
-}
-
-/* Moves the rays below the split to the front; returns their end. */
-static size_t part(sky_pupil *p, sky_span span, const sky_split *split) {
-    size_t end = span.begin;
-    for (size_t k = span.begin; k < span.end; ++k) {
-        if (!(p->looks[k].p[split->axis] < split->at)) continue;
-        const sky_look look = p->looks[k];
-        p->looks[k] = p->looks[end], p->looks[end++] = look;
-    }
-    return end;
-}
-
-/* Returns the region or its parts, as sky_split.below. known: the fractions that a larger region sees. */
+/* Returns the region or its parts, as region_split.below. known: the fractions that a larger region sees. */
 static uint32_t divide(sky_pupil *p, sky_span span, const double known[SKY_BLOCKS], unsigned depth) {
     double seen[SKY_BLOCKS];
     memcpy(seen, known, sizeof seen);
     for (int level = 0; level < LEVELS; ++level) correct(p, span, p->groups[level], seen);
     if (span.end - span.begin < 2 * LEAST_RAYS || depth == MOST_DEPTH) return make_table(p, span.view, seen);
-    sky_split split = find_split(p, span);
-    const size_t middle = part(p, span, &split);
+    static const float scales[3] = {1, 1, 1};
+    const region_items items = {p->looks + span.begin, sizeof *p->looks, span.end - span.begin};
+    region_split split = region_choose(&items, 3, scales);
+    const size_t middle = span.begin + region_part(&items, &split);
     if (middle - span.begin < LEAST_RAYS / 2 || span.end - middle < LEAST_RAYS / 2)
         return make_table(p, span.view, seen);
     split.below = divide(p, (sky_span){span.begin, middle, span.view}, seen, depth + 1);
@@ -212,7 +185,7 @@ static void divide_views(sky_pupil *p, const size_t first[SKY_VIEWS + 2], uint32
     for (uint32_t i = 0; i < SKY_BLOCKS; ++i) unknown[i] = 1;
     for (uint32_t view = 0; view <= SKY_VIEWS; ++view) {
         const sky_span span = {first[view], first[view + 1], view};
-        roots[view] = span.end - span.begin < LEAST_RAYS ? SKY_TABLE + view : divide(p, span, unknown, 0);
+        roots[view] = span.end - span.begin < LEAST_RAYS ? REGION_LEAF + view : divide(p, span, unknown, 0);
     }
 }
 

@@ -98,25 +98,27 @@ static void a_constant_sky_sends_its_radiance(void **state) {
     assert_near(mean, 0.5, errors * error);
 }
 
-/* The first number's quarter alone decides between surfaces, the sky and suns: samples of a pixel that are a
- * net are nets in each of these, too. Returns the number of quarters that surfaces have. */
-static int expect_quarters(void) {
+/* The first number's eighth alone decides between surfaces, the sky and suns: samples of a pixel that are a
+ * net are nets in each of these, too. Returns the number of eighths that surfaces have. */
+static int expect_eighths(void) {
     emitter_query q;
     emitter_sample s;
     _Alignas(64) lanes3 u;
-    int finite = 0;
+    int count[EMITTER_PARTS] = {0};
     fill(&q, up);
-    for (int quarter = 0; quarter < 4; ++quarter) {
+    for (int eighth = 0; eighth < 8; ++eighth) {
         for (int i = 0; i < LANES; ++i)
-            u[0][i] = ((float)quarter + (float)i / LANES) / 4, u[1][i] = u[2][i] = 0.5f;
+            u[0][i] = ((float)eighth + (float)i / LANES) / 8, u[1][i] = u[2][i] = 0.5f;
         emitters_sample(e, &q, u, &s);
         for (int i = 0; i < LANES; ++i) {
             assert_true(s.density[i] > 0);
-            assert_true(isinf(s.distance[i]) == isinf(s.distance[0]) && s.sized[i] == s.sized[0]);
+            assert_true(s.part[i] == s.part[0]);
+            assert_true(isinf(s.distance[i]) == (s.part[i] != EMITTER_FINITE));
         }
-        finite += !isinf(s.distance[0]);
+        ++count[s.part[0]];
     }
-    return finite;
+    assert_true(count[EMITTER_OUTSIDE]);
+    return count[EMITTER_FINITE];
 }
 
 static void add_ball(float emission) {
@@ -137,22 +139,41 @@ static void add_sun(void) {
     assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
 }
 
-static void quarters_of_the_numbers_take_one_kind_of_light_each(void **state) {
+/* Half of the samples of each class bring light: `finite` from surfaces, 1 from elsewhere. */
+static void learn_glances(double finite) {
+    enum { COUNT = 3000 };
+    static emitter_glance glances[COUNT];
+    random_state r = {5};
+    emitters *scout;
+    assert_true(emitters_scout(e, &scout) && scout);
+    for (int k = 0; k < COUNT; ++k) {
+        emitter_glance *g = &glances[k];
+        *g = (emitter_glance){.direction = {0, 1, 0}, .density = 1, .part = (uint32_t)k % EMITTER_PARTS};
+        for (int c = 0; c < 3; ++c) g->at[c] = (float)random_in(&r, -1, 1), g->at[3 + c] = c == 1;
+        if (random_in(&r, 0, 1) < 0.5) g->light = g->part == EMITTER_FINITE ? (float)finite : 1;
+    }
+    const emitter_lesson lesson = {.by = scout, .seen = 1, .glances = glances, .glance_count = COUNT};
+    assert_true(emitters_learn(e, &lesson));
+    free(scout);
+}
+
+static void eighths_of_the_numbers_take_one_kind_of_light_each(void **state) {
     for (int sun = 0; sun < 2; ++sun) {
-        int quarters = 1;
-        for (double share = 0; share <= 1; share += 0.125) {
-            const emitter_lesson lesson = {.finite = share};
+        int eighths = 1;
+        for (double finite = 0x1p-8; finite < 0x1p9; finite *= 2) {
             for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = 0.5f;
             add_ball(1);
             if (sun) add_sun();
             open_sky(0);
-            assert_true(emitters_learn(e, &lesson));
-            const int finite = expect_quarters();
-            assert_true(finite == quarters || finite == ++quarters);
+            learn_glances(finite);
+            const int now = expect_eighths();
+            assert_true(now >= eighths);
+            if (finite == 0x1p-8) assert_int_equal(now, 1);
+            eighths = now;
             end(state);
             begin(state);
         }
-        assert_int_equal(quarters, sun ? 2 : 3);
+        assert_int_equal(eighths, sun ? 6 : 7);
     }
 }
 
@@ -568,7 +589,7 @@ static void another_image_is_another_scene(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_constant_sky_sends_its_radiance, begin, end),
-        cmocka_unit_test_setup_teardown(quarters_of_the_numbers_take_one_kind_of_light_each, begin, end),
+        cmocka_unit_test_setup_teardown(eighths_of_the_numbers_take_one_kind_of_light_each, begin, end),
         cmocka_unit_test_setup_teardown(radiance_is_interpolated, begin, end),
         cmocka_unit_test_setup_teardown(an_image_lies_as_documented, begin, end),
         cmocka_unit_test_setup_teardown(samples_and_rays_that_leave_agree, begin, end),

@@ -30,9 +30,22 @@ static void add_sky(stage *s) {
     assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
 }
 
-/* A box from -2 to 2, whose side at x = -2 has a window from -1 to 1, with a pane or without, under an image
- * of a sky or an even background; in it a ball and a lamp. */
-static stage room(bool painted, bool pane, float lamp) {
+/* It shines through the window onto the floor. */
+static void add_sun(stage *s, float intensity) {
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_DIRECTIONAL;
+    for (int c = 0; c < 3; ++c) light.intensity[c] = intensity, light.direction[c] = (float[3]){1, -1, 0}[c];
+    assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
+}
+
+typedef struct room_parts {
+    bool painted, pane; /* under an image of a sky, or an even background */
+    float lamp, sun;
+} room_parts;
+
+/* A box from -2 to 2, whose side at x = -2 has a window from -1 to 1; in it a ball. */
+static stage room(room_parts with) {
     stage s = stage_open(64, 64);
     const fathom_id wall = stage_lambert(&s, 0.6f);
     fathom_material clear;
@@ -40,7 +53,7 @@ static stage room(bool painted, bool pane, float lamp) {
     clear.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     clear.metallic = clear.roughness = 0, clear.transmission = 1;
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
-    if (painted)
+    if (with.painted)
         add_sky(&s);
     else
         assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0.5f, 1, 2}));
@@ -54,12 +67,13 @@ static stage room(bool painted, bool pane, float lamp) {
         stage_quad(&s, (double[3]){-2, sign * 1.5, 0}, (double[3]){0, 0.5, 0}, (double[3]){0, 0, 2}, wall);
         stage_quad(&s, (double[3]){-2, 0, sign * 1.5}, (double[3]){0, 1, 0}, (double[3]){0, 0, 0.5}, wall);
     }
-    if (pane)
+    if (with.pane)
         stage_quad(&s, (double[3]){-2, 0, 0}, (double[3]){0, 1, 0}, (double[3]){0, 0, 1},
                    stage_material(&s, &clear));
-    if (lamp > 0)
+    if (with.lamp > 0)
         stage_quad(&s, (double[3]){0, 1.9, 0}, (double[3]){0.2, 0, 0}, (double[3]){0, 0, 0.2},
-                   stage_emitter(&s, lamp));
+                   stage_emitter(&s, with.lamp));
+    if (with.sun > 0) add_sun(&s, with.sun);
     stage_sphere(&s, 0.5, -1, 0, 0.7, wall);
     stage_camera(&s, (double[3]){1.5, 1, 1.9}, (double[3]){-0.5, -1, -1}, (double[3]){0, 1, 0}, 1.2);
     return s;
@@ -68,8 +82,11 @@ static stage room(bool painted, bool pane, float lamp) {
 UNIT_TEST(rooms_are_lit_as_the_reference_says) {
     const laws_pair options = {
         .across = 4, .down = 4, .depth = 6, .samples = 1 << 17, .seed = 1, .threads = 2, .allowance = 2e-5};
-    for (int k = 0; k < 6; ++k) {
-        stage s = room(k < 3, k % 3 == 1, k % 3 == 2 ? 5 : 0);
+    const room_parts rooms[] = {{true, false, 0, 0},  {true, true, 0, 0},  {true, false, 5, 0},
+                                {false, false, 0, 0}, {false, true, 0, 0}, {false, false, 5, 0},
+                                {true, false, 0, 2},  {false, false, 5, 1}};
+    for (int k = 0; k < 8; ++k) {
+        stage s = room(rooms[k]);
         laws_difference d;
         assert_ok(s.context, laws_pair_run(s.context, s.scene, &options, &d));
         if (d.p < 1e-5) fail_msg("room %d: p %g, %g +- %g", k, d.p, d.relative, d.relative_error);
@@ -102,28 +119,67 @@ static void expect_window(const render_plan *plan, double least) {
     if (out < least * all) fail_msg("%d of %d", out, all);
 }
 
+/* Plans an image of the room, looks at the plan, and releases both. */
+static void with_plan(room_parts with, double expected, void (*look)(const render_plan *, double)) {
+    stage s = room(with);
+    const trace_options options = {.timed = true, .threads = 2, .expected_rays = 1000000};
+    trace_tracer *tracer;
+    render_plan *plan;
+    world *w;
+    s.settings.width = s.settings.height = 256, s.settings.spp = 64;
+    assert_ok(s.context, world_create(s.scene, &w));
+    assert_ok(s.context, trace_create(s.context, w, &options, &tracer));
+    assert_ok(s.context, plan_create(s.context, w, tracer, &s.settings, NULL, &plan));
+    look(plan, expected);
+    plan_destroy(plan);
+    trace_destroy(tracer);
+    world_destroy(w);
+    stage_close(&s);
+}
+
 UNIT_TEST(light_samples_leave_by_the_window) {
-    for (int k = 0; k < 5; ++k) {
-        stage s = room(k > 2, k == 1 || k == 3, k == 2 ? 5 : 0);
-        const trace_options options = {.timed = true, .threads = 2, .expected_rays = 1000000};
-        trace_tracer *tracer;
-        render_plan *plan;
-        world *w;
-        s.settings.width = s.settings.height = 256;
-        assert_ok(s.context, world_create(s.scene, &w));
-        assert_ok(s.context, trace_create(s.context, w, &options, &tracer));
-        assert_ok(s.context, plan_create(s.context, w, tracer, &s.settings, NULL, &plan));
-        expect_window(plan, k == 2 ? 0.25 : 0.3);
-        plan_destroy(plan);
-        trace_destroy(tracer);
-        world_destroy(w);
-        stage_close(&s);
+    with_plan((room_parts){false, false, 0, 0}, 0.3, expect_window);
+    with_plan((room_parts){false, true, 0, 0}, 0.3, expect_window);
+    with_plan((room_parts){false, false, 5, 0}, 0.25, expect_window);
+    with_plan((room_parts){true, true, 0, 0}, 0.3, expect_window);
+    with_plan((room_parts){true, false, 0, 0}, 0.3, expect_window);
+}
+
+/* The fraction of light samples that go to the sun, of points around p. */
+static double to_the_sun(const render_plan *plan, vec3_f32 p, vec3_f32 n) {
+    random_state r = {3};
+    int suns = 0;
+    for (int k = 0; k < 100; ++k) {
+        _Alignas(64) lanes3 u;
+        emitter_query q;
+        emitter_sample light;
+        memset(&q, 0, sizeof q);
+        for (unsigned i = 0; i < LANES; ++i) {
+            put_lane_f32(q.p, i, vec_f32(p.x + (float)random_in(&r, -0.3, 0.3), p.y, p.z));
+            put_lane_f32(q.n, i, n);
+            for (int c = 0; c < 3; ++c) u[c][i] = (float)random_in(&r, 0, 0.999);
+        }
+        emitters_sample(plan->emitters, &q, u, &light);
+        for (unsigned i = 0; i < LANES; ++i) suns += light.part[i] == EMITTER_DIRECTIONAL;
     }
+    return suns / (100.0 * LANES);
+}
+
+/* The sun's light enters between heights of -1 and 1, and meets the floor at x from -1 to 1. The wall at z =
+ * 2 is parallel to it. */
+static void expect_sun(const render_plan *plan, double least) {
+    const double floor = to_the_sun(plan, vec_f32(-0.5f, -2, 0), vec_f32(0, 1, 0)),
+                 wall = to_the_sun(plan, vec_f32(-0.5f, 0, 2), vec_f32(0, 0, -1));
+    if (floor < least || wall > 0.2) fail_msg("%g on the floor, %g on the wall", floor, wall);
+}
+
+UNIT_TEST(light_samples_go_to_the_sun_where_it_shines) {
+    with_plan((room_parts){true, false, 0, 20}, 0.5, expect_sun);
 }
 
 /* Paths before the image are the same for all of them. */
 UNIT_TEST(threads_and_crops_change_no_bit) {
-    stage s = room(true, true, 5);
+    stage s = room((room_parts){true, true, 5, 1});
     s.settings.spp = 4;
     fathom_context_set_threads(s.context, 1);
     fathom_film *one = stage_render(&s);

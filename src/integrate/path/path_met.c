@@ -45,7 +45,7 @@ static void add_suns(path_wave *p, uint32_t slot, const path_block *path, unsign
     const emitters *e = p->wave.run.plan->emitters;
     for (uint32_t k = 0; k < emitters_sun_count(e) && !path_in_view(p, slot); ++k) {
         emitter_disc disc;
-        if (!emitters_disc(e, k, direction, &disc)) continue;
+        if (!emitters_disc(e, k, of_slot(p->p, slot), of_slot(p->n, slot), direction, &disc)) continue;
         if (!(disc.density > 0) && p->density[slot] < INFINITY) continue;
         met_light met = {.density = disc.density, .group = disc.group, .direction = direction};
         for (int c = 0; c < 3; ++c) met.radiance[c] = disc.radiance[c] * left[c];

@@ -1,13 +1,10 @@
 #include "integrate/path/path_scout.h"
 
-#include "base/array.h"
 #include "base/threads.h"
-#include "integrate/path/path.h"
-#include "light/emitters.h"
+#include "integrate/path/path_scout_inner.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* One path for this many samples of the image, in squares of 4 × 4 pixels: at least 64 squares, at most 2^15.
  */
@@ -24,29 +21,8 @@
 #define FIRST_SQUARES (1u << 10)
 #define ROOM (1 / 3.0)
 #define DIM (1 / 8.0)
-
-/* The findings of a batch of paths. */
-typedef struct scout_report {
-    ARRAY(sky_ray) rays;
-    double finite, outside; /* sums of light samples that arrived */
-} scout_report;
-
-/* A light sample that waits for its shadow ray. */
-typedef struct scout_question {
-    uint32_t slot;
-    bool outside;    /* it is the next one of the report's rays */
-    double possible; /* its light if nothing hides it, and the light of its slot before */
-    double before;
-} scout_question;
-
-/* The state of one thread. */
-struct path_scout {
-    path_wave *wave;
-    scout_report report;
-    scout_question questions[WAVE_SLOTS]; /* of this step */
-    size_t count, answered;               /* of these, and of the report's rays */
-    bool fails;                           /* out of memory */
-};
+/* The paths of this many squares tell how light samples choose among classes of lights. */
+#define GLANCE_SQUARES (1u << 13)
 
 /* All threads. */
 typedef struct scouting {
@@ -58,44 +34,6 @@ typedef struct scouting {
     path_scout **scouts;
     unsigned threads;
 } scouting;
-
-/* ---- light samples ---- */
-
-void path_scout_asks(path_scout *s, const vertex_block *v, const emitter_query *from,
-                     const emitter_sample *light, const lanes3 gain) {
-    for (unsigned i = 0; i < v->surface.count && !s->fails; ++i) {
-        const double possible = (double)gain[0][i] + (double)gain[1][i] + (double)gain[2][i];
-        const bool outside = isinf(light->distance[i]);
-        if (!(light->density[i] > 0 && possible > 0 && isfinite(possible))) continue;
-        const sky_ray ray = {
-            .p = lane_f32(from->p, i), .n = lane_f32(from->n, i), .direction = lane_f32(light->direction, i)};
-        if (outside && !array_push(&s->report.rays, ray))
-            s->fails = true;
-        else
-            s->questions[s->count++] = (scout_question){v->path.slot[i], outside, possible, 0};
-    }
-}
-
-static double light_of(const wave *w, uint32_t slot) {
-    float *const *rgb = w->run.samples.radiance;
-    return (double)rgb[0][slot] + (double)rgb[1][slot] + (double)rgb[2][slot];
-}
-
-void path_scout_waits(path_scout *s, const wave *w) {
-    for (size_t k = 0; k < s->count; ++k) s->questions[k].before = light_of(w, s->questions[k].slot);
-}
-
-void path_scout_sees(path_scout *s, const wave *w) {
-    for (size_t k = 0; k < s->count; ++k) {
-        const scout_question *q = &s->questions[k];
-        const double seen = fmin(fmax((light_of(w, q->slot) - q->before) / q->possible, 0), 1);
-        *(q->outside ? &s->report.outside : &s->report.finite) += seen * q->possible;
-        if (q->outside) s->report.rays.items[s->answered++].seen = (float)seen;
-    }
-    s->count = 0;
-}
-
-/* ---- paths ---- */
 
 /* Squares spread over the image by the additive recurrence R2 (Roberts 2018). */
 static wave_square square_at(const render_plan *plan, uint32_t k) {
@@ -130,9 +68,10 @@ static void run_batch(scouting *all, path_scout *s, uint32_t b) {
     const uint32_t first = b * WAVE_SQUARES;
     wave_batch batch = {.count = min_u32(all->squares - first, WAVE_SQUARES)};
     for (uint32_t k = 0; k < batch.count; ++k) batch.squares[k] = square_at(all->plan, first + k);
+    s->glances = first < GLANCE_SQUARES;
     s->fails |= !integrator_path.run(&s->wave->wave.run, &image, &batch);
     all->found[b] = s->report;
-    s->report = (scout_report){.finite = 0};
+    s->report = (scout_report){.all = 0};
     s->answered = 0;
 }
 
@@ -147,43 +86,16 @@ static void run_batches(void *user, size_t begin, size_t end, unsigned worker) {
 }
 
 /* The mean fraction of the samples from outside that arrived, and the part of the light that they bring. */
-static void sum_up(const scout_report *reports, uint32_t count, double *seen, double *share) {
-    double arrived = 0, finite = 0, outside = 0;
+static void sum_up(const scouting *all, double *seen, double *outside) {
+    double arrived = 0, from_outside = 0, light = 0;
     size_t rays = 0;
-    for (uint32_t b = 0; b < count; ++b) {
-        const scout_report *r = &reports[b];
+    for (uint32_t b = 0; b < all->done; ++b) {
+        const scout_report *r = &all->found[b];
         for (size_t k = 0; k < r->rays.count; ++k) arrived += (double)r->rays.items[k].seen;
-        rays += r->rays.count, finite += r->finite, outside += r->outside;
+        rays += r->rays.count, from_outside += r->outside, light += r->all;
     }
     *seen = rays ? arrived / (double)rays : 1;
-    *share = finite + outside > 0 ? outside / (finite + outside) : 0.5;
-}
-
-/* Adds all reports to the first one. False: out of memory. */
-static bool collect(const scouting *all) {
-    scout_report *to = &all->found[0];
-    size_t count = 0;
-    for (uint32_t b = 1; b < all->batches; ++b) count += all->found[b].rays.count;
-    if (!array_room(&to->rays, count)) return false;
-    for (uint32_t b = 1; b < all->batches; ++b) {
-        scout_report *from = &all->found[b];
-        to->finite += from->finite, to->outside += from->outside;
-        if (!from->rays.count) continue;
-        memcpy(to->rays.items + to->rays.count, from->rays.items,
-               from->rays.count * sizeof *from->rays.items);
-        to->rays.count += from->rays.count;
-        array_free(&from->rays);
-        from->rays.items = NULL;
-    }
-    return true;
-}
-
-static bool teach(const scout_report *r, emitters *e) {
-    emitter_lesson lesson = {.rays = r->rays.items, .count = r->rays.count};
-    double outside;
-    sum_up(r, 1, &lesson.seen, &outside);
-    lesson.finite = 1 - outside;
-    return emitters_learn(e, &lesson);
+    *outside = light > 0 ? from_outside / light : 0;
 }
 
 /* Runs batches up to `end`. False: out of memory. */
@@ -198,11 +110,16 @@ static bool run_until(scouting *all, uint32_t end) {
 /* The first paths tell whether more are needed. False: out of memory. */
 static bool scout(scouting *all, emitters *e) {
     const uint32_t first = min_u32((all->batches + 7) / 8, FIRST_SQUARES / WAVE_SQUARES);
+    emitter_lesson lesson = {.by = all->plan->emitters};
     if (!run_until(all, first)) return false;
-    double seen, outside;
-    sum_up(all->found, all->done, &seen, &outside);
-    if (seen < ROOM && outside > DIM && !run_until(all, all->batches)) return false;
-    return collect(all) && teach(&all->found[0], e);
+    sum_up(all, &lesson.seen, &lesson.outside);
+    if (lesson.seen < ROOM && lesson.outside > DIM && !run_until(all, all->batches)) return false;
+    sum_up(all, &lesson.seen, &lesson.outside);
+    scout_report *r = &all->found[0];
+    if (!scout_collect(r, all->done)) return false;
+    lesson.rays = r->rays.items, lesson.ray_count = r->rays.count;
+    lesson.glances = r->glances.items, lesson.glance_count = r->glances.count;
+    return emitters_learn(e, &lesson);
 }
 
 /* The plan of these paths: no AOVs. */
@@ -222,9 +139,13 @@ static void release(scouting *all) {
         if (!all->scouts[t]) continue;
         if (all->scouts[t]->wave) integrator_path.destroy(&all->scouts[t]->wave->wave.run);
         array_free(&all->scouts[t]->report.rays);
+        array_free(&all->scouts[t]->report.glances);
         free(all->scouts[t]);
     }
-    for (uint32_t b = 0; all->found && b < all->batches; ++b) array_free(&all->found[b].rays);
+    for (uint32_t b = 0; all->found && b < all->batches; ++b) {
+        array_free(&all->found[b].rays);
+        array_free(&all->found[b].glances);
+    }
     free(all->scouts);
     free(all->found);
 }

@@ -59,12 +59,7 @@ static void find_views(const lanes3_f64 n, uint32_t *restrict view) {
 static void find_tables(const sky_image *s, unsigned lanes, const lanes3 p, uint32_t *view) {
     for (; s->roots && lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
-        uint32_t at = s->roots[view[i]];
-        while (!(at & SKY_TABLE)) {
-            const sky_split *split = &s->splits[at];
-            at = p[split->axis][i] < split->at ? split->below : split->above;
-        }
-        view[i] = at & ~SKY_TABLE;
+        view[i] = region_find(s->splits, s->roots[view[i]], &p[0][i], LANES);
     }
 }
 

@@ -84,6 +84,15 @@ static void sky_through_hole(law_room *room) {
     paint_quad(&room->b, down, vec_f64(side, 0, 0), vec_f64(0, side, 0), build_black());
 }
 
+/* The sun lights a square on the floor, shifted by 1/4 along x and y: regions in it and around it prefer
+ * other light samples. */
+static void sun_through_hole(law_room *room) {
+    const double cosine = 1 / sqrt(1.125);
+    sky_through_hole(room);
+    build_directional_light(&room->b, vec_f64(0.25, 0.25, -1), vec_f64(1.5, 1.5, 1.5), 0);
+    law_value(room, scale_f64(room->value[0] / albedo.x + 1.5 * cosine * 0.75 * 0.75, albedo));
+}
+
 /* ---- disks: radius 1, offset 0.7, height 1.3 ---- */
 
 static const vec3_f64 disk_center = {0.7, 0, 1.3};
@@ -233,6 +242,7 @@ const law laws_of_lights[] = {{"rectangle over a floor", "configuration factor",
                               {"pentagon cut by the horizon", "Lambert's edge sum", cut_pentagon},
                               {"parallel squares", "form factor", parallel_squares},
                               {"sky through a hole", "form factor", sky_through_hole},
+                              {"sun and sky through a hole", "form factor, k_l cos θ", sun_through_hole},
                               {"disk of 1,998 triangles", "½(1-(1+H²-R²)/√(Z²-4R²))", disk_of_triangles},
                               {"disk, a squeezed sphere", "½(1-(1+H²-R²)/√(Z²-4R²))", disk_squeezed},
                               {"sphere above the horizon", "(R/d)² cos θ", sphere_above},

@@ -1,0 +1,35 @@
+/* Internals of scouts, shared by path_scout*.c. */
+#pragma once
+
+#include "base/array.h"
+#include "integrate/path/path.h"
+
+/* The findings of a batch of paths. */
+typedef struct scout_report {
+    ARRAY(sky_ray) rays;
+    ARRAY(emitter_glance) glances;
+    double all, outside; /* sums of the light that light samples brought */
+} scout_report;
+
+/* A light sample that waits for its shadow ray. */
+typedef struct scout_question {
+    uint32_t slot;
+    bool outside;    /* it is the next one of the report's rays */
+    uint32_t glance; /* of the report's; FATHOM_NONE: it has none */
+    double weight;   /* of the path */
+    double possible; /* its light if nothing hides it, */
+    double before;   /* and the light of its slot before */
+} scout_question;
+
+/* The state of one thread. */
+struct path_scout {
+    path_wave *wave;
+    scout_report report;
+    bool glances;                         /* the report has them */
+    scout_question questions[WAVE_SLOTS]; /* of this step */
+    size_t count, answered;               /* of these, and of the report's rays */
+    bool fails;                           /* out of memory */
+};
+
+/* Adds the rays and glances of all reports to the first one, and frees the others'. False: out of memory. */
+bool scout_collect(scout_report *reports, uint32_t count);
