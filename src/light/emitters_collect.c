@@ -268,45 +268,11 @@ static bool from_outside(const emitters *e) {
 
 /* Each class has the same probability, until paths tell more. A background without images is even: scattered
  * rays find it as well as light samples do, so these go to the other lights, if there are any. */
-static void share(emitters *e) {
+void emitters_share(emitters *e) {
     bool there[EMITTER_PARTS] = {e->finite_count > 0, from_outside(e), e->sun_count > 0};
     if (there[EMITTER_FINITE] || there[EMITTER_DIRECTIONAL]) there[EMITTER_OUTSIDE] &= e->sky_count > 0;
     const int parts = there[EMITTER_FINITE] + there[EMITTER_OUTSIDE] + there[EMITTER_DIRECTIONAL];
     for (int k = 0; k < EMITTER_PARTS; ++k) e->shares.of[k] = there[k] ? 1.0 / parts : 0;
-}
-
-/* An even background becomes an image if little of it is seen, and if it matters next to other lights: see
- * bench/path_tracing.md. */
-#define LITTLE_SEEN 0.25
-#define FAINT 0.12
-
-static bool learn_even(emitters *e, const emitter_lesson *from) {
-    environment *sky;
-    if (from->seen > LITTLE_SEEN || from->outside < FAINT) return true;
-    bool fine = environment_even(e->w->scene->context, e->background, &sky) == FATHOM_OK &&
-                environment_learn(sky, from->rays, from->ray_count);
-    if (!fine || !environment_sky(sky)->roots) {
-        environment_destroy(sky);
-        return fine;
-    }
-    e->skies[e->sky_count++] = (emitter_sky){sky, 1, e->background_group};
-    memset(e->background, 0, sizeof e->background);
-    free(e->one.face);
-    e->background_chance = 0, e->one = (emitter_one){0};
-    share(e);
-    return true;
-}
-
-static bool learn_skies(emitters *e, const emitter_lesson *from) {
-    bool fine = true;
-    for (uint32_t k = 0; k < e->sky_count && fine; ++k)
-        fine = environment_learn(e->skies[k].image, from->rays, from->ray_count);
-    return fine;
-}
-
-bool emitters_learn(emitters *e, const emitter_lesson *from) {
-    const bool fine = e->sky_count ? learn_skies(e, from) : learn_even(e, from);
-    return fine && emitters_learn_regions(e, from);
 }
 
 fathom_status emitters_create(fathom_context *context, const world *w, const texturing *varied,
@@ -319,7 +285,7 @@ fathom_status emitters_create(fathom_context *context, const world *w, const tex
     if (!w->scene->in_studio) memcpy(e->background, w->scene->background, sizeof e->background);
     fathom_status status = collect(context, e);
     if (status == FATHOM_OK) status = emitters_open_skies(context, e);
-    share(e);
+    emitters_share(e);
     if (status == FATHOM_OK && (!emitters_prepare_one(e) || !emitters_prepare_ready(e)))
         status = fail_memory(context, sizeof *e->one.face + e->surface_count * sizeof *e->ready);
     if (status != FATHOM_OK) {

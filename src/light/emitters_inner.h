@@ -105,6 +105,9 @@ struct emitters {
     uint32_t root; /* as region_split.below; leaves are regions */
 };
 
+/* Each class of emitters has the same probability, until paths tell more. */
+void emitters_share(emitters *e);
+
 /* ---- emitters_regions.c ---- */
 
 /* Classes are chosen by these probabilities at a point p with the normal n, as in emitter_query. */

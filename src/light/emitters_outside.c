@@ -1,7 +1,6 @@
 /* Samples light from outside the scene: the background, environments and suns. */
 #include "light/emitters_inner.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- suns ---- */
@@ -154,40 +153,4 @@ void emitters_outside(const emitters *e, unsigned lanes, const lanes3 p, const l
         const emitter_shares *shares = emitters_shares(e, lane_f32(p, i), lane_f32(n, i));
         density[i] = density_f32(shares->of[EMITTER_OUTSIDE] * light.density[i]);
     }
-}
-
-/* ---- what the scene hides ---- */
-
-/* Three quarters of the light samples go outside, the others to lamps and suns. */
-#define BEYOND 0.75
-
-static emitter_shares scout_shares(const emitters *e, bool outside) {
-    const bool finite = e->finite_count > 0, suns = e->sun_count > 0;
-    double left = 1;
-    if (outside) left = finite || suns ? 1 - BEYOND : 0;
-    const double each = left / (finite && suns ? 2 : 1);
-    return (emitter_shares){{finite ? each : 0, 1 - left, suns ? each : 0}};
-}
-
-bool emitters_scout(const emitters *e, emitters **out) {
-    double sum = 0;
-    *out = NULL;
-    for (uint32_t k = 0; k < e->sky_count; ++k) sum += e->skies[k].chance;
-    const bool painted = sum > 0 && e->shares.of[EMITTER_OUTSIDE] > 0,
-               even = !e->sky_count && e->background_chance > 0;
-    if (!painted && !even && !(e->finite_count && e->sun_count)) return true;
-    emitters *scout = malloc(sizeof *scout + e->sky_count * sizeof *e->skies);
-    if (!scout) return false;
-    *scout = *e;
-    *out = scout;
-    if (e->one.sky) return true;
-    scout->skies = (emitter_sky *)(scout + 1);
-    for (uint32_t k = 0; k < e->sky_count; ++k) {
-        scout->skies[k] = e->skies[k];
-        scout->skies[k].chance *= 0.5 / sum;
-    }
-    scout->background_chance = e->sky_count ? 0.5 : 1;
-    scout->shares = scout_shares(e, painted || even);
-    scout->one = (emitter_one){0};
-    return true;
 }
