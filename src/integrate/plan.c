@@ -114,7 +114,7 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan, cons
     plan->unshadowed = !world_casts_all_shadows(plan->world);
     plan->max_depth = plan->settings.max_depth;
     if (plan->watertight) plan_depths(plan);
-    return path_scout_skies(context, plan, stop);
+    return path_scout_lights(context, plan, stop);
 }
 
 /* ---- the reference ---- */

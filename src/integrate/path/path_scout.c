@@ -123,9 +123,9 @@ static bool scout(scouting *all, emitters *e) {
 }
 
 /* The plan of these paths: no AOVs. */
-static render_plan plan_for(const render_plan *plan, emitters *skies) {
+static render_plan plan_for(const render_plan *plan, emitters *asked) {
     render_plan out = *plan;
-    out.emitters = skies;
+    out.emitters = asked;
     out.settings.aovs = 0, out.settings.fireflies = FATHOM_FIREFLIES_KEEP;
     out.parts = film_parts_of(&out.settings, NULL);
     out.groups.count = 0;
@@ -150,11 +150,11 @@ static void release(scouting *all) {
     free(all->found);
 }
 
-fathom_status path_scout_skies(fathom_context *context, render_plan *plan, const atomic_bool *stop) {
-    emitters *skies;
-    bool fine = emitters_scout(plan->emitters, &skies);
-    if (fine && !skies) return FATHOM_OK;
-    const render_plan few = plan_for(plan, skies);
+fathom_status path_scout_lights(fathom_context *context, render_plan *plan, const atomic_bool *stop) {
+    emitters *asked;
+    bool fine = emitters_scout(plan->emitters, &asked);
+    if (fine && !asked) return FATHOM_OK;
+    const render_plan few = plan_for(plan, asked);
     const uint32_t squares = square_count(plan), batches = (squares + WAVE_SQUARES - 1) / WAVE_SQUARES;
     scouting all = {.plan = &few,
                     .stop = stop,
@@ -164,6 +164,6 @@ fathom_status path_scout_skies(fathom_context *context, render_plan *plan, const
     all.found = calloc(batches, sizeof *all.found), all.scouts = calloc(all.threads, sizeof *all.scouts);
     fine = fine && all.found && all.scouts && (scout(&all, plan->emitters) || atomic_load(stop));
     release(&all);
-    free(skies);
+    free(asked);
     return fine ? FATHOM_OK : fail_memory(context, (size_t)squares * LANES * sizeof(sky_ray));
 }
