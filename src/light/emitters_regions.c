@@ -162,7 +162,7 @@ static void look_up(const region_pupil *p, size_t first, unsigned lanes, float d
  * 1 unless what was learned has changed how light from outside is sampled. */
 static void adapt(const region_pupil *p, size_t count) {
     for (size_t done = 0; done < count; done += LANES) {
-        float now[LANES];
+        float now[LANES] = {0};
         unsigned outside = 0;
         for (unsigned i = 0; i < LANES && done + i < count; ++i) {
             emitter_glance *g = &p->glances[done + i];
@@ -173,7 +173,7 @@ static void adapt(const region_pupil *p, size_t count) {
         if (outside) look_up(p, done, outside, now);
         for (unsigned i = 0; i < LANES && done + i < count; ++i) {
             emitter_glance *g = &p->glances[done + i];
-            g->density = outside >> i & 1 && now[i] > 0 ? g->density / now[i] : 1;
+            g->density = now[i] > 0 ? g->density / now[i] : 1;
         }
     }
 }
