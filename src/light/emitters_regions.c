@@ -13,7 +13,7 @@
 /* Light samples of a region, at least: fewer know too little about rare bright ones. */
 #define LEAST_GLANCES 512u
 #define MOST_DEPTH 24u
-/* What is known of the region around a region counts as much as this many samples. */
+/* The variances of the region around a region count as much as this many samples. */
 #define PRIOR 32.0
 /* Regions must reduce the variance of light samples at least to this in the geometric mean, which a few
  * regions with rare bright light do not decide. */
@@ -26,7 +26,7 @@ const emitter_shares *emitters_region(const emitters *e, vec3_f32 p, vec3_f32 n)
     return &e->regions[region_find(e->splits, e->root, at, 1)];
 }
 
-/* Of the light of a sample, if its class were the only one. */
+/* Sums over the light of samples, as if their class were the only one. */
 typedef struct class_moments {
     double count, sum, squares;
 } class_moments;

@@ -22,7 +22,7 @@
  * something. */
 #define DEFENCE 0.1
 
-/* What remains of a ray once rays are sorted by view. */
+/* A ray, once rays are sorted by view. */
 typedef struct sky_look {
     float p[3], seen;
     uint32_t block;

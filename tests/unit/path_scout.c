@@ -94,22 +94,36 @@ UNIT_TEST(rooms_are_lit_as_the_reference_says) {
     }
 }
 
+/* Points in the middle of a surface, at most so far from it along x and z. */
+typedef struct spot {
+    vec3_f32 p, n;
+    double wide, deep;
+} spot;
+
+static void sample_lights(const render_plan *plan, const spot *at, random_state *r, emitter_query *q,
+                          emitter_sample *light) {
+    _Alignas(64) lanes3 u;
+    memset(q, 0, sizeof *q);
+    for (unsigned i = 0; i < LANES; ++i) {
+        const float x = (float)random_in(r, -at->wide, at->wide),
+                    z = (float)random_in(r, -at->deep, at->deep);
+        put_lane_f32(q->p, i, vec_f32(at->p.x + x, at->p.y, at->p.z + z));
+        put_lane_f32(q->n, i, at->n);
+        for (int c = 0; c < 3; ++c) u[c][i] = (float)random_in(r, 0, 0.999);
+    }
+    emitters_sample(plan->emitters, q, u, light);
+}
+
 /* A window shows at most a twentieth of the sky's upper half, which alone would take half of the samples. An
  * even background next to a lamp would take none. */
 static void expect_window(const render_plan *plan, double least) {
+    const spot floor = {vec_f32(0.75f, -2, 0), vec_f32(0, 1, 0), 0.75, 1};
     random_state r = {2};
     int out = 0, all = 0;
     for (int k = 0; k < 400; ++k) {
-        _Alignas(64) lanes3 u;
         emitter_query q;
         emitter_sample light;
-        memset(&q, 0, sizeof q);
-        for (unsigned i = 0; i < LANES; ++i) {
-            put_lane_f32(q.p, i, vec_f32((float)random_in(&r, 0, 1.5), -2, (float)random_in(&r, -1, 1)));
-            put_lane_f32(q.n, i, vec_f32(0, 1, 0));
-            for (int c = 0; c < 3; ++c) u[c][i] = (float)random_in(&r, 0, 0.999);
-        }
-        emitters_sample(plan->emitters, &q, u, &light);
+        sample_lights(plan, &floor, &r, &q, &light);
         for (unsigned i = 0; i < LANES; ++i, ++all) {
             const vec3_f64 p = widen(lane_f32(q.p, i)), d = widen(lane_f32(light.direction, i)),
                            at = madd_f64(p, (-2 - p.x) / d.x, d);
@@ -145,21 +159,14 @@ UNIT_TEST(light_samples_leave_by_the_window) {
     with_plan((room_parts){true, false, 0, 0}, 0.3, expect_window);
 }
 
-/* The fraction of light samples that go to the sun, of points around p. */
-static double to_the_sun(const render_plan *plan, vec3_f32 p, vec3_f32 n) {
+/* The fraction of light samples that go to the sun. */
+static double to_the_sun(const render_plan *plan, spot at) {
     random_state r = {3};
     int suns = 0;
     for (int k = 0; k < 100; ++k) {
-        _Alignas(64) lanes3 u;
         emitter_query q;
         emitter_sample light;
-        memset(&q, 0, sizeof q);
-        for (unsigned i = 0; i < LANES; ++i) {
-            put_lane_f32(q.p, i, vec_f32(p.x + (float)random_in(&r, -0.3, 0.3), p.y, p.z));
-            put_lane_f32(q.n, i, n);
-            for (int c = 0; c < 3; ++c) u[c][i] = (float)random_in(&r, 0, 0.999);
-        }
-        emitters_sample(plan->emitters, &q, u, &light);
+        sample_lights(plan, &at, &r, &q, &light);
         for (unsigned i = 0; i < LANES; ++i) suns += light.part[i] == EMITTER_DIRECTIONAL;
     }
     return suns / (100.0 * LANES);
@@ -168,8 +175,8 @@ static double to_the_sun(const render_plan *plan, vec3_f32 p, vec3_f32 n) {
 /* The sun's light enters between heights of -1 and 1, and meets the floor at x from -1 to 1. The wall at z =
  * 2 is parallel to it. */
 static void expect_sun(const render_plan *plan, double least) {
-    const double floor = to_the_sun(plan, vec_f32(-0.5f, -2, 0), vec_f32(0, 1, 0)),
-                 wall = to_the_sun(plan, vec_f32(-0.5f, 0, 2), vec_f32(0, 0, -1));
+    const double floor = to_the_sun(plan, (spot){vec_f32(-0.5f, -2, 0), vec_f32(0, 1, 0), 0.3, 0.3}),
+                 wall = to_the_sun(plan, (spot){vec_f32(-0.5f, 0, 2), vec_f32(0, 0, -1), 0.3, 0});
     if (floor < least || wall > 0.2) fail_msg("%g on the floor, %g on the wall", floor, wall);
 }
 

@@ -1,4 +1,4 @@
-/* What the light samples of paths bring. */
+/* Notes the light that the light samples of paths bring. */
 #include "integrate/path/path_scout_inner.h"
 
 #include <math.h>
