@@ -71,6 +71,16 @@ UNIT_TEST(a_sea_without_end_passes_what_it_does_not_absorb) {
     }
 }
 
+/* Every path arrives, with the weight that the volumes leave it. */
+UNIT_TEST(roulette_ends_no_path_that_crosses_smooth_surfaces) {
+    const fathom_material m = clear_volume(red, 0);
+    stage s = open_white(0, (double[3]){9, 0, 0});
+    const fathom_id id = stage_material(&s, &m);
+    for (int k = 1; k < 5; ++k) stage_sphere(&s, 10 * k, 0, 0, 1, id);
+    expect(&s, 8, 0);
+    stage_close(&s);
+}
+
 UNIT_TEST(a_volume_beside_the_eye_does_not) {
     const fathom_material m = clear_volume(red, 0);
     stage s = open_white(0, (double[3]){9, 0, 0});

@@ -53,19 +53,20 @@ static void carry(const path_block *path, const shader_sample *to, float (*restr
 
 static inline float larger(float a, float b) { return a > b ? a : b; }
 
-/* The probability to continue is the largest component of the weight, at most 1, so roulette raises weights
- * to at most 1. The fraction of a path that the camera would see says nothing about the light that the path
- * will hit. */
-static uint32_t survive(const float u[LANES], float (*restrict weight)[LANES]) {
+/* The probability to continue is the root of the largest component of the weight, at most 1: the light of a
+ * sample varies so much that ending fewer paths pays (bench/path_tracing.md). The fraction of a path that the
+ * camera would see says nothing about the light that the path will hit. */
+static uint32_t survive(const float u[LANES], const uint32_t safe[LANES], float (*restrict weight)[LANES]) {
     uint32_t bits = 0;
     float chance[LANES];
     for (int i = 0; i < LANES; ++i) {
         const float most = larger(larger(weight[0][i], weight[1][i]), weight[2][i]);
-        chance[i] = most < 1 ? most : 1;
+        chance[i] = most < 1 ? sqrtf(most) : 1;
         bits |= most > 0 ? 1u << i : 0;
     }
     if (!u) return bits;
     for (int i = 0; i < LANES; ++i) {
+        chance[i] = chosen(safe[i], 1, chance[i]);
         const float divisor = chance[i] > 0 ? chance[i] : 1;
         for (int c = 0; c < 3; ++c) weight[c][i] /= divisor;
     }

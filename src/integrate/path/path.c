@@ -150,8 +150,7 @@ static void push_light(path_wave *p, const vertex_block *v, const vertex_keys *k
 /* ---- scattered rays ---- */
 
 /* Russian roulette starts at the fourth vertex. An earlier start saves time, but not at equal error under a
- * sky (bench/path_tracing.md), and surfaces seen behind two mirrors or panes would be found only at random.
- */
+ * sky (bench/path_tracing.md), and surfaces seen behind two mirrors would be found only at random. */
 #define ROULETTE_FROM 3
 
 /* A direction of density d represents directions within about 1/sqrt(d) of it. A small fraction of that angle
@@ -256,21 +255,30 @@ static void part_paths(path_wave *p, const vertex_block *v, const shader_sample 
     }
 }
 
+/* Roulette does not end paths where they cross smooth surfaces. A path through a glass crosses several; the
+ * few that then find a light would be rare and bright. */
+static uint32_t survive(const path_wave *p, const vertex_keys *keys, const shader_sample *to, lanes3 weight) {
+    const path_kernels *kernels = p->wave.run.plan->path_kernels;
+    lanes3 chance;
+    uint32_t safe[LANES];
+    if (p->depth < ROULETTE_FROM) return kernels->survive(NULL, NULL, weight);
+    numbers(p, keys, SAMPLE_ROULETTE, false, chance);
+    for (int i = 0; i < LANES; ++i) safe[i] = to->density[i] < INFINITY ? 0 : to->through[i];
+    return kernels->survive(chance[0], safe, weight);
+}
+
 static void push_paths(path_wave *p, vertex_block *v, const vertex_keys *keys) {
     const render_plan *plan = p->wave.run.plan;
-    const bool roulette = p->depth >= ROULETTE_FROM;
-    lanes3 u, chance;
+    lanes3 u;
     shader_sample to;
     path_block path;
     numbers(p, keys, SAMPLE_SCATTER, v->shader.lobes != SHADER_DIFFUSE, u);
-    if (roulette) numbers(p, keys, SAMPLE_ROULETTE, false, chance);
     if (p->wave.passing) pass_alone(p, v);
     plan->shader_kernels->sample(&v->surface, &v->shader, u, &to);
     if (p->wave.run.samples.first && p->depth) path_show_features(p, v, &to);
     plan->path_kernels->carry(&v->path, &to, path.weight);
     if (plan->dispersive) part_paths(p, v, &to, path.weight);
-    const uint32_t lanes = plan->path_kernels->survive(roulette ? chance[0] : NULL, path.weight) &
-                           ((1u << v->surface.count) - 1);
+    const uint32_t lanes = survive(p, keys, &to, path.weight) & ((1u << v->surface.count) - 1);
     if (lanes) push_lanes(p, v, &to, &path, lanes);
 }
 

@@ -26,8 +26,8 @@ typedef struct path_kernels {
     void (*carry)(const path_block *path, const shader_sample *to, lanes3 weight);
 
     /* Returns bits: lanes whose paths continue. u: for Russian roulette, which increases the weight of
-     * surviving paths; NULL: no roulette. */
-    uint32_t (*survive)(const float u[LANES], lanes3 weight);
+     * surviving paths; NULL: no roulette. safe: all ones for paths that it does not end. */
+    uint32_t (*survive)(const float u[LANES], const uint32_t safe[LANES], lanes3 weight);
 
     /* The rays of the scattered paths. */
     void (*depart)(const surface_block *s, const shader_sample *to, float t_near, trace_rays *out);
