@@ -57,7 +57,9 @@ enum {
      * brightest emission of the scene could add unseen (rule of three), divided by 1.96.
      * error.doubt, [0, 1]: do not trust the error above 0.98. Then the pixel's samples differ far more than
      * the error says (a rare bright path), or the pixels around are no guide; 1 marks the bound above. Needs
-     * the pattern Sobol, and one of path tracing, target_error and max_time */
+     * the pattern Sobol, and one of path tracing, target_error and max_time. Without target_error and
+     * max_time, this AOV changes the image: without it all samples of a pixel have one scramble, which is
+     * less noisy */
     FATHOM_AOV_ERROR = 1u << 7,
     /* The light of a pixel in three parts, R G B each: emission.R… is what reaches the camera without being
      * scattered, of surfaces and of the surroundings; direct.R… what was scattered once, and indirect.R…

@@ -14,10 +14,7 @@ static uint64_t count(const unit_result *r, bool samples) {
     return sum;
 }
 
-uint32_t unit_groups(const fathom_settings *s) {
-    return s->integrator != FATHOM_INTEGRATOR_CLASSIC && s->pattern == FATHOM_PATTERN_SOBOL ? SAMPLE_GROUPS
-                                                                                            : 1;
-}
+uint32_t unit_groups(const fathom_settings *s) { return s->aovs & FATHOM_AOV_ERROR ? SAMPLE_GROUPS : 1; }
 
 uint64_t unit_pixels(const unit_result *r) { return count(r, false); }
 uint64_t unit_samples(const unit_result *r) { return count(r, true); }

@@ -24,8 +24,8 @@ typedef struct unit_result {
     double error;            /* of the wave; 0: not estimated */
 } unit_result;
 
-/* Number of sample groups of a pixel if all pixels have the same number of samples. Classic images have one
- * group: its samples are stratified better, and hardly anything except edges is random in such images. */
+/* Number of sample groups of a pixel if all pixels have the same number of samples. Only errors need several:
+ * the samples of one group are stratified better (bench/path_tracing.md). */
 uint32_t unit_groups(const fathom_settings *settings);
 
 /* Number of pixels of the squares inside the film, and number of samples of these pixels. */

@@ -88,7 +88,8 @@ static const fathom_parameter setting_rows[] = {
      .help = "Further outputs in an EXR file: coverage, depth, shading normal, world position, `kd` + `ks`, the ids of "
      "object, primitive and instance, how many samples a pixel took, the standard error of each channel, the light "
      "that was scattered once, more often, or not at all, the light of each light group, and "
-     "Cryptomatte of objects and of materials, and motion vectors.",
+     "Cryptomatte of objects and of materials, and motion vectors. `error` makes images of a fixed number of samples "
+     "noisier, because four independent groups of samples tell it.",
      .words = "alpha|Z|N|P|albedo|id|samples|error|direct|indirect|emission|lightGroups|cryptoObject|cryptoMaterial|motion"},
     {"tracer", TEXT, SETTING(tracer), COMMAND, 0, 0, 0, "SPEC|FILE.so", "Light transport",
      .help = "The tracer that answers the rays: embree, bvh, linear or reference, which is linear:f32, each with options such as "

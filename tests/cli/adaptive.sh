@@ -33,9 +33,9 @@ said b.json '"errorEstimate": null'
 ! grep -aq 'fathom:errorEstimate' b.exr || die 'an error that nobody estimated'
 
 # A render to a time limit ends with a whole image, here at its most samples.
-run 0 render scene.json -o b.exr --integrator path --max-time 300 --spp 8 --aov samples --stats b.json
+run 0 render scene.json -o b.exr --integrator path --max-time 300 --spp 8 --aov samples,error --stats b.json
 [ "$(number b.json meanSpp)" = 8.0 ] || die 'time to spare, and not the most samples'
-run 0 render scene.json -o c.exr --integrator path --pattern sobol --spp 8 --aov samples
+run 0 render scene.json -o c.exr --integrator path --pattern sobol --spp 8 --aov samples,error
 same b.exr c.exr
 # Writing is tried for its time, in part and in all; nothing of that is left.
 run 0 render scene.json -o r.exr -o r.png -o r.jpg --max-time 5 --spp 4 --aov Z

@@ -144,11 +144,12 @@ static void samples_to_an_error_continue(void **state) {
     fathom_film_destroy(assert_parts_make_the_whole(p));
 }
 
-/* With time for all samples the clock decides nothing. Even samples of paths are of the same groups. */
+/* With time for all samples the clock decides nothing. Even samples are of the same groups if errors are
+ * asked for. */
 static void samples_to_a_time_continue(void **state) {
     place *p = *state;
     p->s.settings.integrator = FATHOM_INTEGRATOR_PATH;
-    p->s.settings.max_time = 1e6;
+    p->s.settings.max_time = 1e6, p->s.settings.aovs = FATHOM_AOV_ERROR;
     fathom_film *timed = assert_parts_make_the_whole(p);
     p->s.settings.max_time = 0;
     fathom_film *untimed = stage_render(&p->s);

@@ -118,14 +118,17 @@ static stage open_sheet(float color, float opacity) {
     return s;
 }
 
-/* The corner pixel sees the sheet alone. In each of the four groups, 16 samples of a (0,2)-sequence have one
- * number in each sixteenth: a group is off by a sample at most. */
+/* The corner pixel sees the sheet alone. Of 64 samples of a (0,1)-sequence, each 64th holds one number. If
+ * errors are asked for, each of the four groups has one of 16 numbers in each sixteenth: a group is off by a
+ * sample at most. */
 UNIT_TEST(coverage_is_opacity_whatever_reflects) {
-    for (int color = 0; color < 2; ++color) {
-        stage s = open_sheet((float)color, 0.25f);
+    for (int way = 0; way < 4; ++way) {
+        const int color = way % 2;
+        stage s = open_sheet((float)color, 17 / 64.0f);
+        if (way > 1) s.settings.aovs |= FATHOM_AOV_ERROR;
         fathom_film *film = stage_render(&s);
         const double alpha = (double)fathom_film_channel(film, "A")[0];
-        assert_near(alpha, 0.25, 4 / 64.0);
+        assert_near(alpha, 17 / 64.0, way > 1 ? 4 / 64.0 : 1e-6);
         assert_near(matte_of(film, "CryptoObject", hash_of("sheet"), 0), alpha, 1e-6);
         /* Premultiplied, without the background behind. */
         assert_true((double)fathom_film_channel(film, "R")[0] <= 1.2 * alpha * color);
