@@ -84,13 +84,14 @@ static void sky_through_hole(law_room *room) {
     paint_quad(&room->b, down, vec_f64(side, 0, 0), vec_f64(0, side, 0), build_black());
 }
 
-/* The sun lights a square on the floor, shifted by 1/4 along x and y: regions in it and around it prefer
- * other light samples. */
+/* The sun lights a quarter of the floor. Regions are halves: in one of them all light is from the sky, in the
+ * other one light samples prefer the sun. */
 static void sun_through_hole(law_room *room) {
-    const double cosine = 1 / sqrt(1.125);
+    const double cosine = 1 / sqrt(1.5);
     sky_through_hole(room);
-    build_directional_light(&room->b, vec_f64(0.25, 0.25, -1), vec_f64(1.5, 1.5, 1.5), 0);
-    law_value(room, scale_f64(room->value[0] / albedo.x + 1.5 * cosine * 0.75 * 0.75, albedo));
+    build_directional_light(&room->b, vec_f64(0.5, 0.5, -1), vec_f64(0.8, 0.8, 0.8), 0);
+    room->depth = 1; /* the walls are black */
+    law_value(room, scale_f64(room->value[0] / albedo.x + 0.8 * cosine * 0.25, albedo));
 }
 
 /* ---- disks: radius 1, offset 0.7, height 1.3 ---- */
