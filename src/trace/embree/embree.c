@@ -30,24 +30,25 @@ static bool on_memory(void *user, ssize_t bytes, bool post) {
 
 /* ---- choices ---- */
 
-/* Low quality saves build time and costs tracing time. Measured on displaced spheres at 1280x720 with two
- * lights (2.8 million expected rays per sample), build and render together are faster up to 25 samples per
- * pixel at 70 thousand triangles, 23 at 150 thousand, 44 at 360 thousand, 48 at 1 million, 113 at 2.5 million
- * and 223 at 8 million, in processor time; in wall time 6, 22, 29, 29, 72 and 123. The saving is proportional
- * to the triangles, the cost of a ray to about their square root. More threads reduce both equally. */
-#define LOW_QUALITY_RAYS 150e6 /* at a million primitives */
+/* Low quality saves build time and costs tracing time: it pays up to this number of rays for a million
+ * primitives, and for others in proportion to the root of their number. Measured in bench/README.md: camera
+ * and shadow rays meet displaced spheres nearly as fast, scattered rays lose 13 to 23 % in most scenes. More
+ * threads reduce both times equally. */
+#define LOW_QUALITY_RAYS 150e6
+#define LOW_QUALITY_PATH_RAYS 20e6
 
-trace_quality trace_quality_auto(uint64_t expected_rays, const world *w) {
+trace_quality trace_quality_auto(const trace_options *options, const world *w) {
     double primitives = (double)w->instances.count;
     for (size_t i = 0; i < w->geometries.count; ++i) primitives += w->geometries.items[i].count;
-    bool few = expected_rays > 0 && (double)expected_rays < LOW_QUALITY_RAYS * sqrt(primitives * 1e-6);
-    return few ? TRACE_QUALITY_LOW : TRACE_QUALITY_MEDIUM;
+    const double most = (options->paths ? LOW_QUALITY_PATH_RAYS : LOW_QUALITY_RAYS) * sqrt(primitives * 1e-6),
+                 rays = (double)options->expected_rays;
+    return rays > 0 && rays < most ? TRACE_QUALITY_LOW : TRACE_QUALITY_MEDIUM;
 }
 
 static enum RTCBuildQuality build_quality(const trace_spec *spec, const trace_options *options,
                                           const world *w) {
     trace_quality quality = spec->quality;
-    if (quality == TRACE_QUALITY_AUTO) quality = trace_quality_auto(options->expected_rays, w);
+    if (quality == TRACE_QUALITY_AUTO) quality = trace_quality_auto(options, w);
     switch (quality) {
     case TRACE_QUALITY_LOW: return RTC_BUILD_QUALITY_LOW;
     case TRACE_QUALITY_AUTO:
