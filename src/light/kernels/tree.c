@@ -3,6 +3,8 @@
 #include "base/kernel.h"
 #include "math/limit.h"
 
+#include <string.h>
+
 /* Nodes that may send less than this fraction of the total are not replaced by their children. */
 #define LITTLE 0.02f
 
@@ -21,37 +23,39 @@ static inline float cos_less(float cos_a, float cos_b, float sin_b) {
  * Distances are at least half of the half diagonal, because a large light sends a bounded amount to a point
  * near it. One of many lights may be very near, so the squared distance of a node is the product of the
  * distances of the centre and of the nearest point. A beam sends light if its bound may reach the point, and
- * twice as much if its centre does. */
+ * twice as much if its centre does. leaf: 1 for a single light, 0 for a node. */
+static inline float light_of(const tree_node *node, int i, vec3_f32 p, vec3_f32 n, float leaf,
+                             float *restrict unsure) {
+    const float one_sided = n.x != 0 || n.y != 0 || n.z != 0 ? 1 : 0;
+    float x = node->x[i] - p.x, y = node->y[i] - p.y, z = node->z[i] - p.z;
+    float hx = node->half_x[i], hy = node->half_y[i], hz = node->half_z[i];
+    float ax = node->axis_x[i], ay = node->axis_y[i], az = node->axis_z[i];
+    float square = x * x + y * y + z * z, r2 = hx * hx + hy * hy + hz * hz;
+    float ahead = -(x * ax + y * ay + z * az);
+    float nx = positive(fabsf(x) - hx), ny = positive(fabsf(y) - hy), nz = positive(fabsf(z) - hz);
+    float nearest = nx * nx + ny * ny + nz * nz, spread = node->spread[i];
+    float inverse = 1 / sqrtf(nearest + 0x1p-120f);
+    float leaving = fabsf(ahead), arriving = x * n.x + y * n.y + z * n.z;
+    float along = hx * fabsf(ax) + hy * fabsf(ay) + hz * fabsf(az);
+    float above = arriving + hx * fabsf(n.x) + hy * fabsf(n.y) + hz * fabsf(n.z);
+    float middle = 1 / sqrtf(square + 0x1p-120f);
+    float off = 0.5f * (least(1, (leaving + along) * inverse) + leaving * middle);
+    float met = 0.5f * (least(1, positive(above * inverse)) + positive(arriving * middle));
+    met = one_sided > 0 ? met : 1;
+    float sent = cos_less(off, spread, sqrtf(positive(1 - spread * spread)));
+    float lit = ((ahead + along) * inverse >= -spread ? 0.5f : 0) + (ahead * middle >= -spread ? 0.5f : 0);
+    sent = spread < 0 ? lit : sent;
+    float within = 0.25f * r2, far = square > within ? square : within;
+    far = leaf > 0 ? far : sqrtf(far * (nearest + r2 / 64));
+    *unsure = nearest < r2 && leaf == 0 ? node->power[i] * sent * met / (nearest + 0x1p-100f) : 0;
+    return node->power[i] * sent * met / (far + 0x1p-120f);
+}
+
 static void weigh(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[restrict TREE_WIDE],
                   float unsure[restrict TREE_WIDE]) {
-    const float one_sided = n.x != 0 || n.y != 0 || n.z != 0 ? 1 : 0;
     float leaf[TREE_WIDE];
     for (int i = 0; i < TREE_WIDE; ++i) leaf[i] = (float)(node->child[i] >> 31);
-    for (int i = 0; i < TREE_WIDE; ++i) {
-        float x = node->x[i] - p.x, y = node->y[i] - p.y, z = node->z[i] - p.z;
-        float hx = node->half_x[i], hy = node->half_y[i], hz = node->half_z[i];
-        float ax = node->axis_x[i], ay = node->axis_y[i], az = node->axis_z[i];
-        float square = x * x + y * y + z * z, r2 = hx * hx + hy * hy + hz * hz;
-        float ahead = -(x * ax + y * ay + z * az);
-        float nx = positive(fabsf(x) - hx), ny = positive(fabsf(y) - hy), nz = positive(fabsf(z) - hz);
-        float nearest = nx * nx + ny * ny + nz * nz, spread = node->spread[i];
-        float inverse = 1 / sqrtf(nearest + 0x1p-120f);
-        float leaving = fabsf(ahead), arriving = x * n.x + y * n.y + z * n.z;
-        float along = hx * fabsf(ax) + hy * fabsf(ay) + hz * fabsf(az);
-        float above = arriving + hx * fabsf(n.x) + hy * fabsf(n.y) + hz * fabsf(n.z);
-        float middle = 1 / sqrtf(square + 0x1p-120f);
-        float off = 0.5f * (least(1, (leaving + along) * inverse) + leaving * middle);
-        float met = 0.5f * (least(1, positive(above * inverse)) + positive(arriving * middle));
-        met = one_sided > 0 ? met : 1;
-        float sent = cos_less(off, spread, sqrtf(positive(1 - spread * spread)));
-        float lit =
-            ((ahead + along) * inverse >= -spread ? 0.5f : 0) + (ahead * middle >= -spread ? 0.5f : 0);
-        sent = spread < 0 ? lit : sent;
-        float within = 0.25f * r2, far = square > within ? square : within;
-        far = leaf[i] > 0 ? far : sqrtf(far * (nearest + r2 / 64));
-        weight[i] = node->power[i] * sent * met / (far + 0x1p-120f);
-        unsure[i] = nearest < r2 && leaf[i] == 0 ? node->power[i] * sent * met / (nearest + 0x1p-100f) : 0;
-    }
+    for (int i = 0; i < TREE_WIDE; ++i) weight[i] = light_of(node, i, p, n, leaf[i], &unsure[i]);
 }
 
 static inline float sum_of(const float value[TREE_WIDE]) {
@@ -165,11 +169,58 @@ static unsigned leave_cuts(const tree *t, const lanes3 p, const lanes3 n, unsign
     return on;
 }
 
+/* ---- up to eight lights: all lanes at once ---- */
+
+static void weigh_light(const tree *t, int k, const lanes3 p, const lanes3 n, float weight[restrict LANES]) {
+    const float scale = t->scale;
+    for (int i = 0; i < LANES; ++i) {
+        const vec3_f32 at = {scale * p[0][i], scale * p[1][i], scale * p[2][i]};
+        float unsure;
+        weight[i] = light_of(t->nodes, k, at, (vec3_f32){n[0][i], n[1][i], n[2][i]}, 1, &unsure);
+    }
+}
+
+/* pick() in each lane. */
+static void choose_light(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
+                         uint32_t light[LANES], double chance[LANES]) {
+    float weight[TREE_WIDE][LANES] = {{0}};
+    double below[TREE_WIDE][LANES], sum[LANES] = {0};
+    const uint32_t *child = t->nodes->child;
+    for (int k = 0; k < TREE_WIDE; ++k) {
+        memcpy(below[k], sum, sizeof sum);
+        if (!(t->nodes->power[k] > 0)) continue;
+        weigh_light(t, k, p, n, weight[k]);
+        for (int i = 0; i < LANES; ++i) sum[i] += (double)weight[k][i];
+    }
+    for (int i = 0; i < LANES; ++i) {
+        const double at = u[i] * sum[i], most = sum[i] * (1 - 0x1p-53), left = at < most ? at : most;
+        double first = 0, own = (double)weight[0][i];
+        uint32_t found = child[0];
+        for (int k = 1; k < TREE_WIDE; ++k) {
+            const bool past = left >= below[k][i];
+            first = past ? below[k][i] : first, own = past ? (double)weight[k][i] : own;
+            found = past ? child[k] : found;
+        }
+        const double part = (left - first) / own;
+        const bool asked = lanes >> i & 1, any = asked && sum[i] > 0;
+        u[i] = any ? (part < 1 - 0x1p-53 ? part : 1 - 0x1p-53) : u[i];
+        light[i] = any ? found : 0;
+        chance[i] = any ? own / sum[i] : asked ? 0 : 1;
+    }
+}
+
+/* ---- many ---- */
+
 /* Level by level: the processor works on several lanes' nodes at once while they are fetched from memory. */
 static void choose(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
                    uint32_t light[LANES], double chance[LANES]) {
     for (int i = 0; i < LANES; ++i) light[i] = 0, chance[i] = 1;
-    lanes = leave_cuts(t, p, n, lanes, u, light, chance);
+    if (t->count == 1) {
+        choose_light(t, p, n, lanes, u, light, chance);
+        lanes = 0;
+    } else {
+        lanes = leave_cuts(t, p, n, lanes, u, light, chance);
+    }
     while (lanes) {
         for (unsigned left = lanes; left; left &= left - 1) {
             const int i = __builtin_ctz(left);
