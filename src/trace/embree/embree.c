@@ -32,8 +32,8 @@ static bool on_memory(void *user, ssize_t bytes, bool post) {
 
 /* Low quality saves build time and costs tracing time: it pays up to this number of rays for a million
  * primitives, and for others in proportion to the root of their number. Measured in bench/README.md: camera
- * and shadow rays meet displaced spheres nearly as fast, scattered rays lose 13 to 23 % in most scenes. More
- * threads reduce both times equally. */
+ * and shadow rays meet displaced spheres nearly as fast, scattered rays take 1.1 to 1.3 times as long in most
+ * scenes. More threads reduce both times equally. */
 #define LOW_QUALITY_RAYS 150e6
 #define LOW_QUALITY_PATH_RAYS 20e6
 
