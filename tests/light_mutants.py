@@ -76,6 +76,8 @@ MUTANTS = [
     ("a volume absorbs no light of lamps in mirrors", MET, "lamp in a mirror and", "= lamp->radiance[c] * left[c];", "= lamp->radiance[c] + 0 * left[c];"),
     ("the light tree chooses with another probability", PICK, "forty", "*chance *= (double)weight[found] / sum;",
      "*chance *= 1.0 / TREE_WIDE + 0 * sum;"),
+    ("the choice of a few lights forgets one of them", PICK, "four kinds", "chance[i] = own / sum;",
+     "chance[i] = own / (sum - f->weight[0][i] / 2);"),
     ("the light tree tells rays another probability", TREE, "disk of",
      "chance *= sum > 0 ? (double)own / sum : 0;", "chance *= sum > 0 ? 0.25 * (double)own / sum : 0;"),
     ("the tree picks the child before", PICK, "forty", "*chance *= (double)weight[found] / sum;\n    return found;",

@@ -3,8 +3,6 @@
 #include "base/kernel.h"
 #include "math/limit.h"
 
-#include <string.h>
-
 /* Nodes that may send less than this fraction of the total are not replaced by their children. */
 #define LITTLE 0.02f
 
@@ -171,56 +169,70 @@ static unsigned leave_cuts(const tree *t, const lanes3 p, const lanes3 n, unsign
 
 /* ---- up to eight lights: all lanes at once ---- */
 
-static void weigh_light(const tree *t, int k, const lanes3 p, const lanes3 n, float weight[restrict LANES]) {
+/* below: sums of the weights of all lights before. */
+typedef struct few_lights {
+    double weight[TREE_WIDE][LANES], below[TREE_WIDE + 1][LANES];
+} few_lights;
+
+static inline void weigh_light(const tree *t, int k, const lanes3 p, const lanes3 n,
+                               double weight[restrict LANES]) {
     const float scale = t->scale;
     for (int i = 0; i < LANES; ++i) {
         const vec3_f32 at = {scale * p[0][i], scale * p[1][i], scale * p[2][i]};
         float unsure;
-        weight[i] = light_of(t->nodes, k, at, (vec3_f32){n[0][i], n[1][i], n[2][i]}, 1, &unsure);
+        weight[i] = (double)light_of(t->nodes, k, at, (vec3_f32){n[0][i], n[1][i], n[2][i]}, 1, &unsure);
     }
 }
 
-/* pick() in each lane. */
-static void choose_light(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
-                         uint32_t light[LANES], double chance[LANES]) {
-    float weight[TREE_WIDE][LANES] = {{0}};
-    double below[TREE_WIDE][LANES], sum[LANES] = {0};
-    const uint32_t *child = t->nodes->child;
+static inline void weigh_lights(const tree *t, const lanes3 p, const lanes3 n, few_lights *restrict out) {
+    for (int i = 0; i < LANES; ++i) out->below[0][i] = 0;
     for (int k = 0; k < TREE_WIDE; ++k) {
-        memcpy(below[k], sum, sizeof sum);
-        if (!(t->nodes->power[k] > 0)) continue;
-        weigh_light(t, k, p, n, weight[k]);
-        for (int i = 0; i < LANES; ++i) sum[i] += (double)weight[k][i];
-    }
-    for (int i = 0; i < LANES; ++i) {
-        const double at = u[i] * sum[i], most = sum[i] * (1 - 0x1p-53), left = at < most ? at : most;
-        double first = 0, own = (double)weight[0][i];
-        uint32_t found = child[0];
-        for (int k = 1; k < TREE_WIDE; ++k) {
-            const bool past = left >= below[k][i];
-            first = past ? below[k][i] : first, own = past ? (double)weight[k][i] : own;
-            found = past ? child[k] : found;
-        }
-        const double part = (left - first) / own;
-        const bool asked = lanes >> i & 1, any = asked && sum[i] > 0;
-        u[i] = any ? (part < 1 - 0x1p-53 ? part : 1 - 0x1p-53) : u[i];
-        light[i] = any ? found : 0;
-        chance[i] = any ? own / sum[i] : asked ? 0 : 1;
+        if (t->nodes->power[k] > 0)
+            weigh_light(t, k, p, n, out->weight[k]);
+        else
+            memset(out->weight[k], 0, sizeof out->weight[k]);
+        for (int i = 0; i < LANES; ++i) out->below[k + 1][i] = out->below[k][i] + out->weight[k][i];
     }
 }
 
-/* ---- many ---- */
+/* pick() in each lane; undefined in lanes without light. */
+static inline void pick_each(const few_lights *f, const double u[LANES], double part[restrict LANES],
+                             double chance[restrict LANES], double found[restrict LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        const double sum = f->below[TREE_WIDE][i], at = u[i] * sum, most = sum * (1 - 0x1p-53);
+        const double left = at < most ? at : most;
+        double first = 0, own = f->weight[0][i];
+        found[i] = 0;
+        for (int k = 1; k < TREE_WIDE; ++k) {
+            first = left >= f->below[k][i] ? f->below[k][i] : first;
+            own = left >= f->below[k][i] ? f->weight[k][i] : own;
+            found[i] = left >= f->below[k][i] ? k : found[i];
+        }
+        const double within = (left - first) / own;
+        part[i] = within < 1 - 0x1p-53 ? within : 1 - 0x1p-53;
+        chance[i] = own / sum;
+    }
+}
+
+static void choose_of_few(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
+                          uint32_t light[LANES], double chance[LANES]) {
+    few_lights f;
+    double part[LANES], share[LANES], found[LANES];
+    weigh_lights(t, p, n, &f);
+    pick_each(&f, u, part, share, found);
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        const bool any = f.below[TREE_WIDE][i] > 0;
+        chance[i] = any ? share[i] : 0;
+        if (any) u[i] = part[i], light[i] = t->nodes->child[(int)found[i]];
+    }
+}
+
+/* ---- the choice ---- */
 
 /* Level by level: the processor works on several lanes' nodes at once while they are fetched from memory. */
-static void choose(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
-                   uint32_t light[LANES], double chance[LANES]) {
-    for (int i = 0; i < LANES; ++i) light[i] = 0, chance[i] = 1;
-    if (t->count == 1) {
-        choose_light(t, p, n, lanes, u, light, chance);
-        lanes = 0;
-    } else {
-        lanes = leave_cuts(t, p, n, lanes, u, light, chance);
-    }
+static void walk_all(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
+                     uint32_t light[LANES], double chance[LANES]) {
     while (lanes) {
         for (unsigned left = lanes; left; left &= left - 1) {
             const int i = __builtin_ctz(left);
@@ -234,6 +246,15 @@ static void choose(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes
                 for (int k = 0; k < 6; ++k) __builtin_prefetch((const char *)&t->nodes[light[i]] + 64 * k);
         }
     }
+}
+
+static void choose(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
+                   uint32_t light[LANES], double chance[LANES]) {
+    for (int i = 0; i < LANES; ++i) light[i] = 0, chance[i] = 1;
+    if (t->count == 1)
+        choose_of_few(t, p, n, lanes, u, light, chance);
+    else
+        walk_all(t, p, n, leave_cuts(t, p, n, lanes, u, light, chance), u, light, chance);
     for (int i = 0; i < LANES; ++i) light[i] &= ~TREE_LEAF;
 }
 
