@@ -85,7 +85,7 @@ phase=render
     same whole.exr a.exr
     said a.json '"resumed": true'
     awk "BEGIN { exit !($(number a.json resumedSamples) > 0) }" || die 'no sample was resumed'
-    [ ! -e c ] && [ ! -e c.fathom-tmp1 ] && [ ! -e a.fathom-tmp1.exr ] || die 'something was left'
+    [ ! -e c ] && [ ! -e c.fathom-tmp1 ] && [ ! -e a.fathom-tmp1.exr ] && [ ! -e a.partial.exr ] || die 'something was left'
 }
 
 # Where there is none it begins, and says so.

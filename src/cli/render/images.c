@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* ---- names ---- */
 
@@ -78,6 +79,15 @@ void images_remove_left_over(const args_list *outputs) {
         char partial[PATH_MAX];
         if (marked_name(NULL, outputs->items[i], PARTIAL, partial) == FATHOM_OK)
             fathom_file_remove_left_over(partial);
+    }
+}
+
+void images_remove_partial(const args_list *outputs) {
+    for (size_t i = 0; i < outputs->count; ++i) {
+        char partial[PATH_MAX], second[PATH_MAX];
+        if (marked_name(NULL, outputs->items[i], PARTIAL, partial) != FATHOM_OK) continue;
+        unlink(partial);
+        if (marked_name(NULL, partial, REWEIGHTED, second) == FATHOM_OK) unlink(second);
     }
 }
 

@@ -19,6 +19,8 @@ fathom_status images_check_reweighted(fathom_context *context, const args_list *
                                       const char *const *files, size_t count);
 /* Removes temporary files that killed renders left next to partial images. */
 void images_remove_left_over(const args_list *outputs);
+/* Removes the partial images of an interrupted render that was continued and has ended. */
+void images_remove_partial(const args_list *outputs);
 
 typedef struct image_names {
     char names[ARGS_LIST_MAX][PATH_MAX];

@@ -31,6 +31,7 @@ const command command_render = {
             "to the working folder, $TMPDIR or /tmp, and a message says where. The same holds\n"
             "for a scene whose files were changed while it was rendered: exit code 3.\n"
             "With --checkpoint FILE, a stopped or killed render can be continued: --resume.\n"
+            "Once it ends, NAME.partial.EXT is removed, as FILE is.\n"
             "-o FILE.part renders a part of the image, on one of many machines. fathom merge\n"
             "joins the parts to an image with the same bits as a render on one machine.\n",
     .examples = "  fathom render bunny.obj -o bunny.png\n"

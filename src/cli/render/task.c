@@ -171,6 +171,8 @@ static fathom_status finish(task *s) {
         status = write_all(s);
     else
         rescue(s, "the pixels");
+    if (status == FATHOM_OK && !interrupted && s->report.stats.resumed_seconds > 0)
+        images_remove_partial(&s->options.outputs);
     if (status == FATHOM_OK && !interrupted && s->saving.sequence && s->options.checkpoint)
         status = say(s, saving_keep(s->context, s->film, &s->options));
     status = saving_end(&s->saving, interrupted, status);
