@@ -1,6 +1,8 @@
 /* Samples emitters, and computes densities of hits on them. */
 #include "light/emitters_inner.h"
 
+#include "math/limit.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -189,7 +191,7 @@ static double finer(const lanes3 u, unsigned i) {
     memcpy(&a, &u[0][i], sizeof a), memcpy(&b, &u[1][i], sizeof b);
     uint64_t h = ((uint64_t)a << 32 | b) * 0xbf58476d1ce4e5b9u;
     h = (h ^ h >> 31) * 0x94d049bb133111ebu;
-    const double whole = floor((double)u[2][i] * 0x1p24);
+    const double whole = (double)(uint32_t)(u[2][i] * 0x1p24f);
     return (whole + (double)(h >> 35) * 0x1p-29) * 0x1p-24;
 }
 
@@ -206,7 +208,8 @@ static emitter_part choose_part(const emitter_shares *shares, double *u) {
         left -= shares->of[part];
     }
     if (last == EMITTER_PARTS) return last;
-    *u = fmin(left / shares->of[last], 0x1.fffffffffffffp-1);
+    left /= shares->of[last];
+    *u = left < 0x1.fffffffffffffp-1 ? left : 0x1.fffffffffffffp-1;
     return last;
 }
 
@@ -243,7 +246,7 @@ static unsigned choose_parts(const emitters *e, emitter_choices *c, lanes3 u, do
         c->shares[i] = emitters_shares(e, lane_f32(c->from->p, i), lane_f32(c->from->n, i));
         const emitter_part part = choose_part(c->shares[i], &first);
         out->part[i] = (uint8_t)part;
-        u[0][i] = fminf((float)first, 0x1.fffffep-1f);
+        u[0][i] = least((float)first, 0x1.fffffep-1f);
         switch (part) {
         case EMITTER_FINITE: finite |= 1u << i; break;
         case EMITTER_OUTSIDE: outside |= 1u << i; break;

@@ -4,6 +4,7 @@
 #include "material/energy.h"
 #include "material/energy_ring.h"
 #include "material/shader.h"
+#include "math/limit.h"
 #include "math/turn.h"
 
 #include <math.h>
@@ -49,9 +50,9 @@ static float alpha_at(int j) {
 /* All azimuths are alike if the alphas are equal, and both halves of the rings. */
 static void fill(int along, int across, weights *out) {
     const int turns = along == across ? 1 : TURNS;
-    const float ax = alpha_at(along), ay = fmaxf(alpha_at(across), SHADER_SMOOTH_ALPHA);
+    const float ax = alpha_at(along), ay = most(alpha_at(across), SHADER_SMOOTH_ALPHA);
     for (int k = 0; k < NODES; ++k) {
-        const float x = (float)k / ENERGY_FACETS_STEPS, mu = fmaxf(x * x, 1e-6f);
+        const float x = (float)k / ENERGY_FACETS_STEPS, mu = most(x * x, 1e-6f);
         if (ax < SHADER_SMOOTH_ALPHA) out->of[k][k] = 1;
         for (int j = 0; j < turns && ax >= SHADER_SMOOTH_ALPHA; ++j) {
             const ring_viewer m = viewer_at(ax, ay, mu, turns > 1 ? 0.25f * ((float)j + 0.5f) / TURNS : 0);
@@ -90,7 +91,7 @@ static void add_table(int a, int b, float weight, const float *curve, float *out
 }
 
 static int row_of(float alpha, float *part) {
-    const float x = sqrtf(sqrtf(fminf(alpha, 1))) * STEPS;
+    const float x = sqrtf(sqrtf(least(alpha, 1))) * STEPS;
     const int j = x < STEPS - 1 ? (int)x : STEPS - 1;
     *part = x - (float)j;
     return j;

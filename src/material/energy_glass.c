@@ -1,6 +1,7 @@
 /* Albedos of rough glass: GGX facets that reflect and refract (Walter et al. 2007). */
 #include "material/energy.h"
 #include "material/shader.h"
+#include "math/limit.h"
 #include "math/power.h"
 #include "math/turn.h"
 
@@ -83,11 +84,11 @@ static albedo_parts albedo(float alpha, float eta, float mu) {
 /* ---- tables ---- */
 
 static void fill(int rough, int index, glass_table *out) {
-    const float y = (float)rough / ROUGH_STEPS, alpha = fmaxf(y * y * (y * y), SHADER_SMOOTH_ALPHA);
-    const float x = (float)index / INDEX_STEPS, ratio = fmaxf(x * x, 1e-4f);
+    const float y = (float)rough / ROUGH_STEPS, alpha = most(y * y * (y * y), SHADER_SMOOTH_ALPHA);
+    const float x = (float)index / INDEX_STEPS, ratio = most(x * x, 1e-4f);
     const float eta = ratio < 0.999f ? (1 + ratio) / (1 - ratio) : 2e3f;
     for (int k = 0; k < ENERGY_NODES; ++k) {
-        const float w = (float)k / ENERGY_STEPS, mu = fmaxf(w * w * (w * w), 1e-6f);
+        const float w = (float)k / ENERGY_STEPS, mu = most(w * w * (w * w), 1e-6f);
         out->node[0][k] = albedo(alpha, eta, mu);
         out->node[1][k] = albedo(alpha, 1 / eta, mu);
     }
@@ -114,8 +115,8 @@ static int step_of(float x, int steps, float *part) {
 
 void energy_glass(float alpha, float eta, float f0, float f90, float missing[2][ENERGY_NODES]) {
     float s, t;
-    const float dense = fmaxf(eta, 1 / eta);
-    const int j = step_of(sqrtf(sqrtf(fminf(alpha, 1))) * ROUGH_STEPS, ROUGH_STEPS, &s);
+    const float dense = most(eta, 1 / eta);
+    const int j = step_of(sqrtf(sqrtf(least(alpha, 1))) * ROUGH_STEPS, ROUGH_STEPS, &s);
     const int k = step_of(sqrtf((dense - 1) / (dense + 1)) * INDEX_STEPS, INDEX_STEPS, &t);
     for (int side = 0; side < 2; ++side) {
         for (int n = 0; n < ENERGY_NODES; ++n) missing[side][n] = 1;
@@ -130,6 +131,6 @@ void energy_glass(float alpha, float eta, float f0, float f90, float missing[2][
         }
     }
     for (int side = 0; side < 2; ++side) {
-        for (int n = 0; n < ENERGY_NODES; ++n) missing[side][n] = fmaxf(missing[side][n], 0);
+        for (int n = 0; n < ENERGY_NODES; ++n) missing[side][n] = most(missing[side][n], 0);
     }
 }

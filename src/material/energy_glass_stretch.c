@@ -2,6 +2,7 @@
 #include "material/energy.h"
 #include "material/energy_ring.h"
 #include "material/shader.h"
+#include "math/limit.h"
 #include "math/power.h"
 #include "math/turn.h"
 
@@ -65,21 +66,21 @@ static void albedo(float ax, float ay, float eta, const float v[3], float out[3]
 
 static void fill_node(float ax, float ay, float eta, int node, bool even,
                       int16_t out[ENERGY_TURNS + 1][ENERGY_GLASS_STEPS + 1][3]) {
-    const float w = (float)node / ENERGY_GLASS_STEPS, mu = fmaxf(w * w * (w * w), 1e-6f);
+    const float w = (float)node / ENERGY_GLASS_STEPS, mu = most(w * w * (w * w), 1e-6f);
     const float flat = sqrtf((1 - mu) * (1 + mu));
     for (int j = 0; j <= ENERGY_TURNS; ++j) {
         const float y = (float)j / ENERGY_TURNS, x = 1 - y, unit = flat / sqrtf(x * x + y * y);
         float parts[3];
         if (j == 0 || !even) albedo(ax, ay, eta, (const float[3]){x * unit, y * unit, mu}, parts);
-        for (int c = 0; c < 3; ++c) out[j][node][c] = (int16_t)lrintf(fmaxf(fminf(parts[c], 1), -1) * 32767);
+        for (int c = 0; c < 3; ++c) out[j][node][c] = (int16_t)lrintf(most(least(parts[c], 1), -1) * 32767);
     }
 }
 
 static void fill(int along, int across, int index, energy_glass_table *out) {
     const float a = (float)along / STEPS, b = (float)across / STEPS, x = (float)index / INDEX_STEPS;
-    const float ax = fmaxf(a * a * (a * a), SHADER_SMOOTH_ALPHA),
-                ay = fmaxf(b * b * (b * b), SHADER_SMOOTH_ALPHA);
-    const float ratio = fmaxf(x * x, 1e-4f), eta = ratio < 0.999f ? (1 + ratio) / (1 - ratio) : 2e3f;
+    const float ax = most(a * a * (a * a), SHADER_SMOOTH_ALPHA),
+                ay = most(b * b * (b * b), SHADER_SMOOTH_ALPHA);
+    const float ratio = most(x * x, 1e-4f), eta = ratio < 0.999f ? (1 + ratio) / (1 - ratio) : 2e3f;
     for (int k = 0; k <= ENERGY_GLASS_STEPS; ++k) {
         fill_node(ax, ay, eta, k, along == across, out->part[0]);
         fill_node(ax, ay, 1 / eta, k, along == across, out->part[1]);
@@ -109,9 +110,9 @@ static int step_of(float x, int steps, float *part) {
 void energy_glass_stretched(float along, float across, float eta, float f0, float f90,
                             energy_glass_stretch *out) {
     float s, t, u;
-    const float dense = fmaxf(eta, 1 / eta);
-    const int a = step_of(sqrtf(sqrtf(fminf(along, 1))) * STEPS, STEPS, &s);
-    const int b = step_of(sqrtf(sqrtf(fminf(across, 1))) * STEPS, STEPS, &t);
+    const float dense = most(eta, 1 / eta);
+    const int a = step_of(sqrtf(sqrtf(least(along, 1))) * STEPS, STEPS, &s);
+    const int b = step_of(sqrtf(sqrtf(least(across, 1))) * STEPS, STEPS, &t);
     const int k = step_of(sqrtf((dense - 1) / (dense + 1)) * INDEX_STEPS, INDEX_STEPS, &u);
     out->f0 = f0, out->f90 = f90, out->swapped = eta < 1;
     for (int r = 0; r < 8; ++r) {

@@ -2,6 +2,7 @@
 #include "material/energy.h"
 #include "material/energy_ring.h"
 #include "material/shader.h"
+#include "math/limit.h"
 #include "math/power.h"
 #include "math/turn.h"
 
@@ -16,7 +17,7 @@ static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
 static float alpha_at(int j) {
     const float y = (float)j / STEPS;
-    return fmaxf(y * y * (y * y), SHADER_SMOOTH_ALPHA);
+    return most(y * y * (y * y), SHADER_SMOOTH_ALPHA);
 }
 
 static void add_facets(const ring_viewer *m, float u, float all[ALONG], float edge[ALONG]) {
@@ -61,7 +62,7 @@ static void fill(float ax, float ay, energy_table *out) {
     float part[ENERGY_TURNS + 1];
     energy_turn_parts(part);
     for (int k = 0; k < ENERGY_NODES; ++k) {
-        const float w = (float)k / ENERGY_STEPS, mu = fmaxf(w * w * (w * w), 1e-6f);
+        const float w = (float)k / ENERGY_STEPS, mu = most(w * w * (w * w), 1e-6f);
         for (int j = 0; j <= ENERGY_TURNS; ++j) {
             const float y = (float)j / ENERGY_TURNS, x = 1 - y, unit = 1 / sqrtf(x * x + y * y);
             float both[2];
@@ -88,7 +89,7 @@ static const energy_table *table_at(int along, int across) {
 }
 
 static int row_of(float alpha, float *part) {
-    const float x = sqrtf(sqrtf(fminf(alpha, 1))) * STEPS;
+    const float x = sqrtf(sqrtf(least(alpha, 1))) * STEPS;
     const int j = x < STEPS - 1 ? (int)x : STEPS - 1;
     *part = x - (float)j;
     return j;

@@ -3,6 +3,7 @@
 
 #include "material/kernels/glass.h"
 #include "material/kernels/lobes.h"
+#include "math/limit.h"
 
 static inline float mean(const lanes3 x, int i) { return (x[0][i] + x[1][i] + x[2][i]) * (1 / 3.0f); }
 
@@ -62,7 +63,7 @@ static inline void set_cross(const shader *m, int i, uint32_t entering, shader_b
  * below 1. */
 static inline float dispersed_eta(const shader *m, uint32_t channel) {
     float eta = m->eta + ((float)channel - 2) * m->eta_spread;
-    eta = m->eta > 1 ? fmaxf(eta, 1.0001f) : fminf(eta, 0.9999f);
+    eta = m->eta > 1 ? most(eta, 1.0001f) : least(eta, 0.9999f);
     return m->lobes & SHADER_DISPERSIVE && channel ? eta : m->eta;
 }
 
@@ -215,7 +216,7 @@ static void coat_flat(const shader *m, int i, shader_block *out) {
     const float coat = m->lobes & SHADER_COAT ? 0 : m->coat * (0.04f + 0.96f * rise);
     for (int c = 0; c < 3; ++c) {
         out->mirror_share[c][i] += coat;
-        out->pass_share[c][i] *= out->below_coat[i] * below_coat_at(m, fminf(fabsf(far), 1));
+        out->pass_share[c][i] *= out->below_coat[i] * below_coat_at(m, least(fabsf(far), 1));
     }
 }
 
@@ -225,7 +226,7 @@ static void sheen_flat(const shader *m, int i, shader_block *out) {
     const float far = sheen_left(m, dot_lane(out->n, out->pass, i), &unused);
     for (int c = 0; c < 3; ++c) {
         out->mirror_share[c][i] *= out->below_sheen[i];
-        out->pass_share[c][i] *= fminf(out->below_sheen[i], far);
+        out->pass_share[c][i] *= least(out->below_sheen[i], far);
     }
 }
 
@@ -291,7 +292,7 @@ static void weigh_lobes(const surface_block *s, shader_block *restrict out) {
     if (out->lobes & SHADER_LEAF) {
         for (int i = 0; i < LANES; ++i) {
             const shader *m = out->at[i];
-            float open = chosen(out->even[i], fmaxf(out->under[i], 0.1f), 1);
+            float open = chosen(out->even[i], most(out->under[i], 0.1f), 1);
             if (m->lobes & SHADER_LEAF)
                 out->take[SHADER_TAKE_BEHIND][i] +=
                     (m->leaf[0] + m->leaf[1] + m->leaf[2]) * (1 / 3.0f) * open;
@@ -319,7 +320,7 @@ static void weigh_lobes(const surface_block *s, shader_block *restrict out) {
         for (int i = 0; i < LANES; ++i) {
             float open = 1 - layer_share(out, i, schlick(out->v[2][i], out->eta[i]));
             uint32_t rough = out->at[i]->lobes & (SHADER_THIN | SHADER_REFRACT) ? ~0u : 0;
-            out->take[SHADER_TAKE_CROSS][i] = chosen(rough, mean(out->cross, i) * fmaxf(open, 0.1f), 0);
+            out->take[SHADER_TAKE_CROSS][i] = chosen(rough, mean(out->cross, i) * most(open, 0.1f), 0);
         }
     }
     if (out->lobes & SHADER_GLASS) {

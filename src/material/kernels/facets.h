@@ -3,6 +3,7 @@
 
 #include "material/kernels/film.h"
 #include "material/kernels/stretch.h"
+#include "math/limit.h"
 
 /* s = sqrt(cos^2 + alpha^2 sin^2): Smith's masking is G1 = 2 cos / (cos + s), and for both directions
  * together G2 / (4 cos cos') = 1 / (2 (cos s' + cos' s)) (Heitz 2014). */
@@ -80,7 +81,7 @@ static inline __attribute__((always_inline)) float glass_share(const shader_bloc
 static inline void film_curves(const shader_block *b, const lanes3 d, float (*restrict under)[LANES]) {
     for (int i = 0; i < LANES; ++i) {
         const shader *m = b->at[i];
-        const float z = fminf(fabsf(d[2][i]), 1);
+        const float z = least(fabsf(d[2][i]), 1);
         float all, edge;
         if (!(m->lobes & SHADER_FILM) || !m->even) continue;
         if (m->lobes & SHADER_STRETCHED)
@@ -184,7 +185,7 @@ static inline __attribute__((always_inline)) void add_refraction(const shader_bl
         float to = smith_of(b, rare, i, b->v[0][i], b->v[1][i], z);
         float from = smith_of(b, rare, i, at->l[0][i], at->l[1][i], lz);
         float d = 2 * ggx_of(b, rare, i, h[0], h[1], h[2]) * vh * lh * (eta * eta) / square;
-        float rise = power5(1 - fminf(eta < 1 ? lh : vh, 1));
+        float rise = power5(1 - least(eta < 1 ? lh : vh, 1));
         for (int c = 0; c < 3; ++c) {
             float left = 1 - layer_of(b, rare, i, c, vh, rise);
             f[c][i] += b->cross[c][i] * chosen(open, left * d * lz / (z * from + lz * to), 0);

@@ -3,6 +3,7 @@
 
 #include "material/kernels/incidence.h"
 #include "material/layers.h"
+#include "math/limit.h"
 
 /* The cosine outside the film's solid: in the thinner medium, as in schlick(). */
 static inline float film_cosine(float cosine, float eta) {
@@ -27,7 +28,7 @@ static inline __attribute__((always_inline)) float reflectance_at(const shader_b
                                                                   float f90) {
     float plain = f0 + (f90 - f0) * rise;
     if (rare && b->at[i]->lobes & SHADER_INNER_METAL) {
-        plain += b->at[i]->metal_rise[c] * (power5(1 - fminf(cosine, 1)) - rise);
+        plain += b->at[i]->metal_rise[c] * (power5(1 - least(cosine, 1)) - rise);
         plain = plain > 0 ? plain : 0; /* rounding may leave less than 0 */
     }
     if (!is_filmed(b, rare, i)) return plain;
