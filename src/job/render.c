@@ -97,7 +97,7 @@ static fathom_status run_build(fathom_context *context, const world *w, fathom_f
                .progress_user = user,
                .began = clock_seconds()};
     b.options = (trace_options){.words = settings->tracer,
-                                .paths = settings->integrator != FATHOM_INTEGRATOR_CLASSIC,
+                                .timed = settings->integrator != FATHOM_INTEGRATOR_CLASSIC,
                                 .width = settings->block_width,
                                 .threads = fathom_context_threads(context),
                                 .expected_rays = plan_expected_rays(w->scene, settings),

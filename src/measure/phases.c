@@ -49,7 +49,7 @@ static fathom_status build_once(fathom_context *context, const fathom_scene *sce
                                 const fathom_settings *settings, const char *words, world **w,
                                 trace_tracer **tracer) {
     const trace_options options = {.words = words,
-                                   .paths = settings->integrator != FATHOM_INTEGRATOR_CLASSIC,
+                                   .timed = settings->integrator != FATHOM_INTEGRATOR_CLASSIC,
                                    .width = settings->block_width,
                                    .expected_rays = plan_expected_rays(scene, settings)};
     trace_destroy(*tracer);

@@ -30,7 +30,7 @@ fathom_status stage_build(fathom_context *context, bench_stage *stage, const cha
     trace_destroy(stage->tracer);
     stage->tracer = NULL;
     const trace_options options = {.words = words ? words : stage->settings.tracer,
-                                   .paths = stage->settings.integrator != FATHOM_INTEGRATOR_CLASSIC,
+                                   .timed = stage->settings.integrator != FATHOM_INTEGRATOR_CLASSIC,
                                    .width = stage->settings.block_width,
                                    .threads = fathom_context_threads(context),
                                    .expected_rays = rays};

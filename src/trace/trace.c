@@ -91,7 +91,7 @@ static fathom_status check_motion(fathom_context *context, const world *w, const
     case TRACE_BVH: who = "tracer bvh"; break;
     case TRACE_PLUGIN: who = "a plug-in"; break;
     }
-    if (!options->paths) who = "the classic integrator, validation, bench trace and rays of your own";
+    if (!options->timed) who = "the classic integrator, validation, bench trace and rays of your own";
     if (!who) return FATHOM_OK;
     return fail_field(
         context, FATHOM_BAD_INPUT, "camera.shutter",

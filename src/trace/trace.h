@@ -80,8 +80,7 @@ typedef struct trace_options {
     const char *words;      /* for trace_spec_parse(); NULL: "embree", compact if memory is short */
     unsigned width;         /* rays per Embree call: 1, 4, 8 or 16; 0 means 1. Hits do not depend on it */
     unsigned threads;       /* for building; 0: the context's */
-    bool
-        paths; /* the rays are those of paths: scattered, and with times, which a world that moves requires */
+    bool timed;             /* the caller's rays have times; required for a world that moves */
     uint64_t expected_rays; /* of all kinds; 0: unknown, treated as many */
     trace_quality quality;
     uint64_t memory;                               /* bytes for building and for the structure; 0: no limit */
@@ -92,8 +91,9 @@ typedef struct trace_options {
 
 typedef struct trace_tracer trace_tracer;
 
-/* Chooses Embree's build quality from the primitives and the expected rays. */
-trace_quality trace_quality_auto(const trace_options *options, const world *w);
+/* Chooses Embree's build quality from the numbers of rays and primitives; 0 rays: unknown, treated as
+ * many. */
+trace_quality trace_quality_auto(uint64_t expected_rays, const world *w);
 
 /* FATHOM_INTERRUPTED when progress returned false. The world must outlive the tracer. */
 fathom_status trace_create(fathom_context *context, const world *w, const trace_options *options,

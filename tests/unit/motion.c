@@ -135,7 +135,7 @@ static stage moving_stage(void) {
 }
 
 static trace_tracer *trace_by(const stage *s, const world *w, const char *words) {
-    const trace_options options = {.words = words, .width = 16, .threads = 1, .paths = true};
+    const trace_options options = {.words = words, .width = 16, .threads = 1, .timed = true};
     trace_tracer *tracer;
     assert_ok(s->context, trace_create(s->context, w, &options, &tracer));
     return tracer;
@@ -250,7 +250,7 @@ UNIT_TEST(tracers_without_times_are_refused) {
     assert_ok(s.context, world_create(s.scene, &w));
     static const char *const words[] = {"bvh", "embree:user"};
     for (int k = 0; k < 2; ++k) {
-        const trace_options options = {.words = words[k], .width = 16, .threads = 1, .paths = true};
+        const trace_options options = {.words = words[k], .width = 16, .threads = 1, .timed = true};
         assert_refused(&s, trace_create(s.context, w, &options, &tracer), words[k]);
     }
     const trace_options options = {.words = "embree", .width = 16, .threads = 1};

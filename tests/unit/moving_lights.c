@@ -210,7 +210,7 @@ UNIT_TEST(every_way_to_sample_has_one_expectation) {
     const double level = sidak_level(1e-3, 3 * LAMPS);
     for (lamp kind = 0; kind < LAMPS; ++kind) {
         stage s = lamp_stage(kind);
-        const trace_options options = {.words = "embree", .width = 16, .threads = 1, .paths = true};
+        const trace_options options = {.words = "embree", .width = 16, .threads = 1, .timed = true};
         world *w;
         emitters *e;
         trace_tracer *tracer;

@@ -136,7 +136,7 @@ static void expect_window(const render_plan *plan, double least) {
 /* Plans an image of the room, looks at the plan, and releases both. */
 static void with_plan(room_parts with, double expected, void (*look)(const render_plan *, double)) {
     stage s = room(with);
-    const trace_options options = {.paths = true, .threads = 2, .expected_rays = 1000000};
+    const trace_options options = {.timed = true, .threads = 2, .expected_rays = 1000000};
     trace_tracer *tracer;
     render_plan *plan;
     world *w;

@@ -31,24 +31,22 @@ static bool on_memory(void *user, ssize_t bytes, bool post) {
 /* ---- choices ---- */
 
 /* Low quality saves build time and costs tracing time: it pays up to this number of rays for a million
- * primitives, and for others in proportion to the root of their number. Measured in bench/README.md: camera
- * and shadow rays meet displaced spheres nearly as fast, scattered rays take 1.1 to 1.3 times as long in most
- * scenes. More threads reduce both times equally. */
-#define LOW_QUALITY_RAYS 150e6
-#define LOW_QUALITY_PATH_RAYS 20e6
+ * primitives, and for others in proportion to the root of their number. Scenes differ: displaced spheres are
+ * traced nearly as fast, most others take 1.1 to 1.3 times as long (bench/README.md). With this limit either
+ * kind of scene loses at most a fifth or so. More threads reduce both times equally. */
+#define LOW_QUALITY_RAYS 20e6
 
-trace_quality trace_quality_auto(const trace_options *options, const world *w) {
+trace_quality trace_quality_auto(uint64_t expected_rays, const world *w) {
     double primitives = (double)w->instances.count;
     for (size_t i = 0; i < w->geometries.count; ++i) primitives += w->geometries.items[i].count;
-    const double most = (options->paths ? LOW_QUALITY_PATH_RAYS : LOW_QUALITY_RAYS) * sqrt(primitives * 1e-6),
-                 rays = (double)options->expected_rays;
-    return rays > 0 && rays < most ? TRACE_QUALITY_LOW : TRACE_QUALITY_MEDIUM;
+    bool few = expected_rays > 0 && (double)expected_rays < LOW_QUALITY_RAYS * sqrt(primitives * 1e-6);
+    return few ? TRACE_QUALITY_LOW : TRACE_QUALITY_MEDIUM;
 }
 
 static enum RTCBuildQuality build_quality(const trace_spec *spec, const trace_options *options,
                                           const world *w) {
     trace_quality quality = spec->quality;
-    if (quality == TRACE_QUALITY_AUTO) quality = trace_quality_auto(options, w);
+    if (quality == TRACE_QUALITY_AUTO) quality = trace_quality_auto(options->expected_rays, w);
     switch (quality) {
     case TRACE_QUALITY_LOW: return RTC_BUILD_QUALITY_LOW;
     case TRACE_QUALITY_AUTO:
