@@ -33,7 +33,7 @@ static bool on_memory(void *user, ssize_t bytes, bool post) {
 /* Low quality saves build time and costs tracing time: it pays up to this number of rays for a million
  * primitives, and for others in proportion to the root of their number. Scenes differ: displaced spheres are
  * traced nearly as fast, most others take 1.1 to 1.3 times as long (bench/README.md). With this limit either
- * kind of scene loses at most a fifth or so. More threads reduce both times equally. */
+ * kind of scene loses at most a quarter. More threads reduce both times equally. */
 #define LOW_QUALITY_RAYS 20e6
 
 trace_quality trace_quality_auto(uint64_t expected_rays, const world *w) {
