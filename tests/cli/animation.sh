@@ -64,7 +64,8 @@ sed 's|"nodes": \[ {|"nodes": [ { "extensions": { "X_none": {} },|' moving.gltf 
 run 0 render odd.gltf $small -o 'w#.png' --frames 0-2 --fps 2 --stats 'w#.json'
 [ "$(grep -c 'the extension X_none is not followed' err.txt)" = 1 ] || die 'a warning that each frame repeats'
 said w2.json 'the extension X_none is not followed'
-# All have the exposure of the first: here of a lamp that leaves, after which a dim one is left.
+# All have the exposure of frame 0, also those that another command renders: here of a lamp that leaves, after which a dim
+# one is left.
 cat >lamp.json <<JSON
 { "camera": { "eye": [0, 0, 5], "target": [0, 0, 0], "fovy": 40 },
   "materials": { "lamp": { "kd": [0, 0, 0], "ke": [9, 9, 9] }, "dim": { "kd": [0, 0, 0], "ke": [0.5, 0.5, 0.5] } },
@@ -78,7 +79,21 @@ run 0 render $lamp -o 'h#.png' --stats 'h#.stats' --frames 0-1
 # shellcheck disable=SC2086
 run 0 render $lamp -o 'i#.png' --stats 'i#.stats' --frames 1-1
 [ "$(number h0.stats exposure)" = "$(number h1.stats exposure)" ] || die 'frames of two exposures'
-[ "$(number h0.stats exposure)" != "$(number i1.stats exposure)" ] || die 'the dim lamp alone has its own exposure'
+[ "$(number h0.stats exposure)" = "$(number i1.stats exposure)" ] || die 'the frame of another command has its own exposure'
+same h1.png i1.png
+said out.txt 'exposure -3.3, by frame 0'
+run 0 render lamp.json --size 16x16 --spp 4 --exposure auto -o dim.png --stats dim.stats --time 1
+[ "$(number h0.stats exposure)" != "$(number dim.stats exposure)" ] || die 'the dim lamp alone has its own exposure'
+# A black frame 0 tells none, so the first frame of each command does: here before and after the lamp comes in.
+sed 's/"ke": \[0.5, 0.5, 0.5\]/"ke": [0, 0, 0]/; s/{ "time": 0 }, { "time": 1, "translation": \[9, 0, 0\] }/{ "time": 0, "translation": [9, 0, 0] }, { "time": 1 }/
+     1s/{ /{ "lights": [], /' lamp.json >late.json
+late="late.json --size 16x16 --spp 4 --fps 1 --exposure auto"
+# shellcheck disable=SC2086
+run 0 render $late -o 'q#.png' --stats 'q#.stats' --frames 0-1
+# shellcheck disable=SC2086
+run 0 render $late -o 'r#.png' --stats 'r#.stats' --frames 1
+[ "$(number q1.stats exposure)" = 0.0 ] || die 'an exposure by a black frame'
+[ "$(number r1.stats exposure)" = "$(number h0.stats exposure)" ] || die 'no exposure by the first frame that is lit'
 # Without a camera in the file they share one, as do frames that another command renders. The triangle rests in the last
 # frames: these are equal. It stands farther away than in an image of its own, because all of its way is in view.
 sed 's/"camera": 0, "translation"/"translation"/' moving.gltf >framed.gltf

@@ -42,7 +42,7 @@ all_as_one_run() {
     [ -z "$(ls c? 2>/dev/null)" ] || die 'records are left after the last frame'
 }
 
-# The exposure of the first frame is that of all, even if this run does not render it.
+# The exposure of frame 0 is that of all, even if this run does not render it.
 stop_early
 resume 0
 kept f0 && kept f1 && not_kept f2

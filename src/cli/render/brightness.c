@@ -74,32 +74,37 @@ static float studio_exposure(const fathom_brightness *b) {
     return fminf(fmaxf(b->exposure, -STUDIO_STOPS), 0);
 }
 
-void brightness_settle(warning_list *warnings, const fathom_scene *scene, const char *name,
+bool brightness_is_open(const render_options *options) {
+    return options->exposure == EXPOSURE_AUTO ||
+           (options->exposure == EXPOSURE_USUAL && any_for_display(options));
+}
+
+bool brightness_settle(warning_list *warnings, const fathom_scene *scene, const char *name,
                        const fathom_film *film, render_options *options) {
     float *exposure = &options->write.exposure;
     fathom_brightness b = {.size = sizeof b};
     char why[160];
     fathom_film_brightness(film, *exposure, &b);
-    if (!b.pixels) return;
     if (b.black == b.pixels) {
-        if (scene) warn_black(warnings, scene, name);
-        return;
+        if (scene && b.pixels) warn_black(warnings, scene, name);
+        return false;
     }
     if (options->exposure == EXPOSURE_AUTO) *exposure = within_limits(b.exposure);
-    if (options->exposure == EXPOSURE_AUTO || !any_for_display(options)) return;
+    if (options->exposure == EXPOSURE_AUTO || !any_for_display(options)) return true;
     if (options->exposure == EXPOSURE_USUAL && b.in_studio) {
         *exposure = studio_exposure(&b);
-        return;
+        return true;
     }
-    if (!shows_little(scene, &b, *exposure, why)) return;
+    if (!shows_little(scene, &b, *exposure, why)) return true;
     if (options->exposure == EXPOSURE_GIVEN) {
         warnings_tell(warnings, "%s: %s; try --exposure %.1f, or --exposure auto", name, why,
                       (double)b.exposure);
-        return;
+        return true;
     }
     *exposure = within_limits(b.exposure);
     warnings_tell(warnings, "%s: %s, so the exposure is %.1f; --exposure 0 leaves it as it is", name, why,
                   (double)*exposure);
+    return true;
 }
 
 void brightness_print(const render_options *options) {

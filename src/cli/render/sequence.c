@@ -1,6 +1,8 @@
 #include "cli/render/sequence.h"
 
 #include "cli/interrupt.h"
+#include "cli/render/brightness.h"
+#include "cli/render/trial.h"
 
 #include "base/clock.h"
 
@@ -17,20 +19,15 @@ static fathom_status begin_frame(const task *all, uint32_t frame, frame_names *r
     return fine ? FATHOM_OK : say_usage(&command_render, problem.text);
 }
 
-static void tell_nobody(void *user, const char *text) { (void)user, (void)text; }
-
 /* Where the automatic camera is at a time; made == false: there is nothing to see, or an error, which is
  * reported when frames are rendered. */
 static fathom_framing look_at(const task *frame, double time) {
     fathom_framing framing = {.size = sizeof framing};
     task s = {.options = frame->options, .framing = framing};
-    if (command_context(s.options.threads, &s.context) != FATHOM_OK) return framing;
-    fathom_context_allow_outside(s.context, s.options.allow_outside);
-    fathom_context_on_warning(s.context, tell_nobody, NULL);
+    if (!trial_open(&s)) return framing;
     s.options.model.time = (args_f64){.given = true, .value = time};
     if (task_read(&s) == FATHOM_OK) fathom_scene_framing(s.scene, &framing);
-    fathom_scene_destroy(s.scene);
-    fathom_context_destroy(s.context);
+    trial_close(&s);
     return framing;
 }
 
@@ -58,23 +55,39 @@ static void note_finished(const render_options *options, uint32_t last) {
     interrupt_say(text);
 }
 
-/* All frames get the camera and the exposure of the first; another exposure would flicker. */
+static void keep_exposure(const task *of, task *all) {
+    all->options.exposure = EXPOSURE_GIVEN;
+    all->options.write.exposure = of->options.write.exposure;
+}
+
+/* All frames get the exposure of frame 0, which other commands also find; another one would flicker. */
+static fathom_status settle_exposure(task *all, frame_names *room) {
+    task s;
+    const fathom_status status = begin_frame(all, 0, room, &s);
+    if (status != FATHOM_OK || s.options.part.path || !brightness_is_open(&s.options)) return status;
+    if (!trial_exposure(&s)) return FATHOM_OK;
+    keep_exposure(&s, all);
+    all->framing = s.framing, all->frame_all = NULL;
+    if (!s.options.quiet && s.options.write.exposure != 0)
+        printf("exposure %g, by frame 0\n", (double)s.options.write.exposure);
+    return FATHOM_OK;
+}
+
+/* All frames get one camera. If frame 0 is black, the first frame decides on the exposure. */
 fathom_status sequence_run(task *all) {
     const render_frames *frames = &all->options.frames;
     frame_names room;
     warning_list said = {.count = 0};
-    fathom_status status = FATHOM_OK;
     task s;
     all->said = &said, all->frame_all = frame_all;
+    fathom_status status = settle_exposure(all, &room);
     for (uint32_t frame = frames->first; frame <= frames->last && status == FATHOM_OK; ++frame) {
         interrupt_keep_work(false);
         status = begin_frame(all, frame, &room, &s);
         if (status == FATHOM_OK) status = task_run(&s);
         if (status == FATHOM_OK) note_finished(&all->options, frame);
         all->framing = s.framing, all->frame_all = NULL;
-        if (s.options.part.path) continue;
-        all->options.exposure = EXPOSURE_GIVEN;
-        all->options.write.exposure = s.options.write.exposure;
+        if (!s.options.part.path) keep_exposure(&s, all);
     }
     if (status == FATHOM_OK) saving_forget(&all->options);
     warnings_free(&said);

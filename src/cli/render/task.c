@@ -256,7 +256,7 @@ static void warn_of_scene(void *user, const char *message) {
 }
 
 /* The frames of an animation share a camera, which only the scene tells. It is then read again with it. */
-static fathom_status read_for_frame(task *s) {
+fathom_status task_read_framed(task *s) {
     double span[2];
     fathom_status status = task_read(s);
     if (status != FATHOM_OK || !s->frame_all || !fathom_scene_framed_times(s->scene, span)) return status;
@@ -275,7 +275,7 @@ static fathom_status prepare(task *s) {
     progress_begin(s->options.quiet || is_other(s));
     progress_phase(FATHOM_PHASE_READ);
     fathom_context_on_warning(s->context, warn_of_scene, s);
-    status = read_for_frame(s);
+    status = task_read_framed(s);
     if (status == FATHOM_OK) status = merge_settings(s);
     if (status == FATHOM_OK && s->options.background.given)
         status = fathom_scene_set_background(s->scene, s->options.background.rgb);

@@ -25,5 +25,7 @@ typedef struct task {
 
 /* Reads the scene into `scene`. */
 fathom_status task_read(task *s);
+/* The same for the first frame: sets `framing`, too. */
+fathom_status task_read_framed(task *s);
 /* Runs the task and destroys all but the options and the framing. */
 fathom_status task_run(task *s);
