@@ -1,5 +1,5 @@
-/* Tasks that find out what all frames of an animation share. They report nothing: what is wrong with a scene
- * is said when its frames are rendered. */
+/* Tasks that find out what all frames of an animation share. What is wrong with a scene is said when its
+ * frames are rendered, and not here. */
 #pragma once
 
 #include "cli/render/task.h"
@@ -9,5 +9,6 @@ bool trial_open(task *s);
 /* Destroys all but the options and the framing. */
 void trial_close(task *s);
 /* Settles the exposure by a small image, and sets `framing` as running the task does; then closes the task.
+ * Warns if the exposure had to change.
  * False: nothing in view is lit, or an error. */
 bool trial_exposure(task *s);
