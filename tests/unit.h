@@ -13,6 +13,13 @@
 
 #include <cmocka.h>
 
+/* Sanitizers take some ten times as long. Statistics need many rounds, but a few visit the same code. */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+enum { SANITIZED = 1 };
+#else
+enum { SANITIZED = 0 };
+#endif
+
 /* cmocka passes over what the teardown of a group returns, and many a one says there that something was left
  * behind: that fails, too. */
 static int (*unit_teardown)(void **state);

@@ -143,6 +143,7 @@ static double chi_of(const shading *at, const polar *p, random_state *r, int blo
 
 /* Level 1e-4 over all cases together, Šidák's correction for how many there are. 65,536 samples each. */
 UNIT_TEST(samples_follow_the_density) {
+    if (SANITIZED) skip();
     fathom_material behind = classic(0.5f, 0.4f, FATHOM_SPECULAR_PHONG, 10);
     behind.lit_from_behind = true;
     fathom_material half = glassy(0.4f, 0, 1.5f, 0.3f);
@@ -474,7 +475,7 @@ static void random_unit_vector(random_state *r, double out[3]) {
  * to a few 2^-24 absolutely. */
 UNIT_TEST(scattering_is_reciprocal) {
     random_state r = {9};
-    for (int k = 0; k < 20000; ++k) {
+    for (int k = 0; k < (SANITIZED ? 2000 : 20000); ++k) {
         const float roughness = (float)random_in(&r, 0.2, 1), ior = (float)random_in(&r, 1.2, 2);
         fathom_material m = metallic((float)random_unit(&r), roughness);
         const bool lectures = k % 4 == 0;
