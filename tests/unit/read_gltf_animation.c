@@ -38,6 +38,22 @@ UNIT_TEST(translations_follow_their_interpolation) {
     assert_moved(f, 3, 6);
 }
 
+/* The times of half of these keys are floats above the frame's. */
+UNIT_TEST(frames_meet_the_keys_at_their_times) {
+    static const int rates[] = {24, 25, 30, 60};
+    enum { KEYS = 40 };
+    fixture *f = *state;
+    float times[KEYS], values[KEYS][3] = {{0}};
+    for (size_t i = 0; i < sizeof rates / sizeof *rates; ++i) {
+        build b = {.size = 0};
+        for (int k = 0; k < KEYS; ++k) times[k] = (float)k / (float)rates[i], values[k][0] = (float)k;
+        const int input = put_typed(&b, 5126, "SCALAR", KEYS, times, sizeof times, ""),
+                  output = put_typed(&b, 5126, "VEC3", KEYS, values, sizeof values, "");
+        write_channel(f, &b, "translation", "STEP", input, output);
+        for (int k = 0; k < KEYS; ++k) assert_moved(f, (double)k / rates[i], k);
+    }
+}
+
 UNIT_TEST(the_last_of_equal_keys_counts_from_then_on) {
     static const char *const ways[] = {"LINEAR", "STEP"};
     fixture *f = *state;

@@ -72,12 +72,14 @@ static double hermite(const sampler *s, size_t key, double u, double seconds, si
            seconds * (u3 - u2) * number_of(s, key + 1, 0, c);
 }
 
-/* The last key that is not after t. */
+/* The last key that is not after t. Times of keys are floats: that of frame 1 of 24 a second may have been
+ * rounded up, and counts from the frame on. */
 static size_t find_key(const sampler *s, double t) {
+    const double rounded = (float)t;
     size_t low = 0, high = s->times.count;
     while (high - low > 1) {
         const size_t middle = low + (high - low) / 2;
-        *(time_of(s, middle) <= t ? &low : &high) = middle;
+        *(time_of(s, middle) <= rounded ? &low : &high) = middle;
     }
     return low;
 }
