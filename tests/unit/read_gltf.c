@@ -200,6 +200,27 @@ UNIT_TEST(sparse_accessors_replace_elements) {
     fathom_scene_destroy(scene);
 }
 
+/* A large shape key, of which few vertices differ from zero. */
+UNIT_TEST(many_sparse_elements_need_no_view) {
+    enum { COUNT = 1100000, BYTES = 300000 };
+    fixture *f = *state;
+    unsigned char *bytes = calloc(1, BYTES);
+    assert_non_null(bytes);
+    memcpy(bytes, &(uint32_t[1]){COUNT - 2}, 4);
+    memcpy(bytes + 4, (float[3]){7, 8, 9}, 12);
+    write_glb(f,
+              "{" ASSET ",'buffers':[{'byteLength':300000}],'bufferViews':[{'buffer':0,'byteLength':4},"
+              "{'buffer':0,'byteOffset':4,'byteLength':12}],'accessors':["
+              "{'componentType':5126,'type':'VEC3','count':1100000,'sparse':{'count':1,"
+              "'indices':{'bufferView':0,'componentType':5125},'values':{'bufferView':1}}}],"
+              "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':5}]}]}",
+              bytes, BYTES);
+    free(bytes);
+    fathom_scene *scene = read_file(f);
+    assert_int_equal(scene->meshes.items[0].vertex_count, COUNT);
+    fathom_scene_destroy(scene);
+}
+
 /* Every number of bytes at the end: 0, 1 or 2 over a multiple of three. */
 UNIT_TEST(base64_buffers_are_decoded) {
     fixture *f = *state;

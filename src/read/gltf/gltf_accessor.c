@@ -6,10 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Elements without bytes in the file still take memory, so their number is limited: a few lines must not
- * allocate gigabytes. */
-#define ZEROS_MAX (1 << 20)
-
 typedef enum component {
     GLTF_BYTE = 5120,
     GLTF_UBYTE = 5121,
@@ -217,10 +213,6 @@ static void open_head(gltf *g, const gltf_value *at, accessor *out) {
 
 static void open_elements(gltf *g, const gltf_value *at, accessor *out) {
     open_span(g, at, out->count, component_size(out->type) * out->components, true, &out->elements);
-    if (!out->elements.bytes && out->count > ZEROS_MAX)
-        gltf_fail(g, at, "count",
-                  "is %u, and there is no bufferView; expected at most %d elements of nothing but zeros",
-                  out->count, ZEROS_MAX);
     if (gltf_fine(g)) open_sparse(g, at, out);
 }
 
