@@ -103,6 +103,21 @@ UNIT_TEST(spots_that_miss_a_point_take_few_samples) {
         assert_true(receive(vec_f64(k - 1.6, 0.9 - k, 0), vec_f64(0, 0, 1)).dark < 0.5);
 }
 
+/* From a distance of 1e10 times their extent, where squares of squares overflow. */
+UNIT_TEST(a_far_cluster_sends_the_sum_of_its_lamps) {
+    const vec3_f64 p = {0, 0, -1e4}, n = {0, 0, 1};
+    double expected = 0;
+    for (int k = 0; k < COUNT; ++k) {
+        fathom_light light = spot(vec_f64(k % 4 * 2e-7, k / 4 * 2e-7, 0), vec_f64(0, 0, -1), 0.3);
+        light.type = FATHOM_LIGHT_POINT;
+        add(&light);
+        expected += sent_by(&light, p, n);
+    }
+    open_light();
+    /* All are chosen alike, so that no variance is left. */
+    assert_near(receive(p, n).mean, expected, 1e-5 * expected);
+}
+
 /* ---- bounds ---- */
 
 /* Lamps with a radius are lit from all of their points. */

@@ -44,7 +44,7 @@ static inline float light_of(const tree_node *node, int i, vec3_f32 p, vec3_f32 
     float lit = ((ahead + along) * inverse >= -spread ? 0.5f : 0) + (ahead * middle >= -spread ? 0.5f : 0);
     sent = spread < 0 ? lit : sent;
     float within = 0.25f * r2, far = square > within ? square : within;
-    far = leaf > 0 ? far : sqrtf(far * (nearest + r2 / 64));
+    far = leaf > 0 ? far : sqrtf(far) * sqrtf(nearest + r2 / 64); /* the product may overflow */
     *unsure = nearest < r2 && leaf == 0 ? node->power[i] * sent * met / (nearest + 0x1p-100f) : 0;
     return node->power[i] * sent * met / (far + 0x1p-120f);
 }
