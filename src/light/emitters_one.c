@@ -35,7 +35,7 @@ static void make_fast(emitter_face *f) {
 
 static bool prepare_face(emitters *e) {
     const emitter_run *run = emitters_run_of(e, e->only);
-    const uint32_t primitive = e->only - run->first;
+    const uint32_t primitive = emitters_primitive(e, run, e->only - run->first);
     if (e->w->geometries.items[run->geometry].kind == WORLD_SPHERES || e->moving) return true;
     e->one.face = aligned_alloc(64, sizeof *e->one.face);
     if (!e->one.face) return false;

@@ -87,6 +87,26 @@ static void compare_squares(bool alone) {
 UNIT_TEST(two_triangles_are_sampled_as_their_quad) { compare_squares(false); }
 UNIT_TEST(a_single_light_of_two_triangles_is_sampled_as_a_quad) { compare_squares(true); }
 
+/* The first pair of the mesh has no area in float, so the second is the only light. */
+UNIT_TEST(the_only_pair_with_an_area_is_the_light) {
+    static const float p[8][3] = {{0, 0, 2},       {1e-24f, 0, 2}, {1e-24f, 1e-24f, 2}, {0, 1e-24f, 2},
+                                  {-1, -0.25f, 2}, {1, -0.25f, 2}, {1, 0.25f, 2},       {-1, 0.25f, 2}};
+    static const uint32_t pairs[12] = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7};
+    static emitter_sample both[BLOCKS], one[BLOCKS];
+    add_mesh(FATHOM_ROOT, p[0], 8, pairs, 4);
+    open_light();
+    sample_all(both);
+    end_light(NULL);
+    begin_light(NULL);
+    add_mesh(FATHOM_ROOT, p[4], 4, pairs, 2);
+    open_light();
+    sample_all(one);
+    for (int b = 0; b < BLOCKS; ++b) {
+        assert_memory_equal(both[b].direction, one[b].direction, sizeof one[b].direction);
+        assert_memory_equal(both[b].density, one[b].density, sizeof one[b].density);
+    }
+}
+
 /* ---- densities ---- */
 
 /* Two squares in one plane, and a place that turns, shears and stretches them. */
