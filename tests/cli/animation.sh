@@ -84,7 +84,20 @@ same h1.png i1.png
 said out.txt 'exposure -3.3, by frame 0'
 run 0 render lamp.json --size 16x16 --spp 4 --exposure auto -o dim.png --stats dim.stats --time 1
 [ "$(number h0.stats exposure)" != "$(number dim.stats exposure)" ] || die 'the dim lamp alone has its own exposure'
-# A black frame 0 tells none, so the first frame of each command does: here before and after the lamp comes in.
+# The sky behind an object is no part of an image with alpha.
+cat >alpha.json <<JSON
+{ "camera": { "eye": [0, 0, 5], "target": [0, 0, 0], "fovy": 40 }, "background": [9, 9, 9],
+  "materials": { "matt": { "kd": [0.02, 0.02, 0.02] } },
+  "objects": [ { "type": "quad", "center": [0, 0, 0], "u": [1, 0, 0], "v": [0, 1, 0], "material": "matt",
+                 "motion": [ { "time": 0 }, { "time": 1, "translation": [0.1, 0, 0] } ] } ] }
+JSON
+alpha="alpha.json --size 32x32 --spp 16 --exposure auto --aov alpha"
+# shellcheck disable=SC2086
+run 0 render $alpha -o one.png --stats one.stats --time 0
+# shellcheck disable=SC2086
+run 0 render $alpha -o 's#.png' --stats 's#.stats' --frames 0
+[ "$(number s0.stats exposure)" = "$(number one.stats exposure)" ] || die "a sequence's alpha has another exposure"
+# A black frame 0 tells none, so the first lit frame of each command does: here when the lamp has come in.
 sed 's/"ke": \[0.5, 0.5, 0.5\]/"ke": [0, 0, 0]/; s/{ "time": 0 }, { "time": 1, "translation": \[9, 0, 0\] }/{ "time": 0, "translation": [9, 0, 0] }, { "time": 1 }/
      1s/{ /{ "lights": [], /' lamp.json >late.json
 late="late.json --size 16x16 --spp 4 --fps 1 --exposure auto"
@@ -92,7 +105,8 @@ late="late.json --size 16x16 --spp 4 --fps 1 --exposure auto"
 run 0 render $late -o 'q#.png' --stats 'q#.stats' --frames 0-1
 # shellcheck disable=SC2086
 run 0 render $late -o 'r#.png' --stats 'r#.stats' --frames 1
-[ "$(number q1.stats exposure)" = 0.0 ] || die 'an exposure by a black frame'
+[ "$(number q0.stats exposure)" = 0.0 ] || die 'an exposure by a black frame'
+[ "$(number q1.stats exposure)" = "$(number h0.stats exposure)" ] || die 'a black frame keeps its exposure'
 [ "$(number r1.stats exposure)" = "$(number h0.stats exposure)" ] || die 'no exposure by the first frame that is lit'
 # Without a camera in the file they share one, as do frames that another command renders. The triangle rests in the last
 # frames: these are equal. It stands farther away than in an image of its own, because all of its way is in view.

@@ -96,9 +96,9 @@ bool brightness_settle(warning_list *warnings, const fathom_scene *scene, const 
         return true;
     }
     if (!shows_little(scene, &b, *exposure, why)) return true;
-    if (options->exposure == EXPOSURE_GIVEN) {
-        warnings_tell(warnings, "%s: %s; try --exposure %.1f, or --exposure auto", name, why,
-                      (double)b.exposure);
+    if (options->exposure >= EXPOSURE_GIVEN) {
+        warnings_tell(warnings, "%s: %s; try --exposure %.1f%s", name, why, (double)b.exposure,
+                      options->exposure == EXPOSURE_KEPT ? " for all frames" : ", or --exposure auto");
         return true;
     }
     *exposure = within_limits(b.exposure);

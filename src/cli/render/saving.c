@@ -77,7 +77,7 @@ fathom_status saving_find(fathom_context *context, const fathom_scene *scene, re
     if (!frames_asked(&options->frames) || !path || !options->resume || access(path, F_OK) != 0)
         return FATHOM_OK;
     fathom_write_options write = options->write;
-    if (options->exposure != EXPOSURE_GIVEN) write.exposure = NAN;
+    if (options->exposure < EXPOSURE_GIVEN) write.exposure = NAN;
     fathom_status status = images_files(context, options, &files);
     if (status == FATHOM_OK)
         status = fathom_finished_find(context, scene, &options->settings, path, &write, files.items,

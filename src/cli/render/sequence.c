@@ -56,11 +56,12 @@ static void note_finished(const render_options *options, uint32_t last) {
 }
 
 static void keep_exposure(const task *of, task *all) {
-    all->options.exposure = EXPOSURE_GIVEN;
+    if (!brightness_is_open(&all->options)) return;
+    all->options.exposure = EXPOSURE_KEPT;
     all->options.write.exposure = of->options.write.exposure;
 }
 
-/* All frames get the exposure of frame 0, which other commands also find; another one would flicker. */
+/* All frames get the exposure of frame 0, which other commands also find; changes would flicker. */
 static fathom_status settle_exposure(task *all, frame_names *room) {
     task s;
     const fathom_status status = begin_frame(all, 0, room, &s);
@@ -73,7 +74,7 @@ static fathom_status settle_exposure(task *all, frame_names *room) {
     return FATHOM_OK;
 }
 
-/* All frames get one camera. If frame 0 is black, the first frame decides on the exposure. */
+/* All frames get one camera. If frame 0 is black, the first frame that is lit decides on the exposure. */
 fathom_status sequence_run(task *all) {
     const render_frames *frames = &all->options.frames;
     frame_names room;
@@ -87,7 +88,7 @@ fathom_status sequence_run(task *all) {
         if (status == FATHOM_OK) status = task_run(&s);
         if (status == FATHOM_OK) note_finished(&all->options, frame);
         all->framing = s.framing, all->frame_all = NULL;
-        if (!s.options.part.path) keep_exposure(&s, all);
+        if (s.exposed) keep_exposure(&s, all);
     }
     if (status == FATHOM_OK) saving_forget(&all->options);
     warnings_free(&said);

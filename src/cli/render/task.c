@@ -165,8 +165,8 @@ static fathom_status finish(task *s) {
     image_names *room = NULL;
     fathom_status status = interrupted ? images_rename(s->context, &s->options.outputs, &room) : FATHOM_OK;
     /* An unfinished film may still be black. */
-    brightness_settle(&s->report.warnings, interrupted ? NULL : s->scene, s->options.scene, s->film,
-                      &s->options);
+    s->exposed = brightness_settle(&s->report.warnings, interrupted ? NULL : s->scene, s->options.scene,
+                                   s->film, &s->options);
     if (status == FATHOM_OK)
         status = write_all(s);
     else
@@ -301,6 +301,7 @@ fathom_status task_run(task *s) {
     bool finished = false;
     if (status == FATHOM_OK) status = saving_find(s->context, s->scene, &s->options, &finished);
     say(s, status);
+    s->exposed = finished && s->options.write.exposure != 0; /* a black image has 0 */
     if (finished)
         tell_kept(&s->options);
     else if (status == FATHOM_OK)

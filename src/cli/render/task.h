@@ -20,6 +20,7 @@ typedef struct task {
     /* For the first frame: sets `framing` for all times of the span. NULL: this was done, or there are no
      * frames. */
     void (*frame_all)(struct task *s, const double span[2]);
+    bool exposed;       /* after a run: the exposure is that of what is lit in the image */
     warning_list *said; /* by earlier frames, which is not said again; NULL: there are no frames */
 } task;
 
@@ -27,5 +28,5 @@ typedef struct task {
 fathom_status task_read(task *s);
 /* The same for the first frame: sets `framing`, too. */
 fathom_status task_read_framed(task *s);
-/* Runs the task and destroys all but the options and the framing. */
+/* Runs the task and destroys all but the options, the framing and `exposed`. */
 fathom_status task_run(task *s);

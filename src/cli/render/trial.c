@@ -32,7 +32,7 @@ static void make_small(fathom_settings *s) {
     s->width = (s->width + by - 1) / by, s->height = (s->height + by - 1) / by;
     memset(s->crop, 0, sizeof s->crop);
     s->spp = SAMPLES, s->target_error = 0, s->max_time = 0;
-    s->aovs = 0, s->fireflies = FATHOM_FIREFLIES_KEEP;
+    s->aovs &= FATHOM_AOV_ALPHA, s->fireflies = FATHOM_FIREFLIES_KEEP;
 }
 
 static bool go_on(void *user, const fathom_progress *progress) {
@@ -56,6 +56,7 @@ static fathom_status render_small(task *s) {
 bool trial_exposure(task *s) {
     if (!trial_open(s)) return false;
     interrupt_install();
+    interrupt_install_save();
     const bool settled = task_read_framed(s) == FATHOM_OK && render_small(s) == FATHOM_OK &&
                          brightness_settle(&s->report.warnings, NULL, s->options.scene, s->film, &s->options);
     trial_close(s);
