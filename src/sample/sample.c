@@ -17,13 +17,13 @@ static double unit_from(uint32_t bits) { return bits * 0x1p-32; }
 
 static void grid(uint32_t n, uint32_t index, double *u, double *v) {
     *u = (index % n + 0.5) / n;
-    *v = (double)(index / n) / n + 0.5 / n;
+    *v = (double)(index / n % n) / n + 0.5 / n;
 }
 
 static void stratified(uint32_t n, uint32_t index, uint64_t hash, double *u, double *v) {
     uint64_t h = mix_bits(hash + index);
     *u = (index % n + unit_from((uint32_t)h)) / n;
-    *v = (index / n + unit_from((uint32_t)(h >> 32))) / n;
+    *v = (index / n % n + unit_from((uint32_t)(h >> 32))) / n;
 }
 
 static void sobol(uint32_t index, uint64_t hash, double *u, double *v) {

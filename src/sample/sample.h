@@ -34,7 +34,7 @@ typedef struct sample_key {
 
 typedef struct sampler {
     fathom_pattern pattern; /* of SAMPLE_PIXEL; all other dimensions use the Sobol sequence */
-    uint32_t grid;          /* n of the n × n patterns; index = row * n + column */
+    uint32_t grid;          /* n of the n × n patterns; index = row * n + column, modulo n * n */
     uint64_t seed;
 } sampler;
 

@@ -13,11 +13,11 @@ UNIT_TEST(each_cell_of_a_grid_holds_one_sample) {
     static const fathom_pattern patterns[] = {FATHOM_PATTERN_GRID, FATHOM_PATTERN_STRATIFIED};
     for (int k = 0; k < 2; ++k) {
         const sampler s = {patterns[k], 5, 3};
-        for (uint32_t index = 0; index < 25; ++index) {
+        for (uint32_t index = 0; index < 50; ++index) {
             double p[2];
             sample(&s, 17, index, SAMPLE_PIXEL, p);
             assert_int_equal((int)(p[0] * 5), index % 5);
-            assert_int_equal((int)(p[1] * 5), index / 5);
+            assert_int_equal((int)(p[1] * 5), index / 5 % 5);
         }
     }
 }
