@@ -3,6 +3,7 @@
 #include "job/ranks/mpi_module.h"
 
 #include <mpi.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -47,12 +48,15 @@ static bool send_message(void *user, uint32_t to, const void *bytes, size_t size
     return true;
 }
 
-static bool make_room(size_t size) {
-    if (size <= state.room) return true;
+/* Without the message, rank 0 would wait for its units for ever. */
+static void make_room(size_t size) {
+    if (size <= state.room) return;
     char *more = realloc(state.message, size);
-    if (!more) return false;
+    if (!more) {
+        fprintf(stderr, "fathom: out of memory for a message of %zu bytes from another rank\n", size);
+        MPI_Abort(MPI_COMM_WORLD, FATHOM_OUT_OF_RESOURCES);
+    }
     state.message = more, state.room = size;
-    return true;
 }
 
 static bool receive_message(void *user, uint32_t *from, const void **bytes, size_t *size) {
@@ -62,7 +66,7 @@ static bool receive_message(void *user, uint32_t *from, const void **bytes, size
     complete_sends();
     if (MPI_Iprobe(MPI_ANY_SOURCE, 0, MPI_COMM_WORLD, &there, &status) != MPI_SUCCESS || !there) return false;
     MPI_Get_count(&status, MPI_BYTE, &count);
-    if (!make_room((size_t)count)) return false;
+    make_room((size_t)count);
     if (MPI_Recv(state.message, count, MPI_BYTE, status.MPI_SOURCE, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE) !=
         MPI_SUCCESS)
         return false;
