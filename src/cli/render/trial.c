@@ -3,6 +3,7 @@
 #include "cli/command.h"
 #include "cli/interrupt.h"
 #include "cli/render/brightness.h"
+#include "cli/render/progress.h"
 
 #include <string.h>
 
@@ -57,8 +58,11 @@ bool trial_exposure(task *s) {
     if (!trial_open(s)) return false;
     interrupt_install();
     interrupt_install_save();
+    progress_begin(s->options.quiet);
+    progress_phase(FATHOM_PHASE_READ);
     const bool settled = task_read_framed(s) == FATHOM_OK && render_small(s) == FATHOM_OK &&
                          brightness_settle(&s->report.warnings, NULL, s->options.scene, s->film, &s->options);
     trial_close(s);
+    progress_clear_line();
     return settled;
 }
