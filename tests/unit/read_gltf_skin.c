@@ -63,6 +63,28 @@ UNIT_TEST(tangents_lie_in_the_surface_and_normals_stand_on_it) {
     fathom_scene_destroy(scene);
 }
 
+/* An armature that mirrors has the mesh below it: where its corners are, the joints say, and its winding the
+ * node. */
+UNIT_TEST(a_mirrored_armature_reverses_the_winding) {
+    fixture *f = *state;
+    for (int below = 0; below < 2; ++below) {
+        const figure made = new_figure();
+        char bones[128];
+        snprintf(bones, sizeof bones, "{},{},{'scale':[1,1,-2],'children':[%s1,2]}", below ? "0," : "");
+        write_figure(f, &made, bones, "", JOINTS);
+        fathom_scene *scene = read_file(f);
+        const fathom_mesh *mesh = &scene->meshes.items[0];
+        affine_f64 map;
+        affine_load(&map, scene->instances.items[0].transform);
+        assert_vec(placed_corner(scene, 0, 0, 2), 0, 1, -1, 0);
+        assert_near(map.m[0][0], below ? -1 : 1, 0);
+        /* The sign of the normal is that of a mirroring instance's. */
+        const vec3_f64 n = affine_vector(&map, row_of(mesh->normals, mesh->normal_stride, 0));
+        assert_vec(n, below ? 0.6 : -0.6, below ? 0.8 : -0.8, 0, 1e-7);
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* Animations scale a joint to nothing to hide a part. What is left keeps its normals. */
 UNIT_TEST(joints_that_flatten_hide_their_part) {
     fixture *f = *state;

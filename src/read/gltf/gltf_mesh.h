@@ -6,10 +6,12 @@
 
 #define GLTF_EMPTY (FATHOM_NONE - 1) /* a mesh without a triangle */
 
-/* The matrices of a skin's joints, from mesh to world space, minus `origin`. */
+/* The matrices of a skin's joints, from mesh to world space, minus `origin`. If the node mirrors its meshes,
+ * x is negated at the end, which the instance of the mesh undoes: that reverses the winding of triangles. */
 struct gltf_joints {
     affine_f64 *matrices; /* NULL: not made yet */
     uint32_t count;
+    bool mirrored;
     vec3_f64 origin; /* the same at all moments */
 };
 
@@ -29,9 +31,10 @@ fathom_id gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes, boo
 /* ---- gltf_shape.c ---- */
 
 /* The group that holds mesh `mesh` as the node deforms it at all moments, or GLTF_EMPTY. Nodes that deform it
- * alike share the group. node NULL: the mesh's own weights. *joints: at the opening of the shutter; NULL: no
- * skin. */
-fathom_id gltf_shape_mesh(gltf *g, const gltf_value *node, uint32_t mesh, const gltf_joints **joints);
+ * alike share the group. node NULL: the mesh's own weights. mirrored: the node's transform mirrors. *joints:
+ * at the opening of the shutter; NULL: no skin. */
+fathom_id gltf_shape_mesh(gltf *g, const gltf_value *node, uint32_t mesh, bool mirrored,
+                          const gltf_joints **joints);
 /* Call it before gltf_moments_close(). */
 void gltf_posed_close(gltf *g);
 
@@ -50,4 +53,4 @@ typedef enum gltf_kind { GLTF_POINT, GLTF_NORMAL, GLTF_TANGENT } gltf_kind;
 void gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *joints, gltf_kind kind,
                      gltf_elements *floats, float *to);
 /* The joints of skin `index` at a moment of g; valid as long as the moment. */
-const gltf_joints *gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index);
+const gltf_joints *gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index, bool mirrored);

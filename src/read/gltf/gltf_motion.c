@@ -36,7 +36,7 @@ static void open_at(gltf *g, double time) {
 }
 
 static void close_moment(gltf_moment *m, const gltf *g) {
-    for (size_t i = 0; m->skins && i < gltf_count(&g->skins); ++i) free(m->skins[i].matrices);
+    for (size_t i = 0; m->skins && i < 2 * gltf_count(&g->skins); ++i) free(m->skins[i].matrices);
     free(m->skins);
     for (size_t i = 0; i < m->poses.count; ++i) free(m->poses.items[i].weights);
     array_free(&m->poses);
@@ -187,6 +187,8 @@ bool gltf_way_moves(const gltf_way *way) {
 static double volume(const affine_f64 *a) {
     return dot_f64(load_f64(a->m[0]), cross_f64(load_f64(a->m[1]), load_f64(a->m[2])));
 }
+
+bool gltf_way_mirrors(const gltf_way *way) { return volume(&way->at[0]) < 0; }
 
 bool gltf_way_can_blur(const gltf_way *way) {
     affine_f64 inverse;

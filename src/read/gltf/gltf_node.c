@@ -122,11 +122,12 @@ static void place_mesh(gltf *g, const gltf_value *node, const gltf_way *to_world
     const gltf_joints *joints = NULL;
     gltf_index(g, node, "mesh", &g->meshes, &mesh);
     if (mesh == GLTF_ABSENT) return;
-    const fathom_id group = gltf_shape_mesh(g, node, mesh, &joints);
+    const fathom_id group = gltf_shape_mesh(g, node, mesh, gltf_way_mirrors(to_world), &joints);
     gltf_extension(g, node, "EXT_mesh_gpu_instancing", &extensions, &instancing);
     if (!gltf_fine(g) || group == GLTF_EMPTY) return;
     if (joints) {
-        const gltf_way moved = {.count = 1, .at = {affine_translation(joints->origin)}};
+        gltf_way moved = {.count = 1, .at = {affine_translation(joints->origin)}};
+        if (joints->mirrored) moved.at[0].m[0][0] = -1;
         if (instancing.json)
             gltf_note(g, node, NULL, "the instances of a mesh with a skin are left out but one");
         add_instance(g, node, group, &moved);
@@ -290,7 +291,7 @@ static void place_all_meshes(gltf *g) {
     for (uint32_t i = 0; i < gltf_count(&g->meshes) && gltf_fine(g); ++i) {
         const gltf_value mesh = {.parent = &g->meshes, .index = i};
         const gltf_joints *none = NULL;
-        const fathom_id group = gltf_shape_mesh(g, NULL, i, &none);
+        const fathom_id group = gltf_shape_mesh(g, NULL, i, false, &none);
         if (gltf_fine(g) && group != GLTF_EMPTY) add_instance(g, &mesh, group, &identity);
     }
 }

@@ -34,7 +34,7 @@ struct gltf_moment {
     ARRAY(gltf_pose) poses;
     uint32_t *pose_of;  /* for each node, its index in poses plus 1; NULL: no animation is posed */
     gltf_world *worlds; /* for each link */
-    gltf_joints *skins; /* one for each skin; NULL: none is made yet */
+    gltf_joints *skins; /* two for each skin, the second mirrored; NULL: none is made yet */
 };
 
 /* ---- gltf_transform.c ---- */
@@ -83,6 +83,8 @@ void gltf_node_way(gltf *g, uint32_t link, gltf_way *out);
 /* The motion of an object with the transform `inner` inside a parent with the motion `way`. */
 void gltf_way_of(const gltf_way *way, const affine_f64 *inner, gltf_way *out);
 bool gltf_way_moves(const gltf_way *way);
+/* True if the first transform mirrors. */
+bool gltf_way_mirrors(const gltf_way *way);
 /* True if no transform after the first is singular, and all have the same handedness. */
 bool gltf_way_can_blur(const gltf_way *way);
 /* The scale that applies to cameras and lights. */

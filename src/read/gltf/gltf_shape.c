@@ -12,7 +12,7 @@ struct gltf_posed {
     uint64_t hash;
     uint32_t next; /* in the same place of the table: its index plus 1; 0: none */
     uint32_t mesh, skin;
-    bool moves;
+    bool mirrored, moves;
     gltf_shape *shapes; /* one for each moment if it moves, else one; owned */
     fathom_id group;    /* or GLTF_EMPTY */
 };
@@ -38,7 +38,7 @@ static void read_shape(gltf *g, gltf_moment *m, const gltf_value *node, const gl
     gltf_value mesh;
     gltf_item(g, &g->meshes, p->mesh, &mesh);
     gltf_weights_read(g, node ? gltf_pose_of(m, (uint32_t)node->index) : NULL, node, &mesh, out);
-    if (p->skin != GLTF_ABSENT && gltf_fine(g)) out->joints = gltf_skin_read(g, m, p->skin);
+    if (p->skin != GLTF_ABSENT && gltf_fine(g)) out->joints = gltf_skin_read(g, m, p->skin, p->mirrored);
 }
 
 static void keep_first(gltf_posed *p, size_t moments) {
@@ -48,10 +48,11 @@ static void keep_first(gltf_posed *p, size_t moments) {
 }
 
 /* Reads the shapes at all moments, and keeps one if they do not differ. */
-static void read_key(gltf *g, const gltf_value *node, uint32_t mesh, gltf_posed *out) {
+static void read_key(gltf *g, const gltf_value *node, uint32_t mesh, bool mirrored, gltf_posed *out) {
     const size_t moments = g->moments.count;
     *out = (gltf_posed){.mesh = mesh, .skin = GLTF_ABSENT, .moves = true};
     if (node) gltf_index(g, node, "skin", &g->skins, &out->skin);
+    out->mirrored = mirrored && out->skin != GLTF_ABSENT;
     out->shapes = calloc(moments, sizeof *out->shapes);
     if (!out->shapes) gltf_fail_memory(g, moments * sizeof *out->shapes);
     for (size_t k = 0; k < moments && gltf_fine(g); ++k) {
@@ -71,7 +72,9 @@ static void read_key(gltf *g, const gltf_value *node, uint32_t mesh, gltf_posed 
 }
 
 static bool same_key(const gltf *g, const gltf_posed *a, const gltf_posed *b) {
-    if (a->hash != b->hash || a->mesh != b->mesh || a->skin != b->skin || a->moves != b->moves) return false;
+    if (a->hash != b->hash || a->mesh != b->mesh || a->skin != b->skin || a->mirrored != b->mirrored ||
+        a->moves != b->moves)
+        return false;
     for (size_t k = 0; k < shape_count(g, a); ++k) {
         const gltf_shape *x = &a->shapes[k], *y = &b->shapes[k];
         if (x->weight_count != y->weight_count) return false;
@@ -109,10 +112,11 @@ static void keep(gltf *g, gltf_posed *made) {
         gltf_fail_memory(g, sizeof *made);
 }
 
-fathom_id gltf_shape_mesh(gltf *g, const gltf_value *node, uint32_t mesh, const gltf_joints **joints) {
+fathom_id gltf_shape_mesh(gltf *g, const gltf_value *node, uint32_t mesh, bool mirrored,
+                          const gltf_joints **joints) {
     gltf_posed key = {.shapes = NULL};
     fathom_id group = GLTF_EMPTY;
-    if (be_open(g)) read_key(g, node, mesh, &key);
+    if (be_open(g)) read_key(g, node, mesh, mirrored, &key);
     if (gltf_fine(g)) {
         *joints = key.shapes->joints;
         const gltf_posed *shared = find(g, &key);

@@ -1,5 +1,6 @@
 /* Skins: each vertex is transformed by the weighted sum of its joints' matrices, from mesh to world space.
- * The transform of the mesh's own node is not used (specification, 3.7.3.2).
+ * The transform of the mesh's own node is not used (specification, 3.7.3.2), except that triangles wind the
+ * other way if it mirrors (3.7.2.1).
  *
  * Positions become float here, so they are relative to the first joint: a figure far from the origin keeps
  * its digits. Normals are transformed by the cofactor matrix, so that they stay perpendicular to the surface
@@ -53,21 +54,24 @@ static void fill_joints(gltf *g, gltf_moment *m, const gltf_value *skin, const g
                    bind = bound ? affine_of(element(&inverse, i)) : affine_identity();
         if (i == 0 && m == g->moments.items) out->origin = affine_point(&moved, (vec3_f64){0, 0, 0});
         moved.m[0][3] -= out->origin.x, moved.m[1][3] -= out->origin.y, moved.m[2][3] -= out->origin.z;
+        for (int c = 0; out->mirrored && c < 4; ++c) moved.m[0][c] = -moved.m[0][c];
         out->matrices[i] = affine_compose(&moved, &bind);
     }
 }
 
-const gltf_joints *gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index) {
+const gltf_joints *gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index, bool mirrored) {
+    const size_t count = 2 * gltf_count(&g->skins);
     gltf_value skin, list;
-    if (!m->skins) m->skins = calloc(gltf_count(&g->skins) + 1, sizeof *m->skins);
+    if (!m->skins) m->skins = calloc(count + 1, sizeof *m->skins);
     if (!m->skins) {
-        gltf_fail_memory(g, gltf_count(&g->skins) * sizeof *m->skins);
+        gltf_fail_memory(g, count * sizeof *m->skins);
         return NULL;
     }
-    gltf_joints *joints = &m->skins[index];
+    gltf_joints *joints = &m->skins[2 * (size_t)index + mirrored];
     if (joints->matrices) return joints;
+    joints->mirrored = mirrored;
     if (m != g->moments.items) {
-        const gltf_joints *first = gltf_skin_read(g, g->moments.items, index);
+        const gltf_joints *first = gltf_skin_read(g, g->moments.items, index, mirrored);
         if (first) joints->origin = first->origin;
     }
     gltf_item(g, &g->skins, index, &skin);
