@@ -62,13 +62,13 @@ static size_t count_moving(const fathom_scene *scene) {
     return count;
 }
 
-/* Does not count meshes of highly transparent materials: the glTF reader makes them cast no shadow. */
+/* Does not count meshes of clear materials: the glTF reader makes them cast no shadow. */
 static size_t count_shadowless(const fathom_scene *scene) {
     size_t count = 0;
     for (size_t i = 0; i < scene->meshes.count; ++i) {
         const fathom_mesh *mesh = &scene->meshes.items[i];
-        const float *clear = scene->materials.items[mesh->material].classic.k_t;
-        count += mesh->flags & FATHOM_CASTS_NO_SHADOW && !(clear[0] + clear[1] + clear[2] > 1.5f);
+        count += mesh->flags & FATHOM_CASTS_NO_SHADOW &&
+                 !material_is_clear(&scene->materials.items[mesh->material]);
     }
     return count;
 }

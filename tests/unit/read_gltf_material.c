@@ -398,6 +398,37 @@ UNIT_TEST(clear_materials_cast_no_shadow) {
     }
 }
 
+static void assert_shadow(fixture *f, bool casts, const char *material) {
+    char json[4096];
+    snprintf(json, sizeof json,
+             SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'images':[{'uri':'"
+                   "none.png'}],'textures':[{'source':0}],'materials':[{%s}]"),
+             material);
+    fathom_scene *scene = read_triangle(f, json);
+    assert_int_equal(scene->meshes.items[0].flags, casts ? 0 : FATHOM_CASTS_NO_SHADOW);
+    fathom_scene_destroy(scene);
+}
+
+#define SENDS "'KHR_materials_transmission':{'transmissionFactor':1}"
+#define GLASS(rough, more)                                                                                   \
+    "'pbrMetallicRoughness':{'metallicFactor':0,'roughnessFactor':" rough "},'extensions':{" SENDS more "}"
+#define INK(thickness)                                                                                       \
+    ",'KHR_materials_volume':{'thicknessFactor':" thickness                                                  \
+    ",'attenuationColor':[0.1,0.1,0.2],'attenuationDistance':1}"
+
+/* Rough glass scatters light of lamps, and so has a shadow; so has ink, if it is thick. */
+UNIT_TEST(glass_that_is_rough_or_dark_casts_a_shadow) {
+    fixture *f = *state;
+    assert_shadow(f, false, GLASS("0.1", ""));
+    assert_shadow(f, true, GLASS("0.4", ""));
+    assert_shadow(f, false, GLASS("0", INK("0.1")));
+    assert_shadow(f, true, GLASS("0", INK("1")));
+    assert_shadow(f, false, GLASS("0", "") ",'normalTexture':{'index':0}");
+    assert_shadow(f, true,
+                  "'extensions':{'KHR_materials_transmission':{'transmissionFactor':1,'transmissionTexture':{"
+                  "'index':0}}},'pbrMetallicRoughness':{'metallicFactor':0,'roughnessFactor':0}");
+}
+
 /* Whatever else the material has: the shape is not there. */
 UNIT_TEST(masked_surfaces_are_absent) {
     fixture *f = *state;

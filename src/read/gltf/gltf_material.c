@@ -16,8 +16,8 @@
  * of the base colour texture is a map of the opacity. The mesh determines the thickness of a volume; the
  * thickness factor only matters if it is 0, and its texture is not used.
  *
- * A mesh whose material transmits more than half of the light casts no shadow, because shadow rays are either
- * blocked or not. */
+ * A mesh whose material is clear (material_is_clear()) casts no shadow, because shadow rays are either blocked
+ * or not. */
 #include "read/gltf/gltf_material.h"
 #include "read/gltf/gltf_keys.h"
 #include "read/json/json_form.h"
@@ -230,12 +230,6 @@ static void read_material(gltf *g, const gltf_value *at, draft *d) {
     d->m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
 }
 
-static unsigned flags_of(const scene_named_material *made) {
-    const float *through = made->classic.k_t;
-    const bool clear = through[0] + through[1] + through[2] > 1.5f;
-    return clear && !material_has_maps(&made->value) ? FATHOM_CASTS_NO_SHADOW : 0;
-}
-
 bool gltf_material_make(gltf *g, uint32_t index, gltf_material *out) {
     const bool given = index != GLTF_ABSENT;
     if (!gltf_fine(g)) return false;
@@ -250,7 +244,8 @@ bool gltf_material_make(gltf *g, uint32_t index, gltf_material *out) {
         if (gltf_fine(g))
             gltf_within(g, &at, NULL, fathom_scene_add_material(g->scene, name, &d.m, &kept->id));
         if (!gltf_fine(g)) return false;
-        kept->flags = flags_of(&g->scene->materials.items[kept->id]);
+        kept->flags =
+            material_is_clear(&g->scene->materials.items[kept->id]) ? FATHOM_CASTS_NO_SHADOW : 0;
         kept->blends = d.alpha != ALPHA_OPAQUE;
     }
     *out = *kept;
