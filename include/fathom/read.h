@@ -97,6 +97,9 @@ typedef struct fathom_read_options {
     /* The scene of a glTF file to take, by name or number as `animation`. NULL (default): the file's choice,
      * else the first. */
     const char *scene;
+    /* Adds no lights to a scene that has none: neither the built-in studio nor a key and a fill light.
+     * Default false. */
+    bool no_studio;
 } fathom_read_options;
 
 FATHOM_DEFAULT(fathom_read_options)

@@ -154,6 +154,7 @@ for white in 1 0.4; do
     printf 'mtllib studio.mtl\nusemtl m\nv 0 0 0\nv 1 0 1\nv 0 1 0\nv 1 1 1\nf 1 2 4 3\n' >studio.obj
     run 0 render studio.obj -o $white.png --size 32x32 --spp 16
     silent err.txt
+    said out.txt ', in the studio, '
     if [ $white = 1 ]; then said out.txt ', exposure -0.'; else grep -q exposure out.txt && die 'gray is shown darker'; fi
     run 0 render studio.obj -o 0.png --size 32x32 --spp 16 --exposure 0
     if [ $white = 1 ]; then differ 1.png 0.png; else same 0.4.png 0.png; fi
@@ -161,6 +162,27 @@ for white in 1 0.4; do
     run 0 merge $white.part -o 0.png
     same $white.png 0.png
 done
+# An image on a screen is light that no estimate counts: then the file alone lights.
+printf 'P6\n1 1\n255\n\377\200\100' >screen.ppm
+cat >screen.json <<'JSON'
+{ "camera": { "eye": [0, 1, 4], "target": [0, 0.8, 0], "fovy": 50 },
+  "materials": { "screen": { "kd": [0, 0, 0], "ke": [5, 5, 5], "keTexture": { "file": "screen.ppm" } }, "matt": { "kd": [0.5, 0.5, 0.5] } },
+  "objects": [ { "type": "quad", "center": [0, 0, 0], "u": [3, 0, 0], "v": [0, 0, -3], "material": "matt" },
+               { "type": "quad", "center": [0, 1, -1], "u": [1, 0, 0], "v": [0, 0.5, 0], "material": "screen" } ] }
+JSON
+screen='--size 32x18 --spp 16'
+sed 's/"materials"/"lights": [], &/' screen.json >unlit.json
+# shellcheck disable=SC2086
+{
+    run 0 render screen.json $screen -o a.exr
+    said out.txt ', in the studio, '
+    run 0 render screen.json $screen -o b.exr --no-studio
+    not_said out.txt studio
+    run 0 render unlit.json $screen -o c.exr
+}
+run 1 compare a.exr b.exr
+run 0 compare b.exr c.exr --tolerance 0
+rm ./?.exr
 sed 's/"intensity": 25/"intensity": 0.01/; s/"background": .*/"background": [0, 0, 0],/' scene.json >dark.json
 run 0 render dark.json -o a.png
 said err.txt 'of the lit pixels are nearly black, below 8 of 255 levels, so the exposure is '

@@ -85,6 +85,7 @@ bool brightness_settle(warning_list *warnings, const fathom_scene *scene, const 
     fathom_brightness b = {.size = sizeof b};
     char why[160];
     fathom_film_brightness(film, *exposure, &b);
+    options->in_studio = b.in_studio;
     if (b.black == b.pixels) {
         if (scene && b.pixels) warn_black(warnings, scene, name);
         return false;
@@ -110,5 +111,6 @@ bool brightness_settle(warning_list *warnings, const fathom_scene *scene, const 
 void brightness_print(const render_options *options) {
     const bool chosen = options->exposure == EXPOSURE_AUTO ||
                         (options->exposure == EXPOSURE_USUAL && options->write.exposure != 0);
+    if (options->in_studio) fputs(", in the studio", stdout);
     if (chosen) printf(", exposure %g", (double)options->write.exposure);
 }

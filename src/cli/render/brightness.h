@@ -12,5 +12,6 @@ bool brightness_is_open(const render_options *options);
 bool brightness_settle(warning_list *warnings, const fathom_scene *scene, const char *name,
                        const fathom_film *film, render_options *options);
 
-/* ", exposure -0.4" if one was chosen. */
+/* ", in the studio, exposure -0.4": if the built-in studio lights the image, and if an exposure was chosen.
+ */
 void brightness_print(const render_options *options);

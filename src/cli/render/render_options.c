@@ -128,6 +128,8 @@ static const args_option own_options[] = {
      "and of the built-in studio; its top points to where --up says (path tracing)"},
     {"environment-rotation", 0, "DEGREES", take_f64, FIELD(environment_rotation), -1e6, 1e6,
      "turn it about the axis that is up, counter-clockwise from above (0)"},
+    {"no-studio", 0, NULL, take_true, FIELD(no_studio), 0, 0,
+     "add no lights to a scene without any, such as a room that only an image on a screen lights"},
     {"no-floor", 0, NULL, take_true, FIELD(no_floor), 0, 0,
      "add no floor below a model that the automatic camera shows in the built-in studio or in "
      "--environment; --background and the AOV alpha never have one"},

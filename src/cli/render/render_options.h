@@ -32,11 +32,12 @@ typedef struct render_options {
     args_size size;   /* 0 × 0: the settings' own */
     unsigned threads; /* 0: all processors */
     render_background background;
-    bool no_floor;
+    bool no_floor, no_studio;
     const char *environment;     /* NULL: none */
     double environment_rotation; /* degrees */
     fathom_write_options write;
     exposure_rule exposure;
+    bool in_studio; /* found with the exposure: the built-in studio lights the image */
     fathom_loss loss;
     const char *stats;       /* NULL: none */
     const char *checkpoint;  /* NULL: none */

@@ -53,6 +53,7 @@ fathom_status task_read(task *s) {
     fathom_read_options read = command_read_options(&o->model);
     read.without_uvs = true;
     read.floor = !o->no_floor && !o->background.given && !(o->settings.aovs & FATHOM_AOV_ALPHA);
+    read.no_studio = o->no_studio;
     read.environment = o->environment;
     read.environment_rotation = o->environment_rotation * (3.14159265358979323846 / 180);
     read.width = o->size.width, read.height = o->size.height;

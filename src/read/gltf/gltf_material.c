@@ -16,8 +16,8 @@
  * of the base colour texture is a map of the opacity. The mesh determines the thickness of a volume; the
  * thickness factor only matters if it is 0, and its texture is not used.
  *
- * A mesh whose material is clear (material_is_clear()) casts no shadow, because shadow rays are either blocked
- * or not. */
+ * A mesh whose material is clear (material_is_clear()) casts no shadow, because shadow rays are either
+ * blocked or not. */
 #include "read/gltf/gltf_material.h"
 #include "read/gltf/gltf_keys.h"
 #include "read/json/json_form.h"
@@ -244,8 +244,7 @@ bool gltf_material_make(gltf *g, uint32_t index, gltf_material *out) {
         if (gltf_fine(g))
             gltf_within(g, &at, NULL, fathom_scene_add_material(g->scene, name, &d.m, &kept->id));
         if (!gltf_fine(g)) return false;
-        kept->flags =
-            material_is_clear(&g->scene->materials.items[kept->id]) ? FATHOM_CASTS_NO_SHADOW : 0;
+        kept->flags = material_is_clear(&g->scene->materials.items[kept->id]) ? FATHOM_CASTS_NO_SHADOW : 0;
         kept->blends = d.alpha != ALPHA_OPAQUE;
     }
     *out = *kept;

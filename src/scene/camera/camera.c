@@ -230,7 +230,8 @@ fathom_status fathom_scene_complete(fathom_scene *scene) {
         status = frame_everything(scene);
         if (status != FATHOM_OK) return status;
     }
-    bool lit = scene->lights.count || scene->environments.count || scene->has_lights;
+    bool lit = scene->lights.count || scene->environments.count || scene->has_lights ||
+               (scene->asked && scene->asked->no_studio);
     if (!lit) status = lights_itself(scene, &lit);
     return lit || status != FATHOM_OK ? status : light_everything(scene);
 }
