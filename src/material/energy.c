@@ -1,23 +1,15 @@
 #include "material/energy.h"
 
+#include "material/energy_tables.h"
 #include "material/shader.h"
-#include "math/limit.h"
 #include "math/power.h"
 #include "math/turn.h"
-
-#include <math.h>
-#include <pthread.h>
 
 /* Curves at roughnesses (j / ROUGH_STEPS)^2; the first is that of a mirror. */
 enum { ROUGH_STEPS = 72, AROUND = 12, ALONG = 32 };
 static energy_node nodes[ROUGH_STEPS][ENERGY_NODES];
 static float means[ROUGH_STEPS + 1][2];
 static double parts[ENERGY_STEPS], slopes[ENERGY_STEPS]; /* weights of the mean */
-
-static float cosine_at(int k) {
-    const float x = (float)k / ENERGY_STEPS, mu = x * x * (x * x);
-    return mu > 1e-6f ? mu : 1e-6f;
-}
 
 /* A viewer in the plane y = 0, and the same direction in the space where the facets are a hemisphere, of unit
  * length. */
@@ -85,10 +77,11 @@ static void fill(void) {
     fill_parts();
     for (int j = 0; j <= ROUGH_STEPS; ++j) {
         float(*const now)[ENERGY_NODES] = tables[j % 2], (*const before)[ENERGY_NODES] = tables[(j + 1) % 2];
-        const float y = (float)j / ROUGH_STEPS, alpha = y * y * (y * y);
+        const float alpha = energy_fourth(j, ROUGH_STEPS);
         for (int k = 0; k < ENERGY_NODES; ++k) {
-            now[0][k] = 1, now[1][k] = power5(1 - cosine_at(k));
-            if (alpha > 0.5f * SHADER_SMOOTH_ALPHA) albedo(alpha, cosine_at(k), &now[0][k], &now[1][k]);
+            const float mu = energy_cosine(k, ENERGY_STEPS);
+            now[0][k] = 1, now[1][k] = power5(1 - mu);
+            if (alpha > 0.5f * SHADER_SMOOTH_ALPHA) albedo(alpha, mu, &now[0][k], &now[1][k]);
             if (j > 0)
                 nodes[j - 1][k] = (energy_node){before[0][k], before[1][k], now[0][k] - before[0][k],
                                                 now[1][k] - before[1][k]};
@@ -104,9 +97,9 @@ const energy_curve energy_none = {zeros, 0};
 
 energy_curve energy_curve_of(float alpha) {
     pthread_once(&once, fill);
-    const float x = alpha < SHADER_SMOOTH_ALPHA ? 0 : sqrtf(sqrtf(least(alpha, 1))) * ROUGH_STEPS;
-    const int j = x < ROUGH_STEPS - 1 ? (int)x : ROUGH_STEPS - 1;
-    return (energy_curve){nodes[j], x - (float)j};
+    float part;
+    const int j = energy_alpha_row(alpha < SHADER_SMOOTH_ALPHA ? 0 : alpha, ROUGH_STEPS, &part);
+    return (energy_curve){nodes[j], part};
 }
 
 void energy_means(const energy_curve *c, float *all, float *edge) {

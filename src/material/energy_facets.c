@@ -3,12 +3,9 @@
  * thickness varies. */
 #include "material/energy.h"
 #include "material/energy_ring.h"
+#include "material/energy_tables.h"
 #include "material/shader.h"
-#include "math/limit.h"
 #include "math/turn.h"
-
-#include <math.h>
-#include <pthread.h>
 
 /* Tables at alphas (j / STEPS)^4, the larger one first. */
 enum { STEPS = 24, ROWS = STEPS + 1, NODES = ENERGY_FACETS_STEPS + 1, AROUND = 24, ALONG = 32, TURNS = 8 };
@@ -42,15 +39,12 @@ static void add_ring(const ring_viewer *m, float u, float part, float out[NODES]
     }
 }
 
-static float alpha_at(int j) {
-    const float y = (float)j / STEPS;
-    return y * y * (y * y);
-}
-
 /* All azimuths are alike if the alphas are equal, and both halves of the rings. */
-static void fill(int along, int across, weights *out) {
-    const int turns = along == across ? 1 : TURNS;
-    const float ax = alpha_at(along), ay = most(alpha_at(across), SHADER_SMOOTH_ALPHA);
+static void fill(const int *rows, void *table) {
+    weights *out = table;
+    const int turns = rows[0] == rows[1] ? 1 : TURNS;
+    const float ax = energy_fourth(rows[0], STEPS),
+                ay = most(energy_fourth(rows[1], STEPS), SHADER_SMOOTH_ALPHA);
     for (int k = 0; k < NODES; ++k) {
         const float x = (float)k / ENERGY_FACETS_STEPS, mu = most(x * x, 1e-6f);
         if (ax < SHADER_SMOOTH_ALPHA) out->of[k][k] = 1;
@@ -65,16 +59,7 @@ static void fill(int along, int across, weights *out) {
 
 static const weights *table_at(int along, int across) {
     const int place = along * (along + 1) / 2 + across;
-    bool *done = &made[place];
-    if (!__atomic_load_n(done, __ATOMIC_ACQUIRE)) {
-        pthread_mutex_lock(&lock);
-        if (!*done) {
-            fill(along, across, &tables[place]);
-            __atomic_store_n(done, true, __ATOMIC_RELEASE);
-        }
-        pthread_mutex_unlock(&lock);
-    }
-    return &tables[place];
+    return energy_table_once(&made[place], &lock, fill, (int[]){along, across}, &tables[place]);
 }
 
 static void add_table(int a, int b, float weight, const float *curve, float *out) {
@@ -90,16 +75,9 @@ static void add_table(int a, int b, float weight, const float *curve, float *out
     }
 }
 
-static int row_of(float alpha, float *part) {
-    const float x = sqrtf(sqrtf(least(alpha, 1))) * STEPS;
-    const int j = x < STEPS - 1 ? (int)x : STEPS - 1;
-    *part = x - (float)j;
-    return j;
-}
-
 void energy_facets(float along, float across, const float curve[NODES], float out[NODES]) {
     float s, t;
-    const int j = row_of(along, &s), k = row_of(across, &t);
+    const int j = energy_alpha_row(along, STEPS, &s), k = energy_alpha_row(across, STEPS, &t);
     if (along == across) {
         add_table(j, j, 1 - s, curve, out), add_table(j + 1, j + 1, s, curve, out);
         return;

@@ -1,14 +1,11 @@
 /* Albedos of rough glass: GGX facets that reflect and refract (Walter et al. 2007). */
 #include "material/energy.h"
+#include "material/energy_tables.h"
 #include "material/shader.h"
-#include "math/limit.h"
 #include "math/power.h"
 #include "math/turn.h"
 
-#include <math.h>
-#include <pthread.h>
-
-/* Tables at alphas (j / ROUGH_STEPS)^4 and at indices whose (n - 1) / (n + 1) is (k / INDEX_STEPS)^2. */
+/* Tables by alpha and index. */
 enum { ROUGH_STEPS = 36, INDEX_STEPS = 32, AROUND = 24, ALONG = 96 };
 
 /* An albedo f0 low + f90 high + open, for Schlick's reflectance. */
@@ -83,41 +80,24 @@ static albedo_parts albedo(float alpha, float eta, float mu) {
 
 /* ---- tables ---- */
 
-static void fill(int rough, int index, glass_table *out) {
-    const float y = (float)rough / ROUGH_STEPS, alpha = most(y * y * (y * y), SHADER_SMOOTH_ALPHA);
-    const float x = (float)index / INDEX_STEPS, ratio = most(x * x, 1e-4f);
-    const float eta = ratio < 0.999f ? (1 + ratio) / (1 - ratio) : 2e3f;
+static void fill(const int *rows, void *table) {
+    const float alpha = most(energy_fourth(rows[0], ROUGH_STEPS), SHADER_SMOOTH_ALPHA);
+    const float eta = energy_index(rows[1], INDEX_STEPS);
+    glass_table *out = table;
     for (int k = 0; k < ENERGY_NODES; ++k) {
-        const float w = (float)k / ENERGY_STEPS, mu = most(w * w * (w * w), 1e-6f);
+        const float mu = energy_cosine(k, ENERGY_STEPS);
         out->node[0][k] = albedo(alpha, eta, mu);
         out->node[1][k] = albedo(alpha, 1 / eta, mu);
     }
 }
 
 static const glass_table *table_at(int rough, int index) {
-    bool *done = &made[rough][index];
-    if (!__atomic_load_n(done, __ATOMIC_ACQUIRE)) {
-        pthread_mutex_lock(&lock);
-        if (!*done) {
-            fill(rough, index, &tables[rough][index]);
-            __atomic_store_n(done, true, __ATOMIC_RELEASE);
-        }
-        pthread_mutex_unlock(&lock);
-    }
-    return &tables[rough][index];
-}
-
-static int step_of(float x, int steps, float *part) {
-    const int j = x < (float)(steps - 1) ? (int)x : steps - 1;
-    *part = x - (float)j;
-    return j;
+    return energy_table_once(&made[rough][index], &lock, fill, (int[]){rough, index}, &tables[rough][index]);
 }
 
 void energy_glass(float alpha, float eta, float f0, float f90, float missing[2][ENERGY_NODES]) {
     float s, t;
-    const float dense = most(eta, 1 / eta);
-    const int j = step_of(sqrtf(sqrtf(least(alpha, 1))) * ROUGH_STEPS, ROUGH_STEPS, &s);
-    const int k = step_of(sqrtf((dense - 1) / (dense + 1)) * INDEX_STEPS, INDEX_STEPS, &t);
+    const int j = energy_alpha_row(alpha, ROUGH_STEPS, &s), k = energy_index_row(eta, INDEX_STEPS, &t);
     for (int side = 0; side < 2; ++side) {
         for (int n = 0; n < ENERGY_NODES; ++n) missing[side][n] = 1;
     }

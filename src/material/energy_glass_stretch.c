@@ -1,16 +1,12 @@
 /* Albedos of rough glass whose facets have two alphas; as energy_glass.c, with a viewer at any azimuth. */
 #include "material/energy.h"
 #include "material/energy_ring.h"
+#include "material/energy_tables.h"
 #include "material/shader.h"
-#include "math/limit.h"
 #include "math/power.h"
 #include "math/turn.h"
 
-#include <math.h>
-#include <pthread.h>
-
-/* Tables at alphas (j / STEPS)^4, the larger one along, and at indices whose (n - 1) / (n + 1) is
- * (k / INDEX_STEPS)^2. */
+/* Tables by two alphas, the larger one along, and index. */
 enum {
     STEPS = 24,
     ROWS = STEPS + 1,
@@ -66,8 +62,7 @@ static void albedo(float ax, float ay, float eta, const float v[3], float out[3]
 
 static void fill_node(float ax, float ay, float eta, int node, bool even,
                       int16_t out[ENERGY_TURNS + 1][ENERGY_GLASS_STEPS + 1][3]) {
-    const float w = (float)node / ENERGY_GLASS_STEPS, mu = most(w * w * (w * w), 1e-6f);
-    const float flat = sqrtf((1 - mu) * (1 + mu));
+    const float mu = energy_cosine(node, ENERGY_GLASS_STEPS), flat = sqrtf((1 - mu) * (1 + mu));
     for (int j = 0; j <= ENERGY_TURNS; ++j) {
         const float y = (float)j / ENERGY_TURNS, x = 1 - y, unit = flat / sqrtf(x * x + y * y);
         float parts[3];
@@ -76,44 +71,29 @@ static void fill_node(float ax, float ay, float eta, int node, bool even,
     }
 }
 
-static void fill(int along, int across, int index, energy_glass_table *out) {
-    const float a = (float)along / STEPS, b = (float)across / STEPS, x = (float)index / INDEX_STEPS;
-    const float ax = most(a * a * (a * a), SHADER_SMOOTH_ALPHA),
-                ay = most(b * b * (b * b), SHADER_SMOOTH_ALPHA);
-    const float ratio = most(x * x, 1e-4f), eta = ratio < 0.999f ? (1 + ratio) / (1 - ratio) : 2e3f;
+static void fill(const int *rows, void *table) {
+    const float ax = most(energy_fourth(rows[0], STEPS), SHADER_SMOOTH_ALPHA),
+                ay = most(energy_fourth(rows[1], STEPS), SHADER_SMOOTH_ALPHA),
+                eta = energy_index(rows[2], INDEX_STEPS);
+    const bool even = rows[0] == rows[1];
+    energy_glass_table *out = table;
     for (int k = 0; k <= ENERGY_GLASS_STEPS; ++k) {
-        fill_node(ax, ay, eta, k, along == across, out->part[0]);
-        fill_node(ax, ay, 1 / eta, k, along == across, out->part[1]);
+        fill_node(ax, ay, eta, k, even, out->part[0]);
+        fill_node(ax, ay, 1 / eta, k, even, out->part[1]);
     }
 }
 
 static const energy_glass_table *table_at(int along, int across, int index) {
     const int pair = along * (along + 1) / 2 + across;
-    bool *done = &made[pair][index];
-    if (!__atomic_load_n(done, __ATOMIC_ACQUIRE)) {
-        pthread_mutex_lock(&lock);
-        if (!*done) {
-            fill(along, across, index, &tables[pair][index]);
-            __atomic_store_n(done, true, __ATOMIC_RELEASE);
-        }
-        pthread_mutex_unlock(&lock);
-    }
-    return &tables[pair][index];
-}
-
-static int step_of(float x, int steps, float *part) {
-    const int j = x < (float)(steps - 1) ? (int)x : steps - 1;
-    *part = x - (float)j;
-    return j;
+    return energy_table_once(&made[pair][index], &lock, fill, (int[]){along, across, index},
+                             &tables[pair][index]);
 }
 
 void energy_glass_stretched(float along, float across, float eta, float f0, float f90,
                             energy_glass_stretch *out) {
     float s, t, u;
-    const float dense = most(eta, 1 / eta);
-    const int a = step_of(sqrtf(sqrtf(least(along, 1))) * STEPS, STEPS, &s);
-    const int b = step_of(sqrtf(sqrtf(least(across, 1))) * STEPS, STEPS, &t);
-    const int k = step_of(sqrtf((dense - 1) / (dense + 1)) * INDEX_STEPS, INDEX_STEPS, &u);
+    const int a = energy_alpha_row(along, STEPS, &s), b = energy_alpha_row(across, STEPS, &t),
+              k = energy_index_row(eta, INDEX_STEPS, &u);
     out->f0 = f0, out->f90 = f90, out->swapped = eta < 1;
     for (int r = 0; r < 8; ++r) {
         const int x = a + (r & 1), y = b + (r >> 1 & 1);

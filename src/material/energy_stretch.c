@@ -1,13 +1,10 @@
 /* Albedos of GGX lobes with two alphas; as energy.c, with a viewer at any azimuth. */
 #include "material/energy.h"
 #include "material/energy_ring.h"
+#include "material/energy_tables.h"
 #include "material/shader.h"
-#include "math/limit.h"
 #include "math/power.h"
 #include "math/turn.h"
-
-#include <math.h>
-#include <pthread.h>
 
 /* Tables at alphas (j / STEPS)^4. */
 enum { STEPS = 36, AROUND = 32, ALONG = 32 };
@@ -15,10 +12,7 @@ static energy_table tables[STEPS + 1][STEPS + 1]; /* along, across */
 static bool made[STEPS + 1][STEPS + 1];
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
-static float alpha_at(int j) {
-    const float y = (float)j / STEPS;
-    return most(y * y * (y * y), SHADER_SMOOTH_ALPHA);
-}
+static float alpha_at(int j) { return most(energy_fourth(j, STEPS), SHADER_SMOOTH_ALPHA); }
 
 static void add_facets(const ring_viewer *m, float u, float all[ALONG], float edge[ALONG]) {
     float cosine, sine;
@@ -58,11 +52,13 @@ void energy_turn_parts(float parts[ENERGY_TURNS + 1]) {
     for (int j = 0; j <= ENERGY_TURNS; ++j) parts[j] = part_of(j);
 }
 
-static void fill(float ax, float ay, energy_table *out) {
+static void fill(const int *rows, void *table) {
+    const float ax = alpha_at(rows[0]), ay = alpha_at(rows[1]);
+    energy_table *out = table;
     float part[ENERGY_TURNS + 1];
     energy_turn_parts(part);
     for (int k = 0; k < ENERGY_NODES; ++k) {
-        const float w = (float)k / ENERGY_STEPS, mu = most(w * w * (w * w), 1e-6f);
+        const float mu = energy_cosine(k, ENERGY_STEPS);
         for (int j = 0; j <= ENERGY_TURNS; ++j) {
             const float y = (float)j / ENERGY_TURNS, x = 1 - y, unit = 1 / sqrtf(x * x + y * y);
             float both[2];
@@ -76,28 +72,13 @@ static void fill(float ax, float ay, energy_table *out) {
 }
 
 static const energy_table *table_at(int along, int across) {
-    bool *done = &made[along][across];
-    if (!__atomic_load_n(done, __ATOMIC_ACQUIRE)) {
-        pthread_mutex_lock(&lock);
-        if (!*done) {
-            fill(alpha_at(along), alpha_at(across), &tables[along][across]);
-            __atomic_store_n(done, true, __ATOMIC_RELEASE);
-        }
-        pthread_mutex_unlock(&lock);
-    }
-    return &tables[along][across];
-}
-
-static int row_of(float alpha, float *part) {
-    const float x = sqrtf(sqrtf(least(alpha, 1))) * STEPS;
-    const int j = x < STEPS - 1 ? (int)x : STEPS - 1;
-    *part = x - (float)j;
-    return j;
+    return energy_table_once(&made[along][across], &lock, fill, (int[]){along, across},
+                             &tables[along][across]);
 }
 
 void energy_stretched(float along, float across, energy_stretch *out) {
     float s, t;
-    const int j = row_of(along, &s), k = row_of(across, &t);
+    const int j = energy_alpha_row(along, STEPS, &s), k = energy_alpha_row(across, STEPS, &t);
     for (int r = 0; r < 4; ++r) {
         out->table[r] = table_at(j + (r & 1), k + (r >> 1));
         out->weight[r] = (r & 1 ? s : 1 - s) * (r >> 1 ? t : 1 - t);
