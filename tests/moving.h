@@ -34,12 +34,6 @@ static fathom_id place(stage *s, fathom_id parent, fathom_id group, const double
     return id;
 }
 
-static fathom_id group_of(stage *s) {
-    fathom_id id;
-    assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &id));
-    return id;
-}
-
 static void look(stage *s, bool pans, double open, double close) {
     const double frames[24] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 6, 1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 5.5};
     fathom_camera camera;
@@ -76,7 +70,7 @@ static inline stage moving_stage(unsigned moves, double open, double close) {
     stage s = stage_open(32, 32);
     const fathom_material m = shiny();
     const fathom_id material = stage_material(&s, &m), red = stage_lambert(&s, 0.6f);
-    const fathom_id turning = group_of(&s), flying = group_of(&s), nest = group_of(&s);
+    const fathom_id turning = stage_group(&s), flying = stage_group(&s), nest = stage_group(&s);
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.target_error = 0, s.settings.spp = 64, s.settings.max_depth = 4;
     assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0.3f, 0.4f, 0.5f}));

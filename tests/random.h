@@ -1,6 +1,8 @@
 /* Random numbers for tests: the same on every machine. */
 #pragma once
 
+#include "math/vec.h"
+
 #include <math.h>
 #include <stdint.h>
 
@@ -23,4 +25,14 @@ static inline double random_in(random_state *r, double low, double high) {
 /* Between low and high, evenly in its logarithm. */
 static inline double random_log(random_state *r, double low, double high) {
     return exp(random_in(r, log(low), log(high)));
+}
+/* In the cube [-size,size]³. */
+static inline vec3_f32 random_point(random_state *r, double size) {
+    return vec_f32((float)random_in(r, -size, size), (float)random_in(r, -size, size),
+                   (float)random_in(r, -size, size));
+}
+/* Unit vectors, all alike. */
+static inline vec3_f64 random_direction(random_state *r) {
+    const double z = random_in(r, -1, 1), phi = random_in(r, 0, 2 * M_PI), s = sqrt(1 - z * z);
+    return vec_f64(s * cos(phi), s * sin(phi), z);
 }

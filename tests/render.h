@@ -41,6 +41,20 @@ static inline void stage_camera(stage *s, const double eye[3], const double targ
     assert_ok(s->context, fathom_scene_set_camera(s->scene, &camera));
 }
 
+/* A camera on the z axis with this shutter, for scenes that move. */
+static inline void stage_shutter(stage *s, double open, double close) {
+    fathom_camera camera;
+    fathom_camera_look_at((double[3]){0, 0, 8}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.8, &camera);
+    camera.shutter[0] = open, camera.shutter[1] = close;
+    assert_ok(s->context, fathom_scene_set_camera(s->scene, &camera));
+}
+
+static inline fathom_id stage_group(stage *s) {
+    fathom_id group;
+    assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &group));
+    return group;
+}
+
 static inline fathom_id stage_material(stage *s, const fathom_material *m) {
     fathom_id id;
     assert_ok(s->context, fathom_scene_add_material(s->scene, NULL, m, &id));

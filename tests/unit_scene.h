@@ -1,6 +1,7 @@
 /* An empty scene and its context, for tests that fill it: set-up and tear-down of each. */
 #pragma once
 
+#include "math/affine.h"
 #include "unit.h"
 
 #include <fathom/scene.h>
@@ -19,4 +20,18 @@ static inline int close_scene(void **state) {
     fathom_scene_destroy(scene);
     fathom_context_destroy(context);
     return 0;
+}
+
+static inline fathom_id add_group(void) {
+    fathom_id id;
+    assert_ok(context, fathom_scene_add_group(scene, NULL, &id));
+    return id;
+}
+
+static inline void place_still(fathom_id group, fathom_id parent, const affine_f64 *map) {
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    memcpy(instance.transform, map->m, sizeof instance.transform);
+    instance.group = group, instance.parent = parent;
+    assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
 }

@@ -1,7 +1,5 @@
 /* Laws of sampled light. Every statistical test is made once, with fixed numbers, at 5 standard errors
  * (6e-7); with at most a thousand of them here one fails by chance with 6e-4. */
-#include "math/lane.h"
-#include "random.h"
 #include "unit_light.h"
 
 enum { BLOCKS = 4000 };
@@ -40,20 +38,6 @@ static void add_point(vec3_f64 at, float intensity) {
 }
 
 /* ---- sampling ---- */
-
-static void fill_query(emitter_query *q, vec3_f64 p, vec3_f64 n) {
-    const vec3_f64 moved = sub_f64(p, w->origin);
-    const double at[3] = {moved.x, moved.y, moved.z}, normal[3] = {n.x, n.y, n.z};
-    for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) q->p[c][i] = (float)at[c], q->n[c][i] = (float)normal[c];
-    }
-}
-
-static void fill_numbers(random_state *r, lanes3 u) {
-    for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) u[c][i] = (float)(random_bits(r) >> 40) * 0x1p-24f;
-    }
-}
 
 static vec3_f32 lane(const lanes3 v, int i) { return vec_f32(v[0][i], v[1][i], v[2][i]); }
 
@@ -141,11 +125,6 @@ static double edge_sum(vec3_f64 p, vec3_f64 n, const vec3_f64 *corner, int count
     return fabs(sum) / (2 * M_PI);
 }
 
-static vec3_f64 any_direction(random_state *r) {
-    double z = random_in(r, -1, 1), phi = random_in(r, 0, 2 * M_PI), s = sqrt(1 - z * z);
-    return vec_f64(s * cos(phi), s * sin(phi), z);
-}
-
 /* Triangles of any shape, from 1e-6 to 1e6 of their distance, at any tilt, in frames that turn and stretch.
  */
 UNIT_TEST(any_triangle_sends_lamberts_edge_sum) {
@@ -156,7 +135,7 @@ UNIT_TEST(any_triangle_sends_lamberts_edge_sum) {
         float p[3][3];
         static const uint32_t index[3] = {0, 1, 2};
         for (int k = 0; k < 3; ++k) {
-            corner[k] = madd_f64(at, 1.9 * size, any_direction(&r));
+            corner[k] = madd_f64(at, 1.9 * size, random_direction(&r));
             store_f32(p[k], narrow(corner[k]));
             corner[k] = widen(load_f32(p[k]));
         }
@@ -240,7 +219,7 @@ UNIT_TEST(an_ellipsoid_sends_what_rays_find) {
     while (hit.geometry < w->geometries.count && w->geometries.items[hit.geometry].kind != WORLD_SPHERES)
         ++hit.geometry;
     for (int k = 0; k < 400000; ++k) {
-        vec3_f64 d = any_direction(&r), o = affine_vector(&to_object, d);
+        vec3_f64 d = random_direction(&r), o = affine_vector(&to_object, d);
         double b = dot_f64(from, o), c = dot_f64(from, from) - 0.25, a = dot_f64(o, o);
         bool meets = b < 0 && b * b > a * c;
         take(&found, meets ? 4 * fmax(d.z, 0) : 0);
@@ -363,7 +342,7 @@ static void expect_own_densities(random_state *r, int least) {
     int sized = 0;
     for (int b = 0; b < 400; ++b) {
         const vec3_f64 p = {random_in(r, -4, 4), random_in(r, -4, 4), random_in(r, -4, 4)};
-        const vec3_f64 n = b % 3 ? any_direction(r) : origin;
+        const vec3_f64 n = b % 3 ? random_direction(r) : origin;
         const vec3_f32 at_world = narrow(sub_f64(p, w->origin));
         emitter_query q;
         lanes3 u, radiance;
@@ -415,7 +394,7 @@ UNIT_TEST(many_lights_send_the_sum_of_each) {
     random_state r = {17};
     double expected = 0;
     for (int k = 0; k < COUNT; ++k) {
-        vec3_f64 at = scale_f64(random_log(&r, 0.1, 100), any_direction(&r));
+        vec3_f64 at = scale_f64(random_log(&r, 0.1, 100), random_direction(&r));
         float strength = (float)random_log(&r, 1e-3, 1e3);
         add_point(at, strength);
         double d = length_f64(at);
@@ -429,9 +408,9 @@ UNIT_TEST(many_lights_send_the_sum_of_each) {
 UNIT_TEST(lights_below_the_horizon_send_nothing) {
     random_state r = {29};
     for (int trial = 0; trial < 200; ++trial) {
-        const vec3_f64 n = any_direction(&r);
+        const vec3_f64 n = random_direction(&r);
         for (int k = 0; k < 60; ++k) {
-            const vec3_f64 d = scale_f64(random_log(&r, 0.1, 1), any_direction(&r));
+            const vec3_f64 d = scale_f64(random_log(&r, 0.1, 1), random_direction(&r));
             const double off = dot_f64(d, n) + random_log(&r, 1e-3, 0.1);
             add_point(madd_f64(d, -off, n), (float)random_log(&r, 1e-3, 1e3));
         }
@@ -486,7 +465,7 @@ static void add_triangle(random_state *r, fathom_id material) {
     const vec3_f64 at = {random_in(r, -4, 4), random_in(r, -4, 4), random_in(r, -4, 4)};
     float p[3][3];
     for (int k = 0; k < 3; ++k)
-        store_f32(p[k], narrow(madd_f64(at, random_log(r, 1e-3, 3), any_direction(r))));
+        store_f32(p[k], narrow(madd_f64(at, random_log(r, 1e-3, 3), random_direction(r))));
     fathom_mesh mesh;
     fathom_mesh_default(&mesh);
     mesh.positions = p[0], mesh.vertex_count = 3, mesh.indices = index, mesh.triangle_count = 1;
@@ -495,17 +474,17 @@ static void add_triangle(random_state *r, fathom_id material) {
 }
 
 static void add_any_quad(random_state *r, fathom_id material) {
-    const vec3_f64 at = scale_f64(4, any_direction(r)),
-                   u = scale_f64(random_log(r, 1e-3, 3), any_direction(r)),
-                   v = scale_f64(random_log(r, 1e-3, 3), cross_f64(u, any_direction(r)));
+    const vec3_f64 at = scale_f64(4, random_direction(r)),
+                   u = scale_f64(random_log(r, 1e-3, 3), random_direction(r)),
+                   v = scale_f64(random_log(r, 1e-3, 3), cross_f64(u, random_direction(r)));
     add_quad((double[3]){at.x, at.y, at.z}, (double[3]){u.x, u.y, u.z}, (double[3]){v.x, v.y, v.z}, material);
 }
 
 static void add_lamp(random_state *r) {
     fathom_light light;
     fathom_light_default(&light);
-    store_f64(light.position, scale_f64(random_in(r, 0, 4), any_direction(r)));
-    store_f64(light.direction, any_direction(r));
+    store_f64(light.position, scale_f64(random_in(r, 0, 4), random_direction(r)));
+    store_f64(light.direction, random_direction(r));
     const double kind = random_unit(r);
     if (kind < 0.5) light.type = FATHOM_LIGHT_SPOT;
     if (kind > 0.8) light.type = FATHOM_LIGHT_DIRECTIONAL;
@@ -532,7 +511,7 @@ static void add_any(random_state *r) {
     case 1: add_any_quad(r, material); break;
     case 2: add_lamp(r); break;
     case 3: add_stretched(r, material); break;
-    default: add_sphere(FATHOM_ROOT, scale_f64(4, any_direction(r)), random_log(r, 0.01, 3), material);
+    default: add_sphere(FATHOM_ROOT, scale_f64(4, random_direction(r)), random_log(r, 0.01, 3), material);
     }
 }
 
@@ -557,9 +536,10 @@ static lane_sample sampled(const emitter_query *q, const lanes3 u, int i) {
 static void random_query(random_state *r, emitter_query *q, lanes3 u) {
     fill_numbers(r, u);
     for (int i = 0; i < LANES; ++i) {
-        const vec3_f64 p = sub_f64(scale_f64(random_in(r, 0, 5), any_direction(r)), w->origin);
+        const vec3_f64 p = sub_f64(scale_f64(random_in(r, 0, 5), random_direction(r)), w->origin);
         put_lane_f32(q->p, (unsigned)i, narrow(p));
-        put_lane_f32(q->n, (unsigned)i, random_unit(r) < 0.1 ? vec_f32(0, 0, 0) : narrow(any_direction(r)));
+        put_lane_f32(q->n, (unsigned)i,
+                     random_unit(r) < 0.1 ? vec_f32(0, 0, 0) : narrow(random_direction(r)));
         q->time[i] = 0;
     }
 }

@@ -1,6 +1,5 @@
 /* Two triangles that are a quad send light as the quad does. */
 #include "light/emitters_inner.h"
-#include "random.h"
 #include "unit_light.h"
 
 static fathom_id glow(void) {
@@ -31,16 +30,10 @@ static void add_mesh(fathom_id group, const float *positions, uint32_t vertices,
 
 /* ---- samples ---- */
 
-static void fill_query(random_state *r, emitter_query *q) {
+static void fill_points(random_state *r, emitter_query *q) {
     memset(q, 0, sizeof *q);
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LANES; ++i) q->p[c][i] = (float)random_in(r, -1, 1);
-    }
-}
-
-static void fill_numbers(random_state *r, lanes3 u) {
-    for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) u[c][i] = (float)(random_bits(r) >> 40) * 0x1p-24f;
     }
 }
 
@@ -51,7 +44,7 @@ static void sample_all(emitter_sample out[BLOCKS]) {
     emitter_query q;
     lanes3 u;
     for (int b = 0; b < BLOCKS; ++b) {
-        fill_query(&r, &q), fill_numbers(&r, u);
+        fill_points(&r, &q), fill_numbers(&r, u);
         memset(&out[b], 0, sizeof out[b]);
         emitters_sample(e, &q, u, &out[b]);
     }
@@ -155,7 +148,7 @@ UNIT_TEST(hits_on_either_triangle_have_the_density_of_samples) {
         emitter_query q;
         emitter_sample s;
         lanes3 u;
-        fill_query(&r, &q), fill_numbers(&r, u);
+        fill_points(&r, &q), fill_numbers(&r, u);
         emitters_sample(e, &q, u, &s);
         for (unsigned i = 0; i < LANES; ++i) {
             const vec3_f32 p = lane_f32(q.p, i), to = lane_f32(s.direction, i), none = {0, 0, 0};

@@ -1,6 +1,4 @@
 /* Laws of lamps with a radius: what rays find, and what light samples say of it. */
-#include "math/lane.h"
-#include "random.h"
 #include "unit_light.h"
 
 typedef struct lamp {
@@ -20,14 +18,6 @@ static void add_lamps(random_state *r, uint32_t count, lamp *out) {
         for (int c = 0; c < 3; ++c) light.intensity[c] = (float)(k + 1);
         assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
         out[k] = (lamp){load_f64(light.position), (double)light.radius, k + 1.0};
-    }
-}
-
-static vec3_f64 any_direction(random_state *r) {
-    for (;;) {
-        const vec3_f64 d = {random_in(r, -1, 1), random_in(r, -1, 1), random_in(r, -1, 1)};
-        const double square = dot_f64(d, d);
-        if (square > 0.01 && square < 1) return normalize_f64(d);
     }
 }
 
@@ -73,7 +63,7 @@ UNIT_TEST(rays_find_each_lamp_that_they_enter) {
     for (int trial = 0; trial < 6000; ++trial) {
         const vec3_f64 at = {random_in(&r, -6, 6), random_in(&r, -6, 6), random_in(&r, -6, 6)};
         const float middle = (float)random_in(&r, 0, 6), stop = trial % 3 ? INFINITY : middle + 3;
-        emitter_ray ray = {.p = narrow(sub_f64(at, w->origin)), .direction = narrow(any_direction(&r))};
+        emitter_ray ray = {.p = narrow(sub_f64(at, w->origin)), .direction = narrow(random_direction(&r))};
         const vec3_f64 p = add_f64(widen(ray.p), w->origin), d = normalize_f64(widen(ray.direction));
         finds f = {0};
         ray.to = middle, ray.smooth = trial % 2;
@@ -110,7 +100,7 @@ UNIT_TEST(rays_along_samples_find_what_they_say) {
     for (int trial = 0; trial < 400; ++trial) {
         const vec3_f64 p = {random_in(&r, -6, 6), random_in(&r, -6, 6), random_in(&r, -6, 6)};
         const vec3_f32 at = narrow(sub_f64(p, w->origin)),
-                       n = trial % 3 ? narrow(any_direction(&r)) : (vec3_f32){0, 0, 0};
+                       n = trial % 3 ? narrow(random_direction(&r)) : (vec3_f32){0, 0, 0};
         emitter_query q;
         emitter_sample s;
         lanes3 u;

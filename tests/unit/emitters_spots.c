@@ -1,18 +1,9 @@
 /* The choice among many spot lights. Statistical tests are made once, with fixed numbers, at 5 standard
  * errors (6e-7). */
 #include "light/emitters_inner.h"
-#include "random.h"
 #include "unit_light.h"
 
 enum { COUNT = 200, BLOCKS = 4000 };
-
-static vec3_f64 any_direction(random_state *r) {
-    for (;;) {
-        const vec3_f64 d = {random_in(r, -1, 1), random_in(r, -1, 1), random_in(r, -1, 1)};
-        const double square = dot_f64(d, d);
-        if (square > 0.01 && square < 1) return normalize_f64(d);
-    }
-}
 
 static fathom_light spot(vec3_f64 at, vec3_f64 direction, double outer) {
     fathom_light light;
@@ -29,7 +20,7 @@ static void add(const fathom_light *light) { assert_ok(context, fathom_scene_add
 /* Narrow, wide, and almost all directions; some are points. */
 static fathom_light any_spot(random_state *r, int k) {
     fathom_light light = spot(vec_f64(random_in(r, -4, 4), random_in(r, -4, 4), random_in(r, -4, 4)),
-                              any_direction(r), random_log(r, 1e-3, 1.55));
+                              random_direction(r), random_log(r, 1e-3, 1.55));
     if (k % 16 == 0) light.type = FATHOM_LIGHT_POINT;
     return light;
 }
@@ -46,35 +37,6 @@ static double sent_by(const fathom_light *light, vec3_f64 p, vec3_f64 n) {
     return falloff * fmax(dot_f64(n, d), 0) / dot_f64(to, to);
 }
 
-typedef struct received {
-    double mean, error, dark; /* dark: fraction of samples without light */
-} received;
-
-static received receive(vec3_f64 p, vec3_f64 n) {
-    random_state r = {1};
-    emitter_query q;
-    const double count = BLOCKS * LANES;
-    double sum = 0, squares = 0, dark = 0;
-    for (unsigned i = 0; i < LANES; ++i) {
-        put_lane_f32(q.p, i, narrow(sub_f64(p, w->origin)));
-        put_lane_f32(q.n, i, narrow(n));
-    }
-    for (int b = 0; b < BLOCKS; ++b) {
-        emitter_sample s;
-        _Alignas(64) lanes3 u;
-        for (unsigned i = 0; i < 3 * LANES; ++i) u[i / LANES][i % LANES] = (float)random_in(&r, 0, 0.999999);
-        emitters_sample(e, &q, u, &s);
-        for (unsigned i = 0; i < LANES; ++i) {
-            const double cosine = fmax(dot_f64(n, widen(lane_f32(s.direction, i))), 0);
-            const bool lit = s.density[i] > 0 && s.radiance[0][i] > 0;
-            const double light = lit ? (double)s.radiance[0][i] * cosine / ((double)s.density[i] * M_PI) : 0;
-            sum += light, squares += light * light, dark += !lit;
-        }
-    }
-    const double mean = sum / count;
-    return (received){mean, sqrt((squares / count - mean * mean) / (count - 1)), dark / count};
-}
-
 /* 1e-5: the falloff of narrow spots in float. */
 UNIT_TEST(many_spots_send_the_sum_of_each) {
     random_state r = {7};
@@ -83,10 +45,10 @@ UNIT_TEST(many_spots_send_the_sum_of_each) {
     open_light();
     for (int trial = 0; trial < 8; ++trial) {
         const vec3_f64 p = {random_in(&r, -4, 4), random_in(&r, -4, 4), random_in(&r, -4, 4)},
-                       n = any_direction(&r);
+                       n = random_direction(&r);
         double expected = 0;
         for (int k = 0; k < COUNT; ++k) expected += sent_by(&all[k], p, n);
-        const received got = receive(p, n);
+        const received got = receive(p, n, BLOCKS);
         assert_near(got.mean, expected, 5 * got.error + 1e-5 * expected);
     }
 }
@@ -100,7 +62,7 @@ UNIT_TEST(spots_that_miss_a_point_take_few_samples) {
     }
     open_light();
     for (int k = 0; k < 4; ++k)
-        assert_true(receive(vec_f64(k - 1.6, 0.9 - k, 0), vec_f64(0, 0, 1)).dark < 0.5);
+        assert_true(receive(vec_f64(k - 1.6, 0.9 - k, 0), vec_f64(0, 0, 1), BLOCKS).dark < 0.5);
 }
 
 /* From a distance of 1e10 times their extent, where squares of squares overflow. */
@@ -134,11 +96,12 @@ UNIT_TEST(a_spot_that_lights_a_point_has_a_chance) {
     for (int trial = 0; trial < 100000; ++trial) {
         const uint32_t k = (uint32_t)(trial % COUNT);
         const emitter_lamp *lamp = &e->lamps[k];
-        const vec3_f64 from = madd_f64(widen(lamp->light.position), (double)lamp->radius, any_direction(&r));
+        const vec3_f64 from =
+            madd_f64(widen(lamp->light.position), (double)lamp->radius, random_direction(&r));
         vec3_f64 way = neg_f64(widen(lamp->light.to_light));
-        if (lamp->light.type == FATHOM_LIGHT_POINT) way = any_direction(&r);
+        if (lamp->light.type == FATHOM_LIGHT_POINT) way = random_direction(&r);
         const double aside = random_log(&r, 1e-4, 1), length = random_log(&r, 1e-3, 10);
-        way = normalize_f64(madd_f64(way, aside, any_direction(&r)));
+        way = normalize_f64(madd_f64(way, aside, random_direction(&r)));
         const vec3_f32 p = narrow(madd_f64(from, length, way)), to = narrow(neg_f64(way));
         if (lamp->light.type == FATHOM_LIGHT_SPOT && !(light_falloff(&lamp->light, to.x, to.y, to.z) > 0))
             continue;

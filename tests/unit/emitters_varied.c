@@ -1,8 +1,7 @@
 /* Light samples of surfaces whose emission is an image. Statistical tests are made once, with fixed numbers,
  * at 5 standard errors (6e-7). */
 #include "light/emitters_inner.h"
-#include "random.h"
-#include "unit_scene.h"
+#include "unit_light.h"
 
 #include <stdio.h>
 
@@ -10,14 +9,11 @@ enum { SIDE = 64, BLOCK = 8, BLOCKS = 2000 };
 
 static const double errors = 5;
 
-static world *w;
 static texturing *images;
-static emitters *e;
 static unsigned char texels[SIDE][SIDE][3];
 static unsigned char file[SIDE * SIDE * 3 + 64];
 
-static void open_light(void) {
-    assert_ok(context, fathom_scene_set_background(scene, (float[3]){0, 0, 0}));
+static void open_images(void) {
     assert_ok(context, world_create(scene, &w));
     assert_ok(context, texturing_create(context, w, 1 << 20, &images));
     assert_ok(context, emitters_create(context, w, images, NULL, &e));
@@ -26,8 +22,8 @@ static void open_light(void) {
 static int end(void **state) {
     emitters_destroy(e);
     texturing_destroy(images);
-    world_destroy(w);
-    return close_scene(state);
+    e = NULL, images = NULL;
+    return end_light(state);
 }
 
 /* Each block of texels is bright by chance. */
@@ -111,42 +107,6 @@ static void add_ball(void) {
 
 /* ---- irradiance over pi, by samples and by sums over the image ---- */
 
-static void fill(random_state *r, vec3_f64 p, vec3_f64 n, emitter_query *q, lanes3 u) {
-    memset(q->time, 0, sizeof q->time);
-    for (unsigned i = 0; i < LANES; ++i) {
-        put_lane_f32(q->p, i, narrow(sub_f64(p, w->origin)));
-        put_lane_f32(q->n, i, narrow(n));
-        for (int k = 0; k < 3; ++k) u[k][i] = (float)random_in(r, 0, 1) * 0.999999f;
-    }
-}
-
-typedef struct received {
-    double mean, error, square; /* of the samples; the mean of their squares */
-    double dark;                /* fraction without light */
-} received;
-
-static received receive(vec3_f64 p, vec3_f64 n) {
-    random_state r = {1};
-    double sum = 0, squares = 0, dark = 0;
-    const double count = BLOCKS * LANES;
-    for (int b = 0; b < BLOCKS; ++b) {
-        emitter_query q;
-        emitter_sample s;
-        _Alignas(64) lanes3 u;
-        fill(&r, p, n, &q, u);
-        emitters_sample(e, &q, u, &s);
-        for (unsigned i = 0; i < LANES; ++i) {
-            const double cosine = fmax(dot_f64(n, widen(lane_f32(s.direction, i))), 0);
-            const double light =
-                s.density[i] > 0 ? (double)s.radiance[0][i] * cosine / ((double)s.density[i] * M_PI) : 0;
-            sum += light, squares += light * light, dark += !(s.radiance[0][i] > 0);
-        }
-    }
-    const double mean = sum / count;
-    return (received){mean, sqrt((squares / count - mean * mean) / (count - 1)), squares / count,
-                      dark / count};
-}
-
 /* Adds what an area of the surface sends whose radiance is that of the texel at u, v. */
 static void add_area(double *sum, vec3_f64 p, vec3_f64 n, vec3_f64 at, vec3_f64 outward, double area,
                      double u, double v) {
@@ -186,7 +146,7 @@ static double from_ball(vec3_f64 p, vec3_f64 n, bool inside) {
 static const double of_sum = 2e-4;
 
 static void assert_received(vec3_f64 p, vec3_f64 n, double expected) {
-    const received got = receive(p, n);
+    const received got = receive(p, n, BLOCKS);
     assert_near(got.mean, expected, errors * got.error + of_sum * expected);
 }
 
@@ -200,7 +160,7 @@ static void assert_square(void) {
 UNIT_TEST(a_divided_quad_sends_its_image) {
     make_texels(0.1);
     add_quad();
-    open_light();
+    open_images();
     assert_true(e->runs[0].level > 0);
     assert_square();
 }
@@ -208,7 +168,7 @@ UNIT_TEST(a_divided_quad_sends_its_image) {
 UNIT_TEST(a_divided_mesh_sends_its_image) {
     make_texels(0.1);
     add_mesh(FATHOM_ROOT, 1);
-    open_light();
+    open_images();
     assert_true(e->runs[0].level > 0);
     assert_square();
 }
@@ -217,12 +177,11 @@ UNIT_TEST(placed_and_moving_meshes_send_their_images) {
     for (int moving = 0; moving < 2; ++moving) {
         if (moving) {
             end(state);
-            e = NULL, images = NULL, w = NULL;
-            open_scene(state);
+            begin_light(state);
         }
         make_texels(0.1);
         add_placed(moving);
-        open_light();
+        open_images();
         assert_true(e->moving == (bool)moving);
         assert_square();
     }
@@ -231,7 +190,7 @@ UNIT_TEST(placed_and_moving_meshes_send_their_images) {
 UNIT_TEST(a_ball_sends_its_image) {
     make_texels(0.5);
     add_ball();
-    open_light();
+    open_images();
     assert_received(points[2], normals[2], from_ball(points[2], normals[2], false));
     assert_received(points[3], normals[3], from_ball(points[3], normals[3], false));
     assert_received(vec_f64(0.5, 0.2, 0.9), normals[1], from_ball(vec_f64(0.5, 0.2, 0.9), normals[1], true));
@@ -243,8 +202,8 @@ UNIT_TEST(samples_go_where_the_image_is_bright) {
     make_texels(0);
     for (int i = 0; i < SIDE * SIDE / 16; ++i) texels[i / (SIDE / 4)][i % (SIDE / 4)][0] = 255;
     add_quad();
-    open_light();
-    const received got = receive(points[0], normals[0]);
+    open_images();
+    const received got = receive(points[0], normals[0], BLOCKS);
     assert_true(got.dark < 0.25);
     assert_true(got.square < 2 * got.mean * got.mean);
 }
@@ -252,7 +211,7 @@ UNIT_TEST(samples_go_where_the_image_is_bright) {
 UNIT_TEST(an_even_image_is_not_divided) {
     make_texels(1);
     add_quad();
-    open_light();
+    open_images();
     assert_int_equal(e->runs[0].level, 0);
     assert_square();
 }
@@ -270,14 +229,14 @@ UNIT_TEST(many_screens_share_the_cells) {
         instance.transform[3] = 3 * k;
         assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
     }
-    open_light();
+    open_images();
     assert_int_equal(e->surface_count, 10000 * 8);
 }
 
 UNIT_TEST(a_hit_gets_the_density_of_its_sample) {
     make_texels(0.1);
     add_quad();
-    open_light();
+    open_images();
     random_state r = {3};
     int seen = 0;
     for (int b = 0; b < 200; ++b) {
@@ -285,7 +244,7 @@ UNIT_TEST(a_hit_gets_the_density_of_its_sample) {
         emitter_query q;
         emitter_sample s;
         _Alignas(64) lanes3 u;
-        fill(&r, p, n, &q, u);
+        fill_query(&q, p, n), fill_numbers(&r, u);
         emitters_sample(e, &q, u, &s);
         for (unsigned i = 0; i < LANES; ++i) {
             const emitter_hit hit = {.instance = FATHOM_NONE};
@@ -302,7 +261,7 @@ UNIT_TEST(a_hit_gets_the_density_of_its_sample) {
 UNIT_TEST(the_middle_of_a_cell_lies_in_it) {
     make_texels(0.1);
     add_quad();
-    open_light();
+    open_images();
     const emitter_run *run = &e->runs[0];
     assert_true(run->count > 2);
     for (uint32_t i = 0; i < run->count; ++i) {
@@ -314,4 +273,4 @@ UNIT_TEST(the_middle_of_a_cell_lies_in_it) {
     }
 }
 
-int main(void) { return unit_main_each(open_scene, end); }
+int main(void) { return unit_main_each(begin_light, end); }

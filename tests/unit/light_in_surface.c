@@ -20,12 +20,9 @@ typedef struct trial {
     fathom_id group, object;
 } trial;
 
-static vec3_f64 direction(random_state *r) {
-    double z = random_in(r, -1, 1), phi = random_in(r, 0, 2 * M_PI), s = sqrt(1 - z * z);
-    return vec_f64(s * cos(phi), s * sin(phi), z);
+static vec3_f64 across(random_state *r, vec3_f64 n) {
+    return normalize_f64(cross_f64(n, random_direction(r)));
 }
-
-static vec3_f64 across(random_state *r, vec3_f64 n) { return normalize_f64(cross_f64(n, direction(r))); }
 
 static void add_room(stage *s, double half) {
     const fathom_id white = stage_lambert(s, 0.8f);
@@ -71,7 +68,7 @@ static vec3_f64 add_sphere(stage *s, trial *t, vec3_f64 at, vec3_f64 *n) {
     store_f64(sphere.center, at);
     sphere.radius = 1, sphere.material = t->black;
     assert_ok(s->context, fathom_scene_add_sphere(s->scene, t->group, &sphere, &t->object));
-    *n = direction(&t->r);
+    *n = random_direction(&t->r);
     return madd_f64(at, 1 + 0x1p-46, *n);
 }
 
@@ -103,8 +100,8 @@ static void add_plane(stage *s, trial *t, vec3_f64 at, vec3_f64 n) {
 }
 
 static void add_holder(stage *s, trial *t) {
-    vec3_f64 n = direction(&t->r), u = across(&t->r, n), v = cross_f64(n, u), none = {0, 0, 0};
-    vec3_f64 at = scale_f64(random_in(&t->r, 0, 4), direction(&t->r)), light = at;
+    vec3_f64 n = random_direction(&t->r), u = across(&t->r, n), v = cross_f64(n, u), none = {0, 0, 0};
+    vec3_f64 at = scale_f64(random_in(&t->r, 0, 4), random_direction(&t->r)), light = at;
     v = scale_f64(random_log(&t->r, 0.1, 1), v);
     switch (t->holder) {
     case SPHERE: light = add_sphere(s, t, at, &n); break;
@@ -125,10 +122,11 @@ static void add_holder(stage *s, trial *t) {
 }
 
 static affine_f64 any_place(random_state *r, double room) {
-    affine_f64 turn = affine_rotation_axis(direction(r), random_in(r, 0, 2 * M_PI));
-    affine_f64 other = affine_rotation_axis(direction(r), random_in(r, 0, 2 * M_PI));
+    affine_f64 turn = affine_rotation_axis(random_direction(r), random_in(r, 0, 2 * M_PI));
+    affine_f64 other = affine_rotation_axis(random_direction(r), random_in(r, 0, 2 * M_PI));
     vec3_f64 by = {random_log(r, 0.3, 3), random_log(r, 0.3, 3), -random_log(r, 0.3, 3)};
-    affine_f64 stretch = affine_scaling(by), move = affine_translation(scale_f64(room * 0.3, direction(r)));
+    affine_f64 stretch = affine_scaling(by),
+               move = affine_translation(scale_f64(room * 0.3, random_direction(r)));
     affine_f64 map = affine_compose(&stretch, &turn);
     map = affine_compose(&other, &map);
     return affine_compose(&move, &map);
@@ -150,7 +148,7 @@ static stage open_trial(trial *t) {
     add_room(&s, t->room);
     add_holder(&s, t);
     stage_point_light(&s, t->light.x, t->light.y, t->light.z, (float)(t->room * t->room));
-    vec3_f64 eye = scale_f64(random_in(&t->r, 0.5, 0.9) * t->room, direction(&t->r));
+    vec3_f64 eye = scale_f64(random_in(&t->r, 0.5, 0.9) * t->room, random_direction(&t->r));
     double e[3], target[3];
     store_f64(e, eye), store_f64(target, scale_f64(random_in(&t->r, -1, 1), eye));
     stage_camera(&s, e, target, (double[3]){0.1, 0.2, 1}, 2.2);

@@ -27,19 +27,6 @@ static fathom_id place_moving(stage *s, fathom_id group, const affine_f64 *from,
     return id;
 }
 
-static fathom_id new_group(stage *s) {
-    fathom_id group;
-    assert_ok(s->context, fathom_scene_add_group(s->scene, "moving", &group));
-    return group;
-}
-
-static void open_shutter(stage *s, double open, double close) {
-    fathom_camera camera;
-    fathom_camera_look_at((double[3]){0, 0, 8}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.8, &camera);
-    camera.shutter[0] = open, camera.shutter[1] = close;
-    assert_ok(s->context, fathom_scene_set_camera(s->scene, &camera));
-}
-
 /* ---- parts ---- */
 
 UNIT_TEST(a_map_taken_apart_and_put_together_is_the_map) {
@@ -116,7 +103,7 @@ static void moving_vertices(stage *s) {
 /* A ball of triangles that turns far and is stretched, a sphere that flies, a triangle whose corners move. */
 static stage moving_stage(void) {
     stage s = stage_open(32, 32);
-    const fathom_id ball = new_group(&s), sphere = new_group(&s);
+    const fathom_id ball = stage_group(&s), sphere = stage_group(&s);
     const vec3_f64 axis = {1, 1, 0.3}, still = {0, 0, 0}, one = {1, 1, 1}, wide = {1, 1.5, 0.7};
     const affine_f64 from = map_of(0, axis, still, one), to = map_of(2.5, axis, vec_f64(0.5, 0, 0), wide);
     const affine_f64 left = map_of(0, axis, vec_f64(-2, 2, 0), one),
@@ -130,7 +117,7 @@ static stage moving_stage(void) {
     place_moving(&s, sphere, &left, &right);
     moving_vertices(&s);
     stage_quad(&s, (double[3]){0, 0, -3}, (double[3]){4, 0, 0}, (double[3]){0, 4, 0}, 0);
-    open_shutter(&s, 0, 1);
+    stage_shutter(&s, 0, 1);
     return s;
 }
 
@@ -213,12 +200,12 @@ UNIT_TEST(embree_meets_what_the_linear_search_meets_at_the_ray_s_time) {
 /* The vertices of a mesh that turns half around are as far from its centre at every time. */
 UNIT_TEST(turning_meshes_stay_rigid) {
     stage s = stage_open(8, 8);
-    const fathom_id ball = new_group(&s);
+    const fathom_id ball = stage_group(&s);
     const vec3_f64 axis = {1, 2, 3}, far = {100, 50, -20}, one = {1, 1, 1};
     const affine_f64 from = map_of(0, axis, far, one), to = map_of(3.1, axis, far, one);
     stage_mesh_sphere(&s, ball, 4, 6, 0);
     place_moving(&s, ball, &from, &to);
-    open_shutter(&s, 0, 1);
+    stage_shutter(&s, 0, 1);
     world *w;
     assert_ok(s.context, world_create(s.scene, &w));
     assert_int_equal(w->instances.count, 1);
@@ -267,7 +254,7 @@ UNIT_TEST(bad_keys_are_refused) {
     double times[2] = {1, 1};
     fathom_instance instance;
     fathom_instance_default(&instance);
-    instance.group = new_group(&s);
+    instance.group = stage_group(&s);
     instance.key_count = 2, instance.key_times = times, instance.key_transforms = maps;
     assert_refused(&s, fathom_scene_add_instance(s.scene, &instance, NULL), "later than the one before");
     times[1] = 2, maps[12] = -1;

@@ -1,18 +1,11 @@
 /* Moving instances inside moving ones: what tracers are given is the product of both motions at every time,
  * and an automatic camera sees all of it. */
-#include "math/affine.h"
 #include "scene/scene.h"
 #include "scene/world/world.h"
 #include "unit_scene.h"
 
 static const float body[3][3] = {{-1, -0.5f, 0}, {1, 0, 0.25f}, {0, 1, -0.5f}};
 static const double apart[3] = {8, 0, 0}; /* an origin that is not that of the group */
-
-static fathom_id add_group(void) {
-    fathom_id id;
-    assert_ok(context, fathom_scene_add_group(scene, NULL, &id));
-    return id;
-}
 
 static void add_body(fathom_id group, const double origin[3]) {
     fathom_mesh mesh;
@@ -53,14 +46,6 @@ static void place(fathom_id group, fathom_id parent, const path *p) {
     }
     instance.group = group, instance.parent = parent;
     instance.key_count = 2, instance.key_times = p->times, instance.key_transforms = maps[0];
-    assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
-}
-
-static void place_still(fathom_id group, fathom_id parent, const affine_f64 *map) {
-    fathom_instance instance;
-    fathom_instance_default(&instance);
-    memcpy(instance.transform, map->m, sizeof instance.transform);
-    instance.group = group, instance.parent = parent;
     assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
 }
 

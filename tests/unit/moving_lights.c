@@ -38,7 +38,7 @@ static stage lamp_stage(lamp kind) {
                         wide[12] = {1.4, 0, 0.2, 0.7, 0, 1.1, 0, -0.3, 0, 0, 0.8, 1},
                         turned[12] = {0, -1, 0, 0.5, 0.8, 0, -0.6, 0.1, 0.6, 0, 0.8, 1.8};
     stage s = stage_open(32, 32);
-    const fathom_id glow = stage_emitter(&s, 5), group = kind == CORNERS ? FATHOM_ROOT : group_of(&s);
+    const fathom_id glow = stage_emitter(&s, 5), group = kind == CORNERS ? FATHOM_ROOT : stage_group(&s);
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.target_error = 0, s.settings.spp = 16, s.settings.max_depth = 4;
     assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0, 0, 0}));
@@ -91,11 +91,6 @@ static void assert_face_inside(const emitters *e, const tree_item *item, float t
     if (length_f64(axis) > 0) assert_true(fabs(dot_f64(axis, n)) >= (double)item->spread - 1e-6);
 }
 
-static vec3_f64 any_direction(random_state *r) {
-    const double z = random_in(r, -1, 1), phi = random_in(r, 0, 2 * M_PI), s = sqrt(1 - z * z);
-    return vec_f64(s * cos(phi), s * sin(phi), z);
-}
-
 UNIT_TEST(bounds_hold_at_every_time) {
     random_state r = {3};
     for (lamp kind = 0; kind < LAMPS; ++kind) {
@@ -113,7 +108,7 @@ UNIT_TEST(bounds_hold_at_every_time) {
             const tree_item *item = &items[random_bits(&r) % count];
             const float time = (float)random_unit(&r);
             if (kind == BALL)
-                assert_ball_inside(e, item, time, any_direction(&r));
+                assert_ball_inside(e, item, time, random_direction(&r));
             else
                 assert_face_inside(e, item, time, lamps[kind]);
         }

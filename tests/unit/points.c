@@ -53,12 +53,6 @@ static void add_cloud(stage *s, fathom_id group, bool apart, fathom_id material)
     }
 }
 
-static fathom_id new_group(stage *s) {
-    fathom_id group;
-    assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &group));
-    return group;
-}
-
 static void place(stage *s, fathom_id group, const double transform[12]) {
     fathom_instance instance;
     fathom_instance_default(&instance);
@@ -83,7 +77,7 @@ static stage crowd(bool apart) {
     stage_plane(&s, (double[]){0, -1.3, 0}, (double[]){0, 1, 0}, materials[0]);
     add_cloud(&s, FATHOM_ROOT, apart, materials[0]);
     for (int i = 0; i < 2; ++i) {
-        const fathom_id group = new_group(&s);
+        const fathom_id group = stage_group(&s);
         add_cloud(&s, group, apart, materials[1 + i]);
         place(&s, group, maps[i]);
     }
@@ -140,7 +134,7 @@ UNIT_TEST(a_moving_cloud_renders_as_its_spheres) {
         stage s = crowd(k == 0);
         fathom_instance instance;
         fathom_instance_default(&instance);
-        instance.group = new_group(&s), instance.key_count = 2;
+        instance.group = stage_group(&s), instance.key_count = 2;
         instance.key_times = times, instance.key_transforms = frames;
         add_cloud(&s, instance.group, k == 0, 0);
         assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));

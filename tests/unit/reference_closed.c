@@ -145,11 +145,6 @@ UNIT_TEST(closed_boxes_do_not_leak) {
     assert_int_equal(leaks, 0);
 }
 
-static vec3_f32 random_point(random_state *r, double size) {
-    return vec_f32((float)random_in(r, -size, size), (float)random_in(r, -size, size),
-                   (float)random_in(r, -size, size));
-}
-
 /* Any four corners, planar or not: the nearer of the two triangles' hits, to the last bit. */
 UNIT_TEST(quad_is_its_two_triangles) {
     random_state r = {3};

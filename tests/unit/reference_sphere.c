@@ -39,14 +39,6 @@ static double root_tolerance(const sphere_truth *truth, int root, double radius,
     return 2 * fabs((double)truth->t[root]) * ((5 * u * f * (double)truth->d + ds) / big + 60 * u);
 }
 
-static vec3_f64 random_direction(random_state *r, double length) {
-    for (;;) {
-        vec3_f64 d = {random_in(r, -1, 1), random_in(r, -1, 1), random_in(r, -1, 1)};
-        double l = length_f64(d);
-        if (l > 0.1 && l < 1) return scale_f64(length / l, d);
-    }
-}
-
 typedef struct sphere_case {
     vec3_f32 center, org, dir;
     float radius;
@@ -54,9 +46,9 @@ typedef struct sphere_case {
 
 /* A ray that passes the centre at `aim` radii, from `distance` away. */
 static sphere_case aimed(random_state *r, double radius, double distance, double aim, double length) {
-    vec3_f64 away = random_direction(r, distance), side = cross_f64(away, random_direction(r, 1));
+    vec3_f64 away = scale_f64(distance, random_direction(r)), side = cross_f64(away, random_direction(r));
     vec3_f64 target = scale_f64(aim * radius / length_f64(side), side);
-    vec3_f64 center = random_direction(r, random_in(r, 0, 1) * fmax(radius, distance));
+    vec3_f64 center = scale_f64(random_in(r, 0, 1) * fmax(radius, distance), random_direction(r));
     vec3_f64 dir = sub_f64(target, away);
     sphere_case c = {narrow(center), narrow(add_f64(center, away)),
                      narrow(scale_f64(length / length_f64(dir), dir)), (float)radius};
@@ -178,7 +170,7 @@ static void starts_at_the_surface(void **state) {
         vec3_f128 f = sub_f128(quadruple_f32(c.org), quadruple_f32(c.center));
         real_f128 outside = dot_f128(f, f) - 1;
         if (outside == 0) continue;
-        c.dir = narrow(random_direction(&r, 1));
+        c.dir = narrow(random_direction(&r));
         float t = NAN;
         bool hit = sphere_robust_f32(c.center, c.radius, c.org, c.dir, 0, INFINITY, &t);
         if (outside < 0)
@@ -194,8 +186,8 @@ static void from_inside_there_is_a_way_out(void **state) {
     random_state r = {9};
     int inside = 0;
     for (int i = 0; i < 200000; ++i) {
-        vec3_f32 org = narrow(random_direction(&r, random_in(&r, 1 - 4e-7, 1 + 1e-7)));
-        vec3_f32 tangent = narrow(cross_f64(widen(org), random_direction(&r, 1)));
+        vec3_f32 org = narrow(scale_f64(random_in(&r, 1 - 4e-7, 1 + 1e-7), random_direction(&r)));
+        vec3_f32 tangent = narrow(cross_f64(widen(org), random_direction(&r)));
         if (!(dot_f32(org, org) - 1 < 0)) continue;
         float roots[2];
         bool sure;

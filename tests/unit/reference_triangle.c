@@ -10,11 +10,6 @@ typedef struct triangle_case {
     vec3_f32 v[3], org, dir;
 } triangle_case;
 
-static vec3_f32 random_point(random_state *r, double size) {
-    return vec_f32((float)random_in(r, -size, size), (float)random_in(r, -size, size),
-                   (float)random_in(r, -size, size));
-}
-
 /* A ray at a random triangle of this size from this distance, everything `offset` away from the origin. */
 static triangle_case random_case(random_state *r, double size, double distance, double offset) {
     triangle_case c;

@@ -1,5 +1,4 @@
 /* The automatic camera: what it has in view, how large, and where its up is. */
-#include "math/affine.h"
 #include "random.h"
 #include "scene/camera/camera.h"
 #include "scene/camera/extent.h"
@@ -30,20 +29,6 @@ static void add_body(fathom_id group, const double origin[3]) {
 
 static void note_body(points *p, const affine_f64 *map) {
     for (int i = 0; i < 6; ++i) p->items[p->count++] = affine_point(map, widen(load_f32(body[i])));
-}
-
-static void place(fathom_id group, fathom_id parent, const affine_f64 *map) {
-    fathom_instance instance;
-    fathom_instance_default(&instance);
-    memcpy(instance.transform, map->m, sizeof instance.transform);
-    instance.group = group, instance.parent = parent;
-    assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
-}
-
-static fathom_id add_group(void) {
-    fathom_id id;
-    assert_ok(context, fathom_scene_add_group(scene, NULL, &id));
-    return id;
 }
 
 static void shape_image(uint32_t width, uint32_t height) {
@@ -111,7 +96,7 @@ UNIT_TEST(deep_scenes_are_centred) {
     points p = {.count = 0};
     fathom_id group = add_group();
     add_body(group, (double[3]){0, 0, 0});
-    place(group, FATHOM_ROOT, &deep);
+    place_still(group, FATHOM_ROOT, &deep);
     note_body(&p, &deep);
     for (size_t i = 0; i < SIZES; ++i) {
         shape_image(sizes[i][0], sizes[i][1]);
@@ -134,9 +119,9 @@ UNIT_TEST(placed_copies_are_framed_by_their_vertices) {
     affine_f64 whole = affine_compose(&moved, &both);
     points p = {.count = 0};
     add_body(inner, (double[3]){0, 0, 0});
-    place(inner, outer, &both);
-    place(outer, FATHOM_ROOT, &moved);
-    place(outer, FATHOM_ROOT, &wide);
+    place_still(inner, outer, &both);
+    place_still(outer, FATHOM_ROOT, &moved);
+    place_still(outer, FATHOM_ROOT, &wide);
     const affine_f64 second = affine_compose(&wide, &both);
     note_body(&p, &whole);
     note_body(&p, &second);
@@ -183,7 +168,7 @@ UNIT_TEST(what_moves_is_framed_wherever_it_is_seen) {
                  {1, 1, {1, 1, 1}},
                  {5, 9, {0, 0, 0}}};
     add_body(group, (double[3]){0, 0, 0});
-    place(group, FATHOM_ROOT, &rest);
+    place_still(group, FATHOM_ROOT, &rest);
     place_moving(group, at);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         points p = {.count = 0};
@@ -370,7 +355,7 @@ UNIT_TEST(any_scale_is_framed_alike) {
         fathom_id group = add_group();
         add_body(group, (double[3]){0, 0, 0});
         note_body(&p, &map);
-        place(group, FATHOM_ROOT, &map);
+        place_still(group, FATHOM_ROOT, &map);
         assert_ok(context, fathom_scene_complete(scene));
         assert_true(scene->lights.count > 0);
         assert_framed(&p, 1);
@@ -386,7 +371,7 @@ UNIT_TEST(too_many_copies_stay_in_view) {
     points p = {.count = 0};
     for (int i = 0; i < 70000; ++i) {
         affine_f64 map = affine_translation((vec3_f64){i % 300 * 10, i % 7, i / 300 * 10});
-        place(group, FATHOM_ROOT, &map);
+        place_still(group, FATHOM_ROOT, &map);
         if (i == 0 || i == 299 || i == 69600 || i == 69999) note_body(&p, &map);
     }
     assert_ok(context, fathom_scene_complete(scene));
@@ -408,7 +393,7 @@ UNIT_TEST(up_z_is_the_turned_scene) {
     const affine_f64 turn = {{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}}};
     fathom_id group = add_group();
     add_body(group, (double[3]){0, 0, 0});
-    place(group, FATHOM_ROOT, &turn);
+    place_still(group, FATHOM_ROOT, &turn);
     assert_ok(context, fathom_scene_complete(scene));
     const fathom_camera *y = &scene->camera;
     const double *const pairs[4][2] = {{z.origin, y->origin}, {z.x, y->x}, {z.y, y->y}, {z.z, y->z}};

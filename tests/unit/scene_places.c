@@ -3,12 +3,6 @@
 #include "scene/world/world.h"
 #include "unit_scene.h"
 
-static fathom_id add_group(void) {
-    fathom_id id;
-    assert_ok(context, fathom_scene_add_group(scene, "group", &id));
-    return id;
-}
-
 static void add_sphere(fathom_id group, vec3_f64 center, double radius) {
     fathom_sphere sphere;
     fathom_sphere_default(&sphere);

@@ -206,7 +206,7 @@ UNIT_TEST(samples_follow_the_density) {
 
 /* ---- any input ---- */
 
-static vec3_f32 random_direction(random_state *r) {
+static vec3_f32 any_direction(random_state *r) {
     vec3_f64 v;
     do v = vec_f64(random_in(r, -1, 1), random_in(r, -1, 1), random_in(r, -1, 1));
     while (dot_f64(v, v) > 1 || dot_f64(v, v) < 1e-4);
@@ -222,15 +222,15 @@ static void random_surface(random_state *r, surface_block *s) {
     s->count = LANES, s->directed = 0x0f0f, s->coated = 0x3333;
     const bool one = random_unit(r) < 0.5;
     for (int i = 0; i < LANES; ++i) {
-        vec3_f32 ng = {0, 0, 1}, v = random_direction(r), ns = random_direction(r);
+        vec3_f32 ng = {0, 0, 1}, v = any_direction(r), ns = any_direction(r);
         if (v.z < 0) v.z = -v.z;
         if (ns.z < 0) ns.z = -ns.z;
         if (random_unit(r) < 0.1) v = ng;
         put(s->ng, i, ng);
         put(s->ns, i, random_unit(r) < 0.5 ? ng : ns);
         put(s->v, i, v);
-        put(s->along, i, random_direction(r));
-        put(s->coat, i, random_direction(r));
+        put(s->along, i, any_direction(r));
+        put(s->coat, i, any_direction(r));
         put(s->base, i, random_unit(r) < 0.5 ? ng : ns);
         s->material[i] = one ? 0 : (uint32_t)random_in(r, 0, 8);
         s->entering[i] = random_unit(r) < 0.5 ? ~0u : 0, s->smooth[i] = random_unit(r) < 0.3 ? ~0u : 0;
@@ -334,7 +334,7 @@ UNIT_TEST(any_material_gives_finite_numbers_and_no_light_through_what_is_opaque)
         kernels->sample(&s, &block, u, &out);
         kernels->evaluate(&s, &block, out.direction, f, density);
         for (int i = 0; i < LANES; ++i) check_sample(&s, table, &out, f, density, i);
-        for (int i = 0; i < LANES; ++i) put(u, i, random_direction(&r));
+        for (int i = 0; i < LANES; ++i) put(u, i, any_direction(&r));
         kernels->evaluate(&s, &block, u, f, density);
         for (int i = 0; i < LANES; ++i) {
             assert_true(isfinite(density[i]) && density[i] >= 0);
@@ -433,7 +433,7 @@ UNIT_TEST(no_lane_depends_on_its_neighbours) {
         uint32_t channel[LANES];
         random_block(&r, table, &s, u);
         for (int i = 0; i < LANES; ++i) {
-            put(l, i, random_direction(&r));
+            put(l, i, any_direction(&r));
             channel[i] = (uint32_t)(i % 4);
             if (!(table[s.material[i]].lobes & SHADER_TURNED)) s.coated &= ~(1u << i);
         }

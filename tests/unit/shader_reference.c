@@ -54,11 +54,6 @@ static fathom_material classic(random_state *r) {
 
 /* ---- points ---- */
 
-static vec3_f64 any_direction(random_state *r) {
-    const double z = random_in(r, -1, 1), angle = random_in(r, 0, 2 * M_PI), sine = sqrt(1 - z * z);
-    return vec_f64(sine * cos(angle), sine * sin(angle), z);
-}
-
 /* Off the horizon by more than float's error, where cosines divide. */
 static vec3_f64 any_view(random_state *r) {
     const double z = random_in(r, 0.05, 1), angle = random_in(r, 0, 2 * M_PI), sine = sqrt(1 - z * z);
@@ -75,7 +70,7 @@ typedef struct point {
 /* The same point for both. The shading normal leans a little. */
 static void set_point(point *p, const fathom_material *m, const reference_albedos *albedos, random_state *r) {
     const bool entering = happens(r, 0.5);
-    const vec3_f64 v = any_view(r), up = vec_f64(0, 0, 1), lean = any_direction(r);
+    const vec3_f64 v = any_view(r), up = vec_f64(0, 0, 1), lean = random_direction(r);
     const vec3_f64 n = happens(r, 0.5) ? up : normalize_f64(madd_f64(up, 0.2, lean));
     const vec3_f64 normal = dot_f64(n, v) > 0 ? n : up;
     const frame_f64 frame = frame_from((vec3_f64){0, 0, 0}, normal, (vec3_f64){0, 0, 0});
@@ -193,7 +188,7 @@ static void compare_material(const fathom_material *m, random_state *r) {
         point p;
         set_point(&p, m, albedos, r);
         compare_beams(&p, m);
-        for (int i = 0; i < DIRECTIONS; ++i) compare_value(&p, any_direction(r), m);
+        for (int i = 0; i < DIRECTIONS; ++i) compare_value(&p, random_direction(r), m);
     }
     free(albedos);
 }

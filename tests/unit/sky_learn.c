@@ -24,11 +24,6 @@ static void open_sky(sky_image *s) {
     assert_true(sky_open(s));
 }
 
-static vec3_f64 any_direction(random_state *r) {
-    const double y = random_in(r, -1, 1), turn = random_in(r, 0, 2 * M_PI), round = sqrt(1 - y * y);
-    return vec_f64(round * cos(turn), y, round * sin(turn));
-}
-
 /* Points with x < 0 see the part of the sky with x < 0, others the part with x > 0. */
 static bool sees(vec3_f64 p, vec3_f64 d) { return (p.x < 0) == (d.x < 0); }
 
@@ -37,7 +32,7 @@ static void learn(sky_image *s, bool hidden) {
     random_state r = {2};
     for (int i = 0; i < RAYS; ++i) {
         const vec3_f64 p = {random_in(&r, -3, 3), random_in(&r, -1, 1), random_in(&r, -1, 1)},
-                       d = any_direction(&r);
+                       d = random_direction(&r);
         rays[i] = (sky_ray){narrow(p), narrow(up), narrow(d), !hidden || sees(p, d)};
     }
     assert_true(sky_learn(s, rays, RAYS));
@@ -98,7 +93,7 @@ UNIT_TEST(samples_have_the_density_of_their_direction) {
     learn(&s, true);
     for (int i = 0; i < 20000; ++i) {
         double density, slope;
-        const vec3_f64 p = any_point(&r), n = i % 3 ? up : any_direction(&r),
+        const vec3_f64 p = any_point(&r), n = i % 3 ? up : random_direction(&r),
                        d = sample_at(&s, &r, p, n, &density, &slope);
         assert_near(density_at(&s, p, n, d), density,
                     2 * 0x1p-22 * HEIGHT / M_PI * (slope * (double)BRIGHTEST + density));
@@ -117,7 +112,7 @@ UNIT_TEST(densities_of_a_point_add_up_to_one) {
         const vec3_f64 p = {k < 2 ? -2.5 : 2.5, 0.5 - k % 2, 0};
         double sum = 0, squares = 0, inverse = 0, inverse_squares = 0;
         for (int i = 0; i < COUNT; ++i) {
-            const vec3_f64 d = any_direction(&r);
+            const vec3_f64 d = random_direction(&r);
             const double x = density_at(&s, p, up, d) * 4 * M_PI;
             if (x < 1000) sum += x, squares += x * x;
             double density, slope;
@@ -140,7 +135,7 @@ UNIT_TEST(no_direction_loses_more_than_nine_tenths) {
     open_sky(&s), open_sky(&plain);
     learn(&s, true);
     for (int i = 0; i < 20000; ++i) {
-        const vec3_f64 p = any_point(&r), d = any_direction(&r);
+        const vec3_f64 p = any_point(&r), d = random_direction(&r);
         assert_true(density_at(&s, p, up, d) >= 0.0999 * density_at(&plain, p, up, d));
     }
     sky_close(&s), sky_close(&plain);

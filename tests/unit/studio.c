@@ -13,11 +13,6 @@ static environment *open_studio(vec3_f64 z, vec3_f64 up) {
     return e;
 }
 
-static vec3_f64 direction(random_state *r) {
-    const vec3_f64 d = {2 * random_unit(r) - 1, 2 * random_unit(r) - 1, 2 * random_unit(r) - 1};
-    return normalize_f64(d);
-}
-
 /* A texel's corner is at most 0.25 degrees off its centre. The edge of a panel rises by its radiance over 6
  * degrees, at most 1.5 times as fast as evenly: 1/16 of the radiance. */
 UNIT_TEST(texels_hold_the_rule) {
@@ -26,7 +21,7 @@ UNIT_TEST(texels_hold_the_rule) {
     studio made;
     studio_open(&made);
     for (int i = 0; i < 20000; ++i) {
-        const vec3_f64 d = direction(&r);
+        const vec3_f64 d = random_direction(&r);
         float rule[3], texel[3];
         studio_radiance(&made, d, rule);
         environment_radiance(e, d, texel);
@@ -46,7 +41,7 @@ UNIT_TEST(it_turns_with_the_viewer) {
                 *side = open_studio(vec_f64(1, 0, 0), vec_f64(0, 1, 0));
     random_state r = {2};
     for (int i = 0; i < 1000; ++i) {
-        const vec3_f64 d = direction(&r);
+        const vec3_f64 d = random_direction(&r);
         float a[3], b[3];
         environment_radiance(y, d, a);
         environment_radiance(z, vec_f64(d.x, -d.z, d.y), b);

@@ -6,19 +6,6 @@
 
 #include <string.h>
 
-static fathom_id new_group(stage *s) {
-    fathom_id group;
-    assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &group));
-    return group;
-}
-
-static void open_shutter(stage *s, double open, double close) {
-    fathom_camera camera;
-    fathom_camera_look_at((double[3]){0, 0, 8}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.8, &camera);
-    camera.shutter[0] = open, camera.shutter[1] = close;
-    assert_ok(s->context, fathom_scene_set_camera(s->scene, &camera));
-}
-
 static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
 static const uint32_t order[3] = {0, 1, 2};
 
@@ -56,10 +43,10 @@ static void place_keys(stage *s, fathom_id parent, fathom_id group, const double
 UNIT_TEST(a_jerk_between_two_keys_is_followed) {
     const double times[KEYS] = {0, 0.5, 0.5 + 1.0 / 128, 0.5 + 1.0 / 64, 1}, x[KEYS] = {0, 0, 1, 0, 0};
     stage s = stage_open(8, 8);
-    const fathom_id group = new_group(&s);
+    const fathom_id group = stage_group(&s);
     add_triangle(&s, group);
     place_keys(&s, FATHOM_ROOT, group, times, x, KEYS, 1);
-    open_shutter(&s, 0, 1);
+    stage_shutter(&s, 0, 1);
     world *w;
     assert_ok(s.context, world_create(s.scene, &w));
     assert_true(w->moves);
@@ -78,7 +65,7 @@ UNIT_TEST(a_jerk_between_two_keys_is_followed) {
 /* A triangle at the end of a lever that turns by `angle` about z. Returns the largest error at 999 times of
  * the shutter, which are none of those that choose the steps. */
 static double turn_lever(stage *s, double lever, double angle) {
-    const fathom_id arm = new_group(s), body = new_group(s);
+    const fathom_id arm = stage_group(s), body = stage_group(s);
     const double times[2] = {0, 1};
     const double keys[2][12] = {
         {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
@@ -91,7 +78,7 @@ static double turn_lever(stage *s, double lever, double angle) {
     instance.group = arm, instance.key_count = 2, instance.key_times = times;
     instance.key_transforms = keys[0];
     assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));
-    open_shutter(s, 0, 1);
+    stage_shutter(s, 0, 1);
     world *w;
     assert_ok(s->context, world_create(s->scene, &w));
     assert_ok(s->context, world_check(w));
@@ -135,11 +122,11 @@ UNIT_TEST(levers_too_long_for_the_steps_are_told) {
 UNIT_TEST(nested_places_that_leave_the_range_of_float_are_refused) {
     const double times[2] = {0, 1}, x[2] = {0, 1e-30};
     stage s = stage_open(8, 8);
-    const fathom_id outer = new_group(&s), inner = new_group(&s);
+    const fathom_id outer = stage_group(&s), inner = stage_group(&s);
     add_triangle(&s, inner);
     place_keys(&s, outer, inner, times, x, 2, 1e-25);
     place_keys(&s, FATHOM_ROOT, outer, times, x, 2, 1e-25);
-    open_shutter(&s, 0, 1);
+    stage_shutter(&s, 0, 1);
     world *w;
     assert_fails(s.context, world_create(s.scene, &w), FATHOM_BAD_INPUT,
                  "its frame, with those around it, flattens space or leaves the range of float");
@@ -161,7 +148,7 @@ UNIT_TEST(normals_that_turn_alone_are_motion) {
     mesh.normals = normals, mesh.normal_count = 3;
     mesh.key_count = 3, mesh.key_times = times, mesh.key_positions = keys, mesh.key_normals = normals;
     assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
-    open_shutter(&s, 0.5, 1.5);
+    stage_shutter(&s, 0.5, 1.5);
     world *w;
     assert_ok(s.context, world_create(s.scene, &w));
     assert_true(w->moves);
@@ -194,7 +181,7 @@ UNIT_TEST(vertices_that_stand_while_the_shutter_is_open_stand) {
         fathom_mesh mesh = triangle();
         mesh.key_count = 4, mesh.key_times = (const double[]){0, 1, 2, 3}, mesh.key_positions = keys;
         assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
-        open_shutter(&s, shutters[i][0], shutters[i][1]);
+        stage_shutter(&s, shutters[i][0], shutters[i][1]);
         world *w;
         assert_ok(s.context, world_create(s.scene, &w));
         assert_int_equal(w->moves, i == 2 || i == 3);
