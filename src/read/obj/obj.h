@@ -167,8 +167,8 @@ typedef struct obj_reader {
     float *colors;     /* linear RGB of each vertex, white if it has no colour; NULL: no vertex has one */
     fathom_id colored; /* material of elements without one, in a file with vertex colours */
     vec3_f64 origin;
-    bool cloud;  /* it has vertices alone */
-    bool moving; /* second pass: vertices are stored again, relative to the origin */
+    bool cloud; /* it has vertices alone */
+    bool again; /* second pass: vertices are stored again, relative to the origin and with their colours */
 } obj_reader;
 
 /* The kinds of statements. */

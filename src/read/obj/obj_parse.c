@@ -66,7 +66,7 @@ static bool has_room(obj_parser *s, int kind, const char *at) {
 static void lose_odd(obj_parser *s, double v[3], const char *at) {
     if (!isnan(v[0]) && !isnan(v[1]) && !isnan(v[2])) return;
     v[0] = v[1] = v[2] = (double)NAN;
-    if (!s->r->moving && !s->r->colors) tally(s, OBJ_T_LOST, 1, at);
+    if (!s->r->again) tally(s, OBJ_T_LOST, 1, at);
 }
 
 static const int components[OBJ_KINDS] = {3, 2, 3};
@@ -109,7 +109,7 @@ static void read_behind(obj_parser *s, const char *at) {
         put_color(s, v);
     else if (count == 3)
         s->piece->colored = true;
-    else if (weight != 1 && !s->r->colors)
+    else if (weight != 1 && !s->r->again)
         tally(s, OBJ_T_BEHIND, 1, at);
 }
 
@@ -334,10 +334,7 @@ static void parse_piece(obj_reader *r, obj_piece *piece) {
     }
     for (const char *p = piece->begin; p < piece->end;) {
         obj_statement statement = obj_classify(&p);
-        if (!r->moving)
-            p = read_statement(&s, statement, p);
-        else if (statement == OBJ_S_POSITION)
-            p = read_vector(&s, OBJ_POSITION, p);
+        if (!r->again || statement == OBJ_S_POSITION) p = read_statement(&s, statement, p);
         if (!p) break;
         p = obj_next(statement, p, piece->end);
     }
@@ -381,25 +378,8 @@ static fathom_status allocate_values(obj_reader *r) {
     return FATHOM_OK;
 }
 
-/* Reads the vertices again, only for their colours. */
-static void color_pieces(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
-    obj_reader *r = user;
-    for (size_t i = begin; i < end; ++i) {
-        obj_piece *piece = &r->pieces[i];
-        obj_parser s = {.r = r, .piece = piece};
-        memcpy(s.seen, piece->base, sizeof s.seen);
-        for (const char *p = piece->begin; p && p < piece->end;) {
-            obj_statement statement = obj_classify(&p);
-            if (statement == OBJ_S_POSITION) p = read_vector(&s, OBJ_POSITION, p);
-            if (p && statement == OBJ_S_POSITION) read_behind(&s, p);
-            if (p) p = obj_next(statement, p, piece->end);
-        }
-    }
-}
-
-/* Allocates and reads colours only if at least one vertex has one. */
-static fathom_status parse_colors(obj_reader *r) {
+/* Only if at least one vertex has a colour. */
+static fathom_status allocate_colors(obj_reader *r) {
     bool any = false;
     void *memory;
     for (size_t i = 0; i < r->piece_count; ++i) any |= r->pieces[i].colored;
@@ -408,8 +388,7 @@ static fathom_status parse_colors(obj_reader *r) {
     if (status != FATHOM_OK) return status;
     r->colors = memory;
     for (uint64_t i = 0; i < 3 * r->total[OBJ_POSITION]; ++i) r->colors[i] = 1;
-    loop_parallel(r->threads, r->piece_count, 1, color_pieces, r);
-    return text_status(&r->file, &r->fault);
+    return FATHOM_OK;
 }
 
 static bool is_cloud(const obj_reader *r) {
@@ -436,13 +415,14 @@ fathom_status obj_parse(obj_reader *r) {
     if (status != FATHOM_OK) return status;
     loop_parallel(r->threads, r->piece_count, 1, parse_pieces, r);
     status = text_status(&r->file, &r->fault);
-    if (status == FATHOM_OK) status = parse_colors(r);
+    if (status == FATHOM_OK) status = allocate_colors(r);
     if (status != FATHOM_OK) return status;
     r->origin = choose_origin(r);
-    r->moving = length_f64(r->origin) > 0;
-    if (r->moving) loop_parallel(r->threads, r->piece_count, 1, parse_pieces, r);
+    r->again = r->colors || length_f64(r->origin) > 0;
+    if (r->again) loop_parallel(r->threads, r->piece_count, 1, parse_pieces, r);
     r->cloud = is_cloud(r);
-    status = obj_drop_lost(r);
+    status = text_status(&r->file, &r->fault);
+    if (status == FATHOM_OK) status = obj_drop_lost(r);
     if (status != FATHOM_OK) return status;
     loop_parallel(r->threads, r->piece_count, 1, split_polygons, r);
     return text_status(&r->file, &r->fault);
