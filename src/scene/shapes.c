@@ -63,19 +63,6 @@ static fathom_status check_sphere(fathom_context *context, const fathom_sphere *
     return fail_field(context, FATHOM_BAD_INPUT, "radius", "expected a number > 0, found %g", sphere->radius);
 }
 
-fathom_status fathom_scene_add_sphere_sized(fathom_scene *scene, fathom_id group, const fathom_sphere *sphere,
-                                            size_t size, fathom_id *out) {
-    if (!scene) return FATHOM_BAD_USAGE;
-    fathom_sphere item;
-    fathom_status status = SIZED_ITEM(scene->context, fathom_sphere, sphere, size, &item);
-    if (status == FATHOM_OK) status = check_sphere(scene->context, &item);
-    if (status != FATHOM_OK) return status;
-    if (!array_room(&scene->spheres, 1)) return fail_memory(scene->context, sizeof item);
-    status = book(scene, SCENE_SPHERE, scene->spheres.count, group, item.material, out);
-    if (status == FATHOM_OK) array_push(&scene->spheres, item);
-    return status;
-}
-
 /* Corners come from decimal text or float, so each coordinate has an error of up to 2^-24 of the largest one.
  * The distance of the fourth corner from the plane of the others sums four such errors, and the quad's shape
  * can double this. */
@@ -114,19 +101,6 @@ static fathom_status check_quad(fathom_context *context, const fathom_quad *quad
     return FATHOM_OK;
 }
 
-fathom_status fathom_scene_add_quad_sized(fathom_scene *scene, fathom_id group, const fathom_quad *quad,
-                                          size_t size, fathom_id *out) {
-    if (!scene) return FATHOM_BAD_USAGE;
-    fathom_quad item;
-    fathom_status status = SIZED_ITEM(scene->context, fathom_quad, quad, size, &item);
-    if (status == FATHOM_OK) status = check_quad(scene->context, &item);
-    if (status != FATHOM_OK) return status;
-    if (!array_room(&scene->quads, 1)) return fail_memory(scene->context, sizeof item);
-    status = book(scene, SCENE_QUAD, scene->quads.count, group, item.material, out);
-    if (status == FATHOM_OK) array_push(&scene->quads, item);
-    return status;
-}
-
 static fathom_status check_plane(fathom_context *context, const fathom_plane *plane) {
     if (!finite_f64(load_f64(plane->point)))
         return fail_field(context, FATHOM_BAD_INPUT, "point", "expected three finite numbers");
@@ -135,18 +109,25 @@ static fathom_status check_plane(fathom_context *context, const fathom_plane *pl
     return fail_field(context, FATHOM_BAD_INPUT, "normal", "expected a finite vector that is not zero");
 }
 
-fathom_status fathom_scene_add_plane_sized(fathom_scene *scene, fathom_id group, const fathom_plane *plane,
-                                           size_t size, fathom_id *out) {
-    if (!scene) return FATHOM_BAD_USAGE;
-    fathom_plane item;
-    fathom_status status = SIZED_ITEM(scene->context, fathom_plane, plane, size, &item);
-    if (status == FATHOM_OK) status = check_plane(scene->context, &item);
-    if (status != FATHOM_OK) return status;
-    if (!array_room(&scene->planes, 1)) return fail_memory(scene->context, sizeof item);
-    status = book(scene, SCENE_PLANE, scene->planes.count, group, item.material, out);
-    if (status == FATHOM_OK) array_push(&scene->planes, item);
-    return status;
-}
+/* Defines fathom_scene_add_SHAPE_sized(), which checks the caller's shape and appends it to `list`. */
+#define ADD_SHAPE(shape, list, kind)                                                                         \
+    fathom_status fathom_scene_add_##shape##_sized(                                                          \
+        fathom_scene *scene, fathom_id group, const fathom_##shape *from, size_t size, fathom_id *out) {     \
+        if (!scene) return FATHOM_BAD_USAGE;                                                                 \
+        fathom_##shape item;                                                                                 \
+        fathom_##shape##_default(&item);                                                                     \
+        fathom_status status = sized_read(scene->context, #shape, from, size, &item, sizeof item);           \
+        if (status == FATHOM_OK) status = check_##shape(scene->context, &item);                              \
+        if (status != FATHOM_OK) return status;                                                              \
+        if (!array_room(&scene->list, 1)) return fail_memory(scene->context, sizeof item);                   \
+        status = book(scene, kind, scene->list.count, group, item.material, out);                            \
+        if (status == FATHOM_OK) array_push(&scene->list, item);                                             \
+        return status;                                                                                       \
+    }
+
+ADD_SHAPE(sphere, spheres, SCENE_SPHERE)
+ADD_SHAPE(quad, quads, SCENE_QUAD)
+ADD_SHAPE(plane, planes, SCENE_PLANE)
 
 /* ---- meshes ---- */
 
