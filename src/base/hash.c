@@ -39,3 +39,10 @@ uint64_t hash_end(const hash *h) {
     const uint64_t state = h->waiting ? step(h->state, h->word) : h->state;
     return step(step(step(h->length, 0), state), 0);
 }
+
+uint64_t hash_of(const void *bytes, size_t size) {
+    hash h;
+    hash_begin(&h);
+    hash_put(&h, bytes, size);
+    return hash_end(&h);
+}

@@ -16,3 +16,5 @@ void hash_begin(hash *h);
 /* The hash does not depend on how the bytes are divided among calls. */
 void hash_put(hash *h, const void *bytes, size_t size);
 uint64_t hash_end(const hash *h);
+/* The hash of these bytes alone. */
+uint64_t hash_of(const void *bytes, size_t size);

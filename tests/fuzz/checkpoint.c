@@ -37,10 +37,7 @@ static void adopt_key(const uint8_t *bytes, size_t size, checkpoint_key *key) {
 }
 
 static void correct_sum(uint8_t *bytes, size_t size) {
-    hash h;
-    hash_begin(&h);
-    hash_put(&h, bytes, size - sizeof(uint64_t));
-    const uint64_t sum = hash_end(&h);
+    const uint64_t sum = hash_of(bytes, size - sizeof(uint64_t));
     memcpy(bytes + size - sizeof sum, &sum, sizeof sum);
 }
 

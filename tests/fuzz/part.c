@@ -5,6 +5,7 @@
  * `how`: see below. Heads of large images are not tried: they would take memory that no input pays for. */
 #include "fuzz.h"
 
+#include "base/hash.h"
 #include "job/part/part_file.h"
 
 #include <fathom/part.h>
@@ -48,7 +49,7 @@ static void correct_hashes(uint8_t *at, const uint8_t *end) {
     while ((size_t)(end - at) >= sizeof r + sizeof(uint64_t)) {
         memcpy(&r, at, sizeof r);
         if (r.bytes > (size_t)(end - at) - sizeof r - sizeof(uint64_t)) return;
-        const uint64_t sum = part_hash(at, sizeof r + r.bytes);
+        const uint64_t sum = hash_of(at, sizeof r + r.bytes);
         memcpy(at + sizeof r + r.bytes, &sum, sizeof sum);
         at += sizeof r + r.bytes + sizeof sum;
     }

@@ -504,10 +504,7 @@ static fathom_status read_bytes(const file *f, const unsigned char *bytes, size_
 }
 
 static void seal(file *f) {
-    hash h;
-    hash_begin(&h);
-    hash_put(&h, f->bytes, f->size - 8);
-    uint64_t sum = hash_end(&h);
+    const uint64_t sum = hash_of(f->bytes, f->size - 8);
     memcpy(f->bytes + f->size - 8, &sum, sizeof sum);
 }
 

@@ -53,13 +53,12 @@ static fathom_status check_format(reading *r) {
 /* Checks the hash of all bytes before the last eight. */
 static fathom_status check_sum(reading *r, const unsigned char *bytes, size_t size) {
     uint64_t sum;
-    hash h;
     if (r->left < sizeof sum) return damaged(r, "it ends too early");
     r->left -= sizeof sum;
     memcpy(&sum, bytes + size - sizeof sum, sizeof sum);
-    hash_begin(&h);
-    hash_put(&h, bytes, size - sizeof sum);
-    return hash_end(&h) == sum ? FATHOM_OK : damaged(r, "its checksum does not fit, or it was cut short");
+    return hash_of(bytes, size - sizeof sum) == sum
+               ? FATHOM_OK
+               : damaged(r, "its checksum does not fit, or it was cut short");
 }
 
 static fathom_status read_key(reading *r, checkpoint_key *out) {

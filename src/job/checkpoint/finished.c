@@ -24,10 +24,7 @@ typedef struct finished_record {
 _Static_assert(sizeof(finished_record) == 8 + 32 + 128 + 8 + SETTINGS_TEXT + 3 * 8, "no padding");
 
 static uint64_t sum_of(const finished_record *record) {
-    hash h;
-    hash_begin(&h);
-    hash_put(&h, record, offsetof(finished_record, sum));
-    return hash_end(&h);
+    return hash_of(record, offsetof(finished_record, sum));
 }
 
 static void put_text(hash *h, const char *text) {

@@ -1,6 +1,7 @@
 #include "job/part/part.h"
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/sized.h"
 #include "job/part/part_file.h"
 
@@ -240,7 +241,7 @@ static bool add_record(part *p, const wave_result *w) {
         memcpy(to + sizeof r, w->sums, bytes);
     else
         checkpoint_pixels_save(&p->shape.grid, p->film, w->unit.wave, w->unit.squares, to + sizeof r);
-    const uint64_t sum = part_hash(to, whole);
+    const uint64_t sum = hash_of(to, whole);
     memcpy(to + whole, &sum, sizeof sum);
     return true;
 }

@@ -6,13 +6,6 @@
 
 _Static_assert(sizeof(part_record) == 12 * 8, "no bytes between the fields");
 
-uint64_t part_hash(const void *bytes, size_t size) {
-    hash h;
-    hash_begin(&h);
-    hash_put(&h, bytes, size);
-    return hash_end(&h);
-}
-
 /* ---- the shape ---- */
 
 static uint32_t common_divisor(uint32_t a, uint32_t b) {
@@ -141,7 +134,7 @@ fathom_status part_head_read(fathom_context *context, const char *path, const un
     const size_t whole = part_head_bytes(out);
     if (size < whole + sizeof sum) return damaged(context, path);
     memcpy(&sum, bytes + whole, sizeof sum);
-    if (part_hash(bytes, whole) != sum || !is_whole(out) || !makes_sense(out) ||
+    if (hash_of(bytes, whole) != sum || !is_whole(out) || !makes_sense(out) ||
         !manifests_make_sense(out, bytes))
         return damaged(context, path);
     return FATHOM_OK;
@@ -161,7 +154,7 @@ bool part_record_next(const part_shape *shape, const unsigned char *bytes, size_
         !(r.error >= 0) || !(r.seconds >= 0))
         return false;
     memcpy(&sum, bytes + *at + sizeof r + r.bytes, sizeof sum);
-    if (part_hash(bytes + *at, sizeof r + r.bytes) != sum) return false;
+    if (hash_of(bytes + *at, sizeof r + r.bytes) != sum) return false;
     *out = r;
     *payload = bytes + *at + sizeof r;
     *at += sizeof r + r.bytes + sizeof sum;

@@ -68,7 +68,6 @@ const char *part_manifest(const part_head *head, const unsigned char *bytes, mat
 /* FATHOM_BAD_INPUT: the bytes do not begin with a whole head of a part that this version can read. */
 fathom_status part_head_read(fathom_context *context, const char *path, const unsigned char *bytes,
                              size_t size, part_head *out);
-uint64_t part_hash(const void *bytes, size_t size);
 
 /* Reads the next whole record at *at, and moves *at behind it. False: the end, or no record of this part.
  * `done` marks the tiles of earlier records; this tile is added. *payload: the bytes of the tile. */
