@@ -77,7 +77,7 @@ UNIT_TEST(a_far_cluster_sends_the_sum_of_its_lamps) {
     }
     open_light();
     /* All are chosen alike, so that no variance is left. */
-    assert_near(receive(p, n).mean, expected, 1e-5 * expected);
+    assert_near(receive(p, n, BLOCKS).mean, expected, 1e-5 * expected);
 }
 
 /* ---- bounds ---- */

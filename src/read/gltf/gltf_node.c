@@ -28,6 +28,13 @@ static bool is_finite(const gltf_way *way) {
     return true;
 }
 
+/* Some files hide objects by a scale of zero, or of nearly zero, which no tracer can invert. */
+static bool is_tiny(const affine_f64 *a) {
+    double square = 0;
+    for (int k = 0; k < 9; ++k) square += a->m[k / 3][k % 3] * a->m[k / 3][k % 3];
+    return square < 1e-22;
+}
+
 static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const gltf_way *way) {
     affine_f64 inverse;
     fathom_instance instance;
@@ -39,10 +46,9 @@ static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const
         gltf_fail(g, node, NULL, "is placed out of the range of numbers by its transforms");
         return;
     }
-    /* Some files hide objects by a scale of zero. */
-    if (!affine_invert(&way->at[0], &inverse)) {
+    if (!affine_invert(&way->at[0], &inverse) || is_tiny(&way->at[0])) {
         g->scene->hides = true;
-        gltf_note(g, node, NULL, "is scaled to nothing, and left out");
+        gltf_note(g, node, NULL, "is scaled to nothing, at least along one axis, and left out");
         return;
     }
     const bool moves = gltf_way_moves(way), blurs = moves && gltf_way_can_blur(way);
