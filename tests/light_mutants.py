@@ -29,6 +29,8 @@ MUTANTS = [
      "p->ends = p->depth >= w->run.plan->max_depth", "p->ends = p->depth > w->run.plan->max_depth"),
     ("one bounce too few", PATH, "four bounces",
      "p->ends = p->depth >= w->run.plan->max_depth", "p->ends = p->depth + 1 >= w->run.plan->max_depth"),
+    ("light samples find a sphere's far side, too", SHAPES, "sphere of half",
+     "if (view.outside && inside) return 0;", "(void)inside;"),
     ("light's samples forget the chance of the light", EMITTERS, "disk of",
      "answers->density[i] * c->chance[i]", "answers->density[i] * (c->chance[i] > 0 ? 1 : 0)"),
     ("the second triangle of a pair gets no samples", EMITTERS, "box of triangles",

@@ -169,7 +169,7 @@ static double chosen_density(const emitters *e, const emitter_run *run, const em
     if (is_ball(e, run)) {
         emitter_ball ball;
         emitters_ball(e, run, hit->primitive, hit->time, &ball);
-        return emitters_ball_density(&ball, p, n, direction);
+        return emitters_ball_density(&ball, p, n, direction, hit->inside);
     }
     shape_face face;
     emitters_face(e, run, hit->primitive, hit->time, &face);

@@ -75,6 +75,7 @@ float emitters_mis_factor(const emitters *e);
 typedef struct emitter_hit {
     uint32_t geometry, primitive, instance; /* as in trace_hits */
     float time;                             /* as in emitter_query */
+    bool inside;                            /* the ray leaves the shape */
 } emitter_hit;
 
 /* The density with which emitters_sample() chooses the unit direction towards the hit, at the time of the

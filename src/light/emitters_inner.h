@@ -260,4 +260,4 @@ void emitters_ask_ball(const emitter_ball *b, vec3_f64 p, vec3_f64 n, double u, 
 double emitters_face_density(const shape_face *f, vec3_f64 p);
 /* The unit normal, in the ball's space, where a light sample of this direction hits it. */
 vec3_f64 emitters_ball_normal(const emitter_ball *b, vec3_f64 p, vec3_f64 direction);
-double emitters_ball_density(const emitter_ball *b, vec3_f64 p, vec3_f64 n, vec3_f64 direction);
+double emitters_ball_density(const emitter_ball *b, vec3_f64 p, vec3_f64 n, vec3_f64 direction, bool inside);

@@ -229,10 +229,11 @@ vec3_f64 emitters_ball_normal(const emitter_ball *b, vec3_f64 p, vec3_f64 direct
     return normalize_f64(madd_f64(view.from, t, d));
 }
 
-double emitters_ball_density(const emitter_ball *b, vec3_f64 p, vec3_f64 n, vec3_f64 direction) {
+double emitters_ball_density(const emitter_ball *b, vec3_f64 p, vec3_f64 n, vec3_f64 direction, bool inside) {
     const ball_view view = view_of(b, p);
     vec3_f64 d = to_object(b, direction);
     if (view.on && !(dot_f64(view.from, d) < 0)) return 0;
+    if (view.outside && inside) return 0; /* the ray has passed the near side straight */
     if (!view.outside) return shape_all_density(n, direction);
     const shape_cone cone = shape_cone_of(view.from, b->radius);
     return turned_density(b, shape_inverse(shape_cone_angle(&cone)), 1 / sqrt(dot_f64(d, d)));

@@ -155,7 +155,7 @@ UNIT_TEST(hits_on_either_triangle_have_the_density_of_samples) {
             const uint32_t half = triangle_hit(widen(p), widen(to));
             ++found[half];
             if (half == 4) continue;
-            const emitter_hit hit = {run->geometry, half, run->instance, 0};
+            const emitter_hit hit = {run->geometry, half, run->instance, 0, false};
             /* Both are products of a density and a chance, each rounded to float. */
             assert_near(emitters_hit_density(e, p, none, to, &hit), s.density[i],
                         4e-7 * (double)s.density[i]);

@@ -187,7 +187,7 @@ static void sample(probe *p) {
     shoot(p, &way);
     for (int i = 0; i < LANES; ++i) {
         const emitter_hit hit = {way.hits.geometry[i], way.hits.primitive[i], way.hits.instance[i],
-                                 p->query.time[i]};
+                                 p->query.time[i], false};
         const vec3_f32 at = {p->query.p[0][i], p->query.p[1][i], p->query.p[2][i]}, n = {0, 0, 1};
         const double density =
             (double)emitters_hit_density(p->e, at, n, trace_dir(&way.rays, (size_t)i), &hit);

@@ -119,7 +119,8 @@ void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const sh
     const emitter_hit hit = {.geometry = g->geometry[i],
                              .primitive = g->primitive[i],
                              .instance = g->instance[i],
-                             .time = p->wave.times ? p->wave.times[slot] : 0};
+                             .time = p->wave.times ? p->wave.times[slot] : 0,
+                             .inside = !v->surface.entering[i]};
     met_light met = {.group = wave_hit_group(&p->wave, i)};
     memcpy(met.radiance, s->emission, sizeof met.radiance);
     if (p->density[slot] < INFINITY)

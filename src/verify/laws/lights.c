@@ -133,6 +133,16 @@ static void sphere_above(law_room *room) {
     floor_under(room, R / d * (R / d) * cos(angle));
 }
 
+/* A ray from the floor crosses half of the surface twice; scattered rays alone find the far side. */
+static void sphere_half_there(law_room *room) {
+    const double R = 0.5, d = 2, angle = 0.6;
+    fathom_material m = law_metallic();
+    for (int c = 0; c < 3; ++c) m.base_color[c] = 0, m.emissive[c] = 1;
+    m.specular_factor = 0, m.opacity = 0.5f;
+    paint_sphere(&room->b, vec_f64(d * sin(angle), 0, d * cos(angle)), R, m);
+    floor_under(room, 0.75 * (R / d * (R / d) * cos(angle)));
+}
+
 static void sphere_cut(law_room *room, double angle) {
     const double square = 0.3, x = sqrt(1 / square - 1), y = -x / tan(angle),
                  q = sin(angle) * sqrt(1 - y * y);
@@ -247,6 +257,7 @@ const law laws_of_lights[] = {{"rectangle over a floor", "configuration factor",
                               {"disk of 1,998 triangles", "½(1-(1+H²-R²)/√(Z²-4R²))", disk_of_triangles},
                               {"disk, a squeezed sphere", "½(1-(1+H²-R²)/√(Z²-4R²))", disk_squeezed},
                               {"sphere above the horizon", "(R/d)² cos θ", sphere_above},
+                              {"sphere of half a surface", "¾ (R/d)² cos θ", sphere_half_there},
                               {"sphere cut by the horizon", "configuration factor", sphere_cut_high},
                               {"sphere mostly below the horizon", "configuration factor", sphere_cut_low},
                               {"point light", "k_l cos θ/d²", point},
