@@ -146,6 +146,8 @@ UNIT_TEST(samples_follow_the_density) {
     if (SANITIZED) skip();
     fathom_material behind = classic(0.5f, 0.4f, FATHOM_SPECULAR_PHONG, 10);
     behind.lit_from_behind = true;
+    fathom_material wide = classic(0.1f, 0.5f, FATHOM_SPECULAR_BLINN, 0.2f);
+    wide.lit_from_behind = true;
     fathom_material half = glassy(0.4f, 0, 1.5f, 0.3f);
     half.opacity = 0.5f;
     fathom_material coated = metallic(0.5f, 0.6f);
@@ -166,6 +168,7 @@ UNIT_TEST(samples_follow_the_density) {
         {"Blinn 3", classic(0.1f, 0.5f, FATHOM_SPECULAR_BLINN, 3), 1},
         {"Blinn 500", classic(0.1f, 0.5f, FATHOM_SPECULAR_BLINN, 500), 3},
         {"from behind", behind, 1},
+        {"Blinn from behind", wide, 1},
         {"metal 1", metallic(1, 1), 1},
         {"metal 0.3", metallic(1, 0.3f), 2.5},
         {"metal 0.02", metallic(1, 0.02f), 6},

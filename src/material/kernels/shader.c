@@ -218,15 +218,16 @@ static void take_smooth(const surface_block *s, const shader_block *b, const uin
 
 static inline uint32_t is(uint32_t lobe, uint32_t take) { return lobe == take ? ~0u : 0; }
 
-/* True if the direction is on the side of its lobe. A sampled facet may give the wrong side; the densities of
- * other lobes do not count then. */
+/* True if the direction is on the side of its lobe. A sampled facet may give the wrong side, and a half
+ * vector behind the viewer (Blinn) the opposite one; the densities of other lobes do not count then. */
 static inline uint32_t meant(const shader_block *b, const incidence *at, uint32_t lobe, int i) {
     uint32_t front = is(lobe, SHADER_TAKE_DIFFUSE) | is(lobe, SHADER_TAKE_GGX) | is(lobe, SHADER_TAKE_SHEEN);
     uint32_t coat = is(lobe, SHADER_TAKE_COAT);
     uint32_t back = is(lobe, SHADER_TAKE_BEHIND) | is(lobe, SHADER_TAKE_CROSS);
     if (b->lobes & SHADER_GLASS && is_glass(b, i)) front |= is(lobe, SHADER_TAKE_CROSS);
+    const uint32_t half = ~b->blinn[i] | (at->l[2][i] + b->v[2][i] > 0 ? ~0u : 0);
     return (front & at->reflected[i]) | (coat & at->coated[i]) | (back & at->cross[i]) |
-           is(lobe, SHADER_TAKE_HIGHLIGHT);
+           (is(lobe, SHADER_TAKE_HIGHLIGHT) & half);
 }
 
 static void sample(const surface_block *s, const shader_block *b, const lanes3 u,
