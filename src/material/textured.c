@@ -83,10 +83,8 @@ fathom_status texturing_check(const texturing *t, fathom_context *context) {
     return t ? texture_cache_check(t->cache, context) : FATHOM_OK;
 }
 /* ---- lookups ---- */
-static float area_of(const surface_uv *at) {
-    const vec3_f32 n = cross_f32(at->du, at->dv);
-    return sqrtf(dot_f32(n, n));
-}
+/* Its square is a fourth power of lengths, which float holds only from 2^-31 to 2^31. */
+static double area_of(const surface_uv *at) { return length_f64(cross_f64(widen(at->du), widen(at->dv))); }
 
 /* A cone of width w intersects the surface in an ellipse, whose area is that of a disc of width w /
  * sqrt(cosine). */
@@ -96,8 +94,8 @@ static void find_uvs(points *p, unsigned i, const surface_block *s, const float 
     for (unsigned set = 0; set < 2; ++set) {
         if (!(p->plan[i]->sets >> set & 1)) continue;
         surface_uv_at(p->g, p->t->w, i, set, &p->uv[set][i]);
-        const float area = s ? area_of(&p->uv[set][i]) * most(cosine, 0x1p-10f) : 0;
-        p->width[set][i] = area > 0 ? least(width[i] / sqrtf(area), 1) : 0;
+        const double area = s ? area_of(&p->uv[set][i]) * (double)most(cosine, 0x1p-10f) : 0;
+        p->width[set][i] = area > 0 ? least(width[i] / (float)sqrt(area), 1) : 0;
     }
 }
 

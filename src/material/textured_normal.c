@@ -1,5 +1,6 @@
 /* Frames of images on surfaces, and normals that are rotated in them. */
 #include "material/textured_inner.h"
+#include "math/limit.h"
 
 #include <stdlib.h>
 
@@ -58,9 +59,19 @@ static bool made_tangent(const points *p, unsigned i, const lookup *l, vec3_f32 
     return true;
 }
 
+static inline float largest(float x, float y, float z) { return most(most(fabsf(x), fabsf(y)), fabsf(z)); }
+
+/* Scales both alike, so that their products are within the range of float at any scale of the scene. */
+static surface_uv near_one(const surface_uv *uv) {
+    surface_uv out = *uv;
+    const float by = 1 / most(largest(uv->du.x, uv->du.y, uv->du.z), largest(uv->dv.x, uv->dv.y, uv->dv.z));
+    if (by > 0 && by < INFINITY) out.du = scale_f32(by, uv->du), out.dv = scale_f32(by, uv->dv);
+    return out;
+}
+
 /* The tangent, of any length, and the sign of the bitangent. */
 static vec3_f32 tangent_of(const points *p, unsigned i, const lookup *l, float *sign) {
-    const surface_uv *at = &p->uv[l->uv_set][i];
+    const surface_uv uv = near_one(&p->uv[l->uv_set][i]), *at = &uv;
     const float turn = l->m[0] * l->m[4] - l->m[1] * l->m[3] < 0 ? -1 : 1;
     vec3_f32 t;
     if (l->uv_set == 0 && surface_tangent_at(p->g, p->t->w, i, &t, sign)) return t;
@@ -80,6 +91,8 @@ static void make_frames(const lanes3 n, frame_block *f) {
     for (int i = 0; i < LANES; ++i) {
         const float nx = n[0][i], ny = n[1][i], nz = n[2][i], sign = f->b[0][i];
         float x = f->t[0][i], y = f->t[1][i], z = f->t[2][i];
+        const float by = 1 / largest(x, y, z);
+        x *= by, y *= by, z *= by;
         const float square = x * x + y * y + z * z, unit = to_unit(square);
         x *= unit, y *= unit, z *= unit;
         const float along = nx * x + ny * y + nz * z;
@@ -141,7 +154,7 @@ static vec3_f32 slope_of_bump(const points *p, unsigned i, vec3_f32 n) {
     const lookup *l = &plan->lookups[plan->of[FATHOM_MAP_BUMP]];
     const surface_uv *at = &p->uv[l->uv_set][i];
     const vec3_f32 up = cross_f32(at->dv, n), right = cross_f32(n, at->du);
-    const float area = dot_f32(n, cross_f32(at->du, at->dv));
+    const double area = dot_f64(widen(n), cross_f64(widen(at->du), widen(at->dv)));
     texture_queries q = {.count = 0};
     float rgba[4][TEXTURE_BLOCK], rise[2];
     uint32_t size[2];
@@ -153,7 +166,8 @@ static vec3_f32 slope_of_bump(const points *p, unsigned i, vec3_f32 n) {
     const float *h = rgba[map->channel];
     for (int k = 0; k < 2; ++k) rise[k] = plan->material->bump_scale * (h[k + 1] - h[0]) / step[k];
     const float du = rise[0] * l->m[0] + rise[1] * l->m[3], dv = rise[0] * l->m[1] + rise[1] * l->m[4];
-    const vec3_f32 slope = scale_f32(1 / area, madd_f32(scale_f32(du, up), dv, right));
+    const vec3_f64 along = madd_f64(scale_f64((double)du, widen(up)), (double)dv, widen(right));
+    const vec3_f32 slope = narrow(scale_f64(1 / area, along));
     return area != 0 && finite_f32(slope) ? slope : (vec3_f32){0, 0, 0};
 }
 
