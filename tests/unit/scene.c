@@ -151,6 +151,28 @@ UNIT_TEST(lights_in_spheres_are_warned_of) {
     }
 }
 
+/* Bulbs of clear walls let light out, and a lamp may be larger than what is in it. */
+UNIT_TEST(lights_that_leave_spheres_are_not_warned_of) {
+    for (int k = 0; k < 4; ++k) {
+        fixture f = open_scene();
+        fathom_sphere sphere;
+        fathom_material m;
+        fathom_light light;
+        fathom_sphere_default(&sphere);
+        fathom_material_default(&m);
+        fathom_light_default(&light);
+        m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.transmission = 1, m.roughness = k == 1 ? 0.5f : 0;
+        if (k > 1) m.transmission = 0;
+        light.radius = k == 2 ? 2 : 0;
+        sphere.center[2] = -5, sphere.radius = 1, light.position[2] = -5;
+        assert_ok(f.context, fathom_scene_add_material(f.scene, NULL, &m, &sphere.material));
+        assert_ok(f.context, fathom_scene_add_sphere(f.scene, FATHOM_ROOT, &sphere, NULL));
+        assert_ok(f.context, fathom_scene_add_light(f.scene, &light, NULL));
+        assert_int_equal(warned_of_light(&f)[0] != '\0', k % 2);
+        close_scene(&f);
+    }
+}
+
 /* Two levels of frames: scale by 2 at x = 10, in a frame scaled by 3 at x = 100. */
 /* A chain of groups, each holding the next: deeper than a stack of calls would hold. */
 UNIT_TEST(nests_to_any_depth) {

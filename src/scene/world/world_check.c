@@ -86,25 +86,43 @@ static vec3_f64 carried(const light_search *s, const affine_f64 *to_object, cons
     return affine_point(to_object, sub_f64(load_f64(point), s->w->origin));
 }
 
+/* Light samples pass it: clear thin walls, holes, and glass that does not refract. */
+static bool lets_out(const fathom_material *m) {
+    if (m->model == FATHOM_MODEL_CLASSIC)
+        return m->ior == 1 && (m->k_t[0] > 0 || m->k_t[1] > 0 || m->k_t[2] > 0);
+    return m->opacity < 1 || (m->transmission > 0 && !(m->thickness > 0) && !(m->roughness > 0));
+}
+
+/* Part of the lamp's own sphere lies outside. */
+static bool reaches_out(const world_sphere *around, const fathom_light *light, vec3_f64 p,
+                        const affine_f64 *to_object) {
+    const double reach = length_f64(affine_vector(to_object, vec_f64((double)light->radius, 0, 0)));
+    return length_f64(sub_f64(p, world_sphere_center(around))) + reach > world_sphere_radius(around);
+}
+
 /* If the camera is inside the sphere too (a room, a sky), the light is there on purpose. */
-static void look_in_sphere(light_search *s, size_t sphere, const affine_f64 *to_object) {
+static void look_in_sphere(light_search *s, size_t sphere, const affine_f64 *to_object, fathom_id material) {
     const fathom_scene *scene = s->w->scene;
     const world_sphere *around = &s->w->spheres.items[sphere];
+    if (lets_out(&scene->materials.items[material].value)) return;
     if (scene->has_camera && holds(around, carried(s, to_object, scene->camera.origin))) return;
     for (size_t i = 0; i < scene->lights.count; ++i, ++s->pairs) {
         const fathom_light *light = &scene->lights.items[i];
-        if (light->type == FATHOM_LIGHT_DIRECTIONAL || !holds(around, carried(s, to_object, light->position)))
+        const vec3_f64 at = carried(s, to_object, light->position);
+        if (light->type == FATHOM_LIGHT_DIRECTIONAL || !holds(around, at) ||
+            reaches_out(around, light, at, to_object))
             continue;
         if (!s->found++) s->light = i, s->object = s->w->sphere_objects.items[sphere];
     }
 }
 
-static void look_in_group(light_search *s, const world_group *group, const affine_f64 *to_object) {
+static void look_in_group(light_search *s, const world_group *group, uint32_t instance,
+                          const affine_f64 *to_object) {
     for (uint32_t k = group->first; k < group->first + group->count; ++k) {
         const world_geometry *g = &s->w->geometries.items[k];
         if (g->kind != WORLD_SPHERES || g->flags & FATHOM_CASTS_NO_SHADOW) continue;
         for (uint32_t i = 0; i < g->count && s->pairs < PAIRS_MOST; ++i)
-            look_in_sphere(s, g->first + i, to_object);
+            look_in_sphere(s, g->first + i, to_object, world_material(s->w, k, i, instance));
     }
 }
 
@@ -112,17 +130,17 @@ static void warn_of_lights(const world *w) {
     light_search s = {.w = w};
     affine_f64 to_object = affine_identity();
     if (!w->scene->lights.count) return;
-    look_in_group(&s, &w->groups.items[0], &to_object);
+    look_in_group(&s, &w->groups.items[0], FATHOM_NONE, &to_object);
     for (size_t k = 0; k < w->instances.count && s.pairs < PAIRS_MOST; ++k, ++s.pairs) {
         const world_instance *instance = &w->instances.items[k];
         to_object = affine_widen(instance->to_object);
-        look_in_group(&s, &w->groups.items[instance->group], &to_object);
+        look_in_group(&s, &w->groups.items[instance->group], (uint32_t)k, &to_object);
     }
     if (!s.found) return;
     const double *p = w->scene->lights.items[s.light].position;
     warn(w->scene->context,
-         "lights[%zu] at (%g, %g, %g) lies inside a sphere (object %u), which its light does not leave, "
-         "whatever the material; move it, or let the sphere cast no shadow%s",
+         "lights[%zu] at (%g, %g, %g) lies inside a sphere (object %u), which its light does not leave; "
+         "move it, or let the sphere cast no shadow%s",
          s.light, p[0], p[1], p[2], s.object, s.found > 1 ? " (and so for others)" : "");
 }
 
