@@ -111,7 +111,7 @@ typedef struct fathom_material {
     float iridescence_ior;                 /* its index, [1, 5]; default 1.3 */
     float iridescence_thickness_min, iridescence_thickness_max; /* nanometres; without a map the latter
                                                                    counts; default 100 and 400 */
-    float dispersion;                                           /* 20 over Abbe's number, >= 0; default 0 */
+    float dispersion;                    /* 20 over Abbe's number, >= 0; default 0, at most 40 counts */
     float diffuse_transmission;          /* part of Lambert's lobe that leaves on the other side; default 0 */
     float diffuse_transmission_color[3]; /* default 1 */
     uint32_t priority; /* where volumes overlap, the highest priority fills the space, [0, 255]; 0 (default):

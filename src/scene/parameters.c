@@ -190,7 +190,7 @@ static const fathom_parameter metallic_rows[] = {
     {"iridescence_thickness_max", F32, MATERIAL(iridescence_thickness_max), SOFT, 0, 1e6, 400, "NANOMETRES", "Surface",
      .help = "Thickness of the film in nanometres where `iridescenceThicknessTexture` is 1, or without that texture."},
     {"dispersion", F32, MATERIAL(dispersion), SOFT, 0, 1e3, 0, NULL, "Surface",
-     .help = "Dispersion of a volume: 20 divided by the Abbe number; 0.36 for diamond."},
+     .help = "Dispersion of a volume: 20 divided by the Abbe number; 0.36 for diamond. More than 40 counts as 40."},
     {"diffuse_transmission", F32, MATERIAL(diffuse_transmission), HARD, 0, 1, 0, NULL, "Surface",
      .help = "Share of the diffuse light that leaves on the other side, as through leaves."},
     {"diffuse_transmission_color", F32, MATERIAL(diffuse_transmission_color), SOFT, 0, 1, 1, "R,G,B", "Surface",

@@ -53,9 +53,11 @@ static void cross(path *p, const reference_surface *s) {
     if (i < p->nested) p->in[i] = p->in[--p->nested];
 }
 
-/* KHR_materials_dispersion: the indices of red and blue differ from that of green by the same amount. */
+/* KHR_materials_dispersion: the indices of red and blue differ from that of green by the same amount, and
+ * blue's by no more than green's differs from 1. */
 static double index_of(const fathom_material *m, unsigned channel) {
-    const double ior = m ? (double)m->ior : 1, spread = 0.025 * (ior - 1) * (m ? (double)m->dispersion : 0);
+    const double ior = m ? (double)m->ior : 1,
+                 spread = 0.025 * (ior - 1) * (m ? fmin((double)m->dispersion, 40) : 0);
     return channel ? fmax(ior + spread * (channel - 2.0), fmin(ior, 1.0001)) : ior;
 }
 

@@ -105,7 +105,7 @@ static vec3_f64 classic_evaluate(const reference_surface *s, vec3_f64 l) {
     case FATHOM_SPECULAR_PHONG: base = dot_f64(s->to_viewer, reference_mirrored(l, s->normal)); break;
     case FATHOM_SPECULAR_BLINN: base = dot_f64(s->normal, normalize_f64(add_f64(l, s->to_viewer))); break;
     }
-    const double highlight = m->specular ? pow(fmax(base, 0), (double)m->shininess) : 0;
+    const double highlight = m->specular && base > 0 ? pow(base, (double)m->shininess) : 0;
     return scale_f64(fabs(nl) / PI, madd_f64(color_of(m->k_d), highlight, color_of(m->k_s)));
 }
 
