@@ -1,6 +1,7 @@
 /* MTL materials: what each model of the format means here. */
 #include "mesh_file.h"
 
+#include "read/obj/mtl.h"
 #include "read/obj/obj.h"
 
 static fathom_material material_of(const char *body) {
@@ -257,6 +258,20 @@ UNIT_TEST(black_times_an_image_is_the_image) {
     m = material_of("Kd 0 0 0\nmap_Kd a\nPm 0.5\n");
     expect_color("Kd", "base colour", m.base_color, 0, 0, 0);
     assert_string_equal(mesh_warnings, "");
+}
+
+/* Folders say nothing about an image. */
+UNIT_TEST(names_tell_normals_from_bumps) {
+    static const char *const normals[] = {"rock_normal.png", "RockNormal.png", "rock_n.png",
+                                          "a/rock-NRM.jpg",  "norm.png",       "rockNorm2.png",
+                                          "rock_nor_gl.png"},
+                             *const bumps[] = {"rock_bump.png",    "C:\\Users\\norman\\rock.png",
+                                               "normals/rock.png", "enormous.png",
+                                               "norman.png",       "/home/rock_n.a/b.png"};
+    for (size_t i = 0; i < sizeof normals / sizeof *normals; ++i)
+        if (!mtl_says_normal(normals[i])) fail_msg("%s", normals[i]);
+    for (size_t i = 0; i < sizeof bumps / sizeof *bumps; ++i)
+        if (mtl_says_normal(bumps[i])) fail_msg("%s", bumps[i]);
 }
 
 UNIT_TEST(pbr_keys_make_a_metallic_roughness_material) {

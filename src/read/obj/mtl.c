@@ -278,15 +278,25 @@ static const char *read_options(mtl_reader *r, const char *p, mtl_image *image) 
     return p;
 }
 
-bool mtl_says_normal(const char *name) {
-    static const char *const words[] = {"normal", "norm", "nrm", "_nor", "_n."};
-    char lower[256] = "";
-    for (size_t i = 0; name[i] && i + 1 < sizeof lower; ++i)
-        lower[i] = (char)tolower((unsigned char)name[i]), lower[i + 1] = 0;
-    for (size_t i = 0; i < sizeof words / sizeof *words; ++i) {
-        if (strstr(lower, words[i])) return true;
+static bool is_letter(char c) { return isalpha((unsigned char)c); }
+
+/* True if `norm` stands alone in the name: "rock_norm.png" and "rockNorm2.png", but not "enormous.png". */
+static bool says_norm(const char *name) {
+    for (const char *at = name; (at = strcasestr(at, "norm")) != NULL; ++at) {
+        const bool begins = at == name || !is_letter(at[-1]) || *at == 'N';
+        if (begins && !is_letter(at[4])) return true;
     }
     return false;
+}
+
+bool mtl_says_normal(const char *path) {
+    static const char *const words[] = {"normal", "nrm", "_nor", "_n."};
+    const char *slash = strrchr(path, '/'), *back = strrchr(path, '\\');
+    const char *last = slash > back ? slash : back, *name = last ? last + 1 : path;
+    for (size_t i = 0; i < sizeof words / sizeof *words; ++i) {
+        if (strcasestr(name, words[i])) return true;
+    }
+    return says_norm(name);
 }
 
 /* Sets a value to 1 unless the file gave it before; a later statement replaces the 1. */

@@ -37,7 +37,7 @@ static inline bool mtl_is_white(const double rgb[3]) { return rgb[0] == 1 && rgb
 static inline bool mtl_is_black(const double rgb[3]) { return rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0; }
 
 /* True if the name of a bump image says that it holds normals; current exporters write such names. */
-bool mtl_says_normal(const char *name);
+bool mtl_says_normal(const char *path);
 int mtl_illum(const mtl_entry *m);
 /* True if its illumination model (4, 6, 7 or 9) transmits light; 9 with d < 1 only if Tf is given. */
 bool mtl_is_glass(const mtl_entry *m);
