@@ -93,15 +93,15 @@ static void put_frame(file_writer *t, vec3_f64 x, vec3_f64 y, vec3_f64 z, const 
         x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z, origin[0], origin[1], origin[2]);
 }
 
-/* A light points along the -z axis of its node. The direction is written unchanged, with its length, which
- * has no effect. The y axis is arbitrary. */
+/* A light points along the -z axis of its node. The y axis is arbitrary. */
 static void put_light_node(file_writer *t, const fathom_light *light, size_t number) {
     static const double zero[3] = {0, 0, 0};
     const bool placed = light->type != FATHOM_LIGHT_DIRECTIONAL;
-    const vec3_f64 z = neg_f64(load_f64(light->direction));
-    const frame_f64 frame = frame_from(vec_f64(0, 0, 0), z, vec_f64(0, 1, 0));
+    const vec3_f64 back =
+        light->type == FATHOM_LIGHT_POINT ? vec_f64(0, 0, 1) : neg_f64(load_f64(light->direction));
+    const frame_f64 frame = frame_from(vec_f64(0, 0, 0), back, vec_f64(0, 1, 0));
     file_writer_print(t, ",\n{\"extensions\":{\"KHR_lights_punctual\":{\"light\":%zu}},", number);
-    put_frame(t, frame.x, frame.y, z, placed ? light->position : zero);
+    put_frame(t, frame.x, frame.y, frame.z, placed ? light->position : zero);
     file_writer_print(t, "}");
 }
 
@@ -135,19 +135,20 @@ static double angle_of(double size) {
 static void put_camera(const glb *g, file_writer *t) {
     const fathom_camera *c = &g->scene->camera;
     const fathom_settings *s = &g->scene->settings;
-    const double aspect = c->w > 0 ? c->w / c->h : g->scene->camera_aspect;
+    const double asked = c->w > 0 ? c->w / c->h : g->scene->camera_aspect,
+                 aspect = asked > 0 ? asked : (double)s->width / s->height;
     if (c->orthographic) {
         file_writer_print(t,
                           ",\n\"cameras\":[{\"type\":\"orthographic\",\"orthographic\":{\"xmag\":%.17g,"
                           "\"ymag\":%.17g,\"znear\":0,\"zfar\":1e6}}]",
-                          0.5 * c->h * (aspect > 0 ? aspect : (double)s->width / s->height), 0.5 * c->h);
+                          0.5 * c->h * aspect, 0.5 * c->h);
         return;
     }
     file_writer_print(
-        t, ",\n\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":%.17g,\"znear\":0.001",
-        angle_of(c->h / c->d));
-    if (aspect > 0) file_writer_print(t, ",\"aspectRatio\":%.17g", aspect);
-    file_writer_print(t, "}}]");
+        t,
+        ",\n\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":%.17g,\"znear\":0.001,"
+        "\"aspectRatio\":%.17g}}]",
+        angle_of(c->h / c->d), aspect);
     if (c->lens_radius > 0)
         notes_add(g->notes, 1, "", "the camera's lens has no place in glTF, and becomes a pinhole");
 }

@@ -61,15 +61,19 @@ static void put_classic(file_writer *t, const fathom_material *m, note_list *not
 static const struct mtl_number {
     const char *key;
     size_t offset;
-    double factor;
-} numbers[] = {{"Pr", offsetof(fathom_material, roughness), 1},
-               {"Pm", offsetof(fathom_material, metallic), 1},
-               {"Pc", offsetof(fathom_material, clearcoat), 1},
-               {"Pcr", offsetof(fathom_material, clearcoat_roughness), 1},
-               {"aniso", offsetof(fathom_material, anisotropy), 1},
-               {"anisor", offsetof(fathom_material, anisotropy_rotation), 0.5 / 3.14159265358979}, /* turns */
-               {"d", offsetof(fathom_material, opacity), 1},
-               {"Ni", offsetof(fathom_material, ior), 1}};
+} numbers[] = {{"Pr", offsetof(fathom_material, roughness)},
+               {"Pm", offsetof(fathom_material, metallic)},
+               {"Pc", offsetof(fathom_material, clearcoat)},
+               {"Pcr", offsetof(fathom_material, clearcoat_roughness)},
+               {"aniso", offsetof(fathom_material, anisotropy)},
+               {"d", offsetof(fathom_material, opacity)},
+               {"Ni", offsetof(fathom_material, ior)}};
+
+/* In turns, of which the format has at most one. */
+static double turns_of(float radians) {
+    const double turn = 2 * 3.14159265358979323846;
+    return remainder((double)radians, turn) / turn;
+}
 
 static bool is_black(const float rgb[3]) { return !(largest(rgb) > 0); }
 
@@ -95,8 +99,9 @@ static void put_metallic(file_writer *t, const fathom_material *m, note_list *no
     if (!is_black(m->emissive)) put_color(t, "Ke", m->emissive, m->emissive_strength);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
         const float value = *(const float *)(const void *)((const char *)m + numbers[i].offset);
-        file_writer_print(t, "%s %.9g\n", numbers[i].key, numbers[i].factor * (double)value);
+        file_writer_print(t, "%s %.9g\n", numbers[i].key, (double)value);
     }
+    file_writer_print(t, "anisor %.9g\n", turns_of(m->anisotropy_rotation));
     if (m->transmission > 0) put_color(t, "Tf", (const float[3]){1, 1, 1}, m->transmission);
     if (is_sheen(m)) file_writer_print(t, "Ps %.9g\n", (double)m->sheen_color[0]);
     if (m->specular_factor != 1 || !is_white(m->specular_color) ||

@@ -54,6 +54,16 @@ run 0 convert lights.json lights.glb
 run 0 convert lights.glb back.json
 for name in key '\"rim\"'; do said back.json "\"name\":\"$name\""; done
 not_said back.json '"type":"directional","name"'
+# Nodes of lights turn and move, and do not scale.
+grep -a -o '"matrix":[^]]*' lights.glb | cut -d'[' -f2 >matrices.txt
+awk -F, '{ for (c = 0; c < 12; c += 4) { s = $(c + 1) ^ 2 + $(c + 2) ^ 2 + $(c + 3) ^ 2; if (s < 0.999999 || s > 1.000001) exit 1 } n++ }
+    END { exit n != 3 }' matrices.txt || die 'a light scales its node'
+# The shape of the image goes with its camera.
+printf '{"image": {"width": 480, "height": 640}, "camera": {"eye": [0, 0, 4], "target": [0, 0, 0], "fovy": 40},
+"objects": [{"type": "mesh", "positions": [[0,0,0],[1,0,0],[0,1,0]], "indices": [[0,1,2]]}]}' >tall.json
+run 0 convert tall.json tall.glb
+run 0 info tall.glb
+said out.txt '960x1280'
 cat >node.gltf <<'JSON'
 { "asset": { "version": "2.0" }, "extensionsUsed": [ "KHR_lights_punctual" ],
   "extensions": { "KHR_lights_punctual": { "lights": [ { "type": "point" } ] } },
