@@ -380,6 +380,9 @@ UNIT_TEST(alpha_modes_cover_their_part) {
                                              "'baseColorFactor':[1,1,1,0.25],'metallicFactor':0}");
     assert_near(shown.k_t[0], 0, 0);
     assert_near(shown.k_d[0], 0.96, 0x1p-24);
+    fathom_material all = read_material(f, "'alphaMode':'MASK','alphaCutoff':0,'pbrMetallicRoughness':{"
+                                           "'baseColorFactor':[1,1,1,0],'metallicFactor':0}");
+    assert_near(all.k_t[0], 0, 0);
 }
 
 /* More than half of the light passes: no shadow. */

@@ -35,7 +35,8 @@ static bool read_type(gltf *g, const gltf_value *at, fathom_light_type *out) {
     return false;
 }
 
-static void read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
+/* False: the light sends nothing. */
+static bool read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
     gltf_value spot;
     double inner = 0, outer = pi / 4;
     /* One float ulp above pi/2, because exporters write this number for a right angle. */
@@ -45,11 +46,16 @@ static void read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
     gltf_number(g, &spot, "outerConeAngle", 0, right_angle, &outer);
     out->inner_angle = (float)inner;
     out->outer_angle = (float)outer;
-    if (out->outer_angle > 0 && !(out->inner_angle < out->outer_angle)) {
+    if (!(out->outer_angle > 0)) {
+        gltf_note(g, &spot, NULL, "outerConeAngle: expected more than 0; the light is left out");
+        return false;
+    }
+    if (!(out->inner_angle < out->outer_angle)) {
         gltf_note(g, &spot, NULL,
                   "innerConeAngle: expected less than outerConeAngle; the spot has a sharp edge");
         out->inner_angle = nextafterf(out->outer_angle, 0);
     }
+    return true;
 }
 
 /* Blender since 3.4: "Khronos glTF Blender I/O v3.4.50". */
@@ -81,7 +87,7 @@ static bool read_light(gltf *g, const gltf_value *at, fathom_light *out) {
     gltf_text(g, at, "name", &out->name);
     gltf_numbers(g, at, "color", 3, 0, INFINITY, color);
     gltf_number(g, at, "intensity", 0, INFINITY, &intensity);
-    if (out->type == FATHOM_LIGHT_SPOT) read_cone(g, at, out);
+    if (out->type == FATHOM_LIGHT_SPOT && !read_cone(g, at, out)) return false;
     intensity /= lumens_a_watt(g, at);
     for (int i = 0; i < 3; ++i) out->intensity[i] = (float)(color[i] * intensity / pi);
     if (json_object_get(at->json, "range"))

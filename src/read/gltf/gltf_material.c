@@ -22,6 +22,7 @@
 #include "read/gltf/gltf_keys.h"
 #include "read/json/json_form.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -152,14 +153,14 @@ static void read_alpha(gltf *g, const gltf_value *at, draft *d) {
     const char *mode = "OPAQUE";
     double cutoff = 0.5;
     gltf_text(g, at, "alphaMode", &mode);
-    gltf_number(g, at, "alphaCutoff", 0, INFINITY, &cutoff);
+    gltf_number(g, at, "alphaCutoff", 0, 1000, &cutoff);
     if (strcmp(mode, "MASK") == 0)
-        d->alpha = ALPHA_MASK;
+        d->alpha = cutoff > 0 ? ALPHA_MASK : ALPHA_OPAQUE; /* no alpha is below 0 */
     else if (strcmp(mode, "BLEND") == 0)
         d->alpha = ALPHA_BLEND;
     else if (strcmp(mode, "OPAQUE") != 0)
         gltf_note(g, at, "alphaMode", "\"%.40s\" is none of OPAQUE, MASK and BLEND; OPAQUE is taken", mode);
-    if (d->alpha == ALPHA_MASK) d->m.opacity_cutoff = (float)fmax(cutoff, 1e-6);
+    if (d->alpha == ALPHA_MASK) d->m.opacity_cutoff = (float)fmax(cutoff, FLT_MIN);
 }
 
 /* Reads the older workflow, which replaces metallic-roughness. */
