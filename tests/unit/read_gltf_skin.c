@@ -103,6 +103,34 @@ UNIT_TEST(joints_that_flatten_hide_their_part) {
     }
 }
 
+/* A scale of zero along one axis leaves a flat surface, which no transform of an instance can. Along two,
+ * nothing is left. */
+UNIT_TEST(nodes_that_flatten_leave_a_surface) {
+    fixture *f = *state;
+    for (int kept = 0; kept < 2; ++kept) {
+        build b = {.size = 0};
+        const int p = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 3, 1, 0, 4, 0, 1, 5),
+                  n = PUT_FLOATS(&b, "VEC3", 3, 0, 0.6f, 0.8f, 0, 0.6f, 0.8f, 0, 0.6f, 0.8f);
+        build_write(
+            f, &b,
+            "'meshes':[{'primitives':[{'attributes':{'POSITION':%d,'NORMAL':%d}}]}],'nodes':[{'mesh':0},"
+            "{'mesh':0,'translation':[0,0,7],'scale':[2,%d,0]},{'mesh':0,'translation':[1,0,7],'scale':["
+            "2,%d,0]}]",
+            p, n, kept, kept);
+        fathom_scene *scene = read_file(f);
+        assert_int_equal(scene->instances.count, kept ? 3 : 1);
+        assert_int_equal(f->warnings, kept ? 0 : 1);
+        assert_int_equal(scene->meshes.count, kept ? 3 : 1); /* each has its place in its vertices */
+        if (kept) {
+            assert_vec(placed_corner(scene, 1, 1, 1), 2, 0, 7, 0);
+            assert_vec(placed_corner(scene, 2, 2, 1), 3, 0, 7, 0);
+            assert_vec(row_of(scene->meshes.items[1].normals, scene->meshes.items[1].normal_stride, 0), 0, 0,
+                       1, 0);
+        }
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* Exporters fill unused places with any number. */
 UNIT_TEST(joints_of_no_weight_may_be_any_number) {
     fixture *f = *state;

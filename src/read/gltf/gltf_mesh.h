@@ -12,6 +12,7 @@ struct gltf_joints {
     affine_f64 *matrices; /* NULL: not made yet */
     uint32_t count;
     bool mirrored;
+    bool flat;       /* no skin, but the one matrix of a node that flattens: no instance can have it */
     vec3_f64 origin; /* the same at all moments */
 };
 
@@ -31,9 +32,9 @@ fathom_id gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes, boo
 /* ---- gltf_shape.c ---- */
 
 /* The group that holds mesh `mesh` as the node deforms it at all moments, or GLTF_EMPTY. Nodes that deform it
- * alike share the group. node NULL: the mesh's own weights. mirrored: the node's transform mirrors. *joints:
- * at the opening of the shutter; NULL: no skin. */
-fathom_id gltf_shape_mesh(gltf *g, const gltf_value *node, uint32_t mesh, bool mirrored,
+ * alike share the group. node NULL: the mesh's own weights. way: the node's transforms. *joints: at the
+ * opening of the shutter; NULL: no skin, and nothing flat. */
+fathom_id gltf_shape_mesh(gltf *g, const gltf_value *node, uint32_t mesh, const gltf_way *way,
                           const gltf_joints **joints);
 /* Call it before gltf_moments_close(). */
 void gltf_posed_close(gltf *g);
@@ -54,3 +55,6 @@ void gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *j
                      gltf_elements *floats, float *to);
 /* The joints of skin `index` at a moment of g; valid as long as the moment. */
 const gltf_joints *gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index, bool mirrored);
+/* The one joint that all vertices of a flattened mesh follow; NULL: out of memory. */
+const gltf_joints *gltf_skin_flatten(gltf *g, const gltf_value *node, const affine_f64 *to_world,
+                                     vec3_f64 origin);

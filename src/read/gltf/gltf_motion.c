@@ -190,6 +190,16 @@ static double volume(const affine_f64 *a) {
 
 bool gltf_way_mirrors(const gltf_way *way) { return volume(&way->at[0]) < 0; }
 
+bool gltf_way_flattens(const gltf_way *way) {
+    affine_f64 inverse;
+    const affine_f64 *a = &way->at[0];
+    const vec3_f64 x = load_f64(a->m[0]), y = load_f64(a->m[1]), z = load_f64(a->m[2]);
+    const double length = length_f64(x) + length_f64(y) + length_f64(z),
+                 area =
+                     length_f64(cross_f64(x, y)) + length_f64(cross_f64(y, z)) + length_f64(cross_f64(z, x));
+    return isfinite(length) && !affine_invert(a, &inverse) && area > 1e-12 * length * length;
+}
+
 bool gltf_way_can_blur(const gltf_way *way) {
     affine_f64 inverse;
     for (size_t k = 1; k < way->count; ++k) {

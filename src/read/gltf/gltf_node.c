@@ -48,7 +48,7 @@ static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const
     }
     if (!affine_invert(&way->at[0], &inverse) || is_tiny(&way->at[0])) {
         g->scene->hides = true;
-        gltf_note(g, node, NULL, "is scaled to nothing, at least along one axis, and left out");
+        gltf_note(g, node, NULL, "is scaled to nothing, and left out");
         return;
     }
     const bool moves = gltf_way_moves(way), blurs = moves && gltf_way_can_blur(way);
@@ -128,14 +128,15 @@ static void place_mesh(gltf *g, const gltf_value *node, const gltf_way *to_world
     const gltf_joints *joints = NULL;
     gltf_index(g, node, "mesh", &g->meshes, &mesh);
     if (mesh == GLTF_ABSENT) return;
-    const fathom_id group = gltf_shape_mesh(g, node, mesh, gltf_way_mirrors(to_world), &joints);
+    const fathom_id group = gltf_shape_mesh(g, node, mesh, to_world, &joints);
     gltf_extension(g, node, "EXT_mesh_gpu_instancing", &extensions, &instancing);
     if (!gltf_fine(g) || group == GLTF_EMPTY) return;
     if (joints) {
         gltf_way moved = {.count = 1, .at = {affine_translation(joints->origin)}};
         if (joints->mirrored) moved.at[0].m[0][0] = -1;
         if (instancing.json)
-            gltf_note(g, node, NULL, "the instances of a mesh with a skin are left out but one");
+            gltf_note(g, node, NULL,
+                      "the instances of a mesh with a skin, or that a node flattens, are left out but one");
         add_instance(g, node, group, &moved);
     } else if (instancing.json) {
         add_many(g, node, &instancing, group, to_world);
@@ -297,7 +298,7 @@ static void place_all_meshes(gltf *g) {
     for (uint32_t i = 0; i < gltf_count(&g->meshes) && gltf_fine(g); ++i) {
         const gltf_value mesh = {.parent = &g->meshes, .index = i};
         const gltf_joints *none = NULL;
-        const fathom_id group = gltf_shape_mesh(g, NULL, i, false, &none);
+        const fathom_id group = gltf_shape_mesh(g, NULL, i, &identity, &none);
         if (gltf_fine(g) && group != GLTF_EMPTY) add_instance(g, &mesh, group, &identity);
     }
 }

@@ -85,6 +85,8 @@ void gltf_way_of(const gltf_way *way, const affine_f64 *inner, gltf_way *out);
 bool gltf_way_moves(const gltf_way *way);
 /* True if the first transform mirrors. */
 bool gltf_way_mirrors(const gltf_way *way);
+/* True if the first transform leaves a plane, and no volume. */
+bool gltf_way_flattens(const gltf_way *way);
 /* True if no transform after the first is singular, and all have the same handedness. */
 bool gltf_way_can_blur(const gltf_way *way);
 /* The scale that applies to cameras and lights. */

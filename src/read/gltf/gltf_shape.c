@@ -12,7 +12,7 @@ struct gltf_posed {
     uint64_t hash;
     uint32_t next; /* in the same place of the table: its index plus 1; 0: none */
     uint32_t mesh, skin;
-    bool mirrored, moves;
+    bool mirrored, flat, moves;
     gltf_shape *shapes; /* one for each moment if it moves, else one; owned */
     fathom_id group;    /* or GLTF_EMPTY */
 };
@@ -47,17 +47,24 @@ static void keep_first(gltf_posed *p, size_t moments) {
     if (one) p->shapes = one;
 }
 
+static void flatten(gltf *g, const gltf_value *node, const gltf_way *way, size_t k, gltf_shape *out) {
+    if (gltf_fine(g))
+        out->joints = gltf_skin_flatten(g, node, &way->at[k], affine_point(&way->at[0], (vec3_f64){0, 0, 0}));
+}
+
 /* Reads the shapes at all moments, and keeps one if they do not differ. */
-static void read_key(gltf *g, const gltf_value *node, uint32_t mesh, bool mirrored, gltf_posed *out) {
+static void read_key(gltf *g, const gltf_value *node, uint32_t mesh, const gltf_way *way, gltf_posed *out) {
     const size_t moments = g->moments.count;
     *out = (gltf_posed){.mesh = mesh, .skin = GLTF_ABSENT, .moves = true};
     if (node) gltf_index(g, node, "skin", &g->skins, &out->skin);
-    out->mirrored = mirrored && out->skin != GLTF_ABSENT;
+    out->mirrored = out->skin != GLTF_ABSENT && gltf_way_mirrors(way);
+    out->flat = out->skin == GLTF_ABSENT && gltf_way_flattens(way);
     out->shapes = calloc(moments, sizeof *out->shapes);
     if (!out->shapes) gltf_fail_memory(g, moments * sizeof *out->shapes);
     for (size_t k = 0; k < moments && gltf_fine(g); ++k) {
         g->quiet = k > 0;
         read_shape(g, &g->moments.items[k], node, out, &out->shapes[k]);
+        if (out->flat) flatten(g, node, way, k, &out->shapes[k]);
     }
     g->quiet = false;
     if (!gltf_fine(g)) return;
@@ -72,6 +79,7 @@ static void read_key(gltf *g, const gltf_value *node, uint32_t mesh, bool mirror
 }
 
 static bool same_key(const gltf *g, const gltf_posed *a, const gltf_posed *b) {
+    if (a->flat || b->flat) return false;
     if (a->hash != b->hash || a->mesh != b->mesh || a->skin != b->skin || a->mirrored != b->mirrored ||
         a->moves != b->moves)
         return false;
@@ -112,11 +120,11 @@ static void keep(gltf *g, gltf_posed *made) {
         gltf_fail_memory(g, sizeof *made);
 }
 
-fathom_id gltf_shape_mesh(gltf *g, const gltf_value *node, uint32_t mesh, bool mirrored,
+fathom_id gltf_shape_mesh(gltf *g, const gltf_value *node, uint32_t mesh, const gltf_way *way,
                           const gltf_joints **joints) {
     gltf_posed key = {.shapes = NULL};
     fathom_id group = GLTF_EMPTY;
-    if (be_open(g)) read_key(g, node, mesh, mirrored, &key);
+    if (be_open(g)) read_key(g, node, mesh, way, &key);
     if (gltf_fine(g)) {
         *joints = key.shapes->joints;
         const gltf_posed *shared = find(g, &key);

@@ -87,6 +87,19 @@ const gltf_joints *gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index, bool 
     return joints;
 }
 
+const gltf_joints *gltf_skin_flatten(gltf *g, const gltf_value *node, const affine_f64 *to_world,
+                                     vec3_f64 origin) {
+    void *memory;
+    if (gltf_allocate(g, node, NULL, sizeof(gltf_joints) + sizeof(affine_f64), &memory) != FATHOM_OK)
+        return NULL;
+    affine_f64 *matrix = memory;
+    gltf_joints *out = (gltf_joints *)(void *)(matrix + 1);
+    *matrix = *to_world;
+    matrix->m[0][3] -= origin.x, matrix->m[1][3] -= origin.y, matrix->m[2][3] -= origin.z;
+    *out = (gltf_joints){.matrices = matrix, .count = 1, .flat = true, .origin = origin};
+    return out;
+}
+
 /* ---- vertices ---- */
 
 enum { SETS = 8 }; /* maximum sets of four joints for each vertex */
@@ -110,6 +123,7 @@ static double weight_of(const skinning *s, size_t i) {
  * joint. */
 static affine_f64 blend(const skinning *s, size_t i) {
     affine_f64 out = {{{0}}};
+    if (s->joints->flat) return s->joints->matrices[0];
     const double sum = weight_of(s, i);
     if (!(sum > 0)) return s->joints->matrices[(uint32_t)element(&s->places[0], i)[0]];
     for (unsigned k = 0; k < s->sets * 4; ++k) {
@@ -205,7 +219,7 @@ void gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *j
         .joints = joints, .kind = kind, .from = *floats, .components = kind == GLTF_TANGENT ? 4 : 3};
     const size_t bytes = s.components * sizeof(float);
     void *memory = to;
-    read_sets(g, attributes, floats->count, &s);
+    if (!joints->flat) read_sets(g, attributes, floats->count, &s);
     if (gltf_fine(g) && !to) gltf_allocate(g, attributes, NULL, floats->count * (uint64_t)bytes, &memory);
     if (!gltf_fine(g)) return;
     s.to = memory;
