@@ -94,11 +94,25 @@ static void drop_strangers(const fathom_scene *scene, shape *s, size_t *lost) {
     }
 }
 
+/* True if some placement of the mesh has the material. */
+static bool wears(const glb_group *group, const fathom_mesh *mesh, fathom_id material) {
+    for (size_t i = 0; i < group->overrides.count; ++i) {
+        const fathom_id override = group->overrides.items[i];
+        if ((override != FATHOM_NONE ? override : mesh->material) == material) return true;
+    }
+    return false;
+}
+
 /* If only vertex colours have alpha, the material itself does not show that alpha is used. */
-static bool has_alpha_vertices(const fathom_scene *scene, fathom_id material) {
-    for (size_t i = 0; i < scene->meshes.count; ++i) {
-        const fathom_mesh *mesh = &scene->meshes.items[i];
-        if (mesh->material == material && mesh->colors && mesh->color_channels == 4) return true;
+static bool has_alpha_vertices(const glb *g, fathom_id material) {
+    uint32_t unused;
+    for (uint32_t k = 0; k < g->graph->order_count; ++k) {
+        const uint32_t group = g->graph->order[k];
+        for (uint32_t i = g->graph->objects.first[group]; i < g->graph->objects.first[group + 1]; ++i) {
+            const fathom_mesh *mesh = glb_object_mesh(g, i, &unused);
+            if (mesh && mesh->colors && mesh->color_channels == 4 && wears(&g->groups[group], mesh, material))
+                return true;
+        }
     }
     return false;
 }
@@ -120,7 +134,7 @@ static shape shape_of(const glb *g, fathom_id id) {
     limit_emission(&s.m);
     drop_strangers(g->scene, &s, &lost);
     s.blends = s.m.opacity < 1 || s.m.opacity_cutoff > 0 || has_map(&s.m, FATHOM_MAP_OPACITY) ||
-               has_alpha_vertices(g->scene, id);
+               has_alpha_vertices(g, id);
     if (lost)
         notes_add(g->notes, lost, "",
                   "an image that glTF has no place for, by its parameter or its channel, is left out");

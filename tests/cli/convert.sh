@@ -58,6 +58,18 @@ not_said back.json '"type":"directional","name"'
 grep -a -o '"matrix":[^]]*' lights.glb | cut -d'[' -f2 >matrices.txt
 awk -F, '{ for (c = 0; c < 12; c += 4) { s = $(c + 1) ^ 2 + $(c + 2) ^ 2 + $(c + 3) ^ 2; if (s < 0.999999 || s > 1.000001) exit 1 } n++ }
     END { exit n != 3 }' matrices.txt || die 'a light scales its node'
+# Opacities of vertices count under the material of the instance.
+cat >worn.json <<'JSON'
+{ "materials": { "own": { "model": "metallicRoughness" }, "worn": { "model": "metallicRoughness", "baseColor": [0.9, 0.8, 0.7] } },
+  "groups": { "pane": [ { "type": "mesh", "material": "own", "positions": [[0,0,0],[1,0,0],[0,1,0]], "indices": [[0,1,2]],
+                          "colors": [[1,0,0],[0,1,0],[0,0,1]], "opacities": [[1],[0.2],[0.5]] } ] },
+  "objects": [ { "type": "instance", "of": "pane", "material": "worn" } ] }
+JSON
+run 0 convert worn.json worn.glb
+run 0 render worn.json -o worn1.exr --size 32x32 --spp 16
+run 0 render worn.glb -o worn2.exr --size 32x32 --spp 16
+run 0 compare worn1.exr worn2.exr --tolerance 1e-5
+rm worn1.exr worn2.exr
 # The shape of the image goes with its camera.
 printf '{"image": {"width": 480, "height": 640}, "camera": {"eye": [0, 0, 4], "target": [0, 0, 0], "fovy": 40},
 "objects": [{"type": "mesh", "positions": [[0,0,0],[1,0,0],[0,1,0]], "indices": [[0,1,2]]}]}' >tall.json
