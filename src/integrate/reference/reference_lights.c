@@ -11,17 +11,25 @@ static double spot_falloff(const fathom_light *light, vec3_f64 to_light) {
     return part * part;
 }
 
-/* An intensity of 1 has the irradiance pi at distance 1. A sphere of radius R: radiance 1/R², divided by the
- * density 1 / (4 pi R²). Points inside it see a point. */
+/* Of the sphere's radiance 1/R², by a direction that is uniform in the cone around it. Points of its surface
+ * would have an unbounded variance where the sphere is near. */
+static reference_arrival from_sphere(const fathom_light *light, vec3_f64 to, reference_random *random) {
+    const double R = (double)light->radius, square = dot_f64(to, to), sine2 = R * R / square;
+    const double less = sine2 / (1 + sqrt(1 - sine2)); /* 1 - the cosine of half the cone's angle */
+    const vec3_f64 direction =
+        reference_around(normalize_f64(to), 1 - less * reference_uniform(random), random);
+    const double along = dot_f64(to, direction), root = along * along - (square - R * R);
+    return (reference_arrival){direction, along - sqrt(fmax(root, 0)),
+                               2 * PI * less / (R * R) * spot_falloff(light, direction)};
+}
+
+/* An intensity of 1 has the irradiance pi at distance 1. Points inside the sphere see a point. */
 static reference_arrival from_place(const fathom_light *light, vec3_f64 point, reference_random *random) {
+    const vec3_f64 to = sub_f64(load_f64(light->position), point);
     const double R = (double)light->radius;
-    const bool sphere = R > 0 && length_f64(sub_f64(load_f64(light->position), point)) > R;
-    vec3_f64 out = {0, 0, 0};
-    if (sphere) out = reference_around((vec3_f64){0, 0, 1}, 2 * reference_uniform(random) - 1, random);
-    const vec3_f64 way = sub_f64(madd_f64(load_f64(light->position), R, out), point);
-    reference_arrival a = {normalize_f64(way), length_f64(way), 0};
-    const double spread = sphere ? 4 * fmax(-dot_f64(out, a.direction), 0) : 1;
-    a.power = a.distance > 0 ? PI * spread * spot_falloff(light, a.direction) / (a.distance * a.distance) : 0;
+    if (R > 0 && length_f64(to) > R) return from_sphere(light, to, random);
+    reference_arrival a = {normalize_f64(to), length_f64(to), 0};
+    a.power = a.distance > 0 ? PI * spot_falloff(light, a.direction) / (a.distance * a.distance) : 0;
     return a;
 }
 
