@@ -64,7 +64,7 @@ static size_t count_samples(const fathom_film *snapshot, const fathom_film *film
     return sum;
 }
 
-/* Renders with a snapshot each `seconds`. What is counted in them never falls; returns the last. */
+/* Renders with a snapshot each `seconds`, whose counts never fall. Returns the last. */
 static size_t watch(stage *s, double seconds, size_t (*count)(const fathom_film *, const fathom_film *),
                     const fathom_film *expected) {
     fathom_context *mine;

@@ -1,5 +1,5 @@
-/* Tasks that find out what all frames of an animation share. What is wrong with a scene is said when its
- * frames are rendered, and not here. */
+/* Tasks that find out what all frames of an animation share. The frames report
+ * what is wrong with a scene; these tasks do not. */
 #pragma once
 
 #include "cli/render/task.h"

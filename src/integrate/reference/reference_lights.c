@@ -11,8 +11,8 @@ static double spot_falloff(const fathom_light *light, vec3_f64 to_light) {
     return part * part;
 }
 
-/* Of the sphere's radiance 1/R², by a direction that is uniform in the cone around it. Points of its surface
- * would have an unbounded variance where the sphere is near. */
+/* Takes a direction that is uniform in the cone around the sphere, whose radiance is 1/R². Points of the
+ * surface would have an unbounded variance where the sphere is near. */
 static reference_arrival from_sphere(const fathom_light *light, vec3_f64 to, reference_random *random) {
     const double R = (double)light->radius, square = dot_f64(to, to), sine2 = R * R / square;
     const double less = sine2 / (1 + sqrt(1 - sine2)); /* 1 - the cosine of half the cone's angle */

@@ -1,0 +1,47 @@
+/* Questions about single materials: scene.h. */
+#include "scene/scene.h"
+
+#include <math.h>
+
+bool material_has_maps(const fathom_material *m) {
+    for (int k = 0; k < FATHOM_MAPS; ++k) {
+        if (m->maps[k].texture != FATHOM_NONE) return true;
+    }
+    return false;
+}
+
+/* Such maps change neither how much light passes nor how much it is scattered. */
+static bool is_map_aside(int map) {
+    return map == FATHOM_MAP_NORMAL || map == FATHOM_MAP_CLEARCOAT_NORMAL || map == FATHOM_MAP_BUMP ||
+           map == FATHOM_MAP_EMISSIVE;
+}
+
+/* The fraction of light that absorption leaves. */
+static float left_of(const fathom_material *m, int c) {
+    if (!(m->thickness > 0 && m->attenuation_distance > 0)) return 1;
+    return powf(m->attenuation_color[c], m->thickness / m->attenuation_distance);
+}
+
+bool material_is_clear(const scene_named_material *material) {
+    const fathom_material *m = &material->value;
+    float through = 0;
+    for (int k = 0; k < FATHOM_MAPS; ++k) {
+        if (m->maps[k].texture != FATHOM_NONE && !is_map_aside(k)) return false;
+    }
+    if (m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->roughness >= 0.15f) return m->opacity < 0.5f;
+    for (int c = 0; c < 3; ++c) through += material->classic.k_t[c] * left_of(m, c);
+    return through > 1.5f;
+}
+
+bool material_is_directed(const fathom_material *m) {
+    return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->anisotropy > 0;
+}
+
+bool material_is_one_sided(const fathom_material *m) {
+    const bool bounds = m->thickness > 0 && (m->transmission > 0 || m->diffuse_transmission > 0);
+    return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && !m->double_sided && !bounds;
+}
+
+float material_opacity(const fathom_material *m) {
+    return m->opacity_cutoff > 0 ? (m->opacity >= m->opacity_cutoff ? 1.0f : 0.0f) : m->opacity;
+}
