@@ -375,22 +375,35 @@ INLINE void filter_lanes(block *b, float rgba[4][TEXTURE_BLOCK], int lanes) {
     }
 }
 
-static void filter_one(block *b, float rgba[4][TEXTURE_BLOCK]) { filter_lanes(b, rgba, 1); }
+/* Lanes past the count repeat the first one. Whole arrays are copied, because a copy of `count` lanes becomes
+ * a slow `rep movs`. */
+INLINE void load_lanes(block *b, const texture_queries *q, int lanes) {
+    fathom_id texture[TEXTURE_BLOCK];
+    memcpy(texture, q->texture, (size_t)lanes * sizeof *texture);
+    memcpy(b->u, q->u, (size_t)lanes * sizeof *b->u);
+    memcpy(b->v, q->v, (size_t)lanes * sizeof *b->v);
+    memcpy(b->width, q->width, (size_t)lanes * sizeof *b->width);
+    for (int i = (int)b->count; i < lanes; ++i)
+        texture[i] = texture[0], b->u[i] = b->u[0], b->v[i] = b->v[0], b->width[i] = b->width[0];
+    for (int i = 0; i < lanes; ++i) b->slot[i] = &b->cache->slots[texture[i]];
+}
+
+INLINE void look_up_lanes(block *b, const texture_queries *q, float rgba[4][TEXTURE_BLOCK], int lanes) {
+    load_lanes(b, q, lanes);
+    filter_lanes(b, rgba, lanes);
+}
+
+static void look_up_one(block *b, const texture_queries *q, float rgba[4][TEXTURE_BLOCK]) {
+    look_up_lanes(b, q, rgba, 1);
+}
 
 static void look_up(texture_cache *cache, const texture_queries *q, float rgba[4][TEXTURE_BLOCK]) {
     block b;
-    if (!q->count) return;
     b.cache = cache, b.count = q->count;
-    const int lanes = q->count > 1 ? TEXTURE_BLOCK : 1;
-    for (unsigned i = 0; i < (unsigned)lanes; ++i) {
-        const unsigned from = i < q->count ? i : 0;
-        b.slot[i] = &cache->slots[q->texture[from]];
-        b.u[i] = q->u[from], b.v[i] = q->v[from], b.width[i] = q->width[from];
-    }
-    if (lanes == 1)
-        filter_one(&b, rgba);
-    else
-        filter_lanes(&b, rgba, TEXTURE_BLOCK);
+    if (q->count > 1)
+        look_up_lanes(&b, q, rgba, TEXTURE_BLOCK);
+    else if (q->count)
+        look_up_one(&b, q, rgba);
 }
 
 static bool texel(texture_cache *cache, const cache_slot *slot, unsigned level, uint32_t x, uint32_t y,
