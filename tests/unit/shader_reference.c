@@ -30,7 +30,7 @@ static fathom_material metallic(random_state *r) {
     color(r, m.base_color);
     m.metallic = happens(r, 0.5) ? 0 : part(r), m.roughness = rough(r);
     m.multiscatter = happens(r, 0.5);
-    m.ior = (float)random_in(r, 1.05, 2.5);
+    m.ior = happens(r, 0.1) ? 1 : (float)random_in(r, 1.05, 2.5);
     m.transmission = happens(r, 0.5) ? 0 : part(r), m.thickness = happens(r, 0.7);
     if (m.roughness > 0 && happens(r, 0.2))
         m.anisotropy = (float)random_unit(r), m.anisotropy_rotation = (float)random_unit(r);

@@ -231,11 +231,20 @@ bool reference_is_inside(const reference_surface *s) {
 }
 
 /* Light that crosses into a solid is as without `multiscatter`. */
+static bool is_plain(const reference_surface *s) {
+    const bool behind = s->behind && reference_refracts(s->material) && s->material->ior != 1;
+    return !s->material->multiscatter || behind;
+}
+
+vec3_f64 reference_passes(const reference_surface *s, vec3_f64 plain) {
+    const bool smooth = reference_alpha(s->material) == 0;
+    return smooth || is_plain(s) ? plain : under(s->albedos, reference_in_frame(s, s->to_viewer));
+}
+
 vec3_f64 reference_base(const reference_surface *s, vec3_f64 l, vec3_f64 plain) {
     const reference_albedos *a = s->albedos;
-    const bool behind = s->behind && reference_refracts(s->material) && s->material->ior != 1;
     if (reference_is_inside(s) && dot_f64(s->normal, l) > 0) return gray(1);
-    if (!s->material->multiscatter || behind) return plain;
+    if (is_plain(s)) return plain;
     const vec3_f64 both =
         times(under(a, reference_in_frame(s, l)), under(a, reference_in_frame(s, s->to_viewer)));
     return vec_f64(a->below.x > 1e-4 ? both.x / a->below.x : 0, a->below.y > 1e-4 ? both.y / a->below.y : 0,

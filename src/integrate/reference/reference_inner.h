@@ -246,6 +246,9 @@ bool reference_is_inside(const reference_surface *s);
 /* The fraction of light from l that reaches the base and then v. plain: that fraction without
  * `multiscatter`. */
 vec3_f64 reference_base(const reference_surface *s, vec3_f64 l, vec3_f64 plain);
+/* The fraction of light that passes straight through rough facets: what they do not reflect, at any order of
+ * scattering. plain: that fraction without `multiscatter`. */
+vec3_f64 reference_passes(const reference_surface *s, vec3_f64 plain);
 
 /* ---- reference_glass.c ---- */
 

@@ -236,7 +236,7 @@ static reference_scatter metallic_scatter(const reference_surface *s) {
     if (smooth) add_beam(&out, mirror_direction(s), scale_f64(below, blend(layer, f.metal, metallic)));
     if (clear)
         add_beam(&out, reference_refracts(m) ? refracted_direction(s) : neg_f64(s->to_viewer),
-                 scale_f64(through, times(f.base, base)));
+                 scale_f64(through, times(reference_passes(s, f.base), base)));
     return out;
 }
 
