@@ -146,26 +146,54 @@ static void map_normals(const points *p, uint32_t lanes, int kind, lanes3 n) {
     }
 }
 
-/* The gradient of a height map along the surface: finite differences over a footprint, and at least a texel,
- * along each side of the image (Blinn, "Simulation of Wrinkled Surfaces", 1978). */
-static vec3_f32 slope_of_bump(const points *p, unsigned i, vec3_f32 n) {
-    const material_plan *plan = p->plan[i];
-    const fathom_map *map = &plan->material->maps[FATHOM_MAP_BUMP];
-    const lookup *l = &plan->lookups[plan->of[FATHOM_MAP_BUMP]];
+static const lookup *bump_of(const points *p, unsigned i) {
+    const uint8_t at = p->plan[i]->of[FATHOM_MAP_BUMP];
+    return at == NO_LOOKUP ? NULL : &p->plan[i]->lookups[at];
+}
+
+static uint32_t bumped_lanes(const points *p, uint32_t lanes) {
+    uint32_t bumped = 0;
+    for (; lanes; lanes &= lanes - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(lanes);
+        if (bump_of(p, i)) bumped |= 1u << i;
+    }
+    return bumped;
+}
+
+/* How fast height maps rise along one side of their images: finite differences over a footprint, and at least
+ * a texel. */
+static void find_rises(const points *p, uint32_t lanes, unsigned side, float rise[LANES]) {
+    texture_queries q = {.count = 0};
+    float rgba[4][TEXTURE_BLOCK], step[LANES];
+    unsigned j = 0;
+    for (uint32_t left = lanes; left; left &= left - 1, ++j) {
+        const unsigned i = (unsigned)__builtin_ctz(left);
+        const lookup *l = bump_of(p, i);
+        const surface_uv *at = &p->uv[l->uv_set][i];
+        uint32_t size[2];
+        texture_size(p->t->cache, l->texture, &size[0], &size[1]);
+        texturing_place_lookup(l, at->u, at->v, p->width[l->uv_set][i], &q);
+        step[j] = fmaxf(q.width[j], 1 / (float)size[side]);
+        (side ? q.v : q.u)[j] += step[j];
+    }
+    texture_lookup(p->t->cache, &q, rgba);
+    j = 0;
+    for (uint32_t left = lanes; left; left &= left - 1, ++j) {
+        const unsigned i = (unsigned)__builtin_ctz(left), at = p->plan[i]->of[FATHOM_MAP_BUMP];
+        const fathom_material *m = p->plan[i]->material;
+        const uint32_t channel = m->maps[FATHOM_MAP_BUMP].channel;
+        rise[i] = m->bump_scale * (rgba[channel][j] - p->values[i][at][channel]) / step[j];
+    }
+}
+
+/* The gradient of a height map along the surface (Blinn, "Simulation of Wrinkled Surfaces", 1978). */
+static vec3_f32 slope_of(const points *p, unsigned i, float rise_u, float rise_v) {
+    const vec3_f32 n = lane(p->g->local.ns, i);
+    const lookup *l = bump_of(p, i);
     const surface_uv *at = &p->uv[l->uv_set][i];
     const vec3_f32 up = cross_f32(at->dv, n), right = cross_f32(n, at->du);
     const double area = dot_f64(widen(n), cross_f64(widen(at->du), widen(at->dv)));
-    texture_queries q = {.count = 0};
-    float rgba[4][TEXTURE_BLOCK], rise[2];
-    uint32_t size[2];
-    texture_size(p->t->cache, l->texture, &size[0], &size[1]);
-    for (int c = 0; c < 3; ++c) texturing_place_lookup(l, at->u, at->v, p->width[l->uv_set][i], &q);
-    const float step[2] = {fmaxf(q.width[0], 1 / (float)size[0]), fmaxf(q.width[0], 1 / (float)size[1])};
-    q.u[1] += step[0], q.v[2] += step[1];
-    texture_lookup(p->t->cache, &q, rgba);
-    const float *h = rgba[map->channel];
-    for (int k = 0; k < 2; ++k) rise[k] = plan->material->bump_scale * (h[k + 1] - h[0]) / step[k];
-    const float du = rise[0] * l->m[0] + rise[1] * l->m[3], dv = rise[0] * l->m[1] + rise[1] * l->m[4];
+    const float du = rise_u * l->m[0] + rise_v * l->m[3], dv = rise_u * l->m[1] + rise_v * l->m[4];
     const vec3_f64 along = madd_f64(scale_f64((double)du, widen(up)), (double)dv, widen(right));
     const vec3_f32 slope = narrow(scale_f64(1 / area, along));
     return area != 0 && finite_f32(slope) ? slope : (vec3_f32){0, 0, 0};
@@ -176,6 +204,17 @@ static bool make_unit(vec3_f32 *v) {
     if (!has_length(square)) return false;
     *v = scale_f32(to_unit(square), *v);
     return true;
+}
+
+static void bump_normals(const points *p, uint32_t lanes, lanes3 n) {
+    float rise[2][LANES];
+    if (!lanes) return;
+    for (unsigned side = 0; side < 2; ++side) find_rises(p, lanes, side, rise[side]);
+    for (; lanes; lanes &= lanes - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(lanes);
+        vec3_f32 turned = lane(n, i);
+        if (make_unit(&turned)) set_lane(n, i, sub_f32(turned, slope_of(p, i, rise[0][i], rise[1][i])));
+    }
 }
 
 /* Flips the outward normals n to the viewer's side and sets them, in lanes where they have a length. */
@@ -204,12 +243,7 @@ static void set_normals(const points *p, uint32_t lanes, const surface_block *s,
 static void turn_shading(const points *p, uint32_t lanes, surface_block *s) {
     lanes3 n;
     map_normals(p, lanes, FATHOM_MAP_NORMAL, n);
-    for (uint32_t left = lanes; left; left &= left - 1) {
-        const unsigned i = (unsigned)__builtin_ctz(left);
-        if (p->plan[i]->of[FATHOM_MAP_BUMP] == NO_LOOKUP) continue;
-        vec3_f32 turned = lane(n, i);
-        if (make_unit(&turned)) set_lane(n, i, sub_f32(turned, slope_of_bump(p, i, lane(p->g->local.ns, i))));
-    }
+    bump_normals(p, bumped_lanes(p, lanes), n);
     set_normals(p, lanes, s, n, s->ns);
 }
 
