@@ -1,6 +1,7 @@
 #include "camera/camera.h"
 
 #include "base/kernel.h"
+#include "camera/lens.h"
 
 #include <math.h>
 
@@ -29,18 +30,6 @@ void camera_prepare(const fathom_camera *camera, uint32_t width, uint32_t height
     out->blades = camera->blades, out->blade_rotation = camera->blade_rotation;
 }
 
-/* Maps the square to the disc by rings of equal area (Shirley and Chiu 1997). */
-static void disc_point(double u, double v, double *x, double *y) {
-    const double quarter = 0.78539816339744831, a = 2 * u - 1, b = 2 * v - 1;
-    if (a == 0 && b == 0) {
-        *x = *y = 0;
-        return;
-    }
-    const bool wide = fabs(a) > fabs(b);
-    const double r = wide ? a : b, angle = wide ? quarter * (b / a) : 2 * quarter - quarter * (a / b);
-    *x = r * cos(angle), *y = r * sin(angle);
-}
-
 /* A uniform point in a regular polygon with corners at radius 1: picks one of its triangles, then a point in
  * it by the square-root mapping. */
 static void polygon_point(uint32_t blades, double rotation, double u, double v, double *x, double *y) {
@@ -50,25 +39,19 @@ static void polygon_point(uint32_t blades, double rotation, double u, double v, 
     *y = r * ((1 - part) * sin(first) + part * sin(first + step));
 }
 
-/* A point of the lens, from the eye. */
-static vec3_f64 lens_point(const shade_camera *c, double u, double v) {
-    double x, y;
+void camera_lens_point(const shade_camera *c, double u, double v, double *x, double *y) {
     if (c->blades)
-        polygon_point(c->blades, c->blade_rotation, u, v, &x, &y);
+        polygon_point(c->blades, c->blade_rotation, u, v, x, y);
     else
-        disc_point(u, v, &x, &y);
-    return madd_f64(scale_f64(c->lens_radius * x, c->right), c->lens_radius * y, c->up);
-}
-
-/* The point of the plane of focus that the pinhole ray intersects, from the eye. */
-static vec3_f64 focus_point(const shade_camera *c, vec3_f64 d) {
-    return scale_f64(c->focus_distance / dot_f64(d, c->view), d);
+        lens_disc(u, v, x, y);
 }
 
 void camera_lane_through_lens(const shade_camera *c, double u, double v, trace_rays *rays, uint32_t i) {
-    const vec3_f64 on = lens_point(c, u, v), focus = focus_point(c, widen(trace_dir(rays, (size_t)i)));
-    const vec3_f32 org = narrow(add_f64(widen(c->eye), on));
-    const vec3_f32 dir = narrow(normalize_f64(sub_f64(focus, on)));
+    vec3_f64 on, d;
+    double x, y;
+    camera_lens_point(c, u, v, &x, &y);
+    lens_ray(c, x, y, widen(trace_dir(rays, (size_t)i)), &on, &d);
+    const vec3_f32 org = narrow(add_f64(widen(c->eye), on)), dir = narrow(d);
     rays->org_x[i] = org.x, rays->org_y[i] = org.y, rays->org_z[i] = org.z;
     rays->dir_x[i] = dir.x, rays->dir_y[i] = dir.y, rays->dir_z[i] = dir.z;
 }
@@ -76,10 +59,15 @@ void camera_lane_through_lens(const shade_camera *c, double u, double v, trace_r
 void camera_exact_ray(const shade_camera *c, double x, double y, double u, double v, vec3_f64 *org,
                       vec3_f64 *dir) {
     const vec3_f64 d = camera_towards(c, x, y);
-    const bool pinhole = c->parallel || !(c->lens_radius > 0);
-    const vec3_f64 on = pinhole ? vec_f64(0, 0, 0) : lens_point(c, u, v);
+    vec3_f64 on = vec_f64(0, 0, 0);
+    if (!c->parallel && c->lens_radius > 0) {
+        double lens[2];
+        camera_lens_point(c, u, v, &lens[0], &lens[1]);
+        lens_ray(c, lens[0], lens[1], d, &on, dir);
+    } else {
+        *dir = c->parallel ? c->view : normalize_f64(d);
+    }
     *org = add_f64(c->exact_eye, c->parallel ? d : on);
-    *dir = c->parallel ? c->view : normalize_f64(pinhole ? d : sub_f64(focus_point(c, d), on));
 }
 
 KERNEL_CHOICE(camera_kernels)

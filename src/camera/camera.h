@@ -63,8 +63,12 @@ typedef struct square_samples {
     bool alike; /* all pixels have the same sample position: only the first is set */
 } square_samples;
 
+/* A uniform point of the lens: x along `right` and y along `up`, as parts of the radius. u, v: two numbers in
+ * [0,1). */
+void camera_lens_point(const shade_camera *camera, double u, double v, double *x, double *y);
+
 /* Converts a lane's pinhole ray to a thin-lens ray: from a point on the lens to the point where the pinhole
- * ray intersects the plane of focus. u, v: two numbers in [0,1). */
+ * ray intersects the plane of focus. */
 void camera_lane_through_lens(const shade_camera *camera, double u, double v, trace_rays *rays, uint32_t i);
 
 /* The ray through image position (x, y) and the lens, in double: for cameras so far away that rounding their
@@ -76,6 +80,8 @@ typedef struct camera_kernels {
     /* Rays through a square of 4 × 4 pixels, whose first pixel is (left, top), with t_far = infinity. */
     void (*rays)(const shade_camera *camera, float t_near, uint32_t left, uint32_t top,
                  const square_samples *at, trace_rays *out);
+    /* camera_lane_through_lens() for all lanes. */
+    void (*lens)(const shade_camera *camera, const double u[LANES], const double v[LANES], trace_rays *rays);
 } camera_kernels;
 
 const camera_kernels *camera_kernels_best(void);

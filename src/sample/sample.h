@@ -51,8 +51,9 @@ typedef struct sample_kernels {
     /* sample_pixel_hash() of a square of 4 × 4 pixels, row by row. */
     void (*square)(const sampler *s, uint32_t left, uint32_t top, uint64_t *out);
 
-    /* sample_2d() of sixteen pixels in the dimension SAMPLE_PIXEL, for the Sobol pattern. */
-    void (*places)(const uint64_t pixel[LANES], uint32_t index, double *x, double *y);
+    /* sample_2d() of sixteen pixels; SAMPLE_PIXEL only for the Sobol pattern. */
+    void (*places)(const uint64_t pixel[LANES], uint32_t index, sample_dimension dimension, double *x,
+                   double *y);
 
     /* sample_2d() of sixteen samples, rounded down to 24 bits, in a dimension other than SAMPLE_PIXEL. */
     void (*pairs)(const uint64_t pixel[LANES], const uint32_t index[LANES], uint32_t dimension, float *u,

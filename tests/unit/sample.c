@@ -138,13 +138,14 @@ UNIT_TEST(squares_hold_the_numbers_of_their_pixels) {
             uint64_t pixel[LANES];
             double x[LANES], y[LANES];
             sample_kernels_at(k)->square(&sobol, 77 + index, 9, pixel);
-            sample_kernels_at(k)->places(pixel, index, x, y);
-            for (uint32_t i = 0; i < LANES; ++i) {
-                const sample_key key = {77 + index + i % 4, 9 + i / 4, index};
+            for (uint32_t i = 0; i < 2 * LANES; ++i) {
+                const sample_dimension dimension = i / LANES ? SAMPLE_LENS : SAMPLE_PIXEL;
+                const sample_key key = {77 + index + i % 4, 9 + i % LANES / 4, index};
                 double u, v;
-                sample_2d(&sobol, key, SAMPLE_PIXEL, &u, &v);
-                assert_true(pixel[i] == sample_pixel_hash(&sobol, key.x, key.y));
-                assert_true(x[i] == u && y[i] == v);
+                sample_kernels_at(k)->places(pixel, index, dimension, x, y);
+                sample_2d(&sobol, key, dimension, &u, &v);
+                assert_true(pixel[i % LANES] == sample_pixel_hash(&sobol, key.x, key.y));
+                assert_true(x[i % LANES] == u && y[i % LANES] == v);
             }
         }
     }

@@ -1,5 +1,5 @@
 #include "base/kernel.h"
-#include "camera/camera.h"
+#include "camera/lens.h"
 
 static inline void directions(const shade_camera *camera, uint32_t left, uint32_t top,
                               const square_samples *at, bool alike, trace_rays *restrict out) {
@@ -39,4 +39,20 @@ static void rays(const shade_camera *camera, float t_near, uint32_t left, uint32
     if (camera->parallel) parallel_rays(camera, left, top, at, out);
 }
 
-const camera_kernels KERNEL(camera_kernels) = {.rays = rays};
+static void lens(const shade_camera *camera, const double u[LANES], const double v[LANES],
+                 trace_rays *restrict out) {
+    const shade_camera c = *camera;
+    const vec3_f64 eye = widen(c.eye);
+    double x[LANES], y[LANES];
+    for (int i = 0; i < LANES && c.blades; ++i) camera_lens_point(camera, u[i], v[i], &x[i], &y[i]);
+    for (int i = 0; i < LANES && !c.blades; ++i) lens_disc(u[i], v[i], &x[i], &y[i]);
+    for (int i = 0; i < LANES; ++i) {
+        vec3_f64 on, d;
+        lens_ray(&c, x[i], y[i], (vec3_f64){out->dir_x[i], out->dir_y[i], out->dir_z[i]}, &on, &d);
+        const vec3_f32 org = narrow(add_f64(eye, on)), dir = narrow(d);
+        out->org_x[i] = org.x, out->org_y[i] = org.y, out->org_z[i] = org.z;
+        out->dir_x[i] = dir.x, out->dir_y[i] = dir.y, out->dir_z[i] = dir.z;
+    }
+}
+
+const camera_kernels KERNEL(camera_kernels) = {.rays = rays, .lens = lens};

@@ -2,16 +2,20 @@
 
 #include <math.h>
 
+/* Two numbers of each pixel; SAMPLE_PIXEL only for the Sobol pattern. */
+static void numbers(const render_plan *plan, const wave_square *s, sample_dimension dimension,
+                    double u[LANES], double v[LANES]) {
+    const sample_key first = wave_square_key(s, 0);
+    uint64_t pixel[LANES];
+    plan->sample_kernels->square(&plan->sampler, first.x, first.y, pixel);
+    plan->sample_kernels->places(pixel, first.index, dimension, u, v);
+}
+
 static void place(const render_plan *plan, const wave_square *s, square_samples *out) {
     out->alike = plan->settings.pattern == FATHOM_PATTERN_GRID;
     const uint32_t count = out->alike ? 1 : LANES;
     const bool sobol = plan->settings.pattern == FATHOM_PATTERN_SOBOL;
-    if (sobol) {
-        const sample_key first = wave_square_key(s, 0);
-        uint64_t pixel[LANES];
-        plan->sample_kernels->square(&plan->sampler, first.x, first.y, pixel);
-        plan->sample_kernels->places(pixel, first.index, out->x, out->y);
-    }
+    if (sobol) numbers(plan, s, SAMPLE_PIXEL, out->x, out->y);
     for (uint32_t k = 0; !sobol && k < count; ++k)
         sample_2d(&plan->sampler, wave_square_key(s, k), SAMPLE_PIXEL, &out->x[k], &out->y[k]);
     for (uint32_t k = 0; !plan->filter.box && k < count; ++k) {
@@ -82,11 +86,9 @@ static void camera_rays(const render_plan *plan, const wave_square *s, const squ
     }
     plan->camera_kernels->rays(&plan->camera, plan->t_near, s->left, s->top, at, out);
     if (!(plan->camera.lens_radius > 0)) return;
-    for (uint32_t k = 0; k < LANES; ++k) {
-        double u, v;
-        sample_2d(&plan->sampler, wave_square_key(s, k), SAMPLE_LENS, &u, &v);
-        camera_lane_through_lens(&plan->camera, u, v, out, k);
-    }
+    double u[LANES], v[LANES];
+    numbers(plan, s, SAMPLE_LENS, u, v);
+    plan->camera_kernels->lens(&plan->camera, u, v, out);
 }
 
 void wave_square_rays(const render_plan *plan, const wave_square *s, trace_rays *out) {

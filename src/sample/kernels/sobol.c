@@ -11,9 +11,13 @@ static void square(const sampler *s, uint32_t left, uint32_t top, uint64_t *rest
     for (uint32_t i = 0; i < LANES; ++i) out[i] = pixel_hash(seed, left + i % 4, top + i / 4);
 }
 
-static void places(const uint64_t pixel[LANES], uint32_t index, double *restrict x, double *restrict y) {
+static void places(const uint64_t pixel[LANES], uint32_t index, sample_dimension dimension,
+                   double *restrict x, double *restrict y) {
+    const uint64_t of = dimension * 0xd1342543de82ef95u;
+    uint64_t hash[LANES];
     uint32_t u[LANES], v[LANES];
-    for (int i = 0; i < LANES; ++i) sobol_point(sobol_shuffle(index, pixel[i]), pixel[i], &u[i], &v[i]);
+    for (int i = 0; i < LANES; ++i) hash[i] = dimension ? mix_bits(pixel[i] ^ of) : pixel[i];
+    for (int i = 0; i < LANES; ++i) sobol_point(sobol_shuffle(index, hash[i]), hash[i], &u[i], &v[i]);
     for (int i = 0; i < LANES; ++i) x[i] = u[i] * 0x1p-32, y[i] = v[i] * 0x1p-32;
 }
 
