@@ -36,18 +36,18 @@
 static const fathom_parameter setting_rows[] = {
     /* name, type, member, flags, low, high, default, unit, group, help */
     {"width", U32, SETTING(width), PIXELS | IN_FILE, 1, 65536, 1280, "PIXELS", "Image",
-     .help = "Pixels across. Left out, it follows from `height` and the camera's `w` and `h`."},
+     .help = "Pixels across. If absent, it follows from `height` and the camera's `w` and `h`."},
     {"height", U32, SETTING(height), PIXELS | IN_FILE, 1, 65536, 720, "PIXELS", "Image",
-     .help = "Pixels down. Left out, it follows from `width` and the camera's `w` and `h`."},
+     .help = "Pixels down. If absent, it follows from `width` and the camera's `w` and `h`."},
     {"integrator", WORD, SETTING(integrator), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_INTEGRATOR_PATH, NULL, "Light transport",
      .help = "`classic`: recursive ray tracing with point and directional lights, mirrors and glass. `path`: global "
-     "illumination by path tracing. `reference`: the same by a second, plain implementation in double.", .words = "classic|path|reference"},
+     "illumination by path tracing. `reference`: a second, simple path tracer in double precision.", .words = "classic|path|reference"},
     {"spp", U32, SETTING(spp), PIXELS | IN_FILE | COMMAND, 1, 65536, 1024, "N", "Image",
      .help = "Samples per pixel. Default: up to 1024, until `targetError` is reached; with `classic` 1, or 16 for a "
      "model on the command line. Must be a square number unless `pattern` is `sobol`."},
     {"pattern", WORD, SETTING(pattern), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_PATTERN_SOBOL, NULL, "Image",
-     .help = "Where in the pixel the samples lie: `grid` n x n, regular; `stratified` n x n, jittered; `sobol` an "
-     "Owen-scrambled Sobol sequence. `classic` takes `grid`.", .words = "grid|stratified|sobol"},
+     .help = "Positions of the samples in a pixel: `grid` n x n, regular; `stratified` n x n, jittered; `sobol` an "
+     "Owen-scrambled Sobol sequence. Default with `classic`: `grid`.", .words = "grid|stratified|sobol"},
     {"filter", WORD, SETTING(filter), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_FILTER_BOX, NULL, "Image",
      .help = "Pixel filter, by importance sampling: `box`, `gaussian` or `blackmanHarris`. See `filterWidth`.", .words = "box|gaussian|blackmanHarris"},
     {"filter_width", F64, SETTING(filter_width), PIXELS | IN_FILE | COMMAND, 0.01, 16, 1, "PIXELS", "Image",
@@ -58,22 +58,22 @@ static const fathom_parameter setting_rows[] = {
      .help = "Region to render: x0, y0, x1, y1 in pixels from the upper left corner; x1 and y1 are exclusive. All 0: "
      "the whole image.", .count = 4},
     {"target_error", F64, SETTING(target_error), PIXELS | IN_FILE | COMMAND | ABOVE, 0, INFINITY, 0.02, "E", SAMPLING,
-     .help = "Adaptive sampling: each tile of 32 x 32 pixels gets samples until its estimated error is at most this, "
-     "and more where a few samples lower the error much. 0: every pixel gets `spp` samples. The unit is that of "
-     "Cycles' noise threshold: 0.01 is about 1 of 255 display levels. Needs `pattern` `sobol`. `spp` is then "
-     "the maximum per pixel, a power of two and at least 4. Off if only `spp` is given, with another pattern, "
-     "and with `classic`.", .zero = "off"},
+     .help = "Adaptive sampling: each tile of 32 x 32 pixels gets samples until its estimated error is at most this; "
+     "tiles where a few samples lower the error much get more. 0: every pixel gets `spp` samples. The unit is "
+     "that of Cycles' noise threshold: 0.01 is about 1 of 255 display levels. Needs `pattern` `sobol`. `spp` "
+     "is then the maximum per pixel, a power of two and at least 4. Off if only `spp` is given, with another "
+     "pattern, and with `classic`.", .zero = "off"},
     {"max_time", F64, SETTING(max_time), PIXELS | SWITCH | COMMAND | ABOVE, 0, INFINITY, 0, "SECONDS", SAMPLING,
-     .help = "Time that the whole command takes, from reading to writing, or each frame of an animation; samples go where they "
-     "lower the error most.",
+     .help = "Time for the whole command, from reading to writing, or for each frame of an animation. Samples go where "
+     "they lower the error most.",
      .zero = "off"},
     {"min_spp", U32, SETTING(min_spp), PIXELS | IN_FILE | COMMAND, 4, 65536, 0, "N", SAMPLING,
-     .help = "Samples per pixel before the estimated error may end sampling: a power of two and at least 4; 0: 4.", .zero = "auto"},
+     .help = "Minimum samples per pixel with adaptive sampling: a power of two and at least 4; 0: 4.", .zero = "auto"},
     {"max_depth", U32, SETTING(max_depth), PIXELS | IN_FILE | COMMAND, 0, 1024, 16, "N", "Light transport",
      .help = "Maximum number of bounces. `classic` follows mirror reflections and refractions only; its default is 8."},
     {"min_weight", F32, SETTING(min_weight), PIXELS | IN_FILE | COMMAND | BELOW, 0, 1, 1.0 / 65536, "W", "Light transport",
-     .help = "Only `classic`: a path ends when it can change no channel of its pixel by more than this. `path` ends paths "
-     "by chance instead, from the fourth vertex on (Russian roulette)."},
+     .help = "Only `classic`: a path ends when no channel of its pixel can change by more than this. `path` uses "
+     "Russian roulette instead, from the fourth vertex on."},
     {"max_loss", F32, SETTING(max_loss), PIXELS, 0, 1, 0, NULL, NULL, .help = "Light that a pixel may lose."},
     {"max_relative_loss", F32, SETTING(max_relative_loss), PIXELS, 0, 1, 0, NULL, NULL,
      .help = "Share of its light that a pixel may lose."},
@@ -85,30 +85,31 @@ static const fathom_parameter setting_rows[] = {
      .help = "Shadow terminator fix (Hanika 2021): moves the start of shadow rays off the facets of smooth meshes. "
      "Without it, black triangles appear near the terminator."},
     {"aovs", WORDS, SETTING(aovs), PIXELS | IN_FILE, 0, FATHOM_AOVS & ~(unsigned)(FATHOM_AOV_ALPHA | FATHOM_AOV_ERROR), 0, "LIST", "Output",
-     .help = "Further outputs in an EXR file: coverage, depth, shading normal, world position, `kd` + `ks`, the ids of "
-     "object, primitive and instance, how many samples a pixel took, the standard error of each channel, the light "
-     "that was scattered once, more often, or not at all, the light of each light group, and "
-     "Cryptomatte of objects and of materials, and motion vectors. `error` makes images of a fixed number of samples "
-     "noisier, because four independent groups of samples tell it.",
+     .help = "More outputs in an EXR file: coverage; depth; shading normal; world position; `kd` + `ks`; the ids of "
+     "object, primitive and instance; samples of the pixel; standard error of each channel; light scattered "
+     "once, more often, and not at all; light of each light group; Cryptomatte of objects and of materials; "
+     "motion vectors. `error` makes images of a fixed number of samples noisier, because it divides the "
+     "samples into four independent groups.",
      .words = "alpha|Z|N|P|albedo|id|samples|error|direct|indirect|emission|lightGroups|cryptoObject|cryptoMaterial|motion"},
     {"tracer", TEXT, SETTING(tracer), COMMAND, 0, 0, 0, "SPEC|FILE.so", "Light transport",
-     .help = "The tracer that answers the rays: embree, bvh, linear or reference, which is linear:f32, each with options such as "
-     "bvh:f64, linear:f64 or embree:user:high:16; or a library as in fathom/plugin.h."},
+     .help = "Tracer: embree, bvh, linear or reference (short for linear:f32), with options such as bvh:f64, "
+     "linear:f64 or embree:user:high:16; or a shared library as in fathom/plugin.h."},
     {"block_width", U32, SETTING(block_width), COMMAND, 1, 16, 16, "N", "Running",
-     .help = "Rays handed to Embree at once; no pixel depends on it.", .words = "1|4|8|16"},
+     .help = "Rays in one call of Embree; no pixel depends on it.", .words = "1|4|8|16"},
     {"tile_size", U32, SETTING(tile_size), COMMAND, 32, 65536, 32, "N", "Running",
      .help = "Pixels along a tile's side; no pixel depends on it.", .step = 32},
     {"memory_limit", U64, SETTING(memory_limit), COMMAND, 1e6, 1e15, 0, "BYTES", "Running",
-     .help = "Most that may be in memory, such as 8G; auto: what is free. Where only Embree's compact structures fit they "
-     "are taken, and nothing is begun where not even they do.", .zero = "auto"},
+     .help = "Maximum memory, such as 8G; auto: what is free. If only Embree's compact structures fit, Fathom uses "
+     "them; if not even these fit, it does not start.", .zero = "auto"},
     {"texture_memory", U64, SETTING(texture_memory), COMMAND, 1e6, 1e15, 1e9, "BYTES", "Running",
-     .help = "Most memory for texture tiles, such as 512M; the others are read again. No pixel depends on it."},
+     .help = "Maximum memory for texture tiles, such as 512M; the others go to a temporary file. No pixel depends on "
+     "it."},
     {"fireflies", WORD, SETTING(fireflies), PIXELS | COMMAND, 0, 0, FATHOM_FIREFLIES_KEEP, NULL, "Output",
      .help = "Rare bright samples: `keep`; or `reweight` to write a second image, NAME.reweighted.EXT, in which they count "
      "less (Zirr et al. 2018). The first image is the same.", .words = "keep|reweight"},
     {"motion_blur", BOOL, SETTING(motion_blur), PIXELS | IN_FILE | COMMAND, 0, 1, true, NULL, "Light transport",
-     .help = "Motion blur: sample times cover the time that the shutter is open. If off, all samples are at the middle "
-     "of that time, for programs that blur with the AOV `motion`."},
+     .help = "Motion blur: samples cover the time that the shutter is open. If off, all samples are at the middle of "
+     "that time, for programs that add the blur from the AOV `motion`."},
 };
 
 static const fathom_parameter classic_rows[] = {
@@ -126,43 +127,42 @@ static const fathom_parameter classic_rows[] = {
     {"ior", F32, MATERIAL(ior), SOFT, 1e-3, 1e3, 1.5, NULL, "Surface",
      .help = "Index of refraction of the inside over the outside: 1.33 water, 1.5 glass, 2.42 diamond."},
     {"fresnel", BOOL, MATERIAL(fresnel), HARD, 0, 1, false, NULL, "Surface",
-     .help = "Shares light between mirror and refraction by angle: `kr` is multiplied by Fresnel's F and `kt` by 1 − F. On "
-     "total internal reflection F is 1, so `kr` alone is left; without `fresnel` the mirrored ray then carries `kr` "
-     "+ `kt`."},
+     .help = "Divides light between reflection and refraction by angle: `kr` is multiplied by Fresnel's F and `kt` by "
+     "1 − F. On total internal reflection F is 1, so only `kr` remains; without `fresnel` the reflected ray "
+     "then carries `kr` + `kt`."},
     {"k_a", F32, MATERIAL(k_a), SOFT, 0, 1, -1, "R,G,B", "Surface", .help = "Reflectance for `ambient` light. Default: `kd`.",
      .count = 3},
     {"k_e", F32, MATERIAL(k_e), SOFT, 0, RADIANCE, 0, "R,G,B", "Surface",
-     .help = "Radiance emitted by both sides, as seen from outside any glass around the surface. Lights other surfaces "
+     .help = "Radiance emitted by both sides, measured outside any glass around the surface. Lights other surfaces "
      "under path tracing.", .count = 3},
     {"normal_scale", F32, MATERIAL(normal_scale), HARD, -1e3, 1e3, 1, NULL, "Surface",
-     .help = "Factor of the slopes of `normalTexture`."},
+     .help = "Multiplies the slopes of `normalTexture`."},
     {"bump_scale", F32, MATERIAL(bump_scale), SOFT, -1e6, 1e6, 1, "LENGTH", "Surface",
      .help = "Height of the surface in units of length where `bumpTexture` is 1."},
     {"lit_from_behind", BOOL, MATERIAL(lit_from_behind), HARD, 0, 1, false, NULL, "Surface",
-     .help = "Lights on the far side of the surface count, as on thin cloth or paper."},
+     .help = "Lights behind the surface light its front too, as on thin cloth or paper."},
 };
 
 static const fathom_parameter metallic_rows[] = {
     {"base_color", F32, MATERIAL(base_color), SOFT, 0, 1, 1, "R,G,B", "Surface",
      .help = "Colour of the metal, or of the base under the dielectric.", .count = 3},
     {"metallic", F32, MATERIAL(metallic), HARD, 0, 1, 0, NULL, "Surface",
-     .help = "Share of metal; between 0 and 1 both are mixed."},
+     .help = "0: dielectric, 1: metal; values between mix both."},
     {"roughness", F32, MATERIAL(roughness), HARD, 0, 1, 0.5, NULL, "Surface",
-     .help = "GGX's alpha is its square; below an alpha of 2⁻¹³ the surface is a mirror."},
+     .help = "Roughness; its square is GGX's alpha. Below an alpha of 2⁻¹³ the surface is a mirror."},
     {"emissive", F32, MATERIAL(emissive), SOFT, 0, RADIANCE, 0, "R,G,B", "Surface",
-     .help = "Radiance emitted by both sides, times `emissiveStrength`, as seen from outside any glass around the "
-     "surface.", .count = 3},
+     .help = "Radiance emitted by both sides, times `emissiveStrength`, measured outside any glass around the surface.", .count = 3},
     {"emissive_strength", F32, MATERIAL(emissive_strength), SOFT, 0, RADIANCE, 1, NULL, "Surface",
      .help = "Factor of `emissive`."},
     {"ior", F32, MATERIAL(ior), SOFT, 0, 1e3, 1.5, NULL, "Surface",
      .help = "Index of refraction of the dielectric; 0: it reflects all of `specularColor`."},
     {"specular", F32, MATERIAL(specular_factor), HARD, 0, 1, 1, NULL, "Surface",
-     .help = "Factor of what the dielectric reflects."},
+     .help = "Strength of the dielectric's reflection."},
     {"specular_color", F32, MATERIAL(specular_color), SOFT, 0, 1e6, 1, "R,G,B", "Surface",
      .help = "Factor of the dielectric's reflectance at normal incidence. Its product with the reflectance of `ior` is "
      "at most 1.", .count = 3},
     {"transmission", F32, MATERIAL(transmission), HARD, 0, 1, 0, NULL, "Surface",
-     .help = "Share of the dielectric's base that lets light through, coloured by `baseColor`."},
+     .help = "Fraction of the dielectric's base that transmits light, tinted by `baseColor`, instead of scattering it."},
     {"thickness", F32, MATERIAL(thickness), SOFT, 0, RADIANCE, 0, NULL, "Surface",
      .help = "Above 0: the surface bounds a volume, and light refracts; 0: it is a thin wall. The number itself does not matter."},
     {"attenuation_color", F32, MATERIAL(attenuation_color), SOFT, 0, 1, 1, "R,G,B", "Surface",
@@ -174,9 +174,9 @@ static const fathom_parameter metallic_rows[] = {
     {"clearcoat_roughness", F32, MATERIAL(clearcoat_roughness), HARD, 0, 1, 0, NULL, "Surface",
      .help = "The layer's `roughness`."},
     {"sheen_color", F32, MATERIAL(sheen_color), SOFT, 0, 1, 0, "R,G,B", "Surface",
-     .help = "Colour of fibres that stand on the surface, as on velvet; black: none.", .count = 3},
+     .help = "Colour of the sheen, from fibres on the surface as on velvet; black: none.", .count = 3},
     {"sheen_roughness", F32, MATERIAL(sheen_roughness), HARD, 0, 1, 0, NULL, "Surface",
-     .help = "How far the fibres lean; below 0.07 as 0.07."},
+     .help = "Roughness of the sheen: how far the fibres lean. Values below 0.07 count as 0.07."},
     {"anisotropy", F32, MATERIAL(anisotropy), HARD, 0, 1, 0, NULL, "Surface",
      .help = "Stretches reflections along the tangent (direction of u). The grooves of brushed metal run across it."},
     {"anisotropy_rotation", F32, MATERIAL(anisotropy_rotation), SOFT, -1e6, 1e6, 0, "RADIANS", "Surface",
@@ -192,25 +192,25 @@ static const fathom_parameter metallic_rows[] = {
     {"dispersion", F32, MATERIAL(dispersion), SOFT, 0, 1e3, 0, NULL, "Surface",
      .help = "Dispersion of a volume: 20 divided by the Abbe number; 0.36 for diamond. More than 40 counts as 40."},
     {"diffuse_transmission", F32, MATERIAL(diffuse_transmission), HARD, 0, 1, 0, NULL, "Surface",
-     .help = "Share of the diffuse light that leaves on the other side, as through leaves."},
+     .help = "Fraction of the diffuse light that leaves on the other side, as through leaves."},
     {"diffuse_transmission_color", F32, MATERIAL(diffuse_transmission_color), SOFT, 0, 1, 1, "R,G,B", "Surface",
      .help = "Colour of that light.", .count = 3},
     {"priority", U32, MATERIAL(priority), HARD, 0, 255, 0, "N", "Surface",
-     .help = "Where volumes overlap, the one of the highest priority fills the space, such as glass 2 and the drink in "
-     "it 1. 0: no priority."},
+     .help = "Where volumes overlap, the one of highest priority fills the space. Give a glass 2 and the drink in it "
+     "1, for example. 0: no priority."},
     {"opacity", F32, MATERIAL(opacity), HARD, 0, 1, 1, NULL, "Surface",
      .help = "Coverage: the fraction of rays that hit the surface. The others pass through."},
     {"opacity_cutoff", F32, MATERIAL(opacity_cutoff), HARD, 0, 1e3, 0, NULL, "Surface",
      .help = "Alpha cutoff. Above 0: the surface is absent where `opacity` is below it, and fully opaque elsewhere."},
     {"normal_scale", F32, MATERIAL(normal_scale), HARD, -1e3, 1e3, 1, NULL, "Surface",
-     .help = "Factor of the slopes of `normalTexture`."},
+     .help = "Multiplies the slopes of `normalTexture`."},
     {"clearcoat_normal_scale", F32, MATERIAL(clearcoat_normal_scale), HARD, -1e3, 1e3, 1, NULL, "Surface",
-     .help = "Factor of the slopes of `clearcoatNormalTexture`."},
+     .help = "Multiplies the slopes of `clearcoatNormalTexture`."},
     {"bump_scale", F32, MATERIAL(bump_scale), SOFT, -1e6, 1e6, 1, "LENGTH", "Surface",
      .help = "Height of the surface in units of length where `bumpTexture` is 1."},
     {"double_sided", BOOL, MATERIAL(double_sided), HARD, 0, 1, true, NULL, "Surface",
-     .help = "`false`: the camera looks through the back of the surface, which is otherwise as before. Volumes have two "
-     "sides."},
+     .help = "`false`: the camera looks through the back of the surface; shadows and other rays still hit it. Volumes "
+     "have two sides."},
     {"multiscatter", BOOL, MATERIAL(multiscatter), HARD, 0, 1, true, NULL, "Surface",
      .help = "Adds the energy that rough surfaces lose without multiple scattering between microfacets. `false`: glTF's "
      "formulas alone."},
