@@ -49,7 +49,7 @@ bool command_parse(const command *c, int argc, char **argv, void *settings, fath
 /* A row of a table of options, for settings with a bool named allow_outside. */
 #define COMMAND_ALLOW_OUTSIDE(settings)                                                                      \
     ARGS_ROW("allow-outside", 0, NULL, take_true, offsetof(settings, allow_outside), 0, 0,                   \
-             "files that SCENE names may lie outside its folder")
+             "allow files outside the folder of SCENE")
 
 /* The options that choose the part of a model to read, and how to read it. */
 typedef struct command_model {
@@ -69,33 +69,35 @@ fathom_read_options command_read_options(const command_model *model);
 #define COMMAND_MODEL(settings)                                                                              \
     COMMAND_MODEL_ROW(                                                                                       \
         settings, "camera", "NAME|N", take_text, camera, 0, 0,                                               \
-        "camera of a .gltf or .glb file: the name of its node, its own name, or its number from 0 in the "   \
-        "list that fathom info prints (the first perspective camera, else the first)"),                      \
+        "which camera of a .gltf or .glb file: the name of its node, its own name, or its number "           \
+        "from 0 in the list of fathom info (the first perspective camera, else the first)"),                 \
         COMMAND_MODEL_ROW(settings, "scene", "NAME|N", take_text, scene, 0, 0,                               \
                           "which scene of a .gltf or .glb file, by its name or its number from 0 (the one "  \
                           "that the file chooses, else the first)"),                                         \
         COMMAND_MODEL_ROW(                                                                                   \
             settings, "time", "SECONDS", take_given_f64, time, -1e9, 1e9,                                    \
-            "time of the image: poses the animations of .gltf and .glb files; opens the shutter of scene "   \
-            "JSON (default: animations at rest, shutter as the scene says)"),                                \
-        COMMAND_MODEL_ROW(settings, "shutter", "SECONDS", take_given_f64, shutter, 0, 1e9,                   \
-                          "blur what moves while the shutter is open, from --time on; it replaces the "      \
-                          "shutter of scene JSON (still)"),                                                  \
-        COMMAND_MODEL_ROW(settings, "animation", "NAME|N", take_text, animation, 0, 0,                       \
-                          "the only animation to apply, by its name or its number from 0 (default: every "   \
-                          "animation that moves nothing that an earlier one moves)"),                        \
-        COMMAND_MODEL_ROW(settings, "variant", "NAME|N", take_text, variant, 0, 0,                           \
-                          "which variant of the materials of a .gltf or .glb file, by its name or its "      \
-                          "number from 0 (none)"),                                                           \
+            "time of the image. A .gltf or .glb file takes the pose of its animations at this time "         \
+            "(default: the pose at rest); scene JSON opens its shutter then (default: as the scene says)"),  \
+        COMMAND_MODEL_ROW(                                                                                   \
+            settings, "shutter", "SECONDS", take_given_f64, shutter, 0, 1e9,                                 \
+            "motion blur: opens the shutter at --time for so long, in place of the shutter of scene JSON "   \
+            "(none)"),                                                                                       \
+        COMMAND_MODEL_ROW(                                                                                   \
+            settings, "animation", "NAME|N", take_text, animation, 0, 0,                                     \
+            "apply only this animation: its name, or its number from 0 (default: all, except those that "    \
+            "move something that an earlier one moves)"),                                                    \
+        COMMAND_MODEL_ROW(                                                                                   \
+            settings, "variant", "NAME|N", take_text, variant, 0, 0,                                         \
+            "which material variant of a .gltf or .glb file, by its name or its number from 0 (none)"),      \
         COMMAND_MODEL_ROW(settings, "unit", COMMAND_UNITS, take_choice, unit, 0, 0,                          \
                           "unit of the model's lengths. The model is scaled to metres, the unit of lights "  \
                           "and of the AOVs Z and P (m)")
 
 /* For commands that make a camera. */
 #define COMMAND_UP(settings)                                                                                 \
-    COMMAND_MODEL_ROW(settings, "up", "y|z", take_choice, up, 0, 0,                                          \
-                      "the axis that the automatic camera and its lights take as up (y); z is what CAD and " \
-                      "scanners mostly write")
+    COMMAND_MODEL_ROW(                                                                                       \
+        settings, "up", "y|z", take_choice, up, 0, 0,                                                        \
+        "up axis of the automatic camera and its lights (y); most CAD programs and scanners use z")
 
 /* Options that most commands share. In all commands except render, they are the first member of the
  * settings. */
@@ -106,7 +108,7 @@ typedef struct command_common {
 
 #define COMMAND_THREADS                                                                                      \
     ARGS_ROW("threads", 0, "N", take_u32, offsetof(command_common, threads), 1, 1024,                        \
-             "1 to 1024 (one a processor)")
+             "number of threads, 1 to 1024 (one per processor)")
 #define COMMAND_QUIET(help)                                                                                  \
     ARGS_ROW("quiet", 'q', NULL, take_true, offsetof(command_common, quiet), 0, 0, help)
 

@@ -73,10 +73,11 @@ static const args_option options[] = {
     {"tolerance", 0, "T", take_f64, offsetof(compare_settings, tolerance), 0, 1e300,
      "differences up to T do not count (0)"},
     {"flip", 0, NULL, take_true, offsetof(compare_settings, flip), 0, 0,
-     "also FLIP, the difference that is seen when flipping between the two, from 0 to 1, after sRGB: values "
-     "of .exr, .hdr and .pfm are taken as linear, of others as sRGB's"},
+     "also print FLIP: how visible the difference is when flipping between the images, from 0 to "
+     "1. Values of .exr, .hdr and .pfm count as linear, those of other formats as sRGB"},
     {"ppd", 0, "N", take_f64, offsetof(compare_settings, ppd), FATHOM_FLIP_PPD_LEAST, FATHOM_FLIP_PPD_MOST,
-     "pixels that a degree of the eye holds, for FLIP (67: a 4K screen, 0.7 m wide and away)"},
+     "pixels per degree of the viewer's eye, for FLIP (67: a 4K screen 0.7 m wide, from 0.7 m "
+     "away)"},
     COMMAND_QUIET("only the exit code"),
     {.help = NULL},
 };
@@ -84,7 +85,7 @@ static const args_option options[] = {
 const command command_compare = {
     .name = "compare",
     .usage = "A B [--tolerance T] [--flip]",
-    .summary = "Tell how much two images differ.",
+    .summary = "Measure how much two images differ.",
     .text = "Compares every channel of two images as stored, and prints the largest\n"
             "difference of a value, the root mean square of all, and how many pixels differ.\n"
             "The exit code is 0 if no pixel differs. It is 1 if some do, or if the images\n"

@@ -61,7 +61,7 @@ static const args_option options[] = {
     {.help = "Options"},
     COMMAND_MODEL(convert_settings),
     {"allow-outside", 0, NULL, take_true, offsetof(command_common, allow_outside), 0, 0,
-     "files that IN names may lie outside its folder"},
+     "allow files outside the folder of IN"},
     COMMAND_THREADS,
     COMMAND_QUIET("only errors and warnings"),
     {.help = NULL},
@@ -71,7 +71,7 @@ const command command_convert = {
     .name = "convert",
     .usage = "IN OUT.{glb,json,obj,ply} [options]",
     .summary = "Write a scene or a model in another format.",
-    .text = "IN is whatever fathom render takes. OUT keeps as much of it as its format holds:\n"
+    .text = "IN is any file that fathom render reads. OUT keeps what its format can hold:\n"
             "  .json  all of it; images that are not in the folder of OUT are copied there\n"
             "  .glb   meshes, instances, materials, images, lights and the camera\n"
             "  .obj   meshes, instances expanded; materials in an .mtl next to it\n"

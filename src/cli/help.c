@@ -9,7 +9,8 @@ void help_overview(FILE *out) {
     fputs("Fathom renders scenes by ray tracing.\n\nUsage: fathom COMMAND ...\n\nCommands:\n", out);
     for (size_t i = 0; i < command_count; ++i)
         fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
-    fputs("\nfathom COMMAND --help tells more, and fathom --version -v which Fathom this is.\n"
+    fputs("\n"
+          "fathom COMMAND --help lists all options; fathom --version -v prints the version.\n"
           "The first image:  fathom render model.glb -o image.png\n",
           out);
 }
@@ -57,7 +58,8 @@ static void put_option(FILE *out, const args_option *option) {
 static const args_option common[] = {
     {.help = "Every command"},
     {"log", 0, "text|json", NULL, 0, 0, 0,
-     "progress, warnings and errors on stderr as lines, or as one JSON object a line (text)"},
+     "how to write progress, warnings and errors to stderr: as text, or as one JSON object per "
+     "line (text)"},
     {"help", 'h', NULL, NULL, 0, 0, 0, "this text"},
     {.help = NULL},
 };
@@ -97,4 +99,4 @@ static fathom_status run(int argc, char **argv) {
 }
 
 const command command_help = {
-    .name = "help", .usage = "[COMMAND]", .summary = "Tell what a command does and takes.", .run = run};
+    .name = "help", .usage = "[COMMAND]", .summary = "Describe a command and its options.", .run = run};

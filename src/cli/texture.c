@@ -50,9 +50,9 @@ static const args_option options[] = {
     {.help = "Options"},
     {"output", 'o', "FILE", take_text, offsetof(texture_settings, output), 0, 0, ".tx, .tif or .tiff"},
     {"color", 0, "SPACE", take_text, offsetof(texture_settings, color), 0, 0,
-     "what the numbers mean: srgb, linear (also data such as normals), auto: srgb of integers and linear of "
-     "halfs and floats, unless the file says, or a color space of the OpenColorIO config, which becomes "
-     "linear Rec.709 (auto)"},
+     "color space of the image: srgb; linear, also for data such as normals; auto: as the file "
+     "says, else srgb for integers and linear for half and float; or a color space of the "
+     "OpenColorIO config, which is converted to linear Rec.709 (auto)"},
     COMMAND_THREADS,
     COMMAND_QUIET("only errors and warnings"),
     {.help = NULL},

@@ -275,7 +275,7 @@ const command command_bench = {
     .usage = "WHAT SCENE [options]",
     .summary = "Measure speed, and error against time.",
     .text = "WHAT is one of\n"
-            "  trace   rays a second of every tracer\n"
+            "  trace   rays per second of every tracer\n"
             "  render  the phases of a render, its distance from Embree's ceiling, and how\n"
             "          all of them grow with the triangles\n"
             "  error   image error against run time\n"

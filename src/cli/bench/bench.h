@@ -47,7 +47,7 @@ typedef struct bench_settings {
     ARGS_ROW(.help = "Results"), COMMAND_QUIET("no table"),                                                  \
         ARGS_ROW("json", 0, "FILE", take_text, BENCH_FIELD(json), 0, 0, "all figures"),                      \
         ARGS_ROW("csv", 0, "FILE", take_text, BENCH_FIELD(csv), 0, 0,                                        \
-                 "the same as comma-separated values, with the machine in lines that begin with #"),         \
+                 "the same as comma-separated values; lines that begin with # describe the machine"),        \
         ARGS_ROW("report", 0, "DIR", take_text, BENCH_FIELD(report), 0, 0,                                   \
                  "the same as one page with tables and plots, DIR/index.html"),                              \
         ARGS_ROW(.help = NULL)

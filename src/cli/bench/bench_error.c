@@ -396,18 +396,20 @@ static fathom_status run(int argc, char **argv) {
 static const args_option options[] = {
     {.help = "Options"},
     BENCH_SIZE,
-    {"seeds", 0, "N", take_u32, FIELD(seeds), 1, CONVERGE_SEEDS_MAX, "images of each pattern and spp (3)"},
-    {"seed", 0, "N", take_u64, FIELD(seed), 0, 0, "of the first of them; the next have the next (0)"},
+    {"seeds", 0, "N", take_u32, FIELD(seeds), 1, CONVERGE_SEEDS_MAX,
+     "number of seeds: images of each pattern and spp (3)"},
+    {"seed", 0, "N", take_u64, FIELD(seed), 0, 0, "the first seed; the others follow (0)"},
     {"max-spp", 0, "N", take_u32, FIELD(max_spp), 1, 65536,
-     "the most samples a pixel: all of 1, 4, 16 and so on up to it (1024)"},
+     "maximum samples per pixel: measures 1, 4, 16 and so on up to it (1024)"},
     {"reference-spp", 0, "N", take_u32, FIELD(half_spp), 1, 65536,
-     "of each half of the reference (four times --max-spp)"},
+     "samples per pixel of each half of the reference (four times --max-spp)"},
     {"ppd", 0, "N", take_f64, FIELD(ppd), FLIP_PPD_LEAST, FLIP_PPD_MOST,
-     "pixels that a degree of the eye holds, for FLIP (67: a 4K screen, 0.7 m wide and away)"},
+     "pixels per degree of the viewer's eye, for FLIP (67: a 4K screen 0.7 m wide, from 0.7 m "
+     "away)"},
     {"adaptive", 0, NULL, take_true, FIELD(adaptive), 0, 0,
-     "the errors that renders state instead: even path tracing, and sampling to an error"},
-    {"tracer", 0, "SPEC", take_text, BENCH_FIELD(tracer), 0, 0,
-     "what answers the rays (the scene's, else embree)"},
+     "check the errors that renders state instead: with a fixed number of samples, and sampling "
+     "to an error"},
+    {"tracer", 0, "SPEC", take_text, BENCH_FIELD(tracer), 0, 0, "tracer (the scene's, else embree)"},
     COMMAND_THREADS,
     COMMAND_ALLOW_OUTSIDE(command_common),
     BENCH_RESULTS,
@@ -417,21 +419,20 @@ const command command_bench_error = {
     .name = "bench error",
     .usage = "SCENE [options]",
     .summary = "Measure image error against run time.",
-    .text = "Renders the scene by each antialiasing pattern (grid, stratified, sobol) with 1,\n"
-            "4, 16, ... samples a pixel, and measures how far each image is from a reference:\n"
+    .text = "Renders the scene with each antialiasing pattern (grid, stratified, sobol) at 1,\n"
+            "4, 16, ... samples per pixel, and compares each image with a reference:\n"
             "  RMSE    root of the mean squared difference of linear values\n"
             "  relMSE  mean of difference^2 / (reference^2 + 0.01)\n"
-            "  FLIP    what is seen when flipping between the two, 0 to 1, after sRGB\n"
-            "A pixel that is not finite is counted. It makes RMSE and relMSE infinite, and\n"
-            "counts as 1 in FLIP. The reference is the mean of two independent halves. Their\n"
-            "difference gives the error of the reference. An image that is closer to the\n"
-            "reference than the halves are to each other is marked, and left out of slopes\n"
-            "and tables.\n"
+            "  FLIP    how visible the difference is when flipping between the two, 0 to 1\n"
+            "Pixels that are not finite are counted: they make RMSE and relMSE infinite, and\n"
+            "count as 1 in FLIP. The reference is the mean of two independent halves, whose\n"
+            "difference gives its error. If an image is closer to the reference than the\n"
+            "halves are to each other, it is marked, and is not in slopes and tables.\n"
             "Times are of rendering alone: the scene is read and built once, before. A slope\n"
-            "is a least-squares fit of ln error over ln seconds for each seed, and the mean\n"
-            "of all, give or take Student's t s / sqrt(n); the grid has no seed, so that its\n"
-            "interval is of times alone. Tables go by CPU time, of all threads together: on\n"
-            "a shared machine it says more than the clock.\n"
+            "is the mean over the seeds of a least-squares fit of ln error over ln seconds,\n"
+            "with Student's t s / sqrt(n) as its interval. The grid has no seed, so its\n"
+            "interval comes from times alone. Tables go by the CPU time of all threads, which\n"
+            "is more reliable on a shared machine than elapsed time.\n"
             "With --adaptive, every seed is rendered by path tracing with 16 and 64 samples\n"
             "in each pixel, and adaptively to errors of 0.1 and 0.05 with at most --max-spp.\n"
             "The results: how often the stated 95 % interval of a value contains the value\n"

@@ -368,19 +368,19 @@ static fathom_status run(int argc, char **argv) {
 static const args_option options[] = {
     {.help = "Options"},
     {"tracer", 0, "SPEC", take_list, FIELD(tracers), 0, 0,
-     "what answers the rays (embree); may be given several times, such as embree:low and embree:medium"},
+     "tracer (embree); may be given several times, such as embree:low and embree:medium"},
     {"triangles", 't', "N,N", take_counts, FIELD(triangles), 1, MOST_TRIANGLES,
-     "generated spheres of so many triangles, such as 10k,100k,1M, after SCENE or instead of it; a file of "
-     "each is made in $TMPDIR and removed"},
+     "generate spheres of so many triangles, such as 10k,100k,1M, after SCENE or instead of it; "
+     "the files are made in $TMPDIR and removed"},
     {"integrator", 0, "classic|path", take_choice, FIELD(integrator), 0, 0,
-     "how light moves, whatever SCENE says (classic)"},
+     "integrator, in place of that of SCENE (classic)"},
     BENCH_SIZE,
-    {"spp", 0, "N,N", take_counts, FIELD(spp), 1, 65536, "samples a pixel, one run each (1,16)"},
+    {"spp", 0, "N,N", take_counts, FIELD(spp), 1, 65536, "samples per pixel, one run each (1,16)"},
     {"threads", 0, "N,N", take_counts, FIELD(threads), 1, 1024,
-     "how many render; the speedup is over the first (1,2)"},
+     "numbers of threads; the speedup is over the first (1,2)"},
     BENCH_REPEATS(RENDER_TIME_REPEATS_MAX, "repetitions; the results are their medians and quartiles (9)"),
     {"seconds", 0, "S", take_f64, FIELD(seconds), 0, 1e6,
-     "after which reading, or building, is not repeated (2)"},
+     "reading, or building, is not repeated after this time (2)"},
     COMMAND_ALLOW_OUTSIDE(command_common),
     BENCH_RESULTS,
 };
@@ -388,16 +388,15 @@ static const args_option options[] = {
 const command command_bench_render = {
     .name = "bench render",
     .usage = "[SCENE] [--triangles N,N] [options]",
-    .summary = "Measure the phases of a render, and its distance from Embree's ceiling.",
-    .text = "Records the rays of the render itself and traces them again by nothing but\n"
-            "Embree's calls, with the same scene, packets, flags and masks. The time that the\n"
-            "render phase takes beyond that is the renderer's own: it makes rays, shades\n"
-            "surfaces and fills the film. Render and bare calls take turns. Each turn gives\n"
-            "one ratio of their CPU times on one thread.\n"
-            "Files are read from the system's cache. With meshes of several sizes, also\n"
-            "prints the exponents b of seconds = a * triangles^b with their 95 % intervals:\n"
-            "1 is linear. If that of render over bare is 0 or less, the renderer slows down\n"
-            "no faster than Embree itself.\n",
+    .summary = "Measure the phases of a render, and compare them with Embree alone.",
+    .text = "Records the rays of a render, and traces them again with Embree's calls alone\n"
+            "(\"bare calls\"): same scene, packets, flags and masks. The render phase takes\n"
+            "longer, because it also makes rays, shades surfaces and fills the film. Render\n"
+            "and bare calls take turns; each turn gives one ratio of their CPU times on one\n"
+            "thread. Files are read from the system's cache.\n"
+            "With meshes of several sizes, also prints the exponents b of seconds = a *\n"
+            "triangles^b with their 95 % intervals: 1 is linear. If that of render over bare\n"
+            "is 0 or less, the renderer slows down no faster than Embree itself.\n",
     .examples = "  fathom bench render forest.glb\n"
                 "  fathom bench render forest.glb --tracer embree:low --tracer embree:medium\n"
                 "  fathom bench render --triangles 10k,100k,1M,10M --spp 1 --report results\n",

@@ -266,15 +266,16 @@ static fathom_status run(int argc, char **argv) {
 static const args_option options[] = {
     {.help = "Options"},
     {"tracer", 0, "SPEC", take_list, FIELD(tracers), 0, 0,
-     "what is measured; may be given several times (all there are, with linear search up to a million "
+     "tracer to measure; may be given several times (all, with linear search up to a million "
      "primitives)"},
     {"triangles", 0, "N,N", take_counts, FIELD(triangles), 1, 4e9,
-     "generated spheres of so many triangles, such as 10k,100k,1M, after SCENE or instead of it"},
-    {"rays", 0, "N", take_count, FIELD(rays), 16, 1e9, "of the camera, or of each kind (262144)"},
+     "generate spheres of so many triangles, such as 10k,100k,1M, after SCENE or instead of it"},
+    {"rays", 0, "N", take_count, FIELD(rays), 16, 1e9, "rays of each kind (262144)"},
     {"seconds", 0, "S", take_f64, FIELD(seconds), 1e-6, 1e6,
-     "the most for one repetition of one tracer and kind of rays; slower ones get fewer rays (0.1)"},
+     "maximum time for one repetition of one tracer and kind of rays; slower ones get fewer rays "
+     "(0.1)"},
     BENCH_REPEATS(TRACE_TIME_REPEATS_MAX, "repetitions; the results are their medians and quartiles (9)"),
-    {"threads", 0, "N", take_u32, FIELD(tracing), 1, 1024, "that build and trace (1)"},
+    {"threads", 0, "N", take_u32, FIELD(tracing), 1, 1024, "number of threads that build and trace (1)"},
     COMMAND_ALLOW_OUTSIDE(command_common),
     BENCH_RESULTS,
 };
@@ -282,16 +283,16 @@ static const args_option options[] = {
 const command command_bench_trace = {
     .name = "bench trace",
     .usage = "[SCENE] [--triangles N,N] [options]",
-    .summary = "Measure rays a second of every tracer.",
-    .text = "Four kinds of rays, made once and asked of every tracer:\n"
+    .summary = "Measure rays per second of every tracer.",
+    .text = "Generates four kinds of rays once, and traces them with every tracer:\n"
             "  camera   closest hit, coherent: packets of 4 x 4 pixels\n"
-            "  bounce   closest hit, incoherent: from visible points, anywhere\n"
+            "  bounce   closest hit, incoherent: from visible points in any direction\n"
             "  shadow   any hit, coherent: from visible points to the first light\n"
             "  between  any hit, incoherent: between any two visible points\n"
             "Tracers take turns, so that a machine that slows down favours none. All of them\n"
-            "are in memory together. Prints million rays for each second of a thread's\n"
-            "processor time: medians, and half the distance of the quartiles. --json and\n"
-            "--csv also have rays a second by the clock. SPEC is as for render.\n",
+            "are in memory together. Prints million rays per second of a thread's processor\n"
+            "time: medians, and half the distance of the quartiles. --json and --csv also\n"
+            "have rays per second of elapsed time. SPEC is as for render.\n",
     .examples = "  fathom bench trace --triangles 10k,100k,1M --report results\n"
                 "  fathom bench trace heavy.glb --tracer embree:8 --tracer embree:16\n",
 

@@ -87,19 +87,20 @@ static bool take_tracer(const args_option *option, const char *value, void *fiel
 /* Options that `fathom merge` shares. */
 #define OUTPUT_OPTION                                                                                        \
     ARGS_ROW("output", 'o', "IMAGE", take_output, FIELD(outputs), 0, 0,                                      \
-             ".exr (scene-linear), .png, .jpg or .tif (8 bit, for the display); - is PNG to standard "       \
-             "output, and exr:- another format; give it again for more images of the same render")
+             ".exr (scene-linear), .png, .jpg or .tif (8 bit, for the display); - writes PNG to standard "   \
+             "output, exr:- EXR, and so on. Give the option again for more images of the same render")
 #define FLOAT_OPTION                                                                                         \
     ARGS_ROW("exr-float", 0, NULL, take_true, FIELD(write.float_color), 0, 0,                                \
-             "colours in the .exr as 32-bit float rather than half")
+             "write colours into the .exr as 32-bit float instead of half")
 #define COLOUR_OPTIONS                                                                                       \
     ARGS_ROW("exposure", 0, "STOPS|auto", take_exposure, 0, -64, 64,                                         \
              "exposure in stops; +1 doubles the brightness. auto: 99 % of the lit pixels are at most "       \
              "white. Default: 0, but auto if most pixels would be white or nearly black; -0.5 to 0 in the "  \
-             "built-in studio. With --frames, the first frame decides for all"),                             \
+             "built-in studio. With --frames, the exposure of the first frame is that of all"),              \
         ARGS_ROW("display", 0, "NAME", take_text, FIELD(write.display), 0, 0,                                \
-                 "of the OpenColorIO config (its default)"),                                                 \
-        ARGS_ROW("view", 0, "NAME", take_text, FIELD(write.view), 0, 0, "of the display (its default)"),     \
+                 "a display of the OpenColorIO config (its default)"),                                       \
+        ARGS_ROW("view", 0, "NAME", take_text, FIELD(write.view), 0, 0,                                      \
+                 "a view of the display (its default)"),                                                     \
         ARGS_ROW("ocio", 0, "FILE", take_text, FIELD(write.ocio), 0, 0,                                      \
                  "OpenColorIO config ($OCIO, else a built-in one for sRGB)")
 #define QUIET_OPTION ARGS_ROW("quiet", 'q', NULL, take_true, FIELD(quiet), 0, 0, "only errors and warnings")
@@ -118,30 +119,33 @@ static const args_option own_options[] = {
     COMMAND_MODEL(render_options),
     COMMAND_UP(render_options),
     {"size", 0, "WxH", take_size, FIELD(size), 1, 65536,
-     "pixels (the scene's, else the shape its camera is made for, 1280 along the longer side, else "
-     "1280x720)"},
+     "size in pixels (the scene's; else the aspect ratio of its camera with 1280 on the longer "
+     "side; else 1280x720)"},
     {"background", 0, "R,G,B", take_rgb, FIELD(background), 0, 1e9,
      "linear Rec.709 colour of rays that hit nothing (the scene's)"},
     {"environment", 0, "FILE", take_text, FIELD(environment), 0, 0,
-     "light from all directions, from an image such as .hdr or .exr: equirectangular, a cross or strip of a "
-     "cube's faces, or six files, sky_<FACE>.hdr. It replaces the background and the environments of SCENE "
-     "and of the built-in studio; its top points to where --up says (path tracing)"},
+     "light the scene with an image of a sky, such as .hdr or .exr: equirectangular, a cross or "
+     "strip of a cube's faces, or six files, sky_<FACE>.hdr. It replaces the background and "
+     "environments of SCENE, and the built-in studio; its top is the up axis of --up. Path "
+     "tracing only"},
     {"environment-rotation", 0, "DEGREES", take_f64, FIELD(environment_rotation), -1e6, 1e6,
-     "turn it about the axis that is up, counter-clockwise from above (0)"},
+     "turn the --environment about the up axis, counter-clockwise from above (0)"},
     {"no-studio", 0, NULL, take_true, FIELD(no_studio), 0, 0,
-     "add no lights to a scene without any, such as a room that only an image on a screen lights"},
+     "add no lights to a scene without any, such as a room that is lit only by an image on a "
+     "screen"},
     {"no-floor", 0, NULL, take_true, FIELD(no_floor), 0, 0,
-     "add no floor below a model that the automatic camera shows in the built-in studio or in "
-     "--environment; --background and the AOV alpha never have one"},
+     "do not add the floor that a model gets with the automatic camera and the built-in studio or "
+     "--environment; there is never one with --background or the AOV alpha"},
 
     {.help = "Sampling to an error or a time (with the pattern sobol)"},
 
-    {.help = "Saving on the way"},
+    {.help = "Checkpoints"},
     {"checkpoint", 0, "FILE", take_text, FIELD(checkpoint), 0, 0,
-     "save the unfinished render to FILE at intervals, on Ctrl-C and SIGTERM, and on SIGUSR1 (which does not "
-     "stop it). FILE is removed once the image is written; a different render refuses it"},
+     "save the unfinished render to FILE at intervals, on Ctrl-C and SIGTERM, and on SIGUSR1 "
+     "(which does not stop it). FILE is removed once the image is written. A FILE of another "
+     "render is an error"},
     {"checkpoint-every", 0, "SECONDS", take_f64, FIELD(checkpoint_every), 0, 1e9,
-     "from the end of one save to the next (60)"},
+     "time from the end of one save to the next (60)"},
     {"resume", 0, NULL, take_true, FIELD(resume), 0, 0,
      "continue from the checkpoint, or start if there is none. The image has the same bits, on any number of "
      "threads. Without --resume, an existing FILE is an error. With --frames, keeps the frames that an "
@@ -149,14 +153,14 @@ static const args_option own_options[] = {
 
     {.help = "Frames of an animation"},
     {"frames", 0, "FIRST-LAST", take_frames, FIELD(frames), 0, 0,
-     "render one image after another: frame N shows the time N / fps, from --time on; all files that are "
-     "written have #### in their names, which becomes the number"},
-    {"fps", 0, "N", take_f64, FIELD(frames.fps), 1e-3, 1e6, "frames a second (24)"},
+     "render one image per frame: frame N shows the time N / fps after --time. The names of all "
+     "output files have ####, which becomes the frame's number"},
+    {"fps", 0, "N", take_f64, FIELD(frames.fps), 1e-3, 1e6, "frames per second (24)"},
 
-    {.help = "A part of the image (-o FILE.part), to be merged by fathom merge"},
+    {.help = "A part of the image (-o FILE.part), for fathom merge"},
     {"part", 0, "K/N", part_options_take, FIELD(part), 0, 0,
-     "render part K of N, from 1 to N, to FILE.part; after a kill, run the same command again. Default: task "
-     "and count of a Slurm array, from $SLURM_ARRAY_TASK_ID and its relatives"},
+     "render part K of N, from 1 to N, to FILE.part; after a kill, run the same command again. "
+     "Default: task and count of a Slurm array, from $SLURM_ARRAY_TASK_ID and the like"},
     {"split", 0, "auto|samples|tiles", take_choice, FIELD(part.split), 0, 0,
      "what a part holds: some samples of all pixels, or all samples of some tiles. auto: samples, but tiles "
      "with fewer than 4 samples per part or with a target error (auto)"},
@@ -174,11 +178,12 @@ static const args_option own_options[] = {
     COLOUR_OPTIONS,
 
     {.help = "Running"},
-    {"threads", 0, "N", take_u32, FIELD(threads), 1, 1024, "1 to 1024 (one a processor)"},
+    {"threads", 0, "N", take_u32, FIELD(threads), 1, 1024,
+     "number of threads, 1 to 1024 (one per processor)"},
     COMMAND_ALLOW_OUTSIDE(render_options),
     QUIET_OPTION,
     {"verbose", 'v', NULL, take_true, FIELD(verbose), 0, 0,
-     "tell what was traced and how long each step took"},
+     "print what was traced and how long each step took"},
     {.help = NULL},
 };
 

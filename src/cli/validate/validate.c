@@ -223,10 +223,10 @@ static bool take_families(const args_option *option, const char *value, void *fi
 static const args_option options[] = {
     {.help = "Options"},
     {"tracer", 0, "SPEC", take_list, offsetof(validate_settings, tracers), 0, 0,
-     "what is judged; may be given several times (embree and reference)"},
+     "tracer to check; may be given several times (embree and reference)"},
     {"rays", 0, "N", take_count, offsetof(validate_settings, rays), 1, 1e15,
-     "of each family, scene and tracer (1500); 20k, 8M and 1G are understood"},
-    {"seed", 0, "N", take_u64, offsetof(validate_settings, seed), 0, 0, "of the rays (0)"},
+     "rays of each family, scene and tracer (1500), such as 20k, 8M or 1G"},
+    {"seed", 0, "N", take_u64, offsetof(validate_settings, seed), 0, 0, "seed of the rays (0)"},
     {"families", 0, "LIST", take_families, offsetof(validate_settings, families), 0, 0,
      "camera, uniform, edge, vertex, grazing, tangent, surface, far, axis, scaled, interval, tiny, bundle, "
      "lattice, ends and rendered, separated by commas (all)"},
@@ -235,7 +235,7 @@ static const args_option options[] = {
      "disagrees: finds errors of this rate with 95 % probability (3e-6, and at most 100 rays for each of "
      "--rays); 0: none. Not for tracers that test every primitive"},
     {"heavy", 0, NULL, take_true, offsetof(validate_settings, heavy), 0, 0,
-     "ten times of --rays and the power"},
+     "ten times as many rays for --rays and --power"},
     {"sample", 0, "N", take_count, offsetof(validate_settings, sample), 0, 1e15,
      "rays of each family and scene for which the exact hit is also searched without a BVH, over all "
      "primitives (2)"},
@@ -243,24 +243,26 @@ static const args_option options[] = {
      "also run the grid of extreme cases, each with a twelfth of --rays, and compare shading with closed "
      "forms. Without --tracer: linear:f32, linear:f64, bvh, embree and embree:user"},
     {"light", 0, NULL, take_true, offsetof(validate_settings, light), 0, 0,
-     "laws of light instead of rays: path tracing against closed forms, or with SCENE against the reference "
-     "integrator"},
+     "check light instead of rays: path tracing against closed forms, or with SCENE against the "
+     "reference integrator"},
     {"light-error", 0, "E", take_f64, offsetof(validate_settings, light_error), 1e-5, 1,
-     "relative standard error of these (0.001); half of it takes four times as long"},
+     "relative standard error of --light (0.001); half of it takes four times as long"},
     {"light-only", 0, "TEXT", take_text, offsetof(validate_settings, light_only), 0, 0,
-     "only laws whose names hold this"},
+     "only laws of --light whose names contain TEXT"},
     COMMAND_THREADS,
     COMMAND_ALLOW_OUTSIDE(command_common),
     {.help = "Results"},
-    {"verbose", 'v', NULL, take_true, offsetof(validate_settings, verbose), 0, 0, "a row for each family"},
+    {"verbose", 'v', NULL, take_true, offsetof(validate_settings, verbose), 0, 0,
+     "print a row for each family"},
     COMMAND_QUIET("only the exit code"),
     {"json", 0, "FILE", take_text, offsetof(validate_settings, json), 0, 0, "all figures"},
     {"report", 0, "DIR", take_text, offsetof(validate_settings, report), 0, 0,
-     "all figures as one page with tables and plots, DIR/index.html"},
+     "write all figures as a page with tables and plots, DIR/index.html"},
     {"failures", 0, "FILE", take_text, offsetof(validate_settings, failures), 0, 0,
-     "every ray with a leak or a wrong answer, a line each"},
+     "write every ray with a leak or a wrong answer, one per line"},
     {"replay", 0, "FILE", take_text, offsetof(validate_settings, replay), 0, 0,
-     "trace the rays of such a file again, grouped as before, and print the answers that have changed"},
+     "trace the rays of a file of --failures again, grouped as before, and print the answers that "
+     "have changed"},
     {.help = NULL},
 };
 
@@ -268,41 +270,44 @@ const command command_validate = {
     .name = "validate",
     .usage = "[SCENE] [--tracer SPEC ...] [options]",
     .summary = "Check tracers against exact arithmetic.",
-    .text = "Traces families of difficult rays and compares every hit with the exact one:\n"
+    .text = "Traces families of difficult rays, computes the exact hit of each, and sorts the\n"
+            "answers of each tracer into these classes:\n"
             "  agree        the exact hit or miss; t is right to the last places\n"
             "  tie          another primitive at the same t\n"
-            "  edge         closer to an edge than the tracer's precision resolves\n"
-            "  range        closer to an end of the interval than it resolves\n"
+            "  edge         the ray passes too close to an edge for the tracer's precision\n"
+            "  range        the hit is too close to an end of the ray's interval for it\n"
             "  conditioned  t is off by no more than a bound: 32 roundoffs (spheres 64,\n"
             "               planes 16) times the sizes and the slant of the intersection, a\n"
             "               few times its condition number. Slivers and grazing rays may be\n"
             "               off by millions of roundoffs; -v shows the largest bound\n"
             "  beyond       numbers exceed the range of the tracer's floats\n"
-            "  leak         a known miss: Embree, of surfaces at edges and vertices\n"
+            "  leak         a known fault: Embree misses surfaces at edges and vertices\n"
             "  wrong        anything else; also u, v and normals that are NaN or off by more\n"
             "               than their bounds\n"
             "\n"
             "Each ray is traced for the closest hit and for any hit. Rows of any hit appear\n"
             "with --verbose, or if they have leaks or wrong hits. Each ray is traced again in\n"
             "calls of 16, 11, 8, 5, 4 and 1 rays, as coherent and incoherent rays, from\n"
-            "several threads, while the same tracer builds other scenes. Different hits are\n"
-            "checked, too. So are the rays of a small render, before and after its repair of\n"
-            "leaks.\n"
+            "several threads, while the same tracer builds other scenes. If an answer\n"
+            "differs, it is checked, too. So are the rays of a small render, before and after\n"
+            "it repairs leaks.\n"
             "\n"
-            "Statistics must stay within limits: errors in units of their condition (median\n"
-            "1, 99.9th percentile 64); the mean of signed errors (2 roundoffs); known rates\n"
-            "of leaks; rays of a render that hit the surface they start on (0.1 %); and the\n"
-            "unit roundoff that a library declares (64 times the measured one). Means and\n"
-            "rates are tested at 6 standard errors (level 1e-9). The error statistics leave\n"
-            "out slivers and surfaces seen from very far. Errors of t are in units of its\n"
-            "last place as a float. `constant` is the largest error in units of the condition\n"
-            "number times the unit roundoff.\n"
+            "Statistics must stay within limits:\n"
+            "  errors in units of their condition: median 1, 99.9th percentile 64\n"
+            "  mean of signed errors: 2 roundoffs\n"
+            "  leaks: known rates\n"
+            "  rays of a render that hit the surface they start on: 0.1 %\n"
+            "  the unit roundoff that a library declares: 64 times the measured one\n"
+            "Means and rates are tested at 6 standard errors (level 1e-9). The error\n"
+            "statistics exclude slivers and surfaces seen from very far. Errors of t are in\n"
+            "units of its last place as a float. `constant` is the largest error in units of\n"
+            "the condition number times the unit roundoff.\n"
             "\n"
             "SCENE is a file or a built-in scene: spheres, quads, triangles, planes,\n"
-            "instances, boxes, squares, masks, masked-shapes or fine. Without SCENE, all\n"
-            "built-in scenes are used that the tracer supports. SPEC is embree, reference,\n"
-            "linear or bvh with options, such as linear:f64 or embree:robust:high:16, or a\n"
-            "library such as ./mine.so.\n"
+            "instances, boxes, squares, masks, masked-shapes or fine. The default is all\n"
+            "built-in scenes that the tracer supports. SPEC is embree, reference, linear or\n"
+            "bvh with options, such as linear:f64 or embree:robust:high:16, or a library such\n"
+            "as ./mine.so.\n"
             "\n"
             "--extremes adds extreme cases, by group and number: scales and positions,\n"
             "slivers, grazing and tangent rays, copies, nested transforms, invalid shapes and\n"
@@ -316,8 +321,8 @@ const command command_validate = {
             "one run in 500. With SCENE it compares path tracing with the reference\n"
             "integrator.\n"
             "\n"
-            "The exit code is 1 if anything is wrong or a statistic is out of its limits.\n"
-            "Lines that begin with \"found:\" name it.\n",
+            "The exit code is 1 if anything is wrong or a statistic exceeds its limit. Lines\n"
+            "that begin with \"found:\" name each case.\n",
     .examples = "  fathom validate\n"
                 "  fathom validate --report results\n"
                 "  fathom validate --tracer ./mine.so\n"
