@@ -171,7 +171,7 @@ static fathom_status open_descriptor(fathom_context *context, const char *path, 
         return fail_file(context, FATHOM_BAD_INPUT, path, "is not a regular file; expected one on a disk");
     if (context_is_output(context, &info))
         return fail_file(context, FATHOM_BAD_USAGE, path,
-                         "would be read and written; expected another output");
+                         "is input and output at once; expected another output");
     if (info.st_size == 0) return fail_file(context, FATHOM_BAD_INPUT, path, "the file is empty");
     size_t size = (size_t)info.st_size, page = (size_t)sysconf(_SC_PAGESIZE);
     size_t reserved = (size + FILE_PADDING + page - 1) / page * page;

@@ -70,9 +70,8 @@ bool parts_brighten(const fathom_scene *scene, fathom_integrator integrator, cha
     if (!count) return false;
     const char *name = scene->materials.items[worst].name;
     snprintf(text, PARTS_TEXT,
-             "materials that send out more light than they get, so that paths brighten at each hit: %zu; "
-             "\"%.60s\" "
-             "sends out %.3g %% more; expected less kd (0.5 if not given), ks, kr or kt",
+             "materials that reflect more light than they receive, so paths get brighter at each hit: %zu; "
+             "\"%.60s\" reflects %.3g %% more; lower kd (0.5 if not given), ks, kr or kt",
              count, name ? name : "default", (most - 1) * 100);
     return true;
 }

@@ -27,9 +27,8 @@ static size_t count_one_sided(const fathom_scene *scene) {
 
 /* Only `path` renders these. */
 static void find_classic(const teller *t, const fathom_scene *scene) {
-    count(t, "environments are left out, which only the integrator `path` renders",
-          scene->environments.count);
-    count(t, "materials with one side whose back is shown, as only path tracing looks through it",
+    count(t, "environments are ignored: only the integrator `path` renders them", scene->environments.count);
+    count(t, "one-sided materials whose back is shown, because only path tracing looks through it",
           count_one_sided(scene));
 }
 
@@ -47,7 +46,7 @@ void lacks_find(const world *w, fathom_integrator integrator, void (*tell)(void 
     if (integrator == FATHOM_INTEGRATOR_CLASSIC)
         find_classic(&t, scene);
     else if (parts_ambient(scene) && !scene->lights_made)
-        tell(user, "ambient light is left out, which only the integrator `classic` has; paths find the light "
-                   "of a background");
+        tell(user,
+             "ambient light is ignored: only the integrator `classic` has it; use a background instead");
     if (parts_brighten(scene, integrator, text)) tell(user, text);
 }

@@ -55,8 +55,7 @@ static fathom_status read_options(fathom_session *s, const fathom_session_option
     if (status == FATHOM_OK && s->options.ranks)
         status = SIZED_OWN(context, fathom_ranks, s->options.ranks, &s->ranks);
     if (status == FATHOM_OK && s->options.part && s->options.ranks)
-        status =
-            fail(context, FATHOM_BAD_USAGE, "a part is one process's work; expected it without other ranks");
+        status = fail(context, FATHOM_BAD_USAGE, "one process renders a part; expected no other ranks");
     const fathom_write_options *write = s->options.write;
     if (status == FATHOM_OK && write) status = SIZED_OWN(context, fathom_write_options, write, &s->write);
     if (status == FATHOM_OK && !s->options.outputs && s->options.output_count)

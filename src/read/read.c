@@ -160,7 +160,7 @@ static fathom_status read_any(fathom_scene *scene, const char *path) {
     if (strcmp(extension, "json") == 0) {
         if (scene->asked->unit > 0)
             return fail_file(scene->context, FATHOM_BAD_USAGE, path,
-                             "has a scale for each model; expected no unit for the whole scene");
+                             "is scene JSON, which scales each model by itself; expected no unit");
         return read_json(scene, path);
     }
     if (!format_find(extension))
@@ -232,8 +232,8 @@ static fathom_status open_shutter(fathom_scene *scene, const char *path) {
     }
     if (!scene->has_shutter && has_motion(scene))
         warn(scene->context,
-             "%s: has motion, and no shutter: all is still, where it is at time 0; give the camera a shutter "
-             "[OPEN, CLOSE], or --time SECONDS, --shutter SECONDS",
+             "%s: has motion, but no shutter, so everything stands still at time 0; give the camera a "
+             "shutter [OPEN, CLOSE], or --time SECONDS, --shutter SECONDS",
              path);
     return FATHOM_OK;
 }
@@ -260,8 +260,8 @@ static fathom_status check_asked(const fathom_scene *scene, const char *path) {
     }
     if (asked->shutter > 0 && !scene->has_animations && !has_motion(scene)) {
         return fail_file(scene->context, FATHOM_BAD_USAGE, path,
-                         "has nothing that moves while a shutter is open; animations of .gltf and .glb files "
-                         "do, and motion in scene JSON");
+                         "has nothing that moves, so a shutter has no effect; expected animations in a .gltf "
+                         "or .glb file, or motion in scene JSON");
     }
     if (asked->animation && !scene->has_animations) {
         return fail_file(scene->context, FATHOM_BAD_USAGE, path,
@@ -269,11 +269,11 @@ static fathom_status check_asked(const fathom_scene *scene, const char *path) {
     }
     if (asked->choose_time && !scene->has_animations && !has_motion(scene)) {
         return fail_file(scene->context, FATHOM_BAD_USAGE, path,
-                         "has nothing that moves, and is the same at all times; animations of .gltf and .glb "
-                         "files move, and motion in scene JSON");
+                         "has nothing that moves, so a time has no effect; expected animations in a .gltf or "
+                         ".glb file, or motion in scene JSON");
     }
     if (asked->up != FATHOM_UP_Y && scene->has_camera && !asked->environment) {
-        warn(scene->context, "%s: has a camera of its own, so nothing follows from which axis is up", path);
+        warn(scene->context, "%s: has its own camera, so --up has no effect", path);
     }
     scene_warn_shape(scene, path);
     return FATHOM_OK;

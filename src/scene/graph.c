@@ -44,7 +44,7 @@ static fathom_status report_cycle(const fathom_scene *scene, const walk_step *st
         used += (size_t)length;
     }
     return fail(scene->context, FATHOM_BAD_INPUT,
-                "groups contain each other in a cycle: %s; a group may not hold itself", names);
+                "groups contain each other in a cycle: %s; a group cannot contain itself", names);
 }
 
 enum { UNSEEN, OPEN, DONE };

@@ -85,11 +85,10 @@ static fathom_status only_triangles(fathom_context *context, const world *w) {
         }
     }
     if (!what) return FATHOM_OK;
-    return fail(
-        context, FATHOM_BAD_USAGE,
-        "a tracer from a library takes triangles alone, and the scene has %s; expected meshes that are "
-        "placed in the world once, without a frame or an origin of their own",
-        what);
+    return fail(context, FATHOM_BAD_USAGE,
+                "a tracer from a library takes only triangles, and the scene has %s; expected meshes that "
+                "are placed in the world once, without a frame or an origin of their own",
+                what);
 }
 
 static bool chosen(const world *w, uint32_t geometry, bool shadows) {

@@ -77,7 +77,7 @@ run 0 render ball.ply --integrator classic -o b.png --size 32x48 --up z
 differ a.png b.png
 refused 2 '--up: expected' render ball.ply --integrator classic -o c.png --up x
 run 0 render scene.json -o c.png --size 8x8 --up z
-said err.txt 'fathom: warning: scene.json: has a camera of its own'
+said err.txt 'fathom: warning: scene.json: has its own camera'
 
 # 16 samples a pixel for models.
 run 0 render ball.ply --integrator classic -o a.png --size 32x48 --stats a.json

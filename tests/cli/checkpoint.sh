@@ -41,7 +41,7 @@ phase=render
     [ -s c ] || die 'SIGUSR1 left no checkpoint'
     kill -TERM $child
     end 5
-    said err.txt 'interrupted; the image is written as far as it got, to a.partial.exr; --resume continues'
+    said err.txt 'interrupted; the unfinished image is written to a.partial.exr; --resume continues'
     differ whole.exr a.partial.exr
     [ ! -e a.exr ] || die 'a partial image under the name of a finished one'
     [ -s c ] || die 'SIGTERM left no checkpoint'
@@ -49,7 +49,7 @@ phase=render
 
     # Whoever forgets --resume does not lose it; nor does another render take it.
     cp c kept
-    refused 2 'c: there is a file already, which may be hours of work' render $long -o b.exr --checkpoint c
+    refused 2 'c: the file exists, and may hold hours of work' render $long -o b.exr --checkpoint c
     refused 3 "fathom: c: the checkpoint was saved with spp $spp, and this render has 256" \
         render $long -o b.exr --checkpoint c --resume --spp 256 --quiet
     refused 3 'saved with the tracer' render $long -o b.exr --checkpoint c --resume --tracer bvh --quiet

@@ -25,7 +25,7 @@ refused 2 'in.obj: is the input; expected another name for the output' convert i
 printf 'newmtl red\nKd 1 0 0\n' >copy.mtl
 cp copy.mtl kept.mtl
 printf 'mtllib copy.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >named.obj
-refused 2 'copy.mtl: would be read and written; expected another output' convert named.obj copy.obj
+refused 2 'copy.mtl: is input and output at once; expected another output' convert named.obj copy.obj
 cmp copy.mtl kept.mtl || die 'the library of materials was replaced'
 run 0 convert named.obj other.obj
 run 0 convert in.obj copy.obj

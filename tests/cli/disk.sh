@@ -89,13 +89,13 @@ if [ -z "$SANITIZE" ]; then
     said err.txt 'mesh.glb: cannot be written: Input/output error'
     rm -f out.txt err.txt
     [ "$(ls -A)" = "$(printf 'good.exr\nscene.json')" ] || die "left behind: $(ls -A)"
-    # Work that cannot be saved, after two trials of 4096 bytes that went well: that is said, and rendering goes on. Whoever
+    # Work that cannot be saved, after two trials of 4096 bytes that went well: that is said, and rendering continues. Whoever
     # stops it then is told that the work is lost.
     FAULT_CALL=write FAULT_FILE=c.fathom-tmp FAULT_ERROR=28 FAULT_AFTER=9000 LD_PRELOAD=$BUILD/tests/faults/disk.so \
         "$FATHOM" render scene.json -o a.png --size 1024x1024 --tracer linear:f64 --spp 65536 --checkpoint c --checkpoint-every 0.1 \
         >out.txt 2>err.txt &
     program=$!
-    until grep -q 'fathom: c: cannot be written: No space left on device; rendering goes on, and the next save may do better' err.txt; do
+    until grep -q 'fathom: c: cannot be written: No space left on device; rendering continues, and the next save tries again' err.txt; do
         kill -0 $program 2>/dev/null || die 'it ended before it saved'
         sleep 0.05
     done
@@ -103,7 +103,7 @@ if [ -z "$SANITIZE" ]; then
     code=0
     wait $program || code=$?
     [ $code -eq 4 ] || die "stopped without its work saved: exit code $code, expected 4"
-    said err.txt 'fathom: interrupted; the image is written as far as it got, but the work could not be saved to c'
+    said err.txt 'fathom: interrupted; the unfinished image is written, but the work could not be saved to c'
     rm a.partial.png out.txt err.txt
     [ "$(ls -A)" = "$(printf 'good.exr\nscene.json')" ] || die "left behind: $(ls -A)"
     # Known before anything is rendered: no room for a single page.

@@ -23,6 +23,6 @@ same merged.reweighted.exr out.reweighted.exr
 
 # No place for it, or one that is taken.
 refused 2 'expected a file' render scene.json -o - --fireflies reweight
-refused 2 'b.reweighted.exr: --fireflies reweight puts b.exr there' \
+refused 2 'b.reweighted.exr: --fireflies reweight writes b.exr there' \
     render scene.json -o b.exr -o b.reweighted.exr --fireflies reweight
 refused 2 '--fireflies: expected keep|reweight' render scene.json -o b.exr --fireflies clamp

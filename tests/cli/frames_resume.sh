@@ -78,7 +78,7 @@ not_kept f1
 stop_early
 refused 3 'c0: the checkpoint was saved with spp 4, and this render has 9' \
     render $frames $outputs --resume --spp 9 -q
-refused 2 'c0: there is a file already, which may be hours of work' render $frames $outputs -q
+refused 2 'c0: the file exists, and may hold hours of work' render $frames $outputs -q
 sed 's/0.5, 0.5, 0.5/0.5, 0.5, 0.6/' lamp.json >other.json
 refused 3 'c0: the checkpoint was saved with a scene of contents' \
     render other.json ${frames#lamp.json} $outputs --resume -q

@@ -98,9 +98,9 @@ printf '{ "image": { "integrator": "path" }, "background": [1, 1, 1], "lights": 
 "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "g" } ] }' >bright.json
 run 0 info bright.json
 not_said out.txt 'every surface is black'
-said out.txt '"g" sends out 50 % more; expected less kd (0.5 if not given), ks, kr or kt'
+said out.txt '"g" reflects 50 % more; lower kd (0.5 if not given), ks, kr or kt'
 run 0 render bright.json -o a.png --size 8x8 --spp 1
-said err.txt 'materials that send out more light than they get, so that paths brighten at each hit: 1; "g"'
+said err.txt 'materials that reflect more light than they receive, so paths get brighter at each hit: 1; "g"'
 run 0 render bright.json -o a.png --size 8x8 --spp 1 --integrator classic
 silent err.txt
 printf '{ "name": "x", "ambient": [0, 0.1, 0], "lights": [], "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }' >green.json
@@ -295,7 +295,7 @@ run 0 info layers.json
 not_said out.txt 'environments are left out'
 sed 's/^{/{ "image": { "integrator": "classic" },/' layers.json >classic.json
 run 0 info classic.json
-said out.txt 'environments are left out, which only the integrator `path` renders: 1'
+said out.txt 'environments are ignored: only the integrator `path` renders them: 1'
 run 0 info layers.json
 said out.txt '0 spot, 1 environment'
 said out.txt 'materials 1'

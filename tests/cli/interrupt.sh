@@ -31,7 +31,7 @@ for signal in INT TERM HUP XCPU; do
         end 5
         ;;
     esac
-    said err.txt 'interrupted; the image is written as far as it got, to i.partial.exr'
+    said err.txt 'interrupted; the unfinished image is written to i.partial.exr'
     said out.txt 'interrupted at '
     said i.json '"interrupted": true'
     cmp finished.exr i.exr || die 'the finished image is gone'
@@ -41,9 +41,9 @@ for signal in INT TERM HUP XCPU; do
 done
 
 # Nothing that is written to may be where a partial image goes.
-refused 2 'i.partial.exr: an interrupted render puts i.exr there' \
+refused 2 'i.partial.exr: an interrupted render writes i.exr there' \
     render heavy.glb --integrator classic -o i.exr --checkpoint i.partial.exr
-refused 2 'i.partial.png: an interrupted render puts i.png there' render heavy.glb --integrator classic -o i.png -o i.partial.png
+refused 2 'i.partial.png: an interrupted render writes i.png there' render heavy.glb --integrator classic -o i.png -o i.partial.png
 ls -A | grep tmp && die 'a temporary file was left behind'
 
 # timeout without --foreground sends the signal to the process and to its group: twice at once is once.

@@ -19,7 +19,7 @@ ranks() {
     [ $code -eq "$wanted" ] || die "$count ranks of fathom $*: exit code $code, expected $wanted"
 }
 
-refused 2 "--mpi: a part is one process's work" render scene.json -o a.part --part 1/2 --mpi
+refused 2 "--mpi: one process renders a part" render scene.json -o a.part --part 1/2 --mpi
 for arguments in '--spp 16 --aov all --crop 5,3,90,61' '--integrator path --spp 8' '--target-error 0.02 --spp 64 --aov samples'; do
     # shellcheck disable=SC2086
     run 0 render scene.json $arguments -o one.exr --exr-float

@@ -51,9 +51,9 @@ for scene in chain.json nodes.gltf children-512.json; do
 done
 refused 3 'cycle.json:1: groups: groups contain each other in a cycle: "g1" -> "g2"' render cycle.json -o a.exr
 refused 3 'winding.json:1: groups: groups contain each other in a cycle: "g0"' render winding.json -o a.exr
-refused 3 'children within children, more than 512 levels' render children-513.json -o a.exr
-refused 3 'children within children, more than 512 levels' info children-513.json
-refused 3 'brackets stand within brackets too deep; expected at most 2048 levels' info children-10000.json
-refused 3 'arrays.json:1:2057: brackets stand within brackets too deep' info arrays.json
+refused 3 'children are nested more than 512 levels' render children-513.json -o a.exr
+refused 3 'children are nested more than 512 levels' info children-513.json
+refused 3 'brackets are nested too deep; expected at most 2048 levels' info children-10000.json
+refused 3 'arrays.json:1:2057: brackets are nested too deep' info arrays.json
 refused 3 'nodes-cycle.gltf:1: nodes[0].children: leads back to nodes[0]' render nodes-cycle.gltf --integrator classic -o a.exr
-refused 3 'brackets stand within brackets too deep' info extras.gltf
+refused 3 'brackets are nested too deep' info extras.gltf

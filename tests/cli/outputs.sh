@@ -52,7 +52,7 @@ run 0 generate sphere -t 20 -o ball.obj
 printf '{ "image": { "integrator": "classic" }, "objects": [ { "type": "mesh", "file": "ball.obj" } ] }' >mesh.json
 cat ball.obj ball.mtl >before.txt
 for file in ball.obj ball.mtl; do
-    clash="$file: would be read and written; expected another output"
+    clash="$file: is input and output at once; expected another output"
     refused 2 "fathom: mesh.json:1: objects[0].file: $clash" render mesh.json -o a.png --stats $file
     refused 2 "$clash" render mesh.json -o a.png --checkpoint ./$file --resume
     refused 2 "$clash" validate mesh.json --rays 1 --json $file
@@ -199,7 +199,7 @@ kill $render
 code=0
 wait $render || code=$?
 [ $code -eq 5 ] || die "interrupted: exit code $code, expected 5"
-said err.txt 'interrupted; the image is written as far as it got, to stdout.png'
+said err.txt 'interrupted; the unfinished image is written to stdout.png'
 run 0 compare b.png b.png
 rmdir temporary || die "interrupted: left $(ls temporary)"
 unset TMPDIR

@@ -10,7 +10,7 @@ refused 2 '--part: expected K/N' render none -o a.part --part 4/3
 refused 2 '--part: expected K/N' render none -o a.part --part 4
 refused 2 '--part: only with -o FILE.part' render none -o a.exr --part 1/3
 refused 2 '--split: only with -o FILE.part' render none -o a.exr --split tiles
-refused 2 '-o a.part: a part is the only output' render none -o a.part -o a.exr --part 1/3
+refused 2 '-o a.part: a part must be the only output' render none -o a.part -o a.exr --part 1/3
 refused 2 '--checkpoint: a part is its own checkpoint' render none -o a.part --part 1/3 --checkpoint c
 refused 2 '-o a.part: --part K/N is missing, and there is no SLURM_ARRAY_TASK_ID' render none -o a.part
 refused 4 'none/a.part: cannot be written: its folder does not exist' render scene.json -o none/a.part --part 1/3
@@ -58,11 +58,11 @@ unset SLURM_ARRAY_TASK_ID SLURM_ARRAY_TASK_COUNT SLURM_ARRAY_TASK_MIN
     same whole.png merged.png
     refused 3 'p1.part: is one of 3 parts, and missing are: 2' merge p1.part p3.part -o a.exr
     refused 3 'p1.part: is part 1 of 3, and so is p1.part' merge p1.part p1.part -o a.exr
-    refused 3 'p2.part: the part that is there was rendered with the number 2 of 3' \
+    refused 3 'p2.part: the existing part was rendered with the number 2 of 3' \
         render $scene -o p2.part --part 2/4 -q
     head -c $(($(wc -c <kept) * 2 / 3)) kept >p2.part
     refused 3 'p2.part: part 2 of 3 holds ' merge p1.part p2.part p3.part -o a.exr
-    said err.txt 'and then bytes that are damaged or cut off; render it again by the same command'
+    said err.txt 'and then bytes that are damaged or cut off; run the same command again'
     run 0 render $scene -o p2.part --part 2/3 -v
     said out.txt 'resumed after '
     run 0 merge p*.part -o merged.exr --exr-float
@@ -71,7 +71,7 @@ unset SLURM_ARRAY_TASK_ID SLURM_ARRAY_TASK_COUNT SLURM_ARRAY_TASK_MIN
 
 # Another instruction set is another tracer.
 FATHOM_ISA=sse2 "$FATHOM" render $scene -o p2.part --part 2/3 -q >out.txt 2>err.txt && [ "$(grep -c avx2 /proc/cpuinfo)" = 0 ] ||
-    said err.txt 'p2.part: the part that is there was rendered with the tracer Embree'
+    said err.txt 'p2.part: the existing part was rendered with the tracer Embree'
 
 # A disk that is full: what went before is kept.
 [ -n "$SANITIZE" ] || {
@@ -99,7 +99,7 @@ long="scene.json --size 320x240 --spp 4096"
     refused 2 'p1.part: another render saves its work there' render $long -o p1.part --part 1/2 --split tiles -q
     kill -TERM $child
     end 5
-    said err.txt 'interrupted; what is finished is in p1.part, and the same command goes on from it'
+    said err.txt 'interrupted; what is finished is in p1.part; run the same command again to continue'
 }
 rm p1.part
 

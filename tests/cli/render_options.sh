@@ -204,7 +204,7 @@ for option in view display ocio; do
 done
 for option in '--exr-float' '--exposure 1' '--exposure auto' '--view x' '--ocio x'; do
     # shellcheck disable=SC2086
-    refused 2 "${option% *}: is about the image, which fathom merge writes" render scene.json -o c.part --part 1/2 $option
+    refused 2 "${option% *}: is for the image, which fathom merge writes" render scene.json -o c.part --part 1/2 $option
 done
 refused 2 '--exr-float: only with -o FILE.exr' merge 0.part -o c.png --exr-float
 refused 2 '--min-weight: only with --integrator classic' render scene.json -o c.png --integrator path --min-weight 0.1

@@ -42,7 +42,7 @@ rm near.so
 # A bare model stands on a floor, which is no instance.
 run 0 render ball.ply -o c.exr --size 16x16 --spp 1 --tracer "$plugins/correct.so"
 rm c.exr
-refused 2 'takes triangles alone, and the scene has' render scene.json -o c.exr --tracer "$plugins/correct.so"
+refused 2 'takes only triangles, and the scene has' render scene.json -o c.exr --tracer "$plugins/correct.so"
 refused 3 'tracer ./none.so: cannot be loaded' render ball.ply --integrator classic -o c.exr --tracer none.so
 mkfifo pipe.so
 refused 3 'tracer ./pipe.so: cannot be loaded: is not a regular file' render ball.ply --integrator classic -o c.exr --tracer pipe.so

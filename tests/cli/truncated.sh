@@ -16,7 +16,7 @@ rescued() {
     silent out.txt
     [ "$(wc -l <err.txt)" -eq 2 ] || die 'expected two lines on stderr'
     said err.txt "$1"
-    said err.txt 'fathom: the pixels rendered until then, of which some may be wrong, are in a.rescue.exr, as scene-linear'
+    said err.txt 'fathom: the pixels rendered so far, some of which may be wrong, are in a.rescue.exr, as scene-linear'
     [ ! -e a.exr ] && [ ! -e b.png ] && [ ! -e a.json ] || die 'an image of a file that is another now'
 }
 

@@ -55,7 +55,7 @@ static void sums_follow_the_formulas(void **state) {
         {classic(0.5f, 0, 0), NULL},
         {classic(1, 0, 0), NULL},
         {classic(0.7f, 0.2f, 0.1f), NULL}, /* rounded, it is a little more than 1 */
-        {classic(0.6f, 0.3f, 0.2f), "\"m\" sends out 10 % more"},
+        {classic(0.6f, 0.3f, 0.2f), "\"m\" reflects 10 % more"},
         {classic(0.5f, 0, 1), "50 % more"},
         {both, "20 % more"},
         {fresnel, "50 % more"},
@@ -86,14 +86,14 @@ static void materials_in_use_are_counted(void **state) {
     add_sphere(FATHOM_ROOT, third), add_sphere(FATHOM_ROOT, add("other", &other));
     tells(NULL);
     add_sphere(FATHOM_ROOT, first), add_sphere(FATHOM_ROOT, first);
-    tells("brighten at each hit: 1; \"bad\" sends out 10 % more");
+    tells("get brighter at each hit: 1; \"bad\" reflects 10 % more");
     fathom_instance instance;
     fathom_instance_default(&instance);
     assert_ok(context, fathom_scene_add_group(scene, "g", &instance.group));
     add_sphere(instance.group, third);
     instance.material = second;
     assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
-    tells("brighten at each hit: 2; \"worse\" sends out 80 % more");
+    tells("get brighter at each hit: 2; \"worse\" reflects 80 % more");
 }
 
 /* What images give is not known. */
@@ -108,10 +108,10 @@ static void images_count_as_black(void **state) {
     tells(NULL);
     m.k_r[1] = 0.9f;
     add_sphere(FATHOM_ROOT, add("n", &m));
-    tells("1; \"n\" sends out 15 % more");
+    tells("1; \"n\" reflects 15 % more");
     m.maps[FATHOM_MAP_SPECULAR_COLOR] = m.maps[FATHOM_MAP_COLOR], m.k_t[1] = 0.2f;
     add_sphere(FATHOM_ROOT, add("o", &m));
-    tells("2; \"n\" sends out 15 % more"); /* o: 1.1 */
+    tells("2; \"n\" reflects 15 % more"); /* o: 1.1 */
 }
 
 int main(void) {

@@ -182,7 +182,7 @@ UNIT_TEST(classic_shows_backs_and_says_so) {
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_CLASSIC);
     check_all(&s, "R", 8);
     assert_string_equal(
-        told, "materials with one side whose back is shown, as only path tracing looks through it: 1");
+        told, "one-sided materials whose back is shown, because only path tracing looks through it: 1");
     stage_close(&s);
 }
 

@@ -134,7 +134,7 @@ UNIT_TEST(other_shapes_are_refused) {
         cloud.point_radius = 1;
         if (i == 3) assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &cloud, NULL));
         char message[64];
-        snprintf(message, sizeof message, "takes triangles alone, and the scene has %s", names[i]);
+        snprintf(message, sizeof message, "takes only triangles, and the scene has %s", names[i]);
         refused(&s, LIBRARY("correct"), FATHOM_BAD_USAGE, message);
         stage_close(&s);
     }

@@ -196,7 +196,7 @@ static void broken_draco_is_refused(void **state) {
         if (status == FATHOM_OK) fathom_scene_destroy(scene);
     }
     write_draco(f, draco, sizeof draco, 5, 0);
-    assert_bad_input(f, "is accessors[0] of 5 × 3 numbers; what is unpacked has 4 × 3");
+    assert_bad_input(f, "is accessors[0] of 5 × 3 numbers; the compressed data has 4 × 3");
     write_draco(f, draco, sizeof draco, 4, 7);
     assert_bad_input(f, "attributes.POSITION: is 7; the data has no such attribute");
 }

@@ -133,7 +133,7 @@ UNIT_TEST(broken_accessors_are_refused) {
         {ONE_VIEW("'buffer':0,'byteLength':120", "'sparse':{'count':4}," VEC3(3)),
          "accessors[0].sparse.count: is 4"},
         {ONE_VIEW("'buffer':0,'byteLength':120", "'sparse':{'count':1}," VEC3(3)),
-         "accessors[0].sparse: is not whole"},
+         "accessors[0].sparse: is incomplete"},
         {"{" ASSET ",'buffers':[{'byteLength':120,'uri':'data:;base64,AA!A'}]," VIEWS "," ACCESSORS
          "," TRIANGLE_MESH "}",
          "buffers[0].uri: is not base64 from its character 15 on"},
@@ -151,11 +151,11 @@ UNIT_TEST(memory_out_of_proportion_is_refused) {
     const bad_file files[] = {
         {"{" ASSET ",'accessors':[{" VEC3(1000000) "}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}"
                                                    "]}]}",
-         "meshes[0].primitives[0].attributes.POSITION: brings what the file asks for to 12000000 bytes"},
+         "meshes[0].primitives[0].attributes.POSITION: raises what the file needs to 12000000 bytes"},
         {"{" ASSET ",'accessors':[{" VEC3(
              30000) "},{'componentType':5125,'type':'SCALAR','count':1000000}],"
                     "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}]}",
-         "brings what the file asks for to"},
+         "raises what the file needs to"},
     };
     assert_all_rejected(f, files, sizeof files / sizeof *files);
     write_triangle(f, "{" ASSET ",'accessors':[{" VEC3(3000) "}],'meshes':[{'primitives':[{'attributes':{"
@@ -175,7 +175,7 @@ UNIT_TEST(normals_out_of_proportion_are_refused) {
                                                              "'POSITION':0}}]}]}");
     assert_ok(f->context, fathom_scene_create(f->context, &scene));
     assert_fails(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &smooth), FATHOM_BAD_INPUT,
-                 "meshes[0].primitives[0]: brings what the file asks for to 156000 bytes of memory");
+                 "meshes[0].primitives[0]: raises what the file needs to 156000 bytes of memory");
     fathom_scene_destroy(scene);
 #define PART "{'attributes':{'POSITION':0}}"
     write_triangle(f, "{" ASSET ",'accessors':[{" VEC3(999) "}],'meshes':[{'primitives':[" PART "," PART
@@ -221,7 +221,7 @@ UNIT_TEST(broken_nodes_are_refused) {
         {NODES("{'mesh':0,'matrix':[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1]}"),
          "nodes[0].matrix: has the last row 1 0 0 1"},
         {NODES("{'translation':[0,'x',0]}"), "nodes[0].translation[1]: is a string; expected a number"},
-        {NODES("{'scale':[1e308,1,1],'children':[1]},{'scale':[1e308,1,1],'mesh':0}"), "out of the range"},
+        {NODES("{'scale':[1e308,1,1],'children':[1]},{'scale':[1e308,1,1],'mesh':0}"), "beyond the range"},
         {NODES("{}],'scenes':[{}],'scene':[1"), "scene: is an array; expected an integer"},
         {NODES("{'camera':0}"), "nodes[0].camera: is 0; expected an index into cameras"},
         {NODES("{'camera':0}],'cameras':[{'type':'fisheye'}"), "cameras[0].type: is \"fisheye\""},

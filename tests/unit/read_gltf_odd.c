@@ -67,7 +67,7 @@ UNIT_TEST(clear_slips_are_read_and_told) {
          "nodes[1].extensions.EXT_mesh_gpu_instancing: instances without TRANSLATION, ROTATION and SCALE"},
         {MESH("'attributes':{'POSITION':0},'targets':[{'TEXCOORD_0':5,'_X':5},{'COLOR_0':4}]}],'weights':[1,"
               "0],'x':[{"),
-         "meshes[0].primitives[0].targets[0].TEXCOORD_0: morph targets of TEXCOORD_0 are not followed (1 "
+         "meshes[0].primitives[0].targets[0].TEXCOORD_0: morph targets of TEXCOORD_0 are ignored (1 "
          "such)"},
         {BUFFER("'byteLength':121"), "buffers[0].byteLength: a buffer has fewer bytes than it says"},
         {BUFFER("'name':'b'"), "buffers[0].byteLength: a buffer's length is missing"},
@@ -322,7 +322,7 @@ UNIT_TEST(copies_of_nodes_are_limited) {
         f, &b, "'meshes':[{'primitives':[{'attributes':{'POSITION':%d}}]}],'nodes':[%s{'mesh':0},{'mesh':0}]",
         positions, nodes);
     assert_fails(f->context, read_asked(f, &asked, &scene), FATHOM_BAD_INPUT,
-                 "brings what the file asks for to");
+                 "raises what the file needs to");
 }
 
 /* A mark before the JSON and zeros behind it. */

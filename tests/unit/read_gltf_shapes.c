@@ -134,7 +134,7 @@ UNIT_TEST(targets_are_told_of_if_they_count_at_any_moment) {
         fathom_scene *scene;
         assert_ok(f->context, read_open(f, open, &scene));
         assert_int_equal(f->warnings, open);
-        if (open) assert_non_null(strstr(f->warning, "morph targets of COLOR_0 are not followed (1 such)"));
+        if (open) assert_non_null(strstr(f->warning, "morph targets of COLOR_0 are ignored (1 such)"));
         fathom_scene_destroy(scene);
     }
 }
@@ -156,7 +156,7 @@ UNIT_TEST(poses_without_end_are_refused) {
         input, output);
     fathom_scene *scene;
     assert_fails(f->context, read_open(f, 1, &scene), FATHOM_BAD_INPUT,
-                 "meshes[0].primitives[0]: brings the poses of the file's nodes to ");
+                 "meshes[0].primitives[0]: raises the poses of the file's nodes to ");
 }
 
 int main(void) { return unit_main_each(set_up, tear_down); }

@@ -144,10 +144,10 @@ UNIT_TEST(deep_nests) {
     fathom_scene_destroy(scene);
     free(text);
     text = nest(513);
-    json_scene_bad(&s, text, "children within children, more than 512 levels");
+    json_scene_bad(&s, text, "children are nested more than 512 levels");
     free(text);
     text = nest(100000);
-    json_scene_bad(&s, text, "brackets stand within brackets too deep");
+    json_scene_bad(&s, text, "brackets are nested too deep");
     free(text);
 }
 

@@ -182,7 +182,7 @@ UNIT_TEST(clear_metallic_materials_transmit) {
     fathom_material m = material_of("Kd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nPr 0\nNi 1.45\nillum 2\nTf 1 1 1\n");
     assert_int_equal(m.model, FATHOM_MODEL_METALLIC_ROUGHNESS);
     assert_true(m.transmission == 1 && m.thickness > 0 && m.ior == 1.45f);
-    expect_warning("m.mtl:7: Tf beside Pr");
+    expect_warning("m.mtl:7: Tf next to Pr");
     assert_null(strstr(mesh_warnings, "highlight"));
     m = material_of("Pr 0.5\nTf 0 0 0\n");
     assert_true(m.transmission == 0 && m.thickness == 0);
@@ -302,7 +302,7 @@ UNIT_TEST(statements_without_numbers_are_left_out) {
 UNIT_TEST(numbers_out_of_range_become_the_nearest) {
     fathom_material m = material_of("Kd -1 0.5 2\nKs 1 1 1\nNs nan\nd 1.5\nillum 11\nNi -3\n");
     expect_color("Kd", "k_d", m.k_d, 0, 0.5, 1);
-    expect_warning("m.mtl:2: Kd above 1, more light than arrives, is read as 1; colours are 0 to 1 (1 such)");
+    expect_warning("m.mtl:2: Kd above 1 would reflect more light than arrives, and is read as 1 (1 such)");
     expect_color("d", "k_t", m.k_t, 0, 0, 0);
     assert_int_equal(m.specular, FATHOM_SPECULAR_NONE);
     expect_warning("m.mtl:2: Kd: expected a number in [0, 1e+09]; the nearest is taken (1 such, the first "

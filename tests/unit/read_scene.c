@@ -92,7 +92,7 @@ UNIT_TEST(what_a_file_lacks_is_not_passed_over) {
     options.camera = NULL, options.up = FATHOM_UP_Z;
     mesh_warnings[0] = '\0';
     assert_ok(context, fathom_scene_read_with(context, file, &options, &scene));
-    expect_warning("a.json: has a camera of its own");
+    expect_warning("a.json: has its own camera");
     fathom_scene_destroy(scene);
     mesh_warnings[0] = '\0';
     assert_ok(context, fathom_scene_read_with(context, model, &options, &scene));
@@ -150,7 +150,7 @@ UNIT_TEST(scene_files_shape_their_image) {
                  {"\"width\":300", NULL, 300, 150},
                  {"\"height\":300", NULL, 600, 300},
                  {"\"width\":301,\"height\":151", NULL, 301, 151},
-                 {"\"width\":300,\"height\":300", "the image is stretched by 0.5 across", 300, 300}};
+                 {"\"width\":300,\"height\":300", "the image is stretched horizontally by 0.5", 300, 300}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char json[512];
         snprintf(json, sizeof json,

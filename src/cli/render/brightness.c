@@ -45,7 +45,7 @@ static float strongest(const fathom_scene *scene) {
 static void warn_black(warning_list *warnings, const fathom_scene *scene, const char *path) {
     warnings_tell(warnings, "%s: all that is in view is black: %s", path,
                   fathom_scene_lights(scene)
-                      ? "no light reaches it, or its materials send none on"
+                      ? "no light reaches it, or its materials reflect none"
                       : "the scene has no lights; give it some, or leave its empty list of lights out");
 }
 

@@ -48,7 +48,7 @@ static fathom_status check_one(fathom_context *context, const char *path, const 
     for (size_t i = 0; i < count && status == FATHOM_OK; ++i) {
         if (!outputs_are_same(name, files[i])) continue;
         status = cli_fail_file(context, FATHOM_BAD_USAGE, files[i],
-                               "%s puts %s there; expected another name for one of the two", why, path);
+                               "%s writes %s there; expected another name for one of the two", why, path);
     }
     return status;
 }

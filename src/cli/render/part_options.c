@@ -61,13 +61,13 @@ bool part_options_finish(render_options *options, args_problem *problem) {
     }
     if (outputs->count > 1)
         return args_wrong(problem,
-                          "-o %.300s: a part is the only output; expected fathom merge to write the images",
+                          "-o %.300s: a part must be the only output; fathom merge writes the images",
                           outputs->items[i]);
     if (options->mpi)
-        return args_wrong(problem, "--mpi: a part is one process's work; expected one of the two");
-    if (options->checkpoint)
         return args_wrong(problem,
-                          "--checkpoint: a part is its own checkpoint; expected the same command without it");
+                          "--mpi: one process renders a part; expected either --mpi or -o FILE.part");
+    if (options->checkpoint)
+        return args_wrong(problem, "--checkpoint: a part is its own checkpoint; leave this option out");
     part->path = outputs->items[i];
     outputs->count = 0;
     return part->count || take_slurm(part, problem);

@@ -34,9 +34,8 @@ static bool finish_adaptive(render_options *options, const fathom_settings *scen
     options->max_time = s->max_time;
     if (!(s->target_error > 0 || s->max_time > 0)) return true;
     if (render_options_give(options, "pattern") && s->pattern != FATHOM_PATTERN_SOBOL) {
-        return args_wrong(
-            problem, "--pattern: --target-error and --max-time need --pattern sobol, whose samples can be "
-                     "added to");
+        return args_wrong(problem, "--pattern: --target-error and --max-time need --pattern sobol, the only "
+                                   "one that can add samples");
     }
     const bool asked =
         render_options_give(options, "target_error") || render_options_give(options, "max_time");
@@ -49,8 +48,8 @@ static bool finish_adaptive(render_options *options, const fathom_settings *scen
 /* 8bit needs the built-in view: only there is it known how a loss is displayed. */
 static bool finish_loss(render_options *options, args_problem *problem) {
     if (options->loss == FATHOM_LOSS_8BIT && !fathom_write_is_srgb(&options->write)) {
-        return args_wrong(problem, "--leave-out-below 8bit: what shows is known of the built-in sRGB view "
-                                   "alone; expected no --ocio, --display, --view and no $OCIO");
+        return args_wrong(problem, "--leave-out-below 8bit: works only with the built-in sRGB view; expected "
+                                   "no --ocio, --display, --view and no $OCIO");
     }
     if (options->loss == FATHOM_LOSS_8BIT && options->exposure == EXPOSURE_AUTO)
         return args_wrong(problem, "--leave-out-below 8bit: needs the exposure before rendering; expected "
@@ -138,8 +137,8 @@ static bool check_part(const render_options *options, args_problem *problem) {
                        : exposed                  ? "exposure"
                                                   : color_option(&options->write);
     return !lost || args_wrong(problem,
-                               "--%s: is about the image, which fathom merge writes; expected it there, and "
-                               "not with -o FILE.part",
+                               "--%s: is for the image, which fathom merge writes; give it to fathom merge "
+                               "instead of with -o FILE.part",
                                lost);
 }
 

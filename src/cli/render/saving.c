@@ -25,7 +25,7 @@ static void saved(void *user, fathom_status status, const char *message, double 
     saving *s = user;
     char text[SAID];
     if (status != FATHOM_OK && !s->failed) {
-        snprintf(text, sizeof text, "%s; rendering goes on, and the next save may do better", message);
+        snprintf(text, sizeof text, "%s; rendering continues, and the next save tries again", message);
         say_error(text);
     }
     if (status == FATHOM_OK && s->asked) {
@@ -64,7 +64,7 @@ const fathom_checkpoint *saving_request(const saving *s) { return s->request.pat
 
 void saving_tick(const saving *s) {
     if (!s->request.path && interrupt_take_save())
-        say_error("SIGUSR1: nothing is saved without --checkpoint FILE; rendering goes on");
+        say_error("SIGUSR1: nothing is saved without --checkpoint FILE; rendering continues");
 }
 
 /* ---- frames ---- */
@@ -124,8 +124,7 @@ fathom_status saving_end(const saving *s, bool interrupted, fathom_status status
     }
     if (interrupted && s->failed) {
         snprintf(text, sizeof text,
-                 "interrupted; the image is written as far as it got, but the work could not be saved to %s",
-                 path);
+                 "interrupted; the unfinished image is written, but the work could not be saved to %s", path);
         say_error(text);
         return FATHOM_OUT_OF_RESOURCES;
     }

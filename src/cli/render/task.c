@@ -150,7 +150,7 @@ static fathom_status write_all(task *s) {
 static void tell_interrupted(const render_options *options) {
     char text[8192];
     const int room = sizeof text;
-    int used = snprintf(text, sizeof text, "interrupted; the image is written as far as it got, to ");
+    int used = snprintf(text, sizeof text, "interrupted; the unfinished image is written to ");
     for (size_t i = 0; i < options->outputs.count && used >= 0 && used < room; ++i) {
         used += snprintf(text + used, (size_t)(room - used), "%s%s", i ? ", " : "",
                          standard_output_shown(&options->outputs, i));
@@ -191,7 +191,7 @@ static fathom_status finish_part(task *s) {
     if (!s->report.interrupted || status != FATHOM_OK) return status;
     char text[8192];
     snprintf(text, sizeof text,
-             "interrupted; what is finished is in %s, and the same command goes on from it",
+             "interrupted; what is finished is in %s; run the same command again to continue",
              s->options.part.path);
     say_error(text);
     return FATHOM_INTERRUPTED;
@@ -216,7 +216,7 @@ static fathom_status say_failure(task *s, fathom_status status) {
     if (status == FATHOM_BAD_INPUT || status == FATHOM_OUT_OF_RESOURCES)
         cli_fail_within(s->context, s->options.scene);
     say(s, status);
-    if (s->film) rescue(s, "the pixels rendered until then, of which some may be wrong,");
+    if (s->film) rescue(s, "the pixels rendered so far, some of which may be wrong,");
     return status;
 }
 

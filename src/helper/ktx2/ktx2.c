@@ -227,8 +227,8 @@ static fathom_status read_level(const uint8_t *bytes, size_t size, ktx2_image *o
                       packing);
 #ifndef FATHOM_ZSTD
     if (packing == KTX2_ZSTD)
-        return refuse(why, "is packed by Zstandard, without which this Fathom was built (Debian: "
-                           "libzstd-dev); build it with, or encode the image without");
+        return refuse(why, "is compressed by Zstandard, but this Fathom was built without it; build it with "
+                           "libzstd-dev (Debian), or encode the image without Zstandard");
 #endif
     out->packing = (ktx2_packing)packing;
     if (lz != (out->packing == KTX2_BASIS_LZ))

@@ -45,9 +45,8 @@ fathom_status checkpoint_check_path(fathom_context *context, const fathom_checkp
                     options->every);
     *exists = lstat(options->path, &info) == 0;
     if (*exists && !options->resume) {
-        return fail_file(
-            context, FATHOM_BAD_USAGE, options->path,
-            "there is a file already, which may be hours of work; resume it (--resume), or remove it");
+        return fail_file(context, FATHOM_BAD_USAGE, options->path,
+                         "the file exists, and may hold hours of work; continue it (--resume), or remove it");
     }
     return fathom_file_check(context, options->path);
 }

@@ -40,7 +40,7 @@ static fathom_status check_format(reading *r) {
     const unsigned char *magic = take(r, strlen(CHECKPOINT_MAGIC));
     if (!magic || memcmp(magic, CHECKPOINT_MAGIC, strlen(CHECKPOINT_MAGIC)) != 0) {
         return fail_file(r->context, FATHOM_BAD_INPUT, r->name,
-                         "is not a checkpoint; expected a file that rendering with a checkpoint left");
+                         "is not a checkpoint; expected a file that a render with a checkpoint wrote");
     }
     if (!copy(r, &format, sizeof format)) return damaged(r, "it ends too early");
     if (format == CHECKPOINT_FORMAT) return FATHOM_OK;

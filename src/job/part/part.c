@@ -80,7 +80,7 @@ static fathom_status choose_split(fathom_context *context, const fathom_part *op
 
 static fathom_status of_another(const part *p, const char *name, const char *theirs, const char *ours) {
     return fail_file(p->context, FATHOM_BAD_INPUT, p->path,
-                     "the part that is there was rendered with %s %s, and this one has %s; expected the same "
+                     "the existing part was rendered with %s %s, and this render has %s; expected the same "
                      "render, or another file",
                      name, theirs, ours);
 }
@@ -143,7 +143,7 @@ static bool is_begun(const part *p) {
 static fathom_status cannot_write(const part *p, int error) {
     return fail_file(
         p->context, FATHOM_OUT_OF_RESOURCES, p->path,
-        "cannot be written: %s; what was finished before is kept, and the same command goes on from it",
+        "cannot be written: %s; what was finished before is kept; run the same command again to continue",
         strerror(error));
 }
 

@@ -125,12 +125,10 @@ static fathom_status check_whole(const merging *m, const source *s, size_t end) 
         finished += m->done[i];
     }
     if (finished == tiles && end == s->map.size) return FATHOM_OK;
-    return fail_file(
-        m->context, FATHOM_BAD_INPUT, s->path,
-        "part %u of %u holds %u of its %u tiles%s; render it again by the same command, which goes on "
-        "from them",
-        s->head->index, s->head->count, finished, tiles,
-        end == s->map.size ? "" : ", and then bytes that are damaged or cut off");
+    return fail_file(m->context, FATHOM_BAD_INPUT, s->path,
+                     "part %u of %u holds %u of its %u tiles%s; run the same command again to complete it",
+                     s->head->index, s->head->count, finished, tiles,
+                     end == s->map.size ? "" : ", and then bytes that are damaged or cut off");
 }
 
 static void load_pixels(const merging *m, const source *s, uint32_t wave, const unsigned char *pixels) {

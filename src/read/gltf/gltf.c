@@ -40,7 +40,7 @@ static void check_version(gltf *g) {
     else if (strncmp(version, "2.", 2) != 0)
         gltf_fail(g, &asset, "version", "is \"%.40s\"; expected \"2.0\"", version);
     else if (least && strcmp(least, "2.0") != 0)
-        gltf_fail(g, &asset, "minVersion", "is \"%.40s\"; 2.0 is what is understood", least);
+        gltf_fail(g, &asset, "minVersion", "is \"%.40s\"; this Fathom reads 2.0", least);
 }
 
 static void open_arrays(gltf *g) {

@@ -170,7 +170,7 @@ static void open_sparse(gltf *g, const gltf_value *at, accessor *out) {
     gltf_object(g, &sparse, "indices", &indices);
     gltf_object(g, &sparse, "values", &values);
     if (!count || !indices.json || !values.json)
-        gltf_fail(g, &sparse, NULL, "is not whole; expected count, indices and values");
+        gltf_fail(g, &sparse, NULL, "is incomplete; expected count, indices and values");
     read_component_type(g, &indices, &out->sparse_type);
     if (!(takes_bit(out->sparse_type) & (GLTF_TAKES_UNSIGNED | GLTF_TAKES_UINT)))
         gltf_fail(g, &indices, "componentType", "is %s; expected an unsigned type",
@@ -381,7 +381,7 @@ fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, 
     void *memory;
     if (!find_accessor(g, user, key, &index, &at, &a)) return g->status;
     if (a.count != given->count || a.components != given->components)
-        return gltf_fail(g, user, key, "is accessors[%u] of %u × %u numbers; what is unpacked has %u × %u",
+        return gltf_fail(g, user, key, "is accessors[%u] of %u × %u numbers; the compressed data has %u × %u",
                          index, a.count, a.components, given->count, given->components);
     gltf_elements *kept = &g->array_table[index].unpacked[given->integers];
     if (kept->unpacked_of == given->view + 1 || gltf_allocate(g, user, key, total * 4, &memory) != FATHOM_OK)

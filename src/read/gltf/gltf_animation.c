@@ -148,7 +148,7 @@ static void read_sampler(gltf *g, const gltf_value *samplers, uint32_t index, sa
                values = gltf_array_read(g, &s->at, "output", (unsigned)s->per_key, GLTF_TAKES_QUANTIZED,
                                         &s->values);
     if (!times || !values || !s->times.count)
-        gltf_fail(g, &s->at, NULL, "is not whole; expected input and output, indices into accessors");
+        gltf_fail(g, &s->at, NULL, "is incomplete; expected input and output, indices into accessors");
     if (gltf_fine(g)) check_times(g, s);
     if (gltf_fine(g)) check_values(g, s);
 }
@@ -245,10 +245,9 @@ static double time_to_pose(gltf *g, const gltf_moment *m, const sampler *s, uint
     if (keys > g->keys_inside) g->keys_inside = keys;
     if (s->way != STEP) return m->time;
     if (keys)
-        gltf_note_node(
-            g, node,
-            "a node jumps while the shutter is open, by STEP, and is not blurred; it stands as the "
-            "shutter opens");
+        gltf_note_node(g, node,
+                       "a node jumps while the shutter is open, by STEP, and is not blurred; it is shown as "
+                       "it is when the shutter opens");
     return open;
 }
 
@@ -279,7 +278,7 @@ static void pose_channel(gltf *g, gltf_moment *m, const gltf_value *samplers, co
     if (to.part < 0 && to.pointer && m == g->moments.items)
         gltf_pointer_pose(g, &to.at, to.pointer, samplers, index);
     else if (to.part < 0 && !to.pointer)
-        gltf_note(g, &to.at, "path", "the animation of \"%.40s\" is not followed", to.path);
+        gltf_note(g, &to.at, "path", "the animation of \"%.40s\" is ignored", to.path);
     if (to.part < 0 || to.node == GLTF_ABSENT || is_fixed(g, &to)) return;
     sampler s = sampler_for(to.part);
     read_sampler(g, samplers, index, &s);

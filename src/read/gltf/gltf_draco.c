@@ -96,10 +96,9 @@ static fathom_status start_job(gltf *g, const gltf_value *at, uint32_t view) {
     draco_job job = {.started = true};
     if (gltf_view_open(g, view, &view_at, &packed) != FATHOM_OK) return g->status;
     if (!helper_find_file(DRACO_FILE, path))
-        return gltf_fail(
-            g, at, NULL,
-            "needs Draco, without which this Fathom was built (Debian: libdraco-dev); build it with, or "
-            "export the model without compression");
+        return gltf_fail(g, at, NULL,
+                         "needs Draco, but this Fathom was built without it; build it with libdraco-dev "
+                         "(Debian), or export the model without compression");
     const int question = file_in_memory(packed.bytes, packed.length);
     job.answer = file_in_memory(NULL, 0);
     fathom_status status = FATHOM_OK;

@@ -89,7 +89,7 @@ static void note_of(gltf *g, const gltf_value *holder) {
     json_object_foreach(holder->json, name, value) {
         const char *instead = find_instead(name);
         if (!is_known(name))
-            gltf_note(g, holder->parent, NULL, "the extension %.80s is not followed%s%s", name,
+            gltf_note(g, holder->parent, NULL, "the extension %.80s is ignored%s%s", name,
                       instead ? ": " : "", instead ? instead : "");
     }
 }

@@ -76,7 +76,7 @@ static double lumens_a_watt(gltf *g, const gltf_value *at) {
     gltf_text(g, &asset, "generator", &generator);
     if (!counts_in_lumens(generator)) return 1;
     gltf_note(g, at, "intensity",
-              "is taken back from lumens to watts by 683 lm/W, because Blender writes emission in watts");
+              "is divided by 683 lm/W, because Blender writes emission in watts, but lights in lumens");
     return 683;
 }
 
@@ -106,10 +106,9 @@ void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *way) {
     gltf_item(g, &g->lights, index, &at);
     if (!read_light(g, &at, &light)) return;
     if (gltf_way_moves(way))
-        gltf_note_node(
-            g, (uint32_t)node->index,
-            "a light moves while the shutter is open, and is not blurred; it stands as the shutter "
-            "opens");
+        gltf_note_node(g, (uint32_t)node->index,
+                       "a light moves while the shutter is open, and is not blurred; it is shown as it is "
+                       "when the shutter opens");
     const vec3_f64 along = affine_vector(to_world, (vec3_f64){0, 0, -1});
     if (light.type != FATHOM_LIGHT_POINT && !(length_f64(along) > 0)) {
         gltf_note(g, node, NULL, "a light is scaled to nothing, and left out");

@@ -22,14 +22,13 @@ fathom_status gltf_charge(gltf *g, const gltf_value *at, const char *key, uint64
     if (g->posing)
         return gltf_fail(
             g, at, key,
-            "brings the poses of the file's nodes to %llu bytes of memory; expected at most 512 "
-            "MiB plus %u times the %llu bytes of its files: shorten the shutter, or split the file",
+            "raises the poses of the file's nodes to %llu bytes of memory; expected at most 512 MiB plus %u "
+            "times the %llu bytes of its files: shorten the shutter, or split the file",
             (unsigned long long)charged, FACTOR, (unsigned long long)g->file_bytes);
-    return gltf_fail(
-        g, at, key,
-        "brings what the file asks for to %llu bytes of memory; expected at most %u times the %llu "
-        "bytes of its files",
-        (unsigned long long)charged, FACTOR, (unsigned long long)g->file_bytes);
+    return gltf_fail(g, at, key,
+                     "raises what the file needs to %llu bytes of memory; expected at most %u times the %llu "
+                     "bytes of its files",
+                     (unsigned long long)charged, FACTOR, (unsigned long long)g->file_bytes);
 }
 
 fathom_status gltf_allocate(gltf *g, const gltf_value *at, const char *key, uint64_t bytes, void **out) {

@@ -84,7 +84,7 @@ static void read_indices(gltf *g, primitive *p) {
     if (!gltf_fine(g)) return;
     p->mesh.triangle_count = triangles_of(p->mode, count);
     if (!p->mesh.triangle_count || (p->mode == MODE_TRIANGLES && count % 3))
-        gltf_note(g, p->at, NULL, "a mesh has vertices that make up no whole triangle; they are left out");
+        gltf_note(g, p->at, NULL, "a mesh has vertices that do not complete a triangle; they are left out");
     p->mesh.indices = corners;
     if (!p->mesh.triangle_count) return;
     if (p->mode != MODE_TRIANGLES)
@@ -340,8 +340,8 @@ static void add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shape
         note_unread(g, &p);
         if (moves)
             gltf_note(g, at, NULL,
-                      "points and lines that a skin or morph targets move are not blurred; they stand as the "
-                      "shutter opens");
+                      "points and lines that a skin or morph targets move are not blurred; they are shown as "
+                      "they are when the shutter opens");
     } else {
         read_surface(g, &p);
         if (gltf_fine(g) && moves && p.mesh.triangle_count) move_vertices(g, &p);

@@ -91,7 +91,7 @@ void gltf_morph_note(gltf *g, const gltf_value *primitive, const gltf_shape *sha
         gltf_item(g, &targets, k, &target);
         json_object_foreach(target.json, key, value) {
             if (*key != '_' && words_find(followed, key, strlen(key)) < 0)
-                gltf_note(g, &target, key, "morph targets of %.40s are not followed", key);
+                gltf_note(g, &target, key, "morph targets of %.40s are ignored", key);
         }
     }
 }

@@ -145,8 +145,8 @@ void gltf_moments_open(gltf *g) {
     if (!gltf_fine(g)) return;
     if (stride == 1) {
         notes_add(&g->notes, 1, "",
-                  "an animation moves things so unevenly while the shutter is open that %d poses only come "
-                  "near; a shorter shutter follows it",
+                  "an animation moves things so unevenly while the shutter is open that %d poses only "
+                  "approximate it; shorten the shutter",
                   INTERVALS_MOST + 1);
     }
     thin(g, stride);

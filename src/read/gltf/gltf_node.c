@@ -43,7 +43,7 @@ static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const
     instance.parent = g->group;
     memcpy(instance.transform, way->at[0].m, sizeof instance.transform);
     if (!is_finite(way)) {
-        gltf_fail(g, node, NULL, "is placed out of the range of numbers by its transforms");
+        gltf_fail(g, node, NULL, "has transforms that place it beyond the range of numbers");
         return;
     }
     if (!affine_invert(&way->at[0], &inverse) || is_tiny(&way->at[0])) {
@@ -53,10 +53,9 @@ static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const
     }
     const bool moves = gltf_way_moves(way), blurs = moves && gltf_way_can_blur(way);
     if (moves && !blurs)
-        gltf_note_node(
-            g, (uint32_t)node->index,
-            "a node is flat or turned inside out while the shutter is open, and not blurred; it stands "
-            "as the shutter opens");
+        gltf_note_node(g, (uint32_t)node->index,
+                       "a node is flat or turned inside out while the shutter is open, and not blurred; it "
+                       "is shown as it is when the shutter opens");
     if (blurs) {
         instance.key_count = (uint32_t)way->count, instance.key_times = g->key_times;
         instance.key_transforms = &way->at[0].m[0][0];
@@ -90,8 +89,8 @@ static void note_colors(gltf *g, const gltf_value *attributes) {
     json_t *value;
     json_object_foreach(attributes->json, key, value) {
         if (strncmp(key, "_COLOR_", 7) == 0)
-            gltf_note(g, attributes, key,
-                      "%.40s of instances is not followed; they have their mesh's colours", key);
+            gltf_note(g, attributes, key, "%.40s of instances is ignored; they have their mesh's colours",
+                      key);
     }
 }
 

@@ -134,8 +134,8 @@ static void open_packed(gltf *g, const gltf_value *view, uint32_t index, const g
     (void)index;
     if (gltf_requires(g, at->key))
         gltf_fail(g, at, NULL,
-                  "needs meshoptimizer, without which this Fathom was built (Debian: "
-                  "libmeshoptimizer-dev); build it with, or export the model without the extension");
+                  "needs meshoptimizer, but this Fathom was built without it; build it with "
+                  "libmeshoptimizer-dev (Debian), or export the model without the extension");
     gltf_view_part(g, view, out);
 }
 

@@ -114,13 +114,13 @@ void gltf_pointer_pose(gltf *g, const gltf_value *target, const char *pointer, c
     const int count = count_of(kind);
     json_t *holder = count < 0 ? NULL : find_holder(g, pointer, &key);
     if (!holder) {
-        gltf_note(g, target, NULL, "the animation of \"%.120s\" is not followed", kind);
+        gltf_note(g, target, NULL, "the animation of \"%.120s\" is ignored", kind);
         return;
     }
     const unsigned numbers = count ? (unsigned)count : 1;
     if (!fits(g, samplers, sampler, numbers) && gltf_fine(g)) {
-        gltf_note(g, target, NULL, "the animation of \"%.120s\" is not followed: expected %u number%s a key",
-                  kind, numbers, numbers > 1 ? "s" : "");
+        gltf_note(g, target, NULL, "the animation of \"%.120s\" is ignored: expected %u number%s a key", kind,
+                  numbers, numbers > 1 ? "s" : "");
         return;
     }
     if (!gltf_sampler_value(g, samplers, sampler, numbers, open, value) ||
@@ -128,6 +128,7 @@ void gltf_pointer_pose(gltf *g, const gltf_value *target, const char *pointer, c
         return;
     if (memcmp(value, after, numbers * sizeof *value) != 0)
         gltf_note(g, target, NULL,
-                  "the animation of \"%.120s\" is not blurred; the value is that as the shutter opens", kind);
+                  "the animation of \"%.120s\" is not blurred; it keeps the value at which the shutter opens",
+                  kind);
     if (!json_arena_set(&g->arena, holder, key, value, (size_t)count)) gltf_fail_memory(g, sizeof value);
 }

@@ -12,9 +12,9 @@ static fathom_wrap read_wrap(gltf *g, const gltf_value *sampler, const char *key
     uint64_t mode = GL_REPEAT;
     gltf_integer(g, sampler, key, 0, UINT32_MAX, &mode);
     if (mode != GL_REPEAT && mode != GL_CLAMP && mode != GL_MIRROR)
-        gltf_note(g, sampler, key,
-                  "a way to wrap that is none of 10497 (repeat), 33071 (clamp) and 33648 (mirror); images "
-                  "are repeated");
+        gltf_note(
+            g, sampler, key,
+            "a wrap mode other than 10497 (repeat), 33071 (clamp) and 33648 (mirror) is read as repeat");
     return mode == GL_CLAMP ? FATHOM_WRAP_CLAMP : mode == GL_MIRROR ? FATHOM_WRAP_MIRROR : FATHOM_WRAP_REPEAT;
 }
 

@@ -21,7 +21,7 @@ static bool is_above(const gltf *g, uint32_t link, uint32_t node, uint32_t looks
 static void add_copy(gltf *g, const gltf_value *children, uint32_t parent, uint32_t node, uint32_t *out) {
     const bool full = g->links.count - gltf_count(&g->nodes) >= COPIES_MOST;
     if (is_above(g, parent, node, full ? UINT32_MAX : LOOKS))
-        gltf_fail(g, children, NULL, "leads back to nodes[%u]: a node may not hold itself", node);
+        gltf_fail(g, children, NULL, "leads back to nodes[%u]: a node cannot contain itself", node);
     else if (full)
         gltf_fail(
             g, children, NULL,
@@ -73,7 +73,7 @@ static void find_cycle(gltf *g, uint32_t *seen) {
         if (k == GLTF_ABSENT || seen[k] != i + 1) continue;
         const uint32_t at = g->links.items[k].node;
         const gltf_value node = {.parent = &g->nodes, .index = at};
-        gltf_fail(g, &node, "children", "leads back to nodes[%u]: a node may not hold itself", at);
+        gltf_fail(g, &node, "children", "leads back to nodes[%u]: a node cannot contain itself", at);
     }
 }
 

@@ -123,8 +123,7 @@ static void suit_integrator(const object_reader *r, json_t *image, fathom_settin
     s->aovs &= ~(unsigned)FATHOM_AOV_ERROR;
     doc_warn(
         r->doc, &aovs,
-        "\"error\" is left out: the integrator classic estimates no error of the same samples everywhere; "
-        "give a target error");
+        "\"error\" is left out: the integrator classic estimates errors only with a target error; give one");
 }
 
 /* The camera's aspect ratio sets the image's size, as far as the file does not give it. */
@@ -166,7 +165,7 @@ static void warn_materials(const object_reader *r, json_t *materials) {
     json_object_foreach(materials, name, value) {
         const where item = {&at, name, 0};
         if (told >= MOST_WARNINGS) {
-            doc_warn(r->doc, &item, "keys without effect are not looked for from here on");
+            doc_warn(r->doc, &item, "more keys without effect are not reported");
             return;
         }
         told += material_warn(r, &item, name, value);

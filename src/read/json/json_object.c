@@ -135,8 +135,8 @@ static fathom_status add_children(const object_reader *r, const where *at, const
     const where children = {at, "children", 0};
     if (nesting(&children) > NESTING_MAX)
         return doc_fail(r->doc, &children,
-                        "children within children, more than %d levels; expected such as groups of their own "
-                        "under \"groups\", shown by instances",
+                        "children are nested more than %d levels deep; move inner ones to \"groups\", and "
+                        "place them by instances",
                         NESTING_MAX);
     return object_list(r, &children, o->values.as.group.children, group);
 }

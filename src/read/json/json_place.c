@@ -31,7 +31,7 @@ fathom_status place_frame(const doc *d, const where *at, json_t *value, const fo
     if (!doc_has(value, "x")) return FATHOM_OK;
     if (!right_angle(x, y) || !right_angle(y, z) || !right_angle(z, x))
         return doc_fail(d, at,
-                        "x, y and z are not at right angles; leave x out to have it made from y and z");
+                        "x, y and z are not at right angles; leave x out, because y and z determine it");
     if (dot_f64(normalize_f64(x), out->x) < 0)
         return doc_fail(d, at, "x, y and z are left-handed; expected x along y cross z");
     return FATHOM_OK;

@@ -33,7 +33,7 @@ void where_path(const where *at, char *out, size_t room);
 static inline const char *json_syntax_text(const json_error_t *error) {
     enum json_error_code code = json_error_code(error);
     if (code == json_error_stack_overflow)
-        return "brackets stand within brackets too deep; expected at most 2048 levels";
+        return "brackets are nested too deep; expected at most 2048 levels";
     if (code == json_error_null_character || code == json_error_null_byte_in_key)
         return "\\u0000 in a string; expected text without zero bytes";
     return error->text;

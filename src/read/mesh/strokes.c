@@ -82,9 +82,10 @@ static double find_radius(fathom_scene *scene, const strokes *s, fathom_status *
                  far = fmax(fmax(fmax(-b.lower.x, b.upper.x), fmax(-b.lower.y, b.upper.y)),
                             fmax(-b.lower.z, b.upper.z));
     if (far + radius <= (double)FLT_MAX) return radius;
-    *status = fail(scene->context, FATHOM_BAD_INPUT,
-                   "has %s as far out as %g: what is to show them would leave the range of float",
-                   s->lines ? "lines" : "points", far);
+    *status =
+        fail(scene->context, FATHOM_BAD_INPUT,
+             "has %s as far out as %g: the spheres or rods that show them would leave the range of float",
+             s->lines ? "lines" : "points", far);
     return 0;
 }
 

@@ -212,5 +212,5 @@ void notes_tell(const note_list *notes, fathom_context *context, const char *pat
              n->example[0] ? ", the first here: " : "", n->example);
     }
     if (notes->beyond)
-        warn(context, "%s: more kinds of things are not followed (%zu such)", path, notes->beyond);
+        warn(context, "%s: more kinds of problems are not listed (%zu such)", path, notes->beyond);
 }

@@ -30,7 +30,7 @@ static void note_unused(mtl_reader *r) {
     const int illum = mtl_illum(m);
     if (mtl_is_metallic(m)) {
         if (mtl_given(m, MTL_TF) && !mtl_is_black(m->tf))
-            note_at(r, m->at[MTL_TF], "Tf beside Pr, Pm, Pc, Ps or aniso is read as transmission");
+            note_at(r, m->at[MTL_TF], "Tf next to Pr, Pm, Pc, Ps or aniso is read as transmission");
         return;
     }
     if (mtl_given(m, MTL_KA) && mtl_is_white(m->ka) && illum != 0)
@@ -64,7 +64,7 @@ static void settle_color(mtl_reader *r, bool has_image) {
     }
     /* That of glass is scaled by what does not pass. */
     if (!mtl_is_glass(m) && fmax(m->kd[0], fmax(m->kd[1], m->kd[2])) > 1) {
-        note_at(r, m->at[MTL_KD], "Kd above 1, more light than arrives, is read as 1; colours are 0 to 1");
+        note_at(r, m->at[MTL_KD], "Kd above 1 would reflect more light than arrives, and is read as 1");
         for (int k = 0; k < 3; ++k) m->kd[k] = fmin(m->kd[k], 1);
     }
 }

@@ -143,11 +143,10 @@ void scene_warn_shape(const fathom_scene *scene, const char *path) {
     fathom_settings fitting = {.width = size.width, .height = size.height};
     image_size_follow(&fitting, aspect, false, false);
     if (fixed) {
-        warn(
-            scene->context,
-            "%s: the image is stretched by %.4g across: w over h of the camera is %.6g, width over height of "
-            "the image %.6g; leave w out, or take an image of %ux%u",
-            path, shape / aspect, aspect, shape, fitting.width, fitting.height);
+        warn(scene->context,
+             "%s: the image is stretched horizontally by %.4g: w over h of the camera is %.6g, width over "
+             "height of the image %.6g; leave w out, or take an image of %ux%u",
+             path, shape / aspect, aspect, shape, fitting.width, fitting.height);
     } else if (shape < aspect) {
         warn(scene->context,
              "%s: the left and right %.3g %% of the camera's view are not seen: its aspectRatio is %.6g, the "

@@ -312,11 +312,10 @@ static bool find_eye(walk *w, const frame_f64 *axes, fathom_framing *out) {
 }
 
 static fathom_status fail_place(const fathom_scene *scene, const scene_bounds *box) {
-    return fail(
-        scene->context, FATHOM_BAD_INPUT,
-        "camera: there is none, and none can be placed to see everything from (%g, %g, %g) to (%g, %g, "
-        "%g); give one",
-        box->lower.x, box->lower.y, box->lower.z, box->upper.x, box->upper.y, box->upper.z);
+    return fail(scene->context, FATHOM_BAD_INPUT,
+                "camera: there is none, and no camera could show everything from (%g, %g, %g) to (%g, %g, "
+                "%g); give one",
+                box->lower.x, box->lower.y, box->lower.z, box->upper.x, box->upper.y, box->upper.z);
 }
 
 /* ---- everything ---- */
