@@ -3,26 +3,26 @@
  * Fathom never exits, prints or aborts: each call returns a status, and the context keeps one error: what
  * went wrong, in which file, line and field. Plain C99, and C++17.
  *
- * NULL. No pointer may be NULL unless the comment on its call says so; `destroy` calls take NULL, and so does
- * `out` where a call adds something to a scene and the id is not wanted. A call that is given NULL elsewhere
- * does nothing: it returns FATHOM_BAD_USAGE, with a message where there is a context to keep it; calls that
- * return no status return 0, NULL, "" or the defaults. The library cannot detect destroyed handles: using one
- * is undefined behaviour.
+ * NULL. No pointer may be NULL unless the comment on its call says so. Two exceptions hold everywhere:
+ * `destroy` calls take NULL, and calls that add something to a scene take a NULL `out` if you do not need
+ * the id. Any other NULL makes the call do nothing: it returns FATHOM_BAD_USAGE, with a message if there
+ * is a context to keep it; calls without a status return 0, NULL, "" or the defaults. The library cannot
+ * detect destroyed handles: using one is undefined behaviour.
  *
  * Order. A context must outlive the scenes and tracers made with it, and a scene its tracers; films depend on
  * neither. `destroy` calls need only their own handle, and may come in any order. Incomplete inputs, such as
  * a scene without objects, are refused with a status.
  *
- * Threads. Calls on different contexts may run at the same time, and each gives what it gives alone, to the
- * bit. One context serves one calling thread at a time. A call on a scene is also a call on the scene's own
+ * Threads. Calls on different contexts may run at the same time; each gives the same bits as alone. One
+ * context serves one calling thread at a time. A call on a scene is also a call on the scene's own
  * context. While no such call runs, any number of threads may pass the same scene to fathom_render() and
  * fathom_tracer_create(), each with its own context: these two only read the scene. Any number of threads
- * may trace rays with the same tracer and read the same film. A callback (warning, progress) must
- * not make calls on its own context, except fathom_context_error(), fathom_context_message() and
+ * may trace rays with the same tracer and read the same film. A callback (warning, progress) must not make
+ * calls on its own context, except fathom_context_error(), fathom_context_message() and
  * fathom_context_threads().
  *
  * Structs. They may grow in later versions, at their end; a program that was built against an older header
- * goes on to work. There are three kinds.
+ * continues to work. There are three kinds.
  * - Settings, options and results begin with their own `size`. Their `_default` call sets it, or write
  *   `fathom_stats stats = {.size = sizeof stats};`. A size of 0, or beyond what this version knows, is
  *   FATHOM_BAD_USAGE. Members past the size have their defaults, and are not written to.
@@ -84,36 +84,36 @@ FATHOM_API void fathom_context_destroy(fathom_context *context);
 /* Where an error is. Strings are never NULL; "" means not known, or that there is none. Later versions may
  * add members at the end. */
 typedef struct fathom_place {
-    const char *file;  /* the path as it was given, byte for byte; show it with care */
-    size_t line;       /* from 1; 0: not known, as in files of bytes */
-    size_t column;     /* from 1; 0: not known */
-    bool has_byte;     /* whether `byte` is known */
-    size_t byte;       /* from the beginning of the file */
-    const char *field; /* "objects[3].radius", "radius", a statement or a property; fit for a terminal */
-    const struct fathom_place
-        *within; /* what led there: the object of a scene that names this file; or NULL */
+    const char *file; /* the path as it was given, byte for byte; show it with care */
+    size_t line;      /* from 1; 0: not known, as in files of bytes */
+    size_t column;    /* from 1; 0: not known */
+    bool has_byte;    /* whether `byte` is known */
+    size_t byte;      /* from the beginning of the file */
+    const char
+        *field; /* "objects[3].radius", "radius", a statement or a property; without control characters */
+    const struct fathom_place *within; /* what refers to this file, such as an object of a scene; or NULL */
 } fathom_place;
 
 typedef struct fathom_error {
     fathom_status status;      /* FATHOM_OK: no call has failed yet */
     const fathom_place *place; /* never NULL */
-    const char *text;          /* what was found and expected, without the place; fit for a terminal */
+    const char *text;          /* what was found and expected, without the place and control characters */
 } fathom_error;
 
 /* The error of the last call that did not return FATHOM_OK. Calls that return FATHOM_OK leave it as it was.
  * Never NULL, even when context is; valid until the next call on this context. */
 FATHOM_API const fathom_error *fathom_context_error(const fathom_context *context);
 
-/* The same error as one line, "FILE:LINE: FIELD: text", fit for a terminal; "" when there was none, or
- * context is NULL. Never NULL; valid until the next call on this context. */
+/* The same error as one line, "FILE:LINE: FIELD: text", without control characters; "" when there was
+ * none, or context is NULL. Never NULL; valid until the next call on this context. */
 FATHOM_API const char *fathom_context_message(const fathom_context *context);
 
 /* Sets the context's error as a failing call does, and returns error->status. It is for code that adds its
  * own calls, such as readers of other formats. Strings are copied; they must not belong to the context's
  * present error. A NULL string counts as "", a NULL place as unknown. */
 FATHOM_API fathom_status fathom_context_fail(fathom_context *context, const fathom_error *error);
-/* Adds a place that the failing call did not know to the context's error, and returns its status. An error
- * that names a file keeps it and is `within` this place; any other moves here. */
+/* Adds a place that the failing call did not know to the context's error, and returns its status. If the
+ * error names a file, this place becomes its `within`; otherwise it becomes the error's own place. */
 FATHOM_API fathom_status fathom_context_fail_within(fathom_context *context, const fathom_place *place);
 
 /* Called for each problem that does not stop the call (degenerate triangles, ignored textures…), on the
@@ -127,10 +127,10 @@ FATHOM_API void fathom_context_on_warning(fathom_context *context, fathom_warnin
 FATHOM_API void fathom_context_set_threads(fathom_context *context, unsigned threads);
 FATHOM_API unsigned fathom_context_threads(const fathom_context *context);
 
-/* Sets whether files that a scene names (meshes, buffers, material libraries, in turn by those) may lie
- * outside its folder. Default false: absolute paths, and relative ones or symbolic links that lead out of the
- * folder of the file given to fathom_scene_read(), are FATHOM_BAD_INPUT. Symbolic links are followed before
- * the check. Hard links and mounts are not detected. */
+/* Sets whether files that a scene names, directly or through other files (meshes, buffers, material
+ * libraries), may lie outside its folder. Default false: absolute paths, and relative ones or symbolic
+ * links that lead out of the folder of the file given to fathom_scene_read(), are FATHOM_BAD_INPUT.
+ * Symbolic links are followed before the check. Hard links and mounts are not detected. */
 FATHOM_API void fathom_context_allow_outside(fathom_context *context, bool allow);
 
 /* Sets whether files are copied to memory rather than mapped. Default false: mesh files stay
@@ -139,10 +139,10 @@ FATHOM_API void fathom_context_allow_outside(fathom_context *context, bool allow
  * memory; later changes to the file then have no effect. */
 FATHOM_API void fathom_context_copy_files(fathom_context *context, bool copy);
 
-/* Installs a handler for SIGBUS, once in the process: reading what was cut off of a mapped file then gives
- * zeros, on any thread, and the call that notices returns FATHOM_BAD_INPUT (see fathom_scene_check_files()).
- * All other SIGBUS go to the handler that was there before. The library never calls this by itself; the
- * program `fathom` does. */
+/* Installs a handler for SIGBUS, once in the process. If a mapped file is truncated, reading the missing
+ * part then gives zeros, on any thread, and the call that notices returns FATHOM_BAD_INPUT (see
+ * fathom_scene_check_files()). All other SIGBUS go to the previous handler. The library never calls this
+ * by itself; the program `fathom` does. */
 FATHOM_API void fathom_guard_files(void);
 
 /* How the library was built, and which parts of this machine it uses. */
@@ -162,8 +162,7 @@ FATHOM_API fathom_status fathom_build_info(fathom_build *out);
 
 /* "0.1.0" */
 FATHOM_API const char *fathom_version(void);
-/* The commit that it was configured from, with a "+" where files had been changed; "" when that is not known.
- */
+/* The commit of the source, with a "+" if files had been changed since; "" if not known. */
 FATHOM_API const char *fathom_commit(void);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/* Output files of any kind: checked before the work begins, never read by mistake, written whole or not at
- * all. */
+/* Output files of any kind: checked before the work begins, protected from being read as input, and
+ * written whole or not at all. */
 #ifndef FATHOM_FILE_H
 #define FATHOM_FILE_H
 
@@ -13,8 +13,8 @@ extern "C" {
  * full or not writable, or an existing file may not be written to or replaced. */
 FATHOM_API fathom_status fathom_file_check(fathom_context *context, const char *path);
 
-/* From now on reading one of these files with this context is FATHOM_BAD_USAGE, whatever scene names it and
- * however it is spelled. Files that are not there yet do not count. count 0: everything may be read again. */
+/* From now on, reading one of these files with this context is FATHOM_BAD_USAGE, by any spelling of its
+ * path. Files that do not exist yet are not protected. count 0: everything may be read again. */
 FATHOM_API fathom_status fathom_file_protect(fathom_context *context, const char *const *paths, size_t count);
 
 /* Writes a whole file or none, even if the process is killed or the machine stops: bytes go to a temporary

@@ -16,8 +16,8 @@ typedef struct fathom_write_options {
     const char *ocio;    /* OpenColorIO config file; NULL: $OCIO, else the built-in sRGB config */
     const char *display; /* NULL: the config's default */
     const char *view;    /* NULL: the display's default */
-    bool float_color;    /* EXR: R G B A albedo as 32-bit float rather than half, which ends at 65504; default
-                            false */
+    bool float_color; /* EXR: R G B A albedo as 32-bit float instead of half, whose maximum is 65504; default
+                         false */
     const char *command; /* what made the image, a line of text for the header; NULL or "": none */
 } fathom_write_options;
 
@@ -54,9 +54,9 @@ FATHOM_API fathom_status fathom_film_write_plain(fathom_context *context, const 
  * holds all. FATHOM_OUT_OF_RESOURCES: there is no such place, and `saved` is "". */
 FATHOM_API fathom_status fathom_film_rescue(fathom_context *context, const fathom_film *film,
                                             const char *path, char *saved, size_t size);
-/* Starts the image helper in the background, so that the first write does not wait for it. EXR, and PNG
- * in the built-in sRGB view, do without it. The helper is a process of its own, in which OpenImageIO and
- * OpenColorIO work: it ends with this process, and whatever ends it earlier fails one call. */
+/* Starts the image helper in the background, so that the first write does not wait for it. EXR, and PNG in
+ * the built-in sRGB view, do without it. The helper is a separate process that runs OpenImageIO and
+ * OpenColorIO. It ends with this process; if it ends earlier, only one call fails. */
 FATHOM_API void fathom_image_prefetch(void);
 /* The helper's libraries, "OpenImageIO 2.4.7.1, OpenColorIO 2.1.2", cut to `size` bytes; waits for its start.
  * FATHOM_OUT_OF_RESOURCES, with the reason, when it is missing or has ended. */

@@ -1,5 +1,5 @@
-/* Settings and material parameters by name: one table each says what there is, and everything that reads,
- * checks, shows or saves them follows it. */
+/* Settings and material parameters by name. One table lists all settings, and one the parameters of each
+ * material model. All code that reads, checks, prints or saves them follows these tables. */
 #ifndef FATHOM_PARAMETER_H
 #define FATHOM_PARAMETER_H
 
@@ -16,7 +16,7 @@ typedef enum fathom_parameter_type {
     FATHOM_PARAMETER_U64,
     FATHOM_PARAMETER_F32,
     FATHOM_PARAMETER_F64,
-    FATHOM_PARAMETER_WORD,  /* an enum: the place of its word in `words` */
+    FATHOM_PARAMETER_WORD,  /* an enum: the index of its word in `words` */
     FATHOM_PARAMETER_WORDS, /* unsigned: a bit for each word of `words` */
     FATHOM_PARAMETER_TEXT   /* const char *, or NULL */
 } fathom_parameter_type;
@@ -28,8 +28,8 @@ enum {
     FATHOM_PARAMETER_COMMAND = 1u << 3,   /* `fathom render` has an option of its name */
     FATHOM_PARAMETER_OPEN_LOW = 1u << 4,  /* `low` itself is out of range */
     FATHOM_PARAMETER_OPEN_HIGH = 1u << 5, /* so is `high` */
-    FATHOM_PARAMETER_SOFT = 1u << 6 /* only scene JSON keeps to the range; other callers may give any finite
-                                       number: above 0 where `low` is, and 0 too where that is 0 */
+    FATHOM_PARAMETER_SOFT = 1u << 6 /* only scene JSON enforces the range; other callers may give any finite
+                                       number: > 0 if `low` is, and >= 0 if `low` is 0 */
 };
 
 typedef struct fathom_parameter {
@@ -45,7 +45,8 @@ typedef struct fathom_parameter {
     unsigned count;    /* numbers in the member; 0: one */
     unsigned step;     /* the number is a multiple of it; 0: any */
     const char *words; /* "grid|stratified|sobol"; of numbers, the only ones allowed: "1|4|8|16"; or NULL */
-    const char *zero;  /* what 0 is called: "off", "auto". It is then allowed beside the range; or NULL */
+    const char *zero; /* the word for 0, such as "off" or "auto"; 0 is then allowed outside of the range, too.
+                         Or NULL */
 } fathom_parameter;
 
 /* All members of fathom_settings, and those of fathom_material that a model has. Returns the first; *count

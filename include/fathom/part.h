@@ -17,9 +17,9 @@ typedef enum fathom_split {
      * if the number of parts is not a power of two. FATHOM_BAD_USAGE with a target_error or max_time, and
      * with more parts than runs of samples. */
     FATHOM_SPLIT_SAMPLES,
-    /* Each part has some of the tiles of 32 × 32 pixels, with all their samples, from all over the image. The
-     * file holds pixels: 4 bytes a channel. FATHOM_BAD_USAGE with max_time, since the clock sees all tiles.
-     */
+    /* Each part has some of the tiles of 32 × 32 pixels, with all their samples, from all over the image.
+     * The file holds pixels: 4 bytes a channel. FATHOM_BAD_USAGE with max_time, because the time is
+     * divided among all tiles. */
     FATHOM_SPLIT_TILES
 } fathom_split;
 

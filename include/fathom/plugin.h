@@ -1,15 +1,15 @@
-/* A tracer from outside: what a shared library exports so that Fathom renders with it, validates it and
- * measures it: `--tracer ./mine.so`.
+/* Your own tracer: what a shared library must export so that Fathom can render with it, validate it and
+ * measure it: `--tracer ./mine.so`.
  *
  * The library defines
  *
  *     const fathom_plugin *fathom_plugin_get(void);
  *
- * which returns a table that stays valid as long as the library is loaded. It links nothing of Fathom's: this
- * header is all it needs. Plain C99, and C++17.
+ * which returns a table that stays valid as long as the library is loaded. It links no library of Fathom:
+ * this header is all it needs. Plain C99, and C++17.
  *
- * Fathom hands over triangles alone: a scene with spheres, quads or instances is refused. Fathom intersects
- * planes itself. No exception may leave these calls, and they must not end the process. */
+ * Fathom passes only triangles to it, and refuses a scene with spheres, quads or instances. Fathom
+ * intersects planes itself. These calls must not throw exceptions or end the process. */
 #ifndef FATHOM_PLUGIN_H
 #define FATHOM_PLUGIN_H
 
@@ -53,8 +53,8 @@ typedef struct fathom_plugin {
     const char *name; /* for reports; at most 63 bytes are shown */
     double unit;      /* unit roundoff of the arithmetic behind t: 2^-24 for float, 2^-53 for double */
 
-    /* Builds whatever the tracer needs, on as many threads, and stores it in *out. Returns 0, or anything
-     * else after having written why into message. */
+    /* Builds the tracer's structures on `threads` threads, and stores them in *out. Returns 0; on failure,
+     * writes the reason into message and returns another number. */
     int (*build)(const fathom_plugin_mesh *mesh, unsigned threads, char *message, size_t message_size,
                  void **out);
     /* The closest hits of all active lanes. Any number of threads call at the same time. Denormals are

@@ -1,4 +1,4 @@
-/* Scenes from files, and heavy meshes from nothing. */
+/* Scenes from files, and generated meshes. */
 #ifndef FATHOM_READ_H
 #define FATHOM_READ_H
 
@@ -8,12 +8,11 @@
 extern "C" {
 #endif
 
-/* Reads scene JSON, .glb, .gltf, .obj or .ply, told apart by the extension. The scene is completed with a
- * camera and lights where the file has none, and checked. The settings of scene JSON are what it says, else
- * the defaults, which models have, too; those read for the integrator classic get 16 samples a pixel. The
- * image takes the aspect ratio of the file's camera (glTF's aspectRatio, w and h of scene JSON) unless the
- * file gives a size; its longer side is then 1280 pixels. FATHOM_BAD_INPUT names the file with its line,
- * field or byte offset. */
+/* Reads scene JSON, .glb, .gltf, .obj or .ply, by the extension. Adds a camera and lights if the file has
+ * none, and checks the scene. The settings are those of scene JSON, else the defaults; a model that is
+ * read for the integrator classic gets 16 samples per pixel. The image takes the aspect ratio of the
+ * file's camera (glTF's aspectRatio, w and h of scene JSON) unless the file gives a size; its longer side
+ * is then 1280 pixels. FATHOM_BAD_INPUT names the file with its line, field or byte offset. */
 FATHOM_API fathom_status fathom_scene_read(fathom_context *context, const char *path, fathom_scene **out);
 
 /* The same, but skips data that rendering does not need: texture coordinates that no material
@@ -24,8 +23,8 @@ FATHOM_API fathom_status fathom_scene_read_to_render(fathom_context *context, co
 /* Which axis of a file without a camera points upwards in the image. */
 typedef enum fathom_up { FATHOM_UP_Y, FATHOM_UP_Z } fathom_up;
 
-/* Where reading put a camera, in a scene without one, and the floor. Frames of an animation share it: else
- * the model would seem to grow and shrink as it moves. */
+/* The automatic camera and the floor of a scene that was read without a camera. Give all frames of an
+ * animation the same framing: otherwise the model would seem to grow and shrink as it moves. */
 typedef struct fathom_framing {
     size_t size;
     bool made; /* false: the scene has a camera of its own, or nothing that can be seen; all else is 0 then */
@@ -57,25 +56,25 @@ typedef struct fathom_read_options {
      * path tracing. */
     bool choose_integrator;
     fathom_integrator integrator;
-    /* The time, in seconds, of the image. glTF files stand as it poses their animations; without choose_time
-     * they rest, as their nodes say, or stand at 0 with an animation. The shutter of scene JSON opens at it
-     * and stays open as long as the file says; without choose_time it opens when the file says.
-     * FATHOM_BAD_USAGE where no file of the scene has an animation and nothing has motion. */
+    /* The time, in seconds, of the image. glTF files have the pose of their animations at this time;
+     * without choose_time, that of their nodes, or that at time 0 if `animation` is given. The shutter of
+     * scene JSON opens at this time, for as long as the file says; without choose_time it opens when the
+     * file says. FATHOM_BAD_USAGE if no file of the scene has an animation and nothing has motion. */
     bool choose_time;
     double time;
-    /* The animation to pose: its name, else its number, counted from 0. FATHOM_BAD_USAGE, with a list of what
-     * there is, when there is none such. NULL (default): each that moves no part of a node that an earlier
-     * one moves. */
+    /* The animation to pose: its name, else its number, counted from 0. FATHOM_BAD_USAGE, with a list of
+     * what there is, when there is none such. NULL (default): all, except those that move a part of a node
+     * that an earlier one moves. */
     const char *animation;
     /* A variant of glTF's KHR_materials_variants, by name or number likewise. NULL (default): no variant. */
     const char *variant;
-    /* Metres in a unit of a model's lengths: it is scaled to metres. 0 (default): as it is. FATHOM_BAD_USAGE
-     * for scene JSON, which scales its models itself. */
+    /* Metres per unit of a model's lengths: the model is scaled to metres. 0 (default): not scaled.
+     * FATHOM_BAD_USAGE for scene JSON, which scales its models itself. */
     double unit;
-    /* How long the shutter is open, in seconds, from `time` on: animations and the motion of scene JSON are
-     * blurred. It replaces the shutter of scene JSON. FATHOM_BAD_USAGE where nothing is animated or has
-     * motion. 0 (default): still, but for a shutter of scene JSON, which blurs its motion and not animations.
-     */
+    /* How long the shutter is open, in seconds, from `time` on: animations and the motion of scene JSON
+     * are blurred. It replaces the shutter of scene JSON. FATHOM_BAD_USAGE if nothing is animated or has
+     * motion. 0 (default): no motion blur, except that a shutter of scene JSON blurs its motion, but not
+     * animations. */
     double shutter;
     /* A model that the automatic camera sees gets a floor to stand on, which touches its lowest point. In the
      * built-in studio it is an object named "studio floor", a grey sheet that bends up into a wall behind, as
@@ -88,11 +87,10 @@ typedef struct fathom_read_options {
     /* Position of the automatic camera and the floor, made for the same `up`, width and height. NULL
      * (default), or a framing with made == false: chosen so that the whole scene is visible. */
     const fathom_framing *framing;
-    /* With choose_integrator: the caller sets spp itself, so the spp and the target error of a file that is
-     * meant for another integrator count for nothing. Default false. */
+    /* With choose_integrator: the caller sets spp itself, so the spp and the target error of a file for
+     * another integrator are ignored. Default false. */
     bool own_spp;
-    /* A `shutter` of 0 replaces that of scene JSON, too: everything stands as it is at `time`. Default
-     * false. */
+    /* A `shutter` of 0 also replaces that of scene JSON: everything stands still at `time`. Default false. */
     bool choose_shutter;
     /* The scene of a glTF file to take, by name or number as `animation`. NULL (default): the file's choice,
      * else the first. */
@@ -133,8 +131,8 @@ typedef enum fathom_generator {
 typedef struct fathom_generate_options {
     size_t size;
     fathom_generator kind;
-    /* Asked for, default 1e6; what comes is the nearest count the kind allows, counted with instances. Sphere
-     * and terrain store all of them: [1, 4e9]. Sponge and forest: [1, 1e11]. */
+    /* Number of triangles, instances included; default 1e6. The result has the nearest number that the
+     * kind allows. Sphere and terrain store all of them: [1, 4e9]. Sponge and forest: [1, 1e11]. */
     uint64_t triangles;
     uint64_t seed;
     fathom_id material; /* 0 (default) or FATHOM_NONE: material 0; a forest gets materials of its own */
@@ -147,18 +145,16 @@ FATHOM_DEFAULT(fathom_generate_options)
  * mesh would not fit the memory that is free. */
 FATHOM_API fathom_status fathom_scene_generate(fathom_scene *scene, fathom_id group,
                                                const fathom_generate_options *options);
-/* Writes the scene. The format follows the extension.
- * .json: all of it; images that are not in the folder of `path` or below are copied next to it.
- * .glb: meshes, instances as nodes, materials, images, lights and the camera, as far as glTF has them; of two
- * integrators' materials, those of path tracing.
+/* Writes the scene. The format follows the extension. .json: all of it; images that are not in the folder
+ * of `path` or below are copied next to it. .glb: meshes, instances as nodes, materials, images, lights
+ * and the camera, as far as glTF has them. Classic materials become their nearest metallic-roughness ones.
  * .obj (with an .mtl, and images, next to it) and .ply (binary): meshes with instances placed; positions
- * become float there.
- * Quads become two triangles in all but .json, and spheres up to 16,128 with smooth normals: fewer from 249
- * spheres on.
- * It leaves out what fathom_scene_complete() made, which a reader makes again. Whatever else a format cannot
- * hold is left out with a warning a kind, which counts it. Files appear whole or not at all.
- * FATHOM_BAD_USAGE: unknown extension; no shapes but planes, unless .json; or more than the format can count
- * (4 GiB of .glb, 2^32 vertices); FATHOM_OUT_OF_RESOURCES: cannot be written. */
+ * become float there. Quads become two triangles in all but .json, and spheres up to 16,128 with smooth
+ * normals: fewer from 249 spheres on. It does not write what fathom_scene_complete() added, because
+ * reading adds it again. For each kind of other content that the format cannot hold, one warning has the
+ * count. Files appear whole or not at all. FATHOM_BAD_USAGE: unknown extension; no shapes but planes,
+ * unless .json; or more than the format can count (4 GiB of .glb, 2^32 vertices); FATHOM_OUT_OF_RESOURCES:
+ * cannot be written. */
 FATHOM_API fathom_status fathom_scene_write(const fathom_scene *scene, const char *path);
 
 #ifdef __cplusplus

@@ -10,9 +10,8 @@ extern "C" {
 
 typedef enum fathom_integrator {
     FATHOM_INTEGRATOR_CLASSIC,  /* recursive ray tracing: light from points and directions, mirrors, glass */
-    FATHOM_INTEGRATOR_PATH,     /* path tracing: all light, from all that sends it, by all ways */
-    FATHOM_INTEGRATOR_REFERENCE /* the same light by a second, plain implementation in double: slow, to check
-                                   with */
+    FATHOM_INTEGRATOR_PATH,     /* path tracing: global illumination */
+    FATHOM_INTEGRATOR_REFERENCE /* a second, simple path tracer in double: slow, for checks */
 } fathom_integrator;
 
 typedef enum fathom_pattern {
@@ -28,7 +27,7 @@ typedef enum fathom_filter {
     FATHOM_FILTER_BLACKMAN_HARRIS /* the window of four terms */
 } fathom_filter;
 
-/* Samples that are far brighter than what a pixel has met otherwise. */
+/* Treatment of fireflies: samples far brighter than all others of their pixel. */
 typedef enum fathom_fireflies {
     FATHOM_FIREFLIES_KEEP,
     FATHOM_FIREFLIES_REWEIGHT /* keeps them, and also the data that fathom_film_reweight() needs */
@@ -50,22 +49,22 @@ enum {
     FATHOM_AOV_SAMPLES = 1u << 6, /* samples: how many samples the pixel has, as an id channel. In files
                                      id.object, id.primitive, id.instance and samples end in ".V", because
                                      Blender recognises only single letters as channels */
-    /* error.R error.G error.B: standard error of R, G and B. It is estimated from four groups of samples with
-     * independent scrambles, and from those of the 12 x 12 pixels around. The interval of the pixel's value
-     * ± 1.96 standard errors is meant to contain the true value in 95 % of pixels. The error is infinite
-     * below 4 samples. If all samples of a square of 4 x 4 pixels are equal, the error is a bound: what the
-     * brightest emission of the scene could add unseen (rule of three), divided by 1.96.
-     * error.doubt, [0, 1]: do not trust the error above 0.98. Then the pixel's samples differ far more than
-     * the error says (a rare bright path), or the pixels around are no guide; 1 marks the bound above. Needs
-     * the pattern Sobol, and one of path tracing, target_error and max_time. Without target_error and
-     * max_time, this AOV changes the image: without it all samples of a pixel have one scramble, which is
-     * less noisy */
+    /* error.R error.G error.B: standard error of R, G and B. It is estimated from four groups of samples
+     * with independent scrambles, and from those of the 12 x 12 pixels around. The interval of the pixel's
+     * value ± 1.96 standard errors is meant to contain the true value in 95 % of pixels. The error is
+     * infinite below 4 samples. If all samples of a square of 4 x 4 pixels are equal, the error is a
+     * bound: what the brightest emission of the scene could add unseen (rule of three), divided by 1.96.
+     * error.doubt, [0, 1]: do not trust the error if this is above 0.98. Then the pixel's samples differ
+     * far more than the error says (a rare bright path), or the pixels around are too different to
+     * estimate it; 1 marks the bound above. Needs the pattern Sobol, and one of path tracing, target_error
+     * and max_time. Without target_error and max_time, this AOV changes the image: without it all samples
+     * of a pixel have one scramble, which is less noisy */
     FATHOM_AOV_ERROR = 1u << 7,
-    /* The light of a pixel in three parts, R G B each: emission.R… is what reaches the camera without being
-     * scattered, of surfaces and of the surroundings; direct.R… what was scattered once, and indirect.R…
-     * more than once. Mirrors and glass scatter; a surface that a path passes by its opacity, and a clear
-     * thin wall that it passes straight, do not. Each sample's R, G and B are their sum. The classic
-     * integrator counts ambient light with the emission of the surface that reflects it. */
+    /* The light of a pixel in three parts, R G B each: emission.R… reached the camera without scattering,
+     * from surfaces, the background and environments; direct.R… was scattered once, and indirect.R… more
+     * than once. Mirrors and glass scatter. A surface that a path passes because of its opacity, and a
+     * clear thin wall that it passes straight, do not. Each sample's R, G and B are the sum of the three.
+     * The classic integrator counts ambient light as emission of the surface that reflects it. */
     FATHOM_AOV_DIRECT = 1u << 8,
     FATHOM_AOV_INDIRECT = 1u << 9,
     FATHOM_AOV_EMISSION = 1u << 10,
@@ -74,9 +73,9 @@ enum {
      * They add up to R, G and B. */
     FATHOM_AOV_LIGHT_GROUPS = 1u << 11,
     /* Cryptomatte, of objects and of materials: CryptoObject00.R to CryptoObject02.A, CryptoMaterial00.R…:
-     * six pairs of id and coverage. The file's header has the names of the ids. Surfaces that a path passes
-     * because of their opacity do not count; glass and mirrors do. A pixel counts the first 16 things that it
-     * meets. */
+     * six pairs of id and coverage. The file's header has the names of the ids. Surfaces that a path
+     * passes because of their opacity do not count; glass and mirrors do. A pixel counts the first 16
+     * objects or materials that its samples hit. */
     FATHOM_AOV_CRYPTO_OBJECT = 1u << 12,
     FATHOM_AOV_CRYPTO_MATERIAL = 1u << 13,
     /* forward.u forward.v backward.u backward.v: how far the surface of the sample nearest the pixel's centre
@@ -99,17 +98,18 @@ typedef struct fathom_settings {
     uint64_t seed;          /* of the stratified and Sobol patterns; default 0 */
     uint32_t crop[4];       /* x0 y0 x1 y1, half open, row 0 at the top; all 0 (default): the whole image */
     /* Adaptive sampling: pixels get samples until the estimated error of each tile of 32 × 32 pixels is at
-     * most this, or until they have `spp`. They get more where a few samples lower the error much. The error
-     * is a root mean square over the tile's pixels and channels. Its terms are the standard error of the
-     * linear radiance divided by √max(I, 0.01) for I < 1, else by I. I is the pixel's mean of R, G and B.
-     * This is the unit of Cycles' noise threshold. 0.01 is 1.3 of 255 display levels. Needs the pattern
-     * Sobol. Which samples are taken depends on samples alone. 0: off; default 0.02 */
+     * most this, or until they have `spp`. They get more where a few samples lower the error much. The
+     * error is a root mean square over the tile's pixels and channels. Its terms are the standard error of
+     * the linear radiance divided by √max(I, 0.01) for I < 1, else by I. I is the pixel's mean of R, G and
+     * B. This is the unit of Cycles' noise threshold. 0.01 is 1.3 of 255 display levels. Needs the pattern
+     * Sobol. The choice depends only on the values of samples, not on time or threads. 0: off; default
+     * 0.02 */
     double target_error;
     /* Seconds from the call of fathom_render() to its return, building included: the samples go where they
      * lower the error of the image most, until the time is up or target_error is reached. FATHOM_BAD_USAGE
      * when it is too short for one sample of each pixel. Needs the pattern Sobol. 0 (default): off */
     double max_time;
-    uint32_t min_spp;   /* samples that each pixel gets before an error is trusted: a power of two, at least 4
+    uint32_t min_spp;   /* minimum samples per pixel with target_error or max_time: a power of two, at least 4
                            and at most spp; 0 (default): 4 */
     uint32_t max_depth; /* bounces, [0, 1024]; default 16. Classic counts mirrored and refracted ones */
     float min_weight; /* classic: a path ends when its weight can change no channel by more; default 1/65536.
@@ -125,15 +125,16 @@ typedef struct fathom_settings {
     const char *tracer;    /* the tracer: "embree" (also NULL, the default), "reference", "bvh:f64",
                               "embree:user:high", or a library FILE.so (see plugin.h). The caller keeps the
                               text; fathom_scene_set_settings() copies it */
-    unsigned block_width;  /* rays handed to the tracer at once: 1, 4, 8 or 16 (default) */
+    unsigned block_width;  /* rays in one call of the tracer: 1, 4, 8 or 16 (default) */
     unsigned tile_size;    /* pixels, a multiple of 32; default 32. No pixel depends on it */
-    uint64_t memory_limit; /* bytes that the process may have in memory; 0 (default): what is free. Embree's
-                              compact structures are taken where only they fit; FATHOM_OUT_OF_RESOURCES
-                              before anything is built where not even they do */
-    uint64_t texture_memory;    /* bytes of texture tiles in memory; the others are read again; default 1e9 */
+    uint64_t memory_limit; /* bytes that the process may have in memory; 0 (default): what is free. If only
+                              Embree's compact structures fit, they are used; if not even these fit,
+                              FATHOM_OUT_OF_RESOURCES before anything is built */
+    uint64_t texture_memory; /* bytes of texture tiles in memory; the others are in a temporary file; default
+                                1e9 */
     fathom_fireflies fireflies; /* default keep */
-    bool motion_blur; /* default true; false: all samples are of the middle of the shutter's time, and motion
-                         vectors still are of all of it */
+    bool motion_blur; /* default true; false: all samples are at the middle of the shutter time; motion
+                         vectors still cover all of it */
 } fathom_settings;
 
 typedef enum fathom_loss {
@@ -199,8 +200,8 @@ typedef struct fathom_stats {
     double build_seconds, render_seconds;
     uint64_t mesh_bytes, bvh_bytes,
         film_bytes; /* arrays of the scene's meshes, and points as spheres; the tracer's structures; pixels */
-    uint64_t bvh_peak_bytes; /* the most that the tracer held while it was built */
-    uint64_t foreseen_bytes; /* the most that the process was expected to hold, before building; 0: unknown */
+    uint64_t bvh_peak_bytes;       /* the most that the tracer held while it was built */
+    uint64_t foreseen_bytes;       /* predicted peak of the process, before building; 0: unknown */
     uint64_t degenerate_triangles; /* rendered around */
     uint32_t checkpoints; /* saved by this call; below: the seconds that saving took, next to rendering */
     double checkpoint_seconds;
@@ -241,7 +242,7 @@ FATHOM_API const uint32_t *fathom_film_channel_id(const fathom_film *film, const
 FATHOM_API fathom_status fathom_film_reweight(fathom_context *context, const fathom_film *film,
                                               fathom_film **out);
 
-/* A part that a render did without, and why: "shading normals", "no mesh has any". */
+/* A part of the renderer that a render skipped, and why: "shading normals", "no mesh has any". */
 typedef struct fathom_left_out {
     char what[48], why[96];
 } fathom_left_out;
@@ -253,13 +254,13 @@ FATHOM_API uint32_t fathom_film_left_out(const fathom_film *film, const fathom_l
 /* How bright the film is where it shows something other than the bare background. */
 typedef struct fathom_brightness {
     size_t size;
-    uint64_t pixels;  /* that show something else than the background; all if the image is black, as is the
-                         background, and there is no alpha */
+    uint64_t pixels;  /* that show something other than the background; all pixels if image and background are
+                         black and there is no alpha */
     uint64_t black;   /* of these: without any light */
     uint64_t clipped; /* of these: brighter than white (1) at the given exposure */
     float exposure; /* stops, a multiple of 0.1: at most 1 % of the lit pixels are brighter than white; 0 when
                        all are black */
-    bool in_studio; /* it shows a model in the built-in studio, whose light no author has set */
+    bool in_studio; /* the built-in studio lights the scene, so no author chose the brightness */
 } fathom_brightness;
 
 /* exposure: as in fathom_write_options. film may be NULL: all is 0 then. FATHOM_BAD_USAGE: `out` has no size.

@@ -81,25 +81,25 @@ typedef struct fathom_material {
     float k_s[3];       /* specular reflectance; default 0 */
     float k_r[3];       /* mirror reflectance; default 0 */
     float k_t[3];       /* transmittance; default 0 */
-    float k_e[3]; /* emitted radiance, as seen from outside any glass around the surface (inside: divided by
-                     the squared index there). Lights other surfaces under path tracing; default 0 */
+    float k_e[3]; /* emitted radiance, measured outside any glass around the surface (inside: divided by the
+                     squared index there). Lights other surfaces under path tracing; default 0 */
     float shininess;          /* the exponent n, [0, 1e9]; default 32 */
     float ior;                /* inside over outside, > 0; default 1.5 */
     fathom_specular specular; /* default FATHOM_SPECULAR_NONE */
     bool fresnel; /* k_r *= F and k_t *= 1 - F, F the dielectric Fresnel reflectance, 1 on total internal
                      reflection; without it, total internal reflection mirrors k_r + k_t; default false */
-    bool lit_from_behind; /* lights on the viewer's far side count by |n·l|; default false */
+    bool lit_from_behind; /* lights behind the surface count, too, by |n·l|; default false */
 
     /* Metallic-roughness: colours and factors are in [0,1] unless said otherwise. */
-    float base_color[3];     /* default 1 */
-    float metallic;          /* default 0 */
-    float roughness;         /* GGX's alpha is its square; default 0.5 */
-    float emissive[3];       /* radiance that both sides send out, times emissive_strength; seen as k_e;
-                                default 0 */
+    float base_color[3]; /* default 1 */
+    float metallic;      /* default 0 */
+    float roughness;     /* GGX's alpha is its square; default 0.5 */
+    float
+        emissive[3]; /* radiance that both sides emit, times emissive_strength; measured as k_e; default 0 */
     float emissive_strength; /* >= 0; default 1 */
     float specular_factor;   /* of the dielectric's reflectance; default 1 */
     float specular_color[3]; /* of the dielectric's reflectance at normal incidence, >= 0; default 1 */
-    float transmission;      /* part of the dielectric's base that lets light through; default 0 */
+    float transmission;      /* fraction of the dielectric's base that transmits light; default 0 */
     float thickness;         /* > 0: the mesh bounds a volume, and light refracts; 0: thin walls; default 0 */
     float attenuation_color[3]; /* what is left of white light after attenuation_distance; default 1 */
     float attenuation_distance; /* 0 (default): nothing is absorbed */
@@ -109,16 +109,17 @@ typedef struct fathom_material {
                                               direction is rotated towards the bitangent; default 0 */
     float iridescence;                     /* strength of a thin film; default 0 */
     float iridescence_ior;                 /* its index, [1, 5]; default 1.3 */
-    float iridescence_thickness_min, iridescence_thickness_max; /* nanometres; without a map the latter
-                                                                   counts; default 100 and 400 */
-    float dispersion;                    /* 20 over Abbe's number, >= 0; default 0, at most 40 counts */
-    float diffuse_transmission;          /* part of Lambert's lobe that leaves on the other side; default 0 */
+    float iridescence_thickness_min,
+        iridescence_thickness_max; /* nanometres; without a map, max is the thickness; default 100 and 400 */
+    float dispersion;              /* 20 over Abbe's number, >= 0; default 0, at most 40 counts */
+    float diffuse_transmission; /* fraction of the diffuse light that leaves on the other side; default 0 */
     float diffuse_transmission_color[3]; /* default 1 */
     uint32_t priority; /* where volumes overlap, the highest priority fills the space, [0, 255]; 0 (default):
                           no priority, and ior is relative to empty space */
-    float opacity;     /* coverage by chance; default 1 */
-    bool multiscatter; /* rough lobes get back what they lose to multiple scattering; default true */
-    float opacity_cutoff;         /* > 0: opacity below it is 0, other is 1; default 0: coverage by chance */
+    float opacity;     /* coverage: the fraction of rays that hit the surface; default 1 */
+    bool multiscatter; /* adds the light that rough lobes would lose without multiple scattering; default true
+                        */
+    float opacity_cutoff;         /* > 0: an opacity below it counts as 0, any other as 1; default 0: off */
     float normal_scale;           /* either model: factor of the x and y of FATHOM_MAP_NORMAL; default 1 */
     float clearcoat_normal_scale; /* the same of FATHOM_MAP_CLEARCOAT_NORMAL; default 1 */
     float bump_scale; /* either model: the height in units of length where FATHOM_MAP_BUMP is 1; default 1 */
@@ -145,7 +146,7 @@ typedef enum fathom_light_type {
     FATHOM_LIGHT_POINT,
     FATHOM_LIGHT_DIRECTIONAL,
     FATHOM_LIGHT_SPOT,
-    FATHOM_LIGHT_ENVIRONMENT /* light from all around, by an image; path integrators only */
+    FATHOM_LIGHT_ENVIRONMENT /* light from all directions, given by an image; path integrators only */
 } fathom_light_type;
 
 typedef struct fathom_light {
@@ -196,9 +197,9 @@ typedef enum fathom_light_source {
     FATHOM_SOURCE_BACKGROUND /* id 0 */
 } fathom_light_source;
 
-/* Puts what sends out light into the group `name`, for FATHOM_AOV_LIGHT_GROUPS. Sources without one are of
- * the group "rest". name: 1 to 31 letters of A-Z, a-z, 0-9 and _; FATHOM_BAD_INPUT: another name, or more
- * than 31 groups besides "rest"; FATHOM_BAD_USAGE: there is no such source. */
+/* Puts a source of light into the group `name`, for FATHOM_AOV_LIGHT_GROUPS. Sources without a group are
+ * in the group "rest". name: 1 to 31 letters of A-Z, a-z, 0-9 and _; FATHOM_BAD_INPUT: another name, or
+ * more than 31 groups besides "rest"; FATHOM_BAD_USAGE: there is no such source. */
 FATHOM_API fathom_status fathom_scene_set_light_group(fathom_scene *scene, fathom_light_source source,
                                                       fathom_id id, const char *name);
 
@@ -220,8 +221,9 @@ typedef struct fathom_sphere {
     unsigned flags;
 } fathom_sphere;
 
-/* A planar convex quad, corners in order around it. The normal is (c1-c0)×(c3-c0). An image stands on the
- * edge from c0 to c1: its texture coordinates are (0,1) at c0, (1,1) at c1, (1,0) at c2 and (0,0) at c3. */
+/* A planar convex quad, corners in order around it. The normal is (c1-c0)×(c3-c0). The lower edge of an
+ * image is the edge from c0 to c1: texture coordinates are (0,1) at c0, (1,1) at c1, (1,0) at c2 and (0,0)
+ * at c3. */
 typedef struct fathom_quad {
     double corners[4][3];
     fathom_id material;
@@ -238,8 +240,8 @@ typedef struct fathom_plane {
 } fathom_plane;
 
 /* Triangles over float vertices, or points, placed at `origin`: vertex i is at origin + positions[i].
- * Strides are in bytes, multiples of 4; 0 means tightly packed. normal_indices and uv_indices run beside
- * indices (3 a triangle); NULL means the same as indices. */
+ * Strides are in bytes, multiples of 4; 0 means tightly packed. normal_indices and uv_indices have 3
+ * entries a triangle, as indices; NULL means the same as indices. */
 typedef struct fathom_mesh {
     const float *positions; /* x y z */
     size_t position_stride;
@@ -264,18 +266,18 @@ typedef struct fathom_mesh {
     size_t color_stride;
     unsigned color_channels; /* 3 (default) or 4; not read without colors */
     const float *tangents;   /* x y z w: the direction of u, and w = ±1 with bitangent = w normal × tangent.
-                                NULL: from how the first uv set lies on each triangle */
+                                NULL: computed from the first uv set of each triangle */
     size_t tangent_stride;
-    /* Motion: the vertices at `key_count` times, in ascending order; 0 (default): they stay. `positions` must
-     * be given as well, and has no effect. Between two keys vertices and normals move linearly; before the
-     * first and after the last they rest. `tangents` are those of the first key, and move with the
-     * triangles. */
+    /* Motion: the vertices at `key_count` times, in ascending order; 0 (default): they do not move.
+     * `positions` must be given as well, but has no effect. Between two keys vertices and normals move
+     * linearly; before the first and after the last they rest. `tangents` are those of the first key, and
+     * move with the triangles. */
     uint32_t key_count;
     const double *key_times;
     const float *key_positions; /* key_count times vertex_count x y z, tightly packed */
     const float *key_normals;   /* key_count times normal_count x y z; needed where there are normals */
-    /* A cloud of points: every vertex is a sphere of this radius, in place of triangles; it has positions,
-     * colours and nothing else. 0 (default): a mesh of triangles. */
+    /* A cloud of points: every vertex is a sphere of this radius, in place of triangles. A cloud may have
+     * only positions and colours. 0 (default): a mesh of triangles. */
     float point_radius;
 } fathom_mesh;
 
@@ -343,10 +345,10 @@ typedef struct fathom_instance {
     fathom_id parent;
     double transform[12]; /* group to parent, 3 rows of 4: p' = M p + T. Any invertible affine map. */
     fathom_id material;   /* replaces every material inside; FATHOM_NONE keeps them */
-    /* Motion: the places at `key_count` times, in ascending order; 0 (default): `transform` alone, which is
-     * else not read. Between two keys the translation and the stretch move linearly, and the rotation by the
-     * shorter way (so keys of a spin lie less than half a turn apart); before the first and after the last
-     * it rests. Planes cannot move. The arrays are copied. */
+    /* Motion: the transforms at `key_count` times, in ascending order; 0 (default): `transform`, which is
+     * not read otherwise. Between two keys the translation and the stretch move linearly, and the rotation
+     * by the shorter way (so keys of a spin lie less than half a turn apart); before the first and after
+     * the last it rests. Planes cannot move. The arrays are copied. */
     const double *key_times;
     const double *key_transforms; /* 12 numbers each, as `transform` */
     uint32_t key_count;
@@ -407,14 +409,13 @@ FATHOM_API fathom_status fathom_scene_set_background(fathom_scene *scene, const 
 FATHOM_API fathom_status fathom_scene_set_ambient(fathom_scene *scene, const float rgb[3]);
 FATHOM_API fathom_status fathom_scene_set_name(fathom_scene *scene, const char *name);
 
-/* Adds what the scene lacks: a camera that frames everything, and lights. Under path tracing these count as
- * lights: a background, and emissive materials that give the scene at least a sixteenth of the built-in
- * studio's light. The scene fills 90 % of the image's width or height, whichever is reached first, for the
- * image size in its settings: see fathom_scene_set_settings(). */
+/* Adds a camera that frames everything, and lights, if the scene has none. Under path tracing, a
+ * background counts as a light, and so do emissive materials that give the scene at least a sixteenth of
+ * the built-in studio's light. The scene fills 90 % of the image's width or height, whichever is reached
+ * first, for the image size in its settings: see fathom_scene_set_settings(). */
 FATHOM_API fathom_status fathom_scene_complete(fathom_scene *scene);
 
-/* All that can only be checked once the scene is whole: cycles, absent geometry…
- * Rendering calls it. */
+/* Checks what can only be checked in a complete scene: cycles, absent geometry… Rendering calls it. */
 FATHOM_API fathom_status fathom_scene_check(const fathom_scene *scene);
 
 #ifdef __cplusplus

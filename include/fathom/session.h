@@ -68,9 +68,9 @@ typedef struct fathom_session_options {
      * FATHOM_BAD_INPUT: the file is damaged, is no checkpoint, or is of another render: the message says what
      * differs. All of this is found before anything is built, except a different tracer. */
     const fathom_checkpoint *checkpoint;
-    /* Files that the film will be written to, with `write` (NULL: the defaults). The part of max_time that
-     * writing them takes is kept. A render to files that need the image helper ends with
-     * FATHOM_OUT_OF_RESOURCES as soon as that is known to be missing. */
+    /* Files that the film will be written to, with `write` (NULL: the defaults). max_time reserves the
+     * time to write them. A render to files that need the image helper ends with FATHOM_OUT_OF_RESOURCES
+     * as soon as that is known to be missing. */
     const char *const *outputs;
     size_t output_count;
     const fathom_write_options *write;

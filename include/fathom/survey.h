@@ -38,10 +38,10 @@ typedef struct fathom_survey {
     const fathom_camera *camera;
     const fathom_camera_choice *cameras;
     uint32_t camera_count;
-    /* Bytes of memory, about: the program, meshes, Embree's structure, what building it takes besides, and
-     * the film by the scene's own settings. */
+    /* Estimated bytes of memory: the program, meshes, Embree's structure, the extra memory to build it,
+     * and the film with the scene's own settings. */
     uint64_t program_bytes, mesh_bytes, bvh_bytes, building_bytes, film_bytes;
-    const char *const *features; /* that are used: "smooth normals", "Phong" */
+    const char *const *features; /* features in use: "smooth normals", "Phong" */
     uint32_t feature_count;
     const fathom_left_out *left_out; /* by a render with the scene's own settings */
     uint32_t left_out_count;

@@ -8,12 +8,12 @@
 extern "C" {
 #endif
 
-/* What the numbers of an image mean. Alpha is always linear. */
+/* Color space of an image. Alpha is always linear. */
 typedef enum fathom_color_space {
-    FATHOM_COLOR_AUTO,   /* linear where the image has halfs or floats, sRGB where it has integers, unless it
-                            says that they are linear, as KTX 2.0 files may */
-    FATHOM_COLOR_SRGB,   /* colours of Rec.709 through the curve of IEC 61966-2-1 */
-    FATHOM_COLOR_LINEAR, /* linear Rec.709, or data: the numbers are taken as they are */
+    FATHOM_COLOR_AUTO, /* as the image says, which KTX 2.0 files do; else linear for half and float, and sRGB
+                          for integers */
+    FATHOM_COLOR_SRGB, /* colours of Rec.709 through the curve of IEC 61966-2-1 */
+    FATHOM_COLOR_LINEAR, /* linear Rec.709, or data: the numbers are used unchanged */
     FATHOM_COLOR_NAMED   /* color_space_name, a space of the OpenColorIO config */
 } fathom_color_space;
 
@@ -21,7 +21,7 @@ typedef enum fathom_color_space {
 typedef enum fathom_wrap {
     FATHOM_WRAP_REPEAT,
     FATHOM_WRAP_MIRROR, /* every other repetition is mirrored */
-    FATHOM_WRAP_CLAMP   /* the texels of the edge go on */
+    FATHOM_WRAP_CLAMP   /* the texels of the edge are repeated */
 } fathom_wrap;
 
 typedef enum fathom_texture_filter {
@@ -29,8 +29,8 @@ typedef enum fathom_texture_filter {
     FATHOM_TEXTURE_LINEAR,    /* bilinear in level 0 */
     FATHOM_TEXTURE_TRILINEAR, /* bilinear in the two mip levels whose texels are about as wide as the
                                  footprint, and linear between the two */
-    FATHOM_TEXTURE_STOCHASTIC /* one of the up to eight texels of FATHOM_TEXTURE_TRILINEAR, chosen by a hash
-                                 of the place; their weights are the probabilities. Not for bump maps */
+    FATHOM_TEXTURE_STOCHASTIC /* one of the up to eight texels of FATHOM_TEXTURE_TRILINEAR, chosen at random
+                                 by weight, from a hash of the position. Not for bump maps */
 } fathom_texture_filter;
 
 /* Limits of an image. */

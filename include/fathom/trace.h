@@ -1,4 +1,4 @@
-/* Rays of your own against a scene. */
+/* Traces your own rays against a scene. */
 #ifndef FATHOM_TRACE_H
 #define FATHOM_TRACE_H
 
@@ -38,13 +38,13 @@ FATHOM_API fathom_status fathom_tracer_check(fathom_context *context, const char
 FATHOM_API fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *scene,
                                               const char *words, fathom_tracer **out);
 FATHOM_API void fathom_tracer_destroy(fathom_tracer *tracer);
-/* Closest hits. rays and hits may be NULL when count is 0. FATHOM_BAD_USAGE when a ray is not finite or its
- * direction is zero: the message names it, and hits of the rays before it are set. Any number of threads may
- * call at the same time; when several fail, the message is one of theirs; read it when all have returned.
- * With Embree, a ray within a few roundings of a mesh's vertex can slip through: 2 % of rays aimed exactly at
- * vertices do. Renders repair this. For single rays, use the tracer "reference". Where one scene holds
- * objects farther apart than 1e7 times their size, float can miss those far from its origin. Rays hit what a
- * material makes transparent, too. */
+/* Closest hits. rays and hits may be NULL when count is 0. FATHOM_BAD_USAGE when a ray is not finite or
+ * its direction is zero: the message names it, and hits of the rays before it are set. Any number of
+ * threads may call at the same time; if several fail, the message is that of one of them; read it when all
+ * have returned. With Embree, a ray within a few roundings of a mesh's vertex can slip through: 2 % of
+ * rays aimed exactly at vertices do. Renders repair this. For single rays, use the tracer "reference". If
+ * objects are farther apart than 1e7 times their size, float can miss those far from the scene's origin.
+ * Rays also hit surfaces that a material makes transparent. */
 FATHOM_API fathom_status fathom_tracer_closest(const fathom_tracer *tracer, const fathom_ray *rays,
                                                size_t count, fathom_hit *hits);
 /* Any hit. Shapes that cast no shadow count, too. */
