@@ -5,7 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Not parallel to an axis, as many surfaces are, and through no edge of a box. */
+/* A direction that is not parallel to an axis, because many surfaces are, and that hits no edge of a box
+ * around the eye. */
 static const vec3_f32 direction = {0.36f, 0.80f, 0.48f};
 
 /* Maximum number of surfaces that the ray passes. */
@@ -66,7 +67,7 @@ static uint32_t corner(uint32_t side, uint32_t step, uint32_t steps) {
     return (side - 1) / 4 * step / (steps - 1) * 4;
 }
 
-/* True if it holds for the start of some of 256 rays. */
+/* True if `holds` is true for the origin of any of 256 camera rays, spread over the image. */
 static bool any_start(const render_plan *plan,
                       bool (*holds)(const render_plan *plan, vec3_f32 eye, float time)) {
     enum { STEPS = 4 };

@@ -30,7 +30,7 @@ unsigned parts_features(const fathom_scene *scene) {
     return features;
 }
 
-/* What only path tracing shows of a material that passes light: a volume that absorbs, and layers. */
+/* Features of a transmitting material that only path tracing renders: absorption in a volume, and layers. */
 static bool path_takes_light(const fathom_material *m) {
     const float *left = m->attenuation_color, *sheen = m->sheen_color;
     const bool absorbs =
@@ -85,7 +85,7 @@ parts_extent parts_extent_of(const world *w, const fathom_settings *settings) {
     parts_extent out = {.known = false};
     if (w->planes.count || !any_spot(w->scene)) return out;
     scene_bounds bounds;
-    /* If out of memory, the extent stays unknown. Then no light is left out, which changes no pixel. */
+    /* If out of memory, the extent stays unknown. Then no light is skipped, which changes no pixel. */
     if (scene_world_bounds(w->scene, &bounds) != FATHOM_OK || bounds_is_empty(&bounds)) return out;
     out.known = true;
     out.center = bounds_center(&bounds);
@@ -191,7 +191,7 @@ static bool tell_classic(const world *w, const fathom_settings *s, left_out_list
     return tell_unneeded(words, sizeof words / sizeof *words, list);
 }
 
-/* The path integrator can do without lens samples and absorption. */
+/* Parts that only the path integrator can skip: lens samples and absorption. */
 static bool tell_paths(const world *w, left_out_list *list) {
     bool absorbs = false;
     for (size_t i = 0; i < w->scene->materials.count; ++i) {

@@ -15,8 +15,8 @@ bool parts_all_transparent(const fathom_scene *scene, fathom_integrator integrat
 /* Longest text of a warning, with its end. */
 #define PARTS_TEXT 256
 
-/* True if materials in use send out more light than they get, which the classic model allows, and light paths
- * follow it. Then `text` tells how many do, and which does most. */
+/* True if the integrator follows light paths, and some materials reflect more light than they receive,
+ * which the classic model allows. `text` then says how many there are, and which is the worst. */
 bool parts_brighten(const fathom_scene *scene, fathom_integrator integrator, char text[PARTS_TEXT]);
 
 /* A ball around all points from which shadow rays may start. It tells which spot lights reach none of

@@ -1,12 +1,12 @@
-/* Materials of the classic model that send out more light than they get: the sum of what they reflect and
- * pass is the user's choice. */
+/* Classic materials that reflect and transmit more light than they receive: the model does not limit the
+ * sum. */
 #include "integrate/parts.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
-/* The light that a highlight of k_s 1 sends out, of light along the normal: 1 / pi times the integral of
- * max(0, v·r)^n or max(0, n·h)^n times the cosine. */
+/* The albedo of a highlight of k_s 1, for light along the normal: 1 / pi times the integral of max(0,
+ * v·r)^n or max(0, n·h)^n times the cosine. */
 static double lobe_of(const fathom_material *m) {
     const double n = (double)m->shininess;
     switch (m->specular) {
@@ -25,8 +25,8 @@ static double smooth_of(const fathom_material *m, int channel) {
     return fmax(mirror, least * mirror + (1 - least) * glass);
 }
 
-/* The ratio of the light that leaves to the light that comes, in the channel where it is largest. Numbers
- * that an image changes are not known here, and count as 0. */
+/* The ratio of leaving to arriving light, in the channel where it is largest. Numbers that an image
+ * changes are not known here, and count as 0. */
 static double albedo_of(const fathom_material *m) {
     const bool colored = m->maps[FATHOM_MAP_COLOR].texture != FATHOM_NONE,
                shining = m->maps[FATHOM_MAP_SPECULAR_COLOR].texture != FATHOM_NONE ||
@@ -52,7 +52,7 @@ static bool *materials_used(const fathom_scene *scene) {
     return used;
 }
 
-/* Above what sums of rounded floats can reach that are meant to be 1. */
+/* Above the rounding errors of sums that are meant to be 1. */
 #define BRIGHTENING (1 + 1e-5)
 
 bool parts_brighten(const fathom_scene *scene, fathom_integrator integrator, char text[PARTS_TEXT]) {

@@ -97,8 +97,8 @@ static inline vec3_f64 plan_eye(const render_plan *plan, const shade_camera *cam
  * time: 0 when the shutter opens, 1 when it closes. */
 void eye_volumes_find(const render_plan *plan, vec3_f32 eye, float time, eye_volumes *out);
 /* Whether some of 256 camera rays over image, lens and time start in others than plan->eye_volumes, or at
- * another depth than plan->eye_depth. If such rays are so few that none is among these, they are taken to
- * start as all others. */
+ * another depth than plan->eye_depth. Rarer rays, of which none is among these, are treated as starting
+ * like the others. */
 bool eye_volumes_differ(const render_plan *plan);
 bool eye_depths_differ(const render_plan *plan);
 

@@ -1,15 +1,16 @@
-/* Images of a cube's faces, which become equirectangular ones (sky.h).
+/* Cube maps, which are converted to equirectangular images (sky.h).
  *
- * The faces are those of OpenGL's cube maps, seen from inside. With r = (x, y, -z) for a direction (x, y, z)
- * of the image's own axes, the face of the largest coordinate has it at
+ * Faces are oriented as in OpenGL's cube maps, seen from inside. For a direction (x, y, z) in the image's
+ * axes, let r = (x, y, -z). Its face is that of the coordinate with the largest magnitude. Its position on
+ * the face is
  *
  *     face     +x    -x    +y    -y    +z    -z
  *     across   -rz   +rz   +rx   +rx   +rx   -rx
  *     down     -ry   -ry   +rz   -rz   -ry   -ry
  *
- * over that coordinate's size, from -1 to 1. So +z lies where the centre of an equirectangular image does.
+ * divided by that magnitude, from -1 to 1. So +z is at the centre of the equirectangular image.
  *
- * One image holds all six, in squares of equal size, if its shape is exactly one of these:
+ * One image holds all six faces, in squares of equal size, if its aspect ratio is exactly one of these:
  *
  *     4:3      +y          3:4      +y        6:1  +x -x +y -y +z -z
  *           -x +z +x -z          -x +z +x     1:6  the same from the top

@@ -90,10 +90,10 @@ void emitters_outside(const emitters *e, unsigned lanes, const lanes3 p, const l
 
 /* ---- learning ---- */
 
-/* A copy for paths that find out what the scene hides, valid as long as e: most light samples go
- * outside, to images of skies and, evenly by direction, past them, or to an even background, and the others
- * to surfaces and lamps, and to suns. *out is NULL if there is nothing to learn. Release with free(). False:
- * out of memory. */
+/* A copy of the emitters for scout paths (path_scout.h), valid as long as e. Most of its light samples go
+ * outside: to images of skies, and uniformly over all directions; or to an even background. The others go
+ * to surfaces and lamps, and to suns. *out is NULL if there is nothing to learn. Release with free().
+ * False: out of memory. */
 bool emitters_scout(const emitters *e, emitters **out);
 
 /* A light sample. */
@@ -104,7 +104,7 @@ typedef struct emitter_glance {
     uint32_t part; /* emitter_part */
 } emitter_glance;
 
-/* The findings of these paths. */
+/* The results of scout paths. */
 typedef struct emitter_lesson {
     const emitters *by;  /* the copy */
     const sky_ray *rays; /* light samples from outside */
@@ -114,15 +114,16 @@ typedef struct emitter_lesson {
     emitter_glance *glances; /* all light samples of some paths; their order is lost */
     size_t glance_count;
 } emitter_lesson;
-/* Light samples prefer the lights, and the parts of the skies, that reach the points. Call at most once.
- * False: out of memory. */
+/* From now on, light samples prefer the lights, and the parts of the skies, that are visible from the
+ * points. Call at most once. False: out of memory. */
 bool emitters_learn(emitters *e, const emitter_lesson *from);
 
 /* The disc of a sun, or the sphere of a lamp, as scattered rays find it; the camera does not see it. */
 typedef struct emitter_disc {
     float radiance[3];
-    float density;  /* with which emitters_sample() takes each direction to it; 0: it does not, or if it is a
-                       sun, as if it had no size, so that only rays of smooth lobes may add its light */
+    float density;  /* with which emitters_sample() samples each direction to it. 0: it does not sample the
+                       disc, or it treats a sun as if it had no size; then only rays of smooth lobes may add
+                       the light */
     float distance; /* of the sphere; INFINITY: a sun */
     uint8_t group;
 } emitter_disc;

@@ -9,8 +9,8 @@
 #define CELL_TEXELS 8           /* least side of a cell */
 #define CELLS_MOST (1u << 16)   /* of a run */
 #define CELLS_OF_ALL (1u << 18) /* of all runs */
-/* Choosing among many cells may double the time of a light sample, so cells must halve the mean square of
- * what even samples give. */
+/* Choosing among many cells may double the time of a light sample. So cells are made only if they halve
+ * the mean square of uniform samples. */
 #define UNEVEN 2
 
 static bool is_quads(const emitters *e, const emitter_run *run) {

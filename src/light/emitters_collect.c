@@ -13,7 +13,7 @@ KERNEL_BEST(shape_kernels)
 
 /* ---- materials ---- */
 
-/* Forgets the textures if no emission varies, because scenes with a single even light are faster. */
+/* Drops the textures if no emission varies, because scenes with a single even light are faster. */
 static bool find_emission(emitters *e) {
     const fathom_scene *scene = e->w->scene;
     bool varies = false;
@@ -266,8 +266,9 @@ static bool from_outside(const emitters *e) {
     return sum > 0;
 }
 
-/* Each class has the same probability, until paths tell more. A background without images is even: scattered
- * rays find it as well as light samples do, so these go to the other lights, if there are any. */
+/* Each class has the same probability, until scout paths find better ones. A background without images is
+ * even: scattered rays find it as well as light samples do. So light samples go to the other lights, if
+ * there are any. */
 void emitters_share(emitters *e) {
     bool there[EMITTER_PARTS] = {e->finite_count > 0, from_outside(e), e->sun_count > 0};
     if (there[EMITTER_FINITE] || there[EMITTER_DIRECTIONAL]) there[EMITTER_OUTSIDE] &= e->sky_count > 0;

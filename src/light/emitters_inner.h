@@ -56,7 +56,7 @@ typedef struct emitter_face {
     bool exact; /* `fast` holds the corners without rounding */
 } emitter_face;
 
-/* An emitter that does not move, as light samples need it. */
+/* Precomputed sampling data of an emitter that does not move. */
 typedef struct emitter_ready {
     shape_face face;       /* undefined for a sphere */
     const float *radiance; /* NULL: a sphere */

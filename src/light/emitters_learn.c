@@ -1,5 +1,5 @@
-/* Paths before the image find out what the scene hides of its lights: how their light samples are chosen, and
- * what is learned from them. */
+/* Scout paths run before the render, to find out which light the scene blocks. This file chooses their
+ * light samples, and adapts the sampling probabilities to their results. */
 #include "light/emitters_inner.h"
 
 #include <stdlib.h>
@@ -43,8 +43,8 @@ bool emitters_scout(const emitters *e, emitters **out) {
 
 /* ---- lessons ---- */
 
-/* An even background becomes an image if little of it is seen, and if it matters next to other lights: see
- * bench/path_tracing.md. */
+/* An even background is sampled as an image if little of it is visible, and if it matters next to other
+ * lights: see bench/path_tracing.md. */
 #define LITTLE_SEEN 0.25
 #define FAINT 0.12
 

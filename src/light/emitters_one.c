@@ -61,7 +61,7 @@ bool emitters_choose(const emitters *e) { return !e->one.face && !e->one.sky; }
  * + a. */
 float emitters_mis_factor(const emitters *e) { return e->one.sky ? 0.7745967f : 1; }
 
-/* Lanes without light get a direction as well. */
+/* Lanes without light get a direction, too. */
 static void finish(const float radiance[3], emitter_sample *restrict out) {
     int dark = 0;
     for (unsigned i = 0; i < LANES; ++i) {

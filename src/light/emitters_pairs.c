@@ -1,6 +1,6 @@
-/* Pairs of triangles that are quads: most meshes that emit light are windows, panels and boxes, whose quads
- * were split for a file. Each pair is one emitter. Its samples are then one net over both triangles, and no
- * choice between them breaks it. */
+/* Pairs of triangles that form a quad. Most emissive meshes are windows, panels and boxes, whose quads
+ * were split for a file. Each pair is one emitter: if a light sample had to choose a triangle at random,
+ * samples would no longer be a net over the quad. */
 #include "light/emitters_inner.h"
 
 #include "trace/search.h"
@@ -44,7 +44,7 @@ static bool is_pair(const emitters *e, const emitter_run *run, uint32_t index) {
     return is_flat(&face);
 }
 
-/* Vertices that move may leave the plane, and emission that varies is looked up by triangle. */
+/* Not for moving vertices, which may leave the plane, or varying emission, which is looked up by triangle. */
 static bool may_pair(const emitters *e, const emitter_run *run) {
     const world_geometry *g = &e->w->geometries.items[run->geometry];
     if (g->kind != WORLD_MESH || g->moving || run->count % 2 || run->level) return false;

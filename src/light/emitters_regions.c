@@ -10,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Light samples of a region, at least: fewer know too little about rare bright ones. */
+/* Minimum number of light samples of a region: fewer would miss rare bright ones. */
 #define LEAST_GLANCES 512u
 #define MOST_DEPTH 24u
-/* The variances of the region around a region count as much as this many samples. */
+/* Prior: the variances of the enclosing region have the weight of this many samples. */
 #define PRIOR 32.0
 /* Regions must reduce the variance of light samples at least to this in the geometric mean, which a few
  * regions with rare bright light do not decide. */
@@ -49,7 +49,7 @@ typedef struct glance_span {
 
 /* ---- variances ---- */
 
-/* known: variances in the region around; become those in this region. */
+/* known: variances in the enclosing region; become those in this region. */
 static void learn(const region_pupil *p, glance_span span, double known[EMITTER_PARTS]) {
     class_moments m[EMITTER_PARTS] = {{0}};
     for (size_t k = span.begin; k < span.end; ++k) {
@@ -158,8 +158,8 @@ static void look_up(const region_pupil *p, size_t first, unsigned lanes, float d
     for (unsigned i = 0; i < LANES; ++i) density[i] /= (float)p->e->shares.of[EMITTER_OUTSIDE];
 }
 
-/* Makes samples those of a class that is the only one: density becomes the factor of their squares, which is
- * 1 unless what was learned has changed how light from outside is sampled. */
+/* Rescales samples as if their class were the only one. density becomes the factor of their squares: 1,
+ * unless learning has changed how light from outside is sampled. */
 static void adapt(const region_pupil *p, size_t count) {
     for (size_t done = 0; done < count; done += LANES) {
         float now[LANES] = {0};

@@ -52,8 +52,8 @@ static fathom_status bad_texel(fathom_context *context, const char *path, uint32
         x, y, (double)value, c == 0 ? "R" : (c == 1 ? "G" : "B"));
 }
 
-/* Sets the image's texels in `out`, whose rows are `stride` long. Squares of a cross that are no faces stay
- * 0, as does what a file has no data of. */
+/* Sets the image's texels in `out`, whose rows are `stride` long. Squares of a cross that are not faces
+ * stay 0, and so do pixels without data in the file. */
 static fathom_status load_texels(fathom_context *context, const fathom_light *light, const char *path,
                                  const image *img, size_t stride, sky_texel *out) {
     const image_channel *rgb[3];

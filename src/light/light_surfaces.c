@@ -367,7 +367,7 @@ static int by_distance(const void *a, const void *b) {
     return (p > q) - (p < q);
 }
 
-/* Adds a surface to those of its light, out[0, count), unless an equal one is there; returns their number. */
+/* Adds a surface to those of its light, out[0, count), unless it has an equal one; returns their number. */
 static uint32_t take(light_surface *out, uint32_t count, const light_surface *s) {
     for (uint32_t k = 0; k < count; ++k) {
         if (!is_same(&out[k], s)) continue;

@@ -14,8 +14,9 @@
  * which has a table of the blocks. A product of light and cosine at this resolution needs no table of all
  * pairs of normals and cells, and excludes the half of the sky behind the surface.
  *
- * In a room, most of the sky is hidden. Rays of a few paths tell what the surfaces see of it, and surfaces
- * with normals in one cell are divided by place into regions, which have tables of their own: sky_learn(). */
+ * In a room, most of the sky is hidden. The rays of a few paths show which parts the surfaces see.
+ * Surfaces with normals in one cell are divided by position into regions, each with its own table:
+ * sky_learn(). */
 #pragma once
 
 #include "light/regions.h"

@@ -1,4 +1,5 @@
-/* Finds what surfaces see of a sky, and gives regions of them tables of their own. */
+/* Estimates which parts of a sky surfaces see, by region of surfaces, and makes a sampling table for each
+ * region. */
 #include "base/array.h"
 #include "light/sky.h"
 #include "math/lane.h"
@@ -7,19 +8,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rays of a region, at least; more regions would know less of the sky each. */
+/* Minimum number of rays of a region: smaller regions would know too little of the sky. */
 #define LEAST_RAYS 512u
-/* Splits above a region, at most: outliers could ask for many. */
+/* Maximum depth of splits: outliers could cause many. */
 #define MOST_DEPTH 16u
 /* A table of its own must reduce the variance of light samples at least to this, by the estimate below. */
 #define WORTH 0.9
 /* A prior counts as much as this many rays. */
 #define PRIOR_RAYS 32.0
 #define LEAST_SEEN 1e-8
-/* At least this much of a block is taken to be seen, of what is seen of its neighbours. */
+/* A block counts as at least this fraction as visible as its neighbours. */
 #define NEIGHBOUR 0.01
-/* The fraction of samples that do not use what was learned: it bounds the variance where rays missed
- * something. */
+/* The fraction of samples that use the table of the whole sky: it bounds the variance where the rays
+ * missed something. */
 #define DEFENCE 0.1
 
 /* A ray, once rays are sorted by view. */
@@ -121,7 +122,7 @@ static bool reserve_table(sky_pupil *p) {
     return true;
 }
 
-/* Returns the region's table: that of its view if another one is not worth it. */
+/* Returns the region's table, or that of its view if its own would gain too little. */
 static uint32_t make_table(sky_pupil *p, uint32_t view, const double seen[SKY_BLOCKS]) {
     double parts[SKY_BLOCKS];
     if (weigh(p->s, view, seen, parts) > WORTH) return REGION_LEAF + view;

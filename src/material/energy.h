@@ -66,10 +66,10 @@ enum { ENERGY_FACETS_STEPS = 64 };
 void energy_facets(float along, float across, const float curve[ENERGY_FACETS_STEPS + 1],
                    float out[ENERGY_FACETS_STEPS + 1]);
 
-/* The light that the first scattering by rough glass leaves over: 1 - albedo, reflected and transmitted light
- * together, for a viewer outside ([0]) and inside ([1]). eta: index inside divided by outside; f0 and f90 of
- * Schlick's reflectance, with f90 at total reflection; what is not reflected is transmitted. The error is at
- * most 3e-3, or 6e-3 for roughnesses above 0.9. */
+/* The light that remains between the facets of rough glass after the first scattering: 1 - albedo, with
+ * reflected and transmitted light together, for a viewer outside ([0]) and inside ([1]). eta: index inside
+ * divided by outside; f0 and f90 of Schlick's reflectance, with f90 at total reflection; what is not
+ * reflected is transmitted. The error is at most 3e-3, or 6e-3 for roughnesses above 0.9. */
 void energy_glass(float alpha, float eta, float f0, float f90, float missing[2][ENERGY_NODES]);
 
 /* The same for two alphas, over the cosine and the azimuth: nodes at cosines (k / ENERGY_GLASS_STEPS)^4, and

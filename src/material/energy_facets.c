@@ -39,7 +39,7 @@ static void add_ring(const ring_viewer *m, float u, float part, float out[NODES]
     }
 }
 
-/* All azimuths are alike if the alphas are equal, and both halves of the rings. */
+/* All azimuths have the same value if the alphas are equal, and so have both halves of the rings. */
 static void fill(const int *rows, void *table) {
     weights *out = table;
     const int turns = rows[0] == rows[1] ? 1 : TURNS;

@@ -41,8 +41,9 @@ typedef struct ring_sums {
     float low[ALONG], high[ALONG], open[ALONG];
 } ring_sums;
 
-/* Adds what visible facets around the azimuth u send on. The parametrisation is that of energy.c. `along` is
- * the cosine between viewer and facet. Total reflection has Schlick's factor 1. */
+/* Adds the light that visible facets around the azimuth u reflect and transmit. The parametrisation is
+ * that of energy.c. `along` is the cosine between viewer and facet. Total reflection has Schlick's factor
+ * 1. */
 static void add_ring(const viewer *v, float u, ring_sums *sums) {
     const float inverse = 1 / v->eta, below = v->stretched_x * v->stretched_x / (1 + v->stretched_z);
     float cosine, sine;

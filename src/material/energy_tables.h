@@ -1,5 +1,5 @@
-/* Tables of albedos over alphas, indices and cosines: the places of their rows. A table is computed on first
- * use and kept. */
+/* Tables of albedos over alphas, indices and cosines: the coordinates of their rows. A table is computed
+ * on first use and kept. */
 #pragma once
 
 #include "math/limit.h"
@@ -36,7 +36,7 @@ static inline int energy_index_row(float eta, int steps, float *part) {
     return energy_row(sqrtf((dense - 1) / (dense + 1)) * (float)steps, steps, part);
 }
 
-/* Returns the table, which fill() computes from its rows unless it is made; other threads wait for it. */
+/* Returns the table. On first use, fill() computes it from its rows, and other threads wait. */
 static inline void *energy_table_once(bool *made, pthread_mutex_t *lock,
                                       void (*fill)(const int *rows, void *table), const int *rows,
                                       void *table) {

@@ -78,9 +78,9 @@ static double plain(float f0, float f90, double rise) {
     return (double)f0 + ((double)f90 - (double)f0) * rise;
 }
 
-/* glTF's bare formulas keep from the base what the brightest channel reflects. With `multiscatter` each
- * channel of the film keeps what it reflects itself, so that nothing is lost; where there is no film the
- * brightest channel still counts for all (KHR_materials_specular). */
+/* By glTF's formulas alone, the base gets what the brightest channel does not reflect. With
+ * `multiscatter`, each channel of the base gets what the film does not reflect in that channel, so that
+ * nothing is lost. Without a film, the brightest channel still counts for all (KHR_materials_specular). */
 static void set_node(const fathom_material *m, const float layer[3], int k, film_curves dielectric,
                      film_curves metal, film_curves kept) {
     const float most_layer = fmaxf(layer[0], fmaxf(layer[1], layer[2])), s = m->specular_factor;
@@ -112,8 +112,8 @@ void prepare_film(const fathom_material *m, const float layer[3], shader *out, f
     out->lobes |= SHADER_FILM | SHADER_LAYER;
 }
 
-/* Schlick's part of the reflectance has the albedos of the tables, which depend on the azimuth; what the film
- * differs from it by has the mean over the azimuth. */
+/* Schlick's part of the reflectance uses the albedos of the tables, which depend on the azimuth. The
+ * film's difference from it uses the mean over the azimuth. */
 void prepare_film_base(const film_means *means, float mean, shader *out) {
     const bool smooth = !(out->lobes & (SHADER_GGX | SHADER_THIN | SHADER_REFRACT));
     out->film_high = out->film_kept[0][0];

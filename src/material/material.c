@@ -18,7 +18,7 @@ bool material_absorbs(const fathom_material *m) {
            (c[0] < 1 || c[1] < 1 || c[2] < 1);
 }
 
-/* A negative k_a stands for k_d. */
+/* A negative k_a means k_d. */
 void bsdf_prepare(const fathom_material *m, const float ambient[3], bsdf *out) {
     const bool shiny = m->specular != FATHOM_SPECULAR_NONE && any(m->k_s);
     const float *k_a = m->k_a[0] < 0 ? m->k_d : m->k_a;

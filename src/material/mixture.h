@@ -11,14 +11,14 @@ static inline float mixture_layer(float ior, float specular, float color) {
     return specular * least(ratio * ratio * color, 1);
 }
 
-/* Q of shader.h: the fraction of the light left over by the first scattering that is reflected in the
- * end. */
+/* Q of shader.h: of the light that remains after the first scattering, the fraction that is reflected in
+ * the end. */
 static inline float mixture_again(float f0, float f90, float mean) {
     const float reflected = f0 + (f90 - f0) * (1 / 21.0f);
     return reflected * reflected * mean / (1 - reflected * (1 - mean));
 }
 
-/* 1 / (pi lost); 0 if lost is close to 0. lost: the light that the first scattering leaves over. */
+/* 1 / (pi lost); 0 if lost is close to 0. lost: the light that remains after the first scattering. */
 static inline float mixture_scale(float lost) { return lost > 1e-6f ? 1 / (3.14159265f * lost) : 0; }
 
 /* The mean fraction of light that reaches the base through the layer. */

@@ -59,13 +59,14 @@
  * base is lost, but none is gained. If E > 1, the fibres are multiplied by the smaller 1 / E of both
  * directions.
  *
- * anisotropy: GGX's alpha is mix(α, 1, anisotropy²) along the tangent, rotated by anisotropyRotation, and α
- * across it; surfaces without texture coordinates take an arbitrary tangent. iridescence: S is mixed with the
- * reflectance of a thin film on it (film.c), of dielectric and metal each by itself. The film's largest
- * channel does not reach the base. With `multiscatter` each channel keeps from the base what the film
- * reflects of it: L, R and <S> are those of the channel, so a white base sends on all light. Then the base
- * has the colour that the film's reflection lacks, and an even sky shows no film on white. R is Schlick's
- * part by the azimuth and the film's difference from it as a mean over the azimuth (energy_facets()).
+ * anisotropy: GGX's alpha is mix(α, 1, anisotropy²) along the tangent, rotated by anisotropyRotation, and
+ * α across it; surfaces without texture coordinates take an arbitrary tangent. iridescence: S is mixed
+ * with the reflectance of a thin film on it (film.c), of dielectric and metal each by itself. The film's
+ * largest channel does not reach the base. With `multiscatter`, the film takes from each channel of the
+ * base what it reflects in that channel: L, R and <S> are those of the channel, so a white base returns
+ * all light. The base then shows the complementary colour of the film's reflection, and under an even sky
+ * a film on white is invisible. R is Schlick's part by the azimuth and the film's difference from it as a
+ * mean over the azimuth (energy_facets()).
  *
  * diffuseTransmission moves this fraction of Lambert's lobe to the other side, with its own colour: the same
  * in both directions, for thin walls and for solids.
@@ -75,9 +76,9 @@
  * multiplied by three (integrate/path/path.c). Between two volumes, each index is the quotient of theirs. F0
  * uses ior; angles, and therefore total reflection, use the channel's own index.
  *
- * Viewed from inside a solid, the base has no layer over it: the dielectric's reflection has the weight (1 -
- * m) T, and Lambert's term has no factor. With the layer, what is reflected totally and what the base
- * reflects would add up to more than all light. Solids with a film are as viewed from outside.
+ * Viewed from inside a solid, the base has no layer over it: the dielectric's reflection has the weight (1
+ * - m) T, and Lambert's term has no factor. With the layer, total reflection and the base together would
+ * reflect more than all light. Solids with a film count as viewed from outside.
  *
  * opacity is coverage: a smooth lobe passes light straight through the surface, and all else is multiplied by
  * opacity. */

@@ -35,7 +35,7 @@ typedef struct path_wave {
     uint8_t channel[WAVE_SLOTS]; /* the one channel that the path carries, from 1; 0: all three */
     shader hidden; /* of surfaces inside a volume of a higher priority, and of backs that the camera does not
                       see */
-    path_scout *scout; /* NULL: nobody asks what the light samples see */
+    path_scout *scout; /* set for scout paths, which record what light samples see; else NULL */
 } path_wave;
 
 static inline vec3_f32 of_slot(const float from[3][WAVE_SLOTS], uint32_t slot) {

@@ -14,14 +14,14 @@
 #define MOST_SQUARES (1u << 15)
 /* Most light has been sampled after this many scatterings. */
 #define MOST_DEPTH 4u
-/* The image has other random numbers: these paths decide how it samples. */
+/* The image uses other random numbers, because these paths decide how it samples. */
 #define OTHER_SEED 0x5ce7a5c0u
 /* An eighth of the paths run first, in at most this many squares. The others would gain little if more than a
  * third of their light samples arrive, or if these bring less than an eighth of the light. */
 #define FIRST_SQUARES (1u << 10)
 #define ROOM (1 / 3.0)
 #define DIM (1 / 8.0)
-/* The paths of this many squares tell how light samples choose among classes of lights. */
+/* The paths of this many squares set the probabilities of the classes of lights. */
 #define GLANCE_SQUARES (1u << 13)
 
 /* All threads. */
@@ -43,7 +43,7 @@ static wave_square square_at(const render_plan *plan, uint32_t k) {
                          0};
 }
 
-/* A render to a time may be short. */
+/* A render to a time may be short, so it is planned as one with few samples. */
 static uint32_t square_count(const render_plan *plan) {
     const fathom_settings *s = &plan->settings;
     const uint64_t pixels = (uint64_t)s->width * s->height, /* a crop changes no pixel */
@@ -85,7 +85,7 @@ static void run_batches(void *user, size_t begin, size_t end, unsigned worker) {
     if (!s) atomic_store(&all->fails, true);
 }
 
-/* The mean fraction of the samples from outside that arrived, and the part of the light that they bring. */
+/* The mean fraction of the samples from outside that arrived, and their fraction of all light. */
 static void sum_up(const scouting *all, double *seen, double *outside) {
     double arrived = 0, from_outside = 0, light = 0;
     size_t rays = 0;

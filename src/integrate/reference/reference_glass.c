@@ -1,7 +1,7 @@
-/* `multiscatter` of rough glass: the light that its facets send neither back nor through, which leaves to
- * both sides. With A(mu) the albedo of facets that reflect and refract, M = 1 - A, <> the cosine-weighted
- * mean, a the viewer's side and b the other one, T a smooth surface's transmittance for light that comes from
- * all around:
+/* `multiscatter` of rough glass: the light that the first scattering neither reflects nor transmits, which
+ * leaves to both sides. With A(mu) the albedo of facets that reflect and refract, M = 1 - A, <> the
+ * cosine-weighted mean, a the viewer's side and b the other one, T a smooth surface's transmittance for
+ * light that comes from all around:
  *
  *   through = T_a <M_b> / max(<M_a>, <M_b>)
  *   f = (1 - through) M_a(v) M_a(l) / (pi <M_a>) on the viewer's side
@@ -59,8 +59,8 @@ static double mean_transmitted(const fathom_material *m, double ior, double rati
     return sum;
 }
 
-/* All azimuths are alike if the alphas are equal. Otherwise every second node is the mean of its neighbours.
- */
+/* All azimuths have the same value if the alphas are equal. Otherwise every second node is the mean of its
+ * neighbours. */
 static void make_missing(const fathom_material *m, double ior, double ratio,
                          double out[REFERENCE_TURNS + 1][REFERENCE_STEPS + 1]) {
     const bool even = reference_alpha(m) == reference_alpha_along(m);

@@ -78,9 +78,9 @@ typedef struct reference_primitive {
  * REFERENCE_STEPS)^2; curves of facets exist for several azimuths, from the axis of the larger alpha to that
  * of the other. */
 enum { REFERENCE_STEPS = 128, REFERENCE_TURNS = 16 };
-/* Constants of rough glass for an index relative to its surroundings. `missing` is the light that the first
- * scattering leaves over, seen from outside and from inside; again and cross are its factors
- * (reference_glass.c). */
+/* Constants of rough glass for an index relative to its surroundings. `missing` is the light that the
+ * first scattering neither reflects nor transmits, viewed from outside and from inside; again and cross
+ * are its factors (reference_glass.c). */
 typedef struct reference_glass {
     double ior, missing[2][REFERENCE_TURNS + 1][REFERENCE_STEPS + 1], again[2], cross[2];
 } reference_glass;

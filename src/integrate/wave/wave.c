@@ -146,7 +146,7 @@ void wave_destroy(wave *w) {
     *w = (wave){.run = {.plan = NULL}};
 }
 
-/* Costs only a few instructions for each ray whose result is possible. */
+/* Costs only a few instructions for each ray whose result can be right. */
 static void repair(wave *w, size_t first, size_t count) {
     if (!w->run.plan->watertight) return;
     for (size_t done = 0; done < count; done += LANES) {

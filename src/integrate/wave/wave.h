@@ -78,8 +78,8 @@ typedef struct wave_stages {
     /* Called for lanes of a block of rays, as bits, that left a scene whose background or environments
      * emit. */
     void (*misses)(wave *w, const trace_block *block, const path_block *path, uint32_t missed);
-    /* Makes the rays that leave a block of vertices, after AOVs have read it. The next block reuses its
-     * memory, which is still in the cache. NULL: all blocks are kept. */
+    /* Makes the rays that leave a block of vertices, after AOVs have read it. The next block then reuses
+     * its memory, which is still in the cache. NULL: all blocks are kept. */
     void (*leave)(wave *w, vertex_block *v);
     /* Whether the ray in this slot left the camera and has since only passed surfaces by their opacity, or
      * backs of one-sided surfaces. Asked only while `passing`. */

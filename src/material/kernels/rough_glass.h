@@ -89,14 +89,14 @@ static inline void add_glass_again(const surface_block *s, const shader_block *b
 
 /* ---- directions ---- */
 
-/* A uniform number that is chosen from: true with the probability p. The rest of the number stays uniform. */
+/* True with the probability p, decided by the uniform number *u, which becomes a new uniform number. */
 static inline bool happens(float p, float *u) {
     const bool yes = *u < p;
     *u = yes ? *u / p : (*u - p) / (1 - p);
     return yes;
 }
 
-/* Another two numbers in [0,1), from three. */
+/* Two new numbers in [0,1), made from three. */
 static inline void two_more(const lanes3 u, int i, float out[2]) {
     uint32_t bits[3];
     for (int c = 0; c < 3; ++c) memcpy(&bits[c], &u[c][i], sizeof bits[c]);

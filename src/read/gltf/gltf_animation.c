@@ -325,7 +325,7 @@ typedef struct moved_things {
     json_t *pointers;     /* an object whose keys are pointers */
 } moved_things;
 
-/* True if the animation moves one of the things. add: adds those that it moves. */
+/* True if the animation moves one of these properties. add: adds those that it moves. */
 static bool moves_any(gltf *g, uint32_t index, const moved_things *moved, bool add) {
     gltf_value animation, channels, channel;
     bool any = false;
@@ -347,13 +347,14 @@ static bool moves_any(gltf *g, uint32_t index, const moved_things *moved, bool a
     return any;
 }
 
-/* Plays each animation that does not move a property of one played before. So of a walk and a run only one is
- * played, but all animations of a file from Blender, which writes one for each object. */
+/* Plays each animation that does not move a property of one played before. So of a walk and a run only the
+ * first is played. But all animations of a file from Blender are played, because it writes one for each
+ * object. */
 static void play_together(gltf *g) {
     const size_t nodes = gltf_count(&g->nodes);
     const moved_things moved = {calloc(nodes + 1, 1), json_object()};
     if (!moved.nodes || !moved.pointers) gltf_fail_memory(g, nodes);
-    g->quiet = true; /* what is played is read again */
+    g->quiet = true; /* the animations that are played are read again */
     for (uint32_t i = 0; i < gltf_count(&g->animations) && gltf_fine(g); ++i) {
         if (moves_any(g, i, &moved, false)) continue;
         moves_any(g, i, &moved, true);

@@ -82,7 +82,8 @@ static void note_replaced(gltf *g, const gltf_value *at, const fathom_texture *t
               "cannot be read as a texture: %.200s; the other image of its texture is used", why);
 }
 
-/* Lack of memory says nothing about the image: the render then meets it again, and fails. */
+/* If memory is lacking, the image may still be valid: the render tries it again, and then fails with a
+ * message. */
 bool gltf_image_opens(gltf *g, uint32_t index) {
     gltf_image *known = &g->image_table[index];
     gltf_value at;

@@ -35,7 +35,7 @@ static bool read_type(gltf *g, const gltf_value *at, fathom_light_type *out) {
     return false;
 }
 
-/* False: the light sends nothing. */
+/* False: the light emits nothing. */
 static bool read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
     gltf_value spot;
     double inner = 0, outer = pi / 4;
@@ -67,8 +67,8 @@ static bool counts_in_lumens(const char *generator) {
     return major > 3 || (major == 3 && minor >= 4);
 }
 
-/* The factor by which Blender multiplied intensities. Its user may have turned this off; files do not
- * tell. */
+/* The factor by which Blender multiplied intensities. The user may have turned this off; the file does not
+ * say. */
 static double lumens_a_watt(gltf *g, const gltf_value *at) {
     gltf_value asset;
     const char *generator = "";

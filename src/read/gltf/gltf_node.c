@@ -208,7 +208,7 @@ static void note_odd_roots(gltf *g, const gltf_value *list, bool *named) {
     memset(named, 0, gltf_count(&g->nodes) * sizeof *named);
 }
 
-/* Notes the scenes that have a node which is not shown. Errors in them do not matter. */
+/* Adds a note for each scene with a node that is not shown. Errors in these scenes are ignored. */
 static void note_other_scenes(gltf *g, uint32_t taken, const bool *shown) {
     const json_int_t count = (json_int_t)gltf_count(&g->nodes);
     char names[GLTF_LIST];
@@ -229,7 +229,7 @@ static void note_other_scenes(gltf *g, uint32_t taken, const bool *shown) {
     }
 }
 
-/* Marks what the scenes that are left out hold as shown. Errors in them do not matter. */
+/* Marks the contents of skipped scenes as shown. Errors in these scenes are ignored. */
 static void mark_other_scenes(gltf *g, walk *w) {
     const json_int_t count = (json_int_t)gltf_count(&g->nodes);
     for (size_t i = 0; i < gltf_count(&g->scenes); ++i) {
