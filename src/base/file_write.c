@@ -23,7 +23,7 @@ struct file_writer {
     FILE *stream;
     int error;
     char *path, *temporary; /* `temporary` is NULL when writing to memory */
-    char *bytes;            /* only when writing to memory: what the stream has after a flush */
+    char *bytes;            /* only when writing to memory: the stream's content after a flush */
     size_t size;
 };
 

@@ -9,7 +9,7 @@ extern "C" {
 
 typedef enum log_level { LOG_INFO, LOG_WARNING, LOG_ERROR } log_level;
 
-/* Removes "--log text|json" from the arguments, wherever it stands. False: wrong usage. */
+/* Removes "--log text|json" from the arguments, at any position. False: wrong usage. */
 bool log_take_option(int *argc, char **argv, args_problem *problem);
 bool log_is_json(void);
 

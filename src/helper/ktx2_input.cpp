@@ -45,7 +45,7 @@ class ktx2_input final : public OIIO::ImageInput {
     ~ktx2_input() override { ktx2_rows_close(m_rows); }
     const char *format_name() const override { return "ktx2"; }
 
-    /* False if the file is none of KTX 2.0. Throws `failure` if it cannot be read. */
+    /* False if it is not a KTX 2.0 file. Throws `failure` if it cannot be read. */
     bool open(const std::string &name, OIIO::ImageSpec &spec) override {
         if (!m_file.open(name.c_str()) || !ktx2_is(m_file.bytes(), m_file.size())) return false;
         image_message why = {""};
@@ -106,7 +106,8 @@ class ktx2_input final : public OIIO::ImageInput {
         return true;
     }
 
-    /* The lowest row is the file's first, so that the first that is asked for needs all. */
+    /* For files that begin with the image's lowest row. The top row comes last, so the first request
+     * decodes the whole image. */
     bool read_upwards(uint32_t y, void *data) {
         const size_t row = static_cast<size_t>(m_image.width) * m_image.channels;
         if (m_all.empty()) {

@@ -245,7 +245,7 @@ static void take_differences(const unsigned char *restrict bytes, size_t size, u
     }
 }
 
-/* A block that compression would not make smaller is stored as it is: readers tell by its size. */
+/* A block that compression would not make smaller is stored uncompressed; readers know it by its size. */
 static bool compress_block(const exr *out, unsigned worker, size_t block, exr_block *to) {
     unsigned char *rows = out->rows + worker * out->block_bytes,
                   *differences = out->differences + worker * out->block_bytes;
@@ -279,7 +279,7 @@ static void put_block(exr *out, size_t block, const exr_block *made) {
     put(out, made->bytes, made->size);
 }
 
-/* The offsets of the blocks are known when all are written, but stand before the blocks. */
+/* The table of offsets comes before the blocks, but is known only when all blocks are written. */
 static void put_blocks(exr *out) {
     const uint64_t table = out->written;
     put(out, out->offsets, out->block_count * sizeof *out->offsets);

@@ -10,7 +10,7 @@ typedef struct teller {
     void *user;
 } teller;
 
-/* Tells the text and the number, unless that is 0. */
+/* Reports the text and the number, unless the number is 0. */
 static void count(const teller *t, const char *text, unsigned long long number) {
     char line[PARTS_TEXT];
     if (!number) return;

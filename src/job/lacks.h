@@ -1,4 +1,4 @@
-/* Tells what the image of a scene will lack, or have too much of. */
+/* Warnings before a render: parts of the scene that the image will not show, or will show wrongly. */
 #pragma once
 
 #include "scene/world/world.h"

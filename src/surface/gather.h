@@ -40,7 +40,7 @@ void surface_ask_corners(const world *w, const trace_hits *hits);
 void surface_gather_end(surface_gather *g, const world *w, const surface_kernels *kernels, bool lift,
                         bool automatic, surface_block *s);
 
-/* ---- for light_surfaces.c as well ---- */
+/* ---- also for light_surfaces.c ---- */
 
 /* Σ |n_i| |A_ij| with A the matrix to object space: bound of how much each coordinate of a vector counts
  * along n. */

@@ -32,7 +32,8 @@ fathom_status write_image_open_one(const fathom_scene *scene, fathom_id texture,
  */
 fathom_status write_images_beside(const fathom_scene *scene, const char *path, bool lines,
                                   write_images *images);
-/* Goes before a name: readers would take it for an option, or leave out its blanks. */
+/* A prefix for names that begin with '-' or a blank: readers would take the name for an option, or drop
+ * the blanks. */
 static inline const char *write_before_name(const char *name) {
     return *name == '-' || *name == ' ' ? "./" : "";
 }

@@ -90,7 +90,7 @@ typedef fathom_status (*write_visit)(void *user, const write_placement *p);
 fathom_status write_each_placement(const fathom_scene *scene, const scene_graph *graph, write_visit visit,
                                    void *user);
 
-/* True if what has these bounds is so far from the origin that readers choose another one. */
+/* True if a mesh with these bounds is so far from the origin that readers give it its own origin. */
 bool write_is_far(const scene_bounds *bounds);
 
 /* How readers group the points of a file: one cloud for each mesh, for each material, or for the whole

@@ -1,4 +1,4 @@
-/* Names of materials and groups for formats in which each needs one of its own. */
+/* Unique names of materials and groups, for formats that require them. */
 #include "write/write.h"
 
 #include <stdio.h>

@@ -1,5 +1,4 @@
-/* The options of `fathom render` taken together: what they make of the scene's settings, and what does not go
- * with what. */
+/* Combines the options of `fathom render` with the scene's settings, and checks that they fit together. */
 #include "cli/render/part_options.h"
 #include "cli/render/render_options.h"
 

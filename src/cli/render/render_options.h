@@ -54,7 +54,7 @@ void render_options_default(render_options *options);
  * with the default settings to find wrong usage before anything is read, then with the scene's. False: wrong
  * usage. */
 bool render_options_finish(render_options *options, const fathom_settings *scene, args_problem *problem);
-/* False: options about the images that none of them takes. */
+/* False: an option about images applies to none of them. */
 bool render_options_check_images(const render_options *options, args_problem *problem);
 /* Room for the names of a frame's files. */
 typedef struct frame_names {

@@ -256,7 +256,8 @@ static void warn_of_scene(void *user, const char *message) {
     if (!is_other(s)) (s->said ? warnings_say_once : warnings_say)(s->said, message);
 }
 
-/* The frames of an animation share a camera, which only the scene tells. It is then read again with it. */
+/* The frames of an animation share a camera, which depends on the scene. So the scene is read once to find
+ * it, and then again with it. */
 fathom_status task_read_framed(task *s) {
     double span[2];
     fathom_status status = task_read(s);

@@ -20,8 +20,8 @@ typedef struct task {
     /* For the first frame: sets `framing` for all times of the span. NULL: this was done, or there are no
      * frames. */
     void (*frame_all)(struct task *s, const double span[2]);
-    bool exposed;       /* after a run: the exposure is that of what is lit in the image */
-    warning_list *said; /* by earlier frames, which is not said again; NULL: there are no frames */
+    bool exposed;       /* after a run: the exposure was chosen from lit pixels of the image */
+    warning_list *said; /* warnings of earlier frames, which are not repeated; NULL: there are no frames */
 } task;
 
 /* Reads the scene into `scene`. */

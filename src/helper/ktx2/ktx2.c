@@ -245,7 +245,7 @@ static fathom_status read_level(const uint8_t *bytes, size_t size, ktx2_image *o
                   (unsigned long long)out->unpacked_size);
 }
 
-/* Grey needs one channel, and what is opaque no alpha. */
+/* Grey needs one channel, and an opaque image needs no alpha. */
 static fathom_status settle_channels(ktx2_image *out, image_message *why) {
     const uint8_t *s = out->sources;
     const bool grey = s[RED] == s[GREEN] && s[RED] == s[BLUE], opaque = s[ALPHA] == KTX2_ONE;

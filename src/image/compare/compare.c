@@ -1,4 +1,4 @@
-/* Images of the public interface: reading, access to channels, comparison. */
+/* The image calls of the public interface: reading, access to channels, comparison. */
 #include "base/file.h"
 #include "base/sized.h"
 #include "base/srgb.h"

@@ -1,4 +1,4 @@
-/* The record that a finished image of a sequence leaves in the place of its checkpoint. */
+/* The record that a finished image of a sequence leaves in place of its checkpoint. */
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/sized.h"

@@ -76,7 +76,7 @@ static fathom_status choose_split(fathom_context *context, const fathom_part *op
         s->spp, options->count, SUM_LEAF, leaves);
 }
 
-/* ---- a file that is there ---- */
+/* ---- an existing file ---- */
 
 static fathom_status of_another(const part *p, const char *name, const char *theirs, const char *ours) {
     return fail_file(p->context, FATHOM_BAD_INPUT, p->path,

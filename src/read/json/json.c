@@ -109,8 +109,8 @@ static fathom_integrator choose_integrator(const fathom_scene *scene, json_t *ro
     return image->integrator;
 }
 
-/* Settings that the file meant for another integrator than the one asked for. A scene that is right by itself
- * stays right: what it does not say gives way. */
+/* Adapts settings that the file meant for another integrator than the requested one. A valid scene stays
+ * valid: only settings that the file does not give change. */
 static void suit_integrator(const object_reader *r, json_t *image, fathom_settings *s) {
     const where at = {NULL, "image", 0}, aovs = {&at, "aovs", 0};
     const bool replaced = r->scene->asked && r->scene->asked->own_spp;
@@ -230,8 +230,7 @@ static fathom_status check_faces(const object_reader *r, const char *path, const
     return status;
 }
 
-/* The image's path is relative to the scene file. An environment that the caller asked for takes its place.
- */
+/* The image's path is relative to the scene file. An environment that the caller requested replaces it. */
 static fathom_status add_environment(const object_reader *r, const where *at, const char *name,
                                      fathom_light *light) {
     const where file = {at, "file", 0};

@@ -22,7 +22,7 @@ typedef struct doc_spot {
 const fathom_place *doc_place(const doc *d, const where *at, doc_spot *spot);
 #define doc_fail(d, at, ...)                                                                                 \
     fail_at((d)->context, FATHOM_BAD_INPUT, doc_place(d, at, &(doc_spot){.place.line = 0}), __VA_ARGS__)
-/* A warning of what is there, with its place. */
+/* Adds a warning about a value, with its place. */
 void doc_warn(const doc *d, const where *at, const char *format, ...) __attribute__((format(printf, 3, 4)));
 /* Adds the place to a callee's error. If the value at the place has a member with the name of the error's
  * field, the path includes the field. */

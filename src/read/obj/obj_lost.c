@@ -1,4 +1,4 @@
-/* Vertices that are no finite numbers, as scanners and simulations write them: what uses them is left out. */
+/* Removes vertices that are not finite, which scanners and simulations write, and the faces that use them. */
 #include "read/obj/obj.h"
 
 #include <string.h>

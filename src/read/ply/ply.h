@@ -212,7 +212,7 @@ fathom_status ply_join_faces(ply_reader *r);
 
 /* Adds a material for each texture that the header names and that can be shown. */
 fathom_status ply_read_textures(ply_reader *r);
-/* The material of what has no texture. */
+/* The material of faces without a texture. */
 fathom_status ply_plain_material(ply_reader *r, bool colored, fathom_id *out);
 /* The number that means colour 1: integers are sRGB in the range of their type; 0 for floats, which are
  * linear. property: -1: none. */

@@ -1,6 +1,6 @@
-/* Makes meshes of the triangles. Texture coordinates of corners get indices of their own. Colours are those
- * of vertices, so a vertex between faces of different colours becomes several. Triangles of each texture are
- * a mesh. */
+/* Makes meshes of the triangles, one for each texture. Texture coordinates of corners get their own
+ * indices. Meshes have colours at vertices, so a vertex between faces of different colours becomes
+ * several. */
 #include "read/mesh/compact.h"
 #include "read/mesh/normals.h"
 #include "read/mesh/weld.h"

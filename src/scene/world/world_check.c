@@ -156,7 +156,8 @@ static void warn_of_motion(const world *w) {
 
 /* ---- errors of a world as a whole ---- */
 
-/* A scene that has only triangles without area shows nothing, unless that is so at one time alone. */
+/* A scene with only degenerate triangles shows nothing. That is an error, unless it has animations: then
+ * they may be degenerate only at this time. */
 static fathom_status check_area(const world *w) {
     uint64_t triangles = 0;
     for (size_t i = 0; i < w->meshes.count; ++i) triangles += w->meshes.items[i].triangle_count;

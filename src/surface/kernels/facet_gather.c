@@ -1,7 +1,7 @@
 /* Gathers the corners of sixteen triangles of one mesh, or of sixteen halves of quads.
  *
- * A row of three numbers is one load, and seven shuffles transpose four rows. Gather instructions, three for
- * each corner, take twice as long or more: bench/README.md. */
+ * A row of three numbers is one load, and seven shuffles transpose four rows. Gather instructions, three
+ * for each corner, take at least twice as long: bench/README.md. */
 #include "surface/half.h"
 #include "surface/kernels/kernel.h"
 

@@ -24,9 +24,10 @@ typedef struct trace_body {
 typedef struct geometry_bodies {
     uint32_t first, count; /* in `all` */
     uint32_t *of_vertex;   /* mesh of several pieces: the piece of each vertex */
-    bool vague;            /* one body stands for several pieces or primitives: any number may be around it */
-    bool closed;           /* some of its bodies are closed */
-    bool nested;           /* some of its bodies lie inside other bodies of the group */
+    bool vague;  /* one body represents several pieces or primitives, so the number of bodies around it varies
+                  */
+    bool closed; /* some of its bodies are closed */
+    bool nested; /* some of its bodies lie inside other bodies of the group */
 } geometry_bodies;
 
 /* Bounding box of some closed bodies, in world space. */
