@@ -35,14 +35,14 @@ write_ktx2 1 >linear.ktx2
 
 scene textured.gltf blue.ktx2 "$texture" "$required"
 scene plain.gltf blue.ktx2 '"baseColorFactor": [0.03310476657, 0.1328683216, 0.6038273389, 1]' ''
-run 0 render textured.gltf -o textured.png --size 16x16 --spp 4
+run 0 render textured.gltf -o textured.png --size 16x16 --spp 4 -q
 silent err.txt
-run 0 render plain.gltf -o plain.png --size 16x16 --spp 4
+run 0 render plain.gltf -o plain.png --size 16x16 --spp 4 -q
 same textured.png plain.png
 
 # The extension's colours are sRGB, whatever the file says.
 scene told.gltf linear.ktx2 "$texture" "$required"
-run 0 render told.gltf -o told.png --size 16x16 --spp 4
+run 0 render told.gltf -o told.png --size 16x16 --spp 4 -q
 said err.txt 'told.gltf: images[0]: linear.ktx2: says that its numbers are linear; they are taken as sRGB'
 same told.png plain.png
 
@@ -53,9 +53,9 @@ with_plain() {
 }
 printf 'P6\n1 1\n255\n\000\377\000' >green.ppm
 scene green.gltf green.ppm '"baseColorFactor": [0, 1, 0, 1]' ''
-run 0 render green.gltf -o green.png --size 16x16 --spp 4
+run 0 render green.gltf -o green.png --size 16x16 --spp 4 -q
 with_plain both.gltf blue.ktx2
-run 0 render both.gltf -o both.png --size 16x16 --spp 4
+run 0 render both.gltf -o both.png --size 16x16 --spp 4 -q
 silent err.txt
 same both.png plain.png
 
@@ -64,7 +64,7 @@ same both.png plain.png
 changed() { head -c "$1" blue.ktx2; printf "$2"; tail -c +$(($1 + 2)) blue.ktx2; }
 fall_back() {
     with_plain fallen.gltf "$1"
-    run 0 render fallen.gltf -o fallen.png --size 16x16 --spp 4
+    run 0 render fallen.gltf -o fallen.png --size 16x16 --spp 4 -q
     said err.txt "fallen.gltf: images[1] ($1): cannot be read as a texture: $2"
     said err.txt '; the other image of its texture is used (1 such)'
     same fallen.png green.png
@@ -77,7 +77,7 @@ changed 44 '\003' | head -c 96 >head
 { cat head; printf "\\020$zeros\\000$zeros"; tail -c +105 blue.ktx2; } >packed.ktx2
 fall_back packed.ktx2 'level 0 cannot be unpacked'
 with_plain fallen.gltf missing.ktx2
-run 0 render fallen.gltf -o fallen.png --size 16x16 --spp 4
+run 0 render fallen.gltf -o fallen.png --size 16x16 --spp 4 -q
 said err.txt 'fallen.gltf: images[1]: cannot be read as a texture: there is no image; the other image of its texture'
 same fallen.png green.png
 run 0 convert fallen.gltf fallen.glb
@@ -86,7 +86,7 @@ not_said fallen.glb KHR_texture_basisu
 # Converted, it is still Basis Universal.
 run 0 convert textured.gltf copy.glb
 said copy.glb '"extensionsRequired":["KHR_texture_basisu"]'
-run 0 render copy.glb -o copy.png --size 16x16 --spp 4
+run 0 render copy.glb -o copy.png --size 16x16 --spp 4 -q
 same copy.png plain.png
 
 # Elsewhere it is an image as any other.
@@ -98,4 +98,4 @@ refused 3 'cut.ktx2: cannot be read as a texture: level 0 ends early' texture cu
 refused 3 'broken.ktx2: cannot be read as a texture: the data of level 0 is broken' texture broken.ktx2 -o cut.tx
 scene broken.gltf broken.ktx2 "$texture" "$required"
 refused 3 'images[0]: broken.ktx2: cannot be read as a texture: the data of level 0 is broken' \
-    render broken.gltf -o broken.png --size 16x16 --spp 4
+    render broken.gltf -o broken.png --size 16x16 --spp 4 -q
