@@ -41,9 +41,9 @@ typedef struct film_channel {
 
 /* The error of the whole image. */
 typedef struct film_error {
-    double error;    /* in the unit of target_error, over pixels whose samples are not all alike */
+    double error;    /* in the unit of target_error, over pixels whose samples are not all equal */
     double doubtful; /* fraction of these pixels with error.doubt above FILM_DOUBTFUL */
-    double unseen;   /* upper bound (95 %) of the light missing in a pixel whose samples are all alike */
+    double unseen;   /* upper bound (95 %) of the light missing in a pixel whose samples are all equal */
 } film_error;
 
 struct fathom_film {

@@ -11,12 +11,12 @@
  *     w = (mean of s - q) / (mean of v² - q), clamped to [0, 1]
  *
  * q is the mean of v v' over all pairs of two different pixels; it estimates the squared mean of their
- * variances. s of a pixel is the mean of the products of two estimates of its variance that have no group in
- * common (squared_variance() in pixel_sums.c); the mean of s estimates the mean of the squared variances.
- * Both are unbiased for any distribution of the samples. So w tells apart rare bright samples, which make v
- * noisy, and edges, where the pixels really differ. One weight serves R, G and B: each of the three terms is
- * a sum over the channels. At the border of a crop, m is over the pixels inside it. Squares in which all
- * samples of every pixel are alike are not counted; their pixels keep their bounds.
+ * variances. s of a pixel is the mean of the products of two estimates of its variance that have no group
+ * in common (squared_variance() in pixel_sums.c); the mean of s estimates the mean of the squared
+ * variances. Both are unbiased for any distribution of the samples. So w tells apart rare bright samples,
+ * which make v noisy, and edges, where the pixels really differ. One weight serves R, G and B: each of the
+ * three terms is a sum over the channels. At the border of a crop, m is over the pixels inside it. Squares
+ * in which each pixel's samples are all equal are not counted; their pixels keep their bounds.
  *
  * Doubt. An interval fails most often in two cases (bench/README.md, Errors of pixels). (1) The pixel has a
  * bright sample and few neighbours have one: then its own v is several times the stated variance. (2) w is
@@ -51,7 +51,7 @@ static double variance(const fathom_film *film, int c, size_t pixel) {
     return is_bound(film, pixel) ? 0 : error * error;
 }
 
-/* True if all samples of the pixel are alike. */
+/* True if all samples of the pixel are equal. */
 static bool is_alike(const fathom_film *film, size_t pixel) {
     return !(variance(film, 0, pixel) + variance(film, 1, pixel) + variance(film, 2, pixel) > 0);
 }

@@ -197,8 +197,8 @@ static void store_mattes(const pixel_sums *sums, uint32_t slot, uint32_t samples
     }
 }
 
-/* All n samples are alike. With a probability of 5 %, they missed something that covers 1 - 0.05^(1/n) of the
- * pixel. */
+/* All n samples are equal. With a probability of 5 %, they missed something that covers 1 - 0.05^(1/n) of
+ * the pixel. */
 static void store_bound(uint32_t samples, size_t pixel, fathom_film *film) {
     const double share = 1 - pow(0.05, 1.0 / samples);
     film->doubt[pixel] = 0;

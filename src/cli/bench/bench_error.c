@@ -291,11 +291,9 @@ static void print_coverage(const json_t *root) {
     print_name(stdout, json_text_at(root, "scene"));
     json_print(
         root,
-        ", reference of {referenceSpp:.0f} samples a pixel\n"
-        "how often the stated 95 % interval of a pixel's value holds the truth: of all, of those that "
-        "error.doubt\n"
-        "trusts, which share it marks, and how often these fail; pixels whose samples are all alike are "
-        "apart\n");
+        ", reference of {referenceSpp:.0f} samples a pixel\nhow often the stated 95 % interval of a pixel's "
+        "value holds the truth: of all, and of those that error.doubt\ntrusts; the fraction that it marks, "
+        "and how often these fail; pixels whose samples are all equal (alike) are separate\n");
     printf("%8s %8s %6s %8s %7s %9s %9s %9s %9s %9s %9s\n", "target", "spp", "seeds", "light", "t", "all",
            "trusted", "doubtful", "of it fail", "alike", "of it hold");
     json_array_foreach(json_object_get(root, "coverage"), i, row) {
