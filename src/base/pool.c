@@ -84,17 +84,21 @@ bool pool_run(pool_task *task) {
     return served;
 }
 
+/* 31 years, in seconds: longer times would overflow, and are no limit. */
+#define SECONDS_MOST 1e9
+
 bool pool_wait(pool_task *task, double seconds) {
+    const bool limited = seconds >= 0 && seconds < SECONDS_MOST;
     struct timespec until;
     clock_gettime(CLOCK_MONOTONIC, &until);
-    long nanoseconds = until.tv_nsec + (long)((seconds < 0 ? 0 : seconds) * 1e9);
+    long nanoseconds = until.tv_nsec + (limited ? (long)(seconds * 1e9) : 0);
     until.tv_sec += nanoseconds / 1000000000;
     until.tv_nsec = nanoseconds % 1000000000;
     pthread_mutex_lock(&lock);
     int result = 0;
     while (!task->done && result != ETIMEDOUT) {
-        result = seconds < 0 ? pthread_cond_wait(&has_ended, &lock)
-                             : pthread_cond_timedwait(&has_ended, &lock, &until);
+        result = limited ? pthread_cond_timedwait(&has_ended, &lock, &until)
+                         : pthread_cond_wait(&has_ended, &lock);
     }
     bool done = task->done;
     pthread_mutex_unlock(&lock);

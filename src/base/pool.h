@@ -16,6 +16,6 @@ typedef struct pool_task {
 /* Starts task->run(task->user) on another thread at once. False: no thread could be created, and nothing was
  * started. */
 bool pool_run(pool_task *task);
-/* Waits until the task has ended, for at most `seconds`, or without limit if negative. Returns whether the
- * task has ended. */
+/* Waits until the task has ended, for at most `seconds`; without limit if that is negative, NaN, or 1e9 and
+ * more. Returns whether the task has ended. */
 bool pool_wait(pool_task *task, double seconds);

@@ -124,6 +124,22 @@ UNIT_TEST(a_stopped_session_is_interrupted) {
     stage_close(&s);
 }
 
+/* The times are added to the clock's, and no sum may overflow. */
+UNIT_TEST(waits_without_limit_end_with_the_session) {
+    static const double seconds[] = {-1, 1e8, 1e10, 1e300, INFINITY, NAN};
+    stage s = stage_open(SIDE, SIDE);
+    fill(&s);
+    for (size_t i = 0; i < sizeof seconds / sizeof *seconds; ++i) {
+        fathom_film *film;
+        fathom_session *session;
+        assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, NULL, &session));
+        assert_true(fathom_session_wait(session, seconds[i]));
+        assert_ok(s.context, fathom_session_finish(session, NULL, &film));
+        fathom_film_destroy(film);
+    }
+    stage_close(&s);
+}
+
 UNIT_TEST(what_is_wrong_is_said_at_the_end) {
     stage s = stage_open(SIDE, SIDE);
     fill(&s);
