@@ -321,7 +321,7 @@ static fathom_status probe(fathom_context *context, const char *path) {
 static int refusal(const char *path, const char *folder) {
     struct stat info, above;
     struct statx more;
-    if (lstat(path, &info) != 0) return 0;
+    if (lstat(path, &info) != 0) return errno == ENAMETOOLONG ? errno : 0;
     if (S_ISREG(info.st_mode) && faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0) return errno;
     const uid_t user = geteuid();
     if (user != 0 && info.st_uid != user && stat(folder, &above) == 0 && above.st_mode & S_ISVTX &&

@@ -29,6 +29,8 @@ refused 2 'unknown image extension "bmp"' render scene.json -o a.bmp
 refused 2 'unknown image extension ""' render scene.json -o a
 long=$(printf '%01000d/%01000d/%01000d/%01000d' 0 0 0 0)
 refused 4 "$long/a.png: cannot be written: its folder: File name too long" render scene.json -o "$long/a.png"
+long=$(printf '%0252d' 0)
+refused 4 "$long.png: cannot be written: File name too long" render scene.json -o "$long.png"
 refused 2 'a.jpg: 65536 x 1 pixels; JPEG holds at most' render scene.json -o a.exr -o a.jpg --size 65536x1
 refused 4 'no/a.glb' generate sphere --triangles 100 -o no/a.glb
 
