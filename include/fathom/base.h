@@ -122,8 +122,8 @@ FATHOM_API fathom_status fathom_context_fail_within(fathom_context *context, con
 typedef void (*fathom_warning_fn)(void *user, const char *message);
 FATHOM_API void fathom_context_on_warning(fathom_context *context, fathom_warning_fn fn, void *user);
 
-/* Threads used by reading, building and rendering; 0 (the default) means one for each processor.
- * No result depends on it. */
+/* Threads used by reading, building and rendering, at most 1024; 0 (the default) means one for each
+ * processor. No result depends on it. */
 FATHOM_API void fathom_context_set_threads(fathom_context *context, unsigned threads);
 FATHOM_API unsigned fathom_context_threads(const fathom_context *context);
 

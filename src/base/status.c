@@ -76,7 +76,8 @@ void fathom_context_set_threads(fathom_context *context, unsigned threads) {
 }
 
 unsigned fathom_context_threads(const fathom_context *context) {
-    return context && context->threads ? context->threads : processor_count();
+    const unsigned threads = context && context->threads ? context->threads : processor_count();
+    return threads < THREADS_MAX ? threads : THREADS_MAX;
 }
 
 void fathom_context_allow_outside(fathom_context *context, bool allow) {

@@ -7,8 +7,6 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-#define MAX_THREADS 1024
-
 unsigned processor_count(void) {
     cpu_set_t set;
     if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0) return (unsigned)CPU_COUNT(&set);
@@ -24,10 +22,10 @@ static void *wait_for(void *user) {
 
 unsigned threads_granted(unsigned wanted) {
     static atomic_uint most;
-    if (wanted > MAX_THREADS) wanted = MAX_THREADS;
+    if (wanted > THREADS_MAX) wanted = THREADS_MAX;
     if (wanted <= atomic_load(&most)) return wanted;
     pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER; /* held until all threads exist */
-    pthread_t threads[MAX_THREADS];                   /* 8 KiB */
+    pthread_t threads[THREADS_MAX];                   /* 8 KiB */
     unsigned count = 0;
     pthread_mutex_lock(&gate);
     while (count < wanted && pthread_create(&threads[count], NULL, wait_for, &gate) == 0) ++count;
@@ -80,7 +78,6 @@ void loop_parallel(unsigned threads, size_t count, size_t grain, loop_body body,
     if (!count) return;
     loop l = {0, count, grain ? grain : 1, body, user};
     size_t pieces = (count + l.grain - 1) / l.grain;
-    if (threads > MAX_THREADS) threads = MAX_THREADS;
     if (threads > pieces) threads = (unsigned)pieces;
     worker few[FEW_THREADS], *many = threads > FEW_THREADS ? malloc(threads * sizeof *many) : NULL;
     if (threads > FEW_THREADS && !many) threads = FEW_THREADS;

@@ -3,6 +3,9 @@
 
 #include <stddef.h>
 
+/* Threads that a context uses at most. */
+#define THREADS_MAX 1024u
+
 unsigned processor_count(void);
 
 /* Returns how many of `wanted` further threads the system grants, by creating them for a moment. For

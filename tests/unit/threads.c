@@ -4,6 +4,7 @@
 #include "unit.h"
 
 #include <errno.h>
+#include <fathom/base.h>
 #include <limits.h>
 #include <pthread.h>
 #include <sched.h>
@@ -157,6 +158,18 @@ UNIT_TEST(waiting_ends_in_time) {
     assert_false(pool_wait(&task, 0.01));
     atomic_store(&flag, true);
     assert_true(pool_wait(&task, -1));
+}
+
+UNIT_TEST(a_context_uses_at_most_1024_threads) {
+    fathom_context *context;
+    assert_int_equal(fathom_context_create(&context), FATHOM_OK);
+    fathom_context_set_threads(context, 1024);
+    assert_int_equal(fathom_context_threads(context), 1024);
+    fathom_context_set_threads(context, UINT32_MAX);
+    assert_int_equal(fathom_context_threads(context), 1024);
+    fathom_context_set_threads(context, 0);
+    assert_int_equal(fathom_context_threads(context), processor_count());
+    fathom_context_destroy(context);
 }
 
 /* A forked child has none of the threads, and makes its own. */
