@@ -1,7 +1,6 @@
 /* File names, and the check of the paths in input files. */
 #include "base/file.h"
 
-#include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
 #include <limits.h>
@@ -24,7 +23,8 @@ void file_extension(const char *path, char out[16]) {
     const char *dot = strrchr(file_name(path), '.');
     size_t length = 0;
     if (dot && strlen(dot + 1) < 16)
-        for (const char *c = dot + 1; *c; ++c) out[length++] = (char)tolower((unsigned char)*c);
+        for (const char *c = dot + 1; *c; ++c)
+            out[length++] = *c >= 'A' && *c <= 'Z' ? (char)(*c - 'A' + 'a') : *c;
     out[length] = '\0';
 }
 

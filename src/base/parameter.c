@@ -1,8 +1,8 @@
 #include "base/parameter.h"
 
 #include "base/status.h"
+#include "base/text.h"
 
-#include <locale.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -212,9 +212,9 @@ static bool text_read_f64(const char **text, char end, double *out) {
     size_t length = strspn(*text, "+-.0123456789eE");
     if (length == 0 || (*text)[length] != end) return false;
     char *stop;
-    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    double number = strtod_l(*text, &stop, c);
-    freelocale(c);
+    const locale_t own = text_locale_begin();
+    double number = strtod(*text, &stop);
+    text_locale_end(own);
     if (stop != *text + length || !isfinite(number)) return false;
     *out = number;
     *text = end ? stop + 1 : stop;
@@ -354,14 +354,13 @@ bool parameter_read(const fathom_parameter *p, const char *text, void *base, cha
 
 /* Prints the fewest digits, at least 6, that read back as the same number. */
 static void print_real(const fathom_parameter *p, double x, char out[32]) {
-    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before = uselocale(c);
+    const locale_t own = text_locale_begin();
     for (int digits = 6; digits <= 17; ++digits) {
         snprintf(out, 32, "%.*g", digits, x);
         const double back = strtod(out, NULL);
         if (p->type == FATHOM_PARAMETER_F32 ? (float)back == (float)x : back == x) break;
     }
-    uselocale(before);
-    freelocale(c);
+    text_locale_end(own);
 }
 
 static void print_number(const fathom_parameter *p, double x, char out[32]) {

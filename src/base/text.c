@@ -23,6 +23,10 @@ size_t text_character(const char *at, unsigned *code) {
     return *code < least[length] || *code > 0x10ffff || surrogate ? 0 : length;
 }
 
+locale_t text_locale_begin(void) { return uselocale(newlocale(LC_ALL_MASK, "C", (locale_t)0)); }
+
+void text_locale_end(locale_t own) { freelocale(uselocale(own)); }
+
 /* True if the character could control a terminal or reorder text. */
 static bool steers(unsigned code) {
     return code < ' ' || (code >= 0x7f && code < 0xa0) || code == 0x61c || code == 0x200e || code == 0x200f ||

@@ -1,6 +1,7 @@
 /* Writes the film to an image file, with its scene, settings and statistics in the header. */
 #include "base/clock.h"
 #include "base/sized.h"
+#include "base/text.h"
 #include "film/film_marks.h"
 #include "image/image.h"
 #include "scene/settings.h"
@@ -79,6 +80,7 @@ static size_t tell_error(const fathom_film *film, film_error *error, image_attri
 
 static fathom_status write_film(fathom_context *context, const fathom_film *film, write_call call,
                                 const target *to) {
+    const locale_t own = text_locale_begin();
     image_channel channels[FILM_CHANNELS];
     uint32_t channel_count = 0;
     for (uint32_t i = 0; i < film->channel_count; ++i) {
@@ -138,7 +140,9 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
                        .channel_count = channel_count,
                        .attributes = all,
                        .attribute_count = keep_known(all, count + marks.count)};
-    return call(context, &img, to);
+    const fathom_status status = call(context, &img, to);
+    text_locale_end(own);
+    return status;
 }
 
 static fathom_status write_whole(fathom_context *context, const image *img, const target *to) {

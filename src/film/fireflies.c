@@ -26,6 +26,7 @@
  * The paper uses the pixel's own count only if the mean of the block is above 1. We always use the larger of
  * both. So the edge of a lamp keeps its samples because of the lamp, and a small light that several samples
  * of its pixel hit keeps them. */
+#include "base/text.h"
 #include "film/film.h"
 
 #include <stdio.h>
@@ -138,11 +139,13 @@ static removal reweight(const fathom_film *film, fathom_film *out) {
 }
 
 static void tell(const removal *r, size_t pixels, char out[FIREFLY_TEXT]) {
+    const locale_t own = text_locale_begin();
     snprintf(out, FIREFLY_TEXT,
              "reweighted after Zirr, Hanika and Dachsbacher 2018 (%u cascades from 2^-10 by 8, kappa %g): "
              "%.4g %% of the light taken off, in %.4g %% of the pixels",
              FIREFLY_CASCADES, KAPPA, r->before > 0 ? 100 * (1 - r->after / r->before) : 0,
              100 * (double)r->pixels / (double)pixels);
+    text_locale_end(own);
 }
 
 fathom_status fathom_film_reweight(fathom_context *context, const fathom_film *film, fathom_film **out) {

@@ -1,6 +1,7 @@
 /* fathom_scene_write(): chooses the format, and notes the data of the scene that it cannot hold. */
 #include "write/write.h"
 
+#include "base/text.h"
 #include "read/json/json_form.h"
 #include "scene/settings.h"
 
@@ -331,10 +332,9 @@ static fathom_status write_in_c(const fathom_scene *scene, const fathom_scene *w
     scene_graph graph;
     fathom_status status = graph_create(written, &graph);
     if (status != FATHOM_OK) return status;
-    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before = uselocale(c);
+    const locale_t own = text_locale_begin();
     status = write_as(scene, written, &graph, format, path);
-    uselocale(before);
-    freelocale(c);
+    text_locale_end(own);
     graph_destroy(&graph);
     return status;
 }

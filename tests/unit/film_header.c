@@ -4,6 +4,7 @@
 #include "render.h"
 #include "unit_folder.h"
 
+#include <locale.h>
 #include <unistd.h>
 
 #define WIDTH 40u
@@ -191,6 +192,58 @@ UNIT_TEST(only_an_interrupted_film_says_so) {
     assert_null(find(&b, "fathom:interrupted", 18));
     free(b.at);
     fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+/* Makes a locale in the test's folder, and gives it to the process. False: this system cannot. */
+static bool take_locale(const char *name) {
+    char command[512];
+    snprintf(command, sizeof command, "localedef -i %s -f UTF-8 %s >%s 2>&1", name, in_folder(name),
+             in_folder("log"));
+    const bool made = system(command) == 0 && setenv("LOCPATH", folder, 1) == 0 && setlocale(LC_ALL, name);
+    snprintf(command, sizeof command, "rm -r %s/*", folder);
+    assert_int_equal(system(command), 0);
+    return made;
+}
+
+static bytes write_to(stage *s, const fathom_film *film, const char *name) {
+    const fathom_write_options options = {.size = sizeof options, .exposure = 0.5f};
+    assert_ok(s->context, fathom_film_write(s->context, film, in_folder(name), &options));
+    bytes b = read_whole(in_folder(name));
+    assert_int_equal(unlink(in_folder(name)), 0);
+    return b;
+}
+
+/* German has a decimal comma, and Turkish an i without a dot for the capital I. */
+UNIT_TEST(files_do_not_depend_on_the_locale) {
+    static const char *const locales[] = {"de_DE", "tr_TR"}, *const files[] = {"a.exr", "a.png"};
+    const fathom_write_options plain = {.size = sizeof plain};
+    stage s = askance(0);
+    s.settings.fireflies = FATHOM_FIREFLIES_REWEIGHT;
+    s.settings.pattern = FATHOM_PATTERN_SOBOL, s.settings.spp = 4;
+    assert_int_equal(setenv("SOURCE_DATE_EPOCH", "0", 1), 0);
+    for (size_t i = 0; i < 2; ++i) {
+        fathom_film *film, *second;
+        bytes expected[2], found;
+        assert_ok(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, NULL, &film));
+        assert_ok(s.context, fathom_film_reweight(s.context, film, &second));
+        for (int k = 0; k < 2; ++k) expected[k] = write_to(&s, second, files[k]);
+        fathom_film_destroy(second);
+        const bool made = take_locale(locales[i]);
+        assert_ok(s.context, fathom_film_reweight(s.context, film, &second));
+        for (int k = 0; k < 2; ++k) {
+            found = write_to(&s, second, files[k]);
+            assert_int_equal(found.size, expected[k].size);
+            assert_memory_equal(found.at, expected[k].at, found.size);
+            free(found.at), free(expected[k].at);
+        }
+        assert_true(fathom_write_needs_helper("a.TIF", &plain));
+        setlocale(LC_ALL, "C");
+        fathom_film_destroy(second);
+        fathom_film_destroy(film);
+        if (!made) print_message("no locale %s: nothing was tested\n", locales[i]);
+    }
+    assert_int_equal(unsetenv("SOURCE_DATE_EPOCH"), 0);
     stage_close(&s);
 }
 

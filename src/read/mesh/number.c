@@ -1,6 +1,7 @@
 #include "read/mesh/number.h"
 
-#include <locale.h>
+#include "base/text.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,12 +40,9 @@ bool number_is_odd(const char *text) {
 }
 
 static double by_library(const char *text) {
-    /* Cannot fail in glibc, where the C locale is built in. In other libraries a failure gives NaN, which
-     * every reader rejects. */
-    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    if (!c) return (double)NAN;
-    double value = strtod_l(text, NULL, c);
-    freelocale(c);
+    const locale_t own = text_locale_begin();
+    const double value = strtod(text, NULL);
+    text_locale_end(own);
     return value;
 }
 
