@@ -25,4 +25,6 @@ same merged.reweighted.exr out.reweighted.exr
 refused 2 'expected a file' render scene.json -o - --fireflies reweight
 refused 2 'b.reweighted.exr: --fireflies reweight writes b.exr there' \
     render scene.json -o b.exr -o b.reweighted.exr --fireflies reweight
+refused 2 'expected a file' merge 1.part 2.part -o exr:-
+refused 2 'c.reweighted.exr: --fireflies reweight writes c.exr there' merge 1.part 2.part -o c.exr -o c.reweighted.exr
 refused 2 '--fireflies: expected keep|reweight' render scene.json -o b.exr --fireflies clamp

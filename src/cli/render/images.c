@@ -116,21 +116,24 @@ static bool holds_all(const char *path) {
     return strcmp(extension, "exr") == 0;
 }
 
-/* Writes the second image of each output, if the film has the data. */
-static fathom_status write_reweighted(fathom_context *context, const fathom_film *film,
-                                      const render_options *options) {
-    const args_list *outputs = &options->outputs;
+/* Makes the second image, if the film has the data. FATHOM_BAD_USAGE: there is no place for it next to an
+ * output of `fathom merge`, which only the parts tell of. */
+static fathom_status make_second(fathom_context *context, const fathom_film *film, const args_list *outputs,
+                                 fathom_film **out) {
+    const fathom_status status = fathom_film_reweight(context, film, out);
+    if (!*out) return status;
+    return images_check_reweighted(context, outputs, (const char *const *)outputs->items, outputs->count);
+}
+
+/* Writes the second image of each output. */
+static fathom_status write_second(fathom_context *context, const fathom_film *second,
+                                  const render_options *options) {
     char name[PATH_MAX];
-    fathom_film *second;
-    fathom_status status = fathom_film_reweight(context, film, &second);
-    if (status == FATHOM_OK && second)
-        status =
-            images_check_reweighted(context, outputs, (const char *const *)outputs->items, outputs->count);
-    for (size_t i = 0; second && i < outputs->count && status == FATHOM_OK; ++i) {
-        status = marked_name(context, outputs->items[i], REWEIGHTED, name);
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < options->outputs.count && status == FATHOM_OK; ++i) {
+        status = marked_name(context, options->outputs.items[i], REWEIGHTED, name);
         if (status == FATHOM_OK) status = fathom_film_write(context, second, name, &options->write);
     }
-    fathom_film_destroy(second);
     return status;
 }
 
@@ -150,7 +153,8 @@ fathom_status images_files(fathom_context *context, const render_options *option
 }
 
 /* Tries every output: one full disk is no reason to lose the others. */
-fathom_status images_write(fathom_context *context, const fathom_film *film, const render_options *options) {
+static fathom_status write_first(fathom_context *context, const fathom_film *film,
+                                 const render_options *options) {
     fathom_status result = FATHOM_OK;
     const char *failed = NULL;
     bool kept = false;
@@ -164,7 +168,17 @@ fathom_status images_write(fathom_context *context, const fathom_film *film, con
             result = status, failed = standard_output_shown(&options->outputs, i);
     }
     if (failed && !kept) images_rescue(context, film, failed, "the pixels");
-    if (result == FATHOM_OK)
-        result = say_status(&command_render, context, write_reweighted(context, film, options));
     return result;
+}
+
+fathom_status images_write(fathom_context *context, const fathom_film *film, const render_options *options) {
+    fathom_film *second = NULL;
+    const fathom_status made =
+        say_status(&command_render, context, make_second(context, film, &options->outputs, &second));
+    fathom_status status = made == FATHOM_BAD_USAGE ? made : write_first(context, film, options);
+    if (status == FATHOM_OK) status = made;
+    if (status == FATHOM_OK && second)
+        status = say_status(&command_render, context, write_second(context, second, options));
+    fathom_film_destroy(second);
+    return status;
 }
