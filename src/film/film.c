@@ -210,6 +210,7 @@ fathom_status film_create_like(fathom_context *context, const fathom_film *film,
     memcpy(copy->background, film->background, sizeof copy->background);
     memcpy(copy->brightest, film->brightest, sizeof copy->brightest);
     copy->in_studio = film->in_studio;
+    copy->exposed = film->exposed, copy->exposure = film->exposure;
     return take_pixels(context, copy, film->scene_name, out);
 }
 

@@ -68,6 +68,12 @@ static void look(const fathom_film *film, float exposure, fathom_brightness *out
     if (out->black < out->pixels) out->exposure = exposure_for(counts, out->pixels - out->black);
 }
 
+bool fathom_film_exposure(const fathom_film *film, float *stops) {
+    if (!film || !stops || !film->exposed) return false;
+    *stops = film->exposure;
+    return true;
+}
+
 fathom_status fathom_film_brightness(const fathom_film *film, float exposure, fathom_brightness *out) {
     fathom_brightness found = {.pixels = 0};
     fathom_status status = sized_check(NULL, "out", out, sizeof found);

@@ -84,6 +84,23 @@ same h1.png i1.png
 said out.txt 'exposure -3.3, by frame 0'
 run 0 render lamp.json --size 16x16 --spp 4 --exposure auto -o dim.png --stats dim.stats --time 1
 [ "$(number h0.stats exposure)" != "$(number dim.stats exposure)" ] || die 'the dim lamp alone has its own exposure'
+# Parts of frames keep the exposure of frame 0: the merged images are those of one command.
+sed '1s/{ /{ "lights": [], /' lamp.json >parts.json
+parts="parts.json --size 16x16 --spp 8 --fps 1 --frames 0-1"
+# shellcheck disable=SC2086
+run 0 render $parts -o 't#.png'
+for part in 1 2; do
+    # shellcheck disable=SC2086
+    run 0 render $parts -o "t#.$part.part" --part $part/2
+    said out.txt 'exposure -3.3, by frame 0'
+done
+for frame in 0 1; do
+    run 0 merge t$frame.1.part t$frame.2.part -o u$frame.png
+    said out.txt ', exposure -3.3'
+    same t$frame.png u$frame.png
+done
+run 0 merge t1.1.part t1.2.part -o u.png --exposure 0
+differ t1.png u.png
 # The sky behind an object is no part of an image with alpha.
 cat >alpha.json <<JSON
 { "camera": { "eye": [0, 0, 5], "target": [0, 0, 0], "fovy": 40 }, "background": [9, 9, 9],

@@ -441,6 +441,11 @@ UNIT_TEST(null_for_films) {
     fathom_film_brightness(NULL, 0, &brightness);
     assert_int_equal(brightness.pixels, 0);
     refuses(fathom_film_brightness(film, 0, NULL));
+    float stops = 7;
+    assert_false(fathom_film_exposure(NULL, &stops));
+    assert_false(fathom_film_exposure(film, NULL));
+    assert_false(fathom_film_exposure(film, &stops));
+    assert_true(stops == 7);
     assert_null(fathom_film_channel(NULL, "R"));
     assert_null(fathom_film_channel(film, NULL));
     assert_null(fathom_film_channel_id(NULL, "id.object"));

@@ -21,6 +21,7 @@
 /* True if a file for the display clips at 1; this is known only of the built-in view. */
 static bool any_for_display(const render_options *options) {
     char extension[16];
+    if (options->part.path) return true; /* fathom merge may write one */
     for (size_t i = 0; i < options->outputs.count; ++i) {
         file_extension(options->outputs.items[i], extension);
         if (strcmp(extension, "exr") != 0) return fathom_write_is_srgb(&options->write);
@@ -110,7 +111,7 @@ bool brightness_settle(warning_list *warnings, const fathom_scene *scene, const 
 
 void brightness_print(const render_options *options) {
     const bool chosen = options->exposure == EXPOSURE_AUTO ||
-                        (options->exposure == EXPOSURE_USUAL && options->write.exposure != 0);
+                        (options->exposure != EXPOSURE_GIVEN && options->write.exposure != 0);
     if (options->in_studio) fputs(", in the studio", stdout);
     if (chosen) printf(", exposure %g", (double)options->write.exposure);
 }

@@ -45,6 +45,8 @@ static fathom_status merge(fathom_context *context, render_options *o) {
         status = fathom_parts_merge(context, o->parts.items, o->parts.count, &stats, &film);
     say_status(&command_merge, context, status);
     if (status == FATHOM_OK) {
+        if (o->exposure == EXPOSURE_USUAL && fathom_film_exposure(film, &o->write.exposure))
+            o->exposure = EXPOSURE_KEPT;
         brightness_settle(NULL, NULL, standard_output_shown(&o->outputs, 0), film, o);
         status = images_write(context, film, o);
     }

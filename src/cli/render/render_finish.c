@@ -131,7 +131,8 @@ static const char *color_option(const fathom_write_options *write) {
 
 /* The exposure decides which rays are left out below a level. */
 static bool check_part(const render_options *options, args_problem *problem) {
-    const bool exposed = options->exposure != EXPOSURE_USUAL && options->loss != FATHOM_LOSS_8BIT;
+    const bool asked = options->exposure == EXPOSURE_AUTO || options->exposure == EXPOSURE_GIVEN,
+               exposed = asked && options->loss != FATHOM_LOSS_8BIT;
     const char *lost = options->write.float_color ? "exr-float"
                        : exposed                  ? "exposure"
                                                   : color_option(&options->write);

@@ -59,13 +59,14 @@ static void keep_exposure(const task *of, task *all) {
     if (!brightness_is_open(&all->options)) return;
     all->options.exposure = EXPOSURE_KEPT;
     all->options.write.exposure = of->options.write.exposure;
+    all->options.part.exposure = &all->options.write.exposure;
 }
 
 /* All frames get the exposure of frame 0, which other commands also find; changes would flicker. */
 static fathom_status settle_exposure(task *all, frame_names *room) {
     task s;
     const fathom_status status = begin_frame(all, 0, room, &s);
-    if (status != FATHOM_OK || s.options.part.path || !brightness_is_open(&s.options)) return status;
+    if (status != FATHOM_OK || !brightness_is_open(&s.options)) return status;
     if (!trial_exposure(&s)) return FATHOM_OK;
     keep_exposure(&s, all);
     all->framing = s.framing, all->frame_all = NULL;

@@ -175,6 +175,8 @@ static void fill_head(part *p, const fathom_part *options, const fathom_settings
     }
     memcpy(h->background, p->film->background, sizeof h->background);
     h->in_studio = p->film->in_studio;
+    h->exposed = options->exposure != NULL;
+    if (h->exposed) h->exposure = *options->exposure;
     snprintf(h->scene, sizeof h->scene, "%s", p->film->scene_name);
 }
 

@@ -16,7 +16,7 @@
 #include "job/job.h"
 
 #define PART_MAGIC "FTHMPART"
-#define PART_FORMAT 4u
+#define PART_FORMAT 5u
 #define PART_MOST 65536u        /* maximum number of parts of a render */
 #define PART_RECORD 0x45564157u /* "WAVE" */
 
@@ -24,6 +24,8 @@ typedef struct part_head {
     char magic[8];
     uint32_t format, bytes;                  /* bytes: size of this struct */
     uint32_t index, count, split, in_studio; /* in_studio: true or false */
+    uint32_t exposed;                        /* true or false: `exposure` is that of the sequence */
+    float exposure;
     checkpoint_key key;
     /* Needed by the merged film. */
     fathom_settings settings; /* `tracer` is NULL */

@@ -243,6 +243,8 @@ static fathom_status make_film(merging *m) {
                         .camera = head->camera,
                         .light_groups = head->light_groups,
                         .in_studio = head->in_studio != 0,
+                        .exposed = head->exposed != 0,
+                        .exposure = head->exposure,
                         .scene_name = head->scene};
     memcpy(like.background, head->background, sizeof like.background);
     memcpy(like.brightest, head->brightest, sizeof like.brightest);
