@@ -125,12 +125,21 @@ static void put_material(const json_out *o, fathom_id id) {
     file_writer_print(o->stream.file, "}");
 }
 
-/* Material 0 is not written, because every scene has it. */
+/* Every scene has material 0, but no key names it: it is written only for instances that replace others by
+ * it.
+ */
+static fathom_id first_material(const fathom_scene *scene) {
+    for (size_t i = 0; i < scene->instances.count; ++i)
+        if (scene->instances.items[i].material == 0) return 0;
+    return 1;
+}
+
 static void put_materials(const json_out *o) {
     file_writer *t = o->stream.file;
-    if (o->scene->materials.count < 2) return;
-    for (fathom_id i = 1; i < o->scene->materials.count; ++i) {
-        file_writer_print(t, i > 1 ? ",\n" : ",\n\"materials\":{\n");
+    const fathom_id first = first_material(o->scene);
+    if (first == o->scene->materials.count) return;
+    for (fathom_id i = first; i < o->scene->materials.count; ++i) {
+        file_writer_print(t, i > first ? ",\n" : ",\n\"materials\":{\n");
         write_quoted(t, o->materials[i]);
         file_writer_print(t, ":");
         put_material(o, i);

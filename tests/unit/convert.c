@@ -425,6 +425,32 @@ UNIT_TEST(scene_json_survives_conversion) {
     }
 }
 
+/* Arrays can replace materials by material 0, which has no name, and give tangents without normals. */
+UNIT_TEST(scenes_of_arrays_survive_conversion_to_json) {
+    static const float tangents[12] = {0.6f, 0.8f, 0, 1, 0.6f, 0.8f, 0, 1, 0.6f, 0.8f, 0, -1};
+    fathom_material usual;
+    fathom_material_default(&usual);
+    fathom_scene *scene = wearing(&usual, NULL);
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    assert_ok(context, fathom_scene_add_group(scene, NULL, &instance.group));
+    fathom_mesh flat = triangle(1);
+    flat.tangents = tangents;
+    assert_ok(context, fathom_scene_add_mesh(scene, instance.group, &flat, NULL));
+    instance.material = 0;
+    assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
+    fathom_scene *back = through(scene, JSON);
+    const fathom_mesh *mesh = &back->meshes.items[0];
+    assert_null(mesh->normals);
+    assert_non_null(mesh->tangents);
+    assert_memory_equal(mesh->tangents, tangents, sizeof tangents);
+    const fathom_id id = back->instances.items[0].material;
+    assert_in_range(id, 1, back->materials.count - 1);
+    assert_true(back->materials.items[id].value.model == FATHOM_MODEL_CLASSIC);
+    assert_memory_equal(back->materials.items[id].value.k_d, usual.k_d, sizeof usual.k_d);
+    fathom_scene_destroy(back);
+}
+
 /* ---- vertex colours and images of mesh files ---- */
 
 /* One of two meshes has colours and one has none; one of the colours is black, one above 1. PLY has opacities

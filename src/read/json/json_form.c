@@ -367,7 +367,7 @@ static const form_rule mesh_rules[] = {
     {FORM_NEEDS, "uvs1", {"indices"}},
     {FORM_NEEDS, "colors", {"positions"}},
     {FORM_NEEDS, "opacities", {"colors"}},
-    {FORM_NEEDS, "tangents", {"normals"}},
+    {FORM_NEEDS, "tangents", {"indices"}},
     {FORM_NEEDS, "vertexKeys", {"indices"}},
     END_RULES,
 };

@@ -89,7 +89,7 @@ static fathom_status add_arrays(const object_reader *r, fathom_id group, const m
         mesh.normals = normals, mesh.normal_count = normals ? mesh.vertex_count : 0;
         mesh.uvs = uvs, mesh.uv_count = uvs ? mesh.vertex_count : 0;
         mesh.uvs_1 = uvs_1, mesh.colors = colors, mesh.color_channels = a->channels;
-        mesh.tangents = normals ? tangents : NULL;
+        mesh.tangents = tangents;
         mesh.material = material;
         mesh.flags = flags;
         if (a->keys) status = add_keys(r, a, &mesh, &key_positions, &key_normals);
