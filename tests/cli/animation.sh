@@ -57,6 +57,11 @@ same end.png f.0002.png
 [ "$(number f02.json width)" = 48 ] || die 'a file of statistics for each frame'
 # shellcheck disable=SC2086
 run 0 render moving.gltf $small -o 'g#.png' --frames 12 --time 0.5 --fps 24
+# The last # counts: folders may have their own.
+mkdir 'job#7'
+# shellcheck disable=SC2086
+run 0 render moving.gltf $small -o 'job#7/g##.png' --frames 12 --time 0.5 --fps 24
+same g12.png 'job#7/g12.png'
 same end.png g12.png
 # What all frames would say is said once, and stands in the statistics of each.
 sed 's|"nodes": \[ {|"nodes": [ { "extensions": { "X_none": {} },|' moving.gltf >odd.gltf

@@ -27,9 +27,11 @@ double frames_time(const render_frames *frames, uint32_t frame) {
 }
 
 bool frames_name(const char *path, uint32_t frame, char out[PATH_MAX]) {
-    const size_t before = strcspn(path, "#"), width = strspn(path + before, "#");
-    if (!width) return false;
+    const char *begin = strrchr(path, '#');
+    if (!begin) return false;
+    const char *end = begin + 1;
+    while (begin > path && begin[-1] == '#') --begin;
     const int length =
-        snprintf(out, PATH_MAX, "%.*s%0*u%s", (int)before, path, (int)width, frame, path + before + width);
+        snprintf(out, PATH_MAX, "%.*s%0*u%s", (int)(begin - path), path, (int)(end - begin), frame, end);
     return length >= 0 && length < PATH_MAX;
 }

@@ -18,6 +18,6 @@ static inline bool frames_asked(const render_frames *frames) { return frames->fi
 bool take_frames(const args_option *option, const char *value, void *field, args_problem *problem);
 /* The time of a frame, in seconds. */
 double frames_time(const render_frames *frames, uint32_t frame);
-/* Replaces the first run of # in the path with the frame's number, padded to the width of the run. False: the
+/* Replaces the last run of # in the path with the frame's number, padded to the width of the run. False: the
  * path has no #, or the result is too long. */
 bool frames_name(const char *path, uint32_t frame, char out[PATH_MAX]);

@@ -154,7 +154,7 @@ static const args_option own_options[] = {
     {.help = "Frames of an animation"},
     {"frames", 0, "FIRST-LAST", take_frames, FIELD(frames), 0, 0,
      "render one image per frame: frame N shows the time N / fps after --time. The names of all "
-     "output files have ####, which becomes the frame's number"},
+     "output files have ####, which becomes the frame's number; if there are several, the last does"},
     {"fps", 0, "N", take_f64, FIELD(frames.fps), 1e-3, 1e6, "frames per second (24)"},
 
     {.help = "A part of the image (-o FILE.part), for fathom merge"},
