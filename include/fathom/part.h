@@ -31,8 +31,8 @@ typedef struct fathom_part {
     const char *path;
     uint32_t index, count; /* from 1 to count; count up to 65536 */
     fathom_split split;
-    const float *exposure; /* stops: of all images of the sequence that this one belongs to. The merged film
-                              tells it (fathom_film_exposure()). NULL (default): none */
+    const float *exposure; /* stops, below 128: to write the merged film with, which tells it
+                              (fathom_film_exposure()). NULL (default): none */
 } fathom_part;
 
 FATHOM_DEFAULT(fathom_part)

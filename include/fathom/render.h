@@ -268,8 +268,8 @@ typedef struct fathom_brightness {
 FATHOM_API fathom_status fathom_film_brightness(const fathom_film *film, float exposure,
                                                 fathom_brightness *out);
 
-/* True when the film was merged from parts that name the exposure of their sequence (fathom_part): *stops is
- * that exposure. Otherwise *stops keeps its value. */
+/* True when the film was merged from parts that name its exposure (fathom_part): *stops is that exposure.
+ * Otherwise *stops keeps its value. */
 FATHOM_API bool fathom_film_exposure(const fathom_film *film, float *stops);
 
 #ifdef __cplusplus

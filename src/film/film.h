@@ -69,7 +69,7 @@ struct fathom_film {
     float background[3], brightest[3]; /* brightest: emission of any surface or of the surroundings; complete
                                           if the film has error channels */
     bool in_studio;                    /* lit by the built-in studio */
-    bool exposed;                      /* `exposure` is that of the film's sequence */
+    bool exposed;                      /* `exposure` is the one that its parts name */
     float exposure;
     char *scene_name;
     char fireflies[FIREFLY_TEXT];  /* description of their treatment; "": none was requested */

@@ -69,6 +69,15 @@ unset SLURM_ARRAY_TASK_ID SLURM_ARRAY_TASK_COUNT SLURM_ARRAY_TASK_MIN
     same whole.exr merged.exr
 }
 
+# A part keeps the exposure that it is given.
+run 0 render scene.json -o whole.png --exposure 1
+run 0 render scene.json -o exposed.part --part 1/1 --exposure 1
+run 0 merge exposed.part -o merged.png
+same whole.png merged.png
+run 0 merge exposed.part -o merged.png --exposure 0
+differ whole.png merged.png
+rm exposed.part
+
 # Another instruction set is another tracer.
 FATHOM_ISA=sse2 "$FATHOM" render $scene -o p2.part --part 2/3 -q >out.txt 2>err.txt && [ "$(grep -c avx2 /proc/cpuinfo)" = 0 ] ||
     said err.txt 'p2.part: the existing part was rendered with the tracer Embree'

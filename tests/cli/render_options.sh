@@ -202,7 +202,8 @@ for option in view display ocio; do
     refused 2 "--$option: only with an image for the display, such as -o FILE.png" render scene.json -o c.exr --$option x
     refused 2 "--$option: only with an image for the display" merge 0.part -o c.exr --$option x
 done
-for option in '--exr-float' '--exposure 1' '--exposure auto' '--view x' '--ocio x'; do
+refused 2 '--exposure auto: is for the image' render scene.json -o c.part --part 1/2 --exposure auto
+for option in '--exr-float' '--view x' '--ocio x'; do
     # shellcheck disable=SC2086
     refused 2 "${option% *}: is for the image, which fathom merge writes" render scene.json -o c.part --part 1/2 $option
 done

@@ -15,6 +15,7 @@ typedef struct place {
     stage s;
     char folder[32], paths[PARTS_MAX][64];
     const char *names[PARTS_MAX];
+    const float *exposure;
 } place;
 
 static int set_up(void **state) {
@@ -58,6 +59,7 @@ static fathom_status render_to(place *p, const char *path, uint32_t index, uint3
     fathom_part part;
     fathom_part_default(&part);
     part.path = path, part.index = index, part.count = count, part.split = split;
+    part.exposure = p->exposure;
     fathom_session_options options;
     fathom_session_options_default(&options);
     options.part = &part;
@@ -363,6 +365,29 @@ static void what_cannot_be_split_is_refused(void **state) {
                  "a render to a time cannot be split");
 }
 
+static void the_merged_film_tells_the_parts_exposure(void **state) {
+    static const float given = -3.5f, wrong[] = {128, -128, INFINITY, NAN};
+    place *p = *state;
+    fathom_film *film;
+    float found = 7;
+    small(p);
+    render_parts(p, 2, FATHOM_SPLIT_TILES);
+    assert_ok(p->s.context, merge(p, 2, &film));
+    assert_false(fathom_film_exposure(film, &found));
+    fathom_film_destroy(film);
+    remove_parts(p);
+    p->exposure = &given;
+    render_parts(p, 2, FATHOM_SPLIT_SAMPLES);
+    assert_ok(p->s.context, merge(p, 2, &film));
+    assert_true(fathom_film_exposure(film, &found) && found == given);
+    fathom_film_destroy(film);
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        p->exposure = &wrong[i];
+        assert_fails(p->s.context, render_to(p, p->paths[2], 1, 2, FATHOM_SPLIT_AUTO), FATHOM_BAD_USAGE,
+                     "part: expected an exposure below 128 stops, found ");
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(samples_make_the_whole, set_up, tear_down),
@@ -375,6 +400,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(parts_of_different_renders_are_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(missing_and_double_parts_are_named, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_cannot_be_split_is_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_merged_film_tells_the_parts_exposure, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

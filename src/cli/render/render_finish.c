@@ -129,13 +129,11 @@ static const char *color_option(const fathom_write_options *write) {
     return write->display ? "display" : write->view ? "view" : write->ocio ? "ocio" : NULL;
 }
 
-/* The exposure decides which rays are left out below a level. */
+/* The part keeps an exposure for its image. */
 static bool check_part(const render_options *options, args_problem *problem) {
-    const bool asked = options->exposure == EXPOSURE_AUTO || options->exposure == EXPOSURE_GIVEN,
-               exposed = asked && options->loss != FATHOM_LOSS_8BIT;
-    const char *lost = options->write.float_color ? "exr-float"
-                       : exposed                  ? "exposure"
-                                                  : color_option(&options->write);
+    const char *lost = options->write.float_color           ? "exr-float"
+                       : options->exposure == EXPOSURE_AUTO ? "exposure auto"
+                                                            : color_option(&options->write);
     return !lost || args_wrong(problem,
                                "--%s: is for the image, which fathom merge writes; give it to fathom merge "
                                "instead of with -o FILE.part",
@@ -168,6 +166,7 @@ bool render_options_finish(render_options *options, const fathom_settings *scene
                           options->resume ? "resume" : "checkpoint-every");
     }
     if (!finish_adaptive(options, scene, problem) || !finish_loss(options, problem)) return false;
+    if (options->exposure == EXPOSURE_GIVEN) options->part.exposure = &options->write.exposure;
     unsigned held = options->part.path ? ~0u : held_aovs(&options->outputs);
     if (render_options_give(options, "aovs") && options->settings.aovs & ~held)
         return args_wrong(problem, "--aov: only .exr holds these channels; expected one more -o FILE.exr");

@@ -16,7 +16,7 @@ typedef enum exposure_rule {
     EXPOSURE_USUAL, /* 0; but as EXPOSURE_AUTO if most pixels would be white or nearly black */
     EXPOSURE_AUTO,  /* computed from the finished film */
     EXPOSURE_GIVEN,
-    EXPOSURE_KEPT /* that of the frames' sequence */
+    EXPOSURE_KEPT /* that of the sequence of frames, or of the parts */
 } exposure_rule;
 
 typedef struct render_options {

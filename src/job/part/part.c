@@ -45,6 +45,9 @@ static fathom_status part_check(fathom_context *context, const fathom_part *opti
         return fail(context, FATHOM_BAD_USAGE, "part: expected 1 <= part <= parts <= %u, found part %u of %u",
                     PART_MOST, options->index, options->count);
     }
+    if (options->exposure && !(fabs((double)*options->exposure) < PART_EXPOSURE))
+        return fail(context, FATHOM_BAD_USAGE, "part: expected an exposure below %g stops, found %g",
+                    PART_EXPOSURE, (double)*options->exposure);
     return fathom_file_check(context, options->path);
 }
 

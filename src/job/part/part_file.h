@@ -17,14 +17,15 @@
 
 #define PART_MAGIC "FTHMPART"
 #define PART_FORMAT 5u
-#define PART_MOST 65536u        /* maximum number of parts of a render */
+#define PART_MOST 65536u /* maximum number of parts of a render */
+#define PART_EXPOSURE 128.0
 #define PART_RECORD 0x45564157u /* "WAVE" */
 
 typedef struct part_head {
     char magic[8];
     uint32_t format, bytes;                  /* bytes: size of this struct */
     uint32_t index, count, split, in_studio; /* in_studio: true or false */
-    uint32_t exposed;                        /* true or false: `exposure` is that of the sequence */
+    uint32_t exposed;                        /* true or false: `exposure` was given */
     float exposure;
     checkpoint_key key;
     /* Needed by the merged film. */
