@@ -203,14 +203,15 @@ UNIT_TEST(an_eye_that_moves_into_a_volume_and_out_of_it) {
     stage_close(&s);
 }
 
-/* A sea up to y = 0, and a camera at its surface. Without specularFactor 0 it would reflect at grazing
- * angles, even with an index of 1: glTF approximates Fresnel's equations by Schlick's. */
-static stage open_afloat(fathom_camera *camera) {
+/* A sea up to y = 0 or x = 2, and a camera at the origin. Without specularFactor 0 it would reflect at
+ * grazing angles, even with an index of 1: glTF approximates Fresnel's equations by Schlick's. */
+static stage open_sea(bool afloat, fathom_camera *camera) {
     fathom_material m = clear_volume(red, 0);
     m.specular_factor = 0;
     stage s = open_white(0, (double[3]){9, 0, 0});
     fathom_camera_look_at((double[3]){0, 0, 0}, (double[3]){9, 0, 0}, (double[3]){0, 1, 0}, 1e-6, camera);
-    stage_plane(&s, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, stage_material(&s, &m));
+    stage_plane(&s, (double[3]){afloat ? 0 : 2, 0, 0}, (double[3]){!afloat, afloat, 0},
+                stage_material(&s, &m));
     return s;
 }
 
@@ -220,7 +221,7 @@ static void check_halves(const float *pixels) {
 
 UNIT_TEST(half_of_an_orthographic_camera_is_in_the_sea) {
     fathom_camera camera;
-    stage s = open_afloat(&camera);
+    stage s = open_sea(true, &camera);
     camera.orthographic = true, camera.h = 2, camera.w = 0;
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
     s.settings.spp = 4;
@@ -238,11 +239,34 @@ static void check_lens(const float *pixels) {
 
 UNIT_TEST(half_of_a_lens_is_in_the_sea) {
     fathom_camera camera;
-    stage s = open_afloat(&camera);
+    stage s = open_sea(true, &camera);
     camera.lens_radius = 0.02, camera.focus_distance = 2;
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
     s.settings.spp = 256;
     render_each(&s, check_lens);
+    stage_close(&s);
+}
+
+/* Below a plane at x = 2, where all is in focus: a ray from r off the lens's middle has the length l, with
+ * l^2 = 4 + r^2, and r^2 is uniform up to 4. The mean of c^(l/2) is an integral of l e^(k l); all of its
+ * values are within 0.1 of each other. */
+static double part_of_mean(double l) {
+    const double k = log((double)red[0]) / 2;
+    return exp(k * l) * (l / k - 1 / (k * k)) / 2;
+}
+
+static void check_wide_lens(const float *pixels) {
+    double sum = 0;
+    for (int i = 0; i < 64; ++i) sum += (double)pixels[i];
+    assert_near(sum / 64, part_of_mean(sqrt(8)) - part_of_mean(2), errors * 0.1 / sqrt(64 * 1024));
+}
+
+UNIT_TEST(a_volume_absorbs_on_the_way_from_each_point_of_a_lens) {
+    fathom_camera camera;
+    stage s = open_sea(false, &camera);
+    camera.lens_radius = camera.focus_distance = 2;
+    assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
+    render_each(&s, check_wide_lens);
     stage_close(&s);
 }
 

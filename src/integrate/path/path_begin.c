@@ -22,9 +22,6 @@ void path_begin(path_wave *p, const wave_batch *batch) {
     const size_t count = batch->count * LANES;
     begin_keys(p, batch);
     fill(p->density, count, INFINITY);
-    fill(p->p[0], count, plan->camera.eye.x);
-    fill(p->p[1], count, plan->camera.eye.y);
-    fill(p->p[2], count, plan->camera.eye.z);
     for (int c = 0; c < 3; ++c) fill(p->n[c], count, 0);
     fill(p->width, count, plan->pixel_width);
     fill(p->spread, count, plan->pixel_spread);
@@ -46,9 +43,8 @@ static float skipped(const path_wave *p, uint32_t slot, vec3_f32 org) {
     return (float)length_f64(sub_f64(widen(org), camera.exact_eye));
 }
 
-/* Paths of a moving camera start at its position at their time; those of an orthographic camera and of one
- * far away at their own origins. */
-static void begin_at_eyes(path_wave *p) {
+/* Each path starts where its ray does, such as at a point of the lens. */
+static void begin_at_origins(path_wave *p) {
     const path_queue *now = &p->wave.now;
     for (size_t k = 0; k < now->count; ++k) {
         const uint32_t slot = now->paths[k / LANES].slot[k % LANES];
@@ -72,7 +68,6 @@ static void begin_in_volumes(path_wave *p) {
 }
 
 void path_begin_rays(path_wave *p) {
-    const render_plan *plan = p->wave.run.plan;
-    if (plan->camera_moves || plan->camera.parallel || plan->far) begin_at_eyes(p);
+    begin_at_origins(p);
     if (p->media) begin_in_volumes(p);
 }
