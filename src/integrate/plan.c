@@ -130,6 +130,7 @@ static fathom_status plan_reference(fathom_context *context, render_plan *plan) 
                                          .samples = s->spp,
                                          .depth = s->max_depth,
                                          .seed = s->seed,
+                                         .filter = &plan->filter,
                                          .sharp = !s->motion_blur};
     return reference_open(plan->scene, &settings, &plan->reference);
 }

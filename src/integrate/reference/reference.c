@@ -284,7 +284,9 @@ bool reference_sample(reference_scene *r, uint32_t x, uint32_t y, uint32_t index
     const uint64_t pixel = reference_mix(reference_mix(r->settings.seed) + ((uint64_t)y << 32 | x));
     const double *shutter = r->scene->camera.shutter;
     reference_random random = {reference_mix(pixel + index), 0, shutter[0]};
-    const double u = reference_uniform(&random), v = reference_uniform(&random);
+    const pixel_filter *filter = r->settings.filter;
+    double u = reference_uniform(&random), v = reference_uniform(&random);
+    if (filter) u = filter_place(filter, u), v = filter_place(filter, v);
     path p = {.weight = {1, 1, 1}, .unlit = true, .in_view = true};
     if (shutter[1] > shutter[0])
         random.time += (r->settings.sharp ? 0.5 : reference_uniform(&random)) * (shutter[1] - shutter[0]);

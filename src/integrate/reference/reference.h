@@ -7,6 +7,7 @@
  * viewer outside sees the emission inside glass unscaled. Only the settings below have an effect. */
 #pragma once
 
+#include "camera/filter.h"
 #include "math/vec.h"
 #include "scene/scene.h"
 
@@ -16,9 +17,10 @@ typedef struct reference_settings {
     uint32_t samples;       /* per pixel, at least 2 */
     uint32_t depth;         /* bounces */
     uint64_t seed;
-    unsigned threads; /* 0: one */
-    bool sharp;       /* all samples are at the middle of the shutter's time */
-    bool without_bvh; /* closest hits by testing every primitive */
+    unsigned threads;           /* 0: one */
+    const pixel_filter *filter; /* NULL: a box, one pixel wide */
+    bool sharp;                 /* all samples are at the middle of the shutter's time */
+    bool without_bvh;           /* closest hits by testing every primitive */
     /* Radiance from outside in a unit direction, instead of background and environment lights; NULL: those of
      * the scene. Called from several threads: must be thread-safe. */
     vec3_f64 (*environment)(void *user, vec3_f64 direction);
