@@ -73,8 +73,8 @@ typedef struct fathom_read_options {
     double unit;
     /* How long the shutter is open, in seconds, from `time` on: animations and the motion of scene JSON
      * are blurred. It replaces the shutter of scene JSON. FATHOM_BAD_USAGE if nothing is animated or has
-     * motion. 0 (default): no motion blur, except that a shutter of scene JSON blurs its motion, but not
-     * animations. */
+     * motion. 0 (default): no motion blur, except that a shutter of scene JSON blurs its motion, and
+     * animations if choose_time is true. */
     double shutter;
     /* A model that the automatic camera sees gets a floor to stand on, which touches its lowest point. In the
      * built-in studio it is an object named "studio floor", a grey sheet that bends up into a wall behind, as

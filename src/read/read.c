@@ -215,15 +215,19 @@ static fathom_status pose_vertices(fathom_scene *scene) {
     return status;
 }
 
-/* The shutter opens at the requested time. It stays open for the requested duration, or else for the file's.
- * Motion without a shutter and without a requested time is probably a mistake, so it gets a warning. A closed
- * shutter in scene JSON is intended. */
+double read_shutter(const fathom_scene *scene) {
+    const double *shutter = scene->camera.shutter;
+    const bool own = scene->asked->choose_shutter || scene->asked->shutter > 0;
+    return own ? scene->asked->shutter : shutter[1] - shutter[0];
+}
+
+/* The shutter opens at the requested time. Motion without a shutter and without a requested time is probably
+ * a mistake, so it gets a warning. A closed shutter in scene JSON is intended. */
 static fathom_status open_shutter(fathom_scene *scene, const char *path) {
     const fathom_read_options *asked = scene->asked;
     double *shutter = scene->camera.shutter;
-    const bool own = asked->choose_shutter || asked->shutter > 0;
-    const double length = own ? asked->shutter : shutter[1] - shutter[0];
-    if (own || asked->choose_time) {
+    if (asked->choose_shutter || asked->shutter > 0 || asked->choose_time) {
+        const double length = read_shutter(scene);
         shutter[0] = asked->time, shutter[1] = asked->time + length;
         /* Sets the camera again, because a camera with keys takes its position at the time when the shutter
          * opens. */

@@ -39,6 +39,9 @@ fathom_status read_missing_uvs(fathom_scene *scene, fathom_mesh *mesh, uint64_t 
  * by the colours. */
 fathom_status read_colored_material(fathom_scene *scene, fathom_id *out);
 
+/* How long the shutter stays open: as requested, or else as long as the scene's camera says. */
+double read_shutter(const fathom_scene *scene);
+
 /* The integrator that the scene is read for; `own`: the integrator that the file names. */
 fathom_integrator read_integrator(const fathom_scene *scene, fathom_integrator own);
 

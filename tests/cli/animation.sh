@@ -201,6 +201,10 @@ blurred='--size 48x48 --spp 16 --time 0.25 --shutter 0.5'
 }
 run 0 compare blurred.exr json.exr
 run 1 compare blurred.exr a.exr
+# A scene's own shutter blurs its models' animations, too.
+sed 's/"d": 1/"shutter": [3, 3.5], "d": 1/; s/still.gltf",/moving.gltf" } ] }/; /"motion"/d' moving.json >own.json
+run 0 render own.json --size 48x48 --spp 16 --time 0.25 -o a.exr
+run 0 compare blurred.exr a.exr
 rm ./*.exr
 run 0 render moving.json --size 16x16 --spp 1 -o a.png
 said err.txt 'moving.json: has motion, but no shutter, so everything stands still at time 0; give the camera a shutter'

@@ -14,8 +14,11 @@
  * seem not to move. */
 enum { INTERVALS_FIRST = 8, INTERVALS_MOST = GLTF_MOMENTS - 1 };
 
+/* Without a requested time, scene JSON's shutter opens when the file says, and animations stand at 0. */
 double gltf_shutter(const gltf *g) {
-    return g->scene->asked && g->playing.count ? g->scene->asked->shutter : 0;
+    const fathom_read_options *asked = g->scene->asked;
+    if (!asked || !g->playing.count) return 0;
+    return asked->choose_time ? read_shutter(g->scene) : asked->shutter;
 }
 
 static uint64_t moment_bytes(const gltf *g) { return g->links.count * sizeof(gltf_world); }

@@ -377,10 +377,11 @@ static fathom_status build(const object_reader *r, json_t *root, form_scene_valu
     if (status == FATHOM_OK && doc_has(root, "ambient")) status = fathom_scene_set_ambient(scene, v->ambient);
     if (status == FATHOM_OK) status = add_materials(r, v->materials);
     if (status == FATHOM_OK) status = add_lights(r, v->lights);
-    if (status == FATHOM_OK) status = add_objects(r, v);
-    if (status == FATHOM_OK) warn_materials(r, v->materials);
+    /* Before animated models, which its shutter blurs. */
     if (status == FATHOM_OK && doc_has(root, "camera"))
         status = set_camera(r, json_object_get(root, "camera"), &v->camera);
+    if (status == FATHOM_OK) status = add_objects(r, v);
+    if (status == FATHOM_OK) warn_materials(r, v->materials);
     if (doc_has(root, "lights")) scene->has_lights = true;
     /* So that frames of an animation in which everything is hidden can be converted. */
     if (json_array_size(v->objects) == 0 && scene->has_camera) scene->hides = true;
