@@ -221,6 +221,8 @@ UNIT_TEST(images_become_maps) {
     expect_map("map_Kd a b.png\n", FATHOM_MAP_COLOR, "a b.png", 0, plain);
     expect_map("map_Kd \"a b.png\"\n", FATHOM_MAP_COLOR, "a b.png", 0, plain);
     expect_map("map_Kd -s 2 3 1 -o 0.5 0.25 -clamp on a.png\n", FATHOM_MAP_COLOR, "a.png", 0, moved);
+    expect_map("map_Kd a#1 b.png # the wall\n", FATHOM_MAP_COLOR, "a#1 b.png", 0, plain);
+    expect_map("map_Kd \"a b.png\" #\n", FATHOM_MAP_COLOR, "a b.png", 0, plain);
     expect_map("map_Ks c\n", FATHOM_MAP_SPECULAR_COLOR, "c", 0, plain);
     expect_map("map_Ke d\n", FATHOM_MAP_EMISSIVE, "d", 0, plain);
     expect_map("map_Ns -imfchan g f\n", FATHOM_MAP_SHININESS, "f", 1, plain);

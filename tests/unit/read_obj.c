@@ -184,11 +184,11 @@ UNIT_TEST(equal_indices_are_not_stored) {
 
 /* One mesh a material and kind of data, over the same vertices, each face in one of them. */
 UNIT_TEST(each_material_is_one_mesh) {
-    const char *mtl = "newmtl red\nKd 1 0 0\nnewmtl a b\nKd 0 1 0\n";
+    const char *mtl = "newmtl red # skin\nKd 1 0 0\nnewmtl a b\nKd 0 1 0\n";
     mesh_write("m.mtl", mtl, strlen(mtl));
-    fathom_scene *scene =
-        read_text("mtllib m.mtl\n" SQUARE "vn 0 0 1\nf 1 2 3\nusemtl red\nf 1 2 4\nusemtl a b\nf 2 3 4\n"
-                  "usemtl red\nf 1 3 4\nf 1//1 2//1 3//1\n");
+    fathom_scene *scene = read_text("mtllib m.mtl # colours\n" SQUARE
+                                    "vn 0 0 1\nf 1 2 3\nusemtl red\nf 1 2 4\nusemtl a b # cloth\nf 2 3 4\n"
+                                    "usemtl red\nf 1 3 4\nf 1//1 2//1 3//1\n");
     assert_int_equal(scene->meshes.count, 4);
     const fathom_mesh *meshes = scene->meshes.items;
     const uint32_t red[6] = {0, 1, 3, 0, 2, 3};

@@ -141,10 +141,14 @@ const char *text_next(const char *p, const char *end) {
     return end;
 }
 
+static bool begins_remark(const char *p, const char *begin) {
+    return *p == '#' && (p == begin || text_is_blank(p[-1])) && (text_is_blank(p[1]) || text_is_end(p[1]));
+}
+
 size_t text_rest(const char **p, const char *end) {
     const char *first = text_skip(*p);
     const char *last = first;
-    while (last < end && !text_is_end(*last)) ++last;
+    while (last < end && !text_is_end(*last) && !begins_remark(last, first)) ++last;
     while (last > first && text_is_blank(last[-1])) --last;
     *p = first;
     return (size_t)(last - first);
