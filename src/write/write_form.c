@@ -2,6 +2,7 @@
 
 #include "write/write.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -68,6 +69,27 @@ static bool has_needed(const form *f, const form_key *key, const void *values, c
         }
     }
     return true;
+}
+
+/* Factors that are divided out and multiplied in again round some numbers four times. */
+static bool changes(const form_key *key, const void *before, const void *after) {
+    const float *a = (const float *)(const void *)((const char *)before + key->offset);
+    const float *b = (const float *)(const void *)((const char *)after + key->offset);
+    if (key->kind != FORM_F32) return differs(key, before, after);
+    for (size_t i = 0; i < numbers_in(key); ++i) {
+        if (!(fabsf(a[i] - b[i]) <= 4 * 0x1p-24f * fmaxf(fabsf(a[i]), fabsf(b[i])))) return true;
+    }
+    return false;
+}
+
+void form_note_changes(const form *f, const void *before, const void *after, const void *usual,
+                       const char *format, note_list *notes) {
+    for (const form_key *const *part = f->parts; *part; ++part) {
+        for (const form_key *key = *part; key->name; ++key) {
+            if (key->kind < FORM_TEXT && has_needed(f, key, before, usual) && changes(key, before, after))
+                notes_add(notes, 1, "", "%s cannot hold \"%s\" of a material; it changes", format, key->name);
+        }
+    }
 }
 
 /* ---- text ---- */

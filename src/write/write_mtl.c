@@ -5,69 +5,64 @@
  * the latter the classic equivalent is written. A material that only emits is written without these keys.
  * Images have a scale and an offset, and repeat or clamp; v grows upwards. */
 #include "read/obj/mtl.h"
+#include "write/write_form.h"
 #include "write/write_obj.h"
+
+#include <string.h>
 
 static float largest(const float rgb[3]) { return fmaxf(rgb[0], fmaxf(rgb[1], rgb[2])); }
 
-static void put_color(file_writer *file, const char *key, const float rgb[3], float factor) {
-    file_writer_print(file, "%s", key);
-    for (int k = 0; k < 3; ++k) file_writer_print(file, " %.9g", (double)(factor * rgb[k]));
-    file_writer_print(file, "\n");
+static bool is_black(const float rgb[3]) { return !(largest(rgb) > 0); }
+
+static void give(mtl_entry *e, int kind, double number) {
+    *mtl_value(e, kind) = number;
+    e->given |= 1u << kind;
+}
+
+static void give_color(mtl_entry *e, int kind, const float rgb[3], double factor) {
+    for (int k = 0; k < 3; ++k) mtl_value(e, kind)[k] = factor * (double)rgb[k];
+    e->given |= 1u << kind;
 }
 
 /* ---- the classic model ---- */
 
+/* Without the values that have no effect. */
+static fathom_material settled(fathom_material m) {
+    if (m.specular == FATHOM_SPECULAR_NONE || is_black(m.k_s))
+        m.specular = FATHOM_SPECULAR_NONE, m.shininess = 0, memset(m.k_s, 0, sizeof m.k_s);
+    if (m.fresnel && m.ior == 1) m.fresnel = false, memset(m.k_r, 0, sizeof m.k_r);
+    if (is_black(m.k_r) && is_black(m.k_t)) m.fresnel = false;
+    if (is_black(m.k_t) && !m.fresnel) m.ior = 1;
+    if (m.k_a[0] < 0) memcpy(m.k_a, m.k_d, sizeof m.k_a);
+    return m;
+}
+
 /* 1 Lambert, 2 with highlight, 3 with highlight and mirror, 5 the same with Fresnel's law, 6 glass, 7 glass
  * with Fresnel's law, 9 glass without refraction. */
 static int illumination(const fathom_material *m) {
-    if (largest(m->k_t) > 0) return m->fresnel ? 7 : m->ior == 1 ? 9 : 6;
-    if (largest(m->k_r) > 0) return m->fresnel ? 5 : 3;
+    if (!is_black(m->k_t)) return m->fresnel ? 7 : m->ior == 1 ? 9 : 6;
+    if (!is_black(m->k_r)) return m->fresnel ? 5 : 3;
     return m->specular == FATHOM_SPECULAR_NONE ? 1 : 2;
 }
 
-static void note_classic(const fathom_material *m, note_list *notes) {
-    const bool shines = m->specular != FATHOM_SPECULAR_NONE && largest(m->k_s) > 0;
-    if (shines && illumination(m) >= 3)
-        notes_add(notes, 1, "", "a highlight on a mirror or on glass has no place in MTL");
-    else if (shines && m->specular == FATHOM_SPECULAR_PHONG)
-        notes_add(notes, 1, "", "a Phong highlight becomes a Blinn one of the same width");
-    if (largest(m->k_t) >= 1 && largest(m->k_d) > 0)
-        notes_add(notes, 1, "", "diffuse light of glass that lets all light through has no place in MTL");
-    if (m->lit_from_behind) notes_add(notes, 1, "", "light from behind a surface has no place in MTL");
-}
-
-static void put_classic(file_writer *t, const fathom_material *m, note_list *notes) {
-    int illum = illumination(m);
-    bool glass = illum == 6 || illum == 7 || illum == 9;
+static mtl_entry classic_entry(const fathom_material *m) {
+    const int illum = illumination(m);
+    const bool glass = illum == 6 || illum == 7 || illum == 9;
     /* The reader multiplies the diffuse part of glass by 1 - the maximum of k_t. */
-    float left = glass && largest(m->k_t) < 1 ? 1 - largest(m->k_t) : 1;
-    put_color(t, "Kd", m->k_d, 1 / left);
-    if (m->k_a[0] >= 0) put_color(t, "Ka", m->k_a, 1 / left);
-    put_color(t, "Ks",
-              illum >= 3                            ? m->k_r
-              : m->specular == FATHOM_SPECULAR_NONE ? (const float[3]){0}
-                                                    : m->k_s,
-              1);
-    if (largest(m->k_e) > 0) put_color(t, "Ke", m->k_e, 1);
-    file_writer_print(t, "Ns %.9g\n", (double)(float)write_blinn_exponent(m));
-    if (illum >= 5) file_writer_print(t, "Ni %.9g\n", (double)m->ior);
-    if (glass) put_color(t, "Tf", m->k_t, 1);
-    file_writer_print(t, "illum %d\n", illum);
-    note_classic(m, notes);
+    const double most = (double)largest(m->k_t), left = glass && most < 1 ? 1 - most : 1;
+    mtl_entry e = {.d = 1};
+    give_color(&e, MTL_KD, m->k_d, 1 / left);
+    if (memcmp(m->k_a, m->k_d, sizeof m->k_a) != 0) give_color(&e, MTL_KA, m->k_a, 1 / left);
+    give_color(&e, MTL_KS, illum >= 3 ? m->k_r : m->k_s, 1);
+    if (!is_black(m->k_e)) give_color(&e, MTL_KE, m->k_e, 1);
+    if (m->specular != FATHOM_SPECULAR_NONE) give(&e, MTL_NS, (double)(float)write_blinn_exponent(m));
+    if (illum >= 5) give(&e, MTL_NI, (double)m->ior);
+    if (glass) give_color(&e, MTL_TF, m->k_t, 1);
+    give(&e, MTL_ILLUM, illum);
+    return e;
 }
 
 /* ---- metallic-roughness ---- */
-
-static const struct mtl_number {
-    const char *key;
-    size_t offset;
-} numbers[] = {{"Pr", offsetof(fathom_material, roughness)},
-               {"Pm", offsetof(fathom_material, metallic)},
-               {"Pc", offsetof(fathom_material, clearcoat)},
-               {"Pcr", offsetof(fathom_material, clearcoat_roughness)},
-               {"aniso", offsetof(fathom_material, anisotropy)},
-               {"d", offsetof(fathom_material, opacity)},
-               {"Ni", offsetof(fathom_material, ior)}};
 
 /* In turns, of which the format has at most one. */
 static double turns_of(float radians) {
@@ -75,43 +70,89 @@ static double turns_of(float radians) {
     return remainder((double)radians, turn) / turn;
 }
 
-static bool is_black(const float rgb[3]) { return !(largest(rgb) > 0); }
-
-static bool is_white(const float rgb[3]) { return rgb[0] == 1 && rgb[1] == 1 && rgb[2] == 1; }
-
 /* The reader uses Ps as a white sheen of this roughness; the format has no key for another one. */
 static bool is_sheen(const fathom_material *m) {
     const float *c = m->sheen_color;
     return c[0] == c[1] && c[0] == c[2] && m->sheen_roughness == 0.5f && c[0] > 0 && c[0] <= 1;
 }
 
-static void put_emission(file_writer *t, const fathom_material *m, note_list *notes) {
+static mtl_entry emission_entry(const fathom_material *m) {
     const float black[3] = {0, 0, 0};
-    put_color(t, "Kd", black, 1);
-    put_color(t, "Ks", black, 1);
-    put_color(t, "Ke", m->emissive, m->emissive_strength);
-    file_writer_print(t, "d %.9g\nillum 1\n", (double)m->opacity);
-    if (m->opacity_cutoff > 0) notes_add(notes, 1, "", "a material has a cutoff that MTL has no place for");
+    mtl_entry e = {.d = 1};
+    give_color(&e, MTL_KD, black, 1);
+    give_color(&e, MTL_KS, black, 1);
+    give_color(&e, MTL_KE, m->emissive, 1);
+    give(&e, MTL_D, (double)m->opacity);
+    give(&e, MTL_ILLUM, 1);
+    return e;
 }
 
-static void put_metallic(file_writer *t, const fathom_material *m, note_list *notes) {
-    put_color(t, "Kd", m->base_color, 1);
-    if (!is_black(m->emissive)) put_color(t, "Ke", m->emissive, m->emissive_strength);
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
-        const float value = *(const float *)(const void *)((const char *)m + numbers[i].offset);
-        file_writer_print(t, "%s %.9g\n", numbers[i].key, (double)value);
+static mtl_entry metallic_entry(const fathom_material *m) {
+    mtl_entry e = {.d = 1};
+    give_color(&e, MTL_KD, m->base_color, 1);
+    if (!is_black(m->emissive)) give_color(&e, MTL_KE, m->emissive, 1);
+    give(&e, MTL_PR, (double)m->roughness);
+    give(&e, MTL_PM, (double)m->metallic);
+    give(&e, MTL_PC, (double)m->clearcoat);
+    give(&e, MTL_PCR, (double)m->clearcoat_roughness);
+    give(&e, MTL_ANISO, (double)m->anisotropy);
+    give(&e, MTL_ANISOR, turns_of(m->anisotropy_rotation));
+    give(&e, MTL_D, (double)m->opacity);
+    give(&e, MTL_NI, (double)m->ior);
+    if (m->transmission > 0) give_color(&e, MTL_TF, (const float[3]){1, 1, 1}, (double)m->transmission);
+    if (is_sheen(m)) give(&e, MTL_PS, (double)m->sheen_color[0]);
+    return e;
+}
+
+/* ---- either model ---- */
+
+static form_material_values values_of(const fathom_material *m) {
+    form_material_values v = {.material = *m};
+    for (int k = 0; k < FATHOM_MAPS; ++k) v.textures[k].file = m->maps[k].texture == FATHOM_NONE ? NULL : "";
+    return v;
+}
+
+/* Notes the parameters that a reader of the file finds changed. `back`: what it reads. */
+static void note_changes(const fathom_material *m, fathom_material back, note_list *notes) {
+    form_material_values usual = {0};
+    fathom_material_default(&usual.material);
+    if (m->opacity_cutoff > 0) usual.material.opacity = NAN; /* vertices may have opacities, too */
+    if (m->model == FATHOM_MODEL_CLASSIC) back = settled(back);
+    back.normal_scale = m->normal_scale, back.bump_scale = m->bump_scale; /* -bm of the images */
+    back.anisotropy_rotation = m->anisotropy_rotation;                    /* a whole turn changes nothing */
+    back.thickness = m->thickness;                                        /* nor does a number above 0 */
+    const form_material_values before = values_of(m), after = values_of(&back);
+    form_note_changes(form_variant(&form_material, (int)m->model), &before, &after, &usual, "MTL", notes);
+}
+
+static void put_entry(file_writer *file, const mtl_entry *e) {
+    for (int kind = 0; kind < MTL_KINDS; ++kind) {
+        const mtl_field *field = &mtl_fields[kind];
+        if (!mtl_given(e, kind)) continue;
+        file_writer_print(file, "%s", field->keyword);
+        for (int i = 0; i < field->numbers; ++i)
+            file_writer_print(file, " %.9g", ((const double *)((const char *)e + field->offset))[i]);
+        file_writer_print(file, "\n");
     }
-    file_writer_print(t, "anisor %.9g\n", turns_of(m->anisotropy_rotation));
-    if (m->transmission > 0) put_color(t, "Tf", (const float[3]){1, 1, 1}, m->transmission);
-    if (is_sheen(m)) file_writer_print(t, "Ps %.9g\n", (double)m->sheen_color[0]);
-    if (m->specular_factor != 1 || !is_white(m->specular_color) ||
-        (!is_sheen(m) && !is_black(m->sheen_color)) || m->iridescence > 0 || m->diffuse_transmission > 0 ||
-        m->opacity_cutoff > 0 || !(m->ior >= 1) || m->priority || !m->multiscatter || !m->double_sided ||
-        (m->transmission > 0 && (m->attenuation_distance > 0 || m->dispersion > 0)))
-        notes_add(
-            notes, 1, "",
-            "a material has layers, a tint, a cutoff, a volume, one side or a setting that MTL has no place "
-            "for");
+}
+
+static void put_material(file_writer *file, const scene_named_material *from, note_list *notes) {
+    const bool thin = from->value.model != FATHOM_MODEL_CLASSIC && from->value.transmission > 0 &&
+                      !(from->value.thickness > 0);
+    fathom_material m = thin ? from->classic : from->value;
+    if (m.model == FATHOM_MODEL_CLASSIC) m = settled(m);
+    for (int k = 0; k < 3; ++k) m.emissive[k] *= m.emissive_strength;
+    m.emissive_strength = 1;
+    if (thin) notes_add(notes, 1, "", "a thin wall that light passes becomes its nearest classic glass");
+    const bool emits = write_only_emits(&m), classic = m.model == FATHOM_MODEL_CLASSIC;
+    const mtl_entry e = emits ? emission_entry(&m) : classic ? classic_entry(&m) : metallic_entry(&m);
+    fathom_material back = mtl_material_from(&e);
+    if (emits) { /* the keys of metallic-roughness would make it shine, so a classic lamp is written */
+        back = m;
+        back.opacity_cutoff = 0, back.double_sided = true;
+    }
+    put_entry(file, &e);
+    note_changes(&m, back, notes);
 }
 
 /* ---- images ---- */
@@ -206,19 +247,12 @@ fathom_status write_mtl(const write_library *l, const char *path) {
     file_writer *file;
     fathom_status status = file_writer_open(l->scene->context, path, &file);
     if (status != FATHOM_OK) return status;
+    form_prepare();
     file_writer_print(file, "# Fathom %s\n", fathom_version());
     for (size_t i = 0; i < l->scene->materials.count; ++i) {
         const fathom_material *m = &l->scene->materials.items[i].value;
         file_writer_print(file, "newmtl %s\n", l->names[i]);
-        const bool thin = m->model != FATHOM_MODEL_CLASSIC && m->transmission > 0 && !(m->thickness > 0);
-        if (thin)
-            notes_add(l->notes, 1, "", "a thin wall that light passes becomes its nearest classic glass");
-        if (write_only_emits(m)) /* the keys of metallic-roughness would make it shine */
-            put_emission(file, m, l->notes);
-        else if (m->model == FATHOM_MODEL_CLASSIC || thin)
-            put_classic(file, &l->scene->materials.items[i].classic, l->notes);
-        else
-            put_metallic(file, m, l->notes);
+        put_material(file, &l->scene->materials.items[i], l->notes);
         put_images(l, file, m);
     }
     return file_writer_commit(file);

@@ -271,13 +271,13 @@ static fathom_material for_mtl(int kind) {
 }
 
 static bool has_effect(int kind, const char *name) {
-    static const char *const without[KINDS][10] = {
+    static const char *const without[KINDS][11] = {
         [SHINY] = {"ior", "fresnel", "normal_scale", "bump_scale"},
         [GLASS] = {"k_s", "shininess", "normal_scale", "bump_scale"},
         [METAL] = {"normal_scale", "clearcoat_normal_scale", "bump_scale", "iridescence_ior",
                    "iridescence_thickness_min", "iridescence_thickness_max", "attenuation_color",
-                   "diffuse_transmission_color", "emissive_strength", "thickness"}};
-    for (int i = 0; i < 10 && without[kind][i]; ++i) {
+                   "attenuation_distance", "diffuse_transmission_color", "emissive_strength", "thickness"}};
+    for (int i = 0; i < 11 && without[kind][i]; ++i) {
         if (strcmp(name, without[kind][i]) == 0) return false;
     }
     return true;
@@ -321,6 +321,43 @@ UNIT_TEST(mtl_keeps_every_parameter_or_tells) {
                 assert_string_not_equal(told, "");
         }
     }
+}
+
+static fathom_material grey(float k_d, float k_r, float k_t, bool fresnel) {
+    fathom_material m;
+    fathom_material_default(&m);
+    m.fresnel = fresnel;
+    for (int k = 0; k < 3; ++k) m.k_d[k] = k_d, m.k_r[k] = k_r, m.k_t[k] = k_t;
+    return m;
+}
+
+/* A note names each parameter that the reader finds changed, and no other one. */
+UNIT_TEST(mtl_names_what_it_changes) {
+    fathom_material m = grey(0.5f, 0, 0, false);
+    m.k_a[0] = m.k_a[1] = m.k_a[2] = 1;
+    through("m.obj", &m);
+    assert_non_null(strstr(told, "\"ka\""));
+    m = grey(0.5f, 0, 0, false);
+    m.specular = FATHOM_SPECULAR_BLINN, m.shininess = 0.5f, m.k_s[0] = 0.5f;
+    through("m.obj", &m);
+    assert_non_null(strstr(told, "\"specular\""));
+    m = grey(0.1f, 0.75f, 0.5f, false);
+    through("m.obj", &m);
+    assert_non_null(strstr(told, "\"kr\""));
+    assert_null(strstr(told, "\"kd\""));
+    m = grey(0, 1, 1, false);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    m.transmission = m.thickness = 1, m.attenuation_distance = 0.5f, m.attenuation_color[1] = 0.5f;
+    through("m.obj", &m);
+    assert_non_null(strstr(told, "\"attenuationColor\""));
+    /* By Fresnel's law there is no mirror at an index of 1. */
+    m = grey(0, 1, 0.5f, true), m.ior = 1;
+    assert_true(through("m.obj", &m).value.k_r[0] == 0);
+    assert_string_equal(told, "");
+    m = grey(0.25f, 0.75f, 0, false), m.specular = FATHOM_SPECULAR_BLINN;
+    memcpy(m.k_s, m.k_r, sizeof m.k_s);
+    assert_int_equal(through("m.obj", &m).value.specular, FATHOM_SPECULAR_BLINN);
+    assert_string_equal(told, "");
 }
 
 /* Scene JSON shows half of an image on each triangle of such a mesh, and lights nothing. by_instance: the

@@ -25,9 +25,10 @@ static void note_word(mtl_reader *r, const char *at, const char *text) {
 }
 
 /* Notes values of a material that have no effect here. */
-static void note_unused(mtl_reader *r) {
+static void note_unused(mtl_reader *r, const fathom_material *value) {
     const mtl_entry *m = &r->entry;
     const int illum = mtl_illum(m);
+    const bool mirrors = value->k_r[0] > 0 || value->k_r[1] > 0 || value->k_r[2] > 0;
     if (mtl_is_metallic(m)) {
         if (mtl_given(m, MTL_TF) && !mtl_is_black(m->tf))
             note_at(r, m->at[MTL_TF], "Tf next to Pr, Pm, Pc, Ps or aniso is read as transmission");
@@ -35,7 +36,7 @@ static void note_unused(mtl_reader *r) {
     }
     if (mtl_given(m, MTL_KA) && mtl_is_white(m->ka) && illum != 0)
         note_at(r, m->at[MTL_KA], "a white Ka is left out; the surface reflects ambient light by its Kd");
-    if (mtl_given(m, MTL_KS) && !mtl_is_black(m->ks) && illum >= 2 && m->ns < 1)
+    if (mtl_given(m, MTL_KS) && !mtl_is_black(m->ks) && illum >= 2 && m->ns < 1 && !mirrors)
         note_at(r, m->at[MTL_KS], "there is no highlight where Ns is missing or less than 1");
     if (mtl_given(m, MTL_TF) && !mtl_is_white(m->tf) && !mtl_is_glass(m))
         note_at(r, m->at[MTL_TF], "Tf is left out where illum is not glass (4, 6, 7 or 9)");
@@ -78,8 +79,8 @@ static void finish_material(mtl_reader *r) {
     for (int k = 0; k < FATHOM_MAPS; ++k) m->images[k].map.channel %= 4;
     settle_opacity(r);
     settle_color(r, color->file);
-    note_unused(r);
     m->value = mtl_material_from(&r->entry);
+    note_unused(r, &m->value);
     if (m->images[FATHOM_MAP_NORMAL].file) m->value.normal_scale = (float)m->images[FATHOM_MAP_NORMAL].bump;
     if (m->images[FATHOM_MAP_BUMP].file) m->value.bump_scale = (float)m->images[FATHOM_MAP_BUMP].bump;
 }
@@ -114,12 +115,7 @@ static bool begin_material(mtl_reader *r, const char *p) {
     return true;
 }
 
-static const struct mtl_field {
-    const char *keyword;
-    size_t offset;
-    int numbers;
-    double lowest, highest;
-} mtl_fields[MTL_KINDS] = {
+const mtl_field mtl_fields[MTL_KINDS] = {
     [MTL_KA] = {"Ka", offsetof(mtl_entry, ka), 3, 0, 1e9},
     [MTL_KD] = {"Kd", offsetof(mtl_entry, kd), 3, 0, 1e9},
     [MTL_KS] = {"Ks", offsetof(mtl_entry, ks), 3, 0, 1e9},
@@ -168,8 +164,7 @@ static const struct mtl_map {
 };
 
 /* The value, clamped to the field's range; `before` for NaN. */
-static double limited(mtl_reader *r, const struct mtl_field *field, const char *at, double value,
-                      double before) {
+static double limited(mtl_reader *r, const mtl_field *field, const char *at, double value, double before) {
     if (value >= field->lowest && value <= field->highest) return value;
     notes_add_at(&r->notes, 1, &r->file, at, true, "%s: expected a number in [%g, %g]; %s is taken",
                  field->keyword, field->lowest, field->highest, isnan(value) ? "none" : "the nearest");
@@ -178,7 +173,7 @@ static double limited(mtl_reader *r, const struct mtl_field *field, const char *
 
 /* A single number is used for all three channels of a colour. False, with a note, if the text is not a
  * number: some programs write "1.#QNAN". */
-static bool read_numbers(mtl_reader *r, const struct mtl_field *field, const char *p, double *out) {
+static bool read_numbers(mtl_reader *r, const mtl_field *field, const char *p, double *out) {
     for (int i = 0; i < field->numbers; ++i) {
         const char *at = text_skip(p);
         double value;
@@ -203,7 +198,7 @@ static bool is_word(const char *p, const char *word) {
 }
 
 static void read_field(mtl_reader *r, int kind, const char *at) {
-    const struct mtl_field *field = &mtl_fields[kind];
+    const mtl_field *field = &mtl_fields[kind];
     if (!r->begun) {
         note_word(r, at, "expected newmtl first; statements before it are left out");
         return;
@@ -218,7 +213,7 @@ static void read_field(mtl_reader *r, int kind, const char *at) {
         note_at(r, p, "d -halo is read as d");
         p += 5;
     }
-    double *out = (double *)(void *)((char *)&r->entry + field->offset);
+    double *out = mtl_value(&r->entry, kind);
     const mtl_entry before = r->entry;
     if (kind == MTL_TR) *out = 1 - *out; /* a NaN keeps the value, and so d */
     if (!read_numbers(r, field, p, out)) {
@@ -302,8 +297,8 @@ bool mtl_says_normal(const char *path) {
 /* Sets a value to 1 unless the file gave it before; a later statement replaces the 1. */
 static void set_one(mtl_reader *r, int kind, const char *at) {
     if (kind < 0 || mtl_given(&r->entry, kind)) return;
-    const struct mtl_field *field = &mtl_fields[kind];
-    double *out = (double *)(void *)((char *)&r->entry + field->offset);
+    const mtl_field *field = &mtl_fields[kind];
+    double *out = mtl_value(&r->entry, kind);
     for (int k = 0; k < field->numbers; ++k) out[k] = 1;
     r->entry.given |= 1u << kind;
     r->entry.at[kind] = at;

@@ -32,6 +32,18 @@ enum {
 };
 _Static_assert(sizeof(((mtl_entry *)0)->at) == MTL_KINDS * sizeof(char *), "a place for each kind");
 
+/* The statement of each kind. */
+typedef struct mtl_field {
+    const char *keyword;
+    size_t offset; /* in mtl_entry */
+    int numbers;
+    double lowest, highest;
+} mtl_field;
+extern const mtl_field mtl_fields[MTL_KINDS];
+
+static inline double *mtl_value(mtl_entry *m, int kind) {
+    return (double *)(void *)((char *)m + mtl_fields[kind].offset);
+}
 static inline bool mtl_given(const mtl_entry *m, int kind) { return m->given >> kind & 1; }
 static inline bool mtl_is_white(const double rgb[3]) { return rgb[0] == 1 && rgb[1] == 1 && rgb[2] == 1; }
 static inline bool mtl_is_black(const double rgb[3]) { return rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0; }
