@@ -179,6 +179,25 @@ UNIT_TEST(glass_follows_its_formulas) {
     }
 }
 
+/* Maya writes Tf 1 - transparency, and Ni 1 for what does not refract. */
+UNIT_TEST(materials_of_maya_are_opaque) {
+    const char *body =
+        "illum 4\nKd 0.5 0.5 0.5\nKa 0.00 0.00 0.00\nTf 1.00 1.00 1.00\nNi 1.00\nKs 0.5 0.5 0.5\nNs 18\n";
+    fathom_material m = material_of(body);
+    expect_color(body, "k_t", m.k_t, 0, 0, 0);
+    expect_color(body, "k_r", m.k_r, 0, 0, 0);
+    expect_color(body, "k_d", m.k_d, 0.5, 0.5, 0.5);
+    expect_warning("m.mtl:5: illum 4 with Tf and Ni, but without d, is read as Maya means it");
+    body = "illum 4\nKd 0.5 0.5 0.5\nTf 0.25 0.25 0.25\nNi 1.00\n";
+    m = material_of(body);
+    expect_color(body, "k_t", m.k_t, 0.75, 0.75, 0.75);
+    expect_color(body, "k_d", m.k_d, 0.125, 0.125, 0.125);
+    body = "illum 4\nKd 0.5 0.5 0.5\nTf 0 0 0\nNi 1.80\nKs 1 1 1\n";
+    m = material_of(body);
+    expect_color(body, "k_t", m.k_t, 1, 1, 1);
+    assert_true(m.fresnel && m.ior == 1.8f);
+}
+
 /* Tf beside keys of metallic-roughness, and no word on a highlight, which Pr gives. */
 UNIT_TEST(clear_metallic_materials_transmit) {
     fathom_material m = material_of("Kd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nPr 0\nNi 1.45\nillum 2\nTf 1 1 1\n");

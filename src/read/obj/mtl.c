@@ -43,6 +43,21 @@ static void note_unused(mtl_reader *r, const fathom_material *value) {
     if (illum == 10) note_at(r, m->at[MTL_ILLUM], "illum 10 is read as 2");
 }
 
+/* Maya and Google Poly write opaque surfaces as glass with a filter of 1: there, Tf is 1 - transparency.
+ * Their Ni is 1 unless the material refracts. */
+static void settle_filter(mtl_reader *r) {
+    mtl_entry *m = &r->entry;
+    const bool maya = mtl_illum(m) == 4 && mtl_given(m, MTL_TF) && mtl_given(m, MTL_NI) &&
+                      !mtl_given(m, MTL_D) && !mtl_given(m, MTL_TR);
+    if (!maya || mtl_is_metallic(m)) return;
+    note_at(r, m->at[MTL_TF],
+            "illum 4 with Tf and Ni, but without d, is read as Maya means it: Tf 1 is opaque");
+    m->d = (m->tf[0] + m->tf[1] + m->tf[2]) / 3;
+    m->illum = m->ni == 1 || m->d == 1 ? 2 : 7;
+    m->given = (m->given | 1u << MTL_D) & ~(1u << MTL_TF);
+    m->at[MTL_D] = m->at[MTL_TF];
+}
+
 /* Tr 1 would make a surface invisible. MeshLab writes it for opaque surfaces. */
 static void settle_opacity(mtl_reader *r) {
     mtl_entry *m = &r->entry;
@@ -77,6 +92,7 @@ static void finish_material(mtl_reader *r) {
     if (opacity->file && color->file && opacity->map.channel > 3)
         opacity->map.channel = strcmp(opacity->file, color->file) == 0 ? 3 : 0;
     for (int k = 0; k < FATHOM_MAPS; ++k) m->images[k].map.channel %= 4;
+    settle_filter(r);
     settle_opacity(r);
     settle_color(r, color->file);
     m->value = mtl_material_from(&r->entry);

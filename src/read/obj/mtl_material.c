@@ -20,7 +20,8 @@
  *   6       glass: k_t, k_r, ior
  *   7       glass by Fresnel's law
  *
- * Blender writes opacity as 9 with d < 1 and no Tf; this is read as 2.
+ * Blender writes opacity as 9 with d < 1 and no Tf; this is read as 2. Maya writes all materials as 4 with Tf
+ * and Ni, but without d; Tf is then d, and 4 is read as 2, or as 7 if Ni is not 1.
  *
  * Models other than glass are partly transparent if d < 1: their light is multiplied by d, and k_t = 1 - d
  * passes straight through (ior 1). Authors mean this by "illum 2, d 0.3, Ni 1.45". Glass has k_t = 1 - d if
