@@ -61,6 +61,11 @@ vec3_f32 write_mesh_normal(const write_mesh *m, uint32_t vertex); /* the mesh ha
 void write_mesh_uv(const write_mesh *m, uint32_t vertex, float uv[2]); /* 0 0 if the mesh has none */
 uint32_t write_mesh_index(const write_mesh *m, size_t corner);
 
+/* The unit vector along v; v itself if its length is 0, or as near to 1 as the glTF validator wants it. */
+vec3_f32 write_unit(vec3_f32 v);
+/* True if write_unit() changes one of the mesh's normals or tangents. False for other kinds. */
+bool write_has_lengths(const fathom_mesh *mesh, mesh_kind kind);
+
 /* ---- quads and spheres ---- */
 
 /* A view of the scene in which quads and spheres are meshes; ids of objects differ. The scene must outlive

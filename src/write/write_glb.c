@@ -89,6 +89,7 @@ static size_t format_array(const void *user, size_t begin, size_t end, char *out
         const uint32_t corner = a->kind == GLB_INDEX ? write_mesh_index(a->mesh, i) : 0;
         float v[4];
         if (a->kind != GLB_INDEX) write_mesh_entry(a->mesh, (mesh_kind)a->kind, (uint32_t)i, v);
+        if (a->kind == MESH_NORMALS || a->kind == MESH_TANGENTS) store_f32(v, write_unit(load_f32(v)));
         memcpy(out, a->kind == GLB_INDEX ? (const void *)&corner : v, size);
     }
     return (end - begin) * size;
@@ -98,7 +99,8 @@ static size_t format_array(const void *user, size_t begin, size_t end, char *out
 static const void *array_in_place(const write_mesh *m, int kind) {
     if (kind == GLB_INDEX) return m->indices ? m->indices : m->mesh->indices;
     const mesh_array a = mesh_array_of(m->mesh, (mesh_kind)kind);
-    return m->positions || a.stride != a.width * sizeof(float) ? NULL : a.values;
+    const bool packed = !m->positions && a.stride == a.width * sizeof(float);
+    return packed && !write_has_lengths(m->mesh, (mesh_kind)kind) ? a.values : NULL;
 }
 
 static void put_aligned(write_stream *s, const void *bytes, size_t size) {

@@ -131,6 +131,21 @@ uint32_t write_mesh_index(const write_mesh *m, size_t corner) {
     return m->indices ? m->indices[corner] : m->mesh->indices[corner];
 }
 
+vec3_f32 write_unit(vec3_f32 v) {
+    const double length = length_f64(widen(v));
+    return length > 0 && fabs(length - 1) > 0.00674 ? narrow(normalize_f64(widen(v))) : v;
+}
+
+bool write_has_lengths(const fathom_mesh *mesh, mesh_kind kind) {
+    const mesh_array a = mesh_array_of(mesh, kind);
+    if (!a.values || (kind != MESH_NORMALS && kind != MESH_TANGENTS)) return false;
+    for (uint32_t i = 0; i < a.count; ++i) {
+        const vec3_f32 v = write_item(a.values, a.stride, i), unit = write_unit(v);
+        if (unit.x != v.x || unit.y != v.y || unit.z != v.z) return true;
+    }
+    return false;
+}
+
 /* ---- instances ---- */
 
 size_t write_add(size_t a, size_t b) { return a > SIZE_MAX - b ? SIZE_MAX : a + b; }

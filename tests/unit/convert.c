@@ -340,12 +340,13 @@ static void add_lights(fathom_scene *scene) {
     }
 }
 
-/* Two groups in three places, coloured vertices, both uv sets, tangents, an image, lights, a camera. */
+/* Two groups in three places, coloured vertices, both uv sets, unit normals and tangents, an image, lights, a
+ * camera. */
 static fathom_scene *rich_scene(bool parallel) {
     static const float second[6] = {0.1f, 0.2f, 0.9f, 0.3f, 0.4f, 1.7f},
                        colors[12] = {1, 0.5f, 0.2f, 0.9f, 0.3f, 1, 0.4f, 0.5f, 0.7f, 0.8f, 1, 1},
-                       normals[9] = {0, 0.1f, 1, 0.2f, 0, 1, 0, -0.1f, 1},
-                       tangents[12] = {1, 0, 0, 1, 0.9f, 0.1f, 0, 1, 1, 0, 0, -1};
+                       normals[9] = {0, 0.1f, 0.995f, 0.2f, 0, 0.98f, 0, -0.1f, 0.995f},
+                       tangents[12] = {1, 0, 0, 1, 0.993f, 0.11f, 0, 1, 1, 0, 0, -1};
     static const char picture[] = "P6\n2 2\n255\n\xff\x20\x10\x40\xf0\x70\x20\x30\xe0\xb0\xa0\x90";
     const fathom_texture texture = {
         .size = sizeof texture, .bytes = picture, .byte_count = sizeof picture - 1};
