@@ -247,6 +247,8 @@ UNIT_TEST(images_become_maps) {
     expect_map("map_Ks c\n", FATHOM_MAP_SPECULAR_COLOR, "c", 0, plain);
     expect_map("map_Ke d\n", FATHOM_MAP_EMISSIVE, "d", 0, plain);
     expect_map("map_Ns -imfchan g f\n", FATHOM_MAP_SHININESS, "f", 1, plain);
+    expect_map("map_D g.png\n", FATHOM_MAP_OPACITY, "g.png", 0, plain);
+    expect_map("map_kd g.png\n", FATHOM_MAP_COLOR, "g.png", 0, plain);
     expect_map("map_d g.png\n", FATHOM_MAP_OPACITY, "g.png", 0, plain);
     expect_map("map_d g.png\nmap_Kd g.png\n", FATHOM_MAP_OPACITY, "g.png", 3, plain);
     expect_map("map_Pr r\n", FATHOM_MAP_ROUGHNESS, "r", 0, plain);

@@ -5,6 +5,7 @@
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 typedef struct mtl_reader {
     text_file file;
@@ -172,7 +173,6 @@ static const struct mtl_map {
     {"norm", FATHOM_MAP_NORMAL, -1, false, NULL},
     {"map_Kn", FATHOM_MAP_NORMAL, -1, false, NULL},
     {"map_bump", FATHOM_MAP_BUMP, -1, false, NULL},
-    {"map_Bump", FATHOM_MAP_BUMP, -1, false, NULL},
     {"bump", FATHOM_MAP_BUMP, -1, false, NULL},
     {"map_Ka", -1, -1, false, "map_Ka is not read; ambient light is reflected as by Kd"},
     {"disp", -1, -1, false, "disp is not read; the surface is not displaced"},
@@ -208,9 +208,10 @@ static bool read_numbers(mtl_reader *r, const mtl_field *field, const char *p, d
     return true;
 }
 
+/* Exporters do not agree on letter case: map_Bump, map_bump, map_D. */
 static bool is_word(const char *p, const char *word) {
     size_t length = strlen(word);
-    return strncmp(p, word, length) == 0 && text_is_break(p[length]);
+    return strncasecmp(p, word, length) == 0 && text_is_break(p[length]);
 }
 
 static void read_field(mtl_reader *r, int kind, const char *at) {
