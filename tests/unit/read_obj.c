@@ -138,7 +138,12 @@ UNIT_TEST(vertex_colours_are_read) {
     assert_int_equal(mesh->color_channels, 3);
     for (int i = 0; i < 9; ++i) assert_near(mesh->colors[i], expected[i], 1e-7);
     assert_true(scene->materials.items[mesh->material].value.k_d[0] == 1);
-    assert_string_equal(mesh_warnings, "");
+    expect_warning("colours of vertices above 1 are read as 1");
+    fathom_scene_destroy(scene);
+    scene = read_text("v 0 0 0 255 0 188\nv 1 0 0\nv 1 1 0 0 255 0\nf 1 2 3\n");
+    for (int i = 0; i < 9; ++i)
+        assert_near(mesh_at(scene, 0)->colors[i], i == 2 ? 0.50288653f : expected[i], 1e-7);
+    expect_warning("colours of vertices are whole numbers up to 255; they are read as bytes");
     fathom_scene_destroy(scene);
 }
 

@@ -140,7 +140,9 @@ typedef struct obj_piece {
     obj_strokes strokes[OBJ_STROKES];
     double lower[3], upper[3]; /* of the positions */
     obj_tally tallies[OBJ_TALLIES];
-    bool colored; /* at least one vertex has a colour */
+    bool colored;     /* at least one vertex has a colour */
+    bool finely;      /* one of its numbers is no whole number from 0 to 255 */
+    double brightest; /* of its numbers */
 } obj_piece;
 
 /* A material name, or none (slot 0). */
@@ -165,6 +167,7 @@ typedef struct obj_reader {
     float *values[OBJ_KINDS]; /* total[] of them, then 16 bytes of padding */
     bool adopted[OBJ_KINDS];  /* the scene owns values[] */
     float *colors;     /* linear RGB of each vertex, white if it has no colour; NULL: no vertex has one */
+    double white;      /* the number of the file that means 1 in a colour: 1, or 255 */
     fathom_id colored; /* material of elements without one, in a file with vertex colours */
     vec3_f64 origin;
     bool cloud; /* it has vertices alone */

@@ -92,7 +92,15 @@ static const char *read_vector(obj_parser *s, int kind, const char *p) {
 /* Stores the colour of the vertex that was read last. */
 static void put_color(const obj_parser *s, const double v[3]) {
     float *out = s->r->colors + 3 * (s->seen[OBJ_POSITION] - 1);
-    for (int k = 0; k < 3; ++k) out[k] = (float)srgb_decoded(v[k] > 0 ? (v[k] < 1 ? v[k] : 1) : 0);
+    for (int k = 0; k < 3; ++k) out[k] = (float)srgb_decoded(fmin(fmax(v[k], 0), s->r->white) / s->r->white);
+}
+
+static void find_color(obj_piece *piece, const double v[3]) {
+    piece->colored = true;
+    for (int k = 0; k < 3; ++k) {
+        piece->brightest = fmax(piece->brightest, v[k]);
+        piece->finely |= !(v[k] >= 0 && v[k] <= 255) || v[k] != floor(v[k]);
+    }
 }
 
 /* Reads the numbers after x, y and z: a weight, which only curves use, or a colour. */
@@ -108,7 +116,7 @@ static void read_behind(obj_parser *s, const char *at) {
     if (count == 3 && s->r->colors)
         put_color(s, v);
     else if (count == 3)
-        s->piece->colored = true;
+        find_color(s->piece, v);
     else if (weight != 1 && !s->r->again)
         tally(s, OBJ_T_BEHIND, 1, at);
 }
@@ -378,12 +386,24 @@ static fathom_status allocate_values(obj_reader *r) {
     return FATHOM_OK;
 }
 
-/* Only if at least one vertex has a colour. */
+/* Colours are numbers from 0 to 1, but some programs write bytes. Returns whether there are any. */
+static bool find_white(obj_reader *r) {
+    bool any = false, finely = false;
+    double brightest = 0;
+    for (size_t i = 0; i < r->piece_count; ++i) {
+        any |= r->pieces[i].colored, finely |= r->pieces[i].finely;
+        brightest = fmax(brightest, r->pieces[i].brightest);
+    }
+    r->white = finely || brightest <= 1 ? 1 : 255;
+    if (brightest > 1)
+        notes_add(&r->notes, 1, "", "colours of vertices %s",
+                  finely ? "above 1 are read as 1" : "are whole numbers up to 255; they are read as bytes");
+    return any;
+}
+
 static fathom_status allocate_colors(obj_reader *r) {
-    bool any = false;
     void *memory;
-    for (size_t i = 0; i < r->piece_count; ++i) any |= r->pieces[i].colored;
-    if (!any) return FATHOM_OK;
+    if (!find_white(r)) return FATHOM_OK;
     fathom_status status = scene_allocate_items(r->scene, r->total[OBJ_POSITION], 3 * sizeof(float), &memory);
     if (status != FATHOM_OK) return status;
     r->colors = memory;
