@@ -7,6 +7,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Replaces the path after `from` by that of an existing file whose name differs only in case. */
@@ -32,12 +33,18 @@ fathom_status read_beside(fathom_scene *scene, const char *base, const char *nam
     return status;
 }
 
+/* Exporters name the folder of images where there is no image. */
+static bool is_no_folder(const char *path) {
+    struct stat info;
+    return stat(path, &info) == 0 && !S_ISDIR(info.st_mode);
+}
+
 fathom_status read_image_beside(fathom_scene *scene, const char *base, const char *name, char **out) {
     *out = NULL;
     for (const char *part = name; *part;) {
         const fathom_status status = read_beside(scene, base, part, out);
         if (status != FATHOM_OK && status != FATHOM_BAD_INPUT) return status;
-        if (status == FATHOM_OK && access(*out, F_OK) == 0) return FATHOM_OK;
+        if (status == FATHOM_OK && is_no_folder(*out)) return FATHOM_OK;
         free(*out);
         *out = NULL;
         part += strcspn(part, "/\\");

@@ -18,7 +18,7 @@ typedef struct read_mesh_options {
  * the caller adds the place to the message. */
 fathom_status read_beside(fathom_scene *scene, const char *base, const char *name, char **out);
 
-/* The same for an image or an MTL library. If `name` is not a readable file, tries the trailing components of
+/* The same for an image or an MTL library. If `name` is not a file, tries the trailing components of
  * its path next to `base`, the longest first, because the path may come from another computer. FATHOM_OK with
  * *out NULL: no file was found. */
 fathom_status read_image_beside(fathom_scene *scene, const char *base, const char *name, char **out);

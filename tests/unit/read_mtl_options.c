@@ -53,6 +53,8 @@ UNIT_TEST(options_of_images_may_be_in_any_order) {
 UNIT_TEST(lost_images_leave_no_layer) {
     fathom_material m = material_of("Kd 0.5 0.5 0.5\nmap_Ke no.png\nmap_Ks no.png\nillum 3\nNs 9\n");
     for (int c = 0; c < 3; ++c) assert_true(m.k_e[c] == 0 && m.k_s[c] == 0 && m.k_r[c] == 0);
+    assert_int_equal(material_of("map_Kd .\nmap_Ks ..\\\n").maps[FATHOM_MAP_COLOR].texture, FATHOM_NONE);
+    assert_non_null(strstr(mesh_warnings, "there is no image \".\" that may be read"));
     m = material_of(
         "map_Kd no.png\nmap_Pm no.png\nmap_Pr no.png\nmap_Pc no.png\nmap_Ps no.png\nmap_Ke no.png\n");
     assert_int_equal(m.model, FATHOM_MODEL_METALLIC_ROUGHNESS);
