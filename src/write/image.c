@@ -1,6 +1,7 @@
 #include "write/image.h"
 
 #include "base/file_faces.h"
+#include "read/mesh/text.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -122,13 +123,14 @@ static bool is_taken(const write_images *images, const char *name) {
     return false;
 }
 
-/* Readers of text end a name where the line ends, and leave out blanks there. PLY's lines are short. */
+/* Readers of text end a name where the line or a comment begins. PLY's lines are short. */
 static bool ends_line(const char *name) {
-    size_t length = 0;
-    for (; name[length]; ++length) {
-        if ((unsigned char)name[length] < ' ') return false;
+    const char *from = name, *end = name + strlen(name);
+    for (const char *c = name; c < end; ++c) {
+        if ((unsigned char)*c < ' ') return false;
     }
-    return length < 256 && (!length || name[length - 1] != ' ');
+    const size_t length = text_rest(&from, end);
+    return end - name < 256 && from + length == end;
 }
 
 /* A name that no other image has: files of the scene that stay in place may have the first ones. */

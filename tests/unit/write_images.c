@@ -87,7 +87,8 @@ UNIT_TEST(files_below_the_folder_stay_and_others_are_copied) {
 
 /* MTL takes what begins with a minus sign for an option; a line of text ends, and so do its blanks. */
 UNIT_TEST(obj_and_ply_name_images_whatever_they_are_called) {
-    static const char *const names[] = {"-s 1 b.png", " b.png", "b.png ", "a\nb.png", "b b#.png", "-", "b."};
+    static const char *const names[] = {"-s 1 b.png", " b.png", "b.png ", "a\nb.png",
+                                        "b b#.png",   "-",      "b.",     "a # b.png"};
     for (size_t i = 0; i < 2 * sizeof names / sizeof *names; ++i) {
         const char *name = names[i / 2], *out = i % 2 ? "a.obj" : "a.ply";
         fathom_texture file;
