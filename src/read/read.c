@@ -57,7 +57,8 @@ bool read_is_outside(fathom_scene *scene, const char *base, const char *name) {
     const char *top = scene->top;
     char *path = NULL;
     scene->top = NULL; /* as if each folder were allowed */
-    const bool found = top && read_beside(scene, base, name, &path) == FATHOM_OK && access(path, R_OK) == 0;
+    const bool found = top && read_beside(scene, base, name, &path) == FATHOM_OK && is_no_folder(path) &&
+                       access(path, R_OK) == 0;
     scene->top = top;
     free(path);
     return found;
