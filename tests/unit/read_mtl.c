@@ -257,6 +257,23 @@ UNIT_TEST(images_become_maps) {
     expect_map("map_Bump -bm 0.5 -imfchan g wall.png\n", FATHOM_MAP_BUMP, "wall.png", 1, plain);
 }
 
+/* Blender has no other use for the key. */
+UNIT_TEST(bump_images_of_blender_are_normals) {
+    static const char *const heads[] = {"# Blender 3.4.1 MTL File: 'a.blend'",
+                                        "# Blender MTL File: 'a.blend'", "#"};
+    for (int i = 0; i < 3; ++i) {
+        char text[128];
+        mtl_library library = {0};
+        snprintf(text, sizeof text, "%s\nnewmtl m\nmap_Bump -bm 0.7 wall.png\n", heads[i]);
+        assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), &library));
+        const mtl_material *m = &library.materials.items[0];
+        assert_int_equal(m->images[FATHOM_MAP_NORMAL].file != NULL, i == 0);
+        assert_int_equal(m->images[FATHOM_MAP_BUMP].file != NULL, i != 0);
+        assert_near(i ? m->value.bump_scale : m->value.normal_scale, 0.7f, 0);
+        mtl_free(&library);
+    }
+}
+
 UNIT_TEST(an_image_alone_has_factors_of_one) {
     const char *body = "map_Kd a\nmap_Ke d\nKe 0.5 0.5 0.5\n";
     fathom_material m = material_of(body);

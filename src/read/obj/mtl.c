@@ -13,7 +13,7 @@ typedef struct mtl_reader {
     mtl_library *library;
     mtl_entry entry;
     size_t current; /* index of the material being read */
-    bool begun;
+    bool begun, by_blender;
     note_list notes;
 } mtl_reader;
 
@@ -321,6 +321,14 @@ static void set_one(mtl_reader *r, int kind, const char *at) {
     r->entry.at[kind] = at;
 }
 
+/* Blender 3 and later write no bump maps, but normal maps under their key. The first line has the version. */
+static bool is_by_blender(const text_file *file) {
+    static const char start[] = "# Blender ";
+    const char *version = file->begin + sizeof start - 1;
+    return version < file->end && strncmp(file->begin, start, sizeof start - 1) == 0 &&
+           isdigit((unsigned char)*version);
+}
+
 static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at) {
     mtl_image image = {.color = map->color,
                        .bump = 1,
@@ -335,7 +343,7 @@ static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at)
         free(image.file);
         return true;
     }
-    const bool normals = map->map == FATHOM_MAP_BUMP && mtl_says_normal(image.file);
+    const bool normals = map->map == FATHOM_MAP_BUMP && (r->by_blender || mtl_says_normal(image.file));
     mtl_image *to = &r->library->materials.items[r->current].images[normals ? FATHOM_MAP_NORMAL : map->map];
     free(to->file);
     *to = image;
@@ -371,6 +379,7 @@ static bool read_line(mtl_reader *r, const char *at) {
 }
 
 static fathom_status read_lines(mtl_reader *r) {
+    r->by_blender = is_by_blender(&r->file);
     for (const char *p = r->file.begin; p < r->file.end;) {
         p = text_skip(p);
         bool empty = *p == '\n' || *p == '#';

@@ -39,7 +39,8 @@
  * default to 1 if there is an image. A single number is the image's red channel; for map_d it is alpha if
  * map_Kd has the same image; -imfchan selects another channel. -s, -o and -clamp are used; v grows upwards in
  * this format. map_Bump and bump are heights; -bm is the height of value 1 in units of length. If the name of
- * a bump image says that it is a normal map, as current exporters write, it is one, and -bm its factor. */
+ * a bump image says that it is a normal map, or Blender 3 or later wrote the file, it is one, and -bm its
+ * factor. */
 #include "read/obj/mtl.h"
 
 #include <stdlib.h>
