@@ -130,6 +130,23 @@ UNIT_TEST(words_after_a_vertex_are_reported) {
     fathom_scene_destroy(scene);
 }
 
+/* A mask, then sRGB bytes. Lines hold up to 64 vertices. What is no number ends a line; others are white. */
+UNIT_TEST(polypaint_of_zbrush_is_read) {
+    fathom_scene *scene =
+        read_text(SQUARE "#MRGB ffff0000FF00bc00 \n# other\n#MRGB 000000ffxx\nf 1 2 3 4\n#MRGB\n");
+    const float expected[12] = {1, 0, 0, 0, 0.50288653f, 0, 0, 0, 1, 1, 1, 1};
+    for (int i = 0; i < 12; ++i) assert_near(mesh_at(scene, 0)->colors[i], expected[i], 1e-7);
+    assert_string_equal(mesh_warnings, "");
+    fathom_scene_destroy(scene);
+    /* Numbers after the positions count before it; no vertex is painted that is not there. */
+    scene = read_text("v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 1 0 0\n#MRGB ff00ff00\nf 1 2 3\n");
+    assert_true(mesh_at(scene, 0)->colors[0] == 1);
+    fathom_scene_destroy(scene);
+    scene = read_text("v 0 0 0\nv 1 0 0\nv 1 1 0\n#MRGB ff0000ffff0000ffff0000ffff0000ff\nf 1 2 3\n");
+    assert_true(mesh_at(scene, 0)->colors[8] == 1 && mesh_at(scene, 0)->colors[7] == 0);
+    fathom_scene_destroy(scene);
+}
+
 /* As screens show them, and white where a vertex has none. */
 UNIT_TEST(vertex_colours_are_read) {
     fathom_scene *scene = read_text("v 0 0 0 1 0 0.5\nv 1 0 0\nv 1 1 0 0 2 0\nf 1 2 3\n");

@@ -16,17 +16,20 @@ static bool is_keyword(const char *p, const char *keyword, size_t length) {
 }
 
 obj_statement obj_classify(const char **p) {
+    static const char paint[] = "#MRGB";
     static const struct {
         const char *keyword;
         size_t length;
         obj_statement statement;
-    } keywords[] = {{"v", 1, OBJ_S_POSITION},     {"vt", 2, OBJ_S_UV},           {"vn", 2, OBJ_S_NORMAL},
-                    {"f", 1, OBJ_S_FACE},         {"g", 1, OBJ_S_NAME},          {"o", 1, OBJ_S_NAME},
-                    {"s", 1, OBJ_S_SMOOTHING},    {"usemtl", 6, OBJ_S_MATERIAL}, {"l", 1, OBJ_S_LINE},
-                    {"mtllib", 6, OBJ_S_LIBRARY}, {"p", 1, OBJ_S_POINT}};
+    } keywords[] = {
+        {"v", 1, OBJ_S_POSITION},     {"vt", 2, OBJ_S_UV},           {"vn", 2, OBJ_S_NORMAL},
+        {"f", 1, OBJ_S_FACE},         {"g", 1, OBJ_S_NAME},          {"o", 1, OBJ_S_NAME},
+        {"s", 1, OBJ_S_SMOOTHING},    {"usemtl", 6, OBJ_S_MATERIAL}, {"l", 1, OBJ_S_LINE},
+        {"mtllib", 6, OBJ_S_LIBRARY}, {"p", 1, OBJ_S_POINT},         {paint, sizeof paint - 1, OBJ_S_PAINT}};
     const char *at = text_skip(*p);
     *p = at;
-    if (*at == '\n' || *at == '#') return OBJ_S_EMPTY;
+    if (*at == '\n') return OBJ_S_EMPTY;
+    if (*at == '#' && !is_keyword(at, paint, sizeof paint - 1)) return OBJ_S_EMPTY;
     for (size_t i = 0; i < sizeof keywords / sizeof *keywords; ++i) {
         if (!is_keyword(at, keywords[i].keyword, keywords[i].length)) continue;
         *p = at + keywords[i].length;
@@ -36,7 +39,7 @@ obj_statement obj_classify(const char **p) {
 }
 
 const char *obj_next(obj_statement statement, const char *p, const char *end) {
-    if (statement != OBJ_S_EMPTY) return text_next(p, end);
+    if (statement != OBJ_S_EMPTY && statement != OBJ_S_PAINT) return text_next(p, end);
     const char *newline = memchr(p, '\n', (size_t)(end - p));
     return newline ? newline + 1 : end;
 }
@@ -75,6 +78,9 @@ static void scan_piece(obj_reader *r, obj_piece *piece) {
             break;
         case OBJ_S_LIBRARY:
             if (!array_push(&piece->libraries, mention(p, piece->end))) text_no_memory(&r->fault);
+            break;
+        case OBJ_S_PAINT:
+            if (!array_push(&piece->paint, mention(p, piece->end))) text_no_memory(&r->fault);
             break;
         case OBJ_S_SMOOTHING:
             /* The parse reports an invalid group. */
@@ -189,6 +195,7 @@ static void release(obj_reader *r) {
         obj_piece *piece = &r->pieces[i];
         array_free(&piece->materials);
         array_free(&piece->libraries);
+        array_free(&piece->paint);
         array_free(&piece->runs);
         array_free(&piece->polygons);
         for (int k = 0; k < OBJ_KINDS; ++k) array_free(&piece->corners[k]);

@@ -128,7 +128,7 @@ typedef struct obj_piece {
     const char *begin, *end;
     /* From the scan. */
     uint64_t count[OBJ_KINDS], base[OBJ_KINDS];
-    ARRAY(obj_mention) materials, libraries;
+    ARRAY(obj_mention) materials, libraries, paint;
     bool sets_group;
     uint32_t last_group;              /* if sets_group */
     uint32_t first_slot, first_group; /* values at the beginning of the piece */
@@ -177,6 +177,7 @@ typedef struct obj_reader {
 /* The kinds of statements. */
 typedef enum obj_statement {
     OBJ_S_EMPTY, /* comments too */
+    OBJ_S_PAINT, /* the comment in which ZBrush writes colours of vertices */
     OBJ_S_POSITION,
     OBJ_S_UV,
     OBJ_S_NORMAL,
@@ -203,6 +204,8 @@ const char *obj_next(obj_statement statement, const char *p, const char *end);
 fathom_status obj_find_materials(obj_reader *r);
 /* Reads vertices and triangles; then triangulates polygons, which needs the vertices. */
 fathom_status obj_parse(obj_reader *r);
+/* Makes room for the colours of vertices if there are any, and reads those of ZBrush. */
+fathom_status obj_begin_colors(obj_reader *r);
 /* Leaves out vertices that are no finite numbers, and what uses them. FATHOM_BAD_INPUT when none is left. */
 fathom_status obj_drop_lost(obj_reader *r);
 /* Extends the piece's indices of this kind to the number of its positions' indices, by copies of the latter.

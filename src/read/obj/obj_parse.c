@@ -327,6 +327,7 @@ static const char *read_statement(obj_parser *s, obj_statement statement, const 
         if (p < s->piece->end) tally(s, OBJ_T_UNKNOWN, 1, p);
         return p;
     case OBJ_S_EMPTY:
+    case OBJ_S_PAINT:
     case OBJ_S_NAME:
     case OBJ_S_LIBRARY: return p;
     }
@@ -386,31 +387,6 @@ static fathom_status allocate_values(obj_reader *r) {
     return FATHOM_OK;
 }
 
-/* Colours are numbers from 0 to 1, but some programs write bytes. Returns whether there are any. */
-static bool find_white(obj_reader *r) {
-    bool any = false, finely = false;
-    double brightest = 0;
-    for (size_t i = 0; i < r->piece_count; ++i) {
-        any |= r->pieces[i].colored, finely |= r->pieces[i].finely;
-        brightest = fmax(brightest, r->pieces[i].brightest);
-    }
-    r->white = finely || brightest <= 1 ? 1 : 255;
-    if (brightest > 1)
-        notes_add(&r->notes, 1, "", "colours of vertices %s",
-                  finely ? "above 1 are read as 1" : "are whole numbers up to 255; they are read as bytes");
-    return any;
-}
-
-static fathom_status allocate_colors(obj_reader *r) {
-    void *memory;
-    if (!find_white(r)) return FATHOM_OK;
-    fathom_status status = scene_allocate_items(r->scene, r->total[OBJ_POSITION], 3 * sizeof(float), &memory);
-    if (status != FATHOM_OK) return status;
-    r->colors = memory;
-    for (uint64_t i = 0; i < 3 * r->total[OBJ_POSITION]; ++i) r->colors[i] = 1;
-    return FATHOM_OK;
-}
-
 static bool is_cloud(const obj_reader *r) {
     for (size_t i = 0; i < r->piece_count; ++i) {
         const obj_piece *piece = &r->pieces[i];
@@ -435,7 +411,7 @@ fathom_status obj_parse(obj_reader *r) {
     if (status != FATHOM_OK) return status;
     loop_parallel(r->threads, r->piece_count, 1, parse_pieces, r);
     status = text_status(&r->file, &r->fault);
-    if (status == FATHOM_OK) status = allocate_colors(r);
+    if (status == FATHOM_OK) status = obj_begin_colors(r);
     if (status != FATHOM_OK) return status;
     r->origin = choose_origin(r);
     r->again = r->colors || length_f64(r->origin) > 0;
