@@ -300,6 +300,9 @@ UNIT_TEST(black_times_an_image_is_the_image) {
     m = material_of("Kd 0 0 0\nmap_Kd a\nPm 0.5\n");
     expect_color("Kd", "base colour", m.base_color, 0, 0, 0);
     assert_string_equal(mesh_warnings, "");
+    m = material_of("Ke 0 0 0\nmap_Ke a\n");
+    expect_color("Ke", "k_e", m.k_e, 1, 1, 1);
+    expect_warning("m.mtl:2: Ke 0 with map_Ke is read as 1");
 }
 
 /* Folders say nothing about an image. */

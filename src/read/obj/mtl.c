@@ -71,13 +71,18 @@ static void settle_opacity(mtl_reader *r) {
     }
 }
 
-/* Old Blender writes Kd 0 next to an image that it means as it is. Whoever wants black needs no image. */
-static void settle_color(mtl_reader *r, bool has_image) {
+/* Old Blender writes Kd 0, and 3ds Max Ke 0, next to an image that it means as it is. Whoever wants black
+ * needs no image. */
+static void settle_color(mtl_reader *r, const mtl_image images[FATHOM_MAPS]) {
     mtl_entry *m = &r->entry;
-    if (has_image && !mtl_is_metallic(m) && mtl_is_black(m->kd)) {
+    if (images[FATHOM_MAP_COLOR].file && !mtl_is_metallic(m) && mtl_is_black(m->kd)) {
         note_at(r, m->at[MTL_KD],
                 "Kd 0 with map_Kd is read as 1, as other programs do; else the image is black");
         for (int k = 0; k < 3; ++k) m->kd[k] = 1;
+    }
+    if (images[FATHOM_MAP_EMISSIVE].file && mtl_is_black(m->ke)) {
+        note_at(r, m->at[MTL_KE], "Ke 0 with map_Ke is read as 1; else the image is black");
+        for (int k = 0; k < 3; ++k) m->ke[k] = 1;
     }
     /* That of glass is scaled by what does not pass. */
     if (!mtl_is_glass(m) && fmax(m->kd[0], fmax(m->kd[1], m->kd[2])) > 1) {
@@ -95,7 +100,7 @@ static void finish_material(mtl_reader *r) {
     for (int k = 0; k < FATHOM_MAPS; ++k) m->images[k].map.channel %= 4;
     settle_filter(r);
     settle_opacity(r);
-    settle_color(r, color->file);
+    settle_color(r, m->images);
     m->value = mtl_material_from(&r->entry);
     note_unused(r, &m->value);
     if (m->images[FATHOM_MAP_NORMAL].file) m->value.normal_scale = (float)m->images[FATHOM_MAP_NORMAL].bump;

@@ -5,7 +5,7 @@
  *           every material would reflect the same ambient light
  *   Ks, Ns  k_s and shininess of Blinn's highlight, as the format defines it ((N·H)^Ns). Ns < 1 means no
  *           highlight: exporters write it for rough surfaces, and it would add Ks to all lit surfaces
- *   Ke      k_e
+ *   Ke      k_e; 0 next to map_Ke means 1
  *   Ni      ior for refraction and Fresnel's law; missing or 0: 1.5
  *   d, Tr   opacity and 1 - opacity; the last one in the file is used. Tr 1 means opaque, except for glass
  *   Tf      filter of the glass models; other models ignore it, because exporters always write white
