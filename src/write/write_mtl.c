@@ -205,21 +205,22 @@ static bool is_plain(const fathom_scene *scene, const fathom_map *map, bool colo
            (!color || !map->channel);
 }
 
-/* Readers take Kd 0 with an image for 1. A factor of 0 leaves nothing of the image, which then needs no
- * place.
- */
-static bool shows_color(const fathom_material *m) {
-    return m->model == FATHOM_MODEL_CLASSIC ? !is_black(m->k_d) : !write_only_emits(m);
+/* Readers take Kd 0 or Ke 0 with an image for 1. A factor of 0 leaves nothing of the image, which then needs
+ * no place. */
+static bool shows(const fathom_material *m, fathom_map_kind kind) {
+    const bool classic = m->model == FATHOM_MODEL_CLASSIC;
+    if (kind == FATHOM_MAP_EMISSIVE) return !is_black(classic ? m->k_e : m->emissive);
+    if (kind == FATHOM_MAP_COLOR) return classic ? !is_black(m->k_d) : !write_only_emits(m);
+    return true;
 }
 
 static void put_images(const write_library *l, file_writer *t, const fathom_material *m) {
     size_t left = 0;
-    const bool has_color = shows_color(m);
     for (int k = 0; k < FATHOM_MAPS; ++k)
-        left += m->maps[k].texture != FATHOM_NONE && (k != FATHOM_MAP_COLOR || has_color);
+        left += m->maps[k].texture != FATHOM_NONE && shows(m, (fathom_map_kind)k);
     for (size_t i = 0; i < IMAGES; ++i) {
         const fathom_map *map = &m->maps[images[i].map];
-        if (images[i].map == FATHOM_MAP_COLOR && !has_color) continue;
+        if (!shows(m, images[i].map)) continue;
         if (map->texture == FATHOM_NONE || !is_plain(l->scene, map, images[i].color)) continue;
         if (images[i].map == FATHOM_MAP_BUMP && mtl_says_normal(name_of(l, map))) continue;
         put_image(l, t, &images[i], m);

@@ -303,6 +303,27 @@ UNIT_TEST(mtl_keeps_unlit_materials) {
     unlink(in_folder("a.obj")), unlink(in_folder("a.mtl")), unlink(in_folder("a-0.png"));
 }
 
+/* glTF's factor of emission is 0 by default, whatever the image. */
+UNIT_TEST(images_of_no_effect_have_none_in_mtl) {
+    const fathom_texture texture = {.size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6};
+    for (int model = 0; model < 2; ++model) {
+        fathom_material m;
+        fathom_scene *back;
+        fathom_material_default(&m);
+        m.model = (fathom_model)model;
+        m.maps[FATHOM_MAP_EMISSIVE] = (fathom_map){.texture = 0, .transform = {1, 0, 0, 0, 1, 0}};
+        fathom_scene *scene = wearing(&m, &texture);
+        assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
+        assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), &back));
+        const fathom_material *got = &back->materials.items[scene_find_material(back, "material_1")].value;
+        for (int c = 0; c < 3; ++c) assert_true(got->k_e[c] == 0 && got->emissive[c] == 0);
+        assert_int_equal(got->maps[FATHOM_MAP_EMISSIVE].texture, FATHOM_NONE);
+        fathom_scene_destroy(back);
+        fathom_scene_destroy(scene);
+        unlink(in_folder("a.obj")), unlink(in_folder("a.mtl")), unlink(in_folder("a-0.png"));
+    }
+}
+
 /* ---- renders ---- */
 
 /* The bits of red, green and blue. */
