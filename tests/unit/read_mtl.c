@@ -198,6 +198,26 @@ UNIT_TEST(materials_of_maya_are_opaque) {
     assert_true(m.fresnel && m.ior == 1.8f);
 }
 
+/* Cinema 4D says no more of them. */
+UNIT_TEST(glass_needs_more_than_its_model) {
+    const char *body = "Ka 1 1 1\nKd 0.8 0.8 0.8\nKs 1 1 1\nNs 50\nillum 7\n";
+    fathom_material m = material_of(body);
+    expect_color(body, "k_t", m.k_t, 0, 0, 0);
+    expect_color(body, "k_r", m.k_r, 0, 0, 0);
+    expect_color(body, "k_d", m.k_d, 0.8, 0.8, 0.8);
+    assert_true(m.specular == FATHOM_SPECULAR_BLINN && m.shininess == 50);
+    expect_warning("m.mtl:6: illum 4, 6, 7 and 9 without Ni, Tf and d are read as 2");
+    static const char *const glass[] = {"Ni 1.5\nillum 7\n", "Tf 1 1 1\nillum 6\n", "d 0.5\nillum 4\n"};
+    for (int i = 0; i < 3; ++i) assert_true(material_of(glass[i]).k_t[0] > 0);
+}
+
+/* Old Blender adds the image's alpha to an opacity of 0. */
+UNIT_TEST(no_opacity_times_an_image_is_the_image) {
+    fathom_material m = material_of("Ni -1\nd 0\nillum 1\nmap_Kd a.png\nmap_d a.png\n");
+    expect_color("d", "k_t", m.k_t, 0, 0, 0);
+    expect_warning("m.mtl:3: d 0 with map_d is read as 1");
+}
+
 /* Tf beside keys of metallic-roughness, and no word on a highlight, which Pr gives. */
 UNIT_TEST(clear_metallic_materials_transmit) {
     fathom_material m = material_of("Kd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nPr 0\nNi 1.45\nillum 2\nTf 1 1 1\n");

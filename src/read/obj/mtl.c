@@ -45,25 +45,36 @@ static void note_unused(mtl_reader *r, const fathom_material *value) {
 }
 
 /* Maya and Google Poly write opaque surfaces as glass with a filter of 1: there, Tf is 1 - transparency.
- * Their Ni is 1 unless the material refracts. */
-static void settle_filter(mtl_reader *r) {
+ * Their Ni is 1 unless the material refracts. Cinema 4D writes them as glass of which nothing else is said.
+ */
+static void settle_glass(mtl_reader *r) {
     mtl_entry *m = &r->entry;
-    const bool maya = mtl_illum(m) == 4 && mtl_given(m, MTL_TF) && mtl_given(m, MTL_NI) &&
-                      !mtl_given(m, MTL_D) && !mtl_given(m, MTL_TR);
-    if (!maya || mtl_is_metallic(m)) return;
-    note_at(r, m->at[MTL_TF],
-            "illum 4 with Tf and Ni, but without d, is read as Maya means it: Tf 1 is opaque");
-    m->d = (m->tf[0] + m->tf[1] + m->tf[2]) / 3;
-    m->illum = m->ni == 1 || m->d == 1 ? 2 : 7;
-    m->given = (m->given | 1u << MTL_D) & ~(1u << MTL_TF);
-    m->at[MTL_D] = m->at[MTL_TF];
+    const unsigned filters = 1u << MTL_TF | 1u << MTL_NI, fades = 1u << MTL_D | 1u << MTL_TR;
+    if (!mtl_is_glass(m) || mtl_is_metallic(m)) return;
+    if (!(m->given & (filters | fades))) {
+        note_at(r, m->at[MTL_ILLUM],
+                "illum 4, 6, 7 and 9 without Ni, Tf and d are read as 2, as Cinema 4D means them");
+        m->illum = 2;
+    } else if (m->illum == 4 && (m->given & (filters | fades)) == filters) {
+        note_at(r, m->at[MTL_TF],
+                "illum 4 with Tf and Ni, but without d, is read as Maya means it: Tf 1 is opaque");
+        m->d = (m->tf[0] + m->tf[1] + m->tf[2]) / 3;
+        m->illum = m->ni == 1 || m->d == 1 ? 2 : 7;
+        m->given = (m->given | 1u << MTL_D) & ~(1u << MTL_TF);
+        m->at[MTL_D] = m->at[MTL_TF];
+    }
 }
 
-/* Tr 1 would make a surface invisible. MeshLab writes it for opaque surfaces. */
-static void settle_opacity(mtl_reader *r) {
+/* Tr 1 would make a surface invisible. MeshLab writes it for opaque surfaces, and old Blender d 0 next to an
+ * image. */
+static void settle_opacity(mtl_reader *r, bool has_image) {
     mtl_entry *m = &r->entry;
     if (m->d > 0 || mtl_is_glass(m)) return;
-    if (mtl_given(m, MTL_TR) && !(mtl_given(m, MTL_D) && m->at[MTL_D] > m->at[MTL_TR])) {
+    if (has_image) {
+        note_at(r, m->at[mtl_given(m, MTL_D) ? MTL_D : MTL_TR],
+                "d 0 with map_d is read as 1; else nothing of the surface would be seen");
+        m->d = 1;
+    } else if (mtl_given(m, MTL_TR) && !(mtl_given(m, MTL_D) && m->at[MTL_D] > m->at[MTL_TR])) {
         note_at(r, m->at[MTL_TR], "Tr 1 is read as opaque, as MeshLab means it; else nothing would be seen");
         m->d = 1;
     } else {
@@ -98,8 +109,8 @@ static void finish_material(mtl_reader *r) {
     if (opacity->file && color->file && opacity->map.channel > 3)
         opacity->map.channel = strcmp(opacity->file, color->file) == 0 ? 3 : 0;
     for (int k = 0; k < FATHOM_MAPS; ++k) m->images[k].map.channel %= 4;
-    settle_filter(r);
-    settle_opacity(r);
+    settle_glass(r);
+    settle_opacity(r, opacity->file);
     settle_color(r, m->images);
     m->value = mtl_material_from(&r->entry);
     note_unused(r, &m->value);

@@ -7,8 +7,9 @@
  *           highlight: exporters write it for rough surfaces, and it would add Ks to all lit surfaces
  *   Ke      k_e; 0 next to map_Ke means 1
  *   Ni      ior for refraction and Fresnel's law; missing or 0: 1.5
- *   d, Tr   opacity and 1 - opacity; the last one in the file is used. Tr 1 means opaque, except for glass
- *   Tf      filter of the glass models; other models ignore it, because exporters always write white
+ *   d, Tr   opacity and 1 - opacity; the last one in the file is used. Tr 1 means opaque, and so does d 0
+ * next to map_d, except for glass Tf      filter of the glass models; other models ignore it, because
+ * exporters always write white
  *
  *   illum   if missing: 2 if Ks is given and not black, else 1
  *   0       Lambert without ambient light
@@ -21,7 +22,8 @@
  *   7       glass by Fresnel's law
  *
  * Blender writes opacity as 9 with d < 1 and no Tf; this is read as 2. Maya writes all materials as 4 with Tf
- * and Ni, but without d; Tf is then d, and 4 is read as 2, or as 7 if Ni is not 1.
+ * and Ni, but without d; Tf is then d, and 4 is read as 2, or as 7 if Ni is not 1. Cinema 4D writes them as 7
+ * without Ni, Tf and d; this is read as 2.
  *
  * Models other than glass are partly transparent if d < 1: their light is multiplied by d, and k_t = 1 - d
  * passes straight through (ior 1). Authors mean this by "illum 2, d 0.3, Ni 1.45". Glass has k_t = 1 - d if
