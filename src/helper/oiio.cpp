@@ -320,7 +320,8 @@ static fathom_status image_file_read(const char *path, unsigned threads, const i
         input->threads(static_cast<int>(threads));
         auto file = std::make_unique<file_image>();
         file->spec = input->spec();
-        const OIIO::ImageSpec &spec = file->spec;
+        OIIO::ImageSpec &spec = file->spec;
+        spec.attribute(IMAGE_BITS_ENTRY, static_cast<int>(8 * spec.format.size()));
         if (spec.depth != 1 || spec.deep) throw failure(FATHOM_BAD_INPUT, "is not a flat image");
         std::vector<unsigned char> pixels(spec.image_bytes(true));
         /* Some readers return success for a truncated file and only store the error. */

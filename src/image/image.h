@@ -37,6 +37,9 @@ static inline bool image_attribute_is_m44f(const image_attribute *a) {
            (strcmp(a->name, "worldToCamera") == 0 || strcmp(a->name, "worldToNDC") == 0);
 }
 
+/* Bits of a number of an image that was read. */
+#define IMAGE_BITS_ENTRY "oiio:BitsPerSample"
+
 /* Entries with this prefix describe EXR channels; other formats skip them. They come last. */
 #define IMAGE_MATTE_ENTRY "cryptomatte/"
 

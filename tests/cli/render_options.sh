@@ -287,6 +287,10 @@ run 2 render ball.glb -o a.png --environment sky.pfm --integrator classic
 said err.txt 'the classic integrator has no light from images'
 run 3 render ball.glb -o a.png --environment no.hdr
 said err.txt 'no.hdr'
+# Numbers of 8 bits are colours for a display, whatever the format.
+printf 'P6\n2 1\n255\nabcdef' >bytes.ppm
+run 3 render ball.glb -o a.png --environment bytes.ppm
+said err.txt 'bytes.ppm: expected an image of linear radiance (.exr, .hdr, .pfm, .tif); this one has 8 bits'
 # What cannot be read only turns out in the render; the scene's line and field are named all the same.
 echo no image >cut.pfm
 sed 's/sky.pfm/cut.pfm/' one_sky.json >cut_sky.json
