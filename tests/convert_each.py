@@ -109,6 +109,8 @@ def images():
     both = {"baseColorTexture": {"file": "rgba.png"}, "opacityTexture": {"file": "rgba.png", "channel": "a"}}
     yield "colour and opacity", scene(metal(**both))
     yield "colour and cut opacity", scene(metal(opacityCutoff=0.5, **both))
+    brushed = {"anisotropy": 0.9, "roughness": 0.3, "metallic": 1, "anisotropyRotation": 1.2}
+    yield "an image on brushed metal", scene(metal(baseColorTexture={"file": "rgb.png"}, **brushed))
     yield "an image without coordinates", scene(metal(baseColorTexture={"file": "rgb.png"}), mesh(uvs=None, uvs1=None))
     yield "an image on a quad", scene(metal(baseColorTexture={"file": "rgb.png"}), {**QUAD, "material": "m"})
 

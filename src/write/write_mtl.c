@@ -87,7 +87,8 @@ static mtl_entry emission_entry(const fathom_material *m) {
     return e;
 }
 
-static mtl_entry metallic_entry(const fathom_material *m) {
+/* flips: the file's v has the other direction, and with it the side to which the rotation turns. */
+static mtl_entry metallic_entry(const fathom_material *m, bool flips) {
     mtl_entry e = {.d = 1};
     give_color(&e, MTL_KD, m->base_color, 1);
     if (!is_black(m->emissive)) give_color(&e, MTL_KE, m->emissive, 1);
@@ -96,7 +97,7 @@ static mtl_entry metallic_entry(const fathom_material *m) {
     give(&e, MTL_PC, (double)m->clearcoat);
     give(&e, MTL_PCR, (double)m->clearcoat_roughness);
     give(&e, MTL_ANISO, (double)m->anisotropy);
-    give(&e, MTL_ANISOR, turns_of(m->anisotropy_rotation));
+    give(&e, MTL_ANISOR, turns_of(flips ? -m->anisotropy_rotation : m->anisotropy_rotation));
     give(&e, MTL_D, (double)m->opacity);
     give(&e, MTL_NI, (double)m->ior);
     if (m->transmission > 0) give_color(&e, MTL_TF, (const float[3]){1, 1, 1}, (double)m->transmission);
@@ -136,23 +137,25 @@ static void put_entry(file_writer *file, const mtl_entry *e) {
     }
 }
 
-static void put_material(file_writer *file, const scene_named_material *from, note_list *notes) {
+static void put_material(const write_library *l, file_writer *file, const scene_named_material *from) {
     const bool thin = from->value.model != FATHOM_MODEL_CLASSIC && from->value.transmission > 0 &&
                       !(from->value.thickness > 0);
     fathom_material m = thin ? from->classic : from->value;
     if (m.model == FATHOM_MODEL_CLASSIC) m = settled(m);
     for (int k = 0; k < 3; ++k) m.emissive[k] *= m.emissive_strength;
     m.emissive_strength = 1;
-    if (thin) notes_add(notes, 1, "", "a thin wall that light passes becomes its nearest classic glass");
+    if (thin) notes_add(l->notes, 1, "", "a thin wall that light passes becomes its nearest classic glass");
     const bool emits = write_only_emits(&m), classic = m.model == FATHOM_MODEL_CLASSIC;
-    const mtl_entry e = emits ? emission_entry(&m) : classic ? classic_entry(&m) : metallic_entry(&m);
+    const mtl_entry e = emits     ? emission_entry(&m)
+                        : classic ? classic_entry(&m)
+                                  : metallic_entry(&m, l->flips);
     fathom_material back = mtl_material_from(&e);
     if (emits) { /* the keys of metallic-roughness would make it shine, so a classic lamp is written */
         back = m;
         back.opacity_cutoff = 0, back.double_sided = true;
     }
     put_entry(file, &e);
-    note_changes(&m, back, notes);
+    note_changes(&m, back, l->notes);
 }
 
 /* ---- images ---- */
@@ -253,7 +256,7 @@ fathom_status write_mtl(const write_library *l, const char *path) {
     for (size_t i = 0; i < l->scene->materials.count; ++i) {
         const fathom_material *m = &l->scene->materials.items[i].value;
         file_writer_print(file, "newmtl %s\n", l->names[i]);
-        put_material(file, &l->scene->materials.items[i], l->notes);
+        put_material(l, file, &l->scene->materials.items[i]);
         put_images(l, file, m);
     }
     return file_writer_commit(file);

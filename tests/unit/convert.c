@@ -303,6 +303,27 @@ UNIT_TEST(mtl_keeps_unlit_materials) {
     unlink(in_folder("a.obj")), unlink(in_folder("a.mtl")), unlink(in_folder("a-0.png"));
 }
 
+/* With images v grows upwards in OBJ, so that they stand upright. The bitangent turns with it. */
+UNIT_TEST(rotations_of_brushed_metal_turn_with_v) {
+    const fathom_texture texture = {.size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6};
+    for (int image = 0; image < 2; ++image) {
+        fathom_material m;
+        fathom_scene *back;
+        fathom_material_default(&m);
+        m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.anisotropy = 0.5f, m.anisotropy_rotation = 0.75f;
+        if (image) m.maps[FATHOM_MAP_COLOR] = (fathom_map){.texture = 0, .transform = {1, 0, 0, 0, 1, 0}};
+        fathom_scene *scene = wearing(&m, image ? &texture : NULL);
+        assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
+        assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), &back));
+        const fathom_material *got = &back->materials.items[scene_find_material(back, "material_1")].value;
+        /* Nine digits of a fraction of a turn: two roundings. */
+        assert_near(got->anisotropy_rotation, image ? -0.75 : 0.75, 2 * 0x1p-24);
+        fathom_scene_destroy(back);
+        fathom_scene_destroy(scene);
+    }
+    unlink(in_folder("a.obj")), unlink(in_folder("a.mtl")), unlink(in_folder("a-0.png"));
+}
+
 /* glTF's factor of emission is 0 by default, whatever the image. */
 UNIT_TEST(images_of_no_effect_have_none_in_mtl) {
     const fathom_texture texture = {.size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6};
