@@ -129,10 +129,11 @@ static size_t count_arrays(const fathom_scene *scene, mesh_kind kind) {
     return count;
 }
 
-static size_t count_lengths(const fathom_scene *scene, mesh_kind kind) {
+/* Normals need no note: renders normalise them before they mix them. */
+static size_t count_long_tangents(const fathom_scene *scene) {
     size_t count = 0;
     for (size_t i = 0; i < scene->meshes.count; ++i)
-        count += write_has_lengths(&scene->meshes.items[i], kind);
+        count += write_has_lengths(&scene->meshes.items[i], MESH_TANGENTS);
     return count;
 }
 
@@ -275,8 +276,8 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
         {MESHES, count_arrays(scene, MESH_TANGENTS), "the tangents of a mesh are left out"},
         {MESHES, stretched,
          "a smooth mesh that is stretched is shaded a little differently between vertices"},
-        {GLB, count_lengths(scene, MESH_NORMALS) + count_lengths(scene, MESH_TANGENTS),
-         "normals or tangents become unit vectors; the mesh is shaded a little differently between vertices"},
+        {GLB, count_long_tangents(scene),
+         "the tangents of a mesh become unit vectors, and lie a little differently between vertices"},
         {far ? PLY : MESHES, count_far(scene), "a mesh far from the origin loses digits of its positions"},
         {PLY, lost_points, "a point is left out: a PLY file of triangles has no place for points"},
         {MODELS, radii,

@@ -310,24 +310,29 @@ UNIT_TEST(stretched_smooth_meshes_are_told) {
     }
 }
 
-/* glTF forbids other lengths. */
-UNIT_TEST(glb_has_unit_normals) {
+/* glTF forbids other lengths. Renders normalise normals before they mix them, but mix tangents as they are.
+ */
+UNIT_TEST(glb_has_unit_normals_and_tangents) {
     static const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0},
-                       normals[9] = {0, 0, 4, 0, 3, 4, 0.6f, 0, 0.8f};
+                       normals[9] = {0, 0, 4, 0, 3, 4, 0.6f, 0, 0.8f},
+                       tangents[12] = {2, 0, 0, 1, 1, 0, 0, 1, 0, 1, 0, -1};
     static const uint32_t indices[3] = {0, 1, 2};
-    fathom_scene *scene = new_scene(), *back;
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
-    mesh.positions = positions, mesh.vertex_count = 3, mesh.indices = indices, mesh.triangle_count = 1;
-    mesh.normals = normals, mesh.normal_count = 3;
-    assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
-    warnings = 0;
-    assert_ok(context, fathom_scene_write(scene, in_folder("a.glb")));
-    assert_int_equal(warnings, 1);
-    assert_ok(context, fathom_scene_read(context, in_folder("a.glb"), &back));
-    const float expected[9] = {0, 0, 1, 0, 0.6f, 0.8f, 0.6f, 0, 0.8f};
-    assert_memory_equal(back->meshes.items[0].normals, expected, sizeof expected);
-    fathom_scene_destroy(back), fathom_scene_destroy(scene);
+    for (int k = 0; k < 2; ++k) {
+        fathom_scene *scene = new_scene(), *back;
+        fathom_mesh mesh;
+        fathom_mesh_default(&mesh);
+        mesh.positions = positions, mesh.vertex_count = 3, mesh.indices = indices, mesh.triangle_count = 1;
+        mesh.normals = normals, mesh.normal_count = 3, mesh.tangents = k ? tangents : NULL;
+        assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+        warnings = 0;
+        assert_ok(context, fathom_scene_write(scene, in_folder("a.glb")));
+        assert_int_equal(warnings, k);
+        assert_ok(context, fathom_scene_read(context, in_folder("a.glb"), &back));
+        const float expected[9] = {0, 0, 1, 0, 0.6f, 0.8f, 0.6f, 0, 0.8f};
+        assert_memory_equal(back->meshes.items[0].normals, expected, sizeof expected);
+        if (k) assert_true(back->meshes.items[0].tangents[0] == 1 && back->meshes.items[0].tangents[3] == 1);
+        fathom_scene_destroy(back), fathom_scene_destroy(scene);
+    }
     remove_file("a.glb");
 }
 
