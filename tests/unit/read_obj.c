@@ -130,7 +130,7 @@ UNIT_TEST(words_after_a_vertex_are_reported) {
     fathom_scene_destroy(scene);
 }
 
-/* A mask, then sRGB bytes. Lines hold up to 64 vertices. What is no number ends a line; others are white. */
+/* Each vertex has a mask, then sRGB bytes. Other characters end a line; vertices without paint are white. */
 UNIT_TEST(polypaint_of_zbrush_is_read) {
     fathom_scene *scene =
         read_text(SQUARE "#MRGB ffff0000FF00bc00 \n# other\n#MRGB 000000ffxx\nf 1 2 3 4\n#MRGB\n");
