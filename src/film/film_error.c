@@ -27,10 +27,8 @@
  * in the sum depends on its brightness. If a lamp's edge shared its variance with a black pixel next to it,
  * this variance would count a thousand times. */
 #include "film/film.h"
-#include "film/pixel_sums.h"
 
 #include <math.h>
-#include <string.h>
 
 double film_error_weight(double grey) {
     double norm = grey < 1 ? fmax(grey, 0.01) : grey * grey;

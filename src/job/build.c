@@ -6,7 +6,6 @@
 
 #include <jansson.h>
 #include <png.h>
-#include <stdio.h>
 #include <zlib.h>
 
 #define TEXT_OF(x) #x

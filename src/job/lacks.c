@@ -1,7 +1,6 @@
 #include "job/lacks.h"
 
 #include "integrate/parts.h"
-#include "material/material.h"
 
 #include <stdio.h>
 

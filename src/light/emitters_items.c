@@ -3,7 +3,6 @@
 #include "light/emitters_inner.h"
 
 #include <float.h>
-#include <string.h>
 
 float emitters_power(const emitters *e, uint32_t geometry, uint32_t primitive, uint32_t instance) {
     return luminance(e->emission[world_material(e->w, geometry, primitive, instance)]);

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 const char *converge_metric_name(converge_metric metric) {
     static const char *const names[CONVERGE_METRICS] = {"rmse", "relmse", "flip"};

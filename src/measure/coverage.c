@@ -3,7 +3,6 @@
 #include "film/film.h"
 
 #include <math.h>
-#include <string.h>
 
 typedef struct work {
     fathom_context *context;

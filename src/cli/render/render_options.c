@@ -6,7 +6,6 @@
 
 #include "base/parameter.h"
 
-#include <fathom/image.h>
 #include <fathom/trace.h>
 #include <stdio.h>
 #include <string.h>

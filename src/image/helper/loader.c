@@ -1,7 +1,6 @@
 /* The calls of module.h, each run in the helper. */
 #include "base/file.h"
 #include "image/helper/helper.h"
-#include "image/pack.h"
 
 #include <limits.h>
 #include <stdio.h>

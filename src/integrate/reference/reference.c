@@ -4,7 +4,6 @@
 #include "base/threads.h"
 #include "integrate/reference/reference_inner.h"
 
-#include "math/frame.h"
 #include "scene/motion/motion.h"
 
 #include <stdlib.h>

@@ -9,7 +9,6 @@
 
 #include <pthread.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 SIZED_DEFAULT_OWN(fathom_checkpoint, {.every = 60})

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 /* Larger than the depth of any value that is read. */
 enum { DEPTH = 32 };

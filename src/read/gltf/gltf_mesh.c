@@ -2,7 +2,6 @@
 #include "read/gltf/gltf_mesh.h"
 #include "read/gltf/gltf_data.h"
 #include "read/gltf/gltf_material.h"
-#include "read/gltf/gltf_pose.h"
 #include "read/mesh/compact.h"
 #include "read/mesh/normals.h"
 #include "read/mesh/strokes.h"

@@ -5,7 +5,6 @@
 #include "read/gltf/gltf_keys.h"
 #include "read/gltf/gltf_pose.h"
 
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

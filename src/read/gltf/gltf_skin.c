@@ -12,7 +12,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 static affine_f64 affine_of(const float *m) {
     affine_f64 out;

@@ -1,6 +1,5 @@
 #include "read/json/json_scene.h"
 
-#include "base/file.h"
 #include "read/read.h"
 #include "scene/light_groups.h"
 

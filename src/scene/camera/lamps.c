@@ -9,7 +9,6 @@
 #include "scene/graph.h"
 #include "scene/motion/motion.h"
 
-#include <float.h>
 #include <stdlib.h>
 
 /* Maxima: points on emissive and on other surfaces each, triangles read of one mesh, triangles read in all,

@@ -3,7 +3,6 @@
 #include "base/kernel.h"
 #include "base/threads.h"
 #include "scene/kernels.h"
-#include "scene/scene.h"
 #include "scene/world/world.h"
 
 #include <math.h>

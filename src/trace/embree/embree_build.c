@@ -1,8 +1,6 @@
 /* Builds Embree's scenes from the world: one for each group, with the instances in the root. */
-#include "reference/reference.h"
 #include "trace/embree/embree.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

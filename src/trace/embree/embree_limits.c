@@ -1,6 +1,5 @@
 #include "trace/embree/embree_limits.h"
 
-#include "reference/reference.h"
 #include "trace/embree/embree.h"
 #include "trace/search.h"
 #include "trace/stretch.h"

@@ -1,5 +1,4 @@
 /* Embree's own triangles on the world's buffers, and the choice of where to use them. */
-#include "reference/reference.h"
 #include "trace/embree/embree.h"
 #include "trace/search.h"
 

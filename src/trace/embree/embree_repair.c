@@ -16,7 +16,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* A call that records all candidates and accepts none. The ray masks exclude user geometry, so only the
  * filter gets this context. */

@@ -1,5 +1,4 @@
 /* Our shapes in Embree's BVH: bounds, and callbacks that call the hand-written intersectors. */
-#include "reference/reference.h"
 #include "trace/embree/embree.h"
 #include "trace/search.h"
 

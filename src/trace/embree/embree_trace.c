@@ -4,7 +4,6 @@
 #include "trace/stretch.h"
 
 #include <math.h>
-#include <string.h>
 
 KERNEL_BEST(embree_kernels)
 
