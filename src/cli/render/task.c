@@ -1,14 +1,13 @@
 #include "cli/render/task.h"
 
-#include "cli/fail.h"
+#include "base/clock.h"
+#include "base/status.h"
 #include "cli/interrupt.h"
 #include "cli/outputs.h"
 #include "cli/provenance.h"
 #include "cli/render/brightness.h"
 #include "cli/render/images.h"
 #include "cli/render/progress.h"
-
-#include "base/clock.h"
 
 #include <fathom/file.h>
 #include <fathom/survey.h>
@@ -88,15 +87,15 @@ static fathom_status merge_settings(task *s) {
     render_options *o = &s->options;
     fathom_scene_settings(s->scene, &settings);
     if (!render_options_finish(o, &settings, &problem))
-        return cli_fail(s->context, FATHOM_BAD_USAGE, "%s", problem.text);
+        return fail(s->context, FATHOM_BAD_USAGE, "%s", problem.text);
     if (settings.aovs & ~o->settings.aovs && !render_options_give(o, "aovs"))
         warnings_tell(&s->report.warnings, "%s: asks for AOVs that only .exr holds; they are left out",
                       o->scene);
     if (render_options_give(o, "min_spp") && !(o->settings.target_error > 0 || o->settings.max_time > 0))
-        return cli_fail(s->context, FATHOM_BAD_USAGE,
-                        "--min-spp: only with --target-error E or --max-time SECONDS");
+        return fail(s->context, FATHOM_BAD_USAGE,
+                    "--min-spp: only with --target-error E or --max-time SECONDS");
     if (render_options_give(o, "min_weight") && o->settings.integrator != FATHOM_INTEGRATOR_CLASSIC)
-        return cli_fail(s->context, FATHOM_BAD_USAGE, "--min-weight: only with --integrator classic");
+        return fail(s->context, FATHOM_BAD_USAGE, "--min-weight: only with --integrator classic");
     if (fathom_settings_check(s->context, &o->settings) != FATHOM_OK) return FATHOM_BAD_USAGE;
     return check_sizes(s);
 }
@@ -108,9 +107,9 @@ static fathom_status set_time_left(task *s) {
     if (!(o->max_time > 0)) return FATHOM_OK;
     o->settings.max_time = o->max_time - elapsed;
     if (o->settings.max_time > 0) return FATHOM_OK;
-    return cli_fail(s->context, FATHOM_BAD_USAGE,
-                    "--max-time: %g s are too short: reading alone took %.2f s; give more time", o->max_time,
-                    elapsed);
+    return fail(s->context, FATHOM_BAD_USAGE,
+                "--max-time: %g s are too short: reading alone took %.2f s; give more time", o->max_time,
+                elapsed);
 }
 
 /* ---- writing ---- */
@@ -214,7 +213,7 @@ static bool on_progress(void *user, const fathom_progress *progress) {
  * fit together. */
 static fathom_status say_failure(task *s, fathom_status status) {
     if (status == FATHOM_BAD_INPUT || status == FATHOM_OUT_OF_RESOURCES)
-        cli_fail_within(s->context, s->options.scene);
+        command_fail_within(s->context, s->options.scene);
     say(s, status);
     if (s->film) rescue(s, "the pixels rendered so far, some of which may be wrong,");
     return status;
