@@ -3,7 +3,7 @@
 
 #include "image/image.h"
 #include "scene/scene.h"
-#include "texture/kernels.h"
+#include "texture/cache.h"
 #include "unit_folder.h"
 
 enum { ALL = 1000000000 };

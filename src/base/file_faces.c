@@ -1,4 +1,4 @@
-#include "base/file_faces.h"
+#include "base/file.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -2,13 +2,25 @@
 #pragma once
 
 #include "base/array.h"
-#include "film/fireflies.h"
 #include "film/mattes.h"
+#include "film/squares.h"
 #include "scene/scene.h"
 
 #include <fathom/image.h>
 
 #include <pthread.h>
+
+/* Fireflies: sums of samples by brightness, three channels each, and a second image in which rare bright
+ * samples have a lower weight. Cascade k is for a brightness of about 2^-10 * 8^k
+ * (fireflies.c). */
+#define FIREFLY_CASCADES 12u
+
+/* Size of the text in a file's header. */
+#define FIREFLY_TEXT 256
+
+/* Adds the 16 samples at slots from `from` on to the sums of the cascades (three per cascade), at slots from
+ * `slot` on. */
+void fireflies_add(const wave_samples *samples, uint32_t from, double (*to)[WAVE_SLOTS], uint32_t slot);
 
 /* The stages that a render left out. */
 typedef ARRAY(fathom_left_out) left_out_list;

@@ -1,8 +1,8 @@
 #include "integrate/parts.h"
 
 #include "material/material.h"
-#include "scene/mapped.h"
 #include "scene/mesh/absent.h"
+#include "scene/scene.h"
 
 #include <stdio.h>
 

@@ -1,11 +1,10 @@
 #include "integrate/plan.h"
 
 #include "integrate/integrator.h"
-#include "integrate/path/path_scout.h"
 #include "integrate/reference/reference.h"
-#include "light/light_surfaces.h"
-#include "scene/mapped.h"
+#include "light/light.h"
 #include "scene/motion/motion.h"
+#include "scene/scene.h"
 
 #include <stdlib.h>
 

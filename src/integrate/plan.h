@@ -106,3 +106,9 @@ bool eye_depths_differ(const render_plan *plan);
 uint32_t plan_expected_spp(const fathom_settings *settings);
 /* Rays it is expected to trace, within a factor of a few: for the build quality. */
 uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *settings);
+
+/* Traces scout paths, a few paths before the render that find out which light the scene blocks, so that light
+ * samples can avoid it, and passes the results to the plan's emitters; everything else in the plan must be
+ * set. The paths depend only on the scene, the whole image, its number of samples and the seed. They end
+ * early if *stop becomes true. */
+fathom_status path_scout_lights(fathom_context *context, render_plan *plan, const atomic_bool *stop);

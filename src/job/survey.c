@@ -5,8 +5,8 @@
 #include "job/lacks.h"
 #include "material/material.h"
 #include "scene/graph.h"
-#include "scene/mapped.h"
 #include "scene/mesh/closed.h"
+#include "scene/scene.h"
 #include "trace/embree/embree_limits.h"
 
 #include <fathom/survey.h>

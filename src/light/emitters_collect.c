@@ -4,7 +4,7 @@
 
 #include "base/kernel.h"
 #include "base/memory.h"
-#include "light/light_surfaces.h"
+#include "light/light.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,5 @@
 #include "light/environment.h"
 
-#include "light/environment_read.h"
 #include "light/studio.h"
 #include "scene/scene.h"
 

@@ -45,3 +45,10 @@ void environment_radiance(const environment *e, vec3_f64 direction, float radian
  * except close to the poles, where it may leave the cell by about 1e-7. */
 void environment_sample(const environment *e, unsigned lanes, const lanes3 p, const lanes3_f64 n,
                         const float u[LANES], const float v[LANES], lanes3_f64 direction, sky_light *out);
+
+/* Reads the image alone: sets *out to width, height and texels of an equirectangular image, times the light's
+ * intensity; everything else is 0. The caller frees the texels. The light's file is such an image, or holds
+ * the faces of a cube (cube.h), or names six files of them (base/file.h). Negative texels count as 0, with a
+ * warning. FATHOM_BAD_INPUT, with the file: it cannot be read, has no colours or is not linear; or with the
+ * texel: a NaN or an infinity. */
+fathom_status environment_read(fathom_context *context, const fathom_light *light, sky_image *out);

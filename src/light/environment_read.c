@@ -1,7 +1,6 @@
-#include "light/environment_read.h"
+#include "light/environment.h"
 
 #include "base/file.h"
-#include "base/file_faces.h"
 #include "image/image.h"
 #include "light/cube.h"
 

@@ -3,6 +3,7 @@
 
 #include "math/lanes.h"
 #include "scene/scene.h"
+#include "scene/world/world.h"
 
 /* A surface that holds a light, or is so near that rounding could move a shadow ray's end to its other side.
  * Shadow rays must end clear of it, as they start clear of the surface that they leave. */
@@ -60,3 +61,14 @@ typedef struct light_kernels {
 const light_kernels *light_kernels_best(void);
 /* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
 const light_kernels *light_kernels_at(unsigned index);
+
+/* Maximum number of surfaces per light; the nearest are kept. At worst, twenty triangles meet in a vertex of
+ * a fine mesh. */
+#define LIGHT_SURFACES_MOST 32
+
+/* Finds the surfaces that hold a light or are very close to it: light/kernels/light.c ends shadow rays clear
+ * of them. Sets surfaces and surface_count of the lights; they stay valid until the caller frees *out, which
+ * is NULL if there are none. eye: the camera's position in world space. in_mesh, a flag per light: set if a
+ * mesh holds the light. */
+fathom_status light_surfaces_find(fathom_context *context, const world *w, vec3_f32 eye, shade_light *lights,
+                                  uint32_t count, bool *in_mesh, light_surface **out);

@@ -17,7 +17,7 @@
  * The first two items make `clear`, the third `slope`. An occluder therefore hides the light if it crosses
  * the ray at more than twice the sum, about 2^-18 of the distance and of the coordinates, away from the
  * surface that holds the light. */
-#include "light/light_surfaces.h"
+#include "light/light.h"
 
 #include "surface/gather.h"
 #include "surface/placed.h"

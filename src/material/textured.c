@@ -1,7 +1,6 @@
 #include "material/textured_inner.h"
 #include "math/limit.h"
-#include "scene/mapped.h"
-#include "scene/metallic.h"
+#include "scene/scene.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 #include "scene/scene.h"
 
-#include "base/file_faces.h"
+#include "base/file.h"
 #include "base/hash.h"
 #include "base/threads.h"
 #include "scene/mesh/mesh_array.h"

@@ -1,6 +1,5 @@
-#include "scene/mapped.h"
 
-#include "scene/metallic.h"
+#include "scene/scene.h"
 
 static const fathom_map *map_of(const fathom_material *m, int kind) {
     return m->maps[kind].texture == FATHOM_NONE ? NULL : &m->maps[kind];

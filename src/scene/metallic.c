@@ -26,7 +26,6 @@
  *   refraction. With T > 0 the ior of the refraction is kept.
  * - emission: k_e = its colour times its strength.
  * - ior 0: f0 is the specular colour, and there is no refraction. Older workflows are converted this way. */
-#include "scene/metallic.h"
 
 #include "scene/scene.h"
 

@@ -2,7 +2,6 @@
 
 #include "base/memory.h"
 #include "base/sized.h"
-#include "scene/metallic.h"
 #include "scene/motion/motion.h"
 
 #include <stdlib.h>

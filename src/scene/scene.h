@@ -255,3 +255,15 @@ fathom_status scene_check_settings(fathom_context *context, const fathom_setting
 /* True if n x n samples can be so many. */
 bool settings_spp_is_square(uint32_t spp);
 fathom_status scene_check_material(fathom_context *context, const fathom_material *material);
+
+/* Converts a metallic-roughness material to the classic model. */
+void metallic_to_classic(const fathom_material *material, fathom_material *out);
+
+/* A textured material as one without textures, for decisions about the whole surface before any lookup: *out
+ * reflects, transmits and emits light in every way in which some point of the textured surface does. Each
+ * number that an image changes gets a value inside its range, not an end at which a lobe vanishes. An image
+ * multiplies a number, or raises it towards 1 (fathom_map.inverted). Without images, *out is the material
+ * itself. */
+void mapped_between(const fathom_material *material, fathom_material *out);
+/* The same by the classic model. */
+void mapped_between_classic(const fathom_material *material, fathom_material *out);

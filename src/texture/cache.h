@@ -64,3 +64,16 @@ void cache_close_source(cache_image *img);
 static inline const char *cache_name(const fathom_texture *t) {
     return t->name ? t->name : t->file ? t->file : "(texture in memory)";
 }
+
+/* Lookups, compiled for each instruction set; see base/kernel.h. */
+typedef struct texture_kernels {
+    /* texture_lookup() */
+    void (*look_up)(texture_cache *cache, const texture_queries *q, float rgba[4][TEXTURE_BLOCK]);
+    /* One texel of a level. False when the image is broken. */
+    bool (*texel)(texture_cache *cache, const cache_slot *slot, unsigned level, uint32_t x, uint32_t y,
+                  float rgba[4]);
+} texture_kernels;
+
+const texture_kernels *texture_kernels_best(void);
+/* The kernels that this processor supports, from the simplest to the best; NULL past the last. */
+const texture_kernels *texture_kernels_at(unsigned index);

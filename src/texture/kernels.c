@@ -1,4 +1,4 @@
-#include "texture/kernels.h"
+#include "texture/cache.h"
 
 #include "base/kernel.h"
 

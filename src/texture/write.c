@@ -5,7 +5,7 @@
 #include "image/output.h"
 #include "image/pack.h"
 #include "scene/scene.h"
-#include "texture/kernels.h"
+#include "texture/cache.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 #include "write/image.h"
 
-#include "base/file_faces.h"
+#include "base/file.h"
 #include "read/mesh/text.h"
 
 #include <limits.h>

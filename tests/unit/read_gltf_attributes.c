@@ -1,7 +1,7 @@
 /* Version 1 of the attribute codec of KHR_meshopt_compression, and its filter COLOR, against an encoder that
  * is written from the same specification and picks every way to code at random. */
 #include "random.h"
-#include "read/gltf/gltf_attributes.h"
+#include "read/gltf/gltf_data.h"
 #include "unit.h"
 
 #include <stdbool.h>

@@ -1,4 +1,4 @@
-#include "integrate/path/path_scout.h"
+#include "integrate/plan.h"
 
 #include "base/threads.h"
 #include "integrate/path/path_scout_inner.h"

@@ -1,7 +1,7 @@
 /* A stream of version 1 is a header byte, blocks of up to 256 elements, and a tail: padding, the element
  * before the first one, and a mode for each channel of 4 bytes. A block stores the differences between
  * elements, byte 0 of all its elements first, then byte 1, and so on; each byte in groups of 16 elements. */
-#include "read/gltf/gltf_attributes.h"
+#include "read/gltf/gltf_data.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,4 +1,4 @@
-/* glTF materials, read as metallic-roughness; scene/metallic.h has the equivalent in the classic model.
+/* glTF materials, read as metallic-roughness; scene/metallic.c has the equivalent in the classic model.
  *
  * - alphaMode MASK: if base alpha is below the cutoff, the surface is absent (k_t = 1, ior 1:
  *   scene/mesh/absent.h).

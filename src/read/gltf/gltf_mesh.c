@@ -2,9 +2,9 @@
 #include "read/gltf/gltf_mesh.h"
 #include "read/gltf/gltf_data.h"
 #include "read/gltf/gltf_material.h"
-#include "read/mesh/compact.h"
 #include "read/mesh/normals.h"
 #include "read/mesh/strokes.h"
+#include "read/read.h"
 #include "scene/mesh/mesh_array.h"
 
 #include <stdlib.h>

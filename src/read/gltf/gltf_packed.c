@@ -1,6 +1,5 @@
 /* Buffer views that KHR_meshopt_compression or EXT_meshopt_compression compress: two names of one format.
  * meshoptimizer decodes indices, version 0 of attributes and three filters; gltf_attributes.c the rest. */
-#include "read/gltf/gltf_attributes.h"
 #include "read/gltf/gltf_data.h"
 
 #ifdef FATHOM_MESHOPT
@@ -66,7 +65,7 @@ static packed read_packed(gltf *g, const gltf_value *at) {
     return out;
 }
 
-/* Like the functions of gltf_attributes.h, these return what is wrong with the data, or NULL. */
+/* Like the functions of gltf_attributes.c, these return what is wrong with the data, or NULL. */
 
 static const char *reason(int failed) { return failed ? "the data is broken" : NULL; }
 

@@ -1,6 +1,5 @@
 /* Scene JSON. The format itself is in json_form.c. */
 #include "base/file.h"
-#include "base/file_faces.h"
 #include "read/json/json_scene.h"
 #include "read/mesh/text.h"
 #include "read/read.h"

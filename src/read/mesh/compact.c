@@ -1,4 +1,4 @@
-#include "read/mesh/compact.h"
+#include "read/read.h"
 
 #include "scene/mesh/mesh_array.h"
 

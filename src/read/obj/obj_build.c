@@ -1,7 +1,7 @@
 #include "read/obj/obj.h"
 
 #include "base/threads.h"
-#include "read/mesh/compact.h"
+#include "read/read.h"
 #include "scene/mesh/absent.h"
 #include "scene/mesh/mesh_array.h"
 

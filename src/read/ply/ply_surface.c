@@ -1,10 +1,10 @@
 /* Makes meshes of the triangles, one for each texture. Texture coordinates of corners get their own
  * indices. Meshes have colours at vertices, so a vertex between faces of different colours becomes
  * several. */
-#include "read/mesh/compact.h"
 #include "read/mesh/normals.h"
 #include "read/mesh/weld.h"
 #include "read/ply/ply.h"
+#include "read/read.h"
 #include "scene/mesh/mesh_array.h"
 
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* Texture lookups by coordinates and footprint. */
 #include "base/kernel.h"
 #include "math/mix.h"
-#include "texture/kernels.h"
+#include "texture/cache.h"
 
 #include <math.h>
 #include <string.h>

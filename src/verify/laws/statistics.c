@@ -1,4 +1,4 @@
-#include "verify/laws/statistics.h"
+#include "verify/laws/laws.h"
 
 #include <math.h>
 
