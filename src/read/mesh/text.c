@@ -33,15 +33,6 @@ bool text_wrong(text_fault *fault, const void *at, const char *field, const char
     return false;
 }
 
-bool text_found(text_fault *fault, const char *at, const char *field, const char *format, ...) {
-    char text[sizeof fault->what], quote[48];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    return text_wrong(fault, at, field, "%s, found %s", text, text_quote(at, quote));
-}
-
 /* The line of `at`, from 1. */
 static size_t text_line(const text_file *file, const char *at) {
     size_t line = 1;

@@ -42,8 +42,8 @@ bool text_wrong(text_fault *fault, const void *at, const char *field, const char
     __attribute__((format(printf, 4, 5)));
 bool text_no_memory(text_fault *fault);
 /* Adds ", found" and the word at `at` to the text. */
-bool text_found(text_fault *fault, const char *at, const char *field, const char *format, ...)
-    __attribute__((format(printf, 4, 5)));
+#define text_found(fault, at, field, format, ...)                                                            \
+    text_wrong(fault, at, field, format ", found %s", ##__VA_ARGS__, text_quote(at, (char[48]){""}))
 /* If there is a zero byte, records a fault at the first one and returns false. */
 bool text_has_no_zeros(text_fault *fault, const char *begin, const char *end);
 /* FATHOM_OK if there is no fault, FATHOM_OUT_OF_RESOURCES, or FATHOM_BAD_INPUT at the fault's line or

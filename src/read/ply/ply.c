@@ -43,7 +43,6 @@ static void put_color(const ply_reader *r, uint32_t i, const double values[PLY_R
 
 static bool is_finite(double value) { return fabs(value) <= (double)FLT_MAX; }
 
-/* True if the position is finite. */
 static bool has_place(const double values[PLY_ROLES]) {
     return is_finite(values[PLY_X]) && is_finite(values[PLY_Y]) && is_finite(values[PLY_Z]);
 }
@@ -169,12 +168,8 @@ static void choose_arrays(ply_reader *r) {
             if (r->role[kinds[a].first_role + k] < 0) r->arrays[a].present = false;
         }
         /* Properties of an absent array are not read. */
-        for (int k = 0; k < kinds[a].components && !r->arrays[a].present; ++k) {
-            int *property = &r->role[kinds[a].first_role + k];
-            if (*property >= 0)
-                r->header.elements.items[r->vertex_element].properties.items[*property].role = -1;
-            *property = -1;
-        }
+        for (int k = 0; k < kinds[a].components && !r->arrays[a].present; ++k)
+            ply_drop_role(r, kinds[a].first_role + k);
     }
     if (!scene_keeps_uvs(r->scene)) r->uv_list = SIZE_MAX;
     r->whole_color = part_wide(ply_whole(r, r->vertex_element, r->role[PLY_R]), &r->wide.color);

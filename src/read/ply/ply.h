@@ -170,6 +170,8 @@ fathom_status ply_open_text(ply_reader *r, const char *path);
 fathom_status ply_read_header(ply_reader *r);
 /* Sets the roles of elements and properties. False: r->fault says what is wrong. */
 bool ply_find_roles(ply_reader *r);
+/* Takes the role of a vertex's property back, if there is such a property. */
+void ply_drop_role(ply_reader *r, int role);
 /* "element NAME", for messages. Returns `out`. */
 const char *ply_element_field(const ply_element *element, char out[52]);
 /* Adds a note for the elements and properties that are not read. */

@@ -29,13 +29,21 @@ static int find_number(const ply_element *element, const char *names) {
     return found >= 0 && !element->properties.items[found].is_list ? found : -1;
 }
 
+static void set_role(ply_reader *r, int role, int property) {
+    r->role[role] = property;
+    if (property >= 0) r->header.elements.items[r->vertex_element].properties.items[property].role = role;
+}
+
+void ply_drop_role(ply_reader *r, int role) {
+    const int property = r->role[role];
+    r->role[role] = -1;
+    if (property >= 0) r->header.elements.items[r->vertex_element].properties.items[property].role = -1;
+}
+
 /* Colours need all three channels; without them, an opacity is ignored too. */
-static void drop_partial_colors(ply_reader *r, const ply_element *vertex) {
-    if (r->role[PLY_R] >= 0 && r->role[PLY_G] >= 0 && r->role[PLY_B] >= 0) return;
-    for (int role = PLY_R; role <= PLY_A; ++role) {
-        if (r->role[role] >= 0) vertex->properties.items[r->role[role]].role = -1;
-        r->role[role] = -1;
-    }
+static void drop_partial_colors(ply_reader *r) {
+    const bool partial = r->role[PLY_R] < 0 || r->role[PLY_G] < 0 || r->role[PLY_B] < 0;
+    for (int role = PLY_R; partial && role <= PLY_A; ++role) ply_drop_role(r, role);
 }
 
 /* The colour of splats is that of their first spherical harmonic, the mean over all directions. Their opacity
@@ -44,18 +52,13 @@ static void find_splats(ply_reader *r, const ply_element *vertex) {
     static const char *const names[] = {"f_dc_0", "f_dc_1", "f_dc_2", "scale_0", "rot_0"};
     int found[5];
     for (int i = 0; i < 5; ++i) {
-        found[i] = find_property(vertex, names[i]);
-        if (found[i] < 0 || vertex->properties.items[found[i]].is_list) return;
+        found[i] = find_number(vertex, names[i]);
+        if (found[i] < 0) return;
     }
     r->splats = r->role[PLY_R] < 0;
-    for (int c = 0; c < 3 && r->splats; ++c) {
-        r->role[PLY_R + c] = found[c];
-        vertex->properties.items[found[c]].role = PLY_R + c;
-    }
-    const int opacity = find_number(vertex, "opacity");
-    if (!r->splats || opacity < 0) return;
-    r->role[PLY_A] = opacity;
-    vertex->properties.items[opacity].role = PLY_A;
+    if (!r->splats) return;
+    for (int c = 0; c < 3; ++c) set_role(r, PLY_R + c, found[c]);
+    set_role(r, PLY_A, find_number(vertex, "opacity"));
 }
 
 static const char *const color_names[] = {"red|diffuse_red|r", "green|diffuse_green|g", "blue|diffuse_blue|b",
@@ -86,18 +89,12 @@ static bool find_vertices(ply_reader *r) {
     }
     r->vertex_count = (uint32_t)vertex->count;
     for (int role = 0; role < PLY_ROLES; ++role) {
-        r->role[role] = find_property(vertex, names[role]);
-        bool found = r->role[role] >= 0 && !vertex->properties.items[r->role[role]].is_list;
-        if (found)
-            vertex->properties.items[r->role[role]].role = role;
-        else
-            r->role[role] = -1;
-        if (!found && role <= PLY_Z) {
+        set_role(r, role, find_number(vertex, names[role]));
+        if (r->role[role] < 0 && role <= PLY_Z)
             return text_wrong(&r->fault, vertex->line, "element vertex",
                               "it has no number %s; expected x, y and z", names[role]);
-        }
     }
-    drop_partial_colors(r, vertex);
+    drop_partial_colors(r);
     find_splats(r, vertex);
     return r->vertex_count ||
            text_wrong(&r->fault, r->file.begin, NULL,
@@ -164,11 +161,7 @@ static void find_face_uvs(ply_reader *r, const ply_element *face) {
     const int list = find_property(face, "texcoord");
     if (list < 0 || !face->properties.items[list].is_list) return;
     r->uv_list = (size_t)list;
-    for (int role = PLY_U; role <= PLY_V; ++role) {
-        if (r->role[role] < 0) continue;
-        r->header.elements.items[r->vertex_element].properties.items[r->role[role]].role = -1;
-        r->role[role] = -1;
-    }
+    for (int role = PLY_U; role <= PLY_V; ++role) ply_drop_role(r, role);
 }
 
 static void find_looks(ply_reader *r) {
@@ -193,8 +186,8 @@ static void find_edges(ply_reader *r) {
     int found[PLY_ENDS];
     bool good = edge->count > 0;
     for (int end = 0; end < PLY_ENDS; ++end) {
-        found[end] = find_property(edge, names[end]);
-        good = good && found[end] >= 0 && !edge->properties.items[found[end]].is_list;
+        found[end] = find_number(edge, names[end]);
+        good = good && found[end] >= 0;
     }
     for (int end = 0; good && end < PLY_ENDS; ++end) edge->properties.items[found[end]].role = end;
     if (!good) r->edge_element = SIZE_MAX;
@@ -210,8 +203,9 @@ bool ply_find_roles(ply_reader *r) {
 /* ---- unused parts ---- */
 
 static bool is_color(const char *name) {
-    return words_find("red|green|blue|alpha|r|g|b|a|diffuse_red|diffuse_green|diffuse_blue", name,
-                      strlen(name)) >= 0;
+    bool is = false;
+    for (int c = 0; c < 4; ++c) is |= words_find(color_names[c], name, strlen(name)) >= 0;
+    return is;
 }
 
 static void note_properties(ply_reader *r, size_t index) {

@@ -76,17 +76,8 @@ fathom_status ply_plain_material(ply_reader *r, bool colored, fathom_id *out) {
 
 double ply_whole(const ply_reader *r, size_t element, int property) {
     if (property < 0) return 0;
-    switch (r->header.elements.items[element].properties.items[property].type) {
-    case PLY_INT8:
-    case PLY_UINT8: return 255;
-    case PLY_INT16:
-    case PLY_UINT16: return 65535;
-    case PLY_INT32:
-    case PLY_UINT32: return 4294967295.0;
-    case PLY_FLOAT32:
-    case PLY_FLOAT64: break;
-    }
-    return 0;
+    const ply_type type = r->header.elements.items[element].properties.items[property].type;
+    return type < PLY_FLOAT32 ? (double)((UINT64_C(1) << 8 * ply_size(type)) - 1) : 0;
 }
 
 unsigned ply_color_channels(ply_reader *r, const float *colors, size_t stride, size_t count,
