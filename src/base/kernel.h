@@ -30,20 +30,12 @@
 #define KERNEL_DECLARE(type, table) extern const type table##_plain
 #endif
 
-/* Defines NAME_best() for kernel tables of type NAME. The module's header declares both. */
+/* Defines NAME_best() for kernel tables of type NAME. The module's header declares it. */
 #define KERNEL_BEST(type)                                                                                    \
     KERNEL_DECLARE(type, type);                                                                              \
     const type *type##_best(void) {                                                                          \
         static const type *const all[] = KERNEL_SETS(type);                                                  \
         return all[kernel_levels() - 1];                                                                     \
-    }
-
-/* Also defines NAME_at(), with which tests compare the variants. */
-#define KERNEL_CHOICE(type)                                                                                  \
-    KERNEL_BEST(type)                                                                                        \
-    const type *type##_at(unsigned index) {                                                                  \
-        static const type *const all[] = KERNEL_SETS(type);                                                  \
-        return index < kernel_levels() ? all[index] : NULL;                                                  \
     }
 
 /* For __attribute__((target(…))) of one function. clang ignores an attribute that names a preferred width. */

@@ -70,4 +70,4 @@ void camera_exact_ray(const shade_camera *c, double x, double y, double u, doubl
     *org = add_f64(c->exact_eye, c->parallel ? d : on);
 }
 
-KERNEL_CHOICE(camera_kernels)
+KERNEL_BEST(camera_kernels)

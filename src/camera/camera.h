@@ -85,5 +85,3 @@ typedef struct camera_kernels {
 } camera_kernels;
 
 const camera_kernels *camera_kernels_best(void);
-/* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
-const camera_kernels *camera_kernels_at(unsigned index);

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-KERNEL_CHOICE(film_kernels)
+KERNEL_BEST(film_kernels)
 
 bool pixel_sums_create(const sampler *from, uint32_t groups, film_parts parts, pixel_sums *out) {
     out->groups = groups;

@@ -18,8 +18,6 @@ typedef struct film_kernels {
 } film_kernels;
 
 const film_kernels *film_kernels_best(void);
-/* The kernels that this processor can run, from the plainest to the best; NULL past the last. */
-const film_kernels *film_kernels_at(unsigned index);
 
 /* Sums that only AOVs need. */
 typedef struct hit_sums {

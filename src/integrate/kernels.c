@@ -3,5 +3,5 @@
 #include "base/kernel.h"
 #include "integrate/path/path_kernels.h"
 
-KERNEL_CHOICE(integrate_kernels)
+KERNEL_BEST(integrate_kernels)
 KERNEL_BEST(path_kernels)

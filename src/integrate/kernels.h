@@ -52,5 +52,3 @@ typedef struct integrate_kernels {
 enum { ROWS_OF_RAYS = 9, ROWS_OF_PATHS = 4, ROWS_OF_IDS = 3, ROWS_OF_NORMALS = 3 };
 
 const integrate_kernels *integrate_kernels_best(void);
-/* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
-const integrate_kernels *integrate_kernels_at(unsigned index);

@@ -22,4 +22,4 @@ void light_prepare(const fathom_light *light, vec3_f64 origin, shade_light *out)
     }
 }
 
-KERNEL_CHOICE(light_kernels)
+KERNEL_BEST(light_kernels)

@@ -59,8 +59,6 @@ typedef struct light_kernels {
 } light_kernels;
 
 const light_kernels *light_kernels_best(void);
-/* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
-const light_kernels *light_kernels_at(unsigned index);
 
 /* Maximum number of surfaces per light; the nearest are kept. At worst, twenty triangles meet in a vertex of
  * a fine mesh. */

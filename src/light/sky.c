@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-KERNEL_CHOICE(sky_kernels)
+KERNEL_BEST(sky_kernels)
 
 enum { SIDE = SKY_VIEW_SIDE };
 

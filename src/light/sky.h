@@ -111,5 +111,3 @@ typedef struct sky_kernels {
 } sky_kernels;
 
 const sky_kernels *sky_kernels_best(void);
-/* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
-const sky_kernels *sky_kernels_at(unsigned index);

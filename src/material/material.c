@@ -37,4 +37,4 @@ void bsdf_prepare(const fathom_material *m, const float ambient[3], bsdf *out) {
     }
 }
 
-KERNEL_CHOICE(material_kernels)
+KERNEL_BEST(material_kernels)

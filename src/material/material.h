@@ -67,5 +67,3 @@ typedef struct material_kernels {
 } material_kernels;
 
 const material_kernels *material_kernels_best(void);
-/* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
-const material_kernels *material_kernels_at(unsigned index);

@@ -3,7 +3,7 @@
 #include "base/kernel.h"
 #include "math/limit.h"
 
-KERNEL_CHOICE(plain_kernels)
+KERNEL_BEST(plain_kernels)
 
 static bool any(const float rgb[3]) { return (rgb[0] > 0) | (rgb[1] > 0) | (rgb[2] > 0); }
 

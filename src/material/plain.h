@@ -24,8 +24,6 @@ typedef struct plain_kernels {
     void (*prepare)(const plain_block *b, plain_shaders *out);
 } plain_kernels;
 const plain_kernels *plain_kernels_best(void);
-/* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
-const plain_kernels *plain_kernels_at(unsigned index);
 
 /* Adds a material as lane i of a block, which must be zeroed before the first lane. False: the material is
  * not plain. */

@@ -325,4 +325,4 @@ float shader_index(const shader *m, uint32_t channel) {
     return fmaxf(m->ior + ((float)channel - 2) * m->eta_spread, 1.0001f);
 }
 
-KERNEL_CHOICE(shader_kernels)
+KERNEL_BEST(shader_kernels)

@@ -273,5 +273,3 @@ typedef struct shader_kernels {
 } shader_kernels;
 
 const shader_kernels *shader_kernels_best(void);
-/* Kernels that this processor can run, from the simplest to the fastest; NULL past the last one. */
-const shader_kernels *shader_kernels_at(unsigned index);

@@ -41,4 +41,4 @@ void sample_2d(const sampler *s, sample_key key, sample_dimension dimension, dou
     }
 }
 
-KERNEL_CHOICE(sample_kernels)
+KERNEL_BEST(sample_kernels)

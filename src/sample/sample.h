@@ -68,6 +68,3 @@ typedef struct sample_kernels {
 } sample_kernels;
 
 const sample_kernels *sample_kernels_best(void);
-/* The variants that this processor can run, from the oldest instruction set to the newest; NULL past the
- * last. */
-const sample_kernels *sample_kernels_at(unsigned index);

@@ -25,9 +25,6 @@ typedef struct scene_kernels {
 } scene_kernels;
 
 const scene_kernels *scene_kernels_best(void);
-/* The variants that this processor can run, from the oldest instruction set to the newest; NULL past the
- * last. */
-const scene_kernels *scene_kernels_at(unsigned index);
 
 /* ---- a sum over the edges of triangles that is zero for closed meshes; see closed.c ---- */
 

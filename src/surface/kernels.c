@@ -2,4 +2,4 @@
 
 #include "base/kernel.h"
 
-KERNEL_CHOICE(surface_kernels)
+KERNEL_BEST(surface_kernels)

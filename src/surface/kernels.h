@@ -34,5 +34,3 @@ typedef struct surface_kernels {
 } surface_kernels;
 
 const surface_kernels *surface_kernels_best(void);
-/* Kernels that this processor can run, from the plainest to the best; NULL past the last. */
-const surface_kernels *surface_kernels_at(unsigned index);

@@ -75,5 +75,3 @@ typedef struct texture_kernels {
 } texture_kernels;
 
 const texture_kernels *texture_kernels_best(void);
-/* The kernels that this processor supports, from the simplest to the best; NULL past the last. */
-const texture_kernels *texture_kernels_at(unsigned index);

@@ -6,6 +6,9 @@
 #include "math/lane.h"
 #include "random.h"
 #include "unit_folder.h"
+#include "variants.h"
+
+VARIANTS(sky_kernels)
 
 /* Blocks of sky.c have one cell or two either way. */
 enum { WIDTH = 48, HEIGHT = 24, CELLS = WIDTH * (HEIGHT + 1), BLOCK_COLUMNS = 32, BLOCK_ROWS = 16 };

@@ -8,6 +8,14 @@
 #include "surface/kernels.h"
 #include "surface/placed.h"
 #include "unit.h"
+#include "variants.h"
+
+VARIANTS(material_kernels)
+VARIANTS(light_kernels)
+VARIANTS(surface_kernels)
+VARIANTS(integrate_kernels)
+VARIANTS(film_kernels)
+VARIANTS(camera_kernels)
 
 static random_state random_numbers = {7};
 

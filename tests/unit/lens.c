@@ -2,6 +2,9 @@
 #include "camera/camera.h"
 #include "random.h"
 #include "unit.h"
+#include "variants.h"
+
+VARIANTS(camera_kernels)
 
 static random_state numbers = {3};
 

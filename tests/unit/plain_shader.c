@@ -2,6 +2,9 @@
 #include "material/plain.h"
 #include "random.h"
 #include "unit.h"
+#include "variants.h"
+
+VARIANTS(plain_kernels)
 
 static fathom_material any_plain(random_state *r) {
     fathom_material m;

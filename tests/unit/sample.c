@@ -1,6 +1,9 @@
 /* The numbers of samples: where they lie, and that dimensions know nothing of each other. */
 #include "sample/sample.h"
 #include "unit.h"
+#include "variants.h"
+
+VARIANTS(sample_kernels)
 
 static const sampler sobol = {FATHOM_PATTERN_SOBOL, 1, 11};
 

@@ -1,6 +1,9 @@
 /* BSDFs of every model: samples follow their density, weights are f over density, and no input makes a number
  * that is not finite. */
 #include "shading.h"
+#include "variants.h"
+
+VARIANTS(shader_kernels)
 
 /* ---- materials ---- */
 

@@ -3,9 +3,12 @@
 #include "scene/graph.h"
 #include "scene/kernels.h"
 #include "stage.h"
+#include "variants.h"
 
 #include <sys/mman.h>
 #include <unistd.h>
+
+VARIANTS(scene_kernels)
 
 /* Corners on a grid of few steps, so that many triangles have none or hardly any area: their sides are
  * parallel in exact numbers, or off by a unit in the last place. */

@@ -1,7 +1,10 @@
 /* Textures: what lookups give, for files of every kind, under any limit and on any threads. */
 #include "textures.h"
+#include "variants.h"
 
 #include <pthread.h>
+
+VARIANTS(texture_kernels)
 
 /* ---- files that a test writes itself ---- */
 

@@ -9,7 +9,7 @@
 #include <pthread.h>
 #include <string.h>
 
-KERNEL_CHOICE(scene_kernels)
+KERNEL_BEST(scene_kernels)
 
 /* An array that a parallel loop reads. Sums, extremes and the first bad item do not depend on the order in
  * which threads add to them. */
