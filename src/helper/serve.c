@@ -207,6 +207,7 @@ static void serve(const wire_request *request, int descriptor, wire_reply *reply
     case WIRE_APPLY:
         reply->status = module->view_apply(object_of(request), request->threads,
                                            (float *)(void *)memory.bytes, request->count, &message);
+        reply->size = request->size;
         break;
     case WIRE_END_VIEW: module->view_close(object_of(request)); break;
     case WIRE_TEXTURE: open_texture(request, descriptor, reply, &message); break;

@@ -182,23 +182,24 @@ static fathom_status open_view(const image_view_request *request, image_view **o
     return FATHOM_OK;
 }
 
-typedef struct shown {
-    float *rgba;
-    size_t size;
-} shown;
+/* Where the pixels of a reply go. */
+typedef struct wanted_pixels {
+    void *pixels;
+    size_t bytes;
+} wanted_pixels;
 
 static fathom_status take_pixels(void *user, const unsigned char *bytes, const wire_reply *reply) {
-    const shown *to = user;
-    (void)reply;
-    memcpy(to->rgba, bytes, to->size);
+    const wanted_pixels *to = user;
+    if (reply->size != to->bytes) return FATHOM_INTERNAL;
+    memcpy(to->pixels, bytes, to->bytes);
     return FATHOM_OK;
 }
 
 static fathom_status apply_view(const image_view *view, unsigned threads, float *rgba, size_t count,
                                 image_message *message) {
     helper_exchange e = about((const remote *)(const void *)view, WIRE_APPLY);
-    shown to = {rgba, count * 4 * sizeof *rgba};
-    e.request.threads = threads, e.request.count = count, e.request.size = to.size;
+    wanted_pixels to = {rgba, count * 4 * sizeof *rgba};
+    e.request.threads = threads, e.request.count = count, e.request.size = to.bytes;
     e.bytes = rgba, e.take = take_pixels, e.user = &to;
     return ask(&e, message);
 }
@@ -238,25 +239,13 @@ static fathom_status open_texture(const image_texture_request *request, image_te
     return status;
 }
 
-typedef struct taken_texels {
-    void *texels;
-    size_t bytes;
-} taken_texels;
-
-static fathom_status take_texels(void *user, const unsigned char *bytes, const wire_reply *reply) {
-    const taken_texels *to = user;
-    if (reply->size != to->bytes) return FATHOM_INTERNAL;
-    memcpy(to->texels, bytes, to->bytes);
-    return FATHOM_OK;
-}
-
 static fathom_status read_region(image_texture *texture, const image_region *region, void *texels,
                                  size_t bytes, image_message *message) {
     const uint32_t numbers[] = {region->level, region->x0, region->y0, region->x1, region->y1};
-    taken_texels to = {texels, bytes};
+    wanted_pixels to = {texels, bytes};
     helper_exchange e = about((const remote *)(const void *)texture, WIRE_REGION);
     e.bytes = numbers, e.request.size = sizeof numbers, e.request.count = bytes;
-    e.take = take_texels, e.user = &to;
+    e.take = take_pixels, e.user = &to;
     return ask(&e, message);
 }
 
