@@ -1,9 +1,6 @@
 /* Light that bounces inside closed surfaces. */
-#include "verify/laws/room.h"
+#include "verify/laws/common.h"
 
-#define PI 3.14159265358979323846
-
-static const vec3_f64 center = {0, 0, 0}, above = {0, 0, 1}, below = {0, 0, -1};
 /* Albedos of the three channels, and the walls' emission. */
 static const vec3_f64 albedo = {0.75, 0.5, 0.25}, sent = {1, 0.5, 2};
 
@@ -24,12 +21,12 @@ static void furnace(law_room *room, uint32_t depth) {
 }
 
 static void furnace_sphere(law_room *room) {
-    paint_sphere(&room->b, center, 2, wall());
+    paint_sphere(&room->b, origin, 2, wall());
     furnace(room, 64);
 }
 
 static void furnace_four_bounces(law_room *room) {
-    paint_sphere(&room->b, center, 2, wall());
+    paint_sphere(&room->b, origin, 2, wall());
     furnace(room, 4);
 }
 
@@ -57,19 +54,15 @@ static double lit_sphere(double rho, const double *unused) {
     return intensity / (sphere_radius * sphere_radius) * law_powers(rho, 1, 64);
 }
 
-static void point_in_sphere(law_room *room) {
-    paint_sphere(&room->b, center, sphere_radius, build_lambert(albedo));
-    law_point_light(room, center, intensity, 0);
+static void light_in_sphere(law_room *room, double radius) {
+    paint_sphere(&room->b, origin, sphere_radius, build_lambert(albedo));
+    law_point_light(room, origin, intensity, radius);
     law_look(room, vec_f64(0.4, 0, 0), vec_f64(0.2, 1, 0.3));
     law_value(room, law_each(albedo, lit_sphere, NULL));
 }
 
-static void ball_light_in_sphere(law_room *room) {
-    paint_sphere(&room->b, center, sphere_radius, build_lambert(albedo));
-    law_point_light(room, center, intensity, 0.3);
-    law_look(room, vec_f64(0.4, 0, 0), vec_f64(0.2, 1, 0.3));
-    law_value(room, law_each(albedo, lit_sphere, NULL));
-}
+static void point_in_sphere(law_room *room) { light_in_sphere(room, 0); }
+static void ball_light_in_sphere(law_room *room) { light_in_sphere(room, 0.3); }
 
 /* The radiance of the wall outside the cone: the mean over the sphere of the directly lit wall's radiance,
  * times ρ + ρ² + …. A squared ramp in the cosine from `outer` to `inner` has the mean (1 - inner + (inner -
@@ -81,10 +74,10 @@ static void spot_in_sphere(law_room *room) {
     fathom_light_default(&light);
     light.type = FATHOM_LIGHT_SPOT;
     light.inner_angle = 0.6f, light.outer_angle = 1.2f;
-    store_f64(light.direction, below);
-    build_rgb(light.intensity, vec_f64(intensity, intensity, intensity));
+    store_f64(light.direction, down);
+    build_rgb(light.intensity, gray(intensity));
     const double inner = cos((double)light.inner_angle), outer = cos((double)light.outer_angle);
-    paint_sphere(&room->b, center, sphere_radius, build_lambert(albedo));
+    paint_sphere(&room->b, origin, sphere_radius, build_lambert(albedo));
     build_light(&room->b, &light);
     law_look(room, vec_f64(0.4, 0, 0), vec_f64(0.3, 0.1, 1));
     const double share = (1 - inner + (inner - outer) / 3) / 2;
@@ -103,11 +96,11 @@ static double cut_sphere(double rho, const double *f_and_plane) {
 
 static void cut(law_room *room, double reflects) {
     const double height = 0.4, numbers[] = {(1 - height) / 2, reflects};
-    fathom_material m = build_emitter(vec_f64(1, 1, 1));
-    build_rgb(m.k_d, vec_f64(reflects, reflects, reflects));
-    paint_sphere(&room->b, center, 1, build_lambert(albedo));
-    paint_plane(&room->b, vec_f64(0, 0, height), above, m);
-    law_look(room, center, vec_f64(0.2, 0.3, -1));
+    fathom_material m = build_emitter(white);
+    build_rgb(m.k_d, gray(reflects));
+    paint_sphere(&room->b, origin, 1, build_lambert(albedo));
+    paint_plane(&room->b, vec_f64(0, 0, height), up, m);
+    law_look(room, origin, vec_f64(0.2, 0.3, -1));
     law_value(room, law_each(albedo, cut_sphere, numbers));
 }
 
@@ -128,10 +121,10 @@ static double inner_wall(double rho, const double *unused) {
 }
 
 static void two_spheres(law_room *room) {
-    fathom_material m = build_emitter(vec_f64(1, 1, 1));
-    build_rgb(m.k_d, vec_f64(inner_albedo, inner_albedo, inner_albedo));
-    paint_sphere(&room->b, center, 0.5, m);
-    paint_sphere(&room->b, center, 1, build_lambert(vec_f64(0.7, 0.5, 0.2)));
+    fathom_material m = build_emitter(white);
+    build_rgb(m.k_d, gray(inner_albedo));
+    paint_sphere(&room->b, origin, 0.5, m);
+    paint_sphere(&room->b, origin, 1, build_lambert(vec_f64(0.7, 0.5, 0.2)));
 }
 
 static void outer_sphere(law_room *room) {

@@ -1,12 +1,7 @@
 /* Layers and lobes of metallicRoughness from glTF extensions. */
-#include "verify/laws/room.h"
+#include "verify/laws/common.h"
 
-#define PI 3.14159265358979323846
-
-static const vec3_f64 origin = {0, 0, 0}, up = {0, 0, 1}, down = {0, 0, -1}, white = {1, 1, 1};
 static const vec3_f64 eye = {0, 0, 1}, aside = {0.8, 0, 0.6}, across = {0, 0.8, 0.6};
-
-static double square(double x) { return x * x; }
 
 /* A dielectric without reflection and with a black base. */
 static fathom_material bare(void) {
@@ -42,10 +37,7 @@ static void leaf_from_behind(law_room *room) {
 static void white_leaf(law_room *room) {
     fathom_material m = law_metallic();
     m.diffuse_transmission = m.roughness = 0.5f, m.specular_factor = 1, m.multiscatter = true;
-    paint_sphere(&room->b, origin, 1, m);
-    build_background(&room->b, white);
-    law_look(room, vec_f64(0, 0.3, 3), vec_f64(0.5, 0.3, 0));
-    law_value(room, white);
+    law_unseen_ball(room, m);
 }
 
 /* ---- sheen: KHR_materials_sheen's formulas, by midpoints over the hemisphere

@@ -1,9 +1,6 @@
 /* A floor z = 0 under lights of many shapes; the camera looks at the origin. */
-#include "verify/laws/room.h"
+#include "verify/laws/common.h"
 
-#define PI 3.14159265358979323846
-
-static const vec3_f64 origin = {0, 0, 0}, up = {0, 0, 1}, down = {0, 0, -1};
 static const vec3_f64 albedo = {1, 0.5, 0.2};
 
 /* Adds the floor and sets its radiance: albedo times `share`, the irradiance divided by pi. */
@@ -14,7 +11,7 @@ static void floor_under(law_room *room, double share) {
     law_value(room, scale_f64(share, albedo));
 }
 
-static fathom_material lamp(void) { return build_emitter(vec_f64(1, 1, 1)); }
+static fathom_material lamp(void) { return build_emitter(white); }
 
 /* ---- polygons ---- */
 
@@ -65,8 +62,7 @@ static void parallel_squares(law_room *room) {
 /* The hole shows directions with a z of at least 1/sqrt(3). */
 static vec3_f64 sky_over_hole(void *user, vec3_f64 direction) {
     (void)user;
-    const double radiance = direction.z > 0.5 ? 1 : 30;
-    return vec_f64(radiance, radiance, radiance);
+    return gray(direction.z > 0.5 ? 1 : 30);
 }
 
 static void sky_through_hole(law_room *room) {
@@ -89,7 +85,7 @@ static void sky_through_hole(law_room *room) {
 static void sun_through_hole(law_room *room) {
     const double cosine = 1 / sqrt(1.5);
     sky_through_hole(room);
-    build_directional_light(&room->b, vec_f64(0.5, 0.5, -1), vec_f64(0.8, 0.8, 0.8), 0);
+    build_directional_light(&room->b, vec_f64(0.5, 0.5, -1), gray(0.8), 0);
     room->depth = 1; /* the walls are black */
     law_value(room, scale_f64(room->value[0] / albedo.x + 0.8 * cosine * 0.25, albedo));
 }
@@ -144,10 +140,9 @@ static void sphere_half_there(law_room *room) {
 }
 
 static void sphere_cut(law_room *room, double angle) {
-    const double square = 0.3, x = sqrt(1 / square - 1), y = -x / tan(angle),
-                 q = sin(angle) * sqrt(1 - y * y);
-    paint_sphere(&room->b, vec_f64(sin(angle), 0, cos(angle)), sqrt(square), lamp());
-    floor_under(room, ((cos(angle) * acos(y) - x * q) * square + atan(q / x)) / PI);
+    const double area = 0.3, x = sqrt(1 / area - 1), y = -x / tan(angle), q = sin(angle) * sqrt(1 - y * y);
+    paint_sphere(&room->b, vec_f64(sin(angle), 0, cos(angle)), sqrt(area), lamp());
+    floor_under(room, ((cos(angle) * acos(y) - x * q) * area + atan(q / x)) / PI);
 }
 
 static void sphere_cut_high(law_room *room) { sphere_cut(room, 1.3); }
@@ -166,7 +161,7 @@ static void point(law_room *room) { point_over_floor(room, 0); }
 static void ball(law_room *room) { point_over_floor(room, 0.75); }
 
 static void sun_over_floor(law_room *room, double radius) {
-    build_directional_light(&room->b, vec_f64(-1, -2, -2), vec_f64(1.5, 1.5, 1.5), radius);
+    build_directional_light(&room->b, vec_f64(-1, -2, -2), gray(1.5), radius);
     floor_under(room, 1.5 * 2 / 3);
 }
 
@@ -197,7 +192,7 @@ static void lamp_in_mirror(law_room *room, fathom_light_type type, vec3_f64 valu
     light.inner_angle = 0.2f, light.outer_angle = 1.2f;
     store_f64(light.position, madd_f64(at, 2, to));
     store_f64(light.direction, down);
-    build_rgb(light.intensity, vec_f64(1.5, 1.5, 1.5));
+    build_rgb(light.intensity, gray(1.5));
     build_light(&room->b, &light);
     build_rgb(mirror.k_r, albedo);
     paint_plane(&room->b, at, up, mirror);
@@ -205,15 +200,13 @@ static void lamp_in_mirror(law_room *room, fathom_light_type type, vec3_f64 valu
     law_value(room, vec_f64(albedo.x * value.x, albedo.y * value.y, albedo.z * value.z));
 }
 
-static vec3_f64 all(double x) { return vec_f64(x, x, x); }
-
-static void ball_in_mirror(law_room *room) { lamp_in_mirror(room, FATHOM_LIGHT_POINT, all(1.5 / 0.25)); }
+static void ball_in_mirror(law_room *room) { lamp_in_mirror(room, FATHOM_LIGHT_POINT, gray(1.5 / 0.25)); }
 
 /* The light leaves at the cosine 0.6 to the cone's axis. */
 static void spot_in_mirror(law_room *room) {
     const double inner = cos((double)0.2f), outer = cos((double)1.2f);
     const double falloff = pow(fmin((0.6 - outer) / (inner - outer), 1), 2);
-    lamp_in_mirror(room, FATHOM_LIGHT_SPOT, all(falloff * 1.5 / 0.25));
+    lamp_in_mirror(room, FATHOM_LIGHT_SPOT, gray(falloff * 1.5 / 0.25));
 }
 
 /* In a volume: 1 to the mirror, and 2 - R to the lamp's sphere. */
@@ -244,7 +237,7 @@ static void several(law_room *room) {
     sun_over_floor(room, 0);
     paint_sphere(&room->b, vec_f64(0, d * sin(angle), d * cos(angle)), R, lamp());
     law_point_light(room, vec_f64(1, 0, 1), 2, 0);
-    build_background(&room->b, vec_f64(0.25, 0.25, 0.25));
+    build_background(&room->b, gray(0.25));
     law_value(room, scale_f64(1 + 0.75 * R / d * (R / d) * cos(angle) + 2 / sqrt(8) + 0.25, albedo));
 }
 

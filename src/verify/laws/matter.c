@@ -1,12 +1,7 @@
 /* Materials, volumes and environment light. */
-#include "verify/laws/room.h"
+#include "verify/laws/common.h"
 
-#define PI 3.14159265358979323846
-
-static const vec3_f64 origin = {0, 0, 0}, up = {0, 0, 1}, down = {0, 0, -1}, white = {1, 1, 1};
 static const vec3_f64 eye = {0, 0, 1};
-
-static vec3_f64 gray(double x) { return vec_f64(x, x, x); }
 
 /* ---- environment light ---- */
 
@@ -192,12 +187,16 @@ static void absorbing_ball(law_room *room) {
 
 /* ---- coverage: a black sheet with coverage 1/4, between a floor and the sun ---- */
 
-static void coverage(law_room *room) {
+static fathom_material sheet(void) {
     fathom_material m = law_metallic();
     build_rgb(m.base_color, origin);
     m.opacity = 0.25f;
+    return m;
+}
+
+static void coverage(law_room *room) {
     paint_plane(&room->b, origin, up, build_lambert(albedo));
-    paint_plane(&room->b, up, up, m);
+    paint_plane(&room->b, up, up, sheet());
     build_directional_light(&room->b, down, white, 0);
     law_look(room, vec_f64(0.5, 0, 2), origin);
     law_value(room, scale_f64(0.75 * 0.75, albedo));
@@ -206,13 +205,10 @@ static void coverage(law_room *room) {
 /* Passing through the uncovered part of a sheet is not a bounce: with four sheets on the path, one bounce
  * reaches the sky. */
 static void sky_through_sheets(law_room *room) {
-    fathom_material m = law_metallic();
-    build_rgb(m.base_color, origin);
-    m.opacity = 0.25f;
     paint_plane(&room->b, origin, up, build_lambert(albedo));
-    paint_sphere(&room->b, origin, 3, m);
-    paint_plane(&room->b, up, up, m);
-    paint_plane(&room->b, vec_f64(0, 0, 2), up, m);
+    paint_sphere(&room->b, origin, 3, sheet());
+    paint_plane(&room->b, up, up, sheet());
+    paint_plane(&room->b, vec_f64(0, 0, 2), up, sheet());
     build_background(&room->b, white);
     law_look(room, vec_f64(0.5, 0, 1.5), origin);
     law_value(room, scale_f64(0.75 * 0.75 * 0.75 * 0.75, albedo));
@@ -221,12 +217,9 @@ static void sky_through_sheets(law_room *room) {
 
 static void lamp_behind_sheets(law_room *room) {
     const double R = 0.5, d = 2, angle = 0.6;
-    fathom_material m = law_metallic();
-    build_rgb(m.base_color, origin);
-    m.opacity = 0.25f;
     paint_plane(&room->b, origin, up, build_lambert(albedo));
-    paint_plane(&room->b, vec_f64(0, 0, 0.5), up, m);
-    paint_plane(&room->b, vec_f64(0, 0, 0.75), up, m);
+    paint_plane(&room->b, vec_f64(0, 0, 0.5), up, sheet());
+    paint_plane(&room->b, vec_f64(0, 0, 0.75), up, sheet());
     paint_sphere(&room->b, vec_f64(d * sin(angle), 0, d * cos(angle)), R, build_emitter(white));
     law_look(room, vec_f64(-0.5, -0.4, 0.4), origin);
     law_value(room, scale_f64(0.75 * 0.75 * R / d * (R / d) * cos(angle), albedo));

@@ -1,7 +1,5 @@
 /* Laws of motion while the shutter is open. */
-#include "verify/laws/room.h"
-
-static const vec3_f64 white = {1, 1, 1};
+#include "verify/laws/common.h"
 
 /* ---- an edge that moves at constant speed ----
  * The image is the square of side 1 around 0; a black half plane hides the sky right of x(t) = from + t (to -
@@ -25,8 +23,7 @@ static void look_at_edge(law_room *room, const double *key_times, const double *
     camera.key_count = key_times ? 2 : 0, camera.key_times = key_times, camera.key_frames = key_frames;
     build_camera(&room->b, &camera);
     build_background(&room->b, white);
-    const double seen = 1 - (trapezoid(to) - trapezoid(from)) / (to - from);
-    law_value(room, vec_f64(seen, seen, seen));
+    law_value(room, gray(1 - (trapezoid(to) - trapezoid(from)) / (to - from)));
 }
 
 /* Keys are at 0 and 4. The edge is at `from` at time 2 and at `to` at time 3. */
@@ -85,8 +82,8 @@ static void move_body(law_room *room, bool ball) {
     const double maps[24] = {1,     0,           0, -0.25, 0,    1,           0, 0,   0, 0, 1, 0,
                              -half, -1.5 * half, 0, 0.25,  half, -1.5 * half, 0, 0.1, 0, 0, 2, 0.25};
     const fathom_id group = room->b.group = build_group(&room->b);
-    const fathom_id material = build_material(&room->b, build_lambert(vec_f64(albedo, albedo, albedo)));
-    if (ball) build_sphere(&room->b, vec_f64(0, 0, 0), 1, material);
+    const fathom_id material = build_material(&room->b, build_lambert(gray(albedo)));
+    if (ball) build_sphere(&room->b, origin, 1, material);
     for (int i = 0; !ball && i < 6; ++i) {
         double axis[3][3] = {{0}};
         for (int k = 0; k < 3; ++k) axis[k][(i / 2 + k) % 3] = k || i % 2 ? 1 : -1;
@@ -98,7 +95,7 @@ static void move_body(law_room *room, bool ball) {
     camera.shutter[1] = 4;
     build_camera(&room->b, &camera);
     build_background(&room->b, white);
-    law_value(room, vec_f64(albedo, albedo, albedo));
+    law_value(room, gray(albedo));
 }
 
 static void moving_ball(law_room *room) { move_body(room, true); }
@@ -114,7 +111,7 @@ static void floor_under(law_room *room, double share) {
     camera.d = 1, camera.h = 1.0 / 4096, camera.shutter[1] = 4;
     build_camera(&room->b, &camera);
     room->b.group = FATHOM_ROOT;
-    paint_plane(&room->b, vec_f64(0, 0, 0), vec_f64(0, 0, 1), build_lambert(albedo));
+    paint_plane(&room->b, origin, up, build_lambert(albedo));
     room->depth = 2;
     law_value(room, scale_f64(share, albedo));
 }
@@ -124,7 +121,7 @@ static void rising_lamp(law_room *room) {
     const double R = 0.2, a = 0.5, low = 0.4, high = 2;
     const double maps[24] = {1, 0, 0, a, 0, 1, 0, 0, 0, 0, 1, low, 1, 0, 0, a, 0, 1, 0, 0, 0, 0, 1, high};
     const fathom_id group = room->b.group = build_group(&room->b);
-    paint_sphere(&room->b, vec_f64(0, 0, 0), R, build_emitter(white));
+    paint_sphere(&room->b, origin, R, build_emitter(white));
     move_group(room, group, maps);
     floor_under(room, R * R * (1 / hypot(a, low) - 1 / hypot(a, high)) / (high - low));
 }

@@ -1,4 +1,4 @@
-#include "verify/laws/room.h"
+#include "verify/laws/common.h"
 
 #include "base/status.h"
 #include "image/image.h"
@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#define PI 3.14159265358979323846
 
 fathom_status law_open(fathom_context *context, const law *made, law_room *out) {
     *out = (law_room){.depth = 64};
@@ -72,7 +70,7 @@ void law_box(law_room *room, bool meshes, fathom_material m) {
 /* ---- light, the camera, the value ---- */
 
 void law_point_light(law_room *room, vec3_f64 at, double intensity, double radius) {
-    build_point_light(&room->b, at, vec_f64(intensity, intensity, intensity), radius);
+    build_point_light(&room->b, at, gray(intensity), radius);
 }
 
 static vec3_f64 sky_direction(uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
@@ -120,9 +118,9 @@ void law_sky(law_room *room, vec3_f64 (*radiance)(void *user, vec3_f64 direction
 }
 
 static void set_camera(law_room *room, vec3_f64 eye, vec3_f64 target, double slope) {
-    const double e[3] = {eye.x, eye.y, eye.z}, t[3] = {target.x, target.y, target.z}, up[3] = {0, 1, 0};
+    const double e[3] = {eye.x, eye.y, eye.z}, t[3] = {target.x, target.y, target.z}, y[3] = {0, 1, 0};
     fathom_camera camera;
-    fathom_camera_look_at(e, t, up, 1, &camera);
+    fathom_camera_look_at(e, t, y, 1, &camera);
     camera.d = 1, camera.h = slope;
     build_camera(&room->b, &camera);
 }
@@ -130,7 +128,7 @@ static void set_camera(law_room *room, vec3_f64 eye, vec3_f64 target, double slo
 void law_look(law_room *room, vec3_f64 eye, vec3_f64 target) { set_camera(room, eye, target, 1.0 / 4096); }
 
 void law_look_down(law_room *room, double eye_z, double side) {
-    set_camera(room, (vec3_f64){0, 0, eye_z}, (vec3_f64){0, 0, 0}, side / eye_z);
+    set_camera(room, (vec3_f64){0, 0, eye_z}, origin, side / eye_z);
 }
 
 void law_value(law_room *room, vec3_f64 value) { store_f64(room->value, value); }
@@ -175,7 +173,6 @@ double law_polygon(const vec3_f64 *corners, uint32_t count) {
 }
 
 void law_lobe(law_room *room, fathom_material m, vec3_f64 from, vec3_f64 value) {
-    const vec3_f64 origin = {0, 0, 0}, white = {1, 1, 1};
     paint_quad(&room->b, origin, vec_f64(9, 0, 0), vec_f64(0, 9, 0), m);
     build_background(&room->b, white);
     law_look(room, from, origin);
@@ -183,7 +180,6 @@ void law_lobe(law_room *room, fathom_material m, vec3_f64 from, vec3_f64 value) 
 }
 
 void law_unseen_ball(law_room *room, fathom_material m) {
-    const vec3_f64 origin = {0, 0, 0}, white = {1, 1, 1};
     paint_sphere(&room->b, origin, 1, m);
     build_background(&room->b, white);
     law_look(room, vec_f64(0, 0.3, 3), vec_f64(0.5, 0.3, 0));
@@ -195,8 +191,6 @@ fathom_material law_clear(double thickness) {
     m.transmission = m.specular_factor = 1, m.thickness = (float)thickness;
     return m;
 }
-
-static double square(double x) { return x * x; }
 
 /* Integrates ∫ D G₂ v·h / n·v dh by the midpoint rule over half vectors h whose reflected direction leaves
  * the surface. Accurate to 1e-6 for alphas from 0.3. */
