@@ -38,7 +38,7 @@ unsigned threads_granted(unsigned wanted) {
 typedef struct loop {
     atomic_size_t next;
     size_t count, grain;
-    loop_body body;
+    loop_worker_body body;
     void *user;
 } loop;
 
@@ -74,7 +74,7 @@ static void run_workers(worker *workers, unsigned count, loop *l) {
     for (unsigned i = 1; i < started; ++i) pool_wait(&workers[i].task, -1);
 }
 
-void loop_parallel(unsigned threads, size_t count, size_t grain, loop_body body, void *user) {
+void loop_workers(unsigned threads, size_t count, size_t grain, loop_worker_body body, void *user) {
     if (!count) return;
     loop l = {0, count, grain ? grain : 1, body, user};
     size_t pieces = (count + l.grain - 1) / l.grain;
@@ -83,4 +83,19 @@ void loop_parallel(unsigned threads, size_t count, size_t grain, loop_body body,
     if (threads > FEW_THREADS && !many) threads = FEW_THREADS;
     run_workers(many ? many : few, threads, &l);
     free(many);
+}
+
+typedef struct plain_loop {
+    loop_body body;
+    void *user;
+} plain_loop;
+
+static void run_plain(void *user, size_t begin, size_t end, unsigned index) {
+    (void)index;
+    const plain_loop *plain = user;
+    plain->body(plain->user, begin, end);
+}
+
+void loop_parallel(unsigned threads, size_t count, size_t grain, loop_body body, void *user) {
+    loop_workers(threads, count, grain, run_plain, &(plain_loop){body, user});
 }

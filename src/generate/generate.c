@@ -3,7 +3,6 @@
 
 #include "base/memory.h"
 #include "base/sized.h"
-#include "base/threads.h"
 
 #include <inttypes.h>
 
@@ -45,8 +44,7 @@ fathom_status generate_finish(fathom_scene *scene, fathom_id group, const genera
     return fathom_scene_add_mesh_shared(scene, group, &m, NULL);
 }
 
-void generate_rows(const fathom_scene *scene, size_t rows, size_t row_size,
-                   void (*body)(void *job, size_t begin, size_t end, unsigned worker), void *job) {
+void generate_rows(const fathom_scene *scene, size_t rows, size_t row_size, loop_body body, void *job) {
     size_t grain = 8192 / (row_size ? row_size : 1);
     loop_parallel(fathom_context_threads(scene->context), rows, grain, body, job);
 }

@@ -1,6 +1,7 @@
 /* Shared by the generators. */
 #pragma once
 
+#include "base/threads.h"
 #include "generate/generate_noise.h"
 #include "scene/scene.h"
 
@@ -22,8 +23,7 @@ fathom_status generate_finish(fathom_scene *scene, fathom_id group, const genera
                               fathom_id material);
 
 /* Calls body() for the rows of a grid in parallel, in pieces of about equal work. */
-void generate_rows(const fathom_scene *scene, size_t rows, size_t row_size,
-                   void (*body)(void *job, size_t begin, size_t end, unsigned worker), void *job);
+void generate_rows(const fathom_scene *scene, size_t rows, size_t row_size, loop_body body, void *job);
 
 /* A height field over [-1,1]² in x and z: `cells` × `cells` squares of two triangles, y up. */
 typedef struct terrain {

@@ -93,8 +93,7 @@ static void make_vertex(const sphere_job *job, uint32_t index, vec3_f64 u) {
     store_uv(job->mesh.uvs + (size_t)index * 2, u);
 }
 
-static void make_row(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void make_row(void *user, size_t begin, size_t end) {
     const sphere_job *job = user;
     uint32_t n = job->n;
     for (size_t row = begin; row < end; ++row) {

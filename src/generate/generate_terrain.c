@@ -24,8 +24,7 @@ static float *vertex_at(const terrain_job *job, uint32_t row, uint32_t column) {
     return job->mesh.positions + ((size_t)row * (job->t.cells + 1) + column) * 3;
 }
 
-static void make_heights(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void make_heights(void *user, size_t begin, size_t end) {
     const terrain_job *job = user;
     uint32_t n = job->t.cells;
     for (uint32_t row = (uint32_t)begin; row < end; ++row) {
@@ -53,8 +52,7 @@ static void make_cells(const terrain_job *job, uint32_t row) {
 }
 
 /* Normals of the heights on the grid, by central differences; one-sided at the rim. */
-static void make_normals(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void make_normals(void *user, size_t begin, size_t end) {
     const terrain_job *job = user;
     uint32_t n = job->t.cells;
     for (uint32_t row = (uint32_t)begin; row < end; ++row) {

@@ -76,9 +76,8 @@ static size_t row_bytes(const writing *w) { return w->shown.channel_count * w->s
 
 static float *row_for_view(const writing *w, size_t y) { return w->shown_rows + 4 * w->shown.width * y; }
 
-static void pack_rows(void *user, size_t begin, size_t end, unsigned worker) {
+static void pack_rows(void *user, size_t begin, size_t end) {
     writing *w = user;
-    (void)worker;
     for (size_t y = begin; y < end; ++y) {
         unsigned char *out = w->rows[w->into] + y * row_bytes(w);
         if (w->view)
@@ -88,9 +87,8 @@ static void pack_rows(void *user, size_t begin, size_t end, unsigned worker) {
     }
 }
 
-static void gather_rows(void *user, size_t begin, size_t end, unsigned worker) {
+static void gather_rows(void *user, size_t begin, size_t end) {
     writing *w = user;
-    (void)worker;
     for (size_t y = begin; y < end; ++y)
         pack_row_for_view(&w->packing, (uint32_t)(w->first + y), row_for_view(w, y));
 }

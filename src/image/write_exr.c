@@ -286,7 +286,7 @@ static void put_blocks(exr *out) {
     for (out->batch_first = 0; out->batch_first < out->block_count; out->batch_first += out->batch_count) {
         const size_t left = out->block_count - out->batch_first,
                      count = left < out->batch_count ? left : out->batch_count;
-        loop_parallel(out->threads, count, 1, make_blocks, out);
+        loop_workers(out->threads, count, 1, make_blocks, out);
         if (out->lost) return;
         for (size_t i = 0; i < count; ++i) put_block(out, out->batch_first + i, &out->batch[i]);
     }

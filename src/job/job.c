@@ -138,7 +138,7 @@ void job_run_tiles(job *j, render_wave_fn render) {
     const fathom_film *film = j->film;
     if (j->options->share && j->options->share->next) {
         tiles handed_out = {.job = j, .render = render};
-        loop_parallel(j->threads, j->threads, 1, run_handed_out, &handed_out);
+        loop_workers(j->threads, j->threads, 1, run_handed_out, &handed_out);
         return;
     }
     const uint32_t size = j->plan->settings.tile_size;
@@ -146,7 +146,7 @@ void job_run_tiles(job *j, render_wave_fn render) {
         .job = j, .render = render, .first_x = film->x / size * size, .first_y = film->y / size * size};
     t.across = (film->x + film->width - t.first_x + size - 1) / size;
     t.down = (film->y + film->height - t.first_y + size - 1) / size;
-    loop_parallel(j->threads, (size_t)t.across * t.down, 1, run_tiles, &t);
+    loop_workers(j->threads, (size_t)t.across * t.down, 1, run_tiles, &t);
 }
 
 /* ---- workers ---- */

@@ -110,9 +110,8 @@ static void show_region(const preview *p, const wave_region *r) {
     }
 }
 
-static void show_regions(void *user, size_t begin, size_t end, unsigned index) {
+static void show_regions(void *user, size_t begin, size_t end) {
     const preview *p = user;
-    (void)index;
     const wave_grid grid = film_waves(p->film);
     for (size_t i = begin; i < end; ++i) {
         const wave_region r = wave_grid_region(&grid, (uint32_t)i);
@@ -141,7 +140,7 @@ void preview_run(const render_plan *plan, unsigned threads, const atomic_bool *s
     if (film_create(NULL, plan->scene, &p.plan.settings, &p.coarse) != FATHOM_OK) return;
     p.workers = calloc(threads, sizeof *p.workers);
     if (p.workers) {
-        loop_parallel(threads, film_waves(p.coarse).count, 1, render_regions, &p);
+        loop_workers(threads, film_waves(p.coarse).count, 1, render_regions, &p);
         if (!atomic_load(stop)) loop_parallel(threads, film_waves(film).count, 16, show_regions, &p);
         destroy_workers(&p, threads);
     }

@@ -167,7 +167,7 @@ static void run_rounds(timed *t) {
             reserve_time(t);
             reserved = true;
         }
-        loop_parallel(t->job->threads, t->round, 1, run_round, t);
+        loop_workers(t->job->threads, t->round, 1, run_round, t);
         if (atomic_load(&t->cut) || atomic_load(&t->job->stop)) return;
     }
 }

@@ -87,10 +87,9 @@ static void add_radiance(const unfolding *u, vec3_f64 direction, double sum[3]) 
     }
 }
 
-static void unfold_rows(void *user, size_t begin, size_t end, unsigned worker) {
+static void unfold_rows(void *user, size_t begin, size_t end) {
     const unfolding *u = user;
     const size_t width = 4 * (size_t)u->cube->side;
-    (void)worker;
     for (size_t i = begin * width; i < end * width; ++i) {
         double sum[3] = {0};
         for (unsigned k = 0; k < ACROSS * ACROSS; ++k) {

@@ -67,7 +67,7 @@ static outcome take_turn(const turn *t, unsigned threads) {
     for (unsigned i = 0; i < threads; ++i)
         t->workers[i].seconds = t->workers[i].cpu = 0, t->workers[i].met = 0;
     size_t share = (t->blocks + threads - 1) / threads;
-    loop_parallel(threads, t->blocks, share < PIECE ? share : PIECE, run_piece, &now);
+    loop_workers(threads, t->blocks, share < PIECE ? share : PIECE, run_piece, &now);
     outcome sum = {0, 0, 0};
     for (unsigned i = 0; i < threads; ++i) {
         sum.seconds += t->workers[i].seconds, sum.cpu += t->workers[i].cpu;

@@ -211,9 +211,8 @@ static uint64_t hash_piece(const piece *p) {
     return hash_end(&h);
 }
 
-static void hash_pieces(void *user, size_t begin, size_t end, unsigned worker) {
+static void hash_pieces(void *user, size_t begin, size_t end) {
     const pieces *p = user;
-    (void)worker;
     for (size_t i = begin; i < end; ++i) p->hashes[i] = hash_piece(&p->list.items[i]);
 }
 

@@ -110,11 +110,10 @@ static uint64_t thread_nanoseconds(void) {
     return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
 
-static void ask_calls(void *user, size_t begin, size_t end, unsigned worker) {
+static void ask_calls(void *user, size_t begin, size_t end) {
     first_way *w = user;
     ask_batch *batch = w->batch;
     uint64_t spent = 0;
-    (void)worker;
     for (size_t i = begin; i < end; ++i) {
         const ask_call *call = &batch->calls.items[i];
         load_call(batch, call);
@@ -214,9 +213,8 @@ static void ask_part(other_ways *o, size_t block, unsigned w, unsigned begin, un
 }
 
 /* Repeats the blocks several times: neighbours in the loop run at the same time. */
-static void ask_block_ways(void *user, size_t begin, size_t end, unsigned worker) {
+static void ask_block_ways(void *user, size_t begin, size_t end) {
     other_ways *o = user;
-    (void)worker;
     unsigned state = trace_thread_begin();
     for (size_t i = begin; i < end; ++i) {
         size_t block = i % o->batch->blocks;

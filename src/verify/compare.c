@@ -222,16 +222,15 @@ static fathom_status judge_batch(fathom_context *context, comparison *c, compare
     c->others.count = 0;
     if (!ask_others_find(tracer, &c->batch, o->threads, o->once, &c->others) || !add_repaired(c))
         return fail_memory(context, sizeof(ask_other));
-    loop_parallel(o->threads, c->batch.blocks, 2, judge_blocks, c);
-    loop_parallel(o->threads, c->others.count, 1, judge_others, c);
+    loop_workers(o->threads, c->batch.blocks, 2, judge_blocks, c);
+    loop_workers(o->threads, c->others.count, 1, judge_others, c);
     for (size_t i = 0; i < c->batch.calls.count; ++i)
         out->rays += c->batch.calls.items[i].closest ? c->batch.calls.items[i].count : 0;
     return compare_join_workers(context, c, out, family_begin);
 }
 
-void compare_make_rays(void *user, size_t begin, size_t end, unsigned index) {
+void compare_make_rays(void *user, size_t begin, size_t end) {
     const comparison *c = user;
-    (void)index;
     for (size_t i = begin; i < end; ++i)
         c->batch.rays[i] = rays_make(c->subject->source, c->family, c->options->seed, c->first + i);
 }

@@ -29,7 +29,7 @@ typedef struct comparison {
 /* Checks a result from another way of calling, and adds its verdict to other_counts. */
 void compare_judge_other(const comparison *c, compare_worker *w, const ask_other *other);
 /* Makes rays [begin, end) of the batch. Body of a parallel loop; user: the comparison. */
-void compare_make_rays(void *user, size_t begin, size_t end, unsigned index);
+void compare_make_rays(void *user, size_t begin, size_t end);
 /* After each batch: adds the workers' results to `out` and resets the workers. */
 fathom_status compare_join_workers(fathom_context *context, const comparison *c, compare_result *out,
                                    size_t family_begin);

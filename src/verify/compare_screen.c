@@ -41,7 +41,7 @@ static void screen_call(const comparison *c, compare_worker *w, uint64_t first, 
     }
     own.batch = w->batch;
     ask_answer others[COMPARE_CALL];
-    compare_make_rays(&own, 0, count, 0);
+    compare_make_rays(&own, 0, count);
     for (size_t i = 0; i < count; ++i) start_off_surfaces(c, &own.batch.rays[i]);
     (void)ask_all(c->options->second, &w->batch, 1);
     for (size_t i = 0; i < count; ++i) others[i] = ask_answer_of(&w->batch, i);
@@ -84,7 +84,7 @@ fathom_status compare_screen(fathom_context *context, comparison *c, uint64_t do
     for (uint64_t at = 0; at < o->screened && status == FATHOM_OK; at += 1u << 17) {
         uint64_t left = o->screened - at;
         c->first = o->rays + at;
-        loop_parallel(o->threads, left < 1u << 17 ? (size_t)left : 1u << 17, COMPARE_CALL, screen_calls, c);
+        loop_workers(o->threads, left < 1u << 17 ? (size_t)left : 1u << 17, COMPARE_CALL, screen_calls, c);
         status = compare_join_workers(context, c, out, family_begin);
         if (status == FATHOM_OK) status = compare_tell(context, o, done);
     }

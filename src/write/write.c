@@ -206,7 +206,7 @@ static size_t count_colors(const fathom_scene *scene, bool opacities) {
         const fathom_mesh *m = &scene->meshes.items[i];
         if (!m->colors || (opacities && m->color_channels < 4)) continue;
         for (size_t k = 0; k < m->vertex_count; ++k) {
-            const float *c = (const float *)(const void *)((const char *)m->colors + m->color_stride * k);
+            const float *c = mesh_row(m->colors, m->color_stride, k);
             count += opacities ? c[3] != 1 : c[0] > 1 || c[1] > 1 || c[2] > 1;
         }
     }

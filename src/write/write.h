@@ -48,7 +48,7 @@ void write_mesh_free(write_mesh *m);
 
 /* Item i of an array of a mesh. */
 static inline vec3_f32 write_item(const float *base, size_t stride, size_t i) {
-    return load_f32((const float *)(const void *)((const char *)base + stride * i));
+    return load_f32(mesh_row(base, stride, i));
 }
 
 /* Numbers per entry of an array; 0 if the mesh does not have it. */

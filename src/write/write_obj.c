@@ -35,7 +35,7 @@ static char *put_line(char *out, const char *key, const float *numbers, int coun
 
 /* Encodes the colour as sRGB, because readers decode it. */
 static void put_color(const fathom_mesh *m, size_t vertex, float out[3]) {
-    const float *linear = (const float *)(const void *)((const char *)m->colors + m->color_stride * vertex);
+    const float *linear = mesh_row(m->colors, m->color_stride, vertex);
     for (int k = 0; k < 3; ++k) out[k] = (float)srgb_encoded(fmin((double)linear[k], 1));
 }
 

@@ -31,8 +31,7 @@ typedef struct items_job {
     size_t first, count, grain; /* items of this round; `grain` items per piece */
 } items_job;
 
-static void format_pieces(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void format_pieces(void *user, size_t begin, size_t end) {
     items_job *job = user;
     locale_t before = uselocale(job->stream->locale);
     for (size_t piece = begin; piece < end; ++piece) {

@@ -47,8 +47,7 @@ typedef struct tally {
     bool nested;
 } tally;
 
-static void count_inner(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void count_inner(void *user, size_t begin, size_t end) {
     atomic_fetch_add(&((tally *)user)->inner, (unsigned)(end - begin));
 }
 
@@ -63,7 +62,7 @@ static void check_loop(bool nested) {
     tally *t = calloc(1, sizeof *t);
     assert_non_null(t);
     t->nested = nested;
-    loop_parallel(4, ITEMS, 7, count_items, t);
+    loop_workers(4, ITEMS, 7, count_items, t);
     for (size_t i = 0; i < ITEMS; ++i) assert_int_equal(t->seen[i], 1);
     assert_int_equal(t->inner, nested ? 10 * ((ITEMS + 6) / 7) : 0);
     free(t);
@@ -120,7 +119,7 @@ UNIT_TEST(loops_of_odd_sizes_run) {
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
         tally *t = calloc(1, sizeof *t);
         assert_non_null(t);
-        loop_parallel(cases[k].threads, cases[k].count, cases[k].grain, count_any, t);
+        loop_workers(cases[k].threads, cases[k].count, cases[k].grain, count_any, t);
         for (size_t i = 0; i < ITEMS; ++i) assert_int_equal(t->seen[i], i < cases[k].count);
         free(t);
     }

@@ -100,7 +100,7 @@ static void sum_up(const scouting *all, double *seen, double *outside) {
 
 /* Runs batches up to `end`. False: out of memory. */
 static bool run_until(scouting *all, uint32_t end) {
-    loop_parallel(all->threads, end - all->done, 1, run_batches, all);
+    loop_workers(all->threads, end - all->done, 1, run_batches, all);
     all->done = end;
     for (unsigned t = 0; t < all->threads; ++t)
         if (all->scouts[t] && all->scouts[t]->fails) return false;

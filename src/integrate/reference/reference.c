@@ -315,8 +315,7 @@ static void render_pixel(render *k, size_t index) {
               vec_f64(sqrt(fmax(error2.x, 0)), sqrt(fmax(error2.y, 0)), sqrt(fmax(error2.z, 0))));
 }
 
-static void render_pixels(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void render_pixels(void *user, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) render_pixel(user, i);
 }
 

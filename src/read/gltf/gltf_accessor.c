@@ -46,8 +46,7 @@ typedef struct conversion {
 
 /* Loop bodies for each component type; the elements may lie at any address. */
 #define CONVERT_FLOATS(name, T)                                                                              \
-    static void name(void *user, size_t begin, size_t end, unsigned worker) {                                \
-        (void)worker;                                                                                        \
+    static void name(void *user, size_t begin, size_t end) {                                                 \
         const conversion *c = user;                                                                          \
         for (size_t i = begin; i < end; ++i) {                                                               \
             T element[16];                                                                                   \
@@ -59,8 +58,7 @@ typedef struct conversion {
         }                                                                                                    \
     }
 #define CONVERT_INTEGERS(name, T)                                                                            \
-    static void name(void *user, size_t begin, size_t end, unsigned worker) {                                \
-        (void)worker;                                                                                        \
+    static void name(void *user, size_t begin, size_t end) {                                                 \
         const conversion *c = user;                                                                          \
         for (size_t i = begin; i < end; ++i) {                                                               \
             T element;                                                                                       \
@@ -76,8 +74,7 @@ CONVERT_INTEGERS(integers_from_ubyte, uint8_t)
 CONVERT_INTEGERS(integers_from_ushort, uint16_t)
 CONVERT_INTEGERS(integers_from_uint, uint32_t)
 
-static void copy_floats(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void copy_floats(void *user, size_t begin, size_t end) {
     const conversion *c = user;
     size_t size = c->components * sizeof(float);
     for (size_t i = begin; i < end; ++i) memcpy(c->floats + i * c->components, c->from + i * c->stride, size);
@@ -270,7 +267,7 @@ static void convert(gltf *g, const accessor *a, conversion *c, loop_body body) {
         one.from = a->sparse_values.bytes + (size_t)i * a->sparse_values.stride;
         if (c->floats) one.floats = c->floats + (size_t)at * a->components;
         if (c->integers) one.integers = c->integers + at;
-        body(&one, 0, 1, 0);
+        body(&one, 0, 1);
     }
 }
 

@@ -68,6 +68,10 @@ typedef struct gltf_elements {
     uint32_t unpacked_of; /* 1 + the view that Draco unpacked them from; 0: the accessor's own elements */
 } gltf_elements;
 
+static inline const float *gltf_element(const gltf_elements *e, size_t i) {
+    return mesh_row(e->values, e->stride, i);
+}
+
 /* The elements of an accessor, as floats [0] and as indices [1]. Draco's are apart: a compressed primitive
  * and another one may name the same accessor. */
 struct gltf_arrays {

@@ -15,22 +15,16 @@ typedef struct morph {
     float *to;
 } morph;
 
-static const float *element(const gltf_elements *e, size_t i) {
-    return (const float *)(const void *)((const char *)e->values + e->stride * i);
-}
-
-static void copy_base(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void copy_base(void *user, size_t begin, size_t end) {
     const morph *m = user;
     for (size_t i = begin; i < end; ++i)
-        memcpy(m->to + i * m->components, element(m->base, i), m->components * sizeof(float));
+        memcpy(m->to + i * m->components, gltf_element(m->base, i), m->components * sizeof(float));
 }
 
-static void add_target(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void add_target(void *user, size_t begin, size_t end) {
     const morph *m = user;
     for (size_t i = begin; i < end; ++i) {
-        const float *delta = element(m->target, i);
+        const float *delta = gltf_element(m->target, i);
         for (unsigned c = 0; c < 3; ++c) m->to[i * m->components + c] += m->weight * delta[c];
     }
 }

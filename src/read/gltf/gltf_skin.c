@@ -21,10 +21,6 @@ static affine_f64 affine_of(const float *m) {
     return out;
 }
 
-static const float *element(const gltf_elements *e, size_t i) {
-    return (const float *)(const void *)((const char *)e->values + e->stride * i);
-}
-
 /* ---- joints ---- */
 
 /* False: there are no inverse bind matrices. */
@@ -34,7 +30,7 @@ static bool read_inverse(gltf *g, const gltf_value *skin, uint32_t joints, gltf_
         gltf_fail(g, skin, "inverseBindMatrices", "has %u entries; expected one for each of %u joints",
                   out->count, joints);
     for (uint32_t i = 0; i < joints && gltf_fine(g); ++i) {
-        const float *m = element(out, i);
+        const float *m = gltf_element(out, i);
         gltf_check_row(g, skin, "inverseBindMatrices",
                        (const double[4]){(double)m[3], (double)m[7], (double)m[11], (double)m[15]});
     }
@@ -50,7 +46,7 @@ static void fill_joints(gltf *g, gltf_moment *m, const gltf_value *skin, const g
         gltf_index_item(g, list, i, &g->nodes, &node);
         if (!gltf_fine(g)) return;
         affine_f64 moved = gltf_node_world(g, m, node),
-                   bind = bound ? affine_of(element(&inverse, i)) : affine_identity();
+                   bind = bound ? affine_of(gltf_element(&inverse, i)) : affine_identity();
         if (i == 0 && m == g->moments.items) out->origin = affine_point(&moved, (vec3_f64){0, 0, 0});
         moved.m[0][3] -= out->origin.x, moved.m[1][3] -= out->origin.y, moved.m[2][3] -= out->origin.z;
         for (int c = 0; out->mirrored && c < 4; ++c) moved.m[0][c] = -moved.m[0][c];
@@ -114,7 +110,7 @@ typedef struct skinning {
 
 static double weight_of(const skinning *s, size_t i) {
     double sum = 0;
-    for (unsigned k = 0; k < s->sets * 4; ++k) sum += (double)element(&s->weights[k / 4], i)[k % 4];
+    for (unsigned k = 0; k < s->sets * 4; ++k) sum += (double)gltf_element(&s->weights[k / 4], i)[k % 4];
     return sum;
 }
 
@@ -124,11 +120,11 @@ static affine_f64 blend(const skinning *s, size_t i) {
     affine_f64 out = {{{0}}};
     if (s->joints->flat) return s->joints->matrices[0];
     const double sum = weight_of(s, i);
-    if (!(sum > 0)) return s->joints->matrices[(uint32_t)element(&s->places[0], i)[0]];
+    if (!(sum > 0)) return s->joints->matrices[(uint32_t)gltf_element(&s->places[0], i)[0]];
     for (unsigned k = 0; k < s->sets * 4; ++k) {
-        const double weight = (double)element(&s->weights[k / 4], i)[k % 4] / sum;
+        const double weight = (double)gltf_element(&s->weights[k / 4], i)[k % 4] / sum;
         if (weight == 0) continue;
-        const affine_f64 *m = &s->joints->matrices[(uint32_t)element(&s->places[k / 4], i)[k % 4]];
+        const affine_f64 *m = &s->joints->matrices[(uint32_t)gltf_element(&s->places[k / 4], i)[k % 4]];
         for (int e = 0; e < 12; ++e) out.m[e / 4][e % 4] += weight * m->m[e / 4][e % 4];
     }
     return out;
@@ -140,11 +136,10 @@ static vec3_f64 carry_normal(const affine_f64 *a, vec3_f64 n) {
         (vec3_f64){dot_f64(cross_f64(y, z), n), dot_f64(cross_f64(z, x), n), dot_f64(cross_f64(x, y), n)});
 }
 
-static void carry(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void carry(void *user, size_t begin, size_t end) {
     const skinning *s = user;
     for (size_t i = begin; i < end; ++i) {
-        const float *from = element(&s->from, i);
+        const float *from = gltf_element(&s->from, i);
         float *to = s->to + i * s->components;
         const affine_f64 map = blend(s, i);
         vec3_f64 v = widen(load_f32(from));
@@ -169,7 +164,7 @@ static void check_joint(gltf *g, const gltf_value *attributes, const char *key, 
 static void check_joints(gltf *g, const gltf_value *attributes, const char *key, unsigned set,
                          const skinning *s) {
     for (size_t i = 0; i < s->places[set].count; ++i) {
-        const float *joints = element(&s->places[set], i), *weights = element(&s->weights[set], i);
+        const float *joints = gltf_element(&s->places[set], i), *weights = gltf_element(&s->weights[set], i);
         for (int k = 0; k < 4; ++k) {
             if (weights[k] != 0) check_joint(g, attributes, key, i, joints[k], s->joints->count);
         }
@@ -179,7 +174,7 @@ static void check_joints(gltf *g, const gltf_value *attributes, const char *key,
 static void check_first_joints(gltf *g, const gltf_value *attributes, const skinning *s) {
     for (size_t i = 0; i < s->places[0].count; ++i) {
         if (!(weight_of(s, i) > 0))
-            check_joint(g, attributes, "JOINTS_0", i, element(&s->places[0], i)[0], s->joints->count);
+            check_joint(g, attributes, "JOINTS_0", i, gltf_element(&s->places[0], i)[0], s->joints->count);
     }
 }
 

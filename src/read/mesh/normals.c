@@ -2,6 +2,7 @@
 
 #include "base/threads.h"
 #include "math/vec.h"
+#include "scene/mesh/mesh_facts.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -40,10 +41,7 @@ static double angle_of(double sine, double cosine) {
     return cosine < 0 ? 2 * half_pi - angle : angle;
 }
 
-static vec3_f64 vertex(const fathom_mesh *mesh, uint32_t i) {
-    const float *p = (const float *)(const void *)((const char *)mesh->positions + i * mesh->position_stride);
-    return (vec3_f64){(double)p[0], (double)p[1], (double)p[2]};
-}
+static vec3_f64 vertex(const fathom_mesh *mesh, uint32_t i) { return widen(load_f32(mesh_vertex(mesh, i))); }
 
 /* The unit normal of triangle t, and its angles unless `angles` is NULL; false when it has no area. */
 static bool triangle_normal(const fathom_mesh *mesh, size_t t, vec3_f64 *normal, double angles[3]) {
@@ -65,8 +63,7 @@ static uint32_t slot_of(const smoothing *s, size_t corner) {
     return s->slots ? s->slots[corner] : s->mesh->indices[corner];
 }
 
-static void add_triangles(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void add_triangles(void *user, size_t begin, size_t end) {
     smoothing *s = user;
     for (size_t t = begin; t < end; ++t) {
         vec3_f64 n;
@@ -82,8 +79,7 @@ static void add_triangles(void *user, size_t begin, size_t end, unsigned worker)
     }
 }
 
-static void finish_slots(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void finish_slots(void *user, size_t begin, size_t end) {
     smoothing *s = user;
     for (size_t i = begin; i < end; ++i) {
         vec3_f64 sum = {(double)s->sums[i][0], (double)s->sums[i][1], (double)s->sums[i][2]};

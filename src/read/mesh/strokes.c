@@ -22,8 +22,7 @@ typedef struct pen {
 static uint32_t vertex_of(const strokes *s, size_t i) { return s->indices ? s->indices[i] : (uint32_t)i; }
 
 static vec3_f64 position_of(const strokes *s, uint32_t vertex) {
-    return widen(
-        load_f32((const float *)(const void *)((const char *)s->positions + s->position_stride * vertex)));
+    return widen(load_f32(mesh_row(s->positions, s->position_stride, vertex)));
 }
 
 static void copy_color(const strokes *s, uint32_t from, float *colors, size_t to) {

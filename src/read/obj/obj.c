@@ -97,8 +97,7 @@ static void scan_piece(obj_reader *r, obj_piece *piece) {
     }
 }
 
-static void scan_pieces(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void scan_pieces(void *user, size_t begin, size_t end) {
     obj_reader *r = user;
     for (size_t i = begin; i < end; ++i) scan_piece(r, &r->pieces[i]);
 }

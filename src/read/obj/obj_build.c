@@ -76,8 +76,7 @@ static fathom_status allocate_meshes(obj_builder *b) {
     return FATHOM_OK;
 }
 
-static void copy_pieces(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void copy_pieces(void *user, size_t begin, size_t end) {
     const obj_builder *b = user;
     for (size_t i = begin; i < end; ++i) {
         obj_piece *piece = &b->r->pieces[i];

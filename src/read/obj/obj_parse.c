@@ -350,14 +350,12 @@ static void parse_piece(obj_reader *r, obj_piece *piece) {
     array_free(&s.face);
 }
 
-static void parse_pieces(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void parse_pieces(void *user, size_t begin, size_t end) {
     obj_reader *r = user;
     for (size_t i = begin; i < end; ++i) parse_piece(r, &r->pieces[i]);
 }
 
-static void split_polygons(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void split_polygons(void *user, size_t begin, size_t end) {
     obj_reader *r = user;
     polygon_work work = {0};
     const polygon_vertices vertices = {r->values[OBJ_POSITION], 3 * sizeof(float)};

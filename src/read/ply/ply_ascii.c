@@ -42,8 +42,7 @@ static const char *next_row(const char *p, const char *end) {
     return end;
 }
 
-static void count_rows(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void count_rows(void *user, size_t begin, size_t end) {
     ascii_reader *a = user;
     for (size_t i = begin; i < end; ++i) {
         const char *stop = a->starts[i + 1];
@@ -144,8 +143,7 @@ static bool read_row(const ascii_reader *a, size_t piece, uint64_t row, const ch
            ply_end_row(r, &r->pieces[piece], values);
 }
 
-static void read_pieces(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void read_pieces(void *user, size_t begin, size_t end) {
     const ascii_reader *a = user;
     for (size_t i = begin; i < end; ++i) {
         scene_bounds bounds = bounds_empty();

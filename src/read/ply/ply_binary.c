@@ -117,8 +117,7 @@ typedef struct likeness {
     atomic_bool differs;
 } likeness;
 
-static void compare_rows(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void compare_rows(void *user, size_t begin, size_t end) {
     likeness *all = user;
     const ply_rows *rows = all->rows;
     bool differs = false;
@@ -282,8 +281,7 @@ static bool read_vertex(const binary_reader *b, uint64_t number, const unsigned 
     return true;
 }
 
-static void read_vertices(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void read_vertices(void *user, size_t begin, size_t end) {
     const binary_reader *b = user;
     scene_bounds bounds = bounds_empty();
     bool in_place = all_in_place(b->r);
@@ -342,15 +340,13 @@ static bool read_face(const binary_reader *b, uint64_t number, const unsigned ch
     return ply_end_row(r, faces, values);
 }
 
-static void read_blocks(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void read_blocks(void *user, size_t begin, size_t end) {
     const binary_reader *b = user;
     for (size_t block = begin; block < end; ++block)
         each_row(b, &b->faces, block, read_face, &b->r->pieces[block]);
 }
 
-static void copy_triangles(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void copy_triangles(void *user, size_t begin, size_t end) {
     binary_reader *b = user;
     const ply_property *list = index_list(b);
     size_t row = b->faces.row;
@@ -400,8 +396,7 @@ static bool read_edge(const binary_reader *b, uint64_t number, const unsigned ch
     return ply_put_edge(b->r, number, ends, row);
 }
 
-static void read_edges(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void read_edges(void *user, size_t begin, size_t end) {
     const binary_reader *b = user;
     for (size_t block = begin; block < end; ++block) each_row(b, &b->edges, block, read_edge, NULL);
 }

@@ -182,8 +182,7 @@ static void join_looks(const ply_reader *r, const ply_faces *faces) {
         memcpy(r->looks + faces->target, faces->looks.items, faces->looks.count * sizeof *r->looks);
 }
 
-static void join_pieces(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void join_pieces(void *user, size_t begin, size_t end) {
     ply_reader *r = user;
     polygon_work work = {0};
     const polygon_vertices vertices = {r->arrays[PLY_POSITIONS].values, r->arrays[PLY_POSITIONS].stride};

@@ -28,8 +28,7 @@ typedef struct box_loop {
 } box_loop;
 
 /* A run that contains a number that is not finite gets an infinite box, so it is always read. */
-static void make_boxes(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void make_boxes(void *user, size_t begin, size_t end) {
     const box_loop *loop = user;
     const extent_box empty = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}},
                      endless = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};

@@ -39,14 +39,12 @@ typedef struct sum {
     _Atomic uint64_t total; /* modulo 2^64, so the order does not matter */
 } sum;
 
-static void set_pairs(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void set_pairs(void *user, size_t begin, size_t end) {
     const sum *s = user;
     for (size_t i = begin; i < end; ++i) s->pairs[i] = of_position(mesh_vertex(s->mesh, i));
 }
 
-static void add_by_position(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void add_by_position(void *user, size_t begin, size_t end) {
     sum *s = user;
     const uint32_t *t = s->mesh->indices;
     uint64_t total = 0;

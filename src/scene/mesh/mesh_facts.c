@@ -61,8 +61,7 @@ static void note_first_odd(look *l, size_t begin, size_t end) {
     if (begin < end) note_bad(l, begin);
 }
 
-static void check_finite_run(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void check_finite_run(void *user, size_t begin, size_t end) {
     look *l = user;
     bool packed = l->stride == l->components * sizeof(float);
     if (packed && is_finite(item(l, begin), (end - begin) * l->components)) return;
@@ -88,8 +87,7 @@ static bool look_at_some_vectors(look *l, size_t begin, size_t end) {
     return true;
 }
 
-static void look_at_vectors(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void look_at_vectors(void *user, size_t begin, size_t end) {
     look *l = user;
     for (size_t i = begin; i < end; i += MESH_RUN) {
         if (look_at_some_vectors(l, i, end - i < MESH_RUN ? end : i + MESH_RUN)) continue;
@@ -99,7 +97,7 @@ static void look_at_vectors(void *user, size_t begin, size_t end, unsigned worke
 }
 
 static fathom_status check_values(fathom_context *context, const char *what, look *l, uint32_t count,
-                                  void (*run)(void *, size_t, size_t, unsigned)) {
+                                  loop_body run) {
     if (l->stride % 4 || l->stride < l->components * sizeof(float))
         return fail_field(context, FATHOM_BAD_INPUT, what,
                           "the stride is %zu; expected a multiple of 4 of at least %zu", l->stride,
@@ -133,14 +131,13 @@ static void note_first_beyond(look *l, size_t begin, size_t end) {
     if (begin < end) note_bad(l, begin);
 }
 
-static void check_index_run(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void check_index_run(void *user, size_t begin, size_t end) {
     look *l = user;
     if (!l->kernels->indices(l->indices + begin, end - begin, l->limit)) note_first_beyond(l, begin, end);
 }
 
 static fathom_status check_indices(fathom_context *context, const char *what, look *l, size_t count,
-                                   size_t grain, void (*run)(void *, size_t, size_t, unsigned)) {
+                                   size_t grain, loop_body run) {
     loop_parallel(fathom_context_threads(context), count, grain, run, l);
     if (l->bad == SIZE_MAX) return FATHOM_OK;
     return fail_item(context, FATHOM_BAD_INPUT, what, l->bad,
@@ -187,8 +184,7 @@ static bool look_at_some(const look *l, size_t begin, size_t end, mesh_facts *to
     return true;
 }
 
-static void look_at_run(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void look_at_run(void *user, size_t begin, size_t end) {
     look *l = user;
     mesh_facts found = {.largest = 0};
     for (size_t i = begin; i < end; i += TOGETHER) {

@@ -45,8 +45,7 @@ static void join(shared *parent, uint32_t a, uint32_t b) {
     }
 }
 
-static void join_triangles(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void join_triangles(void *user, size_t begin, size_t end) {
     const search *s = user;
     const uint32_t *t = s->mesh->indices + 3 * begin;
     for (size_t i = begin; i < end; ++i, t += 3) join(s->parent, t[0], t[1]), join(s->parent, t[0], t[2]);
@@ -74,8 +73,7 @@ static uint32_t first_at(const search *s, uint32_t v) {
     }
 }
 
-static void join_positions(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
+static void join_positions(void *user, size_t begin, size_t end) {
     const search *s = user;
     for (size_t v = begin; v < end; ++v) join(s->parent, first_at(s, (uint32_t)v), (uint32_t)v);
 }

@@ -110,9 +110,8 @@ typedef struct carrying {
     float *to;
 } carrying;
 
-static void carry_points(void *user, size_t begin, size_t end, unsigned worker) {
+static void carry_points(void *user, size_t begin, size_t end) {
     const carrying *c = user;
-    (void)worker;
     for (size_t i = begin; i < end; ++i) {
         const vec3_f64 p = widen(load_f32(mesh_row(c->from.values, c->from.stride, i)));
         store_f32(c->to + 3 * i, narrow(affine_point(&c->map, p)));
@@ -120,10 +119,9 @@ static void carry_points(void *user, size_t begin, size_t end, unsigned worker) 
 }
 
 /* The fourth number of a tangent is a sign, which is copied. */
-static void carry_directions(void *user, size_t begin, size_t end, unsigned worker) {
+static void carry_directions(void *user, size_t begin, size_t end) {
     const carrying *c = user;
     const unsigned width = c->from.width;
-    (void)worker;
     for (size_t i = begin; i < end; ++i) {
         const float *from = mesh_row(c->from.values, c->from.stride, i);
         store_f32(c->to + width * i, narrow(affine_vector(&c->map, widen(load_f32(from)))));

@@ -80,9 +80,8 @@ static void halve(const run *r, unsigned levels, run_list *left) {
     halve(&(run){r->items + first, r->count - first}, levels - 1, left);
 }
 
-static void halve_runs(void *user, size_t begin, size_t end, unsigned worker) {
+static void halve_runs(void *user, size_t begin, size_t end) {
     const run_list *list = user;
-    (void)worker;
     for (size_t i = begin; i < end; ++i) halve(&list->runs[i], 0, NULL);
 }
 
@@ -93,9 +92,8 @@ typedef struct filling {
     sphere_clusters *out;
 } filling;
 
-static void fill(void *user, size_t begin, size_t end, unsigned worker) {
+static void fill(void *user, size_t begin, size_t end) {
     const filling *f = user;
-    (void)worker;
     for (size_t c = begin; c < end; ++c) {
         sphere_cluster *to = &f->out->items[c];
         const item *from = f->all.items + CLUSTER * c;
