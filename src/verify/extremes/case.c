@@ -31,7 +31,7 @@ static fathom_status open_world(judged_scene *c) {
     }
     if (c->b.status == FATHOM_OK) c->b.status = search_create(c->b.context, c->world, &c->search);
     if (c->b.status == FATHOM_OK) c->b.status = rays_create(c->b.context, c->world, &c->source);
-    if (c->b.status == FATHOM_OK && c->maker) rays_set_maker(c->source, c->maker, c);
+    if (c->b.status == FATHOM_OK && c->maker) c->source->own = c->maker, c->source->own_user = c;
     return c->b.status;
 }
 

@@ -34,9 +34,8 @@ void sliver_make(judged_scene *c, double aspect) {
 /* ---- grazing ---- */
 
 /* A ray at a fixed angle to the surface, from either side. */
-static rays_draft grazing_ray(const void *user, rays_random *r, uint64_t index) {
+static rays_draft grazing_ray(const void *user, rays_random *r) {
     const judged_scene *c = user;
-    (void)index;
     rays_target target = rays_pick(c->source, r);
     double tilt = tan(c->number[0]) * (rays_unit(r) < 0.5 ? -1 : 1);
     vec3_f64 dir = madd_f64(rays_perpendicular(r, target.normal), tilt, target.normal);
@@ -74,24 +73,24 @@ void grazing_planes(judged_scene *c, double angle) {
 /* ---- tangent ---- */
 
 /* A ray that passes the silhouette outside or inside, by a fraction of the radius. */
-static rays_draft tangent_ray(const void *user, rays_random *r, uint64_t index) {
+static rays_draft tangent_ray(const void *user, rays_random *r) {
     const judged_scene *c = user;
     uint32_t sphere = (uint32_t)(rays_unit(r) * (double)c->world->spheres.count);
     vec3_f64 center = widen(c->world->spheres.items[sphere].center), n = rays_direction(r);
     double radius = (double)c->world->spheres.items[sphere].radius, off = c->number[0];
     vec3_f64 dir = rays_perpendicular(r, n);
-    vec3_f64 point = madd_f64(center, radius * (1 + (index % 2 ? off : -off)), n);
+    vec3_f64 point = madd_f64(center, radius * (1 + (r->index % 2 ? off : -off)), n);
     return (rays_draft){madd_f64(point, -radius * rays_power(r, 0, 2), dir), dir, 0, (double)INFINITY};
 }
 
 /* A ray along an axis that touches the sphere exactly, also in float: all numbers are multiples of the
  * radius, which is a power of two. */
-static rays_draft touching_ray(const void *user, rays_random *r, uint64_t index) {
+static rays_draft touching_ray(const void *user, rays_random *r) {
     const judged_scene *c = user;
     uint32_t sphere = (uint32_t)(rays_unit(r) * (double)c->world->spheres.count);
     vec3_f64 center = widen(c->world->spheres.items[sphere].center);
     double radius = (double)c->world->spheres.items[sphere].radius, org[3], dir[3] = {0, 0, 0};
-    unsigned axis = (unsigned)(rays_unit(r) * 3), side = (axis + 1 + (unsigned)(index % 2)) % 3;
+    unsigned axis = (unsigned)(rays_unit(r) * 3), side = (axis + 1 + (unsigned)(r->index % 2)) % 3;
     store_f64(org, center);
     org[side] += rays_unit(r) < 0.5 ? radius : -radius;
     dir[axis] = rays_unit(r) < 0.5 ? 1 : -1;
@@ -125,17 +124,16 @@ static vec3_f64 aimed_past(rays_random *r, vec3_f64 org, vec3_f64 center, double
 
 /* Every second ray passes near the silhouette, by 1e-7 to 1e-1 of the radius; the others anywhere up to it
  * and a little beyond. */
-static double distance_past(rays_random *r, uint64_t index, double radius) {
-    if (index % 2) return radius * sqrt(rays_unit(r)) * 1.05;
+static double distance_past(rays_random *r) {
+    if (r->index % 2) return sqrt(rays_unit(r)) * 1.05;
     double off = rays_power(r, -7, -1);
-    return radius * (rays_unit(r) < 0.5 ? 1 - off : 1 + off);
+    return rays_unit(r) < 0.5 ? 1 - off : 1 + off;
 }
 
-static rays_draft outer_ray(const void *user, rays_random *r, uint64_t index) {
+static rays_draft outer_ray(const void *user, rays_random *r) {
     const judged_scene *c = user;
     vec3_f64 org = madd_f64(unit_center, 1 + c->number[0], rays_direction(r));
-    return (rays_draft){org, aimed_past(r, org, unit_center, distance_past(r, index, 1)), 0,
-                        (double)INFINITY};
+    return (rays_draft){org, aimed_past(r, org, unit_center, distance_past(r)), 0, (double)INFINITY};
 }
 
 /* Adds a unit sphere; number[0]: distance to its surface. */
@@ -148,23 +146,23 @@ static void near_unit(judged_scene *c, const char *side, double ratio, rays_make
 
 void ratio_outside(judged_scene *c, double ratio) { near_unit(c, "outside", ratio, outer_ray); }
 
-static rays_draft inner_ray(const void *user, rays_random *r, uint64_t index) {
+static rays_draft inner_ray(const void *user, rays_random *r) {
     const judged_scene *c = user;
     vec3_f64 n = rays_direction(r), org = madd_f64(unit_center, 1 - c->number[0], n);
     vec3_f64 dir =
-        index % 2 ? rays_direction(r) : madd_f64(rays_perpendicular(r, n), rays_power(r, -7, 0), n);
+        r->index % 2 ? rays_direction(r) : madd_f64(rays_perpendicular(r, n), rays_power(r, -7, 0), n);
     return (rays_draft){org, dir, 0, (double)INFINITY};
 }
 
 void ratio_inside(judged_scene *c, double ratio) { near_unit(c, "inside", ratio, inner_ray); }
 
 /* A ray from the surface, rounded to float; every second ray is nearly tangent. */
-static rays_draft surface_ray(const void *user, rays_random *r, uint64_t index) {
+static rays_draft surface_ray(const void *user, rays_random *r) {
     const judged_scene *c = user;
     const world_sphere *sphere = &c->world->spheres.items[0];
     vec3_f64 n = rays_direction(r), org = madd_f64(widen(sphere->center), (double)sphere->radius, n);
     double tilt = rays_power(r, -7, 0) * (rays_unit(r) < 0.5 ? -1 : 1);
-    vec3_f64 dir = index % 2 ? rays_direction(r) : madd_f64(rays_perpendicular(r, n), tilt, n);
+    vec3_f64 dir = r->index % 2 ? rays_direction(r) : madd_f64(rays_perpendicular(r, n), tilt, n);
     return (rays_draft){org, dir, 0, (double)INFINITY};
 }
 
@@ -186,12 +184,12 @@ void ratio_surface(judged_scene *c, double ratio) {
 static const double earth = 6.371e6;
 
 /* A ray from around the part, aimed at the part or past it at the ground. */
-static rays_draft part_ray(const void *user, rays_random *r, uint64_t index) {
+static rays_draft part_ray(const void *user, rays_random *r) {
     const judged_scene *c = user;
     vec3_f64 at =
         sub_f64(load_f64((const double[3]){c->number[1], c->number[2], c->number[3]}), c->world->origin);
     vec3_f64 org = rays_in_ball(r, at, 10 * c->number[0]);
-    vec3_f64 target = rays_in_ball(r, at, (index % 2 ? 1.05 : 3) * c->number[0]);
+    vec3_f64 target = rays_in_ball(r, at, (r->index % 2 ? 1.05 : 3) * c->number[0]);
     return (rays_draft){org, sub_f64(target, org), 0, (double)INFINITY};
 }
 

@@ -3,7 +3,7 @@
 #include <float.h>
 
 typedef rays_draft draft;
-typedef draft (*maker)(const rays_source *s, rays_random *r, uint64_t index);
+typedef draft (*maker)(const rays_source *s, rays_random *r);
 
 static draft towards(vec3_f64 org, vec3_f64 target) {
     return (draft){org, sub_f64(target, org), 0, (double)INFINITY};
@@ -13,8 +13,7 @@ static vec3_f64 around(const rays_source *s, rays_random *r) {
     return rays_in_ball(r, s->center, 2 * s->radius);
 }
 
-static draft make_camera(const rays_source *s, rays_random *r, uint64_t index) {
-    (void)index;
+static draft make_camera(const rays_source *s, rays_random *r) {
     const fathom_camera *c = &s->world->scene->camera;
     double u = rays_unit(r) - 0.5, v = rays_unit(r) - 0.5, w = c->w > 0 ? c->w : c->h * 16 / 9;
     vec3_f64 dir = scale_f64(u * w, load_f64(c->x));
@@ -24,18 +23,17 @@ static draft make_camera(const rays_source *s, rays_random *r, uint64_t index) {
     return (draft){org, normalize_f64(dir), 0, (double)INFINITY};
 }
 
-static draft make_uniform(const rays_source *s, rays_random *r, uint64_t index) {
-    (void)index;
+static draft make_uniform(const rays_source *s, rays_random *r) {
     vec3_f64 org = around(s, r);
     return towards(org, rays_pick(s, r).point);
 }
 
 /* Every second ray starts near the centre of its target run: inside, if that is closed. */
-static vec3_f64 viewpoint(const rays_source *s, rays_random *r, const rays_target *target, uint64_t index) {
-    return index % 2 ? around(s, r) : rays_in_ball(r, target->run->center, 0.2 * target->run->radius);
+static vec3_f64 viewpoint(const rays_source *s, rays_random *r, const rays_target *target) {
+    return r->index % 2 ? around(s, r) : rays_in_ball(r, target->run->center, 0.2 * target->run->radius);
 }
 
-static draft make_edge(const rays_source *s, rays_random *r, uint64_t index) {
+static draft make_edge(const rays_source *s, rays_random *r) {
     rays_target target = rays_pick(s, r);
     vec3_f64 point = target.point;
     if (target.corners) {
@@ -43,18 +41,17 @@ static draft make_edge(const rays_source *s, rays_random *r, uint64_t index) {
         vec3_f64 a = target.corner[k], b = target.corner[(k + 1) % target.corners];
         point = madd_f64(a, rays_unit(r), sub_f64(b, a));
     }
-    return towards(viewpoint(s, r, &target, index), point);
+    return towards(viewpoint(s, r, &target), point);
 }
 
-static draft make_vertex(const rays_source *s, rays_random *r, uint64_t index) {
+static draft make_vertex(const rays_source *s, rays_random *r) {
     rays_target target = rays_pick(s, r);
     vec3_f64 point = target.point;
     if (target.corners) point = target.corner[(unsigned)(rays_unit(r) * target.corners)];
-    return towards(viewpoint(s, r, &target, index), point);
+    return towards(viewpoint(s, r, &target), point);
 }
 
-static draft make_grazing(const rays_source *s, rays_random *r, uint64_t index) {
-    (void)index;
+static draft make_grazing(const rays_source *s, rays_random *r) {
     rays_target target = rays_pick(s, r);
     double tilt = rays_power(r, -6, 0) * (rays_unit(r) < 0.5 ? -1 : 1);
     vec3_f64 dir = madd_f64(rays_perpendicular(r, target.normal), tilt, target.normal);
@@ -64,8 +61,7 @@ static draft make_grazing(const rays_source *s, rays_random *r, uint64_t index) 
 
 /* For a sphere: perpendicular to the normal, offset from the surface by a fraction of the radius, down to
  * 1e-8. */
-static draft make_tangent(const rays_source *s, rays_random *r, uint64_t index) {
-    (void)index;
+static draft make_tangent(const rays_source *s, rays_random *r) {
     rays_target target = rays_pick(s, r);
     double away = target.run->radius * rays_power(r, -1, 1);
     double off = rays_power(r, -8, -1) * (rays_unit(r) < 0.5 ? -1 : 1);
@@ -81,22 +77,20 @@ static draft make_tangent(const rays_source *s, rays_random *r, uint64_t index) 
     return (draft){madd_f64(point, -away, dir), dir, 0, (double)INFINITY};
 }
 
-static draft make_surface(const rays_source *s, rays_random *r, uint64_t index) {
-    (void)index;
+static draft make_surface(const rays_source *s, rays_random *r) {
     vec3_f64 org = rays_pick(s, r).point;
     return (draft){org, rays_direction(r), 0, (double)INFINITY};
 }
 
-static draft make_far(const rays_source *s, rays_random *r, uint64_t index) {
-    (void)index;
+static draft make_far(const rays_source *s, rays_random *r) {
     vec3_f64 target = rays_pick(s, r).point;
     return towards(madd_f64(target, s->radius * rays_power(r, 1, 6), rays_direction(r)), target);
 }
 
-static draft make_axis(const rays_source *s, rays_random *r, uint64_t index) {
+static draft make_axis(const rays_source *s, rays_random *r) {
     vec3_f64 target = rays_pick(s, r).point;
     vec3_f64 dir = rays_direction(r);
-    double zero = index % 2 ? -0.0 : 0.0, *parts[3] = {&dir.x, &dir.y, &dir.z};
+    double zero = r->index % 2 ? -0.0 : 0.0, *parts[3] = {&dir.x, &dir.y, &dir.z};
     unsigned axis = (unsigned)(rays_unit(r) * 3);
     *parts[axis] = zero;
     if (rays_unit(r) < 0.5) *parts[(axis + 1) % 3] = zero;
@@ -104,22 +98,22 @@ static draft make_axis(const rays_source *s, rays_random *r, uint64_t index) {
 }
 
 /* Intervals that end far behind the target, at half its t and at twice its t. */
-static draft make_scaled(const rays_source *s, rays_random *r, uint64_t index) {
-    draft ray = make_uniform(s, r, index);
-    double size = index % 8 ? rays_power(r, -20, 36) : rays_power(r, -31, -30),
+static draft make_scaled(const rays_source *s, rays_random *r) {
+    draft ray = make_uniform(s, r);
+    double size = r->index % 8 ? rays_power(r, -20, 36) : rays_power(r, -31, -30),
            t = length_f64(ray.dir) / size;
     ray.dir = scale_f64(size, normalize_f64(ray.dir));
-    if (index % 2) ray.t_far = rays_power(r, 30, 38.5);
-    if (index % 8 == 3) ray.t_far = t / 2;
-    if (index % 8 == 7) ray.t_far = 2 * t;
+    if (r->index % 2) ray.t_far = rays_power(r, 30, 38.5);
+    if (r->index % 8 == 3) ray.t_far = t / 2;
+    if (r->index % 8 == 7) ray.t_far = 2 * t;
     return ray;
 }
 
 /* The target has t = 1, up to rounding. */
-static draft make_interval(const rays_source *s, rays_random *r, uint64_t index) {
-    draft ray = make_uniform(s, r, index);
+static draft make_interval(const rays_source *s, rays_random *r) {
+    draft ray = make_uniform(s, r);
     double width = rays_power(r, -8, 0);
-    switch (index % 5) {
+    switch (r->index % 5) {
     case 0: ray.t_near = 1 - width, ray.t_far = 1 + width; break;
     case 1: ray.t_near = 1; break;
     case 2: ray.t_far = 1; break;
@@ -129,8 +123,7 @@ static draft make_interval(const rays_source *s, rays_random *r, uint64_t index)
     return ray;
 }
 
-static draft make_tiny(const rays_source *s, rays_random *r, uint64_t index) {
-    (void)index;
+static draft make_tiny(const rays_source *s, rays_random *r) {
     vec3_f64 target = rays_pick(s, r).point, dir = rays_direction(r);
     double *parts[3] = {&dir.x, &dir.y, &dir.z};
     unsigned axis = (unsigned)(rays_unit(r) * 3);
@@ -140,8 +133,8 @@ static draft make_tiny(const rays_source *s, rays_random *r, uint64_t index) {
     return (draft){madd_f64(target, -2 * s->radius, dir), dir, 0, (double)INFINITY};
 }
 
-static draft make_bundle(const rays_source *s, rays_random *r, uint64_t index) {
-    rays_random all = rays_random_of(1, RAYS_BUNDLE, index / 16);
+static draft make_bundle(const rays_source *s, rays_random *r) {
+    rays_random all = rays_random_of(1, RAYS_BUNDLE, r->index / 16);
     vec3_f64 target = rays_pick(s, &all).point, dir = rays_direction(&all);
     double *parts[3] = {&dir.x, &dir.y, &dir.z}, spread = rays_power(&all, -6, -0.5);
     if (rays_unit(&all) < 0.6) *parts[(unsigned)(rays_unit(&all) * 3)] = 0;
@@ -181,12 +174,12 @@ static vec3_f64 on_planes(const rays_target *target, rays_random *r, vec3_f64 or
     return org;
 }
 
-static draft make_lattice(const rays_source *s, rays_random *r, uint64_t index) {
+static draft make_lattice(const rays_source *s, rays_random *r) {
     rays_target target = rays_pick(s, r);
     vec3_f64 point = eighths(&target, r), dir = along_axis(target.normal, r);
     double t = 1 + floor(4 * rays_unit(r)) / 2;
     draft ray = {madd_f64(point, -t, dir), dir, 0, (double)INFINITY};
-    switch (index % 6) {
+    switch (r->index % 6) {
     case 0: ray.t_far = t; break;
     case 1: ray.t_near = t; break;
     case 2: ray.org = on_planes(&target, r, around(s, r)), ray.dir = along_axis(rays_direction(r), r); break;
@@ -196,8 +189,8 @@ static draft make_lattice(const rays_source *s, rays_random *r, uint64_t index) 
     return ray;
 }
 
-static draft make_ends(const rays_source *s, rays_random *r, uint64_t index) {
-    return index % 2 ? make_surface(s, r, index) : make_uniform(s, r, index);
+static draft make_ends(const rays_source *s, rays_random *r) {
+    return r->index % 2 ? make_surface(s, r) : make_uniform(s, r);
 }
 
 static const struct {
@@ -235,16 +228,11 @@ bool rays_allowed(const rays_source *source, const oracle_ray *ray) {
     return in_range && moves && ray->t_near >= 0 && isfinite(ray->t_near) && ray->t_near <= ray->t_far;
 }
 
-void rays_set_maker(rays_source *source, rays_maker make, const void *user) {
-    source->own = make, source->own_user = user;
-}
-
 oracle_ray rays_make(const rays_source *source, rays_family family, uint64_t seed, uint64_t index) {
     rays_random r = rays_random_of(seed, (uint64_t)family, index);
     oracle_ray ray;
     for (int attempt = 0; attempt < 64; ++attempt) {
-        draft d =
-            source->own ? source->own(source->own_user, &r, index) : families[family].make(source, &r, index);
+        draft d = source->own ? source->own(source->own_user, &r) : families[family].make(source, &r);
         ray = (oracle_ray){rounded(d.org), rounded(d.dir), rays_normal(d.t_near), rays_normal(d.t_far)};
         if (rays_allowed(source, &ray)) return ray;
     }

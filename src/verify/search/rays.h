@@ -58,14 +58,11 @@ typedef struct rays_draft {
     double t_near, t_far;
 } rays_draft;
 
-/* Random numbers of one ray. */
+/* Random numbers of one ray, and its index in the family. */
 typedef struct rays_random {
-    uint64_t counter;
+    uint64_t counter, index;
 } rays_random;
-typedef rays_draft (*rays_maker)(const void *user, rays_random *random, uint64_t index);
-
-/* From now on, `make` makes the rays of every family. */
-void rays_set_maker(rays_source *source, rays_maker make, const void *user);
+typedef rays_draft (*rays_maker)(const void *user, rays_random *random);
 
 /* The radius of a sphere around everything except planes; at least 1e-30. Errors of position are relative to
  * it. */

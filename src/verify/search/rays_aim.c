@@ -7,8 +7,8 @@
 
 rays_random rays_random_of(uint64_t seed, uint64_t family, uint64_t index) {
     uint64_t key = mix_bits(seed + 0x9e3779b97f4a7c15u);
-    return (rays_random){
-        mix_bits(mix_bits(key + family * 0xd1342543de82ef95u) + index * 0x9e3779b97f4a7c15u)};
+    return (rays_random){mix_bits(mix_bits(key + family * 0xd1342543de82ef95u) + index * 0x9e3779b97f4a7c15u),
+                         index};
 }
 
 double rays_unit(rays_random *r) {
