@@ -156,8 +156,7 @@ static void advance(path *p, const reference_surface *s) {
 
 static vec3_f64 outside(const reference_scene *r, const path *p) {
     const reference_settings *o = &r->settings;
-    const vec3_f64 sky =
-        o->environment ? o->environment(o->user, p->direction) : reference_sky_light(r, p->direction);
+    const vec3_f64 sky = o->environment ? o->environment(p->direction) : reference_sky_light(r, p->direction);
     return p->unlit && !p->in_view ? add_f64(sky, reference_suns(r, p->direction)) : sky;
 }
 

@@ -23,8 +23,7 @@ typedef struct reference_settings {
     bool without_bvh;           /* closest hits by testing every primitive */
     /* Radiance from outside in a unit direction, instead of background and environment lights; NULL: those of
      * the scene. Called from several threads: must be thread-safe. */
-    vec3_f64 (*environment)(void *user, vec3_f64 direction);
-    void *user;
+    vec3_f64 (*environment)(vec3_f64 direction);
 } reference_settings;
 
 typedef struct reference_estimate {

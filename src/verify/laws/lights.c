@@ -60,10 +60,7 @@ static void parallel_squares(law_room *room) {
 /* ---- an image of a sky through a square hole in the roof of a black room ---- */
 
 /* The hole shows directions with a z of at least 1/sqrt(3). */
-static vec3_f64 sky_over_hole(void *user, vec3_f64 direction) {
-    (void)user;
-    return gray(direction.z > 0.5 ? 1 : 30);
-}
+static vec3_f64 sky_over_hole(vec3_f64 direction) { return gray(direction.z > 0.5 ? 1 : 30); }
 
 static void sky_through_hole(law_room *room) {
     const double wide = 1.25, far = 1.75, side = 3; /* the roof's parts reach from 0.5 to 3 */

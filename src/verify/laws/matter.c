@@ -30,9 +30,8 @@ static double band_sum(vec3_f64 axis, vec3_f64 direction, const double factors[5
     return sum;
 }
 
-static vec3_f64 harmonic_sky(void *user, vec3_f64 d) {
+static vec3_f64 harmonic_sky(vec3_f64 d) {
     static const double all[5] = {1, 1, 1, 1, 1};
-    (void)user;
     return vec_f64(band_sum(sky_axes[0], d, all), band_sum(sky_axes[1], d, all),
                    band_sum(sky_axes[2], d, all));
 }

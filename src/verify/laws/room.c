@@ -83,7 +83,7 @@ static fathom_status write_sky(law_room *room) {
     float(*pixels)[3] = malloc((size_t)WIDTH * HEIGHT * sizeof *pixels);
     if (!pixels) return fail_memory(room->b.context, (size_t)WIDTH * HEIGHT * sizeof *pixels);
     for (uint32_t i = 0; i < WIDTH * HEIGHT; ++i)
-        build_rgb(pixels[i], room->environment(NULL, sky_direction(i % WIDTH, i / WIDTH, WIDTH, HEIGHT)));
+        build_rgb(pixels[i], room->environment(sky_direction(i % WIDTH, i / WIDTH, WIDTH, HEIGHT)));
     static const char *const names[3] = {"R", "G", "B"};
     image_channel channels[3];
     for (int c = 0; c < 3; ++c)
@@ -99,7 +99,7 @@ static fathom_status write_sky(law_room *room) {
     return status;
 }
 
-void law_sky(law_room *room, vec3_f64 (*radiance)(void *user, vec3_f64 direction)) {
+void law_sky(law_room *room, vec3_f64 (*radiance)(vec3_f64 direction)) {
     const char *folder = getenv("TMPDIR");
     fathom_light light;
     fathom_light_default(&light);

@@ -7,8 +7,8 @@ typedef struct law_room {
     builder b;
     double value[3]; /* expected mean over the image */
     uint32_t depth;  /* bounces; default 64 */
-    /* Radiance from outside; NULL: the scene's background. It is called with user = NULL. See law_sky(). */
-    vec3_f64 (*environment)(void *user, vec3_f64 direction);
+    /* Radiance from outside; NULL: the scene's background. See law_sky(). */
+    vec3_f64 (*environment)(vec3_f64 direction);
     char sky[256]; /* image file of it, removed with the room; "": none */
 } law_room;
 
@@ -39,7 +39,7 @@ void law_box(law_room *room, bool meshes, fathom_material m);
 void law_point_light(law_room *room, vec3_f64 at, double intensity, double radius);
 /* Sets `environment` to the function, and adds an environment light with the same radiance as an image of
  * 1024 x 512 pixels. */
-void law_sky(law_room *room, vec3_f64 (*radiance)(void *user, vec3_f64 direction));
+void law_sky(law_room *room, vec3_f64 (*radiance)(vec3_f64 direction));
 /* A camera that looks at one point. The image height is 1/4096 of the distance. */
 void law_look(law_room *room, vec3_f64 eye, vec3_f64 target);
 /* A camera that looks down along z at a square with this side around the origin. */
