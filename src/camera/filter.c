@@ -2,8 +2,6 @@
 
 #include <math.h>
 
-static const double pi = 3.14159265358979324;
-
 /* The filter at x in [-1/2, 1/2] of its width. Gaussian: a standard deviation of a quarter of the width,
  * minus the value at the edges, so that it ends at 0. Blackman-Harris: the four-term window, -92 dB. */
 static double weight(fathom_filter filter, double x) {
@@ -11,7 +9,8 @@ static double weight(fathom_filter filter, double x) {
     case FATHOM_FILTER_BOX: return 1;
     case FATHOM_FILTER_GAUSSIAN: return exp(-8 * x * x) - exp(-2);
     case FATHOM_FILTER_BLACKMAN_HARRIS:
-        return 0.35875 + 0.48829 * cos(2 * pi * x) + 0.14128 * cos(4 * pi * x) + 0.01168 * cos(6 * pi * x);
+        return 0.35875 + 0.48829 * cos(2 * M_PI * x) + 0.14128 * cos(4 * M_PI * x) +
+               0.01168 * cos(6 * M_PI * x);
     }
     return 1;
 }

@@ -8,8 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-#define PI 3.14159265358979323846
-
 static double schlick(double f0, double cosine) { return f0 + (1 - f0) * pow(1 - cosine, 5); }
 
 static double square(double x) { return x * x; }
@@ -23,12 +21,12 @@ static void sensitivity(double difference, const double shift[3], double rgb[3])
     static const double to_rgb[3][3] = {{3.2404542, -1.5371385, -0.4985314},
                                         {-0.9692660, 1.8760108, 0.0415560},
                                         {0.0556434, -0.2040259, 1.0572252}};
-    const double phase = 2 * PI * difference * 1e-9;
+    const double phase = 2 * M_PI * difference * 1e-9;
     double xyz[3];
     for (int c = 0; c < 3; ++c)
-        xyz[c] = value[c] * sqrt(2 * PI * width[c]) * cos(place[c] * phase + shift[c]) *
+        xyz[c] = value[c] * sqrt(2 * M_PI * width[c]) * cos(place[c] * phase + shift[c]) *
                  exp(-square(phase) * width[c]);
-    xyz[0] += 9.7470e-14 * sqrt(2 * PI * 4.5282e9) * cos(2.2399e6 * phase + shift[0]) *
+    xyz[0] += 9.7470e-14 * sqrt(2 * M_PI * 4.5282e9) * cos(2.2399e6 * phase + shift[0]) *
               exp(-square(phase) * 4.5282e9);
     for (int c = 0; c < 3; ++c)
         rgb[c] = (to_rgb[c][0] * xyz[0] + to_rgb[c][1] * xyz[1] + to_rgb[c][2] * xyz[2]) / all;
@@ -44,7 +42,7 @@ static void reflectance(const fathom_material *m, const float f0[3], double cosi
     for (int c = 0; c < 3; ++c) {
         const double root = sqrt(fmin((double)f0[c], 0.9999)), base = (1 + root) / (1 - root);
         r23[c] = schlick(square((base - index) / (base + index)), inner);
-        shift[c] = PI + (base < index ? PI : 0);
+        shift[c] = M_PI + (base < index ? M_PI : 0);
     }
     for (int c = 0; c < 3; ++c) {
         const double rs = t121 * t121 * r23[c] / (1 - fmin(fmax(r12 * r23[c], 1e-5), 0.9999));

@@ -36,11 +36,10 @@ static uint32_t vertex_at(const globe *g, uint32_t row, uint32_t column) {
 }
 
 static void fill_vertices(const globe *g) {
-    const double pi = 3.14159265358979323846;
     for (uint32_t row = 0; row <= g->rows; ++row) {
-        const double theta = pi * row / g->rows;
+        const double theta = M_PI * row / g->rows;
         for (uint32_t column = 0; column <= 2 * g->rows; ++column) {
-            const double phi = pi * column / g->rows;
+            const double phi = M_PI * column / g->rows;
             float *normal = &g->normals[3 * vertex_at(g, row, column)],
                   *uv = &g->uvs[2 * (row * (2 * g->rows + 1) + column)];
             const bool pole = row == 0 || row == g->rows;

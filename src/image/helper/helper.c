@@ -19,8 +19,6 @@
 
 #define HELPER_FILE "fathom/fathom-image"
 
-extern char **environ;
-
 typedef enum helper_state { HELPER_NONE, HELPER_STARTING, HELPER_READY, HELPER_FAILED } helper_state;
 
 /* A helper process. It handles one request at a time; the first process handles all requests except

@@ -221,7 +221,7 @@ static bool radiance(const reference_scene *r, path p, reference_random random, 
 /* True if the point is outside the polygon of blades: farther from the centre, towards its side, than the
  * side is. */
 static bool beyond_blades(const fathom_camera *camera, double angle, double radius) {
-    const double step = 2 * PI / camera->blades, turned = (angle - camera->blade_rotation) / step;
+    const double step = 2 * M_PI / camera->blades, turned = (angle - camera->blade_rotation) / step;
     const double aside = (turned - floor(turned) - 0.5) * step;
     return radius * cos(aside) > camera->lens_radius * cos(step / 2);
 }
@@ -244,7 +244,7 @@ static void camera_ray(const reference_scene *r, double x, double y, reference_r
     if (camera->lens_radius > 0) {
         double angle, radius;
         do {
-            angle = 2 * PI * reference_uniform(random);
+            angle = 2 * M_PI * reference_uniform(random);
             radius = camera->lens_radius * sqrt(reference_uniform(random));
         } while (camera->blades && beyond_blades(camera, angle, radius));
         const vec3_f64 off = madd_f64(scale_f64(radius * cos(angle), right), radius * sin(angle), up);

@@ -55,11 +55,11 @@ static double fibres_reflect(const fathom_material *m, double nv) {
     enum { RINGS = 64, AROUND = 32 };
     double sum = 0;
     for (int i = 0; i < RINGS * AROUND; ++i) {
-        const double x = (i / AROUND + 0.5) / RINGS, nl = x * x, phi = PI * (i % AROUND + 0.5) / AROUND;
+        const double x = (i / AROUND + 0.5) / RINGS, nl = x * x, phi = M_PI * (i % AROUND + 0.5) / AROUND;
         const double lv = nl * nv + sqrt((1 - nl * nl) * (1 - nv * nv)) * cos(phi);
         sum += 2 * x * reference_fibres(m, nl, nv, (nl + nv) / sqrt(2 + 2 * lv)) * nl;
     }
-    return sum * 2 * PI / (RINGS * AROUND);
+    return sum * 2 * M_PI / (RINGS * AROUND);
 }
 
 double reference_stretched(double along, double across, vec3_f64 d) {
@@ -94,7 +94,7 @@ static void facets_reflect(double along, double across, vec3_f64 v, const kept *
     enum { RINGS = 128, AROUND = 64 };
     *all = 0, *layer = gray(0);
     for (int i = 0; i < RINGS * AROUND; ++i) {
-        const double q = (i / AROUND + 0.5) / RINGS, phi = 2 * PI * (i % AROUND + 0.5) / AROUND;
+        const double q = (i / AROUND + 0.5) / RINGS, phi = 2 * M_PI * (i % AROUND + 0.5) / AROUND;
         const double slope = sqrt(1 / (q * q * q) - 1);
         const vec3_f64 h = normalize_f64(vec_f64(along * slope * cos(phi), across * slope * sin(phi), 1));
         const double vh = dot_f64(v, h);
@@ -128,7 +128,7 @@ static void make_facets(const fathom_material *m, const kept *table, reference_a
 /* Directions distributed like the cosine over a quarter of the hemisphere. */
 enum { RINGS = 256, AROUND = 16 };
 static vec3_f64 spread(int i) {
-    const double z2 = (i / AROUND + 0.5) / RINGS, angle = PI / 2 * (i % AROUND + 0.5) / AROUND;
+    const double z2 = (i / AROUND + 0.5) / RINGS, angle = M_PI / 2 * (i % AROUND + 0.5) / AROUND;
     return vec_f64(sqrt(1 - z2) * cos(angle), sqrt(1 - z2) * sin(angle), sqrt(z2));
 }
 
@@ -222,7 +222,7 @@ double reference_again(const reference_surface *s, vec3_f64 l) {
     if (!s->material->multiscatter || !(a->lost > 1e-6)) return 0;
     const double from_l = reference_facets(a->facets, reference_in_frame(s, l));
     return (1 - from_l) * (1 - reference_facets(a->facets, reference_in_frame(s, s->to_viewer))) /
-           (PI * a->lost);
+           (M_PI * a->lost);
 }
 
 bool reference_is_inside(const reference_surface *s) {

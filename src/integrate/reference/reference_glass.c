@@ -23,7 +23,7 @@ static double facets_send(const fathom_material *m, double ior, double ratio, ve
     double sum = 0;
     for (int i = 0; i < RINGS * AROUND / half; ++i) {
         const double q = (i / (AROUND / half) + 0.5) / RINGS,
-                     phi = 2 * PI * (i % (AROUND / half) + 0.5) / AROUND;
+                     phi = 2 * M_PI * (i % (AROUND / half) + 0.5) / AROUND;
         const double slope = sqrt(1 / (q * q * q) - 1);
         const vec3_f64 h = normalize_f64(vec_f64(along * slope * cos(phi), across * slope * sin(phi), 1));
         const double vh = dot_f64(v, h);
@@ -46,7 +46,7 @@ static double mean_of(const double curves[REFERENCE_TURNS + 1][REFERENCE_STEPS +
     enum { RINGS = 1024, TURNS = 32 };
     double sum = 0;
     for (int i = 0; i < RINGS * TURNS; ++i) {
-        const double z = sqrt((i / TURNS + 0.5) / RINGS), phi = PI / 2 * (i % TURNS + 0.5) / TURNS;
+        const double z = sqrt((i / TURNS + 0.5) / RINGS), phi = M_PI / 2 * (i % TURNS + 0.5) / TURNS;
         sum += reference_facets(curves, vec_f64(sqrt(1 - z * z) * cos(phi), sqrt(1 - z * z) * sin(phi), z));
     }
     return sum / (RINGS * TURNS);
@@ -84,8 +84,8 @@ void reference_glass_make(const fathom_material *m, double ior, reference_glass 
     for (int side = 0; side < 2; ++side) {
         const double open = mean_transmitted(m, ior, side ? 1 / ior : ior);
         const double through = open * lost[!side] / fmax(fmax(lost[0], lost[1]), 1e-6);
-        out->again[side] = lost[side] > 1e-6 ? (1 - through) / (PI * lost[side]) : 0;
-        out->cross[side] = lost[!side] > 1e-6 ? through / (PI * lost[!side]) : 0;
+        out->again[side] = lost[side] > 1e-6 ? (1 - through) / (M_PI * lost[side]) : 0;
+        out->cross[side] = lost[!side] > 1e-6 ? through / (M_PI * lost[!side]) : 0;
     }
 }
 

@@ -8,8 +8,6 @@
 
 #include <stdatomic.h>
 
-#define PI 3.14159265358979323846
-
 /* ---- colours ---- */
 
 static inline vec3_f64 color_of(const float rgb[3]) {

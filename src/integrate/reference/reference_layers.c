@@ -17,7 +17,7 @@ static double shadowed(double cosine, double alpha) {
 
 double reference_fibres(const fathom_material *m, double nl, double nv, double nh) {
     const double rough = fmax((double)m->sheen_roughness, 0.07), alpha = rough * rough;
-    const double d = (2 + 1 / alpha) * pow(fmax(1 - nh * nh, 0), 0.5 / alpha) / (2 * PI);
+    const double d = (2 + 1 / alpha) * pow(fmax(1 - nh * nh, 0), 0.5 / alpha) / (2 * M_PI);
     return d / (4 * nl * nv * (1 + shadowed(nl, alpha) + shadowed(nv, alpha)));
 }
 
@@ -31,10 +31,10 @@ static vec3_f64 seen(double way, const double shift[3]) {
     static const double value[4] = {5.4856e-13, 4.4201e-13, 5.2481e-13, 9.7470e-14};
     static const double place[4] = {1.6810e6, 1.7953e6, 2.2084e6, 2.2399e6};
     static const double spread[4] = {4.3278e9, 9.3046e9, 6.6121e9, 4.5282e9};
-    const double phase = 2 * PI * way * 1e-9;
+    const double phase = 2 * M_PI * way * 1e-9;
     double xyz[4];
     for (int k = 0; k < 4; ++k)
-        xyz[k] = value[k] * sqrt(2 * PI * spread[k]) * cos(place[k] * phase + shift[k % 3]) *
+        xyz[k] = value[k] * sqrt(2 * M_PI * spread[k]) * cos(place[k] * phase + shift[k % 3]) *
                  exp(-spread[k] * phase * phase) / 1.0685e-7;
     const double x = xyz[0] + xyz[3], y = xyz[1], z = xyz[2];
     return vec_f64(3.2404542 * x - 1.5371385 * y - 0.4985314 * z,
@@ -72,7 +72,7 @@ vec3_f64 reference_film(const fathom_material *m, vec3_f64 f0, double cosine) {
     vec3_f64 waves[2];
     for (int k = 1; k <= 2; ++k) {
         double shift[3];
-        for (int i = 0; i < 3; ++i) shift[i] = k * (base_index(colors[i]) < index ? 2 * PI : PI);
+        for (int i = 0; i < 3; ++i) shift[i] = k * (base_index(colors[i]) < index ? 2 * M_PI : M_PI);
         waves[k - 1] = seen(k * 2 * index * thick * inside, shift);
     }
     return vec_f64(film_over(index, f0.x, c, waves).x, film_over(index, f0.y, c, waves).y,

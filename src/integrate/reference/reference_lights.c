@@ -20,7 +20,7 @@ static reference_arrival from_sphere(const fathom_light *light, vec3_f64 to, ref
         reference_around(normalize_f64(to), 1 - less * reference_uniform(random), random);
     const double along = dot_f64(to, direction), root = along * along - (square - R * R);
     return (reference_arrival){direction, along - sqrt(fmax(root, 0)),
-                               2 * PI * less / (R * R) * spot_falloff(light, direction)};
+                               2 * M_PI * less / (R * R) * spot_falloff(light, direction)};
 }
 
 /* An intensity of 1 has the irradiance pi at distance 1. Points inside the sphere see a point. */
@@ -29,7 +29,7 @@ static reference_arrival from_place(const fathom_light *light, vec3_f64 point, r
     const double R = (double)light->radius;
     if (R > 0 && length_f64(to) > R) return from_sphere(light, to, random);
     reference_arrival a = {normalize_f64(to), length_f64(to), 0};
-    a.power = a.distance > 0 ? PI * spot_falloff(light, a.direction) / (a.distance * a.distance) : 0;
+    a.power = a.distance > 0 ? M_PI * spot_falloff(light, a.direction) / (a.distance * a.distance) : 0;
     return a;
 }
 
@@ -37,10 +37,10 @@ static reference_arrival from_place(const fathom_light *light, vec3_f64 point, r
  * A)). */
 static reference_arrival from_afar(const fathom_light *light, reference_random *random) {
     const vec3_f64 axis = normalize_f64(neg_f64(load_f64(light->direction)));
-    if (!(light->angular_radius > 0)) return (reference_arrival){axis, (double)INFINITY, PI};
+    if (!(light->angular_radius > 0)) return (reference_arrival){axis, (double)INFINITY, M_PI};
     const double half = sin((double)light->angular_radius / 2), less = 2 * half * half;
     const vec3_f64 direction = reference_around(axis, 1 - less * reference_uniform(random), random);
-    return (reference_arrival){direction, (double)INFINITY, 2 * PI / (2 - less)};
+    return (reference_arrival){direction, (double)INFINITY, 2 * M_PI / (2 - less)};
 }
 
 vec3_f64 reference_suns(const reference_scene *r, vec3_f64 direction) {

@@ -106,7 +106,7 @@ static vec3_f64 classic_evaluate(const reference_surface *s, vec3_f64 l) {
     case FATHOM_SPECULAR_BLINN: base = dot_f64(s->normal, normalize_f64(add_f64(l, s->to_viewer))); break;
     }
     const double highlight = m->specular && base > 0 ? pow(base, (double)m->shininess) : 0;
-    return scale_f64(fabs(nl) / PI, madd_f64(color_of(m->k_d), highlight, color_of(m->k_s)));
+    return scale_f64(fabs(nl) / M_PI, madd_f64(color_of(m->k_d), highlight, color_of(m->k_s)));
 }
 
 /* ---- metallic-roughness ---- */
@@ -165,7 +165,7 @@ static double lobe_of(const reference_surface *s, vec3_f64 h, vec3_f64 l, double
     const double q = length_f64(vec_f64(dot_f64(h, t) / along, dot_f64(h, b) / across, nh));
     const double from_v = length_f64(vec_f64(along * dot_f64(v, t), across * dot_f64(v, b), nv));
     const double from_l = length_f64(vec_f64(along * dot_f64(l, t), across * dot_f64(l, b), nl));
-    return 0.5 / (PI * along * across * pow(q, 4) * (nl * from_v + nv * from_l));
+    return 0.5 / (M_PI * along * across * pow(q, 4) * (nl * from_v + nv * from_l));
 }
 
 static double base_lobe(const reference_surface *s, vec3_f64 h, vec3_f64 l) {
@@ -244,7 +244,7 @@ static reference_scatter metallic_scatter(const reference_surface *s) {
 static vec3_f64 diffuse_of(const fathom_material *m, bool behind, vec3_f64 base) {
     const double part = (double)m->diffuse_transmission;
     const vec3_f64 color = color_of(behind ? m->diffuse_transmission_color : m->base_color);
-    return scale_f64((1 - (double)m->transmission) * (behind ? part : 1 - part) / PI, times(base, color));
+    return scale_f64((1 - (double)m->transmission) * (behind ? part : 1 - part) / M_PI, times(base, color));
 }
 
 static vec3_f64 metallic_reflect(const reference_surface *s, vec3_f64 l, vec3_f64 h) {

@@ -18,12 +18,12 @@ static size_t cells_of(const sky_image *m) { return (size_t)m->width * (m->heigh
 
 /* The cosine at the beginning of a row of cells. */
 static double cosine_of(const sky_image *m, size_t row) {
-    return cos(PI * fmin(fmax((double)row - 0.5, 0), m->height) / m->height);
+    return cos(M_PI * fmin(fmax((double)row - 0.5, 0), m->height) / m->height);
 }
 
 static double solid_angle(const sky_image *m, size_t cell) {
     const size_t row = cell / m->width;
-    return 2 * PI / m->width * (cosine_of(m, row) - cosine_of(m, row + 1));
+    return 2 * M_PI / m->width * (cosine_of(m, row) - cosine_of(m, row + 1));
 }
 
 static vec3_f64 texel_at(const sky_image *m, size_t column, size_t row) {
@@ -100,9 +100,9 @@ void reference_skies_close(reference_scene *r) {
 static size_t cell_of(const sky_image *m, vec3_f64 d, double *u, double *v) {
     const double x = dot_f64(d, m->axes[0]), y = fmin(fmax(dot_f64(d, m->axes[1]), -1), 1),
                  z = dot_f64(d, m->axes[2]);
-    const double across = fmod((0.5 + atan2(x, -z) / (2 * PI)) * m->width - 0.5 + m->width, m->width);
+    const double across = fmod((0.5 + atan2(x, -z) / (2 * M_PI)) * m->width - 0.5 + m->width, m->width);
     const size_t column = (size_t)fmin(across, m->width - 1.0),
-                 row = (size_t)fmin(acos(y) / PI * m->height + 0.5, m->height);
+                 row = (size_t)fmin(acos(y) / M_PI * m->height + 0.5, m->height);
     const double top = cosine_of(m, row), bottom = cosine_of(m, row + 1);
     *u = across - (double)column, *v = (top - y) / (top - bottom);
     return row * m->width + column;
@@ -133,7 +133,7 @@ double reference_sky_density(const reference_scene *r, vec3_f64 direction) {
 static vec3_f64 within(const sky_image *m, size_t cell, reference_random *random) {
     const double column = (double)(cell % m->width) + 0.5;
     const double top = cosine_of(m, cell / m->width), bottom = cosine_of(m, cell / m->width + 1);
-    const double turn = 2 * PI * ((column + reference_uniform(random)) / m->width - 0.5),
+    const double turn = 2 * M_PI * ((column + reference_uniform(random)) / m->width - 0.5),
                  y = top + (bottom - top) * reference_uniform(random), around = sqrt(fmax(1 - y * y, 0));
     const vec3_f64 flat = madd_f64(scale_f64(around * sin(turn), m->axes[0]), y, m->axes[1]);
     return normalize_f64(madd_f64(flat, -around * cos(turn), m->axes[2]));

@@ -7,7 +7,7 @@
 
 vec3_f64 reference_around(vec3_f64 axis, double cosine, reference_random *random) {
     const frame_f64 f = frame_from((vec3_f64){0, 0, 0}, axis, (vec3_f64){0, 0, 0});
-    const double angle = 2 * PI * reference_uniform(random), sine = sqrt(fmax(1 - cosine * cosine, 0));
+    const double angle = 2 * M_PI * reference_uniform(random), sine = sqrt(fmax(1 - cosine * cosine, 0));
     const vec3_f64 flat = madd_f64(scale_f64(sine * cos(angle), f.x), sine * sin(angle), f.y);
     return normalize_f64(madd_f64(flat, cosine, f.z));
 }
@@ -41,7 +41,7 @@ static alphas alphas_of(const fathom_material *m, bool coat) {
 
 /* Samples a half vector of the GGX distribution, by its slope. */
 static vec3_f64 half_vector(const reference_surface *s, alphas a, reference_random *random) {
-    const double u = reference_uniform(random), angle = 2 * PI * reference_uniform(random),
+    const double u = reference_uniform(random), angle = 2 * M_PI * reference_uniform(random),
                  slope = sqrt(u / (1 - u));
     const vec3_f64 b = cross_f64(s->normal, s->along);
     const vec3_f64 flat =
@@ -54,7 +54,7 @@ static double half_density(const reference_surface *s, alphas a, vec3_f64 h) {
     const double x = dot_f64(h, s->along) / a.along,
                  y = dot_f64(h, cross_f64(s->normal, s->along)) / a.across;
     const double z = dot_f64(h, s->normal), square = x * x + y * y + z * z;
-    return z > 0 ? z / (PI * a.along * a.across * square * square) : 0;
+    return z > 0 ? z / (M_PI * a.along * a.across * square * square) : 0;
 }
 
 /* l mirrored to the other side of a thin wall. */
@@ -111,7 +111,7 @@ static double lamps_density(const reference_scene *r, const reference_surface *s
     for (size_t k = 0; k < r->lamps.count; ++k) {
         vec3_f64 axis;
         const double least = least_cosine(&r->lamps.items[k], s->point, &axis);
-        if (dot_f64(axis, l) >= least) sum += 1 / (2 * PI * (1 - least));
+        if (dot_f64(axis, l) >= least) sum += 1 / (2 * M_PI * (1 - least));
     }
     return sum / fmax((double)r->lamps.count, 1);
 }
@@ -121,7 +121,7 @@ static double lamps_density(const reference_scene *r, const reference_surface *s
 static double density_of(const reference_scene *r, const reference_surface *s, const double shares[WAYS],
                          vec3_f64 l) {
     const double nl = dot_f64(s->normal, l);
-    double sum = (nl > 0 ? shares[FRONT] : shares[BACK]) * fabs(nl) / PI;
+    double sum = (nl > 0 ? shares[FRONT] : shares[BACK]) * fabs(nl) / M_PI;
     const alphas base = alphas_of(s->material, false), coat = alphas_of(s->material, true);
     if (shares[FACETS] > 0 && nl > 0) sum += shares[FACETS] * mirror_density(s, base, l);
     if (shares[THROUGH] > 0 && nl < 0) sum += shares[THROUGH] * through_density(s, base, l);

@@ -14,8 +14,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979324;
-
 static const char *name_of(const gltf_value *value) {
     return json_string_value(json_object_get(value->json, "name"));
 }
@@ -71,9 +69,9 @@ static void read_perspective(gltf *g, const gltf_value *camera, double *high, do
     gltf_object(g, camera, "perspective", &perspective);
     gltf_number(g, &perspective, "yfov", 0, INFINITY, &fovy);
     gltf_number(g, &perspective, "aspectRatio", 0, INFINITY, aspect);
-    if (!(fovy > 0 && fovy < pi)) {
+    if (!(fovy > 0 && fovy < M_PI)) {
         gltf_note(g, &perspective, "yfov", "expected radians between 0 and pi; 45 degrees are taken");
-        fovy = pi / 4;
+        fovy = M_PI / 4;
     }
     *high = 2 * tan(fovy / 2);
 }

@@ -22,8 +22,6 @@
 #define DRACO_FILE "fathom/fathom-draco"
 static const char extension[] = "KHR_draco_mesh_compression";
 
-extern char **environ;
-
 /* ---- the process ---- */
 
 /* Returns 0, or the error number. */

@@ -20,8 +20,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979324;
-
 /* False, with a note, if the type is unknown. */
 static bool read_type(gltf *g, const gltf_value *at, fathom_light_type *out) {
     const char *type = "";
@@ -38,7 +36,7 @@ static bool read_type(gltf *g, const gltf_value *at, fathom_light_type *out) {
 /* False: the light emits nothing. */
 static bool read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
     gltf_value spot;
-    double inner = 0, outer = pi / 4;
+    double inner = 0, outer = M_PI / 4;
     /* One float ulp above pi/2, because exporters write this number for a right angle. */
     const double right_angle = 1.57079637050628662;
     gltf_object(g, at, "spot", &spot);
@@ -89,7 +87,7 @@ static bool read_light(gltf *g, const gltf_value *at, fathom_light *out) {
     gltf_number(g, at, "intensity", 0, INFINITY, &intensity);
     if (out->type == FATHOM_LIGHT_SPOT && !read_cone(g, at, out)) return false;
     intensity /= lumens_a_watt(g, at);
-    for (int i = 0; i < 3; ++i) out->intensity[i] = (float)(color[i] * intensity / pi);
+    for (int i = 0; i < 3; ++i) out->intensity[i] = (float)(color[i] * intensity / M_PI);
     if (json_object_get(at->json, "range"))
         gltf_note(g, at, "range", "the range of lights is ignored; they fall off for ever");
     return gltf_fine(g);

@@ -3,8 +3,6 @@
 
 #include "verify/laws/room.h"
 
-#define PI 3.14159265358979323846
-
 static const vec3_f64 origin = {0, 0, 0}, up = {0, 0, 1}, down = {0, 0, -1}, white = {1, 1, 1};
 
 static inline double square(double x) { return x * x; }

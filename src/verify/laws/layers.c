@@ -58,13 +58,13 @@ static double sheen_reflectance(double alpha, double nv) {
     enum { RINGS = 2000, AROUND = 200 };
     double sum = 0;
     for (int i = 0; i < RINGS * AROUND; ++i) {
-        const double nl = (i / AROUND + 0.5) / RINGS, phi = PI * (i % AROUND + 0.5) / AROUND;
+        const double nl = (i / AROUND + 0.5) / RINGS, phi = M_PI * (i % AROUND + 0.5) / AROUND;
         const double cosine = nv * nl + sqrt((1 - nv * nv) * (1 - nl * nl)) * cos(phi);
         const double sine2 = 1 - square(nv + nl) / (2 + 2 * cosine);
-        const double d = (2 + 1 / alpha) * pow(sine2, 0.5 / alpha) / (2 * PI);
+        const double d = (2 + 1 / alpha) * pow(sine2, 0.5 / alpha) / (2 * M_PI);
         sum += d / (4 * nv * (1 + lambda(nv, alpha) + lambda(nl, alpha)));
     }
-    return sum * 2 * PI / (RINGS * AROUND);
+    return sum * 2 * M_PI / (RINGS * AROUND);
 }
 
 static void sheen(law_room *room) {
@@ -105,11 +105,11 @@ static double airy(double f0, double cosine, int channel) {
     const double again = square(1 - r1) * r2 / (1 - r1 * r2);
     double sum = r1 + again;
     for (int order = 1; order <= 2; ++order) {
-        const double way = 2 * PI * 1e-9 * order * 2 * index * nanometres * inside;
+        const double way = 2 * M_PI * 1e-9 * order * 2 * index * nanometres * inside;
         double seen = 0;
         for (int k = 0; k < 4; ++k)
-            seen += rgb[channel][k] * fits[k][0] * sqrt(2 * PI * fits[k][2]) *
-                    cos(fits[k][1] * way + order * (metal < index ? 2 : 1) * PI) *
+            seen += rgb[channel][k] * fits[k][0] * sqrt(2 * M_PI * fits[k][2]) *
+                    cos(fits[k][1] * way + order * (metal < index ? 2 : 1) * M_PI) *
                     exp(-fits[k][2] * way * way);
         sum += 2 * (again - (1 - r1)) * pow(r1 * r2, order / 2.0) * seen / 1.0685e-7;
     }

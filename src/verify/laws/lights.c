@@ -20,7 +20,7 @@ static double rectangle_half(double a, double b) { return a / sqrt(1 + a * a) * 
 static void rectangle(law_room *room) {
     const double a = 1, b = 2, h = 1.5;
     paint_quad(&room->b, vec_f64(a / 2, b / 2, h), vec_f64(a / 2, 0, 0), vec_f64(0, b / 2, 0), lamp());
-    floor_under(room, (rectangle_half(a / h, b / h) + rectangle_half(b / h, a / h)) / (2 * PI));
+    floor_under(room, (rectangle_half(a / h, b / h) + rectangle_half(b / h, a / h)) / (2 * M_PI));
 }
 
 static void polygon(law_room *room, const vec3_f64 *corners, uint32_t count) {
@@ -44,7 +44,7 @@ static void cut_pentagon(law_room *room) {
 static void under_square(law_room *room) {
     const double x = 1, root = sqrt(1 + x * x);
     const double factor =
-        2 / (PI * x * x) *
+        2 / (M_PI * x * x) *
         (log((1 + x * x) / sqrt(1 + 2 * x * x)) + 2 * x * root * atan(x / root) - 2 * x * atan(x));
     paint_quad(&room->b, origin, vec_f64(0.5, 0, 0), vec_f64(0, 0.5, 0), build_lambert(albedo));
     law_look_down(room, 0.5, 1);
@@ -101,7 +101,7 @@ static void disk_of_triangles(law_room *room) {
     enum { CORNERS = 2000 };
     vec3_f64 p[CORNERS];
     for (int i = 0; i < CORNERS; ++i) {
-        const double angle = 2 * PI * i / CORNERS;
+        const double angle = 2 * M_PI * i / CORNERS;
         p[i] = add_f64(disk_center, vec_f64(cos(angle), sin(angle), 0));
     }
     law_fan(room, p, CORNERS, lamp());
@@ -139,7 +139,7 @@ static void sphere_half_there(law_room *room) {
 static void sphere_cut(law_room *room, double angle) {
     const double area = 0.3, x = sqrt(1 / area - 1), y = -x / tan(angle), q = sin(angle) * sqrt(1 - y * y);
     paint_sphere(&room->b, vec_f64(sin(angle), 0, cos(angle)), sqrt(area), lamp());
-    floor_under(room, ((cos(angle) * acos(y) - x * q) * area + atan(q / x)) / PI);
+    floor_under(room, ((cos(angle) * acos(y) - x * q) * area + atan(q / x)) / M_PI);
 }
 
 static void sphere_cut_high(law_room *room) { sphere_cut(room, 1.3); }

@@ -170,7 +170,7 @@ static void slab(law_room *room) {
 static double through_ball(double remains, const double *unused) {
     (void)unused;
     const double way = -2 * log(remains); /* 2σR */
-    return 1 - PI / 4 * (1 - 2 * (1 - (1 + way) * exp(-way)) / (way * way));
+    return 1 - M_PI / 4 * (1 - 2 * (1 - (1 + way) * exp(-way)) / (way * way));
 }
 
 static void absorbing_ball(law_room *room) {
@@ -270,7 +270,7 @@ static void lens(law_room *room) {
     fathom_camera_look_at((double[3]){0, 0, focus}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 1, &camera);
     camera.d = 1, camera.h = 1.0 / 4096, camera.lens_radius = radius, camera.focus_distance = focus;
     build_camera(&room->b, &camera);
-    law_value(room, gray(fabs(x) < 1 ? (acos(x) - x * sqrt(1 - x * x)) / PI : 0));
+    law_value(room, gray(fabs(x) < 1 ? (acos(x) - x * sqrt(1 - x * x)) / M_PI : 0));
 }
 
 const law laws_of_matter[] = {{"floor under an even sky", "ρ L", even_sky},

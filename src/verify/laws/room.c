@@ -74,7 +74,7 @@ void law_point_light(law_room *room, vec3_f64 at, double intensity, double radiu
 }
 
 static vec3_f64 sky_direction(uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
-    const double turn = 2 * PI * ((x + 0.5) / width - 0.5), rise = PI * (0.5 - (y + 0.5) / height);
+    const double turn = 2 * M_PI * ((x + 0.5) / width - 0.5), rise = M_PI * (0.5 - (y + 0.5) / height);
     return vec_f64(sin(turn) * cos(rise), sin(rise), -cos(turn) * cos(rise));
 }
 
@@ -164,7 +164,7 @@ static double edge_sum(const vec3_f64 *p, uint32_t count) {
         const double sine = length_f64(c);
         if (sine > 0) sum += atan2(sine, dot_f64(a, b)) * c.z / sine;
     }
-    return fabs(sum) / (2 * PI);
+    return fabs(sum) / (2 * M_PI);
 }
 
 double law_polygon(const vec3_f64 *corners, uint32_t count) {
@@ -199,14 +199,15 @@ double law_ggx_albedo(double ax, double ay, vec3_f64 v) {
     double sum = 0;
     const double lv = sqrt(square(ax * v.x) + square(ay * v.y) + square(v.z));
     for (int i = 0; i < RINGS * AROUND; ++i) {
-        const double theta = PI / 2 * (i / AROUND + 0.5) / RINGS, phi = 2 * PI * (i % AROUND + 0.5) / AROUND;
+        const double theta = M_PI / 2 * (i / AROUND + 0.5) / RINGS,
+                     phi = 2 * M_PI * (i % AROUND + 0.5) / AROUND;
         const vec3_f64 h = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
         const double vh = dot_f64(v, h);
         const vec3_f64 l = sub_f64(scale_f64(2 * vh, h), v);
         if (!(vh > 0 && l.z > 0)) continue;
         const double ll = sqrt(square(ax * l.x) + square(ay * l.y) + square(l.z));
-        const double d = 1 / (PI * ax * ay * square(square(h.x / ax) + square(h.y / ay) + square(h.z)));
+        const double d = 1 / (M_PI * ax * ay * square(square(h.x / ax) + square(h.y / ay) + square(h.z)));
         sum += d * 2 * l.z / (l.z * lv + v.z * ll) * vh * sin(theta);
     }
-    return sum * (PI / 2 / RINGS) * (2 * PI / AROUND);
+    return sum * (M_PI / 2 / RINGS) * (2 * M_PI / AROUND);
 }
