@@ -28,12 +28,8 @@ static const float *radiance_of(const emitters *e, const emitter_run *run, uint3
     return e->emission[world_material(e->w, run->geometry, primitive, run->instance)];
 }
 
-static bool is_ball(const emitters *e, const emitter_run *run) {
-    return e->w->geometries.items[run->geometry].kind == WORLD_SPHERES;
-}
-
 static bool is_ball_chosen(const emitters *e, uint32_t emitter) {
-    return e->ready ? !e->ready[emitter].radiance : is_ball(e, emitters_run_of(e, emitter));
+    return e->ready ? !e->ready[emitter].radiance : emitters_is_ball(e, emitters_run_of(e, emitter));
 }
 
 static void cut_face(const emitters *e, const emitter_run *run, uint32_t index, shape_face *face) {
@@ -78,7 +74,7 @@ bool emitters_prepare_ready(emitters *e) {
     emitter_ready *ready = calloc(e->surface_count, sizeof *ready);
     for (uint32_t r = 0; ready && r < e->run_count; ++r) {
         const emitter_run *run = &e->runs[r];
-        for (uint32_t i = 0; i < run->count && !is_ball(e, run); ++i) {
+        for (uint32_t i = 0; i < run->count && !emitters_is_ball(e, run); ++i) {
             emitter_ready *one = &ready[run->first + i];
             one->radiance = find_face(e, run->first + i, 0, &one->face);
         }
@@ -166,7 +162,7 @@ static double chosen_density(const emitters *e, const emitter_run *run, const em
     if (e->one.face) return emitters_face_density(&e->one.face->plain, p);
     if (e->ready && !run->level && e->ready[run->first].radiance)
         return emitters_face_density(&e->ready[run->first + *index].face, p);
-    if (is_ball(e, run)) {
+    if (emitters_is_ball(e, run)) {
         emitter_ball ball;
         emitters_ball(e, run, hit->primitive, hit->time, &ball);
         return emitters_ball_density(&ball, p, n, direction, hit->inside);

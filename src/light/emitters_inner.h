@@ -138,6 +138,9 @@ uint8_t emitters_group_of(const emitters *e, uint32_t emitter);
 const emitter_run *emitters_run(const emitters *e, uint32_t geometry, uint32_t instance);
 /* The run of an emitter that is a primitive or a cell. */
 const emitter_run *emitters_run_of(const emitters *e, uint32_t emitter);
+static inline bool emitters_is_ball(const emitters *e, const emitter_run *run) {
+    return e->w->geometries.items[run->geometry].kind == WORLD_SPHERES;
+}
 
 /* The corners of a face in the space of its group, at a time in [0, 1] of the shutter; a triangle's third
  * corner is repeated. The face of a paired primitive is the quad of both. */

@@ -1,10 +1,6 @@
 /* Emission that varies over a surface: its mean over an emitter, and its value where a sample hits. */
 #include "light/emitters_inner.h"
 
-static bool is_ball(const emitters *e, const emitter_run *run) {
-    return e->w->geometries.items[run->geometry].kind == WORLD_SPHERES;
-}
-
 texturing_place emitters_place(const emitters *e, const emitter_run *run, uint32_t index) {
     const uint32_t primitive = emitters_primitive(e, run, index);
     return (texturing_place){.material = world_material(e->w, run->geometry, primitive, run->instance),
@@ -49,7 +45,7 @@ static float ball_power(const emitters *e, texturing_place *place) {
 
 float emitters_varied_power(const emitters *e, const emitter_run *run, uint32_t index) {
     texturing_place place = emitters_place(e, run, index);
-    if (is_ball(e, run)) return ball_power(e, &place);
+    if (emitters_is_ball(e, run)) return ball_power(e, &place);
     const float power = half_power(e, run, index, &place);
     if (!emitters_is_quad(e, run)) return power;
     place.second = true;
@@ -76,7 +72,7 @@ void emitters_face_place(const shape_face *f, vec3_f64 p, vec3_f64 direction, te
 
 static void find_place(const emitters *e, const emitter_run *run, float time, vec3_f64 p, vec3_f64 direction,
                        texturing_place *place) {
-    if (is_ball(e, run)) {
+    if (emitters_is_ball(e, run)) {
         emitter_ball ball;
         emitters_ball(e, run, place->primitive, time, &ball);
         store_f32(place->weight, narrow(emitters_ball_normal(&ball, p, direction)));

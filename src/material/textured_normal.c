@@ -1,5 +1,6 @@
 /* Frames of images on surfaces, and normals that are rotated in them. */
 #include "material/textured_inner.h"
+#include "math/lane.h"
 #include "math/limit.h"
 
 #include <stdlib.h>
@@ -36,9 +37,6 @@ fathom_status texturing_make_tangents(fathom_context *context, texturing *t) {
     }
     return status;
 }
-static vec3_f32 lane(const lanes3 from, unsigned i) { return (vec3_f32){from[0][i], from[1][i], from[2][i]}; }
-
-static void set_lane(lanes3 to, unsigned i, vec3_f32 v) { to[0][i] = v.x, to[1][i] = v.y, to[2][i] = v.z; }
 
 /* ---- frames ---- */
 
@@ -77,7 +75,7 @@ static vec3_f32 tangent_of(const points *p, unsigned i, const lookup *l, float *
     if (l->uv_set == 0 && surface_tangent_at(p->g, p->t->w, i, &t, sign)) return t;
     const vec3_f32 up = scale_f32(turn, sub_f32(scale_f32(l->m[1], at->du), scale_f32(l->m[0], at->dv)));
     t = scale_f32(turn, sub_f32(scale_f32(l->m[4], at->du), scale_f32(l->m[3], at->dv)));
-    *sign = dot_f32(cross_f32(lane(p->g->local.ns, i), t), up) < 0 ? -1 : 1;
+    *sign = dot_f32(cross_f32(lane_f32(p->g->local.ns, i), t), up) < 0 ? -1 : 1;
     made_tangent(p, i, l, &t);
     return t;
 }
@@ -113,7 +111,7 @@ static void find_frames(const points *p, uint32_t lanes, int kind, frame_block *
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = (unsigned)__builtin_ctz(lanes), at = p->plan[i]->of[kind];
         if (at == NO_LOOKUP) continue;
-        set_lane(f->t, i, tangent_of(p, i, &p->plan[i]->lookups[at], &f->b[0][i]));
+        put_lane_f32(f->t, i, tangent_of(p, i, &p->plan[i]->lookups[at], &f->b[0][i]));
     }
     make_frames(p->g->local.ns, f);
 }
@@ -135,7 +133,7 @@ static void map_normals(const points *p, uint32_t lanes, int kind, lanes3 n) {
         const fathom_material *m = p->plan[i]->material;
         if (at == NO_LOOKUP) continue;
         const float *rgb = p->values[i][at], scale = coat ? m->clearcoat_normal_scale : m->normal_scale;
-        set_lane(to, i, (vec3_f32){scale * (2 * rgb[0] - 1), scale * (2 * rgb[1] - 1), 2 * rgb[2] - 1});
+        put_lane_f32(to, i, (vec3_f32){scale * (2 * rgb[0] - 1), scale * (2 * rgb[1] - 1), 2 * rgb[2] - 1});
     }
     for (int i = 0; i < LANES; ++i) {
         const float z = to[2][i] > 0x1p-6f ? to[2][i] : 0x1p-6f;
@@ -188,7 +186,7 @@ static void find_rises(const points *p, uint32_t lanes, unsigned side, float ris
 
 /* The gradient of a height map along the surface (Blinn, "Simulation of Wrinkled Surfaces", 1978). */
 static vec3_f32 slope_of(const points *p, unsigned i, float rise_u, float rise_v) {
-    const vec3_f32 n = lane(p->g->local.ns, i);
+    const vec3_f32 n = lane_f32(p->g->local.ns, i);
     const lookup *l = bump_of(p, i);
     const surface_uv *at = &p->uv[l->uv_set][i];
     const vec3_f32 up = cross_f32(at->dv, n), right = cross_f32(n, at->du);
@@ -212,8 +210,8 @@ static void bump_normals(const points *p, uint32_t lanes, lanes3 n) {
     for (unsigned side = 0; side < 2; ++side) find_rises(p, lanes, side, rise[side]);
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = (unsigned)__builtin_ctz(lanes);
-        vec3_f32 turned = lane(n, i);
-        if (make_unit(&turned)) set_lane(n, i, sub_f32(turned, slope_of(p, i, rise[0][i], rise[1][i])));
+        vec3_f32 turned = lane_f32(n, i);
+        if (make_unit(&turned)) put_lane_f32(n, i, sub_f32(turned, slope_of(p, i, rise[0][i], rise[1][i])));
     }
 }
 
@@ -253,7 +251,7 @@ static void turn_coats(const points *p, uint32_t lanes, surface_block *s) {
     lanes3 n;
     for (uint32_t left = lanes; left; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctz(left);
-        set_lane(s->coat, i, lane(s->base, i));
+        put_lane_f32(s->coat, i, lane_f32(s->base, i));
         if (p->plan[i]->of[FATHOM_MAP_CLEARCOAT_NORMAL] != NO_LOOKUP) mapped |= 1u << i;
     }
     if (!mapped) return;
@@ -283,10 +281,10 @@ void texturing_direct(const points *p, unsigned i, const fathom_material *m, sur
     if (!p->plan[i]->directed) return;
     memcpy(l.m, map->transform, sizeof l.m);
     memset(&f, 0, sizeof f);
-    set_lane(f.t, i, tangent_of(p, i, &l, &f.b[0][i]));
+    put_lane_f32(f.t, i, tangent_of(p, i, &l, &f.b[0][i]));
     make_frames(p->g->local.ns, &f);
     if (!f.lies[i]) return;
     const float cosine = cosf(m->anisotropy_rotation), sine = sinf(m->anisotropy_rotation);
-    set_lane(s->along, i, madd_f32(scale_f32(cosine, lane(f.t, i)), sine, lane(f.b, i)));
+    put_lane_f32(s->along, i, madd_f32(scale_f32(cosine, lane_f32(f.t, i)), sine, lane_f32(f.b, i)));
     s->directed |= 1u << i;
 }
