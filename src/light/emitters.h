@@ -90,7 +90,7 @@ void emitters_outside(const emitters *e, unsigned lanes, const lanes3 p, const l
 
 /* ---- learning ---- */
 
-/* A copy of the emitters for scout paths (path_scout.h), valid as long as e. Most of its light samples go
+/* A copy of the emitters for scout paths (path_scout.c), valid as long as e. Most of its light samples go
  * outside: to images of skies, and uniformly over all directions; or to an even background. The others go
  * to surfaces and lamps, and to suns. *out is NULL if there is nothing to learn. Release with free().
  * False: out of memory. */
