@@ -1,4 +1,4 @@
-#include "write/write_json.h"
+#include "write/write_form.h"
 
 #include "write/write.h"
 
