@@ -33,7 +33,7 @@ said out.txt 'path less reference: '
 said scene.json '"difference": '
 sed 's/"background"/"ambient": [1, 1, 1], "background"/' lit.json >ambient.json
 run 0 validate ambient.json --light --light-error 0.01
-[ "$(grep -c 'ambient light is left out' err.txt)" = 1 ] || die "one warning of ambient light"
+[ "$(grep -c 'ambient light is ignored' err.txt)" = 1 ] || die "one warning of ambient light"
 sed 's/"lights": \[/&{"type": "environment", "file": "sky.exr"}, /' lit.json >sky.json
 run 0 render lit.json -o sky.exr --size 8x4 --spp 1
 run 0 validate sky.json --light --light-error 0.01
