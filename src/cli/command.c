@@ -64,11 +64,6 @@ fathom_status say_status(const command *c, const fathom_context *context, fathom
     return status;
 }
 
-void command_fail_within(fathom_context *context, const char *file) {
-    if (!*fathom_context_error(context)->place->file)
-        fathom_context_fail_within(context, &(fathom_place){.file = file});
-}
-
 bool command_parse(const command *c, int argc, char **argv, void *settings, fathom_status *status) {
     args_problem problem;
     *status = FATHOM_OK;

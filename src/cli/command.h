@@ -43,10 +43,6 @@ fathom_status say_usage(const command *c, const char *text);
 /* Prints the context's message if `status` is a failure, and returns the status. */
 fathom_status say_status(const command *c, const fathom_context *context, fathom_status status);
 
-/* Adds the file to an error that names none, for example an error in how the parts of a scene fit
- * together. */
-void command_fail_within(fathom_context *context, const char *file);
-
 /* Reads the command line into `settings`. False: the command has ended, with the exit code *status. */
 bool command_parse(const command *c, int argc, char **argv, void *settings, fathom_status *status);
 

@@ -1,6 +1,6 @@
 /* `fathom info`: the contents of a scene, the memory that rendering needs, and problems. */
-#include "base/status.h"
 #include "cli/command.h"
+#include "cli/fail.h"
 #include "cli/json_text.h"
 #include "cli/notes.h"
 
@@ -188,15 +188,20 @@ static void print_facts(const json_t *root) {
 
 /* ---- the command ---- */
 
+static fathom_status print_json(fathom_context *context, const json_t *root) {
+    char *bytes = json_dump_text(root, 0);
+    if (!bytes) return cli_fail_memory(context);
+    puts(bytes);
+    free(bytes);
+    return FATHOM_OK;
+}
+
 static fathom_status print(fathom_context *context, const info_settings *settings, fathom_status status,
                            const json_t *root) {
-    char *text = settings->json ? json_dump_text(root, 0) : NULL;
-    if (settings->json ? !text : json_memory_lacked())
-        return say_status(&command_info, context, fail(context, FATHOM_OUT_OF_RESOURCES, "out of memory"));
-    if (text) {
-        puts(text);
-        free(text);
-        return status;
+    if (json_memory_lacked()) return say_status(&command_info, context, cli_fail_memory(context));
+    if (settings->json) {
+        const fathom_status printed = print_json(context, root);
+        return printed == FATHOM_OK ? status : say_status(&command_info, context, printed);
     }
     say_status(&command_info, context, status);
     if (status == FATHOM_OK) print_facts(root);
@@ -211,7 +216,7 @@ static fathom_status describe(fathom_context *context, const info_settings *sett
     fathom_status status = fathom_scene_read_with(context, settings->scene, &read, &scene);
     if (status == FATHOM_OK) {
         status = gather(scene, facts, problems);
-        if (status == FATHOM_BAD_INPUT) command_fail_within(context, settings->scene);
+        if (status == FATHOM_BAD_INPUT) cli_fail_within(context, settings->scene);
     }
     /* Lack of memory is not a problem of the scene, so it is not part of the JSON. */
     if (status == FATHOM_OUT_OF_RESOURCES) {

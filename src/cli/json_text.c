@@ -1,6 +1,6 @@
 #include "cli/json_text.h"
 
-#include "base/status.h"
+#include "cli/fail.h"
 #include "cli/outputs.h"
 #include "json/memory.h"
 
@@ -105,7 +105,7 @@ char *json_dump_text(const json_t *root, unsigned digits) {
 
 fathom_status json_write_file(fathom_context *context, const char *path, const json_t *root) {
     char *text = json_dump_text(root, 9);
-    if (!text) return fail(context, FATHOM_OUT_OF_RESOURCES, "out of memory");
+    if (!text) return cli_fail_memory(context);
     const size_t length = strlen(text);
     text[length] = '\n'; /* replaces the terminator */
     fathom_status status = outputs_write(context, path, text, length + 1);

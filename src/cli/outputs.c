@@ -1,6 +1,6 @@
 #include "cli/outputs.h"
 
-#include "base/status.h"
+#include "cli/fail.h"
 #include "cli/log.h"
 
 #include <errno.h>
@@ -23,8 +23,8 @@ fathom_status temporary_create(fathom_context *context, const char *ending, char
     int file = mkstemps(path, (int)strlen(ending));
     if (file < 0) {
         fathom_status status =
-            fail_file(context, FATHOM_OUT_OF_RESOURCES, path,
-                      "cannot be written; expected a folder for temporary files in $TMPDIR");
+            cli_fail_file(context, FATHOM_OUT_OF_RESOURCES, path,
+                          "cannot be written; expected a folder for temporary files in $TMPDIR");
         path[0] = '\0';
         return status;
     }
@@ -83,15 +83,16 @@ static fathom_status take_stream(fathom_context *context) {
     const bool fine = out.descriptor > 0 && other >= 0 && dup2(other, STDOUT_FILENO) >= 0;
     if (other > STDERR_FILENO) close(other);
     if (fine) return FATHOM_OK;
-    return fail(context, FATHOM_OUT_OF_RESOURCES, "standard output cannot be written: %s", strerror(errno));
+    return cli_fail(context, FATHOM_OUT_OF_RESOURCES, "standard output cannot be written: %s",
+                    strerror(errno));
 }
 
 static fathom_status make_file(fathom_context *context) {
     if (out.path[0]) return FATHOM_OK;
     if (isatty(out.descriptor))
-        return fail(context, FATHOM_BAD_USAGE,
-                    "-o -: standard output is a terminal; expected a pipe or a file, as in -o - >%s",
-                    out.name);
+        return cli_fail(context, FATHOM_BAD_USAGE,
+                        "-o -: standard output is a terminal; expected a pipe or a file, as in -o - >%s",
+                        out.name);
     return temporary_create(context, strrchr(out.name, '.'), out.path);
 }
 
@@ -104,7 +105,8 @@ fathom_status standard_output_begin(fathom_context *context, args_list *images, 
     for (size_t i = 0; i < count; ++i) named += outputs_is_standard(files[i]);
     if (!named) return FATHOM_OK;
     if (named > 1)
-        return fail(context, FATHOM_BAD_USAGE, "standard output is named twice; expected different outputs");
+        return cli_fail(context, FATHOM_BAD_USAGE,
+                        "standard output is named twice; expected different outputs");
     fathom_status status = out.descriptor > 0 ? FATHOM_OK : take_stream(context);
     if (status != FATHOM_OK || !out.name) return status;
     status = make_file(context);
@@ -121,15 +123,15 @@ static fathom_status put_all(fathom_context *context, const char *bytes, size_t 
         const ssize_t done = write(out.descriptor, bytes, size);
         if (done < 0 && errno == EINTR) continue;
         if (done <= 0)
-            return fail(context, FATHOM_OUT_OF_RESOURCES, "standard output cannot be written: %s",
-                        strerror(errno));
+            return cli_fail(context, FATHOM_OUT_OF_RESOURCES, "standard output cannot be written: %s",
+                            strerror(errno));
         bytes += done, size -= (size_t)done;
     }
     return FATHOM_OK;
 }
 
 static fathom_status cannot_read(fathom_context *context, const char *path) {
-    return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be read: %s", strerror(errno));
+    return cli_fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be read: %s", strerror(errno));
 }
 
 static fathom_status copy_file(fathom_context *context, const char *path, int file) {
@@ -188,12 +190,12 @@ fathom_status outputs_check_distinct(fathom_context *context, const char *const 
                                      const char *input) {
     for (size_t i = 0; i < count; ++i) {
         if (input && outputs_are_same(outputs[i], input))
-            return fail_file(context, FATHOM_BAD_USAGE, outputs[i],
-                             "is the input; expected another name for the output");
+            return cli_fail_file(context, FATHOM_BAD_USAGE, outputs[i],
+                                 "is the input; expected another name for the output");
         for (size_t k = 0; k < i; ++k) {
             if (outputs_are_same(outputs[i], outputs[k]))
-                return fail_file(context, FATHOM_BAD_USAGE, outputs[i],
-                                 "the same file is named twice; expected different outputs");
+                return cli_fail_file(context, FATHOM_BAD_USAGE, outputs[i],
+                                     "the same file is named twice; expected different outputs");
         }
     }
     return fathom_file_protect(context, outputs, count);

@@ -1,6 +1,6 @@
 #include "cli/report.h"
 
-#include "base/status.h"
+#include "cli/fail.h"
 #include "cli/json_text.h"
 #include "cli/outputs.h"
 
@@ -63,15 +63,16 @@ static int run_script(char *const arguments[], bool silent) {
 static fathom_status check_drawable(fathom_context *context) {
     char script[PATH_MAX];
     if (!script_path(script))
-        return fail(context, FATHOM_OUT_OF_RESOURCES,
-                    "report: %s was not found from the folder of the program; --json writes the same results",
-                    SCRIPT);
+        return cli_fail(
+            context, FATHOM_OUT_OF_RESOURCES,
+            "report: %s was not found from the folder of the program; --json writes the same results",
+            SCRIPT);
     char *arguments[] = {(char[]){FATHOM_PYTHON}, (char[]){"-EsB"}, script, (char[]){"--check"}, NULL};
     if (run_script(arguments, true) == 0) return FATHOM_OK;
-    return fail(context, FATHOM_OUT_OF_RESOURCES,
-                "report: pages are drawn by %s with matplotlib, and one of them is missing: apt-get "
-                "install python3-matplotlib; --json writes the same results",
-                FATHOM_PYTHON);
+    return cli_fail(context, FATHOM_OUT_OF_RESOURCES,
+                    "report: pages are drawn by %s with matplotlib, and one of them is missing: apt-get "
+                    "install python3-matplotlib; --json writes the same results",
+                    FATHOM_PYTHON);
 }
 
 /* ---- the folder ---- */
@@ -81,14 +82,15 @@ static fathom_status check_ours(fathom_context *context, const char *path) {
     FILE *file = fopen(path, "rb");
     if (!file) {
         if (errno == ENOENT) return FATHOM_OK;
-        return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be replaced: %s", strerror(errno));
+        return cli_fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be replaced: %s",
+                             strerror(errno));
     }
     size_t size = fread(head, 1, sizeof head - 1, file);
     head[size] = '\0';
     fclose(file);
     if (size == 0 || strstr(head, GENERATOR)) return FATHOM_OK;
-    return fail_file(context, FATHOM_OUT_OF_RESOURCES, path,
-                     "is there already and is no report of fathom; remove it or name another folder");
+    return cli_fail_file(context, FATHOM_OUT_OF_RESOURCES, path,
+                         "is there already and is no report of fathom; remove it or name another folder");
 }
 
 /* A folder that does not exist is checked like a new file in its parent. */
@@ -105,8 +107,8 @@ static fathom_status check_folder(fathom_context *context, const char *folder) {
     char page[PATH_MAX], results[PATH_MAX];
     if (stat(folder, &info) != 0) return check_new(context, folder);
     if (!S_ISDIR(info.st_mode))
-        return fail_file(context, FATHOM_OUT_OF_RESOURCES, folder,
-                         "is a file; expected a folder for the report");
+        return cli_fail_file(context, FATHOM_OUT_OF_RESOURCES, folder,
+                             "is a file; expected a folder for the report");
     report_paths(folder, page, results);
     fathom_status status = fathom_file_check(context, page);
     return status == FATHOM_OK ? check_ours(context, page) : status;
@@ -114,7 +116,7 @@ static fathom_status check_folder(fathom_context *context, const char *folder) {
 
 static fathom_status check_report(fathom_context *context, const char *folder) {
     if (strlen(folder) > PATH_MAX - 32)
-        return fail(context, FATHOM_BAD_USAGE, "%.60s…: the name is too long", folder);
+        return cli_fail(context, FATHOM_BAD_USAGE, "%.60s…: the name is too long", folder);
     fathom_status status = check_folder(context, folder);
     return status == FATHOM_OK ? check_drawable(context) : status;
 }
@@ -142,12 +144,12 @@ fathom_status report_write(fathom_context *context, const char *folder, const js
     fathom_status status = check_folder(context, folder);
     if (status != FATHOM_OK) return status;
     if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-        return fail_file(context, FATHOM_OUT_OF_RESOURCES, folder, "cannot be made: %s", strerror(errno));
+        return cli_fail_file(context, FATHOM_OUT_OF_RESOURCES, folder, "cannot be made: %s", strerror(errno));
     report_paths(folder, page, data);
     status = json_write_file(context, data, results);
     if (status != FATHOM_OK) return status;
     char *arguments[] = {(char[]){FATHOM_PYTHON}, (char[]){"-EsB"}, script, data, page, NULL};
     if (script_path(script) && run_script(arguments, false) == 0) return FATHOM_OK;
-    return fail_file(context, FATHOM_OUT_OF_RESOURCES, page, "could not be drawn; the results are in %s",
-                     data);
+    return cli_fail_file(context, FATHOM_OUT_OF_RESOURCES, page, "could not be drawn; the results are in %s",
+                         data);
 }

@@ -1,8 +1,8 @@
 #include "cli/render/images.h"
 
 #include "base/file_name.h"
-#include "base/status.h"
 #include "cli/command.h"
+#include "cli/fail.h"
 #include "cli/outputs.h"
 
 #include <fathom/file.h>
@@ -25,14 +25,14 @@ static fathom_status marked_name(fathom_context *context, const char *path, cons
     if (fixed < NAME_MAX && stem > NAME_MAX - fixed) stem = file_name_cut(name, NAME_MAX - fixed);
     int length = snprintf(out, PATH_MAX, "%.*s%s%s", (int)(folder + stem), path, mark, extension);
     if (length >= 0 && length < PATH_MAX) return FATHOM_OK;
-    return fail_file(context, FATHOM_BAD_USAGE, path, "expected a path shorter by %zu bytes, which %s takes",
-                     strlen(mark), mark);
+    return cli_fail_file(context, FATHOM_BAD_USAGE, path,
+                         "expected a path shorter by %zu bytes, which %s takes", strlen(mark), mark);
 }
 
 fathom_status images_rename(fathom_context *context, args_list *outputs, image_names **room) {
     fathom_status status = FATHOM_OK;
     *room = malloc(sizeof **room);
-    if (!*room) return fail(context, FATHOM_OUT_OF_RESOURCES, "out of memory");
+    if (!*room) return cli_fail_memory(context);
     for (size_t i = 0; i < outputs->count && status == FATHOM_OK; ++i) {
         status = marked_name(context, outputs->items[i], PARTIAL, (*room)->names[i]);
         if (status == FATHOM_OK) outputs->items[i] = (*room)->names[i];
@@ -47,8 +47,8 @@ static fathom_status check_one(fathom_context *context, const char *path, const 
     fathom_status status = marked_name(context, path, mark, name);
     for (size_t i = 0; i < count && status == FATHOM_OK; ++i) {
         if (!outputs_are_same(name, files[i])) continue;
-        status = fail_file(context, FATHOM_BAD_USAGE, files[i],
-                           "%s writes %s there; expected another name for one of the two", why, path);
+        status = cli_fail_file(context, FATHOM_BAD_USAGE, files[i],
+                               "%s writes %s there; expected another name for one of the two", why, path);
     }
     return status;
 }
@@ -66,9 +66,9 @@ fathom_status images_check_reweighted(fathom_context *context, const args_list *
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < outputs->count && status == FATHOM_OK; ++i) {
         if (standard_output_shown(outputs, i) != outputs->items[i])
-            return fail(context, FATHOM_BAD_USAGE,
-                        "--fireflies reweight writes a second image next to the first; expected a file's "
-                        "name instead of standard output");
+            return cli_fail(context, FATHOM_BAD_USAGE,
+                            "--fireflies reweight writes a second image next to the first; expected a file's "
+                            "name instead of standard output");
         status = check_one(context, outputs->items[i], REWEIGHTED, "--fireflies reweight", files, count);
     }
     return status;

@@ -1,13 +1,14 @@
 #include "cli/render/task.h"
 
-#include "base/clock.h"
-#include "base/status.h"
+#include "cli/fail.h"
 #include "cli/interrupt.h"
 #include "cli/outputs.h"
 #include "cli/provenance.h"
 #include "cli/render/brightness.h"
 #include "cli/render/images.h"
 #include "cli/render/progress.h"
+
+#include "base/clock.h"
 
 #include <fathom/file.h>
 #include <fathom/survey.h>
@@ -87,15 +88,15 @@ static fathom_status merge_settings(task *s) {
     render_options *o = &s->options;
     fathom_scene_settings(s->scene, &settings);
     if (!render_options_finish(o, &settings, &problem))
-        return fail(s->context, FATHOM_BAD_USAGE, "%s", problem.text);
+        return cli_fail(s->context, FATHOM_BAD_USAGE, "%s", problem.text);
     if (settings.aovs & ~o->settings.aovs && !render_options_give(o, "aovs"))
         warnings_tell(&s->report.warnings, "%s: asks for AOVs that only .exr holds; they are left out",
                       o->scene);
     if (render_options_give(o, "min_spp") && !(o->settings.target_error > 0 || o->settings.max_time > 0))
-        return fail(s->context, FATHOM_BAD_USAGE,
-                    "--min-spp: only with --target-error E or --max-time SECONDS");
+        return cli_fail(s->context, FATHOM_BAD_USAGE,
+                        "--min-spp: only with --target-error E or --max-time SECONDS");
     if (render_options_give(o, "min_weight") && o->settings.integrator != FATHOM_INTEGRATOR_CLASSIC)
-        return fail(s->context, FATHOM_BAD_USAGE, "--min-weight: only with --integrator classic");
+        return cli_fail(s->context, FATHOM_BAD_USAGE, "--min-weight: only with --integrator classic");
     if (fathom_settings_check(s->context, &o->settings) != FATHOM_OK) return FATHOM_BAD_USAGE;
     return check_sizes(s);
 }
@@ -107,9 +108,9 @@ static fathom_status set_time_left(task *s) {
     if (!(o->max_time > 0)) return FATHOM_OK;
     o->settings.max_time = o->max_time - elapsed;
     if (o->settings.max_time > 0) return FATHOM_OK;
-    return fail(s->context, FATHOM_BAD_USAGE,
-                "--max-time: %g s are too short: reading alone took %.2f s; give more time", o->max_time,
-                elapsed);
+    return cli_fail(s->context, FATHOM_BAD_USAGE,
+                    "--max-time: %g s are too short: reading alone took %.2f s; give more time", o->max_time,
+                    elapsed);
 }
 
 /* ---- writing ---- */
@@ -213,7 +214,7 @@ static bool on_progress(void *user, const fathom_progress *progress) {
  * fit together. */
 static fathom_status say_failure(task *s, fathom_status status) {
     if (status == FATHOM_BAD_INPUT || status == FATHOM_OUT_OF_RESOURCES)
-        command_fail_within(s->context, s->options.scene);
+        cli_fail_within(s->context, s->options.scene);
     say(s, status);
     if (s->film) rescue(s, "the pixels rendered so far, some of which may be wrong,");
     return status;
