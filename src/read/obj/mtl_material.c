@@ -7,9 +7,9 @@
  *           highlight: exporters write it for rough surfaces, and it would add Ks to all lit surfaces
  *   Ke      k_e; 0 next to map_Ke means 1
  *   Ni      ior for refraction and Fresnel's law; missing or 0: 1.5
- *   d, Tr   opacity and 1 - opacity; the last one in the file is used. Tr 1 means opaque, and so does d 0
- * next to map_d, except for glass Tf      filter of the glass models; other models ignore it, because
- * exporters always write white
+ *   d, Tr   opacity and 1 - opacity; the last one in the file is used. Tr 1 means opaque, as does d 0 with
+ *           map_d, except for glass
+ *   Tf      filter of the glass models; other models ignore it, because exporters always write white
  *
  *   illum   if missing: 2 if Ks is given and not black, else 1
  *   0       Lambert without ambient light
