@@ -162,7 +162,7 @@ static uint32_t bumped_lanes(const points *p, uint32_t lanes) {
  * a texel. */
 static void find_rises(const points *p, uint32_t lanes, unsigned side, float rise[LANES]) {
     texture_queries q = {.count = 0};
-    float rgba[4][TEXTURE_BLOCK], step[LANES];
+    float rgba[4][TEXTURE_BLOCK];
     unsigned j = 0;
     for (uint32_t left = lanes; left; left &= left - 1, ++j) {
         const unsigned i = (unsigned)__builtin_ctz(left);
@@ -171,8 +171,8 @@ static void find_rises(const points *p, uint32_t lanes, unsigned side, float ris
         uint32_t size[2];
         texture_size(p->t->cache, l->texture, &size[0], &size[1]);
         texturing_place_lookup(l, at->u, at->v, p->width[l->uv_set][i], &q);
-        step[j] = fmaxf(q.width[j], 1 / (float)size[side]);
-        (side ? q.v : q.u)[j] += step[j];
+        rise[i] = fmaxf(q.width[j], 1 / (float)size[side]); /* the step, for now */
+        (side ? q.v : q.u)[j] += rise[i];
     }
     texture_lookup(p->t->cache, &q, rgba);
     j = 0;
@@ -180,7 +180,7 @@ static void find_rises(const points *p, uint32_t lanes, unsigned side, float ris
         const unsigned i = (unsigned)__builtin_ctz(left), at = p->plan[i]->of[FATHOM_MAP_BUMP];
         const fathom_material *m = p->plan[i]->material;
         const uint32_t channel = m->maps[FATHOM_MAP_BUMP].channel;
-        rise[i] = m->bump_scale * (rgba[channel][j] - p->values[i][at][channel]) / step[j];
+        rise[i] = m->bump_scale * (rgba[channel][j] - p->values[i][at][channel]) / rise[i];
     }
 }
 

@@ -132,7 +132,8 @@ static void put_entry(file_writer *file, const mtl_entry *e) {
         if (!mtl_given(e, kind)) continue;
         file_writer_print(file, "%s", field->keyword);
         for (int i = 0; i < field->numbers; ++i)
-            file_writer_print(file, " %.9g", ((const double *)((const char *)e + field->offset))[i]);
+            file_writer_print(file, " %.9g",
+                              ((const double *)(const void *)((const char *)e + field->offset))[i]);
         file_writer_print(file, "\n");
     }
 }

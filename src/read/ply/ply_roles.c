@@ -90,7 +90,7 @@ static bool find_vertices(ply_reader *r) {
     r->vertex_count = (uint32_t)vertex->count;
     for (int role = 0; role < PLY_ROLES; ++role) {
         set_role(r, role, find_number(vertex, names[role]));
-        if (r->role[role] < 0 && role <= PLY_Z)
+        if (role <= PLY_Z && r->role[role] < 0)
             return text_wrong(&r->fault, vertex->line, "element vertex",
                               "it has no number %s; expected x, y and z", names[role]);
     }
