@@ -175,6 +175,13 @@ UNIT_TEST(every_image_reads_back) {
     }
 }
 
+/* The material of the scene that comes back from .obj. */
+static const fathom_material *through_obj(const fathom_scene *scene, fathom_scene **back) {
+    assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
+    assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), back));
+    return &(*back)->materials.items[scene_find_material(*back, "material_1")].value;
+}
+
 /* The file's v is one minus the scene's, so that an image that lies as glTF's do needs no options. */
 UNIT_TEST(mtl_keeps_metal_and_its_images) {
     const fathom_texture texture = {.size = sizeof texture,
@@ -196,9 +203,7 @@ UNIT_TEST(mtl_keeps_metal_and_its_images) {
         m.maps[kinds[i]] = (fathom_map){.texture = 0, .transform = {2, 0, 0.25f, 0, 3, -0.5f}};
     m.maps[FATHOM_MAP_ROUGHNESS].channel = 1;
     fathom_scene *scene = wearing(&m, &texture);
-    assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
-    assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), &back));
-    const fathom_material *got = &back->materials.items[scene_find_material(back, "material_1")].value;
+    const fathom_material *got = through_obj(scene, &back);
     assert_true(got->roughness == m.roughness && got->metallic == m.metallic &&
                 got->clearcoat == m.clearcoat);
     assert_true(got->anisotropy == m.anisotropy && got->opacity == m.opacity && got->ior == m.ior);
@@ -263,9 +268,7 @@ UNIT_TEST(mtl_keeps_solid_transmission_and_makes_glass_of_thin_walls) {
         m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.transmission = 0.75f, m.roughness = 0, m.ior = 1.7f;
         m.thickness = (float)solid;
         fathom_scene *scene = wearing(&m, NULL);
-        assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
-        assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), &back));
-        const fathom_material *got = &back->materials.items[scene_find_material(back, "material_1")].value;
+        const fathom_material *got = through_obj(scene, &back);
         if (solid)
             assert_true(got->model == m.model && got->transmission == 0.75f && got->thickness > 0);
         else
@@ -289,9 +292,7 @@ UNIT_TEST(mtl_keeps_unlit_materials) {
     m.maps[FATHOM_MAP_COLOR] = m.maps[FATHOM_MAP_EMISSIVE] =
         (fathom_map){.texture = 0, .transform = {1, 0, 0, 0, 1, 0}};
     fathom_scene *scene = wearing(&m, &texture);
-    assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
-    assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), &back));
-    const fathom_material *got = &back->materials.items[scene_find_material(back, "material_1")].value;
+    const fathom_material *got = through_obj(scene, &back);
     assert_int_equal(got->model, FATHOM_MODEL_CLASSIC);
     assert_int_equal(got->specular, FATHOM_SPECULAR_NONE);
     for (int c = 0; c < 3; ++c)
@@ -313,9 +314,7 @@ UNIT_TEST(rotations_of_brushed_metal_turn_with_v) {
         m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.anisotropy = 0.5f, m.anisotropy_rotation = 0.75f;
         if (image) m.maps[FATHOM_MAP_COLOR] = (fathom_map){.texture = 0, .transform = {1, 0, 0, 0, 1, 0}};
         fathom_scene *scene = wearing(&m, image ? &texture : NULL);
-        assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
-        assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), &back));
-        const fathom_material *got = &back->materials.items[scene_find_material(back, "material_1")].value;
+        const fathom_material *got = through_obj(scene, &back);
         /* Nine digits of a fraction of a turn: two roundings. */
         assert_near(got->anisotropy_rotation, image ? -0.75 : 0.75, 2 * 0x1p-24);
         fathom_scene_destroy(back);
@@ -334,9 +333,7 @@ UNIT_TEST(images_of_no_effect_have_none_in_mtl) {
         m.model = (fathom_model)model;
         m.maps[FATHOM_MAP_EMISSIVE] = (fathom_map){.texture = 0, .transform = {1, 0, 0, 0, 1, 0}};
         fathom_scene *scene = wearing(&m, &texture);
-        assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
-        assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), &back));
-        const fathom_material *got = &back->materials.items[scene_find_material(back, "material_1")].value;
+        const fathom_material *got = through_obj(scene, &back);
         for (int c = 0; c < 3; ++c) assert_true(got->k_e[c] == 0 && got->emissive[c] == 0);
         assert_int_equal(got->maps[FATHOM_MAP_EMISSIVE].texture, FATHOM_NONE);
         fathom_scene_destroy(back);
