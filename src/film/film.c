@@ -188,7 +188,9 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
         fathom_film_destroy(film);
         return status;
     }
-    return take_pixels(context, film, scene->name, out);
+    status = take_pixels(context, film, scene->name, out);
+    if (status == FATHOM_OK) (*out)->parts.octave = fireflies_octave(scene);
+    return status;
 }
 
 fathom_status film_create_like(fathom_context *context, const fathom_film *film, fathom_film **out) {
@@ -211,7 +213,9 @@ fathom_status film_create_like(fathom_context *context, const fathom_film *film,
     memcpy(copy->brightest, film->brightest, sizeof copy->brightest);
     copy->in_studio = film->in_studio;
     copy->exposed = film->exposed, copy->exposure = film->exposure;
-    return take_pixels(context, copy, film->scene_name, out);
+    const fathom_status status = take_pixels(context, copy, film->scene_name, out);
+    if (status == FATHOM_OK) (*out)->parts.octave = film->parts.octave;
+    return status;
 }
 
 fathom_status film_copy(fathom_context *context, const fathom_film *film, fathom_film **out) {

@@ -11,16 +11,18 @@
 #include <pthread.h>
 
 /* Fireflies: sums of samples by brightness, three channels each, and a second image in which rare bright
- * samples have a lower weight. Cascade k is for a brightness of about 2^-10 * 8^k
- * (fireflies.c). */
+ * samples have a lower weight (fireflies.c). */
 #define FIREFLY_CASCADES 12u
 
 /* Size of the text in a file's header. */
 #define FIREFLY_TEXT 256
 
+/* Exponent of the scene's brightest light, modulo 3: lights of a power of two more change no comparison. */
+uint32_t fireflies_octave(const fathom_scene *scene);
 /* Adds the 16 samples at slots from `from` on to the sums of the cascades (three per cascade), at slots from
  * `slot` on. */
-void fireflies_add(const wave_samples *samples, uint32_t from, double (*to)[WAVE_SLOTS], uint32_t slot);
+void fireflies_add(const wave_samples *samples, uint32_t from, uint32_t octave, double (*to)[WAVE_SLOTS],
+                   uint32_t slot);
 
 /* The stages that a render left out. */
 typedef ARRAY(fathom_left_out) left_out_list;
@@ -35,6 +37,7 @@ typedef struct film_parts {
     bool hits;                 /* first hits of samples are needed */
     uint32_t layers;           /* separate parts of the light, three channels each */
     uint32_t cascades;         /* further layers, by brightness of samples: 0 or FIREFLY_CASCADES */
+    uint32_t octave;           /* of the cascades: fireflies_octave(); 0 from film_parts_of() */
     int8_t kinds[LIGHT_KINDS]; /* layer of each kind; -1: not requested */
     int8_t groups;             /* layer of the first light group; -1: not requested */
     uint32_t matte_count;

@@ -105,7 +105,8 @@ void pixel_sums_add(pixel_sums *sums, const wave_samples *samples, const wave_re
         sums->kernels->add_samples(samples->radiance[c] + from, sums->rgb[square->group][c] + to);
     for (uint32_t k = 0; k < 3 * sums->parts.layers; ++k)
         sums->kernels->add_samples(samples->layers[k] + from, sums->layers[k] + to);
-    if (sums->parts.cascades) fireflies_add(samples, from, sums->layers + 3 * sums->parts.layers, to);
+    if (sums->parts.cascades)
+        fireflies_add(samples, from, sums->parts.octave, sums->layers + 3 * sums->parts.layers, to);
     if (sums->mattes) matte_sums_add(sums->mattes, samples, sums->parts, region, batch, place);
     if (sums->hits) hit_sums_add(sums->hits, &sums->sampler, samples->first, region, batch, place);
 }

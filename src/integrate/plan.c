@@ -261,6 +261,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->lights = lights;
     plan->features = parts_features(scene);
     plan->parts = film_parts_of(settings, &scene->light_groups);
+    plan->parts.octave = fireflies_octave(scene);
     const fathom_camera camera = motion_camera_shown(&scene->camera, settings->motion_blur);
     camera_prepare(&camera, settings->width, settings->height, w->origin, &plan->camera);
     plan->sampler =

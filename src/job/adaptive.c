@@ -254,7 +254,8 @@ static void add_square(pass *p, uint32_t place) {
         a->kernels->add_samples(p->work->samples.layers[k] + place * LANES, layers[k] + s * LANES);
     }
     if (a->parts.cascades)
-        fireflies_add(&p->work->samples, place * LANES, layers + 3 * a->parts.layers, s * LANES);
+        fireflies_add(&p->work->samples, place * LANES, a->parts.octave, layers + 3 * a->parts.layers,
+                      s * LANES);
     r->rays[group % 2][s] += p->rays[place];
     if (r->taken[s]++ < a->seen[s]) return;
     ++a->seen[s];

@@ -7,14 +7,15 @@
 
 enum { SIDE = 32, SAMPLES = 16 };
 
-/* An image of 32 x 32 pixels of a plate that sends out 1, 32 units across, from far away. */
-static stage plate(void) {
+/* An image of 32 x 32 pixels of a plate that sends out this radiance, 32 units across, from far away. */
+static stage plate(float radiance) {
     stage s = stage_open(SIDE, SIDE);
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.target_error = 0, s.settings.spp = SAMPLES;
     s.settings.fireflies = FATHOM_FIREFLIES_REWEIGHT;
     stage_camera(&s, (double[3]){0, 0, 1600}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 2 * atan(0.01));
-    stage_quad(&s, (double[3]){0, 0, 0}, (double[3]){20, 0, 0}, (double[3]){0, 20, 0}, stage_emitter(&s, 1));
+    stage_quad(&s, (double[3]){0, 0, 0}, (double[3]){20, 0, 0}, (double[3]){0, 20, 0},
+               stage_emitter(&s, radiance));
     return s;
 }
 
@@ -32,7 +33,7 @@ static fathom_film *second_of(stage *s, const fathom_film *film) {
 UNIT_TEST(a_sample_that_no_other_confirms_is_left_out) {
     uint32_t single = 0;
     for (float lamp = 1e3f; lamp < 1e7f; lamp *= 10) {
-        stage s = plate();
+        stage s = plate(1);
         const fathom_id material = stage_emitter(&s, lamp);
         for (int y = 2; y < SIDE; y += 4) {
             for (int x = 2; x < SIDE; x += 4)
@@ -70,7 +71,7 @@ static double lamp_count(const fathom_film *film, float lamp, int x, int y) {
 /* Five confirm each other. At a lamp's edge the pixels inside confirm those that it hardly fills. */
 UNIT_TEST(what_five_samples_around_confirm_keeps_its_bits) {
     const float lamp = 1e4f;
-    stage s = plate();
+    stage s = plate(1);
     stage_quad(&s, (double[3]){0.3, 0.2, 1}, (double[3]){5, 2, 0}, (double[3]){-2, 5, 0},
                stage_emitter(&s, lamp));
     fathom_film *film = stage_render(&s), *second = second_of(&s, film);
@@ -109,7 +110,7 @@ UNIT_TEST(a_smooth_image_keeps_its_bits) {
 
 UNIT_TEST(the_first_image_is_the_same_with_and_without) {
     for (int k = 0; k < 3; ++k) {
-        stage s = plate();
+        stage s = plate(1);
         stage_sphere(&s, 3, 2, 6, 5, stage_lambert(&s, 0.5f));
         stage_sphere(&s, -7, 4, 3, 0.05, stage_emitter(&s, 1e4f));
         s.settings.aovs = FATHOM_AOV_DIRECT | FATHOM_AOV_ERROR | FATHOM_AOV_CRYPTO_OBJECT | FATHOM_AOV_Z;
@@ -133,29 +134,55 @@ UNIT_TEST(the_first_image_is_the_same_with_and_without) {
     }
 }
 
-/* A cascade and its neighbours count each sample once, whatever its brightness. */
+/* A cascade and its neighbours count each sample once, whatever its brightness. Cascade k is in slot k modulo
+ * 12, so its sum gives the same count whatever multiple of 36 octaves is taken off. */
 UNIT_TEST(cascades_add_up_and_count) {
     static float radiance[3][WAVE_SLOTS];
     static double sums[3 * FIREFLY_CASCADES][WAVE_SLOTS];
     const wave_samples samples = {.radiance = {radiance[0], radiance[1], radiance[2]}};
-    for (double brightness = 0x1p-12; brightness < 0x1p23; brightness *= 1.37) {
-        double total[3] = {0}, count = 0;
-        memset(sums, 0, sizeof sums);
-        for (int c = 0; c < 3; ++c) radiance[c][5] = (float)brightness * (0.5f + 0.5f * (float)c);
-        fireflies_add(&samples, 0, sums, 16);
-        for (int k = 0; k < (int)FIREFLY_CASCADES; ++k) {
-            double grey = 0;
+    for (double brightness = 0x1p-100; brightness < 0x1p100; brightness *= 1.37) {
+        for (uint32_t octave = 0; octave < 3; ++octave) {
+            double total[3] = {0}, count = 0;
+            memset(sums, 0, sizeof sums);
+            for (int c = 0; c < 3; ++c) radiance[c][5] = (float)brightness * (0.5f + 0.5f * (float)c);
+            fireflies_add(&samples, 0, octave, sums, 16);
+            for (int k = 0; k < (int)FIREFLY_CASCADES; ++k) {
+                double grey = 0;
+                for (int c = 0; c < 3; ++c)
+                    total[c] += sums[3 * k + c][16 + 5], grey += sums[3 * k + c][16 + 5] / 3;
+                if (grey <= 0) continue;
+                const double sum = log2(grey) - 3 * k - octave, own = exp2(sum - 36 * floor((sum + 18) / 36));
+                count += own < 2 ? own : 0;
+            }
             for (int c = 0; c < 3; ++c)
-                total[c] += sums[3 * k + c][16 + 5], grey += sums[3 * k + c][16 + 5] / 3;
-            count += grey / ldexp(1, 3 * k - 10);
+                assert_true(fabs(total[c] - (double)radiance[c][5]) <= 0x1p-50 * total[c]);
+            /* Less than 2^-18 of a sample counts for a darker cascade. */
+            assert_true(fabs(count - 1) <= 0x1p-18);
         }
-        for (int c = 0; c < 3; ++c)
-            assert_true(fabs(total[c] - (double)radiance[c][5]) <= 0x1p-50 * total[c]);
-        if (brightness > 0x1p-10)
-            assert_true(fabs(count - 1) <= 0x1p-20); /* R, G and B are floats */
-        else
-            assert_true(count <= 1 + 0x1p-20);
     }
+}
+
+static fathom_film *lamps(float factor, fathom_film **second) {
+    stage s = plate(0.25f * factor);
+    const fathom_id lamp = stage_emitter(&s, 1e4f * factor);
+    for (int i = 2; i < SIDE; i += 4) stage_sphere(&s, i - SIDE / 2 + 0.5, 0.3 * i, 1, 0.1, lamp);
+    fathom_film *film = stage_render(&s);
+    *second = second_of(&s, film);
+    stage_close(&s);
+    return film;
+}
+
+UNIT_TEST(lights_brighter_by_a_power_of_two_keep_their_weights) {
+    static const int powers[] = {1, 2, 23, -1, -11, -60};
+    fathom_film *expected, *film = lamps(1, &expected);
+    assert_memory_not_equal(film->rgb[0], expected->rgb[0], SIDE * SIDE * sizeof(float));
+    for (size_t k = 0; k < sizeof powers / sizeof *powers; ++k) {
+        fathom_film *second, *first = lamps(ldexpf(1, powers[k]), &second);
+        for (int i = 0; i < SIDE * SIDE; ++i)
+            assert_true(second->rgb[0][i] == ldexpf(expected->rgb[0][i], powers[k]));
+        fathom_film_destroy(first), fathom_film_destroy(second);
+    }
+    fathom_film_destroy(film), fathom_film_destroy(expected);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -177,7 +177,7 @@ static void fill_head(part *p, const fathom_part *options, const fathom_settings
         h->manifests[k] = text ? (uint32_t)strlen(text) + 1 : 0;
     }
     memcpy(h->background, p->film->background, sizeof h->background);
-    h->in_studio = p->film->in_studio;
+    h->in_studio = p->film->in_studio, h->octave = p->film->parts.octave;
     h->exposed = options->exposure != NULL;
     if (h->exposed) h->exposure = *options->exposure;
     snprintf(h->scene, sizeof h->scene, "%s", p->film->scene_name);

@@ -100,7 +100,8 @@ static bool makes_sense(const part_head *h) {
     if (!split || !h->index || h->index > h->count || h->count > PART_MOST || h->settings.tracer ||
         h->settings.size != sizeof h->settings)
         return false;
-    if (h->light_groups.count > LIGHT_GROUPS || (h->exposed && !(fabs((double)h->exposure) < PART_EXPOSURE)))
+    if (h->octave > 2 || h->light_groups.count > LIGHT_GROUPS ||
+        (h->exposed && !(fabs((double)h->exposure) < PART_EXPOSURE)))
         return false;
     for (uint32_t i = 0; i < h->light_groups.count; ++i) {
         if (!ends(h->light_groups.names[i], LIGHT_GROUP_NAME)) return false;

@@ -16,7 +16,7 @@
 #include "job/job.h"
 
 #define PART_MAGIC "FTHMPART"
-#define PART_FORMAT 5u
+#define PART_FORMAT 6u
 #define PART_MOST 65536u /* maximum number of parts of a render */
 #define PART_EXPOSURE 128.0
 #define PART_RECORD 0x45564157u /* "WAVE" */
@@ -27,6 +27,7 @@ typedef struct part_head {
     uint32_t index, count, split, in_studio; /* in_studio: true or false */
     uint32_t exposed;                        /* true or false: `exposure` was given */
     float exposure;
+    uint32_t octave; /* see film_parts */
     checkpoint_key key;
     /* Needed by the merged film. */
     fathom_settings settings; /* `tracer` is NULL */

@@ -240,6 +240,7 @@ static fathom_status make_film(merging *m) {
                         .full_width = head->settings.width,
                         .full_height = head->settings.height,
                         .settings = head->settings,
+                        .parts = {.octave = head->octave},
                         .camera = head->camera,
                         .light_groups = head->light_groups,
                         .in_studio = head->in_studio != 0,
