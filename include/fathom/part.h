@@ -32,7 +32,8 @@ typedef struct fathom_part {
     uint32_t index, count; /* from 1 to count; count up to 65536 */
     fathom_split split;
     const float *exposure; /* stops, below 128: to write the merged film with, which tells it
-                              (fathom_film_exposure()). NULL (default): none */
+                              (fathom_film_exposure()). A file with another one is refused. NULL (default):
+                              none, or that of the file */
 } fathom_part;
 
 FATHOM_DEFAULT(fathom_part)

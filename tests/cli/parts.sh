@@ -69,14 +69,21 @@ unset SLURM_ARRAY_TASK_ID SLURM_ARRAY_TASK_COUNT SLURM_ARRAY_TASK_MIN
     same whole.exr merged.exr
 }
 
-# A part keeps the exposure that it is given.
+# A part keeps the exposure that it is given. Another one is refused, or told if other parts have it.
 run 0 render scene.json -o whole.png --exposure 1
 run 0 render scene.json -o exposed.part --part 1/1 --exposure 1
 run 0 merge exposed.part -o merged.png
 same whole.png merged.png
 run 0 merge exposed.part -o merged.png --exposure 0
 differ whole.png merged.png
-rm exposed.part
+refused 3 'exposed.part: the existing part was rendered with the exposure 1, and this render has 2.5' \
+    render scene.json -o exposed.part --part 1/1 --exposure 2.5
+run 0 render scene.json -o exposed.part --part 1/1
+for k in 1 2; do run 0 render scene.json -o e$k.part --part $k/2 --exposure $k; done
+run 0 merge e2.part e1.part -o merged.png
+said err.txt 'e1.part: was rendered with the exposure 1, and e2.part with 2; the image takes that of part 1'
+same whole.png merged.png
+rm exposed.part e1.part e2.part
 
 # Another instruction set is another tracer.
 FATHOM_ISA=sse2 "$FATHOM" render $scene -o p2.part --part 2/3 -q >out.txt 2>err.txt && [ "$(grep -c avx2 /proc/cpuinfo)" = 0 ] ||

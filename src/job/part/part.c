@@ -99,7 +99,8 @@ static fathom_status compare(const part *p, const part_head *theirs) {
     print_part(theirs, a), print_part(&p->head, b);
     if (strcmp(a, b) != 0) return of_another(p, "the number", a, b);
     if (checkpoint_key_differs(&theirs->key, &p->head.key, &d)) return of_another(p, d.name, d.saved, d.now);
-    return FATHOM_OK;
+    part_exposure_print(theirs, a), part_exposure_print(&p->head, b);
+    return p->head.exposed && strcmp(a, b) != 0 ? of_another(p, "the exposure", a, b) : FATHOM_OK;
 }
 
 static void count_before(part *p, const part_record *r) {

@@ -2,6 +2,7 @@
 
 #include "base/hash.h"
 
+#include <stdio.h>
 #include <string.h>
 
 _Static_assert(sizeof(part_record) == 12 * 8, "no bytes between the fields");
@@ -69,6 +70,13 @@ uint64_t part_head_hash(const part_head *head, const char *const manifests[MATTE
         if (head->manifests[k]) hash_put(&h, manifests[k], head->manifests[k]);
     }
     return hash_end(&h);
+}
+
+void part_exposure_print(const part_head *head, char out[64]) {
+    if (head->exposed)
+        snprintf(out, 64, "%.9g", (double)head->exposure);
+    else
+        strcpy(out, "none");
 }
 
 const char *part_manifest(const part_head *head, const unsigned char *bytes, matte_kind kind) {

@@ -66,6 +66,8 @@ size_t part_wave_bytes(const part_shape *shape, uint32_t wave);
 /* Size of the head and its manifests. Their hash follows, then the records. */
 size_t part_head_bytes(const part_head *head);
 uint64_t part_head_hash(const part_head *head, const char *const manifests[MATTE_KINDS]);
+/* "none", if it was not given. */
+void part_exposure_print(const part_head *head, char out[64]);
 /* A manifest in the bytes of a file whose head was read; NULL: there is none. */
 const char *part_manifest(const part_head *head, const unsigned char *bytes, matte_kind kind);
 

@@ -230,6 +230,21 @@ static fathom_status add_samples(const merging *m) {
 
 /* ---- the whole ---- */
 
+/* Pixels do not depend on it, so the parts fit. */
+static void compare_exposures(const merging *m) {
+    char first[64], other[64];
+    part_exposure_print(m->sources[0].head, first);
+    for (size_t i = 1; i < m->count; ++i) {
+        part_exposure_print(m->sources[i].head, other);
+        if (strcmp(first, other) == 0) continue;
+        warn(m->context,
+             "%s: was rendered with the exposure %s, and %s with %s; the image takes that of part 1 unless "
+             "it is given one",
+             m->sources[0].path, first, m->sources[i].path, other);
+        return;
+    }
+}
+
 static fathom_status make_film(merging *m) {
     part_head *head = m->sources[0].head;
     const part_shape *shape = &m->sources[0].shape;
@@ -252,6 +267,7 @@ static fathom_status make_film(merging *m) {
     for (int k = 0; k < MATTE_KINDS; ++k)
         like.manifests[k] =
             (char *)(uintptr_t)part_manifest(head, m->sources[0].map.bytes, (matte_kind)k); /* is copied */
+    compare_exposures(m);
     fathom_status status = film_create_like(m->context, &like, &m->film);
     if (status != FATHOM_OK) return status;
     m->film->stats = head->stats;
