@@ -170,8 +170,8 @@ static void print_details(const render_report *r, const render_options *options)
     left_out_print(&r->left_out, "left out ");
 }
 
-/* Prints whether the error or the maximum number of samples ended the render. With a time limit, or for a
- * part of the image, this is not known. */
+/* Prints whether the target is reached. A tile may also end above it because the samples that decide are not
+ * those of the image (job/adaptive.h). With a time limit, or for a part of the image, this is not known. */
 static void print_why_it_ended(const render_report *r, const fathom_settings *s) {
     if (!(s->target_error > 0) || r->stats.finished < 1) return;
     if (r->stats.error_estimate <= s->target_error)
@@ -179,7 +179,9 @@ static void print_why_it_ended(const render_report *r, const fathom_settings *s)
     else if (s->max_time > 0)
         fputs(" (above the target when time was up)", stdout);
     else
-        printf(" (above the target: some pixels took all %u samples)", s->spp);
+        printf(" (above the target: some pixels took all %u samples, or bright samples are rare: a larger "
+               "--min-spp helps then)",
+               s->spp);
 }
 
 static void print_sampling(const render_report *r, const render_options *options) {
