@@ -352,6 +352,8 @@ typedef struct fathom_instance {
     const double *key_times;
     const double *key_transforms; /* 12 numbers each, as `transform` */
     uint32_t key_count;
+    const char
+        *name; /* in Cryptomatte that of its shapes without names; NULL (default): none. It is copied */
 } fathom_instance;
 
 FATHOM_DEFAULT(fathom_instance) /* identity, in the root */

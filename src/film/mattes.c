@@ -47,44 +47,82 @@ static uint32_t float_bits(uint32_t hash) {
 
 uint32_t matte_id(const char *name) { return float_bits(murmur_hash(name, strlen(name))); }
 
-/* Ids are hashes of these names: the shape's own name, otherwise its group's; otherwise kind and number, such
- * as "sphere 3", which are written to `made`. */
+/* Ids are hashes of these names: the shape's own name; otherwise that of the instance that places it,
+ * otherwise of its group; otherwise kind and number, such as "sphere 3", which are written to `made`. */
 #define MADE_NAME 32
 
+/* What a group needs names for. */
+#define GROUP_PLACED 1u   /* it is the root, or an instance without a name places it */
+#define GROUP_NAMELESS 2u /* a shape in it has no name */
+
+typedef struct naming {
+    const fathom_scene *scene;
+    matte_kind kind;
+    uint8_t *groups;
+    size_t count; /* of objects and instances, or of materials */
+} naming;
+
+static bool is_named(const char *name) { return name && *name; }
+
+static bool naming_create(const fathom_scene *scene, matte_kind kind, naming *out) {
+    *out = (naming){scene, kind, calloc(scene->groups.count + 1, 1),
+                    kind == MATTE_OBJECT ? scene->objects.count + scene->instances.count
+                                         : scene->materials.count};
+    if (!out->groups) return false;
+    out->groups[FATHOM_ROOT] = GROUP_PLACED;
+    for (size_t i = 0; i < scene->objects.count; ++i) {
+        const scene_object *o = &scene->objects.items[i];
+        if (!is_named(o->name)) out->groups[o->group] |= GROUP_NAMELESS;
+    }
+    for (size_t i = 0; i < scene->instances.count; ++i) {
+        const fathom_instance *placed = &scene->instances.items[i];
+        if (!is_named(placed->name)) out->groups[placed->group] |= GROUP_PLACED;
+    }
+    return true;
+}
+
 static const char *name_or(const char *name, const char *kind, size_t number, char made[MADE_NAME]) {
-    if (name && *name) return name;
+    if (is_named(name)) return name;
     snprintf(made, MADE_NAME, "%s %zu", kind, number);
     return made;
 }
 
-static const char *object_name(const fathom_scene *scene, fathom_id object, char made[MADE_NAME]) {
+static const char *object_name(const naming *n, size_t object, char made[MADE_NAME]) {
     static const char *const kinds[] = {
         [SCENE_SPHERE] = "sphere", [SCENE_QUAD] = "quad", [SCENE_PLANE] = "plane", [SCENE_MESH] = "mesh"};
-    const scene_object *o = &scene->objects.items[object];
-    const char *group = o->group == FATHOM_ROOT ? NULL : scene->groups.items[o->group];
-    return name_or(o->name ? o->name : group, kinds[o->kind], o->index, made);
+    const scene_object *o = &n->scene->objects.items[object];
+    if (is_named(o->name)) return o->name;
+    if (!(n->groups[o->group] & GROUP_PLACED)) return NULL;
+    return name_or(o->group == FATHOM_ROOT ? NULL : n->scene->groups.items[o->group], kinds[o->kind],
+                   o->index, made);
 }
 
-static const char *material_name(const fathom_scene *scene, fathom_id material, char made[MADE_NAME]) {
-    return name_or(scene->materials.items[material].name, "material", material, made);
-}
-
-static size_t count_of(const fathom_scene *scene, matte_kind kind) {
-    return kind == MATTE_OBJECT ? scene->objects.count : scene->materials.count;
-}
-
-static const char *name_of(const fathom_scene *scene, matte_kind kind, size_t i, char made[MADE_NAME]) {
-    return (kind == MATTE_OBJECT ? object_name : material_name)(scene, (fathom_id)i, made);
+/* NULL: no shape has this name. */
+static const char *name_of(const naming *n, size_t i, char made[MADE_NAME]) {
+    if (n->kind == MATTE_MATERIAL) return name_or(n->scene->materials.items[i].name, "material", i, made);
+    if (i < n->scene->objects.count) return object_name(n, i, made);
+    const fathom_instance *placed = &n->scene->instances.items[i - n->scene->objects.count];
+    return is_named(placed->name) && n->groups[placed->group] & GROUP_NAMELESS ? placed->name : NULL;
 }
 
 uint32_t *matte_ids(const fathom_scene *scene, matte_kind kind) {
-    const size_t count = count_of(scene, kind);
-    uint32_t *ids = malloc((count + 1) * sizeof *ids);
-    for (size_t i = 0; ids && i < count; ++i) {
+    naming n;
+    uint32_t *ids = naming_create(scene, kind, &n) ? malloc((n.count + 1) * sizeof *ids) : NULL;
+    for (size_t i = 0; ids && i < n.count; ++i) {
         char made[MADE_NAME];
-        ids[i] = matte_id(name_of(scene, kind, i, made));
+        const char *name = name_of(&n, i, made);
+        ids[i] = name ? matte_id(name) : 0;
     }
+    free(n.groups);
     return ids;
+}
+
+uint32_t matte_of_object(const fathom_scene *scene, const uint32_t *ids, fathom_id object,
+                         fathom_id instance) {
+    const uint32_t placed = instance == FATHOM_NONE || is_named(scene->objects.items[object].name)
+                                ? 0
+                                : ids[scene->objects.count + instance];
+    return placed ? placed : ids[object];
 }
 
 /* ---- the manifest ---- */
@@ -112,31 +150,38 @@ static int by_hash(const void *a, const void *b) {
 }
 
 /* Writes each id once, in the order of the ids. */
-static void put_entries(FILE *to, const fathom_scene *scene, matte_kind kind, manifest_entry *all,
-                        size_t count) {
+static void put_entries(FILE *to, const naming *n, manifest_entry *all, size_t count) {
     char made[MADE_NAME];
     qsort(all, count, sizeof *all, by_hash);
     putc('{', to);
     for (size_t i = 0, put = 0; i < count; ++i) {
         if (i && all[i].hash == all[i - 1].hash) continue;
         fputs(put++ ? ",\"" : "\"", to);
-        put_escaped(to, name_of(scene, kind, all[i].item, made));
+        put_escaped(to, name_of(n, all[i].item, made));
         fprintf(to, "\":\"%08x\"", all[i].hash);
     }
     putc('}', to);
 }
 
+static size_t list_entries(const naming *n, manifest_entry *out) {
+    size_t count = 0;
+    for (size_t i = 0; i < n->count; ++i) {
+        char made[MADE_NAME];
+        const char *name = name_of(n, i, made);
+        if (name) out[count++] = (manifest_entry){matte_id(name), (uint32_t)i};
+    }
+    return count;
+}
+
 char *matte_manifest(const fathom_scene *scene, matte_kind kind) {
-    const size_t count = count_of(scene, kind);
-    manifest_entry *all = malloc((count + 1) * sizeof *all);
-    char *text = NULL, made[MADE_NAME];
+    naming n;
+    manifest_entry *all = naming_create(scene, kind, &n) ? malloc((n.count + 1) * sizeof *all) : NULL;
+    char *text = NULL;
     size_t size;
     FILE *to = all ? open_memstream(&text, &size) : NULL;
-    for (size_t i = 0; to && i < count; ++i) {
-        all[i] = (manifest_entry){matte_id(name_of(scene, kind, i, made)), (uint32_t)i};
-    }
-    if (to) put_entries(to, scene, kind, all, count);
+    if (to) put_entries(to, &n, all, list_entries(&n, all));
     free(all);
+    free(n.groups);
     if (to && (ferror(to) | fclose(to)) == 0) return text;
     free(text);
     return NULL;

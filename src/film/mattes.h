@@ -29,8 +29,12 @@ void matte_rank(const matte_list *list, uint32_t samples, float out[2 * MATTE_RA
 /* An id: the bits of a float that is finite and not 0 (the specification's uint32_to_float32). */
 uint32_t matte_id(const char *name);
 
-/* The id of each object or material. Release with free(). NULL: out of memory. */
+/* The id of each object, and then of each instance, for its shapes without names; 0: none. Or the id of each
+ * material. Release with free(). NULL: out of memory. */
 uint32_t *matte_ids(const fathom_scene *scene, matte_kind kind);
+/* ids: of objects. instance: the innermost around the object, or FATHOM_NONE. */
+uint32_t matte_of_object(const fathom_scene *scene, const uint32_t *ids, fathom_id object,
+                         fathom_id instance);
 /* {"name":"hash", …}: names of the scene with the hashes of their ids. Release with free(). NULL: out of
  * memory. */
 char *matte_manifest(const fathom_scene *scene, matte_kind kind);

@@ -65,7 +65,7 @@ typedef struct render_plan {
     bool background;                  /* it is not black */
     film_parts parts;                 /* the components of the AOVs */
     light_groups groups;              /* none unless AOVs request them */
-    uint32_t *matte_ids[MATTE_KINDS]; /* by object and by material; NULL: not requested */
+    uint32_t *matte_ids[MATTE_KINDS]; /* matte_ids(); NULL: not requested */
     uint8_t *light_group_of;          /* by light; the classic integrator */
     uint32_t max_depth;               /* 0 when nothing mirrors or refracts */
     float t_near;                     /* 0, or the fixed epsilon */

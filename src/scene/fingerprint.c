@@ -76,17 +76,18 @@ static void hash_grouped(hash *h, const scene_grouped_light *g) {
     PUT(h, source), PUT(h, g->id), PUT(h, g->group);
 }
 
-static void hash_instance(hash *h, const fathom_instance *i) {
-    PUT(h, i->group), PUT(h, i->parent), PUT(h, i->material);
-    if (!i->key_count) PUT(h, i->transform);
-    hash_keys(h, i->key_count, i->key_times, i->key_transforms);
-}
-
 /* Cryptomatte's ids are those of names. */
 static void hash_name(hash *h, const char *name) {
     const size_t bytes = name ? strlen(name) + 1 : 0;
     PUT(h, bytes);
     hash_put(h, name, bytes);
+}
+
+static void hash_instance(hash *h, const fathom_instance *i) {
+    PUT(h, i->group), PUT(h, i->parent), PUT(h, i->material);
+    if (!i->key_count) PUT(h, i->transform);
+    hash_keys(h, i->key_count, i->key_times, i->key_transforms);
+    hash_name(h, i->name);
 }
 
 static void hash_object(hash *h, const scene_object *o) {

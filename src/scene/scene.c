@@ -378,6 +378,7 @@ fathom_status fathom_scene_add_instance_sized(fathom_scene *scene, const fathom_
     if (status == FATHOM_OK && item.key_count) status = check_motion(scene->context, &item);
     if (status == FATHOM_OK && item.key_count)
         status = motion_copy_keys(scene, item.key_count, 12, &item.key_times, &item.key_transforms);
+    if (status == FATHOM_OK) status = own_text(scene, &item.name);
     if (status != FATHOM_OK) return status;
     if (item.key_count) memcpy(item.transform, item.key_transforms, sizeof item.transform);
     if (!array_push(&scene->instances, item)) return fail_memory(scene->context, sizeof item);

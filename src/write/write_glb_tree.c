@@ -194,7 +194,8 @@ static void put_far_nodes(const glb *g, file_writer *t, uint32_t group, uint32_t
 /* Each instance of a group gets its own nodes, because nodes form a tree. */
 static void put_nodes(const glb *g, file_writer *t, uint32_t group, const fathom_instance *instance,
                       fathom_id override, size_t *number) {
-    const char *name = g->scene->groups.items[group], *separator = "";
+    const char *name = instance && instance->name ? instance->name : g->scene->groups.items[group],
+               *separator = "";
     uint32_t mesh = mesh_number(g, group, override);
     file_writer_print(t, *number ? ",\n{" : "\n{");
     if (name) glb_put_name(t, separator, name), separator = ",";

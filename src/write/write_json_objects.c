@@ -185,6 +185,7 @@ static void put_instance(json_out *o, const fathom_instance *instance, const cha
     const char *separator = "";
     form_object_values v = usual;
     v.material = instance->material != FATHOM_NONE ? o->materials[instance->material] : NULL;
+    v.name = instance->name;
     v.as.instance.of = o->groups[instance->group];
     for (int i = 0; i < 12 && !instance->key_count; ++i)
         v.place.matrix[i % 4 * 4 + i / 4] = instance->transform[i];

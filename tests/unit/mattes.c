@@ -264,6 +264,50 @@ UNIT_TEST(ranks_are_the_largest) {
     }
 }
 
+/* Two shapes, one of them named, three times side by side. */
+static stage open_trees(const char *middle) {
+    const char *const names[] = {"left", middle, "right"};
+    stage s = stage_open(SIDE, SIDE);
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    s.settings.spp = 16, s.settings.target_error = 0, s.settings.max_depth = 0;
+    s.settings.aovs = FATHOM_AOV_CRYPTO_OBJECT | FATHOM_AOV_ALPHA;
+    fathom_id tree;
+    assert_ok(s.context, fathom_scene_add_group(s.scene, "tree", &tree));
+    for (int k = 0; k < 2; ++k) {
+        const fathom_sphere ball = {{0, 0.4 * k, 0}, 0.2, 0, 0};
+        assert_ok(s.context, fathom_scene_add_sphere(s.scene, tree, &ball, NULL));
+    }
+    name_last(&s, "crown");
+    for (int k = 0; k < 3; ++k) {
+        fathom_instance placed;
+        fathom_instance_default(&placed);
+        placed.group = tree, placed.transform[3] = 0.6 * (k - 1), placed.name = names[k];
+        assert_ok(s.context, fathom_scene_add_instance(s.scene, &placed, NULL));
+    }
+    stage_camera(&s, (double[3]){0, 0.2, 5}, (double[3]){0, 0.2, 0}, up, 0.5);
+    return s;
+}
+
+/* All balls are as large in the image; the middle ones, a little nearer, by less than a tenth. */
+UNIT_TEST(an_instance_names_its_shapes_without_names) {
+    static const char *const middles[] = {NULL, "", "middle"};
+    for (int k = 0; k < 3; ++k) {
+        stage s = open_trees(middles[k]);
+        fathom_film *film = stage_render(&s);
+        const double left = mean_of(film, "CryptoObject", "left");
+        assert_true(left > 0.01);
+        assert_near(mean_of(film, "CryptoObject", "right"), left, 0.1 * left);
+        assert_near(mean_of(film, "CryptoObject", k == 2 ? "middle" : "tree"), left, 0.1 * left);
+        assert_near(mean_of(film, "CryptoObject", "crown"), 3 * left, 0.1 * left);
+        char *manifest = matte_manifest(s.scene, MATTE_OBJECT);
+        assert_non_null(strstr(manifest, "\"left\""));
+        assert_true((strstr(manifest, "\"tree\"") != NULL) == (k < 2));
+        free(manifest);
+        fathom_film_destroy(film);
+        stage_close(&s);
+    }
+}
+
 /* A path of an assembly, say, whose parts differ in its last letter. */
 UNIT_TEST(long_names_are_whole) {
     char names[2][402], entry[1024];

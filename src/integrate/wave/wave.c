@@ -212,11 +212,13 @@ uint8_t wave_hit_group(const wave *w, unsigned i) {
 
 void wave_keep_mattes(wave *w, uint32_t slot, unsigned i) {
     const render_plan *plan = w->run.plan;
-    const fathom_id met[MATTE_KINDS] = {wave_hit_object(w, i), wave_hit_material(w, i)};
-    for (int k = 0; k < MATTE_KINDS; ++k) {
-        if (plan->parts.mattes[k] >= 0)
-            w->run.samples.mattes[plan->parts.mattes[k]][slot] = plan->matte_ids[k][met[k]];
-    }
+    const int8_t *mattes = plan->parts.mattes;
+    if (mattes[MATTE_OBJECT] >= 0)
+        w->run.samples.mattes[mattes[MATTE_OBJECT]][slot] = matte_of_object(
+            plan->scene, plan->matte_ids[MATTE_OBJECT], wave_hit_object(w, i), wave_hit_instance(w, i));
+    if (mattes[MATTE_MATERIAL] >= 0)
+        w->run.samples.mattes[mattes[MATTE_MATERIAL]][slot] =
+            plan->matte_ids[MATTE_MATERIAL][wave_hit_material(w, i)];
 }
 
 void wave_lose_mattes(wave *w, uint32_t slot) {

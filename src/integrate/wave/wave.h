@@ -201,6 +201,9 @@ bool wave_walk_shadows(wave *w);
 fathom_id wave_hit_material(const wave *w, unsigned i);
 /* The object of lane i of the gathered hits. */
 fathom_id wave_hit_object(const wave *w, unsigned i);
+/* The scene's instance that places it, the innermost of nested ones; FATHOM_NONE for planes, and in the root.
+ */
+fathom_id wave_hit_instance(const wave *w, unsigned i);
 
 /* Counts rays of `now` by square, if requested. */
 void wave_count_rays(const wave *w);

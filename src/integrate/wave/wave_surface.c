@@ -32,7 +32,10 @@ static void keep_miss(first_hits *f, uint32_t slot) {
     f->object[slot] = f->primitive[slot] = f->instance[slot] = FATHOM_NONE;
 }
 
-static fathom_id placed_by(const world *scene, const surface_gather *g, unsigned i) {
+fathom_id wave_hit_instance(const wave *w, unsigned i) {
+    const world *scene = w->run.plan->world;
+    const surface_gather *g = w->gather;
+    if (g->geometry[i] == TRACE_PLANE) return FATHOM_NONE;
     return g->instance[i] != FATHOM_NONE ? scene->instances.items[g->instance[i]].id
                                          : scene->geometries.items[g->geometry[i]].instance;
 }
@@ -79,7 +82,7 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
     if (w->cameras) wave_keep_vectors(w, i, slot);
     f->object[slot] = wave_hit_object(w, i);
     f->primitive[slot] = plane ? 0 : world_primitive(scene, g->geometry[i], g->primitive[i]);
-    f->instance[slot] = plane ? FATHOM_NONE : placed_by(scene, g, i);
+    f->instance[slot] = wave_hit_instance(w, i);
 }
 
 /* Transmission takes a path to the other side, as do the backs of one-sided surfaces in view. */

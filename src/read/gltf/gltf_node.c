@@ -41,6 +41,7 @@ static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const
     fathom_instance_default(&instance);
     instance.group = group;
     instance.parent = g->group;
+    instance.name = json_string_value(json_object_get(node->json, "name"));
     memcpy(instance.transform, way->at[0].m, sizeof instance.transform);
     if (!is_finite(way)) {
         gltf_fail(g, node, NULL, "has transforms that place it beyond the range of numbers");
@@ -60,8 +61,9 @@ static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const
         instance.key_count = (uint32_t)way->count, instance.key_times = g->key_times;
         instance.key_transforms = &way->at[0].m[0][0];
     }
-    /* The instance is stored twice, plus half of that while the array grows. */
+    /* The instance is stored twice, plus half of that while the array grows; so is the owner of its name. */
     gltf_charge(g, node, NULL, 3 * sizeof instance);
+    if (instance.name) gltf_charge(g, node, NULL, 3 * sizeof(scene_blob) + strlen(instance.name) + 32);
     g->posing = true;
     gltf_charge(g, node, NULL, instance.key_count * 13 * sizeof(double));
     g->posing = false;

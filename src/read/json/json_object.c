@@ -223,6 +223,7 @@ LEAF fathom_status add_instance(const object_reader *r, const where *at, const o
     instance.parent = parent;
     memcpy(instance.transform, o->map.m, sizeof instance.transform);
     if (o->kind == FORM_GROUP || o->kind == FORM_INSTANCE) instance.material = o->material;
+    if (o->kind == FORM_INSTANCE) instance.name = o->values.name;
     double *keys = NULL;
     fathom_id id = 0;
     fathom_status status = FATHOM_OK;
