@@ -198,6 +198,16 @@ refused 2 '--leave-out-below 8bit: needs the exposure' \
     render scene.json -o c.png --leave-out-below 8bit --exposure auto
 # What no output takes is refused rather than dropped.
 refused 2 '--exr-float: only with -o FILE.exr' render scene.json -o c.png --exr-float
+# Half floats end at 65504, and that is told.
+printf '{ "image": { "width": 8, "height": 8, "spp": 4 }, "camera": { "eye": [0, 0, 9], "target": [0, 0, 0] },
+  "background": [65505, 0, 0], "objects": [] }' >bright.json
+run 0 render bright.json -o bright.exr
+said err.txt 'bright.json: the .exr shows pixels above 65504 as 65504, the largest half float; --exr-float keeps them'
+for option in '-o bright.exr --exr-float' '-o bright.png --exposure 0' '-o bright.exr --background 65504,0,0'; do
+    # shellcheck disable=SC2086
+    run 0 render bright.json $option
+    not_said err.txt 'half float'
+done
 for option in view display ocio; do
     refused 2 "--$option: only with an image for the display, such as -o FILE.png" render scene.json -o c.exr --$option x
     refused 2 "--$option: only with an image for the display" merge 0.part -o c.exr --$option x

@@ -1,11 +1,10 @@
 #include "cli/render/brightness.h"
 
-#include "base/file_name.h"
+#include "cli/render/images.h"
 
 #include <fathom/survey.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 /* Warns if more than this fraction of the pixels is affected. */
 #define MOST_PIXELS 0.5
@@ -20,11 +19,9 @@
 
 /* True if a file for the display clips at 1; this is known only of the built-in view. */
 static bool any_for_display(const render_options *options) {
-    char extension[16];
     if (options->part.path) return true; /* fathom merge may write one */
     for (size_t i = 0; i < options->outputs.count; ++i) {
-        file_extension(options->outputs.items[i], extension);
-        if (strcmp(extension, "exr") != 0) return fathom_write_is_srgb(&options->write);
+        if (!images_is_exr(options->outputs.items[i])) return fathom_write_is_srgb(&options->write);
     }
     return false;
 }
@@ -80,11 +77,36 @@ bool brightness_is_open(const render_options *options) {
            (options->exposure == EXPOSURE_USUAL && any_for_display(options));
 }
 
+#define LARGEST_HALF 65504.0f
+
+static bool exceeds_half(const fathom_film *film) {
+    static const char *const names[] = {"R", "G", "B"};
+    uint32_t width, height;
+    fathom_film_size(film, &width, &height);
+    for (int c = 0; c < 3; ++c) {
+        const float *values = fathom_film_channel(film, names[c]);
+        for (size_t i = 0; i < (size_t)width * height; ++i) {
+            if (values[i] > LARGEST_HALF) return true;
+        }
+    }
+    return false;
+}
+
+static void warn_of_half(warning_list *warnings, const char *name, const fathom_film *film,
+                         const render_options *options) {
+    if (options->write.float_color || !images_has_exr(&options->outputs) || !exceeds_half(film)) return;
+    warnings_tell(warnings,
+                  "%s: the .exr shows pixels above 65504 as 65504, the largest half float; --exr-float keeps "
+                  "them",
+                  name);
+}
+
 bool brightness_settle(warning_list *warnings, const fathom_scene *scene, const char *name,
                        const fathom_film *film, render_options *options) {
     float *exposure = &options->write.exposure;
     fathom_brightness b = {.size = sizeof b};
     char why[160];
+    warn_of_half(warnings, name, film, options);
     fathom_film_brightness(film, *exposure, &b);
     options->in_studio = b.in_studio;
     if (b.black == b.pixels) {

@@ -1,4 +1,5 @@
 /* Combines the options of `fathom render` with the scene's settings, and checks that they fit together. */
+#include "cli/render/images.h"
 #include "cli/render/part_options.h"
 #include "cli/render/render_options.h"
 
@@ -9,11 +10,10 @@
 
 /* The AOVs that at least one of the outputs can hold: all in .exr, alpha in .png and .tif, none in .jpg. */
 static unsigned held_aovs(const args_list *outputs) {
-    unsigned held = 0;
+    unsigned held = images_has_exr(outputs) ? ~0u : 0;
     for (size_t i = 0; i < outputs->count; ++i) {
         char extension[16];
         file_extension(outputs->items[i], extension);
-        if (strcmp(extension, "exr") == 0) return ~0u;
         if (strncmp(extension, "jp", 2) != 0) held |= FATHOM_AOV_ALPHA;
     }
     return held;
@@ -142,14 +142,10 @@ static bool check_part(const render_options *options, args_problem *problem) {
 
 bool render_options_check_images(const render_options *options, args_problem *problem) {
     const char *color = color_option(&options->write);
-    bool exr = false, shown = false;
-    for (size_t i = 0; i < options->outputs.count; ++i) {
-        char extension[16];
-        file_extension(options->outputs.items[i], extension);
-        const bool is_exr = strcmp(extension, "exr") == 0;
-        exr |= is_exr, shown |= !is_exr;
-    }
-    if (options->write.float_color && !exr) return args_wrong(problem, "--exr-float: only with -o FILE.exr");
+    bool shown = false;
+    for (size_t i = 0; i < options->outputs.count; ++i) shown |= !images_is_exr(options->outputs.items[i]);
+    if (options->write.float_color && !images_has_exr(&options->outputs))
+        return args_wrong(problem, "--exr-float: only with -o FILE.exr");
     return shown || !color ||
            args_wrong(problem, "--%s: only with an image for the display, such as -o FILE.png", color);
 }
