@@ -28,7 +28,7 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "checkpoints are written as memory has them");
 
-#define CHECKPOINT_FORMAT 6u
+#define CHECKPOINT_FORMAT 7u
 #define CHECKPOINT_MAGIC "FTHMCKPT"
 
 typedef struct checkpoint_key {
