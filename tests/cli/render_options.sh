@@ -81,6 +81,10 @@ refused 2 'so expected a square number such as 1 or 4, found 3' render scene.jso
 run 0 render scene.json -o a.exr --aov Z,alpha
 run 0 render scene.json -o b.exr --aov alpha,z
 same a.exr b.exr
+run 0 render scene.json -o b.exr --aov alpha --aov Z
+same a.exr b.exr
+run 0 render scene.json -o b.exr --aov alpha --aov none --aov Z
+differ a.exr b.exr
 run 0 render scene.json -o a.exr --aov all
 # The names of channels stand in the head of the file.
 for channel in Z:Z N:N.X P:P.X albedo:albedo.R id:id.instance.V samples:samples.V \

@@ -62,9 +62,14 @@ static bool take_setting(const args_option *option, const char *value, void *fie
     return set(field, (size_t)option->least, value, problem);
 }
 
+/* Later lists add to earlier ones; "none" removes them. */
 static bool take_aovs(const args_option *option, const char *value, void *field, args_problem *problem) {
     (void)option;
-    return set(field, index_of("aovs"), value, problem);
+    render_options *options = field;
+    const unsigned before = render_options_give(options, "aovs") ? options->asked.aovs : 0;
+    if (!set(options, index_of("aovs"), value, problem)) return false;
+    if (options->asked.aovs) options->asked.aovs |= before;
+    return true;
 }
 
 /* Checks the tracer before the scene is read, which can take long. */
@@ -247,8 +252,8 @@ static const char *aov_help(void) {
     if (!to) return help;
     fputs(" Some of ", to);
     for (const char *c = p->words; *c; ++c) *c == '|' ? fputs(", ", to) : fputc(*c, to);
-    fputs("; all, without alpha and error; or none. alpha makes the background transparent; the others need "
-          "an .exr.",
+    fputs("; all, without alpha and error; or none. Given again, the option adds more. alpha makes the "
+          "background transparent; the others need an .exr.",
           to);
     fclose(to);
     return help;
