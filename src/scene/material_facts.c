@@ -10,6 +10,11 @@ bool material_has_maps(const fathom_material *m) {
     return false;
 }
 
+bool material_map_is_color(int kind) {
+    return kind == FATHOM_MAP_COLOR || kind == FATHOM_MAP_EMISSIVE || kind == FATHOM_MAP_SPECULAR_COLOR ||
+           kind == FATHOM_MAP_SHEEN_COLOR || kind == FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR;
+}
+
 /* Such maps change neither how much light passes nor how much it is scattered. */
 static bool is_map_aside(int map) {
     return map == FATHOM_MAP_NORMAL || map == FATHOM_MAP_CLEARCOAT_NORMAL || map == FATHOM_MAP_BUMP ||

@@ -161,6 +161,21 @@ static fathom_status check_textures(const fathom_scene *scene, const fathom_mate
     return FATHOM_OK;
 }
 
+/* Takes images of numbers and directions as linear, unless their color space is given, as scene JSON does.
+ * Alpha is linear anyway. */
+static fathom_status take_numbers(fathom_scene *scene, fathom_material *material) {
+    fathom_status status = FATHOM_OK;
+    for (int k = 0; k < FATHOM_MAPS && status == FATHOM_OK; ++k) {
+        fathom_map *map = &material->maps[k];
+        if (map->texture == FATHOM_NONE || material_map_is_color(k) || map->channel == 3) continue;
+        fathom_texture texture = scene->textures.items[map->texture];
+        if (texture.color_space != FATHOM_COLOR_AUTO) continue;
+        texture.color_space = FATHOM_COLOR_LINEAR;
+        status = fathom_scene_add_texture(scene, &texture, &map->texture);
+    }
+    return status;
+}
+
 fathom_status fathom_scene_add_material_sized(fathom_scene *scene, const char *name,
                                               const fathom_material *material, size_t size, fathom_id *out) {
     if (!scene) return FATHOM_BAD_USAGE;
@@ -168,6 +183,7 @@ fathom_status fathom_scene_add_material_sized(fathom_scene *scene, const char *n
     fathom_status status = SIZED_ITEM(scene->context, fathom_material, material, size, &entry.value);
     if (status == FATHOM_OK) status = scene_check_material(scene->context, &entry.value);
     if (status == FATHOM_OK) status = check_textures(scene, &entry.value);
+    if (status == FATHOM_OK) status = take_numbers(scene, &entry.value);
     if (status == FATHOM_OK) status = copy_text(scene->context, name, &entry.name);
     if (status != FATHOM_OK) return status;
     entry.classic = entry.value;

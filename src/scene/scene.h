@@ -152,6 +152,8 @@ fathom_id scene_find_material(const fathom_scene *scene, const char *name);
 
 /* True when some parameter comes from a texture. */
 bool material_has_maps(const fathom_material *material);
+/* True when images of this kind of map hold colours. */
+bool material_map_is_color(int kind);
 /* True if light of point, directional and spot lights should pass what has the material as if it were not
  * there: it transmits more than half of the light, through its thickness, and hardly scatters it. Such light
  * has no other way through smooth glass; through rough glass it has. */

@@ -2,7 +2,6 @@
 #include "write/write.h"
 
 #include "base/text.h"
-#include "read/json/json_form.h"
 #include "scene/settings.h"
 
 #include <stdlib.h>
@@ -87,7 +86,7 @@ static size_t count_maps(const fathom_scene *scene, bool sheared) {
 
 /* Models use integer colours as sRGB, and other maps as linear; alpha is the same in both. */
 static bool has_own_space(const fathom_scene *scene, const fathom_map *map, int kind) {
-    const fathom_color_space usual = form_map_is_color(kind) ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
+    const fathom_color_space usual = material_map_is_color(kind) ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
     const fathom_color_space space = scene->textures.items[map->texture].color_space;
     const bool color = usual == FATHOM_COLOR_AUTO && space == FATHOM_COLOR_SRGB;
     return space == FATHOM_COLOR_NAMED || (space != usual && !color && map->channel != 3);

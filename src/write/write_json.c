@@ -87,7 +87,7 @@ static void put_image(json_out *o) {
 
 static void set_texture(const json_out *o, const fathom_map *map, int kind, form_texture_values *out) {
     const fathom_texture *texture = &o->scene->textures.items[map->texture];
-    const fathom_color_space own = form_map_is_color(kind) ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
+    const fathom_color_space own = material_map_is_color(kind) ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
     const write_turn turn = write_turn_of(map->transform);
     out->file = o->images.items[o->images.of_texture[map->texture]].name;
     if (texture->color_space == FATHOM_COLOR_NAMED)

@@ -20,7 +20,6 @@
  * blocked or not. */
 #include "read/gltf/gltf_material.h"
 #include "read/gltf/gltf_keys.h"
-#include "read/json/json_form.h"
 
 #include <float.h>
 #include <math.h>
@@ -78,7 +77,7 @@ static void read_image(gltf *g, const gltf_value *at, const gltf_key *key, draft
     fathom_map map;
     const json_t *info = json_object_get(at->json, key->name);
     if (!info) return;
-    const fathom_map *found = gltf_map(g, at, key->name, form_map_is_color(key->map), &map) ? &map : NULL;
+    const fathom_map *found = gltf_map(g, at, key->name, material_map_is_color(key->map), &map) ? &map : NULL;
     if (names_no_texture(info)) return;
     set_map(found, key->map, key->channel, false, d);
     if (key->map == FATHOM_MAP_COLOR && d->alpha != ALPHA_OPAQUE)

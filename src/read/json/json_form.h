@@ -116,9 +116,6 @@ typedef struct form_texture_values {
 /* One kind more than fathom_map has: metalness and roughness in one image, as in glTF. */
 #define FORM_METALLIC_ROUGHNESS ((int)FATHOM_MAPS)
 
-/* True when images of this kind of map hold colours. */
-bool form_map_is_color(int kind);
-
 typedef struct form_material_values {
     fathom_material material; /* first: its parameters are keys */
     form_texture_values textures[FATHOM_MAPS + 1];

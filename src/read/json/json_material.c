@@ -5,14 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool form_map_is_color(int kind) {
-    return kind == FATHOM_MAP_COLOR || kind == FATHOM_MAP_EMISSIVE || kind == FATHOM_MAP_SPECULAR_COLOR ||
-           kind == FATHOM_MAP_SHEEN_COLOR || kind == FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR;
-}
-
 /* By default, the image decides for maps of colours; maps of numbers are linear. */
 static void set_space(const form_texture_values *v, int kind, fathom_texture *out) {
-    out->color_space = form_map_is_color(kind) ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
+    out->color_space = material_map_is_color(kind) ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
     if (!v->color_space) return;
     out->color_space = FATHOM_COLOR_NAMED;
     out->color_space_name = v->color_space;
