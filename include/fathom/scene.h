@@ -31,9 +31,10 @@ typedef enum fathom_specular {
     FATHOM_SPECULAR_BLINN  /* k_s max(0, n·h)^n */
 } fathom_specular;
 
+/* Which members a material has. The others have no effect. */
 typedef enum fathom_model {
     FATHOM_MODEL_CLASSIC,           /* k_a to lit_from_behind */
-    FATHOM_MODEL_METALLIC_ROUGHNESS /* ior, and base_color to multiscatter: glTF 2.0 with extensions
+    FATHOM_MODEL_METALLIC_ROUGHNESS /* ior, and base_color to double_sided: glTF 2.0 with extensions
                                        of its materials */
 } fathom_model;
 

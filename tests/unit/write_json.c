@@ -36,4 +36,29 @@ UNIT_TEST(images_of_numbers_are_linear_unless_their_space_is_given) {
     fathom_scene_destroy(scene);
 }
 
+/* The red of a sphere's middle, for a classic material that also has numbers of the other model. */
+static float render_with(float opacity, float cutoff) {
+    stage s = stage_open(3, 3);
+    fathom_material m;
+    fathom_material_default(&m), m.opacity = opacity, m.opacity_cutoff = cutoff;
+    assert_ok(s.context, fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH));
+    s.settings.spp = 4, s.settings.target_error = 0;
+    stage_camera(&s, (double[3]){0, 0, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.2);
+    stage_sphere(&s, 0, 0, 0, 1, stage_material(&s, &m));
+    stage_point_light(&s, 1, 2, 4, 30);
+    fathom_film *film = stage_render(&s);
+    const float red = fathom_film_channel(film, "R")[4];
+    fathom_film_destroy(film);
+    stage_close(&s);
+    return red;
+}
+
+/* Scene JSON and the other integrators know no opacity of classic materials but that of an image. */
+UNIT_TEST(classic_materials_have_no_opacity) {
+    const float red = render_with(1, 0);
+    assert_true(red > 0.1f);
+    assert_true(render_with(0.25f, 0) == red && render_with(0.25f, 0.5f) == red);
+    assert_true(render_with(NAN, 0) == red);
+}
+
 int main(void) { return unit_main(open_folder, remove_folder); }
