@@ -106,13 +106,39 @@ static void put_shortest(file_writer *t, double number, bool single) {
 
 void form_put_number(file_writer *t, double number) { put_shortest(t, number, false); }
 
-static void put_one(file_writer *t, const form_key *key, const char *value, size_t i) {
+double form_nearest(const form_key *key, double number, bool single) {
+    const double low = key->range.low, high = key->range.high;
+    if ((low == 0 && high == 0) || (number >= low && number <= high)) return number;
+    const double near = number < low ? low : high;
+    if (!single) return near;
+    const float rounded = (float)near;
+    if ((double)rounded > high) return (double)nextafterf(rounded, -INFINITY);
+    return (double)((double)rounded < low ? nextafterf(rounded, INFINITY) : rounded);
+}
+
+void form_note_nearest(const form_key *key, size_t changed, note_list *notes) {
+    notes_add(notes, changed, "", "scene JSON has \"%s\" in [%.9g, %.9g]; the nearest number is written",
+              key->name, key->range.low, key->range.high);
+}
+
+static double limit(const form_key *key, double number, bool single, note_list *notes) {
+    const double near = form_nearest(key, number, single);
+    form_note_nearest(key, near != number, notes);
+    return near;
+}
+
+static void put_one(file_writer *t, const form_key *key, const char *value, size_t i, note_list *notes) {
     const void *at = value;
+    uint64_t whole;
     switch (key->kind) {
     case FORM_U32: file_writer_print(t, "%u", ((const uint32_t *)at)[i]); break;
-    case FORM_U64: file_writer_print(t, "%llu", (unsigned long long)((const uint64_t *)at)[i]); break;
-    case FORM_F32: put_shortest(t, (double)((const float *)at)[i], true); break;
-    case FORM_F64: form_put_number(t, ((const double *)at)[i]); break;
+    case FORM_U64:
+        whole = ((const uint64_t *)at)[i];
+        if ((double)whole > key->range.high) whole = (uint64_t)limit(key, (double)whole, false, notes);
+        file_writer_print(t, "%llu", (unsigned long long)whole);
+        break;
+    case FORM_F32: put_shortest(t, limit(key, (double)((const float *)at)[i], true, notes), true); break;
+    case FORM_F64: form_put_number(t, limit(key, ((const double *)at)[i], false, notes)); break;
     case FORM_BOOL:
     case FORM_WORD:
     case FORM_WORDS:
@@ -126,12 +152,12 @@ static void put_one(file_writer *t, const form_key *key, const char *value, size
     }
 }
 
-static void put_numbers(file_writer *t, const form_key *key, const char *value) {
+void form_put_numbers(file_writer *t, const form_key *key, const void *value, note_list *notes) {
     const size_t count = numbers_in(key);
     for (size_t i = 0; i < count; ++i) {
         const bool opens = key->rows && i % key->count == 0;
         file_writer_print(t, "%s%s", i ? "," : key->count ? "[" : "", opens ? "[" : "");
-        put_one(t, key, value, i);
+        put_one(t, key, value, i, notes);
         if (key->rows && i % key->count == key->count - 1) file_writer_print(t, "]");
     }
     if (key->count) file_writer_print(t, "]");
@@ -156,7 +182,7 @@ static void put_words(file_writer *t, const char *words, uint32_t bits) {
 }
 
 static void put_value(file_writer *t, const form *f, const form_key *key, const void *values,
-                      const void *usual) {
+                      const void *usual, note_list *notes) {
     const char *value = (const char *)values + key->offset, *comma = "";
     uint32_t word;
     switch (key->kind) {
@@ -164,7 +190,7 @@ static void put_value(file_writer *t, const form *f, const form_key *key, const 
     case FORM_U32:
     case FORM_U64:
     case FORM_F32:
-    case FORM_F64: put_numbers(t, key, value); break;
+    case FORM_F64: form_put_numbers(t, key, value, notes); break;
     case FORM_WORD:
     case FORM_WORDS:
         memcpy(&word, value, sizeof word);
@@ -177,7 +203,7 @@ static void put_value(file_writer *t, const form *f, const form_key *key, const 
     case FORM_TAG: write_quoted(t, f->name); break;
     case FORM_OBJECT:
         file_writer_print(t, "{");
-        form_put(t, key->form, value, (const char *)usual + key->offset, &comma);
+        form_put(t, key->form, value, (const char *)usual + key->offset, &comma, notes);
         file_writer_print(t, "}");
         break;
     case FORM_ROWS:
@@ -187,14 +213,15 @@ static void put_value(file_writer *t, const form *f, const form_key *key, const 
     }
 }
 
-void form_put(file_writer *t, const form *f, const void *values, const void *usual, const char **comma) {
+void form_put(file_writer *t, const form *f, const void *values, const void *usual, const char **comma,
+              note_list *notes) {
     for (const form_key *const *part = f->parts; *part; ++part) {
         for (const form_key *key = *part; key->name; ++key) {
             const bool listed = key->kind >= FORM_ROWS;
             const bool given = key->required || key->kind == FORM_TAG || differs(key, values, usual);
             if (listed || !given || !has_needed(f, key, values, usual)) continue;
             file_writer_print(t, "%s\"%s\":", *comma, key->name);
-            put_value(t, f, key, values, usual);
+            put_value(t, f, key, values, usual, notes);
             *comma = ",";
         }
     }

@@ -34,14 +34,15 @@ static form_frame_values frame_of(const double rows[12]) {
     return f;
 }
 
-static void put_camera_keys(file_writer *t, const fathom_camera *c) {
+static void put_camera_keys(const json_out *o, const fathom_camera *c) {
+    file_writer *t = o->stream.file;
     const form_camera_values usual = {.up = {0}};
     for (uint32_t k = 0; k < c->key_count; ++k) {
         const form_camera_values key = {.frame = frame_of(c->key_frames + (size_t)12 * k),
                                         .time = c->key_times[k]};
         const char *comma = "";
         file_writer_print(t, k ? ",{" : ",\"motion\":[{");
-        form_put(t, &form_camera_key, &key, &usual, &comma);
+        form_put(t, &form_camera_key, &key, &usual, &comma, o->notes);
         file_writer_print(t, "}");
     }
     if (c->key_count) file_writer_print(t, "]");
@@ -65,8 +66,8 @@ static void put_camera(json_out *o) {
     memcpy(v.shutter, c->shutter, sizeof v.shutter);
     if (scene->has_shutter || c->key_count) usual.shutter[0] = NAN;
     file_writer_print(t, ",\n\"camera\":{");
-    form_put(t, &form_camera, &v, &usual, &comma);
-    put_camera_keys(t, c);
+    form_put(t, &form_camera, &v, &usual, &comma, o->notes);
+    put_camera_keys(o, c);
     file_writer_print(t, "}");
 }
 
@@ -79,7 +80,7 @@ static void put_image(json_out *o) {
     if (usual.width != s->width || usual.height != s->height) usual.width = usual.height = 0;
     if (usual.spp != s->spp || usual.pattern != s->pattern) usual.target_error = NAN;
     file_writer_print(o->stream.file, ",\n\"image\":{");
-    form_put(o->stream.file, &form_image, s, &usual, &comma);
+    form_put(o->stream.file, &form_image, s, &usual, &comma, o->notes);
     file_writer_print(o->stream.file, "}");
 }
 
@@ -121,7 +122,7 @@ static void put_material(const json_out *o, fathom_id id) {
         if (m->maps[k].texture != FATHOM_NONE) set_texture(o, &m->maps[k], k, &v.textures[k]);
     }
     file_writer_print(o->stream.file, "{");
-    form_put(o->stream.file, f, &v, &usual, &comma);
+    form_put(o->stream.file, f, &v, &usual, &comma, o->notes);
     file_writer_print(o->stream.file, "}");
 }
 
@@ -174,7 +175,7 @@ static void put_light(const json_out *o, const fathom_light *light, fathom_id id
     memcpy(v.up, light->up, sizeof v.up);
     v.group = json_light_group(o->scene, sky ? FATHOM_SOURCE_ENVIRONMENT : FATHOM_SOURCE_LIGHT, id);
     file_writer_print(o->stream.file, "{");
-    form_put(o->stream.file, form_variant(&form_light, (int)light_id(light)), &v, &usual, &comma);
+    form_put(o->stream.file, form_variant(&form_light, (int)light_id(light)), &v, &usual, &comma, o->notes);
     file_writer_print(o->stream.file, "}");
 }
 
@@ -198,8 +199,9 @@ static void put_lights(const json_out *o) {
 
 /* ---- file ---- */
 
-static void put_rgb(file_writer *t, const char *key, const float rgb[3]) {
-    file_writer_print(t, ",\n\"%s\":[%.9g,%.9g,%.9g]", key, (double)rgb[0], (double)rgb[1], (double)rgb[2]);
+static void put_rgb(const json_out *o, const char *key, const float rgb[3]) {
+    file_writer_print(o->stream.file, ",\n\"%s\":", key);
+    form_put_numbers(o->stream.file, form_find(&form_scene, key), rgb, o->notes);
 }
 
 static fathom_status put_file(json_out *o, const char *path) {
@@ -213,9 +215,9 @@ static fathom_status put_file(json_out *o, const char *path) {
     const bool opens = scene->camera.shutter[0] != scene->camera.shutter[1];
     if (scene->has_camera && (!scene->made.camera || opens)) put_camera(o);
     put_image(o);
-    if (scene->has_background && !scene->made.background) put_rgb(t, "background", scene->background);
+    if (scene->has_background && !scene->made.background) put_rgb(o, "background", scene->background);
     if (behind) file_writer_print(t, ",\n\"backgroundGroup\":\"%s\"", behind);
-    if (scene->has_ambient && !scene->made.ambient) put_rgb(t, "ambient", scene->ambient);
+    if (scene->has_ambient && !scene->made.ambient) put_rgb(o, "ambient", scene->ambient);
     put_materials(o);
     put_lights(o);
     status = json_put_objects(o);
@@ -225,7 +227,7 @@ static fathom_status put_file(json_out *o, const char *path) {
 
 fathom_status write_json(const fathom_scene *scene, const scene_graph *graph, const char *path,
                          note_list *notes) {
-    json_out o = {.scene = scene, .graph = graph};
+    json_out o = {.scene = scene, .graph = graph, .notes = notes};
     form_prepare();
     fathom_status status = write_images_open(scene, true, &o.images);
     if (status == FATHOM_OK) status = write_names(scene, false, false, notes, &o.materials);

@@ -12,6 +12,7 @@ typedef struct json_out {
     write_stream stream;
     write_images images;
     char **materials, **groups; /* their names */
+    note_list *notes;
 } json_out;
 
 /* The name of the light group of a source; NULL: it is in none. */

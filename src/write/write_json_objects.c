@@ -15,6 +15,8 @@ typedef struct rows {
     mesh_kind kind;
     unsigned from, count;
     const double *origin; /* added in double; NULL: floats are written unchanged */
+    const form_key *key;
+    size_t *changed; /* counts the numbers that the reader would refuse */
 } rows;
 
 enum { NUMBER_MOST = WRITE_NUMBER_BYTES, ROW_MOST = 4 * NUMBER_MOST + 4 };
@@ -34,21 +36,31 @@ static size_t format_rows(const void *user, size_t begin, size_t end, char *out)
         write_mesh_entry(r->mesh, r->kind, (uint32_t)i, v);
         out += put_row_start(out, i);
         for (unsigned k = 0; k < r->count; ++k) {
+            const double own = (double)v[r->from + k], number = r->origin ? r->origin[k] + own : own;
+            const double near = form_nearest(r->key, number, !r->origin);
+            if (near != number) __atomic_fetch_add(r->changed, 1, __ATOMIC_RELAXED);
             if (k) *out++ = ',';
             if (r->origin)
-                out += snprintf(out, NUMBER_MOST, "%.17g", r->origin[k] + (double)v[k]);
+                out += snprintf(out, NUMBER_MOST, "%.17g", near);
             else
-                out += write_float(out, v[r->from + k]);
+                out += write_float(out, (float)near);
         }
         *out++ = ']';
     }
     return (size_t)(out - start);
 }
 
-static void put_rows(json_out *o, const char *key, const rows *r) {
-    file_writer_print(o->stream.file, ",\n\"%s\":[", key);
-    write_items(&o->stream, r->mesh->vertex_count, ROW_MOST, format_rows, r);
+static const form_key *mesh_key(const char *name) {
+    return form_find(form_variant(&form_object, FORM_MESH), name);
+}
+
+static void put_rows(json_out *o, const char *name, rows r) {
+    size_t changed = 0;
+    r.key = mesh_key(name), r.changed = &changed;
+    file_writer_print(o->stream.file, ",\n\"%s\":[", name);
+    write_items(&o->stream, r.mesh->vertex_count, ROW_MOST, format_rows, &r);
     file_writer_print(o->stream.file, "]");
+    form_note_nearest(r.key, changed, o->notes);
 }
 
 static size_t format_triangles(const void *user, size_t begin, size_t end, char *out) {
@@ -88,8 +100,8 @@ static void put_keys(json_out *o, const write_mesh *m, const double *origin) {
         if (mesh->normals) then.normals = mesh->key_normals + (size_t)3 * k * mesh->normal_count;
         file_writer_print(o->stream.file, "%s{\"time\":", k ? ",\n" : ",\n\"vertexKeys\":[");
         form_put_number(o->stream.file, mesh->key_times[k]);
-        put_rows(o, "positions", &(rows){&at, MESH_POSITIONS, 0, 3, origin});
-        if (mesh->normals) put_rows(o, "normals", &(rows){&at, MESH_NORMALS, 0, 3, NULL});
+        put_rows(o, "positions", (rows){.mesh = &at, .kind = MESH_POSITIONS, .count = 3, .origin = origin});
+        if (mesh->normals) put_rows(o, "normals", (rows){.mesh = &at, .kind = MESH_NORMALS, .count = 3});
         file_writer_print(o->stream.file, "}");
     }
     if (mesh->key_count) file_writer_print(o->stream.file, "]");
@@ -107,9 +119,10 @@ static fathom_status put_mesh(json_out *o, fathom_id object, const fathom_mesh *
     write_mesh m;
     fathom_status status = write_mesh_prepare(o->scene->context, mesh, false, &m);
     if (status != FATHOM_OK) return status;
-    put_rows(o, "positions", &(rows){&m, MESH_POSITIONS, 0, 3, origin});
+    put_rows(o, "positions", (rows){.mesh = &m, .kind = MESH_POSITIONS, .count = 3, .origin = origin});
     if (mesh->point_radius > 0) {
-        file_writer_print(o->stream.file, ",\n\"pointRadius\":%.9g", (double)mesh->point_radius);
+        file_writer_print(o->stream.file, ",\n\"pointRadius\":");
+        form_put_numbers(o->stream.file, mesh_key("pointRadius"), &mesh->point_radius, o->notes);
     } else {
         file_writer_print(o->stream.file, ",\n\"indices\":[");
         write_items(&o->stream, mesh->triangle_count, ROW_MOST, format_triangles, &m);
@@ -117,7 +130,9 @@ static fathom_status put_mesh(json_out *o, fathom_id object, const fathom_mesh *
     }
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i) {
         if (write_mesh_width(mesh, arrays[i].kind) > arrays[i].from)
-            put_rows(o, arrays[i].key, &(rows){&m, arrays[i].kind, arrays[i].from, arrays[i].count, NULL});
+            put_rows(
+                o, arrays[i].key,
+                (rows){.mesh = &m, .kind = arrays[i].kind, .from = arrays[i].from, .count = arrays[i].count});
     }
     put_keys(o, &m, origin);
     write_mesh_free(&m);
@@ -162,8 +177,8 @@ static fathom_status put_object(json_out *o, fathom_id id, const char **comma) {
     v.light_group = json_light_group(o->scene, FATHOM_SOURCE_OBJECT, id);
     v.casts_shadow = !(set_shape(o->scene, object, &v) & FATHOM_CASTS_NO_SHADOW);
     file_writer_print(o->stream.file, "%s\n{", *comma);
-    form_put(o->stream.file, form_variant(&form_object, (int)object_id(object->kind)), &v, &usual,
-             &separator);
+    form_put(o->stream.file, form_variant(&form_object, (int)object_id(object->kind)), &v, &usual, &separator,
+             o->notes);
     if (object->kind == SCENE_MESH) status = put_mesh(o, id, &o->scene->meshes.items[object->index]);
     file_writer_print(o->stream.file, "}");
     *comma = ",";
@@ -190,7 +205,7 @@ static void put_instance(json_out *o, const fathom_instance *instance, const cha
     for (int i = 0; i < 12 && !instance->key_count; ++i)
         v.place.matrix[i % 4 * 4 + i / 4] = instance->transform[i];
     file_writer_print(o->stream.file, "%s\n{", *comma);
-    form_put(o->stream.file, form_variant(&form_object, FORM_INSTANCE), &v, &usual, &separator);
+    form_put(o->stream.file, form_variant(&form_object, FORM_INSTANCE), &v, &usual, &separator, o->notes);
     put_motion(o->stream.file, instance);
     file_writer_print(o->stream.file, "}");
     *comma = ",";

@@ -4,6 +4,53 @@
 #include "render.h"
 #include "wearing.h"
 
+static char told[4096];
+
+static void tell(void *user, const char *text) {
+    (void)user;
+    snprintf(told + strlen(told), sizeof told - strlen(told), "%s\n", text);
+}
+
+/* Calls take numbers that authors of a file give only by mistake. */
+UNIT_TEST(numbers_out_of_range_become_the_nearest_with_a_warning) {
+    static const float colors[16] = {-1, 1e31f, 0.5f, 2, 0, 0, 0, 1, 0, 0, 0, 1};
+    static const char *const words[] = {
+        "\"seed\" in [0, 9.00719925e+15]",  "\"kd\" in [0, 1]",
+        "\"radius\" in [0, 1e+18]",         "\"background\" in [0, 1e+30]",
+        "\"colors\" in [0, 1e+30]",         "\"opacities\" in [0, 1]",
+        "\"positions\" in [-1e+30, 1e+30]", "\"pointRadius\" in [1e-30, 1e+30]"};
+    const float far[3] = {2e30f, 0, -1e30f}, bright[3] = {1e31f, 0.1f, 0};
+    fathom_material m;
+    fathom_mesh mesh = triangle(0), point;
+    fathom_light light;
+    fathom_settings settings;
+    fathom_material_default(&m), m.k_d[0] = 1.5f, m.k_e[0] = 1e30f;
+    fathom_scene *scene = wearing(&m, NULL);
+    fathom_mesh_default(&point), point.positions = far, point.vertex_count = 1, point.point_radius = 1e-31f;
+    fathom_light_default(&light), light.radius = 1e20f;
+    fathom_settings_default(&settings), settings.seed = UINT64_MAX;
+    mesh.colors = colors, mesh.color_channels = 4;
+    assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+    assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &point, NULL));
+    assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
+    assert_ok(context, fathom_scene_set_background(scene, bright));
+    assert_ok(context, fathom_scene_set_settings(scene, &settings));
+    told[0] = 0;
+    fathom_context_on_warning(context, tell, NULL);
+    fathom_scene *back = through(scene, JSON);
+    fathom_context_on_warning(context, NULL, NULL);
+    for (size_t i = 0; i < sizeof words / sizeof *words; ++i) {
+        if (!strstr(told, words[i])) fail_msg("\"%s\" is not in \"%s\"", words[i], told);
+    }
+    fathom_scene_settings(back, &settings);
+    assert_true(settings.seed == (UINT64_C(1) << 53) - 1);
+    assert_true(worn(back)->k_d[0] == 1 && worn(back)->k_e[0] > 0.9999999e30f);
+    assert_true(back->lights.items[0].radius == 1e18f && back->background[1] == 0.1f);
+    const float *c = back->meshes.items[1].colors;
+    assert_true(c[0] == 0 && c[1] > 0.9999999e30f && c[2] == 0.5f && c[3] == 1);
+    fathom_scene_destroy(back);
+}
+
 static fathom_id add_image(fathom_scene *scene, fathom_color_space space) {
     static const char pixels[] = "P6\n2 2\n255\n\x10\x40\x80\xc0\x30\x60\x90\xf0\x20\x50\x70\xb0";
     const fathom_texture texture = {
