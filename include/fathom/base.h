@@ -35,7 +35,7 @@
  * Stack. 64 KiB are enough for the calling thread, unless plug-ins and callbacks take more.
  *
  * Processes. A child of fork() may create contexts of its own and use them. It may only read objects that
- * its parent created. */
+ * its parent created. dlclose() leaves the library in memory, because its threads wait there. */
 #ifndef FATHOM_BASE_H
 #define FATHOM_BASE_H
 

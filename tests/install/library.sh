@@ -17,6 +17,7 @@ nm -D --defined-only "$library" | awk '{ print $3 }' | sort -u >exported.txt
 diff declared.txt exported.txt >difference.txt ||
     fail "the headers declare (<) and the library exports (>): $(grep '^[<>]' difference.txt | tr '\n' ' ')"
 
+readelf --dynamic "$library" | grep -q NODELETE || fail "dlclose() would unmap it below its waiting threads"
 readelf --dynamic "$library" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' >needed.txt
 grep -q embree needed.txt || fail "readelf shows no library that it needs"
 unwanted=$(grep -E 'gmp|OpenImageIO|OpenColorIO|stdc\+\+' needed.txt || true)
