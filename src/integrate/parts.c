@@ -178,7 +178,8 @@ static bool tell_stages(const world *w, const fathom_settings *s, bool repair, l
         {parts.hits, "buffers of AOVs", "no AOV of first hits is asked for"},
         {parts.layers, "layers of light", "no AOV asks for a part of the light"},
         {repair, "watertight repair", "there is no closed mesh that the tracer could leak"},
-        {s->target_error > 0 || s->max_time > 0, "error estimates", "every pixel gets as many samples"}};
+        {s->target_error > 0 || s->max_time > 0 || s->aovs & FATHOM_AOV_ERROR, "error estimates",
+         "every pixel gets as many samples"}};
     return tell_unneeded(words, sizeof words / sizeof *words, list);
 }
 

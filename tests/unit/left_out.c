@@ -89,6 +89,11 @@ UNIT_TEST(a_scene_that_needs_all_stages_does_without_none) {
     fathom_film *film = render(&s, NULL);
     for (size_t i = 0; i < sizeof stages / sizeof *stages; ++i) assert_false(says(film, stages[i]));
     fathom_film_destroy(film);
+    assert_ok(s.context, fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH));
+    s.settings.spp = 4, s.settings.target_error = 0, s.settings.aovs = FATHOM_AOV_ERROR;
+    film = render(&s, NULL);
+    assert_false(says(film, "error estimates"));
+    fathom_film_destroy(film);
     stage_close(&s);
 }
 
