@@ -136,8 +136,9 @@ static fathom_status check_array(fathom_context *context, const fathom_mesh *m, 
     const mesh_array a = mesh_array_of(m, kind);
     if (!a.values) return FATHOM_OK;
     if (!a.indices && a.count < m->vertex_count)
-        return fail_field(context, FATHOM_BAD_INPUT, a.name, "there are %u for %u vertices", a.count,
-                          m->vertex_count);
+        return fail_field(context, FATHOM_BAD_INPUT, a.name,
+                          "expected one for each of the %u vertices, or %s; found %u", m->vertex_count,
+                          a.index_name, a.count);
     fathom_status status = mesh_check_finite(context, a.name, a.values, a.stride, a.width, a.count);
     if (status != FATHOM_OK || !a.indices) return status;
     return mesh_check_indices(context, a.index_name, a.indices, (size_t)m->triangle_count * 3, a.count);

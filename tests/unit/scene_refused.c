@@ -323,11 +323,13 @@ UNIT_TEST(meshes) {
         MESH(words, m.positions = p);
     }
     MESH("indices[5]: 4, of triangle 1, is out of range; there are 4", m.indices = beyond);
-    MESH("normals: there are 3 for 4", m.normals = corners, m.normal_count = 3);
+    MESH("normals: expected one for each of the 4 vertices, or normal_indices; found 3", m.normals = corners,
+         m.normal_count = 3);
     MESH("normals: the stride is 8", m.normals = corners, m.normal_count = 4, m.normal_stride = 8);
     MESH("normals[3]", m.normals = odd, m.normal_count = 4);
     MESH("normal_indices[5]", m.normals = corners, m.normal_count = 4, m.normal_indices = beyond);
-    MESH("uvs: there are 3 for 4", m.uvs = corners, m.uv_count = 3);
+    MESH("uvs: expected one for each of the 4 vertices, or uv_indices; found 3", m.uvs = corners,
+         m.uv_count = 3);
     MESH("uvs: the stride is 6", m.uvs = corners, m.uv_count = 4, m.uv_stride = 6);
     MESH("uvs[5]", m.uvs = odd, m.uv_count = 6);
     MESH("uv_indices[5]", m.uvs = corners, m.uv_count = 4, m.uv_indices = beyond);
