@@ -146,15 +146,15 @@ FATHOM_DEFAULT(fathom_generate_options)
 FATHOM_API fathom_status fathom_scene_generate(fathom_scene *scene, fathom_id group,
                                                const fathom_generate_options *options);
 /* Writes the scene. The format follows the extension. .json: all of it; images that are not in the folder
- * of `path` or below are copied next to it, and numbers out of the file's ranges become the nearest. .glb: meshes, instances as nodes, materials, images, lights
- * and the camera, as far as glTF has them. Classic materials become their nearest metallic-roughness ones.
- * .obj (with an .mtl, and images, next to it) and .ply (binary): meshes with instances placed; positions
- * become float there. Quads become two triangles in all but .json, and spheres up to 16,128 with smooth
- * normals: fewer from 249 spheres on. It does not write what fathom_scene_complete() added, because
- * reading adds it again. For each kind of other content that the format cannot hold, one warning has the
- * count. Files appear whole or not at all. FATHOM_BAD_USAGE: unknown extension; no shapes but planes,
- * unless .json; or more than the format can count (4 GiB of .glb, 2^32 vertices); FATHOM_OUT_OF_RESOURCES:
- * cannot be written. */
+ * of `path` or below are copied next to it, and numbers out of the file's ranges become the nearest. .glb:
+ * meshes, instances as nodes, materials, images, lights and the camera, as far as glTF has them. Classic
+ * materials become their nearest metallic-roughness ones. .obj (with an .mtl, and images, next to it) and
+ * .ply (binary): meshes with instances placed; positions become float there. Quads become two triangles in
+ * all but .json, and spheres up to 16,128 with smooth normals: fewer from 249 spheres on. It does not write
+ * what fathom_scene_complete() added, because reading adds it again. For each kind of other content that the
+ * format cannot hold, one warning has the count. Files appear whole or not at all. FATHOM_BAD_USAGE: unknown
+ * extension; no shapes but planes, unless .json; or more than the format can count (4 GiB of .glb, 2^32
+ * vertices); FATHOM_OUT_OF_RESOURCES: cannot be written. */
 FATHOM_API fathom_status fathom_scene_write(const fathom_scene *scene, const char *path);
 
 #ifdef __cplusplus

@@ -90,8 +90,8 @@ typedef struct fathom_settings {
     size_t size;
     uint32_t width, height;       /* pixels, [1, 65536]; default 1280 × 720 */
     fathom_integrator integrator; /* default path */
-    uint32_t spp;           /* samples per pixel, [1, 65536]; default 1024. With target_error or max_time: the
-                               maximum of any pixel, a power of two and at least 4 */
+    uint32_t spp; /* samples per pixel, [1, 65536]; default 1024. With target_error, which is on by default,
+                     or max_time: the maximum of any pixel, a power of two and at least 4 */
     fathom_pattern pattern; /* default Sobol */
     fathom_filter filter;   /* of pixels; default box */
     double filter_width;    /* in pixels, [0.01, 16]; default 1 */

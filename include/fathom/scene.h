@@ -85,7 +85,8 @@ typedef struct fathom_material {
     float k_e[3]; /* emitted radiance, measured outside any glass around the surface (inside: divided by the
                      squared index there). Lights other surfaces under path tracing; default 0 */
     float shininess;          /* the exponent n, [0, 1e9]; default 32 */
-    float ior;                /* inside over outside, > 0; default 1.5 */
+    float ior;                /* inside over outside, > 0; default 1.5. Metallic-roughness also takes 0, which
+                                 reflects all of specular_color */
     fathom_specular specular; /* default FATHOM_SPECULAR_NONE */
     bool fresnel; /* k_r *= F and k_t *= 1 - F, F the dielectric Fresnel reflectance, 1 on total internal
                      reflection; without it, total internal reflection mirrors k_r + k_t; default false */
@@ -132,7 +133,8 @@ typedef struct fathom_material {
 
 FATHOM_DEFAULT(fathom_material)
 
-/* name: for messages and the header; may be NULL. Every scene has material 0, the default, unnamed. */
+/* name: for messages, mattes (FATHOM_AOV_CRYPTO_MATERIAL) and fathom_scene_write(); may be NULL. Every scene
+ * has material 0, the default, unnamed. */
 FATHOM_API fathom_status fathom_scene_add_material_sized(fathom_scene *scene, const char *name,
                                                          const fathom_material *material, size_t size,
                                                          fathom_id *out);
@@ -155,8 +157,10 @@ typedef struct fathom_light {
     double position[3];  /* point and spot */
     double direction[3]; /* the way the light travels (spot: the cone's axis); need not be unit; default
                             (0,-1,0) */
-    float intensity[3];  /* k_l: radiance at unit distance for point and spot, constant for directional;
-                            default 1 */
+    /* k_l: the radiance of a white diffuse surface that faces the light; for point and spot lights, at
+     * distance 1. So it is 1/pi of the radiant intensity or, for directional lights, of the irradiance. For
+     * environments, a factor of the image. Default 1. */
+    float intensity[3];
     float
         inner_angle; /* spot: full strength within this angle from the axis; radians, [0, outer); default 0 */
     float outer_angle; /* spot: nothing beyond; radians, (inner, pi/2]; default pi/4 */
@@ -191,7 +195,8 @@ static inline fathom_status fathom_scene_add_light(fathom_scene *scene, const fa
 /* ---- light groups ---- */
 
 typedef enum fathom_light_source {
-    FATHOM_SOURCE_LIGHT, /* its id is that of fathom_scene_add_light(), as the next */
+    /* The id that fathom_scene_add_light() returned. It counts environments and other lights separately. */
+    FATHOM_SOURCE_LIGHT,
     FATHOM_SOURCE_ENVIRONMENT,
     FATHOM_SOURCE_MATERIAL,  /* all emissive surfaces with this material */
     FATHOM_SOURCE_OBJECT,    /* has precedence over its material */
@@ -403,13 +408,19 @@ static inline void fathom_camera_look_at(const double eye[3], const double targe
                                          double fovy, fathom_camera *out) {
     fathom_camera_look_at_sized(eye, target, up, fovy, out, sizeof *out);
 }
+/* Replaces the camera. Without this call and fathom_scene_complete(), a scene has the default camera, at the
+ * origin. FATHOM_BAD_INPUT: a number is out of range, or the axes are no frame. The arrays are copied. */
 FATHOM_API fathom_status fathom_scene_set_camera_sized(fathom_scene *scene, const fathom_camera *camera,
                                                        size_t size);
 static inline fathom_status fathom_scene_set_camera(fathom_scene *scene, const fathom_camera *camera) {
     return fathom_scene_set_camera_sized(scene, camera, sizeof *camera);
 }
+/* Radiance of what lies behind everything, >= 0; default black. Under path tracing it lights the scene. */
 FATHOM_API fathom_status fathom_scene_set_background(fathom_scene *scene, const float rgb[3]);
+/* Constant light from all directions, times k_a and without shadows, >= 0; default 0. The classic integrator
+ * alone uses it. */
 FATHOM_API fathom_status fathom_scene_set_ambient(fathom_scene *scene, const float rgb[3]);
+/* For the headers of images and for files; default "". The text is copied. */
 FATHOM_API fathom_status fathom_scene_set_name(fathom_scene *scene, const char *name);
 
 /* Adds a camera that frames everything, and lights, if the scene has none. Under path tracing, a

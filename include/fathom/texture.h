@@ -43,7 +43,8 @@ typedef enum fathom_texture_filter {
 typedef struct fathom_texture {
     size_t size;
     const char *file;  /* a path; NULL: `bytes` holds the image */
-    const void *bytes; /* the content of an image file */
+    const void *bytes; /* the content of an image file; a PPM header makes one of plain pixels: "P6 W H 255\n"
+                          and R G B bytes, top row first */
     size_t byte_count;
     const char
         *mime; /* the declared type of `bytes`, "image/png"; NULL: none. A warning says if it is wrong */

@@ -186,6 +186,7 @@ fathom_status fathom_scene_add_material_sized(fathom_scene *scene, const char *n
     if (status == FATHOM_OK) status = take_numbers(scene, &entry.value);
     if (status == FATHOM_OK) status = copy_text(scene->context, name, &entry.name);
     if (status != FATHOM_OK) return status;
+    /* Path tracing alone would read them. */
     if (entry.value.model == FATHOM_MODEL_CLASSIC) entry.value.opacity = 1, entry.value.opacity_cutoff = 0;
     entry.classic = entry.value;
     if (entry.value.model == FATHOM_MODEL_METALLIC_ROUGHNESS)
