@@ -179,8 +179,8 @@ typedef struct fathom_progress {
 
 /* Called about ten times a second from the calling thread. Return false to stop: the render then returns
  * FATHOM_INTERRUPTED with the film as far as it got. Pixels that have no samples yet show a coarse preview,
- * with 0 in the channel "samples"; in a render to a time every pixel has its first sample before any has
- * more. */
+ * with 0 in the channel "samples" (FATHOM_AOV_SAMPLES); in a render to a time every pixel has its first
+ * sample before any has more. */
 typedef bool (*fathom_progress_fn)(void *user, const fathom_progress *progress);
 
 typedef struct fathom_stats {

@@ -122,9 +122,9 @@ FATHOM_API void fathom_session_stop(fathom_session *session);
  */
 FATHOM_API bool fathom_session_wait(fathom_session *session, double seconds);
 /* A copy of the film as it is now, to be released with fathom_film_destroy(): pixels with 0 in the channel
- * "samples" show a preview, or black. Taking it holds the render up for as long as the copy takes. It has no
- * statistics. *out is NULL, with FATHOM_OK, while there is no film. FATHOM_OUT_OF_RESOURCES. `context` gets
- * the message, and must not be the session's. */
+ * "samples" (FATHOM_AOV_SAMPLES) show a preview, or black. Taking it holds the render up for as long as the
+ * copy takes. It has no statistics. *out is NULL, with FATHOM_OK, while there is no film.
+ * FATHOM_OUT_OF_RESOURCES. `context` gets the message, and must not be the session's. */
 FATHOM_API fathom_status fathom_session_snapshot(fathom_context *context, fathom_session *session,
                                                  fathom_film **out);
 
