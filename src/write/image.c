@@ -1,6 +1,7 @@
 #include "write/image.h"
 
 #include "base/file.h"
+#include "base/text.h"
 #include "read/mesh/text.h"
 
 #include <limits.h>
@@ -113,6 +114,7 @@ static char *name_from(const char *path, const char *tag, const char *extension)
     char name[PATH_MAX];
     snprintf(name, sizeof name, "%.*s-%s%s%s", (int)(file_stem_length(path) - (size_t)(file - path)), file,
              tag, *extension ? "." : "", extension);
+    text_disarm(name);
     return strdup(name);
 }
 
@@ -131,6 +133,14 @@ static bool ends_line(const char *name) {
     }
     const size_t length = text_rest(&from, end);
     return end - name < 256 && from + length == end;
+}
+
+/* As JSON is. */
+static bool is_utf8(const char *name) {
+    size_t length = 1;
+    unsigned code;
+    for (; *name && length; name += length) length = text_character(name, &code);
+    return length;
 }
 
 /* A name that no other image has: files of the scene that stay in place may have the first ones. */
@@ -241,7 +251,7 @@ fathom_status write_images_beside(const fathom_scene *scene, const char *path, b
     for (uint32_t i = 0; i < images->count; ++i) {
         write_image *image = &images->items[i];
         if (image->texture->file) image->name = name_within(path, image->texture->file);
-        if (!lines || !image->name || ends_line(image->name)) continue;
+        if (!image->name || (lines ? ends_line(image->name) : is_utf8(image->name))) continue;
         free(image->name);
         image->name = NULL;
     }

@@ -110,6 +110,27 @@ UNIT_TEST(obj_and_ply_name_images_whatever_they_are_called) {
     }
 }
 
+/* JSON is UTF-8, and names of files need not be. */
+UNIT_TEST(json_names_images_whatever_they_are_called) {
+    static const char *const names[] = {"b\xff.png", "b.\xff", "b.png"}, *const outs[] = {"a.json",
+                                                                                          "a\xff.json"};
+    for (size_t i = 0; i < 6; ++i) {
+        const char *name = names[i / 2], *out = outs[i % 2];
+        char copy[256];
+        unit_write_file(in_folder(name), "\x89PNG\r\n outer", 12);
+        fathom_scene *scene = wearing_two(name, false), *back;
+        assert_ok(context, fathom_scene_write(scene, in_folder(out)));
+        fathom_scene_destroy(scene);
+        assert_ok(context, fathom_scene_read(context, in_folder(out), &back));
+        assert_file(file_of(back, FATHOM_MAP_ROUGHNESS), "\x89PNG\r\n outer");
+        assert_file(file_of(back, FATHOM_MAP_COLOR), "\x89PNG\r\n inner");
+        snprintf(copy, sizeof copy, "%s", file_of(back, FATHOM_MAP_ROUGHNESS));
+        unlink(copy), unlink(in_folder(name)), unlink(file_of(back, FATHOM_MAP_COLOR));
+        fathom_scene_destroy(back);
+        unlink(in_folder(out));
+    }
+}
+
 static const char *face_path(const char *pattern, unsigned face) {
     static const char *const words[] = {"px", "nx", "py", "ny", "pz", "nz"};
     char name[64];
