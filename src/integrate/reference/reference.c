@@ -125,7 +125,7 @@ static vec3_f64 light_at(const reference_scene *r, const path *p, const referenc
 static bool scatter(path *p, const reference_scene *r, const reference_surface *s, reference_random *random,
                     bool *straight) {
     const reference_scatter all = reference_scatter_of(s);
-    const double others = all.front + all.back + all.facets + all.through + all.coat;
+    const double others = all.front + all.back + all.facets + all.coat;
     double sum = others;
     for (unsigned i = 0; i < all.beams; ++i) sum += largest(all.beam[i].weight);
     double pick = reference_uniform(random) * sum;

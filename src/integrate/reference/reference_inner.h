@@ -148,9 +148,9 @@ typedef struct reference_beam {
 typedef struct reference_scatter {
     unsigned beams;
     reference_beam beam[3];
-    /* Rough estimates of the light that is scattered over each hemisphere, reflected or transmitted by
-     * facets, and reflected by the coat. 0: none. */
-    double front, back, facets, through, coat;
+    /* Rough estimates of the light that is scattered over each hemisphere, by facets, and by the coat. 0:
+     * none. */
+    double front, back, facets, coat;
 } reference_scatter;
 
 /* True for a clear thin wall, and for classic glass of index 1: its last beam, if it transmits light, goes
@@ -177,6 +177,8 @@ double reference_fibres(const fathom_material *m, double nl, double nv, double n
 vec3_f64 reference_film(const fathom_material *m, vec3_f64 f0, double cosine);
 vec3_f64 reference_emission(const fathom_material *m);
 reference_scatter reference_scatter_of(const reference_surface *s);
+/* A rough estimate of the fraction of the facets' light at this cosine that passes through them. */
+double reference_facets_pass(const reference_surface *s, double cosine);
 /* The alpha of facets along the tangent; reference_alpha() is the one across it. */
 double reference_alpha_along(const fathom_material *m);
 /* The cosine on the far side by Snell's law; negative: total internal reflection. */

@@ -214,6 +214,22 @@ bool reference_is_pane(const fathom_material *m) {
     return m->transmission > 0 && !(m->thickness > 0) && reference_alpha(m) == 0;
 }
 
+/* What facets at this cosine reflect of white light and, unless a beam carries it, transmit. */
+static double facets_send(const reference_surface *s, double cosine, double *through) {
+    const fathom_material *m = s->material;
+    const reference_reflectances f = reflect_of(s, cosine);
+    *through = passes_clear(s) ? 0
+                               : (1 - (double)m->metallic) * (double)m->transmission *
+                                     largest(color_of(m->base_color)) * largest(f.base);
+    return largest(blend(f.dielectric, f.metal, (double)m->metallic));
+}
+
+double reference_facets_pass(const reference_surface *s, double cosine) {
+    double through;
+    const double back = facets_send(s, cosine, &through);
+    return through > 0 ? through / (back + through) : 0;
+}
+
 static reference_scatter metallic_scatter(const reference_surface *s) {
     const fathom_material *m = s->material;
     const vec3_f64 base = color_of(m->base_color), leaf = color_of(m->diffuse_transmission_color);
@@ -222,14 +238,14 @@ static reference_scatter metallic_scatter(const reference_surface *s) {
     const double nv = dot_f64(s->normal, s->to_viewer);
     const reference_reflectances f = reflect_of(s, nv);
     const bool smooth = reference_alpha(m) == 0, clear = passes_clear(s);
-    double below_coat;
-    const double below = below_layers(s, nv, nv, &below_coat);
-    reference_scatter out = {.front = smooth && !is_covered(m) ? largest(base) * (diffuse - behind) : 0.5,
-                             .back = (clear ? 0 : 0.2 * through * largest(base)) + behind * largest(leaf),
-                             .facets = smooth ? 0 : largest(blend(f.dielectric, f.metal, metallic)),
-                             .through = clear ? 0 : through * largest(base) * fmax(largest(f.base), 0.1),
-                             .coat =
-                                 reference_coat_alpha(m) > 0 ? (double)m->clearcoat * coat_reflects(nv) : 0};
+    double below_coat, passing;
+    const double below = below_layers(s, nv, nv, &below_coat), reflecting = facets_send(s, nv, &passing);
+    /* Rough glass scatters little light into other directions than its facets do, but more than once. */
+    reference_scatter out = {
+        .front = smooth && !is_covered(m) ? largest(base) * (diffuse - behind) : 0.5 - 0.3 * through,
+        .back = (clear ? 0 : 0.1 * through * largest(base)) + behind * largest(leaf),
+        .facets = smooth ? 0 : reflecting + passing,
+        .coat = reference_coat_alpha(m) > 0 ? (double)m->clearcoat * coat_reflects(nv) : 0};
     if (m->clearcoat > 0 && reference_coat_alpha(m) == 0)
         add_beam(&out, mirror_direction(s), gray((double)m->clearcoat * coat_reflects(nv)));
     const vec3_f64 layer = scale_f64(reference_is_inside(s) ? (double)m->transmission : 1, f.dielectric);
