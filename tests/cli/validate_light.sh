@@ -10,6 +10,12 @@ for key in law form verdict p samples channels measured expected standardError f
     said light.json "\"$key\": "
 done
 [ "$(number light.json seed)" = 3 ] || die 'seed in the JSON'
+# A row is of one channel: its numbers agree up to the digits printed, 2 of the error, 7 and 2 decimals of the others, and
+# the allowance for rounding.
+awk '/holds/ { error = $(NF - 3) * $(NF - 4); off = $(NF - 5) - $(NF - 4); if (off < 0) off = -off
+    wrong = off - $(NF - 2) * error; if (wrong < 0) wrong = -wrong
+    if (wrong > 0.05 * $(NF - 2) * error + 0.005 * error + 2e-5 * $(NF - 4) + 1e-7) { print; exit 1 } }' out.txt >rows.txt ||
+    die "numbers of a row do not agree: $(cat rows.txt)"
 
 # The same numbers on any thread count.
 run 0 validate --light --light-only rectangle --light-error 0.01 --threads 1 --json one.json

@@ -21,8 +21,8 @@ static void reference_meets_every_closed_form(void **state) {
     for (size_t i = 0; i < rows.rows.count; ++i) {
         const laws_row *r = &rows.rows.items[i];
         if (r->verdict != LAWS_HOLDS)
-            print_message("%s: %g +- %g, expected %g: %.2f errors\n", r->law->name, r->found[0].mean,
-                          r->found[0].error, r->value[0], r->off);
+            print_message("%s: %g +- %g, expected %g: %.2f errors\n", r->law->name, r->found[r->worst].mean,
+                          r->found[r->worst].error, r->value[r->worst], r->off);
     }
     assert_int_equal(laws_failed(&rows), 0);
     laws_rows_free(&rows);

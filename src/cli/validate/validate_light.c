@@ -9,6 +9,7 @@
 #include "base/threads.h"
 #include "verify/laws/laws.h"
 
+#include <math.h>
 #include <stdio.h>
 
 /* Correct images fail in one run of 500. With about 130 tests, each test fails at about 4.2 standard errors,
@@ -32,15 +33,17 @@ static bool on_progress(void *user, double fraction) {
 /* ---- closed forms ---- */
 
 static void print_rows(const laws_rows *rows) {
-    printf("%-32s %-8s %11s %11s %9s %8s %9s %11s\n", "law of light", "", "measured", "expected", "error",
-           "off by", "p", "samples");
+    printf("%-33s %-8s %11s %11s %9s %9s %9s %11s\n", "law of light", "", "measured", "expected", "rel.error",
+           "off/error", "p", "samples");
     for (size_t i = 0; i < rows->rows.count; ++i) {
         const laws_row *r = &rows->rows.items[i];
-        printf("%-32s %-8s", r->law->name, laws_verdict_name(r->verdict));
+        const sample_mean *m = &r->found[r->worst];
+        const double value = r->value[r->worst];
+        printf("%-33s %-8s", r->law->name, laws_verdict_name(r->verdict));
         if (r->verdict == LAWS_REFUSED)
             printf(" %s\n", r->refusal);
         else
-            printf(" %11.7f %11.7f %9.1e %8.2f %9.1e %11llu\n", r->found[0].mean, r->value[0], r->relative,
+            printf(" %11.7f %11.7f %9.1e %9.2f %9.1e %11llu\n", m->mean, value, m->error / fabs(value),
                    r->off, r->p, (unsigned long long)r->samples);
     }
     printf("\n%zu of %zu laws fail; the smallest of %zu p-values is %.2g after correction, and %g fails\n",

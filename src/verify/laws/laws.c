@@ -68,8 +68,8 @@ static void judge(const laws_options *o, laws_row *row) {
         const sample_mean *m = &row->found[c];
         const double value = row->value[c], allowance = o->allowance * fabs(value);
         const double beyond = fmax(fabs(m->mean - value) - allowance, 0);
-        row->p = fmin(row->p, mean_p(*m, value, allowance));
-        row->off = fmax(row->off, beyond > 0 ? beyond / m->error : 0);
+        const double p = mean_p(*m, value, allowance);
+        if (p < row->p) row->p = p, row->worst = c, row->off = beyond / m->error;
     }
 }
 

@@ -57,9 +57,10 @@ typedef struct laws_row {
     const law *law;
     double value[3];
     sample_mean found[3];
-    double off;      /* the largest deviation, in standard errors */
     double relative; /* the largest relative standard error */
     double p;        /* p-value, the smallest of the three channels */
+    int worst;       /* the channel that has it */
+    double off;      /* its deviation, in standard errors */
     uint64_t samples;
     double seconds;
     laws_verdict verdict; /* broken: p is below the level of one test; noisy: the error was not reached;
