@@ -8,18 +8,27 @@
 
 #include <string.h>
 
-const command *const commands[] = {&command_render,  &command_merge,   &command_info,    &command_generate,
-                                   &command_convert, &command_texture, &command_compare, &command_validate,
-                                   &command_bench,   &command_help};
-const size_t command_count = sizeof commands / sizeof *commands;
+const command *const commands[] = {&command_render,
+                                   &command_merge,
+                                   &command_info,
+                                   &command_generate,
+                                   &command_convert,
+                                   &command_texture,
+                                   &command_compare,
+                                   &command_validate,
+                                   &command_bench,
+                                   &command_help,
+                                   NULL};
 
-const command *command_find(const char *name, args_problem *problem) {
+const command *command_find(const command *const *among, const char *name, args_problem *problem) {
     const char *names[sizeof commands / sizeof *commands];
-    for (size_t i = 0; i < command_count; ++i) {
-        names[i] = commands[i]->name;
-        if (strcmp(name, names[i]) == 0) return commands[i];
+    size_t count = 0;
+    for (; among[count]; ++count) {
+        const char *space = strchr(among[count]->name, ' ');
+        names[count] = space ? space + 1 : among[count]->name;
+        if (strcmp(name, names[count]) == 0) return among[count];
     }
-    const char *nearest = args_nearest(name, names, command_count);
+    const char *nearest = args_nearest(name, names, count);
     if (nearest)
         args_wrong(problem, "unknown command \"%.60s\"; did you mean \"%s\"?", name, nearest);
     else

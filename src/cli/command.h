@@ -19,14 +19,12 @@ typedef struct command {
 extern const command command_render, command_merge, command_info, command_generate, command_convert,
     command_texture, command_compare, command_validate, command_bench, command_help;
 
+/* All commands, and those of two words, `fathom bench WHAT`; NULL ends both. */
 extern const command *const commands[];
-extern const size_t command_count;
+extern const command *const benches[];
 
-/* NULL: there is none; `problem` says so and names the nearest. */
-const command *command_find(const char *name, args_problem *problem);
-
-/* "error" for `fathom bench error`; NULL: none. */
-const command *bench_find(const char *name);
+/* By its last word. NULL: there is none; `problem` says so and names the nearest. */
+const command *command_find(const command *const *among, const char *name, args_problem *problem);
 
 void help_overview(FILE *out);
 void help_command(const command *c, FILE *out);

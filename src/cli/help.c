@@ -7,7 +7,7 @@
 
 void help_overview(FILE *out) {
     fputs("Fathom renders scenes by ray tracing.\n\nUsage: fathom COMMAND ...\n\nCommands:\n", out);
-    for (size_t i = 0; i < command_count; ++i)
+    for (size_t i = 0; commands[i]; ++i)
         fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
     fputs("\n"
           "fathom COMMAND --help lists all options; fathom --version -v prints the version.\n"
@@ -80,23 +80,21 @@ static int without_help(int argc, char **argv) {
 
 static fathom_status run(int argc, char **argv) {
     argc = without_help(argc, argv);
-    const command *bench = argc == 3 && strcmp(argv[1], "bench") == 0 ? bench_find(argv[2]) : NULL;
-    if (bench) {
-        help_command(bench, stdout);
-        return FATHOM_OK;
-    }
-    if (argc > 2) return say_usage(NULL, "help: expected at most one command");
     if (argc < 2) {
         help_overview(stdout);
         return FATHOM_OK;
     }
     args_problem problem;
     bool itself = strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0;
-    const command *c = itself ? &command_help : command_find(argv[1], &problem);
-    if (!c) return say_usage(NULL, problem.text);
+    const command *c = itself ? &command_help : command_find(commands, argv[1], &problem), *outer = NULL;
+    if (c == &command_bench && argc == 3) outer = c, c = command_find(benches, argv[2], &problem);
+    if (!c) return say_usage(outer, problem.text);
+    if (argc > 2 && !outer) return say_usage(NULL, "help: expected at most one command");
     help_command(c, stdout);
     return FATHOM_OK;
 }
 
-const command command_help = {
-    .name = "help", .usage = "[COMMAND]", .summary = "Describe a command and its options.", .run = run};
+const command command_help = {.name = "help",
+                              .usage = "[COMMAND | bench WHAT]",
+                              .summary = "Describe a command and its options.",
+                              .run = run};

@@ -67,7 +67,7 @@ static fathom_status dispatch(int argc, char **argv) {
         args_wrong(&problem, "expected a command before \"%.60s\"", name);
         return say_usage(NULL, problem.text);
     }
-    const command *c = command_find(name, &problem);
+    const command *c = command_find(commands, name, &problem);
     if (!c) return say_usage(NULL, problem.text);
     return c->run(argc - 1, argv + 1);
 }

@@ -13,7 +13,8 @@ for what in trace render error; do
     awk 'length($0) > 80 { exit 1 }' out.txt || die "the help of bench $what is wider than 80 columns"
 done
 rm help.txt
-refused 2 'nothing called "xyzzy"' bench xyzzy
+refused 2 'unknown command "trac"; did you mean "trace"?; see fathom help bench' bench trac
+refused 2 'unknown command "xyzzy"; see fathom help bench' help bench xyzzy
 refused 2 'SCENE is missing; expected it or --triangles' bench render
 refused 2 '--triangles: expected a whole number from 1 to' bench render --triangles 1G
 refused 3 'none.json' bench render none.json

@@ -247,32 +247,23 @@ fathom_status bench_sphere(fathom_context *context, uint64_t triangles, fathom_s
 
 /* ---- the command ---- */
 
-/* Commands of two words. */
-static const command *const benches[] = {&command_bench_trace, &command_bench_render, &command_bench_error,
-                                         NULL};
-
-const command *bench_find(const char *name) {
-    for (size_t i = 0; benches[i]; ++i)
-        if (strcmp(benches[i]->name + strlen("bench "), name) == 0) return benches[i];
-    return NULL;
-}
+const command *const benches[] = {&command_bench_trace, &command_bench_render, &command_bench_error, NULL};
 
 static fathom_status run(int argc, char **argv) {
-    if (argc < 2) return say_usage(&command_bench, "bench: expected what to measure");
-    const command *found = bench_find(argv[1]);
+    if (argc < 2) return say_usage(&command_bench, "bench: expected what to measure: trace, render or error");
+    args_problem problem;
+    const command *found = command_find(benches, argv[1], &problem);
     if (found) return found->run(argc - 1, argv + 1);
     if (args_ask_help(argc, argv)) {
         help_command(&command_bench, stdout);
         return FATHOM_OK;
     }
-    char text[128];
-    snprintf(text, sizeof text, "bench: there is nothing called \"%.60s\" to measure", argv[1]);
-    return say_usage(&command_bench, text);
+    return say_usage(&command_bench, problem.text);
 }
 
 const command command_bench = {
     .name = "bench",
-    .usage = "WHAT SCENE [options]",
+    .usage = "WHAT [SCENE] [options]",
     .summary = "Measure speed, and error against time.",
     .text = "WHAT is one of\n"
             "  trace   rays per second of every tracer\n"
