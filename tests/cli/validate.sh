@@ -61,6 +61,8 @@ count=$(grep -c -e ' wrong ' -e ' any-wrong ' bad.txt)
 run 1 validate --replay bad.txt --tracer "$plugins/culls.so"
 said out.txt "$count rays, $count wrong, $count with the answer that was given"
 said out.txt 'any-wrong'
+run 1 validate --replay bad.txt --tracer "$plugins/culls.so" --quiet
+silent out.txt
 run 0 validate --replay bad.txt --tracer reference
 said out.txt "$count rays, 0 wrong"
 said out.txt ': no longer'

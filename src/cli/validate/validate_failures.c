@@ -242,6 +242,13 @@ static fathom_status replay_text(fathom_context *context, replay *r, const file_
     }
 }
 
+static void print_sums(const replay *r) {
+    printf("%llu rays, %llu wrong", (unsigned long long)r->rays, (unsigned long long)r->wrong);
+    if (!r->settings->tracers.count || r->given)
+        printf(", %llu with the answer that was given", (unsigned long long)r->given);
+    putchar('\n');
+}
+
 fathom_status validate_replay(fathom_context *context, const validate_settings *settings) {
     replay r = {.settings = settings};
     file_map map;
@@ -252,9 +259,6 @@ fathom_status validate_replay(fathom_context *context, const validate_settings *
     trace_destroy(r.tracer);
     judged_close(&r.stage);
     if (status != FATHOM_OK) return status;
-    printf("%llu rays, %llu wrong", (unsigned long long)r.rays, (unsigned long long)r.wrong);
-    if (!settings->tracers.count || r.given)
-        printf(", %llu with the answer that was given", (unsigned long long)r.given);
-    putchar('\n');
+    if (!settings->common.quiet) print_sums(&r);
     return r.wrong ? FATHOM_CHECK_FAILED : FATHOM_OK;
 }
