@@ -64,8 +64,8 @@ FATHOM_API fathom_status fathom_scene_add_texture(fathom_scene *scene, const fat
 
 /* Writes the image as a tiled TIFF file with all mip levels. A render reads single tiles of such a file.
  * Texels keep the type and the color space of the image; a named space is converted to linear Rec.709. Alpha
- * that is 1 everywhere is omitted. FATHOM_BAD_USAGE unless `path` ends in .tx, .tif or .tiff; else as
- * fathom_scene_add_texture() and fathom_film_write(). */
+ * that is 1 everywhere is omitted. FATHOM_BAD_USAGE unless `path` ends in .tx, .tif or .tiff, and the config
+ * has the named color space; else as fathom_scene_add_texture() and fathom_film_write(). */
 FATHOM_API fathom_status fathom_texture_write(fathom_context *context, const fathom_texture *texture,
                                               const char *path);
 

@@ -119,8 +119,7 @@ static fathom_status fail_open(fathom_context *context, const fathom_scene *scen
                                const cache_image *img, fathom_status status, const char *why) {
     const fathom_place *place = scene_origin_find(scene, SCENE_PART_COLOR_SPACE, id);
     if (status == FATHOM_BAD_USAGE && place) return fail_at(context, FATHOM_BAD_INPUT, place, "%s", why);
-    return fail_image(context, img, status == FATHOM_BAD_USAGE ? FATHOM_BAD_INPUT : status,
-                      *why ? why : "out of memory");
+    return fail_image(context, img, status, *why ? why : "out of memory");
 }
 
 static fathom_status open_image(texture_cache *cache, fathom_context *context, const fathom_scene *scene,

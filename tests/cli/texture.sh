@@ -15,7 +15,7 @@ run 0 compare a.png level.tif
 
 refused 3 'scene.json: cannot be read as a texture' texture scene.json -o b.tx
 refused 3 'absent.png: ' texture absent.png -o b.tx
-refused 3 'no color space "mauve"; expected one of: "Linear Rec.709"' texture a.png -o b.tx --color mauve
+refused 2 'no color space "mauve"; expected one of: "Linear Rec.709"' texture a.png -o b.tx --color mauve
 printf '{"materials": {"m": {"kdTexture": {"file": "a.png",\n"colorSpace": "mauve"}}}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}]}' >mauve.json
 refused 3 'mauve.json:2: materials.m.kdTexture.colorSpace: no color space "mauve"; expected one of: "Linear Rec.709"' \
     render mauve.json -o b.png

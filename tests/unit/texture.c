@@ -688,7 +688,7 @@ UNIT_TEST(files_that_are_no_textures_are_named) {
     check_opening_fails(&t, FATHOM_BAD_INPUT, "65537");
     put_format("a.ppm");
     t = texture_of("a.ppm", FATHOM_COLOR_NAMED), t.color_space_name = "Mauve";
-    check_opening_fails(&t, FATHOM_BAD_INPUT,
+    check_opening_fails(&t, FATHOM_BAD_USAGE,
                         "no color space \"Mauve\"; expected one of: \"Linear Rec.709\"");
     unlink(in_folder("text.png")), unlink(in_folder("wide.ppm")), unlink(in_folder("many.ppm"));
     unlink(in_folder("a.ppm"));
