@@ -65,7 +65,7 @@ done
 kill -TERM $child
 end 5
 said err.txt 'interrupted; the results are of '
-said out.txt 'medians and geometric means of '
+said out.txt 'the geometric mean of errors'
 said i.json '"interrupted": true'
 said e.json '"interrupted": false'
 for pattern in grid stratified sobol; do
@@ -84,7 +84,7 @@ silent out.txt
 # A reference that is no better than the images: marked, and in no table.
 run 0 bench error scene.json --size 32x32 --max-spp 16 --seeds 1 --reference-spp 1
 said out.txt '* closer to the reference than its halves are'
-said out.txt 'the patterns have nothing in common here'
+said out.txt 'RMSE in equal time: the patterns have nothing in common here'
 
 # What moves, with a time for each ray.
 run 0 bench error "$SOURCE/scenes/light/moving-balls.json" --size 16x16 --max-spp 1 --seeds 1 --reference-spp 4

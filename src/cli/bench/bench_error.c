@@ -170,8 +170,10 @@ static void print_points(const json_t *root) {
     size_t i, k;
     json_t *curve, *point;
     bool marked = false;
-    printf("\n%-10s %6s %10s %10s  %10s  %10s  %10s   medians and geometric means of %.0f seeds\n", "pattern",
-           "spp", "cpu s", "clock s", titles[0], titles[1], titles[2], json_number_at(root, "seeds"));
+    json_print(root,
+               "\nseeds: {seeds:.0f}; of these, the median of times and the geometric mean of errors\n");
+    printf("%-10s %6s %10s %10s  %10s  %10s  %10s\n", "pattern", "spp", "cpu s", "clock s", titles[0],
+           titles[1], titles[2]);
     json_array_foreach(json_object_get(root, "curves"), i, curve) {
         json_array_foreach(json_object_get(curve, "points"), k, point) marked |=
             print_point(json_text_at(curve, "pattern"), point);
@@ -205,11 +207,14 @@ static void print_rows(const char *title, const char *at, const json_t *rows) {
     size_t i;
     json_t *row, *value;
     const char *key;
+    if (!json_array_size(rows)) {
+        printf("\n%s: the patterns have nothing in common here\n", title);
+        return;
+    }
     printf("\n%s\n%12s", title, at);
     for (unsigned p = 0; p < CONVERGE_PATTERNS; ++p)
         printf(" %11s", converge_pattern_name((fathom_pattern)p));
     putchar('\n');
-    if (!json_array_size(rows)) puts("  the patterns have nothing in common here");
     json_array_foreach(rows, i, row) {
         const char *space = "";
         json_object_foreach(row, key, value) {
@@ -431,12 +436,13 @@ const command command_bench_error = {
             "with Student's t s / sqrt(n) as its interval. The grid has no seed, so its\n"
             "interval comes from times alone. Tables go by the CPU time of all threads, which\n"
             "is more reliable on a shared machine than elapsed time.\n"
-            "With --adaptive, every seed is rendered by path tracing with 16 and 64 samples\n"
-            "in each pixel, and adaptively to errors of 0.1 and 0.05 with at most --max-spp.\n"
-            "The results: how often the stated 95 % interval of a value contains the value\n"
-            "of the reference; how often it does not where error.doubt marks the pixel; and\n"
-            "how far the mean of all images is from the reference (t: that distance over its\n"
-            "standard error).\n"
+            "With --adaptive, every seed is rendered to errors of 0.1 and 0.05 with at most\n"
+            "--max-spp samples per pixel; if SCENE is path-traced, also with 16 and with 64\n"
+            "samples in each pixel. The results: how often the stated 95 % interval of a\n"
+            "value contains the value of the reference; how often it does not where\n"
+            "error.doubt marks the pixel; and how far the mean of all images is from the\n"
+            "reference (t: that distance over its standard error, which few seeds estimate\n"
+            "badly).\n"
             "Ctrl-C stops and writes the results of the seeds that are complete, or of the\n"
             "samples of the first seed that all patterns have; the exit code is 5.\n",
     .examples = "  fathom bench error scenes/example.json --size 480x270 --report results\n"

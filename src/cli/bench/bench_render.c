@@ -390,10 +390,11 @@ const command command_bench_render = {
     .usage = "[SCENE] [--triangles N,N] [options]",
     .summary = "Measure the phases of a render, and compare them with Embree alone.",
     .text = "Records the rays of a render, and traces them again with Embree's calls alone\n"
-            "(\"bare calls\"): same scene, packets, flags and masks. The render phase takes\n"
-            "longer, because it also makes rays, shades surfaces and fills the film. Render\n"
-            "and bare calls take turns; each turn gives one ratio of their CPU times on one\n"
-            "thread. Files are read from the system's cache.\n"
+            "(\"bare calls\"): same scene, packets, flags and masks. Planes, and spheres if\n"
+            "there are at most 16, are not in Embree's scene, so bare calls leave them out.\n"
+            "The render phase takes longer, because it also makes rays, shades surfaces and\n"
+            "fills the film. Render and bare calls take turns; each turn gives one ratio of\n"
+            "their CPU times on one thread. Files are read from the system's cache.\n"
             "With meshes of several sizes, also prints the exponents b of seconds = a *\n"
             "triangles^b with their 95 % intervals: 1 is linear. If that of render over bare\n"
             "is 0 or less, the renderer slows down no faster than Embree itself.\n",
