@@ -214,7 +214,8 @@ bool reference_is_pane(const fathom_material *m) {
     return m->transmission > 0 && !(m->thickness > 0) && reference_alpha(m) == 0;
 }
 
-/* What facets at this cosine reflect of white light and, unless a beam carries it, transmit. */
+/* Facets at this cosine reflect this fraction of white light and, unless a beam carries it, transmit
+ * *through. */
 static double facets_send(const reference_surface *s, double cosine, double *through) {
     const fathom_material *m = s->material;
     const reference_reflectances f = reflect_of(s, cosine);
