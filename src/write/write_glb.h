@@ -72,3 +72,5 @@ void glb_put_textures(const glb *g, file_writer *t);
 /* Converts a material of the classic model to metallic-roughness: the inverse of reading, as far as
  * possible. *lost: counts the maps that are not kept. */
 fathom_material glb_classic(const fathom_material *m, size_t *lost);
+/* True if the result shows the same as the material: Lambert's law, emission included. */
+bool glb_is_exact(const fathom_material *m);

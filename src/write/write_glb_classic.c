@@ -1,7 +1,7 @@
 /* Materials of the classic model as glTF's metallic-roughness materials.
  *
- * glTF has no Phong lobe, no light from behind and no ambient reflectance. It has one reflectance F0 for
- * highlight and mirror, with one roughness. Below, n is the exponent of Blinn's lobe, and
+ * glTF has no Phong lobe and no ambient reflectance. It has one reflectance F0 for highlight and mirror, with
+ * one roughness. Below, n is the exponent of Blinn's lobe, and
  * N(n) = (n + 2)(n + 4) / (8 (2^(-n/2) + n)) is 1 divided by the lobe's integral:
  * - roughness r: r^4 = 2 / (n + 2), for lobes of equal width; 0 with a mirror;
  * - F0 = k_r with a mirror, else k_s / N(n);
@@ -9,7 +9,9 @@
  *   the dielectric's ((ior - 1) / (ior + 1))^2, with a tint by KHR_materials_specular that gives F0;
  * - k_t becomes KHR_materials_transmission into a solid, which bends light, by a thickness of 1; its value
  * matters to rasterizers alone, which know no way through a mesh; k_d and k_t share the base colour;
- * - k_t without refraction (ior 1, no Fresnel) becomes 1 - alpha. */
+ * - k_t without refraction (ior 1, no Fresnel) becomes 1 - alpha;
+ * - lit_from_behind becomes KHR_materials_diffuse_transmission of half the light through a base colour of
+ *   2 k_d; glTF has none brighter than 1. */
 #include "write/write_glb.h"
 
 #include <string.h>
@@ -86,6 +88,11 @@ static pbr convert(const fathom_material *m) {
     return out;
 }
 
+bool glb_is_exact(const fathom_material *m) {
+    return m->specular == FATHOM_SPECULAR_NONE && write_is_black(m->k_r) && write_is_black(m->k_t) &&
+           m->k_a[0] < 0 && (!m->lit_from_behind || fmaxf(m->k_d[0], fmaxf(m->k_d[1], m->k_d[2])) <= 0.5f);
+}
+
 /* Keeps the maps of parameters that both models have. */
 fathom_material glb_classic(const fathom_material *m, size_t *lost) {
     static const unsigned both = 1u << FATHOM_MAP_COLOR | 1u << FATHOM_MAP_OPACITY |
@@ -100,11 +107,17 @@ fathom_material glb_classic(const fathom_material *m, size_t *lost) {
     out.transmission = (float)p.transmission, out.ior = (float)p.ior, out.specular_factor = (float)p.specular;
     memcpy(out.emissive, m->k_e, sizeof out.emissive);
     out.normal_scale = m->normal_scale;
+    const bool leaf = m->lit_from_behind && glb_is_exact(m);
+    if (leaf) {
+        out.diffuse_transmission = 0.5f;
+        for (int k = 0; k < 3; ++k) out.base_color[k] = out.diffuse_transmission_color[k] = 2 * m->k_d[k];
+    }
     for (int k = 0; k < FATHOM_MAPS; ++k) {
         if (both >> k & 1)
             out.maps[k] = m->maps[k];
         else
             *lost += m->maps[k].texture != FATHOM_NONE;
     }
+    if (leaf) out.maps[FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR] = m->maps[FATHOM_MAP_COLOR];
     return out;
 }

@@ -117,12 +117,6 @@ static bool has_alpha_vertices(const glb *g, fathom_id material) {
     return false;
 }
 
-/* glTF can represent such a material exactly, emission included. */
-static bool is_lambert(const fathom_material *m) {
-    return m->specular == FATHOM_SPECULAR_NONE && write_is_black(m->k_r) && write_is_black(m->k_t) &&
-           m->k_a[0] < 0 && !m->lit_from_behind;
-}
-
 static shape shape_of(const glb *g, fathom_id id) {
     const fathom_material *given = &g->scene->materials.items[id].value;
     const bool classic = given->model == FATHOM_MODEL_CLASSIC;
@@ -141,7 +135,7 @@ static shape shape_of(const glb *g, fathom_id id) {
     if (s.blends && has_map(&s.m, FATHOM_MAP_COLOR) && !has_map(&s.m, FATHOM_MAP_OPACITY))
         notes_add(g->notes, 1, "",
                   "the alpha of a material's colour image, if it has one, counts as opacity");
-    if (classic && !is_lambert(given))
+    if (classic && !glb_is_exact(given))
         notes_add(g->notes, 1, "",
                   "a material of the model classic becomes its nearest metallicRoughness one");
     if (s.m.priority || !s.m.multiscatter)

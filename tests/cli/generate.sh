@@ -7,6 +7,7 @@ for kind in sphere terrain sponge forest; do
     for format in glb ply obj; do
         run 0 generate $kind --triangles 20k -o one/a.$format --threads 1
         said out.txt "one/a.$format: "
+        [ $format != glb ] || silent err.txt
         run 0 generate $kind --triangles=20000 -o three/a.$format --threads 3 --quiet
         silent out.txt
         cmp one/a.$format three/a.$format || die "$kind.$format depends on the threads"

@@ -155,6 +155,16 @@ UNIT_TEST(classic_materials_become_their_nearest) {
     assert_true(got.specular_factor == 0 && got.metallic == 0 && got.roughness == 1 && got.opacity == 1);
     assert_null(strstr(told, APPROXIMATE));
 
+    m.lit_from_behind = true, got = after(&m, NULL); /* half of the light passes a base of twice the colour */
+    assert_grey(got.base_color, 0.8);
+    assert_grey(got.diffuse_transmission_color, 0.8);
+    assert_true(got.diffuse_transmission == 0.5f && got.specular_factor == 0);
+    assert_null(strstr(told, APPROXIMATE));
+    m = classic(0.6f, 0, 0), m.lit_from_behind = true,
+    got = after(&m, NULL); /* there is none brighter than 1 */
+    assert_true(got.diffuse_transmission == 0);
+    assert_non_null(strstr(told, APPROXIMATE));
+
     m = classic(0, 0.8f, 0), got = after(&m, NULL); /* a mirror */
     assert_true(got.metallic == 1 && got.roughness == 0);
     assert_grey(got.base_color, 0.8);
