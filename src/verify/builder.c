@@ -90,7 +90,7 @@ void build_instance(builder *b, const fathom_instance *instance) {
     if (b->status == FATHOM_OK) b->status = fathom_scene_add_instance(b->scene, instance, NULL);
 }
 
-void build_place(builder *b, fathom_id group, fathom_id parent, const double *map) {
+void build_place(builder *b, fathom_id group, fathom_id parent, const affine_f64 *map) {
     fathom_instance instance;
     fathom_instance_default(&instance);
     instance.group = group, instance.parent = parent;
@@ -126,6 +126,13 @@ void build_background(builder *b, vec3_f64 rgb) {
     float color[3];
     build_rgb(color, rgb);
     if (b->status == FATHOM_OK) b->status = fathom_scene_set_background(b->scene, color);
+}
+
+fathom_camera build_view(vec3_f64 eye, vec3_f64 target, double fovy) {
+    const double from[3] = {eye.x, eye.y, eye.z}, to[3] = {target.x, target.y, target.z}, up[3] = {0, 1, 0};
+    fathom_camera camera;
+    fathom_camera_look_at(from, to, up, fovy, &camera);
+    return camera;
 }
 
 void build_camera(builder *b, const fathom_camera *camera) {

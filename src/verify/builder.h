@@ -2,7 +2,7 @@
  * check each call. */
 #pragma once
 
-#include "math/vec.h"
+#include "math/affine.h"
 
 #include <fathom/scene.h>
 
@@ -40,8 +40,7 @@ void paint_quad(builder *b, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_mate
 
 fathom_id build_group(builder *b);
 void build_instance(builder *b, const fathom_instance *instance);
-/* map: row-major, as in fathom_instance. */
-void build_place(builder *b, fathom_id group, fathom_id parent, const double *map);
+void build_place(builder *b, fathom_id group, fathom_id parent, const affine_f64 *map);
 
 /* ---- light and camera ---- */
 
@@ -51,3 +50,5 @@ void build_point_light(builder *b, vec3_f64 at, vec3_f64 intensity, double radiu
 void build_directional_light(builder *b, vec3_f64 direction, vec3_f64 intensity, double radius);
 void build_background(builder *b, vec3_f64 rgb);
 void build_camera(builder *b, const fathom_camera *camera);
+/* A camera that looks from one point at another, upright along +y. */
+fathom_camera build_view(vec3_f64 eye, vec3_f64 target, double fovy);

@@ -28,9 +28,9 @@ static void add_ball(judged_scene *c, fathom_id group) {
 
 static void add_planes(judged_scene *c, fathom_id group) {
     (void)group; /* planes can only be in the root group */
-    case_plane(c, vec_f64(-0.7, 0, 0), vec_f64(0, 1, 0));
-    case_plane(c, vec_f64(0, -1.4, 0), vec_f64(0.6, 0.8, 0));
-    case_plane(c, vec_f64(0, 0, -0.7 * 3), vec_f64(0.3, -0.2, 2));
+    build_plane(&c->b, vec_f64(-0.7, 0, 0), vec_f64(0, 1, 0), 0);
+    build_plane(&c->b, vec_f64(0, -1.4, 0), vec_f64(0.6, 0.8, 0), 0);
+    build_plane(&c->b, vec_f64(0, 0, -0.7 * 3), vec_f64(0.3, -0.2, 2), 0);
 }
 
 /* A box on multiples of 1/16 with sides that are powers of two: intersections with rays along an axis are
@@ -60,8 +60,8 @@ static void add_squares(judged_scene *c, fathom_id group) {
     case_quad(c, group, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 1, 0));
     case_quad(c, group, vec_f64(2, 0, 0.5), vec_f64(0, 1, 0), vec_f64(0, 0, 0.5));
     case_quad(c, group, vec_f64(0, 1.5, 1), vec_f64(0, 0, 0.25), vec_f64(2, 0, 0));
-    case_plane(c, vec_f64(0, -1.5, 0), vec_f64(0, 1, 0));
-    case_plane(c, vec_f64(3, 0, 0), vec_f64(-1, 0, 0));
+    build_plane(&c->b, vec_f64(0, -1.5, 0), vec_f64(0, 1, 0), 0);
+    build_plane(&c->b, vec_f64(3, 0, 0), vec_f64(-1, 0, 0), 0);
 }
 
 /* More than 2^16 vertices and 2^18 triangles. */
@@ -81,7 +81,7 @@ static void add_masks(judged_scene *c, fathom_id group) {
 
 static void add_masked_shapes(judged_scene *c, fathom_id parent) {
     static const affine_f64 mirrored = {{{-0.8, 0.1, 0, 6}, {0, 0.7, 0, 0.3}, {0.2, 0, 1.1, 0}}};
-    fathom_id group = case_group(c);
+    fathom_id group = build_group(&c->b);
     for (unsigned i = 0; i < 2; ++i) {
         c->b.flags = i ? 0 : FATHOM_CASTS_NO_SHADOW;
         for (unsigned k = i; k < 8; k += 2) {
@@ -91,11 +91,11 @@ static void add_masked_shapes(judged_scene *c, fathom_id parent) {
                       vec_f64(0, 0.2, 0.6));
         }
         case_ball_of(c, i ? group : parent, vec_f64(0.3, 0, 2.5 * i), 0.7, 9, 16);
-        case_plane(c, vec_f64(0, -3.0 - i, 0), vec_f64(0, 1, 0));
-        case_plane(c, vec_f64(0, 0, -5.0 + i), vec_f64(0.1, 0, 1));
+        build_plane(&c->b, vec_f64(0, -3.0 - i, 0), vec_f64(0, 1, 0), 0);
+        build_plane(&c->b, vec_f64(0, 0, -5.0 + i), vec_f64(0.1, 0, 1), 0);
     }
     c->b.flags = 0;
-    case_instance(c, group, parent, &mirrored);
+    build_place(&c->b, group, parent, &mirrored);
 }
 
 /* All bounded shapes, rotated, scaled, sheared and mirrored. */
@@ -105,11 +105,11 @@ static void add_instances(judged_scene *c, fathom_id parent) {
                                        {{{0.6, -0.8, 0, 0}, {0.8, 0.6, 0.1, 4}, {0, 0.2, 0.7, 0}}},
                                        {{{1, 0.3, 0, 0}, {0, 1, 0, -4}, {0.1, 0, -1.1, 0.4}}},
                                        {{{100, 0, 0, 20}, {0, 0, -100, 30}, {0, 100, 0, 400}}}};
-    fathom_id group = case_group(c);
+    fathom_id group = build_group(&c->b);
     add_spheres(c, group);
     add_quads(c, group);
     add_ball(c, group);
-    for (unsigned i = 0; i < 5; ++i) case_instance(c, group, parent, &maps[i]);
+    for (unsigned i = 0; i < 5; ++i) build_place(&c->b, group, parent, &maps[i]);
 }
 
 static const struct {

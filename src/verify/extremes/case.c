@@ -84,8 +84,6 @@ void case_quad(judged_scene *c, fathom_id group, vec3_f64 center, vec3_f64 u, ve
     build_quad(&c->b, center, u, v, 0);
 }
 
-void case_plane(judged_scene *c, vec3_f64 point, vec3_f64 normal) { build_plane(&c->b, point, normal, 0); }
-
 void case_mesh(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64 *positions,
                uint32_t vertices, const uint32_t *indices, uint32_t triangles) {
     float *floats = case_memory(c, vertices * 3 * sizeof *floats);
@@ -158,19 +156,4 @@ void case_ball_of(judged_scene *c, fathom_id group, vec3_f64 at, double radius, 
 
 void case_ball(judged_scene *c, fathom_id group, vec3_f64 at, double radius) {
     case_ball_of(c, group, at, radius, 7, 12);
-}
-
-/* ---- instances and the camera ---- */
-
-fathom_id case_group(judged_scene *c) { return build_group(&c->b); }
-
-void case_instance(judged_scene *c, fathom_id group, fathom_id parent, const affine_f64 *map) {
-    build_place(&c->b, group, parent, (const double *)map);
-}
-
-void case_camera(judged_scene *c, vec3_f64 eye, vec3_f64 target) {
-    const double from[3] = {eye.x, eye.y, eye.z}, to[3] = {target.x, target.y, target.z}, up[3] = {0, 1, 0};
-    fathom_camera camera;
-    fathom_camera_look_at(from, to, up, 0.7, &camera);
-    build_camera(&c->b, &camera);
 }

@@ -1,7 +1,6 @@
 /* A scene with the data to trace and check rays in it; and functions that make the cases of the grid. */
 #pragma once
 
-#include "math/affine.h"
 #include "verify/builder.h"
 #include "verify/extremes/extremes.h"
 #include "verify/search/rays.h"
@@ -37,7 +36,6 @@ void case_say(judged_scene *c, const char *format, ...) __attribute__((format(pr
 
 void case_sphere(judged_scene *c, fathom_id group, vec3_f64 center, double radius);
 void case_quad(judged_scene *c, fathom_id group, vec3_f64 center, vec3_f64 u, vec3_f64 v);
-void case_plane(judged_scene *c, vec3_f64 point, vec3_f64 normal);
 /* Copies the positions. */
 void case_mesh(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64 *positions,
                uint32_t vertices, const uint32_t *indices, uint32_t triangles);
@@ -50,9 +48,6 @@ void case_quads(judged_scene *c, fathom_id group, vec3_f64 at, double radius);
 void case_ball(judged_scene *c, fathom_id group, vec3_f64 at, double radius);
 void case_ball_of(judged_scene *c, fathom_id group, vec3_f64 at, double radius, unsigned rings,
                   unsigned around);
-fathom_id case_group(judged_scene *c);
-void case_instance(judged_scene *c, fathom_id group, fathom_id parent, const affine_f64 *map);
-void case_camera(judged_scene *c, vec3_f64 eye, vec3_f64 target);
 /* Pseudo-random numbers in [low, high), the same on every machine. */
 double case_scattered(unsigned i, unsigned k, double low, double high);
 

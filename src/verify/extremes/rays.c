@@ -65,8 +65,8 @@ void grazing_spheres(judged_scene *c, double angle) {
 }
 
 void grazing_planes(judged_scene *c, double angle) {
-    case_plane(c, vec_f64(0, -0.7, 0), vec_f64(0, 1, 0));
-    case_plane(c, vec_f64(1.3, 0.2, 0.1), vec_f64(0.3, -0.2, 2));
+    build_plane(&c->b, vec_f64(0, -0.7, 0), vec_f64(0, 1, 0), 0);
+    build_plane(&c->b, vec_f64(1.3, 0.2, 0.1), vec_f64(0.3, -0.2, 2), 0);
     graze(c, angle, "planes");
 }
 
@@ -199,7 +199,8 @@ static void put_part(judged_scene *c, double size) {
     case_sphere(c, FATHOM_ROOT, vec_f64(0, 0, 0), earth);
     case_ball(c, FATHOM_ROOT, at, size);
     case_sphere(c, FATHOM_ROOT, madd_f64(at, 2.5 * size, vec_f64(0.8, 0, -0.6)), size);
-    case_camera(c, madd_f64(at, 8 * size, vec_f64(0.64, 0.48, 0.6)), at);
+    const fathom_camera camera = build_view(madd_f64(at, 8 * size, vec_f64(0.64, 0.48, 0.6)), at, 0.7);
+    build_camera(&c->b, &camera);
     c->number[0] = size, c->number[1] = at.x, c->number[2] = at.y, c->number[3] = at.z;
 }
 

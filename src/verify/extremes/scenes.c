@@ -31,7 +31,8 @@ void offset_near(judged_scene *c, double offset) {
     case_say(c, "all shapes, 1 in size, %g from the origin, the camera next to them", offset);
     vec3_f64 at = place_at(offset);
     put_mixture(c, at);
-    case_camera(c, add_f64(at, vec_f64(2, 1, 4)), at);
+    const fathom_camera camera = build_view(add_f64(at, vec_f64(2, 1, 4)), at, 0.7);
+    build_camera(&c->b, &camera);
     c->families |= 1u << RAYS_CAMERA;
 }
 
@@ -131,7 +132,7 @@ void overlap_tilted(judged_scene *c, double count) {
 /* ---- nested groups: scaled up and down, stretched and mirrored ---- */
 
 static fathom_id put_things(judged_scene *c, double size) {
-    fathom_id group = case_group(c);
+    fathom_id group = build_group(&c->b);
     case_ball(c, group, vec_f64(0, 0, 0), 0.6 * size);
     case_spheres(c, group, vec_f64(0, 0, 0), size);
     case_quads(c, group, vec_f64(0, 0, 0), size);
@@ -150,12 +151,12 @@ static affine_f64 placing(vec3_f64 scale, double angle, vec3_f64 shift) {
 /* Puts `things` by `inner` into a group, and this group twice into the root: by `outer`, and by `outer` moved
  * aside. */
 static void nest(judged_scene *c, fathom_id things, const affine_f64 *inner, const affine_f64 *outer) {
-    fathom_id group = case_group(c);
-    case_instance(c, things, group, inner);
+    fathom_id group = build_group(&c->b);
+    build_place(&c->b, things, group, inner);
     affine_f64 aside = affine_translation(vec_f64(2.5, 0.3, 0));
     affine_f64 second = affine_compose(&aside, outer);
-    case_instance(c, group, FATHOM_ROOT, outer);
-    case_instance(c, group, FATHOM_ROOT, &second);
+    build_place(&c->b, group, FATHOM_ROOT, outer);
+    build_place(&c->b, group, FATHOM_ROOT, &second);
 }
 
 void nested_back(judged_scene *c, double ratio) {

@@ -110,11 +110,12 @@ static void disk_of_triangles(law_room *room) {
 
 /* A sphere scaled by 1/1000 along z. Its outline differs from the disk's only by the square of that. */
 static void disk_squeezed(law_room *room) {
-    const double squeeze[12] = {1, 0, 0, disk_center.x, 0, 1, 0, disk_center.y, 0, 0, 1e-3, disk_center.z};
+    const affine_f64 squeeze = {
+        {{1, 0, 0, disk_center.x}, {0, 1, 0, disk_center.y}, {0, 0, 1e-3, disk_center.z}}};
     const fathom_id group = room->b.group = build_group(&room->b);
     paint_sphere(&room->b, origin, 1, lamp());
     room->b.group = FATHOM_ROOT;
-    build_place(&room->b, group, FATHOM_ROOT, squeeze);
+    build_place(&room->b, group, FATHOM_ROOT, &squeeze);
     floor_under(room, under_disk());
 }
 

@@ -266,8 +266,7 @@ static void lens(law_room *room) {
     const double disc = radius * (focus - distance) / focus, x = offset / disc;
     paint_quad(&room->b, vec_f64(offset + 5, 0, focus - distance), vec_f64(5, 0, 0), vec_f64(0, 10, 0),
                build_emitter(white));
-    fathom_camera camera;
-    fathom_camera_look_at((double[3]){0, 0, focus}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 1, &camera);
+    fathom_camera camera = build_view(vec_f64(0, 0, focus), origin, 1);
     camera.d = 1, camera.h = 1.0 / 4096, camera.lens_radius = radius, camera.focus_distance = focus;
     build_camera(&room->b, &camera);
     law_value(room, gray(fabs(x) < 1 ? (acos(x) - x * sqrt(1 - x * x)) / M_PI : 0));

@@ -17,8 +17,7 @@ static const double from = -0.8, to = 0.35;
 
 /* Sets a camera that looks down on the square from height 4, with the shutter open from 2 to 3. */
 static void look_at_edge(law_room *room, const double *key_times, const double *key_frames) {
-    fathom_camera camera;
-    fathom_camera_look_at((double[3]){0, 0, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 1, &camera);
+    fathom_camera camera = build_view(vec_f64(0, 0, 4), origin, 1);
     camera.d = 1, camera.h = 0.25, camera.shutter[0] = 2, camera.shutter[1] = 3;
     camera.key_count = key_times ? 2 : 0, camera.key_times = key_times, camera.key_frames = key_frames;
     build_camera(&room->b, &camera);
@@ -90,8 +89,7 @@ static void move_body(law_room *room, bool ball) {
         build_quad(&room->b, load_f64(axis[0]), load_f64(axis[1]), load_f64(axis[2]), material);
     }
     move_group(room, group, maps);
-    fathom_camera camera;
-    fathom_camera_look_at((double[3]){3, -2, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.1, &camera);
+    fathom_camera camera = build_view(vec_f64(3, -2, 4), origin, 0.1);
     camera.shutter[1] = 4;
     build_camera(&room->b, &camera);
     build_background(&room->b, white);
@@ -106,8 +104,7 @@ static void moving_box(law_room *room) { move_body(room, false); }
 
 static void floor_under(law_room *room, double share) {
     const vec3_f64 albedo = {1, 0.5, 0.2};
-    fathom_camera camera;
-    fathom_camera_look_at((double[3]){-1, -0.8, 0.7}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 1, &camera);
+    fathom_camera camera = build_view(vec_f64(-1, -0.8, 0.7), origin, 1);
     camera.d = 1, camera.h = 1.0 / 4096, camera.shutter[1] = 4;
     build_camera(&room->b, &camera);
     room->b.group = FATHOM_ROOT;

@@ -118,9 +118,7 @@ void law_sky(law_room *room, vec3_f64 (*radiance)(vec3_f64 direction)) {
 }
 
 static void set_camera(law_room *room, vec3_f64 eye, vec3_f64 target, double slope) {
-    const double e[3] = {eye.x, eye.y, eye.z}, t[3] = {target.x, target.y, target.z}, y[3] = {0, 1, 0};
-    fathom_camera camera;
-    fathom_camera_look_at(e, t, y, 1, &camera);
+    fathom_camera camera = build_view(eye, target, 1);
     camera.d = 1, camera.h = slope;
     build_camera(&room->b, &camera);
 }

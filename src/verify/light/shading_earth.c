@@ -48,8 +48,8 @@ static void add_ball(demo *d, fathom_material shiny) {
 }
 
 static void place(demo *d, fathom_id group, vec3_f64 center, double a, double b, double c) {
-    const double map[12] = {a, 0, 0.1, center.x, 0, b, 0, center.y, -0.1, 0, c, center.z};
-    build_place(&d->s.b, group, FATHOM_ROOT, map);
+    const affine_f64 map = {{{a, 0, 0.1, center.x}, {0, b, 0, center.y}, {-0.1, 0, c, center.z}}};
+    build_place(&d->s.b, group, FATHOM_ROOT, &map);
 }
 
 static void add_meshes(demo *d, fathom_material shiny) {
@@ -62,8 +62,9 @@ static void add_meshes(demo *d, fathom_material shiny) {
 
 static void add_shapes(demo *d) {
     studio *s = &d->s;
-    fathom_material matte = studio_lambert(0.6, 0.55, 0.45), shiny = studio_lambert(0.1, 0.3, 0.5),
-                    mirror = studio_lambert(0.03, 0.03, 0.03), glass = studio_glass(1.5f);
+    fathom_material matte = build_lambert(vec_f64(0.6, 0.55, 0.45)),
+                    shiny = build_lambert(vec_f64(0.1, 0.3, 0.5)),
+                    mirror = build_lambert(vec_f64(0.03, 0.03, 0.03)), glass = studio_glass(1.5f);
     for (int c = 0; c < 3; ++c) shiny.k_s[c] = 0.4f, mirror.k_r[c] = 0.85f, glass.k_r[c] = 1;
     shiny.specular = FATHOM_SPECULAR_BLINN, shiny.shininess = 80;
     glass.fresnel = true;
@@ -77,7 +78,7 @@ static void add_shapes(demo *d) {
 }
 
 static void add_lights(demo *d) {
-    studio_point_light(&d->s, at(d, -3, 5, 3), 22, 20, 17);
+    build_point_light(&d->s.b, at(d, -3, 5, 3), vec_f64(22, 20, 17), 0);
     fathom_light light;
     fathom_light_default(&light);
     light.type = FATHOM_LIGHT_SPOT;
@@ -92,11 +93,7 @@ static void add_lights(demo *d) {
 static void set_view(demo *d) {
     studio *s = &d->s;
     static const float ambient[3] = {0.12f, 0.12f, 0.12f};
-    static const double up[3] = {0, 1, 0};
-    double eye[3], target[3];
-    store_f64(eye, at(d, 0.8, 2.3, 7)), store_f64(target, at(d, 0.1, 0.8, 0));
-    fathom_camera camera;
-    fathom_camera_look_at(eye, target, up, d->field, &camera);
+    const fathom_camera camera = build_view(at(d, 0.8, 2.3, 7), at(d, 0.1, 0.8, 0), d->field);
     build_camera(&s->b, &camera);
     build_background(&s->b, vec_f64(0.35, 0.45, 0.6));
     if (s->b.status == FATHOM_OK) s->b.status = fathom_scene_set_ambient(s->b.scene, ambient);

@@ -22,8 +22,8 @@ static void build_guide(studio *s, double length) {
     paint_quad(&s->b, (vec3_f64){length / 2, 0, 1}, half, aside, side);
     paint_quad(&s->b, (vec3_f64){length / 2, 0, 0}, half, neg_f64(aside), side);
     paint_quad(&s->b, (vec3_f64){length, 0, 0.5}, aside, up, end);
-    paint_plane(&s->b, (vec3_f64){length + 1, 0, 0}, (vec3_f64){-1, 0, 0}, studio_lambert(1, 0, 0));
-    studio_point_light(s, (vec3_f64){length + 0.5, 1, 0.5}, 1, 0, 0);
+    paint_plane(&s->b, (vec3_f64){length + 1, 0, 0}, (vec3_f64){-1, 0, 0}, build_lambert(vec_f64(1, 0, 0)));
+    build_point_light(&s->b, (vec3_f64){length + 0.5, 1, 0.5}, vec_f64(1, 0, 0), 0);
     studio_camera(s, guide_eye, guide_view, guide_up, guide_field);
 }
 
@@ -79,7 +79,7 @@ static void critical(studio *s, double near) {
     vec3_f64 view = {sin(angle), 0, -cos(angle)}, across = {cos(angle), 0, sin(angle)};
     studio_begin(s, PIXELS);
     paint_plane(&s->b, neg_f64(up), neg_f64(up), studio_glass((float)ior));
-    paint_plane(&s->b, up, up, studio_emitter(1, 1, 1));
+    paint_plane(&s->b, up, up, build_emitter(vec_f64(1, 1, 1)));
     studio_camera(s, origin, view, across, 4 * near);
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i) {
         beam b = beam_start(origin, studio_direction(s, view, across, 4 * near, i));

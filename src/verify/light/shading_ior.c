@@ -104,8 +104,8 @@ static void one(studio *s, optic c, float ior, const char *group, double paramet
     const vec3_f64 light = {0.5, 0.25, c.floor + 0.5};
     studio_begin(s, PIXELS);
     c.build(s, studio_glass(ior));
-    paint_plane(&s->b, (vec3_f64){0, 0, c.floor}, up, studio_lambert(1, 1, 1));
-    studio_point_light(s, light, 1, 1, 1);
+    paint_plane(&s->b, (vec3_f64){0, 0, c.floor}, up, build_lambert(vec_f64(1, 1, 1)));
+    build_point_light(&s->b, light, vec_f64(1, 1, 1), 0);
     studio_camera(s, eye, view, across, c.field);
     c.ior = studio_twisted(s, (double)ior);
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i) judge(s, &c, light, i);
@@ -144,8 +144,8 @@ static void fresnel(studio *s, float ior, double parameter) {
     glass.k_r[0] = glass.k_r[1] = glass.k_r[2] = 1;
     glass.fresnel = true;
     paint_plane(&s->b, (vec3_f64){0, 0, -1}, up, glass);
-    paint_plane(&s->b, (vec3_f64){0, 0, 1}, neg_f64(up), studio_emitter(1, 0, 0));
-    paint_plane(&s->b, (vec3_f64){0, 0, -2}, up, studio_emitter(0, 1, 0));
+    paint_plane(&s->b, (vec3_f64){0, 0, 1}, neg_f64(up), build_emitter(vec_f64(1, 0, 0)));
+    paint_plane(&s->b, (vec3_f64){0, 0, -2}, up, build_emitter(vec_f64(0, 1, 0)));
     studio_camera(s, eye, view, across, 20);
     double eta = 1 / studio_twisted(s, (double)ior);
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i) {

@@ -29,8 +29,8 @@ static void judge_near(studio *s, double height, double x, uint32_t i) {
 
 static void near_surface(studio *s, double height) {
     studio_begin(s, PIXELS);
-    paint_plane(&s->b, up, up, studio_lambert(1, 1, 1));
-    studio_point_light(s, (vec3_f64){0, 0, 1 + height}, 1, 1, 1);
+    paint_plane(&s->b, up, up, build_lambert(vec_f64(1, 1, 1)));
+    build_point_light(&s->b, (vec3_f64){0, 0, 1 + height}, vec_f64(1, 1, 1), 0);
     studio_camera(s, (vec3_f64){0, 0, 3}, down, across, 1);
     double taken = studio_twisted(s, (double)(float)(1 + height) - 1);
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i) judge_near(s, taken, pixel_x(i), i);
@@ -47,9 +47,9 @@ static void distant(studio *s, double distance) {
     double size = fmin(distance, 1);
     float intensity = (float)fmax(fmin(distance * distance, 1e38), 1e-37);
     studio_begin(s, PIXELS);
-    paint_plane(&s->b, zero, up, studio_lambert(1, 1, 1));
-    studio_point_light(s, (vec3_f64){0, 0, distance}, (double)intensity, (double)intensity,
-                       (double)intensity);
+    paint_plane(&s->b, zero, up, build_lambert(vec_f64(1, 1, 1)));
+    build_point_light(&s->b, (vec3_f64){0, 0, distance},
+                      vec_f64((double)intensity, (double)intensity, (double)intensity), 0);
     studio_camera(s, (vec3_f64){0, 0, 2 * size}, down, across, 1);
     double taken = studio_twisted(s, distance);
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i) {
@@ -68,8 +68,8 @@ static void distant(studio *s, double distance) {
 
 static void bright(studio *s, double intensity) {
     studio_begin(s, PIXELS);
-    paint_plane(&s->b, zero, up, studio_lambert(1, 0, 1));
-    studio_point_light(s, up, intensity, intensity, 0);
+    paint_plane(&s->b, zero, up, build_lambert(vec_f64(1, 0, 1)));
+    build_point_light(&s->b, up, vec_f64(intensity, intensity, 0), 0);
     studio_camera(s, (vec3_f64){0, 0, 2}, down, across, 1);
     double height = studio_twisted(s, 1);
     for (uint32_t i = 0, n = studio_render(s); i < n; ++i) {
@@ -86,7 +86,7 @@ static void bright(studio *s, double intensity) {
  * surfaces sums to gain^0 + gain^1 + ... with each term limited. Black must stay black. */
 static void gaining(studio *s, double gain) {
     studio_begin(s, 1);
-    fathom_material m = studio_emitter(1, 0, 1);
+    fathom_material m = build_emitter(vec_f64(1, 0, 1));
     m.k_r[0] = m.k_r[1] = m.k_r[2] = (float)gain;
     paint_plane(&s->b, down, up, m);
     paint_plane(&s->b, up, down, m);

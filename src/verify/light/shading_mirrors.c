@@ -34,10 +34,11 @@ static void build(studio *s, double angle, uint32_t max_depth) {
     paint_quad(&s->b, (vec3_f64){middle, 0, 0}, (vec3_f64){half, 0, 0}, (vec3_f64){0, 1, 0}, mirror());
     paint_quad(&s->b, (vec3_f64){middle, 0, 1 - middle * tan(angle)}, (vec3_f64){half, 0, -half * tan(angle)},
                (vec3_f64){0, -1, 0}, mirror());
-    paint_plane(&s->b, (vec3_f64){left - beyond, 0, 0}, (vec3_f64){1, 0, 0}, studio_lambert(1, 0, 0));
-    paint_plane(&s->b, (vec3_f64){right + beyond, 0, 0}, (vec3_f64){-1, 0, 0}, studio_lambert(0, 1, 0));
-    studio_point_light(s, (vec3_f64){left - beyond + 1, 2, 0.5}, 1, 0, 0);
-    studio_point_light(s, (vec3_f64){right + beyond - 1, 2, 0.5}, 0, 1, 0);
+    paint_plane(&s->b, (vec3_f64){left - beyond, 0, 0}, (vec3_f64){1, 0, 0}, build_lambert(vec_f64(1, 0, 0)));
+    paint_plane(&s->b, (vec3_f64){right + beyond, 0, 0}, (vec3_f64){-1, 0, 0},
+                build_lambert(vec_f64(0, 1, 0)));
+    build_point_light(&s->b, (vec3_f64){left - beyond + 1, 2, 0.5}, vec_f64(1, 0, 0), 0);
+    build_point_light(&s->b, (vec3_f64){right + beyond - 1, 2, 0.5}, vec_f64(0, 1, 0), 0);
     studio_camera(s, eye, view_of(), up_of(), field);
     s->settings.max_depth = max_depth;
 }

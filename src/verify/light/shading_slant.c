@@ -10,7 +10,7 @@ static const vec3_f64 zero = {0, 0, 0}, down = {0, 0, -1}, across = {1, 0, 0}, u
 
 static void grazing(studio *s, double cosine) {
     studio_begin(s, PIXELS);
-    paint_quad(&s->b, zero, (vec3_f64){4, 0, 0}, (vec3_f64){0, 4, 0}, studio_lambert(1, 1, 1));
+    paint_quad(&s->b, zero, (vec3_f64){4, 0, 0}, (vec3_f64){0, 4, 0}, build_lambert(vec_f64(1, 1, 1)));
     build_directional_light(&s->b, (vec3_f64){-sqrt(1 - cosine * cosine), 0, -cosine}, vec_f64(1, 1, 1), 0);
     studio_camera(s, (vec3_f64){0, 0, 2}, down, across, 2);
     double expected = studio_twisted(s, cosine);
@@ -26,7 +26,7 @@ static void grazing(studio *s, double cosine) {
 
 static void terminator(studio *s, double near) {
     studio_begin(s, PIXELS);
-    paint_sphere(&s->b, zero, 1, studio_lambert(1, 1, 1));
+    paint_sphere(&s->b, zero, 1, build_lambert(vec_f64(1, 1, 1)));
     build_directional_light(&s->b, neg_f64(across), vec_f64(1, 1, 1), 0);
     double field = 2 * near / 3; /* at distance 3 from the terminator */
     studio_camera(s, (vec3_f64){0, 0, 4}, down, across, field);
@@ -89,7 +89,7 @@ static void spot(studio *s, double outer, spot_kind kind) {
               .aside = tilted ? (vec3_f64){0.8, 0, 0.6} : across,
               .field = 2 * tan(fmin(1.25 * outer, tilted ? 0.5 : 1.2))};
     studio_begin(s, PIXELS);
-    paint_plane(&s->b, zero, up, studio_lambert(1, 1, 1));
+    paint_plane(&s->b, zero, up, build_lambert(vec_f64(1, 1, 1)));
     fathom_light light;
     fathom_light_default(&light);
     light.type = FATHOM_LIGHT_SPOT;

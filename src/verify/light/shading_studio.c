@@ -46,10 +46,6 @@ void studio_begin(studio *s, uint32_t width) {
 
 /* ---- materials ---- */
 
-fathom_material studio_emitter(double r, double g, double b) { return build_emitter(vec_f64(r, g, b)); }
-
-fathom_material studio_lambert(double r, double g, double b) { return build_lambert(vec_f64(r, g, b)); }
-
 fathom_material studio_glass(float ior) {
     fathom_material m = build_black();
     m.k_t[0] = m.k_t[1] = m.k_t[2] = 1;
@@ -58,10 +54,6 @@ fathom_material studio_glass(float ior) {
 }
 
 /* ---- lights, camera ---- */
-
-void studio_point_light(studio *s, vec3_f64 at, double r, double g, double b) {
-    build_point_light(&s->b, at, vec_f64(r, g, b), 0);
-}
 
 void studio_camera(studio *s, vec3_f64 eye, vec3_f64 view, vec3_f64 across, double width) {
     fathom_camera camera;

@@ -31,12 +31,8 @@ void studio_begin(studio *s, uint32_t width);
 /* Releases everything and returns the status. */
 fathom_status studio_end(studio *s);
 
-fathom_material studio_lambert(double r, double g, double b);
-fathom_material studio_emitter(double r, double g, double b);
 /* k_t is 1 in every channel. */
 fathom_material studio_glass(float ior);
-
-void studio_point_light(studio *s, vec3_f64 at, double r, double g, double b);
 
 /* Sets a camera at `eye` that looks along `view`, with the image's +x along `across` (both unit, orthogonal).
  * At distance 1 the view is `width` wide. */
