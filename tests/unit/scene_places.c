@@ -178,6 +178,17 @@ static void frames_that_vanish(void **state) {
     }
 }
 
+/* A mesh in the root has no instance that a message could name. */
+static void meshes_beyond_float(void **state) {
+    (void)state;
+    world *w;
+    add_mesh(FATHOM_ROOT, along(1, 0));
+    add_mesh(FATHOM_ROOT, along(1, 1e100));
+    assert_fails(context, world_create(scene, &w), FATHOM_BAD_INPUT,
+                 "a mesh lies farther from the camera than float reaches");
+    assert_null(w);
+}
+
 /* Each group holds the next one twice: 2^31 ways to the innermost, in a few hundred bytes. */
 static void more_instances_than_can_be(void **state) {
     (void)state;
@@ -297,10 +308,15 @@ static void completing_keeps_what_is_set(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(groups_far_away),      cmocka_unit_test(meshes_with_origins_of_their_own),
-        cmocka_unit_test(frames_that_vanish),   TEST(materials_of_instances),
-        TEST(more_instances_than_can_be),       TEST(cameras_too_far),
-        TEST(nothing_but_degenerate_triangles), TEST(quads_that_float_flattens),
+        cmocka_unit_test(groups_far_away),
+        cmocka_unit_test(meshes_with_origins_of_their_own),
+        cmocka_unit_test(frames_that_vanish),
+        TEST(meshes_beyond_float),
+        TEST(materials_of_instances),
+        TEST(more_instances_than_can_be),
+        TEST(cameras_too_far),
+        TEST(nothing_but_degenerate_triangles),
+        TEST(quads_that_float_flattens),
         TEST(completing_keeps_what_is_set),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -71,9 +71,11 @@ static fathom_status make_parts(placer *p, uint32_t group) {
 }
 
 static fathom_status bad_frame(const placer *p, fathom_id id) {
-    return fail(p->w->scene->context, FATHOM_BAD_INPUT,
-                "instance %u: its frame, with those around it, flattens space or leaves the range of float",
-                id);
+    if (id == FATHOM_NONE)
+        return fail(p->w->scene->context, FATHOM_BAD_INPUT,
+                    "a mesh lies farther from the camera than float reaches; expected less than 3e38");
+    return scene_fail_instance(
+        p->w->scene, id, "its frame, with those around it, flattens space or leaves the range of float");
 }
 
 static fathom_status add_instance(placer *p, uint32_t group, const affine_f64 *to_world, fathom_id material,
