@@ -11,6 +11,7 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 /* A file in memory. If another program shortens it meanwhile, only the helper ends. */
@@ -44,6 +45,7 @@ class ktx2_input final : public OIIO::ImageInput {
   public:
     ~ktx2_input() override { ktx2_rows_close(m_rows); }
     const char *format_name() const override { return "ktx2"; }
+    bool upwards() const { return m_image.upwards; }
 
     /* False if it is not a KTX 2.0 file. Throws `failure` if it cannot be read. */
     bool open(const std::string &name, OIIO::ImageSpec &spec) override {
@@ -65,8 +67,7 @@ class ktx2_input final : public OIIO::ImageInput {
     bool read_native_scanline(int subimage, int miplevel, int y, int, void *data) override {
         lock_guard lock(*this);
         if (!seek_subimage(subimage, miplevel) || y < 0 || y >= m_spec.height) return false;
-        const auto row = static_cast<uint32_t>(y);
-        return m_image.upwards ? read_upwards(row, data) : read_row(row, data);
+        return read_row(static_cast<uint32_t>(y), data);
     }
 
   private:
@@ -106,30 +107,61 @@ class ktx2_input final : public OIIO::ImageInput {
         return true;
     }
 
-    /* For files that begin with the image's lowest row. The top row comes last, so the first request
-     * decodes the whole image. */
-    bool read_upwards(uint32_t y, void *data) {
-        const size_t row = static_cast<size_t>(m_image.width) * m_image.channels;
-        if (m_all.empty()) {
-            std::vector<uint8_t> all(row * m_image.height);
-            for (uint32_t i = 0; i < m_image.height; ++i)
-                if (!read_row(i, all.data() + row * (m_image.height - 1 - i))) return false;
-            m_all.swap(all);
-        }
-        std::copy_n(m_all.data() + row * y, row, static_cast<uint8_t *>(data));
-        return true;
-    }
-
     mapped_file m_file;
     ktx2_image m_image = {};
     ktx2_rows *m_rows = nullptr;
     uint32_t m_next = 0; /* the row that m_rows decodes next */
+};
+
+/* A file that begins with the image's lowest row. The top row comes last, so the first request decodes the
+ * whole image. */
+class upwards_input final : public OIIO::ImageInput {
+  public:
+    explicit upwards_input(std::unique_ptr<OIIO::ImageInput> file) : m_file(std::move(file)) {
+        m_spec = m_file->spec();
+    }
+    const char *format_name() const override { return m_file->format_name(); }
+    bool open(const std::string &, OIIO::ImageSpec &) override { return false; } /* it is open */
+    bool close() override { return m_file->close(); }
+
+    bool read_native_scanline(int, int, int y, int, void *data) override {
+        lock_guard lock(*this);
+        const size_t row = m_spec.scanline_bytes(true);
+        if (m_all.empty()) {
+            std::vector<uint8_t> all(m_spec.image_bytes(true));
+            if (!m_file->read_image(0, 0, 0, m_spec.nchannels, OIIO::TypeDesc::UNKNOWN, all.data())) {
+                errorfmt("{}", m_file->geterror());
+                return false;
+            }
+            m_all.swap(all);
+        }
+        std::copy_n(m_all.data() + row * static_cast<size_t>(m_spec.height - 1 - y), row,
+                    static_cast<uint8_t *>(data));
+        return true;
+    }
+
+  private:
+    std::unique_ptr<OIIO::ImageInput> m_file;
     std::vector<uint8_t> m_all;
 };
+
+/* A Radiance file says so by +Y in its header. In other formats, the orientation is that of a camera, which
+ * textures ignore. */
+static bool is_upwards(const OIIO::ImageInput &file) {
+    return std::strcmp(file.format_name(), "hdr") == 0 && file.spec().get_int_attribute("Orientation") == 4;
+}
 
 std::unique_ptr<OIIO::ImageInput> image_input_open(const std::string &name, const OIIO::ImageSpec &config) {
     auto ktx2 = std::make_unique<ktx2_input>();
     OIIO::ImageSpec spec;
-    if (ktx2->open(name, spec)) return ktx2;
-    return OIIO::ImageInput::open(name, &config);
+    std::unique_ptr<OIIO::ImageInput> file;
+    bool upwards = false;
+    if (ktx2->open(name, spec)) {
+        upwards = ktx2->upwards();
+        file = std::move(ktx2);
+    } else {
+        file = OIIO::ImageInput::open(name, &config);
+        upwards = file && is_upwards(*file);
+    }
+    return upwards ? std::make_unique<upwards_input>(std::move(file)) : std::move(file);
 }
