@@ -11,8 +11,8 @@ extern "C" {
 /* Color space of an image. Alpha is always linear. */
 typedef enum fathom_color_space {
     FATHOM_COLOR_AUTO, /* maps of numbers and directions (roughness, normals): linear. Maps of colours: as the
-                          image says, which KTX 2.0 files do; else linear for half and float, and sRGB for
-                          integers */
+                          image says, which KTX 2.0 files and PNGs of gamma 1 do; else linear for half and
+                          float, and sRGB for integers */
     FATHOM_COLOR_SRGB, /* colours of Rec.709 through the curve of IEC 61966-2-1 */
     FATHOM_COLOR_LINEAR, /* linear Rec.709, or data: the numbers are used unchanged */
     FATHOM_COLOR_NAMED   /* color_space_name, a space of the OpenColorIO config */

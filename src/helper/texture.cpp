@@ -138,6 +138,14 @@ static bool is_premultiplied(const image_texture &t, const OIIO::ImageSpec &spec
     return may && t.info.channels % 2 == 0 && !spec.get_int_attribute("oiio:UnassociatedAlpha");
 }
 
+/* KTX 2.0 files say how they are encoded. So do PNGs whose gamma is 1; no program means other gammas. */
+static image_transfer transfer_of(const image_texture &t) {
+    const OIIO::ImageSpec &spec = t.input->spec();
+    if (std::strcmp(t.input->format_name(), "png") == 0 && spec.get_float_attribute("oiio:Gamma") == 1)
+        return IMAGE_TRANSFER_LINEAR;
+    return static_cast<image_transfer>(spec.get_int_attribute(IMAGE_INPUT_TRANSFER));
+}
+
 static void describe(image_texture &t, const image_texture_request &request) {
     const OIIO::ImageSpec spec = shown(*t.input);
     check_size(t.input->spec(), request);
@@ -149,7 +157,7 @@ static void describe(image_texture &t, const image_texture_request &request) {
     const image_texel texel = texel_of(type);
     t.info.sent = t.info.kept = texel;
     t.info.integers = !type.is_floating_point();
-    t.info.transfer = static_cast<image_transfer>(spec.get_int_attribute(IMAGE_INPUT_TRANSFER));
+    t.info.transfer = transfer_of(t);
     std::snprintf(t.info.format, sizeof t.info.format, "%s", t.input->format_name());
     t.info.band = static_cast<uint32_t>(std::max(spec.tile_height, 1));
     t.premultiplied = is_premultiplied(t, spec);

@@ -112,7 +112,10 @@ static fathom_status write_texture(texture_cache *cache, fathom_context *context
     fathom_status status = texture_is_opaque(cache, context, 0, &opaque);
     if (status != FATHOM_OK) return status;
     w.channels = img->plan.channels == 1 ? 1 : opaque ? 3 : 4;
-    /* By itself, a file of floats counts as linear, also if it comes from integers of 32 bits. */
+    /* By itself, a file of floats counts as linear, also if it comes from integers of 32 bits, and a file of
+     * integers does not. */
+    if (!img->decoding.srgb && w.type <= IMAGE_TEXEL_U16 && img->texture->color_space == FATHOM_COLOR_AUTO)
+        w.type = w.type == IMAGE_TEXEL_U8 ? IMAGE_TEXEL_HALF : IMAGE_TEXEL_FLOAT;
     w.srgb =
         img->decoding.srgb && (w.type <= IMAGE_TEXEL_U16 || img->texture->color_space == FATHOM_COLOR_SRGB);
     srgb_codes_fill(&w.codes);

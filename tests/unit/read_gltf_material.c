@@ -324,22 +324,26 @@ UNIT_TEST(an_image_that_cannot_be_read_gives_way_to_the_other) {
     }
 }
 
-/* The extension fixes the encoding: sRGB for colours, linear for the rest. */
-UNIT_TEST(basis_universal_has_srgb_colours) {
+/* The format fixes the encoding, whatever a PNG or a file of Basis Universal says: sRGB for colours, linear
+ * for the rest. Files of floats say theirs by being so. */
+UNIT_TEST(colours_are_srgb_whatever_their_image_says) {
     fixture *f = *state;
     static const struct {
-        const char *material, *texture;
+        const char *material, *texture, *bytes;
         fathom_color_space space;
     } cases[] = {
-        {"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}", BASISU, FATHOM_COLOR_SRGB},
-        {"'normalTexture':{'index':0}", BASISU, FATHOM_COLOR_LINEAR},
-        {"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}", "'source':0", FATHOM_COLOR_AUTO}};
+        {"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}", BASISU, "AAAA", FATHOM_COLOR_SRGB},
+        {"'normalTexture':{'index':0}", BASISU, "AAAA", FATHOM_COLOR_LINEAR},
+        {"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}", "'source':0", "AAAA", FATHOM_COLOR_AUTO},
+        {"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}", "'source':0", "iVBORw0K",
+         FATHOM_COLOR_SRGB},
+        {"'normalTexture':{'index':0}", "'source':0", "iVBORw0K", FATHOM_COLOR_LINEAR}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char json[4096];
         snprintf(json, sizeof json,
                  SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'images':[{"
-                       "'uri':'data:image/ktx2;base64,AAAA'}],'textures':[{%s}],'materials':[{%s}]"),
-                 cases[i].texture, cases[i].material);
+                       "'uri':'data:;base64,%s'}],'textures':[{%s}],'materials':[{%s}]"),
+                 cases[i].bytes, cases[i].texture, cases[i].material);
         fathom_scene *scene = read_triangle(f, json);
         assert_int_equal(scene->textures.count, 1);
         assert_int_equal(scene->textures.items[0].color_space, cases[i].space);

@@ -416,6 +416,50 @@ UNIT_TEST(ktx2_files_choose_their_encoding_where_the_scene_does_not) {
     unlink(in_folder("a.ktx2"));
 }
 
+/* A PNG of one texel, 100, whose gamma is 1; and its copy by `fathom texture`. */
+UNIT_TEST(pngs_of_gamma_1_are_linear_unless_the_scene_says_otherwise) {
+    static const unsigned char bytes[] = {
+        0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00,
+        0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x01, 0x08, 0x00, 0x00, 0x00, 0x00, 0x3a, 0x7e, 0x9b, 0x55, 0x00,
+        0x00, 0x00, 0x04, 0x67, 0x41, 0x4d, 0x41, 0x00, 0x01, 0x86, 0xa0, 0x31, 0xe8, 0x96, 0x5f, 0x00, 0x00,
+        0x00, 0x0a, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0x48, 0x01, 0x00, 0x00, 0x66, 0x00, 0x65, 0x7a,
+        0xa0, 0xc6, 0x92, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82,
+    };
+    put_file("a.png", bytes, sizeof bytes, "", 0);
+    write_texture("a.png", FATHOM_COLOR_AUTO, "a.tx");
+    const fathom_texture t[] = {texture_of("a.png", FATHOM_COLOR_AUTO),
+                                texture_of("a.png", FATHOM_COLOR_SRGB),
+                                texture_of("a.tx", FATHOM_COLOR_AUTO)};
+    opened o = open_textures(t, 3, ALL);
+    for (fathom_id i = 0; i < 3; ++i) {
+        float rgba[4];
+        texel(o.cache, i, 0, 0, 0, rgba);
+        const double expected = i == 1 ? srgb(100 / 255.0) : 100 / 255.0;
+        assert_true(fabs((double)rgba[0] - expected) <= 0x1p-13); /* the copy has halves */
+    }
+    close_textures(&o);
+    unlink(in_folder("a.png")), unlink(in_folder("a.tx"));
+}
+
+/* Radiance's +Y: the first row is the lowest one. */
+UNIT_TEST(radiance_files_may_have_their_lowest_row_first) {
+    static const char header[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n+Y 2 +X 1\n";
+    static const unsigned char rows[8] = {32, 32, 32, 128, 64, 64, 64, 128};
+    put_file("a.hdr", header, sizeof header - 1, rows, sizeof rows);
+    const fathom_texture t = texture_of("a.hdr", FATHOM_COLOR_LINEAR);
+    const image *img;
+    float upper[4], lower[4];
+    opened o = open_textures(&t, 1, ALL);
+    texel(o.cache, 0, 0, 0, 0, upper);
+    texel(o.cache, 0, 0, 0, 1, lower);
+    assert_true(upper[0] == 2 * lower[0] && lower[0] > 0);
+    close_textures(&o);
+    assert_ok(context, image_read(context, in_folder("a.hdr"), &img));
+    assert_memory_equal(img->channels[0].data, upper, sizeof(float));
+    image_release(img);
+    unlink(in_folder("a.hdr"));
+}
+
 /* WebP without loss, of the texels (255, 0, 255, 128) and (0, 255, 0, 255). OpenImageIO 2 multiplies WebP's
  * colours by alpha. */
 UNIT_TEST(webp_keeps_its_colors_below_alpha) {

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- samplers ---- */
 
@@ -75,6 +76,14 @@ static void add_texture(gltf *g, const gltf_value *image, const fathom_texture *
     if (t->bytes && gltf_fine(g)) gltf_charge(g, image, NULL, t->byte_count);
 }
 
+static bool is_png(const fathom_texture *t) {
+    static const unsigned char first[] = {0x89, 'P', 'N', 'G'};
+    char extension[16] = "";
+    if (t->file) file_extension(t->file, extension);
+    return strcmp(extension, "png") == 0 ||
+           (t->byte_count > sizeof first && memcmp(t->bytes, first, sizeof first) == 0);
+}
+
 /* FATHOM_NONE, with a note, if the texture has no readable image. */
 static fathom_id read_texture(gltf *g, uint32_t index, bool color) {
     gltf_value at, image;
@@ -87,8 +96,6 @@ static fathom_id read_texture(gltf *g, uint32_t index, bool color) {
     gltf_item(g, &g->textures, index, &at);
     bool basisu = false;
     const uint32_t source = find_source(g, &at, &basisu);
-    /* The extension wants colours to be sRGB, whatever the image says. */
-    if (basisu && color) t.color_space = FATHOM_COLOR_SRGB;
     gltf_index(g, &at, "sampler", &g->samplers, &sampler);
     if (sampler != GLTF_ABSENT) read_sampler(g, sampler, &t);
     if (source == GLTF_ABSENT) {
@@ -97,6 +104,8 @@ static fathom_id read_texture(gltf *g, uint32_t index, bool color) {
     }
     gltf_item(g, &g->images, source, &image);
     gltf_image_open(g, &image, &t, &path);
+    /* The format wants colours to be sRGB, whatever the image says. */
+    if (color && (basisu || is_png(&t))) t.color_space = FATHOM_COLOR_SRGB;
     if (gltf_fine(g) && (t.file || t.bytes)) add_texture(g, &image, &t, &out);
     free(path);
     return out;
