@@ -128,6 +128,10 @@ UNIT_TEST(words_after_a_vertex_are_reported) {
     fathom_scene *scene = read_text("v 0 0 0 1 0 0\nv 1 0 0 1 0 0 1\nv 1 1 0 1.0\nv 0 1 0 0.5\nf 1 2 3\n");
     expect_warning(":4: what follows x y z of a vertex is not read (1 such");
     fathom_scene_destroy(scene);
+    scene = read_text("v 0 0 0 1 0 0 1\nv 1 0 0 1 0 0 0.5\nv 1 1 0 1 0 0\nf 1 2 3\n");
+    expect_warning(":2: the alpha of a vertex is left out");
+    assert_true(mesh_at(scene, 0)->colors[0] == 1 && mesh_at(scene, 0)->colors[1] == 0);
+    fathom_scene_destroy(scene);
 }
 
 /* Each vertex has a mask, then sRGB bytes. Other characters end a line; vertices without paint are white. */

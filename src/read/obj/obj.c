@@ -164,6 +164,7 @@ static void note_tallies(obj_reader *r) {
         [OBJ_T_ODD] = "a NaN or an infinity in vt or vn is taken as 0",
         [OBJ_T_LOST] =
             "a vertex with a NaN, an infinity or a number beyond float is left out, with what uses it",
+        [OBJ_T_ALPHA] = "the alpha of a vertex is left out; glTF and PLY files can have one",
         [OBJ_T_BEHIND] = "what follows x y z of a vertex is not read",
         [OBJ_T_NO_UV] = "vt: a face names texture coordinates that the file does not have; it gets none",
         [OBJ_T_NO_NORMAL] = "vn: a face names normals that the file does not have; it gets none",

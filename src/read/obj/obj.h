@@ -96,6 +96,7 @@ enum {
     OBJ_T_SMALL,  /* faces with fewer than 3 corners */
     OBJ_T_MIXED,  /* faces whose corners have different kinds of indices */
     OBJ_T_LOST,   /* vertices that are no finite numbers */
+    OBJ_T_ALPHA,  /* colours with an alpha that is not opaque */
     OBJ_T_ODD,    /* numbers of uvs and normals that are not finite numbers */
     OBJ_T_BEHIND, /* extra words after the numbers of a vertex */
     OBJ_T_NO_UV,  /* faces with indices of texture coordinates, in a file without them */

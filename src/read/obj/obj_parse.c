@@ -103,10 +103,10 @@ static void find_color(obj_piece *piece, const double v[3]) {
     }
 }
 
-/* Reads the numbers after x, y and z: a weight, which only curves use, or a colour. */
+/* Reads the numbers after x, y and z: a weight, which only curves use, or a colour, perhaps with an alpha. */
 static void read_behind(obj_parser *s, const char *at) {
     const char *p = text_skip(at);
-    double v[3], weight = 0;
+    double v[3], weight = 0, alpha = 1;
     int count = 0;
     if (text_is_end(*p) || *p == '#') return;
     while (count < 3 && number_read(&p, &v[count])) {
@@ -119,6 +119,8 @@ static void read_behind(obj_parser *s, const char *at) {
         find_color(s->piece, v);
     else if (weight != 1 && !s->r->again)
         tally(s, OBJ_T_BEHIND, 1, at);
+    if (count == 3 && !s->r->again && number_read(&p, &alpha) && alpha != 1 && alpha != 255)
+        tally(s, OBJ_T_ALPHA, 1, at);
 }
 
 /* Reads an index of a corner: from 1, or negative, counted backwards from the last vertex so far. */
