@@ -33,12 +33,13 @@ fathom_status write_json(const fathom_scene *scene, const scene_graph *graph, co
 
 /* A fathom_mesh for formats with one index for position, normal and uv. Vertex i has the mesh's position
  * positions[i], and likewise for normals and uvs; a NULL array means index i. `facets`: each corner is a
- * separate vertex with the facet's normal. */
+ * separate vertex with the facet's normal. `flips` is false after write_mesh_prepare(). */
 typedef struct write_mesh {
     const fathom_mesh *mesh; /* NULL: not prepared */
     uint32_t vertex_count;
     uint32_t *positions, *normals, *uvs, *indices; /* owned */
     bool facets;
+    bool flips; /* the file has 1 - v */
 } write_mesh;
 
 /* FATHOM_OUT_OF_RESOURCES, also for more than 2^32 - 1 vertices. */
@@ -58,7 +59,6 @@ void write_mesh_entry(const write_mesh *m, mesh_kind kind, uint32_t vertex, floa
 
 vec3_f32 write_mesh_position(const write_mesh *m, uint32_t vertex);
 vec3_f32 write_mesh_normal(const write_mesh *m, uint32_t vertex); /* the mesh has normals, or facets is set */
-void write_mesh_uv(const write_mesh *m, uint32_t vertex, float uv[2]); /* 0 0 if the mesh has none */
 uint32_t write_mesh_index(const write_mesh *m, size_t corner);
 
 /* The unit vector along v; v itself if its length is 0, or as near to 1 as the glTF validator wants it. */
@@ -175,3 +175,10 @@ typedef struct write_turn {
 } write_turn;
 
 write_turn write_turn_of(const float m[6]);
+
+/* True if a file in which v grows upwards stores 1 - v, so that images are upright. The first map says so: in
+ * scenes from OBJ and PLY files it flips v. Without a map, the first mesh does. */
+bool write_flips(const fathom_scene *scene);
+/* True if a file in which v grows downwards stores 1 - v of this mesh. Where materials use texture
+ * coordinates, the maps flip them. */
+bool write_flips_back(const fathom_scene *scene, uint32_t mesh);

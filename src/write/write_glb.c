@@ -35,6 +35,7 @@ static fathom_status lay_out_mesh(glb *g, uint32_t index, const fathom_mesh *mes
     glb_mesh *m = &g->meshes[index];
     fathom_status status = write_mesh_prepare(g->scene->context, mesh, false, &m->vertices);
     if (status != FATHOM_OK) return status;
+    m->vertices.flips = write_flips_back(g->scene, index);
     size_t sizes[GLB_ARRAYS];
     glb_sizes(m, sizes);
     m->accessor = *accessors, m->offset = g->binary_size;
@@ -99,7 +100,8 @@ static size_t format_array(const void *user, size_t begin, size_t end, char *out
 static const void *array_in_place(const write_mesh *m, int kind) {
     if (kind == GLB_INDEX) return m->indices ? m->indices : m->mesh->indices;
     const mesh_array a = mesh_array_of(m->mesh, (mesh_kind)kind);
-    const bool packed = !m->positions && a.stride == a.width * sizeof(float);
+    const bool flipped = m->flips && (kind == MESH_UVS || kind == MESH_UVS_1),
+               packed = !m->positions && !flipped && a.stride == a.width * sizeof(float);
     return packed && !write_has_lengths(m->mesh, (mesh_kind)kind) ? a.values : NULL;
 }
 

@@ -119,6 +119,7 @@ static fathom_status put_mesh(json_out *o, fathom_id object, const fathom_mesh *
     write_mesh m;
     fathom_status status = write_mesh_prepare(o->scene->context, mesh, false, &m);
     if (status != FATHOM_OK) return status;
+    m.flips = write_flips_back(o->scene, o->scene->objects.items[object].index);
     put_rows(o, "positions", (rows){.mesh = &m, .kind = MESH_POSITIONS, .count = 3, .origin = origin});
     if (mesh->point_radius > 0) {
         file_writer_print(o->stream.file, ",\n\"pointRadius\":");

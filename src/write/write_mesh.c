@@ -103,9 +103,7 @@ vec3_f32 write_mesh_normal(const write_mesh *m, uint32_t vertex) {
     return write_item(m->mesh->normals, m->mesh->normal_stride, m->normals ? m->normals[vertex] : vertex);
 }
 
-void write_mesh_uv(const write_mesh *m, uint32_t vertex, float uv[2]) {
-    uv[0] = uv[1] = 0;
-    if (!m->mesh->uvs) return;
+static void read_uv(const write_mesh *m, uint32_t vertex, float uv[2]) {
     uint32_t i = m->uvs ? m->uvs[vertex] : vertex;
     if (m->facets) i = m->mesh->uv_indices ? m->mesh->uv_indices[vertex] : m->mesh->indices[vertex];
     memcpy(uv, (const char *)m->mesh->uvs + m->mesh->uv_stride * i, 2 * sizeof *uv);
@@ -121,9 +119,27 @@ void write_mesh_entry(const write_mesh *m, mesh_kind kind, uint32_t vertex, floa
     if (kind == MESH_NORMALS)
         store_f32(out, write_mesh_normal(m, vertex));
     else if (kind == MESH_UVS)
-        write_mesh_uv(m, vertex, out);
+        read_uv(m, vertex, out);
     else
         memcpy(out, (const char *)a.values + a.stride * position_index(m, vertex), a.width * sizeof *out);
+    if (m->flips && (kind == MESH_UVS || kind == MESH_UVS_1)) out[1] = 1 - out[1];
+}
+
+bool write_flips(const fathom_scene *scene) {
+    for (size_t i = 0; i < scene->materials.count; ++i) {
+        for (int k = 0; k < FATHOM_MAPS; ++k) {
+            const fathom_map *map = &scene->materials.items[i].value.maps[k];
+            if (map->texture != FATHOM_NONE) return map->transform[4] > 0;
+        }
+    }
+    for (size_t i = 0; i < scene->meshes.count; ++i) {
+        if (scene->meshes.items[i].uvs) return !scene->mesh_facts.items[i].upwards;
+    }
+    return false;
+}
+
+bool write_flips_back(const fathom_scene *scene, uint32_t mesh) {
+    return !scene->uses_uvs && scene->mesh_facts.items[mesh].upwards;
 }
 
 uint32_t write_mesh_index(const write_mesh *m, size_t corner) {

@@ -97,7 +97,7 @@ static mtl_entry metallic_entry(const fathom_material *m, bool flips) {
     give(&e, MTL_PC, (double)m->clearcoat);
     give(&e, MTL_PCR, (double)m->clearcoat_roughness);
     give(&e, MTL_ANISO, (double)m->anisotropy);
-    give(&e, MTL_ANISOR, turns_of(flips ? -m->anisotropy_rotation : m->anisotropy_rotation));
+    give(&e, MTL_ANISOR, turns_of(flips ? 0 - m->anisotropy_rotation : m->anisotropy_rotation));
     give(&e, MTL_D, (double)m->opacity);
     give(&e, MTL_NI, (double)m->ior);
     if (m->transmission > 0) give_color(&e, MTL_TF, (const float[3]){1, 1, 1}, (double)m->transmission);
@@ -237,16 +237,6 @@ static void put_images(const write_library *l, file_writer *t, const fathom_mate
 }
 
 /* ---- file ---- */
-
-bool write_mtl_flips(const fathom_scene *scene) {
-    for (size_t i = 0; i < scene->materials.count; ++i) {
-        for (int k = 0; k < FATHOM_MAPS; ++k) {
-            const fathom_map *map = &scene->materials.items[i].value.maps[k];
-            if (map->texture != FATHOM_NONE) return map->transform[4] > 0;
-        }
-    }
-    return false;
-}
 
 fathom_status write_mtl(const write_library *l, const char *path) {
     file_writer *file;

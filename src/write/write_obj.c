@@ -203,7 +203,7 @@ static fathom_status put_all(obj *o, const char *path, const char *library) {
 fathom_status write_obj(const fathom_scene *scene, const scene_graph *graph, const char *path,
                         note_list *notes) {
     obj o = {.scene = scene, .graph = graph, .material = FATHOM_NONE, .notes = notes};
-    o.flips = write_mtl_flips(scene);
+    o.flips = write_flips(scene);
     char *library = library_path(path);
     fathom_status status = library ? check_count(&o, path) : fail_memory(scene->context, strlen(path));
     scene_bounds world;

@@ -8,12 +8,9 @@ typedef struct write_library {
     const fathom_scene *scene;
     const write_images *images; /* named */
     char *const *names;         /* of the materials */
-    bool flips;                 /* write_mtl_flips() */
+    bool flips;                 /* write_flips() */
     note_list *notes;
 } write_library;
 
-/* True if the file stores 1 - v, so that images are upright in most readers. False if the first map flips v
- * already, as in scenes from OBJ files. */
-bool write_mtl_flips(const fathom_scene *scene);
 /* Writes the whole file or none. */
 fathom_status write_mtl(const write_library *l, const char *path);

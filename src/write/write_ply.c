@@ -2,7 +2,7 @@
  * written if any mesh has them, and opacities as alpha; colours then include those of the materials. The
  * second uv set is s1 and t1; no other program is known to read it. A vertex has one normal, so if other
  * meshes are smooth, flat meshes get a vertex for each corner, with the facet's normal. If all triangles have
- * the same image, a comment names it, and the uvs include its transform: v grows upwards. Points become the
+ * the same image, a comment names it, and the uvs include its transform. v grows upwards. Points become the
  * vertices of a file without faces; together with triangles, they cannot be written. */
 #include "write/image.h"
 #include "write/write.h"
@@ -37,6 +37,7 @@ static fathom_status count_mesh(ply *p, uint32_t index, size_t ways, bool prepar
     p->alpha |= mesh->colors && mesh->color_channels > 3;
     if (!prepare) return FATHOM_OK;
     fathom_status status = write_mesh_prepare(p->scene->context, mesh, p->normals && !mesh->normals, m);
+    m->flips = !p->map && write_flips(p->scene);
     p->vertices = write_add(p->vertices, write_multiply(ways, m->vertex_count));
     p->triangles = write_add(p->triangles, write_multiply(ways, mesh->triangle_count));
     return status;
@@ -187,10 +188,12 @@ static size_t format_vertices(const void *user, size_t begin, size_t end, char *
             store_f32(numbers + count, write_placed_normal(part->at, write_mesh_normal(part->mesh, i)));
             count += 3;
         }
-        if (part->p->uvs) write_mesh_uv(part->mesh, i, numbers + count), count += 2;
-        if (part->p->map) place_on_image(part->p, numbers + count - 2);
-        if (part->p->uvs_1) {
-            if (part->mesh->mesh->uvs_1) write_mesh_entry(part->mesh, MESH_UVS_1, i, numbers + count);
+        const mesh_kind sets[] = {MESH_UVS, MESH_UVS_1};
+        for (unsigned k = 0; k < 2; ++k) {
+            if (!(k ? part->p->uvs_1 : part->p->uvs)) continue;
+            if (write_mesh_width(part->mesh->mesh, sets[k]))
+                write_mesh_entry(part->mesh, sets[k], i, numbers + count);
+            if (part->p->map && !k) place_on_image(part->p, numbers + count);
             count += 2;
         }
         if (part->p->colors) put_color(part, i, numbers + count), count += part->p->alpha ? 4 : 3;

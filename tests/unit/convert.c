@@ -304,7 +304,7 @@ UNIT_TEST(mtl_keeps_unlit_materials) {
     unlink(in_folder("a.obj")), unlink(in_folder("a.mtl")), unlink(in_folder("a-0.png"));
 }
 
-/* With images v grows upwards in OBJ, so that they stand upright. The bitangent turns with it. */
+/* v grows upwards in OBJ, with and without images. The bitangent turns with it. */
 UNIT_TEST(rotations_of_brushed_metal_turn_with_v) {
     const fathom_texture texture = {.size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6};
     for (int image = 0; image < 2; ++image) {
@@ -316,7 +316,7 @@ UNIT_TEST(rotations_of_brushed_metal_turn_with_v) {
         fathom_scene *scene = wearing(&m, image ? &texture : NULL);
         const fathom_material *got = through_obj(scene, &back);
         /* Nine digits of a fraction of a turn: two roundings. */
-        assert_near(got->anisotropy_rotation, image ? -0.75 : 0.75, 2 * 0x1p-24);
+        assert_near(got->anisotropy_rotation, -0.75, 2 * 0x1p-24);
         fathom_scene_destroy(back);
         fathom_scene_destroy(scene);
     }
@@ -527,6 +527,24 @@ UNIT_TEST(mesh_files_keep_vertex_colours) {
         unlink(in_folder(names[format])), unlink(in_folder("a.mtl"));
     }
     fathom_scene_destroy(scene);
+}
+
+/* v grows upwards in OBJ and PLY, and downwards in the others: an image that is added later is upright. */
+UNIT_TEST(v_grows_as_it_does_in_the_format) {
+    static const char *const names[] = {"a.obj", "b.json", "c.ply",  "d.glb",
+                                        "e.obj", "f.glb",  "g.json", "h.ply"};
+    static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0.25\nf 1/1 2/1 3/1\n";
+    unit_write_file(in_folder(names[0]), text, strlen(text));
+    for (int i = 0; i < 8; ++i) {
+        fathom_scene *scene;
+        assert_ok(context, fathom_scene_read(context, in_folder(names[i]), &scene));
+        const bool upwards = strstr(names[i], ".obj") || strstr(names[i], ".ply");
+        assert_true(scene->meshes.items[0].uvs[1] == (upwards ? 0.25f : 0.75f));
+        if (i < 7) assert_ok(context, fathom_scene_write(scene, in_folder(names[i + 1])));
+        fathom_scene_destroy(scene);
+        unlink(in_folder(names[i]));
+    }
+    unlink(in_folder("e.mtl"));
 }
 
 /* Wherever it lies: turned, scaled and moved. The reader's v is one minus the file's. */

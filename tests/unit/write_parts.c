@@ -135,11 +135,11 @@ static void check_corners(const fathom_mesh *mesh, const write_mesh *out) {
             vec3_f32 normal = write_mesh_normal(out, v);
             assert_memory_equal(&normal, mesh->normals + (size_t)3 * n, sizeof normal);
         }
-        float uv[2];
-        write_mesh_uv(out, v, uv);
-        const float none[2] = {0, 0};
+        float uv[4];
         uint32_t t = mesh->uv_indices ? mesh->uv_indices[c] : p;
-        assert_memory_equal(uv, mesh->uvs ? mesh->uvs + (size_t)2 * t : none, sizeof uv);
+        if (!mesh->uvs) continue;
+        write_mesh_entry(out, MESH_UVS, v, uv);
+        assert_memory_equal(uv, mesh->uvs + (size_t)2 * t, 2 * sizeof *uv);
     }
 }
 

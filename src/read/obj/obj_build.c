@@ -129,6 +129,7 @@ fathom_status obj_add_mesh(obj_reader *r, uint32_t slot, fathom_mesh *mesh, mesh
     fathom_status status = mesh_look_at_triangles(r->scene->context, r->file.path, mesh, &facts);
     if (status == FATHOM_OK) status = read_missing_uvs(r->scene, mesh, &added);
     notes_add(&r->notes, added > 0, "", READ_MISSING_UVS);
+    facts.upwards = true;
     return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, mesh, &facts, NULL) : status;
 }
 

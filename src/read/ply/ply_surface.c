@@ -192,6 +192,7 @@ fathom_status ply_add_mesh(ply_reader *r, fathom_mesh *mesh) {
     uint64_t added = 0;
     if (status == FATHOM_OK) status = read_missing_uvs(r->scene, mesh, &added);
     notes_add(&r->notes, added > 0, "", READ_MISSING_UVS);
+    facts.upwards = true;
     return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, mesh, &facts, NULL) : status;
 }
 

@@ -121,6 +121,7 @@ fathom_status mesh_look_at_vertices(fathom_context *context, const char *what, c
         facts->lower[k] = INFINITY, facts->upper[k] = -INFINITY;
         facts->lowest[k] = facts->highest[k] = 0;
     }
+    facts->upwards = false;
     return check_values(context, what, &l, count, look_at_vectors);
 }
 

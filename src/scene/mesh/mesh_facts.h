@@ -15,6 +15,7 @@ typedef struct mesh_facts {
     uint32_t flat;     /* triangles without area: stored, never hit */
     uint32_t beyond;   /* triangles with a coordinate whose magnitude is not below WORLD_REACH */
     uint64_t boundary; /* the sum of boundary_sum(), by vertex indices */
+    bool upwards;      /* v grows upwards, as in OBJ and PLY files; their readers set it */
 } mesh_facts;
 
 /* Each of these reads an array in parallel. For the first bad item it returns FATHOM_BAD_INPUT, with
@@ -24,7 +25,9 @@ typedef struct mesh_facts {
 /* An item is bad if it holds a NaN or an infinity. Items have `components` floats. */
 fathom_status mesh_check_finite(fathom_context *context, const char *what, const float *values, size_t stride,
                                 size_t components, uint32_t count);
-/* The same for three-vectors. Also sets lower, upper, lowest and highest of the facts. */
+/* The same for three-vectors. Also sets lower, upper, lowest and highest of the facts, and `upwards` to
+ * false.
+ */
 fathom_status mesh_look_at_vertices(fathom_context *context, const char *what, const float *values,
                                     size_t stride, uint32_t count, mesh_facts *facts);
 
