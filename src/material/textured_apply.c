@@ -83,11 +83,6 @@ void texturing_dissolve(fathom_material *m) {
     }
 }
 
-bool texturing_sends_alone(const fathom_material *m) {
-    const float *b = m->base_color;
-    return !is_classic(m) && !(b[0] > 0 || b[1] > 0 || b[2] > 0) && !(m->specular_factor > 0);
-}
-
 /* Applies the images that do not just multiply one parameter. */
 static void apply_others(const material_plan *p, const float (*values)[4], fathom_material *m) {
     const uint8_t way = p->of[FATHOM_MAP_ANISOTROPY], thickness = p->of[FATHOM_MAP_IRIDESCENCE_THICKNESS];
@@ -105,7 +100,7 @@ static void apply_others(const material_plan *p, const float (*values)[4], fatho
 
 void texturing_color(const material_plan *p, fathom_material *m, const float *color) {
     if (color) {
-        texturing_multiply(m, texturing_sends_alone(p->material) ? FATHOM_MAP_EMISSIVE : FATHOM_MAP_COLOR,
+        texturing_multiply(m, material_only_emits(p->material) ? FATHOM_MAP_EMISSIVE : FATHOM_MAP_COLOR,
                            color, false);
         texturing_multiply(m, FATHOM_MAP_OPACITY, &color[3], false);
     }

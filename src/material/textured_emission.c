@@ -37,7 +37,7 @@ float texturing_opacity(const texturing *t, const surface_gather *g, unsigned i,
 bool texturing_varies_emission(const texturing *t, fathom_id material) {
     const material_plan *p = &t->plans[material];
     return p->of[FATHOM_MAP_EMISSIVE] != NO_LOOKUP || p->of[FATHOM_MAP_OPACITY] != NO_LOOKUP || t->alphas ||
-           (t->colors && texturing_sends_alone(p->material));
+           (t->colors && material_only_emits(p->material));
 }
 
 static void find_brightest_color(const world *w, float rgb[3]) {
@@ -57,7 +57,7 @@ fathom_status texturing_brighten(const texturing *t, fathom_context *context, fa
     fathom_status status = FATHOM_OK;
     if (p->of[FATHOM_MAP_EMISSIVE] != NO_LOOKUP)
         status = texture_brightest(t->cache, context, p->material->maps[FATHOM_MAP_EMISSIVE].texture, image);
-    if (t->colors && texturing_sends_alone(p->material)) find_brightest_color(t->w, color);
+    if (t->colors && material_only_emits(p->material)) find_brightest_color(t->w, color);
     for (int c = 0; c < 3; ++c) rgb[c] *= image[c] * color[c];
     return status;
 }

@@ -83,8 +83,6 @@ void texturing_apply(const material_plan *p, const float (*values)[4], const flo
 /* For the classic integrator: converts opacity to k_t, so that light passes straight through the transparent
  * fraction. */
 void texturing_dissolve(fathom_material *m);
-/* True for an unlit material: vertex colours multiply its emission. */
-bool texturing_sends_alone(const fathom_material *m);
 
 /* ---- textured_normal.c: frames and normals ---- */
 

@@ -42,6 +42,16 @@ bool material_is_directed(const fathom_material *m) {
     return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->anisotropy > 0;
 }
 
+static bool is_black(const float rgb[3]) { return !(rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0); }
+
+bool material_only_emits(const fathom_material *m) {
+    if (m->model == FATHOM_MODEL_CLASSIC)
+        return is_black(m->k_d) && is_black(m->k_s) && is_black(m->k_r) && is_black(m->k_t);
+    return is_black(m->base_color) && m->metallic == 0 && m->specular_factor == 0 && m->transmission == 0 &&
+           m->diffuse_transmission == 0 && m->clearcoat == 0 && is_black(m->sheen_color) &&
+           m->iridescence == 0;
+}
+
 bool material_is_one_sided(const fathom_material *m) {
     const bool bounds = m->thickness > 0 && (m->transmission > 0 || m->diffuse_transmission > 0);
     return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && !m->double_sided && !bounds;

@@ -162,6 +162,9 @@ bool material_is_clear(const scene_named_material *material);
 bool material_is_directed(const fathom_material *material);
 /* True when the vertices of some mesh have opacities. */
 bool scene_has_opacities(const fathom_scene *scene);
+/* True if the surface neither reflects nor transmits light, as unlit ones of glTF: vertex colours multiply
+ * its emission. */
+bool material_only_emits(const fathom_material *material);
 /* True if the camera looks through the back of the surface. */
 bool material_is_one_sided(const fathom_material *material);
 /* The opacity; with a cutoff it is 0 or 1. */

@@ -30,12 +30,6 @@ write_turn write_turn_of(const float m[6]) {
     return t;
 }
 
-bool write_only_emits(const fathom_material *m) {
-    return m->model != FATHOM_MODEL_CLASSIC && write_is_black(m->base_color) && m->metallic == 0 &&
-           m->specular_factor == 0 && m->transmission == 0 && m->diffuse_transmission == 0 &&
-           m->clearcoat == 0 && write_is_black(m->sheen_color) && m->iridescence == 0;
-}
-
 /* ---- what formats cannot hold ---- */
 
 typedef enum format_id { GLB = 1, PLY = 2, OBJ = 4, JSON = 8 } format_id;

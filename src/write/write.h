@@ -19,8 +19,8 @@ fathom_status write_glb(const fathom_scene *scene, const scene_graph *graph, con
                         note_list *notes);
 fathom_status write_ply(const fathom_scene *scene, const scene_graph *graph, const char *path,
                         note_list *notes);
-/* The one image that a PLY file can have: the colour map of all triangles. NULL: they do not share one, or
- * PLY cannot hold it. */
+/* The one image that a PLY file can have: the colours, or the emission, of all triangles. NULL: they do not
+ * share one, or PLY cannot hold it. */
 const fathom_map *write_ply_image(const fathom_scene *scene, const scene_graph *graph);
 /* Number of points that PLY cannot hold; ways: from write_count_ways(). */
 size_t write_ply_lost_points(const fathom_scene *scene, const size_t *ways);
@@ -152,9 +152,6 @@ void write_quoted(file_writer *file, const char *text);
 double write_blinn_exponent(const fathom_material *m);
 
 static inline bool write_is_black(const float c[3]) { return c[0] == 0 && c[1] == 0 && c[2] == 0; }
-
-/* True for a surface of the model metallic-roughness that reflects nothing and lets nothing through. */
-bool write_only_emits(const fathom_material *m);
 
 /* A unique name for each material, or for each group; `words`: names without blanks. Notes which are not the
  * scene's. Release *out with write_names_free() even after a failure. */

@@ -42,7 +42,7 @@ static void drop_map(shape *s, int kind, size_t *lost) {
 }
 
 static bool is_unlit(const fathom_material *m) {
-    return write_only_emits(m) && m->emissive_strength == 1 && !write_is_black(m->emissive) &&
+    return material_only_emits(m) && m->emissive_strength == 1 && !write_is_black(m->emissive) &&
            !(m->emissive[0] > 1 || m->emissive[1] > 1 || m->emissive[2] > 1);
 }
 

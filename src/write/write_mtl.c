@@ -146,7 +146,7 @@ static void put_material(const write_library *l, file_writer *file, const scene_
     for (int k = 0; k < 3; ++k) m.emissive[k] *= m.emissive_strength;
     m.emissive_strength = 1;
     if (thin) notes_add(l->notes, 1, "", "a thin wall that light passes becomes its nearest classic glass");
-    const bool emits = write_only_emits(&m), classic = m.model == FATHOM_MODEL_CLASSIC;
+    const bool classic = m.model == FATHOM_MODEL_CLASSIC, emits = !classic && material_only_emits(&m);
     const mtl_entry e = emits     ? emission_entry(&m)
                         : classic ? classic_entry(&m)
                                   : metallic_entry(&m, l->flips);
@@ -214,7 +214,7 @@ static bool is_plain(const fathom_scene *scene, const fathom_map *map, bool colo
 static bool shows(const fathom_material *m, fathom_map_kind kind) {
     const bool classic = m->model == FATHOM_MODEL_CLASSIC;
     if (kind == FATHOM_MAP_EMISSIVE) return !is_black(classic ? m->k_e : m->emissive);
-    if (kind == FATHOM_MAP_COLOR) return classic ? !is_black(m->k_d) : !write_only_emits(m);
+    if (kind == FATHOM_MAP_COLOR) return classic ? !is_black(m->k_d) : !material_only_emits(m);
     return true;
 }
 

@@ -110,7 +110,8 @@ const fathom_map *write_ply_image(const fathom_scene *scene, const scene_graph *
     if (write_each_placement(scene, graph, look_at_placement, &search) != FATHOM_OK || search.differs ||
         search.material == FATHOM_NONE)
         return NULL;
-    const fathom_map *map = &scene->materials.items[search.material].value.maps[FATHOM_MAP_COLOR];
+    const fathom_material *m = &scene->materials.items[search.material].value;
+    const fathom_map *map = &m->maps[material_only_emits(m) ? FATHOM_MAP_EMISSIVE : FATHOM_MAP_COLOR];
     if (map->texture == FATHOM_NONE || map->uv_set) return NULL;
     const fathom_texture *texture = &scene->textures.items[map->texture];
     return texture->wrap_u == FATHOM_WRAP_REPEAT && texture->wrap_v == FATHOM_WRAP_REPEAT ? map : NULL;
@@ -166,10 +167,12 @@ typedef struct ply_part {
     const write_placement *at;
 } ply_part;
 
-/* The vertex colour times that of the material, which the file cannot hold. */
+/* The vertex colour times that of the material, which the file cannot hold. A surface that only emits, such
+ * as an unlit one of glTF, has that of its emission. */
 static void put_color(const ply_part *part, uint32_t vertex, float out[4]) {
     const fathom_material *m = &part->p->scene->materials.items[part->at->material].value;
-    const float *base = m->model == FATHOM_MODEL_CLASSIC ? m->k_d : m->base_color;
+    const bool classic = m->model == FATHOM_MODEL_CLASSIC, emits = material_only_emits(m);
+    const float *base = classic ? (emits ? m->k_e : m->k_d) : emits ? m->emissive : m->base_color;
     out[0] = out[1] = out[2] = out[3] = 1;
     if (part->mesh->mesh->colors) write_mesh_entry(part->mesh, MESH_COLORS, vertex, out);
     for (int c = 0; c < 3; ++c) out[c] *= base[c];

@@ -70,6 +70,20 @@ run 0 render worn.json -o worn1.exr --size 32x32 --spp 16
 run 0 render worn.glb -o worn2.exr --size 32x32 --spp 16
 run 0 compare worn1.exr worn2.exr --tolerance 1e-5
 rm worn1.exr worn2.exr
+# Vertex colours of unlit surfaces are those of their emission. PLY has only colours.
+cat >unlit.json <<'JSON'
+{ "materials": { "m": { "model": "metallicRoughness", "baseColor": [0,0,0], "specular": 0, "emissive": [0.75, 0.5, 0.25] } },
+  "objects": [ { "type": "mesh", "material": "m", "positions": [[0,0,0],[1,0,0],[0,1,0]], "indices": [[0,1,2]],
+                 "colors": [[1,0,0],[0,1,0],[0,0,1]] } ] }
+JSON
+run 0 render unlit.json -o unlit1.exr --size 32x32 --spp 16 --background 0,0,0
+run 0 convert unlit.json unlit.obj
+run 0 render unlit.obj -o unlit2.exr --size 32x32 --spp 16 --background 0,0,0
+run 0 compare unlit1.exr unlit2.exr --tolerance 1e-5
+run 0 convert unlit.json unlit.ply
+run 0 convert unlit.ply back.json
+said back.json '"colors":[[0.75,0,0],[0,0.5,0],[0,0,0.25]]'
+rm unlit1.exr unlit2.exr
 # The shape of the image goes with its camera.
 printf '{"image": {"width": 480, "height": 640}, "camera": {"eye": [0, 0, 4], "target": [0, 0, 0], "fovy": 40},
 "objects": [{"type": "mesh", "positions": [[0,0,0],[1,0,0],[0,1,0]], "indices": [[0,1,2]]}]}' >tall.json

@@ -51,8 +51,8 @@ typedef struct lamp_walk {
 /* A surface that shows a colour whatever the light, as glTF's unlit materials do: it reflects nothing, and
  * emits no more than a white surface would reflect. */
 static bool is_unlit(const fathom_material *m) {
-    bool dim = m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && !(m->specular_factor > 0);
-    for (int c = 0; c < 3; ++c) dim &= !(m->base_color[c] > 0) && m->emissive_strength * m->emissive[c] <= 1;
+    bool dim = m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && material_only_emits(m);
+    for (int c = 0; c < 3; ++c) dim &= m->emissive_strength * m->emissive[c] <= 1;
     return dim;
 }
 
