@@ -277,19 +277,80 @@ UNIT_TEST(images_become_maps) {
     expect_map("map_Bump -bm 0.5 -imfchan g wall.png\n", FATHOM_MAP_BUMP, "wall.png", 1, plain);
 }
 
+/* The first material of a file whose first line is `head`. */
+static mtl_material first_of(const char *head, const char *body, mtl_library *library) {
+    char text[512];
+    mesh_warnings[0] = '\0';
+    snprintf(text, sizeof text, "%s\nnewmtl m\n%s", head, body);
+    assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), library));
+    return library->materials.items[0];
+}
+
 /* Blender has no other use for the key. */
 UNIT_TEST(bump_images_of_blender_are_normals) {
     static const char *const heads[] = {"# Blender 3.4.1 MTL File: 'a.blend'",
                                         "# Blender MTL File: 'a.blend'", "#"};
     for (int i = 0; i < 3; ++i) {
-        char text[128];
         mtl_library library = {0};
-        snprintf(text, sizeof text, "%s\nnewmtl m\nmap_Bump -bm 0.7 wall.png\n", heads[i]);
-        assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), &library));
-        const mtl_material *m = &library.materials.items[0];
-        assert_int_equal(m->images[FATHOM_MAP_NORMAL].file != NULL, i == 0);
-        assert_int_equal(m->images[FATHOM_MAP_BUMP].file != NULL, i != 0);
-        assert_near(i ? m->value.bump_scale : m->value.normal_scale, 0.7f, 0);
+        const mtl_material m = first_of(heads[i], "map_Bump -bm 0.7 wall.png\n", &library);
+        assert_int_equal(m.images[FATHOM_MAP_NORMAL].file != NULL, i == 0);
+        assert_int_equal(m.images[FATHOM_MAP_BUMP].file != NULL, i != 0);
+        assert_near(i ? m.value.bump_scale : m.value.normal_scale, 0.7f, 0);
+        mtl_free(&library);
+    }
+}
+
+/* Of its Principled BSDF: a roughness of 0.2 is Ns 640, and a specular of 0.5 reflects 4 %, as an ior of 1.5.
+ */
+UNIT_TEST(materials_of_blender_are_those_of_its_shader) {
+    static const char head[] = "# Blender 3.4.1 MTL File: 'None'";
+    static const struct {
+        const char *body;
+        double metallic, roughness, opacity, ior;
+    } cases[] = {
+        {"Ns 640\nKa 1 1 1\nKd 1 0.7 0.3\nKs 0.5 0.5 0.5\nNi 1.45\nd 1\nillum 3\n", 1, 0.2, 1, 1.5},
+        {"Ns 640\nKa 0.25 0.25 0.25\nKs 0.5 0.5 0.5\nNi 1.45\nd 0.5\nillum 6\n", 0.25, 0.2, 0.5, 1.5},
+        {"Ns 250\nKa 1 1 1\nKs 0.5 0.5 0.5\nNi 1.45\nd 0.5\nillum 9\n", 0, 0.5, 0.5, 1.5},
+        {"Ns 1000\nKa 1 1 1\nKs 0 0 0\nNi 1.45\nd 1\nillum 1\n", 0, 0, 1, 1},
+        {"Ns 250\nKs 0.5 0.5 0.5\nillum 2\nPr 0.75\nPm 0.5\n", 0.5, 0.75, 1, 1.5},
+        {"Ni 1.25\nKs 0.5 0.5 0.5\nillum 2\nPr 0\nPm 0\nTf 1 1 1\n", 0, 0, 1, 1.25},
+        {"Ks 0.5 0.5 0.5\nillum 2\nmap_Ns r\nmap_refl m\n", 1, 1, 1, 1.5},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        mtl_library library = {0};
+        const mtl_material m = first_of(head, cases[i].body, &library);
+        const fathom_material *v = &m.value;
+        assert_int_equal(v->model, FATHOM_MODEL_METALLIC_ROUGHNESS);
+        /* Roots and quotients in double, then one rounding to float: of 2^-24 of at most 1.5. */
+        assert_near(v->metallic, cases[i].metallic, 0x1p-24);
+        assert_near(v->roughness, cases[i].roughness, 0x1p-24);
+        assert_near(v->opacity, cases[i].opacity, 0x1p-24);
+        assert_near(v->ior, cases[i].ior, 0x1p-23);
+        assert_int_equal(m.images[FATHOM_MAP_ROUGHNESS].file != NULL,
+                         strstr(cases[i].body, "map_Ns") != NULL);
+        assert_int_equal(m.images[FATHOM_MAP_METALLIC].file != NULL,
+                         strstr(cases[i].body, "map_refl") != NULL);
+        mtl_free(&library);
+    }
+    for (int i = 0; i < 2; ++i) { /* glass that Blender does not write, and a file of another program */
+        mtl_library library = {0};
+        const mtl_material m =
+            first_of(i ? "# Blending" : head, i ? cases[0].body : "Ns 9\nillum 7\nd 0.5\n", &library);
+        assert_int_equal(m.value.model, FATHOM_MODEL_CLASSIC);
+        mtl_free(&library);
+    }
+}
+
+/* 3ds Max writes the colour that its image hides, and AliceVision a grey. */
+UNIT_TEST(images_of_3ds_max_and_alicevision_replace_the_colour) {
+    static const char *const heads[] = {"# 3ds Max Wavefront OBJ Exporter v0.97b - (c)2007 guruware",
+                                        "#\n# Wavefront material file\n# Created with AliceVision\n#\n", "#"};
+    for (int i = 0; i < 6; ++i) {
+        mtl_library library = {0};
+        const char *body = i < 3 ? "Kd 0.6 0.6 0.6\nmap_Kd a\n" : "Kd 0.6 0.6 0.6\n";
+        const mtl_material m = first_of(heads[i % 3], body, &library);
+        assert_near(m.value.k_d[0], i < 2 ? 1 : 0.6f, 0);
+        if (i < 2) expect_warning("Kd with map_Kd is read as 1");
         mtl_free(&library);
     }
 }

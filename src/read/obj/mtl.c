@@ -13,7 +13,8 @@ typedef struct mtl_reader {
     mtl_library *library;
     mtl_entry entry;
     size_t current; /* index of the material being read */
-    bool begun, by_blender;
+    bool begun;
+    mtl_writer writer;
     note_list notes;
 } mtl_reader;
 
@@ -86,9 +87,11 @@ static void settle_opacity(mtl_reader *r, bool has_image) {
  * needs no image. */
 static void settle_color(mtl_reader *r, const mtl_image images[FATHOM_MAPS]) {
     mtl_entry *m = &r->entry;
-    if (images[FATHOM_MAP_COLOR].file && !mtl_is_metallic(m) && mtl_is_black(m->kd)) {
+    const bool black = mtl_is_black(m->kd), replaced = r->writer == MTL_BY_MAX && !mtl_is_white(m->kd);
+    if (images[FATHOM_MAP_COLOR].file && !mtl_is_metallic(m) && (black || replaced)) {
         note_at(r, m->at[MTL_KD],
-                "Kd 0 with map_Kd is read as 1, as other programs do; else the image is black");
+                black ? "Kd 0 with map_Kd is read as 1, as other programs do; else the image is black"
+                      : "Kd with map_Kd is read as 1: in 3ds Max and AliceVision the image replaces it");
         for (int k = 0; k < 3; ++k) m->kd[k] = 1;
     }
     if (images[FATHOM_MAP_EMISSIVE].file && mtl_is_black(m->ke)) {
@@ -109,6 +112,7 @@ static void finish_material(mtl_reader *r) {
     if (opacity->file && color->file && opacity->map.channel > 3)
         opacity->map.channel = strcmp(opacity->file, color->file) == 0 ? 3 : 0;
     for (int k = 0; k < FATHOM_MAPS; ++k) m->images[k].map.channel %= 4;
+    if (r->writer == MTL_BY_BLENDER) mtl_settle_blender(&r->entry);
     settle_glass(r);
     settle_opacity(r, opacity->file);
     settle_color(r, m->images);
@@ -192,7 +196,14 @@ static const struct mtl_map {
     {"bump", FATHOM_MAP_BUMP, -1, false, NULL},
     {"map_Ka", -1, -1, false, "map_Ka is not read; ambient light is reflected as by Kd"},
     {"disp", -1, -1, false, "disp is not read; the surface is not displaced"},
+    {"map_refl", -1, -1, false, "refl is not read; mirrors show the scene alone"},
     {"refl", -1, -1, false, "refl is not read; mirrors show the scene alone"},
+};
+
+/* Blender's images of roughness and metalness, unless it writes map_Pr and map_Pm. */
+static const struct mtl_map blender_maps[] = {
+    {"map_Ns", FATHOM_MAP_ROUGHNESS, MTL_PR, false, NULL},
+    {"map_refl", FATHOM_MAP_METALLIC, MTL_PM, false, NULL},
 };
 
 /* The value, clamped to the field's range; `before` for NaN. */
@@ -337,14 +348,6 @@ static void set_one(mtl_reader *r, int kind, const char *at) {
     r->entry.at[kind] = at;
 }
 
-/* Blender 3 and later write no bump maps, but normal maps under their key. The first line has the version. */
-static bool is_by_blender(const text_file *file) {
-    static const char start[] = "# Blender ";
-    const char *version = file->begin + sizeof start - 1;
-    return version < file->end && strncmp(file->begin, start, sizeof start - 1) == 0 &&
-           isdigit((unsigned char)*version);
-}
-
 static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at) {
     mtl_image image = {.color = map->color,
                        .bump = 1,
@@ -359,7 +362,8 @@ static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at)
         free(image.file);
         return true;
     }
-    const bool normals = map->map == FATHOM_MAP_BUMP && (r->by_blender || mtl_says_normal(image.file));
+    const bool blender = r->writer == MTL_BY_BLENDER; /* which has no bump maps under this key */
+    const bool normals = map->map == FATHOM_MAP_BUMP && (blender || mtl_says_normal(image.file));
     mtl_image *to = &r->library->materials.items[r->current].images[normals ? FATHOM_MAP_NORMAL : map->map];
     free(to->file);
     *to = image;
@@ -369,8 +373,9 @@ static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at)
 
 /* *known: whether the statement is an image. False when out of memory. */
 static bool read_map(mtl_reader *r, const char *at, bool *known) {
-    for (size_t i = 0; i < sizeof mtl_maps / sizeof *mtl_maps; ++i) {
-        const struct mtl_map *map = &mtl_maps[i];
+    const size_t own = r->writer == MTL_BY_BLENDER ? sizeof blender_maps / sizeof *blender_maps : 0;
+    for (size_t i = 0; i < own + sizeof mtl_maps / sizeof *mtl_maps; ++i) {
+        const struct mtl_map *map = i < own ? &blender_maps[i] : &mtl_maps[i - own];
         if (!is_word(at, map->keyword)) continue;
         *known = true;
         if (map->map >= 0 && r->begun) return read_image(r, map, at);
@@ -395,7 +400,7 @@ static bool read_line(mtl_reader *r, const char *at) {
 }
 
 static fathom_status read_lines(mtl_reader *r) {
-    r->by_blender = is_by_blender(&r->file);
+    r->writer = mtl_writer_of(&r->file);
     for (const char *p = r->file.begin; p < r->file.end;) {
         p = text_skip(p);
         bool empty = *p == '\n' || *p == '#';

@@ -48,6 +48,16 @@ static inline bool mtl_given(const mtl_entry *m, int kind) { return m->given >> 
 static inline bool mtl_is_white(const double rgb[3]) { return rgb[0] == 1 && rgb[1] == 1 && rgb[2] == 1; }
 static inline bool mtl_is_black(const double rgb[3]) { return rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0; }
 
+/* The program that wrote the file, if it does not follow the format. */
+typedef enum mtl_writer {
+    MTL_BY_ANY,
+    MTL_BY_BLENDER, /* 3 or later */
+    MTL_BY_MAX      /* 3ds Max or AliceVision: an image replaces the colour */
+} mtl_writer;
+mtl_writer mtl_writer_of(const text_file *file);
+/* Makes an entry of Blender metallic-roughness: it writes the values of its Principled BSDF. */
+void mtl_settle_blender(mtl_entry *m);
+
 /* True if the name of a bump image says that it holds normals; current exporters write such names. */
 bool mtl_says_normal(const char *path);
 int mtl_illum(const mtl_entry *m);
