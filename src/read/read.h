@@ -35,6 +35,9 @@ fathom_status read_missing_uvs(fathom_scene *scene, fathom_mesh *mesh, uint64_t 
 #define READ_MISSING_UVS                                                                                     \
     "a mesh has a material with images but no texture coordinates; it shows their colour at (0, 0)"
 
+/* OBJ and PLY: scanning programs write the colours of an image again as colours of vertices. */
+#define READ_COLORS_TWICE "colours of vertices are left out where an image has them"
+
 /* Adds a material for a file with vertex colours but no materials: its diffuse reflectance is 1, multiplied
  * by the colours. */
 fathom_status read_colored_material(fathom_scene *scene, fathom_id *out);

@@ -302,6 +302,26 @@ UNIT_TEST(images_without_uvs_are_one_texel) {
     fathom_scene_destroy(scene);
 }
 
+/* Scanning programs write them twice. Fathom's own files mean their product, and other materials have no
+ * other colours. */
+UNIT_TEST(colours_of_vertices_give_way_to_an_image) {
+    const char *mtl = "newmtl a\nmap_Kd t.ppm\nnewmtl b\nKd 1 1 1\n";
+    mesh_write("m.mtl", mtl, strlen(mtl));
+    mesh_write("t.ppm", "P6 1 1 255\nabc", 14);
+    for (int i = 0; i < 2; ++i) {
+        char text[256];
+        snprintf(text, sizeof text,
+                 "# %s\nmtllib m.mtl\nv 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nvt 1 1\nusemtl a\n"
+                 "f 1/1 2/1 3/1\nusemtl b\nf 1/1 2/1 3/1\n",
+                 i ? "Fathom 0.1.0" : "by hand");
+        fathom_scene *scene = read_text(text);
+        assert_int_equal(mesh_at(scene, 0)->colors != NULL, i);
+        assert_non_null(mesh_at(scene, 1)->colors);
+        if (!i) expect_warning("colours of vertices are left out where an image has them (1 such)");
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* A material that is asked for goes on everything, and the file's own are not looked for. */
 UNIT_TEST(a_given_material_replaces_the_files) {
     const read_mesh_options options = {.material = 0, .flags = FATHOM_CASTS_NO_SHADOW};

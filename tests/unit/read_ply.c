@@ -588,6 +588,28 @@ UNIT_TEST(images_without_uvs_are_one_texel) {
     fathom_scene_destroy(scene);
 }
 
+/* Scanning programs write them twice. Fathom's own files mean their product. */
+UNIT_TEST(colours_of_vertices_give_way_to_an_image) {
+    image("t.ppm");
+    for (int i = 0; i < 3; ++i) { /* of a scanning program, of Fathom, without texture coordinates */
+        char file[1024];
+        const char *uv = i < 2 ? " 0 1" : "";
+        const int size = snprintf(
+            file, sizeof file,
+            "ply\nformat ascii 1.0\ncomment %s\ncomment TextureFile t.ppm\nelement vertex 3\nproperty "
+            "float x\nproperty float y\nproperty float z\n%sproperty uchar red\nproperty uchar "
+            "green\nproperty uchar blue\nelement face 1\nproperty list uchar int vertex_indices\n"
+            "end_header\n0 0 0%s 255 0 0\n1 0 0%s 255 0 0\n0 1 0%s 255 0 0\n3 0 1 2\n",
+            i == 1 ? "Fathom 0.1.0" : "by hand", *uv ? "property float s\nproperty float t\n" : "", uv, uv,
+            uv);
+        mesh_warnings[0] = '\0';
+        fathom_scene *scene = mesh_read(read_ply, mesh_write("a.ply", file, (size_t)size), plain);
+        assert_int_equal(mesh_at(scene, 0)->colors != NULL, i > 0);
+        if (!i) expect_warning("colours of vertices are left out where an image has them (1 such)");
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* No face uses the third vertex, so that the bounds do not have it. */
 UNIT_TEST(stray_vertices_are_left_out) {
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {

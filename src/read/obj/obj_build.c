@@ -133,9 +133,19 @@ fathom_status obj_add_mesh(obj_reader *r, uint32_t slot, fathom_mesh *mesh, mesh
     return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, mesh, &facts, NULL) : status;
 }
 
+/* True if an image of the file's own material shows the colours. In Fathom's own files both count. */
+static bool has_image(const obj_reader *r, uint32_t slot) {
+    static const char own[] = "# Fathom ";
+    const size_t length = sizeof own - 1, size = (size_t)(r->file.end - r->file.begin);
+    const fathom_id material = r->slots.items[slot].material;
+    return r->options.material == FATHOM_NONE &&
+           !(size > length && memcmp(r->file.begin, own, length) == 0) &&
+           r->scene->materials.items[material].value.maps[FATHOM_MAP_COLOR].texture != FATHOM_NONE;
+}
+
 /* Makes a mesh that uses the arrays of the whole file. */
 static void make_mesh(const obj_builder *b, obj_mesh *from) {
-    const obj_reader *r = b->r;
+    obj_reader *r = b->r;
     fathom_mesh *mesh = &from->mesh;
     fathom_mesh_default(mesh);
     mesh->positions = r->values[OBJ_POSITION];
@@ -152,7 +162,9 @@ static void make_mesh(const obj_builder *b, obj_mesh *from) {
         mesh->normal_count = (uint32_t)r->total[OBJ_NORMAL];
         mesh->normal_indices = shared_indices(b, from, OBJ_NORMAL);
     }
-    mesh->colors = r->colors;
+    const bool twice = r->colors && mesh->uvs && has_image(r, from->slot);
+    notes_add(&r->notes, twice, "", READ_COLORS_TWICE);
+    mesh->colors = twice ? NULL : r->colors;
     mesh_array_pack(mesh);
 }
 

@@ -219,7 +219,11 @@ static fathom_status sort_indices(ply_reader *r, const size_t *begins, size_t *n
 /* Adds `count` triangles that have this texture, from the triangle `begin`. */
 static fathom_status add_part(ply_reader *r, fathom_mesh mesh, size_t texture, size_t begin, size_t count) {
     fathom_status status = FATHOM_OK;
-    if (texture < r->textures.count)
+    const bool textured = texture < r->textures.count,
+               twice = textured && mesh.uvs && mesh.colors && !r->by_fathom;
+    notes_add(&r->notes, twice, "", READ_COLORS_TWICE);
+    if (twice) mesh.colors = NULL, mesh.color_channels = 3;
+    if (textured)
         mesh.material = r->materials.items[texture];
     else
         status = ply_plain_material(r, mesh.colors, &mesh.material);
