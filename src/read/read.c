@@ -250,6 +250,17 @@ static fathom_status open_shutter(fathom_scene *scene, const char *path) {
     return FATHOM_OK;
 }
 
+/* Surveys give eastings and northings of more than 100 km, and heights of less than 10 km. */
+static fathom_status warn_of_map(const fathom_scene *scene, const char *path) {
+    scene_bounds box;
+    const fathom_status status = scene_world_bounds(scene, &box);
+    const vec3_f64 center = bounds_center(&box);
+    if (status == FATHOM_OK && fabs(center.x) > 1e5 && fabs(center.y) > 1e5 && fabs(center.z) < 1e4)
+        warn(scene->context, "%s: x and y look like coordinates on a map, where z is up; if so, give --up z",
+             path);
+    return status;
+}
+
 /* Reports options that the file cannot satisfy. */
 static fathom_status check_asked(const fathom_scene *scene, const char *path) {
     const fathom_read_options *asked = scene->asked;
@@ -288,7 +299,7 @@ static fathom_status check_asked(const fathom_scene *scene, const char *path) {
         warn(scene->context, "%s: has its own camera, so --up has no effect", path);
     }
     scene_warn_shape(scene, path);
-    return FATHOM_OK;
+    return asked->up == FATHOM_UP_Y && !scene->has_camera ? warn_of_map(scene, path) : FATHOM_OK;
 }
 
 static void drop_environments(fathom_scene *scene) {

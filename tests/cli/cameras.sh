@@ -75,6 +75,12 @@ run 0 render ball.ply --integrator classic -o b.png --size 32x48
 same a.png b.png
 run 0 render ball.ply --integrator classic -o b.png --size 32x48 --up z
 differ a.png b.png
+printf 'v 500000 4649000 120\nv 500010 4649000 121\nv 500000 4649010 122\nf 1 2 3\n' >map.obj
+run 0 info map.obj
+said out.txt 'x and y look like coordinates on a map, where z is up; if so, give --up z'
+sed 's/\([0-9]*\) \(464[0-9]*\) \([0-9]*\)/\1 \3 -\2/' map.obj >upright.obj
+run 0 info upright.obj
+if grep -q 'on a map' out.txt; then die 'y is up, and it is told otherwise'; fi
 refused 2 '--up: expected' render ball.ply --integrator classic -o c.png --up x
 run 0 render scene.json -o c.png --size 8x8 --up z
 said err.txt 'fathom: warning: scene.json: has its own camera'
