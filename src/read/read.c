@@ -255,7 +255,8 @@ static fathom_status warn_of_map(const fathom_scene *scene, const char *path) {
     scene_bounds box;
     const fathom_status status = scene_world_bounds(scene, &box);
     const vec3_f64 center = bounds_center(&box);
-    if (status == FATHOM_OK && fabs(center.x) > 1e5 && fabs(center.y) > 1e5 && fabs(center.z) < 1e4)
+    const double nearest = fmin(fabs(center.x), fabs(center.y));
+    if (status == FATHOM_OK && nearest > 1e5 && fabs(center.z) < 1e4 && bounds_radius(&box) < nearest)
         warn(scene->context, "%s: x and y look like coordinates on a map, where z is up; if so, give --up z",
              path);
     return status;
