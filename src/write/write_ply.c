@@ -1,9 +1,10 @@
 /* PLY: little-endian binary, with instances expanded to meshes in world space. Normals, uvs and colours are
- * written if any mesh has them, and opacities as alpha; colours then include those of the materials. The
- * second uv set is s1 and t1; no other program is known to read it. A vertex has one normal, so if other
- * meshes are smooth, flat meshes get a vertex for each corner, with the facet's normal. If all triangles have
- * the same image, a comment names it, and the uvs include its transform. v grows upwards. Points become the
- * vertices of a file without faces; together with triangles, they cannot be written. */
+ * written if any mesh has them, and opacities as alpha. Colours include those of the materials, and are also
+ * written if these differ. The second uv set is s1 and t1; no other program is known to read it. A vertex has
+ * one normal, so if other meshes are smooth, flat meshes get a vertex for each corner, with the facet's
+ * normal. If all triangles have the same image, a comment names it, and the uvs include its transform. v
+ * grows upwards. Points become the vertices of a file without faces; together with triangles, they cannot be
+ * written. */
 #include "write/image.h"
 #include "write/write.h"
 
@@ -18,6 +19,7 @@ typedef struct ply {
     write_stream stream;
     write_mesh *meshes;                              /* one for each of the scene's meshes */
     bool normals, uvs, uvs_1, colors, alpha, points; /* points: they can be written */
+    const float *first_color;                        /* of the first mesh's material */
     const fathom_map *map;                           /* the map with the image; NULL: none */
     write_images images;                             /* only this image */
     size_t vertices, triangles;                      /* total numbers */
@@ -71,13 +73,29 @@ size_t write_ply_lost_points(const fathom_scene *scene, const size_t *ways) {
     return triangles ? points : 0;
 }
 
+/* A surface that only emits, such as an unlit one of glTF, has the colour of its emission. */
+static const float *color_of(const ply *p, const write_placement *at) {
+    const fathom_material *m = &p->scene->materials.items[at->material].value;
+    const bool classic = m->model == FATHOM_MODEL_CLASSIC, emits = material_only_emits(m);
+    return classic ? (emits ? m->k_e : m->k_d) : emits ? m->emissive : m->base_color;
+}
+
+/* Materials that do not all have the same grey need colours. */
+static fathom_status look_at_color(void *user, const write_placement *at) {
+    ply *p = user;
+    const float *c = color_of(p, at);
+    if (!p->first_color) p->first_color = c;
+    p->colors |= c[0] != c[1] || c[1] != c[2] || memcmp(c, p->first_color, 3 * sizeof *c) != 0;
+    return FATHOM_OK;
+}
+
 static fathom_status count_all(ply *p) {
     size_t *ways;
-    fathom_status status = write_count_ways(p->scene, p->graph, &ways);
-    if (status == FATHOM_OK) {
-        p->points = !write_ply_lost_points(p->scene, ways);
-        status = count_meshes(p, ways, false);
-    }
+    fathom_status status = write_each_placement(p->scene, p->graph, look_at_color, p);
+    if (status == FATHOM_OK) status = write_count_ways(p->scene, p->graph, &ways);
+    if (status != FATHOM_OK) return status;
+    p->points = !write_ply_lost_points(p->scene, ways);
+    status = count_meshes(p, ways, false);
     if (status == FATHOM_OK) status = count_meshes(p, ways, true);
     free(ways);
     if (status == FATHOM_OK && (p->vertices > UINT32_MAX || p->triangles > UINT32_MAX)) {
@@ -167,12 +185,9 @@ typedef struct ply_part {
     const write_placement *at;
 } ply_part;
 
-/* The vertex colour times that of the material, which the file cannot hold. A surface that only emits, such
- * as an unlit one of glTF, has that of its emission. */
+/* The vertex colour times that of the material, which the file cannot hold. */
 static void put_color(const ply_part *part, uint32_t vertex, float out[4]) {
-    const fathom_material *m = &part->p->scene->materials.items[part->at->material].value;
-    const bool classic = m->model == FATHOM_MODEL_CLASSIC, emits = material_only_emits(m);
-    const float *base = classic ? (emits ? m->k_e : m->k_d) : emits ? m->emissive : m->base_color;
+    const float *base = color_of(part->p, part->at);
     out[0] = out[1] = out[2] = out[3] = 1;
     if (part->mesh->mesh->colors) write_mesh_entry(part->mesh, MESH_COLORS, vertex, out);
     for (int c = 0; c < 3; ++c) out[c] *= base[c];

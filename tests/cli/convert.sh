@@ -84,6 +84,18 @@ run 0 convert unlit.json unlit.ply
 run 0 convert unlit.ply back.json
 said back.json '"colors":[[0.75,0,0],[0,0.5,0],[0,0,0.25]]'
 rm unlit1.exr unlit2.exr
+# Colours of materials, without any of vertices. One grey needs none.
+cat >parts.json <<'JSON'
+{ "materials": { "dark": { "kd": [0.25, 0.25, 0.25] } },
+  "objects": [ { "type": "mesh", "positions": [[0,0,0],[1,0,0],[0,1,0]], "indices": [[0,1,2]] },
+               { "type": "mesh", "material": "dark", "positions": [[0,0,1],[1,0,1],[0,1,1]], "indices": [[0,1,2]] } ] }
+JSON
+run 0 convert parts.json parts.ply
+run 0 convert parts.ply back.json
+said back.json '"colors":[[0.5,0.5,0.5],[0.5,0.5,0.5],[0.5,0.5,0.5],[0.25,0.25,0.25],[0.25,0.25,0.25],[0.25,0.25,0.25]]'
+sed 's/"material": "dark", //' parts.json >part.json
+run 0 convert part.json part.ply
+if grep -q 'property float red' part.ply; then die 'one grey is written for each vertex'; fi
 # The shape of the image goes with its camera.
 printf '{"image": {"width": 480, "height": 640}, "camera": {"eye": [0, 0, 4], "target": [0, 0, 0], "fovy": 40},
 "objects": [{"type": "mesh", "positions": [[0,0,0],[1,0,0],[0,1,0]], "indices": [[0,1,2]]}]}' >tall.json
