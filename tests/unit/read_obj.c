@@ -585,18 +585,18 @@ UNIT_TEST(very_many_missing_files_take_little_time) {
     fathom_scene_destroy(scene);
 }
 
-/* By the last parts of the path, or by the name of the OBJ file, with a warning. */
+/* By the last parts of the path, in quotes too, or by the name of the OBJ file, with a warning. */
 UNIT_TEST(libraries_elsewhere_are_found) {
-    static const char *const named[] = {"mtllib C:\\far\\m.mtl\n", "mtllib far/m.mtl\n", "",
-                                        "mtllib none.mtl\n"};
+    static const char *const named[] = {"mtllib C:\\far\\m n.mtl\n", "mtllib far/m n.mtl\n",
+                                        "mtllib \"m n.mtl\"\n", "", "mtllib none.mtl\n"};
     const char *mtl = "newmtl red\nKd 1 0 0\n";
     for (size_t i = 0; i < sizeof named / sizeof *named; ++i) {
         char text[256];
-        const char *path = mesh_write(i < 2 ? "m.mtl" : "a.mtl", mtl, strlen(mtl));
+        const char *path = mesh_write(i < 3 ? "m n.mtl" : "a.mtl", mtl, strlen(mtl));
         snprintf(text, sizeof text, "%s" SQUARE "usemtl red\nf 1 2 3\n", named[i]);
         fathom_scene *scene = read_text(text);
         assert_true(scene->materials.items[mesh_at(scene, 0)->material].value.k_d[1] == 0);
-        if (i < 2)
+        if (i < 3)
             assert_string_equal(mesh_warnings, "");
         else
             expect_warning(

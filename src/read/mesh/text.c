@@ -141,6 +141,7 @@ size_t text_rest(const char **p, const char *end) {
     const char *last = first;
     while (last < end && !text_is_end(*last) && !begins_remark(last, first)) ++last;
     while (last > first && text_is_blank(last[-1])) --last;
+    if (last - first > 1 && *first == '"' && last[-1] == '"') ++first, --last;
     *p = first;
     return (size_t)(last - first);
 }

@@ -84,8 +84,8 @@ static inline const char *text_skip(const char *p) {
 /* The start of the next line, or `end`; joined lines count as one. */
 const char *text_next(const char *p, const char *end);
 
-/* The remaining part of the line without blanks at either end; returns its length. A # between blanks begins
- * a comment. Others are kept, because names may contain them: "Material #25". */
+/* The remaining part of the line without blanks or quotes around it; returns its length. A # between blanks
+ * begins a comment. Others are kept, because names may contain them: "Material #25". */
 size_t text_rest(const char **p, const char *end);
 
 /* ---- notes: parts of a file that a reader skips or reads differently. One warning for each kind, with its

@@ -354,7 +354,6 @@ static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at)
                        .map = {.texture = FATHOM_NONE, .channel = map->map == FATHOM_MAP_OPACITY ? 4 : 0}};
     const char *p = read_options(r, at + strlen(map->keyword), &image);
     size_t length = text_rest(&p, r->file.end);
-    if (length > 1 && p[0] == '"' && p[length - 1] == '"') ++p, length -= 2;
     image.file = strndup(p, length);
     if (!image.file) return text_no_memory(&r->fault);
     if (!length) {
