@@ -332,6 +332,20 @@ UNIT_TEST(materials_of_blender_are_those_of_its_shader) {
                          strstr(cases[i].body, "map_refl") != NULL);
         mtl_free(&library);
     }
+    /* The older exporter, whose Ni was 1 before 2.8. It writes the colour that an image replaces. */
+    static const char *const ior[] = {"1.45", "1"};
+    for (int i = 0; i < 2; ++i) {
+        char text[128];
+        mtl_library library = {0};
+        snprintf(text, sizeof text,
+                 "Ns 640\nKd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nNi %s\nillum 2\nmap_Kd a\nrefl m\n", ior[i]);
+        const mtl_material m = first_of("# Blender MTL File: 'None'", text, &library);
+        assert_int_equal(m.value.model, i ? FATHOM_MODEL_CLASSIC : FATHOM_MODEL_METALLIC_ROUGHNESS);
+        assert_near(i ? m.value.k_d[0] : m.value.base_color[0], 1, 0);
+        if (!i) assert_near(m.value.roughness, 0.2, 0x1p-24);
+        assert_int_equal(m.images[FATHOM_MAP_METALLIC].file != NULL, !i);
+        mtl_free(&library);
+    }
     for (int i = 0; i < 2; ++i) { /* glass that Blender does not write, and a file of another program */
         mtl_library library = {0};
         const mtl_material m =

@@ -87,11 +87,12 @@ static void settle_opacity(mtl_reader *r, bool has_image) {
  * needs no image. */
 static void settle_color(mtl_reader *r, const mtl_image images[FATHOM_MAPS]) {
     mtl_entry *m = &r->entry;
-    const bool black = mtl_is_black(m->kd), replaced = r->writer == MTL_BY_MAX && !mtl_is_white(m->kd);
-    if (images[FATHOM_MAP_COLOR].file && !mtl_is_metallic(m) && (black || replaced)) {
+    const bool black = mtl_is_black(m->kd) && !mtl_is_metallic(m),
+               replaced = r->writer >= MTL_BY_OLDER_BLENDER && !mtl_is_white(m->kd);
+    if (images[FATHOM_MAP_COLOR].file && (black || replaced)) {
         note_at(r, m->at[MTL_KD],
                 black ? "Kd 0 with map_Kd is read as 1, as other programs do; else the image is black"
-                      : "Kd with map_Kd is read as 1: in 3ds Max and AliceVision the image replaces it");
+                      : "Kd with map_Kd is read as 1: the image replaces it in the program that wrote it");
         for (int k = 0; k < 3; ++k) m->kd[k] = 1;
     }
     if (images[FATHOM_MAP_EMISSIVE].file && mtl_is_black(m->ke)) {
@@ -112,7 +113,7 @@ static void finish_material(mtl_reader *r) {
     if (opacity->file && color->file && opacity->map.channel > 3)
         opacity->map.channel = strcmp(opacity->file, color->file) == 0 ? 3 : 0;
     for (int k = 0; k < FATHOM_MAPS; ++k) m->images[k].map.channel %= 4;
-    if (r->writer == MTL_BY_BLENDER) mtl_settle_blender(&r->entry);
+    if (mtl_is_principled(r->writer, &r->entry)) mtl_settle_principled(&r->entry);
     settle_glass(r);
     settle_opacity(r, opacity->file);
     settle_color(r, m->images);
@@ -204,6 +205,7 @@ static const struct mtl_map {
 static const struct mtl_map blender_maps[] = {
     {"map_Ns", FATHOM_MAP_ROUGHNESS, MTL_PR, false, NULL},
     {"map_refl", FATHOM_MAP_METALLIC, MTL_PM, false, NULL},
+    {"refl", FATHOM_MAP_METALLIC, MTL_PM, false, NULL}, /* of the older exporter */
 };
 
 /* The value, clamped to the field's range; `before` for NaN. */
@@ -361,7 +363,7 @@ static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at)
         free(image.file);
         return true;
     }
-    const bool blender = r->writer == MTL_BY_BLENDER; /* which has no bump maps under this key */
+    const bool blender = mtl_is_principled(r->writer, &r->entry); /* it has no bump maps under this key */
     const bool normals = map->map == FATHOM_MAP_BUMP && (blender || mtl_says_normal(image.file));
     mtl_image *to = &r->library->materials.items[r->current].images[normals ? FATHOM_MAP_NORMAL : map->map];
     free(to->file);
@@ -372,7 +374,8 @@ static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at)
 
 /* *known: whether the statement is an image. False when out of memory. */
 static bool read_map(mtl_reader *r, const char *at, bool *known) {
-    const size_t own = r->writer == MTL_BY_BLENDER ? sizeof blender_maps / sizeof *blender_maps : 0;
+    const size_t own =
+        mtl_is_principled(r->writer, &r->entry) ? sizeof blender_maps / sizeof *blender_maps : 0;
     for (size_t i = 0; i < own + sizeof mtl_maps / sizeof *mtl_maps; ++i) {
         const struct mtl_map *map = i < own ? &blender_maps[i] : &mtl_maps[i - own];
         if (!is_word(at, map->keyword)) continue;

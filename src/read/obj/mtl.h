@@ -51,12 +51,16 @@ static inline bool mtl_is_black(const double rgb[3]) { return rgb[0] == 0 && rgb
 /* The program that wrote the file, if it does not follow the format. */
 typedef enum mtl_writer {
     MTL_BY_ANY,
-    MTL_BY_BLENDER, /* 3 or later */
-    MTL_BY_MAX      /* 3ds Max or AliceVision: an image replaces the colour */
+    MTL_BY_BLENDER,
+    MTL_BY_OLDER_BLENDER, /* the exporter before that of 3.2; it writes the colour that an image replaces */
+    MTL_BY_MAX            /* 3ds Max or AliceVision, which do so too */
 } mtl_writer;
 mtl_writer mtl_writer_of(const text_file *file);
-/* Makes an entry of Blender metallic-roughness: it writes the values of its Principled BSDF. */
-void mtl_settle_blender(mtl_entry *m);
+/* True if the values are those of Blender's Principled BSDF, as since 2.8; before, Ni was 1 except for glass.
+ */
+bool mtl_is_principled(mtl_writer writer, const mtl_entry *m);
+/* Makes such an entry metallic-roughness. */
+void mtl_settle_principled(mtl_entry *m);
 
 /* True if the name of a bump image says that it holds normals; current exporters write such names. */
 bool mtl_says_normal(const char *path);

@@ -41,13 +41,14 @@
  * default to 1 if there is an image. A single number is the image's red channel; for map_d it is alpha if
  * map_Kd has the same image; -imfchan selects another channel. -s, -o and -clamp are used; v grows upwards in
  * this format. map_Bump and bump are heights; -bm is the height of value 1 in units of length. If the name of
- * a bump image says that it is a normal map, or Blender 3 or later wrote the file, it is one, and -bm its
+ * a bump image says that it is a normal map, or Blender 2.8 or later wrote the file, it is one, and -bm its
  * factor.
  *
- * Blender 3 and later write the values of its Principled BSDF, also without Pr: Ns is 1000 (1 - roughness)^2,
- * Ka the metalness if illum is 3 or 6, and 0.08 Ks the reflectance at normal incidence, which Ni is not.
- * map_Ns and map_refl are images of roughness and metalness. In 3ds Max and AliceVision, map_Kd replaces Kd,
- * which they write all the same. */
+ * Blender 2.8 and later write the values of its Principled BSDF, also without Pr: Ns is 1000 (1 -
+ * roughness)^2, Ka the metalness if illum is 3 or 6, and 0.08 Ks the reflectance at normal incidence, which
+ * Ni is not. (The first versions had 900 in place of 1000: the roughness changes by at most 0.052.) map_Ns
+ * and map_refl, or refl, are images of roughness and metalness. In 3ds Max, AliceVision and Blender before
+ * 3.2, map_Kd replaces Kd, which they write all the same. */
 #include "read/obj/mtl.h"
 
 #include <stdlib.h>

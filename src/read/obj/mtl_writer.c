@@ -10,20 +10,25 @@ static bool says(const char *line, size_t length, const char *word) {
 }
 
 mtl_writer mtl_writer_of(const text_file *file) {
-    static const char blender[] = "# Blender ";
+    static const char blender[] = "# Blender ", older[] = "# Blender MTL File";
     const size_t version = sizeof blender - 1;
     for (const char *p = file->begin; p < file->end && (*p == '#' || isspace((unsigned char)*p));) {
         const char *newline = memchr(p, '\n', (size_t)(file->end - p)), *end = newline ? newline : file->end;
         const size_t length = (size_t)(end - p);
         if (length > version && memcmp(p, blender, version) == 0 && isdigit((unsigned char)p[version]))
             return MTL_BY_BLENDER;
+        if (length >= sizeof older && memcmp(p, older, sizeof older - 1) == 0) return MTL_BY_OLDER_BLENDER;
         if (says(p, length, "3ds Max") || says(p, length, "AliceVision")) return MTL_BY_MAX;
         p = newline ? newline + 1 : end;
     }
     return MTL_BY_ANY;
 }
 
-void mtl_settle_blender(mtl_entry *m) {
+bool mtl_is_principled(mtl_writer writer, const mtl_entry *m) {
+    return writer == MTL_BY_BLENDER || (writer == MTL_BY_OLDER_BLENDER && m->ni > 1);
+}
+
+void mtl_settle_principled(mtl_entry *m) {
     const int illum = mtl_illum(m);
     if (illum == 0 || (illum > 3 && illum != 6 && illum != 9)) return; /* edited by hand */
     const double amplitude = sqrt(0.08 * fmin(m->ks[0], 1)), metal = (m->ka[0] + m->ka[1] + m->ka[2]) / 3;
