@@ -110,14 +110,10 @@ static void instance_box(const world_instance *instance, const bvh_tree *inside,
     double shift = fmax(fabs(to_object.m[0][3]), fmax(fabs(to_object.m[1][3]), fabs(to_object.m[2][3])));
     double grow = norm(&to_world), condition = grow * norm(&to_object), extent = 0;
     double pad = 64 * 0x1p-53 * condition * grow * (largest_of(root->lower, root->upper) + shift);
-    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (unsigned corner = 0; corner < 8; ++corner) {
-        vec3_f64 p = affine_point(&to_world, vec_f64((double)(corner & 1 ? root->upper : root->lower)[0],
-                                                     (double)(corner & 2 ? root->upper : root->lower)[1],
-                                                     (double)(corner & 4 ? root->upper : root->lower)[2]));
-        const double c[3] = {p.x, p.y, p.z};
-        for (int k = 0; k < 3; ++k) lower[k] = fmin(lower[k], c[k]), upper[k] = fmax(upper[k], c[k]);
-    }
+    const scene_bounds box = {widen(load_f32(root->lower)), widen(load_f32(root->upper))},
+                       placed = bounds_transformed(&box, &to_world);
+    double lower[3], upper[3];
+    store_f64(lower, placed.lower), store_f64(upper, placed.upper);
     for (int k = 0; k < 3; ++k) {
         item->lower[k] = below(lower[k] - pad), item->upper[k] = above(upper[k] + pad);
         extent = fmax(extent, (double)root->upper[k] - (double)root->lower[k]);

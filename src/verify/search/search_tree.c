@@ -19,22 +19,6 @@ bool search_tree_takes(const oracle_primitive *p) {
     return true;
 }
 
-typedef struct box {
-    vec3_f64 low, high;
-} box;
-
-static box empty_box(void) {
-    const double inf = (double)INFINITY;
-    return (box){{inf, inf, inf}, {-inf, -inf, -inf}};
-}
-
-static void grow(box *b, vec3_f64 p) {
-    b->low = vec_f64(fmin(b->low.x, p.x), fmin(b->low.y, p.y), fmin(b->low.z, p.z));
-    b->high = vec_f64(fmax(b->high.x, p.x), fmax(b->high.y, p.y), fmax(b->high.z, p.z));
-}
-
-static vec3_f64 middle(const box *b) { return scale_f64(0.5, add_f64(b->low, b->high)); }
-
 /* The radius is rounded up by far more than the rounding of a difference, a square root and a sum. */
 static void set_bound(search_tree *tree, size_t slot, vec3_f64 center, double radius) {
     tree->bounds.x[slot] = center.x, tree->bounds.y[slot] = center.y, tree->bounds.z[slot] = center.z;
@@ -56,12 +40,12 @@ static void enclose_primitives(search_tree *tree, const world *w, uint32_t geome
     const search_part *part = &tree->parts[geometry];
     size_t first = run * SEARCH_RUN, end = w->geometries.items[geometry].count;
     if (end - first > SEARCH_RUN) end = first + SEARCH_RUN;
-    box b = empty_box();
+    scene_bounds b = bounds_empty();
     for (size_t i = first; i < end; ++i) {
         oracle_primitive p = primitive_of(w, part, geometry, i);
-        for (int k = 0; search_tree_takes(&p) && k < corners(&p); ++k) grow(&b, widen(p.v[k]));
+        for (int k = 0; search_tree_takes(&p) && k < corners(&p); ++k) bounds_add(&b, widen(p.v[k]));
     }
-    vec3_f64 center = middle(&b);
+    vec3_f64 center = bounds_center(&b);
     double radius = 0;
     for (size_t i = first; i < end; ++i) {
         oracle_primitive p = primitive_of(w, part, geometry, i);
@@ -79,11 +63,11 @@ static vec3_f64 center_of(const search_tree *tree, size_t slot) {
 
 /* The bounding sphere of spheres. Spheres of empty runs (NaN) are skipped. */
 static void enclose_spheres(search_tree *tree, size_t slot, size_t first, size_t end) {
-    box b = empty_box();
+    scene_bounds b = bounds_empty();
     for (size_t i = first; i < end; ++i) {
-        if (!isnan(tree->bounds.x[i])) grow(&b, center_of(tree, i));
+        if (!isnan(tree->bounds.x[i])) bounds_add(&b, center_of(tree, i));
     }
-    vec3_f64 center = middle(&b);
+    vec3_f64 center = bounds_center(&b);
     double radius = 0;
     for (size_t i = first; i < end; ++i) {
         if (!isnan(tree->bounds.x[i]))
@@ -130,16 +114,17 @@ static bool sort(const world *w, uint32_t geometry, uint32_t *order) {
     uint32_t count = w->geometries.items[geometry].count;
     uint64_t *keys = malloc(count * sizeof *keys);
     if (!keys) return false;
-    box b = empty_box();
+    scene_bounds b = bounds_empty();
     for (uint32_t i = 0; i < count; ++i) {
         oracle_primitive p = search_primitive(w, geometry, i, FATHOM_NONE);
-        if (search_tree_takes(&p)) grow(&b, widen(p.v[0]));
+        if (search_tree_takes(&p)) bounds_add(&b, widen(p.v[0]));
     }
     for (uint32_t i = 0; i < count; ++i) {
         oracle_primitive p = search_primitive(w, geometry, i, FATHOM_NONE);
         vec3_f64 v = widen(p.v[0]);
-        uint32_t code = spread(cell(v.x, b.low.x, b.high.x)) << 2 |
-                        spread(cell(v.y, b.low.y, b.high.y)) << 1 | spread(cell(v.z, b.low.z, b.high.z));
+        uint32_t code = spread(cell(v.x, b.lower.x, b.upper.x)) << 2 |
+                        spread(cell(v.y, b.lower.y, b.upper.y)) << 1 |
+                        spread(cell(v.z, b.lower.z, b.upper.z));
         keys[i] = (uint64_t)code << 32 | i;
     }
     qsort(keys, count, sizeof *keys, by_key);
