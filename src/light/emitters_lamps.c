@@ -33,7 +33,7 @@ static vec3_f32 radiance_of(const emitter_lamp *lamp, vec3_f32 direction) {
 static void sample_sphere(const emitter_lamp *lamp, vec3_f64 from, const shape_cone *cone, double u, double v,
                           emitter_sample *out, unsigned i) {
     const vec3_f64 d = shape_cone_sample(cone, u, v);
-    const double end = shape_sphere_near(from, d, (double)lamp->radius) * (1 - 0x1p-20);
+    const double end = shape_sphere_root(from, d, (double)lamp->radius, -1) * (1 - 0x1p-20);
     put_lane_f32(out->direction, i, narrow(d));
     put_lane_f32(out->radiance, i, radiance_of(lamp, narrow(d)));
     out->distance[i] = (float)fmax(end, 0x1p-126);
@@ -133,7 +133,7 @@ static void look_at(const lamp_search *s, uint32_t k) {
                    d = normalize_f64(widen(ray->direction));
     shape_cone cone;
     if (!find_cone(lamp, from, &cone) || !shape_cone_holds(&cone, d)) return;
-    const double distance = shape_sphere_near(from, d, (double)lamp->radius);
+    const double distance = shape_sphere_root(from, d, (double)lamp->radius, -1);
     if (!(distance >= (double)ray->from && distance < (double)ray->to)) return;
     emitter_disc disc = {.distance = (float)distance, .group = lamp->group};
     store_f32(disc.radiance, radiance_of(lamp, ray->direction));

@@ -187,7 +187,7 @@ static void ask_outside(const emitter_ball *b, const ball_view *v, double s, dou
     const shape_cone cone = shape_cone_of(v->from, b->radius);
     vec3_f64 d = shape_cone_sample(&cone, s, t), wide = to_world(b, d);
     double k = sqrt(dot_f64(wide, wide));
-    double end = shape_sphere_near(v->from, d, b->radius + b->clear + b->slope * cone.distance * k);
+    double end = shape_sphere_root(v->from, d, b->radius + b->clear + b->slope * cone.distance * k, -1);
     out->direction = scale_f64(1 / k, wide);
     out->distance = larger(end * k, 0x1p-126);
     out->density = turned_density(b, shape_inverse(shape_cone_angle(&cone)), k);
@@ -200,7 +200,7 @@ static void ask_inside(const emitter_ball *b, const ball_view *v, vec3_f64 n, do
     vec3_f64 wide = shape_all_sample(n, s, t), d = to_object(b, wide);
     double reach = 2 * b->radius / sqrt(dot_f64(d, d));
     double inner = b->radius - b->clear - b->slope * reach;
-    double end = shape_sphere_far(v->from, d, inner > 0 ? inner : 0);
+    double end = shape_sphere_root(v->from, d, inner > 0 ? inner : 0, 1);
     out->direction = wide;
     out->density = shape_all_density(n, wide);
     out->dark = v->on && !(dot_f64(v->from, d) < 0);
@@ -224,8 +224,7 @@ void emitters_ask_ball(const emitter_ball *b, vec3_f64 p, vec3_f64 n, double u, 
 vec3_f64 emitters_ball_normal(const emitter_ball *b, vec3_f64 p, vec3_f64 direction) {
     const ball_view view = view_of(b, p);
     const vec3_f64 d = to_object(b, direction);
-    const double t =
-        view.outside ? shape_sphere_near(view.from, d, b->radius) : shape_sphere_far(view.from, d, b->radius);
+    const double t = shape_sphere_root(view.from, d, b->radius, view.outside ? -1 : 1);
     return normalize_f64(madd_f64(view.from, t, d));
 }
 

@@ -180,18 +180,12 @@ static inline bool shape_cone_holds(const shape_cone *cone, vec3_f64 direction) 
 }
 static inline double shape_cone_angle(const shape_cone *cone) { return 2 * SHAPE_PI * cone->cap; }
 
-/* The distance from `from` along d to the nearer intersection with a sphere around the origin; if the ray
- * just misses the sphere, the distance of the closest approach. d need not be unit. */
-static inline double shape_sphere_near(vec3_f64 from, vec3_f64 d, double radius) {
+/* The distance from `from` along d to the nearer (side -1) or the farther (1) intersection with a sphere
+ * around the origin; if the ray just misses the sphere, the distance of the closest approach. d need not be
+ * unit. */
+static inline double shape_sphere_root(vec3_f64 from, vec3_f64 d, double radius, double side) {
     double a = dot_f64(d, d), t = -dot_f64(from, d) / a;
     vec3_f64 nearest = madd_f64(from, t, d);
     double square = (radius * radius - dot_f64(nearest, nearest)) / a;
-    return square > 0 ? t - sqrt(square) : t;
-}
-/* The same for the farther intersection. */
-static inline double shape_sphere_far(vec3_f64 from, vec3_f64 d, double radius) {
-    double a = dot_f64(d, d), t = -dot_f64(from, d) / a;
-    vec3_f64 nearest = madd_f64(from, t, d);
-    double square = (radius * radius - dot_f64(nearest, nearest)) / a;
-    return square > 0 ? t + sqrt(square) : t;
+    return square > 0 ? t + side * sqrt(square) : t;
 }

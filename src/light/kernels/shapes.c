@@ -61,7 +61,7 @@ static void balls(const shape_balls *restrict b, const lanes3_f64 p, const lanes
         const shape_cone cone = shape_cone_of(from, b->radius[i]);
         const vec3_f64 to = shape_cone_sample(&cone, (double)u[0][i], (double)u[1][i]);
         const double end =
-            shape_sphere_near(from, to, b->radius[i] + b->clear[i] + b->slope[i] * cone.distance);
+            shape_sphere_root(from, to, b->radius[i] + b->clear[i] + b->slope[i] * cone.distance, -1);
         out->direction[0][i] = to.x, out->direction[1][i] = to.y, out->direction[2][i] = to.z;
         out->distance[i] = end > 0x1p-126 ? end : 0x1p-126;
         out->density[i] = shape_inverse(shape_cone_angle(&cone));
