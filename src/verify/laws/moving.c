@@ -39,6 +39,16 @@ static void move_group(law_room *room, fathom_id group, const double maps[24]) {
     build_instance(&room->b, &instance);
 }
 
+/* Adds a quad of two triangles whose four corners have two positions each, at the times above. */
+static void move_corners(law_room *room, const float keys[24], fathom_material m) {
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = keys, mesh.vertex_count = 4;
+    mesh.indices = (const uint32_t[]){0, 1, 2, 0, 2, 3}, mesh.triangle_count = 2;
+    mesh.key_count = 2, mesh.key_times = times, mesh.key_positions = keys;
+    build_mesh(&room->b, mesh, build_material(&room->b, m));
+}
+
 static void add_half_plane(law_room *room) {
     paint_quad(&room->b, vec_f64(10, 0, 0), vec_f64(10, 0, 0), vec_f64(0, 10, 0), build_black());
 }
@@ -64,12 +74,7 @@ static void moving_corners(law_room *room) {
     const float a = (float)start(), b = (float)end();
     const float keys[24] = {a, -10, 0, 20, -10, 0, 20, 10, 0, a, 10, 0,
                             b, -10, 0, 20, -10, 0, 20, 10, 0, b, 10, 0};
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
-    mesh.positions = keys, mesh.vertex_count = 4;
-    mesh.indices = (const uint32_t[]){0, 1, 2, 0, 2, 3}, mesh.triangle_count = 2;
-    mesh.key_count = 2, mesh.key_times = times, mesh.key_positions = keys;
-    build_mesh(&room->b, mesh, build_material(&room->b, build_black()));
+    move_corners(room, keys, build_black());
     look_at_edge(room, NULL, NULL);
 }
 
@@ -163,17 +168,12 @@ static void bent(double time, vec3_f64 corners[4]) {
 
 static void bending_panel(law_room *room) {
     float keys[24];
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
     for (int key = 0; key < 2; ++key) {
         vec3_f64 corners[4];
         bent(key, corners);
         for (int k = 0; k < 4; ++k) build_rgb(keys + 12 * key + 3 * k, corners[k]);
     }
-    mesh.positions = keys, mesh.vertex_count = 4;
-    mesh.indices = (const uint32_t[]){0, 1, 2, 0, 2, 3}, mesh.triangle_count = 2;
-    mesh.key_count = 2, mesh.key_times = times, mesh.key_positions = keys;
-    build_mesh(&room->b, mesh, build_material(&room->b, build_emitter(white)));
+    move_corners(room, keys, build_emitter(white));
     floor_under(room, mean_polygon(bent));
 }
 
