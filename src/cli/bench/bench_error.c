@@ -322,12 +322,16 @@ static fathom_status open_stage(fathom_context *context, const bench_settings *a
     return status;
 }
 
+static uint32_t half_spp(const bench_error_settings *asked) {
+    if (asked->half_spp) return asked->half_spp;
+    return asked->max_spp < 65536 / 4 ? 4 * asked->max_spp : 65536;
+}
+
 static fathom_status converge(fathom_context *context, const bench_error_settings *asked,
                               const bench_stage *stage, converge_result *result) {
-    const uint32_t half = asked->max_spp < 65536 / 4 ? 4 * asked->max_spp : 65536;
     const converge_options options = {.rounds = asked->seeds,
                                       .max_spp = asked->max_spp,
-                                      .half_spp = asked->half_spp ? asked->half_spp : half,
+                                      .half_spp = half_spp(asked),
                                       .seed = asked->seed,
                                       .ppd = asked->ppd,
                                       .progress = on_progress};
@@ -343,13 +347,11 @@ static fathom_status measure_coverage(fathom_context *context, const bench_error
     bench_stage stage = {.scene = NULL};
     coverage_row rows[COVERAGE_ROWS];
     unsigned count = 0;
-    const coverage_options options = {
-        .seeds = asked->seeds,
-        .max_spp = asked->max_spp,
-        .reference_spp =
-            asked->half_spp ? asked->half_spp : (asked->max_spp < 16384 ? 4 * asked->max_spp : 65536),
-        .seed = asked->seed,
-        .progress = on_progress};
+    const coverage_options options = {.seeds = asked->seeds,
+                                      .max_spp = asked->max_spp,
+                                      .reference_spp = half_spp(asked),
+                                      .seed = asked->seed,
+                                      .progress = on_progress};
     if (asked->all.csv || asked->all.report || asked->ppd != FLIP_PPD)
         return fail(context, FATHOM_BAD_USAGE, "--adaptive: no --csv, --report or --ppd; expected --json");
     fathom_status status = open_stage(context, &asked->all, &stage);
