@@ -23,21 +23,9 @@ static vec3_f64 absolute(vec3_f64 v) { return vec_f64(fabs(v.x), fabs(v.y), fabs
 static double larger(double a, double b) { return a > b ? a : b; }
 static double largest(vec3_f64 v) { return larger(fabs(v.x), larger(fabs(v.y), fabs(v.z))); }
 
-static vec3_f64 map_point(const float m[3][4], vec3_f64 p) {
-    double x[3];
-    for (int i = 0; i < 3; ++i)
-        x[i] = (double)m[i][0] * p.x + (double)m[i][1] * p.y + (double)m[i][2] * p.z + (double)m[i][3];
-    return load_f64(x);
-}
-static vec3_f64 map_vector(const float m[3][4], vec3_f64 v) {
-    double x[3];
-    for (int i = 0; i < 3; ++i) x[i] = (double)m[i][0] * v.x + (double)m[i][1] * v.y + (double)m[i][2] * v.z;
-    return load_f64(x);
-}
-static double determinant(const float m[3][4]) {
-    vec3_f64 r[3];
-    for (int i = 0; i < 3; ++i) r[i] = widen(load_f32(m[i]));
-    return dot_f64(r[0], cross_f64(r[1], r[2]));
+static double determinant(const float rows[3][4]) {
+    const affine_f64 map = affine_widen(rows);
+    return affine_determinant(&map);
 }
 
 /* ---- faces ---- */
@@ -102,7 +90,7 @@ void emitters_face(const emitters *e, const emitter_run *run, uint32_t primitive
     vec3_f64 at[4];
     out->quad = g->kind == WORLD_QUADS || run->paired;
     emitters_corners(e->w, run, primitive, time, at);
-    for (int k = 0; k < 4; ++k) out->corner[k] = instance ? map_point(instance->to_world, at[k]) : at[k];
+    for (int k = 0; k < 4; ++k) out->corner[k] = instance ? placed_point(instance->to_world, at[k]) : at[k];
     face_bounds(instance, at, out->corner, g->moving, out);
 }
 
@@ -132,7 +120,7 @@ void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive
     if (!out->instance) return;
     /* The sum is over all axes, because the normal is not known yet. */
     const vec3_f64 all = {1, 1, 1};
-    vec3_f64 center = map_point(out->instance->to_world, out->center);
+    vec3_f64 center = placed_point(out->instance->to_world, out->center);
     vec3_f64 top = {0, 0, 0};
     for (int k = 0; k < 3; ++k) {
         const float *m = out->instance->to_world[k];
@@ -160,7 +148,7 @@ typedef struct ball_view {
 } ball_view;
 
 static ball_view view_of(const emitter_ball *b, vec3_f64 p) {
-    if (b->instance) p = map_point(b->instance->to_object, p);
+    if (b->instance) p = placed_point(b->instance->to_object, p);
     ball_view v = {.from = sub_f64(p, b->center)};
     v.square = dot_f64(v.from, v.from);
     double d = sqrt(v.square);
@@ -170,10 +158,10 @@ static ball_view view_of(const emitter_ball *b, vec3_f64 p) {
 }
 
 static vec3_f64 to_world(const emitter_ball *b, vec3_f64 v) {
-    return b->instance ? map_vector(b->instance->to_world, v) : v;
+    return b->instance ? placed_vector(b->instance->to_world, v) : v;
 }
 static vec3_f64 to_object(const emitter_ball *b, vec3_f64 v) {
-    return b->instance ? map_vector(b->instance->to_object, v) : v;
+    return b->instance ? placed_vector(b->instance->to_object, v) : v;
 }
 
 /* A unit direction d in the ball's object space has the length k = |M d| in world space. The density per

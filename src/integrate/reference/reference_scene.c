@@ -286,17 +286,12 @@ static vec3_f64 vertex_normals(const fathom_mesh *m, const query *q, vec3_f64 fl
     return length_f64(sum) > 0 ? sum : flat;
 }
 
-static bool mirrors(const affine_f64 *map) {
-    const vec3_f64 x = affine_vector(map, vec_f64(1, 0, 0)), y = affine_vector(map, vec_f64(0, 1, 0)),
-                   z = affine_vector(map, vec_f64(0, 0, 1));
-    return dot_f64(cross_f64(x, y), z) < 0;
-}
-
 /* Sets the tangent: along u on the shape, rotated about the shape's own normal; in the opposite sense in a
  * mirror image. */
 static void set_direction(const affine_f64 *to_world, reference_surface *s, vec3_f64 u) {
     const frame_f64 f = frame_from((vec3_f64){0, 0, 0}, s->normal, affine_vector(to_world, u));
-    const double angle = (double)s->material->anisotropy_rotation * (s->behind != mirrors(to_world) ? -1 : 1);
+    const bool mirrored = affine_determinant(to_world) < 0;
+    const double angle = (double)s->material->anisotropy_rotation * (s->behind != mirrored ? -1 : 1);
     s->along = madd_f64(scale_f64(cos(angle), f.y), -sin(angle), f.x);
 }
 

@@ -187,11 +187,7 @@ bool gltf_way_moves(const gltf_way *way) {
     return false;
 }
 
-static double volume(const affine_f64 *a) {
-    return dot_f64(load_f64(a->m[0]), cross_f64(load_f64(a->m[1]), load_f64(a->m[2])));
-}
-
-bool gltf_way_mirrors(const gltf_way *way) { return volume(&way->at[0]) < 0; }
+bool gltf_way_mirrors(const gltf_way *way) { return affine_determinant(&way->at[0]) < 0; }
 
 bool gltf_way_flattens(const gltf_way *way) {
     affine_f64 inverse;
@@ -206,7 +202,8 @@ bool gltf_way_flattens(const gltf_way *way) {
 bool gltf_way_can_blur(const gltf_way *way) {
     affine_f64 inverse;
     for (size_t k = 1; k < way->count; ++k) {
-        if (!affine_invert(&way->at[k], &inverse) || (volume(&way->at[k]) > 0) != (volume(&way->at[0]) > 0))
+        if (!affine_invert(&way->at[k], &inverse) ||
+            (affine_determinant(&way->at[k]) > 0) != (affine_determinant(&way->at[0]) > 0))
             return false;
     }
     return true;

@@ -157,10 +157,7 @@ static void add_object(lamp_walk *w, const place *at, fathom_id id) {
     const scene_object object = w->scene->objects.items[id];
     const fathom_id material =
         at->material != FATHOM_NONE ? at->material : scene_object_material(w->scene, id);
-    const double(*m)[4] = at->to_world.m;
-    const vec3_f64 x = {m[0][0], m[1][0], m[2][0]}, y = {m[0][1], m[1][1], m[2][1]},
-                   z = {m[0][2], m[1][2], m[2][2]};
-    const surface of = {.front = dot_f64(cross_f64(x, y), z) < 0 ? -1 : 1,
+    const surface of = {.front = affine_determinant(&at->to_world) < 0 ? -1 : 1,
                         .radiance = radiance_of(&w->scene->materials.items[material].value)};
     if (w->graph->absent[id]) return;
     switch (object.kind) {

@@ -17,13 +17,8 @@ static double minor_size(const affine_f64 *a, int i, int j) {
     return fabs(a->m[r][c] * a->m[s][d]) + fabs(a->m[r][d] * a->m[s][c]);
 }
 
-static double determinant(const affine_f64 *a) {
-    vec3_f64 x = load_f64(a->m[0]), y = load_f64(a->m[1]), z = load_f64(a->m[2]);
-    return dot_f64(x, cross_f64(y, z));
-}
-
 static void set_error(world_instance *instance, const affine_f64 *to_world, const affine_f64 *inverse) {
-    double d = fabs(determinant(to_world)), sum = 0;
+    double d = fabs(affine_determinant(to_world)), sum = 0;
     for (int j = 0; j < 3; ++j) sum += fabs(to_world->m[0][j]) * minor_size(to_world, j, 0);
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
@@ -48,7 +43,7 @@ static double row_sum(const double row[4]) { return fabs(row[0]) + fabs(row[1]) 
  * compared with 2^-24 of the largest entry in its row. */
 bool world_instance_fits_float(const world_instance *instance) {
     const affine_f64 map = affine_widen(instance->to_world);
-    double d = fabs(determinant(&map));
+    double d = fabs(affine_determinant(&map));
     if (!(d >= 8 * least / unit_round)) return false;
     for (int i = 0; i < 3; ++i) {
         const float *a = instance->to_object[i];
