@@ -67,17 +67,6 @@ static size_t count_shadowless(const fathom_scene *scene) {
     return count;
 }
 
-static size_t count_maps(const fathom_scene *scene, bool sheared) {
-    size_t count = 0;
-    for (size_t i = 0; i < scene->materials.count; ++i) {
-        for (int k = 0; k < FATHOM_MAPS; ++k) {
-            const fathom_map *map = &scene->materials.items[i].value.maps[k];
-            count += map->texture != FATHOM_NONE && (!sheared || write_turn_of(map->transform).sheared);
-        }
-    }
-    return count;
-}
-
 /* Models use integer colours as sRGB, and other maps as linear; alpha is the same in both. */
 static bool has_own_space(const fathom_scene *scene, const fathom_map *map, int kind) {
     const fathom_color_space usual = material_map_is_color(kind) ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
@@ -86,12 +75,19 @@ static bool has_own_space(const fathom_scene *scene, const fathom_map *map, int 
     return space == FATHOM_COLOR_NAMED || (space != usual && !color && map->channel != 3);
 }
 
-static size_t count_spaces(const fathom_scene *scene) {
+static bool is_sheared(const fathom_scene *scene, const fathom_map *map, int kind) {
+    (void)scene, (void)kind;
+    return write_turn_of(map->transform).sheared;
+}
+
+/* Counts images of materials; NULL: all. */
+static size_t count_maps(const fathom_scene *scene,
+                         bool (*counts)(const fathom_scene *scene, const fathom_map *map, int kind)) {
     size_t count = 0;
     for (size_t i = 0; i < scene->materials.count; ++i) {
         for (int k = 0; k < FATHOM_MAPS; ++k) {
             const fathom_map *map = &scene->materials.items[i].value.maps[k];
-            count += map->texture != FATHOM_NONE && has_own_space(scene, map, k);
+            count += map->texture != FATHOM_NONE && (!counts || counts(scene, map, k));
         }
     }
     return count;
@@ -241,7 +237,7 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
         {ALL, cameras - taken, "a camera that was not chosen is left out"},
         {ALL, scene->has_animations, "animation is not kept; the file has the pose of this time"},
         {ALL, scene->has_variants, "variants of materials are not kept; the chosen one is"},
-        {ALL, count_maps(scene, true), "the shear of an image on a surface is left out"},
+        {ALL, count_maps(scene, is_sheared), "the shear of an image on a surface is left out"},
         {MESHES, scene->has_camera && !scene->made.camera, "the camera is left out"},
         {MESHES, scene->made.lights ? 0 : scene->lights.count, "a light is left out"},
         {MODELS, scene->has_lights && !scene->lights.count && !scene->environments.count,
@@ -254,7 +250,7 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
         {MODELS, count_named(scene), "the name of a shape is left out; those of groups stay"},
         {MODELS, count_shadowless(scene), "a mesh that casts no shadow casts one"},
         {MODELS, count_settings(scene), "a setting of the image is left out"},
-        {MODELS, count_spaces(scene),
+        {MODELS, count_maps(scene, has_own_space),
          "the color space of an image is left out: colours are read as sRGB, and numbers as linear"},
         {GLB | OBJ, bare,
          "a mesh with images has no texture coordinates; readers show their colour at (0, 0)"},
@@ -262,7 +258,7 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
         {GLB, count_filters(scene, FATHOM_TEXTURE_STOCHASTIC),
          "the filter stochastic of an image is trilinear"},
         {PLY, scene->materials.count - 1, "a material is left out"},
-        {PLY, count_maps(scene, false) - image, "an image on a surface is left out"},
+        {PLY, count_maps(scene, NULL) - image, "an image on a surface is left out"},
         {OBJ, count_colors(scene, false), "the colour of a vertex is cut to 1"},
         {OBJ, count_colors(scene, true), "the opacity of a vertex is left out"},
         {OBJ, count_arrays(scene, MESH_UVS_1), "the second uv set of a mesh is left out"},
