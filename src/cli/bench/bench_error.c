@@ -260,15 +260,6 @@ static void pack_coverage(const bench_error_settings *asked, const coverage_row 
              JSON("coverage", list), JSON("interrupted", interrupted));
 }
 
-typedef struct share {
-    double values, held;
-} share;
-
-static share share_of(const json_t *row, const char *name) {
-    const json_t *count = json_at(row, name);
-    return (share){json_number_at(count, "values"), json_number_at(count, "held")};
-}
-
 static void print_part(double part, double of) {
     if (of > 0)
         printf(" %7.2f %%", 100 * part / of);
@@ -278,15 +269,17 @@ static void print_part(double part, double of) {
 
 /* Pixels whose samples are all alike have no real interval, so they are listed separately. */
 static void print_shares(const json_t *row) {
-    const share trusted = share_of(row, "trusted"), doubtful = share_of(row, "doubtful"),
-                alike = share_of(row, "alike"),
-                all = {trusted.values + doubtful.values, trusted.held + doubtful.held};
-    print_part(all.held, all.values);
-    print_part(trusted.held, trusted.values);
-    print_part(doubtful.values, all.values);
-    print_part(doubtful.values - doubtful.held, doubtful.values);
-    print_part(alike.values, all.values + alike.values);
-    print_part(alike.held, alike.values);
+    const double trusted = json_number_at(row, "trusted.values"),
+                 trusted_held = json_number_at(row, "trusted.held"),
+                 doubtful = json_number_at(row, "doubtful.values"),
+                 doubtful_held = json_number_at(row, "doubtful.held"),
+                 alike = json_number_at(row, "alike.values"), all = trusted + doubtful;
+    print_part(trusted_held + doubtful_held, all);
+    print_part(trusted_held, trusted);
+    print_part(doubtful, all);
+    print_part(doubtful - doubtful_held, doubtful);
+    print_part(alike, all + alike);
+    print_part(json_number_at(row, "alike.held"), alike);
     putchar('\n');
 }
 
