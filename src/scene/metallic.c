@@ -3,7 +3,8 @@
  * refraction. Let m = metallic, b = base colour, r = roughness, alpha = r^2, T = transmission, f0 =
  * ((ior - 1) / (ior + 1))^2 tinted by KHR_materials_specular, and F0 = (1 - m) f0 + m b:
  *
- * - k_d = (1 - m) (1 - T) (1 - f0) b: light that the layer reflects does not reach the base. The format's
+ * - k_d = (1 - m) (1 - T) (1 - f0) (1 - D) b: light that the layer reflects does not reach the base, and its
+ *   diffuse transmission D leaves on the other side. With D, as much light comes from behind. The format's
  *   BRDF is b / pi. The classic one has no factor 1 / pi; the lights contain it (see gltf_light.c).
  * - n = 2 / alpha^2 - 2, in [1, 1e6]: Blinn's exponent whose lobe is as wide as the format's. The variance of
  *   its slopes is 2 / (n + 2), that of a Beckmann lobe is alpha^2.
@@ -54,10 +55,12 @@ void metallic_to_classic(const fathom_material *f, fathom_material *out) {
     double scale = lobe_norm(n), f0[3];
     fathom_material_default(out);
     out->fresnel = ior > 0 && m < 0.5 && !straight;
+    out->lit_from_behind = f->diffuse_transmission > 0;
     for (int i = 0; i < 3; ++i) {
         const double specular = (double)f->specular_factor, tint = (double)f->specular_color[i],
                      b = (double)f->base_color[i], layer = specular * fmin(ratio * ratio * tint, 1),
-                     diffuse = (1 - m) * (1 - transmission) * (1 - layer) * b;
+                     diffuse = (1 - m) * (1 - transmission) * (1 - layer) *
+                               (1 - (double)f->diffuse_transmission) * b;
         f0[i] = (1 - m) * layer + m * b;
         if (f0[i] > 0) scale = fmin(scale, (1 - diffuse) / f0[i]);
         const double mirror = out->fresnel ? fmin(specular * tint, 1) : f0[i];

@@ -63,6 +63,17 @@ UNIT_TEST(highlight_reflects_f0) {
     assert_near((double)metal.k_s[0] * lobe_integral((double)metal.shininess) / pi, 0.5, 1e-6);
 }
 
+/* A leaf passes half of its light on: the classic model lights it from both sides, each half as much. */
+UNIT_TEST(diffuse_transmission_lights_from_behind) {
+    fixture *f = *state;
+    const fathom_material matt = read_factors(f, 0.5, 0, 1, ""),
+                          leaf = read_factors(f, 0.5, 0, 1,
+                                              ",'extensions':{'KHR_materials_diffuse_transmission':{"
+                                              "'diffuseTransmissionFactor':0.5}}");
+    assert_true(leaf.lit_from_behind && !matt.lit_from_behind);
+    for (int c = 0; c < 3; ++c) assert_near(leaf.k_d[c], 0.5 * (double)matt.k_d[c], 0x1p-24);
+}
+
 static double normal_reflectance(double ior) { return pow((ior - 1) / (ior + 1), 2); }
 
 /* No material of the format makes light: for every combination of factors, in every channel, k_d + k_s <= 1
