@@ -58,18 +58,14 @@ void print_name(FILE *out, const char *name) {
     fputs(room, out);
 }
 
-void say_error(const char *text) { log_line(LOG_ERROR, text); }
-
 fathom_status say_usage(const command *c, const char *text) {
-    char line[LOG_LENGTH];
-    snprintf(line, sizeof line, "%s; see fathom help%s%s", text, c ? " " : "", c ? c->name : "");
-    log_line(LOG_ERROR, line);
+    log_say(LOG_ERROR, "%s; see fathom help%s%s", text, c ? " " : "", c ? c->name : "");
     return FATHOM_BAD_USAGE;
 }
 
 fathom_status say_status(const command *c, const fathom_context *context, fathom_status status) {
     if (status == FATHOM_BAD_USAGE) return say_usage(c, fathom_context_message(context));
-    if (status != FATHOM_OK) say_error(fathom_context_message(context));
+    if (status != FATHOM_OK) log_line(LOG_ERROR, fathom_context_message(context));
     return status;
 }
 
@@ -87,7 +83,7 @@ bool command_parse(const command *c, int argc, char **argv, void *settings, fath
 fathom_status command_context(unsigned threads, fathom_context **out) {
     fathom_status status = fathom_context_create(out);
     if (status != FATHOM_OK) {
-        say_error("out of memory");
+        log_line(LOG_ERROR, "out of memory");
         return status;
     }
     json_memory_watch();

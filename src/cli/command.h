@@ -32,9 +32,7 @@ void help_command(const command *c, FILE *out);
 /* Prints a name that may come from a file, with '?' for bytes that could steer a terminal. */
 void print_name(FILE *out, const char *name);
 
-/* One line on stderr. */
-void say_error(const char *text);
-/* The same for wrong usage, and tells how to get help; returns FATHOM_BAD_USAGE. c: NULL if no command was
+/* Says on stderr what is wrong, and how to get help; returns FATHOM_BAD_USAGE. c: NULL if no command was
  * found. */
 fathom_status say_usage(const command *c, const char *text);
 

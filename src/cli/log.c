@@ -3,6 +3,8 @@
 #include "base/text.h"
 #include "cli/render/progress.h"
 
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -119,3 +121,12 @@ void log_line_with(log_level level, const char *text, const char *members) {
 }
 
 void log_line(log_level level, const char *text) { log_line_with(level, text, ""); }
+
+void log_say(log_level level, const char *format, ...) {
+    char text[LOG_LENGTH];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    log_line(level, text);
+}

@@ -21,6 +21,8 @@ void log_line(log_level level, const char *text);
 /* The same with further members of the JSON object, such as "\"fraction\": 0.5"; lines for people omit
  * them. */
 void log_line_with(log_level level, const char *text, const char *members);
+/* log_line() of a formatted text; not for signal handlers. */
+void log_say(log_level level, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #ifdef __cplusplus
 }

@@ -34,10 +34,8 @@ static fathom_status finish(fathom_status status) {
     errno = 0;
     failed |= fflush(stdout) != 0;
     if (!failed) return status;
-    char text[256];
-    snprintf(text, sizeof text, "standard output cannot be written%s%s", errno ? ": " : "",
-             errno ? strerror(errno) : "");
-    say_error(text);
+    log_say(LOG_ERROR, "standard output cannot be written%s%s", errno ? ": " : "",
+            errno ? strerror(errno) : "");
     return status == FATHOM_OK ? FATHOM_OUT_OF_RESOURCES : status;
 }
 

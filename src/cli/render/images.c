@@ -3,6 +3,7 @@
 #include "base/file_name.h"
 #include "cli/command.h"
 #include "cli/fail.h"
+#include "cli/log.h"
 #include "cli/outputs.h"
 
 #include <fathom/file.h>
@@ -105,12 +106,11 @@ void images_remove_partial(const args_list *outputs) {
 }
 
 void images_rescue(fathom_context *context, const fathom_film *film, const char *path, const char *which) {
-    char saved[PATH_MAX], text[PATH_MAX + 128];
+    char saved[PATH_MAX];
     if (fathom_film_rescue(context, film, path, saved, sizeof saved) == FATHOM_OK) {
-        snprintf(text, sizeof text, "%s are in %s, as scene-linear EXR", which, saved);
-        say_error(text);
+        log_say(LOG_ERROR, "%s are in %s, as scene-linear EXR", which, saved);
     } else {
-        say_error(fathom_context_message(context));
+        log_line(LOG_ERROR, fathom_context_message(context));
     }
 }
 

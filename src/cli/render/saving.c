@@ -7,12 +7,8 @@
 
 #include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-/* Enough for a message that names a path twice. */
-#define SAID 8192
 
 static bool wanted(void *user) {
     saving *s = user;
@@ -23,15 +19,10 @@ static bool wanted(void *user) {
 /* Reports only the first of several failures in a row: the disk may stay full for hours. */
 static void saved(void *user, fathom_status status, const char *message, double fraction) {
     saving *s = user;
-    char text[SAID];
-    if (status != FATHOM_OK && !s->failed) {
-        snprintf(text, sizeof text, "%s; rendering continues, and the next save tries again", message);
-        say_error(text);
-    }
-    if (status == FATHOM_OK && s->asked) {
-        snprintf(text, sizeof text, "%s: saved at %u %%", s->request.path, (unsigned)(100 * fraction));
-        log_line(LOG_INFO, text);
-    }
+    if (status != FATHOM_OK && !s->failed)
+        log_say(LOG_ERROR, "%s; rendering continues, and the next save tries again", message);
+    if (status == FATHOM_OK && s->asked)
+        log_say(LOG_INFO, "%s: saved at %u %%", s->request.path, (unsigned)(100 * fraction));
     s->asked = false;
     s->failed = status != FATHOM_OK;
 }
@@ -64,7 +55,7 @@ const fathom_checkpoint *saving_request(const saving *s) { return s->request.pat
 
 void saving_tick(const saving *s) {
     if (!s->request.path && interrupt_take_save())
-        say_error("SIGUSR1: nothing is saved without --checkpoint FILE; rendering continues");
+        log_line(LOG_ERROR, "SIGUSR1: nothing is saved without --checkpoint FILE; rendering continues");
 }
 
 /* ---- frames ---- */
@@ -83,14 +74,11 @@ fathom_status saving_find(fathom_context *context, const fathom_scene *scene, re
         status = fathom_finished_find(context, scene, &options->settings, path, &write, files.items,
                                       files.count, finished);
     if (*finished) options->write.exposure = write.exposure;
-    if (status == FATHOM_OK && access(path, F_OK) != 0) {
-        char text[SAID];
-        snprintf(text, sizeof text,
-                 "%s: the images of this finished frame, or the options to write them, have changed; "
-                 "rendering it again",
-                 path);
-        log_line(LOG_WARNING, text);
-    }
+    if (status == FATHOM_OK && access(path, F_OK) != 0)
+        log_say(LOG_WARNING,
+                "%s: the images of this finished frame, or the options to write them, have changed; "
+                "rendering it again",
+                path);
     return status;
 }
 
@@ -115,23 +103,17 @@ void saving_forget(const render_options *options) {
 fathom_status saving_end(const saving *s, bool interrupted, fathom_status status) {
     const char *path = s->request.path;
     if (!path) return status;
-    char text[SAID];
     if (status != FATHOM_OK) {
-        if (access(path, F_OK) != 0) return status;
-        snprintf(text, sizeof text, "%s: is kept; --resume continues from what was saved last", path);
-        say_error(text);
+        if (access(path, F_OK) == 0)
+            log_say(LOG_ERROR, "%s: is kept; --resume continues from what was saved last", path);
         return status;
     }
     if (interrupted && s->failed) {
-        snprintf(text, sizeof text,
-                 "interrupted; the unfinished image is written, but the work could not be saved to %s", path);
-        say_error(text);
+        log_say(LOG_ERROR,
+                "interrupted; the unfinished image is written, but the work could not be saved to %s", path);
         return FATHOM_OUT_OF_RESOURCES;
     }
-    if (!interrupted && !s->sequence && unlink(path) != 0 && errno != ENOENT) {
-        snprintf(text, sizeof text, "%s: is no longer needed, but cannot be removed: %s", path,
-                 strerror(errno));
-        log_line(LOG_WARNING, text);
-    }
+    if (!interrupted && !s->sequence && unlink(path) != 0 && errno != ENOENT)
+        log_say(LOG_WARNING, "%s: is no longer needed, but cannot be removed: %s", path, strerror(errno));
     return status;
 }

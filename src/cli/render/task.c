@@ -2,6 +2,7 @@
 
 #include "cli/fail.h"
 #include "cli/interrupt.h"
+#include "cli/log.h"
 #include "cli/outputs.h"
 #include "cli/provenance.h"
 #include "cli/render/brightness.h"
@@ -157,7 +158,7 @@ static void tell_interrupted(const render_options *options) {
     }
     if (options->checkpoint && used >= 0 && used < room)
         snprintf(text + used, (size_t)(room - used), "; --resume continues");
-    say_error(text);
+    log_line(LOG_ERROR, text);
 }
 
 /* Writes the film, finished or not, with its warnings. */
@@ -189,11 +190,8 @@ static fathom_status finish_part(task *s) {
     list_left_out(s);
     fathom_status status = tell_stats(s, clock_seconds(), FATHOM_OK);
     if (!s->report.interrupted || status != FATHOM_OK) return status;
-    char text[8192];
-    snprintf(text, sizeof text,
-             "interrupted; what is finished is in %s; run the same command again to continue",
-             s->options.part.path);
-    say_error(text);
+    log_say(LOG_ERROR, "interrupted; what is finished is in %s; run the same command again to continue",
+            s->options.part.path);
     return FATHOM_INTERRUPTED;
 }
 
