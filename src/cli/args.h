@@ -109,10 +109,9 @@ bool take_text(const args_option *option, const char *value, void *field, args_p
 bool take_list(const args_option *option, const char *value, void *field, args_problem *problem);
 /* uint32_t and unsigned, within [least, most]. */
 bool take_u32(const args_option *option, const char *value, void *field, args_problem *problem);
-/* Any uint64_t. */
+/* A uint64_t within [least, most]; k, M and G multiply by a thousand, a million, a thousand million. most:
+ * HUGE_VAL for any. */
 bool take_u64(const args_option *option, const char *value, void *field, args_problem *problem);
-/* A uint64_t within [least, most]; k, M and G multiply by a thousand, a million, a thousand million. */
-bool take_count(const args_option *option, const char *value, void *field, args_problem *problem);
 /* Several of these, separated by commas; an args_counts. */
 bool take_counts(const args_option *option, const char *value, void *field, args_problem *problem);
 /* "1280x720", each within [least, most]; an args_size. */

@@ -4,7 +4,6 @@
 
 #include "base/parameter.h"
 
-#include <math.h>
 #include <string.h>
 
 bool take_parameter(const fathom_parameter *p, const char *value, void *field, args_problem *problem) {
@@ -45,12 +44,6 @@ bool take_u32(const args_option *option, const char *value, void *field, args_pr
 }
 
 bool take_u64(const args_option *option, const char *value, void *field, args_problem *problem) {
-    args_option any = *option;
-    any.most = HUGE_VAL;
-    return take_as(FATHOM_PARAMETER_U64, &any, value, field, problem);
-}
-
-bool take_count(const args_option *option, const char *value, void *field, args_problem *problem) {
     return take_as(FATHOM_PARAMETER_U64, option, value, field, problem);
 }
 
@@ -64,7 +57,7 @@ bool take_counts(const args_option *option, const char *value, void *field, args
         if (length >= sizeof one) length = sizeof one - 1; /* longer than any valid number */
         memcpy(one, at, length);
         one[length] = '\0';
-        if (!take_count(option, one, &counts.items[counts.count++], problem)) return false;
+        if (!take_u64(option, one, &counts.items[counts.count++], problem)) return false;
         at += strcspn(at, ",");
         if (!*at) break;
     }

@@ -5,6 +5,7 @@
 
 #include <fathom/file.h>
 #include <fathom/read.h>
+#include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -80,10 +81,11 @@ static fathom_status run(int argc, char **argv) {
 
 static const args_option options[] = {
     {.help = "Options"},
-    {"triangles", 't', "N", take_count, offsetof(generate_settings, triangles), 1, 1e11,
+    {"triangles", 't', "N", take_u64, offsetof(generate_settings, triangles), 1, 1e11,
      "number of triangles, instances included, such as 20k or 8M. The result has the nearest "
      "number that the kind allows"},
-    {"seed", 0, "N", take_u64, offsetof(generate_settings, seed), 0, 0, "seed of the random shape (0)"},
+    {"seed", 0, "N", take_u64, offsetof(generate_settings, seed), 0, HUGE_VAL,
+     "seed of the random shape (0)"},
     {"output", 'o', "FILE", take_text, offsetof(generate_settings, output), 0, 0,
      ".glb (keeps instances, read without parsing), .ply (binary) or .obj"},
     COMMAND_THREADS,

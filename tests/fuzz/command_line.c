@@ -5,6 +5,7 @@
 #include "cli/render/render_options.h"
 #include "trace/spec.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,8 +26,8 @@ static const args_option value_table[] = {
     {.help = "Values"},
     {"counts", 'c', "N,N", take_counts, offsetof(values, counts), 1, 1e15, "counts"},
     {"size", 's', "WxH", take_size, offsetof(values, size), 1, 65536, "size"},
-    {"count", 'n', "N", take_count, offsetof(values, count), 1, 1e15, "count"},
-    {"number", 0, "N", take_u64, offsetof(values, number), 0, 0, "number"},
+    {"count", 'n', "N", take_u64, offsetof(values, count), 1, 1e15, "count"},
+    {"number", 0, "N", take_u64, offsetof(values, number), 0, HUGE_VAL, "number"},
     {"small", 0, "N", take_u32, offsetof(values, small), 1, 1024, "small"},
     {"real", 'r', "X", take_f64, offsetof(values, real), -1e9, 1e9, "real"},
     {"single", 0, "X", take_f32, offsetof(values, single), -64, 64, "single"},

@@ -396,7 +396,7 @@ static const args_option options[] = {
     BENCH_SIZE,
     {"seeds", 0, "N", take_u32, FIELD(seeds), 1, CONVERGE_SEEDS_MAX,
      "number of seeds: images of each pattern and spp (3)"},
-    {"seed", 0, "N", take_u64, FIELD(seed), 0, 0, "the first seed; the others follow (0)"},
+    {"seed", 0, "N", take_u64, FIELD(seed), 0, HUGE_VAL, "the first seed; the others follow (0)"},
     {"max-spp", 0, "N", take_u32, FIELD(max_spp), 1, 65536,
      "maximum samples per pixel: measures 1, 4, 16 and so on up to it (1024)"},
     {"reference-spp", 0, "N", take_u32, FIELD(half_spp), 1, 65536,

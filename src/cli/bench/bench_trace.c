@@ -270,7 +270,7 @@ static const args_option options[] = {
      "primitives)"},
     {"triangles", 0, "N,N", take_counts, FIELD(triangles), 1, 4e9,
      "generate spheres of so many triangles, such as 10k,100k,1M, after SCENE or instead of it"},
-    {"rays", 0, "N", take_count, FIELD(rays), 16, 1e9, "rays of each kind (262144)"},
+    {"rays", 0, "N", take_u64, FIELD(rays), 16, 1e9, "rays of each kind (262144)"},
     {"seconds", 0, "S", take_f64, FIELD(seconds), 1e-6, 1e6,
      "maximum time for one repetition of one tracer and kind of rays; slower ones get fewer rays "
      "(0.1)"},

@@ -7,6 +7,7 @@
 #include "cli/render/progress.h"
 #include "cli/report.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -224,9 +225,9 @@ static const args_option options[] = {
     {.help = "Options"},
     {"tracer", 0, "SPEC", take_list, offsetof(validate_settings, tracers), 0, 0,
      "tracer to check; may be given several times (embree and reference)"},
-    {"rays", 0, "N", take_count, offsetof(validate_settings, rays), 1, 1e15,
+    {"rays", 0, "N", take_u64, offsetof(validate_settings, rays), 1, 1e15,
      "rays of each family, scene and tracer (1500), such as 20k, 8M or 1G"},
-    {"seed", 0, "N", take_u64, offsetof(validate_settings, seed), 0, 0, "seed of the rays (0)"},
+    {"seed", 0, "N", take_u64, offsetof(validate_settings, seed), 0, HUGE_VAL, "seed of the rays (0)"},
     {"families", 0, "LIST", take_families, offsetof(validate_settings, families), 0, 0,
      "camera, uniform, edge, vertex, grazing, tangent, surface, far, axis, scaled, interval, tiny, bundle, "
      "lattice, ends and rendered, separated by commas (all)"},
@@ -236,7 +237,7 @@ static const args_option options[] = {
      "--rays); 0: none. Not for tracers that test every primitive"},
     {"heavy", 0, NULL, take_true, offsetof(validate_settings, heavy), 0, 0,
      "ten times as many rays for --rays and --power"},
-    {"sample", 0, "N", take_count, offsetof(validate_settings, sample), 0, 1e15,
+    {"sample", 0, "N", take_u64, offsetof(validate_settings, sample), 0, 1e15,
      "rays of each family and scene for which the exact hit is also searched without a BVH, over all "
      "primitives (2)"},
     {"extremes", 0, NULL, take_true, offsetof(validate_settings, extremes), 0, 0,
