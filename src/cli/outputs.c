@@ -1,5 +1,6 @@
 #include "cli/outputs.h"
 
+#include "base/file_name.h"
 #include "cli/fail.h"
 #include "cli/log.h"
 
@@ -12,6 +13,19 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+bool outputs_is_exr(const char *path) {
+    char extension[16];
+    file_extension(path, extension);
+    return strcmp(extension, "exr") == 0;
+}
+
+bool outputs_have_exr(const args_list *outputs) {
+    for (size_t i = 0; i < outputs->count; ++i) {
+        if (outputs_is_exr(outputs->items[i])) return true;
+    }
+    return false;
+}
 
 bool outputs_is_standard(const char *path) { return path && strcmp(path, "-") == 0; }
 

@@ -1,6 +1,6 @@
 #include "cli/render/brightness.h"
 
-#include "cli/render/images.h"
+#include "cli/outputs.h"
 
 #include <fathom/survey.h>
 #include <math.h>
@@ -21,7 +21,7 @@
 static bool any_for_display(const render_options *options) {
     if (options->part.path) return true; /* fathom merge may write one */
     for (size_t i = 0; i < options->outputs.count; ++i) {
-        if (!images_is_exr(options->outputs.items[i])) return fathom_write_is_srgb(&options->write);
+        if (!outputs_is_exr(options->outputs.items[i])) return fathom_write_is_srgb(&options->write);
     }
     return false;
 }
@@ -94,7 +94,7 @@ static bool exceeds_half(const fathom_film *film) {
 
 static void warn_of_half(warning_list *warnings, const char *name, const fathom_film *film,
                          const render_options *options) {
-    if (options->write.float_color || !images_has_exr(&options->outputs) || !exceeds_half(film)) return;
+    if (options->write.float_color || !outputs_have_exr(&options->outputs) || !exceeds_half(film)) return;
     warnings_tell(warnings,
                   "%s: the .exr shows pixels above 65504 as 65504, the largest half float; --exr-float keeps "
                   "them",

@@ -14,19 +14,6 @@
 
 /* ---- names ---- */
 
-bool images_is_exr(const char *path) {
-    char extension[16];
-    file_extension(path, extension);
-    return strcmp(extension, "exr") == 0;
-}
-
-bool images_has_exr(const args_list *outputs) {
-    for (size_t i = 0; i < outputs->count; ++i) {
-        if (images_is_exr(outputs->items[i])) return true;
-    }
-    return false;
-}
-
 #define PARTIAL ".partial"
 #define REWEIGHTED ".reweighted"
 
@@ -170,7 +157,7 @@ static fathom_status write_first(fathom_context *context, const fathom_film *fil
         fathom_status status = fathom_film_write(context, film, path, &options->write);
         if (status == FATHOM_OK) status = standard_output_deliver(context, i, path);
         say_status(&command_render, context, status);
-        kept |= status == FATHOM_OK && images_is_exr(path);
+        kept |= status == FATHOM_OK && outputs_is_exr(path);
         if (status != FATHOM_OK && !failed)
             result = status, failed = standard_output_shown(&options->outputs, i);
     }

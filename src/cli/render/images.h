@@ -6,8 +6,6 @@
 
 #include <limits.h>
 
-bool images_is_exr(const char *path);
-bool images_has_exr(const args_list *outputs);
 /* True if writing the images needs the image helper. */
 bool images_need_helper(const render_options *options);
 

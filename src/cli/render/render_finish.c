@@ -1,5 +1,5 @@
 /* Combines the options of `fathom render` with the scene's settings, and checks that they fit together. */
-#include "cli/render/images.h"
+#include "cli/outputs.h"
 #include "cli/render/part_options.h"
 #include "cli/render/render_options.h"
 
@@ -10,7 +10,7 @@
 
 /* The AOVs that at least one of the outputs can hold: all in .exr, alpha in .png and .tif, none in .jpg. */
 static unsigned held_aovs(const args_list *outputs) {
-    unsigned held = images_has_exr(outputs) ? ~0u : 0;
+    unsigned held = outputs_have_exr(outputs) ? ~0u : 0;
     for (size_t i = 0; i < outputs->count; ++i) {
         char extension[16];
         file_extension(outputs->items[i], extension);
@@ -143,8 +143,8 @@ static bool check_part(const render_options *options, args_problem *problem) {
 bool render_options_check_images(const render_options *options, args_problem *problem) {
     const char *color = color_option(&options->write);
     bool shown = false;
-    for (size_t i = 0; i < options->outputs.count; ++i) shown |= !images_is_exr(options->outputs.items[i]);
-    if (options->write.float_color && !images_has_exr(&options->outputs))
+    for (size_t i = 0; i < options->outputs.count; ++i) shown |= !outputs_is_exr(options->outputs.items[i]);
+    if (options->write.float_color && !outputs_have_exr(&options->outputs))
         return args_wrong(problem, "--exr-float: only with -o FILE.exr");
     return shown || !color ||
            args_wrong(problem, "--%s: only with an image for the display, such as -o FILE.png", color);
