@@ -339,7 +339,8 @@ static inline fathom_status fathom_scene_add_mesh_shared(fathom_scene *scene, fa
 }
 
 /* The name of a shape in mattes (FATHOM_AOV_CRYPTO_OBJECT); the text is copied. Shapes of one name are one
- * matte. Without one, the group's name counts, and in the root the kind and its number: "sphere 3".
+ * matte. Without one, the name of the instance that places the shape counts; without that, the group's name,
+ * and in the root the kind and its number: "sphere 3".
  * FATHOM_BAD_USAGE: there is no such shape. */
 FATHOM_API fathom_status fathom_scene_name_object(fathom_scene *scene, fathom_id object, const char *name);
 
@@ -358,8 +359,7 @@ typedef struct fathom_instance {
     const double *key_times;
     const double *key_transforms; /* 12 numbers each, as `transform` */
     uint32_t key_count;
-    const char
-        *name; /* in Cryptomatte that of its shapes without names; NULL (default): none. It is copied */
+    const char *name; /* see fathom_scene_name_object(); NULL (default): none. The text is copied */
 } fathom_instance;
 
 FATHOM_DEFAULT(fathom_instance) /* identity, in the root */

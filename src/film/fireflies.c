@@ -98,7 +98,7 @@ static double mean_in(const fathom_film *film, int slot, int c, size_t pixel) {
     return (double)film->layers[(layer + (size_t)c) * pixels + pixel];
 }
 
-/* What a slot of a pixel holds. */
+/* The content of a slot of a pixel. */
 typedef struct cascade {
     int k, slot;
     double grey, count; /* share of the pixel's mean; number of samples, not an integer */

@@ -51,7 +51,7 @@ uint32_t matte_id(const char *name) { return float_bits(murmur_hash(name, strlen
  * otherwise of its group; otherwise kind and number, such as "sphere 3", which are written to `made`. */
 #define MADE_NAME 32
 
-/* What a group needs names for. */
+/* Flags of groups. */
 #define GROUP_PLACED 1u   /* it is the root, or an instance without a name places it */
 #define GROUP_NAMELESS 2u /* a shape in it has no name */
 
