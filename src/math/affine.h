@@ -36,7 +36,7 @@ static inline vec3_f64 affine_vector(const affine_f64 *a, vec3_f64 v) {
 static inline vec3_f64 affine_point(const affine_f64 *a, vec3_f64 p) {
     return add_f64(affine_vector(a, p), (vec3_f64){a->m[0][3], a->m[1][3], a->m[2][3]});
 }
-/* Of the linear part. */
+/* The linear part changes volumes by this factor; below 0, it mirrors. */
 static inline double affine_determinant(const affine_f64 *a) {
     return dot_f64(load_f64(a->m[0]), cross_f64(load_f64(a->m[1]), load_f64(a->m[2])));
 }

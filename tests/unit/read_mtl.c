@@ -300,8 +300,8 @@ UNIT_TEST(bump_images_of_blender_are_normals) {
     }
 }
 
-/* Of its Principled BSDF: a roughness of 0.2 is Ns 640, and a specular of 0.5 reflects 4 %, as an ior of 1.5.
- */
+/* Blender writes the values of its Principled BSDF: a roughness of 0.2 is Ns 640, and a specular of 0.5
+ * reflects 4 %, as an ior of 1.5. */
 UNIT_TEST(materials_of_blender_are_those_of_its_shader) {
     static const char head[] = "# Blender 3.4.1 MTL File: 'None'";
     static const struct {
