@@ -10,7 +10,8 @@ typedef struct FN(search) {
     float time;                  /* of the shutter; 0 where nothing moves */
     bool any;                    /* any-hit query; geometry that casts no shadow is skipped */
     bool met;                    /* the fields below are set */
-    FN(reference_hit) best;      /* on equal t the first in world order */
+    FN(reference_hit) best;      /* on equal rank the first in world order */
+    REAL rank;                   /* of `best`: t, or a little more; see search_rank() */
     uint32_t at[3], best_ids[3]; /* instance, geometry, primitive: current, and of the best hit */
 } FN(search);
 
@@ -43,13 +44,14 @@ static inline bool FN(search_comes_before)(const uint32_t a[3], const uint32_t b
     return a[1] != b[1] ? a[1] < b[1] : a[2] < b[2];
 }
 
-static inline void FN(search_offer)(FN(search) * s, uint32_t primitive, const FN(reference_hit) * hit) {
+static inline void FN(search_offer)(FN(search) * s, uint32_t primitive, const FN(reference_hit) * hit,
+                                    REAL rank) {
     s->at[2] = primitive;
-    if (s->met &&
-        (hit->t > s->best.t || (hit->t == s->best.t && !FN(search_comes_before)(s->at, s->best_ids))))
+    if (s->met && (rank > s->rank || (rank == s->rank && !FN(search_comes_before)(s->at, s->best_ids))))
         return;
     s->met = true;
     s->best = *hit;
+    s->rank = rank;
     s->best_ids[0] = s->at[0], s->best_ids[1] = s->at[1], s->best_ids[2] = primitive;
 }
 
@@ -68,21 +70,29 @@ static inline bool FN(search_sphere_robust)(const world_sphere *sphere, VEC3 org
 static inline void FN(search_sphere)(FN(search) * s, const world_sphere *sphere, uint32_t k) {
     FN(reference_hit) hit = {0, 0, 0};
     if (FN(search_sphere_robust)(sphere, s->org, s->dir, s->t_min, s->t_max, &hit.t))
-        FN(search_offer)(s, k, &hit);
+        FN(search_offer)(s, k, &hit, hit.t);
+}
+
+/* The rank of a hit at t of a triangle or quad with these corners. */
+static inline REAL FN(search_rank)(const FN(search) * s, uint32_t k, REAL t, vec3_f32 a, vec3_f32 b,
+                                   vec3_f32 last) {
+    if (!s->world->one_sided) return t;
+    const vec3_f64 dir = {(double)s->dir.x, (double)s->dir.y, (double)s->dir.z};
+    return search_sees_back(s->world, s->at, k, a, b, last, dir) ? t * (REAL)SEARCH_BACK : t;
 }
 
 static inline void FN(search_quad)(FN(search) * s, const world_quad *quad, uint32_t k) {
     FN(reference_hit) hit;
     VEC3 v[4] = {FROM(quad->corner[0]), FROM(quad->corner[1]), FROM(quad->corner[2]), FROM(quad->corner[3])};
-    if (FN(quad_robust)(v[0], v[1], v[2], v[3], s->org, s->dir, s->t_min, s->t_max, &hit))
-        FN(search_offer)(s, k, &hit);
+    if (FN(quad_robust)(v[0], v[1], v[2], v[3], s->org, s->dir, s->t_min, s->t_max, &hit)) FN(search_offer)
+    (s, k, &hit, FN(search_rank)(s, k, hit.t, quad->corner[0], quad->corner[1], quad->corner[3]));
 }
 
 static inline void FN(search_triangle)(FN(search) * s, const vec3_f32 corner[3], uint32_t k) {
     FN(reference_hit) hit;
     VEC3 v[3] = {FROM(corner[0]), FROM(corner[1]), FROM(corner[2])};
     if (FN(triangle_robust_ray)(v[0], v[1], v[2], &s->ray, s->t_min, s->t_max, &hit))
-        FN(search_offer)(s, k, &hit);
+        FN(search_offer)(s, k, &hit, FN(search_rank)(s, k, hit.t, corner[0], corner[1], corner[2]));
 }
 
 /* Tests primitive k of the current geometry. */
@@ -113,9 +123,10 @@ static inline void FN(search_planes)(FN(search) * s) {
         FN(reference_hit) hit = {0, 0, 0};
         VEC3 point = FROM(plane->point), normal = FROM(plane->normal);
         if (FN(plane_robust)(point, normal, s->org, s->dir, s->t_min, s->t_max, &hit.t) &&
-            (!s->met || hit.t < s->best.t)) {
+            (!s->met || hit.t < s->rank)) {
             s->met = true;
             s->best = hit;
+            s->rank = hit.t;
             s->best_ids[0] = FATHOM_NONE, s->best_ids[1] = TRACE_PLANE, s->best_ids[2] = (uint32_t)p;
         }
     }

@@ -106,6 +106,36 @@ UNIT_TEST(fronts_stay_in_front_in_mirror_images) {
     }
 }
 
+/* A tilted sheet of two meshes in one place, each cut into triangles in its own way. */
+static void add_sheet(stage *s, bool back, fathom_id material) {
+    static const float corners[12] = {-5.1f, -4.3f, -9.7f,   4.9f,  -4.3f, -2.9f,
+                                      5.3f,  4.7f,  -2.628f, -4.7f, 4.7f,  -9.428f};
+    static const uint32_t front_first[6] = {0, 1, 2, 0, 2, 3}, back_first[6] = {1, 0, 3, 2, 1, 3};
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = corners, mesh.vertex_count = 4, mesh.triangle_count = 2;
+    mesh.indices = back ? back_first : front_first;
+    mesh.material = material;
+    assert_ok(s->context, fathom_scene_add_mesh(s->scene, FATHOM_ROOT, &mesh, NULL));
+}
+
+UNIT_TEST(sheets_back_to_back_show_the_side_that_faces_the_camera) {
+    static const char *const tracers[] = {"embree", "embree:user", "bvh", "linear", "linear:f64"};
+    for (size_t k = 0; k < 4 * (sizeof tracers / sizeof *tracers); ++k) {
+        const bool back_comes_first = k & 1, from_behind = k & 2;
+        stage s = open_at((double[3]){0.3, 0.2, from_behind ? -14.1 : 0},
+                          (double[3]){0.1, 0, from_behind ? 0 : -14.3});
+        s.settings.tracer = tracers[k / 4];
+        const fathom_id seen = emitter(&s, false, 2), hidden = emitter(&s, false, 8);
+        for (int i = 0; i < 2; ++i) {
+            const bool back = (i == 0) == back_comes_first;
+            add_sheet(&s, back, back == from_behind ? seen : hidden);
+        }
+        check_both(&s, 2);
+        stage_close(&s);
+    }
+}
+
 /* The sky is white, and the body black. */
 UNIT_TEST(closed_meshes_are_looked_out_of) {
     for (int inside = 0; inside < 2; ++inside) {

@@ -153,6 +153,12 @@ bool world_add_lone_mesh(world *w, fathom_id object) {
 
 /* ---- the whole world ---- */
 
+static bool any_one_sided(const fathom_scene *scene) {
+    for (size_t i = 0; i < scene->materials.count; ++i)
+        if (material_is_one_sided(&scene->materials.items[i].value)) return true;
+    return false;
+}
+
 fathom_status world_create(const fathom_scene *scene, world **out) {
     return world_create_from(scene, NULL, out);
 }
@@ -165,6 +171,7 @@ fathom_status world_create_from(const fathom_scene *scene, const vec3_f64 *origi
     world *w = calloc(1, sizeof *w);
     if (w) {
         w->scene = scene;
+        w->one_sided = any_one_sided(scene);
         status = world_place(w, &graph, origin);
         w->absent = graph.absent, graph.absent = NULL;
     } else {

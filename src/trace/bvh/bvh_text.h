@@ -59,10 +59,10 @@ static inline FN(bvh_view) FN(bvh_view_make)(const FN(search) * s, const bvh_tre
     return v;
 }
 
-/* The maximum depth that still matters: t <= best means depth <= best |dz| (1 + 2 u); rounding adds 3 u
+/* The maximum depth that still matters: t <= rank means depth <= rank |dz| (1 + 2 u); rounding adds 3 u
  * more. */
 static inline REAL FN(bvh_limit)(const FN(search) * s, const FN(bvh_view) * v) {
-    return (s->met ? s->best.t : s->t_max) * v->length * (1 + 8 * UNIT);
+    return (s->met ? s->rank : s->t_max) * v->length * (1 + 8 * UNIT);
 }
 
 /* True if the ray may hit something in the box before `limit`. *depth: lower bound of its depth. The

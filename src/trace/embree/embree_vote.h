@@ -1,4 +1,4 @@
-/* Decides between candidates with the reference intersector: the smallest t wins, then the first in world
+/* Decides between candidates with the reference intersector: the smallest rank wins, then the first in world
  * order, as in linear search. */
 #pragma once
 

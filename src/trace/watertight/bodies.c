@@ -127,14 +127,16 @@ static void find_casts(finder *f) {
 
 /* ---- facing ---- */
 
-/* The nearest crossing with the body; NULL: none. */
-static const trace_crossing *first_crossing(const finder *f, uint32_t body) {
-    const trace_crossing *first = NULL;
+/* Where the ray crosses the body first, it enters: 1, leaves: -1, or both: 0. Two sheets back to back in one
+ * place enclose nothing, and rounding decides which of them comes first. 0 also if there is no crossing. */
+static int first_crossing(const finder *f, uint32_t body) {
+    float first[2] = {INFINITY, INFINITY};
     for (size_t i = 0; i < f->room.count; ++i) {
         const trace_crossing *c = &f->room.items[i];
-        if (finder_body(f, c->geometry, c->primitive) == body && (!first || c->t < first->t)) first = c;
+        if (finder_body(f, c->geometry, c->primitive) != body) continue;
+        first[c->entering] = fminf(first[c->entering], c->t);
     }
-    return first;
+    return (first[1] * SEARCH_BACK < first[0]) - (first[0] * SEARCH_BACK < first[1]);
 }
 
 /* The first crossing of a ray from far outside enters the body: the majority of the probes decides its
@@ -148,8 +150,7 @@ static bool find_facing(finder *f, uint32_t group, uint32_t body) {
         vec3_f32 dir = load_f32(bodies_probes[k]);
         vec3_f32 org = madd_f32(finder_point(f->world, &f->samples[body][k], k), -2 * size, dir);
         if (!f->retry->crossings(f->out->tracer->self, group, org, dir, &f->room)) return false;
-        const trace_crossing *first = first_crossing(f, body);
-        if (first) out += first->entering ? 1 : -1;
+        out += first_crossing(f, body);
     }
     f->out->all[body].facing = out > 0 ? FACING_OUT : (out < 0 ? FACING_IN : FACING_NONE);
     return true;
