@@ -17,7 +17,7 @@ typedef struct embree_offered {
 typedef struct embree_vote {
     const embree_tracer *tracer;
     search_f32 search;      /* by the reference intersector */
-    embree_offered met;     /* best candidate that `search` also hits, by its t */
+    embree_offered met;     /* best candidate that `search` also hits, by its rank */
     embree_offered offered; /* best of all candidates, by Embree's t */
 } embree_vote;
 
