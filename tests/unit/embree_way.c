@@ -89,7 +89,7 @@ UNIT_TEST(never_together) {
     assert_way(embree_way_closest(embree, &rays, 16, TRACE_INCOHERENT), widest, false);
     assert_way(embree_way_closest(embree, &rays, 16, TRACE_NEIGHBOURS), widest, false);
     assert_way(embree_way_closest(embree, &rays, 16, TRACE_COHERENT), widest, true);
-    assert_way(embree_way_any(embree, TRACE_INCOHERENT), widest, false);
+    assert_way(embree_way_any(embree, &rays, 16, TRACE_INCOHERENT), widest, false);
     trace_destroy(named);
     stage_close(&s);
     stage_open(&s);
@@ -98,9 +98,13 @@ UNIT_TEST(never_together) {
     embree = (const embree_tracer *)instanced;
     const unsigned width = embree->width, narrow = width < 8 ? width : 8;
     assert_way(embree_way_closest(embree, &rays, 16, TRACE_INCOHERENT), width, false);
-    assert_way(embree_way_any(embree, TRACE_INCOHERENT), width, false);
+    assert_way(embree_way_any(embree, &rays, 16, TRACE_INCOHERENT), width, false);
     /* Where sixteen may hang they are never asked together. */
-    assert_way(embree_way_any(embree, TRACE_COHERENT), embree_may_hang(embree) ? narrow : width, true);
+    assert_way(embree_way_any(embree, &rays, 16, TRACE_COHERENT), embree_may_hang(embree) ? narrow : width,
+               true);
+    lean(&rays, 4 * EMBREE_SIMILAR);
+    assert_way(embree_way_closest(embree, &rays, 16, TRACE_COHERENT), width, false);
+    assert_way(embree_way_any(embree, &rays, 16, TRACE_COHERENT), width, false);
     trace_destroy(instanced);
     stage_close(&s);
 }

@@ -111,7 +111,8 @@ typedef struct embree_way {
 } embree_way;
 embree_way embree_way_closest(const embree_tracer *tracer, const trace_rays *rays, unsigned lanes,
                               trace_coherence coherence);
-embree_way embree_way_any(const embree_tracer *tracer, trace_coherence coherence);
+embree_way embree_way_any(const embree_tracer *tracer, const trace_rays *rays, unsigned lanes,
+                          trace_coherence coherence);
 
 /* ---- embree.c ---- */
 

@@ -14,7 +14,7 @@ _Static_assert(EMBREE_BARE_ROWS == EMBREE_PACKET_ROWS, "packets as the tracer ha
 void embree_bare_load(const trace_tracer *base, bare_query query, trace_coherence coherence,
                       const trace_rays *rays, unsigned lanes, bare_block *out) {
     const embree_tracer *tracer = (const embree_tracer *)base;
-    const embree_way way = query == BARE_ANY ? embree_way_any(tracer, coherence)
+    const embree_way way = query == BARE_ANY ? embree_way_any(tracer, rays, lanes, coherence)
                                              : embree_way_closest(tracer, rays, lanes, coherence);
     trace_block ready = {.rays = *rays};
     stretch scale;

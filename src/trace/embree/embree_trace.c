@@ -112,7 +112,7 @@ static bool any_block(const embree_tracer *tracer, trace_rays *rays, unsigned la
     if (!tracer->kernels->begin_any(tracer, rays, lanes, scaled, &asked)) return false;
     embree_context context;
     embree_context_init(&context);
-    const embree_way way = embree_way_any(tracer, coherence);
+    const embree_way way = embree_way_any(tracer, rays, lanes, coherence);
     if (way.width == LANES)
         embree_occluded(LANES, asked.valid, tracer->scenes[0], &context, way.coherent, rays);
     else
