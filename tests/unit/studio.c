@@ -201,10 +201,10 @@ static bool room_has_studio(double s, float radiance) {
     return out;
 }
 
-/* A lamp shines from both sides, each pi L / 10 of a wall. Of the lower side's light a fifth leaves by the
- * front; all of the upper side's meets the ceiling, but so near that the points may miss it. So the mean of
- * five walls is an irradiance from 0.8 pi L / 50 to 1.8 pi L / 50, against a sixteenth of 0.696 pi: lamps and
- * studio part between L = 1.2 and L = 2.7. */
+/* As a point, the lamp gives 0.1 L / (1 + r^2)^2 to the floor at a distance r from its middle, and
+ * 0.1 L z / (2 (z^2 + 1/4)^2) to the middle line of a wall at a depth z below the lamp: at most 0.13 L. So
+ * with L = 1.1 only a strip of the walls, and the tenth of the ceiling above the lamp, get the 0.137 of the
+ * limit. With L = 3 all of the floor but its corners gets it, and more than half of the walls. */
 UNIT_TEST(a_room_is_lit_by_its_lamps_unless_they_are_dim) {
     for (double size = 1e-6; size < 1e7; size *= 1e4) {
         assert_false(room_has_studio(size, 20));
@@ -276,6 +276,26 @@ UNIT_TEST(a_display_lights_what_it_faces_alone) {
     scene = open_telephone(1000, true);
     assert_false(scene->in_studio);
     fathom_scene_destroy(scene);
+}
+
+/* A ball with a bright bead next to it: seen from the bead, the horizon at cos a = 1 / 1.1 cuts a cap of
+ * (1 - cos a) / 2 = 4.5 % off the ball. However bright the bead is, the rest would be black without the
+ * studio. The lamp at a distance of ten radii sees 45 % of the ball; they get up to L pi 0.5^2 / 9^2. */
+UNIT_TEST(a_bright_part_alone_lights_no_model) {
+    for (int lamp = 0; lamp < 2; ++lamp) {
+        fathom_scene *scene;
+        fathom_sphere ball;
+        assert_ok(context, fathom_scene_create(context, &scene));
+        fathom_sphere_default(&ball);
+        ball.radius = 1;
+        assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &ball, NULL));
+        ball.center[1] = lamp ? 10 : 1.1, ball.radius = lamp ? 0.5 : 0.1;
+        ball.material = add_emission(scene, 1000);
+        assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &ball, NULL));
+        assert_ok(context, fathom_scene_complete(scene));
+        assert_true(scene->in_studio == !lamp);
+        fathom_scene_destroy(scene);
+    }
 }
 
 /* A room whose walls face outwards is lit by the lamp in it for whoever stands inside, and not for whoever

@@ -48,15 +48,15 @@ fathom_status scene_add_floor(fathom_scene *scene);
 
 /* ---- light ---- */
 
-/* Estimates the mean irradiance (as luminance) that uniformly emissive surfaces cause on the other surfaces,
- * from a few hundred points and without occlusion. 0 if nothing emits except by textures. INFINITY if
- * something emits and the scene has a plane: the mean over a plane has no bound, and model files have no
+/* Estimates the irradiance (as luminance) that uniformly emissive surfaces cause on at least a quarter of the
+ * other surfaces, from a few hundred points and without occlusion. 0 if nothing emits except by textures.
+ * INFINITY if something emits and the scene has a plane: a plane has no quarter, and model files have no
  * planes. */
 fathom_status scene_measure_lamps(const fathom_scene *scene, double *out);
 
 /* The mean luminance of the built-in studio (light/studio.h) over all directions. */
 #define STUDIO_LUMINANCE 0.696
-/* Emissive surfaces can light a scene alone if they give at least this fraction of the studio's light. */
+/* Emissive surfaces can light a scene alone if they give it at least this fraction of the studio's light. */
 #define LAMPS_SHARE (1.0 / 16)
 
 /* ---- the aspect ratio of images ---- */

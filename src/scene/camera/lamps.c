@@ -1,5 +1,6 @@
-/* Estimates how much light the emissive surfaces of a model give to the model itself: the mean irradiance of
- * all other surfaces, from points distributed uniformly by area over both. Occlusion is ignored, but a
+/* Estimates how much light the emissive surfaces of a model give to the model itself: the irradiance that a
+ * quarter of the other surfaces reaches, from points distributed uniformly by area over both. A mean would be
+ * high next to a single bright part, and the model around it dark. Occlusion is ignored, but a
  * surface is lit on one side only. This is its front: the display of a telephone does not light the
  * telephone, because its other surfaces all face away from the display. If the scene's own camera stands
  * among the surfaces, it is the side that the camera sees, because some programs let the walls of rooms face
@@ -233,6 +234,18 @@ static bool any_lamp(const fathom_scene *scene) {
     return false;
 }
 
+static int by_value(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double upper_quartile(const lamp_walk *w) {
+    double irradiance[PATCHES];
+    for (uint32_t i = 0; i < w->others.count; ++i) irradiance[i] = irradiance_at(w, &w->others.items[i]);
+    qsort(irradiance, w->others.count, sizeof *irradiance, by_value);
+    return w->others.count ? irradiance[w->others.count - 1 - w->others.count / 4] : 0;
+}
+
 fathom_status scene_measure_lamps(const fathom_scene *scene, double *out) {
     scene_graph graph;
     *out = 0;
@@ -247,8 +260,7 @@ fathom_status scene_measure_lamps(const fathom_scene *scene, double *out) {
     if (!walk_all(&w, false) || !walk_all(&w, true))
         status = fail_memory(scene->context, sizeof *w.stack.items);
     w.inside = has_camera_inside(&w);
-    for (uint32_t i = 0; i < w.others.count; ++i)
-        *out += irradiance_at(&w, &w.others.items[i]) / w.others.count;
+    *out = upper_quartile(&w);
     array_free(&w.stack);
     graph_destroy(&graph);
     return status;
