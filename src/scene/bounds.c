@@ -3,6 +3,7 @@
 #include "scene/motion/motion.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 scene_bounds bounds_empty(void) {
     return (scene_bounds){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
@@ -73,14 +74,24 @@ static scene_bounds vertex_bounds(const fathom_mesh *mesh, const mesh_facts *fac
     return out;
 }
 
-static scene_bounds mesh_bounds(const fathom_scene *scene, uint32_t index) {
-    const fathom_mesh *mesh = &scene->meshes.items[index];
+/* b: bounds of its vertices. */
+static scene_bounds placed_bounds(const fathom_mesh *mesh, const scene_bounds *b) {
     const vec3_f64 origin = load_f64(mesh->origin);
     const double reach = (double)mesh->point_radius;
     const vec3_f64 around = {reach, reach, reach};
+    return (scene_bounds){add_f64(origin, sub_f64(b->lower, around)),
+                          add_f64(origin, add_f64(b->upper, around))};
+}
+
+static scene_bounds mesh_bounds(const fathom_scene *scene, uint32_t index) {
+    const fathom_mesh *mesh = &scene->meshes.items[index];
     const scene_bounds b = vertex_bounds(mesh, &scene->mesh_facts.items[index], scene->camera.shutter);
-    return (scene_bounds){add_f64(origin, sub_f64(b.lower, around)),
-                          add_f64(origin, add_f64(b.upper, around))};
+    return placed_bounds(mesh, &b);
+}
+
+bool scene_has_strays(const mesh_facts *facts) {
+    return memcmp(facts->core_lower, facts->lower, sizeof facts->lower) != 0 ||
+           memcmp(facts->core_upper, facts->upper, sizeof facts->upper) != 0;
 }
 
 scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id id) {
@@ -103,11 +114,21 @@ scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id id) {
     return out;
 }
 
+scene_bounds scene_framed_bounds(const fathom_scene *scene, fathom_id id) {
+    const scene_object object = scene->objects.items[id];
+    const mesh_facts *facts = object.kind == SCENE_MESH ? &scene->mesh_facts.items[object.index] : NULL;
+    if (!facts || !scene_has_strays(facts)) return scene_object_bounds(scene, id);
+    const scene_bounds core = {widen(load_f32(facts->core_lower)), widen(load_f32(facts->core_upper))};
+    return placed_bounds(&scene->meshes.items[object.index], &core);
+}
+
 scene_bounds graph_object_bounds(const fathom_scene *scene, const scene_graph *graph, fathom_id object) {
     return graph->absent[object] ? bounds_empty() : scene_object_bounds(scene, object);
 }
 
-fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph, scene_bounds **out) {
+fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph,
+                           scene_bounds (*of)(const fathom_scene *scene, fathom_id object),
+                           scene_bounds **out) {
     scene_bounds *of_group = malloc(scene->groups.count * sizeof *of_group);
     *out = of_group;
     if (!of_group) return fail_memory(scene->context, scene->groups.count * sizeof *of_group);
@@ -116,7 +137,8 @@ fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph, 
         uint32_t g = graph->order[k];
         of_group[g] = bounds_empty();
         for (uint32_t i = graph->objects.first[g]; i < graph->objects.first[g + 1]; ++i) {
-            scene_bounds b = graph_object_bounds(scene, graph, graph->objects.items[i]);
+            const fathom_id object = graph->objects.items[i];
+            scene_bounds b = graph->absent[object] ? bounds_empty() : of(scene, object);
             bounds_join(&of_group[g], &b);
         }
         for (uint32_t i = graph->instances.first[g]; i < graph->instances.first[g + 1]; ++i) {
@@ -134,7 +156,7 @@ fathom_status scene_world_bounds(const fathom_scene *scene, scene_bounds *out) {
     fathom_status status = graph_create(scene, &graph);
     if (status != FATHOM_OK) return status;
     scene_bounds *of_group;
-    status = graph_bounds(scene, &graph, &of_group);
+    status = graph_bounds(scene, &graph, scene_object_bounds, &of_group);
     if (status == FATHOM_OK) *out = of_group[FATHOM_ROOT];
     free(of_group);
     graph_destroy(&graph);

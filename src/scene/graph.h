@@ -23,8 +23,11 @@ void graph_destroy(scene_graph *graph);
 
 /* As scene_object_bounds(), but empty for an absent object. */
 scene_bounds graph_object_bounds(const fathom_scene *scene, const scene_graph *graph, fathom_id object);
-/* The bounds of each group that the root reaches, in the group's own coordinates; release with free(). */
-fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph, scene_bounds **out);
+/* The bounds of each group that the root reaches, in the group's own coordinates; release with free(). `of`:
+ * scene_object_bounds() or scene_framed_bounds(). */
+fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph,
+                           scene_bounds (*of)(const fathom_scene *scene, fathom_id object),
+                           scene_bounds **out);
 
 /* Counts the paths from the root to each group, and returns their sum. `placements` has one entry per group,
  * all 0 at first. The counts are double, so that huge ones do not wrap. */

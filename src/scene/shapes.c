@@ -227,8 +227,14 @@ static fathom_status add_mesh(fathom_scene *scene, fathom_id group, const fathom
         return fail_memory(scene->context, sizeof *mesh);
     fathom_status status = book(scene, SCENE_MESH, scene->meshes.count, group, mesh->material, out);
     if (status != FATHOM_OK) return status;
+    mesh_facts own = *facts;
+    memcpy(own.core_lower, own.lower, sizeof own.lower);
+    memcpy(own.core_upper, own.upper, sizeof own.upper);
+    if (mesh->point_radius > 0 && !mesh->key_count)
+        mesh_find_strays(mesh->positions, mesh->position_stride, mesh->vertex_count, own.core_lower,
+                         own.core_upper);
     array_push(&scene->meshes, *mesh);
-    array_push(&scene->mesh_facts, *facts);
+    array_push(&scene->mesh_facts, own);
     return FATHOM_OK;
 }
 

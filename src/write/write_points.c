@@ -11,6 +11,7 @@ typedef struct cloud {
 } cloud;
 
 typedef struct radius_search {
+    const fathom_scene *scene;
     cloud *clouds; /* as a reader would group the points */
     write_clouds how;
     size_t off;
@@ -20,15 +21,24 @@ static cloud *cloud_of(const radius_search *s, const write_placement *at) {
     return &s->clouds[s->how == WRITE_CLOUDS_BY_MATERIAL ? at->material : 0];
 }
 
+/* Strays are those of one mesh here: readers look at all points of a cloud. */
+static bool is_stray(const mesh_facts *facts, const float *p) {
+    bool out = false;
+    for (int k = 0; k < 3; ++k) out |= p[k] < facts->core_lower[k] || p[k] > facts->core_upper[k];
+    return out;
+}
+
 static fathom_status add_points(void *user, const write_placement *at) {
     radius_search *s = user;
     const fathom_mesh *m = at->mesh;
     if (!(m->point_radius > 0)) return FATHOM_OK;
     cloud *c = cloud_of(s, at);
     c->points += m->vertex_count;
-    for (size_t i = 0; i < m->vertex_count; ++i)
+    for (size_t i = 0; i < m->vertex_count; ++i) {
+        if (is_stray(&s->scene->mesh_facts.items[at->mesh_index], mesh_vertex(m, i))) continue;
         bounds_add(&c->bounds,
                    widen(write_placed_position(at, write_item(m->positions, m->position_stride, i))));
+    }
     return FATHOM_OK;
 }
 
@@ -72,7 +82,7 @@ static size_t count_each(const fathom_scene *scene) {
     for (size_t i = 0; i < scene->meshes.count; ++i) {
         const fathom_mesh *m = &scene->meshes.items[i];
         const mesh_facts *facts = &scene->mesh_facts.items[i];
-        const scene_bounds box = {widen(load_f32(facts->lower)), widen(load_f32(facts->upper))};
+        const scene_bounds box = {widen(load_f32(facts->core_lower)), widen(load_f32(facts->core_upper))};
         off += m->point_radius > 0 &&
                !same(strokes_radius(&box, m->vertex_count, false), (double)m->point_radius);
     }
@@ -87,7 +97,7 @@ fathom_status write_count_radii(const fathom_scene *scene, const scene_graph *gr
         *out = count_each(scene);
         return FATHOM_OK;
     }
-    radius_search s = {.clouds = malloc(count * sizeof *s.clouds), .how = how};
+    radius_search s = {.scene = scene, .clouds = malloc(count * sizeof *s.clouds), .how = how};
     if (!s.clouds) return fail_memory(scene->context, count * sizeof *s.clouds);
     for (size_t i = 0; i < count; ++i) s.clouds[i] = (cloud){bounds_empty(), 0};
     fathom_status status = write_each_placement(scene, graph, add_points, &s);

@@ -418,6 +418,58 @@ UNIT_TEST(placed_clouds_read_back) {
     }
 }
 
+/* ---- stray points ---- */
+
+enum { EDGE = 11, GRID = EDGE * EDGE * EDGE, STRAYS = 6 };
+
+/* A cube of points, and as many strays far along the axes as `strays` says. */
+static fathom_mesh grid_of(uint32_t strays) {
+    static float grid[GRID + STRAYS][3];
+    for (int i = 0; i < GRID; ++i)
+        grid[i][0] = (float)(i % EDGE), grid[i][1] = (float)(i / EDGE % EDGE),
+        grid[i][2] = (float)(i / EDGE / EDGE);
+    for (int i = 0; i < STRAYS; ++i) grid[GRID + i][i / 2] = i % 2 ? 1e4f : -1e4f;
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = grid[0], mesh.vertex_count = GRID + strays;
+    /* The largest that readers give. */
+    mesh.point_radius = (float)(10 * sqrt(3) / 80);
+    return mesh;
+}
+
+/* With strays, the camera shows the box of the cube's spheres, whose corners lie (sqrt 3 - 1) radii outside
+ * of the spheres in the cube's corners, less than a 60th of its diagonal. The strays are a thousand edges
+ * away. */
+UNIT_TEST(a_few_stray_points_change_neither_size_nor_camera) {
+    for (int f = 0; f < 4; ++f) {
+        fathom_mesh mesh = grid_of(0);
+        fathom_scene *near = through(scene_of(&mesh), files[f]);
+        mesh = grid_of(STRAYS);
+        fathom_scene *far = through(scene_of(&mesh), files[f]);
+        assert_int_equal(strstr(warnings, "stray points") && strstr(warnings, "(6 such)"), f != 3);
+        if (strstr(warnings, LOST)) fail_msg("%s: %s", files[f], warnings);
+        assert_int_equal(far->meshes.items[0].vertex_count, GRID + STRAYS);
+        assert_true(far->meshes.items[0].point_radius == near->meshes.items[0].point_radius);
+        for (int k = 0; k < 3; ++k)
+            assert_near(far->camera.origin[k], near->camera.origin[k], near->camera.origin[2] / 60);
+        fathom_scene_destroy(near);
+        fathom_scene_destroy(far);
+    }
+}
+
+/* Many far points are no strays. */
+UNIT_TEST(two_clouds_in_one_are_shown_as_one) {
+    static float two[200][3];
+    for (int i = 0; i < 200; ++i)
+        two[i][0] = (float)(i % 10) + (i < 190 ? 0 : 1e4f), two[i][1] = (float)i / 20;
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = two[0], mesh.vertex_count = 200, mesh.point_radius = 1;
+    fathom_scene *scene = scene_of(&mesh);
+    assert_true(scene_framed_bounds(scene, 0).upper.x == scene_object_bounds(scene, 0).upper.x);
+    fathom_scene_destroy(scene);
+}
+
 UNIT_TEST(ply_has_no_place_for_points_among_triangles) {
     static const uint32_t indices[3] = {0, 1, 2};
     const fathom_mesh mesh = cloud_of(0.3f, 0);

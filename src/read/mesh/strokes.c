@@ -71,13 +71,21 @@ double strokes_radius(const scene_bounds *bounds, size_t count, bool lines) {
     return diagonal > 0 ? diagonal * share : 1;
 }
 
-/* Returns 0 if there are no points or lines, or on failure (*status). */
-static double find_radius(fathom_scene *scene, const strokes *s, fathom_status *status) {
+/* cloud: the points, if there are no lines. Returns 0 on failure (*status). */
+static double find_radius(fathom_scene *scene, const strokes *s, const fathom_mesh *cloud,
+                          fathom_status *status) {
     scene_bounds b = bounds_empty();
     const size_t corners = (size_t)s->count * (s->lines ? 2 : 1);
-    if (!s->count) return 0;
     for (size_t i = 0; i < corners; ++i) bounds_add(&b, position_of(s, vertex_of(s, i)));
-    const double radius = strokes_radius(&b, s->count, s->lines),
+    float lower[3], upper[3];
+    store_f32(lower, narrow(b.lower)), store_f32(upper, narrow(b.upper));
+    if (!s->lines)
+        notes_add(s->notes,
+                  mesh_find_strays(cloud->positions, cloud->position_stride, s->count, lower, upper), "",
+                  "stray points far from the others count neither for the size of the points nor for the "
+                  "automatic camera");
+    const scene_bounds core = {widen(load_f32(lower)), widen(load_f32(upper))};
+    const double radius = strokes_radius(&core, s->count, s->lines),
                  far = fmax(fmax(fmax(-b.lower.x, b.upper.x), fmax(-b.lower.y, b.upper.y)),
                             fmax(-b.lower.z, b.upper.z));
     if (far + radius <= (double)FLT_MAX) return radius;
@@ -89,11 +97,11 @@ static double find_radius(fathom_scene *scene, const strokes *s, fathom_status *
 }
 
 /* Makes a point cloud in the order of the indices. Without indices, it shares the arrays. */
-static fathom_status make_cloud(fathom_scene *scene, const strokes *s, double radius, fathom_mesh *mesh) {
+static fathom_status make_cloud(fathom_scene *scene, const strokes *s, fathom_mesh *mesh) {
     void *positions = NULL, *colors = NULL;
     mesh->positions = s->positions, mesh->position_stride = s->position_stride;
     mesh->colors = s->colors, mesh->color_stride = s->color_stride, mesh->color_channels = s->color_channels;
-    mesh->vertex_count = s->count, mesh->point_radius = s->count ? fmaxf((float)radius, FLT_MIN) : 0;
+    mesh->vertex_count = s->count;
     if (!s->indices) return FATHOM_OK;
     fathom_status status = scene_allocate_items(scene, s->count, 3 * sizeof(float), &positions);
     if (status == FATHOM_OK && s->colors)
@@ -132,8 +140,10 @@ static fathom_status make_rods(fathom_scene *scene, const strokes *s, double rad
 }
 
 fathom_status strokes_make(fathom_scene *scene, const strokes *s, fathom_mesh *mesh) {
-    fathom_status status = FATHOM_OK;
-    const double radius = find_radius(scene, s, &status);
-    if (status != FATHOM_OK) return status;
-    return (s->lines ? make_rods : make_cloud)(scene, s, radius, mesh);
+    fathom_status status = s->lines ? FATHOM_OK : make_cloud(scene, s, mesh);
+    if (status != FATHOM_OK || !s->count) return status;
+    const double radius = find_radius(scene, s, mesh, &status);
+    if (status == FATHOM_OK && s->lines) return make_rods(scene, s, radius, mesh);
+    mesh->point_radius = fmaxf((float)radius, FLT_MIN);
+    return status;
 }

@@ -21,13 +21,13 @@ typedef struct strokes {
                                 the arrays above without a copy, so the scene must own them */
     uint32_t count;          /* of points or of lines */
     bool lines;
-    note_list *notes; /* receives notes on lines of length 0 */
+    note_list *notes; /* receives notes on lines of length 0 and on stray points */
 } strokes;
 
-/* D is the diagonal of the bounds. n points or lines that are spread over a surface are about D / sqrt(n)
- * apart. A point is a sphere of half that radius, clamped to [D / 2000, D / 80]; a line is a rod of a 20th of
- * it, clamped to [D / 1000, D / 300]. So few points and lines are seen, and many do not merge. The radius is
- * 1 if all points are equal. */
+/* D is the diagonal of the bounds, without stray points (mesh_find_strays()). n points or lines that are
+ * spread over a surface are about D / sqrt(n) apart. A point is a sphere of half that radius, clamped to [D /
+ * 2000, D / 80]; a line is a rod of a 20th of it, clamped to [D / 1000, D / 300]. So few points and lines are
+ * seen, and many do not merge. The radius is 1 if all points are equal. */
 double strokes_radius(const scene_bounds *bounds, size_t count, bool lines);
 
 /* Makes *mesh a cloud of the points, or a mesh of the lines, in memory of the scene. Lines of length 0 are

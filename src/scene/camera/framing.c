@@ -134,11 +134,12 @@ static bool add_object(walk *w, const directions *d, fathom_id id) {
         break;
     case SCENE_MESH: {
         const fathom_mesh *mesh = &w->scene->meshes.items[object.index];
-        if (mesh->vertex_count <= w->vertices) {
+        if (mesh->vertex_count <= w->vertices &&
+            !scene_has_strays(&w->scene->mesh_facts.items[object.index])) {
             w->vertices -= mesh->vertex_count;
             return add_mesh(w, d, object.index);
         }
-        scene_bounds box = scene_object_bounds(w->scene, id);
+        scene_bounds box = scene_framed_bounds(w->scene, id);
         add_box(w, d, &box);
         break;
     }
@@ -349,7 +350,7 @@ static fathom_status look_at_all(const fathom_scene *scene, bool (*look)(walk *w
     *empty = true;
     fathom_status status = graph_create(scene, &graph);
     if (status != FATHOM_OK) return status;
-    status = graph_bounds(scene, &graph, &of_group);
+    status = graph_bounds(scene, &graph, scene_framed_bounds, &of_group);
     if (status == FATHOM_OK && !bounds_is_empty(&of_group[FATHOM_ROOT])) {
         *empty = false;
         framing_times times;

@@ -9,8 +9,9 @@
 #define MESH_RUN 8192
 
 typedef struct mesh_facts {
-    float lower[3], upper[3];       /* of all vertices, relative to the mesh's origin */
-    uint32_t lowest[3], highest[3]; /* where the first run begins that reaches lower, upper */
+    float lower[3], upper[3];           /* of all vertices, relative to the mesh's origin */
+    float core_lower[3], core_upper[3]; /* the same without stray points; set when the mesh is in a scene */
+    uint32_t lowest[3], highest[3];     /* where the first run begins that reaches lower, upper */
     float largest;     /* the largest magnitude of a coordinate of triangles within WORLD_REACH */
     uint32_t flat;     /* triangles without area: stored, never hit */
     uint32_t beyond;   /* triangles with a coordinate whose magnitude is not below WORLD_REACH */
@@ -38,6 +39,11 @@ fathom_status mesh_check_indices(fathom_context *context, const char *what, cons
  * may be any floats. The mesh's strides must be set. */
 fathom_status mesh_look_at_triangles(fathom_context *context, const char *what, const fathom_mesh *mesh,
                                      mesh_facts *facts);
+
+/* Bounds of points without strays: at most about 1 % of the points beyond each end of an axis, farther from
+ * the rest than the rest is long. They come from scanners' reflections, and would make everything else a dot
+ * in the image. *lower and *upper hold the bounds of all points before. Returns the number of strays. */
+uint32_t mesh_find_strays(const float *values, size_t stride, uint32_t count, float lower[3], float upper[3]);
 
 /* Row i of an array whose rows are `stride` bytes apart, as in a mesh's attributes. */
 static inline const float *mesh_row(const float *first, size_t stride, size_t i) {

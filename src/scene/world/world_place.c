@@ -352,7 +352,7 @@ static fathom_status place_all(placer *p, const vec3_f64 *origin) {
     bool moves = false;
     for (size_t i = 0; i < p->w->scene->instances.count && !moves; ++i)
         moves = motion_is_moving(&p->w->scene->instances.items[i], p->w->scene->camera.shutter);
-    if (moves) status = graph_bounds(p->w->scene, p->graph, &p->bounds);
+    if (moves) status = graph_bounds(p->w->scene, p->graph, scene_object_bounds, &p->bounds);
     if (status != FATHOM_OK) return status;
     if (origin) p->origins[FATHOM_ROOT] = *origin;
     p->w->origin = p->origins[FATHOM_ROOT];
