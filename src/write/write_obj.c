@@ -119,16 +119,18 @@ static size_t format_points(const void *user, size_t begin, size_t end, char *ou
 
 /* ---- file ---- */
 
-/* Appends the group's name as one word. */
+/* Writes the object's name, or one with that of its group, as one word. */
 static void put_head(obj *o, const write_placement *at) {
-    const char *group = o->scene->groups.items[o->scene->objects.items[at->object].group];
+    const scene_object *object = &o->scene->objects.items[at->object];
+    const char *group = o->scene->groups.items[object->group], *name = object->name ? object->name : group;
     file_writer *file = o->stream.file;
-    file_writer_print(file, "o object_%zu%s", o->objects++, group && *group ? "_" : "");
-    for (const char *c = group ? group : ""; *c; ++c)
+    file_writer_print(file, "o ");
+    if (!object->name) file_writer_print(file, "object_%zu%s", o->objects, name && *name ? "_" : "");
+    for (const char *c = name ? name : ""; *c; ++c)
         file_writer_put(file, (unsigned char)*c <= ' ' ? "_" : c, 1);
     if (o->material != at->material) file_writer_print(file, "\nusemtl %s", o->names[at->material]);
     file_writer_print(file, "\n");
-    o->material = at->material;
+    ++o->objects, o->material = at->material;
 }
 
 static fathom_status put_placement(void *user, const write_placement *at) {

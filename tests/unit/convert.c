@@ -494,7 +494,8 @@ UNIT_TEST(scenes_of_arrays_survive_conversion_to_json) {
 /* ---- vertex colours and images of mesh files ---- */
 
 /* One of two meshes has colours and one has none; one of the colours is black, one above 1. PLY has opacities
- * and a second uv set too, and includes the k_d of the default material, 0.5, as it has no materials. */
+ * and a second uv set too, and includes the k_d of the default material, 0.5, as it has no materials. OBJ has
+ * two objects, PLY one mesh. */
 UNIT_TEST(mesh_files_keep_vertex_colours) {
     static const float colors[12] = {0.001f, 0.5f, 0.2f, 1, 0, 0, 0, 1, 0.4f, 2.5f, 0.7f, 0.8f};
     static const char *const names[] = {"a.ply", "a.obj"};
@@ -510,13 +511,14 @@ UNIT_TEST(mesh_files_keep_vertex_colours) {
         fathom_scene *back;
         assert_ok(context, fathom_scene_write(scene, in_folder(names[format])));
         assert_ok(context, fathom_scene_read(context, in_folder(names[format]), &back));
-        const fathom_mesh *got = &back->meshes.items[0];
-        assert_non_null(got->colors);
-        assert_int_equal(got->vertex_count, 6);
-        assert_int_equal(got->color_channels, format ? 3 : 4);
-        if (!format) assert_true(got->uvs_1 && *mesh_row(got->uvs_1, got->uv_1_stride, 1) == 1);
+        assert_int_equal(back->meshes.count, format ? 2 : 1);
         for (uint32_t v = 0; v < 6; ++v) {
-            const float *c = (const float *)(const void *)((const char *)got->colors + got->color_stride * v);
+            const fathom_mesh *got = &back->meshes.items[format ? v / 3 : 0];
+            assert_non_null(got->colors);
+            assert_int_equal(got->vertex_count, format ? 3 : 6);
+            assert_int_equal(got->color_channels, format ? 3 : 4);
+            if (!format) assert_true(got->uvs_1 && *mesh_row(got->uvs_1, got->uv_1_stride, 1) == 1);
+            const float *c = mesh_row(got->colors, got->color_stride, format ? v % 3 : v);
             /* OBJ: two roundings to float, about a curve whose slope is at most 2.4. */
             for (uint32_t k = 0; k < got->color_channels; ++k) {
                 const float own = v < 3 ? fminf(colors[4 * v + k], format ? 1 : 4) : 1;

@@ -233,6 +233,35 @@ UNIT_TEST(each_material_is_one_mesh) {
 
 /* Of six vertices the first mesh uses three, the second all: the first has copies, in the file's order, with
  * uvs whose indices are the positions', and normals by indices of their own. */
+static void expect_objects(const char *text, size_t count, const char *const names[]) {
+    fathom_scene *scene = read_text(text);
+    assert_int_equal(scene->objects.count, count);
+    for (size_t i = 0; i < count; ++i) {
+        const char *name = scene->objects.items[i].name;
+        if (!name || !names[i])
+            assert_true(name == names[i]);
+        else
+            assert_string_equal(name, names[i]);
+    }
+    fathom_scene_destroy(scene);
+}
+
+/* For Cryptomatte: a mesh for each object and material in it. */
+UNIT_TEST(each_object_is_a_mesh_of_its_name) {
+    expect_objects("o two words # no more\n" SQUARE "f 1 2 3 4\n", 1, (const char *[]){"two words"});
+    expect_objects("g default\n" SQUARE "g a\nf 1 2 3 4\n" SQUARE "g b\nf 5 6 7 8\n", 2,
+                   (const char *[]){"a", "b"});
+    /* Groups of objects are none. */
+    expect_objects("o a\n" SQUARE "g x\nf 1 2 3\ng y\nf 1 3 4\no b\n" SQUARE "f 5 6 7 8\n", 2,
+                   (const char *[]){"a", "b"});
+    expect_objects(SQUARE "f 1 2 3 4\no a\n" SQUARE "usemtl m\nf 5 6 7\nusemtl n\nf 5 7 8\n", 2,
+                   (const char *[]){NULL, "a"});
+    /* Parts of one surface remain one mesh. */
+    expect_objects(SQUARE "g a\nf 1 2 3\ng b\nf 1 3 4\n", 1, (const char *[]){NULL});
+    expect_objects(SQUARE "g a\nf 1 2 3 4\n" SQUARE "g b\nf 5 6 7 8\ng a\nf 1 2 3\n", 1,
+                   (const char *[]){NULL});
+}
+
 UNIT_TEST(unused_vertices_are_left_out) {
     const char *mtl = "newmtl rest\nKd 1 0 0\n";
     mesh_write("m.mtl", mtl, strlen(mtl));

@@ -102,6 +102,8 @@ static bool may_be_sparse(const fathom_mesh *mesh) {
 /* *out: whether the mesh uses at most half of its vertices. False when out of memory. */
 static bool find_sparse(const fathom_mesh *mesh, bool *out) {
     const size_t corners = 3 * (size_t)mesh->triangle_count;
+    *out = corners <= mesh->vertex_count / 2;
+    if (*out) return true;
     uint64_t *seen = calloc(mesh->vertex_count / 64 + 1, sizeof *seen);
     uint32_t used = 0;
     for (size_t i = 0; seen && i < corners && used <= mesh->vertex_count / 2; ++i) {

@@ -23,7 +23,7 @@ obj_statement obj_classify(const char **p) {
         obj_statement statement;
     } keywords[] = {
         {"v", 1, OBJ_S_POSITION},     {"vt", 2, OBJ_S_UV},           {"vn", 2, OBJ_S_NORMAL},
-        {"f", 1, OBJ_S_FACE},         {"g", 1, OBJ_S_NAME},          {"o", 1, OBJ_S_NAME},
+        {"f", 1, OBJ_S_FACE},         {"g", 1, OBJ_S_GROUP},         {"o", 1, OBJ_S_OBJECT},
         {"s", 1, OBJ_S_SMOOTHING},    {"usemtl", 6, OBJ_S_MATERIAL}, {"l", 1, OBJ_S_LINE},
         {"mtllib", 6, OBJ_S_LIBRARY}, {"p", 1, OBJ_S_POINT},         {paint, sizeof paint - 1, OBJ_S_PAINT}};
     const char *at = text_skip(*p);
@@ -60,28 +60,25 @@ bool obj_smoothing_group(const char *p, uint32_t *group) {
     return true;
 }
 
-static obj_mention mention(const char *p, const char *end) {
+static obj_mention mention(obj_statement statement, const char *p, const char *end) {
     size_t length = text_rest(&p, end);
-    return (obj_mention){.at = p, .length = length};
+    return (obj_mention){.at = p, .length = length, .slot = statement};
 }
 
 static void scan_piece(obj_reader *r, obj_piece *piece) {
     if (!text_has_no_zeros(&r->fault, piece->begin, piece->end)) return;
     for (const char *p = piece->begin; p < piece->end;) {
         obj_statement statement = obj_classify(&p);
+        bool fine = true;
         switch (statement) {
         case OBJ_S_POSITION: ++piece->count[OBJ_POSITION]; break;
         case OBJ_S_UV: ++piece->count[OBJ_UV]; break;
         case OBJ_S_NORMAL: ++piece->count[OBJ_NORMAL]; break;
-        case OBJ_S_MATERIAL:
-            if (!array_push(&piece->materials, mention(p, piece->end))) text_no_memory(&r->fault);
-            break;
-        case OBJ_S_LIBRARY:
-            if (!array_push(&piece->libraries, mention(p, piece->end))) text_no_memory(&r->fault);
-            break;
-        case OBJ_S_PAINT:
-            if (!array_push(&piece->paint, mention(p, piece->end))) text_no_memory(&r->fault);
-            break;
+        case OBJ_S_MATERIAL: fine = array_push(&piece->materials, mention(statement, p, piece->end)); break;
+        case OBJ_S_LIBRARY: fine = array_push(&piece->libraries, mention(statement, p, piece->end)); break;
+        case OBJ_S_PAINT: fine = array_push(&piece->paint, mention(statement, p, piece->end)); break;
+        case OBJ_S_OBJECT:
+        case OBJ_S_GROUP: fine = array_push(&piece->objects, mention(statement, p, piece->end)); break;
         case OBJ_S_SMOOTHING:
             /* The parse reports an invalid group. */
             if (obj_smoothing_group(p, &piece->last_group)) piece->sets_group = true;
@@ -90,9 +87,9 @@ static void scan_piece(obj_reader *r, obj_piece *piece) {
         case OBJ_S_FACE:
         case OBJ_S_LINE:
         case OBJ_S_POINT:
-        case OBJ_S_NAME:
         case OBJ_S_UNKNOWN: break;
         }
+        if (!fine) text_no_memory(&r->fault);
         p = obj_next(statement, p, piece->end);
     }
 }
@@ -102,9 +99,27 @@ static void scan_pieces(void *user, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) scan_piece(r, &r->pieces[i]);
 }
 
-/* Finds the state at the start of each piece: number of vertices, material, smoothing group. */
+/* Numbers the objects. Groups are objects in a file without any: some programs write only those. */
+static bool number_object(obj_reader *r, obj_statement kind, obj_mention *named) {
+    const obj_mention *last = r->objects.count ? &r->objects.items[r->objects.count - 1] : NULL;
+    const bool counts = named->slot == kind && !(last && obj_same_mention(last, named));
+    if (counts && !array_push(&r->objects, *named)) return false;
+    named->slot = (uint32_t)r->objects.count;
+    return true;
+}
+
+static obj_statement object_kind(const obj_reader *r) {
+    for (size_t i = 0; i < r->piece_count; ++i) {
+        for (size_t k = 0; k < r->pieces[i].objects.count; ++k)
+            if (r->pieces[i].objects.items[k].slot == OBJ_S_OBJECT) return OBJ_S_OBJECT;
+    }
+    return OBJ_S_GROUP;
+}
+
+/* Finds the state at the start of each piece: number of vertices, material, object, smoothing group. */
 static fathom_status carry_over(obj_reader *r) {
     uint32_t slot = 0, group = 0;
+    const obj_statement kind = object_kind(r);
     for (size_t i = 0; i < r->piece_count; ++i) {
         obj_piece *piece = &r->pieces[i];
         for (int k = 0; k < OBJ_KINDS; ++k) {
@@ -112,12 +127,17 @@ static fathom_status carry_over(obj_reader *r) {
             r->total[k] += piece->count[k];
         }
         piece->first_slot = slot;
+        piece->first_object = (uint32_t)r->objects.count;
         piece->first_group = group;
         for (size_t m = 0; m < piece->materials.count; ++m) {
             obj_mention *named = &piece->materials.items[m];
             uint32_t name = names_add(&r->names, named->at, named->length);
             if (name == UINT32_MAX) return fail_memory(r->scene->context, named->length);
             slot = named->slot = name + 1;
+        }
+        for (size_t m = 0; m < piece->objects.count; ++m) {
+            if (!number_object(r, kind, &piece->objects.items[m]))
+                return fail_memory(r->scene->context, sizeof(obj_mention));
         }
         if (piece->sets_group) group = piece->last_group;
     }
@@ -196,6 +216,7 @@ static void release(obj_reader *r) {
         array_free(&piece->materials);
         array_free(&piece->libraries);
         array_free(&piece->paint);
+        array_free(&piece->objects);
         array_free(&piece->runs);
         array_free(&piece->polygons);
         for (int k = 0; k < OBJ_KINDS; ++k) array_free(&piece->corners[k]);
@@ -208,6 +229,7 @@ static void release(obj_reader *r) {
     }
     names_free(&r->names);
     array_free(&r->slots);
+    array_free(&r->objects);
 }
 
 fathom_status read_obj(fathom_scene *scene, fathom_id group, const char *path,

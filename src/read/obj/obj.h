@@ -75,14 +75,16 @@ enum { OBJ_POSITION, OBJ_UV, OBJ_NORMAL, OBJ_KINDS };
 typedef struct obj_mention {
     const char *at; /* the name in the file */
     size_t length;
-    uint32_t slot; /* usemtl: index into obj_reader.slots */
+    uint32_t slot; /* usemtl: index into obj_reader.slots; o and g: 1 + index into obj_reader.objects */
 } obj_mention;
 
-/* Consecutive triangles of a piece with the same material, smoothing group and kinds of data. */
+/* Consecutive triangles of a piece with the same material, object, smoothing group and kinds of data. */
 typedef struct obj_run {
     size_t first, count;  /* triangles of the piece */
     uint32_t slot;        /* material */
+    uint32_t object;      /* 0: none */
     uint32_t group;       /* smoothing group; 0: not smoothed */
+    uint32_t mesh;        /* index of its mesh */
     bool has[OBJ_KINDS];  /* OBJ_UV, OBJ_NORMAL */
     bool same[OBJ_KINDS]; /* the indices of this kind equal those of the positions */
     size_t target;        /* index of its first triangle in its mesh */
@@ -129,10 +131,10 @@ typedef struct obj_piece {
     const char *begin, *end;
     /* From the scan. */
     uint64_t count[OBJ_KINDS], base[OBJ_KINDS];
-    ARRAY(obj_mention) materials, libraries, paint;
+    ARRAY(obj_mention) materials, libraries, paint, objects;
     bool sets_group;
-    uint32_t last_group;              /* if sets_group */
-    uint32_t first_slot, first_group; /* values at the beginning of the piece */
+    uint32_t last_group;                            /* if sets_group */
+    uint32_t first_slot, first_object, first_group; /* values at the beginning of the piece */
     /* From the parse. Indices of uvs and normals are stored only once one differs from the index of the
      * position; an empty array means that all are equal. */
     ARRAY(uint32_t) corners[OBJ_KINDS];
@@ -164,9 +166,10 @@ typedef struct obj_reader {
     size_t piece_count;
     uint64_t total[OBJ_KINDS];
     name_table names;
-    ARRAY(obj_slot) slots;    /* indexed by 1 + index into names */
-    float *values[OBJ_KINDS]; /* total[] of them, then 16 bytes of padding */
-    bool adopted[OBJ_KINDS];  /* the scene owns values[] */
+    ARRAY(obj_slot) slots;      /* indexed by 1 + index into names */
+    ARRAY(obj_mention) objects; /* o, or g in a file without o; the same name twice in a row is one */
+    float *values[OBJ_KINDS];   /* total[] of them, then 16 bytes of padding */
+    bool adopted[OBJ_KINDS];    /* the scene owns values[] */
     float *colors;     /* linear RGB of each vertex, white if it has no colour; NULL: no vertex has one */
     double white;      /* the number of the file that means 1 in a colour: 1, or 255 */
     fathom_id colored; /* material of elements without one, in a file with vertex colours */
@@ -185,7 +188,8 @@ typedef enum obj_statement {
     OBJ_S_FACE,
     OBJ_S_LINE,
     OBJ_S_POINT,
-    OBJ_S_NAME, /* g and o, which have no effect here */
+    OBJ_S_OBJECT,
+    OBJ_S_GROUP,
     OBJ_S_SMOOTHING,
     OBJ_S_MATERIAL,
     OBJ_S_LIBRARY,
@@ -197,6 +201,9 @@ obj_statement obj_classify(const char **p);
 
 /* Reads the group of an s statement; `p` is after the keyword. False if it is invalid. */
 bool obj_smoothing_group(const char *p, uint32_t *group);
+
+/* True if both have the same name. */
+bool obj_same_mention(const obj_mention *a, const obj_mention *b);
 
 /* The start of the next line. A backslash joins lines, but not comments. */
 const char *obj_next(obj_statement statement, const char *p, const char *end);

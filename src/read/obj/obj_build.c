@@ -8,9 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A mesh of all triangles of one material with the same kinds of data. */
+/* A mesh of all triangles of one material, and of one object if objects are apart, with the same kinds of
+ * data. */
 typedef struct obj_mesh {
-    uint32_t slot;
+    uint32_t slot, object;
     bool has[OBJ_KINDS], same[OBJ_KINDS];
     size_t count;
     uint32_t *indices[OBJ_KINDS];
@@ -21,8 +22,34 @@ typedef struct obj_mesh {
 typedef struct obj_builder {
     obj_reader *r;
     ARRAY(obj_mesh) meshes; /* in order of appearance */
-    uint32_t *mesh_of;      /* slot × has uvs × has normals -> mesh + 1 */
+    uint32_t *mesh_of;      /* slot × has uvs × has normals -> the last such mesh + 1 */
+    bool apart;             /* each object gets its own meshes */
 } obj_builder;
+
+/* More meshes than this cost more time than the names are worth. */
+#define OBJECTS_MOST 4096
+
+/* True if no two objects use vertices of the same part of the file, as in files whose objects were separate
+ * ones. Else they may be parts of one surface, and keep its vertices in one mesh. */
+static bool are_apart(const obj_reader *r) {
+    uint32_t object = 0, before = 0, most = 0;
+    if (r->objects.count < 2) return true;
+    for (size_t i = 0; i < r->piece_count; ++i) {
+        const obj_piece *piece = &r->pieces[i];
+        for (size_t k = 0; k < piece->runs.count; ++k) {
+            const obj_run *run = &piece->runs.items[k];
+            const uint32_t *index = piece->corners[OBJ_POSITION].items + 3 * run->first;
+            uint32_t least = UINT32_MAX;
+            if (run->object != object) object = run->object, before = most;
+            for (size_t c = 0; c < 3 * run->count; ++c) {
+                least = index[c] < least ? index[c] : least;
+                most = index[c] >= most ? index[c] + 1 : most;
+            }
+            if (least < before) return false;
+        }
+    }
+    return r->objects.count <= OBJECTS_MOST;
+}
 
 static uint32_t *mesh_slot(const obj_builder *b, const obj_run *run) {
     uint32_t slot = b->r->slots.items[run->slot].same_as;
@@ -31,13 +58,14 @@ static uint32_t *mesh_slot(const obj_builder *b, const obj_run *run) {
 
 static bool place_run(obj_builder *b, obj_run *run) {
     uint32_t *number = mesh_slot(b, run);
-    if (!*number) {
-        obj_mesh mesh = {.slot = run->slot, .same = {true, true, true}};
+    if (!*number || (b->apart && b->meshes.items[*number - 1].object != run->object)) {
+        obj_mesh mesh = {.slot = run->slot, .object = run->object, .same = {true, true, true}};
         memcpy(mesh.has, run->has, sizeof mesh.has);
         if (!array_push(&b->meshes, mesh)) return false;
         *number = (uint32_t)b->meshes.count;
     }
-    obj_mesh *mesh = &b->meshes.items[*number - 1];
+    run->mesh = *number - 1;
+    obj_mesh *mesh = &b->meshes.items[run->mesh];
     run->target = mesh->count;
     mesh->count += run->count;
     for (int k = OBJ_UV; k < OBJ_KINDS; ++k) mesh->same[k] = mesh->same[k] && run->same[k];
@@ -46,6 +74,7 @@ static bool place_run(obj_builder *b, obj_run *run) {
 
 static fathom_status place_runs(obj_builder *b) {
     obj_reader *r = b->r;
+    b->apart = are_apart(r);
     b->mesh_of = calloc(4 * r->slots.count, sizeof *b->mesh_of);
     if (!b->mesh_of) return fail_memory(r->scene->context, 4 * r->slots.count * sizeof *b->mesh_of);
     for (size_t i = 0; i < r->piece_count; ++i) {
@@ -82,7 +111,7 @@ static void copy_pieces(void *user, size_t begin, size_t end) {
         obj_piece *piece = &b->r->pieces[i];
         for (size_t k = 0; k < piece->runs.count; ++k) {
             const obj_run *run = &piece->runs.items[k];
-            const obj_mesh *mesh = &b->meshes.items[*mesh_slot(b, run) - 1];
+            const obj_mesh *mesh = &b->meshes.items[run->mesh];
             for (int kind = 0; kind < OBJ_KINDS; ++kind) {
                 if (!mesh->indices[kind]) continue;
                 int from = piece->corners[kind].count ? kind : OBJ_POSITION;
@@ -173,6 +202,20 @@ static fathom_status look_at_vertices(const obj_reader *r, const fathom_mesh *me
                                  mesh->vertex_count, facts);
 }
 
+/* Names the mesh that was added last. The only object of a file has the names of the instances that place it.
+ */
+static fathom_status name_mesh(const obj_builder *b, const obj_mesh *mesh) {
+    fathom_scene *scene = b->r->scene;
+    const obj_mention *object = mesh->object ? &b->r->objects.items[mesh->object - 1] : NULL;
+    const bool whole = b->r->objects.count < 2 && b->r->group != FATHOM_ROOT;
+    if (!b->apart || whole || !object || !object->length) return FATHOM_OK;
+    char *name = strndup(object->at, object->length);
+    if (!name) return fail_memory(scene->context, object->length);
+    const fathom_status status = fathom_scene_name_object(scene, (fathom_id)(scene->objects.count - 1), name);
+    free(name);
+    return status;
+}
+
 /* facts: of the vertices of all meshes that are not copied. */
 static fathom_status add_all(obj_builder *b, const mesh_facts *facts) {
     fathom_status status = FATHOM_OK;
@@ -181,6 +224,7 @@ static fathom_status add_all(obj_builder *b, const mesh_facts *facts) {
         mesh_facts own = *facts;
         if (mesh->copied) status = look_at_vertices(b->r, &mesh->mesh, &own);
         if (status == FATHOM_OK) status = obj_add_mesh(b->r, mesh->slot, &mesh->mesh, own);
+        if (status == FATHOM_OK) status = name_mesh(b, mesh);
     }
     return status;
 }

@@ -152,7 +152,7 @@ static fathom_status read_mention(obj_reader *r, mtl_library *library, library_n
     return FATHOM_OK;
 }
 
-static bool same_mention(const obj_mention *a, const obj_mention *b) {
+bool obj_same_mention(const obj_mention *a, const obj_mention *b) {
     return a->length == b->length && memcmp(a->at, b->at, a->length) == 0;
 }
 
@@ -161,7 +161,7 @@ static fathom_status read_mentions(obj_reader *r, mtl_library *library, library_
     for (size_t i = 0; i < r->piece_count; ++i) {
         for (size_t k = 0; k < r->pieces[i].libraries.count; ++k) {
             const obj_mention *mention = &r->pieces[i].libraries.items[k];
-            if (last && same_mention(last, mention)) continue;
+            if (last && obj_same_mention(last, mention)) continue;
             fathom_status status = read_mention(r, library, names, mention);
             if (status != FATHOM_OK) return status;
             last = mention;

@@ -19,10 +19,10 @@ typedef struct obj_parser {
     obj_reader *r;
     obj_piece *piece;
     uint64_t seen[OBJ_KINDS]; /* in the whole file */
-    uint32_t slot, group;
+    uint32_t slot, object, group;
     const char *keyword; /* of the current element: f, l or p */
     unsigned absent;     /* bits of the kinds of indices that the element has, but the file has no data for */
-    size_t next_material;
+    size_t next_material, next_object;
     ARRAY(obj_corner) face;
 } obj_parser;
 
@@ -171,16 +171,18 @@ static bool read_corner(obj_parser *s, const char **p, obj_corner *out, unsigned
 static obj_run *run_for(obj_parser *s, unsigned parts) {
     obj_piece *piece = s->piece;
     const read_mesh_options *options = &s->r->options;
-    obj_run run = {
-        .first = piece->corners[OBJ_POSITION].count / 3, .slot = s->slot, .same = {true, true, true}};
+    obj_run run = {.first = piece->corners[OBJ_POSITION].count / 3,
+                   .slot = s->slot,
+                   .object = s->object,
+                   .same = {true, true, true}};
     run.has[OBJ_UV] = scene_keeps_uvs(s->r->scene) && parts >> OBJ_UV & 1;
     run.has[OBJ_NORMAL] = !options->flat && parts >> OBJ_NORMAL & 1;
     if (!options->flat && !run.has[OBJ_NORMAL]) {
         run.group = s->group ? s->group : options->smooth ? OBJ_ALL_GROUPS : 0;
     }
     obj_run *last = piece->runs.count ? &piece->runs.items[piece->runs.count - 1] : NULL;
-    if (last && last->slot == run.slot && last->group == run.group && last->has[OBJ_UV] == run.has[OBJ_UV] &&
-        last->has[OBJ_NORMAL] == run.has[OBJ_NORMAL]) {
+    if (last && last->slot == run.slot && last->object == run.object && last->group == run.group &&
+        last->has[OBJ_UV] == run.has[OBJ_UV] && last->has[OBJ_NORMAL] == run.has[OBJ_NORMAL]) {
         return last;
     }
     return array_push(&piece->runs, run) ? &piece->runs.items[piece->runs.count - 1] : NULL;
@@ -323,6 +325,11 @@ static const char *read_statement(obj_parser *s, obj_statement statement, const 
         if (s->next_material < s->piece->materials.count)
             s->slot = s->piece->materials.items[s->next_material++].slot;
         return p;
+    case OBJ_S_OBJECT:
+    case OBJ_S_GROUP:
+        if (s->next_object < s->piece->objects.count)
+            s->object = s->piece->objects.items[s->next_object++].slot;
+        return p;
     case OBJ_S_LINE: return read_stroke(s, OBJ_LINES, p);
     case OBJ_S_POINT: return read_stroke(s, OBJ_POINTS, p);
     case OBJ_S_UNKNOWN:
@@ -330,14 +337,17 @@ static const char *read_statement(obj_parser *s, obj_statement statement, const 
         return p;
     case OBJ_S_EMPTY:
     case OBJ_S_PAINT:
-    case OBJ_S_NAME:
     case OBJ_S_LIBRARY: return p;
     }
     return p;
 }
 
 static void parse_piece(obj_reader *r, obj_piece *piece) {
-    obj_parser s = {.r = r, .piece = piece, .slot = piece->first_slot, .group = piece->first_group};
+    obj_parser s = {.r = r,
+                    .piece = piece,
+                    .slot = piece->first_slot,
+                    .object = piece->first_object,
+                    .group = piece->first_group};
     for (int k = 0; k < 3; ++k) {
         s.seen[k] = piece->base[k];
         piece->lower[k] = (double)INFINITY;
