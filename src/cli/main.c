@@ -54,13 +54,15 @@ static fathom_status dispatch(int argc, char **argv) {
     }
     const char *name = argv[1];
     if (is_either(name, "--version", "-V")) {
-        version_print(argc > 2 && is_either(argv[2], "--verbose", "-v"));
+        const int verbose = argc > 2 && is_either(argv[2], "--verbose", "-v");
+        if (argc > 2 + verbose) {
+            args_wrong(&problem, "%s: expected nothing after it, found \"%.60s\"", name, argv[2 + verbose]);
+            return say_usage(NULL, problem.text);
+        }
+        version_print(verbose);
         return FATHOM_OK;
     }
-    if (is_either(name, "--help", "-h")) {
-        help_overview(stdout);
-        return FATHOM_OK;
-    }
+    if (is_either(name, "--help", "-h")) name = "help";
     if (name[0] == '-') {
         args_wrong(&problem, "expected a command before \"%.60s\"", name);
         return say_usage(NULL, problem.text);

@@ -18,6 +18,10 @@ for letter in -v --verbose; do
         grep -qE "$line" out.txt || die "--version $letter: no line $line"
     done
 done
+refused 2 '--version: expected nothing after it, found "foo"' --version foo
+refused 2 '-V: expected nothing after it, found "foo"' -V -v foo
+run 0 -h render
+said out.txt 'Usage: fathom render'
 for arguments in --help -h help 'help help'; do
     # shellcheck disable=SC2086
     run 0 $arguments
