@@ -5,6 +5,7 @@
 
 #include <fathom/file.h>
 #include <fathom/read.h>
+#include <fathom/survey.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -54,10 +55,14 @@ static fathom_status generate(const generate_settings *settings, fathom_generato
     if (status != FATHOM_OK) return status;
     struct stat info;
     double bytes = stat(settings->output, &info) == 0 ? (double)info.st_size : 0;
-    if (settings->common.quiet) return FATHOM_OK;
+    const double written = clock_seconds();
+    const fathom_survey *survey;
+    if (!settings->common.quiet) status = fathom_scene_survey(scene, &survey);
+    if (settings->common.quiet || status != FATHOM_OK) return status;
     print_name(stdout, settings->output);
-    printf(": %.1f MB, made in %.2f s, written in %.2f s\n", 1e-6 * bytes, made - start,
-           clock_seconds() - made);
+    printf(": %llu triangles, %.1f MB, made in %.2f s, written in %.2f s\n",
+           (unsigned long long)survey->placed_triangles, 1e-6 * bytes, made - start, written - made);
+    fathom_survey_destroy(survey);
     return FATHOM_OK;
 }
 

@@ -22,8 +22,10 @@ done
 
 # About as many triangles as asked for; a closed sphere of 20k comes within 5 %.
 run 0 generate sphere -t 20k -o a.glb
+cp out.txt triangles.txt
 run 0 info a.glb --json
 count=$(number out.txt placedTriangles)
+said triangles.txt "a.glb: $count triangles, "
 [ "$count" -ge 19000 ] && [ "$count" -le 21000 ] || die "asked for 20000 triangles, got $count"
 ls -A | grep tmp && die 'a temporary file was left behind'
 exit 0
