@@ -136,11 +136,16 @@ static void print_pair(const char *title, const json_t *first, const char *betwe
     putchar('\n');
 }
 
-static void print_emissive(const json_t *root) {
-    if (json_number_at(root, "lights.emissiveTriangles") > 0)
-        json_print(root, ", {lights.emissiveTriangles:.0f} emissive triangles");
-    if (json_number_at(root, "lights.emissiveShapes") > 0)
-        json_print(root, ", {lights.emissiveShapes:.0f} emissive shapes");
+/* "1 mesh", "2 meshes". */
+static void print_count(const json_t *root, const char *path, const char *what, const char *plural) {
+    const double count = json_number_at(root, path);
+    printf("%.0f %s%s", count, what, count == 1 ? "" : plural);
+}
+
+static void print_emissive(const json_t *root, const char *path, const char *what) {
+    if (!(json_number_at(root, path) > 0)) return;
+    fputs(", ", stdout);
+    print_count(root, path, what, "s");
 }
 
 static void print_facts(const json_t *root) {
@@ -148,21 +153,28 @@ static void print_facts(const json_t *root) {
     json_t *item;
     fputs("scene     ", stdout);
     print_name(stdout, json_text_at(root, "scene"));
-    json_print(root, "\ntriangles {counts.triangles:.0f} in {counts.meshes:.0f} mesh");
-    if (json_number_at(root, "counts.meshes") != 1) fputs("es", stdout);
+    json_print(root, "\ntriangles {counts.triangles:.0f} in ");
+    print_count(root, "counts.meshes", "mesh", "es");
     if (json_number_at(root, "counts.placedTriangles") != json_number_at(root, "counts.triangles"))
         json_print(root, "; {counts.placedTriangles:.0f} with instances");
     fputs("\nshapes    ", stdout);
     if (json_number_at(root, "counts.points") > 0) {
-        const bool one = json_number_at(root, "counts.clouds") == 1;
-        json_print(root, "{counts.points:.0f} points in {counts.clouds:.0f} cloud");
-        fputs(one ? ", " : "s, ", stdout);
+        print_count(root, "counts.points", "point", "s");
+        fputs(" in ", stdout);
+        print_count(root, "counts.clouds", "cloud", "s");
+        fputs(", ", stdout);
     }
-    json_print(root, "{counts.spheres:.0f} spheres, {counts.quads:.0f} quads, {counts.planes:.0f} planes\n"
-                     "instances {counts.instances:.0f} of {counts.groups:.0f} groups\n"
-                     "lights    {lights.point:.0f} point, {lights.directional:.0f} directional, "
+    print_count(root, "counts.spheres", "sphere", "s");
+    fputs(", ", stdout);
+    print_count(root, "counts.quads", "quad", "s");
+    fputs(", ", stdout);
+    print_count(root, "counts.planes", "plane", "s");
+    json_print(root, "\ninstances {counts.instances:.0f} of ");
+    print_count(root, "counts.groups", "group", "s");
+    json_print(root, "\nlights    {lights.point:.0f} point, {lights.directional:.0f} directional, "
                      "{lights.spot:.0f} spot, {lights.environment:.0f} environment");
-    print_emissive(root);
+    print_emissive(root, "lights.emissiveTriangles", "emissive triangle");
+    print_emissive(root, "lights.emissiveShapes", "emissive shape");
     json_print(root, "\nmaterials {counts.materials:.0f}\n");
     if (json_is_object(json_at(root, "bounds")))
         print_pair("bounds    ", json_at(root, "bounds.lower"), " to ", json_at(root, "bounds.upper"), 9);

@@ -4,7 +4,8 @@ write_scene
 
 run 0 info scene.json
 said out.txt 'scene     ball on a floor'
-said out.txt '1 spheres, 1 quads, 0 planes'
+said out.txt '1 sphere, 1 quad, 0 planes'
+said out.txt 'instances 0 of 0 groups'
 said out.txt 'lights    1 point, 0 directional, 0 spot, 0 environment'
 said out.txt 'bounds    (-3, 0, -3) to (3, 1.6, 3)'
 said out.txt 'image     96x64, 1 spp'
@@ -22,7 +23,7 @@ name=$(printf 'n\033[2J\302\233\n\377')
 run 0 render scene.json -o "$name.png"
 said out.txt 'n?[2J????.png: 96x64'
 run 0 generate sphere -t 20 -o "$name.ply"
-said out.txt 'n?[2J????.ply: 0.0 MB'
+said out.txt 'n?[2J????.ply: 20 triangles, 0.0 MB'
 rm "$name.png" "$name.ply" a.png named.json
 refused 2 'unexpected argument "n?[2J????"' info scene.json "$name"
 refused 3 'fathom: n?[2J????.obj: No such file' info "$name.obj"
@@ -90,7 +91,7 @@ cat >far.json <<'JSON'
 JSON
 run 0 info far.json
 said out.txt 'features  spheres, instances, emission'
-said out.txt 'lights    0 point, 0 directional, 0 spot, 0 environment, 1 emissive shapes'
+said out.txt 'lights    0 point, 0 directional, 0 spot, 0 environment, 1 emissive shape'
 said out.txt 'shapes and triangles beyond 1e+18 from the origin, which Embree leaves out: 1'
 not_said out.txt 'every surface is black'
 # Under path tracing the background lights the scene, and sums above 1 brighten it.
