@@ -84,12 +84,12 @@ static OCIO::ConstConfigRcPtr load_config(const char *path) {
     struct stat info;
     bool file = std::strncmp(path, "ocio://", 7) != 0; /* else a config built into newer libraries */
     if (file && (stat(path, &info) != 0 || access(path, R_OK) != 0)) {
-        throw failure(FATHOM_BAD_USAGE, std::string("cannot be read: ") + std::strerror(errno));
+        throw failure(FATHOM_BAD_INPUT, std::string("cannot be read: ") + std::strerror(errno));
     }
-    if (file && S_ISDIR(info.st_mode)) throw failure(FATHOM_BAD_USAGE, "cannot be read: is a folder");
+    if (file && S_ISDIR(info.st_mode)) throw failure(FATHOM_BAD_INPUT, "cannot be read: is a folder");
     if (file && !S_ISREG(info.st_mode)) {
         /* Reading a pipe may block, and some devices have no end. */
-        throw failure(FATHOM_BAD_USAGE, "cannot be read: is not a regular file");
+        throw failure(FATHOM_BAD_INPUT, "cannot be read: is not a regular file");
     }
     return OCIO::Config::CreateFromFile(path);
 }

@@ -240,10 +240,10 @@ said err.txt 'all surfaces are fully transparent'
 
 refused 2 'No Such View' render scene.json -o c.png --view 'No Such View'
 refused 2 'No Such Display' render scene.json -o c.png --display 'No Such Display'
-refused 2 'missing.ocio' render scene.json -o c.png --ocio missing.ocio
+refused 3 'missing.ocio' render scene.json -o c.png --ocio missing.ocio
 mkfifo pipe.ocio
-refused 2 'pipe.ocio: cannot be read: is not a regular file' render scene.json -o c.png --ocio pipe.ocio
-OCIO=/dev/zero refused 2 '($OCIO) /dev/zero: cannot be read: is not a regular file' render scene.json -o c.tif
+refused 3 'pipe.ocio: cannot be read: is not a regular file' render scene.json -o c.png --ocio pipe.ocio
+OCIO=/dev/zero refused 3 '($OCIO) /dev/zero: cannot be read: is not a regular file' render scene.json -o c.tif
 rm pipe.ocio
 run 0 render scene.json -o c.exr --exr-float
 same base.exr c.exr

@@ -63,11 +63,11 @@ UNIT_TEST(unknown_names_are_listed) {
 UNIT_TEST(missing_and_broken_configs_are_reported) {
     fathom_write_options options = defaults();
     options.ocio = "/nowhere/config.ocio";
-    assert_fails(context, image_check(context, in_folder("a.png"), &options), FATHOM_BAD_USAGE,
+    assert_fails(context, image_check(context, in_folder("a.png"), &options), FATHOM_BAD_INPUT,
                  "/nowhere/config.ocio: cannot be read: No such file");
     setenv("OCIO", "/nowhere/else.ocio", 1);
     options.ocio = NULL;
-    assert_fails(context, image_check(context, in_folder("a.png"), &options), FATHOM_BAD_USAGE,
+    assert_fails(context, image_check(context, in_folder("a.png"), &options), FATHOM_BAD_INPUT,
                  "($OCIO) /nowhere/else.ocio");
     FILE *f = fopen(in_folder("broken.ocio"), "w");
     assert_non_null(f);
@@ -77,7 +77,7 @@ UNIT_TEST(missing_and_broken_configs_are_reported) {
     assert_fails(context, image_check(context, in_folder("a.png"), &options), FATHOM_BAD_INPUT,
                  "broken.ocio");
     options.ocio = folder;
-    assert_fails(context, image_check(context, in_folder("a.png"), &options), FATHOM_BAD_USAGE,
+    assert_fails(context, image_check(context, in_folder("a.png"), &options), FATHOM_BAD_INPUT,
                  "is a folder");
     write_config("no-role.ocio", "  default: Plain\n", PLAIN);
     options.ocio = in_folder("no-role.ocio");
