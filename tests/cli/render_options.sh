@@ -66,7 +66,7 @@ run 0 render asks.json -o b.exr --aov none
 run 1 compare a.exr b.exr
 said out.txt 'channel Z is only in the first'
 run 0 render asks.json -o a.png
-said err.txt 'fathom: warning: asks.json: asks for AOVs that only .exr holds; they are left out'
+said err.txt 'fathom: warning: asks.json: asks for AOVs that no -o FILE holds, as .exr does; they are left out'
 # All 0 is the whole image, also of a scene that has a crop.
 sed 's/"width": /"crop": [8, 8, 24, 16], &/' scene.json >cropped.json
 run 0 render cropped.json -o a.png --stats a.json

@@ -138,7 +138,8 @@ refused 2 '--aov: expected names from alpha,Z,N,P,albedo,id,samples,error,direct
 refused 2 '--ocio: expected FILE, found nothing' render a.json -o a.png --ocio=
 
 refused 2 '--aov: only .exr holds these channels' render a.json -o a.png --aov Z
-refused 2 '--aov: only .exr holds these channels' render a.json -o a.jpg --aov alpha
+refused 2 '--aov: .jpg holds no alpha; expected one more -o FILE.png' render a.json -o a.jpg --aov alpha
+refused 2 '--aov: only .exr holds these channels' render a.json -o a.jpg --aov alpha,Z
 
 refused 2 'SCENE is missing' info
 refused 2 'unknown option --jsn; did you mean --json?; see fathom help info' info a.json --jsn

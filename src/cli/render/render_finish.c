@@ -164,8 +164,12 @@ bool render_options_finish(render_options *options, const fathom_settings *scene
     if (!finish_adaptive(options, scene, problem) || !finish_loss(options, problem)) return false;
     if (options->exposure == EXPOSURE_GIVEN) options->part.exposure = &options->write.exposure;
     unsigned held = options->part.path ? ~0u : held_aovs(&options->outputs);
-    if (render_options_give(options, "aovs") && options->settings.aovs & ~held)
-        return args_wrong(problem, "--aov: only .exr holds these channels; expected one more -o FILE.exr");
+    const unsigned lost = options->settings.aovs & ~held;
+    if (render_options_give(options, "aovs") && lost)
+        return args_wrong(problem,
+                          lost == FATHOM_AOV_ALPHA
+                              ? "--aov: .jpg holds no alpha; expected one more -o FILE.png, .tif or .exr"
+                              : "--aov: only .exr holds these channels; expected one more -o FILE.exr");
     options->settings.aovs &= held;
     return true;
 }

@@ -91,8 +91,8 @@ static fathom_status merge_settings(task *s) {
     if (!render_options_finish(o, &settings, &problem))
         return cli_fail(s->context, FATHOM_BAD_USAGE, "%s", problem.text);
     if (settings.aovs & ~o->settings.aovs && !render_options_give(o, "aovs"))
-        warnings_tell(&s->report.warnings, "%s: asks for AOVs that only .exr holds; they are left out",
-                      o->scene);
+        warnings_tell(&s->report.warnings,
+                      "%s: asks for AOVs that no -o FILE holds, as .exr does; they are left out", o->scene);
     if (render_options_give(o, "min_spp") && !(o->settings.target_error > 0 || o->settings.max_time > 0))
         return cli_fail(s->context, FATHOM_BAD_USAGE,
                         "--min-spp: only with --target-error E or --max-time SECONDS");
