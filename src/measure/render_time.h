@@ -26,7 +26,7 @@ typedef struct render_speed {
 typedef struct render_time {
     quartiles plan_seconds;
     ray_counts rays;
-    bool has_ratio; /* the tracer is Embree, with packets or single rays */
+    bool has_ratio; /* embree_bare_possible() */
     render_ratio ratio;
     render_speed speeds[RENDER_TIME_THREADS_MAX];
     unsigned speed_count;

@@ -84,7 +84,12 @@ said p.csv '"a ""b"".obj"'
 
 # A tracer without a bare form has no ratio.
 run 0 bench render scene.json --spp 1 --threads 1 --repeats 1 --size 32x32 --tracer bvh --json b.json
-said out.txt 'no bare form'
+said out.txt 'no bare calls'
+said b.json '"ceiling": null'
+# Nor has a scene that is not in Embree's: calls on nothing take no time.
+printf '{ "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }' >ball.json
+run 0 bench render ball.json --spp 1 --threads 1 --repeats 1 --size 32x32 --json b.json
+said out.txt 'no bare calls'
 said b.json '"ceiling": null'
 
 # Generated meshes of several sizes and several tracers: a run for each, and exponents; no file is left.

@@ -113,7 +113,7 @@ static void print_run(const json_t *run) {
                         "  all of the render phase: {ceiling.renderToBare.median:.3f} times the bare calls "
                         "({ceiling.renderToBare.low:.3f} to {ceiling.renderToBare.high:.3f})\n");
     else
-        puts("  no bare form of this tracer: expected embree");
+        puts("  no bare calls: only the tracer embree has them, and only if its scene is not empty");
     fflush(stdout);
 }
 

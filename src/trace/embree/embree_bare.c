@@ -6,7 +6,10 @@
 #include <string.h>
 
 bool embree_bare_possible(const trace_tracer *tracer) {
-    return tracer->ops->closest == embree_closest && tracer->ops->any == embree_any;
+    struct RTCBounds bounds;
+    if (tracer->ops->closest != embree_closest || tracer->ops->any != embree_any) return false;
+    rtcGetSceneBounds(((const embree_tracer *)tracer)->scenes[0], &bounds);
+    return bounds.lower_x <= bounds.upper_x;
 }
 
 _Static_assert(EMBREE_BARE_ROWS == EMBREE_PACKET_ROWS, "packets as the tracer has them");

@@ -21,7 +21,8 @@ typedef struct bare_block {
 
 typedef enum bare_query { BARE_CLOSEST, BARE_ANY } bare_query;
 
-/* True for Embree's tracers. Other tracers have no bare form. */
+/* True for Embree's tracers, unless Embree's scene is empty: a few spheres, and planes, are not in it. Other
+ * tracers have no bare form. */
 bool embree_bare_possible(const trace_tracer *tracer);
 /* Prepares the first `lanes` rays as the tracer would: masks, valid lanes, t_far, packet width and
  * kernels. */
