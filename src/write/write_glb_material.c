@@ -62,13 +62,15 @@ static bool is_glossy(const fathom_scene *scene, const fathom_material *m) {
 }
 
 /* glTF limits the emissive factor to 1. A power of two moves the excess into the strength without rounding
- * error. */
-static void limit_emission(fathom_material *m) {
+ * error, up to the largest strength that reads back. */
+static void limit_emission(fathom_material *m, note_list *notes) {
     const float most = fmaxf(m->emissive[0], fmaxf(m->emissive[1], m->emissive[2]));
     int exponent;
     if (!(most > 1)) return;
     frexpf(most, &exponent);
     m->emissive_strength = ldexpf(m->emissive_strength, exponent);
+    notes_add(notes, m->emissive_strength > 1e30f, "", "an emission above 1e30 becomes 1e30");
+    m->emissive_strength = fminf(m->emissive_strength, 1e30f);
     for (int c = 0; c < 3; ++c) m->emissive[c] = ldexpf(m->emissive[c], -exponent);
 }
 
@@ -125,7 +127,7 @@ static shape shape_of(const glb *g, fathom_id id) {
     s.unlit = is_unlit(&s.m);
     if (s.unlit) make_unlit(&s);
     s.glossy = is_glossy(g->scene, &s.m);
-    limit_emission(&s.m);
+    limit_emission(&s.m, g->notes);
     drop_strangers(g->scene, &s, &lost);
     s.blends = s.m.opacity < 1 || s.m.opacity_cutoff > 0 || has_map(&s.m, FATHOM_MAP_OPACITY) ||
                has_alpha_vertices(g, id);

@@ -100,6 +100,13 @@ UNIT_TEST(one_of_several_is_taken_and_said) {
     assert_true(scene->camera.orthographic && scene->camera.h == 2 && scene->camera_aspect == 1);
     assert_int_equal(f->warnings, 0);
     fathom_scene_destroy(scene);
+    /* However small it is; the product of both sides is not a number above 0. */
+    write_triangle(f,
+                   WITH_DATA(TRIANGLE_MESH ",'cameras':[{'type':'orthographic','orthographic':{'xmag':1e-300,"
+                                           "'ymag':1e-300}}],'nodes':[{'mesh':0,'camera':0}]"));
+    assert_ok(f->context, read_asked(f, NULL, 0, 0, &scene));
+    assert_true(scene->camera.h == 2e-300 && scene->camera_aspect == 1);
+    fathom_scene_destroy(scene);
     /* One and no more: nothing to say. */
     write_triangle(f, WITH_DATA(TRIANGLE_MESH "," CAMERAS ",'nodes':[{'mesh':0,'camera':1}]"));
     assert_ok(f->context, read_asked(f, NULL, 0, 0, &scene));

@@ -130,6 +130,14 @@ UNIT_TEST(emission_above_one_keeps_every_bit) {
     }
 }
 
+/* Their product is beyond float, and "inf" is no JSON. */
+UNIT_TEST(the_largest_emission_reads_back) {
+    fathom_material m = metal();
+    m.emissive[0] = 1e10f, m.emissive_strength = 1e30f;
+    assert_true(after(&m, NULL).emissive_strength == 1e30f);
+    assert_non_null(strstr(told, "an emission above 1e30 becomes 1e30"));
+}
+
 /* ---- the classic model ---- */
 
 static fathom_material classic(float d, float r, float t) {

@@ -55,7 +55,7 @@ static void read_orthographic(gltf *g, const gltf_value *camera, double *high, d
     gltf_object(g, camera, "orthographic", &orthographic);
     gltf_number(g, &orthographic, "xmag", -1e30, 1e30, &across);
     gltf_number(g, &orthographic, "ymag", -1e30, 1e30, &up);
-    if (!(across * up != 0))
+    if (across == 0 || up == 0)
         gltf_fail(g, &orthographic, NULL, "has xmag %g and ymag %g; expected numbers other than 0", across,
                   up);
     *high = 2 * fabs(up) * gltf_unit(g);
