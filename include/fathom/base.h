@@ -105,7 +105,9 @@ typedef struct fathom_error {
 FATHOM_API const fathom_error *fathom_context_error(const fathom_context *context);
 
 /* The same error as one line, "FILE:LINE: FIELD: text", without control characters; "" when there was
- * none, or context is NULL. Never NULL; valid until the next call on this context. */
+ * none, or context is NULL. Never NULL; valid until the next call on this context. Errors and warnings name
+ * what the caller can set as the program's option: --allow-outside is fathom_context_allow_outside(), and
+ * --up the member `up` of fathom_read_options. */
 FATHOM_API const char *fathom_context_message(const fathom_context *context);
 
 /* Sets the context's error as a failing call does, and returns error->status. It is for code that adds its
