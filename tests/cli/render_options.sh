@@ -212,6 +212,14 @@ for option in '-o bright.exr --exr-float' '-o bright.png --exposure 0' '-o brigh
     run 0 render bright.json $option
     not_said err.txt 'half float'
 done
+# Those of dark images have few digits.
+for radiance in 0.00005 0.0001; do
+    printf '{ "image": { "width": 8, "height": 8, "spp": 4 }, "materials": { "m": { "ke": [%s, 0, 0] } }, "lights": [],
+      "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m" } ] }' $radiance >dark.json
+    run 0 render dark.json -o dark.exr
+    [ $radiance = 0.0001 ] || said err.txt 'dark.json: the .exr has few digits of pixels as dark as these'
+    [ $radiance = 0.00005 ] || not_said err.txt 'half floats'
+done
 for option in view display ocio; do
     refused 2 "--$option: only with an image for the display, such as -o FILE.png" render scene.json -o c.exr --$option x
     refused 2 "--$option: only with an image for the display" merge 0.part -o c.exr --$option x

@@ -78,6 +78,9 @@ bool brightness_is_open(const render_options *options) {
 }
 
 #define LARGEST_HALF 65504.0f
+/* Of an image whose exposure is more stops, nearly all pixels are below 2^-14, where half floats lose digits.
+ */
+#define HALF_STOPS 14
 
 static bool exceeds_half(const fathom_film *film) {
     static const char *const names[] = {"R", "G", "B"};
@@ -93,12 +96,19 @@ static bool exceeds_half(const fathom_film *film) {
 }
 
 static void warn_of_half(warning_list *warnings, const char *name, const fathom_film *film,
-                         const render_options *options) {
-    if (options->write.float_color || !outputs_have_exr(&options->outputs) || !exceeds_half(film)) return;
-    warnings_tell(warnings,
-                  "%s: the .exr shows pixels above 65504 as 65504, the largest half float; --exr-float keeps "
-                  "them",
-                  name);
+                         const fathom_brightness *b, const render_options *options) {
+    if (options->write.float_color || !outputs_have_exr(&options->outputs)) return;
+    if (exceeds_half(film))
+        warnings_tell(warnings,
+                      "%s: the .exr shows pixels above 65504 as 65504, the largest half float; --exr-float "
+                      "keeps them",
+                      name);
+    if (b->exposure > HALF_STOPS)
+        warnings_tell(
+            warnings,
+            "%s: the .exr has few digits of pixels as dark as these, below 0.00006, because they are "
+            "half floats; --exr-float keeps them",
+            name);
 }
 
 bool brightness_settle(warning_list *warnings, const fathom_scene *scene, const char *name,
@@ -106,8 +116,8 @@ bool brightness_settle(warning_list *warnings, const fathom_scene *scene, const 
     float *exposure = &options->write.exposure;
     fathom_brightness b = {.size = sizeof b};
     char why[160];
-    warn_of_half(warnings, name, film, options);
     fathom_film_brightness(film, *exposure, &b);
+    warn_of_half(warnings, name, film, &b, options);
     options->in_studio = b.in_studio;
     if (b.black == b.pixels) {
         if (scene && b.pixels) warn_black(warnings, scene, name);
