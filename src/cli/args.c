@@ -111,10 +111,17 @@ static size_t operand_count(const args_spec *spec) {
     return count;
 }
 
+static bool takes_output(const args_spec *spec) {
+    for (const args_option *option = args_options(spec); option && option->help; ++option)
+        if (option->letter == 'o') return true;
+    return false;
+}
+
 static bool parse_operand(parser *p, const char *text) {
     if (p->spec->many) return add_operand(p, text);
     if (p->operands == operand_count(p->spec))
-        return args_wrong(p->problem, "unexpected argument \"%.300s\"", text);
+        return args_wrong(p->problem, "unexpected argument \"%.300s\"%s", text,
+                          takes_output(p->spec) ? "; the file to write follows -o" : "");
     memcpy(p->settings + p->spec->operands[p->operands++].offset, &text, sizeof text);
     return true;
 }

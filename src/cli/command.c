@@ -32,7 +32,9 @@ const command *command_find(const command *const *among, const char *name, args_
     if (nearest)
         args_wrong(problem, "unknown command \"%.60s\"; did you mean \"%s\"?", name, nearest);
     else
-        args_wrong(problem, "unknown command \"%.60s\"", name);
+        args_wrong(problem, "unknown command \"%.60s\"%s", name,
+                   among == commands && strchr(name, '.') ? "; fathom render FILE -o IMAGE renders a file"
+                                                          : "");
     return NULL;
 }
 

@@ -69,13 +69,14 @@ rm -f help.txt
 
 refused 2 'unknown command "rendr"; did you mean "render"?; see fathom help' rendr
 refused 2 'unknown command "xyzzy"; see fathom help' xyzzy
+refused 2 'unknown command "a.glb"; fathom render FILE -o IMAGE renders a file; see fathom help' a.glb
 refused 2 'expected a command before "--spp"' --spp 4
 refused 2 'unknown command "nothing"' help nothing
 refused 2 'at most one command' help render info
 
 refused 2 'SCENE is missing; see fathom help render' render
 refused 2 '-o IMAGE is missing; see fathom help render' render scene.json
-refused 2 'unexpected argument "b.json"' render a.json b.json -o a.png
+refused 2 'unexpected argument "b.json"; the file to write follows -o; see' render a.json b.json -o a.png
 refused 2 'unknown option --szie; did you mean --size?; see fathom help render' render a.json -o a.png --szie 3x3
 refused 2 'unknown option --zebra; see fathom help render' render a.json -o a.png --zebra
 refused 2 'unknown option -z' render a.json -o a.png -z
