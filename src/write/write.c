@@ -105,8 +105,11 @@ static size_t count_filters(const fathom_scene *scene, fathom_texture_filter fir
 static size_t count_far(const fathom_scene *scene) {
     size_t count = 0;
     for (fathom_id i = 0; i < scene->objects.count; ++i) {
+        const scene_object *o = &scene->objects.items[i];
         const scene_bounds box = scene_object_bounds(scene, i);
-        count += scene->objects.items[i].kind == SCENE_MESH && write_is_far(&box);
+        if (o->kind != SCENE_MESH || !write_is_far(&box)) continue;
+        const double *origin = scene->meshes.items[o->index].origin;
+        count += origin[0] != 0 || origin[1] != 0 || origin[2] != 0;
     }
     return count;
 }
@@ -247,7 +250,7 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
         {MODELS, scene->has_ambient && !scene->made.ambient, "the ambient light is left out"},
         {MODELS, count_moving(scene), "motion is left out; the file has the pose at which the shutter opens"},
         {MODELS, scene->grouped_lights.count, "a light group is left out"},
-        {MODELS, count_named(scene), "the name of a shape is left out; those of groups stay"},
+        {PLY, count_named(scene), "the name of a shape is left out"},
         {MODELS, count_shadowless(scene), "a mesh that casts no shadow casts one"},
         {MODELS, count_settings(scene), "a setting of the image is left out"},
         {MODELS, count_maps(scene, has_own_space),

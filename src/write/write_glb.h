@@ -19,8 +19,8 @@ typedef struct glb_mesh {
 typedef struct glb_group {
     ARRAY(fathom_id) overrides; /* sorted, unique; FATHOM_NONE: placed without one */
     uint32_t first_mesh;        /* the glTF mesh for the first override */
-    uint32_t far_count;         /* meshes with their own origin */
-    bool near;                  /* whether there are other meshes */
+    uint32_t alone_count;       /* meshes with a node of their own */
+    bool together;              /* whether there are other meshes */
     size_t nodes;               /* nodes for one placement, with all nodes below it */
 } glb_group;
 

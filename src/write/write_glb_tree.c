@@ -10,8 +10,17 @@
 /* A node takes about a hundred bytes of JSON, and a file has at most 2^32 bytes. */
 #define MOST_NODES ((size_t)1 << 26)
 
-static bool is_near(const fathom_mesh *mesh) {
-    return mesh->origin[0] == 0 && mesh->origin[1] == 0 && mesh->origin[2] == 0;
+static const char *name_of(const glb *g, uint32_t item) {
+    return g->scene->objects.items[g->graph->objects.items[item]].name;
+}
+
+static bool has_origin(const fathom_mesh *mesh) {
+    return mesh->origin[0] != 0 || mesh->origin[1] != 0 || mesh->origin[2] != 0;
+}
+
+/* True if the mesh needs a node of its own, for its origin or its name. */
+static bool stands_alone(const glb *g, uint32_t item, const fathom_mesh *mesh) {
+    return has_origin(mesh) || name_of(g, item);
 }
 
 static int compare_ids(const void *a, const void *b) {
@@ -41,7 +50,7 @@ static bool pass_overrides(const glb_group *from, const fathom_instance *instanc
     return true;
 }
 
-static uint32_t meshes_for_one(const glb_group *group) { return group->far_count + group->near; }
+static uint32_t meshes_for_one(const glb_group *group) { return group->alone_count + group->together; }
 
 /* The glTF mesh of a group placed under an override. */
 static uint32_t mesh_number(const glb *g, uint32_t index, fathom_id override) {
@@ -57,10 +66,10 @@ static void count_meshes(const glb *g, uint32_t index, uint32_t *next_mesh) {
     for (uint32_t i = g->graph->objects.first[index]; i < g->graph->objects.first[index + 1]; ++i) {
         const fathom_mesh *mesh = glb_object_mesh(g, i, &unused);
         if (!mesh) continue;
-        if (is_near(mesh))
-            group->near = true;
+        if (stands_alone(g, i, mesh))
+            ++group->alone_count;
         else
-            ++group->far_count;
+            group->together = true;
     }
     group->first_mesh = *next_mesh;
     *next_mesh += meshes_for_one(group) * (uint32_t)group->overrides.count;
@@ -68,7 +77,7 @@ static void count_meshes(const glb *g, uint32_t index, uint32_t *next_mesh) {
 
 static void count_nodes(const glb *g, uint32_t index) {
     glb_group *group = &g->groups[index];
-    group->nodes = 1 + group->far_count;
+    group->nodes = 1 + group->alone_count;
     for (uint32_t i = g->graph->instances.first[index]; i < g->graph->instances.first[index + 1]; ++i) {
         const fathom_instance *instance = &g->scene->instances.items[g->graph->instances.items[i]];
         group->nodes = write_add(group->nodes, g->groups[instance->group].nodes);
@@ -122,23 +131,25 @@ static void put_primitive(const glb *g, file_writer *t, uint32_t index, fathom_i
                       override != FATHOM_NONE ? override : m->vertices.mesh->material);
 }
 
-/* Writes one glTF mesh for the meshes with origin 0, then one for each other mesh, in the order of
+/* Writes one glTF mesh for the meshes that share a node, then one for each other mesh, in the order of
  * mesh_number(). */
 static void put_group_meshes(const glb *g, file_writer *t, uint32_t group, fathom_id override,
                              const char **comma) {
-    for (int far = g->groups[group].near ? 0 : 1; far < 2; ++far) {
-        const char *separator = far ? *comma : "";
-        if (!far) file_writer_print(t, "%s\n{\"primitives\":[", *comma);
+    for (int alone = g->groups[group].together ? 0 : 1; alone < 2; ++alone) {
+        const char *separator = alone ? *comma : "";
+        if (!alone) file_writer_print(t, "%s\n{\"primitives\":[", *comma);
         for (uint32_t i = g->graph->objects.first[group], index; i < g->graph->objects.first[group + 1];
              ++i) {
             const fathom_mesh *mesh = glb_object_mesh(g, i, &index);
-            if (!mesh || is_near(mesh) == (far == 1)) continue;
-            file_writer_print(t, "%s%s", separator, far ? "\n{\"primitives\":[" : "");
+            if (!mesh || stands_alone(g, i, mesh) != (alone == 1)) continue;
+            file_writer_print(t, "%s%s", separator, alone ? "\n{\"primitives\":[" : "");
             put_primitive(g, t, index, override);
-            if (far) file_writer_print(t, "]}");
+            if (alone) file_writer_print(t, "]");
+            if (alone && name_of(g, i)) glb_put_name(t, ",", name_of(g, i));
+            if (alone) file_writer_print(t, "}");
             separator = *comma = ",";
         }
-        if (far) continue;
+        if (alone) continue;
         file_writer_print(t, "]");
         if (g->scene->groups.items[group]) glb_put_name(t, ",", g->scene->groups.items[group]);
         file_writer_print(t, "}");
@@ -172,7 +183,7 @@ static void put_children(const glb *g, file_writer *t, const char *separator, ui
     const char *comma = "[";
     if (g->groups[group].nodes == 1) return;
     file_writer_print(t, "%s\"children\":", separator);
-    for (uint32_t i = 0; i < g->groups[group].far_count; ++i, comma = ",")
+    for (uint32_t i = 0; i < g->groups[group].alone_count; ++i, comma = ",")
         file_writer_print(t, "%s%zu", comma, child++);
     for (uint32_t i = g->graph->instances.first[group]; i < g->graph->instances.first[group + 1];
          ++i, comma = ",") {
@@ -182,12 +193,16 @@ static void put_children(const glb *g, file_writer *t, const char *separator, ui
     file_writer_print(t, "]");
 }
 
-static void put_far_nodes(const glb *g, file_writer *t, uint32_t group, uint32_t mesh) {
+static void put_lone_nodes(const glb *g, file_writer *t, uint32_t group, uint32_t mesh) {
     for (uint32_t i = g->graph->objects.first[group], index; i < g->graph->objects.first[group + 1]; ++i) {
-        const fathom_mesh *far = glb_object_mesh(g, i, &index);
-        if (!far || is_near(far)) continue;
-        file_writer_print(t, ",\n{\"mesh\":%u,\"translation\":[%.17g,%.17g,%.17g]}", mesh++, far->origin[0],
-                          far->origin[1], far->origin[2]);
+        const fathom_mesh *alone = glb_object_mesh(g, i, &index);
+        if (!alone || !stands_alone(g, i, alone)) continue;
+        file_writer_print(t, ",\n{\"mesh\":%u", mesh++);
+        if (name_of(g, i)) glb_put_name(t, ",", name_of(g, i));
+        if (has_origin(alone))
+            file_writer_print(t, ",\"translation\":[%.17g,%.17g,%.17g]", alone->origin[0], alone->origin[1],
+                              alone->origin[2]);
+        file_writer_print(t, "}");
     }
 }
 
@@ -203,14 +218,14 @@ static void put_nodes(const glb *g, file_writer *t, uint32_t group, const fathom
         const affine_f64 map = motion_place(instance, g->scene->camera.shutter[0]);
         put_transform(t, &separator, &map);
     }
-    if (g->groups[group].near) {
+    if (g->groups[group].together) {
         file_writer_print(t, "%s\"mesh\":%u", separator, mesh++);
         separator = ",";
     }
     put_children(g, t, separator, group, *number);
     file_writer_print(t, "}");
-    put_far_nodes(g, t, group, mesh);
-    *number += 1 + g->groups[group].far_count;
+    put_lone_nodes(g, t, group, mesh);
+    *number += 1 + g->groups[group].alone_count;
     for (uint32_t i = g->graph->instances.first[group]; i < g->graph->instances.first[group + 1]; ++i) {
         const fathom_instance *child = &g->scene->instances.items[g->graph->instances.items[i]];
         put_nodes(g, t, child->group, child, override != FATHOM_NONE ? override : child->material, number);

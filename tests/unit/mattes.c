@@ -308,6 +308,39 @@ UNIT_TEST(an_instance_names_its_shapes_without_names) {
     }
 }
 
+/* Balls become meshes of their names; one is in a group that is placed twice. */
+UNIT_TEST(names_read_back) {
+    static const char *const files[] = {"a.json", "a.glb", "a.obj"}, *const names[] = {"one", "two", "three"};
+    for (int f = 0; f < 3; ++f) {
+        stage s = stage_open(SIDE, SIDE);
+        fathom_id group;
+        assert_ok(s.context, fathom_scene_add_group(s.scene, "group", &group));
+        for (int k = 0; k < 3; ++k) {
+            const fathom_sphere ball = {{2 * k, 0, 0}, 0.5, 0, 0};
+            assert_ok(s.context, fathom_scene_add_sphere(s.scene, k == 2 ? group : FATHOM_ROOT, &ball, NULL));
+            name_last(&s, names[k]);
+        }
+        for (int k = 0; k < 2; ++k) {
+            fathom_instance placed;
+            fathom_instance_default(&placed);
+            placed.group = group, placed.transform[7] = k;
+            assert_ok(s.context, fathom_scene_add_instance(s.scene, &placed, NULL));
+        }
+        fathom_scene *back;
+        assert_ok(s.context, fathom_scene_write(s.scene, in_folder(files[f])));
+        assert_ok(s.context, fathom_scene_read(s.context, in_folder(files[f]), &back));
+        char *manifest = matte_manifest(back, MATTE_OBJECT), entry[64];
+        for (int k = 0; k < 3; ++k) {
+            snprintf(entry, sizeof entry, "\"%s\":\"%08x\"", names[k], matte_id(names[k]));
+            if (!strstr(manifest, entry)) fail_msg("%s: %s is not in %s", files[f], entry, manifest);
+        }
+        free(manifest);
+        fathom_scene_destroy(back);
+        unlink(in_folder(files[f])), unlink(in_folder("a.mtl"));
+        stage_close(&s);
+    }
+}
+
 /* A path of an assembly, say, whose parts differ in its last letter. */
 UNIT_TEST(long_names_are_whole) {
     char names[2][402], entry[1024];
