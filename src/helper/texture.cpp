@@ -194,6 +194,9 @@ static fathom_status texture_open(const image_texture_request *request, image_te
             request->path ? request->path : "/proc/self/fd/" + std::to_string(request->descriptor);
         t->input = image_input_open(name, config);
         if (!t->input) throw unreadable(request->path ? OIIO::geterror() : without(OIIO::geterror(), name));
+        /* OpenImageIO opens a truncated progressive JPEG file, of which it decodes every scan, and stores the
+         * error. */
+        if (t->input->has_error()) throw unreadable(t->input->geterror());
         t->input->threads(static_cast<int>(request->threads));
         describe(*t, *request);
         find_levels(*t);

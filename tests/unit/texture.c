@@ -694,6 +694,27 @@ UNIT_TEST(files_that_are_no_textures_are_named) {
     unlink(in_folder("a.ppm"));
 }
 
+/* 8 × 8 grey texels: tables of ones and of one code, a scan of means. Without the last two bytes another scan
+ * could follow. */
+UNIT_TEST(a_progressive_jpeg_has_all_of_its_scans) {
+    static unsigned char file[] = {0xff, 0xd8, 0xff, 0xdb, 0, 67, 0,         [71] = 0xff, 0xc2, 0,
+                                   11,   8,    0,    8,    0, 8,  1,         1,           0x11, 0,
+                                   0xff, 0xc4, 0,    20,   0, 1,  [105] = 2, 0xff,        0xda, 0,
+                                   8,    1,    1,    0,    0, 0,  1,         0x3f,        0xff, 0xd9};
+    memset(file + 7, 1, 64);
+    put_file("whole.jpg", file, sizeof file, "", 0);
+    put_file("cut.jpg", file, sizeof file - 2, "", 0);
+    fathom_texture t = texture_of("whole.jpg", FATHOM_COLOR_SRGB);
+    opened o = open_textures(&t, 1, ALL);
+    float rgba[4];
+    texel(o.cache, 0, 0, 0, 0, rgba);
+    assert_ok(context, texture_cache_check(o.cache, context));
+    close_textures(&o);
+    t = texture_of("cut.jpg", FATHOM_COLOR_SRGB);
+    check_opening_fails(&t, FATHOM_BAD_INPUT, "cut.jpg: cannot be read as a texture: ");
+    unlink(in_folder("whole.jpg")), unlink(in_folder("cut.jpg"));
+}
+
 /* Lookups go on; the failure is kept. */
 static void check_lookup_fails(const char *name, const char *text) {
     const fathom_texture t = texture_of(name, FATHOM_COLOR_LINEAR);
