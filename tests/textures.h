@@ -101,10 +101,9 @@ static inline void look(texture_cache *cache, fathom_id texture, float u, float 
 static inline void texel(texture_cache *cache, fathom_id id, unsigned level, unsigned x, unsigned y,
                          float rgba[4]) {
     const pyramid *p = &cache->slots[id].image->plan;
-    const uint32_t w = p->levels[0].width, h = p->levels[0].height;
+    const float area = (float)p->levels[0].width * (float)p->levels[0].height;
     look(cache, id, ((float)x + 0.5f) / (float)p->levels[level].width,
-         ((float)y + 0.5f) / (float)p->levels[level].height, (float)(1u << level) / (float)(w > h ? w : h),
-         rgba);
+         ((float)y + 0.5f) / (float)p->levels[level].height, (float)(1u << level) / sqrtf(area), rgba);
 }
 
 /* Writes the texture of file `from` as a mip-mapped one. */

@@ -366,6 +366,29 @@ UNIT_TEST(trilinear_filters_lie_between_two_levels) {
     unlink(in_folder("n.ppm"));
 }
 
+/* Images of 4096 texels; places and widths are exact. */
+UNIT_TEST(a_footprint_reads_the_level_whose_texels_have_its_area) {
+    static const unsigned sizes[][2] = {{64, 64}, {256, 16}, {16, 256}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
+        put_noise("n.ppm", sizes[i][0], sizes[i][1], 5);
+        const fathom_texture t = texture_of("n.ppm", FATHOM_COLOR_SRGB);
+        opened o = open_textures(&t, 1, ALL);
+        for (unsigned level = 0; level <= 4; ++level) {
+            const pyramid_level *l = &o.cache->images[0].plan.levels[level];
+            for (unsigned k = 0; k < l->width * l->height; ++k) {
+                const unsigned x = k % l->width, y = k / l->width;
+                float expected[4], found[4];
+                assert_true(o.cache->kernels->texel(o.cache, &o.cache->slots[0], level, x, y, expected));
+                look(o.cache, 0, ((float)x + 0.5f) / (float)l->width, ((float)y + 0.5f) / (float)l->height,
+                     (float)(1u << level) / 64, found);
+                for (int c = 0; c < 4; ++c) assert_near(found[c], expected[c], 0);
+            }
+        }
+        close_textures(&o);
+        unlink(in_folder("n.ppm"));
+    }
+}
+
 /* Means over places so near to each other that hashes alone choose among their texels. Both filters average
  * the same places, so their means differ by what N choices among values in [0,1] leave: a standard deviation
  * of at most 1 / (2 sqrt(N)). One in 10^5 runs exceeds 5.6 of these in any of the 400 comparisons. */

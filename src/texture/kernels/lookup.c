@@ -128,12 +128,12 @@ INLINE void wrap(float *u, const uint32_t *mode, int lanes) {
     }
 }
 
-/* Finds the level whose texels are as wide as the footprint, and the weight of the next level. log2 is
+/* Finds the level whose texels have the area of the footprint, and the weight of the next level. On a surface
+ * of the image's shape texels are square, and the footprint is as round in texels as on the surface. log2 is
  * approximated as linear between powers of two; the error is below 0.09. */
 INLINE void find_levels(block *b, int lanes) {
     for (int i = 0; i < lanes; ++i) {
-        const uint32_t side = b->across[i] > b->down[i] ? b->across[i] : b->down[i];
-        const float texels = b->width[i] * (float)(int32_t)side;
+        const float texels = b->width[i] * sqrtf((float)(int32_t)b->across[i] * (float)(int32_t)b->down[i]);
         uint32_t bits;
         memcpy(&bits, &texels, sizeof bits);
         const uint32_t level = (bits >> 23) - 127;
