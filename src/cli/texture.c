@@ -52,7 +52,7 @@ static const args_option options[] = {
     {"color", 0, "SPACE", take_text, offsetof(texture_settings, color), 0, 0,
      "color space of the image: srgb; linear, also for data such as normals; auto: as the file "
      "says, else srgb for integers and linear for half and float; or a color space of the "
-     "OpenColorIO config, which is converted to linear Rec.709 (auto)"},
+     "OpenColorIO config $OCIO, which is converted to linear Rec.709 (auto)"},
     COMMAND_THREADS,
     COMMAND_QUIET("only errors and warnings"),
     {.help = NULL},

@@ -265,7 +265,7 @@ static OCIO::ConstTransformRcPtr way_from(const OCIO::ConstConfigRcPtr &config, 
     return first;
 }
 
-std::unique_ptr<image_space> space_open(const char *config_path, const char *name) {
+static std::unique_ptr<image_space> open_space(const char *config_path, const char *name) {
     OCIO::ConstConfigRcPtr config = load_config(config_path);
     std::string space = config->getColorSpace(name) ? name : "";
     if (space.empty()) {
@@ -276,4 +276,15 @@ std::unique_ptr<image_space> space_open(const char *config_path, const char *nam
     out->processor = config->getProcessor(way_from(config, space.c_str()), OCIO::TRANSFORM_DIR_FORWARD)
                          ->getDefaultCPUProcessor();
     return out;
+}
+
+std::unique_ptr<image_space> space_open(const char *config, const char *name) {
+    const std::string at = config ? std::string("OpenColorIO config ") + config + ": " : "";
+    try {
+        return open_space(config, name);
+    } catch (const failure &e) {
+        throw failure(e.status, at + e.what());
+    } catch (const OCIO::Exception &e) {
+        throw failure(FATHOM_BAD_INPUT, at + e.what());
+    }
 }

@@ -220,12 +220,12 @@ for radiance in 0.00005 0.0001; do
     [ $radiance = 0.0001 ] || said err.txt 'dark.json: the .exr has few digits of pixels as dark as these'
     [ $radiance = 0.00005 ] || not_said err.txt 'half floats'
 done
-for option in view display ocio; do
+for option in view display; do
     refused 2 "--$option: only with an image for the display, such as -o FILE.png" render scene.json -o c.exr --$option x
     refused 2 "--$option: only with an image for the display" merge 0.part -o c.exr --$option x
 done
 refused 2 '--exposure auto: is for the image' render scene.json -o c.part --part 1/2 --exposure auto
-for option in '--exr-float' '--view x' '--ocio x'; do
+for option in '--exr-float' '--view x'; do
     # shellcheck disable=SC2086
     refused 2 "${option% *}: is for the image, which fathom merge writes" render scene.json -o c.part --part 1/2 $option
 done

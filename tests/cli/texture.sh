@@ -19,6 +19,26 @@ refused 2 'no color space "mauve"; expected one of: "Linear Rec.709"' texture a.
 printf '{"materials": {"m": {"kdTexture": {"file": "a.png",\n"colorSpace": "mauve"}}}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}]}' >mauve.json
 refused 3 'mauve.json:2: materials.m.kdTexture.colorSpace: no color space "mauve"; expected one of: "Linear Rec.709"' \
     render mauve.json -o b.png
+# --ocio is the config of textures as well, and a message about a config names it.
+cat >user.ocio <<'EOF'
+ocio_profile_version: 2
+roles: {default: Plain, scene_linear: Plain, aces_interchange: Plain}
+displays: {Screen: [!<View> {name: Plain, colorspace: Plain}]}
+colorspaces:
+  - !<ColorSpace> {name: Plain}
+  - !<ColorSpace>
+    name: Halved
+    to_scene_reference: !<MatrixTransform> {matrix: [0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1]}
+EOF
+sed 's/mauve/Halved/' mauve.json >halved.json
+run 0 render halved.json -o b.exr --ocio user.ocio --size 8x8 --spp 4
+OCIO=user.ocio run 0 render halved.json -o c.exr --size 8x8 --spp 4
+run 0 compare b.exr c.exr
+OCIO=none.ocio refused 3 'user.ocio: no color space "mauve"; expected one of: "Plain", "Halved"' \
+    render mauve.json -o b.png --ocio user.ocio
+OCIO=none.ocio refused 2 'none.ocio: cannot be read: No such file or directory' \
+    texture a.png -o b.tif --color Halved
+rm b.exr c.exr
 refused 2 'expected a name that ends in .tx, .tif or .tiff' texture a.png -o b.png
 refused 2 'a.tx: is the input; expected another name for the output' texture a.tx -o a.tx
 head -c 3000 a.png >cut.png

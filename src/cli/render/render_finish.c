@@ -126,7 +126,7 @@ static bool check_environment(const render_options *options, args_problem *probl
 }
 
 static const char *color_option(const fathom_write_options *write) {
-    return write->display ? "display" : write->view ? "view" : write->ocio ? "ocio" : NULL;
+    return write->display ? "display" : write->view ? "view" : NULL;
 }
 
 /* The part keeps an exposure for its image. */

@@ -8,6 +8,7 @@
 
 #include <fathom/trace.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool take_exposure(const args_option *option, const char *value, void *field, args_problem *problem) {
@@ -15,6 +16,11 @@ static bool take_exposure(const args_option *option, const char *value, void *fi
     options->exposure = strcmp(value, "auto") == 0 ? EXPOSURE_AUTO : EXPOSURE_GIVEN;
     options->write.exposure = 0;
     return options->exposure == EXPOSURE_AUTO || take_f32(option, value, &options->write.exposure, problem);
+}
+
+/* Textures take the config from there. */
+static bool take_config(const args_option *option, const char *value, void *field, args_problem *problem) {
+    return take_text(option, value, field, problem) && setenv("OCIO", value, 1) == 0;
 }
 
 static bool take_rgb(const args_option *option, const char *value, void *field, args_problem *problem) {
@@ -105,8 +111,8 @@ static bool take_tracer(const args_option *option, const char *value, void *fiel
                  "a display of the OpenColorIO config (its default)"),                                       \
         ARGS_ROW("view", 0, "NAME", take_text, FIELD(write.view), 0, 0,                                      \
                  "a view of the display (its default)"),                                                     \
-        ARGS_ROW("ocio", 0, "FILE", take_text, FIELD(write.ocio), 0, 0,                                      \
-                 "OpenColorIO config ($OCIO, else a built-in one for sRGB)")
+        ARGS_ROW("ocio", 0, "FILE", take_config, FIELD(write.ocio), 0, 0,                                    \
+                 "OpenColorIO config, also for textures ($OCIO, else a built-in one)")
 #define QUIET_OPTION ARGS_ROW("quiet", 'q', NULL, take_true, FIELD(quiet), 0, 0, "only errors and warnings")
 
 /* Settings with an option are listed after these, at the end of their group. */
