@@ -296,15 +296,13 @@ static void collect_channels(file_image &file, const std::vector<unsigned char> 
     }
 }
 
-/* If pixels lie outside the full image (overscan), the full image is enlarged to hold them. */
 static void fill(file_image &file) {
     const OIIO::ImageSpec &spec = file.spec;
-    int x0 = std::min(spec.x, spec.full_x), y0 = std::min(spec.y, spec.full_y);
-    int x1 = std::max(spec.x + spec.width, spec.full_x + spec.full_width);
-    int y1 = std::max(spec.y + spec.height, spec.full_y + spec.full_height);
     file.width = static_cast<uint32_t>(spec.width), file.height = static_cast<uint32_t>(spec.height);
-    file.x = static_cast<uint32_t>(spec.x - x0), file.y = static_cast<uint32_t>(spec.y - y0);
-    file.full_width = static_cast<uint32_t>(x1 - x0), file.full_height = static_cast<uint32_t>(y1 - y0);
+    file.x = static_cast<uint32_t>(spec.x - spec.full_x);
+    file.y = static_cast<uint32_t>(spec.y - spec.full_y);
+    file.full_width = static_cast<uint32_t>(spec.full_width);
+    file.full_height = static_cast<uint32_t>(spec.full_height);
     file.channels = file.channel_list.data(), file.channel_count = file.channel_list.size();
     file.attributes = file.attribute_list.data(), file.attribute_count = file.attribute_list.size();
 }

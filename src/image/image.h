@@ -45,7 +45,8 @@ static inline bool image_attribute_is_m44f(const image_attribute *a) {
 
 typedef struct image {
     uint32_t width, height;
-    uint32_t x, y, full_width, full_height; /* position of the pixels in the full (uncropped) image */
+    uint32_t x, y, full_width, full_height; /* position of the pixels in the full (uncropped) image. Pixels of
+                                               a file may lie outside of it; x and y are then modulo 2^32 */
     const image_channel *channels;          /* R, G, B first */
     size_t channel_count;
     const image_attribute *attributes;

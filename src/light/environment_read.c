@@ -52,7 +52,7 @@ static fathom_status bad_texel(fathom_context *context, const char *path, uint32
 }
 
 /* Sets the image's texels in `out`, whose rows are `stride` long. Squares of a cross that are not faces
- * stay 0, and so do pixels without data in the file. */
+ * stay 0, and so do pixels without data in the file. Data outside of the full image are not used. */
 static fathom_status load_texels(fathom_context *context, const fathom_light *light, const char *path,
                                  const image *img, size_t stride, sky_texel *out) {
     const image_channel *rgb[3];
@@ -64,6 +64,7 @@ static fathom_status load_texels(fathom_context *context, const fathom_light *li
     for (size_t i = 0; i < (size_t)img->width * img->height; ++i) {
         const uint32_t column = (uint32_t)(i % img->width), row = (uint32_t)(i / img->width);
         const uint32_t x = img->x + column, y = img->y + row;
+        if (x >= img->full_width || y >= img->full_height) continue;
         float *to = out[y * stride + x].rgb;
         for (int c = 0; c < 3; ++c) {
             const float value =

@@ -188,12 +188,34 @@ static void what_a_file_leaves_out_is_black(void **state) {
     environment_destroy(e[0]), environment_destroy(e[1]);
 }
 
+static void what_lies_outside_of_the_image_is_not_used(void **state) {
+    (void)state;
+    enum { LEFT = 3, TOP = 2, WIDTH = SIDE + 5, HEIGHT = SIDE / 2 + 3 };
+    static texel whole[SIDE * SIDE / 2], data[WIDTH * HEIGHT];
+    environment *e[2];
+    for (unsigned i = 0; i < WIDTH * HEIGHT; ++i) {
+        const unsigned x = i % WIDTH - LEFT, y = i / WIDTH - TOP;
+        for (int c = 0; c < 3; ++c) data[i][c] = (float)(1 + i);
+        if (x < SIDE && y < SIDE / 2) memcpy(whole[y * SIDE + x], data[i], sizeof *data);
+    }
+    write_image("sky.exr", SIDE, SIDE / 2, whole);
+    assert_ok(context, open_sky("sky.exr", &e[0]));
+    write_part("sky.exr", WIDTH, HEIGHT, data, 0u - LEFT, 0u - TOP, SIDE, SIDE / 2);
+    assert_ok(context, open_sky("sky.exr", &e[1]));
+    for (unsigned i = 0; i < 100; ++i) {
+        const vec3_f64 d = direction_on(i % FACES, sin(i), cos(3 * i));
+        assert_true(red(e[0], d) == red(e[1], d));
+    }
+    environment_destroy(e[0]), environment_destroy(e[1]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(each_face_lies_where_opengl_has_it, clean),
         cmocka_unit_test_teardown(a_smooth_sky_comes_back, clean),
         cmocka_unit_test_teardown(faults_are_named, clean),
         cmocka_unit_test_teardown(what_a_file_leaves_out_is_black, clean),
+        cmocka_unit_test_teardown(what_lies_outside_of_the_image_is_not_used, clean),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }

@@ -119,8 +119,9 @@ static fathom_status check_alike(fathom_context *context, const image *a, const 
                     b->width, b->height);
     if (a->x != b->x || a->y != b->y || a->full_width != b->full_width || a->full_height != b->full_height)
         return fail(context, FATHOM_CHECK_FAILED,
-                    "different crops: at (%u,%u) of %ux%u and at (%u,%u) of %ux%u", a->x, a->y, a->full_width,
-                    a->full_height, b->x, b->y, b->full_width, b->full_height);
+                    "different crops: at (%d,%d) of %ux%u and at (%d,%d) of %ux%u", (int32_t)a->x,
+                    (int32_t)a->y, a->full_width, a->full_height, (int32_t)b->x, (int32_t)b->y, b->full_width,
+                    b->full_height);
     fathom_status status = check_channels(context, a, b, "first");
     return status == FATHOM_OK ? check_channels(context, b, a, "second") : status;
 }
