@@ -55,7 +55,7 @@ static inline void put_image(const char *name, unsigned width, unsigned height, 
     image_channel channels[4];
     for (size_t c = 0; c < count; ++c)
         channels[c] = (image_channel){names[c], IMAGE_FLOAT, half, planes + c * texels, sizeof(float)};
-    const image img = {width, height, 0, 0, width, height, channels, count, NULL, 0};
+    const image img = {width, height, 0, 0, width, height, channels, count, NULL, 0, 0};
     fathom_write_options options;
     fathom_write_options_default(&options);
     assert_ok(context, image_write(context, &img, in_folder(name), &options));

@@ -237,41 +237,8 @@ static fathom_status writer_close(image_writer *writer, bool finish, image_messa
 struct file_image : image {
     OIIO::ImageSpec spec;
     std::vector<image_channel> channel_list;
-    std::vector<image_attribute> attribute_list;
     std::vector<std::vector<uint32_t>> planes; /* also for floats: both have 32 bits */
-    std::vector<std::vector<double>> numbers;
 };
-
-/* The numbers of an attribute; none for unusual types. */
-static std::vector<double> numbers_of(const OIIO::ParamValue &a) {
-    size_t count = a.type().numelements() * a.type().aggregate;
-    std::vector<double> values;
-    auto copy = [&](auto from) { values.assign(from, from + count); };
-    switch (a.type().basetype) {
-    case OIIO::TypeDesc::INT: copy(static_cast<const int *>(a.data())); break;
-    case OIIO::TypeDesc::UINT: copy(static_cast<const unsigned *>(a.data())); break;
-    case OIIO::TypeDesc::FLOAT: copy(static_cast<const float *>(a.data())); break;
-    case OIIO::TypeDesc::DOUBLE: copy(static_cast<const double *>(a.data())); break;
-    default: break;
-    }
-    return values;
-}
-
-static void collect_attributes(file_image &file) {
-    for (const OIIO::ParamValue &a : file.spec.extra_attribs) {
-        image_attribute entry = {};
-        entry.name = a.name().c_str();
-        if (a.type() == OIIO::TypeDesc(OIIO::TypeDesc::STRING)) {
-            entry.text = *static_cast<const char *const *>(a.data());
-        } else {
-            file.numbers.push_back(numbers_of(a));
-            entry.numbers = file.numbers.back().data();
-            entry.count = file.numbers.back().size();
-            if (!entry.count) continue;
-        }
-        file.attribute_list.push_back(entry);
-    }
-}
 
 /* Copies the file's interleaved pixels to one plane for each channel. */
 static void collect_channels(file_image &file, const std::vector<unsigned char> &pixels) {
@@ -304,7 +271,7 @@ static void fill(file_image &file) {
     file.full_width = static_cast<uint32_t>(spec.full_width);
     file.full_height = static_cast<uint32_t>(spec.full_height);
     file.channels = file.channel_list.data(), file.channel_count = file.channel_list.size();
-    file.attributes = file.attribute_list.data(), file.attribute_count = file.attribute_list.size();
+    file.bits = static_cast<uint32_t>(8 * spec.format.size());
 }
 
 static fathom_status image_file_read(const char *path, unsigned threads, const image **out,
@@ -318,15 +285,13 @@ static fathom_status image_file_read(const char *path, unsigned threads, const i
         input->threads(static_cast<int>(threads));
         auto file = std::make_unique<file_image>();
         file->spec = input->spec();
-        OIIO::ImageSpec &spec = file->spec;
-        spec.attribute(IMAGE_BITS_ENTRY, static_cast<int>(8 * spec.format.size()));
+        const OIIO::ImageSpec &spec = file->spec;
         if (spec.depth != 1 || spec.deep) throw failure(FATHOM_BAD_INPUT, "is not a flat image");
         std::vector<unsigned char> pixels(spec.image_bytes(true));
         /* Some readers return success for a truncated file and only store the error. */
         bool ok = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, pixels.data());
         if (!ok || input->has_error()) throw unreadable(input->geterror());
         collect_channels(*file, pixels);
-        collect_attributes(*file);
         fill(*file);
         *out = file.release();
     });

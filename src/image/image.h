@@ -37,9 +37,6 @@ static inline bool image_attribute_is_m44f(const image_attribute *a) {
            (strcmp(a->name, "worldToCamera") == 0 || strcmp(a->name, "worldToNDC") == 0);
 }
 
-/* Bits of a number of an image that was read. */
-#define IMAGE_BITS_ENTRY "oiio:BitsPerSample"
-
 /* Entries with this prefix describe EXR channels; other formats skip them. They come last. */
 #define IMAGE_MATTE_ENTRY "cryptomatte/"
 
@@ -51,6 +48,7 @@ typedef struct image {
     size_t channel_count;
     const image_attribute *attributes;
     size_t attribute_count;
+    uint32_t bits; /* of a number in the file that was read */
 } image;
 
 /* Writes the whole image or nothing; see fathom_film_write() for formats and options.
@@ -94,8 +92,8 @@ bool image_date_is_given(void);
 bool image_needs_module(const char *path, const fathom_write_options *options);
 
 /* Reads every channel in the file's order: unsigned 32-bit channels as IMAGE_UINT, the others as float (8-
- * and 16-bit integers as fractions of their maximum), without any change of colour or alpha. Release with
- * image_release(). FATHOM_BAD_INPUT when the file is missing or is no image. */
+ * and 16-bit integers as fractions of their maximum), without any change of colour or alpha, but no entries
+ * of the header. Release with image_release(). FATHOM_BAD_INPUT when the file is missing or is no image. */
 fathom_status image_read(fathom_context *context, const char *path, const image **out);
 void image_release(const image *img);
 

@@ -84,21 +84,12 @@ static fathom_status fail_display(fathom_context *context, const char *path, con
         "expected an image of linear radiance (.exr, .hdr, .pfm, .tif); %s colours for a display", what);
 }
 
-/* Nobody stores radiance in so few steps. */
-static bool has_bytes(const image *img) {
-    for (size_t i = 0; i < img->attribute_count; ++i) {
-        const image_attribute *a = &img->attributes[i];
-        if (strcmp(a->name, IMAGE_BITS_ENTRY) == 0 && a->count == 1) return a->numbers[0] == 8;
-    }
-    return false;
-}
-
 static fathom_status open_image(fathom_context *context, const char *path, const image **out) {
     if (!is_linear(path)) return fail_display(context, path, "this format holds");
     fathom_status status = image_read(context, path, out);
     if (status != FATHOM_OK) return status;
     const uint64_t count = (uint64_t)(*out)->full_width * (*out)->full_height;
-    if (has_bytes(*out))
+    if ((*out)->bits == 8) /* nobody stores radiance in so few steps */
         status = fail_display(context, path, "this one has 8 bits, and so");
     else if (!count || count > INT32_MAX)
         status = fail_file(context, FATHOM_BAD_INPUT, path, "expected 1 to 2^31 - 1 texels, found %llu",

@@ -69,7 +69,7 @@ static fathom_status write_levels(written *w, fathom_context *context, const cha
     for (unsigned c = 0; c < w->channels; ++c)
         channels[c] = (image_channel){.name = w->channels == 1 ? grey : colors[c]};
     const uint32_t width = p->levels[0].width, height = p->levels[0].height;
-    const image img = {width, height, 0, 0, width, height, channels, w->channels, NULL, 0};
+    const image img = {width, height, 0, 0, width, height, channels, w->channels, NULL, 0, 0};
     image_date date;
     fathom_status status = date_read(context, &date);
     if (status != FATHOM_OK) return status;

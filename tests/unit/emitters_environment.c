@@ -40,7 +40,7 @@ static void write_sky(void) {
     const image_channel channels[3] = {{"R", IMAGE_FLOAT, true, &texels[0][0], 3 * sizeof(float)},
                                        {"G", IMAGE_FLOAT, true, &texels[0][1], 3 * sizeof(float)},
                                        {"B", IMAGE_FLOAT, true, &texels[0][2], 3 * sizeof(float)}};
-    const image img = {WIDTH, HEIGHT, 0, 0, WIDTH, HEIGHT, channels, 3, NULL, 0};
+    const image img = {WIDTH, HEIGHT, 0, 0, WIDTH, HEIGHT, channels, 3, NULL, 0, 0};
     assert_ok(context, exr_write_plain(context, &img, in_folder("sky.exr")));
 }
 

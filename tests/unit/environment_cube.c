@@ -24,7 +24,7 @@ static void write_part(const char *name, unsigned width, unsigned height, texel 
     const image_channel channels[3] = {{"R", IMAGE_FLOAT, true, &texels[0][0], sizeof *texels},
                                        {"G", IMAGE_FLOAT, true, &texels[0][1], sizeof *texels},
                                        {"B", IMAGE_FLOAT, true, &texels[0][2], sizeof *texels}};
-    const image img = {width, height, x, y, full_width, full_height, channels, 3, NULL, 0};
+    const image img = {width, height, x, y, full_width, full_height, channels, 3, NULL, 0, 0};
     assert_ok(context, exr_write_plain(context, &img, in_folder(name)));
 }
 

@@ -23,7 +23,7 @@ UNIT_TEST(rows_keep_their_place_across_chunks) {
     const image_channel channels[] = {{"R", IMAGE_FLOAT, true, values, sizeof *values},
                                       {"G", IMAGE_FLOAT, true, values, sizeof *values},
                                       {"B", IMAGE_FLOAT, true, values, sizeof *values}};
-    const image img = {WIDTH, HEIGHT, 0, 0, WIDTH, HEIGHT, channels, 3, NULL, 0};
+    const image img = {WIDTH, HEIGHT, 0, 0, WIDTH, HEIGHT, channels, 3, NULL, 0, 0};
     assert_ok(context, image_write(context, &img, in_folder("a.exr"), &options));
     free(values);
     const image *back;

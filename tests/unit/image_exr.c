@@ -32,7 +32,7 @@ static const image_channel channels[] = {
 enum { CHANNELS = sizeof channels / sizeof *channels };
 
 static image of_size(uint32_t width, uint32_t height) {
-    return (image){width, height, 5, 7, 5 + width, 7 + height, channels, CHANNELS, NULL, 0};
+    return (image){width, height, 5, 7, 5 + width, 7 + height, channels, CHANNELS, NULL, 0, 0};
 }
 
 static void write_with(const image *img, const char *path, const exr_options *options) {

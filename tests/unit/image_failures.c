@@ -23,7 +23,7 @@ static image noisy(void) {
     const char *const names[] = {"R", "G", "B"};
     for (size_t i = 0; i < 3 * SIDE * SIDE; ++i) noise[i] = (float)(i * 2654435761u % 65521) / 65521;
     for (size_t c = 0; c < 3; ++c) channels[c] = (image_channel){names[c], IMAGE_FLOAT, true, noise + c, 12};
-    return (image){SIDE, SIDE, 0, 0, SIDE, SIDE, channels, 3, NULL, 0};
+    return (image){SIDE, SIDE, 0, 0, SIDE, SIDE, channels, 3, NULL, 0, 0};
 }
 
 static void write_text(const char *path, const char *text) {
@@ -305,7 +305,7 @@ UNIT_TEST(jpeg_size_is_limited) {
     const char *const names[] = {"R", "G", "B"};
     image_channel none[3];
     for (size_t c = 0; c < 3; ++c) none[c] = (image_channel){names[c], IMAGE_FLOAT, true, black, 0};
-    image img = {65501, 1, 0, 0, 65501, 1, none, 3, NULL, 0};
+    image img = {65501, 1, 0, 0, 65501, 1, none, 3, NULL, 0, 0};
     fathom_write_options options = defaults();
     assert_fails(context, image_write(context, &img, in_folder("a.jpg"), &options), FATHOM_BAD_USAGE,
                  "65500");

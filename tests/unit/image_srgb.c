@@ -104,7 +104,7 @@ UNIT_TEST(rows_agree_with_opencolorio) {
     image_channel channels[4];
     for (size_t c = 0; c < 4; ++c)
         channels[c] = (image_channel){names[c], IMAGE_FLOAT, true, &rgba[0][c], 16};
-    image img = {WIDTH, 1, 0, 0, WIDTH, 1, channels, 4, NULL, 0};
+    image img = {WIDTH, 1, 0, 0, WIDTH, 1, channels, 4, NULL, 0, 0};
     for (img.channel_count = 3; img.channel_count <= 4; ++img.channel_count) {
         for (int stops = -8; stops <= 8; ++stops) {
             image_packing packing = {&img, exp2f((float)stops * 0.7f), &codes};

@@ -16,7 +16,7 @@ static void codes_of(const fathom_write_options *options, int codes[15]) {
     image_channel channels[3];
     for (size_t c = 0; c < 3; ++c)
         channels[c] = (image_channel){names[c], IMAGE_FLOAT, true, &colors[0][c], 12};
-    image img = {5, 1, 0, 0, 5, 1, channels, 3, NULL, 0};
+    image img = {5, 1, 0, 0, 5, 1, channels, 3, NULL, 0, 0};
     assert_ok(context, image_write(context, &img, in_folder("a.png"), options));
     const image *back;
     assert_ok(context, image_read(context, in_folder("a.png"), &back));
@@ -175,7 +175,7 @@ UNIT_TEST(srgb_files_are_marked) {
     for (size_t c = 0; c < 3; ++c)
         channels[c] = (image_channel){names[c], IMAGE_FLOAT, true, &colors[0][c], 12};
     image_attribute software = {"Software", "Fathom test", NULL, 0};
-    image img = {5, 1, 0, 0, 5, 1, channels, 3, &software, 1};
+    image img = {5, 1, 0, 0, 5, 1, channels, 3, &software, 1, 0};
     fathom_write_options options = defaults();
     for (size_t v = 0; v < 3; ++v) {
         options.view = views[v];

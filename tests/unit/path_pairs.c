@@ -346,7 +346,7 @@ static void write_sky(fathom_context *for_image) {
     const image_channel channels[3] = {{"R", IMAGE_FLOAT, true, &texels[0][0], sizeof *texels},
                                        {"G", IMAGE_FLOAT, true, &texels[0][1], sizeof *texels},
                                        {"B", IMAGE_FLOAT, true, &texels[0][2], sizeof *texels}};
-    const image img = {WIDTH, HEIGHT, 0, 0, WIDTH, HEIGHT, channels, 3, NULL, 0};
+    const image img = {WIDTH, HEIGHT, 0, 0, WIDTH, HEIGHT, channels, 3, NULL, 0, 0};
     assert_ok(for_image, exr_write_plain(for_image, &img, in_folder("sky.exr")));
 }
 

@@ -6,7 +6,7 @@
 #include "image/image.h"
 
 /* Increases with every change of this file: a module of another build is refused before any call. */
-#define IMAGE_MODULE_VERSION 11
+#define IMAGE_MODULE_VERSION 12
 #define IMAGE_MODULE_SYMBOL "fathom_image_module"
 
 typedef struct image_message {

@@ -95,17 +95,15 @@ static void put_channel(wire_buffer *b, const image_channel *channel) {
 }
 
 void wire_put_image(wire_buffer *b, const image *img) {
-    const uint32_t sizes[6] = {img->width, img->height, img->x, img->y, img->full_width, img->full_height};
-    for (int i = 0; i < 6; ++i) wire_put_u32(b, sizes[i]);
+    const uint32_t sizes[7] = {img->width,      img->height,      img->x,   img->y,
+                               img->full_width, img->full_height, img->bits};
+    for (int i = 0; i < 7; ++i) wire_put_u32(b, sizes[i]);
     wire_put_u32(b, (uint32_t)img->channel_count);
     wire_put_u32(b, (uint32_t)img->attribute_count);
     for (size_t i = 0; i < img->channel_count; ++i) put_channel(b, &img->channels[i]);
     for (size_t i = 0; i < img->attribute_count; ++i) {
-        const image_attribute *a = &img->attributes[i];
-        wire_put_text(b, a->name);
-        wire_put_text(b, a->text);
-        wire_put_u32(b, a->text ? 0 : (uint32_t)a->count);
-        if (!a->text) wire_put(b, a->numbers, a->count * sizeof *a->numbers);
+        wire_put_text(b, img->attributes[i].name);
+        wire_put_text(b, img->attributes[i].text);
     }
 }
 
@@ -120,45 +118,37 @@ static bool take_channels(wire_cursor *c, wire_image *out) {
     return true;
 }
 
-/* out->numbers has room for all numbers that the memory can hold. */
-static bool take_attributes(wire_cursor *c, wire_image *out) {
-    double *room = out->numbers;
+static bool take_attributes(wire_cursor *c, const wire_image *out) {
     for (size_t i = 0; i < out->img.attribute_count; ++i) {
-        image_attribute *a = &out->attributes[i];
-        a->name = wire_take_text(c);
-        a->text = wire_take_text(c);
-        a->count = wire_take_u32(c);
-        const void *numbers = wire_take(c, a->count * sizeof *room);
-        if (c->bad || !a->name) return false;
-        if (a->count) memcpy(room, numbers, a->count * sizeof *room);
-        a->numbers = room;
-        room += a->count;
+        out->attributes[i].name = wire_take_text(c);
+        out->attributes[i].text = wire_take_text(c);
+        if (c->bad || !out->attributes[i].name) return false;
     }
     return true;
 }
 
-/* A channel takes at least 12 bytes and an attribute at least 12, which limits their counts. */
+/* A channel takes at least 12 bytes and an attribute at least 8, which limits their counts. */
 bool wire_take_image(wire_cursor *c, wire_image *out) {
     *out = (wire_image){.channels = NULL};
     image *img = &out->img;
-    uint32_t *sizes[6] = {&img->width, &img->height, &img->x, &img->y, &img->full_width, &img->full_height};
-    for (int i = 0; i < 6; ++i) *sizes[i] = wire_take_u32(c);
+    uint32_t *sizes[7] = {&img->width,      &img->height,      &img->x,   &img->y,
+                          &img->full_width, &img->full_height, &img->bits};
+    for (int i = 0; i < 7; ++i) *sizes[i] = wire_take_u32(c);
     img->channel_count = wire_take_u32(c);
     img->attribute_count = wire_take_u32(c);
     size_t left = (size_t)(c->end - c->at);
-    if (c->bad || img->channel_count > left / 12 || img->attribute_count > left / 12) return false;
+    if (c->bad || img->channel_count > left / 12 || img->attribute_count > left / 8) return false;
     out->channels = calloc(img->channel_count + 1, sizeof *out->channels);
     out->attributes = calloc(img->attribute_count + 1, sizeof *out->attributes);
-    out->numbers = malloc(left + sizeof(double));
     img->channels = out->channels, img->attributes = out->attributes;
-    bool there = out->channels && out->attributes && out->numbers;
+    bool there = out->channels && out->attributes;
     if (there && take_channels(c, out) && take_attributes(c, out)) return true;
     wire_image_free(out);
     return false;
 }
 
 void wire_image_free(wire_image *w) {
-    free(w->channels), free(w->attributes), free(w->numbers);
+    free(w->channels), free(w->attributes);
     *w = (wire_image){.channels = NULL};
 }
 

@@ -12,7 +12,7 @@
 #define WIRE_MEMORY 4
 
 /* Increases with every change of the protocol. */
-#define WIRE_VERSION 6u
+#define WIRE_VERSION 7u
 
 typedef enum wire_op {
     WIRE_OPEN,  /* opens a file; its descriptor comes with the request; the memory holds a wire image */
@@ -73,7 +73,7 @@ uint32_t wire_take_u32(wire_cursor *c);
 /* The text stays in the shared memory; NULL if NULL was put. */
 const char *wire_take_text(wire_cursor *c);
 
-/* ---- an image's description: everything except its pixels ---- */
+/* ---- an image's description: everything except its pixels, and numbers of its header ---- */
 
 void wire_put_image(wire_buffer *b, const image *img);
 
@@ -82,7 +82,6 @@ typedef struct wire_image {
     image img;
     image_channel *channels;
     image_attribute *attributes;
-    double *numbers;
 } wire_image;
 
 /* False when the description is incomplete or memory runs out. */
