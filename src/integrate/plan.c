@@ -125,8 +125,6 @@ static fathom_status plan_reference(fathom_context *context, render_plan *plan) 
                           "the reference integrator makes none but samples");
     const reference_settings settings = {.width = s->width,
                                          .height = s->height,
-                                         .region = settings_region_of(s),
-                                         .samples = s->spp,
                                          .depth = s->max_depth,
                                          .seed = s->seed,
                                          .filter = &plan->filter,

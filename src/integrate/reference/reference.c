@@ -155,8 +155,7 @@ static void advance(path *p, const reference_surface *s) {
 }
 
 static vec3_f64 outside(const reference_scene *r, const path *p) {
-    const reference_settings *o = &r->settings;
-    const vec3_f64 sky = o->environment ? o->environment(p->direction) : reference_sky_light(r, p->direction);
+    const vec3_f64 sky = reference_sky_light(r, p->direction);
     return p->unlit && !p->in_view ? add_f64(sky, reference_suns(r, p->direction)) : sky;
 }
 
@@ -298,8 +297,7 @@ bool reference_sample(reference_scene *r, uint32_t x, uint32_t y, uint32_t index
 
 static void render_pixel(render *k, size_t index) {
     const reference_settings *o = &k->scene->settings;
-    const uint32_t at = (uint32_t)index, width = o->region.width;
-    const uint32_t x = o->region.x + at % width, y = o->region.y + at / width;
+    const uint32_t x = (uint32_t)index % o->width, y = (uint32_t)index / o->width;
     vec3_f64 sum = {0, 0, 0}, squares = {0, 0, 0};
     for (uint32_t i = 0; i < o->samples; ++i) {
         vec3_f64 rgb;
@@ -413,7 +411,7 @@ fathom_status reference_render(const fathom_scene *scene, const reference_settin
     fathom_status status = reference_open(scene, settings, &r);
     if (status != FATHOM_OK) return status;
     render k = {.scene = r, .out = out};
-    const size_t pixels = (size_t)settings->region.width * settings->region.height;
+    const size_t pixels = (size_t)settings->width * settings->height;
     loop_parallel(settings->threads ? settings->threads : 1, pixels, 1, render_pixels, &k);
     status = reference_check(r);
     reference_close(r);

@@ -13,17 +13,13 @@
 
 typedef struct reference_settings {
     uint32_t width, height; /* of the image */
-    settings_region region; /* the pixels to render */
-    uint32_t samples;       /* per pixel, at least 2 */
+    uint32_t samples;       /* of reference_render(): per pixel, at least 2 */
     uint32_t depth;         /* bounces */
     uint64_t seed;
     unsigned threads;           /* 0: one */
     const pixel_filter *filter; /* NULL: a box, one pixel wide */
     bool sharp;                 /* all samples are at the middle of the shutter's time */
     bool without_bvh;           /* closest hits by testing every primitive */
-    /* Radiance from outside in a unit direction, instead of background and environment lights; NULL: those of
-     * the scene. Called from several threads: must be thread-safe. */
-    vec3_f64 (*environment)(vec3_f64 direction);
 } reference_settings;
 
 typedef struct reference_estimate {
@@ -44,6 +40,6 @@ bool reference_sample(reference_scene *reference, uint32_t x, uint32_t y, uint32
 /* FATHOM_BAD_INPUT if a sample of a reference failed; NULL: none is in use. */
 fathom_status reference_check(const reference_scene *reference);
 
-/* out: of each pixel of the region, row by row from the top. */
+/* out: of each pixel, row by row from the top. */
 fathom_status reference_render(const fathom_scene *scene, const reference_settings *settings,
                                reference_estimate *out);

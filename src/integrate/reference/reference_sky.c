@@ -82,7 +82,6 @@ static fathom_status add_sky(reference_scene *r, fathom_id id) {
 fathom_status reference_skies_open(reference_scene *r) {
     const fathom_scene *scene = r->scene;
     fathom_status status = FATHOM_OK;
-    if (r->settings.environment) return FATHOM_OK;
     r->skies = calloc(scene->environments.count + 1, sizeof *r->skies);
     if (!r->skies) return fail_memory(scene->context, sizeof *r->skies);
     if (scene->in_studio) status = add_sky(r, FATHOM_NONE);

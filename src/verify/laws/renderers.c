@@ -8,8 +8,6 @@
 
 /* ---- the reference ---- */
 
-enum { SIDE = 16, PIXELS = SIDE * SIDE };
-
 /* Mean and error of a square of side `side` in an image `width` pixels wide. Pixels are independent, so the
  * squares of their errors add up. */
 static sample_mean mean_of(const reference_estimate *pixels, uint32_t side, uint32_t width, int channel,
@@ -24,21 +22,36 @@ static sample_mean mean_of(const reference_estimate *pixels, uint32_t side, uint
     return (sample_mean){mean, sqrt(square) / count, count * (samples - 1.0)};
 }
 
+static fathom_status reference_cells(const fathom_scene *scene, const laws_pair *o, uint32_t side,
+                                     sample_mean *out) {
+    const uint32_t width = o->across * side, height = o->down * side;
+    const reference_settings settings = {.width = width,
+                                         .height = height,
+                                         .samples = (uint32_t)fmax((double)o->samples / width / height, 2),
+                                         .depth = o->depth,
+                                         .seed = o->seed,
+                                         .threads = o->threads};
+    reference_estimate *pixels = malloc((size_t)width * height * sizeof *pixels);
+    fathom_status status = pixels ? reference_render(scene, &settings, pixels)
+                                  : fail_memory(scene->context, (size_t)width * height * sizeof *pixels);
+    for (uint32_t i = 0; i < 3 * o->across * o->down && status == FATHOM_OK; ++i) {
+        const reference_estimate *corner =
+            pixels + i / 3 / o->across * side * width + i / 3 % o->across * side;
+        out[i] = mean_of(corner, side, width, (int)(i % 3), settings.samples);
+    }
+    free(pixels);
+    return status;
+}
+
 static fathom_status reference_room(void *user, const law_room *room, uint64_t samples, uint64_t seed,
                                     sample_mean out[3]) {
-    const reference_settings settings = {.width = SIDE,
-                                         .height = SIDE,
-                                         .region = {0, 0, SIDE, SIDE},
-                                         .samples = (uint32_t)fmax((double)samples / PIXELS, 2),
-                                         .depth = room->depth,
-                                         .seed = seed,
-                                         .threads = *(const unsigned *)user,
-                                         .environment = room->environment};
-    reference_estimate pixels[PIXELS];
-    const fathom_status status = reference_render(room->b.scene, &settings, pixels);
-    for (int c = 0; c < 3 && status == FATHOM_OK; ++c)
-        out[c] = mean_of(pixels, SIDE, SIDE, c, settings.samples);
-    return status;
+    const laws_pair whole = {.across = 1,
+                             .down = 1,
+                             .depth = room->depth,
+                             .samples = samples,
+                             .seed = seed,
+                             .threads = *(const unsigned *)user};
+    return reference_cells(room->b.scene, &whole, 16, out);
 }
 
 laws_render laws_reference(unsigned *threads) { return (laws_render){"reference", reference_room, threads}; }
@@ -111,28 +124,6 @@ static fathom_status path_room(void *user, const law_room *room, uint64_t sample
 laws_render laws_path(void) { return (laws_render){"path", path_room, NULL}; }
 
 /* ---- both integrators on one scene ---- */
-
-static fathom_status reference_cells(const fathom_scene *scene, const laws_pair *o, uint32_t side,
-                                     sample_mean *out) {
-    const uint32_t width = o->across * side, height = o->down * side;
-    const reference_settings settings = {.width = width,
-                                         .height = height,
-                                         .region = {0, 0, width, height},
-                                         .samples = (uint32_t)fmax((double)o->samples / width / height, 2),
-                                         .depth = o->depth,
-                                         .seed = o->seed,
-                                         .threads = o->threads};
-    reference_estimate *pixels = malloc((size_t)width * height * sizeof *pixels);
-    fathom_status status = pixels ? reference_render(scene, &settings, pixels)
-                                  : fail_memory(scene->context, (size_t)width * height * sizeof *pixels);
-    for (uint32_t i = 0; i < 3 * o->across * o->down && status == FATHOM_OK; ++i) {
-        const reference_estimate *corner =
-            pixels + i / 3 / o->across * side * width + i / 3 % o->across * side;
-        out[i] = mean_of(corner, side, width, (int)(i % 3), settings.samples);
-    }
-    free(pixels);
-    return status;
-}
 
 fathom_status laws_pair_run(fathom_context *context, const fathom_scene *scene, const laws_pair *o,
                             laws_difference *out) {

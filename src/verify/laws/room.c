@@ -78,12 +78,12 @@ static vec3_f64 sky_direction(uint32_t x, uint32_t y, uint32_t width, uint32_t h
     return vec_f64(sin(turn) * cos(rise), sin(rise), -cos(turn) * cos(rise));
 }
 
-static fathom_status write_sky(law_room *room) {
+static fathom_status write_sky(const law_room *room, vec3_f64 (*radiance)(vec3_f64 direction)) {
     enum { WIDTH = 1024, HEIGHT = 512 };
     float(*pixels)[3] = malloc((size_t)WIDTH * HEIGHT * sizeof *pixels);
     if (!pixels) return fail_memory(room->b.context, (size_t)WIDTH * HEIGHT * sizeof *pixels);
     for (uint32_t i = 0; i < WIDTH * HEIGHT; ++i)
-        build_rgb(pixels[i], room->environment(sky_direction(i % WIDTH, i / WIDTH, WIDTH, HEIGHT)));
+        build_rgb(pixels[i], radiance(sky_direction(i % WIDTH, i / WIDTH, WIDTH, HEIGHT)));
     static const char *const names[3] = {"R", "G", "B"};
     image_channel channels[3];
     for (int c = 0; c < 3; ++c)
@@ -104,7 +104,6 @@ void law_sky(law_room *room, vec3_f64 (*radiance)(vec3_f64 direction)) {
     fathom_light light;
     fathom_light_default(&light);
     light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = room->sky;
-    room->environment = radiance;
     snprintf(room->sky, sizeof room->sky, "%.200s/fathom-sky-XXXXXX.exr",
              folder && *folder ? folder : "/tmp");
     const int file = mkstemps(room->sky, 4);
@@ -113,7 +112,7 @@ void law_sky(law_room *room, vec3_f64 (*radiance)(vec3_f64 direction)) {
         room->b.status = fail_file(room->b.context, FATHOM_OUT_OF_RESOURCES, room->sky, "cannot be created");
         room->sky[0] = 0;
     }
-    if (room->b.status == FATHOM_OK) room->b.status = write_sky(room);
+    if (room->b.status == FATHOM_OK) room->b.status = write_sky(room, radiance);
     build_light(&room->b, &light);
 }
 

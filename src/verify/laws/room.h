@@ -7,9 +7,7 @@ typedef struct law_room {
     builder b;
     double value[3]; /* expected mean over the image */
     uint32_t depth;  /* bounces; default 64 */
-    /* Radiance from outside; NULL: the scene's background. See law_sky(). */
-    vec3_f64 (*environment)(vec3_f64 direction);
-    char sky[256]; /* image file of it, removed with the room; "": none */
+    char sky[256];   /* image file of its environment light, removed with the room; "": none */
 } law_room;
 
 typedef struct law {
@@ -37,8 +35,7 @@ void law_fan(law_room *room, const vec3_f64 *corners, uint32_t count, fathom_mat
 /* The six sides of the box with corners ±1; as quads, or as meshes. */
 void law_box(law_room *room, bool meshes, fathom_material m);
 void law_point_light(law_room *room, vec3_f64 at, double intensity, double radius);
-/* Sets `environment` to the function, and adds an environment light with the same radiance as an image of
- * 1024 x 512 pixels. */
+/* Adds an environment light with this radiance, as an image of 1024 x 512 pixels. */
 void law_sky(law_room *room, vec3_f64 (*radiance)(vec3_f64 direction));
 /* A camera that looks at one point. The image height is 1/4096 of the distance. */
 void law_look(law_room *room, vec3_f64 eye, vec3_f64 target);
