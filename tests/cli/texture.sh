@@ -36,7 +36,7 @@ OCIO=user.ocio run 0 render halved.json -o c.exr --size 8x8 --spp 4
 run 0 compare b.exr c.exr
 OCIO=none.ocio refused 3 'user.ocio: no color space "mauve"; expected one of: "Plain", "Halved"' \
     render mauve.json -o b.png --ocio user.ocio
-OCIO=none.ocio refused 2 'none.ocio: cannot be read: No such file or directory' \
+OCIO=none.ocio refused 3 'none.ocio: cannot be read: No such file or directory' \
     texture a.png -o b.tif --color Halved
 rm b.exr c.exr
 refused 2 'expected a name that ends in .tx, .tif or .tiff' texture a.png -o b.png
