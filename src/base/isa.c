@@ -27,10 +27,14 @@ const char *isa_unknown(void) {
 #if defined(__x86_64__)
 #include <cpuid.h>
 
-/* __builtin_cpu_supports() of clang 14 does not know this feature. */
+/* __builtin_cpu_supports() of clang 14 does not know this feature. The instruction is executed once: in
+ * virtual machines it takes tens of microseconds, and kernels are chosen for each mesh. */
 static bool has_f16c(void) {
+    enum { UNKNOWN, LACKING, PRESENT };
+    static _Atomic int known;
     unsigned a, b, c, d;
-    return __get_cpuid(1, &a, &b, &c, &d) && (c & bit_F16C);
+    if (known == UNKNOWN) known = __get_cpuid(1, &a, &b, &c, &d) && (c & bit_F16C) ? PRESENT : LACKING;
+    return known == PRESENT;
 }
 
 static bool processor_has(isa_set set) {
