@@ -48,22 +48,23 @@ static fathom_status generate(const generate_settings *settings, fathom_generato
     options.kind = kind;
     options.triangles = settings->triangles;
     options.seed = settings->seed;
-    double start = clock_seconds();
+    const double start = clock_seconds();
     fathom_status status = fathom_scene_generate(scene, FATHOM_ROOT, &options);
-    double made = clock_seconds();
+    const double made = clock_seconds();
+    const fathom_survey *survey = NULL;
+    if (status == FATHOM_OK && !settings->common.quiet) status = fathom_scene_survey(scene, &survey);
+    const double counted = clock_seconds();
     if (status == FATHOM_OK) status = fathom_scene_write(scene, settings->output);
-    if (status != FATHOM_OK) return status;
+    const double written = clock_seconds();
     struct stat info;
     double bytes = stat(settings->output, &info) == 0 ? (double)info.st_size : 0;
-    const double written = clock_seconds();
-    const fathom_survey *survey;
-    if (!settings->common.quiet) status = fathom_scene_survey(scene, &survey);
-    if (settings->common.quiet || status != FATHOM_OK) return status;
-    print_name(stdout, settings->output);
-    printf(": %llu triangles, %.1f MB, made in %.2f s, written in %.2f s\n",
-           (unsigned long long)survey->placed_triangles, 1e-6 * bytes, made - start, written - made);
+    if (status == FATHOM_OK && survey) {
+        print_name(stdout, settings->output);
+        printf(": %llu triangles, %.1f MB, made in %.2f s, written in %.2f s\n",
+               (unsigned long long)survey->placed_triangles, 1e-6 * bytes, made - start, written - counted);
+    }
     fathom_survey_destroy(survey);
-    return FATHOM_OK;
+    return status;
 }
 
 static fathom_status check_and_generate(fathom_context *context, void *user) {
