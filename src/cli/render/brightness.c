@@ -78,8 +78,7 @@ bool brightness_is_open(const render_options *options) {
 }
 
 #define LARGEST_HALF 65504.0f
-/* Of an image whose exposure is more stops, nearly all pixels are below 2^-14, where half floats lose digits.
- */
+/* An image that needs more stops has nearly all pixels below 2^-14, where half floats lose digits. */
 #define HALF_STOPS 14
 
 static bool exceeds_half(const fathom_film *film) {
