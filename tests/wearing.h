@@ -1,6 +1,7 @@
 /* A triangle with a material that goes through a file. */
 #pragma once
 
+#include "materials.h"
 #include "scene/scene.h"
 #include "unit_folder.h"
 
@@ -40,7 +41,7 @@ static inline fathom_scene *through(fathom_scene *scene, int format) {
 }
 
 static inline const fathom_material *worn(const fathom_scene *scene) {
-    const fathom_id id = scene_find_material(scene, "two words");
+    const fathom_id id = find_material(scene, "two words");
     assert_int_not_equal(id, FATHOM_NONE);
     return &scene->materials.items[id].value;
 }

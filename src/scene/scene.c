@@ -201,14 +201,6 @@ fathom_status fathom_scene_add_material_sized(fathom_scene *scene, const char *n
     return FATHOM_OK;
 }
 
-fathom_id scene_find_material(const fathom_scene *scene, const char *name) {
-    for (size_t i = 0; i < scene->materials.count; ++i) {
-        const char *other = scene->materials.items[i].name;
-        if (other && strcmp(other, name) == 0) return (fathom_id)i;
-    }
-    return FATHOM_NONE;
-}
-
 uint64_t scene_triangles(const fathom_scene *scene) {
     uint64_t triangles = 0;
     for (size_t i = 0; i < scene->meshes.count; ++i) triangles += scene->meshes.items[i].triangle_count;

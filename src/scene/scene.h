@@ -147,9 +147,6 @@ fathom_status scene_add_mesh_checked(fathom_scene *scene, fathom_id group, const
 /* Checks the keys of vertices and normals, and extends *facts to all keys. */
 fathom_status mesh_check_vertex_keys(fathom_context *context, const fathom_mesh *m, mesh_facts *facts);
 
-/* The material with this name, FATHOM_NONE when there is none. */
-fathom_id scene_find_material(const fathom_scene *scene, const char *name);
-
 /* True when some parameter comes from a texture. */
 bool material_has_maps(const fathom_material *material);
 /* True when images of this kind of map hold colours. */

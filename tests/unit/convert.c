@@ -179,7 +179,7 @@ UNIT_TEST(every_image_reads_back) {
 static const fathom_material *through_obj(const fathom_scene *scene, fathom_scene **back) {
     assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
     assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), back));
-    return &(*back)->materials.items[scene_find_material(*back, "material_1")].value;
+    return &(*back)->materials.items[find_material(*back, "material_1")].value;
 }
 
 /* The file's v is one minus the scene's, so that an image that lies as glTF's do needs no options. */

@@ -1,6 +1,7 @@
 /* A rank that cannot open the scene's files gets them from rank 0, here in the same thread: each message to
  * rank 0 is answered at once. */
 #include "job/ranks/ranks_files.h"
+#include "materials.h"
 #include "scene/scene.h"
 #include "unit_folder.h"
 
@@ -134,7 +135,7 @@ UNIT_TEST(files_come_whole_with_their_folders) {
     open_pair(&p);
     assert_ok(p.other, read_both(&p, "scene.json", &copies, &got));
     assert_int_equal(got->meshes.items[0].triangle_count, 1);
-    assert_int_not_equal(scene_find_material(got, "red"), FATHOM_NONE);
+    assert_int_not_equal(find_material(got, "red"), FATHOM_NONE);
     assert_int_equal(p.asked, 1 + 3 + 1);
     snprintf(path, sizeof path, "%s/meshes/t..obj", copies);
     FILE *file = fopen(path, "rb");

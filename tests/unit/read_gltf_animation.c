@@ -1,5 +1,6 @@
 /* glTF that moves: animations, skins, morph targets, each against its closed form. */
 #include "gltf_build.h"
+#include "materials.h"
 #include "read/gltf/gltf_pose.h"
 
 #include <math.h>
@@ -396,7 +397,7 @@ UNIT_TEST(variants_replace_materials) {
     for (int i = 0; i < 4; ++i) {
         asked.variant = names[i];
         assert_ok(f->context, read_asked(f, &asked, &scene));
-        assert_int_equal(scene->meshes.items[0].material, scene_find_material(scene, shown[i]));
+        assert_int_equal(scene->meshes.items[0].material, find_material(scene, shown[i]));
         assert_int_equal(f->warnings > 0, !names[i]);
         fathom_scene_destroy(scene);
     }

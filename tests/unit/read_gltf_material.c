@@ -1,5 +1,6 @@
 /* glTF materials: the mapping's laws, and each kind of material by name. */
 #include "gltf_file.h"
+#include "materials.h"
 
 #include "scene/mesh/absent.h"
 
@@ -531,7 +532,7 @@ UNIT_TEST(materials_keep_names_and_have_a_default) {
                                "'material':1},{'attributes':{'POSITION':0}},{'attributes':{'POSITION':0}}]}],"
                                "'materials':[{'name':'unused'},{'name':'gold'}]"));
     assert_int_equal(scene->materials.count, 3);
-    assert_int_equal(scene_find_material(scene, "gold"), scene->meshes.items[0].material);
+    assert_int_equal(find_material(scene, "gold"), scene->meshes.items[0].material);
     assert_int_equal(scene->meshes.items[0].material, scene->meshes.items[1].material);
     assert_int_equal(scene->meshes.items[2].material, scene->meshes.items[3].material);
     const fathom_material *m = &scene->materials.items[scene->meshes.items[2].material].classic;

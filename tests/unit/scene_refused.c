@@ -1,5 +1,6 @@
 /* What a scene refuses: every value out of its range, with a message that names it, and the scene as it was.
  * The ends of each range are taken. */
+#include "materials.h"
 #include "scene/scene.h"
 #include "unit_scene.h"
 
@@ -130,7 +131,7 @@ UNIT_TEST(materials) {
         fathom_material_default(&m);                                                                         \
         __VA_ARGS__;                                                                                         \
         REFUSED(fathom_scene_add_material(scene, "m", &m, NULL), words);                                     \
-        assert_int_equal(scene_find_material(scene, "m"), FATHOM_NONE);                                      \
+        assert_int_equal(find_material(scene, "m"), FATHOM_NONE);                                            \
     } while (0)
     MATERIAL("ka", m.k_a[0] = 1, m.k_a[1] = -1);
     MATERIAL("kd", m.k_d[2] = -0.1f);

@@ -1,5 +1,6 @@
 /* Mesh files: what is written reads back as the same triangles, bit for bit. */
 #include "base/file.h"
+#include "materials.h"
 #include "unit_folder.h"
 #include "write/write.h"
 
@@ -373,7 +374,7 @@ static const fathom_material *read_back(fathom_scene *scene, const char *name, c
                                         fathom_scene **back) {
     assert_ok(context, fathom_scene_write(scene, in_folder(name)));
     assert_ok(context, fathom_scene_read(context, in_folder(name), back));
-    fathom_id id = scene_find_material(*back, material);
+    fathom_id id = find_material(*back, material);
     assert_int_not_equal(id, FATHOM_NONE);
     remove_file(name);
     return &(*back)->materials.items[id].classic;

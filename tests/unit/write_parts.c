@@ -1,6 +1,7 @@
 /* What mesh files are made of: texts, names, welded vertices, and materials that a format cannot hold as they
  * are. */
 #include "base/file.h"
+#include "materials.h"
 #include "unit_folder.h"
 #include "write/write.h"
 
@@ -209,7 +210,7 @@ static scene_named_material through(const char *name, const fathom_material *mat
     fathom_context_on_warning(context, NULL, NULL);
     assert_ok(context, fathom_scene_read(context, in_folder(name), &back));
     unlink(in_folder(name)), unlink(in_folder("m.mtl"));
-    id = scene_find_material(back, "m");
+    id = find_material(back, "m");
     assert_int_not_equal(id, FATHOM_NONE);
     scene_named_material out = back->materials.items[id];
     fathom_scene_destroy(back);

@@ -1,5 +1,6 @@
 /* Quads and spheres in formats that hold triangles alone. */
 #include "base/file.h"
+#include "materials.h"
 #include "unit_folder.h"
 #include "write/write.h"
 
@@ -19,7 +20,7 @@ static fathom_scene *scene_with(bool directed) {
     return scene;
 }
 
-static fathom_id material_of(const fathom_scene *scene) { return scene_find_material(scene, "m"); }
+static fathom_id material_of(const fathom_scene *scene) { return find_material(scene, "m"); }
 
 static void add_sphere(fathom_scene *scene, fathom_id group, double x, double radius) {
     fathom_sphere sphere;
