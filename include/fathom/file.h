@@ -10,7 +10,8 @@ extern "C" {
 #endif
 
 /* FATHOM_OUT_OF_RESOURCES when writing would fail: `path` is a folder or a device, its folder is missing,
- * full or not writable, or an existing file may not be written to or replaced. */
+ * full or not writable, or an existing file may not be written to or replaced. Calls
+ * fathom_file_remove_left_over(). */
 FATHOM_API fathom_status fathom_file_check(fathom_context *context, const char *path);
 
 /* From now on, reading one of these files with this context is FATHOM_BAD_USAGE, by any spelling of its

@@ -351,6 +351,7 @@ fathom_status fathom_file_check(fathom_context *context, const char *path) {
     int error = status == FATHOM_OK ? refusal(path, folder) : 0;
     free(folder);
     if (error) status = cannot_write(context, path, error);
+    if (status == FATHOM_OK) fathom_file_remove_left_over(path);
     return status == FATHOM_OK ? probe(context, path) : status;
 }
 

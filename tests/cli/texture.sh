@@ -3,7 +3,9 @@
 write_scene
 
 run 0 render scene.json -o a.png -o a.exr
+: >a.fathom-tmp1.tx
 run 0 texture a.png -o a.tx
+[ ! -e a.fathom-tmp1.tx ] || die 'the file of a killed process is still there'
 said out.txt 'a.tx: '
 run 0 texture a.exr -o linear.tx --color linear --quiet
 silent out.txt

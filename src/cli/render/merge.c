@@ -16,8 +16,6 @@ static fathom_status check_outputs(fathom_context *context, render_options *o) {
         status = outputs_check_distinct(context, o->outputs.items, o->outputs.count, o->parts.items[i]);
     for (size_t i = 0; i < o->outputs.count && status == FATHOM_OK; ++i)
         status = fathom_write_check(context, o->outputs.items[i], &o->write);
-    for (size_t i = 0; i < o->outputs.count && status == FATHOM_OK; ++i)
-        fathom_file_remove_left_over(o->outputs.items[i]);
     return status;
 }
 

@@ -44,7 +44,6 @@ static fathom_status check_outputs(task *s) {
     if (status == FATHOM_OK && stats_file) status = fathom_file_check(s->context, o->stats);
     if (status == FATHOM_OK && o->part.path) status = fathom_file_check(s->context, o->part.path);
     if (status == FATHOM_OK) status = saving_check(s->context, o);
-    for (size_t i = 0; i < count && status == FATHOM_OK; ++i) fathom_file_remove_left_over(all[i]);
     if (status == FATHOM_OK) images_remove_left_over(&o->outputs);
     return status;
 }

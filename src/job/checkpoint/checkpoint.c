@@ -73,7 +73,6 @@ static fathom_status prepare(checkpoint *c) {
     fathom_status status = checkpoint_check_path(c->context, &c->options, &exists);
     if (status == FATHOM_OK) status = file_lock_take(c->context, c->options.path, &c->file);
     if (status != FATHOM_OK) return status;
-    fathom_file_remove_left_over(c->options.path);
     checkpoint_key_of(&c->settings, c->film->stats.scene_fingerprint, &c->key);
     if (!checkpoint_state_create(&c->settings, c->film, c->film->parts, &c->state) ||
         !checkpoint_write_create(&c->state, c->film, &c->write) ||
