@@ -32,8 +32,8 @@ static int open_nameless(void) {
 static fathom_status fail_file_size(fathom_context *context, uint64_t size) {
     return fail_file(
         context, FATHOM_OUT_OF_RESOURCES, folder(),
-        "cannot hold a temporary file of %.1f GB for textures: %s; name another folder in $TMPDIR",
-        (double)size * 1e-9, strerror(errno));
+        "cannot hold a temporary file of %.1f MB for textures: %s; name another folder in $TMPDIR",
+        (double)size * 1e-6, strerror(errno));
 }
 
 /* Maps a file at `at`, inside the reserved address range. */

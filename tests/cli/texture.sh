@@ -49,3 +49,8 @@ refused 3 'cut.png: cannot be read as a texture' texture cut.png -o b.tx
 printf '{"materials": {"m": {"kdTexture": {"file": "cut.png"}}}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}]}' >cut.json
 refused 3 'cut.json:1: materials.m.kdTexture.file: cut.png: cannot be read as a texture' \
     render cut.json -o b.png --size 8000x8000 --spp 65536
+# Levels 0 and 1 do not fit: 100 tiles of 64 x 64 texels of 4 bytes, and 25 of 8.
+{ printf 'P6\n640 640\n255\n' && head -c 1228800 /dev/zero; } >large.ppm
+sed 's/cut.png/large.ppm/' cut.json >large.json
+TMPDIR=$PWD/none refused 4 'none: cannot hold a temporary file of 2.5 MB for textures: No such file or directory' \
+    render large.json -o b.png --texture-memory 1M
