@@ -29,12 +29,17 @@ static float left_of(const fathom_material *m, int c) {
 
 bool material_is_clear(const scene_named_material *material) {
     const fathom_material *m = &material->value;
+    const bool metallic_roughness = m->model == FATHOM_MODEL_METALLIC_ROUGHNESS;
     float through = 0;
     for (int k = 0; k < FATHOM_MAPS; ++k) {
         if (m->maps[k].texture != FATHOM_NONE && !is_map_aside(k)) return false;
     }
-    if (m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->roughness >= 0.15f) return m->opacity < 0.5f;
-    for (int c = 0; c < 3; ++c) through += material->classic.k_t[c] * left_of(m, c);
+    if (metallic_roughness && material_opacity(m) == 0) return true;
+    if (metallic_roughness && m->roughness >= 0.15f) return false;
+    for (int c = 0; c < 3; ++c) {
+        const float sent = (1 - m->metallic) * m->transmission * m->base_color[c];
+        through += (metallic_roughness ? sent : material->classic.k_t[c]) * left_of(m, c);
+    }
     return through > 1.5f;
 }
 

@@ -401,22 +401,6 @@ UNIT_TEST(alpha_modes_cover_their_part) {
     assert_near(all.k_t[0], 0, 0);
 }
 
-/* More than half of the light passes: no shadow. */
-UNIT_TEST(clear_materials_cast_no_shadow) {
-    fixture *f = *state;
-    const double alphas[] = {0.25, 0.75};
-    for (int i = 0; i < 2; ++i) {
-        char json[4096];
-        snprintf(json, sizeof json,
-                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{"
-                       "'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,%g]}}]"),
-                 alphas[i]);
-        fathom_scene *scene = read_triangle(f, json);
-        assert_int_equal(scene->meshes.items[0].flags, i ? 0 : FATHOM_CASTS_NO_SHADOW);
-        fathom_scene_destroy(scene);
-    }
-}
-
 static void assert_shadow(fixture *f, bool casts, const char *material) {
     char json[4096];
     snprintf(json, sizeof json,
@@ -434,6 +418,19 @@ static void assert_shadow(fixture *f, bool casts, const char *material) {
 #define INK(thickness)                                                                                       \
     ",'KHR_materials_volume':{'thicknessFactor':" thickness                                                  \
     ",'attenuationColor':[0.1,0.1,0.2],'attenuationDistance':1}"
+
+#define COVERS(mode, alpha, rough)                                                                           \
+    mode ",'pbrMetallicRoughness':{'baseColorFactor':[1,1,1," alpha "],'roughnessFactor':" rough "}"
+
+/* Shadow rays pass what a surface does not cover, so only one that covers nothing needs no shadow. */
+UNIT_TEST(surfaces_that_cover_a_part_cast_a_shadow) {
+    fixture *f = *state;
+    assert_shadow(f, true, COVERS("'alphaMode':'BLEND'", "0.25", "1"));
+    assert_shadow(f, true, COVERS("'alphaMode':'BLEND'", "0.25", "0"));
+    assert_shadow(f, true, COVERS("'alphaMode':'MASK','alphaCutoff':0.125", "0.25", "1"));
+    assert_shadow(f, false, COVERS("'alphaMode':'MASK'", "0.25", "1"));
+    assert_shadow(f, false, COVERS("'alphaMode':'BLEND'", "0", "1"));
+}
 
 /* Rough glass scatters light of lamps, and so has a shadow; so has ink, if it is thick. */
 UNIT_TEST(glass_that_is_rough_or_dark_casts_a_shadow) {

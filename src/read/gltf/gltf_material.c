@@ -16,8 +16,8 @@
  * of the base colour texture is a map of the opacity. The mesh determines the thickness of a volume; the
  * thickness factor only matters if it is 0, and its texture is not used.
  *
- * A mesh whose material is clear (material_is_clear()) casts no shadow, because shadow rays are either
- * blocked or not. */
+ * A mesh whose material is clear (material_is_clear()) casts no shadow, because shadow rays do not refract.
+ */
 #include "read/gltf/gltf_material.h"
 #include "read/gltf/gltf_keys.h"
 
