@@ -3,6 +3,7 @@
 
 #include "scene/motion/motion.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* ---- groups ---- */
@@ -75,13 +76,64 @@ static void count_meshes(const glb *g, uint32_t index, uint32_t *next_mesh) {
     *next_mesh += meshes_for_one(group) * (uint32_t)group->overrides.count;
 }
 
+static double shear_of(const affine_f64 *map, int i, int j, double squares[2]) {
+    double dot = squares[0] = squares[1] = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double x = map->m[k][i], y = map->m[k][j];
+        dot += x * y, squares[0] += x * x, squares[1] += y * y;
+    }
+    return dot;
+}
+
+static bool is_sheared(const affine_f64 *map) {
+    for (int i = 0; i < 3; ++i) {
+        double squares[2];
+        if (fabs(shear_of(map, i, (i + 1) % 3, squares)) > 1e-5 * sqrt(squares[0] * squares[1])) return true;
+    }
+    return false;
+}
+
+static void turn_columns(affine_f64 *map, int i, int j, double angle) {
+    const double c = cos(angle), s = sin(angle);
+    for (int k = 0; k < 3; ++k) {
+        const double x = map->m[k][i], y = map->m[k][j];
+        map->m[k][i] = c * x - s * y, map->m[k][j] = s * x + c * y;
+    }
+}
+
+/* map = outer inner, where outer does not shear and inner rotates. One-sided Jacobi rotations make the
+ * columns orthogonal: (c x - s y) . (s x + c y) = 0 for tan 2a = 2 x.y / (y.y - x.x). They sort the
+ * columns by length, so i < j, and converge quadratically: 8 times 3 are more than double needs. */
+static affine_f64 split_shear(const affine_f64 *map, affine_f64 *inner) {
+    affine_f64 outer = *map, turned = affine_identity();
+    for (int k = 0; k < 24; ++k) {
+        const int i = k % 3 / 2, j = k % 3 ? 2 : 1;
+        double squares[2];
+        const double dot = shear_of(&outer, i, j, squares),
+                     angle = atan2(2 * dot, squares[1] - squares[0]) / 2;
+        turn_columns(&outer, i, j, angle);
+        turn_columns(&turned, i, j, angle);
+    }
+    for (int i = 0; i < 12; ++i) inner->m[i / 4][i % 4] = i % 4 < 3 ? turned.m[i % 4][i / 4] : 0;
+    return outer;
+}
+
+static affine_f64 place_of(const glb *g, const fathom_instance *instance) {
+    return motion_place(instance, g->scene->camera.shutter[0]);
+}
+
+/* The nodes of an instance and all its descendants. */
+static size_t nodes_of(const glb *g, fathom_id number) {
+    const fathom_instance *instance = &g->scene->instances.items[number];
+    const affine_f64 map = place_of(g, instance);
+    return write_add(g->groups[instance->group].nodes, is_sheared(&map));
+}
+
 static void count_nodes(const glb *g, uint32_t index) {
     glb_group *group = &g->groups[index];
     group->nodes = 1 + group->alone_count;
-    for (uint32_t i = g->graph->instances.first[index]; i < g->graph->instances.first[index + 1]; ++i) {
-        const fathom_instance *instance = &g->scene->instances.items[g->graph->instances.items[i]];
-        group->nodes = write_add(group->nodes, g->groups[instance->group].nodes);
-    }
+    for (uint32_t i = g->graph->instances.first[index]; i < g->graph->instances.first[index + 1]; ++i)
+        group->nodes = write_add(group->nodes, nodes_of(g, g->graph->instances.items[i]));
 }
 
 /* Overrides and node counts of all groups. */
@@ -188,7 +240,7 @@ static void put_children(const glb *g, file_writer *t, const char *separator, ui
     for (uint32_t i = g->graph->instances.first[group]; i < g->graph->instances.first[group + 1];
          ++i, comma = ",") {
         file_writer_print(t, "%s%zu", comma, child);
-        child += g->groups[g->scene->instances.items[g->graph->instances.items[i]].group].nodes;
+        child += nodes_of(g, g->graph->instances.items[i]);
     }
     file_writer_print(t, "]");
 }
@@ -206,18 +258,29 @@ static void put_lone_nodes(const glb *g, file_writer *t, uint32_t group, uint32_
     }
 }
 
+/* glTF forbids matrices that shear, and programs that take one apart lose the shear. So another node around
+ * that of the instance stretches it. Returns what remains for the latter. */
+static affine_f64 put_shear(file_writer *t, const affine_f64 *map, size_t *number) {
+    affine_f64 inner = *map;
+    if (!is_sheared(map)) return inner;
+    const affine_f64 outer = split_shear(map, &inner);
+    const char *separator = "";
+    put_transform(t, &separator, &outer);
+    file_writer_print(t, ",\"children\":[%zu]},\n{", ++*number);
+    return inner;
+}
+
 /* Each instance of a group gets its own nodes, because nodes form a tree. */
 static void put_nodes(const glb *g, file_writer *t, uint32_t group, const fathom_instance *instance,
                       fathom_id override, size_t *number) {
     const char *name = instance && instance->name ? instance->name : g->scene->groups.items[group],
                *separator = "";
     uint32_t mesh = mesh_number(g, group, override);
+    affine_f64 map = instance ? place_of(g, instance) : affine_identity();
     file_writer_print(t, *number ? ",\n{" : "\n{");
+    map = put_shear(t, &map, number);
     if (name) glb_put_name(t, separator, name), separator = ",";
-    if (instance) {
-        const affine_f64 map = motion_place(instance, g->scene->camera.shutter[0]);
-        put_transform(t, &separator, &map);
-    }
+    put_transform(t, &separator, &map);
     if (g->groups[group].together) {
         file_writer_print(t, "%s\"mesh\":%u", separator, mesh++);
         separator = ",";

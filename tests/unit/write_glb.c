@@ -288,6 +288,56 @@ UNIT_TEST(extensions_are_listed_if_they_are_used_or_required) {
     }
 }
 
+/* ---- nodes ---- */
+
+/* The next matrix of the JSON at *json, which moves behind it. */
+static affine_f64 next_matrix(const char **json) {
+    affine_f64 out;
+    *json = strstr(*json, "\"matrix\":[");
+    assert_non_null(*json);
+    *json += strlen("\"matrix\":[");
+    for (int i = 0; i < 16; ++i, ++*json) {
+        const double number = strtod(*json, (char **)(uintptr_t)json);
+        if (i % 4 < 3) out.m[i % 4][i / 4] = number;
+    }
+    return out;
+}
+
+/* A rotation of two columns rounds them by less than 4 units, and there are 24; both factors have such
+ * errors, so 2^-44 is enough. */
+UNIT_TEST(nodes_do_not_shear) {
+    static const double maps[][12] = {{1, 0.5, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3},
+                                      {-2, 0, 1, 0, 0.25, 1, 0, 0, 0, 0.25, 0.5, 0},
+                                      {1, 0.5, 0.5, 0, 0.5, 1, 0.5, 0, 0.5, 0.5, 1, 0},
+                                      {3000, 1, 0, 0, 0, 1, 0.5, 0, 0, 0, 0.001, 0}};
+    for (size_t k = 0; k < sizeof maps / sizeof *maps; ++k) {
+        const fathom_material m = metal();
+        fathom_scene *scene = wearing(&m, NULL);
+        const fathom_mesh mesh = triangle(0);
+        fathom_instance instance;
+        fathom_instance_default(&instance);
+        memcpy(instance.transform, maps[k], sizeof maps[k]);
+        assert_ok(context, fathom_scene_add_group(scene, NULL, &instance.group));
+        assert_ok(context, fathom_scene_add_mesh(scene, instance.group, &mesh, NULL));
+        assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
+        const char *json = json_of(scene);
+        const affine_f64 outer = next_matrix(&json), inner = next_matrix(&json),
+                         both = affine_compose(&outer, &inner);
+        assert_null(strstr(json, "matrix"));
+        for (int i = 0; i < 3; ++i) {
+            const vec3_f64 x = {outer.m[0][i], outer.m[1][i], outer.m[2][i]};
+            const vec3_f64 y = {outer.m[0][(i + 1) % 3], outer.m[1][(i + 1) % 3], outer.m[2][(i + 1) % 3]};
+            assert_near(dot_f64(x, y) / (length_f64(x) * length_f64(y)), 0, 0x1p-44);
+            for (int j = 0; j < 3; ++j) {
+                const double unit = i == j;
+                assert_near(dot_f64(load_f64(inner.m[i]), load_f64(inner.m[j])), unit, 0x1p-44);
+                assert_near(both.m[i][j], maps[k][4 * i + j], 0x1p-44 * fabs(maps[k][0]));
+            }
+            assert_near(both.m[i][3], maps[k][4 * i + 3], 0);
+        }
+    }
+}
+
 static int open_noting(void **state) {
     const int failed = open_folder(state);
     if (!failed) fathom_context_on_warning(context, note, NULL);
