@@ -120,7 +120,7 @@ typedef struct fathom_settings {
      * losses that are invisible in a file. */
     float max_loss, max_relative_loss;
     double epsilon;        /* fixed ray epsilon; 0 (default): automatic, from error bounds */
-    bool terminator_fix;   /* lift shadow rays off the facets of smooth meshes (Hanika 2021); default true */
+    bool terminator_fix;   /* classic lifts shadow rays off facets of smooth meshes (Hanika); default true */
     unsigned aovs;         /* FATHOM_AOV_ bits; default 0 */
     const char *tracer;    /* the tracer: "embree" (also NULL, the default), "reference", "bvh:f64",
                               "embree:user:high", or a library FILE.so (see plugin.h). The caller keeps the
