@@ -107,6 +107,23 @@ UNIT_TEST(a_wheel_does_not_seem_to_stand) {
     fathom_scene_destroy(scene);
 }
 
+/* Its axle moves only by the rounding of the quaternions, with a kink at the second key. The shutter takes in
+ * a turn by 98 degrees, which 8 chords approximate to 2^-8 of the way; poses are compared at twice the keys.
+ */
+UNIT_TEST(a_tilted_wheel_needs_few_keys) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int times = PUT_FLOATS(&b, "SCALAR", 3, 10 / 24.f, 11 / 24.f, 0.5f),
+              turns = PUT_FLOATS(&b, "VEC4", 3, 0.281712025f, -0.648566365f, 0.648566365f, 0.281712025f,
+                                 0.586817443f, -0.394519061f, 0.39451912f, 0.586817443f, 0.706923604f,
+                                 -0.0160958841f, 0.016095886f, 0.706923544f);
+    write_channel(f, &b, "rotation", "LINEAR", "", times, turns);
+    fathom_scene *scene = read_blurred(f, 10 / 24.0, 1.5 / 24);
+    assert_int_equal(f->warnings, 0);
+    assert_in_range(scene->instances.items[0].key_count, 9, 17);
+    fathom_scene_destroy(scene);
+}
+
 /* ---- vertices ---- */
 
 /* A triangle with two morph targets whose weights change, and a skin of two joints, of which one turns. */

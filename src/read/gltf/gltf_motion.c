@@ -78,7 +78,9 @@ static double distance(const double a[3], const double b[3]) {
 }
 
 /* Reduces *stride, to 1 if necessary, until linear interpolation fits the curve. Positions are sums of
- * products of doubles: 2^-40 of their size is far above the rounding error and far below a visible size. */
+ * products of doubles: 2^-40 of their size is far above the rounding error and far below a visible size. Axes
+ * also have the rounding of a file's floats: that of a quaternion turns by up to 2^-23, so 2^-22 allows for
+ * two nodes. Otherwise the axle of a wheel, which rests, would need all poses. */
 static void fit_curve(const curve *c, size_t *stride) {
     double points[INTERVALS_MOST + 1][3], way = 0, size = 0;
     const size_t intervals = c->g->moments.count - 1;
@@ -87,7 +89,7 @@ static void fit_curve(const curve *c, size_t *stride) {
         way = fmax(way, distance(points[i], points[0]));
         size = fmax(size, length_f64(load_f64(points[i])));
     }
-    const double slack = 0x1p-8 * way + 0x1p-40 * size;
+    const double slack = 0x1p-8 * way + (c->weights || c->at == 3 ? 0x1p-40 : 0x1p-22) * size;
     for (size_t i = 0; i<intervals && * stride> 1; ++i) {
         const size_t from = i / *stride * *stride;
         const double u = (double)(i - from) / (double)*stride;
