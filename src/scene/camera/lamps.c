@@ -241,9 +241,10 @@ static int by_value(const void *a, const void *b) {
 
 static double upper_quartile(const lamp_walk *w) {
     double irradiance[PATCHES];
+    if (!w->others.count) return 0;
     for (uint32_t i = 0; i < w->others.count; ++i) irradiance[i] = irradiance_at(w, &w->others.items[i]);
     qsort(irradiance, w->others.count, sizeof *irradiance, by_value);
-    return w->others.count ? irradiance[w->others.count - 1 - w->others.count / 4] : 0;
+    return irradiance[w->others.count - 1 - w->others.count / 4];
 }
 
 fathom_status scene_measure_lamps(const fathom_scene *scene, double *out) {

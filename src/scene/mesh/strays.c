@@ -13,7 +13,7 @@ static int by_value(const void *a, const void *b) {
 
 /* Most points lie from `low` to `high` along the axis. */
 static void find_most(const float *values, size_t stride, uint32_t count, int axis, float *low, float *high) {
-    float along[SAMPLE];
+    float along[SAMPLE] = {0};
     const uint32_t sample = count < SAMPLE ? count : SAMPLE;
     for (uint32_t i = 0; i < sample; ++i)
         along[i] = mesh_row(values, stride, (size_t)((uint64_t)count * i / sample))[axis];
@@ -26,6 +26,7 @@ uint32_t mesh_find_strays(const float *values, size_t stride, uint32_t count, fl
     float low[3], high[3], longest = 0;
     bool any = false;
     uint32_t strays = 0;
+    if (!count) return 0;
     for (int k = 0; k < 3; ++k) {
         find_most(values, stride, count, k, &low[k], &high[k]);
         longest = fmaxf(longest, high[k] - low[k]);
