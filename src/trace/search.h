@@ -25,10 +25,10 @@ static inline unsigned search_flat(const world *w, const world_geometry *geometr
     return 4;
 }
 
-/* Of two sheets back to back in one place, rays hit the one that faces them, because rays in view pass
- * through the backs of one-sided surfaces. So the back counts as if it lay farther away by this factor. The t
- * of each has an error of about 8 u / cos θ, as in embree_settle.c. The factor, 256 u, covers both down to
- * cos θ = 1/16, and half of Embree's window for ties holds it and the errors of t. */
+/* Rays in view pass through the backs of one-sided surfaces. Where two sheets lie back to back in one place,
+ * rays must therefore hit the one that faces them. So the back counts as if it lay farther away by this
+ * factor. The t of each has an error of about 8 u / cos θ, as in embree_settle.c. The factor, 256 u, covers
+ * both down to cos θ = 1/16, and half of Embree's window for ties holds it and the errors of t. */
 #define SEARCH_BACK (1 + 0x1p-16f)
 
 /* The ray sees the back of a one-sided triangle or quad: primitive k of geometry at[1], instance at[0]. */

@@ -220,6 +220,7 @@ fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *
     trace_options options = {.spec = &spec, .width = LANES, .threads = fathom_context_threads(context)};
     status = fathom_scene_check(&tracer->scene);
     if (status == FATHOM_OK) status = world_create(&tracer->scene, &tracer->world);
+    if (status == FATHOM_OK) tracer->world->one_sided = false; /* callers ask for the nearest hit */
     if (status == FATHOM_OK) status = trace_approach_find(tracer->world, &tracer->approach);
     if (status == FATHOM_OK) status = trace_create(context, tracer->world, &options, &tracer->tracer);
     if (status != FATHOM_OK) {

@@ -34,6 +34,7 @@ typedef struct obj_builder {
 static bool are_apart(const obj_reader *r) {
     uint32_t object = 0, before = 0, most = 0;
     if (r->objects.count < 2) return true;
+    if (r->objects.count > OBJECTS_MOST) return false;
     for (size_t i = 0; i < r->piece_count; ++i) {
         const obj_piece *piece = &r->pieces[i];
         for (size_t k = 0; k < piece->runs.count; ++k) {
@@ -48,7 +49,7 @@ static bool are_apart(const obj_reader *r) {
             if (least < before) return false;
         }
     }
-    return r->objects.count <= OBJECTS_MOST;
+    return true;
 }
 
 static uint32_t *mesh_slot(const obj_builder *b, const obj_run *run) {

@@ -142,7 +142,7 @@ typedef struct world {
     uint64_t carried_bytes;        /* of the carried meshes in still_vertices */
     bool moves;                    /* some geometry or instance moves */
     bool one_sided;                /* some material is, so tracers prefer sides that face the ray; see
-                                      search_rank() */
+                                      search_rank(). Cleared where the nearest hit is wanted */
     double motion_error;           /* the largest error of motions that need too many steps; 0: none */
     fathom_id motion_error_of;     /* the scene's instance */
     bool *absent;                  /* by object of the scene: true if it is in no geometry; see absent.h */

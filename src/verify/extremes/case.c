@@ -25,6 +25,7 @@ void case_say(judged_scene *c, const char *format, ...) {
 
 static fathom_status open_world(judged_scene *c) {
     if (c->b.status == FATHOM_OK) c->b.status = world_create(c->b.scene, &c->world);
+    if (c->b.status == FATHOM_OK) c->world->one_sided = false; /* the nearest hit is judged */
     if (c->b.status == FATHOM_OK && c->patch) {
         c->patch(c);
         c->b.status = world_survey(c->world);
