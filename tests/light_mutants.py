@@ -29,6 +29,8 @@ MUTANTS = [
      "p->ends = p->depth >= w->run.plan->max_depth", "p->ends = p->depth > w->run.plan->max_depth"),
     ("one bounce too few", PATH, "four bounces",
      "p->ends = p->depth >= w->run.plan->max_depth", "p->ends = p->depth + 1 >= w->run.plan->max_depth"),
+    ("facets hide light that the shading normal faces", "material/kernels/matte.h", "octahedron",
+     "(side > 0 ? ~0u : 0) | s->smooth[i]", "(side > 0 ? ~0u : 0)"),
     ("light samples find a sphere's far side, too", SHAPES, "sphere of half",
      "if (view.outside && inside) return 0;", "(void)inside;"),
     ("light's samples forget the chance of the light", EMITTERS, "disk of",

@@ -119,17 +119,17 @@ typedef struct fathom_settings {
      * [0, 1] each; 0 (default): none is skipped, and the image is exact. fathom_settings_set_loss() sets
      * losses that are invisible in a file. */
     float max_loss, max_relative_loss;
-    double epsilon;        /* fixed ray epsilon; 0 (default): automatic, from error bounds */
-    bool terminator_fix;   /* classic lifts shadow rays off facets of smooth meshes (Hanika); default true */
-    unsigned aovs;         /* FATHOM_AOV_ bits; default 0 */
-    const char *tracer;    /* the tracer: "embree" (also NULL, the default), "reference", "bvh:f64",
-                              "embree:user:high", or a library FILE.so (see plugin.h). The caller keeps the
-                              text; fathom_scene_set_settings() copies it */
-    unsigned block_width;  /* rays in one call of the tracer: 1, 4, 8 or 16 (default) */
-    unsigned tile_size;    /* pixels, a multiple of 32; default 32. No pixel depends on it */
-    uint64_t memory_limit; /* bytes that the process may have in memory; 0 (default): what is free. If only
-                              Embree's compact structures fit, they are used; if not even these fit,
-                              FATHOM_OUT_OF_RESOURCES before anything is built */
+    double epsilon;          /* fixed ray epsilon; 0 (default): automatic, from error bounds */
+    bool terminator_fix;     /* light reaches what normals of smooth meshes face (Hanika); default true */
+    unsigned aovs;           /* FATHOM_AOV_ bits; default 0 */
+    const char *tracer;      /* the tracer: "embree" (also NULL, the default), "reference", "bvh:f64",
+                                "embree:user:high", or a library FILE.so (see plugin.h). The caller keeps the
+                                text; fathom_scene_set_settings() copies it */
+    unsigned block_width;    /* rays in one call of the tracer: 1, 4, 8 or 16 (default) */
+    unsigned tile_size;      /* pixels, a multiple of 32; default 32. No pixel depends on it */
+    uint64_t memory_limit;   /* bytes that the process may have in memory; 0 (default): what is free. If only
+                                Embree's compact structures fit, they are used; if not even these fit,
+                                FATHOM_OUT_OF_RESOURCES before anything is built */
     uint64_t texture_memory; /* bytes of texture tiles in memory; the others are in a temporary file; default
                                 1e9 */
     fathom_fireflies fireflies; /* default keep */

@@ -121,7 +121,7 @@ static void push_light(wave *w, size_t block, uint32_t index, bool first) {
     plan->light_kernels->sample(light, v->surface.p, &sample);
     if (!plan->material_kernels->evaluate(&v->surface, &v->bsdf, sample.direction, sample.falloff, &value))
         return;
-    plan->surface_kernels->starts(&v->surface, value.behind, sample.origin);
+    plan->surface_kernels->starts(&v->surface, sample.direction, value.behind, sample.origin);
     if (light->type != FATHOM_LIGHT_DIRECTIONAL) plan->light_kernels->aim(light, &sample);
     plan->kernels->gains(&v->path, &sample, &value, gain);
     if (w->lost[0]) leave_out_faint(w, v, &sample, gain);
@@ -131,7 +131,7 @@ static void push_light(wave *w, size_t block, uint32_t index, bool first) {
     memset(depths.end, plan->watertight ? plan->light_depths[index] : WATERTIGHT_UNSURE, sizeof depths.end);
     for (int i = 0; w->run.samples.layers && i < LANES; ++i)
         depths.tag[i] = tag_after(w->bounces + 1, plan->light_group_of[index]);
-    wave_push_shadows(w, block, index, &sample, &depths, gain, first);
+    wave_push_shadows(w, block, &sample, &depths, gain, first);
 }
 
 /* One light at a time, because rays to one point are coherent. */

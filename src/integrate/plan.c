@@ -128,7 +128,8 @@ static fathom_status plan_reference(fathom_context *context, render_plan *plan) 
                                          .depth = s->max_depth,
                                          .seed = s->seed,
                                          .filter = &plan->filter,
-                                         .sharp = !s->motion_blur};
+                                         .sharp = !s->motion_blur,
+                                         .terminator_fix = s->terminator_fix};
     return reference_open(plan->scene, &settings, &plan->reference);
 }
 
@@ -168,7 +169,6 @@ static fathom_status plan_classic(fathom_context *context, render_plan *plan) {
     plan->background = parts_background(plan->scene);
     plan->crosses = (plan->features & MATERIAL_REFRACT) != 0;
     plan->max_depth = parts_bounces(plan->scene, &plan->settings) ? plan->settings.max_depth : 0;
-    plan->lifts = plan->settings.terminator_fix && parts_smooth(plan->world);
     fathom_status status = FATHOM_OK;
     if (!plan_lights(plan)) status = fail_memory(context, plan->scene->lights.count);
     if (status == FATHOM_OK) status = plan_bsdfs(context, plan);
@@ -266,6 +266,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
         (sampler){settings->pattern, (uint32_t)(sqrt((double)settings->spp) + 0.5), settings->seed};
     filter_prepare(settings, &plan->filter);
     plan->t_near = (float)settings->epsilon;
+    plan->lifts = settings->terminator_fix && parts_smooth(w);
     set_cone(plan);
     fathom_status status = texturing_create(context, w, settings->texture_memory, &plan->texturing);
     if (status == FATHOM_OK && plan->parts.groups >= 0) status = light_groups_create(scene, &plan->groups);

@@ -69,7 +69,7 @@ typedef struct render_plan {
     uint8_t *light_group_of;          /* by light; the classic integrator */
     uint32_t max_depth;               /* 0 when nothing mirrors or refracts */
     float t_near;                     /* 0, or the fixed epsilon */
-    bool lifts;                       /* shadow rays of smooth meshes start above their facets */
+    bool lifts;                       /* light reaches smooth meshes from below their facets' horizons */
     bool crosses;                     /* paths may continue behind a surface */
     bool absorbs;                     /* some volume absorbs light */
     bool nested;                      /* some volume has a priority */

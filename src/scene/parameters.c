@@ -82,8 +82,9 @@ static const fathom_parameter setting_rows[] = {
      "bounds, which works at any scale.",
      .zero = "auto"},
     {"terminator_fix", BOOL, SETTING(terminator_fix), PIXELS | IN_FILE | COMMAND, 0, 1, true, NULL, "Light transport",
-     .help = "Shadow terminator fix (Hanika 2021), only with `classic`: moves the start of shadow rays off the facets of "
-     "smooth meshes. Without it, and with `path`, black triangles appear near the terminator of coarse meshes."},
+     .help = "Shadow terminator fix (Hanika 2021): a smooth mesh is lit wherever its normals face the light. Rays to "
+     "below a facet's horizon start above it, on the round surface. Without it, black triangles appear near the "
+     "terminator of coarse meshes."},
     {"aovs", WORDS, SETTING(aovs), PIXELS | IN_FILE, 0, FATHOM_AOVS & ~(unsigned)(FATHOM_AOV_ALPHA | FATHOM_AOV_ERROR), 0, "LIST", "Output",
      .help = "More outputs in an EXR file: coverage; depth; shading normal; world position; `kd` + `ks`; the ids of "
      "object, primitive and instance; samples of the pixel; standard error of each channel; light scattered "

@@ -28,9 +28,10 @@ typedef struct surface_kernels {
      * rays start off the surface by the point's error; else on it. */
     void (*surfaces)(const local_block *b, bool automatic, surface_block *s);
 
-    /* Origins of rays to lights: on the viewer's side, lifted off the facet; on the other side in lanes whose
-     * `behind` is all ones. */
-    void (*starts)(const surface_block *s, const uint32_t behind[LANES], float (*origin)[LANES]);
+    /* Origins of rays to lights in these directions: on the viewer's side, at `lift` if the light is below
+     * the facet's horizon; on the other side in lanes whose `behind` is all ones. */
+    void (*starts)(const surface_block *s, const lanes3 direction, const uint32_t behind[LANES],
+                   float (*origin)[LANES]);
 } surface_kernels;
 
 const surface_kernels *surface_kernels_best(void);

@@ -10,11 +10,12 @@ typedef struct surface_block {
     lanes3 ng;             /* geometric normal, unit, facing the viewer */
     lanes3 ns;             /* shading normal, unit, on the same side of the surface as ng */
     lanes3 v;              /* towards the viewer, unit */
-    lanes3 lift;           /* from p to where shadow rays begin: off the facet of a smooth mesh, else 0 */
+    lanes3 lift; /* from p on a facet to the smooth surface that the mesh's normals describe, else 0: where
+                    rays below the facet's horizon, but above that of ns, start (Hanika 2021) */
     float offset[LANES]; /* distance along ±ng at which a ray must start to avoid self-intersection; >= 0 */
     uint32_t material[LANES];
     uint32_t entering[LANES]; /* all ones: the viewer is outside, by the geometric normal; else 0 */
-    uint32_t smooth[LANES];   /* all ones: ns, not ng, decides on which side a light is; else 0 */
+    uint32_t smooth[LANES];   /* all ones: ns alone decides whether light is reflected; else ng, too */
     uint32_t count;           /* lanes [0, count) are points; the others repeat the last */
     uint32_t mapped;          /* bits: lanes whose ns comes from a normal map */
     uint32_t coated;          /* bits: lanes with a clear coat that has its own normal */

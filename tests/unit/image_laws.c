@@ -239,7 +239,7 @@ UNIT_TEST(tracers_agree) {
 
 /* A coarse smooth sphere lit from the side. Where its shading normal clearly faces the light it must not be
  * black. */
-static size_t black_where_lit(bool fix) {
+static size_t black_where_lit(bool fix, fathom_integrator integrator) {
     stage s = stage_open(160, 160);
     fathom_material m;
     fathom_material_default(&m);
@@ -253,7 +253,7 @@ static size_t black_where_lit(bool fix) {
     for (int c = 0; c < 3; ++c) light.direction[c] = -l[c];
     assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
     s.settings.aovs = FATHOM_AOV_N;
-    s.settings.terminator_fix = fix;
+    s.settings.terminator_fix = fix, s.settings.integrator = integrator;
     fathom_film *film = stage_render(&s);
     size_t black = 0;
     for (int i = 0; i < 160 * 160; ++i) {
@@ -267,8 +267,11 @@ static size_t black_where_lit(bool fix) {
 }
 
 UNIT_TEST(shadow_terminator) {
-    assert_int_equal(black_where_lit(true), 0);
-    assert_true(black_where_lit(false) > 100); /* the test sees the defect when the fix is off */
+    for (int k = 0; k < 2; ++k) {
+        const fathom_integrator integrator = k ? FATHOM_INTEGRATOR_PATH : FATHOM_INTEGRATOR_CLASSIC;
+        assert_int_equal(black_where_lit(true, integrator), 0);
+        assert_true(black_where_lit(false, integrator) > 100); /* the test sees the defect without the fix */
+    }
 }
 
 /* The cube [-1,1]x[0,2]x[-1,1] whose corners have the normals of a ball. */

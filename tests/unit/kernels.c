@@ -95,7 +95,7 @@ static void run(unsigned k, const scene_named_material *table, const surface_blo
         light_kernels_at(k)->sample(&light, s->p, lit);
         out->lights[i] =
             material_kernels_at(k)->evaluate(s, &out->bsdf, lit->direction, lit->falloff, &out->values[i]);
-        surface_kernels_at(k)->starts(s, out->values[i].behind, lit->origin);
+        surface_kernels_at(k)->starts(s, lit->direction, out->values[i].behind, lit->origin);
         light_kernels_at(k)->aim(&light, lit);
         if (out->lights[i]) integrate_kernels_at(k)->gains(&path, lit, &out->values[i], out->gains[i]);
     }

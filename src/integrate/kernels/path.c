@@ -5,17 +5,22 @@
 
 #include <math.h>
 
-static void aim(const surface_block *s, const emitter_sample *light, light_block *restrict ray,
-                uint32_t behind[restrict LANES]) {
+static void aim(const surface_block *s, const lanes3 n, const emitter_sample *light,
+                light_block *restrict ray, uint32_t behind[restrict LANES]) {
     for (int i = 0; i < LANES; ++i) {
-        float along = 0, to[3], square = 0;
-        for (int c = 0; c < 3; ++c) along += light->direction[c][i] * s->ng[c][i];
-        behind[i] = along < 0 ? ~0u : 0;
-        const float off = along < 0 ? -s->offset[i] : s->offset[i];
+        float along = 0, side = 0, to[3], square = 0;
+        for (int c = 0; c < 3; ++c) {
+            along += light->direction[c][i] * s->ng[c][i];
+            side += light->direction[c][i] * n[c][i];
+        }
+        const uint32_t below = along < 0 ? ~0u : 0, lifted = below & s->smooth[i] & (side > 0 ? ~0u : 0);
+        behind[i] = below & ~lifted;
+        const float off = chosen(behind[i], -s->offset[i], s->offset[i]);
         const uint32_t far = light->distance[i] == INFINITY ? ~0u : 0;
         const float distance = chosen(far, 1, light->distance[i]);
         for (int c = 0; c < 3; ++c) {
-            const float start = surface_start(s->p[c][i], off, s->ng[c][i]);
+            const float from = s->p[c][i] + chosen(lifted, s->lift[c][i], 0),
+                        start = surface_start(from, off, s->ng[c][i]);
             ray->origin[c][i] = start;
             to[c] = light->direction[c][i] * distance - chosen(far, 0, start - s->p[c][i]);
             square += to[c] * to[c];
@@ -77,10 +82,13 @@ static uint32_t survive(const float u[LANES], const uint32_t safe[LANES], float 
 
 static void depart(const surface_block *s, const shader_sample *to, float t_near, trace_rays *restrict out) {
     for (int i = 0; i < LANES; ++i) {
+        float along = 0, from[3];
+        for (int c = 0; c < 3; ++c) along += to->direction[c][i] * s->ng[c][i];
+        const uint32_t lifted = ~to->through[i] & (along < 0 ? ~0u : 0);
         const float off = chosen(to->through[i], -s->offset[i], s->offset[i]);
-        out->org_x[i] = surface_start(s->p[0][i], off, s->ng[0][i]);
-        out->org_y[i] = surface_start(s->p[1][i], off, s->ng[1][i]);
-        out->org_z[i] = surface_start(s->p[2][i], off, s->ng[2][i]);
+        for (int c = 0; c < 3; ++c)
+            from[c] = surface_start(s->p[c][i] + chosen(lifted, s->lift[c][i], 0), off, s->ng[c][i]);
+        out->org_x[i] = from[0], out->org_y[i] = from[1], out->org_z[i] = from[2];
         out->dir_x[i] = to->direction[0][i];
         out->dir_y[i] = to->direction[1][i];
         out->dir_z[i] = to->direction[2][i];

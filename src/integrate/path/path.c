@@ -138,13 +138,13 @@ static void push_light(path_wave *p, const vertex_block *v, const vertex_keys *k
     plan->shader_kernels->evaluate(&v->surface, &v->shader, light.direction, f, density);
     find_done(p, v, done);
     plan->path_kernels->weigh(&v->path, &light, f, density, p->light_factor, done, gain);
-    plan->path_kernels->aim(&v->surface, &light, &ray, behind);
+    plan->path_kernels->aim(&v->surface, v->shader.n, &light, &ray, behind);
     if (p->media) path_dim_lights(p, v, &ray, behind, gain);
     if (plan->dispersive) path_part_lights(p, v, behind, gain);
     if (p->scout) path_scout_asks(p->scout, v, &query, &light, gain);
     note_depths(v, &light, &ray, behind, &depths);
     if (p->wave.run.samples.layers) note_tags(p, v, &light, &depths);
-    wave_push_shadows(&p->wave, 0, 0, &ray, &depths, gain, p->depth == 0);
+    wave_push_shadows(&p->wave, 0, &ray, &depths, gain, p->depth == 0);
 }
 
 /* ---- scattered rays ---- */

@@ -13,8 +13,10 @@ static inline float path_power_heuristic(float a, float b) {
 }
 
 typedef struct path_kernels {
-    /* Shadow rays start clear of the surface, on the light's side, and end at the light sample. */
-    void (*aim)(const surface_block *s, const emitter_sample *light, light_block *ray,
+    /* Shadow rays start clear of the surface, on the light's side, and end at the light sample. n: shading
+     * normals, as in shader_block. Where these face a light below the horizon of a smooth mesh's facet, the
+     * ray starts at `lift` (surface/surface.h). */
+    void (*aim)(const surface_block *s, const lanes3 n, const emitter_sample *light, light_block *ray,
                 uint32_t behind[LANES]);
 
     /* The contribution of light samples. f and density: of the BSDFs, for the sampled direction. factor: see

@@ -86,7 +86,7 @@ static bool is_seen(const path *p, const reference_surface *s) {
 
 /* The volume on the side of the surface that the direction leads to; NULL: none. */
 static const fathom_material *medium_towards(const path *p, const reference_surface *s, vec3_f64 direction) {
-    const bool crosses = reference_refracts(s->material) && dot_f64(s->geometric, direction) < 0;
+    const bool crosses = reference_refracts(s->material) && reference_crosses(s, direction);
     if (!crosses) return medium_of(p, NULL);
     return s->behind ? medium_of(p, s->material) : s->material;
 }
@@ -151,7 +151,7 @@ static bool scatter(path *p, const reference_scene *r, const reference_surface *
 /* Leaves the surface, and possibly enters or leaves a volume. */
 static void advance(path *p, const reference_surface *s) {
     p->origin = reference_leave(s, p->direction);
-    if (reference_refracts(s->material) && dot_f64(p->direction, s->geometric) < 0) cross(p, s);
+    if (reference_refracts(s->material) && reference_crosses(s, p->direction)) cross(p, s);
 }
 
 static vec3_f64 outside(const reference_scene *r, const path *p) {

@@ -19,6 +19,7 @@ typedef struct reference_settings {
     unsigned threads;           /* 0: one */
     const pixel_filter *filter; /* NULL: a box, one pixel wide */
     bool sharp;                 /* all samples are at the middle of the shutter's time */
+    bool terminator_fix;        /* as in fathom_settings */
     bool without_bvh;           /* closest hits by testing every primitive */
 } reference_settings;
 

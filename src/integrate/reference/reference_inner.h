@@ -121,6 +121,8 @@ typedef struct reference_surface {
     vec3_f64 point, to_viewer;
     vec3_f64 geometric, normal; /* normal: for shading */
     vec3_f64 along;             /* tangent for anisotropy: unit, orthogonal to the shading normal */
+    vec3_f64 lift;              /* from a facet to the smooth surface that its normals describe */
+    bool lifted;                /* `lift` is set, and light may come from below the facet's horizon */
     bool behind;                /* the viewer is on the back side, away from the shape's own normal */
     const fathom_material *material;
     const reference_albedos *albedos; /* NULL: none */
@@ -134,6 +136,8 @@ fathom_status reference_gather(reference_scene *r);
  * that cast no shadow are skipped. */
 bool reference_closest(const reference_scene *r, vec3_f64 origin, vec3_f64 direction, double t_far,
                        bool shadow, reference_random *random, reference_surface *out);
+/* True if a ray that leaves in this direction goes through the surface. */
+bool reference_crosses(const reference_surface *s, vec3_f64 direction);
 /* The origin of a ray that leaves the surface in this direction. */
 vec3_f64 reference_leave(const reference_surface *s, vec3_f64 direction);
 

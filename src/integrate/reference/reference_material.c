@@ -99,7 +99,7 @@ static vec3_f64 classic_evaluate(const reference_surface *s, vec3_f64 l) {
     const fathom_material *m = s->material;
     const double nl = dot_f64(s->normal, l);
     double base = 0;
-    if (!(nl * dot_f64(s->geometric, l) > 0) || (nl < 0 && !m->lit_from_behind)) return gray(0);
+    if (nl < 0 && !m->lit_from_behind) return gray(0);
     switch (m->specular) {
     case FATHOM_SPECULAR_NONE: break;
     case FATHOM_SPECULAR_PHONG: base = dot_f64(s->to_viewer, reference_mirrored(l, s->normal)); break;
@@ -323,9 +323,10 @@ reference_scatter reference_scatter_of(const reference_surface *s) {
     return s->material->model == FATHOM_MODEL_CLASSIC ? classic_scatter(s) : metallic_scatter(s);
 }
 
-/* A direction on different sides of the two normals carries no light. */
+/* A direction on different sides of the two normals carries no light, except above the horizon of a lifted
+ * point's shading normal. */
 vec3_f64 reference_evaluate(const reference_surface *s, vec3_f64 l) {
     const double nl = dot_f64(s->normal, l), gl = dot_f64(s->geometric, l);
-    if (s->material->model == FATHOM_MODEL_CLASSIC) return classic_evaluate(s, l);
-    return nl * gl > 0 ? metallic_evaluate(s, l) : gray(0);
+    if (!(nl * gl > 0 || (s->lifted && nl > 0))) return gray(0);
+    return s->material->model == FATHOM_MODEL_CLASSIC ? classic_evaluate(s, l) : metallic_evaluate(s, l);
 }

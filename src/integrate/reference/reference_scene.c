@@ -271,19 +271,38 @@ static void descend(const reference_scene *r, uint32_t at, query *q) {
 
 /* ---- surfaces ---- */
 
-static vec3_f64 vertex_normals(const fathom_mesh *m, const query *q, vec3_f64 flat) {
+/* The normals at the corners of the triangle, and the corners' weights at the hit. */
+typedef struct corner_normals {
+    vec3_f64 n[3];
+    double weight[3];
+} corner_normals;
+
+/* The shading normal; `flat` if the mesh has no normals, or they cancel. */
+static vec3_f64 vertex_normals(const fathom_mesh *m, const query *q, vec3_f64 flat, corner_normals *out) {
     if (!m->normals) return flat;
     const uint32_t *index =
         (m->normal_indices ? m->normal_indices : m->indices) + 3 * (size_t)q->met->triangle;
-    const double weight[3] = {1 - q->hit.u - q->hit.v, q->hit.u, q->hit.v};
+    *out = (corner_normals){.weight = {1 - q->hit.u - q->hit.v, q->hit.u, q->hit.v}};
     vec3_f64 sum = {0, 0, 0};
     for (int k = 0; k < 3; ++k) {
         const void *n = (const char *)m->normals + index[k] * m->normal_stride;
-        sum = madd_f64(sum, weight[k],
-                       m->key_count ? row_when(m, m->key_normals, m->normal_count, index[k], q->time)
-                                    : color_of(n));
+        out->n[k] = normalize_f64(
+            m->key_count ? row_when(m, m->key_normals, m->normal_count, index[k], q->time) : color_of(n));
+        sum = madd_f64(sum, out->weight[k], out->n[k]);
     }
     return length_f64(sum) > 0 ? sum : flat;
+}
+
+/* Hanika, "Hacking the Shadow Terminator" (2021): the mean of the vectors from the point to the planes that
+ * touch the smooth surface at the corners. Planes below the point, seen from the viewer's side, do not count.
+ * side: 1 if the normals point to the viewer's side, else -1. */
+static vec3_f64 lift_of(const vec3_f64 corner[3], const corner_normals *at, vec3_f64 point, double side) {
+    vec3_f64 sum = {0, 0, 0};
+    for (int k = 0; k < 3; ++k) {
+        const double down = fmin(side * dot_f64(sub_f64(point, corner[k]), at->n[k]), 0);
+        sum = madd_f64(sum, -at->weight[k] * side * down, at->n[k]);
+    }
+    return sum;
 }
 
 /* Sets the tangent: along u on the shape, rotated about the shape's own normal; in the opposite sense in a
@@ -310,24 +329,40 @@ static void make_surface(const reference_scene *r, const query *q, reference_sur
     vec3_f64 own = cross_f64(sub_f64(c[1], c[0]), sub_f64(c[3], c[0]));
     if (p->kind == SCENE_SPHERE) own = sub_f64(affine_point(&at.to_object, out->point), c[0]);
     if (p->kind == SCENE_PLANE) own = c[1];
-    out->normal = p->kind == SCENE_MESH ? vertex_normals(&r->scene->meshes.items[p->mesh], q, own) : own;
+    corner_normals corners;
+    out->normal =
+        p->kind == SCENE_MESH ? vertex_normals(&r->scene->meshes.items[p->mesh], q, own, &corners) : own;
+    const bool smooth =
+        r->settings.terminator_fix && p->kind == SCENE_MESH && r->scene->meshes.items[p->mesh].normals;
     out->geometric = normalize_f64(affine_transposed_vector(&at.to_object, own));
     out->normal = normalize_f64(affine_transposed_vector(&at.to_object, out->normal));
     out->behind = dot_f64(out->geometric, out->to_viewer) < 0;
     out->ratio = out->behind ? 1 / (double)out->material->ior : (double)out->material->ior;
     out->turn = out->ratio;
     if (out->behind) out->geometric = neg_f64(out->geometric);
-    if (dot_f64(out->normal, out->geometric) < 0) out->normal = neg_f64(out->normal);
+    const double side = dot_f64(out->normal, out->geometric) < 0 ? -1 : 1;
+    out->normal = scale_f64(side, out->normal);
+    out->lifted = smooth;
+    out->lift = (vec3_f64){0, 0, 0};
+    if (smooth)
+        out->lift =
+            affine_vector(&at.to_world, lift_of(c, &corners, affine_point(&at.to_object, out->point), side));
     if (!(dot_f64(out->normal, out->to_viewer) > 0)) out->normal = out->geometric;
     vec3_f64 u = sub_f64(c[1], c[0]);
     if (p->kind == SCENE_SPHERE) u = vec_f64(-own.y, own.x, 0);
     set_direction(&at.to_world, out, u);
 }
 
+bool reference_crosses(const reference_surface *s, vec3_f64 direction) {
+    return dot_f64(s->geometric, direction) < 0 && !(s->lifted && dot_f64(s->normal, direction) > 0);
+}
+
 /* Several thousand times the rounding error of a point in double, and far below visibility. */
 vec3_f64 reference_leave(const reference_surface *s, vec3_f64 direction) {
     const double size = fmax(length_f64(s->point), s->t);
-    return madd_f64(s->point, copysign(0x1p-40 * size, dot_f64(s->geometric, direction)), s->geometric);
+    const bool above = dot_f64(s->geometric, direction) > 0, crosses = reference_crosses(s, direction);
+    const vec3_f64 from = above || crosses ? s->point : add_f64(s->point, s->lift);
+    return madd_f64(from, crosses ? -0x1p-40 * size : 0x1p-40 * size, s->geometric);
 }
 
 bool reference_closest(const reference_scene *r, vec3_f64 origin, vec3_f64 direction, double t_far,

@@ -59,11 +59,6 @@ bool wave_reserve_shadows(wave *w, size_t count) {
     bool ok = grow_pair(w, &pair, &queue->capacity, 0, count);
     queue->rays = pair.items[0], queue->shadows = pair.items[1];
     if (!ok || queue->capacity == before) return ok;
-    if (w->run.plan->lifts) {
-        free(queue->sources);
-        queue->sources = malloc(queue->capacity * sizeof *queue->sources);
-        w->run.out_of_memory = !queue->sources;
-    }
     if (w->run.plan->covered || w->run.plan->unshadowed) {
         free(queue->ends);
         queue->ends = malloc(queue->capacity * sizeof *queue->ends);
@@ -130,7 +125,6 @@ void wave_destroy(wave *w) {
     free(w->next.paths);
     free(w->shadows.rays);
     free(w->shadows.shadows);
-    free(w->shadows.sources);
     free(w->shadows.ends);
     free(w->shadows.tags);
     free(w->vertices);

@@ -29,11 +29,6 @@ typedef struct vertex_block {
     uint8_t group[LANES];        /* light groups of the surfaces; set by the classic integrator for AOVs */
 } vertex_block;
 
-/* The vertex and the light of a shadow ray. */
-typedef struct shadow_source {
-    uint32_t vertex, light;
-} shadow_source;
-
 /* The layers to which light is added in addition to its sample: see film_parts. */
 typedef struct light_tag {
     uint8_t kind;  /* light_kind */
@@ -52,13 +47,12 @@ typedef struct shadow_end {
 typedef struct shadow_queue {
     trace_rays *rays;
     shadow_block *shadows;
-    size_t blocks, open;    /* blocks includes the open block */
-    unsigned filled;        /* used lanes of the open block; 0: no block is open */
-    size_t count;           /* number of rays, once the queue is closed: all blocks but the last are full */
-    size_t capacity;        /* in rays, a multiple of 16 */
-    shadow_source *sources; /* by ray; NULL: no vertex is lifted off its facet */
-    shadow_end *ends;       /* by ray; NULL: no ray is walked (wave_walk.c) */
-    light_tag *tags;        /* by ray; NULL: there are no layers */
+    size_t blocks, open; /* blocks includes the open block */
+    unsigned filled;     /* used lanes of the open block; 0: no block is open */
+    size_t count;        /* number of rays, once the queue is closed: all blocks but the last are full */
+    size_t capacity;     /* in rays, a multiple of 16 */
+    shadow_end *ends;    /* by ray; NULL: no ray is walked (wave_walk.c) */
+    light_tag *tags;     /* by ray; NULL: there are no layers */
 } shadow_queue;
 
 /* Number of closed meshes around the two ends of a block's shadow rays (see trace/watertight/watertight.h),
@@ -154,15 +148,12 @@ bool wave_sort_hits(wave *w);
 bool wave_surfaces(wave *w, bool first);
 /* Empties the queue of shadow rays, and makes room for one ray from each of this many vertices. */
 bool wave_begin_shadows(wave *w, size_t vertices);
-/* Adds shadow rays from a block of vertices to a light that contributes `gain`. `light` is its index, used if
- * points are lifted off their facets. Blocks of vertices must come in order. */
-void wave_push_shadows(wave *w, size_t block, uint32_t light, const light_block *to,
-                       const shadow_depths *depths, lanes3 gain, bool first);
+/* Adds shadow rays from a block of vertices to a light that contributes `gain`. Blocks of vertices must come
+ * in order. */
+void wave_push_shadows(wave *w, size_t block, const light_block *to, const shadow_depths *depths, lanes3 gain,
+                       bool first);
 /* Traces the shadow rays, and adds the gains of the unoccluded ones. False: stopped. */
 bool wave_cast_shadows(wave *w, trace_coherence coherence);
-/* Traces a second ray for occluded shadow rays that began above a facet: the light may be visible from the
- * facet itself. See wave_lifted.c. */
-void wave_look_from_facets(wave *w, trace_coherence coherence);
 
 /* ---- layers: components of the light that AOVs request ---- */
 

@@ -9,10 +9,6 @@ bool wave_begin_shadows(wave *w, size_t vertices) {
     return wave_reserve_shadows(w, vertices + LANES);
 }
 
-static void note_source(const shadow_queue *queue, size_t ray, size_t vertex, uint32_t light) {
-    if (queue->sources) queue->sources[ray] = (shadow_source){(uint32_t)vertex, light};
-}
-
 static void fill(shadow_block *shadows, const vertex_block *v, const shadow_depths *depths, lanes3 gain) {
     memcpy(shadows->gain, gain, sizeof shadows->gain);
     memcpy(shadows->slot, v->path.slot, sizeof shadows->slot);
@@ -22,11 +18,8 @@ static void fill(shadow_block *shadows, const vertex_block *v, const shadow_dept
 }
 
 /* The rays are already at the position of the next block. */
-static void push_block(shadow_queue *queue, const vertex_block *v, size_t vertex, uint32_t light,
-                       const shadow_depths *depths, lanes3 gain) {
+static void push_block(shadow_queue *queue, const vertex_block *v, const shadow_depths *depths, lanes3 gain) {
     shadow_block *shadows = &queue->shadows[queue->blocks];
-    for (unsigned i = 0; queue->sources && i < LANES; ++i)
-        note_source(queue, queue->blocks * LANES + i, vertex + i, light);
     if (queue->tags) memcpy(queue->tags + queue->blocks * LANES, depths->tag, sizeof depths->tag);
     ++queue->blocks;
     fill(shadows, v, depths, gain);
@@ -34,15 +27,13 @@ static void push_block(shadow_queue *queue, const vertex_block *v, size_t vertex
 
 /* Appends lanes for which the open block has room. */
 static void push_some(shadow_queue *queue, const integrate_kernels *kernels, const trace_rays *rays,
-                      const shadow_block *from, const shadow_source *source, const light_tag *tags,
-                      uint32_t lanes) {
+                      const shadow_block *from, const light_tag *tags, uint32_t lanes) {
     if (!queue->filled) queue->open = queue->blocks++;
     shadow_block *shadows = &queue->shadows[queue->open];
     kernels->append(rays, ROWS_OF_RAYS, lanes, &queue->rays[queue->open], queue->filled);
     kernels->append(from, ROWS_OF_PATHS, lanes, shadows, queue->filled);
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = (unsigned)__builtin_ctz(lanes), lane = queue->filled;
-        note_source(queue, queue->open * LANES + lane, source->vertex + i, source->light);
         shadows->depth[lane] = from->depth[i];
         shadows->end_depth[lane] = from->end_depth[i], shadows->sized[lane] = from->sized[i];
         if (queue->tags) queue->tags[queue->open * LANES + lane] = tags[i];
@@ -54,8 +45,8 @@ static void push_some(shadow_queue *queue, const integrate_kernels *kernels, con
  * rays only if no block is open, because the order of rays is the order of sums. Rays are made in place at
  * the next free block: a block of vertices adds at most one block of rays. If that block is opened for single
  * rays, its lanes are compacted in order, and no lane moves to a higher position than its own. */
-void wave_push_shadows(wave *w, size_t block, uint32_t light, const light_block *to,
-                       const shadow_depths *depths, lanes3 gain, bool first) {
+void wave_push_shadows(wave *w, size_t block, const light_block *to, const shadow_depths *depths, lanes3 gain,
+                       bool first) {
     const render_plan *plan = w->run.plan;
     shadow_queue *queue = &w->shadows;
     const vertex_block *v = &w->vertices[block];
@@ -64,22 +55,14 @@ void wave_push_shadows(wave *w, size_t block, uint32_t light, const light_block 
     lanes &= (1u << v->surface.count) - 1;
     if (!lanes) return;
     if (lanes == (1u << LANES) - 1 && (first || !queue->filled)) {
-        push_block(queue, v, block * LANES, light, depths, gain);
+        push_block(queue, v, depths, gain);
         return;
     }
     shadow_block shadows;
-    const shadow_source source = {(uint32_t)(block * LANES), light};
     const uint32_t room = lowest_lanes(lanes, LANES - queue->filled);
     fill(&shadows, v, depths, gain);
-    push_some(queue, plan->kernels, rays, &shadows, &source, depths->tag, room);
-    if (room != lanes) push_some(queue, plan->kernels, rays, &shadows, &source, depths->tag, lanes & ~room);
-}
-
-static void swap_sources(shadow_source *sources, size_t a, size_t b) {
-    shadow_source kept[LANES];
-    memcpy(kept, sources + a * LANES, sizeof kept);
-    memcpy(sources + a * LANES, sources + b * LANES, sizeof kept);
-    memcpy(sources + b * LANES, kept, sizeof kept);
+    push_some(queue, plan->kernels, rays, &shadows, depths->tag, room);
+    if (room != lanes) push_some(queue, plan->kernels, rays, &shadows, depths->tag, lanes & ~room);
 }
 
 static void swap_tags(light_tag *tags, size_t a, size_t b) {
@@ -99,7 +82,6 @@ static void close_queue(shadow_queue *queue) {
         shadow_block shadows = queue->shadows[last];
         queue->rays[last] = queue->rays[open], queue->shadows[last] = queue->shadows[open];
         queue->rays[open] = rays, queue->shadows[open] = shadows;
-        if (queue->sources) swap_sources(queue->sources, last, open);
         if (queue->tags) swap_tags(queue->tags, last, open);
     }
     queue->count -= LANES - queue->filled;
@@ -150,7 +132,6 @@ bool wave_cast_shadows(wave *w, trace_coherence coherence) {
     }
     if (w->run.plan->watertight) repair(w);
     w->run.rays.shadow += queue->count;
-    if (w->run.plan->lifts) wave_look_from_facets(w, coherence);
     if (walks) wave_take_shadows(w);
     add_seen(w);
     if (queue->tags) add_seen_layers(w);

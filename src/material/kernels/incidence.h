@@ -39,7 +39,7 @@ static inline void judge_sides(const surface_block *s, const shader_block *b, co
             side += s->ng[c][i] * l[c][i];
         }
         out->l[0][i] = x, out->l[1][i] = y, out->l[2][i] = z;
-        out->reflected[i] = (z > 0 ? ~0u : 0) & (side > 0 ? ~0u : 0);
+        out->reflected[i] = (z > 0 ? ~0u : 0) & ((side > 0 ? ~0u : 0) | s->smooth[i]);
         out->cross[i] = (z < 0 ? ~0u : 0) & (side < 0 ? ~0u : 0);
     }
     if (s->mapped) judge_mapped(s, l, out);

@@ -46,7 +46,7 @@ static inline void matte_lane(const surface_block *s, const shader_block *b, int
                               float f[3], float *density, uint32_t *reflected, uint32_t *cross) {
     float z = 0, side = 0;
     for (int c = 0; c < 3; ++c) z += b->n[c][i] * l[c], side += s->ng[c][i] * l[c];
-    *reflected = (z > 0 ? ~0u : 0) & (side > 0 ? ~0u : 0);
+    *reflected = (z > 0 ? ~0u : 0) & ((side > 0 ? ~0u : 0) | s->smooth[i]);
     *cross = (z < 0 ? ~0u : 0) & (side < 0 ? ~0u : 0);
     const float cosine = lambert(*reflected, z);
     for (int c = 0; c < 3; ++c) f[c] = limited(b->diffuse[c][i] * cosine);

@@ -36,15 +36,15 @@ static void surfaces(const local_block *b, bool automatic, surface_block *restri
     }
 }
 
-/* A point lifted off its facet avoids self-shadowing for any light in front, but must not be used for a light
- * behind. */
-static void starts(const surface_block *s, const uint32_t behind[LANES], float (*restrict origin)[LANES]) {
-    for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) {
-            float front = surface_start(s->p[c][i] + s->lift[c][i], s->offset[i], s->ng[c][i]);
-            float back = surface_start(s->p[c][i], -s->offset[i], s->ng[c][i]);
-            origin[c][i] = chosen(behind[i], back, front);
-        }
+static void starts(const surface_block *s, const lanes3 direction, const uint32_t behind[LANES],
+                   float (*restrict origin)[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        float along = 0;
+        for (int c = 0; c < 3; ++c) along += direction[c][i] * s->ng[c][i];
+        const uint32_t lifted = ~behind[i] & (along < 0 ? ~0u : 0);
+        const float off = chosen(behind[i], -s->offset[i], s->offset[i]);
+        for (int c = 0; c < 3; ++c)
+            origin[c][i] = surface_start(s->p[c][i] + chosen(lifted, s->lift[c][i], 0), off, s->ng[c][i]);
     }
 }
 

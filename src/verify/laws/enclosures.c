@@ -44,6 +44,22 @@ static void furnace_mesh(law_room *room) {
     furnace(room, 8);
 }
 
+/* A white octahedron with the normals of a ball, in an even sky. Light from below a facet's horizon counts
+ * where the shading normal faces it. Paths that meet the facets again have lost nothing. */
+static void furnace_smooth(law_room *room) {
+    static const float corners[18] = {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1};
+    static const uint32_t facets[24] = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4,
+                                        2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = mesh.normals = corners, mesh.vertex_count = mesh.normal_count = 6;
+    mesh.indices = facets, mesh.triangle_count = 8;
+    build_mesh(&room->b, mesh, build_material(&room->b, build_lambert(white)));
+    build_background(&room->b, white);
+    law_look(room, vec_f64(2, 1, 0.8), vec_f64(0.6, 0.3, 0.1));
+    law_value(room, white);
+}
+
 /* ---- a sphere with a light at its centre ---- */
 
 static const double sphere_radius = 1.5, intensity = 3;
@@ -143,6 +159,7 @@ const law laws_of_enclosures[] = {{"furnace, sphere", "L_e (1-ρⁿ⁺¹)/(1-ρ)
                                   {"furnace, four bounces", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_four_bounces},
                                   {"furnace, box of quads", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_box},
                                   {"furnace, box of triangles", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_mesh},
+                                  {"smooth octahedron in an even sky", "L", furnace_smooth},
                                   {"point light in a sphere", "I ρ/(πR²(1-ρ))", point_in_sphere},
                                   {"light with a radius in a sphere", "I ρ/(πR²(1-ρ))", ball_light_in_sphere},
                                   {"spot light in a sphere", "mean I ρ²/(πR²(1-ρ))", spot_in_sphere},

@@ -30,7 +30,8 @@ static fathom_status reference_cells(const fathom_scene *scene, const laws_pair 
                                          .samples = (uint32_t)fmax((double)o->samples / width / height, 2),
                                          .depth = o->depth,
                                          .seed = o->seed,
-                                         .threads = o->threads};
+                                         .threads = o->threads,
+                                         .terminator_fix = true};
     reference_estimate *pixels = malloc((size_t)width * height * sizeof *pixels);
     fathom_status status = pixels ? reference_render(scene, &settings, pixels)
                                   : fail_memory(scene->context, (size_t)width * height * sizeof *pixels);
@@ -106,7 +107,7 @@ static fathom_settings path_settings(uint32_t width, uint32_t height, uint32_t d
     fathom_settings_default(&s);
     fathom_settings_set_integrator(&s, FATHOM_INTEGRATOR_PATH);
     s.width = width, s.height = height, s.max_depth = depth, s.seed = seed;
-    s.target_error = 0, s.min_weight = 0, s.terminator_fix = false;
+    s.target_error = 0, s.min_weight = 0;
     s.spp = (uint32_t)fmin(fmax(ceil((double)samples / (SEEDS * pixels)), 1), 65536);
     return s;
 }
