@@ -85,16 +85,24 @@ fathom_status texturing_check(const texturing *t, fathom_context *context) {
 /* Its square is a fourth power of lengths, which float holds only from 2^-31 to 2^31. */
 static double area_of(const surface_uv *at) { return length_f64(cross_f64(widen(at->du), widen(at->dv))); }
 
-/* A cone of width w intersects the surface in an ellipse, whose area is that of a disc of width w /
- * sqrt(cosine). */
-static void find_uvs(points *p, unsigned i, const surface_block *s, const float width[LANES]) {
+/* The longest footprint, in multiples of its width, that is not blurred across. */
+#define LONGEST 16
+
+/* A cone intersects the surface in an ellipse that is longer than wide by 1 / cosine. The samples of a pixel
+ * average along it. So the footprint is as wide as the ellipse, and textures stay sharp across it. */
+static float width_on(const surface_block *s, unsigned i, float width) {
     float cosine = 0;
-    for (int c = 0; s && c < 3; ++c) cosine += s->ng[c][i] * s->v[c][i];
+    for (int c = 0; c < 3; ++c) cosine += s->ng[c][i] * s->v[c][i];
+    return width * most(1, 1 / (LONGEST * most(cosine, 0x1p-10f)));
+}
+
+static void find_uvs(points *p, unsigned i, const surface_block *s, const float width[LANES]) {
+    const float across = s ? width_on(s, i, width[i]) : 0;
     for (unsigned set = 0; set < 2; ++set) {
         if (!(p->plan[i]->sets >> set & 1)) continue;
         surface_uv_at(p->g, p->t->w, i, set, &p->uv[set][i]);
-        const double area = s ? area_of(&p->uv[set][i]) * (double)most(cosine, 0x1p-10f) : 0;
-        p->width[set][i] = area > 0 ? least(width[i] / (float)sqrt(area), 1) : 0;
+        const double area = area_of(&p->uv[set][i]);
+        p->width[set][i] = area > 0 ? least(across / (float)sqrt(area), 1) : 0;
     }
 }
 

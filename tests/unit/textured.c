@@ -20,16 +20,20 @@ static picture new_picture(unsigned width, unsigned height, const unsigned char 
     return p;
 }
 
-/* Texels as they are: linear, and without anything between them. */
-static fathom_id add_picture(stage *s, const picture *p, fathom_wrap wrap) {
+static fathom_id add_filtered(stage *s, const picture *p, fathom_wrap wrap, fathom_texture_filter filter) {
     fathom_texture t;
     fathom_id id;
     fathom_texture_default(&t);
     t.bytes = p->bytes, t.byte_count = p->size, t.name = "picture.ppm";
-    t.color_space = FATHOM_COLOR_LINEAR, t.filter = FATHOM_TEXTURE_NEAREST;
+    t.color_space = FATHOM_COLOR_LINEAR, t.filter = filter;
     t.wrap_u = t.wrap_v = wrap;
     assert_ok(s->context, fathom_scene_add_texture(s->scene, &t, &id));
     return id;
+}
+
+/* Texels as they are: linear, and without anything between them. */
+static fathom_id add_picture(stage *s, const picture *p, fathom_wrap wrap) {
+    return add_filtered(s, p, wrap, FATHOM_TEXTURE_NEAREST);
 }
 
 static fathom_id add_texels(stage *s, unsigned width, unsigned height, const unsigned char *rgb) {
@@ -128,6 +132,37 @@ UNIT_TEST(an_image_stands_upright_on_a_quad_texel_by_texel) {
         fathom_film_destroy(film);
         stage_close(&s);
     }
+}
+
+/* Stripes of 32 texels that lead away from a viewer just above them. Half a pixel is at most 0.047 wide, less
+ * than a texel of 0.0625, but up to 15 times as long. */
+static fathom_film *render_stripes(fathom_texture_filter filter) {
+    enum { ACROSS = 32 };
+    unsigned char rgb[ACROSS * ACROSS * 3];
+    for (unsigned i = 0; i < sizeof rgb; ++i) rgb[i] = i / 3 % 2 ? 255 : 0;
+    stage s = stage_open(24, 24);
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    s.settings.target_error = 0, s.settings.spp = 4;
+    fathom_material m;
+    fathom_material_default(&m);
+    const picture p = new_picture(ACROSS, ACROSS, rgb);
+    m.maps[FATHOM_MAP_COLOR].texture = add_filtered(&s, &p, FATHOM_WRAP_REPEAT, filter);
+    add_square(&s, stage_material(&s, &m));
+    stage_point_light(&s, 0, 0, 3, 20);
+    stage_camera(&s, (double[]){0, -1.2, 0.15}, (double[]){0, 0, 0}, (double[]){0, 0, 1}, 0.9);
+    fathom_film *film = stage_render(&s);
+    stage_close(&s);
+    return film;
+}
+
+UNIT_TEST(stripes_stay_sharp_at_grazing_angles) {
+    fathom_film *sharp = render_stripes(FATHOM_TEXTURE_LINEAR),
+                *seen = render_stripes(FATHOM_TEXTURE_TRILINEAR);
+    for (uint32_t y = 0; y < 24; ++y) {
+        for (uint32_t x = 0; x < 24; ++x) assert_true(value(seen, 'R', x, y) == value(sharp, 'R', x, y));
+    }
+    fathom_film_destroy(sharp);
+    fathom_film_destroy(seen);
 }
 
 UNIT_TEST(each_uv_set_has_its_own_place) {
