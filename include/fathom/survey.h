@@ -51,6 +51,8 @@ typedef struct fathom_survey {
     /* Triangles and shapes of emissive materials, once for each instance that shows them. A point counts as
      * a shape. */
     uint64_t emissive_triangles, emissive_shapes;
+    /* Estimated bytes of memory, too: of textures, if a render looks up all of them, and of environments. */
+    uint64_t texture_bytes, environment_bytes;
 } fathom_survey;
 
 /* Prepares the scene as a render with Embree does, without building or rendering. FATHOM_BAD_INPUT: it cannot

@@ -59,11 +59,12 @@ static json_t *pack_cameras(const fathom_survey *s) {
 }
 
 static json_t *pack_memory(const fathom_survey *s) {
-    const uint64_t total =
-        s->program_bytes + s->mesh_bytes + s->bvh_bytes + s->building_bytes + s->film_bytes;
+    const uint64_t total = s->program_bytes + s->mesh_bytes + s->bvh_bytes + s->building_bytes +
+                           s->film_bytes + s->texture_bytes + s->environment_bytes;
     return json_of(JSON("program", s->program_bytes), JSON("geometry", s->mesh_bytes),
                    JSON("bvh", s->bvh_bytes), JSON("building", s->building_bytes),
-                   JSON("film", s->film_bytes), JSON("total", total));
+                   JSON("film", s->film_bytes), JSON("textures", s->texture_bytes),
+                   JSON("environments", s->environment_bytes), JSON("total", total));
 }
 
 static json_t *pack_features(const fathom_survey *s) {
@@ -184,7 +185,8 @@ static void print_facts(const json_t *root) {
     json_print(root, "image     {image.width:.0f}x{image.height:.0f}, {image.spp:.0f} spp\n"
                      "memory    about {memoryBytes.total:.0fM} MB: program {memoryBytes.program:.0fM}, "
                      "geometry {memoryBytes.geometry:.1fM}, BVH {memoryBytes.bvh:.1fM}, building it "
-                     "{memoryBytes.building:.1fM}, film {memoryBytes.film:.1fM}\n"
+                     "{memoryBytes.building:.1fM}, film {memoryBytes.film:.1fM}, textures "
+                     "{memoryBytes.textures:.1fM}, environments {memoryBytes.environments:.1fM}\n"
                      "features ");
     json_array_foreach(json_object_get(root, "features"), i, item)
         printf("%s %s", i ? "," : "", json_string_value(item));

@@ -239,7 +239,8 @@ static fathom_status plan_mattes(fathom_context *context, render_plan *plan) {
 }
 
 fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
-                          const fathom_settings *settings, const atomic_bool *stop, render_plan **out) {
+                          const fathom_settings *settings, texture_cache *textures, const atomic_bool *stop,
+                          render_plan **out) {
     static const atomic_bool never = false;
     *out = NULL;
     const fathom_scene *scene = w->scene;
@@ -248,6 +249,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     if (!plan || !lights) {
         free(plan);
         free(lights);
+        texture_cache_close(textures);
         return fail_memory(context, sizeof *plan);
     }
     plan->scene = scene;
@@ -268,7 +270,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->t_near = (float)settings->epsilon;
     plan->lifts = settings->terminator_fix && parts_smooth(w);
     set_cone(plan);
-    fathom_status status = texturing_create(context, w, settings->texture_memory, &plan->texturing);
+    fathom_status status = texturing_create(context, w, settings->texture_memory, textures, &plan->texturing);
     if (status == FATHOM_OK && plan->parts.groups >= 0) status = light_groups_create(scene, &plan->groups);
     if (status == FATHOM_OK) status = plan_mattes(context, plan);
     if (status == FATHOM_OK) status = plan_approach(plan);

@@ -82,10 +82,12 @@ typedef struct render_plan {
     bool unshadowed; /* path tracing: some shape casts no shadow */
 } render_plan;
 
-/* Release with plan_destroy(). Traces rays, also on further threads. If *stop becomes true meanwhile, the
- * plan must not be used; NULL: it does not. */
+/* Release with plan_destroy(). Traces rays, also on further threads. textures: of the scene; the plan owns
+ * them, also on failure; NULL: it opens them. If *stop becomes true meanwhile, the plan must not be used;
+ * NULL: it does not. */
 fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
-                          const fathom_settings *settings, const atomic_bool *stop, render_plan **out);
+                          const fathom_settings *settings, texture_cache *textures, const atomic_bool *stop,
+                          render_plan **out);
 void plan_destroy(render_plan *plan);
 
 /* The camera's position from which rays, depths and motion vectors count. */

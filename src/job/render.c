@@ -10,6 +10,7 @@
 #include "job/part/part.h"
 #include "job/ranks/ranks.h"
 #include "job/watch.h"
+#include "light/environment.h"
 #include "scene/scene.h"
 
 typedef struct build {
@@ -17,8 +18,10 @@ typedef struct build {
     const world *world;
     trace_options options;
     trace_tracer *tracer;
+    texture_cache *textures; /* NULL: no material has any, or the plan owns them */
     fathom_status status;
     const fathom_settings *settings;
+    fathom_film *film;
     render_plan *plan;
     fathom_progress_fn progress; /* on the calling thread alone */
     void *progress_user;
@@ -33,14 +36,9 @@ static bool on_build(void *user, double fraction) {
     return !atomic_load(&b->stop);
 }
 
-static void build_tracer(void *user) {
-    build *b = user;
-    b->status = trace_create(b->context, b->world, &b->options, &b->tracer);
-}
-
 static void build_plan(void *user) {
     build *b = user;
-    b->status = plan_create(b->context, b->world, b->tracer, b->settings, &b->stop, &b->plan);
+    b->status = plan_create(b->context, b->world, b->tracer, b->settings, b->textures, &b->stop, &b->plan);
 }
 
 static void report_build(void *user) {
@@ -63,16 +61,18 @@ static uint64_t program_bytes(const fathom_context *context) {
 
 /* The memory that the process will use in addition to the tracer's structures. A large film takes no memory
  * yet, unless a checkpoint has filled it. A mapped mesh takes the memory of the parts that were read. */
-static fathom_status memory_besides(fathom_context *context, const world *w, const fathom_film *film,
-                                    uint64_t *out) {
-    uint64_t meshes;
+static fathom_status memory_besides(const build *b, uint64_t *out) {
+    const world *w = b->world;
+    uint64_t meshes, skies = 0;
     fathom_status status = scene_buffer_bytes(w->scene, SCENE_TRACED | SCENE_SHADED, &meshes);
+    if (status == FATHOM_OK && b->settings->integrator != FATHOM_INTEGRATOR_CLASSIC)
+        status = environment_measure(b->context, w->scene, &skies);
     if (status != FATHOM_OK) return status;
-    uint64_t bytes = film->bytes, expected = program_bytes(context) + meshes + w->carried_bytes,
-             film_now = film->stats.resumed_samples ? bytes : memory_taken(bytes);
+    uint64_t bytes = b->film->bytes, expected = program_bytes(b->context) + meshes + w->carried_bytes,
+             film_now = b->film->stats.resumed_samples ? bytes : memory_taken(bytes);
     uint64_t resident = memory_resident();
     resident = resident > film_now ? resident - film_now : 0;
-    *out = (resident > expected ? resident : expected) + bytes;
+    *out = (resident > expected ? resident : expected) + bytes + skies + texture_cache_bytes(b->textures);
     return FATHOM_OK;
 }
 
@@ -83,16 +83,31 @@ static uint64_t building_memory(uint64_t other, uint64_t limit) {
     return !room ? 0 : (room > other + 1 ? room - other : 1);
 }
 
+/* Textures first, because they take memory from the tracer. */
+static void build_tracer(void *user) {
+    build *b = user;
+    uint64_t other;
+    if (b->world->scene->has_maps)
+        b->status =
+            texture_cache_open(b->context, b->world->scene, b->settings->texture_memory, &b->textures);
+    if (b->status == FATHOM_OK) b->status = memory_besides(b, &other);
+    if (b->status != FATHOM_OK) return;
+    b->options.memory = building_memory(other, b->settings->memory_limit);
+    b->status = trace_create(b->context, b->world, &b->options, &b->tracer);
+    if (b->tracer && trace_foreseen_bytes(b->tracer))
+        b->film->stats.foreseen_bytes = other + trace_foreseen_bytes(b->tracer);
+}
+
 static fathom_status run_build(fathom_context *context, const world *w, fathom_film *film,
                                const fathom_settings *settings, fathom_progress_fn progress, void *user,
-                               trace_tracer **out) {
+                               trace_tracer **out, texture_cache **textures) {
     static const watch_calls calls = {build_tracer, report_build};
-    uint64_t other;
     fathom_status status = scene_rest_files(w->scene, w->meshes.items, w->meshes.count);
-    if (status == FATHOM_OK) status = memory_besides(context, w, film, &other);
     if (status != FATHOM_OK) return status;
     build b = {.context = context,
                .world = w,
+               .settings = settings,
+               .film = film,
                .progress = progress,
                .progress_user = user,
                .began = clock_seconds()};
@@ -101,13 +116,10 @@ static fathom_status run_build(fathom_context *context, const world *w, fathom_f
                                 .width = settings->block_width,
                                 .threads = fathom_context_threads(context),
                                 .expected_rays = plan_expected_rays(w->scene, settings),
-                                .memory = building_memory(other, settings->memory_limit),
                                 .progress = progress ? on_build : NULL,
                                 .user = &b};
     watch_run(&calls, &b);
-    *out = b.tracer;
-    if (b.tracer && trace_foreseen_bytes(b.tracer))
-        film->stats.foreseen_bytes = other + trace_foreseen_bytes(b.tracer);
+    *out = b.tracer, *textures = b.textures;
     return end_build(&b);
 }
 
@@ -173,12 +185,13 @@ static fathom_status find_brightest(fathom_context *context, const render_plan *
 }
 
 static fathom_status make_plan(fathom_context *context, const world *w, trace_tracer *tracer,
-                               const fathom_settings *settings, const job_options *options, fathom_film *film,
-                               render_plan **out) {
+                               texture_cache *textures, const fathom_settings *settings,
+                               const job_options *options, fathom_film *film, render_plan **out) {
     static const watch_calls calls = {build_plan, report_build};
     build b = {.context = context,
                .world = w,
                .tracer = tracer,
+               .textures = textures,
                .settings = settings,
                .progress = options->progress,
                .progress_user = options->user,
@@ -236,10 +249,10 @@ static fathom_status begin_keeping(const trace_tracer *tracer, keeping *keep, jo
 
 /* Keeping begins after the plan, because a part's head holds results of the plan. */
 static fathom_status render_traced(fathom_context *context, const world *w, trace_tracer *tracer,
-                                   const fathom_settings *settings, keeping *keep, job_options *options,
-                                   fathom_film *film) {
+                                   texture_cache *textures, const fathom_settings *settings, keeping *keep,
+                                   job_options *options, fathom_film *film) {
     render_plan *plan = NULL;
-    fathom_status status = make_plan(context, w, tracer, settings, options, film, &plan);
+    fathom_status status = make_plan(context, w, tracer, textures, settings, options, film, &plan);
     if (status == FATHOM_OK) status = begin_keeping(tracer, keep, options);
     if (status == FATHOM_OK) status = run_plan(context, plan, options, film);
     plan_destroy(plan);
@@ -258,13 +271,17 @@ static fathom_status render_scene(fathom_context *context, const fathom_scene *s
     status = world_check(w);
     if (status == FATHOM_OK) lacks_find(w, settings->integrator, warn_of, context);
     trace_tracer *tracer = NULL;
+    texture_cache *textures = NULL;
     if (status == FATHOM_OK)
-        status = run_build(context, w, film, settings, options->progress, options->user, &tracer);
+        status = run_build(context, w, film, settings, options->progress, options->user, &tracer, &textures);
     film->stats.build_seconds = clock_seconds() - began;
     if (status == FATHOM_OK) status = fathom_scene_check_files(scene);
     if (status == FATHOM_OK) status = count_scene(w, tracer, film, &film->stats);
     options->deadline = began + settings->max_time;
-    if (status == FATHOM_OK) status = render_traced(context, w, tracer, settings, keep, options, film);
+    if (status == FATHOM_OK)
+        status = render_traced(context, w, tracer, textures, settings, keep, options, film);
+    else
+        texture_cache_close(textures);
     trace_destroy(tracer);
     world_destroy(w);
     return status;

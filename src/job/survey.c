@@ -3,10 +3,12 @@
 #include "base/sized.h"
 #include "integrate/parts.h"
 #include "job/lacks.h"
+#include "light/environment.h"
 #include "material/material.h"
 #include "scene/graph.h"
 #include "scene/mesh/closed.h"
 #include "scene/scene.h"
+#include "texture/texture.h"
 #include "trace/embree/embree_limits.h"
 
 #include <fathom/survey.h>
@@ -160,13 +162,18 @@ static fathom_status find_place(const fathom_scene *scene, survey *out) {
 
 /* The peak: building needs memory in addition to the tree, and releases it at the end. */
 static fathom_status find_memory(const fathom_scene *scene, const world *w, fathom_survey *s) {
+    fathom_status status = scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &s->mesh_bytes);
     const trace_need need = trace_need_of(w, false);
     s->program_bytes = MEMORY_PROGRAM;
     s->bvh_bytes = (uint64_t)need.kept, s->building_bytes = (uint64_t)need.passed;
     s->film_bytes = settings_pixels(&scene->settings) *
                     film_channels(&scene->settings, &scene->light_groups) * sizeof(float);
-    const fathom_status status = scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &s->mesh_bytes);
     s->mesh_bytes += w->carried_bytes;
+    if (status == FATHOM_OK && scene->has_maps)
+        status =
+            texture_cache_measure(scene->context, scene, scene->settings.texture_memory, &s->texture_bytes);
+    if (status == FATHOM_OK && scene->settings.integrator != FATHOM_INTEGRATOR_CLASSIC)
+        status = environment_measure(scene->context, scene, &s->environment_bytes);
     return status;
 }
 

@@ -1,8 +1,9 @@
 #include "light/environment.h"
 
 #include "base/file.h"
-#include "image/image.h"
+#include "image/helper/helper.h"
 #include "light/cube.h"
+#include "scene/scene.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -168,5 +169,34 @@ fathom_status environment_read(fathom_context *context, const fathom_light *ligh
     if (status == FATHOM_OK) return status;
     free(out->texels);
     *out = (sky_image){.texels = NULL};
+    return status;
+}
+
+/* ---- memory ---- */
+
+/* A sky has a texel and a sum for each texel of the image. While it is read, each channel is there as a float
+ * twice: in memory shared with the helper, and copied. */
+static void measure_file(const char *path, unsigned threads, uint64_t *bytes) {
+    const image_texture_request request = {
+        .path = path, .descriptor = -1, .most_side = INT32_MAX, .most_texels = INT32_MAX, .threads = threads};
+    image_texture *file;
+    image_texture_info info;
+    image_message why;
+    if (image_calls.texture.open(&request, &file, &info, &why) != FATHOM_OK) return;
+    image_calls.texture.close(file);
+    *bytes += (uint64_t)info.width * info.height *
+              (sizeof(sky_texel) + sizeof(float) + 2 * sizeof(float) * info.channels);
+}
+
+fathom_status environment_measure(fathom_context *context, const fathom_scene *scene, uint64_t *bytes) {
+    fathom_status status = FATHOM_OK;
+    *bytes = 0;
+    for (size_t i = 0; i < scene->environments.count && status == FATHOM_OK; ++i) {
+        file_faces files;
+        status = file_faces_open(context, scene->environments.items[i].file, &files);
+        for (unsigned k = 0; k < files.count; ++k)
+            measure_file(files.paths[k], fathom_context_threads(context), bytes);
+        file_faces_close(&files);
+    }
     return status;
 }

@@ -40,7 +40,8 @@ static bool any_directed(const fathom_scene *scene) {
     return false;
 }
 
-fathom_status texturing_create(fathom_context *context, const world *w, uint64_t memory, texturing **out) {
+fathom_status texturing_create(fathom_context *context, const world *w, uint64_t memory, texture_cache *cache,
+                               texturing **out) {
     const fathom_scene *scene = w->scene;
     const bool colors = any_colors(w, 3);
     fathom_material between;
@@ -48,7 +49,11 @@ fathom_status texturing_create(fathom_context *context, const world *w, uint64_t
     if (!scene->has_maps && !colors && !any_directed(scene)) return FATHOM_OK;
     const size_t bytes = sizeof **out + scene->materials.count * sizeof(material_plan);
     texturing *t = calloc(1, bytes);
-    if (!t) return fail_memory(context, bytes);
+    if (!t) {
+        texture_cache_close(cache);
+        return fail_memory(context, bytes);
+    }
+    t->cache = cache;
     t->kernels = plain_kernels_best();
     t->w = w, t->colors = colors, t->alphas = any_colors(w, 4);
     for (size_t i = 0; i < scene->materials.count; ++i) {
@@ -61,7 +66,7 @@ fathom_status texturing_create(fathom_context *context, const world *w, uint64_t
         t->plans[i].coat_turns = shader_coat_has_normal(&between);
     }
     fathom_status status = texturing_make_tangents(context, t);
-    if (status == FATHOM_OK) status = texture_cache_open(context, scene, memory, &t->cache);
+    if (status == FATHOM_OK && !cache) status = texture_cache_open(context, scene, memory, &t->cache);
     if (status == FATHOM_OK)
         *out = t;
     else

@@ -16,12 +16,15 @@
 #include "material/material.h"
 #include "material/shader.h"
 #include "surface/gather.h"
+#include "texture/texture.h"
 
 typedef struct texturing texturing;
 
-/* memory: bytes for texture tiles. *out is NULL if nothing varies. Release with texturing_destroy(). The
- * world must outlive it. FATHOM_BAD_INPUT names a file that is not an image. */
-fathom_status texturing_create(fathom_context *context, const world *w, uint64_t memory, texturing **out);
+/* memory: bytes for texture tiles. cache: of the scene, which texturing owns, also on failure; NULL: opened
+ * here. *out is NULL if nothing varies. Release with texturing_destroy(). The world must outlive it.
+ * FATHOM_BAD_INPUT names a file that is not an image. */
+fathom_status texturing_create(fathom_context *context, const world *w, uint64_t memory, texture_cache *cache,
+                               texturing **out);
 void texturing_destroy(texturing *t);
 /* FATHOM_OK, or the reason why an image lookup failed. */
 fathom_status texturing_check(const texturing *t, fathom_context *context);

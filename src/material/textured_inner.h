@@ -4,7 +4,6 @@
 #include "material/plain.h"
 #include "material/textured.h"
 #include "surface/attributes.h"
-#include "texture/texture.h"
 
 #include <math.h>
 #include <string.h>

@@ -53,7 +53,7 @@ fathom_status stage_film(fathom_context *context, const world *w, const trace_tr
     render_plan *plan;
     job_result result = {.samples = 0};
     const double began = clock_seconds();
-    fathom_status status = plan_create(context, w, tracer, settings, NULL, &plan);
+    fathom_status status = plan_create(context, w, tracer, settings, NULL, NULL, &plan);
     if (status != FATHOM_OK) return status;
     if (recorded) record_clear(recorded);
     const bench_seconds start = bench_now();

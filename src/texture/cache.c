@@ -57,6 +57,7 @@ static fathom_status plan_image(texture_cache *cache, fathom_context *context, c
                          "expected at most %u texels on a side", FATHOM_TEXTURE_SIDE);
     pyramid_plan(&img->plan, info->width, info->height, info->channels == 1 ? 1 : 4, info->kept,
                  type_of_means(info));
+    for (unsigned k = 0; k <= img->plan.tail; ++k) cache->bytes += pyramid_part_bytes(&img->plan, k);
     img->decoding = (pyramid_decoding){.sent_channels = info->channels,
                                        .sent = info->sent,
                                        .srgb = srgb,
@@ -162,16 +163,13 @@ static bool uses_levels(const texture_cache *cache, const cache_image *img) {
     return found;
 }
 
-static size_t list_parts(const texture_cache *cache, cache_part *parts, uint64_t *bytes) {
+static size_t list_parts(const texture_cache *cache, cache_part *parts) {
     size_t count = 0;
     for (size_t i = 0; i < cache->image_count; ++i) {
         cache_image *img = &cache->images[i];
         const bool levels = uses_levels(cache, img);
-        for (unsigned k = 0; k <= img->plan.tail; ++k) {
-            const uint64_t size = pyramid_part_bytes(&img->plan, k);
-            parts[count++] = (cache_part){img, k, k && !levels, size};
-            *bytes += size;
-        }
+        for (unsigned k = 0; k <= img->plan.tail; ++k)
+            parts[count++] = (cache_part){img, k, k && !levels, pyramid_part_bytes(&img->plan, k)};
     }
     qsort(parts, count, sizeof *parts, compare_parts);
     return count;
@@ -180,13 +178,13 @@ static size_t list_parts(const texture_cache *cache, cache_part *parts, uint64_t
 /* If all parts fit into the limit, they are in memory. Otherwise the smaller parts, up to three quarters of
  * the limit, are in memory and the others on the disk; the remaining limit is for mapped parts of the disk
  * file. */
-static fathom_status place_images(texture_cache *cache, fathom_context *context, uint64_t limit) {
+static fathom_status place_images(texture_cache *cache, fathom_context *context) {
     const size_t room = cache->image_count * PYRAMID_LEVELS * sizeof(cache_part);
     cache_part *parts = malloc(room + 1);
-    uint64_t all = 0, kept = 0, at = 0;
+    uint64_t kept = 0, at = 0;
     if (!parts) return fail_memory(context, room);
-    const size_t count = list_parts(cache, parts, &all);
-    const uint64_t most = all <= limit ? limit : limit / 4 * 3;
+    const size_t count = list_parts(cache, parts);
+    const uint64_t limit = cache->limit, most = cache->bytes <= limit ? limit : limit / 4 * 3;
     for (size_t i = 0; i < count; ++i) {
         pyramid_place(&parts[i].image->plan, parts[i].part, at);
         at += parts[i].bytes;
@@ -220,8 +218,8 @@ static fathom_status open_all(texture_cache *cache, fathom_context *context, con
     return status;
 }
 
-fathom_status texture_cache_open(fathom_context *context, const fathom_scene *scene, uint64_t limit,
-                                 texture_cache **out) {
+static fathom_status open_headers(fathom_context *context, const fathom_scene *scene, uint64_t limit,
+                                  texture_cache **out) {
     const size_t count = scene->textures.count, bytes = count * (sizeof(cache_slot) + sizeof(cache_image));
     const char *config = getenv("OCIO");
     texture_cache *cache = *out = calloc(1, sizeof *cache);
@@ -230,18 +228,37 @@ fathom_status texture_cache_open(fathom_context *context, const fathom_scene *sc
                              .config = config && *config ? config : NULL,
                              .threads = fathom_context_threads(context),
                              .count = count,
+                             .limit = limit,
                              .store = {.memory = -1, .disk = -1}};
     pthread_mutex_init(&cache->lock, NULL);
     cache->slots = calloc(count + 1, sizeof *cache->slots);
     cache->images = calloc(count + 1, sizeof *cache->images);
     fathom_status status = cache->slots && cache->images ? FATHOM_OK : fail_memory(context, bytes);
-    if (status == FATHOM_OK) status = open_all(cache, context, scene);
-    if (status == FATHOM_OK) start_helpers(cache);
-    if (status == FATHOM_OK) status = place_images(cache, context, limit);
+    return status == FATHOM_OK ? open_all(cache, context, scene) : status;
+}
+
+fathom_status texture_cache_open(fathom_context *context, const fathom_scene *scene, uint64_t limit,
+                                 texture_cache **out) {
+    fathom_status status = open_headers(context, scene, limit, out);
+    if (status == FATHOM_OK) start_helpers(*out);
+    if (status == FATHOM_OK) status = place_images(*out, context);
     if (status == FATHOM_OK) return status;
-    texture_cache_close(cache);
+    texture_cache_close(*out);
     *out = NULL;
     return status;
+}
+
+fathom_status texture_cache_measure(fathom_context *context, const fathom_scene *scene, uint64_t limit,
+                                    uint64_t *bytes) {
+    texture_cache *cache;
+    const fathom_status status = open_headers(context, scene, limit, &cache);
+    *bytes = texture_cache_bytes(cache);
+    texture_cache_close(cache);
+    return status;
+}
+
+uint64_t texture_cache_bytes(const texture_cache *cache) {
+    return !cache ? 0 : cache->bytes < cache->limit ? cache->bytes : cache->limit;
 }
 
 void texture_cache_close(texture_cache *cache) {

@@ -31,6 +31,7 @@ struct texture_cache {
     const char *config;        /* of OpenColorIO; NULL: the built-in one */
     unsigned threads, helpers; /* helpers: processes that decode in parallel */
     size_t count, image_count;
+    uint64_t limit, bytes; /* of tiles in memory; of all tiles */
     cache_slot *slots;
     cache_image *images;
     store store;

@@ -16,6 +16,11 @@ typedef struct texture_cache texture_cache;
  * have to outlive the cache. Release with texture_cache_close(), which takes NULL. */
 fathom_status texture_cache_open(fathom_context *context, const fathom_scene *scene, uint64_t limit,
                                  texture_cache **out);
+/* The same, but *bytes is only the memory that the tiles would take at most. */
+fathom_status texture_cache_measure(fathom_context *context, const fathom_scene *scene, uint64_t limit,
+                                    uint64_t *bytes);
+/* The same of an open cache; NULL: 0. */
+uint64_t texture_cache_bytes(const texture_cache *cache);
 void texture_cache_close(texture_cache *cache);
 
 /* Number of lookups in one block. */

@@ -140,7 +140,7 @@ static fathom_status render(fathom_context *context, const world *w, const trace
     render_plan *plan = NULL;
     fathom_status status = film_create(context, w->scene, settings, &film);
     if (status != FATHOM_OK) return status;
-    status = plan_create(context, w, tracer, settings, NULL, &plan);
+    status = plan_create(context, w, tracer, settings, NULL, NULL, &plan);
     job_result result = {.samples = 0};
     const job_options options = {.deadline = 0};
     if (status == FATHOM_OK) status = job_run(context, plan, &options, film, &result);

@@ -174,6 +174,25 @@ peak=$(number stats.json peakMemoryBytes)
 [ -n "$SANITIZE" ] || awk "BEGIN { exit !($estimate >= $peak && $estimate <= $peak + 60e6) }" ||
     die "info expects $estimate bytes, the render took $peak"
 
+# Images: tiles of 64 x 64 texels of 4 bytes (100) and of 8 (25, 9, 4) in chunks of 64 KiB, and a chunk for smaller levels.
+# A texel of a sky has 20 bytes, and each of the three floats that it is read from is there twice.
+{ printf 'P6\n640 640\n255\n' && head -c 1228800 /dev/zero; } >image.ppm
+run 0 render big.glb -o sky.exr --size 64x32 --spp 1
+cat >images.json <<'JSON'
+{ "materials": { "m": { "kdTexture": { "file": "image.ppm" } } },
+"lights": [ { "type": "environment", "file": "sky.exr" } ],
+"objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m" } ] }
+JSON
+run 0 info images.json --json
+[ "$(number out.txt textures)" -eq $(((25 + 13 + 5 + 2 + 1) * 65536)) ] || die 'the memory of textures'
+[ "$(number out.txt environments)" -eq $((64 * 32 * (20 + 2 * 3 * 4))) ] || die 'the memory of an environment'
+run 0 info images.json
+said out.txt 'textures 3.0, environments 0.1'
+# An image that a render would refuse is a problem here as well.
+head -c 3 image.ppm >cut.ppm
+sed -i s/image.ppm/cut.ppm/ images.json
+refused 3 'images.json:1: materials.m.kdTexture.file: cut.ppm: cannot be read as a texture' info images.json
+
 # Parts that a render leaves out, and why; for programs too.
 write_scene
 run 0 info scene.json

@@ -30,7 +30,7 @@ said out.txt 'times meshes 28.8, BVH '
 
 # 20 MB of program, 2 of threads, 29 of mesh; the usual structures take 125 MB, compact ones 49.
 run 0 render ball.glb --integrator classic -o compact.exr --size 64x48 --threads 2 --memory-limit 110M --stats s.json
-said err.txt 'warning: the usual acceleration structure would take about 0.12 GB, and 0.06 GB are left after program, meshes and image: a compact'
+said err.txt 'warning: the usual acceleration structure would take about 0.12 GB, and 0.06 GB are left after program, meshes and images: a compact'
 [ "$(number s.json peakMemoryBytes)" -le 110000000 ] || die "beyond the limit: $(number s.json peakMemoryBytes)"
 run 0 compare usual.exr compact.exr --tolerance 1e-3
 
@@ -42,6 +42,15 @@ refused 4 'out of memory: building takes about 0.12 GB' \
     render ball.glb --integrator classic -o none.exr --size 64x48 --threads 2 --memory-limit 110M --tracer embree:medium --quiet
 run 0 render ball.glb --integrator classic -o named.exr --size 64x48 --threads 2 --memory-limit 110M --tracer embree:compact
 not_said err.txt warning
+
+# Images count, and textures may take less: level 0 has 2048 x 2048 texels of 4 bytes, the smaller ones a third of 8 each.
+{ printf 'P6\n2048 2048\n255\n' && head -c 12582912 /dev/zero; } >image.ppm
+printf '{"materials": {"m": {"kdTexture": {"file": "image.ppm"}}}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}]}' >textured.json
+refused 4 'are left after program, meshes and images; raise the limit, lower --texture-memory, render on' \
+    render textured.json -o none.exr --size 64x48 --threads 2 --memory-limit 45M --quiet
+run 0 render textured.json -o seen.exr --size 64x48 --threads 2 --memory-limit 45M --texture-memory 1M
+run 0 render textured.json -o seen.exr --size 64x48 --threads 2 --memory-limit 80M
+rm seen.exr
 
 # Every limit, from what nothing fits to what all does, ends with code 4, a line and no file, or with the pixels that there
 # are without one, in so much memory; and what fits one limit fits all that are higher.

@@ -15,7 +15,7 @@ static unsigned char file[SIDE * SIDE * 3 + 64];
 
 static void open_images(void) {
     assert_ok(context, world_create(scene, &w));
-    assert_ok(context, texturing_create(context, w, 1 << 20, &images));
+    assert_ok(context, texturing_create(context, w, 1 << 20, NULL, &images));
     assert_ok(context, emitters_create(context, w, images, NULL, &e));
 }
 

@@ -143,7 +143,7 @@ static void with_plan(room_parts with, double expected, void (*look)(const rende
     s.settings.width = s.settings.height = 256, s.settings.spp = 64;
     assert_ok(s.context, world_create(s.scene, &w));
     assert_ok(s.context, trace_create(s.context, w, &options, &tracer));
-    assert_ok(s.context, plan_create(s.context, w, tracer, &s.settings, NULL, &plan));
+    assert_ok(s.context, plan_create(s.context, w, tracer, &s.settings, NULL, NULL, &plan));
     look(plan, expected);
     plan_destroy(plan);
     trace_destroy(tracer);

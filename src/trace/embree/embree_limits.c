@@ -55,9 +55,10 @@ static double total(trace_need need) { return need.kept + need.passed; }
 static fathom_status refuse(const embree_tracer *tracer, double need) {
     return fail(tracer->context, FATHOM_OUT_OF_RESOURCES,
                 "out of memory: building takes about %.2f GB, and %.2f GB are left after program, meshes "
-                "and image; raise the limit, render on a machine with more memory, or place repeated parts "
-                "as instances",
-                need * 1e-9, (double)tracer->options->memory * 1e-9);
+                "and images; raise the limit, %srender on a machine with more memory, or place repeated "
+                "parts as instances",
+                need * 1e-9, (double)tracer->options->memory * 1e-9,
+                tracer->base.world->scene->has_maps ? "lower --texture-memory, " : "");
 }
 
 fathom_status embree_fit_memory(embree_tracer *tracer) {
@@ -79,7 +80,7 @@ fathom_status embree_fit_memory(embree_tracer *tracer) {
                                                     structures */
     warn(tracer->context,
          "the usual acceleration structure would take about %.2f GB, and %.2f GB are left after program, "
-         "meshes and image: a compact one of %.2f GB is built, which is slower to trace",
+         "meshes and images: a compact one of %.2f GB is built, which is slower to trace",
          need * 1e-9, room * 1e-9, less * 1e-9);
     return FATHOM_OK;
 }
