@@ -11,8 +11,8 @@ extern "C" {
 /* Color space of an image. Alpha is always linear. */
 typedef enum fathom_color_space {
     FATHOM_COLOR_AUTO, /* maps of numbers and directions (roughness, normals): linear. Maps of colours: as the
-                          image says, which KTX 2.0 files and PNGs of gamma 1 do; else linear for half and
-                          float, and sRGB for integers */
+                          image says, which KTX 2.0 files, PNGs of gamma 1 and files of
+                          fathom_texture_write() do; else linear for half and float, and sRGB for integers */
     FATHOM_COLOR_SRGB, /* colours of Rec.709 through the curve of IEC 61966-2-1 */
     FATHOM_COLOR_LINEAR, /* linear Rec.709, or data: the numbers are used unchanged */
     FATHOM_COLOR_NAMED   /* color_space_name, a space of the OpenColorIO config */
@@ -63,7 +63,8 @@ FATHOM_API fathom_status fathom_scene_add_texture(fathom_scene *scene, const fat
                                                   fathom_id *out);
 
 /* Writes the image as a tiled TIFF file with all mip levels. A render reads single tiles of such a file.
- * Texels keep the type and the color space of the image; a named space is converted to linear Rec.709. Alpha
+ * Texels keep the type and the color space of the image; a named space is converted to linear Rec.709. The
+ * levels are averages of linear values, so maps of numbers and directions need FATHOM_COLOR_LINEAR. Alpha
  * that is 1 everywhere is omitted. FATHOM_BAD_USAGE unless `path` ends in .tx, .tif or .tiff, and the config
  * has the named color space; else as fathom_scene_add_texture() and fathom_film_write(). */
 FATHOM_API fathom_status fathom_texture_write(fathom_context *context, const fathom_texture *texture,

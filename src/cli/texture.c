@@ -63,8 +63,9 @@ const command command_texture = {
     .usage = "IMAGE -o FILE.tx [--color SPACE]",
     .summary = "Convert an image to a tiled, mip-mapped texture.",
     .text = "A render reads only the tiles of such a file that it needs, and does not have to\n"
-            "compute the mip levels. The levels are averages of linear values. The file keeps\n"
-            "the number type of the image. A scene can use it in place of the image.\n",
+            "compute the mip levels. The levels are averages of linear values, so data need\n"
+            "--color linear. The file says which it has, and keeps the number type of the\n"
+            "image. A scene can use it in place of the image.\n",
     .examples = "  fathom texture wood.png -o wood.tx\n"
                 "  fathom texture normals.png -o normals.tx --color linear\n",
     .args = {options, {{"IMAGE", offsetof(texture_settings, input)}}},

@@ -138,9 +138,13 @@ static bool is_premultiplied(const image_texture &t, const OIIO::ImageSpec &spec
     return may && t.info.channels % 2 == 0 && !spec.get_int_attribute("oiio:UnassociatedAlpha");
 }
 
-/* KTX 2.0 files say how they are encoded. So do PNGs whose gamma is 1; no program means other gammas. */
+/* KTX 2.0 files say how they are encoded, and so do those of `fathom texture`. So do PNGs whose gamma is 1;
+ * no program means other gammas. */
 static image_transfer transfer_of(const image_texture &t) {
     const OIIO::ImageSpec &spec = t.input->spec();
+    const std::string text = spec.get_string_attribute("ImageDescription");
+    if (text == IMAGE_SAYS_LINEAR) return IMAGE_TRANSFER_LINEAR;
+    if (text == IMAGE_SAYS_SRGB) return IMAGE_TRANSFER_SRGB;
     if (std::strcmp(t.input->format_name(), "png") == 0 && spec.get_float_attribute("oiio:Gamma") == 1)
         return IMAGE_TRANSFER_LINEAR;
     return static_cast<image_transfer>(spec.get_int_attribute(IMAGE_INPUT_TRANSFER));

@@ -46,6 +46,7 @@ static image_texel type_of_means(const image_texture_info *info) {
 static bool is_srgb(const cache_image *img) {
     const fathom_color_space space = img->texture->color_space;
     if (space != FATHOM_COLOR_AUTO) return space == FATHOM_COLOR_SRGB;
+    if (img->info.transfer == IMAGE_TRANSFER_SRGB) return true;
     return img->info.integers && img->info.transfer != IMAGE_TRANSFER_LINEAR;
 }
 
@@ -104,9 +105,16 @@ static void check_transfer(fathom_context *context, const cache_image *img) {
                                         [IMAGE_TRANSFER_OTHER] = "neither sRGB nor linear"};
     const image_transfer said = img->info.transfer;
     const image_transfer taken = is_srgb(img) ? IMAGE_TRANSFER_SRGB : IMAGE_TRANSFER_LINEAR;
-    if (said != IMAGE_TRANSFER_UNKNOWN && said != taken && img->texture->color_space != FATHOM_COLOR_NAMED)
-        warn_image(context, img, "says that its numbers are %s; they are taken as %s", names[said],
-                   names[taken]);
+    if (said == IMAGE_TRANSFER_UNKNOWN || said == taken || img->texture->color_space == FATHOM_COLOR_NAMED)
+        return;
+    const bool levels = img->info.mipmapped;
+    warn_image(
+        context, img, "says that its numbers are %s; they are taken as %s%s%s", names[said], names[taken],
+        levels ? ", for which its smaller levels are wrong averages: make it with fathom texture --color "
+               : "",
+        !levels                        ? ""
+        : taken == IMAGE_TRANSFER_SRGB ? "srgb"
+                                       : "linear");
 }
 
 static fathom_status fail_image(fathom_context *context, const cache_image *img, fathom_status status,

@@ -69,7 +69,9 @@ static fathom_status write_levels(written *w, fathom_context *context, const cha
     for (unsigned c = 0; c < w->channels; ++c)
         channels[c] = (image_channel){.name = w->channels == 1 ? grey : colors[c]};
     const uint32_t width = p->levels[0].width, height = p->levels[0].height;
-    const image img = {width, height, 0, 0, width, height, channels, w->channels, NULL, 0, 0};
+    const image_attribute says = {.name = "ImageDescription",
+                                  .text = w->srgb ? IMAGE_SAYS_SRGB : IMAGE_SAYS_LINEAR};
+    const image img = {width, height, 0, 0, width, height, channels, w->channels, &says, 1, 0};
     image_date date;
     fathom_status status = date_read(context, &date);
     if (status != FATHOM_OK) return status;
@@ -112,10 +114,7 @@ static fathom_status write_texture(texture_cache *cache, fathom_context *context
     fathom_status status = texture_is_opaque(cache, context, 0, &opaque);
     if (status != FATHOM_OK) return status;
     w.channels = img->plan.channels == 1 ? 1 : opaque ? 3 : 4;
-    /* By itself, a file of floats counts as linear, also if it comes from integers of 32 bits, and a file of
-     * integers does not. */
-    if (!img->decoding.srgb && w.type <= IMAGE_TEXEL_U16 && img->texture->color_space == FATHOM_COLOR_AUTO)
-        w.type = w.type == IMAGE_TEXEL_U8 ? IMAGE_TEXEL_HALF : IMAGE_TEXEL_FLOAT;
+    /* Other programs take floats as linear, so those that come from integers of 32 bits are. */
     w.srgb =
         img->decoding.srgb && (w.type <= IMAGE_TEXEL_U16 || img->texture->color_space == FATHOM_COLOR_SRGB);
     srgb_codes_fill(&w.codes);

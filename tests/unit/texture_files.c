@@ -416,6 +416,39 @@ UNIT_TEST(ktx2_files_choose_their_encoding_where_the_scene_does_not) {
     unlink(in_folder("a.ktx2"));
 }
 
+/* `fathom texture` writes how it averaged, and data of levels that were averaged as sRGB are not data. */
+UNIT_TEST(mip_mapped_files_say_how_their_levels_were_averaged) {
+    static const struct {
+        fathom_color_space written, read;
+        bool srgb;
+        const char *told;
+    } cases[] = {
+        {FATHOM_COLOR_AUTO, FATHOM_COLOR_AUTO, true, NULL},
+        {FATHOM_COLOR_AUTO, FATHOM_COLOR_SRGB, true, NULL},
+        {FATHOM_COLOR_AUTO, FATHOM_COLOR_LINEAR, false,
+         "a.tx: says that its numbers are sRGB; they are taken as linear, for which its smaller levels "
+         "are wrong averages: make it with fathom texture --color linear"},
+        {FATHOM_COLOR_LINEAR, FATHOM_COLOR_AUTO, false, NULL},
+        {FATHOM_COLOR_LINEAR, FATHOM_COLOR_LINEAR, false, NULL},
+        {FATHOM_COLOR_LINEAR, FATHOM_COLOR_SRGB, true, "make it with fathom texture --color srgb"}};
+    put_file("a.ppm", "P6 1 1 255\n\144\144\144", 14, "", 0);
+    fathom_context_on_warning(context, note, NULL);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        write_texture("a.ppm", cases[i].written, "a.tx");
+        const fathom_texture t = texture_of("a.tx", cases[i].read);
+        float rgba[4];
+        warnings = 0;
+        opened o = open_textures(&t, 1, ALL);
+        texel(o.cache, 0, 0, 0, 0, rgba);
+        assert_true(rgba[0] == (float)(cases[i].srgb ? srgb(100 / 255.0) : 100 / 255.0));
+        assert_int_equal(warnings, cases[i].told != NULL);
+        if (cases[i].told && !strstr(warning, cases[i].told)) fail_msg("%s", warning);
+        close_textures(&o);
+    }
+    fathom_context_on_warning(context, NULL, NULL);
+    unlink(in_folder("a.ppm")), unlink(in_folder("a.tx"));
+}
+
 /* A PNG of one texel, 100, whose gamma is 1; and its copy by `fathom texture`. */
 UNIT_TEST(pngs_of_gamma_1_are_linear_unless_the_scene_says_otherwise) {
     static const unsigned char bytes[] = {
@@ -435,7 +468,7 @@ UNIT_TEST(pngs_of_gamma_1_are_linear_unless_the_scene_says_otherwise) {
         float rgba[4];
         texel(o.cache, i, 0, 0, 0, rgba);
         const double expected = i == 1 ? srgb(100 / 255.0) : 100 / 255.0;
-        assert_true(fabs((double)rgba[0] - expected) <= 0x1p-13); /* the copy has halves */
+        assert_true(rgba[0] == (float)expected);
     }
     close_textures(&o);
     unlink(in_folder("a.png")), unlink(in_folder("a.tx"));

@@ -6,7 +6,7 @@
 #include "image/image.h"
 
 /* Increases with every change of this file: a module of another build is refused before any call. */
-#define IMAGE_MODULE_VERSION 12
+#define IMAGE_MODULE_VERSION 13
 #define IMAGE_MODULE_SYMBOL "fathom_image_module"
 
 typedef struct image_message {
@@ -71,6 +71,11 @@ typedef struct image_texture_request {
     unsigned threads;
     unsigned helpers; /* processes that the library may choose from; 0: one */
 } image_texture_request;
+
+/* The entry ImageDescription of a mip-mapped file that `fathom texture` wrote: how its numbers are encoded,
+ * and so how they were averaged. */
+#define IMAGE_SAYS_LINEAR "fathom:transfer=linear"
+#define IMAGE_SAYS_SRGB "fathom:transfer=sRGB"
 
 /* How the file says that its colours are encoded. Most files do not say. */
 typedef enum image_transfer {
