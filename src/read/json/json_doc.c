@@ -106,7 +106,14 @@ static const form *family_of(const form *f) {
     return NULL;
 }
 
-/* The key may belong to another variant, such as a material of another model. */
+static bool has_variant(const form *f, const char *name) {
+    for (const form *const *variant = f->variants; variant && *variant; ++variant)
+        if (strcmp((*variant)->name, name) == 0) return true;
+    return false;
+}
+
+/* The key may belong to another variant, such as a material of another model, or to an object or list in this
+ * one. */
 static fathom_status fail_unknown_key(const doc *d, const where *at, const form *f) {
     char all[KEYS_ROOM] = "";
     const text_search search = search_keys(f, at->key, all);
@@ -119,6 +126,15 @@ static fathom_status fail_unknown_key(const doc *d, const where *at, const form 
                         tag_of(family), (*other)->name, there.best);
     }
     if (search.best) return doc_fail(d, at, "unknown key; did you mean \"%s\"?", search.best);
+    for (const form_key *const *part = f->parts; *part; ++part) {
+        for (const form_key *key = *part; key->name; ++key) {
+            if (key->kind == FORM_OBJECT && form_find(key->form, at->key))
+                return doc_fail(d, at, "unknown key; \"%s\" has \"%s\"", key->name, at->key);
+            if (key->kind == FORM_LIST && has_variant(key->form, at->key))
+                return doc_fail(d, at, "unknown key; items of \"%s\" have \"type\": \"%s\"", key->name,
+                                at->key);
+        }
+    }
     return doc_fail(d, at, "unknown key; known here: %s", all);
 }
 
@@ -139,18 +155,21 @@ static bool is_whole(const form_key *key) {
     return key->kind == FORM_U32 || key->kind == FORM_U64 || key->whole;
 }
 
+static const char *meaning_of(const form_key *key) { return key->meaning ? key->meaning : ""; }
+
 static fathom_status fail_number(const doc *d, const where *at, json_t *value, const form_key *key) {
-    char range[80], text[120];
+    char range[80], text[240];
     describe_range(key->range, range, sizeof range);
-    snprintf(text, sizeof text, "%s%s", is_whole(key) ? "an integer" : "a number", range);
+    snprintf(text, sizeof text, "%s%s%s", is_whole(key) ? "an integer" : "a number", range, meaning_of(key));
     return doc_expected(d, at, value, text);
 }
 
 static fathom_status fail_count(const doc *d, const where *at, json_t *value, const form_key *key,
                                 unsigned rows) {
-    char range[80], numbers[160], text[200];
+    char range[80], numbers[240], text[280];
     describe_range(key->range, range, sizeof range);
-    snprintf(numbers, sizeof numbers, "%u %s%s", key->count, is_whole(key) ? "integers" : "numbers", range);
+    snprintf(numbers, sizeof numbers, "%u %s%s%s", key->count, is_whole(key) ? "integers" : "numbers", range,
+             meaning_of(key));
     if (rows)
         snprintf(text, sizeof text, "an array of %u arrays of %s", rows, numbers);
     else
@@ -271,6 +290,12 @@ static fathom_status read_words(const doc *d, const where *at, json_t *value, co
 
 /* ---- objects ---- */
 
+static fathom_status fail_text(const doc *d, const where *at, json_t *value, const form_key *key) {
+    char text[120];
+    snprintf(text, sizeof text, "a string%s", meaning_of(key));
+    return doc_expected(d, at, value, text);
+}
+
 static fathom_status read_member(const doc *d, const where *at, json_t *value, const form_key *key,
                                  void *to) {
     void *member = (char *)to + key->offset;
@@ -284,7 +309,7 @@ static fathom_status read_member(const doc *d, const where *at, json_t *value, c
     case FORM_U32:
     case FORM_U64: return read_numbers(d, at, value, key, member);
     case FORM_TEXT:
-        if (!json_is_string(value)) return doc_expected(d, at, value, "a string");
+        if (!json_is_string(value)) return fail_text(d, at, value, key);
         *(const char **)member = json_string_value(value);
         return FATHOM_OK;
     case FORM_TAG: return FATHOM_OK;
@@ -377,8 +402,19 @@ size_t doc_warn_useless(const doc *d, const where *at, json_t *value, const form
     return told;
 }
 
+/* Names the keys that the object must have. */
+static fathom_status fail_object(const doc *d, const where *at, json_t *value, const form *f) {
+    char text[120] = "", all[100] = "";
+    for (const form_key *const *part = f->parts; *part; ++part) {
+        for (const form_key *key = *part; key->name; ++key)
+            if (key->required) list_word(all, sizeof all, key->name, "\"");
+    }
+    snprintf(text, sizeof text, "an object%s%s", *all ? " with " : "", all);
+    return doc_expected(d, at, value, text);
+}
+
 fathom_status doc_read(const doc *d, const where *at, json_t *value, const form *f, void *to) {
-    if (!json_is_object(value)) return doc_expected(d, at, value, "an object");
+    if (!json_is_object(value)) return fail_object(d, at, value, f);
     const char *name;
     json_t *member;
     json_object_foreach(value, name, member) {

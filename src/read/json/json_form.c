@@ -43,7 +43,8 @@ const form form_turn = {.name = "rotate", .parts = {turn_keys}};
 #define PLACE(member) AT(form_object_values, place.member)
 static const form_key place_keys[] = {
     {"translation", FORM_F64, PLACE(translation), .count = 3},
-    {"rotation", FORM_F64, PLACE(rotation), .count = 4, .nonzero = true, .range = {-1, 1, 0}},
+    {"rotation", FORM_F64, PLACE(rotation), .count = 4, .nonzero = true, .range = {-1, 1, 0},
+     .meaning = " of the quaternion x, y, z, w (\"rotate\" takes degrees about an axis)"},
     {"rotate", FORM_OBJECT, PLACE(rotate), .form = &form_turn},
     {"scale", FORM_F64, PLACE(scale), .count = 3},
     {"frame", FORM_OBJECT, PLACE(frame), .form = &form_frame},
@@ -295,7 +296,8 @@ const form form_light = {.name = "light", .variants = light_forms};
 static const form_key object_keys[] = {
     {"type", FORM_TAG, .required = true},
     {"name", FORM_TEXT, OBJECT(name)},
-    {"material", FORM_TEXT, OBJECT(material)},
+    {"material", FORM_TEXT, OBJECT(material),
+     .meaning = ", the name of a material in \"materials\" of the scene"},
     END_KEYS,
 };
 static const form_key shadow_keys[] = {
@@ -386,7 +388,8 @@ static const form_key group_keys[] = {
     END_KEYS,
 };
 static const form_key instance_keys[] = {
-    {"of", FORM_TEXT, OBJECT(as.instance.of), .required = true},
+    {"of", FORM_TEXT, OBJECT(as.instance.of), .required = true,
+     .meaning = ", the name of a group in \"groups\" of the scene"},
     END_KEYS,
 };
 

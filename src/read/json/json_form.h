@@ -45,6 +45,7 @@ typedef struct form_key {
     bool whole;   /* FORM_ROWS: integers */
     const char *words;
     const form *form;
+    const char *meaning; /* for messages, after "a string" or the numbers; NULL: none */
 } form_key;
 
 typedef enum form_rule_kind {
