@@ -50,7 +50,7 @@ phase=render
     # Whoever forgets --resume does not lose it; nor does another render take it.
     cp c kept
     refused 2 'c: the file exists, and may hold hours of work' render $long -o b.exr --checkpoint c
-    refused 3 "fathom: c: the checkpoint was saved with spp $spp, and this render has 256" \
+    refused 3 "fathom: c: the checkpoint was saved with --spp $spp, and this render has 256" \
         render $long -o b.exr --checkpoint c --resume --spp 256 --quiet
     refused 3 'saved with the tracer' render $long -o b.exr --checkpoint c --resume --tracer bvh --quiet
     sed 's/0.8, 0.8, 0.8/0.8, 0.8, 0.7/' scene.json >other.json

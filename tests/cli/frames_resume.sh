@@ -76,7 +76,7 @@ not_kept f1
 
 # What renders other pixels is refused, as with checkpoints, and nothing is lost.
 stop_early
-refused 3 'c0: the checkpoint was saved with spp 4, and this render has 9' \
+refused 3 'c0: the checkpoint was saved with --spp 4, and this render has 9' \
     render $frames $outputs --resume --spp 9 -q
 refused 2 'c0: the file exists, and may hold hours of work' render $frames $outputs -q
 sed 's/0.5, 0.5, 0.5/0.5, 0.5, 0.6/' lamp.json >other.json

@@ -303,11 +303,11 @@ static void parts_of_different_renders_are_refused(void **state) {
     render_parts(p, 2, FATHOM_SPLIT_SAMPLES);
     p->s.settings.seed = 9;
     assert_fails(context, render_to(p, p->paths[1], 2, 2, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_INPUT,
-                 "2.part: the existing part was rendered with seed 0, and this render has 9");
+                 "2.part: the existing part was rendered with --seed 0, and this render has 9");
     unlink(p->paths[1]);
     assert_ok(context, render_to(p, p->paths[1], 2, 2, FATHOM_SPLIT_SAMPLES));
     assert_fails(context, merge(p, 2, &film), FATHOM_BAD_INPUT,
-                 "2.part: the part was rendered with seed 9, and ");
+                 "2.part: the part was rendered with --seed 9, and ");
     p->s.settings.seed = 0;
     assert_fails(context, render_to(p, p->paths[0], 2, 2, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_INPUT,
                  "1.part: the existing part was rendered with the number 1 of 2, by samples, and this render "

@@ -47,11 +47,27 @@ static line take_line(const char **text) {
     return l;
 }
 
+/* The name of a setting as users know it: the option that sets it, if there is one. */
+static const char *known_name(const char *name, char option[PARAMETER_NAME + 2]) {
+    for (size_t i = 0; i < settings_table.count; ++i) {
+        const fathom_parameter *p = &settings_table.rows[i];
+        parameter_name(p, ' ', option);
+        if (strcmp(name, option) != 0 || p->type == FATHOM_PARAMETER_BOOL) continue;
+        if (!p->group) return "a loss by --leave-out-below of";
+        if (!(p->flags & FATHOM_PARAMETER_COMMAND)) return name;
+        option[0] = option[1] = '-';
+        parameter_name(p, '-', option + 2);
+        return option;
+    }
+    return name;
+}
+
 static bool settings_differ(const char *saved, const char *now, key_difference *out) {
     while (*saved || *now) {
         const line a = take_line(&saved), b = take_line(&now);
         if (strcmp(a.name, b.name) != 0) return differs("another list of settings:", a.name, b.name, out);
-        if (strcmp(a.value, b.value) != 0) return differs(a.name, a.value, b.value, out);
+        char option[PARAMETER_NAME + 2];
+        if (strcmp(a.value, b.value) != 0) return differs(known_name(a.name, option), a.value, b.value, out);
     }
     return false;
 }
