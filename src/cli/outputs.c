@@ -27,8 +27,6 @@ bool outputs_have_exr(const args_list *outputs) {
     return false;
 }
 
-bool outputs_is_standard(const char *path) { return path && strcmp(path, "-") == 0; }
-
 /* ---- temporary files ---- */
 
 fathom_status temporary_create(fathom_context *context, const char *ending, char path[TEMPORARY_PATH]) {
@@ -83,6 +81,8 @@ static bool is_name(const char *item) {
         if (item == names[i]) return true;
     return false;
 }
+
+bool outputs_is_standard(const char *path) { return path && (strcmp(path, "-") == 0 || is_name(path)); }
 
 bool take_output(const args_option *option, const char *value, void *field, args_problem *problem) {
     const char *name = name_of(value);

@@ -24,8 +24,8 @@ fathom_status outputs_write(fathom_context *context, const char *path, const cha
 
 /* ---- standard output: "-o -", "-o exr:-", "--stats -" ---- */
 
-/* True for "-". Once standard output is an output, everything else printed there goes to stderr, or nowhere
- * with --log json. */
+/* True for "-" and the internal names of take_output(). Once standard output is an output, everything else
+ * printed there goes to stderr, or nowhere with --log json. */
 bool outputs_is_standard(const char *path);
 
 /* Reads an option's value like take_list(). "-" means PNG. "-", "png:-", "exr:-" and so on become internal

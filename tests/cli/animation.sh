@@ -179,6 +179,10 @@ run 3 convert alone.gltf no.json --time 0
 said err.txt 'everything is hidden or scaled to nothing'
 [ ! -e no.glb ] && [ ! -e no.json ] || die 'a file was written'
 refused 2 'expected a name with #### for the number, found "a.png"' render moving.gltf -o a.png --frames 1-3
+for out in exr:- -; do
+    refused 2 '--frames: standard output is one file; expected a name with #### for the number' \
+        render moving.gltf -o $out --frames 1-3
+done
 for frames in 3-1 -5 1--5 1-1000000 '1- 2' 1-2-3 -; do
     refused 2 "--frames: expected FIRST-LAST with FIRST <= LAST <= 999999, such as 1-24, found \"$frames\"" \
         render moving.gltf -o 'a#.png' --frames "$frames"

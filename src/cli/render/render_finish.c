@@ -97,6 +97,10 @@ bool render_options_frame(render_options *options, uint32_t frame, frame_names *
     for (size_t i = 0; i < options->outputs.count + OTHERS; ++i) {
         const char **path = i < OTHERS ? others[i] : &options->outputs.items[i - OTHERS];
         if (!*path) continue;
+        if (outputs_is_standard(*path))
+            return args_wrong(problem,
+                              "--frames: standard output is one file; expected a name with #### for the "
+                              "number");
         if (!frames_name(*path, frame, room->names[i]))
             return args_wrong(problem,
                               "--frames: expected a name with #### for the number, found \"%.300s\"%s", *path,
