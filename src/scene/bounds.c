@@ -89,11 +89,6 @@ static scene_bounds mesh_bounds(const fathom_scene *scene, uint32_t index) {
     return placed_bounds(mesh, &b);
 }
 
-bool scene_has_strays(const mesh_facts *facts) {
-    return memcmp(facts->core_lower, facts->lower, sizeof facts->lower) != 0 ||
-           memcmp(facts->core_upper, facts->upper, sizeof facts->upper) != 0;
-}
-
 scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id id) {
     scene_object object = scene->objects.items[id];
     scene_bounds out = bounds_empty();
@@ -117,7 +112,7 @@ scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id id) {
 scene_bounds scene_framed_bounds(const fathom_scene *scene, fathom_id id) {
     const scene_object object = scene->objects.items[id];
     const mesh_facts *facts = object.kind == SCENE_MESH ? &scene->mesh_facts.items[object.index] : NULL;
-    if (!facts || !scene_has_strays(facts)) return scene_object_bounds(scene, id);
+    if (!facts || !facts->strays) return scene_object_bounds(scene, id);
     const scene_bounds core = {widen(load_f32(facts->core_lower)), widen(load_f32(facts->core_upper))};
     return placed_bounds(&scene->meshes.items[object.index], &core);
 }

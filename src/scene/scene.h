@@ -201,7 +201,6 @@ double bounds_radius(const scene_bounds *b);
 scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id object);
 /* The same, but of a cloud without its stray points: what the automatic camera shows. */
 scene_bounds scene_framed_bounds(const fathom_scene *scene, fathom_id object);
-bool scene_has_strays(const mesh_facts *facts);
 /* The bounds of everything in the world, including instances. The scene must have no cycle. */
 fathom_status scene_world_bounds(const fathom_scene *scene, scene_bounds *out);
 

@@ -230,9 +230,10 @@ static fathom_status add_mesh(fathom_scene *scene, fathom_id group, const fathom
     mesh_facts own = *facts;
     memcpy(own.core_lower, own.lower, sizeof own.lower);
     memcpy(own.core_upper, own.upper, sizeof own.upper);
+    own.strays = 0;
     if (mesh->point_radius > 0 && !mesh->key_count)
-        mesh_find_strays(mesh->positions, mesh->position_stride, mesh->vertex_count, own.core_lower,
-                         own.core_upper);
+        own.strays = mesh_find_strays(mesh->positions, mesh->position_stride, mesh->vertex_count,
+                                      own.core_lower, own.core_upper);
     array_push(&scene->meshes, *mesh);
     array_push(&scene->mesh_facts, own);
     return FATHOM_OK;

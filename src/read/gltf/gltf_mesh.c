@@ -348,8 +348,7 @@ static void add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shape
     }
     if (!gltf_fine(g) || !strokes_any(&p.mesh)) return;
     add_missing_uvs(g, &p);
-    if (gltf_fine(g))
-        gltf_within(g, at, NULL, scene_add_mesh_checked(g->scene, group, &p.mesh, &p.facts, NULL));
+    if (gltf_fine(g)) gltf_within(g, at, NULL, strokes_add(g->scene, group, &p.mesh, &p.facts, &g->notes));
 }
 
 fathom_id gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes, bool moves) {

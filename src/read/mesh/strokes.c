@@ -71,29 +71,14 @@ double strokes_radius(const scene_bounds *bounds, size_t count, bool lines) {
     return diagonal > 0 ? diagonal * share : 1;
 }
 
-/* cloud: the points, if there are no lines. Returns 0 on failure (*status). */
-static double find_radius(fathom_scene *scene, const strokes *s, const fathom_mesh *cloud,
-                          fathom_status *status) {
-    scene_bounds b = bounds_empty();
-    const size_t corners = (size_t)s->count * (s->lines ? 2 : 1);
-    for (size_t i = 0; i < corners; ++i) bounds_add(&b, position_of(s, vertex_of(s, i)));
-    float lower[3], upper[3];
-    store_f32(lower, narrow(b.lower)), store_f32(upper, narrow(b.upper));
-    if (!s->lines)
-        notes_add(s->notes,
-                  mesh_find_strays(cloud->positions, cloud->position_stride, s->count, lower, upper), "",
-                  "stray points far from the others count neither for the size of the points nor for the "
-                  "automatic camera");
-    const scene_bounds core = {widen(load_f32(lower)), widen(load_f32(upper))};
-    const double radius = strokes_radius(&core, s->count, s->lines),
-                 far = fmax(fmax(fmax(-b.lower.x, b.upper.x), fmax(-b.lower.y, b.upper.y)),
-                            fmax(-b.lower.z, b.upper.z));
-    if (far + radius <= (double)FLT_MAX) return radius;
-    *status =
-        fail(scene->context, FATHOM_BAD_INPUT,
-             "has %s as far out as %g: the spheres or rods that show them would leave the range of float",
-             s->lines ? "lines" : "points", far);
-    return 0;
+static fathom_status check_range(fathom_context *context, const scene_bounds *b, double radius,
+                                 const char *what) {
+    const double far = fmax(fmax(fmax(-b->lower.x, b->upper.x), fmax(-b->lower.y, b->upper.y)),
+                            fmax(-b->lower.z, b->upper.z));
+    if (far + radius <= (double)FLT_MAX) return FATHOM_OK;
+    return fail(context, FATHOM_BAD_INPUT,
+                "has %s as far out as %g: the spheres or rods that show them would leave the range of float",
+                what, far);
 }
 
 /* Makes a point cloud in the order of the indices. Without indices, it shares the arrays. */
@@ -101,7 +86,7 @@ static fathom_status make_cloud(fathom_scene *scene, const strokes *s, fathom_me
     void *positions = NULL, *colors = NULL;
     mesh->positions = s->positions, mesh->position_stride = s->position_stride;
     mesh->colors = s->colors, mesh->color_stride = s->color_stride, mesh->color_channels = s->color_channels;
-    mesh->vertex_count = s->count;
+    mesh->vertex_count = s->count, mesh->point_radius = 1;
     if (!s->indices) return FATHOM_OK;
     fathom_status status = scene_allocate_items(scene, s->count, 3 * sizeof(float), &positions);
     if (status == FATHOM_OK && s->colors)
@@ -115,14 +100,17 @@ static fathom_status make_cloud(fathom_scene *scene, const strokes *s, fathom_me
     return status;
 }
 
-static fathom_status make_rods(fathom_scene *scene, const strokes *s, double radius, fathom_mesh *mesh) {
+static fathom_status make_rods(fathom_scene *scene, const strokes *s, fathom_mesh *mesh) {
+    scene_bounds b = bounds_empty();
+    for (size_t i = 0; i < 2 * (size_t)s->count; ++i) bounds_add(&b, position_of(s, vertex_of(s, i)));
     const uint64_t vertices = (uint64_t)s->count * ROD_VERTICES,
                    triangles = (uint64_t)s->count * ROD_TRIANGLES;
-    pen p = {.s = s, .radius = radius};
+    pen p = {.s = s, .radius = strokes_radius(&b, s->count, true)};
     void *arrays[4] = {NULL};
     if (vertices >= UINT32_MAX || triangles > UINT32_MAX / 3)
         return fail(scene->context, FATHOM_BAD_INPUT, "has %u lines; more than can be shown", s->count);
-    fathom_status status = scene_allocate_items(scene, vertices, 3 * sizeof(float), &arrays[0]);
+    fathom_status status = check_range(scene->context, &b, p.radius, "lines");
+    if (status == FATHOM_OK) status = scene_allocate_items(scene, vertices, 3 * sizeof(float), &arrays[0]);
     if (status == FATHOM_OK) status = scene_allocate_items(scene, vertices, 3 * sizeof(float), &arrays[1]);
     if (status == FATHOM_OK)
         status = scene_allocate_items(scene, triangles, 3 * sizeof(uint32_t), &arrays[2]);
@@ -140,10 +128,22 @@ static fathom_status make_rods(fathom_scene *scene, const strokes *s, double rad
 }
 
 fathom_status strokes_make(fathom_scene *scene, const strokes *s, fathom_mesh *mesh) {
-    fathom_status status = s->lines ? FATHOM_OK : make_cloud(scene, s, mesh);
-    if (status != FATHOM_OK || !s->count) return status;
-    const double radius = find_radius(scene, s, mesh, &status);
-    if (status == FATHOM_OK && s->lines) return make_rods(scene, s, radius, mesh);
-    mesh->point_radius = fmaxf((float)radius, FLT_MIN);
-    return status;
+    if (!s->count) return FATHOM_OK;
+    return s->lines ? make_rods(scene, s, mesh) : make_cloud(scene, s, mesh);
+}
+
+fathom_status strokes_add(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
+                          const mesh_facts *facts, note_list *notes) {
+    fathom_status status = scene_add_mesh_checked(scene, group, mesh, facts, NULL);
+    if (status != FATHOM_OK || !(mesh->point_radius > 0)) return status;
+    const size_t last = scene->meshes.count - 1;
+    const mesh_facts *own = &scene->mesh_facts.items[last];
+    const scene_bounds all = {widen(load_f32(own->lower)), widen(load_f32(own->upper))},
+                       core = {widen(load_f32(own->core_lower)), widen(load_f32(own->core_upper))};
+    const double radius = strokes_radius(&core, mesh->vertex_count, false);
+    notes_add(notes, own->strays, "",
+              "stray points far from the others count neither for the size of the points nor for the "
+              "automatic camera");
+    scene->meshes.items[last].point_radius = fmaxf((float)radius, FLT_MIN);
+    return check_range(scene->context, &all, radius, "points");
 }

@@ -21,7 +21,7 @@ typedef struct strokes {
                                 the arrays above without a copy, so the scene must own them */
     uint32_t count;          /* of points or of lines */
     bool lines;
-    note_list *notes; /* receives notes on lines of length 0 and on stray points */
+    note_list *notes; /* receives notes on lines of length 0 */
 } strokes;
 
 /* D is the diagonal of the bounds, without stray points (mesh_find_strays()). n points or lines that are
@@ -34,6 +34,10 @@ double strokes_radius(const scene_bounds *bounds, size_t count, bool lines);
  * skipped. FATHOM_BAD_INPUT: the lines need more than 2^32 vertices, or a coordinate is out of float's
  * range. */
 fathom_status strokes_make(fathom_scene *scene, const strokes *s, fathom_mesh *mesh);
+/* As scene_add_mesh_checked(); a cloud gets the radius of its points, which its stray points do not change;
+ * notes receives their number. FATHOM_BAD_INPUT: as strokes_make(). */
+fathom_status strokes_add(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
+                          const mesh_facts *facts, note_list *notes);
 /* False if *mesh is empty. */
 static inline bool strokes_any(const fathom_mesh *mesh) {
     return mesh->triangle_count || mesh->point_radius > 0;

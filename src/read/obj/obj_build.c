@@ -1,6 +1,7 @@
 #include "read/obj/obj.h"
 
 #include "base/threads.h"
+#include "read/mesh/strokes.h"
 #include "read/read.h"
 #include "scene/mesh/absent.h"
 #include "scene/mesh/mesh_array.h"
@@ -160,7 +161,11 @@ fathom_status obj_add_mesh(obj_reader *r, uint32_t slot, fathom_mesh *mesh, mesh
     if (status == FATHOM_OK) status = read_missing_uvs(r->scene, mesh, &added);
     notes_add(&r->notes, added > 0, "", READ_MISSING_UVS);
     facts.upwards = true;
-    return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, mesh, &facts, NULL) : status;
+    if (status != FATHOM_OK) return status;
+    status = strokes_add(r->scene, r->group, mesh, &facts, &r->notes);
+    return status == FATHOM_OK
+               ? status
+               : fail_within(r->scene->context, status, &(fathom_place){.file = r->file.path});
 }
 
 /* True if an image of the file's own material shows the colours. In Fathom's own files both count. */
@@ -248,11 +253,11 @@ static fathom_status add_meshes(obj_builder *b) {
 
 fathom_status obj_build(obj_reader *r) {
     obj_builder b = {.r = r};
-    bool strokes = false;
+    bool drawn = false;
     fathom_status status = r->colors ? read_colored_material(r->scene, &r->colored) : FATHOM_OK;
     if (status == FATHOM_OK) status = add_meshes(&b);
-    if (status == FATHOM_OK) status = obj_add_strokes(r, &strokes);
-    if (status == FATHOM_OK && !b.meshes.count && !strokes) {
+    if (status == FATHOM_OK) status = obj_add_strokes(r, &drawn);
+    if (status == FATHOM_OK && !b.meshes.count && !drawn) {
         status =
             fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
                       "it has no faces (%llu vertices); expected at least one f statement with 3 corners",

@@ -2,6 +2,7 @@
  * indices. Meshes have colours at vertices, so a vertex between faces of different colours becomes
  * several. */
 #include "read/mesh/normals.h"
+#include "read/mesh/strokes.h"
 #include "read/mesh/weld.h"
 #include "read/ply/ply.h"
 #include "read/read.h"
@@ -193,7 +194,11 @@ fathom_status ply_add_mesh(ply_reader *r, fathom_mesh *mesh) {
     if (status == FATHOM_OK) status = read_missing_uvs(r->scene, mesh, &added);
     notes_add(&r->notes, added > 0, "", READ_MISSING_UVS);
     facts.upwards = true;
-    return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, mesh, &facts, NULL) : status;
+    if (status != FATHOM_OK) return status;
+    status = strokes_add(r->scene, r->group, mesh, &facts, &r->notes);
+    return status == FATHOM_OK
+               ? status
+               : fail_within(r->scene->context, status, &(fathom_place){.file = r->file.path});
 }
 
 /* The triangle's texture; their count: none that can be shown. */

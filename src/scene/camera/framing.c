@@ -134,8 +134,7 @@ static bool add_object(walk *w, const directions *d, fathom_id id) {
         break;
     case SCENE_MESH: {
         const fathom_mesh *mesh = &w->scene->meshes.items[object.index];
-        if (mesh->vertex_count <= w->vertices &&
-            !scene_has_strays(&w->scene->mesh_facts.items[object.index])) {
+        if (mesh->vertex_count <= w->vertices && !w->scene->mesh_facts.items[object.index].strays) {
             w->vertices -= mesh->vertex_count;
             return add_mesh(w, d, object.index);
         }

@@ -9,9 +9,11 @@
 #define MESH_RUN 8192
 
 typedef struct mesh_facts {
-    float lower[3], upper[3];           /* of all vertices, relative to the mesh's origin */
-    float core_lower[3], core_upper[3]; /* the same without stray points; set when the mesh is in a scene */
-    uint32_t lowest[3], highest[3];     /* where the first run begins that reaches lower, upper */
+    float lower[3], upper[3]; /* of all vertices, relative to the mesh's origin */
+    /* The same without stray points, and their number: set when the mesh is in a scene. */
+    float core_lower[3], core_upper[3];
+    uint32_t strays;
+    uint32_t lowest[3], highest[3]; /* where the first run begins that reaches lower, upper */
     float largest;     /* the largest magnitude of a coordinate of triangles within WORLD_REACH */
     uint32_t flat;     /* triangles without area: stored, never hit */
     uint32_t beyond;   /* triangles with a coordinate whose magnitude is not below WORLD_REACH */

@@ -42,8 +42,10 @@ uint32_t mesh_find_strays(const float *values, size_t stride, uint32_t count, fl
         bool stray = false;
         for (int k = 0; k < 3; ++k) stray |= p[k] < low[k] || p[k] > high[k];
         strays += stray;
-        for (int k = 0; k < 3 && !stray; ++k)
-            lower[k] = fminf(lower[k], p[k]), upper[k] = fmaxf(upper[k], p[k]);
+        for (int k = 0; k < 3 && !stray; ++k) {
+            lower[k] = p[k] < lower[k] ? p[k] : lower[k];
+            upper[k] = p[k] > upper[k] ? p[k] : upper[k];
+        }
     }
     return strays;
 }
