@@ -319,11 +319,11 @@ UNIT_TEST(images_of_extensions_go_before_others) {
     }
 }
 
-/* Header, data and file are missing in turn. */
+/* Header, data, the second row of two, and file are missing in turn. */
 UNIT_TEST(an_image_that_cannot_be_read_gives_way_to_the_other) {
     fixture *f = *state;
-    static const char *const uris[] = {"data:image/ktx2;base64,AAAA",
-                                       PIXMAP "UDYKMSAxCjI1NQo=", "missing.ktx2"};
+    static const char *const uris[] = {"data:image/ktx2;base64,AAAA", PIXMAP "UDYKMSAxCjI1NQo=",
+                                       PIXMAP "UDYKMSAyCjI1NQoBAgM=", "missing.ktx2"};
     for (size_t i = 0; i < sizeof image_extensions / sizeof *image_extensions; ++i) {
         for (size_t k = 0; k < sizeof uris / sizeof *uris; ++k) {
             fathom_scene *scene = read_two_images(f, image_extensions[i], uris[k]);

@@ -41,16 +41,19 @@ void gltf_image_open(gltf *g, const gltf_value *at, fathom_texture *out, char **
 
 #define ROWS_MOST ((size_t)1 << 20) /* bytes */
 
-/* Unpacks the data of most formats. Rows that take much memory are left to the render. */
-static fathom_status read_first_rows(image_texture *open, const image_texture_info *info,
-                                     image_message *why) {
-    const image_region rows = {.x1 = info->width,
-                               .y1 = info->band < info->height ? info->band : info->height};
-    const size_t bytes = (size_t)rows.x1 * rows.y1 * info->channels * image_texel_size(info->sent);
-    if (info->mipmapped || bytes > ROWS_MOST) return FATHOM_OK;
-    void *texels = malloc(bytes);
-    const fathom_status status =
-        texels ? image_calls.texture.read(open, &rows, texels, bytes, why) : FATHOM_OUT_OF_RESOURCES;
+/* Most formats of extensions are unpacked whole for their first row. Rows that take much memory are left to
+ * the render. */
+static fathom_status read_all_rows(image_texture *open, const image_texture_info *info, image_message *why) {
+    const size_t row = (size_t)info->width * info->channels * image_texel_size(info->sent);
+    const uint32_t most = (uint32_t)(ROWS_MOST / row / info->band) * info->band;
+    if (info->mipmapped || !most) return FATHOM_OK;
+    void *texels = malloc(row * most);
+    fathom_status status = texels ? FATHOM_OK : FATHOM_OUT_OF_RESOURCES;
+    for (uint32_t y = 0; y < info->height && status == FATHOM_OK; y += most) {
+        const uint32_t count = info->height - y < most ? info->height - y : most;
+        const image_region rows = {.x1 = info->width, .y0 = y, .y1 = y + count};
+        status = image_calls.texture.read(open, &rows, texels, row * count, why);
+    }
     free(texels);
     return status;
 }
@@ -68,7 +71,7 @@ static fathom_status try_image(const gltf *g, const fathom_texture *t, image_mes
     fathom_status status = image_calls.texture.open(&request, &open, &info, why);
     if (!t->file) close(request.descriptor);
     if (status != FATHOM_OK) return status;
-    status = read_first_rows(open, &info, why);
+    status = read_all_rows(open, &info, why);
     image_calls.texture.close(open);
     return status;
 }
