@@ -3,6 +3,7 @@
 #include "integrate/parts.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 typedef struct teller {
     void (*tell)(void *user, const char *text);
@@ -24,6 +25,17 @@ static size_t count_one_sided(const fathom_scene *scene) {
     return found;
 }
 
+/* Groups that no group holds. 0 when out of memory. */
+static size_t count_unplaced(const fathom_scene *scene) {
+    bool *placed = calloc(scene->groups.count, sizeof *placed);
+    size_t found = 0;
+    for (size_t i = 0; placed && i < scene->instances.count; ++i)
+        placed[scene->instances.items[i].group] = true;
+    for (size_t g = FATHOM_ROOT + 1; placed && g < scene->groups.count; ++g) found += !placed[g];
+    free(placed);
+    return found;
+}
+
 /* Only `path` renders these. */
 static void find_classic(const teller *t, const fathom_scene *scene) {
     count(t, "environments are ignored: only the integrator `path` renders them", scene->environments.count);
@@ -40,6 +52,7 @@ void lacks_find(const world *w, fathom_integrator integrator, void (*tell)(void 
     snprintf(text, sizeof text, "shapes and triangles beyond %g from the origin, which Embree leaves out",
              WORLD_REACH);
     count(&t, text, w->beyond_reach);
+    count(&t, "groups that no instance places, and no image shows", count_unplaced(scene));
     if (parts_all_transparent(scene, integrator))
         tell(user, "all surfaces are fully transparent: nothing but the background can be seen");
     if (integrator == FATHOM_INTEGRATOR_CLASSIC)

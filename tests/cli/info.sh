@@ -215,6 +215,15 @@ run 0 render scene.json -o a.png -o a.tif -v
 not_said out.txt 'image helper'
 run 0 render scene.json -o a.exr
 
+# A group that is only defined is not seen.
+cat >groups.json <<'JSON'
+{ "groups": { "placed": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ],
+"forgotten": [ { "type": "instance", "of": "placed" } ] },
+"objects": [ { "type": "instance", "of": "placed" } ] }
+JSON
+run 0 info groups.json
+said out.txt 'groups that no instance places, and no image shows: 1'
+
 # Clouds of points are no meshes.
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n' >cloud.obj
 run 0 info cloud.obj
