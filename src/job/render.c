@@ -293,6 +293,8 @@ static fathom_status check(fathom_context *context, const fathom_scene *scene,
     trace_spec spec;
     fathom_status status = scene_check_settings(context, settings);
     if (status == FATHOM_OK) status = trace_spec_parse(context, settings->tracer, &spec);
+    if (status == FATHOM_OK && settings->memory_limit && spec.kind != TRACE_EMBREE)
+        warn(context, "the memory limit has no effect: only the tracer embree has one");
     return status == FATHOM_OK ? fathom_scene_check(scene) : status;
 }
 

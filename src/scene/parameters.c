@@ -101,7 +101,7 @@ static const fathom_parameter setting_rows[] = {
      .help = "Pixels along a tile's side; no pixel depends on it.", .step = 32},
     {"memory_limit", U64, SETTING(memory_limit), COMMAND, 1e6, 1e15, 0, "BYTES", "Running",
      .help = "Maximum memory, such as 8G; auto: what is free. If only Embree's compact structures fit, Fathom uses "
-     "them; if not even these fit, it does not start.", .zero = "auto"},
+     "them; if not even these fit, it does not start. Other tracers ignore it.", .zero = "auto"},
     {"texture_memory", U64, SETTING(texture_memory), COMMAND, 1e6, 1e15, 1e9, "BYTES", "Running",
      .help = "Maximum memory for texture tiles, such as 512M; the others go to a temporary file. No pixel depends on "
      "it."},

@@ -52,6 +52,10 @@ run 0 render textured.json -o seen.exr --size 64x48 --threads 2 --memory-limit 4
 run 0 render textured.json -o seen.exr --size 64x48 --threads 2 --memory-limit 80M
 rm seen.exr
 
+run 0 render textured.json -o seen.exr --size 8x8 --spp 1 --tracer bvh --memory-limit 45M
+said err.txt 'warning: the memory limit has no effect: only the tracer embree has one'
+rm seen.exr
+
 # Every limit, from what nothing fits to what all does, ends with code 4, a line and no file, or with the pixels that there
 # are without one, in so much memory; and what fits one limit fits all that are higher.
 run 0 generate sphere -t 150k -o ball.glb
