@@ -2,6 +2,7 @@
 
 #include "base/parameter.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -27,10 +28,20 @@ void doc_warn(const doc *d, const where *at, const char *format, ...) {
     warn(d->context, "%s:%zu: %s: %s", place->file, place->line, place->field, text);
 }
 
+/* "min spp" becomes "minSpp". */
+static void name_key(const char *field, char out[PARAMETER_NAME]) {
+    char *to = out;
+    for (const char *c = field; *c && to < out + PARAMETER_NAME - 1; ++c)
+        if (*c != ' ') *to++ = c > field && c[-1] == ' ' ? (char)toupper((unsigned char)*c) : *c;
+    *to = '\0';
+}
+
 fathom_status doc_within(const doc *d, const where *at, fathom_status status) {
     doc_spot spot;
+    char key[PARAMETER_NAME];
     const fathom_error *error = fathom_context_error(d->context);
-    const where field = {at, error->place->field, 0};
+    name_key(error->place->field, key);
+    const where field = {at, key, 0};
     const bool named = !*error->place->file && *field.key && where_find(d->text, &field).whole;
     const fathom_place *place = doc_place(d, named ? &field : at, &spot);
     return named ? fail_at(d->context, status, place, "%s", error->text)
@@ -48,6 +59,14 @@ fathom_status doc_expected(const doc *d, const where *at, json_t *value, const c
     /* Does not cut a UTF-8 sequence. */
     while (((unsigned char)place.value[most] & 0xC0) == 0x80) --most;
     return doc_fail(d, at, "expected %s, found %.*s...", expected, (int)most, place.value);
+}
+
+/* The three texts together say what is expected. */
+static fathom_status fail_kind(const doc *d, const where *at, json_t *value, const char *a, const char *b,
+                               const char *c) {
+    char text[TEXT_ROOM + 8];
+    snprintf(text, sizeof text, "%s%s%s", a, b, c);
+    return doc_expected(d, at, value, text);
 }
 
 /* ---- unknown names ---- */
@@ -158,10 +177,9 @@ static bool is_whole(const form_key *key) {
 static const char *meaning_of(const form_key *key) { return key->meaning ? key->meaning : ""; }
 
 static fathom_status fail_number(const doc *d, const where *at, json_t *value, const form_key *key) {
-    char range[80], text[240];
+    char range[80];
     describe_range(key->range, range, sizeof range);
-    snprintf(text, sizeof text, "%s%s%s", is_whole(key) ? "an integer" : "a number", range, meaning_of(key));
-    return doc_expected(d, at, value, text);
+    return fail_kind(d, at, value, is_whole(key) ? "an integer" : "a number", range, meaning_of(key));
 }
 
 static fathom_status fail_count(const doc *d, const where *at, json_t *value, const form_key *key,
@@ -251,12 +269,6 @@ void doc_rows(json_t *rows, unsigned count, double *out) {
 
 /* ---- words ---- */
 
-static fathom_status fail_word(const doc *d, const where *at, json_t *value, const char *all) {
-    char text[TEXT_ROOM + 8];
-    snprintf(text, sizeof text, "one of %s", all);
-    return doc_expected(d, at, value, text);
-}
-
 /* *word: the index of the word in the list. */
 static fathom_status choose_word(const doc *d, const where *at, json_t *value, const char *words, int *word) {
     *word =
@@ -269,7 +281,7 @@ static fathom_status choose_word(const doc *d, const where *at, json_t *value, c
         snprintf(one, sizeof one, "%.*s", (int)length, each);
         list_word(all, sizeof all, one, "\"");
     }
-    return fail_word(d, at, value, all);
+    return fail_kind(d, at, value, "one of ", all, "");
 }
 
 static fathom_status read_words(const doc *d, const where *at, json_t *value, const form_key *key,
@@ -290,12 +302,6 @@ static fathom_status read_words(const doc *d, const where *at, json_t *value, co
 
 /* ---- objects ---- */
 
-static fathom_status fail_text(const doc *d, const where *at, json_t *value, const form_key *key) {
-    char text[120];
-    snprintf(text, sizeof text, "a string%s", meaning_of(key));
-    return doc_expected(d, at, value, text);
-}
-
 static fathom_status read_member(const doc *d, const where *at, json_t *value, const form_key *key,
                                  void *to) {
     void *member = (char *)to + key->offset;
@@ -309,7 +315,7 @@ static fathom_status read_member(const doc *d, const where *at, json_t *value, c
     case FORM_U32:
     case FORM_U64: return read_numbers(d, at, value, key, member);
     case FORM_TEXT:
-        if (!json_is_string(value)) return fail_text(d, at, value, key);
+        if (!json_is_string(value)) return fail_kind(d, at, value, "a string", meaning_of(key), "");
         *(const char **)member = json_string_value(value);
         return FATHOM_OK;
     case FORM_TAG: return FATHOM_OK;
@@ -404,13 +410,12 @@ size_t doc_warn_useless(const doc *d, const where *at, json_t *value, const form
 
 /* Names the keys that the object must have. */
 static fathom_status fail_object(const doc *d, const where *at, json_t *value, const form *f) {
-    char text[120] = "", all[100] = "";
+    char all[100] = "";
     for (const form_key *const *part = f->parts; *part; ++part) {
         for (const form_key *key = *part; key->name; ++key)
             if (key->required) list_word(all, sizeof all, key->name, "\"");
     }
-    snprintf(text, sizeof text, "an object%s%s", *all ? " with " : "", all);
-    return doc_expected(d, at, value, text);
+    return fail_kind(d, at, value, "an object", *all ? " with " : "", all);
 }
 
 fathom_status doc_read(const doc *d, const where *at, json_t *value, const form *f, void *to) {
@@ -440,5 +445,5 @@ fathom_status doc_choose(const doc *d, const where *at, json_t *value, const for
         if (json_is_string(tag) && strcmp(json_string_value(tag), (*out)->name) == 0) return FATHOM_OK;
         list_word(all, sizeof all, (*out)->name, "\"");
     }
-    return fail_word(d, &type, tag, all);
+    return fail_kind(d, &type, tag, "one of ", all, "");
 }
