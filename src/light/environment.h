@@ -15,8 +15,8 @@ fathom_status environment_create(fathom_context *context, const fathom_light *li
 /* The same for an environment of the scene; a message also has the place in the scene's file. */
 fathom_status environment_open(fathom_context *context, const fathom_scene *scene, fathom_id id,
                                environment **out);
-/* The bytes that environment_open() takes at most, for all environments of the scene: by the headers of their
- * images. An image without one counts nothing. */
+/* The bytes that environment_open() takes at most, for all environments of the scene, by the headers of their
+ * images. FATHOM_BAD_INPUT as environment_open(), if a name or header shows it. */
 fathom_status environment_measure(fathom_context *context, const fathom_scene *scene, uint64_t *bytes);
 /* The built-in studio (studio.h), for a camera that looks along -z; `up` is a unit vector. */
 fathom_status environment_studio(fathom_context *context, vec3_f64 z, vec3_f64 up, environment **out);

@@ -176,27 +176,36 @@ fathom_status environment_read(fathom_context *context, const fathom_light *ligh
 
 /* A sky has a texel and a sum for each texel of the image. While it is read, each channel is there as a float
  * twice: in memory shared with the helper, and copied. */
-static void measure_file(const char *path, unsigned threads, uint64_t *bytes) {
-    const image_texture_request request = {
-        .path = path, .descriptor = -1, .most_side = INT32_MAX, .most_texels = INT32_MAX, .threads = threads};
+static fathom_status measure_file(fathom_context *context, const char *path, uint64_t *bytes) {
+    const image_texture_request request = {.path = path,
+                                           .descriptor = -1,
+                                           .most_side = INT32_MAX,
+                                           .most_texels = INT32_MAX,
+                                           .threads = fathom_context_threads(context)};
     image_texture *file;
     image_texture_info info;
-    image_message why;
-    if (image_calls.texture.open(&request, &file, &info, &why) != FATHOM_OK) return;
+    image_message why = {""};
+    if (!is_linear(path)) return fail_display(context, path, "this format holds");
+    const fathom_status status = image_calls.texture.open(&request, &file, &info, &why);
+    if (status != FATHOM_OK)
+        return fail_file(context, status, path, "cannot be read as an image: %s", why.text);
     image_calls.texture.close(file);
     *bytes += (uint64_t)info.width * info.height *
               (sizeof(sky_texel) + sizeof(float) + 2 * sizeof(float) * info.channels);
+    return FATHOM_OK;
 }
 
 fathom_status environment_measure(fathom_context *context, const fathom_scene *scene, uint64_t *bytes) {
     fathom_status status = FATHOM_OK;
     *bytes = 0;
     for (size_t i = 0; i < scene->environments.count && status == FATHOM_OK; ++i) {
+        const fathom_place *place = scene_origin_find(scene, SCENE_PART_ENVIRONMENT, (fathom_id)i);
         file_faces files;
         status = file_faces_open(context, scene->environments.items[i].file, &files);
-        for (unsigned k = 0; k < files.count; ++k)
-            measure_file(files.paths[k], fathom_context_threads(context), bytes);
+        for (unsigned k = 0; k < files.count && status == FATHOM_OK; ++k)
+            status = measure_file(context, files.paths[k], bytes);
         file_faces_close(&files);
+        if (status == FATHOM_BAD_INPUT && place) fail_within(context, status, place);
     }
     return status;
 }

@@ -192,6 +192,9 @@ said out.txt 'textures 3.0, environments 0.1'
 head -c 3 image.ppm >cut.ppm
 sed -i s/image.ppm/cut.ppm/ images.json
 refused 3 'images.json:1: materials.m.kdTexture.file: cut.ppm: cannot be read as a texture' info images.json
+sed -i 's/cut.ppm/image.ppm/; s/sky.exr/sky.png/' images.json
+echo >sky.png
+refused 3 'images.json:2: lights[0].file: sky.png: expected an image of linear radiance' info images.json
 
 # Parts that a render leaves out, and why; for programs too.
 write_scene
@@ -285,6 +288,9 @@ useless '"sheenColor": [1, 1, 1], "emissive": [1, 1, 1], "clearcoat": 1, "irides
     grep -v '"channel"\|"inverted"' | sed 's/"file": "image.png",/"file": "image.png"/; s/^"uvSet"/, &/; s/^"normalTexture.*/& },/' >useful.json
 run 0 info useful.json
 said out.txt 'problems  none'
+sed 's/"uvs": \[\[0, 0\], \[1, 0\], \[0, 1\]\], //' useful.json >bare.json
+run 0 info bare.json
+said out.txt 'Texture: a mesh with this material has no "uvs", so each of its triangles shows half the image'
 # A lens without a radius has neither blades nor a plane of focus.
 cat >lens.json <<'JSON'
 { "camera": { "eye": [0, 0, 5], "target": [0, 0, 0],
