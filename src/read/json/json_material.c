@@ -139,20 +139,23 @@ fathom_status material_add(const object_reader *r, const where *at, const char *
     return FATHOM_OK;
 }
 
-/* Meshes without the second set of texture coordinates that an image of their material takes. Returns the
- * number of warnings. */
-static size_t warn_sets(const object_reader *r, const where *at, json_t *value, const form *f, fathom_id id) {
+/* Meshes without the set of texture coordinates that an image of their material takes. Returns the number of
+ * warnings. */
+static size_t warn_set(const object_reader *r, const where *at, json_t *value, const form *f, fathom_id id,
+                       unsigned set) {
     size_t bare = 0;
     for (size_t i = 0; i < r->scene->meshes.count; ++i) {
         const fathom_mesh *mesh = &r->scene->meshes.items[i];
-        bare += mesh->material == id && !mesh->uvs_1 && mesh->triangle_count;
+        bare += mesh->material == id && !(set ? mesh->uvs_1 : mesh->uvs) && mesh->triangle_count;
     }
     for (int kind = 0; kind <= FORM_METALLIC_ROUGHNESS && bare; ++kind) {
         const char *key = key_of(f, kind);
-        const where texture = {at, key, 0}, set = {&texture, "uvSet", 0};
-        if (!key || json_number_value(json_object_get(json_object_get(value, key), set.key)) != 1) continue;
-        doc_warn(r->doc, &set,
-                 "a mesh with this material has no \"uvs1\", so each of its triangles shows half the image");
+        const where texture = {at, key, 0}, set_key = {&texture, "uvSet", 0};
+        json_t *image = key ? json_object_get(value, key) : NULL;
+        if (!image || json_number_value(json_object_get(image, set_key.key)) != set) continue;
+        doc_warn(r->doc, set ? &set_key : &texture,
+                 "a mesh with this material has no \"%s\", so each of its triangles shows half the image",
+                 set ? "uvs1" : "uvs");
         return 1;
     }
     return 0;
@@ -163,5 +166,6 @@ size_t material_warn(const object_reader *r, const where *at, const char *name, 
     const form *f;
     if (doc_choose(r->doc, at, value, &form_material, &f) != FATHOM_OK) return 0;
     const fathom_id id = (fathom_id)json_integer_value(json_object_get(r->materials, name));
-    return doc_warn_useless(r->doc, at, value, f, also) + warn_sets(r, at, value, f, id);
+    return doc_warn_useless(r->doc, at, value, f, also) + warn_set(r, at, value, f, id, 0) +
+           warn_set(r, at, value, f, id, 1);
 }
