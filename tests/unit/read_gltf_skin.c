@@ -63,24 +63,30 @@ UNIT_TEST(tangents_lie_in_the_surface_and_normals_stand_on_it) {
     fathom_scene_destroy(scene);
 }
 
-/* An armature that mirrors has the mesh below it: where its corners are, the joints say, and its winding the
- * node. */
-UNIT_TEST(a_mirrored_armature_reverses_the_winding) {
+/* Where the corners are, the joints say, and the winding the node. Blender has the mesh below the armature,
+ * and writes vertices that the armature has mirrored: then only the node mirrors. Normals and tangents stay
+ * on their side of the surface, as in a mirroring instance. */
+UNIT_TEST(joints_mirror_the_surface_and_nodes_the_winding) {
+    static const struct {
+        const char *children;
+        bool node, joints;
+    } cases[] = {{"0,1,2", true, true}, {"1,2", false, true}, {"0", true, false}};
     fixture *f = *state;
-    for (int below = 0; below < 2; ++below) {
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         const figure made = new_figure();
         char bones[128];
-        snprintf(bones, sizeof bones, "{},{},{'scale':[1,1,-2],'children':[%s1,2]}", below ? "0," : "");
+        snprintf(bones, sizeof bones, "{},{},{'scale':[1,1,-2],'children':[%s]}", cases[i].children);
         write_figure(f, &made, bones, "", JOINTS);
         fathom_scene *scene = read_file(f);
         const fathom_mesh *mesh = &scene->meshes.items[0];
         affine_f64 map;
         affine_load(&map, scene->instances.items[0].transform);
-        assert_vec(placed_corner(scene, 0, 0, 2), 0, 1, -1, 0);
-        assert_near(map.m[0][0], below ? -1 : 1, 0);
-        /* The sign of the normal is that of a mirroring instance's. */
-        const vec3_f64 n = affine_vector(&map, row_of(mesh->normals, mesh->normal_stride, 0));
-        assert_vec(n, below ? 0.6 : -0.6, below ? 0.8 : -0.8, 0, 1e-7);
+        assert_vec(placed_corner(scene, 0, 0, 2), 0, 1, cases[i].joints ? -1 : 0.5, 0);
+        assert_near(map.m[0][0], cases[i].node ? -1 : 1, 0);
+        assert_vec(affine_vector(&map, row_of(mesh->normals, mesh->normal_stride, 0)), 0.6, 0.8, 0, 1e-7);
+        assert_vec(affine_vector(&map, row_of(mesh->tangents, mesh->tangent_stride, 0)), 0.8, -0.6, 0, 1e-7);
+        const double w = (double)((const float *)mesh_row(mesh->tangents, mesh->tangent_stride, 0))[3];
+        assert_near(map.m[0][0] * w, cases[i].joints ? 1 : -1, 0);
         fathom_scene_destroy(scene);
     }
 }

@@ -4,7 +4,7 @@
  *
  * Positions become float here, so they are relative to the first joint: a figure far from the origin keeps
  * its digits. Normals are transformed by the cofactor matrix, so that they stay perpendicular to the surface
- * for any scale of the joints. */
+ * for any scale of the joints, and on its side if they mirror. */
 #include "base/threads.h"
 #include "read/gltf/gltf_data.h"
 #include "read/gltf/gltf_mesh.h"
@@ -130,8 +130,16 @@ static affine_f64 blend(const skinning *s, size_t i) {
     return out;
 }
 
+/* -1 if the map mirrors; not if it flattens, but for the rounding of floats. */
+static double side_of(const affine_f64 *a) {
+    double most = 0x1p-20;
+    for (int i = 0; i < 3; ++i) most *= sqrt(dot_f64(load_f64(a->m[i]), load_f64(a->m[i])));
+    return affine_determinant(a) < -most ? -1 : 1;
+}
+
 static vec3_f64 carry_normal(const affine_f64 *a, vec3_f64 n) {
     const vec3_f64 x = load_f64(a->m[0]), y = load_f64(a->m[1]), z = load_f64(a->m[2]);
+    n = scale_f64(side_of(a), n);
     return normalize_f64(
         (vec3_f64){dot_f64(cross_f64(y, z), n), dot_f64(cross_f64(z, x), n), dot_f64(cross_f64(x, y), n)});
 }
@@ -148,7 +156,7 @@ static void carry(void *user, size_t begin, size_t end) {
         case GLTF_NORMAL: v = carry_normal(&map, v); break;
         case GLTF_TANGENT: v = normalize_f64(affine_vector(&map, v)); break;
         }
-        if (s->components == 4) to[3] = from[3];
+        if (s->components == 4) to[3] = (float)side_of(&map) * from[3];
         store_f32(to, narrow(v));
     }
 }
