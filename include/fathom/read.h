@@ -57,15 +57,15 @@ typedef struct fathom_read_options {
     bool choose_integrator;
     fathom_integrator integrator;
     /* The time, in seconds, of the image. glTF files have the pose of their animations at this time;
-     * without choose_time, that of their nodes, or that at time 0 if `animation` is given. The shutter of
+     * without choose_time, that of their nodes, or that at time 0 if `animations` is given. The shutter of
      * scene JSON opens at this time, for as long as the file says; without choose_time it opens when the
      * file says. FATHOM_BAD_USAGE if no file of the scene has an animation and nothing has motion. */
     bool choose_time;
     double time;
-    /* The animation to pose: its name, else its number, counted from 0. FATHOM_BAD_USAGE, with a list of
-     * what there is, when there is none such. NULL (default): all, except those that move a part of a node
-     * that an earlier one moves. */
-    const char *animation;
+    /* The animations to pose together, NULL after the last: of each its name, else its number, counted from
+     * 0. FATHOM_BAD_USAGE, with a list of what there is, when there is none such, or when two of them move
+     * the same. NULL (default): all, except those that move a part of a node that an earlier one moves. */
+    const char *const *animations;
     /* A variant of glTF's KHR_materials_variants, by name or number likewise. NULL (default): no variant. */
     const char *variant;
     /* Metres per unit of a model's lengths: the model is scaled to metres. 0 (default): not scaled.
@@ -92,7 +92,7 @@ typedef struct fathom_read_options {
     bool own_spp;
     /* A `shutter` of 0 also replaces that of scene JSON: everything stands still at `time`. Default false. */
     bool choose_shutter;
-    /* The scene of a glTF file to take, by name or number as `animation`. NULL (default): the file's choice,
+    /* The scene of a glTF file to take, by name or number as `animations`. NULL (default): the file's choice,
      * else the first. */
     const char *scene;
     /* Adds no lights to a scene that has none: neither the built-in studio nor a key and a fill light.

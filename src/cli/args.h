@@ -17,7 +17,7 @@ extern "C" {
 
 /* Values of an option that may be given several times. */
 typedef struct args_list {
-    const char *items[ARGS_LIST_MAX];
+    const char *items[ARGS_LIST_MAX + 1]; /* NULL after the last */
     size_t count;
 } args_list;
 

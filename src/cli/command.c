@@ -47,7 +47,7 @@ fathom_read_options command_read_options(const command_model *model) {
                                  .time = model->time.value,
                                  .shutter = model->shutter.value,
                                  .choose_shutter = model->shutter.given,
-                                 .animation = model->animation,
+                                 .animations = model->animations.count ? model->animations.items : NULL,
                                  .variant = model->variant,
                                  .scene = model->scene,
                                  .unit = metres[model->unit]};

@@ -49,11 +49,12 @@ bool command_parse(const command *c, int argc, char **argv, void *settings, fath
 
 /* The options that choose the part of a model to read, and how to read it. */
 typedef struct command_model {
-    const char *camera, *animation, *variant, *scene; /* NULL: the first, or none */
+    const char *camera, *variant, *scene; /* NULL: the first, or none */
     fathom_up up;
     unsigned unit; /* index in COMMAND_UNITS */
     args_f64 time;
     args_f64 shutter;
+    args_list animations;
 } command_model;
 
 #define COMMAND_UNITS "m|mm|cm|dm|km|in|ft"
@@ -79,9 +80,9 @@ fathom_read_options command_read_options(const command_model *model);
             "motion blur: opens the shutter at --time for so long, in place of the shutter of scene JSON "   \
             "(none)"),                                                                                       \
         COMMAND_MODEL_ROW(                                                                                   \
-            settings, "animation", "NAME|N", take_text, animation, 0, 0,                                     \
-            "apply only this animation: its name, or its number from 0 (default: all, except those that "    \
-            "move something that an earlier one moves)"),                                                    \
+            settings, "animation", "NAME|N", take_list, animations, 0, 0,                                    \
+            "apply only this animation: its name, or its number from 0; give the option once for each of "   \
+            "several (default: all, except those that move something that an earlier one moves)"),           \
         COMMAND_MODEL_ROW(                                                                                   \
             settings, "variant", "NAME|N", take_text, variant, 0, 0,                                         \
             "which material variant of a .gltf or .glb file, by its name or its number from 0 (none)"),      \

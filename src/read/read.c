@@ -287,7 +287,7 @@ static fathom_status check_asked(const fathom_scene *scene, const char *path) {
                          "has nothing that moves, so a shutter has no effect; expected animations in a .gltf "
                          "or .glb file, or motion in scene JSON");
     }
-    if (asked->animation && !scene->has_animations) {
+    if (asked->animations && !scene->has_animations) {
         return fail_file(scene->context, FATHOM_BAD_USAGE, path,
                          "has no animations to pose; .gltf and .glb files may have them");
     }

@@ -42,6 +42,7 @@ render '--time 7' a.png
 same end.png a.png
 render '--time 0.5 --threads 1' a.png
 same half.png a.png
+refused 2 'moves what another of the chosen animations moves' render moving.gltf -o a.png --animation slide --animation 0
 refused 2 'there is no animation "walk"; expected one of 0 "slide"' render moving.gltf -o a.png --animation walk
 write_scene
 refused 2 'has nothing that moves, so a time has no effect' render scene.json -o a.png --time 1

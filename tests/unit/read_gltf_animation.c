@@ -139,6 +139,13 @@ UNIT_TEST(halving_an_arc_is_slerp_to_the_last_bits) {
     }
 }
 
+static void assert_refused(fixture *f, fathom_status expected, const fathom_read_options *asked,
+                           const char *text) {
+    fathom_scene *scene;
+    assert_int_equal(read_asked(f, asked, &scene), expected);
+    if (!strstr(fathom_context_message(f->context), text)) fail_msg("%s", fathom_context_message(f->context));
+}
+
 /* The last of three animations moves what the first moves. */
 UNIT_TEST(what_does_not_move_the_same_is_posed_together) {
     fixture *f = *state;
@@ -158,16 +165,27 @@ UNIT_TEST(what_does_not_move_the_same_is_posed_together) {
     fathom_scene *scene = read_at(f, 1);
     assert_vec(placed_corner(scene, 0, 0, 1), 2 + 3, 0, 0, 1e-12);
     assert_vec(placed_corner(scene, 1, 0, 0), 3, 3, 3, 1e-12);
-    assert_non_null(strstr(f->warning, "animations that move what an earlier one moves are left out; "
-                                       "--animation NAME|N takes one alone: 0, 1, 2 \"far\" (1 such)"));
+    assert_non_null(
+        strstr(f->warning,
+               "animations[2].channels[0]: an animation that moves what an earlier one moves is left out; "
+               "give --animation NAME|N for each to apply: 0, 1, 2 \"far\""));
     fathom_scene_destroy(scene);
     fathom_read_options asked;
     fathom_read_options_default(&asked);
-    asked.animation = "far", asked.choose_time = true, asked.time = 1;
+    asked.animations = (const char *const[]){"far", NULL}, asked.choose_time = true, asked.time = 1;
     assert_ok(f->context, read_asked(f, &asked, &scene));
     assert_vec(placed_corner(scene, 0, 0, 1), 8 + 1, 0, 0, 1e-12);
     assert_vec(placed_corner(scene, 1, 0, 0), 0, 0, 0, 1e-12);
     fathom_scene_destroy(scene);
+    asked.animations = (const char *const[]){"far", "1", NULL};
+    assert_ok(f->context, read_asked(f, &asked, &scene));
+    assert_vec(placed_corner(scene, 0, 0, 1), 8 + 3, 0, 0, 1e-12);
+    assert_vec(placed_corner(scene, 1, 0, 0), 3, 3, 3, 1e-12);
+    fathom_scene_destroy(scene);
+    asked.animations = (const char *const[]){"far", "1", "0", NULL};
+    assert_refused(f, FATHOM_BAD_USAGE, &asked,
+                   "animations[0].channels[0]: moves what another of the chosen animations moves; expected "
+                   "animations of different things out of 0, 1, 2 \"far\"");
 }
 
 UNIT_TEST(without_a_time_everything_rests_and_it_is_said) {
@@ -294,13 +312,6 @@ UNIT_TEST(weights_of_all_sets_count_by_their_sum) {
 
 /* ---- what is refused ---- */
 
-static void assert_refused(fixture *f, fathom_status expected, const fathom_read_options *asked,
-                           const char *text) {
-    fathom_scene *scene;
-    assert_int_equal(read_asked(f, asked, &scene), expected);
-    if (!strstr(fathom_context_message(f->context), text)) fail_msg("%s", fathom_context_message(f->context));
-}
-
 UNIT_TEST(wrong_animations_are_refused) {
     fixture *f = *state;
     fathom_read_options asked;
@@ -331,7 +342,7 @@ UNIT_TEST(wrong_animations_are_refused) {
     }
     build b = good;
     write_channel(f, &b, "translation", "LINEAR", times, values);
-    asked.animation = "run";
+    asked.animations = (const char *const[]){"run", NULL};
     assert_refused(f, FATHOM_BAD_USAGE, &asked, "there is no animation \"run\"; expected one of 0 \"go\"");
     write_triangle(f, SHOWN(TRIANGLE_MESH));
     assert_refused(f, FATHOM_BAD_USAGE, &asked, "has no animations to pose");

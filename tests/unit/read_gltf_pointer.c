@@ -182,7 +182,7 @@ UNIT_TEST(only_the_first_animation_of_a_value_is_played) {
     fathom_scene *scene = read_at(f, 0);
     assert_near((double)first_material(scene)->roughness, 0.25, 1e-7);
     assert_int_equal(f->warnings, 1);
-    assert_non_null(strstr(f->warning, "animations that move what an earlier one moves are left out"));
+    assert_non_null(strstr(f->warning, "an animation that moves what an earlier one moves is left out"));
     fathom_scene_destroy(scene);
 }
 

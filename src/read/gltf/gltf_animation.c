@@ -315,52 +315,71 @@ void gltf_animation_pose(gltf *g, gltf_moment *m) {
 
 /* ---- choice of animations ---- */
 
-static void play(gltf *g, uint32_t index) {
-    if (!array_push(&g->playing, index)) gltf_fail_memory(g, sizeof index);
-}
-
 /* The properties that animations move. */
 typedef struct moved_things {
     unsigned char *nodes; /* for each node a bit for each part */
     json_t *pointers;     /* an object whose keys are pointers */
 } moved_things;
 
-/* True if the animation moves one of these properties. add: adds those that it moves. */
+/* The animation moves what one before it moves. */
+static void leave_out(gltf *g, const gltf_value *channel) {
+    char list[GLTF_LIST];
+    gltf_spot spot;
+    gltf_print_names(&g->animations, list);
+    if (!g->scene->asked->animations)
+        gltf_note(
+            g, channel, NULL,
+            "an animation that moves what an earlier one moves is left out; give --animation NAME|N for "
+            "each to apply: %s",
+            list);
+    else
+        g->status = fail_at(g->context, FATHOM_BAD_USAGE, gltf_place(g, channel, NULL, &spot),
+                            "moves what another of the chosen animations moves; expected animations of "
+                            "different things out of %s",
+                            list);
+}
+
+/* True if the animation moves one of these properties, which is then told. add: adds those that it moves. */
 static bool moves_any(gltf *g, uint32_t index, const moved_things *moved, bool add) {
     gltf_value animation, channels, channel;
     bool any = false;
     gltf_item(g, &g->animations, index, &animation);
     gltf_array(g, &animation, "channels", &channels);
-    for (size_t i = 0; i < gltf_count(&channels) && gltf_fine(g); ++i) {
+    for (size_t i = 0; i < gltf_count(&channels) && gltf_fine(g) && !any; ++i) {
         gltf_item(g, &channels, i, &channel);
+        g->quiet = true; /* the animations that are played are read again */
         const channel_target to = read_target(g, &channel);
-        if (!gltf_fine(g)) continue;
+        g->quiet = false;
+        if (!gltf_fine(g)) break;
         if (to.part >= 0 && to.node != GLTF_ABSENT) {
-            any |= moved->nodes[to.node] >> to.part & 1;
+            any = !add && moved->nodes[to.node] >> to.part & 1;
             if (add) moved->nodes[to.node] |= (unsigned char)(1 << to.part);
         } else if (to.pointer) {
-            any |= json_object_get(moved->pointers, to.pointer) != NULL;
+            any = !add && json_object_get(moved->pointers, to.pointer);
             if (add && json_object_set(moved->pointers, to.pointer, json_true()) != 0)
                 gltf_fail_memory(g, strlen(to.pointer));
         }
     }
+    if (any) leave_out(g, &channel);
     return any;
 }
 
-/* Plays each animation that does not move a property of one played before. So of a walk and a run only the
- * first is played. But all animations of a file from Blender are played, because it writes one for each
- * object. */
-static void play_together(gltf *g) {
+static void play(gltf *g, uint32_t index, const moved_things *moved) {
+    if (!gltf_fine(g) || moves_any(g, index, moved, false)) return;
+    moves_any(g, index, moved, true);
+    if (!array_push(&g->playing, index)) gltf_fail_memory(g, sizeof index);
+}
+
+/* Plays the chosen animations, which must not move a property that another one moves. Without a choice,
+ * leaves those out. So of a walk and a run only the first is played. But all animations of a file from
+ * Blender are played, because it writes one for each object. */
+static void play_together(gltf *g, const char *const *chosen) {
     const size_t nodes = gltf_count(&g->nodes);
     const moved_things moved = {calloc(nodes + 1, 1), json_object()};
     if (!moved.nodes || !moved.pointers) gltf_fail_memory(g, nodes);
-    g->quiet = true; /* the animations that are played are read again */
-    for (uint32_t i = 0; i < gltf_count(&g->animations) && gltf_fine(g); ++i) {
-        if (moves_any(g, i, &moved, false)) continue;
-        moves_any(g, i, &moved, true);
-        play(g, i);
-    }
-    g->quiet = false;
+    for (uint32_t i = 0; !chosen && i < gltf_count(&g->animations) && gltf_fine(g); ++i) play(g, i, &moved);
+    for (; chosen && *chosen && gltf_fine(g); ++chosen)
+        play(g, gltf_choose(g, &g->animations, "animation", *chosen), &moved);
     free(moved.nodes);
     json_decref(moved.pointers);
 }
@@ -371,20 +390,10 @@ void gltf_animation_choose(gltf *g) {
     char list[GLTF_LIST];
     if (!count) return;
     g->scene->has_animations = true;
-    if (asked && asked->animation) {
-        const uint32_t one = gltf_choose(g, &g->animations, "animation", asked->animation);
-        if (gltf_fine(g)) play(g, one);
+    if (asked && (asked->animations || asked->choose_time || asked->shutter > 0)) {
+        play_together(g, asked->animations);
         return;
     }
     gltf_print_names(&g->animations, list);
-    if (!asked || !(asked->choose_time || asked->shutter > 0)) {
-        notes_add(&g->notes, count, "", "animations are not played; --time SECONDS poses them: %s", list);
-        return;
-    }
-    play_together(g);
-    if (gltf_fine(g) && g->playing.count < count)
-        notes_add(&g->notes, count - g->playing.count, "",
-                  "animations that move what an earlier one moves are left out; --animation NAME|N takes "
-                  "one alone: %s",
-                  list);
+    notes_add(&g->notes, count, "", "animations are not played; --time SECONDS poses them: %s", list);
 }
