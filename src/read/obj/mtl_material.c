@@ -46,9 +46,9 @@
  *
  * Blender 2.8 and later write the values of its Principled BSDF, also without Pr: Ns is 1000 (1 -
  * roughness)^2, Ka the metalness if illum is 3 or 6, and 0.08 Ks the reflectance at normal incidence, which
- * Ni is not. (The first versions had 900 in place of 1000: the roughness changes by at most 0.052.) map_Ns
- * and map_refl, or refl, are images of roughness and metalness. In 3ds Max, AliceVision and Blender before
- * 3.2, map_Kd replaces Kd, which they write all the same. */
+ * Ni is not; Ks 0 is no reflection at any angle. (The first versions had 900 in place of 1000: the roughness
+ * changes by at most 0.052.) map_Ns and map_refl, or refl, are images of roughness and metalness. In 3ds Max,
+ * AliceVision and Blender before 3.2, map_Kd replaces Kd, which they write all the same. */
 #include "read/obj/mtl.h"
 
 #include <stdlib.h>
@@ -124,6 +124,7 @@ static fathom_material metallic_from(const mtl_entry *m) {
     out.transmission = (float)((m->tf[0] + m->tf[1] + m->tf[2]) / 3);
     out.thickness = out.transmission > 0 ? 1 : 0;
     if (m->ni >= 1) out.ior = (float)m->ni;
+    if (m->ni == 1) out.specular_factor = 0; /* Schlick's formula alone would reflect at grazing angles */
     return out;
 }
 
