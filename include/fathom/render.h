@@ -95,7 +95,7 @@ typedef struct fathom_settings {
     fathom_pattern pattern; /* default Sobol */
     fathom_filter filter;   /* of pixels; default box */
     double filter_width;    /* in pixels, [0.01, 16]; default 1 */
-    uint64_t seed;          /* of the stratified and Sobol patterns; default 0 */
+    uint64_t seed;          /* of the random numbers: all but the grid's positions in a pixel; default 0 */
     uint32_t crop[4];       /* x0 y0 x1 y1, half open, row 0 at the top; all 0 (default): the whole image */
     /* Adaptive sampling: pixels get samples until the estimated error of each tile of 32 × 32 pixels is at
      * most this, or until they have `spp`. They get more where a few samples lower the error much. The

@@ -236,8 +236,8 @@ def error_plots(results):
     )
     more = (
         "Both axes are logarithmic; lower and further left is better. A line is a power law by least squares. The dashed lines have the "
-        "ends of its slope’s 95\u202f% interval over the seeds, where that is at most 0.5 to each side. The grid has no seed: its interval "
-        "is of times alone. A hollow mark is too close to the reference and is in no fit."
+        "ends of its slope’s 95\u202f% interval over the seeds, where that is at most 0.5 to each side. With classic and a pinhole, the "
+        "grid has no seed: its interval is of times alone. A hollow mark is too close to the reference and is in no fit."
     )
     return paragraph(about) + paragraph(more) + side_by_side([error_points(results, m) for m in METRICS])
 

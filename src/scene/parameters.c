@@ -53,7 +53,8 @@ static const fathom_parameter setting_rows[] = {
     {"filter_width", F64, SETTING(filter_width), PIXELS | IN_FILE | COMMAND, 0.01, 16, 1, "PIXELS", "Image",
      .help = "Width of the filter: 1 suits `box`, 3 `gaussian` and 4 `blackmanHarris`."},
     {"seed", U64, SETTING(seed), PIXELS | IN_FILE | COMMAND, 0, INFINITY, 0, "N", "Image",
-     .help = "Seed of the patterns `stratified` and `sobol`."},
+     .help = "Seed of the random numbers. With `grid` it does not move the samples in a pixel, but changes lenses, "
+     "lights and bounces."},
     {"crop", U32, SETTING(crop), PIXELS | IN_FILE | COMMAND, 0, 65536, 0, "X0,Y0,X1,Y1", "Image",
      .help = "Region to render: x0, y0, x1, y1 in pixels from the upper left corner; x1 and y1 are exclusive. All 0: "
      "the whole image.", .count = 4},
