@@ -30,7 +30,7 @@ static fathom_build build_info(void) {
     return build;
 }
 
-json_t *machine_json(void) {
+static json_t *machine_json(void) {
     const fathom_build build = build_info();
     char cpu[128];
     find_cpu(cpu);
@@ -40,11 +40,13 @@ json_t *machine_json(void) {
 
 const char *machine_commit(void) { return *fathom_commit() ? fathom_commit() : NULL; }
 
-void machine_date(char out[16]) {
-    time_t now = time(NULL);
+json_t *machine_head(void) {
+    const time_t now = time(NULL);
     struct tm day;
-    out[0] = '\0';
-    if (gmtime_r(&now, &day)) strftime(out, 16, "%Y-%m-%d", &day);
+    char date[16] = "";
+    if (gmtime_r(&now, &day)) strftime(date, sizeof date, "%Y-%m-%d", &day);
+    return json_of(JSON("fathom", fathom_version()), JSON("commit", machine_commit()), JSON("date", date),
+                   JSON("machine", machine_json()));
 }
 
 /* Not an error without the helper: Fathom still writes PNG. */

@@ -8,9 +8,8 @@
  * the processor features in use. */
 void version_print(bool verbose);
 
-/* {"cpu", "processors", "kernels", "compiler", "flags"} */
-json_t *machine_json(void);
+/* What stored results begin with: {"fathom", "commit", "date", "machine"}. The date is UTC; the machine is
+ * {"cpu", "processors", "kernels", "compiler", "flags"}. */
+json_t *machine_head(void);
 /* The commit of the source; NULL: unknown. */
 const char *machine_commit(void);
-/* Today's date as "2026-11-21", in UTC. */
-void machine_date(char out[16]);

@@ -64,6 +64,7 @@ def head(results):
         ("Scenes", ", ".join(map(text, scenes))),
         ("Tracers", ", ".join(f"<code>{text(s)}</code>" for s in tracers_of(runs))),
         ("Fathom", text(results.get("fathom", ""))),
+        ("Commit", text(results.get("commit") or "")),
         ("Processor", text(machine.get("cpu", ""))),
         ("Threads", count(machine["threads"]) if machine.get("threads") else ""),
         ("Embree", text(machine.get("embree", ""))),

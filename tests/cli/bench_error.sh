@@ -50,7 +50,7 @@ cmp -s one.txt two.txt || die 'errors depend on threads or tracer'
 # Stated errors: a row for each way of sampling that states some; one scene's classic light has no even ones.
 run 0 bench error scene.json --adaptive --size 24x16 --max-spp 16 --reference-spp 16 --seeds 2 --json c.json
 for text in 'trusted' 'doubtful' 'alike'; do said out.txt "$text"; done
-for key in coverage targetError meanSpp light t values held; do said c.json "\"$key\": "; done
+for key in commit width height seed coverage targetError meanSpp light t values held; do said c.json "\"$key\": "; done
 refused 2 '--adaptive: no --csv, --report or --ppd' bench error scene.json --adaptive --size 24x16 --csv c.csv
 refused 2 '--adaptive: no --csv, --report or --ppd' bench error scene.json --adaptive --size 24x16 --ppd 20
 refused 2 'no tracer is called "nope"' bench error scene.json --adaptive --size 24x16 --tracer nope

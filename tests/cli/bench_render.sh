@@ -9,7 +9,10 @@ printf '{"image": {"width": 8, "height": 8, "spp": 128, "aovs": ["error"]}, "obj
 run 0 bench render path.json --spp 4 --repeats 2 --seconds 0 --threads 1
 said err.txt 'image.aovs: "error" is left out'
 sed 's/"spp": 128/"targetError": 0.05/' path.json >error.json
-run 0 bench render error.json --spp 1 --integrator path --repeats 2 --seconds 0 --threads 1
+run 0 bench render error.json --spp 1 --integrator path --repeats 2 --seconds 0 --threads 1 --json r.json --csv r.csv
+said out.txt '1 spp, path  read'
+said r.json '"integrator": "path"'
+grep -q 'write_seconds,integrator$' r.csv && grep -q ',path$' r.csv || die 'no integrator in the CSV'
 # What moves, with a time for each ray.
 moving=$SOURCE/scenes/light/moving-balls.json
 run 0 bench render "$moving" --integrator path --size 16x16 --spp 1 --repeats 2 --seconds 0 --threads 1

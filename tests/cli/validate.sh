@@ -19,7 +19,7 @@ for family in camera uniform edge vertex grazing tangent surface far axis scaled
 done
 [ "$(number all.json raysPerFamily)" = 40 ] || die 'rays in the JSON'
 ! grep -q '"wrong": [1-9]' all.json || die 'something is wrong in the JSON'
-for key in machine cpu compiler date nsPerRay isa any tUlps tRelative position normal uv histogram bins; do
+for key in commit machine cpu compiler date nsPerRay isa any tUlps tRelative position normal uv histogram bins; do
     said all.json "\"$key\": "
 done
 

@@ -36,7 +36,7 @@ cat >lit.json <<'JSON'
 JSON
 run 0 validate lit.json --light --light-error 0.003 --json scene.json
 said out.txt 'path less reference: '
-said scene.json '"difference": '
+for key in commit date machine difference; do said scene.json "\"$key\": "; done
 sed 's/"background"/"ambient": [1, 1, 1], "background"/' lit.json >ambient.json
 run 0 validate ambient.json --light --light-error 0.01
 [ "$(grep -c 'ambient light is ignored' err.txt)" = 1 ] || die "one warning of ambient light"

@@ -116,13 +116,10 @@ static fathom_status write_outputs(fathom_context *context, const bench_settings
 /* ---- results ---- */
 
 static json_t *head(const char *what) {
-    char date[16];
     double load[3];
-    machine_date(date);
-    json_t *machine = machine_json();
-    if (getloadavg(load, 3) > 0) json_add(machine, JSON("load", load[0]));
-    return json_of(JSON("bench", what), JSON("fathom", fathom_version()), JSON("commit", machine_commit()),
-                   JSON("date", date), JSON("machine", machine));
+    json_t *root = machine_head();
+    if (getloadavg(load, 3) > 0) json_add(json_object_get(root, "machine"), JSON("load", load[0]));
+    return json_add(root, JSON("bench", what));
 }
 
 void bench_add_tracer(json_t *root, const char *tracer_name) {

@@ -245,8 +245,9 @@ static json_t *pack_count(const coverage_count *c) {
     return json_of(JSON("values", c->values), JSON("held", c->held));
 }
 
-static void pack_coverage(const bench_error_settings *asked, const coverage_row *rows, unsigned count,
-                          uint32_t reference_spp, bool interrupted, json_t *root) {
+static void pack_coverage(const bench_error_settings *asked, const fathom_settings *settings,
+                          const coverage_row *rows, unsigned count, uint32_t reference_spp, bool interrupted,
+                          json_t *root) {
     json_t *list = json_array();
     for (unsigned i = 0; i < count; ++i) {
         const coverage_row *r = &rows[i];
@@ -256,7 +257,8 @@ static void pack_coverage(const bench_error_settings *asked, const coverage_row 
                           JSON("trusted", pack_count(&r->trusted)),
                           JSON("doubtful", pack_count(&r->doubtful)), JSON("alike", pack_count(&r->alike))));
     }
-    json_add(root, JSON("scene", asked->all.scene), JSON("referenceSpp", reference_spp),
+    json_add(root, JSON("scene", asked->all.scene), JSON("width", settings->width),
+             JSON("height", settings->height), JSON("seed", asked->seed), JSON("referenceSpp", reference_spp),
              JSON("coverage", list), JSON("interrupted", interrupted));
 }
 
@@ -353,7 +355,8 @@ static fathom_status measure_coverage(fathom_context *context, const bench_error
     interrupt_keep_work(false);
     progress_clear_line();
     if (status == FATHOM_OK || (status == FATHOM_INTERRUPTED && count)) {
-        pack_coverage(asked, rows, count, options.reference_spp, status == FATHOM_INTERRUPTED, root);
+        pack_coverage(asked, &stage.settings, rows, count, options.reference_spp,
+                      status == FATHOM_INTERRUPTED, root);
         if (!asked->all.common.quiet) print_coverage(root);
     }
     stage_close(&stage);
@@ -428,9 +431,9 @@ const command command_bench_error = {
             "halves are to each other, it is marked, and is not in slopes and tables.\n"
             "Times are of rendering alone: the scene is read and built once, before. A slope\n"
             "is the mean over the seeds of a least-squares fit of ln error over ln seconds,\n"
-            "with Student's t s / sqrt(n) as its interval. The grid has no seed, so its\n"
-            "interval comes from times alone. Tables go by the CPU time of all threads, which\n"
-            "is more reliable on a shared machine than elapsed time.\n"
+            "with Student's t s / sqrt(n) as its interval. With classic and a pinhole, the\n"
+            "grid has no seed, so its interval comes from times alone. Tables go by the CPU\n"
+            "time of all threads: it is more reliable on a shared machine than elapsed time.\n"
             "With --adaptive, every seed is rendered to errors of 0.1 and 0.05 with at most\n"
             "--max-spp samples per pixel; if SCENE is path-traced, also with 16 and with 64\n"
             "samples in each pixel. The results: how often the stated 95 % interval of a\n"

@@ -80,12 +80,13 @@ static json_t *pack_run(const source *from, const measured *m) {
         json_of(JSON("read", from->read[BENCH_WALL].median),
                 JSON("build", m->phases.build[BENCH_WALL].median), JSON("plan", time->plan_seconds.median),
                 JSON("render", time->speeds[0].seconds.median), JSON("write", m->write));
+    const char *way = m->settings.integrator == FATHOM_INTEGRATOR_CLASSIC ? "classic" : "path";
     return json_of(JSON("scene", from->name), JSON("triangles", scene_triangles(from->scene)),
-                   JSON("fileBytes", from->file_bytes), JSON("spec", m->spec), JSON("spp", m->settings.spp),
-                   JSON("width", m->settings.width), JSON("height", m->settings.height),
-                   JSON("tracer", m->phases.tracer), JSON("bvhBytes", m->phases.bvh_bytes),
-                   JSON("bvhPeakBytes", m->phases.peak_bytes), JSON("seconds", seconds),
-                   JSON("readSeconds", bench_clocks(from->read)),
+                   JSON("fileBytes", from->file_bytes), JSON("spec", m->spec), JSON("integrator", way),
+                   JSON("spp", m->settings.spp), JSON("width", m->settings.width),
+                   JSON("height", m->settings.height), JSON("tracer", m->phases.tracer),
+                   JSON("bvhBytes", m->phases.bvh_bytes), JSON("bvhPeakBytes", m->phases.peak_bytes),
+                   JSON("seconds", seconds), JSON("readSeconds", bench_clocks(from->read)),
                    JSON("buildSeconds", bench_clocks(m->phases.build)), JSON("rays", pack_rays(&time->rays)),
                    JSON("speeds", pack_speeds(time)), JSON("ceiling", pack_ratio(time)));
 }
@@ -95,7 +96,7 @@ static void print_run(const json_t *run) {
     json_t *s;
     print_name(stdout, json_text_at(run, "scene"));
     json_print(run, ", {triangles:.0f} triangles, {spec:s}\n");
-    json_print(run, "{spp:.0f} spp  read {seconds.read:.3f}, build {seconds.build:.3f}, plan "
+    json_print(run, "{spp:.0f} spp, {integrator:s}  read {seconds.read:.3f}, build {seconds.build:.3f}, plan "
                     "{seconds.plan:.4f}, render {seconds.render:.4f}, write {seconds.write:.3f} s\n"
                     "  rays        camera {rays.camera:.0f}, shadow {rays.shadow:.0f}, reflection "
                     "{rays.reflection:.0f}, refraction {rays.refraction:.0f}\n");
@@ -130,7 +131,8 @@ static const bench_csv csv = {
         "scene, triangles, tracer=spec, file_bytes=fileBytes, bvh_bytes=bvhBytes, "
         "bvh_peak_bytes=bvhPeakBytes, read_cpu_seconds=readSeconds.cpu.median, "
         "read_seconds=readSeconds.wall.median, build_cpu_seconds=buildSeconds.cpu.median, "
-        "build_seconds=buildSeconds.wall.median"};
+        "build_seconds=buildSeconds.wall.median, plan_seconds=seconds.plan, write_seconds=seconds.write, "
+        "integrator"};
 
 /* ---- growth with the triangles ---- */
 

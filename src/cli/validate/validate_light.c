@@ -64,14 +64,11 @@ static json_t *pack_row(const laws_row *r) {
 }
 
 static json_t *pack(const laws_rows *rows, const validate_settings *settings) {
-    char date[16];
-    machine_date(date);
     json_t *list = json_array();
     for (size_t i = 0; i < rows->rows.count; ++i) json_array_append_new(list, pack_row(&rows->rows.items[i]));
-    return json_of(JSON("fathom", fathom_version()), JSON("date", date), JSON("machine", machine_json()),
-                   JSON("integrator", "path"), JSON("seed", settings->seed), JSON("level", LEVEL),
-                   JSON("tests", rows->tests), JSON("levelOfOne", rows->test_level), JSON("p", rows->p),
-                   JSON("relativeError", settings->light_error), JSON("light", list));
+    return json_add(machine_head(), JSON("integrator", "path"), JSON("seed", settings->seed),
+                    JSON("level", LEVEL), JSON("tests", rows->tests), JSON("levelOfOne", rows->test_level),
+                    JSON("p", rows->p), JSON("relativeError", settings->light_error), JSON("light", list));
 }
 
 static fathom_status write_json(fathom_context *context, const validate_settings *settings, json_t *root) {
@@ -137,11 +134,12 @@ static fathom_status compare_scene(fathom_context *context, const validate_setti
                d.relative, d.relative_error, d.tests, d.p, d.worst / 3 % pair.across + 1, pair.across,
                d.worst / 3 / pair.across + 1, pair.down, LEVEL);
     if (status == FATHOM_OK && settings->json)
-        status = write_json(context, settings,
-                            json_of(JSON("fathom", fathom_version()), JSON("scene", settings->scene),
-                                    JSON("seed", settings->seed), JSON("samples", pair.samples),
-                                    JSON("tests", d.tests), JSON("p", d.p), JSON("level", LEVEL),
-                                    JSON("difference", d.relative), JSON("standardError", d.relative_error)));
+        status =
+            write_json(context, settings,
+                       json_add(machine_head(), JSON("scene", settings->scene), JSON("seed", settings->seed),
+                                JSON("samples", pair.samples), JSON("tests", d.tests), JSON("p", d.p),
+                                JSON("level", LEVEL), JSON("difference", d.relative),
+                                JSON("standardError", d.relative_error)));
     fathom_scene_destroy(scene);
     return status;
 }

@@ -268,29 +268,29 @@ static json_t *pack_run(const validate_run *run) {
                    JSON("failures", validate_failures_json(run)));
 }
 
-static json_t *pack_machine(const validate_runs *runs, unsigned threads) {
+static json_t *pack_head(const validate_runs *runs, unsigned threads) {
+    json_t *head = machine_head();
     char embree[32] = "";
     for (size_t i = 0; i < runs->count && !embree[0]; ++i) {
         const char *name = runs->items[i].tracer;
         if (strncmp(name, "Embree ", 7) == 0)
             snprintf(embree, sizeof embree, "%.*s", (int)strcspn(name + 7, ","), name + 7);
     }
-    return json_add(machine_json(), JSON("threads", threads), JSON("embree", embree[0] ? embree : NULL));
+    json_add(json_object_get(head, "machine"), JSON("threads", threads),
+             JSON("embree", embree[0] ? embree : NULL));
+    return head;
 }
 
 static json_t *pack(const validate_results *results, const validate_settings *settings) {
     const validate_runs *runs = &results->runs;
-    char date[16];
-    machine_date(date);
     json_t *list = json_array();
     for (size_t i = 0; i < runs->count; ++i) json_array_append_new(list, pack_run(&runs->items[i]));
     json_t *bounds = json_of(
         JSON("sphere", verdict_constant(ORACLE_SPHERE)), JSON("triangle", verdict_constant(ORACLE_TRIANGLE)),
         JSON("quad", verdict_constant(ORACLE_QUAD)), JSON("plane", verdict_constant(ORACLE_PLANE)));
     json_t *root =
-        json_of(JSON("fathom", fathom_version()), JSON("date", date),
-                JSON("machine", pack_machine(runs, settings->threads)), JSON("seed", settings->seed),
-                JSON("raysPerFamily", settings->rays), JSON("boundConstants", bounds), JSON("runs", list));
+        json_add(pack_head(runs, settings->threads), JSON("seed", settings->seed),
+                 JSON("raysPerFamily", settings->rays), JSON("boundConstants", bounds), JSON("runs", list));
     if (!settings->extremes) return root;
     return json_add(root, JSON("extremes", validate_extremes_json(&results->extremes)),
                     JSON("shading", validate_shading_json(&results->shading)));
