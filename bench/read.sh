@@ -11,7 +11,7 @@ mkdir -p "$folder"
 [ "${KEEP:-0}" = 1 ] || trap 'rm -rf "$folder"' EXIT
 
 cc -std=c11 -O2 -D_GNU_SOURCE -I"$source/include" -I"$source/src" "$source/bench/read.c" \
-    "$build/src/libfathom_core.a" -ljansson -lm -lpthread -o "$folder/read"
+    -L"$build/lib" -lfathom -Wl,-rpath,"$build/lib" -o "$folder/read"
 
 for kind in glb ply obj; do
     file=$folder/sphere.$kind

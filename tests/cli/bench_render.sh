@@ -3,6 +3,9 @@
 BUILD=$BUILD MESHES=5k SIZE=160x90 SPP="1 4" sh "$SOURCE/bench/render.sh" 1 >out.txt || die 'bench/render.sh'
 [ "$(grep -c '^| 5k | [18] | [14] | .* s | [0-9.]* | [0-9.]* (.*) | [0-9.]* |$' out.txt)" = 4 ] ||
     die 'bench/render.sh: 4 rows'
+# bench/read.sh builds its program itself.
+BUILD=$BUILD TMPDIR=$PWD sh "$SOURCE/bench/read.sh" 1k 1 >out.txt || die 'bench/read.sh'
+[ "$(grep -c '^| .*sphere\.\|^| text.ply' out.txt)" = 4 ] || die 'bench/read.sh: 4 rows'
 # A scene that is made for path tracing: the options decide before its settings are judged.
 printf '{"image": {"width": 8, "height": 8, "spp": 128, "aovs": ["error"]}, "objects": [{"type": "sphere", "center":
 [0, 0, 0], "radius": 1}]}' >path.json
