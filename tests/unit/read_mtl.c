@@ -326,7 +326,7 @@ UNIT_TEST(materials_of_blender_are_those_of_its_shader) {
         assert_near(v->roughness, cases[i].roughness, 0x1p-24);
         assert_near(v->opacity, cases[i].opacity, 0x1p-24);
         assert_near(v->ior, cases[i].ior, 0x1p-23);
-        assert_near(v->specular_factor, cases[i].ior > 1, 0); /* its shader has no highlight without specular */
+        assert_near(v->specular_factor, cases[i].ior > 1, 0); /* no specular: no highlight */
         assert_int_equal(m.images[FATHOM_MAP_ROUGHNESS].file != NULL,
                          strstr(cases[i].body, "map_Ns") != NULL);
         assert_int_equal(m.images[FATHOM_MAP_METALLIC].file != NULL,
