@@ -8,7 +8,7 @@
  * the processor features in use. */
 void version_print(bool verbose);
 
-/* What stored results begin with: {"fathom", "commit", "date", "machine"}. The date is UTC; the machine is
+/* Stored results begin with {"fathom", "commit", "date", "machine"}. The date is UTC; the machine is
  * {"cpu", "processors", "kernels", "compiler", "flags"}. */
 json_t *machine_head(void);
 /* The commit of the source; NULL: unknown. */
