@@ -34,7 +34,8 @@ typedef struct fathom_hit {
  * means Embree. */
 FATHOM_API fathom_status fathom_tracer_check(fathom_context *context, const char *words);
 /* Builds the acceleration structure. words: as in fathom_settings, NULL for Embree; FATHOM_BAD_USAGE when no
- * tracer is called that. The scene must outlive the tracer and must not change. */
+ * tracer is called that; FATHOM_BAD_INPUT when something moves while the camera's shutter is open. The scene
+ * must outlive the tracer and must not change. */
 FATHOM_API fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *scene,
                                               const char *words, fathom_tracer **out);
 FATHOM_API void fathom_tracer_destroy(fathom_tracer *tracer);
