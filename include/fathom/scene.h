@@ -4,7 +4,10 @@
  * radians; colours are linear Rec.709; positions are double, and are moved near the view's origin before
  * they become float. Structs are copied unless a call says `_shared`. Fill them with their
  * `_default` function first, then set what you need: later versions add fields. base.h explains the calls
- * that end in `_sized`. */
+ * that end in `_sized`.
+ *
+ * Between renders you may add more, and set the camera, background, ambient light, names and light groups
+ * again. What was added cannot be changed or removed: build another scene. */
 #ifndef FATHOM_SCENE_H
 #define FATHOM_SCENE_H
 
@@ -426,7 +429,8 @@ FATHOM_API fathom_status fathom_scene_set_name(fathom_scene *scene, const char *
 /* Adds a camera that frames everything, and lights, if the scene has none. Under path tracing, a
  * background counts as a light, and so do emissive materials that give the scene at least a sixteenth of
  * the built-in studio's light. The scene fills 90 % of the image's width or height, whichever is reached
- * first, for the image size in its settings: see fathom_scene_set_settings(). */
+ * first, for the image size in its settings: see fathom_scene_set_settings(). A light that you add later
+ * replaces all lights, the background and the ambient light that this call made. */
 FATHOM_API fathom_status fathom_scene_complete(fathom_scene *scene);
 
 /* Checks what can only be checked in a complete scene: cycles, absent geometry… Rendering calls it. */

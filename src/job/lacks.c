@@ -57,7 +57,7 @@ void lacks_find(const world *w, fathom_integrator integrator, void (*tell)(void 
         tell(user, "all surfaces are fully transparent: nothing but the background can be seen");
     if (integrator == FATHOM_INTEGRATOR_CLASSIC)
         find_classic(&t, scene);
-    else if (parts_ambient(scene) && !scene->lights_made)
+    else if (parts_ambient(scene) && !scene->made.ambient)
         tell(user,
              "ambient light is ignored: only the integrator `classic` has it; use a background instead");
     if (parts_brighten(scene, integrator, text)) tell(user, text);

@@ -137,7 +137,7 @@ static void hash_values(hash *h, const fathom_scene *scene) {
     for (size_t i = 0; i < groups; ++i) hash_name(h, scene->groups.items[i]);
     PUT_ALL(h, &scene->lights, hash_light);
     PUT_ALL(h, &scene->environments, hash_environment);
-    PUT(h, scene->in_studio), PUT(h, scene->lights_made), PUT(h, scene->studio_up);
+    PUT(h, scene->in_studio), PUT(h, scene->made.ambient), PUT(h, scene->studio_up);
     PUT_ALL(h, &scene->textures, hash_texture);
     PUT_ALL(h, &scene->objects, hash_object);
     PUT_ALL(h, &scene->instances, hash_instance);

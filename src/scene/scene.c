@@ -279,6 +279,15 @@ static fathom_status own_text(fathom_scene *scene, const char **text) {
     return status == FATHOM_OK && copy ? scene_adopt(scene, copy, free) : status;
 }
 
+/* What fathom_scene_complete() made gives way to a light that is added. */
+static void drop_made_lights(fathom_scene *scene) {
+    if (scene->made.lights) scene->lights.count = 0;
+    if (scene->made.background) memset(scene->background, 0, sizeof scene->background);
+    if (scene->made.ambient) memset(scene->ambient, 0, sizeof scene->ambient);
+    scene->has_background &= !scene->made.background, scene->has_ambient &= !scene->made.ambient;
+    scene->made.lights = scene->made.background = scene->made.ambient = scene->in_studio = false;
+}
+
 static fathom_status add_environment(fathom_scene *scene, const fathom_light *light, fathom_id *out) {
     fathom_context *context = scene->context;
     fathom_light entry = *light;
@@ -291,6 +300,7 @@ static fathom_status add_environment(fathom_scene *scene, const fathom_light *li
     fathom_status status = own_text(scene, &entry.file);
     if (status == FATHOM_OK) status = own_text(scene, &entry.name);
     if (status != FATHOM_OK) return status;
+    drop_made_lights(scene);
     if (!array_push(&scene->environments, entry)) return fail_memory(context, sizeof entry);
     if (out) *out = (fathom_id)(scene->environments.count - 1);
     return FATHOM_OK;
@@ -303,7 +313,6 @@ fathom_status fathom_scene_add_light_sized(fathom_scene *scene, const fathom_lig
     fathom_light item;
     fathom_status status = SIZED_ITEM(context, fathom_light, light, size, &item);
     if (status != FATHOM_OK) return status;
-    scene->in_studio = scene->lights_made = false;
     if ((unsigned)item.type > FATHOM_LIGHT_ENVIRONMENT)
         return fail(context, FATHOM_BAD_USAGE, "light: there is no type %u", (unsigned)item.type);
     status = check_color(context, "intensity", item.intensity);
@@ -312,6 +321,7 @@ fathom_status fathom_scene_add_light_sized(fathom_scene *scene, const fathom_lig
     status = check_light(context, &item);
     if (status == FATHOM_OK) status = own_text(scene, &item.name);
     if (status != FATHOM_OK) return status;
+    drop_made_lights(scene);
     if (!array_push(&scene->lights, item)) return fail_memory(context, sizeof item);
     if (out) *out = (fathom_id)(scene->lights.count - 1);
     return FATHOM_OK;
@@ -397,24 +407,25 @@ fathom_status fathom_scene_add_instance_sized(fathom_scene *scene, const fathom_
 }
 
 static fathom_status set_color(fathom_scene *scene, const char *what, const float rgb[3], float out[3],
-                               bool *given) {
+                               bool *given, bool *made) {
     if (!rgb) return fail_null(scene->context, what);
     fathom_status status = check_color(scene->context, what, rgb);
     if (status != FATHOM_OK) return status;
     memcpy(out, rgb, 3 * sizeof *out);
     *given = true;
-    scene->in_studio = false;
+    *made = scene->in_studio = false;
     return FATHOM_OK;
 }
 
 fathom_status fathom_scene_set_background(fathom_scene *scene, const float rgb[3]) {
     if (!scene) return FATHOM_BAD_USAGE;
-    return set_color(scene, "background", rgb, scene->background, &scene->has_background);
+    return set_color(scene, "background", rgb, scene->background, &scene->has_background,
+                     &scene->made.background);
 }
 
 fathom_status fathom_scene_set_ambient(fathom_scene *scene, const float rgb[3]) {
     if (!scene) return FATHOM_BAD_USAGE;
-    return set_color(scene, "ambient", rgb, scene->ambient, &scene->has_ambient);
+    return set_color(scene, "ambient", rgb, scene->ambient, &scene->has_ambient, &scene->made.ambient);
 }
 
 fathom_status fathom_scene_set_name(fathom_scene *scene, const char *name) {

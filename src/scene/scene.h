@@ -109,12 +109,10 @@ struct fathom_scene {
     /* fathom_scene_complete() made the lights, the ambient light and the background. Path tracing uses the
      * studio in their place, with studio_up as its up direction. */
     bool in_studio;
-    bool lights_made; /* fathom_scene_complete() made the lights and the ambient light, and no light was added
-                         later */
     vec3_f64 studio_up;
     struct {
         bool camera, lights, background, ambient;
-    } made; /* the parts that fathom_scene_complete() made; writers leave them out */
+    } made; /* what fathom_scene_complete() made and no call has replaced; writers leave it out */
     fathom_framing framing;
     bool without_uvs; /* texture coordinates are not kept if no material uses them */
     bool has_maps;    /* some material takes parameters from textures */

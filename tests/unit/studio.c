@@ -115,6 +115,31 @@ UNIT_TEST(only_models_without_light_stand_in_it) {
     fathom_scene_destroy(scene);
 }
 
+/* A light, a background and a camera that follow complete() replace its own, in the image and in files. */
+UNIT_TEST(what_is_added_later_replaces_what_was_made) {
+    float seen[3], behind[3];
+    fathom_light light;
+    fathom_camera camera;
+    fathom_scene *scene, *again;
+    fathom_light_default(&light), fathom_camera_default(&camera);
+    light.position[2] = camera.origin[2] = 5;
+    for (int later = 0; later < 2; ++later) {
+        scene = open_ball();
+        if (later) assert_ok(context, fathom_scene_complete(scene));
+        assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
+        assert_ok(context, fathom_scene_set_background(scene, (float[3]){0.1f, 0.2f, 0.3f}));
+        assert_ok(context, fathom_scene_set_camera(scene, &camera));
+        seen[later] = look(scene, &behind[later]);
+        if (!later) fathom_scene_destroy(scene);
+    }
+    assert_ok(context, fathom_scene_write(scene, in_folder("later.json")));
+    assert_ok(context, fathom_scene_read(context, in_folder("later.json"), &again));
+    seen[2] = look(again, &behind[2]);
+    for (int i = 1; i < 3; ++i) assert_true(seen[i] == seen[0] && behind[i] == behind[0]);
+    remove(in_folder("later.json"));
+    fathom_scene_destroy(scene), fathom_scene_destroy(again);
+}
+
 /* Behind a ball with an emission of 1, which an image may scale by 0. */
 static float wall_behind_emissive(bool image) {
     static const char black[] = "P6\n1 1\n255\n\0\0\0";

@@ -117,7 +117,8 @@ fathom_status fathom_scene_set_camera_sized(fathom_scene *scene, const fathom_ca
     scene->camera = item;
     frame_f64 frame = frame_from(load_f64(item.origin), load_f64(item.z), load_f64(item.y));
     set_frame(&scene->camera, &frame);
-    scene->has_camera = true;
+    scene->has_camera = true, scene->made.camera = false;
+    scene->framing = (fathom_framing){.made = false};
     return FATHOM_OK;
 }
 
@@ -189,15 +190,12 @@ static fathom_status light_everything(fathom_scene *scene) {
         if (status != FATHOM_OK) return status;
     }
     fathom_status status = FATHOM_OK;
-    scene->made.lights = true;
-    scene->made.background = !scene->has_background, scene->made.ambient = !scene->has_ambient;
-    const bool in_studio = !scene->has_background && !scene->has_ambient, lights_made = !scene->has_ambient;
-    if (!scene->has_background)
-        status = fathom_scene_set_background(scene, (float[3]){0.05f, 0.055f, 0.065f});
-    if (status == FATHOM_OK && !scene->has_ambient)
+    const bool background = !scene->has_background, ambient = !scene->has_ambient;
+    if (background) status = fathom_scene_set_background(scene, (float[3]){0.05f, 0.055f, 0.065f});
+    if (status == FATHOM_OK && ambient)
         status = fathom_scene_set_ambient(scene, (float[3]){0.12f, 0.13f, 0.15f});
-    scene->in_studio = in_studio;
-    scene->lights_made = lights_made;
+    scene->made.lights = true, scene->made.background = background, scene->made.ambient = ambient;
+    scene->in_studio = background && ambient;
     scene->studio_up = scene_way_up(scene);
     return status;
 }
@@ -208,7 +206,7 @@ static bool background_shines(const fathom_scene *scene) {
 }
 
 bool scene_replaces_lights(const fathom_scene *scene) {
-    return scene->in_studio || (scene->lights_made && background_shines(scene));
+    return scene->in_studio || (scene->made.ambient && background_shines(scene));
 }
 
 /* *out: true if, under path tracing, the background or the emissive surfaces light the scene. Emissive
