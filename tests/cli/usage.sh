@@ -18,6 +18,9 @@ for letter in -v --verbose; do
         grep -qE "$line" out.txt || die "--version $letter: no line $line"
     done
 done
+# Farms compare it, and equalise it by $FATHOM_ISA.
+[ "$(uname -m)" != x86_64 ] || FATHOM_ISA=sse2 "$FATHOM" --version -v | grep -q '^tracer .*, SSE' ||
+    die "--version -v does not know \$FATHOM_ISA"
 refused 2 '--version: expected nothing after it, found "foo"' --version foo
 refused 2 '-V: expected nothing after it, found "foo"' -V -v foo
 run 0 -h render

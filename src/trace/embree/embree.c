@@ -133,13 +133,17 @@ static fathom_status check_device(const embree_tracer *tracer) {
     return FATHOM_OK;
 }
 
-static fathom_status open_device(embree_tracer *tracer) {
-    const char *isa = isa_word(isa_limit(tracer->spec.isa));
+static RTCDevice new_device(isa_set most, unsigned threads) {
+    const char *isa = isa_word(isa_limit(most));
     char config[64];
+    snprintf(config, sizeof config, "threads=%u%s%s", threads, *isa ? ",isa=" : "", isa);
+    return rtcNewDevice(config);
+}
+
+static fathom_status open_device(embree_tracer *tracer) {
     unsigned threads = tracer->options->threads;
     if (!threads) threads = fathom_context_threads(tracer->context);
-    snprintf(config, sizeof config, "threads=%u%s%s", build_threads(threads), *isa ? ",isa=" : "", isa);
-    tracer->device = rtcNewDevice(config);
+    tracer->device = new_device(tracer->spec.isa, build_threads(threads));
     if (!tracer->device) {
         enum RTCError error = rtcGetDeviceError(NULL);
         return fail(tracer->context,
@@ -171,7 +175,7 @@ static void put_name(RTCDevice device, isa_set most, char *out, size_t size) {
 }
 
 void trace_embree_name(char *out, size_t size) {
-    RTCDevice device = rtcNewDevice("threads=1");
+    RTCDevice device = new_device(ISA_BEST, 1);
     snprintf(out, size, "Embree %s cannot be started", RTC_VERSION_STRING);
     if (device) put_name(device, isa_limit(ISA_BEST), out, size);
     release_device(device);
