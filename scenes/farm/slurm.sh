@@ -6,7 +6,7 @@
 # part. If one fails for good, the merge says which part is missing or not finished: mend the cause, and call this again
 # with the same words. Finished parts are kept.
 set -eu
-[ $# -ge 3 ] || { sed -n '2,8p' "$0" >&2; exit 2; }
+[ $# -ge 3 ] || { sed -n '2,7p' "$0" >&2; exit 2; }
 scene=$1 image=$2 parts=$3
 shift 3
 fathom=$(command -v "${FATHOM:-fathom}")
