@@ -52,7 +52,8 @@ static void choose_channels(image_texture &t, const OIIO::ImageSpec &spec) {
                                              std::strcmp(t.input->format_name(), "targa") == 0);
     if (names.size() > 4 || (names.size() == 2 && !alpha)) {
         throw failure(FATHOM_BAD_INPUT,
-                      "expected the channels R, G, B, or up to four; found " + names_of(spec));
+                      "expected the channels R, G and B, or one, three or four, or grey and A; found " +
+                          names_of(spec));
     }
     t.info.channels = static_cast<uint32_t>(names.size());
 }

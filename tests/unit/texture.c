@@ -713,8 +713,11 @@ UNIT_TEST(files_that_are_no_textures_are_named) {
     t = texture_of("a.ppm", FATHOM_COLOR_NAMED), t.color_space_name = "Mauve";
     check_opening_fails(&t, FATHOM_BAD_USAGE,
                         "no color space \"Mauve\"; expected one of: \"Linear Rec.709\"");
+    put_image("two.exr", 1, 1, (const float[]){0, 0}, 2, false);
+    t = texture_of("two.exr", FATHOM_COLOR_LINEAR);
+    check_opening_fails(&t, FATHOM_BAD_INPUT, "or one, three or four, or grey and A; found R, G");
     unlink(in_folder("text.png")), unlink(in_folder("wide.ppm")), unlink(in_folder("many.ppm"));
-    unlink(in_folder("a.ppm"));
+    unlink(in_folder("a.ppm")), unlink(in_folder("two.exr"));
 }
 
 /* 8 × 8 grey texels: tables of ones and of one code, a scan of means. Without the last two bytes another scan
