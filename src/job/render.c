@@ -72,7 +72,8 @@ static fathom_status memory_besides(const build *b, uint64_t *out) {
              film_now = b->film->stats.resumed_samples ? bytes : memory_taken(bytes);
     uint64_t resident = memory_resident();
     resident = resident > film_now ? resident - film_now : 0;
-    *out = (resident > expected ? resident : expected) + bytes + skies + texture_cache_bytes(b->textures);
+    b->film->stats.image_bytes = skies + texture_cache_bytes(b->textures);
+    *out = (resident > expected ? resident : expected) + bytes + b->film->stats.image_bytes;
     return FATHOM_OK;
 }
 

@@ -49,7 +49,8 @@ printf '{"materials": {"m": {"kdTexture": {"file": "image.ppm"}}}, "objects": [{
 refused 4 'are left after program, meshes and images; raise the limit, lower --texture-memory, render on' \
     render textured.json -o none.exr --size 64x48 --threads 2 --memory-limit 45M --quiet
 run 0 render textured.json -o seen.exr --size 64x48 --threads 2 --memory-limit 45M --texture-memory 1M
-run 0 render textured.json -o seen.exr --size 64x48 --threads 2 --memory-limit 80M
+run 0 render textured.json -o seen.exr --size 64x48 --threads 2 --memory-limit 80M --stats s.json
+[ "$(number s.json imageBytes)" -ge $((2048 * 2048 * (4 + 2))) ] || die 'imageBytes'
 rm seen.exr
 
 run 0 render textured.json -o seen.exr --size 8x8 --spp 1 --tracer bvh --memory-limit 45M

@@ -7,7 +7,7 @@ at_least() { awk "BEGIN { exit !($1 >= $2) }" || die "expected $1 >= $2: $3"; }
 run 0 render scene.json -o a.exr --spp 4 --stats s.json
 cat s.json >out.txt
 for key in triangles primitives instances degenerateTriangles read build render write total camera shadow reflection \
-    refraction raysPerSecond peakMemoryBytes peakBytes meshBytes bvhBytes filmBytes bvhPeakBytes peakToNeeded foreseenBytes \
+    refraction raysPerSecond peakMemoryBytes peakBytes meshBytes bvhBytes filmBytes imageBytes bvhPeakBytes peakToNeeded foreseenBytes \
     threads width height spp; do
     [ -n "$(number s.json $key)" ] || die "--stats: no number $key"
 done

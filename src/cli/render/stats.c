@@ -31,14 +31,15 @@ static uint64_t peak_bytes(void) {
 }
 
 static uint64_t needed_bytes(const render_report *r) {
-    return r->stats.mesh_bytes + r->stats.bvh_bytes + r->stats.film_bytes;
+    return r->stats.mesh_bytes + r->stats.bvh_bytes + r->stats.film_bytes + r->stats.image_bytes;
 }
 
 static json_t *pack_memory(const render_report *r) {
     const fathom_stats *s = &r->stats;
     const uint64_t peak = peak_bytes();
     return json_of(JSON("peakBytes", peak), JSON("meshBytes", s->mesh_bytes), JSON("bvhBytes", s->bvh_bytes),
-                   JSON("filmBytes", s->film_bytes), JSON("bvhPeakBytes", s->bvh_peak_bytes),
+                   JSON("filmBytes", s->film_bytes), JSON("imageBytes", s->image_bytes),
+                   JSON("bvhPeakBytes", s->bvh_peak_bytes),
                    JSON("peakToNeeded", (double)peak / (double)needed_bytes(r)),
                    JSON("foreseenBytes", s->foreseen_bytes ? json_count(s->foreseen_bytes) : json_null()));
 }
@@ -130,9 +131,11 @@ static double megabytes(uint64_t bytes) { return 1e-6 * (double)bytes; }
 static void print_memory(const render_report *r) {
     const fathom_stats *s = &r->stats;
     uint64_t peak = peak_bytes();
-    printf("memory   %.1f MB at most, %.3g times meshes %.1f, BVH %.1f (at most %.1f) and film %.1f",
+    printf("memory   %.1f MB at most, %.3g times meshes %.1f, BVH %.1f (at most %.1f), film %.1f and images "
+           "%.1f",
            megabytes(peak), (double)peak / (double)needed_bytes(r), megabytes(s->mesh_bytes),
-           megabytes(s->bvh_bytes), megabytes(s->bvh_peak_bytes), megabytes(s->film_bytes));
+           megabytes(s->bvh_bytes), megabytes(s->bvh_peak_bytes), megabytes(s->film_bytes),
+           megabytes(s->image_bytes));
     if (s->foreseen_bytes) printf("; %.0f were foreseen", megabytes(s->foreseen_bytes));
     putchar('\n');
 }
