@@ -93,7 +93,7 @@ static void build_tracer(void *user) {
             texture_cache_open(b->context, b->world->scene, b->settings->texture_memory, &b->textures);
     if (b->status == FATHOM_OK) b->status = memory_besides(b, &other);
     if (b->status != FATHOM_OK) return;
-    b->options.memory = building_memory(other, b->settings->memory_limit);
+    b->options.memory = building_memory(other, b->settings->memory_limit), b->options.besides = other;
     b->status = trace_create(b->context, b->world, &b->options, &b->tracer);
     if (b->tracer && trace_foreseen_bytes(b->tracer))
         b->film->stats.foreseen_bytes = other + trace_foreseen_bytes(b->tracer);

@@ -83,7 +83,8 @@ typedef struct trace_options {
     bool timed;             /* the caller's rays have times; required for a world that moves */
     uint64_t expected_rays; /* of all kinds; 0: unknown, treated as many */
     trace_quality quality;
-    uint64_t memory;                               /* bytes for building and for the structure; 0: no limit */
+    uint64_t memory;  /* bytes for building and for the structure; 0: no limit */
+    uint64_t besides; /* bytes of program, meshes and images, for the message about a limit */
     bool (*progress)(void *user, double fraction); /* called while building, from any thread; false stops the
                                                       build; may be NULL */
     void *user;

@@ -46,7 +46,7 @@ not_said err.txt warning
 # Images count, and textures may take less: level 0 has 2048 x 2048 texels of 4 bytes, the smaller ones a third of 8 each.
 { printf 'P6\n2048 2048\n255\n' && head -c 12582912 /dev/zero; } >image.ppm
 printf '{"materials": {"m": {"kdTexture": {"file": "image.ppm"}}}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}]}' >textured.json
-refused 4 'are left after program, meshes and images; raise the limit, lower --texture-memory, render on' \
+refused 4 'building takes about 0.00 GB, and 0.00 GB are left after program, meshes and images, which take 0.05 GB; raise the limit, lower --texture-memory, render on' \
     render textured.json -o none.exr --size 64x48 --threads 2 --memory-limit 45M --quiet
 run 0 render textured.json -o seen.exr --size 64x48 --threads 2 --memory-limit 45M --texture-memory 1M
 run 0 render textured.json -o seen.exr --size 64x48 --threads 2 --memory-limit 80M --stats s.json

@@ -55,9 +55,10 @@ static double total(trace_need need) { return need.kept + need.passed; }
 static fathom_status refuse(const embree_tracer *tracer, double need) {
     return fail(tracer->context, FATHOM_OUT_OF_RESOURCES,
                 "out of memory: building takes about %.2f GB, and %.2f GB are left after program, meshes "
-                "and images; raise the limit, %srender on a machine with more memory, or place repeated "
+                "and images, which take %.2f GB; raise the limit, %srender on a machine with more memory, or "
+                "place repeated "
                 "parts as instances",
-                need * 1e-9, (double)tracer->options->memory * 1e-9,
+                need * 1e-9, (double)tracer->options->memory * 1e-9, (double)tracer->options->besides * 1e-9,
                 tracer->base.world->scene->has_maps ? "lower --texture-memory, " : "");
 }
 
@@ -73,7 +74,7 @@ fathom_status embree_fit_memory(embree_tracer *tracer) {
      * low. */
     tracer->most_bytes = 2 * tracer->options->memory + RESERVE;
     if (need <= room) return FATHOM_OK;
-    if (!free_to_choose || less > room) return refuse(tracer, free_to_choose ? less : need);
+    if (!free_to_choose || less > room) return refuse(tracer, free_to_choose ? fmin(less, need) : need);
     tracer->base.foreseen_bytes = (uint64_t)less;
     tracer->spec.flags = TRACE_SCENE_COMPACT;
     tracer->spec.quality = TRACE_QUALITY_MEDIUM; /* low needs as much during the build as the usual
