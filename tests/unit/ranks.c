@@ -188,7 +188,7 @@ UNIT_TEST(another_render_is_told_of) {
     assert_int_equal(ranks[1].status, FATHOM_OK);
     run_rank(&ranks[0]);
     assert_fails(ranks[0].s.context, ranks[0].status, FATHOM_BAD_INPUT,
-                 "rank 1 renders with seed 5, and rank 0 with 0");
+                 "rank 1 renders with --seed 5, and rank 0 with 0");
     assert_null(ranks[0].film);
     close_all(ranks, 2);
     close_post(&p);
