@@ -35,7 +35,7 @@ code=0
 mpirun --oversubscribe -n 2 sh -c 'exec "$0" render scene.json -o a.exr --mpi --spp $((1024 + 3072 * OMPI_COMM_WORLD_RANK))' \
     "$FATHOM" >out.txt 2>err.txt || code=$?
 [ $code -eq 3 ] || die "another rank's settings: exit code $code, expected 3"
-said err.txt 'rank 1 renders with spp 4096, and rank 0 with 1024'
+said err.txt 'rank 1 renders with --spp 4096, and rank 0 with 1024'
 [ ! -e a.exr ] || die 'an image of two different renders'
 
 # A rank is killed: the job ends, and goes on with another number of ranks.
