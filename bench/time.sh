@@ -8,6 +8,7 @@ scene=${1:-scenes/first-render.json}
 [ $# -eq 0 ] || shift
 [ $# -gt 0 ] || set -- 2 5 15
 folder=$(mktemp -d)
+failed=0
 trap 'rm -rf "$folder"' EXIT
 
 # one SECONDS ARGUMENT…: a row of the table.
@@ -16,7 +17,7 @@ one() {
     shift
     rm -f "$folder"/*
     began=$(date +%s.%N)
-    "$program" render "$scene" --max-time "$seconds" --stats "$folder/stats.json" --quiet "$@" || return 0
+    "$program" render "$scene" --max-time "$seconds" --stats "$folder/stats.json" --quiet "$@" || { failed=1; return 0; }
     ended=$(date +%s.%N)
     last=0
     for file in "$folder"/out.*; do
@@ -38,3 +39,4 @@ for seconds in "$@"; do
     one "$seconds" -o "$folder/out.exr" -o "$folder/out.png"
     one "$seconds" -o "$folder/out.exr" --aov all
 done
+exit $failed
