@@ -7,7 +7,7 @@
  * that end in `_sized`.
  *
  * Between renders you may add more, and set the camera, background, ambient light, names and light groups
- * again. What was added cannot be changed or removed: build another scene. */
+ * again. You cannot change or remove what you added: build another scene. */
 #ifndef FATHOM_SCENE_H
 #define FATHOM_SCENE_H
 

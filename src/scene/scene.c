@@ -279,7 +279,7 @@ static fathom_status own_text(fathom_scene *scene, const char **text) {
     return status == FATHOM_OK && copy ? scene_adopt(scene, copy, free) : status;
 }
 
-/* What fathom_scene_complete() made gives way to a light that is added. */
+/* A light that is added replaces what fathom_scene_complete() made. */
 static void drop_made_lights(fathom_scene *scene) {
     if (scene->made.lights) scene->lights.count = 0;
     if (scene->made.background) memset(scene->background, 0, sizeof scene->background);
