@@ -329,7 +329,7 @@ static void make_surface(const reference_scene *r, const query *q, reference_sur
     vec3_f64 own = cross_f64(sub_f64(c[1], c[0]), sub_f64(c[3], c[0]));
     if (p->kind == SCENE_SPHERE) own = sub_f64(affine_point(&at.to_object, out->point), c[0]);
     if (p->kind == SCENE_PLANE) own = c[1];
-    corner_normals corners;
+    corner_normals corners = {.weight = {0, 0, 0}}; /* only of meshes with normals */
     out->normal =
         p->kind == SCENE_MESH ? vertex_normals(&r->scene->meshes.items[p->mesh], q, own, &corners) : own;
     const bool smooth =
