@@ -375,6 +375,20 @@ static void note(void *user, const char *text) {
     snprintf(warning, sizeof warning, "%s", text);
 }
 
+/* The first texel of the file is 100, of sRGB or linear, and reading warns of `told` alone; NULL: of nothing.
+ */
+static void assert_encoding(const char *file, fathom_color_space space, bool is_srgb, const char *told) {
+    const fathom_texture t = texture_of(file, space);
+    float rgba[4];
+    warnings = 0;
+    opened o = open_textures(&t, 1, ALL);
+    texel(o.cache, 0, 0, 0, 0, rgba);
+    assert_true(rgba[0] == (float)(is_srgb ? srgb(100 / 255.0) : 100 / 255.0));
+    assert_int_equal(warnings, told != NULL);
+    if (told && !strstr(warning, told)) fail_msg("%s", warning);
+    close_textures(&o);
+}
+
 /* Another colour space in the scene is followed, with a warning. */
 UNIT_TEST(ktx2_files_choose_their_encoding_where_the_scene_does_not) {
     static const uint8_t level[1] = {100};
@@ -402,15 +416,7 @@ UNIT_TEST(ktx2_files_choose_their_encoding_where_the_scene_does_not) {
                                           .channels = "0",
                                           .level = level,
                                           .level_size = 1});
-        const fathom_texture t = texture_of("a.ktx2", cases[i].space);
-        float rgba[4];
-        warnings = 0;
-        opened o = open_textures(&t, 1, ALL);
-        texel(o.cache, 0, 0, 0, 0, rgba);
-        assert_true(rgba[0] == (float)(cases[i].srgb ? srgb(100 / 255.0) : 100 / 255.0));
-        assert_int_equal(warnings, cases[i].told != NULL);
-        if (cases[i].told && !strstr(warning, cases[i].told)) fail_msg("%s", warning);
-        close_textures(&o);
+        assert_encoding("a.ktx2", cases[i].space, cases[i].srgb, cases[i].told);
     }
     fathom_context_on_warning(context, NULL, NULL);
     unlink(in_folder("a.ktx2"));
@@ -435,15 +441,7 @@ UNIT_TEST(mip_mapped_files_say_how_their_levels_were_averaged) {
     fathom_context_on_warning(context, note, NULL);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         write_texture("a.ppm", cases[i].written, "a.tx");
-        const fathom_texture t = texture_of("a.tx", cases[i].read);
-        float rgba[4];
-        warnings = 0;
-        opened o = open_textures(&t, 1, ALL);
-        texel(o.cache, 0, 0, 0, 0, rgba);
-        assert_true(rgba[0] == (float)(cases[i].srgb ? srgb(100 / 255.0) : 100 / 255.0));
-        assert_int_equal(warnings, cases[i].told != NULL);
-        if (cases[i].told && !strstr(warning, cases[i].told)) fail_msg("%s", warning);
-        close_textures(&o);
+        assert_encoding("a.tx", cases[i].read, cases[i].srgb, cases[i].told);
     }
     fathom_context_on_warning(context, NULL, NULL);
     unlink(in_folder("a.ppm")), unlink(in_folder("a.tx"));
