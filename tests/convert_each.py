@@ -161,6 +161,7 @@ def surroundings():
     yield "an ambient light", scene(classic(ka=[0.2, 0.1, 0.1]), image={"integrator": "classic"}, ambient=[1, 1, 1])
     view = {"eye": CAMERA["eye"], "target": [0, 0, 0]}
     for camera in ({**CAMERA, "lensRadius": 0.1, "focusDistance": 3.5, "blades": 5}, {**view, "orthographic": 3}, {**CAMERA, "up": [1, 1, 0]},
+                   {**CAMERA, "nearClip": 3.8, "farClip": 4.5},
                    {**view, "d": 1, "h": 0.9, "w": 0.9}, {"frame": {"origin": [0, 1, 5], "z": [0, 0.2, 1]}, "fovy": 35}, None,
                    {"motion": [{"time": 0, **view}, {"time": 1, **view, "eye": [2, 1, 4]}], "fovy": 40, "shutter": [0, 1]}):
         yield f"camera {camera}", scene(camera=camera)

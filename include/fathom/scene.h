@@ -400,6 +400,9 @@ typedef struct fathom_camera {
     bool orthographic; /* parallel rays along -z from the plane through the origin. The view is h high, and as
                           wide as the image's aspect ratio needs. d is not read; w and lens_radius must be 0.
                           Default false */
+    double near_clip, far_clip; /* the camera sees only what lies between planes at these distances along the
+                                   view axis; mirrors, light and shadows are not clipped. far_clip >
+                                   near_clip >= 0; a far_clip of 0 is none; default 0, 0: all is seen */
 } fathom_camera;
 
 FATHOM_DEFAULT(fathom_camera)

@@ -28,6 +28,9 @@ void camera_prepare(const fathom_camera *camera, uint32_t width, uint32_t height
     out->right = x, out->up = y;
     out->lens_radius = camera->lens_radius, out->focus_distance = camera->focus_distance;
     out->blades = camera->blades, out->blade_rotation = camera->blade_rotation;
+    out->near_clip = camera->near_clip;
+    out->far_clip = camera->far_clip > 0 ? camera->far_clip : (double)INFINITY;
+    out->clips = camera->near_clip > 0 || camera->far_clip > 0;
 }
 
 /* A uniform point in a regular polygon with corners at radius 1: picks one of its triangles, then a point in

@@ -19,6 +19,8 @@ typedef struct shade_camera {
     uint32_t blades;                    /* 0: a circular lens */
     double blade_rotation;
     bool parallel; /* orthographic: all rays have the direction `view` */
+    bool clips;    /* rays see only what lies between two planes at these distances along `view` */
+    double near_clip, far_clip; /* INFINITY: no far plane */
 } shade_camera;
 
 /* Width and height of the image plane at distance 1, or of an orthographic view. */
@@ -45,6 +47,11 @@ static inline vec3_f32 camera_direction(const shade_camera *c, double x, double 
 static inline void camera_ray(const shade_camera *c, double x, double y, vec3_f32 *org, vec3_f32 *dir) {
     *org = c->parallel ? narrow(add_f64(widen(c->eye), camera_towards(c, x, y))) : c->eye;
     *dir = c->parallel ? narrow(c->view) : camera_direction(c, x, y);
+}
+
+/* The distance along a ray from `from_eye` to the plane at `depth` along the view axis. */
+static inline double camera_way_to(const shade_camera *c, double depth, vec3_f64 from_eye, vec3_f64 dir) {
+    return (depth - dot_f64(from_eye, c->view)) / dot_f64(dir, c->view);
 }
 
 /* The image position of a point given relative to the eye. False: it is behind the camera. */

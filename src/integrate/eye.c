@@ -77,7 +77,7 @@ static bool any_start(const render_plan *plan,
         trace_rays rays;
         wave_square_rays(plan, &square, &rays);
         for (uint32_t k = 0; k < LANES; ++k)
-            if (holds(plan, trace_org(&rays, k), wave_time_of(plan, wave_square_key(&square, k))))
+            if (holds(plan, wave_start(&rays, k), wave_time_of(plan, wave_square_key(&square, k))))
                 return true;
     }
     return false;

@@ -28,7 +28,7 @@ uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s)
 /* Camera rays start at different points or times. */
 static bool eyes_vary(const render_plan *plan) {
     return (plan->moves && plan->settings.motion_blur) || plan->camera.parallel ||
-           plan->camera.lens_radius > 0;
+           plan->camera.lens_radius > 0 || plan->camera.near_clip > 0;
 }
 
 static void plan_depths(render_plan *plan) {

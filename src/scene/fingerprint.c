@@ -27,6 +27,7 @@ static void hash_camera(hash *h, const fathom_camera *c) {
     PUT(h, c->lens_radius), PUT(h, c->focus_distance);
     if (c->shutter[0] != 0 || c->shutter[1] != 0) PUT(h, c->shutter);
     if (c->orthographic) PUT(h, c->orthographic);
+    if (c->near_clip > 0 || c->far_clip > 0) PUT(h, c->near_clip), PUT(h, c->far_clip);
     if (c->blades) PUT(h, c->blades), PUT(h, c->blade_rotation);
     hash_keys(h, c->key_count, c->key_times, c->key_frames);
 }

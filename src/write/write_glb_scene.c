@@ -131,24 +131,28 @@ static double angle_of(double size) {
     return middle;
 }
 
-/* glTF requires a near plane; Fathom has none, so its value is arbitrary. */
+/* glTF requires a near plane, and a far one of orthographic cameras. Where the scene has none, they are so
+ * near and so far that they clip nothing of most scenes. */
 static void put_camera(const glb *g, file_writer *t) {
     const fathom_camera *c = &g->scene->camera;
     const fathom_settings *s = &g->scene->settings;
     const double asked = c->w > 0 ? c->w / c->h : g->scene->camera_aspect,
-                 aspect = asked > 0 ? asked : (double)s->width / s->height;
+                 aspect = asked > 0 ? asked : (double)s->width / s->height,
+                 near = c->near_clip > 0 || c->orthographic ? c->near_clip : 0.001;
     if (c->orthographic) {
         file_writer_print(t,
                           ",\n\"cameras\":[{\"type\":\"orthographic\",\"orthographic\":{\"xmag\":%.17g,"
-                          "\"ymag\":%.17g,\"znear\":0,\"zfar\":1e6}}]",
-                          0.5 * c->h * aspect, 0.5 * c->h);
+                          "\"ymag\":%.17g,\"znear\":%.17g,\"zfar\":%.17g}}]",
+                          0.5 * c->h * aspect, 0.5 * c->h, near, c->far_clip > 0 ? c->far_clip : near + 1e6);
         return;
     }
     file_writer_print(
         t,
-        ",\n\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":%.17g,\"znear\":0.001,"
-        "\"aspectRatio\":%.17g}}]",
-        angle_of(c->h / c->d), aspect);
+        ",\n\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":%.17g,\"znear\":%.17g,"
+        "\"aspectRatio\":%.17g",
+        angle_of(c->h / c->d), near, aspect);
+    if (c->far_clip > 0) file_writer_print(t, ",\"zfar\":%.17g", c->far_clip);
+    file_writer_print(t, "}}]");
     if (c->lens_radius > 0)
         notes_add(g->notes, 1, "", "the camera's lens has no place in glTF, and becomes a pinhole");
 }

@@ -53,8 +53,12 @@ static void put_camera(json_out *o) {
     const fathom_camera *c = &scene->camera;
     file_writer *t = o->stream.file;
     const char *comma = "";
-    form_camera_values usual = {.up = {0}},
-                       v = {.d = c->d, .h = c->h, .w = c->w, .lens_radius = c->lens_radius};
+    form_camera_values usual = {.up = {0}}, v = {.d = c->d,
+                                                 .h = c->h,
+                                                 .w = c->w,
+                                                 .lens_radius = c->lens_radius,
+                                                 .near_clip = c->near_clip,
+                                                 .far_clip = c->far_clip};
     if (!c->key_count) {
         memcpy(v.frame.x, c->x, sizeof c->x), memcpy(v.frame.y, c->y, sizeof c->y);
         memcpy(v.frame.z, c->z, sizeof c->z), memcpy(v.frame.origin, c->origin, sizeof c->origin);

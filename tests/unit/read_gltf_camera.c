@@ -98,6 +98,7 @@ UNIT_TEST(one_of_several_is_taken_and_said) {
     assert_ok(f->context, read_asked(f, NULL, 0, 0, &scene));
     assert_int_equal(scene->camera_taken, 0);
     assert_true(scene->camera.orthographic && scene->camera.h == 2 && scene->camera_aspect == 1);
+    assert_true(scene->camera.near_clip == 1 && scene->camera.far_clip == 9);
     assert_int_equal(f->warnings, 0);
     fathom_scene_destroy(scene);
     /* However small it is; the product of both sides is not a number above 0. */
@@ -129,6 +130,18 @@ UNIT_TEST(only_the_taken_camera_is_read) {
     assert_int_equal(f->warnings, 1);
     assert_non_null(strstr(f->warning, "cameras[1].perspective.yfov: expected radians between 0 and pi"));
     assert_near(scene->camera.h, 2 * tan(0.39269908169872414), 1e-15);
+    fathom_scene_destroy(scene);
+}
+
+UNIT_TEST(planes_that_show_nothing_clip_nothing) {
+    fixture *f = *state;
+    fathom_scene *scene;
+    write_triangle(f, WITH_DATA(TRIANGLE_MESH ",'cameras':[{'type':'perspective','perspective':{'yfov':1,"
+                                              "'znear':2,'zfar':1}}],'nodes':[{'mesh':0,'camera':0}]"));
+    assert_ok(f->context, read_asked(f, NULL, 0, 0, &scene));
+    assert_int_equal(f->warnings, 1);
+    assert_non_null(strstr(f->warning, "cameras[0].perspective.zfar: expected 0 <= znear < zfar"));
+    assert_true(scene->camera.near_clip == 0 && scene->camera.far_clip == 0);
     fathom_scene_destroy(scene);
 }
 

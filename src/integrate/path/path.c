@@ -211,12 +211,28 @@ static void push_some(path_wave *p, const trace_rays *rays, const path_block *pa
         to->depth[k++] = path->depth[lane_first(left)];
 }
 
+/* The far plane also hides what camera rays find behind holes. */
+static void clip_passes(const path_wave *p, const vertex_block *v, const shader_sample *to,
+                        trace_rays *rays) {
+    const render_plan *plan = p->wave.run.plan;
+    shade_camera camera = plan->camera;
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        if (!to->straight[i] || to->pane[i] || !path_in_view(p, slot)) continue;
+        if (plan->camera_moves) wave_camera_when(plan, p->wave.times[slot], &camera);
+        const vec3_f64 from = sub_f64(widen(trace_org(rays, i)), plan_eye(plan, &camera));
+        rays->t_far[i] =
+            (float)fmax(camera_way_to(&camera, camera.far_clip, from, widen(trace_dir(rays, i))), 0);
+    }
+}
+
 /* lanes: bits of the lanes that continue. */
 static void push_lanes(path_wave *p, const vertex_block *v, const shader_sample *to, path_block *path,
                        uint32_t lanes) {
     trace_rays rays;
     uint32_t crossed = 0;
     p->wave.run.plan->path_kernels->depart(&v->surface, to, p->wave.run.plan->t_near, &rays);
+    if (p->wave.run.plan->camera.clips) clip_passes(p, v, to, &rays);
     for (uint32_t left = lanes; left; left &= left - 1) keep_path(p, v, to, (unsigned)__builtin_ctz(left));
     memcpy(path->slot, v->path.slot, sizeof path->slot);
     for (unsigned i = 0; i < LANES; ++i) {

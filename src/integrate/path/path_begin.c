@@ -43,7 +43,8 @@ static float skipped(const path_wave *p, uint32_t slot, vec3_f32 org) {
     return (float)length_f64(sub_f64(widen(org), camera.exact_eye));
 }
 
-/* Each path starts where its ray does, such as at a point of the lens. */
+/* Each path starts where its ray does, such as at a point of the lens. Its way begins at the camera's near
+ * plane. */
 static void begin_at_origins(path_wave *p) {
     const path_queue *now = &p->wave.now;
     for (size_t k = 0; k < now->count; ++k) {
@@ -51,6 +52,7 @@ static void begin_at_origins(path_wave *p) {
         const vec3_f32 org = trace_org(&now->rays[k / LANES].rays, k % LANES);
         p->p[0][slot] = org.x, p->p[1][slot] = org.y, p->p[2][slot] = org.z;
         if (p->wave.run.plan->far) p->width[slot] += p->spread[slot] * skipped(p, slot, org);
+        if (p->wave.run.plan->camera.clips) p->passed[slot] = now->rays[k / LANES].rays.t_near[k % LANES];
     }
 }
 
@@ -61,7 +63,7 @@ static void begin_in_volumes(path_wave *p) {
     for (size_t k = 0; k < now->count; ++k) {
         const uint32_t slot = now->paths[k / LANES].slot[k % LANES];
         if (plan->volumes_differ)
-            eye_volumes_find(plan, trace_org(&now->rays[k / LANES].rays, k % LANES),
+            eye_volumes_find(plan, wave_start(&now->rays[k / LANES].rays, k % LANES),
                              p->wave.times ? p->wave.times[slot] : 0, &around);
         media_begin(p->media, slot, around.of, around.count);
     }

@@ -15,6 +15,7 @@ enum { NESTED = 8 };
 
 typedef struct path {
     vec3_f64 origin, direction, weight;
+    double end;                        /* how far the camera sees along the path */
     const fathom_material *in[NESTED]; /* the volumes that the path is in, */
     unsigned nested;                   /* and their number */
     unsigned channel;                  /* the one channel that the path carries, 1 to 3; 0: all */
@@ -185,11 +186,12 @@ static bool survives(path *p, unsigned bounce, reference_random *random) {
 static bool radiance(const reference_scene *r, path p, reference_random random, vec3_f64 *out) {
     vec3_f64 sum = {0, 0, 0};
     for (unsigned bounce = 0; !p.overlap;) {
-        reference_surface s = {.t = (double)INFINITY};
+        reference_surface s = {.t = p.in_view ? p.end : (double)INFINITY};
         const bool hit = reference_closest(r, p.origin, p.direction, s.t, false, &random, &s);
-        sum = add_f64(sum, times(p.weight, lamps(r, &p, s.t)));
+        const double length = hit ? s.t : (double)INFINITY;
+        sum = add_f64(sum, times(p.weight, lamps(r, &p, length)));
         const fathom_material *medium = medium_of(&p, NULL);
-        if (medium) p.weight = times(p.weight, reference_absorbed(medium, hit ? s.t : (double)INFINITY));
+        if (medium) p.weight = times(p.weight, reference_absorbed(medium, length));
         if (!hit) {
             sum = add_f64(sum, times(p.weight, outside(r, &p)));
             break;
@@ -207,7 +209,7 @@ static bool radiance(const reference_scene *r, path p, reference_random random, 
             if (!straight && !survives(&p, bounce++, &random)) break;
             p.in_view = false;
         } else {
-            p.unlit = true;
+            p.unlit = true, p.end -= length;
         }
         advance(&p, &s);
     }
@@ -225,10 +227,17 @@ static bool beyond_blades(const fathom_camera *camera, double angle, double radi
     return radius * cos(aside) > camera->lens_radius * cos(step / 2);
 }
 
-/* The camera ray through the point (x, y) of the image, in pixels from the upper left corner. A lens moves
- * the ray's origin and changes its direction so that it intersects the plane of focus at the same point. */
-static void camera_ray(const reference_scene *r, double x, double y, reference_random *random, path *out) {
-    const fathom_camera there = motion_camera(&r->scene->camera, random->time), *camera = &there;
+/* The path starts at the near plane and ends at the far one. */
+static void clip(const fathom_camera *camera, path *out) {
+    const double slope = -dot_f64(out->direction, load_f64(camera->z)), near = camera->near_clip / slope;
+    out->origin = madd_f64(out->origin, near, out->direction);
+    out->end = camera->far_clip > 0 ? camera->far_clip / slope - near : (double)INFINITY;
+}
+
+/* The ray through the point (x, y) of the image, in pixels from the upper left corner. A lens moves the ray's
+ * origin and changes its direction so that it intersects the plane of focus at the same point. */
+static void lens_ray(const reference_scene *r, const fathom_camera *camera, double x, double y,
+                     reference_random *random, path *out) {
     const double width = r->settings.width, height = r->settings.height;
     const double w = camera->w > 0 ? camera->w : camera->h * width / height;
     const vec3_f64 right = load_f64(camera->x), up = load_f64(camera->y);
@@ -251,6 +260,12 @@ static void camera_ray(const reference_scene *r, double x, double y, reference_r
         d = madd_f64(d, -camera->d / camera->focus_distance, off);
     }
     out->direction = normalize_f64(d);
+}
+
+static void camera_ray(const reference_scene *r, double x, double y, reference_random *random, path *out) {
+    const fathom_camera camera = motion_camera(&r->scene->camera, random->time);
+    lens_ray(r, &camera, x, y, random, out);
+    clip(&camera, out);
 }
 
 /* The path starts in the volumes that a ray from its origin leaves without having entered them. */

@@ -136,6 +136,8 @@ bool wave_camera_rays(wave *w, const wave_region *region, const wave_batch *batc
 /* The time of a sample, in [0, 1) of the shutter, and the camera at that time. */
 float wave_time_of(const render_plan *plan, sample_key key);
 void wave_camera_when(const render_plan *plan, float time, shade_camera *out);
+/* The point from which the ray sees, such as on the near plane. */
+vec3_f32 wave_start(const trace_rays *rays, size_t i);
 /* The camera's rays through a square. */
 void wave_square_rays(const render_plan *plan, const wave_square *s, trace_rays *out);
 /* Closest hits of the rays [begin, end) of `now`; begin is a multiple of 16. False: stopped. */

@@ -62,6 +62,14 @@ static void near_ray(const render_plan *plan, const shade_camera *camera, const 
     if (camera->lens_radius > 0) camera_lane_through_lens(camera, lens[0], lens[1], out, k);
 }
 
+/* Limits the ray to what lies between the camera's clip planes. */
+static void clip(const render_plan *plan, const shade_camera *camera, trace_rays *rays, uint32_t k) {
+    const vec3_f64 from = sub_f64(widen(trace_org(rays, k)), plan_eye(plan, camera)),
+                   dir = widen(trace_dir(rays, k));
+    rays->t_near[k] = fmaxf(rays->t_near[k], (float)camera_way_to(camera, camera->near_clip, from, dir));
+    rays->t_far[k] = (float)fmax(camera_way_to(camera, camera->far_clip, from, dir), 0);
+}
+
 /* Makes rays one by one: if the camera moves, each uses the camera at its own time. */
 static void single_rays(const render_plan *plan, const wave_square *s, const square_samples *samples,
                         trace_rays *out) {
@@ -75,6 +83,7 @@ static void single_rays(const render_plan *plan, const wave_square *s, const squ
         double lens[2] = {0, 0};
         if (camera.lens_radius > 0) sample_2d(&plan->sampler, key, SAMPLE_LENS, &lens[0], &lens[1]);
         (plan->far ? far_ray : near_ray)(plan, &camera, at, lens, out, k);
+        if (camera.clips) clip(plan, &camera, out, k);
     }
 }
 
@@ -85,10 +94,16 @@ static void camera_rays(const render_plan *plan, const wave_square *s, const squ
         return;
     }
     plan->camera_kernels->rays(&plan->camera, plan->t_near, s->left, s->top, at, out);
-    if (!(plan->camera.lens_radius > 0)) return;
-    double u[LANES], v[LANES];
-    numbers(plan, s, SAMPLE_LENS, u, v);
-    plan->camera_kernels->lens(&plan->camera, u, v, out);
+    if (plan->camera.lens_radius > 0) {
+        double u[LANES], v[LANES];
+        numbers(plan, s, SAMPLE_LENS, u, v);
+        plan->camera_kernels->lens(&plan->camera, u, v, out);
+    }
+    for (uint32_t k = 0; plan->camera.clips && k < LANES; ++k) clip(plan, &plan->camera, out, k);
+}
+
+vec3_f32 wave_start(const trace_rays *rays, size_t i) {
+    return madd_f32(trace_org(rays, i), rays->t_near[i], trace_dir(rays, i));
 }
 
 void wave_square_rays(const render_plan *plan, const wave_square *s, trace_rays *out) {
@@ -98,7 +113,7 @@ void wave_square_rays(const render_plan *plan, const wave_square *s, trace_rays 
 }
 
 static uint8_t depth_at(const render_plan *plan, const trace_rays *rays, size_t i) {
-    return plan->depths_differ ? watertight_depth(plan->watertight, trace_org(rays, i)) : plan->eye_depth;
+    return plan->depths_differ ? watertight_depth(plan->watertight, wave_start(rays, i)) : plan->eye_depth;
 }
 
 /* A packet of 16 rays is a square: its rays stay coherent longer than those of a line. first: the slot of the

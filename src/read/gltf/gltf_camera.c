@@ -1,4 +1,4 @@
-/* Cameras. Near and far planes do not clip. The walk over the hierarchy notes the nodes with a camera; the
+/* Cameras. The walk over the hierarchy notes the nodes with a camera; the
  * chosen one is read when all are known. It looks along its node's -z axis; the node's scale only affects the
  * position.
  *
@@ -48,32 +48,46 @@ void gltf_camera_note(gltf *g, const gltf_value *node, uint32_t link) {
         gltf_fail_memory(g, sizeof noted);
 }
 
+/* Without zfar, the view has no end. */
+static void read_planes(gltf *g, const gltf_value *projection, fathom_camera *camera) {
+    double near = 0, far = 0;
+    gltf_number(g, projection, "znear", -INFINITY, INFINITY, &near);
+    gltf_number(g, projection, "zfar", -INFINITY, INFINITY, &far);
+    if (!(near >= 0 && (far > near || far == 0))) {
+        gltf_note(g, projection, "zfar", "expected 0 <= znear < zfar; nothing is clipped");
+        return;
+    }
+    camera->near_clip = near * gltf_unit(g), camera->far_clip = far * gltf_unit(g);
+}
+
 /* xmag and ymag are half the width and height of the view; their signs are ignored. */
-static void read_orthographic(gltf *g, const gltf_value *camera, double *high, double *aspect) {
+static void read_orthographic(gltf *g, const gltf_value *value, fathom_camera *camera, double *aspect) {
     gltf_value orthographic;
     double across = 0, up = 0;
-    gltf_object(g, camera, "orthographic", &orthographic);
+    gltf_object(g, value, "orthographic", &orthographic);
     gltf_number(g, &orthographic, "xmag", -1e30, 1e30, &across);
     gltf_number(g, &orthographic, "ymag", -1e30, 1e30, &up);
     if (across == 0 || up == 0)
         gltf_fail(g, &orthographic, NULL, "has xmag %g and ymag %g; expected numbers other than 0", across,
                   up);
-    *high = 2 * fabs(up) * gltf_unit(g);
+    read_planes(g, &orthographic, camera);
+    camera->h = 2 * fabs(up) * gltf_unit(g);
     *aspect = fabs(across / up);
 }
 
-static void read_perspective(gltf *g, const gltf_value *camera, double *high, double *aspect) {
+static void read_perspective(gltf *g, const gltf_value *value, fathom_camera *camera, double *aspect) {
     gltf_value perspective;
     double fovy = 0;
     *aspect = 0;
-    gltf_object(g, camera, "perspective", &perspective);
+    gltf_object(g, value, "perspective", &perspective);
     gltf_number(g, &perspective, "yfov", 0, INFINITY, &fovy);
     gltf_number(g, &perspective, "aspectRatio", 0, INFINITY, aspect);
     if (!(fovy > 0 && fovy < M_PI)) {
         gltf_note(g, &perspective, "yfov", "expected radians between 0 and pi; 45 degrees are taken");
         fovy = M_PI / 4;
     }
-    *high = 2 * tan(fovy / 2);
+    read_planes(g, &perspective, camera);
+    camera->h = 2 * tan(fovy / 2);
 }
 
 /* The camera's frame; scale affects only its position. */
@@ -112,9 +126,9 @@ void gltf_camera_take(gltf *g) {
     gltf_item(g, &g->nodes, g->links.items[taken->link].node, &node);
     gltf_item(g, &g->cameras, taken->index, &at);
     if (camera.orthographic)
-        read_orthographic(g, &at, &camera.h, &aspect);
+        read_orthographic(g, &at, &camera, &aspect);
     else
-        read_perspective(g, &at, &camera.h, &aspect);
+        read_perspective(g, &at, &camera, &aspect);
     gltf_node_way(g, taken->link, &way);
     if (!gltf_fine(g)) return;
     g->scene->camera_aspect = aspect;

@@ -24,8 +24,12 @@ static const value_kind kinds[] = {
     {"/materials/*/occlusionTexture/strength", 1}, /* occlusion is computed */
     {"/materials/*/extensions/KHR_materials_clearcoat/clearcoatNormalTexture/scale", 1},
     {"/cameras/*/perspective/yfov", 1},
+    {"/cameras/*/perspective/znear", 1},
+    {"/cameras/*/perspective/zfar", 1},
     {"/cameras/*/orthographic/xmag", 1},
     {"/cameras/*/orthographic/ymag", 1},
+    {"/cameras/*/orthographic/znear", 1},
+    {"/cameras/*/orthographic/zfar", 1},
     {"/extensions/KHR_lights_punctual/lights/*/color", 3},
     {"/extensions/KHR_lights_punctual/lights/*/intensity", 1},
     {"/extensions/KHR_lights_punctual/lights/*/spot/innerConeAngle", 1},

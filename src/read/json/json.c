@@ -73,6 +73,7 @@ static fathom_status set_camera(const object_reader *r, json_t *value, const for
     doc_warn_useless(r->doc, &at, value, &form_camera, NULL);
     r->scene->has_shutter = doc_has(value, "shutter");
     camera.shutter[0] = c->shutter[0], camera.shutter[1] = c->shutter[1];
+    camera.near_clip = c->near_clip, camera.far_clip = c->far_clip;
     camera.blades = c->blades, camera.blade_rotation = place_radians(c->blade_rotation);
     if (doc_has(value, "h")) camera.d = c->d, camera.h = c->h;
     if (doc_has(value, "w")) camera.w = c->w;

@@ -94,6 +94,8 @@ static const form_key camera_keys[] = {
     {"focusDistance", FORM_F64, AT(form_camera_values, focus_distance), POSITIVE},
     {"blades", FORM_U32, AT(form_camera_values, blades), .range = {3, 64, 0}},
     {"bladeRotation", FORM_F64, AT(form_camera_values, blade_rotation)},
+    {"nearClip", FORM_F64, AT(form_camera_values, near_clip), .range = {0, INFINITY}},
+    {"farClip", FORM_F64, AT(form_camera_values, far_clip), POSITIVE},
     {"shutter", FORM_F64, AT(form_camera_values, shutter), .count = 2},
     {"motion", FORM_LIST, AT(form_camera_values, motion), .form = &form_camera_key},
     END_KEYS,

@@ -100,7 +100,8 @@ typedef struct form_camera_values {
     double orthographic;  /* height of a parallel projection */
     double lens_radius, f_stop, focal_length, focus_distance;
     uint32_t blades;
-    double blade_rotation;   /* degrees */
+    double blade_rotation; /* degrees */
+    double near_clip, far_clip;
     double shutter[2], time; /* time: of a key */
     json_t *motion;
 } form_camera_values;

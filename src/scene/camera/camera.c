@@ -69,6 +69,12 @@ static fathom_status check_camera(fathom_context *context, const fathom_camera *
         return fail_field(context, FATHOM_BAD_INPUT, "camera",
                           "expected no blades or 3 to 64, and a finite rotation; found %u and %g",
                           camera->blades, camera->blade_rotation);
+    if (!(camera->near_clip >= 0 && isfinite(camera->near_clip) && isfinite(camera->far_clip)) ||
+        !(camera->far_clip == 0 || camera->far_clip > camera->near_clip))
+        return fail_field(context, FATHOM_BAD_INPUT, "camera",
+                          "expected a near plane at 0 or farther, and a far plane behind it or none (0); "
+                          "found %g and %g",
+                          camera->near_clip, camera->far_clip);
     if (!isfinite(camera->shutter[0]) || !isfinite(camera->shutter[1]) ||
         camera->shutter[1] < camera->shutter[0])
         return fail_field(
