@@ -194,6 +194,9 @@ def make(seed, folder):
     elif r.random() < 0.3:
         camera.update(lensRadius=round(r.uniform(0.01, 0.3), 3), focusDistance=round(r.uniform(3, 8), 2))
         maybe(r, 0.5, camera, "blades", lambda: r.randint(3, 9))
+    if r.random() < 0.2:
+        camera["nearClip"] = round(r.uniform(0, 6), 2)
+        maybe(r, 0.5, camera, "farClip", lambda: camera["nearClip"] + round(r.uniform(0.5, 5), 2))
     if moves:
         camera["shutter"] = [0, round(r.uniform(0.3, 1), 2)]
         if r.random() < 0.3:

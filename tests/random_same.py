@@ -21,7 +21,7 @@ import light_random
 import textured_scene
 
 OF_LENGTH = {"eye", "target", "position", "translation", "center", "u", "v", "point", "radius", "lensRadius", "focusDistance",
-             "orthographic", "positions", "pointRadius", "attenuationDistance", "thickness", "bumpScale"}
+             "orthographic", "nearClip", "farClip", "positions", "pointRadius", "attenuationDistance", "thickness", "bumpScale"}
 OF_LIGHT = {"intensity", "ke", "emissive", "background"}
 
 
