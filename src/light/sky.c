@@ -134,13 +134,16 @@ static vec3_f64 unfold(double a, double b) {
     return normalize_f64((vec3_f64){copysign(1 - fabs(b), a), copysign(1 - fabs(a), b), z});
 }
 
-/* A cell lies in one face of the octahedron, or two faces share it along its diagonal; in both cases its
- * farthest points are corners. 1e-3 covers rounding errors. */
+/* A quarter of a cell lies in one face of the octahedron, or two faces share it along its diagonal; in both
+ * cases its farthest points are corners. Cells at the rim of the square have parts beyond it, which no normal
+ * reaches. 1e-3 covers rounding errors. */
 static sky_view view_at(uint32_t index) {
-    const double step = 2.0 / SIDE, a = index % SIDE * step - 1, b = index / SIDE * step - 1;
-    sky_view view = {unfold(a + step / 2, b + step / 2), 0};
-    for (int i = 0; i < 4; ++i) {
-        const double cosine = dot_f64(view.normal, unfold(a + (i & 1) * step, b + (i >> 1) * step));
+    const double step = 2.0 / (SIDE - 1), a = index % SIDE * step - 1, b = index / SIDE * step - 1;
+    sky_view view = {unfold(a, b), 0};
+    for (int i = 0; i < 9; ++i) {
+        const double x = a + (i % 3 - 1) * step / 2, y = b + (i / 3 - 1) * step / 2;
+        if (fabs(x) > 1 || fabs(y) > 1) continue;
+        const double cosine = dot_f64(view.normal, unfold(x, y));
         view.radius = fmax(view.radius, acos(fmin(cosine, 1)) + 1e-3);
     }
     return view;

@@ -10,9 +10,10 @@
  * is found by inverting sums: the row of blocks, the block, the row of cells in it, the cell. Unlike an alias
  * table, this keeps samples that are well distributed over the square well distributed over the light.
  *
- * The choice of a block depends on the surface's normal. Normals fall into cells of an octahedron, each of
- * which has a table of the blocks. A product of light and cosine at this resolution needs no table of all
- * pairs of normals and cells, and excludes the half of the sky behind the surface.
+ * The choice of a block depends on the surface's normal. Normals fall into cells around the points of a grid
+ * on an octahedron. The axes are among these points, because floors and walls are frequent. Each cell has a
+ * table of the blocks. A product of light and cosine at this resolution needs no table of all pairs of
+ * normals and cells, and excludes the half of the sky behind the surface.
  *
  * In a room, most of the sky is hidden. The rays of a few paths show which parts the surfaces see.
  * Surfaces with normals in one cell are divided by position into regions, each with its own table:
@@ -35,7 +36,7 @@ enum {
     SKY_BLOCK_ROWS = 16,
     SKY_BLOCK_COLUMNS = 32,
     SKY_BLOCKS = SKY_BLOCK_ROWS * SKY_BLOCK_COLUMNS,
-    SKY_VIEW_SIDE = 16,
+    SKY_VIEW_SIDE = 17, /* odd: the axes are at the middles of cells */
     SKY_VIEWS = SKY_VIEW_SIDE * SKY_VIEW_SIDE
 };
 

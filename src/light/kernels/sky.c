@@ -45,8 +45,8 @@ static void find_views(const lanes3_f64 n, uint32_t *restrict view) {
         const double x = n[0][i], y = n[1][i], z = n[2][i], size = fabs(x) + fabs(y) + fabs(z);
         const double inverse = 1 / (size + 0x1p-1000), a = x * inverse, b = y * inverse,
                      c = copysign(1 - fabs(b), a), d = copysign(1 - fabs(a), b);
-        const double across = ((z < 0 ? c : a) + 1) * (SKY_VIEW_SIDE / 2),
-                     along = ((z < 0 ? d : b) + 1) * (SKY_VIEW_SIDE / 2);
+        const double across = ((z < 0 ? c : a) + 1) * (SKY_VIEW_SIDE / 2) + 0.5,
+                     along = ((z < 0 ? d : b) + 1) * (SKY_VIEW_SIDE / 2) + 0.5;
         view[i] = (uint32_t)((int32_t)least(along, SKY_VIEW_SIDE - 1) * SKY_VIEW_SIDE +
                              (int32_t)least(across, SKY_VIEW_SIDE - 1));
         none |= !(size > 0);
