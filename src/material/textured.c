@@ -6,7 +6,11 @@
 
 /* ---- before rendering ---- */
 
-static bool is_exact(int kind) { return kind == FATHOM_MAP_EMISSIVE || kind == FATHOM_MAP_OPACITY; }
+/* Averages of normals and heights are flat: surfaces would become smoother with distance. */
+static bool is_exact(int kind) {
+    return kind == FATHOM_MAP_EMISSIVE || kind == FATHOM_MAP_OPACITY || kind == FATHOM_MAP_NORMAL ||
+           kind == FATHOM_MAP_CLEARCOAT_NORMAL || kind == FATHOM_MAP_BUMP;
+}
 
 static bool same_lookup(const lookup *a, const lookup *b) {
     return a->texture == b->texture && a->uv_set == b->uv_set && a->exact == b->exact &&

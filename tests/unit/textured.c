@@ -135,8 +135,8 @@ UNIT_TEST(an_image_stands_upright_on_a_quad_texel_by_texel) {
 }
 
 /* Stripes of 32 texels that lead away from a viewer just above them. Half a pixel is at most 0.047 wide, less
- * than a texel of 0.0625, but up to 15 times as long. */
-static fathom_film *render_stripes(fathom_texture_filter filter) {
+ * than a texel of 0.0625 where the image repeats once, but up to 15 times as long. */
+static fathom_film *render_stripes(fathom_texture_filter filter, int map, float repeats) {
     enum { ACROSS = 32 };
     unsigned char rgb[ACROSS * ACROSS * 3];
     for (unsigned i = 0; i < sizeof rgb; ++i) rgb[i] = i / 3 % 2 ? 255 : 0;
@@ -146,7 +146,9 @@ static fathom_film *render_stripes(fathom_texture_filter filter) {
     fathom_material m;
     fathom_material_default(&m);
     const picture p = new_picture(ACROSS, ACROSS, rgb);
-    m.maps[FATHOM_MAP_COLOR].texture = add_filtered(&s, &p, FATHOM_WRAP_REPEAT, filter);
+    if (map == FATHOM_MAP_CLEARCOAT_NORMAL) m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.clearcoat = 1;
+    m.maps[map].texture = add_filtered(&s, &p, FATHOM_WRAP_REPEAT, filter);
+    m.maps[map].transform[0] = m.maps[map].transform[4] = repeats;
     add_square(&s, stage_material(&s, &m));
     stage_point_light(&s, 0, 0, 3, 20);
     stage_camera(&s, (double[]){0, -1.2, 0.15}, (double[]){0, 0, 0}, (double[]){0, 0, 1}, 0.9);
@@ -155,14 +157,22 @@ static fathom_film *render_stripes(fathom_texture_filter filter) {
     return film;
 }
 
-UNIT_TEST(stripes_stay_sharp_at_grazing_angles) {
-    fathom_film *sharp = render_stripes(FATHOM_TEXTURE_LINEAR),
-                *seen = render_stripes(FATHOM_TEXTURE_TRILINEAR);
+static void check_stripes(int map, float repeats) {
+    fathom_film *sharp = render_stripes(FATHOM_TEXTURE_LINEAR, map, repeats),
+                *seen = render_stripes(FATHOM_TEXTURE_TRILINEAR, map, repeats);
     for (uint32_t y = 0; y < 24; ++y) {
         for (uint32_t x = 0; x < 24; ++x) assert_true(value(seen, 'R', x, y) == value(sharp, 'R', x, y));
     }
     fathom_film_destroy(sharp);
     fathom_film_destroy(seen);
+}
+
+UNIT_TEST(stripes_stay_sharp_at_grazing_angles) { check_stripes(FATHOM_MAP_COLOR, 1); }
+
+/* 16 texels a pixel across, and up to 240 along. */
+UNIT_TEST(normals_and_heights_do_not_flatten_with_distance) {
+    static const int maps[] = {FATHOM_MAP_NORMAL, FATHOM_MAP_BUMP, FATHOM_MAP_CLEARCOAT_NORMAL};
+    for (int i = 0; i < 3; ++i) check_stripes(maps[i], 16);
 }
 
 UNIT_TEST(each_uv_set_has_its_own_place) {
