@@ -6,10 +6,11 @@
 
 /* ---- before rendering ---- */
 
-/* Averages of normals and heights are flat: surfaces would become smoother with distance. */
+/* Averages of colours are right. Averages of roughness, normals or films are other surfaces: puddles would
+ * lose their reflections with distance, and bumps would become a mirror. */
 static bool is_exact(int kind) {
-    return kind == FATHOM_MAP_EMISSIVE || kind == FATHOM_MAP_OPACITY || kind == FATHOM_MAP_NORMAL ||
-           kind == FATHOM_MAP_CLEARCOAT_NORMAL || kind == FATHOM_MAP_BUMP;
+    return kind != FATHOM_MAP_COLOR && kind != FATHOM_MAP_SPECULAR && kind != FATHOM_MAP_SPECULAR_COLOR &&
+           kind != FATHOM_MAP_DIFFUSE_TRANSMISSION && kind != FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR;
 }
 
 static bool same_lookup(const lookup *a, const lookup *b) {

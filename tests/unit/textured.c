@@ -146,7 +146,11 @@ static fathom_film *render_stripes(fathom_texture_filter filter, int map, float 
     fathom_material m;
     fathom_material_default(&m);
     const picture p = new_picture(ACROSS, ACROSS, rgb);
-    if (map == FATHOM_MAP_CLEARCOAT_NORMAL) m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.clearcoat = 1;
+    if (map != FATHOM_MAP_COLOR) {
+        m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+        m.clearcoat = m.clearcoat_roughness = m.iridescence = m.anisotropy = m.sheen_roughness = 0.7f;
+        for (int c = 0; c < 3; ++c) m.sheen_color[c] = 0.5f;
+    }
     m.maps[map].texture = add_filtered(&s, &p, FATHOM_WRAP_REPEAT, filter);
     m.maps[map].transform[0] = m.maps[map].transform[4] = repeats;
     add_square(&s, stage_material(&s, &m));
@@ -170,9 +174,22 @@ static void check_stripes(int map, float repeats) {
 UNIT_TEST(stripes_stay_sharp_at_grazing_angles) { check_stripes(FATHOM_MAP_COLOR, 1); }
 
 /* 16 texels a pixel across, and up to 240 along. */
-UNIT_TEST(normals_and_heights_do_not_flatten_with_distance) {
-    static const int maps[] = {FATHOM_MAP_NORMAL, FATHOM_MAP_BUMP, FATHOM_MAP_CLEARCOAT_NORMAL};
-    for (int i = 0; i < 3; ++i) check_stripes(maps[i], 16);
+UNIT_TEST(distance_averages_no_normals_roughness_or_layers) {
+    static const int maps[] = {FATHOM_MAP_NORMAL,
+                               FATHOM_MAP_BUMP,
+                               FATHOM_MAP_OPACITY,
+                               FATHOM_MAP_ROUGHNESS,
+                               FATHOM_MAP_METALLIC,
+                               FATHOM_MAP_CLEARCOAT,
+                               FATHOM_MAP_CLEARCOAT_ROUGHNESS,
+                               FATHOM_MAP_SHEEN_COLOR,
+                               FATHOM_MAP_SHEEN_ROUGHNESS,
+                               FATHOM_MAP_IRIDESCENCE,
+                               FATHOM_MAP_IRIDESCENCE_THICKNESS,
+                               FATHOM_MAP_TRANSMISSION,
+                               FATHOM_MAP_CLEARCOAT_NORMAL,
+                               FATHOM_MAP_ANISOTROPY};
+    for (size_t i = 0; i < sizeof maps / sizeof *maps; ++i) check_stripes(maps[i], 16);
 }
 
 UNIT_TEST(each_uv_set_has_its_own_place) {
