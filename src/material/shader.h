@@ -7,7 +7,9 @@
  * Sides. n is the shading normal, or the geometric normal if the viewer is below the shading normal's
  * horizon. Light is reflected if l·n > 0 and l·ng > 0, and is transmitted if both are < 0; any other
  * direction carries no light, in evaluate() and in sample(). If a normal map rotated n, the same condition
- * also holds for the normal without the map (`base` in surface/surface.h). Smooth lobes follow MODEL.md: they
+ * also holds for the normal without the map (`base` in surface/surface.h), and where n mirrors the viewer
+ * below that normal's horizon, rough lobes take the nearest normal towards `base` that does not (lift_by() in
+ * kernels/block.h); Lambert's cosine stays that of the map's normal. Smooth lobes follow MODEL.md: they
  * scatter about the geometric normal if the shading normal would send them through the surface.
  *
  * metallicRoughness. With m = metallic, c = baseColor, s = specular, T = transmission, F0 = s min(1, ((ior -

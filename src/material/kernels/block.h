@@ -127,15 +127,48 @@ static inline void across(float x, float y, float z, float t[3], float b[3]) {
     b[0] = xy, b[1] = sign + y * y * a, b[2] = -y;
 }
 
-/* A viewer exactly on the horizon is raised by float's rounding error. */
-static void set_frames(const surface_block *s, shader_block *restrict out) {
+/* Rough facets lose light where a map tilts the normal n so far that it mirrors the viewer v behind the
+ * surface. Returns the smallest t >= 0 for which N = n + t g, with g the normal without the map, mirrors v to
+ * a cosine of at least h, a little above the horizon of g: 2 v·N g·N = (v·g + h) N·N, for h < v·g. Each light
+ * above n and g is above N, too. */
+static inline float lift_by(float n_dot_v, float n_dot_g, float g_dot_v) {
+    const float h = least(0.5f * g_dot_v, 0x1p-6f), lean = n_dot_v - h * n_dot_g;
+    const float below = g_dot_v + h - 2 * n_dot_v * n_dot_g;
+    return below > 0 && h > 0 ? below / (lean + sqrtf(lean * lean + (g_dot_v - h) * below)) : 0;
+}
+
+static void lift_normals(const surface_block *s, shader_block *restrict out) {
+    for (uint32_t left = s->mapped; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        float n[3], square = 0;
+        const float up = dot_lane(out->n, s->v, i);
+        if (!(out->at[i]->lobes & SHADER_GGX) || !(up > 0)) continue;
+        const float by = lift_by(up, dot_lane(out->n, s->base, i), dot_lane(s->base, s->v, i));
+        if (!(by > 0)) continue;
+        for (int c = 0; c < 3; ++c) {
+            n[c] = out->n[c][i] + by * s->base[c][i];
+            square += n[c] * n[c];
+        }
+        for (int c = 0; c < 3; ++c) out->n[c][i] = n[c] / sqrtf(square);
+    }
+}
+
+static void set_normals(const surface_block *s, shader_block *restrict out) {
     for (int i = 0; i < LANES; ++i) {
-        float up = 0, t[3], b[3];
+        float up = 0;
         for (int c = 0; c < 3; ++c) up += s->ns[c][i] * s->v[c][i];
         uint32_t seen = up > 0 ? ~0u : 0;
         for (int c = 0; c < 3; ++c) out->n[c][i] = chosen(seen, s->ns[c][i], s->ng[c][i]);
+    }
+    if (s->mapped) lift_normals(s, out);
+}
+
+/* A viewer exactly on the horizon is raised by float's rounding error. */
+static void set_frames(const surface_block *s, shader_block *restrict out) {
+    set_normals(s, out);
+    for (int i = 0; i < LANES; ++i) {
+        float t[3], b[3], x = 0, y = 0, z = 0;
         across(out->n[0][i], out->n[1][i], out->n[2][i], t, b);
-        float x = 0, y = 0, z = 0;
         for (int c = 0; c < 3; ++c) {
             out->t[c][i] = t[c], out->b[c][i] = b[c];
             x += t[c] * s->v[c][i], y += b[c] * s->v[c][i], z += out->n[c][i] * s->v[c][i];

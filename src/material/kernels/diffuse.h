@@ -15,7 +15,7 @@ static inline __attribute__((always_inline)) void add_diffuse(const shader_block
                                                               float (*restrict f)[LANES]) {
     for (int i = 0; i < LANES; ++i) {
         uint32_t lit = at->reflected[i] | (at->cross[i] & b->from_behind[i]);
-        float cosine = lambert(lit, at->l[2][i]);
+        float cosine = lambert(lit, at->cosine[i]);
         for (int c = 0; c < 3; ++c) {
             float under = b->under[i] * at->under[i];
             if (is_under_film(b, rare, i)) under = film_through(b, at, i, c);
@@ -39,7 +39,7 @@ static inline void add_leaf(const shader_block *b, const incidence *at, float (*
             float under = b->under[i] * at->under[i];
             if (is_under_film(b, true, i)) under = film_through(b, at, i, c);
             float left = chosen(b->even[i] & ~b->inside[i], under, once);
-            float value = chosen(at->cross[i], left * l[2][i] * (1 / PI), 0);
+            float value = lambert(at->cross[i], left * at->cosine[i]);
             f[c][i] += m->leaf[c] * value;
         }
     }

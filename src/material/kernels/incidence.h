@@ -13,6 +13,7 @@
 
 typedef struct incidence {
     _Alignas(64) lanes3 l;                   /* in the block's frame */
+    float cosine[LANES];                     /* to Lambert's normal */
     uint32_t reflected[LANES], cross[LANES]; /* all ones: l is on the viewer's side; on the other side */
     uint32_t coated[LANES];                  /* the clear coat reflects l */
     float missing[LANES], under[LANES], below_coat[LANES]; /* of the materials, at l */
@@ -20,13 +21,16 @@ typedef struct incidence {
 } incidence;
 
 /* Light and viewer must also be on the same side of the surface without its normal map (cross: on opposite
- * sides). */
+ * sides). Lambert's lobe takes the map's normal as it is; see lift_by(). */
 static inline void judge_mapped(const surface_block *s, const lanes3 l, incidence *restrict out) {
     for (int i = 0; i < LANES; ++i) {
-        float side = s->base[0][i] * l[0][i] + s->base[1][i] * l[1][i] + s->base[2][i] * l[2][i];
+        float side = 0, z = 0;
+        for (int c = 0; c < 3; ++c) side += s->base[c][i] * l[c][i], z += s->ns[c][i] * l[c][i];
         uint32_t plain = s->mapped >> i & 1 ? 0 : ~0u;
         out->reflected[i] &= plain | (side > 0 ? ~0u : 0);
         out->cross[i] &= plain | (side < 0 ? ~0u : 0);
+        z = z * out->l[2][i] > 0 ? z : 0;
+        out->cosine[i] = chosen(plain, out->l[2][i], z);
     }
 }
 
@@ -38,7 +42,7 @@ static inline void judge_sides(const surface_block *s, const shader_block *b, co
             x += b->t[c][i] * l[c][i], y += b->b[c][i] * l[c][i], z += b->n[c][i] * l[c][i];
             side += s->ng[c][i] * l[c][i];
         }
-        out->l[0][i] = x, out->l[1][i] = y, out->l[2][i] = z;
+        out->l[0][i] = x, out->l[1][i] = y, out->l[2][i] = out->cosine[i] = z;
         out->reflected[i] = (z > 0 ? ~0u : 0) & ((side > 0 ? ~0u : 0) | s->smooth[i]);
         out->cross[i] = (z < 0 ? ~0u : 0) & (side < 0 ? ~0u : 0);
     }
