@@ -275,6 +275,27 @@ UNIT_TEST(lamps_of_blender_are_in_watts) {
     }
 }
 
+/* Glass of Cycles always refracts; without KHR_materials_volume it does not in glTF. */
+UNIT_TEST(thin_glass_of_blender_is_told) {
+    static const char *const generators[] = {"Khronos glTF Blender I/O v3.4.50", "another"},
+                             *const volumes[] = {"", ",'KHR_materials_volume':{'thicknessFactor':1}"};
+    fixture *f = *state;
+    for (int i = 0; i < 4; ++i) {
+        char text[2048];
+        snprintf(text, sizeof text,
+                 "{'asset':{'version':'2.0','generator':'%s'}," DATA
+                 ",'meshes':[{'primitives':[{'attributes':{"
+                 "'POSITION':0},'material':0}]}],'nodes':[{'mesh':0}],'materials':[{'doubleSided':true,'"
+                 "extensions':{"
+                 "'KHR_materials_transmission':{'transmissionFactor':1}%s}}]}",
+                 generators[i % 2], volumes[i / 2]);
+        fathom_scene *scene = read_triangle(f, text);
+        assert_int_equal(f->warnings, i == 0);
+        f->warnings = 0;
+        fathom_scene_destroy(scene);
+    }
+}
+
 UNIT_TEST(lights_follow_their_node) {
     fixture *f = *state;
     fathom_scene *scene = read_triangle(

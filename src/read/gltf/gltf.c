@@ -11,6 +11,7 @@
 #include "read/gltf/gltf_pose.h"
 #include "read/gltf/gltf_tree.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,6 +21,18 @@ static bool is_first(const gltf *g, const gltf_value *asset) {
     if (json_is_string(version)) return strncmp(json_string_value(version), "1.", 2) == 0;
     if (json_is_number(version)) return json_number_value(version) < 2;
     return json_is_object(json_object_get(g->root.json, "meshes"));
+}
+
+unsigned gltf_blender(gltf *g) {
+    static const char exporter[] = "Khronos glTF Blender I/O v";
+    const char *generator = "";
+    unsigned major = 0, minor = 0;
+    gltf_value asset;
+    gltf_object(g, &g->root, "asset", &asset);
+    gltf_text(g, &asset, "generator", &generator);
+    if (strncmp(generator, exporter, sizeof exporter - 1) != 0) return 0;
+    if (sscanf(generator + sizeof exporter - 1, "%3u.%3u", &major, &minor) != 2) return 0;
+    return 1000 * major + minor;
 }
 
 /* "2.0" and any "2.x": a later minor version is readable, unless minVersion is above 2.0. */

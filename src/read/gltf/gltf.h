@@ -147,6 +147,10 @@ void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *forma
 /* The same for a node; the place has the node's name, if any. */
 void gltf_note_node(gltf *g, uint32_t node, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
+/* 1000 major + minor of the version of Blender's exporter that wrote the file ("Khronos glTF Blender I/O
+ * v3.4.50"); 0: another program did. */
+unsigned gltf_blender(gltf *g);
+
 fathom_status gltf_object(gltf *g, const gltf_value *parent, const char *key, gltf_value *out);
 fathom_status gltf_array(gltf *g, const gltf_value *parent, const char *key, gltf_value *out);
 /* Item `index` of an array, which must be an object. */

@@ -17,7 +17,6 @@
 #include "read/gltf/gltf_tree.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 /* False, with a note, if the type is unknown. */
@@ -56,23 +55,10 @@ static bool read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
     return true;
 }
 
-/* Blender since 3.4: "Khronos glTF Blender I/O v3.4.50". */
-static bool counts_in_lumens(const char *generator) {
-    static const char exporter[] = "Khronos glTF Blender I/O v";
-    unsigned major = 0, minor = 0;
-    if (strncmp(generator, exporter, sizeof exporter - 1) != 0) return false;
-    if (sscanf(generator + sizeof exporter - 1, "%3u.%3u", &major, &minor) != 2) return false;
-    return major > 3 || (major == 3 && minor >= 4);
-}
-
-/* The factor by which Blender multiplied intensities. The user may have turned this off; the file does not
- * say. */
+/* The factor by which Blender since 3.4 multiplied intensities. The user may have turned this off; the file
+ * does not say. */
 static double lumens_a_watt(gltf *g, const gltf_value *at) {
-    gltf_value asset;
-    const char *generator = "";
-    gltf_object(g, &g->root, "asset", &asset);
-    gltf_text(g, &asset, "generator", &generator);
-    if (!counts_in_lumens(generator)) return 1;
+    if (gltf_blender(g) < 3004) return 1;
     gltf_note(g, at, "intensity",
               "is divided by 683 lm/W, because Blender writes emission in watts, but lights in lumens");
     return 683;

@@ -188,6 +188,11 @@ static void read_extensions(gltf *g, const gltf_value *at, const gltf_value *ext
             gltf_note(g, &part, "thicknessTexture",
                       "the thickness of a volume is what its mesh has; the texture does not matter");
     }
+    gltf_object(g, extensions, gltf_holder_names[GLTF_TRANSMISSION], &part);
+    if (d->m.transmission > 0 && !(d->m.thickness > 0) && gltf_blender(g))
+        gltf_note(g, &part, "transmissionFactor",
+                  "belongs to a thin wall without a thickness, while glass refracts in Blender: give the "
+                  "material a node group \"glTF Material Output\" with a Thickness above 0");
     gltf_object(g, extensions, gltf_holder_names[GLTF_GLOSSINESS], &part);
     if (part.json) {
         read_glossiness(g, &part, d);
