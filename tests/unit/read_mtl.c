@@ -333,6 +333,11 @@ UNIT_TEST(materials_of_blender_are_those_of_its_shader) {
                          strstr(cases[i].body, "map_refl") != NULL);
         mtl_free(&library);
     }
+    /* Its sheen is fainter than that of fibres. */
+    mtl_library sheen = {0};
+    assert_near(first_of(head, "Ks 0.5 0.5 0.5\nillum 2\nPr 1\nPs 0.5\n", &sheen).value.sheen_color[1], 0.052,
+                0x1p-28);
+    mtl_free(&sheen);
     /* The older exporter, whose Ni was 1 before 2.8. It writes the colour that an image replaces. */
     static const char *const ior[] = {"1.45", "1"};
     for (int i = 0; i < 2; ++i) {

@@ -35,5 +35,6 @@ void mtl_settle_principled(mtl_entry *m) {
     if (!mtl_given(m, MTL_PR)) m->pr = 1 - sqrt(fmin(m->ns, 1000) / 1000);
     if (!mtl_given(m, MTL_PM)) m->pm = illum == 3 || illum == 6 ? fmin(metal, 1) : 0;
     if (!(m->tf[0] > 0)) m->ni = (1 + amplitude) / (1 - amplitude);
+    m->ps *= 0.104; /* see mtl_material.c */
     m->given |= 1u << MTL_PR | 1u << MTL_PM;
 }
