@@ -7,6 +7,7 @@
 #include "json/memory.h"
 
 #include <string.h>
+#include <sys/stat.h>
 
 const command *const commands[] = {&command_render,
                                    &command_merge,
@@ -58,6 +59,15 @@ void print_name(FILE *out, const char *name) {
     snprintf(room, sizeof room, "%s", name);
     text_disarm(room);
     fputs(room, out);
+}
+
+void print_file_size(FILE *out, const char *path) {
+    struct stat info;
+    const double bytes = stat(path, &info) == 0 ? (double)info.st_size : 0;
+    if (bytes < 1e6)
+        fprintf(out, "%.1f kB", 1e-3 * bytes);
+    else
+        fprintf(out, "%.1f MB", 1e-6 * bytes);
 }
 
 fathom_status say_usage(const command *c, const char *text) {

@@ -31,6 +31,8 @@ void help_command(const command *c, FILE *out);
 
 /* Prints a name that may come from a file, with '?' for bytes that could steer a terminal. */
 void print_name(FILE *out, const char *name);
+/* The size of a file, such as "3.5 kB" or "1200.0 MB". */
+void print_file_size(FILE *out, const char *path);
 
 /* Says on stderr what is wrong, and how to get help; returns FATHOM_BAD_USAGE. c: NULL if no command was
  * found. */

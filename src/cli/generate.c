@@ -8,7 +8,6 @@
 #include <fathom/survey.h>
 #include <math.h>
 #include <string.h>
-#include <sys/stat.h>
 
 typedef struct generate_settings {
     command_common common;
@@ -56,12 +55,11 @@ static fathom_status generate(const generate_settings *settings, fathom_generato
     const double counted = clock_seconds();
     if (status == FATHOM_OK) status = fathom_scene_write(scene, settings->output);
     const double written = clock_seconds();
-    struct stat info;
-    double bytes = stat(settings->output, &info) == 0 ? (double)info.st_size : 0;
     if (status == FATHOM_OK && survey) {
         print_name(stdout, settings->output);
-        printf(": %llu triangles, %.1f MB, made in %.2f s, written in %.2f s\n",
-               (unsigned long long)survey->placed_triangles, 1e-6 * bytes, made - start, written - counted);
+        printf(": %llu triangles, ", (unsigned long long)survey->placed_triangles);
+        print_file_size(stdout, settings->output);
+        printf(", made in %.2f s, written in %.2f s\n", made - start, written - counted);
     }
     fathom_survey_destroy(survey);
     return status;

@@ -6,7 +6,6 @@
 #include <fathom/file.h>
 #include <fathom/texture.h>
 #include <string.h>
-#include <sys/stat.h>
 
 typedef struct texture_settings {
     command_common common;
@@ -34,10 +33,10 @@ static fathom_status check_and_write(fathom_context *context, void *user) {
     if (status == FATHOM_OK) status = fathom_file_check(context, settings->output);
     if (status == FATHOM_OK) status = fathom_texture_write(context, &texture, settings->output);
     if (status != FATHOM_OK || settings->common.quiet) return say_status(&command_texture, context, status);
-    struct stat info;
-    const double bytes = stat(settings->output, &info) == 0 ? (double)info.st_size : 0;
     print_name(stdout, settings->output);
-    printf(": %.1f MB, written in %.2f s\n", 1e-6 * bytes, clock_seconds() - start);
+    fputs(": ", stdout);
+    print_file_size(stdout, settings->output);
+    printf(", written in %.2f s\n", clock_seconds() - start);
     return FATHOM_OK;
 }
 

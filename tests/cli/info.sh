@@ -23,7 +23,7 @@ name=$(printf 'n\033[2J\302\233\n\377')
 run 0 render scene.json -o "$name.png"
 said out.txt 'n?[2J????.png: 96x64'
 run 0 generate sphere -t 20 -o "$name.ply"
-said out.txt 'n?[2J????.ply: 20 triangles, 0.0 MB'
+said out.txt 'n?[2J????.ply: 20 triangles, 0.9 kB'
 rm "$name.png" "$name.ply" a.png named.json
 refused 2 'unexpected argument "n?[2J????"' info scene.json "$name"
 refused 3 'fathom: n?[2J????.obj: No such file' info "$name.obj"
