@@ -328,6 +328,9 @@ cat >layers.json <<'JSON'
 JSON
 run 0 info layers.json
 not_said out.txt 'environments are left out'
+printf 'PF\n1 1\n-1.0\n\0\0\300\177\0\0\200\77\0\0\200\77' >nan.pfm
+sed 's/sky.pfm/nan.pfm/' layers.json >nan.json
+refused 3 'nan.pfm: texel (0, 0), counted from the top left, has nan in channel R' info nan.json
 sed 's/^{/{ "image": { "integrator": "classic" },/' layers.json >classic.json
 run 0 info classic.json
 said out.txt 'environments are ignored: only the integrator `path` renders them: 1'
