@@ -182,7 +182,7 @@ static void print_why_it_ended(const render_report *r, const fathom_settings *s)
     else if (s->max_time > 0)
         fputs(" (above the target when time was up)", stdout);
     else
-        printf(" (above the target: some pixels took all %u samples, or bright samples are rare)", s->spp);
+        printf(" (above the target of %g, with at most %u samples per pixel)", s->target_error, s->spp);
 }
 
 static void print_sampling(const render_report *r, const render_options *options) {
