@@ -133,10 +133,13 @@ static bool has_variant(const form *f, const char *name) {
 
 /* The key may belong to another variant, such as a material of another model, or to an object or list in this
  * one. */
-static fathom_status fail_unknown_key(const doc *d, const where *at, const form *f) {
+static fathom_status fail_unknown_key(const doc *d, const where *at, json_t *value, const form *f) {
     char all[KEYS_ROOM] = "";
     const text_search search = search_keys(f, at->key, all);
     const form *family = family_of(f);
+    /* Other programs call it so. */
+    if (family == &form_object && !strcmp(at->key, "position") && json_is_number(json_array_get(value, 0)))
+        return doc_fail(d, at, "unknown key; did you mean \"translation\"?");
     for (const form *const *other = family ? family->variants : NULL; other && *other; ++other) {
         const text_search there = search_keys(*other, at->key, NULL);
         if (*other == f || !there.best || (search.best && there.distance)) continue;
@@ -425,7 +428,7 @@ fathom_status doc_read(const doc *d, const where *at, json_t *value, const form 
     json_object_foreach(value, name, member) {
         const where inner = {at, name, 0};
         const form_key *key = form_find(f, name);
-        if (!key) return fail_unknown_key(d, &inner, f);
+        if (!key) return fail_unknown_key(d, &inner, member, f);
         fathom_status status = read_member(d, &inner, member, key, to);
         if (status != FATHOM_OK) return status;
     }
