@@ -370,7 +370,8 @@ UNIT_TEST(null_for_renders) {
     const char *part_path = "a.part";
     refuses(fathom_parts_merge(NULL, &part_path, 1, &stats, &film));
     names("paths", fathom_parts_merge(s.context, NULL, 1, &stats, &film));
-    names("paths", fathom_parts_merge(s.context, &part_path, 0, &stats, &film));
+    assert_fails(s.context, fathom_parts_merge(s.context, &part_path, 0, &stats, &film), FATHOM_BAD_USAGE,
+                 "paths: expected one part or more");
     names("out", fathom_parts_merge(s.context, &part_path, 1, &stats, NULL));
     fathom_part_default(NULL);
     fathom_ranks_default(NULL);
@@ -623,6 +624,16 @@ UNIT_TEST(values_of_no_enumerator) {
     fathom_generate_options_default(&options);
     options.kind = (fathom_generator)4;
     assert_fails(s.context, fathom_scene_generate(s.scene, 0, &options), FATHOM_BAD_USAGE, "kind");
+    const fathom_part part = {.size = sizeof part,
+                              .path = "misuse.part",
+                              .index = 1,
+                              .count = 2,
+                              .split = (fathom_split)(FATHOM_SPLIT_TILES + 1)};
+    fathom_session_options session;
+    fathom_session_options_default(&session);
+    session.part = &part;
+    assert_fails(s.context, fathom_session_run(s.context, s.scene, &s.settings, &session, NULL, &film),
+                 FATHOM_BAD_USAGE, "split");
     stage_close(&s);
 }
 

@@ -45,6 +45,8 @@ static fathom_status part_check(fathom_context *context, const fathom_part *opti
         return fail(context, FATHOM_BAD_USAGE, "part: expected 1 <= part <= parts <= %u, found part %u of %u",
                     PART_MOST, options->index, options->count);
     }
+    if (options->split > FATHOM_SPLIT_TILES)
+        return fail(context, FATHOM_BAD_USAGE, "part: there is no split %u", (unsigned)options->split);
     if (options->exposure && !(fabs((double)*options->exposure) < PART_EXPOSURE))
         return fail(context, FATHOM_BAD_USAGE, "part: expected an exposure below %g stops, found %g",
                     PART_EXPOSURE, (double)*options->exposure);

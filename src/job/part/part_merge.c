@@ -305,7 +305,8 @@ fathom_status fathom_parts_merge(fathom_context *context, const char *const *pat
                                  fathom_stats *stats, fathom_film **out) {
     if (!out) return fail_null(context, "out");
     *out = NULL;
-    if (!context || !paths || !count) return fail_null(context, "paths");
+    if (!context || !paths) return fail_null(context, "paths");
+    if (!count) return fail(context, FATHOM_BAD_USAGE, "paths: expected one part or more");
     fathom_status status = stats ? sized_check(context, "stats", stats, sizeof *stats) : FATHOM_OK;
     if (status != FATHOM_OK) return status;
     merging m = {.context = context, .count = count, .sources = calloc(count, sizeof *m.sources)};
