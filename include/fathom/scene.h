@@ -137,7 +137,8 @@ typedef struct fathom_material {
 FATHOM_DEFAULT(fathom_material)
 
 /* name: for messages, mattes (FATHOM_AOV_CRYPTO_MATERIAL) and fathom_scene_write(); may be NULL. Every scene
- * has material 0, the default, unnamed. */
+ * has material 0, the default, unnamed. FATHOM_BAD_INPUT: a number is not finite or out of range; parameters
+ * with FATHOM_PARAMETER_SOFT, such as colours, may exceed their range. */
 FATHOM_API fathom_status fathom_scene_add_material_sized(fathom_scene *scene, const char *name,
                                                          const fathom_material *material, size_t size,
                                                          fathom_id *out);
@@ -179,7 +180,7 @@ typedef struct fathom_light {
      * "<FACE>" in `file` for px nx py ny pz nz, posx negx … or right left top bottom front back. Its centre
      * lies towards -z, the up axis is y. `rotation` turns it about y, radians, counter-clockwise from above;
      * default 0. Then the shortest turn takes its top from y to `up`, which need not be unit; default
-     * (0,1,0). The text is copied. */
+     * (0,1,0). The text is copied; renders read the image. */
     const char *file;
     double rotation;
     double up[3];
@@ -271,7 +272,7 @@ typedef struct fathom_mesh {
     /* An entry a vertex, by `indices`; NULL: none. Strides as above. */
     const float *uvs_1; /* u v: the second uv set */
     size_t uv_1_stride;
-    const float *colors; /* linear RGB or RGBA: factors of base_color or k_d, and of the opacity */
+    const float *colors; /* linear RGB or RGBA, >= 0: factors of base_color or k_d, and of the opacity */
     size_t color_stride;
     unsigned color_channels; /* 3 (default) or 4; not read without colors */
     const float *tangents;   /* x y z w: the direction of u, and w = ±1 with bitangent = w normal × tangent.
@@ -398,8 +399,8 @@ typedef struct fathom_camera {
     double blade_rotation;    /* of the polygon, counter-clockwise as the image shows it; radians; default 0:
                                  a corner to the right */
     bool orthographic; /* parallel rays along -z from the plane through the origin. The view is h high, and as
-                          wide as the image's aspect ratio needs. d is not read; w and lens_radius must be 0.
-                          Default false */
+                          wide as the image's aspect ratio needs. d has no effect; w and lens_radius must be
+                          0. Default false */
     double near_clip, far_clip; /* the camera sees only what lies between planes at these distances along the
                                    view axis; mirrors, light and shadows are not clipped. far_clip >
                                    near_clip >= 0; a far_clip of 0 is none; default 0, 0: all is seen */
@@ -407,7 +408,7 @@ typedef struct fathom_camera {
 
 FATHOM_DEFAULT(fathom_camera)
 /* fovy: vertical field of view, radians, (0, pi). A valid frame comes back even when up is parallel to the
- * view. */
+ * view, or target equals eye. */
 FATHOM_API void fathom_camera_look_at_sized(const double eye[3], const double target[3], const double up[3],
                                             double fovy, fathom_camera *out, size_t size);
 static inline void fathom_camera_look_at(const double eye[3], const double target[3], const double up[3],

@@ -44,7 +44,7 @@ FATHOM_API fathom_status fathom_checkpoint_check(fathom_context *context,
 /* ---- sequences of images, such as the frames of an animation ---- */
 
 /* Replaces the checkpoint of a finished render at `path` by a small record: of the render, the options by
- * which the film was written (NULL: the defaults), and the contents of the files that it was written to.
+ * which the film was written, and the contents of the files that it was written to.
  * Remove it once the sequence is finished. FATHOM_OUT_OF_RESOURCES: it cannot be written. */
 FATHOM_API fathom_status fathom_finished_keep(fathom_context *context, const fathom_film *film,
                                               const char *path, const fathom_write_options *write,
@@ -128,8 +128,8 @@ FATHOM_API bool fathom_session_wait(fathom_session *session, double seconds);
 FATHOM_API fathom_status fathom_session_snapshot(fathom_context *context, fathom_session *session,
                                                  fathom_film **out);
 
-/* Waits until it has ended, releases the session, and returns what fathom_session_run() would. stats may be
- * NULL; one without a size is FATHOM_BAD_USAGE, and the session goes on. */
+/* Waits until it has ended, releases the session, and returns what fathom_session_run() would. stats and out
+ * may be NULL. stats without a size are FATHOM_BAD_USAGE, and the session goes on. */
 FATHOM_API fathom_status fathom_session_finish(fathom_session *session, fathom_stats *stats,
                                                fathom_film **out);
 
