@@ -7,7 +7,7 @@ set -eu
 triangles=${1:-1M}
 rounds=${2:-21}
 source=$(cd "$(dirname "$0")/.." && pwd)
-fathom=${BUILD:-$source/build}/bin/fathom
+fathom=${BUILD:-$source/build/release}/bin/fathom
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 "$fathom" generate sphere --triangles "$triangles" -o "$folder/mesh.glb" -q

@@ -1,10 +1,10 @@
 #!/bin/sh
 # The same small glTF scenes by Fathom and by Blender's Cycles: sh bench/fidelity.sh [FOLDER [SPP]]
 # Prints the table of bench/fidelity.md and writes FOLDER/sheet.png (default: a folder of its own). BUILD is a release
-# build (default: build). ONLY=ours keeps what Blender has rendered. Needs blender, python3-numpy, python3-openimageio.
+# build (default: build/release). ONLY=ours keeps what Blender has rendered. Needs blender, python3-numpy, python3-openimageio.
 set -eu
 source=$(cd "$(dirname "$0")/.." && pwd)
-program=${BUILD:-$source/build}/bin/fathom
+program=${BUILD:-$source/build/release}/bin/fathom
 folder=${1:-$(mktemp -d)}
 spp=${2:-64}
 seeds='1 2 3 4'

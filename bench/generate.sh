@@ -1,11 +1,11 @@
 #!/bin/sh
 # How fast meshes are generated and written, through the command line: sh bench/generate.sh [TRIANGLES [REPEATS]]
-# Prints a table for bench/README.md. BUILD is a release build (default: build).
+# Prints a table for bench/README.md. BUILD is a release build (default: build/release).
 set -eu
 triangles=${1:-8000000}
 repeats=${2:-5}
 source=$(cd "$(dirname "$0")/.." && pwd)
-fathom=${FATHOM:-${BUILD:-$source/build}/bin/fathom}
+fathom=${FATHOM:-${BUILD:-$source/build/release}/bin/fathom}
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 

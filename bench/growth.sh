@@ -7,7 +7,7 @@
 set -eu
 report=${1:-growth}
 source=$(cd "$(dirname "$0")/.." && pwd)
-fathom=${BUILD:-$source/build}/bin/fathom
+fathom=${BUILD:-$source/build/release}/bin/fathom
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 mkdir -p "$report"

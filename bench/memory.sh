@@ -5,7 +5,7 @@
 # reserve some 0.7 GB of it that they never use); KEEP=DIR keeps the meshes.
 set -eu
 source=$(cd "$(dirname "$0")/.." && pwd)
-fathom=${BUILD:-$source/build}/bin/fathom
+fathom=${BUILD:-$source/build/release}/bin/fathom
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 meshes=${KEEP:-$folder}

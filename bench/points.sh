@@ -1,11 +1,11 @@
 #!/bin/sh
 # Clouds of points as spheres: sh bench/points.sh [COUNT...]
-# Prints the table for bench/README.md. BUILD is a release build (default: build), BEFORE another program to run in turns
+# Prints the table for bench/README.md. BUILD is a release build (default: build/release), BEFORE another program to run in turns
 # with it; RUNS of each (default: 3). Needs python3 with numpy.
 set -eu
 [ $# -gt 0 ] || set -- 1000000 10000000
 source=$(cd "$(dirname "$0")/.." && pwd)
-build=${BUILD:-$source/build}
+build=${BUILD:-$source/build/release}
 folder=$(mktemp -d "${TMPDIR:-/tmp}/fathom-bench-points-XXXXXX")
 trap 'rm -rf "$folder"' EXIT
 

@@ -1,11 +1,11 @@
 #!/bin/sh
 # How fast meshes are read: sh bench/read.sh [TRIANGLES [REPEATS]]
-# Prints a table for bench/README.md. BUILD is a release build (default: build), KEEP=1 keeps the files.
+# Prints a table for bench/README.md. BUILD is a release build (default: build/release), KEEP=1 keeps the files.
 set -eu
 triangles=${1:-8000000}
 repeats=${2:-9}
 source=$(cd "$(dirname "$0")/.." && pwd)
-build=${BUILD:-$source/build}
+build=${BUILD:-$source/build/release}
 folder=${TMPDIR:-/tmp}/fathom-bench-read
 mkdir -p "$folder"
 [ "${KEEP:-0}" = 1 ] || trap 'rm -rf "$folder"' EXIT

@@ -6,7 +6,7 @@ set -eu
 repeats=${1:-9}
 many=${2:-$repeats}
 source=$(cd "$(dirname "$0")/.." && pwd)
-fathom=${BUILD:-$source/build}/bin/fathom
+fathom=${BUILD:-$source/build/release}/bin/fathom
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 

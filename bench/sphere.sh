@@ -1,11 +1,11 @@
 #!/bin/sh
 # How often the robust sphere in float is wrong about hit or miss: sh bench/sphere.sh [RAYS]
 # Prints a table for bench/README.md: RAYS (default: 1e7) for each power of ten of radius over distance, half of them
-# near the rim. BUILD is a release build (default: build).
+# near the rim. BUILD is a release build (default: build/release).
 set -eu
 rays=${1:-1e7}
 source=$(cd "$(dirname "$0")/.." && pwd)
-build=${BUILD:-$source/build}
+build=${BUILD:-$source/build/release}
 folder=${TMPDIR:-/tmp}/fathom-bench-sphere
 mkdir -p "$folder"
 trap 'rm -rf "$folder"' EXIT

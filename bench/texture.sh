@@ -1,12 +1,12 @@
 #!/bin/sh
 # Texture lookups a second, next to OpenImageIO's TextureSystem, and renders with and without a limit:
 # sh bench/texture.sh [SIDE [COUNT]]
-# Prints tables for bench/README.md. BUILD is a release build (default: build), KEEP=1 keeps the files. Needs oiiotool.
+# Prints tables for bench/README.md. BUILD is a release build (default: build/release), KEEP=1 keeps the files. Needs oiiotool.
 set -eu
 side=${1:-4096}
 count=${2:-4}
 source=$(cd "$(dirname "$0")/.." && pwd)
-build=${BUILD:-$source/build}
+build=${BUILD:-$source/build/release}
 folder=${TMPDIR:-/tmp}/fathom-bench-texture
 mkdir -p "$folder"
 [ "${KEEP:-0}" = 1 ] || trap 'rm -rf "$folder"' EXIT

@@ -1,11 +1,11 @@
 #!/bin/sh
 # Counts rays through the vertices of closed meshes before and after the repair, and measures its cost:
 #   sh bench/watertight.sh [RAYS [REPEATS]]
-# Prints the tables for bench/README.md. BUILD is a release build (default: build).
+# Prints the tables for bench/README.md. BUILD is a release build (default: build/release).
 set -eu
 rays=${1:-10000000}
 repeats=${2:-15}
-build=${BUILD:-$(cd "$(dirname "$0")/.." && pwd)/build}
+build=${BUILD:-$(cd "$(dirname "$0")/.." && pwd)/build/release}
 folder=${TMPDIR:-/tmp}/fathom-bench-watertight
 mkdir -p "$folder"
 trap 'rm -rf "$folder"' EXIT
