@@ -96,9 +96,8 @@ fathom_status doc_unknown_name(const doc *d, const where *at, const char *what, 
         text_search_offer(&search, key);
         list_word(all, sizeof all, key, "\"");
     }
-    if (search.best) {
+    if (search.best)
         return doc_fail(d, at, "there is no %s \"%.60s\"; did you mean \"%.60s\"?", what, name, search.best);
-    }
     if (!*all) return doc_fail(d, at, "there is no %s \"%.60s\"; the file has none", what, name);
     return doc_fail(d, at, "there is no %s \"%.60s\"; there are: %s", what, name, all);
 }
@@ -208,9 +207,8 @@ static bool in_range(form_range r, double x) {
 static fathom_status read_number(const doc *d, const where *at, json_t *value, const form_key *key, void *to,
                                  size_t place) {
     double x = json_number_value(value);
-    if (!json_is_number(value) || !in_range(key->range, x) || (is_whole(key) && floor(x) != x)) {
+    if (!json_is_number(value) || !in_range(key->range, x) || (is_whole(key) && floor(x) != x))
         return fail_number(d, at, value, key);
-    }
     if (!to) return FATHOM_OK;
     if (key->kind == FORM_F32) ((float *)to)[place] = (float)x;
     if (key->kind == FORM_F64) ((double *)to)[place] = x;
