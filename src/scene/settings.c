@@ -14,6 +14,7 @@
 fathom_status fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss, float exposure) {
     fathom_settings full;
     fathom_status status = SIZED_OWN(NULL, fathom_settings, settings, &full);
+    if (status == FATHOM_OK && loss > FATHOM_LOSS_HALF) status = FATHOM_BAD_USAGE;
     if (status != FATHOM_OK) return status;
     const float most = 0.98f;
     full.max_loss = full.max_relative_loss = 0;
@@ -29,6 +30,7 @@ fathom_status fathom_settings_set_loss(fathom_settings *settings, fathom_loss lo
 fathom_status fathom_settings_set_integrator(fathom_settings *settings, fathom_integrator integrator) {
     fathom_settings full;
     fathom_status status = SIZED_OWN(NULL, fathom_settings, settings, &full);
+    if (status == FATHOM_OK && integrator > FATHOM_INTEGRATOR_REFERENCE) status = FATHOM_BAD_USAGE;
     if (status != FATHOM_OK) return status;
     const bool path = integrator != FATHOM_INTEGRATOR_CLASSIC;
     full.integrator = integrator;

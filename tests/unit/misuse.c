@@ -606,6 +606,8 @@ UNIT_TEST(values_of_no_enumerator) {
     settings.pattern = (fathom_pattern)3;
     assert_fails(s.context, fathom_render(s.context, s.scene, &settings, NULL, NULL, NULL, &film),
                  FATHOM_BAD_USAGE, "pattern");
+    refuses(fathom_settings_set_loss(&settings, (fathom_loss)3, 0));
+    refuses(fathom_settings_set_integrator(&settings, (fathom_integrator)3));
     settings = s.settings, settings.aovs = FATHOM_AOVS + 1u;
     assert_fails(s.context, fathom_scene_set_settings(s.scene, &settings), FATHOM_BAD_USAGE, "aovs");
     fathom_tracer *tracer;
