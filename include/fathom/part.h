@@ -13,9 +13,10 @@ typedef enum fathom_split {
     /* Samples if every part then gets some, and all pixels get the same number; tiles otherwise. */
     FATHOM_SPLIT_AUTO,
     /* Each part has some of the samples of all pixels, in runs of four. Parts take about the same time. The
-     * file holds sums: 24 bytes per pixel, 112 with path tracing; AOVs add 108. It is several times as large
-     * if the number of parts is not a power of two. FATHOM_BAD_USAGE with a target_error or max_time, and
-     * with more parts than runs of samples. */
+     * file holds sums: 24 bytes per pixel. AOVs of first hits add 108, each layer of light 24, each
+     * Cryptomatte 128, and FATHOM_AOV_ERROR 72. The file is several times as large if the number of parts is
+     * not a power of two. FATHOM_BAD_USAGE with a target_error or max_time, and with more parts than runs of
+     * samples. */
     FATHOM_SPLIT_SAMPLES,
     /* Each part has some of the tiles of 32 × 32 pixels, with all their samples, from all over the image.
      * The file holds pixels: 4 bytes a channel. FATHOM_BAD_USAGE with max_time, because the time is

@@ -16,10 +16,10 @@ extern "C" {
  * rendering time of earlier calls counts towards max_time.
  *
  * The file appears whole or not at all, at `path`; while it is written there are two. It holds the finished
- * pixels of all channels. With target_error it also holds up to 350 bytes for each pixel in progress; with
- * max_time that is every pixel. It is valid for the same render only: the same scene (compared by content),
- * size, crop, samples, AOVs, other settings that pixels depend on, tracer, and version of Fathom. Rendering
- * does not delete it; remove it once the image is safe. */
+ * pixels of all channels. With target_error it also holds sums of the pixels in progress; with max_time that
+ * is every pixel: about 200 bytes each, 1,400 with all AOVs. It is valid for the same render only: the same
+ * scene (compared by content), size, crop, samples, AOVs, other settings that pixels depend on, tracer, and
+ * version of Fathom. Rendering does not delete it; remove it once the image is safe. */
 typedef struct fathom_checkpoint {
     size_t size;
     const char *path;
