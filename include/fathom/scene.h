@@ -74,7 +74,8 @@ typedef struct fathom_map {
     fathom_id texture;  /* of fathom/texture.h; FATHOM_NONE (default): no image */
     uint32_t uv_set;    /* of meshes, 0 (default) or 1; other shapes have one */
     uint32_t channel;   /* of parameters that are one number: 0 (default) red to 3 alpha */
-    bool inverted;      /* of these: the image multiplies 1 - parameter; default false */
+    bool inverted;      /* the image multiplies 1 - parameter: not of normals, directions, heights and
+                           thicknesses; default false */
     float transform[6]; /* u' = t0 u + t1 v + t2, v' = t3 u + t4 v + t5; default u' = u, v' = v */
 } fathom_map;
 
