@@ -45,8 +45,8 @@ typedef struct fathom_parameter {
     unsigned count;    /* numbers in the member; 0: one */
     unsigned step;     /* the number is a multiple of it; 0: any */
     const char *words; /* "grid|stratified|sobol"; of numbers, the only ones allowed: "1|4|8|16"; or NULL */
-    const char *zero; /* the word for 0, such as "off" or "auto"; 0 is then allowed outside of the range, too.
-                         Or NULL */
+    const char *zero;  /* the word for 0, such as "off" or "auto"; the number 0 is then allowed outside of the
+                          range, too, but not its text "0". Or NULL */
 } fathom_parameter;
 
 /* All members of fathom_settings, and those of fathom_material that a model has. Returns the first; *count
