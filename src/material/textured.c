@@ -6,21 +6,26 @@
 
 /* ---- before rendering ---- */
 
+static bool is_exact(int kind) { return kind == FATHOM_MAP_EMISSIVE || kind == FATHOM_MAP_OPACITY; }
+
 /* Averages of colours are right. Averages of roughness, normals or films are other surfaces: puddles would
- * lose their reflections with distance, and bumps would become a mirror. */
-static bool is_exact(int kind) {
+ * lose their reflections with distance, and bumps would become a mirror. Scattered rays take averages,
+ * because their footprints are small against the lobes that they represent, and details would only be noise.
+ */
+static bool is_sharp(int kind) {
     return kind != FATHOM_MAP_COLOR && kind != FATHOM_MAP_SPECULAR && kind != FATHOM_MAP_SPECULAR_COLOR &&
            kind != FATHOM_MAP_DIFFUSE_TRANSMISSION && kind != FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR;
 }
 
 static bool same_lookup(const lookup *a, const lookup *b) {
     return a->texture == b->texture && a->uv_set == b->uv_set && a->exact == b->exact &&
-           memcmp(a->m, b->m, sizeof a->m) == 0;
+           a->sharp == b->sharp && memcmp(a->m, b->m, sizeof a->m) == 0;
 }
 
 static void plan_map(material_plan *p, int kind) {
     const fathom_map *map = &p->material->maps[kind];
-    lookup next = {.texture = map->texture, .uv_set = map->uv_set, .exact = is_exact(kind)};
+    lookup next = {
+        .texture = map->texture, .uv_set = map->uv_set, .exact = is_exact(kind), .sharp = is_sharp(kind)};
     unsigned k = 0;
     p->of[kind] = NO_LOOKUP;
     if (map->texture == FATHOM_NONE) return;
@@ -149,7 +154,7 @@ static bool look_up(points *p, unsigned k) {
         const lookup *l = &p->plan[i]->lookups[k];
         const surface_uv *at = &p->uv[l->uv_set][i];
         from[q.count] = i;
-        texturing_place_lookup(l, at->u, at->v, p->width[l->uv_set][i], &q);
+        texturing_place_lookup(l, at->u, at->v, width_of_lookup(p, l, i), &q);
     }
     if (!q.count) return false;
     texture_lookup(p->t->cache, &q, rgba);
@@ -161,9 +166,9 @@ static bool look_up(points *p, unsigned k) {
 /* ---- blocks ---- */
 
 /* Lanes past the count repeat the last one. */
-static void find_points(const texturing *t, const surface_gather *g, const float width[LANES],
+static void find_points(const texturing *t, const surface_gather *g, const float width[LANES], uint32_t seen,
                         surface_block *s, points *p) {
-    p->t = t, p->g = g, p->lanes = 0;
+    p->t = t, p->g = g, p->lanes = 0, p->seen = seen;
     for (unsigned i = 0; i < s->count; ++i) add_point(p, i, s->material[i], s, width);
     for (unsigned k = 0; k < FATHOM_MAPS && look_up(p, k); ++k) continue;
     texturing_turn_normals(p, s);
@@ -181,12 +186,12 @@ static void repeat_last(surface_block *s, const shader *at[LANES]) {
     }
 }
 
-void texturing_shade(const texturing *t, const surface_gather *g, const float width[LANES],
+void texturing_shade(const texturing *t, const surface_gather *g, const float width[LANES], uint32_t seen,
                      const float around[LANES], surface_block *s, shader made[LANES],
                      const shader *at[LANES]) {
     points p;
     plain_block plain;
-    find_points(t, g, width, s, &p);
+    find_points(t, g, width, seen, s, &p);
     memset(&plain, 0, sizeof plain);
     for (uint32_t left = p.lanes; left; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctz(left);
@@ -205,7 +210,7 @@ void texturing_shade(const texturing *t, const surface_gather *g, const float wi
 void texturing_classic(const texturing *t, const surface_gather *g, const float width[LANES],
                        surface_block *s, bsdf made[LANES], const bsdf *at[LANES]) {
     points p;
-    find_points(t, g, width, s, &p);
+    find_points(t, g, width, ~0u, s, &p);
     for (uint32_t left = p.lanes; left; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctz(left);
         fathom_material m, classic;

@@ -30,9 +30,10 @@ void texturing_destroy(texturing *t);
 fathom_status texturing_check(const texturing *t, fathom_context *context);
 
 /* For a block of points whose hits are in g: rotates s->ns, and replaces at[i] by &made[i] in lanes whose
- * materials vary. width: of the rays' cones at the points. around: indices by which the materials' ior is
+ * materials vary. width: of the rays' cones at the points. seen: bits of the lanes
+ * that the camera sees, straight or in mirrors. around: indices by which the materials' ior is
  * divided; NULL: 1. Sets s->along if materials need a tangent. */
-void texturing_shade(const texturing *t, const surface_gather *g, const float width[LANES],
+void texturing_shade(const texturing *t, const surface_gather *g, const float width[LANES], uint32_t seen,
                      const float around[LANES], surface_block *s, shader made[LANES],
                      const shader *at[LANES]);
 /* The same for the classic integrator. */

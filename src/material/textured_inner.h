@@ -14,7 +14,8 @@ enum { NO_LOOKUP = 0xff };
 typedef struct lookup {
     fathom_id texture;
     uint32_t uv_set;
-    bool exact;  /* without a footprint */
+    bool exact;  /* never with a footprint */
+    bool sharp;  /* without a footprint where the camera sees it, straight or in mirrors */
     float m[6];  /* fathom_map.transform */
     float scale; /* by which m scales lengths: the square root of its scale of areas */
 } lookup;
@@ -63,6 +64,7 @@ typedef struct points {
     const material_plan *plan[LANES];
     surface_uv uv[2][LANES];
     float width[2][LANES]; /* of the footprint, in units of u and v */
+    uint32_t seen;         /* bits: lanes that the camera sees, straight or in mirrors */
     float color[LANES][4];
     float values[LANES][FATHOM_MAPS][4];
 } points;
@@ -94,4 +96,8 @@ void texturing_direct(const points *p, unsigned i, const fathom_material *m, sur
 
 /* ---- lookups ---- */
 
+/* The footprint of the lookup in lane i, in units of u and v. */
+static inline float width_of_lookup(const points *p, const lookup *l, unsigned i) {
+    return l->sharp && p->seen >> i & 1 ? 0 : p->width[l->uv_set][i];
+}
 void texturing_place_lookup(const lookup *l, float u, float v, float width, texture_queries *q);

@@ -158,7 +158,8 @@ static uint32_t bumped_lanes(const points *p, uint32_t lanes) {
     return bumped;
 }
 
-/* How fast height maps rise along one side of their images: finite differences over a texel. */
+/* How fast height maps rise along one side of their images: finite differences over a footprint, and at least
+ * a texel. */
 static void find_rises(const points *p, uint32_t lanes, unsigned side, float rise[LANES]) {
     texture_queries q = {.count = 0};
     float rgba[4][TEXTURE_BLOCK];
@@ -169,8 +170,8 @@ static void find_rises(const points *p, uint32_t lanes, unsigned side, float ris
         const surface_uv *at = &p->uv[l->uv_set][i];
         uint32_t size[2];
         texture_size(p->t->cache, l->texture, &size[0], &size[1]);
-        texturing_place_lookup(l, at->u, at->v, 0, &q);
-        rise[i] = 1 / (float)size[side]; /* the step, for now */
+        texturing_place_lookup(l, at->u, at->v, width_of_lookup(p, l, i), &q);
+        rise[i] = fmaxf(q.width[j], 1 / (float)size[side]); /* the step, for now */
         (side ? q.v : q.u)[j] += rise[i];
     }
     texture_lookup(p->t->cache, &q, rgba);

@@ -47,6 +47,13 @@ static float width_at(const path_wave *p, const vertex_block *v, unsigned i) {
     return p->width[slot] + p->spread[slot] * sqrtf(dot_f32(way, way));
 }
 
+/* Bits of the lanes whose paths have met only smooth surfaces. */
+static uint32_t seen_lanes(const path_wave *p, const vertex_block *v) {
+    uint32_t seen = 0;
+    for (unsigned i = 0; i < LANES; ++i) seen |= p->density[v->path.slot[i]] < INFINITY ? 0 : 1u << i;
+    return seen;
+}
+
 /* Sets the shaders at the points. */
 static void find_shaders(path_wave *p, vertex_block *v) {
     wave *w = &p->wave;
@@ -56,8 +63,8 @@ static void find_shaders(path_wave *p, vertex_block *v) {
     const uint32_t hidden = plan->nested ? path_meet_volumes(p, v, around) : 0;
     if (plan->texturing) {
         for (unsigned i = 0; i < LANES; ++i) width[i] = width_at(p, v, i);
-        texturing_shade(plan->texturing, w->gather, width, plan->nested ? around : NULL, &v->surface,
-                        w->made[v - w->vertices], v->shader.at);
+        texturing_shade(plan->texturing, w->gather, width, seen_lanes(p, v), plan->nested ? around : NULL,
+                        &v->surface, w->made[v - w->vertices], v->shader.at);
     }
     if (plan->dispersive) path_choose_channels(p, v);
     if (plan->nested) path_hide_surfaces(p, v, around, hidden);

@@ -78,7 +78,8 @@ static void find_panes(wave *w, surface_block *s, lanes3 part) {
         s->material[i] = wave_hit_material(w, i < s->count ? i : s->count - 1);
         b.at[i] = &plan->shaders[s->material[i]];
     }
-    if (plan->texturing) texturing_shade(plan->texturing, w->gather, no_width, NULL, s, w->made[0], b.at);
+    if (plan->texturing)
+        texturing_shade(plan->texturing, w->gather, no_width, ~0u, NULL, s, w->made[0], b.at);
     memset(b.channel, 0, sizeof b.channel);
     plan->shader_kernels->make(s, &b);
     for (unsigned i = 0; i < s->count; ++i) {
