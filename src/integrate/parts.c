@@ -70,52 +70,10 @@ bool parts_smooth(const world *w) {
     return false;
 }
 
-static bool any_spot(const fathom_scene *scene) {
-    for (size_t i = 0; i < scene->lights.count; ++i) {
-        if (scene->lights.items[i].type == FATHOM_LIGHT_SPOT) return true;
-    }
-    return false;
-}
-
-/* ---- lights ---- */
-
-/* A point of a smooth mesh may be lifted off its facet by up to the size of the facet, so at most by the
- * ball's diameter. */
-parts_extent parts_extent_of(const world *w, const fathom_settings *settings) {
-    parts_extent out = {.known = false};
-    if (w->planes.count || !any_spot(w->scene)) return out;
-    scene_bounds bounds;
-    /* If out of memory, the extent stays unknown. Then no light is skipped, which changes no pixel. */
-    if (scene_world_bounds(w->scene, &bounds) != FATHOM_OK || bounds_is_empty(&bounds)) return out;
-    out.known = true;
-    out.center = bounds_center(&bounds);
-    out.radius = bounds_radius(&bounds) * (settings->terminator_fix && parts_smooth(w) ? 3 : 1);
-    return out;
-}
-
-/* The renderer uses floats relative to the world's origin: 2^-16 of the distances is far more than their
- * rounding error. At an angle a beyond the edge of the cone, the cosine's difference is at least 2 sin²(a/2)
- * (light.h has the falloff), which for a = 2^-8 is 2^-17: 128 roundings of unit vectors' squares. */
-static bool cone_misses(const parts_extent *extent, vec3_f64 origin, const fathom_light *light) {
-    const double beyond = 0x1p-8, loose = 0x1p-16;
-    vec3_f64 at = load_f64(light->position), axis = normalize_f64(load_f64(light->direction));
-    vec3_f64 to = sub_f64(extent->center, at);
-    double distance = length_f64(to);
-    double radius = extent->radius + loose * (extent->radius + length_f64(sub_f64(extent->center, origin)) +
-                                              length_f64(sub_f64(at, origin)));
-    if (!(distance > radius)) return false;
-    double aside = acos(fmin(fmax(dot_f64(to, axis) / distance, -1), 1));
-    return aside - asin(radius / distance) > (double)light->outer_angle + beyond;
-}
-
-light_use parts_light(const parts_extent *extent, const world *w, const fathom_light *light) {
+bool parts_light(const fathom_light *light) {
     const float *rgb = light->intensity;
-    if (!(rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0)) return LIGHT_BLACK;
-    bool spot = light->type == FATHOM_LIGHT_SPOT;
-    return spot && extent->known && cone_misses(extent, w->origin, light) ? LIGHT_ASIDE : LIGHT_USED;
+    return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0;
 }
-
-/* ---- stages ---- */
 
 bool parts_ambient(const fathom_scene *scene) {
     return scene->ambient[0] > 0 || scene->ambient[1] > 0 || scene->ambient[2] > 0;
@@ -205,22 +163,14 @@ static bool tell_paths(const world *w, left_out_list *list) {
     return tell_unneeded(words, sizeof words / sizeof *words, list);
 }
 
-static bool tell_light(left_out_list *list, size_t index, light_use use) {
-    char what[sizeof((fathom_left_out *)NULL)->what];
-    snprintf(what, sizeof what, "lights[%zu]", index);
-    return use == LIGHT_USED ||
-           left_out_tell(list, what,
-                         use == LIGHT_BLACK ? "it is black" : "its cone holds nothing of the scene");
-}
-
-static bool tell_lights(const world *w, const fathom_settings *settings, left_out_list *list) {
-    const fathom_scene *scene = w->scene;
-    parts_extent extent = parts_extent_of(w, settings);
+static bool tell_lights(const fathom_scene *scene, left_out_list *list) {
     if (!scene->lights.count) return left_out_tell(list, "lights and their shadow rays", "there is no light");
     if (!(parts_features(scene) & MATERIAL_LIT))
         return left_out_tell(list, "lights and their shadow rays", "no material reflects their light");
     for (size_t i = 0; i < scene->lights.count; ++i) {
-        if (!tell_light(list, i, parts_light(&extent, w, &scene->lights.items[i]))) return false;
+        char what[sizeof((fathom_left_out *)NULL)->what];
+        snprintf(what, sizeof what, "lights[%zu]", i);
+        if (!parts_light(&scene->lights.items[i]) && !left_out_tell(list, what, "it is black")) return false;
     }
     return left_out_tell(list, "unlit shadow rays", "where the surface faces away or lies outside the cone");
 }
@@ -237,5 +187,5 @@ static bool tell_absent(const world *w, left_out_list *list) {
 bool left_out_find(const world *w, const fathom_settings *s, bool repair, left_out_list *out) {
     if (!tell_absent(w, out) || !tell_shapes(w, out) || !tell_stages(w, s, repair, out)) return false;
     if (s->integrator != FATHOM_INTEGRATOR_CLASSIC) return tell_paths(w, out);
-    return tell_classic(w, s, out) && tell_lights(w, s, out);
+    return tell_classic(w, s, out) && tell_lights(w->scene, out);
 }

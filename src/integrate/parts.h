@@ -19,21 +19,7 @@ bool parts_all_transparent(const fathom_scene *scene, fathom_integrator integrat
  * which the classic model allows. `text` then says how many there are, and which is the worst. */
 bool parts_brighten(const fathom_scene *scene, fathom_integrator integrator, char text[PARTS_TEXT]);
 
-/* A ball around all points from which shadow rays may start. It tells which spot lights reach none of
- * them. */
-typedef struct parts_extent {
-    bool known;      /* false: there is no spot light, or the scene is unbounded */
-    vec3_f64 center; /* the scene's coordinates */
-    double radius;
-} parts_extent;
-
-parts_extent parts_extent_of(const world *w, const fathom_settings *settings);
-
-typedef enum light_use { LIGHT_USED, LIGHT_BLACK, LIGHT_ASIDE } light_use;
-
-/* LIGHT_ASIDE: a spot light whose cone contains no point of the scene. */
-light_use parts_light(const parts_extent *extent, const world *w, const fathom_light *light);
-
+bool parts_light(const fathom_light *light);      /* it is not black */
 bool parts_background(const fathom_scene *scene); /* it is not black */
 bool parts_ambient(const fathom_scene *scene);    /* the ambient light is not black */
 bool parts_smooth(const world *w);                /* a mesh has shading normals */

@@ -145,15 +145,13 @@ static fathom_status plan_bsdfs(fathom_context *context, render_plan *plan) {
     return FATHOM_OK;
 }
 
-/* Only lights that can reach a surface. */
 static bool plan_lights(render_plan *plan) {
     const fathom_scene *scene = plan->scene;
-    const parts_extent extent = parts_extent_of(plan->world, &plan->settings);
     plan->light_group_of = calloc(scene->lights.count + 1, 1);
     if (!(plan->features & MATERIAL_LIT)) return plan->light_group_of;
     for (size_t i = 0; i < scene->lights.count; ++i) {
         const fathom_light *light = &scene->lights.items[i];
-        if (parts_light(&extent, plan->world, light) != LIGHT_USED) continue;
+        if (!parts_light(light)) continue;
         if (plan->groups.count && plan->light_group_of)
             plan->light_group_of[plan->light_count] = plan->groups.of[FATHOM_SOURCE_LIGHT][i];
         light_prepare(light, plan->world->origin, &plan->lights[plan->light_count++]);

@@ -209,68 +209,6 @@ UNIT_TEST(each_point_has_a_ray_to_each_light_cast_or_counted) {
     stage_close(&s);
 }
 
-static void add_spot(stage *s, const double at[3], const double along[3], float outer) {
-    fathom_light light;
-    fathom_light_default(&light);
-    light.type = FATHOM_LIGHT_SPOT;
-    for (int i = 0; i < 3; ++i)
-        light.position[i] = at[i], light.direction[i] = along[i], light.intensity[i] = 10;
-    light.outer_angle = outer, light.inner_angle = outer / 2;
-    assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
-}
-
-/* A plane behind the camera, which nothing shows, makes the scene endless: no spot is left out then. */
-static stage open_spot(const double at[3], const double along[3], float outer, bool terminator_fix,
-                       bool endless) {
-    stage s = stage_open(12, 12);
-    stage_mesh_sphere(&s, FATHOM_ROOT, 6, 12, 0);
-    if (endless) stage_plane(&s, (double[3]){0, 0, 99}, (double[3]){0, 0, 1}, 0);
-    s.settings.terminator_fix = terminator_fix;
-    add_spot(&s, at, along, outer);
-    look_at_origin(&s);
-    return s;
-}
-
-UNIT_TEST(a_spot_that_is_left_out_would_have_lit_nothing) {
-    random_state random = {7};
-    unsigned aside = 0, dark = 0;
-    for (int k = 0; k < 150; ++k) {
-        double at[3], along[3];
-        for (int i = 0; i < 3; ++i) at[i] = random_in(&random, -6, 6), along[i] = random_in(&random, -1, 1);
-        const float outer = (float)random_in(&random, 0.05, 1.5);
-        stage s = open_spot(at, along, outer, k % 2, false),
-              endless = open_spot(at, along, outer, k % 2, true);
-        fathom_stats stats = {.size = sizeof stats};
-        fathom_film *less = render(&s, NULL), *more = render(&endless, &stats);
-        aside += says(less, "lights[0]");
-        dark += !stats.shadow_rays;
-        if (says(less, "lights[0]")) assert_int_equal(stats.shadow_rays, 0);
-        assert_false(says(more, "lights[0]"));
-        assert_same(less, more);
-        fathom_film_destroy(less);
-        fathom_film_destroy(more);
-        stage_close(&s);
-        stage_close(&endless);
-    }
-    assert_true(aside > 20 && dark > aside && dark < 150);
-}
-
-/* Some of it may lie in any cone. */
-UNIT_TEST(a_spot_of_an_endless_scene_is_kept) {
-    stage s = stage_open(16, 16);
-    stage_sphere(&s, 0, 0, 0, 1, 0);
-    add_spot(&s, (double[3]){0, 5, 0}, (double[3]){0, 1, 0}, 0.3f);
-    look_at_origin(&s);
-    fathom_film *film = render(&s, NULL);
-    assert_true(says(film, "lights[0]"));
-    fathom_film_destroy(film);
-    stage_plane(&s, (double[3]){0, 9, 0}, (double[3]){0, -1, 0}, 0);
-    film = render(&s, NULL);
-    assert_false(says(film, "lights[0]"));
-    fathom_film_destroy(film);
-    stage_close(&s);
-}
-
 /* ---- faint light ---- */
 
 /* A mirroring ball and a floor under lights of a few to next to nothing. */
