@@ -29,12 +29,11 @@ static bool emits(const bsdf_block *b) {
 }
 
 static void make_bsdfs(wave *w, vertex_block *v) {
-    static const float exact[LANES];
     const render_plan *plan = w->run.plan;
     const bsdf *at[LANES];
     bsdf made[LANES];
     for (int i = 0; i < LANES; ++i) at[i] = &plan->bsdfs[v->surface.material[i]];
-    if (plan->texturing) texturing_classic(plan->texturing, w->gather, exact, &v->surface, made, at);
+    if (plan->texturing) texturing_classic(plan->texturing, w->gather, &v->surface, made, at);
     plan->material_kernels->make(at, &v->bsdf);
     for (unsigned i = 0; w->run.samples.layers && i < v->surface.count; ++i)
         v->group[i] = wave_hit_group(w, i); /* as long as the hits are in w->gather */

@@ -1,4 +1,4 @@
-/* The blend of dielectric and metal that glTF defines, for shader.c and kernels/plain.c. */
+/* The blend of dielectric and metal that glTF defines, for shader.c and film.c. */
 #pragma once
 
 #include "math/limit.h"

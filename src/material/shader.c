@@ -296,15 +296,11 @@ void shader_emission(const fathom_material *m, float out[3]) {
 
 /* Textured surfaces prepare a shader for each point: large members that the lobes do not use are not
  * cleared. */
-void shader_begin(const fathom_material *m, shader *out) {
+void shader_prepare(const fathom_material *m, shader *out) {
     memset(out, 0, offsetof(shader, stretch));
     out->facets = out->coat_facets = energy_none;
     out->model = m->model, out->alpha = out->ior = out->eta = out->mean_under = 1;
     shader_emission(m, out->emission);
-}
-
-void shader_prepare(const fathom_material *m, shader *out) {
-    shader_begin(m, out);
     switch (m->model) {
     case FATHOM_MODEL_CLASSIC: prepare_classic(m, out); break;
     case FATHOM_MODEL_METALLIC_ROUGHNESS: prepare_metallic(m, out); break;

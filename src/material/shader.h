@@ -200,8 +200,6 @@ static inline float shader_below_coat(const shader *m, int k) {
 /* True for a clear coat over a normal map, or with its own normal map. */
 bool shader_coat_has_normal(const fathom_material *material);
 void shader_prepare(const fathom_material *material, shader *out);
-/* Sets the members that do not depend on the model: emission, and no lobes. */
-void shader_begin(const fathom_material *material, shader *out);
 /* A fully transparent surface: rays pass straight through. */
 void shader_prepare_hole(shader *out);
 /* The index of the volume that the material bounds, for a channel of its light, 1 to 3. */

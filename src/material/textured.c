@@ -64,7 +64,6 @@ fathom_status texturing_create(fathom_context *context, const world *w, uint64_t
         return fail_memory(context, bytes);
     }
     t->cache = cache;
-    t->kernels = plain_kernels_best();
     t->w = w, t->colors = colors, t->alphas = any_colors(w, 4);
     for (size_t i = 0; i < scene->materials.count; ++i) {
         t->plans[i].material = &scene->materials.items[i].value;
@@ -190,9 +189,7 @@ void texturing_shade(const texturing *t, const surface_gather *g, const float wi
                      const float around[LANES], surface_block *s, shader made[LANES],
                      const shader *at[LANES]) {
     points p;
-    plain_block plain;
     find_points(t, g, width, seen, s, &p);
-    memset(&plain, 0, sizeof plain);
     for (uint32_t left = p.lanes; left; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctz(left);
         fathom_material m;
@@ -200,17 +197,17 @@ void texturing_shade(const texturing *t, const surface_gather *g, const float wi
         if (p.plan[i]->directed) texturing_direct(&p, i, &m, s);
         if (!p.varies[i]) continue;
         if (around) m.ior /= around[i];
-        if (!plain_add(&plain, i, &m, &made[i])) shader_prepare(&m, &made[i]);
+        shader_prepare(&m, &made[i]);
         at[i] = &made[i];
     }
-    plain_finish(&plain, t->kernels, made);
     repeat_last(s, at);
 }
 
-void texturing_classic(const texturing *t, const surface_gather *g, const float width[LANES],
-                       surface_block *s, bsdf made[LANES], const bsdf *at[LANES]) {
+void texturing_classic(const texturing *t, const surface_gather *g, surface_block *s, bsdf made[LANES],
+                       const bsdf *at[LANES]) {
+    static const float exact[LANES];
     points p;
-    find_points(t, g, width, ~0u, s, &p);
+    find_points(t, g, exact, ~0u, s, &p);
     for (uint32_t left = p.lanes; left; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctz(left);
         fathom_material m, classic;

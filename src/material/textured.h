@@ -36,9 +36,9 @@ fathom_status texturing_check(const texturing *t, fathom_context *context);
 void texturing_shade(const texturing *t, const surface_gather *g, const float width[LANES], uint32_t seen,
                      const float around[LANES], surface_block *s, shader made[LANES],
                      const shader *at[LANES]);
-/* The same for the classic integrator. */
-void texturing_classic(const texturing *t, const surface_gather *g, const float width[LANES],
-                       surface_block *s, bsdf made[LANES], const bsdf *at[LANES]);
+/* The same for the classic integrator, whose rays have no width. */
+void texturing_classic(const texturing *t, const surface_gather *g, surface_block *s, bsdf made[LANES],
+                       const bsdf *at[LANES]);
 
 /* The opacity at the hit in lane i of g, on this material; 1: opaque. */
 float texturing_opacity(const texturing *t, const surface_gather *g, unsigned i, fathom_id material);

@@ -1,7 +1,6 @@
 /* Shared by the files that implement textured.h. */
 #pragma once
 
-#include "material/plain.h"
 #include "material/textured.h"
 #include "surface/attributes.h"
 
@@ -44,7 +43,6 @@ typedef struct material_plan {
 struct texturing {
     const world *w;
     texture_cache *cache;
-    const plain_kernels *kernels;
     bool colors; /* some mesh has vertex colours */
     bool alphas; /* some mesh has vertex colours with alpha */
     /* By mesh of the world and uv set; NULL: the mesh has its own, or needs none. */
