@@ -68,20 +68,10 @@ static void check(const image_writer &writer, bool ok) {
         throw failure(FATHOM_OUT_OF_RESOURCES, reason.empty() ? "unknown error" : reason);
 }
 
-static OIIO::TypeDesc type_of(image_texel texel) {
-    switch (texel) {
-    case IMAGE_TEXEL_U8: return OIIO::TypeDesc::UINT8;
-    case IMAGE_TEXEL_U16: return OIIO::TypeDesc::UINT16;
-    case IMAGE_TEXEL_HALF: return OIIO::TypeDesc::HALF;
-    case IMAGE_TEXEL_FLOAT: return OIIO::TypeDesc::FLOAT;
-    }
-    return OIIO::TypeDesc::UNKNOWN;
-}
-
 static OIIO::ImageSpec describe(const image_target &target) {
     const image &img = *target.img;
     OIIO::ImageSpec spec(static_cast<int>(img.width), static_cast<int>(img.height),
-                         static_cast<int>(img.channel_count), type_of(target.texel));
+                         static_cast<int>(img.channel_count), image_type_of(target.texel));
     spec.x = static_cast<int>(img.x);
     spec.y = static_cast<int>(img.y);
     spec.full_width = static_cast<int>(img.full_width);
@@ -156,16 +146,6 @@ static void add_format(OIIO::ImageSpec &spec, const image_target &target) {
     if (target.srgb && target.format != IMAGE_TIFF) spec.attribute("oiio:ColorSpace", "sRGB");
 }
 
-static const char *format_name(image_format format) {
-    switch (format) {
-    case IMAGE_JPEG: return "jpeg";
-    case IMAGE_TIFF: return "tiff";
-    case IMAGE_EXR:
-    case IMAGE_PNG: break;
-    }
-    return "";
-}
-
 /* The reason why an image writer could not be made. Without a reason, threads or memory are lacking. */
 static failure no_writer() {
     std::string reason = OIIO::geterror();
@@ -177,7 +157,7 @@ static fathom_status writer_open(const image_target *target, image_writer **out,
                                  image_message *message) noexcept {
     return guarded(message, FATHOM_OUT_OF_RESOURCES, [&] {
         auto writer = std::make_unique<image_writer>(*target);
-        writer->output = OIIO::ImageOutput::create(format_name(target->format));
+        writer->output = OIIO::ImageOutput::create(target->format == IMAGE_JPEG ? "jpeg" : "tiff");
         if (!writer->output) throw no_writer();
         if (!writer->output->supports("ioproxy")) {
             throw failure(FATHOM_INTERNAL, "this OpenImageIO writes the format to named files only");

@@ -167,17 +167,13 @@ static void open_texture(const wire_request *request, int descriptor, wire_reply
 }
 
 static void read_region(const wire_request *request, wire_reply *reply, image_message *message) {
-    wire_cursor c = {memory.bytes, memory.bytes + request->size, false};
     image_region region;
-    uint32_t *const numbers[] = {&region.level, &region.x0, &region.y0, &region.x1, &region.y1};
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) *numbers[i] = wire_take_u32(&c);
+    memcpy(&region, memory.bytes, sizeof region);
     if (!wire_memory_reach(&memory, request->count, true)) {
         say(reply, FATHOM_OUT_OF_RESOURCES, "out of memory");
         return;
     }
-    reply->status =
-        c.bad ? FATHOM_INTERNAL
-              : module->texture.read(object_of(request), &region, memory.bytes, request->count, message);
+    reply->status = module->texture.read(object_of(request), &region, memory.bytes, request->count, message);
     reply->size = request->count;
 }
 

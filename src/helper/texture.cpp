@@ -76,16 +76,6 @@ static image_texel texel_of(TypeDesc type) {
     }
 }
 
-static TypeDesc type_of(image_texel texel) {
-    switch (texel) {
-    case IMAGE_TEXEL_U8: return TypeDesc::UINT8;
-    case IMAGE_TEXEL_U16: return TypeDesc::UINT16;
-    case IMAGE_TEXEL_HALF: return TypeDesc::HALF;
-    case IMAGE_TEXEL_FLOAT: break;
-    }
-    return TypeDesc::FLOAT;
-}
-
 /* read() gives the texels of an OpenEXR file's display window. Other formats only have places on a page,
  * which do not matter. */
 static OIIO::ImageSpec shown(const OIIO::ImageInput &input) {
@@ -214,7 +204,7 @@ static bool read_native(image_texture &t, const image_region &r, const OIIO::Ima
     const int level = static_cast<int>(r.level), end = t.first_channel + static_cast<int>(t.info.channels);
     const int x0 = spec.x + static_cast<int>(r.x0), x1 = spec.x + static_cast<int>(r.x1);
     const int y0 = spec.y + static_cast<int>(r.y0), y1 = spec.y + static_cast<int>(r.y1);
-    const TypeDesc type = type_of(t.info.sent);
+    const TypeDesc type = image_type_of(t.info.sent);
     if (!spec.tile_width)
         return t.input->read_scanlines(0, level, y0, y1, 0, t.first_channel, end, type, texels);
     return t.input->read_tiles(0, level, x0, x1, y0, y1, 0, 1, t.first_channel, end, type, texels);
@@ -229,7 +219,7 @@ static bool read_window(image_texture &t, const image_region &r, const OIIO::Ima
     if (t.data.empty()) {
         t.data.resize(width * static_cast<size_t>(spec.height) * size);
         if (!t.input->read_image(0, 0, t.first_channel, t.first_channel + static_cast<int>(t.info.channels),
-                                 type_of(t.info.sent), t.data.data()))
+                                 image_type_of(t.info.sent), t.data.data()))
             return false;
     }
     const int y0 = window.y + static_cast<int>(r.y0), y1 = window.y + static_cast<int>(r.y1);

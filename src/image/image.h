@@ -21,21 +21,15 @@ typedef struct image_channel {
     size_t stride;
 } image_channel;
 
-/* A header entry: text, or `count` numbers if text is NULL. EXR stores 1, 2, 3, 9 and 16 numbers as a double,
- * vector or matrix of doubles, and other counts as text; the matrices that OpenEXR itself defines have
- * floats. The other formats keep texts for which they have a field (Software, ImageDescription; PNG: any). */
+/* A header entry: text, or 1, 3 or 16 numbers if text is NULL. EXR stores these as a double, a vector of
+ * doubles or a matrix of floats. The other formats keep texts for which they have a field (Software,
+ * ImageDescription; PNG: any). */
 typedef struct image_attribute {
     const char *name;
     const char *text;
     const double *numbers;
     size_t count;
 } image_attribute;
-
-/* True when OpenEXR defines the entry as a matrix of floats. */
-static inline bool image_attribute_is_m44f(const image_attribute *a) {
-    return !a->text && a->count == 16 &&
-           (strcmp(a->name, "worldToCamera") == 0 || strcmp(a->name, "worldToNDC") == 0);
-}
 
 /* Entries with this prefix describe EXR channels; other formats skip them. They come last. */
 #define IMAGE_MATTE_ENTRY "cryptomatte/"

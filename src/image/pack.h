@@ -37,23 +37,6 @@ static inline uint16_t half_from_float(float value) {
     return (uint16_t)(sign | half);
 }
 
-/* The same for many finite values, in a loop without branches. */
-static inline void half_from_floats(const float *restrict values, size_t count, uint16_t *restrict halves) {
-    for (size_t i = 0; i < count; ++i) {
-        int32_t bits;
-        memcpy(&bits, &values[i], sizeof bits);
-        int32_t magnitude = bits & 0x7fffffff, small;
-        magnitude = magnitude < 0x477fe000 ? magnitude : 0x477fe000;
-        float aligned;
-        memcpy(&aligned, &magnitude, sizeof aligned);
-        aligned += 0.5f;
-        memcpy(&small, &aligned, sizeof small);
-        const int32_t normal = (magnitude - (112 << 23) + 0xfff + (magnitude >> 13 & 1)) >> 13;
-        const int32_t half = magnitude < 0x38800000 ? small - 0x3f000000 : normal;
-        halves[i] = (uint16_t)((bits >> 16 & 0x8000) | half);
-    }
-}
-
 /* The built-in view: linear values to 8-bit sRGB, with exactly the codes of the view "sRGB" of
  * helper/ocio.cpp. Comparisons find the code: floats are divided into buckets, so narrow that at most one
  * step between codes lies in each. The floats of a bucket have the same exponent and first 7 bits of the

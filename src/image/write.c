@@ -1,5 +1,4 @@
 #include "base/file.h"
-#include "base/pool.h"
 #include "base/threads.h"
 #include "image/helper/helper.h"
 #include "image/output.h"
@@ -9,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rows are written in chunks of about this size: large enough for all compression threads, but much smaller
- * than a second copy of a large image. */
+/* TIFF is written in chunks of about this size: large enough for all compression threads, but much smaller
+ * than a second copy of a large image. The other formats compress on one thread. */
 #define CHUNK_BYTES ((size_t)16 << 20)
 #define CHUNK_ROWS 64u
 
@@ -37,13 +36,10 @@ typedef struct writing {
     bool srgb, float_color, rehearsal;
     unsigned threads;
 
-    size_t chunk;           /* rows per call of the writer */
-    unsigned char *rows[2]; /* chunks of packed rows; the second only if one is packed ahead */
-    size_t first;           /* first row to pack */
-    unsigned into;          /* index in rows[] of the chunk to fill */
-    float *shown_rows;      /* rows of a chunk for the view, 4 · width floats each; NULL without a view */
-    fathom_status viewed;   /* the view's status for the last chunk */
-    image_message message;  /* its reason */
+    size_t chunk;        /* rows per call of the writer */
+    unsigned char *rows; /* a chunk of packed rows */
+    size_t first;        /* first row of the chunk */
+    float *shown_rows;   /* rows of a chunk for the view, 4 · width floats each; NULL without a view */
 } writing;
 
 static bool is_of_mattes(const image_attribute *a) {
@@ -69,9 +65,6 @@ static fathom_status choose_channels(writing *w, const image *img) {
     return FATHOM_OK;
 }
 
-/* These formats compress on one thread, so other threads can pack the next rows. */
-static bool packs_ahead(const writing *w) { return w->threads > 1 && w->format != IMAGE_TIFF; }
-
 static size_t row_bytes(const writing *w) { return w->shown.channel_count * w->shown.width; }
 
 static float *row_for_view(const writing *w, size_t y) { return w->shown_rows + 4 * w->shown.width * y; }
@@ -79,7 +72,7 @@ static float *row_for_view(const writing *w, size_t y) { return w->shown_rows + 
 static void pack_rows(void *user, size_t begin, size_t end) {
     writing *w = user;
     for (size_t y = begin; y < end; ++y) {
-        unsigned char *out = w->rows[w->into] + y * row_bytes(w);
+        unsigned char *out = w->rows + y * row_bytes(w);
         if (w->view)
             pack_row_from_view(&w->packing, (uint32_t)(w->first + y), row_for_view(w, y), out);
         else
@@ -93,51 +86,28 @@ static void gather_rows(void *user, size_t begin, size_t end) {
         pack_row_for_view(&w->packing, (uint32_t)(w->first + y), row_for_view(w, y));
 }
 
-static fathom_status pack_failure(const writing *w) {
-    if (!w->message.text[0]) return fail_file(w->context, w->viewed, w->path, "OpenColorIO failed");
-    return fail_file(w->context, w->viewed, w->path, "OpenColorIO: %s", w->message.text);
-}
-
 static size_t rows_from(const writing *w, size_t first) {
     size_t left = w->shown.height - first;
     return left < w->chunk ? left : w->chunk;
 }
 
-static void pack_chunk(void *user) {
-    writing *w = user;
-    size_t rows = rows_from(w, w->first);
-    if (w->view) {
-        loop_parallel(w->threads, rows, 4, gather_rows, w);
-        w->viewed =
-            image_calls.view_apply(w->view, w->threads, w->shown_rows, rows * w->shown.width, &w->message);
-        if (w->viewed != FATHOM_OK) return;
-    }
-    loop_parallel(w->threads, rows, 4, pack_rows, w);
-}
-
-/* Writes the rows from `first` on. If it is useful, packs the next chunk at the same time. */
-static fathom_status write_chunk(writing *w, image_writer *writer, size_t first, image_message *message) {
-    const unsigned char *rows = w->rows[w->into];
-    pool_task ahead = {.run = pack_chunk, .user = w};
-    size_t count = rows_from(w, first);
-    w->first = first + count;
-    bool more = w->first < w->shown.height;
-    if (w->rows[1]) w->into ^= 1;
-    bool runs = more && w->rows[1] && pool_run(&ahead);
-    fathom_status status = w->calls->rows(writer, (uint32_t)count, rows, message);
-    if (runs)
-        pool_wait(&ahead, -1);
-    else if (more && status == FATHOM_OK)
-        pack_chunk(w);
-    return status;
+static fathom_status apply_view(writing *w, size_t rows) {
+    image_message message = {""};
+    loop_parallel(w->threads, rows, 4, gather_rows, w);
+    const fathom_status status =
+        image_calls.view_apply(w->view, w->threads, w->shown_rows, rows * w->shown.width, &message);
+    if (status == FATHOM_OK) return status;
+    return fail_file(w->context, status, w->path, "OpenColorIO%s%s", message.text[0] ? ": " : " failed",
+                     message.text);
 }
 
 static fathom_status write_chunks(writing *w, image_writer *writer, image_message *message) {
-    w->first = 0;
-    pack_chunk(w);
-    for (size_t first = 0; first < w->shown.height; first += w->chunk) {
-        if (w->viewed != FATHOM_OK) return pack_failure(w);
-        fathom_status status = write_chunk(w, writer, first, message);
+    for (w->first = 0; w->first < w->shown.height; w->first += w->chunk) {
+        const size_t rows = rows_from(w, w->first);
+        fathom_status status = w->view ? apply_view(w, rows) : FATHOM_OK;
+        if (status != FATHOM_OK) return status;
+        loop_parallel(w->threads, rows, 4, pack_rows, w);
+        status = w->calls->rows(writer, (uint32_t)rows, w->rows, message);
         if (status != FATHOM_OK)
             return fail_file(w->context, status, w->path, "cannot be written: %s", message->text);
     }
@@ -177,7 +147,7 @@ static fathom_status write_bytes(writing *w, file_writer *file) {
 /* A view's floats take more memory than the packed rows. */
 static size_t chunk_rows(const writing *w) {
     const size_t bytes = w->view ? 4 * sizeof(float) * w->shown.width : row_bytes(w);
-    size_t rows = packs_ahead(w) ? CHUNK_ROWS : CHUNK_BYTES / bytes / CHUNK_ROWS * CHUNK_ROWS;
+    size_t rows = w->format == IMAGE_TIFF ? CHUNK_BYTES / bytes / CHUNK_ROWS * CHUNK_ROWS : CHUNK_ROWS;
     if (rows < CHUNK_ROWS) rows = CHUNK_ROWS;
     return rows < w->shown.height ? rows : w->shown.height;
 }
@@ -185,17 +155,16 @@ static size_t chunk_rows(const writing *w) {
 static fathom_status allocate_rows(writing *w) {
     w->chunk = chunk_rows(w);
     size_t view_bytes = w->view ? sizeof(float) * 4 * w->shown.width * w->chunk : 1;
-    w->rows[0] = malloc(w->chunk * row_bytes(w));
-    w->rows[1] = packs_ahead(w) ? malloc(w->chunk * row_bytes(w)) : NULL;
+    w->rows = malloc(w->chunk * row_bytes(w));
     w->shown_rows = malloc(view_bytes);
-    if (w->rows[0] && (w->rows[1] || !packs_ahead(w)) && w->shown_rows) return FATHOM_OK;
+    if (w->rows && w->shown_rows) return FATHOM_OK;
     return fail_memory(w->context, w->chunk * row_bytes(w) + view_bytes);
 }
 
 static fathom_status write_rows(writing *w, file_writer *file) {
     fathom_status status = allocate_rows(w);
     if (status == FATHOM_OK) status = write_bytes(w, file);
-    free(w->rows[0]), free(w->rows[1]), free(w->shown_rows);
+    free(w->rows), free(w->shown_rows);
     return status;
 }
 

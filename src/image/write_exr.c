@@ -108,22 +108,6 @@ static void put_frame(exr *out) {
     put_float(out, 1);
 }
 
-/* The format's type for `count` doubles; NULL: the format has none. */
-static const char *type_of(size_t count) {
-    switch (count) {
-    case 1: return "double";
-    case 2: return "v2d";
-    case 3: return "v3d";
-    case 9: return "m33d";
-    case 16: return "m44d";
-    default: return NULL;
-    }
-}
-
-static size_t number_text(char text[32], const image_attribute *attribute, size_t i) {
-    return (size_t)snprintf(text, 32, "%s%.17g", i ? " " : "", attribute->numbers[i]);
-}
-
 static void put_text(exr *out, const char *name, const char *text) {
     begin_attribute(out, name, "string", strlen(text));
     put(out, text, strlen(text));
@@ -146,28 +130,16 @@ static void put_date(exr *out) {
     if (date) put_text(out, "capDate", date);
 }
 
-static void put_numbers_as_text(exr *out, const image_attribute *attribute) {
-    char text[32];
-    size_t size = 0;
-    for (size_t i = 0; i < attribute->count; ++i) size += number_text(text, attribute, i);
-    begin_attribute(out, attribute->name, "string", size);
-    for (size_t i = 0; i < attribute->count; ++i) put(out, text, number_text(text, attribute, i));
-}
-
 static void put_attribute(exr *out, const image_attribute *attribute) {
     if (attribute->text) {
         put_text(out, attribute->name, attribute->text);
-        return;
-    }
-    const char *type = type_of(attribute->count);
-    if (image_attribute_is_m44f(attribute)) {
+    } else if (attribute->count == 16) {
         begin_attribute(out, attribute->name, "m44f", sizeof(float) * 16);
         for (size_t i = 0; i < 16; ++i) put_float(out, (float)attribute->numbers[i]);
-    } else if (type) {
-        begin_attribute(out, attribute->name, type, sizeof(double) * attribute->count);
-        put(out, attribute->numbers, sizeof(double) * attribute->count);
     } else {
-        put_numbers_as_text(out, attribute);
+        const size_t size = sizeof(double) * attribute->count;
+        begin_attribute(out, attribute->name, attribute->count == 3 ? "v3d" : "double", size);
+        put(out, attribute->numbers, size);
     }
 }
 

@@ -154,7 +154,9 @@ void pyramid_keep(const pyramid *p, const pyramid_level *level, const pyramid_de
     switch (level->type) {
     case IMAGE_TEXEL_U8:
     case IMAGE_TEXEL_U16: keep_integers(p, d, sent, count, kept); break;
-    case IMAGE_TEXEL_HALF: half_from_floats(linear, numbers, kept); break;
+    case IMAGE_TEXEL_HALF:
+        for (size_t i = 0; i < numbers; ++i) ((uint16_t *)kept)[i] = half_from_float(linear[i]);
+        break;
     case IMAGE_TEXEL_FLOAT: memcpy(kept, linear, numbers * sizeof *linear); break;
     }
 }

@@ -35,25 +35,6 @@ UNIT_TEST(halves_round_to_nearest_even) {
     assert_true(isnan(half_value(half_from_float(NAN))));
 }
 
-/* All values of 20 leading bits, and their neighbours: ties, denormals and overflows are among them. */
-UNIT_TEST(halves_of_rows_are_those_of_values) {
-    float values[3 * 64];
-    uint16_t halves[3 * 64];
-    (void)state;
-    for (uint32_t first = 0; first < 1u << 20; first += 64) {
-        size_t count = 0;
-        for (uint32_t i = first; i < first + 64; ++i) {
-            for (uint32_t k = 0; k < 3; ++k) {
-                const uint32_t bits = (i << 12) + k - 1;
-                memcpy(&values[count], &bits, sizeof bits);
-                count += isfinite(values[count]) != 0;
-            }
-        }
-        half_from_floats(values, count, halves);
-        for (size_t i = 0; i < count; ++i) assert_int_equal(halves[i], half_from_float(values[i]));
-    }
-}
-
 static const image_channel *channel_of(const image *img, const char *name) {
     for (size_t i = 0; i < img->channel_count; ++i) {
         if (strcmp(img->channels[i].name, name) == 0) return &img->channels[i];
@@ -73,8 +54,7 @@ static const float color[6][3] = {{0, 0.5f, 1},      {NAN, INFINITY, -INFINITY},
                                   {0x1p-24f, 2, -3}, {0.1f, 0.2f, 0.3f},         {1e-9f, 1e-3f, 1e3f}};
 static const float depth[6] = {1, 2.000001f, INFINITY, 1e30f, 0.1f, NAN};
 static const uint32_t ids[6] = {0, 1, UINT32_MAX, 16777217, 4000000001u, 7};
-static const double eye[3] = {0.1, -2, 1e-30}, five[5] = {1, 2, 3, 4, 0.1}, seconds[1] = {0.123456789};
-static const double matrix[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3, 4, 5, 1};
+static const double eye[3] = {0.1, -2, 1e-30}, seconds[1] = {0.123456789};
 static const image_channel everything_channels[] = {
     {"R", IMAGE_FLOAT, true, &color[0][0], 12},    {"G", IMAGE_FLOAT, true, &color[0][1], 12},
     {"B", IMAGE_FLOAT, true, &color[0][2], 12},    {"A", IMAGE_FLOAT, true, depth, 4},
@@ -82,11 +62,12 @@ static const image_channel everything_channels[] = {
     {"N.Y", IMAGE_FLOAT, false, &color[0][1], 12}, {"id.object", IMAGE_UINT, false, ids, 4},
 };
 static const image_attribute everything_attributes[] = {
-    {"Software", "Fathom 0.1.0", NULL, 0},   {"fathom:scene", "caf\xc3\xa9", NULL, 0},
-    {"fathom:renderTime", NULL, seconds, 1}, {"fathom:eye", NULL, eye, 3},
-    {"fathom:matrix", NULL, matrix, 16},     {"fathom:five", NULL, five, 5},
+    {"Software", "Fathom 0.1.0", NULL, 0},
+    {"fathom:scene", "caf\xc3\xa9", NULL, 0},
+    {"fathom:renderTime", NULL, seconds, 1},
+    {"fathom:eye", NULL, eye, 3},
 };
-static const image everything = {3, 2, 10, 20, 64, 48, everything_channels, 8, everything_attributes, 6, 0};
+static const image everything = {3, 2, 10, 20, 64, 48, everything_channels, 8, everything_attributes, 4, 0};
 
 static void assert_same(float a, float b) {
     if (isnan(b))
@@ -136,14 +117,13 @@ UNIT_TEST(exr_keeps_every_value) {
 
 UNIT_TEST(exr_keeps_attributes) {
     static const float primaries[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
-    static const char *const types[] = {"double", "v3d", "m44d"};
+    static const char *const types[] = {"double", "v3d"};
     const char *file = in_folder("a.exr");
     fathom_write_options options = defaults();
     assert_ok(context, image_write(context, &everything, file, &options));
     assert_exr_text(file, "Software", "Fathom 0.1.0");
     assert_exr_text(file, "fathom:scene", "caf\xc3\xa9");
-    assert_exr_text(file, "fathom:five", "1 2 3 4 0.10000000000000001");
-    for (size_t i = 2; i < 5; ++i) {
+    for (size_t i = 2; i < 4; ++i) {
         const image_attribute *in = &everything_attributes[i];
         assert_exr_bytes(file, in->name, types[i - 2], in->numbers, in->count * sizeof(double));
     }

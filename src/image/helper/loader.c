@@ -241,10 +241,9 @@ static fathom_status open_texture(const image_texture_request *request, image_te
 
 static fathom_status read_region(image_texture *texture, const image_region *region, void *texels,
                                  size_t bytes, image_message *message) {
-    const uint32_t numbers[] = {region->level, region->x0, region->y0, region->x1, region->y1};
     wanted_pixels to = {texels, bytes};
     helper_exchange e = about((const remote *)(const void *)texture, WIRE_REGION);
-    e.bytes = numbers, e.request.size = sizeof numbers, e.request.count = bytes;
+    e.bytes = region, e.request.size = sizeof *region, e.request.count = bytes;
     e.take = take_pixels, e.user = &to;
     return ask(&e, message);
 }

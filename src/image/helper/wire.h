@@ -12,7 +12,7 @@
 #define WIRE_MEMORY 4
 
 /* Increases with every change of the protocol. */
-#define WIRE_VERSION 7u
+#define WIRE_VERSION 8u
 
 typedef enum wire_op {
     WIRE_OPEN,  /* opens a file; its descriptor comes with the request; the memory holds a wire image */
