@@ -168,28 +168,26 @@ static fathom_status make_manifests(fathom_context *context, const fathom_scene 
 
 fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           fathom_film **out) {
-    *out = NULL;
-    fathom_film *film = calloc(1, sizeof *film);
-    if (!film) return fail_memory(context, sizeof *film);
-    pthread_mutex_init(&film->lock, NULL);
     const settings_region region = settings_region_of(settings);
-    film->x = region.x, film->y = region.y;
-    film->width = region.width, film->height = region.height;
-    film->full_width = settings->width, film->full_height = settings->height;
-    film->settings = *settings;
-    film->settings.tracer = NULL; /* the film does not own it; the tracer's name is in the statistics */
-    film->camera = motion_camera_shown(&scene->camera, settings->motion_blur);
-    memcpy(film->background, scene->background, sizeof film->background);
-    memcpy(film->brightest, scene->background, sizeof film->brightest);
-    film->in_studio = scene->in_studio && settings->integrator != FATHOM_INTEGRATOR_CLASSIC;
-    film->light_groups = scene->light_groups;
-    fathom_status status = make_manifests(context, scene, film);
-    if (status != FATHOM_OK) {
-        fathom_film_destroy(film);
-        return status;
-    }
-    status = take_pixels(context, film, scene->name, out);
-    if (status == FATHOM_OK) (*out)->parts.octave = fireflies_octave(scene);
+    fathom_film like = {.x = region.x,
+                        .y = region.y,
+                        .width = region.width,
+                        .height = region.height,
+                        .full_width = settings->width,
+                        .full_height = settings->height,
+                        .settings = *settings,
+                        .camera = motion_camera_shown(&scene->camera, settings->motion_blur),
+                        .in_studio = scene->in_studio && settings->integrator != FATHOM_INTEGRATOR_CLASSIC,
+                        .light_groups = scene->light_groups,
+                        .parts.octave = fireflies_octave(scene),
+                        .scene_name = scene->name};
+    like.settings.tracer = NULL; /* the film does not own it; the tracer's name is in the statistics */
+    memcpy(like.background, scene->background, sizeof like.background);
+    memcpy(like.brightest, scene->background, sizeof like.brightest);
+    *out = NULL;
+    fathom_status status = make_manifests(context, scene, &like);
+    if (status == FATHOM_OK) status = film_create_like(context, &like, out);
+    for (int k = 0; k < MATTE_KINDS; ++k) free(like.manifests[k]);
     return status;
 }
 

@@ -109,16 +109,13 @@ static bool is_pair(const sum_stack *s) {
            right->first == left->first + (1u << left->level);
 }
 
-/* like: NULL if the nodes have no sums. */
-static void push(const pixel_sums *like, sum_stack *s) {
+void sum_push(const pixel_sums *like, sum_stack *s) {
     for (++s->count; is_pair(s); --s->count) {
         sum_node *left = &s->nodes[s->count - 2];
-        if (like) add_node(like, &left[1].sums, &left->sums);
+        add_node(like, &left[1].sums, &left->sums);
         ++left->level;
     }
 }
-
-void sum_push(const pixel_sums *like, sum_stack *stack) { push(like, stack); }
 
 void sum_fold(const pixel_sums *like, sum_stack *s) {
     for (; s->count > 1; --s->count)

@@ -13,14 +13,11 @@ typedef struct ray_counts {
     uint64_t faint;    /* skipped shadow rays: their light contributes too little */
 } ray_counts;
 
-static inline void ray_counts_add(const ray_counts *from, ray_counts *to) {
-    to->camera += from->camera;
-    to->shadow += from->shadow;
-    to->reflection += from->reflection;
-    to->refraction += from->refraction;
-    to->repaired += from->repaired;
-    to->unlit += from->unlit;
-    to->faint += from->faint;
+/* Adds all counts `times` times. */
+static inline void ray_counts_add(const ray_counts *from, int times, ray_counts *to) {
+    const uint64_t *a = (const uint64_t *)from;
+    uint64_t *sum = (uint64_t *)to;
+    for (size_t i = 0; i < sizeof *from / sizeof *a; ++i) sum[i] += a[i] * (uint64_t)times;
 }
 
 /* The state of one thread. Integrators place it at the start of their own state. */

@@ -48,21 +48,12 @@ typedef struct tiles {
     uint32_t across, down;
 } tiles;
 
-static ray_counts rays_since(const ray_counts *before, const ray_counts *now) {
-    return (ray_counts){now->camera - before->camera,
-                        now->shadow - before->shadow,
-                        now->reflection - before->reflection,
-                        now->refraction - before->refraction,
-                        now->repaired - before->repaired,
-                        now->unlit - before->unlit,
-                        now->faint - before->faint};
-}
-
 static bool hand_over(job *j, const worker *self, wave_result *done, double began, const ray_counts *before) {
     const wave_share *share = j->options->share;
     done->error = self->wave_error;
     done->seconds = clock_thread_seconds() - began;
-    done->rays = rays_since(before, &self->integration->rays);
+    done->rays = self->integration->rays;
+    ray_counts_add(before, -1, &done->rays);
     done->sums = self->share, done->bytes = self->share_bytes;
     if (share->take(share->user, done)) return true;
     atomic_store(&j->lost, true);
@@ -168,13 +159,13 @@ static void collect(job *j) {
         const wave_result *others = &j->options->share->others;
         to->samples += others->samples;
         to->error = fmax(to->error, others->error);
-        ray_counts_add(&others->rays, &to->rays);
+        ray_counts_add(&others->rays, 1, &to->rays);
     }
     for (unsigned i = 0; i < j->threads; ++i) {
         worker *self = &j->workers[i];
         to->samples += self->samples;
         to->error = fmax(to->error, self->error);
-        if (self->integration) ray_counts_add(&self->integration->rays, &to->rays);
+        if (self->integration) ray_counts_add(&self->integration->rays, 1, &to->rays);
         j->plan->integrator->destroy(self->integration);
         if (self->adaptive) adaptive_destroy(self->adaptive);
         if (self->sums) pixel_sums_destroy(self->sums);

@@ -198,7 +198,7 @@ static void count_result(ranks *r, const unit_record *w) {
     pthread_mutex_lock(&r->mutex);
     sum->samples += w->samples;
     sum->error = fmax(sum->error, w->error);
-    ray_counts_add(&w->rays, &sum->rays);
+    ray_counts_add(&w->rays, 1, &sum->rays);
     r->seconds += w->seconds;
     r->squares += (uint64_t)__builtin_popcountll(w->unit.squares);
     --r->away;
