@@ -229,15 +229,10 @@ static material_uses materials_in_use(const fathom_scene *scene) {
 }
 
 static void find_features(const fathom_scene *scene, survey *out) {
-    bool nested = false, smooth = false, moves = scene->camera.key_count > 1;
-    for (size_t i = 0; i < scene->meshes.count; ++i) {
-        smooth |= scene->meshes.items[i].normals != NULL;
-        moves |= scene->meshes.items[i].key_count > 1;
-    }
-    for (size_t i = 0; i < scene->instances.count; ++i) {
+    bool nested = false, smooth = false;
+    for (size_t i = 0; i < scene->meshes.count; ++i) smooth |= scene->meshes.items[i].normals != NULL;
+    for (size_t i = 0; i < scene->instances.count; ++i)
         nested |= scene->instances.items[i].parent != FATHOM_ROOT;
-        moves |= scene->instances.items[i].key_count > 1;
-    }
     const material_uses uses = materials_in_use(scene);
     const bool classic = scene->settings.integrator == FATHOM_INTEGRATOR_CLASSIC;
     const bool studio = scene->in_studio && !classic;
@@ -252,7 +247,7 @@ static void find_features(const fathom_scene *scene, survey *out) {
                     {smooth, "smooth normals"},
                     {scene->instances.count, "instances"},
                     {nested, "nested groups"},
-                    {moves, "motion"},
+                    {scene_moving(scene), "motion"},
                     {scene->camera.lens_radius > 0, "depth of field"},
                     {out->lights[FATHOM_LIGHT_POINT], "point lights"},
                     {out->lights[FATHOM_LIGHT_DIRECTIONAL], "directional lights"},

@@ -190,17 +190,6 @@ static fathom_status name_after(fathom_scene *scene, const char *path) {
     return status;
 }
 
-static bool has_motion(const fathom_scene *scene) {
-    if (scene->camera.key_count > 1) return true;
-    for (size_t i = 0; i < scene->instances.count; ++i) {
-        if (scene->instances.items[i].key_count > 1) return true;
-    }
-    for (size_t i = 0; i < scene->meshes.count; ++i) {
-        if (scene->meshes.items[i].key_count > 1) return true;
-    }
-    return false;
-}
-
 /* Code without motion, such as writers of models, gets the vertices at the time when the shutter opens. */
 static fathom_status pose_vertices(fathom_scene *scene) {
     const double open = scene->camera.shutter[0];
@@ -242,7 +231,7 @@ static fathom_status open_shutter(fathom_scene *scene, const char *path) {
         const fathom_camera camera = scene->camera;
         return camera.key_count ? fathom_scene_set_camera(scene, &camera) : FATHOM_OK;
     }
-    if (!scene->has_shutter && has_motion(scene))
+    if (!scene->has_shutter && scene_moving(scene))
         warn(scene->context,
              "%s: has motion, but no shutter, so everything stands still at time 0; give the camera a "
              "shutter [OPEN, CLOSE], or --time SECONDS, --shutter SECONDS",
@@ -265,36 +254,27 @@ static fathom_status warn_of_map(const fathom_scene *scene, const char *path) {
 /* Reports options that the file cannot satisfy. */
 static fathom_status check_asked(const fathom_scene *scene, const char *path) {
     const fathom_read_options *asked = scene->asked;
-    if (asked->camera && !scene->cameras.count) {
-        return fail_file(scene->context, FATHOM_BAD_USAGE, path,
-                         "has no cameras to choose \"%.60s\" from; nodes of .gltf and .glb files have",
-                         asked->camera);
-    }
-    if (asked->scene && !scene->has_scenes) {
-        return fail_file(scene->context, FATHOM_BAD_USAGE, path,
-                         "has no scenes to choose \"%.60s\" from; .gltf and .glb files may have them",
-                         asked->scene);
-    }
-    if (asked->variant && !scene->has_variants) {
-        return fail_file(
-            scene->context, FATHOM_BAD_USAGE, path,
-            "has no variants of materials to choose \"%.60s\" from; .gltf and .glb files may have "
-            "them",
-            asked->variant);
-    }
-    if (asked->shutter > 0 && !scene->has_animations && !has_motion(scene)) {
-        return fail_file(scene->context, FATHOM_BAD_USAGE, path,
-                         "has nothing that moves, so a shutter has no effect; expected animations in a .gltf "
-                         "or .glb file, or motion in scene JSON");
+    const struct {
+        const char *name, *kind;
+        bool has;
+    } choices[] = {{asked->camera, "cameras", scene->cameras.count},
+                   {asked->scene, "scenes", scene->has_scenes},
+                   {asked->variant, "variants of materials", scene->has_variants}};
+    for (size_t i = 0; i < sizeof choices / sizeof *choices; ++i) {
+        if (choices[i].name && !choices[i].has)
+            return fail_file(scene->context, FATHOM_BAD_USAGE, path,
+                             "has no %s to choose \"%.60s\" from; .gltf and .glb files may have them",
+                             choices[i].kind, choices[i].name);
     }
     if (asked->animations && !scene->has_animations) {
         return fail_file(scene->context, FATHOM_BAD_USAGE, path,
                          "has no animations to pose; .gltf and .glb files may have them");
     }
-    if (asked->choose_time && !scene->has_animations && !has_motion(scene)) {
+    if ((asked->shutter > 0 || asked->choose_time) && !scene->has_animations && !scene_moving(scene)) {
         return fail_file(scene->context, FATHOM_BAD_USAGE, path,
-                         "has nothing that moves, so a time has no effect; expected animations in a .gltf or "
-                         ".glb file, or motion in scene JSON");
+                         "has nothing that moves, so a %s has no effect; expected animations in a .gltf or "
+                         ".glb file, or motion in scene JSON",
+                         asked->shutter > 0 ? "shutter" : "time");
     }
     if (asked->up != FATHOM_UP_Y && scene->has_camera && !asked->environment) {
         warn(scene->context, "%s: has its own camera, so --up has no effect", path);

@@ -221,6 +221,13 @@ uint64_t scene_primitives(const fathom_scene *scene) {
            scene->planes.count;
 }
 
+size_t scene_moving(const fathom_scene *scene) {
+    size_t count = scene->camera.key_count > 1;
+    for (size_t i = 0; i < scene->instances.count; ++i) count += scene->instances.items[i].key_count > 1;
+    for (size_t i = 0; i < scene->meshes.count; ++i) count += scene->meshes.items[i].key_count > 1;
+    return count;
+}
+
 bool scene_has_opacities(const fathom_scene *scene) {
     for (size_t i = 0; i < scene->meshes.count; ++i) {
         const fathom_mesh *mesh = &scene->meshes.items[i];

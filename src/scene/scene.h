@@ -207,6 +207,8 @@ fathom_status scene_world_bounds(const fathom_scene *scene, scene_bounds *out);
 uint64_t scene_triangles(const fathom_scene *scene);
 uint64_t scene_points(const fathom_scene *scene);
 uint64_t scene_primitives(const fathom_scene *scene);
+/* The number of instances and meshes that move, and of cameras. */
+size_t scene_moving(const fathom_scene *scene);
 
 /* The use of mesh arrays: read by tracers, read by shading, read by neither. */
 enum { SCENE_TRACED = 1, SCENE_SHADED = 2, SCENE_UNREAD = 4, SCENE_BUFFERS = 7 };

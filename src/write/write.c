@@ -49,13 +49,6 @@ static size_t count_named(const fathom_scene *scene) {
     return count;
 }
 
-static size_t count_moving(const fathom_scene *scene) {
-    size_t count = scene->camera.key_count > 1;
-    for (size_t i = 0; i < scene->instances.count; ++i) count += scene->instances.items[i].key_count > 1;
-    for (size_t i = 0; i < scene->meshes.count; ++i) count += scene->meshes.items[i].key_count > 1;
-    return count;
-}
-
 /* Does not count meshes of clear materials: the glTF reader makes them cast no shadow. */
 static size_t count_shadowless(const fathom_scene *scene) {
     size_t count = 0;
@@ -248,7 +241,7 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
         {MODELS, scene->environments.count, "an environment of light is left out"},
         {MODELS, scene->has_background && !scene->made.background, "the background is left out"},
         {MODELS, scene->has_ambient && !scene->made.ambient, "the ambient light is left out"},
-        {MODELS, count_moving(scene), "motion is left out; the file has the pose at which the shutter opens"},
+        {MODELS, scene_moving(scene), "motion is left out; the file has the pose at which the shutter opens"},
         {MODELS, scene->grouped_lights.count, "a light group is left out"},
         {PLY, count_named(scene), "the name of a shape is left out"},
         {MODELS, count_shadowless(scene), "a mesh that casts no shadow casts one"},
