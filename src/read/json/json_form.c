@@ -14,7 +14,6 @@
 #define END_RULES                                                                                            \
     { .kind = FORM_NO_RULE }
 
-#define NOT_NEGATIVE .range = {0, INFINITY, 0}
 #define POSITIVE .range = {0, INFINITY, FORM_OPEN_LOW}
 #define UNIT .range = {0, 1, 0}
 /* Far below the largest float, so that products of a few numbers stay finite. */
