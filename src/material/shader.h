@@ -49,11 +49,11 @@
  * lobes lose the light that the coat reflects back down.
  *
  * A coat over a normal map, or with one, has a normal of its own (KHR_materials_clearcoat): its cosines use
- * this normal, and it is never a mirror but a lobe with an alpha of at least SHADER_SMOOTH_ALPHA. Where it
- * mirrors the viewer behind the surface, the coat takes the nearest normal that does not, as rough lobes do,
- * or the geometric normal if that fails as well. The coat reflects light that is above its own horizon, above
- * that of the surface without a map and above the geometric one; the mapped normal of the layers below it
- * does not count.
+ * this normal, and it is never a mirror but a lobe with an alpha of at least SHADER_SMOOTH_ALPHA. If this
+ * normal would mirror the viewer to a direction behind the surface, the coat takes the surface's normal
+ * without a map, or the geometric normal if that fails as well. The coat reflects light that is above its own
+ * horizon, above that of the surface without a map and above the geometric one; the mapped normal of the
+ * layers below it does not count.
  *
  * Fibres (KHR_materials_sheen) lie between these lobes and the coat: sheenColor D / (4 n·v n·l (1 + Λ(v) +
  * Λ(l))) with α = max(sheenRoughness, 0.07)², see kernels/sheen.h. All lobes below are multiplied by

@@ -137,25 +137,19 @@ static inline float lift_by(float n_dot_v, float n_dot_g, float g_dot_v) {
     return below > 0 && h > 0 ? below / (lean + sqrtf(lean * lean + (g_dot_v - h) * below)) : 0;
 }
 
-/* The normal of the lane, lifted. */
-static void lifted(const surface_block *s, int i, const lanes3 normal, float n[3]) {
-    const float up = dot_lane(normal, s->v, i);
-    float by = 0, square = 0;
-    if (up > 0) by = lift_by(up, dot_lane(normal, s->base, i), dot_lane(s->base, s->v, i));
-    for (int c = 0; c < 3; ++c) {
-        n[c] = normal[c][i] + by * s->base[c][i];
-        square += n[c] * n[c];
-    }
-    for (int c = 0; c < 3 && by > 0; ++c) n[c] /= sqrtf(square);
-}
-
 static void lift_normals(const surface_block *s, shader_block *restrict out) {
     for (uint32_t left = s->mapped; left; left &= left - 1) {
         const int i = __builtin_ctz(left);
-        float n[3];
-        if (!(out->at[i]->lobes & SHADER_GGX)) continue;
-        lifted(s, i, out->n, n);
-        for (int c = 0; c < 3; ++c) out->n[c][i] = n[c];
+        float n[3], square = 0;
+        const float up = dot_lane(out->n, s->v, i);
+        if (!(out->at[i]->lobes & SHADER_GGX) || !(up > 0)) continue;
+        const float by = lift_by(up, dot_lane(out->n, s->base, i), dot_lane(s->base, s->v, i));
+        if (!(by > 0)) continue;
+        for (int c = 0; c < 3; ++c) {
+            n[c] = out->n[c][i] + by * s->base[c][i];
+            square += n[c] * n[c];
+        }
+        for (int c = 0; c < 3; ++c) out->n[c][i] = n[c] / sqrtf(square);
     }
 }
 
@@ -207,13 +201,17 @@ static void stretch_frames(const surface_block *s, shader_block *restrict out) {
     }
 }
 
-/* The coat's own normal, lifted, or the geometric normal if that mirrors the viewer behind the surface. */
-static void coat_normal(const surface_block *s, int i, float n[3]) {
-    float up = 0, high = 0;
-    lifted(s, i, s->coat, n);
-    for (int c = 0; c < 3; ++c) up += n[c] * s->v[c][i], high += n[c] * s->ng[c][i];
-    if (up > 0 && 2 * up * high > dot_lane(s->v, s->ng, i)) return;
-    for (int c = 0; c < 3; ++c) n[c] = s->ng[c][i];
+/* The coat's normal, chosen as for smooth lobes: the first of its own normal, the surface's normal without a
+ * map and the geometric normal that mirrors the viewer to no direction behind the surface. */
+static const lanes3 *coat_normal(const surface_block *s, int i) {
+    const lanes3 *const normals[2] = {&s->coat, &s->base};
+    for (int k = 0; k < 2; ++k) {
+        const float up = 2 * dot_lane(*normals[k], s->v, i);
+        const bool above = up * dot_lane(*normals[k], s->ng, i) > dot_lane(s->v, s->ng, i) &&
+                           up * dot_lane(*normals[k], s->base, i) > dot_lane(s->v, s->base, i);
+        if (up > 0 && above) return normals[k];
+    }
+    return &s->ng;
 }
 
 /* The coats' own frames, if they have any; otherwise those of the block. */
@@ -222,10 +220,9 @@ static void turn_coats(const surface_block *s, shader_block *restrict out) {
     for (int i = 0; i < LANES; ++i) {
         for (int k = 0; k < 3; ++k) out->coat_axes[k][k][i] = 1;
         if (!(out->at[i]->lobes & SHADER_TURNED) || !(s->coated >> i & 1)) continue;
-        float own[3], n[3] = {0};
-        coat_normal(s, i, own);
-        for (int c = 0; c < 3; ++c)
-            n[0] += out->t[c][i] * own[c], n[1] += out->b[c][i] * own[c], n[2] += out->n[c][i] * own[c];
+        const lanes3 *normal = coat_normal(s, i);
+        float n[3] = {dot_lane(out->t, *normal, i), dot_lane(out->b, *normal, i),
+                      dot_lane(out->n, *normal, i)};
         float t[3], b[3];
         across(n[0], n[1], n[2], t, b);
         for (int c = 0; c < 3; ++c)
