@@ -74,26 +74,31 @@ UNIT_TEST(a_coat_does_not_turn_the_grooves_below) {
 
 /* ---- lamps behind shading normals ---- */
 
+/* The mean of an image of the origin, seen from 2 aside and 0.5 above, lit once. Closes the stage. */
+static double mean_from_aside(stage *s) {
+    double sum = 0;
+    fathom_settings_set_integrator(&s->settings, FATHOM_INTEGRATOR_PATH);
+    s->settings.target_error = 0, s->settings.spp = 64, s->settings.max_depth = 1;
+    stage_camera(s, (double[]){2, 0, 0.5}, (double[]){0, 0, 0}, (double[]){0, 0, 1}, 1e-3);
+    fathom_film *film = stage_render(s);
+    for (int i = 0; i < 256; ++i) sum += (double)fathom_film_channel(film, "G")[i];
+    fathom_film_destroy(film);
+    stage_close(s);
+    return sum / 256;
+}
+
 /* The middle of a square that two lamps, of which some shine, light once. It has a normal map, or normals
  * that lean away from viewer and lamps. */
 static double lit_by(const fathom_material *from, bool leans, unsigned lamps) {
     static const float tilted[3] = {0.935f, 0.5f, 0.75f};
     stage s = stage_open(16, 16);
     fathom_material m = *from;
-    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
-    s.settings.target_error = 0, s.settings.spp = 64, s.settings.max_depth = 1;
     if (!leans) m.maps[FATHOM_MAP_NORMAL].texture = stage_texel(&s, tilted);
     add_square(&s, stage_material(&s, &m), leans ? 0.9f : 0);
     for (unsigned k = 0; k < 2; ++k) {
         if (lamps >> k & 1) stage_point_light(&s, leans ? 3 : -3, k, 1, 10);
     }
-    stage_camera(&s, (double[]){2, 0, 0.5}, (double[]){0, 0, 0}, (double[]){0, 0, 1}, 1e-3);
-    fathom_film *film = stage_render(&s);
-    double sum = 0;
-    for (int i = 0; i < 256; ++i) sum += (double)fathom_film_channel(film, "G")[i];
-    fathom_film_destroy(film);
-    stage_close(&s);
-    return sum / 256;
+    return mean_from_aside(&s);
 }
 
 /* A clear coat reflects light from behind the mapped normal of the layers below it, and a facet whose shading
@@ -123,8 +128,6 @@ static double lit_along(const fathom_material *from, bool room) {
     static const float leaning[3] = {0.4f, 0.5f, 1};
     stage s = stage_open(16, 16);
     fathom_material m = *from;
-    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
-    s.settings.target_error = 0, s.settings.spp = 64, s.settings.max_depth = 1;
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.maps[FATHOM_MAP_NORMAL].texture = stage_texel(&s, leaning);
     add_square(&s, stage_material(&s, &m), 0);
@@ -132,13 +135,7 @@ static double lit_along(const fathom_material *from, bool room) {
         assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){1, 1, 1}));
     else
         stage_point_light(&s, -1, 0.5, 1, 10);
-    stage_camera(&s, (double[]){2, 0, 0.5}, (double[]){0, 0, 0}, (double[]){0, 0, 1}, 1e-3);
-    fathom_film *film = stage_render(&s);
-    double sum = 0;
-    for (int i = 0; i < 256; ++i) sum += (double)fathom_film_channel(film, "G")[i];
-    fathom_film_destroy(film);
-    stage_close(&s);
-    return sum / 256;
+    return mean_from_aside(&s);
 }
 
 /* White metal reflects all light of a white room but what its facets reflect downwards. The mirrored viewer
