@@ -12,14 +12,14 @@ ONE, SKY = "light/kernels/face.c", "light/kernels/sky.c"
 VOLUMES, MET, CARRIED = "integrate/path/path_volumes.c", "integrate/path/path_met.c", "integrate/path/path.h"
 FACETS, DIFFUSE, SHEEN, FILM = ("material/kernels/" + name for name in ("facets.h", "diffuse.h", "sheen.h", "film.h"))
 MUTANTS = [
-    ("MIS weights add up to 0.99", "integrate/path/path_kernels.h", "rectangle", "return 1 / (1 + ratio * ratio);", "return 0.99f / (1 + ratio * ratio);"),
+    ("MIS weights add up to 0.99", "integrate/path/path_kernels.h", "rectangle", "return 1 / (1 + chosen", "return 0.99f / (1 + chosen"),
     ("emission counts whole where lights were asked for, too", MET, "rectangle",
-     "const float share = path_power_heuristic(p->density[slot], p->light_factor * met->density);",
+     "const float share = path_share(p->density[slot], p->light_factor * met->density, met->outside ? ~0u : 0);",
      "const float share = met->density < 0 ? met->density : 1;"),
     ("lights count whole where rays find them, too", "integrate/kernels/path.c", "rectangle",
-     "path_power_heuristic(factor * asked, density[i]), 1);", "1 + 0 * density[i], 1);"),
+     "path_share(factor * asked, density[i], outside), 1);", "1 + 0 * density[i], 1);"),
     ("emission by the balance heuristic, lights by the power heuristic", MET, "rectangle",
-     "const float share = path_power_heuristic(p->density[slot], p->light_factor * met->density);",
+     "const float share = path_share(p->density[slot], p->light_factor * met->density, met->outside ? ~0u : 0);",
      "const float share = p->density[slot] < INFINITY ? p->density[slot] / (p->density[slot] + met->density) : 1;"),
     ("the sky's MIS factor counts for light samples alone", MET, "even sky", "p->light_factor * met->density", "met->density"),
     ("roulette without its weight", "integrate/kernels/path.c", "furnace, sphere",
@@ -52,7 +52,7 @@ MUTANTS = [
     ("the sun forgets the chance to be asked", "light/emitters_outside.c", "four kinds",
      "(float)(chance * sun->chance)", "(float)(chance > 0 ? sun->chance : 0)"),
     ("rays that find a sun's disc count whole", MET, "directional light with",
-     "met_light met = {.density = disc.density, .group = disc.group,", "met_light met = {.density = 0 * disc.density, .group = disc.group,"),
+     ".density = disc.density,", ".density = 0 * disc.density,"),
     ("rough glass loses what facets scatter twice", "material/shader.c", "rough glass",
      "out->glass_again[side] = part * (1 - crosses) * mixture_scale(lost[side]);", "out->glass_again[side] = 0;"),
     ("brushed glass loses what its larger alpha scatters twice", "material/shader.c", "brushed glass",

@@ -11,13 +11,11 @@ KERNEL_BEST(sky_kernels)
 
 enum { SIDE = SKY_VIEW_SIDE };
 
-/* Light of a block of cells. */
-typedef struct sky_block {
-    double power;
-    vec3_f64 sum;    /* sum of directions times power */
-    vec3_f64 centre; /* unit */
-    double radius;   /* upper bound of the angle around the centre that contains the block */
-} sky_block;
+/* The part of the difference between light and cosine by which light samples avoid what scattered rays find,
+ * and the least part of the light that a block keeps. Occluders hide parts, so the whole difference is too
+ * much (bench/path_tracing.md). */
+#define SKY_AVOID 0.5
+#define SKY_KEEP (1.0 / 16)
 
 typedef struct sky_view {
     vec3_f64 normal; /* the centre of the cell of normals */
@@ -77,12 +75,16 @@ typedef struct sky_sums {
     double *lines;   /* as in sky_image */
 } sky_sums;
 
+static void add_light(sky_amount *to, double solid, double power, vec3_f64 sum) {
+    to->power += power * solid, to->sum = madd_f64(to->sum, solid, sum);
+}
+
 /* The mean of a bilinear function is the mean of its corners. above, below: rows of texels. */
 static void sum_block(sky_image *s, const sky_texel *above, const sky_texel *below, const sky_sums *sums,
                       uint32_t y, uint32_t column, sky_block *out) {
     const sky_row row = row_at(s, y);
     const uint32_t first = s->column_first[column], end = s->column_first[column + 1];
-    double line = 0, ahead = 0, right = 0;
+    double line = 0, ahead = 0, right = 0, even_ahead = 0, even_right = 0;
     for (uint32_t x = first; x < end; ++x) {
         const uint32_t next = x + 1 < s->width ? x + 1 : 0;
         const double light = ((double)above[x].luminance + (double)above[next].luminance +
@@ -90,12 +92,13 @@ static void sum_block(sky_image *s, const sky_texel *above, const sky_texel *bel
                              4;
         sums->cells[x] = line += light;
         right += light * sums->turns[x].sine, ahead += light * sums->turns[x].cosine;
+        even_right += sums->turns[x].sine, even_ahead += sums->turns[x].cosine;
     }
     normalize_sums(sums->cells + first, end - first, s->cells + (size_t)y * s->width + first);
-    const double round = sin(row.angle);
-    out->sum =
-        madd_f64(out->sum, row.solid, (vec3_f64){right * round, line * cos(row.angle), -ahead * round});
-    sums->lines[(size_t)column * cell_rows(s) + y] = out->power += line * row.solid;
+    const double round = sin(row.angle), up = cos(row.angle), wide = end - first;
+    add_light(&out->light, row.solid, line, (vec3_f64){right * round, line * up, -ahead * round});
+    add_light(&out->even, row.solid, wide, (vec3_f64){even_right * round, wide * up, -even_ahead * round});
+    sums->lines[(size_t)column * cell_rows(s) + y] = out->light.power;
 }
 
 static sky_block new_block(const sky_image *s, uint32_t row, uint32_t column) {
@@ -107,21 +110,21 @@ static sky_block new_block(const sky_image *s, uint32_t row, uint32_t column) {
                        .centre = sky_direction(middle < 1 ? middle : middle - 1, (top + bottom) / 2)};
 }
 
-static void sum_blocks(sky_image *s, const sky_sums *sums, sky_block *blocks) {
+static void sum_blocks(sky_image *s, const sky_sums *sums) {
     const uint32_t count = s->rows * s->columns;
-    for (uint32_t i = 0; i < count; ++i) blocks[i] = new_block(s, i / s->columns, i % s->columns);
+    for (uint32_t i = 0; i < count; ++i) s->blocks[i] = new_block(s, i / s->columns, i % s->columns);
     for (uint32_t y = 0; y < cell_rows(s); ++y) {
         const sky_texel *above = s->texels + (size_t)(y ? y - 1 : 0) * s->width,
                         *below = s->texels + (size_t)min_u32(y, s->height - 1) * s->width;
         for (uint32_t column = 0; column < s->columns; ++column)
-            sum_block(s, above, below, sums, y, column, &blocks[s->row_block[y] * s->columns + column]);
+            sum_block(s, above, below, sums, y, column, &s->blocks[s->row_block[y] * s->columns + column]);
     }
     s->power = 0;
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t row = i / s->columns, first = s->row_first[row];
         const size_t line = (size_t)(i % s->columns) * cell_rows(s) + first;
         normalize_sums(sums->lines + line, s->row_first[row + 1] - first, s->lines + line);
-        s->power += s->powers[i] = blocks[i].power;
+        s->power += s->blocks[i].light.power;
     }
 }
 
@@ -151,13 +154,40 @@ static sky_view view_at(uint32_t index) {
 
 /* The mean of the positive part of a cosine that varies by ±`spread`, as it does over a block and a cell. The
  * weight is never 0 for a block that some normal of the cell faces. */
-static double weight(const sky_block *block, const sky_view *view) {
+static double weight(const sky_block *block, const sky_amount *of, const sky_view *view) {
     static const double spread = 0.25, least = 1.0 / 64;
-    if (!(block->power > 0)) return 0;
-    const double most = block->radius + view->radius, mean = dot_f64(view->normal, block->sum) / block->power;
+    if (!(of->power > 0)) return 0;
+    const double most = block->radius + view->radius, mean = dot_f64(view->normal, of->sum) / of->power;
     if (most < SHAPE_PI / 2 && dot_f64(view->normal, block->centre) < -sin(most)) return 0;
     const double cosine = mean > spread ? mean : pow(fmax(mean + spread, 0), 2) / (4 * spread);
-    return block->power * fmax(cosine, least);
+    return of->power * fmax(cosine, least);
+}
+
+static void scale_to_one(const sky_image *s, double parts[SKY_BLOCKS]) {
+    double sum = 0;
+    for (uint32_t i = 0; i < s->rows * s->columns; ++i) sum += parts[i];
+    for (uint32_t i = 0; sum > 0 && i < s->rows * s->columns; ++i) parts[i] /= sum;
+}
+
+void sky_parts(const sky_image *s, uint32_t view, double parts[SKY_BLOCKS]) {
+    const sky_view from = view_at(view % SKY_VIEWS);
+    for (uint32_t i = 0; i < s->rows * s->columns; ++i) {
+        const sky_block *block = &s->blocks[i];
+        parts[i] = view == SKY_VIEWS ? block->light.power : weight(block, &block->light, &from);
+    }
+    scale_to_one(s, parts);
+}
+
+void sky_avoid(const sky_image *s, uint32_t view, double parts[SKY_BLOCKS]) {
+    if (view == SKY_VIEWS) return;
+    const sky_view from = view_at(view);
+    double cosines[SKY_BLOCKS];
+    for (uint32_t i = 0; i < s->rows * s->columns; ++i)
+        cosines[i] = weight(&s->blocks[i], &s->blocks[i].even, &from);
+    scale_to_one(s, cosines);
+    for (uint32_t i = 0; i < s->rows * s->columns; ++i)
+        parts[i] = fmax(parts[i] + SKY_AVOID * (parts[i] - cosines[i]), SKY_KEEP * parts[i]);
+    scale_to_one(s, parts);
 }
 
 /* Densities are those before the sums are rounded. */
@@ -170,7 +200,8 @@ void sky_table(sky_image *s, const double parts[SKY_BLOCKS], uint32_t index) {
         double line = 0;
         for (uint32_t i = first; i < first + s->columns; ++i) {
             row[i - first] = line += parts[i];
-            scales[i] = s->powers[i] > 0 ? (float)(parts[i] / s->powers[i]) : 0;
+            const double power = s->blocks[i].light.power;
+            scales[i] = power > 0 ? (float)(parts[i] / power) : 0;
         }
         normalize_sums(row, s->columns, columns + first);
         all[y] = sum += line;
@@ -178,14 +209,6 @@ void sky_table(sky_image *s, const double parts[SKY_BLOCKS], uint32_t index) {
     normalize_sums(all, s->rows, rows);
     for (uint32_t i = 0; sum > 0 && i < s->rows * s->columns; ++i)
         scales[i] = (float)((double)scales[i] / sum);
-}
-
-static void sum_view(sky_image *s, const sky_block *blocks, uint32_t index) {
-    const sky_view view = view_at(index % SKY_VIEWS);
-    double parts[SKY_BLOCKS];
-    for (uint32_t i = 0; i < s->rows * s->columns; ++i)
-        parts[i] = index == SKY_VIEWS ? blocks[i].power : weight(&blocks[i], &view);
-    sky_table(s, parts, index);
 }
 
 /* ---- the whole ---- */
@@ -197,26 +220,29 @@ static bool allocate(sky_image *s) {
     s->column_block = malloc(s->width);
     s->cells = malloc(rows * s->width * sizeof *s->cells);
     s->lines = malloc(rows * s->columns * sizeof *s->lines);
-    s->powers = malloc(blocks * sizeof *s->powers);
+    s->blocks = malloc(blocks * sizeof *s->blocks);
     s->views = malloc((SKY_VIEWS + 1) * (size_t)sky_view_size(s) * sizeof *s->views);
     s->scales = malloc((SKY_VIEWS + 1) * blocks * sizeof *s->scales);
-    return s->cosines && s->row_block && s->column_block && s->cells && s->lines && s->powers && s->views &&
+    return s->cosines && s->row_block && s->column_block && s->cells && s->lines && s->blocks && s->views &&
            s->scales;
 }
 
 static bool fill(sky_image *s) {
-    sky_block *blocks = malloc((size_t)s->rows * s->columns * sizeof *blocks);
     const sky_sums sums = {malloc(s->width * sizeof *sums.turns), malloc(s->width * sizeof *sums.cells),
                            malloc((size_t)cell_rows(s) * s->columns * sizeof *sums.lines)};
-    const bool there = blocks && sums.turns && sums.cells && sums.lines;
+    const bool there = sums.turns && sums.cells && sums.lines;
     for (uint32_t x = 0; there && x < s->width; ++x)
         shape_turn((x + 1.0) / s->width, &sums.turns[x].cosine, &sums.turns[x].sine);
-    if (there) sum_blocks(s, &sums, blocks);
-    for (uint32_t i = 0; there && i <= SKY_VIEWS; ++i) sum_view(s, blocks, i);
+    if (there) sum_blocks(s, &sums);
+    for (uint32_t view = 0; there && view <= SKY_VIEWS; ++view) {
+        double parts[SKY_BLOCKS];
+        sky_parts(s, view, parts);
+        sky_avoid(s, view, parts);
+        sky_table(s, parts, view);
+    }
     free(sums.lines);
     free(sums.cells);
     free(sums.turns);
-    free(blocks);
     return there;
 }
 
@@ -245,7 +271,7 @@ void sky_close(sky_image *s) {
     free(s->column_block);
     free(s->cells);
     free(s->lines);
-    free(s->powers);
+    free(s->blocks);
     free(s->views);
     free(s->scales);
     free(s->roots);

@@ -15,6 +15,11 @@
  * table of the blocks. A product of light and cosine at this resolution needs no table of all pairs of
  * normals and cells, and excludes the half of the sky behind the surface.
  *
+ * Scattered rays find the sky, too, and the balance heuristic weighs both kinds of samples. The variance of
+ * their sum is least if their densities add up to twice the product of light and cosine (MIS compensation,
+ * Karlik et al. 2019). A diffuse surface scatters rays by the cosine. So light samples prefer blocks that are
+ * brighter than the mean, and leave most of the others to scattered rays.
+ *
  * In a room, most of the sky is hidden. The rays of a few paths show which parts the surfaces see.
  * Surfaces with normals in one cell are divided by position into regions, each with its own table:
  * sky_learn(). */
@@ -40,6 +45,19 @@ enum {
     SKY_VIEWS = SKY_VIEW_SIDE * SKY_VIEW_SIDE
 };
 
+/* Directions of a block, with weights: power: the sum of the weights; sum: of directions times weights. */
+typedef struct sky_amount {
+    double power;
+    vec3_f64 sum;
+} sky_amount;
+
+/* A block of cells. */
+typedef struct sky_block {
+    sky_amount light, even; /* weights: luminance times solid angle, and solid angle */
+    vec3_f64 centre;        /* unit */
+    double radius;          /* upper bound of the angle around the centre that contains the block */
+} sky_block;
+
 /* An equirectangular image whose first row is around +y, and whose centre lies towards -z of its axes. Sums
  * are inclusive prefix sums as fractions of the last one, which is 1, or 0 if there is no light. As floats
  * they are as fine as the numbers that choose by them, and take half of the caches. */
@@ -58,9 +76,9 @@ typedef struct sky_image {
     uint32_t row_first[SKY_BLOCK_ROWS + 1], column_first[SKY_BLOCK_COLUMNS + 1]; /* cells of the blocks */
     uint8_t *row_block, *column_block; /* of each row and column of cells */
     float *cells;                      /* sums of mean luminance, along a row of cells of a block; by cell */
-    float *lines;    /* sums of luminance times solid angle, over the rows of cells of a block; height + 1 for
-                        each column of blocks */
-    double *powers;  /* luminance times solid angle of the blocks */
+    float *lines; /* sums of luminance times solid angle, over the rows of cells of a block; height + 1 for
+                     each column of blocks */
+    sky_block *blocks;
     float *views;    /* tables: sums of weights of the rows of blocks, then of the blocks along each row; for
                         each view, of which the last one is without a normal, then for each region */
     float *scales;   /* of the blocks in each table: density of a direction divided by its luminance */
@@ -81,7 +99,13 @@ typedef struct sky_ray {
     float seen;               /* fraction of its light that arrives at p, in [0, 1] */
 } sky_ray;
 
-/* Makes a table, from weights of the blocks; sky_open() and sky_learn() call it. */
+/* sky_open() and sky_learn() make tables of these. view: of the surfaces, or SKY_VIEWS. parts: by block, with
+ * the sum 1, or 0 if there is no light: the fractions of light times cosine that surfaces get from the
+ * blocks. */
+void sky_parts(const sky_image *s, uint32_t view, double parts[SKY_BLOCKS]);
+/* Turns fractions of the light into probabilities of light samples, which avoid what scattered rays find. */
+void sky_avoid(const sky_image *s, uint32_t view, double parts[SKY_BLOCKS]);
+/* Makes a table from probabilities. */
 void sky_table(sky_image *s, const double parts[SKY_BLOCKS], uint32_t index);
 
 /* Call at most once. False: out of memory; the sky remains usable. */

@@ -21,7 +21,7 @@
 #define NEIGHBOUR 0.01
 /* The fraction of samples that use the table of the whole sky: it bounds the variance where the rays
  * missed something. */
-#define DEFENCE 0.1
+#define DEFENCE 0.05
 
 /* A ray, once rays are sorted by view. */
 typedef struct sky_look {
@@ -93,18 +93,17 @@ static double seen_near(const sky_image *s, const double seen[SKY_BLOCKS], uint3
  * variance with these weights, divided by that with the weights of the view. */
 static double weigh(const sky_image *s, uint32_t view, const double seen[SKY_BLOCKS],
                     double parts[SKY_BLOCKS]) {
-    const float *scales = s->scales + (size_t)view * s->rows * s->columns;
-    double all = 0, arrives = 0, sum = 0;
+    double whole[SKY_BLOCKS], arrives = 0, sum = 0;
+    sky_parts(s, view, whole);
     for (uint32_t i = 0; i < s->rows * s->columns; ++i) {
-        const double part = (double)scales[i] * s->powers[i];
-        parts[i] = part * sqrt(seen_near(s, seen, i));
-        all += part, arrives += part * seen[i], sum += parts[i];
+        parts[i] = whole[i] * sqrt(seen_near(s, seen, i));
+        arrives += whole[i] * seen[i], sum += parts[i];
     }
-    for (uint32_t i = 0; all > 0 && i < s->rows * s->columns; ++i) {
-        const double part = (double)scales[i] * s->powers[i];
-        parts[i] = (1 - DEFENCE) * parts[i] / sum + DEFENCE * part / all;
-    }
-    return all > 0 ? sum * sum / (all * arrives) : 1;
+    for (uint32_t i = 0; sum > 0 && i < s->rows * s->columns; ++i) parts[i] /= sum;
+    sky_avoid(s, view, parts), sky_avoid(s, view, whole);
+    for (uint32_t i = 0; i < s->rows * s->columns; ++i)
+        parts[i] = (1 - DEFENCE) * parts[i] + DEFENCE * whole[i];
+    return sum > 0 ? sum * sum / arrives : 1;
 }
 
 /* ---- regions ---- */

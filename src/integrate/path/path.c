@@ -1,6 +1,6 @@
 /* Unidirectional path tracing (Kajiya 1986). Each vertex samples one direction towards a light and one by the
- * BSDF, weighted by the power heuristic (Veach 1997); the path continues in the second. Nothing is clamped,
- * so the mean of the samples is the arriving light.
+ * BSDF, weighted by multiple importance sampling (Veach 1997); the path continues in the second. Nothing is
+ * clamped, so the mean of the samples is the arriving light.
  *
  * A path has one slot and never splits, so its state is stored there. */
 #include "integrate/path/path.h"

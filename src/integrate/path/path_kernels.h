@@ -1,15 +1,18 @@
 /* Steps of path tracing for a block of sixteen vertices at once; see base/kernel.h. */
 #pragma once
 
+#include "base/kernel.h"
 #include "integrate/kernels.h"
 #include "light/emitters.h"
 #include "material/shader.h"
 #include "surface/surface.h"
 
-/* a^2 / (a^2 + b^2). `a` may be infinite but not 0. */
-static inline float path_power_heuristic(float a, float b) {
+/* The weight of a light sample of density a, and of a scattered ray if a and b are exchanged. `a` may be
+ * infinite but not 0. The power heuristic suits finite lights; light samples of skies are made for the
+ * balance heuristic (light/sky.h). outside: all ones for light from outside the scene. */
+static inline float path_share(float a, float b, uint32_t outside) {
     const float ratio = b / a;
-    return 1 / (1 + ratio * ratio);
+    return 1 / (1 + chosen(outside, ratio, ratio * ratio));
 }
 
 typedef struct path_kernels {
