@@ -58,7 +58,7 @@ typedef struct emitter_sample {
                               light */
     uint32_t sized[LANES]; /* all ones: BSDF samples can hit the emitter; 0: light samples count alone */
     uint8_t group[LANES];  /* if groups are given, as emitters_outside_group() */
-    uint8_t part[LANES];   /* emitter_part; set if emitters_choose() */
+    uint8_t part[LANES];   /* emitter_part */
 } emitter_sample;
 
 /* True if a random choice among lights is needed. */

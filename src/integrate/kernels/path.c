@@ -39,8 +39,8 @@ static void weigh(const path_block *path, const emitter_sample *light, const lan
     for (int i = 0; i < LANES; ++i) {
         const uint32_t any = (light->density[i] > 0 ? ~0u : 0) & ~done[i];
         const float asked = chosen(any, light->density[i], 1);
-        const uint32_t outside = light->distance[i] == INFINITY ? ~0u : 0;
-        const float share = chosen(light->sized[i] & any, path_share(factor * asked, density[i], outside), 1);
+        const uint32_t sky = light->part[i] == EMITTER_OUTSIDE ? ~0u : 0;
+        const float share = chosen(light->sized[i] & any, path_share(factor * asked, density[i], sky), 1);
         const float scale = chosen(any, share / asked, 0);
         for (int c = 0; c < 3; ++c)
             gain[c][i] =

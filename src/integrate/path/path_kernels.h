@@ -8,11 +8,11 @@
 #include "surface/surface.h"
 
 /* The weight of a light sample of density a, and of a scattered ray if a and b are exchanged. `a` may be
- * infinite but not 0. The power heuristic suits finite lights; light samples of skies are made for the
- * balance heuristic (light/sky.h). outside: all ones for light from outside the scene. */
-static inline float path_share(float a, float b, uint32_t outside) {
+ * infinite but not 0. The power heuristic suits lamps and suns; light samples of skies are made for the
+ * balance heuristic (light/sky.h). sky: all ones for light of skies and backgrounds. */
+static inline float path_share(float a, float b, uint32_t sky) {
     const float ratio = b / a;
-    return 1 / (1 + chosen(outside, ratio, ratio * ratio));
+    return 1 / (1 + chosen(sky, ratio, ratio * ratio));
 }
 
 typedef struct path_kernels {

@@ -10,12 +10,12 @@
 typedef struct met_light {
     float radiance[3], density; /* density: of its direction among light samples */
     uint8_t group;
-    bool outside;
+    bool sky; /* as in path_share() */
     vec3_f32 direction;
 } met_light;
 
 static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsigned i, const met_light *met) {
-    const float share = path_share(p->density[slot], p->light_factor * met->density, met->outside ? ~0u : 0);
+    const float share = path_share(p->density[slot], p->light_factor * met->density, met->sky ? ~0u : 0);
     float rgb[3];
     for (int c = 0; c < 3; ++c) {
         rgb[c] = limited(path->weight[c][i] * (met->radiance[c] * share));
@@ -48,8 +48,7 @@ static void add_suns(path_wave *p, uint32_t slot, const path_block *path, unsign
         emitter_disc disc;
         if (!emitters_disc(e, k, of_slot(p->p, slot), of_slot(p->n, slot), direction, &disc)) continue;
         if (!(disc.density > 0) && p->density[slot] < INFINITY) continue;
-        met_light met = {
-            .outside = true, .density = disc.density, .group = disc.group, .direction = direction};
+        met_light met = {.density = disc.density, .group = disc.group, .direction = direction};
         for (int c = 0; c < 3; ++c) met.radiance[c] = disc.radiance[c] * left[c];
         add_light(p, slot, path, i, &met);
     }
@@ -64,7 +63,7 @@ void path_add_outside(wave *w, const trace_block *block, const path_block *path,
         const unsigned i = lane_first(missed);
         float left[3] = {1, 1, 1};
         if (p->media) media_left(p->media, path->slot[i], INFINITY, left);
-        met_light met = {.outside = true,
+        met_light met = {.sky = true,
                          .density = density[i],
                          .group = emitters_outside_group(w->run.plan->emitters),
                          .direction = trace_dir(&block->rays, i)};
