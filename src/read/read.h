@@ -10,7 +10,7 @@ typedef struct read_mesh_options {
     bool flat;          /* ignore the file's normals and smoothing groups */
     bool smooth;        /* make smooth vertex normals where the file has none */
     bool surroundings;  /* also read the file's camera and lights; only if the group is the root */
-    double unit;        /* scale of the group's instance, applied to cameras and lights too; 0: no scale */
+    double unit; /* scale of the group's instance, applied to cameras, lights and volumes too; 0: none */
 } read_mesh_options;
 
 /* The path of a file that the file `base` names. `base` may come from Windows: backslashes separate folders,

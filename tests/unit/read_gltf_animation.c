@@ -417,14 +417,16 @@ UNIT_TEST(variants_replace_materials) {
                    "there is no variant \"dusk\"; expected one of 0 \"day\", 1 \"night\"");
 }
 
-UNIT_TEST(units_scale_models_cameras_and_lamps_alike) {
+UNIT_TEST(units_scale_models_cameras_lamps_and_volumes_alike) {
     fixture *f = *state;
     fathom_scene *scene;
     fathom_read_options asked;
     fathom_read_options_default(&asked);
     asked.unit = 0.01;
-    write_triangle(f, WITH_DATA(TRIANGLE_MESH
-                                ",'cameras':[{'type':'perspective','perspective':{'yfov':1}}],"
+    write_triangle(f, WITH_DATA("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],"
+                                "'materials':[{'extensions':{'KHR_materials_volume':{'thicknessFactor':2,"
+                                "'attenuationDistance':3}}}],"
+                                "'cameras':[{'type':'perspective','perspective':{'yfov':1}}],"
                                 "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'point'}]}},"
                                 "'nodes':[{'mesh':0},{'camera':0,'translation':[0,0,5],'extensions':{"
                                 "'KHR_lights_punctual':{'light':0}}}]"));
@@ -434,6 +436,8 @@ UNIT_TEST(units_scale_models_cameras_and_lamps_alike) {
     assert_vec(bounds.upper, 0.01, 0.01, 0.005, 1e-15);
     assert_near(scene->camera.origin[2], 0.05, 1e-15);
     assert_near(scene->lights.items[0].position[2], 0.05, 1e-15);
+    const fathom_material *volume = &scene->materials.items[scene->meshes.items[0].material].value;
+    assert_true(volume->thickness == 0.02f && volume->attenuation_distance == 0.03f);
     fathom_scene_destroy(scene);
 }
 

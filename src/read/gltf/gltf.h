@@ -120,6 +120,9 @@ typedef struct gltf {
  * gltf_fine() before they use an index, call the scene or begin a long loop. */
 
 static inline bool gltf_fine(const gltf *g) { return g->status == FATHOM_OK; }
+/* The scale of the group's instance, which lengths outside meshes need too: those of cameras, lights and
+ * volumes. */
+static inline double gltf_unit(const gltf *g) { return g->options->unit > 0 ? g->options->unit : 1; }
 
 /* A place for messages, with a buffer for its path. */
 typedef struct gltf_spot {

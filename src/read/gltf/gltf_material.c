@@ -148,6 +148,9 @@ static void read_keys(gltf *g, const gltf_value *at, gltf_holder of, draft *d) {
 
 /* ---- other parts ---- */
 
+/* A length in metres, at most the largest that a material may have. */
+static float scaled(const gltf *g, float length) { return (float)fmin((double)length * gltf_unit(g), 1e30); }
+
 static void read_alpha(gltf *g, const gltf_value *at, draft *d) {
     const char *mode = "OPAQUE";
     double cutoff = 0.5;
@@ -184,6 +187,10 @@ static void read_extensions(gltf *g, const gltf_value *at, const gltf_value *ext
         }
         if (of == GLTF_CLEARCOAT)
             read_scale(g, &part, "clearcoatNormalTexture", &d->m.clearcoat_normal_scale);
+        if (of == GLTF_VOLUME) {
+            d->m.thickness = scaled(g, d->m.thickness);
+            d->m.attenuation_distance = scaled(g, d->m.attenuation_distance);
+        }
         if (of == GLTF_VOLUME && json_object_get(part.json, "thicknessTexture"))
             gltf_note(g, &part, "thicknessTexture",
                       "the thickness of a volume is what its mesh has; the texture does not matter");

@@ -89,5 +89,3 @@ bool gltf_way_mirrors(const gltf_way *way);
 bool gltf_way_flattens(const gltf_way *way);
 /* True if no transform after the first is singular, and all have the same handedness. */
 bool gltf_way_can_blur(const gltf_way *way);
-/* The scale that applies to cameras and lights. */
-static inline double gltf_unit(const gltf *g) { return g->options->unit > 0 ? g->options->unit : 1; }
