@@ -27,7 +27,10 @@ static float left_of(const fathom_material *m, int c) {
     return powf(m->attenuation_color[c], m->thickness / m->attenuation_distance);
 }
 
-bool material_is_clear(const scene_named_material *material) {
+/* Below this roughness, the transmission of a thin wall is smooth (SHADER_SMOOTH_ALPHA). */
+#define STRAIGHT_ROUGHNESS 0.011f
+
+bool material_is_clear(const scene_named_material *material, fathom_integrator integrator) {
     const fathom_material *m = &material->value;
     const bool metallic_roughness = m->model == FATHOM_MODEL_METALLIC_ROUGHNESS;
     float through = 0;
@@ -36,6 +39,9 @@ bool material_is_clear(const scene_named_material *material) {
     }
     if (metallic_roughness && material_opacity(m) == 0) return true;
     if (metallic_roughness && m->roughness >= 0.15f) return false;
+    if (metallic_roughness && integrator != FATHOM_INTEGRATOR_CLASSIC && !(m->thickness > 0) &&
+        m->roughness < STRAIGHT_ROUGHNESS)
+        return false;
     for (int c = 0; c < 3; ++c) {
         const float sent = (1 - m->metallic) * m->transmission * m->base_color[c];
         through += (metallic_roughness ? sent : material->classic.k_t[c]) * left_of(m, c);

@@ -152,8 +152,8 @@ bool material_map_is_color(int kind);
 /* True if light of point, directional and spot lights should pass what has the material as if it were not
  * there: it covers nothing, or transmits more than half of the light, through its thickness, and hardly
  * scatters it. Such light has no other way through smooth glass; through rough glass and past what is covered
- * in part it has. */
-bool material_is_clear(const scene_named_material *material);
+ * in part it has. With path tracing it also has one through smooth thin walls, which tint it. */
+bool material_is_clear(const scene_named_material *material, fathom_integrator integrator);
 /* True when the material needs the tangent (direction of u) of the surface. */
 bool material_is_directed(const fathom_material *material);
 /* True when the vertices of some mesh have opacities. */

@@ -55,7 +55,7 @@ static size_t count_shadowless(const fathom_scene *scene) {
     for (size_t i = 0; i < scene->meshes.count; ++i) {
         const fathom_mesh *mesh = &scene->meshes.items[i];
         count += mesh->flags & FATHOM_CASTS_NO_SHADOW &&
-                 !material_is_clear(&scene->materials.items[mesh->material]);
+                 !material_is_clear(&scene->materials.items[mesh->material], scene->settings.integrator);
     }
     return count;
 }

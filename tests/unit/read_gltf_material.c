@@ -401,15 +401,24 @@ UNIT_TEST(alpha_modes_cover_their_part) {
     assert_near(all.k_t[0], 0, 0);
 }
 
-static void assert_shadow(fixture *f, bool casts, const char *material) {
+static void assert_shadow_by(fixture *f, fathom_integrator integrator, bool casts, const char *material) {
     char json[4096];
+    fathom_scene *scene;
+    fathom_read_options asked;
+    fathom_read_options_default(&asked);
+    asked.choose_integrator = true, asked.integrator = integrator;
     snprintf(json, sizeof json,
              SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'images':[{'uri':'"
                    "none.png'}],'textures':[{'source':0}],'materials':[{%s}]"),
              material);
-    fathom_scene *scene = read_triangle(f, json);
+    write_triangle(f, json);
+    assert_ok(f->context, fathom_scene_read_with(f->context, f->path, &asked, &scene));
     assert_int_equal(scene->meshes.items[0].flags, casts ? 0 : FATHOM_CASTS_NO_SHADOW);
     fathom_scene_destroy(scene);
+}
+
+static void assert_shadow(fixture *f, bool casts, const char *material) {
+    assert_shadow_by(f, FATHOM_INTEGRATOR_PATH, casts, material);
 }
 
 #define SENDS "'KHR_materials_transmission':{'transmissionFactor':1}"
@@ -439,10 +448,18 @@ UNIT_TEST(glass_that_is_rough_or_dark_casts_a_shadow) {
     assert_shadow(f, true, GLASS("0.4", ""));
     assert_shadow(f, false, GLASS("0", INK("0.1")));
     assert_shadow(f, true, GLASS("0", INK("1")));
-    assert_shadow(f, false, GLASS("0", "") ",'normalTexture':{'index':0}");
+    assert_shadow(f, false, GLASS("0", INK("0.1")) ",'normalTexture':{'index':0}");
     assert_shadow(f, true,
                   "'extensions':{'KHR_materials_transmission':{'transmissionFactor':1,'transmissionTexture':{"
                   "'index':0}}},'pbrMetallicRoughness':{'metallicFactor':0,'roughnessFactor':0}");
+}
+
+/* Shadow rays of path tracing pass such walls, and take their tint. */
+UNIT_TEST(smooth_thin_walls_cast_a_shadow_unless_the_integrator_is_classic) {
+    fixture *f = *state;
+    assert_shadow(f, true, GLASS("0", ""));
+    assert_shadow(f, true, GLASS("0", "") ",'normalTexture':{'index':0}");
+    assert_shadow_by(f, FATHOM_INTEGRATOR_CLASSIC, false, GLASS("0", ""));
 }
 
 /* Whatever else the material has: the shape is not there. */

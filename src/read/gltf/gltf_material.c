@@ -256,7 +256,9 @@ bool gltf_material_make(gltf *g, uint32_t index, gltf_material *out) {
         if (gltf_fine(g))
             gltf_within(g, &at, NULL, fathom_scene_add_material(g->scene, name, &d.m, &kept->id));
         if (!gltf_fine(g)) return false;
-        kept->flags = material_is_clear(&g->scene->materials.items[kept->id]) ? FATHOM_CASTS_NO_SHADOW : 0;
+        const scene_named_material *made = &g->scene->materials.items[kept->id];
+        const bool clear = material_is_clear(made, g->scene->settings.integrator);
+        kept->flags = clear ? FATHOM_CASTS_NO_SHADOW : 0;
         kept->blends = d.alpha != ALPHA_OPAQUE;
     }
     *out = *kept;
