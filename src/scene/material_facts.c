@@ -27,21 +27,23 @@ static float left_of(const fathom_material *m, int c) {
     return powf(m->attenuation_color[c], m->thickness / m->attenuation_distance);
 }
 
-/* Below this roughness, the transmission of a thin wall is smooth (SHADER_SMOOTH_ALPHA). */
-#define STRAIGHT_ROUGHNESS 0.011f
+/* The largest roughness of clear materials. Path tracing: lobes of rougher ones bring the light of lamps, too
+ * (SHADER_SMOOTH_ALPHA). */
+#define CLEAR_ROUGHNESS 0.011f
+#define CLEAR_ROUGHNESS_CLASSIC 0.15f
 
 bool material_is_clear(const scene_named_material *material, fathom_integrator integrator) {
     const fathom_material *m = &material->value;
-    const bool metallic_roughness = m->model == FATHOM_MODEL_METALLIC_ROUGHNESS;
+    const bool metallic_roughness = m->model == FATHOM_MODEL_METALLIC_ROUGHNESS,
+               classic = integrator == FATHOM_INTEGRATOR_CLASSIC;
     float through = 0;
     for (int k = 0; k < FATHOM_MAPS; ++k) {
         if (m->maps[k].texture != FATHOM_NONE && !is_map_aside(k)) return false;
     }
     if (metallic_roughness && material_opacity(m) == 0) return true;
-    if (metallic_roughness && m->roughness >= 0.15f) return false;
-    if (metallic_roughness && integrator != FATHOM_INTEGRATOR_CLASSIC && !(m->thickness > 0) &&
-        m->roughness < STRAIGHT_ROUGHNESS)
+    if (metallic_roughness && m->roughness >= (classic ? CLEAR_ROUGHNESS_CLASSIC : CLEAR_ROUGHNESS))
         return false;
+    if (metallic_roughness && !classic && !(m->thickness > 0)) return false;
     for (int c = 0; c < 3; ++c) {
         const float sent = (1 - m->metallic) * m->transmission * m->base_color[c];
         through += (metallic_roughness ? sent : material->classic.k_t[c]) * left_of(m, c);

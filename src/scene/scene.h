@@ -150,9 +150,9 @@ bool material_has_maps(const fathom_material *material);
 /* True when images of this kind of map hold colours. */
 bool material_map_is_color(int kind);
 /* True if light of point, directional and spot lights should pass what has the material as if it were not
- * there: it covers nothing, or transmits more than half of the light, through its thickness, and hardly
- * scatters it. Such light has no other way through smooth glass; through rough glass and past what is covered
- * in part it has. With path tracing it also has one through smooth thin walls, which tint it. */
+ * there: it covers nothing, or transmits more than half of the light, through its thickness, and does not
+ * scatter it. Such light has no other way through smooth glass; through rough glass and past what is covered
+ * in part it has. With path tracing it also has one through thin walls: shadow rays pass smooth ones. */
 bool material_is_clear(const scene_named_material *material, fathom_integrator integrator);
 /* True when the material needs the tangent (direction of u) of the surface. */
 bool material_is_directed(const fathom_material *material);

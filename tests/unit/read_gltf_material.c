@@ -444,7 +444,8 @@ UNIT_TEST(surfaces_that_cover_a_part_cast_a_shadow) {
 /* Rough glass scatters light of lamps, and so has a shadow; so has ink, if it is thick. */
 UNIT_TEST(glass_that_is_rough_or_dark_casts_a_shadow) {
     fixture *f = *state;
-    assert_shadow(f, false, GLASS("0.1", ""));
+    assert_shadow(f, false, GLASS("0.01", INK("0.1")));
+    assert_shadow(f, true, GLASS("0.05", INK("0.1")));
     assert_shadow(f, true, GLASS("0.4", ""));
     assert_shadow(f, false, GLASS("0", INK("0.1")));
     assert_shadow(f, true, GLASS("0", INK("1")));
@@ -454,12 +455,15 @@ UNIT_TEST(glass_that_is_rough_or_dark_casts_a_shadow) {
                   "'index':0}}},'pbrMetallicRoughness':{'metallicFactor':0,'roughnessFactor':0}");
 }
 
-/* Shadow rays of path tracing pass such walls, and take their tint. */
-UNIT_TEST(smooth_thin_walls_cast_a_shadow_unless_the_integrator_is_classic) {
+/* Shadow rays of path tracing pass smooth walls with their tint; rough ones scatter light of lamps. */
+UNIT_TEST(thin_walls_cast_a_shadow_unless_the_integrator_is_classic) {
     fixture *f = *state;
     assert_shadow(f, true, GLASS("0", ""));
     assert_shadow(f, true, GLASS("0", "") ",'normalTexture':{'index':0}");
+    assert_shadow(f, true, GLASS("0.1", ""));
     assert_shadow_by(f, FATHOM_INTEGRATOR_CLASSIC, false, GLASS("0", ""));
+    assert_shadow_by(f, FATHOM_INTEGRATOR_CLASSIC, false, GLASS("0.1", ""));
+    assert_shadow_by(f, FATHOM_INTEGRATOR_CLASSIC, true, GLASS("0.4", ""));
 }
 
 /* Whatever else the material has: the shape is not there. */
