@@ -15,6 +15,10 @@ bool material_map_is_color(int kind) {
            kind == FATHOM_MAP_SHEEN_COLOR || kind == FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR;
 }
 
+bool material_is_directed(const fathom_material *m) {
+    return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->anisotropy > 0;
+}
+
 /* Such maps change neither how much light passes nor how much it is scattered. */
 static bool is_map_aside(int map) {
     return map == FATHOM_MAP_NORMAL || map == FATHOM_MAP_CLEARCOAT_NORMAL || map == FATHOM_MAP_BUMP ||
@@ -43,16 +47,12 @@ bool material_is_clear(const scene_named_material *material, fathom_integrator i
     if (metallic_roughness && material_opacity(m) == 0) return true;
     if (metallic_roughness && m->roughness >= (classic ? CLEAR_ROUGHNESS_CLASSIC : CLEAR_ROUGHNESS))
         return false;
-    if (metallic_roughness && !classic && !(m->thickness > 0)) return false;
+    if (metallic_roughness && !classic && (!(m->thickness > 0) || material_is_directed(m))) return false;
     for (int c = 0; c < 3; ++c) {
         const float sent = (1 - m->metallic) * m->transmission * m->base_color[c];
         through += (metallic_roughness ? sent : material->classic.k_t[c]) * left_of(m, c);
     }
     return through > 1.5f;
-}
-
-bool material_is_directed(const fathom_material *m) {
-    return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->anisotropy > 0;
 }
 
 static bool is_black(const float rgb[3]) { return !(rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0); }

@@ -446,6 +446,7 @@ UNIT_TEST(glass_that_is_rough_or_dark_casts_a_shadow) {
     fixture *f = *state;
     assert_shadow(f, false, GLASS("0.01", INK("0.1")));
     assert_shadow(f, true, GLASS("0.05", INK("0.1")));
+    assert_shadow(f, true, GLASS("0", INK("0.1") ",'KHR_materials_anisotropy':{'anisotropyStrength':0.5}"));
     assert_shadow(f, true, GLASS("0.4", ""));
     assert_shadow(f, false, GLASS("0", INK("0.1")));
     assert_shadow(f, true, GLASS("0", INK("1")));
