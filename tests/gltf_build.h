@@ -50,7 +50,9 @@ __attribute__((format(printf, 3, 4))) static inline void build_write(fixture *f,
 /* Reads f->path as a user does. */
 static inline fathom_status read_asked(fixture *f, const fathom_read_options *asked, fathom_scene **out) {
     f->warnings = 0;
-    return fathom_scene_read_with(f->context, f->path, asked, out);
+    const fathom_status status = fathom_scene_read_with(f->context, f->path, asked, out);
+    if (status == FATHOM_OK) own_scene(*out);
+    return status;
 }
 
 static inline fathom_scene *read_at(fixture *f, double time) {

@@ -1,8 +1,8 @@
 /* Hand-made glTF files for the tests of its reader. JSON is written with ' for ". */
 #pragma once
 
+#include "owned.h"
 #include "read/read.h"
-#include "unit.h"
 
 #include <unistd.h>
 
@@ -135,9 +135,8 @@ static inline void write_triangle(fixture *f, const char *json) {
 
 /* Reads f->path into a scene of its own. */
 static inline fathom_scene *read_with(fixture *f, const read_mesh_options *options) {
-    fathom_scene *scene;
+    fathom_scene *scene = new_scene(f->context);
     f->warnings = 0, f->told[0] = '\0';
-    assert_ok(f->context, fathom_scene_create(f->context, &scene));
     assert_ok(f->context, read_gltf(scene, FATHOM_ROOT, f->path, options));
     return scene;
 }

@@ -1,6 +1,7 @@
 /* For the tests of OBJ, MTL and PLY: files in a folder of their own, scenes read from them, warnings kept. */
 #pragma once
 
+#include "owned.h"
 #include "read/read.h"
 #include "unit_folder.h"
 
@@ -31,13 +32,10 @@ typedef fathom_status (*mesh_reader)(fathom_scene *scene, fathom_id group, const
 /* NULL after a failure, whose message the context has. */
 static inline fathom_scene *mesh_try(mesh_reader reader, const char *path, read_mesh_options options,
                                      fathom_status *status) {
-    fathom_scene *scene;
+    fathom_scene *scene = new_scene(context);
     mesh_warnings[0] = '\0';
-    assert_ok(context, fathom_scene_create(context, &scene));
     *status = reader(scene, FATHOM_ROOT, path, &options);
-    if (*status == FATHOM_OK) return scene;
-    fathom_scene_destroy(scene);
-    return NULL;
+    return *status == FATHOM_OK ? scene : NULL;
 }
 
 /* Reads what is well formed. */

@@ -1,9 +1,7 @@
 /* Scenes from a few lines, rendered in memory: for tests of images. */
 #pragma once
 
-#include "unit.h"
-
-#include <fathom/fathom.h>
+#include "owned.h"
 
 #include <stdio.h>
 
@@ -14,24 +12,18 @@ typedef struct stage {
 } stage;
 
 static inline stage stage_open(uint32_t width, uint32_t height) {
-    stage s;
-    assert_int_equal(fathom_context_create(&s.context), FATHOM_OK);
-    assert_ok(s.context, fathom_scene_create(s.context, &s.scene));
+    stage s = {.context = new_context()};
+    s.scene = new_scene(s.context);
     fathom_settings_default(&s.settings);
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_CLASSIC);
     s.settings.width = width, s.settings.height = height;
     return s;
 }
 
-static inline void stage_close(stage *s) {
-    fathom_scene_destroy(s->scene);
-    fathom_context_destroy(s->context);
-}
-
 static inline fathom_film *stage_render(stage *s) {
     fathom_film *film;
     assert_ok(s->context, fathom_render(s->context, s->scene, &s->settings, NULL, NULL, NULL, &film));
-    return film;
+    return own_film(film);
 }
 
 static inline void stage_camera(stage *s, const double eye[3], const double target[3], const double up[3],

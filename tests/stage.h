@@ -2,10 +2,8 @@
 #pragma once
 
 #include "base/array.h"
+#include "owned.h"
 #include "trace/trace.h"
-#include "unit.h"
-
-#include <fathom/fathom.h>
 
 /* ---- random numbers, the same in each run ---- */
 
@@ -22,49 +20,47 @@ typedef struct stage {
     fathom_context *context;
     fathom_scene *scene;
     world *world;
-    ARRAY(void *) owned;
 } stage;
+
+UNIT_OWNS(world, world, world_destroy)
+UNIT_OWNS(tracer, trace_tracer, trace_destroy)
 
 static inline void stage_open(stage *s) {
     memset(s, 0, sizeof *s);
     seed = 88172645463325252u;
-    assert_int_equal(fathom_context_create(&s->context), FATHOM_OK);
-    assert_ok(s->context, fathom_scene_create(s->context, &s->scene));
+    s->context = new_context();
+    s->scene = new_scene(s->context);
 }
 
-static inline void stage_close(stage *s) {
-    world_destroy(s->world);
-    fathom_scene_destroy(s->scene);
-    fathom_context_destroy(s->context);
-    for (size_t i = 0; i < s->owned.count; ++i) free(s->owned.items[i]);
-    array_free(&s->owned);
-}
-
-static inline void *stage_memory(stage *s, size_t bytes) {
+static inline void *stage_memory(size_t bytes) {
     void *memory = calloc(1, bytes + 16);
     assert_non_null(memory);
-    assert_true(array_push(&s->owned, memory));
+    unit_own(memory, free);
     return memory;
+}
+
+static inline world *stage_world(stage *s) {
+    if (s->world) return s->world;
+    assert_ok(s->context, world_create(s->scene, &s->world));
+    return own_world(s->world);
 }
 
 static inline trace_tracer *stage_trace(stage *s, const char *words, unsigned width, trace_quality quality,
                                         unsigned threads) {
-    if (!s->world) assert_ok(s->context, world_create(s->scene, &s->world));
     trace_options options = {.words = words, .width = width, .threads = threads, .quality = quality};
     trace_tracer *tracer = NULL;
-    assert_ok(s->context, trace_create(s->context, s->world, &options, &tracer));
-    return tracer;
+    assert_ok(s->context, trace_create(s->context, stage_world(s), &options, &tracer));
+    return own_tracer(tracer);
 }
 
 /* A tracer by its words. */
 static inline trace_tracer *stage_spec(stage *s, const char *text) {
-    if (!s->world) assert_ok(s->context, world_create(s->scene, &s->world));
     trace_spec spec;
     assert_ok(s->context, trace_spec_parse(s->context, text, &spec));
     trace_options options = {.spec = &spec, .threads = 2};
     trace_tracer *tracer = NULL;
-    assert_ok(s->context, trace_create(s->context, s->world, &options, &tracer));
-    return tracer;
+    assert_ok(s->context, trace_create(s->context, stage_world(s), &options, &tracer));
+    return own_tracer(tracer);
 }
 
 static inline trace_tracer *stage_embree(stage *s, unsigned width) {
@@ -75,8 +71,8 @@ static inline trace_tracer *stage_embree(stage *s, unsigned width) {
 static inline fathom_id add_ball(stage *s, fathom_id group, unsigned n, double bump, double radius, double x,
                                  unsigned flags) {
     unsigned around = 2 * n, vertices = around * (n - 1) + 2;
-    float *p = stage_memory(s, vertices * 3 * sizeof *p);
-    uint32_t *index = stage_memory(s, (size_t)around * 2 * (n - 1) * 3 * sizeof *index), *t = index;
+    float *p = stage_memory(vertices * 3 * sizeof *p);
+    uint32_t *index = stage_memory((size_t)around * 2 * (n - 1) * 3 * sizeof *index), *t = index;
     float *v = p;
     for (unsigned j = 1; j < n; ++j) {
         for (unsigned i = 0; i < around; ++i) {
@@ -109,8 +105,8 @@ static inline fathom_id add_ball(stage *s, fathom_id group, unsigned n, double b
 
 /* A flat square [-1,1]² of 2 n² triangles at height z. */
 static inline void add_grid(stage *s, unsigned n, double z) {
-    float *p = stage_memory(s, (n + 1) * (n + 1) * 3 * sizeof *p), *v = p;
-    uint32_t *index = stage_memory(s, (size_t)n * n * 6 * sizeof *index), *t = index;
+    float *p = stage_memory((n + 1) * (n + 1) * 3 * sizeof *p), *v = p;
+    uint32_t *index = stage_memory((size_t)n * n * 6 * sizeof *index), *t = index;
     for (unsigned j = 0; j <= n; ++j) {
         for (unsigned i = 0; i <= n; ++i) {
             *v++ = -1 + 2 * (float)i / (float)n, *v++ = -1 + 2 * (float)j / (float)n, *v++ = (float)z;
@@ -282,7 +278,7 @@ static inline ray_set edge_rays(const world *w, size_t count) {
  * ten) before the silhouette: hit or miss is decided by the intersector. */
 static inline ray_set silhouette_rays(stage *s, size_t spheres, double least, size_t count, double nearest,
                                       double farthest) {
-    double(*c)[4] = stage_memory(s, spheres * sizeof *c);
+    double(*c)[4] = stage_memory(spheres * sizeof *c);
     for (size_t i = 0; i < spheres; ++i) {
         for (int k = 0; k < 3; ++k) c[i][k] = between(-10, 10);
         c[i][3] = pow(10, between(least, 0));

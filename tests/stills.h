@@ -13,8 +13,6 @@ static inline void add_render(stage *s, double sums[PIXELS], double weight) {
     fathom_film *film = stage_render(s);
     const float *green = fathom_film_channel(film, "G");
     for (int i = 0; i < PIXELS; ++i) sums[i] += weight * (double)green[i];
-    fathom_film_destroy(film);
-    stage_close(s);
 }
 
 /* Cells of 8 × 8 pixels. The stills lie in the middles of 64 times: a step of an edge, 1/64 of its way, is

@@ -20,21 +20,57 @@ enum { SANITIZED = 1 };
 enum { SANITIZED = 0 };
 #endif
 
+/* ---- What a test owns ends with it, whether it passes or not, the newest first: own_NAME(thing). ---- */
+
+enum { UNIT_THINGS_MAX = 1 << 14 };
+static struct {
+    void *thing;
+    void (*end)(void *thing);
+} unit_things[UNIT_THINGS_MAX];
+static size_t unit_thing_count;
+
+static inline void unit_own(void *thing, void (*end)(void *thing)) {
+    if (unit_thing_count == UNIT_THINGS_MAX) abort();
+    unit_things[unit_thing_count].thing = thing, unit_things[unit_thing_count++].end = end;
+}
+
+/* Ends all but the first `left` things. */
+static inline void unit_end_things(size_t left) {
+    while (unit_thing_count > left) {
+        --unit_thing_count;
+        unit_things[unit_thing_count].end(unit_things[unit_thing_count].thing);
+    }
+}
+
+#define UNIT_OWNS(name, type, destroy)                                                                       \
+    static inline void unit_end_##name(void *thing) { destroy(thing); }                                      \
+    static inline type *own_##name(type *thing) {                                                            \
+        unit_own(thing, unit_end_##name);                                                                    \
+        return thing;                                                                                        \
+    }
+
+static int (*unit_each_teardown)(void **state); /* of each test; NULL: none */
+
+static inline int unit_end_test(void **state) {
+    unit_end_things(0);
+    return unit_each_teardown ? unit_each_teardown(state) : 0;
+}
+
 /* cmocka passes over what the teardown of a group returns, and many a one says there that something was left
  * behind: that fails, too. */
 static int (*unit_teardown)(void **state);
 static int unit_teardown_failed;
 
 static inline int unit_note_teardown(void **state) {
-    unit_teardown_failed = unit_teardown(state) != 0;
+    unit_end_things(0);
+    unit_teardown_failed = unit_teardown && unit_teardown(state) != 0;
     return 0;
 }
 
 static inline int unit_run(const char *name, const struct CMUnitTest *tests, size_t count,
                            int (*setup)(void **state), int (*teardown)(void **state)) {
     unit_teardown = teardown;
-    const int failed =
-        _cmocka_run_group_tests(name, tests, count, setup, teardown ? unit_note_teardown : NULL);
+    const int failed = _cmocka_run_group_tests(name, tests, count, setup, unit_note_teardown);
     if (unit_teardown_failed) fprintf(stderr, "[  FAILED  ] the teardown of %s\n", name);
     return failed + unit_teardown_failed;
 }
@@ -64,13 +100,14 @@ static inline void unit_add(const char *name, void (*run)(void **state), int lin
 
 /* Runs all tests in the order of the file, between one set-up and tear-down (NULL: none). */
 static inline int unit_main(int (*setup)(void **state), int (*teardown)(void **state)) {
+    for (size_t i = 0; i < unit_test_count; ++i) unit_tests[i].teardown_func = unit_end_test;
     return unit_run("tests", unit_tests, unit_test_count, setup, teardown);
 }
 
 /* Runs each test between its own set-up and tear-down. */
 static inline int unit_main_each(int (*setup)(void **state), int (*teardown)(void **state)) {
-    for (size_t i = 0; i < unit_test_count; ++i)
-        unit_tests[i].setup_func = setup, unit_tests[i].teardown_func = teardown;
+    for (size_t i = 0; i < unit_test_count; ++i) unit_tests[i].setup_func = setup;
+    unit_each_teardown = teardown;
     return unit_main(NULL, NULL);
 }
 

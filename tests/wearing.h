@@ -2,6 +2,7 @@
 #pragma once
 
 #include "materials.h"
+#include "owned.h"
 #include "scene/scene.h"
 #include "unit_folder.h"
 
@@ -20,9 +21,8 @@ static inline fathom_mesh triangle(fathom_id material) {
 }
 
 static inline fathom_scene *wearing(const fathom_material *m, const fathom_texture *texture) {
-    fathom_scene *scene;
+    fathom_scene *scene = new_scene(context);
     fathom_id id, image;
-    assert_ok(context, fathom_scene_create(context, &scene));
     if (texture) assert_ok(context, fathom_scene_add_texture(scene, texture, &image));
     assert_ok(context, fathom_scene_add_material(scene, "two words", m, &id));
     const fathom_mesh mesh = triangle(id);
@@ -30,12 +30,10 @@ static inline fathom_scene *wearing(const fathom_material *m, const fathom_textu
     return scene;
 }
 
-/* Writes the scene, destroys it and reads the file. */
+/* Writes the scene and reads the file. */
 static inline fathom_scene *through(fathom_scene *scene, int format) {
-    fathom_scene *back;
     assert_ok(context, fathom_scene_write(scene, in_folder(formats[format])));
-    fathom_scene_destroy(scene);
-    assert_ok(context, fathom_scene_read(context, in_folder(formats[format]), &back));
+    fathom_scene *back = scene_of_file(context, in_folder(formats[format]));
     unlink(in_folder(formats[format]));
     return back;
 }

@@ -91,10 +91,6 @@ UNIT_TEST(shapes_that_are_not_there_change_nothing) {
         plain.settings.tracer = with.settings.tracer = k & 2 ? "reference" : "embree";
         fathom_film *a = stage_render(&plain), *b = stage_render(&with);
         assert_same_films(a, b);
-        fathom_film_destroy(a);
-        fathom_film_destroy(b);
-        stage_close(&plain);
-        stage_close(&with);
     }
 }
 
@@ -105,7 +101,6 @@ static bool sees_object(stage *s, uint32_t from) {
         uint32_t id = fathom_film_channel_id(film, "id.object")[i];
         seen |= id >= from && id != FATHOM_NONE;
     }
-    fathom_film_destroy(film);
     return seen;
 }
 
@@ -118,7 +113,6 @@ UNIT_TEST(what_can_be_told_is_there) {
         const fathom_id group = k ? add_group(&s, stage_lambert(&s, 0.3f)) : FATHOM_ROOT;
         add_clear_shapes(&s, group, id, k ? FATHOM_CASTS_NO_SHADOW : 0);
         assert_true(sees_object(&s, 3));
-        stage_close(&s);
     }
 }
 

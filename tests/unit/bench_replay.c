@@ -45,12 +45,10 @@ UNIT_TEST(forwards) {
     assert_int_equal(record_rays(&r, BARE_CLOSEST), RAYS);
     assert_int_equal(record_rays(&r, BARE_ANY), 0);
     trace_destroy(recorder);
-    trace_destroy(real);
     record_free(&r);
     free(asked.blocks);
     free(expected.blocks);
     free(got.blocks);
-    stage_close(&s);
 }
 
 /* Bare calls answer as the tracer does about hit or miss: the filter changes which of several, never whether.
@@ -82,12 +80,10 @@ static void replays(const char *words) {
     record_clear(&r);
     assert_int_equal(record_rays(&r, BARE_CLOSEST), 0);
     trace_destroy(recorder);
-    trace_destroy(real);
     record_free(&r);
     free(asked.blocks);
     free(got.blocks);
     free(shaded);
-    stage_close(&s);
 }
 
 UNIT_TEST(replays_packets) {
@@ -104,8 +100,6 @@ UNIT_TEST(others_have_no_bare_form) {
     fill(&s);
     trace_tracer *bvh = stage_spec(&s, "bvh");
     assert_false(embree_bare_possible(bvh));
-    trace_destroy(bvh);
-    stage_close(&s);
 }
 
 /* All rays of a render are asked again, however the image is cut into bands. */
@@ -143,8 +137,6 @@ UNIT_TEST(measures) {
         assert_int_equal(time.ratio.closest, time.rays.camera);
         assert_int_equal(time.ratio.any, time.rays.shadow);
     }
-    trace_destroy(real);
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -54,8 +54,6 @@ UNIT_TEST(sets) {
     const trace_rays *r = &sets.items[TRACE_SET_SHADOW].blocks[0];
     assert_near(r->org_x[0] + r->t_far[0] * r->dir_x[0] + (float)s.world->origin.x, 2, 1e-5);
     trace_sets_free(&sets);
-    trace_destroy(tracer);
-    stage_close(&s);
 }
 
 UNIT_TEST(blind) {
@@ -69,8 +67,6 @@ UNIT_TEST(blind) {
     assert_fails(s.context, trace_sets_create(s.context, s.world, tracer, 500, &sets), FATHOM_BAD_INPUT,
                  "the camera sees nothing");
     trace_sets_free(&sets);
-    trace_destroy(tracer);
-    stage_close(&s);
 }
 
 /* With time enough every tracer is asked all rays, on any number of threads, and meets the same of them. */
@@ -104,8 +100,6 @@ UNIT_TEST(whole) {
     assert_ok(s.context, trace_time_measure(s.context, made, 4, &sets, &options, rates));
     assert_int_equal(rates[3][0].rays, LANES);
     trace_sets_free(&sets);
-    for (int i = 0; i < 4; ++i) trace_destroy(made[i]);
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

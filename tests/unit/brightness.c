@@ -15,7 +15,6 @@ static fathom_film *render_emitter(float e, float background, unsigned aovs) {
               fathom_scene_set_background(s.scene, (float[3]){background, background, background}));
     s.settings.aovs = aovs;
     fathom_film *film = stage_render(&s);
-    stage_close(&s);
     return film;
 }
 
@@ -23,7 +22,6 @@ static fathom_brightness brightness_of(float e, float background, unsigned aovs,
     fathom_film *film = render_emitter(e, background, aovs);
     fathom_brightness b = {.size = sizeof b};
     fathom_film_brightness(film, exposure, &b);
-    fathom_film_destroy(film);
     return b;
 }
 

@@ -34,7 +34,6 @@ static size_t same_as_linear(stage *s, const char *precision, const ray_set *set
     assert_int_equal(differ, 0);
     assert_int_equal(any_differ, 0);
     free(b.blocks), free(l.blocks), free(bf), free(lf), free(bo), free(lo);
-    trace_destroy(tree), trace_destroy(linear);
     return met;
 }
 
@@ -47,20 +46,19 @@ UNIT_TEST(everything) {
     stage s;
     stage_open(&s);
     add_everything(&s);
-    trace_destroy(stage_spec(&s, "bvh"));
+    stage_spec(&s, "bvh");
     check(&s, "f32", random_rays(20000));
     check(&s, "f32", edge_rays(s.world, 20000));
     check(&s, "f32", camera_rays(120));
     check(&s, "f64", random_rays(2000));
     check(&s, "f64", edge_rays(s.world, 2000));
     check(&s, "f128", random_rays(40));
-    stage_close(&s);
 }
 
 /* Triangles of all sizes, from points to slivers that cross the scene, many through each other. */
 static void add_soup(stage *s, uint32_t triangles, double reach) {
-    float *p = stage_memory(s, triangles * 9 * sizeof *p);
-    uint32_t *index = stage_memory(s, triangles * 3 * sizeof *index);
+    float *p = stage_memory(triangles * 9 * sizeof *p);
+    uint32_t *index = stage_memory(triangles * 3 * sizeof *index);
     for (uint32_t i = 0; i < triangles; ++i) {
         double size = pow(10, between(-4, 0.3));
         for (int k = 0; k < 3; ++k) {
@@ -102,17 +100,15 @@ UNIT_TEST(soup) {
     stage s;
     stage_open(&s);
     add_soup(&s, 100000, 4);
-    trace_destroy(stage_spec(&s, "bvh"));
+    stage_spec(&s, "bvh");
     check(&s, "f32", aimed_rays(s.world, 200, 4));
     check(&s, "f64", aimed_rays(s.world, 16, 4));
-    stage_close(&s);
     stage_open(&s);
     add_soup(&s, 10000, 1);
-    trace_destroy(stage_spec(&s, "bvh"));
+    stage_spec(&s, "bvh");
     check(&s, "f32", aimed_rays(s.world, fewer(1200), 1));
     check(&s, "f64", aimed_rays(s.world, 100, 1));
     check(&s, "f128", aimed_rays(s.world, 4, 1));
-    stage_close(&s);
 }
 
 /* Everything twice and more: the first in world order stays, whatever the tree looks like. */
@@ -129,11 +125,10 @@ UNIT_TEST(ties) {
     add_ball(&s, group, 12, 0, 0.5, 0, 0), add_ball(&s, group, 12, 0, 0.5, 0, 0);
     for (int i = 0; i < 3; ++i) add_instance(&s, group, identity);
     add_plane(&s, 0, 0);
-    trace_destroy(stage_spec(&s, "bvh"));
+    stage_spec(&s, "bvh");
     check(&s, "f32", camera_rays(40));
     check(&s, "f32", edge_rays(s.world, 1000));
     check(&s, "f64", camera_rays(25));
-    stage_close(&s);
 }
 
 /* Spheres by their silhouettes, small and large, near and far. */
@@ -144,13 +139,12 @@ UNIT_TEST(silhouettes) {
     same_as_linear(&s, "f32", &set);
     same_as_linear(&s, "f64", &set);
     free(set.blocks);
-    stage_close(&s);
 }
 
 /* A triangle of aspect 10^4 around c. */
 static void add_sliver(stage *s, fathom_id group, const double c[3]) {
     static const uint32_t index[] = {0, 1, 2};
-    float *p = stage_memory(s, 9 * sizeof *p);
+    float *p = stage_memory(9 * sizeof *p);
     for (int k = 0; k < 3; ++k) {
         double along = between(-1, 1);
         p[k] = (float)(c[k] - along), p[3 + k] = (float)(c[k] + along);
@@ -181,7 +175,7 @@ UNIT_TEST(instances) {
         if (i % 20 == 0) m[3] += 1e4;
         add_instance(&s, group, m);
     }
-    trace_destroy(stage_spec(&s, "bvh"));
+    stage_spec(&s, "bvh");
     ray_set set = rays_new(480);
     for (size_t i = 0; i < set.count; ++i) {
         const float(*m)[4] = s.world->instances.items[i % s.world->instances.count].to_world;
@@ -201,7 +195,6 @@ UNIT_TEST(instances) {
     set.count = 100;
     assert_true(same_as_linear(&s, "f64", &set) > 12);
     free(set.blocks);
-    stage_close(&s);
 }
 
 /* A map of random shape whose inverse shrinks by up to a thousand. */
@@ -232,7 +225,7 @@ UNIT_TEST(lone_boxes) {
             add_sphere(&s, group, c[0], c[1], c[2], 1, 0);
         else
             add_sliver(&s, group, c);
-        trace_destroy(stage_spec(&s, "bvh"));
+        stage_spec(&s, "bvh");
         ray_set set = rays_new(1600);
         for (size_t i = 0; i < set.count; ++i) {
             double far = pow(10, between(0, 8)), p[3], target[3], org[3];
@@ -247,7 +240,6 @@ UNIT_TEST(lone_boxes) {
         }
         met += same_as_linear(&s, "f32", &set) + same_as_linear(&s, "f64", &set);
         free(set.blocks);
-        stage_close(&s);
     }
     assert_true(met > 60 * 300);
 }
@@ -264,7 +256,7 @@ UNIT_TEST(scales) {
         if (i == 0) { /* all of the triangles tiny, too */
             for (int k = 0; k < 2700; ++k) p[k] *= 1e-12f;
         }
-        trace_destroy(stage_spec(&s, "bvh"));
+        stage_spec(&s, "bvh");
         ray_set set = aimed_rays(s.world, 1500, reaches[i]);
         same_as_linear(&s, "f32", &set);
         same_as_linear(&s, "f64", &set);
@@ -277,7 +269,6 @@ UNIT_TEST(scales) {
         same_as_linear(&s, "f32", &set);
         same_as_linear(&s, "f64", &set);
         free(set.blocks);
-        stage_close(&s);
     }
 }
 
@@ -289,14 +280,13 @@ UNIT_TEST(damaged_triangles_are_left_out) {
     const float bad[] = {NAN, INFINITY, -INFINITY, 3e38f, -3e38f, 1e30f};
     for (size_t i = 0; i < 200; ++i) p[(size_t)(uniform() * 9000)] = bad[i % 6];
     for (size_t i = 0; i < 50; ++i) memcpy(p + 90 * i, p + 90 * i + 3, 12); /* no area */
-    trace_destroy(stage_spec(&s, "bvh"));
+    stage_spec(&s, "bvh");
     check(&s, "f32", random_rays(5000));
     check(&s, "f64", random_rays(1000));
     for (size_t i = 0; i < 9000; ++i) p[i] = NAN;
     ray_set set = random_rays(64);
     assert_int_equal(same_as_linear(&s, "f32", &set), 0);
     free(set.blocks);
-    stage_close(&s);
 }
 
 UNIT_TEST(shadows_and_planes) {
@@ -304,16 +294,14 @@ UNIT_TEST(shadows_and_planes) {
     stage_open(&s);
     add_shadow_columns(&s);
     add_plane(&s, -11, 0);
-    trace_destroy(stage_spec(&s, "bvh"));
+    stage_spec(&s, "bvh");
     check(&s, "f32", random_rays(5000));
     check(&s, "f64", random_rays(1000));
-    stage_close(&s);
     stage_open(&s); /* nothing at all */
     ray_set set = random_rays(16);
-    trace_destroy(stage_spec(&s, "bvh"));
+    stage_spec(&s, "bvh");
     assert_int_equal(same_as_linear(&s, "f32", &set), 0);
     free(set.blocks);
-    stage_close(&s);
 }
 
 /* ---- building ---- */
@@ -369,7 +357,7 @@ UNIT_TEST(building_can_be_stopped) {
     stage s;
     stage_open(&s);
     add_ball(&s, FATHOM_ROOT, 100, 0.05, 1, 0, 0);
-    assert_ok(s.context, world_create(s.scene, &s.world));
+    stage_world(&s);
     trace_spec spec;
     assert_ok(s.context, trace_spec_parse(s.context, "bvh", &spec));
     double at = 0;
@@ -383,7 +371,6 @@ UNIT_TEST(building_can_be_stopped) {
     assert_string_equal(trace_name(tracer), "reference BVH, f32");
     assert_true(trace_bvh_bytes(tracer) > 4 * 100 * 99 * sizeof(uint32_t));
     trace_destroy(tracer);
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

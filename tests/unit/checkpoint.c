@@ -58,7 +58,6 @@ static int set_up(void **state) {
 
 static int tear_down(void **state) {
     place *p = *state;
-    stage_close(&p->s);
     unlink(p->path);
     rmdir(p->folder);
     free(p);
@@ -116,7 +115,6 @@ static bool try_parts(place *p, fathom_film **whole, fathom_film **parts) {
     const bool resume = p->saving.resume;
     *whole = stage_render(&p->s);
     if (render_in_parts(p, parts) >= LEAST_STOPS) return true;
-    fathom_film_destroy(*whole);
     fathom_film_destroy(*parts);
     unlink(p->path);
     p->saving.resume = resume;
@@ -135,13 +133,13 @@ static fathom_film *assert_parts_make_the_whole(place *p) {
     return whole;
 }
 
-static void even_samples_continue(void **state) { fathom_film_destroy(assert_parts_make_the_whole(*state)); }
+static void even_samples_continue(void **state) { assert_parts_make_the_whole(*state); }
 
 static void samples_to_an_error_continue(void **state) {
     place *p = *state;
     p->s.settings.target_error = 1e-4;
     p->saving.every = 0; /* every pass is kept */
-    fathom_film_destroy(assert_parts_make_the_whole(p));
+    assert_parts_make_the_whole(p);
 }
 
 /* With time for all samples the clock decides nothing. Even samples are of the same groups if errors are
@@ -154,8 +152,6 @@ static void samples_to_a_time_continue(void **state) {
     p->s.settings.max_time = 0;
     fathom_film *untimed = stage_render(&p->s);
     assert_same_film(timed, untimed);
-    fathom_film_destroy(timed);
-    fathom_film_destroy(untimed);
 }
 
 /* What was spent counts: a time that is over leaves what was sampled. */
@@ -237,7 +233,6 @@ static void nothing_to_resume_begins(void **state) {
     assert_int_equal(warnings, 1);
     assert_same_film(whole, film);
     fathom_film_destroy(film);
-    fathom_film_destroy(whole);
 }
 
 static void bad_requests_are_refused(void **state) {
@@ -342,8 +337,7 @@ static void what_no_pixel_depends_on_is_free(void **state) {
 static void other_scene_is_refused(void **state) {
     place *p = *state;
     make_checkpoint(p);
-    fathom_scene_destroy(p->s.scene);
-    assert_ok(p->s.context, fathom_scene_create(p->s.context, &p->s.scene));
+    p->s.scene = new_scene(p->s.context);
     fill_scene(&p->s, 0.5000001f, 20);
     assert_refused(p, "a scene of contents", "has 0x");
 }
@@ -372,7 +366,6 @@ static uint64_t fingerprint_of_mesh(size_t stride, float z, float between, uint3
     mesh.indices = index, mesh.triangle_count = 1;
     assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
     uint64_t number = fingerprint(&s);
-    stage_close(&s);
     return number;
 }
 
@@ -476,13 +469,9 @@ static void make_file(place *p, file *f) {
     assert_ok(s->context, file_open(s->context, p->path, &map));
     f->size = map.size;
     f->bytes = malloc(map.size);
+    unit_own(f->bytes, free);
     memcpy(f->bytes, map.bytes, map.size);
     file_close(&map);
-}
-
-static void free_file(file *f) {
-    free(f->bytes);
-    fathom_film_destroy(f->film);
 }
 
 static fathom_status read_state(const file *f, const unsigned char *bytes, size_t size,
@@ -532,7 +521,6 @@ static void bytes_come_back(void **state) {
     }
     free(pixels);
     checkpoint_state_destroy(&read);
-    free_file(&f);
 }
 
 static void no_part_is_taken_for_the_whole(void **state) {
@@ -546,7 +534,6 @@ static void no_part_is_taken_for_the_whole(void **state) {
     for (size_t more = 1; more < 10; ++more)
         assert_int_equal(read_bytes(&f, longer, f.size + more), FATHOM_BAD_INPUT);
     free(longer);
-    free_file(&f);
 }
 
 static void no_flipped_bit_goes_unseen(void **state) {
@@ -563,7 +550,6 @@ static void no_flipped_bit_goes_unseen(void **state) {
         f.bytes[bit / 8] ^= (unsigned char)(1 << bit % 8);
     }
     assert_int_equal(read_bytes(&f, f.bytes, f.size), FATHOM_OK);
-    free_file(&f);
 }
 
 /* Whoever makes the checksum fit is told what is wrong, or does no harm. */
@@ -614,7 +600,6 @@ static void forged_bytes_do_no_harm(void **state) {
         assert_true(status == FATHOM_OK || status == FATHOM_BAD_INPUT);
         f.bytes[at] = kept;
     }
-    free_file(&f);
 }
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)

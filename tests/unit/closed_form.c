@@ -22,9 +22,7 @@ UNIT_TEST(sphere_silhouette) {
         /* A row of samples has two ends, each off by at most one of the 4 samples a pixel has across; 8
          * radius rows. */
         assert_near(area, pi * radius * radius, 2 * 8 * radius / 16);
-        fathom_film_destroy(film);
     }
-    stage_close(&s);
 }
 
 /* A diffuse plane at z = -2 under a point light: k_d I cos/d^2 at every pixel. */
@@ -48,9 +46,7 @@ UNIT_TEST(lit_plane_radiance) {
                 assert_near(red[y * 64 + x], expected, expected * (16 * 4 * 3 / 1.5 + 20) * 0x1p-24);
             }
         }
-        fathom_film_destroy(film);
     }
-    stage_close(&s);
 }
 
 /* Where along a row of pixels the red channel first rises above 1/2. */
@@ -59,7 +55,6 @@ static int edge_of_row(stage *s) {
     const float *red = fathom_film_channel(film, "R");
     int x = 0;
     while (x < (int)s->settings.width && red[x] < 0.5f) ++x;
-    fathom_film_destroy(film);
     return x;
 }
 
@@ -94,7 +89,6 @@ UNIT_TEST(snell_edge) {
          */
         EACH_TRACER(s)
         assert_near(edge_of_row(&s), ceil(expected), 0.5 + (fabs(ceil(expected) - expected) < 0.01));
-        stage_close(&s);
     }
 }
 
@@ -121,9 +115,7 @@ UNIT_TEST(total_internal_reflection) {
             if (fabs(at - critical) < 4.0 / 4096) continue; /* within one pixel of the edge */
             assert_near(red[x], at > critical ? 1 : 0, 0);
         }
-        fathom_film_destroy(film);
     }
-    stage_close(&s);
 }
 
 /* F from inside glass of this index, 1 beyond the critical angle. */
@@ -164,9 +156,7 @@ UNIT_TEST(fresnel_shares_do_not_jump_at_the_critical_angle) {
             assert_near(fathom_film_channel(film, "R")[x], 0.25 * f, 0.25 * off);
             assert_near(fathom_film_channel(film, "G")[x], 0.75 * (1 - f), 0.75 * off);
         }
-        fathom_film_destroy(film);
     }
-    stage_close(&s);
 }
 
 /* A light at height 2 over an occluder at height 1 whose edge is at x = 0.25: the shadow on the ground ends
@@ -188,7 +178,6 @@ UNIT_TEST(shadow_edge) {
     assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
     double shadow_end = 0.25 * 2.2 / 1.1;
     EACH_TRACER(s) assert_near(edge_of_row(&s), ceil((shadow_end + 2) / 4 * 4096 - 0.5), 1);
-    stage_close(&s);
 }
 
 /* The mirror reflects the view, not the light: an emitter to the right is seen where the angles are equal,
@@ -220,9 +209,7 @@ UNIT_TEST(mirror_geometry) {
                 if (m > 0 && m < 0.02) continue;
                 assert_near(red[x], m > 0 && m < 2.0 / 3 ? 1 : 0, 0);
             }
-            fathom_film_destroy(film);
         }
-        stage_close(&s);
     }
 }
 
@@ -243,10 +230,8 @@ UNIT_TEST(mirror_corridor) {
             /* Powers of two add without rounding. */
             for (int i = 0; i < 16; ++i)
                 assert_near(fathom_film_channel(film, "G")[i], 2 - pow(0.5, depth), 0);
-            fathom_film_destroy(film);
         }
     }
-    stage_close(&s);
 }
 
 /* One pixel of a plane seen at a slant: Phong's and Blinn's highlight by their formulas. */
@@ -278,9 +263,7 @@ UNIT_TEST(highlights) {
                 /* The cosine is good to 8 u, its power to as many more as the exponent says. */
                 assert_near(fathom_film_channel(film, "B")[0], expected,
                             expected * (24 + 8 * (double)exponents[e]) * 0x1p-24);
-                fathom_film_destroy(film);
             }
-            stage_close(&s);
         }
     }
 }
@@ -311,9 +294,7 @@ UNIT_TEST(spot_falloff) {
             /* cos is good to 8 u and stretched by 1/(cos 20 - cos 40) = 5.8. */
             assert_near(fathom_film_channel(film, "R")[x], t * t * cosine * cosine * cosine, 128 * 0x1p-24);
         }
-        fathom_film_destroy(film);
     }
-    stage_close(&s);
 }
 
 /* The camera's origin is part of Q: moved far away with the scene, P and Z are what they were, moved. */
@@ -337,9 +318,7 @@ UNIT_TEST(camera_origin_counts) {
                 assert_near(fathom_film_channel(film, "N.Z")[i], 1, 0);
             }
         }
-        fathom_film_destroy(film);
     }
-    stage_close(&s);
 }
 
 /* A surface lit only from the viewer's far side is black, unless it says otherwise. */
@@ -355,9 +334,7 @@ UNIT_TEST(far_side_light) {
         EACH_TRACER(s) {
             fathom_film *film = stage_render(&s);
             assert_near(fathom_film_channel(film, "R")[0], from_behind ? 0.5 : 0, 4 * 0x1p-24);
-            fathom_film_destroy(film);
         }
-        stage_close(&s);
     }
 }
 

@@ -78,7 +78,6 @@ UNIT_TEST(every_material_parameter_reads_back) {
             if (memcmp(member(&rows[k], &given), member(&rows[k], worn(back)), width(&rows[k])) != 0)
                 fail_msg("%s: %s changes with an unusual %s", formats[format], rows[k].name, p->name);
         }
-        fathom_scene_destroy(back);
     }
 }
 
@@ -111,7 +110,6 @@ UNIT_TEST(every_setting_reads_back_from_json) {
                 fail_msg("%s %s: %s is %s, was %s", values[i][0], values[i][1], rows[k].name, text[1],
                          text[0]);
         }
-        fathom_scene_destroy(back);
     }
 }
 
@@ -170,7 +168,6 @@ UNIT_TEST(every_image_reads_back) {
         map->channel = channel < 0 ? 2 : (uint32_t)channel, map->inverted = format == JSON;
         fathom_scene *back = through(wearing(&given, &image), format);
         check_map(back, map, kind, &texture);
-        fathom_scene_destroy(back);
         unlink(in_folder("a-0.png"));
     }
 }
@@ -178,7 +175,7 @@ UNIT_TEST(every_image_reads_back) {
 /* The material of the scene that comes back from .obj. */
 static const fathom_material *through_obj(const fathom_scene *scene, fathom_scene **back) {
     assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
-    assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), back));
+    *back = scene_of_file(context, in_folder("a.obj"));
     return &(*back)->materials.items[find_material(*back, "material_1")].value;
 }
 
@@ -219,8 +216,6 @@ UNIT_TEST(mtl_keeps_metal_and_its_images) {
         assert_true(t[0] == 2 && t[2] == 0.25f && -t[4] == 3 && t[4] + t[5] == -0.5f);
     }
     for (int i = 0; i < 3; ++i) assert_true(back->meshes.items[0].uvs[2 * i + 1] == 1 - uvs[2 * i + 1]);
-    fathom_scene_destroy(back);
-    fathom_scene_destroy(scene);
     unlink(in_folder("a.obj")), unlink(in_folder("a.mtl")), unlink(in_folder("a-0.png"));
 }
 
@@ -242,7 +237,7 @@ UNIT_TEST(glb_keeps_the_alpha_of_a_colour_image) {
         texture.color_space = FATHOM_COLOR_AUTO, texture.bytes = "\x89PNG\r\n";
         fathom_scene *scene;
         fathom_id id;
-        assert_ok(context, fathom_scene_create(context, &scene));
+        scene = new_scene(context);
         assert_ok(context, fathom_scene_add_texture(scene, &texture, NULL));
         texture.color_space = FATHOM_COLOR_LINEAR;
         if (other == 2) texture.bytes = "\x89PNG\r\a";
@@ -255,7 +250,6 @@ UNIT_TEST(glb_keeps_the_alpha_of_a_colour_image) {
         if (k < 3 || !other) assert_int_not_equal(maps[color].texture, FATHOM_NONE);
         assert_int_equal(maps[alpha].texture, other ? FATHOM_NONE : maps[color].texture);
         if (!other) assert_true(maps[alpha].channel == 3 && maps[alpha].inverted == (k >= 3));
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -274,8 +268,6 @@ UNIT_TEST(mtl_keeps_solid_transmission_and_makes_glass_of_thin_walls) {
         else
             assert_true(got->model == FATHOM_MODEL_CLASSIC && got->k_t[0] == 0.75f && got->fresnel);
         assert_true(got->ior == 1.7f);
-        fathom_scene_destroy(back);
-        fathom_scene_destroy(scene);
     }
     unlink(in_folder("a.obj")), unlink(in_folder("a.mtl"));
 }
@@ -299,8 +291,6 @@ UNIT_TEST(mtl_keeps_unlit_materials) {
         assert_true(got->k_d[c] == 0 && got->k_r[c] == 0 && got->k_t[c] == 0 && got->k_e[c] == 4 * color[c]);
     assert_int_equal(got->maps[FATHOM_MAP_COLOR].texture, FATHOM_NONE);
     assert_int_not_equal(got->maps[FATHOM_MAP_EMISSIVE].texture, FATHOM_NONE);
-    fathom_scene_destroy(back);
-    fathom_scene_destroy(scene);
     unlink(in_folder("a.obj")), unlink(in_folder("a.mtl")), unlink(in_folder("a-0.png"));
 }
 
@@ -317,8 +307,6 @@ UNIT_TEST(rotations_of_brushed_metal_turn_with_v) {
         const fathom_material *got = through_obj(scene, &back);
         /* Nine digits of a fraction of a turn: two roundings. */
         assert_near(got->anisotropy_rotation, -0.75, 2 * 0x1p-24);
-        fathom_scene_destroy(back);
-        fathom_scene_destroy(scene);
     }
     unlink(in_folder("a.obj")), unlink(in_folder("a.mtl")), unlink(in_folder("a-0.png"));
 }
@@ -336,8 +324,6 @@ UNIT_TEST(images_of_no_effect_have_none_in_mtl) {
         const fathom_material *got = through_obj(scene, &back);
         for (int c = 0; c < 3; ++c) assert_true(got->k_e[c] == 0 && got->emissive[c] == 0);
         assert_int_equal(got->maps[FATHOM_MAP_EMISSIVE].texture, FATHOM_NONE);
-        fathom_scene_destroy(back);
-        fathom_scene_destroy(scene);
         unlink(in_folder("a.obj")), unlink(in_folder("a.mtl")), unlink(in_folder("a-0.png"));
     }
 }
@@ -392,7 +378,7 @@ static fathom_scene *rich_scene(bool parallel) {
     fathom_scene *scene;
     fathom_material m;
     fathom_id id, group;
-    assert_ok(context, fathom_scene_create(context, &scene));
+    scene = new_scene(context);
     fathom_material_default(&m);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.roughness = 0.3f, m.clearcoat = 0.4f, m.metallic = 0.2f;
     assert_ok(context, fathom_scene_add_texture(scene, &texture, &m.maps[FATHOM_MAP_COLOR].texture));
@@ -425,21 +411,17 @@ static fathom_scene *rich_scene(bool parallel) {
 static void check_conversion(bool parallel) {
     fathom_scene *made = rich_scene(parallel), *glb;
     assert_ok(context, fathom_scene_write(made, in_folder("first.glb")));
-    assert_ok(context, fathom_scene_read(context, in_folder("first.glb"), &glb));
+    glb = scene_of_file(context, in_folder("first.glb"));
     for (int format = 0; format < FORMATS; ++format) {
         fathom_scene *source, *back;
-        assert_ok(context, fathom_scene_read(context, in_folder("first.glb"), &source));
+        source = scene_of_file(context, in_folder("first.glb"));
         assert_ok(context, fathom_scene_write(source, in_folder(formats[format])));
-        assert_ok(context, fathom_scene_read(context, in_folder(formats[format]), &back));
+        back = scene_of_file(context, in_folder(formats[format]));
         check_same_render(glb, back, formats[format]);
-        fathom_scene_destroy(source);
-        fathom_scene_destroy(back);
         unlink(in_folder(formats[format])), unlink(in_folder("a-0"));
     }
     check_same_render(made, glb, "first.glb");
     unlink(in_folder("first.glb"));
-    fathom_scene_destroy(glb);
-    fathom_scene_destroy(made);
 }
 
 UNIT_TEST(renders_survive_conversion) {
@@ -455,13 +437,11 @@ UNIT_TEST(scene_json_survives_conversion) {
         char path[1024];
         fathom_scene *scene, *back;
         snprintf(path, sizeof path, "%s/scenes/%s", SOURCE_DIR, files[i]);
-        assert_ok(context, fathom_scene_read(context, path, &scene));
+        scene = scene_of_file(context, path);
         assert_ok(context, fathom_scene_write(scene, in_folder("a.json")));
-        assert_ok(context, fathom_scene_read(context, in_folder("a.json"), &back));
+        back = scene_of_file(context, in_folder("a.json"));
         unlink(in_folder("a.json"));
         check_same_render(scene, back, files[i]);
-        fathom_scene_destroy(scene);
-        fathom_scene_destroy(back);
     }
 }
 
@@ -488,7 +468,6 @@ UNIT_TEST(scenes_of_arrays_survive_conversion_to_json) {
     assert_in_range(id, 1, back->materials.count - 1);
     assert_true(back->materials.items[id].value.model == FATHOM_MODEL_CLASSIC);
     assert_memory_equal(back->materials.items[id].value.k_d, usual.k_d, sizeof usual.k_d);
-    fathom_scene_destroy(back);
 }
 
 /* ---- vertex colours and images of mesh files ---- */
@@ -499,8 +478,7 @@ UNIT_TEST(scenes_of_arrays_survive_conversion_to_json) {
 UNIT_TEST(mesh_files_keep_vertex_colours) {
     static const float colors[12] = {0.001f, 0.5f, 0.2f, 1, 0, 0, 0, 1, 0.4f, 2.5f, 0.7f, 0.8f};
     static const char *const names[] = {"a.ply", "a.obj"};
-    fathom_scene *scene;
-    assert_ok(context, fathom_scene_create(context, &scene));
+    fathom_scene *scene = new_scene(context);
     for (int i = 0; i < 2; ++i) {
         fathom_mesh mesh = triangle(0);
         mesh.colors = i ? NULL : colors, mesh.color_channels = 4;
@@ -510,7 +488,7 @@ UNIT_TEST(mesh_files_keep_vertex_colours) {
     for (int format = 0; format < 2; ++format) {
         fathom_scene *back;
         assert_ok(context, fathom_scene_write(scene, in_folder(names[format])));
-        assert_ok(context, fathom_scene_read(context, in_folder(names[format]), &back));
+        back = scene_of_file(context, in_folder(names[format]));
         assert_int_equal(back->meshes.count, format ? 2 : 1);
         for (uint32_t v = 0; v < 6; ++v) {
             const fathom_mesh *got = &back->meshes.items[format ? v / 3 : 0];
@@ -525,10 +503,8 @@ UNIT_TEST(mesh_files_keep_vertex_colours) {
                 assert_near(c[k], format || k == 3 ? own : 0.5f * own, format ? 4 * 0x1p-24 : 0);
             }
         }
-        fathom_scene_destroy(back);
         unlink(in_folder(names[format])), unlink(in_folder("a.mtl"));
     }
-    fathom_scene_destroy(scene);
 }
 
 /* v grows upwards in OBJ and PLY, and downwards in the others: an image that is added later is upright. */
@@ -538,12 +514,10 @@ UNIT_TEST(v_grows_as_it_does_in_the_format) {
     static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0.25\nf 1/1 2/1 3/1\n";
     unit_write_file(in_folder(names[0]), text, strlen(text));
     for (int i = 0; i < 8; ++i) {
-        fathom_scene *scene;
-        assert_ok(context, fathom_scene_read(context, in_folder(names[i]), &scene));
+        fathom_scene *scene = scene_of_file(context, in_folder(names[i]));
         const bool upwards = strstr(names[i], ".obj") || strstr(names[i], ".ply");
         assert_true(scene->meshes.items[0].uvs[1] == (upwards ? 0.25f : 0.75f));
         if (i < 7) assert_ok(context, fathom_scene_write(scene, in_folder(names[i + 1])));
-        fathom_scene_destroy(scene);
         unlink(in_folder(names[i]));
     }
     unlink(in_folder("e.mtl"));
@@ -561,7 +535,7 @@ UNIT_TEST(ply_keeps_an_image_of_all_triangles) {
     memcpy(m.maps[FATHOM_MAP_COLOR].transform, turned, sizeof turned);
     fathom_scene *scene = wearing(&m, &texture);
     assert_ok(context, fathom_scene_write(scene, in_folder("a.ply")));
-    assert_ok(context, fathom_scene_read(context, in_folder("a.ply"), &back));
+    back = scene_of_file(context, in_folder("a.ply"));
     const fathom_mesh *mesh = &back->meshes.items[0];
     const fathom_map *map = &back->materials.items[mesh->material].value.maps[FATHOM_MAP_COLOR];
     assert_int_not_equal(map->texture, FATHOM_NONE);
@@ -574,15 +548,12 @@ UNIT_TEST(ply_keeps_an_image_of_all_triangles) {
                         from[0] * in[0] + from[1] * in[1] + from[2]);
         }
     }
-    fathom_scene_destroy(back);
     /* Another material, and it is no longer that of all. */
     fathom_mesh other = triangle(0);
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &other, NULL));
     assert_ok(context, fathom_scene_write(scene, in_folder("a.ply")));
-    assert_ok(context, fathom_scene_read(context, in_folder("a.ply"), &back));
+    back = scene_of_file(context, in_folder("a.ply"));
     assert_int_equal(back->textures.count, 0);
-    fathom_scene_destroy(back);
-    fathom_scene_destroy(scene);
     unlink(in_folder("a.ply")), unlink(in_folder("a-0")), unlink(in_folder("a-0.png"));
 }
 
@@ -644,7 +615,6 @@ UNIT_TEST(what_a_format_lacks_is_told) {
     assert_string_equal(told_first, ": the name of a group is replaced: another has it (1 such)\n");
     unlink(in_folder("a.json")), unlink(in_folder("a-0")), unlink(in_folder("a-1"));
     fathom_context_on_warning(context, NULL, NULL);
-    fathom_scene_destroy(scene);
 }
 
 int main(void) { return unit_main(open_folder, remove_folder); }

@@ -56,7 +56,6 @@ static size_t agrees_with_linear(stage *s, ray_set set) {
     }
     assert_int_equal(unexplained, 0);
     free(e.blocks), free(l.blocks), free(set.blocks), free(eo), free(lo);
-    trace_destroy(embree), trace_destroy(linear);
     return differ;
 }
 
@@ -64,13 +63,12 @@ UNIT_TEST(parity) {
     stage s;
     stage_open(&s);
     add_everything(&s);
-    trace_destroy(stage_embree(&s, 1));
+    stage_embree(&s, 1);
     /* A random ray comes so near to an edge once in some 10^5 (16 units, 3 edges, at most 10 triangles deep).
      */
     assert_in_range(agrees_with_linear(&s, random_rays(fewer(20000))), 0, 2);
     agrees_with_linear(&s, edge_rays(s.world, fewer(10000)));
     agrees_with_linear(&s, camera_rays(90));
-    stage_close(&s);
 }
 
 /* ---- one answer, however rays are grouped and the tree was built ---- */
@@ -141,10 +139,8 @@ static void one_answer(stage *s, ray_set set) {
             same_answers(tracer, &set, &expected, any, TRACE_COHERENT);
             same_answers(tracer, &set, &expected, any, TRACE_INCOHERENT);
             same_answers_mixed(tracer, &set, &expected, any, TRACE_COHERENT);
-            trace_destroy(tracer);
         }
     }
-    trace_destroy(single);
     free(expected.blocks), free(any), free(set.blocks);
 }
 
@@ -152,11 +148,10 @@ UNIT_TEST(one_answer_on_everything) {
     stage s;
     stage_open(&s);
     add_everything(&s);
-    trace_destroy(stage_embree(&s, 1));
+    stage_embree(&s, 1);
     one_answer(&s, random_rays(fewer(10003)));
     one_answer(&s, edge_rays(s.world, fewer(10003)));
     one_answer(&s, camera_rays(100));
-    stage_close(&s);
 }
 
 /* Twice the same mesh, meshes in one plane, meshes through each other: ties everywhere. */
@@ -174,11 +169,10 @@ UNIT_TEST(one_answer_on_ties) {
     add_quad(&s, FATHOM_ROOT, center, v, u, 0);
     add_sphere(&s, FATHOM_ROOT, 0.5, 0.5, 0, 0.3, 0);
     add_sphere(&s, FATHOM_ROOT, 0.5, 0.5, 0, 0.3, 0);
-    trace_destroy(stage_embree(&s, 1));
+    stage_embree(&s, 1);
     one_answer(&s, random_rays(fewer(10003)));
     one_answer(&s, edge_rays(s.world, fewer(10003)));
     one_answer(&s, camera_rays(100));
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -73,9 +73,7 @@ UNIT_TEST(shadows_pass_what_casts_none) {
         assert_true(blocked(tracer, 4, 3) && depth(tracer, 4, 3) == 4);
         assert_true(!blocked(tracer, -4, 0.1) && depth(tracer, -4, 0.1) < 4.5f);
         assert_true(!blocked(tracer, 9, 9) && depth(tracer, 9, 9) == 15);
-        trace_destroy(tracer);
     }
-    stage_close(&s);
 }
 
 UNIT_TEST(nothing_to_hit) {
@@ -88,14 +86,11 @@ UNIT_TEST(nothing_to_hit) {
     for (size_t i = 0; i < 4; ++i) {
         trace_tracer *tracer = stage_embree(&s, widths[i]);
         assert_true(depth(tracer, 0, 0) == INFINITY && !blocked(tracer, 0, 0));
-        trace_destroy(tracer);
     }
     add_plane(&s, 1, 0);
-    world_destroy(s.world), s.world = NULL;
+    s.world = NULL;
     trace_tracer *tracer = stage_embree(&s, 16);
     assert_true(depth(tracer, 0, 0) == 4 && blocked(tracer, 0, 0));
-    trace_destroy(tracer);
-    stage_close(&s);
 }
 
 /* Triangles 0 and 1 are good, the others hold a NaN, an infinity, a number too large for Embree, or no area.
@@ -115,9 +110,7 @@ UNIT_TEST(damaged_triangles_are_left_out) {
         trace_tracer *tracer = stage_embree(&s, widths[i]);
         assert_true(triangle_at(depth(tracer, 0.5, 0.25), 5) && triangle_at(depth(tracer, -0.5, 0.25), 5));
         assert_true(depth(tracer, 3, 3) == INFINITY);
-        trace_destroy(tracer);
     }
-    stage_close(&s);
     /* Nothing but damage is an empty scene, not a failure. */
     stage_open(&s);
     mesh.indices = t + 6, mesh.triangle_count = 3;
@@ -126,8 +119,6 @@ UNIT_TEST(damaged_triangles_are_left_out) {
     p[3 * 4] = NAN, p[3 * 5 + 1] = INFINITY, p[3 * 6 + 2] = 1e30f;
     trace_tracer *tracer = stage_embree(&s, 16);
     assert_true(depth(tracer, 0.5, 0.25) == INFINITY);
-    trace_destroy(tracer);
-    stage_close(&s);
 }
 
 /* Beyond 1.8e18 Embree would abort, in the space of an instance too: a ray from there meets nothing. */
@@ -143,9 +134,7 @@ UNIT_TEST(far_rays_are_harmless) {
         trace_tracer *tracer = stage_embree(&s, widths[i]);
         assert_true(depth(tracer, 0, 0) < 5);
         assert_true(depth(tracer, 1e12, 0) == INFINITY && depth(tracer, 1e20, 0) == INFINITY);
-        trace_destroy(tracer);
     }
-    stage_close(&s);
 }
 
 /* A group at the origin beside a sphere in the root, by a frame that scales and moves it along x. */
@@ -157,6 +146,7 @@ static void fill_scaled(stage *s, double radius, double scale, double shift) {
     add_instance(s, group, (double[12]){scale, 0, 0, shift, 0, scale, 0, 0, 0, 0, scale, 0});
     const vec3_f64 origin = {0, 0, 0};
     assert_ok(s->context, world_create_from(s->scene, &origin, &s->world));
+    own_world(s->world);
 }
 
 /* Told before anything is built, and by building in the same words. Embree inverts frames in float: of
@@ -185,7 +175,6 @@ UNIT_TEST(frames_beyond_float_are_refused) {
         assert_fails(s.context, trace_create(s.context, s.world, &options, &tracer), FATHOM_BAD_INPUT,
                      cases[i].message);
         assert_string_equal(fathom_context_message(s.context), message);
-        stage_close(&s);
     }
 }
 
@@ -203,9 +192,9 @@ UNIT_TEST(a_mesh_too_far_away_is_named) {
     assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
     const vec3_f64 origin = {0, 0, 0};
     assert_ok(s.context, world_create_from(s.scene, &origin, &s.world));
+    own_world(s.world);
     assert_fails(s.context, reach_check(s.context, s.world), FATHOM_BAD_INPUT,
                  "object 1: it lies so far away that coordinates of the scene");
-    stage_close(&s);
 }
 
 UNIT_TEST(frames_of_every_shape) {
@@ -236,8 +225,6 @@ UNIT_TEST(frames_within_float_are_met) {
         assert_in_range(fabsf(depth(tracer, 0, 0) - 4) * 0x1p20f, 0, 4);
         assert_in_range(fabsf(depth(tracer, 0.6, 0) - 4.2f) * 0x1p20f, 0, 4);
         assert_true(depth(tracer, 1.01, 0) == INFINITY);
-        trace_destroy(tracer);
-        stage_close(&s);
     }
 }
 
@@ -255,13 +242,11 @@ UNIT_TEST(instances_out_of_reach_are_told) {
     fill_scaled(&s, 1e10, 1e9, 0);
     assert_ok(s.context, reach_check(s.context, s.world));
     assert_int_equal(count, 1);
-    stage_close(&s);
     stage_open(&s);
     fathom_context_on_warning(s.context, count_warning, &count);
     fill_scaled(&s, 1e8, 1e9, 0);
     assert_ok(s.context, reach_check(s.context, s.world));
     assert_int_equal(count, 1);
-    stage_close(&s);
 }
 
 typedef struct watched {
@@ -281,7 +266,7 @@ UNIT_TEST(building_can_be_stopped) {
     stage s;
     stage_open(&s);
     add_ball(&s, FATHOM_ROOT, 150, 0.05, 1, 0, 0);
-    assert_ok(s.context, world_create(s.scene, &s.world));
+    stage_world(&s);
     watched all = {.stop_at = 2}, at_once = {.stop_at = -1}, half = {.stop_at = 0.3};
     trace_options options = {.width = 16, .threads = 1, .progress = watch, .user = &all};
     trace_tracer *tracer = NULL;
@@ -296,7 +281,6 @@ UNIT_TEST(building_can_be_stopped) {
     assert_fails(s.context, trace_create(s.context, s.world, &options, &tracer), FATHOM_INTERRUPTED,
                  "stopped");
     assert_null(tracer);
-    stage_close(&s);
 }
 
 UNIT_TEST(tells_what_it_is) {
@@ -307,8 +291,6 @@ UNIT_TEST(tells_what_it_is) {
     assert_true(strncmp(trace_name(tracer), "Embree ", 7) == 0 && strstr(trace_name(tracer), ", "));
     /* A robust leaf holds 4 triangles in at least 4 * (9 + 2) * 4 bytes. */
     assert_true(trace_bvh_bytes(tracer) >= 44 * 4 * 50 * 49);
-    trace_destroy(tracer);
-    stage_close(&s);
 }
 
 /* The t of the closest hit within an interval, or infinity; any: whether any hit says that there is one. */
@@ -375,9 +357,7 @@ UNIT_TEST(intervals_are_open) {
             open_around(tracer, c, 0, 6, exact ? exactly_at(5) : about_at(5));
             open_around(tracer, c, 0x1p-140f, 6, exact ? exactly_at(5) : about_at(5));
         }
-        trace_destroy(tracer);
     }
-    stage_close(&s);
 }
 
 /* Wherever it ends, for Embree's own shapes too, and scenes that decide by products and report quotients. */
@@ -401,9 +381,7 @@ UNIT_TEST(no_hit_lies_outside_its_interval) {
                 depth_within(tracer, TRACE_COHERENT, end, INFINITY, &any);
             }
         }
-        trace_destroy(tracer);
     }
-    stage_close(&s);
 }
 
 UNIT_TEST(threads_get_their_mode_back) {
@@ -430,8 +408,6 @@ UNIT_TEST(boxes_hide_no_sphere) {
         assert_int_equal(eo[i], lo[i]);
     }
     free(e.blocks), free(l.blocks), free(set.blocks), free(eo), free(lo);
-    trace_destroy(embree), trace_destroy(linear);
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -76,12 +76,9 @@ UNIT_TEST(hits_are_those_of_the_quads) {
             if (same_hit(&got, &expected, i)) check_against_reference(s.world, &got, i);
         }
         assert_true(differ <= 2);
-        trace_destroy(tracer);
         free(got.blocks), free(got_any);
     }
-    trace_destroy(linear);
     free(set.blocks), free(expected.blocks), free(any);
-    stage_close(&s);
 }
 
 /* ---- the diagonal ---- */
@@ -113,7 +110,7 @@ UNIT_TEST(nothing_leaks_along_the_diagonal) {
         random_axes(u, v);
         add_quad(&s, FATHOM_ROOT, center, u, v, 0);
     }
-    trace_destroy(stage_spec(&s, "embree"));
+    stage_spec(&s, "embree");
     ray_set set = diagonal_rays(s.world, 40000);
     for (size_t way = 0; way < WAYS; ++way) {
         trace_tracer *tracer = stage_spec(&s, in_halves[way]);
@@ -123,11 +120,9 @@ UNIT_TEST(nothing_leaks_along_the_diagonal) {
             assert_true(got.blocks[i / 16].hits.geometry[i % 16] != FATHOM_NONE && any[i]);
             assert_true(hit_t(&got, i) < 1 + 0x1p-14f);
         }
-        trace_destroy(tracer);
         free(got.blocks), free(any);
     }
     free(set.blocks);
-    stage_close(&s);
 }
 
 /* Two quads in one place: the first counts, and its u and v do not depend on the packets. */
@@ -149,12 +144,9 @@ UNIT_TEST(equal_quads_have_one_answer) {
             assert_true(hit_t(&got, i) == hit_t(&expected, i));
             assert_true(a->u[k] == b->u[k] && a->v[k] == b->v[k]);
         }
-        trace_destroy(tracer);
         free(got.blocks);
     }
-    trace_destroy(first);
     free(set.blocks), free(expected.blocks);
-    stage_close(&s);
 }
 
 /* ---- what is not a whole quad ---- */
@@ -173,7 +165,6 @@ static bool meets(stage *s, const char *spec, double x, double y) {
     bool met = got.blocks[0].hits.geometry[0] != FATHOM_NONE;
     assert_int_equal(met, any[0]);
     free(set.blocks), free(got.blocks), free(any);
-    trace_destroy(tracer);
     return met;
 }
 
@@ -188,7 +179,7 @@ UNIT_TEST(halves_without_area_are_not_met) {
         const double center[3] = {4 * i, 0, 0};
         add_quad(&s, FATHOM_ROOT, center, u, v, 0);
     }
-    assert_ok(s.context, world_create(s.scene, &s.world));
+    stage_world(&s);
     vec3_f32(*corner)[4] = (vec3_f32(*)[4])s.world->quads.items;
     double x = (double)corner[0][0].x + 1, y = (double)corner[0][0].y + 1; /* the middle of the first */
     corner[0][0] = corner[0][1];
@@ -201,7 +192,6 @@ UNIT_TEST(halves_without_area_are_not_met) {
         assert_false(meets(&s, specs[k], x + 3.7, y - 0.3));
         assert_false(k > 0 && meets(&s, specs[k], x + 7.7, y - 0.3)); /* linear search has a wider range */
     }
-    stage_close(&s);
 }
 
 /* A square of 1e-13 next to one of 1: products of its sides leave float's range. */
@@ -214,6 +204,7 @@ UNIT_TEST(tiny_quads_next_to_large_ones_are_met) {
     add_quad(&s, FATHOM_ROOT, center, tiny_u, tiny_v, 0);
     const vec3_f64 origin = {0, 0, 0};
     assert_ok(s.context, world_create_from(s.scene, &origin, &s.world));
+    own_world(s.world);
     trace_tracer *tracer = stage_spec(&s, "embree");
     ray_set set = rays_new(1);
     const double org[3] = {3e-14, -2e-14, 1e-12}, down[3] = {0, 0, -1};
@@ -222,8 +213,6 @@ UNIT_TEST(tiny_quads_next_to_large_ones_are_met) {
     assert_int_equal(got.blocks[0].hits.primitive[0], 1);
     assert_true(fabsf(hit_t(&got, 0) - 1e-12f) < 1e-18f);
     free(set.blocks), free(got.blocks);
-    trace_destroy(tracer);
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -47,7 +47,6 @@ static void scales(void *user, const char *text) {
         assert_true(a->dir_x[i % 16] == b->dir_x[i % 16] && a->t_near[i % 16] == b->t_near[i % 16]);
     }
     free(plain.blocks), free(got.blocks), free(any), free(any_got);
-    trace_destroy(tracer);
     ++v->tracers;
 }
 
@@ -63,7 +62,6 @@ UNIT_TEST(test_embree) {
     specs_each(scales, &v);
     assert_true(v.tracers > 10);
     free(rays.blocks), free(scaled.blocks);
-    stage_close(&s);
 }
 
 /* In a group that an instance shrinks to 2^-32, rays longer than 2^27 would leave Embree's range. */
@@ -85,8 +83,6 @@ UNIT_TEST(long_directions_reach_into_small_instances) {
         assert_near(ldexp((double)block.rays.t_far[0], e), 3, 1e-6);
         assert_true(any.t_far[0] < 0);
     }
-    trace_destroy(tracer);
-    stage_close(&s);
 }
 
 /* t leaves float's range only to its nearest number in the interval. */

@@ -36,7 +36,6 @@ static void agrees(void *user, const char *text) {
         }
         free(got.blocks), free(any);
     }
-    trace_destroy(tracer);
     ++v->tracers;
 }
 
@@ -52,9 +51,7 @@ static void all_agree_with_linear(void **state) {
     v.closest = traced(linear, &set, TRACE_COHERENT), v.any = occluded(linear, &set, TRACE_COHERENT);
     specs_each(agrees, &v);
     assert_int_equal(v.tracers, 2 * 3 * 3 * 4 * 2);
-    trace_destroy(linear);
     free(set.blocks), free(v.closest.blocks), free(v.any);
-    stage_close(&s);
 }
 
 /* ---- user geometry ---- */
@@ -91,11 +88,8 @@ static void user_geometry_is_linear_search(void **state) {
             assert_int_equal(differ, 0);
             free(u.blocks), free(l.blocks), free(ua), free(la);
         }
-        trace_destroy(user);
     }
     for (size_t r = 0; r < 3; ++r) free(sets[r].blocks);
-    trace_destroy(linear);
-    stage_close(&s);
 }
 
 /* Triangle 0 is good, the others hold a NaN, an infinity, or no area. */
@@ -118,8 +112,6 @@ static void damaged_user_triangles_are_left_out(void **state) {
     assert_true(hit_t(&got, 0) == 5 && got.blocks[0].hits.primitive[0] == 0);
     assert_int_equal(got.blocks[0].hits.geometry[1], FATHOM_NONE);
     free(set.blocks), free(got.blocks);
-    trace_destroy(tracer);
-    stage_close(&s);
 }
 
 /* ---- raw answers ---- */
@@ -155,11 +147,8 @@ static void raw_is_settled_but_for_ties(void **state) {
             }
             free(got.blocks), free(got_any);
         }
-        trace_destroy(raw);
     }
-    trace_destroy(settled);
     free(set.blocks), free(right.blocks), free(any);
-    stage_close(&s);
 }
 
 /* Lanes past the count keep every bit, and rays that are not finite miss. */
@@ -197,9 +186,7 @@ static void lanes_are_apart(void **state) {
             }
             free(set.blocks);
         }
-        trace_destroy(tracer);
     }
-    stage_close(&s);
 }
 
 /* The instruction set asked for is told. */
@@ -212,13 +199,10 @@ static void instruction_sets(void **state) {
     trace_tracer *tracer = stage_spec(&s, "embree:16:sse2");
     assert_non_null(strstr(trace_name(tracer), ", SSE2"));
     ray_set set = random_rays(1000), got = traced(tracer, &set, TRACE_COHERENT);
-    trace_destroy(tracer);
     tracer = stage_spec(&s, "embree:16");
     ray_set best = traced(tracer, &set, TRACE_COHERENT);
     for (size_t i = 0; i < set.count; ++i) assert_true(same_hit(&got, &best, i));
-    trace_destroy(tracer);
     free(set.blocks), free(got.blocks), free(best.blocks);
-    stage_close(&s);
 #endif
 }
 
@@ -230,7 +214,6 @@ static void trace_coherent(void *user, const char *text) {
     trace_tracer *tracer = stage_spec(v->s, text);
     free(occluded(tracer, v->rays, TRACE_COHERENT));
     free(traced(tracer, v->rays, TRACE_COHERENT).blocks);
-    trace_destroy(tracer);
 }
 
 /* Debian 12's Embree has kernels for coherent shadow rays that may never return. In a child with a time
@@ -249,7 +232,7 @@ static void no_call_hangs(void **state) {
                 add_everything(&s);
             else
                 add_ball(&s, FATHOM_ROOT, 101, 0.05, 1, 0, 0);
-            assert_ok(s.context, world_create(s.scene, &s.world));
+            stage_world(&s);
             ray_set set = random_rays(2000);
             visit v = {.s = &s, .rays = &set};
             specs_each(trace_coherent, &v);

@@ -45,8 +45,6 @@ UNIT_TEST(by_spread) {
     lean(&rays, 0);
     rays.dir_y[3] = NAN;
     assert_false(together(tracer, &rays, TRACE_NEIGHBOURS));
-    trace_destroy(tracer);
-    stage_close(&s);
 }
 
 /* Every coordinate counts, and every lane. */
@@ -66,8 +64,6 @@ UNIT_TEST(any_direction) {
             assert_false(together(tracer, &rays, TRACE_NEIGHBOURS));
         }
     }
-    trace_destroy(tracer);
-    stage_close(&s);
 }
 
 static void assert_way(embree_way way, unsigned width, bool coherent) {
@@ -90,8 +86,6 @@ UNIT_TEST(never_together) {
     assert_way(embree_way_closest(embree, &rays, 16, TRACE_NEIGHBOURS), widest, false);
     assert_way(embree_way_closest(embree, &rays, 16, TRACE_COHERENT), widest, true);
     assert_way(embree_way_any(embree, &rays, 16, TRACE_INCOHERENT), widest, false);
-    trace_destroy(named);
-    stage_close(&s);
     stage_open(&s);
     add_everything(&s);
     trace_tracer *instanced = stage_embree(&s, 16);
@@ -105,8 +99,6 @@ UNIT_TEST(never_together) {
     lean(&rays, 4 * EMBREE_SIMILAR);
     assert_way(embree_way_closest(embree, &rays, 16, TRACE_COHERENT), width, false);
     assert_way(embree_way_any(embree, &rays, 16, TRACE_COHERENT), width, false);
-    trace_destroy(instanced);
-    stage_close(&s);
 }
 
 /* ---- the same answers ---- */
@@ -142,10 +134,8 @@ static void answers_alike(stage *s, trace_coherence hint) {
             assert_int_equal(dark[i], shaded[i]);
         }
         free(got.blocks), free(dark);
-        trace_destroy(tracer);
     }
     free(expected.blocks), free(shaded), free(set.blocks);
-    trace_destroy(single);
 }
 
 UNIT_TEST(same_answers) {
@@ -155,12 +145,10 @@ UNIT_TEST(same_answers) {
     add_grid(&s, 10, -1.2);
     for (int hint = TRACE_INCOHERENT; hint <= TRACE_COHERENT; ++hint)
         answers_alike(&s, (trace_coherence)hint);
-    stage_close(&s);
     stage_open(&s);
     add_everything(&s);
     for (int hint = TRACE_INCOHERENT; hint <= TRACE_COHERENT; ++hint)
         answers_alike(&s, (trace_coherence)hint);
-    stage_close(&s);
 }
 
 /* Lanes past the count stay as they are, rays and hits, however the block is taken apart. */
@@ -185,9 +173,7 @@ UNIT_TEST(others_untouched) {
             assert_int_equal(block.hits.instance[i], before.hits.instance[i]);
             assert_memory_equal(&block.hits.u[i], &before.hits.u[i], sizeof(float));
         }
-        trace_destroy(tracer);
     }
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

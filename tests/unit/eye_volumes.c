@@ -33,7 +33,6 @@ static void expect(stage *s, double in_red, double in_green) {
         const double left = pow((double)red[c], in_red / 2) * pow((double)green[c], in_green / 2);
         for (int i = 0; i < 64; ++i) assert_near((double)pixels[i], left, 1e-5);
     }
-    fathom_film_destroy(film);
 }
 
 UNIT_TEST(a_volume_around_the_eye_absorbs) {
@@ -46,7 +45,6 @@ UNIT_TEST(a_volume_around_the_eye_absorbs) {
         /* One that the ray of the look around enters and leaves again. */
         stage_sphere(&s, 0.5 + 0.36 * 9, 0.8 * 9, 0.48 * 9, 1, 1);
         expect(&s, 1.5, 0);
-        stage_close(&s);
     }
 }
 
@@ -66,8 +64,6 @@ UNIT_TEST(a_sea_without_end_passes_what_it_does_not_absorb) {
             assert_true(fathom_film_channel(film, "G")[i] == 0);
             assert_near((double)fathom_film_channel(film, "B")[i], 1, 1e-6);
         }
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -78,7 +74,6 @@ UNIT_TEST(roulette_ends_no_path_that_crosses_smooth_surfaces) {
     const fathom_id id = stage_material(&s, &m);
     for (int k = 1; k < 5; ++k) stage_sphere(&s, 10 * k, 0, 0, 1, id);
     expect(&s, 8, 0);
-    stage_close(&s);
 }
 
 UNIT_TEST(a_volume_beside_the_eye_does_not) {
@@ -86,7 +81,6 @@ UNIT_TEST(a_volume_beside_the_eye_does_not) {
     stage s = open_white(0, (double[3]){9, 0, 0});
     stage_sphere(&s, 0.36 * 9, 0.8 * 9, 0.48 * 9, 2, stage_material(&s, &m));
     expect(&s, 0, 0);
-    stage_close(&s);
 }
 
 /* The inner one fills its space alone where it has the higher priority, or where neither has any. */
@@ -99,7 +93,6 @@ UNIT_TEST(volumes_around_each_other) {
         stage_sphere(&s, 0, 0, 0, 3, stage_material(&s, &outer));
         stage_sphere(&s, 0, 0, 0, 1, stage_material(&s, &inner));
         expect(&s, i == 2 ? 3 : 2, i == 2 ? 0 : 1);
-        stage_close(&s);
     }
 }
 
@@ -109,7 +102,6 @@ UNIT_TEST(other_shapes_bound_volumes_too) {
     stage s = open_white(0, (double[3]){9, 9, 0});
     stage_plane(&s, (double[3]){0, 2, 0}, (double[3]){0, 1, 0}, stage_material(&s, &m));
     expect(&s, 2 * sqrt(2), 0);
-    stage_close(&s);
     s = open_white(0, (double[3]){0, -9, 0.01});
     fathom_instance instance;
     fathom_instance_default(&instance);
@@ -121,8 +113,6 @@ UNIT_TEST(other_shapes_bound_volumes_too) {
     /* A facet is up to 1 - cos(pi / 64)^2 nearer. */
     fathom_film *film = stage_render(&s);
     assert_near((double)fathom_film_channel(film, "R")[0], pow((double)red[0], 1.5), 0.003);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* Below a plane without end: light from infinitely far away does not get through a volume that absorbs. */
@@ -136,7 +126,6 @@ UNIT_TEST(a_volume_without_end_lets_no_light_in_if_it_absorbs) {
         s.settings.spp = 1, s.settings.target_error = 0;
         stage_plane(&s, (double[3]){0, 3, 0}, (double[3]){0, 1, 0}, stage_material(&s, &m));
         expect(&s, i % 2 ? 0 : (double)INFINITY, 0);
-        stage_close(&s);
     }
 }
 
@@ -149,7 +138,6 @@ static void render_each(stage *s, void (*check)(const float *pixels)) {
         s->settings.target_error = 0;
         fathom_film *film = stage_render(s);
         check(fathom_film_channel(film, "R"));
-        fathom_film_destroy(film);
     }
 }
 
@@ -181,7 +169,6 @@ UNIT_TEST(a_sharp_image_knows_what_is_around_the_eye_halfway) {
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_REFERENCE);
     s.settings.spp = 4, s.settings.target_error = 0;
     expect(&s, 1.5, 0);
-    stage_close(&s);
 }
 
 /* A number of standard deviations that 1 of 10^5 means exceeds. */
@@ -200,7 +187,6 @@ UNIT_TEST(an_eye_that_moves_into_a_volume_and_out_of_it) {
     stage s = open_moving();
     s.settings.spp = 1024;
     render_each(&s, check_moving);
-    stage_close(&s);
 }
 
 /* A sea up to y = 0 or x = 2, and a camera at the origin. Without specularFactor 0 it would reflect at
@@ -226,7 +212,6 @@ UNIT_TEST(half_of_an_orthographic_camera_is_in_the_sea) {
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
     s.settings.spp = 4;
     render_each(&s, check_halves);
-    stage_close(&s);
 }
 
 /* Rays from the lower half of the lens pass a length of 2 to where all meet, and no water beyond; of the
@@ -244,7 +229,6 @@ UNIT_TEST(half_of_a_lens_is_in_the_sea) {
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
     s.settings.spp = 256;
     render_each(&s, check_lens);
-    stage_close(&s);
 }
 
 /* Below a plane at x = 2, where all is in focus: a ray from r off the lens's middle has the length l, with
@@ -267,7 +251,6 @@ UNIT_TEST(a_volume_absorbs_on_the_way_from_each_point_of_a_lens) {
     camera.lens_radius = camera.focus_distance = 2;
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
     render_each(&s, check_wide_lens);
-    stage_close(&s);
 }
 
 /* ---- dispersion between volumes ---- */
@@ -295,8 +278,6 @@ static void check_channels(float upper, float upper_dispersion, float lower, flo
         for (int i = 0; i < 64; ++i)
             assert_near((double)fathom_film_channel(film, names[c])[i], expected[c], 1e-4);
     }
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* The index of a channel differs from that of green by 0.025 (ior - 1) dispersion. */

@@ -61,7 +61,6 @@ static void assert_shows_target(stage *s, const fathom_camera *camera, double di
         for (int c = 0; c < 3; ++c) assert_near(n[c], camera->z[c], 0x1p-22);
         assert_near(fathom_film_channel(film, "Z")[i], distance, 2 * 0x1p-24 * distance);
     }
-    fathom_film_destroy(film);
 }
 
 UNIT_TEST(pixels_show_the_same_points_from_any_distance) {
@@ -72,7 +71,6 @@ UNIT_TEST(pixels_show_the_same_points_from_any_distance) {
         stage s = open_view(&camera, integrators[i % 2]);
         add_target(&s, &camera);
         assert_shows_target(&s, &camera, distance);
-        stage_close(&s);
     }
 }
 
@@ -89,8 +87,6 @@ UNIT_TEST(planes_on_the_way_are_not_skipped) {
             assert_near(fathom_film_channel(film, "Z")[k], at, 4 * 0x1p-24 * at);
             assert_true(fathom_film_channel(film, "R")[k] == 2);
         }
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -117,8 +113,6 @@ UNIT_TEST(a_camera_may_move_far_away) {
         fathom_film *film = stage_render(&s);
         const float *u = fathom_film_channel(film, "forward.u");
         for (int k = 0; k < SIDE * SIDE; ++k) assert_near(u[k], -0.5, 2 * place_error(distances[i]) / PIXEL);
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -156,8 +150,6 @@ UNIT_TEST(textures_are_filtered_alike_from_any_distance) {
         fathom_film *film = stage_render(&s);
         for (int k = 0; k < SIDE * SIDE; ++k)
             assert_near(fathom_film_channel(film, "albedo.R")[k], 0.5, 0x1p-11);
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -190,7 +182,6 @@ UNIT_TEST(the_reference_shows_the_same_from_any_distance) {
         if (d.p < 1e-5)
             fail_msg("%g, %s: p %g, path less reference %g +- %g", distance, i % 2 ? "lens" : "pinhole", d.p,
                      d.relative, d.relative_error);
-        stage_close(&s);
     }
 }
 

@@ -53,7 +53,6 @@ static void check(const stage *s, const ray_set *set, const trace_tracer *linear
             if (same && sphere) assert_true(hit_t(&got, i) == hit_t(&expected, i));
         }
         assert_true(differ <= 2);
-        trace_destroy(tracer);
         free(got.blocks), free(got_any);
     }
     free(expected.blocks), free(any);
@@ -70,8 +69,6 @@ UNIT_TEST(few_spheres_are_met_as_by_linear_search) {
             check(&s, &sets[k], linear);
             free(sets[k].blocks);
         }
-        trace_destroy(linear);
-        stage_close(&s);
     }
 }
 
@@ -83,9 +80,7 @@ UNIT_TEST(silhouettes_are_those_of_linear_search) {
     trace_tracer *linear = stage_spec(&s, "linear"), *embree = stage_spec(&s, "embree");
     ray_set a = traced(linear, &set, TRACE_INCOHERENT), b = traced(embree, &set, TRACE_INCOHERENT);
     for (size_t i = 0; i < set.count; ++i) assert_true(same_hit(&a, &b, i) && hit_t(&a, i) == hit_t(&b, i));
-    trace_destroy(linear), trace_destroy(embree);
     free(set.blocks), free(a.blocks), free(b.blocks);
-    stage_close(&s);
 }
 
 /* What is left out as too far from a block's beam is met by none of its rays. */
@@ -112,9 +107,7 @@ UNIT_TEST(nothing_close_is_left_out) {
         }
     }
     assert_true(left_out > set.count / 16); /* and something is, or it would prove nothing */
-    trace_destroy(linear);
     free(set.blocks), free(got.blocks);
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -45,9 +45,6 @@ UNIT_TEST(normals_and_albedo_follow_smooth_surfaces) {
     s.settings.max_depth = 0; /* no further than what is in view */
     fathom_film *near = stage_render(&s);
     for (int i = 0; i < SIDE * SIDE; ++i) assert_near((double)channel(near, "N", 'Z')[i], 1, 1e-6);
-    fathom_film_destroy(film);
-    fathom_film_destroy(near);
-    stage_close(&s);
 }
 
 /* Half of a sheet before nothing, and before a wall: the samples that end at the sheet have its albedo, and
@@ -79,8 +76,6 @@ UNIT_TEST(albedo_and_alpha_of_holes_are_those_behind) {
         }
         /* 5 standard errors of independent samples; those of a pixel are spread more evenly. */
         assert_near(sum / (SIDE * SIDE), 0.5, 5 * 0.5 / (4 * SIDE));
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -107,8 +102,6 @@ UNIT_TEST(a_mirror_shows_no_features_of_holes) {
         sum += sheet;
     }
     assert_near(sum / (SIDE * SIDE), 0.5, 5 * 0.5 / (4 * SIDE)); /* as above */
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

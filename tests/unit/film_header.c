@@ -109,8 +109,6 @@ UNIT_TEST(matrices_take_points_to_their_pixels) {
             check_points(&s, film, &b);
             free(b.at);
         }
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -139,8 +137,6 @@ UNIT_TEST(matrices_of_a_sharp_image_are_of_the_middle_of_the_time) {
     bytes b = write_and_read(&s, film, false);
     check_points(&s, film, &b);
     free(b.at);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* Blender takes the last part of a name for a component, and older versions know single letters alone. */
@@ -159,8 +155,6 @@ UNIT_TEST(every_channel_ends_in_a_single_letter) {
     }
     assert_int_equal(count, film->channel_count);
     free(b.at);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 static bool stop_at_once(void *user, const fathom_progress *now) {
@@ -192,7 +186,6 @@ UNIT_TEST(only_an_interrupted_film_says_so) {
     assert_null(find(&b, "fathom:interrupted", 18));
     free(b.at);
     fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* Makes a locale in the test's folder, and gives it to the process. False: this system cannot. */
@@ -244,7 +237,6 @@ UNIT_TEST(files_do_not_depend_on_the_locale) {
         if (!made) print_message("no locale %s: nothing was tested\n", locales[i]);
     }
     assert_int_equal(unsetenv("SOURCE_DATE_EPOCH"), 0);
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(open_folder, remove_folder); }

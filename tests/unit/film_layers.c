@@ -49,8 +49,6 @@ UNIT_TEST(each_bounce_of_a_furnace_is_where_it_belongs) {
     check_mean(film, "emission", 1, 0);
     check_mean(film, "direct", rho, 1e-5);
     check_mean(film, "indirect", rho * rho * (1 - pow(rho, 4)) / (1 - rho), 1e-5);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* A room with all that light can do: lights with and without size, a background, glass, a mirror, a surface
@@ -128,10 +126,7 @@ UNIT_TEST(the_parts_add_up_to_the_image) {
         s.settings.aovs &= ~of_parts;
         fathom_film *plain = stage_render(&s);
         assert_same_image(film, plain);
-        fathom_film_destroy(film);
-        fathom_film_destroy(plain);
     }
-    stage_close(&s);
 }
 
 /* A path that passes a surface by its opacity is not scattered there. */
@@ -149,8 +144,6 @@ UNIT_TEST(light_through_a_hole_is_not_scattered) {
     check_mean(film, "emission", 0.75, 1e-6);
     for (int i = 0; i < SIDE * SIDE; ++i)
         assert_true(channel(film, "direct", 'R')[i] == 0 && channel(film, "indirect", 'R')[i] == 0);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* A lamp in one mirror was scattered once, and in the mirror of a mirror twice; by either integrator. */
@@ -168,15 +161,12 @@ UNIT_TEST(mirrors_scatter) {
         fathom_film *film = stage_render(&s);
         check_mean(film, "emission", 0, 0);
         check_mean(film, "direct", 0.5, 1e-6);
-        fathom_film_destroy(film);
         stage_camera(&s, (double[3]){0, 0, 0}, (double[3]){0, 0.25, -1}, up, 0.01);
         film = stage_render(&s);
         check_mean(film, "direct", 0, 0);
         check_mean(film, "indirect", 0.25, 1e-6);
-        fathom_film_destroy(film);
         stage_camera(&s, (double[3]){0, 0, 0}, (double[3]){0, 0.6, -1}, up, 0.01);
     }
-    stage_close(&s);
 }
 
 /* ---- light groups ---- */
@@ -220,10 +210,7 @@ UNIT_TEST(groups_add_up_to_the_image) {
         s.settings.aovs = 0;
         fathom_film *plain = stage_render(&s);
         assert_same_image(film, plain);
-        fathom_film_destroy(film);
-        fathom_film_destroy(plain);
     }
-    stage_close(&s);
 }
 
 /* A group is the image with all other lights out: in expectation, here to 5 standard errors. */
@@ -247,10 +234,6 @@ UNIT_TEST(a_group_is_the_image_with_its_lights_alone) {
         /* Pixels are independent, so their differences have the variance of the mean. */
         assert_near(sum, 0, 5 * sqrt(squares));
         assert_true(squares > 0);
-        fathom_film_destroy(a);
-        fathom_film_destroy(b);
-        stage_close(&all);
-        stage_close(&one);
     }
 }
 
@@ -301,8 +284,6 @@ UNIT_TEST(each_of_many_skies_keeps_its_group) {
             else
                 assert_near(sum, 0, SIDE * SIDE * 0x1p-22);
         }
-        fathom_film_destroy(film);
-        stage_close(&s);
         for (int c = 0; c < 3; ++c) unlink(paths[c]);
     }
     rmdir(folder);
@@ -324,7 +305,6 @@ UNIT_TEST(groups_with_a_name_that_no_channel_can_have_are_refused) {
     }
     assert_fails(s.context, fathom_scene_set_light_group(s.scene, FATHOM_SOURCE_BACKGROUND, 0, "more"),
                  FATHOM_BAD_INPUT, "\"more\" is one too many");
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -1,4 +1,5 @@
 /* A scene's fingerprint: another one for every value that pixels depend on, the same for all others. */
+#include "owned.h"
 #include "scene/scene.h"
 #include "unit.h"
 
@@ -28,8 +29,8 @@ static int set_up(void **state) {
     mesh.positions = positions, mesh.vertex_count = 4, mesh.indices = triangles, mesh.triangle_count = 2;
     mesh.normals = positions + 3, mesh.normal_count = 4, mesh.normal_indices = triangles;
     mesh.uvs = positions, mesh.uv_count = 4;
-    assert_int_equal(fathom_context_create(&context), FATHOM_OK);
-    assert_ok(context, fathom_scene_create(context, &scene));
+    context = new_context();
+    scene = new_scene(context);
     assert_ok(context, fathom_scene_add_material(scene, "m", &material, NULL));
     assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
     assert_ok(context, fathom_scene_add_group(scene, "g", &group));
@@ -39,13 +40,6 @@ static int set_up(void **state) {
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
     instance.group = group;
     assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
-    return 0;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    fathom_scene_destroy(scene);
-    fathom_context_destroy(context);
     return 0;
 }
 
@@ -225,4 +219,4 @@ UNIT_TEST(the_scene_s_name_and_texture_coordinates) {
     assert_true(fingerprint() == before);
 }
 
-int main(void) { return unit_main_each(set_up, tear_down); }
+int main(void) { return unit_main_each(set_up, NULL); }

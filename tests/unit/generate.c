@@ -1,4 +1,5 @@
 /* Generated meshes: their counts, that they are whole, and that nothing but the options decides them. */
+#include "owned.h"
 #include "scene/graph.h"
 #include "unit_context.h"
 
@@ -6,8 +7,7 @@
 #include <unistd.h>
 
 static fathom_scene *generate(fathom_generator kind, uint64_t triangles, uint64_t seed) {
-    fathom_scene *scene;
-    assert_ok(context, fathom_scene_create(context, &scene));
+    fathom_scene *scene = new_scene(context);
     fathom_generate_options options;
     fathom_generate_options_default(&options);
     options.kind = kind, options.triangles = triangles, options.seed = seed;
@@ -114,7 +114,6 @@ UNIT_TEST(spheres_are_closed) {
         scene_bounds bounds;
         assert_ok(scene->context, scene_world_bounds(scene, &bounds));
         assert_true(bounds.lower.x > -1.5 && bounds.upper.x < 1.5 && bounds.upper.x - bounds.lower.x > 1.2);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -133,7 +132,6 @@ UNIT_TEST(sphere_triangles_are_even) {
             least = fmin(least, area), most = fmax(most, area);
         }
         assert_true(most / least < 1.2);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -150,7 +148,6 @@ static void check_square_counts(fathom_generator kind, uint64_t factor) {
         assert_int_equal(factor * n * n, count);
         for (uint64_t m = 1; m < n + 3; ++m)
             assert_true(off(count, asked[c]) <= off(factor * m * m, asked[c]));
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -174,7 +171,6 @@ UNIT_TEST(terrain_is_one_sheet) {
         area += f.y / 2;
     }
     assert_near(area, 4, mesh->triangle_count * 4 * 0x1p-53 * 4);
-    fathom_scene_destroy(scene);
 }
 
 /* The boundary of a sponge of depth b: 2·20^b + 4·8^b squares around a volume of 8 (20/27)^b. */
@@ -196,7 +192,6 @@ UNIT_TEST(sponge_boundaries_are_closed) {
          * area of at most triangles · 3^-2b · 2 around a volume. */
         double area = (double)triangles[depth] * 2 / pow(9, (double)depth);
         assert_near(sum, volume, 2 * area * 0x1p-25);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -221,7 +216,6 @@ UNIT_TEST(sponges_nest) {
         /* Up to four maps p/3 + 2/3, each rounded a few times, carry 1 to 1. */
         assert_near(length_f64(sub_f64(bounds.upper, (vec3_f64){1, 1, 1})), 0, 32 * 0x1p-53);
         assert_near(length_f64(sub_f64(bounds.lower, (vec3_f64){-1, -1, -1})), 0, 32 * 0x1p-53);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -253,7 +247,6 @@ UNIT_TEST(trees_stand_on_the_ground) {
         assert_true(size > 0);
         assert_near(sunk, 0.025 * size, 0x1p-22);
     }
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(forests_come_out_exact) {
@@ -262,11 +255,9 @@ UNIT_TEST(forests_come_out_exact) {
         fathom_scene *scene = generate(FATHOM_GENERATE_FOREST, asked[c], c);
         assert_int_equal(placed_triangles(scene), asked[c]);
         for (size_t m = 0; m < scene->meshes.count; ++m) check_facets(&scene->meshes.items[m]);
-        fathom_scene_destroy(scene);
     }
     fathom_scene *scene = generate(FATHOM_GENERATE_FOREST, UINT64_C(20000000000), 0);
     assert_int_equal(placed_triangles(scene), UINT64_C(20000000000));
-    fathom_scene_destroy(scene);
 }
 
 /* Trees are about one high and stand on their origin; the leaves are bound to the wood. */
@@ -279,13 +270,11 @@ UNIT_TEST(trees_have_the_size_of_trees) {
             assert_true(b.lower.y > -0.2 && b.upper.y < 1.5 && b.upper.y > 0.3);
             assert_true(b.lower.x > -1 && b.upper.x < 1 && b.lower.z > -1 && b.upper.z < 1);
         }
-        fathom_scene_destroy(scene);
     }
 }
 
 UNIT_TEST(forests_use_the_material_asked_for) {
-    fathom_scene *scene;
-    assert_ok(context, fathom_scene_create(context, &scene));
+    fathom_scene *scene = new_scene(context);
     fathom_material grey;
     fathom_material_default(&grey);
     fathom_generate_options options;
@@ -296,7 +285,6 @@ UNIT_TEST(forests_use_the_material_asked_for) {
     assert_int_equal(scene->materials.count, 2);
     for (size_t m = 0; m < scene->meshes.count; ++m)
         assert_int_equal(scene->meshes.items[m].material, options.material);
-    fathom_scene_destroy(scene);
 }
 
 static bool same_mesh(const fathom_mesh *a, const fathom_mesh *b) {
@@ -332,19 +320,15 @@ UNIT_TEST(threads_change_nothing_and_seeds_do) {
             fathom_context_set_threads(context, threads[t]);
             fathom_scene *other = generate(kinds[k], 200000, 5);
             assert_true(same_scene(one, other));
-            fathom_scene_destroy(other);
         }
         fathom_context_set_threads(context, 0);
         fathom_scene *other = generate(kinds[k], 200000, 6);
         if (kinds[k] != FATHOM_GENERATE_SPONGE) assert_false(same_scene(one, other));
-        fathom_scene_destroy(other);
-        fathom_scene_destroy(one);
     }
 }
 
 UNIT_TEST(bad_options_are_refused) {
-    fathom_scene *scene;
-    assert_ok(context, fathom_scene_create(context, &scene));
+    fathom_scene *scene = new_scene(context);
     const fathom_generator kinds[] = {FATHOM_GENERATE_SPHERE, FATHOM_GENERATE_TERRAIN, FATHOM_GENERATE_SPONGE,
                                       FATHOM_GENERATE_FOREST};
     for (size_t k = 0; k < 4; ++k) {
@@ -360,21 +344,18 @@ UNIT_TEST(bad_options_are_refused) {
         assert_fails(context, fathom_scene_generate(scene, 0, &options), FATHOM_BAD_USAGE, "material 77");
     }
     assert_int_equal(scene->objects.count, 0);
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(too_much_for_the_memory_is_a_status) {
     /* 4e9 triangles take 112 GB. */
     if (sysconf(_SC_PHYS_PAGES) > (100l << 30) / sysconf(_SC_PAGESIZE)) skip();
-    fathom_scene *scene;
-    assert_ok(context, fathom_scene_create(context, &scene));
+    fathom_scene *scene = new_scene(context);
     fathom_generate_options options;
     fathom_generate_options_default(&options);
     options.triangles = 4000000000u;
     assert_fails(context, fathom_scene_generate(scene, 0, &options), FATHOM_OUT_OF_RESOURCES, "GiB");
     options.kind = FATHOM_GENERATE_TERRAIN;
     assert_fails(context, fathom_scene_generate(scene, 0, &options), FATHOM_OUT_OF_RESOURCES, "GiB");
-    fathom_scene_destroy(scene);
 }
 
 int main(void) { return unit_main(open_context, close_context); }

@@ -63,7 +63,7 @@ static const char *const names[3] = {"R", "G", "B"};
 static fathom_film *render(stage *s, fathom_stats *stats) {
     fathom_film *film;
     assert_ok(s->context, fathom_render(s->context, s->scene, &s->settings, NULL, NULL, stats, &film));
-    return film;
+    return own_film(film);
 }
 
 static size_t film_pixels(const fathom_film *film) {
@@ -123,7 +123,6 @@ static void compare_waves(stage *s, const fathom_film *truth, tally *t) {
             t->covered += error <= 4 * estimate * estimate;
             t->squares += error;
             t->estimates += estimate * estimate;
-            fathom_film_destroy(film);
         }
     }
     memset(s->settings.crop, 0, sizeof s->settings.crop);
@@ -156,8 +155,6 @@ UNIT_TEST(estimate_covers_error) {
                sqrt(t.squares / t.estimates));
         assert_true(7 * t.covered >= 6 * t.waves);
         assert_true(t.squares <= 2 * t.estimates && t.estimates <= 2 * t.squares);
-        fathom_film_destroy(truth);
-        stage_close(&s);
     }
 }
 
@@ -181,10 +178,7 @@ UNIT_TEST(same_bits_however_rendered) {
         }
         assert_int_equal(first_stats.samples, stats.samples);
         assert_true(first_stats.error_estimate == stats.error_estimate);
-        fathom_film_destroy(other);
     }
-    fathom_film_destroy(first);
-    stage_close(&s);
 }
 
 /* A crop that cuts through waves shows what the whole shows. */
@@ -200,9 +194,6 @@ UNIT_TEST(crop_is_a_part) {
                             fathom_film_channel(whole, "G") + (size_t)y * WIDTH + crop[0],
                             53 * sizeof(float));
     }
-    fathom_film_destroy(part);
-    fathom_film_destroy(whole);
-    stage_close(&s);
 }
 
 /* A target below what floats can hold is never reached: then all pixels take the most samples. These are the
@@ -225,9 +216,6 @@ UNIT_TEST(no_error_is_all_samples) {
                         fathom_film_channel_id(adaptive, "samples"), WIDTH * HEIGHT * sizeof(uint32_t));
     assert_int_equal(stats.samples, 32 * WIDTH * HEIGHT);
     assert_true(stats.error_estimate > s.settings.target_error);
-    fathom_film_destroy(evenly);
-    fathom_film_destroy(adaptive);
-    stage_close(&s);
 }
 
 /* Samples go where edges are, and are counted: halves of powers of two from the least on. */
@@ -246,8 +234,6 @@ UNIT_TEST(samples_where_needed) {
     }
     assert_int_equal(sum, stats.samples);
     assert_true(least > more && more > 100);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* What is found in one square of a wave is looked for in all: none has more than four times the samples of
@@ -270,8 +256,6 @@ UNIT_TEST(samples_stay_near_each_other) {
         apart += most == 4 * least;
     }
     assert_true(apart > 3); /* it is not for want of anything to sample */
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* ---- the error of each pixel ---- */
@@ -299,8 +283,6 @@ UNIT_TEST(errors_are_stated) {
         assert_true((double)error[i] < 0.5272 * 3.99 / 1.9599 && (double)error[i] > 0.0457 * 3.5 / 1.9600);
     }
     assert_true(bounds > estimates && estimates > 0);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* ---- no bias ---- */
@@ -339,9 +321,7 @@ static double stars_t(double share, float emission, uint32_t seeds) {
         fathom_film *film = render(&s, NULL);
         const double d = mean_red(film) - truth;
         sum += d, squares += d * d;
-        fathom_film_destroy(film);
     }
-    stage_close(&s);
     const double mean = sum / seeds, variance = (squares - sum * mean) / (seeds - 1);
     printf("stars of %g pixels: %.4f of their light, t = %.2f\n", share, 1 + mean / truth,
            mean / sqrt(variance / seeds));
@@ -365,8 +345,6 @@ UNIT_TEST(stays_finite) {
     fathom_film *film = render(&s, &stats);
     assert_true(isfinite(stats.error_estimate) && stats.error_estimate > 0);
     for (size_t i = 0; i < WIDTH * HEIGHT; ++i) assert_true(isfinite(fathom_film_channel(film, "R")[i]));
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* However little time there was, each pixel has a sample, and the estimate is told where there is one. A time
@@ -382,8 +360,6 @@ UNIT_TEST(to_a_time) {
     film = render(&s, &stats);
     for (size_t i = 0; i < WIDTH * HEIGHT; ++i) assert_true(fathom_film_channel_id(film, "samples")[i] >= 1);
     assert_true(stats.error_estimate > 0);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 typedef struct asked {
@@ -418,7 +394,6 @@ UNIT_TEST(leaves_time) {
         assert_int_equal(stats.samples, WIDTH * HEIGHT * (i ? 8 : 1));
         fathom_film_destroy(film);
     }
-    stage_close(&s);
 }
 
 /* With time to spare, rounds over all waves end at the target, or at the most samples, before it is up: at
@@ -430,15 +405,11 @@ UNIT_TEST(time_to_spare) {
     s.settings.max_time = 1000, s.settings.target_error = 0.02, s.settings.aovs = FATHOM_AOV_ERROR;
     fathom_film *film = render(&s, &stats);
     assert_true(stats.samples < 1024 * WIDTH * HEIGHT);
-    fathom_film_destroy(film);
     s.settings.target_error = 1e-12, s.settings.spp = 8;
     film = render(&s, &stats);
     s.settings.max_time = s.settings.target_error = 0;
     fathom_film *evenly = render(&s, NULL);
     assert_same(evenly, film);
-    fathom_film_destroy(film);
-    fathom_film_destroy(evenly);
-    stage_close(&s);
 }
 
 static void refuse(fathom_settings settings, const char *text) {
@@ -447,7 +418,6 @@ static void refuse(fathom_settings settings, const char *text) {
     s.settings = settings;
     assert_fails(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, NULL, &film),
                  FATHOM_BAD_INPUT, text);
-    stage_close(&s);
 }
 
 UNIT_TEST(bad_settings) {

@@ -137,10 +137,7 @@ UNIT_TEST(same_bits_however_rendered) {
         s.settings.block_width = ways[i].width;
         fathom_film *other = stage_render(&s);
         assert_int_equal(differing(first, other, 0), 0);
-        fathom_film_destroy(other);
     }
-    fathom_film_destroy(first);
-    stage_close(&s);
 }
 
 /* A crop is a part of the whole image, bit by bit. */
@@ -156,9 +153,6 @@ UNIT_TEST(crop_is_a_part) {
                         fathom_film_channel(whole, "G")[y * 128 + x], 0);
         }
     }
-    fathom_film_destroy(part);
-    fathom_film_destroy(whole);
-    stage_close(&s);
 }
 
 /* The order in which shapes are added changes no pixel. */
@@ -167,10 +161,6 @@ UNIT_TEST(order_of_shapes) {
     stage a = demo(&plain), b = demo(&reversed);
     fathom_film *fa = stage_render(&a), *fb = stage_render(&b);
     assert_int_equal(differing(fa, fb, 0), 0);
-    fathom_film_destroy(fa);
-    fathom_film_destroy(fb);
-    stage_close(&a);
-    stage_close(&b);
 }
 
 /* The whole scene moved rigidly. Coordinates round differently, so that edges, where a sample falls on one
@@ -190,11 +180,7 @@ UNIT_TEST(rigid_motion) {
         fathom_film *film = stage_render(&moved);
         size_t count = differing(expected, film, 1e-3);
         if (count > 16) fail_msg("move %zu: %zu pixels differ", i, count);
-        fathom_film_destroy(film);
-        stage_close(&moved);
     }
-    fathom_film_destroy(expected);
-    stage_close(&still);
 }
 
 /* A scene of another size, its lights' strength grown with the square: powers of two scale every float
@@ -215,11 +201,7 @@ UNIT_TEST(any_scale) {
         fathom_film *film = stage_render(&other);
         size_t count = differing(expected, film, cases[i].tolerance);
         if (count > cases[i].pixels) fail_msg("scale %g: %zu pixels differ", sized.scale, count);
-        fathom_film_destroy(film);
-        stage_close(&other);
     }
-    fathom_film_destroy(expected);
-    stage_close(&s);
 }
 
 /* Embree and linear search: the renderer computes position and normal from the primitive alone, so that
@@ -232,9 +214,6 @@ UNIT_TEST(tracers_agree) {
     fathom_film *reference = stage_render(&s);
     size_t count = differing(embree, reference, 0);
     if (count > 128 * 96 / 1000) fail_msg("%zu pixels differ", count);
-    fathom_film_destroy(embree);
-    fathom_film_destroy(reference);
-    stage_close(&s);
 }
 
 /* A coarse smooth sphere lit from the side. Where its shading normal clearly faces the light it must not be
@@ -261,8 +240,6 @@ static size_t black_where_lit(bool fix, fathom_integrator integrator) {
                         (double)fathom_film_channel(film, "N.Z")[i] * l[2];
         black += facing > 0.03 && fathom_film_channel(film, "R")[i] == 0;
     }
-    fathom_film_destroy(film);
-    stage_close(&s);
     return black;
 }
 
@@ -335,8 +312,6 @@ static void count_lifted(stage *s, size_t *more, size_t *less) {
         *less += b < a;
         *more += a == 0 && b > 0;
     }
-    fathom_film_destroy(flat);
-    fathom_film_destroy(lifted);
 }
 
 UNIT_TEST(the_terminator_fix_only_adds_light) {
@@ -349,7 +324,6 @@ UNIT_TEST(the_terminator_fix_only_adds_light) {
             assert_int_equal(less, 0);
             if (k & 1) assert_true(more > 20); /* or the fix did nothing */
         }
-        stage_close(&s);
     }
 }
 
@@ -377,7 +351,6 @@ UNIT_TEST(stopping) {
     assert_non_null(film);
     assert_true(stats.camera_rays < 640ull * 480 * 1024);
     fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* With coverage asked for, the background behind is left out, and what is left is premultiplied: laid over
@@ -394,9 +367,6 @@ UNIT_TEST(coverage) {
         assert_near((double)b[i] + (1 - (double)a[i]) * 0.5, fathom_film_channel(whole, "B")[i], 8 * 0x1p-24);
     }
     assert_true(partly > 20);
-    fathom_film_destroy(whole);
-    fathom_film_destroy(cut);
-    stage_close(&s);
 }
 
 /* Settings out of range are refused before anything is allocated. */
@@ -416,7 +386,6 @@ UNIT_TEST(bad_settings) {
     s.settings = good, s.settings.crop[2] = 200, s.settings.crop[3] = 10;
     assert_fails(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, NULL, &film),
                  FATHOM_BAD_INPUT, "crop");
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

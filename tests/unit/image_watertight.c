@@ -119,7 +119,6 @@ UNIT_TEST(no_background_from_inside) {
     add_cave(&s, points, vec_f64(0.1, 0.2, 4), stage_lambert(&s, 0.5f));
     set_camera(&s, 0.5);
     only_raw_leaks(&s, true);
-    stage_close(&s);
 }
 
 /* What stands outside of the cave and shines, wherever rays that leak would go. */
@@ -179,7 +178,6 @@ UNIT_TEST(nothing_outside_is_seen_from_inside) {
         add_outside(&s);
         set_camera(&s, 0.5);
         only_raw_leaks(&s, false);
-        stage_close(&s);
     }
 }
 
@@ -209,7 +207,6 @@ static void no_sun(bool alone) {
         add_cube(&s, 50, 0, 0, 1, white);
     }
     only_raw_leaks(&s, false);
-    stage_close(&s);
 }
 
 UNIT_TEST(no_sun_from_outside) {

@@ -25,7 +25,7 @@ static void assert_same(const fathom_film *a, const fathom_film *b) {
 static fathom_film *render(stage *s, fathom_stats *stats) {
     fathom_film *film;
     assert_ok(s->context, fathom_render(s->context, s->scene, &s->settings, NULL, NULL, stats, &film));
-    return film;
+    return own_film(film);
 }
 
 static bool says(const fathom_film *film, const char *what) {
@@ -68,8 +68,6 @@ UNIT_TEST(a_plain_scene_does_without_all) {
     assert_true(says(film, "instances") && says(film, "error estimates"));
     assert_true(says(film, "unlit shadow rays"));
     assert_false(says(film, "triangle geometry") || says(film, "lights[0]"));
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 UNIT_TEST(a_scene_that_needs_all_stages_does_without_none) {
@@ -88,13 +86,10 @@ UNIT_TEST(a_scene_that_needs_all_stages_does_without_none) {
     look_at_origin(&s);
     fathom_film *film = render(&s, NULL);
     for (size_t i = 0; i < sizeof stages / sizeof *stages; ++i) assert_false(says(film, stages[i]));
-    fathom_film_destroy(film);
     assert_ok(s.context, fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH));
     s.settings.spp = 4, s.settings.target_error = 0, s.settings.aovs = FATHOM_AOV_ERROR;
     film = render(&s, NULL);
     assert_false(says(film, "error estimates"));
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 UNIT_TEST(surfaces_that_only_emit_cast_no_shadow_rays) {
@@ -106,8 +101,6 @@ UNIT_TEST(surfaces_that_only_emit_cast_no_shadow_rays) {
     fathom_film *film = render(&s, &stats);
     assert_true(says(film, "lights and their shadow rays"));
     assert_int_equal(stats.shadow_rays + stats.unlit_shadow_rays, 0);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* ---- texture coordinates ---- */
@@ -121,11 +114,10 @@ static void write_text(const char *path, const char *text) {
 
 /* Reads the file either way: the same image, and texture coordinates in the second only if they are used. */
 static void assert_read_without(const char *path, bool used) {
-    stage with, without;
-    assert_int_equal(fathom_context_create(&with.context), FATHOM_OK);
-    assert_int_equal(fathom_context_create(&without.context), FATHOM_OK);
-    assert_ok(with.context, fathom_scene_read(with.context, path, &with.scene));
+    stage with = {.context = new_context()}, without = {.context = new_context()};
+    with.scene = scene_of_file(with.context, path);
     assert_ok(without.context, fathom_scene_read_to_render(without.context, path, &without.scene));
+    own_scene(without.scene);
     assert_int_equal(with.scene->meshes.count, without.scene->meshes.count);
     for (size_t i = 0; i < with.scene->meshes.count; ++i) {
         const fathom_mesh *a = &with.scene->meshes.items[i], *b = &without.scene->meshes.items[i];
@@ -140,10 +132,6 @@ static void assert_read_without(const char *path, bool used) {
     fathom_film *x = render(&with, NULL), *y = render(&without, NULL);
     assert_same(x, y);
     assert_true(says(y, "textures"));
-    fathom_film_destroy(x);
-    fathom_film_destroy(y);
-    stage_close(&with);
-    stage_close(&without);
 }
 
 /* Normals have indices of their own, and one face counts back, over uvs too. */
@@ -159,12 +147,9 @@ UNIT_TEST(images_do_not_depend_on_reading_texture_coordinates) {
     stage s = open_plain();
     write_text("left_out.obj", obj_text);
     write_text("left_out.json", json_text);
-    fathom_scene *scene;
-    assert_ok(s.context, fathom_scene_read(s.context, "left_out.obj", &scene));
+    fathom_scene *scene = scene_of_file(s.context, "left_out.obj");
     assert_ok(s.context, fathom_scene_write(scene, "left_out.ply"));
     assert_ok(s.context, fathom_scene_write(scene, "left_out.glb"));
-    fathom_scene_destroy(scene);
-    stage_close(&s);
     const char *const paths[] = {"left_out.obj", "left_out.ply", "left_out.glb", "left_out.json"};
     for (int i = 0; i < 4; ++i) assert_read_without(paths[i], false);
     for (int i = 0; i < 4; ++i) remove(paths[i]);
@@ -205,8 +190,6 @@ UNIT_TEST(each_point_has_a_ray_to_each_light_cast_or_counted) {
     fathom_film *film = render(&s, &stats);
     assert_int_equal(stats.shadow_rays + stats.unlit_shadow_rays, 2 * hit_pixels(film));
     assert_true(stats.unlit_shadow_rays > stats.shadow_rays && stats.shadow_rays > 0);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* ---- faint light ---- */
@@ -253,8 +236,6 @@ static void assert_loses_little(stage *s, uint64_t *faint) {
     fathom_film *less = render(s, &stats);
     assert_lost(whole, less, &loses);
     *faint = stats.faint_shadow_rays;
-    fathom_film_destroy(whole);
-    fathom_film_destroy(less);
 }
 
 UNIT_TEST(no_channel_loses_more_than_is_allowed) {
@@ -267,14 +248,13 @@ UNIT_TEST(no_channel_loses_more_than_is_allowed) {
         assert_true(faint > before || losses[i][0] == 0);
         before = faint;
     }
-    stage_close(&s);
 }
 
 UNIT_TEST(each_ray_is_cast_or_faint_or_unlit) {
     stage s = open_faint();
     s.settings.max_depth = 0; /* the same points in either image */
     fathom_stats exact = {.size = sizeof exact}, loses = {.size = sizeof loses};
-    fathom_film_destroy(render(&s, &exact));
+    render(&s, &exact);
     fathom_settings_set_loss(&s.settings, FATHOM_LOSS_8BIT, 0);
     fathom_film *film = render(&s, &loses);
     assert_true(says(film, "faint shadow rays"));
@@ -282,8 +262,6 @@ UNIT_TEST(each_ray_is_cast_or_faint_or_unlit) {
     assert_true(loses.faint_shadow_rays > exact.shadow_rays / 10);
     assert_int_equal(loses.shadow_rays + loses.faint_shadow_rays, exact.shadow_rays);
     assert_int_equal(loses.unlit_shadow_rays, exact.unlit_shadow_rays);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 static int srgb_level(float value) {
@@ -307,8 +285,6 @@ static void assert_one_step(stage *s, fathom_loss loss, float exposure) {
         changed += step;
     }
     assert_true(changed > 0);
-    fathom_film_destroy(whole);
-    fathom_film_destroy(less);
 }
 
 UNIT_TEST(files_change_by_one_step_at_most) {
@@ -316,7 +292,6 @@ UNIT_TEST(files_change_by_one_step_at_most) {
     assert_one_step(&s, FATHOM_LOSS_8BIT, 0);
     assert_one_step(&s, FATHOM_LOSS_8BIT, 6);
     assert_one_step(&s, FATHOM_LOSS_HALF, 0);
-    stage_close(&s);
 }
 
 /* What a sample loses depends on nothing but its own paths. */
@@ -330,9 +305,6 @@ UNIT_TEST(a_crop_loses_what_the_whole_image_loses) {
     const float *x = fathom_film_channel(whole, "R"), *y = fathom_film_channel(part, "R");
     for (uint32_t row = crop[1]; row < crop[3]; ++row)
         assert_memory_equal(x + row * 64 + crop[0], y + (row - crop[1]) * 38, 38 * sizeof *x);
-    fathom_film_destroy(whole);
-    fathom_film_destroy(part);
-    stage_close(&s);
 }
 
 UNIT_TEST(losses_outside_0_to_1_are_refused) {
@@ -344,7 +316,6 @@ UNIT_TEST(losses_outside_0_to_1_are_refused) {
         assert_fails(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, NULL, &film),
                      FATHOM_BAD_INPUT, "max loss");
     }
-    stage_close(&s);
 }
 
 /* The last test: after all of these scenes read and rendered, nothing has asked for it. */

@@ -49,8 +49,6 @@ static void *nested_renders(void *unused) {
         /* The sphere, of radius 0.5, fills the middle pixel, which is 1.2 wide, but for its corners. */
         assert_true(fathom_film_channel(film, "G")[4] > 0.3f);
         assert_near(fathom_film_channel(film, "G")[0], 0, 0);
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
     return NULL;
 }
@@ -75,7 +73,6 @@ UNIT_TEST(long_cycle) {
     assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));
     place(&s, outer);
     assert_fails(s.context, fathom_scene_check(s.scene), FATHOM_BAD_INPUT, "cycle");
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

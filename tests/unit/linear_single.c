@@ -27,7 +27,7 @@ UNIT_TEST(agree_but_for_precision) {
     stage s;
     stage_open(&s);
     add_everything(&s);
-    trace_destroy(stage_spec(&s, forms[0]));
+    stage_spec(&s, forms[0]);
     ray_set set = random_rays(800);
     trace_tracer *truth = stage_spec(&s, forms[TRUTH]);
     answers exact = answer(truth, &set);
@@ -53,12 +53,9 @@ UNIT_TEST(agree_but_for_precision) {
         assert_in_range(differ, 0, f == 0 ? 2 : 0);
         assert_int_equal(far, 0);
         forget(&got);
-        trace_destroy(tracer);
     }
     assert_true(met > FORMS * 200);
-    trace_destroy(truth);
     forget(&exact), free(set.blocks);
-    stage_close(&s);
 }
 
 /* Past a sphere 4096 radii away, by a hundredth of its radius inside or outside: beyond a plain quadratic
@@ -67,7 +64,7 @@ UNIT_TEST(far_spheres_are_met) {
     stage s;
     stage_open(&s);
     add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
-    trace_destroy(stage_spec(&s, forms[0]));
+    stage_spec(&s, forms[0]);
     enum { rays = 1000 };
     ray_set set = rays_new(rays);
     for (size_t i = 0; i < rays; ++i) {
@@ -85,10 +82,8 @@ UNIT_TEST(far_spheres_are_met) {
         for (size_t i = 0; i < rays; ++i) wrong += (got.blocks[i / 16].hits.geometry[i % 16] == 0) != i % 2;
         assert_int_equal(wrong, 0);
         free(got.blocks);
-        trace_destroy(tracer);
     }
     free(set.blocks);
-    stage_close(&s);
 }
 
 /* Two triangles whose t differ by less than float can tell: double finds the nearer one, the second; float
@@ -112,9 +107,7 @@ UNIT_TEST(the_nearer_by_own_precision) {
         assert_int_equal(got.rays.blocks[0].hits.primitive[0], f == 0 ? 0 : 1);
         assert_true(got.fine[0].t[0] == (f == 0 ? 1 : 1 - 0x1p-30));
         forget(&got), free(set.blocks);
-        trace_destroy(tracer);
     }
-    stage_close(&s);
 }
 
 /* Shadows pass what casts none, planes are seen, lanes past the count and empty intervals stay, and any hit
@@ -149,16 +142,14 @@ UNIT_TEST(blocks_are_kept_to) {
         assert_true(shadows.t_far[2] == -INFINITY && shadows.t_far[4] == 4);
         for (size_t i = 6; i < 16; ++i) assert_int_equal(geometry[i], 0x5a5a5a5a);
         free(set.blocks);
-        trace_destroy(tracer);
     }
-    stage_close(&s);
 }
 
 UNIT_TEST(any_is_closest) {
     stage s;
     stage_open(&s);
     add_everything(&s);
-    trace_destroy(stage_spec(&s, forms[0]));
+    stage_spec(&s, forms[0]);
     ray_set set = random_rays(160);
     for (size_t f = 0; f < FORMS; ++f) {
         trace_tracer *tracer = stage_spec(&s, forms[f]);
@@ -168,10 +159,8 @@ UNIT_TEST(any_is_closest) {
             assert_int_equal(any[i], got.blocks[i / 16].hits.geometry[i % 16] != FATHOM_NONE);
         }
         free(any), free(got.blocks);
-        trace_destroy(tracer);
     }
     free(set.blocks);
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

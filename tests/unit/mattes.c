@@ -132,8 +132,6 @@ UNIT_TEST(coverage_is_opacity_whatever_reflects) {
         assert_near(matte_of(film, "CryptoObject", hash_of("sheet"), 0), alpha, 1e-6);
         /* Premultiplied, without the background behind. */
         assert_true((double)fathom_film_channel(film, "R")[0] <= 1.2 * alpha * color);
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -160,8 +158,6 @@ UNIT_TEST(aovs_see_past_holes) {
         assert_true(matte_of(film, "CryptoObject", hash_of("sheet"), i) == 0);
     }
     assert_true(seen > 50 && moved <= 4);
-    fathom_film_destroy(film), fathom_film_destroy(expected);
-    stage_close(&s), stage_close(&bare);
 }
 
 UNIT_TEST(mattes_share_what_is_not_empty) {
@@ -191,9 +187,7 @@ UNIT_TEST(mattes_share_what_is_not_empty) {
                             channel(film, "CryptoObject", r - 1, r % 2 ? 'G' : 'A')[i]);
         }
         assert_true(several > 20);
-        fathom_film_destroy(film);
     }
-    stage_close(&s);
 }
 
 /* Each sample meets the curtain with a chance of a quarter: 5 standard errors of all samples on it. */
@@ -209,10 +203,6 @@ UNIT_TEST(what_is_there_in_part_covers_in_part) {
     assert_near(veil / all, 0.25, 5 * sqrt(0.25 * 0.75 / samples));
     assert_near(veil, mean_of(film, "CryptoMaterial", "veil"), 1e-9);
     assert_true(mean_of(film, "CryptoObject", "right") > mean_of(solid, "CryptoObject", "right"));
-    fathom_film_destroy(film);
-    fathom_film_destroy(solid);
-    stage_close(&s);
-    stage_close(&whole);
 }
 
 static void assert_holds(const file_map *map, const char *text) {
@@ -243,8 +233,6 @@ UNIT_TEST(headers_hold_the_names) {
         file_close(&map);
         unlink(path);
     }
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* A pixel keeps the largest six of sixteen, equal ones by their ids. */
@@ -303,8 +291,6 @@ UNIT_TEST(an_instance_names_its_shapes_without_names) {
         assert_non_null(strstr(manifest, "\"left\""));
         assert_true((strstr(manifest, "\"tree\"") != NULL) == (k < 2));
         free(manifest);
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -328,16 +314,14 @@ UNIT_TEST(names_read_back) {
         }
         fathom_scene *back;
         assert_ok(s.context, fathom_scene_write(s.scene, in_folder(files[f])));
-        assert_ok(s.context, fathom_scene_read(s.context, in_folder(files[f]), &back));
+        back = scene_of_file(s.context, in_folder(files[f]));
         char *manifest = matte_manifest(back, MATTE_OBJECT), entry[64];
         for (int k = 0; k < 3; ++k) {
             snprintf(entry, sizeof entry, "\"%s\":\"%08x\"", names[k], matte_id(names[k]));
             if (!strstr(manifest, entry)) fail_msg("%s: %s is not in %s", files[f], entry, manifest);
         }
         free(manifest);
-        fathom_scene_destroy(back);
         unlink(in_folder(files[f])), unlink(in_folder("a.mtl"));
-        stage_close(&s);
     }
 }
 
@@ -363,7 +347,6 @@ UNIT_TEST(long_names_are_whole) {
     assert_true(ids[0] != ids[1]);
     free(manifest);
     free(ids);
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(open_folder, remove_folder); }

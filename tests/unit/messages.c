@@ -55,7 +55,6 @@ UNIT_TEST(a_render_that_succeeds_leaves_no_message) {
         s.settings.tracer = tracers[i];
         render_quietly(&s, NULL);
     }
-    stage_close(&s);
 }
 
 UNIT_TEST(every_way_to_sample_leaves_no_message) {
@@ -66,7 +65,6 @@ UNIT_TEST(every_way_to_sample_leaves_no_message) {
     render_quietly(&s, NULL);
     s.settings.max_time = 5;
     render_quietly(&s, NULL);
-    stage_close(&s);
 }
 
 /* resume without a file there is warned of, and no failure. */
@@ -78,7 +76,6 @@ UNIT_TEST(a_checkpointed_render_leaves_no_message) {
     saving.path = path, saving.resume = true, saving.every = 0;
     render_quietly(&s, &saving);
     unlink(path);
-    stage_close(&s);
 }
 
 UNIT_TEST(writing_leaves_no_message) {
@@ -96,13 +93,11 @@ UNIT_TEST(writing_leaves_no_message) {
     }
     assert_quiet(s.context, fathom_film_write_plain(s.context, film, in_folder("b.exr")));
     unlink(in_folder("b.exr"));
-    fathom_film_destroy(film);
     for (size_t i = 0; i < sizeof meshes / sizeof *meshes; ++i) {
         assert_quiet(s.context, fathom_scene_write(s.scene, in_folder(meshes[i])));
         unlink(in_folder(meshes[i]));
     }
     unlink(in_folder("a.mtl"));
-    stage_close(&s);
 }
 
 UNIT_TEST(reading_leaves_no_message) {
@@ -133,7 +128,6 @@ UNIT_TEST(tracing_leaves_no_message) {
         assert_quiet(s.context, fathom_tracer_any(tracer, &ray, 1, &any));
         fathom_tracer_destroy(tracer);
     }
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(open_folder, remove_folder); }

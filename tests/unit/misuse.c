@@ -39,7 +39,6 @@ UNIT_TEST(null_for_contexts) {
     assert_string_equal(fathom_context_message(s.context), "");
     refuses(fathom_context_fail_within(NULL, &(fathom_place){.file = NULL}));
     names("place", fathom_context_fail_within(s.context, NULL));
-    stage_close(&s);
 }
 
 UNIT_TEST(null_for_files) {
@@ -58,7 +57,6 @@ UNIT_TEST(null_for_files) {
     fathom_file_abandon_also(NULL);
     fathom_file_abandon_no_more(NULL);
     fathom_file_abandon_all(); /* takes nothing */
-    stage_close(&s);
 }
 
 UNIT_TEST(null_for_images) {
@@ -102,8 +100,6 @@ UNIT_TEST(null_for_images) {
     names("a", fathom_image_compare(s.context, NULL, image, 0, &difference));
     refuses(fathom_image_flip(NULL, image, image, 67, &flip));
     names("a", fathom_image_flip(s.context, NULL, image, 67, &flip));
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 UNIT_TEST(null_for_surveys) {
@@ -118,7 +114,6 @@ UNIT_TEST(null_for_surveys) {
     refuses(fathom_scene_survey(NULL, &survey));
     names("out", fathom_scene_survey(s.scene, NULL));
     fathom_survey_destroy(NULL);
-    stage_close(&s);
 }
 
 UNIT_TEST(null_for_settings) {
@@ -135,7 +130,6 @@ UNIT_TEST(null_for_settings) {
     refuses(fathom_settings_get_text(NULL, &s.settings, "spp", text, sizeof text));
     names("settings", fathom_settings_get_text(s.context, NULL, "spp", text, sizeof text));
     names("value", fathom_settings_get_text(s.context, &s.settings, "spp", NULL, 0));
-    stage_close(&s);
 }
 
 UNIT_TEST(null_for_defaults) {
@@ -224,7 +218,6 @@ UNIT_TEST(null_for_scenes) {
     names("background", fathom_scene_set_background(s.scene, NULL));
     refuses(fathom_scene_set_ambient(NULL, rgb));
     names("ambient", fathom_scene_set_ambient(s.scene, NULL));
-    stage_close(&s);
 }
 
 UNIT_TEST(null_for_what_is_added) {
@@ -265,7 +258,6 @@ UNIT_TEST(null_for_what_is_added) {
     assert_ok(s.context, fathom_scene_add_material(s.scene, NULL, &material, NULL));
     assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
     assert_ok(s.context, fathom_scene_add_plane(s.scene, FATHOM_ROOT, &plane, NULL));
-    stage_close(&s);
 }
 
 /* Arrays that are NULL though their counts say otherwise, and the other way round. */
@@ -285,8 +277,7 @@ UNIT_TEST(null_in_meshes) {
     mesh = whole, mesh.normal_count = mesh.uv_count = 9, mesh.normal_indices = mesh.uv_indices = indices;
     assert_ok(s.context, fathom_scene_add_mesh(s.scene, 0, &mesh, NULL));
     assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, 0, &mesh, NULL));
-    fathom_film_destroy(stage_render(&s));
-    stage_close(&s);
+    stage_render(&s);
 }
 
 /* A cloud of points has positions and colours alone, and a radius that is a number. */
@@ -317,7 +308,6 @@ UNIT_TEST(clouds_with_more_than_points) {
         assert_fails(s.context, fathom_scene_add_mesh(s.scene, 0, &m, NULL), FATHOM_BAD_INPUT, names[i]);
         assert_non_null(strstr(fathom_context_message(s.context), "cloud of points"));
     }
-    stage_close(&s);
 }
 
 UNIT_TEST(null_for_reading) {
@@ -339,7 +329,6 @@ UNIT_TEST(null_for_reading) {
     names("path", fathom_scene_read_with(s.context, NULL, &options, &scene));
     names("options", fathom_scene_read_with(s.context, "a.json", NULL, &scene));
     names("out", fathom_scene_read_with(s.context, "a.json", &options, NULL));
-    stage_close(&s);
 }
 
 UNIT_TEST(null_for_renders) {
@@ -404,7 +393,6 @@ UNIT_TEST(null_for_renders) {
     names("finished", fathom_finished_find(s.context, s.scene, &s.settings, "a", &write, files, 1, NULL));
     fathom_film_destroy(NULL);
     fathom_image_prefetch();
-    stage_close(&s);
 }
 
 UNIT_TEST(null_for_sessions) {
@@ -426,7 +414,6 @@ UNIT_TEST(null_for_sessions) {
     fathom_session_progress(session, NULL);
     names("out", fathom_session_snapshot(s.context, session, NULL));
     assert_ok(s.context, fathom_session_finish(session, NULL, NULL));
-    stage_close(&s);
 }
 
 UNIT_TEST(null_for_films) {
@@ -464,8 +451,6 @@ UNIT_TEST(null_for_films) {
     refuses(fathom_film_write_plain(NULL, film, "a.exr"));
     names("film", fathom_film_write_plain(s.context, NULL, "a.exr"));
     names("path", fathom_film_write_plain(s.context, film, NULL));
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 UNIT_TEST(null_for_tracers) {
@@ -493,7 +478,6 @@ UNIT_TEST(null_for_tracers) {
     assert_ok(s.context, fathom_tracer_closest(tracer, &ray, 1, &hit));
     assert_int_equal(hit.object, 0);
     fathom_tracer_destroy(tracer);
-    stage_close(&s);
 }
 
 /* No call is forgotten here: each that the headers declare is in this file's text. */
@@ -559,16 +543,16 @@ UNIT_TEST(unfinished_scenes) {
     stage_sphere(&s, 0, 0, -5, 1, 0);
     assert_ok(s.context, fathom_scene_complete(s.scene));
     assert_ok(s.context, fathom_scene_complete(s.scene));
-    fathom_film_destroy(stage_render(&s));
+    stage_render(&s);
     stage_sphere(&s, 1, 0, -5, 1, 0);
-    fathom_film_destroy(stage_render(&s));
-    stage_close(&s);
+    stage_render(&s);
 }
 
 UNIT_TEST(destroying_in_any_order) {
     for (int order = 0; order < 6; ++order) {
         stage s = one_sphere();
         fathom_film *film = stage_render(&s);
+        unit_thing_count = 0; /* this test ends them itself */
         fathom_tracer *tracer;
         assert_ok(s.context, fathom_tracer_create(s.context, s.scene, "embree", &tracer));
         for (int i = 0; i < 3; ++i) {
@@ -587,7 +571,9 @@ UNIT_TEST(destroying_in_any_order) {
 UNIT_TEST(films_outlive) {
     stage s = one_sphere();
     fathom_film *film = stage_render(&s);
-    stage_close(&s);
+    unit_thing_count = 0; /* this test ends them itself */
+    fathom_scene_destroy(s.scene);
+    fathom_context_destroy(s.context);
     fathom_context *other;
     assert_int_equal(fathom_context_create(&other), FATHOM_OK);
     fathom_write_options options;
@@ -636,7 +622,6 @@ UNIT_TEST(values_of_no_enumerator) {
     session.part = &part;
     assert_fails(s.context, fathom_session_run(s.context, s.scene, &s.settings, &session, NULL, &film),
                  FATHOM_BAD_USAGE, "split");
-    stage_close(&s);
 }
 
 /* What failed leaves a context and a scene as good as they were. */
@@ -654,9 +639,6 @@ UNIT_TEST(work_goes_on_after_failures) {
         assert_memory_equal(fathom_film_channel(before, *c), fathom_film_channel(after, *c),
                             sizeof(float) * 32 * 32);
     }
-    fathom_film_destroy(before);
-    fathom_film_destroy(after);
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

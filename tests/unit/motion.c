@@ -194,7 +194,6 @@ UNIT_TEST(embree_meets_what_the_linear_search_meets_at_the_ray_s_time) {
     trace_destroy(fast);
     trace_destroy(slow);
     world_destroy(w);
-    stage_close(&s);
 }
 
 /* The vertices of a mesh that turns half around are as far from its centre at every time. */
@@ -219,7 +218,6 @@ UNIT_TEST(turning_meshes_stay_rigid) {
         }
     }
     world_destroy(w);
-    stage_close(&s);
 }
 
 /* ---- what is refused ---- */
@@ -245,7 +243,6 @@ UNIT_TEST(tracers_without_times_are_refused) {
     world_destroy(w);
     fathom_film *film;
     assert_refused(&s, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, NULL, &film), "shutter");
-    stage_close(&s);
 }
 
 UNIT_TEST(bad_keys_are_refused) {
@@ -267,7 +264,6 @@ UNIT_TEST(bad_keys_are_refused) {
     fathom_camera_default(&camera);
     camera.shutter[0] = 1;
     assert_refused(&s, fathom_scene_set_camera(s.scene, &camera), "shutter");
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -80,8 +80,6 @@ UNIT_TEST(a_camera_that_moves_along_a_plane_shifts_all_pixels) {
     fathom_film *film = stage_render(&s);
     const double u = 0.3 / 6 * PER_UNIT, v = 0.1 / 6 * PER_UNIT;
     assert_all_vectors(film, (double[4]){-u, -v, u, v});
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* Half of the keys' time: half of the way. */
@@ -92,8 +90,6 @@ UNIT_TEST(vectors_are_of_the_shutter_s_time) {
     fathom_film *film = stage_render(&s);
     const double u = 0.15 / 6 * PER_UNIT, v = 0.05 / 6 * PER_UNIT;
     assert_all_vectors(film, (double[4]){-u, -v, u, v});
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* Its points keep their depths: each moves by f d / Z. The sky around it rests. */
@@ -112,8 +108,6 @@ UNIT_TEST(a_sphere_that_flies_across_moves_by_its_depth) {
         met += !sky;
     }
     assert_in_range(met, 100, 500);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* A ball and a camera that move together; the floor behind shifts. */
@@ -129,8 +123,6 @@ UNIT_TEST(what_moves_with_the_camera_rests) {
         const bool floor = z[i] > 7;
         assert_vectors(film, i, floor ? (double[4]){-u, -v, u, v} : (double[4]){0, 0, 0, 0});
     }
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* Two triangles across the image, from a depth of 6 to one of 5: their points keep x and y. */
@@ -155,8 +147,6 @@ UNIT_TEST(vertices_that_come_nearer_part_from_the_middle) {
         assert_vectors(film, i,
                        (double[4]){(double)x[i] * nearer, (double)y[i] * nearer, (double)x[i] * farther,
                                    (double)y[i] * farther});
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* Without blur all rays are of the middle of the time, and with a grid of one sample from the pixels'
@@ -176,8 +166,6 @@ UNIT_TEST(a_camera_that_turns_moves_the_sky) {
                        (double[4]){((x * c + n) / forth - x) * PER_UNIT, (y / forth - y) * PER_UNIT,
                                    ((x * c - n) / back - x) * PER_UNIT, (y / back - y) * PER_UNIT});
     }
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* However long the shutter is open. */
@@ -191,10 +179,8 @@ UNIT_TEST(without_blur_an_image_is_of_the_middle_of_the_time) {
             if (k) s.settings.integrator = FATHOM_INTEGRATOR_REFERENCE, s.settings.aovs = 0;
             look(&s, 0.6, 0.2, 0.1, half ? 0.5 : 0, half ? 1.5 : 2);
             films[half] = stage_render(&s);
-            stage_close(&s);
         }
         assert_memory_equal(channel(films[0], "R"), channel(films[1], "R"), SIDE * SIDE * sizeof(float));
-        for (int half = 0; half < 2; ++half) fathom_film_destroy(films[half]);
     }
 }
 

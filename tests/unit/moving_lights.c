@@ -114,7 +114,6 @@ UNIT_TEST(bounds_hold_at_every_time) {
         }
         emitters_destroy(e);
         world_destroy(w);
-        stage_close(&s);
     }
 }
 
@@ -228,7 +227,6 @@ UNIT_TEST(every_way_to_sample_has_one_expectation) {
         trace_destroy(tracer);
         emitters_destroy(e);
         world_destroy(w);
-        stage_close(&s);
     }
 }
 
@@ -245,7 +243,6 @@ UNIT_TEST(both_integrators_show_the_same_light) {
         if (d.p < 1e-5)
             fail_msg("%s: p %g, path less reference %g +- %g", lamps[kind], d.p, d.relative,
                      d.relative_error);
-        stage_close(&s);
     }
 }
 
@@ -255,7 +252,6 @@ static fathom_film *render(lamp kind, unsigned threads, unsigned tile, const uin
     s.settings.width = s.settings.height = 96, s.settings.tile_size = tile;
     memcpy(s.settings.crop, crop, sizeof s.settings.crop);
     fathom_film *film = stage_render(&s);
-    stage_close(&s);
     return film;
 }
 
@@ -268,9 +264,6 @@ UNIT_TEST(threads_tiles_and_crops_change_no_bit) {
                     *c = fathom_film_channel(some, "R");
         assert_memory_equal(a, b, 96 * 96 * sizeof *a);
         for (int y = 21; y < 75; ++y) assert_memory_equal(a + y * 96 + 17, c + (y - 21) * 67, 67 * sizeof *a);
-        fathom_film_destroy(one);
-        fathom_film_destroy(two);
-        fathom_film_destroy(some);
     }
 }
 

@@ -36,7 +36,6 @@ static void check_all(stage *s, const char *channel, float value) {
         if (found[i] != value)
             fail_msg("%s of pixel %d: %g, not %g", channel, i, (double)found[i], (double)value);
     }
-    fathom_film_destroy(film);
 }
 
 static void check_both(stage *s, float value) {
@@ -65,7 +64,6 @@ UNIT_TEST(backs_are_looked_through_and_fronts_are_seen) {
     check_both(&s, 2);
     add_square(&s, -1.5, true, emitter(&s, true, 4));
     check_both(&s, 4);
-    stage_close(&s);
 }
 
 UNIT_TEST(aovs_are_of_what_is_seen) {
@@ -79,8 +77,6 @@ UNIT_TEST(aovs_are_of_what_is_seen) {
     check_all(&s, "Z", 3);
     fathom_film *film = stage_render(&s);
     for (int i = 0; i < PIXELS; ++i) assert_int_equal(fathom_film_channel_id(film, "id.object")[i], 1);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* A map of determinant -1 turns the winding, and leaves the front where the normal is. */
@@ -102,7 +98,6 @@ UNIT_TEST(fronts_stay_in_front_in_mirror_images) {
         instance.group = group, instance.transform[0] = mirrored ? -1 : 1, instance.transform[11] = -3;
         assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));
         check_both(&s, back ? 0 : 2);
-        stage_close(&s);
     }
 }
 
@@ -132,7 +127,6 @@ UNIT_TEST(sheets_back_to_back_show_the_side_that_faces_the_camera) {
             add_sheet(&s, back, back == from_behind ? seen : hidden);
         }
         check_both(&s, 2);
-        stage_close(&s);
     }
 }
 
@@ -143,7 +137,6 @@ UNIT_TEST(closed_meshes_are_looked_out_of) {
         assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){1, 1, 1}));
         stage_mesh_sphere(&s, FATHOM_ROOT, 16, 32, emitter(&s, false, 0));
         check_both(&s, inside ? 1 : 0);
-        stage_close(&s);
     }
 }
 
@@ -163,9 +156,7 @@ UNIT_TEST(backs_cast_shadows) {
             const float red = fathom_film_channel(film, "R")[i];
             assert_true(casts ? red == 0 : red > 0.001f);
         }
-        fathom_film_destroy(film);
         if (casts) check_both(&s, 0);
-        stage_close(&s);
     }
 }
 
@@ -177,7 +168,6 @@ UNIT_TEST(mirrors_show_backs) {
     add_square(&s, -1, false, stage_material(&s, &mirror));
     add_square(&s, 1, false, emitter(&s, false, 2));
     check_both(&s, 2);
-    stage_close(&s);
 }
 
 /* Glass refracts the same light, whatever its flag. */
@@ -197,8 +187,6 @@ UNIT_TEST(volumes_have_two_sides) {
         else
             assert_memory_equal(kept, red, sizeof kept);
         assert_true(red[PIXELS / 2 + SIZE / 2] > 1);
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -213,7 +201,6 @@ UNIT_TEST(classic_shows_backs_and_says_so) {
     check_all(&s, "R", 8);
     assert_string_equal(
         told, "one-sided materials whose back is shown, because only path tracing looks through it: 1");
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

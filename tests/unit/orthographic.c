@@ -48,8 +48,6 @@ UNIT_TEST(a_sphere_is_a_disc_of_its_radius_at_any_distance) {
             if (low > radius + slack) assert_true(red[k] == 0), ++outside;
         }
         assert_true(inside > 150 && outside > 500);
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -62,8 +60,6 @@ UNIT_TEST(a_facing_plane_has_one_depth) {
     fathom_film *film = stage_render(&s);
     const float *z = fathom_film_channel(film, "Z");
     for (int k = 0; k < WIDTH * HEIGHT; ++k) assert_near(z[k], 7, 7 * 0x1p-23);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 UNIT_TEST(a_crop_is_a_part_of_the_image) {
@@ -76,9 +72,6 @@ UNIT_TEST(a_crop_is_a_part_of_the_image) {
     for (uint32_t y = crop[1]; y < crop[3]; ++y)
         assert_memory_equal(a + y * WIDTH + crop[0], b + (size_t)(y - crop[1]) * (crop[2] - crop[0]),
                             (crop[2] - crop[0]) * sizeof *a);
-    fathom_film_destroy(whole);
-    fathom_film_destroy(part);
-    stage_close(&s);
 }
 
 /* The plane that rays leave cuts through a closed mesh: those that begin in it see its inside, all others its
@@ -104,8 +97,6 @@ UNIT_TEST(rays_may_begin_inside_a_mesh) {
         assert_true(red[k] == 1);
         if (r < 0.55) assert_true(z[k] > 1.6f);
     }
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 UNIT_TEST(lens_and_width_are_refused) {
@@ -117,7 +108,6 @@ UNIT_TEST(lens_and_width_are_refused) {
                  "its pixels are square");
     camera.w = 0, camera.lens_radius = 0.1, camera.focus_distance = 1;
     assert_fails(s.context, fathom_scene_set_camera(s.scene, &camera), FATHOM_BAD_INPUT, "no plane of focus");
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

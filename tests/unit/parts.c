@@ -47,7 +47,6 @@ static void remove_parts(const place *p) {
 
 static int tear_down(void **state) {
     place *p = *state;
-    stage_close(&p->s);
     remove_parts(p);
     const int left = rmdir(p->folder);
     free(p);
@@ -120,7 +119,6 @@ static void samples_make_the_whole(void **state) {
         assert_parts_make(p, whole, 1, FATHOM_SPLIT_SAMPLES);
         if (leaves > 1) assert_parts_make(p, whole, 2, FATHOM_SPLIT_SAMPLES);
         assert_parts_make(p, whole, leaves < 7 ? leaves : 7, FATHOM_SPLIT_SAMPLES);
-        fathom_film_destroy(whole);
     }
 }
 
@@ -134,7 +132,6 @@ static void the_dimmest_light_is_the_wholes(void **state) {
     p->s.settings.pattern = FATHOM_PATTERN_SOBOL;
     fathom_film *whole = stage_render(&p->s);
     assert_parts_make(p, whole, 3, FATHOM_SPLIT_SAMPLES);
-    fathom_film_destroy(whole);
 }
 
 static void tiles_make_the_whole(void **state) {
@@ -148,7 +145,6 @@ static void tiles_make_the_whole(void **state) {
         assert_parts_make(p, whole, 1, FATHOM_SPLIT_TILES);
         assert_parts_make(p, whole, 5, FATHOM_SPLIT_TILES);
         assert_parts_make(p, whole, PARTS_MAX, FATHOM_SPLIT_AUTO); /* more parts than tiles: some are empty */
-        fathom_film_destroy(whole);
     }
 }
 
@@ -161,7 +157,6 @@ static void tiles_to_an_error_make_the_whole(void **state) {
         p->s.settings.integrator = i ? FATHOM_INTEGRATOR_PATH : FATHOM_INTEGRATOR_CLASSIC;
         fathom_film *whole = stage_render(&p->s);
         assert_parts_make(p, whole, 3, FATHOM_SPLIT_AUTO);
-        fathom_film_destroy(whole);
     }
 }
 
@@ -284,7 +279,6 @@ static void assert_mended(place *p, fathom_split split) {
         fathom_film_destroy(merged);
     }
     free(bytes);
-    fathom_film_destroy(whole);
 }
 
 static void cut_or_damaged_parts_are_mended(void **state) {

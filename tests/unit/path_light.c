@@ -36,7 +36,6 @@ static void check_mean(stage *s, double value, double slack) {
     assert_near(mean, value, 5 * error + slack);
     /* A spread that hides everything would prove nothing. */
     assert_true(error < 0.01 * value);
-    fathom_film_destroy(film);
 }
 
 /* ---- furnaces ---- */
@@ -49,7 +48,6 @@ static void check_furnace(uint32_t depth) {
     look(&s, (double[3]){0.2, 0.1, 0}, (double[3]){0, 0, -1});
     const double value = (1 - pow(rho, depth + 1.0)) / (1 - rho);
     check_mean(&s, value, value * 16 * depth * 0x1p-24);
-    stage_close(&s);
 }
 
 UNIT_TEST(a_closed_sphere_adds_up_its_bounces) {
@@ -65,7 +63,6 @@ UNIT_TEST(a_convex_white_body_is_not_seen_in_a_white_sky) {
     stage_sphere(&s, 0, 0, -4, 1, gray(&s, 1, 0));
     look(&s, (double[3]){0, 0, 0}, (double[3]){0, 0, -1});
     check_mean(&s, 1, 16 * 0x1p-24);
-    stage_close(&s);
 }
 
 /* ---- lights ---- */
@@ -78,7 +75,6 @@ UNIT_TEST(light_at_the_centre_of_a_sphere_fills_it) {
     stage_point_light(&s, 0, 0, 0, (float)k_l);
     look(&s, (double[3]){0.3, 0.2, 0.1}, (double[3]){0, 0, -1});
     check_mean(&s, k_l * rho / (1 - rho), 1e-5);
-    stage_close(&s);
 }
 
 /* A rectangle a × b whose corner is above the point at height h. */
@@ -91,7 +87,6 @@ UNIT_TEST(floor_under_a_rectangle) {
     stage_quad(&s, (double[3]){0.5, 1.5, 1}, (double[3]){0.5, 0, 0}, (double[3]){0, 0, 1}, gray(&s, 0, 1));
     look(&s, (double[3]){-1, 1, -1}, (double[3]){0, 0, 0});
     check_mean(&s, value, 1e-4 * value);
-    stage_close(&s);
 }
 
 /* (R/d)² cos θ */
@@ -101,7 +96,6 @@ UNIT_TEST(floor_under_a_sphere) {
     stage_sphere(&s, 1, 2, 0, 0.5, gray(&s, 0, 3));
     look(&s, (double[3]){-1, 1, -1}, (double[3]){0, 0, 0});
     check_mean(&s, 3 * 0.25 / 5 * 2 / sqrt(5), 1e-4);
-    stage_close(&s);
 }
 
 /* Inner sphere (r1, rho1, sends out E) in an outer one (r2, rho2). */
@@ -113,7 +107,6 @@ UNIT_TEST(two_spheres_exchange_light) {
     check_mean(&s, 0.41420118, 1e-5);
     look(&s, (double[3]){0, 0.9, 0}, (double[3]){0, 0.5, 0});
     check_mean(&s, 1.12426036, 1e-5);
-    stage_close(&s);
 }
 
 /* ---- the same light by any way ---- */
@@ -127,7 +120,6 @@ static fathom_film *render_room(unsigned threads, const uint32_t crop[4]) {
     stage_camera(&s, (double[3]){0, 0, 2}, (double[3]){0, 0, -1}, up, 1);
     memcpy(s.settings.crop, crop, sizeof s.settings.crop);
     fathom_film *film = stage_render(&s);
-    stage_close(&s);
     return film;
 }
 
@@ -151,7 +143,6 @@ UNIT_TEST(a_pane_tints_the_light_that_passes) {
         const double value = 0.5 * 4 / 4 * pow(0.96 * 0.5, k + 1);
         /* The view is 1e-4 wide: cosines and distances differ by its square. */
         check_mean(&s, value, value * (32 * 0x1p-24 + 1e-7));
-        stage_close(&s);
     }
 }
 
@@ -215,7 +206,6 @@ static void check_in_mirror(const sized_light *kind, bool unshadowed) {
     if (unshadowed) add_unshadowed(&s);
     look(&s, (double[3]){0, 0, 3}, (double[3]){0, 0, 0});
     check_mean(&s, value, value * slack);
-    stage_close(&s);
 }
 
 UNIT_TEST(suns_and_lamps_show_in_mirrors) {
@@ -225,7 +215,6 @@ UNIT_TEST(suns_and_lamps_show_in_mirrors) {
 static void check_black(stage *s) {
     fathom_film *film = stage_render(s);
     for (int i = 0; i < 32 * 32; ++i) assert_true(fathom_film_channel(film, "R")[i] == 0);
-    fathom_film_destroy(film);
 }
 
 /* Nor past a surface that is not there. */
@@ -240,7 +229,6 @@ UNIT_TEST(suns_and_lamps_are_not_in_view) {
         kinds[k].add(&s, 0.05);
         look(&s, (double[3]){0, 0, 0}, (double[3]){0, 0, 1});
         check_black(&s);
-        stage_close(&s);
     }
 }
 
@@ -257,7 +245,6 @@ UNIT_TEST(mirrors_show_lamps_before_what_they_hit) {
                    gray(&s, 0, 0.5f));
         look(&s, (double[3]){0, 0, 1}, (double[3]){0, 0, 0});
         check_mean(&s, value, value * 16 * 0x1p-24);
-        stage_close(&s);
     }
 }
 
@@ -274,7 +261,6 @@ UNIT_TEST(lamps_are_points_from_inside) {
     s.settings.max_depth = 1;
     const double value = 2 / (0.75 * 0.75);
     check_mean(&s, value, value * (16 * 0x1p-24 + 1e-7)); /* 1e-7: a view of 1e-4 */
-    stage_close(&s);
 }
 
 static double mean_of_seed(stage *s, uint64_t seed) {
@@ -283,7 +269,6 @@ static double mean_of_seed(stage *s, uint64_t seed) {
     const float *red = fathom_film_channel(film, "R");
     double sum = 0;
     for (int i = 0; i < 32 * 32; ++i) sum += (double)red[i] / (32 * 32);
-    fathom_film_destroy(film);
     return sum;
 }
 
@@ -305,7 +290,6 @@ static void check_both_ways(const sized_light *kind) {
             const double x = mean_of_seed(&s, (uint64_t)k * SEEDS + seed);
             mean[k] += x / SEEDS, squares[k] += x * x / SEEDS;
         }
-        stage_close(&s);
     }
     const double variance = squares[0] - mean[0] * mean[0] + squares[1] - mean[1] * mean[1];
     const double error = sqrt(variance / (SEEDS - 1));
@@ -324,9 +308,6 @@ UNIT_TEST(pixels_depend_on_no_thread_and_no_crop) {
                 *c = fathom_film_channel(part, "R");
     assert_memory_equal(a, b, 32 * 32 * sizeof *a);
     for (int y = 3; y < 30; ++y) assert_memory_equal(a + y * 32 + 7, c + (y - 3) * 22, 22 * sizeof *a);
-    fathom_film_destroy(one);
-    fathom_film_destroy(two);
-    fathom_film_destroy(part);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

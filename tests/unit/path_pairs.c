@@ -44,7 +44,6 @@ static void compare_by(const laws_pair *o, stage *s, const char *what) {
     assert_ok(s->context, laws_pair_run(s->context, s->scene, o, &d));
     if (d.p < 1e-5)
         fail_msg("%s: p %g, path less reference %g +- %g", what, d.p, d.relative, d.relative_error);
-    stage_close(s);
 }
 
 static void compare(stage *s, const char *what) { compare_by(&options, s, what); }

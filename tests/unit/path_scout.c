@@ -90,7 +90,6 @@ UNIT_TEST(rooms_are_lit_as_the_reference_says) {
         laws_difference d;
         assert_ok(s.context, laws_pair_run(s.context, s.scene, &options, &d));
         if (d.p < 1e-5) fail_msg("room %d: p %g, %g +- %g", k, d.p, d.relative, d.relative_error);
-        stage_close(&s);
     }
 }
 
@@ -148,7 +147,6 @@ static void with_plan(room_parts with, double expected, void (*look)(const rende
     plan_destroy(plan);
     trace_destroy(tracer);
     world_destroy(w);
-    stage_close(&s);
 }
 
 UNIT_TEST(light_samples_leave_by_the_window) {
@@ -200,8 +198,6 @@ UNIT_TEST(threads_and_crops_change_no_bit) {
             assert_memory_equal(one->rgb[c] + (part->y + y) * 64 + part->x, part->rgb[c] + y * part->width,
                                 part->width * sizeof(float));
     }
-    fathom_film_destroy(one), fathom_film_destroy(three), fathom_film_destroy(part);
-    stage_close(&s);
 }
 
 static int end(void **state) {

@@ -76,8 +76,6 @@ UNIT_TEST(an_edge_is_as_wide_as_the_filter) {
              * one. The reference's are independent: 1/64 is 6.9 standard errors of a column's mean. */
             assert_near(column(fathom_film_channel(film, "R"), WIDTH, x), want, tolerance + 1.0 / 64);
         }
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 

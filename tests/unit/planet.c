@@ -122,8 +122,6 @@ static void check(const frame_f64 *ground, const char *tracer, bool ball) {
     judge(film, ball ? within_ball : within_square, &t);
     print_message("lit %d, dark %d, unsure %d\n", t.lit, t.dark, t.unsure);
     assert_true(t.lit > 50000 && t.dark > 200 && t.unsure < 100);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 static void check_all(const frame_f64 *ground) {

@@ -12,7 +12,6 @@ static size_t differ(stage *s, const char *library, const ray_set *set) {
     size_t count = 0;
     for (size_t i = 0; i < set->count; ++i) count += !same_hit(&t, &o, i) || ta[i] != oa[i];
     free(t.blocks), free(o.blocks), free(ta), free(oa);
-    trace_destroy(theirs), trace_destroy(ours);
     return count;
 }
 
@@ -22,7 +21,7 @@ static void open_meshes(stage *s) {
     add_ball(s, FATHOM_ROOT, 6, 0, 0.5, 2, FATHOM_CASTS_NO_SHADOW);
     add_ball(s, FATHOM_ROOT, 8, 0.1, 0.7, -2, 0);
     add_plane(s, -3, 0);
-    trace_destroy(stage_spec(s, "linear"));
+    stage_spec(s, "linear");
 }
 
 /* Random rays come within double's reach of an edge once in 10^12. */
@@ -34,9 +33,7 @@ UNIT_TEST(a_right_one_agrees) {
     trace_tracer *tracer = stage_spec(&s, LIBRARY("correct"));
     assert_string_equal(trace_name(tracer), "example: correct");
     assert_true(trace_unit(tracer) == 0x1p-53);
-    trace_destroy(tracer);
     free(set.blocks);
-    stage_close(&s);
 }
 
 /* t in double arrives as it is; planes are answered in float beside it. */
@@ -61,8 +58,6 @@ UNIT_TEST(double_precision_arrives) {
     }
     assert_true(meshes > 300);
     free(tf), free(of), free(t.blocks), free(o.blocks), free(set.blocks);
-    trace_destroy(theirs), trace_destroy(ours);
-    stage_close(&s);
 }
 
 UNIT_TEST(bugs_show) {
@@ -82,11 +77,10 @@ UNIT_TEST(bugs_show) {
     assert_true(differ(&s, LIBRARY("gap"), &edges) > 400);
     assert_in_range(differ(&s, LIBRARY("gap"), &random), 0, 4);
     free(inside.blocks), free(edges.blocks), free(random.blocks);
-    stage_close(&s);
 }
 
 static void refused(stage *s, const char *library, fathom_status status, const char *message) {
-    if (!s->world) assert_ok(s->context, world_create(s->scene, &s->world));
+    stage_world(s);
     trace_spec spec;
     assert_ok(s->context, trace_spec_parse(s->context, library, &spec));
     trace_options options = {.spec = &spec, .threads = 1};
@@ -111,7 +105,6 @@ UNIT_TEST(what_does_not_fit_is_refused) {
     refused(&s, LIBRARY("faulty"), FATHOM_BAD_INPUT, "tracer mute: cannot build: it gave no reason");
     setenv("FATHOM_TEST_PLUGIN", "fails", 1);
     refused(&s, LIBRARY("faulty"), FATHOM_BAD_INPUT, "tracer fails: cannot build: not today");
-    stage_close(&s);
 }
 
 UNIT_TEST(other_shapes_are_refused) {
@@ -136,7 +129,6 @@ UNIT_TEST(other_shapes_are_refused) {
         char message[64];
         snprintf(message, sizeof message, "takes only triangles, and the scene has %s", names[i]);
         refused(&s, LIBRARY("correct"), FATHOM_BAD_USAGE, message);
-        stage_close(&s);
     }
 }
 
@@ -159,8 +151,6 @@ UNIT_TEST(wild_answers_do_no_harm) {
         if (i < 5) assert_true(shadows.t_far[i] == INFINITY);
     }
     free(set.blocks);
-    trace_destroy(tracer);
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

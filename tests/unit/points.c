@@ -102,7 +102,6 @@ static void expect_same_pixels(fathom_film *a, fathom_film *b) {
         for (uint32_t i = 0; i < width * height; ++i) sum += fabs((double)x[i]);
     }
     assert_true(sum > 0);
-    fathom_film_destroy(b);
 }
 
 /* By either integrator and by every tracer, to the last bit. */
@@ -121,8 +120,6 @@ UNIT_TEST(a_cloud_renders_as_its_spheres) {
             whole.settings.tracer = tracers[i];
             expect_same_pixels(expected, stage_render(&whole));
         }
-        fathom_film_destroy(expected);
-        stage_close(&apart), stage_close(&whole);
     }
 }
 
@@ -144,10 +141,8 @@ UNIT_TEST(a_moving_cloud_renders_as_its_spheres) {
         assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
         stage_point_light(&s, 1, 3, 2, 3);
         films[k] = stage_render(&s);
-        stage_close(&s);
     }
     expect_same_pixels(films[0], films[1]);
-    fathom_film_destroy(films[0]);
 }
 
 /* Points that are there several times, and runs of all lengths: clusters of eight are not seen. */
@@ -180,9 +175,7 @@ UNIT_TEST(tracers_agree_on_every_point) {
             } else {
                 first = film;
             }
-            stage_close(&s);
         }
-        fathom_film_destroy(first);
     }
 }
 
@@ -205,7 +198,6 @@ UNIT_TEST(memory_of_points_is_foreseen) {
     if (!(peak <= foreseen && peak > 0.8 * foreseen)) fail_msg("%g of %g bytes", peak, foreseen);
     trace_destroy(tracer);
     world_destroy(w);
-    stage_close(&s);
     free(many);
 }
 
@@ -239,7 +231,6 @@ UNIT_TEST(points_are_primitives_of_their_object) {
     assert_int_equal(scene_points(s.scene), 2 * POINTS);
     assert_int_equal(scene_primitives(s.scene), 2 * POINTS + 2);
     world_destroy(w);
-    stage_close(&s);
 }
 
 /* Also where the frame is a mesh's own, far away. */
@@ -263,8 +254,6 @@ UNIT_TEST(bounds_reach_around_points) {
         if (i / 64 == 0 || i / 64 == 63 || i % 64 == 0 || i % 64 == 63) rim += (double)alpha[i];
     }
     assert_true(covered > 64 * 64 * 0.5 && covered < 64 * 64 * 0.7 && rim == 0);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* ---- colours ---- */
@@ -288,7 +277,6 @@ UNIT_TEST(each_point_has_its_colour) {
         stage_point_light(&s, 1, 3, 5, 3);
         look(&s);
         films[k] = stage_render(&s);
-        stage_close(&s);
     }
     double sum = 0;
     for (int c = 0; c < 3; ++c) {
@@ -301,7 +289,6 @@ UNIT_TEST(each_point_has_its_colour) {
         }
     }
     assert_true(sum > 100);
-    fathom_film_destroy(films[0]), fathom_film_destroy(films[1]);
 }
 
 /* ---- the reference integrator ---- */
@@ -316,7 +303,6 @@ UNIT_TEST(path_and_reference_agree_on_clouds) {
     assert_ok(s.context, fathom_scene_check(s.scene));
     assert_ok(s.context, laws_pair_run(s.context, s.scene, &options, &d));
     if (d.p < 1e-5) fail_msg("p %g, path less reference %g +- %g", d.p, d.relative, d.relative_error);
-    stage_close(&s);
 }
 
 /* ---- through files ---- */
@@ -341,7 +327,7 @@ static fathom_scene *scene_of(const fathom_mesh *mesh) {
     fathom_material white;
     fathom_material_default(&white);
     for (int c = 0; c < 3; ++c) white.k_d[c] = 1;
-    assert_ok(context, fathom_scene_create(context, &scene));
+    scene = new_scene(context);
     assert_ok(context, fathom_scene_add_material(scene, "white", &white, NULL));
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, mesh, NULL));
     return scene;
@@ -353,8 +339,7 @@ static fathom_scene *through(fathom_scene *scene, const char *file) {
     warnings[0] = 0;
     fathom_context_on_warning(context, keep_warning, NULL);
     assert_ok(context, fathom_scene_write(scene, in_folder(file)));
-    fathom_scene_destroy(scene);
-    assert_ok(context, fathom_scene_read(context, in_folder(file), &back));
+    back = scene_of_file(context, in_folder(file));
     fathom_context_on_warning(context, NULL, NULL);
     unlink(in_folder(file));
     if (strcmp(file, "a.obj") == 0) unlink(in_folder("a.mtl"));
@@ -382,7 +367,6 @@ UNIT_TEST(points_and_colours_read_back) {
                 assert_near((double)c[k], (f ? 1 : 0.5) * (double)colors[i][k], f == 1 ? 1e-6 : 0);
         }
         if (strstr(warnings, LOST)) fail_msg("%s: %s", files[f], warnings);
-        fathom_scene_destroy(back);
     }
 }
 
@@ -393,7 +377,6 @@ UNIT_TEST(a_radius_of_ones_own_is_kept_or_told) {
         fathom_scene *back = through(scene_of(&mesh), files[f]);
         assert_true(back->meshes.items[0].point_radius == (f == 3 ? 0.3f : usual_radius()));
         assert_int_equal(strstr(warnings, LOST " (1 such)") || strstr(warnings, LOST), f != 3);
-        fathom_scene_destroy(back);
     }
 }
 
@@ -414,7 +397,6 @@ UNIT_TEST(placed_clouds_read_back) {
         const double reach = 2 * ((double)usual_radius() - (double)positions[0][0]);
         assert_true(box.upper.x >= reach * (1 - 1e-6));
         if (strstr(warnings, LOST)) fail_msg("%s: %s", files[f], warnings);
-        fathom_scene_destroy(back);
     }
 }
 
@@ -452,8 +434,6 @@ UNIT_TEST(a_few_stray_points_change_neither_size_nor_camera) {
         assert_true(far->meshes.items[0].point_radius == near->meshes.items[0].point_radius);
         for (int k = 0; k < 3; ++k)
             assert_near(far->camera.origin[k], near->camera.origin[k], near->camera.origin[2] / 60);
-        fathom_scene_destroy(near);
-        fathom_scene_destroy(far);
     }
 }
 
@@ -467,7 +447,6 @@ UNIT_TEST(two_clouds_in_one_are_shown_as_one) {
     mesh.positions = two[0], mesh.vertex_count = 200, mesh.point_radius = 1;
     fathom_scene *scene = scene_of(&mesh);
     assert_true(scene_framed_bounds(scene, 0).upper.x == scene_object_bounds(scene, 0).upper.x);
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(ply_has_no_place_for_points_among_triangles) {
@@ -486,7 +465,6 @@ UNIT_TEST(ply_has_no_place_for_points_among_triangles) {
         assert_int_equal(strstr(warnings, "a point is left out: a PLY file of triangles has no place for "
                                           "points (60 such)") != NULL,
                          f == 0);
-        fathom_scene_destroy(back);
     }
 }
 

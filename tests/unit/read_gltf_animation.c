@@ -23,7 +23,6 @@ static void write_channel(fixture *f, build *b, const char *path, const char *wa
 static void assert_moved(fixture *f, double time, double x) {
     fathom_scene *scene = read_at(f, time);
     assert_vec(placed_corner(scene, 0, 0, 0), x, 0, 0, 1e-12);
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(translations_follow_their_interpolation) {
@@ -125,7 +124,6 @@ UNIT_TEST(rotations_turn_evenly_the_shorter_way) {
             const double angle = 4 * quarter * k / 8;
             /* The keys are floats. */
             assert_vec(placed_corner(scene, 0, 0, 1), cos(angle), sin(angle), 0, 1e-7);
-            fathom_scene_destroy(scene);
         }
     }
 }
@@ -169,19 +167,16 @@ UNIT_TEST(what_does_not_move_the_same_is_posed_together) {
         strstr(f->warning,
                "animations[2].channels[0]: an animation that moves what an earlier one moves is left out; "
                "give --animation NAME|N for each to apply: 0, 1, 2 \"far\""));
-    fathom_scene_destroy(scene);
     fathom_read_options asked;
     fathom_read_options_default(&asked);
     asked.animations = (const char *const[]){"far", NULL}, asked.choose_time = true, asked.time = 1;
     assert_ok(f->context, read_asked(f, &asked, &scene));
     assert_vec(placed_corner(scene, 0, 0, 1), 8 + 1, 0, 0, 1e-12);
     assert_vec(placed_corner(scene, 1, 0, 0), 0, 0, 0, 1e-12);
-    fathom_scene_destroy(scene);
     asked.animations = (const char *const[]){"far", "1", NULL};
     assert_ok(f->context, read_asked(f, &asked, &scene));
     assert_vec(placed_corner(scene, 0, 0, 1), 8 + 3, 0, 0, 1e-12);
     assert_vec(placed_corner(scene, 1, 0, 0), 3, 3, 3, 1e-12);
-    fathom_scene_destroy(scene);
     asked.animations = (const char *const[]){"far", "1", "0", NULL};
     assert_refused(f, FATHOM_BAD_USAGE, &asked,
                    "animations[0].channels[0]: moves what another of the chosen animations moves; expected "
@@ -198,7 +193,6 @@ UNIT_TEST(without_a_time_everything_rests_and_it_is_said) {
     assert_int_equal(f->warnings, 1);
     assert_non_null(
         strstr(f->warning, "animations are not played; --time SECONDS poses them: 0 \"go\" (1 such)"));
-    fathom_scene_destroy(scene);
 }
 
 /* ---- morph targets ---- */
@@ -237,7 +231,6 @@ UNIT_TEST(targets_add_up_by_weight) {
     assert_vec(corner(scene, 1, 0, 0), 2, 0, 0, 0);
     assert_vec(widen(load_f32(scene->meshes.items[1].normals)), 0, 0, 1, 0);
     assert_int_equal(f->warnings, 0);
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(weights_are_animated_together) {
@@ -254,7 +247,6 @@ UNIT_TEST(weights_are_animated_together) {
     fathom_scene *scene = read_at(f, 0.25);
     assert_vec(corner(scene, 0, 0, 0), 1, 6, 0, 0);
     assert_vec(corner(scene, 1, 0, 0), 0, 0, 0, 0);
-    fathom_scene_destroy(scene);
 }
 
 /* ---- skins ---- */
@@ -289,7 +281,6 @@ UNIT_TEST(vertices_follow_their_joints_and_no_node) {
     assert_vec(placed_corner(scene, 0, 0, 2), 10, 0.75 * 1 + 0.25 * 3, 0, 1e-6);
     assert_vec(widen(load_f32(scene->meshes.items[0].normals)), 0, 0, 1, 0);
     assert_int_equal(f->warnings, 0);
-    fathom_scene_destroy(scene);
 }
 
 /* Weights count by their sum over all sets, whatever it is; without any, the first joint has the vertex. */
@@ -307,7 +298,6 @@ UNIT_TEST(weights_of_all_sets_count_by_their_sum) {
     assert_vec(placed_corner(scene, 0, 0, 0), 10, 0, 0, 1e-6);
     assert_vec(placed_corner(scene, 0, 0, 1), 0.25 * 11 + 0.75 * 9, 3, 0, 1e-6);
     assert_vec(placed_corner(scene, 0, 0, 2), 10, 3, 0, 1e-6);
-    fathom_scene_destroy(scene);
 }
 
 /* ---- what is refused ---- */
@@ -384,7 +374,6 @@ UNIT_TEST(a_scene_is_chosen_by_name_or_number) {
         assert_int_equal(scene->instances.count, 1);
         assert_vec(placed_corner(scene, 0, 0, 0), i < 3 ? 2 : 0, 0, 0, 0);
         assert_int_equal(f->warnings > 0, !names[i]);
-        fathom_scene_destroy(scene);
     }
     asked.scene = "up";
     assert_refused(f, FATHOM_BAD_USAGE, &asked,
@@ -410,7 +399,6 @@ UNIT_TEST(variants_replace_materials) {
         assert_ok(f->context, read_asked(f, &asked, &scene));
         assert_int_equal(scene->meshes.items[0].material, find_material(scene, shown[i]));
         assert_int_equal(f->warnings > 0, !names[i]);
-        fathom_scene_destroy(scene);
     }
     asked.variant = "dusk";
     assert_refused(f, FATHOM_BAD_USAGE, &asked,
@@ -438,7 +426,6 @@ UNIT_TEST(units_scale_models_cameras_lamps_and_volumes_alike) {
     assert_near(scene->lights.items[0].position[2], 0.05, 1e-15);
     const fathom_material *volume = &scene->materials.items[scene->meshes.items[0].material].value;
     assert_true(volume->thickness == 0.02f && volume->attenuation_distance == 0.03f);
-    fathom_scene_destroy(scene);
 }
 
 int main(void) { return unit_main_each(set_up, tear_down); }

@@ -21,7 +21,9 @@ static fathom_status read_asked(fixture *f, const char *camera, uint32_t width, 
     const fathom_read_options options = {
         .size = sizeof options, .camera = camera, .width = width, .height = height};
     f->warnings = 0;
-    return fathom_scene_read_with(f->context, f->path, &options, out);
+    const fathom_status status = fathom_scene_read_with(f->context, f->path, &options, out);
+    if (status == FATHOM_OK) own_scene(*out);
+    return status;
 }
 
 UNIT_TEST(a_name_or_a_number_chooses) {
@@ -41,7 +43,6 @@ UNIT_TEST(a_name_or_a_number_chooses) {
         assert_near(scene->camera.origin[0], cases[i].x, 0);
         assert_near(scene->camera.h, 2 * tan(cases[i].fovy / 2), 4 * 0x1p-53);
         assert_near(scene->camera.w, 0, 0); /* pixels are square */
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -81,7 +82,6 @@ UNIT_TEST(many_cameras_are_listed_in_part) {
                  "19 \"n19\" and 10 more, which fathom info lists");
     assert_ok(f->context, read_asked(f, "29", 0, 0, &scene));
     assert_int_equal(scene->camera_taken, 29);
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(one_of_several_is_taken_and_said) {
@@ -92,7 +92,6 @@ UNIT_TEST(one_of_several_is_taken_and_said) {
     assert_int_equal(scene->camera_taken, 1);
     assert_int_equal(f->warnings, 1);
     assert_non_null(strstr(f->warning, "holds 5 cameras; 1 \"left\" is taken"));
-    fathom_scene_destroy(scene);
     /* An orthographic one alone is taken. */
     write_triangle(f, WITH_DATA(TRIANGLE_MESH "," CAMERAS ",'nodes':[{'mesh':0,'camera':0}]"));
     assert_ok(f->context, read_asked(f, NULL, 0, 0, &scene));
@@ -100,19 +99,16 @@ UNIT_TEST(one_of_several_is_taken_and_said) {
     assert_true(scene->camera.orthographic && scene->camera.h == 2 && scene->camera_aspect == 1);
     assert_true(scene->camera.near_clip == 1 && scene->camera.far_clip == 9);
     assert_int_equal(f->warnings, 0);
-    fathom_scene_destroy(scene);
     /* However small it is; the product of both sides is not a number above 0. */
     write_triangle(f,
                    WITH_DATA(TRIANGLE_MESH ",'cameras':[{'type':'orthographic','orthographic':{'xmag':1e-300,"
                                            "'ymag':1e-300}}],'nodes':[{'mesh':0,'camera':0}]"));
     assert_ok(f->context, read_asked(f, NULL, 0, 0, &scene));
     assert_true(scene->camera.h == 2e-300 && scene->camera_aspect == 1);
-    fathom_scene_destroy(scene);
     /* One and no more: nothing to say. */
     write_triangle(f, WITH_DATA(TRIANGLE_MESH "," CAMERAS ",'nodes':[{'mesh':0,'camera':1}]"));
     assert_ok(f->context, read_asked(f, NULL, 0, 0, &scene));
     assert_int_equal(f->warnings, 0);
-    fathom_scene_destroy(scene);
 }
 
 /* A camera that is not taken does no harm, whatever it says. Taken, a view that is none is one of 45 degrees.
@@ -125,12 +121,10 @@ UNIT_TEST(only_the_taken_camera_is_read) {
                                               "'nodes':[{'mesh':0,'camera':0},{'name':'bad','camera':1}]"));
     assert_ok(f->context, read_asked(f, "0", 0, 0, &scene));
     assert_int_equal(f->warnings, 0);
-    fathom_scene_destroy(scene);
     assert_ok(f->context, read_asked(f, "bad", 0, 0, &scene));
     assert_int_equal(f->warnings, 1);
     assert_non_null(strstr(f->warning, "cameras[1].perspective.yfov: expected radians between 0 and pi"));
     assert_near(scene->camera.h, 2 * tan(0.39269908169872414), 1e-15);
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(planes_that_show_nothing_clip_nothing) {
@@ -142,7 +136,6 @@ UNIT_TEST(planes_that_show_nothing_clip_nothing) {
     assert_int_equal(f->warnings, 1);
     assert_non_null(strstr(f->warning, "cameras[0].perspective.zfar: expected 0 <= znear < zfar"));
     assert_true(scene->camera.near_clip == 0 && scene->camera.far_clip == 0);
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(the_image_follows_the_camera) {
@@ -157,7 +150,6 @@ UNIT_TEST(the_image_follows_the_camera) {
         assert_ok(f->context, read_asked(f, cases[i].asked, 0, 0, &scene));
         assert_int_equal(scene->settings.width, cases[i].width);
         assert_int_equal(scene->settings.height, cases[i].height);
-        fathom_scene_destroy(scene);
     }
     /* Extreme shapes: the shorter side is a pixel at least. */
     write_triangle(f, WITH_DATA(TRIANGLE_MESH ",'cameras':[{'type':'perspective','perspective':{'yfov':1,"
@@ -166,7 +158,6 @@ UNIT_TEST(the_image_follows_the_camera) {
     assert_ok(f->context, read_asked(f, NULL, 0, 0, &scene));
     assert_int_equal(scene->settings.width, 1280);
     assert_int_equal(scene->settings.height, 1);
-    fathom_scene_destroy(scene);
 }
 
 /* A given size changes no angle; what it cuts off is said, unless it is less than half a pixel. */
@@ -189,7 +180,6 @@ UNIT_TEST(a_given_size_keeps_the_vertical_field_of_view) {
         assert_near(scene->camera.w, 0, 0);
         if (!!f->warnings != !!cases[i].warning || (f->warnings && !strstr(f->warning, cases[i].warning)))
             fail_msg("%ux%u: \"%s\"", cases[i].width, cases[i].height, f->warnings ? f->warning : "");
-        fathom_scene_destroy(scene);
     }
 }
 

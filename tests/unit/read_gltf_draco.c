@@ -56,7 +56,6 @@ static void assert_corner(fixture *f) {
         assert_vec(widen(load_f32(c)), 0.2, 0.4, 0.6, 1e-7);
     }
     assert_int_equal(found, 1);
-    fathom_scene_destroy(scene);
 }
 
 static void draco_unpacks_to_what_was_packed(void **state) {
@@ -113,7 +112,6 @@ static void draco_meshes_unpack_together_to_their_own_data(void **state) {
         /* 2047 steps of side / 2047: a few roundings. */
         assert_near(most / (float)(i + 1), 2, 1e-6);
     }
-    fathom_scene_destroy(scene);
 }
 
 /* Colours of bytes are divided by 255, whether the data says so, the accessor or neither. */
@@ -169,7 +167,6 @@ static void other_primitives_have_the_accessors_own_data(void **state) {
         /* As above, half a step of Draco's positions; the others are in the file. */
         assert_near((double)most, (double)highest[i], i % 2 ? 0 : 1 / 2047.0);
     }
-    fathom_scene_destroy(scene);
 }
 
 /* Every cut and many a changed byte: a mesh comes out, or one message; the process lives. */
@@ -193,7 +190,6 @@ static void broken_draco_is_refused(void **state) {
         write_draco(f, changed, sizeof changed, 4, 0);
         const fathom_status status = read_asked(f, &asked, &scene);
         assert_true(status == FATHOM_OK || status == FATHOM_BAD_INPUT);
-        if (status == FATHOM_OK) fathom_scene_destroy(scene);
     }
     write_draco(f, draco, sizeof draco, 5, 0);
     assert_bad_input(f, "is accessors[0] of 5 × 3 numbers; the compressed data has 4 × 3");

@@ -5,11 +5,9 @@ static const read_mesh_options plain = {.material = FATHOM_NONE, .surroundings =
 
 /* Reads f->path and expects a message that holds the path and `text`. */
 static void assert_rejected(fixture *f, const char *text) {
-    fathom_scene *scene;
-    assert_ok(f->context, fathom_scene_create(f->context, &scene));
+    fathom_scene *scene = new_scene(f->context);
     assert_fails(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &plain), FATHOM_BAD_INPUT, text);
     assert_non_null(strstr(fathom_context_message(f->context), f->path));
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(broken_containers_are_refused) {
@@ -160,10 +158,8 @@ UNIT_TEST(memory_out_of_proportion_is_refused) {
     assert_all_rejected(f, files, sizeof files / sizeof *files);
     write_triangle(f, "{" ASSET ",'accessors':[{" VEC3(3000) "}],'meshes':[{'primitives':[{'attributes':{"
                                                              "'POSITION':0}}]}]}");
-    fathom_scene *scene;
-    assert_ok(f->context, fathom_scene_create(f->context, &scene));
+    fathom_scene *scene = new_scene(f->context);
     assert_ok(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &plain));
-    fathom_scene_destroy(scene);
 }
 
 /* What making normals takes meanwhile counts, and is given back: the second file makes them three times. */
@@ -173,17 +169,15 @@ UNIT_TEST(normals_out_of_proportion_are_refused) {
     fathom_scene *scene;
     write_triangle(f, "{" ASSET ",'accessors':[{" VEC3(3000) "}],'meshes':[{'primitives':[{'attributes':{"
                                                              "'POSITION':0}}]}]}");
-    assert_ok(f->context, fathom_scene_create(f->context, &scene));
+    scene = new_scene(f->context);
     assert_fails(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &smooth), FATHOM_BAD_INPUT,
                  "meshes[0].primitives[0]: raises what the file needs to 156000 bytes of memory");
-    fathom_scene_destroy(scene);
 #define PART "{'attributes':{'POSITION':0}}"
     write_triangle(f, "{" ASSET ",'accessors':[{" VEC3(999) "}],'meshes':[{'primitives':[" PART "," PART
                                                             "," PART "]}]}");
 #undef PART
-    assert_ok(f->context, fathom_scene_create(f->context, &scene));
+    scene = new_scene(f->context);
     assert_ok(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &smooth));
-    fathom_scene_destroy(scene);
 }
 
 /* What a message quotes cannot steer the terminal that shows it. */
@@ -265,8 +259,7 @@ UNIT_TEST(broken_lights_and_materials_are_refused) {
 
 /* OK or a message, and what was read can be walked over: every vertex that a triangle names is there. */
 static bool read_damaged(fixture *f) {
-    fathom_scene *scene;
-    assert_ok(f->context, fathom_scene_create(f->context, &scene));
+    fathom_scene *scene = new_scene(f->context);
     fathom_status status = read_gltf(scene, FATHOM_ROOT, f->path, &plain);
     if (status == FATHOM_OK) {
         for (size_t m = 0; m < scene->meshes.count; ++m) {
@@ -279,7 +272,6 @@ static bool read_damaged(fixture *f) {
         const char *message = fathom_context_message(f->context);
         if (!strstr(message, f->path)) fail_msg("\"%s\" does not name the file", message);
     }
-    fathom_scene_destroy(scene);
     return status == FATHOM_OK;
 }
 

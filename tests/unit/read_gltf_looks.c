@@ -12,7 +12,6 @@
 static fathom_material material_of(fixture *f, const char *json) {
     fathom_scene *scene = read_triangle(f, json);
     const fathom_material out = scene->materials.items[1].value;
-    fathom_scene_destroy(scene);
     return out;
 }
 
@@ -69,7 +68,6 @@ UNIT_TEST(images_know_their_place_in_the_file) {
         assert_string_equal(place->file, f->path);
         assert_string_equal(place->field, i ? "images[1]" : "images[0]");
     }
-    fathom_scene_destroy(scene);
 }
 
 #define COLOR(more) "'pbrMetallicRoughness':{'baseColorTexture':{'index':0" more "}}"
@@ -112,7 +110,6 @@ UNIT_TEST(samplers_are_followed) {
                      (int)t->filter, f->warnings);
         assert_int_equal(other->wrap_u, FATHOM_WRAP_REPEAT);
         assert_int_equal(other->filter, FATHOM_TEXTURE_TRILINEAR);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -180,8 +177,7 @@ UNIT_TEST(colours_stay_with_another_material) {
                 points, colors, points, colors);
     write_bytes(f, "test.ply", ply, strlen(ply));
     write_bytes(f, "test.json", json, strlen(json));
-    fathom_scene *scene;
-    assert_ok(f->context, fathom_scene_read(f->context, f->path, &scene));
+    fathom_scene *scene = scene_of_file(f->context, f->path);
     assert_int_equal(scene->meshes.count, 3);
     const fathom_mesh *from_ply = &scene->meshes.items[2];
     for (size_t m = 0; m < 2; ++m) {
@@ -193,7 +189,6 @@ UNIT_TEST(colours_stay_with_another_material) {
                                 mesh_row(from_ply->colors, from_ply->color_stride, i), 3 * sizeof(float));
         assert_non_null(mesh->colors);
     }
-    fathom_scene_destroy(scene);
 }
 
 int main(void) { return unit_main_each(set_up, tear_down); }

@@ -47,7 +47,6 @@ UNIT_TEST(meshopt_unpacks_to_what_was_packed) {
         area += cross_f64(sub_f64(corner(scene, 0, t, 1), a), sub_f64(corner(scene, 0, t, 2), a)).z / 2;
     }
     assert_near(fabs(area), VERTICES / 2 - 1, 0);
-    fathom_scene_destroy(scene);
 }
 
 /* Adds 4 elements, packed with a filter, as a view of the fallback buffer 1 and its accessor. */
@@ -114,7 +113,6 @@ UNIT_TEST(meshopt_filters_follow_the_equations_of_the_extension) {
         assert_vec(affine_point(&map, vec_f64(1.5, 0, 0)), places[i][0], places[i][1], places[i][2],
                    1.5 * 4 / 32767);
     }
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(broken_meshopt_is_refused) {
@@ -199,7 +197,6 @@ UNIT_TEST(both_names_have_version_1_and_colours) {
              */
             for (uint32_t k = 0; k < 3; ++k) assert_near((double)color[k], k == i, 1 / 255.0 + 1e-7);
         }
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -250,7 +247,6 @@ UNIT_TEST(indices_follow_the_specification) {
         fathom_scene *scene = read_file(f);
         assert_int_equal(scene->meshes.items[0].triangle_count, 2);
         assert_memory_equal(scene->meshes.items[0].indices, corners, sizeof corners);
-        fathom_scene_destroy(scene);
     }
 }
 

@@ -55,7 +55,6 @@ UNIT_TEST(sparse_values_are_normalized_as_others) {
     assert_vec(widen(load_f32(row_of(m->normals, m->normal_stride, 0))), 0, 0, 1, 0);
     assert_vec(widen(load_f32(row_of(m->normals, m->normal_stride, 1))), 0, 0, 0, 0);
     assert_vec(widen(load_f32(row_of(m->normals, m->normal_stride, 2))), -1, (double)(64 / 127.0f), 0, 0);
-    fathom_scene_destroy(scene);
 }
 
 /* Colours and uvs in bytes, sparse over nothing; KHR_mesh_quantization has uvs that are not normalized. */
@@ -82,7 +81,6 @@ UNIT_TEST(sparse_looks_are_read) {
         assert_true(uv0[0] == 3 * on && uv0[1] == 255 * on);
         assert_true(uv1[0] == on * (3 / 255.0f) && uv1[1] == on);
     }
-    fathom_scene_destroy(scene);
 }
 
 /* Of each key the in-tangents of all weights, then their values, then their out-tangents (specification,
@@ -108,10 +106,8 @@ UNIT_TEST(splines_of_weights_move_sparse_targets) {
     fathom_scene *scene = read_at(f, 2);
     assert_vec(corner(scene, 0, 0, 2), -4 * w[1], 1, 8 * w[0], 0);
     assert_vec(corner(scene, 0, 0, 1), 1, 0, 0, 0);
-    fathom_scene_destroy(scene);
     scene = read_at(f, 3);
     assert_vec(corner(scene, 0, 0, 2), -2, 1, 8, 0);
-    fathom_scene_destroy(scene);
 }
 
 /* A weight of 0 when the shutter opens: the stored vertices, interleaved with others, are the first key. */
@@ -150,7 +146,6 @@ UNIT_TEST(moving_targets_may_begin_at_rest) {
             assert_true(n[0] == 0 && n[1] == 0 && n[2] == 1);
         }
     }
-    fathom_scene_destroy(scene);
 }
 
 /* A quaternion of a spline is normalized before use; here (0, 0, sqrt(1/2), sqrt(1/2)) / 2 from normalized
@@ -171,7 +166,6 @@ UNIT_TEST(splines_of_rotations_are_normalized) {
     /* A quarter turn about z; a handful of roundings on numbers up to 1. */
     assert_vec(placed_corner(scene, 0, 0, 1), 0, 1, 0, 8 * 0x1p-53);
     assert_vec(placed_corner(scene, 0, 0, 2), -1, 0, 0, 8 * 0x1p-53);
-    fathom_scene_destroy(scene);
 }
 
 /* Instances of a node: its transform, mirrored here, after translation, rotation and scale of each; with its
@@ -205,7 +199,6 @@ UNIT_TEST(instances_follow_mirrored_and_moving_nodes) {
         assert_vec(affine_point(&one, (vec3_f64){1, 1, 0}), -1, 1 + 4 * k, 5, 64 * 16 * 0x1p-53);
         assert_vec(affine_point(&two, (vec3_f64){1, 1, 0}), 1, -2 + 4 * k, 3, 64 * 16 * 0x1p-53);
     }
-    fathom_scene_destroy(scene);
 }
 
 /* Twelve vertices, of which each primitive uses three: what is left of every array belongs to the vertex that
@@ -256,7 +249,6 @@ UNIT_TEST(shared_arrays_are_cut_alike) {
             assert_true(c[0] == n / 255 && c[3] == (255 - n) / 255);
         }
     }
-    fathom_scene_destroy(scene);
 }
 
 /* Strips, fans, loops and strips of lines by indices that skip vertices. */
@@ -279,7 +271,6 @@ UNIT_TEST(odd_modes_take_indices) {
         assert_int_equal(scene->meshes.items[0].triangle_count, cases[i].triangles);
         for (uint32_t k = 0; k < 3 * cases[i].triangles; ++k)
             assert_near(corner(scene, 0, k / 3, (int)(k % 3)).x, cases[i].corners[k], 0);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -310,7 +301,6 @@ UNIT_TEST(numbers_that_are_none_are_zero) {
     assert_true(uv[0] == 3 && uv[1] == 0);
     assert_true(c[0] == 0.25f && c[1] == 0 && c[2] == 1);
     assert_int_equal(f->warnings, 4); /* one for each name */
-    fathom_scene_destroy(scene);
 }
 
 int main(void) { return unit_main_each(set_up, tear_down); }

@@ -45,10 +45,8 @@ UNIT_TEST(an_even_slide_is_two_keys) {
         assert_true(it->key_times[k] == expected[k][0] && it->key_transforms[12 * k + 3] == expected[k][1]);
         assert_true(scene->camera.shutter[k] == expected[k][0]);
     }
-    fathom_scene_destroy(scene);
     scene = read_blurred(f, 4, 1); /* it rests */
     assert_int_equal(scene->instances.items[0].key_count, 0);
-    fathom_scene_destroy(scene);
 }
 
 /* A turn, a spline and a kink: at keys the very places of the still scene, between them off by no more than
@@ -83,9 +81,7 @@ UNIT_TEST(keys_follow_the_stills) {
                             at_key ? 0 : 2 * 6 * 0x1p-8);
             for (int c = 0; c < 3; ++c)
                 assert_near(camera.origin[c], still->camera.origin[c], at_key ? 0 : 2 * 6 * 0x1p-8);
-            fathom_scene_destroy(still);
         }
-        fathom_scene_destroy(moving);
     }
 }
 
@@ -104,7 +100,6 @@ UNIT_TEST(a_wheel_does_not_seem_to_stand) {
     write_channel(f, &b, "rotation", "LINEAR", "", times, values);
     fathom_scene *scene = read_blurred(f, 0, 1);
     assert_true(scene->instances.items[0].key_count > 24);
-    fathom_scene_destroy(scene);
 }
 
 /* Its axle moves only by the rounding of the quaternions, with a kink at the second key. The shutter takes in
@@ -121,7 +116,6 @@ UNIT_TEST(a_tilted_wheel_needs_few_keys) {
     fathom_scene *scene = read_blurred(f, 10 / 24.0, 1.5 / 24);
     assert_int_equal(f->warnings, 0);
     assert_in_range(scene->instances.items[0].key_count, 9, 17);
-    fathom_scene_destroy(scene);
 }
 
 /* ---- vertices ---- */
@@ -160,9 +154,7 @@ UNIT_TEST(vertices_follow_the_stills) {
         const fathom_mesh *there = &still->meshes.items[0];
         assert_memory_equal(m->key_positions + 9 * k, there->positions, 9 * sizeof(float));
         assert_memory_equal(m->key_normals + 9 * k, there->normals, 9 * sizeof(float));
-        fathom_scene_destroy(still);
     }
-    fathom_scene_destroy(moving);
 }
 
 static stage figure_at(void *user, double open, double close) {
@@ -170,8 +162,8 @@ static stage figure_at(void *user, double open, double close) {
     fathom_read_options asked;
     fathom_read_options_default(&asked);
     asked.choose_time = true, asked.time = open, asked.shutter = close - open;
-    fathom_scene_destroy(s.scene);
     assert_ok(s.context, fathom_scene_read_with(s.context, ((fixture *)user)->path, &asked, &s.scene));
+    own_scene(s.scene);
     assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0.3f, 0.4f, 0.5f}));
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.target_error = 0, s.settings.max_depth = 3;
@@ -208,7 +200,6 @@ UNIT_TEST(what_cannot_blur_stands_and_is_named) {
         assert_int_equal(f->warnings, 1);
         if (!strstr(f->warning, cases[i].said)) fail_msg("%s", f->warning);
         assert_int_equal(scene->instances.items[0].key_count > 0, i == 2);
-        fathom_scene_destroy(scene);
     }
 }
 

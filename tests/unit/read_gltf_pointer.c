@@ -66,7 +66,6 @@ UNIT_TEST(every_number_of_a_material_follows_its_pointer) {
         for (unsigned c = 0; c < key->count; ++c) {
             if (!(fabs((double)found[c] - expected) < 1e-6)) fail_msg("%s: %g", pointer, (double)found[c]);
         }
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -77,10 +76,8 @@ UNIT_TEST(colours_with_alpha_and_cutoffs_follow_their_pointer) {
         read_animated(f, "/materials/0/pbrMetallicRoughness/baseColorFactor", 4, 0.25, masked);
     for (int c = 0; c < 3; ++c) assert_near((double)first_material(scene)->base_color[c], 0.25, 1e-7);
     assert_near((double)first_material(scene)->opacity, 0.25, 1e-7);
-    fathom_scene_destroy(scene);
     scene = read_animated(f, "/materials/0/alphaCutoff", 1, 0.25, masked);
     assert_near((double)first_material(scene)->opacity_cutoff, 0.25, 1e-7);
-    fathom_scene_destroy(scene);
 }
 
 /* offset · rotation · scale: the first row is cos·sx, sin·sy, ox. */
@@ -103,7 +100,6 @@ UNIT_TEST(places_of_textures_follow_their_pointer) {
         fathom_scene *scene = read_animated(f, pointer, parts[i].count, 0.25, textured);
         const float *row = first_material(scene)->maps[FATHOM_MAP_COLOR].transform;
         for (int c = 0; c < 3; ++c) assert_near((double)row[c], parts[i].row[c], 1e-7);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -111,14 +107,11 @@ UNIT_TEST(cameras_and_lights_follow_their_pointer) {
     fixture *f = *state;
     fathom_scene *scene = read_animated(f, "/cameras/0/perspective/yfov", 1, 0.5, "{}");
     assert_near(scene->camera.h, 2 * tan(0.25), 1e-7);
-    fathom_scene_destroy(scene);
     scene = read_animated(f, "/extensions/KHR_lights_punctual/lights/0/color", 3, 0.5, "{}");
     for (int c = 0; c < 3; ++c)
         assert_near((double)scene->lights.items[0].intensity[c], 0.5 / 3.14159265358979324, 1e-7);
-    fathom_scene_destroy(scene);
     scene = read_animated(f, "/extensions/KHR_lights_punctual/lights/0/spot/outerConeAngle", 1, 0.5, "{}");
     assert_near((double)scene->lights.items[0].outer_angle, 0.5, 1e-7);
-    fathom_scene_destroy(scene);
 }
 
 /* Two nodes have a mesh; the first is hidden from 1 s to 2 s. */
@@ -131,7 +124,6 @@ UNIT_TEST(nodes_are_seen_while_their_visibility_says_so) {
     for (size_t i = 0; i < sizeof at / sizeof *at; ++i) {
         fathom_scene *scene = read_at(f, at[i][0]);
         assert_int_equal(scene->instances.count, (int)at[i][1]);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -160,7 +152,6 @@ UNIT_TEST(pointers_that_are_not_followed_are_told_by_name) {
         f->told[0] = '\0';
         assert_ok(f->context, read_asked(f, &asked, &scene));
         if (!strstr(f->told, cases[i].told)) fail_msg("%s", f->told);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -183,7 +174,6 @@ UNIT_TEST(only_the_first_animation_of_a_value_is_played) {
     assert_near((double)first_material(scene)->roughness, 0.25, 1e-7);
     assert_int_equal(f->warnings, 1);
     assert_non_null(strstr(f->warning, "an animation that moves what an earlier one moves is left out"));
-    fathom_scene_destroy(scene);
 }
 
 int main(void) { return unit_main_each(set_up, tear_down); }

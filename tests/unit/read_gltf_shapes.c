@@ -81,7 +81,6 @@ static void assert_crowd(fixture *f, int kinds) {
             assert_near((double)height_of(scene, i, k), weight, 0x1p-18);
         }
     }
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(nodes_that_deform_a_mesh_alike_share_it) {
@@ -114,7 +113,6 @@ UNIT_TEST(equal_weights_are_alike_wherever_they_stand) {
     }
     assert_vec(corner(scene, 0, 0, 0), 0, 0, 4, 0);
     assert_vec(corner(scene, 1, 0, 0), 0, 0, 2, 0);
-    fathom_scene_destroy(scene);
 }
 
 /* A target without weight as the shutter opens, and another that never has any. */
@@ -135,7 +133,6 @@ UNIT_TEST(targets_are_told_of_if_they_count_at_any_moment) {
         assert_ok(f->context, read_open(f, open, &scene));
         assert_int_equal(f->warnings, open);
         if (open) assert_non_null(strstr(f->warning, "morph targets of COLOR_0 are ignored (1 such)"));
-        fathom_scene_destroy(scene);
     }
 }
 

@@ -60,7 +60,6 @@ UNIT_TEST(tangents_lie_in_the_surface_and_normals_stand_on_it) {
                                    row_of(mesh->tangents, mesh->tangent_stride, i));
         assert_near(off, 0, 2e-7);
     }
-    fathom_scene_destroy(scene);
 }
 
 /* Where the corners are, the joints say, and the winding the node. Blender has the mesh below the armature,
@@ -87,7 +86,6 @@ UNIT_TEST(joints_mirror_the_surface_and_nodes_the_winding) {
         assert_vec(affine_vector(&map, row_of(mesh->tangents, mesh->tangent_stride, 0)), 0.8, -0.6, 0, 1e-7);
         const double w = (double)((const float *)mesh_row(mesh->tangents, mesh->tangent_stride, 0))[3];
         assert_near(map.m[0][0] * w, cases[i].joints ? 1 : -1, 0);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -105,7 +103,6 @@ UNIT_TEST(joints_that_flatten_hide_their_part) {
         assert_vec(corner(scene, 0, 0, 1), i ? 1 : 0, 0, 0, 0);
         assert_vec(row_of(mesh->normals, mesh->normal_stride, 0), 0.6, 0.8, 0, 1e-7);
         assert_vec(row_of(mesh->tangents, mesh->tangent_stride, 0), 0.8, -0.6, 0, 1e-7);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -133,7 +130,6 @@ UNIT_TEST(nodes_that_flatten_leave_a_surface) {
             assert_vec(row_of(scene->meshes.items[1].normals, scene->meshes.items[1].normal_stride, 0), 0, 0,
                        1, 0);
         }
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -153,7 +149,6 @@ UNIT_TEST(joints_of_no_weight_may_be_any_number) {
     /* Half of joint 1, and three halves of joint 0, of two. */
     assert_vec(placed_corner(scene, 0, 0, 2), 4 * 0.25, 1, 0.5, 1e-6);
     assert_int_equal(f->warnings, 0);
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(vertices_blur_with_their_joints_alone) {
@@ -183,7 +178,6 @@ UNIT_TEST(vertices_blur_with_their_joints_alone) {
     }
     assert_near(mesh->key_times[0], 0.5, 0);
     assert_near(mesh->key_times[mesh->key_count - 1], 1.5, 0);
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(joints_beyond_eight_sets_are_told) {
@@ -196,7 +190,6 @@ UNIT_TEST(joints_beyond_eight_sets_are_told) {
     fathom_scene *scene = read_file(f);
     assert_vec(placed_corner(scene, 0, 0, 1), 5, 0, 0, 1e-6);
     assert_non_null(strstr(f->warning, "joints beyond the first 32 of a vertex are left out"));
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(wrong_skins_are_refused) {

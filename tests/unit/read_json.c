@@ -50,7 +50,6 @@ UNIT_TEST(surroundings) {
     assert_floats(scene->background, (double[]){0.25, 0.5, 7}, 3);
     assert_floats(scene->ambient, (double[]){1, 2, 3}, 3);
     assert_true(scene->has_ambient && scene->has_lights && !scene->has_camera);
-    fathom_scene_destroy(scene);
 }
 
 /* Absent is not the same as empty: only then is the scene completed. */
@@ -61,7 +60,6 @@ UNIT_TEST(absent_parts) {
     assert_false(scene->has_ambient || scene->has_lights || scene->has_camera);
     assert_int_equal(scene->settings.width, defaults.width);
     assert_int_equal(scene->settings.spp, defaults.spp);
-    fathom_scene_destroy(scene);
 }
 
 static fathom_settings settings_of(const char *image) {
@@ -69,7 +67,6 @@ static fathom_settings settings_of(const char *image) {
     snprintf(text, sizeof text, "{\"image\": {%s}, \"lights\": [], \"objects\": []}", image);
     fathom_scene *scene = json_scene_good(&s, text);
     const fathom_settings found = scene->settings;
-    fathom_scene_destroy(scene);
     return found;
 }
 
@@ -95,7 +92,6 @@ static fathom_camera camera_of(const char *camera) {
     fathom_scene *scene = json_scene_good(&s, text);
     assert_true(scene->has_camera);
     fathom_camera out = scene->camera;
-    fathom_scene_destroy(scene);
     return out;
 }
 
@@ -141,7 +137,6 @@ UNIT_TEST(materials) {
     assert_floats(m->k_e, (double[]){4, 5, 6}, 3);
     assert_true(m->shininess == 7 && m->ior == 8 && m->specular == FATHOM_SPECULAR_PHONG);
     assert_true(m->fresnel && m->lit_from_behind);
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(lights) {
@@ -166,7 +161,6 @@ UNIT_TEST(lights) {
     assert_floats((float[]){l[2].inner_angle, l[2].outer_angle}, (double[]){30 * degree, 60 * degree}, 2);
     assert_numbers(l[3].direction, (double[]){1, 0, 0}, 3);
     assert_floats((float[]){l[3].inner_angle, l[3].outer_angle}, (double[]){0, 45 * degree}, 2);
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(shapes) {
@@ -187,7 +181,6 @@ UNIT_TEST(shapes) {
     assert_numbers(plane->point, (double[]){1, 2, 3}, 3);
     assert_numbers(plane->normal, (double[]){0, 5, 0}, 3);
     assert_int_equal(plane->flags, FATHOM_CASTS_NO_SHADOW);
-    fathom_scene_destroy(scene);
 }
 
 #define TRIANGLE "{\"type\": \"triangle\", \"vertices\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]"
@@ -210,7 +203,6 @@ UNIT_TEST(loose_triangles) {
     assert_floats(m[5].normals, (double[]){0, 0, 1, 0, 1, 0, 1, 0, 0}, 9);
     /* In the order of the document. */
     assert_int_equal(scene->objects.items[3].kind, SCENE_SPHERE);
-    fathom_scene_destroy(scene);
 }
 
 #define ARRAYS                                                                                               \
@@ -234,7 +226,6 @@ UNIT_TEST(meshes) {
     assert_floats(m[4].normals, (double[]){1, 0, 0}, 3);
     assert_int_equal(m[5].triangle_count, 1);
     assert_int_equal(m[5].material, 2);
-    fathom_scene_destroy(scene);
 }
 
 /* Smooth shading makes the normals of each vertex key from its positions, unless the key has some. */
@@ -264,7 +255,6 @@ UNIT_TEST(vertex_keys) {
         }
     }
     assert_null(m[2].key_normals);
-    fathom_scene_destroy(scene);
 }
 
 /* Far out the float vertices are counted from nearby, so that a millimetre at 1e7 metres is still there. */
@@ -280,7 +270,6 @@ UNIT_TEST(far_mesh) {
                         0x1p-25 + 1e7 * 0x1p-53);
         }
     }
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(generated) {
@@ -290,7 +279,6 @@ UNIT_TEST(generated) {
     assert_true(scene->meshes.count == 1 && scene->meshes.items[0].triangle_count > 100);
     assert_int_equal(scene->meshes.items[0].material, 1);
     assert_int_equal(scene->meshes.items[0].flags, FATHOM_CASTS_NO_SHADOW);
-    fathom_scene_destroy(scene);
 }
 
 /* ---- placement ---- */
@@ -306,7 +294,6 @@ static vec3_f64 landed(const char *placement, vec3_f64 p) {
     assert_int_not_equal(scene->objects.items[0].group, FATHOM_ROOT);
     affine_f64 map;
     affine_load(&map, scene->instances.items[0].transform);
-    fathom_scene_destroy(scene);
     return affine_point(&map, p);
 }
 
@@ -352,15 +339,12 @@ UNIT_TEST(groups) {
     }
     const fathom_id homes[] = {2, 3, 4};
     for (size_t i = 0; i < 3; ++i) assert_int_equal(scene->objects.items[i].group, homes[i]);
-    fathom_scene_destroy(scene);
 }
 
 /* The published example is read, complete, and passes the scene's own checks. */
 UNIT_TEST(example) {
-    fathom_scene *scene;
-    assert_ok(s.context, fathom_scene_read(s.context, SOURCE_DIR "/scenes/example.json", &scene));
+    fathom_scene *scene = scene_of_file(s.context, SOURCE_DIR "/scenes/example.json");
     assert_true(scene->has_camera && scene->has_lights && scene->meshes.count >= 4);
-    fathom_scene_destroy(scene);
 }
 
 /* Any file will do: what is in it is looked at before rendering. */
@@ -393,7 +377,6 @@ UNIT_TEST(textures) {
     assert_int_equal(t[n[FATHOM_MAP_COLOR].texture].color_space, FATHOM_COLOR_LINEAR);
     assert_int_equal(t[n[FATHOM_MAP_EMISSIVE].texture].color_space, FATHOM_COLOR_NAMED);
     assert_string_equal(t[n[FATHOM_MAP_EMISSIVE].texture].color_space_name, "ACEScg");
-    fathom_scene_destroy(scene);
     json_scene_bad(&s, "{\"materials\": {\"m\": {\"kdTexture\": {\"file\": \"no.png\"}}}, \"objects\": []}",
                    "materials.m.kdTexture.file");
 }
@@ -418,7 +401,6 @@ UNIT_TEST(light_groups_of_every_source) {
     for (int i = 0; i < 6; ++i) assert_string_equal(scene->light_groups.names[found[i]], expected[i]);
     assert_int_equal(groups.of[FATHOM_SOURCE_LIGHT][1], 0);
     light_groups_destroy(&groups);
-    fathom_scene_destroy(scene);
 }
 
 int main(void) { return unit_main(setup, teardown); }

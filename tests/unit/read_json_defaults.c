@@ -110,10 +110,8 @@ static size_t try_defaults(json_scene *s, json_t *schema, json_t *form, const ch
                  at[-1] == '{' ? extra + 1 : extra, at + 1);
         fathom_scene *with = json_scene_good(s, text);
         same_scene(without, with);
-        fathom_scene_destroy(with);
         ++tried;
     }
-    fathom_scene_destroy(without);
     return tried;
 }
 

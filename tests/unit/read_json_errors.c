@@ -31,7 +31,7 @@ static const char whole[] =
     "  ]\n"                                                                                           /* 27 */
     "}\n";                                                                                            /* 28 */
 
-UNIT_TEST(the_whole_is_good) { fathom_scene_destroy(json_scene_good(&s, whole)); }
+UNIT_TEST(the_whole_is_good) { json_scene_good(&s, whole); }
 
 /* `whole` with the first `from` replaced is refused at this line and place. */
 static void assert_refused(const char *from, const char *to, unsigned line, const char *message) {
@@ -109,7 +109,7 @@ UNIT_TEST(syntax) {
                  "scene.json: the file is empty");
     assert_fails(s.context, json_scene_read(&s, "{\0}", 3, &scene), FATHOM_BAD_INPUT, "scene.json:1:");
     json_scene_bad(&s, "\xEF\xBB\xBF{\"objects\": 3}", "scene.json:1: objects: expected an array, found 3");
-    fathom_scene_destroy(json_scene_good(&s, "\xEF\xBB\xBF{\"objects\": []}"));
+    json_scene_good(&s, "\xEF\xBB\xBF{\"objects\": []}");
 }
 
 /* Numbers mean the same however they are written. */
@@ -120,7 +120,6 @@ UNIT_TEST(numbers) {
                             "\"radius\": 1E+300}]}");
     assert_true(scene->settings.width == 400 && scene->settings.height == 300 && scene->settings.spp == 4);
     assert_true(scene->spheres.items[0].center[0] == 1e23 && scene->spheres.items[0].radius == 1e300);
-    fathom_scene_destroy(scene);
 }
 
 /* A nest of `depth` groups around a sphere; NULL-terminated text, to be freed. */
@@ -141,7 +140,6 @@ UNIT_TEST(deep_nests) {
     char *text = nest(512);
     fathom_scene *scene = json_scene_good(&s, text);
     assert_int_equal(scene->instances.count, 512);
-    fathom_scene_destroy(scene);
     free(text);
     text = nest(513);
     json_scene_bad(&s, text, "children are nested more than 512 levels");
@@ -160,7 +158,7 @@ UNIT_TEST(long_chains) {
         end += sprintf(end, "%s\"g%zu\":[{\"type\":\"instance\",\"of\":\"g%zu\"}]", i ? "," : "", i, i + 1);
     char *last = end;
     end += sprintf(end, ",\"g%zu\":[]},\"objects\":[]}", count);
-    fathom_scene_destroy(json_scene_good(&s, text));
+    json_scene_good(&s, text);
     sprintf(last, ",\"g%zu\":[{\"type\":\"instance\",\"of\":\"g0\"}]},\"objects\":[]}", count);
     json_scene_bad(&s, text, "scene.json:1: groups: groups contain each other in a cycle");
     free(text);
@@ -216,10 +214,10 @@ UNIT_TEST(mutations) {
         memcpy(text, whole, sizeof whole);
         size_t size = mutate(text, sizeof whole - 1, &random);
         fathom_scene *scene;
+        unit_end_things(0);
         fathom_status status = json_scene_read(&s, text, size, &scene);
         if (status == FATHOM_OK) {
             ++read;
-            fathom_scene_destroy(scene);
             continue;
         }
         ++refused;

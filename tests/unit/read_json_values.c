@@ -18,7 +18,6 @@ UNIT_TEST(loose_triangles_keep_their_own_names) {
                      names[i] ? names[i] : "");
     }
     assert_int_equal(scene->meshes.items[0].triangle_count, 2);
-    fathom_scene_destroy(scene);
 }
 
 /* The radius is focalLength / (2 fStop), and the focus is at the target unless a distance is given. */
@@ -36,7 +35,6 @@ UNIT_TEST(lenses_follow_f_stops) {
         fathom_scene *scene = json_scene_good(&s, text);
         assert_true(scene->camera.lens_radius == 0.125);
         assert_true(scene->camera.focus_distance == cases[i].distance);
-        fathom_scene_destroy(scene);
     }
     json_scene_bad(&s,
                    "{\"camera\": {\"frame\": {\"origin\": [0, 0, 5], \"z\": [0, 0, 1]}, \"focalLength\": 1, "
@@ -60,7 +58,6 @@ UNIT_TEST(units_of_lights_are_pi_times_intensities) {
         for (size_t c = 0; c < 2; ++c)
             assert_near(scene->lights.items[i].intensity[c], expected[i][c] / 3.14159265358979324, 0x1p-24);
     }
-    fathom_scene_destroy(scene);
 }
 
 /* One key is a place: at any time, and for the camera as well. */
@@ -82,7 +79,6 @@ UNIT_TEST(motion_of_one_key_is_a_place) {
     }
     assert_false(motion_is_moving(it, (double[2]){0, 10}));
     assert_false(motion_camera_moves(&scene->camera));
-    fathom_scene_destroy(scene);
 }
 
 /* Colours, opacities, both uvs and tangents, each from its own list, with the key that moves them. */
@@ -106,7 +102,6 @@ UNIT_TEST(arrays_of_moving_meshes_stay_apart) {
         assert_true(m->normals[3 * i + 2] == 1 && m->key_normals[3 * i + 2] == -1);
         assert_true(m->key_positions[3 * i] == (i == 2) && m->key_positions[3 * i + 1] == (i == 1));
     }
-    fathom_scene_destroy(scene);
 }
 
 /* A file that is right by itself is right for another integrator: what it says of samples stays, and what it
@@ -140,12 +135,12 @@ UNIT_TEST(files_suit_the_integrator_asked_for) {
         snprintf(text, sizeof text, "{\"image\": {%s}, \"objects\": [" TRIANGLE("") "]}", cases[i].image);
         unit_write_file(s.file, text, strlen(text));
         assert_ok(s.context, fathom_scene_read_with(s.context, s.file, &asked, &scene));
+        own_scene(scene);
         const fathom_settings *found = &scene->settings;
         if (found->spp != cases[i].spp || found->target_error != cases[i].target_error ||
             found->pattern != cases[i].pattern)
             fail_msg("{%s}: spp %u, error %g, pattern %d", cases[i].image, found->spp, found->target_error,
                      (int)found->pattern);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -178,7 +173,6 @@ UNIT_TEST(positions_beside_keys_show_nowhere) {
         assert_int_equal(scenes[i]->lights.count, scenes[0]->lights.count);
     }
     assert_false(scenes[0]->in_studio);
-    for (size_t i = 0; i < 3; ++i) fathom_scene_destroy(scenes[i]);
 }
 
 int main(void) { return unit_main(setup, teardown); }

@@ -12,7 +12,6 @@ static fathom_material material_of(const char *body) {
     const read_mesh_options options = {.material = FATHOM_NONE};
     fathom_scene *scene = mesh_read(read_obj, mesh_write("m.obj", faces, strlen(faces)), options);
     const fathom_material out = scene->materials.items[mesh_at(scene, 0)->material].value;
-    fathom_scene_destroy(scene);
     return out;
 }
 

@@ -88,12 +88,9 @@ UNIT_TEST(truncation_anywhere_does_no_harm) {
     for (size_t size = 1; size < sizeof text; ++size) {
         fathom_status status;
         mesh_write("m.mtl", mtl, 1 + size % (sizeof mtl - 1));
-        fathom_scene *scene = mesh_try(read_obj, mesh_write("a.obj", text, size), plain, &status);
+        mesh_try(read_obj, mesh_write("a.obj", text, size), plain, &status);
         assert_true(status == FATHOM_OK || status == FATHOM_BAD_INPUT);
-        if (status == FATHOM_OK)
-            fathom_scene_destroy(scene);
-        else
-            assert_non_null(strstr(fathom_context_message(context), folder));
+        if (status != FATHOM_OK) assert_non_null(strstr(fathom_context_message(context), folder));
     }
 }
 

@@ -91,7 +91,6 @@ UNIT_TEST(pieces_count_on_from_those_before) {
     for (int quad = 0; quad < QUADS; ++quad) {
         if (found[quad] != (is_lost(quad) ? 0 : 2)) fail_msg("quad %d has %u triangles", quad, found[quad]);
     }
-    fathom_scene_destroy(scene);
     free(text);
 }
 

@@ -29,7 +29,7 @@ UNIT_TEST(by_extension) {
 UNIT_TEST(bare_model) {
     fathom_scene *scene;
     const char *path = mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID));
-    assert_ok(context, fathom_scene_read(context, path, &scene));
+    scene = scene_of_file(context, path);
     assert_string_equal(scene->name, "thing.v2");
     assert_true(scene->lights.count > 0);
     for (uint32_t i = 0; i < 4; ++i) {
@@ -39,7 +39,6 @@ UNIT_TEST(bare_model) {
         assert_true(depth > 0);
         assert_true(fabs(dot_f64(p, load_f64(c->y))) * c->d <= depth * 0.5 * c->h);
     }
-    fathom_scene_destroy(scene);
 }
 
 /* By as many of the last parts of its name as lead to one; of Windows, too. */
@@ -50,7 +49,7 @@ UNIT_TEST(images_of_another_computer_are_found) {
     snprintf(wall, sizeof wall, "%s", in_folder("Maps/Wall.png"));
     snprintf(base, sizeof base, "%s", in_folder("a.mtl"));
     unit_write_file(wall, "x", 1);
-    assert_ok(context, fathom_scene_create(context, &scene));
+    scene = new_scene(context);
     scene->top = base;
     static const char *const found[] = {"Maps/Wall.png", "maps\\wall.PNG",
                                         "C:\\my models\\house\\MAPS\\wall.png",
@@ -69,7 +68,6 @@ UNIT_TEST(images_of_another_computer_are_found) {
         assert_null(path);
     }
     scene->top = NULL;
-    fathom_scene_destroy(scene);
     assert_int_equal(unlink(wall) | rmdir(in_folder("Maps")), 0);
 }
 
@@ -125,9 +123,8 @@ UNIT_TEST(the_camera_fits_the_size_asked_for) {
 static uint32_t spp_of(const char *path) {
     fathom_scene *scene;
     fathom_settings settings;
-    assert_ok(context, fathom_scene_read(context, path, &scene));
+    scene = scene_of_file(context, path);
     fathom_scene_settings(scene, &settings);
-    fathom_scene_destroy(scene);
     return settings.spp;
 }
 
@@ -159,13 +156,12 @@ UNIT_TEST(scene_files_shape_their_image) {
                  cases[i].image);
         fathom_scene *scene;
         mesh_warnings[0] = '\0';
-        assert_ok(context, fathom_scene_read(context, mesh_write("a.json", json, strlen(json)), &scene));
+        scene = scene_of_file(context, mesh_write("a.json", json, strlen(json)));
         assert_int_equal(scene->settings.width, cases[i].width);
         assert_int_equal(scene->settings.height, cases[i].height);
         assert_near(scene->camera.w, 2, 0);
         if (cases[i].warning ? !strstr(mesh_warnings, cases[i].warning) : mesh_warnings[0] != '\0')
             fail_msg("%s: \"%s\"", cases[i].image, mesh_warnings);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -175,7 +171,6 @@ UNIT_TEST(meshes) {
     const read_mesh_options options = {.material = FATHOM_NONE};
     fathom_scene *scene = mesh_read(read_mesh, mesh_write("a.OBJ", PYRAMID, strlen(PYRAMID)), options);
     assert_int_equal(mesh_at(scene, 0)->triangle_count, 4);
-    fathom_scene_destroy(scene);
     assert_null(mesh_try(read_mesh, mesh_write("a.json", "{}", 2), options, &status));
     assert_fails(context, status, FATHOM_BAD_INPUT,
                  "the extension .json is not known; expected .obj, .ply, .gltf or .glb");

@@ -15,7 +15,7 @@ static fathom_film *rendered(stage *s, const char *spec, fathom_stats *stats) {
     settings.width = 48, settings.height = 32, settings.tracer = spec;
     fathom_film *film;
     assert_ok(s->context, fathom_render(s->context, s->scene, &settings, NULL, NULL, stats, &film));
-    return film;
+    return own_film(film);
 }
 
 UNIT_TEST(words_choose_the_tracer) {
@@ -33,10 +33,8 @@ UNIT_TEST(words_choose_the_tracer) {
         assert_memory_equal(fathom_film_channel(linear, channels[c]), fathom_film_channel(bvh, channels[c]),
                             bytes);
     }
-    fathom_film_destroy(linear), fathom_film_destroy(bvh);
-    fathom_film_destroy(rendered(&s, NULL, &stats));
+    rendered(&s, NULL, &stats);
     assert_int_equal(strncmp(stats.tracer, "Embree", 6), 0);
-    stage_close(&s);
 }
 
 UNIT_TEST(wrong_words_are_refused) {
@@ -50,7 +48,6 @@ UNIT_TEST(wrong_words_are_refused) {
     assert_fails(s.context, fathom_render(s.context, s.scene, &settings, NULL, NULL, NULL, &film),
                  FATHOM_BAD_USAGE, "found \"cuda\"");
     assert_null(film);
-    stage_close(&s);
 }
 
 /* The scene keeps a copy, also when it is given its own text again. */
@@ -74,7 +71,6 @@ UNIT_TEST(the_scene_copies_the_words) {
     assert_ok(s.context, fathom_scene_set_settings(s.scene, &settings));
     fathom_scene_settings(s.scene, &settings);
     assert_null(settings.tracer);
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

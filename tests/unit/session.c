@@ -39,8 +39,6 @@ UNIT_TEST(a_session_renders_what_a_call_renders) {
     assert_true(stats.samples == 16 * SIDE * SIDE);
     assert_same_pixels(found, expected);
     fathom_film_destroy(found);
-    fathom_film_destroy(expected);
-    stage_close(&s);
 }
 
 /* A pixel of the snapshot has all its samples, and is the film's, or it has none. */
@@ -94,8 +92,6 @@ UNIT_TEST(finished_pixels_of_a_snapshot_are_those_of_the_film) {
     s.settings.tracer = "linear:f64";
     fathom_film *expected = stage_render(&s);
     assert_int_equal(watch(&s, 0.005, check_snapshot, expected), SIDE * SIDE);
-    fathom_film_destroy(expected);
-    stage_close(&s);
 }
 
 UNIT_TEST(snapshots_of_adaptive_renders_gain_samples) {
@@ -104,7 +100,6 @@ UNIT_TEST(snapshots_of_adaptive_renders_gain_samples) {
     s.settings.pattern = FATHOM_PATTERN_SOBOL;
     s.settings.spp = 1024, s.settings.target_error = 0.001;
     assert_true(watch(&s, 0.01, count_samples, NULL) > 0);
-    stage_close(&s);
 }
 
 UNIT_TEST(a_stopped_session_is_interrupted) {
@@ -121,7 +116,6 @@ UNIT_TEST(a_stopped_session_is_interrupted) {
     assert_int_equal(fathom_session_finish(session, &stats, &film), FATHOM_INTERRUPTED);
     assert_true(stats.finished < 1);
     fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* The times are added to the clock's, and no sum may overflow. */
@@ -137,7 +131,6 @@ UNIT_TEST(waits_without_limit_end_with_the_session) {
         assert_ok(s.context, fathom_session_finish(session, NULL, &film));
         fathom_film_destroy(film);
     }
-    stage_close(&s);
 }
 
 UNIT_TEST(what_is_wrong_is_said_at_the_end) {
@@ -152,7 +145,6 @@ UNIT_TEST(what_is_wrong_is_said_at_the_end) {
     assert_fails(s.context, fathom_session_start(s.context, NULL, &s.settings, NULL, &session),
                  FATHOM_BAD_USAGE, "scene");
     assert_fails(s.context, fathom_session_snapshot(s.context, NULL, &film), FATHOM_BAD_USAGE, "session");
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -86,8 +86,6 @@ UNIT_TEST(older_settings_render_the_same) {
     fathom_scene_settings(s.scene, &now);
     assert_true(now.width == 32 && now.block_width == 16 && now.size == sizeof now);
     fathom_film_destroy(film);
-    fathom_film_destroy(expected);
-    stage_close(&s);
 }
 
 UNIT_TEST(settings_by_name_stay_within_the_struct) {
@@ -102,7 +100,6 @@ UNIT_TEST(settings_by_name_stay_within_the_struct) {
     assert_true(is_untouched(&older, older.size, sizeof older));
     assert_fails(s.context, fathom_settings_set_text(s.context, &older, "block_width", "8"), FATHOM_BAD_USAGE,
                  "there is no \"block_width\"");
-    stage_close(&s);
 }
 
 UNIT_TEST(results_end_where_the_struct_of_the_caller_does) {
@@ -119,8 +116,6 @@ UNIT_TEST(results_end_where_the_struct_of_the_caller_does) {
     assert_ok(s.context, fathom_build_info(&build));
     assert_string_equal(build.version, fathom_version());
     assert_true(is_untouched(&build, build.size, sizeof build));
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 UNIT_TEST(older_parts_of_a_scene_have_the_defaults_of_later_members) {
@@ -141,7 +136,6 @@ UNIT_TEST(older_parts_of_a_scene_have_the_defaults_of_later_members) {
     sphere.material = 99; /* past the end of what is given */
     assert_ok(s.context, fathom_scene_add_sphere_sized(s.scene, FATHOM_ROOT, &sphere,
                                                        UP_TO(fathom_sphere, material), NULL));
-    stage_close(&s);
 }
 
 UNIT_TEST(a_forgotten_size_is_named) {
@@ -185,8 +179,6 @@ UNIT_TEST(a_forgotten_size_is_named) {
     assert_int_equal(fathom_film_brightness(film, 0, &(fathom_brightness){.size = 0}), FATHOM_BAD_USAGE);
     assert_int_equal(fathom_build_info(&(fathom_build){.size = 0}), FATHOM_BAD_USAGE);
     assert_int_equal(fathom_scene_framing(s.scene, &(fathom_framing){.size = 0}), FATHOM_BAD_USAGE);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* The caller's header is newer than the library: members that it sets would be lost. */
@@ -204,7 +196,6 @@ UNIT_TEST(a_size_beyond_this_version_is_refused) {
     fathom_light_default(&later.light);
     assert_fails(s.context, fathom_scene_add_light_sized(s.scene, &later.light, sizeof later, NULL),
                  FATHOM_BAD_USAGE, "at most the");
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -11,7 +11,7 @@ static stage open_with(double radius, double z) {
     stage s;
     stage_open(&s);
     add_sphere(&s, FATHOM_ROOT, 0, 0, z, radius, 0);
-    assert_ok(s.context, world_create(s.scene, &s.world));
+    stage_world(&s);
     return s;
 }
 
@@ -34,7 +34,6 @@ UNIT_TEST(kept_where_it_shows) {
             assert_near(world_sphere_radius(sphere), cases[i].radius, 0x1p-48 * cases[i].radius);
             assert_near(world_sphere_center(sphere).z, cases[i].z, 0x1p-48 * cases[i].radius);
         }
-        stage_close(&s);
     }
 }
 
@@ -50,7 +49,6 @@ UNIT_TEST(the_oracle_takes_all_of_it) {
     along.org.z = 0x1p-100f;
     oracle_ask(&along, &p, &a);
     assert_false(a.hit);
-    stage_close(&s);
 }
 
 /* What lies nearer than the roundings of a planet in double, 16 2^-53 R, is no one's; what is farther is
@@ -85,10 +83,8 @@ UNIT_TEST(all_tracers_meet_it_where_it_is) {
         }
         free(any);
         free(hits.blocks);
-        trace_destroy(tracer);
     }
     free(rays.blocks);
-    stage_close(&s);
 }
 
 UNIT_TEST(rays_of_ones_own) {
@@ -109,7 +105,6 @@ UNIT_TEST(rays_of_ones_own) {
         assert_true(isinf(hit.t));
         fathom_tracer_destroy(tracer);
     }
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -1,6 +1,7 @@
 /* The studio, which lights models that bring no light. */
 #include "light/studio.h"
 #include "light/environment.h"
+#include "owned.h"
 #include "random.h"
 #include "scene/camera/camera.h"
 #include "unit_folder.h"
@@ -58,7 +59,7 @@ static fathom_scene *open_ball(void) {
     fathom_scene *scene;
     fathom_sphere ball;
     fathom_sphere_default(&ball);
-    assert_ok(context, fathom_scene_create(context, &scene));
+    scene = new_scene(context);
     assert_ok(context, fathom_scene_add_sphere(scene, 0, &ball, NULL));
     return scene;
 }
@@ -89,12 +90,10 @@ UNIT_TEST(a_background_alone_lights_a_model_without_lights) {
     assert_ok(context, fathom_scene_set_background(scene, sky));
     assert_ok(context, fathom_scene_complete(scene));
     before = mean_of(scene);
-    fathom_scene_destroy(scene);
     scene = open_ball();
     assert_ok(context, fathom_scene_complete(scene));
     assert_ok(context, fathom_scene_set_background(scene, sky));
     after = mean_of(scene);
-    fathom_scene_destroy(scene);
     assert_float_equal(after, before, 0);
 }
 
@@ -106,13 +105,11 @@ UNIT_TEST(only_models_without_light_stand_in_it) {
     assert_true(lit > 0.1f && lit < 1);
     assert_ok(context, fathom_scene_set_background(scene, (float[3]){0, 0, 0}));
     assert_true(mean_of(scene) < lit / 2);
-    fathom_scene_destroy(scene);
 
     scene = open_ball();
     assert_ok(context, fathom_scene_set_background(scene, (float[3]){0, 0, 0}));
     assert_ok(context, fathom_scene_complete(scene));
     assert_true(mean_of(scene) < lit / 2);
-    fathom_scene_destroy(scene);
 }
 
 /* A light, a background and a camera that follow complete() replace its own, in the image and in files. */
@@ -130,14 +127,12 @@ UNIT_TEST(what_is_added_later_replaces_what_was_made) {
         assert_ok(context, fathom_scene_set_background(scene, (float[3]){0.1f, 0.2f, 0.3f}));
         assert_ok(context, fathom_scene_set_camera(scene, &camera));
         seen[later] = look(scene, &behind[later]);
-        if (!later) fathom_scene_destroy(scene);
     }
     assert_ok(context, fathom_scene_write(scene, in_folder("later.json")));
-    assert_ok(context, fathom_scene_read(context, in_folder("later.json"), &again));
+    again = scene_of_file(context, in_folder("later.json"));
     seen[2] = look(again, &behind[2]);
     for (int i = 1; i < 3; ++i) assert_true(seen[i] == seen[0] && behind[i] == behind[0]);
     remove(in_folder("later.json"));
-    fathom_scene_destroy(scene), fathom_scene_destroy(again);
 }
 
 /* Behind a ball with an emission of 1, which an image may scale by 0. */
@@ -149,7 +144,7 @@ static float wall_behind_emissive(bool image) {
     fathom_material m;
     fathom_sphere_default(&ball);
     fathom_material_default(&m);
-    assert_ok(context, fathom_scene_create(context, &scene));
+    scene = new_scene(context);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.emissive[0] = m.emissive[1] = m.emissive[2] = 1;
     if (image)
@@ -159,7 +154,6 @@ static float wall_behind_emissive(bool image) {
     assert_ok(context, fathom_scene_complete(scene));
     float corner;
     look(scene, &corner);
-    fathom_scene_destroy(scene);
     return corner;
 }
 
@@ -208,8 +202,7 @@ static void add_wall(fathom_scene *scene, vec3_f64 c, vec3_f64 u, vec3_f64 v, fa
 
 /* A room of edge s, open at the front, with a lamp of a tenth of its ceiling in the middle of it. */
 static bool room_has_studio(double s, float radiance) {
-    fathom_scene *scene;
-    assert_ok(context, fathom_scene_create(context, &scene));
+    fathom_scene *scene = new_scene(context);
     const fathom_id lamp = add_emission(scene, radiance);
     const vec3_f64 x = {s, 0, 0}, y = {0, s, 0}, z = {0, 0, s}, o = {0, 0, 0};
     const double part = sqrt(0.1);
@@ -222,7 +215,6 @@ static bool room_has_studio(double s, float radiance) {
              scale_f64(part, z), lamp);
     assert_ok(context, fathom_scene_complete(scene));
     const bool out = scene->in_studio;
-    fathom_scene_destroy(scene);
     return out;
 }
 
@@ -248,13 +240,12 @@ static bool floor_leaves_studio(float specular, float radiance) {
     fathom_material_default(&m);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.specular_factor = specular;
     for (int c = 0; c < 3; ++c) m.base_color[c] = 0, m.emissive[c] = radiance;
-    assert_ok(context, fathom_scene_create(context, &scene));
+    scene = new_scene(context);
     assert_ok(context, fathom_scene_add_material(scene, "m", &m, &id));
     add_wall(scene, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 0, 1), id);
     add_wall(scene, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 1, 0), 0);
     assert_ok(context, fathom_scene_complete(scene));
     const bool out = scene->in_studio;
-    fathom_scene_destroy(scene);
     return out;
 }
 
@@ -276,7 +267,7 @@ static fathom_scene *open_telephone(float radiance, bool before_wall) {
     fathom_mesh mesh;
     fathom_instance instance;
     fathom_instance_default(&instance);
-    assert_ok(context, fathom_scene_create(context, &scene));
+    scene = new_scene(context);
     assert_ok(context, fathom_scene_add_group(scene, "telephone", &instance.group));
     fathom_mesh_default(&mesh);
     mesh.positions = corners[0], mesh.vertex_count = 8;
@@ -297,10 +288,8 @@ UNIT_TEST(a_display_lights_what_it_faces_alone) {
     assert_ok(context, scene_measure_lamps(scene, &irradiance));
     assert_near(irradiance, 0, 0);
     assert_true(scene->in_studio);
-    fathom_scene_destroy(scene);
     scene = open_telephone(1000, true);
     assert_false(scene->in_studio);
-    fathom_scene_destroy(scene);
 }
 
 /* A ball with a bright bead next to it: seen from the bead, the horizon at cos a = 1 / 1.1 cuts a cap of
@@ -310,7 +299,7 @@ UNIT_TEST(a_bright_part_alone_lights_no_model) {
     for (int lamp = 0; lamp < 2; ++lamp) {
         fathom_scene *scene;
         fathom_sphere ball;
-        assert_ok(context, fathom_scene_create(context, &scene));
+        scene = new_scene(context);
         fathom_sphere_default(&ball);
         ball.radius = 1;
         assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &ball, NULL));
@@ -319,7 +308,6 @@ UNIT_TEST(a_bright_part_alone_lights_no_model) {
         assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &ball, NULL));
         assert_ok(context, fathom_scene_complete(scene));
         assert_true(scene->in_studio == !lamp);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -332,7 +320,7 @@ UNIT_TEST(a_room_is_lit_for_whoever_stands_in_it) {
         fathom_scene *scene;
         fathom_mesh mesh;
         fathom_camera camera;
-        assert_ok(context, fathom_scene_create(context, &scene));
+        scene = new_scene(context);
         fathom_mesh_default(&mesh);
         mesh.positions = corners[0], mesh.vertex_count = 8;
         mesh.indices = slab, mesh.triangle_count = 12;
@@ -344,7 +332,6 @@ UNIT_TEST(a_room_is_lit_for_whoever_stands_in_it) {
         assert_ok(context, fathom_scene_set_camera(scene, &camera));
         assert_ok(context, fathom_scene_complete(scene));
         assert_true(scene->in_studio == !inside);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -353,7 +340,7 @@ UNIT_TEST(a_lamp_over_a_plane_lights_it) {
     for (int lamp = 0; lamp < 2; ++lamp) {
         fathom_scene *scene;
         fathom_plane plane;
-        assert_ok(context, fathom_scene_create(context, &scene));
+        scene = new_scene(context);
         fathom_plane_default(&plane);
         plane.normal[1] = 1;
         assert_ok(context, fathom_scene_add_plane(scene, FATHOM_ROOT, &plane, NULL));
@@ -361,7 +348,6 @@ UNIT_TEST(a_lamp_over_a_plane_lights_it) {
                  lamp ? add_emission(scene, 0.01f) : 0);
         assert_ok(context, fathom_scene_complete(scene));
         assert_true(scene->in_studio == !lamp);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -372,14 +358,13 @@ UNIT_TEST(irradiance_of_small_squares_has_a_closed_form) {
     for (int tilted = 0; tilted < 2; ++tilted) {
         fathom_scene *scene;
         double irradiance;
-        assert_ok(context, fathom_scene_create(context, &scene));
+        scene = new_scene(context);
         add_wall(scene, vec_f64(0, 0, 0), vec_f64(edge, 0, 0), vec_f64(0, edge, 0), add_emission(scene, 3));
         add_wall(scene, vec_f64(0, 0, 1), vec_f64(edge, 0, 0),
                  vec_f64(0, edge * (tilted ? 0.5 : 1), tilted ? edge * slope : 0), 0);
         assert_ok(context, scene_measure_lamps(scene, &irradiance));
         assert_near(irradiance, 3 * edge * edge * (tilted ? 0.5 : 1),
                     (tilted ? 0.03 : 3e-4) * 3 * edge * edge);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -387,8 +372,7 @@ UNIT_TEST(irradiance_of_small_squares_has_a_closed_form) {
 UNIT_TEST(irradiance_is_that_of_what_covers) {
     double irradiance[2];
     for (int half = 0; half < 2; ++half) {
-        fathom_scene *scene;
-        assert_ok(context, fathom_scene_create(context, &scene));
+        fathom_scene *scene = new_scene(context);
         const fathom_id emission = add_emission(scene, 3);
         fathom_material *m = &scene->materials.items[emission].value;
         *m = (fathom_material){.model = FATHOM_MODEL_METALLIC_ROUGHNESS, .emissive = {3, 3, 3}};
@@ -397,7 +381,6 @@ UNIT_TEST(irradiance_is_that_of_what_covers) {
         add_wall(scene, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 1, 0), emission);
         add_wall(scene, vec_f64(0, 0, 1), vec_f64(1, 0, 0), vec_f64(0, 1, 0), 0);
         assert_ok(context, scene_measure_lamps(scene, &irradiance[half]));
-        fathom_scene_destroy(scene);
     }
     assert_true(irradiance[0] > 0 && irradiance[1] == irradiance[0] / 2);
 }
@@ -420,7 +403,6 @@ UNIT_TEST(errors_know_how_bright_it_is) {
     assert_true((double)fathom_film_channel(film, "error.G")[middle] > share * 4 / 2.1);
     assert_true((double)fathom_film_channel(film, "error.G")[middle] < share * 6 / 2.0);
     fathom_film_destroy(film);
-    fathom_scene_destroy(scene);
 }
 
 int main(void) { return unit_main(open_folder, remove_folder); }

@@ -1,4 +1,5 @@
 /* Models without a camera stand on the floor of the studio, or on a plate in an image of the sky. */
+#include "owned.h"
 #include "scene/scene.h"
 #include "unit_folder.h"
 
@@ -28,7 +29,7 @@ static int remove_model(void **state) {
 static fathom_scene *read_model(void) {
     fathom_scene *scene;
     assert_ok(context, fathom_scene_read_with(context, in_folder("rod.obj"), &options, &scene));
-    return scene;
+    return own_scene(scene);
 }
 
 static bool has(const fathom_scene *scene, const char *name) {
@@ -56,7 +57,6 @@ static void the_lowest_point_touches_it(void **state) {
         for (size_t i = 0; i < floor->vertex_count; ++i)
             level = fmin(level, floor->origin[1 + z] + (double)mesh_vertex(floor, i)[1 + z]);
         assert_true(fabs(lowest - level - 0x1p-10 * radius) < 64 * 0x1p-24 * radius);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -76,7 +76,6 @@ static void the_image_shows_nothing_beyond_it(void **state) {
         const float *alpha = fathom_film_channel(film, "A");
         for (uint32_t i = 0; i < s.width * s.height; ++i) assert_true(alpha[i] == 1);
         fathom_film_destroy(film);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -103,13 +102,11 @@ static void the_plate_fades(void **state) {
         if (away > 1.1 && away < 2.1) assert_true(opacity > 0 && opacity < 1);
     }
     assert_true(whole && none && between);
-    fathom_scene_destroy(scene);
 }
 
 static void assert_floorless(void) {
     fathom_scene *scene = read_model();
     assert_false(has_floor(scene));
-    fathom_scene_destroy(scene);
 }
 
 static void only_whoever_asks_gets_one(void **state) {

@@ -56,8 +56,8 @@ static void survey_one(float size, unsigned odd, uint32_t triangles, uint64_t ke
     stage s;
     stage_open(&s);
     random_state random = {key};
-    float *p = stage_memory(&s, sizeof(float) * (3 * VERTICES + 4));
-    uint32_t *t = stage_memory(&s, sizeof(uint32_t) * 3 * triangles);
+    float *p = stage_memory(sizeof(float) * (3 * VERTICES + 4));
+    uint32_t *t = stage_memory(sizeof(uint32_t) * 3 * triangles);
     for (uint32_t i = 0; i < 3 * VERTICES + 3; ++i) p[i] = coordinate(&random, size);
     for (uint32_t i = 0; i < VERTICES; i += 3) place_on_line(&random, exp2f(rintf(log2f(size))), p + 3 * i);
     for (uint32_t i = 0; i < 3 * triangles; ++i) t[i] = (uint32_t)(random_bits(&random) % VERTICES);
@@ -66,7 +66,7 @@ static void survey_one(float size, unsigned odd, uint32_t triangles, uint64_t ke
     mesh.positions = p, mesh.vertex_count = VERTICES + key % 2; /* the last named by some, or by none */
     mesh.indices = t, mesh.triangle_count = triangles;
     assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
-    assert_ok(s.context, world_create(s.scene, &s.world));
+    stage_world(&s);
     static const float oddities[] = {NAN, INFINITY, -INFINITY, 1e18f, -3e38f};
     for (unsigned k = 0; k < odd; ++k) p[random_bits(&random) % (3 * VERTICES)] = oddities[k % 5];
     assert_ok(s.context, world_survey(s.world));
@@ -74,7 +74,6 @@ static void survey_one(float size, unsigned odd, uint32_t triangles, uint64_t ke
     assert_int_equal(s.world->degenerate_triangles, expected.flat);
     assert_int_equal(s.world->beyond_reach, expected.beyond);
     assert_true(s.world->geometries.items[0].largest == expected.largest);
-    stage_close(&s);
 }
 
 UNIT_TEST(triangles_are_counted_as_defined) {
@@ -94,7 +93,7 @@ UNIT_TEST(bounds_hold_every_vertex) {
         stage_open(&s);
         random_state random = {count};
         size_t numbers = count % 2 ? 3 : 5;
-        float *p = stage_memory(&s, sizeof(float) * (numbers * count + 4));
+        float *p = stage_memory(sizeof(float) * (numbers * count + 4));
         float low[3] = {9, 9, 9}, high[3] = {-9, -9, -9};
         for (size_t i = 0; i < numbers * count; ++i) {
             p[i] = i % numbers < 3 ? coordinate(&random, 1) : 1e9f;
@@ -114,7 +113,6 @@ UNIT_TEST(bounds_hold_every_vertex) {
         store_f64(found, b.lower), store_f64(found + 3, b.upper);
         for (int k = 0; k < 3; ++k) expected[k] = (double)low[k], expected[3 + k] = (double)high[k];
         for (int k = 0; k < 6; ++k) assert_true(found[k] == expected[k]);
-        stage_close(&s);
     }
 }
 
@@ -137,7 +135,6 @@ UNIT_TEST(nothing_is_read_past_the_end) {
         mesh.positions = p, mesh.vertex_count = count, mesh.indices = t, mesh.triangle_count = count;
         assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
         assert_int_equal(s.scene->mesh_facts.items[0].flat, by_definition(p, t, count).flat);
-        stage_close(&s);
     }
     munmap(pages, 4 * page);
 }

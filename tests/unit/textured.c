@@ -129,8 +129,6 @@ UNIT_TEST(an_image_stands_upright_on_a_quad_texel_by_texel) {
         look_at_square(&s);
         fathom_film *film = stage_render(&s);
         assert_texels(film, rgb, false);
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -157,7 +155,6 @@ static fathom_film *render_stripes(fathom_texture_filter filter, int map, float 
     stage_point_light(&s, 0, 0, 3, 20);
     stage_camera(&s, (double[]){0, -1.2, 0.15}, (double[]){0, 0, 0}, (double[]){0, 0, 1}, 0.9);
     fathom_film *film = stage_render(&s);
-    stage_close(&s);
     return film;
 }
 
@@ -167,8 +164,6 @@ static void check_stripes(int map, float repeats) {
     for (uint32_t y = 0; y < 24; ++y) {
         for (uint32_t x = 0; x < 24; ++x) assert_true(value(seen, 'R', x, y) == value(sharp, 'R', x, y));
     }
-    fathom_film_destroy(sharp);
-    fathom_film_destroy(seen);
 }
 
 UNIT_TEST(stripes_stay_sharp_at_grazing_angles) { check_stripes(FATHOM_MAP_COLOR, 1); }
@@ -206,8 +201,6 @@ UNIT_TEST(each_uv_set_has_its_own_place) {
         look_at_square(&s);
         fathom_film *film = stage_render(&s);
         assert_texels(film, rgb, set == 1);
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -230,8 +223,6 @@ UNIT_TEST(wrap_modes_go_on_beside_the_image) {
         fathom_film *film = stage_render(&s);
         for (uint32_t x = 0; x < 12; ++x)
             assert_near(value(film, 'R', x, 6), (float)expected[wrap][x] / 255, 0x1p-23);
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -262,8 +253,6 @@ UNIT_TEST(vertex_colours_interpolate) {
             assert_near(value(film, 'B', x, y), 0.125, 8 * 0x1p-24);
         }
     }
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* The material decides, not what an image makes of it at a point: light samples do not look there. */
@@ -287,8 +276,6 @@ UNIT_TEST(colours_multiply_the_emission_of_unlit_materials_alone) {
         look_at_square(&s);
         fathom_film *film = stage_render(&s);
         assert_true(value(film, 'G', 1, 1) == (unlit ? 0.5f : 1));
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -358,8 +345,6 @@ UNIT_TEST(a_normal_map_tilts_the_normal) {
             for (int c = 0; c < 3; ++c) cosine += n[c] * l[c] / sqrt(length);
             fathom_film *film = stage_render(&s);
             assert_near(value(film, 'R', 1, 1), fmax(cosine, 0), 1e-5);
-            fathom_film_destroy(film);
-            stage_close(&s);
         }
     }
 }
@@ -380,8 +365,6 @@ static float lit_by_sun(const fathom_material *from, int map, const unsigned cha
     look_at_square(&s);
     fathom_film *film = stage_render(&s);
     const float result = value(film, 'R', 4, 4);
-    fathom_film_destroy(film);
-    stage_close(&s);
     return result;
 }
 
@@ -450,8 +433,6 @@ UNIT_TEST(a_ramp_of_heights_tilts_the_normal_by_its_slope) {
         for (int c = 0; c < 3; ++c) cosine += n[c] * to_light[c] / length;
         fathom_film *film = stage_render(&s);
         assert_near(value(film, 'R', 30, 30), cosine, 1e-5);
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
 }
 
@@ -477,8 +458,6 @@ static double light_below(unsigned char opacity, float cutoff) {
     stage_camera(&s, (double[]){0, -1, 0.5}, (double[]){0, 0, 0}, (double[]){0, 0, 1}, 0.1);
     fathom_film *film = stage_render(&s);
     const double found = (double)value(film, 'R', 2, 2);
-    fathom_film_destroy(film);
-    stage_close(&s);
     return found;
 }
 
@@ -515,8 +494,6 @@ UNIT_TEST(half_a_light_by_its_image_is_the_light_of_that_half) {
         double mean = 0;
         for (uint32_t i = 0; i < 16; ++i) mean += (double)value(film, 'R', i % 4, i / 4) / 16;
         sum += mean, squares += mean * mean;
-        fathom_film_destroy(film);
-        stage_close(&s);
     }
     const double mean = sum / SEEDS, variance = (squares / SEEDS - mean * mean) / (SEEDS - 1);
     assert_true(sqrt(variance) < 1e-3 * mean);
@@ -549,7 +526,6 @@ static fathom_film *render_ball(unsigned threads, uint32_t tile, bool crop) {
     stage_point_light(&s, 3, 4, 3, 20);
     stage_camera(&s, (double[]){0, 0.5, 3}, (double[]){0, 0, 0}, (double[]){0, 1, 0}, 0.9);
     fathom_film *film = stage_render(&s);
-    stage_close(&s);
     return film;
 }
 
@@ -566,9 +542,6 @@ UNIT_TEST(threads_tiles_and_crops_change_no_pixel) {
             }
         }
     }
-    fathom_film_destroy(one);
-    fathom_film_destroy(three);
-    fathom_film_destroy(crop);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -40,8 +40,6 @@ static void render_coat(bool base, unsigned base_set, unsigned coat_set, bool gr
     stage_camera(&s, (double[]){0, 0, 2}, (double[]){0, 0, 0}, (double[]){0, 1, 0}, 0.9);
     fathom_film *film = stage_render(&s);
     memcpy(green, fathom_film_channel(film, "G"), SIZE * SIZE * sizeof *green);
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* The coat's image alone, and with an even one below in the other uv set. 64 roundings of numbers near 1 are
@@ -82,8 +80,6 @@ static double mean_from_aside(stage *s) {
     stage_camera(s, (double[]){2, 0, 0.5}, (double[]){0, 0, 0}, (double[]){0, 0, 1}, 1e-3);
     fathom_film *film = stage_render(s);
     for (int i = 0; i < 256; ++i) sum += (double)fathom_film_channel(film, "G")[i];
-    fathom_film_destroy(film);
-    stage_close(s);
     return sum / 256;
 }
 
@@ -218,8 +214,6 @@ static void render_sheet(int how, float normal[3][SIZE * SIZE]) {
     fathom_film *film = stage_render(&s);
     for (int c = 0; c < 3; ++c)
         memcpy(normal[c], fathom_film_channel(film, channels[c]), SIZE * SIZE * sizeof(float));
-    fathom_film_destroy(film);
-    stage_close(&s);
 }
 
 /* Tangents that are given, and those that are made of texture coordinates, on a sheet that its keys turn and

@@ -21,7 +21,6 @@ static void render_ball(stage *s, const fathom_material *m, unsigned flags, floa
     fathom_film *film = stage_render(s);
     for (int c = 0; c < 3; ++c)
         memcpy(rgb[c], fathom_film_channel(film, (const char[]){"RGB"[c], 0}), sizeof rgb[c]);
-    fathom_film_destroy(film);
 }
 
 /* The number is at one end of its range; times 0, or raised to 1, it is at the other. */
@@ -78,7 +77,6 @@ static void render_range(const range *r, bool mapped, float rgb[3][SIZE * SIZE])
     else
         *number = r->inverted ? 1 : 0;
     render_ball(&s, &m, 0, rgb);
-    stage_close(&s);
 }
 
 UNIT_TEST(an_image_of_zeros_is_a_number_at_the_end_of_its_range) {
@@ -97,7 +95,6 @@ static void render_without_shadow(const fathom_material *m, unsigned flags, floa
     stage s = stage_open(SIZE, SIZE);
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     render_ball(&s, m, flags, rgb);
-    stage_close(&s);
 }
 
 UNIT_TEST(a_volume_of_index_1_is_seen_without_its_shadow) {
@@ -123,7 +120,6 @@ UNIT_TEST(an_inverted_image_covers_a_surface_of_opacity_0) {
     m.opacity = 0, m.maps[FATHOM_MAP_OPACITY].texture = stage_texel(&s, black);
     m.maps[FATHOM_MAP_OPACITY].inverted = true;
     render_ball(&s, &m, FATHOM_CASTS_NO_SHADOW, with);
-    stage_close(&s);
     assert_memory_equal(with, without, sizeof with);
 }
 

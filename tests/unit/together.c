@@ -109,10 +109,6 @@ UNIT_TEST(contexts_side_by_side) {
     }
     run_all(jobs, run_shared);
     take_films(jobs, alone);
-    for (unsigned i = 0; i < AT_ONCE; ++i) {
-        fathom_film_destroy(alone[i]);
-        stage_close(&stages[i]);
-    }
 }
 
 /* From the scene's first call on, not renders alone. */
@@ -177,8 +173,6 @@ UNIT_TEST(one_scene_under_several_renders) {
     }
     run_all(jobs, run_shared);
     take_films(jobs, alone);
-    for (unsigned i = 0; i < AT_ONCE; ++i) fathom_film_destroy(alone[i]);
-    stage_close(&s);
 }
 
 static void count_warning(void *user, const char *message) {
@@ -222,7 +216,6 @@ UNIT_TEST(messages_go_to_the_renders_context) {
                  "in a cycle");
     assert_string_equal(fathom_context_message(s.context), "");
     fathom_context_destroy(other);
-    stage_close(&s);
 }
 
 /* ---- one tracer ---- */
@@ -279,7 +272,6 @@ UNIT_TEST(one_tracer_under_several_threads) {
         assert_non_null(strstr(fathom_context_message(s.context), "rays[0]: direction: is zero"));
         fathom_tracer_destroy(tracer);
     }
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

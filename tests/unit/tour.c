@@ -22,16 +22,14 @@ enum { WIDTH = 36, HEIGHT = 27 };
 #endif
 
 static fathom_film *render(const char *path, const char *tracer, fathom_stats *stats) {
-    stage s;
-    assert_int_equal(fathom_context_create(&s.context), FATHOM_OK);
-    assert_ok(s.context, fathom_scene_read(s.context, path, &s.scene));
+    stage s = {.context = new_context()};
+    s.scene = scene_of_file(s.context, path);
     fathom_scene_settings(s.scene, &s.settings);
     s.settings.width = WIDTH, s.settings.height = HEIGHT, s.settings.tracer = tracer;
     s.settings.aovs = FATHOM_AOVS & ~(unsigned)(FATHOM_AOV_ALPHA | FATHOM_AOV_ERROR);
     fathom_film *film;
     assert_ok(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, stats, &film));
-    stage_close(&s);
-    return film;
+    return own_film(film);
 }
 
 static bool same_pixel(const fathom_film *a, const fathom_film *b, size_t pixel) {
@@ -57,7 +55,6 @@ static void embree_makes_the_reference_tracers_image(const char *path) {
     fathom_film *embree = render(path, "embree", &stats), *reference = render(path, "reference", NULL);
     const int differ = differing_pixels(embree, reference), most = stats.instances > 0;
     if (differ > most) fail_msg("%s: Embree and the reference tracer differ in %d pixels", path, differ);
-    fathom_film_destroy(embree), fathom_film_destroy(reference);
 }
 
 UNIT_TEST(tracers_agree_on_every_scene) {
@@ -74,7 +71,6 @@ UNIT_TEST(the_comparison_sees_a_difference) {
     fathom_film *with = render(SOURCE_DIR "/scenes/tour/18-terminator-fix.json", "embree", NULL);
     fathom_film *without = render(SOURCE_DIR "/scenes/tour/19-terminator-fix-off.json", "embree", NULL);
     assert_true(differing_pixels(with, without) > 0);
-    fathom_film_destroy(with), fathom_film_destroy(without);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

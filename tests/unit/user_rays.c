@@ -8,10 +8,12 @@
 
 static const char *const kinds[] = {"embree", "reference"};
 
+UNIT_OWNS(user_tracer, fathom_tracer, fathom_tracer_destroy)
+
 static fathom_tracer *stage_tracer(stage *s, const char *kind) {
     fathom_tracer *tracer = NULL;
     assert_ok(s->context, fathom_tracer_create(s->context, s->scene, kind, &tracer));
-    return tracer;
+    return own_user_tracer(tracer);
 }
 
 static fathom_hit shoot(stage *s, const fathom_tracer *tracer, fathom_ray ray) {
@@ -56,8 +58,6 @@ static void a_sphere_anywhere(void **state) {
         assert_true(hit.object == 0 && hit.primitive == 0 && hit.instance == FATHOM_NONE &&
                     hit.material == 0);
         assert_true(hit.u == 0 && hit.v == 0.5f);
-        fathom_tracer_destroy(tracer);
-        stage_close(&s);
     }
 }
 
@@ -105,8 +105,6 @@ static void a_mesh_instanced(void **state) {
         ray.origin[0] = 19.5;
         hit = shoot(&s, tracer, ray);
         assert_true(hit.instance == second && hit.material == instance_material);
-        fathom_tracer_destroy(tracer);
-        stage_close(&s);
     }
 }
 
@@ -127,8 +125,6 @@ static void normals_at_corners_count_as_unit(void **state) {
     const double x = 0.25 * sqrt(0.5), y = 0.5 * sqrt(0.5), z = 0.25 + x + y,
                  length = sqrt(x * x + y * y + z * z);
     normals_near(hit.shading_normal, x / length, y / length, z / length);
-    fathom_tracer_destroy(tracer);
-    stage_close(&s);
 }
 
 static void a_quad_and_a_plane(void **state) {
@@ -156,8 +152,6 @@ static void a_quad_and_a_plane(void **state) {
         assert_true(shoot(&s, tracer, back).t == -2);
         back.t_min = -2;
         assert_true(shoot(&s, tracer, back).t == HUGE_VAL);
-        fathom_tracer_destroy(tracer);
-        stage_close(&s);
     }
 }
 
@@ -184,8 +178,6 @@ static void continuing_from_a_hit(void **state) {
                     next.instance == hit.instance;
         if (same) assert_true(next.t > hit.t * (1 + 1e-6)); /* a sphere's other side */
     }
-    fathom_tracer_destroy(tracer);
-    stage_close(&s);
 }
 
 /* The origin, the direction and the result are rounded to double, each by at most √3 2^-53 of the distance.
@@ -217,8 +209,6 @@ static void rays_from_far_away_hit_what_they_are_aimed_at(void **state) {
             ray.t_min = -far * between(1, 1e20);
             assert_near(shoot(&s, tracer, ray).t, t, 16 * 0x1p-53 * 16);
         }
-        fathom_tracer_destroy(tracer);
-        stage_close(&s);
     }
 }
 
@@ -276,8 +266,6 @@ static void shoot_from_all(const char *kind) {
         fathom_hit hit = shoot(&s, tracer, ray);
         if (hit.t < HUGE_VAL) shoot_from(&s, tracer, &hit);
     }
-    fathom_tracer_destroy(tracer);
-    stage_close(&s);
 }
 
 /* In a child with a time limit. */
@@ -339,8 +327,6 @@ static void ids_in_images_are_those_of_hits(void **state) {
         for (size_t i = 0; i < 8; ++i) assert_true(compared[i] > 5);
         fathom_film_destroy(film);
     }
-    fathom_tracer_destroy(tracer);
-    stage_close(&s);
 }
 
 /* A ray from distance 3 towards the unit sphere at the origin: t = 2. */
@@ -350,11 +336,6 @@ static const fathom_tracer *unit_sphere(stage *s, const char *kind) {
     stage_open(s);
     add_sphere(s, FATHOM_ROOT, 0, 0, 0, 1, 0);
     return stage_tracer(s, kind);
-}
-
-static void sphere_close(stage *s, const fathom_tracer *tracer) {
-    fathom_tracer_destroy((fathom_tracer *)(uintptr_t)tracer);
-    stage_close(s);
 }
 
 /* The ray is the 18th of 20, in the second block. Those before it have hits. */
@@ -387,7 +368,6 @@ static void wrong_rays_are_refused(void **state) {
         for (int e = 60; e <= 1020; e += 60)
             refuses_number(&s, tracer, 2, ldexp(1, e), "rays[17]: origin: lies more");
         assert_ok(s.context, fathom_tracer_closest(tracer, &good, 0, NULL));
-        sphere_close(&s, tracer);
     }
 }
 
@@ -400,7 +380,6 @@ static void empty_intervals_hold_no_hit(void **state) {
         fathom_ray ray = good;
         ray.t_min = ends[k % 5][0], ray.t_max = ends[k % 5][1];
         assert_true(shoot(&s, tracer, ray).t == HUGE_VAL);
-        sphere_close(&s, tracer);
     }
 }
 
@@ -423,7 +402,6 @@ static void directions_and_distances_have_any_size(void **state) {
             ray.origin[2] = ldexp(1, e);
             assert_near(shoot(&s, tracer, ray).t / (ldexp(1, e) - 1), 1, 8 * 0x1p-53);
         }
-        sphere_close(&s, tracer);
     }
 }
 
@@ -439,7 +417,6 @@ static void denormal_parts_act_as_zero(void **state) {
             (i < 10 ? ray.origin : ray.direction)[i / 5 % 2] = parts[i % 5];
             assert_near(shoot(&s, tracer, ray).t, 2, 16 * 0x1p-53);
         }
-        sphere_close(&s, tracer);
     }
 }
 
@@ -485,8 +462,6 @@ static void threads_share_a_tracer(void **state) {
                 assert_int_equal(jobs[i].hits[k].object, jobs[0].hits[k].object);
         }
     }
-    fathom_tracer_destroy(tracer);
-    stage_close(&s);
 }
 
 int main(void) {

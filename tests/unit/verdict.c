@@ -22,14 +22,13 @@ static void court_open(court *c) {
 }
 
 static void court_begin(court *c) {
-    assert_ok(c->stage.context, world_create(c->stage.scene, &c->stage.world));
+    stage_world(&c->stage);
     assert_ok(c->stage.context, search_create(c->stage.context, c->stage.world, &c->search));
 }
 
 static void court_close(court *c) {
     search_result_free(&c->room);
     search_destroy(c->search);
-    stage_close(&c->stage);
 }
 
 static verdict judged(court *c, const verdict_tracer *tracer, oracle_ray ray, verdict_answer answer) {
@@ -98,7 +97,7 @@ UNIT_TEST(test_slit) {
     static const uint32_t indices[12] = {0, 1, 4, 1, 5, 4, 2, 3, 6, 3, 7, 6};
     court c;
     court_open(&c);
-    positions = stage_memory(&c.stage, 24 * sizeof *positions);
+    positions = stage_memory(24 * sizeof *positions);
     for (int k = 0; k < 8; ++k) positions[3 * k] = x[k % 4], positions[3 * k + 1] = k < 4 ? -1 : 1;
     fathom_mesh mesh;
     fathom_mesh_default(&mesh);

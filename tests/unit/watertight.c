@@ -16,8 +16,8 @@ typedef struct body {
 static void add_body(stage *s, const body *b) {
     static const float corner[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0f, 0, 1}};
     static const uint32_t faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-    float *p = stage_memory(s, sizeof(float) * 36);
-    uint32_t *t = stage_memory(s, sizeof(uint32_t) * 12);
+    float *p = stage_memory(sizeof(float) * 36);
+    uint32_t *t = stage_memory(sizeof(uint32_t) * 12);
     uint32_t count = b->count ? b->count : 4u - b->drop;
     for (uint32_t k = 0; k < 3 * count; ++k) {
         uint32_t face = b->first + k / 3, at = face == 3 && b->flip ? 2 - k % 3 : k % 3;
@@ -38,11 +38,10 @@ static closed_how closed_of(const body *first, const body *second) {
     stage_open(&s);
     add_body(&s, first);
     if (second) add_body(&s, second);
-    assert_ok(s.context, world_create(s.scene, &s.world));
+    stage_world(&s);
     assert_int_equal(s.world->geometries.count, second ? 2 : 1);
     assert_true(closed_find(s.world, how));
     if (second) assert_int_equal(how[0], how[1]);
-    stage_close(&s);
     return how[0];
 }
 
@@ -94,8 +93,6 @@ UNIT_TEST(depth_counts_closed_meshes) {
     for (size_t i = 0; i < sizeof points / sizeof *points; ++i)
         assert_int_equal(watertight_depth(w, points[i].p), points[i].depth);
     watertight_destroy(w);
-    trace_destroy(tracer);
-    stage_close(&s);
 }
 
 /* Nothing to do costs nothing: there is no object to ask. */
@@ -107,16 +104,12 @@ UNIT_TEST(absent_where_not_needed) {
     add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
     trace_tracer *open = stage_spec(&s, "embree");
     assert_null(water(&s, open));
-    trace_destroy(open);
-    stage_close(&s);
     stage_open(&s);
     add_ball(&s, FATHOM_ROOT, 6, 0, 1, 0, 0);
     for (size_t i = 0; i < sizeof own / sizeof *own; ++i) {
         trace_tracer *tracer = stage_spec(&s, own[i]);
         assert_null(water(&s, tracer));
-        trace_destroy(tracer);
     }
-    stage_close(&s);
 }
 
 /* ---- no ray slips through ---- */
@@ -217,7 +210,6 @@ static size_t holds_from(stage *s, const char *spec, const view *v, size_t rays)
     assert_int_equal(wrong_hits(s->world, &got, &right), 0);
     free(set.blocks), free(right.blocks), free(got.blocks);
     watertight_destroy(w);
-    trace_destroy(tracer), trace_destroy(reference);
     return before;
 }
 
@@ -232,7 +224,6 @@ static size_t holds(const char *spec, double map_x, double x, double radius, uin
     }
     add_ball(&s, group, 60, depth ? 0.02 : 0, 1, 0, 0);
     size_t before = holds_from(&s, spec, &(view){{x, 0, 0}, radius, depth}, 40000);
-    stage_close(&s);
     return before;
 }
 
@@ -255,8 +246,8 @@ static void add_joined(stage *s, fathom_id group, const stage *parts, bool flip,
         triangles += parts->scene->meshes.items[k].triangle_count;
     }
     if (split) vertices = 3 * triangles;
-    float *p = stage_memory(s, vertices * 3 * sizeof *p);
-    uint32_t *index = stage_memory(s, triangles * 3 * sizeof *index), *t = index, base = 0;
+    float *p = stage_memory(vertices * 3 * sizeof *p);
+    uint32_t *index = stage_memory(triangles * 3 * sizeof *index), *t = index, base = 0;
     for (size_t k = 0; k < parts->scene->meshes.count; ++k) {
         const fathom_mesh *m = &parts->scene->meshes.items[k];
         bool turned = flip && k % 2;
@@ -287,7 +278,6 @@ static void add_one_mesh(stage *s, fathom_id group, bool flip, bool split) {
     stage_open(&parts);
     add_shells(&parts);
     add_joined(s, group, &parts, flip, split);
-    stage_close(&parts);
 }
 
 static void add_shells_in_one(stage *s) { add_one_mesh(s, FATHOM_ROOT, false, false); }
@@ -353,7 +343,6 @@ static void add_halves(stage *s) {
     half.indices += 3 * (size_t)half.triangle_count, half.triangle_count = all - half.triangle_count;
     assert_ok(s->context, fathom_scene_add_mesh(s->scene, FATHOM_ROOT, &half, NULL));
     add_sphere(s, FATHOM_ROOT, 0, 0, -40, 30, 0);
-    stage_close(&parts);
 }
 
 /* From inside all three shells, from within each of them, and from outside. */
@@ -390,7 +379,6 @@ UNIT_TEST(repair_does_not_depend_on_the_rest_of_the_scene) {
         for (unsigned i = 0; i < cases[k].count; ++i)
             before += holds_from(&s, "embree", &cases[k].views[i], 10000);
         assert_true(before > 0); /* else this shows nothing */
-        stage_close(&s);
     }
 }
 
@@ -424,8 +412,6 @@ UNIT_TEST(shadows_hold) {
     assert_int_equal(watertight_any(w, &rays, depths, unsure, 16), 0);
     free(set.blocks);
     watertight_destroy(w);
-    trace_destroy(tracer);
-    stage_close(&s);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -77,7 +77,6 @@ UNIT_TEST(a_mesh_placed_once_is_carried) {
         assert_true(tangent[3] == tangents[4 * i + 3]);
     }
     world_destroy(w);
-    stage_close(&s);
 }
 
 /* Normals go by the inverse map transposed: across the surface as before. */
@@ -110,7 +109,6 @@ UNIT_TEST(normals_of_stretched_meshes_stay_across) {
         if (i == 0) assert_near(dot_f64(normalize_f64(t), normalize_f64(side)), 1, 1e-6);
     }
     world_destroy(w);
-    stage_close(&s);
 }
 
 /* ---- what keeps its frame ---- */
@@ -191,7 +189,6 @@ static void run_trial(const trial *t) {
     assert_int_equal(w->geometries.count, t->what & SPHERE ? 2 : 1);
     assert_int_equal(w->meshes.count, 1);
     world_destroy(w);
-    stage_close(&s);
 }
 
 /* The mesh has a radius of 0.72, and a farthest corner at 1.4. */
@@ -270,10 +267,6 @@ UNIT_TEST(carried_meshes_look_as_in_their_frames) {
                    *y = fathom_film_channel_id(b, "id.instance");
     for (size_t i = 0; i < 48 * 32; ++i) others += x[i] != y[i];
     if (far > 60 || others > 2) fail_msg("%zu numbers and %zu instances differ", far, others);
-    fathom_film_destroy(a);
-    fathom_film_destroy(b);
-    stage_close(&framed);
-    stage_close(&carried);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -59,7 +59,6 @@ UNIT_TEST(a_jerk_between_two_keys_is_followed) {
         assert_near((double)at->to_world[0][3] + w->origin.x, exact.m[0][3], 4 * 0x1p-24);
     }
     world_destroy(w);
-    stage_close(&s);
 }
 
 /* A triangle at the end of a lever that turns by `angle` about z. Returns the largest error at 999 times of
@@ -105,7 +104,6 @@ UNIT_TEST(long_levers_turn_on_arcs) {
     fathom_context_on_warning(s.context, keep_warning, told);
     assert_true(turn_lever(&s, 64, 0.25) <= 0x1p-14 * sqrt(0.5) + 0x1p-21 * 65);
     assert_string_equal(told, "");
-    stage_close(&s);
 }
 
 /* The error of 128 pieces of an arc: 4096 (0.8 / 128)^2 / 8 = 0.02. Places near 4096 are rounded by 2^-12. */
@@ -115,7 +113,6 @@ UNIT_TEST(levers_too_long_for_the_steps_are_told) {
     fathom_context_on_warning(s.context, keep_warning, told);
     assert_near(turn_lever(&s, 4096, 0.8), 0.02, 2 * 0x1p-12);
     assert_non_null(strstr(told, " moves along a curve that 128 straight pieces miss by up to 0.02"));
-    stage_close(&s);
 }
 
 /* Each alone is fine. */
@@ -130,7 +127,6 @@ UNIT_TEST(nested_places_that_leave_the_range_of_float_are_refused) {
     world *w;
     assert_fails(s.context, world_create(s.scene, &w), FATHOM_BAD_INPUT,
                  "its frame, with those around it, flattens space or leaves the range of float");
-    stage_close(&s);
 }
 
 /* ---- vertices ---- */
@@ -164,7 +160,6 @@ UNIT_TEST(normals_that_turn_alone_are_motion) {
         assert_true(corner[1].x - corner[0].x == 1);
     }
     world_destroy(w);
-    stage_close(&s);
 }
 
 /* Keys 0 to 1 move, 1 to 2 stand, 2 to 3 move. */
@@ -193,7 +188,6 @@ UNIT_TEST(vertices_that_stand_while_the_shutter_is_open_stand) {
             assert_near((double)corner[0].x + w->origin.x, expected, 4 * 0x1p-22);
         }
         world_destroy(w);
-        stage_close(&s);
     }
 }
 

@@ -13,7 +13,7 @@ static fathom_scene *wearing_two(const char *file, bool file_first) {
     fathom_texture_default(&inner), fathom_texture_default(&outer);
     inner.bytes = "\x89PNG\r\n inner", inner.byte_count = 12;
     outer.file = in_folder(file), outer.color_space = FATHOM_COLOR_LINEAR;
-    assert_ok(context, fathom_scene_create(context, &scene));
+    scene = new_scene(context);
     for (int i = 0; i < 2; ++i) {
         const bool is_file = (i == 0) == file_first;
         assert_ok(context, fathom_scene_add_texture(scene, is_file ? &outer : &inner, &ids[is_file]));
@@ -58,7 +58,6 @@ UNIT_TEST(copies_replace_no_image_of_the_scene) {
         assert_file(file_of(back, FATHOM_MAP_COLOR), "\x89PNG\r\n inner");
         assert_string_equal(file_of(back, FATHOM_MAP_ROUGHNESS), in_folder(name));
         unlink(file_of(back, FATHOM_MAP_COLOR));
-        fathom_scene_destroy(back);
         unlink(in_folder(name));
     }
 }
@@ -70,14 +69,12 @@ UNIT_TEST(files_below_the_folder_stay_and_others_are_copied) {
     fathom_scene *back = through(wearing_two("below/x.png", false), JSON);
     assert_string_equal(file_of(back, FATHOM_MAP_ROUGHNESS), in_folder("below/x.png"));
     unlink(file_of(back, FATHOM_MAP_COLOR));
-    fathom_scene_destroy(back);
     char path[256];
     assert_int_equal(mkdir(in_folder("below-2"), 0700), 0);
     snprintf(path, sizeof path, "%s", in_folder("below-2/y.png"));
     unit_write_file(path, "\x89PNG\r\n above", 12);
     fathom_scene *scene = wearing_two("below-2/y.png", true);
     assert_ok(context, fathom_scene_write(scene, in_folder("below/a.json")));
-    fathom_scene_destroy(scene);
     unlink(path), rmdir(in_folder("below-2"));
     assert_file(in_folder("below/a-0.png"), "\x89PNG\r\n above");
     assert_file(in_folder("below/a-1.png"), "\x89PNG\r\n inner");
@@ -100,12 +97,10 @@ UNIT_TEST(obj_and_ply_name_images_whatever_they_are_called) {
         unit_write_file(in_folder(name), "\x89PNG\r\n outer", 12);
         fathom_scene *scene = wearing(&m, &file);
         assert_ok(context, fathom_scene_write(scene, in_folder(out)));
-        fathom_scene_destroy(scene);
-        assert_ok(context, fathom_scene_read(context, in_folder(out), &back));
+        back = scene_of_file(context, in_folder(out));
         assert_int_equal(back->textures.count, 1);
         assert_file(back->textures.items[0].file, "\x89PNG\r\n outer");
         unlink(back->textures.items[0].file), unlink(in_folder(name));
-        fathom_scene_destroy(back);
         unlink(in_folder(out)), unlink(in_folder("a.mtl"));
     }
 }
@@ -120,13 +115,11 @@ UNIT_TEST(json_names_images_whatever_they_are_called) {
         unit_write_file(in_folder(name), "\x89PNG\r\n outer", 12);
         fathom_scene *scene = wearing_two(name, false), *back;
         assert_ok(context, fathom_scene_write(scene, in_folder(out)));
-        fathom_scene_destroy(scene);
-        assert_ok(context, fathom_scene_read(context, in_folder(out), &back));
+        back = scene_of_file(context, in_folder(out));
         assert_file(file_of(back, FATHOM_MAP_ROUGHNESS), "\x89PNG\r\n outer");
         assert_file(file_of(back, FATHOM_MAP_COLOR), "\x89PNG\r\n inner");
         snprintf(copy, sizeof copy, "%s", file_of(back, FATHOM_MAP_ROUGHNESS));
         unlink(copy), unlink(in_folder(name)), unlink(file_of(back, FATHOM_MAP_COLOR));
-        fathom_scene_destroy(back);
         unlink(in_folder(out));
     }
 }
@@ -161,7 +154,6 @@ UNIT_TEST(copies_replace_no_faces_of_the_scene) {
     add_sky(scene, "s-<FACE>.hdr");
     add_sky(scene, "below/a-sky-0-<FACE>.hdr");
     assert_ok(context, fathom_scene_write(scene, in_folder("below/a.json")));
-    fathom_scene_destroy(scene);
     for (unsigned i = 0; i < 6; ++i) {
         char text[16];
         snprintf(text, sizeof text, "below %u", i);

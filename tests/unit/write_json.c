@@ -48,7 +48,6 @@ UNIT_TEST(numbers_out_of_range_become_the_nearest_with_a_warning) {
     assert_true(back->lights.items[0].radius == 1e18f && back->background[1] == 0.1f);
     const float *c = back->meshes.items[1].colors;
     assert_true(c[0] == 0 && c[1] > 0.9999999e30f && c[2] == 0.5f && c[3] == 1);
-    fathom_scene_destroy(back);
 }
 
 static fathom_id add_image(fathom_scene *scene, fathom_color_space space) {
@@ -80,7 +79,6 @@ UNIT_TEST(images_of_numbers_are_linear_unless_their_space_is_given) {
     assert_int_equal(maps[FATHOM_MAP_OPACITY].texture, found); /* alpha is linear in any space */
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
         assert_int_equal(scene->textures.items[maps[kinds[i]].texture].color_space, FATHOM_COLOR_LINEAR);
-    fathom_scene_destroy(scene);
 }
 
 /* The red of a sphere's middle, for a classic material that also has numbers of the other model. */
@@ -95,8 +93,6 @@ static float render_with(float opacity, float cutoff) {
     stage_point_light(&s, 1, 2, 4, 30);
     fathom_film *film = stage_render(&s);
     const float red = fathom_film_channel(film, "R")[4];
-    fathom_film_destroy(film);
-    stage_close(&s);
     return red;
 }
 

@@ -1,6 +1,7 @@
 /* Mesh files: what is written reads back as the same triangles, bit for bit. */
 #include "base/file.h"
 #include "materials.h"
+#include "owned.h"
 #include "unit_folder.h"
 #include "write/write.h"
 
@@ -158,8 +159,7 @@ static void check_same(const triangle *a, const triangle *b, bool colors, double
 /* Writes, reads back and compares as soups. */
 static void check_round_trip(const fathom_scene *scene, const char *name, bool colors) {
     assert_ok(context, fathom_scene_write(scene, in_folder(name)));
-    fathom_scene *back;
-    assert_ok(context, fathom_scene_read(context, in_folder(name), &back));
+    fathom_scene *back = scene_of_file(context, in_folder(name));
     soup a = make_soup(scene), b = make_soup(back);
     assert_int_equal(a.triangles.count, b.triangles.count);
     const double unit = strstr(name, ".glb") ? 0x1p-23 : 0;
@@ -167,7 +167,6 @@ static void check_round_trip(const fathom_scene *scene, const char *name, bool c
         check_same(&a.triangles.items[i], &b.triangles.items[i], colors, unit);
     array_free(&a.triangles);
     array_free(&b.triangles);
-    fathom_scene_destroy(back);
     remove_file(name);
 }
 
@@ -178,14 +177,8 @@ static void check_all_formats(const fathom_scene *scene) {
     remove_file("mesh.mtl");
 }
 
-static fathom_scene *new_scene(void) {
-    fathom_scene *scene;
-    assert_ok(context, fathom_scene_create(context, &scene));
-    return scene;
-}
-
 static fathom_scene *generate(fathom_generator kind, uint64_t triangles) {
-    fathom_scene *scene = new_scene();
+    fathom_scene *scene = new_scene(context);
     fathom_generate_options options;
     fathom_generate_options_default(&options);
     options.kind = kind, options.triangles = triangles;
@@ -203,7 +196,7 @@ UNIT_TEST(one_mesh_keeps_its_arrays) {
         fathom_scene *scene = generate(kinds[i / 3], 50000), *back;
         const char *name = names[i % 3];
         assert_ok(context, fathom_scene_write(scene, in_folder(name)));
-        assert_ok(context, fathom_scene_read(context, in_folder(name), &back));
+        back = scene_of_file(context, in_folder(name));
         assert_int_equal(back->meshes.count, 1);
         const fathom_mesh *a = &scene->meshes.items[0], *b = &back->meshes.items[0];
         assert_int_equal(a->vertex_count, b->vertex_count);
@@ -216,8 +209,6 @@ UNIT_TEST(one_mesh_keeps_its_arrays) {
             const float *own = element(a->uvs, 8, v), flipped[2] = {own[0], 1 - own[1]};
             assert_true(same_floats(i % 3 ? flipped : own, element(b->uvs, b->uv_stride, v), 2));
         }
-        fathom_scene_destroy(back);
-        fathom_scene_destroy(scene);
         remove_file(name);
     }
     remove_file("mesh.mtl");
@@ -226,10 +217,8 @@ UNIT_TEST(one_mesh_keeps_its_arrays) {
 UNIT_TEST(instances_are_placed) {
     fathom_scene *scene = generate(FATHOM_GENERATE_FOREST, 20000);
     check_all_formats(scene);
-    fathom_scene_destroy(scene);
     scene = generate(FATHOM_GENERATE_SPONGE, 12 * 400);
     check_all_formats(scene);
-    fathom_scene_destroy(scene);
 }
 
 static const float tetra_positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -278,7 +267,7 @@ static void add_placed(fathom_scene *scene, fathom_id group, fathom_id parent, c
 /* Split indices, flat beside smooth, an origin of its own, mirrors, shear, nested groups and materials that
  * override each other. */
 static fathom_scene *make_hard_scene(void) {
-    fathom_scene *scene = new_scene();
+    fathom_scene *scene = new_scene(context);
     fathom_id inner, outer, red = add_color(scene, "red", 0.8f, 0.1f, 0.1f);
     fathom_id blue = add_color(scene, "a name, with \"marks\" #1", 0.1f, 0.2f, 0.7f);
     assert_ok(context, fathom_scene_add_group(scene, "inner", &inner));
@@ -301,7 +290,6 @@ static fathom_scene *make_hard_scene(void) {
 UNIT_TEST(hard_scenes_are_read_back) {
     fathom_scene *scene = make_hard_scene();
     check_all_formats(scene);
-    fathom_scene_destroy(scene);
 }
 
 /* The vertices' normals are unit vectors in the world and in the mesh: between them, both are mixed
@@ -311,7 +299,7 @@ UNIT_TEST(stretched_smooth_meshes_are_told) {
                                       {1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0}};
     for (int k = 0; k < 4; ++k) {
         const bool stretched = k % 2, smooth = k / 2;
-        fathom_scene *scene = new_scene();
+        fathom_scene *scene = new_scene(context);
         fathom_id group;
         assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
         add_tetra(scene, group, smooth ? SPLIT_NORMALS : PLAIN, (const double[3]){0, 0, 0});
@@ -319,7 +307,6 @@ UNIT_TEST(stretched_smooth_meshes_are_told) {
         warnings = 0;
         assert_ok(context, fathom_scene_write(scene, in_folder("a.ply")));
         assert_int_equal(warnings, smooth && stretched);
-        fathom_scene_destroy(scene);
         remove_file("a.ply");
     }
 }
@@ -332,7 +319,7 @@ UNIT_TEST(glb_has_unit_normals_and_tangents) {
                        tangents[12] = {2, 0, 0, 1, 1, 0, 0, 1, 0, 1, 0, -1};
     static const uint32_t indices[3] = {0, 1, 2};
     for (int k = 0; k < 2; ++k) {
-        fathom_scene *scene = new_scene(), *back;
+        fathom_scene *scene = new_scene(context), *back;
         fathom_mesh mesh;
         fathom_mesh_default(&mesh);
         mesh.positions = positions, mesh.vertex_count = 3, mesh.indices = indices, mesh.triangle_count = 1;
@@ -341,11 +328,10 @@ UNIT_TEST(glb_has_unit_normals_and_tangents) {
         warnings = 0;
         assert_ok(context, fathom_scene_write(scene, in_folder("a.glb")));
         assert_int_equal(warnings, k);
-        assert_ok(context, fathom_scene_read(context, in_folder("a.glb"), &back));
+        back = scene_of_file(context, in_folder("a.glb"));
         const float expected[9] = {0, 0, 1, 0, 0.6f, 0.8f, 0.6f, 0, 0.8f};
         assert_memory_equal(back->meshes.items[0].normals, expected, sizeof expected);
         if (k) assert_true(back->meshes.items[0].tangents[0] == 1 && back->meshes.items[0].tangents[3] == 1);
-        fathom_scene_destroy(back), fathom_scene_destroy(scene);
     }
     remove_file("a.glb");
 }
@@ -357,20 +343,18 @@ UNIT_TEST(far_meshes_keep_their_digits_or_tell) {
     static const char *const names[] = {"far.glb", "far.obj", "far.ply"};
     const double far[3] = {4.5e6 + 0x1p-20, -5.2e6, 1.0 / 3};
     for (int k = 0; k < 3; ++k) {
-        fathom_scene *scene = new_scene(), *back;
+        fathom_scene *scene = new_scene(context), *back;
         add_tetra(scene, FATHOM_ROOT, PLAIN, far);
         warnings = 0;
         assert_ok(context, fathom_scene_write(scene, in_folder(names[k])));
         assert_int_equal(warnings, k == 2);
-        assert_ok(context, fathom_scene_read(context, in_folder(names[k]), &back));
+        back = scene_of_file(context, in_folder(names[k]));
         scene_bounds a, b;
         assert_ok(context, scene_world_bounds(scene, &a));
         assert_ok(context, scene_world_bounds(back, &b));
         if (k == 0) assert_memory_equal(&a, &b, sizeof a);
         if (k == 1) assert_true(length_f64(sub_f64(a.lower, b.lower)) < 4 * 0x1p-24);
         if (k == 1) assert_true(length_f64(sub_f64(a.upper, b.upper)) < 4 * 0x1p-24);
-        fathom_scene_destroy(back);
-        fathom_scene_destroy(scene);
         remove_file(names[k]);
     }
     remove_file("far.mtl");
@@ -381,7 +365,7 @@ UNIT_TEST(far_meshes_keep_their_digits_or_tell) {
 static const fathom_material *read_back(fathom_scene *scene, const char *name, const char *material,
                                         fathom_scene **back) {
     assert_ok(context, fathom_scene_write(scene, in_folder(name)));
-    assert_ok(context, fathom_scene_read(context, in_folder(name), back));
+    *back = scene_of_file(context, in_folder(name));
     fathom_id id = find_material(*back, material);
     assert_int_not_equal(id, FATHOM_NONE);
     remove_file(name);
@@ -389,7 +373,7 @@ static const fathom_material *read_back(fathom_scene *scene, const char *name, c
 }
 
 static fathom_scene *scene_with(const char *name, const fathom_material *material) {
-    fathom_scene *scene = new_scene();
+    fathom_scene *scene = new_scene(context);
     fathom_id id;
     assert_ok(context, fathom_scene_add_material(scene, name, material, &id));
     fathom_id mesh = add_tetra(scene, FATHOM_ROOT, PLAIN, (const double[3]){0, 0, 0});
@@ -440,8 +424,6 @@ UNIT_TEST(mtl_keeps_materials) {
         if (i == 1) assert_true(m->shininess == 77 && m->specular == FATHOM_SPECULAR_BLINN);
         assert_int_equal(m->fresnel, cases[i].fresnel);
         if (cases[i].k_t[0] > 0) assert_true(m->ior == cases[i].ior);
-        fathom_scene_destroy(back);
-        fathom_scene_destroy(scene);
         remove_file("m.mtl");
     }
 }
@@ -465,8 +447,6 @@ UNIT_TEST(glb_keeps_materials) {
         /* Where nothing is mirrored or refracted Fresnel's law has nothing to say. */
         if (i >= 2) assert_int_equal(m->fresnel, cases[i].fresnel);
         if (cases[i].k_t[0] > 0) assert_near(m->ior, cases[i].ior, 0x1p-23);
-        fathom_scene_destroy(back);
-        fathom_scene_destroy(scene);
     }
 }
 
@@ -502,7 +482,6 @@ UNIT_TEST(threads_change_no_byte) {
     }
     fathom_context_set_threads(context, 0);
     remove_file("a.mtl");
-    fathom_scene_destroy(scene);
 }
 
 /* The chunks fill the file, and the arrays begin on multiples of 16 bytes. */
@@ -529,7 +508,6 @@ UNIT_TEST(glb_is_laid_out_for_mapping) {
     free(json);
     free(bytes);
     remove_file("a.glb");
-    fathom_scene_destroy(scene);
 }
 
 /* Every bit pattern of a float, in steps of a prime. */
@@ -585,7 +563,7 @@ UNIT_TEST(numbers_are_short) {
 /* ---- failures ---- */
 
 UNIT_TEST(spheres_are_told_and_empty_scenes_refused) {
-    fathom_scene *scene = new_scene();
+    fathom_scene *scene = new_scene(context);
     assert_fails(context, fathom_scene_write(scene, in_folder("a.stl")), FATHOM_BAD_USAGE,
                  ".glb, .json, .obj or .ply");
     assert_fails(context, fathom_scene_write(scene, in_folder("a")), FATHOM_BAD_USAGE,
@@ -603,16 +581,14 @@ UNIT_TEST(spheres_are_told_and_empty_scenes_refused) {
     remove_file("a.ply");
     assert_fails(context, fathom_scene_write(scene, in_folder("none/a.obj")), FATHOM_OUT_OF_RESOURCES,
                  "none/a.obj");
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(too_many_triangles_are_refused) {
     fathom_scene *scene = generate(FATHOM_GENERATE_SPONGE, UINT64_C(100000000000));
     assert_fails(context, fathom_scene_write(scene, in_folder("a.ply")), FATHOM_BAD_USAGE, "107642880000");
     assert_fails(context, fathom_scene_write(scene, in_folder("a.obj")), FATHOM_BAD_USAGE, ".glb");
-    fathom_scene_destroy(scene);
     /* 2^30 nodes in a chain of groups that each hold the next one twice. */
-    scene = new_scene();
+    scene = new_scene(context);
     fathom_id parent = FATHOM_ROOT, group;
     fathom_instance instance;
     fathom_instance_default(&instance);
@@ -623,7 +599,6 @@ UNIT_TEST(too_many_triangles_are_refused) {
     }
     add_tetra(scene, parent, PLAIN, (const double[3]){0, 0, 0});
     assert_fails(context, fathom_scene_write(scene, in_folder("a.glb")), FATHOM_BAD_USAGE, "2147483647");
-    fathom_scene_destroy(scene);
 }
 
 int main(void) { return unit_main(set_up, remove_folder); }

@@ -2,6 +2,7 @@
  * are. */
 #include "base/file.h"
 #include "materials.h"
+#include "owned.h"
 #include "unit_folder.h"
 #include "write/write.h"
 
@@ -95,7 +96,7 @@ UNIT_TEST(names_are_words_and_differ) {
     fathom_scene *scene;
     fathom_material material;
     fathom_material_default(&material);
-    assert_ok(context, fathom_scene_create(context, &scene));
+    scene = new_scene(context);
     for (size_t i = 0; i < sizeof given / sizeof *given; ++i)
         assert_ok(context, fathom_scene_add_material(scene, given[i], &material, NULL));
     for (int words = 0; words < 2; ++words) {
@@ -107,7 +108,6 @@ UNIT_TEST(names_are_words_and_differ) {
         write_names_free(names, scene->materials.count);
         assert_int_equal(notes.items[0].count, words ? 4 : 1);
     }
-    fathom_scene_destroy(scene);
 }
 
 /* ---- vertices ---- */
@@ -200,7 +200,7 @@ static scene_named_material through(const char *name, const fathom_material *mat
     fathom_scene *scene, *back;
     fathom_id id;
     told[0] = '\0';
-    assert_ok(context, fathom_scene_create(context, &scene));
+    scene = new_scene(context);
     assert_ok(context, fathom_scene_add_material(scene, "m", material, &id));
     fathom_mesh mesh = two_triangles();
     mesh.material = id;
@@ -208,13 +208,11 @@ static scene_named_material through(const char *name, const fathom_material *mat
     fathom_context_on_warning(context, tell, NULL);
     assert_ok(context, fathom_scene_write(scene, in_folder(name)));
     fathom_context_on_warning(context, NULL, NULL);
-    assert_ok(context, fathom_scene_read(context, in_folder(name), &back));
+    back = scene_of_file(context, in_folder(name));
     unlink(in_folder(name)), unlink(in_folder("m.mtl"));
     id = find_material(back, "m");
     assert_int_not_equal(id, FATHOM_NONE);
     scene_named_material out = back->materials.items[id];
-    fathom_scene_destroy(back);
-    fathom_scene_destroy(scene);
     return out;
 }
 
@@ -373,7 +371,7 @@ static void write_without_coordinates(bool by_instance) {
     fathom_id id, outer, group = FATHOM_ROOT;
     fathom_material_default(&m);
     fathom_instance_default(&instance);
-    assert_ok(context, fathom_scene_create(context, &scene));
+    scene = new_scene(context);
     assert_ok(context, fathom_scene_add_texture(scene, &image, &m.maps[FATHOM_MAP_COLOR].texture));
     assert_ok(context, fathom_scene_add_material(scene, "m", &m, &id));
     if (by_instance) {
@@ -398,7 +396,6 @@ static void write_without_coordinates(bool by_instance) {
         unlink(in_folder(names[k])), unlink(in_folder("m.mtl"));
         unlink(in_folder("m-0.png"));
     }
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(images_without_coordinates_and_scenes_without_lights_are_told) {
