@@ -57,8 +57,7 @@ static inline fathom_status read_asked(fixture *f, const fathom_read_options *as
 
 static inline fathom_scene *read_at(fixture *f, double time) {
     fathom_scene *scene;
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.time = time;
     assert_ok(f->context, read_asked(f, &asked, &scene));
     return scene;
@@ -67,8 +66,7 @@ static inline fathom_scene *read_at(fixture *f, double time) {
 /* Reads f->path, which is refused with this text in the message. */
 static inline void assert_bad_input(fixture *f, const char *text) {
     fathom_scene *scene;
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     assert_int_equal(read_asked(f, &asked, &scene), FATHOM_BAD_INPUT);
     if (!strstr(fathom_context_message(f->context), text)) fail_msg("%s", fathom_context_message(f->context));
 }

@@ -6,8 +6,7 @@
 #include <string.h>
 
 static fathom_material shiny(void) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.metallic = 0.5f, m.roughness = 0.5f, m.multiscatter = false;
     m.base_color[1] = 0.6f, m.base_color[2] = 0.3f;
@@ -25,8 +24,7 @@ static fathom_id place(stage *s, fathom_id parent, fathom_id group, const double
     double maps[24];
     memcpy(maps, from, 12 * sizeof *maps);
     memcpy(maps + 12, moves ? to : from, 12 * sizeof *maps);
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     instance.parent = parent, instance.group = group;
     instance.key_count = 2, instance.key_times = key_times, instance.key_transforms = maps;
     fathom_id id;
@@ -52,8 +50,7 @@ static void bending_mesh(stage *s, bool moves, fathom_id material) {
     memcpy(normals, from + 9, 9 * sizeof *normals);
     memcpy(normals + 9, from + 9, 9 * sizeof *normals);
     if (moves) normals[9] = -0.3f;
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = from, mesh.vertex_count = 3, mesh.normals = from + 9, mesh.normal_count = 3;
     mesh.indices = (const uint32_t[]){0, 1, 2}, mesh.triangle_count = 1, mesh.material = material;
     mesh.key_count = 2, mesh.key_times = key_times, mesh.key_positions = keys, mesh.key_normals = normals;
@@ -80,8 +77,7 @@ static inline stage moving_stage(unsigned moves, double open, double close) {
     fathom_quad_from_axes((double[3]){0, 0, 0}, (double[3]){0.9, 0.2, 0}, (double[3]){0, 0.5, 0.2}, &plate);
     plate.material = material;
     assert_ok(s.context, fathom_scene_add_quad(s.scene, turning, &plate, NULL));
-    fathom_sphere ball;
-    fathom_sphere_default(&ball);
+    fathom_sphere ball = default_sphere();
     ball.radius = 0.4, ball.material = red;
     assert_ok(s.context, fathom_scene_add_sphere(s.scene, flying, &ball, NULL));
     place(&s, FATHOM_ROOT, turning, still_map, turned, moves & TURN);

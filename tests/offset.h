@@ -24,6 +24,7 @@
  * and T the map to object space and M its inverse: those products are what is rounded there. */
 #pragma once
 
+#include "defaults.h"
 #include "math/affine.h"
 #include "random.h"
 #include "surface/gather.h"
@@ -102,8 +103,7 @@ static inline void offset_add_quad(offset_world *o, const vec3_f64 v[4]) {
 static inline void offset_add_triangle(offset_world *o, const vec3_f64 v[3]) {
     float(*p)[3] = o->corner[o->w.meshes.count];
     for (int k = 0; k < 3; ++k) store_f32(p[k], narrow(v[k]));
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p[0], mesh.vertex_count = 3, mesh.position_stride = sizeof *p;
     mesh.indices = offset_index, mesh.triangle_count = 1;
     offset_add_geometry(o, WORLD_MESH, o->w.meshes.count);

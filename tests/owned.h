@@ -1,12 +1,10 @@
 /* Contexts, scenes and films that end with the test that made them. */
 #pragma once
 
-/* Before unit.h: cmocka has a macro fail(). */
-#include "base/status.h"
+#include "base/status.h" /* before unit.h: cmocka has a macro fail() */
 
+#include "defaults.h"
 #include "unit.h"
-
-#include <fathom/fathom.h>
 
 UNIT_OWNS(context, fathom_context, fathom_context_destroy)
 UNIT_OWNS(scene, fathom_scene, fathom_scene_destroy)

@@ -55,22 +55,19 @@ static inline fathom_id stage_material(stage *s, const fathom_material *m) {
 
 /* Sends out radiance `e` and nothing else. */
 static inline fathom_id stage_emitter(stage *s, float e) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     for (int c = 0; c < 3; ++c) m.k_d[c] = 0, m.k_e[c] = e;
     return stage_material(s, &m);
 }
 
 static inline fathom_id stage_lambert(stage *s, float k_d) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     for (int c = 0; c < 3; ++c) m.k_d[c] = k_d;
     return stage_material(s, &m);
 }
 
 static inline void stage_sphere(stage *s, double x, double y, double z, double radius, fathom_id material) {
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     sphere.center[0] = x, sphere.center[1] = y, sphere.center[2] = z;
     sphere.radius = radius, sphere.material = material;
     assert_ok(s->context, fathom_scene_add_sphere(s->scene, FATHOM_ROOT, &sphere, NULL));
@@ -85,16 +82,14 @@ static inline void stage_quad(stage *s, const double center[3], const double u[3
 }
 
 static inline void stage_plane(stage *s, const double point[3], const double normal[3], fathom_id material) {
-    fathom_plane plane;
-    fathom_plane_default(&plane);
+    fathom_plane plane = default_plane();
     for (int i = 0; i < 3; ++i) plane.point[i] = point[i], plane.normal[i] = normal[i];
     plane.material = material;
     assert_ok(s->context, fathom_scene_add_plane(s->scene, FATHOM_ROOT, &plane, NULL));
 }
 
 static inline void stage_point_light(stage *s, double x, double y, double z, float intensity) {
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.position[0] = x, light.position[1] = y, light.position[2] = z;
     for (int c = 0; c < 3; ++c) light.intensity[c] = intensity;
     assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
@@ -105,9 +100,8 @@ static inline fathom_id stage_texel(stage *s, const float rgb[3]) {
     char bytes[32];
     const int header = snprintf(bytes, sizeof bytes, "PF\n1 1\n-1.0\n");
     memcpy(bytes + header, rgb, 3 * sizeof *rgb);
-    fathom_texture t;
+    fathom_texture t = default_texture();
     fathom_id id;
-    fathom_texture_default(&t);
     t.bytes = bytes, t.byte_count = (size_t)header + 3 * sizeof *rgb, t.name = "texel.pfm";
     t.color_space = FATHOM_COLOR_LINEAR, t.filter = FATHOM_TEXTURE_NEAREST;
     assert_ok(s->context, fathom_scene_add_texture(s->scene, &t, &id));
@@ -138,8 +132,7 @@ static inline void stage_mesh_sphere(stage *s, fathom_id group, uint32_t rows, u
             t[0] = a, t[1] = c, t[2] = b, t[3] = b, t[4] = c, t[5] = d;
         }
     }
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = mesh.normals = p;
     mesh.vertex_count = mesh.normal_count = vertices;
     mesh.indices = index, mesh.triangle_count = triangles, mesh.material = material;

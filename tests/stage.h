@@ -93,8 +93,7 @@ static inline fathom_id add_ball(stage *s, fathom_id group, unsigned n, double b
             *t++ = a, *t++ = b, *t++ = c, *t++ = b, *t++ = d, *t++ = c;
         }
     }
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = vertices;
     mesh.indices = index, mesh.triangle_count = (uint32_t)(t - index) / 3;
     mesh.flags = flags;
@@ -116,8 +115,7 @@ static inline void add_grid(stage *s, unsigned n, double z) {
         uint32_t a = k / n * (n + 1) + k % n, b = a + 1, c = a + n + 1, d = c + 1;
         *t++ = a, *t++ = b, *t++ = c, *t++ = b, *t++ = d, *t++ = c;
     }
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = (n + 1) * (n + 1);
     mesh.indices = index, mesh.triangle_count = 2 * n * n;
     assert_ok(s->context, fathom_scene_add_mesh(s->scene, FATHOM_ROOT, &mesh, NULL));
@@ -125,8 +123,7 @@ static inline void add_grid(stage *s, unsigned n, double z) {
 
 static inline void add_sphere(stage *s, fathom_id group, double x, double y, double z, double r,
                               unsigned flags) {
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     sphere.center[0] = x, sphere.center[1] = y, sphere.center[2] = z, sphere.radius = r;
     sphere.flags = flags;
     assert_ok(s->context, fathom_scene_add_sphere(s->scene, group, &sphere, NULL));
@@ -134,23 +131,20 @@ static inline void add_sphere(stage *s, fathom_id group, double x, double y, dou
 
 static inline void add_quad(stage *s, fathom_id group, const double center[3], const double u[3],
                             const double v[3], unsigned flags) {
-    fathom_quad quad;
-    fathom_quad_default(&quad);
+    fathom_quad quad = default_quad();
     fathom_quad_from_axes(center, u, v, &quad);
     quad.flags = flags;
     assert_ok(s->context, fathom_scene_add_quad(s->scene, group, &quad, NULL));
 }
 
 static inline void add_plane(stage *s, double z, unsigned flags) {
-    fathom_plane plane;
-    fathom_plane_default(&plane);
+    fathom_plane plane = default_plane();
     plane.point[2] = z, plane.flags = flags;
     assert_ok(s->context, fathom_scene_add_plane(s->scene, FATHOM_ROOT, &plane, NULL));
 }
 
 static inline void add_instance(stage *s, fathom_id group, const double m[12]) {
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     instance.group = group;
     memcpy(instance.transform, m, sizeof instance.transform);
     assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));

@@ -1,6 +1,7 @@
 /* Texture files of tests, and what caches of them look up. */
 #pragma once
 
+#include "defaults.h"
 #include "image/image.h"
 #include "scene/scene.h"
 #include "texture/cache.h"
@@ -56,8 +57,7 @@ static inline void put_image(const char *name, unsigned width, unsigned height, 
     for (size_t c = 0; c < count; ++c)
         channels[c] = (image_channel){names[c], IMAGE_FLOAT, half, planes + c * texels, sizeof(float)};
     const image img = {width, height, 0, 0, width, height, channels, count, NULL, 0, 0};
-    fathom_write_options options;
-    fathom_write_options_default(&options);
+    fathom_write_options options = default_write_options();
     assert_ok(context, image_write(context, &img, in_folder(name), &options));
 }
 
@@ -69,8 +69,7 @@ typedef struct opened {
 } opened;
 
 static inline fathom_texture texture_of(const char *name, fathom_color_space space) {
-    fathom_texture t;
-    fathom_texture_default(&t);
+    fathom_texture t = default_texture();
     t.file = in_folder(name), t.color_space = space;
     return t;
 }

@@ -1,6 +1,7 @@
 /* An empty scene and its context, for tests that fill it: set-up and tear-down of each. */
 #pragma once
 
+#include "defaults.h"
 #include "math/affine.h"
 #include "unit.h"
 
@@ -29,8 +30,7 @@ static inline fathom_id add_group(void) {
 }
 
 static inline void place_still(fathom_id group, fathom_id parent, const affine_f64 *map) {
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     memcpy(instance.transform, map->m, sizeof instance.transform);
     instance.group = group, instance.parent = parent;
     assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));

@@ -13,8 +13,7 @@ static const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, uvs[6] = {0, 0, 1
 static const uint32_t corners[3] = {0, 1, 2};
 
 static inline fathom_mesh triangle(fathom_id material) {
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = positions, mesh.vertex_count = 3, mesh.indices = corners, mesh.triangle_count = 1;
     mesh.uvs = uvs, mesh.uv_count = 3, mesh.material = material;
     return mesh;

@@ -20,8 +20,7 @@ static void assert_same_films(const fathom_film *a, const fathom_film *b) {
 }
 
 static fathom_material clear_material(void) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     for (int c = 0; c < 3; ++c) m.k_d[c] = 0, m.k_t[c] = 1;
     m.ior = 1;
     return m;
@@ -31,8 +30,7 @@ static fathom_material clear_material(void) {
 static stage open_view(void) {
     stage s = stage_open(64, 48);
     const fathom_id matte = stage_lambert(&s, 0.8f);
-    fathom_material mirror;
-    fathom_material_default(&mirror);
+    fathom_material mirror = default_material();
     for (int c = 0; c < 3; ++c) mirror.k_r[c] = 0.5f;
     stage_sphere(&s, 0, 0.6, 0, 0.6, matte);
     stage_quad(&s, (double[3]){0, 0, 0}, (double[3]){3, 0, 0}, (double[3]){0, 0, -3}, matte);
@@ -47,8 +45,7 @@ static stage open_view(void) {
 }
 
 static fathom_id add_group(stage *s, fathom_id material) {
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &instance.group));
     instance.transform[7] = 0.25, instance.material = material;
     assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));
@@ -58,24 +55,21 @@ static fathom_id add_group(stage *s, fathom_id material) {
 /* Twelve sheets in front of it, a ball around everything, a mesh and a plane. */
 static void add_clear_shapes(stage *s, fathom_id group, fathom_id clear, unsigned flags) {
     fathom_quad quad;
-    fathom_sphere ball;
-    fathom_plane plane;
+    fathom_sphere ball = default_sphere();
+    fathom_plane plane = default_plane();
     for (int k = 0; k < 12; ++k) {
         fathom_quad_from_axes((double[3]){0, 1, 2 + 0.1 * k}, (double[3]){3, 0, 0}, (double[3]){0, 3, 0},
                               &quad);
         quad.material = clear, quad.flags = flags;
         assert_ok(s->context, fathom_scene_add_quad(s->scene, group, &quad, NULL));
     }
-    fathom_sphere_default(&ball);
     ball.radius = 20, ball.material = clear, ball.flags = flags;
     assert_ok(s->context, fathom_scene_add_sphere(s->scene, group, &ball, NULL));
-    fathom_plane_default(&plane);
     plane.point[2] = 1.5, plane.material = clear, plane.flags = flags;
     assert_ok(s->context, fathom_scene_add_plane(s->scene, group, &plane, NULL));
     const float p[9] = {-3, -3, 1.75f, 3, -3, 1.75f, 0, 6, 1.75f};
     const uint32_t index[3] = {0, 1, 2};
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = 3, mesh.indices = index, mesh.triangle_count = 1;
     mesh.material = clear, mesh.flags = flags;
     assert_ok(s->context, fathom_scene_add_mesh(s->scene, group, &mesh, NULL));

@@ -107,8 +107,7 @@ UNIT_TEST(measures) {
     stage s;
     stage_open(&s);
     fill(&s);
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.position[2] = 5;
     for (int c = 0; c < 3; ++c) light.intensity[c] = 30;
     assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
@@ -116,8 +115,7 @@ UNIT_TEST(measures) {
     fathom_camera_look_at((double[3]){0, 0, 5}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.7, &camera);
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
     trace_tracer *real = stage_spec(&s, "embree");
-    fathom_settings settings;
-    fathom_settings_default(&settings);
+    fathom_settings settings = default_settings();
     fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.width = 70, settings.height = 100;
     const uint64_t room[] = {UINT64_C(1) << 30, 1};

@@ -11,8 +11,7 @@ static void open_scene(stage *s) {
     fathom_camera camera;
     fathom_camera_look_at((double[3]){0.3, 0.2, 5}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.7, &camera);
     assert_ok(s->context, fathom_scene_set_camera(s->scene, &camera));
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.position[0] = 2, light.position[2] = 5;
     assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
 }

@@ -5,8 +5,7 @@
 #include <string.h>
 
 static fathom_material classic(float d, float r, float t) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_CLASSIC;
     for (int c = 0; c < 3; ++c) m.k_d[c] = d, m.k_r[c] = r, m.k_t[c] = t;
     return m;
@@ -26,8 +25,7 @@ static fathom_id add(const char *name, const fathom_material *m) {
 }
 
 static void add_sphere(fathom_id group, fathom_id material) {
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     sphere.material = material;
     assert_ok(context, fathom_scene_add_sphere(scene, group, &sphere, NULL));
 }
@@ -87,8 +85,7 @@ static void materials_in_use_are_counted(void **state) {
     tells(NULL);
     add_sphere(FATHOM_ROOT, first), add_sphere(FATHOM_ROOT, first);
     tells("get brighter at each hit: 1; \"bad\" reflects 10 % more");
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     assert_ok(context, fathom_scene_add_group(scene, "g", &instance.group));
     add_sphere(instance.group, third);
     instance.material = second;
@@ -99,8 +96,7 @@ static void materials_in_use_are_counted(void **state) {
 /* What images give is not known. */
 static void images_count_as_black(void **state) {
     (void)state;
-    fathom_texture t;
-    fathom_texture_default(&t);
+    fathom_texture t = default_texture();
     t.bytes = "x", t.byte_count = 1;
     fathom_material m = shiny(1, 1, FATHOM_SPECULAR_PHONG, 6);
     assert_ok(context, fathom_scene_add_texture(scene, &t, &m.maps[FATHOM_MAP_COLOR].texture));

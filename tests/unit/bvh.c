@@ -70,8 +70,7 @@ static void add_soup(stage *s, uint32_t triangles, double reach) {
         }
         for (uint32_t v = 0; v < 3; ++v) index[3 * i + v] = 3 * i + v;
     }
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = 3 * triangles;
     mesh.indices = index, mesh.triangle_count = triangles;
     assert_ok(s->context, fathom_scene_add_mesh(s->scene, FATHOM_ROOT, &mesh, NULL));
@@ -150,8 +149,7 @@ static void add_sliver(stage *s, fathom_id group, const double c[3]) {
         p[k] = (float)(c[k] - along), p[3 + k] = (float)(c[k] + along);
         p[6 + k] = (float)(c[k] + 1e-4 * between(-1, 1));
     }
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = 3, mesh.indices = index, mesh.triangle_count = 1;
     assert_ok(s->context, fathom_scene_add_mesh(s->scene, group, &mesh, NULL));
 }

@@ -28,8 +28,7 @@ typedef struct place {
 static void fill_scene(stage *s, float k_d, float light) {
     static const double eye[3] = {0, 1, 4}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0}, center[3] = {0, -1, 0},
                         u[3] = {3, 0, 0}, v[3] = {0, 0, -3};
-    fathom_material mirror;
-    fathom_material_default(&mirror);
+    fathom_material mirror = default_material();
     for (int c = 0; c < 3; ++c) mirror.k_r[c] = 0.6f, mirror.k_d[c] = 0.2f;
     stage_camera(s, eye, target, up, 0.8);
     stage_sphere(s, -1, 0, 0, 0.8, stage_material(s, &mirror));
@@ -73,8 +72,7 @@ static bool stop_after(void *user, const fathom_progress *now) {
 
 static fathom_status render(place *p, unsigned threads, fathom_stats *stats, fathom_film **out) {
     fathom_context_set_threads(p->s.context, threads);
-    fathom_session_options options;
-    fathom_session_options_default(&options);
+    fathom_session_options options = default_session_options();
     options.checkpoint = &p->saving, options.progress = stop_after, options.user = p;
     return fathom_session_run(p->s.context, p->s.scene, &p->s.settings, &options, stats, out);
 }
@@ -360,8 +358,7 @@ static uint64_t fingerprint_of_mesh(size_t stride, float z, float between, uint3
         float *at = rows + i * stride / sizeof(float);
         at[0] = (float)(i & 1), at[1] = (float)(i / 2), at[2] = z;
     }
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = rows, mesh.position_stride = stride, mesh.vertex_count = 4;
     mesh.indices = index, mesh.triangle_count = 1;
     assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));

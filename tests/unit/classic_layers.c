@@ -9,8 +9,7 @@ static const char *const channels[] = {"indirect.R", "indirect.G", "indirect.B",
 /* Balls of glass before a sky, over a floor that ambient light shows. */
 static fathom_film *render_glass(const uint32_t crop[4], uint32_t samples) {
     stage s = stage_open(SIDE, SIDE);
-    fathom_material glass;
-    fathom_material_default(&glass);
+    fathom_material glass = default_material();
     for (int c = 0; c < 3; ++c)
         glass.k_d[c] = 0.01f * (float)(c + 1), glass.k_t[c] = glass.k_r[c] = 0.9f - 0.1f * (float)c;
     glass.fresnel = true;

@@ -13,8 +13,7 @@ static fathom_camera look(camera_kind kind, double near, double far) {
     static const double times[] = {0, 1};
     static const double frames[] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 0};
     const double behind = kind == FAR_AWAY ? 1e6 : 0;
-    fathom_camera camera;
-    fathom_camera_default(&camera);
+    fathom_camera camera = default_camera();
     camera.near_clip = near + behind, camera.far_clip = far > 0 ? far + behind : 0;
     camera.orthographic = kind == ORTHOGRAPHIC;
     camera.origin[2] = behind;
@@ -43,8 +42,7 @@ static void add_wall(stage *s, double depth, fathom_id material) {
 }
 
 static fathom_id add_color(stage *s, const float ke[3]) {
-    fathom_material material;
-    fathom_material_default(&material);
+    fathom_material material = default_material();
     memset(material.k_d, 0, sizeof material.k_d), memcpy(material.k_e, ke, sizeof material.k_e);
     return stage_material(s, &material);
 }
@@ -88,8 +86,7 @@ UNIT_TEST(mirrors_are_not_clipped) {
     for (int i = 0; i < 3; ++i) {
         const fathom_camera camera = look(PINHOLE, 2, 4);
         stage s = open_stage(integrators[i], &camera);
-        fathom_material mirror;
-        fathom_material_default(&mirror);
+        fathom_material mirror = default_material();
         for (int c = 0; c < 3; ++c) mirror.k_d[c] = 0, mirror.k_r[c] = 1;
         add_wall(&s, 3, stage_material(&s, &mirror));
         add_wall(&s, 1, add_color(&s, green));
@@ -104,8 +101,7 @@ UNIT_TEST(the_far_plane_hides_what_is_behind_holes) {
         const bool hidden = i & 1;
         const fathom_camera camera = look((camera_kind)(i / 4), 2, hidden ? 4.5 : 5.5);
         stage s = open_stage(integrators[1 + i / 2 % 2], &camera);
-        fathom_material hole;
-        fathom_material_default(&hole);
+        fathom_material hole = default_material();
         hole.model = FATHOM_MODEL_METALLIC_ROUGHNESS, hole.opacity = 0;
         add_wall(&s, 3, stage_material(&s, &hole));
         add_wall(&s, 4, stage_material(&s, &hole));
@@ -121,8 +117,7 @@ UNIT_TEST(rays_start_in_the_volumes_at_the_near_plane) {
         fathom_camera camera = look(ORTHOGRAPHIC, 3, 0);
         camera.h = 1e-3;
         stage s = open_stage(integrators[i], &camera);
-        fathom_material glass;
-        fathom_material_default(&glass);
+        fathom_material glass = default_material();
         glass.model = FATHOM_MODEL_METALLIC_ROUGHNESS, glass.metallic = 0, glass.roughness = 0;
         glass.transmission = 1, glass.thickness = 1, glass.ior = 1, glass.specular = 0;
         glass.attenuation_distance = 1;

@@ -64,12 +64,10 @@ UNIT_TEST(snell_edge) {
     const float iors[] = {1.5f, 1.0f, 2.5f, 0.8f};
     for (size_t n = 0; n < 4; ++n) {
         stage s = stage_open(4096, 1);
-        fathom_camera camera;
-        fathom_camera_default(&camera);
+        fathom_camera camera = default_camera();
         camera.w = 4, camera.h = 4.0 / 4096;
         assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
-        fathom_material glass;
-        fathom_material_default(&glass);
+        fathom_material glass = default_material();
         for (int c = 0; c < 3; ++c) glass.k_d[c] = 0, glass.k_t[c] = 1;
         glass.ior = iors[n];
         stage_plane(&s, (double[3]){0, 0, -1}, (double[3]){0, 0, 1}, stage_material(&s, &glass));
@@ -95,12 +93,10 @@ UNIT_TEST(snell_edge) {
 /* From inside glass, light gets in only where sin < 1/ior; beyond, the surface mirrors what is inside. */
 UNIT_TEST(total_internal_reflection) {
     stage s = stage_open(4096, 1);
-    fathom_camera camera;
-    fathom_camera_default(&camera);
+    fathom_camera camera = default_camera();
     camera.w = 4, camera.h = 4.0 / 4096;
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
-    fathom_material glass;
-    fathom_material_default(&glass);
+    fathom_material glass = default_material();
     for (int c = 0; c < 3; ++c) glass.k_d[c] = 0, glass.k_t[c] = 1;
     /* The normal points away from the camera: the camera is inside. */
     stage_plane(&s, (double[3]){0, 0, -1}, (double[3]){0, 0, -1}, stage_material(&s, &glass));
@@ -133,8 +129,7 @@ static double reflectance_inside(double ior, double sine) {
 UNIT_TEST(fresnel_shares_do_not_jump_at_the_critical_angle) {
     const double ior = 1.5, error = 16 * 0x1p-24;
     stage s = stage_open(4096, 1);
-    fathom_camera camera;
-    fathom_camera_default(&camera);
+    fathom_camera camera = default_camera();
     camera.w = 4, camera.h = 4.0 / 4096;
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
     fathom_material glass, red, green;
@@ -163,16 +158,14 @@ UNIT_TEST(fresnel_shares_do_not_jump_at_the_critical_angle) {
  * at x = 0.5. */
 UNIT_TEST(shadow_edge) {
     stage s = stage_open(4096, 1);
-    fathom_camera camera;
-    fathom_camera_default(&camera);
+    fathom_camera camera = default_camera();
     camera.origin[2] = 0.5;
     camera.w = 4, camera.h = 4.0 / 4096; /* the ground at z = -0.5 is seen from x = -2 to 2 */
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
     fathom_id white = stage_lambert(&s, 1);
     stage_plane(&s, (double[3]){0, 0, -0.5}, (double[3]){0, 0, 1}, white);
     stage_quad(&s, (double[3]){-49.75, 0, 0.6}, (double[3]){50, 0, 0}, (double[3]){0, 9, 0}, white);
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.position[2] = 1.7;
     for (int c = 0; c < 3; ++c) light.intensity[c] = 100;
     assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
@@ -187,13 +180,11 @@ UNIT_TEST(mirror_geometry) {
     const double lights[][3] = {{0, 0, 3}, {-5, 2, 1}};
     for (int n = 0; n < 2; ++n) {
         stage s = stage_open(4096, 1);
-        fathom_camera camera;
-        fathom_camera_default(&camera);
+        fathom_camera camera = default_camera();
         camera.origin[2] = 1;
         camera.w = 1.9, camera.h = 1.9 / 4096;
         assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
-        fathom_material mirror;
-        fathom_material_default(&mirror);
+        fathom_material mirror = default_material();
         for (int c = 0; c < 3; ++c) mirror.k_d[c] = 0, mirror.k_r[c] = 1;
         stage_plane(&s, origin, (double[3]){0, 0, 1}, stage_material(&s, &mirror));
         stage_quad(&s, (double[3]){1, 0, 50.5}, (double[3]){0, 0, 50}, (double[3]){0, 9, 0},
@@ -217,8 +208,7 @@ UNIT_TEST(mirror_geometry) {
 UNIT_TEST(mirror_corridor) {
     stage s = stage_open(4, 4);
     stage_camera(&s, origin, (double[3]){0, 0, -1}, up, 0.1);
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     for (int c = 0; c < 3; ++c) m.k_d[c] = 0, m.k_r[c] = 0.5f, m.k_e[c] = 1;
     fathom_id mirror = stage_material(&s, &m);
     stage_plane(&s, (double[3]){0, 0, -1}, (double[3]){0, 0, 1}, mirror);
@@ -242,13 +232,11 @@ UNIT_TEST(highlights) {
         for (int e = 0; e < 4; ++e) {
             stage s = stage_open(1, 1);
             stage_camera(&s, (double[3]){1, 0, 2}, origin, up, 0.01);
-            fathom_material m;
-            fathom_material_default(&m);
+            fathom_material m = default_material();
             for (int c = 0; c < 3; ++c) m.k_d[c] = 0.25f, m.k_s[c] = 0.5f;
             m.specular = kinds[k2], m.shininess = exponents[e];
             stage_plane(&s, origin, (double[3]){0, 0, 1}, stage_material(&s, &m));
-            fathom_light light;
-            fathom_light_default(&light);
+            fathom_light light = default_light();
             light.type = FATHOM_LIGHT_DIRECTIONAL;
             light.direction[0] = 1, light.direction[1] = 0.1, light.direction[2] = -2.5;
             assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
@@ -272,14 +260,12 @@ UNIT_TEST(highlights) {
  * ((cos - cos 40)/(cos 20 - cos 40))^2. */
 UNIT_TEST(spot_falloff) {
     stage s = stage_open(256, 1);
-    fathom_camera camera;
-    fathom_camera_default(&camera);
+    fathom_camera camera = default_camera();
     camera.origin[2] = 1;
     camera.w = 2, camera.h = 2.0 / 256;
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
     stage_plane(&s, origin, (double[3]){0, 0, 1}, stage_lambert(&s, 1));
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = FATHOM_LIGHT_SPOT;
     light.position[2] = 1;
     light.direction[1] = 0, light.direction[2] = -7;
@@ -326,8 +312,7 @@ UNIT_TEST(far_side_light) {
     for (int from_behind = 0; from_behind < 2; ++from_behind) {
         stage s = stage_open(1, 1);
         stage_camera(&s, (double[3]){0, 0, 2}, origin, up, 0.01);
-        fathom_material m;
-        fathom_material_default(&m);
+        fathom_material m = default_material();
         m.lit_from_behind = from_behind;
         stage_plane(&s, origin, (double[3]){0, 0, 1}, stage_material(&s, &m));
         stage_point_light(&s, 0, 0, -2, 4);

@@ -43,8 +43,7 @@ static size_t width(const fathom_parameter *p) {
 /* All layers of a material, a volume and, in scene JSON, images of slopes: without these some parameters have
  * no effect, and are not written. */
 static fathom_material layered(int format) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.thickness = 1, m.transmission = 0.4f;
     m.attenuation_distance = 2, m.attenuation_color[1] = 0.4f, m.emissive[0] = 0.4f, m.sheen_color[0] = 0.4f;
     m.clearcoat = m.anisotropy = m.iridescence = m.diffuse_transmission = m.opacity = 0.4f;
@@ -89,10 +88,9 @@ UNIT_TEST(every_setting_reads_back_from_json) {
         {"min_weight", "0.001"},   {"aovs", "Z,albedo"}};
     for (size_t i = 0; i < sizeof values / sizeof *values; ++i) {
         fathom_settings given, got;
-        fathom_material plain;
+        fathom_material plain = default_material();
         char text[2][256];
         size_t count;
-        fathom_material_default(&plain);
         fathom_settings_default(&given);
         if (strcmp(values[i][0], "pattern") == 0) given.target_error = 0;
         assert_ok(context, fathom_settings_set_text(context, &given, values[i][0], values[i][1]));
@@ -160,8 +158,7 @@ UNIT_TEST(every_image_reads_back) {
         if (kind == FATHOM_MAP_SHININESS || (format == GLB && channel < 0)) continue;
         fathom_texture image = texture;
         image.color_space = kind == FATHOM_MAP_COLOR ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
-        fathom_material given;
-        fathom_material_default(&given);
+        fathom_material given = default_material();
         given.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
         fathom_map *map = &given.maps[kind];
         *map = (fathom_map){.texture = 0, .uv_set = 1, .transform = {0.4f, 0.36f, 0.1f, -0.3f, 0.48f, 0.2f}};
@@ -189,9 +186,8 @@ UNIT_TEST(mtl_keeps_metal_and_its_images) {
     static const fathom_map_kind kinds[] = {FATHOM_MAP_COLOR, FATHOM_MAP_ROUGHNESS, FATHOM_MAP_NORMAL,
                                             FATHOM_MAP_BUMP};
     enum { KINDS = sizeof kinds / sizeof *kinds };
-    fathom_material m;
+    fathom_material m = default_material();
     fathom_scene *back;
-    fathom_material_default(&m);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.roughness = 0.3f, m.metallic = 0.7f, m.clearcoat = 0.2f;
     m.clearcoat_roughness = 0.1f, m.anisotropy = 0.6f, m.opacity = 0.9f, m.ior = 1.7f, m.normal_scale = 0.3f;
     m.bump_scale = 0.02f, m.sheen_roughness = 0.5f;
@@ -226,8 +222,7 @@ UNIT_TEST(glb_keeps_the_alpha_of_a_colour_image) {
     for (int k = 0; k < 6; ++k) {
         const int other = k % 3, color = k < 3 ? FATHOM_MAP_COLOR : FATHOM_MAP_SPECULAR_COLOR,
                   alpha = k < 3 ? FATHOM_MAP_OPACITY : FATHOM_MAP_ROUGHNESS;
-        fathom_material m;
-        fathom_material_default(&m);
+        fathom_material m = default_material();
         m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
         if (k >= 3) m.ior = 0, m.metallic = 0;
         m.maps[color] = (fathom_map){.texture = 0, .transform = {2, 0, 0, 0, 2, 0}};
@@ -256,9 +251,8 @@ UNIT_TEST(glb_keeps_the_alpha_of_a_colour_image) {
 /* MTL has no thin walls among the keys of metals, but has glass. */
 UNIT_TEST(mtl_keeps_solid_transmission_and_makes_glass_of_thin_walls) {
     for (int solid = 0; solid < 2; ++solid) {
-        fathom_material m;
+        fathom_material m = default_material();
         fathom_scene *back;
-        fathom_material_default(&m);
         m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.transmission = 0.75f, m.roughness = 0, m.ior = 1.7f;
         m.thickness = (float)solid;
         fathom_scene *scene = wearing(&m, NULL);
@@ -276,9 +270,8 @@ UNIT_TEST(mtl_keeps_solid_transmission_and_makes_glass_of_thin_walls) {
 UNIT_TEST(mtl_keeps_unlit_materials) {
     const fathom_texture texture = {.size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6};
     const float color[3] = {0.25f, 0.5f, 0.75f};
-    fathom_material m;
+    fathom_material m = default_material();
     fathom_scene *back;
-    fathom_material_default(&m);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.specular_factor = 0, m.emissive_strength = 4;
     for (int c = 0; c < 3; ++c) m.base_color[c] = 0, m.emissive[c] = color[c];
     m.maps[FATHOM_MAP_COLOR] = m.maps[FATHOM_MAP_EMISSIVE] =
@@ -298,9 +291,8 @@ UNIT_TEST(mtl_keeps_unlit_materials) {
 UNIT_TEST(rotations_of_brushed_metal_turn_with_v) {
     const fathom_texture texture = {.size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6};
     for (int image = 0; image < 2; ++image) {
-        fathom_material m;
+        fathom_material m = default_material();
         fathom_scene *back;
-        fathom_material_default(&m);
         m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.anisotropy = 0.5f, m.anisotropy_rotation = 0.75f;
         if (image) m.maps[FATHOM_MAP_COLOR] = (fathom_map){.texture = 0, .transform = {1, 0, 0, 0, 1, 0}};
         fathom_scene *scene = wearing(&m, image ? &texture : NULL);
@@ -315,9 +307,8 @@ UNIT_TEST(rotations_of_brushed_metal_turn_with_v) {
 UNIT_TEST(images_of_no_effect_have_none_in_mtl) {
     const fathom_texture texture = {.size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6};
     for (int model = 0; model < 2; ++model) {
-        fathom_material m;
+        fathom_material m = default_material();
         fathom_scene *back;
-        fathom_material_default(&m);
         m.model = (fathom_model)model;
         m.maps[FATHOM_MAP_EMISSIVE] = (fathom_map){.texture = 0, .transform = {1, 0, 0, 0, 1, 0}};
         fathom_scene *scene = wearing(&m, &texture);
@@ -354,8 +345,7 @@ static void add_lights(fathom_scene *scene) {
     for (int i = 0; i < 3; ++i) {
         static const double at[3][3] = {{1, 2, 3}, {0, 0, 0}, {-1, 1, 2}},
                             along[3][3] = {{0, -1, 0}, {-0.3, -1, -0.2}, {0.6, -0.5, -1.1}};
-        fathom_light light;
-        fathom_light_default(&light);
+        fathom_light light = default_light();
         light.type = (fathom_light_type)i;
         memcpy(light.position, at[i], sizeof light.position);
         memcpy(light.direction, along[i], sizeof light.direction);
@@ -376,10 +366,9 @@ static fathom_scene *rich_scene(bool parallel) {
     const fathom_texture texture = {
         .size = sizeof texture, .bytes = picture, .byte_count = sizeof picture - 1};
     fathom_scene *scene;
-    fathom_material m;
+    fathom_material m = default_material();
     fathom_id id, group;
     scene = new_scene(context);
-    fathom_material_default(&m);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.roughness = 0.3f, m.clearcoat = 0.4f, m.metallic = 0.2f;
     assert_ok(context, fathom_scene_add_texture(scene, &texture, &m.maps[FATHOM_MAP_COLOR].texture));
     m.maps[FATHOM_MAP_OPACITY] = m.maps[FATHOM_MAP_COLOR];
@@ -390,8 +379,7 @@ static fathom_scene *rich_scene(bool parallel) {
         fathom_mesh mesh = triangle(id);
         mesh.normals = normals, mesh.normal_count = 3, mesh.tangents = tangents;
         mesh.uvs_1 = second, mesh.colors = colors, mesh.color_channels = 4;
-        fathom_instance instance;
-        fathom_instance_default(&instance);
+        fathom_instance instance = default_instance();
         if (i < 2) assert_ok(context, fathom_scene_add_group(scene, "same name", &group));
         if (i < 2) assert_ok(context, fathom_scene_add_mesh(scene, group, &mesh, NULL));
         instance.group = group;
@@ -448,11 +436,9 @@ UNIT_TEST(scene_json_survives_conversion) {
 /* Arrays can replace materials by material 0, which has no name, and give tangents without normals. */
 UNIT_TEST(scenes_of_arrays_survive_conversion_to_json) {
     static const float tangents[12] = {0.6f, 0.8f, 0, 1, 0.6f, 0.8f, 0, 1, 0.6f, 0.8f, 0, -1};
-    fathom_material usual;
-    fathom_material_default(&usual);
+    fathom_material usual = default_material();
     fathom_scene *scene = wearing(&usual, NULL);
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     assert_ok(context, fathom_scene_add_group(scene, NULL, &instance.group));
     fathom_mesh flat = triangle(1);
     flat.tangents = tangents;
@@ -529,8 +515,7 @@ UNIT_TEST(ply_keeps_an_image_of_all_triangles) {
     const fathom_texture texture = {.size = sizeof texture, .bytes = pixel, .byte_count = sizeof pixel - 1};
     static const float turned[6] = {0.5f, 0.25f, 0.125f, -0.25f, 2, 0.75f};
     fathom_scene *back;
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.maps[FATHOM_MAP_COLOR].texture = 0;
     memcpy(m.maps[FATHOM_MAP_COLOR].transform, turned, sizeof turned);
     fathom_scene *scene = wearing(&m, &texture);
@@ -574,8 +559,7 @@ static void add_odd_image(fathom_scene *scene) {
                                     .byte_count = sizeof pixel - 1,
                                     .color_space = FATHOM_COLOR_LINEAR,
                                     .filter = FATHOM_TEXTURE_NEAREST};
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.opacity = 0.5f;
     assert_ok(context, fathom_scene_add_texture(scene, &texture, &m.maps[FATHOM_MAP_COLOR].texture));
     assert_ok(context, fathom_scene_add_material(scene, "odd", &m, NULL));

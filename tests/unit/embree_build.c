@@ -101,8 +101,7 @@ UNIT_TEST(damaged_triangles_are_left_out) {
     static const uint32_t t[] = {0, 1, 2, 2, 3, 0, 0, 1, 4, 1, 2, 5, 2, 3, 6, 0, 0, 1, 0, 2, 0};
     stage s;
     stage_open(&s);
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = 7, mesh.indices = t, mesh.triangle_count = 7;
     assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
     p[3 * 4] = NAN, p[3 * 5 + 1] = INFINITY, p[3 * 6 + 2] = 1e30f;
@@ -185,8 +184,7 @@ UNIT_TEST(a_mesh_too_far_away_is_named) {
     stage s;
     stage_open(&s);
     add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = corners, mesh.vertex_count = 3, mesh.indices = indices, mesh.triangle_count = 1;
     mesh.origin[0] = 1e19;
     assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));

@@ -99,8 +99,7 @@ static void damaged_user_triangles_are_left_out(void **state) {
     static const uint32_t t[] = {0, 1, 2, 0, 1, 3, 1, 2, 4, 0, 0, 1};
     stage s;
     stage_open(&s);
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = 5, mesh.indices = t, mesh.triangle_count = 4;
     assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
     p[9] = NAN, p[13] = INFINITY;

@@ -7,17 +7,15 @@ enum { BLOCKS = 4000 };
 static const double errors = 5;
 
 static fathom_id emission(float r, float g, float b) {
-    fathom_material m;
+    fathom_material m = default_material();
     fathom_id id;
-    fathom_material_default(&m);
     m.k_e[0] = r, m.k_e[1] = g, m.k_e[2] = b;
     assert_ok(context, fathom_scene_add_material(scene, NULL, &m, &id));
     return id;
 }
 
 static void add_sphere(fathom_id group, vec3_f64 center, double radius, fathom_id material) {
-    fathom_sphere s;
-    fathom_sphere_default(&s);
+    fathom_sphere s = default_sphere();
     store_f64(s.center, center), s.radius = radius, s.material = material;
     assert_ok(context, fathom_scene_add_sphere(scene, group, &s, NULL));
 }
@@ -30,8 +28,7 @@ static void add_quad(const double center[3], const double u[3], const double v[3
 }
 
 static void add_point(vec3_f64 at, float intensity) {
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     store_f64(light.position, at);
     for (int c = 0; c < 3; ++c) light.intensity[c] = intensity;
     assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
@@ -104,8 +101,7 @@ UNIT_TEST(triangles_send_what_their_polygon_does) {
     static const float p[6][3] = {{0, 0, 1.5f}, {1, 0, 1.5f},    {1, 2, 1.5f},
                                   {0, 2, 1.5f}, {0.3f, 1, 1.5f}, {0.9f, 0.4f, 1.5f}};
     static const uint32_t index[] = {0, 1, 5, 1, 2, 5, 0, 5, 4, 5, 2, 4, 2, 3, 4, 3, 0, 4};
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p[0], mesh.vertex_count = 6, mesh.indices = index, mesh.triangle_count = 6;
     mesh.material = emission(1, 1, 1);
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
@@ -139,8 +135,7 @@ UNIT_TEST(any_triangle_sends_lamberts_edge_sum) {
             store_f32(p[k], narrow(corner[k]));
             corner[k] = widen(load_f32(p[k]));
         }
-        fathom_mesh mesh;
-        fathom_mesh_default(&mesh);
+        fathom_mesh mesh = default_mesh();
         mesh.positions = p[0], mesh.vertex_count = 3, mesh.indices = index, mesh.triangle_count = 1;
         mesh.material = emission(1, 1, 1);
         assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
@@ -201,10 +196,9 @@ UNIT_TEST(a_point_light_falls_off_by_the_square) {
 /* A flattened sphere against rays in all directions. */
 UNIT_TEST(an_ellipsoid_sends_what_rays_find) {
     fathom_id group;
-    fathom_instance place;
+    fathom_instance place = default_instance();
     assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
     add_sphere(group, vec_f64(0.1, 0, 0), 0.5, emission(1, 1, 1));
-    fathom_instance_default(&place);
     const double map[12] = {1.5, 0.3, 0, 0.2, 0, 0.4, 0.2, -0.3, 0.1, 0, 0.8, 1.2};
     memcpy(place.transform, map, sizeof map), place.group = group;
     assert_ok(context, fathom_scene_add_instance(scene, &place, NULL));
@@ -242,8 +236,7 @@ static uint32_t many(random_state *r, uint32_t count, vec3_f64 *at) {
         at[k] = vec_f64(random_in(r, -4, 4), random_in(r, -4, 4), random_in(r, -4, 4));
         float strength = (float)random_log(r, 0.01, 100);
         if (k % 3 == 1) {
-            fathom_instance place;
-            fathom_instance_default(&place);
+            fathom_instance place = default_instance();
             place.group = group, place.transform[3] = at[k].x, place.transform[7] = at[k].y,
             place.transform[11] = at[k].z;
             assert_ok(context, fathom_scene_add_instance(scene, &place, NULL));
@@ -425,8 +418,7 @@ UNIT_TEST(lights_below_the_horizon_send_nothing) {
 UNIT_TEST(a_lamps_radius_leaves_its_light) {
     random_state r = {19};
     for (int trial = 0; trial < 10; ++trial) {
-        fathom_light light;
-        fathom_light_default(&light);
+        fathom_light light = default_light();
         light.position[2] = 2, light.radius = (float)random_log(&r, 1e-6, 1.9);
         light.intensity[0] = 3;
         assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
@@ -440,8 +432,7 @@ UNIT_TEST(a_lamps_radius_leaves_its_light) {
 UNIT_TEST(a_suns_disc_sends_its_irradiance) {
     random_state r = {23};
     for (int trial = 0; trial < 10; ++trial) {
-        fathom_light light;
-        fathom_light_default(&light);
+        fathom_light light = default_light();
         light.type = FATHOM_LIGHT_DIRECTIONAL, light.angular_radius = (float)random_log(&r, 1e-6, 1.5);
         light.direction[1] = 0, light.direction[2] = -1;
         assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
@@ -466,8 +457,7 @@ static void add_triangle(random_state *r, fathom_id material) {
     float p[3][3];
     for (int k = 0; k < 3; ++k)
         store_f32(p[k], narrow(madd_f64(at, random_log(r, 1e-3, 3), random_direction(r))));
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p[0], mesh.vertex_count = 3, mesh.indices = index, mesh.triangle_count = 1;
     mesh.material = material;
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
@@ -481,8 +471,7 @@ static void add_any_quad(random_state *r, fathom_id material) {
 }
 
 static void add_lamp(random_state *r) {
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     store_f64(light.position, scale_f64(random_in(r, 0, 4), random_direction(r)));
     store_f64(light.direction, random_direction(r));
     const double kind = random_unit(r);
@@ -495,10 +484,9 @@ static void add_lamp(random_state *r) {
 
 static void add_stretched(random_state *r, fathom_id material) {
     fathom_id group;
-    fathom_instance place;
+    fathom_instance place = default_instance();
     assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
     add_sphere(group, origin, random_log(r, 0.01, 1), material);
-    fathom_instance_default(&place);
     place.group = group;
     for (int k = 0; k < 12; ++k) place.transform[k] = k % 5 ? random_in(r, -0.3, 0.3) : random_in(r, 0.5, 2);
     assert_ok(context, fathom_scene_add_instance(scene, &place, NULL));

@@ -1,5 +1,6 @@
 /* Laws of light from images around the scene. Statistical tests have fixed numbers and are made at 5 standard
  * errors (6e-7). */
+#include "defaults.h"
 #include "image/image.h"
 #include "light/emitters.h"
 #include "light/environment.h"
@@ -47,8 +48,7 @@ static void write_sky(void) {
 static const double *sky_up; /* NULL: the default */
 
 static void add_sky(double rotation) {
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder("sky.exr"), light.rotation = rotation;
     if (sky_up) memcpy(light.up, sky_up, sizeof light.up);
     assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
@@ -125,9 +125,8 @@ static int expect_eighths(void) {
 }
 
 static void add_ball(float emission) {
-    fathom_material m;
+    fathom_material m = default_material();
     fathom_sphere ball;
-    fathom_material_default(&m);
     fathom_sphere_default(&ball);
     for (int c = 0; c < 3; ++c) m.k_e[c] = emission;
     assert_ok(context, fathom_scene_add_material(scene, NULL, &m, &ball.material));
@@ -136,8 +135,7 @@ static void add_ball(float emission) {
 }
 
 static void add_sun(void) {
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = FATHOM_LIGHT_DIRECTIONAL, light.direction[1] = -1, light.direction[2] = 0;
     assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
 }
@@ -225,8 +223,7 @@ static void radiance_is_interpolated(void **state) {
     environment *sky;
     for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = (float)random_in(&r, 0, 2);
     write_sky();
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder("sky.exr");
     assert_ok(context, environment_create(context, &light, &sky));
     for (int i = 0; i < CELLS * 4; ++i) {
@@ -365,11 +362,10 @@ static void even_numbers_are_even_over_the_light(void **state) {
     random_state r = {9};
     static double taken[HEIGHT + 1][WIDTH];
     static light_sums s;
-    fathom_light light;
+    fathom_light light = default_light();
     environment *sky;
     for (int i = 0; i < WIDTH * HEIGHT; ++i) texels[i][1] = (float)random_in(&r, 0.1, 2);
     write_sky();
-    fathom_light_default(&light);
     light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder("sky.exr");
     assert_ok(context, environment_create(context, &light, &sky));
     for (int i = 0; i < N * N; ++i) {
@@ -480,8 +476,7 @@ static void all_instruction_sets_ask_alike(void **state) {
         for (int c = 0; c < 3; ++c)
             texels[i][c] = i % WIDTH < WIDTH / 3 ? 0 : (float)random_log(&r, 1e-3, 1e3);
     write_sky();
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder("sky.exr"), light.rotation = 0.3;
     assert_ok(context, environment_create(context, &light, &sky));
     teach(sky);
@@ -563,8 +558,7 @@ static void bad_texels_are_refused_with_their_place(void **state) {
 
 static void an_environment_needs_a_file(void **state) {
     (void)state;
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = FATHOM_LIGHT_ENVIRONMENT;
     assert_fails(context, fathom_scene_add_light(scene, &light, NULL), FATHOM_BAD_INPUT, "file");
     light.file = in_folder("sky.exr"), light.rotation = NAN;

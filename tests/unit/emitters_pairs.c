@@ -3,9 +3,8 @@
 #include "unit_light.h"
 
 static fathom_id glow(void) {
-    fathom_material m;
+    fathom_material m = default_material();
     fathom_id id;
-    fathom_material_default(&m);
     for (int c = 0; c < 3; ++c) m.k_e[c] = 2;
     assert_ok(context, fathom_scene_add_material(scene, NULL, &m, &id));
     return id;
@@ -13,16 +12,14 @@ static fathom_id glow(void) {
 
 /* A second light, so that there is a choice. */
 static void add_ball(void) {
-    fathom_sphere s;
-    fathom_sphere_default(&s);
+    fathom_sphere s = default_sphere();
     s.center[0] = 3, s.center[2] = 2, s.radius = 0.5, s.material = glow();
     assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &s, NULL));
 }
 
 static void add_mesh(fathom_id group, const float *positions, uint32_t vertices, const uint32_t *indices,
                      uint32_t triangles) {
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = positions, mesh.vertex_count = vertices;
     mesh.indices = indices, mesh.triangle_count = triangles, mesh.material = glow();
     assert_ok(context, fathom_scene_add_mesh(scene, group, &mesh, NULL));
@@ -134,10 +131,9 @@ UNIT_TEST(hits_on_either_triangle_have_the_density_of_samples) {
     random_state r = {3};
     unsigned found[5] = {0};
     fathom_id group;
-    fathom_instance instance;
+    fathom_instance instance = default_instance();
     assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
     add_mesh(group, squares[0], 8, halves, 4);
-    fathom_instance_default(&instance);
     instance.group = group;
     memcpy(instance.transform, map, sizeof map);
     assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));

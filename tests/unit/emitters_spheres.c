@@ -11,8 +11,7 @@ enum { MOST = 300 };
 /* Lamps of all sizes in a box; every tenth has none. Their intensities tell them apart. */
 static void add_lamps(random_state *r, uint32_t count, lamp *out) {
     for (uint32_t k = 0; k < count; ++k) {
-        fathom_light light;
-        fathom_light_default(&light);
+        fathom_light light = default_light();
         for (int c = 0; c < 3; ++c) light.position[c] = (double)(float)random_in(r, -4, 4);
         light.radius = k % 10 ? (float)random_log(r, 1e-3, 1) : 0;
         for (int c = 0; c < 3; ++c) light.intensity[c] = (float)(k + 1);

@@ -6,8 +6,7 @@
 enum { COUNT = 200, BLOCKS = 4000 };
 
 static fathom_light spot(vec3_f64 at, vec3_f64 direction, double outer) {
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = FATHOM_LIGHT_SPOT;
     store_f64(light.position, at), store_f64(light.direction, direction);
     light.outer_angle = (float)outer, light.inner_angle = (float)(outer / 2);

@@ -39,16 +39,14 @@ static void make_texels(double chance) {
 }
 
 static fathom_id screen(void) {
-    fathom_texture t;
-    fathom_material m;
+    fathom_texture t = default_texture();
+    fathom_material m = default_material();
     fathom_id texture, id;
     const int header = snprintf((char *)file, sizeof file, "P6\n%d %d\n255\n", SIDE, SIDE);
     memcpy(file + header, texels, sizeof texels);
-    fathom_texture_default(&t);
     t.bytes = file, t.byte_count = (size_t)header + sizeof texels, t.name = "screen.ppm";
     t.color_space = FATHOM_COLOR_LINEAR, t.filter = FATHOM_TEXTURE_NEAREST;
     assert_ok(context, fathom_scene_add_texture(scene, &t, &texture));
-    fathom_material_default(&m);
     for (int c = 0; c < 3; ++c) m.k_d[c] = 0, m.k_e[c] = 1;
     m.maps[FATHOM_MAP_EMISSIVE].texture = texture;
     assert_ok(context, fathom_scene_add_material(scene, NULL, &m, &id));
@@ -66,8 +64,7 @@ static void add_quad(void) {
 
 /* The same square and image as two triangles, in a group or in the root. */
 static void add_mesh(fathom_id group, float size) {
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions =
         (const float[]){-size, -size, size, size, -size, size, size, size, size, -size, size, size};
     mesh.vertex_count = 4, mesh.indices = (const uint32_t[]){0, 1, 2, 0, 2, 3}, mesh.triangle_count = 2;
@@ -81,16 +78,14 @@ static void add_placed(bool moving) {
     static const double times[] = {0, 1}, keys[24] = {0.5, 0,    0, 0, 0,   0.5, 0, 0, 0, 0, 0.5, 0,
                                                       0,   -0.5, 0, 4, 0.5, 0,   0, 0, 0, 0, 1,   0};
     fathom_id group;
-    fathom_instance instance;
-    fathom_camera camera;
+    fathom_instance instance = default_instance();
+    fathom_camera camera = default_camera();
     assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
     add_mesh(group, 2);
-    fathom_instance_default(&instance);
     instance.group = group;
     memcpy(instance.transform, keys, sizeof instance.transform);
     if (moving) instance.key_count = 2, instance.key_times = times, instance.key_transforms = keys;
     assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
-    fathom_camera_default(&camera);
     camera.shutter[1] = moving;
     assert_ok(context, fathom_scene_set_camera(scene, &camera));
 }
@@ -99,8 +94,7 @@ static const vec3_f64 middle = {0.5, 0, 1};
 static const double radius = 0.75;
 
 static void add_ball(void) {
-    fathom_sphere s;
-    fathom_sphere_default(&s);
+    fathom_sphere s = default_sphere();
     store_f64(s.center, middle), s.radius = radius, s.material = screen();
     assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &s, NULL));
 }
@@ -219,11 +213,10 @@ UNIT_TEST(an_even_image_is_not_divided) {
 /* 2^18 cells for all: each of 10,000 screens of two triangles gets 8, and would get 32 alone. */
 UNIT_TEST(many_screens_share_the_cells) {
     fathom_id group;
-    fathom_instance instance;
+    fathom_instance instance = default_instance();
     make_texels(0.1);
     assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
     add_mesh(group, 1);
-    fathom_instance_default(&instance);
     instance.group = group;
     for (int k = 0; k < 10000; ++k) {
         instance.transform[3] = 3 * k;

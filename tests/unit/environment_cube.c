@@ -1,4 +1,5 @@
 /* Environments given by the faces of a cube. */
+#include "defaults.h"
 #include "image/image.h"
 #include "light/environment.h"
 #include "unit_folder.h"
@@ -75,8 +76,7 @@ static void write_faces(bool smooth) {
 }
 
 static fathom_status open_sky(const char *name, environment **out) {
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder(name);
     return environment_create(context, &light, out);
 }

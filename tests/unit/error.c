@@ -1,4 +1,5 @@
 /* Every error names its place: file, line or byte, and field. */
+#include "defaults.h"
 #include "unit_folder.h"
 
 #include <fathom/read.h>
@@ -55,9 +56,8 @@ UNIT_TEST(no_error_before_a_call_fails) {
 
 UNIT_TEST(argument_errors_name_the_field) {
     fathom_scene *scene;
-    fathom_sphere sphere;
+    fathom_sphere sphere = default_sphere();
     assert_ok(context, fathom_scene_create(context, &scene));
-    fathom_sphere_default(&sphere);
     sphere.radius = -1;
     assert_int_equal(fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL), FATHOM_BAD_INPUT);
     const fathom_error *error = fathom_context_error(context);
@@ -67,8 +67,7 @@ UNIT_TEST(argument_errors_name_the_field) {
 
     const float positions[12] = {0, 0, 0, 1, 0, 0, 0, 1};
     const uint32_t indices[3] = {0, 1, 5};
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = positions, mesh.vertex_count = 3, mesh.indices = indices, mesh.triangle_count = 1;
     assert_int_equal(fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL), FATHOM_BAD_INPUT);
     assert_place(fathom_context_error(context)->place, "", 0, "indices[2]");

@@ -5,8 +5,7 @@ static const float red[3] = {0.2f, 0.5f, 0.9f}, green[3] = {0.7f, 1, 0.4f};
 
 /* It bends nothing and leaves `color` of white light after a length of 2. */
 static fathom_material clear_volume(const float color[3], uint32_t priority) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.metallic = m.roughness = 0, m.ior = 1, m.transmission = m.thickness = 1, m.priority = priority;
     for (int c = 0; c < 3; ++c) m.base_color[c] = 1, m.attenuation_color[c] = color[c];
@@ -103,8 +102,7 @@ UNIT_TEST(other_shapes_bound_volumes_too) {
     stage_plane(&s, (double[3]){0, 2, 0}, (double[3]){0, 1, 0}, stage_material(&s, &m));
     expect(&s, 2 * sqrt(2), 0);
     s = open_white(0, (double[3]){0, -9, 0.01});
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     assert_ok(s.context, fathom_scene_add_group(s.scene, NULL, &instance.group));
     stage_mesh_sphere(&s, instance.group, 64, 64, stage_material(&s, &m));
     const double map[12] = {-3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 3, 0};

@@ -124,9 +124,8 @@ static fathom_id add_checker(stage *s) {
     for (int i = 0; i < MOST; ++i)
         memcpy(bytes + header + (size_t)i * sizeof(float), &(float){(float)((i + i / TEXELS) % 2)},
                sizeof(float));
-    fathom_texture t;
+    fathom_texture t = default_texture();
     fathom_id id;
-    fathom_texture_default(&t);
     t.bytes = bytes, t.byte_count = (size_t)header + MOST * sizeof(float), t.name = "checker.pfm";
     t.color_space = FATHOM_COLOR_LINEAR;
     assert_ok(s->context, fathom_scene_add_texture(s->scene, &t, &id));
@@ -140,8 +139,7 @@ UNIT_TEST(textures_are_filtered_alike_from_any_distance) {
         fathom_camera camera = look_from(distances[i / KINDS], (camera_kind)(i % KINDS));
         camera.h = 1.97; /* centres of pixels lie anywhere between texels */
         stage s = open_view(&camera, FATHOM_INTEGRATOR_PATH);
-        fathom_material m;
-        fathom_material_default(&m);
+        fathom_material m = default_material();
         m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
         m.metallic = 1; /* the albedo is the base colour */
         m.maps[FATHOM_MAP_COLOR].texture = add_checker(&s);

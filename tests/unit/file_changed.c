@@ -1,6 +1,7 @@
 /* Files that are truncated, changed or replaced while a scene is read, built and rendered: at known moments,
  * by the calls that report warnings and progress. */
 #include "base/file.h"
+#include "defaults.h"
 #include "trace/trace.h"
 #include "unit_folder.h"
 
@@ -45,8 +46,7 @@ static bool strike_at_progress(void *user, const fathom_progress *progress) {
 static const char *write_ball(const char *name) {
     const char *path = in_folder(name);
     fathom_scene *scene;
-    fathom_generate_options options;
-    fathom_generate_options_default(&options);
+    fathom_generate_options options = default_generate_options();
     options.triangles = 20000;
     unlink(path);
     assert_ok(context, fathom_scene_create(context, &scene));
@@ -64,8 +64,7 @@ static void write_text(const char *path, const char *mode, const char *text) {
 }
 
 static fathom_settings small(void) {
-    fathom_settings settings;
-    fathom_settings_default(&settings);
+    fathom_settings settings = default_settings();
     fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.width = settings.height = 64;
     return settings;
@@ -120,9 +119,8 @@ UNIT_TEST(truncation_before_building_is_an_error) {
     static const uint32_t corners[3] = {0, 1, 2};
     EACH_MAPPED(i) {
         fathom_scene *scene;
-        fathom_mesh mesh;
+        fathom_mesh mesh = default_mesh();
         blow b = {.path = write_ball(mapped[i]), .warning = "without area"};
-        fathom_mesh_default(&mesh);
         mesh.positions = flat, mesh.vertex_count = 3, mesh.indices = corners, mesh.triangle_count = 1;
         assert_ok(context, fathom_scene_read(context, b.path, &scene));
         assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));

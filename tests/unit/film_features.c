@@ -54,8 +54,7 @@ UNIT_TEST(albedo_and_alpha_of_holes_are_those_behind) {
         stage s = open_paths(16, i % 2);
         const bool walled = i > 1;
         s.settings.aovs = FATHOM_AOV_ALBEDO | FATHOM_AOV_ALPHA | FATHOM_AOV_CRYPTO_OBJECT;
-        fathom_material half;
-        fathom_material_default(&half);
+        fathom_material half = default_material();
         half.model = FATHOM_MODEL_METALLIC_ROUGHNESS, half.specular_factor = half.metallic = 0;
         half.opacity = 0.5f, half.base_color[0] = 0.9f;
         stage_quad(&s, (double[3]){0, 0, -1}, (double[3]){5, 0, 0}, (double[3]){0, 5, 0},

@@ -64,8 +64,7 @@ static stage askance(double w) {
 }
 
 static bytes write_and_read(stage *s, const fathom_film *film, bool plain) {
-    fathom_write_options options;
-    fathom_write_options_default(&options);
+    fathom_write_options options = default_write_options();
     const char *path = in_folder("a.exr");
     if (plain)
         assert_ok(s->context, fathom_film_write_plain(s->context, film, path));

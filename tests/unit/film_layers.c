@@ -40,8 +40,7 @@ static void check_mean(const fathom_film *film, const char *part, double value, 
 UNIT_TEST(each_bounce_of_a_furnace_is_where_it_belongs) {
     const double rho = 0.7;
     stage s = open_paths(16, 5);
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     for (int c = 0; c < 3; ++c) m.k_d[c] = 0.7f, m.k_e[c] = 1;
     stage_sphere(&s, 0, 0, 0, 1, stage_material(&s, &m));
     stage_camera(&s, (double[3]){0.2, 0.1, 0}, (double[3]){0, 0, -1}, up, 1);
@@ -70,8 +69,7 @@ static void furnish_lit(stage *s, bool veil, bool lamp, bool sky, bool ball) {
     stage_sphere(s, 0, 1.5, -1, 0.3, stage_emitter(s, ball ? 8 : 0));
     stage_quad(s, (double[3]){0, 0.2, 1}, (double[3]){0.6, 0, 0}, (double[3]){0, 0.6, 0},
                stage_material(s, &half));
-    fathom_sphere ghost;
-    fathom_sphere_default(&ghost);
+    fathom_sphere ghost = default_sphere();
     ghost.center[1] = 3, ghost.center[2] = 1, ghost.radius = 0.5, ghost.flags = FATHOM_CASTS_NO_SHADOW;
     ghost.material = stage_lambert(s, 0.5f);
     assert_ok(s->context, fathom_scene_add_sphere(s->scene, FATHOM_ROOT, &ghost, NULL));
@@ -132,8 +130,7 @@ UNIT_TEST(the_parts_add_up_to_the_image) {
 /* A path that passes a surface by its opacity is not scattered there. */
 UNIT_TEST(light_through_a_hole_is_not_scattered) {
     stage s = open_paths(16, 4);
-    fathom_material veil;
-    fathom_material_default(&veil);
+    fathom_material veil = default_material();
     veil.model = FATHOM_MODEL_METALLIC_ROUGHNESS, veil.opacity = 0.25f;
     veil.specular_factor = 0;
     for (int c = 0; c < 3; ++c) veil.base_color[c] = 0;
@@ -149,8 +146,7 @@ UNIT_TEST(light_through_a_hole_is_not_scattered) {
 /* A lamp in one mirror was scattered once, and in the mirror of a mirror twice; by either integrator. */
 UNIT_TEST(mirrors_scatter) {
     stage s = open_paths(4, 2);
-    fathom_material mirror;
-    fathom_material_default(&mirror);
+    fathom_material mirror = default_material();
     for (int c = 0; c < 3; ++c) mirror.k_d[c] = 0, mirror.k_r[c] = 0.5f;
     stage_plane(&s, (double[3]){0, 0, -1}, (double[3]){0, 0, 1}, stage_material(&s, &mirror));
     stage_plane(&s, (double[3]){0, 0, 1}, (double[3]){0, 0, 1}, stage_material(&s, &mirror));
@@ -246,8 +242,7 @@ static fathom_id add_sky(stage *s, const char *path, int color) {
     for (int i = 0; i < TEXELS; ++i) texels[i][color] = 1;
     memcpy(file + header, texels, sizeof texels);
     unit_write_file(path, file, header + sizeof texels);
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = path;
     fathom_id id;
     assert_ok(s->context, fathom_scene_add_light(s->scene, &light, &id));

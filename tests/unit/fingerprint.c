@@ -21,11 +21,10 @@ static int set_up(void **state) {
     fathom_quad quad;
     fathom_plane plane;
     fathom_mesh mesh;
-    fathom_instance instance;
+    fathom_instance instance = default_instance();
     fathom_id group;
     fathom_material_default(&material), fathom_light_default(&light), fathom_sphere_default(&sphere);
     fathom_quad_default(&quad), fathom_plane_default(&plane), fathom_mesh_default(&mesh);
-    fathom_instance_default(&instance);
     mesh.positions = positions, mesh.vertex_count = 4, mesh.indices = triangles, mesh.triangle_count = 2;
     mesh.normals = positions + 3, mesh.normal_count = 4, mesh.normal_indices = triangles;
     mesh.uvs = positions, mesh.uv_count = 4;
@@ -181,8 +180,7 @@ static void write_config(const char *path, const char *text) {
 /* A named colour space is one of the config in $OCIO; what is in it counts, not where it is. */
 UNIT_TEST(the_config_of_named_color_spaces) {
     static const unsigned char bytes[] = "P6 1 1 255\n   ";
-    fathom_texture t;
-    fathom_texture_default(&t);
+    fathom_texture t = default_texture();
     t.bytes = bytes, t.byte_count = sizeof bytes - 1;
     assert_ok(context, fathom_scene_add_texture(scene, &t, NULL));
     uint64_t of[2][4];

@@ -8,8 +8,7 @@
 
 static fathom_scene *generate(fathom_generator kind, uint64_t triangles, uint64_t seed) {
     fathom_scene *scene = new_scene(context);
-    fathom_generate_options options;
-    fathom_generate_options_default(&options);
+    fathom_generate_options options = default_generate_options();
     options.kind = kind, options.triangles = triangles, options.seed = seed;
     assert_ok(context, fathom_scene_generate(scene, FATHOM_ROOT, &options));
     assert_ok(context, fathom_scene_check(scene));
@@ -275,10 +274,8 @@ UNIT_TEST(trees_have_the_size_of_trees) {
 
 UNIT_TEST(forests_use_the_material_asked_for) {
     fathom_scene *scene = new_scene(context);
-    fathom_material grey;
-    fathom_material_default(&grey);
-    fathom_generate_options options;
-    fathom_generate_options_default(&options);
+    fathom_material grey = default_material();
+    fathom_generate_options options = default_generate_options();
     options.kind = FATHOM_GENERATE_FOREST, options.triangles = 1000;
     assert_ok(context, fathom_scene_add_material(scene, "grey", &grey, &options.material));
     assert_ok(context, fathom_scene_generate(scene, FATHOM_ROOT, &options));
@@ -332,8 +329,7 @@ UNIT_TEST(bad_options_are_refused) {
     const fathom_generator kinds[] = {FATHOM_GENERATE_SPHERE, FATHOM_GENERATE_TERRAIN, FATHOM_GENERATE_SPONGE,
                                       FATHOM_GENERATE_FOREST};
     for (size_t k = 0; k < 4; ++k) {
-        fathom_generate_options options;
-        fathom_generate_options_default(&options);
+        fathom_generate_options options = default_generate_options();
         options.kind = kinds[k], options.triangles = 0;
         assert_fails(context, fathom_scene_generate(scene, 0, &options), FATHOM_BAD_USAGE, "expected 1 to ");
         options.triangles = UINT64_MAX;
@@ -350,8 +346,7 @@ UNIT_TEST(too_much_for_the_memory_is_a_status) {
     /* 4e9 triangles take 112 GB. */
     if (sysconf(_SC_PHYS_PAGES) > (100l << 30) / sysconf(_SC_PAGESIZE)) skip();
     fathom_scene *scene = new_scene(context);
-    fathom_generate_options options;
-    fathom_generate_options_default(&options);
+    fathom_generate_options options = default_generate_options();
     options.triangles = 4000000000u;
     assert_fails(context, fathom_scene_generate(scene, 0, &options), FATHOM_OUT_OF_RESOURCES, "GiB");
     options.kind = FATHOM_GENERATE_TERRAIN;

@@ -8,8 +8,7 @@ enum { WIDTH = 96, HEIGHT = 80, SIDE = 32 }; /* three waves across, two and a ha
 
 /* Edges of light, shadow and mirror images over a floor, and places without any. */
 static void add_balls(stage *s) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     for (int c = 0; c < 3; ++c) m.k_d[c] = 0.2f * (float)(c + 1), m.k_s[c] = 0.4f;
     m.specular = FATHOM_SPECULAR_BLINN, m.shininess = 200;
     fathom_id shiny = stage_material(s, &m);
@@ -421,8 +420,7 @@ static void refuse(fathom_settings settings, const char *text) {
 }
 
 UNIT_TEST(bad_settings) {
-    fathom_settings good;
-    fathom_settings_default(&good);
+    fathom_settings good = default_settings();
     good.pattern = FATHOM_PATTERN_SOBOL, good.spp = 64, good.target_error = 0.01;
     fathom_settings bad = good;
     bad.target_error = -0.01;

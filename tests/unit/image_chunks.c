@@ -1,4 +1,5 @@
 /* Images of so many bytes that their rows are handed to the file in chunks: every row is in its place. */
+#include "defaults.h"
 #include "image/image.h"
 #include "unit_folder.h"
 
@@ -12,8 +13,7 @@
 static float value_at(uint32_t x, uint32_t y) { return (float)((x + 131 * y) % 1024) / 1024; }
 
 UNIT_TEST(rows_keep_their_place_across_chunks) {
-    fathom_write_options options;
-    fathom_write_options_default(&options);
+    fathom_write_options options = default_write_options();
     options.float_color = true;
     float *values = malloc((size_t)WIDTH * HEIGHT * sizeof *values);
     assert_non_null(values);

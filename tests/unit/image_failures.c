@@ -1,4 +1,5 @@
 /* Failures with images get a message and leave nothing behind. */
+#include "defaults.h"
 #include "image/image.h"
 #include "texture/texture.h"
 #include "unit_folder.h"
@@ -157,14 +158,13 @@ UNIT_TEST(libraries_that_end_their_process_end_only_a_call) {
 static bool texture_survives(void *user) {
     const texture_queries q = {.count = 1};
     float rgba[4][TEXTURE_BLOCK];
-    fathom_texture t;
+    fathom_texture t = default_texture();
     fathom_scene *scene;
     texture_cache *cache;
     setenv("FAULT_LOST", user, 1);
     setenv("FATHOM_IMAGE_MODULE", LOST_MODULE, 1);
     setenv("FATHOM_IMAGE_SECONDS", "0.5", 1);
     write_text(in_folder("a.png"), "a");
-    fathom_texture_default(&t);
     t.file = in_folder("a.png");
     bool ok = fathom_scene_create(context, &scene) == FATHOM_OK &&
               fathom_scene_add_texture(scene, &t, NULL) == FATHOM_OK &&

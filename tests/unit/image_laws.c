@@ -28,8 +28,7 @@ static void turn(const layout *l, double x, double y, double z, double out[3]) {
 enum { MATTE, SHINY, MIRROR, GLASS, MATERIALS };
 
 static void add_materials(stage *s, fathom_id out[MATERIALS]) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     out[MATTE] = stage_material(s, &m);
     for (int c = 0; c < 3; ++c) m.k_d[c] = 0.2f * (float)(c + 1), m.k_s[c] = 0.4f;
     m.specular = FATHOM_SPECULAR_BLINN, m.shininess = 60;
@@ -64,8 +63,7 @@ static void add_meshes(stage *s, const layout *l, const fathom_id material[MATER
     assert_ok(s->context, fathom_scene_add_group(s->scene, "ball", &group));
     stage_mesh_sphere(s, group, 12, 24, material[SHINY]);
     for (int k = 0; k < 2; ++k) {
-        fathom_instance instance;
-        fathom_instance_default(&instance);
+        fathom_instance instance = default_instance();
         instance.group = group;
         double axis[3][3], at[3], scale[3] = {0.4, 0.6, k ? -0.3 : 0.3};
         turn(l, scale[0], 0, 0, axis[0]), turn(l, 0, scale[1], 0, axis[1]), turn(l, 0, 0, scale[2], axis[2]);
@@ -79,8 +77,7 @@ static void add_meshes(stage *s, const layout *l, const fathom_id material[MATER
 }
 
 static void add_light(stage *s, const layout *l, int which) {
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     for (int c = 0; c < 3; ++c) light.intensity[c] = which == 2 ? 0.3f : (float)(12 * l->scale * l->scale);
     light.type = which == 0 ? FATHOM_LIGHT_POINT : which == 1 ? FATHOM_LIGHT_SPOT : FATHOM_LIGHT_DIRECTIONAL;
     place(l, which ? 3 : -3, 4, 2, light.position);
@@ -220,12 +217,10 @@ UNIT_TEST(tracers_agree) {
  * black. */
 static size_t black_where_lit(bool fix, fathom_integrator integrator) {
     stage s = stage_open(160, 160);
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     stage_mesh_sphere(&s, FATHOM_ROOT, 10, 20, stage_material(&s, &m));
     stage_camera(&s, (double[3]){0, 0.5, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.55);
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = FATHOM_LIGHT_DIRECTIONAL;
     /* Half a facet off the axis: otherwise the terminator runs along edges, and no facet straddles it. */
     const double half = 3.14159265358979 / 20, l[3] = {cos(half), 0, -sin(half)};
@@ -265,8 +260,7 @@ static void add_round_cube(stage *s, fathom_id group, fathom_id material) {
         static const uint32_t corner[6] = {0, 1, 2, 0, 2, 3};
         index[k] = face[k / 6][corner[k % 6]];
     }
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p[0], mesh.normals = n[0], mesh.vertex_count = mesh.normal_count = 8;
     mesh.indices = index, mesh.triangle_count = 12, mesh.material = material;
     assert_ok(s->context, fathom_scene_add_mesh(s->scene, group, &mesh, NULL));
@@ -279,8 +273,7 @@ static stage on_floor(bool ball, bool placed, fathom_light_type type) {
     const fathom_id material = stage_lambert(&s, 0.8f);
     fathom_id group = FATHOM_ROOT;
     if (placed) {
-        fathom_instance instance;
-        fathom_instance_default(&instance);
+        fathom_instance instance = default_instance();
         assert_ok(s.context, fathom_scene_add_group(s.scene, NULL, &group));
         const double place[12] = {-0.7, 0, 0.3, 0, 0, 1.3, 0, 0, 0.3, 0, 0.7, 0};
         memcpy(instance.transform, place, sizeof place);
@@ -292,8 +285,7 @@ static stage on_floor(bool ball, bool placed, fathom_light_type type) {
     else
         add_round_cube(&s, group, material);
     stage_plane(&s, (double[3]){0, ball ? -0.7 : 0, 0}, (double[3]){0, 1, 0}, material);
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = type, light.direction[0] = -1, light.direction[1] = -0.35, light.direction[2] = -0.2;
     for (int c = 0; c < 3; ++c) light.position[c] = -40 * light.direction[c], light.intensity[c] = 1600;
     assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));

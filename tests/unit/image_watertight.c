@@ -29,8 +29,7 @@ static void add_cave_to(stage *s, fathom_id group, const vec3_f64 *points, vec3_
         const uint32_t two[6] = {y * W, (y + 1) * W, top, (y + 2) * W - 1, (y + 1) * W - 1, top};
         memcpy(t, two, sizeof two), t += 6;
     }
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = W * H + 1;
     mesh.indices = index, mesh.triangle_count = (uint32_t)(t - index) / 3, mesh.material = material;
     assert_ok(s->context, fathom_scene_add_mesh(s->scene, group, &mesh, NULL));
@@ -50,8 +49,7 @@ static void add_cube(stage *s, double x, double y, double z, double half, fathom
         p[i][1] = (float)(y + (i & 2 ? half : -half));
         p[i][2] = (float)(z + (i & 4 ? half : -half));
     }
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p[0], mesh.vertex_count = 8;
     mesh.indices = index, mesh.triangle_count = 12, mesh.material = material;
     mesh.flags = FATHOM_CASTS_NO_SHADOW;
@@ -60,8 +58,7 @@ static void add_cube(stage *s, double x, double y, double z, double half, fathom
 
 /* Mirrors all of the light, or lets all of it through, as it came. */
 static fathom_id add_specular(stage *s, bool glass) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     for (int c = 0; c < 3; ++c) m.k_d[c] = 0, (glass ? m.k_t : m.k_r)[c] = 1;
     m.ior = 1;
     return stage_material(s, &m);
@@ -154,8 +151,7 @@ static void add_black_cave(stage *s, way how) {
         for (int i = 0; i < W * H; ++i)
             points[i] = vec_f64(-points[i].x, 2 * points[i].y, points[i].z - 0.5 * points[i].x);
         apex = vec_f64(-apex.x, 2 * apex.y, apex.z - 0.5 * apex.x);
-        fathom_instance instance;
-        fathom_instance_default(&instance);
+        fathom_instance instance = default_instance();
         const double map[12] = {-1, 0, 0, 0, 0, 0.5, 0, 0, -0.5, 0, 1, 0};
         instance.group = group;
         memcpy(instance.transform, map, sizeof map);
@@ -190,8 +186,7 @@ static void no_sun(bool alone) {
     /* A small one: rays start off it by a part of its size, and pass the vertices by a part of that. */
     const double floor_at[3] = {0, 0, -3}, u[3] = {2, 0, 0}, v[3] = {0, 2, 0};
     stage_quad(&s, floor_at, u, v, white);
-    fathom_light sun;
-    fathom_light_default(&sun);
+    fathom_light sun = default_light();
     sun.type = FATHOM_LIGHT_DIRECTIONAL;
     const vec3_f64 to_sun = {0.1, 0.05, 1};
     for (int c = 0; c < 3; ++c) sun.intensity[c] = 1;

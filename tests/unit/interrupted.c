@@ -13,8 +13,7 @@ static bool goes_on(void *user, const fathom_progress *now) {
 static stage two_balls(void) {
     static const double eye[3] = {0, 1, 5}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
     stage s = stage_open(SIDE, SIDE);
-    fathom_material mirror;
-    fathom_material_default(&mirror);
+    fathom_material mirror = default_material();
     for (int c = 0; c < 3; ++c) mirror.k_r[c] = 0.6f;
     stage_camera(&s, eye, target, up, 0.8);
     stage_sphere(&s, -0.8, 0, 0, 1, stage_material(&s, &mirror));

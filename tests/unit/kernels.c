@@ -1,6 +1,7 @@
 /* The kernels of every instruction set give the same bits. */
 #include "integrate/kernels.h"
 #include "camera/camera.h"
+#include "defaults.h"
 #include "film/pixel_sums.h"
 #include "math/lane.h"
 #include "random.h"
@@ -375,9 +376,8 @@ typedef struct ray_outputs {
 } ray_outputs;
 
 static void random_ray_case(ray_case *c, int round) {
-    fathom_camera camera;
+    fathom_camera camera = default_camera();
     memset(c, 0, sizeof *c);
-    fathom_camera_default(&camera);
     camera.h *= random_log(&random_numbers, round % 4 ? 0.1 : 1e-40, round % 4 ? 10 : 1e40);
     camera_prepare(&camera, 640, 480, vec_f64(1, 2, 3), &c->camera);
     c->left = (uint32_t)between(0, 160) * 4, c->top = (uint32_t)between(0, 120) * 4;

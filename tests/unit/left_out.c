@@ -48,8 +48,7 @@ static stage open_plain(void) {
     stage s = stage_open(48, 40);
     static const float corners[] = {-1, -1, 0, 1, -1, 0.3f, 1, 1, 0, -1, 1, 0.4f};
     static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = corners, mesh.vertex_count = 4, mesh.indices = indices, mesh.triangle_count = 2;
     assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
     stage_point_light(&s, 2, 3, 2, 20);
@@ -72,8 +71,7 @@ UNIT_TEST(a_plain_scene_does_without_all) {
 
 UNIT_TEST(a_scene_that_needs_all_stages_does_without_none) {
     stage s = stage_open(48, 40);
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     for (int c = 0; c < 3; ++c) m.k_s[c] = 0.5f, m.k_r[c] = m.k_t[c] = 0.3f, m.k_e[c] = 0.1f;
     m.specular = FATHOM_SPECULAR_BLINN;
     fathom_generate_options ball; /* closed */
@@ -197,8 +195,7 @@ UNIT_TEST(each_point_has_a_ray_to_each_light_cast_or_counted) {
 /* A mirroring ball and a floor under lights of a few to next to nothing. */
 static stage open_faint(void) {
     stage s = stage_open(64, 48);
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.k_r[0] = m.k_r[1] = m.k_r[2] = 0.4f;
     stage_mesh_sphere(&s, FATHOM_ROOT, 12, 24, stage_material(&s, &m));
     stage_plane(&s, (double[3]){0, -1, 0}, (double[3]){0, 1, 0}, stage_lambert(&s, 0.6f));

@@ -1,5 +1,6 @@
 /* Points on lenses, and rays through them, in closed form and by the kernels of every instruction set. */
 #include "camera/camera.h"
+#include "defaults.h"
 #include "random.h"
 #include "unit.h"
 #include "variants.h"
@@ -11,9 +12,8 @@ static random_state numbers = {3};
 static double between(double low, double high) { return random_in(&numbers, low, high); }
 
 static shade_camera any_camera(uint32_t blades) {
-    fathom_camera camera;
+    fathom_camera camera = default_camera();
     shade_camera out;
-    fathom_camera_default(&camera);
     camera.lens_radius = random_log(&numbers, 1e-9, 1e9),
     camera.focus_distance = random_log(&numbers, 1e-9, 1e9);
     camera.blades = blades, camera.blade_rotation = between(0, 7);

@@ -38,8 +38,7 @@ static void add_mesh(stage *s, trial *t, vec3_f64 *p, uint32_t corners, const ui
                      uint32_t triangles) {
     float rows[8][3];
     for (uint32_t k = 0; k < corners; ++k) store_f32(rows[k], narrow(p[k])), p[k] = widen(load_f32(rows[k]));
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = rows[0], mesh.vertex_count = corners, mesh.indices = index,
     mesh.triangle_count = triangles;
     mesh.material = t->black;
@@ -63,8 +62,7 @@ static vec3_f64 add_box(stage *s, trial *t, vec3_f64 at, vec3_f64 u, vec3_f64 v,
 /* A sphere with the light anywhere on it; a few units of double's last place off it, since a light inside a
  * sphere is refused. */
 static vec3_f64 add_sphere(stage *s, trial *t, vec3_f64 at, vec3_f64 *n) {
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     store_f64(sphere.center, at);
     sphere.radius = 1, sphere.material = t->black;
     assert_ok(s->context, fathom_scene_add_sphere(s->scene, t->group, &sphere, &t->object));
@@ -92,8 +90,7 @@ static vec3_f64 add_pair(stage *s, trial *t, vec3_f64 at, vec3_f64 u, vec3_f64 v
 }
 
 static void add_plane(stage *s, trial *t, vec3_f64 at, vec3_f64 n) {
-    fathom_plane plane;
-    fathom_plane_default(&plane);
+    fathom_plane plane = default_plane();
     store_f64(plane.point, at), store_f64(plane.normal, n);
     plane.material = t->black;
     assert_ok(s->context, fathom_scene_add_plane(s->scene, t->group, &plane, &t->object));
@@ -138,8 +135,7 @@ static stage open_trial(trial *t) {
     t->place = t->grouped ? any_place(&t->r, t->room) : affine_identity();
     t->group = FATHOM_ROOT, t->black = stage_emitter(&s, 0);
     if (t->grouped) {
-        fathom_instance instance;
-        fathom_instance_default(&instance);
+        fathom_instance instance = default_instance();
         assert_ok(s.context, fathom_scene_add_group(s.scene, NULL, &t->group));
         instance.group = t->group;
         for (int i = 0; i < 12; ++i) instance.transform[i] = t->place.m[i / 4][i % 4];

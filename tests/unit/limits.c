@@ -13,13 +13,11 @@ static fathom_id nest(stage *s, unsigned depth) {
         fathom_id group;
         assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &group));
         if (i == 0) {
-            fathom_sphere sphere;
-            fathom_sphere_default(&sphere);
+            fathom_sphere sphere = default_sphere();
             sphere.radius = 0.5, sphere.material = stage_emitter(s, 1);
             assert_ok(s->context, fathom_scene_add_sphere(s->scene, group, &sphere, NULL));
         } else {
-            fathom_instance instance;
-            fathom_instance_default(&instance);
+            fathom_instance instance = default_instance();
             instance.parent = group, instance.group = inner;
             instance.transform[3] = 1;
             assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));
@@ -30,8 +28,7 @@ static fathom_id nest(stage *s, unsigned depth) {
 }
 
 static void place(stage *s, fathom_id group) {
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     instance.parent = FATHOM_ROOT, instance.group = group;
     assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));
 }
@@ -67,8 +64,7 @@ UNIT_TEST(nesting_on_a_small_stack) {
 UNIT_TEST(long_cycle) {
     stage s = stage_open(3, 3);
     fathom_id outer = nest(&s, DEPTH);
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     instance.parent = 1, instance.group = outer;
     assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));
     place(&s, outer);

@@ -1,4 +1,5 @@
 /* The reference tracer: linear search, instances, planes, and what blocks of rays are promised. */
+#include "defaults.h"
 #include "random.h"
 #include "reference/reference.h"
 #include "trace/trace.h"
@@ -36,27 +37,24 @@ static void end(fixture *f) {
 
 static void add_sphere(fixture *f, fathom_id group, double x, double y, double z, double radius,
                        unsigned flags) {
-    fathom_sphere sphere;
+    fathom_sphere sphere = default_sphere();
     fathom_id id;
-    fathom_sphere_default(&sphere);
     sphere.center[0] = x, sphere.center[1] = y, sphere.center[2] = z;
     sphere.radius = radius, sphere.flags = flags;
     assert_ok(f->context, fathom_scene_add_sphere(f->scene, group, &sphere, &id));
 }
 
 static void add_plane(fixture *f, double z, unsigned flags) {
-    fathom_plane plane;
+    fathom_plane plane = default_plane();
     fathom_id id;
-    fathom_plane_default(&plane);
     plane.point[2] = z, plane.flags = flags;
     assert_ok(f->context, fathom_scene_add_plane(f->scene, FATHOM_ROOT, &plane, &id));
 }
 
 static fathom_id add_mesh(fixture *f, fathom_id group, const float *positions, uint32_t vertices,
                           const uint32_t *indices, uint32_t triangles, size_t stride) {
-    fathom_mesh mesh;
+    fathom_mesh mesh = default_mesh();
     fathom_id id;
-    fathom_mesh_default(&mesh);
     mesh.positions = positions, mesh.vertex_count = vertices, mesh.position_stride = stride;
     mesh.indices = indices, mesh.triangle_count = triangles;
     assert_ok(f->context, fathom_scene_add_mesh_shared(f->scene, group, &mesh, &id));
@@ -64,9 +62,8 @@ static fathom_id add_mesh(fixture *f, fathom_id group, const float *positions, u
 }
 
 static void add_instance(fixture *f, fathom_id group, const double transform[12]) {
-    fathom_instance instance;
+    fathom_instance instance = default_instance();
     fathom_id id;
-    fathom_instance_default(&instance);
     instance.group = group, instance.parent = FATHOM_ROOT;
     memcpy(instance.transform, transform, sizeof instance.transform);
     assert_ok(f->context, fathom_scene_add_instance(f->scene, &instance, &id));

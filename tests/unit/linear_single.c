@@ -94,8 +94,7 @@ UNIT_TEST(the_nearer_by_own_precision) {
     static const uint32_t t[] = {0, 1, 2, 3, 4, 5};
     stage s;
     stage_open(&s);
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = 6, mesh.indices = t, mesh.triangle_count = 2;
     assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
     const double org[3] = {0, 0, 1}, dir[3] = {0, 0, -1};

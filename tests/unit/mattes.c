@@ -51,8 +51,7 @@ static stage open_balls(void) {
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.spp = 64, s.settings.target_error = 0, s.settings.max_depth = 2;
     s.settings.aovs = FATHOM_AOV_CRYPTO_OBJECT | FATHOM_AOV_CRYPTO_MATERIAL | FATHOM_AOV_ALPHA;
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     const fathom_id red = named_material(&s, "red \"wax\"", &m);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.opacity = 0.25f;
     const fathom_id veil = named_material(&s, "veil", &m);
@@ -105,8 +104,7 @@ static stage open_sheet(float color, float opacity) {
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.spp = 64, s.settings.target_error = 0;
     s.settings.aovs = FATHOM_AOV_CRYPTO_OBJECT | FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_ID;
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.opacity = opacity, m.specular_factor = 0;
     for (int c = 0; c < 3; ++c) m.base_color[c] = color;
     stage_quad(&s, (double[3]){0, 0, 2}, (double[3]){4, 0, 0}, (double[3]){0, 4, 0}, stage_material(&s, &m));
@@ -214,8 +212,7 @@ UNIT_TEST(headers_hold_the_names) {
     fathom_film *film = stage_render(&s);
     const char *path = in_folder("a.exr");
     for (int plain = 0; plain < 2; ++plain) {
-        fathom_write_options options;
-        fathom_write_options_default(&options);
+        fathom_write_options options = default_write_options();
         assert_ok(s.context, plain ? fathom_film_write_plain(s.context, film, path)
                                    : fathom_film_write(s.context, film, path, &options));
         file_map map;
@@ -267,8 +264,7 @@ static stage open_trees(const char *middle) {
     }
     name_last(&s, "crown");
     for (int k = 0; k < 3; ++k) {
-        fathom_instance placed;
-        fathom_instance_default(&placed);
+        fathom_instance placed = default_instance();
         placed.group = tree, placed.transform[3] = 0.6 * (k - 1), placed.name = names[k];
         assert_ok(s.context, fathom_scene_add_instance(s.scene, &placed, NULL));
     }
@@ -307,8 +303,7 @@ UNIT_TEST(names_read_back) {
             name_last(&s, names[k]);
         }
         for (int k = 0; k < 2; ++k) {
-            fathom_instance placed;
-            fathom_instance_default(&placed);
+            fathom_instance placed = default_instance();
             placed.group = group, placed.transform[7] = k;
             assert_ok(s.context, fathom_scene_add_instance(s.scene, &placed, NULL));
         }

@@ -12,20 +12,17 @@
 /* Every kind of shape, a material that mirrors and refracts, two lights. */
 static stage full_stage(void) {
     stage s = stage_open(48, 40);
-    fathom_material glass;
-    fathom_material_default(&glass);
+    fathom_material glass = default_material();
     for (int c = 0; c < 3; ++c) glass.k_r[c] = 0.2f, glass.k_t[c] = 0.8f;
     fathom_id id;
     assert_quiet(s.context, fathom_scene_add_material(s.scene, "glass", &glass, &id));
     stage_sphere(&s, -1, 0, -5, 1, id);
     stage_quad(&s, (double[3]){1, 0, -6}, (double[3]){1, 0, 0}, (double[3]){0, 1, 0}, 0);
     stage_plane(&s, (double[3]){0, -1, 0}, (double[3]){0, 1, 0}, 0);
-    fathom_generate_options options;
-    fathom_generate_options_default(&options);
+    fathom_generate_options options = default_generate_options();
     options.triangles = 300;
     fathom_id group;
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     assert_quiet(s.context, fathom_scene_add_group(s.scene, "mesh", &group));
     assert_quiet(s.context, fathom_scene_generate(s.scene, group, &options));
     instance.group = group, instance.transform[11] = -7;
@@ -39,8 +36,7 @@ static stage full_stage(void) {
 static void render_quietly(stage *s, const fathom_checkpoint *saving) {
     fathom_film *film;
     fathom_stats stats = {.size = sizeof stats};
-    fathom_session_options options;
-    fathom_session_options_default(&options);
+    fathom_session_options options = default_session_options();
     options.checkpoint = saving;
     assert_quiet(s->context, fathom_session_run(s->context, s->scene, &s->settings, &options, &stats, &film));
     fathom_film_destroy(film);
@@ -71,8 +67,7 @@ UNIT_TEST(every_way_to_sample_leaves_no_message) {
 UNIT_TEST(a_checkpointed_render_leaves_no_message) {
     const char *path = in_folder("a.part");
     stage s = full_stage();
-    fathom_checkpoint saving;
-    fathom_checkpoint_default(&saving);
+    fathom_checkpoint saving = default_checkpoint();
     saving.path = path, saving.resume = true, saving.every = 0;
     render_quietly(&s, &saving);
     unlink(path);
@@ -84,8 +79,7 @@ UNIT_TEST(writing_leaves_no_message) {
     stage s = full_stage();
     s.settings.aovs = FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ERROR;
     fathom_film *film = stage_render(&s);
-    fathom_write_options options;
-    fathom_write_options_default(&options);
+    fathom_write_options options = default_write_options();
     fathom_image_prefetch();
     for (size_t i = 0; i < sizeof images / sizeof *images; ++i) {
         assert_quiet(s.context, fathom_film_write(s.context, film, in_folder(images[i]), &options));

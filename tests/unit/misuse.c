@@ -62,8 +62,7 @@ UNIT_TEST(null_for_files) {
 UNIT_TEST(null_for_images) {
     stage s = one_sphere();
     fathom_film *film = stage_render(&s);
-    fathom_write_options options;
-    fathom_write_options_default(&options);
+    fathom_write_options options = default_write_options();
     fathom_image_difference difference = {.size = sizeof difference};
     fathom_flip flip = {.size = sizeof flip};
     const fathom_image *image = NULL;
@@ -204,14 +203,12 @@ UNIT_TEST(null_for_scenes) {
     fathom_framing_unite(NULL, &framing);
     fathom_framing_unite(&framing, NULL);
 
-    fathom_generate_options options;
-    fathom_generate_options_default(&options);
+    fathom_generate_options options = default_generate_options();
     refuses(fathom_scene_generate(NULL, FATHOM_ROOT, &options));
     names("options", fathom_scene_generate(s.scene, FATHOM_ROOT, NULL));
 
-    fathom_camera camera;
+    fathom_camera camera = default_camera();
     const float rgb[3] = {0, 0, 0};
-    fathom_camera_default(&camera);
     refuses(fathom_scene_set_camera(NULL, &camera));
     names("camera", fathom_scene_set_camera(s.scene, NULL));
     refuses(fathom_scene_set_background(NULL, rgb));
@@ -229,10 +226,9 @@ UNIT_TEST(null_for_what_is_added) {
     fathom_quad quad;
     fathom_plane plane;
     fathom_mesh mesh;
-    fathom_instance instance;
+    fathom_instance instance = default_instance();
     fathom_material_default(&material), fathom_light_default(&light), fathom_sphere_default(&sphere);
     fathom_quad_default(&quad), fathom_plane_default(&plane), fathom_mesh_default(&mesh);
-    fathom_instance_default(&instance);
     refuses(fathom_scene_add_material(NULL, "a", &material, &id));
     names("material", fathom_scene_add_material(s.scene, "a", NULL, &id));
     refuses(fathom_scene_add_light(NULL, &light, &id));
@@ -265,8 +261,7 @@ UNIT_TEST(null_in_meshes) {
     stage s = stage_open(32, 32);
     static const float positions[16] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     static const uint32_t indices[3] = {0, 1, 2};
-    fathom_mesh whole;
-    fathom_mesh_default(&whole);
+    fathom_mesh whole = default_mesh();
     whole.positions = positions, whole.vertex_count = 3, whole.indices = indices, whole.triangle_count = 1;
     fathom_mesh mesh = whole;
     mesh.positions = NULL;
@@ -322,9 +317,8 @@ UNIT_TEST(null_for_reading) {
     refuses(fathom_scene_read_to_render(NULL, "a.json", &scene));
     names("path", fathom_scene_read_to_render(s.context, NULL, &scene));
     names("out", fathom_scene_read_to_render(s.context, "a.json", NULL));
-    fathom_read_options options;
+    fathom_read_options options = default_read_options();
     fathom_read_options_default(NULL);
-    fathom_read_options_default(&options);
     refuses(fathom_scene_read_with(NULL, "a.json", &options, &scene));
     names("path", fathom_scene_read_with(s.context, NULL, &options, &scene));
     names("options", fathom_scene_read_with(s.context, "a.json", NULL, &scene));
@@ -345,8 +339,7 @@ UNIT_TEST(null_for_renders) {
     fathom_checkpoint_default(&saving);
     nowhere = saving, saving.path = "a.checkpoint";
     fathom_session_options_default(NULL);
-    fathom_session_options options;
-    fathom_session_options_default(&options);
+    fathom_session_options options = default_session_options();
     options.checkpoint = &saving;
     refuses(fathom_session_run(NULL, s.scene, &s.settings, &options, &stats, &film));
     names("scene", fathom_session_run(s.context, NULL, &s.settings, &options, &stats, &film));
@@ -379,9 +372,8 @@ UNIT_TEST(null_for_renders) {
     names("checkpoint: path", fathom_checkpoint_check(s.context, &nowhere));
     assert_int_not_equal(access("a.checkpoint", F_OK), 0);
     const char *const files[] = {"a.exr"};
-    fathom_write_options write;
+    fathom_write_options write = default_write_options();
     bool done;
-    fathom_write_options_default(&write);
     refuses(fathom_finished_keep(NULL, NULL, "a", &write, files, 1));
     names("film", fathom_finished_keep(s.context, NULL, "a", &write, files, 1));
     refuses(fathom_finished_find(NULL, s.scene, &s.settings, "a", &write, files, 1, &done));
@@ -442,8 +434,7 @@ UNIT_TEST(null_for_films) {
     assert_int_equal(fathom_film_left_out(NULL, &left_out), 0);
     assert_null(left_out);
     assert_int_equal(fathom_film_left_out(film, NULL), fathom_film_left_out(film, &left_out));
-    fathom_write_options options;
-    fathom_write_options_default(&options);
+    fathom_write_options options = default_write_options();
     refuses(fathom_film_write(NULL, film, "a.exr", &options));
     names("film", fathom_film_write(s.context, NULL, "a.exr", &options));
     names("path", fathom_film_write(s.context, film, NULL, &options));
@@ -526,13 +517,11 @@ UNIT_TEST(unfinished_scenes) {
     assert_null(tracer);
     assert_fails(s.context, fathom_scene_write(s.scene, "a.ply"), FATHOM_BAD_USAGE, "no shape to write");
     /* What is named before it is there. */
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     assert_fails(s.context, fathom_scene_add_instance(s.scene, &instance, NULL), FATHOM_BAD_INPUT, "group");
     instance.group = 1;
     assert_fails(s.context, fathom_scene_add_instance(s.scene, &instance, NULL), FATHOM_BAD_INPUT, "group");
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     sphere.material = 1;
     assert_fails(s.context, fathom_scene_add_sphere(s.scene, 0, &sphere, NULL), FATHOM_BAD_INPUT,
                  "material 1");
@@ -576,8 +565,7 @@ UNIT_TEST(films_outlive) {
     fathom_context_destroy(s.context);
     fathom_context *other;
     assert_int_equal(fathom_context_create(&other), FATHOM_OK);
-    fathom_write_options options;
-    fathom_write_options_default(&options);
+    fathom_write_options options = default_write_options();
     assert_fails(other, fathom_film_write(other, film, "a.unknown", &options), FATHOM_BAD_USAGE, "unknown");
     assert_int_not_equal(access("a.unknown", F_OK), 0);
     assert_non_null(fathom_film_channel(film, "G"));
@@ -599,17 +587,14 @@ UNIT_TEST(values_of_no_enumerator) {
     fathom_tracer *tracer;
     assert_fails(s.context, fathom_tracer_create(s.context, s.scene, "cuda", &tracer), FATHOM_BAD_USAGE,
                  "tracer");
-    fathom_material material;
-    fathom_material_default(&material);
+    fathom_material material = default_material();
     material.specular = (fathom_specular)3;
     assert_fails(s.context, fathom_scene_add_material(s.scene, NULL, &material, NULL), FATHOM_BAD_USAGE,
                  "specular");
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = (fathom_light_type)4;
     assert_fails(s.context, fathom_scene_add_light(s.scene, &light, NULL), FATHOM_BAD_USAGE, "type");
-    fathom_generate_options options;
-    fathom_generate_options_default(&options);
+    fathom_generate_options options = default_generate_options();
     options.kind = (fathom_generator)4;
     assert_fails(s.context, fathom_scene_generate(s.scene, 0, &options), FATHOM_BAD_USAGE, "kind");
     const fathom_part part = {.size = sizeof part,
@@ -617,8 +602,7 @@ UNIT_TEST(values_of_no_enumerator) {
                               .index = 1,
                               .count = 2,
                               .split = (fathom_split)(FATHOM_SPLIT_TILES + 1)};
-    fathom_session_options session;
-    fathom_session_options_default(&session);
+    fathom_session_options session = default_session_options();
     session.part = &part;
     assert_fails(s.context, fathom_session_run(s.context, s.scene, &s.settings, &session, NULL, &film),
                  FATHOM_BAD_USAGE, "split");

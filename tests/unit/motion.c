@@ -18,9 +18,8 @@ static fathom_id place_moving(stage *s, fathom_id group, const affine_f64 *from,
     double maps[24];
     memcpy(maps, from->m, sizeof from->m);
     memcpy(maps + 12, to->m, sizeof to->m);
-    fathom_instance instance;
+    fathom_instance instance = default_instance();
     fathom_id id;
-    fathom_instance_default(&instance);
     instance.group = group;
     instance.key_count = 2, instance.key_times = times, instance.key_transforms = maps;
     assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, &id));
@@ -92,8 +91,7 @@ static void moving_vertices(stage *s) {
     float keys[18];
     memcpy(keys, from, sizeof from);
     memcpy(keys + 9, to, sizeof to);
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = from, mesh.vertex_count = 3;
     mesh.indices = (const uint32_t[]){0, 1, 2}, mesh.triangle_count = 1;
     mesh.key_count = 2, mesh.key_times = (const double[]){0, 1}, mesh.key_positions = keys;
@@ -109,8 +107,7 @@ static stage moving_stage(void) {
     const affine_f64 left = map_of(0, axis, vec_f64(-2, 2, 0), one),
                      right = map_of(0, axis, vec_f64(2, 2, 0), one);
     stage_mesh_sphere(&s, ball, 12, 16, 0);
-    fathom_sphere round;
-    fathom_sphere_default(&round);
+    fathom_sphere round = default_sphere();
     round.radius = 0.5;
     assert_ok(s.context, fathom_scene_add_sphere(s.scene, sphere, &round, NULL));
     place_moving(&s, ball, &from, &to);
@@ -249,8 +246,7 @@ UNIT_TEST(bad_keys_are_refused) {
     stage s = stage_open(8, 8);
     double maps[24] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     double times[2] = {1, 1};
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     instance.group = stage_group(&s);
     instance.key_count = 2, instance.key_times = times, instance.key_transforms = maps;
     assert_refused(&s, fathom_scene_add_instance(s.scene, &instance, NULL), "later than the one before");
@@ -260,8 +256,7 @@ UNIT_TEST(bad_keys_are_refused) {
     assert_refused(&s, fathom_scene_add_instance(s.scene, &instance, NULL), "flattens");
     instance.key_transforms = NULL;
     assert_refused(&s, fathom_scene_add_instance(s.scene, &instance, NULL), "key_transforms");
-    fathom_camera camera;
-    fathom_camera_default(&camera);
+    fathom_camera camera = default_camera();
     camera.shutter[0] = 1;
     assert_refused(&s, fathom_scene_set_camera(s.scene, &camera), "shutter");
 }

@@ -8,8 +8,7 @@ static const float body[3][3] = {{-1, -0.5f, 0}, {1, 0, 0.25f}, {0, 1, -0.5f}};
 static const double apart[3] = {8, 0, 0}; /* an origin that is not that of the group */
 
 static void add_body(fathom_id group, const double origin[3]) {
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = body[0], mesh.vertex_count = 3, mesh.indices = (const uint32_t[]){0, 1, 2};
     mesh.triangle_count = 1;
     memcpy(mesh.origin, origin, sizeof mesh.origin);
@@ -37,9 +36,8 @@ static affine_f64 path_at(const path *p, double time) {
 }
 
 static void place(fathom_id group, fathom_id parent, const path *p) {
-    fathom_instance instance;
+    fathom_instance instance = default_instance();
     double maps[2][12];
-    fathom_instance_default(&instance);
     for (int k = 0; k < 2; ++k) {
         const affine_f64 map = path_at(p, p->times[k]);
         memcpy(maps[k], map.m, sizeof maps[k]);

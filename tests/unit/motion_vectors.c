@@ -45,12 +45,10 @@ static void flying_ball(stage *s, double dx, double dy) {
     maps[12 + 3] = dx, maps[12 + 7] = dy;
     fathom_id group;
     assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &group));
-    fathom_sphere ball;
-    fathom_sphere_default(&ball);
+    fathom_sphere ball = default_sphere();
     ball.radius = 1, ball.material = stage_emitter(s, 1);
     assert_ok(s->context, fathom_scene_add_sphere(s->scene, group, &ball, NULL));
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     instance.group = group;
     instance.key_count = 2, instance.key_times = key_times, instance.key_transforms = maps;
     assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));
@@ -132,8 +130,7 @@ UNIT_TEST(vertices_that_come_nearer_part_from_the_middle) {
     float keys[24];
     memcpy(keys, from, sizeof from), memcpy(keys + 12, from, sizeof from);
     for (int k = 0; k < 4; ++k) keys[12 + 3 * k + 2] = 1;
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = from, mesh.vertex_count = 4;
     mesh.indices = (const uint32_t[]){0, 1, 2, 0, 2, 3}, mesh.triangle_count = 2;
     mesh.material = stage_emitter(&s, 1);

@@ -14,8 +14,7 @@ static const char *const lamps[LAMPS] = {"a ball that flies and grows", "an inst
                                          "a mesh whose corners move", "such a mesh, in a place that turns"};
 
 static void add_ball(stage *s, fathom_id group, fathom_id material) {
-    fathom_sphere ball;
-    fathom_sphere_default(&ball);
+    fathom_sphere ball = default_sphere();
     ball.center[0] = 0.2, ball.radius = 0.3, ball.material = material;
     assert_ok(s->context, fathom_scene_add_sphere(s->scene, group, &ball, NULL));
 }
@@ -25,8 +24,7 @@ static void add_corners(stage *s, fathom_id group, fathom_id material) {
     static const float keys[27] = {-0.5f, -0.4f, 0.6f, 0.5f, -0.5f, 0.7f, 0,    0.6f, 0.6f,
                                    -0.9f, -0.3f, 0.9f, 0.4f, -0.2f, 0.6f, 0.1f, 0.7f, 0.4f,
                                    -0.2f, -0.1f, 0.8f, 0.9f, 0.1f,  0.9f, 0.2f, 0.3f, 1.2f};
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = keys, mesh.vertex_count = 3;
     mesh.indices = (const uint32_t[]){0, 1, 2}, mesh.triangle_count = 1, mesh.material = material;
     mesh.key_count = 3, mesh.key_times = (const double[]){0, 0.7, 2}, mesh.key_positions = keys;

@@ -16,8 +16,7 @@ static stage open_at(const double eye[3], const double target[3]) {
 }
 
 static fathom_material plain(bool double_sided, float reflects, float emits) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.double_sided = double_sided, m.specular_factor = 0;
     for (int c = 0; c < 3; ++c) m.base_color[c] = reflects, m.emissive[c] = emits;
     return m;
@@ -85,16 +84,14 @@ UNIT_TEST(fronts_stay_in_front_in_mirror_images) {
     for (int k = 0; k < 4; ++k) {
         const bool mirrored = k & 1, back = k & 2;
         stage s = open_at((double[3]){0, 0, 0}, (double[3]){0, 0, -1});
-        fathom_mesh mesh;
-        fathom_mesh_default(&mesh);
+        fathom_mesh mesh = default_mesh();
         mesh.positions = corners, mesh.vertex_count = 3, mesh.triangle_count = 1;
         mesh.indices = (const uint32_t[]){0, back ? 2 : 1, back ? 1 : 2};
         mesh.material = emitter(&s, false, 2);
         fathom_id group;
         assert_ok(s.context, fathom_scene_add_group(s.scene, NULL, &group));
         assert_ok(s.context, fathom_scene_add_mesh(s.scene, group, &mesh, NULL));
-        fathom_instance instance;
-        fathom_instance_default(&instance);
+        fathom_instance instance = default_instance();
         instance.group = group, instance.transform[0] = mirrored ? -1 : 1, instance.transform[11] = -3;
         assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));
         check_both(&s, back ? 0 : 2);
@@ -106,8 +103,7 @@ static void add_sheet(stage *s, bool back, fathom_id material) {
     static const float corners[12] = {-5.1f, -4.3f, -9.7f,   4.9f,  -4.3f, -2.9f,
                                       5.3f,  4.7f,  -2.628f, -4.7f, 4.7f,  -9.428f};
     static const uint32_t front_first[6] = {0, 1, 2, 0, 2, 3}, back_first[6] = {1, 0, 3, 2, 1, 3};
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = corners, mesh.vertex_count = 4, mesh.triangle_count = 2;
     mesh.indices = back ? back_first : front_first;
     mesh.material = material;

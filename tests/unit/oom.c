@@ -1,5 +1,6 @@
 /* Memory that runs out while files are read, rendered and written: requests.h says how. Those of other
  * libraries: tests/cli/oom.sh. */
+#include "defaults.h"
 #include "scene/scene.h"
 
 #include "requests.h" /* last: cmocka defines words such as fail */
@@ -104,8 +105,7 @@ static fathom_status generate(fathom_context *context, const char *file, outcome
     (void)file;
     fathom_status status = fathom_scene_create(context, &scene);
     if (status != FATHOM_OK) return status;
-    fathom_generate_options options;
-    fathom_generate_options_default(&options);
+    fathom_generate_options options = default_generate_options();
     options.kind = FATHOM_GENERATE_FOREST, options.triangles = 3000;
     status = fathom_scene_generate(scene, FATHOM_ROOT, &options);
     if (status == FATHOM_OK) add(out, &scene->instances.count, sizeof scene->instances.count);

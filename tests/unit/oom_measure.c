@@ -1,4 +1,5 @@
 /* Memory that runs out, requests.h says how: while measuring, and over the extreme cases. */
+#include "defaults.h"
 #include "measure/converge.h"
 #include "measure/phases.h"
 #include "measure/trace_time.h"
@@ -154,12 +155,11 @@ static fathom_status measure_trace(fathom_context *context, const char *file, ou
 static fathom_status measure_phases(fathom_context *context, const char *file, outcome *out) {
     const phases_options options = {.repeats = 1, .seconds = 1};
     const render_time_options times = {.threads = {1}, .thread_counts = 1, .record_bytes = 1};
-    fathom_read_options read;
+    fathom_read_options read = default_read_options();
     quartiles seconds[BENCH_CLOCKS];
     static phases result;
     fathom_settings settings;
     fathom_scene *scene;
-    fathom_read_options_default(&read);
     read.width = 20, read.height = 40;
     fathom_status status = phases_read(context, in_folder(file), &read, &options, &scene, seconds);
     if (status == FATHOM_OK) {

@@ -1,5 +1,6 @@
 /* Memory that runs out, requests.h says how: over all that the formats know, the shapes that scenes are made
  * of, and the ways to sample, save and write. */
+#include "defaults.h"
 #include "scene/scene.h"
 
 #include "requests.h" /* last: cmocka defines words such as fail */
@@ -119,11 +120,9 @@ static fathom_status render(fathom_context *context, const char *file, outcome *
     if (adaptive || timed) settings.pattern = FATHOM_PATTERN_SOBOL, settings.spp = 8;
     if (adaptive) settings.target_error = 1e-6;
     if (timed) settings.max_time = 1e6;
-    fathom_checkpoint checkpoint;
-    fathom_checkpoint_default(&checkpoint);
+    fathom_checkpoint checkpoint = default_checkpoint();
     checkpoint.path = in_folder("saved"), checkpoint.every = 0;
-    fathom_session_options options;
-    fathom_session_options_default(&options);
+    fathom_session_options options = default_session_options();
     if (saved) options.checkpoint = &checkpoint;
     status = fathom_session_run(context, scene, &settings, &options, NULL, &film);
     assert_true((film != NULL) == (status == FATHOM_OK));
@@ -172,8 +171,7 @@ static fathom_status write_film(fathom_context *context, const char *file, outco
     fathom_status status = fathom_scene_read(context, in_folder("meshes.json"), &scene);
     if (status != FATHOM_OK) return status;
     fathom_settings settings = settings_of(scene);
-    fathom_write_options options;
-    fathom_write_options_default(&options);
+    fathom_write_options options = default_write_options();
     settings.tracer = "linear";
     status = fathom_render(context, scene, &settings, NULL, NULL, NULL, &film);
     const bool plain = strcmp(file, "plain.exr") == 0;

@@ -1,4 +1,5 @@
 /* The exact search over a world against asking the oracle, in whole numbers, about every primitive. */
+#include "defaults.h"
 #include "random.h"
 #include "trace/trace.h"
 #include "unit.h"
@@ -39,14 +40,12 @@ static void make_sheet(random_state *r) {
 }
 
 static void add_shapes(fathom_scene *scene, fathom_id group, random_state *r) {
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = positions, mesh.indices = indices;
     mesh.vertex_count = (SIDE + 1) * (SIDE + 1), mesh.triangle_count = 2 * SIDE * SIDE;
     assert_int_equal(fathom_scene_add_mesh_shared(scene, group, &mesh, NULL), FATHOM_OK);
     for (int i = 0; i < 20; ++i) {
-        fathom_sphere sphere;
-        fathom_sphere_default(&sphere);
+        fathom_sphere sphere = default_sphere();
         for (int k = 0; k < 3; ++k) sphere.center[k] = floor(random_in(r, -6, 6));
         sphere.radius = i % 2 ? 1 : random_in(r, 0.01, 2), sphere.flags = i % 3 ? 0 : FATHOM_CASTS_NO_SHADOW;
         assert_int_equal(fathom_scene_add_sphere(scene, group, &sphere, NULL), FATHOM_OK);
@@ -59,8 +58,7 @@ static void add_shapes(fathom_scene *scene, fathom_id group, random_state *r) {
 }
 
 static void add_instance(fathom_scene *scene, fathom_id group, const double rows[12]) {
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     instance.group = group;
     memcpy(instance.transform, rows, sizeof instance.transform);
     assert_int_equal(fathom_scene_add_instance(scene, &instance, NULL), FATHOM_OK);
@@ -82,8 +80,7 @@ static int set_up(void **state) {
     add_instance(f->scene, group, flat);
     add_instance(f->scene, group, turned); /* everything in them twice */
     add_instance(f->scene, group, flat);
-    fathom_plane plane;
-    fathom_plane_default(&plane);
+    fathom_plane plane = default_plane();
     plane.point[2] = -9;
     assert_ok(f->context, fathom_scene_add_plane(f->scene, FATHOM_ROOT, &plane, NULL));
     assert_ok(f->context, world_create(f->scene, &f->world));

@@ -6,8 +6,7 @@ enum { WIDTH = 40, HEIGHT = 24 };
 
 /* From (1, 2, 3) along -z, TALL high. */
 static void look_along(stage *s) {
-    fathom_camera camera;
-    fathom_camera_default(&camera);
+    fathom_camera camera = default_camera();
     camera.orthographic = true, camera.h = TALL;
     camera.origin[0] = 1, camera.origin[1] = 2, camera.origin[2] = 3;
     assert_ok(s->context, fathom_scene_set_camera(s->scene, &camera));
@@ -80,8 +79,7 @@ UNIT_TEST(rays_may_begin_inside_a_mesh) {
     stage s = stage_open(WIDTH, HEIGHT);
     stage_mesh_sphere(&s, FATHOM_ROOT, 24, 48, stage_emitter(&s, 1));
     assert_ok(s.context, fathom_scene_set_background(s.scene, (const float[3]){0, 0, 0}));
-    fathom_camera camera;
-    fathom_camera_default(&camera);
+    fathom_camera camera = default_camera();
     camera.orthographic = true, camera.h = 1.2;
     camera.origin[2] = 0.8;
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
@@ -101,8 +99,7 @@ UNIT_TEST(rays_may_begin_inside_a_mesh) {
 
 UNIT_TEST(lens_and_width_are_refused) {
     stage s = stage_open(8, 8);
-    fathom_camera camera;
-    fathom_camera_default(&camera);
+    fathom_camera camera = default_camera();
     camera.orthographic = true, camera.w = 1;
     assert_fails(s.context, fathom_scene_set_camera(s.scene, &camera), FATHOM_BAD_INPUT,
                  "its pixels are square");

@@ -30,8 +30,7 @@ static int set_up(void **state) {
         p->names[i] = p->paths[i];
     }
     p->s = stage_open(106, 70);
-    fathom_material mirror;
-    fathom_material_default(&mirror);
+    fathom_material mirror = default_material();
     for (int c = 0; c < 3; ++c) mirror.k_r[c] = 0.6f, mirror.k_d[c] = 0.2f;
     stage_camera(&p->s, eye, target, up, 0.8);
     stage_sphere(&p->s, -1, 0, 0, 0.8, stage_material(&p->s, &mirror));
@@ -55,12 +54,10 @@ static int tear_down(void **state) {
 
 static fathom_status render_to(place *p, const char *path, uint32_t index, uint32_t count,
                                fathom_split split) {
-    fathom_part part;
-    fathom_part_default(&part);
+    fathom_part part = default_part();
     part.path = path, part.index = index, part.count = count, part.split = split;
     part.exposure = p->exposure;
-    fathom_session_options options;
-    fathom_session_options_default(&options);
+    fathom_session_options options = default_session_options();
     options.part = &part;
     fathom_film *film;
     fathom_context_set_threads(p->s.context, 1 + index % 3);

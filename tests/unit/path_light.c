@@ -13,8 +13,7 @@ static stage path_open(uint32_t spp, uint32_t depth) {
 }
 
 static fathom_id gray(stage *s, float k_d, float k_e) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     for (int c = 0; c < 3; ++c) m.k_d[c] = k_d, m.k_e[c] = k_e;
     return stage_material(s, &m);
 }
@@ -130,8 +129,7 @@ static fathom_film *render_room(unsigned threads, const uint32_t crop[4]) {
 UNIT_TEST(a_pane_tints_the_light_that_passes) {
     for (int k = 0; k < 2; ++k) {
         stage s = path_open(4, 1);
-        fathom_material pane;
-        fathom_material_default(&pane);
+        fathom_material pane = default_material();
         pane.model = FATHOM_MODEL_METALLIC_ROUGHNESS, pane.transmission = 1, pane.roughness = 0;
         for (int c = 0; c < 3; ++c) pane.base_color[c] = 0.5f;
         const fathom_id glass = stage_material(&s, &pane);
@@ -153,8 +151,7 @@ static void add_light(stage *s, const fathom_light *light) {
 }
 
 static fathom_light light_of(fathom_light_type type) {
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = type, light.direction[0] = light.direction[1] = 0, light.direction[2] = -1;
     for (int c = 0; c < 3; ++c) light.intensity[c] = 2;
     return light;
@@ -183,16 +180,14 @@ enum { KINDS = sizeof kinds / sizeof *kinds };
 
 /* A shape far from the view that casts no shadow: light samples then count alone. */
 static void add_unshadowed(stage *s) {
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     sphere.center[0] = 100, sphere.radius = 0.1, sphere.flags = FATHOM_CASTS_NO_SHADOW;
     sphere.material = gray(s, 0.5f, 0);
     assert_ok(s->context, fathom_scene_add_sphere(s->scene, FATHOM_ROOT, &sphere, NULL));
 }
 
 static void add_mirror(stage *s) {
-    fathom_material mirror;
-    fathom_material_default(&mirror);
+    fathom_material mirror = default_material();
     for (int c = 0; c < 3; ++c) mirror.k_d[c] = 0, mirror.k_r[c] = 1;
     stage_quad(s, (double[3]){0, 0, 0}, (double[3]){1, 0, 0}, (double[3]){0, 1, 0},
                stage_material(s, &mirror));
@@ -221,8 +216,7 @@ static void check_black(stage *s) {
 UNIT_TEST(suns_and_lamps_are_not_in_view) {
     for (int k = 0; k < KINDS; ++k) {
         stage s = path_open(4, 4);
-        fathom_material hole;
-        fathom_material_default(&hole);
+        fathom_material hole = default_material();
         hole.model = FATHOM_MODEL_METALLIC_ROUGHNESS, hole.opacity = 0;
         stage_quad(&s, (double[3]){0, 0, 1}, (double[3]){1, 0, 0}, (double[3]){0, 1, 0},
                    stage_material(&s, &hole));
@@ -279,8 +273,7 @@ static void check_both_ways(const sized_light *kind) {
     double mean[2] = {0}, squares[2] = {0};
     for (int k = 0; k < 2; ++k) {
         stage s = path_open(64, 4);
-        fathom_material metal;
-        fathom_material_default(&metal);
+        fathom_material metal = default_material();
         metal.model = FATHOM_MODEL_METALLIC_ROUGHNESS, metal.metallic = 1, metal.roughness = 0.3f;
         stage_sphere(&s, 0, 0, 0, 1, stage_material(&s, &metal));
         kind->add(&s, 0.2);

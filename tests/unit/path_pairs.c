@@ -11,8 +11,7 @@ static const laws_pair options = {
     .across = 4, .down = 4, .depth = 6, .samples = 1 << 17, .seed = 1, .threads = 2, .allowance = 2e-5};
 
 static fathom_material metallic(float metal, float roughness) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.metallic = metal, m.roughness = roughness, m.multiscatter = false;
     m.base_color[1] = 0.5f;
@@ -20,8 +19,7 @@ static fathom_material metallic(float metal, float roughness) {
 }
 
 static fathom_material classic_glass(void) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     for (int c = 0; c < 3; ++c) m.k_d[c] = 0, m.k_r[c] = m.k_t[c] = 1;
     m.fresnel = true;
     return m;
@@ -93,8 +91,7 @@ UNIT_TEST(clear_thin_walls_pass_light_straight) {
     for (uint32_t depth = 1; depth < 4; depth += 2) {
         stage s = room_open();
         fathom_material pane = metallic(0, 0);
-        fathom_light sun;
-        fathom_light_default(&sun);
+        fathom_light sun = default_light();
         pane.transmission = 0.8f, pane.base_color[1] = 0.5f;
         s.settings.max_depth = depth;
         stage_sphere(&s, 0, 1, 0, 0.5, stage_material(&s, &pane));
@@ -116,8 +113,7 @@ UNIT_TEST(clear_thin_walls_pass_light_straight) {
 /* ---- lamps with a radius ---- */
 
 static void add_ball_lamp(stage *s, fathom_light_type type, const double at[3], float radius) {
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = type, light.radius = radius;
     light.inner_angle = 0.5f, light.outer_angle = 1;
     for (int c = 0; c < 3; ++c) light.position[c] = at[c], light.intensity[c] = 0.5f;
@@ -159,8 +155,7 @@ UNIT_TEST(lamps_with_a_radius_shine_in_volumes) {
 UNIT_TEST(shapes_that_cast_no_shadow_may_send_out_light) {
     stage s = room_open();
     fathom_material lamp = metallic(0, 0.7f);
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     lamp.emissive[1] = 1;
     sphere.radius = 0.7, sphere.material = stage_material(&s, &lamp), sphere.flags = FATHOM_CASTS_NO_SHADOW;
     stage_point_light(&s, 0, 3, 0, 2);
@@ -272,10 +267,9 @@ UNIT_TEST(scattering_again_agrees) {
 UNIT_TEST(brushed_metal_agrees_in_a_mirror) {
     stage s = room_open();
     fathom_material metal = metallic(1, 0.2f);
-    fathom_instance instance;
+    fathom_instance instance = default_instance();
     fathom_quad quad;
     metal.anisotropy = 0.9f, metal.anisotropy_rotation = -0.8f;
-    fathom_instance_default(&instance);
     fathom_quad_from_axes((double[3]){0, 0, 0}, (double[3]){1.2, 0.8, 0}, (double[3]){-0.8, 1.2, 0}, &quad);
     assert_ok(s.context, fathom_scene_add_group(s.scene, NULL, &instance.group));
     quad.material = stage_material(&s, &metal);
@@ -300,8 +294,7 @@ UNIT_TEST(a_light_without_a_surface_shines_into_coloured_glass) {
 /* The cone's edge crosses the floor, which some of the lamp's points light and others do not. */
 UNIT_TEST(a_wide_spot_falls_off_point_by_point) {
     stage s = stage_open(32, 32);
-    fathom_light spot;
-    fathom_light_default(&spot);
+    fathom_light spot = default_light();
     spot.type = FATHOM_LIGHT_SPOT, spot.radius = 0.5f;
     spot.inner_angle = 0.3f, spot.outer_angle = 0.6f;
     spot.position[1] = 1.5, spot.direction[1] = -1, spot.direction[2] = 0;
@@ -353,9 +346,8 @@ static void write_sky(fathom_context *for_image) {
 UNIT_TEST(images_of_skies_agree) {
     for (int both = 0; both < 2; ++both) {
         stage s = both ? room_open() : stage_open(32, 32);
-        fathom_light light;
+        fathom_light light = default_light();
         write_sky(s.context);
-        fathom_light_default(&light);
         light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder("sky.exr"), light.rotation = 0.7;
         assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
         if (both) {

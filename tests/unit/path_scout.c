@@ -23,17 +23,15 @@ static void write_sky(void) {
 }
 
 static void add_sky(stage *s) {
-    fathom_light light;
+    fathom_light light = default_light();
     write_sky();
-    fathom_light_default(&light);
     light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder("sky.exr");
     assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
 }
 
 /* It shines through the window onto the floor. */
 static void add_sun(stage *s, float intensity) {
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = FATHOM_LIGHT_DIRECTIONAL;
     for (int c = 0; c < 3; ++c) light.intensity[c] = intensity, light.direction[c] = (float[3]){1, -1, 0}[c];
     assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
@@ -48,8 +46,7 @@ typedef struct room_parts {
 static stage room(room_parts with) {
     stage s = stage_open(64, 64);
     const fathom_id wall = stage_lambert(&s, 0.6f);
-    fathom_material clear;
-    fathom_material_default(&clear);
+    fathom_material clear = default_material();
     clear.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     clear.metallic = clear.roughness = 0, clear.transmission = 1;
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);

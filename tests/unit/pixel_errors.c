@@ -262,9 +262,8 @@ UNIT_TEST(error_of_the_image_is_unbiased) {
 static fathom_id add_bright_texels(stage *s) {
     static const unsigned char bytes[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n"
                                          "\x80\x80\x80\x81\x80\x80\x80\x87";
-    fathom_texture t;
+    fathom_texture t = default_texture();
     fathom_id id;
-    fathom_texture_default(&t);
     t.bytes = bytes, t.byte_count = sizeof bytes - 1, t.name = "bright.hdr";
     t.filter = FATHOM_TEXTURE_NEAREST;
     assert_ok(s->context, fathom_scene_add_texture(s->scene, &t, &id));
@@ -291,8 +290,7 @@ static void assert_bounds(double error, double brightest) {
 
 UNIT_TEST(black_pixels_know_the_brightest_texel_of_emission) {
     stage s = stage_open(8, 8);
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.k_e[0] = m.k_e[1] = m.k_e[2] = 2;
     m.maps[FATHOM_MAP_EMISSIVE].texture = add_bright_texels(&s);
     stage_quad(&s, (double[]){0, 0, 0}, (double[]){1, 0, 0}, (double[]){0, 1, 0}, stage_material(&s, &m));

@@ -28,9 +28,8 @@ static const double tolerance = (1 + 1 / (4 * 0.35875)) / FILTER_STEPS;
 UNIT_TEST(samples_lie_as_the_filter_says) {
     static const double widths[] = {0.01, 1, 1.5, 16};
     for (int i = 0; i < 12; ++i) {
-        fathom_settings settings;
+        fathom_settings settings = default_settings();
         pixel_filter f;
-        fathom_settings_default(&settings);
         settings.filter = filters[i % 3], settings.filter_width = widths[i / 3];
         filter_prepare(&settings, &f);
         double last = -1e9;
@@ -65,8 +64,7 @@ UNIT_TEST(an_edge_is_as_wide_as_the_filter) {
         stage_quad(&s, (double[3]){edge - 20, 0, -1}, (double[3]){20, 0, 0}, (double[3]){0, 20, 0},
                    stage_emitter(&s, 1));
         assert_ok(s.context, fathom_scene_set_background(s.scene, (const float[3]){0, 0, 0}));
-        fathom_camera camera;
-        fathom_camera_default(&camera);
+        fathom_camera camera = default_camera();
         camera.orthographic = true, camera.h = WIDTH;
         assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
         fathom_film *film = stage_render(&s);

@@ -41,8 +41,7 @@ static void set_ground(stage *s, const frame_f64 *ground, fathom_id material) {
     place(ground, 0, 0, 0, target);
     store_f64(up, ground->y);
     stage_camera(s, eye, target, up, 2 * atan(WIDTH / 2 / EYE));
-    fathom_light l;
-    fathom_light_default(&l);
+    fathom_light l = default_light();
     l.type = FATHOM_LIGHT_DIRECTIONAL;
     store_f64(light, frame_vector_to_world(ground, to_light));
     for (int k = 0; k < 3; ++k) l.direction[k] = -light[k], l.intensity[k] = 1;
@@ -58,8 +57,7 @@ static void add_square(stage *s, const frame_f64 *ground, fathom_id material) {
         vec3_f64 v = frame_vector_to_world(ground, vec_f64(x, y, part / 2));
         store_f32(p + 3 * k, narrow(v));
     }
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = 4, mesh.indices = index, mesh.triangle_count = 2;
     mesh.material = material;
     store_f64(mesh.origin, ground->origin);

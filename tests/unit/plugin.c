@@ -121,8 +121,7 @@ UNIT_TEST(other_shapes_are_refused) {
         if (i == 0) add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
         if (i == 1) add_quad(&s, FATHOM_ROOT, c, u, v, 0);
         if (i == 2) add_instance(&s, group, move);
-        fathom_mesh cloud;
-        fathom_mesh_default(&cloud);
+        fathom_mesh cloud = default_mesh();
         cloud.positions = (const float[]){0, 0, 0, 0, 0, 0, 0}, cloud.vertex_count = 1,
         cloud.point_radius = 1;
         if (i == 3) assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &cloud, NULL));

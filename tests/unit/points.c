@@ -29,8 +29,7 @@ static void fill_cloud(void) {
 
 /* Shares the arrays. */
 static fathom_mesh cloud_of(float radius, fathom_id material) {
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = positions[0], mesh.vertex_count = POINTS;
     mesh.point_radius = radius, mesh.material = material;
     return mesh;
@@ -45,8 +44,7 @@ static void add_cloud(stage *s, fathom_id group, bool apart, fathom_id material)
         return;
     }
     for (int i = 0; i < POINTS; ++i) {
-        fathom_sphere sphere;
-        fathom_sphere_default(&sphere);
+        fathom_sphere sphere = default_sphere();
         for (int k = 0; k < 3; ++k) sphere.center[k] = (double)positions[i][k];
         sphere.radius = (double)radius, sphere.material = material;
         assert_ok(s->context, fathom_scene_add_sphere(s->scene, group, &sphere, NULL));
@@ -54,8 +52,7 @@ static void add_cloud(stage *s, fathom_id group, bool apart, fathom_id material)
 }
 
 static void place(stage *s, fathom_id group, const double transform[12]) {
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     instance.group = group;
     memcpy(instance.transform, transform, sizeof instance.transform);
     assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));
@@ -129,8 +126,7 @@ UNIT_TEST(a_moving_cloud_renders_as_its_spheres) {
     fathom_film *films[2];
     for (int k = 0; k < 2; ++k) {
         stage s = crowd(k == 0);
-        fathom_instance instance;
-        fathom_instance_default(&instance);
+        fathom_instance instance = default_instance();
         instance.group = stage_group(&s), instance.key_count = 2;
         instance.key_times = times, instance.key_transforms = frames;
         add_cloud(&s, instance.group, k == 0, 0);
@@ -268,8 +264,7 @@ UNIT_TEST(each_point_has_its_colour) {
         mesh.colors = colors[0], mesh.color_channels = 4, mesh.color_stride = sizeof colors[0];
         if (k == 0) assert_ok(s.context, fathom_scene_add_mesh(s.scene, 0, &mesh, NULL));
         for (int i = 0; i < POINTS && k == 1; ++i) {
-            fathom_material m;
-            fathom_material_default(&m);
+            fathom_material m = default_material();
             for (int c = 0; c < 3; ++c) m.k_d[c] = colors[i][c] * colors[i][3], m.k_t[c] = 1 - colors[i][3];
             const float *p = positions[i];
             stage_sphere(&s, (double)p[0], (double)p[1], (double)p[2], (double)0.05f, stage_material(&s, &m));
@@ -324,8 +319,7 @@ static float usual_radius(void) {
 
 static fathom_scene *scene_of(const fathom_mesh *mesh) {
     fathom_scene *scene;
-    fathom_material white;
-    fathom_material_default(&white);
+    fathom_material white = default_material();
     for (int c = 0; c < 3; ++c) white.k_d[c] = 1;
     scene = new_scene(context);
     assert_ok(context, fathom_scene_add_material(scene, "white", &white, NULL));
@@ -384,8 +378,7 @@ UNIT_TEST(a_radius_of_ones_own_is_kept_or_told) {
 UNIT_TEST(placed_clouds_read_back) {
     for (int f = 0; f < 4; ++f) {
         const fathom_mesh mesh = cloud_of(usual_radius(), 0);
-        fathom_instance instance;
-        fathom_instance_default(&instance);
+        fathom_instance instance = default_instance();
         fathom_scene *scene = scene_of(&mesh), *back;
         assert_ok(context, fathom_scene_add_group(scene, "g", &instance.group));
         scene->objects.items[0].group = instance.group;
@@ -411,8 +404,7 @@ static fathom_mesh grid_of(uint32_t strays) {
         grid[i][0] = (float)(i % EDGE), grid[i][1] = (float)(i / EDGE % EDGE),
         grid[i][2] = (float)(i / EDGE / EDGE);
     for (int i = 0; i < STRAYS; ++i) grid[GRID + i][i / 2] = i % 2 ? 1e4f : -1e4f;
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = grid[0], mesh.vertex_count = GRID + strays;
     /* The largest that readers give. */
     mesh.point_radius = (float)(10 * sqrt(3) / 80);
@@ -442,8 +434,7 @@ UNIT_TEST(two_clouds_in_one_are_shown_as_one) {
     static float two[200][3];
     for (int i = 0; i < 200; ++i)
         two[i][0] = (float)(i % 10) + (i < 190 ? 0 : 1e4f), two[i][1] = (float)i / 20;
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = two[0], mesh.vertex_count = 200, mesh.point_radius = 1;
     fathom_scene *scene = scene_of(&mesh);
     assert_true(scene_framed_bounds(scene, 0).upper.x == scene_object_bounds(scene, 0).upper.x);
@@ -452,8 +443,7 @@ UNIT_TEST(two_clouds_in_one_are_shown_as_one) {
 UNIT_TEST(ply_has_no_place_for_points_among_triangles) {
     static const uint32_t indices[3] = {0, 1, 2};
     const fathom_mesh mesh = cloud_of(0.3f, 0);
-    fathom_mesh triangle;
-    fathom_mesh_default(&triangle);
+    fathom_mesh triangle = default_mesh();
     triangle.positions = positions[0], triangle.vertex_count = 3;
     triangle.indices = indices, triangle.triangle_count = 1;
     for (int f = 0; f < 4; ++f) {

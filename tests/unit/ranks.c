@@ -105,8 +105,7 @@ static void make_scene(stage *s) {
 
 static void *run_rank(void *user) {
     rank *r = user;
-    fathom_session_options options;
-    fathom_session_options_default(&options);
+    fathom_session_options options = default_session_options();
     options.ranks = r->ranks;
     fathom_context_set_threads(r->s.context, 1 + r->ranks->rank % 2);
     r->stats.size = sizeof r->stats;

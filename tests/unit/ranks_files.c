@@ -1,6 +1,7 @@
 /* A rank that cannot open the scene's files gets them from rank 0, here in the same thread: each message to
  * rank 0 is answered at once. */
 #include "job/ranks/ranks_files.h"
+#include "defaults.h"
 #include "materials.h"
 #include "scene/scene.h"
 #include "unit_folder.h"
@@ -86,9 +87,8 @@ static void close_pair(pair *p) {
 /* Rank 0 reads the scene of this name, and rank 1 asks for it. */
 static fathom_status read_both(pair *p, const char *scene, char **copies, fathom_scene **got) {
     fathom_scene *own;
-    fathom_read_options options;
+    fathom_read_options options = default_read_options();
     char *none;
-    fathom_read_options_default(&options);
     assert_ok(p->root,
               fathom_ranks_read(p->root, &p->ranks[0], in_folder(scene), &options, NULL, &own, &none));
     assert_null(none);
@@ -171,8 +171,7 @@ UNIT_TEST(files_beside_the_scenes_folder_are_refused) {
 
 static fathom_status ask_for(pair *p, char **copies) {
     fathom_scene *got;
-    fathom_read_options options;
-    fathom_read_options_default(&options);
+    fathom_read_options options = default_read_options();
     return fathom_ranks_read(p->other, &p->ranks[1], in_folder("absent.json"), &options, NULL, &got, copies);
 }
 
@@ -224,13 +223,12 @@ UNIT_TEST(an_answer_that_is_none_is_told_and_waiting_can_be_stopped) {
     char *copies;
     pair p;
     fathom_scene *got;
-    fathom_read_options options;
+    fathom_read_options options = default_read_options();
     open_pair(&p);
     p.ranks[1].send = send_short;
     assert_fails(p.other, ask_for(&p, &copies), FATHOM_BAD_INPUT, "rank 0 sent no file");
     remove_got(copies);
     p.ranks[1].send = send_nothing;
-    fathom_read_options_default(&options);
     assert_int_equal(
         fathom_ranks_read(p.other, &p.ranks[1], in_folder("absent.json"), &options, stopped, &got, &copies),
         FATHOM_INTERRUPTED);
@@ -243,12 +241,11 @@ UNIT_TEST(an_answer_that_is_none_is_told_and_waiting_can_be_stopped) {
 UNIT_TEST(rank_0_checks_what_it_is_asked) {
     pair p;
     fathom_scene *own;
-    fathom_read_options options;
+    fathom_read_options options = default_read_options();
     char *none;
     uint64_t at = 3;
     open_pair(&p);
     put_text("t.obj", TRIANGLE);
-    fathom_read_options_default(&options);
     assert_ok(p.root,
               fathom_ranks_read(p.root, &p.ranks[0], in_folder("t.obj"), &options, NULL, &own, &none));
     fathom_scene_destroy(own);

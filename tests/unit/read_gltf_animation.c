@@ -167,8 +167,7 @@ UNIT_TEST(what_does_not_move_the_same_is_posed_together) {
         strstr(f->warning,
                "animations[2].channels[0]: an animation that moves what an earlier one moves is left out; "
                "give --animation NAME|N for each to apply: 0, 1, 2 \"far\""));
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     asked.animations = (const char *const[]){"far", NULL}, asked.choose_time = true, asked.time = 1;
     assert_ok(f->context, read_asked(f, &asked, &scene));
     assert_vec(placed_corner(scene, 0, 0, 1), 8 + 1, 0, 0, 1e-12);
@@ -304,8 +303,7 @@ UNIT_TEST(weights_of_all_sets_count_by_their_sum) {
 
 UNIT_TEST(wrong_animations_are_refused) {
     fixture *f = *state;
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.time = 1;
     build good = {.size = 0};
     const int times = PUT_FLOATS(&good, "SCALAR", 2, 1, 3),
@@ -340,8 +338,7 @@ UNIT_TEST(wrong_animations_are_refused) {
 
 UNIT_TEST(wrong_skins_are_refused) {
     fixture *f = *state;
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     build b = {.size = 0}, bare = b;
     const int joints = PUT_BYTES(&b, "VEC4", 3, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 0),
               weights = PUT_FLOATS(&b, "VEC4", 3, 1, 0, 0, 0, 1, 0, 0, 0, 0.75f, 0.25f, 0, 0);
@@ -361,8 +358,7 @@ UNIT_TEST(wrong_skins_are_refused) {
 UNIT_TEST(a_scene_is_chosen_by_name_or_number) {
     fixture *f = *state;
     fathom_scene *scene;
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     write_triangle(f,
                    WITH_DATA("'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}],'nodes':[{'mesh':0},"
                              "{'mesh':0,'translation':[2,0,0]}],'scenes':[{'name':'left','nodes':[0]},"
@@ -386,8 +382,7 @@ UNIT_TEST(a_scene_is_chosen_by_name_or_number) {
 UNIT_TEST(variants_replace_materials) {
     fixture *f = *state;
     fathom_scene *scene;
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     write_triangle(
         f, WITH_DATA("'extensions':{'KHR_materials_variants':{'variants':[{'name':'day'},{'name':'night'}]}},"
                      "'materials':[{'name':'a'},{'name':'b'}],'meshes':[{'primitives':[{'attributes':{"
@@ -408,8 +403,7 @@ UNIT_TEST(variants_replace_materials) {
 UNIT_TEST(units_scale_models_cameras_lamps_and_volumes_alike) {
     fixture *f = *state;
     fathom_scene *scene;
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     asked.unit = 0.01;
     write_triangle(f, WITH_DATA("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],"
                                 "'materials':[{'extensions':{'KHR_materials_volume':{'thicknessFactor':2,"

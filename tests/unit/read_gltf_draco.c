@@ -183,8 +183,7 @@ static void broken_draco_is_refused(void **state) {
     for (size_t at = 5; at < sizeof draco; at += 9) {
         uint8_t changed[sizeof draco];
         fathom_scene *scene;
-        fathom_read_options asked;
-        fathom_read_options_default(&asked);
+        fathom_read_options asked = default_read_options();
         memcpy(changed, draco, sizeof draco);
         changed[at] ^= 0x55;
         write_draco(f, changed, sizeof changed, 4, 0);
@@ -229,8 +228,7 @@ static void draco_that_lacks_a_part_is_refused(void **state) {
 static void assert_refused_for_size(fixture *f, const char *text) {
     struct rlimit given, small;
     fathom_scene *scene;
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &given), 0);
     small = given, small.rlim_cur = sizeof draco + 16;
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);

@@ -132,9 +132,8 @@ UNIT_TEST(moving_targets_may_begin_at_rest) {
         "}]}],'nodes':[{'mesh':0}],'animations':[{'samplers':[{'input':%d,'output':%d}],'channels':["
         "{'sampler':0,'target':{'node':0,'path':'weights'}}]}]",
         both, b.count - 1, target, times, weights);
-    fathom_read_options asked;
+    fathom_read_options asked = default_read_options();
     fathom_scene *scene;
-    fathom_read_options_default(&asked);
     asked.choose_time = true, asked.time = 0, asked.shutter = 1;
     assert_ok(f->context, read_asked(f, &asked, &scene));
     const fathom_mesh *m = &scene->meshes.items[0];
@@ -185,9 +184,8 @@ UNIT_TEST(instances_follow_mirrored_and_moving_nodes) {
         "'ROTATION':%d,'SCALE':%d}}}}],'scenes':[{'nodes':[0]}],'animations':[{'samplers':[{'input':%d,"
         "'output':%d}],'channels':[{'sampler':0,'target':{'node':0,'path':'translation'}}]}]",
         points, places, turns, sizes, times, slide);
-    fathom_read_options asked;
+    fathom_read_options asked = default_read_options();
     fathom_scene *scene;
-    fathom_read_options_default(&asked);
     asked.choose_time = true, asked.time = 0, asked.shutter = 0.5;
     assert_ok(f->context, read_asked(f, &asked, &scene));
     assert_int_equal(scene->instances.count, 2);

@@ -11,8 +11,7 @@
 
 static fathom_scene *read_blurred(fixture *f, double time, double shutter) {
     fathom_scene *scene;
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.time = time, asked.shutter = shutter;
     assert_ok(f->context, read_asked(f, &asked, &scene));
     return scene;
@@ -159,8 +158,7 @@ UNIT_TEST(vertices_follow_the_stills) {
 
 static stage figure_at(void *user, double open, double close) {
     stage s = stage_open(32, 32);
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.time = open, asked.shutter = close - open;
     assert_ok(s.context, fathom_scene_read_with(s.context, ((fixture *)user)->path, &asked, &s.scene));
     own_scene(s.scene);

@@ -255,8 +255,7 @@ UNIT_TEST(oddities_count_once_while_the_shutter_is_open) {
                 "'rotation'}},{'sampler':0,'target':{'node':-1,'path':'rotation'}}]}]",
                 positions, positions, times, turns);
     fathom_scene *scene;
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.shutter = 1;
     memset(f->told, 0, sizeof f->told);
     assert_ok(f->context, read_asked(f, &asked, &scene));
@@ -301,8 +300,7 @@ UNIT_TEST(copies_of_nodes_are_limited) {
     build b = {.size = 0};
     char nodes[2048] = "";
     fathom_scene *scene;
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     const int positions = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0);
     for (int i = 0; i < 40; ++i)
         snprintf(nodes + strlen(nodes), sizeof nodes - strlen(nodes), "{'children':[%d,%d]},", i / 2 * 2 + 2,

@@ -144,10 +144,9 @@ UNIT_TEST(pointers_that_are_not_followed_are_told_by_name) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         build b = {.size = 0};
         fathom_scene *scene;
-        fathom_read_options asked;
+        fathom_read_options asked = default_read_options();
         const int times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1), values = PUT_FLOATS(&b, "SCALAR", 2, 0.5, 1);
         write_pointer(f, &b, cases[i].pointer, "LINEAR", times, values, "{}");
-        fathom_read_options_default(&asked);
         asked.choose_time = true, asked.shutter = 0.5;
         f->told[0] = '\0';
         assert_ok(f->context, read_asked(f, &asked, &scene));

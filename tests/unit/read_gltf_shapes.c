@@ -46,8 +46,7 @@ static void write_crowd(fixture *f, int kinds) {
 }
 
 static fathom_status read_open(fixture *f, double shutter, fathom_scene **out) {
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.shutter = shutter;
     return read_asked(f, &asked, out);
 }

@@ -163,8 +163,7 @@ UNIT_TEST(vertices_blur_with_their_joints_alone) {
              times, places);
     write_figure(f, &made, bones, "", JOINTS);
     fathom_scene *scene;
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.time = 0.5, asked.shutter = 1;
     assert_ok(f->context, read_asked(f, &asked, &scene));
     const fathom_mesh *mesh = &scene->meshes.items[0];
@@ -221,8 +220,7 @@ UNIT_TEST(wrong_skins_are_refused) {
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         fathom_scene *scene;
-        fathom_read_options asked;
-        fathom_read_options_default(&asked);
+        fathom_read_options asked = default_read_options();
         figure made = all;
         made.joints = cases[i].joints, made.weights = cases[i].weights;
         write_figure(f, &made, "{},{}", "", cases[i].skin);

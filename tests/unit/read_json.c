@@ -29,8 +29,7 @@ UNIT_TEST(surroundings) {
                             "\"crop\": [1, 2, 3, 4], \"maxDepth\": 0, \"minWeight\": 0.5, "
                             "\"epsilon\": 1e-5, \"terminatorFix\": false,"
                             "\"aovs\": [\"id\", \"alpha\"]}, \"lights\": [], \"objects\": []}");
-    fathom_settings expected;
-    fathom_settings_default(&expected);
+    fathom_settings expected = default_settings();
     expected.width = 11, expected.height = 12, expected.spp = 5, expected.target_error = 0;
     expected.seed = 9007199254740991, expected.max_depth = 0, expected.min_weight = 0.5f;
     expected.epsilon = 1e-5, expected.terminator_fix = false,
@@ -55,8 +54,7 @@ UNIT_TEST(surroundings) {
 /* Absent is not the same as empty: only then is the scene completed. */
 UNIT_TEST(absent_parts) {
     fathom_scene *scene = json_scene_good(&s, "{\"objects\": []}");
-    fathom_settings defaults;
-    fathom_settings_default(&defaults);
+    fathom_settings defaults = default_settings();
     assert_false(scene->has_ambient || scene->has_lights || scene->has_camera);
     assert_int_equal(scene->settings.width, defaults.width);
     assert_int_equal(scene->settings.spp, defaults.spp);

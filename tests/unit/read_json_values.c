@@ -127,9 +127,8 @@ UNIT_TEST(files_suit_the_integrator_asked_for) {
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char text[256];
-        fathom_read_options asked;
+        fathom_read_options asked = default_read_options();
         fathom_scene *scene;
-        fathom_read_options_default(&asked);
         asked.choose_integrator = true, asked.integrator = FATHOM_INTEGRATOR_CLASSIC;
         asked.own_spp = cases[i].own_spp;
         snprintf(text, sizeof text, "{\"image\": {%s}, \"objects\": [" TRIANGLE("") "]}", cases[i].image);

@@ -546,9 +546,8 @@ UNIT_TEST(images_without_uvs_are_one_texel) {
     ROW(&m, "biiii", 4, 0, 1, 2, 3);
     read_mesh_options options = plain;
     fathom_scene *scene;
-    fathom_texture texture;
+    fathom_texture texture = default_texture();
     fathom_material material;
-    fathom_texture_default(&texture);
     fathom_material_default(&material);
     texture.file = mesh_write("t.ppm", "P6 1 1 255\nabc", 14);
     mesh_warnings[0] = '\0';

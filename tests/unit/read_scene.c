@@ -78,8 +78,7 @@ UNIT_TEST(what_a_file_lacks_is_not_passed_over) {
     fathom_scene *scene;
     const char *model = mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID));
     const char *file = mesh_write("a.json", json, strlen(json));
-    fathom_read_options options;
-    fathom_read_options_default(&options);
+    fathom_read_options options = default_read_options();
     options.camera = "front";
     const char *const both[] = {model, file};
     for (int i = 0; i < 2; ++i) {

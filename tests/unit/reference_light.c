@@ -56,8 +56,7 @@ static void add_ball_mesh(void) {
                               .normals = p[0],
                               .normal_count = RINGS * AROUND};
     fathom_id group;
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     const double map[12] = {0.5, 0, 0.2, 1, 0, -1.5, 0, 0, 0, 0.1, 0.7, -1};
     memcpy(instance.transform, map, sizeof map);
     assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
@@ -164,9 +163,8 @@ static void overlapping_volumes_are_refused(void **state) {
     }
     look_at_ball();
     assert_fails(context, reference_render(scene, &few, out), FATHOM_BAD_INPUT, "overlap");
-    fathom_settings settings;
+    fathom_settings settings = default_settings();
     fathom_film *film;
-    fathom_settings_default(&settings);
     fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_REFERENCE);
     settings.width = settings.height = 8;
     for (int how = 0; how < 3; ++how) {

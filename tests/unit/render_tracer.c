@@ -9,8 +9,7 @@ static void fill(stage *s) {
 }
 
 static fathom_film *rendered(stage *s, const char *spec, fathom_stats *stats) {
-    fathom_settings settings;
-    fathom_settings_default(&settings);
+    fathom_settings settings = default_settings();
     fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.width = 48, settings.height = 32, settings.tracer = spec;
     fathom_film *film;
@@ -40,8 +39,7 @@ UNIT_TEST(words_choose_the_tracer) {
 UNIT_TEST(wrong_words_are_refused) {
     stage s;
     fill(&s);
-    fathom_settings settings;
-    fathom_settings_default(&settings);
+    fathom_settings settings = default_settings();
     fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.tracer = "cuda";
     fathom_film *film;
@@ -55,8 +53,7 @@ UNIT_TEST(the_scene_copies_the_words) {
     stage s;
     stage_open(&s);
     char words[] = "bvh:f64";
-    fathom_settings settings;
-    fathom_settings_default(&settings);
+    fathom_settings settings = default_settings();
     fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     assert_null(settings.tracer);
     settings.tracer = words;

@@ -79,11 +79,9 @@ static bool stop_after(void *user, const fathom_progress *now) {
 
 /* Stopped again and again, each time on another number of threads; returns how often. */
 static int render_with_stops(ways *w, fathom_film **out) {
-    fathom_checkpoint saving;
-    fathom_checkpoint_default(&saving);
+    fathom_checkpoint saving = default_checkpoint();
     saving.path = w->checkpoint;
-    fathom_session_options options;
-    fathom_session_options_default(&options);
+    fathom_session_options options = default_session_options();
     options.checkpoint = &saving, options.progress = stop_after, options.user = w;
     for (int stops = 0;; ++stops) {
         w->ticks = stops;
@@ -112,11 +110,9 @@ static void assert_parts_change_nothing(ways *w, fathom_split split) {
     const char *paths[PARTS];
     fathom_film *whole = stage_render(&w->s), *merged;
     for (uint32_t i = 0; i < PARTS; ++i) {
-        fathom_part part;
-        fathom_part_default(&part);
+        fathom_part part = default_part();
         part.path = paths[i] = w->parts[i], part.index = i + 1, part.count = PARTS, part.split = split;
-        fathom_session_options options;
-        fathom_session_options_default(&options);
+        fathom_session_options options = default_session_options();
         options.part = &part;
         assert_ok(w->s.context,
                   fathom_session_run(w->s.context, w->s.scene, &w->s.settings, &options, NULL, &merged));

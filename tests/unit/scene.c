@@ -1,4 +1,5 @@
 /* Building scenes: what is refused, and what the world of the tracers becomes. */
+#include "defaults.h"
 #include "scene/world/world.h"
 #include "unit.h"
 
@@ -20,8 +21,7 @@ static void close_scene(fixture *f) {
 }
 
 static fathom_status add_sphere(fixture *f, fathom_id group, double x, double y, double z, double radius) {
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     sphere.center[0] = x, sphere.center[1] = y, sphere.center[2] = z, sphere.radius = radius;
     return fathom_scene_add_sphere(f->scene, group, &sphere, NULL);
 }
@@ -33,8 +33,7 @@ static fathom_id add_group(fixture *f, const char *name) {
 }
 
 static fathom_status add_instance(fixture *f, fathom_id group, fathom_id parent, double x, double scale) {
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     instance.group = group, instance.parent = parent;
     instance.transform[0] = instance.transform[5] = instance.transform[10] = scale;
     instance.transform[3] = x;
@@ -45,8 +44,7 @@ static const float corners[12 + 4] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}; /* an
 static const uint32_t two_triangles[6] = {0, 1, 2, 2, 1, 3};
 
 static fathom_mesh small_mesh(void) {
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = corners, mesh.vertex_count = 4;
     mesh.indices = two_triangles, mesh.triangle_count = 2;
     return mesh;
@@ -57,8 +55,7 @@ UNIT_TEST(bad_shapes) {
     assert_fails(f.context, add_sphere(&f, FATHOM_ROOT, 0, 0, 0, -1), FATHOM_BAD_INPUT, "radius");
     assert_fails(f.context, add_sphere(&f, FATHOM_ROOT, NAN, 0, 0, 1), FATHOM_BAD_INPUT, "center");
     assert_fails(f.context, add_sphere(&f, 7, 0, 0, 0, 1), FATHOM_BAD_INPUT, "group 7");
-    fathom_quad quad;
-    fathom_quad_default(&quad);
+    fathom_quad quad = default_quad();
     quad.corners[2][2] = 0.1;
     assert_fails(f.context, fathom_scene_add_quad(f.scene, FATHOM_ROOT, &quad, NULL), FATHOM_BAD_INPUT,
                  "one plane");
@@ -82,8 +79,7 @@ UNIT_TEST(bad_shapes) {
     mesh = small_mesh(), mesh.positions = bad;
     assert_fails(f.context, fathom_scene_add_mesh(f.scene, FATHOM_ROOT, &mesh, NULL), FATHOM_BAD_INPUT,
                  "positions[2]");
-    fathom_instance flat;
-    fathom_instance_default(&flat);
+    fathom_instance flat = default_instance();
     flat.group = add_group(&f, "g"), flat.transform[0] = 0;
     assert_fails(f.context, fathom_scene_add_instance(f.scene, &flat, NULL), FATHOM_BAD_INPUT, "inverted");
     close_scene(&f);
@@ -126,24 +122,21 @@ UNIT_TEST(lights_in_spheres_are_warned_of) {
         fixture f = open_scene();
         bool placed = k & 1, shadow = !(k & 2);
         double x = shifts[k / 4];
-        fathom_sphere sphere;
-        fathom_sphere_default(&sphere);
+        fathom_sphere sphere = default_sphere();
         sphere.center[0] = placed ? 0 : x, sphere.center[2] = placed ? -2.5 : -5;
         sphere.radius = placed ? 0.5 : 1;
         sphere.flags = shadow ? 0 : FATHOM_CASTS_NO_SHADOW;
         fathom_id group = placed ? add_group(&f, "ball") : FATHOM_ROOT;
         assert_ok(f.context, fathom_scene_add_sphere(f.scene, group, &sphere, NULL));
         if (placed) assert_ok(f.context, add_instance(&f, group, FATHOM_ROOT, x, 2));
-        fathom_light light;
-        fathom_light_default(&light);
+        fathom_light light = default_light();
         light.position[0] = x, light.position[2] = -3.9;
         assert_ok(f.context, fathom_scene_add_light(f.scene, &light, NULL));
         assert_string_equal(warned_of_light(&f), "");
         light.position[2] = -4.1;
         assert_ok(f.context, fathom_scene_add_light(f.scene, &light, NULL));
         assert_int_equal(strncmp(warned_of_light(&f), "lights[1]", 9) == 0, shadow);
-        fathom_camera camera;
-        fathom_camera_default(&camera);
+        fathom_camera camera = default_camera();
         camera.origin[0] = x, camera.origin[2] = -5;
         assert_ok(f.context, fathom_scene_set_camera(f.scene, &camera));
         assert_string_equal(warned_of_light(&f), "");
@@ -155,11 +148,9 @@ UNIT_TEST(lights_in_spheres_are_warned_of) {
 UNIT_TEST(lights_that_leave_spheres_are_not_warned_of) {
     for (int k = 0; k < 4; ++k) {
         fixture f = open_scene();
-        fathom_sphere sphere;
-        fathom_material m;
+        fathom_sphere sphere = default_sphere();
+        fathom_material m = default_material();
         fathom_light light;
-        fathom_sphere_default(&sphere);
-        fathom_material_default(&m);
         fathom_light_default(&light);
         m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.transmission = 1, m.roughness = k == 1 ? 0.5f : 0;
         if (k > 1) m.transmission = 0;
@@ -239,8 +230,7 @@ UNIT_TEST(far_scenes_are_brought_near) {
     mesh.origin[0] = 6378137.125;
     assert_ok(f.context, fathom_scene_add_mesh_shared(f.scene, FATHOM_ROOT, &mesh, NULL));
     assert_ok(f.context, add_sphere(&f, FATHOM_ROOT, 6378139.375, 0, 0, 0.5));
-    fathom_plane plane;
-    fathom_plane_default(&plane);
+    fathom_plane plane = default_plane();
     plane.point[0] = 6378136.25, plane.normal[0] = -2, plane.normal[2] = 0;
     assert_ok(f.context, fathom_scene_add_plane(f.scene, FATHOM_ROOT, &plane, NULL));
     world *w;
@@ -273,8 +263,7 @@ UNIT_TEST(shapes_beyond_reach_are_counted) {
     fixture f = open_scene();
     const double places[6] = {0, 9e17, 1.1e18, -3e30, 1e300, 5};
     for (int i = 0; i < 6; ++i) {
-        fathom_sphere sphere;
-        fathom_sphere_default(&sphere);
+        fathom_sphere sphere = default_sphere();
         sphere.center[i % 3] = places[i], sphere.radius = i == 5 ? 1e18 : 1;
         assert_ok(f.context, fathom_scene_add_sphere(f.scene, FATHOM_ROOT, &sphere, NULL));
     }

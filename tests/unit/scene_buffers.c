@@ -21,8 +21,7 @@ static float apart[VERTICES * ROW];
 
 static fathom_mesh mesh_of(const float *positions, const float *normals, const float *uvs,
                            size_t strides[3]) {
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = positions, mesh.vertex_count = VERTICES, mesh.position_stride = strides[0];
     mesh.normals = normals, mesh.normal_count = VERTICES, mesh.normal_stride = strides[1];
     mesh.uvs = uvs, mesh.uv_count = VERTICES, mesh.uv_stride = strides[2];
@@ -79,8 +78,7 @@ static const file_map *the_map(void) {
 static void check_file(const char *extension) {
     char path[64];
     snprintf(path, sizeof path, "/tmp/fathom-buffers-%ld.%s", (long)getpid(), extension);
-    fathom_generate_options options;
-    fathom_generate_options_default(&options);
+    fathom_generate_options options = default_generate_options();
     options.triangles = 2000000;
     assert_ok(context, fathom_scene_generate(scene, FATHOM_ROOT, &options));
     assert_ok(context, fathom_scene_write(scene, path));
@@ -120,8 +118,7 @@ static void ply_keeps_what_is_traced(void **state) {
 /* Memory that is no file's would come back as zeros. */
 static void other_memory_stays(void **state) {
     (void)state;
-    fathom_generate_options options;
-    fathom_generate_options_default(&options);
+    fathom_generate_options options = default_generate_options();
     options.triangles = 200000;
     assert_ok(context, fathom_scene_generate(scene, FATHOM_ROOT, &options));
     const fathom_mesh *mesh = &scene->meshes.items[0];

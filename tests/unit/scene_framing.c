@@ -20,8 +20,7 @@ static const float body[6][3] = {{-2, -0.5f, 1},         {3, 0.25f, 0},      {0.
 static const uint32_t faces[12] = {0, 1, 2, 1, 2, 3, 2, 3, 4, 3, 4, 5};
 
 static void add_body(fathom_id group, const double origin[3]) {
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = body[0], mesh.vertex_count = 6, mesh.indices = faces, mesh.triangle_count = 4;
     for (int i = 0; i < 3; ++i) mesh.origin[i] = origin[i];
     assert_ok(context, fathom_scene_add_mesh(scene, group, &mesh, NULL));
@@ -139,10 +138,9 @@ static const double times[3] = {0, 1, 2};
 
 /* The group at three times. */
 static void place_moving(fathom_id group, const affine_f64 at[3]) {
-    fathom_instance instance;
+    fathom_instance instance = default_instance();
     double maps[3][12];
     for (int k = 0; k < 3; ++k) memcpy(maps[k], at[k].m, sizeof maps[k]);
-    fathom_instance_default(&instance);
     instance.group = group;
     instance.key_count = 3, instance.key_times = times, instance.key_transforms = maps[0];
     assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
@@ -214,8 +212,7 @@ UNIT_TEST(turns_stay_in_view) {
 UNIT_TEST(moving_vertices_are_framed_as_they_are_then) {
     const double shutters[2][2] = {{0, 1}, {0.5, 0.5}};
     float keys[3][6][3];
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     for (int i = 0; i < 6; ++i) {
         for (int k = 0; k < 3; ++k)
             keys[0][i][k] = body[i][k], keys[1][i][k] = 2 * body[i][k], keys[2][i][k] = 1000 * body[i][k];
@@ -272,8 +269,7 @@ UNIT_TEST(absent_shapes_are_not_framed) {
 /* A ball touches the four planes of a square view that is a tenth narrower: its centre is a radius from each.
  */
 UNIT_TEST(balls_touch_the_view) {
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     sphere.center[0] = 4, sphere.center[1] = -3, sphere.center[2] = 2, sphere.radius = 0.125;
     assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL));
     shape_image(64, 64);
@@ -312,9 +308,8 @@ UNIT_TEST(two_framings_become_one_that_shows_both) {
         vec3_f64 center[2];
         double radius[2], room[2][4], least[4];
         for (int i = 0; i < 2; ++i) {
-            fathom_sphere ball;
+            fathom_sphere ball = default_sphere();
             fathom_scene *own;
-            fathom_sphere_default(&ball);
             for (int c = 0; c < 3; ++c) ball.center[c] = (float)random_in(&r, -8, 8);
             ball.radius = (float)random_log(&r, 0.1, 8);
             center[i] = load_f64(ball.center), radius[i] = (double)ball.radius;
@@ -405,8 +400,7 @@ UNIT_TEST(up_z_is_the_turned_scene) {
 }
 
 UNIT_TEST(scenes_without_end_are_refused) {
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     sphere.radius = 1e308;
     assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL));
     assert_fails(context, fathom_scene_complete(scene), FATHOM_BAD_INPUT, "camera: there is none");
@@ -470,8 +464,7 @@ UNIT_TEST(skipped_runs_never_change_the_reach) {
     const double nowhere[EXTENT_SIDES] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY},
                  some[EXTENT_SIDES] = {0, 0.5, 1, -1};
     random_state r = {1};
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     for (size_t c = 0; c < sizeof counts / sizeof *counts; ++c) {
         for (size_t i = 0; i < sizeof strides / sizeof *strides; ++i) {
             mesh.vertex_count = counts[c], mesh.position_stride = strides[i];

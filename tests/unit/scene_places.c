@@ -4,8 +4,7 @@
 #include "unit_scene.h"
 
 static void add_sphere(fathom_id group, vec3_f64 center, double radius) {
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     store_f64(sphere.center, center), sphere.radius = radius;
     assert_ok(context, fathom_scene_add_sphere(scene, group, &sphere, NULL));
 }
@@ -14,16 +13,14 @@ static const float corners[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
 
 static void add_mesh(fathom_id group, vec3_f64 origin) {
     static const uint32_t triangles[6] = {0, 1, 2, 2, 1, 3};
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = corners, mesh.vertex_count = 4, mesh.indices = triangles, mesh.triangle_count = 2;
     store_f64(mesh.origin, origin);
     assert_ok(context, fathom_scene_add_mesh(scene, group, &mesh, NULL));
 }
 
 static fathom_status place(fathom_id group, fathom_id parent, double scale, fathom_id material) {
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     instance.group = group, instance.parent = parent, instance.material = material;
     instance.transform[0] = instance.transform[5] = instance.transform[10] = scale;
     return fathom_scene_add_instance(scene, &instance, NULL);
@@ -129,8 +126,7 @@ static void materials_of_instances(void **state) {
     assert_ok(context, fathom_scene_add_material(scene, "red", &red, &red_id));
     assert_ok(context, fathom_scene_add_material(scene, "blue", &blue, &blue_id));
     fathom_id inner = add_group(), outer = add_group();
-    fathom_plane plane;
-    fathom_plane_default(&plane);
+    fathom_plane plane = default_plane();
     assert_ok(context, fathom_scene_add_plane(scene, inner, &plane, NULL));
     add_sphere(inner, (vec3_f64){0, 0, 0}, 1);
     const fathom_id given[3][2] = {{FATHOM_NONE, FATHOM_NONE}, {red_id, FATHOM_NONE}, {FATHOM_NONE, blue_id}};
@@ -162,8 +158,7 @@ static void frames_that_vanish(void **state) {
     for (int kind = 0; kind < 2; ++kind) {
         open_scene(NULL);
         fathom_id inner = add_group(), outer = add_group();
-        fathom_plane plane;
-        fathom_plane_default(&plane);
+        fathom_plane plane = default_plane();
         if (kind == 0)
             add_sphere(inner, (vec3_f64){0, 0, 0}, 1);
         else
@@ -231,13 +226,11 @@ static void cameras_too_far(void **state) {
 static void nothing_but_degenerate_triangles(void **state) {
     (void)state;
     const uint32_t indices[6] = {0, 1, 1, 2, 2, 2};
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = corners, mesh.vertex_count = 4, mesh.indices = indices, mesh.triangle_count = 2;
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
     assert_fails(context, check_world(), FATHOM_BAD_INPUT, "its triangles (2) are all degenerate");
-    fathom_plane plane;
-    fathom_plane_default(&plane);
+    fathom_plane plane = default_plane();
     assert_ok(context, fathom_scene_add_plane(scene, FATHOM_ROOT, &plane, NULL));
     assert_ok(context, check_world());
 }
@@ -282,8 +275,7 @@ static void quads_that_float_flattens(void **state) {
 static void completing_keeps_what_is_set(void **state) {
     (void)state;
     const float dark[3] = {0, 0.25f, 0}, dim[3] = {0.5f, 0, 0};
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     const float point[6] = {1, 1, 0, 1, 1, 0};
     mesh.positions = point, mesh.vertex_count = 2, mesh.indices = (const uint32_t[3]){0, 1, 0};
     mesh.triangle_count = 1;

@@ -147,8 +147,7 @@ UNIT_TEST(materials) {
     MATERIAL("anisotropy rotation: expected a finite number, found inf",
              m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.anisotropy_rotation = INFINITY);
     /* Either sign turns, and raises or sinks. */
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.bump_scale = -1;
     assert_ok(context, fathom_scene_add_material(scene, "sunk", &m, NULL));
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.anisotropy_rotation = -7;
@@ -173,8 +172,7 @@ UNIT_TEST(lights) {
     LIGHT("spot angles", SPOT, l.inner_angle = l.outer_angle);
     LIGHT("spot angles", SPOT, l.outer_angle = 1.6f);
     /* Each kind has fields that it does not look at. */
-    fathom_light l;
-    fathom_light_default(&l);
+    fathom_light l = default_light();
     l.direction[1] = 0, l.inner_angle = 9;
     assert_ok(context, fathom_scene_add_light(scene, &l, NULL));
     fathom_light_default(&l);
@@ -204,8 +202,7 @@ UNIT_TEST(cameras) {
     CAMERA("h > 0", c.h = -1);
     CAMERA("w >= 0", c.w = -1);
     CAMERA("d > 0", c.d = INFINITY);
-    fathom_camera c;
-    fathom_camera_default(&c);
+    fathom_camera c = default_camera();
     c.x[1] = 0.00005, c.w = 0;
     assert_ok(context, fathom_scene_set_camera(scene, &c));
     /* Meant as a frame, and made one. */
@@ -252,14 +249,12 @@ UNIT_TEST(numbers_of_shapes_that_are_not_finite) {
 }
 
 UNIT_TEST(shapes_without_an_area) {
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     for (int k = 0; k < 2; ++k) {
         sphere.radius = -k;
         REFUSED(fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL), "radius");
     }
-    fathom_quad quad;
-    fathom_quad_default(&quad);
+    fathom_quad quad = default_quad();
     memset(quad.corners, 0, sizeof quad.corners);
     REFUSED(fathom_scene_add_quad(scene, FATHOM_ROOT, &quad, NULL), "area");
     for (int k = 0; k < 4; ++k) quad.corners[k][0] = k;
@@ -267,20 +262,17 @@ UNIT_TEST(shapes_without_an_area) {
 }
 
 UNIT_TEST(shapes) {
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     sphere.radius = INFINITY;
     REFUSED(fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL), "radius");
     sphere.radius = 1, sphere.material = 9;
     REFUSED(fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL), "no material 9");
-    fathom_quad quad;
-    fathom_quad_default(&quad);
+    fathom_quad quad = default_quad();
     quad.corners[3][1] = NAN;
     REFUSED(fathom_scene_add_quad(scene, FATHOM_ROOT, &quad, NULL), "corners[3]");
     fathom_quad_default(&quad);
     REFUSED(fathom_scene_add_quad(scene, 7, &quad, NULL), "no group 7");
-    fathom_plane plane;
-    fathom_plane_default(&plane);
+    fathom_plane plane = default_plane();
     plane.point[1] = INFINITY;
     REFUSED(fathom_scene_add_plane(scene, FATHOM_ROOT, &plane, NULL), "point");
     fathom_plane_default(&plane);
@@ -343,8 +335,7 @@ UNIT_TEST(the_first_fault_is_told) {
     uint32_t *indices = calloc(INDICES, sizeof *indices);
     assert_true(positions && indices);
     fathom_context_set_threads(context, 4);
-    fathom_mesh m;
-    fathom_mesh_default(&m);
+    fathom_mesh m = default_mesh();
     m.positions = m.normals = positions, m.vertex_count = m.normal_count = VERTICES;
     m.indices = indices, m.triangle_count = INDICES / 3, m.normal_indices = indices;
     positions[3 * 70001] = NAN, positions[3 * 399999 + 2] = INFINITY;

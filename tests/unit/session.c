@@ -6,8 +6,7 @@
 #define SIDE 192
 
 static void fill(stage *s) {
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.position[0] = 2, light.position[1] = 5;
     for (int c = 0; c < 3; ++c) light.intensity[c] = 30;
     stage_sphere(s, 0, 0, -6, 1.5, stage_lambert(s, 0.8f));

@@ -86,15 +86,13 @@ UNIT_TEST(text_goes_out_as_it_came_in) {
                                            {"block_width", "4"},
                                            {"tile_size", "64"}};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
-        fathom_settings s;
+        fathom_settings s = default_settings();
         char out[128];
-        fathom_settings_default(&s);
         assert_ok(context, fathom_settings_set_text(context, &s, texts[i][0], texts[i][1]));
         assert_ok(context, fathom_settings_get_text(context, &s, texts[i][0], out, sizeof out));
         assert_string_equal(out, texts[i][1]);
     }
-    fathom_settings s;
-    fathom_settings_default(&s);
+    fathom_settings s = default_settings();
     assert_ok(context, fathom_settings_set_text(context, &s, "memory_limit", "8G"));
     assert_true(s.memory_limit == 8000000000);
     assert_ok(context, fathom_settings_set_text(context, &s, "aovs", "all"));
@@ -142,9 +140,8 @@ UNIT_TEST(wrong_text_changes_nothing) {
 }
 
 UNIT_TEST(what_is_missing_is_named) {
-    fathom_settings s;
+    fathom_settings s = default_settings();
     char out[4];
-    fathom_settings_default(&s);
     assert_fails(context, fathom_settings_set_text(context, &s, "sspp", "1"), FATHOM_BAD_USAGE,
                  "there is no \"sspp\"");
     assert_fails(context, fathom_settings_set_text(context, NULL, "spp", "1"), FATHOM_BAD_USAGE, "settings");

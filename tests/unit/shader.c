@@ -1,5 +1,6 @@
 /* BSDFs of every model: samples follow their density, weights are f over density, and no input makes a number
  * that is not finite. */
+#include "defaults.h"
 #include "math/lane.h"
 #include "shading.h"
 #include "variants.h"
@@ -9,16 +10,14 @@ VARIANTS(shader_kernels)
 /* ---- materials ---- */
 
 static fathom_material classic(float k_d, float k_s, fathom_specular specular, float shininess) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     for (int c = 0; c < 3; ++c) m.k_d[c] = k_d, m.k_s[c] = k_s;
     m.specular = specular, m.shininess = shininess;
     return m;
 }
 
 static fathom_material metallic(float metal, float roughness) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.metallic = metal, m.roughness = roughness;
     return m;
@@ -252,8 +251,7 @@ static float choice(random_state *r, const float *from, unsigned count) {
     choice(r, (const float[]){__VA_ARGS__}, sizeof(const float[]){__VA_ARGS__} / sizeof(float))
 
 static fathom_material random_material(random_state *r) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = random_unit(r) < 0.5 ? FATHOM_MODEL_CLASSIC : FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.specular = (fathom_specular)(random_unit(r) * 3);
     m.shininess = CHOICE(r, 0, 0.5f, 40, 1e6f, 1e9f);

@@ -1,4 +1,5 @@
 /* Energy of BSDFs: white furnaces and closed forms. */
+#include "defaults.h"
 #include "shading.h"
 
 /* Points of a lattice in the cube (Roberts's R3), whose means of smooth functions converge as 1/N. */
@@ -54,8 +55,7 @@ static double sent_on(const fathom_material *m, double cosine, bool entering, in
 }
 
 static fathom_material white(float metal, float roughness, float ior) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.metallic = metal, m.roughness = roughness, m.ior = ior;
     return m;

@@ -1,5 +1,6 @@
 /* Path tracing and the reference scatter light alike: BSDFs of materials by chance, between directions by
  * chance. Neither samples anything here, so that no tail of a distribution can hide or fake a difference. */
+#include "defaults.h"
 #include "integrate/reference/reference_inner.h"
 #include "math/frame.h"
 #include "shading.h"
@@ -24,8 +25,7 @@ static void color(random_state *r, float out[3]) {
 }
 
 static fathom_material metallic(random_state *r) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     color(r, m.base_color);
     m.metallic = happens(r, 0.5) ? 0 : part(r), m.roughness = rough(r);
@@ -43,8 +43,7 @@ static fathom_material metallic(random_state *r) {
 }
 
 static fathom_material classic(random_state *r) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     color(r, m.k_d), color(r, m.k_s), color(r, m.k_r), color(r, m.k_t);
     m.specular = (fathom_specular)(random_bits(r) % 3), m.shininess = (float)random_log(r, 1, 100);
     m.ior = (float)random_in(r, 1.05, 2.5);

@@ -131,8 +131,7 @@ UNIT_TEST(older_parts_of_a_scene_have_the_defaults_of_later_members) {
     memset(&found, beyond, sizeof found);
     assert_ok(s.context, fathom_scene_light_sized(s.scene, 0, &found, UP_TO(fathom_light, inner_angle)));
     assert_true(is_untouched(&found, UP_TO(fathom_light, inner_angle), sizeof found));
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     sphere.material = 99; /* past the end of what is given */
     assert_ok(s.context, fathom_scene_add_sphere_sized(s.scene, FATHOM_ROOT, &sphere,
                                                        UP_TO(fathom_sphere, material), NULL));
@@ -146,8 +145,7 @@ UNIT_TEST(a_forgotten_size_is_named) {
     fathom_scene *scene;
     fathom_settings settings = s.settings;
     fathom_stats stats = {.size = 0};
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     settings.size = 0;
     const fathom_session_options options = {.size = 0};
     const fathom_read_options read = {.size = 0};
@@ -166,8 +164,7 @@ UNIT_TEST(a_forgotten_size_is_named) {
     assert_fails(c, fathom_scene_set_settings(s.scene, &settings), FATHOM_BAD_USAGE, NO_SIZE);
     assert_fails(c, fathom_scene_read_with(c, "a.ply", &read, &scene), FATHOM_BAD_USAGE, NO_SIZE);
     const fathom_framing framing = {.size = 0};
-    fathom_read_options framed;
-    fathom_read_options_default(&framed);
+    fathom_read_options framed = default_read_options();
     framed.framing = &framing;
     assert_fails(c, fathom_scene_read_with(c, "a.ply", &framed, &scene), FATHOM_BAD_USAGE, "framing: ");
     assert_fails(c, fathom_scene_generate(s.scene, FATHOM_ROOT, &generate), FATHOM_BAD_USAGE, NO_SIZE);

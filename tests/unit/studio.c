@@ -57,8 +57,7 @@ UNIT_TEST(it_turns_with_the_viewer) {
 
 static fathom_scene *open_ball(void) {
     fathom_scene *scene;
-    fathom_sphere ball;
-    fathom_sphere_default(&ball);
+    fathom_sphere ball = default_sphere();
     scene = new_scene(context);
     assert_ok(context, fathom_scene_add_sphere(scene, 0, &ball, NULL));
     return scene;
@@ -66,10 +65,9 @@ static fathom_scene *open_ball(void) {
 
 /* *corner: the pixel at the upper left, next to the ball. NULL: not asked for. */
 static float look(fathom_scene *scene, float *corner) {
-    fathom_settings s;
+    fathom_settings s = default_settings();
     fathom_film *film;
     float sum = 0;
-    fathom_settings_default(&s);
     fathom_settings_set_integrator(&s, FATHOM_INTEGRATOR_PATH);
     s.width = s.height = 32, s.spp = 4, s.target_error = 0;
     assert_ok(context, fathom_render(context, scene, &s, NULL, NULL, NULL, &film));
@@ -140,9 +138,8 @@ static float wall_behind_emissive(bool image) {
     static const char black[] = "P6\n1 1\n255\n\0\0\0";
     const fathom_texture texture = {.size = sizeof texture, .bytes = black, .byte_count = sizeof black - 1};
     fathom_scene *scene;
-    fathom_sphere ball;
+    fathom_sphere ball = default_sphere();
     fathom_material m;
-    fathom_sphere_default(&ball);
     fathom_material_default(&m);
     scene = new_scene(context);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
@@ -182,9 +179,8 @@ UNIT_TEST(its_luminance_is_what_lamps_are_held_against) {
 /* ---- lamps ---- */
 
 static fathom_id add_emission(fathom_scene *scene, float radiance) {
-    fathom_material m;
+    fathom_material m = default_material();
     fathom_id id;
-    fathom_material_default(&m);
     for (int c = 0; c < 3; ++c) m.k_e[c] = radiance;
     assert_ok(context, fathom_scene_add_material(scene, "m", &m, &id));
     return id;
@@ -192,8 +188,7 @@ static fathom_id add_emission(fathom_scene *scene, float radiance) {
 
 /* A parallelogram. */
 static void add_wall(fathom_scene *scene, vec3_f64 c, vec3_f64 u, vec3_f64 v, fathom_id material) {
-    fathom_quad q;
-    fathom_quad_default(&q);
+    fathom_quad q = default_quad();
     const vec3_f64 corner[4] = {c, add_f64(c, u), add_f64(add_f64(c, u), v), add_f64(c, v)};
     for (int k = 0; k < 4; ++k) store_f64(q.corners[k], corner[k]);
     q.material = material;
@@ -235,9 +230,8 @@ UNIT_TEST(a_room_is_lit_by_its_lamps_unless_they_are_dim) {
  * radiance, or a brighter one, it lights the wall. */
 static bool floor_leaves_studio(float specular, float radiance) {
     fathom_scene *scene;
-    fathom_material m;
+    fathom_material m = default_material();
     fathom_id id;
-    fathom_material_default(&m);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.specular_factor = specular;
     for (int c = 0; c < 3; ++c) m.base_color[c] = 0, m.emissive[c] = radiance;
     scene = new_scene(context);
@@ -264,12 +258,10 @@ static fathom_scene *open_telephone(float radiance, bool before_wall) {
     static const float corners[8][3] = {{0, 0, 0},   {1, 0, 0},   {0, 2, 0},   {1, 2, 0},
                                         {0, 0, .1f}, {1, 0, .1f}, {0, 2, .1f}, {1, 2, .1f}};
     fathom_scene *scene;
-    fathom_mesh mesh;
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_mesh mesh = default_mesh();
+    fathom_instance instance = default_instance();
     scene = new_scene(context);
     assert_ok(context, fathom_scene_add_group(scene, "telephone", &instance.group));
-    fathom_mesh_default(&mesh);
     mesh.positions = corners[0], mesh.vertex_count = 8;
     mesh.indices = slab, mesh.triangle_count = 10;
     assert_ok(context, fathom_scene_add_mesh(scene, instance.group, &mesh, NULL));
@@ -298,9 +290,8 @@ UNIT_TEST(a_display_lights_what_it_faces_alone) {
 UNIT_TEST(a_bright_part_alone_lights_no_model) {
     for (int lamp = 0; lamp < 2; ++lamp) {
         fathom_scene *scene;
-        fathom_sphere ball;
+        fathom_sphere ball = default_sphere();
         scene = new_scene(context);
-        fathom_sphere_default(&ball);
         ball.radius = 1;
         assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &ball, NULL));
         ball.center[1] = lamp ? 10 : 1.1, ball.radius = lamp ? 0.5 : 0.1;
@@ -318,10 +309,9 @@ UNIT_TEST(a_room_is_lit_for_whoever_stands_in_it) {
                                         {0, 0, 2}, {2, 0, 2}, {0, 2, 2}, {2, 2, 2}};
     for (int inside = 0; inside < 2; ++inside) {
         fathom_scene *scene;
-        fathom_mesh mesh;
+        fathom_mesh mesh = default_mesh();
         fathom_camera camera;
         scene = new_scene(context);
-        fathom_mesh_default(&mesh);
         mesh.positions = corners[0], mesh.vertex_count = 8;
         mesh.indices = slab, mesh.triangle_count = 12;
         assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
@@ -339,9 +329,8 @@ UNIT_TEST(a_room_is_lit_for_whoever_stands_in_it) {
 UNIT_TEST(a_lamp_over_a_plane_lights_it) {
     for (int lamp = 0; lamp < 2; ++lamp) {
         fathom_scene *scene;
-        fathom_plane plane;
+        fathom_plane plane = default_plane();
         scene = new_scene(context);
-        fathom_plane_default(&plane);
         plane.normal[1] = 1;
         assert_ok(context, fathom_scene_add_plane(scene, FATHOM_ROOT, &plane, NULL));
         add_wall(scene, vec_f64(0, 3, 0), vec_f64(1, 0, 0), vec_f64(0, 0, 1),
@@ -389,9 +378,8 @@ UNIT_TEST(irradiance_is_that_of_what_covers) {
 UNIT_TEST(errors_know_how_bright_it_is) {
     fathom_scene *scene = open_ball();
     assert_ok(context, fathom_scene_complete(scene));
-    fathom_settings settings;
+    fathom_settings settings = default_settings();
     fathom_film *film;
-    fathom_settings_default(&settings);
     settings.width = settings.height = 16, settings.spp = 16, settings.target_error = 0;
     settings.max_depth = 0, settings.aovs = FATHOM_AOV_ERROR;
     assert_ok(context, fathom_render(context, scene, &settings, NULL, NULL, NULL, &film));

@@ -61,8 +61,7 @@ static void survey_one(float size, unsigned odd, uint32_t triangles, uint64_t ke
     for (uint32_t i = 0; i < 3 * VERTICES + 3; ++i) p[i] = coordinate(&random, size);
     for (uint32_t i = 0; i < VERTICES; i += 3) place_on_line(&random, exp2f(rintf(log2f(size))), p + 3 * i);
     for (uint32_t i = 0; i < 3 * triangles; ++i) t[i] = (uint32_t)(random_bits(&random) % VERTICES);
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = VERTICES + key % 2; /* the last named by some, or by none */
     mesh.indices = t, mesh.triangle_count = triangles;
     assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
@@ -102,8 +101,7 @@ UNIT_TEST(bounds_hold_every_vertex) {
             high[i % numbers] = fmaxf(high[i % numbers], p[i]);
         }
         static const uint32_t one[3] = {0, 1, 2};
-        fathom_mesh mesh;
-        fathom_mesh_default(&mesh);
+        fathom_mesh mesh = default_mesh();
         mesh.positions = p, mesh.vertex_count = count, mesh.position_stride = numbers * sizeof(float);
         mesh.indices = one, mesh.triangle_count = 1;
         assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
@@ -130,8 +128,7 @@ UNIT_TEST(nothing_is_read_past_the_end) {
         float *p = (float *)(void *)(pages + page) - 3 * count;
         uint32_t *t = (uint32_t *)(void *)(pages + 3 * page) - 3 * count;
         for (uint32_t i = 0; i < 3 * count; ++i) p[i] = coordinate(&random, 1), t[i] = i % count;
-        fathom_mesh mesh;
-        fathom_mesh_default(&mesh);
+        fathom_mesh mesh = default_mesh();
         mesh.positions = p, mesh.vertex_count = count, mesh.indices = t, mesh.triangle_count = count;
         assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
         assert_int_equal(s.scene->mesh_facts.items[0].flat, by_definition(p, t, count).flat);

@@ -32,8 +32,7 @@ static const float up[15] = {0, 0, 2, 0, 0, 2, 0, 0, 2, 0, 0, 2, 0, 0, 2};
 static const uint32_t fan[12] = {0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 1};
 
 static fathom_mesh flat(const float *uvs) {
-    fathom_mesh m;
-    fathom_mesh_default(&m);
+    fathom_mesh m = default_mesh();
     m.positions = square, m.normals = up, m.uvs = uvs;
     m.vertex_count = m.normal_count = m.uv_count = 5;
     m.indices = fan, m.triangle_count = 4;
@@ -140,8 +139,7 @@ UNIT_TEST(a_globe_has_tangents_along_its_latitudes) {
             }
         }
     }
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = mesh.normals = points, mesh.uvs = uvs;
     mesh.vertex_count = mesh.normal_count = mesh.uv_count = CORNERS;
     mesh.indices = at, mesh.triangle_count = n / 3;

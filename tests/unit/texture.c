@@ -1,4 +1,5 @@
 /* Textures: what lookups give, for files of every kind, under any limit and on any threads. */
+#include "defaults.h"
 #include "textures.h"
 #include "variants.h"
 
@@ -418,10 +419,9 @@ UNIT_TEST(filters_by_chance_keep_the_expectation) {
 UNIT_TEST(bump_maps_are_not_read_by_chance) {
     fathom_texture t = texture_of("n.ppm", FATHOM_COLOR_LINEAR);
     fathom_scene *scene;
-    fathom_material m;
+    fathom_material m = default_material();
     put_noise("n.ppm", 2, 2, 4);
     assert_ok(context, fathom_scene_create(context, &scene));
-    fathom_material_default(&m);
     t.filter = FATHOM_TEXTURE_STOCHASTIC;
     assert_ok(context, fathom_scene_add_texture(scene, &t, &m.maps[FATHOM_MAP_BUMP].texture));
     assert_fails(context, fathom_scene_add_material(scene, "m", &m, NULL), FATHOM_BAD_INPUT,

@@ -21,9 +21,8 @@ static picture new_picture(unsigned width, unsigned height, const unsigned char 
 }
 
 static fathom_id add_filtered(stage *s, const picture *p, fathom_wrap wrap, fathom_texture_filter filter) {
-    fathom_texture t;
+    fathom_texture t = default_texture();
     fathom_id id;
-    fathom_texture_default(&t);
     t.bytes = p->bytes, t.byte_count = p->size, t.name = "picture.ppm";
     t.color_space = FATHOM_COLOR_LINEAR, t.filter = filter;
     t.wrap_u = t.wrap_v = wrap;
@@ -58,8 +57,7 @@ static void add_square(stage *s, fathom_id material) {
 }
 
 static fathom_material glowing(void) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     for (int c = 0; c < 3; ++c) m.k_d[c] = 0, m.k_e[c] = 1;
     return m;
 }
@@ -141,8 +139,7 @@ static fathom_film *render_stripes(fathom_texture_filter filter, int map, float 
     stage s = stage_open(24, 24);
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.target_error = 0, s.settings.spp = 4;
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     const picture p = new_picture(ACROSS, ACROSS, rgb);
     if (map != FATHOM_MAP_COLOR) {
         m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
@@ -231,8 +228,7 @@ UNIT_TEST(wrap_modes_go_on_beside_the_image) {
 /* A colour that is linear over the square is what it is at each pixel, times k_d and the ambient light. */
 UNIT_TEST(vertex_colours_interpolate) {
     stage s = stage_open(16, 16);
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     square q;
     new_square(&q, stage_material(&s, &m));
     for (int k = 0; k < 4; ++k) {
@@ -262,8 +258,7 @@ UNIT_TEST(colours_multiply_the_emission_of_unlit_materials_alone) {
         stage s = stage_open(4, 4);
         fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
         s.settings.target_error = 0, s.settings.spp = 4;
-        fathom_material m;
-        fathom_material_default(&m);
+        fathom_material m = default_material();
         m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.specular_factor = 0;
         for (int c = 0; c < 3; ++c) m.emissive[c] = 1, m.base_color[c] = unlit ? 0 : 1;
         m.maps[FATHOM_MAP_COLOR].texture = add_texels(&s, 1, 1, black);
@@ -328,13 +323,11 @@ UNIT_TEST(a_normal_map_tilts_the_normal) {
             const unsigned char *rgb = texels[i / 3];
             const double *l = to_light[i % 3];
             stage s = stage_open(4, 4);
-            fathom_material m;
-            fathom_light light;
-            fathom_material_default(&m);
+            fathom_material m = default_material();
+            fathom_light light = default_light();
             for (int c = 0; c < 3; ++c) m.k_d[c] = 1;
             m.maps[FATHOM_MAP_NORMAL].texture = add_texels(&s, 1, 1, rgb);
             add_mapped(&s, (lies)how, stage_material(&s, &m));
-            fathom_light_default(&light);
             light.type = FATHOM_LIGHT_DIRECTIONAL;
             for (int c = 0; c < 3; ++c) light.direction[c] = -l[c];
             assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
@@ -353,8 +346,7 @@ UNIT_TEST(a_normal_map_tilts_the_normal) {
 static float lit_by_sun(const fathom_material *from, int map, const unsigned char *rgb, const double *l) {
     stage s = stage_open(8, 8);
     fathom_material m = *from;
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.target_error = 0, s.settings.spp = 4, s.settings.max_depth = 1;
     if (rgb) m.maps[map].texture = add_texels(&s, 1, 1, rgb);
@@ -396,8 +388,7 @@ UNIT_TEST(a_coat_has_its_own_normal) {
 UNIT_TEST(a_smooth_coat_stays_smooth_over_an_image) {
     static const unsigned char white[3] = {255, 255, 255};
     static const double to_light[2][3] = {{0, 0, 1}, {0.48, -0.36, 0.8}};
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.clearcoat = 1;
     for (int i = 0; i < 2; ++i) {
         const float plain = lit_by_sun(&m, 0, NULL, to_light[i]);
@@ -414,14 +405,12 @@ UNIT_TEST(a_ramp_of_heights_tilts_the_normal_by_its_slope) {
     const double to_light[3] = {0.36, 0.48, 0.8};
     for (int how = 0; how < LIES_KINDS; ++how) {
         stage s = stage_open(64, 64);
-        fathom_material m;
-        fathom_light light;
-        fathom_material_default(&m);
+        fathom_material m = default_material();
+        fathom_light light = default_light();
         for (int c = 0; c < 3; ++c) m.k_d[c] = 1;
         m.bump_scale = 0.75f;
         m.maps[FATHOM_MAP_BUMP].texture = add_texels(&s, 16, 16, rgb[0]);
         add_mapped(&s, (lies)how, stage_material(&s, &m));
-        fathom_light_default(&light);
         light.type = FATHOM_LIGHT_DIRECTIONAL;
         for (int c = 0; c < 3; ++c) light.direction[c] = -to_light[c];
         assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
@@ -442,17 +431,15 @@ UNIT_TEST(a_ramp_of_heights_tilts_the_normal_by_its_slope) {
 static double light_below(unsigned char opacity, float cutoff) {
     const unsigned char rgb[3] = {opacity, opacity, opacity};
     stage s = stage_open(4, 4);
-    fathom_material m;
-    fathom_light light;
+    fathom_material m = default_material();
+    fathom_light light = default_light();
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.target_error = 0, s.settings.spp = 16, s.settings.max_depth = 1;
-    fathom_material_default(&m);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.opacity_cutoff = cutoff;
     m.maps[FATHOM_MAP_OPACITY].texture = add_texels(&s, 1, 1, rgb);
     stage_quad(&s, (double[]){0, 0, 1}, (double[]){5, 0, 0}, (double[]){0, 5, 0}, stage_material(&s, &m));
     stage_quad(&s, (double[]){0, 0, 0}, (double[]){5, 0, 0}, (double[]){0, 5, 0}, stage_lambert(&s, 1));
-    fathom_light_default(&light);
     light.type = FATHOM_LIGHT_DIRECTIONAL, light.direction[1] = 0, light.direction[2] = -1;
     assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
     stage_camera(&s, (double[]){0, -1, 0.5}, (double[]){0, 0, 0}, (double[]){0, 0, 1}, 0.1);
@@ -510,8 +497,7 @@ static fathom_film *render_ball(unsigned threads, uint32_t tile, bool crop) {
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.target_error = 0, s.settings.spp = 8, s.settings.tile_size = tile;
     if (crop) memcpy(s.settings.crop, (uint32_t[]){32, 16, 64, 48}, sizeof s.settings.crop);
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.emissive[0] = 0.5f;
     const fathom_id texture = add_texels(&s, SIDE, SIDE, rgb);

@@ -12,8 +12,7 @@ static void add_square(stage *s, fathom_id material, float lean) {
     static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
     const float z = sqrtf(1 - lean * lean),
                 normals[12] = {-lean, 0, z, -lean, 0, z, -lean, 0, z, -lean, 0, z};
-    fathom_mesh m;
-    fathom_mesh_default(&m);
+    fathom_mesh m = default_mesh();
     m.positions = positions, m.normals = normals, m.uvs = uvs, m.uvs_1 = turned;
     m.vertex_count = m.normal_count = m.uv_count = 4;
     m.indices = indices, m.triangle_count = 2, m.material = material;
@@ -25,10 +24,9 @@ static void render_coat(bool base, unsigned base_set, unsigned coat_set, bool gr
                         float green[SIZE * SIZE]) {
     static const float even[3] = {0.5f, 0.5f, 1}, tilted[3] = {0.7f, 0.45f, 0.9f};
     stage s = stage_open(SIZE, SIZE);
-    fathom_material m;
+    fathom_material m = default_material();
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.target_error = 0, s.settings.spp = 4;
-    fathom_material_default(&m);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.clearcoat = 1, m.clearcoat_roughness = 0.4f;
     fathom_map *coat = &m.maps[FATHOM_MAP_CLEARCOAT_NORMAL], *below = &m.maps[FATHOM_MAP_NORMAL];
@@ -138,8 +136,7 @@ static double lit_along(const fathom_material *from, bool room) {
  * is raised by a cosine of h = 1/64, so these are facets with slopes of more than h/2 in one direction: for
  * GGX a part of 1/2 (1 - s / sqrt(s^2 + alpha^2)) = 0.024 at alpha = 1/400. */
 UNIT_TEST(no_normal_map_makes_metal_black) {
-    fathom_material metal;
-    fathom_material_default(&metal);
+    fathom_material metal = default_material();
     metal.metallic = 1, metal.roughness = 0.05f;
     assert_near(lit_along(&metal, true), 1, 0.04);
 }
@@ -182,8 +179,7 @@ static void add_sheet(stage *s, fathom_id material, int how) {
         for (int c = 0; c < 12; ++c)
             keys[j][0][c] = points[j][c], keys[j][1][c] = 2 * turned[j][c] - points[j][c];
     const bool moves = (how & ~TANGENTS) != STILL;
-    fathom_mesh m;
-    fathom_mesh_default(&m);
+    fathom_mesh m = default_mesh();
     m.positions = moves ? points[0] : turned[0], m.normals = moves ? points[1] : turned[1], m.uvs = uvs;
     if (how & TANGENTS) m.tangents = moves ? tangents : turned_tangents;
     m.vertex_count = m.normal_count = m.uv_count = 4;
@@ -197,11 +193,10 @@ static void render_sheet(int how, float normal[3][SIZE * SIZE]) {
     static const char *const channels[] = {"N.X", "N.Y", "N.Z"};
     const bool open = (how & ~(TANGENTS | MIRRORED)) == TURNED_OPEN;
     stage s = stage_open(SIZE, SIZE);
-    fathom_material m;
+    fathom_material m = default_material();
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.target_error = 0, s.settings.spp = 4, s.settings.motion_blur = false;
     s.settings.aovs = FATHOM_AOV_N;
-    fathom_material_default(&m);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.maps[FATHOM_MAP_NORMAL].texture = stage_texel(&s, tilted);
     if (how & MIRRORED) m.maps[FATHOM_MAP_NORMAL].transform[0] = -1;

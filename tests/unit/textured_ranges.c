@@ -9,9 +9,8 @@ enum { SIZE = 16 };
 
 /* A ball over a floor, under a lamp. */
 static void render_ball(stage *s, const fathom_material *m, unsigned flags, float rgb[3][SIZE * SIZE]) {
-    fathom_sphere ball;
+    fathom_sphere ball = default_sphere();
     s->settings.target_error = 0, s->settings.spp = 4;
-    fathom_sphere_default(&ball);
     ball.radius = 0.8, ball.flags = flags, ball.material = stage_material(s, m);
     assert_ok(s->context, fathom_scene_add_sphere(s->scene, FATHOM_ROOT, &ball, NULL));
     stage_quad(s, (double[]){0, -1, 0}, (double[]){3, 0, 0}, (double[]){0, 0, -3}, stage_lambert(s, 0.5f));
@@ -54,8 +53,7 @@ static const range ranges[] = {
 };
 
 static fathom_material material_of(const range *r) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.metallic = r->metallic, m.roughness = r->roughness, m.transmission = r->transmission;
     m.thickness = r->thickness, m.attenuation_distance = r->distance, m.dispersion = r->dispersion;

@@ -15,24 +15,20 @@ static const char *const tracers[] = {"embree", "bvh:f32", "embree:user:high"};
 
 /* A mirror, glass, a mesh and two lights: of another size for each index. */
 static void fill(stage *s, unsigned index) {
-    fathom_material glass;
-    fathom_material_default(&glass);
+    fathom_material glass = default_material();
     for (int c = 0; c < 3; ++c) glass.k_r[c] = 0.2f, glass.k_t[c] = 0.8f, glass.k_d[c] = 0;
     glass.fresnel = true;
     stage_sphere(s, -1, 0, -6, 1 + 0.1 * index, stage_material(s, &glass));
     stage_plane(s, (double[3]){0, -1.5, 0}, (double[3]){0, 1, 0}, stage_lambert(s, 0.7f));
-    fathom_generate_options options;
-    fathom_generate_options_default(&options);
+    fathom_generate_options options = default_generate_options();
     options.triangles = 2000 + 1000 * index, options.seed = index;
     fathom_id group;
-    fathom_instance instance;
+    fathom_instance instance = default_instance();
     assert_ok(s->context, fathom_scene_add_group(s->scene, "mesh", &group));
     assert_ok(s->context, fathom_scene_generate(s->scene, group, &options));
-    fathom_instance_default(&instance);
     instance.group = group, instance.transform[3] = 1, instance.transform[11] = -7;
     assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.position[0] = 2, light.position[1] = 5, light.intensity[0] = 30;
     assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
     light.position[0] = -4, light.intensity[1] = 9;
@@ -40,8 +36,7 @@ static void fill(stage *s, unsigned index) {
 }
 
 static fathom_settings settings_of(unsigned index) {
-    fathom_settings settings;
-    fathom_settings_default(&settings);
+    fathom_settings settings = default_settings();
     fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.width = settings.height = SIDE;
     settings.spp = 4, settings.aovs = FATHOM_AOV_Z | FATHOM_AOV_N;
@@ -186,8 +181,7 @@ UNIT_TEST(messages_go_to_the_renders_context) {
     fill(&s, 0);
     static const float line[] = {0, 0, 0, 1, 1, 1, 2, 2, 2, 0, 0, 0, 0};
     static const uint32_t corners[] = {0, 1, 2};
-    fathom_mesh flat;
-    fathom_mesh_default(&flat);
+    fathom_mesh flat = default_mesh();
     flat.positions = line, flat.vertex_count = 3, flat.indices = corners, flat.triangle_count = 1;
     assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &flat, NULL));
     fathom_context *other;
@@ -204,8 +198,7 @@ UNIT_TEST(messages_go_to_the_renders_context) {
     assert_int_equal(others_warnings, 1);
     assert_int_equal(stats.threads, 3);
     /* A cycle is only found when the scene is whole. */
-    fathom_instance loop;
-    fathom_instance_default(&loop);
+    fathom_instance loop = default_instance();
     assert_ok(s.context, fathom_scene_add_group(s.scene, "loop", &loop.group));
     loop.parent = loop.group;
     assert_ok(s.context, fathom_scene_add_instance(s.scene, &loop, NULL));

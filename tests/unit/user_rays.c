@@ -72,19 +72,16 @@ static void a_mesh_instanced(void **state) {
         stage s;
         stage_open(&s);
         fathom_id group, material, instance_material;
-        fathom_material value;
-        fathom_material_default(&value);
+        fathom_material value = default_material();
         assert_ok(s.context, fathom_scene_add_material(s.scene, "a", &value, &material));
         assert_ok(s.context, fathom_scene_add_material(s.scene, "b", &value, &instance_material));
         assert_ok(s.context, fathom_scene_add_group(s.scene, "g", &group));
-        fathom_mesh mesh;
-        fathom_mesh_default(&mesh);
+        fathom_mesh mesh = default_mesh();
         mesh.positions = p, mesh.vertex_count = 3, mesh.indices = t, mesh.triangle_count = 1;
         mesh.normals = n, mesh.normal_count = 3, mesh.uvs = uv, mesh.uv_count = 3, mesh.material = material;
         fathom_id object, first, second;
         assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, group, &mesh, &object));
-        fathom_instance instance;
-        fathom_instance_default(&instance);
+        fathom_instance instance = default_instance();
         instance.group = group;
         const double m[12] = {-2, 0, 0, 10, 0, 4, 0, 0, 0, 0, 1, 0};
         memcpy(instance.transform, m, sizeof m);
@@ -115,8 +112,7 @@ static void normals_at_corners_count_as_unit(void **state) {
     static const uint32_t t[] = {0, 1, 2};
     stage s;
     stage_open(&s);
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = 3, mesh.indices = t, mesh.triangle_count = 1;
     mesh.normals = n, mesh.normal_count = 3;
     assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
@@ -222,8 +218,7 @@ static void add_surfaces(stage *s) {
     const double center[3] = {-1, -1, 0.5}, u[3] = {0.7, 0.1, 0.2}, v[3] = {-0.1, 0.6, 0.3};
     const double maps[2][12] = {{0.6, -0.8, 0, 4, 0.8, 0.6, 0, 0, 0, 0, 1, 0},
                                 {-2, 0, 0, -4, 0, 0.5, 0, 3, 0.1, 0, 1, 1}};
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = 8, mesh.indices = t, mesh.triangle_count = 12;
     fathom_id group;
     assert_ok(s->context, fathom_scene_add_group(s->scene, "surfaces", &group));
@@ -293,8 +288,7 @@ static void ids_in_images_are_those_of_hits(void **state) {
     stage s;
     stage_open(&s);
     add_surfaces(&s);
-    fathom_settings settings;
-    fathom_settings_default(&settings);
+    fathom_settings settings = default_settings();
     fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.width = 64, settings.height = 48, settings.aovs = FATHOM_AOV_ID | FATHOM_AOV_P;
     const double eye[3] = {1, -9, 7}, target[3] = {0, 0, 0}, up[3] = {0, 0, 1};

@@ -99,8 +99,7 @@ UNIT_TEST(test_slit) {
     court_open(&c);
     positions = stage_memory(24 * sizeof *positions);
     for (int k = 0; k < 8; ++k) positions[3 * k] = x[k % 4], positions[3 * k + 1] = k < 4 ? -1 : 1;
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = positions, mesh.vertex_count = 8, mesh.indices = indices, mesh.triangle_count = 4;
     assert_ok(c.stage.context, fathom_scene_add_mesh(c.stage.scene, FATHOM_ROOT, &mesh, NULL));
     court_begin(&c);

@@ -25,8 +25,7 @@ static void add_body(stage *s, const body *b) {
         memcpy(&p[3 * t[k]], corner[faces[face][at]], sizeof corner[0]);
         if (b->split && k % 2) p[3 * t[k]] += 0.0f; /* one zero or the other */
     }
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = b->split ? 3 * count : 4;
     mesh.indices = t, mesh.triangle_count = count;
     assert_ok(s->context, fathom_scene_add_mesh(s->scene, b->group, &mesh, NULL));
@@ -259,8 +258,7 @@ static void add_joined(stage *s, fathom_id group, const stage *parts, bool flip,
         }
         base += m->vertex_count;
     }
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = (uint32_t)vertices;
     mesh.indices = index, mesh.triangle_count = (uint32_t)triangles;
     assert_ok(s->context, fathom_scene_add_mesh(s->scene, group, &mesh, NULL));

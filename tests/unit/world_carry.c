@@ -10,8 +10,7 @@ static const float positions[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.25f},
 static const uint32_t indices[9] = {0, 1, 2, 1, 3, 2, 0, 1, 4};
 
 static fathom_mesh two_triangles(void) {
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = positions, mesh.normals = normals, mesh.tangents = tangents;
     mesh.vertex_count = mesh.normal_count = 4;
     mesh.indices = indices, mesh.triangle_count = 2;
@@ -52,9 +51,8 @@ UNIT_TEST(a_mesh_placed_once_is_carried) {
     assert_ok(s.context, fathom_scene_add_mesh(s.scene, inner, &mesh, NULL));
     const affine_f64 first = turned(2, (vec3_f64){3, 0, 1}), second = turned(0.75, (vec3_f64){-1, 4, 0}),
                      origin = affine_translation(load_f64(mesh.origin));
-    fathom_instance instance;
+    fathom_instance instance = default_instance();
     fathom_id ids[2];
-    fathom_instance_default(&instance);
     place(&s, &instance, inner, outer, &first, &ids[0]);
     instance.material = red;
     place(&s, &instance, outer, FATHOM_ROOT, &second, &ids[1]);
@@ -91,8 +89,7 @@ UNIT_TEST(normals_of_stretched_meshes_stay_across) {
     affine_f64 uneven = affine_identity();
     uneven.m[0][0] = 3, uneven.m[0][2] = 0.7, uneven.m[1][0] = -0.4;
     const affine_f64 map = affine_compose(&turn, &uneven);
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     place(&s, &instance, group, FATHOM_ROOT, &map, NULL);
     world *w;
     assert_ok(s.context, world_create(s.scene, &w));
@@ -162,8 +159,7 @@ static void place_trial(stage *s, const trial *t, fathom_id group) {
     if (t->what & MIRRORED) uneven.m[1][1] = -1;
     uneven.m[2][2] += t->stretch, uneven.m[0][1] = t->skew;
     map = affine_compose(&map, &uneven);
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     double keys[24];
     for (int i = 0; i < 24; ++i) keys[i] = map.m[i / 4 % 3][i % 4] + (i == 15);
     if (t->what & MOVING) instance.key_count = 2, instance.key_times = times, instance.key_transforms = keys;
@@ -176,8 +172,7 @@ static void run_trial(const trial *t) {
     const fathom_id group = add_group(&s);
     s.scene->camera.shutter[1] = 1;
     add_trial_mesh(&s, t, group);
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     if (t->what & SPHERE) assert_ok(s.context, fathom_scene_add_sphere(s.scene, group, &sphere, NULL));
     place_trial(&s, t, group);
     world *w;
@@ -241,12 +236,10 @@ static stage still_life(bool framed) {
     for (int i = 0; i < 2; ++i) {
         const fathom_id group = add_group(&s);
         stage_mesh_sphere(&s, group, 24, 48, i ? glow : grey);
-        fathom_sphere point;
-        fathom_sphere_default(&point);
+        fathom_sphere point = default_sphere();
         point.center[2] = 300, point.radius = 1e-3, point.material = grey;
         if (framed) assert_ok(s.context, fathom_scene_add_sphere(s.scene, group, &point, NULL));
-        fathom_instance instance;
-        fathom_instance_default(&instance);
+        fathom_instance instance = default_instance();
         const affine_f64 map = turned(i ? 0.4 : 0.9, i ? (vec3_f64){1.5, 1.5, 0.5} : (vec3_f64){-0.3, 0, 0});
         place(&s, &instance, group, FATHOM_ROOT, &map, NULL);
     }

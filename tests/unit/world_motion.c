@@ -10,8 +10,7 @@ static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
 static const uint32_t order[3] = {0, 1, 2};
 
 static fathom_mesh triangle(void) {
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = corners, mesh.vertex_count = 3;
     mesh.indices = order, mesh.triangle_count = 1;
     return mesh;
@@ -31,8 +30,7 @@ static void place_keys(stage *s, fathom_id parent, fathom_id group, const double
                        size_t count, double scale) {
     double maps[KEYS][12] = {{0}};
     for (size_t k = 0; k < count; ++k) maps[k][0] = maps[k][5] = maps[k][10] = scale, maps[k][3] = x[k];
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     instance.parent = parent, instance.group = group;
     instance.key_count = (uint32_t)count, instance.key_times = times, instance.key_transforms = maps[0];
     assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));
@@ -72,8 +70,7 @@ static double turn_lever(stage *s, double lever, double angle) {
     };
     add_triangle(s, body);
     place_keys(s, arm, body, times, &lever, 1, 1);
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     instance.group = arm, instance.key_count = 2, instance.key_times = times;
     instance.key_transforms = keys[0];
     assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));

@@ -9,8 +9,7 @@ static void note(void *user, const char *message) {
 }
 
 static fathom_material metal(void) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     return m;
 }
@@ -140,8 +139,7 @@ UNIT_TEST(the_largest_emission_reads_back) {
 /* ---- the classic model ---- */
 
 static fathom_material classic(float d, float r, float t) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     for (int c = 0; c < 3; ++c) m.k_d[c] = d, m.k_r[c] = r, m.k_t[c] = t;
     return m;
 }
@@ -312,8 +310,7 @@ UNIT_TEST(nodes_do_not_shear) {
         const fathom_material m = metal();
         fathom_scene *scene = wearing(&m, NULL);
         const fathom_mesh mesh = triangle(0);
-        fathom_instance instance;
-        fathom_instance_default(&instance);
+        fathom_instance instance = default_instance();
         memcpy(instance.transform, maps[k], sizeof maps[k]);
         assert_ok(context, fathom_scene_add_group(scene, NULL, &instance.group));
         assert_ok(context, fathom_scene_add_mesh(scene, instance.group, &mesh, NULL));

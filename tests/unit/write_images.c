@@ -132,16 +132,14 @@ static const char *face_path(const char *pattern, unsigned face) {
 }
 
 static void add_sky(fathom_scene *scene, const char *pattern) {
-    fathom_light light;
-    fathom_light_default(&light);
+    fathom_light light = default_light();
     light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder(pattern);
     assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
 }
 
 /* The same for environments of six files. */
 UNIT_TEST(copies_replace_no_faces_of_the_scene) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     assert_int_equal(mkdir(in_folder("below"), 0700), 0);
     for (unsigned i = 0; i < 6; ++i) {
         char text[16];

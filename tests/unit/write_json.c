@@ -63,9 +63,8 @@ static fathom_id add_image(fathom_scene *scene, fathom_color_space space) {
 UNIT_TEST(images_of_numbers_are_linear_unless_their_space_is_given) {
     static const fathom_map_kind kinds[] = {FATHOM_MAP_ROUGHNESS, FATHOM_MAP_NORMAL, FATHOM_MAP_BUMP,
                                             FATHOM_MAP_ANISOTROPY};
-    fathom_material m;
+    fathom_material m = default_material();
     fathom_id id;
-    fathom_material_default(&m);
     fathom_scene *scene = wearing(&m, NULL);
     const fathom_id found = add_image(scene, FATHOM_COLOR_AUTO), srgb = add_image(scene, FATHOM_COLOR_SRGB);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.maps[FATHOM_MAP_COLOR].texture = found;

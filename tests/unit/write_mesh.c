@@ -179,8 +179,7 @@ static void check_all_formats(const fathom_scene *scene) {
 
 static fathom_scene *generate(fathom_generator kind, uint64_t triangles) {
     fathom_scene *scene = new_scene(context);
-    fathom_generate_options options;
-    fathom_generate_options_default(&options);
+    fathom_generate_options options = default_generate_options();
     options.kind = kind, options.triangles = triangles;
     assert_ok(context, fathom_scene_generate(scene, FATHOM_ROOT, &options));
     return scene;
@@ -232,8 +231,7 @@ static const uint32_t tetra_uv_indices[] = {0, 1, 2, 0, 1, 2, 2, 1, 0, 0, 0, 1};
 enum { PLAIN, SPLIT_NORMALS, SPLIT_BOTH };
 
 static fathom_id add_tetra(fathom_scene *scene, fathom_id group, int kind, const double origin[3]) {
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = tetra_positions, mesh.vertex_count = 4;
     mesh.indices = tetra_indices, mesh.triangle_count = 4;
     if (kind != PLAIN) {
@@ -247,8 +245,7 @@ static fathom_id add_tetra(fathom_scene *scene, fathom_id group, int kind, const
 }
 
 static fathom_id add_color(fathom_scene *scene, const char *name, float r, float g, float b) {
-    fathom_material material;
-    fathom_material_default(&material);
+    fathom_material material = default_material();
     material.k_d[0] = r, material.k_d[1] = g, material.k_d[2] = b;
     fathom_id id;
     assert_ok(context, fathom_scene_add_material(scene, name, &material, &id));
@@ -257,8 +254,7 @@ static fathom_id add_color(fathom_scene *scene, const char *name, float r, float
 
 static void add_placed(fathom_scene *scene, fathom_id group, fathom_id parent, const double rows[12],
                        fathom_id material) {
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     instance.group = group, instance.parent = parent, instance.material = material;
     memcpy(instance.transform, rows, sizeof instance.transform);
     assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
@@ -320,8 +316,7 @@ UNIT_TEST(glb_has_unit_normals_and_tangents) {
     static const uint32_t indices[3] = {0, 1, 2};
     for (int k = 0; k < 2; ++k) {
         fathom_scene *scene = new_scene(context), *back;
-        fathom_mesh mesh;
-        fathom_mesh_default(&mesh);
+        fathom_mesh mesh = default_mesh();
         mesh.positions = positions, mesh.vertex_count = 3, mesh.indices = indices, mesh.triangle_count = 1;
         mesh.normals = normals, mesh.normal_count = 3, mesh.tangents = k ? tangents : NULL;
         assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
@@ -570,8 +565,7 @@ UNIT_TEST(spheres_are_told_and_empty_scenes_refused) {
                  ".glb, .json, .obj or .ply");
     assert_fails(context, fathom_scene_write(scene, in_folder("a.ply")), FATHOM_BAD_USAGE,
                  "no shape to write");
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL));
     add_tetra(scene, FATHOM_ROOT, PLAIN, (const double[3]){0, 0, 0});
     warnings = 0;
@@ -590,8 +584,7 @@ UNIT_TEST(too_many_triangles_are_refused) {
     /* 2^30 nodes in a chain of groups that each hold the next one twice. */
     scene = new_scene(context);
     fathom_id parent = FATHOM_ROOT, group;
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     for (int level = 0; level < 30; ++level, parent = group) {
         assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
         add_placed(scene, group, parent, instance.transform, FATHOM_NONE);

@@ -94,8 +94,7 @@ UNIT_TEST(names_are_words_and_differ) {
                                        {"red", "material_2", "material_13", "material_4", "material_5",
                                         "material_3", "material_7", "material_8", "\xc3\xa9t\xc3\xa9"}};
     fathom_scene *scene;
-    fathom_material material;
-    fathom_material_default(&material);
+    fathom_material material = default_material();
     scene = new_scene(context);
     for (size_t i = 0; i < sizeof given / sizeof *given; ++i)
         assert_ok(context, fathom_scene_add_material(scene, given[i], &material, NULL));
@@ -117,8 +116,7 @@ static const float positions[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0},
 static const uint32_t triangles[6] = {0, 1, 2, 2, 1, 3};
 
 static fathom_mesh two_triangles(void) {
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
+    fathom_mesh mesh = default_mesh();
     mesh.positions = positions, mesh.vertex_count = 4, mesh.indices = triangles, mesh.triangle_count = 2;
     mesh.position_stride = mesh.normal_stride = 12, mesh.uv_stride = 8;
     return mesh;
@@ -223,8 +221,7 @@ static fathom_material through_file(const char *name, const fathom_material *mat
 /* Neither format has Phong's lobe: Blinn's of four times the exponent is as wide. MTL keeps the exponent as
  * it is written, glTF as a roughness r with 2 / r^4 - 2 for it. */
 UNIT_TEST(phong_becomes_blinn) {
-    fathom_material phong;
-    fathom_material_default(&phong);
+    fathom_material phong = default_material();
     phong.specular = FATHOM_SPECULAR_PHONG, phong.shininess = 5;
     for (int k = 0; k < 3; ++k) phong.k_s[k] = 0.125f;
     fathom_material m = through_file("m.obj", &phong);
@@ -238,8 +235,7 @@ UNIT_TEST(phong_becomes_blinn) {
 /* What MTL alone has: reflected ambient light; glass that lets light straight on; a mirror by Fresnel's law.
  */
 UNIT_TEST(mtl_has_every_material_value) {
-    fathom_material given;
-    fathom_material_default(&given);
+    fathom_material given = default_material();
     given.k_a[0] = 0.25f, given.k_a[1] = 0.5f, given.k_a[2] = 0;
     fathom_material m = through_file("m.obj", &given);
     assert_memory_equal(m.k_a, given.k_a, sizeof m.k_a);
@@ -259,8 +255,7 @@ UNIT_TEST(mtl_has_every_material_value) {
 enum { SHINY, GLASS, METAL, KINDS };
 
 static fathom_material for_mtl(int kind) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = kind == METAL ? FATHOM_MODEL_METALLIC_ROUGHNESS : FATHOM_MODEL_CLASSIC;
     if (kind == SHINY) m.specular = FATHOM_SPECULAR_BLINN, m.k_s[0] = 0.3f;
     if (kind == GLASS) m.fresnel = true, m.k_r[0] = m.k_t[0] = 0.5f;
@@ -323,8 +318,7 @@ UNIT_TEST(mtl_keeps_every_parameter_or_tells) {
 }
 
 static fathom_material grey(float k_d, float k_r, float k_t, bool fresnel) {
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.fresnel = fresnel;
     for (int k = 0; k < 3; ++k) m.k_d[k] = k_d, m.k_r[k] = k_r, m.k_t[k] = k_t;
     return m;
@@ -365,12 +359,10 @@ static void write_without_coordinates(bool by_instance) {
     static const char *const names[] = {"m.obj", "m.glb", "m.json"};
     const fathom_texture image = {.size = sizeof image, .bytes = "\x89PNG\r\n", .byte_count = 6};
     fathom_scene *scene;
-    fathom_material m;
+    fathom_material m = default_material();
     fathom_mesh mesh = two_triangles();
-    fathom_instance instance;
+    fathom_instance instance = default_instance();
     fathom_id id, outer, group = FATHOM_ROOT;
-    fathom_material_default(&m);
-    fathom_instance_default(&instance);
     scene = new_scene(context);
     assert_ok(context, fathom_scene_add_texture(scene, &image, &m.maps[FATHOM_MAP_COLOR].texture));
     assert_ok(context, fathom_scene_add_material(scene, "m", &m, &id));

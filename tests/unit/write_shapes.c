@@ -12,8 +12,7 @@ static const double pi = 3.14159265358979323846;
 /* Directed: brushed along u, so that texture coordinates matter. */
 static fathom_scene *scene_with(bool directed) {
     fathom_scene *scene;
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.metallic = 1, m.roughness = 0.5f;
     m.anisotropy = directed ? 0.5f : 0;
     scene = new_scene(context);
@@ -24,8 +23,7 @@ static fathom_scene *scene_with(bool directed) {
 static fathom_id material_of(const fathom_scene *scene) { return find_material(scene, "m"); }
 
 static void add_sphere(fathom_scene *scene, fathom_id group, double x, double radius) {
-    fathom_sphere sphere;
-    fathom_sphere_default(&sphere);
+    fathom_sphere sphere = default_sphere();
     sphere.center[0] = x, sphere.radius = radius, sphere.material = material_of(scene);
     assert_ok(context, fathom_scene_add_sphere(scene, group, &sphere, NULL));
 }
@@ -34,8 +32,7 @@ static void add_sphere(fathom_scene *scene, fathom_id group, double x, double ra
 static const double corners[4][3] = {{1000, 1, 2}, {1002, 1, 2}, {1001.5, 2, 2}, {1000.5, 2, 2}};
 
 static void add_quad(fathom_scene *scene, fathom_id group) {
-    fathom_quad quad;
-    fathom_quad_default(&quad);
+    fathom_quad quad = default_quad();
     memcpy(quad.corners, corners, sizeof corners);
     quad.material = material_of(scene);
     assert_ok(context, fathom_scene_add_quad(scene, group, &quad, NULL));
@@ -144,8 +141,7 @@ UNIT_TEST(shapes_are_read_back) {
     static const char *const names[] = {"a.glb", "a.ply", "a.obj"};
     fathom_scene *scene = scene_with(false);
     fathom_id group;
-    fathom_instance instance;
-    fathom_instance_default(&instance);
+    fathom_instance instance = default_instance();
     assert_ok(context, fathom_scene_add_group(scene, "both", &group));
     add_sphere(scene, group, 1001, 1), add_quad(scene, group);
     instance.group = group;
@@ -173,8 +169,7 @@ UNIT_TEST(shapes_are_read_back) {
 
 UNIT_TEST(planes_alone_are_refused) {
     fathom_scene *scene = scene_with(false);
-    fathom_plane plane;
-    fathom_plane_default(&plane);
+    fathom_plane plane = default_plane();
     assert_ok(context, fathom_scene_add_plane(scene, FATHOM_ROOT, &plane, NULL));
     assert_fails(context, fathom_scene_write(scene, in_folder("a.glb")), FATHOM_BAD_USAGE,
                  "a.glb: the scene holds no shape to write but planes without end");
