@@ -202,6 +202,7 @@ static inline ray_set rays_new(size_t count) {
     set.blocks = aligned_alloc(64, bytes);
     assert_non_null(set.blocks);
     memset(set.blocks, 0, bytes);
+    unit_own(set.blocks, free);
     return set;
 }
 
@@ -321,6 +322,7 @@ static inline unsigned char *occluded(const trace_tracer *tracer, const ray_set 
     trace_thread_end(state);
     for (size_t i = 0; i < set->count; ++i) met[i] = rays[i / 16].t_far[i % 16] == -INFINITY;
     free(rays);
+    unit_own(met, free);
     return met;
 }
 

@@ -46,9 +46,6 @@ UNIT_TEST(forwards) {
     assert_int_equal(record_rays(&r, BARE_ANY), 0);
     trace_destroy(recorder);
     record_free(&r);
-    free(asked.blocks);
-    free(expected.blocks);
-    free(got.blocks);
 }
 
 /* Bare calls answer as the tracer does about hit or miss: the filter changes which of several, never whether.
@@ -81,9 +78,6 @@ static void replays(const char *words) {
     assert_int_equal(record_rays(&r, BARE_CLOSEST), 0);
     trace_destroy(recorder);
     record_free(&r);
-    free(asked.blocks);
-    free(got.blocks);
-    free(shaded);
 }
 
 UNIT_TEST(replays_packets) {

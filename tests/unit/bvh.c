@@ -14,8 +14,7 @@ static size_t same_as_linear(stage *s, const char *precision, const ray_set *set
     trace_tracer *linear = stage_spec(s, text);
     size_t blocks = (set->count + 15) / 16, met = 0, differ = 0, any_differ = 0;
     ray_set b = rays_copy(set), l = rays_copy(set);
-    trace_fine *bf = calloc(blocks, sizeof *bf), *lf = calloc(blocks, sizeof *lf);
-    assert_true(bf && lf);
+    trace_fine *bf = stage_memory(blocks * sizeof *bf), *lf = stage_memory(blocks * sizeof *lf);
     unsigned state = trace_thread_begin();
     trace_closest_fine(tree, b.blocks, bf, set->count, TRACE_INCOHERENT);
     trace_closest_fine(linear, l.blocks, lf, set->count, TRACE_INCOHERENT);
@@ -33,13 +32,11 @@ static size_t same_as_linear(stage *s, const char *precision, const ray_set *set
     }
     assert_int_equal(differ, 0);
     assert_int_equal(any_differ, 0);
-    free(b.blocks), free(l.blocks), free(bf), free(lf), free(bo), free(lo);
     return met;
 }
 
 static void check(stage *s, const char *precision, ray_set set) {
     assert_true(same_as_linear(s, precision, &set) > set.count / 10);
-    free(set.blocks);
 }
 
 UNIT_TEST(everything) {
@@ -137,7 +134,6 @@ UNIT_TEST(silhouettes) {
     ray_set set = silhouette_rays(&s, 200, -4, 8000, -2, 6);
     same_as_linear(&s, "f32", &set);
     same_as_linear(&s, "f64", &set);
-    free(set.blocks);
 }
 
 /* A triangle of aspect 10^4 around c. */
@@ -192,7 +188,6 @@ UNIT_TEST(instances) {
     assert_true(same_as_linear(&s, "f32", &set) > 72);
     set.count = 100;
     assert_true(same_as_linear(&s, "f64", &set) > 12);
-    free(set.blocks);
 }
 
 /* A map of random shape whose inverse shrinks by up to a thousand. */
@@ -237,7 +232,6 @@ UNIT_TEST(lone_boxes) {
             ray_towards(&set, i, org, target);
         }
         met += same_as_linear(&s, "f32", &set) + same_as_linear(&s, "f64", &set);
-        free(set.blocks);
     }
     assert_true(met > 60 * 300);
 }
@@ -266,7 +260,6 @@ UNIT_TEST(scales) {
         }
         same_as_linear(&s, "f32", &set);
         same_as_linear(&s, "f64", &set);
-        free(set.blocks);
     }
 }
 
@@ -284,7 +277,6 @@ UNIT_TEST(damaged_triangles_are_left_out) {
     for (size_t i = 0; i < 9000; ++i) p[i] = NAN;
     ray_set set = random_rays(64);
     assert_int_equal(same_as_linear(&s, "f32", &set), 0);
-    free(set.blocks);
 }
 
 UNIT_TEST(shadows_and_planes) {
@@ -299,7 +291,6 @@ UNIT_TEST(shadows_and_planes) {
     ray_set set = random_rays(16);
     stage_spec(&s, "bvh");
     assert_int_equal(same_as_linear(&s, "f32", &set), 0);
-    free(set.blocks);
 }
 
 /* ---- building ---- */

@@ -55,7 +55,6 @@ static size_t agrees_with_linear(stage *s, ray_set set) {
         unexplained += !near_edge(s->world, &e, i) && !near_edge(s->world, &l, i);
     }
     assert_int_equal(unexplained, 0);
-    free(e.blocks), free(l.blocks), free(set.blocks), free(eo), free(lo);
     return differ;
 }
 
@@ -105,7 +104,6 @@ static void same_answers(const trace_tracer *tracer, const ray_set *set, const r
     assert_int_equal(differ, 0);
     assert_int_equal(t_differ, 0);
     assert_int_equal(any_differ, 0);
-    free(got.blocks), free(any);
 }
 
 /* The same rays in random order and company: each still gets its answer. */
@@ -126,7 +124,7 @@ static void same_answers_mixed(const trace_tracer *tracer, const ray_set *set, c
         any[i] = expected_any[order[i]];
     }
     same_answers(tracer, &mixed, &e, any, coherence);
-    free(mixed.blocks), free(e.blocks), free(any), free(order);
+    free(order);
 }
 
 static void one_answer(stage *s, ray_set set) {
@@ -141,7 +139,6 @@ static void one_answer(stage *s, ray_set set) {
             same_answers_mixed(tracer, &set, &expected, any, TRACE_COHERENT);
         }
     }
-    free(expected.blocks), free(any), free(set.blocks);
 }
 
 UNIT_TEST(one_answer_on_everything) {

@@ -44,7 +44,6 @@ static bool blocked(const trace_tracer *tracer, double x, double y) {
     ray_set set = ray_down(x, y);
     unsigned char *any = occluded(tracer, &set, TRACE_COHERENT);
     bool met = any[0];
-    free(any), free(set.blocks);
     return met;
 }
 
@@ -52,7 +51,6 @@ static bool blocked(const trace_tracer *tracer, double x, double y) {
 static float depth(const trace_tracer *tracer, double x, double y) {
     ray_set set = ray_down(x, y), got = traced(tracer, &set, TRACE_COHERENT);
     float t = hit_t(&got, 0);
-    free(set.blocks), free(got.blocks);
     return t;
 }
 
@@ -303,7 +301,6 @@ static float depth_within(const trace_tracer *tracer, trace_coherence coherence,
     *any = blocked_by[0];
     assert_true(met ? t > t_near && t < t_far : t == t_far);
     assert_true(got.blocks[0].rays.t_near[0] == t_near);
-    free(set.blocks), free(got.blocks), free(blocked_by);
     return met ? t : INFINITY;
 }
 
@@ -405,7 +402,6 @@ UNIT_TEST(boxes_hide_no_sphere) {
         assert_true(same_hit(&e, &l, i) && hit_t(&e, i) == hit_t(&l, i));
         assert_int_equal(eo[i], lo[i]);
     }
-    free(e.blocks), free(l.blocks), free(set.blocks), free(eo), free(lo);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -76,9 +76,7 @@ UNIT_TEST(hits_are_those_of_the_quads) {
             if (same_hit(&got, &expected, i)) check_against_reference(s.world, &got, i);
         }
         assert_true(differ <= 2);
-        free(got.blocks), free(got_any);
     }
-    free(set.blocks), free(expected.blocks), free(any);
 }
 
 /* ---- the diagonal ---- */
@@ -120,9 +118,7 @@ UNIT_TEST(nothing_leaks_along_the_diagonal) {
             assert_true(got.blocks[i / 16].hits.geometry[i % 16] != FATHOM_NONE && any[i]);
             assert_true(hit_t(&got, i) < 1 + 0x1p-14f);
         }
-        free(got.blocks), free(any);
     }
-    free(set.blocks);
 }
 
 /* Two quads in one place: the first counts, and its u and v do not depend on the packets. */
@@ -144,9 +140,7 @@ UNIT_TEST(equal_quads_have_one_answer) {
             assert_true(hit_t(&got, i) == hit_t(&expected, i));
             assert_true(a->u[k] == b->u[k] && a->v[k] == b->v[k]);
         }
-        free(got.blocks);
     }
-    free(set.blocks), free(expected.blocks);
 }
 
 /* ---- what is not a whole quad ---- */
@@ -164,7 +158,6 @@ static bool meets(stage *s, const char *spec, double x, double y) {
     unsigned char *any = occluded(tracer, &set, TRACE_COHERENT);
     bool met = got.blocks[0].hits.geometry[0] != FATHOM_NONE;
     assert_int_equal(met, any[0]);
-    free(set.blocks), free(got.blocks), free(any);
     return met;
 }
 
@@ -212,7 +205,6 @@ UNIT_TEST(tiny_quads_next_to_large_ones_are_met) {
     ray_set got = traced(tracer, &set, TRACE_COHERENT);
     assert_int_equal(got.blocks[0].hits.primitive[0], 1);
     assert_true(fabsf(hit_t(&got, 0) - 1e-12f) < 1e-18f);
-    free(set.blocks), free(got.blocks);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -53,9 +53,7 @@ static void check(const stage *s, const ray_set *set, const trace_tracer *linear
             if (same && sphere) assert_true(hit_t(&got, i) == hit_t(&expected, i));
         }
         assert_true(differ <= 2);
-        free(got.blocks), free(got_any);
     }
-    free(expected.blocks), free(any);
 }
 
 UNIT_TEST(few_spheres_are_met_as_by_linear_search) {
@@ -65,10 +63,7 @@ UNIT_TEST(few_spheres_are_met_as_by_linear_search) {
         add_spheres(&s, count);
         trace_tracer *linear = stage_spec(&s, "linear");
         ray_set sets[] = {random_rays(fewer(10003)), beams(fewer(20005)), camera_rays(60)};
-        for (size_t k = 0; k < 3; ++k) {
-            check(&s, &sets[k], linear);
-            free(sets[k].blocks);
-        }
+        for (size_t k = 0; k < 3; ++k) check(&s, &sets[k], linear);
     }
 }
 
@@ -80,7 +75,6 @@ UNIT_TEST(silhouettes_are_those_of_linear_search) {
     trace_tracer *linear = stage_spec(&s, "linear"), *embree = stage_spec(&s, "embree");
     ray_set a = traced(linear, &set, TRACE_INCOHERENT), b = traced(embree, &set, TRACE_INCOHERENT);
     for (size_t i = 0; i < set.count; ++i) assert_true(same_hit(&a, &b, i) && hit_t(&a, i) == hit_t(&b, i));
-    free(set.blocks), free(a.blocks), free(b.blocks);
 }
 
 /* What is left out as too far from a block's beam is met by none of its rays. */
@@ -107,7 +101,6 @@ UNIT_TEST(nothing_close_is_left_out) {
         }
     }
     assert_true(left_out > set.count / 16); /* and something is, or it would prove nothing */
-    free(set.blocks), free(got.blocks);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

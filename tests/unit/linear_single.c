@@ -10,15 +10,12 @@ typedef struct answers {
 } answers;
 
 static answers answer(const trace_tracer *tracer, const ray_set *set) {
-    answers a = {rays_copy(set), calloc((set->count + 15) / 16, sizeof *a.fine)};
-    assert_non_null(a.fine);
+    answers a = {rays_copy(set), stage_memory((set->count + 15) / 16 * sizeof *a.fine)};
     unsigned state = trace_thread_begin();
     trace_closest_fine(tracer, a.rays.blocks, a.fine, set->count, TRACE_INCOHERENT);
     trace_thread_end(state);
     return a;
 }
-
-static void forget(answers *a) { free(a->rays.blocks), free(a->fine); }
 
 /* The t of a flat shape is off by some 8 units over the cosine to its normal; a random ray meets a surface at
  * a cosine below c with probability c^2, so 2^12 units are exceeded once in (2^9)^2 rays. Rays come
@@ -52,10 +49,8 @@ UNIT_TEST(agree_but_for_precision) {
         }
         assert_in_range(differ, 0, f == 0 ? 2 : 0);
         assert_int_equal(far, 0);
-        forget(&got);
     }
     assert_true(met > FORMS * 200);
-    forget(&exact), free(set.blocks);
 }
 
 /* Past a sphere 4096 radii away, by a hundredth of its radius inside or outside: beyond a plain quadratic
@@ -81,9 +76,7 @@ UNIT_TEST(far_spheres_are_met) {
         size_t wrong = 0;
         for (size_t i = 0; i < rays; ++i) wrong += (got.blocks[i / 16].hits.geometry[i % 16] == 0) != i % 2;
         assert_int_equal(wrong, 0);
-        free(got.blocks);
     }
-    free(set.blocks);
 }
 
 /* Two triangles whose t differ by less than float can tell: double finds the nearer one, the second; float
@@ -105,7 +98,6 @@ UNIT_TEST(the_nearer_by_own_precision) {
         answers got = answer(tracer, &set);
         assert_int_equal(got.rays.blocks[0].hits.primitive[0], f == 0 ? 0 : 1);
         assert_true(got.fine[0].t[0] == (f == 0 ? 1 : 1 - 0x1p-30));
-        forget(&got), free(set.blocks);
     }
 }
 
@@ -140,7 +132,6 @@ UNIT_TEST(blocks_are_kept_to) {
         assert_true(shadows.t_far[0] == INFINITY && shadows.t_far[1] == INFINITY);
         assert_true(shadows.t_far[2] == -INFINITY && shadows.t_far[4] == 4);
         for (size_t i = 6; i < 16; ++i) assert_int_equal(geometry[i], 0x5a5a5a5a);
-        free(set.blocks);
     }
 }
 
@@ -157,9 +148,7 @@ UNIT_TEST(any_is_closest) {
         for (size_t i = 0; i < set.count; ++i) {
             assert_int_equal(any[i], got.blocks[i / 16].hits.geometry[i % 16] != FATHOM_NONE);
         }
-        free(any), free(got.blocks);
     }
-    free(set.blocks);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -11,7 +11,6 @@ static size_t differ(stage *s, const char *library, const ray_set *set) {
     unsigned char *ta = occluded(theirs, set, TRACE_COHERENT), *oa = occluded(ours, set, TRACE_COHERENT);
     size_t count = 0;
     for (size_t i = 0; i < set->count; ++i) count += !same_hit(&t, &o, i) || ta[i] != oa[i];
-    free(t.blocks), free(o.blocks), free(ta), free(oa);
     return count;
 }
 
@@ -33,7 +32,6 @@ UNIT_TEST(a_right_one_agrees) {
     trace_tracer *tracer = stage_spec(&s, LIBRARY("correct"));
     assert_string_equal(trace_name(tracer), "example: correct");
     assert_true(trace_unit(tracer) == 0x1p-53);
-    free(set.blocks);
 }
 
 /* t in double arrives as it is; planes are answered in float beside it. */
@@ -43,8 +41,7 @@ UNIT_TEST(double_precision_arrives) {
     ray_set set = random_rays(1600);
     trace_tracer *theirs = stage_spec(&s, LIBRARY("correct")), *ours = stage_spec(&s, "linear:f64");
     ray_set t = rays_copy(&set), o = rays_copy(&set);
-    trace_fine *tf = calloc(100, sizeof *tf), *of = calloc(100, sizeof *of);
-    assert_true(tf && of);
+    trace_fine *tf = stage_memory(100 * sizeof *tf), *of = stage_memory(100 * sizeof *of);
     trace_closest_fine(theirs, t.blocks, tf, 1600, TRACE_COHERENT);
     trace_closest_fine(ours, o.blocks, of, 1600, TRACE_COHERENT);
     size_t meshes = 0;
@@ -57,7 +54,6 @@ UNIT_TEST(double_precision_arrives) {
         meshes += geometry != TRACE_PLANE;
     }
     assert_true(meshes > 300);
-    free(tf), free(of), free(t.blocks), free(o.blocks), free(set.blocks);
 }
 
 UNIT_TEST(bugs_show) {
@@ -76,7 +72,6 @@ UNIT_TEST(bugs_show) {
      */
     assert_true(differ(&s, LIBRARY("gap"), &edges) > 400);
     assert_in_range(differ(&s, LIBRARY("gap"), &random), 0, 4);
-    free(inside.blocks), free(edges.blocks), free(random.blocks);
 }
 
 static void refused(stage *s, const char *library, fathom_status status, const char *message) {
@@ -149,7 +144,6 @@ UNIT_TEST(wild_answers_do_no_harm) {
         assert_int_equal(set.blocks->hits.geometry[i], i < 5 ? FATHOM_NONE : 0x5a5a5a5a);
         if (i < 5) assert_true(shadows.t_far[i] == INFINITY);
     }
-    free(set.blocks);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

@@ -81,10 +81,7 @@ UNIT_TEST(all_tracers_meet_it_where_it_is) {
             double t = (double)a.t;
             if (met) assert_near(hit_t(&hits, i), t, 0x1p-24 * t + near / slope);
         }
-        free(any);
-        free(hits.blocks);
     }
-    free(rays.blocks);
 }
 
 UNIT_TEST(rays_of_ones_own) {

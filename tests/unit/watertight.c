@@ -207,7 +207,6 @@ static size_t holds_from(stage *s, const char *spec, const view *v, size_t rays)
     size_t before = wrong_hits(s->world, &got, &right);
     assert_true(repair_closest(w, &got, v->depth) >= before);
     assert_int_equal(wrong_hits(s->world, &got, &right), 0);
-    free(set.blocks), free(right.blocks), free(got.blocks);
     watertight_destroy(w);
     return before;
 }
@@ -408,7 +407,6 @@ UNIT_TEST(shadows_hold) {
     trace_rays rays = set.blocks[0].rays;
     assert_int_equal(watertight_any(w, &rays, depths, depths, 16), 0);
     assert_int_equal(watertight_any(w, &rays, depths, unsure, 16), 0);
-    free(set.blocks);
     watertight_destroy(w);
 }
 
