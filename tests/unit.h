@@ -104,16 +104,16 @@ static inline int unit_main(int (*setup)(void **state), int (*teardown)(void **s
     return unit_run("tests", unit_tests, unit_test_count, setup, teardown);
 }
 
-/* Runs each test between its own set-up and tear-down. */
-static inline int unit_main_each(int (*setup)(void **state), int (*teardown)(void **state)) {
+/* Set-up and tear-down of each test (NULL: none); call it before unit_main(). */
+static inline void unit_each(int (*setup)(void **state), int (*teardown)(void **state)) {
     for (size_t i = 0; i < unit_test_count; ++i) unit_tests[i].setup_func = setup;
     unit_each_teardown = teardown;
-    return unit_main(NULL, NULL);
 }
 
-#undef cmocka_run_group_tests
-#define cmocka_run_group_tests(tests, setup, teardown)                                                       \
-    unit_run(#tests, tests, sizeof(tests) / sizeof(tests)[0], setup, teardown)
+static inline int unit_main_each(int (*setup)(void **state), int (*teardown)(void **state)) {
+    unit_each(setup, teardown);
+    return unit_main(NULL, NULL);
+}
 
 /* A file of these bytes: a new one rather than a truncated one, since some file systems wait for the disk
  * after a truncation. */

@@ -42,7 +42,7 @@ static void tells(const char *expected) {
 
 /* The highlights send 2 / (n + 2) and 8 (2^(-n/2) + n) / ((n + 2)(n + 4)) of k_s, which for n = 6 are 1/4 and
  * 0.6125. */
-static void sums_follow_the_formulas(void **state) {
+UNIT_TEST(sums_follow_the_formulas) {
     fathom_material both = classic(0.6f, 0, 0), fresnel = classic(0.5f, 1, 1),
                     weak = classic(0.6f, 0.3f, 0.2f), faint = classic(0.5f, 0.1f, 0.6f);
     both.lit_from_behind = true, fresnel.fresnel = weak.fresnel = faint.fresnel = true;
@@ -65,17 +65,15 @@ static void sums_follow_the_formulas(void **state) {
         {shiny(0.9f, 0.8f, FATHOM_SPECULAR_NONE, 6), NULL},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        assert_int_equal(open_scene(state), 0);
         add_sphere(FATHOM_ROOT, add("m", &cases[i].m));
         tells(cases[i].expected);
         char text[PARTS_TEXT];
         assert_false(parts_brighten(scene, FATHOM_INTEGRATOR_CLASSIC, text));
-        close_scene(state);
+        close_scene(state), open_scene(state);
     }
 }
 
-static void materials_in_use_are_counted(void **state) {
-    (void)state;
+UNIT_TEST(materials_in_use_are_counted) {
     const fathom_material bad = classic(0.9f, 0.2f, 0), worse = classic(0.9f, 0, 0.9f),
                           fine = classic(0.5f, 0, 0);
     fathom_material other = bad;
@@ -94,8 +92,7 @@ static void materials_in_use_are_counted(void **state) {
 }
 
 /* What images give is not known. */
-static void images_count_as_black(void **state) {
-    (void)state;
+UNIT_TEST(images_count_as_black) {
     fathom_texture t = default_texture();
     t.bytes = "x", t.byte_count = 1;
     fathom_material m = shiny(1, 1, FATHOM_SPECULAR_PHONG, 6);
@@ -110,11 +107,4 @@ static void images_count_as_black(void **state) {
     tells("2; \"n\" reflects 15 % more"); /* o: 1.1 */
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sums_follow_the_formulas),
-        cmocka_unit_test_setup_teardown(materials_in_use_are_counted, open_scene, close_scene),
-        cmocka_unit_test_setup_teardown(images_count_as_black, open_scene, close_scene),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(open_scene, close_scene); }

@@ -131,9 +131,9 @@ static fathom_film *assert_parts_make_the_whole(place *p) {
     return whole;
 }
 
-static void even_samples_continue(void **state) { assert_parts_make_the_whole(*state); }
+UNIT_TEST(even_samples_continue) { assert_parts_make_the_whole(*state); }
 
-static void samples_to_an_error_continue(void **state) {
+UNIT_TEST(samples_to_an_error_continue) {
     place *p = *state;
     p->s.settings.target_error = 1e-4;
     p->saving.every = 0; /* every pass is kept */
@@ -142,7 +142,7 @@ static void samples_to_an_error_continue(void **state) {
 
 /* With time for all samples the clock decides nothing. Even samples are of the same groups if errors are
  * asked for. */
-static void samples_to_a_time_continue(void **state) {
+UNIT_TEST(samples_to_a_time_continue) {
     place *p = *state;
     p->s.settings.integrator = FATHOM_INTEGRATOR_PATH;
     p->s.settings.max_time = 1e6, p->s.settings.aovs = FATHOM_AOV_ERROR;
@@ -153,7 +153,7 @@ static void samples_to_a_time_continue(void **state) {
 }
 
 /* What was spent counts: a time that is over leaves what was sampled. */
-static void spent_time_counts(void **state) {
+UNIT_TEST(spent_time_counts) {
     place *p = *state;
     fathom_film *film;
     fathom_stats stats = {.size = sizeof stats};
@@ -182,7 +182,7 @@ static void count_saves(void *user, fathom_status status, const char *message, d
     ++*(int *)user;
 }
 
-static void program_asks_for_saves(void **state) {
+UNIT_TEST(program_asks_for_saves) {
     place *p = *state;
     int saves = 0;
     fathom_film *film;
@@ -200,7 +200,7 @@ static void program_asks_for_saves(void **state) {
 
 /* ---- files ---- */
 
-static void file_without_resume_is_kept(void **state) {
+UNIT_TEST(file_without_resume_is_kept) {
     place *p = *state;
     fathom_film *film;
     FILE *file = fopen(p->path, "w");
@@ -220,7 +220,7 @@ static void count_warnings(void *user, const char *message) {
     *(int *)user += strstr(message, "there is no checkpoint yet") != NULL;
 }
 
-static void nothing_to_resume_begins(void **state) {
+UNIT_TEST(nothing_to_resume_begins) {
     place *p = *state;
     int warnings = 0;
     fathom_film *film, *whole = stage_render(&p->s);
@@ -233,7 +233,7 @@ static void nothing_to_resume_begins(void **state) {
     fathom_film_destroy(film);
 }
 
-static void bad_requests_are_refused(void **state) {
+UNIT_TEST(bad_requests_are_refused) {
     place *p = *state;
     fathom_film *film;
     fathom_stats stats = {.size = sizeof stats};
@@ -280,7 +280,7 @@ static void assert_refused(place *p, const char *saved, const char *now) {
         p->s.settings = before;                                                                              \
     } while (0)
 
-static void other_settings_are_refused(void **state) {
+UNIT_TEST(other_settings_are_refused) {
     place *p = *state;
     make_checkpoint(p);
     REFUSED(width, 107, "width 106", "107");
@@ -305,8 +305,7 @@ static void other_settings_are_refused(void **state) {
     assert_refused(p, "the tracer Embree", "reference BVH");
 }
 
-static void the_key_has_every_setting_that_pixels_depend_on(void **state) {
-    (void)state;
+UNIT_TEST(the_key_has_every_setting_that_pixels_depend_on) {
     fathom_settings plain, changed;
     checkpoint_key before, after;
     fathom_settings_default(&plain);
@@ -322,7 +321,7 @@ static void the_key_has_every_setting_that_pixels_depend_on(void **state) {
     }
 }
 
-static void what_no_pixel_depends_on_is_free(void **state) {
+UNIT_TEST(what_no_pixel_depends_on_is_free) {
     place *p = *state;
     fathom_film *film;
     make_checkpoint(p);
@@ -332,7 +331,7 @@ static void what_no_pixel_depends_on_is_free(void **state) {
     fathom_film_destroy(film);
 }
 
-static void other_scene_is_refused(void **state) {
+UNIT_TEST(other_scene_is_refused) {
     place *p = *state;
     make_checkpoint(p);
     p->s.scene = new_scene(p->s.context);
@@ -366,7 +365,7 @@ static uint64_t fingerprint_of_mesh(size_t stride, float z, float between, uint3
     return number;
 }
 
-static void fingerprint_is_of_contents(void **state) {
+UNIT_TEST(fingerprint_is_of_contents) {
     place *p = *state;
     stage *s = &p->s;
     fathom_context_set_threads(s->context, 1);
@@ -397,8 +396,7 @@ static uint64_t hash_in_pieces(const unsigned char *bytes, size_t size, size_t p
     return hash_end(&h);
 }
 
-static void hash_sees_every_bit_and_no_piece(void **state) {
-    (void)state;
+UNIT_TEST(hash_sees_every_bit_and_no_piece) {
     unsigned char bytes[203];
     for (size_t i = 0; i < sizeof bytes; ++i) bytes[i] = (unsigned char)(i * 37);
     for (size_t size = 0; size <= sizeof bytes; ++size) {
@@ -494,7 +492,7 @@ static void seal(file *f) {
     memcpy(f->bytes + f->size - 8, &sum, sizeof sum);
 }
 
-static void bytes_come_back(void **state) {
+UNIT_TEST(bytes_come_back) {
     file f;
     checkpoint_state read;
     make_file(*state, &f);
@@ -520,7 +518,7 @@ static void bytes_come_back(void **state) {
     checkpoint_state_destroy(&read);
 }
 
-static void no_part_is_taken_for_the_whole(void **state) {
+UNIT_TEST(no_part_is_taken_for_the_whole) {
     SKIP_WITH_THREAD_SANITIZER();
     file f;
     make_file(*state, &f);
@@ -533,7 +531,7 @@ static void no_part_is_taken_for_the_whole(void **state) {
     free(longer);
 }
 
-static void no_flipped_bit_goes_unseen(void **state) {
+UNIT_TEST(no_flipped_bit_goes_unseen) {
     SKIP_WITH_THREAD_SANITIZER();
     file f;
     random_state random = {1};
@@ -550,7 +548,7 @@ static void no_flipped_bit_goes_unseen(void **state) {
 }
 
 /* Whoever makes the checksum fit is told what is wrong, or does no harm. */
-static void forged_bytes_do_no_harm(void **state) {
+UNIT_TEST(forged_bytes_do_no_harm) {
     SKIP_WITH_THREAD_SANITIZER();
     file f;
     random_state random = {2};
@@ -599,28 +597,4 @@ static void forged_bytes_do_no_harm(void **state) {
     }
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        TEST(even_samples_continue),
-        TEST(samples_to_an_error_continue),
-        TEST(samples_to_a_time_continue),
-        TEST(spent_time_counts),
-        TEST(program_asks_for_saves),
-        TEST(file_without_resume_is_kept),
-        TEST(nothing_to_resume_begins),
-        TEST(bad_requests_are_refused),
-        TEST(other_settings_are_refused),
-        TEST(the_key_has_every_setting_that_pixels_depend_on),
-        TEST(what_no_pixel_depends_on_is_free),
-        TEST(other_scene_is_refused),
-        TEST(fingerprint_is_of_contents),
-        cmocka_unit_test(hash_sees_every_bit_and_no_piece),
-        TEST(bytes_come_back),
-        TEST(no_part_is_taken_for_the_whole),
-        TEST(no_flipped_bit_goes_unseen),
-        TEST(forged_bytes_do_no_harm),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

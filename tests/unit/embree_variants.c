@@ -5,8 +5,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* ---- the listed ones ---- */
-
 typedef struct visit {
     stage *s;
     const ray_set *rays;
@@ -14,6 +12,45 @@ typedef struct visit {
     unsigned char *any;
     size_t tracers, allowed;
 } visit;
+
+/* ---- no call hangs: first, because a child wants no threads in its parent ---- */
+
+static void trace_coherent(void *user, const char *text) {
+    visit *v = user;
+    if (!strstr(text, ":medium:") && !strstr(text, ":triangles:robust:")) return;
+    trace_tracer *tracer = stage_spec(v->s, text);
+    occluded(tracer, v->rays, TRACE_COHERENT);
+    traced(tracer, v->rays, TRACE_COHERENT);
+}
+
+/* Debian 12's Embree has kernels for coherent shadow rays that may never return. In a child with a time
+ * limit: 40,000 triangles alone, and every shape behind instances. */
+UNIT_TEST(no_call_hangs) {
+    for (int i = 0; i < 2; ++i) {
+        fflush(NULL);
+        pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            alarm(100);
+            stage s;
+            stage_open(&s);
+            if (i)
+                add_everything(&s);
+            else
+                add_ball(&s, FATHOM_ROOT, 101, 0.05, 1, 0, 0);
+            stage_world(&s);
+            ray_set set = random_rays(2000);
+            visit v = {.s = &s, .rays = &set};
+            specs_each(trace_coherent, &v);
+            _exit(0);
+        }
+        int status = -1;
+        assert_int_equal(waitpid(child, &status, 0), child);
+        assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    }
+}
+
+/* ---- the listed ones ---- */
 
 /* A ray may differ where Embree's float comes within reach of an edge or a silhouette: `allowed` of them. */
 static void agrees(void *user, const char *text) {
@@ -39,8 +76,7 @@ static void agrees(void *user, const char *text) {
 }
 
 /* Random rays come within float's reach of an edge or a silhouette once in some 10^4. */
-static void all_agree_with_linear(void **state) {
-    (void)state;
+UNIT_TEST(all_agree_with_linear) {
     stage s;
     stage_open(&s);
     add_everything(&s);
@@ -57,8 +93,7 @@ static void all_agree_with_linear(void **state) {
 /* Our intersectors in Embree's robust traversal miss nothing and settle every tie: linear search, bit by bit,
  * also where rays are aimed at edges and vertices. (Behind instances Embree carries the rays, in arithmetic
  * of its own.) */
-static void user_geometry_is_linear_search(void **state) {
-    (void)state;
+UNIT_TEST(user_geometry_is_linear_search) {
     static const char *const specs[] = {"embree:user", "embree:user:1:high", "embree:user:8:low"};
     stage s;
     stage_open(&s);
@@ -89,8 +124,7 @@ static void user_geometry_is_linear_search(void **state) {
 }
 
 /* Triangle 0 is good, the others hold a NaN, an infinity, or no area. */
-static void damaged_user_triangles_are_left_out(void **state) {
-    (void)state;
+UNIT_TEST(damaged_user_triangles_are_left_out) {
     static float p[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, 0, 0, 1, 0, 0, 2, 0, 0, 0, 0};
     static const uint32_t t[] = {0, 1, 2, 0, 1, 3, 1, 2, 4, 0, 0, 1};
     stage s;
@@ -111,8 +145,7 @@ static void damaged_user_triangles_are_left_out(void **state) {
 /* ---- raw answers ---- */
 
 /* Away from ties, raw answers are the settled ones to the last bit. */
-static void raw_is_settled_but_for_ties(void **state) {
-    (void)state;
+UNIT_TEST(raw_is_settled_but_for_ties) {
     static const char *const specs[] = {
         "embree:medium:raw:1",
         "embree:medium:raw:8",
@@ -144,8 +177,7 @@ static void raw_is_settled_but_for_ties(void **state) {
 }
 
 /* Lanes past the count keep every bit, and rays that are not finite miss. */
-static void lanes_are_apart(void **state) {
-    (void)state;
+UNIT_TEST(lanes_are_apart) {
     static const char *const specs[] = {"embree:1",  "embree:4",      "embree:8",
                                         "embree:16", "embree:raw:16", "embree:user:4"};
     stage s;
@@ -181,8 +213,7 @@ static void lanes_are_apart(void **state) {
 }
 
 /* The instruction set asked for is told. */
-static void instruction_sets(void **state) {
-    (void)state;
+UNIT_TEST(instruction_sets) {
 #if defined(__x86_64__)
     stage s;
     stage_open(&s);
@@ -196,53 +227,4 @@ static void instruction_sets(void **state) {
 #endif
 }
 
-/* ---- no call hangs ---- */
-
-static void trace_coherent(void *user, const char *text) {
-    visit *v = user;
-    if (!strstr(text, ":medium:") && !strstr(text, ":triangles:robust:")) return;
-    trace_tracer *tracer = stage_spec(v->s, text);
-    occluded(tracer, v->rays, TRACE_COHERENT);
-    traced(tracer, v->rays, TRACE_COHERENT);
-}
-
-/* Debian 12's Embree has kernels for coherent shadow rays that may never return. In a child with a time
- * limit: 40,000 triangles alone, and every shape behind instances. */
-static void no_call_hangs(void **state) {
-    (void)state;
-    for (int i = 0; i < 2; ++i) {
-        fflush(NULL);
-        pid_t child = fork();
-        assert_true(child >= 0);
-        if (child == 0) {
-            alarm(100);
-            stage s;
-            stage_open(&s);
-            if (i)
-                add_everything(&s);
-            else
-                add_ball(&s, FATHOM_ROOT, 101, 0.05, 1, 0, 0);
-            stage_world(&s);
-            ray_set set = random_rays(2000);
-            visit v = {.s = &s, .rays = &set};
-            specs_each(trace_coherent, &v);
-            _exit(0);
-        }
-        int status = -1;
-        assert_int_equal(waitpid(child, &status, 0), child);
-        assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
-    }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_call_hangs), /* first: a child wants no threads in its parent */
-        cmocka_unit_test(all_agree_with_linear),
-        cmocka_unit_test(user_geometry_is_linear_search),
-        cmocka_unit_test(damaged_user_triangles_are_left_out),
-        cmocka_unit_test(raw_is_settled_but_for_ties),
-        cmocka_unit_test(lanes_are_apart),
-        cmocka_unit_test(instruction_sets),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main(NULL, NULL); }

@@ -82,8 +82,7 @@ static const vec3_f64 up = {0, 1, 0}, nowhere = {0, 0, 0};
 
 /* ---- laws ---- */
 
-static void a_constant_sky_sends_its_radiance(void **state) {
-    (void)state;
+UNIT_TEST(a_constant_sky_sends_its_radiance) {
     for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = 0.5f;
     open_sky(1);
     random_state r = {1};
@@ -158,7 +157,7 @@ static void learn_glances(double finite) {
     free(scout);
 }
 
-static void eighths_of_the_numbers_take_one_kind_of_light_each(void **state) {
+UNIT_TEST(eighths_of_the_numbers_take_one_kind_of_light_each) {
     for (int sun = 0; sun < 2; ++sun) {
         int eighths = 1;
         for (double finite = 0x1p-8; finite < 0x1p9; finite *= 2) {
@@ -217,8 +216,7 @@ static vec3_f64 direction_in(int cell, double u, double v) {
 }
 
 /* Anywhere, poles and the seam at the back included; the program rounds directions to double alone. */
-static void radiance_is_interpolated(void **state) {
-    (void)state;
+UNIT_TEST(radiance_is_interpolated) {
     random_state r = {13};
     environment *sky;
     for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = (float)random_in(&r, 0, 2);
@@ -238,8 +236,7 @@ static void radiance_is_interpolated(void **state) {
 /* One bright texel: right of the centre and above the horizon, which is towards +x, -z and +y. A quarter
  * turn, counter-clockwise from above, takes +x to -z and -z to -x. Its light reaches the centres of the
  * texels around it, and is as strong as it is at its own. */
-static void an_image_lies_as_documented(void **state) {
-    (void)state;
+UNIT_TEST(an_image_lies_as_documented) {
     static const double ups[4][3] = {{0, 1, 0}, {0, 2, 0}, {0, 0, 3}, {0, -1, 0}};
     for (int turn = 0; turn < 4; ++turn) {
         float *bright = texels[(HEIGHT / 2 - 1) * WIDTH + WIDTH / 2];
@@ -272,7 +269,7 @@ static void an_image_lies_as_documented(void **state) {
  * is off by 2^-24: some 2^-21 of a cell at the horizon either way, and more towards the poles, where cells
  * are narrower and lower in cosine by the sine of the angle to the pole. It changes radiance and density by
  * so much of its brightest corner, at most a hundred times as bright as the place. */
-static void samples_and_rays_that_leave_agree(void **state) {
+UNIT_TEST(samples_and_rays_that_leave_agree) {
     random_state r = {3};
     for (int with = 0; with < 2; ++with) {
         for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = (float)random_log(&r, 0.1, 10);
@@ -301,8 +298,7 @@ static void samples_and_rays_that_leave_agree(void **state) {
 
 /* chi² over the quarters of cells, of which some at the poles are brighter. The mean of a bilinear function
  * over a quarter is its value at the middle. */
-static void places_are_taken_by_luminance_and_solid_angle(void **state) {
-    (void)state;
+UNIT_TEST(places_are_taken_by_luminance_and_solid_angle) {
     random_state r = {4};
     for (int i = 0; i < WIDTH * HEIGHT; ++i) {
         for (int c = 0; c < 3; ++c) texels[i][c] = (float)random_in(&r, 0.5, 2);
@@ -356,8 +352,7 @@ static void add_up(light_sums *s) {
 /* A cell takes a rectangle of the square of numbers. A grid of N x N numbers gives it a count as large as
  * its area, give or take one row and one column. An alias table, or any choice that does not keep order,
  * fails: its counts scatter by the root of the count. */
-static void even_numbers_are_even_over_the_light(void **state) {
-    (void)state;
+UNIT_TEST(even_numbers_are_even_over_the_light) {
     enum { N = 512 };
     random_state r = {9};
     static double taken[HEIGHT + 1][WIDTH];
@@ -394,8 +389,7 @@ static void even_numbers_are_even_over_the_light(void **state) {
 
 /* All densities add up to 1, and no cell that a normal faces is left out: over a cell the mean density is the
  * one in its middle. */
-static void a_surface_asks_all_that_it_faces(void **state) {
-    (void)state;
+UNIT_TEST(a_surface_asks_all_that_it_faces) {
     random_state r = {11};
     for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = (float)random_log(&r, 1e-3, 1e3);
     open_sky(0.7);
@@ -468,8 +462,7 @@ static void teach(environment *sky) {
 
 /* To the last bit, and they leave other lanes alone. Parts of the sky are black, and hidden from some points.
  */
-static void all_instruction_sets_ask_alike(void **state) {
-    (void)state;
+UNIT_TEST(all_instruction_sets_ask_alike) {
     random_state r = {14};
     environment *sky;
     for (int i = 0; i < WIDTH * HEIGHT; ++i)
@@ -496,8 +489,7 @@ static void all_instruction_sets_ask_alike(void **state) {
 
 /* A surface does not ask the sky clearly behind it. The samples of the light in front differ by the cosine
  * alone, which a block knows within the spread of its normals and texels. */
-static void light_behind_a_surface_is_not_asked(void **state) {
-    (void)state;
+UNIT_TEST(light_behind_a_surface_is_not_asked) {
     random_state r = {12};
     for (int i = 0; i < WIDTH * HEIGHT; ++i)
         texels[i][0] = texels[i][1] = texels[i][2] = i < WIDTH * (HEIGHT * 5 / 8) ? 1 : 100;
@@ -520,8 +512,7 @@ static void light_behind_a_surface_is_not_asked(void **state) {
     assert_true(variance < 0.5);
 }
 
-static void a_texel_a_million_times_as_bright_is_met_by_its_share(void **state) {
-    (void)state;
+UNIT_TEST(a_texel_a_million_times_as_bright_is_met_by_its_share) {
     for (int i = 0; i < WIDTH * HEIGHT * 3; ++i) texels[i / 3][i % 3] = 1;
     for (int c = 0; c < 3; ++c) texels[2 * WIDTH + 3][c] = 1e6f;
     open_sky(0);
@@ -539,8 +530,7 @@ static void a_texel_a_million_times_as_bright_is_met_by_its_share(void **state) 
     assert_near(least, most, 1e-6 * most);
 }
 
-static void bad_texels_are_refused_with_their_place(void **state) {
-    (void)state;
+UNIT_TEST(bad_texels_are_refused_with_their_place) {
     const float bad[2] = {NAN, INFINITY};
     for (int k = 0; k < 2; ++k) {
         texels[5 * WIDTH + 9][1] = bad[k];
@@ -556,8 +546,7 @@ static void bad_texels_are_refused_with_their_place(void **state) {
     assert_fails(context, emitters_create(context, w, NULL, NULL, &e), FATHOM_BAD_INPUT, "sky.exr");
 }
 
-static void an_environment_needs_a_file(void **state) {
-    (void)state;
+UNIT_TEST(an_environment_needs_a_file) {
     fathom_light light = default_light();
     light.type = FATHOM_LIGHT_ENVIRONMENT;
     assert_fails(context, fathom_scene_add_light(scene, &light, NULL), FATHOM_BAD_INPUT, "file");
@@ -567,8 +556,7 @@ static void an_environment_needs_a_file(void **state) {
     assert_fails(context, fathom_scene_add_light(scene, &light, NULL), FATHOM_BAD_INPUT, "up: expected");
 }
 
-static void another_image_is_another_scene(void **state) {
-    (void)state;
+UNIT_TEST(another_image_is_another_scene) {
     uint64_t before, after;
     write_sky();
     add_sky(0);
@@ -586,21 +574,6 @@ static void another_image_is_another_scene(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(a_constant_sky_sends_its_radiance, begin, end),
-        cmocka_unit_test_setup_teardown(eighths_of_the_numbers_take_one_kind_of_light_each, begin, end),
-        cmocka_unit_test_setup_teardown(radiance_is_interpolated, begin, end),
-        cmocka_unit_test_setup_teardown(an_image_lies_as_documented, begin, end),
-        cmocka_unit_test_setup_teardown(samples_and_rays_that_leave_agree, begin, end),
-        cmocka_unit_test_setup_teardown(places_are_taken_by_luminance_and_solid_angle, begin, end),
-        cmocka_unit_test_setup_teardown(even_numbers_are_even_over_the_light, begin, end),
-        cmocka_unit_test_setup_teardown(a_surface_asks_all_that_it_faces, begin, end),
-        cmocka_unit_test_setup_teardown(all_instruction_sets_ask_alike, begin, end),
-        cmocka_unit_test_setup_teardown(light_behind_a_surface_is_not_asked, begin, end),
-        cmocka_unit_test_setup_teardown(a_texel_a_million_times_as_bright_is_met_by_its_share, begin, end),
-        cmocka_unit_test_setup_teardown(bad_texels_are_refused_with_their_place, begin, end),
-        cmocka_unit_test_setup_teardown(an_environment_needs_a_file, begin, end),
-        cmocka_unit_test_setup_teardown(another_image_is_another_scene, begin, end),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+    unit_each(begin, end);
+    return unit_main(open_folder, remove_folder);
 }

@@ -105,8 +105,7 @@ static double red(const environment *e, vec3_f64 d) {
     return (double)rgb[0];
 }
 
-static void each_face_lies_where_opengl_has_it(void **state) {
-    (void)state;
+UNIT_TEST(each_face_lies_where_opengl_has_it) {
     static const vec3_f64 axes[FACES] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, -1}, {0, 0, 1}};
     for (unsigned k = 0; k < FORMS; ++k) {
         environment *e = open_form(k, false);
@@ -118,8 +117,7 @@ static void each_face_lies_where_opengl_has_it(void **state) {
 /* Between the outermost texels and a face's edge the radiance is constant: over half a texel, 1 / SIDE, it is
  * off by the gradient, at most 0.64. Elsewhere interpolation, by faces and then by the sky, is off by the
  * second order: at most an eighth of 0.64 times the squared widths, 2 / SIDE and 2 pi / (4 SIDE). */
-static void a_smooth_sky_comes_back(void **state) {
-    (void)state;
+UNIT_TEST(a_smooth_sky_comes_back) {
     const double bound = 0.64 * (1.0 / SIDE + (4 + 2.5) / 8.0 / (SIDE * SIDE));
     for (unsigned k = 0; k < FORMS; ++k) {
         environment *e = open_form(k, true);
@@ -146,8 +144,7 @@ static void fails_with(const char *name, const char *text) {
         fail_msg("\"%s\" lacks \"%s\"", fathom_context_message(context), text);
 }
 
-static void faults_are_named(void **state) {
-    (void)state;
+UNIT_TEST(faults_are_named) {
     static texel texels[SIDE * SIDE];
     fails_with("sky_<FACE>.exr", "expected six files");
     write_faces(true);
@@ -165,8 +162,7 @@ static void faults_are_named(void **state) {
 }
 
 /* A compositor leaves out black edges. */
-static void what_a_file_leaves_out_is_black(void **state) {
-    (void)state;
+UNIT_TEST(what_a_file_leaves_out_is_black) {
     enum { LEFT = 3, TOP = 2, WIDTH = SIDE - 5, HEIGHT = SIDE / 2 - 3 };
     static texel whole[SIDE * SIDE / 2], part[WIDTH * HEIGHT];
     environment *e[2];
@@ -188,8 +184,7 @@ static void what_a_file_leaves_out_is_black(void **state) {
     environment_destroy(e[0]), environment_destroy(e[1]);
 }
 
-static void what_lies_outside_of_the_image_is_not_used(void **state) {
-    (void)state;
+UNIT_TEST(what_lies_outside_of_the_image_is_not_used) {
     enum { LEFT = 3, TOP = 2, WIDTH = SIDE + 5, HEIGHT = SIDE / 2 + 3 };
     static texel whole[SIDE * SIDE / 2], data[WIDTH * HEIGHT];
     environment *e[2];
@@ -210,12 +205,6 @@ static void what_lies_outside_of_the_image_is_not_used(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(each_face_lies_where_opengl_has_it, clean),
-        cmocka_unit_test_teardown(a_smooth_sky_comes_back, clean),
-        cmocka_unit_test_teardown(faults_are_named, clean),
-        cmocka_unit_test_teardown(what_a_file_leaves_out_is_black, clean),
-        cmocka_unit_test_teardown(what_lies_outside_of_the_image_is_not_used, clean),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+    unit_each(NULL, clean);
+    return unit_main(open_folder, remove_folder);
 }

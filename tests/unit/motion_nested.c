@@ -70,10 +70,7 @@ static affine_f64 chain_at(const affine_f64 *middle, double time) {
 
 /* The world gives even steps, off by at most 2^-14 of the radius of what moves and 2^-21 of how far it is,
  * both below 32, at 64 times and at the keys (world_motion.c); no more than twice that between. */
-static void motions_of_motions_are_products(void **state) {
-    (void)state;
-    static const double none[3] = {0, 0, 0};
-    const double *origin = *state ? apart : none;
+static void expect_products(const double origin[3]) {
     const affine_f64 middle = build_chain(origin);
     world *w;
     scene->camera.shutter[0] = 0, scene->camera.shutter[1] = 1;
@@ -102,11 +99,14 @@ static void motions_of_motions_are_products(void **state) {
     world_destroy(w);
 }
 
+UNIT_TEST(motions_of_motions_are_products) { expect_products((double[3]){0, 0, 0}); }
+
+UNIT_TEST(motions_of_motions_of_meshes_apart_are_products) { expect_products(apart); }
+
 /* Nine tenths of the image in one direction, and no more in either. Sixteen looks at 1.2 radians are 0.075
  * apart; between two, they miss at most 1 - cos 0.0375, 7e-4, of a distance below 10, from an eye further
  * away than 1. */
-static void an_automatic_camera_sees_all_motions(void **state) {
-    (void)state;
+UNIT_TEST(an_automatic_camera_sees_all_motions) {
     const affine_f64 middle = build_chain((double[3]){0, 0, 0});
     fathom_settings settings;
     fathom_scene_settings(scene, &settings);
@@ -130,14 +130,4 @@ static void an_automatic_camera_sees_all_motions(void **state) {
     assert_near(most, 0.9, 0.01);
 }
 
-int main(void) {
-    static int own_origin = 1;
-#define TEST(name, start) cmocka_unit_test_prestate_setup_teardown(name, open_scene, close_scene, start)
-    const struct CMUnitTest tests[] = {
-        TEST(motions_of_motions_are_products, NULL),
-        {"motions_of_motions_of_meshes_apart_are_products", motions_of_motions_are_products, open_scene,
-         close_scene, &own_origin},
-        TEST(an_automatic_camera_sees_all_motions, NULL),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(open_scene, close_scene); }

@@ -100,7 +100,7 @@ static void assert_parts_make(place *p, const fathom_film *whole, uint32_t count
 
 /* ---- the same bits ---- */
 
-static void samples_make_the_whole(void **state) {
+UNIT_TEST(samples_make_the_whole) {
     static const uint32_t spp[] = {1, 4, 5, 37, 16, 64};
     static const uint32_t crop[] = {3, 5, 102, 69};
     place *p = *state;
@@ -121,7 +121,7 @@ static void samples_make_the_whole(void **state) {
 
 /* Means at the edge of a black ball before the dimmest background are no normal floats: those who merge flush
  * them to zero as those who render do. */
-static void the_dimmest_light_is_the_wholes(void **state) {
+UNIT_TEST(the_dimmest_light_is_the_wholes) {
     place *p = *state;
     assert_ok(p->s.context, fathom_scene_set_background(p->s.scene, (float[3]){FLT_MIN, FLT_MIN, 0}));
     stage_sphere(&p->s, -1.2, 1.6, 0, 0.3, stage_lambert(&p->s, 0));
@@ -131,7 +131,7 @@ static void the_dimmest_light_is_the_wholes(void **state) {
     assert_parts_make(p, whole, 3, FATHOM_SPLIT_SAMPLES);
 }
 
-static void tiles_make_the_whole(void **state) {
+UNIT_TEST(tiles_make_the_whole) {
     place *p = *state;
     for (uint32_t i = 0; i < 4; ++i) {
         p->s.settings.spp = i % 2 ? 9 : 1;
@@ -145,7 +145,7 @@ static void tiles_make_the_whole(void **state) {
     }
 }
 
-static void tiles_to_an_error_make_the_whole(void **state) {
+UNIT_TEST(tiles_to_an_error_make_the_whole) {
     place *p = *state;
     p->s.settings.pattern = FATHOM_PATTERN_SOBOL;
     p->s.settings.target_error = 0.02, p->s.settings.spp = 64;
@@ -177,8 +177,7 @@ static void push_leaves(const pixel_sums *like, uint32_t begin, uint32_t end, su
 }
 
 /* Over 90 powers of two, nearly every other order of additions rounds to other bits. */
-static void sums_do_not_depend_on_where_samples_are_cut(void **state) {
-    (void)state;
+UNIT_TEST(sums_do_not_depend_on_where_samples_are_cut) {
     const pixel_sums like = {.groups = 1, .kernels = film_kernels_best()};
     sum_node whole[64], part[64], merged[64];
     for (uint32_t leaves = 1; leaves < 70; ++leaves) {
@@ -207,8 +206,7 @@ static void sums_do_not_depend_on_where_samples_are_cut(void **state) {
     }
 }
 
-static void each_tile_is_of_one_part(void **state) {
-    (void)state;
+UNIT_TEST(each_tile_is_of_one_part) {
     part_head head = {.index = 1, .split = FATHOM_SPLIT_TILES};
     fathom_settings_default(&head.settings);
     for (uint32_t width = 32; width < 1400; width += 171) {
@@ -278,7 +276,7 @@ static void assert_mended(place *p, fathom_split split) {
     free(bytes);
 }
 
-static void cut_or_damaged_parts_are_mended(void **state) {
+UNIT_TEST(cut_or_damaged_parts_are_mended) {
     place *p = *state;
     small(p);
     assert_mended(p, FATHOM_SPLIT_SAMPLES);
@@ -286,7 +284,7 @@ static void cut_or_damaged_parts_are_mended(void **state) {
     assert_mended(p, FATHOM_SPLIT_TILES);
 }
 
-static void parts_of_different_renders_are_refused(void **state) {
+UNIT_TEST(parts_of_different_renders_are_refused) {
     place *p = *state;
     fathom_context *context = p->s.context;
     fathom_film *film;
@@ -320,7 +318,7 @@ static void parts_of_different_renders_are_refused(void **state) {
     assert_fails(context, merge(p, 2, &film), FATHOM_BAD_INPUT, "rendered with a scene of contents ");
 }
 
-static void missing_and_double_parts_are_named(void **state) {
+UNIT_TEST(missing_and_double_parts_are_named) {
     place *p = *state;
     fathom_context *context = p->s.context;
     fathom_film *film;
@@ -337,7 +335,7 @@ static void missing_and_double_parts_are_named(void **state) {
                  "2.part: is not a part of an image");
 }
 
-static void what_cannot_be_split_is_refused(void **state) {
+UNIT_TEST(what_cannot_be_split_is_refused) {
     place *p = *state;
     fathom_context *context = p->s.context;
     small(p);
@@ -356,7 +354,7 @@ static void what_cannot_be_split_is_refused(void **state) {
                  "a render to a time cannot be split");
 }
 
-static void the_merged_film_tells_the_parts_exposure(void **state) {
+UNIT_TEST(the_merged_film_tells_the_parts_exposure) {
     static const float given = -3.5f, wrong[] = {128, -128, INFINITY, NAN};
     place *p = *state;
     fathom_film *film;
@@ -379,19 +377,4 @@ static void the_merged_film_tells_the_parts_exposure(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(samples_make_the_whole, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_dimmest_light_is_the_wholes, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(tiles_make_the_whole, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(tiles_to_an_error_make_the_whole, set_up, tear_down),
-        cmocka_unit_test(sums_do_not_depend_on_where_samples_are_cut),
-        cmocka_unit_test(each_tile_is_of_one_part),
-        cmocka_unit_test_setup_teardown(cut_or_damaged_parts_are_mended, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(parts_of_different_renders_are_refused, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(missing_and_double_parts_are_named, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_cannot_be_split_is_refused, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_merged_film_tells_the_parts_exposure, set_up, tear_down),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

@@ -58,7 +58,7 @@ static void assert_corner(fixture *f) {
     assert_int_equal(found, 1);
 }
 
-static void draco_unpacks_to_what_was_packed(void **state) {
+UNIT_TEST(draco_unpacks_to_what_was_packed) {
     if (!has_draco()) skip();
     write_draco(*state, draco, sizeof draco, 4, 0);
     assert_corner(*state);
@@ -97,7 +97,7 @@ static void write_draco_meshes(fixture *f, int count, size_t last_size) {
     write_glb(f, json, bytes, (size_t)count * sizeof draco);
 }
 
-static void draco_meshes_unpack_together_to_their_own_data(void **state) {
+UNIT_TEST(draco_meshes_unpack_together_to_their_own_data) {
     fixture *f = *state;
     if (!has_draco()) skip();
     fathom_context_set_threads(f->context, 3);
@@ -115,7 +115,7 @@ static void draco_meshes_unpack_together_to_their_own_data(void **state) {
 }
 
 /* Colours of bytes are divided by 255, whether the data says so, the accessor or neither. */
-static void draco_colours_of_bytes_are_divided_once(void **state) {
+UNIT_TEST(draco_colours_of_bytes_are_divided_once) {
     fixture *f = *state;
     if (!has_draco()) skip();
     for (unsigned i = 0; i < 4; ++i) {
@@ -133,7 +133,7 @@ static void draco_colours_of_bytes_are_divided_once(void **state) {
 
 /* A packed primitive, one of the same accessors that is not packed, and both once more; then one of an
  * accessor that has no data of its own. */
-static void other_primitives_have_the_accessors_own_data(void **state) {
+UNIT_TEST(other_primitives_have_the_accessors_own_data) {
     fixture *f = *state;
     static const uint32_t corners[6] = {0, 1, 2, 2, 1, 3};
     static const float own[12] = {0, 0, 7, 3, 0, 7, 0, 3, 7, 3, 3, 7};
@@ -170,7 +170,7 @@ static void other_primitives_have_the_accessors_own_data(void **state) {
 }
 
 /* Every cut and many a changed byte: a mesh comes out, or one message; the process lives. */
-static void broken_draco_is_refused(void **state) {
+UNIT_TEST(broken_draco_is_refused) {
     fixture *f = *state;
     if (!has_draco()) skip();
     write_draco_meshes(f, 3, sizeof draco / 2);
@@ -207,7 +207,7 @@ static void assert_changed_is_refused(fixture *f, const char *from, const char *
     assert_bad_input(f, text);
 }
 
-static void draco_that_lacks_a_part_is_refused(void **state) {
+UNIT_TEST(draco_that_lacks_a_part_is_refused) {
     fixture *f = *state;
     /* A mesh by Draco's sequential method, without a face or an attribute. */
     static const uint8_t empty[] = {'D', 'R', 'A', 'C', 'O', 2, 2, 1, 0, 0, 0, 0, 0, 1, 0};
@@ -238,7 +238,7 @@ static void assert_refused_for_size(fixture *f, const char *text) {
     if (!strstr(fathom_context_message(f->context), text)) fail_msg("%s", fathom_context_message(f->context));
 }
 
-static void draco_processes_that_fail_are_told(void **state) {
+UNIT_TEST(draco_processes_that_fail_are_told) {
     if (!has_draco()) skip();
     write_draco(*state, draco, sizeof draco, 4, 0);
     assert_refused_for_size(*state, "cannot be unpacked: Draco was ended by SIGXFSZ; the data is broken");
@@ -248,16 +248,4 @@ static void draco_processes_that_fail_are_told(void **state) {
     signal(SIGXFSZ, SIG_DFL);
 }
 
-int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(draco_unpacks_to_what_was_packed),
-        TEST(draco_meshes_unpack_together_to_their_own_data),
-        TEST(draco_colours_of_bytes_are_divided_once),
-        TEST(other_primitives_have_the_accessors_own_data),
-        TEST(broken_draco_is_refused),
-        TEST(draco_that_lacks_a_part_is_refused),
-        TEST(draco_processes_that_fail_are_told),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(set_up, tear_down); }

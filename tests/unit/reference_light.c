@@ -5,8 +5,7 @@
 
 /* A false alarm in one of 100,000 runs of these; the seed is fixed. Sums in double round to parts in 1e12,
  * and the closed forms of disks and of the far camera are good to 1e-5. */
-static void reference_meets_every_closed_form(void **state) {
-    (void)state;
+UNIT_TEST(reference_meets_every_closed_form) {
     unsigned threads = 2;
     const laws_options options = {.render = laws_reference(&threads),
                                   .level = 1e-5,
@@ -74,8 +73,7 @@ static void look_at_ball(void) {
     assert_ok(context, fathom_scene_set_background(scene, (float[3]){1, 0.5f, 0.25f}));
 }
 
-static void boxes_do_not_change_the_closest_hit(void **state) {
-    (void)state;
+UNIT_TEST(boxes_do_not_change_the_closest_hit) {
     reference_settings settings = few;
     reference_estimate boxes[64], linear[64];
     add_ball_mesh();
@@ -87,8 +85,7 @@ static void boxes_do_not_change_the_closest_hit(void **state) {
     assert_true(boxes[27].mean[0] > 0);
 }
 
-static void image_does_not_depend_on_threads(void **state) {
-    (void)state;
+UNIT_TEST(image_does_not_depend_on_threads) {
     reference_settings settings = few;
     reference_estimate two[64], one[64];
     add_ball_mesh();
@@ -102,16 +99,14 @@ static void image_does_not_depend_on_threads(void **state) {
 static void refused_with(fathom_material m, const char *word) {
     reference_estimate out[64];
     fathom_sphere sphere = {.radius = 1};
-    open_scene(NULL);
     assert_ok(context, fathom_scene_add_material(scene, NULL, &m, &sphere.material));
     assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL));
     look_at_ball();
     assert_fails(context, reference_render(scene, &few, out), FATHOM_BAD_INPUT, word);
-    close_scene(NULL);
+    close_scene(NULL), open_scene(NULL);
 }
 
-static void unknown_parameters_are_refused_by_name(void **state) {
-    (void)state;
+UNIT_TEST(unknown_parameters_are_refused_by_name) {
     fathom_material m = law_metallic();
     m.clearcoat = m.transmission = 1, refused_with(m, "clearcoat");
     m.clearcoat = 0, m.sheen_color[1] = 1, refused_with(m, "sheen_color");
@@ -131,8 +126,7 @@ static double spread_of(const reference_estimate *pixels, const reference_settin
 /* Comparisons with path tracing estimate their error from such samples. A bounce off a facet or through it
  * multiplies the mean square of a sample's weight by about 1.3, the choice of one of three channels by 3.
  * With a mean of three bounces, the spread is 1.1 and 2.4. */
-static void rough_glass_has_no_rare_bright_paths(void **state) {
-    (void)state;
+UNIT_TEST(rough_glass_has_no_rare_bright_paths) {
     for (int k = 0; k < 2; ++k) {
         reference_estimate out[64];
         reference_settings settings = few;
@@ -141,18 +135,16 @@ static void rough_glass_has_no_rare_bright_paths(void **state) {
         settings.samples = 1024, settings.depth = 16;
         m.transmission = m.thickness = m.specular_factor = 1, m.metallic = 0, m.roughness = k ? 0.4f : 0.5f;
         m.anisotropy = k ? 0 : 0.8f, m.dispersion = k ? 2 : 0;
-        open_scene(NULL);
         assert_ok(context, fathom_scene_add_material(scene, NULL, &m, &sphere.material));
         assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL));
         look_at_ball();
         assert_ok(context, reference_render(scene, &settings, out));
         assert_true(spread_of(out, &settings, 0) < 4);
-        close_scene(NULL);
+        close_scene(NULL), open_scene(NULL);
     }
 }
 
-static void overlapping_volumes_are_refused(void **state) {
-    (void)state;
+UNIT_TEST(overlapping_volumes_are_refused) {
     reference_estimate out[64];
     fathom_material m = law_metallic();
     m.transmission = m.thickness = m.specular_factor = 1;
@@ -174,14 +166,4 @@ static void overlapping_volumes_are_refused(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(reference_meets_every_closed_form, open_scene, close_scene),
-        cmocka_unit_test_setup_teardown(boxes_do_not_change_the_closest_hit, open_scene, close_scene),
-        cmocka_unit_test_setup_teardown(image_does_not_depend_on_threads, open_scene, close_scene),
-        cmocka_unit_test(unknown_parameters_are_refused_by_name),
-        cmocka_unit_test(rough_glass_has_no_rare_bright_paths),
-        cmocka_unit_test_setup_teardown(overlapping_volumes_are_refused, open_scene, close_scene),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(open_scene, close_scene); }

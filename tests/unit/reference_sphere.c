@@ -88,8 +88,7 @@ static void check_f64(const sphere_case *c, const sphere_truth *truth) {
     assert_near(t, truth->t[root], root_tolerance(truth, root, (double)c->radius, 0x1p-53));
 }
 
-static void robust_is_right_at_any_ratio(void **state) {
-    (void)state;
+UNIT_TEST(robust_is_right_at_any_ratio) {
     random_state r = {1};
     for (int i = 0; i < 60000; ++i) {
         double radius = random_log(&r, 1e-3, 1e3), distance = radius * random_log(&r, 1e-5, 1e5);
@@ -101,8 +100,7 @@ static void robust_is_right_at_any_ratio(void **state) {
     }
 }
 
-static void robust_is_right_at_any_size(void **state) {
-    (void)state;
+UNIT_TEST(robust_is_right_at_any_size) {
     random_state r = {2};
     for (int i = 0; i < 20000; ++i) {
         /* t = distance / length stays within float's range. */
@@ -116,8 +114,7 @@ static void robust_is_right_at_any_size(void **state) {
 }
 
 /* Fractions of wrong answers among rays that pass within a tenth of a radius of the silhouette. */
-static void textbook_loses_what_robust_keeps(void **state) {
-    (void)state;
+UNIT_TEST(textbook_loses_what_robust_keeps) {
     random_state r = {3};
     const int rays = 100000;
     int textbook = 0, plain = 0, robust = 0;
@@ -137,8 +134,7 @@ static void textbook_loses_what_robust_keeps(void **state) {
     assert_int_equal(robust, 0);
 }
 
-static void interval_is_open_and_chooses_the_root(void **state) {
-    (void)state;
+UNIT_TEST(interval_is_open_and_chooses_the_root) {
     /* From -3 along x: roots 2 and 4, exact in float. */
     vec3_f32 c = {0, 0, 0}, e = {-3, 0, 0}, d = {1, 0, 0}, twice = {2, 0, 0};
     float t = NAN;
@@ -161,8 +157,7 @@ static void interval_is_open_and_chooses_the_root(void **state) {
 
 /* From a float point beside or on the surface, whether the ray enters or leaves is decided by the exact sign
  * of |E-C|² - R²: outside and away is no hit, inside is one. */
-static void starts_at_the_surface(void **state) {
-    (void)state;
+UNIT_TEST(starts_at_the_surface) {
     random_state r = {5};
     for (int i = 0; i < 20000; ++i) {
         sphere_case c = aimed(&r, 1, 1, 0, 1);
@@ -181,8 +176,7 @@ static void starts_at_the_surface(void **state) {
 }
 
 /* However the rejection is rounded, a line from inside always leaves. */
-static void from_inside_there_is_a_way_out(void **state) {
-    (void)state;
+UNIT_TEST(from_inside_there_is_a_way_out) {
     random_state r = {9};
     int inside = 0;
     for (int i = 0; i < 200000; ++i) {
@@ -197,8 +191,7 @@ static void from_inside_there_is_a_way_out(void **state) {
     assert_true(inside > 1000);
 }
 
-static void odd_input_is_a_miss(void **state) {
-    (void)state;
+UNIT_TEST(odd_input_is_a_miss) {
     const float odd[] = {NAN, INFINITY, -INFINITY, 0, -0.0f, -1, 1, FLT_MAX, -FLT_MAX, FLT_MIN, 0x1p-149f};
     const unsigned n = sizeof odd / sizeof *odd;
     random_state r = {6};
@@ -215,8 +208,7 @@ static void odd_input_is_a_miss(void **state) {
     }
 }
 
-static void square_root_to_one_unit(void **state) {
-    (void)state;
+UNIT_TEST(square_root_to_one_unit) {
     random_state r = {8};
     for (int i = 0; i < 20000; ++i) {
         real_f128 x = random_in(&r, 1, 4);
@@ -232,19 +224,9 @@ static void square_root_to_one_unit(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(robust_is_right_at_any_ratio),
-        cmocka_unit_test(robust_is_right_at_any_size),
-        cmocka_unit_test(textbook_loses_what_robust_keeps),
-        cmocka_unit_test(interval_is_open_and_chooses_the_root),
-        cmocka_unit_test(starts_at_the_surface),
-        cmocka_unit_test(from_inside_there_is_a_way_out),
-        cmocka_unit_test(odd_input_is_a_miss),
-        cmocka_unit_test(square_root_to_one_unit),
-    };
-    int failed = cmocka_run_group_tests_name("denormals as they are", tests, NULL, NULL);
+    int failed = unit_run("denormals as they are", unit_tests, unit_test_count, NULL, NULL);
     unsigned state = trace_thread_begin();
-    failed += cmocka_run_group_tests_name("denormals flushed", tests, NULL, NULL);
+    failed += unit_run("denormals flushed", unit_tests, unit_test_count, NULL, NULL);
     trace_thread_end(state);
     return failed;
 }

@@ -131,8 +131,7 @@ static int check_f64(const triangle_case *c) {
     return 1;
 }
 
-static void robust_is_right(void **state) {
-    (void)state;
+UNIT_TEST(robust_is_right) {
     random_state r = {1};
     const int cases = 40000;
     int clear32 = 0, clear64 = 0;
@@ -148,8 +147,7 @@ static void robust_is_right(void **state) {
     assert_true(clear64 > cases - 10);
 }
 
-static void robust_is_right_at_any_size(void **state) {
-    (void)state;
+UNIT_TEST(robust_is_right_at_any_size) {
     random_state r = {2};
     int clear = 0;
     const int cases = 20000;
@@ -163,8 +161,7 @@ static void robust_is_right_at_any_size(void **state) {
     assert_true(clear > cases * 8 / 10);
 }
 
-static void forms_agree_in_quadruple(void **state) {
-    (void)state;
+UNIT_TEST(forms_agree_in_quadruple) {
     random_state r = {4};
     for (int i = 0; i < 5000; ++i) {
         triangle_case c = random_case(&r, 1, 5, 0);
@@ -184,8 +181,7 @@ static void forms_agree_in_quadruple(void **state) {
 
 /* A ray from the origin along an axis shears nothing: what is left is the sign of the edge functions, and
  * that is exact, however close to an edge the ray runs. */
-static void sides_are_exact(void **state) {
-    (void)state;
+UNIT_TEST(sides_are_exact) {
     random_state r = {7};
     int zero = 0;
     for (int i = 0; i < 200000; ++i) {
@@ -208,8 +204,7 @@ static void sides_are_exact(void **state) {
     assert_true(zero > 1000); /* float alone could not tell these */
 }
 
-static void interval_is_open(void **state) {
-    (void)state;
+UNIT_TEST(interval_is_open) {
     vec3_f32 a = {0, 0, 2}, b = {1, 0, 2}, c = {0, 1, 2}, o = {0.25f, 0.5f, 0}, d = {0, 0, 2};
     reference_hit_f32 hit;
     assert_true(triangle_robust_f32(a, b, c, o, d, 0, INFINITY, &hit));
@@ -225,8 +220,7 @@ static void interval_is_open(void **state) {
         triangle_robust_f32(a, b, c, vec_f32(0, 0, 2), vec_f32(1, 0, 0), 0, INFINITY, &hit)); /* along it */
 }
 
-static void without_area_never_met(void **state) {
-    (void)state;
+UNIT_TEST(without_area_never_met) {
     random_state r = {5};
     reference_hit_f32 hit;
     reference_hit_f64 hit64;
@@ -245,8 +239,7 @@ static void without_area_never_met(void **state) {
     }
 }
 
-static void odd_input_is_a_miss(void **state) {
-    (void)state;
+UNIT_TEST(odd_input_is_a_miss) {
     const float odd[] = {NAN, INFINITY, -INFINITY, 0,       -0.0f,     -1,
                          1,   FLT_MAX,  -FLT_MAX,  FLT_MIN, 0x1p-149f, 0.25f};
     const unsigned n = sizeof odd / sizeof *odd;
@@ -280,15 +273,9 @@ static void odd_input_is_a_miss(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(robust_is_right),          cmocka_unit_test(robust_is_right_at_any_size),
-        cmocka_unit_test(forms_agree_in_quadruple), cmocka_unit_test(sides_are_exact),
-        cmocka_unit_test(interval_is_open),         cmocka_unit_test(without_area_never_met),
-        cmocka_unit_test(odd_input_is_a_miss),
-    };
-    int failed = cmocka_run_group_tests_name("denormals as they are", tests, NULL, NULL);
+    int failed = unit_run("denormals as they are", unit_tests, unit_test_count, NULL, NULL);
     unsigned state = trace_thread_begin();
-    failed += cmocka_run_group_tests_name("denormals flushed", tests, NULL, NULL);
+    failed += unit_run("denormals flushed", unit_tests, unit_test_count, NULL, NULL);
     trace_thread_end(state);
     return failed;
 }

@@ -33,8 +33,7 @@ static void add(const fathom_mesh *mesh) {
     assert_ok(context, fathom_scene_add_mesh_shared(scene, FATHOM_ROOT, mesh, NULL));
 }
 
-static void arrays_apart_are_summed(void **state) {
-    (void)state;
+UNIT_TEST(arrays_apart_are_summed) {
     size_t strides[3] = {12, 12, 8};
     fathom_mesh mesh = mesh_of(apart, apart + 3 * VERTICES, apart + 6 * VERTICES, strides);
     add(&mesh);
@@ -46,8 +45,7 @@ static void arrays_apart_are_summed(void **state) {
     assert_int_equal(bytes_of(SCENE_BUFFERS), VERTICES * 32 + sizeof indices);
 }
 
-static void rows_are_counted_once(void **state) {
-    (void)state;
+UNIT_TEST(rows_are_counted_once) {
     size_t strides[3] = {32, 32, 32};
     fathom_mesh mesh = mesh_of(rows, rows + 3, rows + 6, strides);
     add(&mesh);
@@ -105,19 +103,12 @@ static void check_file(const char *extension) {
     assert_true(sum_of(mesh->normals, (mesh->normal_count - 1) * mesh->normal_stride / 4) == normals);
 }
 
-static void glb_keeps_what_is_traced(void **state) {
-    (void)state;
-    check_file("glb");
-}
+UNIT_TEST(glb_keeps_what_is_traced) { check_file("glb"); }
 
-static void ply_keeps_what_is_traced(void **state) {
-    (void)state;
-    check_file("ply");
-}
+UNIT_TEST(ply_keeps_what_is_traced) { check_file("ply"); }
 
 /* Memory that is no file's would come back as zeros. */
-static void other_memory_stays(void **state) {
-    (void)state;
+UNIT_TEST(other_memory_stays) {
     fathom_generate_options options = default_generate_options();
     options.triangles = 200000;
     assert_ok(context, fathom_scene_generate(scene, FATHOM_ROOT, &options));
@@ -127,11 +118,4 @@ static void other_memory_stays(void **state) {
     assert_true(sum_of(mesh->normals, 3 * (size_t)mesh->normal_count) == before && before != 0);
 }
 
-int main(void) {
-#define TEST(f) cmocka_unit_test_setup_teardown(f, open_scene, close_scene)
-    const struct CMUnitTest tests[] = {
-        TEST(arrays_apart_are_summed),  TEST(rows_are_counted_once), TEST(glb_keeps_what_is_traced),
-        TEST(ply_keeps_what_is_traced), TEST(other_memory_stays),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(open_scene, close_scene); }

@@ -67,10 +67,8 @@ static void assert_at(vec3_f64 found, vec3_f64 expected) {
 }
 
 /* Two far spheres in a group: the world's origin is the middle of both, the group's own the first of them. */
-static void groups_far_away(void **state) {
-    (void)state;
+UNIT_TEST(groups_far_away) {
     for (int axis = 0; axis < 3; ++axis) {
-        open_scene(NULL);
         const vec3_f64 first = along((axis + 1) % 3, 1 << 20), second = add_f64(first, along(axis, 64));
         fathom_id group = add_group();
         add_sphere(group, first, 1);
@@ -84,15 +82,13 @@ static void groups_far_away(void **state) {
         assert_at(add_f64(origin, widen(w->spheres.items[spheres->first].center)), first);
         assert_at(add_f64(origin, widen(w->spheres.items[spheres->first + 1].center)), second);
         world_destroy(w);
-        close_scene(NULL);
+        close_scene(NULL), open_scene(NULL);
     }
 }
 
 /* A mesh keeps the origin that it came with, beside shapes that have another: along each axis. */
-static void meshes_with_origins_of_their_own(void **state) {
-    (void)state;
+UNIT_TEST(meshes_with_origins_of_their_own) {
     for (int k = 0; k < 6; ++k) {
-        open_scene(NULL);
         const vec3_f64 origin = along(k % 3, 5 << 20);
         fathom_id group = k < 3 ? FATHOM_ROOT : add_group();
         add_sphere(group, (vec3_f64){1, 2, 3}, 1);
@@ -112,13 +108,12 @@ static void meshes_with_origins_of_their_own(void **state) {
                 assert_at(add_f64(moved, widen(w->spheres.items[g->first].center)), (vec3_f64){1, 2, 3});
         }
         world_destroy(w);
-        close_scene(NULL);
+        close_scene(NULL), open_scene(NULL);
     }
 }
 
 /* An instance's material stands for those of all it holds, planes too; the outermost wins. */
-static void materials_of_instances(void **state) {
-    (void)state;
+UNIT_TEST(materials_of_instances) {
     fathom_material red, blue;
     fathom_id red_id, blue_id;
     fathom_material_default(&red);
@@ -153,10 +148,8 @@ static void materials_of_instances(void **state) {
 }
 
 /* Frames that can be inverted each, and not together. */
-static void frames_that_vanish(void **state) {
-    (void)state;
+UNIT_TEST(frames_that_vanish) {
     for (int kind = 0; kind < 2; ++kind) {
-        open_scene(NULL);
         fathom_id inner = add_group(), outer = add_group();
         fathom_plane plane = default_plane();
         if (kind == 0)
@@ -169,13 +162,12 @@ static void frames_that_vanish(void **state) {
         assert_fails(context, world_create(scene, &w), FATHOM_BAD_INPUT,
                      "instance 0: its frame, with those around it, flattens space");
         assert_null(w);
-        close_scene(NULL);
+        close_scene(NULL), open_scene(NULL);
     }
 }
 
 /* A mesh in the root has no instance that a message could name. */
-static void meshes_beyond_float(void **state) {
-    (void)state;
+UNIT_TEST(meshes_beyond_float) {
     world *w;
     add_mesh(FATHOM_ROOT, along(1, 0));
     add_mesh(FATHOM_ROOT, along(1, 1e100));
@@ -185,8 +177,7 @@ static void meshes_beyond_float(void **state) {
 }
 
 /* Each group holds the next one twice: 2^31 ways to the innermost, in a few hundred bytes. */
-static void more_instances_than_can_be(void **state) {
-    (void)state;
+UNIT_TEST(more_instances_than_can_be) {
     fathom_id inner = add_group();
     add_sphere(inner, (vec3_f64){0, 0, 0}, 1);
     for (int i = 0; i < 31; ++i) {
@@ -208,8 +199,7 @@ static fathom_status check_world(void) {
     return status;
 }
 
-static void cameras_too_far(void **state) {
-    (void)state;
+UNIT_TEST(cameras_too_far) {
     add_sphere(FATHOM_ROOT, (vec3_f64){0, 0, 0}, 1);
     fathom_camera camera;
     for (int axis = 0; axis < 3; ++axis) {
@@ -223,8 +213,7 @@ static void cameras_too_far(void **state) {
     }
 }
 
-static void nothing_but_degenerate_triangles(void **state) {
-    (void)state;
+UNIT_TEST(nothing_but_degenerate_triangles) {
     const uint32_t indices[6] = {0, 1, 1, 2, 2, 2};
     fathom_mesh mesh = default_mesh();
     mesh.positions = corners, mesh.vertex_count = 4, mesh.indices = indices, mesh.triangle_count = 2;
@@ -245,8 +234,7 @@ static void quad_of(double corner, int index, fathom_quad *out) {
 
 /* A quad is traced as two triangles: in float a corner can come to lie on the diagonal between its
  * neighbours. */
-static void quads_that_float_flattens(void **state) {
-    (void)state;
+UNIT_TEST(quads_that_float_flattens) {
     fathom_quad quad;
     const struct {
         double corner;
@@ -272,8 +260,7 @@ static void quads_that_float_flattens(void **state) {
 }
 
 /* What is there is kept; a scene that is a point is looked at from a distance of 1. */
-static void completing_keeps_what_is_set(void **state) {
-    (void)state;
+UNIT_TEST(completing_keeps_what_is_set) {
     const float dark[3] = {0, 0.25f, 0}, dim[3] = {0.5f, 0, 0};
     fathom_mesh mesh = default_mesh();
     const float point[6] = {1, 1, 0, 1, 1, 0};
@@ -296,20 +283,4 @@ static void completing_keeps_what_is_set(void **state) {
     assert_int_equal(scene->lights.count, 2);
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, open_scene, close_scene)
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(groups_far_away),
-        cmocka_unit_test(meshes_with_origins_of_their_own),
-        cmocka_unit_test(frames_that_vanish),
-        TEST(meshes_beyond_float),
-        TEST(materials_of_instances),
-        TEST(more_instances_than_can_be),
-        TEST(cameras_too_far),
-        TEST(nothing_but_degenerate_triangles),
-        TEST(quads_that_float_flattens),
-        TEST(completing_keeps_what_is_set),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return unit_main_each(open_scene, close_scene); }

@@ -43,8 +43,7 @@ static bool has_floor(const fathom_scene *scene) { return has(scene, "studio flo
 
 /* The floor lies 2^-10 radii below the lowest point. Stored in float, it is off by some 2^-24 of its size,
  * which is below 64 radii. */
-static void the_lowest_point_touches_it(void **state) {
-    (void)state;
+UNIT_TEST(the_lowest_point_touches_it) {
     for (int k = 0; k < 4; ++k) {
         const int z = k % 2;
         options.up = z ? FATHOM_UP_Z : FATHOM_UP_Y;
@@ -61,8 +60,7 @@ static void the_lowest_point_touches_it(void **state) {
 }
 
 /* Every sample meets the model or the floor, whatever the image's shape. */
-static void the_image_shows_nothing_beyond_it(void **state) {
-    (void)state;
+UNIT_TEST(the_image_shows_nothing_beyond_it) {
     static const uint32_t shapes[][2] = {{16, 16}, {96, 16}, {16, 96}};
     for (size_t k = 0; k < sizeof shapes / sizeof *shapes; ++k) {
         options.width = shapes[k][0], options.height = shapes[k][1];
@@ -80,8 +78,7 @@ static void the_image_shows_nothing_beyond_it(void **state) {
 }
 
 /* From 1 to 2.2 of the model's radii: whole within, gone without, and the share between falls all the way. */
-static void the_plate_fades(void **state) {
-    (void)state;
+UNIT_TEST(the_plate_fades) {
     options.environment = in_folder("sky.pfm");
     fathom_scene *scene = read_model();
     const fathom_mesh *plate = &scene->meshes.items[scene->meshes.count - 1];
@@ -109,8 +106,7 @@ static void assert_floorless(void) {
     assert_false(has_floor(scene));
 }
 
-static void only_whoever_asks_gets_one(void **state) {
-    (void)state;
+UNIT_TEST(only_whoever_asks_gets_one) {
     options.floor = false;
     assert_floorless();
     options.floor = true, options.choose_integrator = true, options.integrator = FATHOM_INTEGRATOR_CLASSIC;
@@ -118,8 +114,7 @@ static void only_whoever_asks_gets_one(void **state) {
 }
 
 /* Scenes that bring a camera, a light or a background are as their authors made them. */
-static void scenes_of_their_own_have_none(void **state) {
-    (void)state;
+UNIT_TEST(scenes_of_their_own_have_none) {
     static const char *const brought[] = {"\"camera\": { \"eye\": [0, 0, 9], \"target\": [0, 0, 0] }",
                                           "\"background\": [1, 1, 1]", "\"lights\": []",
                                           "\"name\": \"bare\""};
@@ -138,12 +133,7 @@ static void scenes_of_their_own_have_none(void **state) {
     }
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, write_model, remove_model)
-
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        TEST(the_lowest_point_touches_it), TEST(the_image_shows_nothing_beyond_it), TEST(the_plate_fades),
-        TEST(only_whoever_asks_gets_one),  TEST(scenes_of_their_own_have_none),
-    };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+    unit_each(write_model, remove_model);
+    return unit_main(open_folder, remove_folder);
 }
