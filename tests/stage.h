@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/array.h"
-#include "owned.h"
 #include "trace/trace.h"
+#include "worlds.h"
 
 /* ---- random numbers, the same in each run ---- */
 
@@ -22,7 +22,6 @@ typedef struct stage {
     world *world;
 } stage;
 
-UNIT_OWNS(world, world, world_destroy)
 UNIT_OWNS(tracer, trace_tracer, trace_destroy)
 
 static inline void stage_open(stage *s) {
@@ -40,9 +39,8 @@ static inline void *stage_memory(size_t bytes) {
 }
 
 static inline world *stage_world(stage *s) {
-    if (s->world) return s->world;
-    assert_ok(s->context, world_create(s->scene, &s->world));
-    return own_world(s->world);
+    if (!s->world) s->world = new_world(s->scene);
+    return s->world;
 }
 
 static inline trace_tracer *stage_trace(stage *s, const char *words, unsigned width, trace_quality quality,

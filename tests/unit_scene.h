@@ -1,11 +1,8 @@
 /* An empty scene and its context, for tests that fill it: set-up and tear-down of each. */
 #pragma once
 
-#include "defaults.h"
 #include "math/affine.h"
-#include "unit.h"
-
-#include <fathom/scene.h>
+#include "owned.h"
 
 static fathom_context *context;
 static fathom_scene *scene;

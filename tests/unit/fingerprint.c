@@ -1,7 +1,6 @@
 /* A scene's fingerprint: another one for every value that pixels depend on, the same for all others. */
 #include "owned.h"
 #include "scene/scene.h"
-#include "unit.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,11 +1,12 @@
 /* The reference tracer: linear search, instances, planes, and what blocks of rays are promised. */
-#include "defaults.h"
 #include "random.h"
 #include "reference/reference.h"
 #include "trace/trace.h"
-#include "unit.h"
+#include "worlds.h"
 
 #include <float.h>
+
+UNIT_OWNS(tracer, trace_tracer, trace_destroy)
 
 typedef struct fixture {
     fathom_context *context;
@@ -15,24 +16,17 @@ typedef struct fixture {
 } fixture;
 
 static fixture begin(void) {
-    fixture f = {0};
-    assert_int_equal(fathom_context_create(&f.context), FATHOM_OK);
-    assert_ok(f.context, fathom_scene_create(f.context, &f.scene));
+    fixture f = {.context = new_context()};
+    f.scene = new_scene(f.context);
     return f;
 }
 
 static void build(fixture *f) {
     trace_options options = {.words = "reference", .width = 16, .threads = 1};
-    assert_ok(f->context, world_create(f->scene, &f->world));
+    f->world = new_world(f->scene);
     assert_ok(f->context, trace_create(f->context, f->world, &options, &f->tracer));
+    own_tracer(f->tracer);
     assert_string_equal(trace_name(f->tracer), "reference");
-}
-
-static void end(fixture *f) {
-    trace_destroy(f->tracer);
-    world_destroy(f->world);
-    fathom_scene_destroy(f->scene);
-    fathom_context_destroy(f->context);
 }
 
 static void add_sphere(fixture *f, fathom_id group, double x, double y, double z, double radius,
@@ -210,7 +204,6 @@ UNIT_TEST(blocks_are_single_rays) {
         }
     }
     for (int k = 0; k < 4; ++k) assert_true(seen[k] > 100);
-    end(&f);
 }
 
 /* An ellipsoid, mirrored and sheared: the point at t, in world space, is on it, whatever the direction's
@@ -249,7 +242,6 @@ UNIT_TEST(t_keeps_its_meaning) {
             assert_near(length_f64(q), 1, 16 * 15 * 0x1p-24);
         }
     }
-    end(&f);
 }
 
 /* ---- ties, shadows, lanes ---- */
@@ -280,7 +272,6 @@ UNIT_TEST(equal_t_goes_to_the_first) {
     assert_int_equal(block.hits.primitive[0], 1); /* the one before it has no area */
     assert_int_equal(block.hits.geometry[1], TRACE_PLANE);
     assert_int_equal(block.hits.primitive[1], 0);
-    end(&f);
 }
 
 UNIT_TEST(first_instance_wins) {
@@ -299,7 +290,6 @@ UNIT_TEST(first_instance_wins) {
     trace_closest(f.tracer, &block, 1, TRACE_COHERENT);
     assert_true(block.rays.t_far[0] == 0.25f);
     assert_int_equal(block.hits.instance[0], 1);
-    end(&f);
 }
 
 UNIT_TEST(shadows_pass_what_casts_none) {
@@ -318,7 +308,6 @@ UNIT_TEST(shadows_pass_what_casts_none) {
     trace_any(f.tracer, &shadows, 3, TRACE_COHERENT);
     assert_true(shadows.t_far[0] == INFINITY && shadows.t_far[1] == INFINITY &&
                 shadows.t_far[2] == -INFINITY);
-    end(&f);
 }
 
 UNIT_TEST(lanes_out_of_use_stay) {
@@ -349,7 +338,6 @@ UNIT_TEST(lanes_out_of_use_stay) {
     assert_true(shadows.t_far[0] == -INFINITY && shadows.t_far[2] == 3.5f && shadows.t_far[3] == 8);
     assert_true(shadows.t_far[5] == INFINITY);
     trace_any(f.tracer, &shadows, 0, TRACE_COHERENT);
-    end(&f);
 }
 
 UNIT_TEST(triangles_that_are_none_are_skipped) {
@@ -369,7 +357,6 @@ UNIT_TEST(triangles_that_are_none_are_skipped) {
         assert_true(block.rays.t_far[i] == 2);
         assert_int_equal(block.hits.primitive[i], 2);
     }
-    end(&f);
 }
 
 UNIT_TEST(threads_flush_denormals_and_restore) {

@@ -1,6 +1,7 @@
 /* Motion: keys in parts and together, what tracers meet at a time, and what is refused. */
 #include "scene/motion/motion.h"
 #include "trace/trace.h"
+#include "worlds.h"
 
 #include "random.h"
 #include "render.h"
@@ -155,8 +156,7 @@ static double nearing(const stage *s, const trace_block *b, int i) {
  * rounding, and none is off by more than some roundings. */
 UNIT_TEST(embree_meets_what_the_linear_search_meets_at_the_ray_s_time) {
     stage s = moving_stage();
-    world *w;
-    assert_ok(s.context, world_create(s.scene, &w));
+    world *w = new_world(s.scene);
     assert_true(w->moves);
     trace_tracer *fast = trace_by(&s, w, "embree"), *slow = trace_by(&s, w, "linear:f32");
     random_state r = {7};
@@ -190,7 +190,6 @@ UNIT_TEST(embree_meets_what_the_linear_search_meets_at_the_ray_s_time) {
     assert_true(off < 16 * 0x1p-24 * 9);
     trace_destroy(fast);
     trace_destroy(slow);
-    world_destroy(w);
 }
 
 /* The vertices of a mesh that turns half around are as far from its centre at every time. */
@@ -202,8 +201,7 @@ UNIT_TEST(turning_meshes_stay_rigid) {
     stage_mesh_sphere(&s, ball, 4, 6, 0);
     place_moving(&s, ball, &from, &to);
     stage_shutter(&s, 0, 1);
-    world *w;
-    assert_ok(s.context, world_create(s.scene, &w));
+    world *w = new_world(s.scene);
     assert_int_equal(w->instances.count, 1);
     for (int k = 0; k <= 1000; ++k) {
         world_instance moved;
@@ -214,7 +212,6 @@ UNIT_TEST(turning_meshes_stay_rigid) {
             assert_true(fabs(square - 1) < 4 * 0x1p-24);
         }
     }
-    world_destroy(w);
 }
 
 /* ---- what is refused ---- */
@@ -227,9 +224,8 @@ static void assert_refused(const stage *s, fathom_status status, const char *wha
 
 UNIT_TEST(tracers_without_times_are_refused) {
     stage s = moving_stage();
-    world *w;
     trace_tracer *tracer;
-    assert_ok(s.context, world_create(s.scene, &w));
+    world *w = new_world(s.scene);
     static const char *const words[] = {"bvh", "embree:user"};
     for (int k = 0; k < 2; ++k) {
         const trace_options options = {.words = words[k], .width = 16, .threads = 1, .timed = true};
@@ -237,7 +233,6 @@ UNIT_TEST(tracers_without_times_are_refused) {
     }
     const trace_options options = {.words = "embree", .width = 16, .threads = 1};
     assert_refused(&s, trace_create(s.context, w, &options, &tracer), "shutter");
-    world_destroy(w);
     fathom_film *film;
     assert_refused(&s, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, NULL, &film), "shutter");
 }

@@ -3,6 +3,7 @@
 #include "scene/scene.h"
 #include "scene/world/world.h"
 #include "unit_scene.h"
+#include "worlds.h"
 
 static const float body[3][3] = {{-1, -0.5f, 0}, {1, 0, 0.25f}, {0, 1, -0.5f}};
 static const double apart[3] = {8, 0, 0}; /* an origin that is not that of the group */
@@ -72,9 +73,8 @@ static affine_f64 chain_at(const affine_f64 *middle, double time) {
  * both below 32, at 64 times and at the keys (world_motion.c); no more than twice that between. */
 static void expect_products(const double origin[3]) {
     const affine_f64 middle = build_chain(origin);
-    world *w;
     scene->camera.shutter[0] = 0, scene->camera.shutter[1] = 1;
-    assert_ok(context, world_create(scene, &w));
+    world *w = new_world(scene);
     assert_int_equal(w->instances.count, 1);
     const double off = 2 * (0x1p-14 + 0x1p-21) * 32;
     for (int t = 0; t <= 100; ++t) {
@@ -96,7 +96,6 @@ static void expect_products(const double origin[3]) {
                          found.z, expected.x, expected.y, expected.z);
         }
     }
-    world_destroy(w);
 }
 
 UNIT_TEST(motions_of_motions_are_products) { expect_products((double[3]){0, 0, 0}); }

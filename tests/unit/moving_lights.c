@@ -5,6 +5,7 @@
 #include "random.h"
 #include "trace/trace.h"
 #include "verify/laws/laws.h"
+#include "worlds.h"
 
 /* ---- scenes: one lamp over a floor ---- */
 
@@ -93,10 +94,9 @@ UNIT_TEST(bounds_hold_at_every_time) {
     random_state r = {3};
     for (lamp kind = 0; kind < LAMPS; ++kind) {
         stage s = lamp_stage(kind);
-        world *w;
         emitters *e;
         tree_item items[64];
-        assert_ok(s.context, world_create(s.scene, &w));
+        world *w = new_world(s.scene);
         assert_ok(s.context, emitters_create(s.context, w, NULL, NULL, &e));
         assert_true(emitters_move(e));
         assert_true(e->surface_count <= 64);
@@ -111,7 +111,6 @@ UNIT_TEST(bounds_hold_at_every_time) {
                 assert_face_inside(e, item, time, lamps[kind]);
         }
         emitters_destroy(e);
-        world_destroy(w);
     }
 }
 
@@ -203,10 +202,9 @@ UNIT_TEST(every_way_to_sample_has_one_expectation) {
     for (lamp kind = 0; kind < LAMPS; ++kind) {
         stage s = lamp_stage(kind);
         const trace_options options = {.words = "embree", .width = 16, .threads = 1, .timed = true};
-        world *w;
         emitters *e;
         trace_tracer *tracer;
-        assert_ok(s.context, world_create(s.scene, &w));
+        world *w = new_world(s.scene);
         assert_ok(s.context, emitters_create(s.context, w, NULL, NULL, &e));
         assert_ok(s.context, trace_create(s.context, w, &options, &tracer));
         probe p = {.e = e, .tracer = tracer, .r = {kind + 1}};
@@ -224,7 +222,6 @@ UNIT_TEST(every_way_to_sample_has_one_expectation) {
         }
         trace_destroy(tracer);
         emitters_destroy(e);
-        world_destroy(w);
     }
 }
 

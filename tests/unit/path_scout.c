@@ -8,6 +8,7 @@
 #include "scene/scene.h"
 #include "unit_folder.h"
 #include "verify/laws/laws.h"
+#include "worlds.h"
 
 enum { WIDTH = 64, HEIGHT = 32 };
 
@@ -135,15 +136,13 @@ static void with_plan(room_parts with, double expected, void (*look)(const rende
     const trace_options options = {.timed = true, .threads = 2, .expected_rays = 1000000};
     trace_tracer *tracer;
     render_plan *plan;
-    world *w;
     s.settings.width = s.settings.height = 256, s.settings.spp = 64;
-    assert_ok(s.context, world_create(s.scene, &w));
+    world *w = new_world(s.scene);
     assert_ok(s.context, trace_create(s.context, w, &options, &tracer));
     assert_ok(s.context, plan_create(s.context, w, tracer, &s.settings, NULL, NULL, &plan));
     look(plan, expected);
     plan_destroy(plan);
     trace_destroy(tracer);
-    world_destroy(w);
 }
 
 UNIT_TEST(light_samples_leave_by_the_window) {

@@ -2,6 +2,7 @@
 #include "read/mesh/strokes.h"
 #include "scene/world/world.h"
 #include "trace/trace.h"
+#include "worlds.h"
 
 #include "render.h"
 #include "unit_folder.h"
@@ -185,15 +186,13 @@ UNIT_TEST(memory_of_points_is_foreseen) {
     fathom_mesh mesh = cloud_of(0.002f, stage_lambert(&s, 0.5f));
     mesh.positions = many, mesh.vertex_count = MANY;
     assert_ok(s.context, fathom_scene_add_mesh(s.scene, 0, &mesh, NULL));
-    world *w;
     trace_tracer *tracer;
-    assert_ok(s.context, world_create(s.scene, &w));
+    world *w = new_world(s.scene);
     const trace_options options = {.threads = 2};
     assert_ok(s.context, trace_create(s.context, w, &options, &tracer));
     const double peak = (double)trace_peak_bytes(tracer), foreseen = (double)trace_foreseen_bytes(tracer);
     if (!(peak <= foreseen && peak > 0.8 * foreseen)) fail_msg("%g of %g bytes", peak, foreseen);
     trace_destroy(tracer);
-    world_destroy(w);
     free(many);
 }
 
@@ -201,14 +200,13 @@ UNIT_TEST(memory_of_points_is_foreseen) {
 
 UNIT_TEST(points_are_primitives_of_their_object) {
     stage s = stage_open(8, 8);
-    world *w;
     const fathom_id lambert = stage_lambert(&s, 0.5f), other = stage_lambert(&s, 0.6f);
     fathom_id id[2];
     fathom_mesh mesh = cloud_of(radius, other);
     stage_sphere(&s, 0, 0, 0, 1, lambert);
     for (int i = 0; i < 2; ++i) assert_ok(s.context, fathom_scene_add_mesh(s.scene, 0, &mesh, &id[i]));
     stage_sphere(&s, 0, 0, 3, 1, lambert);
-    assert_ok(s.context, world_create(s.scene, &w));
+    world *w = new_world(s.scene);
     assert_int_equal(w->geometries.count, 3); /* no cloud joins a run of spheres, or another cloud */
     assert_int_equal(w->geometries.items[0].count, 2);
     for (uint32_t g = 1; g < 3; ++g) {
@@ -226,7 +224,6 @@ UNIT_TEST(points_are_primitives_of_their_object) {
     assert_int_equal(bytes, 2 * POINTS * (12 + sizeof(world_sphere) + sizeof(fathom_id)));
     assert_int_equal(scene_points(s.scene), 2 * POINTS);
     assert_int_equal(scene_primitives(s.scene), 2 * POINTS + 2);
-    world_destroy(w);
 }
 
 /* Also where the frame is a mesh's own, far away. */

@@ -1,7 +1,6 @@
 /* Building scenes: what is refused, and what the world of the tracers becomes. */
-#include "defaults.h"
 #include "scene/world/world.h"
-#include "unit.h"
+#include "worlds.h"
 
 typedef struct fixture {
     fathom_context *context;
@@ -9,15 +8,9 @@ typedef struct fixture {
 } fixture;
 
 static fixture open_scene(void) {
-    fixture f;
-    assert_int_equal(fathom_context_create(&f.context), FATHOM_OK);
-    assert_ok(f.context, fathom_scene_create(f.context, &f.scene));
+    fixture f = {.context = new_context()};
+    f.scene = new_scene(f.context);
     return f;
-}
-
-static void close_scene(fixture *f) {
-    fathom_scene_destroy(f->scene);
-    fathom_context_destroy(f->context);
 }
 
 static fathom_status add_sphere(fixture *f, fathom_id group, double x, double y, double z, double radius) {
@@ -82,7 +75,6 @@ UNIT_TEST(bad_shapes) {
     fathom_instance flat = default_instance();
     flat.group = add_group(&f, "g"), flat.transform[0] = 0;
     assert_fails(f.context, fathom_scene_add_instance(f.scene, &flat, NULL), FATHOM_BAD_INPUT, "inverted");
-    close_scene(&f);
 }
 
 UNIT_TEST(wholes_that_cannot_be) {
@@ -96,7 +88,6 @@ UNIT_TEST(wholes_that_cannot_be) {
     assert_ok(f.context, fathom_scene_check(f.scene));
     assert_ok(f.context, add_instance(&f, a, b, 1, 1));
     assert_fails(f.context, fathom_scene_check(f.scene), FATHOM_BAD_INPUT, "\"arm\" -> \"hand\" -> \"arm\"");
-    close_scene(&f);
 }
 
 static void note_light(void *user, const char *message) {
@@ -105,13 +96,11 @@ static void note_light(void *user, const char *message) {
 
 static const char *warned_of_light(fixture *f) {
     static char message[300];
-    world *w;
     message[0] = '\0';
     fathom_context_on_warning(f->context, note_light, message);
     assert_ok(f->context, fathom_scene_check(f->scene));
-    assert_ok(f->context, world_create(f->scene, &w));
+    world *w = new_world(f->scene);
     assert_ok(f->context, world_check(w));
-    world_destroy(w);
     return message;
 }
 
@@ -140,7 +129,6 @@ UNIT_TEST(lights_in_spheres_are_warned_of) {
         camera.origin[0] = x, camera.origin[2] = -5;
         assert_ok(f.context, fathom_scene_set_camera(f.scene, &camera));
         assert_string_equal(warned_of_light(&f), "");
-        close_scene(&f);
     }
 }
 
@@ -160,7 +148,6 @@ UNIT_TEST(lights_that_leave_spheres_are_not_warned_of) {
         assert_ok(f.context, fathom_scene_add_sphere(f.scene, FATHOM_ROOT, &sphere, NULL));
         assert_ok(f.context, fathom_scene_add_light(f.scene, &light, NULL));
         assert_int_equal(warned_of_light(&f)[0] != '\0', k % 2);
-        close_scene(&f);
     }
 }
 
@@ -175,12 +162,9 @@ UNIT_TEST(nests_to_any_depth) {
         parent = group;
     }
     assert_ok(f.context, add_sphere(&f, parent, 0, 0, 0, 1));
-    world *w;
-    assert_ok(f.context, world_create(f.scene, &w));
+    world *w = new_world(f.scene);
     assert_int_equal(w->instances.count, 1);
     assert_near(w->instances.items[0].to_world[0][3], 1, 0);
-    world_destroy(w);
-    close_scene(&f);
 }
 
 UNIT_TEST(nested_frames_multiply) {
@@ -190,8 +174,7 @@ UNIT_TEST(nested_frames_multiply) {
     assert_ok(f.context, add_instance(&f, inner, outer, 10, 2));
     assert_ok(f.context, add_instance(&f, outer, FATHOM_ROOT, 100, 3));
     assert_ok(f.context, add_instance(&f, inner, FATHOM_ROOT, -4, 1));
-    world *w;
-    assert_ok(f.context, world_create(f.scene, &w));
+    world *w = new_world(f.scene);
     assert_int_equal(w->instances.count, 2);
     const world_instance *nested = &w->instances.items[0];
     assert_near(nested->to_world[0][0], 6, 0);
@@ -202,8 +185,6 @@ UNIT_TEST(nested_frames_multiply) {
     assert_ok(f.scene->context, scene_world_bounds(f.scene, &bounds));
     assert_near(bounds.upper.x, 139, 0);
     assert_near(bounds.lower.x, -3.5, 0);
-    world_destroy(w);
-    close_scene(&f);
 }
 
 /* A group that is placed once, unmoved, needs no frame; its instance is still named. */
@@ -213,14 +194,11 @@ UNIT_TEST(needless_frames_are_left_out) {
     fathom_mesh mesh = small_mesh();
     assert_ok(f.context, fathom_scene_add_mesh_shared(f.scene, group, &mesh, NULL));
     assert_ok(f.context, add_instance(&f, group, FATHOM_ROOT, 0, 1));
-    world *w;
-    assert_ok(f.context, world_create(f.scene, &w));
+    world *w = new_world(f.scene);
     assert_int_equal(w->instances.count, 0);
     assert_int_equal(w->geometries.count, 1);
     assert_int_equal(w->geometries.items[0].instance, 0);
     assert_ptr_equal(w->meshes.items[0].positions, corners);
-    world_destroy(w);
-    close_scene(&f);
 }
 
 /* A mesh at Earth's radius: its own origin becomes the world's, and nothing is lost to float. */
@@ -233,16 +211,13 @@ UNIT_TEST(far_scenes_are_brought_near) {
     fathom_plane plane = default_plane();
     plane.point[0] = 6378136.25, plane.normal[0] = -2, plane.normal[2] = 0;
     assert_ok(f.context, fathom_scene_add_plane(f.scene, FATHOM_ROOT, &plane, NULL));
-    world *w;
-    assert_ok(f.context, world_create(f.scene, &w));
+    world *w = new_world(f.scene);
     double sphere_x = w->origin.x + (double)w->spheres.items[0].center.x;
     assert_near(sphere_x, 6378139.375, 0);
     assert_true(fabsf(w->spheres.items[0].center.x) < 4);
     double mesh_x = w->instances.count ? (double)w->instances.items[0].to_world[0][3] : 0;
     assert_near(w->origin.x + mesh_x, 6378137.125, 0);
     assert_near(w->origin.x - (double)w->planes.items[0].offset, 6378136.25, 0);
-    world_destroy(w);
-    close_scene(&f);
 }
 
 UNIT_TEST(degenerate_triangles_are_counted) {
@@ -251,11 +226,8 @@ UNIT_TEST(degenerate_triangles_are_counted) {
     fathom_mesh mesh = small_mesh();
     mesh.indices = indices, mesh.triangle_count = 4;
     assert_ok(f.context, fathom_scene_add_mesh(f.scene, FATHOM_ROOT, &mesh, NULL));
-    world *w;
-    assert_ok(f.context, world_create(f.scene, &w));
+    world *w = new_world(f.scene);
     assert_int_equal(w->degenerate_triangles, 2);
-    world_destroy(w);
-    close_scene(&f);
 }
 
 /* What no tracer of Embree's sees is counted: beyond 1e18, or beyond float. */
@@ -272,11 +244,8 @@ UNIT_TEST(shapes_beyond_reach_are_counted) {
     fathom_mesh mesh = small_mesh();
     mesh.positions = positions, mesh.vertex_count = 4, mesh.indices = indices, mesh.triangle_count = 2;
     assert_ok(f.context, fathom_scene_add_mesh(f.scene, FATHOM_ROOT, &mesh, NULL));
-    world *w;
-    assert_ok(f.context, world_create(f.scene, &w));
+    world *w = new_world(f.scene);
     assert_int_equal(w->beyond_reach, 4 + 1);
-    world_destroy(w);
-    close_scene(&f);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

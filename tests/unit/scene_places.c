@@ -2,6 +2,7 @@
  * where the scene has it; and what cannot be placed is told. */
 #include "scene/world/world.h"
 #include "unit_scene.h"
+#include "worlds.h"
 
 static void add_sphere(fathom_id group, vec3_f64 center, double radius) {
     fathom_sphere sphere = default_sphere();
@@ -74,14 +75,12 @@ UNIT_TEST(groups_far_away) {
         add_sphere(group, first, 1);
         add_sphere(group, second, 1);
         assert_ok(context, place(group, FATHOM_ROOT, 1, FATHOM_NONE));
-        world *w;
-        assert_ok(context, world_create(scene, &w));
+        world *w = new_world(scene);
         uint32_t at;
         const world_geometry *spheres = geometry_of(w, WORLD_SPHERES, &at);
         vec3_f64 origin = moved_by(w, group_of(w, at));
         assert_at(add_f64(origin, widen(w->spheres.items[spheres->first].center)), first);
         assert_at(add_f64(origin, widen(w->spheres.items[spheres->first + 1].center)), second);
-        world_destroy(w);
         close_scene(NULL), open_scene(NULL);
     }
 }
@@ -95,8 +94,7 @@ UNIT_TEST(meshes_with_origins_of_their_own) {
         add_mesh(group, origin);
         add_mesh(group, (vec3_f64){0, 0, 0});
         if (k >= 3) assert_ok(context, place(group, FATHOM_ROOT, 1, FATHOM_NONE));
-        world *w;
-        assert_ok(context, world_create(scene, &w));
+        world *w = new_world(scene);
         uint32_t at;
         assert_int_equal(w->meshes.count, 2);
         for (at = 0; at < w->geometries.count; ++at) {
@@ -107,7 +105,6 @@ UNIT_TEST(meshes_with_origins_of_their_own) {
             else
                 assert_at(add_f64(moved, widen(w->spheres.items[g->first].center)), (vec3_f64){1, 2, 3});
         }
-        world_destroy(w);
         close_scene(NULL), open_scene(NULL);
     }
 }
@@ -131,20 +128,16 @@ UNIT_TEST(materials_of_instances) {
         scene->instances.count = 0; /* placed anew */
         assert_ok(context, place(inner, outer, 1, given[i][0]));
         assert_ok(context, place(outer, FATHOM_ROOT, 1, given[i][1]));
-        world *w;
-        assert_ok(context, world_create(scene, &w));
+        world *w = new_world(scene);
         assert_int_equal(w->planes.items[0].material, seen[i]);
         assert_int_equal(w->instances.count, 0);
         assert_int_equal(world_material(w, 0, 0, FATHOM_NONE), seen[i]);
-        world_destroy(w);
     }
     scene->instances.count = 0;
     assert_ok(context, place(inner, outer, 1, red_id));
     assert_ok(context, place(outer, FATHOM_ROOT, 1, blue_id));
-    world *w;
-    assert_ok(context, world_create(scene, &w));
+    world *w = new_world(scene);
     assert_int_equal(w->planes.items[0].material, blue_id);
-    world_destroy(w);
 }
 
 /* Frames that can be inverted each, and not together. */
@@ -244,19 +237,15 @@ UNIT_TEST(quads_that_float_flattens) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         quad_of(cases[i].corner, cases[i].index, &quad);
         assert_ok(context, fathom_scene_add_quad(scene, FATHOM_ROOT, &quad, NULL));
-        world *w;
-        assert_ok(context, world_create(scene, &w));
+        world *w = new_world(scene);
         assert_int_equal(w->geometries.items[0].flat, cases[i].flat);
-        world_destroy(w);
     }
     /* Corners beyond float. */
     for (int i = 0; i < 4; ++i)
         for (int k = 0; k < 3; ++k) quad.corners[i][k] *= 1e39;
     assert_ok(context, fathom_scene_add_quad(scene, FATHOM_ROOT, &quad, NULL));
-    world *w;
-    assert_ok(context, world_create(scene, &w));
+    world *w = new_world(scene);
     assert_int_equal(w->beyond_reach, 1);
-    world_destroy(w);
 }
 
 /* What is there is kept; a scene that is a point is looked at from a distance of 1. */

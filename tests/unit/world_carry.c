@@ -1,6 +1,7 @@
 /* Meshes that are placed once lie in the world itself: which do, that nothing of them changes, and that they
  * look as they do in a frame. */
 #include "scene/world/world.h"
+#include "worlds.h"
 
 #include "render.h"
 
@@ -56,8 +57,7 @@ UNIT_TEST(a_mesh_placed_once_is_carried) {
     place(&s, &instance, inner, outer, &first, &ids[0]);
     instance.material = red;
     place(&s, &instance, outer, FATHOM_ROOT, &second, &ids[1]);
-    world *w;
-    assert_ok(s.context, world_create(s.scene, &w));
+    world *w = new_world(s.scene);
     assert_int_equal(w->instances.count, 0);
     assert_int_equal(w->geometries.count, 1);
     assert_int_equal(w->geometries.items[0].instance, ids[0]);
@@ -74,7 +74,6 @@ UNIT_TEST(a_mesh_placed_once_is_carried) {
         assert_vector(tangent, scale_f64(1 / 1.5, affine_vector(&map, t)));
         assert_true(tangent[3] == tangents[4 * i + 3]);
     }
-    world_destroy(w);
 }
 
 /* Normals go by the inverse map transposed: across the surface as before. */
@@ -91,8 +90,7 @@ UNIT_TEST(normals_of_stretched_meshes_stay_across) {
     const affine_f64 map = affine_compose(&turn, &uneven);
     fathom_instance instance = default_instance();
     place(&s, &instance, group, FATHOM_ROOT, &map, NULL);
-    world *w;
-    assert_ok(s.context, world_create(s.scene, &w));
+    world *w = new_world(s.scene);
     assert_int_equal(w->instances.count, 0);
     const fathom_mesh *made = world_mesh(w, 0);
     const vec3_f64 p = widen(load_f32(mesh_vertex(made, 0))),
@@ -105,7 +103,6 @@ UNIT_TEST(normals_of_stretched_meshes_stay_across) {
         assert_near(dot_f64(normalize_f64(n), flat), 1, 1e-6);
         if (i == 0) assert_near(dot_f64(normalize_f64(t), normalize_f64(side)), 1, 1e-6);
     }
-    world_destroy(w);
 }
 
 /* ---- what keeps its frame ---- */

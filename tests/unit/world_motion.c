@@ -1,6 +1,7 @@
 /* The uniform steps of a world's motion against the keys of its scene. */
 #include "scene/motion/motion.h"
 #include "scene/world/world.h"
+#include "worlds.h"
 
 #include "render.h"
 
@@ -45,8 +46,7 @@ UNIT_TEST(a_jerk_between_two_keys_is_followed) {
     add_triangle(&s, group);
     place_keys(&s, FATHOM_ROOT, group, times, x, KEYS, 1);
     stage_shutter(&s, 0, 1);
-    world *w;
-    assert_ok(s.context, world_create(s.scene, &w));
+    world *w = new_world(s.scene);
     assert_true(w->moves);
     for (int k = 0; k <= 1024; ++k) {
         world_instance moved;
@@ -56,7 +56,6 @@ UNIT_TEST(a_jerk_between_two_keys_is_followed) {
         /* A step at each key: places in float, near 1. */
         assert_near((double)at->to_world[0][3] + w->origin.x, exact.m[0][3], 4 * 0x1p-24);
     }
-    world_destroy(w);
 }
 
 /* A triangle at the end of a lever that turns by `angle` about z. Returns the largest error at 999 times of
@@ -75,8 +74,7 @@ static double turn_lever(stage *s, double lever, double angle) {
     instance.key_transforms = keys[0];
     assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));
     stage_shutter(s, 0, 1);
-    world *w;
-    assert_ok(s->context, world_create(s->scene, &w));
+    world *w = new_world(s->scene);
     assert_ok(s->context, world_check(w));
     double most = 0;
     for (int k = 1; k < 1000; ++k) {
@@ -87,7 +85,6 @@ static double turn_lever(stage *s, double lever, double angle) {
         most = fmax(most, hypot((double)at->to_world[0][3] + w->origin.x - lever * cos(turn),
                                 (double)at->to_world[1][3] + w->origin.y - lever * sin(turn)));
     }
-    world_destroy(w);
     return most;
 }
 
@@ -142,8 +139,7 @@ UNIT_TEST(normals_that_turn_alone_are_motion) {
     mesh.key_count = 3, mesh.key_times = times, mesh.key_positions = keys, mesh.key_normals = normals;
     assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
     stage_shutter(&s, 0.5, 1.5);
-    world *w;
-    assert_ok(s.context, world_create(s.scene, &w));
+    world *w = new_world(s.scene);
     assert_true(w->moves);
     for (int k = 0; k <= 8; ++k) {
         vec3_f32 corner[3], normal[3];
@@ -156,7 +152,6 @@ UNIT_TEST(normals_that_turn_alone_are_motion) {
         }
         assert_true(corner[1].x - corner[0].x == 1);
     }
-    world_destroy(w);
 }
 
 /* Keys 0 to 1 move, 1 to 2 stand, 2 to 3 move. */
@@ -174,8 +169,7 @@ UNIT_TEST(vertices_that_stand_while_the_shutter_is_open_stand) {
         mesh.key_count = 4, mesh.key_times = (const double[]){0, 1, 2, 3}, mesh.key_positions = keys;
         assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
         stage_shutter(&s, shutters[i][0], shutters[i][1]);
-        world *w;
-        assert_ok(s.context, world_create(s.scene, &w));
+        world *w = new_world(s.scene);
         assert_int_equal(w->moves, i == 2 || i == 3);
         for (int k = 0; k <= 12; ++k) {
             vec3_f32 corner[3];
@@ -184,7 +178,6 @@ UNIT_TEST(vertices_that_stand_while_the_shutter_is_open_stand) {
             world_corners_when(w, &w->geometries.items[0], 0, (float)(k / 12.0), corner, NULL);
             assert_near((double)corner[0].x + w->origin.x, expected, 4 * 0x1p-22);
         }
-        world_destroy(w);
     }
 }
 
