@@ -104,11 +104,15 @@ fathom_status command_context(unsigned threads, fathom_context **out) {
     return FATHOM_OK;
 }
 
-fathom_status command_run(const command *c, int argc, char **argv, void *settings, command_body body) {
-    const command_common *common = settings;
+/* During the body, a signal ends the process. */
+fathom_status command_run(const command *c, int argc, char **argv) {
+    if (c->run) return c->run(argc, argv);
+    _Alignas(max_align_t) char settings[COMMAND_SETTINGS_MOST];
+    const command_common *common = (const void *)settings;
     fathom_context *context;
     fathom_status status;
     warning_list said = {.count = 0};
+    memcpy(settings, c->defaults, c->size);
     if (!command_parse(c, argc, argv, settings, &status)) return status;
     status = command_context(common->threads, &context);
     if (status != FATHOM_OK) return status;
@@ -116,7 +120,7 @@ fathom_status command_run(const command *c, int argc, char **argv, void *setting
     fathom_context_on_warning(context, warnings_say_once, &said);
     fathom_context_allow_outside(context, common->allow_outside);
     interrupt_install();
-    status = body(context, settings);
+    status = c->body(context, settings);
     fathom_context_destroy(context);
     warnings_free(&said);
     return status;

@@ -6,6 +6,9 @@
 #include <fathom/read.h>
 #include <stdio.h>
 
+/* Does the work of a command, and prints its own errors. */
+typedef fathom_status (*command_body)(fathom_context *context, void *settings);
+
 typedef struct command {
     const char *name;
     const char *usage;   /* "SCENE -o IMAGE [-o IMAGE2 ...] [options]" */
@@ -13,8 +16,17 @@ typedef struct command {
     const char *text;    /* paragraphs between the usage and the options */
     const char *examples;
     args_spec args;
-    fathom_status (*run)(int argc, char **argv);
+    fathom_status (*run)(int argc, char **argv); /* NULL: by the following */
+    command_body body;
+    const void *defaults; /* of its settings, which begin with a command_common */
+    size_t size;          /* of the settings, at most COMMAND_SETTINGS_MOST */
 } command;
+
+#define COMMAND_SETTINGS_MOST 2048
+#define COMMAND_BODY(function, type, ...)                                                                    \
+    .body = function, .defaults = &(const type)__VA_ARGS__, .size = sizeof(type)
+
+fathom_status command_run(const command *c, int argc, char **argv);
 
 extern const command command_render, command_merge, command_info, command_generate, command_convert,
     command_texture, command_compare, command_validate, command_bench, command_help;
@@ -110,11 +122,6 @@ typedef struct command_common {
              "number of threads, 1 to 1024 (one per processor)")
 #define COMMAND_QUIET(help)                                                                                  \
     ARGS_ROW("quiet", 'q', NULL, take_true, offsetof(command_common, quiet), 0, 0, help)
-
-/* Reads the command line into `settings`, which begin with a command_common and hold the defaults. Then calls
- * `body` with a context. During `body`, a signal ends the process. The body prints its own errors. */
-typedef fathom_status (*command_body)(fathom_context *context, void *settings);
-fathom_status command_run(const command *c, int argc, char **argv, void *settings, command_body body);
 
 /* Creates a context whose warnings go to stderr. Prints the error if memory runs out. */
 fathom_status command_context(unsigned threads, fathom_context **out);

@@ -63,11 +63,6 @@ static fathom_status read_and_compare(fathom_context *context, void *user) {
     return status;
 }
 
-static fathom_status run(int argc, char **argv) {
-    compare_settings settings = {.a = NULL};
-    return command_run(&command_compare, argc, argv, &settings, read_and_compare);
-}
-
 static const args_option options[] = {
     {.help = "Options"},
     {"tolerance", 0, "T", take_f64, offsetof(compare_settings, tolerance), 0, 1e300,
@@ -93,5 +88,5 @@ const command command_compare = {
     .examples = "  fathom compare old.exr new.exr --tolerance 0.001\n"
                 "  fathom compare old.png new.png --flip\n",
     .args = {options, {{"A", offsetof(compare_settings, a)}, {"B", offsetof(compare_settings, b)}}},
-    .run = run,
+    COMMAND_BODY(read_and_compare, compare_settings, {.a = NULL}),
 };

@@ -52,11 +52,6 @@ static fathom_status convert(fathom_context *context, void *user) {
     return say_status(&command_convert, context, status);
 }
 
-static fathom_status run(int argc, char **argv) {
-    convert_settings settings = {.input = NULL};
-    return command_run(&command_convert, argc, argv, &settings, convert);
-}
-
 static const args_option options[] = {
     {.help = "Options"},
     COMMAND_MODEL(convert_settings),
@@ -83,5 +78,5 @@ const command command_convert = {
                 "  fathom convert walk.glb pose.json --time 1.5\n",
     .args = {options,
              {{"IN", offsetof(convert_settings, input)}, {"OUT", offsetof(convert_settings, output)}}},
-    .run = run,
+    COMMAND_BODY(convert, convert_settings, {.input = NULL}),
 };

@@ -78,11 +78,6 @@ static fathom_status check_and_generate(fathom_context *context, void *user) {
     return say_status(&command_generate, context, status);
 }
 
-static fathom_status run(int argc, char **argv) {
-    generate_settings settings = {.kind = NULL};
-    return command_run(&command_generate, argc, argv, &settings, check_and_generate);
-}
-
 static const args_option options[] = {
     {.help = "Options"},
     {"triangles", 't', "N", take_u64, offsetof(generate_settings, triangles), 1, 1e11,
@@ -110,5 +105,5 @@ const command command_generate = {
     .examples = "  fathom generate sphere --triangles 8M -o heavy.glb\n"
                 "  fathom render heavy.glb -o heavy.png\n",
     .args = {options, {{"KIND", offsetof(generate_settings, kind)}}},
-    .run = run,
+    COMMAND_BODY(check_and_generate, generate_settings, {.kind = NULL}),
 };

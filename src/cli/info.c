@@ -257,11 +257,6 @@ static fathom_status describe_with_problems(fathom_context *context, void *setti
     return status;
 }
 
-static fathom_status run(int argc, char **argv) {
-    info_settings settings = {.scene = NULL};
-    return command_run(&command_info, argc, argv, &settings, describe_with_problems);
-}
-
 static const args_option options[] = {
     {.help = "Options"},
     COMMAND_MODEL(info_settings),
@@ -280,5 +275,5 @@ const command command_info = {
             "render skips and why, an estimate of its memory, and the problems found. The\n"
             "exit code is 3 if Embree, the default tracer, cannot render the scene.\n",
     .args = {options, {{"SCENE", offsetof(info_settings, scene)}}},
-    .run = run,
+    COMMAND_BODY(describe_with_problems, info_settings, {.scene = NULL}),
 };

@@ -69,7 +69,7 @@ static fathom_status dispatch(int argc, char **argv) {
     }
     const command *c = command_find(commands, name, &problem);
     if (!c) return say_usage(NULL, problem.text);
-    return c->run(argc - 1, argv + 1);
+    return command_run(c, argc - 1, argv + 1);
 }
 
 /* Skips exit(): all files are closed by now, and the system frees all memory faster. Sanitizers and coverage

@@ -40,11 +40,6 @@ static fathom_status check_and_write(fathom_context *context, void *user) {
     return FATHOM_OK;
 }
 
-static fathom_status run(int argc, char **argv) {
-    texture_settings settings = {.color = "auto"};
-    return command_run(&command_texture, argc, argv, &settings, check_and_write);
-}
-
 static const args_option options[] = {
     {.help = "Options"},
     {"output", 'o', "FILE", take_text, offsetof(texture_settings, output), 0, 0, ".tx, .tif or .tiff"},
@@ -68,5 +63,5 @@ const command command_texture = {
     .examples = "  fathom texture wood.png -o wood.tx\n"
                 "  fathom texture normals.png -o normals.tx --color linear\n",
     .args = {options, {{"IMAGE", offsetof(texture_settings, input)}}},
-    .run = run,
+    COMMAND_BODY(check_and_write, texture_settings, {.color = "auto"}),
 };

@@ -59,7 +59,7 @@ static result run(const command *c, const char *line) {
     }
     argv[argc] = NULL;
     redirect();
-    result r = {.status = c->run(argc, argv)};
+    result r = {.status = command_run(c, argc, argv)};
     r.out = take_printed(0), r.err = take_printed(1);
     restore();
     r.wrote = output && access(output, F_OK) == 0;

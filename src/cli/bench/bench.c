@@ -104,11 +104,10 @@ static fathom_status write_csv(fathom_context *context, const char *path, const 
     return status;
 }
 
-static fathom_status write_outputs(fathom_context *context, const bench_settings *asked, const json_t *root,
-                                   const bench_csv *csv) {
+static fathom_status write_outputs(fathom_context *context, const bench_settings *asked, const json_t *root) {
     fathom_status status = FATHOM_OK;
     if (asked->json) status = json_write_file(context, asked->json, root);
-    if (status == FATHOM_OK && asked->csv) status = write_csv(context, asked->csv, root, csv);
+    if (status == FATHOM_OK && asked->csv) status = write_csv(context, asked->csv, root, asked->table);
     if (status == FATHOM_OK && asked->report) status = report_write(context, asked->report, root);
     return status;
 }
@@ -182,32 +181,27 @@ bench_watch bench_progress_part(double from, double to) {
 /* ---- running ---- */
 
 static fathom_status measure_and_write(fathom_context *context, const bench_settings *asked, json_t *root) {
-    const fathom_status measured = asked->run.measure(context, asked, root);
+    const fathom_status measured = asked->measure(context, asked, root);
     progress_clear_line();
     fflush(stdout);
     const bool partial = measured == FATHOM_INTERRUPTED && json_is_true(json_object_get(root, "interrupted"));
     if (measured != FATHOM_OK && !partial) return measured;
     if (json_memory_lacked()) return fail_memory(context, 4096); /* some results are missing */
-    const fathom_status written = write_outputs(context, asked, root, asked->run.csv);
+    const fathom_status written = write_outputs(context, asked, root);
     return written == FATHOM_OK ? measured : written;
 }
 
-static fathom_status check_and_measure(fathom_context *context, void *settings) {
+fathom_status bench_run(fathom_context *context, void *settings) {
     const bench_settings *asked = settings;
     const char *const files[] = {asked->json, asked->csv};
     fathom_status status = report_check_files(context, files, asked->report, asked->scene);
     if (status == FATHOM_OK) {
         progress_start(asked->common.quiet);
-        json_t *root = head(asked->run.command->name + strlen("bench "));
+        json_t *root = head(asked->command->name + strlen("bench "));
         status = measure_and_write(context, asked, root);
         json_decref(root);
     }
-    return say_status(asked->run.command, context, status);
-}
-
-fathom_status bench_run(const bench_kind *b, int argc, char **argv, void *settings) {
-    ((bench_settings *)settings)->run = *b;
-    return command_run(b->command, argc, argv, settings, check_and_measure);
+    return say_status(asked->command, context, status);
 }
 
 /* ---- scenes ---- */
@@ -250,7 +244,7 @@ static fathom_status run(int argc, char **argv) {
     if (argc < 2) return say_usage(&command_bench, "bench: expected what to measure: trace, render or error");
     args_problem problem;
     const command *found = command_find(benches, argv[1], &problem);
-    if (found) return found->run(argc - 1, argv + 1);
+    if (found) return command_run(found, argc - 1, argv + 1);
     if (args_ask_help(argc, argv)) {
         help_command(&command_bench, stdout);
         return FATHOM_OK;

@@ -21,17 +21,13 @@ typedef struct bench_csv {
  * if root.interrupted is true. */
 typedef fathom_status (*bench_measure)(fathom_context *context, const void *settings, json_t *root);
 
-typedef struct bench_kind {
-    const command *command;
-    bench_measure measure;
-    const bench_csv *csv;
-} bench_kind;
-
 /* ---- settings: the first member of each bench's own ---- */
 
 typedef struct bench_settings {
     command_common common;
-    bench_kind run; /* set by bench_run() */
+    const command *command;
+    bench_measure measure;
+    const bench_csv *table;
     const char *scene, *tracer;
     args_size size; /* 0 × 0: the scene's size */
     uint32_t repeats;
@@ -54,8 +50,8 @@ typedef struct bench_settings {
 
 /* ---- running ---- */
 
-/* Runs the whole command. `settings` begin with bench_settings. */
-fathom_status bench_run(const bench_kind *b, int argc, char **argv, void *settings);
+/* The body of each command. `settings` begin with bench_settings. */
+fathom_status bench_run(fathom_context *context, void *settings);
 
 /* A watch that shows the progress of one part [from, to] of the whole, and an estimate of the time. */
 bench_watch bench_progress_part(double from, double to);

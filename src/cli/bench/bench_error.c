@@ -387,11 +387,6 @@ static fathom_status measure(fathom_context *context, const void *settings, json
     return status;
 }
 
-static fathom_status run(int argc, char **argv) {
-    bench_error_settings asked = {.seeds = 3, .max_spp = 1024, .ppd = FLIP_PPD};
-    return bench_run(&(bench_kind){&command_bench_error, measure, &csv}, argc, argv, &asked);
-}
-
 #define FIELD(name) offsetof(bench_error_settings, name)
 
 static const args_option options[] = {
@@ -446,5 +441,9 @@ const command command_bench_error = {
     .examples = "  fathom bench error scenes/example.json --size 480x270 --report results\n"
                 "  fathom bench error forest.glb --seeds 5 --max-spp 256 --csv forest.csv\n",
     .args = {options, {{"SCENE", BENCH_FIELD(scene)}}},
-    .run = run,
+    COMMAND_BODY(bench_run, bench_error_settings,
+                 {.all = {.command = &command_bench_error, .measure = measure, .table = &csv},
+                  .seeds = 3,
+                  .max_spp = 1024,
+                  .ppd = FLIP_PPD}),
 };

@@ -359,12 +359,6 @@ static fathom_status measure(fathom_context *context, const void *user, json_t *
     return FATHOM_OK;
 }
 
-static fathom_status run(int argc, char **argv) {
-    bench_render_settings asked = {
-        .all = {.repeats = 9}, .spp = {{1, 16}, 2}, .threads = {{1, 2}, 2}, .seconds = 2};
-    return bench_run(&(bench_kind){&command_bench_render, measure, &csv}, argc, argv, &asked);
-}
-
 #define FIELD(name) offsetof(bench_render_settings, name)
 
 static const args_option options[] = {
@@ -404,5 +398,9 @@ const command command_bench_render = {
                 "  fathom bench render forest.glb --tracer embree:low --tracer embree:medium\n"
                 "  fathom bench render --triangles 10k,100k,1M,10M --spp 1 --report results\n",
     .args = {options, {{"SCENE", BENCH_FIELD(scene)}}, 1},
-    .run = run,
+    COMMAND_BODY(bench_run, bench_render_settings,
+                 {.all = {.command = &command_bench_render, .measure = measure, .table = &csv, .repeats = 9},
+                  .spp = {{1, 16}, 2},
+                  .threads = {{1, 2}, 2},
+                  .seconds = 2}),
 };

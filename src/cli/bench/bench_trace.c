@@ -256,11 +256,6 @@ static fathom_status measure(fathom_context *context, const void *settings, json
     return status == FATHOM_OK ? run_scenes(context, asked, root) : status;
 }
 
-static fathom_status run(int argc, char **argv) {
-    bench_trace_settings asked = {.all = {.repeats = 9}, .rays = 262144, .tracing = 1, .seconds = 0.1};
-    return bench_run(&(bench_kind){&command_bench_trace, measure, &csv}, argc, argv, &asked);
-}
-
 #define FIELD(name) offsetof(bench_trace_settings, name)
 
 static const args_option options[] = {
@@ -297,5 +292,9 @@ const command command_bench_trace = {
                 "  fathom bench trace heavy.glb --tracer embree:8 --tracer embree:16\n",
 
     .args = {options, {{"SCENE", BENCH_FIELD(scene)}}, 1},
-    .run = run,
+    COMMAND_BODY(bench_run, bench_trace_settings,
+                 {.all = {.command = &command_bench_trace, .measure = measure, .table = &csv, .repeats = 9},
+                  .rays = 262144,
+                  .tracing = 1,
+                  .seconds = 0.1}),
 };

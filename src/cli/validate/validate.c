@@ -140,14 +140,11 @@ static const args_list default_tracers = {{"embree", "reference"}, 2};
 /* At least four, even on one processor: races appear only if threads interrupt each other. */
 static unsigned judging_threads(void) { return processor_count() > 4 ? processor_count() : 4; }
 
-static validate_settings usual_settings(void) {
-    return (validate_settings){
-        .rays = 1500, .sample = 2, .power = -1, .light_error = 1e-3, .families = (1u << RAYS_FAMILIES) - 1};
-}
+static const validate_settings usual = {
+    .rays = 1500, .sample = 2, .power = -1, .light_error = 1e-3, .families = (1u << RAYS_FAMILIES) - 1};
 
 /* The options that only one of the three kinds of runs takes. */
 static const char *find_unused(const validate_settings *s) {
-    const validate_settings usual = usual_settings();
     const bool rays = !s->light && !s->replay, light = s->light && !s->replay;
     const struct {
         bool given, taken;
@@ -192,11 +189,6 @@ static fathom_status prepare_and_validate(fathom_context *context, void *user) {
     settings->threads = settings->common.threads ? settings->common.threads : judging_threads();
     if (settings->heavy) settings->rays *= 10, settings->power /= 10;
     return (settings->replay ? replay : validate)(context, settings);
-}
-
-static fathom_status run(int argc, char **argv) {
-    validate_settings settings = usual_settings();
-    return command_run(&command_validate, argc, argv, &settings, prepare_and_validate);
 }
 
 static bool take_families(const args_option *option, const char *value, void *field, args_problem *problem) {
@@ -337,5 +329,7 @@ const command command_validate = {
                 "  fathom validate --extremes --json all.json\n"
                 "  fathom validate --light\n",
     .args = {options, {{"SCENE", offsetof(validate_settings, scene)}}, 1},
-    .run = run,
+    .body = prepare_and_validate,
+    .defaults = &usual,
+    .size = sizeof usual,
 };
