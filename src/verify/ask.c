@@ -1,11 +1,11 @@
 #include "verify/ask.h"
 
+#include "base/clock.h"
 #include "base/threads.h"
 
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* ---- batches ---- */
 
@@ -99,40 +99,30 @@ static void load_call(const ask_batch *batch, const ask_call *call) {
 typedef struct first_way {
     const trace_tracer *tracer;
     ask_batch *batch;
-    pthread_mutex_t lock;
-    uint64_t nanoseconds;
+    _Atomic uint64_t nanoseconds;
 } first_way;
-
-/* Processor time of this thread. */
-static uint64_t thread_nanoseconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
 
 static void ask_calls(void *user, size_t begin, size_t end) {
     first_way *w = user;
     ask_batch *batch = w->batch;
-    uint64_t spent = 0;
+    double spent = 0;
     for (size_t i = begin; i < end; ++i) {
         const ask_call *call = &batch->calls.items[i];
         load_call(batch, call);
         unsigned state = trace_thread_begin();
-        uint64_t start = thread_nanoseconds();
+        double start = clock_thread_seconds();
         if (call->closest)
             trace_closest_fine(w->tracer, &batch->closest[call->first], &batch->fine[call->first],
                                call->count, call->coherence);
-        spent += thread_nanoseconds() - start;
+        spent += clock_thread_seconds() - start;
         if (call->any) trace_any(w->tracer, &batch->any[call->first], call->count, call->coherence);
         trace_thread_end(state);
     }
-    pthread_mutex_lock(&w->lock);
-    w->nanoseconds += spent;
-    pthread_mutex_unlock(&w->lock);
+    w->nanoseconds += (uint64_t)(1e9 * spent);
 }
 
 uint64_t ask_all(const trace_tracer *tracer, ask_batch *batch, unsigned threads) {
-    first_way w = {tracer, batch, PTHREAD_MUTEX_INITIALIZER, 0};
+    first_way w = {tracer, batch, 0};
     memset(batch->closest, 0, batch->blocks * sizeof *batch->closest);
     memset(batch->fine, 0, batch->blocks * sizeof *batch->fine);
     memset(batch->any, 0, batch->blocks * sizeof *batch->any);

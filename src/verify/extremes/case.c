@@ -37,9 +37,9 @@ static fathom_status open_world(judged_scene *c) {
 }
 
 fathom_status case_open(fathom_context *context, void (*make)(judged_scene *c, double parameter),
-                        double parameter, judged_scene *out) {
+                        unsigned shape, double parameter, judged_scene *out) {
     memset(out, 0, sizeof *out);
-    out->families = CASE_FAMILIES;
+    out->families = CASE_FAMILIES, out->shape = shape;
     build_open(context, &out->b);
     if (out->b.status == FATHOM_OK) make(out, parameter);
     build_finish(&out->b);
@@ -157,4 +157,13 @@ void case_ball_of(judged_scene *c, fathom_id group, vec3_f64 at, double radius, 
 
 void case_ball(judged_scene *c, fathom_id group, vec3_f64 at, double radius) {
     case_ball_of(c, group, at, radius, 7, 12);
+}
+
+void case_shapes(judged_scene *c, double radius) {
+    const vec3_f64 middle = {0, 0, 0};
+    switch (c->shape) {
+    case CASE_SPHERES: case_spheres(c, FATHOM_ROOT, middle, radius); break;
+    case CASE_QUADS: case_quads(c, FATHOM_ROOT, middle, radius); break;
+    default: case_ball(c, FATHOM_ROOT, middle, radius);
+    }
 }

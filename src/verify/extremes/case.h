@@ -14,6 +14,7 @@ struct judged_scene {
     unsigned families;              /* bit i: use rays_family i; ignored if `maker` is set */
     rays_maker maker;               /* makes the case's own rays; `user` is the case */
     unsigned thin;                  /* for expensive rays: divide the number of rays by this; 0 means 1 */
+    unsigned shape;                 /* of the group: CASE_SPHERES … */
     double number[4];               /* for maker and patch */
     void (*patch)(judged_scene *c); /* changes the world before it is used */
     ARRAY(void *) owned;            /* memory, freed with the case */
@@ -27,7 +28,7 @@ struct judged_scene {
 /* Zeroes *out; then `make` adds shapes and selects the rays. Release with judged_close(), also after a
  * failure. */
 fathom_status case_open(fathom_context *context, void (*make)(judged_scene *c, double parameter),
-                        double parameter, judged_scene *out);
+                        unsigned shape, double parameter, judged_scene *out);
 /* Zeroed memory, freed with the case. After a failure: NULL, and the case's status is set. */
 void *case_memory(judged_scene *c, size_t bytes);
 void case_say(judged_scene *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -48,30 +49,26 @@ void case_quads(judged_scene *c, fathom_id group, vec3_f64 at, double radius);
 void case_ball(judged_scene *c, fathom_id group, vec3_f64 at, double radius);
 void case_ball_of(judged_scene *c, fathom_id group, vec3_f64 at, double radius, unsigned rings,
                   unsigned around);
+/* The shapes of the group: spheres or quads as above, or a closed mesh. */
+enum { CASE_SPHERES, CASE_QUADS, CASE_TRIANGLES, CASE_PLANES };
+void case_shapes(judged_scene *c, double radius);
 /* Pseudo-random numbers in [low, high), the same on every machine. */
 double case_scattered(unsigned i, unsigned k, double low, double high);
 
 /* ---- scenes.c, rays.c, broken.c: the groups ---- */
 
-void scale_spheres(judged_scene *c, double scale);
-void scale_quads(judged_scene *c, double scale);
-void scale_triangles(judged_scene *c, double scale);
+void scale_make(judged_scene *c, double scale);
 void offset_near(judged_scene *c, double offset);
 void offset_raw(judged_scene *c, double offset);
 void sliver_make(judged_scene *c, double aspect);
-void grazing_triangles(judged_scene *c, double angle);
-void grazing_quads(judged_scene *c, double angle);
-void grazing_spheres(judged_scene *c, double angle);
-void grazing_planes(judged_scene *c, double angle);
+void grazing_make(judged_scene *c, double angle);
 void tangent_make(judged_scene *c, double off);
 void ratio_outside(judged_scene *c, double ratio);
 void ratio_inside(judged_scene *c, double ratio);
 void ratio_surface(judged_scene *c, double ratio);
 void planet_make(judged_scene *c, double size);
 void planet_outer(judged_scene *c, double size);
-void copies_triangles(judged_scene *c, double count);
-void copies_quads(judged_scene *c, double count);
-void copies_spheres(judged_scene *c, double count);
+void copies_make(judged_scene *c, double count);
 void overlap_level(judged_scene *c, double count);
 void overlap_tilted(judged_scene *c, double count);
 void nested_back(judged_scene *c, double ratio);

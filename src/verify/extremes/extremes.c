@@ -7,7 +7,7 @@ typedef struct group {
     const char *name, *meaning;
     void (*make)(judged_scene *c, double parameter);
     const double *values;
-    unsigned count;
+    unsigned count, shape;
 } group;
 
 static const double scales[] = {1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1,
@@ -25,41 +25,41 @@ static const double layers[] = {2, 10, 100, 1000};
 static const double steps[] = {1e-6, 1e-4, 1e-2, 1, 1e2, 1e4, 1e6};
 static const double numbers[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
-#define VALUES(a) (a), sizeof(a) / sizeof *(a)
+#define VALUES(a) .values = (a), .count = sizeof(a) / sizeof *(a)
 
 static const group groups[] = {
-    {"scale-spheres", "scale", scale_spheres, VALUES(scales)},
-    {"scale-quads", "scale", scale_quads, VALUES(scales)},
-    {"scale-triangles", "scale", scale_triangles, VALUES(scales)},
-    {"size-spheres", "scale", scale_spheres, VALUES(sizes)},
-    {"size-quads", "scale", scale_quads, VALUES(sizes)},
-    {"size-triangles", "scale", scale_triangles, VALUES(sizes)},
+    {"scale-spheres", "scale", scale_make, VALUES(scales), CASE_SPHERES},
+    {"scale-quads", "scale", scale_make, VALUES(scales), CASE_QUADS},
+    {"scale-triangles", "scale", scale_make, VALUES(scales), CASE_TRIANGLES},
+    {"size-spheres", "scale", scale_make, VALUES(sizes), CASE_SPHERES},
+    {"size-quads", "scale", scale_make, VALUES(sizes), CASE_QUADS},
+    {"size-triangles", "scale", scale_make, VALUES(sizes), CASE_TRIANGLES},
     {"beyond-spheres", "size", beyond_spheres, VALUES(reaches)},
     {"beyond-quads", "size", beyond_quads, VALUES(reaches)},
-    {"beyond-triangles", "size", beyond_triangles, reaches, 7},
+    {"beyond-triangles", "size", beyond_triangles, .values = reaches, .count = 7},
     {"offset-near", "distance", offset_near, VALUES(offsets)},
     {"offset-raw", "distance", offset_raw, VALUES(offsets)},
     {"sliver", "length/width", sliver_make, VALUES(aspects)},
-    {"grazing-triangles", "radians", grazing_triangles, VALUES(angles)},
-    {"grazing-quads", "radians", grazing_quads, VALUES(angles)},
-    {"grazing-spheres", "radians", grazing_spheres, VALUES(angles)},
-    {"grazing-planes", "radians", grazing_planes, VALUES(angles)},
+    {"grazing-triangles", "radians", grazing_make, VALUES(angles), CASE_TRIANGLES},
+    {"grazing-quads", "radians", grazing_make, VALUES(angles), CASE_QUADS},
+    {"grazing-spheres", "radians", grazing_make, VALUES(angles), CASE_SPHERES},
+    {"grazing-planes", "radians", grazing_make, VALUES(angles), CASE_PLANES},
     {"tangent", "distance over radius", tangent_make, VALUES(tangents)},
     {"ratio-outside", "radius over distance", ratio_outside, VALUES(ratios)},
-    {"ratio-inside", "radius over distance", ratio_inside, ratios + 6, 7},
+    {"ratio-inside", "radius over distance", ratio_inside, .values = ratios + 6, .count = 7},
     {"ratio-surface", "radius over distance", ratio_surface, VALUES(ratios)},
     {"planet-part", "metres", planet_make, VALUES(parts)},
     {"planet-all", "metres", planet_outer, VALUES(parts)},
-    {"copies-triangles", "copies", copies_triangles, VALUES(counts)},
-    {"copies-quads", "copies", copies_quads, VALUES(counts)},
-    {"copies-spheres", "copies", copies_spheres, VALUES(counts)},
+    {"copies-triangles", "copies", copies_make, VALUES(counts), CASE_TRIANGLES},
+    {"copies-quads", "copies", copies_make, VALUES(counts), CASE_QUADS},
+    {"copies-spheres", "copies", copies_make, VALUES(counts), CASE_SPHERES},
     {"overlap-level", "triangles", overlap_level, VALUES(layers)},
     {"overlap-tilted", "triangles", overlap_tilted, VALUES(layers)},
     {"nested-back", "factor", nested_back, VALUES(steps)},
     {"nested-grow", "factor", nested_grow, VALUES(steps)},
     {"nested-stretch", "factor", nested_stretch, VALUES(steps)},
     {"nested-mirror", "factor", nested_mirror, VALUES(steps)},
-    {"broken", "", broken_make, numbers, 15},
+    {"broken", "", broken_make, .values = numbers, .count = 15},
 };
 
 unsigned extremes_groups(void) { return sizeof groups / sizeof *groups; }
@@ -147,7 +147,7 @@ fathom_status extremes_run(fathom_context *context, unsigned g, unsigned index, 
                            extremes_rows *rows) {
     const double parameter = groups[g].values[index];
     judged_scene c;
-    fathom_status status = case_open(context, groups[g].make, parameter, &c);
+    fathom_status status = case_open(context, groups[g].make, groups[g].shape, parameter, &c);
     for (size_t i = 0; i < o->spec_count && status == FATHOM_OK; ++i) {
         extremes_row row = {.group = groups[g].name, .parameter = parameter};
         memcpy(row.words, c.words, sizeof row.words);
@@ -162,7 +162,8 @@ fathom_status extremes_run(fathom_context *context, unsigned g, unsigned index, 
 fathom_status extremes_open(fathom_context *context, const char *name, double parameter, judged_scene *out) {
     memset(out, 0, sizeof *out);
     for (unsigned g = 0; g < extremes_groups(); ++g) {
-        if (strcmp(groups[g].name, name) == 0) return case_open(context, groups[g].make, parameter, out);
+        if (strcmp(groups[g].name, name) == 0)
+            return case_open(context, groups[g].make, groups[g].shape, parameter, out);
     }
     return fail(context, FATHOM_BAD_INPUT, "there is no group of extreme cases \"%.60s\"", name);
 }

@@ -43,31 +43,17 @@ static rays_draft grazing_ray(const void *user, rays_random *r) {
     return (rays_draft){madd_f64(target.point, -away, dir), dir, 0, (double)INFINITY};
 }
 
-static void graze(judged_scene *c, double angle, const char *what) {
-    case_say(c, "rays %g radians off %s", angle, what);
+void grazing_make(judged_scene *c, double angle) {
+    static const char *const words[] = {"spheres", "quads", "the triangles of a closed mesh", "planes"};
+    case_say(c, "rays %g radians off %s", angle, words[c->shape]);
     c->number[0] = angle;
     c->maker = grazing_ray;
-}
-
-void grazing_triangles(judged_scene *c, double angle) {
-    case_ball(c, FATHOM_ROOT, middle, 1);
-    graze(c, angle, "the triangles of a closed mesh");
-}
-
-void grazing_quads(judged_scene *c, double angle) {
-    case_quads(c, FATHOM_ROOT, middle, 1);
-    graze(c, angle, "quads");
-}
-
-void grazing_spheres(judged_scene *c, double angle) {
-    case_spheres(c, FATHOM_ROOT, middle, 1);
-    graze(c, angle, "spheres");
-}
-
-void grazing_planes(judged_scene *c, double angle) {
+    if (c->shape != CASE_PLANES) {
+        case_shapes(c, 1);
+        return;
+    }
     build_plane(&c->b, vec_f64(0, -0.7, 0), vec_f64(0, 1, 0), 0);
     build_plane(&c->b, vec_f64(1.3, 0.2, 0.1), vec_f64(0.3, -0.2, 2), 0);
-    graze(c, angle, "planes");
 }
 
 /* ---- tangent ---- */

@@ -4,19 +4,11 @@
 
 static const vec3_f64 middle = {0, 0, 0};
 
-void scale_spheres(judged_scene *c, double scale) {
-    case_say(c, "12 spheres in a ball of radius %g", scale);
-    case_spheres(c, FATHOM_ROOT, middle, scale);
-}
-
-void scale_quads(judged_scene *c, double scale) {
-    case_say(c, "12 quads in a ball of radius %g", scale);
-    case_quads(c, FATHOM_ROOT, middle, scale);
-}
-
-void scale_triangles(judged_scene *c, double scale) {
-    case_say(c, "a closed mesh of 168 triangles, radius %g", scale);
-    case_ball(c, FATHOM_ROOT, middle, scale);
+void scale_make(judged_scene *c, double scale) {
+    static const char *const words[] = {"12 spheres in a ball of", "12 quads in a ball of",
+                                        "a closed mesh of 168 triangles,"};
+    case_say(c, "%s radius %g", words[c->shape], scale);
+    case_shapes(c, scale);
 }
 
 static void put_mixture(judged_scene *c, vec3_f64 at) {
@@ -73,30 +65,19 @@ void offset_raw(judged_scene *c, double offset) {
 /* Reduces the rays, because the oracle tests every copy. */
 static void thin_out(judged_scene *c, double copies) { c->thin = (unsigned)fmax(1, copies / 500); }
 
-void copies_triangles(judged_scene *c, double count) {
-    uint32_t n = (uint32_t)count;
+void copies_make(judged_scene *c, double count) {
+    static const char *const words[] = {"sphere", "quad", "triangle"};
+    const uint32_t n = (uint32_t)count;
+    const vec3_f64 at = {0.1, 0.2, -0.1}, triangle[3] = {{-1, -0.7, 0.1}, {1.1, -0.4, -0.3}, {0.2, 1.3, 0.2}};
+    case_say(c, "one %s %u times", words[c->shape], n);
     thin_out(c, count);
-    case_say(c, "one triangle %u times", n);
+    for (uint32_t i = 0; i < n && c->shape == CASE_SPHERES; ++i) case_sphere(c, FATHOM_ROOT, at, 0.7);
+    for (uint32_t i = 0; i < n && c->shape == CASE_QUADS; ++i)
+        case_quad(c, FATHOM_ROOT, at, vec_f64(0.9, 0.1, 0.2), vec_f64(-0.2, 1, 0.3));
+    if (c->shape != CASE_TRIANGLES) return;
     vec3_f64 *corners = case_memory(c, n * 3 * sizeof *corners);
-    for (uint32_t i = 0; corners && i < n; ++i) {
-        corners[3 * (size_t)i] = vec_f64(-1, -0.7, 0.1);
-        corners[3 * (size_t)i + 1] = vec_f64(1.1, -0.4, -0.3);
-        corners[3 * (size_t)i + 2] = vec_f64(0.2, 1.3, 0.2);
-    }
+    for (size_t i = 0; corners && i < 3 * (size_t)n; ++i) corners[i] = triangle[i % 3];
     if (corners) case_triangles(c, middle, corners, n);
-}
-
-void copies_quads(judged_scene *c, double count) {
-    case_say(c, "one quad %g times", count);
-    thin_out(c, count);
-    for (double i = 0; i < count; ++i)
-        case_quad(c, FATHOM_ROOT, vec_f64(0.1, 0.2, -0.1), vec_f64(0.9, 0.1, 0.2), vec_f64(-0.2, 1, 0.3));
-}
-
-void copies_spheres(judged_scene *c, double count) {
-    case_say(c, "one sphere %g times", count);
-    thin_out(c, count);
-    for (double i = 0; i < count; ++i) case_sphere(c, FATHOM_ROOT, vec_f64(0.1, 0.2, -0.1), 0.7);
 }
 
 /* ---- overlapping ---- */

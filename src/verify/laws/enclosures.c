@@ -22,12 +22,7 @@ static void furnace(law_room *room, uint32_t depth) {
 
 static void furnace_sphere(law_room *room) {
     paint_sphere(&room->b, origin, 2, wall());
-    furnace(room, 64);
-}
-
-static void furnace_four_bounces(law_room *room) {
-    paint_sphere(&room->b, origin, 2, wall());
-    furnace(room, 4);
+    furnace(room, (uint32_t)room->number);
 }
 
 static void furnace_box(law_room *room) {
@@ -70,15 +65,12 @@ static double lit_sphere(double rho, const double *unused) {
     return intensity / (sphere_radius * sphere_radius) * law_powers(rho, 1, 64);
 }
 
-static void light_in_sphere(law_room *room, double radius) {
+static void light_in_sphere(law_room *room) {
     paint_sphere(&room->b, origin, sphere_radius, build_lambert(albedo));
-    law_point_light(room, origin, intensity, radius);
+    law_point_light(room, origin, intensity, room->number);
     law_look(room, vec_f64(0.4, 0, 0), vec_f64(0.2, 1, 0.3));
     law_value(room, law_each(albedo, lit_sphere, NULL));
 }
-
-static void point_in_sphere(law_room *room) { light_in_sphere(room, 0); }
-static void ball_light_in_sphere(law_room *room) { light_in_sphere(room, 0.3); }
 
 /* The radiance of the wall outside the cone: the mean over the sphere of the directly lit wall's radiance,
  * times ρ + ρ² + …. A squared ramp in the cosine from `outer` to `inner` has the mean (1 - inner + (inner -
@@ -110,18 +102,15 @@ static double cut_sphere(double rho, const double *f_and_plane) {
     return rho * f / (1 - rho * (1 - f) - rho * f_and_plane[1] * f);
 }
 
-static void cut(law_room *room, double reflects) {
-    const double height = 0.4, numbers[] = {(1 - height) / 2, reflects};
+static void cut(law_room *room) {
+    const double height = 0.4, numbers[] = {(1 - height) / 2, room->number};
     fathom_material m = build_emitter(white);
-    build_rgb(m.k_d, gray(reflects));
+    build_rgb(m.k_d, gray(room->number));
     paint_sphere(&room->b, origin, 1, build_lambert(albedo));
     paint_plane(&room->b, vec_f64(0, 0, height), up, m);
     law_look(room, origin, vec_f64(0.2, 0.3, -1));
     law_value(room, law_each(albedo, cut_sphere, numbers));
 }
-
-static void cap_black(law_room *room) { cut(room, 0); }
-static void cap_gray(law_room *room) { cut(room, 0.5); }
 
 /* ---- a sphere inside another ---- */
 
@@ -136,35 +125,27 @@ static double inner_wall(double rho, const double *unused) {
     return 1 + inner_albedo * outer_wall(rho, unused);
 }
 
+/* The camera looks at the wall of the outer sphere at x = 1, or at the inner one. */
 static void two_spheres(law_room *room) {
+    const vec3_f64 walls = {0.7, 0.5, 0.2};
     fathom_material m = build_emitter(white);
     build_rgb(m.k_d, gray(inner_albedo));
     paint_sphere(&room->b, origin, 0.5, m);
-    paint_sphere(&room->b, origin, 1, build_lambert(vec_f64(0.7, 0.5, 0.2)));
+    paint_sphere(&room->b, origin, 1, build_lambert(walls));
+    law_look(room, vec_f64(0.75, 0, 0), vec_f64(room->number, 0.1, 0.2));
+    law_value(room, law_each(walls, room->number == 1 ? outer_wall : inner_wall, NULL));
 }
 
-static void outer_sphere(law_room *room) {
-    two_spheres(room);
-    law_look(room, vec_f64(0.75, 0, 0), vec_f64(1, 0.1, 0.2));
-    law_value(room, law_each(vec_f64(0.7, 0.5, 0.2), outer_wall, NULL));
-}
-
-static void inner_sphere(law_room *room) {
-    two_spheres(room);
-    law_look(room, vec_f64(0.75, 0, 0), vec_f64(0.1, 0.1, 0.2));
-    law_value(room, law_each(vec_f64(0.7, 0.5, 0.2), inner_wall, NULL));
-}
-
-const law laws_of_enclosures[] = {{"furnace, sphere", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_sphere},
-                                  {"furnace, four bounces", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_four_bounces},
-                                  {"furnace, box of quads", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_box},
-                                  {"furnace, box of triangles", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_mesh},
-                                  {"smooth octahedron in an even sky", "L", furnace_smooth},
-                                  {"point light in a sphere", "I ρ/(πR²(1-ρ))", point_in_sphere},
-                                  {"light with a radius in a sphere", "I ρ/(πR²(1-ρ))", ball_light_in_sphere},
-                                  {"spot light in a sphere", "mean I ρ²/(πR²(1-ρ))", spot_in_sphere},
-                                  {"sphere, black emitting cap", "L ρf/(1-ρ(1-f))", cap_black},
-                                  {"sphere, gray emitting cap", "L ρf/(1-ρ(1-f)-ρσf)", cap_gray},
-                                  {"sphere in a sphere, outer", "ρ₂kE/(1-ρ₂(1-k)-ρ₁ρ₂k)", outer_sphere},
-                                  {"sphere in a sphere, inner", "E + ρ₁B₂", inner_sphere},
-                                  {NULL, NULL, NULL}};
+const law laws_of_enclosures[] = {{"furnace, sphere", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_sphere, 64},
+                                  {"furnace, four bounces", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_sphere, 4},
+                                  {"furnace, box of quads", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_box, 0},
+                                  {"furnace, box of triangles", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_mesh, 0},
+                                  {"smooth octahedron in an even sky", "L", furnace_smooth, 0},
+                                  {"point light in a sphere", "I ρ/(πR²(1-ρ))", light_in_sphere, 0},
+                                  {"light with a radius in a sphere", "I ρ/(πR²(1-ρ))", light_in_sphere, 0.3},
+                                  {"spot light in a sphere", "mean I ρ²/(πR²(1-ρ))", spot_in_sphere, 0},
+                                  {"sphere, black emitting cap", "L ρf/(1-ρ(1-f))", cut, 0},
+                                  {"sphere, gray emitting cap", "L ρf/(1-ρ(1-f)-ρσf)", cut, 0.5},
+                                  {"sphere in a sphere, outer", "ρ₂kE/(1-ρ₂(1-k)-ρ₁ρ₂k)", two_spheres, 1},
+                                  {"sphere in a sphere, inner", "E + ρ₁B₂", two_spheres, 0.1},
+                                  {NULL, NULL, NULL, 0}};

@@ -77,14 +77,13 @@ static void sheen(law_room *room) {
 /* ---- anisotropy: GGX of two alphas with F = 1; see ggx_aslant() in matter.c
  * ---- */
 
-static void brushed(law_room *room, vec3_f64 from) {
+/* Seen along the tangent (1), or across it (0). */
+static void brushed(law_room *room) {
+    const vec3_f64 from = room->number == 1 ? aside : across;
     fathom_material m = law_metallic();
     m.metallic = 1, m.roughness = m.anisotropy = 0.6f;
     law_lobe(room, m, from, scale_f64(law_ggx_albedo(0.36 * 0.64 + 0.36, 0.36, from), white));
 }
-
-static void brushed_along(law_room *room) { brushed(room, aside); }
-static void brushed_across(law_room *room) { brushed(room, across); }
 
 /* ---- a thin film on smooth metal, at a cosine of 9/16: Belcour & Barla's
  * (2017) sum, term by term ---- */
@@ -134,8 +133,7 @@ static fathom_material filmed(double roughness) {
     return m;
 }
 
-static void smooth_film(law_room *room) { law_unseen_ball(room, filmed(0)); }
-static void rough_film(law_room *room) { law_unseen_ball(room, filmed(0.4)); }
+static void film_over_white(law_room *room) { law_unseen_ball(room, filmed(room->number)); }
 
 static void bubble(law_room *room) {
     fathom_material m = filmed(0);
@@ -224,19 +222,19 @@ static void overlap_absorbs(law_room *room) {
 }
 
 const law laws_of_layers[] = {
-    {"leaf under an even sky", "(1-t) ρ + t τ", leaf},
-    {"leaf lit from behind", "k_l t τ", leaf_from_behind},
-    {"white leaf in an even sky", "L", white_leaf},
-    {"sheen", "∫ D V cos", sheen},
-    {"brushed metal, along", "∫ D G₂ v·h / n·v", brushed_along},
-    {"brushed metal, across", "∫ D G₂ v·h / n·v", brushed_across},
-    {"thin film on metal", "Belcour & Barla's sum", film},
-    {"smooth film over a white base", "L", smooth_film},
-    {"rough film over a white base", "L", rough_film},
-    {"bubble in an even sky", "L", bubble},
-    {"partly diffuse ball with a film", "L", half_glass_film},
-    {"dispersive ball in an even sky", "L", fire},
-    {"slabs of one index that overlap", "2r/(1+r)", overlap_even},
-    {"slabs of two indices that overlap", "r + (1-r)² c² s/(1-r c² s)", overlap_uneven},
-    {"slabs that overlap, one absorbing", "(1-r)² c/(1-r²c²)", overlap_absorbs},
-    {NULL, NULL, NULL}};
+    {"leaf under an even sky", "(1-t) ρ + t τ", leaf, 0},
+    {"leaf lit from behind", "k_l t τ", leaf_from_behind, 0},
+    {"white leaf in an even sky", "L", white_leaf, 0},
+    {"sheen", "∫ D V cos", sheen, 0},
+    {"brushed metal, along", "∫ D G₂ v·h / n·v", brushed, 1},
+    {"brushed metal, across", "∫ D G₂ v·h / n·v", brushed, 0},
+    {"thin film on metal", "Belcour & Barla's sum", film, 0},
+    {"smooth film over a white base", "L", film_over_white, 0},
+    {"rough film over a white base", "L", film_over_white, 0.4},
+    {"bubble in an even sky", "L", bubble, 0},
+    {"partly diffuse ball with a film", "L", half_glass_film, 0},
+    {"dispersive ball in an even sky", "L", fire, 0},
+    {"slabs of one index that overlap", "2r/(1+r)", overlap_even, 0},
+    {"slabs of two indices that overlap", "r + (1-r)² c² s/(1-r c² s)", overlap_uneven, 0},
+    {"slabs that overlap, one absorbing", "(1-r)² c/(1-r²c²)", overlap_absorbs, 0},
+    {NULL, NULL, NULL, 0}};

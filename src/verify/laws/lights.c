@@ -137,41 +137,33 @@ static void sphere_half_there(law_room *room) {
     floor_under(room, 0.75 * (R / d * (R / d) * cos(angle)));
 }
 
-static void sphere_cut(law_room *room, double angle) {
-    const double area = 0.3, x = sqrt(1 / area - 1), y = -x / tan(angle), q = sin(angle) * sqrt(1 - y * y);
+static void sphere_cut(law_room *room) {
+    const double angle = room->number, area = 0.3, x = sqrt(1 / area - 1), y = -x / tan(angle),
+                 q = sin(angle) * sqrt(1 - y * y);
     paint_sphere(&room->b, vec_f64(sin(angle), 0, cos(angle)), sqrt(area), lamp());
     floor_under(room, ((cos(angle) * acos(y) - x * q) * area + atan(q / x)) / M_PI);
 }
 
-static void sphere_cut_high(law_room *room) { sphere_cut(room, 1.3); }
-static void sphere_cut_low(law_room *room) { sphere_cut(room, 1.8); }
-
 /* ---- lights without a surface: k_l cos θ, divided by the squared distance ---- */
 
-static void point_over_floor(law_room *room, double radius) {
+static void point_over_floor(law_room *room) {
     const vec3_f64 at = {1, 0.5, 2};
     const double d2 = dot_f64(at, at);
-    law_point_light(room, at, 5, radius);
+    law_point_light(room, at, 5, room->number);
     floor_under(room, 5 * at.z / (d2 * sqrt(d2)));
 }
 
-static void point(law_room *room) { point_over_floor(room, 0); }
-static void ball(law_room *room) { point_over_floor(room, 0.75); }
-
-static void sun_over_floor(law_room *room, double radius) {
-    build_directional_light(&room->b, vec_f64(-1, -2, -2), gray(1.5), radius);
+static void sun_over_floor(law_room *room) {
+    build_directional_light(&room->b, vec_f64(-1, -2, -2), gray(1.5), room->number);
     floor_under(room, 1.5 * 2 / 3);
 }
 
-static void sun(law_room *room) { sun_over_floor(room, 0); }
-static void wide_sun(law_room *room) { sun_over_floor(room, 0.3); }
-
 /* A disc of half the angle a has the irradiance pi L sin² a = pi k_l. */
 static void sun_in_mirror(law_room *room) {
-    const double radius = 0.3, sine = sin((double)(float)radius);
+    const double sine = sin((double)(float)room->number);
     fathom_material mirror = build_black();
     build_rgb(mirror.k_r, albedo);
-    sun_over_floor(room, radius);
+    sun_over_floor(room);
     paint_plane(&room->b, vec_f64(0, 0, 0.25), up, mirror);
     law_look(room, vec_f64(-1, -2, 2.25), vec_f64(0, 0, 0.25));
     law_value(room, scale_f64(1.5 / (sine * sine), albedo));
@@ -232,33 +224,33 @@ static void many_points(law_room *room) {
 /* The light of several kinds of lights adds up. */
 static void several(law_room *room) {
     const double R = 0.5, d = 2, angle = 0.6;
-    sun_over_floor(room, 0);
+    sun_over_floor(room);
     paint_sphere(&room->b, vec_f64(0, d * sin(angle), d * cos(angle)), R, lamp());
     law_point_light(room, vec_f64(1, 0, 1), 2, 0);
     build_background(&room->b, gray(0.25));
     law_value(room, scale_f64(1 + 0.75 * R / d * (R / d) * cos(angle) + 2 / sqrt(8) + 0.25, albedo));
 }
 
-const law laws_of_lights[] = {{"rectangle over a floor", "configuration factor", rectangle},
-                              {"tilted triangle over a floor", "Lambert's edge sum", tilted_triangle},
-                              {"pentagon cut by the horizon", "Lambert's edge sum", cut_pentagon},
-                              {"parallel squares", "form factor", parallel_squares},
-                              {"sky through a hole", "form factor", sky_through_hole},
-                              {"sun and sky through a hole", "form factor, k_l cos θ", sun_through_hole},
-                              {"disk of 1,998 triangles", "½(1-(1+H²-R²)/√(Z²-4R²))", disk_of_triangles},
-                              {"disk, a squeezed sphere", "½(1-(1+H²-R²)/√(Z²-4R²))", disk_squeezed},
-                              {"sphere above the horizon", "(R/d)² cos θ", sphere_above},
-                              {"sphere of half a surface", "¾ (R/d)² cos θ", sphere_half_there},
-                              {"sphere cut by the horizon", "configuration factor", sphere_cut_high},
-                              {"sphere mostly below the horizon", "configuration factor", sphere_cut_low},
-                              {"point light", "k_l cos θ/d²", point},
-                              {"point light with a radius", "k_l cos θ/d²", ball},
-                              {"directional light", "k_l cos θ", sun},
-                              {"directional light with a radius", "k_l cos θ", wide_sun},
-                              {"sun in a mirror", "k_l/sin²a", sun_in_mirror},
-                              {"lamp in a mirror", "k_l/R²", ball_in_mirror},
-                              {"spot light in a mirror", "k_l f/R²", spot_in_mirror},
-                              {"lamp in a mirror and a volume", "k_l c^(d-R)/R²", ball_in_coloured_mirror},
-                              {"forty point lights", "Σ k_l cos θ/d²", many_points},
-                              {"lights of four kinds", "sum", several},
-                              {NULL, NULL, NULL}};
+const law laws_of_lights[] = {{"rectangle over a floor", "configuration factor", rectangle, 0},
+                              {"tilted triangle over a floor", "Lambert's edge sum", tilted_triangle, 0},
+                              {"pentagon cut by the horizon", "Lambert's edge sum", cut_pentagon, 0},
+                              {"parallel squares", "form factor", parallel_squares, 0},
+                              {"sky through a hole", "form factor", sky_through_hole, 0},
+                              {"sun and sky through a hole", "form factor, k_l cos θ", sun_through_hole, 0},
+                              {"disk of 1,998 triangles", "½(1-(1+H²-R²)/√(Z²-4R²))", disk_of_triangles, 0},
+                              {"disk, a squeezed sphere", "½(1-(1+H²-R²)/√(Z²-4R²))", disk_squeezed, 0},
+                              {"sphere above the horizon", "(R/d)² cos θ", sphere_above, 0},
+                              {"sphere of half a surface", "¾ (R/d)² cos θ", sphere_half_there, 0},
+                              {"sphere cut by the horizon", "configuration factor", sphere_cut, 1.3},
+                              {"sphere mostly below the horizon", "configuration factor", sphere_cut, 1.8},
+                              {"point light", "k_l cos θ/d²", point_over_floor, 0},
+                              {"point light with a radius", "k_l cos θ/d²", point_over_floor, 0.75},
+                              {"directional light", "k_l cos θ", sun_over_floor, 0},
+                              {"directional light with a radius", "k_l cos θ", sun_over_floor, 0.3},
+                              {"sun in a mirror", "k_l/sin²a", sun_in_mirror, 0.3},
+                              {"lamp in a mirror", "k_l/R²", ball_in_mirror, 0},
+                              {"spot light in a mirror", "k_l f/R²", spot_in_mirror, 0},
+                              {"lamp in a mirror and a volume", "k_l c^(d-R)/R²", ball_in_coloured_mirror, 0},
+                              {"forty point lights", "Σ k_l cos θ/d²", many_points, 0},
+                              {"lights of four kinds", "sum", several, 0},
+                              {NULL, NULL, NULL, 0}};

@@ -66,8 +66,10 @@ static fathom_material glass(double k_r, double k_t) {
     return m;
 }
 
-static void fresnel_outside(law_room *room) { ceiling(room, down, glass(1, 0), gray(0.09177796)); }
-static void fresnel_inside(law_room *room) { ceiling(room, up, glass(1, 0), gray(0.59634576)); }
+/* The mean of Fresnel's factor outside the glass, or inside. */
+static void fresnel(law_room *room) {
+    ceiling(room, room->number < 0.5 ? down : up, glass(1, 0), gray(room->number));
+}
 
 static void schlick(law_room *room) {
     const vec3_f64 f0 = {0.04, 0.5, 0.9};
@@ -85,14 +87,12 @@ static void ggx_full(law_room *room) {
     law_lobe(room, m, eye, gray(1 - log(2)));
 }
 
-static void ggx(law_room *room, vec3_f64 from) {
+static void ggx(law_room *room) {
+    const vec3_f64 from = {room->number, 0, room->number > 0 ? 0.6 : 1};
     fathom_material m = law_metallic();
     m.metallic = 1, m.roughness = 0.6f;
     law_lobe(room, m, from, gray(law_ggx_albedo(0.36, 0.36, from)));
 }
-
-static void ggx_half(law_room *room) { ggx(room, eye); }
-static void ggx_from_aside(law_room *room) { ggx(room, vec_f64(0.8, 0, 0.6)); }
 
 static fathom_material highlight(fathom_specular specular) {
     fathom_material m = build_black();
@@ -123,8 +123,8 @@ static void lit_from_behind(law_room *room) {
 
 static void glass_ball(law_room *room) { law_unseen_ball(room, glass(1, 1)); }
 
-static void thin_ball(law_room *room) { law_unseen_ball(room, law_clear(0)); }
-static void refracting_ball(law_room *room) { law_unseen_ball(room, law_clear(1)); }
+/* Of a thin wall, or of a solid. */
+static void clear_ball(law_room *room) { law_unseen_ball(room, law_clear(room->number)); }
 
 /* Without compensation, a ball of this roughness loses 0.29 of the light. */
 static void rough_ball(law_room *room) {
@@ -272,30 +272,30 @@ static void lens(law_room *room) {
     law_value(room, gray(fabs(x) < 1 ? (acos(x) - x * sqrt(1 - x * x)) / M_PI : 0));
 }
 
-const law laws_of_matter[] = {{"floor under an even sky", "ρ L", even_sky},
-                              {"sky in spherical harmonics", "Σ A_l L_lm Y_lm", harmonics},
-                              {"Fresnel's mean, outside", "1/(1-ρF)", fresnel_outside},
-                              {"Fresnel's mean, inside", "1/(1-ρF)", fresnel_inside},
-                              {"Schlick's mean", "F₀ + (1-F₀)/21", schlick},
-                              {"GGX, roughness 1", "1 - ln 2", ggx_full},
-                              {"GGX, roughness 0.6", "∫ D G₂ v·h / n·v", ggx_half},
-                              {"GGX, roughness 0.6, from aside", "∫ D G₂ v·h / n·v", ggx_from_aside},
-                              {"Phong lobe", "2 k_s/(n+2)", phong},
-                              {"Blinn lobe", "k_s ∫ cosⁿ(θ/2) cos θ", blinn},
-                              {"sheet lit from behind", "2 k_d", lit_from_behind},
-                              {"glass ball in an even sky", "L", glass_ball},
-                              {"thin-walled ball in an even sky", "L", thin_ball},
-                              {"refracting ball in an even sky", "L", refracting_ball},
-                              {"rough glass ball in an even sky", "L", rough_ball},
-                              {"brushed glass ball in an even sky", "L", brushed_glass_ball},
-                              {"partly diffuse glass ball", "L", half_glass_ball},
-                              {"lamp in a refracting ball", "L", lamp_in_glass},
-                              {"glass slab", "2r/(1+r)", slab},
-                              {"absorbing ball", "(1-(1+2σR)e^(-2σR))/(2σ²R²)", absorbing_ball},
-                              {"coverage", "k_l (1-c)²", coverage},
-                              {"sky through sheets", "ρ L (1-c)⁴", sky_through_sheets},
-                              {"lamp behind sheets", "ρ (1-c)² (R/d)² cos θ", lamp_behind_sheets},
-                              {"lamp behind panes", "ρ t² (R/d)² cos θ", lamp_behind_panes},
-                              {"shape that casts no shadow", "k_l cos θ/d²", no_shadow},
-                              {"edge out of focus", "(acos x - x √(1-x²))/π", lens},
-                              {NULL, NULL, NULL}};
+const law laws_of_matter[] = {{"floor under an even sky", "ρ L", even_sky, 0},
+                              {"sky in spherical harmonics", "Σ A_l L_lm Y_lm", harmonics, 0},
+                              {"Fresnel's mean, outside", "1/(1-ρF)", fresnel, 0.09177796},
+                              {"Fresnel's mean, inside", "1/(1-ρF)", fresnel, 0.59634576},
+                              {"Schlick's mean", "F₀ + (1-F₀)/21", schlick, 0},
+                              {"GGX, roughness 1", "1 - ln 2", ggx_full, 0},
+                              {"GGX, roughness 0.6", "∫ D G₂ v·h / n·v", ggx, 0},
+                              {"GGX, roughness 0.6, from aside", "∫ D G₂ v·h / n·v", ggx, 0.8},
+                              {"Phong lobe", "2 k_s/(n+2)", phong, 0},
+                              {"Blinn lobe", "k_s ∫ cosⁿ(θ/2) cos θ", blinn, 0},
+                              {"sheet lit from behind", "2 k_d", lit_from_behind, 0},
+                              {"glass ball in an even sky", "L", glass_ball, 0},
+                              {"thin-walled ball in an even sky", "L", clear_ball, 0},
+                              {"refracting ball in an even sky", "L", clear_ball, 1},
+                              {"rough glass ball in an even sky", "L", rough_ball, 0},
+                              {"brushed glass ball in an even sky", "L", brushed_glass_ball, 0},
+                              {"partly diffuse glass ball", "L", half_glass_ball, 0},
+                              {"lamp in a refracting ball", "L", lamp_in_glass, 0},
+                              {"glass slab", "2r/(1+r)", slab, 0},
+                              {"absorbing ball", "(1-(1+2σR)e^(-2σR))/(2σ²R²)", absorbing_ball, 0},
+                              {"coverage", "k_l (1-c)²", coverage, 0},
+                              {"sky through sheets", "ρ L (1-c)⁴", sky_through_sheets, 0},
+                              {"lamp behind sheets", "ρ (1-c)² (R/d)² cos θ", lamp_behind_sheets, 0},
+                              {"lamp behind panes", "ρ t² (R/d)² cos θ", lamp_behind_panes, 0},
+                              {"shape that casts no shadow", "k_l cos θ/d²", no_shadow, 0},
+                              {"edge out of focus", "(acos x - x √(1-x²))/π", lens, 0},
+                              {NULL, NULL, NULL, 0}};

@@ -81,7 +81,9 @@ static void moving_corners(law_room *room) {
 /* ---- a convex body that moves, rotates and is scaled under a uniform sky: ρ L ----
  * No ray that leaves the body hits it again. */
 
-static void move_body(law_room *room, bool ball) {
+/* A ball (1) or a box (0). */
+static void moving_body(law_room *room) {
+    const bool ball = room->number == 1;
     const double albedo = 0.5, half = sqrt(0.5);
     const double maps[24] = {1,     0,           0, -0.25, 0,    1,           0, 0,   0, 0, 1, 0,
                              -half, -1.5 * half, 0, 0.25,  half, -1.5 * half, 0, 0.1, 0, 0, 2, 0.25};
@@ -100,9 +102,6 @@ static void move_body(law_room *room, bool ball) {
     build_background(&room->b, white);
     law_value(room, gray(albedo));
 }
-
-static void moving_ball(law_room *room) { move_body(room, true); }
-static void moving_box(law_room *room) { move_body(room, false); }
 
 /* ---- a lamp that moves over a floor; the camera looks at the origin, the shutter is open from 0 to 4
  * ---- */
@@ -177,12 +176,12 @@ static void bending_panel(law_room *room) {
     floor_under(room, mean_polygon(bent));
 }
 
-const law laws_of_motion[] = {{"edge that moves across", "1 - trapezoid/(x₁-x₀)", moving_edge},
-                              {"edge that its corners move", "1 - trapezoid/(x₁-x₀)", moving_corners},
-                              {"edge before a moving camera", "1 - trapezoid/(x₁-x₀)", moving_camera},
-                              {"ball that flies and turns", "ρ L", moving_ball},
-                              {"box that flies and turns", "ρ L", moving_box},
-                              {"lamp that rises over a floor", "∫ (R/d)² cos θ dt", rising_lamp},
-                              {"panel that flies and turns", "∫ Lambert's edge sum dt", turning_panel},
-                              {"panel that its corners move", "∫ Lambert's edge sum dt", bending_panel},
-                              {NULL, NULL, NULL}};
+const law laws_of_motion[] = {{"edge that moves across", "1 - trapezoid/(x₁-x₀)", moving_edge, 0},
+                              {"edge that its corners move", "1 - trapezoid/(x₁-x₀)", moving_corners, 0},
+                              {"edge before a moving camera", "1 - trapezoid/(x₁-x₀)", moving_camera, 0},
+                              {"ball that flies and turns", "ρ L", moving_body, 1},
+                              {"box that flies and turns", "ρ L", moving_body, 0},
+                              {"lamp that rises over a floor", "∫ (R/d)² cos θ dt", rising_lamp, 0},
+                              {"panel that flies and turns", "∫ Lambert's edge sum dt", turning_panel, 0},
+                              {"panel that its corners move", "∫ Lambert's edge sum dt", bending_panel, 0},
+                              {NULL, NULL, NULL, 0}};

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 fathom_status law_open(fathom_context *context, const law *made, law_room *out) {
-    *out = (law_room){.depth = 64};
+    *out = (law_room){.depth = 64, .number = made->number};
     build_open(context, &out->b);
     if (out->b.status == FATHOM_OK) made->make(out);
     if (out->b.status == FATHOM_OK) out->b.status = fathom_scene_check(out->b.scene);

@@ -7,12 +7,14 @@ typedef struct law_room {
     builder b;
     double value[3]; /* expected mean over the image */
     uint32_t depth;  /* bounces; default 64 */
+    double number;   /* that of the law */
     char sky[256];   /* image file of its environment light, removed with the room; "": none */
 } law_room;
 
 typedef struct law {
     const char *name, *form; /* form: formula of its value */
     void (*make)(law_room *room);
+    double number; /* for laws that share `make` */
 } law;
 
 /* The lists end with an empty name. */
