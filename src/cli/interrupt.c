@@ -75,3 +75,8 @@ void interrupt_keep_work(bool keep) { keep_work = keep; }
 void interrupt_say(const char *text) { said = text; }
 
 bool interrupt_asked(void) { return asked; }
+
+bool interrupt_go_on(void *user, const fathom_progress *progress) {
+    (void)user, (void)progress;
+    return !asked;
+}

@@ -4,7 +4,7 @@
  * save. */
 #pragma once
 
-#include <stdbool.h>
+#include <fathom/render.h>
 
 /* After this call, a signal ends the process with FATHOM_INTERRUPTED and one line on stderr. */
 void interrupt_install(void);
@@ -16,6 +16,8 @@ void interrupt_keep_work(bool keep);
 void interrupt_say(const char *text);
 
 bool interrupt_asked(void);
+/* A fathom_progress_fn that shows nothing, and stops the render after a signal. */
+bool interrupt_go_on(void *user, const fathom_progress *progress);
 
 /* After this call, SIGUSR1 only requests a save. */
 void interrupt_install_save(void);

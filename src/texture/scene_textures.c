@@ -3,7 +3,6 @@
 #include "scene/scene.h"
 
 #include <fathom/texture.h>
-#include <stdlib.h>
 #include <string.h>
 
 SIZED_DEFAULT_OWN(fathom_texture, {.filter = FATHOM_TEXTURE_TRILINEAR})

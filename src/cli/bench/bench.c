@@ -170,8 +170,7 @@ void bench_progress_tell(void *unused, double fraction) {
         state.estimated = true;
         progress_estimate(seconds / fraction);
     }
-    progress_update(
-        &(fathom_progress){.phase = FATHOM_PHASE_RENDER, .fraction = fraction, .seconds = seconds});
+    progress_work(state.began, fraction, 0);
 }
 
 bench_watch bench_progress_part(double from, double to) {

@@ -1,5 +1,6 @@
 #include "cli/render/progress.h"
 
+#include "base/clock.h"
 #include "cli/log.h"
 
 #include <math.h>
@@ -180,6 +181,13 @@ void progress_update(const fathom_progress *p) {
     case DISPLAY_BAR: draw_bar(p); break;
     case DISPLAY_JSON: print_json(p); break;
     }
+}
+
+void progress_work(double began, double fraction, uint64_t rays) {
+    progress_update(&(fathom_progress){.phase = FATHOM_PHASE_RENDER,
+                                       .fraction = fraction,
+                                       .rays = rays,
+                                       .seconds = clock_seconds() - began});
 }
 
 void progress_phase(fathom_phase phase) {

@@ -15,6 +15,8 @@ void progress_call(const char *name);
 /* Begins a phase that reports no progress; a terminal shows its name. */
 void progress_phase(fathom_phase phase);
 void progress_update(const fathom_progress *progress);
+/* The same for work other than a render that began at this time of clock_seconds(). */
+void progress_work(double began, double fraction, uint64_t rays);
 /* Prints "takes about 12:30", unless that is short. */
 void progress_estimate(double seconds);
 

@@ -2,11 +2,74 @@
 
 #include "cli/interrupt.h"
 #include "cli/render/brightness.h"
-#include "cli/render/trial.h"
+#include "cli/render/progress.h"
 
 #include "base/clock.h"
 
 #include <stdio.h>
+#include <string.h>
+
+/* ---- trial runs: they find what all frames share, the camera and the exposure. They report no problems of
+ * the scene, because the frames do. ---- */
+
+static void tell_nobody(void *user, const char *text) { (void)user, (void)text; }
+
+/* Gives the task of a trial run a context. False: out of memory. */
+static bool trial_open(task *s) {
+    if (command_context(s->options.threads, &s->context) != FATHOM_OK) return false;
+    fathom_context_allow_outside(s->context, s->options.allow_outside);
+    fathom_context_on_warning(s->context, tell_nobody, NULL);
+    return true;
+}
+
+/* Destroys all but the options and the framing. */
+static void trial_close(task *s) {
+    fathom_film_destroy(s->film);
+    warnings_free(&s->report.warnings);
+    fathom_scene_destroy(s->scene);
+    fathom_context_destroy(s->context);
+}
+
+/* The longer side of the small image in pixels, at most, and its samples. */
+enum { SIDE = 160, SAMPLES = 16 };
+
+static void make_small(fathom_settings *s) {
+    const uint32_t longer = s->width > s->height ? s->width : s->height, by = (longer + SIDE - 1) / SIDE;
+    s->width = (s->width + by - 1) / by, s->height = (s->height + by - 1) / by;
+    memset(s->crop, 0, sizeof s->crop);
+    s->spp = SAMPLES, s->target_error = 0, s->max_time = 0;
+    s->aovs &= FATHOM_AOV_ALPHA, s->fireflies = FATHOM_FIREFLIES_KEEP;
+}
+
+static fathom_status render_small(task *s) {
+    render_options *o = &s->options;
+    fathom_settings settings;
+    args_problem problem;
+    fathom_scene_settings(s->scene, &settings);
+    if (!render_options_finish(o, &settings, &problem)) return FATHOM_BAD_USAGE;
+    make_small(&o->settings);
+    const fathom_status status =
+        o->background.given ? fathom_scene_set_background(s->scene, o->background.rgb) : FATHOM_OK;
+    if (status != FATHOM_OK) return status;
+    return fathom_render(s->context, s->scene, &o->settings, interrupt_go_on, NULL, NULL, &s->film);
+}
+
+/* Renders a small image to choose the exposure, and sets `framing` as running the task does; then closes
+ * the task. Warns if the exposure had to change. False: nothing in view is lit, or an error. */
+static bool trial_exposure(task *s) {
+    if (!trial_open(s)) return false;
+    interrupt_install();
+    interrupt_install_save();
+    progress_begin(s->options.quiet);
+    progress_phase(FATHOM_PHASE_READ);
+    const bool settled = task_read_framed(s) == FATHOM_OK && render_small(s) == FATHOM_OK &&
+                         brightness_settle(&s->report.warnings, NULL, s->options.scene, s->film, &s->options);
+    trial_close(s);
+    progress_clear_line();
+    return settled;
+}
+
+/* ---- frames ---- */
 
 static fathom_status begin_frame(const task *all, uint32_t frame, frame_names *room, task *out) {
     fathom_settings settings;

@@ -23,11 +23,7 @@ typedef struct grid {
 
 static bool on_progress(void *user, uint64_t rays) {
     const grid *g = user;
-    fathom_progress p = {.phase = FATHOM_PHASE_RENDER,
-                         .fraction = g->done / g->cases,
-                         .rays = g->rays + rays,
-                         .seconds = clock_seconds() - g->start};
-    progress_update(&p);
+    progress_work(g->start, g->done / g->cases, g->rays + rays);
     return !interrupt_asked();
 }
 

@@ -18,15 +18,9 @@
 /* Rounding error in float of the 65 products of a path and the same number of sums. */
 #define ALLOWANCE 2e-5
 
-typedef struct light_work {
-    double start;
-} light_work;
-
+/* user: the time at which the work began. */
 static bool on_progress(void *user, double fraction) {
-    const light_work *k = user;
-    const fathom_progress p = {
-        .phase = FATHOM_PHASE_RENDER, .fraction = fraction, .seconds = clock_seconds() - k->start};
-    progress_update(&p);
+    progress_work(*(const double *)user, fraction, 0);
     return !interrupt_asked();
 }
 
@@ -78,8 +72,8 @@ static fathom_status write_json(fathom_context *context, const validate_settings
     return status;
 }
 
-static fathom_status closed_forms(fathom_context *context, const validate_settings *settings, light_work *k,
-                                  bool *fails) {
+static fathom_status closed_forms(fathom_context *context, const validate_settings *settings, bool *fails) {
+    double began = clock_seconds();
     const laws_options options = {.render = laws_path(),
                                   .level = LEVEL,
                                   .error = settings->light_error,
@@ -89,7 +83,7 @@ static fathom_status closed_forms(fathom_context *context, const validate_settin
                                   .seed = settings->seed,
                                   .only = settings->light_only,
                                   .go_on = on_progress,
-                                  .user = k};
+                                  .user = &began};
     laws_rows rows = {.tests = 0};
     fathom_status status = laws_run(context, &options, &rows);
     progress_clear_line();
@@ -146,12 +140,10 @@ static fathom_status compare_scene(fathom_context *context, const validate_setti
 
 fathom_status validate_light(fathom_context *context, const validate_settings *settings) {
     bool fails = false;
-    light_work k = {clock_seconds()};
     progress_begin(settings->common.quiet);
     progress_call("validate");
     interrupt_keep_work(true);
-    const fathom_status status = settings->scene ? compare_scene(context, settings, &fails)
-                                                 : closed_forms(context, settings, &k, &fails);
+    const fathom_status status = (settings->scene ? compare_scene : closed_forms)(context, settings, &fails);
     say_status(&command_validate, context, status);
     return status == FATHOM_OK && fails ? FATHOM_CHECK_FAILED : status;
 }

@@ -25,11 +25,7 @@ typedef struct work {
 static bool on_progress(void *user, uint64_t rays) {
     work *k = user;
     uint64_t done = k->before + rays;
-    fathom_progress p = {.phase = FATHOM_PHASE_RENDER,
-                         .fraction = (double)done / (double)k->total,
-                         .rays = done,
-                         .seconds = clock_seconds() - k->results->start};
-    progress_update(&p);
+    progress_work(k->results->start, (double)done / (double)k->total, done);
     if (k->scene && scene_watch_files(k->scene, &k->next_look) != FATHOM_OK) return false;
     return !interrupt_asked();
 }

@@ -7,12 +7,6 @@
 
 /* ---- running ---- */
 
-static bool on_progress(void *user, const fathom_progress *progress) {
-    (void)user;
-    (void)progress; /* of one of about a hundred small images */
-    return !interrupt_asked();
-}
-
 /* Moves the rows of each group together, in their original order. */
 static void gather_groups(shading_rows *rows) {
     for (size_t i = 1; i < rows->count; ++i) {
@@ -30,7 +24,7 @@ fathom_status validate_shading_run(fathom_context *context, const validate_setti
     shading_rows *rows = &results->shading;
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < settings->tracers.count && status == FATHOM_OK; ++i) {
-        const shading_options options = {.spec = settings->tracers.items[i], .progress = on_progress};
+        const shading_options options = {.spec = settings->tracers.items[i], .progress = interrupt_go_on};
         trace_spec spec;
         status = trace_spec_parse(context, options.spec, &spec);
         if (status != FATHOM_OK || spec.kind == TRACE_PLUGIN) continue;

@@ -76,10 +76,8 @@ struct validate_decoys {
 #define DECOY_PAUSE 2000000
 
 static fathom_status decoy(fathom_context *context, const validate_decoys *d, trace_tracer **out) {
-    trace_spec spec;
-    fathom_status status = trace_spec_parse(context, d->text, &spec);
-    const trace_options options = {.spec = &spec, .width = LANES, .threads = 1};
-    return status == FATHOM_OK ? trace_create(context, d->world, &options, out) : status;
+    const trace_options options = {.words = d->text, .width = LANES, .threads = 1};
+    return trace_create(context, d->world, &options, out);
 }
 
 static void *build_again(void *user) {

@@ -7,7 +7,6 @@
 #include "read/read.h"
 #include "scene/mesh/mesh_array.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { MODE_POINTS, MODE_LINES, MODE_LOOP, MODE_LINE_STRIP, MODE_TRIANGLES, MODE_STRIP, MODE_FAN };

@@ -4,7 +4,6 @@
 #include "base/threads.h"
 
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 
