@@ -10,6 +10,9 @@ typedef struct job_result {
     double finished;  /* fraction of the work, or of the time */
     double error;     /* largest estimate of any wave (adaptive.h); 0: not estimated */
 } job_result;
+_Static_assert(offsetof(fathom_stats, faint_shadow_rays) - offsetof(fathom_stats, camera_rays) ==
+                   offsetof(ray_counts, faint),
+               "statistics have the counts of rays in the same order, from camera_rays on");
 
 /* Time to reserve for the work after rendering. Called once, on a thread of the job, when each pixel has a
  * sample and the film holds it. */

@@ -13,6 +13,8 @@
 #include "light/environment.h"
 #include "scene/scene.h"
 
+#include <string.h>
+
 typedef struct build {
     fathom_context *context;
     const world *world;
@@ -99,29 +101,21 @@ static void build_tracer(void *user) {
         b->film->stats.foreseen_bytes = other + trace_foreseen_bytes(b->tracer);
 }
 
-static fathom_status run_build(fathom_context *context, const world *w, fathom_film *film,
-                               const fathom_settings *settings, fathom_progress_fn progress, void *user,
-                               trace_tracer **out, texture_cache **textures) {
+static fathom_status run_build(build *b) {
     static const watch_calls calls = {build_tracer, report_build};
+    const world *w = b->world;
+    const fathom_settings *settings = b->settings;
     fathom_status status = scene_rest_files(w->scene, w->meshes.items, w->meshes.count);
     if (status != FATHOM_OK) return status;
-    build b = {.context = context,
-               .world = w,
-               .settings = settings,
-               .film = film,
-               .progress = progress,
-               .progress_user = user,
-               .began = clock_seconds()};
-    b.options = (trace_options){.words = settings->tracer,
-                                .timed = settings->integrator != FATHOM_INTEGRATOR_CLASSIC,
-                                .width = settings->block_width,
-                                .threads = fathom_context_threads(context),
-                                .expected_rays = plan_expected_rays(w->scene, settings),
-                                .progress = progress ? on_build : NULL,
-                                .user = &b};
-    watch_run(&calls, &b);
-    *out = b.tracer, *textures = b.textures;
-    return end_build(&b);
+    b->options = (trace_options){.words = settings->tracer,
+                                 .timed = settings->integrator != FATHOM_INTEGRATOR_CLASSIC,
+                                 .width = settings->block_width,
+                                 .threads = fathom_context_threads(b->context),
+                                 .expected_rays = plan_expected_rays(w->scene, settings),
+                                 .progress = b->progress ? on_build : NULL,
+                                 .user = b};
+    watch_run(&calls, b);
+    return end_build(b);
 }
 
 static uint64_t placed_triangles(const world *w, uint32_t group) {
@@ -185,28 +179,17 @@ static fathom_status find_brightest(fathom_context *context, const render_plan *
     return status;
 }
 
-static fathom_status make_plan(fathom_context *context, const world *w, trace_tracer *tracer,
-                               texture_cache *textures, const fathom_settings *settings,
-                               const job_options *options, fathom_film *film, render_plan **out) {
+static fathom_status make_plan(build *b) {
     static const watch_calls calls = {build_plan, report_build};
-    build b = {.context = context,
-               .world = w,
-               .tracer = tracer,
-               .textures = textures,
-               .settings = settings,
-               .progress = options->progress,
-               .progress_user = options->user,
-               .began = clock_seconds() - film->stats.build_seconds,
-               .fraction = 1};
-    watch_run(&calls, &b);
-    *out = b.plan;
-    film->stats.build_seconds = clock_seconds() - b.began;
-    fathom_status status = end_build(&b);
-    if (status == FATHOM_OK) status = find_brightest(context, *out, film);
+    atomic_store(&b->fraction, 1);
+    watch_run(&calls, b);
+    b->film->stats.build_seconds = clock_seconds() - b->began;
+    fathom_status status = end_build(b);
+    if (status == FATHOM_OK) status = find_brightest(b->context, b->plan, b->film);
     if (status != FATHOM_OK) return status;
-    return left_out_find(w, settings, (*out)->watertight, &film->left_out)
+    return left_out_find(b->world, b->settings, b->plan->watertight, &b->film->left_out)
                ? FATHOM_OK
-               : fail_memory(context, sizeof(fathom_left_out));
+               : fail_memory(b->context, sizeof(fathom_left_out));
 }
 
 static fathom_status run_plan(fathom_context *context, const render_plan *plan, const job_options *options,
@@ -219,13 +202,7 @@ static fathom_status run_plan(fathom_context *context, const render_plan *plan, 
         found = texturing_check(plan->texturing, context);
     if (found != FATHOM_OK) status = found;
     film->stats.render_seconds = clock_seconds() - began;
-    film->stats.camera_rays = result.rays.camera;
-    film->stats.shadow_rays = result.rays.shadow;
-    film->stats.reflection_rays = result.rays.reflection;
-    film->stats.refraction_rays = result.rays.refraction;
-    film->stats.repaired_rays = result.rays.repaired;
-    film->stats.unlit_shadow_rays = result.rays.unlit;
-    film->stats.faint_shadow_rays = result.rays.faint;
+    memcpy(&film->stats.camera_rays, &result.rays, sizeof result.rays);
     film->stats.samples = result.samples;
     film->stats.finished = result.finished;
     film->stats.error_estimate = result.error;
@@ -249,14 +226,11 @@ static fathom_status begin_keeping(const trace_tracer *tracer, keeping *keep, jo
 }
 
 /* Keeping begins after the plan, because a part's head holds results of the plan. */
-static fathom_status render_traced(fathom_context *context, const world *w, trace_tracer *tracer,
-                                   texture_cache *textures, const fathom_settings *settings, keeping *keep,
-                                   job_options *options, fathom_film *film) {
-    render_plan *plan = NULL;
-    fathom_status status = make_plan(context, w, tracer, textures, settings, options, film, &plan);
-    if (status == FATHOM_OK) status = begin_keeping(tracer, keep, options);
-    if (status == FATHOM_OK) status = run_plan(context, plan, options, film);
-    plan_destroy(plan);
+static fathom_status render_traced(build *b, keeping *keep, job_options *options) {
+    fathom_status status = make_plan(b);
+    if (status == FATHOM_OK) status = begin_keeping(b->tracer, keep, options);
+    if (status == FATHOM_OK) status = run_plan(b->context, b->plan, options, b->film);
+    plan_destroy(b->plan);
     return status;
 }
 
@@ -271,19 +245,23 @@ static fathom_status render_scene(fathom_context *context, const fathom_scene *s
     if (status != FATHOM_OK) return status;
     status = world_check(w);
     if (status == FATHOM_OK) lacks_find(w, settings->integrator, warn_of, context);
-    trace_tracer *tracer = NULL;
-    texture_cache *textures = NULL;
-    if (status == FATHOM_OK)
-        status = run_build(context, w, film, settings, options->progress, options->user, &tracer, &textures);
+    build b = {.context = context,
+               .world = w,
+               .settings = settings,
+               .film = film,
+               .progress = options->progress,
+               .progress_user = options->user,
+               .began = began};
+    if (status == FATHOM_OK) status = run_build(&b);
     film->stats.build_seconds = clock_seconds() - began;
     if (status == FATHOM_OK) status = fathom_scene_check_files(scene);
-    if (status == FATHOM_OK) status = count_scene(w, tracer, film, &film->stats);
+    if (status == FATHOM_OK) status = count_scene(w, b.tracer, film, &film->stats);
     options->deadline = began + settings->max_time;
     if (status == FATHOM_OK)
-        status = render_traced(context, w, tracer, textures, settings, keep, options, film);
+        status = render_traced(&b, keep, options);
     else
-        texture_cache_close(textures);
-    trace_destroy(tracer);
+        texture_cache_close(b.textures);
+    trace_destroy(b.tracer);
     world_destroy(w);
     return status;
 }

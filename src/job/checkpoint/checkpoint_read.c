@@ -62,9 +62,7 @@ static fathom_status check_sum(reading *r, const unsigned char *bytes, size_t si
 }
 
 static fathom_status read_key(reading *r, checkpoint_key *out) {
-    if (!copy(r, out->version, sizeof out->version) || !copy(r, out->tracer, sizeof out->tracer) ||
-        !copy(r, &out->scene, sizeof out->scene) || !copy(r, out->settings, sizeof out->settings))
-        return damaged(r, "its head is not whole");
+    if (!copy(r, out, sizeof *out)) return damaged(r, "its head is not whole");
     return checkpoint_key_is_whole(out) ? FATHOM_OK : damaged(r, "a text in its head has no end");
 }
 

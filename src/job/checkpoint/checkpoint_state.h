@@ -36,6 +36,7 @@ typedef struct checkpoint_key {
     uint64_t scene;                /* its fingerprint */
     char settings[SETTINGS_TEXT];  /* settings_print() */
 } checkpoint_key;
+_Static_assert(sizeof(checkpoint_key) == 32 + 128 + 8 + SETTINGS_TEXT, "no bytes between the fields");
 
 typedef struct checkpoint_state {
     wave_grid grid;          /* the grid of the film */

@@ -43,10 +43,7 @@ static void put_head(output *o, const checkpoint_key *key) {
     static const uint32_t format = CHECKPOINT_FORMAT;
     put(o, CHECKPOINT_MAGIC, strlen(CHECKPOINT_MAGIC));
     put(o, &format, sizeof format);
-    put(o, key->version, sizeof key->version);
-    put(o, key->tracer, sizeof key->tracer);
-    put(o, &key->scene, sizeof key->scene);
-    put(o, key->settings, sizeof key->settings);
+    put(o, key, sizeof *key);
 }
 
 /* Copies the record under the lock; the lock is not held while the file is written. */
@@ -94,13 +91,6 @@ static void put_film(output *o) {
     }
 }
 
-static fathom_status check_files(fathom_context *context, const fathom_scene *scene) {
-    fathom_status status = FATHOM_OK;
-    for (size_t i = 0; scene && i < scene->blobs.count && status == FATHOM_OK; ++i)
-        status = file_check(context, &scene->blobs.items[i].map);
-    return status;
-}
-
 fathom_status checkpoint_write_file(fathom_context *context, checkpoint_write *w, const char *path,
                                     const checkpoint_key *key, const fathom_scene *scene,
                                     const fathom_film *film, const checkpoint_state *state,
@@ -115,7 +105,8 @@ fathom_status checkpoint_write_file(fathom_context *context, checkpoint_write *w
     put_film(&o);
     const uint64_t sum = hash_end(&o.hash);
     put(&o, &sum, sizeof sum);
-    status = atomic_load(give_up) ? FATHOM_INTERRUPTED : check_files(context, scene);
+    const fathom_scene view = scene ? scene_through(scene, context) : (fathom_scene){.context = context};
+    status = atomic_load(give_up) ? FATHOM_INTERRUPTED : fathom_scene_check_files(&view);
     if (status == FATHOM_OK) return file_writer_commit(o.file);
     file_writer_abort(o.file);
     return status;

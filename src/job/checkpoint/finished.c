@@ -21,7 +21,7 @@ typedef struct finished_record {
     uint64_t sum;    /* hash of all bytes before it */
 } finished_record;
 
-_Static_assert(sizeof(finished_record) == 8 + 32 + 128 + 8 + SETTINGS_TEXT + 3 * 8, "no padding");
+_Static_assert(sizeof(finished_record) == 4 * 8 + sizeof(checkpoint_key), "no padding");
 
 static uint64_t sum_of(const finished_record *record) {
     return hash_of(record, offsetof(finished_record, sum));

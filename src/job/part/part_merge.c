@@ -106,13 +106,7 @@ static fathom_status order(merging *m) {
 /* ---- one part ---- */
 
 static void count_record(fathom_stats *stats, const part_record *r) {
-    stats->camera_rays += r->rays.camera;
-    stats->shadow_rays += r->rays.shadow;
-    stats->reflection_rays += r->rays.reflection;
-    stats->refraction_rays += r->rays.refraction;
-    stats->repaired_rays += r->rays.repaired;
-    stats->unlit_shadow_rays += r->rays.unlit;
-    stats->faint_shadow_rays += r->rays.faint;
+    ray_counts_add(&r->rays, 1, (ray_counts *)(void *)&stats->camera_rays);
     stats->samples += r->samples;
     stats->render_seconds += r->seconds;
     stats->error_estimate = fmax(stats->error_estimate, r->error);
