@@ -117,13 +117,9 @@ scene_bounds scene_framed_bounds(const fathom_scene *scene, fathom_id id) {
     return placed_bounds(&scene->meshes.items[object.index], &core);
 }
 
-scene_bounds graph_object_bounds(const fathom_scene *scene, const scene_graph *graph, fathom_id object) {
-    return graph->absent[object] ? bounds_empty() : scene_object_bounds(scene, object);
-}
-
 fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph,
-                           scene_bounds (*of)(const fathom_scene *scene, fathom_id object),
-                           scene_bounds **out) {
+                           scene_bounds (*of)(const fathom_scene *scene, fathom_id object), graph_met_fn met,
+                           void *user, scene_bounds **out) {
     scene_bounds *of_group = malloc(scene->groups.count * sizeof *of_group);
     *out = of_group;
     if (!of_group) return fail_memory(scene->context, scene->groups.count * sizeof *of_group);
@@ -135,11 +131,13 @@ fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph,
             const fathom_id object = graph->objects.items[i];
             scene_bounds b = graph->absent[object] ? bounds_empty() : of(scene, object);
             bounds_join(&of_group[g], &b);
+            if (met && !bounds_is_empty(&b)) met(user, g, object, &b);
         }
         for (uint32_t i = graph->instances.first[g]; i < graph->instances.first[g + 1]; ++i) {
             const fathom_instance *instance = &scene->instances.items[graph->instances.items[i]];
             scene_bounds b = motion_bounds(instance, scene->camera.shutter, &of_group[instance->group]);
             bounds_join(&of_group[g], &b);
+            if (met && !bounds_is_empty(&b)) met(user, g, FATHOM_NONE, &b);
         }
     }
     return FATHOM_OK;
@@ -151,7 +149,7 @@ fathom_status scene_world_bounds(const fathom_scene *scene, scene_bounds *out) {
     fathom_status status = graph_create(scene, &graph);
     if (status != FATHOM_OK) return status;
     scene_bounds *of_group;
-    status = graph_bounds(scene, &graph, scene_object_bounds, &of_group);
+    status = graph_bounds(scene, &graph, scene_object_bounds, NULL, NULL, &of_group);
     if (status == FATHOM_OK) *out = of_group[FATHOM_ROOT];
     free(of_group);
     graph_destroy(&graph);

@@ -21,13 +21,14 @@ typedef struct scene_graph {
 fathom_status graph_create(const fathom_scene *scene, scene_graph *out);
 void graph_destroy(scene_graph *graph);
 
-/* As scene_object_bounds(), but empty for an absent object. */
-scene_bounds graph_object_bounds(const fathom_scene *scene, const scene_graph *graph, fathom_id object);
-/* The bounds of each group that the root reaches, in the group's own coordinates; release with free(). `of`:
- * scene_object_bounds() or scene_framed_bounds(). */
+/* Gets the bounds, unless they are empty, of an object of the group, or of an instance: FATHOM_NONE. */
+typedef void (*graph_met_fn)(void *user, uint32_t group, fathom_id object, const scene_bounds *bounds);
+/* The bounds of each group that the root reaches, in the group's own coordinates; release with free(). Absent
+ * objects have none. `of`: scene_object_bounds() or scene_framed_bounds(). Unless it is NULL, met() is called
+ * for what is in each group, one group after the other. */
 fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph,
-                           scene_bounds (*of)(const fathom_scene *scene, fathom_id object),
-                           scene_bounds **out);
+                           scene_bounds (*of)(const fathom_scene *scene, fathom_id object), graph_met_fn met,
+                           void *user, scene_bounds **out);
 
 /* Counts the paths from the root to each group, and returns their sum. `placements` has one entry per group,
  * all 0 at first. The counts are double, so that huge ones do not wrap. */

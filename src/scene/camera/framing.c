@@ -349,7 +349,7 @@ static fathom_status look_at_all(const fathom_scene *scene, bool (*look)(walk *w
     *empty = true;
     fathom_status status = graph_create(scene, &graph);
     if (status != FATHOM_OK) return status;
-    status = graph_bounds(scene, &graph, scene_framed_bounds, &of_group);
+    status = graph_bounds(scene, &graph, scene_framed_bounds, NULL, NULL, &of_group);
     if (status == FATHOM_OK && !bounds_is_empty(&of_group[FATHOM_ROOT])) {
         *empty = false;
         framing_times times;

@@ -115,21 +115,23 @@ affine_f64 motion_place(const fathom_instance *instance, double time) {
     return map;
 }
 
-/* True when the maps of the keys that matter between the two times differ. */
-static bool keys_move(const double *times, const double *maps, uint32_t count, const double shutter[2]) {
+bool motion_keys_differ(const double *times, uint32_t count, const double shutter[2], const void *rows,
+                        size_t row_bytes) {
     if (!count || !(shutter[1] > shutter[0])) return false;
     double u;
     const uint32_t first = motion_key(times, count, shutter[0], &u);
     uint32_t last = motion_key(times, count, shutter[1], &u);
     last += u > 0;
     for (uint32_t k = first; k < last; ++k) {
-        if (memcmp(maps + 12 * (size_t)k, maps + 12 * (size_t)(k + 1), 12 * sizeof *maps) != 0) return true;
+        const char *row = (const char *)rows + k * row_bytes;
+        if (memcmp(row, row + row_bytes, row_bytes) != 0) return true;
     }
     return false;
 }
 
 bool motion_is_moving(const fathom_instance *instance, const double shutter[2]) {
-    return keys_move(instance->key_times, instance->key_transforms, instance->key_count, shutter);
+    return motion_keys_differ(instance->key_times, instance->key_count, shutter, instance->key_transforms,
+                              12 * sizeof(double));
 }
 
 /* How far a corner of the box may be from the chord of its way. The way is the rotation, by `angle` at
@@ -213,7 +215,8 @@ fathom_camera motion_camera(const fathom_camera *camera, double time) {
 }
 
 bool motion_camera_moves(const fathom_camera *camera) {
-    return keys_move(camera->key_times, camera->key_frames, camera->key_count, camera->shutter);
+    return motion_keys_differ(camera->key_times, camera->key_count, camera->shutter, camera->key_frames,
+                              12 * sizeof(double));
 }
 
 fathom_camera motion_camera_shown(const fathom_camera *camera, bool blurred) {

@@ -32,6 +32,10 @@ double motion_turn_cosine(const motion_parts *a, const motion_parts *b);
  * after the last. */
 uint32_t motion_key(const double *times, uint32_t count, double time, double *u);
 
+/* True when the rows of the keys that matter while the shutter is open differ: one row for each key. */
+bool motion_keys_differ(const double *times, uint32_t count, const double shutter[2], const void *rows,
+                        size_t row_bytes);
+
 /* The transform of an instance at a time. It is exactly the matrix of a key if the instance does not move at
  * that time, or if the time is the key's. */
 affine_f64 motion_place(const fathom_instance *instance, double time);

@@ -42,7 +42,9 @@ float *world_new_rows(size_t steps, size_t count);
 /* Appends a mesh of the scene that is already in the world's coordinates. */
 bool world_add_mesh(world *w, fathom_id object, const fathom_mesh *mesh, const mesh_facts *facts);
 
-/* of_group: gets the origin of each group's float coordinates. */
-fathom_status world_choose_origins(const fathom_scene *scene, const scene_graph *graph, vec3_f64 *of_group);
+/* Sets the origin of each group's float coordinates, where it is not 0, and makes the bounds of the groups;
+ * release these with free(). */
+fathom_status world_choose_origins(const fathom_scene *scene, const scene_graph *graph, vec3_f64 *origins,
+                                   scene_bounds **bounds);
 /* Chooses origins, makes the groups and places them. origin: that of the root, or NULL to choose it too. */
 fathom_status world_place(world *w, const scene_graph *graph, const vec3_f64 *origin);

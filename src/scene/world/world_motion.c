@@ -180,21 +180,11 @@ static uint32_t choose_steps(const fathom_mesh *m, const double shutter[2]) {
 }
 
 static bool is_still(const fathom_mesh *m, const double shutter[2]) {
-    if (!(shutter[1] > shutter[0])) return true;
-    double u;
-    const uint32_t first = motion_key(m->key_times, m->key_count, shutter[0], &u);
-    uint32_t last = motion_key(m->key_times, m->key_count, shutter[1], &u);
-    last += u > 0;
-    const size_t points = 3 * (size_t)m->vertex_count, normals = m->normals ? 3 * (size_t)m->normal_count : 0;
-    for (size_t k = first; k < last; ++k) {
-        if (memcmp(m->key_positions + k * points, m->key_positions + (k + 1) * points,
-                   points * sizeof(float)) != 0)
-            return false;
-        if (normals && memcmp(m->key_normals + k * normals, m->key_normals + (k + 1) * normals,
-                              normals * sizeof(float)) != 0)
-            return false;
-    }
-    return true;
+    const size_t vector = 3 * sizeof(float);
+    return !motion_keys_differ(m->key_times, m->key_count, shutter, m->key_positions,
+                               vector * m->vertex_count) &&
+           !(m->normals && motion_keys_differ(m->key_times, m->key_count, shutter, m->key_normals,
+                                              vector * m->normal_count));
 }
 
 /* Floats that Embree may read beyond the last vertex. */

@@ -28,8 +28,9 @@ typedef struct placer {
     uint32_t *part_count; /* by group */
     double *placements;   /* by group: number of paths from the root */
     ARRAY(group_part) parts;
-    ARRAY(placement_link) links; /* only if something moves */
-    scene_bounds *bounds;        /* by group; only if something moves */
+    scene_bounds *bounds;        /* by group */
+    bool moves;                  /* something does */
+    ARRAY(placement_link) links; /* only then */
     ARRAY(double) times;         /* of the keys of the current placement */
 } placer;
 
@@ -78,13 +79,6 @@ static fathom_status bad_frame(const placer *p, fathom_id id) {
         p->w->scene, id, "its frame, with those around it, flattens space or leaves the range of float");
 }
 
-static fathom_status add_instance(placer *p, uint32_t group, const affine_f64 *to_world, fathom_id material,
-                                  fathom_id id) {
-    world_instance instance = {.group = group, .material = material, .id = id};
-    if (!world_instance_set(&instance, to_world)) return bad_frame(p, id);
-    return array_push(&p->w->instances, instance) ? FATHOM_OK : no_memory(p);
-}
-
 static bool add_plane(placer *p, const fathom_plane *plane, fathom_id object, const affine_f64 *to_world,
                       const affine_f64 *to_group, fathom_id material) {
     vec3_f64 point = sub_f64(affine_point(to_world, load_f64(plane->point)), p->w->origin);
@@ -100,21 +94,6 @@ static bool add_plane(placer *p, const fathom_plane *plane, fathom_id object, co
                        .flags = plane->flags};
     world_plane_set_normal(&out, normal);
     return array_push(&p->w->planes, out);
-}
-
-static fathom_status place_planes(placer *p, uint32_t group, const affine_f64 *to_world, fathom_id material,
-                                  fathom_id instance) {
-    const fathom_scene *scene = p->w->scene;
-    for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1]; ++i) {
-        fathom_id id = p->graph->objects.items[i];
-        scene_object object = scene->objects.items[id];
-        affine_f64 to_group;
-        if (object.kind != SCENE_PLANE || p->graph->absent[id]) continue;
-        if (!affine_invert(to_world, &to_group)) return bad_frame(p, instance);
-        if (!add_plane(p, &scene->planes.items[object.index], id, to_world, &to_group, material))
-            return no_memory(p);
-    }
-    return FATHOM_OK;
 }
 
 /* True if the group's coordinates already are the world's, so that its geometries join the root's
@@ -154,7 +133,7 @@ static fathom_status push_children(placer *p, placement_stack *stack, const plac
     uint32_t first = p->graph->instances.first[at->group];
     for (uint32_t i = p->graph->instances.first[at->group + 1]; i-- > first;) {
         placement child = child_placement(p, at, p->graph->instances.items[i]);
-        if (p->bounds) {
+        if (p->moves) {
             child.link = (uint32_t)p->links.count;
             if (!array_push(&p->links, ((placement_link){child.id, at->link}))) return no_memory(p);
         }
@@ -295,44 +274,49 @@ static fathom_id find_mover(const placer *p, const placement *at) {
     return at->id;
 }
 
-static fathom_status refuse_planes(const placer *p, uint32_t group, fathom_id instance) {
-    for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1]; ++i) {
+static fathom_status place_planes(placer *p, const placement *at) {
+    const fathom_scene *scene = p->w->scene;
+    for (uint32_t i = p->graph->objects.first[at->group]; i < p->graph->objects.first[at->group + 1]; ++i) {
         const fathom_id id = p->graph->objects.items[i];
-        if (p->w->scene->objects.items[id].kind == SCENE_PLANE && !p->graph->absent[id])
-            return scene_fail_instance(p->w->scene, instance,
+        const scene_object object = scene->objects.items[id];
+        affine_f64 to_group;
+        if (object.kind != SCENE_PLANE || p->graph->absent[id]) continue;
+        if (at->moves)
+            return scene_fail_instance(scene, find_mover(p, at),
                                        "it moves a plane; infinite planes cannot move: use a large quad");
+        if (!affine_invert(&at->to_world, &to_group)) return bad_frame(p, at->id);
+        if (!add_plane(p, &scene->planes.items[object.index], id, &at->to_world, &to_group, at->material))
+            return no_memory(p);
     }
     return FATHOM_OK;
 }
 
-static fathom_status place_moving(placer *p, const placement *at) {
-    const fathom_id mover = find_mover(p, at);
-    fathom_status status = refuse_planes(p, at->group, mover);
-    if (status == FATHOM_OK && !find_times(p, at)) status = no_memory(p);
-    for (uint32_t i = 0; i < p->part_count[at->group] && status == FATHOM_OK; ++i) {
-        const group_part part = p->parts.items[p->first_part[at->group] + i];
-        world_instance instance = {.group = part.world_group, .material = at->material, .id = at->id};
-        scene_bounds inside = p->bounds[at->group];
-        inside.lower = sub_f64(inside.lower, part.origin), inside.upper = sub_f64(inside.upper, part.origin);
-        const moving m = {p, at, part.origin};
-        status =
-            world_add_motion(p->w, place_when, &m, &inside, p->times.items, p->times.count, mover, &instance);
-        if (status == FATHOM_OK && !array_push(&p->w->instances, instance)) status = no_memory(p);
-    }
-    return status;
+/* origin: of the part, as in the next function. */
+static fathom_status set_moving(placer *p, const placement *at, vec3_f64 origin, world_instance *instance) {
+    const moving m = {p, at, origin};
+    scene_bounds inside = p->bounds[at->group];
+    inside.lower = sub_f64(inside.lower, origin), inside.upper = sub_f64(inside.upper, origin);
+    return world_add_motion(p->w, place_when, &m, &inside, p->times.items, p->times.count, find_mover(p, at),
+                            instance);
+}
+
+static fathom_status set_still(placer *p, const placement *at, vec3_f64 origin, world_instance *instance) {
+    const affine_f64 shift = affine_translation(origin), moved = affine_compose(&at->to_world, &shift),
+                     move = affine_translation(neg_f64(p->w->origin)),
+                     to_world = affine_compose(&move, &moved);
+    return world_instance_set(instance, &to_world) ? FATHOM_OK : bad_frame(p, at->id);
 }
 
 static fathom_status place(placer *p, const placement *at, bool *descend) {
     *descend = true;
     fathom_status status = make_parts(p, at->group);
-    if (status == FATHOM_OK && at->moves) return place_moving(p, at);
-    if (status == FATHOM_OK) status = place_planes(p, at->group, &at->to_world, at->material, at->id);
-    affine_f64 move = affine_translation(neg_f64(p->w->origin));
+    if (status == FATHOM_OK) status = place_planes(p, at);
+    if (status == FATHOM_OK && at->moves && !find_times(p, at)) status = no_memory(p);
     for (uint32_t i = 0; i < p->part_count[at->group] && status == FATHOM_OK; ++i) {
-        group_part part = p->parts.items[p->first_part[at->group] + i];
-        affine_f64 shift = affine_translation(part.origin), moved = affine_compose(&at->to_world, &shift);
-        affine_f64 to_world = affine_compose(&move, &moved);
-        status = add_instance(p, part.world_group, &to_world, at->material, at->id);
+        const group_part part = p->parts.items[p->first_part[at->group] + i];
+        world_instance instance = {.group = part.world_group, .material = at->material, .id = at->id};
+        status = (at->moves ? set_moving : set_still)(p, at, part.origin, &instance);
+        if (status == FATHOM_OK && !array_push(&p->w->instances, instance)) status = no_memory(p);
     }
     return status;
 }
@@ -347,13 +331,10 @@ static fathom_status count_placements(placer *p) {
 
 static fathom_status place_all(placer *p, const vec3_f64 *origin) {
     fathom_status status = count_placements(p);
-    if (status == FATHOM_OK) status = world_choose_origins(p->w->scene, p->graph, p->origins);
+    if (status == FATHOM_OK) status = world_choose_origins(p->w->scene, p->graph, p->origins, &p->bounds);
     if (status != FATHOM_OK) return status;
-    bool moves = false;
-    for (size_t i = 0; i < p->w->scene->instances.count && !moves; ++i)
-        moves = motion_is_moving(&p->w->scene->instances.items[i], p->w->scene->camera.shutter);
-    if (moves) status = graph_bounds(p->w->scene, p->graph, scene_object_bounds, &p->bounds);
-    if (status != FATHOM_OK) return status;
+    for (size_t i = 0; i < p->w->scene->instances.count && !p->moves; ++i)
+        p->moves = motion_is_moving(&p->w->scene->instances.items[i], p->w->scene->camera.shutter);
     if (origin) p->origins[FATHOM_ROOT] = *origin;
     p->w->origin = p->origins[FATHOM_ROOT];
     /* The root's own geometries and those that join them are one run, group 0. */
