@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LIGHT_TYPES = FATHOM_LIGHT_ENVIRONMENT + 1, FEATURES_MOST = 30, PROBLEMS_MOST = LACKS_MOST + 1 };
+enum { LIGHT_TYPES = FATHOM_LIGHT_ENVIRONMENT + 1, FEATURES_MOST = 33, PROBLEMS_MOST = LACKS_MOST + 1 };
 
 /* A survey and the arrays that it points to. */
 typedef struct survey {
@@ -193,7 +193,8 @@ static fathom_status try_environments(const fathom_scene *scene) {
 
 typedef struct material_uses {
     unsigned bits;
-    bool phong, blinn, ggx, fresnel, lit_from_behind, clearcoat, sheen, iridescence, one_sided;
+    bool phong, blinn, ggx, fresnel, lit_from_behind, clearcoat, sheen, anisotropy, iridescence, dispersion,
+        diffuse_transmission, absorption, one_sided;
 } material_uses;
 
 static void add_material(const fathom_scene *scene, fathom_id id, material_uses *uses) {
@@ -211,7 +212,11 @@ static void add_material(const fathom_scene *scene, fathom_id id, material_uses 
     uses->clearcoat |= layered && full->clearcoat > 0;
     uses->sheen |=
         layered && (full->sheen_color[0] > 0 || full->sheen_color[1] > 0 || full->sheen_color[2] > 0);
+    uses->anisotropy |= layered && material_is_directed(full);
     uses->iridescence |= layered && full->iridescence > 0;
+    uses->dispersion |= layered && full->dispersion > 0 && full->thickness > 0 && full->transmission > 0;
+    uses->diffuse_transmission |= layered && full->diffuse_transmission > 0;
+    uses->absorption |= layered && material_absorbs(full);
     uses->one_sided |= layered && material_is_one_sided(full);
     uses->fresnel |= m->fresnel;
     uses->lit_from_behind |= m->lit_from_behind;
@@ -261,7 +266,11 @@ static void find_features(const fathom_scene *scene, survey *out) {
                     {uses.ggx, "GGX"},
                     {uses.clearcoat, "clearcoat"},
                     {uses.sheen, "sheen"},
+                    {uses.anisotropy, "anisotropy"},
                     {uses.iridescence, "iridescence"},
+                    {uses.dispersion, "dispersion"},
+                    {uses.diffuse_transmission, "diffuse transmission"},
+                    {uses.absorption, "absorption"},
                     {uses.one_sided, "one-sided surfaces"},
                     {uses.bits & MATERIAL_MIRROR, "mirrors"},
                     {uses.bits & MATERIAL_REFRACT, "refraction"},

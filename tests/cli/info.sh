@@ -320,7 +320,8 @@ said out.txt 'problems  none'
 # What is there is told as it is: an environment, the layers of a material, motion, a lens, and instances whose shapes are moved.
 printf 'PF\n1 1\n-1.0\n\0\0\200\77\0\0\200\77\0\0\200\77' >sky.pfm
 cat >layers.json <<'JSON'
-{ "materials": { "m": { "model": "metallicRoughness", "clearcoat": 1, "sheenColor": [1, 1, 1], "iridescence": 1 } },
+{ "materials": { "m": { "model": "metallicRoughness", "clearcoat": 1, "sheenColor": [1, 1, 1], "iridescence": 1, "anisotropy": 0.5,
+    "transmission": 0.5, "diffuseTransmission": 0.5, "thickness": 1, "dispersion": 1, "attenuationColor": [1, 0, 0], "attenuationDistance": 1 } },
   "camera": { "eye": [0, 0, 5], "target": [0, 0, 0], "lensRadius": 0.1 },
   "lights": [ { "type": "environment", "file": "sky.pfm" } ],
   "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m",
@@ -338,7 +339,7 @@ run 0 info layers.json
 said out.txt '0 spot, 1 environment'
 said out.txt 'materials 1'
 said out.txt 'looking along (0, 0, -1)'
-said out.txt 'features  spheres, instances, motion, depth of field, environments, GGX, clearcoat, sheen, iridescence'
+said out.txt 'features  spheres, instances, motion, depth of field, environments, GGX, clearcoat, sheen, anisotropy, iridescence, dispersion, diffuse transmission, absorption'
 not_said out.txt 'Blinn'
 run 0 generate sphere -t 20 -o ball.glb
 run 0 info ball.glb
