@@ -165,7 +165,7 @@ static void warn_materials(const object_reader *r, json_t *materials) {
     json_object_foreach(materials, name, value) {
         const where item = {&at, name, 0};
         if (told >= MOST_WARNINGS) {
-            doc_warn(r->doc, &item, "more keys without effect are not reported");
+            doc_warn(r->doc, &item, "further warnings about materials are left out");
             return;
         }
         told += material_warn(r, &item, name, value);

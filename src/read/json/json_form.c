@@ -188,6 +188,7 @@ static const form_rule metallic_rules[] = {
     {FORM_EXCLUDES, "metallicRoughnessTexture", {"metallicTexture", "roughnessTexture"}},
     {FORM_NEEDS, "dispersion", {"thickness"}},
     {FORM_NEEDS, "priority", {"thickness"}},
+    {FORM_WANTS, "dispersion", {"transmission"}},
     {FORM_WANTS, "emissiveStrength", {"emissive"}},
     {FORM_WANTS, "attenuationColor", {"attenuationDistance", "thickness"}},
     {FORM_WANTS_ONE_OF, "attenuationColor", {"transmission", "diffuseTransmission"}},

@@ -161,11 +161,34 @@ static size_t warn_set(const object_reader *r, const where *at, json_t *value, c
     return 0;
 }
 
+/* Outside of these ranges, a number other than 0 was surely meant in another unit. */
+static const struct {
+    const char *key, *unit;
+    double low, high;
+} usual[] = {
+    {"anisotropyRotation", "radians", -7, 7},
+    {"iridescenceThicknessMin", "nanometres", 1, 1e5},
+    {"iridescenceThicknessMax", "nanometres", 1, 1e5},
+    {"dispersion", "20 divided by the Abbe number", 0, 15},
+};
+
+static size_t warn_unit(const object_reader *r, const where *at, json_t *value) {
+    size_t told = 0;
+    for (size_t i = 0; i < sizeof usual / sizeof *usual; ++i) {
+        const where key = {at, usual[i].key, 0};
+        const double number = json_number_value(json_object_get(value, key.key));
+        if (number == 0 || (number >= usual[i].low && number <= usual[i].high)) continue;
+        doc_warn(r->doc, &key, "expected %s; %g seems to be in another unit", usual[i].unit, number);
+        ++told;
+    }
+    return told;
+}
+
 size_t material_warn(const object_reader *r, const where *at, const char *name, json_t *value) {
     const char *also = scene_has_opacities(r->scene) ? FORM_OPACITIES : NULL;
     const form *f;
     if (doc_choose(r->doc, at, value, &form_material, &f) != FATHOM_OK) return 0;
     const fathom_id id = (fathom_id)json_integer_value(json_object_get(r->materials, name));
     return doc_warn_useless(r->doc, at, value, f, also) + warn_set(r, at, value, f, id, 0) +
-           warn_set(r, at, value, f, id, 1);
+           warn_set(r, at, value, f, id, 1) + warn_unit(r, at, value);
 }

@@ -24,7 +24,8 @@ fathom_status light_group_set(const object_reader *r, const where *at, const cha
 
 fathom_status material_add(const object_reader *r, const where *at, const char *name, json_t *value);
 
-/* Warns of keys without effect; returns the number of warnings. Call it once the scene has its meshes. */
+/* Warns of keys without effect or in a wrong unit; returns the number of warnings. Call it once the scene has
+ * its meshes. */
 size_t material_warn(const object_reader *r, const where *at, const char *name, json_t *value);
 
 /* ---- frames and transforms (json_place.c) ---- */
