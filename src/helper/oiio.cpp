@@ -217,30 +217,49 @@ static fathom_status writer_close(image_writer *writer, bool finish, image_messa
 struct file_image : image {
     OIIO::ImageSpec spec;
     std::vector<image_channel> channel_list;
-    std::vector<std::vector<uint32_t>> planes; /* also for floats: both have 32 bits */
+    std::vector<uint32_t> values; /* interleaved; also for floats: both have 32 bits */
 };
 
-/* Copies the file's interleaved pixels to one plane for each channel. */
-static void collect_channels(file_image &file, const std::vector<unsigned char> &pixels) {
-    const OIIO::ImageSpec &spec = file.spec;
+static bool is_whole(OIIO::TypeDesc stored) { return stored == OIIO::TypeDesc(OIIO::TypeDesc::UINT32); }
+
+/* True if the reader reports no error; some return success for a truncated file and only store the error. */
+static bool read_as(OIIO::ImageInput &input, OIIO::TypeDesc type, void *values) {
+    return input.read_image(0, 0, 0, input.spec().nchannels, type, values) && !input.has_error();
+}
+
+/* Reads channels of several types, and converts them one by one. */
+static bool read_mixed(OIIO::ImageInput &input, uint32_t *values) {
+    const OIIO::ImageSpec &spec = input.spec();
+    std::vector<unsigned char> pixels(spec.image_bytes(true));
     const unsigned char *from = pixels.data();
-    auto pixel_bytes = static_cast<OIIO::stride_t>(spec.pixel_bytes(true));
-    for (int c = 0; c < spec.nchannels; ++c) {
-        OIIO::TypeDesc stored = spec.channelformat(c);
-        bool whole = stored == OIIO::TypeDesc(OIIO::TypeDesc::UINT32);
-        OIIO::TypeDesc type(whole ? OIIO::TypeDesc::UINT32 : OIIO::TypeDesc::FLOAT);
-        file.planes.emplace_back(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height));
-        if (!OIIO::convert_image(1, spec.width, spec.height, 1, from, stored, pixel_bytes,
-                                 pixel_bytes * spec.width, OIIO::AutoStride, file.planes.back().data(), type,
-                                 4, static_cast<OIIO::stride_t>(4) * spec.width, OIIO::AutoStride)) {
-            throw failure(FATHOM_BAD_INPUT, "channel " + spec.channelnames[static_cast<size_t>(c)] +
-                                                ": values of an unknown type");
-        }
+    const auto bytes = static_cast<OIIO::stride_t>(spec.pixel_bytes(true)),
+               wide = static_cast<OIIO::stride_t>(4) * spec.nchannels;
+    bool fine = read_as(input, OIIO::TypeDesc::UNKNOWN, pixels.data());
+    for (int c = 0; c < spec.nchannels && fine; ++c) {
+        const OIIO::TypeDesc stored = spec.channelformat(c);
+        fine = OIIO::convert_image(1, spec.width, spec.height, 1, from, stored, bytes, bytes * spec.width,
+                                   OIIO::AutoStride, values + c,
+                                   is_whole(stored) ? OIIO::TypeDesc::UINT32 : OIIO::TypeDesc::FLOAT, wide,
+                                   wide * spec.width, OIIO::AutoStride);
         from += stored.size();
-        file.channel_list.push_back(
-            {spec.channelnames[static_cast<size_t>(c)].c_str(), whole ? IMAGE_UINT : IMAGE_FLOAT,
-             stored == OIIO::TypeDesc(OIIO::TypeDesc::HALF), file.planes.back().data(), 4});
     }
+    return fine;
+}
+
+/* False: the reader says why. */
+static bool read_channels(OIIO::ImageInput &input, file_image &file) {
+    const OIIO::ImageSpec &spec = file.spec;
+    const auto count = static_cast<size_t>(spec.nchannels);
+    file.values.resize(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height) * count);
+    for (size_t c = 0; c < count; ++c) {
+        const OIIO::TypeDesc stored = spec.channelformat(static_cast<int>(c));
+        file.channel_list.push_back(
+            {spec.channelnames[c].c_str(), is_whole(stored) ? IMAGE_UINT : IMAGE_FLOAT,
+             stored == OIIO::TypeDesc(OIIO::TypeDesc::HALF), &file.values[c], 4 * count});
+    }
+    if (!spec.channelformats.empty()) return read_mixed(input, file.values.data());
+    return read_as(input, is_whole(spec.format) ? OIIO::TypeDesc::UINT32 : OIIO::TypeDesc::FLOAT,
+                   file.values.data());
 }
 
 static void fill(file_image &file) {
@@ -267,11 +286,7 @@ static fathom_status image_file_read(const char *path, unsigned threads, const i
         file->spec = input->spec();
         const OIIO::ImageSpec &spec = file->spec;
         if (spec.depth != 1 || spec.deep) throw failure(FATHOM_BAD_INPUT, "is not a flat image");
-        std::vector<unsigned char> pixels(spec.image_bytes(true));
-        /* Some readers return success for a truncated file and only store the error. */
-        bool ok = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, pixels.data());
-        if (!ok || input->has_error()) throw unreadable(input->geterror());
-        collect_channels(*file, pixels);
+        if (!read_channels(*input, *file)) throw unreadable(input->geterror());
         fill(*file);
         *out = file.release();
     });

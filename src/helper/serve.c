@@ -105,10 +105,16 @@ static void open_file(const wire_request *request, int descriptor, wire_reply *r
     wire_image_free(&w);
 }
 
+static void give_plane(const image_channel *channel, size_t count, unsigned char *to) {
+    const char *from = channel->data;
+    for (size_t i = 0; i < count; ++i, from += channel->stride, to += sizeof(float))
+        memcpy(to, from, sizeof(float));
+}
+
 /* Puts the description, then the planes, into the shared memory. */
 static bool give_image(const image *img, wire_reply *reply) {
     wire_buffer b = {NULL, 0, 0, false};
-    const size_t plane = (size_t)img->width * img->height * sizeof(float);
+    const size_t count = (size_t)img->width * img->height, plane = count * sizeof(float);
     wire_put_image(&b, img);
     size_t at = (b.count + WIRE_ALIGNED - 1) / WIRE_ALIGNED * WIRE_ALIGNED,
            size = at + plane * img->channel_count;
@@ -116,7 +122,7 @@ static bool give_image(const image *img, wire_reply *reply) {
     if (fits) {
         memcpy(memory.bytes, b.items, b.count);
         for (size_t i = 0; i < img->channel_count; ++i)
-            memcpy(memory.bytes + at + i * plane, img->channels[i].data, plane);
+            give_plane(&img->channels[i], count, memory.bytes + at + i * plane);
         reply->object = b.count, reply->size = size;
     }
     free(b.items);

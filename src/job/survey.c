@@ -177,18 +177,6 @@ static fathom_status find_memory(const fathom_scene *scene, const world *w, fath
     return status;
 }
 
-/* A render refuses some environments only when it has read their texels. */
-static fathom_status try_environments(const fathom_scene *scene) {
-    fathom_status status = FATHOM_OK;
-    const bool used = scene->settings.integrator != FATHOM_INTEGRATOR_CLASSIC;
-    for (size_t i = 0; used && i < scene->environments.count && status == FATHOM_OK; ++i) {
-        environment *e = NULL;
-        status = environment_open(scene->context, scene, (fathom_id)i, &e);
-        environment_destroy(e);
-    }
-    return status;
-}
-
 /* ---- features ---- */
 
 typedef struct material_uses {
@@ -330,7 +318,8 @@ static fathom_status fill(const fathom_scene *scene, const world *w, survey *out
     if (status == FATHOM_OK) status = count(scene, w, out);
     if (status == FATHOM_OK) status = find_place(scene, out);
     if (status == FATHOM_OK) status = find_memory(scene, w, &out->shown);
-    if (status == FATHOM_OK) status = try_environments(scene);
+    if (status == FATHOM_OK && scene->settings.integrator != FATHOM_INTEGRATOR_CLASSIC)
+        status = environment_check(scene->context, scene);
     if (status == FATHOM_OK) status = find_left_out(w, out);
     if (status == FATHOM_OK) status = fathom_scene_check_files(scene);
     if (status != FATHOM_OK) return status;

@@ -69,11 +69,27 @@ fathom_status environment_create(fathom_context *context, const fathom_light *li
     return finish(context, out);
 }
 
+static fathom_status place_status(fathom_context *context, const fathom_scene *scene, fathom_id id,
+                                  fathom_status status) {
+    const fathom_place *place = scene_origin_find(scene, SCENE_PART_ENVIRONMENT, id);
+    return status == FATHOM_BAD_INPUT && place ? fail_within(context, status, place) : status;
+}
+
 fathom_status environment_open(fathom_context *context, const fathom_scene *scene, fathom_id id,
                                environment **out) {
     const fathom_status status = environment_create(context, &scene->environments.items[id], out);
-    const fathom_place *place = scene_origin_find(scene, SCENE_PART_ENVIRONMENT, id);
-    return status == FATHOM_BAD_INPUT && place ? fail_within(context, status, place) : status;
+    return place_status(context, scene, id, status);
+}
+
+fathom_status environment_check(fathom_context *context, const fathom_scene *scene) {
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < scene->environments.count && status == FATHOM_OK; ++i) {
+        sky_image read;
+        status = environment_read(context, &scene->environments.items[i], &read);
+        status = place_status(context, scene, (fathom_id)i, status);
+        free(read.texels);
+    }
+    return status;
 }
 
 void environment_brightest(const environment *e, float out[3]) {
