@@ -30,15 +30,16 @@ said out.txt 'times meshes 28.8, BVH '
 
 # 20 MB of program, 2 of threads, 29 of mesh; the usual structures take 125 MB, compact ones 49.
 run 0 render ball.glb --integrator classic -o compact.exr --size 64x48 --threads 2 --memory-limit 110M --stats s.json
-said err.txt 'warning: the usual acceleration structure would take about 0.12 GB, and 0.06 GB are left after program, meshes and images: a compact'
+said err.txt 'warning: the usual acceleration structure would take about 124.9 MB, and '
+said err.txt ' MB are left after program, meshes and images: a compact'
 [ "$(number s.json peakMemoryBytes)" -le 110000000 ] || die "beyond the limit: $(number s.json peakMemoryBytes)"
 run 0 compare usual.exr compact.exr --tolerance 1e-3
 
-refused 4 'out of memory: building takes about 0.05 GB, and' \
+refused 4 'out of memory: building takes about 49.2 MB, and' \
     render ball.glb --integrator classic -o none.exr --size 64x48 --threads 2 --memory-limit 60M --quiet
 
 # Who names the structures gets them or nothing.
-refused 4 'out of memory: building takes about 0.12 GB' \
+refused 4 'out of memory: building takes about 124.9 MB' \
     render ball.glb --integrator classic -o none.exr --size 64x48 --threads 2 --memory-limit 110M --tracer embree:medium --quiet
 run 0 render ball.glb --integrator classic -o named.exr --size 64x48 --threads 2 --memory-limit 110M --tracer embree:compact
 not_said err.txt warning
@@ -46,7 +47,7 @@ not_said err.txt warning
 # Images count, and textures may take less: level 0 has 2048 x 2048 texels of 4 bytes, the smaller ones a third of 8 each.
 { printf 'P6\n2048 2048\n255\n' && head -c 12582912 /dev/zero; } >image.ppm
 printf '{"materials": {"m": {"kdTexture": {"file": "image.ppm"}}}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}]}' >textured.json
-refused 4 'building takes about 0.00 GB, and 0.00 GB are left after program, meshes and images, which take 0.05 GB; raise the limit, lower --texture-memory, render on' \
+refused 4 'building takes about 0.0 MB, and 0.0 MB are left after program, meshes and images, which take 50.0 MB; raise the limit, lower --texture-memory, render on' \
     render textured.json -o none.exr --size 64x48 --threads 2 --memory-limit 45M --quiet
 run 0 render textured.json -o seen.exr --size 64x48 --threads 2 --memory-limit 45M --texture-memory 1M
 run 0 render textured.json -o seen.exr --size 64x48 --threads 2 --memory-limit 80M --stats s.json

@@ -54,11 +54,10 @@ static double total(trace_need need) { return need.kept + need.passed; }
 
 static fathom_status refuse(const embree_tracer *tracer, double need) {
     return fail(tracer->context, FATHOM_OUT_OF_RESOURCES,
-                "out of memory: building takes about %.2f GB, and %.2f GB are left after program, meshes "
-                "and images, which take %.2f GB; raise the limit, %srender on a machine with more memory, or "
-                "place repeated "
-                "parts as instances",
-                need * 1e-9, (double)tracer->options->memory * 1e-9, (double)tracer->options->besides * 1e-9,
+                "out of memory: building takes about %.1f MB, and %.1f MB are left after program, meshes "
+                "and images, which take %.1f MB; raise the limit, %srender on a machine with more memory, or "
+                "place repeated parts as instances",
+                need * 1e-6, (double)tracer->options->memory * 1e-6, (double)tracer->options->besides * 1e-6,
                 tracer->base.world->scene->has_maps ? "lower --texture-memory, " : "");
 }
 
@@ -80,9 +79,9 @@ fathom_status embree_fit_memory(embree_tracer *tracer) {
     tracer->spec.quality = TRACE_QUALITY_MEDIUM; /* low needs as much during the build as the usual
                                                     structures */
     warn(tracer->context,
-         "the usual acceleration structure would take about %.2f GB, and %.2f GB are left after program, "
-         "meshes and images: a compact one of %.2f GB is built, which is slower to trace",
-         need * 1e-9, room * 1e-9, less * 1e-9);
+         "the usual acceleration structure would take about %.1f MB, and %.1f MB are left after program, "
+         "meshes and images: a compact one of %.1f MB is built, which is slower to trace",
+         need * 1e-6, room * 1e-6, less * 1e-6);
     return FATHOM_OK;
 }
 
