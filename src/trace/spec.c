@@ -85,8 +85,8 @@ static fathom_status unknown_kind(const reader *r, size_t length) {
     for (int i = 0; i < 3; ++i) list_options(1u << kinds[i].kind, options[i], sizeof options[i]);
     return fail(r->context, FATHOM_BAD_USAGE,
                 "no tracer is called \"%.*s\"; expected reference, a shared library FILE.so, linear (options "
-                "%s), bvh (%s) or embree (%s), such as embree:user:high, found \"%.99s\"",
-                (int)(length < 40 ? length : 40), r->text, options[0], options[1], options[2], r->text);
+                "%s), bvh (%s) or embree (%s), such as embree:user:high",
+                (int)(length < 99 ? length : 99), r->text, options[0], options[1], options[2]);
 }
 
 static fathom_status read_option(reader *r, const char *text, size_t length) {

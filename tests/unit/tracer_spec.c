@@ -44,7 +44,6 @@ UNIT_TEST(wrong_words_are_told) {
     refuses("optix",
             "no tracer is called \"optix\"; expected reference, a shared library FILE.so, linear (options "
             "f32, f64, f128), bvh (f32, f64, f128) or embree (triangles, ");
-    refuses("optix", ", such as embree:user:high, found \"optix\"");
     refuses("", "is called \"\"");
     refuses("lin", "is called \"lin\"");
     refuses("lin:f32", "is called \"lin\"");
