@@ -68,6 +68,10 @@ tr -s ' \n' ' ' <out.txt >help.txt
 for text in 'off: every pixel gets --spp samples' 'auto: 4. (auto)' 'auto: the offset follows from error bounds'; do
     said help.txt "$text"
 done
+# The help of merge, which shares options, names none that merge lacks.
+run 0 help merge
+not_said out.txt '--frames'
+not_said out.txt textures
 rm -f help.txt
 
 refused 2 'unknown command "rendr"; did you mean "render"?; see fathom help' rendr
@@ -121,7 +125,6 @@ done <<'TABLE'
 --tile-size|48|expected a whole number from 32 to 65536, a multiple of 32
 --tile-size|0|expected a whole number from 32 to 65536
 --pattern|random|expected grid|stratified|sobol
---tracer|cuda|no tracer is called "cuda"; expected reference, a shared library FILE.so, linear (
 --tracer|bvh:f16|tracers of this kind have no option "f16"; expected f32, f64, f128
 --tracer|embree:compact:robust|options "compact" and "robust" exclude each other
 --exposure|1e3|expected a number from -64 to 64
@@ -136,6 +139,8 @@ done <<'TABLE'
 --background|1,2,-3|expected R,G,B
 --aov|normals|expected names from alpha,Z,N,P,albedo,id
 TABLE
+refused 2 '--tracer: no tracer is called "emb"; expected reference, a shared library FILE.so, linear (' render a.json -o a.png --tracer emb
+not_said err.txt found
 refused 2 '--aov: expected names' render a.json -o a.exr --aov Z,,N
 refused 2 '--aov: expected names from alpha,Z,N,P,albedo,id,samples,error,direct,indirect,emission,lightGroups,cryptoObject,cryptoMaterial,motion, or all, or none, found "'"$(printf '%060d' 0)\"" \
     render a.json -o a.exr --aov "$(printf '%070d' 0)"

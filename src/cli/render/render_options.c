@@ -102,17 +102,17 @@ static bool take_tracer(const args_option *option, const char *value, void *fiel
 #define FLOAT_OPTION                                                                                         \
     ARGS_ROW("exr-float", 0, NULL, take_true, FIELD(write.float_color), 0, 0,                                \
              "write colours into the .exr as 32-bit float instead of half")
-#define COLOUR_OPTIONS                                                                                       \
+#define COLOUR_OPTIONS(exposure_more, ocio_also)                                                             \
     ARGS_ROW("exposure", 0, "STOPS|auto", take_exposure, 0, -64, 64,                                         \
              "exposure in stops; +1 doubles the brightness. auto: 99 % of the lit pixels are at most "       \
              "white. Default: 0, but auto if most pixels would be white or nearly black; -0.5 to 0 in the "  \
-             "built-in studio. With --frames, the exposure of the first frame is that of all"),              \
+             "built-in studio. " exposure_more),                                                             \
         ARGS_ROW("display", 0, "NAME", take_text, FIELD(write.display), 0, 0,                                \
                  "a display of the OpenColorIO config (its default)"),                                       \
         ARGS_ROW("view", 0, "NAME", take_text, FIELD(write.view), 0, 0,                                      \
                  "a view of the display (its default)"),                                                     \
         ARGS_ROW("ocio", 0, "FILE", take_config, FIELD(write.ocio), 0, 0,                                    \
-                 "OpenColorIO config, also for textures ($OCIO, else a built-in one)")
+                 "OpenColorIO config" ocio_also " ($OCIO, else a built-in one)")
 #define QUIET_OPTION ARGS_ROW("quiet", 'q', NULL, take_true, FIELD(quiet), 0, 0, "only errors and warnings")
 
 /* Settings with an option are listed after these, at the end of their group. */
@@ -185,7 +185,7 @@ static const args_option own_options[] = {
      "one of 255 levels. half: a pixel of an .exr changes by at most one unit in the last place (none)"},
 
     {.help = "Colour of .png, .jpg and .tif"},
-    COLOUR_OPTIONS,
+    COLOUR_OPTIONS("With --frames, the exposure of frame 0 is that of all", ", also for textures"),
 
     {.help = "Running"},
     {"threads", 0, "N", take_u32, FIELD(threads), 1, 1024,
@@ -198,8 +198,14 @@ static const args_option own_options[] = {
 };
 
 const args_option merge_option_table[] = {
-    {.help = "Options"}, OUTPUT_OPTION,       FLOAT_OPTION, {.help = "Colour of .png, .jpg and .tif"},
-    COLOUR_OPTIONS,      {.help = "Running"}, QUIET_OPTION, {.help = NULL},
+    {.help = "Options"},
+    OUTPUT_OPTION,
+    FLOAT_OPTION,
+    {.help = "Colour of .png, .jpg and .tif"},
+    COLOUR_OPTIONS("Parts of a sequence keep that of frame 0", ""),
+    {.help = "Running"},
+    QUIET_OPTION,
+    {.help = NULL},
 };
 
 /* ---- the whole table ---- */
