@@ -28,4 +28,6 @@ def main(path, parts="300"):
         json.dump(scene, file)
 
 
+if len(sys.argv) < 2 or sys.argv[1].startswith("-"):
+    sys.exit(__doc__)
 main(*sys.argv[1:])
