@@ -328,6 +328,36 @@ UNIT_TEST(colours_of_vertices_give_way_to_an_image) {
     }
 }
 
+/* Blender writes its default grey where colours of vertices are linked to the base colour; other greys, other
+ * programs and files with vertices of no colour have it for themselves. */
+UNIT_TEST(colours_of_vertices_replace_the_grey_of_blender) {
+    static const struct {
+        const char *head, *kd, *color;
+        float base;
+    } cases[] = {{"# Blender 3.4.1 MTL File: 'None'", "0.800000", " 1 0 0", 1},
+                 {"# Blender 3.4.1 MTL File: 'None'", "0.700000", " 1 0 0", 0.7f},
+                 {"# Blender 3.4.1 MTL File: 'None'", "0.800000", "", 0.8f},
+                 {"# by hand", "0.800000", " 1 0 0", 0.8f}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        const char *kd = cases[i].kd;
+        char text[256];
+        snprintf(text, sizeof text, "%s\nnewmtl a\nKd %s %s %s\nKs 0.5 0.5 0.5\nPr 0.5\nillum 2\n",
+                 cases[i].head, kd, kd, kd);
+        mesh_write("m.mtl", text, strlen(text));
+        snprintf(text, sizeof text,
+                 "mtllib m.mtl\nv 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0%s\nusemtl a\nf 1 2 3\n",
+                 cases[i].color);
+        fathom_scene *scene = read_text(text);
+        const scene_named_material *m = &scene->materials.items[mesh_at(scene, 0)->material];
+        for (int c = 0; c < 3; ++c) assert_near(m->value.base_color[c], cases[i].base, 0);
+        assert_int_equal(m->classic.k_d[0] > 0.9f, i == 0); /* 0.96 times the base */
+        if (!i)
+            expect_warning(
+                "Kd 0.8 of Blender with colours of vertices is read as 1: they replace it (1 such)");
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* A material that is asked for goes on everything, and the file's own are not looked for. */
 UNIT_TEST(a_given_material_replaces_the_files) {
     const read_mesh_options options = {.material = 0, .flags = FATHOM_CASTS_NO_SHADOW};

@@ -118,6 +118,9 @@ static void finish_material(mtl_reader *r) {
     settle_opacity(r, opacity->file);
     settle_color(r, m->images);
     m->value = mtl_material_from(&r->entry);
+    m->hidden = r->writer == MTL_BY_BLENDER && m->value.model == FATHOM_MODEL_METALLIC_ROUGHNESS &&
+                !color->file && m->value.base_color[0] == 0.8f && m->value.base_color[1] == 0.8f &&
+                m->value.base_color[2] == 0.8f;
     note_unused(r, &m->value);
     if (m->images[FATHOM_MAP_NORMAL].file) m->value.normal_scale = (float)m->images[FATHOM_MAP_NORMAL].bump;
     if (m->images[FATHOM_MAP_BUMP].file) m->value.bump_scale = (float)m->images[FATHOM_MAP_BUMP].bump;

@@ -45,6 +45,7 @@ typedef struct mtl_image {
 typedef struct mtl_material {
     char *name, *library; /* `library`: the path of its file */
     fathom_material value;
+    bool hidden; /* its colour is the one that Blender writes where vertex colours replace it */
     mtl_image images[FATHOM_MAPS];
 } mtl_material;
 
@@ -143,7 +144,7 @@ typedef struct obj_piece {
     obj_strokes strokes[OBJ_STROKES];
     double lower[3], upper[3]; /* of the positions */
     obj_tally tallies[OBJ_TALLIES];
-    bool colored;     /* at least one vertex has a colour */
+    uint64_t colored; /* vertices that have a colour */
     bool finely;      /* one of its numbers is no whole number from 0 to 255 */
     double brightest; /* of its numbers */
 } obj_piece;
@@ -152,6 +153,7 @@ typedef struct obj_piece {
 typedef struct obj_slot {
     fathom_id material;
     uint32_t same_as; /* the first slot that has this material */
+    bool hidden;      /* as in mtl_material */
 } obj_slot;
 
 typedef struct obj_reader {

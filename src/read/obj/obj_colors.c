@@ -46,19 +46,35 @@ static void paint(obj_reader *r) {
 
 /* ---- any colours ---- */
 
+/* Blender does not write what is linked to a colour, but the grey that the link replaces. */
+static void show_colors(obj_reader *r) {
+    size_t count = 0;
+    for (size_t i = 0; i < r->slots.count; ++i) {
+        scene_named_material *m = &r->scene->materials.items[r->slots.items[i].material];
+        if (!r->slots.items[i].hidden) continue;
+        for (int k = 0; k < 3; ++k) m->value.base_color[k] = 1;
+        metallic_to_classic(&m->value, &m->classic);
+        ++count;
+    }
+    notes_add(&r->notes, count, "",
+              "Kd 0.8 of Blender with colours of vertices is read as 1: they replace it");
+}
+
 /* Colours are numbers from 0 to 1, but some programs write bytes. Returns whether there are any. */
 static bool find_white(obj_reader *r) {
-    bool any = false, finely = false;
+    bool finely = false;
+    uint64_t count = 0;
     double brightest = 0;
     for (size_t i = 0; i < r->piece_count; ++i) {
-        any |= r->pieces[i].colored, finely |= r->pieces[i].finely;
+        count += r->pieces[i].colored, finely |= r->pieces[i].finely;
         brightest = fmax(brightest, r->pieces[i].brightest);
     }
     r->white = finely || brightest <= 1 ? 1 : 255;
     if (brightest > 1)
         notes_add(&r->notes, 1, "", "colours of vertices %s",
                   finely ? "above 1 are read as 1" : "are whole numbers up to 255; they are read as bytes");
-    return any;
+    if (count == r->total[OBJ_POSITION]) show_colors(r);
+    return count > 0;
 }
 
 fathom_status obj_begin_colors(obj_reader *r) {

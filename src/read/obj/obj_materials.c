@@ -214,8 +214,8 @@ static fathom_status read_libraries(obj_reader *r, mtl_library *library) {
     return status;
 }
 
-static bool push_slot(obj_reader *r, fathom_id material, uint32_t same_as) {
-    obj_slot slot = {material, same_as};
+static bool push_slot(obj_reader *r, fathom_id material, uint32_t same_as, bool hidden) {
+    obj_slot slot = {material, same_as, hidden};
     return array_push(&r->slots, slot);
 }
 
@@ -227,18 +227,20 @@ static fathom_status fill_slots(obj_reader *r, const mtl_library *library) {
         const name_entry *name = r->names.entries.items[i];
         uint32_t found = names_find(&library->names, name->text, name->length);
         fathom_id material = r->slots.items[0].material;
+        bool hidden = false;
         if (found != UINT32_MAX) {
             const mtl_material *from = &library->materials.items[found];
             fathom_material value = from->value;
             fathom_status status = mtl_open_images(r->scene, from, &lost, &value);
             if (status == FATHOM_OK)
                 status = fathom_scene_add_material(r->scene, from->name, &value, &material);
+            hidden = from->hidden;
             if (status != FATHOM_OK)
                 return fail_within(r->scene->context, status, &(fathom_place){.file = r->file.path});
         } else if (!missing++) {
             first = name;
         }
-        if (!push_slot(r, material, found == UINT32_MAX ? 0 : (uint32_t)i + 1)) {
+        if (!push_slot(r, material, found == UINT32_MAX ? 0 : (uint32_t)i + 1, hidden)) {
             return fail_memory(r->scene->context, sizeof(obj_slot));
         }
     }
@@ -255,12 +257,12 @@ static fathom_status fill_slots(obj_reader *r, const mtl_library *library) {
 
 fathom_status obj_find_materials(obj_reader *r) {
     fathom_id given = r->options.material;
-    if (!push_slot(r, given == FATHOM_NONE ? 0 : given, 0)) {
+    if (!push_slot(r, given == FATHOM_NONE ? 0 : given, 0, false)) {
         return fail_memory(r->scene->context, sizeof(obj_slot));
     }
     if (given != FATHOM_NONE) {
         for (size_t i = 0; i < r->names.entries.count; ++i) {
-            if (!push_slot(r, given, 0)) return fail_memory(r->scene->context, sizeof(obj_slot));
+            if (!push_slot(r, given, 0, false)) return fail_memory(r->scene->context, sizeof(obj_slot));
         }
         return FATHOM_OK;
     }

@@ -96,7 +96,7 @@ static void put_color(const obj_parser *s, const double v[3]) {
 }
 
 static void find_color(obj_piece *piece, const double v[3]) {
-    piece->colored = true;
+    ++piece->colored;
     for (int k = 0; k < 3; ++k) {
         piece->brightest = fmax(piece->brightest, v[k]);
         piece->finely |= !(v[k] >= 0 && v[k] <= 255) || v[k] != floor(v[k]);
