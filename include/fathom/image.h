@@ -95,7 +95,7 @@ typedef struct fathom_image_difference {
 } fathom_image_difference;
 
 /* Compares all channels as stored. Equal infinities and two NaN do not differ. FATHOM_CHECK_FAILED when the
- * two have not the same size, crop and channels: the message says which. */
+ * two have not the same size, crop and channels: the message says which. tolerance: >= 0. */
 FATHOM_API fathom_status fathom_image_compare(fathom_context *context, const fathom_image *a,
                                               const fathom_image *b, double tolerance,
                                               fathom_image_difference *out);

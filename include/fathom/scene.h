@@ -276,8 +276,8 @@ typedef struct fathom_mesh {
     const float *colors; /* linear RGB or RGBA, >= 0: factors of base_color or k_d, and of the opacity */
     size_t color_stride;
     unsigned color_channels; /* 3 (default) or 4; not read without colors */
-    const float *tangents;   /* x y z w: the direction of u, and w = ±1 with bitangent = w normal × tangent.
-                                NULL: computed from the first uv set of each triangle */
+    const float *tangents; /* x y z w: the direction of u, and the sign w of bitangent = w normal × tangent.
+                              NULL: computed from the first uv set of each triangle */
     size_t tangent_stride;
     /* Motion: the vertices at `key_count` times, in ascending order; 0 (default): they do not move.
      * `positions` must be given as well, but has no effect. Between two keys vertices and normals move
@@ -305,9 +305,9 @@ static inline void fathom_quad_from_axes(const double center[3], const double u[
     fathom_quad_from_axes_sized(center, u, v, out, sizeof *out);
 }
 
-/* FATHOM_BAD_INPUT when a number is not finite, a radius is not positive, a quad has no area, is not planar
- * or not convex, an index is out of range. Degenerate triangles are kept, counted and warned about when
- * rendering starts. */
+/* FATHOM_BAD_INPUT when a number is not finite, a radius is not positive, a colour is negative, a quad has no
+ * area, is not planar or not convex, an index is out of range. FATHOM_BAD_USAGE: unknown flags. Degenerate
+ * triangles are kept, counted and warned about when rendering starts. */
 FATHOM_API fathom_status fathom_scene_add_sphere_sized(fathom_scene *scene, fathom_id group,
                                                        const fathom_sphere *sphere, size_t size,
                                                        fathom_id *out);

@@ -27,14 +27,17 @@ void fathom_quad_from_axes_sized(const double center[3], const double u[3], cons
     sized_give(out, size, &quad, sizeof quad);
 }
 
-/* Checks the group and the material, and registers the object: kind, index, group. */
+/* Checks the group, the material and the flags, and registers the object: kind, index, group. */
 static fathom_status book(fathom_scene *scene, scene_kind kind, size_t index, fathom_id group,
-                          fathom_id material, fathom_id *out) {
+                          fathom_id material, unsigned flags, fathom_id *out) {
     if (group >= scene->groups.count)
         return fail(scene->context, FATHOM_BAD_INPUT, "there is no group %u", group);
     if (material >= scene->materials.count) {
         return fail(scene->context, FATHOM_BAD_INPUT, "there is no material %u", material);
     }
+    if (flags & ~(unsigned)FATHOM_CASTS_NO_SHADOW)
+        return fail_field(scene->context, FATHOM_BAD_USAGE, "flags",
+                          "expected 0 or FATHOM_CASTS_NO_SHADOW, found %u", flags);
     if (scene->objects.count >= FATHOM_NONE - 2) {
         return fail(scene->context, FATHOM_OUT_OF_RESOURCES, "too many objects: at most 2^32 - 3 fit");
     }
@@ -120,7 +123,7 @@ static fathom_status check_plane(fathom_context *context, const fathom_plane *pl
         if (status == FATHOM_OK) status = check_##shape(scene->context, &item);                              \
         if (status != FATHOM_OK) return status;                                                              \
         if (!array_room(&scene->list, 1)) return fail_memory(scene->context, sizeof item);                   \
-        status = book(scene, kind, scene->list.count, group, item.material, out);                            \
+        status = book(scene, kind, scene->list.count, group, item.material, item.flags, out);                \
         if (status == FATHOM_OK) array_push(&scene->list, item);                                             \
         return status;                                                                                       \
     }
@@ -142,6 +145,19 @@ static fathom_status check_array(fathom_context *context, const fathom_mesh *m, 
     fathom_status status = mesh_check_finite(context, a.name, a.values, a.stride, a.width, a.count);
     if (status != FATHOM_OK || !a.indices) return status;
     return mesh_check_indices(context, a.index_name, a.indices, (size_t)m->triangle_count * 3, a.count);
+}
+
+/* The strides of the colours must be valid. */
+static fathom_status check_colors(fathom_context *context, const fathom_mesh *m) {
+    for (uint32_t i = 0; m->colors && i < m->vertex_count; ++i) {
+        const float *color = mesh_row(m->colors, m->color_stride, i);
+        for (unsigned c = 0; c < m->color_channels; ++c) {
+            if (color[c] < 0)
+                return fail_item(context, FATHOM_BAD_INPUT, "colors", i, "expected numbers >= 0, found %g",
+                                 (double)color[c]);
+        }
+    }
+    return FATHOM_OK;
 }
 
 fathom_status mesh_check_vertex_keys(fathom_context *context, const fathom_mesh *m, mesh_facts *facts) {
@@ -207,6 +223,7 @@ static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m, m
     if (status == FATHOM_OK) status = mesh_look_at_triangles(context, "indices", m, facts);
     for (int k = MESH_NORMALS; k < MESH_ARRAYS && status == FATHOM_OK; ++k)
         status = check_array(context, m, (mesh_kind)k);
+    if (status == FATHOM_OK) status = check_colors(context, m);
     return status == FATHOM_OK && m->key_count ? mesh_check_vertex_keys(context, m, facts) : status;
 }
 
@@ -225,7 +242,8 @@ static fathom_status add_mesh(fathom_scene *scene, fathom_id group, const fathom
                               const mesh_facts *facts, fathom_id *out) {
     if (!array_room(&scene->meshes, 1) || !array_room(&scene->mesh_facts, 1))
         return fail_memory(scene->context, sizeof *mesh);
-    fathom_status status = book(scene, SCENE_MESH, scene->meshes.count, group, mesh->material, out);
+    fathom_status status =
+        book(scene, SCENE_MESH, scene->meshes.count, group, mesh->material, mesh->flags, out);
     if (status != FATHOM_OK) return status;
     mesh_facts own = *facts;
     memcpy(own.core_lower, own.lower, sizeof own.lower);

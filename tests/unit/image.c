@@ -363,4 +363,17 @@ UNIT_TEST(flip_takes_pfm_as_linear_like_exr) {
     for (int i = 0; i < 4; ++i) unlink(in_folder(names[i / 2][i % 2]));
 }
 
+UNIT_TEST(a_tolerance_is_a_number) {
+    const fathom_image *black;
+    fathom_image_difference difference = {.size = sizeof difference};
+    put_pfm("a.pfm", (float[3]){0, 0, 0}, 1);
+    assert_ok(context, fathom_image_read(context, in_folder("a.pfm"), &black));
+    assert_fails(context, fathom_image_compare(context, black, black, NAN, &difference), FATHOM_BAD_USAGE,
+                 "tolerance: expected a number >= 0, found nan");
+    assert_fails(context, fathom_image_compare(context, black, black, -1, &difference), FATHOM_BAD_USAGE,
+                 "tolerance: expected a number >= 0, found -1");
+    fathom_image_destroy(black);
+    unlink(in_folder("a.pfm"));
+}
+
 int main(void) { return unit_main(open_folder, remove_images); }

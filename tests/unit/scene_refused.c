@@ -248,6 +248,22 @@ UNIT_TEST(numbers_of_shapes_that_are_not_finite) {
                     (item.group = group, fathom_scene_add_instance(scene, &item, NULL)), "transform");
 }
 
+UNIT_TEST(unknown_flags_of_shapes) {
+#define FLAGS(shape)                                                                                         \
+    do {                                                                                                     \
+        fathom_##shape item;                                                                                 \
+        fathom_##shape##_default(&item);                                                                     \
+        item.flags = FATHOM_CASTS_NO_SHADOW | 4;                                                             \
+        assert_fails(context, fathom_scene_add_##shape(scene, FATHOM_ROOT, &item, NULL), FATHOM_BAD_USAGE,   \
+                     "flags: expected 0 or FATHOM_CASTS_NO_SHADOW, found 5");                                \
+        item.flags = FATHOM_CASTS_NO_SHADOW;                                                                 \
+        assert_ok(context, fathom_scene_add_##shape(scene, FATHOM_ROOT, &item, NULL));                       \
+    } while (0)
+    FLAGS(sphere);
+    FLAGS(quad);
+    FLAGS(plane);
+}
+
 UNIT_TEST(shapes_without_an_area) {
     fathom_sphere sphere = default_sphere();
     for (int k = 0; k < 2; ++k) {
@@ -320,6 +336,9 @@ UNIT_TEST(meshes) {
          m.normal_count = 3);
     MESH("normals: the stride is 8", m.normals = corners, m.normal_count = 4, m.normal_stride = 8);
     MESH("normals[3]", m.normals = odd, m.normal_count = 4);
+    const float dark[16] = {0, 0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 1};
+    MESH("colors[3]: expected numbers >= 0, found -1", m.colors = dark);
+    MESH("colors[2]: expected numbers >= 0, found -1", m.colors = dark, m.color_channels = 4);
     MESH("normal_indices[5]", m.normals = corners, m.normal_count = 4, m.normal_indices = beyond);
     MESH("uvs: expected one for each of the 4 vertices, or uv_indices; found 3", m.uvs = corners,
          m.uv_count = 3);

@@ -147,6 +147,9 @@ fathom_status fathom_image_compare(fathom_context *context, const fathom_image *
                                    double tolerance, fathom_image_difference *out) {
     if (!context || !a) return fail_null(context, "a");
     if (!b) return fail_null(context, "b");
+    if (!(tolerance >= 0))
+        return fail_field(context, FATHOM_BAD_USAGE, "tolerance", "expected a number >= 0, found %g",
+                          tolerance);
     fathom_image_difference d = {.channel = ""};
     fathom_status status = sized_check(context, "out", out, sizeof d);
     if (status == FATHOM_OK) status = check_alike(context, a->img, b->img);
