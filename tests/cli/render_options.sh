@@ -131,8 +131,7 @@ same a.png a.tif
 # A light that clips is named with the exposure that is taken, or to try if another was given; auto takes that one, too.
 sed 's/"intensity": 25/"intensity": 20000/' scene.json >bright.json
 run 0 render bright.json -o a.png
-said err.txt 'fathom: warning: bright.json: a light of intensity 20000 clips '
-said err.txt ' % of the pixels that show objects, so the exposure is '
+said err.txt ' % of the pixels that show objects are white, under a light of intensity 20000, so the exposure is '
 exposure=$(sed -n 's/.*the exposure is \([-0-9.]*\);.*/\1/p' err.txt)
 run 0 render bright.json -o b.png --exposure 0
 said err.txt "try --exposure $exposure, or --exposure auto"
@@ -152,6 +151,10 @@ said err.txt "so the exposure is $exposure"
 same a.png d.png
 run 0 render bright.json -o a.exr
 silent err.txt
+# A faint light is not to blame for what others do.
+sed 's/"intensity": 25/"intensity": 0.5/; s/^{/{ "ambient": [255, 255, 255],/' scene.json >faint.json
+run 0 render faint.json -o c.png
+said err.txt ' % of the pixels that show objects are white, so the exposure is '
 # In the studio a white model is shown darker, also by merge; a gray one is not.
 for white in 1 0.4; do
     printf 'newmtl m\nKd %s %s %s\n' $white $white $white >studio.mtl

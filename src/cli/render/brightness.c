@@ -53,10 +53,10 @@ static bool shows_little(const fathom_scene *scene, const fathom_brightness *b, 
                          char out[160]) {
     if ((double)b->clipped > MOST_PIXELS * (double)b->pixels) {
         const float most = scene ? strongest(scene) : -1;
-        char light[64] = "what it shows clips";
-        if (most >= 0) snprintf(light, sizeof light, "a light of intensity %.5g clips", (double)most);
-        snprintf(out, 160, "%s %.0f %% of the pixels that show objects", light,
-                 floor(100 * (double)b->clipped / (double)b->pixels));
+        const int length = snprintf(out, 160, "%.0f %% of the pixels that show objects are white",
+                                    floor(100 * (double)b->clipped / (double)b->pixels));
+        if (most > 1)
+            snprintf(out + length, 160 - (size_t)length, ", under a light of intensity %.5g", (double)most);
         return true;
     }
     if (exp2((double)(exposure - b->exposure)) >= DARK) return false;
