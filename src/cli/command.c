@@ -1,5 +1,6 @@
 #include "cli/command.h"
 
+#include "base/clock.h"
 #include "base/text.h"
 #include "cli/interrupt.h"
 #include "cli/log.h"
@@ -68,6 +69,13 @@ void print_file_size(FILE *out, const char *path) {
         fprintf(out, "%.1f kB", 1e-3 * bytes);
     else
         fprintf(out, "%.1f MB", 1e-6 * bytes);
+}
+
+void print_written(const char *path, double start) {
+    print_name(stdout, path);
+    fputs(": ", stdout);
+    print_file_size(stdout, path);
+    printf(", written in %.2f s\n", clock_seconds() - start);
 }
 
 fathom_status say_usage(const command *c, const char *text) {

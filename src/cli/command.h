@@ -45,6 +45,8 @@ void help_command(const command *c, FILE *out);
 void print_name(FILE *out, const char *name);
 /* The size of a file, such as "3.5 kB" or "1200.0 MB". */
 void print_file_size(FILE *out, const char *path);
+/* The name and size of the only output of a command, and how long that took since `start`. */
+void print_written(const char *path, double start);
 
 /* Says on stderr what is wrong, and how to get help; returns FATHOM_BAD_USAGE. c: NULL if no command was
  * found. */

@@ -1,6 +1,7 @@
 #include "cli/command.h"
 #include "cli/outputs.h"
 
+#include "base/clock.h"
 #include "base/file_name.h"
 
 #include <fathom/file.h>
@@ -42,6 +43,7 @@ static fathom_status check_files(fathom_context *context, const convert_settings
 static fathom_status convert(fathom_context *context, void *user) {
     const convert_settings *settings = user;
     const fathom_read_options options = command_read_options(&settings->model);
+    const double start = clock_seconds();
     fathom_scene *scene = NULL;
     args_problem problem;
     if (!check(settings, &problem)) return say_usage(&command_convert, problem.text);
@@ -49,6 +51,7 @@ static fathom_status convert(fathom_context *context, void *user) {
     if (status == FATHOM_OK) status = fathom_scene_read_with(context, settings->input, &options, &scene);
     if (status == FATHOM_OK) status = fathom_scene_write(scene, settings->output);
     fathom_scene_destroy(scene);
+    if (status == FATHOM_OK && !settings->common.quiet) print_written(settings->output, start);
     return say_status(&command_convert, context, status);
 }
 

@@ -33,10 +33,7 @@ static fathom_status check_and_write(fathom_context *context, void *user) {
     if (status == FATHOM_OK) status = fathom_file_check(context, settings->output);
     if (status == FATHOM_OK) status = fathom_texture_write(context, &texture, settings->output);
     if (status != FATHOM_OK || settings->common.quiet) return say_status(&command_texture, context, status);
-    print_name(stdout, settings->output);
-    fputs(": ", stdout);
-    print_file_size(stdout, settings->output);
-    printf(", written in %.2f s\n", clock_seconds() - start);
+    print_written(settings->output, start);
     return FATHOM_OK;
 }
 

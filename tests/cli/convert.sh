@@ -4,6 +4,8 @@
 cp "$SOURCE/scenes/example.obj" in.obj
 for format in glb json obj ply; do
     run 0 convert in.obj out.$format
+    said out.txt "out.$format: $(awk "BEGIN { printf \"%.1f kB\", $(wc -c <out.$format) / 1e3 }"), written in "
+    run 0 convert in.obj out.$format -q
     silent out.txt
     run 0 render out.$format -o $format.png --size 32x32 --spp 4
 done
