@@ -66,7 +66,8 @@ static fathom_status read_and_compare(fathom_context *context, void *user) {
 static const args_option options[] = {
     {.help = "Options"},
     {"tolerance", 0, "T", take_f64, offsetof(compare_settings, tolerance), 0, 1e300,
-     "differences up to T do not count (0)"},
+     "differences of values up to T do not count (0). Values of 8-bit files are from 0 to 1: a level is "
+     "0.004"},
     {"flip", 0, NULL, take_true, offsetof(compare_settings, flip), 0, 0,
      "also print FLIP: how visible the difference is when flipping between the images, from 0 to "
      "1. Values of .exr, .hdr and .pfm count as linear, those of other formats as sRGB"},

@@ -251,6 +251,8 @@ static void put_help(const fathom_parameter *p, char out[HELP_MAX]) {
     }
     fathom_settings_default(&defaults);
     parameter_print(p, &defaults, value, sizeof value);
+    if (p->type == FATHOM_PARAMETER_U64 && p->fallback >= 1e9)
+        snprintf(value, sizeof value, "%.0fG", 1e-9 * p->fallback);
     if (*value && p->type != FATHOM_PARAMETER_BOOL && !p->count) fprintf(to, " (%s)", value);
     fclose(to);
 }
