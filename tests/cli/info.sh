@@ -311,12 +311,14 @@ said out.txt 'problems  none'
 run 0 convert milk.json again.json
 said again.json '"attenuationColor"'
 said again.json '"attenuationDistance":1'
-# Numbers in another unit are problems: degrees, micrometres and the Abbe number itself.
+# Numbers in another unit are problems: degrees, micrometres, the Abbe number itself and millimetres.
 cat >units.json <<'JSON'
 { "materials": { "m": { "model": "metallicRoughness", "transmission": 1, "thickness": 1, "anisotropy": 1, "iridescence": 1,
 "anisotropyRotation": 45,
 "iridescenceThicknessMax": 0.4,
 "dispersion": 55 } },
+"camera": { "eye": [0, 0, 5], "target": [0, 0, 0], "fStop": 4,
+"focalLength": 50 },
   "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m" } ] }
 JSON
 run 0 info units.json
@@ -325,9 +327,10 @@ cat >expected.txt <<'TXT'
   units.json:2: materials.m.anisotropyRotation: expected radians; 45 seems to be in another unit
   units.json:3: materials.m.iridescenceThicknessMax: expected nanometres; 0.4 seems to be in another unit
   units.json:4: materials.m.dispersion: expected 20 divided by the Abbe number; 55 seems to be in another unit
+  units.json:6: camera.focalLength: expected units of the scene; 50 seems to be in another unit, because no lens of this focal length focuses as near as 5
 TXT
 diff expected.txt found.txt || die 'units'
-sed 's/45/-0.79/; s/0.4/400/; s/55/0.36/' units.json >usual.json
+sed 's/45/-0.79/; s/0.4/400/; s/55/0.36/; s/50/0.05/' units.json >usual.json
 run 0 info usual.json
 said out.txt 'problems  none'
 # Vertices have opacities, so the cutoff stays.

@@ -17,12 +17,18 @@ static fathom_status set_lens(const object_reader *r, const where *at, json_t *v
                               const form_camera_values *c, fathom_camera *camera) {
     camera->lens_radius = c->f_stop > 0 ? c->focal_length / (2 * c->f_stop) : c->lens_radius;
     if (!(camera->lens_radius > 0)) return FATHOM_OK;
-    camera->focus_distance = c->focus_distance;
-    if (doc_has(value, "focusDistance")) return FATHOM_OK;
-    if (!doc_has(value, "target"))
+    const where focal = {at, "focalLength", 0};
+    const bool given = doc_has(value, "focusDistance");
+    if (!given && !doc_has(value, "target"))
         return doc_fail(r->doc, at, "a lens needs \"focusDistance\"%s",
                         c->motion ? " where \"motion\" places the camera" : ", or \"eye\" and \"target\"");
-    camera->focus_distance = length_f64(sub_f64(load_f64(c->target), load_f64(c->eye)));
+    camera->focus_distance =
+        given ? c->focus_distance : length_f64(sub_f64(load_f64(c->target), load_f64(c->eye)));
+    if (c->f_stop > 0 && c->focal_length >= camera->focus_distance)
+        doc_warn(r->doc, &focal,
+                 "expected units of the scene; %g seems to be in another unit, because no lens of this focal "
+                 "length focuses as near as %g",
+                 c->focal_length, camera->focus_distance);
     return FATHOM_OK;
 }
 
