@@ -13,7 +13,7 @@ static void tell(void *user, const char *text) {
 
 /* Calls take numbers that authors of a file give only by mistake. */
 UNIT_TEST(numbers_out_of_range_become_the_nearest_with_a_warning) {
-    static const float colors[16] = {-1, 1e31f, 0.5f, 2, 0, 0, 0, 1, 0, 0, 0, 1};
+    static const float colors[16] = {0, 1e31f, 0.5f, 2, 0, 0, 0, 1, 0, 0, 0, 1};
     static const char *const words[] = {
         "\"seed\" in [0, 9.00719925e+15]",  "\"kd\" in [0, 1]",
         "\"radius\" in [0, 1e+18]",         "\"background\" in [0, 1e+30]",
