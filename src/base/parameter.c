@@ -125,7 +125,7 @@ static void describe_number(const fathom_parameter *p, char *out, size_t room) {
         snprintf(out, room, "a whole number from %.0f to 2^64 - 1", p->low);
     else if (is_whole(p))
         snprintf(out, room, "a whole number from %.0f to %.0f%s", p->low, p->high,
-                 p->type == FATHOM_PARAMETER_U64 ? " (also 20k, 8M, 1e9)" : "");
+                 p->type == FATHOM_PARAMETER_U64 ? " (also 20k, 8M, 4G, 1e9)" : "");
     else if (soft && p->low < 0)
         snprintf(out, room, "a finite number");
     else if (soft || isinf(p->high))
