@@ -242,7 +242,8 @@ useless() {
 "channel": "g",
 "uvSet": 1 },
 "normalTexture": { "file": "image.png",
-"inverted": true },
+"inverted": true,
+"colorSpace": "srgb" },
 %s "sheenRoughness": 0.5,
 "emissiveStrength": 3,
 "clearcoatRoughness": 0.1,
@@ -263,17 +264,18 @@ cat >expected.txt <<'TXT'
   useless.json:3: materials.m.baseColorTexture.channel: it has no effect on this image
   useless.json:4: materials.m.baseColorTexture.uvSet: a mesh with this material has no "uvs1", so each of its triangles shows half the image
   useless.json:6: materials.m.normalTexture.inverted: it has no effect on this image
-  useless.json:7: materials.m.sheenRoughness: it has no effect without "sheenColor"
-  useless.json:8: materials.m.emissiveStrength: it has no effect without "emissive"
-  useless.json:9: materials.m.clearcoatRoughness: it has no effect without "clearcoat"
-  useless.json:10: materials.m.iridescenceIor: it has no effect without "iridescence"
-  useless.json:11: materials.m.anisotropyRotation: it has no effect without "anisotropy"
-  useless.json:12: materials.m.attenuationColor: it has no effect without "thickness"
-  useless.json:12: materials.m.attenuationColor: it has no effect without one of "transmission", "diffuseTransmission"
-  useless.json:13: materials.m.attenuationDistance: it has no effect without "thickness"
-  useless.json:13: materials.m.attenuationDistance: it has no effect without one of "transmission", "diffuseTransmission"
-  useless.json:14: materials.m.bumpScale: it has no effect without "bumpTexture"
-  useless.json:15: materials.m.opacityCutoff: it has no effect without one of "opacity", "opacityTexture", "opacities"
+  useless.json:7: materials.m.normalTexture.colorSpace: expected "linear", because this image holds no colours
+  useless.json:8: materials.m.sheenRoughness: it has no effect without "sheenColor"
+  useless.json:9: materials.m.emissiveStrength: it has no effect without "emissive"
+  useless.json:10: materials.m.clearcoatRoughness: it has no effect without "clearcoat"
+  useless.json:11: materials.m.iridescenceIor: it has no effect without "iridescence"
+  useless.json:12: materials.m.anisotropyRotation: it has no effect without "anisotropy"
+  useless.json:13: materials.m.attenuationColor: it has no effect without "thickness"
+  useless.json:13: materials.m.attenuationColor: it has no effect without one of "transmission", "diffuseTransmission"
+  useless.json:14: materials.m.attenuationDistance: it has no effect without "thickness"
+  useless.json:14: materials.m.attenuationDistance: it has no effect without one of "transmission", "diffuseTransmission"
+  useless.json:15: materials.m.bumpScale: it has no effect without "bumpTexture"
+  useless.json:16: materials.m.opacityCutoff: it has no effect without one of "opacity", "opacityTexture", "opacities"
 TXT
 diff expected.txt found.txt || die 'keys without effect'
 run 0 convert useless.json useless.glb
@@ -285,7 +287,7 @@ not_said out.txt 'no effect'
 useless '"sheenColor": [1, 1, 1], "emissive": [1, 1, 1], "clearcoat": 1, "iridescence": 1, "anisotropy": 1, "thickness": 1,
 "transmission": 1, "bumpTexture": { "file": "image.png" },' \
     ', "uvs1": [[0, 0], [1, 0], [0, 1]], "colors": [[1, 1, 1], [1, 1, 1], [1, 1, 1]], "opacities": [[1], [1], [0]]' |
-    grep -v '"channel"\|"inverted"' | sed 's/"file": "image.png",/"file": "image.png"/; s/^"uvSet"/, &/; s/^"normalTexture.*/& },/' >useful.json
+    grep -v '"channel"\|"inverted"\|"colorSpace"' | sed 's/"file": "image.png",/"file": "image.png"/; s/^"uvSet"/, &/; s/^"normalTexture.*/& },/' >useful.json
 run 0 info useful.json
 said out.txt 'problems  none'
 sed 's/"uvs": \[\[0, 0\], \[1, 0\], \[0, 1\]\], //' useful.json >bare.json

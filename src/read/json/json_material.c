@@ -52,12 +52,16 @@ static const struct {
     {"inverted", DIRECTIONS | KIND(FATHOM_MAP_BUMP) | KIND(FATHOM_MAP_IRIDESCENCE_THICKNESS)},
 };
 
-static void warn_ignored(const object_reader *r, const where *at, json_t *value, int kind) {
+static void warn_texture(const object_reader *r, const where *at, json_t *value, int kind) {
     for (size_t i = 0; i < sizeof texture_extras / sizeof *texture_extras; ++i) {
         const where key = {at, texture_extras[i].key, 0};
         if (texture_extras[i].ignored & KIND(kind) && doc_has(value, key.key))
             doc_warn(r->doc, &key, "it has no effect on this image");
     }
+    const where space = {at, "colorSpace", 0};
+    const char *name = json_string_value(json_object_get(value, space.key));
+    if (DIRECTIONS & KIND(kind) && name && strcmp(name, "srgb") == 0)
+        doc_warn(r->doc, &space, "expected \"linear\", because this image holds no colours");
 }
 
 static fathom_status add_texture(const object_reader *r, const where *at, const form_texture_values *v,
@@ -106,7 +110,7 @@ static fathom_status add_textures(const object_reader *r, const where *at, json_
         const char *key = key_of(f, kind);
         if (!key || !doc_has(value, key)) continue;
         const where texture = {at, key, 0};
-        warn_ignored(r, &texture, json_object_get(value, key), kind);
+        warn_texture(r, &texture, json_object_get(value, key), kind);
         status = add_texture(r, &texture, &v->textures[kind], kind,
                              kind == FORM_METALLIC_ROUGHNESS ? &both : &maps[kind]);
         if (status != FATHOM_OK || kind != FORM_METALLIC_ROUGHNESS) continue;
