@@ -67,6 +67,10 @@ said out.txt 'max 0, RMSE 0'
 refused 3 'nothing.exr: No such file' compare a.exr nothing.exr
 refused 3 'scene.json: cannot be read as an image' compare scene.json a.exr
 
+# Differences between values for a display and linear ones mean nothing.
+run 1 compare a.png a.exr
+said err.txt 'only FLIP is a measure of their difference'
+
 # Gray values have no colours to see.
 printf 'P5\n2 1\n255\nab' >gray.pgm
 printf 'P5\n2 1\n255\nac' >other.pgm

@@ -154,6 +154,10 @@ fathom_status fathom_image_compare(fathom_context *context, const fathom_image *
     fathom_status status = sized_check(context, "out", out, sizeof d);
     if (status == FATHOM_OK) status = check_alike(context, a->img, b->img);
     if (status != FATHOM_OK) return status;
+    if (a->encoded != b->encoded && (a->encoded ? a : b)->img->bits == 8)
+        warn(context,
+             "one image has colours for a display, and the other linear ones; only FLIP is a measure "
+             "of their difference");
     const uint32_t width = a->img->width, height = a->img->height;
     for (uint32_t y = 0; y < height; ++y) {
         for (uint32_t x = 0; x < width; ++x) d.pixels += compare_pixel(a->img, b->img, x, y, tolerance, &d);
