@@ -87,7 +87,7 @@ static void add_facts(const fathom_scene *scene, const fathom_survey *s, json_t 
              JSON("lights", pack_lights(s)), JSON("bounds", pack_bounds(s)),
              JSON("camera", pack_camera(s->camera)), JSON("cameras", pack_cameras(s)),
              JSON("image", json_of(JSON("width", settings.width), JSON("height", settings.height),
-                                   JSON("spp", settings.spp))),
+                                   JSON("spp", settings.spp), JSON("targetError", settings.target_error))),
              JSON("memoryBytes", pack_memory(s)), JSON("features", pack_features(s)),
              JSON("leftOut", pack_left_out(s)));
 }
@@ -182,8 +182,11 @@ static void print_facts(const json_t *root) {
     print_pair("camera    at ", json_at(root, "camera.origin"), " looking along ",
                json_at(root, "camera.direction"), 6);
     print_cameras(json_object_get(root, "cameras"));
-    json_print(root, "image     {image.width:.0f}x{image.height:.0f}, {image.spp:.0f} spp\n"
-                     "memory    about {memoryBytes.total:.0fM} MB: program {memoryBytes.program:.0fM}, "
+    const bool adaptive = json_number_at(root, "image.targetError") > 0;
+    json_print(root, "image     {image.width:.0f}x{image.height:.0f}, ");
+    json_print(root, adaptive ? "up to {image.spp:.0f} spp until the error is {image.targetError:.3g}\n"
+                              : "{image.spp:.0f} spp\n");
+    json_print(root, "memory    about {memoryBytes.total:.0fM} MB: program {memoryBytes.program:.0fM}, "
                      "geometry {memoryBytes.geometry:.1fM}, BVH {memoryBytes.bvh:.1fM}, building it "
                      "{memoryBytes.building:.1fM}, film {memoryBytes.film:.1fM}, textures "
                      "{memoryBytes.textures:.1fM}, environments {memoryBytes.environments:.1fM}\n"

@@ -66,7 +66,7 @@ run 0 info any.gltf --camera Far --json
 said out.txt '"node": "Plan"'
 [ "$(grep -c '"taken": true' out.txt)" = 1 ] || die 'info --json: one camera is taken'
 run 0 info wide.gltf
-said out.txt 'image     1280x640, 1024 spp'
+said out.txt 'image     1280x640, up to 1024 spp until the error is 0.02'
 
 # The automatic camera looks at CAD's parts from ahead, which is -y, with z up. A file's own camera stays.
 run 0 generate sphere --triangles 200 -o ball.ply
