@@ -263,7 +263,7 @@ static const args_option options[] = {
     {"tracer", 0, "SPEC", take_list, FIELD(tracers), 0, 0,
      "tracer to measure; may be given several times (all, with linear search up to a million "
      "primitives)"},
-    {"triangles", 0, "N,N", take_counts, FIELD(triangles), 1, 4e9,
+    {"triangles", 't', "N,N", take_counts, FIELD(triangles), 1, 4e9,
      "generate spheres of so many triangles, such as 10k,100k,1M, after SCENE or instead of it"},
     {"rays", 0, "N", take_u64, FIELD(rays), 16, 1e9, "rays of each kind (262144)"},
     {"seconds", 0, "S", take_f64, FIELD(seconds), 1e-6, 1e6,
