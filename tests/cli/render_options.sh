@@ -200,7 +200,7 @@ run 0 render black.json -o a.exr --max-depth 0
 said err.txt 'all that is in view is black: the scene has no lights'
 sed 's/"lights": .*/"lights": [],/; /"background"/d' scene.json >black.json
 run 0 render black.json -o a.exr --max-depth 0
-said err.txt 'all that is in view is black: the scene has no lights'
+said err.txt 'the scene has no lights; give it some, or leave out its empty list of lights, or --no-studio'
 refused 2 '--leave-out-below 8bit: needs the exposure' \
     render scene.json -o c.png --leave-out-below 8bit --exposure auto
 # What no output takes is refused rather than dropped.

@@ -41,10 +41,11 @@ static float strongest(const fathom_scene *scene) {
 }
 
 static void warn_black(warning_list *warnings, const fathom_scene *scene, const char *path) {
-    warnings_tell(warnings, "%s: all that is in view is black: %s", path,
-                  fathom_scene_lights(scene)
-                      ? "no light reaches it, or its materials reflect none"
-                      : "the scene has no lights; give it some, or leave its empty list of lights out");
+    warnings_tell(
+        warnings, "%s: all that is in view is black: %s", path,
+        fathom_scene_lights(scene)
+            ? "no light reaches it, or its materials reflect none"
+            : "the scene has no lights; give it some, or leave out its empty list of lights, or --no-studio");
 }
 
 /* Describes the problem of the image at this exposure; false: there is none. scene: NULL if only its film is
