@@ -15,7 +15,7 @@ fathom_status environment_create(fathom_context *context, const fathom_light *li
 /* The same for an environment of the scene; a message also has the place in the scene's file. */
 fathom_status environment_open(fathom_context *context, const fathom_scene *scene, fathom_id id,
                                environment **out);
-/* Reads the images of all environments: FATHOM_BAD_INPUT as environment_open(). */
+/* Reads all environments, because some faults are only in texels. FATHOM_BAD_INPUT as environment_open(). */
 fathom_status environment_check(fathom_context *context, const fathom_scene *scene);
 /* The bytes that environment_open() takes at most, for all environments of the scene, by the headers of their
  * images. FATHOM_BAD_INPUT as environment_open(), if a name or header shows it. */
