@@ -44,7 +44,7 @@ UNIT_TEST(wrong_words_are_refused) {
     settings.tracer = "cuda";
     fathom_film *film;
     assert_fails(s.context, fathom_render(s.context, s.scene, &settings, NULL, NULL, NULL, &film),
-                 FATHOM_BAD_USAGE, "found \"cuda\"");
+                 FATHOM_BAD_USAGE, "called \"cuda\"");
     assert_null(film);
 }
 
