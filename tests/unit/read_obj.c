@@ -354,7 +354,6 @@ UNIT_TEST(colours_of_vertices_replace_the_grey_of_blender) {
         if (!i)
             expect_warning(
                 "Kd 0.8 of Blender with colours of vertices is read as 1: they replace it (1 such)");
-        fathom_scene_destroy(scene);
     }
 }
 
