@@ -8,13 +8,19 @@ def save(path, pixels):
     Image.fromarray(np.uint8(np.clip(pixels, 0, 1) * 255 + 0.5)).save(path)
 
 
-def cloud(height, width, slope, seed, stretch=1.0):
-    """Fractal noise of mean 0 and deviation 1, by its spectrum: 1/f^slope. Above 1, stretch draws it out along rows."""
+def save_heights(path, heights):
+    """In 16 bits: steps of 8 would tilt a leaf by 6 degrees between two pixels."""
+    Image.fromarray(np.uint16(np.clip(heights, 0, 1) * 65535 + 0.5)).save(path)
+
+
+def cloud(height, width, slope, seed, stretch=1.0, finest=np.inf):
+    """Fractal noise of mean 0 and deviation 1, by its spectrum: 1/f^slope. Above 1, stretch draws it out along rows.
+    finest: the frequency from which the noise fades. A surface without one gets steeper the closer one looks."""
     rng = np.random.default_rng(seed)
     y, x = np.fft.fftfreq(height)[:, None] * height, np.fft.rfftfreq(width)[None, :] * width
     f = np.hypot(y, x * stretch)
     f[0, 0] = 1
-    spectrum = np.fft.rfft2(rng.standard_normal((height, width))) / f**slope
+    spectrum = np.fft.rfft2(rng.standard_normal((height, width))) / f**slope * np.exp(-((f / finest) ** 2))
     spectrum[0, 0] = 0
     noise = np.fft.irfft2(spectrum, (height, width))
     return noise / noise.std()
@@ -53,13 +59,14 @@ def wood(path, planks=4, size=1024):
     color = blend([0.62, 0.42, 0.25], [0.30, 0.165, 0.085], dark) * (0.25 + 0.75 * joint)[..., None]
     save(path("wood.png"), color)
     save(path("wood_roughness.png"), 0.38 + 0.12 * dark + 0.05 * fibre + 0.3 * (1 - joint))
-    save(path("wood_height.png"), (0.75 - 0.12 * late + 0.035 * fibre) * joint)
+    grain = cloud(size, 2 * size, 0.75, 2, 60, 250)
+    save_heights(path("wood_height.png"), (0.75 - 0.12 * late + 0.035 * grain) * joint)
 
 
 def plaster(path, size=1024):
-    rough, broad = cloud(size, size, 1.35, 3), cloud(size, size, 2.2, 4)
+    rough, broad = cloud(size, size, 1.35, 3, finest=150), cloud(size, size, 2.2, 4)
     save(path("plaster.png"), blend([0.60, 0.57, 0.52], [0.47, 0.44, 0.41], np.clip(0.5 + 0.2 * broad, 0, 1)))
-    save(path("plaster_height.png"), 0.5 + 0.11 * rough + 0.06 * broad)
+    save_heights(path("plaster_height.png"), 0.5 + 0.11 * rough + 0.06 * broad)
 
 
 def weave(path, threads=64, size=1024):
@@ -120,7 +127,7 @@ def peel(path, size=512):
     color = blend([0.95, 0.52, 0.08], [0.93, 0.62, 0.14], np.clip(0.5 + 0.25 * broad, 0, 1))
     green = ramp(np.abs(v - 0.5), 0.43, 0.5)
     save(path("peel.png"), blend(color, [0.72, 0.60, 0.12], 0.7 * green) * (1 - 0.10 * pores)[..., None])
-    save(path("peel_height.png"), 0.85 - 0.6 * pores + 0.04 * broad)
+    save_heights(path("peel_height.png"), 0.85 - 0.6 * pores + 0.04 * broad)
 
 
 def leaf(path, height=1024, width=512):
@@ -139,7 +146,7 @@ def leaf(path, height=1024, width=512):
     tone = np.clip(0.45 + 0.16 * cloud(height, width, 1.8, 11) + 0.3 * rim, 0, 1)
     color = blend(blend([0.17, 0.33, 0.10], [0.33, 0.44, 0.14], tone), [0.52, 0.62, 0.30], 0.8 * vein)
     save(path("leaf.png"), np.dstack([color, np.float64(blade | stalk)]))
-    save(path("leaf_height.png"), 0.5 - 0.35 * vein + 0.05 * cloud(height, width, 1.2, 12))
+    save_heights(path("leaf_height.png"), 0.5 - 0.35 * vein + 0.05 * cloud(height, width, 1.2, 12, finest=40))
 
 
 LETTERS = {"F": [[(0, 0), (0, 2)], [(0, 2), (1, 2)], [(0, 1.1), (0.8, 1.1)]],
@@ -182,7 +189,7 @@ def cover(path, height=1024, width=768):
     gold *= 1 - 0.8 * worn
     save(path("cover.png"), blend(blend([0.27, 0.085, 0.075], [0.36, 0.13, 0.11], thread), [0.98, 0.80, 0.45], gold))
     save(path("cover_metal.png"), np.dstack([0 * gold, 0.75 - 0.47 * gold + 0.1 * worn, gold]))
-    save(path("cover_height.png"), 0.6 + 0.25 * thread * (1 - gold) - 0.3 * gold)
+    save_heights(path("cover_height.png"), 0.6 + 0.25 * thread * (1 - gold) - 0.3 * gold)
 
 
 def pages(path, size=512):
