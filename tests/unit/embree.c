@@ -124,7 +124,7 @@ static void same_answers_mixed(const trace_tracer *tracer, const ray_set *set, c
         any[i] = expected_any[order[i]];
     }
     same_answers(tracer, &mixed, &e, any, coherence);
-    free(order);
+    free(any), free(order);
 }
 
 static void one_answer(stage *s, ray_set set) {

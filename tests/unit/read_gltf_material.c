@@ -407,6 +407,7 @@ static void assert_shadow_by(fixture *f, fathom_integrator integrator, bool cast
              material);
     write_triangle(f, json);
     assert_ok(f->context, fathom_scene_read_with(f->context, f->path, &asked, &scene));
+    own_scene(scene);
     assert_int_equal(scene->meshes.items[0].flags, casts ? 0 : FATHOM_CASTS_NO_SHADOW);
 }
 
