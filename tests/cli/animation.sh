@@ -238,7 +238,7 @@ JSON
                { "type": "mesh", "positions": [[-1, 0, 0], [0, 0, 0], [-1, $3, 0]], "indices": [[0, 1, 2]] } ] }
 JSON
     run 0 render moves.json --size 32x32 --spp 4 --time "$1" -o moves.exr
-    silent err.txt
+    no_messages err.txt
     run 0 render stands.json --size 32x32 --spp 4 -o stands.exr
     run 0 compare moves.exr stands.exr
     rm moves.exr stands.exr
@@ -297,7 +297,7 @@ run 0 render spin.json -o a.png
 said err.txt 'spin.json:5: objects[0].motion[2].rotate: -180 degrees from the key before'
 spin 0 179 -358
 run 0 render spin.json -o a.png
-silent err.txt
+no_messages err.txt
 # 400 degrees while the shutter is open: the place in the file.
 sed 's/{"time": 0.5/{"time": 0.25, "rotate": {"axis": [0, 0, 1], "angle": 89}}, {"time": 0.75, "rotate": {"axis": [0, 0, 1], "angle": 267}}, &/;
 s/"time": 0.5/"time": 0.9/; s/358/400/; s/179/300/' spin.json >far.json

@@ -35,7 +35,7 @@ for size in 64x64 128x64 128x32 40x96; do
     *) said err.txt "% of the camera's view are not seen: its aspectRatio is 2" ;;
     esac
     run 0 render any.gltf --integrator classic -o b.png --camera Front --size $size
-    silent err.txt
+    no_messages err.txt
     same a.png b.png
 done
 

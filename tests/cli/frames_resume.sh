@@ -47,7 +47,7 @@ stop_early
 resume 0
 kept f0 && kept f1 && not_kept f2
 same first.json f0.json
-silent err.txt
+no_messages err.txt
 all_as_one_run
 
 # An image that is altered, or gone, is rendered again, and it alone.

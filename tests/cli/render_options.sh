@@ -6,7 +6,7 @@ export SOURCE_DATE_EPOCH=1700000000
 
 run 0 render scene.json -o base.exr --exr-float --stats base.json
 said out.txt 'base.exr: 96x64, 1 spp, '
-silent err.txt
+no_messages err.txt
 same base.exr base.exr
 
 # The two ways to spell a value, and the last one of an option.
@@ -137,12 +137,12 @@ run 0 render bright.json -o b.png --exposure 0
 said err.txt "try --exposure $exposure, or --exposure auto"
 differ a.png b.png
 run 0 render bright.json -o b.png --exposure auto --stats b.json
-silent err.txt
+no_messages err.txt
 said out.txt "exposure $exposure"
 said b.json "\"exposure\": $exposure"
 grep -qa 'fathom:exposure' b.png || die 'the exposure is not in the header'
 run 0 render bright.json -o c.png --exposure "$exposure"
-silent err.txt
+no_messages err.txt
 same b.png c.png
 same a.png c.png
 run 0 render bright.json -o a.part --part 1/1
@@ -150,7 +150,7 @@ run 0 merge a.part -o d.png
 said err.txt "so the exposure is $exposure"
 same a.png d.png
 run 0 render bright.json -o a.exr
-silent err.txt
+no_messages err.txt
 # A faint light is not to blame for what others do.
 sed 's/"intensity": 25/"intensity": 0.5/; s/^{/{ "ambient": [255, 255, 255],/' scene.json >faint.json
 run 0 render faint.json -o c.png
@@ -160,7 +160,7 @@ for white in 1 0.4; do
     printf 'newmtl m\nKd %s %s %s\n' $white $white $white >studio.mtl
     printf 'mtllib studio.mtl\nusemtl m\nv 0 0 0\nv 1 0 1\nv 0 1 0\nv 1 1 1\nf 1 2 4 3\n' >studio.obj
     run 0 render studio.obj -o $white.png --size 32x32 --spp 16
-    silent err.txt
+    no_messages err.txt
     said out.txt ', in the studio, '
     if [ $white = 1 ]; then said out.txt ', exposure -0.'; else grep -q exposure out.txt && die 'gray is shown darker'; fi
     run 0 render studio.obj -o 0.png --size 32x32 --spp 16 --exposure 0
@@ -245,7 +245,7 @@ printf '{"materials": {"wine": {"model": "metallicRoughness", "transmission": 1,
 "attenuationColor": [1, 0.1, 0.1], "attenuationDistance": 0.5}}, "background": [1, 1, 1],
 "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "wine"}]}' >wine.json
 run 0 render wine.json -o a.png --size 32x32 --spp 4
-silent err.txt
+no_messages err.txt
 run 0 render wine.json -o a.png --size 32x32 --spp 4 --integrator classic
 said err.txt 'all surfaces are fully transparent'
 
@@ -277,7 +277,7 @@ pixels=$(sed -n 's/.*, \([0-9]*\) of 6144 pixels.*/\1/p' out.txt)
 # How much is said.
 run 0 render scene.json -o a.png --quiet
 silent out.txt
-silent err.txt
+no_messages err.txt
 run 0 render scene.json -o a.png -v
 for line in scene tracer seconds rays memory; do grep -q "^$line  " out.txt || die "-v says no $line"; done
 
