@@ -123,7 +123,7 @@ static void lit_from_behind(law_room *room) {
 
 static void glass_ball(law_room *room) { law_unseen_ball(room, glass(1, 1)); }
 
-/* Of a thin wall, or of a solid. */
+/* The number is the thickness: 0 makes a thin wall, 1 a solid. */
 static void clear_ball(law_room *room) { law_unseen_ball(room, law_clear(room->number)); }
 
 /* Without compensation, a ball of this roughness loses 0.29 of the light. */
