@@ -232,6 +232,26 @@ UNIT_TEST(base64_buffers_are_decoded) {
     }
 }
 
+/* As MIME and URIs allow. */
+UNIT_TEST(base64_may_have_line_breaks_and_percent_codes) {
+    fixture *f = *state;
+    unsigned char bytes[121] = {0};
+    memcpy(bytes, &triangle, sizeof triangle);
+    char text[256], json[4096], broken[1024] = "", *to = broken;
+    encode_base64(bytes, sizeof bytes, text);
+    assert_string_equal(text + strlen(text) - 2, "==");
+    for (size_t i = 0; text[i]; ++i) {
+        if (i % 20 == 7) to += sprintf(to, i % 40 == 7 ? "\\r\\n " : "%%0A");
+        to += sprintf(to, text[i] == '=' || text[i] == 'A' ? "%%%02x" : "%c", text[i]);
+    }
+    snprintf(json, sizeof json,
+             "{" ASSET ",'buffers':[{'byteLength':120,'uri':'data:;base64,%s\\n'}]," VIEWS "," ACCESSORS
+             "," TRIANGLE_MESH "}",
+             broken);
+    write_gltf(f, json);
+    assert_is_triangle(read_file(f), 0, (const int[3]){0, 1, 2});
+}
+
 UNIT_TEST(external_buffers_are_read) {
     fixture *f = *state;
     write_bytes(f, "a mesh.bin", &triangle, sizeof triangle);

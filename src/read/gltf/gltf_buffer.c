@@ -127,33 +127,39 @@ void gltf_open(gltf *g) {
 
 /* ---- buffers ---- */
 
-/* The six bits of each base64 character; 0xff for other characters. */
-static void make_base64_table(unsigned char table[256]) {
-    static const char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    memset(table, 0xff, 256);
-    for (unsigned i = 0; i < 64; ++i) table[(unsigned char)alphabet[i]] = (unsigned char)i;
+/* The character that a uri codes as %2F at p; 0: none. */
+static char percent_code(const char *p) {
+    if (*p != '%' || !isxdigit((unsigned char)p[1]) || !isxdigit((unsigned char)p[2])) return '\0';
+    return (char)strtoul((const char[]){p[1], p[2], '\0'}, NULL, 16);
 }
 
-/* Decodes into `out`, which has room for 3 bytes for every 4 characters, rounded up. Returns the number of
- * valid characters, `length` on success. Padding is optional. */
-static size_t decode_base64(const char *text, size_t length, unsigned char *out, size_t *size) {
-    unsigned char table[256];
-    make_base64_table(table);
-    size_t end = length;
-    while (end && length - end < 2 && text[end - 1] == '=') --end;
-    *size = 0;
-    for (size_t i = 0; i < end; i += 4) {
-        size_t n = end - i < 4 ? end - i : 4;
-        uint32_t bits = 0;
-        for (size_t k = 0; k < n; ++k) {
-            unsigned char six = table[(unsigned char)text[i + k]];
-            if (six == 0xff) return i + k;
-            bits |= (uint32_t)six << (18 - 6 * k);
-        }
-        if (n == 1) return i; /* six bits do not make a byte */
-        for (size_t k = 0; k + 1 < n; ++k) out[(*size)++] = (unsigned char)(bits >> (16 - 8 * k));
+/* The next character of base64 in a uri; 0 at the end. Some programs break it into lines. */
+static char next_character(const char **p) {
+    for (;;) {
+        const char coded = percent_code(*p), c = coded ? coded : **p;
+        *p += coded ? 3 : c != '\0';
+        if (c != ' ' && c != '\t' && c != '\r' && c != '\n') return c;
     }
-    return length;
+}
+
+/* Decodes into `out`, which has room for 3 bytes for every 4 characters, rounded up. Returns the first
+ * character that is wrong, NULL on success. Padding is optional. */
+static const char *decode_base64(const char *text, unsigned char *out, size_t *size) {
+    static const char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    unsigned char table[256] = {0}; /* the six bits of each character, plus 1 */
+    const char *p = text, *at = p, *before = p;
+    uint32_t bits = 0;
+    unsigned count = 0;
+    char c;
+    for (unsigned i = 0; i < 64; ++i) table[(unsigned char)alphabet[i]] = (unsigned char)(i + 1);
+    for (*size = 0; (c = next_character(&p)) != '\0' && table[(unsigned char)c]; before = at, at = p) {
+        bits = bits << 6 | (table[(unsigned char)c] - 1u);
+        count += 6;
+        if (count >= 8) out[(*size)++] = (unsigned char)(bits >> (count -= 8));
+    }
+    if (count == 6) return before; /* six bits do not make a byte */
+    for (int i = 0; i < 2 && c == '='; ++i) c = next_character(&p);
+    return c ? at : NULL;
 }
 
 bool gltf_is_data(const char *uri) { return strncasecmp(uri, "data:", 5) == 0; }
@@ -167,14 +173,13 @@ void gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *
         gltf_fail(g, at, "uri", "is a data URI without \";base64,\"; expected base64");
         return;
     }
-    const size_t length = strlen(comma + 1);
     size_t size;
     void *bytes;
-    if (gltf_fine(g)) g->status = scene_allocate(g->scene, (length + 3) / 4 * 3, &bytes);
+    if (gltf_fine(g)) g->status = scene_allocate(g->scene, (strlen(comma + 1) + 3) / 4 * 3, &bytes);
     if (!gltf_fine(g)) return;
-    const size_t good = decode_base64(comma + 1, length, bytes, &size);
-    if (good != length)
-        gltf_fail(g, at, "uri", "is not base64 from its character %zu on", (size_t)(comma + 1 - uri) + good);
+    const char *wrong = decode_base64(comma + 1, bytes, &size);
+    if (wrong)
+        gltf_fail(g, at, "uri", "is not base64 from its character %zu on", (size_t)(wrong - uri));
     else
         *out = (gltf_buffer){.bytes = bytes, .size = size};
 }
@@ -183,10 +188,8 @@ void gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *
 static void decode_percent(char *text) {
     char *to = text;
     for (const char *from = text; *from; ++from) {
-        const char code[3] = {from[1], from[1] ? from[2] : '\0', '\0'};
-        bool coded = *from == '%' && isxdigit((unsigned char)code[0]) && isxdigit((unsigned char)code[1]) &&
-                     strtoul(code, NULL, 16);
-        *to++ = coded ? (char)strtoul(code, NULL, 16) : *from;
+        const char coded = percent_code(from);
+        *to++ = coded ? coded : *from;
         if (coded) from += 2;
     }
     *to = '\0';
