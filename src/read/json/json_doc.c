@@ -247,7 +247,7 @@ static fathom_status read_numbers(const doc *d, const where *at, json_t *value, 
     return status;
 }
 
-/* Checks any number of rows; doc_rows() loads them. */
+/* Checks any number of rows. */
 static fathom_status read_rows(const doc *d, const where *at, json_t *value, const form_key *key,
                                json_t **to) {
     if (!json_is_array(value) || !json_array_size(value))
@@ -259,13 +259,6 @@ static fathom_status read_rows(const doc *d, const where *at, json_t *value, con
     }
     *to = value;
     return status;
-}
-
-void doc_rows(json_t *rows, unsigned count, double *out) {
-    for (size_t i = 0; i < json_array_size(rows); ++i) {
-        json_t *row = json_array_get(rows, i);
-        for (unsigned k = 0; k < count; ++k) *out++ = json_number_value(json_array_get(row, k));
-    }
 }
 
 /* ---- words ---- */

@@ -43,7 +43,4 @@ size_t doc_warn_useless(const doc *d, const where *at, json_t *value, const form
 /* Finds the variant that the object's "type", or the form's own tag, names. */
 fathom_status doc_choose(const doc *d, const where *at, json_t *value, const form *f, const form **out);
 
-/* The numbers of a FORM_ROWS value that was read, row after row. */
-void doc_rows(json_t *rows, unsigned count, double *out);
-
 static inline bool doc_has(json_t *object, const char *key) { return json_object_get(object, key) != NULL; }

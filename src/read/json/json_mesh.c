@@ -2,130 +2,148 @@
 
 #include "read/mesh/normals.h"
 #include "read/read.h"
+#include "scene/mesh/mesh_array.h"
 
-#include <stdlib.h>
 #include <string.h>
 
-typedef struct mesh_arrays {
-    double *positions, *normals, *uvs, *uvs_1, *colors, *tangents; /* for each vertex; all but the first may
-                                                                      be NULL */
-    unsigned channels;                                             /* of colours */
-    uint32_t *indices;
-    size_t vertices, triangles;
-    float point_radius; /* > 0: a point cloud */
-    bool smooth;        /* make normals if there are none */
-    size_t keys; /* number of keys; the arrays hold all vertices and normals of one key after another; 0: no
-                    motion */
-    double *key_times, *key_positions, *key_normals;
-} mesh_arrays;
+/* Rows of numbers: a list of the document, or what each of successive triangles lists under a key. */
+typedef struct mesh_rows {
+    json_t *list;
+    json_t *const *triangles; /* if there is no list; NULL: no rows */
+    const char *key;
+} mesh_rows;
 
-/* `width` numbers for each vertex, relative to `origin`. NULL stays NULL. */
-static fathom_status narrow_all(const object_reader *r, const double *from, size_t vertices, unsigned width,
-                                const double *origin, float **out) {
-    *out = NULL;
-    if (!from) return FATHOM_OK;
-    size_t count = vertices * width;
-    float *to = *out = malloc(count * sizeof *to);
-    if (!to) return fail_memory(r->scene->context, count * sizeof *to);
-    for (size_t i = 0; i < count; ++i) to[i] = (float)(from[i] - origin[i % width]);
+static double number_at(const mesh_rows *rows, size_t i, size_t k) {
+    json_t *row = rows->list ? json_array_get(rows->list, i)
+                             : json_array_get(json_object_get(rows->triangles[i / 3], rows->key), i % 3);
+    return json_number_value(json_array_get(row, k));
+}
+
+/* origin: what the numbers are relative to; NULL: 0. stride: floats from a row of *out to the next. */
+static void load_rows(const mesh_rows *rows, size_t count, unsigned width, const double *origin,
+                      unsigned stride, float *out) {
+    for (size_t i = 0; i < count * width; ++i)
+        out[i / width * stride + i % width] =
+            (float)(number_at(rows, i / width, i % width) - (origin ? origin[i % width] : 0));
+}
+
+static void add_bounds(const mesh_rows *rows, size_t count, scene_bounds *box) {
+    for (size_t i = 0; i < count; ++i)
+        bounds_add(box, (vec3_f64){number_at(rows, i, 0), number_at(rows, i, 1), number_at(rows, i, 2)});
+}
+
+/* An object of the document with its arrays. */
+typedef struct mesh_source {
+    mesh_rows rows[MESH_ARRAYS], opacities;
+    bool smooth; /* makes normals if there are none */
+    json_t *keys;
+} mesh_source;
+
+static mesh_rows key_rows(const mesh_source *s, size_t k, const char *name) {
+    return (mesh_rows){.list = json_object_get(json_array_get(s->keys, k), name)};
+}
+
+static void choose_origin(const mesh_source *s, fathom_mesh *mesh) {
+    scene_bounds box = bounds_empty();
+    for (size_t k = 0; k < json_array_size(s->keys); ++k) {
+        const mesh_rows positions = key_rows(s, k, "positions");
+        add_bounds(&positions, mesh->vertex_count, &box);
+    }
+    if (!s->keys) add_bounds(&s->rows[MESH_POSITIONS], mesh->vertex_count, &box);
+    store_f64(mesh->origin, origin_for(&box));
+}
+
+static fathom_status load_arrays(fathom_scene *scene, const mesh_source *s, fathom_mesh *mesh) {
+    for (int kind = 0; kind < MESH_ARRAYS; ++kind) {
+        const mesh_rows *rows = &s->rows[kind];
+        const unsigned width = mesh_array_of(mesh, (mesh_kind)kind).width;
+        void *values;
+        if ((!rows->list && !rows->triangles) || (kind == MESH_UVS && !scene_keeps_uvs(scene))) continue;
+        const fathom_status status =
+            scene_allocate_items(scene, mesh->vertex_count, width * sizeof(float), &values);
+        if (status != FATHOM_OK) return status;
+        load_rows(rows, mesh->vertex_count, kind == MESH_COLORS ? 3 : width,
+                  kind == MESH_POSITIONS ? mesh->origin : NULL, width, values);
+        if (kind == MESH_COLORS && width > 3)
+            load_rows(&s->opacities, mesh->vertex_count, 1, NULL, width, (float *)values + 3);
+        mesh_array_set(mesh, (mesh_kind)kind, values, width * sizeof(float));
+    }
     return FATHOM_OK;
 }
 
-static vec3_f64 choose_origin(const mesh_arrays *a) {
-    const double *points = a->keys ? a->key_positions : a->positions;
-    const size_t count = a->keys ? a->keys * a->vertices : a->vertices;
-    scene_bounds box = bounds_empty();
-    for (size_t i = 0; i < count; ++i) bounds_add(&box, load_f64(points + 3 * i));
-    return origin_for(&box);
-}
-
-/* Normals are computed as for the mesh, or are those in the file. */
-static fathom_status add_keys(const object_reader *r, const mesh_arrays *a, fathom_mesh *mesh,
-                              float **positions, float **normals) {
-    static const double zero[3] = {0, 0, 0};
-    const size_t vertices = a->keys * a->vertices;
-    fathom_status status = narrow_all(r, a->key_positions, vertices, 3, mesh->origin, positions);
-    if (status == FATHOM_OK) status = narrow_all(r, a->key_normals, vertices, 3, zero, normals);
-    mesh->key_count = (uint32_t)a->keys, mesh->key_times = a->key_times;
-    mesh->key_positions = *positions, mesh->key_normals = *normals;
-    if (status != FATHOM_OK || *normals || !mesh->normals || !a->smooth) return status;
-    mesh->key_normals = *normals = malloc(3 * vertices * sizeof **normals);
-    if (!*normals) return fail_memory(r->scene->context, 3 * vertices * sizeof **normals);
-    fathom_mesh there = *mesh;
-    for (size_t k = 0; k < a->keys && status == FATHOM_OK; ++k) {
-        there.positions = *positions + 3 * k * a->vertices;
-        status = normals_smooth(r->scene->context, &there, NULL, mesh->vertex_count,
-                                *normals + 3 * k * a->vertices);
+/* Normals for each of `times` poses of the vertices, one after another. */
+static fathom_status make_normals(fathom_scene *scene, const fathom_mesh *mesh, const float *positions,
+                                  size_t times, const float **out) {
+    void *memory;
+    const size_t row = 3 * (size_t)mesh->vertex_count;
+    fathom_mesh then = *mesh;
+    fathom_status status = scene_allocate_items(scene, times * row, sizeof(float), &memory);
+    for (size_t k = 0; k < times && status == FATHOM_OK; ++k) {
+        then.positions = positions + k * row, then.position_stride = 3 * sizeof(float);
+        status = normals_smooth(scene->context, &then, NULL, mesh->vertex_count, (float *)memory + k * row);
     }
+    *out = memory;
     return status;
 }
 
-static fathom_status add_arrays(const object_reader *r, fathom_id group, const mesh_arrays *a,
-                                fathom_id material, unsigned flags) {
-    if (a->vertices >= UINT32_MAX || a->triangles >= UINT32_MAX)
-        return fail(r->scene->context, FATHOM_BAD_INPUT, "more than 2^32 - 2 vertices or triangles");
-    static const double none[4] = {0, 0, 0, 0};
-    float *positions = NULL, *normals = NULL, *uvs = NULL, *uvs_1 = NULL, *colors = NULL, *tangents = NULL,
-          *key_positions = NULL, *key_normals = NULL;
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
-    store_f64(mesh.origin, choose_origin(a));
-    fathom_status status = narrow_all(r, a->positions, a->vertices, 3, mesh.origin, &positions);
-    if (status == FATHOM_OK) status = narrow_all(r, a->normals, a->vertices, 3, none, &normals);
-    if (status == FATHOM_OK) status = narrow_all(r, a->uvs, a->vertices, 2, none, &uvs);
-    if (status == FATHOM_OK) status = narrow_all(r, a->uvs_1, a->vertices, 2, none, &uvs_1);
-    if (status == FATHOM_OK) status = narrow_all(r, a->colors, a->vertices, a->channels, none, &colors);
-    if (status == FATHOM_OK) status = narrow_all(r, a->tangents, a->vertices, 4, none, &tangents);
-    mesh.positions = positions, mesh.indices = a->indices;
-    mesh.position_stride = 3 * sizeof *positions;
-    mesh.vertex_count = (uint32_t)a->vertices, mesh.triangle_count = (uint32_t)a->triangles;
-    mesh.point_radius = a->point_radius;
-    if (status == FATHOM_OK && a->smooth && !normals) {
-        normals = malloc(3 * a->vertices * sizeof *normals);
-        status = normals ? normals_smooth(r->scene->context, &mesh, NULL, mesh.vertex_count, normals)
-                         : fail_memory(r->scene->context, 3 * a->vertices * sizeof *normals);
+static fathom_status load_keys(fathom_scene *scene, const mesh_source *s, fathom_mesh *mesh) {
+    const size_t count = json_array_size(s->keys), row = 3 * (size_t)mesh->vertex_count;
+    const bool normals = s->rows[MESH_NORMALS].list != NULL;
+    void *times, *arrays[2] = {NULL, NULL};
+    fathom_status status = scene_allocate_items(scene, count, sizeof(double), &times);
+    for (int i = 0; i < 1 + normals && status == FATHOM_OK; ++i)
+        status = scene_allocate_items(scene, count * row, sizeof(float), &arrays[i]);
+    for (size_t k = 0; k < count && status == FATHOM_OK; ++k) {
+        const mesh_rows rows[2] = {key_rows(s, k, "positions"), key_rows(s, k, "normals")};
+        ((double *)times)[k] = json_number_value(json_object_get(json_array_get(s->keys, k), "time"));
+        for (int i = 0; i < 1 + normals; ++i)
+            load_rows(&rows[i], mesh->vertex_count, 3, i ? NULL : mesh->origin, 3,
+                      (float *)arrays[i] + k * row);
     }
-    if (status == FATHOM_OK) {
-        mesh.normals = normals, mesh.normal_count = normals ? mesh.vertex_count : 0;
-        mesh.uvs = uvs, mesh.uv_count = uvs ? mesh.vertex_count : 0;
-        mesh.uvs_1 = uvs_1, mesh.colors = colors, mesh.color_channels = a->channels;
-        mesh.tangents = tangents;
-        mesh.material = material;
-        mesh.flags = flags;
-        if (a->keys) status = add_keys(r, a, &mesh, &key_positions, &key_normals);
-    }
-    if (status == FATHOM_OK) {
-        status = fathom_scene_add_mesh(r->scene, group, &mesh, NULL);
-    }
-    free(positions), free(normals), free(uvs), free(uvs_1), free(colors), free(tangents);
-    free(key_positions), free(key_normals);
-    return status;
+    mesh->key_count = (uint32_t)count, mesh->key_times = times;
+    mesh->key_positions = arrays[0], mesh->key_normals = arrays[1];
+    return status == FATHOM_OK && s->smooth && !normals
+               ? make_normals(scene, mesh, mesh->key_positions, count, &mesh->key_normals)
+               : status;
+}
+
+/* The mesh has all but arrays of numbers. */
+static fathom_status add_mesh(fathom_scene *scene, fathom_id group, const mesh_source *s, fathom_mesh *mesh) {
+    choose_origin(s, mesh);
+    fathom_status status = load_arrays(scene, s, mesh);
+    if (status == FATHOM_OK && s->smooth && !mesh->normals)
+        status = make_normals(scene, mesh, mesh->positions, 1, &mesh->normals);
+    if (mesh->normals) mesh->normal_count = mesh->vertex_count;
+    if (mesh->uvs) mesh->uv_count = mesh->vertex_count;
+    if (status == FATHOM_OK && s->keys) status = load_keys(scene, s, mesh);
+    return status == FATHOM_OK ? fathom_scene_add_mesh_shared(scene, group, mesh, NULL) : status;
 }
 
 /* ---- single triangles ---- */
 
-void mesh_batch_free(mesh_batch *batch) {
-    array_free(&batch->positions);
-    array_free(&batch->normals);
-    array_free(&batch->uvs);
-}
+void mesh_batch_free(mesh_batch *batch) { array_free(&batch->triangles); }
 
 static bool same_text(const char *a, const char *b) { return a == b || (a && b && strcmp(a, b) == 0); }
 
 fathom_status mesh_batch_flush(const object_reader *r, mesh_batch *batch) {
-    size_t vertices = batch->positions.count / 3;
-    if (!vertices) return FATHOM_OK;
-    uint32_t *indices = malloc(vertices * sizeof *indices);
-    if (!indices) return fail_memory(r->scene->context, vertices * sizeof *indices);
-    for (size_t i = 0; i < vertices; ++i) indices[i] = (uint32_t)i;
-    const mesh_arrays arrays = {.positions = batch->positions.items,
-                                .normals = batch->normals.count ? batch->normals.items : NULL,
-                                .uvs = batch->uvs.count ? batch->uvs.items : NULL,
-                                .indices = indices,
-                                .vertices = vertices,
-                                .triangles = vertices / 3};
-    const size_t first = r->scene->objects.count;
-    fathom_status status = add_arrays(r, batch->group, &arrays, batch->material, batch->flags);
+    static const char *const keys[MESH_ARRAYS] = {
+        [MESH_POSITIONS] = "vertices", [MESH_NORMALS] = "normals", [MESH_UVS] = "uvs"};
+    const size_t count = batch->triangles.count, first = r->scene->objects.count;
+    void *indices;
+    if (!count) return FATHOM_OK;
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh_source source = {.smooth = false};
+    for (int k = 0; k < MESH_ARRAYS; ++k) {
+        if (keys[k] && doc_has(*batch->triangles.items, keys[k]))
+            source.rows[k] = (mesh_rows){.triangles = batch->triangles.items, .key = keys[k]};
+    }
+    fathom_status status = scene_allocate_items(r->scene, 3 * count, sizeof(uint32_t), &indices);
+    for (size_t i = 0; i < 3 * count && status == FATHOM_OK; ++i) ((uint32_t *)indices)[i] = (uint32_t)i;
+    mesh.indices = indices;
+    mesh.vertex_count = (uint32_t)(3 * count), mesh.triangle_count = (uint32_t)count;
+    mesh.material = batch->material, mesh.flags = batch->flags;
+    if (status == FATHOM_OK) status = add_mesh(r->scene, batch->group, &source, &mesh);
     for (size_t i = first; status == FATHOM_OK && i < r->scene->objects.count; ++i) {
         if (batch->light_group)
             status = fathom_scene_set_light_group(r->scene, FATHOM_SOURCE_OBJECT, (fathom_id)i,
@@ -133,72 +151,43 @@ fathom_status mesh_batch_flush(const object_reader *r, mesh_batch *batch) {
         if (batch->name && status == FATHOM_OK)
             status = fathom_scene_name_object(r->scene, (fathom_id)i, batch->name);
     }
-    free(indices);
-    batch->positions.count = batch->normals.count = batch->uvs.count = 0;
+    batch->triangles.count = 0;
     return status;
 }
 
 fathom_status mesh_batch_add(const object_reader *r, json_t *value, const form_object_values *o,
                              fathom_id group, fathom_id material, unsigned flags, mesh_batch *batch) {
-    bool normals = doc_has(value, "normals"), uvs = doc_has(value, "uvs");
+    json_t *last = batch->triangles.count ? *batch->triangles.items : value;
     if (batch->group != group || batch->material != material || batch->flags != flags ||
         !same_text(batch->light_group, o->light_group) || !same_text(batch->name, o->name) ||
-        normals != (batch->normals.count > 0) || uvs != (batch->uvs.count > 0)) {
+        doc_has(value, "normals") != doc_has(last, "normals") ||
+        doc_has(value, "uvs") != doc_has(last, "uvs")) {
         fathom_status status = mesh_batch_flush(r, batch);
         if (status != FATHOM_OK) return status;
     }
     batch->group = group, batch->material = material, batch->flags = flags;
     batch->light_group = o->light_group, batch->name = o->name;
-    if (!array_room(&batch->positions, 9) || !array_room(&batch->normals, 9) || !array_room(&batch->uvs, 6))
-        return fail_memory(r->scene->context, batch->positions.count * sizeof(double));
-    memcpy(batch->positions.items + batch->positions.count, o->as.triangle.vertices, 9 * sizeof(double));
-    memcpy(batch->normals.items + batch->normals.count, o->as.triangle.normals, 9 * sizeof(double));
-    memcpy(batch->uvs.items + batch->uvs.count, o->as.triangle.uvs, 6 * sizeof(double));
-    batch->positions.count += 9;
-    batch->normals.count += normals ? 9 : 0;
-    batch->uvs.count += uvs ? 6 : 0;
-    return FATHOM_OK;
+    return array_push(&batch->triangles, value) ? FATHOM_OK : fail_memory(r->scene->context, sizeof value);
 }
 
 /* ---- meshes with arrays ---- */
 
-static fathom_status load_rows(const object_reader *r, json_t *rows, unsigned count, double **out) {
-    size_t numbers = json_array_size(rows) * count;
-    *out = malloc((numbers ? numbers : 1) * sizeof **out);
-    if (!*out) return fail_memory(r->scene->context, numbers * sizeof **out);
-    doc_rows(rows, count, *out);
-    return FATHOM_OK;
-}
-
-static fathom_status load_indices(const object_reader *r, const where *at, json_t *rows, size_t vertices,
-                                  uint32_t **out) {
-    size_t triangles = json_array_size(rows);
-    uint32_t *indices = *out = malloc(triangles * 3 * sizeof *indices);
-    if (!indices) return fail_memory(r->scene->context, triangles * 3 * sizeof *indices);
-    for (size_t i = 0; i < triangles * 3; ++i) {
-        json_t *index = json_array_get(json_array_get(rows, i / 3), i % 3);
-        double x = json_number_value(index);
-        if (x >= (double)vertices) {
+static fathom_status load_indices(const object_reader *r, const where *at, json_t *rows, fathom_mesh *mesh) {
+    const size_t corners = 3 * json_array_size(rows);
+    void *memory;
+    const fathom_status status = scene_allocate_items(r->scene, corners, sizeof(uint32_t), &memory);
+    if (status != FATHOM_OK) return status;
+    uint32_t *indices = memory;
+    for (size_t i = 0; i < corners; ++i) {
+        const double x = json_number_value(json_array_get(json_array_get(rows, i / 3), i % 3));
+        if (x >= mesh->vertex_count) {
             const where list = {at, "indices", 0}, row = {&list, NULL, i / 3}, item = {&row, NULL, i % 3};
-            return doc_fail(r->doc, &item, "expected an integer < %zu, the number of positions, found %.0f",
-                            vertices, x);
+            return doc_fail(r->doc, &item, "expected an integer < %u, the number of positions, found %.0f",
+                            mesh->vertex_count, x);
         }
         indices[i] = (uint32_t)x;
     }
-    return FATHOM_OK;
-}
-
-/* Colours, each followed by its opacity. */
-static fathom_status load_colors(const object_reader *r, const form_object_values *o, mesh_arrays *out) {
-    json_t *rows = o->as.mesh.colors, *opacities = o->as.mesh.opacities;
-    out->channels = opacities ? 4 : 3;
-    if (!rows || !opacities) return rows ? load_rows(r, rows, 3, &out->colors) : FATHOM_OK;
-    out->colors = malloc(4 * out->vertices * sizeof *out->colors);
-    if (!out->colors) return fail_memory(r->scene->context, 4 * out->vertices * sizeof *out->colors);
-    for (size_t i = 0; i < 4 * out->vertices; ++i) {
-        json_t *row = json_array_get(i % 4 < 3 ? rows : opacities, i / 4);
-        out->colors[i] = json_number_value(json_array_get(row, i % 4 < 3 ? i % 4 : 0));
-    }
+    mesh->indices = indices, mesh->triangle_count = (uint32_t)(corners / 3);
     return FATHOM_OK;
 }
 
@@ -210,80 +199,61 @@ static fathom_status check_same_count(const object_reader *r, const where *at, c
                     json_array_size(rows));
 }
 
-static fathom_status load_key(const object_reader *r, const where *at, json_t *value, bool normals, size_t k,
-                              mesh_arrays *out) {
+static fathom_status check_key(const object_reader *r, const where *at, json_t *value, bool normals,
+                               size_t vertices) {
     form_vertex_values key = {.time = 0};
     fathom_status status = doc_read(r->doc, at, value, &form_vertex_key, &key);
-    if (status == FATHOM_OK) status = check_same_count(r, at, "positions", key.positions, out->vertices);
-    if (status == FATHOM_OK) status = check_same_count(r, at, "normals", key.normals, out->vertices);
+    if (status == FATHOM_OK) status = check_same_count(r, at, "positions", key.positions, vertices);
+    if (status == FATHOM_OK) status = check_same_count(r, at, "normals", key.normals, vertices);
     if (status == FATHOM_OK && normals && !key.normals)
         status =
             doc_fail(r->doc, at, "\"normals\" is missing; the mesh has normals, so each key needs its own");
-    if (status != FATHOM_OK) return status;
-    out->key_times[k] = key.time;
-    doc_rows(key.positions, 3, out->key_positions + 3 * k * out->vertices);
-    if (normals) doc_rows(key.normals, 3, out->key_normals + 3 * k * out->vertices);
-    return FATHOM_OK;
-}
-
-static fathom_status load_keys(const object_reader *r, const where *at, json_t *list, bool normals,
-                               mesh_arrays *out) {
-    const where keys = {at, "vertexKeys", 0};
-    const size_t numbers = 3 * json_array_size(list) * out->vertices;
-    out->keys = json_array_size(list);
-    if (!out->keys) return doc_fail(r->doc, &keys, "expected one or more keys, found none");
-    out->key_times = malloc(out->keys * sizeof(double));
-    out->key_positions = malloc(numbers * sizeof(double));
-    out->key_normals = normals ? malloc(numbers * sizeof(double)) : NULL;
-    if (!out->key_times || !out->key_positions || (normals && !out->key_normals))
-        return fail_memory(r->scene->context, numbers * sizeof(double));
-    fathom_status status = FATHOM_OK;
-    for (size_t k = 0; k < out->keys && status == FATHOM_OK; ++k) {
-        const where item = {&keys, NULL, k};
-        status = load_key(r, &item, json_array_get(list, k), normals, k, out);
-    }
     return status;
 }
 
-/* The caller owns the arrays of *out, even after a failure. */
-static fathom_status load_inline(const object_reader *r, const where *at, const form_object_values *o,
-                                 mesh_arrays *out) {
-    size_t vertices = json_array_size(o->as.mesh.positions);
-    json_t *normals = o->as.mesh.shading == FORM_FLAT ? NULL : o->as.mesh.normals;
-    *out = (mesh_arrays){.vertices = vertices,
-                         .triangles = json_array_size(o->as.mesh.indices),
-                         .point_radius = o->as.mesh.point_radius,
-                         .smooth = o->as.mesh.shading == FORM_SMOOTH && o->as.mesh.indices};
-    fathom_status status = check_same_count(r, at, "normals", o->as.mesh.normals, vertices);
-    if (status == FATHOM_OK) status = check_same_count(r, at, "uvs", o->as.mesh.uvs, vertices);
-    if (status == FATHOM_OK) status = check_same_count(r, at, "uvs1", o->as.mesh.uvs_1, vertices);
-    if (status == FATHOM_OK) status = check_same_count(r, at, "colors", o->as.mesh.colors, vertices);
-    if (status == FATHOM_OK) status = check_same_count(r, at, "opacities", o->as.mesh.opacities, vertices);
-    if (status == FATHOM_OK) status = check_same_count(r, at, "tangents", o->as.mesh.tangents, vertices);
-    if (status == FATHOM_OK) status = load_rows(r, o->as.mesh.positions, 3, &out->positions);
-    if (status == FATHOM_OK && normals) status = load_rows(r, normals, 3, &out->normals);
-    if (status == FATHOM_OK && o->as.mesh.uvs) status = load_rows(r, o->as.mesh.uvs, 2, &out->uvs);
-    if (status == FATHOM_OK && o->as.mesh.uvs_1) status = load_rows(r, o->as.mesh.uvs_1, 2, &out->uvs_1);
-    if (status == FATHOM_OK) status = load_colors(r, o, out);
-    if (status == FATHOM_OK && o->as.mesh.tangents)
-        status = load_rows(r, o->as.mesh.tangents, 4, &out->tangents);
-    if (status == FATHOM_OK && o->as.mesh.indices)
-        status = load_indices(r, at, o->as.mesh.indices, vertices, &out->indices);
-    if (status == FATHOM_OK && o->as.mesh.keys)
-        status = load_keys(r, at, o->as.mesh.keys, normals != NULL, out);
+static fathom_status check_keys(const object_reader *r, const where *at, json_t *list, bool normals,
+                                size_t vertices) {
+    const where keys = {at, "vertexKeys", 0};
+    if (!json_array_size(list)) return doc_fail(r->doc, &keys, "expected one or more keys, found none");
+    fathom_status status = FATHOM_OK;
+    for (size_t k = 0; k < json_array_size(list) && status == FATHOM_OK; ++k) {
+        const where item = {&keys, NULL, k};
+        status = check_key(r, &item, json_array_get(list, k), normals, vertices);
+    }
     return status;
 }
 
 fathom_status mesh_inline(const object_reader *r, const where *at, const form_object_values *o,
                           fathom_id group, fathom_id material, unsigned flags) {
-    mesh_arrays arrays;
-    fathom_status status = load_inline(r, at, o, &arrays);
-    if (status == FATHOM_OK) {
-        status = add_arrays(r, group, &arrays, material, flags);
-        if (status != FATHOM_OK) status = place_within(r, at, "vertexKeys", status);
+    const struct {
+        const char *key;
+        mesh_kind kind;
+        json_t *rows;
+    } arrays[] = {{"positions", MESH_POSITIONS, o->as.mesh.positions},
+                  {"normals", MESH_NORMALS, o->as.mesh.normals},
+                  {"uvs", MESH_UVS, o->as.mesh.uvs},
+                  {"uvs1", MESH_UVS_1, o->as.mesh.uvs_1},
+                  {"colors", MESH_COLORS, o->as.mesh.colors},
+                  {"tangents", MESH_TANGENTS, o->as.mesh.tangents}};
+    const size_t vertices = json_array_size(o->as.mesh.positions);
+    mesh_source source = {.opacities = {.list = o->as.mesh.opacities},
+                          .smooth = o->as.mesh.shading == FORM_SMOOTH && o->as.mesh.indices,
+                          .keys = o->as.mesh.keys};
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.vertex_count = (uint32_t)vertices, mesh.point_radius = o->as.mesh.point_radius;
+    mesh.color_channels = o->as.mesh.opacities ? 4 : 3;
+    mesh.material = material, mesh.flags = flags;
+    fathom_status status = check_same_count(r, at, FORM_OPACITIES, o->as.mesh.opacities, vertices);
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays && status == FATHOM_OK; ++i) {
+        status = check_same_count(r, at, arrays[i].key, arrays[i].rows, vertices);
+        source.rows[arrays[i].kind].list = arrays[i].rows;
     }
-    free(arrays.positions), free(arrays.normals), free(arrays.uvs), free(arrays.indices);
-    free(arrays.uvs_1), free(arrays.colors), free(arrays.tangents);
-    free(arrays.key_times), free(arrays.key_positions), free(arrays.key_normals);
-    return status;
+    if (o->as.mesh.shading == FORM_FLAT) source.rows[MESH_NORMALS].list = NULL;
+    if (status == FATHOM_OK && o->as.mesh.indices) status = load_indices(r, at, o->as.mesh.indices, &mesh);
+    if (status == FATHOM_OK && source.keys)
+        status = check_keys(r, at, source.keys, source.rows[MESH_NORMALS].list != NULL, vertices);
+    if (status != FATHOM_OK) return status;
+    status = add_mesh(r->scene, group, &source, &mesh);
+    return status == FATHOM_OK ? status : place_within(r, at, "vertexKeys", status);
 }

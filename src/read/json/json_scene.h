@@ -59,7 +59,7 @@ fathom_status place_within(const object_reader *r, const where *at, const char *
 /* Successive triangles with the same material, flags and kinds of data. They become one mesh, because a
  * tracer is much faster with one mesh of many triangles than with many meshes of one triangle. */
 typedef struct mesh_batch {
-    ARRAY(double) positions, normals, uvs;
+    ARRAY(json_t *) triangles;
     fathom_id group, material;
     unsigned flags;
     const char *light_group, *name; /* owned by the document; NULL: none */
