@@ -35,6 +35,11 @@ fathom_status read_missing_uvs(fathom_scene *scene, fathom_mesh *mesh, uint64_t 
 #define READ_MISSING_UVS                                                                                     \
     "a mesh has a material with images but no texture coordinates; it shows their colour at (0, 0)"
 
+struct note_list; /* mesh/text.h */
+/* Adds a mesh of an OBJ or PLY file. facts: of its vertices. */
+fathom_status read_add_mesh(fathom_scene *scene, fathom_id group, const char *path, fathom_mesh *mesh,
+                            mesh_facts facts, struct note_list *notes);
+
 /* OBJ and PLY: scanning programs write the colours of an image again as colours of vertices. */
 #define READ_COLORS_TWICE "colours of vertices are left out where an image has them"
 
@@ -77,10 +82,10 @@ fathom_status read_mesh(fathom_scene *scene, fathom_id group, const char *path,
 
 /* Removes unused vertices. In a file, many meshes may share one list of vertices: an OBJ file has one list
  * for all its materials. Code that loops over the vertices of each mesh, or writes them, would then process
- * the whole list for each mesh. So a mesh that has fewer than four corners per vertex and uses at most half
- * of its vertices gets copies of the used ones, in the same order, in memory of the scene. So does a mesh
- * with unused vertices outside the bounds of the used ones, because bounds are those of all vertices. The
- * same is done for normals and uvs with indices of their own. Other meshes, points and meshes with keys are
+ * the whole list for each mesh. So a mesh that uses at most half of its vertices gets copies of the used
+ * ones, in the same order, in memory of the scene. So does a mesh with unused vertices outside the bounds of
+ * the used ones, because bounds are those of all vertices. The same is done for normals and uvs with indices
+ * of their own. Other meshes, points, meshes with keys and those with more than 12 corners per vertex are
  * unchanged. in_place: the mesh's indices may be overwritten; otherwise they are copied, too. facts: those
  * that mesh_look_at_vertices() sets. *copied: whether the mesh was changed; its facts are then others. All
  * indices must be in range. */

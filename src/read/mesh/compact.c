@@ -89,97 +89,37 @@ static fathom_status compact_all(fathom_scene *scene, bool in_place, selection *
     return status;
 }
 
+/* A closed mesh has six corners per vertex. With more than twice that, the indices that have to be copied
+ * would take much more memory than the vertices, so that a small file could ask for a lot. */
 static bool can_change(const fathom_mesh *mesh) {
-    return mesh->triangle_count && !mesh->key_count && !(mesh->point_radius > 0);
+    return mesh->triangle_count && !mesh->key_count && !(mesh->point_radius > 0) &&
+           3 * (uint64_t)mesh->triangle_count <= 12 * (uint64_t)mesh->vertex_count;
 }
 
-/* A closed mesh that uses all its vertices has about six corners per vertex. With three, half of its vertices
- * may be unused. With four or more, they are not counted. */
-static bool may_be_sparse(const fathom_mesh *mesh) {
-    return 3 * (uint64_t)mesh->triangle_count < 4 * (uint64_t)mesh->vertex_count;
-}
-
-/* *out: whether the mesh uses at most half of its vertices. False when out of memory. */
-static bool find_sparse(const fathom_mesh *mesh, bool *out) {
-    const size_t corners = 3 * (size_t)mesh->triangle_count;
-    *out = corners <= mesh->vertex_count / 2;
-    if (*out) return true;
-    uint64_t *seen = calloc(mesh->vertex_count / 64 + 1, sizeof *seen);
-    uint32_t used = 0;
-    for (size_t i = 0; seen && i < corners && used <= mesh->vertex_count / 2; ++i) {
-        const uint64_t bit = (uint64_t)1 << mesh->indices[i] % 64;
-        used += !(seen[mesh->indices[i] / 64] & bit);
-        seen[mesh->indices[i] / 64] |= bit;
-    }
-    const bool fine = seen != NULL;
-    *out = used <= mesh->vertex_count / 2;
-    free(seen);
-    return fine;
-}
-
-/* Without a branch for each index, so that the loop vectorises. */
-static bool find_index(const uint32_t *indices, size_t count, uint32_t wanted) {
-    enum { together = 1024 };
-    for (size_t i = 0; i < count; i += together) {
-        const size_t end = count - i < together ? count : i + together;
-        unsigned found = 0;
-        for (size_t k = i; k < end; ++k) found |= indices[k] == wanted;
-        if (found) return true;
-    }
-    return false;
-}
-
-/* Most files have triangles in about the order of their vertices, so the search begins a little before the
- * place that follows from that. */
-static bool is_used(const fathom_mesh *mesh, uint32_t vertex) {
-    const size_t corners = 3 * (size_t)mesh->triangle_count, slack = corners / 64 + 1;
-    const size_t place = (size_t)((double)corners * vertex / mesh->vertex_count);
-    const size_t begin = place > slack ? place - slack : 0;
-    return find_index(mesh->indices + begin, corners - begin, vertex) ||
-           find_index(mesh->indices, begin, vertex);
-}
-
-/* True if the triangles use the first vertex of a run that has this coordinate. */
-static bool uses_first(const fathom_mesh *mesh, uint32_t begin, int axis, float value) {
-    uint32_t i = begin;
-    while (i + 1 < mesh->vertex_count && mesh_vertex(mesh, i)[axis] != value) ++i;
-    return is_used(mesh, i);
-}
-
-/* True if a used vertex lies on each side of the bounds, as far as one vertex of each side tells. */
-static bool is_spanned(const fathom_mesh *mesh, const mesh_facts *facts) {
-    for (int k = 0; k < 3; ++k) {
-        if (!uses_first(mesh, facts->lowest[k], k, facts->lower[k]) ||
-            !uses_first(mesh, facts->highest[k], k, facts->upper[k]))
-            return false;
-    }
-    return true;
-}
-
-/* *out: whether unused vertices lie outside the bounds of the used ones. Cameras that are placed by the
- * bounds would show the mesh too small. False when out of memory. */
-static bool find_strays(const fathom_mesh *mesh, const mesh_facts *facts, bool *out) {
+/* *out: whether the mesh uses at most half of its vertices, or an unused vertex lies outside the bounds of
+ * the used ones. Cameras that are placed by the bounds would show the mesh too small. False when out of
+ * memory. */
+static bool find_unused(const fathom_mesh *mesh, const mesh_facts *facts, bool *out) {
     const size_t corners = 3 * (size_t)mesh->triangle_count;
     float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    uint32_t count = 0;
+    *out = corners <= mesh->vertex_count / 2;
+    if (*out) return true;
     unsigned char *used = calloc(mesh->vertex_count, 1);
     if (!used) return false;
     for (size_t i = 0; i < corners; ++i) used[mesh->indices[i]] = 1;
     for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
         const float *p = mesh_vertex(mesh, i);
+        count += used[i];
         for (int k = 0; k < 3 && used[i]; ++k) {
             low[k] = p[k] < low[k] ? p[k] : low[k];
             high[k] = p[k] > high[k] ? p[k] : high[k];
         }
     }
+    *out = count <= mesh->vertex_count / 2;
     for (int k = 0; k < 3; ++k) *out |= low[k] > facts->lower[k] || high[k] < facts->upper[k];
     free(used);
     return true;
-}
-
-/* Twice the corners per vertex of a closed mesh. With more, the indices that have to be copied would take
- * much more memory than the vertices, so that a small file could ask for a lot. */
-static bool may_have_strays(const fathom_mesh *mesh) {
-    return 3 * (uint64_t)mesh->triangle_count <= 12 * (uint64_t)mesh->vertex_count;
 }
 
 fathom_status mesh_compact(fathom_scene *scene, bool in_place, const mesh_facts *facts, fathom_mesh *mesh,
@@ -188,10 +128,7 @@ fathom_status mesh_compact(fathom_scene *scene, bool in_place, const mesh_facts 
     *copied = false;
     mesh_array_pack(mesh);
     if (!can_change(mesh)) return FATHOM_OK;
-    if (may_be_sparse(mesh) && !find_sparse(mesh, copied))
-        return fail_memory(scene->context, mesh->vertex_count / 8);
-    if (!*copied && may_have_strays(mesh) && !is_spanned(mesh, facts) && !find_strays(mesh, facts, copied))
-        return fail_memory(scene->context, mesh->vertex_count);
+    if (!find_unused(mesh, facts, copied)) return fail_memory(scene->context, mesh->vertex_count);
     if (!*copied) return FATHOM_OK;
     if (!select_rows(mesh->indices, 3 * (size_t)mesh->triangle_count, &vertices))
         return fail_memory(scene->context, vertices.reach * sizeof *vertices.numbers);

@@ -68,32 +68,19 @@ static void check_finite_run(void *user, size_t begin, size_t end) {
     note_first_odd(l, begin, end);
 }
 
-/* Keeps the first of runs that reach equally far, whichever thread is quicker. */
-static void join_run(mesh_facts *facts, const float low[3], const float high[3], uint32_t begin) {
-    for (int k = 0; k < 3; ++k) {
-        if (low[k] < facts->lower[k] || (low[k] <= facts->lower[k] && begin < facts->lowest[k]))
-            facts->lower[k] = low[k], facts->lowest[k] = begin;
-        if (high[k] > facts->upper[k] || (high[k] >= facts->upper[k] && begin < facts->highest[k]))
-            facts->upper[k] = high[k], facts->highest[k] = begin;
-    }
-}
-
-static bool look_at_some_vectors(look *l, size_t begin, size_t end) {
-    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    if (!l->kernels->vectors(item(l, begin), l->stride, end - begin, low, high)) return false;
-    pthread_mutex_lock(&l->lock);
-    join_run(l->facts, low, high, (uint32_t)begin);
-    pthread_mutex_unlock(&l->lock);
-    return true;
-}
-
 static void look_at_vectors(void *user, size_t begin, size_t end) {
     look *l = user;
-    for (size_t i = begin; i < end; i += MESH_RUN) {
-        if (look_at_some_vectors(l, i, end - i < MESH_RUN ? end : i + MESH_RUN)) continue;
-        note_first_odd(l, i, end);
+    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    if (!l->kernels->vectors(item(l, begin), l->stride, end - begin, low, high)) {
+        note_first_odd(l, begin, end);
         return;
     }
+    pthread_mutex_lock(&l->lock);
+    for (int k = 0; k < 3; ++k) { /* + 0: of -0 and 0, the same one whichever thread is first */
+        l->facts->lower[k] = fminf(low[k], l->facts->lower[k]) + 0;
+        l->facts->upper[k] = fmaxf(high[k], l->facts->upper[k]) + 0;
+    }
+    pthread_mutex_unlock(&l->lock);
 }
 
 static fathom_status check_values(fathom_context *context, const char *what, look *l, uint32_t count,
@@ -117,10 +104,7 @@ fathom_status mesh_check_finite(fathom_context *context, const char *what, const
 fathom_status mesh_look_at_vertices(fathom_context *context, const char *what, const float *values,
                                     size_t stride, uint32_t count, mesh_facts *facts) {
     look l = LOOK(.values = values, .stride = stride, .components = 3, .facts = facts);
-    for (int k = 0; k < 3; ++k) {
-        facts->lower[k] = INFINITY, facts->upper[k] = -INFINITY;
-        facts->lowest[k] = facts->highest[k] = 0;
-    }
+    for (int k = 0; k < 3; ++k) facts->lower[k] = INFINITY, facts->upper[k] = -INFINITY;
     facts->upwards = false;
     return check_values(context, what, &l, count, look_at_vectors);
 }

@@ -5,15 +5,11 @@
 
 #include <fathom/scene.h>
 
-/* Vertices are read in runs of so many. */
-#define MESH_RUN 8192
-
 typedef struct mesh_facts {
     float lower[3], upper[3]; /* of all vertices, relative to the mesh's origin */
     /* The same without stray points, and their number: set when the mesh is in a scene. */
     float core_lower[3], core_upper[3];
     uint32_t strays;
-    uint32_t lowest[3], highest[3]; /* where the first run begins that reaches lower, upper */
     float largest;     /* the largest magnitude of a coordinate of triangles within WORLD_REACH */
     uint32_t flat;     /* triangles without area: stored, never hit */
     uint32_t beyond;   /* triangles with a coordinate whose magnitude is not below WORLD_REACH */
@@ -28,9 +24,7 @@ typedef struct mesh_facts {
 /* An item is bad if it holds a NaN or an infinity. Items have `components` floats. */
 fathom_status mesh_check_finite(fathom_context *context, const char *what, const float *values, size_t stride,
                                 size_t components, uint32_t count);
-/* The same for three-vectors. Also sets lower, upper, lowest and highest of the facts, and `upwards` to
- * false.
- */
+/* The same for three-vectors. Also sets lower and upper of the facts, and `upwards` to false. */
 fathom_status mesh_look_at_vertices(fathom_context *context, const char *what, const float *values,
                                     size_t stride, uint32_t count, mesh_facts *facts);
 
