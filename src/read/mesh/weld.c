@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* Pairs of one vertex that are compared, so that the time is linear. */
-#define WELD_TRIES 32
+#define WELD_TRIES 256
 
 static const char *value_at(const weld *w, uint32_t row) { return (const char *)w->values + w->stride * row; }
 

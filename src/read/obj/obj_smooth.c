@@ -1,22 +1,18 @@
 #include "read/obj/obj.h"
 
 #include "read/mesh/normals.h"
+#include "read/mesh/weld.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* A vertex gets one normal for each smoothing group of its faces. The index of a key is the index of its
- * normal. */
-typedef struct smooth_key {
-    uint32_t vertex, group;
-} smooth_key;
-
+/* A vertex gets one normal for each smoothing group of its faces. */
 typedef struct smooth_faces {
     size_t triangle_count;
     uint32_t group;    /* of the first run */
     bool one_group;    /* all runs are in it; then a normal has the index of its vertex */
     uint32_t *indices; /* of the triangles to smooth, in the order of the file */
-    uint32_t *slots;   /* for each index; NULL with one group */
+    uint32_t *slots;   /* for each index, then the group of each triangle; NULL with one group */
     uint32_t slot_count;
 } smooth_faces;
 
@@ -61,70 +57,32 @@ static fathom_status gather_indices(const obj_reader *r, smooth_faces *faces) {
     return FATHOM_OK;
 }
 
-/* A hash table. The file determines the keys, so the hash uses a secret that no file can know, against many
- * collisions. */
-typedef struct smooth_table {
-    uint32_t *places; /* index of a key + 1; 0: free */
-    size_t mask;      /* number of places, a power of two, minus 1 */
-    uint64_t secret;
-    ARRAY(smooth_key) keys;
-} smooth_table;
-
-/* Every bit of the key affects every bit of the place (the finalizer of MurmurHash3). */
-static size_t place_of(const smooth_table *t, smooth_key key) {
-    uint64_t h = ((uint64_t)key.vertex << 32 | key.group) ^ t->secret;
-    h = (h ^ h >> 33) * 0xff51afd7ed558ccdu;
-    h = (h ^ h >> 33) * 0xc4ceb9fe1a85ec53u;
-    return (size_t)(h ^ h >> 33) & t->mask;
-}
-
-/* The index of the key's normal; adds the key if it is new. UINT32_MAX when out of memory, or out of 32-bit
- * indices. */
-static uint32_t number_of(smooth_table *t, smooth_key key) {
-    size_t place = place_of(t, key);
-    for (; t->places[place]; place = (place + 1) & t->mask) {
-        const smooth_key *there = &t->keys.items[t->places[place] - 1];
-        if (there->vertex == key.vertex && there->group == key.group) return t->places[place] - 1;
-    }
-    if (t->keys.count >= UINT32_MAX - 1 || !array_push(&t->keys, key)) return UINT32_MAX;
-    t->places[place] = (uint32_t)t->keys.count;
-    return t->places[place] - 1;
-}
-
-static bool fill_slots(const obj_reader *r, smooth_faces *faces, smooth_table *t) {
+static void gather_groups(const obj_reader *r, uint32_t *out) {
     run_cursor cursor = {0, 0};
     obj_piece *piece;
-    size_t corner = 0;
     for (const obj_run *run; (run = next_run(r, &cursor, &piece)) != NULL;) {
-        for (size_t i = 0; i < 3 * run->count; ++i, ++corner) {
-            const smooth_key key = {faces->indices[corner], run->group};
-            faces->slots[corner] = number_of(t, key);
-            if (faces->slots[corner] == UINT32_MAX) return false;
-        }
+        for (size_t i = 0; i < run->count; ++i) *out++ = run->group;
     }
-    faces->slot_count = (uint32_t)t->keys.count;
-    return true;
-}
-
-/* Uses at least twice as many places as corners, because each corner may have its own normal. */
-static bool make_table(size_t corners, smooth_table *t) {
-    size_t places = 8;
-    while (places < 2 * corners) places *= 2;
-    t->mask = places - 1;
-    t->places = calloc(places, sizeof *t->places);
-    t->secret = (uintptr_t)t->places * UINT64_C(0x9e3779b97f4a7c15); /* addresses are randomised */
-    return t->places != NULL;
 }
 
 static fathom_status make_slots(const obj_reader *r, smooth_faces *faces) {
     if (faces->one_group) return FATHOM_OK;
-    smooth_table table = {0};
-    size_t corners = faces->triangle_count * 3, bytes = corners * sizeof *faces->slots;
+    const size_t corners = 3 * faces->triangle_count,
+                 bytes = 4 * faces->triangle_count * sizeof *faces->slots;
     faces->slots = malloc(bytes);
-    bool done = faces->slots && make_table(corners, &table) && fill_slots(r, faces, &table);
-    free(table.places);
-    array_free(&table.keys);
-    return done ? FATHOM_OK : fail_memory(r->scene->context, bytes);
+    if (!faces->slots) return fail_memory(r->scene->context, bytes);
+    uint32_t *groups = faces->slots + corners;
+    gather_groups(r, groups);
+    weld w = {.vertices = faces->indices,
+              .corners = corners,
+              .vertex_count = (uint32_t)r->total[OBJ_POSITION],
+              .values = groups,
+              .stride = sizeof *groups,
+              .bytes = sizeof *groups};
+    const fathom_status status = weld_corners(r->scene->context, &w, NULL, faces->slots);
+    faces->slot_count = (uint32_t)w.pairs.count;
+    array_free(&w.pairs);
+    return status;
 }
 
 /* Appends the normals to the file's own. */
