@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "base/sized.h"
+#include "read/mesh/strokes.h"
 #include "scene/camera/camera.h"
 #include "scene/motion/motion.h"
 
@@ -92,6 +93,18 @@ fathom_status read_missing_uvs(fathom_scene *scene, fathom_mesh *mesh, uint64_t 
         mesh->uv_indices = NULL;
     if (missing[1]) mesh->uvs_1 = zeros, mesh->uv_1_stride = row;
     return FATHOM_OK;
+}
+
+fathom_status read_add_mesh(fathom_scene *scene, fathom_id group, const char *path, fathom_mesh *mesh,
+                            mesh_facts facts, note_list *notes) {
+    uint64_t added = 0;
+    fathom_status status = mesh_look_at_triangles(scene->context, path, mesh, &facts);
+    if (status == FATHOM_OK) status = read_missing_uvs(scene, mesh, &added);
+    if (status != FATHOM_OK) return status;
+    notes_add(notes, added > 0, "", READ_MISSING_UVS);
+    facts.upwards = true;
+    status = strokes_add(scene, group, mesh, &facts, notes);
+    return status == FATHOM_OK ? status : fail_within(scene->context, status, &(fathom_place){.file = path});
 }
 
 static double rounded_to(double x, double step) { return round(x / step) * step; }

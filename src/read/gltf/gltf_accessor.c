@@ -2,6 +2,7 @@
  * place if the format fits; otherwise each array is converted once. */
 #include "base/threads.h"
 #include "read/gltf/gltf_data.h"
+#include "read/mesh/scalar.h"
 
 #include <math.h>
 #include <string.h>
@@ -38,63 +39,45 @@ typedef struct accessor {
 typedef struct conversion {
     const unsigned char *from;
     size_t stride;
+    scalar_type type;
     unsigned components;
     float divisor, lowest; /* float: value = max(from / divisor, lowest) */
     float *floats;
-    uint32_t *integers;
+    uint32_t *integers; /* if there are no floats */
 } conversion;
 
-/* Loop bodies for each component type; the elements may lie at any address. */
-#define CONVERT_FLOATS(name, T)                                                                              \
-    static void name(void *user, size_t begin, size_t end) {                                                 \
-        const conversion *c = user;                                                                          \
-        for (size_t i = begin; i < end; ++i) {                                                               \
-            T element[16];                                                                                   \
-            memcpy(element, c->from + i * c->stride, c->components * sizeof(T));                             \
-            for (unsigned k = 0; k < c->components; ++k) {                                                   \
-                float value = (float)element[k] / c->divisor;                                                \
-                c->floats[i * c->components + k] = value < c->lowest ? c->lowest : value;                    \
-            }                                                                                                \
-        }                                                                                                    \
-    }
-#define CONVERT_INTEGERS(name, T)                                                                            \
-    static void name(void *user, size_t begin, size_t end) {                                                 \
-        const conversion *c = user;                                                                          \
-        for (size_t i = begin; i < end; ++i) {                                                               \
-            T element;                                                                                       \
-            memcpy(&element, c->from + i * c->stride, sizeof element);                                       \
-            c->integers[i] = element;                                                                        \
-        }                                                                                                    \
-    }
-CONVERT_FLOATS(floats_from_byte, int8_t)
-CONVERT_FLOATS(floats_from_ubyte, uint8_t)
-CONVERT_FLOATS(floats_from_short, int16_t)
-CONVERT_FLOATS(floats_from_ushort, uint16_t)
-CONVERT_INTEGERS(integers_from_ubyte, uint8_t)
-CONVERT_INTEGERS(integers_from_ushort, uint16_t)
-CONVERT_INTEGERS(integers_from_uint, uint32_t)
-
-static void copy_floats(void *user, size_t begin, size_t end) {
+static void convert_some(void *user, size_t begin, size_t end) {
     const conversion *c = user;
-    size_t size = c->components * sizeof(float);
-    for (size_t i = begin; i < end; ++i) memcpy(c->floats + i * c->components, c->from + i * c->stride, size);
+    for (size_t i = begin; i < end; ++i) {
+        for (size_t k = 0; k < c->components; ++k) {
+            const double from =
+                scalar_load(c->from + i * c->stride + k * scalar_size(c->type), c->type, false);
+            const float value = (float)from / c->divisor;
+            if (c->floats)
+                c->floats[i * c->components + k] = value < c->lowest ? c->lowest : value;
+            else
+                c->integers[i * c->components + k] = (uint32_t)from;
+        }
+    }
 }
 
-/* Indexed by type - GLTF_BYTE. Normalized integers are divided by `divisor`. NULL: not accepted. */
+/* Indexed by type - GLTF_BYTE. Normalized integers are divided by `divisor`. Without a name: not accepted. */
 static const struct {
     const char *name;
-    unsigned size, takes;
+    scalar_type scalar;
+    unsigned takes;
     float divisor;
-    loop_body floats, integers;
-} types[] = {{"byte", 1, GLTF_TAKES_SIGNED, 127, floats_from_byte, NULL},
-             {"unsigned byte", 1, GLTF_TAKES_UNSIGNED, 255, floats_from_ubyte, integers_from_ubyte},
-             {"short", 2, GLTF_TAKES_SIGNED, 32767, floats_from_short, NULL},
-             {"unsigned short", 2, GLTF_TAKES_UNSIGNED, 65535, floats_from_ushort, integers_from_ushort},
-             {"", 0, 0, 1, NULL, NULL},
-             {"unsigned int", 4, GLTF_TAKES_UINT, 1, NULL, integers_from_uint},
-             {"float", 4, GLTF_TAKES_FLOAT, 1, copy_floats, NULL}};
+} types[] = {{"byte", SCALAR_INT8, GLTF_TAKES_SIGNED, 127},
+             {"unsigned byte", SCALAR_UINT8, GLTF_TAKES_UNSIGNED, 255},
+             {"short", SCALAR_INT16, GLTF_TAKES_SIGNED, 32767},
+             {"unsigned short", SCALAR_UINT16, GLTF_TAKES_UNSIGNED, 65535},
+             {NULL, SCALAR_INT32, 0, 1},
+             {"unsigned int", SCALAR_UINT32, GLTF_TAKES_UINT, 1},
+             {"float", SCALAR_FLOAT32, GLTF_TAKES_FLOAT, 1}};
 
-static unsigned component_size(component type) { return types[type - GLTF_BYTE].size; }
+static unsigned component_size(component type) {
+    return (unsigned)scalar_size(types[type - GLTF_BYTE].scalar);
+}
 static unsigned takes_bit(component type) { return types[type - GLTF_BYTE].takes; }
 static const char *type_name(component type) { return types[type - GLTF_BYTE].name; }
 
@@ -104,7 +87,7 @@ static void read_component_type(gltf *g, const gltf_value *at, component *out) {
     uint64_t type = 0;
     *out = GLTF_FLOAT;
     gltf_integer(g, at, "componentType", 0, UINT32_MAX, &type);
-    if (type < GLTF_BYTE || type > GLTF_FLOAT || !types[type - GLTF_BYTE].size)
+    if (type < GLTF_BYTE || type > GLTF_FLOAT || !types[type - GLTF_BYTE].name)
         gltf_fail(g, at, "componentType",
                   "is %llu; expected 5120 (byte), 5121 (unsigned byte), 5122 (short), 5123 (unsigned "
                   "short), 5125 (unsigned int) or 5126 (float)",
@@ -253,11 +236,11 @@ static bool is_aligned(const span *s) {
 }
 
 /* Converts the base elements (zeros if there are none), then replaces some by the sparse ones. */
-static void convert(gltf *g, const accessor *a, conversion *c, loop_body body) {
+static void convert(gltf *g, const accessor *a, conversion *c) {
     if (a->elements.bytes) {
         c->from = a->elements.bytes;
         c->stride = a->elements.stride;
-        loop_parallel(fathom_context_threads(g->context), a->count, 1u << 16, body, c);
+        loop_parallel(fathom_context_threads(g->context), a->count, 1u << 16, convert_some, c);
     } else {
         memset(c->floats ? (void *)c->floats : (void *)c->integers, 0, (size_t)a->count * a->components * 4);
     }
@@ -267,7 +250,7 @@ static void convert(gltf *g, const accessor *a, conversion *c, loop_body body) {
         one.from = a->sparse_values.bytes + (size_t)i * a->sparse_values.stride;
         if (c->floats) one.floats = c->floats + (size_t)at * a->components;
         if (c->integers) one.integers = c->integers + at;
-        body(&one, 0, 1);
+        convert_some(&one, 0, 1);
     }
 }
 
@@ -284,12 +267,13 @@ static void make_array(gltf *g, const gltf_value *user, const char *key, const a
     }
     void *memory;
     if (gltf_allocate(g, user, key, (uint64_t)a->count * packed, &memory) != FATHOM_OK) return;
-    conversion c = {.components = a->components,
+    conversion c = {.type = types[a->type - GLTF_BYTE].scalar,
+                    .components = a->components,
                     .divisor = a->normalized ? types[a->type - GLTF_BYTE].divisor : 1,
                     .lowest = a->normalized ? -1 : -INFINITY,
                     .floats = integers ? NULL : memory,
                     .integers = integers ? memory : NULL};
-    convert(g, a, &c, integers ? types[a->type - GLTF_BYTE].integers : types[a->type - GLTF_BYTE].floats);
+    convert(g, a, &c);
     out->values = memory, out->stride = packed;
 }
 
@@ -370,19 +354,20 @@ bool gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned 
     return gltf_fine(g);
 }
 
-fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, const gltf_given *given) {
+void gltf_array_give(gltf *g, const gltf_value *user, const char *key, const gltf_given *given) {
     const size_t total = (size_t)given->count * given->components;
     uint32_t index;
     gltf_value at;
     accessor a;
     void *memory;
-    if (!find_accessor(g, user, key, &index, &at, &a)) return g->status;
+    if (!find_accessor(g, user, key, &index, &at, &a)) return;
     if (a.count != given->count || a.components != given->components)
-        return gltf_fail(g, user, key, "is accessors[%u] of %u × %u numbers; the compressed data has %u × %u",
-                         index, a.count, a.components, given->count, given->components);
+        gltf_fail(g, user, key, "is accessors[%u] of %u × %u numbers; the compressed data has %u × %u", index,
+                  a.count, a.components, given->count, given->components);
     gltf_elements *kept = &g->array_table[index].unpacked[given->integers];
-    if (kept->unpacked_of == given->view + 1 || gltf_allocate(g, user, key, total * 4, &memory) != FATHOM_OK)
-        return g->status;
+    if (!gltf_fine(g) || kept->unpacked_of == given->view + 1 ||
+        gltf_allocate(g, user, key, total * 4, &memory) != FATHOM_OK)
+        return;
     memcpy(memory, given->values, total * 4);
     const bool divides = (a.normalized || is_whole_color(key, &a)) && !given->normalized && !given->integers;
     const float divisor = divides ? types[a.type - GLTF_BYTE].divisor : 1;
@@ -393,5 +378,4 @@ fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, 
                           .count = given->count,
                           .unpacked_of = given->view + 1};
     keep_array(g, user, key, given->integers, given->components, &made, kept);
-    return g->status;
 }

@@ -107,13 +107,13 @@ typedef struct gltf_given {
 /* Stores a copy of `given` as the unpacked elements of the accessor that member `key` of `user` names, until
  * elements of another view are given: primitives may share an accessor of compressed elements, since it only
  * has their type and count. Count and components must be those of the accessor. */
-fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, const gltf_given *given);
+void gltf_array_give(gltf *g, const gltf_value *user, const char *key, const gltf_given *given);
 
 /* ---- gltf_draco.c ---- */
 
 /* Sets g->unpacked. Decompresses the primitive if it is compressed, and stores the result as elements of its
  * accessors. */
-fathom_status gltf_draco_read(gltf *g, const gltf_value *primitive);
+void gltf_draco_read(gltf *g, const gltf_value *primitive);
 void gltf_draco_close(gltf *g);
 
 /* ---- gltf_attributes.c ----

@@ -22,31 +22,6 @@
 #define DRACO_FILE "fathom/fathom-draco"
 static const char extension[] = "KHR_draco_mesh_compression";
 
-/* ---- the process ---- */
-
-/* Returns 0, or the error number. */
-static int start(const char *path, int from, int to, pid_t *child) {
-    posix_spawn_file_actions_t actions;
-    int failed = posix_spawn_file_actions_init(&actions);
-    if (failed) return failed;
-    failed = posix_spawn_file_actions_adddup2(&actions, from, STDIN_FILENO);
-    if (!failed) failed = posix_spawn_file_actions_adddup2(&actions, to, STDOUT_FILENO);
-    if (!failed)
-        failed = posix_spawn(child, path, &actions, NULL, (char *[]){(char *)(uintptr_t)path, NULL}, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    return failed;
-}
-
-static fathom_status fail_broken(gltf *g, const gltf_value *at, int status, int answer) {
-    char text[160] = "";
-    const ssize_t n = pread(answer, text, sizeof text - 1, 0);
-    const char *name = WIFSIGNALED(status) ? sigabbrev_np(WTERMSIG(status)) : NULL;
-    if (name)
-        return gltf_fail(g, at, NULL, "cannot be unpacked: Draco was ended by SIG%s; the data is broken",
-                         name);
-    return gltf_fail(g, at, NULL, "cannot be unpacked by Draco: %s", n > 0 ? text : "the data is broken");
-}
-
 /* ---- parallel decompression ---- */
 
 /* The decompression of one buffer view. */
@@ -62,59 +37,71 @@ struct gltf_draco {
     draco_job jobs[];
 };
 
-static bool be_open(gltf *g) {
+static void be_open(gltf *g) {
     const size_t bytes = sizeof *g->draco + gltf_count(&g->views) * sizeof *g->draco->jobs;
     if (!g->draco) g->draco = calloc(1, bytes);
     if (!g->draco) gltf_fail_memory(g, bytes);
-    return gltf_fine(g);
 }
 
-static void forget(gltf *g, draco_job *job) {
-    if (job->answer >= 0) close(job->answer);
+/* Waits for the job's process. Returns its status, or -1. */
+static int end_job(gltf *g, draco_job *job) {
+    int status = 0;
+    pid_t ended;
+    do ended = waitpid(job->child, &status, 0);
+    while (ended < 0 && errno == EINTR);
     *job = (draco_job){.started = false};
     --g->draco->running;
+    return ended < 0 ? -1 : status;
 }
 
 void gltf_draco_close(gltf *g) {
-    for (size_t i = 0; g->draco && g->draco->running && i < gltf_count(&g->views); ++i) {
+    for (size_t i = 0; g->draco && i < gltf_count(&g->views); ++i) {
         draco_job *job = &g->draco->jobs[i];
         if (!job->started) continue;
         kill(job->child, SIGKILL);
-        while (waitpid(job->child, NULL, 0) < 0 && errno == EINTR) continue;
-        forget(g, job);
+        close(job->answer);
+        end_job(g, job);
     }
     free(g->draco);
 }
 
+/* Starts a process that reads `from` and writes `to`. Returns 0, or the error number. */
+static int start(const char *path, int from, int to, pid_t *child) {
+    posix_spawn_file_actions_t actions;
+    int failed = posix_spawn_file_actions_init(&actions);
+    if (failed) return failed;
+    failed = posix_spawn_file_actions_adddup2(&actions, from, STDIN_FILENO);
+    if (!failed) failed = posix_spawn_file_actions_adddup2(&actions, to, STDOUT_FILENO);
+    if (!failed)
+        failed = posix_spawn(child, path, &actions, NULL, (char *[]){(char *)(uintptr_t)path, NULL}, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    return failed;
+}
+
 /* Starts a process that decompresses the view's bytes into the job's file. */
-static fathom_status start_job(gltf *g, const gltf_value *at, uint32_t view) {
+static void start_job(gltf *g, const gltf_value *at, uint32_t view) {
     char path[PATH_MAX];
     gltf_value view_at;
     gltf_view packed;
     draco_job job = {.started = true};
-    if (gltf_view_open(g, view, &view_at, &packed) != FATHOM_OK) return g->status;
-    if (!helper_find_file(DRACO_FILE, path))
-        return gltf_fail(g, at, NULL,
-                         "needs Draco, but this Fathom was built without it; build it with libdraco-dev "
-                         "(Debian), or export the model without compression");
-    const int question = file_in_memory(packed.bytes, packed.length);
-    job.answer = file_in_memory(NULL, 0);
-    fathom_status status = FATHOM_OK;
-    if (question < 0 || job.answer < 0)
-        status = fail_file(g->context, FATHOM_OUT_OF_RESOURCES, g->path, "no memory for a mesh to unpack: %s",
-                           strerror(errno));
-    const int failed = status == FATHOM_OK ? start(path, question, job.answer, &job.child) : 0;
-    if (failed)
-        status =
-            fail_file(g->context, FATHOM_OUT_OF_RESOURCES, path, "cannot be started: %s", strerror(failed));
-    if (question >= 0) close(question);
-    if (status == FATHOM_OK) {
-        g->draco->jobs[view] = job;
-        ++g->draco->running;
-    } else if (job.answer >= 0) {
-        close(job.answer);
+    if (gltf_view_open(g, view, &view_at, &packed) != FATHOM_OK) return;
+    if (!helper_find_file(DRACO_FILE, path)) {
+        gltf_fail(g, at, NULL,
+                  "needs Draco, but this Fathom was built without it; build it with libdraco-dev "
+                  "(Debian), or export the model without compression");
+        return;
     }
-    return status;
+    const int question = file_in_memory(packed.bytes, packed.length);
+    job.answer = question < 0 ? -1 : file_in_memory(NULL, 0);
+    const int failed = job.answer < 0 ? errno : start(path, question, job.answer, &job.child);
+    if (failed)
+        g->status = fail_file(g->context, FATHOM_OUT_OF_RESOURCES, g->path,
+                              "a mesh cannot be unpacked by %s: %s", path, strerror(failed));
+    if (question >= 0) close(question);
+    if (gltf_fine(g))
+        g->draco->jobs[view] = job, ++g->draco->running;
+    else if (job.answer >= 0)
+        close(job.answer);
 }
 
 /* Finds the view of the next compressed primitive of the file, without checking the primitive. */
@@ -142,21 +129,23 @@ static void start_ahead(gltf *g) {
     }
 }
 
-/* Decompresses a view into a file, which the caller closes. */
-static fathom_status unpack(gltf *g, const gltf_value *at, uint32_t view, int *answer) {
+/* Decompresses a view into a file, which the caller closes; -1: reading has failed. */
+static int unpack(gltf *g, const gltf_value *at, uint32_t view) {
     draco_job *job = &g->draco->jobs[view];
-    int status = 0;
     if (!job->started) start_job(g, at, view);
-    if (!job->started) return gltf_fine(g) ? FATHOM_OUT_OF_RESOURCES : g->status;
+    if (!gltf_fine(g)) return -1;
     start_ahead(g);
-    pid_t ended;
-    do ended = waitpid(job->child, &status, 0);
-    while (ended < 0 && errno == EINTR);
-    *answer = job->answer;
-    job->answer = -1;
-    forget(g, job);
+    const int answer = job->answer, status = end_job(g, job);
     start_ahead(g);
-    return status || ended < 0 ? fail_broken(g, at, status, *answer) : FATHOM_OK;
+    if (!status) return answer;
+    char text[160] = "";
+    const ssize_t n = pread(answer, text, sizeof text - 1, 0);
+    const char *name = WIFSIGNALED(status) ? sigabbrev_np(WTERMSIG(status)) : NULL;
+    if (name)
+        gltf_fail(g, at, NULL, "cannot be unpacked: Draco was ended by SIG%s; the data is broken", name);
+    else
+        gltf_fail(g, at, NULL, "cannot be unpacked by Draco: %s", n > 0 ? text : "the data is broken");
+    return answer;
 }
 
 /* ---- the output ---- */
@@ -193,81 +182,81 @@ static const unsigned char *find_attribute(const answer *a, uint64_t id, draco_a
     return NULL;
 }
 
-static fathom_status take_attribute(gltf *g, const gltf_value *attributes, const gltf_value *ids,
-                                    const char *key, const answer *a) {
+static void take_attribute(gltf *g, const gltf_value *attributes, const gltf_value *ids, const char *key,
+                           const answer *a) {
     uint64_t id = 0;
     draco_attribute found;
-    fathom_status status = gltf_integer(g, ids, key, 0, UINT32_MAX, &id);
-    if (status != FATHOM_OK || !json_object_get(attributes->json, key)) return status;
+    gltf_integer(g, ids, key, 0, UINT32_MAX, &id);
+    if (!gltf_fine(g) || !json_object_get(attributes->json, key)) return;
     const unsigned char *values = find_attribute(a, id, &found);
-    if (!values)
-        return gltf_fail(g, ids, key, "is %llu; the data has no such attribute", (unsigned long long)id);
-    return gltf_array_give(g, attributes, key,
-                           &(gltf_given){.view = a->view,
-                                         .count = a->head.points,
-                                         .components = found.components,
-                                         .normalized = found.normalized,
-                                         .values = values});
+    if (values)
+        gltf_array_give(g, attributes, key,
+                        &(gltf_given){.view = a->view,
+                                      .count = a->head.points,
+                                      .components = found.components,
+                                      .normalized = found.normalized,
+                                      .values = values});
+    else
+        gltf_fail(g, ids, key, "is %llu; the data has no such attribute", (unsigned long long)id);
 }
 
-static fathom_status take_all(gltf *g, const gltf_value *primitive, const gltf_value *draco,
-                              const answer *a) {
+static void take_all(gltf *g, const gltf_value *primitive, const gltf_value *draco, const answer *a) {
     gltf_value attributes, ids;
     const char *key;
     json_t *value;
-    fathom_status status = gltf_object(g, primitive, "attributes", &attributes);
-    if (status == FATHOM_OK) status = gltf_object(g, draco, "attributes", &ids);
-    if (status != FATHOM_OK) return status;
+    gltf_object(g, primitive, "attributes", &attributes);
+    gltf_object(g, draco, "attributes", &ids);
     if (!ids.json)
-        return gltf_fail(g, draco, "attributes", "is missing; expected the ids of the compressed attributes");
+        gltf_fail(g, draco, "attributes", "is missing; expected the ids of the compressed attributes");
     if (!json_object_get(primitive->json, "indices"))
-        return gltf_fail(g, primitive, "indices",
-                         "is missing; expected an accessor that describes what is unpacked");
-    status = gltf_array_give(g, primitive, "indices",
-                             &(gltf_given){.view = a->view,
-                                           .count = a->head.faces * 3,
-                                           .components = 1,
-                                           .integers = true,
-                                           .values = a->indices});
-    json_object_foreach(ids.json, key, value) {
-        if (status == FATHOM_OK) status = take_attribute(g, &attributes, &ids, key, a);
-    }
-    return status;
+        gltf_fail(g, primitive, "indices",
+                  "is missing; expected an accessor that describes what is unpacked");
+    gltf_array_give(g, primitive, "indices",
+                    &(gltf_given){.view = a->view,
+                                  .count = a->head.faces * 3,
+                                  .components = 1,
+                                  .integers = true,
+                                  .values = a->indices});
+    json_object_foreach(ids.json, key, value) take_attribute(g, &attributes, &ids, key, a);
 }
 
-static fathom_status take_answer(gltf *g, const gltf_value *primitive, const gltf_value *draco, uint32_t view,
-                                 int file) {
+static void take_answer(gltf *g, const gltf_value *primitive, const gltf_value *draco, uint32_t view,
+                        int file) {
     struct stat facts;
-    if (fstat(file, &facts) || facts.st_size <= 0) return gltf_fail(g, draco, NULL, "unpacks to nothing");
+    if (!gltf_fine(g)) return;
+    if (fstat(file, &facts) || facts.st_size <= 0) {
+        gltf_fail(g, draco, NULL, "unpacks to nothing");
+        return;
+    }
     const size_t size = (size_t)facts.st_size;
     void *bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, file, 0);
-    if (bytes == MAP_FAILED) return fail_memory(g->context, size);
+    if (bytes == MAP_FAILED) {
+        gltf_fail_memory(g, size);
+        return;
+    }
     answer a = {.view = view, .bytes = bytes, .end = (unsigned char *)bytes + size};
-    fathom_status status = open_answer(&a) ? take_all(g, primitive, draco, &a)
-                                           : gltf_fail(g, draco, NULL, "unpacks to no triangles");
+    if (open_answer(&a))
+        take_all(g, primitive, draco, &a);
+    else
+        gltf_fail(g, draco, NULL, "unpacks to no triangles");
     munmap(bytes, size);
-    return status;
 }
 
-fathom_status gltf_draco_read(gltf *g, const gltf_value *primitive) {
+void gltf_draco_read(gltf *g, const gltf_value *primitive) {
     gltf_value holder, at;
     uint32_t view = GLTF_ABSENT;
-    int unpacked = -1;
     g->unpacked = 0;
-    fathom_status status = gltf_extension(g, primitive, extension, &holder, &at);
-    if (status != FATHOM_OK || !at.json) return status;
-    status = gltf_index(g, &at, "bufferView", &g->views, &view);
-    if (status == FATHOM_OK && view == GLTF_ABSENT)
-        return gltf_fail(g, &at, "bufferView", "is missing; expected the compressed mesh");
-    if (status != FATHOM_OK) return status;
-    if (!helper_find_file(DRACO_FILE, (char[PATH_MAX]){""}) && !gltf_requires(g, extension)) {
+    gltf_extension(g, primitive, extension, &holder, &at);
+    if (!at.json) return;
+    gltf_index(g, &at, "bufferView", &g->views, &view);
+    if (view == GLTF_ABSENT) gltf_fail(g, &at, "bufferView", "is missing; expected the compressed mesh");
+    if (gltf_fine(g) && !helper_find_file(DRACO_FILE, (char[PATH_MAX]){""}) && !gltf_requires(g, extension)) {
         gltf_note(g, primitive, NULL, "Draco is not part of this build; what is not compressed is taken");
-        return FATHOM_OK;
+        return;
     }
-    if (!be_open(g)) return g->status;
-    status = unpack(g, &at, view, &unpacked);
-    if (status == FATHOM_OK) status = take_answer(g, primitive, &at, view, unpacked);
-    if (status == FATHOM_OK) g->unpacked = view + 1;
+    be_open(g);
+    const int unpacked = gltf_fine(g) ? unpack(g, &at, view) : -1;
+    take_answer(g, primitive, &at, view, unpacked);
+    if (gltf_fine(g)) g->unpacked = view + 1;
     if (unpacked >= 0) close(unpacked);
-    return status;
 }

@@ -325,7 +325,7 @@ static void add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shape
     fathom_mesh_default(&p.mesh);
     gltf_object(g, at, "attributes", &attributes);
     gltf_integer(g, at, "mode", 0, MODE_FAN, &p.mode);
-    if (gltf_fine(g)) g->status = gltf_draco_read(g, at);
+    gltf_draco_read(g, at);
     read_positions(g, &p);
     if (gltf_fine(g)) gltf_morph_note(g, at, shapes, moves ? g->moments.count : 1);
     if (!gltf_fine(g)) return;

@@ -369,9 +369,20 @@ static void move_stream(const ring *r, uint32_t *fan) {
     for (size_t i = 0; i < 3 * (size_t)r->triangle_count; ++i) fan[i] = r->moved[r->triangles[i]];
 }
 
+/* True for a polygon with a lost vertex (lost.h), which becomes all its corners. */
+static bool is_lost(const polygon_vertices *v, uint32_t corners, uint32_t *fan) {
+    for (uint32_t i = 0; i < corners; ++i) {
+        const uint32_t lost = fan[fan_place(i)];
+        if (!isnan(vertex(v, lost).x)) continue;
+        for (size_t k = 0; k < 3 * ((size_t)corners - 2); ++k) fan[k] = lost;
+        return true;
+    }
+    return false;
+}
+
 bool polygon_split(polygon_work *work, const polygon_vertices *vertices, uint32_t corners, uint32_t *fan,
                    uint32_t *second, uint32_t *third) {
-    if (corners <= 3) return true;
+    if (corners <= 3 || is_lost(vertices, corners, fan)) return true;
     if (corners == 4) {
         split_quad(vertices, fan, second, third);
         return true;

@@ -29,6 +29,7 @@ void polygon_work_free(polygon_work *work);
  * replaces the fan, n - 2 triangles of vertex indices at `fan`, by a good triangulation with the same
  * winding: quads along the better diagonal, concave polygons by ear clipping. The corners of the other
  * streams (indices of normals and uvs, or NULL) are reordered in the same way. A polygon that is not simple
- * also becomes n - 2 triangles, whose shape is not specified. False: out of memory, nothing is changed. */
+ * also becomes n - 2 triangles, whose shape is not specified. So does one with a lost vertex (lost.h), and
+ * each of its corners is that vertex. False: out of memory, nothing is changed. */
 bool polygon_split(polygon_work *work, const polygon_vertices *vertices, uint32_t corners, uint32_t *fan,
                    uint32_t *second, uint32_t *third);

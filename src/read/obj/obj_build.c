@@ -81,8 +81,8 @@ static fathom_status place_runs(obj_builder *b) {
     if (!b->mesh_of) return fail_memory(r->scene->context, 4 * r->slots.count * sizeof *b->mesh_of);
     for (size_t i = 0; i < r->piece_count; ++i) {
         for (size_t k = 0; k < r->pieces[i].runs.count; ++k) {
-            if (!place_run(b, &r->pieces[i].runs.items[k]))
-                return fail_memory(r->scene->context, sizeof(obj_mesh));
+            obj_run *run = &r->pieces[i].runs.items[k];
+            if (run->count && !place_run(b, run)) return fail_memory(r->scene->context, sizeof(obj_mesh));
         }
     }
     return FATHOM_OK;
@@ -113,6 +113,7 @@ static void copy_pieces(void *user, size_t begin, size_t end) {
         obj_piece *piece = &b->r->pieces[i];
         for (size_t k = 0; k < piece->runs.count; ++k) {
             const obj_run *run = &piece->runs.items[k];
+            if (!run->count) continue;
             const obj_mesh *mesh = &b->meshes.items[run->mesh];
             for (int kind = 0; kind < OBJ_KINDS; ++kind) {
                 if (!mesh->indices[kind]) continue;
@@ -156,16 +157,7 @@ fathom_status obj_add_mesh(obj_reader *r, uint32_t slot, fathom_mesh *mesh, mesh
     if (r->colors && !mesh->material) mesh->material = r->colored;
     if (absent_material(&r->scene->materials.items[mesh->material].classic))
         mesh->flags |= FATHOM_CASTS_NO_SHADOW;
-    uint64_t added = 0;
-    fathom_status status = mesh_look_at_triangles(r->scene->context, r->file.path, mesh, &facts);
-    if (status == FATHOM_OK) status = read_missing_uvs(r->scene, mesh, &added);
-    notes_add(&r->notes, added > 0, "", READ_MISSING_UVS);
-    facts.upwards = true;
-    if (status != FATHOM_OK) return status;
-    status = strokes_add(r->scene, r->group, mesh, &facts, &r->notes);
-    return status == FATHOM_OK
-               ? status
-               : fail_within(r->scene->context, status, &(fathom_place){.file = r->file.path});
+    return read_add_mesh(r->scene, r->group, r->file.path, mesh, facts, &r->notes);
 }
 
 /* True if an image of the file's own material shows the colours. In Fathom's own files both count. */

@@ -428,8 +428,8 @@ fathom_status obj_parse(obj_reader *r) {
     if (r->again) loop_parallel(r->threads, r->piece_count, 1, parse_pieces, r);
     r->cloud = is_cloud(r);
     status = text_status(&r->file, &r->fault);
-    if (status == FATHOM_OK) status = obj_drop_lost(r);
     if (status != FATHOM_OK) return status;
     loop_parallel(r->threads, r->piece_count, 1, split_polygons, r);
-    return text_status(&r->file, &r->fault);
+    status = text_status(&r->file, &r->fault);
+    return status == FATHOM_OK ? obj_drop_lost(r) : status;
 }

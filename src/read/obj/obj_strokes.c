@@ -68,7 +68,10 @@ static void sort_corners(stroke_sorter *s) {
 static fathom_status add_kind(obj_reader *r, int kind, bool *added) {
     stroke_sorter s = {.r = r, .kind = kind};
     size_t count = 0, begin = 0;
-    for (size_t i = 0; i < r->piece_count; ++i) count += r->pieces[i].strokes[kind].corners.count;
+    for (size_t i = 0; i < r->piece_count; ++i) {
+        for (size_t k = 0; k < r->pieces[i].strokes[kind].runs.count; ++k)
+            count += r->pieces[i].strokes[kind].runs.items[k].count;
+    }
     if (!count) return FATHOM_OK;
     s.ends = calloc(r->slots.count, sizeof *s.ends);
     s.corners = malloc(count * sizeof *s.corners);

@@ -1,6 +1,5 @@
 #include "read/ply/ply.h"
 
-#include "base/srgb.h"
 #include "read/mesh/strokes.h"
 
 #include <float.h>
@@ -24,53 +23,28 @@ static void put_array(const ply_array *array, uint32_t i, const double values[PL
     for (int k = 0; k < array->components; ++k) out[k] = (float)values[array->first_role + k];
 }
 
-/* The first spherical harmonic is sqrt(1 / (4 pi)). Splats store its factor, from the middle of sRGB
- * (3DGS, Kerbl et al. 2023). */
-static double splat_linear(double value) {
-    return srgb_decoded(fmin(fmax(0.5 + 0.28209479177387814 * value, 0), 1));
-}
-
-static void put_color(const ply_reader *r, uint32_t i, const double values[PLY_ROLES]) {
-    double linear[PLY_ROLES];
-    for (int role = PLY_R; role <= PLY_B; ++role) {
-        linear[role] = r->whole_color > 0 ? srgb_decoded(values[role] / r->whole_color) : values[role];
-        if (r->splats) linear[role] = splat_linear(values[role]);
-    }
-    linear[PLY_A] = r->whole_alpha > 0 ? values[PLY_A] / r->whole_alpha : values[PLY_A];
-    if (r->splats) linear[PLY_A] = 1 / (1 + exp(-values[PLY_A]));
-    put_array(&r->arrays[PLY_COLORS], i, linear);
-}
-
 static bool is_finite(double value) { return fabs(value) <= (double)FLT_MAX; }
 
 static bool has_place(const double values[PLY_ROLES]) {
     return is_finite(values[PLY_X]) && is_finite(values[PLY_Y]) && is_finite(values[PLY_Z]);
 }
 
-/* Files of scanners and simulations hold such numbers. A lost vertex, which nothing uses then, lies where it
- * does not change the bounds. */
-static void mend_vertex(ply_reader *r, uint32_t i, double values[PLY_ROLES]) {
-    if (!has_place(values)) {
-        r->lost[i] = 1;
-        values[PLY_X] = r->bounds.lower.x, values[PLY_Y] = r->bounds.lower.y;
-        values[PLY_Z] = r->bounds.lower.z;
-    }
+/* Files of scanners and simulations hold such numbers. */
+static void mend_vertex(double values[PLY_ROLES]) {
+    if (!has_place(values)) values[PLY_X] = values[PLY_Y] = values[PLY_Z] = (double)NAN;
     for (int role = PLY_Z + 1; role < PLY_ROLES; ++role)
         values[role] = is_finite(values[role]) ? values[role] : 0;
 }
 
 static void put_arrays(const ply_reader *r, uint32_t i, const double values[PLY_ROLES]) {
     for (int a = PLY_POSITIONS + 1; a < PLY_ARRAYS; ++a) {
-        if (a == PLY_COLORS && r->arrays[a].own)
-            put_color(r, i, values);
-        else if (r->arrays[a].own)
-            put_array(&r->arrays[a], i, values);
+        if (r->arrays[a].own) put_array(&r->arrays[a], i, values);
     }
 }
 
 static void put_moved(ply_reader *r, uint32_t i, double values[PLY_ROLES]) {
-    if (r->lost) {
-        mend_vertex(r, i, values);
+    if (r->mends) {
+        mend_vertex(values);
         put_arrays(r, i, values);
     }
     const double moved[PLY_ROLES] = {values[PLY_X] - r->origin.x, values[PLY_Y] - r->origin.y,
@@ -112,14 +86,16 @@ void ply_join_bounds(ply_reader *r, const scene_bounds *bounds) {
 /* The file's own bytes cannot be moved or mended. */
 static fathom_status leave_file(ply_reader *r) {
     for (int a = 0; a < PLY_ARRAYS; ++a) {
-        if (!r->arrays[a].own && (a == PLY_POSITIONS || r->lost)) r->arrays[a].values = NULL;
+        if (!r->arrays[a].own && (a == PLY_POSITIONS || r->mends)) r->arrays[a].values = NULL;
     }
     return ply_allocate_arrays(r);
 }
 
 static fathom_status note_lost(ply_reader *r) {
     size_t lost = 0;
-    for (uint32_t i = 0; i < r->vertex_count; ++i) lost += r->lost[i];
+    const float *positions = r->arrays[PLY_POSITIONS].own;
+    for (uint32_t i = 0; i < r->vertex_count; ++i) lost += isnan(positions[3 * (size_t)i]) != 0;
+    r->loses = lost > 0;
     if (lost == r->vertex_count)
         return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
                          "it has no vertex whose x, y and z are finite numbers that fit a float, of %zu",
@@ -136,22 +112,12 @@ fathom_status ply_read_vertices(ply_reader *r, size_t count, size_t grain, loop_
     loop_parallel(r->threads, count, grain, body, user);
     status = text_status(&r->file, &r->fault);
     if (status != FATHOM_OK) return status;
-    if (r->mends) {
-        r->lost = calloc(r->vertex_count, 1);
-        if (!r->lost) return fail_memory(r->scene->context, r->vertex_count);
-    }
     r->origin = origin_for(&r->bounds);
-    r->moving = length_f64(r->origin) > 0 || r->lost;
+    r->moving = length_f64(r->origin) > 0 || r->mends;
     if (!r->moving) return FATHOM_OK;
     status = leave_file(r);
     if (status == FATHOM_OK) loop_parallel(r->threads, count, grain, body, user);
-    return status == FATHOM_OK && r->lost ? note_lost(r) : status;
-}
-
-/* Puts the number of wide integers into *wide, and returns that of others; 0: the colours are not such. */
-static double part_wide(double whole, double *wide) {
-    *wide = whole > 255 ? whole : 0;
-    return whole > 255 ? 0 : whole;
+    return status == FATHOM_OK && r->mends ? note_lost(r) : status;
 }
 
 static void choose_arrays(ply_reader *r) {
@@ -172,79 +138,6 @@ static void choose_arrays(ply_reader *r) {
             ply_drop_role(r, kinds[a].first_role + k);
     }
     if (!scene_keeps_uvs(r->scene)) r->uv_list = SIZE_MAX;
-    r->whole_color = part_wide(ply_whole(r, r->vertex_element, r->role[PLY_R]), &r->wide.color);
-    r->whole_alpha = part_wide(ply_whole(r, r->vertex_element, r->role[PLY_A]), &r->wide.alpha);
-    r->whole_face_color = part_wide(ply_whole(r, r->face_element, r->face_color), &r->wide_face.color);
-    r->whole_face_alpha = part_wide(ply_whole(r, r->face_element, r->face_alpha), &r->wide_face.alpha);
-}
-
-/* True if these components of all rows are whole numbers from 0 to 255, and one is above 2. Linear colours
- * may be above 1, too. Bytes that are all so small would be black. */
-static bool are_bytes(const float *values, size_t stride, size_t count, int begin, int end) {
-    float largest = 0;
-    for (size_t i = 0; i < count; ++i) {
-        const float *row = mesh_row(values, stride, i);
-        for (int k = begin; k < end; ++k) {
-            if (!(row[k] >= 0 && row[k] <= 255) || row[k] != floorf(row[k])) return false;
-            largest = fmaxf(largest, row[k]);
-        }
-    }
-    return largest > 2;
-}
-
-/* The numbers that mean colour 1 and opacity 1 in `count` rows of stored colours; 0: they are linear. Some
- * programs store sRGB bytes as floats, or as wider integers. Fathom's own floats are always linear.
- * *bytes: they are such bytes. */
-static ply_wide find_whole(const ply_reader *r, const float *values, size_t stride, size_t count, bool alpha,
-                           const ply_wide *wide, bool *bytes) {
-    ply_wide out = *wide;
-    *bytes = !r->by_fathom && are_bytes(values, stride, count, 0, 3);
-    if (*bytes) out.color = 255;
-    if (alpha && (*bytes || out.alpha > 0) && are_bytes(values, stride, count, 3, 4)) out.alpha = 255;
-    return out;
-}
-
-static void note_bytes(ply_reader *r, size_t element, bool wide) {
-    notes_add(&r->notes, (size_t)r->header.elements.items[element].count, "",
-              "%s colours are %s, but whole numbers up to 255; they are read as sRGB bytes",
-              element == r->vertex_element ? "vertex" : "face", wide ? "wide integers" : "floats");
-}
-
-static fathom_status decode_colors(ply_reader *r) {
-    ply_array *colors = &r->arrays[PLY_COLORS];
-    const ply_array from = *colors;
-    bool bytes;
-    if (!from.present || r->splats || (r->whole_color > 0 && !(r->wide.alpha > 0))) return FATHOM_OK;
-    const bool alpha = from.components > 3 && !(r->whole_alpha > 0);
-    const ply_wide whole = find_whole(r, from.values, from.stride, r->vertex_count, alpha, &r->wide, &bytes);
-    if (!(whole.color > 0 || whole.alpha > 0)) return FATHOM_OK;
-    r->whole_color = whole.color, r->whole_alpha = whole.alpha;
-    if (!from.own) colors->values = NULL; /* the file's own bytes */
-    const fathom_status status = ply_allocate_arrays(r);
-    for (uint32_t i = 0; i < r->vertex_count && status == FATHOM_OK; ++i) {
-        double values[PLY_ROLES];
-        const float *row = mesh_row(from.values, from.stride, i);
-        for (int k = 0; k < from.components; ++k) values[PLY_R + k] = (double)row[k];
-        put_color(r, i, values);
-    }
-    if (bytes) note_bytes(r, r->vertex_element, r->wide.color > 0);
-    return status;
-}
-
-/* The same for faces. */
-static void decode_face_colors(ply_reader *r) {
-    const size_t count = r->triangle_count;
-    bool bytes;
-    if (r->face_color < 0 || !r->looks || (r->whole_face_color > 0 && !(r->wide_face.alpha > 0))) return;
-    const bool alpha = r->face_alpha >= 0 && !(r->whole_face_alpha > 0);
-    const ply_wide whole =
-        find_whole(r, r->looks->color, sizeof *r->looks, count, alpha, &r->wide_face, &bytes);
-    for (ply_look *look = r->looks; look < r->looks + count; ++look) {
-        for (int c = 0; c < 3 && whole.color > 0; ++c)
-            look->color[c] = (float)srgb_decoded((double)look->color[c] / whole.color);
-        if (alpha && whole.alpha > 0) look->color[3] = (float)((double)look->color[3] / whole.alpha);
-    }
-    if (bytes) note_bytes(r, r->face_element, r->wide_face.color > 0);
 }
 
 static void release_map(void *data) {
@@ -337,15 +230,14 @@ static fathom_status read_mapped(ply_reader *r) {
     status = allocate_edges(r);
     if (status == FATHOM_OK) status = r->header.format == PLY_ASCII ? ply_read_ascii(r) : ply_read_binary(r);
     if (status != FATHOM_OK) return status;
-    if (r->lost) ply_drop_lost(r);
+    if (r->loses) ply_drop_lost(r);
     if (!r->triangle_count && !edge_count(r) && !is_cloud(r)) {
         return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
-                         r->lost ? "no faces remain: expected at least one whose corners are finite numbers "
-                                   "that fit a float"
-                                 : "no faces: expected at least one with 3 corners or more");
+                         r->loses ? "no faces remain: expected at least one whose corners are finite numbers "
+                                    "that fit a float"
+                                  : "no faces: expected at least one with 3 corners or more");
     }
-    status = decode_colors(r);
-    decode_face_colors(r);
+    status = ply_decode_colors(r);
     if (status == FATHOM_OK) status = keep_map(r);
     return status == FATHOM_OK ? add_meshes(r) : status;
 }
@@ -362,7 +254,6 @@ static void release(ply_reader *r) {
     }
     free(r->pieces);
     free(r->edges);
-    free(r->lost);
     free(r->uvs);
     free(r->looks);
     array_free(&r->textures);

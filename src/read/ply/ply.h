@@ -1,12 +1,13 @@
 /* Reads a PLY file as a mesh. The header (ply_header.c, ply_roles.c) describes the rows. Rows of text
  * (ply_ascii.c) or bytes (ply_binary.c) are read in parallel. Polygons are triangulated and joined into one
- * list of triangles (ply_faces.c). Colours, texture coordinates and textures of faces are given to its
- * corners (ply_surface.c). ply.c calls these steps. */
+ * list of triangles (ply_faces.c). Colours become linear (ply_colors.c). Those of faces, their texture
+ * coordinates and textures are given to corners (ply_surface.c). ply.c calls these steps. */
 #pragma once
 
 #include "base/file.h"
 #include "base/threads.h"
 #include "read/mesh/polygon.h"
+#include "read/mesh/scalar.h"
 #include "read/mesh/text.h"
 #include "read/read.h"
 
@@ -15,29 +16,13 @@
 
 typedef enum ply_format { PLY_ASCII, PLY_LITTLE, PLY_BIG } ply_format;
 
-typedef enum ply_type {
-    PLY_INT8,
-    PLY_UINT8,
-    PLY_INT16,
-    PLY_UINT16,
-    PLY_INT32,
-    PLY_UINT32,
-    PLY_FLOAT32,
-    PLY_FLOAT64
-} ply_type;
-
-static inline size_t ply_size(ply_type type) {
-    static const unsigned char sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-    return sizes[type];
-}
-
 #define PLY_NAME 64
 
 typedef struct ply_property {
     char name[PLY_NAME];
     bool is_list;
-    ply_type count_type; /* of lists */
-    ply_type type;
+    scalar_type count_type; /* of lists */
+    scalar_type type;
     int role; /* of a property of a vertex, an edge or a face; -1: none */
 } ply_property;
 
@@ -81,7 +66,7 @@ enum { PLY_FACE_R, PLY_FACE_G, PLY_FACE_B, PLY_FACE_A, PLY_TEXNUMBER, PLY_FACE_R
 
 /* Colour and texture of a triangle, which its face gives. */
 typedef struct ply_look {
-    float color[4];   /* linear */
+    float color[4];   /* as in the file, then linear */
     uint32_t texture; /* number of a TextureFile; their count: none */
 } ply_look;
 
@@ -95,12 +80,6 @@ typedef struct ply_array {
     const float *values; /* `own`, or an address in the mapped file */
     size_t stride;
 } ply_array;
-
-/* Colours and opacities in integers of more than a byte are stored as they are, until all are known: they may
- * be bytes. The numbers that mean 1 by their types; 0: others. */
-typedef struct ply_wide {
-    double color, alpha;
-} ply_wide;
 
 /* The triangles of successive rows. */
 typedef struct ply_faces {
@@ -143,18 +122,14 @@ typedef struct ply_reader {
     int role[PLY_ROLES];          /* property of the vertex element; -1: none */
     uint32_t vertex_count;
     ply_array arrays[PLY_ARRAYS];
-    double whole_color; /* the stored number that means colour 1; 0: as stored, linear floats or `wide` */
-    double whole_alpha; /* the same for opacities */
-    double whole_face_color, whole_face_alpha;
-    ply_wide wide, wide_face;
     pthread_mutex_t lock; /* guards the bounds */
     scene_bounds bounds;
     vec3_f64 origin;
-    bool moving;         /* vertices are read a second time, and stored from the origin */
-    atomic_bool mends;   /* some vertex has a number that is not finite */
-    atomic_size_t odd;   /* such numbers that are no position's; 0 is taken for them */
-    unsigned char *lost; /* whether each vertex has no finite position; NULL: all vertices are fine */
-    ply_faces *pieces;   /* of successive parts of the file */
+    bool moving;       /* vertices are read a second time, and stored from the origin */
+    atomic_bool mends; /* some vertex has a number that is not finite */
+    atomic_size_t odd; /* such numbers that are no position's; 0 is taken for them */
+    bool loses;        /* some vertices have no finite position: NaN instead, until ply_drop_lost() */
+    ply_faces *pieces; /* of successive parts of the file */
     size_t piece_count;
     uint32_t *indices; /* owned by the scene */
     size_t triangle_count;
@@ -207,7 +182,7 @@ bool ply_end_row(ply_reader *r, ply_faces *faces, double values[PLY_FACE_ROLES])
 fathom_status ply_allocate_triangles(ply_reader *r, uint64_t count);
 /* Checks the vertices of edge number `i`, and stores them. */
 bool ply_put_edge(ply_reader *r, uint64_t i, const double values[PLY_ENDS], const void *at);
-/* Leaves out the faces and edges of lost vertices. */
+/* Leaves out lost vertices (lost.h), and the faces and edges that use them. */
 void ply_drop_lost(ply_reader *r);
 /* Triangulates the polygons of all pieces, and joins the pieces. */
 fathom_status ply_join_faces(ply_reader *r);
@@ -216,9 +191,8 @@ fathom_status ply_join_faces(ply_reader *r);
 fathom_status ply_read_textures(ply_reader *r);
 /* The material of faces without a texture. */
 fathom_status ply_plain_material(ply_reader *r, bool colored, fathom_id *out);
-/* The number that means colour 1: integers are sRGB in the range of their type; 0 for floats, which are
- * linear. property: -1: none. */
-double ply_whole(const ply_reader *r, size_t element, int property);
+/* Makes the colours of vertices and faces linear. */
+fathom_status ply_decode_colors(ply_reader *r);
 /* 3 or 4: opacities that are all 1 are not stored. Opacities that are all 0 are ignored, with a note that
  * names their `places`: some programs never set them. */
 unsigned ply_color_channels(ply_reader *r, const float *colors, size_t stride, size_t count,

@@ -29,42 +29,6 @@ typedef struct binary_reader {
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "little-endian files are used in place");
 
-static inline uint32_t load_32(const unsigned char *p, bool big) {
-    uint32_t bits;
-    memcpy(&bits, p, sizeof bits);
-    return big ? __builtin_bswap32(bits) : bits;
-}
-
-/* A double represents the numbers of all types exactly. */
-static inline double load(const unsigned char *p, ply_type type, bool big) {
-    uint16_t bits16;
-    uint32_t bits32;
-    uint64_t bits64;
-    float single;
-    double number;
-    switch (type) {
-    case PLY_INT8: return (int8_t)*p;
-    case PLY_UINT8: return *p;
-    case PLY_INT16:
-    case PLY_UINT16:
-        memcpy(&bits16, p, sizeof bits16);
-        if (big) bits16 = __builtin_bswap16(bits16);
-        return type == PLY_INT16 ? (int16_t)bits16 : bits16;
-    case PLY_INT32: return (int32_t)load_32(p, big);
-    case PLY_UINT32: return load_32(p, big);
-    case PLY_FLOAT32:
-        bits32 = load_32(p, big);
-        memcpy(&single, &bits32, sizeof single);
-        return (double)single;
-    case PLY_FLOAT64:
-        memcpy(&bits64, p, sizeof bits64);
-        if (big) bits64 = __builtin_bswap64(bits64);
-        memcpy(&number, &bits64, sizeof number);
-        return number;
-    }
-    return 0;
-}
-
 /* ---- positions of rows ---- */
 
 static size_t bytes_left(const ply_reader *r, const unsigned char *p) {
@@ -75,14 +39,14 @@ static size_t bytes_left(const ply_reader *r, const unsigned char *p) {
 static bool list_count(const binary_reader *b, const ply_property *list, const unsigned char **p,
                        uint64_t *out) {
     text_fault *fault = &b->r->fault;
-    size_t size = ply_size(list->count_type), left = bytes_left(b->r, *p);
+    size_t size = scalar_size(list->count_type), left = bytes_left(b->r, *p);
     if (left < size) return text_wrong(fault, *p, list->name, "the file ends before the list's length");
-    double count = load(*p, list->count_type, b->big);
-    bool whole = list->count_type < PLY_FLOAT32 || count == floor(count);
+    double count = scalar_load(*p, list->count_type, b->big);
+    bool whole = list->count_type < SCALAR_FLOAT32 || count == floor(count);
     if (!(count >= 0 && count < 0x1p32) || !whole)
         return text_wrong(fault, *p, list->name, "a list of length %g", count);
     *out = (uint64_t)count;
-    if (*out > (left - size) / ply_size(list->type))
+    if (*out > (left - size) / scalar_size(list->type))
         return text_wrong(fault, *p, list->name,
                           "a list of %llu numbers does not fit into the %zu bytes that follow",
                           (unsigned long long)*out, left - size);
@@ -99,7 +63,7 @@ static const unsigned char *walk_row(const binary_reader *b, const ply_element *
         offsets[i] = (size_t)(p - begin);
         uint64_t count = 1;
         if (property->is_list && !list_count(b, property, &p, &count)) return NULL;
-        size_t bytes = (size_t)count * ply_size(property->type);
+        size_t bytes = (size_t)count * scalar_size(property->type);
         if (bytes > bytes_left(b->r, p)) {
             text_wrong(&b->r->fault, p, property->name, "the file ends before it");
             return NULL;
@@ -125,7 +89,7 @@ static void compare_rows(void *user, size_t begin, size_t end) {
         const ply_property *property = &rows->element->properties.items[k];
         if (!property->is_list) continue;
         const unsigned char *count = rows->begin + rows->offsets[k];
-        size_t size = ply_size(property->count_type);
+        size_t size = scalar_size(property->count_type);
         if (size == 1) {
             for (size_t i = begin; i < end; ++i) differs |= count[i * rows->row] != *count;
         } else {
@@ -232,7 +196,7 @@ static void use_in_place(const binary_reader *b, ply_array *array) {
     if ((uintptr_t)values % sizeof(float)) return;
     for (int k = 0; k < array->components; ++k) {
         int property = b->r->role[array->first_role + k];
-        if (rows->element->properties.items[property].type != PLY_FLOAT32) return;
+        if (rows->element->properties.items[property].type != SCALAR_FLOAT32) return;
         if (rows->offsets[property] != first + (size_t)k * sizeof(float)) return;
     }
     array->values = (const float *)(const void *)values;
@@ -274,8 +238,8 @@ static bool read_vertex(const binary_reader *b, uint64_t number, const unsigned 
     for (int role = 0; role < PLY_ROLES; ++role) {
         int property = b->r->role[role];
         if (property < 0) continue;
-        values[role] =
-            load(row + offsets[property], b->vertices.element->properties.items[property].type, b->big);
+        values[role] = scalar_load(row + offsets[property],
+                                   b->vertices.element->properties.items[property].type, b->big);
     }
     ply_put_vertex(b->r, (uint32_t)number, values, bounds);
     return true;
@@ -304,8 +268,8 @@ static bool read_uvs(const binary_reader *b, const unsigned char *p, ply_faces *
     const ply_property *list = &b->faces.element->properties.items[b->r->uv_list];
     uint64_t count;
     bool good = list_count(b, list, &p, &count);
-    for (uint64_t i = 0; good && i < count; ++i, p += ply_size(list->type))
-        good = ply_push_uv(b->r, faces, load(p, list->type, b->big));
+    for (uint64_t i = 0; good && i < count; ++i, p += scalar_size(list->type))
+        good = ply_push_uv(b->r, faces, scalar_load(p, list->type, b->big));
     return good;
 }
 
@@ -314,7 +278,7 @@ static void load_roles(const binary_reader *b, const ply_element *element, const
                        const size_t *offsets, double *out) {
     for (size_t i = 0; i < element->properties.count; ++i) {
         const ply_property *property = &element->properties.items[i];
-        if (property->role >= 0) out[property->role] = load(row + offsets[i], property->type, b->big);
+        if (property->role >= 0) out[property->role] = scalar_load(row + offsets[i], property->type, b->big);
     }
 }
 
@@ -328,9 +292,9 @@ static bool read_face(const binary_reader *b, uint64_t number, const unsigned ch
     const unsigned char *p = row + offsets[r->index_list];
     uint64_t count;
     if (!list_count(b, list, &p, &count)) return false;
-    for (uint64_t i = 0; i < count; ++i, p += ply_size(list->type)) {
-        double index = load(p, list->type, b->big);
-        if (list->type >= PLY_FLOAT32 && (!(fabs(index) < 0x1p53) || index != floor(index)))
+    for (uint64_t i = 0; i < count; ++i, p += scalar_size(list->type)) {
+        double index = scalar_load(p, list->type, b->big);
+        if (list->type >= SCALAR_FLOAT32 && (!(fabs(index) < 0x1p53) || index != floor(index)))
             return text_wrong(&r->fault, p, b->faces.element->name, "the index %g is not a whole number",
                               index);
         if (!ply_push_index(r, faces, (int64_t)index, p)) return false;
@@ -351,11 +315,11 @@ static void copy_triangles(void *user, size_t begin, size_t end) {
     const ply_property *list = index_list(b);
     size_t row = b->faces.row;
     const unsigned char *p =
-        b->faces.begin + b->faces.offsets[b->r->index_list] + ply_size(list->count_type) + begin * row;
+        b->faces.begin + b->faces.offsets[b->r->index_list] + scalar_size(list->count_type) + begin * row;
     uint32_t *out = b->r->indices + 3 * begin, highest = 0;
     for (uint64_t i = begin; i < end; ++i, p += row, out += 3) {
         for (int k = 0; k < 3; ++k) {
-            out[k] = load_32(p + 4 * k, b->big);
+            out[k] = scalar_load_32(p + 4 * k, b->big);
             highest = out[k] > highest ? out[k] : highest;
         }
     }
@@ -367,9 +331,9 @@ static void copy_triangles(void *user, size_t begin, size_t end) {
 static bool has_plain_triangles(const binary_reader *b) {
     const ply_property *list = index_list(b);
     if (b->r->looks_read || b->r->uv_list != SIZE_MAX) return false;
-    if (b->faces.blocks || b->r->strips || (list->type != PLY_INT32 && list->type != PLY_UINT32))
+    if (b->faces.blocks || b->r->strips || (list->type != SCALAR_INT32 && list->type != SCALAR_UINT32))
         return false;
-    return load(b->faces.begin + b->faces.offsets[b->r->index_list], list->count_type, b->big) == 3;
+    return scalar_load(b->faces.begin + b->faces.offsets[b->r->index_list], list->count_type, b->big) == 3;
 }
 
 static fathom_status read_faces(binary_reader *b) {

@@ -1,6 +1,6 @@
 #include "read/ply/ply.h"
 
-#include "base/srgb.h"
+#include "read/mesh/lost.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -61,10 +61,6 @@ static bool push_uvs(ply_reader *r, ply_faces *faces, size_t n) {
     return true;
 }
 
-static float face_linear(double value, double whole) {
-    return whole > 0 ? (float)srgb_decoded(value / whole) : (float)value;
-}
-
 /* Colour and texture for the triangles of the row. MeshLab writes -1 for no texture. */
 static bool push_looks(const ply_reader *r, ply_faces *faces, size_t triangles,
                        double values[PLY_FACE_ROLES]) {
@@ -77,8 +73,7 @@ static bool push_looks(const ply_reader *r, ply_faces *faces, size_t triangles,
         faces->odd += !good;
         values[role] = good ? values[role] : 0;
     }
-    for (int c = 0; c < 3; ++c) look.color[c] = face_linear(values[PLY_FACE_R + c], r->whole_face_color);
-    look.color[3] = (float)(values[PLY_FACE_A] / (r->whole_face_alpha > 0 ? r->whole_face_alpha : 1));
+    for (int c = 0; c < 4; ++c) look.color[c] = (float)values[PLY_FACE_R + c];
     faces->no_texture += count > 0 && !known && texture != -1;
     for (size_t i = 0; i < triangles; ++i) {
         if (!array_push(&faces->looks, look)) return false;
@@ -118,59 +113,20 @@ bool ply_put_edge(ply_reader *r, uint64_t i, const double values[PLY_ENDS], cons
     return true;
 }
 
-/* A lost one of the vertices; UINT32_MAX: none is. */
-static uint32_t lost_of(const ply_reader *r, const uint32_t *vertices, size_t count) {
-    uint32_t lost = UINT32_MAX;
-    for (size_t i = 0; i < count; ++i) lost = r->lost[vertices[i]] ? vertices[i] : lost;
-    return lost;
-}
-
-/* The triangles, or edges, that remain of `count`. */
-static size_t keep_good(const ply_reader *r, uint32_t *indices, size_t each, size_t count) {
-    const bool faces = indices == r->indices;
-    const size_t bytes = each * sizeof *indices;
-    size_t kept = 0;
-    for (size_t i = 0; i < count; ++i) {
-        if (lost_of(r, indices + each * i, each) != UINT32_MAX) continue;
-        memmove(indices + each * kept, indices + each * i, bytes);
-        if (faces && r->uv_indices) memmove(r->uv_indices + each * kept, r->uv_indices + each * i, bytes);
-        if (faces && r->looks) r->looks[kept] = r->looks[i];
-        ++kept;
-    }
-    return kept;
-}
-
-/* Those of a cloud have no indices: the later ones move down. */
-static void keep_good_points(ply_reader *r) {
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < r->vertex_count; ++i) {
-        for (int a = 0; a < PLY_ARRAYS && !r->lost[i]; ++a) {
-            const size_t row = (size_t)r->arrays[a].components;
-            float *own = r->arrays[a].own;
-            if (own) memmove(own + row * kept, own + row * i, row * sizeof *own);
-        }
-        kept += !r->lost[i];
-    }
-    r->vertex_count = kept;
-}
-
 void ply_drop_lost(ply_reader *r) {
-    r->triangle_count = keep_good(r, r->indices, 3, r->triangle_count);
+    float *positions = r->arrays[PLY_POSITIONS].own;
+    const lost_rows looks[2] = {{r->uv_indices, 3 * sizeof *r->uv_indices}, {r->looks, sizeof *r->looks}},
+                    none[2] = {{NULL, 0}, {NULL, 0}},
+                    colors = {r->arrays[PLY_COLORS].own,
+                              (size_t)r->arrays[PLY_COLORS].components * sizeof(float)};
+    r->triangle_count = lost_drop(positions, r->indices, 3, r->triangle_count, looks);
     if (r->edge_element != SIZE_MAX) {
         uint64_t *count = &r->header.elements.items[r->edge_element].count;
-        *count = keep_good(r, r->edges, PLY_ENDS, (size_t)*count);
+        *count = lost_drop(positions, r->edges, PLY_ENDS, (size_t)*count, none);
     }
-    if (r->face_element == SIZE_MAX && r->edge_element == SIZE_MAX) keep_good_points(r);
-}
-
-/* Splits a polygon; one with a lost vertex becomes triangles that are dropped, all of them. */
-static bool split(const ply_reader *r, polygon_work *work, const polygon_vertices *vertices, uint32_t corners,
-                  uint32_t *fan, uint32_t *uvs) {
-    const size_t count = 3 * ((size_t)corners - 2);
-    const uint32_t lost = r->lost ? lost_of(r, fan, count) : UINT32_MAX;
-    if (lost == UINT32_MAX) return polygon_split(work, vertices, corners, fan, uvs, NULL);
-    for (size_t i = 0; i < count; ++i) fan[i] = lost;
-    return true;
+    if (r->face_element == SIZE_MAX && r->edge_element == SIZE_MAX)
+        r->vertex_count = (uint32_t)lost_drop_points(positions, r->vertex_count, &colors);
+    lost_mend(positions, r->vertex_count);
 }
 
 static void join_looks(const ply_reader *r, const ply_faces *faces) {
@@ -194,8 +150,8 @@ static void join_pieces(void *user, size_t begin, size_t end) {
         join_looks(r, faces);
         for (size_t k = 0; k < faces->polygons.count; ++k) {
             polygon_fan polygon = faces->polygons.items[k];
-            if (!split(r, &work, &vertices, polygon.corners, out + 3 * polygon.first,
-                       uvs ? uvs + 3 * polygon.first : NULL))
+            if (!polygon_split(&work, &vertices, polygon.corners, out + 3 * polygon.first,
+                               uvs ? uvs + 3 * polygon.first : NULL, NULL))
                 text_no_memory(&r->fault);
         }
     }

@@ -23,8 +23,8 @@ static const char *read_word(const char **p, char out[PLY_NAME]) {
     return word;
 }
 
-static bool read_type(ply_reader *r, const char **p, ply_type *out) {
-    /* Two names for each type, in the order of ply_type. */
+static bool read_type(ply_reader *r, const char **p, scalar_type *out) {
+    /* Two names for each type, in the order of scalar_type. */
     static const char names[] = "char|int8|uchar|uint8|short|int16|ushort|uint16|int|int32|uint|uint32|"
                                 "float|float32|double|float64";
     char word[PLY_NAME], quote[48];
@@ -35,7 +35,7 @@ static bool read_type(ply_reader *r, const char **p, ply_type *out) {
                           "the type %s is not known; expected char, uchar, short, ushort, int, uint, float, "
                           "double, or int8 to float64",
                           text_quote(at, quote));
-    *out = (ply_type)(found / 2);
+    *out = (scalar_type)(found / 2);
     return true;
 }
 
@@ -152,7 +152,7 @@ static uint64_t smallest_row(const ply_reader *r, const ply_element *element) {
         if (r->header.format == PLY_ASCII)
             bytes += 2;
         else
-            bytes += ply_size(property->is_list ? property->count_type : property->type);
+            bytes += scalar_size(property->is_list ? property->count_type : property->type);
     }
     return bytes;
 }

@@ -75,24 +75,6 @@ fathom_status ply_plain_material(ply_reader *r, bool colored, fathom_id *out) {
 
 /* ---- colours ---- */
 
-double ply_whole(const ply_reader *r, size_t element, int property) {
-    if (property < 0) return 0;
-    const ply_type type = r->header.elements.items[element].properties.items[property].type;
-    return type < PLY_FLOAT32 ? (double)((UINT64_C(1) << 8 * ply_size(type)) - 1) : 0;
-}
-
-unsigned ply_color_channels(ply_reader *r, const float *colors, size_t stride, size_t count,
-                            const char *places) {
-    bool clear = true, whole = true;
-    for (size_t i = 0; i < count && (clear || whole); ++i) {
-        const float alpha = mesh_row(colors, stride, i)[3];
-        clear &= !(alpha > 0), whole &= alpha >= 1;
-    }
-    if (!clear) return whole ? 3 : 4;
-    notes_add(&r->notes, count, "", "alpha is 0 at all %s, and left out", places);
-    return 3;
-}
-
 /* Copies the rows of the pairs: of their vertices, or of their values. */
 static fathom_status copy_pairs(ply_reader *r, const weld *w, mesh_array from, bool of_vertices,
                                 fathom_mesh *mesh, mesh_kind kind) {
@@ -189,16 +171,8 @@ fathom_status ply_add_mesh(ply_reader *r, fathom_mesh *mesh) {
     const bool alone = r->face_color < 0; /* color_vertices() gives an array of indices to normals and uvs */
     if (status == FATHOM_OK) status = mesh_compact(r->scene, alone, &facts, mesh, &copied);
     if (status == FATHOM_OK && copied) status = look_at_vertices(r, mesh, &facts);
-    if (status == FATHOM_OK) status = mesh_look_at_triangles(r->scene->context, r->file.path, mesh, &facts);
-    uint64_t added = 0;
-    if (status == FATHOM_OK) status = read_missing_uvs(r->scene, mesh, &added);
-    notes_add(&r->notes, added > 0, "", READ_MISSING_UVS);
-    facts.upwards = true;
-    if (status != FATHOM_OK) return status;
-    status = strokes_add(r->scene, r->group, mesh, &facts, &r->notes);
-    return status == FATHOM_OK
-               ? status
-               : fail_within(r->scene->context, status, &(fathom_place){.file = r->file.path});
+    return status == FATHOM_OK ? read_add_mesh(r->scene, r->group, r->file.path, mesh, facts, &r->notes)
+                               : status;
 }
 
 /* The triangle's texture; their count: none that can be shown. */
