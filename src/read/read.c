@@ -72,6 +72,27 @@ fathom_status read_colored_material(fathom_scene *scene, fathom_id *out) {
     return fathom_scene_add_material(scene, "vertex colours", &material, out);
 }
 
+/* The file's value is mostly 1, which would make a mirror, a lamp, a coat or a white wall. Instead: grey,
+ * rough and not metallic; no emission, no transmission, and no layer that the image would vary. A specular
+ * colour tints the reflectance that the ior gives; with ior 0, and in the classic model, it is the
+ * reflectance. */
+void read_without_image(int kind, fathom_material *m) {
+    for (int c = 0; c < 3; ++c) {
+        if (kind == FATHOM_MAP_COLOR) m->k_d[c] *= 0.5f, m->base_color[c] *= 0.5f;
+        if (kind == FATHOM_MAP_SPECULAR_COLOR) m->k_s[c] = m->k_r[c] = 0;
+        if (kind == FATHOM_MAP_SPECULAR_COLOR && m->ior == 0) m->specular_color[c] *= 0.04f;
+        if (kind == FATHOM_MAP_EMISSIVE) m->k_e[c] = m->emissive[c] = 0;
+        if (kind == FATHOM_MAP_SHEEN_COLOR) m->sheen_color[c] = 0;
+    }
+    if (kind == FATHOM_MAP_METALLIC) m->metallic = 0;
+    if (kind == FATHOM_MAP_ROUGHNESS) m->roughness = 1;
+    if (kind == FATHOM_MAP_TRANSMISSION) m->transmission = 0;
+    if (kind == FATHOM_MAP_CLEARCOAT) m->clearcoat = 0;
+    if (kind == FATHOM_MAP_ANISOTROPY) m->anisotropy = 0;
+    if (kind == FATHOM_MAP_IRIDESCENCE) m->iridescence = 0;
+    if (kind == FATHOM_MAP_DIFFUSE_TRANSMISSION) m->diffuse_transmission = 0;
+}
+
 fathom_status read_missing_uvs(fathom_scene *scene, fathom_mesh *mesh, uint64_t *bytes) {
     const fathom_map *maps = scene->materials.items[mesh->material].value.maps;
     const size_t row = 2 * sizeof(float);

@@ -43,6 +43,9 @@ fathom_status read_add_mesh(fathom_scene *scene, fathom_id group, const char *pa
 /* OBJ and PLY: scanning programs write the colours of an image again as colours of vertices. */
 #define READ_COLORS_TWICE "colours of vertices are left out where an image has them"
 
+/* Gives a material a plausible uniform value in place of an image of this kind of map that cannot be read. */
+void read_without_image(int kind, fathom_material *m);
+
 /* Adds a material for a file with vertex colours but no materials: its diffuse reflectance is 1, multiplied
  * by the colours. */
 fathom_status read_colored_material(fathom_scene *scene, fathom_id *out);

@@ -1,19 +1,13 @@
 /* The code books of BasisLZ. */
 #include "helper/ktx2/basis_lz.h"
+#include "helper/ktx2/ktx2.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 
 enum { HEAD = 20, IMAGE = 20 };
 
 static fathom_status broken(image_message *why, const char *part) {
-    snprintf(why->text, sizeof why->text, "the %s of BasisLZ is broken or ends early", part);
-    return FATHOM_BAD_INPUT;
-}
-
-static fathom_status no_memory(image_message *why) {
-    snprintf(why->text, sizeof why->text, "out of memory");
-    return FATHOM_OUT_OF_RESOURCES;
+    return ktx2_refuse(why, "the %s of BasisLZ is broken or ends early", part);
 }
 
 /* ---- end points ---- */
@@ -89,10 +83,6 @@ static huffman_result read_codes(bit_reader *bits, lz_book *book) {
 
 /* ---- all of it ---- */
 
-static uint32_t u32_at(const uint8_t *bytes) {
-    return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
-}
-
 static lz_image image_at(const uint8_t *bytes) {
     return (lz_image){u32_at(bytes), u32_at(bytes + 4), u32_at(bytes + 8), u32_at(bytes + 12),
                       u32_at(bytes + 16)};
@@ -122,7 +112,7 @@ fathom_status lz_book_open(const uint8_t *global, size_t size, uint32_t level_co
     if (!are_plausible(out, sizes[0], sizes[1])) return broken(why, "global data");
     out->endpoints = malloc(out->endpoint_count * sizeof *out->endpoints);
     out->selectors = malloc(out->selector_count * sizeof *out->selectors);
-    if (!out->endpoints || !out->selectors) return no_memory(why);
+    if (!out->endpoints || !out->selectors) return ktx2_no_memory(why);
     static huffman_result (*const read[3])(bit_reader *, lz_book *) = {read_endpoints, read_selectors,
                                                                        read_codes};
     static const char *const names[3] = {"code book of end points", "code book of selectors",
@@ -130,7 +120,7 @@ fathom_status lz_book_open(const uint8_t *global, size_t size, uint32_t level_co
     for (unsigned i = 0; i < 3; at += sizes[i++]) {
         bit_reader bits = {.bytes = at, .size = sizes[i]};
         const huffman_result result = read[i](&bits, out);
-        if (result == HUFFMAN_NO_MEMORY) return no_memory(why);
+        if (result == HUFFMAN_NO_MEMORY) return ktx2_no_memory(why);
         if (result == HUFFMAN_BROKEN) return broken(why, names[i]);
     }
     return FATHOM_OK;

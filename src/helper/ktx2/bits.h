@@ -27,3 +27,7 @@ static inline uint32_t bits_take(bit_reader *b, unsigned count) {
 }
 
 static inline bool bits_are_over(const bit_reader *b) { return b->at > 8 * b->size; }
+
+static inline uint32_t u32_at(const uint8_t *bytes) {
+    return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+}

@@ -1,6 +1,7 @@
 /* Header, data format descriptor and key/value data of KTX 2.0 (KTX File Format Specification 2.0, sections 3
  * to 5; Khronos Data Format Specification 1.4, chapters 4 and 5). */
 #include "helper/ktx2/ktx2.h"
+#include "helper/ktx2/bits.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -16,8 +17,7 @@ bool ktx2_is(const uint8_t *bytes, size_t size) {
     return size >= sizeof identifier && memcmp(bytes, identifier, sizeof identifier) == 0;
 }
 
-__attribute__((format(printf, 2, 3))) static fathom_status refuse(image_message *why, const char *format,
-                                                                  ...) {
+fathom_status ktx2_refuse(image_message *why, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(why->text, sizeof why->text, format, arguments);
@@ -25,8 +25,9 @@ __attribute__((format(printf, 2, 3))) static fathom_status refuse(image_message 
     return FATHOM_BAD_INPUT;
 }
 
-static uint32_t u32_at(const uint8_t *bytes) {
-    return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+fathom_status ktx2_no_memory(image_message *why) {
+    ktx2_refuse(why, "out of memory");
+    return FATHOM_OUT_OF_RESOURCES;
 }
 
 static uint64_t u64_at(const uint8_t *bytes) { return u32_at(bytes) | (uint64_t)u32_at(bytes + 4) << 32; }
@@ -80,12 +81,12 @@ static fathom_status find_format(uint32_t format, uint8_t model, ktx2_image *out
         if (plains[i].format != format) continue;
         out->plain_bytes = plains[i].bytes, out->blue_first = plains[i].blue_first;
         if (model == MODEL_RGBSDA) return FATHOM_OK;
-        return refuse(why, "the color model is %u; expected 1, for vkFormat %u", model, format);
+        return ktx2_refuse(why, "the color model is %u; expected 1, for vkFormat %u", model, format);
     }
     if (format == 0)
-        return refuse(why, "the color model is %u%s; expected 163 (ETC1S) or 166 (UASTC LDR 4x4)", model,
-                      model == MODEL_UASTC_HDR ? " (UASTC HDR)" : "");
-    return refuse(
+        return ktx2_refuse(why, "the color model is %u%s; expected 163 (ETC1S) or 166 (UASTC LDR 4x4)", model,
+                           model == MODEL_UASTC_HDR ? " (UASTC HDR)" : "");
+    return ktx2_refuse(
         why,
         "vkFormat is %u (%s); expected ETC1S, UASTC LDR 4x4, or plain channels of 8 bits: encode the "
         "image with Basis Universal",
@@ -110,17 +111,17 @@ static fathom_status find_channels(const uint8_t *samples, size_t count, ktx2_im
         const bool color = first == 0 && (count == 1 || second == 15);
         const bool red = first == 3 && (count == 1 || second == 4);
         if (count > 2 || (!color && !red))
-            return refuse(why, "the channels of ETC1S are none of RGB, RGB and AAA, RRR, RRR and GGG");
+            return ktx2_refuse(why, "the channels of ETC1S are none of RGB, RGB and AAA, RRR, RRR and GGG");
         has = (color ? 2 : 0) + count;
         if (red) out->second = GREEN;
     } else if (out->format == KTX2_UASTC) {
         static const uint8_t channels[] = {3, 0, 0, 4, 1, 2, 2};
         has = count == 1 && first < sizeof channels ? channels[first] : 0;
-        if (!has) return refuse(why, "the channels of UASTC are none of RGB, RGBA, RRR, RRRG, RG");
+        if (!has) return ktx2_refuse(why, "the channels of UASTC are none of RGB, RGBA, RRR, RRRG, RG");
         if (first == 5) out->second = GREEN;
     } else if (count != has) {
-        return refuse(why, "the data format descriptor has %zu channels; expected %zu, for the vkFormat",
-                      count, has);
+        return ktx2_refuse(why, "the data format descriptor has %zu channels; expected %zu, for the vkFormat",
+                           count, has);
     }
     if (has == 1) set_sources(out, RED, RED, RED, KTX2_ONE);
     if (has == 2) set_sources(out, RED, GREEN, KTX2_ZERO, KTX2_ONE);
@@ -141,15 +142,15 @@ static fathom_status read_descriptor(const uint8_t *bytes, size_t size, ktx2_ima
     const uint32_t format = u32_at(bytes + 12);
     const uint64_t at = u32_at(bytes + 48), length = u32_at(bytes + 52);
     if (!is_within(at, length, size) || length < DESCRIPTOR_HEAD + SAMPLE)
-        return refuse(why, "the data format descriptor is missing or ends early");
+        return ktx2_refuse(why, "the data format descriptor is missing or ends early");
     const uint8_t *d = bytes + at;
     const size_t block = d[10] | (size_t)d[11] << 8;
     if (u32_at(d + 4) != 0 || block < DESCRIPTOR_HEAD - 4 + SAMPLE || block > length - 4)
-        return refuse(why, "the data format descriptor does not begin with a basic one");
+        return ktx2_refuse(why, "the data format descriptor does not begin with a basic one");
     const fathom_status status = find_format(format, d[12], out, why);
     if (status != FATHOM_OK) return status;
     if (out->format != KTX2_PLAIN && (d[16] != 3 || d[17] != 3 || d[18] || d[19]))
-        return refuse(why, "its blocks are not of 4 x 4 texels");
+        return ktx2_refuse(why, "its blocks are not of 4 x 4 texels");
     out->transfer = transfer_of(d[14]);
     out->premultiplied = d[15] & 1;
     return find_channels(d + DESCRIPTOR_HEAD, (block - (DESCRIPTOR_HEAD - 4)) / SAMPLE, out, why);
@@ -160,7 +161,7 @@ static fathom_status read_descriptor(const uint8_t *bytes, size_t size, ktx2_ima
 static fathom_status read_orientation(const char *value, ktx2_image *out, image_message *why) {
     out->upwards = strcmp(value, "ru") == 0;
     if (out->upwards || strcmp(value, "rd") == 0) return FATHOM_OK;
-    return refuse(why, "KTXorientation is \"%.8s\"; expected \"rd\" or \"ru\"", value);
+    return ktx2_refuse(why, "KTXorientation is \"%.8s\"; expected \"rd\" or \"ru\"", value);
 }
 
 static fathom_status read_swizzle(const char *value, ktx2_image *out, image_message *why) {
@@ -169,7 +170,7 @@ static fathom_status read_swizzle(const char *value, ktx2_image *out, image_mess
     for (unsigned c = 0; c < 4; ++c) {
         const char *found = value[c] ? strchr(letters, value[c]) : NULL;
         if (!found || strlen(value) != 4)
-            return refuse(why, "KTXswizzle is \"%.8s\"; expected four of r, g, b, a, 0, 1", value);
+            return ktx2_refuse(why, "KTXswizzle is \"%.8s\"; expected four of r, g, b, a, 0, 1", value);
         const uint8_t source = (uint8_t)(found - letters);
         /* A single channel is red alone here, not grey. */
         sources[c] = source < 4 ? out->sources[source] : source;
@@ -188,11 +189,11 @@ static fathom_status read_pair(const char *key, const char *value, ktx2_image *o
 /* Each entry: a length, a key that ends with zero, a value, padding to a multiple of 4. */
 static fathom_status read_pairs(const uint8_t *bytes, size_t size, ktx2_image *out, image_message *why) {
     uint64_t at = u32_at(bytes + 56), length = u32_at(bytes + 60);
-    if (!is_within(at, length, size)) return refuse(why, "the key/value data ends early");
+    if (!is_within(at, length, size)) return ktx2_refuse(why, "the key/value data ends early");
     for (const uint64_t end = at + length; end - at > 4;) {
         const uint32_t pair = u32_at(bytes + at);
         const char *key = (const char *)bytes + at + 4;
-        if (pair > end - at - 4) return refuse(why, "the key/value data ends early");
+        if (pair > end - at - 4) return ktx2_refuse(why, "the key/value data ends early");
         const size_t key_length = strnlen(key, pair);
         if (key_length < pair) {
             char value[64];
@@ -221,28 +222,30 @@ static fathom_status read_level(const uint8_t *bytes, size_t size, ktx2_image *o
     const uint64_t at = u64_at(bytes + HEAD), length = u64_at(bytes + HEAD + 8);
     const bool lz = out->format == KTX2_ETC1S;
     if (packing > KTX2_ZLIB)
-        return refuse(why,
-                      "the supercompression scheme is %u; expected 0 (none), 1 (BasisLZ), 2 (Zstandard) or "
-                      "3 (ZLIB)",
-                      packing);
+        return ktx2_refuse(
+            why,
+            "the supercompression scheme is %u; expected 0 (none), 1 (BasisLZ), 2 (Zstandard) or "
+            "3 (ZLIB)",
+            packing);
 #ifndef FATHOM_ZSTD
     if (packing == KTX2_ZSTD)
-        return refuse(why, "is compressed by Zstandard, but this Fathom was built without it; build it with "
+        return ktx2_refuse(why,
+                           "is compressed by Zstandard, but this Fathom was built without it; build it with "
                            "libzstd-dev (Debian), or encode the image without Zstandard");
 #endif
     out->packing = (ktx2_packing)packing;
     if (lz != (out->packing == KTX2_BASIS_LZ))
-        return refuse(why, lz ? "ETC1S is not packed by BasisLZ" : "only ETC1S is packed by BasisLZ");
-    if (!is_within(at, length, size) || !length) return refuse(why, "level 0 ends early");
-    if (!is_within(global_at, global_size, size)) return refuse(why, "the global data ends early");
+        return ktx2_refuse(why, lz ? "ETC1S is not packed by BasisLZ" : "only ETC1S is packed by BasisLZ");
+    if (!is_within(at, length, size) || !length) return ktx2_refuse(why, "level 0 ends early");
+    if (!is_within(global_at, global_size, size)) return ktx2_refuse(why, "the global data ends early");
     out->level = (ktx2_range){(size_t)at, (size_t)length};
     out->global = (ktx2_range){(size_t)global_at, (size_t)global_size};
     if (lz) return FATHOM_OK;
     out->unpacked_size = level_size(out);
     const uint64_t unpacked = packing == KTX2_NOT_PACKED ? length : u64_at(bytes + HEAD + 16);
     if (unpacked == out->unpacked_size) return FATHOM_OK;
-    return refuse(why, "level 0 has %llu bytes; expected %llu", (unsigned long long)unpacked,
-                  (unsigned long long)out->unpacked_size);
+    return ktx2_refuse(why, "level 0 has %llu bytes; expected %llu", (unsigned long long)unpacked,
+                       (unsigned long long)out->unpacked_size);
 }
 
 /* Grey needs one channel, and an opaque image needs no alpha. */
@@ -250,8 +253,8 @@ static fathom_status settle_channels(ktx2_image *out, image_message *why) {
     const uint8_t *s = out->sources;
     const bool grey = s[RED] == s[GREEN] && s[RED] == s[BLUE], opaque = s[ALPHA] == KTX2_ONE;
     if (s[RED] == RED && s[GREEN] == GREEN && s[BLUE] == KTX2_ZERO)
-        return refuse(why,
-                      "has the channels red and green alone; expected grey, grey and alpha, RGB or RGBA");
+        return ktx2_refuse(
+            why, "has the channels red and green alone; expected grey, grey and alpha, RGB or RGBA");
     out->channels = (grey ? 1u : 3u) + (opaque ? 0u : 1u);
     if (grey) out->sources[1] = s[ALPHA];
     return FATHOM_OK;
@@ -262,13 +265,13 @@ static fathom_status read_shape(const uint8_t *bytes, size_t size, ktx2_image *o
     out->width = u32_at(bytes + 20), out->height = u32_at(bytes + 24);
     out->level_count = u32_at(bytes + 40) ? u32_at(bytes + 40) : 1;
     if (depth || layers || faces != 1 || !out->width || !out->height)
-        return refuse(why, "is %s; expected one flat image",
-                      faces == 6 ? "a cube map"
-                      : depth    ? "a 3D texture"
-                      : layers   ? "an array of images"
-                                 : "no flat image");
+        return ktx2_refuse(why, "is %s; expected one flat image",
+                           faces == 6 ? "a cube map"
+                           : depth    ? "a 3D texture"
+                           : layers   ? "an array of images"
+                                      : "no flat image");
     if (out->level_count > LEVELS_MAX || (size - HEAD) / LEVEL < out->level_count)
-        return refuse(why, "the index of levels ends early");
+        return ktx2_refuse(why, "the index of levels ends early");
     return FATHOM_OK;
 }
 
@@ -276,8 +279,8 @@ fathom_status ktx2_open(const uint8_t *bytes, size_t size, ktx2_image *out, imag
     static fathom_status (*const read[])(const uint8_t *, size_t, ktx2_image *, image_message *) = {
         read_shape, read_descriptor, read_pairs, read_level};
     *out = (ktx2_image){.bytes = bytes};
-    if (!ktx2_is(bytes, size)) return refuse(why, "is no KTX 2.0 file");
-    if (size < HEAD) return refuse(why, "the file ends within its header");
+    if (!ktx2_is(bytes, size)) return ktx2_refuse(why, "is no KTX 2.0 file");
+    if (size < HEAD) return ktx2_refuse(why, "the file ends within its header");
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < sizeof read / sizeof *read && status == FATHOM_OK; ++i)
         status = read[i](bytes, size, out, why);

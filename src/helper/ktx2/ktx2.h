@@ -41,6 +41,10 @@ typedef struct ktx2_image {
     uint64_t unpacked_size; /* of the level; of ETC1S unknown */
 } ktx2_image;
 
+/* FATHOM_BAD_INPUT and FATHOM_OUT_OF_RESOURCES, with the reason. */
+fathom_status ktx2_refuse(image_message *why, const char *format, ...) __attribute__((format(printf, 2, 3)));
+fathom_status ktx2_no_memory(image_message *why);
+
 bool ktx2_is(const uint8_t *bytes, size_t size);
 
 /* Checks everything but the level's data. FATHOM_BAD_INPUT, with the reason, if the file is broken or has

@@ -3,7 +3,6 @@
 #include "helper/ktx2/ktx2.h"
 #include "helper/ktx2/uastc.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
@@ -24,28 +23,18 @@ struct ktx2_rows {
     lz_slice *slices[2];
 };
 
-static fathom_status refuse(image_message *why, const char *text) {
-    snprintf(why->text, sizeof why->text, "%s", text);
-    return FATHOM_BAD_INPUT;
-}
-
-static fathom_status no_memory(image_message *why) {
-    refuse(why, "out of memory");
-    return FATHOM_OUT_OF_RESOURCES;
-}
-
 /* ---- unpacking ---- */
 
 static fathom_status unpack_zstd(uint8_t *to, size_t size, const uint8_t *from, size_t packed,
                                  image_message *why) {
 #ifdef FATHOM_ZSTD
     const size_t got = ZSTD_decompress(to, size, from, packed);
-    if (ZSTD_getErrorCode(got) == ZSTD_error_memory_allocation) return no_memory(why);
+    if (ZSTD_getErrorCode(got) == ZSTD_error_memory_allocation) return ktx2_no_memory(why);
     return got == size ? FATHOM_OK
-                       : refuse(why, "level 0 cannot be unpacked by Zstandard: the data is broken");
+                       : ktx2_refuse(why, "level 0 cannot be unpacked by Zstandard: the data is broken");
 #else
     (void)to, (void)size, (void)from, (void)packed;
-    return refuse(why, "Zstandard is missing"); /* ktx2_open() has refused the file */
+    return ktx2_refuse(why, "Zstandard is missing"); /* ktx2_open() has refused the file */
 #endif
 }
 
@@ -53,10 +42,10 @@ static fathom_status unpack_zlib(uint8_t *to, size_t size, const uint8_t *from, 
                                  image_message *why) {
     uLongf got = size;
     const int result = uncompress(to, &got, from, packed);
-    if (result == Z_MEM_ERROR) return no_memory(why);
+    if (result == Z_MEM_ERROR) return ktx2_no_memory(why);
     return result == Z_OK && got == size
                ? FATHOM_OK
-               : refuse(why, "level 0 cannot be unpacked by zlib: the data is broken");
+               : ktx2_refuse(why, "level 0 cannot be unpacked by zlib: the data is broken");
 }
 
 static fathom_status unpack(ktx2_rows *r, image_message *why) {
@@ -66,7 +55,7 @@ static fathom_status unpack(ktx2_rows *r, image_message *why) {
     if (k->packing == KTX2_NOT_PACKED) return FATHOM_OK;
     r->unpacked = malloc(k->unpacked_size);
     r->level = r->unpacked;
-    if (!r->unpacked) return no_memory(why);
+    if (!r->unpacked) return ktx2_no_memory(why);
     return (k->packing == KTX2_ZSTD ? unpack_zstd : unpack_zlib)(r->unpacked, k->unpacked_size, from,
                                                                  k->level.size, why);
 }
@@ -77,10 +66,11 @@ static fathom_status open_slice(ktx2_rows *r, unsigned which, uint32_t at, uint3
                                 image_message *why) {
     const ktx2_range *level = &r->image->level;
     if (!size || at > level->size || size > level->size - at)
-        return refuse(why,
-                      which ? "its second slice lies beyond level 0" : "its first slice lies beyond level 0");
+        return ktx2_refuse(why, "%s",
+                           which ? "its second slice lies beyond level 0"
+                                 : "its first slice lies beyond level 0");
     r->slices[which] = lz_slice_open(&r->book, r->image->bytes + level->at + at, size, r->blocks_across);
-    return r->slices[which] ? FATHOM_OK : no_memory(why);
+    return r->slices[which] ? FATHOM_OK : ktx2_no_memory(why);
 }
 
 static fathom_status open_slices(ktx2_rows *r, image_message *why) {
@@ -89,7 +79,7 @@ static fathom_status open_slices(ktx2_rows *r, image_message *why) {
     fathom_status status =
         lz_book_open(k->bytes + k->global.at, k->global.size, k->level_count, &r->book, &places, why);
     if (status == FATHOM_OK && places.flags & P_FRAME)
-        status = refuse(why, "is a frame of a video that depends on another; expected an image");
+        status = ktx2_refuse(why, "is a frame of a video that depends on another; expected an image");
     if (status == FATHOM_OK) status = open_slice(r, 0, places.color_at, places.color_size, why);
     if (status == FATHOM_OK && k->two_slices)
         status = open_slice(r, 1, places.alpha_at, places.alpha_size, why);
@@ -135,13 +125,13 @@ static void next_plain(ktx2_rows *r) {
 
 fathom_status ktx2_rows_open(const ktx2_image *k, ktx2_rows **out, image_message *why) {
     ktx2_rows *r = *out = calloc(1, sizeof *r);
-    if (!r) return no_memory(why);
+    if (!r) return ktx2_no_memory(why);
     r->image = k;
     r->blocks_across = (k->width - 1) / BLOCK + 1;
     const size_t band = (size_t)r->blocks_across * BLOCK * 4 * (k->format == KTX2_PLAIN ? 1 : BLOCK);
     r->band = calloc(1, band);
     r->other = k->two_slices ? calloc(1, band) : NULL;
-    fathom_status status = r->band && (r->other || !k->two_slices) ? FATHOM_OK : no_memory(why);
+    fathom_status status = r->band && (r->other || !k->two_slices) ? FATHOM_OK : ktx2_no_memory(why);
     if (status == FATHOM_OK) status = k->format == KTX2_ETC1S ? open_slices(r, why) : unpack(r, why);
     if (status == FATHOM_OK) return status;
     ktx2_rows_close(r);
@@ -169,10 +159,8 @@ static bool next_band(ktx2_rows *r) {
 fathom_status ktx2_rows_next(ktx2_rows *r, uint8_t *texels, image_message *why) {
     const ktx2_image *k = r->image;
     const uint32_t rows = k->format == KTX2_PLAIN ? 1 : BLOCK;
-    if (r->y % rows == 0 && !next_band(r)) {
-        snprintf(why->text, sizeof why->text, "the data of level 0 is broken, in the blocks of row %u", r->y);
-        return FATHOM_BAD_INPUT;
-    }
+    if (r->y % rows == 0 && !next_band(r))
+        return ktx2_refuse(why, "the data of level 0 is broken, in the blocks of row %u", r->y);
     const uint8_t *from = r->band + (size_t)(r->y % rows) * r->blocks_across * BLOCK * 4;
     for (uint32_t x = 0; x < k->width; ++x, from += 4) {
         const uint8_t values[6] = {from[0], from[1], from[2], from[3], 0, 255};

@@ -146,31 +146,30 @@ static int move_up(int descriptor) {
     return moved;
 }
 
-/* The helper's output is discarded. It inherits no other descriptors: with a copy of a pipe's end in the
- * helper, the pipe's reader would never see its end. */
-static bool spawn(helper_process *h, const char *path, int socket, int memory) {
+int helper_spawn(const char *path, const int descriptors[], int count, pid_t *child) {
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
     sigset_t none;
-    char *const arguments[] = {(char[]){"fathom-image"}, NULL};
-    if (posix_spawn_file_actions_init(&actions) != 0) return false;
-    if (posix_spawnattr_init(&attributes) != 0) {
-        posix_spawn_file_actions_destroy(&actions);
-        return false;
+    int failed = posix_spawn_file_actions_init(&actions);
+    if (failed) return failed;
+    failed = posix_spawnattr_init(&attributes);
+    if (!failed) {
+        sigemptyset(&none);
+        posix_spawnattr_setsigmask(&attributes, &none);
+        posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+        for (int i = 0; i < count; ++i) {
+            if (descriptors[i] < 0)
+                posix_spawn_file_actions_addopen(&actions, i, "/dev/null", O_RDWR, 0);
+            else
+                posix_spawn_file_actions_adddup2(&actions, descriptors[i], i);
+        }
+        posix_spawn_file_actions_addclosefrom_np(&actions, count);
+        failed = posix_spawn(child, path, &actions, &attributes, (char *[]){(char *)(uintptr_t)path, NULL},
+                             environ);
+        posix_spawnattr_destroy(&attributes);
     }
-    sigemptyset(&none);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-    for (int stream = 0; stream <= STDERR_FILENO; ++stream)
-        posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
-    posix_spawn_file_actions_adddup2(&actions, socket, WIRE_SOCKET);
-    posix_spawn_file_actions_adddup2(&actions, memory, WIRE_MEMORY);
-    posix_spawn_file_actions_addclosefrom_np(&actions, WIRE_MEMORY + 1);
-    int failed = posix_spawn(&h->child, path, &actions, &attributes, arguments, environ);
-    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
-    if (failed) h->child = 0;
-    return !failed;
+    return failed;
 }
 
 /* The caller holds the lock. */
@@ -184,18 +183,20 @@ static void start(helper_process *h) {
     h->socket = move_up(sockets[0]);
     int theirs = move_up(sockets[1]);
     h->memory.descriptor = move_up(memfd_create("fathom-image", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+    const int descriptors[] = {-1, -1, -1, [WIRE_SOCKET] = theirs, [WIRE_MEMORY] = h->memory.descriptor};
     /* Access to a mapping of a file that shrank would end this process. */
     made = made && h->socket >= 0 && theirs >= 0 && h->memory.descriptor >= 0 &&
-           fcntl(h->memory.descriptor, F_ADD_SEALS, F_SEAL_SHRINK) == 0 &&
-           spawn(h, path, theirs, h->memory.descriptor);
+           fcntl(h->memory.descriptor, F_ADD_SEALS, F_SEAL_SHRINK) == 0;
+    const int failed = made ? helper_spawn(path, descriptors, WIRE_MEMORY + 1, &h->child) : errno;
     if (theirs >= 0) close(theirs);
-    if (made) {
+    if (!failed) {
         h->state = HELPER_STARTING;
         h->owner = getpid();
         h->process += h->process ? HELPERS_MOST : (uint64_t)(h - helpers) + 1;
         return;
     }
-    say(h->why, "the image helper cannot be started: %s", strerror(errno));
+    h->child = 0;
+    say(h->why, "the image helper cannot be started: %s", strerror(failed));
     end(h);
 }
 

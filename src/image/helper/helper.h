@@ -5,6 +5,7 @@
 #include "image/helper/wire.h"
 
 #include <limits.h>
+#include <sys/types.h>
 
 /* Maximum seconds for the helper's start and for each request (16 MB of rows, or an image to read), long
  * enough for a slow disk. $FATHOM_IMAGE_SECONDS overrides it. */
@@ -35,6 +36,10 @@ void helper_prefetch(unsigned count);
 
 /* The path of a file in the installation's library folder, such as "fathom/fathom_mpi.so". */
 bool helper_find_file(const char *name, char path[PATH_MAX]);
+
+/* Starts a program with these descriptors as its numbers 0, 1…; -1: /dev/null. It inherits no others: with a
+ * copy of a pipe's end in it, the pipe's reader would never see its end. Returns 0, or the error number. */
+int helper_spawn(const char *path, const int descriptors[], int count, pid_t *child);
 
 /* FATHOM_OUT_OF_RESOURCES, with a message, if the helper's program is missing. Does not start a helper. */
 fathom_status helper_find(fathom_context *context);

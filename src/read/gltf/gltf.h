@@ -162,6 +162,10 @@ fathom_status gltf_item(gltf *g, const gltf_value *array, size_t index, gltf_val
 fathom_status gltf_extension(gltf *g, const gltf_value *parent, const char *name, gltf_value *holder,
                              gltf_value *out);
 size_t gltf_count(const gltf_value *array);
+/* The name of a node, a mesh…; NULL: none. */
+static inline const char *gltf_name(const json_t *of) {
+    return json_string_value(json_object_get(of, "name"));
+}
 
 /* A number in [lowest, highest]. Any other number is clamped to the range, with a note. */
 fathom_status gltf_number(gltf *g, const gltf_value *parent, const char *key, double lowest, double highest,
@@ -178,6 +182,10 @@ fathom_status gltf_index(gltf *g, const gltf_value *parent, const char *key, con
 fathom_status gltf_index_item(gltf *g, const gltf_value *array, size_t i, const gltf_value *into,
                               uint32_t *out);
 fathom_status gltf_text(gltf *g, const gltf_value *parent, const char *key, const char **out);
+/* The index of a text among "a|b|c". Fails with "expected `expected`" if it is none of them, or missing while
+ * `missing` is -1. */
+int gltf_word(gltf *g, const gltf_value *parent, const char *key, const char *words, const char *expected,
+              int missing);
 fathom_status gltf_flag(gltf *g, const gltf_value *parent, const char *key, bool *out);
 
 /* ---- gltf_extensions.c ---- */

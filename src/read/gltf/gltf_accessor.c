@@ -1,5 +1,6 @@
 /* Typed arrays in buffers, checked against their views and buffers in 64-bit arithmetic. Meshes use them in
  * place if the format fits; otherwise each array is converted once. */
+#include "base/text.h"
 #include "base/threads.h"
 #include "read/gltf/gltf_data.h"
 #include "read/mesh/scalar.h"
@@ -164,13 +165,10 @@ static void open_sparse(gltf *g, const gltf_value *at, accessor *out) {
     check_sparse_indices(g, &sparse, out);
 }
 
-/* "SCALAR" 1, "VEC2" 2…, "MAT4" 16; 0 for other matrices and anything else. */
+/* 0 for other matrices and anything else. */
 static unsigned components_of(const char *type) {
-    if (strcmp(type, "SCALAR") == 0) return 1;
-    if (strcmp(type, "MAT4") == 0) return 16;
-    return strncmp(type, "VEC", 3) == 0 && type[3] >= '2' && type[3] <= '4' && !type[4]
-               ? (unsigned)(type[3] - '0')
-               : 0;
+    static const unsigned counts[] = {0, 1, 2, 3, 4, 16};
+    return counts[words_find("SCALAR|VEC2|VEC3|VEC4|MAT4", type, strlen(type)) + 1];
 }
 
 /* Reads all members except the position of the elements. A count of 0 is invalid in glTF, but some exporters

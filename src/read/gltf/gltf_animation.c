@@ -106,17 +106,6 @@ static void evaluate(const sampler *s, double t, double *out) {
 
 /* ---- samplers ---- */
 
-static void read_interpolation(gltf *g, sampler *s) {
-    static const char *const names[] = {"STEP", "LINEAR", "CUBICSPLINE"};
-    const char *name = names[LINEAR];
-    gltf_text(g, &s->at, "interpolation", &name);
-    for (unsigned i = 0; i < 3; ++i) {
-        s->way = (interpolation)i;
-        if (strcmp(name, names[i]) == 0) return;
-    }
-    gltf_fail(g, &s->at, "interpolation", "is \"%.40s\"; expected LINEAR, STEP or CUBICSPLINE", name);
-}
-
 /* Exporters that round times write keys at the same time. As in other programs, the first of them ends what
  * is before, and the last one counts from then on. */
 static void check_times(gltf *g, const sampler *s) {
@@ -143,7 +132,8 @@ static void check_values(gltf *g, sampler *s) {
 /* The caller has set per_key, scalars and turns. */
 static void read_sampler(gltf *g, const gltf_value *samplers, uint32_t index, sampler *s) {
     gltf_item(g, samplers, index, &s->at);
-    read_interpolation(g, s);
+    s->way = (interpolation)gltf_word(g, &s->at, "interpolation", "STEP|LINEAR|CUBICSPLINE",
+                                      "LINEAR, STEP or CUBICSPLINE", LINEAR);
     const bool times = gltf_array_read(g, &s->at, "input", 1, GLTF_TAKES_FLOAT, &s->times),
                values = gltf_array_read(g, &s->at, "output", (unsigned)s->per_key, GLTF_TAKES_QUANTIZED,
                                         &s->values);

@@ -14,19 +14,6 @@
 #include <math.h>
 #include <string.h>
 
-static const char *name_of(const gltf_value *value) {
-    return json_string_value(json_object_get(value->json, "name"));
-}
-
-static bool is_orthographic(gltf *g, const gltf_value *camera) {
-    const char *type = "perspective";
-    gltf_text(g, camera, "type", &type);
-    const bool orthographic = strcmp(type, "orthographic") == 0;
-    if (!orthographic && strcmp(type, "perspective") != 0)
-        gltf_fail(g, camera, "type", "is \"%.40s\"; expected perspective or orthographic", type);
-    return orthographic;
-}
-
 /* Charges the camera's memory: many nodes may have the same camera, so its name may be copied often. */
 static void charge(gltf *g, const gltf_value *node, const char *own_name) {
     const size_t kept = sizeof(gltf_camera) + sizeof(scene_camera);
@@ -39,11 +26,12 @@ void gltf_camera_note(gltf *g, const gltf_value *node, uint32_t link) {
     gltf_index(g, node, "camera", &g->cameras, &noted.index);
     if (noted.index == GLTF_ABSENT) return;
     gltf_item(g, &g->cameras, noted.index, &camera);
-    const bool orthographic = is_orthographic(g, &camera);
-    charge(g, node, name_of(&camera));
+    const bool orthographic =
+        gltf_word(g, &camera, "type", "perspective|orthographic", "perspective or orthographic", 0);
+    charge(g, node, gltf_name(camera.json));
     if (!gltf_fine(g)) return;
     if (array_push(&g->seen_cameras, noted))
-        g->status = scene_note_camera(g->scene, name_of(node), name_of(&camera), orthographic);
+        g->status = scene_note_camera(g->scene, gltf_name(node->json), gltf_name(camera.json), orthographic);
     else
         gltf_fail_memory(g, sizeof noted);
 }

@@ -6,7 +6,7 @@
 #include <string.h>
 
 static const char *name_of(const gltf_value *array, size_t i) {
-    return json_string_value(json_object_get(json_array_get(array->json, i), "name"));
+    return gltf_name(json_array_get(array->json, i));
 }
 
 void gltf_print_names(const gltf_value *array, char out[GLTF_LIST]) {

@@ -11,7 +11,7 @@
 
 #include <errno.h>
 #include <limits.h>
-#include <spawn.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -65,19 +65,6 @@ void gltf_draco_close(gltf *g) {
     free(g->draco);
 }
 
-/* Starts a process that reads `from` and writes `to`. Returns 0, or the error number. */
-static int start(const char *path, int from, int to, pid_t *child) {
-    posix_spawn_file_actions_t actions;
-    int failed = posix_spawn_file_actions_init(&actions);
-    if (failed) return failed;
-    failed = posix_spawn_file_actions_adddup2(&actions, from, STDIN_FILENO);
-    if (!failed) failed = posix_spawn_file_actions_adddup2(&actions, to, STDOUT_FILENO);
-    if (!failed)
-        failed = posix_spawn(child, path, &actions, NULL, (char *[]){(char *)(uintptr_t)path, NULL}, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    return failed;
-}
-
 /* Starts a process that decompresses the view's bytes into the job's file. */
 static void start_job(gltf *g, const gltf_value *at, uint32_t view) {
     char path[PATH_MAX];
@@ -93,7 +80,8 @@ static void start_job(gltf *g, const gltf_value *at, uint32_t view) {
     }
     const int question = file_in_memory(packed.bytes, packed.length);
     job.answer = question < 0 ? -1 : file_in_memory(NULL, 0);
-    const int failed = job.answer < 0 ? errno : start(path, question, job.answer, &job.child);
+    const int descriptors[] = {question, job.answer, -1};
+    const int failed = job.answer < 0 ? errno : helper_spawn(path, descriptors, 3, &job.child);
     if (failed)
         g->status = fail_file(g->context, FATHOM_OUT_OF_RESOURCES, g->path,
                               "a mesh cannot be unpacked by %s: %s", path, strerror(failed));

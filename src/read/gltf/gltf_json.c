@@ -1,9 +1,11 @@
 /* Typed values and their paths in the document. */
+#include "base/text.h"
 #include "read/gltf/gltf.h"
 #include "read/json/json_where.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* Larger than the depth of any value that is read. */
 enum { DEPTH = 32 };
@@ -50,29 +52,31 @@ fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom
     return g->status;
 }
 
+static void note_text(gltf *g, const char *place, const char *format, va_list args) {
+    char text[320];
+    vsnprintf(text, sizeof text, format, args);
+    if (!g->quiet) notes_add(&g->notes, 1, place, "%s", text);
+}
+
 void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...) {
-    char place[128] = ": ", text[320];
+    char place[128] = ": ";
     where links[DEPTH];
     va_list args;
-    if (g->quiet) return;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
     where_path(steps_to(at, key, links), place + 2, sizeof place - 2);
-    notes_add(&g->notes, 1, place[2] ? place : "", "%s", text);
+    va_start(args, format);
+    note_text(g, place[2] ? place : "", format, args);
+    va_end(args);
 }
 
 void gltf_note_node(gltf *g, uint32_t node, const char *format, ...) {
-    char place[128], text[320];
-    const char *name = json_string_value(json_object_get(json_array_get(g->nodes.json, node), "name"));
+    char place[128];
+    const char *name = gltf_name(json_array_get(g->nodes.json, node));
     va_list args;
-    if (g->quiet) return;
+    snprintf(place, sizeof place, ": nodes[%u]%s%.40s%s", node, name ? " (\"" : "", name ? name : "",
+             name ? "\")" : "");
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    note_text(g, place, format, args);
     va_end(args);
-    const int length = snprintf(place, sizeof place, ": nodes[%u]", node);
-    if (name) snprintf(place + length, sizeof place - (size_t)length, " (\"%.40s\")", name);
-    notes_add(&g->notes, 1, place, "%s", text);
 }
 
 static const char *kind_name(const json_t *json) {
@@ -218,6 +222,15 @@ fathom_status gltf_text(gltf *g, const gltf_value *parent, const char *key, cons
     if (v.json && !json_is_string(v.json)) fail_kind(g, &v, "a string");
     if (v.json) *out = json_string_value(v.json);
     return g->status;
+}
+
+int gltf_word(gltf *g, const gltf_value *parent, const char *key, const char *words, const char *expected,
+              int missing) {
+    const char *word = NULL;
+    gltf_text(g, parent, key, &word);
+    const int found = word ? words_find(words, word, strlen(word)) : missing;
+    if (found < 0) gltf_fail(g, parent, key, "is \"%.40s\"; expected %s", word ? word : "", expected);
+    return found < 0 ? 0 : found;
 }
 
 fathom_status gltf_flag(gltf *g, const gltf_value *parent, const char *key, bool *out) {

@@ -13,6 +13,7 @@
  *
  * `range` is ignored: light falls off by 1 / d^2 without limit. A spot's falloff between its cones is
  * Fathom's own. Lights point along their node's -z axis; the node's scale only affects the position. */
+#include "base/text.h"
 #include "read/gltf/gltf_pose.h"
 #include "read/gltf/gltf_tree.h"
 
@@ -21,12 +22,13 @@
 
 /* False, with a note, if the type is unknown. */
 static bool read_type(gltf *g, const gltf_value *at, fathom_light_type *out) {
+    static const fathom_light_type types[] = {FATHOM_LIGHT_POINT, FATHOM_LIGHT_DIRECTIONAL,
+                                              FATHOM_LIGHT_SPOT};
     const char *type = "";
     gltf_text(g, at, "type", &type);
-    *out = strcmp(type, "directional") == 0 ? FATHOM_LIGHT_DIRECTIONAL
-           : strcmp(type, "spot") == 0      ? FATHOM_LIGHT_SPOT
-                                            : FATHOM_LIGHT_POINT;
-    if (*out != FATHOM_LIGHT_POINT || strcmp(type, "point") == 0) return true;
+    const int found = words_find("point|directional|spot", type, strlen(type));
+    if (found >= 0) *out = types[found];
+    if (found >= 0) return true;
     gltf_note(g, at, "type", "a light of the type \"%.40s\" is left out; expected point, directional or spot",
               type);
     return false;
@@ -98,7 +100,7 @@ void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *way) {
         gltf_note(g, node, NULL, "a light is scaled to nothing, and left out");
         return;
     }
-    if (!light.name) light.name = json_string_value(json_object_get(node->json, "name"));
+    if (!light.name) light.name = gltf_name(node->json);
     store_f64(light.position, scale_f64(gltf_unit(g), affine_point(to_world, (vec3_f64){0, 0, 0})));
     store_f64(light.direction, normalize_f64(along));
     gltf_within(g, node, NULL, fathom_scene_add_light(g->scene, &light, NULL));

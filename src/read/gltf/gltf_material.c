@@ -34,31 +34,9 @@ typedef struct draft {
     bool unlit;
 } draft;
 
-static void scale_all(float rgb[3], float factor) {
-    for (int c = 0; c < 3; ++c) rgb[c] *= factor;
-}
-
-/* A texture that cannot be read adds a note. Its factor is mostly 1, so a plausible uniform value replaces
- * it: grey, rough and not metallic, no emission, no transmission; and no layer that the texture would
- * vary. A specular colour tints the reflectance that the ior gives; with ior 0 it is the reflectance. */
-static void without_image(int kind, draft *d) {
-    fathom_material *m = &d->m;
-    if (kind == FATHOM_MAP_COLOR && !d->unlit) scale_all(m->base_color, 0.5f);
-    if (kind == FATHOM_MAP_SPECULAR_COLOR && m->ior == 0) scale_all(m->specular_color, 0.04f);
-    if (kind == FATHOM_MAP_EMISSIVE) scale_all(m->emissive, 0);
-    if (kind == FATHOM_MAP_SHEEN_COLOR) scale_all(m->sheen_color, 0);
-    if (kind == FATHOM_MAP_METALLIC) m->metallic = 0;
-    if (kind == FATHOM_MAP_ROUGHNESS) m->roughness = 1;
-    if (kind == FATHOM_MAP_TRANSMISSION) m->transmission = 0;
-    if (kind == FATHOM_MAP_CLEARCOAT) m->clearcoat = 0;
-    if (kind == FATHOM_MAP_ANISOTROPY) m->anisotropy = 0;
-    if (kind == FATHOM_MAP_IRIDESCENCE) m->iridescence = 0;
-    if (kind == FATHOM_MAP_DIFFUSE_TRANSMISSION) m->diffuse_transmission = 0;
-}
-
 static void set_map(const fathom_map *map, int kind, int channel, bool inverted, draft *d) {
     if (!map) {
-        without_image(kind, d);
+        if (kind != FATHOM_MAP_COLOR || !d->unlit) read_without_image(kind, &d->m);
         return;
     }
     d->m.maps[kind] = *map;

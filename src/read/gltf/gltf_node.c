@@ -41,7 +41,7 @@ static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const
     fathom_instance_default(&instance);
     instance.group = group;
     instance.parent = g->group;
-    instance.name = json_string_value(json_object_get(node->json, "name"));
+    instance.name = gltf_name(node->json);
     memcpy(instance.transform, way->at[0].m, sizeof instance.transform);
     if (!is_finite(way)) {
         gltf_fail(g, node, NULL, "has transforms that place it beyond the range of numbers");

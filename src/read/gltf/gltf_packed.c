@@ -5,6 +5,7 @@
 #ifdef FATHOM_MESHOPT
 #include <meshoptimizer.h>
 #endif
+#include <stdio.h>
 #include <string.h>
 
 static const char *const names[] = {"KHR_meshopt_compression", "EXT_meshopt_compression"};
@@ -24,17 +25,6 @@ typedef struct packed {
     enum { NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL, COLOR } filter;
 } packed;
 
-static int read_word(gltf *g, const gltf_value *at, const char *key, const char *const *words, int count,
-                     const char *missing) {
-    const char *word = missing;
-    gltf_text(g, at, key, &word);
-    for (int i = 0; i < count; ++i) {
-        if (strcmp(word, words[i]) == 0) return i;
-    }
-    gltf_fail(g, at, key, "is \"%.40s\"; expected one that %s has", word, at->key);
-    return 0;
-}
-
 /* The valid combinations by the extension; the decoders rely on them. */
 static void check_stride(gltf *g, const gltf_value *at, const packed *p) {
     const uint64_t s = p->stride;
@@ -53,14 +43,15 @@ static void check_stride(gltf *g, const gltf_value *at, const packed *p) {
 }
 
 static packed read_packed(gltf *g, const gltf_value *at) {
-    static const char *const modes[] = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
-    static const char *const filters[] = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR"};
+    char expected[64];
+    snprintf(expected, sizeof expected, "one that %s has", at->key);
     packed out = {.count = 0};
     gltf_view_part(g, at, &out.from);
     gltf_integer(g, at, "byteStride", 1, 256, &out.stride);
     gltf_integer(g, at, "count", 1, UINT32_MAX, &out.count);
-    out.mode = (unsigned)read_word(g, at, "mode", modes, 3, "");
-    out.filter = (unsigned)read_word(g, at, "filter", filters, 5, filters[0]);
+    out.mode = (unsigned)gltf_word(g, at, "mode", "ATTRIBUTES|TRIANGLES|INDICES", expected, -1);
+    out.filter =
+        (unsigned)gltf_word(g, at, "filter", "NONE|OCTAHEDRAL|QUATERNION|EXPONENTIAL|COLOR", expected, NONE);
     check_stride(g, at, &out);
     return out;
 }

@@ -181,34 +181,33 @@ const mtl_field mtl_fields[MTL_KINDS] = {
 static const struct mtl_map {
     const char *keyword;
     int map, kind;
-    bool color;
     const char *text; /* why the image is not used */
 } mtl_maps[] = {
-    {"map_Kd", FATHOM_MAP_COLOR, MTL_KD, true, NULL},
-    {"map_Ks", FATHOM_MAP_SPECULAR_COLOR, MTL_KS, true, NULL},
-    {"map_Ke", FATHOM_MAP_EMISSIVE, MTL_KE, true, NULL},
-    {"map_Ns", FATHOM_MAP_SHININESS, -1, false, NULL},
-    {"map_d", FATHOM_MAP_OPACITY, -1, false, NULL},
-    {"map_Pr", FATHOM_MAP_ROUGHNESS, MTL_PR, false, NULL},
-    {"map_Pm", FATHOM_MAP_METALLIC, MTL_PM, false, NULL},
-    {"map_Pc", FATHOM_MAP_CLEARCOAT, MTL_PC, false, NULL},
-    {"map_Pcr", FATHOM_MAP_CLEARCOAT_ROUGHNESS, MTL_PCR, false, NULL},
-    {"map_Ps", FATHOM_MAP_SHEEN_COLOR, MTL_PS, false, NULL},
-    {"norm", FATHOM_MAP_NORMAL, -1, false, NULL},
-    {"map_Kn", FATHOM_MAP_NORMAL, -1, false, NULL},
-    {"map_bump", FATHOM_MAP_BUMP, -1, false, NULL},
-    {"bump", FATHOM_MAP_BUMP, -1, false, NULL},
-    {"map_Ka", -1, -1, false, "map_Ka is not read; ambient light is reflected as by Kd"},
-    {"disp", -1, -1, false, "disp is not read; the surface is not displaced"},
-    {"map_refl", -1, -1, false, "refl is not read; mirrors show the scene alone"},
-    {"refl", -1, -1, false, "refl is not read; mirrors show the scene alone"},
+    {"map_Kd", FATHOM_MAP_COLOR, MTL_KD, NULL},
+    {"map_Ks", FATHOM_MAP_SPECULAR_COLOR, MTL_KS, NULL},
+    {"map_Ke", FATHOM_MAP_EMISSIVE, MTL_KE, NULL},
+    {"map_Ns", FATHOM_MAP_SHININESS, -1, NULL},
+    {"map_d", FATHOM_MAP_OPACITY, -1, NULL},
+    {"map_Pr", FATHOM_MAP_ROUGHNESS, MTL_PR, NULL},
+    {"map_Pm", FATHOM_MAP_METALLIC, MTL_PM, NULL},
+    {"map_Pc", FATHOM_MAP_CLEARCOAT, MTL_PC, NULL},
+    {"map_Pcr", FATHOM_MAP_CLEARCOAT_ROUGHNESS, MTL_PCR, NULL},
+    {"map_Ps", FATHOM_MAP_SHEEN_COLOR, MTL_PS, NULL},
+    {"norm", FATHOM_MAP_NORMAL, -1, NULL},
+    {"map_Kn", FATHOM_MAP_NORMAL, -1, NULL},
+    {"map_bump", FATHOM_MAP_BUMP, -1, NULL},
+    {"bump", FATHOM_MAP_BUMP, -1, NULL},
+    {"map_Ka", -1, -1, "map_Ka is not read; ambient light is reflected as by Kd"},
+    {"disp", -1, -1, "disp is not read; the surface is not displaced"},
+    {"map_refl", -1, -1, "refl is not read; mirrors show the scene alone"},
+    {"refl", -1, -1, "refl is not read; mirrors show the scene alone"},
 };
 
 /* Blender's images of roughness and metalness, unless it writes map_Pr and map_Pm. */
 static const struct mtl_map blender_maps[] = {
-    {"map_Ns", FATHOM_MAP_ROUGHNESS, MTL_PR, false, NULL},
-    {"map_refl", FATHOM_MAP_METALLIC, MTL_PM, false, NULL},
-    {"refl", FATHOM_MAP_METALLIC, MTL_PM, false, NULL}, /* of the older exporter */
+    {"map_Ns", FATHOM_MAP_ROUGHNESS, MTL_PR, NULL},
+    {"map_refl", FATHOM_MAP_METALLIC, MTL_PM, NULL},
+    {"refl", FATHOM_MAP_METALLIC, MTL_PM, NULL}, /* of the older exporter */
 };
 
 /* The value, clamped to the field's range; `before` for NaN. */
@@ -354,8 +353,7 @@ static void set_one(mtl_reader *r, int kind, const char *at) {
 }
 
 static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at) {
-    mtl_image image = {.color = map->color,
-                       .bump = 1,
+    mtl_image image = {.bump = 1,
                        .map = {.texture = FATHOM_NONE, .channel = map->map == FATHOM_MAP_OPACITY ? 4 : 0}};
     const char *p = read_options(r, at + strlen(map->keyword), &image);
     size_t length = text_rest(&p, r->file.end);

@@ -157,19 +157,6 @@ fathom_material mtl_material_from(const mtl_entry *m) {
 
 /* ---- images ---- */
 
-/* The value of a material with an image that cannot be read. The file's value is mostly 1, which would make a
- * mirror, a lamp, a coat or a white wall, so 0, or half for colours, is used instead. */
-static void without_image(int kind, fathom_material *m) {
-    if (kind == FATHOM_MAP_METALLIC) m->metallic = 0;
-    if (kind == FATHOM_MAP_CLEARCOAT) m->clearcoat = 0;
-    for (int c = 0; c < 3; ++c) {
-        if (kind == FATHOM_MAP_COLOR) m->k_d[c] *= 0.5f, m->base_color[c] *= 0.5f;
-        if (kind == FATHOM_MAP_SPECULAR_COLOR) m->k_s[c] = m->k_r[c] = 0;
-        if (kind == FATHOM_MAP_EMISSIVE) m->k_e[c] = m->emissive[c] = 0;
-        if (kind == FATHOM_MAP_SHEEN_COLOR) m->sheen_color[c] = 0;
-    }
-}
-
 fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material, size_t *lost,
                               fathom_material *out) {
     fathom_status status = FATHOM_OK;
@@ -189,12 +176,12 @@ fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material,
                         : "%s: material \"%.80s\": there is no image \"%.200s\" that may be read; it is left "
                           "out",
                     material->library, material->name, image->file);
-            without_image(k, out);
+            read_without_image(k, out);
             continue;
         }
         if (status != FATHOM_OK) return status;
         t.file = path;
-        t.color_space = image->color ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
+        t.color_space = material_map_is_color(k) ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
         if (image->clamp) t.wrap_u = t.wrap_v = FATHOM_WRAP_CLAMP;
         out->maps[k] = image->map;
         status = fathom_scene_add_texture(scene, &t, &out->maps[k].texture);

@@ -37,7 +37,7 @@ void names_free(name_table *table);
 /* An image that a material names. */
 typedef struct mtl_image {
     char *file; /* its path, relative to the library; NULL: none */
-    bool color, clamp;
+    bool clamp;
     double bump;    /* -bm */
     fathom_map map; /* all but its texture */
 } mtl_image;
