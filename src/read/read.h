@@ -1,4 +1,12 @@
-/* The readers, one folder per format. Each reader adds the contents of a file to a scene. */
+/* The readers, one folder per format. Each reader adds the contents of a file to a scene.
+ *
+ * read.c      files by their extensions; completes scenes
+ * gltf/ json/ obj/ ply/
+ * mesh/       what formats share
+ *   text        lines and words of text files, faults at a line, notes for warnings
+ *   number      decimal numbers; scalar: binary ones
+ *   polygon     triangulates; normals: smooth ones; weld: joins corners; strokes: points and lines
+ *   lost        vertices without finite numbers; compact: unused vertices */
 #pragma once
 
 #include "scene/scene.h"

@@ -184,43 +184,26 @@ void gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *
         *out = (gltf_buffer){.bytes = bytes, .size = size};
 }
 
-/* "my%20mesh.bin" -> "my mesh.bin", in place. */
-static void decode_percent(char *text) {
-    char *to = text;
-    for (const char *from = text; *from; ++from) {
+/* "my%20mesh.bin" -> "my mesh.bin"; release it with free(). NULL: reading has failed. */
+static char *decoded(gltf *g, const char *uri) {
+    char *text = gltf_fine(g) ? strdup(uri) : NULL, *to = text;
+    if (!text) {
+        gltf_fail_memory(g, strlen(uri));
+        return NULL;
+    }
+    for (const char *from = uri; *from; ++from) {
         const char coded = percent_code(from);
         *to++ = coded ? coded : *from;
         if (coded) from += 2;
     }
     *to = '\0';
+    return text;
 }
 
 /* "http:", "file:"… */
 static bool has_scheme(const char *uri) {
     const char *colon = strchr(uri, ':'), *slash = strchr(uri, '/');
     return colon && (!slash || colon < slash);
-}
-
-/* The path of the file that a uri names; NULL: there is no such file, or reading has failed. */
-static char *path_of(gltf *g, const gltf_value *at, const char *uri,
-                     fathom_status (*find)(fathom_scene *, const char *, const char *, char **)) {
-    char *path = NULL, *name = strdup(uri);
-    if (!name) gltf_fail_memory(g, strlen(uri));
-    if (gltf_fine(g)) {
-        decode_percent(name);
-        gltf_within(g, at, "uri", find(g->scene, g->path, name, &path));
-    }
-    free(name);
-    return path;
-}
-
-static bool is_outside(gltf *g, const char *uri) {
-    char *name = strdup(uri);
-    if (!name) gltf_fail_memory(g, strlen(uri));
-    if (name) decode_percent(name);
-    const bool out = name && read_is_outside(g->scene, g->path, name);
-    free(name);
-    return out;
 }
 
 /* True if the image gets a note of its own: the first few do. */
@@ -238,11 +221,13 @@ char *gltf_image_path(gltf *g, const gltf_value *at, const char *uri) {
     const bool cut = length > SHOWN;
     const char *name = NULL;
     char place[128];
-    char *path = path_of(g, at, uri, read_image_beside);
+    char *path = NULL, *file = decoded(g, uri);
+    if (file) gltf_within(g, at, "uri", read_image_beside(g->scene, g->path, file, &path));
+    const bool outside = file && !path && read_is_outside(g->scene, g->path, file);
+    free(file);
     gltf_text(g, at, "name", &name);
     if (path || !gltf_fine(g)) return path;
-    const char *told =
-        is_outside(g, uri) ? READ_OUTSIDE : "there is no such file that may be read; it is left out";
+    const char *told = outside ? READ_OUTSIDE : "there is no such file that may be read; it is left out";
     snprintf(place, sizeof place, "images[%zu].uri: \"%s%s\"%s%.30s%s", at->index, cut ? "..." : "",
              uri + (cut ? length - SHOWN : 0), name ? " (named \"" : "", name ? name : "", name ? "\")" : "");
     if (names_lost_image(g, at->index))
@@ -255,7 +240,9 @@ char *gltf_image_path(gltf *g, const gltf_value *at, const char *uri) {
 static void load_file(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
     if (has_scheme(uri))
         gltf_fail(g, at, "uri", "is \"%.80s\"; expected a file next to this one or a data URI", uri);
-    char *path = path_of(g, at, uri, read_beside);
+    char *path = NULL, *file = decoded(g, uri);
+    if (file) gltf_within(g, at, "uri", read_beside(g->scene, g->path, file, &path));
+    free(file);
     if (!path) return;
     gltf_source *source = calloc(1, sizeof *source);
     if (source)

@@ -44,13 +44,13 @@ static void set_map(const fathom_map *map, int kind, int channel, bool inverted,
     d->m.maps[kind].inverted = inverted;
 }
 
-/* Some images have two parameters. */
 /* True for an index of -1, or null. */
 static bool names_no_texture(const json_t *info) {
     const json_t *index = json_object_get(info, "index");
     return json_is_null(index) || json_integer_value(index) == -1;
 }
 
+/* Some images have two parameters. */
 static void read_image(gltf *g, const gltf_value *at, const gltf_key *key, draft *d) {
     fathom_map map;
     const json_t *info = json_object_get(at->json, key->name);

@@ -96,30 +96,20 @@ static bool can_change(const fathom_mesh *mesh) {
            3 * (uint64_t)mesh->triangle_count <= 12 * (uint64_t)mesh->vertex_count;
 }
 
-/* *out: whether the mesh uses at most half of its vertices, or an unused vertex lies outside the bounds of
- * the used ones. Cameras that are placed by the bounds would show the mesh too small. False when out of
- * memory. */
-static bool find_unused(const fathom_mesh *mesh, const mesh_facts *facts, bool *out) {
-    const size_t corners = 3 * (size_t)mesh->triangle_count;
+/* True if the mesh uses at most half of its vertices, or an unused vertex lies outside the bounds of the used
+ * ones. Cameras that are placed by the bounds would show the mesh too small. */
+static bool is_wasteful(const fathom_mesh *mesh, const mesh_facts *facts, const selection *s) {
     float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    uint32_t count = 0;
-    *out = corners <= mesh->vertex_count / 2;
-    if (*out) return true;
-    unsigned char *used = calloc(mesh->vertex_count, 1);
-    if (!used) return false;
-    for (size_t i = 0; i < corners; ++i) used[mesh->indices[i]] = 1;
-    for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
-        const float *p = mesh_vertex(mesh, i);
-        count += used[i];
-        for (int k = 0; k < 3 && used[i]; ++k) {
+    bool beyond = false;
+    for (uint32_t row = 0; row < s->reach; ++row) {
+        const float *p = mesh_vertex(mesh, (size_t)s->first + row);
+        for (int k = 0; k < 3 && s->numbers[row] != UINT32_MAX; ++k) {
             low[k] = p[k] < low[k] ? p[k] : low[k];
             high[k] = p[k] > high[k] ? p[k] : high[k];
         }
     }
-    *out = count <= mesh->vertex_count / 2;
-    for (int k = 0; k < 3; ++k) *out |= low[k] > facts->lower[k] || high[k] < facts->upper[k];
-    free(used);
-    return true;
+    for (int k = 0; k < 3; ++k) beyond |= low[k] > facts->lower[k] || high[k] < facts->upper[k];
+    return beyond || s->used <= mesh->vertex_count / 2;
 }
 
 fathom_status mesh_compact(fathom_scene *scene, bool in_place, const mesh_facts *facts, fathom_mesh *mesh,
@@ -128,11 +118,10 @@ fathom_status mesh_compact(fathom_scene *scene, bool in_place, const mesh_facts 
     *copied = false;
     mesh_array_pack(mesh);
     if (!can_change(mesh)) return FATHOM_OK;
-    if (!find_unused(mesh, facts, copied)) return fail_memory(scene->context, mesh->vertex_count);
-    if (!*copied) return FATHOM_OK;
     if (!select_rows(mesh->indices, 3 * (size_t)mesh->triangle_count, &vertices))
         return fail_memory(scene->context, vertices.reach * sizeof *vertices.numbers);
-    const fathom_status status = compact_all(scene, in_place, &vertices, mesh);
+    *copied = is_wasteful(mesh, facts, &vertices);
+    const fathom_status status = *copied ? compact_all(scene, in_place, &vertices, mesh) : FATHOM_OK;
     free(vertices.numbers);
     return status;
 }
