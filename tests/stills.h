@@ -43,7 +43,7 @@ static inline void assert_mean_of_stills(stage_fn make, void *user, double open,
             const double mean = sums[k][c] / SEEDS, variance = fmax(squares[k][c] / SEEDS - mean * mean, 0);
             (k ? still : blurred)[c] = (sample_mean){mean, sqrt(variance / (SEEDS - 1)), SEEDS - 1};
         }
-        least = fmin(least, welch_p(blurred[c], still[c], 1e-4 * still[c].mean));
+        least = fmin(least, welch_p(blurred[c], still[c], 0, 1e-4 * still[c].mean));
     }
     if (sidak(least, 16) < 1e-5) fail_msg("p %g", sidak(least, 16));
 }

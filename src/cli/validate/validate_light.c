@@ -114,11 +114,8 @@ static fathom_status compare_scene(fathom_context *context, const validate_setti
                       .seed = settings->seed,
                       .threads = settings->common.threads ? settings->common.threads : processor_count(),
                       .allowance = ALLOWANCE};
-    /* The relative standard deviation of a sample is about 1 to 10. With few samples the error of a mean is
-     * itself too uncertain for the level: of correct renders with 250 samples in a cell, 14 of 36 failed, of
-     * those with 1000, 2 of 40, of those with 4000, none of 100. */
-    pair.samples =
-        (uint64_t)fmax(4 / (settings->light_error * settings->light_error), 4096.0 * pair.across * pair.down);
+    /* The relative standard deviation of a sample is about 1 to 10. */
+    pair.samples = (uint64_t)(4 / (settings->light_error * settings->light_error));
     status = fathom_scene_check(scene);
     if (status == FATHOM_OK) status = laws_pair_run(context, scene, &pair, &d);
     *fails = d.tests && d.p < LEVEL;

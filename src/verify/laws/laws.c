@@ -141,22 +141,28 @@ size_t laws_failed(const laws_rows *rows) {
 
 /* ---- two renders ---- */
 
-/* In dark cells the samples underestimate the error: rare bright paths may be missing, and all samples are
- * equal. One more sample as bright as the brightest mean would change a mean of n samples by 1/n of it. This
- * is the minimum error of any mean. */
-void laws_least_error(sample_mean *means, size_t count, double samples) {
+/* The variance of a mean divided by the mean: how much light each of its samples brings that brings any. Of
+ * all means it is the largest. */
+static double grain(const sample_mean *means, size_t count) {
     double most = 0;
-    for (size_t i = 0; i < count; ++i) most = fmax(most, fabs(means[i].mean));
-    for (size_t i = 0; i < count; ++i) means[i].error = fmax(means[i].error, most / samples);
+    for (size_t i = 0; i < count; ++i)
+        if (means[i].mean > 0) most = fmax(most, means[i].error * means[i].error / means[i].mean);
+    return most;
 }
 
+/* Rare bright paths carry much of the light of a room behind a window. A cell that met too few of them has a
+ * mean that is too low and an error that is too small, so Welch's test alone would raise false alarms. If the
+ * lower mean lacks a difference d for this reason, its variance lacks d times the grain; other cells show the
+ * grain that this one missed. */
 laws_difference laws_compare(const sample_mean *a, const sample_mean *b, size_t count, double allowance) {
     laws_difference d = {.tests = count, .p = 1};
+    const double of_a = grain(a, count), of_b = grain(b, count);
     double sum = 0, difference = 0, square = 0;
     for (size_t i = 0; i < count; ++i) {
-        const double p = welch_p(a[i], b[i], allowance * fmax(fabs(a[i].mean), fabs(b[i].mean)));
+        const double more = a[i].mean - b[i].mean, missed = more < 0 ? -more * of_a : more * of_b;
+        const double p = welch_p(a[i], b[i], missed, allowance * fmax(fabs(a[i].mean), fabs(b[i].mean)));
         if (p < d.p) d.p = p, d.worst = i;
-        sum += (a[i].mean + b[i].mean) / 2, difference += a[i].mean - b[i].mean;
+        sum += (a[i].mean + b[i].mean) / 2, difference += more;
     }
     /* The three channels of a cell are correlated, so their errors add linearly. */
     for (size_t i = 0; i + 2 < count; i += 3) {

@@ -23,8 +23,8 @@ double sidak_level(double level, double n);
 /* Probability of a difference from `value` at least as large as this one. Differences up to `allowance` may
  * come from rounding and are ignored. */
 double mean_p(sample_mean a, double value, double allowance);
-/* Compares two means with unequal errors (Welch 1947). */
-double welch_p(sample_mean a, sample_mean b, double allowance);
+/* Compares two means with unequal errors (Welch 1947). missed: variance that the two errors lack. */
+double welch_p(sample_mean a, sample_mean b, double missed, double allowance);
 
 /* ---- laws ---- */
 
@@ -99,10 +99,7 @@ typedef struct laws_difference {
     double relative_error;
 } laws_difference;
 
-/* Raises the standard errors of means, each of `samples` samples, to at least the change that one more sample
- * can cause. */
-void laws_least_error(sample_mean *means, size_t count, double samples);
-/* a, b: count means each; three channels per cell. */
+/* a, b: count means each, of samples that are not negative; three channels per cell. */
 laws_difference laws_compare(const sample_mean *a, const sample_mean *b, size_t count, double allowance);
 
 typedef struct laws_pair {

@@ -140,10 +140,7 @@ fathom_status laws_pair_run(fathom_context *context, const fathom_scene *scene, 
         const cells k = {o->across, o->across * o->down, sums, sums + count};
         status = path_cells(context, scene, settings, CELL, &k, means + count);
     }
-    if (status == FATHOM_OK) {
-        laws_least_error(means, 2 * (size_t)count, (double)o->samples / (o->across * o->down));
-        *out = laws_compare(means + count, means, count, o->allowance);
-    }
+    if (status == FATHOM_OK) *out = laws_compare(means + count, means, count, o->allowance);
     free(sums);
     free(means);
     return status;

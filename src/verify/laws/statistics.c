@@ -56,8 +56,8 @@ double mean_p(sample_mean a, double value, double allowance) {
     return difference_p(a.mean - value, a.error, a.freedom, allowance);
 }
 
-double welch_p(sample_mean a, sample_mean b, double allowance) {
-    const double x = a.error * a.error, y = b.error * b.error;
-    const double freedom = (x + y) * (x + y) / (x * x / a.freedom + y * y / b.freedom);
-    return difference_p(a.mean - b.mean, sqrt(x + y), freedom, allowance);
+double welch_p(sample_mean a, sample_mean b, double missed, double allowance) {
+    const double x = a.error * a.error, y = b.error * b.error, sum = x + y + missed;
+    const double freedom = sum * sum / (x * x / a.freedom + y * y / b.freedom);
+    return difference_p(a.mean - b.mean, sqrt(sum), freedom, allowance);
 }
