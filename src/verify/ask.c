@@ -12,7 +12,7 @@
 void ask_batch_free(ask_batch *batch) {
     free(batch->rays), free(batch->closest), free(batch->fine), free(batch->any), free(batch->call_of);
     array_free(&batch->calls);
-    memset(batch, 0, sizeof *batch);
+    *batch = (ask_batch){.stopped = batch->stopped};
 }
 
 bool ask_batch_clear(ask_batch *batch, size_t blocks) {
@@ -86,6 +86,8 @@ bool ask_same(const ask_answer *a, const ask_answer *b, bool any) {
            same_bits(a->v, b->v) && memcmp(&a->normal, &b->normal, sizeof a->normal) == 0;
 }
 
+static bool is_stopped(const ask_batch *batch) { return batch->stopped && batch->stopped(); }
+
 /* ---- the first way ---- */
 
 static void load_call(const ask_batch *batch, const ask_call *call) {
@@ -106,7 +108,7 @@ static void ask_calls(void *user, size_t begin, size_t end) {
     first_way *w = user;
     ask_batch *batch = w->batch;
     double spent = 0;
-    for (size_t i = begin; i < end; ++i) {
+    for (size_t i = begin; i < end && !is_stopped(batch); ++i) {
         const ask_call *call = &batch->calls.items[i];
         load_call(batch, call);
         unsigned state = trace_thread_begin();
@@ -209,7 +211,7 @@ static void ask_block_ways(void *user, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
         size_t block = i % o->batch->blocks;
         unsigned lanes = ask_lanes(o->batch, block);
-        for (unsigned w = 0; w < o->ways; ++w) {
+        for (unsigned w = 0; w < o->ways && !is_stopped(o->batch); ++w) {
             for (unsigned at = 0; at < lanes; at += ways[w].lanes)
                 ask_part(o, block, w, at, at + ways[w].lanes < lanes ? at + ways[w].lanes : lanes);
         }

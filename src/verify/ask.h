@@ -30,6 +30,7 @@ typedef struct ask_batch {
     trace_rays *any;
     uint32_t *call_of; /* by block */
     size_t blocks, room;
+    bool (*stopped)(void); /* asked by all threads: true leaves out the remaining calls; NULL: never */
 } ask_batch;
 
 /* Removes all blocks and allocates room for `blocks` new ones. False when out of memory. */

@@ -210,7 +210,7 @@ static bool add_repaired(comparison *c) {
     return true;
 }
 
-static fathom_status judge_batch(fathom_context *context, comparison *c, compare_result *out,
+static fathom_status judge_batch(fathom_context *context, comparison *c, uint64_t done, compare_result *out,
                                  size_t family_begin) {
     const compare_options *o = c->options;
     const trace_tracer *tracer = c->subject->tracer;
@@ -222,6 +222,7 @@ static fathom_status judge_batch(fathom_context *context, comparison *c, compare
     c->others.count = 0;
     if (!ask_others_find(tracer, &c->batch, o->threads, o->once, &c->others) || !add_repaired(c))
         return fail_memory(context, sizeof(ask_other));
+    if (o->stopped && o->stopped()) return compare_tell(context, o, done); /* answers may be missing */
     loop_workers(o->threads, c->batch.blocks, 2, judge_blocks, c);
     loop_workers(o->threads, c->others.count, 1, judge_others, c);
     for (size_t i = 0; i < c->batch.calls.count; ++i)
@@ -266,7 +267,7 @@ static fathom_status run_family(fathom_context *context, comparison *c, uint64_t
         uint64_t left = o->rays - c->first, count = left < batch ? left : batch;
         double start = clock_seconds();
         if (!fill_batch(c, (size_t)count)) return fail_memory(context, (size_t)count * sizeof(oracle_ray));
-        status = judge_batch(context, c, out, family_begin);
+        status = judge_batch(context, c, *done, out, family_begin);
         batch = next_batch(batch, clock_seconds() - start);
         c->first += count, *done += count;
         if (status == FATHOM_OK) status = compare_tell(context, o, *done);
@@ -299,7 +300,7 @@ static fathom_status run_recorded(fathom_context *context, comparison *c, uint64
     for (size_t call = 0, first; call < r->calls.count && status == FATHOM_OK;) {
         if (!fill_recorded(c, r, &call, &first)) return fail_memory(context, sizeof(oracle_ray));
         c->first = first * LANES, c->given = &r->answers.items[first * LANES];
-        status = judge_batch(context, c, out, family_begin);
+        status = judge_batch(context, c, done, out, family_begin);
         if (status == FATHOM_OK) status = compare_tell(context, c->options, done);
     }
     c->given = NULL;
@@ -322,7 +323,7 @@ static void free_comparison(comparison *c) {
 
 fathom_status compare_run(fathom_context *context, const compare_subject *subject,
                           const compare_options *options, compare_result *out) {
-    comparison c = {.subject = subject, .options = options};
+    comparison c = {.subject = subject, .options = options, .batch.stopped = options->stopped};
     c.workers = calloc(options->threads, sizeof *c.workers);
     fathom_status status = c.workers ? FATHOM_OK : fail_memory(context, options->threads * sizeof *c.workers);
     uint64_t done = 0;

@@ -46,6 +46,9 @@ typedef struct compare_options {
     /* Called from the calling thread, with the number of rays done. False stops the run. May be NULL. */
     bool (*progress)(void *user, uint64_t rays);
     void *user;
+    /* Called from all threads, often. True: answers are no longer needed, as progress will return false. May
+     * be NULL. */
+    bool (*stopped)(void);
 } compare_options;
 
 typedef struct compare_result {

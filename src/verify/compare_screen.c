@@ -62,7 +62,9 @@ static void screen_call(const comparison *c, compare_worker *w, uint64_t first, 
 static void screen_calls(void *user, size_t begin, size_t end, unsigned index) {
     const comparison *c = user;
     const compare_worker *w = &c->workers[index];
-    for (size_t at = begin; at < end && !w->failed && w->family.other_counts[VERDICT_WRONG] < SCREEN_ENOUGH;
+    bool (*const stopped)(void) = c->options->stopped;
+    for (size_t at = begin; at < end && !w->failed && w->family.other_counts[VERDICT_WRONG] < SCREEN_ENOUGH &&
+                            !(stopped && stopped());
          at += COMPARE_CALL)
         screen_call(c, &c->workers[index], c->first + at, end - at < COMPARE_CALL ? end - at : COMPARE_CALL);
 }

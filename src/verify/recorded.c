@@ -135,14 +135,14 @@ static void recorder_begin(const trace_tracer *real, recorded *to, recorder *out
 /* ---- the render ---- */
 
 static fathom_status render(fathom_context *context, const world *w, const trace_tracer *tracer,
-                            const fathom_settings *settings) {
+                            const fathom_settings *settings, fathom_progress_fn progress) {
     fathom_film *film;
     render_plan *plan = NULL;
     fathom_status status = film_create(context, w->scene, settings, &film);
     if (status != FATHOM_OK) return status;
     status = plan_create(context, w, tracer, settings, NULL, NULL, &plan);
     job_result result = {.samples = 0};
-    const job_options options = {.deadline = 0};
+    const job_options options = {.progress = progress};
     if (status == FATHOM_OK) status = job_run(context, plan, &options, film, &result);
     plan_destroy(plan);
     fathom_film_destroy(film);
@@ -150,7 +150,7 @@ static fathom_status render(fathom_context *context, const world *w, const trace
 }
 
 fathom_status recorded_render(fathom_context *context, const world *w, const trace_tracer *tracer,
-                              uint32_t width, recorded *out) {
+                              uint32_t width, fathom_progress_fn progress, recorded *out) {
     memset(out, 0, sizeof *out);
     recorder recording;
     recorder_begin(tracer, out, &recording);
@@ -160,7 +160,7 @@ fathom_status recorded_render(fathom_context *context, const world *w, const tra
     settings.width = width, settings.height = width * 3 / 4, settings.spp = 1;
     unsigned threads = fathom_context_threads(context);
     fathom_context_set_threads(context, 1);
-    fathom_status status = render(context, w, &recording.base, &settings);
+    fathom_status status = render(context, w, &recording.base, &settings, progress);
     fathom_context_set_threads(context, threads);
     if (status == FATHOM_OK && out->failed) status = fail_memory(context, sizeof *out->rays.items);
     return status;

@@ -21,7 +21,7 @@ typedef struct recorded {
 
 /* Renders the scene with the tracer on one thread, one sample per pixel, `width` pixels wide. The scene needs
  * a camera; without lights there are no shadow rays. Release `out` with recorded_free(), also after a
- * failure. */
+ * failure. FATHOM_INTERRUPTED: progress, which gets no user, returned false. */
 fathom_status recorded_render(fathom_context *context, const world *w, const trace_tracer *tracer,
-                              uint32_t width, recorded *out);
+                              uint32_t width, fathom_progress_fn progress, recorded *out);
 void recorded_free(recorded *r);

@@ -105,6 +105,15 @@ said out.txt 'spheres '
 [ "$(number part.json raysPerFamily)" = 1000000000 ] || die 'rays asked for'
 grep -q 'rays/s' err.txt || grep -q 'stopped after' err.txt || die 'nothing about the stop'
 
+# A tracer that needs minutes for a batch of rays does not finish it.
+"$FATHOM" generate sphere --triangles 300k -o slow.glb >/dev/null
+"$FATHOM" validate slow.glb --families edge --tracer "$BUILD/tests/plugin/correct.so" >out.txt 2>err.txt &
+child=$!
+sleep 1
+kill -TERM $child
+end 5
+said out.txt 'correct.so: 0 wrong in 0 rays judged'
+
 refused 2 '--families: expected names of families' validate --families edges
 refused 2 '--rays: expected a whole number from 1' validate --rays 0
 refused 2 'unexpected argument "b.json"' validate a.json b.json

@@ -85,7 +85,7 @@ static fathom_status compare_all(fathom_context *context, work *k, const judged_
     const bool renders = !*stage->words && settings->families >> RAYS_RENDERED & 1;
     if (renders)
         status = recorded_render(context, stage->world, subject->tracer,
-                                 slow ? RENDER_WIDTH_SLOW : RENDER_WIDTH, &rendered);
+                                 slow ? RENDER_WIDTH_SLOW : RENDER_WIDTH, interrupt_go_on, &rendered);
     if (status == FATHOM_OK && settings->power != 0 && !slow)
         status = second_tracer(context, stage, &run->kind, &second);
     compare_options options = {.families = settings->families,
@@ -98,7 +98,8 @@ static fathom_status compare_all(fathom_context *context, work *k, const judged_
                                .second = second,
                                .screened = screened_of(k),
                                .progress = on_progress,
-                               .user = k};
+                               .user = k,
+                               .stopped = interrupt_asked};
     double start = clock_seconds();
     if (status == FATHOM_OK) status = compare_run(context, subject, &options, &run->result);
     run->seconds = clock_seconds() - start;
