@@ -180,7 +180,8 @@ UNIT_TEST(what_cannot_blur_stands_and_is_named) {
     build b = {.size = 0};
     const int times = PUT_FLOATS(&b, "SCALAR", 2, 0.5f, 1),
               slide = PUT_FLOATS(&b, "VEC3", 2, 1, 0, 0, 8, 0, 0),
-              flat = PUT_FLOATS(&b, "VEC3", 2, 1, 1, 1, 0, 1, 1);
+              flat = PUT_FLOATS(&b, "VEC3", 2, 1, 1, 1, 0, 1, 1),
+              flips = PUT_FLOATS(&b, "VEC3", 2, 1, 1, 1, 1, -1, -0.5f);
     const struct {
         const char *path, *way, *more, *said;
         int output;
@@ -189,15 +190,17 @@ UNIT_TEST(what_cannot_blur_stands_and_is_named) {
                   slide},
                  {"scale", "LINEAR", "",
                   "nodes[0] (\"it\"): a node is flat or turned inside out while the shutter is open", flat},
+                 {"scale", "LINEAR", "",
+                  "nodes[0] (\"it\"): a node is flat or turned inside out while the shutter is open", flips},
                  {"translation", "LINEAR", ",'extensions':{'KHR_lights_punctual':{'light':0}}",
                   "nodes[0] (\"it\"): a light moves while the shutter is open, and is not blurred", slide}};
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 4; ++i) {
         build own = b;
         write_channel(f, &own, cases[i].path, cases[i].way, cases[i].more, times, cases[i].output);
         fathom_scene *scene = read_blurred(f, 0.5, 0.5);
         assert_int_equal(f->warnings, 1);
         if (!strstr(f->warning, cases[i].said)) fail_msg("%s", f->warning);
-        assert_int_equal(scene->instances.items[0].key_count > 0, i == 2);
+        assert_int_equal(scene->instances.items[0].key_count > 0, i == 3);
     }
 }
 

@@ -5,6 +5,8 @@
 #include "read/gltf/gltf_pose.h"
 #include "read/gltf/gltf_tree.h"
 
+#include "scene/motion/motion.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -201,11 +203,19 @@ bool gltf_way_flattens(const gltf_way *way) {
     return isfinite(length) && !affine_invert(a, &inverse) && area > 1e-12 * length * length;
 }
 
+/* The cosine of half a quarter turn. Two axes that pass through zero look like half a turn from one pose to
+ * the next. Real turns between poses are far smaller: a chord errs by at most 2^-8 of the way, so an arc is
+ * below 15 degrees, or 64 of them are more than the tracers take. */
+#define QUARTER_COSINE 0.70710678
+
 bool gltf_way_can_blur(const gltf_way *way) {
     affine_f64 inverse;
-    for (size_t k = 1; k < way->count; ++k) {
-        if (!affine_invert(&way->at[k], &inverse) ||
-            (affine_determinant(&way->at[k]) > 0) != (affine_determinant(&way->at[0]) > 0))
+    motion_parts before, here;
+    for (size_t k = 0; k < way->count; ++k, before = here) {
+        if (!affine_invert(&way->at[k], &inverse)) return false;
+        here = motion_take_apart(&way->at[k]);
+        if (k && (motion_turn_cosine(&before, &here) < QUARTER_COSINE ||
+                  (here.scale[2] > 0) != (before.scale[2] > 0)))
             return false;
     }
     return true;

@@ -87,5 +87,5 @@ bool gltf_way_moves(const gltf_way *way);
 bool gltf_way_mirrors(const gltf_way *way);
 /* True if the first transform leaves a plane, and no volume. */
 bool gltf_way_flattens(const gltf_way *way);
-/* True if no transform after the first is singular, and all have the same handedness. */
+/* True if no transform is singular, and no axis passes through zero from one to the next. */
 bool gltf_way_can_blur(const gltf_way *way);
