@@ -9,7 +9,9 @@ printf '{ "image": { "width": 64, "height": 48, "spp": 16 }, "background": [1, 1
     { "type": "sphere", "center": [-1, -1, 0], "radius": 0.01, "material": "lamp" } ] }' >scene.json
 
 run 0 render scene.json -o plain.exr
-run 0 render scene.json -o out.exr -o out.png --fireflies reweight
+run 0 render scene.json -o out.exr -o out.png --fireflies reweight --stats out.json
+said out.txt 'out.exr, out.png, out.reweighted.exr, out.reweighted.png: 64x48'
+said out.json '"out.reweighted.png"'
 same plain.exr out.exr
 run 1 compare out.exr out.reweighted.exr
 grep -qa 'reweighted after Zirr' out.reweighted.exr || die 'the header does not say what was done'
@@ -18,6 +20,7 @@ grep -qa 'kept; a second image' out.exr || die 'the header of the first image sa
 
 for k in 1 2; do run 0 render scene.json -o $k.part --part $k/2 --fireflies reweight; done
 run 0 merge 1.part 2.part -o merged.exr
+said out.txt 'merged.exr, merged.reweighted.exr: 64x48'
 same merged.exr out.exr
 same merged.reweighted.exr out.reweighted.exr
 

@@ -103,6 +103,23 @@ void images_rescue(fathom_context *context, const fathom_film *film, const char 
 
 /* ---- writing ---- */
 
+const char *images_shown(const render_options *options, size_t i, char room[PATH_MAX]) {
+    const args_list *outputs = &options->outputs;
+    if (i < outputs->count) return standard_output_shown(outputs, i);
+    const bool second = options->settings.fireflies == FATHOM_FIREFLIES_REWEIGHT && i < 2 * outputs->count &&
+                        marked_name(NULL, outputs->items[i - outputs->count], REWEIGHTED, room) == FATHOM_OK;
+    return second ? room : NULL;
+}
+
+void images_print(const render_options *options) {
+    char room[PATH_MAX];
+    const char *name;
+    for (size_t i = 0; (name = images_shown(options, i, room)); ++i) {
+        if (i) fputs(", ", stdout);
+        print_name(stdout, name);
+    }
+}
+
 bool images_need_helper(const render_options *options) {
     for (size_t i = 0; i < options->outputs.count; ++i) {
         if (fathom_write_needs_helper(options->outputs.items[i], &options->write)) return true;
@@ -165,12 +182,13 @@ static fathom_status write_first(fathom_context *context, const fathom_film *fil
     return result;
 }
 
-fathom_status images_write(fathom_context *context, const fathom_film *film, const render_options *options) {
+fathom_status images_write(fathom_context *context, const fathom_film *film, render_options *options) {
     fathom_film *second = NULL;
     const fathom_status made =
         say_status(&command_render, context, make_second(context, film, &options->outputs, &second));
     fathom_status status = made == FATHOM_BAD_USAGE ? made : write_first(context, film, options);
     if (status == FATHOM_OK) status = made;
+    if (second) options->settings.fireflies = FATHOM_FIREFLIES_REWEIGHT;
     if (status == FATHOM_OK && second)
         status = say_status(&command_render, context, write_second(context, second, options));
     fathom_film_destroy(second);

@@ -39,8 +39,13 @@ typedef struct image_files {
 fathom_status images_files(fathom_context *context, const render_options *options, image_files *out);
 
 /* Writes all images, even after a failure, and reports failures. Also writes "out.reweighted.exr" if the film
- * was rendered for it. */
-fathom_status images_write(fathom_context *context, const fathom_film *film, const render_options *options);
+ * was rendered for it, and then sets the setting: `fathom merge` learns it from the film. */
+fathom_status images_write(fathom_context *context, const fathom_film *film, render_options *options);
+/* Image number i as messages show it, with those of --fireflies reweight after the others; NULL: there is
+ * none. */
+const char *images_shown(const render_options *options, size_t i, char room[PATH_MAX]);
+/* Prints "out.exr, out.png". */
+void images_print(const render_options *options);
 
 /* Calls fathom_film_rescue() for a `path` that must not be, or could not be, written. Prints where the pixels
  * are, or that there was no place for them. which: names the pixels in the message. */

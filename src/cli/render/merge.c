@@ -23,10 +23,7 @@ static void tell(const render_options *o, const fathom_film *film, const fathom_
     uint32_t width, height;
     if (o->quiet) return;
     fathom_film_size(film, &width, &height);
-    for (size_t i = 0; i < o->outputs.count; ++i) {
-        if (i) fputs(", ", stdout);
-        print_name(stdout, standard_output_shown(&o->outputs, i));
-    }
+    images_print(o);
     printf(": %ux%u, %.1f spp, of %zu parts", width, height,
            (double)stats->samples / ((double)width * height), o->parts.count);
     brightness_print(o);

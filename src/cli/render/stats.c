@@ -3,9 +3,9 @@
 #include "cli/command.h"
 #include "cli/json_text.h"
 #include "cli/machine.h"
-#include "cli/outputs.h"
 #include "cli/provenance.h"
 #include "cli/render/brightness.h"
+#include "cli/render/images.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -90,10 +90,12 @@ static json_t *pack_part(const fathom_part *part) {
     return json_of(JSON("index", part->index), JSON("count", part->count));
 }
 
-static json_t *pack_outputs(const args_list *outputs) {
+static json_t *pack_outputs(const render_options *options) {
+    char room[PATH_MAX];
+    const char *name;
     json_t *array = json_array();
-    for (size_t i = 0; i < outputs->count; ++i)
-        json_array_append_new(array, json_text(standard_output_shown(outputs, i)));
+    for (size_t i = 0; (name = images_shown(options, i, room)); ++i)
+        json_array_append_new(array, json_text(name));
     return array;
 }
 
@@ -105,7 +107,7 @@ static json_t *pack(const render_report *r, const render_options *options) {
         JSON("fathom", fathom_version()), JSON("commit", machine_commit()),
         JSON("command", provenance_arguments()), JSON("scene", r->scene),
         JSON("sceneFingerprint", fingerprint), JSON("image", pack_image(r, options)),
-        JSON("outputs", pack_outputs(&options->outputs)), JSON("exposure", options->write.exposure),
+        JSON("outputs", pack_outputs(options)), JSON("exposure", options->write.exposure),
         JSON("interrupted", r->interrupted), JSON("checkpoint", pack_checkpoint(s, saved_to(options))),
         JSON("part", pack_part(&options->part)), JSON("triangles", s->triangles),
         JSON("placedTriangles", s->placed_triangles), JSON("primitives", s->primitives),
@@ -200,10 +202,7 @@ static void print_sampling(const render_report *r, const render_options *options
 void stats_print(const render_report *report, const render_options *options) {
     if (options->quiet) return;
     if (options->verbose) print_details(report, options);
-    for (size_t i = 0; i < options->outputs.count; ++i) {
-        if (i) fputs(", ", stdout);
-        print_name(stdout, standard_output_shown(&options->outputs, i));
-    }
+    images_print(options);
     if (options->part.path) {
         print_name(stdout, options->part.path);
         printf(": part %u of %u", options->part.index, options->part.count);

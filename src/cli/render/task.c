@@ -149,12 +149,12 @@ static fathom_status write_all(task *s) {
 
 static void tell_interrupted(const render_options *options) {
     char text[8192];
+    char name_room[PATH_MAX];
+    const char *name;
     const int room = sizeof text;
     int used = snprintf(text, sizeof text, "interrupted; the unfinished image is written to ");
-    for (size_t i = 0; i < options->outputs.count && used >= 0 && used < room; ++i) {
-        used += snprintf(text + used, (size_t)(room - used), "%s%s", i ? ", " : "",
-                         standard_output_shown(&options->outputs, i));
-    }
+    for (size_t i = 0; used >= 0 && used < room && (name = images_shown(options, i, name_room)); ++i)
+        used += snprintf(text + used, (size_t)(room - used), "%s%s", i ? ", " : "", name);
     if (options->checkpoint && used >= 0 && used < room)
         snprintf(text + used, (size_t)(room - used), "; --resume continues");
     log_line(LOG_ERROR, text);
