@@ -74,6 +74,29 @@ stop_early --exposure 1
 resume 0 --exposure 2
 not_kept f1
 
+# So it is with another config of colours under the same name.
+view() { # the factor of the view
+    cat >view.ocio <<CONFIG
+ocio_profile_version: 2
+roles: {default: Plain, scene_linear: Plain, aces_interchange: Plain}
+displays: {Screen: [!<View> {name: View, colorspace: View}]}
+colorspaces:
+  - !<ColorSpace> {name: Plain}
+  - !<ColorSpace>
+    name: View
+    to_scene_reference: !<MatrixTransform> {matrix: [$1, 0, 0, 0, 0, $1, 0, 0, 0, 0, $1, 0, 0, 0, 0, 1]}
+CONFIG
+}
+view 2
+stop_early --ocio view.ocio
+resume 0 --ocio view.ocio
+kept f0 && kept f1
+view 4
+stop_early --ocio view.ocio
+view 2
+resume 0 --ocio view.ocio
+not_kept f0 && not_kept f1
+
 # What renders other pixels is refused, as with checkpoints, and nothing is lost.
 stop_early
 refused 3 'c0: the checkpoint was saved with --spp 4, and this render has 9' \

@@ -47,7 +47,9 @@ static fathom_status hash_images(fathom_context *context, const fathom_write_opt
     hash h;
     if (fathom_context_create(&own) != FATHOM_OK) return fail_memory(context, 1);
     hash_begin(&h);
-    put_text(&h, write->ocio ? write->ocio : getenv("OCIO"));
+    const char *ocio = write->ocio ? write->ocio : getenv("OCIO");
+    put_text(&h, ocio);
+    if (ocio) put_file(&h, own, ocio);
     put_text(&h, write->display);
     put_text(&h, write->view);
     hash_put(&h, &write->float_color, sizeof write->float_color);
