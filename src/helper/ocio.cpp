@@ -95,16 +95,17 @@ static OCIO::ConstConfigRcPtr load_config(const char *path) {
 }
 
 /* The entry of a list with the name `wanted`, ignoring case. If there is none, throws a failure that lists
- * the entries. */
+ * the entries, after the `others` that are names without a config. */
 template <class Name>
-static std::string choose(const char *wanted, const std::string &what, int count, Name name) {
+static std::string choose(const char *wanted, const std::string &what, int count, Name name,
+                          const std::string &others = "") {
     std::string list;
     for (int i = 0; i < count; ++i) {
         if (strcasecmp(name(i), wanted) == 0) return name(i);
         list += std::string(i ? ", " : "") + "\"" + name(i) + "\"";
     }
-    throw failure(FATHOM_BAD_USAGE,
-                  "no " + what + " \"" + wanted + "\"; expected one of: " + (count ? list : "(none)"));
+    throw failure(FATHOM_BAD_USAGE, "no " + what + " \"" + wanted + "\"; expected " + others +
+                                        "one of: " + (count ? list : "(none)"));
 }
 
 static std::string choose_display(const OCIO::ConstConfigRcPtr &config, const char *wanted) {
@@ -269,8 +270,9 @@ static std::unique_ptr<image_space> open_space(const char *config_path, const ch
     OCIO::ConstConfigRcPtr config = load_config(config_path);
     std::string space = config->getColorSpace(name) ? name : "";
     if (space.empty()) {
-        space = choose(name, "color space", config->getNumColorSpaces(),
-                       [&](int i) { return config->getColorSpaceNameByIndex(i); });
+        space = choose(
+            name, "color space", config->getNumColorSpaces(),
+            [&](int i) { return config->getColorSpaceNameByIndex(i); }, "srgb, linear or ");
     }
     auto out = std::make_unique<ocio_space>();
     out->processor = config->getProcessor(way_from(config, space.c_str()), OCIO::TRANSFORM_DIR_FORWARD)

@@ -17,9 +17,9 @@ run 0 compare a.png level.tif
 
 refused 3 'scene.json: cannot be read as a texture' texture scene.json -o b.tx
 refused 3 'absent.png: ' texture absent.png -o b.tx
-refused 2 'no color space "mauve"; expected one of: "Linear Rec.709"' texture a.png -o b.tx --color mauve
+refused 2 'no color space "mauve"; expected srgb, linear or one of: "Linear Rec.709"' texture a.png -o b.tx --color mauve
 printf '{"materials": {"m": {"kdTexture": {"file": "a.png",\n"colorSpace": "mauve"}}}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}]}' >mauve.json
-refused 3 'mauve.json:2: materials.m.kdTexture.colorSpace: no color space "mauve"; expected one of: "Linear Rec.709"' \
+refused 3 'mauve.json:2: materials.m.kdTexture.colorSpace: no color space "mauve"; expected srgb, linear or one of: "Linear Rec.709"' \
     render mauve.json -o b.png
 # --ocio is the config of textures as well, and a message about a config names it.
 cat >user.ocio <<'EOF'
@@ -36,7 +36,7 @@ sed 's/mauve/Halved/' mauve.json >halved.json
 run 0 render halved.json -o b.exr --ocio user.ocio --size 8x8 --spp 4
 OCIO=user.ocio run 0 render halved.json -o c.exr --size 8x8 --spp 4
 run 0 compare b.exr c.exr
-OCIO=none.ocio refused 3 'user.ocio: no color space "mauve"; expected one of: "Plain", "Halved"' \
+OCIO=none.ocio refused 3 'user.ocio: no color space "mauve"; expected srgb, linear or one of: "Plain", "Halved"' \
     render mauve.json -o b.png --ocio user.ocio
 OCIO=none.ocio refused 3 'none.ocio: cannot be read: No such file or directory' \
     texture a.png -o b.tif --color Halved

@@ -712,7 +712,7 @@ UNIT_TEST(files_that_are_no_textures_are_named) {
     put_format("a.ppm");
     t = texture_of("a.ppm", FATHOM_COLOR_NAMED), t.color_space_name = "Mauve";
     check_opening_fails(&t, FATHOM_BAD_USAGE,
-                        "no color space \"Mauve\"; expected one of: \"Linear Rec.709\"");
+                        "no color space \"Mauve\"; expected srgb, linear or one of: \"Linear Rec.709\"");
     put_image("two.exr", 1, 1, (const float[]){0, 0}, 2, false);
     t = texture_of("two.exr", FATHOM_COLOR_LINEAR);
     check_opening_fails(&t, FATHOM_BAD_INPUT, "or one, three or four, or grey and A; found R, G");
