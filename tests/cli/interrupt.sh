@@ -33,6 +33,7 @@ for signal in INT TERM HUP XCPU; do
     esac
     said err.txt 'interrupted; the unfinished image is written to i.partial.exr'
     said out.txt 'interrupted at '
+    not_said out.txt '65536 spp'
     said i.json '"interrupted": true'
     cmp finished.exr i.exr || die 'the finished image is gone'
     same i.partial.exr i.partial.exr

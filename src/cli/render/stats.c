@@ -190,7 +190,7 @@ static void print_why_it_ended(const render_report *r, const fathom_settings *s)
 static void print_sampling(const render_report *r, const render_options *options) {
     double error = r->stats.error_estimate;
     if (!(error > 0)) {
-        printf("%u spp", options->settings.spp);
+        printf("%.5g spp", r->interrupted ? mean_spp(r) : options->settings.spp);
     } else if (isfinite(error)) {
         printf("%.1f spp, error %.2g", mean_spp(r), error);
         print_why_it_ended(r, &options->settings);
