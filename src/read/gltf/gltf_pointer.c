@@ -109,10 +109,10 @@ static bool fits(gltf *g, const gltf_value *samplers, uint32_t sampler, unsigned
 
 void gltf_pointer_pose(gltf *g, const gltf_value *target, const char *pointer, const gltf_value *samplers,
                        uint32_t sampler) {
-    const double open = g->moments.items[0].time;
+    const double open = g->moments.items[0].time, shutter = gltf_shutter(g);
     char kind[LONGEST];
     const char *key;
-    double value[4], after[4];
+    double before[4], value[4], after[4];
     generalize(pointer, kind);
     const int count = count_of(kind);
     json_t *holder = count < 0 ? NULL : find_holder(g, pointer, &key);
@@ -126,12 +126,14 @@ void gltf_pointer_pose(gltf *g, const gltf_value *target, const char *pointer, c
                   numbers, numbers > 1 ? "s" : "");
         return;
     }
-    if (!gltf_sampler_value(g, samplers, sampler, numbers, open, value) ||
-        !gltf_sampler_value(g, samplers, sampler, numbers, open + gltf_shutter(g), after))
+    if (!gltf_sampler_value(g, samplers, sampler, numbers, open, before) ||
+        !gltf_sampler_value(g, samplers, sampler, numbers, open + shutter / 2, value) ||
+        !gltf_sampler_value(g, samplers, sampler, numbers, open + shutter, after))
         return;
-    if (memcmp(value, after, numbers * sizeof *value) != 0)
+    if (memcmp(before, after, numbers * sizeof *value) != 0)
         gltf_note(g, target, NULL,
-                  "the animation of \"%.120s\" is not blurred; it keeps the value at which the shutter opens",
+                  "the animation of \"%.120s\" is not blurred; it keeps the value of the middle of the "
+                  "shutter time",
                   kind);
     if (!json_arena_set(&g->arena, holder, key, value, (size_t)count)) gltf_fail_memory(g, sizeof value);
 }

@@ -64,8 +64,8 @@ bool gltf_sampler_value(gltf *g, const gltf_value *samplers, uint32_t index, uns
 
 /* ---- gltf_pointer.c ---- */
 
-/* Replaces the value that a JSON pointer names by the sampler's, as the shutter opens. Adds a note if no
- * reader would use the value. */
+/* Replaces the value that a JSON pointer names by the sampler's of the middle of the shutter time: the
+ * nearest to a mean, and to an image without blur. Adds a note if no reader would use the value. */
 void gltf_pointer_pose(gltf *g, const gltf_value *target, const char *pointer, const gltf_value *samplers,
                        uint32_t sampler);
 
