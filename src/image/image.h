@@ -45,6 +45,14 @@ typedef struct image {
     uint32_t bits; /* of a number in the file that was read */
 } image;
 
+/* The first channel with this name, or NULL. */
+static inline const image_channel *image_find_channel(const image *img, const char *name) {
+    for (size_t i = 0; i < img->channel_count; ++i) {
+        if (strcmp(img->channels[i].name, name) == 0) return &img->channels[i];
+    }
+    return NULL;
+}
+
 /* Writes the whole image or nothing; see fathom_film_write() for formats and options.
  *
  * EXR: scene-linear values, with infinities and NaN; a finite value beyond half's range becomes the largest

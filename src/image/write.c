@@ -13,14 +13,6 @@
 #define CHUNK_BYTES ((size_t)16 << 20)
 #define CHUNK_ROWS 64u
 
-static const image_channel *find_channel(const image *img, const char *name) {
-    for (size_t i = 0; i < img->channel_count; ++i) {
-        const image_channel *channel = &img->channels[i];
-        if (channel->type == IMAGE_FLOAT && strcmp(channel->name, name) == 0) return channel;
-    }
-    return NULL;
-}
-
 /* A file that is being written. */
 typedef struct writing {
     fathom_context *context;
@@ -53,7 +45,7 @@ static fathom_status choose_channels(writing *w, const image *img) {
     while (w->shown.attribute_count && is_of_mattes(&img->attributes[w->shown.attribute_count - 1]))
         --w->shown.attribute_count;
     for (size_t i = 0; i < (w->format == IMAGE_JPEG ? 3 : 4); ++i) {
-        const image_channel *channel = find_channel(img, names[i]);
+        const image_channel *channel = image_find_channel(img, names[i]);
         if (!channel && i == 3) break;
         if (!channel)
             return fail_file(w->context, FATHOM_INTERNAL, w->path, "the image has no channel %s", names[i]);

@@ -16,6 +16,12 @@ static inline affine_f64 affine_widen(const float rows[3][4]) {
     for (int i = 0; i < 12; ++i) out.m[i / 4][i % 4] = (double)rows[i / 4][i % 4];
     return out;
 }
+/* From the first three rows of a matrix of 16 numbers, column by column, as in glTF. */
+static inline affine_f64 affine_of_columns(const double m[16]) {
+    affine_f64 out;
+    for (int i = 0; i < 12; ++i) out.m[i / 4][i % 4] = m[i % 4 * 4 + i / 4];
+    return out;
+}
 affine_f64 affine_translation(vec3_f64 t);
 affine_f64 affine_scaling(vec3_f64 s);
 /* Rotation by a quaternion (x, y, z, w), which need not be unit but must not be zero. */

@@ -51,15 +51,8 @@ void fathom_image_destroy(const fathom_image *img) {
 
 /* ---- channels ---- */
 
-static const image_channel *find_channel(const image *img, const char *name) {
-    for (size_t i = 0; i < img->channel_count; ++i) {
-        if (strcmp(img->channels[i].name, name) == 0) return &img->channels[i];
-    }
-    return NULL;
-}
-
 static const void *channel_data(const fathom_image *img, const char *name, image_type type, size_t *stride) {
-    const image_channel *c = img && name ? find_channel(img->img, name) : NULL;
+    const image_channel *c = img && name ? image_find_channel(img->img, name) : NULL;
     if (!c || c->type != type) return NULL;
     if (stride) *stride = c->stride;
     return c->data;
@@ -104,7 +97,7 @@ static double distance(double a, double b) {
 static fathom_status check_channels(fathom_context *context, const image *one, const image *other,
                                     const char *which) {
     for (size_t i = 0; i < one->channel_count; ++i) {
-        const image_channel *c = &one->channels[i], *twin = find_channel(other, c->name);
+        const image_channel *c = &one->channels[i], *twin = image_find_channel(other, c->name);
         if (!twin)
             return fail(context, FATHOM_CHECK_FAILED, "channel %.60s is only in the %s", c->name, which);
         if (twin->type != c->type)
@@ -130,7 +123,7 @@ static bool compare_pixel(const image *a, const image *b, uint32_t x, uint32_t y
                           fathom_image_difference *out) {
     bool differs = false;
     for (size_t i = 0; i < a->channel_count; ++i) {
-        const image_channel *c = &a->channels[i], *twin = find_channel(b, c->name);
+        const image_channel *c = &a->channels[i], *twin = image_find_channel(b, c->name);
         double d = distance(value_at(c, a->width, x, y), value_at(twin, b->width, x, y));
         differs |= d > tolerance;
         out->rmse += d * d;
@@ -187,7 +180,7 @@ static fathom_status take_image(fathom_context *context, const fathom_image *fro
     if (!*memory) return fail_memory(context, 3 * pixels * sizeof **memory);
     *out = (metric_image){.width = from->img->width, .height = from->img->height};
     for (size_t i = 0; i < 3; ++i) {
-        const image_channel *c = find_channel(from->img, names[i]);
+        const image_channel *c = image_find_channel(from->img, names[i]);
         if (!c || c->type != IMAGE_FLOAT)
             return fail_file(context, FATHOM_BAD_INPUT, from->path, "FLIP needs the channels R, G and B");
         take_plane(c, from, *memory + i * pixels);

@@ -23,20 +23,13 @@ typedef struct sampler {
 
 /* ---- values ---- */
 
-static double time_of(const sampler *s, size_t key) {
-    float time;
-    memcpy(&time, (const char *)s->times.values + s->times.stride * key, sizeof time);
-    return (double)time;
-}
+static double time_of(const sampler *s, size_t key) { return (double)*gltf_element(&s->times, key); }
 
 /* part, of cubic splines: 0 the in-tangent, 1 the value, 2 the out-tangent. */
 static double number_of(const sampler *s, size_t key, size_t part, size_t c) {
     const size_t item = s->way == CUBICSPLINE ? key * 3 + part : key;
     const size_t element = s->scalars ? item * s->per_key + c : item;
-    float value;
-    const char *values = s->values.values;
-    memcpy(&value, values + s->values.stride * element + (s->scalars ? 0 : c * sizeof value), sizeof value);
-    return (double)value;
+    return (double)gltf_element(&s->values, element)[s->scalars ? 0 : c];
 }
 
 static void normalize_turn(double q[4]) {

@@ -83,9 +83,7 @@ static affine_f64 frame_of(const gltf *g, const affine_f64 *to_world) {
     const frame_f64 frame = frame_from(scale_f64(gltf_unit(g), affine_point(to_world, (vec3_f64){0, 0, 0})),
                                        affine_vector(to_world, (vec3_f64){0, 0, 1}),
                                        affine_vector(to_world, (vec3_f64){0, 1, 0}));
-    return (affine_f64){{{frame.x.x, frame.y.x, frame.z.x, frame.origin.x},
-                         {frame.x.y, frame.y.y, frame.z.y, frame.origin.y},
-                         {frame.x.z, frame.y.z, frame.z.z, frame.origin.z}}};
+    return frame_affine(&frame);
 }
 
 static void set_camera(gltf *g, const gltf_value *node, fathom_camera camera, gltf_way *way) {

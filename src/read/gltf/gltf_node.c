@@ -79,10 +79,7 @@ static void read_part(gltf *g, const gltf_value *attributes, const char *key, un
 }
 
 static void part_at(const gltf_elements *part, uint32_t i, int n, double *out) {
-    if (!part->values) return;
-    float values[4];
-    memcpy(values, (const char *)part->values + part->stride * i, (size_t)n * sizeof(float));
-    for (int k = 0; k < n; ++k) out[k] = (double)values[k];
+    for (int k = 0; k < n && part->values; ++k) out[k] = (double)gltf_element(part, i)[k];
 }
 
 /* Other attributes, such as _ID, do not affect images. */

@@ -13,14 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static affine_f64 affine_of(const float *m) {
-    affine_f64 out;
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 4; ++column) out.m[row][column] = (double)m[column * 4 + row];
-    }
-    return out;
-}
-
 /* ---- joints ---- */
 
 /* False: there are no inverse bind matrices. */
@@ -37,6 +29,12 @@ static bool read_inverse(gltf *g, const gltf_value *skin, uint32_t joints, gltf_
     return gltf_fine(g);
 }
 
+static affine_f64 matrix_at(const gltf_elements *matrices, uint32_t i) {
+    double m[16];
+    for (int k = 0; k < 16; ++k) m[k] = (double)gltf_element(matrices, i)[k];
+    return affine_of_columns(m);
+}
+
 static void fill_joints(gltf *g, gltf_moment *m, const gltf_value *skin, const gltf_value *list,
                         gltf_joints *out) {
     gltf_elements inverse;
@@ -46,7 +44,7 @@ static void fill_joints(gltf *g, gltf_moment *m, const gltf_value *skin, const g
         gltf_index_item(g, list, i, &g->nodes, &node);
         if (!gltf_fine(g)) return;
         affine_f64 moved = gltf_node_world(g, m, node),
-                   bind = bound ? affine_of(gltf_element(&inverse, i)) : affine_identity();
+                   bind = bound ? matrix_at(&inverse, i) : affine_identity();
         if (i == 0 && m == g->moments.items) out->origin = affine_point(&moved, (vec3_f64){0, 0, 0});
         moved.m[0][3] -= out->origin.x, moved.m[1][3] -= out->origin.y, moved.m[2][3] -= out->origin.z;
         for (int c = 0; out->mirrored && c < 4; ++c) moved.m[0][c] = -moved.m[0][c];

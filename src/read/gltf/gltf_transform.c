@@ -7,13 +7,9 @@
 
 static affine_f64 read_matrix(gltf *g, const gltf_value *node) {
     double m[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    affine_f64 out;
     gltf_numbers(g, node, "matrix", 16, -INFINITY, INFINITY, m);
     gltf_check_row(g, node, "matrix", (const double[4]){m[3], m[7], m[11], m[15]});
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 4; ++column) out.m[row][column] = m[column * 4 + row];
-    }
-    return out;
+    return affine_of_columns(m);
 }
 
 void gltf_check_row(gltf *g, const gltf_value *at, const char *key, const double row[4]) {

@@ -37,11 +37,8 @@ fathom_status place_frame(const doc *d, const where *at, json_t *value, const fo
     return FATHOM_OK;
 }
 
-/* Column-major, as in glTF. */
 static fathom_status load_matrix(const doc *d, const where *at, const double m[16], affine_f64 *out) {
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 4; ++column) out->m[row][column] = m[column * 4 + row];
-    }
+    *out = affine_of_columns(m);
     if (m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1) return FATHOM_OK;
     const where matrix = {at, "matrix", 0};
     return doc_fail(
@@ -62,9 +59,7 @@ static fathom_status load_turn(const doc *d, const where *at, json_t *object, co
         frame_f64 f;
         fathom_status status = place_frame(d, &inner, json_object_get(object, "frame"), &values->frame, &f);
         if (status != FATHOM_OK) return status;
-        *out = (affine_f64){{{f.x.x, f.y.x, f.z.x, f.origin.x},
-                             {f.x.y, f.y.y, f.z.y, f.origin.y},
-                             {f.x.z, f.y.z, f.z.z, f.origin.z}}};
+        *out = frame_affine(&f);
     }
     return FATHOM_OK;
 }
