@@ -250,9 +250,9 @@ UNIT_TEST(weights_are_animated_together) {
 
 /* ---- skins ---- */
 
-/* Two joints, the second one 2 above the first; `more` goes into the attributes, `where` into the mesh's
+/* Two joints, the second one 2 above the first; `more` goes into the attributes, `node` into the mesh's
  * node, which must not matter. */
-static void write_skin(fixture *f, build *b, int joints, int weights, const char *more, const char *where) {
+static void write_skin(fixture *f, build *b, int joints, int weights, const char *more, const char *node) {
     const int positions = PUT_FLOATS(b, "VEC3", 3, TRIANGLE),
               normals = PUT_FLOATS(b, "VEC3", 3, 0, 0, 1, 0, 0, 1, 0, 0, 1),
               bind = PUT_FLOATS(b, "MAT4", 2, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0,
@@ -263,7 +263,7 @@ static void write_skin(fixture *f, build *b, int joints, int weights, const char
         "],"
         "'skins':[{'joints':[1,2],'inverseBindMatrices':%d}],'nodes':[{'mesh':0,'skin':0%s},{'translation':["
         "10,0,0],'children':[2]},{'translation':[0,2,0],'rotation':[0,0,1,0]}]",
-        positions, normals, joints, weights, more, bind, where);
+        positions, normals, joints, weights, more, bind, node);
 }
 
 UNIT_TEST(vertices_follow_their_joints_and_no_node) {

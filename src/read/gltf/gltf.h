@@ -36,17 +36,16 @@
  *   gltf_camera.c     cameras, and the choice of one */
 #pragma once
 
+#include "read/json/json_where.h"
 #include "read/mesh/text.h"
 #include "read/read.h"
 #include "json/memory.h"
 
-/* A value and its path in the document, for messages. json is NULL if the file has no such value. The parent
- * must outlive the value: both are local variables of the functions that walk the document. */
+/* A value and its place in the document, for messages. json is NULL if the file has no such value. The value
+ * that holds it must outlive it: both are local variables of the functions that walk the document. */
 typedef struct gltf_value {
     json_t *json;
-    const struct gltf_value *parent; /* NULL: the document */
-    const char *key;                 /* NULL: item `index` of an array */
-    size_t index;
+    where at; /* of the document itself: all 0 */
 } gltf_value;
 
 /* gltf_data.h */
@@ -162,6 +161,14 @@ fathom_status gltf_item(gltf *g, const gltf_value *array, size_t index, gltf_val
 fathom_status gltf_extension(gltf *g, const gltf_value *parent, const char *name, gltf_value *holder,
                              gltf_value *out);
 size_t gltf_count(const gltf_value *array);
+/* The steps to a value; NULL: to the document. */
+static inline const where *gltf_steps(const gltf_value *v) {
+    return v->at.parent || v->at.key ? &v->at : NULL;
+}
+/* Item `index` of an array, of any kind. */
+static inline gltf_value gltf_entry(const gltf_value *array, size_t index) {
+    return (gltf_value){json_array_get(array->json, index), {gltf_steps(array), NULL, index}};
+}
 /* The name of a node, a mesh…; NULL: none. */
 static inline const char *gltf_name(const json_t *of) {
     return json_string_value(json_object_get(of, "name"));

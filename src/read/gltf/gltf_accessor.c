@@ -112,8 +112,7 @@ static void open_span(gltf *g, const gltf_value *user, uint64_t count, unsigned 
     if (strided) gltf_view_stride(g, &view, &stride);
     if (stride < element)
         gltf_fail(g, &view, "byteStride", "is %llu; the elements of %s[%zu] have %u bytes",
-                  (unsigned long long)stride, user->parent->key ? user->parent->key : "sparse", user->index,
-                  element);
+                  (unsigned long long)stride, user->at.parent->key, user->at.index, element);
     const bool beyond =
         __builtin_mul_overflow(stride, count - 1, &need) || __builtin_add_overflow(need, element, &need);
     if (beyond || offset > from.length || need > from.length - offset)

@@ -1,7 +1,6 @@
 /* The file and its buffers: GLB chunks, the JSON text, files next to it, base64. A buffer is loaded when an
  * accessor first needs it. */
 #include "read/gltf/gltf_data.h"
-#include "read/json/json_where.h"
 
 #include <ctype.h>
 #include <stdlib.h>
@@ -228,9 +227,9 @@ char *gltf_image_path(gltf *g, const gltf_value *at, const char *uri) {
     gltf_text(g, at, "name", &name);
     if (path || !gltf_fine(g)) return path;
     const char *told = outside ? READ_OUTSIDE : "there is no such file that may be read; it is left out";
-    snprintf(place, sizeof place, "images[%zu].uri: \"%s%s\"%s%.30s%s", at->index, cut ? "..." : "",
+    snprintf(place, sizeof place, "images[%zu].uri: \"%s%s\"%s%.30s%s", at->at.index, cut ? "..." : "",
              uri + (cut ? length - SHOWN : 0), name ? " (named \"" : "", name ? name : "", name ? "\")" : "");
-    if (names_lost_image(g, at->index))
+    if (names_lost_image(g, at->at.index))
         notes_add(&g->notes, 1, "", "%s: %s", place, told);
     else
         notes_add(&g->notes, 1, "", "images beyond the first %d: %s", GLTF_LOST_IMAGES, told);
@@ -265,10 +264,10 @@ static void load(gltf *g, const gltf_value *at, gltf_buffer *out) {
         gltf_data_uri(g, at, uri, out);
     else if (uri)
         load_file(g, at, uri, out);
-    else if (at->index || !g->binary)
+    else if (at->at.index || !g->binary)
         gltf_fail(g, at, NULL, "has no uri%s",
-                  at->index ? "; only the first buffer may lack one, as the GLB's BIN chunk"
-                            : ", and the file has no BIN chunk");
+                  at->at.index ? "; only the first buffer may lack one, as the GLB's BIN chunk"
+                               : ", and the file has no BIN chunk");
     else
         *out = (gltf_buffer){g->binary, g->binary_size, g->source, false};
 }

@@ -63,8 +63,8 @@ void gltf_extensions_check(gltf *g) {
     gltf_value required;
     gltf_array(g, &g->root, "extensionsRequired", &required);
     for (size_t i = 0; i < gltf_count(&required); ++i) {
-        const char *name = json_string_value(json_array_get(required.json, i));
-        const gltf_value at = {.parent = &required, .index = i};
+        const gltf_value at = gltf_entry(&required, i);
+        const char *name = json_string_value(at.json);
         if (!name) gltf_fail(g, &at, NULL, "is not a string; expected the name of an extension");
         if (name && !is_known(name))
             gltf_fail(g, &at, NULL,
@@ -83,14 +83,14 @@ bool gltf_requires(const gltf *g, const char *name) {
     return false;
 }
 
-static void note_of(gltf *g, const gltf_value *holder) {
+static void note_of(gltf *g, const gltf_value *v, json_t *extensions) {
     const char *name;
     json_t *value;
-    json_object_foreach(holder->json, name, value) {
+    json_object_foreach(extensions, name, value) {
         const char *instead = find_instead(name);
         if (!is_known(name))
-            gltf_note(g, holder->parent, NULL, "the extension %.80s is ignored%s%s", name,
-                      instead ? ": " : "", instead ? instead : "");
+            gltf_note(g, v, NULL, "the extension %.80s is ignored%s%s", name, instead ? ": " : "",
+                      instead ? instead : "");
     }
 }
 
@@ -99,15 +99,15 @@ void gltf_extensions_note(gltf *g, const gltf_value *v) {
         const char *key;
         json_t *value;
         json_object_foreach(v->json, key, value) {
-            const gltf_value member = {.json = value, .parent = v, .key = key};
-            if (strcmp(key, "extensions") == 0) note_of(g, &member);
+            const gltf_value member = {value, {gltf_steps(v), key, 0}};
+            if (strcmp(key, "extensions") == 0) note_of(g, v, value);
             if (json_is_null(value))
                 gltf_note(g, &member, NULL, "null, which is against the format, is taken as nothing");
             if (strcmp(key, "extras") != 0) gltf_extensions_note(g, &member);
         }
     }
     for (size_t i = 0; i < gltf_count(v); ++i) {
-        const gltf_value item = {.json = json_array_get(v->json, i), .parent = v, .index = i};
+        const gltf_value item = gltf_entry(v, i);
         gltf_extensions_note(g, &item);
     }
 }

@@ -29,7 +29,7 @@ void gltf_image_open(gltf *g, const gltf_value *at, fathom_texture *out, char **
     } else if (!uri) {
         gltf_note(g, at, NULL, "an image with neither uri nor bufferView is left out");
     } else if (gltf_is_data(uri)) {
-        gltf_buffer *bytes = &g->image_table[at->index].data;
+        gltf_buffer *bytes = &g->image_table[at->at.index].data;
         if (!bytes->bytes) gltf_data_uri(g, at, uri, bytes);
         out->bytes = bytes->bytes, out->byte_count = (size_t)bytes->size;
     } else {
@@ -79,7 +79,7 @@ static fathom_status try_image(const gltf *g, const fathom_texture *t, image_mes
 static void note_replaced(gltf *g, const gltf_value *at, const fathom_texture *t, const char *why) {
     char place[128];
     const char *name = t->file ? t->file : t->name, *folder = name ? strrchr(name, '/') : NULL;
-    const int length = snprintf(place, sizeof place, ": images[%zu]", at->index);
+    const int length = snprintf(place, sizeof place, ": images[%zu]", at->at.index);
     if (name) snprintf(place + length, sizeof place - (size_t)length, " (%.80s)", folder ? folder + 1 : name);
     notes_add(&g->notes, 1, place,
               "cannot be read as a texture: %.200s; the other image of its texture is used", why);

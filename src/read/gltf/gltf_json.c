@@ -1,27 +1,13 @@
 /* Typed values and their paths in the document. */
 #include "base/text.h"
 #include "read/gltf/gltf.h"
-#include "read/json/json_where.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-/* Larger than the depth of any value that is read. */
-enum { DEPTH = 32 };
-
-/* The path to a member of `v`, or to `v` itself, in `links`. NULL for the document. */
-static const where *steps_to(const gltf_value *v, const char *key, where links[DEPTH]) {
-    size_t count = 0;
-    if (key) links[count++] = (where){NULL, key, 0};
-    for (; v && v->parent && count < DEPTH; v = v->parent) links[count++] = (where){NULL, v->key, v->index};
-    for (size_t i = 1; i < count; ++i) links[i - 1].parent = &links[i];
-    return count ? links : NULL;
-}
-
 const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *key, gltf_spot *spot) {
-    where links[DEPTH];
-    const where *steps = steps_to(at, key, links);
+    const where member = {gltf_steps(at), key, 0}, *steps = key ? &member : member.parent;
     where_path(steps, spot->path, sizeof spot->path);
     const where_place found = where_find(g->text, steps);
     spot->place = (fathom_place){.file = g->path, .field = spot->path};
@@ -33,8 +19,7 @@ const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *
 }
 
 const fathom_place *gltf_field(const gltf *g, const gltf_value *at, gltf_spot *spot) {
-    where links[DEPTH];
-    where_path(steps_to(at, NULL, links), spot->path, sizeof spot->path);
+    where_path(gltf_steps(at), spot->path, sizeof spot->path);
     spot->place = (fathom_place){.file = g->path, .field = spot->path};
     return &spot->place;
 }
@@ -60,9 +45,9 @@ static void note_text(gltf *g, const char *place, const char *format, va_list ar
 
 void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...) {
     char place[128] = ": ";
-    where links[DEPTH];
+    const where member = {gltf_steps(at), key, 0};
     va_list args;
-    where_path(steps_to(at, key, links), place + 2, sizeof place - 2);
+    where_path(key ? &member : member.parent, place + 2, sizeof place - 2);
     va_start(args, format);
     note_text(g, place[2] ? place : "", format, args);
     va_end(args);
@@ -100,7 +85,7 @@ static void fail_kind(gltf *g, gltf_value *at, const char *expected) {
 
 /* Some languages write null for members without a value. */
 static gltf_value member(const gltf_value *parent, const char *key) {
-    gltf_value out = {.json = json_object_get(parent->json, key), .parent = parent, .key = key};
+    gltf_value out = {json_object_get(parent->json, key), {gltf_steps(parent), key, 0}};
     if (json_is_null(out.json)) out.json = NULL;
     return out;
 }
@@ -118,7 +103,7 @@ fathom_status gltf_array(gltf *g, const gltf_value *parent, const char *key, glt
 }
 
 fathom_status gltf_item(gltf *g, const gltf_value *array, size_t index, gltf_value *out) {
-    *out = (gltf_value){.json = json_array_get(array->json, index), .parent = array, .index = index};
+    *out = gltf_entry(array, index);
     if (!json_is_object(out->json)) fail_kind(g, out, "an object");
     return g->status;
 }
@@ -140,7 +125,7 @@ static void number_of(gltf *g, gltf_value *v, double lowest, double highest, dou
     else {
         *out = value < lowest ? lowest : highest;
         gltf_note(g, v, NULL, "%s is out of range: expected a number %s %g; the nearest is taken",
-                  v->key ? v->key : v->parent->key, value < lowest ? ">=" : "<=", *out);
+                  v->at.key ? v->at.key : v->at.parent->key, value < lowest ? ">=" : "<=", *out);
     }
 }
 
@@ -159,7 +144,7 @@ fathom_status gltf_numbers(gltf *g, const gltf_value *parent, const char *key, s
     if (gltf_count(&array) != n)
         return gltf_fail(g, &array, NULL, "has %zu entries; expected %zu numbers", gltf_count(&array), n);
     for (size_t i = 0; i < n && gltf_fine(g); ++i) {
-        gltf_value v = {.json = json_array_get(array.json, i), .parent = &array, .index = i};
+        gltf_value v = gltf_entry(&array, i);
         number_of(g, &v, lowest, highest, &out[i]);
     }
     return g->status;
@@ -196,7 +181,7 @@ static void index_of(gltf *g, gltf_value *v, const gltf_value *into, uint32_t *o
     if (below >= 0) integer_of(g, v, 0, INT64_MAX, &index);
     if (below < 0 || index >= gltf_count(into) || index >= GLTF_ABSENT)
         gltf_fail(g, v, NULL, "is %lld; expected an index into %s, which has %zu entries",
-                  below < 0 ? below : (long long)index, into->key, gltf_count(into));
+                  below < 0 ? below : (long long)index, into->at.key, gltf_count(into));
     if (gltf_fine(g)) *out = (uint32_t)index;
 }
 
@@ -212,7 +197,7 @@ fathom_status gltf_index(gltf *g, const gltf_value *parent, const char *key, con
 
 fathom_status gltf_index_item(gltf *g, const gltf_value *array, size_t i, const gltf_value *into,
                               uint32_t *out) {
-    gltf_value v = {.json = json_array_get(array->json, i), .parent = array, .index = i};
+    gltf_value v = gltf_entry(array, i);
     index_of(g, &v, into, out);
     return g->status;
 }

@@ -92,7 +92,7 @@ void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *way) {
     gltf_item(g, &g->lights, index, &at);
     if (!read_light(g, &at, &light)) return;
     if (gltf_way_moves(way))
-        gltf_note_node(g, (uint32_t)node->index,
+        gltf_note_node(g, (uint32_t)node->at.index,
                        "a light moves while the shutter is open, and is not blurred; it is shown as it is "
                        "when the shutter opens");
     const vec3_f64 along = affine_vector(to_world, (vec3_f64){0, 0, -1});

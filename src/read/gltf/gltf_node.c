@@ -54,7 +54,7 @@ static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const
     }
     const bool moves = gltf_way_moves(way), blurs = moves && gltf_way_can_blur(way);
     if (moves && !blurs)
-        gltf_note_node(g, (uint32_t)node->index,
+        gltf_note_node(g, (uint32_t)node->at.index,
                        "a node is flat or turned inside out while the shutter is open, and not blurred; it "
                        "is shown as it is when the shutter opens");
     if (blurs) {
@@ -213,8 +213,7 @@ static void note_other_scenes(gltf *g, uint32_t taken, const bool *shown) {
     char names[GLTF_LIST];
     gltf_print_names(&g->scenes, names);
     for (size_t i = 0; i < gltf_count(&g->scenes); ++i) {
-        const gltf_value scene = {
-            .json = json_array_get(g->scenes.json, i), .parent = &g->scenes, .index = i};
+        const gltf_value scene = gltf_entry(&g->scenes, i);
         const json_t *list = json_object_get(scene.json, "nodes");
         bool whole = true;
         for (size_t k = 0; k < json_array_size(list); ++k) {
@@ -294,7 +293,7 @@ static void walk_roots(gltf *g, walk *w) {
 static void place_all_meshes(gltf *g) {
     const gltf_way identity = {.count = 1, .at = {affine_identity()}};
     for (uint32_t i = 0; i < gltf_count(&g->meshes) && gltf_fine(g); ++i) {
-        const gltf_value mesh = {.parent = &g->meshes, .index = i};
+        const gltf_value mesh = {NULL, {&g->meshes.at, NULL, i}};
         const gltf_joints *none = NULL;
         const fathom_id group = gltf_shape_mesh(g, NULL, i, &identity, &none);
         if (gltf_fine(g) && group != GLTF_EMPTY) add_instance(g, &mesh, group, &identity);

@@ -10,7 +10,7 @@
 
 static const char *const names[] = {"KHR_meshopt_compression", "EXT_meshopt_compression"};
 
-/* Sets *at to the extension of the view, whose name is at->key. A view must not have both. */
+/* Sets *at to the extension of the view, whose name is at->at.key. A view must not have both. */
 static void find_packed(gltf *g, const gltf_value *view, gltf_value *holder, gltf_value *at) {
     gltf_extension(g, view, names[0], holder, at);
     if (!at->json) gltf_extension(g, view, names[1], holder, at);
@@ -44,7 +44,7 @@ static void check_stride(gltf *g, const gltf_value *at, const packed *p) {
 
 static packed read_packed(gltf *g, const gltf_value *at) {
     char expected[64];
-    snprintf(expected, sizeof expected, "one that %s has", at->key);
+    snprintf(expected, sizeof expected, "one that %s has", at->at.key);
     packed out = {.count = 0};
     gltf_view_part(g, at, &out.from);
     gltf_integer(g, at, "byteStride", 1, 256, &out.stride);
@@ -122,7 +122,7 @@ static void open_packed(gltf *g, const gltf_value *view, uint32_t index, const g
 static void open_packed(gltf *g, const gltf_value *view, uint32_t index, const gltf_value *at,
                         gltf_view *out) {
     (void)index;
-    if (gltf_requires(g, at->key))
+    if (gltf_requires(g, at->at.key))
         gltf_fail(g, at, NULL,
                   "needs meshoptimizer, but this Fathom was built without it; build it with "
                   "libmeshoptimizer-dev (Debian), or export the model without the extension");

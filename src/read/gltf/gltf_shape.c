@@ -37,7 +37,7 @@ static void read_shape(gltf *g, gltf_moment *m, const gltf_value *node, const gl
                        gltf_shape *out) {
     gltf_value mesh;
     gltf_item(g, &g->meshes, p->mesh, &mesh);
-    gltf_weights_read(g, node ? gltf_pose_of(m, (uint32_t)node->index) : NULL, node, &mesh, out);
+    gltf_weights_read(g, node ? gltf_pose_of(m, (uint32_t)node->at.index) : NULL, node, &mesh, out);
     if (p->skin != GLTF_ABSENT && gltf_fine(g)) out->joints = gltf_skin_read(g, m, p->skin, p->mirrored);
 }
 

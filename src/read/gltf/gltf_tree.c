@@ -72,7 +72,7 @@ static void find_cycle(gltf *g, uint32_t *seen) {
         }
         if (k == GLTF_ABSENT || seen[k] != i + 1) continue;
         const uint32_t at = g->links.items[k].node;
-        const gltf_value node = {.parent = &g->nodes, .index = at};
+        const gltf_value node = gltf_entry(&g->nodes, at);
         gltf_fail(g, &node, "children", "leads back to nodes[%u]: a node cannot contain itself", at);
     }
 }
