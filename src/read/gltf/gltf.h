@@ -123,21 +123,15 @@ static inline bool gltf_fine(const gltf *g) { return g->status == FATHOM_OK; }
  * volumes. */
 static inline double gltf_unit(const gltf *g) { return g->options->unit > 0 ? g->options->unit : 1; }
 
-/* A place for messages, with a buffer for its path. */
-typedef struct gltf_spot {
-    fathom_place place;
-    char path[256];
-} gltf_spot;
-
 /* Fills in *spot: the line in .gltf files and the byte in .glb files. `key` may be NULL: the value `at`
  * itself. */
-const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *key, gltf_spot *spot);
+const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *key, where_spot *spot);
 /* The same without the line or byte, which takes a search of the text. */
-const fathom_place *gltf_field(const gltf *g, const gltf_value *at, gltf_spot *spot);
+const fathom_place *gltf_field(const gltf *g, const gltf_value *at, where_spot *spot);
 #define gltf_fail(g, at, key, ...)                                                                           \
     (gltf_fine(g)                                                                                            \
          ? ((g)->status = fail_at((g)->context, FATHOM_BAD_INPUT,                                            \
-                                  gltf_place(g, at, key, &(gltf_spot){.place.line = 0}), __VA_ARGS__))       \
+                                  gltf_place(g, at, key, &(where_spot){.place.line = 0}), __VA_ARGS__))      \
          : (g)->status)
 fathom_status gltf_fail_memory(gltf *g, size_t bytes);
 /* Stores the status of a call on the scene in g->status, and adds the place to its error. */

@@ -307,7 +307,7 @@ typedef struct moved_things {
 /* The animation moves what one before it moves. */
 static void leave_out(gltf *g, const gltf_value *channel) {
     char list[GLTF_LIST];
-    gltf_spot spot;
+    where_spot spot;
     gltf_print_names(&g->animations, list);
     if (!g->scene->asked->animations)
         gltf_note(

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *key, gltf_spot *spot) {
+const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *key, where_spot *spot) {
     const where member = {gltf_steps(at), key, 0}, *steps = key ? &member : member.parent;
     where_path(steps, spot->path, sizeof spot->path);
     const where_place found = where_find(g->text, steps);
@@ -18,7 +18,7 @@ const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *
     return &spot->place;
 }
 
-const fathom_place *gltf_field(const gltf *g, const gltf_value *at, gltf_spot *spot) {
+const fathom_place *gltf_field(const gltf *g, const gltf_value *at, where_spot *spot) {
     where_path(gltf_steps(at), spot->path, sizeof spot->path);
     spot->place = (fathom_place){.file = g->path, .field = spot->path};
     return &spot->place;
@@ -30,7 +30,7 @@ fathom_status gltf_fail_memory(gltf *g, size_t bytes) {
 }
 
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status) {
-    gltf_spot spot;
+    where_spot spot;
     if (!gltf_fine(g)) return g->status;
     g->status =
         status == FATHOM_BAD_INPUT ? fail_within(g->context, status, gltf_place(g, at, key, &spot)) : status;

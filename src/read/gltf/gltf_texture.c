@@ -68,7 +68,7 @@ static uint32_t find_source(gltf *g, const gltf_value *texture, bool *basisu) {
 
 static void add_texture(gltf *g, const gltf_value *image, const fathom_texture *t, fathom_id *out) {
     const size_t before = g->scene->textures.count;
-    gltf_spot spot;
+    where_spot spot;
     gltf_within(g, image, NULL, fathom_scene_add_texture(g->scene, t, out));
     if (!gltf_fine(g) || g->scene->textures.count == before) return;
     g->status = scene_origin_add(g->scene, SCENE_PART_TEXTURE, *out, gltf_field(g, image, &spot));

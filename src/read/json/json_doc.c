@@ -11,14 +11,14 @@
 
 enum { TEXT_ROOM = 512, KEYS_ROOM = 2048 };
 
-const fathom_place *doc_place(const doc *d, const where *at, doc_spot *spot) {
+const fathom_place *doc_place(const doc *d, const where *at, where_spot *spot) {
     where_path(at, spot->path, sizeof spot->path);
     spot->place = (fathom_place){.file = d->path, .line = where_find(d->text, at).line, .field = spot->path};
     return &spot->place;
 }
 
 void doc_warn(const doc *d, const where *at, const char *format, ...) {
-    doc_spot spot;
+    where_spot spot;
     char text[2 * TEXT_ROOM];
     va_list args;
     va_start(args, format);
@@ -37,7 +37,7 @@ static void name_key(const char *field, char out[PARAMETER_NAME]) {
 }
 
 fathom_status doc_within(const doc *d, const where *at, fathom_status status) {
-    doc_spot spot;
+    where_spot spot;
     char key[PARAMETER_NAME];
     const fathom_error *error = fathom_context_error(d->context);
     name_key(error->place->field, key);

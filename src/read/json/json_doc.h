@@ -12,16 +12,10 @@ typedef struct doc {
     const char *text; /* all of it, zero-terminated */
 } doc;
 
-/* A place for messages, with a buffer for its path. */
-typedef struct doc_spot {
-    fathom_place place;
-    char path[512];
-} doc_spot;
-
 /* Fills in *spot: file, line and path. */
-const fathom_place *doc_place(const doc *d, const where *at, doc_spot *spot);
+const fathom_place *doc_place(const doc *d, const where *at, where_spot *spot);
 #define doc_fail(d, at, ...)                                                                                 \
-    fail_at((d)->context, FATHOM_BAD_INPUT, doc_place(d, at, &(doc_spot){.place.line = 0}), __VA_ARGS__)
+    fail_at((d)->context, FATHOM_BAD_INPUT, doc_place(d, at, &(where_spot){.place.line = 0}), __VA_ARGS__)
 /* Adds a warning about a value, with its place. */
 void doc_warn(const doc *d, const where *at, const char *format, ...) __attribute__((format(printf, 3, 4)));
 /* Adds the place to a callee's error. If the value at the place has a member with the name of the error's

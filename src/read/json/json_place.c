@@ -15,7 +15,7 @@ static bool right_angle(vec3_f64 a, vec3_f64 b) {
 
 /* There may be many moving instances, and each line takes a search of the text, so these have none. */
 fathom_status place_origin(const object_reader *r, const where *at, scene_part part, fathom_id id) {
-    doc_spot spot = {.place.field = spot.path};
+    where_spot spot = {.place.field = spot.path};
     if (part == SCENE_PART_MOVED)
         where_path(at, spot.path, sizeof spot.path);
     else

@@ -21,6 +21,12 @@ typedef struct where_place {
     bool whole; /* all steps of the path were found */
 } where_place;
 
+/* A place for messages, with a buffer for its path. */
+typedef struct where_spot {
+    fathom_place place;
+    char path[512];
+} where_spot;
+
 /* Follows the path through the text, which must be JSON and end with a zero byte. If a step is missing,
  * returns the place of the last value found. */
 where_place where_find(const char *text, const where *at);
