@@ -3,16 +3,19 @@
 
 #include "read/obj/obj.h"
 
-/* The material of an OBJ file with this library. */
-static fathom_material material_of(const char *body) {
+/* An OBJ file with this library. */
+static fathom_scene *scene_of(const char *body) {
     static const char faces[] = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
     char text[512];
     snprintf(text, sizeof text, "newmtl m\n%s", body);
     mesh_write("m.mtl", text, strlen(text));
     const read_mesh_options options = {.material = FATHOM_NONE};
-    fathom_scene *scene = mesh_read(read_obj, mesh_write("m.obj", faces, strlen(faces)), options);
-    const fathom_material out = scene->materials.items[mesh_at(scene, 0)->material].value;
-    return out;
+    return mesh_read(read_obj, mesh_write("m.obj", faces, strlen(faces)), options);
+}
+
+static fathom_material material_of(const char *body) {
+    fathom_scene *scene = scene_of(body);
+    return scene->materials.items[mesh_at(scene, 0)->material].value;
 }
 
 static void write_image(const char *name) { mesh_write(name, "P6\n1 1\n255\n\0\0\0", 14); }
@@ -45,6 +48,23 @@ UNIT_TEST(options_of_images_may_be_in_any_order) {
         assert_int_equal(material_of(body).maps[FATHOM_MAP_OPACITY].channel, c);
     }
     assert_int_equal(material_of("map_d 1.ppm\nmap_Kd 1.ppm\n").maps[FATHOM_MAP_OPACITY].channel, 3);
+}
+
+/* Ps is a number, although the sheen of other formats is a colour. */
+UNIT_TEST(images_of_numbers_are_linear) {
+    static const char *const colors[] = {"map_Kd", "map_Ks", "map_Ke"}, *const numbers[] = {
+                                                                            "map_Ns", "map_d",  "map_Pr",
+                                                                            "map_Pm", "map_Pc", "map_Pcr",
+                                                                            "map_Ps", "norm",   "bump"};
+    write_image("1.ppm");
+    for (size_t i = 0; i < sizeof colors / sizeof *colors + sizeof numbers / sizeof *numbers; ++i) {
+        char body[64];
+        snprintf(body, sizeof body, "%s 1.ppm\n", i < 3 ? colors[i] : numbers[i - 3]);
+        fathom_scene *scene = scene_of(body);
+        assert_int_equal(scene->textures.count, 1);
+        assert_int_equal(scene->textures.items[0].color_space,
+                         i < 3 ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR);
+    }
 }
 
 /* An image alone means a factor of 1. Without the image, that would be a lamp, a mirror, a coat or a sheen

@@ -181,7 +181,8 @@ fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material,
         }
         if (status != FATHOM_OK) return status;
         t.file = path;
-        t.color_space = material_map_is_color(k) ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
+        const bool color = material_map_is_color(k) && k != FATHOM_MAP_SHEEN_COLOR; /* Ps is a number */
+        t.color_space = color ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
         if (image->clamp) t.wrap_u = t.wrap_v = FATHOM_WRAP_CLAMP;
         out->maps[k] = image->map;
         status = fathom_scene_add_texture(scene, &t, &out->maps[k].texture);
