@@ -12,7 +12,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Correct images fail in one run of 500. With about 130 tests, each test fails at about 4.2 standard errors,
+/* Correct images fail in one run of 500. With about 250 tests, each test fails at about 4.5 standard errors,
  * if the standard errors are well known. */
 #define LEVEL 0.002
 /* Rounding error in float of the 65 products of a path and the same number of sums. */
@@ -74,7 +74,7 @@ static fathom_status write_json(fathom_context *context, const validate_settings
 
 static fathom_status closed_forms(fathom_context *context, const validate_settings *settings, bool *fails) {
     double began = clock_seconds();
-    const laws_options options = {.render = laws_path(),
+    const laws_options options = {.render = laws_path,
                                   .level = LEVEL,
                                   .error = settings->light_error,
                                   .allowance = ALLOWANCE,

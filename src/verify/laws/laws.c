@@ -51,7 +51,7 @@ static fathom_status render(const laws_options *o, const law_room *room, uint64_
     fathom_status status = FATHOM_OK;
     row->samples = o->pilot;
     for (uint64_t pass = 0; pass < SEEDS && status == FATHOM_OK; ++pass) {
-        status = o->render.render(o->render.user, room, row->samples, seed + pass, row->found);
+        status = o->render(room, row->samples, seed + pass, row->found);
         row->relative = relative_error(room, row->found);
         if (pass > 0 && (!is_noisy(o, row) || row->samples >= o->samples)) break;
         const double ratio = row->relative / o->error;

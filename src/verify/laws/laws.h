@@ -30,15 +30,10 @@ double welch_p(sample_mean a, sample_mean b, double missed, double allowance);
 
 /* Renders a room with `samples` samples in all. out: mean over the image and its standard error, per
  * channel. */
-typedef struct laws_render {
-    const char *name;
-    fathom_status (*render)(void *user, const law_room *room, uint64_t samples, uint64_t seed,
-                            sample_mean out[3]);
-    void *user;
-} laws_render;
+typedef fathom_status laws_render(const law_room *room, uint64_t samples, uint64_t seed, sample_mean out[3]);
 
 typedef struct laws_options {
-    laws_render render;
+    laws_render *render;
     double level;     /* probability of a false alarm in all laws together */
     double error;     /* the relative standard error to reach */
     double allowance; /* relative: difference that rounding may cause */
@@ -83,11 +78,9 @@ size_t laws_failed(const laws_rows *rows);
 
 /* ---- renderers.c ---- */
 
-/* The reference integrator, on *threads threads. */
-laws_render laws_reference(unsigned *threads);
 /* fathom_render() with its path integrator, on the context's threads. Standard errors come from renders with
  * several seeds. */
-laws_render laws_path(void);
+laws_render laws_path;
 
 /* ---- two renders of one scene ---- */
 

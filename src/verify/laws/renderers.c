@@ -8,23 +8,23 @@
 
 /* ---- the reference ---- */
 
-/* Mean and error of a square of side `side` in an image `width` pixels wide. Pixels are independent, so the
- * squares of their errors add up. */
-static sample_mean mean_of(const reference_estimate *pixels, uint32_t side, uint32_t width, int channel,
-                           uint32_t samples) {
-    const uint32_t count = side * side;
+enum { CELL = 8 };
+
+/* Mean and error of a cell of an image `width` pixels wide. Pixels are independent, so the squares of their
+ * errors add up. */
+static sample_mean mean_of(const reference_estimate *pixels, uint32_t width, int channel, uint32_t samples) {
+    const uint32_t count = CELL * CELL;
     double mean = 0, square = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        const reference_estimate *p = &pixels[i / side * width + i % side];
+        const reference_estimate *p = &pixels[i / CELL * width + i % CELL];
         mean += p->mean[channel] / count;
         square += p->error[channel] * p->error[channel];
     }
     return (sample_mean){mean, sqrt(square) / count, count * (samples - 1.0)};
 }
 
-static fathom_status reference_cells(const fathom_scene *scene, const laws_pair *o, uint32_t side,
-                                     sample_mean *out) {
-    const uint32_t width = o->across * side, height = o->down * side;
+static fathom_status reference_cells(const fathom_scene *scene, const laws_pair *o, sample_mean *out) {
+    const uint32_t width = o->across * CELL, height = o->down * CELL;
     const reference_settings settings = {.width = width,
                                          .height = height,
                                          .samples = (uint32_t)fmax((double)o->samples / width / height, 2),
@@ -37,25 +37,12 @@ static fathom_status reference_cells(const fathom_scene *scene, const laws_pair 
                                   : fail_memory(scene->context, (size_t)width * height * sizeof *pixels);
     for (uint32_t i = 0; i < 3 * o->across * o->down && status == FATHOM_OK; ++i) {
         const reference_estimate *corner =
-            pixels + i / 3 / o->across * side * width + i / 3 % o->across * side;
-        out[i] = mean_of(corner, side, width, (int)(i % 3), settings.samples);
+            pixels + i / 3 / o->across * CELL * width + i / 3 % o->across * CELL;
+        out[i] = mean_of(corner, width, (int)(i % 3), settings.samples);
     }
     free(pixels);
     return status;
 }
-
-static fathom_status reference_room(void *user, const law_room *room, uint64_t samples, uint64_t seed,
-                                    sample_mean out[3]) {
-    const laws_pair whole = {.across = 1,
-                             .down = 1,
-                             .depth = room->depth,
-                             .samples = samples,
-                             .seed = seed,
-                             .threads = *(const unsigned *)user};
-    return reference_cells(room->b.scene, &whole, 16, out);
-}
-
-laws_render laws_reference(unsigned *threads) { return (laws_render){"reference", reference_room, threads}; }
 
 /* ---- the path integrator ---- */
 
@@ -112,30 +99,25 @@ static fathom_settings path_settings(uint32_t width, uint32_t height, uint32_t d
     return s;
 }
 
-static fathom_status path_room(void *user, const law_room *room, uint64_t samples, uint64_t seed,
-                               sample_mean out[3]) {
+fathom_status laws_path(const law_room *room, uint64_t samples, uint64_t seed, sample_mean out[3]) {
     enum { WIDTH = 64 }; /* four tiles */
     double sums[3] = {0, 0, 0}, squares[3] = {0, 0, 0};
     const cells whole = {1, 1, sums, squares};
-    (void)user;
     return path_cells(room->b.context, room->b.scene, path_settings(WIDTH, WIDTH, room->depth, samples, seed),
                       WIDTH, &whole, out);
 }
-
-laws_render laws_path(void) { return (laws_render){"path", path_room, NULL}; }
 
 /* ---- both integrators on one scene ---- */
 
 fathom_status laws_pair_run(fathom_context *context, const fathom_scene *scene, const laws_pair *o,
                             laws_difference *out) {
-    enum { CELL = 8 };
     const uint32_t count = 3 * o->across * o->down;
     const fathom_settings settings =
         path_settings(o->across * CELL, o->down * CELL, o->depth, o->samples, o->seed);
     double *sums = calloc(2 * (size_t)count, sizeof *sums);
     sample_mean *means = calloc(2 * (size_t)count, sizeof *means);
     fathom_status status = sums && means ? FATHOM_OK : fail_memory(context, 2 * count * sizeof *means);
-    if (status == FATHOM_OK) status = reference_cells(scene, o, CELL, means);
+    if (status == FATHOM_OK) status = reference_cells(scene, o, means);
     if (status == FATHOM_OK) {
         const cells k = {o->across, o->across * o->down, sums, sums + count};
         status = path_cells(context, scene, settings, CELL, &k, means + count);
