@@ -82,6 +82,18 @@ UNIT_TEST(a_difference_of_eight_errors_is_found) {
     assert_int_equal(d.worst, 17);
 }
 
+UNIT_TEST(small_differences_in_one_direction_add_up) {
+    enum { MEANS = 192 };
+    sample_mean a[MEANS], b[MEANS];
+    for (int i = 0; i < MEANS; ++i) {
+        const double off = i % 3 == 1 ? 0.015 : 0; /* 1.5 errors in 64 cells: 12 of their sum */
+        a[i] = (sample_mean){5, 0.006, 15}, b[i] = (sample_mean){5 + off, 0.008, 1000};
+    }
+    const laws_difference d = laws_compare(a, b, MEANS, 0);
+    assert_true(d.p < 1e-6);
+    assert_int_equal(d.worst, MEANS + 1);
+}
+
 UNIT_TEST(equal_constants_agree_and_others_do_not) {
     const sample_mean exact = {2, 0, 10}, same = {2 + 1e-9, 0, 10}, other = {2.1, 0, 10};
     assert_near(welch_p(exact, same, 0, 1e-6), 1, 0);

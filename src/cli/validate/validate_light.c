@@ -99,6 +99,17 @@ static fathom_status closed_forms(fathom_context *context, const validate_settin
 
 /* ---- a scene ---- */
 
+static void print_difference(const laws_difference *d, const laws_pair *pair) {
+    const size_t cell = d->worst / 3;
+    char where[96] = "of the whole image";
+    if (cell < (size_t)pair->across * pair->down)
+        snprintf(where, sizeof where, "in cell %zu of %u from the left, %zu of %u from the top",
+                 cell % pair->across + 1, pair->across, cell / pair->across + 1, pair->down);
+    printf("path less reference: %+.3e +- %.1e of the light; the smallest of %zu p-values is %.2g after "
+           "correction, %s, and %g fails\n",
+           d->relative, d->relative_error, d->tests, d->p, where, LEVEL);
+}
+
 /* Means of 8 x 8 cells, each of 64 pixels. */
 static fathom_status compare_scene(fathom_context *context, const validate_settings *settings, bool *fails) {
     fathom_scene *scene;
@@ -119,11 +130,7 @@ static fathom_status compare_scene(fathom_context *context, const validate_setti
     status = fathom_scene_check(scene);
     if (status == FATHOM_OK) status = laws_pair_run(context, scene, &pair, &d);
     *fails = d.tests && d.p < LEVEL;
-    if (status == FATHOM_OK && !settings->common.quiet)
-        printf("path less reference: %+.3e +- %.1e of the light; the smallest of %zu p-values is %.2g after "
-               "correction, in cell %zu of %u from the left, %zu of %u from the top, and %g fails\n",
-               d.relative, d.relative_error, d.tests, d.p, d.worst / 3 % pair.across + 1, pair.across,
-               d.worst / 3 / pair.across + 1, pair.down, LEVEL);
+    if (status == FATHOM_OK && !settings->common.quiet) print_difference(&d, &pair);
     if (status == FATHOM_OK && settings->json)
         status =
             write_json(context, settings,

@@ -150,19 +150,31 @@ static double grain(const sample_mean *means, size_t count) {
     return most;
 }
 
+/* The sum of a channel's means over all cells; degrees of freedom by Welch and Satterthwaite. */
+static sample_mean sum_of(const sample_mean *means, size_t count, size_t channel) {
+    double sum = 0, square = 0, fourth = 0;
+    for (size_t i = channel; i < count; i += 3) {
+        const double x = means[i].error * means[i].error;
+        sum += means[i].mean, square += x, fourth += x * x / means[i].freedom;
+    }
+    return (sample_mean){sum, sqrt(square), fourth > 0 ? square * square / fourth : (double)INFINITY};
+}
+
 /* Rare bright paths carry much of the light of a room behind a window. A cell that met too few of them has a
  * mean that is too low and an error that is too small, so Welch's test alone would raise false alarms. If the
  * lower mean lacks a difference d for this reason, its variance lacks d times the grain; other cells show the
  * grain that this one missed. */
 laws_difference laws_compare(const sample_mean *a, const sample_mean *b, size_t count, double allowance) {
-    laws_difference d = {.tests = count, .p = 1};
+    laws_difference d = {.tests = count + 3, .p = 1};
     const double of_a = grain(a, count), of_b = grain(b, count);
     double sum = 0, difference = 0, square = 0;
-    for (size_t i = 0; i < count; ++i) {
-        const double more = a[i].mean - b[i].mean, missed = more < 0 ? -more * of_a : more * of_b;
-        const double p = welch_p(a[i], b[i], missed, allowance * fmax(fabs(a[i].mean), fabs(b[i].mean)));
+    for (size_t i = 0; i < d.tests; ++i) {
+        const sample_mean x = i < count ? a[i] : sum_of(a, count, i - count),
+                          y = i < count ? b[i] : sum_of(b, count, i - count);
+        const double more = x.mean - y.mean, missed = more < 0 ? -more * of_a : more * of_b;
+        const double p = welch_p(x, y, missed, allowance * fmax(fabs(x.mean), fabs(y.mean)));
         if (p < d.p) d.p = p, d.worst = i;
-        sum += (a[i].mean + b[i].mean) / 2, difference += more;
+        if (i >= count) sum += (x.mean + y.mean) / 2, difference += more;
     }
     /* The three channels of a cell are correlated, so their errors add linearly. */
     for (size_t i = 0; i + 2 < count; i += 3) {
@@ -170,7 +182,7 @@ laws_difference laws_compare(const sample_mean *a, const sample_mean *b, size_t 
         for (size_t c = i; c < i + 3; ++c) error += sqrt(a[c].error * a[c].error + b[c].error * b[c].error);
         square += error * error;
     }
-    d.p = sidak(d.p, (double)count);
+    d.p = sidak(d.p, (double)d.tests);
     if (sum > 0) d.relative = difference / sum, d.relative_error = sqrt(square) / sum;
     return d;
 }

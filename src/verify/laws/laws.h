@@ -87,12 +87,13 @@ laws_render laws_path;
 typedef struct laws_difference {
     size_t tests;
     double p;        /* the smallest p-value, corrected by Šidák */
-    size_t worst;    /* index of that mean, three per cell */
+    size_t worst;    /* index of that mean, three per cell; the last three are those of the whole image */
     double relative; /* relative difference of the sums over all means; and its standard error */
     double relative_error;
 } laws_difference;
 
-/* a, b: count means each, of samples that are not negative; three channels per cell. */
+/* a, b: count means each, of independent samples that are not negative; three channels per cell. Tests each,
+ * and for each channel their sum, which shows differences that are small everywhere. */
 laws_difference laws_compare(const sample_mean *a, const sample_mean *b, size_t count, double allowance);
 
 typedef struct laws_pair {
