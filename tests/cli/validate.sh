@@ -112,7 +112,7 @@ child=$!
 sleep 1
 kill -TERM $child
 end 5
-said out.txt 'correct.so: 0 wrong in 0 rays judged'
+said out.txt 'correct.so: 0 answers wrong in 0 rays judged'
 
 refused 2 '--families: expected names of families' validate --families edges
 refused 2 '--rays: expected a whole number from 1' validate --rays 0

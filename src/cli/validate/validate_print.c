@@ -118,7 +118,7 @@ static void print_power(const validate_runs *runs, size_t first, const compare_f
         sum->counts[VERDICT_WRONG] + sum->any_counts[VERDICT_WRONG] + sum->other_counts[VERDICT_WRONG];
     uint64_t screened = 0;
     for (size_t i = first; i < end; ++i) screened += runs->items[i].result.screened;
-    printf("%s: %llu wrong in %llu rays judged", runs->items[first].spec, (unsigned long long)wrong,
+    printf("%s: %llu answers wrong in %llu rays judged", runs->items[first].spec, (unsigned long long)wrong,
            (unsigned long long)sum->rays);
     if (!wrong) printf(": the rate is below %.2g at 95 %%", rate_below(sum->rays));
     if (screened) printf("; %llu more asked of a second tracer, too", (unsigned long long)screened);
