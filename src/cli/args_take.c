@@ -21,14 +21,21 @@ static bool take_as(fathom_parameter_type type, const args_option *option, const
     return take_parameter(&p, value, field, problem);
 }
 
+#define TAKE(name, type)                                                                                     \
+    bool name(const args_option *option, const char *value, void *field, args_problem *problem) {            \
+        return take_as(type, option, value, field, problem);                                                 \
+    }
+TAKE(take_text, FATHOM_PARAMETER_TEXT)
+TAKE(take_u32, FATHOM_PARAMETER_U32)
+TAKE(take_u64, FATHOM_PARAMETER_U64)
+TAKE(take_f32, FATHOM_PARAMETER_F32)
+TAKE(take_f64, FATHOM_PARAMETER_F64)
+TAKE(take_choice, FATHOM_PARAMETER_WORD)
+
 bool take_true(const args_option *option, const char *value, void *field, args_problem *problem) {
     (void)option, (void)value, (void)problem;
     *(bool *)field = true;
     return true;
-}
-
-bool take_text(const args_option *option, const char *value, void *field, args_problem *problem) {
-    return take_as(FATHOM_PARAMETER_TEXT, option, value, field, problem);
 }
 
 bool take_list(const args_option *option, const char *value, void *field, args_problem *problem) {
@@ -37,14 +44,6 @@ bool take_list(const args_option *option, const char *value, void *field, args_p
     if (list->count == ARGS_LIST_MAX) return args_wrong(problem, "given more than %d times", ARGS_LIST_MAX);
     list->items[list->count++] = value;
     return true;
-}
-
-bool take_u32(const args_option *option, const char *value, void *field, args_problem *problem) {
-    return take_as(FATHOM_PARAMETER_U32, option, value, field, problem);
-}
-
-bool take_u64(const args_option *option, const char *value, void *field, args_problem *problem) {
-    return take_as(FATHOM_PARAMETER_U64, option, value, field, problem);
 }
 
 bool take_counts(const args_option *option, const char *value, void *field, args_problem *problem) {
@@ -80,20 +79,8 @@ bool take_size(const args_option *option, const char *value, void *field, args_p
     return true;
 }
 
-bool take_f64(const args_option *option, const char *value, void *field, args_problem *problem) {
-    return take_as(FATHOM_PARAMETER_F64, option, value, field, problem);
-}
-
 bool take_given_f64(const args_option *option, const char *value, void *field, args_problem *problem) {
     args_f64 *number = field;
     number->given = true;
     return take_f64(option, value, &number->value, problem);
-}
-
-bool take_f32(const args_option *option, const char *value, void *field, args_problem *problem) {
-    return take_as(FATHOM_PARAMETER_F32, option, value, field, problem);
-}
-
-bool take_choice(const args_option *option, const char *value, void *field, args_problem *problem) {
-    return take_as(FATHOM_PARAMETER_WORD, option, value, field, problem);
 }
