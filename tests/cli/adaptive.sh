@@ -26,7 +26,7 @@ run 0 render scene.json -o b.exr --integrator path --spp 7 --stats b.json
 
 # Few samples at most: the target is missed, and that is told.
 run 0 render scene.json -o b.exr --target-error 0.0001 --spp 16 --stats b.json
-said out.txt '(above the target of 0.0001, with at most 16 samples per pixel)'
+said out.txt '(above the target of 0.0001: a tile may end a little above it, and has at most 16 spp)'
 holds "$(number b.json errorEstimate) > 0.0001"
 run 0 render scene.json -o b.exr --stats b.json
 said b.json '"errorEstimate": null'

@@ -189,6 +189,7 @@ for frames in 3-1 -5 1--5 1-1000000 '1- 2' 1-2-3 -; do
         render moving.gltf -o 'a#.png' --frames "$frames"
 done
 refused 2 '--fps: only with --frames' render moving.gltf -o a.png --fps 25
+refused 2 '-o a.####.png: #### stands for a frame' render moving.gltf -o a.####.png
 
 # An open shutter blurs what moves, as motion in scene JSON does, to the last bit; JSON's own motion too.
 sed 's/"animations"/"nothing"/' moving.gltf >still.gltf

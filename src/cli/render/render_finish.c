@@ -112,9 +112,19 @@ bool render_options_frame(render_options *options, uint32_t frame, frame_names *
     return true;
 }
 
+/* One # may be part of a name. */
+static bool check_single_frame(const render_options *options, args_problem *problem) {
+    if (options->frames.fps > 0) return args_wrong(problem, "--fps: only with --frames FIRST-LAST");
+    for (size_t i = 0; i < options->outputs.count; ++i)
+        if (strstr(options->outputs.items[i], "##"))
+            return args_wrong(problem,
+                              "-o %.300s: #### stands for a frame's number; expected --frames FIRST-LAST",
+                              options->outputs.items[i]);
+    return true;
+}
+
 static bool check_frames(const render_options *options, args_problem *problem) {
-    if (!frames_asked(&options->frames))
-        return !(options->frames.fps > 0) || args_wrong(problem, "--fps: only with --frames FIRST-LAST");
+    if (!frames_asked(&options->frames)) return check_single_frame(options, problem);
     return !options->mpi || args_wrong(problem, "--mpi: renders one image; expected no --frames");
 }
 

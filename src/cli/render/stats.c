@@ -184,7 +184,8 @@ static void print_why_it_ended(const render_report *r, const fathom_settings *s)
     else if (s->max_time > 0)
         fputs(" (above the target when time was up)", stdout);
     else
-        printf(" (above the target of %g, with at most %u samples per pixel)", s->target_error, s->spp);
+        printf(" (above the target of %g: a tile may end a little above it, and has at most %u spp)",
+               s->target_error, s->spp);
 }
 
 static void print_sampling(const render_report *r, const render_options *options) {
