@@ -300,14 +300,26 @@ static void add_problem(void *user, const char *text) {
     out->problems[out->shown.problem_count++] = to;
 }
 
+static bool any_bright(const fathom_light *lights, size_t count) {
+    for (size_t i = 0; i < count; ++i)
+        for (int c = 0; c < 3; ++c)
+            if (lights[i].intensity[c] > 0) return true;
+    return false;
+}
+
 static void find_problems(const fathom_scene *scene, const world *w, survey *out) {
     const fathom_integrator integrator = scene->settings.integrator;
-    const bool shines = parts_background(scene) && integrator != FATHOM_INTEGRATOR_CLASSIC,
+    const bool sky = parts_background(scene) ||
+                     any_bright(scene->environments.items, scene->environments.count),
+               shines = sky && integrator != FATHOM_INTEGRATOR_CLASSIC,
                emits = shines || materials_in_use(scene).bits & MATERIAL_EMIT;
     out->shown.problems = out->problems;
     lacks_find(w, integrator, add_problem, out);
-    if (!scene->lights.count && !scene->environments.count && !emits && !parts_ambient(scene))
-        add_problem(out, "no light, no ambient light and nothing that emits: every surface is black");
+    if (!any_bright(scene->lights.items, scene->lights.count) && !emits && !parts_ambient(scene))
+        add_problem(out, scene->lights.count + scene->environments.count
+                             ? "no light whose intensity and color are above 0, no ambient light and nothing "
+                               "that emits: every surface is black"
+                             : "no light, no ambient light and nothing that emits: every surface is black");
 }
 
 /* ---- the whole ---- */

@@ -68,6 +68,16 @@ if python3 -c 'import json' 2>/dev/null; then
     python3 -c 'import json; json.load(open("info.json"))' || die 'not JSON'
 fi
 
+# Lights without strength are none.
+for light in '"type": "point", "position": [0, 3, 0], "intensity": 0' \
+    '"type": "directional", "direction": [0, -1, 0], "color": [0, 0, 0]'; do
+    printf '{ "lights": [ { %s } ], "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }' "$light" >off.json
+    run 0 info off.json
+    said out.txt 'no light whose intensity and color are above 0, no ambient light and nothing that emits: every surface is black'
+    run 0 render off.json -o a.png --size 8x8 --spp 1
+    said err.txt 'all that is in view is black: no light reaches it, its materials reflect none, or the camera is inside an object'
+done
+
 # A floor without end has no bounds; light that is blue alone is light; what is cropped away takes no film; shapes that
 # Embree cannot reach are a problem, and what gives off light is a feature.
 cat >floor.json <<'JSON'

@@ -197,7 +197,7 @@ run 0 render dark.json -o b.png --exposure auto
 same a.png b.png
 sed 's/"lights": .*/"lights": [],/' scene.json >black.json
 run 0 render black.json -o a.exr --max-depth 0
-said err.txt 'all that is in view is black: the scene has no lights'
+said err.txt 'all that is in view is black: the camera is inside an object, or the scene has no lights'
 sed 's/"lights": .*/"lights": [],/; /"background"/d' scene.json >black.json
 run 0 render black.json -o a.exr --max-depth 0
 said err.txt 'the scene has no lights; give it some, or leave out its empty list of lights, or --no-studio'

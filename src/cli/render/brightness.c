@@ -44,8 +44,9 @@ static void warn_black(warning_list *warnings, const fathom_scene *scene, const 
     warnings_tell(
         warnings, "%s: all that is in view is black: %s", path,
         fathom_scene_lights(scene)
-            ? "no light reaches it, or its materials reflect none"
-            : "the scene has no lights; give it some, or leave out its empty list of lights, or --no-studio");
+            ? "no light reaches it, its materials reflect none, or the camera is inside an object"
+            : "the camera is inside an object, or the scene has no lights; give it some, or leave out its "
+              "empty list of lights, or --no-studio");
 }
 
 /* Describes the problem of the image at this exposure; false: there is none. scene: NULL if only its film is
