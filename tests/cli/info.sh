@@ -345,6 +345,113 @@ diff expected.txt found.txt || die 'units'
 sed 's/45/-0.79/; s/0.4/400/; s/55/0.36/; s/50/0.05/' units.json >usual.json
 run 0 info usual.json
 said out.txt 'problems  none'
+# Radians, and colours as bytes. The views and cones that lenses and lamps have, small turns and probes are in degrees.
+cat >radians.json <<'JSON'
+{ "camera": { "eye": [0, 0, 5], "target": [0, 0, 0], "lensRadius": 0.1, "blades": 6,
+"fovy": 0.8,
+"bladeRotation": 0.5236 },
+"materials": { "m": { "kdTexture": { "file": "image.png",
+"rotation": 1.5708 } } },
+"lights": [ { "type": "spot", "position": [0, 4, 0], "target": [0, 0, 0],
+"outerAngle": 0.785 }, { "type": "environment", "file": "sky.pfm",
+"rotation": 3.14 } ],
+"objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m", "rotate": { "axis": [0, 1, 0],
+"angle": -1.57 } },
+{ "type": "mesh", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "indices": [[0, 1, 2]],
+"colors": [[255, 0, 0], [0, 9, 0], [0, 0, 1]] } ] }
+JSON
+printf 'PF\n1 1\n-1.0\n\0\0\200\77\0\0\200\77\0\0\200\77' >sky.pfm
+run 0 info radians.json
+problems >found.txt
+cat >expected.txt <<'TXT'
+  radians.json:2: camera.fovy: expected degrees; 0.8 seems to be in radians, which are 45.84 degrees
+  radians.json:3: camera.bladeRotation: expected degrees; 0.5236 seems to be in radians, which are 30 degrees
+  radians.json:5: materials.m.kdTexture.rotation: expected degrees; 1.5708 seems to be in radians, which are 90 degrees
+  radians.json:7: lights[0].outerAngle: expected degrees; 0.785 seems to be in radians, which are 44.98 degrees
+  radians.json:8: lights[1].rotation: expected degrees; 3.14 seems to be in radians, which are 179.9 degrees
+  radians.json:10: objects[0].rotate.angle: expected degrees; -1.57 seems to be in radians, which are -89.95 degrees
+  radians.json:12: objects[1].colors: expected factors, such as 0.5; the numbers seem to be bytes up to 255
+TXT
+diff expected.txt found.txt || die 'radians'
+for view in 0.05 45; do
+    sed "s/0\.8,/$view,/; s/0\.5236/15/; s/1\.5708/2/; s/0\.785/1.7/; s/3\.14/3/; s/-1\.57/5.5/; s/255, 0/2.5, 0/" radians.json >usual.json
+    run 0 info usual.json
+    said out.txt 'problems  none'
+done
+# Images of parameters that are 0, images whose inversion has no effect, and keys that need another value. A file has
+# 20 warnings at most.
+image='{ "file": "image.png" }'
+cat >zero.json <<JSON
+{ "materials": { "m": { "model": "metallicRoughness",
+"emissiveTexture": $image,
+"metallicRoughnessTexture": $image,
+"transmissionTexture": $image,
+"clearcoatTexture": $image,
+"clearcoatRoughnessTexture": $image,
+"clearcoatNormalTexture": $image,
+"sheenColorTexture": $image,
+"sheenRoughnessTexture": $image,
+"anisotropyTexture": $image,
+"iridescenceTexture": $image,
+"iridescenceThicknessTexture": $image,
+"diffuseTransmissionTexture": $image,
+"diffuseTransmissionColorTexture": $image,
+"thickness": 1 }, "c": {
+"specular": "phong",
+"shininess": 5,
+"ksTexture": $image,
+"shininessTexture": $image,
+"keTexture": $image,
+"fresnel": true, "ior": 2 },
+"d": {}, "e": {} },
+"objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m" },
+  { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "c" } ] }
+JSON
+run 0 info zero.json
+problems >found.txt
+cat >expected.txt <<'TXT'
+  zero.json: further warnings are left out
+  zero.json:2: materials.m.emissiveTexture: it has no effect without "emissive"
+  zero.json:3: materials.m.metallicRoughnessTexture: its blue has no effect without "metallic"
+  zero.json:4: materials.m.transmissionTexture: it has no effect without "transmission"
+  zero.json:5: materials.m.clearcoatTexture: it has no effect without "clearcoat"
+  zero.json:6: materials.m.clearcoatRoughnessTexture: it has no effect without "clearcoat", "clearcoatRoughness"
+  zero.json:7: materials.m.clearcoatNormalTexture: it has no effect without "clearcoat"
+  zero.json:8: materials.m.sheenColorTexture: it has no effect without "sheenColor"
+  zero.json:9: materials.m.sheenRoughnessTexture: it has no effect without "sheenColor", "sheenRoughness"
+  zero.json:10: materials.m.anisotropyTexture: it has no effect without "anisotropy"
+  zero.json:11: materials.m.iridescenceTexture: it has no effect without "iridescence"
+  zero.json:12: materials.m.iridescenceThicknessTexture: it has no effect without "iridescence"
+  zero.json:13: materials.m.diffuseTransmissionTexture: it has no effect without "diffuseTransmission"
+  zero.json:14: materials.m.diffuseTransmissionColorTexture: it has no effect without "diffuseTransmission"
+  zero.json:15: materials.m.thickness: it has no effect without one of "transmission", "diffuseTransmission"
+  zero.json:16: materials.c.specular: it has no effect without "ks"
+  zero.json:17: materials.c.shininess: it has no effect without "ks"
+  zero.json:18: materials.c.ksTexture: it has no effect without "ks"
+  zero.json:19: materials.c.shininessTexture: it has no effect without "ks"
+  zero.json:20: materials.c.keTexture: it has no effect without "ke"
+  zero.json:21: materials.c.fresnel: it has no effect without one of "kr", "kt"
+TXT
+diff expected.txt found.txt || die 'images of parameters that are 0'
+run 0 convert zero.json again.json
+not_said again.json 'Texture\|thickness\|shininess'
+cat >one.json <<JSON
+{ "materials": { "m": { "model": "metallicRoughness", "metallic": 1,
+"transmission": 1,
+"baseColorTexture": { "file": "image.png",
+"inverted": true }, "roughnessTexture": { "file": "image.png", "inverted": true } },
+"d": {}, "e": {} },
+"groups": { "g": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] },
+"objects": [ { "type": "instance", "of": "g", "material": "m" } ] }
+JSON
+run 0 info one.json
+problems >found.txt
+cat >expected.txt <<'TXT'
+  one.json:2: materials.m.transmission: it has no effect where "metallic" is 1
+  one.json:4: materials.m.baseColorTexture.inverted: it has no effect where "baseColor" is 1; with 0 the surface has 1 - image
+  one.json:5: materials.d: no object has this material, the first of 2 such
+TXT
+diff expected.txt found.txt || die 'keys that need another value'
 # Vertices have opacities, so the cutoff stays.
 run 0 convert useful.json again.json
 said again.json '"opacityCutoff":0.5'

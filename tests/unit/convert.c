@@ -158,8 +158,8 @@ UNIT_TEST(every_image_reads_back) {
         if (kind == FATHOM_MAP_SHININESS || (format == GLB && channel < 0)) continue;
         fathom_texture image = texture;
         image.color_space = kind == FATHOM_MAP_COLOR ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR;
-        fathom_material given = default_material();
-        given.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+        fathom_material given = layered(GLB);
+        given.metallic = given.clearcoat_roughness = given.sheen_roughness = 0.4f;
         fathom_map *map = &given.maps[kind];
         *map = (fathom_map){.texture = 0, .uv_set = 1, .transform = {0.4f, 0.36f, 0.1f, -0.3f, 0.48f, 0.2f}};
         map->channel = channel < 0 ? 2 : (uint32_t)channel, map->inverted = format == JSON;

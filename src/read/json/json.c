@@ -144,39 +144,7 @@ static fathom_status set_image(const object_reader *r, json_t *root, form_scene_
     return status == FATHOM_OK ? status : doc_within(r->doc, &at, status);
 }
 
-/* ---- materials and lights ---- */
-
-static fathom_status add_materials(const object_reader *r, json_t *materials) {
-    const where at = {NULL, "materials", 0};
-    fathom_status status = FATHOM_OK;
-    const char *name;
-    json_t *value;
-    /* Reserves the exact size, because a growing array takes up to two and a half times the memory. */
-    if (!array_room(&r->scene->materials, json_object_size(materials)))
-        return fail_memory(r->scene->context, json_object_size(materials) * sizeof(scene_named_material));
-    json_object_foreach(materials, name, value) {
-        const where item = {&at, name, 0};
-        if (status == FATHOM_OK) status = material_add(r, &item, name, value);
-    }
-    return status;
-}
-
-/* Finding the line of each warning takes a search of the text, so a few warnings must do. */
-static void warn_materials(const object_reader *r, json_t *materials) {
-    enum { MOST_WARNINGS = 20 };
-    const where at = {NULL, "materials", 0};
-    const char *name;
-    json_t *value;
-    size_t told = 0;
-    json_object_foreach(materials, name, value) {
-        const where item = {&at, name, 0};
-        if (told >= MOST_WARNINGS) {
-            doc_warn(r->doc, &item, "further warnings about materials are left out");
-            return;
-        }
-        told += material_warn(r, &item, name, value);
-    }
-}
+/* ---- lights ---- */
 
 fathom_status light_group_set(const object_reader *r, const where *at, const char *key,
                               fathom_light_source source, size_t first, size_t end, const char *name) {
@@ -381,13 +349,13 @@ static fathom_status build(const object_reader *r, json_t *root, form_scene_valu
         status =
             light_group_set(r, NULL, "backgroundGroup", FATHOM_SOURCE_BACKGROUND, 0, 1, v->background_group);
     if (status == FATHOM_OK && doc_has(root, "ambient")) status = fathom_scene_set_ambient(scene, v->ambient);
-    if (status == FATHOM_OK) status = add_materials(r, v->materials);
+    if (status == FATHOM_OK) status = materials_add(r, v->materials);
     if (status == FATHOM_OK) status = add_lights(r, v->lights);
     /* Before animated models, which its shutter blurs. */
     if (status == FATHOM_OK && doc_has(root, "camera"))
         status = set_camera(r, json_object_get(root, "camera"), &v->camera);
     if (status == FATHOM_OK) status = add_objects(r, v);
-    if (status == FATHOM_OK) warn_materials(r, v->materials);
+    if (status == FATHOM_OK) status = materials_warn(r, v->materials);
     if (doc_has(root, "lights")) scene->has_lights = true;
     /* So that frames of an animation in which everything is hidden can be converted. */
     if (json_array_size(v->objects) == 0 && scene->has_camera) scene->hides = true;
@@ -420,7 +388,8 @@ fathom_status read_json(fathom_scene *scene, const char *path) {
     const char *end = (const char *)map.bytes + map.size,
                *text = text_after_mark((const char *)map.bytes, end);
     size_t size = (size_t)(end - text);
-    const doc d = {scene->context, path, text};
+    size_t told = 0;
+    const doc d = {scene->context, path, text, &told};
     json_error_t error;
     /* Numbers are read as double: 1, 1.0 and 1e0 are equal, and 1e20 is valid without a point. */
     json_arena arena = {NULL, false};

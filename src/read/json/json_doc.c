@@ -9,7 +9,7 @@
 
 /* ---- errors and their places ---- */
 
-enum { TEXT_ROOM = 512, KEYS_ROOM = 2048 };
+enum { TEXT_ROOM = 512 };
 
 const fathom_place *doc_place(const doc *d, const where *at, where_spot *spot) {
     where_path(at, spot->path, sizeof spot->path);
@@ -18,6 +18,10 @@ const fathom_place *doc_place(const doc *d, const where *at, where_spot *spot) {
 }
 
 void doc_warn(const doc *d, const where *at, const char *format, ...) {
+    /* Finding the line of each takes a search of the text. */
+    enum { MOST_WARNINGS = 20 };
+    if (++*d->told == MOST_WARNINGS + 1) warn(d->context, "%s: further warnings are left out", d->path);
+    if (*d->told > MOST_WARNINGS) return;
     where_spot spot;
     char text[2 * TEXT_ROOM];
     va_list args;
@@ -69,96 +73,6 @@ static fathom_status fail_kind(const doc *d, const where *at, json_t *value, con
     return doc_expected(d, at, value, text);
 }
 
-/* ---- unknown names ---- */
-
-/* The key that selects a variant of the form. */
-static const char *tag_of(const form *f) { return f->tag ? f->tag : "type"; }
-
-/* Appends to a list in text, with `mark` around the word. From the first word without room on, "..." stands
- * for all. */
-static void list_word(char *text, size_t room, const char *word, const char *mark) {
-    static const char more[] = ", ...";
-    const size_t used = strlen(text), end = sizeof more - 1;
-    if (used >= end && strcmp(text + used - end, more) == 0) return;
-    if (used + strlen(word) + 2 * strlen(mark) + 2 + sizeof more > room)
-        snprintf(text + used, room - used, "%s", more);
-    else
-        snprintf(text + used, room - used, "%s%s%s%s", used ? ", " : "", mark, word, mark);
-}
-
-fathom_status doc_unknown_name(const doc *d, const where *at, const char *what, const char *name,
-                               json_t *names) {
-    text_search search = text_search_begin(name);
-    char all[TEXT_ROOM] = "";
-    const char *key;
-    json_t *value;
-    json_object_foreach(names, key, value) {
-        text_search_offer(&search, key);
-        list_word(all, sizeof all, key, "\"");
-    }
-    if (search.best)
-        return doc_fail(d, at, "there is no %s \"%.60s\"; did you mean \"%.60s\"?", what, name, search.best);
-    if (!*all) return doc_fail(d, at, "there is no %s \"%.60s\"; the file has none", what, name);
-    return doc_fail(d, at, "there is no %s \"%.60s\"; there are: %s", what, name, all);
-}
-
-/* Finds the key of `f` that is nearest to `wanted`. all: a list of the keys, or NULL. */
-static text_search search_keys(const form *f, const char *wanted, char *all) {
-    text_search search = text_search_begin(wanted);
-    for (const form_key *const *part = f->parts; *part; ++part) {
-        for (const form_key *key = *part; key->name; ++key) {
-            text_search_offer(&search, key->name);
-            if (all) list_word(all, KEYS_ROOM, key->name, "");
-        }
-    }
-    return search;
-}
-
-/* The form that `f` is a variant of, or NULL. */
-static const form *family_of(const form *f) {
-    static const form *const families[] = {&form_material, &form_light, &form_object};
-    for (size_t i = 0; i < sizeof families / sizeof *families; ++i) {
-        for (const form *const *variant = families[i]->variants; *variant; ++variant)
-            if (*variant == f) return families[i];
-    }
-    return NULL;
-}
-
-static bool has_variant(const form *f, const char *name) {
-    for (const form *const *variant = f->variants; variant && *variant; ++variant)
-        if (strcmp((*variant)->name, name) == 0) return true;
-    return false;
-}
-
-/* The key may belong to another variant, such as a material of another model, or to an object or list in this
- * one. */
-static fathom_status fail_unknown_key(const doc *d, const where *at, json_t *value, const form *f) {
-    char all[KEYS_ROOM] = "";
-    const text_search search = search_keys(f, at->key, all);
-    const form *family = family_of(f);
-    /* Other programs call it so. */
-    if (family == &form_object && !strcmp(at->key, "position") && json_is_number(json_array_get(value, 0)))
-        return doc_fail(d, at, "unknown key; did you mean \"translation\"?");
-    for (const form *const *other = family ? family->variants : NULL; other && *other; ++other) {
-        const text_search there = search_keys(*other, at->key, NULL);
-        if (*other == f || !there.best || (search.best && there.distance)) continue;
-        return doc_fail(d, at, "unknown key for \"%s\": \"%s\"%s; \"%s\": \"%s\" has \"%s\"", tag_of(family),
-                        f->name, family->tag && f == family->variants[0] ? ", the default" : "",
-                        tag_of(family), (*other)->name, there.best);
-    }
-    if (search.best) return doc_fail(d, at, "unknown key; did you mean \"%s\"?", search.best);
-    for (const form_key *const *part = f->parts; *part; ++part) {
-        for (const form_key *key = *part; key->name; ++key) {
-            if (key->kind == FORM_OBJECT && form_find(key->form, at->key))
-                return doc_fail(d, at, "unknown key; \"%s\" has \"%s\"", key->name, at->key);
-            if (key->kind == FORM_LIST && has_variant(key->form, at->key))
-                return doc_fail(d, at, "unknown key; items of \"%s\" have \"type\": \"%s\"", key->name,
-                                at->key);
-        }
-    }
-    return doc_fail(d, at, "unknown key; known here: %s", all);
-}
-
 /* ---- numbers ---- */
 
 static void describe_range(form_range r, char *out, size_t room) {
@@ -188,8 +102,8 @@ static fathom_status fail_count(const doc *d, const where *at, json_t *value, co
                                 unsigned rows) {
     char range[80], numbers[240], text[280];
     describe_range(key->range, range, sizeof range);
-    snprintf(numbers, sizeof numbers, "%u %s%s%s", key->count, is_whole(key) ? "integers" : "numbers", range,
-             meaning_of(key));
+    snprintf(numbers, sizeof numbers, "%u %s%s%s%s", key->count, is_whole(key) ? "integer" : "number",
+             key->count == 1 ? "" : "s", range, meaning_of(key));
     if (rows)
         snprintf(text, sizeof text, "an array of %u arrays of %s", rows, numbers);
     else
@@ -203,12 +117,29 @@ static bool in_range(form_range r, double x) {
     return r.open & FORM_OPEN_HIGH ? x < r.high : x <= r.high;
 }
 
+static bool is_common_turn(double radians) {
+    static const double degrees[] = {30, 45, 60, 90, 120, 135, 180, 270, 360};
+    for (size_t i = 0; i < sizeof degrees / sizeof *degrees; ++i)
+        if (fabs(fabs(radians) * (180 / 3.14159265358979323846) / degrees[i] - 1) < 1e-3) return true;
+    return false;
+}
+
+static void warn_unit(const doc *d, const where *at, const form_unit *unit, double x) {
+    const bool within = fabs(x) >= unit->low && fabs(x) <= unit->high;
+    if (x == 0) return;
+    if (unit->name && !within) doc_warn(d, at, "expected %s; %g seems to be in another unit", unit->name, x);
+    if (!unit->name && (unit->high > 0 ? within : is_common_turn(x)))
+        doc_warn(d, at, "expected degrees; %g seems to be in radians, which are %.4g degrees", x,
+                 x * (180 / 3.14159265358979323846));
+}
+
 /* `to`: NULL only checks the number; `place`: its index in the member's array. */
 static fathom_status read_number(const doc *d, const where *at, json_t *value, const form_key *key, void *to,
                                  size_t place) {
     double x = json_number_value(value);
     if (!json_is_number(value) || !in_range(key->range, x) || (is_whole(key) && floor(x) != x))
         return fail_number(d, at, value, key);
+    if (key->unit) warn_unit(d, at, key->unit, x);
     if (!to) return FATHOM_OK;
     if (key->kind == FORM_F32) ((float *)to)[place] = (float)x;
     if (key->kind == FORM_F64) ((double *)to)[place] = x;
@@ -273,7 +204,7 @@ static fathom_status choose_word(const doc *d, const where *at, json_t *value, c
     const char *each;
     for (unsigned i = 0; (each = words_at(words, i, &length)); ++i) {
         snprintf(one, sizeof one, "%.*s", (int)length, each);
-        list_word(all, sizeof all, one, "\"");
+        doc_list_word(all, sizeof all, one, "\"");
     }
     return fail_kind(d, at, value, "one of ", all, "");
 }
@@ -329,7 +260,8 @@ static fathom_status read_member(const doc *d, const where *at, json_t *value, c
 }
 
 static fathom_status fail_missing(const doc *d, const where *at, const char *key, const form *f) {
-    return doc_fail(d, at, "\"%s\" is missing; every %s needs it", key, f->name);
+    return doc_fail(d, at, "\"%s\" is missing; every %s needs it", key,
+                    strstr(f->name, "Key") ? "key" : f->name);
 }
 
 static fathom_status check_required(const doc *d, const where *at, json_t *value, const form *f) {
@@ -376,30 +308,27 @@ static fathom_status check_rules(const doc *d, const where *at, json_t *value, c
     return FATHOM_OK;
 }
 
-static bool warn_useless(const doc *d, const where *at, json_t *value, const form_rule *rule,
+static void warn_useless(const doc *d, const where *at, json_t *value, const form_rule *rule,
                          const char *also) {
     const where key = {at, rule->key, 0};
     const bool one = rule->kind == FORM_WANTS_ONE_OF;
     size_t count = 0, missing = 0;
     char all[TEXT_ROOM] = "";
-    if ((rule->kind != FORM_WANTS && !one) || !doc_has(value, rule->key)) return false;
+    if ((rule->kind != FORM_WANTS && !one) || !doc_has(value, rule->key)) return;
     for (const char *const *other = rule->others; *other; ++other, ++count) {
         if (doc_has(value, *other) || (also && strcmp(also, *other) == 0)) continue;
-        list_word(all, sizeof all, *other, "\"");
+        doc_list_word(all, sizeof all, *other, "\"");
         ++missing;
     }
-    if (one ? missing < count : !missing) return false;
-    doc_warn(d, &key, "it has no effect without %s%s", one ? "one of " : "", all);
-    return true;
+    if (one ? missing == count : missing)
+        doc_warn(d, &key, "it has no effect without %s%s", one ? "one of " : "", all);
 }
 
-size_t doc_warn_useless(const doc *d, const where *at, json_t *value, const form *f, const char *also) {
-    size_t told = 0;
+void doc_warn_useless(const doc *d, const where *at, json_t *value, const form *f, const char *also) {
     for (const form_rule *const *part = f->rules; *part; ++part) {
         for (const form_rule *rule = *part; rule->kind != FORM_NO_RULE; ++rule)
-            told += warn_useless(d, at, value, rule, also);
+            warn_useless(d, at, value, rule, also);
     }
-    return told;
 }
 
 /* Names the keys that the object must have. */
@@ -407,7 +336,7 @@ static fathom_status fail_object(const doc *d, const where *at, json_t *value, c
     char all[100] = "";
     for (const form_key *const *part = f->parts; *part; ++part) {
         for (const form_key *key = *part; key->name; ++key)
-            if (key->required) list_word(all, sizeof all, key->name, "\"");
+            if (key->required) doc_list_word(all, sizeof all, key->name, "\"");
     }
     return fail_kind(d, at, value, "an object", *all ? " with " : "", all);
 }
@@ -419,7 +348,7 @@ fathom_status doc_read(const doc *d, const where *at, json_t *value, const form 
     json_object_foreach(value, name, member) {
         const where inner = {at, name, 0};
         const form_key *key = form_find(f, name);
-        if (!key) return fail_unknown_key(d, &inner, member, f);
+        if (!key) return doc_unknown_key(d, &inner, member, f);
         fathom_status status = read_member(d, &inner, member, key, to);
         if (status != FATHOM_OK) return status;
     }
@@ -429,15 +358,13 @@ fathom_status doc_read(const doc *d, const where *at, json_t *value, const form 
 
 fathom_status doc_choose(const doc *d, const where *at, json_t *value, const form *f, const form **out) {
     if (!json_is_object(value)) return doc_expected(d, at, value, "an object");
-    const where type = {at, tag_of(f), 0};
+    const where type = {at, doc_tag(f), 0};
     json_t *tag = json_object_get(value, type.key);
     *out = f->variants[0];
     if (!tag) return f->tag ? FATHOM_OK : fail_missing(d, at, type.key, f);
-    char all[TEXT_ROOM] = "";
     for (const form *const *variant = f->variants; *variant; ++variant) {
         *out = *variant;
         if (json_is_string(tag) && strcmp(json_string_value(tag), (*out)->name) == 0) return FATHOM_OK;
-        list_word(all, sizeof all, (*out)->name, "\"");
     }
-    return fail_kind(d, &type, tag, "one of ", all, "");
+    return doc_unknown_type(d, &type, tag, f);
 }

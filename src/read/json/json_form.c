@@ -20,6 +20,9 @@
 #define FLOATS .range = {-1e30, 1e30, 0}
 #define RADIANCE .range = {0, 1e30, 0}
 
+/* No usual lens shows less than 3.2 degrees; views below 0.1 are probes of one point. */
+static const form_unit view_unit = {NULL, 0.1, 3.2}, cone_unit = {NULL, 0.1, 1.6}, turn_unit = {NULL, 0, 0};
+
 /* ---- frames and placement ---- */
 
 static const form_key frame_keys[] = {
@@ -34,7 +37,7 @@ const form form_frame = {.name = "frame", .parts = {frame_keys}, .rules = {frame
 
 static const form_key turn_keys[] = {
     {"axis", FORM_F64, AT(form_turn_values, axis), .count = 3, .nonzero = true, .required = true},
-    {"angle", FORM_F64, AT(form_turn_values, angle), .required = true},
+    {"angle", FORM_F64, AT(form_turn_values, angle), .required = true, .unit = &turn_unit},
     END_KEYS,
 };
 const form form_turn = {.name = "rotate", .parts = {turn_keys}};
@@ -82,7 +85,8 @@ static const form_rule view_rules[] = {
     END_RULES,
 };
 static const form_key camera_keys[] = {
-    {"fovy", FORM_F64, AT(form_camera_values, fovy), .range = {0, 180, FORM_OPEN_LOW | FORM_OPEN_HIGH}},
+    {"fovy", FORM_F64, AT(form_camera_values, fovy), .range = {0, 180, FORM_OPEN_LOW | FORM_OPEN_HIGH},
+     .unit = &view_unit},
     {"orthographic", FORM_F64, AT(form_camera_values, orthographic), POSITIVE},
     {"d", FORM_F64, AT(form_camera_values, d), POSITIVE},
     {"w", FORM_F64, AT(form_camera_values, w), POSITIVE},
@@ -92,7 +96,7 @@ static const form_key camera_keys[] = {
     {"focalLength", FORM_F64, AT(form_camera_values, focal_length), POSITIVE},
     {"focusDistance", FORM_F64, AT(form_camera_values, focus_distance), POSITIVE},
     {"blades", FORM_U32, AT(form_camera_values, blades), .range = {3, 64, 0}},
-    {"bladeRotation", FORM_F64, AT(form_camera_values, blade_rotation)},
+    {"bladeRotation", FORM_F64, AT(form_camera_values, blade_rotation), .unit = &turn_unit},
     {"nearClip", FORM_F64, AT(form_camera_values, near_clip), .range = {0, INFINITY}},
     {"farClip", FORM_F64, AT(form_camera_values, far_clip), POSITIVE},
     {"shutter", FORM_F64, AT(form_camera_values, shutter), .count = 2},
@@ -143,7 +147,7 @@ static const form_key texture_keys[] = {
     {"inverted", FORM_BOOL, AT(form_texture_values, inverted)},
     {"uvSet", FORM_U32, AT(form_texture_values, uv_set), UNIT},
     {"scale", FORM_F64, AT(form_texture_values, scale), .count = 2, .range = {-1e6, 1e6, 0}},
-    {"rotation", FORM_F64, AT(form_texture_values, rotation)},
+    {"rotation", FORM_F64, AT(form_texture_values, rotation), .unit = &turn_unit},
     {"offset", FORM_F64, AT(form_texture_values, offset), .count = 2, .range = {-1e6, 1e6, 0}},
     {"wrapU", FORM_WORD, AT(form_texture_values, wrap_u), .words = wrap_words},
     {"wrapV", FORM_WORD, AT(form_texture_values, wrap_v), .words = wrap_words},
@@ -190,18 +194,31 @@ static const form_rule metallic_rules[] = {
     {FORM_NEEDS, "priority", {"thickness"}},
     {FORM_WANTS, "dispersion", {"transmission"}},
     {FORM_WANTS, "emissiveStrength", {"emissive"}},
+    {FORM_WANTS, "emissiveTexture", {"emissive"}},
+    {FORM_WANTS, "metallicTexture", {"metallic"}},
+    {FORM_WANTS, "transmissionTexture", {"transmission"}},
     {FORM_WANTS, "attenuationColor", {"attenuationDistance", "thickness"}},
     {FORM_WANTS_ONE_OF, "attenuationColor", {"transmission", "diffuseTransmission"}},
     {FORM_WANTS, "attenuationDistance", {"attenuationColor", "thickness"}},
     {FORM_WANTS_ONE_OF, "attenuationDistance", {"transmission", "diffuseTransmission"}},
+    {FORM_WANTS, "clearcoatTexture", {"clearcoat"}},
     {FORM_WANTS, "clearcoatRoughness", {"clearcoat"}},
+    {FORM_WANTS, "clearcoatRoughnessTexture", {"clearcoat", "clearcoatRoughness"}},
+    {FORM_WANTS, "clearcoatNormalTexture", {"clearcoat"}},
     {FORM_WANTS, "clearcoatNormalScale", {"clearcoat", "clearcoatNormalTexture"}},
+    {FORM_WANTS, "sheenColorTexture", {"sheenColor"}},
     {FORM_WANTS, "sheenRoughness", {"sheenColor"}},
+    {FORM_WANTS, "sheenRoughnessTexture", {"sheenColor", "sheenRoughness"}},
     {FORM_WANTS, "anisotropyRotation", {"anisotropy"}},
+    {FORM_WANTS, "anisotropyTexture", {"anisotropy"}},
+    {FORM_WANTS, "iridescenceTexture", {"iridescence"}},
+    {FORM_WANTS, "iridescenceThicknessTexture", {"iridescence"}},
     {FORM_WANTS, "iridescenceIor", {"iridescence"}},
     {FORM_WANTS, "iridescenceThicknessMin", {"iridescence", "iridescenceThicknessTexture"}},
     {FORM_WANTS, "iridescenceThicknessMax", {"iridescence"}},
+    {FORM_WANTS, "diffuseTransmissionTexture", {"diffuseTransmission"}},
     {FORM_WANTS, "diffuseTransmissionColor", {"diffuseTransmission"}},
+    {FORM_WANTS, "diffuseTransmissionColorTexture", {"diffuseTransmission"}},
     {FORM_WANTS, "normalScale", {"normalTexture"}},
     {FORM_WANTS, "bumpScale", {"bumpTexture"}},
     /* The reader adds the opacities of meshes. */
@@ -211,11 +228,12 @@ static const form_rule metallic_rules[] = {
 
 /* Without a lobe, k_s and its exponent would have no effect. */
 static const form_rule classic_rules[] = {
-    {FORM_NEEDS, "ks", {"specular"}},
-    {FORM_NEEDS, "shininess", {"specular"}},
-    {FORM_WANTS, "normalScale", {"normalTexture"}},
-    {FORM_WANTS, "bumpScale", {"bumpTexture"}},
-    END_RULES,
+    {FORM_NEEDS, "ks", {"specular"}},           {FORM_NEEDS, "shininess", {"specular"}},
+    {FORM_WANTS, "specular", {"ks"}},           {FORM_WANTS, "shininess", {"ks"}},
+    {FORM_WANTS, "ksTexture", {"ks"}},          {FORM_WANTS, "shininessTexture", {"ks"}},
+    {FORM_WANTS, "keTexture", {"ke"}},          {FORM_WANTS_ONE_OF, "fresnel", {"kr", "kt"}},
+    {FORM_WANTS_ONE_OF, "ior", {"kr", "kt"}},   {FORM_WANTS, "normalScale", {"normalTexture"}},
+    {FORM_WANTS, "bumpScale", {"bumpTexture"}}, END_RULES,
 };
 static const form_key model_keys[] = {
     {"model", FORM_TAG, .required = false}, {"group", FORM_TEXT, AT(form_material_values, group)}, END_KEYS};
@@ -259,7 +277,7 @@ static const form_key sun_keys[] = {
 };
 static const form_key environment_keys[] = {
     {"file", FORM_TEXT, AT(form_light_values, file), .required = true},
-    {"rotation", FORM_F64, AT(form_light_values, rotation)},
+    {"rotation", FORM_F64, AT(form_light_values, rotation), .unit = &turn_unit},
     {"up", FORM_F64, AT(form_light_values, up), .count = 3, .nonzero = true},
     END_KEYS,
 };
@@ -267,7 +285,8 @@ static const form_key spot_keys[] = {
     {"direction", FORM_F64, AT(form_light_values, direction), .count = 3, .nonzero = true},
     {"target", FORM_F64, AT(form_light_values, target), .count = 3},
     {"innerAngle", FORM_F64, AT(form_light_values, inner_angle), .range = {0, 90, FORM_OPEN_HIGH}},
-    {"outerAngle", FORM_F64, AT(form_light_values, outer_angle), .range = {0, 90, FORM_OPEN_LOW}},
+    {"outerAngle", FORM_F64, AT(form_light_values, outer_angle), .range = {0, 90, FORM_OPEN_LOW},
+     .unit = &cone_unit},
     END_KEYS,
 };
 static const form_rule spot_rules[] = {{FORM_ONE_OF, NULL, {"direction", "target"}}, END_RULES};
@@ -457,18 +476,33 @@ static form_range range_of(const fathom_parameter *p) {
         (above ? FORM_OPEN_LOW : 0u) | (p->flags & FATHOM_PARAMETER_OPEN_HIGH ? FORM_OPEN_HIGH : 0u)};
 }
 
+static const form_unit *unit_of(const char *name) {
+    static const struct {
+        const char *key;
+        form_unit unit;
+    } units[] = {{"anisotropyRotation", {"radians", 0, 7}},
+                 {"iridescenceThicknessMin", {"nanometres", 1, 1e5}},
+                 {"iridescenceThicknessMax", {"nanometres", 1, 1e5}},
+                 {"dispersion", {"20 divided by the Abbe number", 0, 15}}};
+    for (size_t i = 0; i < sizeof units / sizeof *units; ++i)
+        if (strcmp(units[i].key, name) == 0) return &units[i].unit;
+    return NULL;
+}
+
 /* names: memory for the names of the keys; it must outlive the keys. */
 static void fill_keys(parameter_table table, form_key *keys, char names[][PARAMETER_NAME]) {
     for (size_t i = 0; i < table.count; ++i) {
         const fathom_parameter *p = &table.rows[i];
         if (!(p->flags & FATHOM_PARAMETER_FILE)) continue;
         parameter_name(p, 0, *names);
-        *keys++ = (form_key){.name = *names++,
+        *keys++ = (form_key){.name = *names,
                              .kind = (form_kind)p->type,
                              .offset = p->offset,
                              .range = range_of(p),
                              .count = p->count,
-                             .words = p->words};
+                             .words = p->words,
+                             .unit = unit_of(*names)};
+        ++names;
     }
 }
 

@@ -32,6 +32,14 @@ typedef struct form_range {
     unsigned open;    /* FORM_OPEN_ bits: ends that are out of range */
 } form_range;
 
+/* The unit of a key, and the numbers that seem to be in another one. 0 is in any. */
+typedef struct form_unit {
+    const char *name; /* NULL: degrees */
+    /* Usual magnitudes are in [low, high]. For degrees: magnitudes in [low, high] seem to be radians; both 0:
+     * a common turn in radians does. */
+    double low, high;
+} form_unit;
+
 typedef struct form form;
 
 typedef struct form_key {
@@ -46,6 +54,7 @@ typedef struct form_key {
     const char *words;
     const form *form;
     const char *meaning; /* for messages, after "a string" or the numbers; NULL: none */
+    const form_unit *unit;
 } form_key;
 
 typedef enum form_rule_kind {

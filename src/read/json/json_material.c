@@ -1,7 +1,9 @@
 /* Materials, and the images that they take parameters from. */
+#include "base/parameter.h"
 #include "read/json/json_scene.h"
 #include "read/read.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -102,6 +104,20 @@ static const char *key_of(const form *f, int kind) {
     return NULL;
 }
 
+/* Where p is 1, 1 - (1 - p) image is 1. The image "kdTexture" multiplies p = "kd". */
+static void warn_inverted(const object_reader *r, const where *at, const form *f,
+                          const form_material_values *v) {
+    char name[PARAMETER_NAME];
+    snprintf(name, sizeof name, "%.*s", (int)(strlen(at->key) - strlen("Texture")), at->key);
+    const form_key *factor = form_find(f, name);
+    const where key = {at, "inverted", 0};
+    if (!factor) return;
+    const float *p = (const float *)((const char *)v + factor->offset);
+    for (unsigned i = 0; i < (factor->count ? factor->count : 1); ++i)
+        if (p[i] != 1) return;
+    doc_warn(r->doc, &key, "it has no effect where \"%s\" is 1; with 0 the surface has 1 - image", name);
+}
+
 static fathom_status add_textures(const object_reader *r, const where *at, json_t *value, const form *f,
                                   form_material_values *v) {
     fathom_map *maps = v->material.maps, both;
@@ -111,6 +127,7 @@ static fathom_status add_textures(const object_reader *r, const where *at, json_
         if (!key || !doc_has(value, key)) continue;
         const where texture = {at, key, 0};
         warn_texture(r, &texture, json_object_get(value, key), kind);
+        if (v->textures[kind].inverted) warn_inverted(r, &texture, f, v);
         status = add_texture(r, &texture, &v->textures[kind], kind,
                              kind == FORM_METALLIC_ROUGHNESS ? &both : &maps[kind]);
         if (status != FATHOM_OK || kind != FORM_METALLIC_ROUGHNESS) continue;
@@ -121,7 +138,7 @@ static fathom_status add_textures(const object_reader *r, const where *at, json_
     return status;
 }
 
-fathom_status material_add(const object_reader *r, const where *at, const char *name, json_t *value) {
+static fathom_status add_material(const object_reader *r, const where *at, const char *name, json_t *value) {
     form_material_values v;
     fathom_id id;
     const form *f;
@@ -143,10 +160,9 @@ fathom_status material_add(const object_reader *r, const where *at, const char *
     return FATHOM_OK;
 }
 
-/* Meshes without the set of texture coordinates that an image of their material takes. Returns the number of
- * warnings. */
-static size_t warn_set(const object_reader *r, const where *at, json_t *value, const form *f, fathom_id id,
-                       unsigned set) {
+/* Meshes without the set of texture coordinates that an image of their material takes. */
+static void warn_set(const object_reader *r, const where *at, json_t *value, const form *f, fathom_id id,
+                     unsigned set) {
     size_t bare = 0;
     for (size_t i = 0; i < r->scene->meshes.count; ++i) {
         const fathom_mesh *mesh = &r->scene->meshes.items[i];
@@ -160,39 +176,84 @@ static size_t warn_set(const object_reader *r, const where *at, json_t *value, c
         doc_warn(r->doc, set ? &set_key : &texture,
                  "a mesh with this material has no \"%s\", so each of its triangles shows half the image",
                  set ? "uvs1" : "uvs");
-        return 1;
+        return;
     }
-    return 0;
 }
 
-/* Outside of these ranges, a number other than 0 was surely meant in another unit. */
-static const struct {
-    const char *key, *unit;
-    double low, high;
-} usual[] = {
-    {"anisotropyRotation", "radians", -7, 7},
-    {"iridescenceThicknessMin", "nanometres", 1, 1e5},
-    {"iridescenceThicknessMax", "nanometres", 1, 1e5},
-    {"dispersion", "20 divided by the Abbe number", 0, 15},
-};
-
-static size_t warn_unit(const object_reader *r, const where *at, json_t *value) {
-    size_t told = 0;
-    for (size_t i = 0; i < sizeof usual / sizeof *usual; ++i) {
-        const where key = {at, usual[i].key, 0};
-        const double number = json_number_value(json_object_get(value, key.key));
-        if (number == 0 || (number >= usual[i].low && number <= usual[i].high)) continue;
-        doc_warn(r->doc, &key, "expected %s; %g seems to be in another unit", usual[i].unit, number);
-        ++told;
-    }
-    return told;
+/* Warns of keys without effect that the rules of the form cannot tell. */
+static void warn_more(const object_reader *r, const where *at, json_t *value) {
+    const where image = {at, "metallicRoughnessTexture", 0}, through = {at, "transmission", 0},
+                volume = {at, "thickness", 0};
+    const double transmission = json_number_value(json_object_get(value, through.key));
+    if (doc_has(value, volume.key) && !doc_has(value, through.key) && !doc_has(value, "diffuseTransmission"))
+        doc_warn(r->doc, &volume,
+                 "it has no effect without one of \"transmission\", \"diffuseTransmission\"");
+    if (doc_has(value, image.key) && !doc_has(value, "metallic"))
+        doc_warn(r->doc, &image, "its blue has no effect without \"metallic\"");
+    if (transmission > 0 && json_number_value(json_object_get(value, "metallic")) == 1 &&
+        !doc_has(value, image.key) && !doc_has(value, "metallicTexture"))
+        doc_warn(r->doc, &through, "it has no effect where \"metallic\" is 1");
 }
 
-size_t material_warn(const object_reader *r, const where *at, const char *name, json_t *value) {
+static void warn_material(const object_reader *r, const where *at, const char *name, json_t *value) {
     const char *also = scene_has_opacities(r->scene) ? FORM_OPACITIES : NULL;
     const form *f;
-    if (doc_choose(r->doc, at, value, &form_material, &f) != FATHOM_OK) return 0;
+    if (doc_choose(r->doc, at, value, &form_material, &f) != FATHOM_OK) return;
     const fathom_id id = (fathom_id)json_integer_value(json_object_get(r->materials, name));
-    return doc_warn_useless(r->doc, at, value, f, also) + warn_set(r, at, value, f, id, 0) +
-           warn_set(r, at, value, f, id, 1) + warn_unit(r, at, value);
+    doc_warn_useless(r->doc, at, value, f, also);
+    warn_set(r, at, value, f, id, 0);
+    warn_set(r, at, value, f, id, 1);
+    warn_more(r, at, value);
+}
+
+/* ---- all materials of the file ---- */
+
+fathom_status materials_add(const object_reader *r, json_t *materials) {
+    const where at = {NULL, "materials", 0};
+    fathom_status status = FATHOM_OK;
+    const char *name;
+    json_t *value;
+    /* Reserves the exact size, because a growing array takes up to two and a half times the memory. */
+    if (!array_room(&r->scene->materials, json_object_size(materials)))
+        return fail_memory(r->scene->context, json_object_size(materials) * sizeof(scene_named_material));
+    json_object_foreach(materials, name, value) {
+        const where item = {&at, name, 0};
+        if (status == FATHOM_OK) status = add_material(r, &item, name, value);
+    }
+    return status;
+}
+
+/* Warns of the first material that nothing has. */
+static fathom_status warn_unused(const object_reader *r, json_t *materials) {
+    const fathom_scene *scene = r->scene;
+    const where at = {NULL, "materials", 0};
+    bool *used = calloc(scene->materials.count, sizeof *used);
+    if (!used) return fail_memory(scene->context, scene->materials.count);
+    for (size_t i = 0; i < scene->objects.count; ++i) used[scene_object_material(scene, (fathom_id)i)] = true;
+    for (size_t i = 0; i < scene->instances.count; ++i)
+        if (scene->instances.items[i].material != FATHOM_NONE)
+            used[scene->instances.items[i].material] = true;
+    const char *name, *first = NULL;
+    json_t *value;
+    size_t unused = 0;
+    json_object_foreach(materials, name, value) {
+        if (used[json_integer_value(json_object_get(r->materials, name))]) continue;
+        if (!unused++) first = name;
+    }
+    const where item = {&at, first, 0};
+    if (unused == 1) doc_warn(r->doc, &item, "no object has this material");
+    if (unused > 1) doc_warn(r->doc, &item, "no object has this material, the first of %zu such", unused);
+    free(used);
+    return FATHOM_OK;
+}
+
+fathom_status materials_warn(const object_reader *r, json_t *materials) {
+    const where at = {NULL, "materials", 0};
+    const char *name;
+    json_t *value;
+    json_object_foreach(materials, name, value) {
+        const where item = {&at, name, 0};
+        warn_material(r, &item, name, value);
+    }
+    return warn_unused(r, materials);
 }

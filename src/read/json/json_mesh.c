@@ -191,6 +191,17 @@ static fathom_status load_indices(const object_reader *r, const where *at, json_
     return FATHOM_OK;
 }
 
+/* Whole numbers up to 255, of which one is above 2, as in PLY files. */
+static bool are_bytes(json_t *rows) {
+    bool above = false;
+    for (size_t i = 0; i < 3 * json_array_size(rows); ++i) {
+        const double x = json_number_value(json_array_get(json_array_get(rows, i / 3), i % 3));
+        if (x != floor(x) || x > 255) return false;
+        above = above || x > 2;
+    }
+    return above;
+}
+
 static fathom_status check_same_count(const object_reader *r, const where *at, const char *key, json_t *rows,
                                       size_t vertices) {
     if (!rows || json_array_size(rows) == vertices) return FATHOM_OK;
@@ -254,6 +265,9 @@ fathom_status mesh_inline(const object_reader *r, const where *at, const form_ob
     if (status == FATHOM_OK && source.keys)
         status = check_keys(r, at, source.keys, source.rows[MESH_NORMALS].list != NULL, vertices);
     if (status != FATHOM_OK) return status;
+    const where colors = {at, "colors", 0};
+    if (are_bytes(o->as.mesh.colors))
+        doc_warn(r->doc, &colors, "expected factors, such as 0.5; the numbers seem to be bytes up to 255");
     status = add_mesh(r->scene, group, &source, &mesh);
     return status == FATHOM_OK ? status : place_within(r, at, "vertexKeys", status);
 }

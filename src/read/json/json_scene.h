@@ -22,11 +22,10 @@ fathom_status light_group_set(const object_reader *r, const where *at, const cha
 
 /* ---- materials (json_material.c) ---- */
 
-fathom_status material_add(const object_reader *r, const where *at, const char *name, json_t *value);
+fathom_status materials_add(const object_reader *r, json_t *materials);
 
-/* Warns of keys without effect or in a wrong unit; returns the number of warnings. Call it once the scene has
- * its meshes. */
-size_t material_warn(const object_reader *r, const where *at, const char *name, json_t *value);
+/* Warns of keys without effect and of unused materials. Call it once the scene has its objects. */
+fathom_status materials_warn(const object_reader *r, json_t *materials);
 
 /* ---- frames and transforms (json_place.c) ---- */
 
