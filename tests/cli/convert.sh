@@ -131,5 +131,35 @@ run 0 render groups.json -o groups.exr --exr-float -q
 run 0 render regrouped.json -o regrouped.exr --exr-float -q
 run 0 compare groups.exr regrouped.exr
 for name in sky key rim glow ball rest; do grep -q "light_$name.R" regrouped.exr || die "there is no light_$name"; done
+
+# A model of glass casts no shadow, but it does where an instance makes it solid, as if the mesh were. Where it is
+# both, the glass decides.
+cat >glass.json <<'JSON'
+{"materials":{"glass":{"model":"metallicRoughness","transmission":1,"roughness":0,"thickness":1}},
+"objects":[{"type":"sphere","center":[0,1,0],"radius":1,"material":"glass"}]}
+JSON
+run 0 convert glass.json glass.glb
+shadow() { # GROUPS OBJECTS
+    printf '{"camera":{"eye":[0,4,10],"target":[0,0.7,0],"fovy":35},"image":{"width":32,"height":16,"spp":4},
+"materials":{"red":{"kd":[0.7,0.1,0.1]},"floor":{},"tint":{"model":"metallicRoughness","transmission":1,"roughness":0,
+"thickness":1,"baseColor":[1,0.9,0.8]}},"lights":[{"type":"point","position":[2,6,3],"intensity":40}],"groups":{%s},
+"objects":[{"type":"plane","point":[0,0,0],"normal":[0,1,0],"material":"floor"},%s]}' "$1" "$2"
+}
+ball='"ball":[{"type":"mesh","file":"glass.glb"}]'
+place='{"type":"instance","of":"ball"'
+shadow '' '{"type":"mesh","file":"glass.glb","material":"red","scale":[1,1,1]}' >mesh.json
+shadow "$ball" "$place,\"material\":\"red\"}" >solid.json
+shadow "$ball,\"outer\":[$place,\"material\":\"tint\"}]" '{"type":"instance","of":"outer","material":"red"}' >outer.json
+shadow "$ball" "$place,\"material\":\"tint\"}" >tint.json
+shadow "$ball" "$place,\"material\":\"red\"},$place,\"translation\":[-3,0,0]}" >both.json
+for name in mesh solid outer tint both; do
+    run 0 render $name.json -o $name.exr --exr-float
+    run 0 convert $name.json $name-again.json
+done
+said err.txt 'a mesh that is clear in its file casts no shadow even where an instance makes it solid, because others leave it clear (1 such)'
+run 0 compare mesh.exr solid.exr --tolerance 0
+run 0 compare mesh.exr outer.exr --tolerance 0
+for name in mesh solid outer; do not_said $name-again.json castsShadow; done
+for name in tint both; do said $name-again.json '"castsShadow":false'; done
 ls -A | grep tmp && die 'a temporary file was left behind'
 exit 0

@@ -342,6 +342,9 @@ cat >expected.txt <<'TXT'
   units.json:6: camera.focalLength: expected units of the scene; 50 seems to be in another unit, because no lens of this focal length focuses as near as 5
 TXT
 diff expected.txt found.txt || die 'units'
+sed 's/"fStop": 4,/"lensRadius": 25 },/; /focalLength/d' units.json >wide.json
+run 0 info wide.json
+said out.txt 'wide.json:5: camera.lensRadius: expected units of the scene; 25 seems to be in another unit, because the focus is only 5 away'
 sed 's/45/-0.79/; s/0.4/400/; s/55/0.36/; s/50/0.05/' units.json >usual.json
 run 0 info usual.json
 said out.txt 'problems  none'
@@ -434,7 +437,7 @@ cat >expected.txt <<'TXT'
 TXT
 diff expected.txt found.txt || die 'images of parameters that are 0'
 run 0 convert zero.json again.json
-not_said again.json 'Texture\|thickness\|shininess'
+for key in metallicTexture emissive transmission clearcoat sheen anisotropy iridescence diffuse shininess keTexture; do not_said again.json $key; done
 cat >one.json <<JSON
 { "materials": { "m": { "model": "metallicRoughness", "metallic": 1,
 "transmission": 1,

@@ -17,7 +17,7 @@ static fathom_status set_lens(const object_reader *r, const where *at, json_t *v
                               const form_camera_values *c, fathom_camera *camera) {
     camera->lens_radius = c->f_stop > 0 ? c->focal_length / (2 * c->f_stop) : c->lens_radius;
     if (!(camera->lens_radius > 0)) return FATHOM_OK;
-    const where focal = {at, "focalLength", 0};
+    const where focal = {at, "focalLength", 0}, radius = {at, "lensRadius", 0};
     const bool given = doc_has(value, "focusDistance");
     if (!given && !doc_has(value, "target"))
         return doc_fail(r->doc, at, "a lens needs \"focusDistance\"%s",
@@ -29,6 +29,11 @@ static fathom_status set_lens(const object_reader *r, const where *at, json_t *v
                  "expected units of the scene; %g seems to be in another unit, because no lens of this focal "
                  "length focuses as near as %g",
                  c->focal_length, camera->focus_distance);
+    if (c->lens_radius >= camera->focus_distance)
+        doc_warn(
+            r->doc, &radius,
+            "expected units of the scene; %g seems to be in another unit, because the focus is only %g away",
+            c->lens_radius, camera->focus_distance);
     return FATHOM_OK;
 }
 
@@ -334,7 +339,8 @@ static fathom_status add_objects(const object_reader *r, const form_scene_values
     fathom_status status = fill_groups(r, v->groups);
     if (status == FATHOM_OK) status = object_list(r, &at, v->objects, FATHOM_ROOT);
     if (status == FATHOM_OK) status = check_cycles(r);
-    return status == FATHOM_OK ? check_placements(r) : status;
+    if (status == FATHOM_OK) status = check_placements(r);
+    return status == FATHOM_OK ? objects_cast(r) : status;
 }
 
 /* ---- the document ---- */

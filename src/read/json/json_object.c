@@ -1,6 +1,7 @@
 #include "read/json/json_scene.h"
 
 #include "read/read.h"
+#include "scene/graph.h"
 #include "scene/light_groups.h"
 
 #include <stdlib.h>
@@ -76,6 +77,9 @@ LEAF fathom_status add_plane(const object_reader *r, const object *o, fathom_id 
     return fathom_scene_add_plane(r->scene, group, &plane, NULL);
 }
 
+/* A mesh casts no shadow because of its file's material, which instances may replace. */
+#define CLEAR_IN_FILE (1u << 31)
+
 LEAF fathom_status add_file(const object_reader *r, const where *at, const object *o, fathom_id group) {
     const where file = {at, "file", 0};
     const char *name = o->values.as.mesh.file;
@@ -87,7 +91,12 @@ LEAF fathom_status add_file(const object_reader *r, const where *at, const objec
                                        .flags = o->flags,
                                        .flat = o->values.as.mesh.shading == FORM_FLAT,
                                        .smooth = o->values.as.mesh.shading == FORM_SMOOTH};
+    const size_t first = r->scene->meshes.count;
     status = read_mesh(r->scene, group, path, &options);
+    for (size_t i = first; i < r->scene->meshes.count; ++i) {
+        unsigned *flags = &r->scene->meshes.items[i].flags;
+        if (*flags & ~o->flags & FATHOM_CASTS_NO_SHADOW) *flags |= CLEAR_IN_FILE;
+    }
     free(path);
     return status == FATHOM_OK ? status : doc_within(r->doc, &file, status);
 }
@@ -281,5 +290,53 @@ fathom_status object_list(const object_reader *r, const where *at, json_t *list,
     }
     if (status == FATHOM_OK) status = mesh_batch_flush(r, &batch);
     mesh_batch_free(&batch);
+    return status;
+}
+
+/* How a group is placed: with its own materials, or all replaced by one that is clear or solid. The outermost
+ * instance that has a material decides. */
+enum { OWN = 1, CLEAR = 2, SOLID = 4 };
+
+static void find_ways(const fathom_scene *scene, const scene_graph *graph, uint8_t *ways) {
+    ways[FATHOM_ROOT] = OWN;
+    for (uint32_t k = 0; k < graph->order_count; ++k) {
+        const uint32_t g = graph->order[k];
+        for (uint32_t i = graph->instances.first[g]; i < graph->instances.first[g + 1]; ++i) {
+            const fathom_instance *instance = &scene->instances.items[graph->instances.items[i]];
+            const scene_named_material *all = scene->materials.items;
+            unsigned own = OWN;
+            if (instance->material != FATHOM_NONE)
+                own = material_is_clear(&all[instance->material], scene->settings.integrator) ? CLEAR : SOLID;
+            ways[instance->group] |= (uint8_t)((ways[g] & (CLEAR | SOLID)) | (ways[g] & OWN ? own : 0));
+        }
+    }
+}
+
+/* Returns whether a solid placement casts no shadow, because others of the mesh are clear. */
+static bool cast(const fathom_scene *scene, const scene_object *o, unsigned ways) {
+    unsigned *flags = o->kind == SCENE_MESH ? &scene->meshes.items[o->index].flags : NULL;
+    if (!flags || !(*flags & CLEAR_IN_FILE)) return false;
+    *flags &= ~(CLEAR_IN_FILE | (ways == SOLID ? FATHOM_CASTS_NO_SHADOW : 0u));
+    return ways != SOLID && ways & SOLID;
+}
+
+fathom_status objects_cast(const object_reader *r) {
+    fathom_scene *scene = r->scene;
+    scene_graph graph;
+    size_t lost = 0;
+    fathom_status status = graph_create(scene, &graph);
+    if (status != FATHOM_OK) return status;
+    uint8_t *ways = calloc(scene->groups.count, sizeof *ways);
+    if (ways) find_ways(scene, &graph, ways);
+    for (size_t i = 0; ways && i < scene->objects.count; ++i)
+        lost += cast(scene, &scene->objects.items[i], ways[scene->objects.items[i].group]);
+    if (!ways) status = fail_memory(scene->context, scene->groups.count);
+    if (lost)
+        warn(scene->context,
+             "%s: a mesh that is clear in its file casts no shadow even where an instance makes it solid, "
+             "because others leave it clear (%zu such)",
+             r->doc->path, lost);
+    free(ways);
+    graph_destroy(&graph);
     return status;
 }

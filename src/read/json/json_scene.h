@@ -15,6 +15,10 @@ typedef struct object_reader {
 /* Adds the objects of `list` to `group`, in their order. */
 fathom_status object_list(const object_reader *r, const where *at, json_t *list, fathom_id group);
 
+/* Lets meshes that are clear in their file cast shadows where an instance gives them a solid material. Call
+ * it once the scene has its objects. */
+fathom_status objects_cast(const object_reader *r);
+
 /* Adds the sources [first, end) to the light group `name`; NULL: no light group. `at` and `key`: for
  * messages. */
 fathom_status light_group_set(const object_reader *r, const where *at, const char *key,
