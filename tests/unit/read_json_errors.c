@@ -68,7 +68,8 @@ UNIT_TEST(lines_and_places) {
     assert_refused(
         "      [0, 1, 0]]", "      [0, 1]]", 18,
         "objects[1].vertices[2]: expected an array of 3 numbers in [-1e+30, 1e+30], found an array of 2");
-    assert_refused("[2, 2, 2]", "[2, 0, 2]", 19, "objects[2]: transform: it flattens space");
+    assert_refused("[2, 2, 2]", "[2, 0, 2]", 19,
+                   "objects[2].scale[1]: expected a number other than 0, found 0");
     assert_refused("\"normal\"", "\"norml\"", 20,
                    "objects[2].children[0].norml: unknown key; did you mean \"normal\"?");
     assert_refused("[0, 1, 0]}\n", "[2, 0, 0]}\n", 21, "objects[2].children[1]: quad: it has no area");

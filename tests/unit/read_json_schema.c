@@ -18,6 +18,7 @@ static json_t *number_schema(const form_key *key) {
     bool whole = key->kind == FORM_U32 || key->kind == FORM_U64 || key->whole;
     json_t *schema = json_pack("{s:s}", "type", whole ? "integer" : "number");
     form_range r = key->range;
+    if (r.open & FORM_NO_ZERO) json_object_set_new(schema, "not", json_pack("{s:f}", "const", 0.0));
     if (r.low == 0 && r.high == 0) return schema;
     const char *low = r.open & FORM_OPEN_LOW ? "exclusiveMinimum" : "minimum";
     const char *high = r.open & FORM_OPEN_HIGH ? "exclusiveMaximum" : "maximum";
@@ -59,7 +60,7 @@ static json_t *key_schema(const form *f, const form_key *key) {
     case FORM_U32:
     case FORM_U64:
     case FORM_ROWS: return numbers_schema(key);
-    case FORM_TEXT: return json_pack("{s:s}", "type", "string");
+    case FORM_TEXT: return json_pack("{s:s, s:s*}", "type", "string", "pattern", key->words);
     case FORM_TAG: return json_pack("{s:s}", "const", f->name);
     case FORM_WORD: return words_schema(key->words);
     case FORM_WORDS:

@@ -78,6 +78,7 @@ static fathom_status fail_kind(const doc *d, const where *at, json_t *value, con
 static void describe_range(form_range r, char *out, size_t room) {
     out[0] = '\0';
     bool open_low = r.open & FORM_OPEN_LOW, open_high = r.open & FORM_OPEN_HIGH;
+    if (r.open & FORM_NO_ZERO) snprintf(out, room, " other than 0");
     if (r.low == 0 && r.high == 0) return;
     if (isinf(r.high))
         snprintf(out, room, " %s %.16g", open_low ? ">" : ">=", r.low);
@@ -112,7 +113,7 @@ static fathom_status fail_count(const doc *d, const where *at, json_t *value, co
 }
 
 static bool in_range(form_range r, double x) {
-    if (r.low == 0 && r.high == 0) return true;
+    if (r.low == 0 && r.high == 0) return !(r.open & FORM_NO_ZERO) || x != 0;
     if (r.open & FORM_OPEN_LOW ? !(x > r.low) : !(x >= r.low)) return false;
     return r.open & FORM_OPEN_HIGH ? x < r.high : x <= r.high;
 }

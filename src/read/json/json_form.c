@@ -20,6 +20,8 @@
 #define FLOATS .range = {-1e30, 1e30, 0}
 #define RADIANCE .range = {0, 1e30, 0}
 
+static const char group_name[] = "^[A-Za-z0-9_]{1,31}$";
+
 /* No usual lens shows less than 3.2 degrees; views below 0.1 are probes of one point. */
 static const form_unit view_unit = {NULL, 0.1, 3.2}, cone_unit = {NULL, 0.1, 1.6}, turn_unit = {NULL, 0, 0};
 
@@ -48,7 +50,7 @@ static const form_key place_keys[] = {
     {"rotation", FORM_F64, PLACE(rotation), .count = 4, .nonzero = true, .range = {-1, 1, 0},
      .meaning = " of the quaternion x, y, z, w (\"rotate\" takes degrees about an axis)"},
     {"rotate", FORM_OBJECT, PLACE(rotate), .form = &form_turn},
-    {"scale", FORM_F64, PLACE(scale), .count = 3},
+    {"scale", FORM_F64, PLACE(scale), .count = 3, .range = {0, 0, FORM_NO_ZERO}},
     {"frame", FORM_OBJECT, PLACE(frame), .form = &form_frame},
     {"matrix", FORM_F64, PLACE(matrix), .count = 16},
     END_KEYS,
@@ -141,7 +143,7 @@ static const char wrap_words[] = "repeat|mirror|clamp",
                   filter_words[] = "nearest|linear|trilinear|stochastic";
 
 static const form_key texture_keys[] = {
-    {"file", FORM_TEXT, AT(form_texture_values, file), .required = true},
+    {"file", FORM_TEXT, AT(form_texture_values, file), .required = true, .words = "."},
     {"colorSpace", FORM_TEXT, AT(form_texture_values, color_space)},
     {"channel", FORM_WORD, AT(form_texture_values, channel), .words = "r|g|b|a"},
     {"inverted", FORM_BOOL, AT(form_texture_values, inverted)},
@@ -236,7 +238,9 @@ static const form_rule classic_rules[] = {
     {FORM_WANTS, "bumpScale", {"bumpTexture"}}, END_RULES,
 };
 static const form_key model_keys[] = {
-    {"model", FORM_TAG, .required = false}, {"group", FORM_TEXT, AT(form_material_values, group)}, END_KEYS};
+    {"model", FORM_TAG, .required = false},
+    {"group", FORM_TEXT, AT(form_material_values, group), .words = group_name},
+    END_KEYS};
 static const form classic_form = {.name = "classic",
                                   .id = FATHOM_MODEL_CLASSIC,
                                   .parts = {model_keys, classic_keys, classic_textures},
@@ -253,7 +257,7 @@ const form form_material = {.name = "material", .variants = material_forms, .tag
 static const form_key light_keys[] = {
     {"type", FORM_TAG, .required = true},
     {"name", FORM_TEXT, AT(form_light_values, name)},
-    {"group", FORM_TEXT, AT(form_light_values, group)},
+    {"group", FORM_TEXT, AT(form_light_values, group), .words = group_name},
     {"color", FORM_F32, AT(form_light_values, color), .count = 3, RADIANCE},
     {"intensity", FORM_F32, AT(form_light_values, intensity), RADIANCE},
     END_KEYS,
@@ -276,7 +280,7 @@ static const form_key sun_keys[] = {
     END_KEYS,
 };
 static const form_key environment_keys[] = {
-    {"file", FORM_TEXT, AT(form_light_values, file), .required = true},
+    {"file", FORM_TEXT, AT(form_light_values, file), .required = true, .words = "."},
     {"rotation", FORM_F64, AT(form_light_values, rotation), .unit = &turn_unit},
     {"up", FORM_F64, AT(form_light_values, up), .count = 3, .nonzero = true},
     END_KEYS,
@@ -321,8 +325,9 @@ static const form_key object_keys[] = {
      .meaning = ", the name of a material in \"materials\" of the scene"},
     END_KEYS,
 };
-static const form_key shadow_keys[] = {
-    {"castsShadow", FORM_BOOL, OBJECT(casts_shadow)}, {"group", FORM_TEXT, OBJECT(light_group)}, END_KEYS};
+static const form_key shadow_keys[] = {{"castsShadow", FORM_BOOL, OBJECT(casts_shadow)},
+                                       {"group", FORM_TEXT, OBJECT(light_group), .words = group_name},
+                                       END_KEYS};
 
 static const form_key sphere_keys[] = {
     {"center", FORM_F64, OBJECT(as.sphere.center), .count = 3, .required = true},
@@ -359,7 +364,7 @@ static const form_key triangle_keys[] = {
 static const char shading_words[] = "given|flat|smooth";
 
 static const form_key mesh_keys[] = {
-    {"file", FORM_TEXT, OBJECT(as.mesh.file)},
+    {"file", FORM_TEXT, OBJECT(as.mesh.file), .words = "."},
     {"positions", FORM_ROWS, OBJECT(as.mesh.positions), FLOATS, .count = 3},
     {"indices", FORM_ROWS, OBJECT(as.mesh.indices), .count = 3, .whole = true, .range = {0, UINT32_MAX, 0}},
     {"normals", FORM_ROWS, OBJECT(as.mesh.normals), FLOATS, .count = 3},
@@ -452,7 +457,7 @@ static const form_key scene_keys[] = {
     {"camera", FORM_OBJECT, AT(form_scene_values, camera), .form = &form_camera},
     {"image", FORM_OBJECT, AT(form_scene_values, image), .form = &form_image},
     {"background", FORM_F32, AT(form_scene_values, background), .count = 3, RADIANCE},
-    {"backgroundGroup", FORM_TEXT, AT(form_scene_values, background_group)},
+    {"backgroundGroup", FORM_TEXT, AT(form_scene_values, background_group), .words = group_name},
     {"ambient", FORM_F32, AT(form_scene_values, ambient), .count = 3, RADIANCE},
     {"materials", FORM_MAP, AT(form_scene_values, materials), .form = &form_material},
     {"lights", FORM_LIST, AT(form_scene_values, lights), .form = &form_light},

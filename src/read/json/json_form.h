@@ -24,12 +24,12 @@ typedef enum form_kind {
     FORM_MAP_OF_LISTS
 } form_kind;
 
-enum { FORM_OPEN_LOW = 1, FORM_OPEN_HIGH = 2 };
+enum { FORM_OPEN_LOW = 1, FORM_OPEN_HIGH = 2, FORM_NO_ZERO = 4 };
 
 /* The range of each number. All zero: any finite number. */
 typedef struct form_range {
     double low, high; /* may be infinite */
-    unsigned open;    /* FORM_OPEN_ bits: ends that are out of range */
+    unsigned open;    /* ends that are out of range, or 0 */
 } form_range;
 
 /* The unit of a key, and the numbers that seem to be in another one. 0 is in any. */
@@ -49,9 +49,9 @@ typedef struct form_key {
     form_range range;
     unsigned count, rows; /* 0: a single number; a single row */
     bool required;
-    bool nonzero; /* the numbers are not all 0 */
-    bool whole;   /* FORM_ROWS: integers */
-    const char *words;
+    bool nonzero;      /* the numbers are not all 0 */
+    bool whole;        /* FORM_ROWS: integers */
+    const char *words; /* of FORM_TEXT: a pattern that the scene checks, for the schema */
     const form *form;
     const char *meaning; /* for messages, after "a string" or the numbers; NULL: none */
     const form_unit *unit;
