@@ -94,7 +94,7 @@ typedef struct fathom_settings {
                      or max_time: the maximum of any pixel, a power of two and at least 4 */
     fathom_pattern pattern; /* default Sobol */
     fathom_filter filter;   /* of pixels; default box */
-    double filter_width;    /* in pixels, [0.01, 16]; default 1 */
+    double filter_width;    /* in pixels, [0.01, 16]; 0 (default): 1, or 3 and 4 for the filters after box */
     uint64_t seed;          /* of the random numbers: all but the grid's positions in a pixel; default 0 */
     uint32_t crop[4];       /* x0 y0 x1 y1, half open, row 0 at the top; all 0 (default): the whole image */
     /* Adaptive sampling: pixels get samples until the estimated error of each tile of 32 × 32 pixels is at

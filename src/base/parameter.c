@@ -137,8 +137,9 @@ static void describe_number(const fathom_parameter *p, char *out, size_t room) {
     if (p->step) snprintf(out + used, room - used, ", a multiple of %u", p->step);
 }
 
-/* Describes the allowed values, as in "auto or a number above 0". */
-static void describe(const fathom_parameter *p, char *out, size_t room) {
+/* Describes the allowed values, as in "auto or a number above 0". zero: what stands for 0 if it has a word.
+ */
+static void describe(const fathom_parameter *p, const char *zero, char *out, size_t room) {
     char number[96], list[128] = "";
     switch (p->type) {
     case FATHOM_PARAMETER_BOOL: snprintf(out, room, "true or false"); return;
@@ -157,7 +158,7 @@ static void describe(const fathom_parameter *p, char *out, size_t room) {
     if (p->count)
         snprintf(out, room, "%s, each %s", p->unit, number);
     else
-        snprintf(out, room, "%s%s%s", p->zero ? p->zero : "", p->zero ? " or " : "", number);
+        snprintf(out, room, "%s%s%s", p->zero ? zero : "", p->zero ? " or " : "", number);
 }
 
 /* True if the value of an enum or a bit set has words. If not, the calling program is wrong, not a file. */
@@ -176,7 +177,7 @@ static fathom_status check(fathom_context *context, const fathom_parameter *p, c
         const double x = parameter_number(p, base, i);
         if (words ? is_worded(p, (unsigned)x) : allowed(p, x)) continue;
         parameter_name(p, ' ', name);
-        describe(p, expected, sizeof expected);
+        describe(p, "0", expected, sizeof expected);
         return fail_field(context, words ? FATHOM_BAD_USAGE : FATHOM_BAD_INPUT, name,
                           "expected %s, found %.9g", expected, x);
     }
@@ -340,7 +341,7 @@ bool parameter_read(const fathom_parameter *p, const char *text, void *base, cha
     memcpy(before, (const char *)base + p->offset, bytes);
     if (read_value(p, &text, base)) return true;
     memcpy((char *)base + p->offset, before, bytes);
-    describe(p, expected, sizeof expected);
+    describe(p, p->zero, expected, sizeof expected);
     const size_t length = p->type == FATHOM_PARAMETER_WORDS ? strcspn(text, ",") : strlen(text);
     if (p->type == FATHOM_PARAMETER_TEXT)
         snprintf(wrong, PARAMETER_WRONG, "expected %s, found nothing", expected);

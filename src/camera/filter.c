@@ -15,10 +15,19 @@ static double weight(fathom_filter filter, double x) {
     return 1;
 }
 
+static double usual_width(fathom_filter filter) {
+    switch (filter) {
+    case FATHOM_FILTER_BOX: return 1;
+    case FATHOM_FILTER_GAUSSIAN: return 3;
+    case FATHOM_FILTER_BLACKMAN_HARRIS: return 4;
+    }
+    return 1;
+}
+
 /* The integral by the midpoint rule, with four points for each step of the table, and its inverse. */
 void filter_prepare(const fathom_settings *s, pixel_filter *out) {
     enum { PARTS = 4 * FILTER_STEPS };
-    const double width = s->filter_width;
+    const double width = s->filter_width > 0 ? s->filter_width : usual_width(s->filter);
     double sum[PARTS + 1] = {0};
     out->box = s->filter == FATHOM_FILTER_BOX && width == 1;
     for (int k = 0; k < PARTS; ++k) sum[k + 1] = sum[k] + fmax(weight(s->filter, (k + 0.5) / PARTS - 0.5), 0);

@@ -50,8 +50,8 @@ static const fathom_parameter setting_rows[] = {
      "Owen-scrambled Sobol sequence. Default with `classic`: `grid`.", .words = "grid|stratified|sobol"},
     {"filter", WORD, SETTING(filter), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_FILTER_BOX, NULL, "Image",
      .help = "Pixel filter, by importance sampling: `box`, `gaussian` or `blackmanHarris`. See `filterWidth`.", .words = "box|gaussian|blackmanHarris"},
-    {"filter_width", F64, SETTING(filter_width), PIXELS | IN_FILE | COMMAND, 0.01, 16, 1, "PIXELS", "Image",
-     .help = "Width of the filter: 1 suits `box`, 3 `gaussian` and 4 `blackmanHarris`."},
+    {"filter_width", F64, SETTING(filter_width), PIXELS | IN_FILE | COMMAND, 0.01, 16, 0, "PIXELS", "Image",
+     .help = "Width of the filter; 0: 1 for `box`, 3 for `gaussian` and 4 for `blackmanHarris`.", .zero = "auto"},
     {"seed", U64, SETTING(seed), PIXELS | IN_FILE | COMMAND, 0, INFINITY, 0, "N", "Image",
      .help = "Seed of the random numbers. With `grid` it does not move the samples in a pixel, but changes lenses, "
      "lights and bounces."},

@@ -424,11 +424,11 @@ UNIT_TEST(bad_settings) {
     good.pattern = FATHOM_PATTERN_SOBOL, good.spp = 64, good.target_error = 0.01;
     fathom_settings bad = good;
     bad.target_error = -0.01;
-    refuse(bad, "target error: expected off or a number above 0");
+    refuse(bad, "target error: expected 0 or a number above 0");
     bad.target_error = (double)NAN;
     refuse(bad, "target error");
     bad = good, bad.max_time = (double)INFINITY;
-    refuse(bad, "max time: expected off or a number above 0");
+    refuse(bad, "max time: expected 0 or a number above 0");
     bad = good, bad.pattern = FATHOM_PATTERN_GRID;
     refuse(bad, "needs the pattern sobol");
     bad = good, bad.spp = 100;
