@@ -313,6 +313,8 @@ static fathom_status check_asked(const fathom_scene *scene, const char *path) {
     if (asked->up != FATHOM_UP_Y && scene->has_camera && !asked->environment) {
         warn(scene->context, "%s: has its own camera, so --up has no effect", path);
     }
+    if (asked->no_studio && (scene->has_lights || scene->lights.count || scene->environments.count))
+        warn(scene->context, "%s: has its own lights, so --no-studio has no effect", path);
     scene_warn_shape(scene, path);
     return asked->up == FATHOM_UP_Y && !scene->has_camera ? warn_of_map(scene, path) : FATHOM_OK;
 }

@@ -201,6 +201,13 @@ said err.txt 'all that is in view is black: the camera is inside an object, or t
 sed 's/"lights": .*/"lights": [],/; /"background"/d' scene.json >black.json
 run 0 render black.json -o a.exr --max-depth 0
 said err.txt 'the scene has no lights; give it some, or leave out its empty list of lights, or --no-studio'
+# There is no floor, nor a studio, to remove where the scene has its own camera or lights.
+run 0 render scene.json -o a.exr --max-depth 0 --no-floor --no-studio
+said err.txt 'scene.json: has its own camera, so --no-floor has no effect'
+said err.txt 'scene.json: has its own lights, so --no-studio has no effect'
+printf '{ "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }' >bare.json
+run 0 render bare.json -o a.exr --size 8x8 --spp 1 --no-floor --no-studio
+not_said err.txt 'has no effect'
 refused 2 '--leave-out-below 8bit: needs the exposure' \
     render scene.json -o c.png --leave-out-below 8bit --exposure auto
 # What no output takes is refused rather than dropped.

@@ -65,6 +65,10 @@ fathom_status task_read(task *s) {
                                                       &s->scene, &s->fetched)
                                   : fathom_scene_read_with(s->context, o->scene, &read, &s->scene);
     s->report.read_seconds = clock_seconds() - began;
+    fathom_framing framing = {.size = sizeof framing};
+    if (o->no_floor && status == FATHOM_OK && fathom_scene_framing(s->scene, &framing) == FATHOM_OK &&
+        !framing.made)
+        warnings_tell(&s->report.warnings, "%s: has its own camera, so --no-floor has no effect", o->scene);
     fathom_status free_again = fathom_file_protect(s->context, NULL, 0); /* to read the checkpoint */
     return status == FATHOM_OK ? free_again : status;
 }
