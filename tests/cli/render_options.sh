@@ -208,6 +208,13 @@ said err.txt 'scene.json: has its own lights, so --no-studio has no effect'
 printf '{ "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }' >bare.json
 run 0 render bare.json -o a.exr --size 8x8 --spp 1 --no-floor --no-studio
 not_said err.txt 'has no effect'
+# Once for all frames.
+printf '{ "image": { "aovs": ["Z"], "spp": 1 }, "camera": { "eye": [0, 0, 9], "target": [0, 0, 0] }, "lights": [], "objects": [
+  { "type": "sphere", "center": [0, 0, 0], "radius": 1, "motion": [ { "time": 0 }, { "time": 1, "translation": [1, 0, 0] } ] } ] }' >move.json
+run 0 render move.json -o f.#.png --frames 0-2 --fps 24 --size 8x8 --no-floor
+for text in 'so --no-floor has no effect' 'asks for AOVs that no -o FILE holds'; do
+    [ "$(grep -c -e "$text" err.txt)" = 1 ] || die "not once: $text"
+done
 refused 2 '--leave-out-below 8bit: needs the exposure' \
     render scene.json -o c.png --leave-out-below 8bit --exposure auto
 # What no output takes is refused rather than dropped.

@@ -10,6 +10,7 @@
 #include "cli/render/progress.h"
 
 #include "base/clock.h"
+#include "base/text.h"
 
 #include <fathom/file.h>
 #include <fathom/survey.h>
@@ -48,6 +49,19 @@ static fathom_status check_outputs(task *s) {
     return status;
 }
 
+static void warn_of_scene(void *user, const char *message) {
+    task *s = user;
+    warnings_keep(&s->report.warnings, message);
+    if (!is_other(s)) (s->said ? warnings_say_once : warnings_say)(s->said, message);
+}
+
+static void warn_of_options(task *s, const char *text) {
+    char line[LOG_LENGTH];
+    snprintf(line, sizeof line, "%s: %s", s->options.scene, text);
+    text_disarm(line);
+    warn_of_scene(s, line);
+}
+
 fathom_status task_read(task *s) {
     const render_options *o = &s->options;
     fathom_read_options read = command_read_options(&o->model);
@@ -68,7 +82,7 @@ fathom_status task_read(task *s) {
     fathom_framing framing = {.size = sizeof framing};
     if (o->no_floor && status == FATHOM_OK && fathom_scene_framing(s->scene, &framing) == FATHOM_OK &&
         !framing.made)
-        warnings_tell(&s->report.warnings, "%s: has its own camera, so --no-floor has no effect", o->scene);
+        warn_of_options(s, "has its own camera, so --no-floor has no effect");
     fathom_status free_again = fathom_file_protect(s->context, NULL, 0); /* to read the checkpoint */
     return status == FATHOM_OK ? free_again : status;
 }
@@ -94,8 +108,7 @@ static fathom_status merge_settings(task *s) {
     if (!render_options_finish(o, &settings, &problem))
         return cli_fail(s->context, FATHOM_BAD_USAGE, "%s", problem.text);
     if (settings.aovs & ~o->settings.aovs && !render_options_give(o, "aovs"))
-        warnings_tell(&s->report.warnings,
-                      "%s: asks for AOVs that no -o FILE holds, as .exr does; they are left out", o->scene);
+        warn_of_options(s, "asks for AOVs that no -o FILE holds, as .exr does; they are left out");
     if (render_options_give(o, "min_spp") && !(o->settings.target_error > 0 || o->settings.max_time > 0))
         return cli_fail(s->context, FATHOM_BAD_USAGE,
                         "--min-spp: only with --target-error E or --max-time SECONDS");
@@ -249,12 +262,6 @@ static fathom_status render(task *s) {
 static fathom_status join_ranks(task *s) {
     fathom_ranks_default(&s->ranks);
     return s->options.mpi ? fathom_mpi_open(s->context, &s->ranks) : FATHOM_OK;
-}
-
-static void warn_of_scene(void *user, const char *message) {
-    task *s = user;
-    warnings_keep(&s->report.warnings, message);
-    if (!is_other(s)) (s->said ? warnings_say_once : warnings_say)(s->said, message);
 }
 
 /* The frames of an animation share a camera, which depends on the scene. So the scene is read once to find
