@@ -67,7 +67,9 @@ static json_t *key_schema(const form *f, const form_key *key) {
         return json_pack("{s:s, s:o, s:b}", "type", "array", "items", words_schema(key->words), "uniqueItems",
                          1);
     case FORM_OBJECT: return reference(key->form);
-    case FORM_LIST: return json_pack("{s:s, s:o}", "type", "array", "items", reference(key->form));
+    case FORM_LIST:
+        if (key->count) return array_schema(reference(key->form), 0);
+        return json_pack("{s:s, s:o}", "type", "array", "items", reference(key->form));
     case FORM_MAP:
         return json_pack("{s:s, s:o}", "type", "object", "additionalProperties", reference(key->form));
     case FORM_MAP_OF_LISTS:

@@ -251,7 +251,8 @@ static fathom_status read_member(const doc *d, const where *at, json_t *value, c
     case FORM_ROWS: return read_rows(d, at, value, key, member);
     case FORM_LIST:
         *(json_t **)member = value;
-        return json_is_array(value) ? FATHOM_OK : doc_expected(d, at, value, "an array");
+        if (json_is_array(value) && json_array_size(value) >= key->count) return FATHOM_OK;
+        return doc_expected(d, at, value, key->count ? "an array of one or more keys" : "an array");
     case FORM_MAP:
     case FORM_MAP_OF_LISTS:
         *(json_t **)member = value;

@@ -56,7 +56,7 @@ static const form_key place_keys[] = {
     END_KEYS,
 };
 static const form_key motion_keys[] = {
-    {"motion", FORM_LIST, AT(form_object_values, motion), .form = &form_place_key},
+    {"motion", FORM_LIST, AT(form_object_values, motion), .count = 1, .form = &form_place_key},
     END_KEYS,
 };
 static const form_key time_keys[] = {{"time", FORM_F64, PLACE(time), .required = true}, END_KEYS};
@@ -102,7 +102,7 @@ static const form_key camera_keys[] = {
     {"nearClip", FORM_F64, AT(form_camera_values, near_clip), .range = {0, INFINITY}},
     {"farClip", FORM_F64, AT(form_camera_values, far_clip), POSITIVE},
     {"shutter", FORM_F64, AT(form_camera_values, shutter), .count = 2},
-    {"motion", FORM_LIST, AT(form_camera_values, motion), .form = &form_camera_key},
+    {"motion", FORM_LIST, AT(form_camera_values, motion), .count = 1, .form = &form_camera_key},
     END_KEYS,
 };
 static const form_rule camera_rules[] = {
@@ -375,7 +375,7 @@ static const form_key mesh_keys[] = {
     {"tangents", FORM_ROWS, OBJECT(as.mesh.tangents), .count = 4, FLOATS},
     {"pointRadius", FORM_F32, OBJECT(as.mesh.point_radius), .range = {1e-30, 1e30, 0}},
     {"shading", FORM_WORD, OBJECT(as.mesh.shading), .words = shading_words},
-    {"vertexKeys", FORM_LIST, OBJECT(as.mesh.keys), .form = &form_vertex_key},
+    {"vertexKeys", FORM_LIST, OBJECT(as.mesh.keys), .count = 1, .form = &form_vertex_key},
     END_KEYS,
 };
 static const form_key vertex_key_keys[] = {

@@ -47,7 +47,7 @@ typedef struct form_key {
     form_kind kind;
     size_t offset; /* of the member it fills */
     form_range range;
-    unsigned count, rows; /* 0: a single number; a single row */
+    unsigned count, rows; /* 0: a single number; a single row. FORM_LIST: the least number of items */
     bool required;
     bool nonzero;      /* the numbers are not all 0 */
     bool whole;        /* FORM_ROWS: integers */

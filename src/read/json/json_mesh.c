@@ -225,7 +225,6 @@ static fathom_status check_key(const object_reader *r, const where *at, json_t *
 static fathom_status check_keys(const object_reader *r, const where *at, json_t *list, bool normals,
                                 size_t vertices) {
     const where keys = {at, "vertexKeys", 0};
-    if (!json_array_size(list)) return doc_fail(r->doc, &keys, "expected one or more keys, found none");
     fathom_status status = FATHOM_OK;
     for (size_t k = 0; k < json_array_size(list) && status == FATHOM_OK; ++k) {
         const where item = {&keys, NULL, k};

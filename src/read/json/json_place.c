@@ -86,7 +86,6 @@ fathom_status place_motion(const object_reader *r, const where *at, json_t *list
                            uint32_t *count, double **keys) {
     const where motion = {at, "motion", 0};
     const size_t n = json_array_size(list);
-    if (!n) return doc_fail(r->doc, &motion, "expected one or more keys, found none");
     *keys = malloc(13 * n * sizeof **keys);
     if (!*keys) return fail_memory(r->scene->context, 13 * n * sizeof **keys);
     *count = (uint32_t)n;

@@ -102,6 +102,10 @@ fathom_status doc_unknown_key(const doc *d, const where *at, json_t *value, cons
                         f->name, family->tag && f == family->variants[0] ? ", the default" : "",
                         doc_tag(family), (*other)->name, there.best);
     }
+    for (const form *const *m = family == &form_object ? form_material.variants : NULL; m && *m; ++m) {
+        if (!search.best && form_find(*m, at->key))
+            return doc_fail(d, at, "unknown key; materials have \"%s\"", at->key);
+    }
     if (search.best) return doc_fail(d, at, "unknown key; did you mean \"%s\"?", search.best);
     for (const form_key *const *part = f->parts; *part; ++part) {
         for (const form_key *key = *part; key->name; ++key) {
