@@ -199,7 +199,7 @@ static const fathom_parameter metallic_rows[] = {
      .help = "Colour of that light.", .count = 3},
     {"priority", U32, MATERIAL(priority), HARD, 0, 255, 0, "N", "Surface",
      .help = "Where volumes overlap, the one of highest priority fills the space. Give a glass 2 and the drink in it "
-     "1, for example. 0: no priority."},
+     "1, for example. 0: no priority; `ior` is then relative to empty space, even inside another volume."},
     {"opacity", F32, MATERIAL(opacity), HARD, 0, 1, 1, NULL, "Surface",
      .help = "Coverage: the fraction of rays that hit the surface. The others pass through."},
     {"opacity_cutoff", F32, MATERIAL(opacity_cutoff), HARD, 0, 1e3, 0, NULL, "Surface",
