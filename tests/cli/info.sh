@@ -161,9 +161,9 @@ JSON
 }
 for scale in 1e-30 1e-16 1e11; do
     placed 1 $scale >placed.json
-    refused 3 'placed.json: instance 0: it s' render placed.json -o a.png --size 8x8 -q
+    refused 3 'placed.json: instance 0, of "g": it s' render placed.json -o a.png --size 8x8 -q
     cp err.txt render.txt
-    refused 3 'placed.json: instance 0: it s' info placed.json
+    refused 3 'placed.json: instance 0, of "g": it s' info placed.json
     cmp -s err.txt render.txt || die "info says otherwise than render: $(cat render.txt)"
     run 3 info placed.json --json
     said out.txt '"renderable": false'

@@ -152,14 +152,14 @@ UNIT_TEST(frames_beyond_float_are_refused) {
     static const struct {
         double radius, scale, shift;
         const char *message;
-    } cases[] = {{1, 1e-16, 0, "instance 0: it scales its group so far"},
-                 {1, 1e-30, 0, "instance 0: it shrinks its group so far"},
-                 {1, 1e-18, 0, "instance 0: it shrinks its group so far"},
-                 {1, 1, 1e18, "instance 0: it moves its group so far away"},
-                 {1e14, 1e-14, 0, "instance 0: it scales its group so far"},
-                 {1e11, 1e-11, 0, "instance 0: it scales its group so far"},
-                 {1e-11, 1e11, 0, "instance 0: it scales its group so far"},
-                 {1e-14, 1e14, 0, "instance 0: it scales its group so far"}};
+    } cases[] = {{1, 1e-16, 0, "instance 0, of \"scaled\": it scales its group so far"},
+                 {1, 1e-30, 0, "instance 0, of \"scaled\": it shrinks its group so far"},
+                 {1, 1e-18, 0, "instance 0, of \"scaled\": it shrinks its group so far"},
+                 {1, 1, 1e18, "instance 0, of \"scaled\": it moves its group so far away"},
+                 {1e14, 1e-14, 0, "instance 0, of \"scaled\": it scales its group so far"},
+                 {1e11, 1e-11, 0, "instance 0, of \"scaled\": it scales its group so far"},
+                 {1e-11, 1e11, 0, "instance 0, of \"scaled\": it scales its group so far"},
+                 {1e-14, 1e14, 0, "instance 0, of \"scaled\": it scales its group so far"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         stage s;
         stage_open(&s);

@@ -5,6 +5,7 @@
 #include "trace/stretch.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 /* ---- memory ---- */
@@ -222,12 +223,13 @@ static fathom_status refuse_range(fathom_context *context, const world *w, const
     if (instance->id == FATHOM_NONE) return refuse_far_mesh(context, w, instance, size);
     for (int i = 0; i < 3; ++i) s = fmaxf(s, row_sum(instance->to_object[i]));
     bool shrinks = !(limit / s >= size && limit / s >= 2);
-    return fail(
-        context, FATHOM_BAD_INPUT,
-        "instance %u: it %s that coordinates of the scene, of up to %g, leave Embree's range of 1.8e18 "
-        "in the group; %s instead",
-        instance->id, shrinks ? "shrinks its group so far" : "moves its group so far away", (double)size,
-        shrinks ? "scale its contents" : "place it nearer");
+    char text[256];
+    snprintf(text, sizeof text,
+             "it %s that coordinates of the scene, of up to %g, leave Embree's range of 1.8e18 in the group; "
+             "%s instead",
+             shrinks ? "shrinks its group so far" : "moves its group so far away", (double)size,
+             shrinks ? "scale its contents" : "place it nearer");
+    return scene_fail_instance(w->scene, instance->id, text);
 }
 
 /* Directions of length up to 2 must be valid in every instance: longer ones may be scaled (stretch.h). */
@@ -240,10 +242,10 @@ static fathom_status find(fathom_context *context, const world *w, const bool *p
         const bool fits = limit_steps(w, (uint32_t)k, out);
         if (!(out->origin >= size && out->direction >= 2)) return refuse_range(context, w, instance, size);
         if (!fits)
-            return fail(context, FATHOM_BAD_INPUT,
-                        "instance %u: it scales its group so far that Embree, which inverts its frame in "
-                        "float, would miss what is there; scale its contents instead",
-                        instance->id);
+            return scene_fail_instance(
+                w->scene, instance->id,
+                "it scales its group so far that Embree, which inverts its frame in float, would miss what "
+                "is there; scale its contents instead");
     }
     return FATHOM_OK;
 }
