@@ -197,7 +197,7 @@ run 0 render dark.json -o b.png --exposure auto
 same a.png b.png
 sed 's/"lights": .*/"lights": [],/' scene.json >black.json
 run 0 render black.json -o a.exr --max-depth 0
-said err.txt 'all that is in view is black: the camera is inside an object, or the scene has no lights'
+said err.txt 'all that is in view is black: the camera sees no object or is inside one, or the scene has no lights'
 sed 's/"lights": .*/"lights": [],/; /"background"/d' scene.json >black.json
 run 0 render black.json -o a.exr --max-depth 0
 said err.txt 'the scene has no lights; give it some, or leave out its empty list of lights, or --no-studio'
@@ -208,6 +208,18 @@ said err.txt 'scene.json: has its own lights, so --no-studio has no effect'
 printf '{ "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }' >bare.json
 run 0 render bare.json -o a.exr --size 8x8 --spp 1 --no-floor --no-studio
 not_said err.txt 'has no effect'
+# A camera that sees nothing is probably a mistake, but not of a crop, nor of one frame of many.
+printf '{ "image": { "width": 8, "height": 8, "spp": 4 }, "camera": { "eye": [0, 0, 9], "target": [0, 0, 10] }, "background": [1, 1, 1],
+  "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "motion": [ { "time": 0 }, { "time": 1, "translation": [1, 0, 0] } ] } ] }' >away.json
+run 0 render away.json -o a.exr
+said err.txt 'away.json: the image shows only the background: no object is in view, or all look like it'
+run 0 render away.json -o a.exr --crop 0,0,4,4
+not_said err.txt 'only the background'
+run 0 render away.json -o f.#.exr --frames 0-1
+not_said err.txt 'only the background'
+sed 's/"objects": .*/"objects": [] }/' away.json >none.json
+run 0 render none.json -o a.exr
+not_said err.txt 'only the background'
 # Once for all frames.
 printf '{ "image": { "aovs": ["Z"], "spp": 1 }, "camera": { "eye": [0, 0, 9], "target": [0, 0, 0] }, "lights": [], "objects": [
   { "type": "sphere", "center": [0, 0, 0], "radius": 1, "motion": [ { "time": 0 }, { "time": 1, "translation": [1, 0, 0] } ] } ] }' >move.json

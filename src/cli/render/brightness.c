@@ -44,9 +44,27 @@ static void warn_black(warning_list *warnings, const fathom_scene *scene, const 
     warnings_tell(
         warnings, "%s: all that is in view is black: %s", path,
         fathom_scene_lights(scene)
-            ? "no light reaches it, its materials reflect none, or the camera is inside an object"
-            : "the camera is inside an object, or the scene has no lights; give it some, or leave out its "
+            ? "no light reaches it, its materials reflect none, or the camera sees no object or is inside one"
+            : "the camera sees no object or is inside one, or the scene has no lights; give it some, or "
+              "leave out its "
               "empty list of lights, or --no-studio");
+}
+
+static bool has_objects(const fathom_scene *scene) {
+    const fathom_survey *survey;
+    if (fathom_scene_survey(scene, &survey) != FATHOM_OK) return false;
+    const bool found = survey->has_bounds || survey->planes;
+    fathom_survey_destroy(survey);
+    return found;
+}
+
+/* Not of a part of the image, nor of a frame of many: these may be empty. */
+static void warn_empty(warning_list *warnings, const fathom_scene *scene, const char *path,
+                       const render_options *options) {
+    if (!options->settings.crop[2] && !frames_asked(&options->frames) && has_objects(scene))
+        warnings_tell(warnings,
+                      "%s: the image shows only the background: no object is in view, or all look like it",
+                      path);
 }
 
 /* Describes the problem of the image at this exposure; false: there is none. scene: NULL if only its film is
@@ -122,6 +140,7 @@ bool brightness_settle(warning_list *warnings, const fathom_scene *scene, const 
     options->in_studio = b.in_studio;
     if (b.black == b.pixels) {
         if (scene && b.pixels) warn_black(warnings, scene, name);
+        if (scene && !b.pixels) warn_empty(warnings, scene, name, options);
         return false;
     }
     if (options->exposure == EXPOSURE_AUTO) *exposure = within_limits(b.exposure);
