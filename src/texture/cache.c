@@ -117,6 +117,18 @@ static void check_transfer(fathom_context *context, const cache_image *img) {
                                        : "linear");
 }
 
+/* Warns of an image of heights in place of one of normals. */
+static void check_normals(fathom_context *context, const fathom_scene *scene, fathom_id id,
+                          const cache_image *img) {
+    for (size_t i = 0; img->info.channels == 1 && i < scene->materials.count; ++i) {
+        const fathom_map *maps = scene->materials.items[i].value.maps;
+        if (maps[FATHOM_MAP_NORMAL].texture != id && maps[FATHOM_MAP_CLEARCOAT_NORMAL].texture != id)
+            continue;
+        warn_image(context, img, "expected normals in three channels, found one; heights make a bump map");
+        return;
+    }
+}
+
 static fathom_status fail_image(fathom_context *context, const cache_image *img, fathom_status status,
                                 const char *why) {
     fail_file(context, status, cache_name(img->texture), "cannot be read as a texture: %s", why);
@@ -144,6 +156,7 @@ static fathom_status open_image(texture_cache *cache, fathom_context *context, c
     ++cache->image_count;
     check_mime(context, img, img->info.format);
     check_transfer(context, img);
+    check_normals(context, scene, id, img);
     return plan_image(cache, context, img);
 }
 

@@ -54,3 +54,11 @@ refused 3 'cut.json:1: materials.m.kdTexture.file: cut.png: cannot be read as a 
 sed 's/cut.png/large.ppm/' cut.json >large.json
 TMPDIR=$PWD/none refused 4 'none: cannot hold a temporary file of 2.5 MB for textures: No such file or directory' \
     render large.json -o b.png --texture-memory 1M
+# Heights in place of normals: a grey image tilts all normals alike.
+printf 'P5\n2 1\n255\nab' >heights.pgm
+sed 's/kdTexture/bumpTexture/; s/cut.png/heights.pgm/' cut.json >bump.json
+run 0 render bump.json -o b.png --size 8x8 --spp 4
+not_said err.txt heights.pgm
+sed 's/bumpTexture/normalTexture/' bump.json >normal.json
+run 0 render normal.json -o b.png --size 8x8 --spp 4
+said err.txt 'normal.json: materials.m.normalTexture.file: heights.pgm: expected normals in three channels, found one; heights make a bump map'
