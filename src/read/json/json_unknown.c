@@ -63,7 +63,7 @@ static bool has_variant(const form *f, const char *name) {
     return false;
 }
 
-/* What other programs call a key of this form, or NULL. */
+/* The key of this form that other programs call `word`, or NULL. */
 static const char *translated(const form *f, const char *word, json_t *value) {
     static const struct {
         const form *family;
