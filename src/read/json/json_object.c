@@ -323,7 +323,9 @@ static bool cast(const fathom_scene *scene, const scene_object *o, unsigned ways
 fathom_status objects_cast(const object_reader *r) {
     fathom_scene *scene = r->scene;
     scene_graph graph;
-    size_t lost = 0;
+    size_t lost = 0, clear = 0;
+    for (size_t i = 0; i < scene->meshes.count; ++i) clear += scene->meshes.items[i].flags >= CLEAR_IN_FILE;
+    if (!clear) return FATHOM_OK;
     fathom_status status = graph_create(scene, &graph);
     if (status != FATHOM_OK) return status;
     uint8_t *ways = calloc(scene->groups.count, sizeof *ways);
