@@ -46,8 +46,8 @@ static void warn_black(warning_list *warnings, const fathom_scene *scene, const 
         fathom_scene_lights(scene)
             ? "no light reaches it, its materials reflect none, or the camera sees no object or is inside one"
             : "the camera sees no object or is inside one, or the scene has no lights; give it some, or "
-              "leave out its "
-              "empty list of lights, or --no-studio");
+              "leave "
+              "out its empty list of lights, or --no-studio");
 }
 
 static bool has_objects(const fathom_scene *scene) {
