@@ -41,13 +41,13 @@ static float strongest(const fathom_scene *scene) {
 }
 
 static void warn_black(warning_list *warnings, const fathom_scene *scene, const char *path) {
-    warnings_tell(
-        warnings, "%s: all that is in view is black: %s", path,
-        fathom_scene_lights(scene)
-            ? "no light reaches it, its materials reflect none, or the camera sees no object or is inside one"
-            : "the camera sees no object or is inside one, or the scene has no lights; give it some, or "
-              "leave "
-              "out its empty list of lights, or --no-studio");
+    static const char unseen[] = "the camera sees no object or is inside one",
+                      unlit[] = "no light reaches it, its materials reflect none",
+                      none[] =
+                          "the scene has no lights; give it some, or leave out its empty list of lights, or "
+                          "--no-studio";
+    warnings_tell(warnings, "%s: all that is in view is black: %s, or %s", path,
+                  fathom_scene_lights(scene) ? unlit : unseen, fathom_scene_lights(scene) ? unseen : none);
 }
 
 static bool has_objects(const fathom_scene *scene) {
