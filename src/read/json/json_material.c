@@ -112,7 +112,7 @@ static void warn_inverted(const object_reader *r, const where *at, const form *f
     const form_key *factor = form_find(f, name);
     const where key = {at, "inverted", 0};
     if (!factor) return;
-    const float *p = (const float *)((const char *)v + factor->offset);
+    const float *p = (const float *)(const void *)((const char *)v + factor->offset);
     for (unsigned i = 0; i < (factor->count ? factor->count : 1); ++i)
         if (p[i] != 1) return;
     doc_warn(r->doc, &key, "it has no effect where \"%s\" is 1; with 0 the surface has 1 - image", name);
