@@ -1,6 +1,5 @@
-/* Estimates which parts of a sky surfaces see, by region of surfaces, and makes a sampling table for each
- * region. */
-#include "base/array.h"
+/* Makes a sampling table of a sky for each region of surfaces, from the parts that the region sees. */
+#include "light/learn.h"
 #include "light/sky.h"
 #include "math/lane.h"
 
@@ -10,72 +9,35 @@
 
 /* Minimum number of rays of a region: smaller regions would know too little of the sky. */
 #define LEAST_RAYS 512u
-/* Maximum depth of splits: outliers could cause many. */
-#define MOST_DEPTH 16u
 /* A table of its own must reduce the variance of light samples at least to this, by the estimate below. */
 #define WORTH 0.9
-/* A prior counts as much as this many rays. */
-#define PRIOR_RAYS 32.0
-#define LEAST_SEEN 1e-8
 /* A block counts as at least this fraction as visible as its neighbours. */
 #define NEIGHBOUR 0.01
 /* The fraction of samples that use the table of the whole sky: it bounds the variance where the rays
  * missed something. */
 #define DEFENCE 0.05
 
-/* A ray, once rays are sorted by view. */
-typedef struct sky_look {
-    float p[3], seen;
-    uint32_t block;
-} sky_look;
-
-enum { LEVELS = 4 };
+_Static_assert((int)SKY_BLOCKS <= (int)LEARN_BLOCKS, "");
 
 typedef struct sky_pupil {
     sky_image *s;
-    uint16_t groups[LEVELS][SKY_BLOCKS]; /* by block */
     const sky_ray *rays;
-    sky_look *looks;
-    ARRAY(region_split) splits;
+    learn_look *looks; /* by view */
+    learner learner;
+    uint32_t view;             /* of the regions that are being made */
     uint32_t tables, capacity; /* in s->views and s->scales */
-    bool fails;                /* out of memory */
 } sky_pupil;
-
-/* Looks [begin, end) of one view. */
-typedef struct sky_span {
-    size_t begin, end;
-    uint32_t view;
-} sky_span;
 
 /* ---- what rays tell ---- */
 
 /* Groups are squares of 8, 4, 2 and 1 blocks a side. */
 static void set_groups(sky_pupil *p) {
     const uint32_t columns = p->s->columns;
-    for (uint32_t level = 0, side = 8; level < LEVELS; ++level, side /= 2) {
+    for (uint32_t level = 0, side = 8; level < LEARN_LEVELS; ++level, side /= 2) {
         const uint32_t across = (columns + side - 1) / side;
         for (uint32_t block = 0; block < p->s->rows * columns; ++block)
-            p->groups[level][block] = (uint16_t)(block / columns / side * across + block % columns / side);
-    }
-}
-
-/* Corrects the fractions that are seen, group by group: the number of rays that arrived, divided by the
- * number expected. */
-static void correct(const sky_pupil *p, sky_span span, const uint16_t groups[SKY_BLOCKS],
-                    double seen[SKY_BLOCKS]) {
-    double expected[SKY_BLOCKS] = {0}, arrived[SKY_BLOCKS] = {0};
-    uint32_t count[SKY_BLOCKS] = {0};
-    for (size_t k = span.begin; k < span.end; ++k) {
-        const uint32_t block = p->looks[k].block, group = groups[block];
-        expected[group] += seen[block], ++count[group];
-        arrived[group] += (double)p->looks[k].seen;
-    }
-    for (uint32_t block = 0; block < p->s->rows * p->s->columns; ++block) {
-        const uint32_t group = groups[block];
-        if (!count[group]) continue;
-        const double prior = PRIOR_RAYS * expected[group] / count[group],
-                     factor = (arrived[group] + prior) / (expected[group] + prior);
-        seen[block] = fmin(fmax(seen[block] * factor, LEAST_SEEN), 1);
+            p->learner.groups[level][block] =
+                (uint16_t)(block / columns / side * across + block % columns / side);
     }
 }
 
@@ -122,34 +84,17 @@ static bool reserve_table(sky_pupil *p) {
 }
 
 /* Returns the region's table, or that of its view if its own would gain too little. */
-static uint32_t make_table(sky_pupil *p, uint32_t view, const double seen[SKY_BLOCKS]) {
+static uint32_t make_table(void *user, learn_looks looks, const double seen[LEARN_BLOCKS]) {
+    sky_pupil *p = user;
     double parts[SKY_BLOCKS];
-    if (weigh(p->s, view, seen, parts) > WORTH) return REGION_LEAF + view;
+    (void)looks;
+    if (weigh(p->s, p->view, seen, parts) > WORTH) return p->view;
     if (!reserve_table(p)) {
-        p->fails = true;
-        return REGION_LEAF + view;
+        p->learner.fails = true;
+        return p->view;
     }
     sky_table(p->s, parts, p->tables);
-    return REGION_LEAF + p->tables++;
-}
-
-/* Returns the region or its parts, as region_split.below. known: the fractions that a larger region sees. */
-static uint32_t divide(sky_pupil *p, sky_span span, const double known[SKY_BLOCKS], unsigned depth) {
-    double seen[SKY_BLOCKS];
-    memcpy(seen, known, sizeof seen);
-    for (int level = 0; level < LEVELS; ++level) correct(p, span, p->groups[level], seen);
-    if (span.end - span.begin < 2 * LEAST_RAYS || depth == MOST_DEPTH) return make_table(p, span.view, seen);
-    static const float scales[3] = {1, 1, 1};
-    const region_items items = {p->looks + span.begin, sizeof *p->looks, span.end - span.begin};
-    region_split split = region_choose(&items, 3, scales);
-    const size_t middle = span.begin + region_part(&items, &split);
-    if (middle - span.begin < LEAST_RAYS / 2 || span.end - middle < LEAST_RAYS / 2)
-        return make_table(p, span.view, seen);
-    split.below = divide(p, (sky_span){span.begin, middle, span.view}, seen, depth + 1);
-    split.above = divide(p, (sky_span){middle, span.end, span.view}, seen, depth + 1);
-    if (split.below == split.above) return split.below;
-    if (!array_push(&p->splits, split)) p->fails = true;
-    return (uint32_t)p->splits.count - 1;
+    return p->tables++;
 }
 
 /* ---- the whole ---- */
@@ -174,18 +119,17 @@ static bool sort_looks(sky_pupil *p, size_t count, size_t first[SKY_VIEWS + 2]) 
     memcpy(first, at, sizeof at);
     for (size_t k = 0; views && blocks && k < count; ++k) {
         const sky_ray *ray = &p->rays[k];
-        p->looks[at[views[k]]++] = (sky_look){{ray->p.x, ray->p.y, ray->p.z}, ray->seen, blocks[k]};
+        p->looks[at[views[k]]++] =
+            (learn_look){.at = {ray->p.x, ray->p.y, ray->p.z}, .seen = ray->seen, .block = blocks[k]};
     }
     free(views), free(blocks);
     return views && blocks;
 }
 
 static void divide_views(sky_pupil *p, const size_t first[SKY_VIEWS + 2], uint32_t roots[SKY_VIEWS + 1]) {
-    double unknown[SKY_BLOCKS];
-    for (uint32_t i = 0; i < SKY_BLOCKS; ++i) unknown[i] = 1;
-    for (uint32_t view = 0; view <= SKY_VIEWS; ++view) {
-        const sky_span span = {first[view], first[view + 1], view};
-        roots[view] = span.end - span.begin < LEAST_RAYS ? REGION_LEAF + view : divide(p, span, unknown, 0);
+    for (p->view = 0; p->view <= SKY_VIEWS; ++p->view) {
+        const learn_looks looks = {p->looks + first[p->view], first[p->view + 1] - first[p->view]};
+        roots[p->view] = looks.count < LEAST_RAYS ? REGION_LEAF + p->view : learn_regions(&p->learner, looks);
     }
 }
 
@@ -193,16 +137,22 @@ bool sky_learn(sky_image *s, const sky_ray *rays, size_t count) {
     sky_pupil p = {.s = s, .rays = rays, .tables = SKY_VIEWS + 1, .capacity = SKY_VIEWS + 1};
     size_t first[SKY_VIEWS + 2];
     uint32_t *roots = malloc((SKY_VIEWS + 1) * sizeof *roots);
+    p.learner = (learner){.blocks = s->rows * s->columns,
+                          .axes = 3,
+                          .scales = {1, 1, 1},
+                          .least = LEAST_RAYS,
+                          .settle = make_table,
+                          .user = &p};
     set_groups(&p);
     p.looks = malloc((count + 1) * sizeof *p.looks);
-    p.fails = !roots || !p.looks || !sort_looks(&p, count, first);
-    if (!p.fails) divide_views(&p, first, roots);
+    p.learner.fails = !roots || !p.looks || !sort_looks(&p, count, first);
+    if (!p.learner.fails) divide_views(&p, first, roots);
     free(p.looks);
-    if (p.fails || p.tables == SKY_VIEWS + 1) {
+    if (p.learner.fails || p.tables == SKY_VIEWS + 1) {
         free(roots);
-        array_free(&p.splits);
-        return !p.fails;
+        array_free(&p.learner.splits);
+        return !p.learner.fails;
     }
-    s->roots = roots, s->splits = p.splits.items;
+    s->roots = roots, s->splits = p.learner.splits.items;
     return true;
 }
