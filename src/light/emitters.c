@@ -209,13 +209,24 @@ static emitter_part choose_part(const emitter_shares *shares, double *u) {
     return last;
 }
 
+static void choose_of_many(const emitters *e, unsigned lanes, double u[LANES], emitter_choices *c) {
+    const emitter_query *q = c->from;
+    tree_factors factors[LANES] = {NULL};
+    for (unsigned left = e->seen.tables ? lanes : 0; left; left &= left - 1) {
+        const unsigned i = lane_first(left);
+        factors[i] = emitters_find_factors(e, lane_f32(q->p, i), lane_f32(q->n, i));
+    }
+    e->lights.kernels->choose(&e->lights, q->p, q->n, e->seen.tables ? factors : NULL, lanes, u, c->emitter,
+                              c->chance);
+}
+
 /* Chooses the finite light of each of `lanes`. */
 static void choose_finite(const emitters *e, unsigned lanes, double u[LANES], emitter_choices *c,
                           emitter_sample *out) {
     if (e->only != FATHOM_NONE) {
         for (unsigned i = 0; i < LANES; ++i) c->emitter[i] = e->only, c->chance[i] = 1;
     } else {
-        e->lights.kernels->choose(&e->lights, c->from->p, c->from->n, lanes, u, c->emitter, c->chance);
+        choose_of_many(e, lanes, u, c);
     }
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
@@ -269,6 +280,7 @@ void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 
     }
     const unsigned finite = choose_parts(e, &c, u, choice, out);
     if (finite) choose_finite(e, finite, choice, &c, out);
+    memcpy(out->emitter, c.emitter, sizeof out->emitter);
     for (unsigned lanes = e->groups ? c.faces | c.balls | c.lamps : 0; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
         out->group[i] = emitters_group_of(e, c.emitter[i]);
@@ -287,6 +299,7 @@ float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 d
     double density = chosen_density(e, run, hit, widen(p), unit_or_zero(n), widen(direction), &index);
     const uint32_t slot = e->slot_of[run->first + index];
     if (slot == FATHOM_NONE) return 0;
-    if (density > 0 && e->only == FATHOM_NONE) density *= tree_chance(&e->lights, p, n, slot);
+    if (density > 0 && e->only == FATHOM_NONE)
+        density *= tree_chance(&e->lights, p, n, emitters_factors(e, p, n), slot);
     return density_f32(density * emitters_shares(e, p, n)->of[EMITTER_FINITE]);
 }

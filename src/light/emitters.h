@@ -59,10 +59,13 @@ typedef struct emitter_sample {
     uint32_t sized[LANES]; /* all ones: BSDF samples can hit the emitter; 0: light samples count alone */
     uint8_t group[LANES];  /* if groups are given, as emitters_outside_group() */
     uint8_t part[LANES];   /* emitter_part */
+    uint32_t emitter[LANES]; /* number of the light if part is EMITTER_FINITE and emitters_choose() */
 } emitter_sample;
 
 /* True if a random choice among lights is needed. */
 bool emitters_choose(const emitters *e);
+/* True if there are several surfaces and lamps to choose among. */
+bool emitters_choose_finite(const emitters *e);
 /* True if some emitter moves while the shutter is open: it is at its position at each query's time. */
 bool emitters_move(const emitters *e);
 /* u: three numbers in [0,1) per lane; the third chooses the light, and is read if emitters_choose(). */
@@ -100,8 +103,9 @@ bool emitters_scout(const emitters *e, emitters **out);
 typedef struct emitter_glance {
     float at[6]; /* point and normal, as in emitter_query */
     float direction[3], density;
-    float light;   /* that it brings to the viewer, 0 if it does not arrive */
-    uint32_t part; /* emitter_part */
+    float light;            /* that it brings to the viewer, 0 if it does not arrive */
+    float seen;             /* fraction that arrives; -1: it would bring nothing anyway */
+    uint32_t part, emitter; /* as in emitter_sample */
 } emitter_glance;
 
 /* The results of scout paths. */

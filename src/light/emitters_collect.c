@@ -313,6 +313,8 @@ void emitters_destroy(emitters *e) {
     free(e->suns);
     for (uint32_t i = 0; i < e->sky_count; ++i) environment_destroy(e->skies[i].image);
     free(e->skies);
+    free(e->seen.splits);
+    free(e->seen.tables);
     free(e->splits);
     free(e->regions);
     free(e);
@@ -321,6 +323,8 @@ void emitters_destroy(emitters *e) {
 bool emitters_any_outside(const emitters *e) {
     return from_outside(e) || (e->shares.of[EMITTER_DIRECTIONAL] > 0 && e->disc_count);
 }
+
+bool emitters_choose_finite(const emitters *e) { return e->finite_count > 1; }
 
 bool emitters_move(const emitters *e) { return e->moving; }
 

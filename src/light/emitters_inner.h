@@ -18,6 +18,13 @@ typedef struct emitter_run {
     bool paired;                 /* each emitter is two triangles. See emitters_pairs.c */
 } emitter_run;
 
+/* What regions of surfaces see of the finite lights; see emitters_seen.c. */
+typedef struct emitter_seen {
+    region_split *splits;
+    uint32_t root; /* as region_split.below; leaves: 0: no factors; k: the k-th table */
+    float *tables; /* factors of the light tree; NULL: regions have none */
+} emitter_seen;
+
 /* Probabilities of the classes; they add up to 1, or are all 0. */
 typedef struct emitter_shares {
     double of[EMITTER_PARTS];
@@ -84,6 +91,7 @@ struct emitters {
     emitter_ready *ready;   /* by emitter, without lamps; NULL: they move, or are too many */
     emitter_one one;
     tree lights;
+    emitter_seen seen;
     const shape_kernels *shapes;
     const light_kernels *points;
     emitter_lamp *lamps;
@@ -117,6 +125,18 @@ static inline const emitter_shares *emitters_shares(const emitters *e, vec3_f32 
 }
 /* False: out of memory. */
 bool emitters_learn_regions(emitters *e, const emitter_lesson *from);
+
+/* ---- emitters_seen.c ---- */
+
+/* The light tree's factors at a point p with the normal n, as in emitter_query; NULL: all are 1. */
+tree_factors emitters_find_factors(const emitters *e, vec3_f32 p, vec3_f32 n);
+static inline tree_factors emitters_factors(const emitters *e, vec3_f32 p, vec3_f32 n) {
+    return e->seen.tables ? emitters_find_factors(e, p, n) : NULL;
+}
+/* Call at most once. False: out of memory. */
+bool emitters_learn_seen(emitters *e, const emitter_lesson *from);
+/* The probability of the choice of a light, from all finite lights, before learning over that now. */
+double emitters_seen_change(const emitters *e, const emitter_glance *g);
 
 static inline float luminance(const float rgb[3]) {
     return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];

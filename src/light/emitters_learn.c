@@ -24,7 +24,7 @@ bool emitters_scout(const emitters *e, emitters **out) {
     for (uint32_t k = 0; k < e->sky_count; ++k) sum += e->skies[k].chance;
     const bool painted = sum > 0 && e->shares.of[EMITTER_OUTSIDE] > 0,
                even = !e->sky_count && e->background_chance > 0;
-    if (!painted && !even && !(e->finite_count && e->sun_count)) return true;
+    if (!painted && !even && e->finite_count < 2 && !(e->finite_count && e->sun_count)) return true;
     emitters *scout = malloc(sizeof *scout + e->sky_count * sizeof *e->skies);
     if (!scout) return false;
     *scout = *e;
@@ -74,5 +74,5 @@ static bool learn_skies(emitters *e, const emitter_lesson *from) {
 
 bool emitters_learn(emitters *e, const emitter_lesson *from) {
     const bool fine = e->sky_count ? learn_skies(e, from) : learn_even(e, from);
-    return fine && emitters_learn_regions(e, from);
+    return fine && emitters_learn_seen(e, from) && emitters_learn_regions(e, from);
 }

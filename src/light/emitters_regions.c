@@ -113,20 +113,6 @@ static uint32_t divide(region_pupil *p, glance_span span, const double around[EM
 
 /* ---- the whole ---- */
 
-/* Normals that differ by a right angle are as far apart as the two ends of the scene's longest side. */
-static void set_scales(region_pupil *p, size_t count) {
-    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY},
-          longest = 0x1p-100f;
-    for (size_t k = 0; k < count; ++k) {
-        for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = fminf(low[axis], p->glances[k].at[axis]);
-            high[axis] = fmaxf(high[axis], p->glances[k].at[axis]);
-        }
-    }
-    for (int axis = 0; axis < 3; ++axis) longest = fmaxf(longest, high[axis] - low[axis]);
-    for (int axis = 0; axis < 6; ++axis) p->scales[axis] = axis < 3 ? 1 / longest : 1;
-}
-
 /* All probabilities, at least 1/8 for each class that is there. */
 static bool list_choices(region_pupil *p) {
     const emitter_shares *now = &p->e->shares;
@@ -159,7 +145,7 @@ static void look_up(const region_pupil *p, size_t first, unsigned lanes, float d
 }
 
 /* Rescales samples as if their class were the only one. density becomes the factor of their squares: 1,
- * unless learning has changed how light from outside is sampled. */
+ * unless learning has changed how the class is sampled. */
 static void adapt(const region_pupil *p, size_t count) {
     for (size_t done = 0; done < count; done += LANES) {
         float now[LANES] = {0};
@@ -173,7 +159,9 @@ static void adapt(const region_pupil *p, size_t count) {
         if (outside) look_up(p, done, outside, now);
         for (unsigned i = 0; i < LANES && done + i < count; ++i) {
             emitter_glance *g = &p->glances[done + i];
-            g->density = now[i] > 0 ? g->density / now[i] : 1;
+            g->density = g->part == EMITTER_FINITE ? (float)emitters_seen_change(p->e, g)
+                         : now[i] > 0              ? g->density / now[i]
+                                                   : 1;
         }
     }
 }
@@ -201,6 +189,6 @@ bool emitters_learn_regions(emitters *e, const emitter_lesson *from) {
         return true;
     }
     adapt(&p, count);
-    set_scales(&p, count);
+    region_scales(&(region_items){p.glances, sizeof *p.glances, count}, p.scales);
     return keep(e, &p, divide(&p, (glance_span){0, count}, unknown, 0));
 }

@@ -19,12 +19,13 @@ static void correct(const learner *l, learn_looks looks, const uint16_t groups[L
     uint32_t count[LEARN_BLOCKS] = {0};
     for (size_t k = 0; k < looks.count; ++k) {
         const uint32_t block = looks.items[k].block, group = groups[block];
+        if (group == LEARN_NONE) continue;
         expected[group] += seen[block], ++count[group];
         arrived[group] += (double)looks.items[k].seen;
     }
     for (uint32_t block = 0; block < l->blocks; ++block) {
         const uint32_t group = groups[block];
-        if (!count[group]) continue;
+        if (group == LEARN_NONE || !count[group]) continue;
         const double prior = PRIOR_RAYS * expected[group] / count[group],
                      factor = (arrived[group] + prior) / (expected[group] + prior);
         seen[block] = fmin(fmax(seen[block] * factor, LEAST_SEEN), 1);

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 enum { LEARN_BLOCKS = 512, LEARN_LEVELS = 4 };
+#define LEARN_NONE UINT16_MAX
 
 /* A ray from a surface to a block. */
 typedef struct learn_look {
@@ -23,7 +24,7 @@ typedef struct learn_looks {
 
 typedef struct learner {
     uint32_t blocks;                             /* at most LEARN_BLOCKS */
-    uint16_t groups[LEARN_LEVELS][LEARN_BLOCKS]; /* by block: groups, from the largest to the smallest */
+    uint16_t groups[LEARN_LEVELS][LEARN_BLOCKS]; /* by block, from the largest to the smallest; LEARN_NONE */
     unsigned axes;                               /* coordinates of `at` that divide regions */
     float scales[6];                             /* of these */
     size_t least;                                /* minimum number of rays of a region */

@@ -1,9 +1,23 @@
 #include "light/regions.h"
 
+#include <math.h>
 #include <string.h>
 
 static float coordinate(const region_items *items, size_t k, uint32_t axis) {
     return ((const float *)(const void *)((const char *)items->first + k * items->size))[axis];
+}
+
+void region_scales(const region_items *items, float scales[6]) {
+    float longest = 0x1p-100f;
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        float low = INFINITY, high = -INFINITY;
+        for (size_t k = 0; k < items->count; ++k) {
+            low = fminf(low, coordinate(items, k, axis));
+            high = fmaxf(high, coordinate(items, k, axis));
+        }
+        longest = fmaxf(longest, high - low);
+    }
+    for (int axis = 0; axis < 6; ++axis) scales[axis] = axis < 3 ? 1 / longest : 1;
 }
 
 region_split region_choose(const region_items *items, unsigned axes, const float scales[]) {

@@ -28,6 +28,9 @@ typedef struct region_items {
     size_t size, count; /* size: bytes of an item */
 } region_items;
 
+/* Scales for places and normals: normals that differ by a right angle are as far apart as the two ends of the
+ * longest side of the items' bounds. */
+void region_scales(const region_items *items, float scales[6]);
 /* Splits at the mean along the axis whose variance times the square of its scale is the largest; below and
  * above are 0. */
 region_split region_choose(const region_items *items, unsigned axes, const float scales[]);

@@ -9,6 +9,8 @@ KERNEL_BEST(tree_kernels)
 void tree_destroy(tree *t) {
     free(t->nodes);
     free(t->parent);
+    free(t->row_of);
+    free(t->row_node);
     *t = (tree){.nodes = NULL};
 }
 
@@ -33,19 +35,78 @@ static double cut_sum(const tree_cut *cut) {
     return sum;
 }
 
-double tree_chance(const tree *t, vec3_f32 p, vec3_f32 n, uint32_t slot) {
+/* The weights of a node's children, outside of cuts. */
+static void weigh(const tree *t, uint32_t node, vec3_f32 at, vec3_f32 n, tree_factors factors,
+                  float weight[TREE_WIDE]) {
+    float unsure[TREE_WIDE];
+    t->kernels->weigh(&t->nodes[node], at, n, weight, unsure);
+    const uint32_t row = factors ? t->row_of[node] : FATHOM_NONE;
+    for (uint32_t i = 0; row != FATHOM_NONE && i < TREE_WIDE; ++i) weight[i] *= factors[row * TREE_WIDE + i];
+}
+
+double tree_chance(const tree *t, vec3_f32 p, vec3_f32 n, tree_factors factors, uint32_t slot) {
     const vec3_f32 at = scaled(t, p);
     double chance = 1;
     tree_cut cut;
-    t->kernels->cut(t, at, n, &cut);
+    t->kernels->cut(t, at, n, factors, &cut);
     for (;;) {
         const uint32_t node = slot / TREE_WIDE, k = find_node(&cut, node);
-        float weight[TREE_WIDE], unsure[TREE_WIDE];
-        if (k == cut.count) t->kernels->weigh(&t->nodes[node], at, n, weight, unsure);
+        float weight[TREE_WIDE];
+        if (k == cut.count) weigh(t, node, at, n, factors, weight);
         const float own = k < cut.count ? cut.weight[k][slot % TREE_WIDE] : weight[slot % TREE_WIDE];
         const double sum = k < cut.count ? cut_sum(&cut) : sum_of(weight);
         chance *= sum > 0 ? (double)own / sum : 0;
         if (k < cut.count || !(chance > 0)) return chance;
         slot = t->parent[node];
     }
+}
+
+/* ---- rows ---- */
+
+static bool has_row(const tree *t, uint32_t child) {
+    return !(child & TREE_LEAF) && t->row_of[child] != FATHOM_NONE;
+}
+
+/* The slot, among the children of nodes with rows, whose node gets the next row; FATHOM_NONE: none. */
+static uint32_t next_slot(const tree *t, const uint32_t *asked, uint32_t least) {
+    uint32_t found = FATHOM_NONE, most = least;
+    for (uint32_t k = 0; k < t->rows * TREE_WIDE; ++k) {
+        const uint32_t slot = t->row_node[k / TREE_WIDE] * TREE_WIDE + k % TREE_WIDE;
+        const tree_node *node = &t->nodes[slot / TREE_WIDE];
+        const uint32_t child = node->child[k % TREE_WIDE];
+        if (!(node->power[k % TREE_WIDE] > 0) || child & TREE_LEAF || has_row(t, child)) continue;
+        if (asked[slot] >= most) found = slot, most = asked[slot] + 1;
+    }
+    return found;
+}
+
+bool tree_set_rows(tree *t, const uint32_t *asked, uint32_t least, uint32_t most) {
+    uint32_t node = 0;
+    t->row_node = malloc(most * sizeof *t->row_node), t->row_of = malloc(t->count * sizeof *t->row_of);
+    if (!t->row_node || !t->row_of) return false;
+    for (uint32_t k = 0; k < t->count; ++k) t->row_of[k] = FATHOM_NONE;
+    for (;;) {
+        t->row_of[node] = t->rows, t->row_node[t->rows++] = node;
+        const uint32_t slot = t->rows < most ? next_slot(t, asked, least) : FATHOM_NONE;
+        if (slot == FATHOM_NONE) return true;
+        node = t->nodes[slot / TREE_WIDE].child[slot % TREE_WIDE];
+    }
+}
+
+/* A node's row comes after that of its parent. */
+void tree_average(const tree *t, float *factors) {
+    for (uint32_t row = t->rows; row-- > 1;) {
+        const tree_node *node = &t->nodes[t->row_node[row]];
+        double sum = 0, power = 0;
+        for (uint32_t i = 0; i < TREE_WIDE; ++i) {
+            sum += (double)node->power[i] * (double)factors[row * TREE_WIDE + i];
+            power += (double)node->power[i];
+        }
+        factors[tree_factor_at(t, t->parent[t->row_node[row]])] = (float)(sum / power);
+    }
+}
+
+uint32_t tree_block(const tree *t, uint32_t slot) {
+    while (t->row_of[slot / TREE_WIDE] == FATHOM_NONE) slot = t->parent[slot / TREE_WIDE];
+    return tree_factor_at(t, slot);
 }

@@ -7,6 +7,7 @@
  * Yuksel's stochastic lightcuts, 2019, but chosen for each point). */
 #pragma once
 
+#include "fathom/scene.h"
 #include "math/lanes.h"
 #include "math/vec.h"
 
@@ -44,6 +45,9 @@ typedef struct tree {
     tree_node *nodes; /* the first node is the root */
     uint32_t *parent; /* of a node: TREE_WIDE times its parent, plus its index among the parent's children */
     uint32_t count;
+    uint32_t *row_of;   /* by node: its row of factors, or FATHOM_NONE; NULL: no node has one */
+    uint32_t *row_node; /* by row */
+    uint32_t rows;
     float scale;  /* a power of two; keeps squares within the range of float */
     double power; /* sum over all lights, in the unit of their items; in nodes the strongest light has 1 */
     const struct tree_kernels *kernels;
@@ -54,8 +58,25 @@ typedef struct tree {
 bool tree_build(tree_item *items, uint32_t count, tree *out, uint32_t *slot_of);
 void tree_destroy(tree *t);
 
+/* Factors of the weights of some children: TREE_WIDE for each node that has a row, in (0, 1]. All lights
+ * below a child have its factor, unless the child has a row itself. NULL: all factors are 1. */
+typedef const float *tree_factors;
+
+/* Gives rows to the root and to at most `most` - 1 other nodes, always to a node's parent first. They divide
+ * the lights into blocks: a block has the lights below a child without a row. asked, by slot: nodes with more
+ * questions get rows first, those with fewer than `least` none. False: out of memory. */
+bool tree_set_rows(tree *t, const uint32_t *asked, uint32_t least, uint32_t most);
+/* Sets the factors of children with rows to the mean of their lights' factors, weighted by power. */
+void tree_average(const tree *t, float *factors);
+/* The index in a table of factors of this slot, whose node has a row. */
+static inline uint32_t tree_factor_at(const tree *t, uint32_t slot) {
+    return t->row_of[slot / TREE_WIDE] * TREE_WIDE + slot % TREE_WIDE;
+}
+/* The block of the light in this slot, as tree_factor_at(). */
+uint32_t tree_block(const tree *t, uint32_t slot);
+
 /* The probability that choose() takes the light in this slot. */
-double tree_chance(const tree *t, vec3_f32 p, vec3_f32 n, uint32_t slot);
+double tree_chance(const tree *t, vec3_f32 p, vec3_f32 n, tree_factors factors, uint32_t slot);
 
 /* A cut: the children of `count` nodes, of which the first is the root. A child that is itself among the
  * nodes has the weight 0. */
@@ -71,16 +92,17 @@ typedef struct tree_kernels {
      * the upper bound for nodes near p, and 0 for all others. */
     void (*weigh)(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[TREE_WIDE],
                   float unsure[TREE_WIDE]);
-    void (*cut)(const tree *t, vec3_f32 p, vec3_f32 n, tree_cut *out); /* p: likewise */
+    void (*cut)(const tree *t, vec3_f32 p, vec3_f32 n, tree_factors factors, tree_cut *out); /* p: likewise */
 
     /* Bits: children that a ray from p along the unit vector d may meet before this length; p and length:
      * likewise. May include some that it does not meet. */
     unsigned (*meet)(const tree_node *node, vec3_f32 p, vec3_f32 d, float length);
 
     /* The lights that u in [0,1) chooses for points p with unit normals n (0: none), and their probabilities,
-     * for the lanes whose bit is set; probability 0: no light reaches the point. Changes u. */
-    void (*choose)(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
-                   uint32_t light[LANES], double chance[LANES]);
+     * for the lanes whose bit is set; probability 0: no light reaches the point. factors: by lane; NULL: of
+     * no lane. Changes u. */
+    void (*choose)(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors, unsigned lanes,
+                   double u[LANES], uint32_t light[LANES], double chance[LANES]);
 } tree_kernels;
 
 const tree_kernels *tree_kernels_best(void);

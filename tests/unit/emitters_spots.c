@@ -104,7 +104,7 @@ UNIT_TEST(a_spot_that_lights_a_point_has_a_chance) {
         const vec3_f32 p = narrow(madd_f64(from, length, way)), to = narrow(neg_f64(way));
         if (lamp->light.type == FATHOM_LIGHT_SPOT && !(light_falloff(&lamp->light, to.x, to.y, to.z) > 0))
             continue;
-        assert_true(tree_chance(&e->lights, p, both, e->slot_of[e->surface_count + k]) > 0);
+        assert_true(tree_chance(&e->lights, p, both, NULL, e->slot_of[e->surface_count + k]) > 0);
         ++lit;
     }
     assert_true(lit > 10000);

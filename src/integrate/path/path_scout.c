@@ -20,6 +20,7 @@
  * third of their light samples arrive, or if these bring less than an eighth of the light. */
 #define FIRST_SQUARES (1u << 10)
 #define ROOM (1 / 3.0)
+#define LAMP_ROOM 0.75
 #define DIM (1 / 8.0)
 /* The paths of this many squares set the probabilities of the classes of lights. */
 #define GLANCE_SQUARES (1u << 13)
@@ -71,7 +72,7 @@ static void run_batch(scouting *all, path_scout *s, uint32_t b) {
     s->glances = first < GLANCE_SQUARES;
     s->fails |= !integrator_path.run(&s->wave->wave.run, &image, &batch);
     all->found[b] = s->report;
-    s->report = (scout_report){.all = 0};
+    s->report = (scout_report){.sums = {{0}}};
     s->answered = 0;
 }
 
@@ -85,17 +86,28 @@ static void run_batches(void *user, size_t begin, size_t end, unsigned worker) {
     if (!s) atomic_store(&all->fails, true);
 }
 
-/* The mean fraction of the samples from outside that arrived, and their fraction of all light. */
-static void sum_up(const scouting *all, double *seen, double *outside) {
-    double arrived = 0, from_outside = 0, light = 0;
-    size_t rays = 0;
+/* What light samples of a class found: the fraction that arrived, and the fraction of all light that it
+ * brought.
+ */
+typedef struct scout_view {
+    double seen, light;
+} scout_view;
+
+static scout_view view_of(const scouting *all, emitter_part part) {
+    scout_sum own = {0};
+    double light = 0;
     for (uint32_t b = 0; b < all->done; ++b) {
-        const scout_report *r = &all->found[b];
-        for (size_t k = 0; k < r->rays.count; ++k) arrived += (double)r->rays.items[k].seen;
-        rays += r->rays.count, from_outside += r->outside, light += r->all;
+        const scout_sum *sums = all->found[b].sums;
+        own.asked += sums[part].asked, own.seen += sums[part].seen, own.light += sums[part].light;
+        for (int k = 0; k < EMITTER_PARTS; ++k) light += sums[k].light;
     }
-    *seen = rays ? arrived / (double)rays : 1;
-    *outside = light > 0 ? from_outside / light : 0;
+    return (scout_view){own.asked > 0 ? own.seen / own.asked : 1, light > 0 ? own.light / light : 0};
+}
+
+/* True if further paths may gain something. */
+static bool is_hidden(const scouting *all, emitter_part part, double room) {
+    const scout_view view = view_of(all, part);
+    return view.seen < room && view.light > DIM;
 }
 
 /* Runs batches up to `end`. False: out of memory. */
@@ -112,9 +124,11 @@ static bool scout(scouting *all, emitters *e) {
     const uint32_t first = min_u32((all->batches + 7) / 8, FIRST_SQUARES / WAVE_SQUARES);
     emitter_lesson lesson = {.by = all->plan->emitters};
     if (!run_until(all, first)) return false;
-    sum_up(all, &lesson.seen, &lesson.outside);
-    if (lesson.seen < ROOM && lesson.outside > DIM && !run_until(all, all->batches)) return false;
-    sum_up(all, &lesson.seen, &lesson.outside);
+    const bool more = is_hidden(all, EMITTER_OUTSIDE, ROOM) ||
+                      (emitters_choose_finite(e) && is_hidden(all, EMITTER_FINITE, LAMP_ROOM));
+    if (more && !run_until(all, all->batches)) return false;
+    const scout_view outside = view_of(all, EMITTER_OUTSIDE);
+    lesson.seen = outside.seen, lesson.outside = outside.light;
     scout_report *r = &all->found[0];
     if (!scout_collect(r, all->done)) return false;
     lesson.rays = r->rays.items, lesson.ray_count = r->rays.count;

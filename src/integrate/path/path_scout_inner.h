@@ -4,21 +4,27 @@
 #include "base/array.h"
 #include "integrate/path/path.h"
 
+/* Light samples of a class that could bring light: their number, the sum of the fractions that arrived, and
+ * that of the light. */
+typedef struct scout_sum {
+    double asked, seen, light;
+} scout_sum;
+
 /* The findings of a batch of paths. */
 typedef struct scout_report {
     ARRAY(sky_ray) rays;
     ARRAY(emitter_glance) glances;
-    double all, outside; /* sums of the light that light samples brought */
+    scout_sum sums[EMITTER_PARTS];
 } scout_report;
 
 /* A light sample that waits for its shadow ray. */
 typedef struct scout_question {
     uint32_t slot;
-    bool outside;    /* it is the next one of the report's rays */
-    uint32_t glance; /* of the report's; FATHOM_NONE: it has none */
-    double weight;   /* of the path */
-    double possible; /* its light if nothing hides it, */
-    double before;   /* and the light of its slot before */
+    emitter_part part; /* if EMITTER_OUTSIDE, it is the next one of the report's rays */
+    uint32_t glance;   /* of the report's; FATHOM_NONE: it has none */
+    double weight;     /* of the path */
+    double possible;   /* its light if nothing hides it, */
+    double before;     /* and the light of its slot before */
 } scout_question;
 
 /* The state of one thread. */

@@ -18,7 +18,8 @@ static bool add_ray(scout_report *r, const emitter_query *from, const emitter_sa
 }
 
 static bool add_glance(scout_report *r, const emitter_query *from, const emitter_sample *light, unsigned i) {
-    emitter_glance glance = {.density = light->density[i], .part = light->part[i]};
+    emitter_glance glance = {
+        .density = light->density[i], .seen = -1, .part = light->part[i], .emitter = light->emitter[i]};
     for (int c = 0; c < 3; ++c) {
         glance.at[c] = from->p[c][i], glance.at[3 + c] = from->n[c][i];
         glance.direction[c] = light->direction[c][i];
@@ -37,8 +38,8 @@ void path_scout_asks(path_scout *s, const vertex_block *v, const emitter_query *
             s->fails |= !add_glance(r, from, light, i);
         }
         if (!(light->density[i] > 0 && q.possible > 0 && isfinite(q.possible))) continue;
-        q.outside = light->part[i] == EMITTER_OUTSIDE;
-        if (q.outside) s->fails |= !add_ray(r, from, light, i);
+        q.part = light->part[i];
+        if (q.part == EMITTER_OUTSIDE) s->fails |= !add_ray(r, from, light, i);
         s->questions[s->count++] = q;
     }
 }
@@ -60,9 +61,12 @@ void path_scout_sees(path_scout *s, const wave *w) {
         const scout_question *q = &s->questions[k];
         const double seen = fmin(fmax((light_of(w, q->slot) - q->before) / q->possible, 0), 1),
                      light = seen * q->possible;
-        r->all += light;
-        if (q->outside) r->outside += light, r->rays.items[s->answered++].seen = (float)seen;
-        if (q->glance != FATHOM_NONE) r->glances.items[q->glance].light = (float)(light / q->weight);
+        scout_sum *sum = &r->sums[q->part];
+        ++sum->asked, sum->seen += seen, sum->light += light;
+        if (q->part == EMITTER_OUTSIDE) r->rays.items[s->answered++].seen = (float)seen;
+        if (q->glance == FATHOM_NONE) continue;
+        emitter_glance *glance = &r->glances.items[q->glance];
+        glance->light = (float)(light / q->weight), glance->seen = (float)seen;
     }
     s->count = 0;
 }

@@ -62,32 +62,44 @@ static inline float sum_of(const float value[TREE_WIDE]) {
     return sum;
 }
 
-/* The nodes that a cut opens, and how unsure their children are. */
+/* The nodes that a cut opens, how unsure their children are, and the factors of these. */
 typedef struct opening {
-    float unsure[1 + TREE_NEAR][TREE_WIDE], most[1 + TREE_NEAR];
+    float unsure[1 + TREE_NEAR][TREE_WIDE], most[1 + TREE_NEAR], factor[1 + TREE_NEAR][TREE_WIDE];
     float sum; /* sum of all weights */
 } opening;
 
+/* Weighs the children of node k of the cut; inherited: the node's own factor. */
+static inline void weigh_node(const tree *t, vec3_f32 p, vec3_f32 n, tree_factors factors, float inherited,
+                              uint32_t k, opening *o, tree_cut *out) {
+    weigh(&t->nodes[out->node[k]], p, n, out->weight[k], o->unsure[k]);
+    if (!factors) return;
+    const uint32_t row = t->row_of[out->node[k]];
+    for (int i = 0; i < TREE_WIDE; ++i) {
+        const float factor = row == FATHOM_NONE ? inherited : factors[row * TREE_WIDE + (uint32_t)i];
+        o->factor[k][i] = factor, out->weight[k][i] *= factor, o->unsure[k][i] *= factor;
+    }
+}
+
 /* Opens a child of node k. In the order, it comes after node k and all nodes that were more unsure. */
-static inline void open_child(const tree *t, vec3_f32 p, vec3_f32 n, uint32_t k, int child, opening *o,
-                              tree_cut *out) {
+static inline void open_child(const tree *t, vec3_f32 p, vec3_f32 n, tree_factors factors, uint32_t k,
+                              int child, opening *o, tree_cut *out) {
     const uint32_t last = out->count++;
     uint32_t before = k;
     o->most[last] = o->unsure[k][child];
     while (out->next[before] && o->most[out->next[before]] >= o->most[last]) before = out->next[before];
     out->next[last] = out->next[before], out->next[before] = last;
     out->node[last] = t->nodes[out->node[k]].child[child];
-    weigh(&t->nodes[out->node[last]], p, n, out->weight[last], o->unsure[last]);
+    weigh_node(t, p, n, factors, factors ? o->factor[k][child] : 1, last, o, out);
     o->sum += sum_of(out->weight[last]) - out->weight[k][child];
     out->weight[k][child] = 0;
 }
 
 /* Level by level: nodes of one level do not depend on each other, so the processor works on several at
  * once. */
-static void cut(const tree *t, vec3_f32 p, vec3_f32 n, tree_cut *out) {
+static void cut(const tree *t, vec3_f32 p, vec3_f32 n, tree_factors factors, tree_cut *out) {
     opening o;
     out->node[0] = out->next[0] = 0, out->count = 1;
-    weigh(t->nodes, p, n, out->weight[0], o.unsure[0]);
+    weigh_node(t, p, n, factors, 1, 0, &o, out);
     o.sum = sum_of(out->weight[0]);
     for (uint32_t first = 0, end = 1; first < end; first = end, end = out->count) {
         const float little = LITTLE * positive(o.sum); /* rounding may make the sum negative */
@@ -95,7 +107,7 @@ static void cut(const tree *t, vec3_f32 p, vec3_f32 n, tree_cut *out) {
             uint32_t open = 0;
             for (int i = 0; i < TREE_WIDE; ++i) open |= (o.unsure[k][i] > little ? 1u : 0u) << i;
             for (; open && out->count <= TREE_NEAR; open &= open - 1)
-                open_child(t, p, n, k, __builtin_ctz(open), &o, out);
+                open_child(t, p, n, factors, k, __builtin_ctz(open), &o, out);
         }
     }
 }
@@ -150,14 +162,14 @@ static inline bool walk(const tree_node *node, const float weight[TREE_WIDE], do
 }
 
 /* The first step of each lane's traversal; returns the lanes that continue. */
-static unsigned leave_cuts(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
-                           uint32_t light[LANES], double chance[LANES]) {
+static unsigned leave_cuts(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors,
+                           unsigned lanes, double u[LANES], uint32_t light[LANES], double chance[LANES]) {
     unsigned on = 0;
     tree_cut c;
     for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
         const vec3_f32 at = {t->scale * p[0][i], t->scale * p[1][i], t->scale * p[2][i]};
-        cut(t, at, (vec3_f32){n[0][i], n[1][i], n[2][i]}, &c);
+        cut(t, at, (vec3_f32){n[0][i], n[1][i], n[2][i]}, factors ? factors[i] : NULL, &c);
         const int k = pick_node(&c, &u[i], &chance[i]);
         if (k < 0)
             chance[i] = 0;
@@ -184,13 +196,16 @@ static inline void weigh_light(const tree *t, int k, const lanes3 p, const lanes
     }
 }
 
-static inline void weigh_lights(const tree *t, const lanes3 p, const lanes3 n, few_lights *restrict out) {
+static inline void weigh_lights(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors,
+                                few_lights *restrict out) {
     for (int i = 0; i < LANES; ++i) out->below[0][i] = 0;
     for (int k = 0; k < TREE_WIDE; ++k) {
         if (t->nodes->power[k] > 0)
             weigh_light(t, k, p, n, out->weight[k]);
         else
             memset(out->weight[k], 0, sizeof out->weight[k]);
+        for (int i = 0; factors && i < LANES; ++i)
+            if (factors[i]) out->weight[k][i] = (double)((float)out->weight[k][i] * factors[i][k]);
         for (int i = 0; i < LANES; ++i) out->below[k + 1][i] = out->below[k][i] + out->weight[k][i];
     }
 }
@@ -214,11 +229,11 @@ static inline void pick_each(const few_lights *f, const double u[LANES], double 
     }
 }
 
-static void choose_of_few(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
-                          uint32_t light[LANES], double chance[LANES]) {
+static void choose_of_few(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors,
+                          unsigned lanes, double u[LANES], uint32_t light[LANES], double chance[LANES]) {
     few_lights f;
     double part[LANES], share[LANES], found[LANES];
-    weigh_lights(t, p, n, &f);
+    weigh_lights(t, p, n, factors, &f);
     pick_each(&f, u, part, share, found);
     for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
@@ -230,9 +245,15 @@ static void choose_of_few(const tree *t, const lanes3 p, const lanes3 n, unsigne
 
 /* ---- the choice ---- */
 
+/* A node without a row has one factor for all children, which changes nothing. */
+static inline void adjust(const tree *t, uint32_t node, tree_factors factors, float weight[TREE_WIDE]) {
+    const uint32_t row = t->row_of[node];
+    for (uint32_t k = 0; row != FATHOM_NONE && k < TREE_WIDE; ++k) weight[k] *= factors[row * TREE_WIDE + k];
+}
+
 /* Level by level: the processor works on several lanes' nodes at once while they are fetched from memory. */
-static void walk_all(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
-                     uint32_t light[LANES], double chance[LANES]) {
+static void walk_all(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors,
+                     unsigned lanes, double u[LANES], uint32_t light[LANES], double chance[LANES]) {
     while (lanes) {
         for (unsigned left = lanes; left; left &= left - 1) {
             const int i = __builtin_ctz(left);
@@ -240,6 +261,7 @@ static void walk_all(const tree *t, const lanes3 p, const lanes3 n, unsigned lan
             const tree_node *node = &t->nodes[light[i]];
             float weight[TREE_WIDE], unsure[TREE_WIDE];
             weigh(node, at, (vec3_f32){n[0][i], n[1][i], n[2][i]}, weight, unsure);
+            if (factors && factors[i]) adjust(t, light[i], factors[i], weight);
             if (!walk(node, weight, &u[i], &light[i], &chance[i]))
                 lanes &= ~(1u << i);
             else
@@ -248,13 +270,13 @@ static void walk_all(const tree *t, const lanes3 p, const lanes3 n, unsigned lan
     }
 }
 
-static void choose(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
-                   uint32_t light[LANES], double chance[LANES]) {
+static void choose(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors, unsigned lanes,
+                   double u[LANES], uint32_t light[LANES], double chance[LANES]) {
     for (int i = 0; i < LANES; ++i) light[i] = 0, chance[i] = 1;
     if (t->count == 1)
-        choose_of_few(t, p, n, lanes, u, light, chance);
+        choose_of_few(t, p, n, factors, lanes, u, light, chance);
     else
-        walk_all(t, p, n, leave_cuts(t, p, n, lanes, u, light, chance), u, light, chance);
+        walk_all(t, p, n, factors, leave_cuts(t, p, n, factors, lanes, u, light, chance), u, light, chance);
     for (int i = 0; i < LANES; ++i) light[i] &= ~TREE_LEAF;
 }
 
