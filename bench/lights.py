@@ -1,5 +1,9 @@
-"""Makes the scenes of lights.sh, renders and compares them."""
-import json, os, random, re, resource, subprocess, sys
+"""Makes the scenes of lights.sh, renders and compares them. Needs python3-openimageio and python3-numpy."""
+import json, os, pathlib, random, sys
+
+import numpy as np
+
+from noise import render
 
 fathom, spp, lights, folder = sys.argv[1], sys.argv[2], int(sys.argv[3]), sys.argv[4]
 NEAR, SIDE, CLEAR, HALF, SEEDS = 10, 500, 50, 0.05, 4
@@ -25,6 +29,7 @@ def write_scene(name, at):
     scene = {
         "camera": {"eye": [0, 0.9, 0.01], "target": [0, 0, 0], "fovy": 100},
         "background": [0, 0, 0],
+        "lights": [],
         "image": {"integrator": "path", "width": 200, "height": 200, "maxDepth": 1},
         "materials": {"floor": {"kd": [0.6, 0.6, 0.6]}},
         "objects": [
@@ -36,31 +41,22 @@ def write_scene(name, at):
         json.dump(scene, out)
 
 
-def render(name, seed):
-    """The processor time, in seconds."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    subprocess.run([fathom, "render", f"{folder}/{name}.json", "-o", f"{folder}/{name}.{seed}.exr", "-q", "--spp", spp,
-                    "--seed", str(seed), "--exr-float"], check=True)
-    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-
-
-def difference(name, a, b):
-    done = subprocess.run([fathom, "compare", f"{folder}/{name}.{a}.exr", f"{folder}/{name}.{b}.exr"],
-                          capture_output=True, text=True)
-    return float(re.search(r"RMSE ([0-9.e+-]+)", done.stdout).group(1))
-
-
 def measure(name, at):
+    """The processor time in seconds, and the error divided by the mean."""
     write_scene(name, at)
-    seconds = sorted(render(name, seed) for seed in range(SEEDS))
-    squares = [difference(name, seed, seed + 1) ** 2 / 2 for seed in range(0, SEEDS, 2)]
-    return seconds[SEEDS // 2], sum(squares) / len(squares)
+    done = [render(fathom, pathlib.Path(folder, name + ".json"), seed, "--spp", spp) for seed in range(SEEDS)]
+    images = np.array([image for image, seconds in done], float)
+    return sorted(seconds for image, seconds in done)[SEEDS // 2], images.var(0, ddof=1).mean() ** 0.5 / images.mean()
 
 
 with open(os.path.join(folder, "lamp.mtl"), "w") as out:
     out.write("newmtl lamp\nKd 0 0 0\nKe 300 300 300\n")
 all_of_them = places()
-few, many = measure("few", all_of_them[:NEAR]), measure("many", all_of_them)
-for count, (seconds, square) in ((NEAR, few), (lights, many)):
-    print(f"{count:7} lights: {seconds:6.2f} s, error {square ** 0.5:.5f}")
-print(f"cost at equal error: {many[0] * many[1] / (few[0] * few[1]):.1f} times that of the ten alone")
+print("|lights|processor time, s|relative error|cost at equal error over one|over ten|")
+print("|-|-|-|-|-|")
+costs = []
+for count in 1, NEAR, lights:
+    seconds, error = measure(f"lights{count}", all_of_them[:count])
+    costs.append(seconds * error**2)
+    over = "|".join(f"{costs[-1] / cost:.1f}" for cost in costs[:2])
+    print(f"|{count}|{seconds:.2f}|{error:.5f}|{over}|", flush=True)

@@ -3,8 +3,8 @@
  *
  * Bounds say little about lights that surround the point, and a traversal from the root would lose half of
  * its probability to far lights at every level. The traversal therefore starts from a cut through the tree:
- * nodes near the point are replaced by their children, level by level, up to TREE_NEAR of them (as in
- * Yuksel's stochastic lightcuts, 2019, but chosen for each point). */
+ * nodes that are bright and large, as seen from the point, are replaced by their children, level by level, up
+ * to TREE_NEAR of them (as in Yuksel's stochastic lightcuts, 2019, but chosen for each point). */
 #pragma once
 
 #include "fathom/scene.h"
@@ -16,7 +16,7 @@
 
 #define TREE_WIDE 8
 #define TREE_LEAF 0x80000000u
-#define TREE_NEAR 23
+#define TREE_NEAR 31
 
 /* A light, as input of the build. */
 typedef struct tree_item {
@@ -89,7 +89,8 @@ typedef struct tree_cut {
 
 typedef struct tree_kernels {
     /* Light that the children of a node may send to p; p is already multiplied by the tree's scale. unsure:
-     * the upper bound for nodes near p, and 0 for all others. */
+     * the upper bound for nodes, times the square of their size over their distance if that is below 1; 0 for
+     * lights. */
     void (*weigh)(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[TREE_WIDE],
                   float unsure[TREE_WIDE]);
     void (*cut)(const tree *t, vec3_f32 p, vec3_f32 n, tree_factors factors, tree_cut *out); /* p: likewise */

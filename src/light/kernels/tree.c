@@ -3,8 +3,8 @@
 #include "base/kernel.h"
 #include "math/limit.h"
 
-/* Nodes that may send less than this fraction of the total are not replaced by their children. */
-#define LITTLE 0.02f
+/* Nodes less unsure than this fraction of the total are not replaced by their children. */
+#define LITTLE 0.005f
 
 static inline float positive(float x) { return x > 0 ? x : 0; }
 
@@ -45,7 +45,8 @@ static inline float light_of(const tree_node *node, int i, vec3_f32 p, vec3_f32 
     sent = spread < 0 ? lit : sent;
     float within = 0.25f * r2, far = square > within ? square : within;
     far = leaf > 0 ? far : sqrtf(far) * sqrtf(nearest + r2 / 64); /* the product may overflow */
-    *unsure = nearest < r2 && leaf == 0 ? node->power[i] * sent * met / (nearest + 0x1p-100f) : 0;
+    const float near = least(inverse * inverse, 0x1p96f);         /* a power is below 2^28 */
+    *unsure = leaf > 0 ? 0 : node->power[i] * sent * met * near * least(1, r2 * near);
     return node->power[i] * sent * met / (far + 0x1p-120f);
 }
 
