@@ -31,8 +31,7 @@ struct part {
     bool *done; /* for each tile */
     wave_share share;
     pthread_mutex_t mutex; /* guards the following */
-    unsigned char *waiting;
-    size_t used, room;
+    ARRAY(unsigned char) waiting;
     int error; /* errno of the failed write */
 };
 
@@ -225,25 +224,16 @@ static bool write_all(part *p, const void *bytes, size_t size) {
 }
 
 static void flush(part *p) {
-    if (p->used) write_all(p, p->waiting, p->used);
-    p->used = 0;
-}
-
-static void *add_room(part *p, size_t bytes) {
-    if (p->used + bytes > p->room) {
-        unsigned char *more = realloc(p->waiting, p->used + bytes + WAITING);
-        if (!more) return NULL;
-        p->waiting = more, p->room = p->used + bytes + WAITING;
-    }
-    p->used += bytes;
-    return p->waiting + p->used - bytes;
+    write_all(p, p->waiting.items, p->waiting.count);
+    p->waiting.count = 0;
 }
 
 static bool add_record(part *p, const wave_result *w) {
     const size_t bytes = part_wave_bytes(&p->shape, w->unit.wave), whole = sizeof(part_record) + bytes;
-    unsigned char *to = add_room(p, whole + sizeof(uint64_t));
     const part_record r = {PART_RECORD, w->unit.wave, w->samples, bytes, w->error, w->seconds, w->rays};
-    if (!to) return false;
+    if (!array_room(&p->waiting, whole + sizeof(uint64_t))) return false;
+    unsigned char *to = p->waiting.items + p->waiting.count;
+    p->waiting.count += whole + sizeof(uint64_t);
     memcpy(to, &r, sizeof r);
     if (w->sums)
         memcpy(to + sizeof r, w->sums, bytes);
@@ -258,7 +248,7 @@ static bool take(void *user, const wave_result *w) {
     part *p = user;
     pthread_mutex_lock(&p->mutex);
     if (!p->error && !add_record(p, w)) p->error = ENOMEM;
-    if (p->used > WAITING) flush(p);
+    if (p->waiting.count > WAITING) flush(p);
     const bool fine = !p->error;
     pthread_mutex_unlock(&p->mutex);
     return fine;
@@ -319,7 +309,7 @@ fathom_status part_close(part *p, fathom_status status) {
     if (p->file >= 0) close(p->file);
     file_lock_release(p->lock);
     pthread_mutex_destroy(&p->mutex);
-    free(p->waiting);
+    array_free(&p->waiting);
     free(p->done);
     free(p);
     return status;

@@ -107,7 +107,7 @@ static bool is_waiting(const ranks *r) {
 }
 
 static bool wants_more(const ranks *r) {
-    return !is_root(r) && !r->asked && !r->no_more && r->queue.end - r->queue.first < r->threads;
+    return !is_root(r) && !r->asked && !r->no_more && r->queue.units.count - r->queue.first < r->threads;
 }
 
 static bool next(void *user, const atomic_bool *stop, work_unit *unit) {
@@ -272,9 +272,9 @@ static bool hear(ranks *r) {
 
 static void send_results(ranks *r) {
     const message head = {DONE, r->done.count};
-    memcpy(r->done.bytes, &head, sizeof head);
-    say(r, 0, r->done.bytes, r->done.used);
-    r->done.used = 0, r->done.count = 0;
+    memcpy(r->done.message.items, &head, sizeof head);
+    say(r, 0, r->done.message.items, r->done.message.count);
+    r->done.message.count = r->done.count = 0;
     r->next_report = clock_seconds() + RESULT_SECONDS;
 }
 
@@ -282,8 +282,8 @@ static void send_results(ranks *r) {
  * them when it hands out more. */
 static void report(ranks *r) {
     const bool asks = wants_more(r);
-    if (r->done.used &&
-        (asks || r->no_more || r->stop || r->done.used > MOST_RESULTS || clock_seconds() > r->next_report))
+    if (r->done.count && (asks || r->no_more || r->stop || r->done.message.count > MOST_RESULTS ||
+                          clock_seconds() > r->next_report))
         send_results(r);
     if (!asks) return;
     say(r, 0, &(message){WANT, r->threads}, sizeof(message));
@@ -376,8 +376,8 @@ fathom_status ranks_close(ranks *r, fathom_status status) {
     status = status_of(r, status);
     pthread_cond_destroy(&r->changed);
     pthread_mutex_destroy(&r->mutex);
-    free(r->queue.units);
-    free(r->done.bytes);
+    array_free(&r->queue.units);
+    array_free(&r->done.message);
     free(r);
     return status;
 }

@@ -1,12 +1,13 @@
 /* A queue of units of work, and the messages between ranks. */
 #pragma once
 
+#include "base/array.h"
 #include "job/job.h"
 
-/* An empty queue is all zeros. Release `units` with free(). */
+/* An empty queue is all zeros. */
 typedef struct unit_queue {
-    work_unit *units;
-    uint32_t first, end, room;
+    ARRAY(work_unit) units;
+    size_t first;     /* the units before it are taken */
     uint64_t squares; /* total of the units in the queue */
 } unit_queue;
 
@@ -30,10 +31,9 @@ typedef struct unit_record {
     ray_counts rays;
 } unit_record;
 
-/* A growing message of `count` records, each with its pixels. Release `bytes` with free(). */
+/* A growing message of `count` records, each with its pixels. */
 typedef struct unit_results {
-    char *bytes;
-    size_t used, room; /* including the message's head, which the sender fills in */
+    ARRAY(char) message; /* with its head, which the sender fills in */
     uint32_t count;
 } unit_results;
 
