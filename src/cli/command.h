@@ -58,11 +58,6 @@ fathom_status say_status(const command *c, const fathom_context *context, fathom
 /* Reads the command line into `settings`. False: the command has ended, with the exit code *status. */
 bool command_parse(const command *c, int argc, char **argv, void *settings, fathom_status *status);
 
-/* A row of a table of options, for settings with a bool named allow_outside. */
-#define COMMAND_ALLOW_OUTSIDE(settings)                                                                      \
-    ARGS_ROW("allow-outside", 0, NULL, take_true, offsetof(settings, allow_outside), 0, 0,                   \
-             "allow files outside the folder of SCENE")
-
 /* The options that choose the part of a model to read, and how to read it. */
 typedef struct command_model {
     const char *camera, *variant, *scene; /* NULL: the first, or none */
@@ -112,8 +107,7 @@ fathom_read_options command_read_options(const command_model *model);
         settings, "up", "y|z", take_choice, up, 0, 0,                                                        \
         "up axis of the automatic camera and its lights (y); most CAD programs and scanners use z")
 
-/* Options that most commands share. In all commands except render, they are the first member of the
- * settings. */
+/* Options that most commands share: the first member of the settings. */
 typedef struct command_common {
     unsigned threads; /* 0: one a processor */
     bool quiet, allow_outside;
@@ -124,6 +118,9 @@ typedef struct command_common {
              "number of threads, 1 to 1024 (one per processor)")
 #define COMMAND_QUIET(help)                                                                                  \
     ARGS_ROW("quiet", 'q', NULL, take_true, offsetof(command_common, quiet), 0, 0, help)
+#define COMMAND_ALLOW_OUTSIDE                                                                                \
+    ARGS_ROW("allow-outside", 0, NULL, take_true, offsetof(command_common, allow_outside), 0, 0,             \
+             "allow files outside the folder of SCENE")
 
 /* Creates a context whose warnings go to stderr. Prints the error if memory runs out. */
 fathom_status command_context(unsigned threads, fathom_context **out);

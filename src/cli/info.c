@@ -265,7 +265,7 @@ static const args_option options[] = {
     COMMAND_MODEL(info_settings),
     COMMAND_UP(info_settings),
     {"json", 0, NULL, take_true, offsetof(info_settings, json), 0, 0, "as JSON"},
-    COMMAND_ALLOW_OUTSIDE(command_common),
+    COMMAND_ALLOW_OUTSIDE,
     COMMAND_THREADS,
     {.help = NULL},
 };

@@ -407,7 +407,7 @@ static const args_option options[] = {
      "to an error"},
     {"tracer", 0, "SPEC", take_text, BENCH_FIELD(tracer), 0, 0, "tracer (the scene's, else embree)"},
     COMMAND_THREADS,
-    COMMAND_ALLOW_OUTSIDE(command_common),
+    COMMAND_ALLOW_OUTSIDE,
     BENCH_RESULTS,
 };
 

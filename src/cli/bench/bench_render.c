@@ -377,7 +377,7 @@ static const args_option options[] = {
     BENCH_REPEATS(RENDER_TIME_REPEATS_MAX, "repetitions; the results are their medians and quartiles (9)"),
     {"seconds", 0, "S", take_f64, FIELD(seconds), 0, 1e6,
      "reading, or building, is not repeated after this time (2)"},
-    COMMAND_ALLOW_OUTSIDE(command_common),
+    COMMAND_ALLOW_OUTSIDE,
     BENCH_RESULTS,
 };
 

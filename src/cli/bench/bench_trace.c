@@ -271,7 +271,7 @@ static const args_option options[] = {
      "(0.1)"},
     BENCH_REPEATS(TRACE_TIME_REPEATS_MAX, "repetitions; the results are their medians and quartiles (9)"),
     {"threads", 0, "N", take_u32, FIELD(tracing), 1, 1024, "number of threads that build and trace (1)"},
-    COMMAND_ALLOW_OUTSIDE(command_common),
+    COMMAND_ALLOW_OUTSIDE,
     BENCH_RESULTS,
 };
 

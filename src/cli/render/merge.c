@@ -21,7 +21,7 @@ static fathom_status check_outputs(fathom_context *context, render_options *o) {
 
 static void tell(const render_options *o, const fathom_film *film, const fathom_stats *stats, double began) {
     uint32_t width, height;
-    if (o->quiet) return;
+    if (o->common.quiet) return;
     fathom_film_size(film, &width, &height);
     images_print(o);
     printf(": %ux%u, %.1f spp, of %zu parts", width, height,
@@ -61,7 +61,7 @@ static fathom_status run(int argc, char **argv) {
         status = say_usage(&command_merge, problem.text);
         fine = false;
     }
-    if (fine) status = command_context(options.threads, &context);
+    if (fine) status = command_context(options.common.threads, &context);
     if (fine && status == FATHOM_OK) {
         options.write.command = provenance_command();
         interrupt_install();

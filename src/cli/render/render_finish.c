@@ -1,11 +1,12 @@
 /* Combines the options of `fathom render` with the scene's settings, and checks that they fit together. */
 #include "cli/outputs.h"
-#include "cli/render/part_options.h"
 #include "cli/render/render_options.h"
 
 #include "base/file_name.h"
 #include "base/parameter.h"
 
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The AOVs that at least one of the outputs can hold: all in .exr, alpha in .png and .tif, none in .jpg. */
@@ -81,6 +82,64 @@ static bool merge(render_options *options, const fathom_settings *scene, args_pr
         return args_wrong(problem, "--crop: expected X0 < X1 and Y0 < Y1, found \"%u,%u,%u,%u\"", s->crop[0],
                           s->crop[1], s->crop[2], s->crop[3]);
     return true;
+}
+
+/* ---- a part: --part and --split, or the task of a Slurm array ---- */
+
+static bool number_of(const char *variable, uint32_t *out) {
+    const char *text = getenv(variable);
+    char end;
+    return text && sscanf(text, "%9u%c", out, &end) == 1;
+}
+
+/* Finds the position of this task among the tasks least, least + step, …. */
+static bool take_slurm(fathom_part *part, args_problem *problem) {
+    uint32_t task, least = 0, step = 1;
+    if (!number_of("SLURM_ARRAY_TASK_ID", &task) || !number_of("SLURM_ARRAY_TASK_COUNT", &part->count))
+        return args_wrong(problem,
+                          "-o %.300s: --part K/N is missing, and there is no SLURM_ARRAY_TASK_ID with "
+                          "SLURM_ARRAY_TASK_COUNT",
+                          part->path);
+    number_of("SLURM_ARRAY_TASK_MIN", &least);
+    number_of("SLURM_ARRAY_TASK_STEP", &step);
+    part->index = step && task >= least ? (task - least) / step + 1 : 0;
+    if (part->index && part->index <= part->count && part->count <= 65536 && (task - least) % step == 0)
+        return true;
+    return args_wrong(problem,
+                      "-o %.300s: task %u is none of an array of %u tasks from %u on in steps of %u; "
+                      "expected such an array, or --part K/N",
+                      part->path, task, part->count, least, step);
+}
+
+static bool is_part(const char *path) {
+    char extension[16];
+    file_extension(path, extension);
+    return strcmp(extension, "part") == 0;
+}
+
+/* Turns an output whose name ends in .part into the part's file. */
+static bool finish_part(render_options *options, args_problem *problem) {
+    fathom_part *part = &options->part;
+    args_list *outputs = &options->outputs;
+    if (part->path) return true;
+    size_t i = 0;
+    while (i < outputs->count && !is_part(outputs->items[i])) ++i;
+    if (i == outputs->count) {
+        return (!part->count && part->split == FATHOM_SPLIT_AUTO) ||
+               args_wrong(problem, "--%s: only with -o FILE.part", part->count ? "part" : "split");
+    }
+    if (outputs->count > 1)
+        return args_wrong(problem,
+                          "-o %.300s: a part must be the only output; fathom merge writes the images",
+                          outputs->items[i]);
+    if (options->mpi)
+        return args_wrong(problem,
+                          "--mpi: one process renders a part; expected either --mpi or -o FILE.part");
+    if (options->checkpoint)
+        return args_wrong(problem, "--checkpoint: a part is its own checkpoint; leave this option out");
+    part->path = outputs->items[i];
+    outputs->count = 0;
+    return part->count || take_slurm(part, problem);
 }
 
 /* ---- frames ---- */
@@ -165,11 +224,11 @@ bool render_options_check_images(const render_options *options, args_problem *pr
 }
 
 bool render_options_finish(render_options *options, const fathom_settings *scene, args_problem *problem) {
-    if (!check_frames(options, problem) || !part_options_finish(options, problem)) return false;
+    if (!check_frames(options, problem) || !finish_part(options, problem)) return false;
     if (!options->outputs.count && !options->part.path) return args_wrong(problem, "-o IMAGE is missing");
     if (!(options->part.path ? check_part : render_options_check_images)(options, problem)) return false;
     if (!merge(options, scene, problem) || !check_environment(options, problem)) return false;
-    if (options->quiet && options->verbose)
+    if (options->common.quiet && options->verbose)
         return args_wrong(problem, "--quiet and --verbose exclude each other");
     if (!options->checkpoint && (options->resume || options->checkpoint_every >= 0)) {
         return args_wrong(problem, "--%s: only with --checkpoint FILE",

@@ -2,7 +2,6 @@
 
 #include "cli/command.h"
 #include "cli/outputs.h"
-#include "cli/render/part_options.h"
 
 #include "base/parameter.h"
 
@@ -33,6 +32,18 @@ static bool take_rgb(const args_option *option, const char *value, void *field, 
                                 .count = 3};
     background->given = take_parameter(&p, value, background, problem);
     return background->given;
+}
+
+/* "3/16". */
+static bool take_part(const args_option *option, const char *value, void *field, args_problem *problem) {
+    fathom_part *part = field;
+    char end;
+    if (strspn(value, "0123456789/") == strlen(value) &&
+        sscanf(value, "%9u/%9u%c", &part->index, &part->count, &end) == 2 && part->index &&
+        part->index <= part->count && part->count <= 65536)
+        return true;
+    return args_wrong(problem, "expected %s with 1 <= K <= N <= 65536, such as 3/16, found \"%.60s\"",
+                      option->value, value);
 }
 
 /* ---- settings ---- */
@@ -113,7 +124,6 @@ static bool take_tracer(const args_option *option, const char *value, void *fiel
                  "a view of the display (its default)"),                                                     \
         ARGS_ROW("ocio", 0, "FILE", take_config, FIELD(write.ocio), 0, 0,                                    \
                  "OpenColorIO config" ocio_also " ($OCIO, else a built-in one)")
-#define QUIET_OPTION ARGS_ROW("quiet", 'q', NULL, take_true, FIELD(quiet), 0, 0, "only errors and warnings")
 
 /* Settings with an option are listed after these, at the end of their group. */
 static const args_option own_options[] = {
@@ -168,7 +178,7 @@ static const args_option own_options[] = {
     {"fps", 0, "N", take_f64, FIELD(frames.fps), 1e-3, 1e6, "frames per second (24)"},
 
     {.help = "A part of the image (-o FILE.part), for fathom merge"},
-    {"part", 0, "K/N", part_options_take, FIELD(part), 0, 0,
+    {"part", 0, "K/N", take_part, FIELD(part), 0, 0,
      "render part K of N, from 1 to N, to FILE.part; after a kill, run the same command again. "
      "Default: task and count of a Slurm array, from $SLURM_ARRAY_TASK_ID and the like"},
     {"split", 0, "auto|samples|tiles", take_choice, FIELD(part.split), 0, 0,
@@ -188,10 +198,9 @@ static const args_option own_options[] = {
     COLOUR_OPTIONS("With --frames, the exposure of frame 0 is that of all", ", also for textures"),
 
     {.help = "Running"},
-    {"threads", 0, "N", take_u32, FIELD(threads), 1, 1024,
-     "number of threads, 1 to 1024 (one per processor)"},
-    COMMAND_ALLOW_OUTSIDE(render_options),
-    QUIET_OPTION,
+    COMMAND_THREADS,
+    COMMAND_ALLOW_OUTSIDE,
+    COMMAND_QUIET("only errors and warnings"),
     {"verbose", 'v', NULL, take_true, FIELD(verbose), 0, 0,
      "print what was traced and how long each step took"},
     {.help = NULL},
@@ -204,7 +213,7 @@ const args_option merge_option_table[] = {
     {.help = "Colour of .png, .jpg and .tif"},
     COLOUR_OPTIONS("Parts of a sequence keep that of frame 0", ""),
     {.help = "Running"},
-    QUIET_OPTION,
+    COMMAND_QUIET("only errors and warnings"),
     {.help = NULL},
 };
 

@@ -20,6 +20,7 @@ typedef enum exposure_rule {
 } exposure_rule;
 
 typedef struct render_options {
+    command_common common;
     const char *scene;
     args_list outputs;
     fathom_settings
@@ -28,9 +29,8 @@ typedef struct render_options {
     fathom_settings settings; /* the scene's, overridden by the given ones: see render_options_finish() */
     command_model model;
     render_frames frames;
-    double max_time;  /* limit in seconds for the whole command; 0: none */
-    args_size size;   /* 0 × 0: the settings' own */
-    unsigned threads; /* 0: all processors */
+    double max_time; /* limit in seconds for the whole command; 0: none */
+    args_size size;  /* 0 × 0: the settings' own */
     render_background background;
     bool no_floor, no_studio;
     const char *environment;     /* NULL: none */
@@ -46,7 +46,7 @@ typedef struct render_options {
     fathom_part part; /* path NULL: the whole image */
     args_many parts;  /* files of `fathom merge` */
     bool mpi;
-    bool quiet, verbose, allow_outside;
+    bool verbose;
 } render_options;
 
 void render_options_default(render_options *options);

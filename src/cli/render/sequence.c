@@ -16,8 +16,8 @@ static void tell_nobody(void *user, const char *text) { (void)user, (void)text; 
 
 /* Gives the task of a trial run a context. False: out of memory. */
 static bool trial_open(task *s) {
-    if (command_context(s->options.threads, &s->context) != FATHOM_OK) return false;
-    fathom_context_allow_outside(s->context, s->options.allow_outside);
+    if (command_context(s->options.common.threads, &s->context) != FATHOM_OK) return false;
+    fathom_context_allow_outside(s->context, s->options.common.allow_outside);
     fathom_context_on_warning(s->context, tell_nobody, NULL);
     return true;
 }
@@ -60,7 +60,7 @@ static bool trial_exposure(task *s) {
     if (!trial_open(s)) return false;
     interrupt_install();
     interrupt_install_save();
-    progress_begin(s->options.quiet);
+    progress_begin(s->options.common.quiet);
     progress_phase(FATHOM_PHASE_READ);
     const bool settled = task_read_framed(s) == FATHOM_OK && render_small(s) == FATHOM_OK &&
                          brightness_settle(&s->report.warnings, NULL, s->options.scene, s->film, &s->options);
@@ -133,7 +133,7 @@ static fathom_status settle_exposure(task *all, frame_names *room) {
     if (!trial_exposure(&s)) return FATHOM_OK;
     keep_exposure(&s, all);
     all->framing = s.framing, all->frame_all = NULL;
-    if (!s.options.quiet && s.options.write.exposure != 0)
+    if (!s.options.common.quiet && s.options.write.exposure != 0)
         printf("exposure %g, by frame 0\n", (double)s.options.write.exposure);
     return FATHOM_OK;
 }

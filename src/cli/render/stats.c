@@ -201,7 +201,7 @@ static void print_sampling(const render_report *r, const render_options *options
 }
 
 void stats_print(const render_report *report, const render_options *options) {
-    if (options->quiet) return;
+    if (options->common.quiet) return;
     if (options->verbose) print_details(report, options);
     images_print(options);
     if (options->part.path) {

@@ -282,7 +282,7 @@ static fathom_status prepare(task *s) {
     if (status == FATHOM_OK && !is_other(s)) status = check_outputs(s);
     if (status != FATHOM_OK) return status;
     if (!is_other(s) && images_need_helper(&s->options)) fathom_image_prefetch();
-    progress_begin(s->options.quiet || is_other(s));
+    progress_begin(s->options.common.quiet || is_other(s));
     progress_phase(FATHOM_PHASE_READ);
     fathom_context_on_warning(s->context, warn_of_scene, s);
     status = task_read_framed(s);
@@ -294,16 +294,16 @@ static fathom_status prepare(task *s) {
 
 static void tell_kept(const render_options *options) {
     progress_clear_line();
-    for (size_t i = 0; i < options->outputs.count && !options->quiet; ++i) {
+    for (size_t i = 0; i < options->outputs.count && !options->common.quiet; ++i) {
         print_name(stdout, options->outputs.items[i]);
         puts(": is kept, as an earlier run finished it");
     }
 }
 
 fathom_status task_run(task *s) {
-    fathom_status status = command_context(s->options.threads, &s->context);
+    fathom_status status = command_context(s->options.common.threads, &s->context);
     if (status != FATHOM_OK) return status;
-    fathom_context_allow_outside(s->context, s->options.allow_outside);
+    fathom_context_allow_outside(s->context, s->options.common.allow_outside);
     s->options.write.command = provenance_command();
     interrupt_install();
     interrupt_install_save();

@@ -245,7 +245,7 @@ static const args_option options[] = {
     {"threads", 0, "N", take_u32, offsetof(command_common, threads), 1, 1024,
      "number of threads, 1 to 1024 (one per processor; four at least if rays are checked, so that threads "
      "interrupt each other)"},
-    COMMAND_ALLOW_OUTSIDE(command_common),
+    COMMAND_ALLOW_OUTSIDE,
     {.help = "Results"},
     {"verbose", 'v', NULL, take_true, offsetof(validate_settings, verbose), 0, 0,
      "print a row for each family"},
