@@ -23,12 +23,9 @@ static vec3_f128 exact_normal(const oracle_ray *ray, const oracle_primitive *p, 
         const object_ray r = object_ray_of(ray, p->instance);
         return madd_f128(sub_f128(r.org, quadruple_f64(oracle_center(p))), answer->t, r.dir);
     }
-    bool quad = p->shape == ORACLE_QUAD, second = quad && answer->part;
-    const vec3_f32 *v = p->v;
-    const vec3_f128 a = quadruple_f32(v[second ? 2 : 0]), b = quadruple_f32(v[second ? 3 : 1]),
-                    c = quadruple_f32(v[second ? 1
-                                        : quad ? 3
-                                               : 2]);
+    vec3_f32 v[3];
+    oracle_part(p, answer->part, v);
+    const vec3_f128 a = quadruple_f32(v[0]), b = quadruple_f32(v[1]), c = quadruple_f32(v[2]);
     return cross_f128(sub_f128(b, a), sub_f128(c, a));
 }
 

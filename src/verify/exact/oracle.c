@@ -11,19 +11,10 @@ static bool finite_rows(const float m[3][4]) {
     return true;
 }
 
-static unsigned points_of(const oracle_primitive *primitive) {
-    switch (primitive->shape) {
-    case ORACLE_SPHERE: return 1;
-    case ORACLE_PLANE: return 2;
-    case ORACLE_TRIANGLE: return 3;
-    case ORACLE_QUAD: break;
-    }
-    return 4;
-}
-
 /* True when ray and shape are valid. */
 static bool answerable(const oracle_ray *ray, const oracle_primitive *primitive) {
-    for (unsigned i = 0; i < points_of(primitive); ++i) {
+    const unsigned points = oracle_corners(primitive) + (primitive->shape == ORACLE_PLANE);
+    for (unsigned i = 0; i < points; ++i) {
         if (!finite_f32(primitive->v[i])) return false;
     }
     if (primitive->shape == ORACLE_SPHERE && !(primitive->radius > 0 && isfinite(primitive->radius)))
@@ -84,9 +75,7 @@ static oracle_primitive part_of(const oracle_primitive *primitive, unsigned part
     oracle_primitive one = *primitive;
     if (primitive->shape != ORACLE_QUAD) return one;
     one.shape = ORACLE_TRIANGLE;
-    one.v[0] = primitive->v[part ? 2 : 0];
-    one.v[1] = primitive->v[part ? 3 : 1];
-    one.v[2] = primitive->v[part ? 1 : 3];
+    oracle_part(primitive, part, one.v);
     return one;
 }
 

@@ -42,6 +42,17 @@ static inline double oracle_radius(const oracle_primitive *p) {
     return (double)p->radius + (double)p->radius_rest;
 }
 
+/* Number of corners: 3 or 4, or 1 for the centre of a sphere and the point of a plane. */
+static inline unsigned oracle_corners(const oracle_primitive *p) {
+    return p->shape == ORACLE_QUAD ? 4 : p->shape == ORACLE_TRIANGLE ? 3 : 1;
+}
+/* The corners A, B, C of a triangle, or of a quad's part. */
+static inline void oracle_part(const oracle_primitive *p, unsigned part, vec3_f32 out[3]) {
+    static const unsigned char of_triangle[3] = {0, 1, 2}, of_quad[2][3] = {{0, 1, 3}, {2, 3, 1}};
+    const unsigned char *corner = p->shape == ORACLE_QUAD ? of_quad[part] : of_triangle;
+    for (int k = 0; k < 3; ++k) out[k] = p->v[corner[k]];
+}
+
 /* Numbers have a relative error of at most 2^-100; they are exactly zero if the true number is. */
 typedef struct oracle_answer {
     bool hit;

@@ -59,7 +59,7 @@ static void aim_at_sphere(const oracle_primitive *p, rays_random *r, rays_target
 }
 
 static void aim_at_corners(const oracle_primitive *p, rays_random *r, rays_target *out) {
-    out->corners = p->shape == ORACLE_QUAD ? 4 : 3;
+    out->corners = oracle_corners(p);
     vec3_f64 *c = out->corner;
     for (unsigned k = 0; k < out->corners; ++k) c[k] = placed(p->instance, widen(p->v[k]));
     vec3_f64 last = c[out->corners - 1];

@@ -118,8 +118,11 @@ static void shorten(search_walk *walk, double high) {
     if (limit < walk->local.t_far) walk->local.t_far = limit;
 }
 
-static void consider_triangle(search_walk *walk, const vec3_f32 v[3], double *low, filter_verdict *verdict) {
+static void consider_part(search_walk *walk, const oracle_primitive *p, unsigned part, double *low,
+                          filter_verdict *verdict) {
     double first, high;
+    vec3_f32 v[3];
+    oracle_part(p, part, v);
     filter_verdict one = filter_triangle(&walk->local, widen(v[0]), widen(v[1]), widen(v[2]), &first, &high);
     if (one == FILTER_MISS) return;
     if (*verdict == FILTER_MISS || first < *low) *low = first;
@@ -138,13 +141,11 @@ static void consider(search_walk *walk, uint32_t primitive, double run_low) {
         verdict = meets ? FILTER_DOUBT : FILTER_MISS;
         break;
     }
-    case ORACLE_QUAD: {
-        const vec3_f32 first[3] = {p.v[0], p.v[1], p.v[3]}, second[3] = {p.v[2], p.v[3], p.v[1]};
-        consider_triangle(walk, first, &low, &verdict);
-        consider_triangle(walk, second, &low, &verdict);
+    case ORACLE_TRIANGLE:
+    case ORACLE_QUAD:
+        for (unsigned part = 0; part < oracle_corners(&p) - 2; ++part)
+            consider_part(walk, &p, part, &low, &verdict);
         break;
-    }
-    case ORACLE_TRIANGLE: consider_triangle(walk, p.v, &low, &verdict); break;
     case ORACLE_PLANE: verdict = FILTER_DOUBT; break;
     }
     if (verdict == FILTER_MISS) return;

@@ -8,12 +8,8 @@
  * come in any order, so large geometries are sorted along a space-filling curve. */
 #define SORTED_FROM 1024
 
-static int corners(const oracle_primitive *p) {
-    return p->shape == ORACLE_SPHERE ? 1 : p->shape == ORACLE_QUAD ? 4 : 3;
-}
-
 bool search_tree_takes(const oracle_primitive *p) {
-    for (int k = 0; k < corners(p); ++k) {
+    for (unsigned k = 0; k < oracle_corners(p); ++k) {
         if (!finite_f32(p->v[k])) return false;
     }
     return true;
@@ -43,13 +39,14 @@ static void enclose_primitives(search_tree *tree, const world *w, uint32_t geome
     scene_bounds b = bounds_empty();
     for (size_t i = first; i < end; ++i) {
         oracle_primitive p = primitive_of(w, part, geometry, i);
-        for (int k = 0; search_tree_takes(&p) && k < corners(&p); ++k) bounds_add(&b, widen(p.v[k]));
+        for (unsigned k = 0; search_tree_takes(&p) && k < oracle_corners(&p); ++k)
+            bounds_add(&b, widen(p.v[k]));
     }
     vec3_f64 center = bounds_center(&b);
     double radius = 0;
     for (size_t i = first; i < end; ++i) {
         oracle_primitive p = primitive_of(w, part, geometry, i);
-        for (int k = 0; search_tree_takes(&p) && k < corners(&p); ++k) {
+        for (unsigned k = 0; search_tree_takes(&p) && k < oracle_corners(&p); ++k) {
             vec3_f64 v = p.shape == ORACLE_SPHERE ? oracle_center(&p) : widen(p.v[k]);
             radius = fmax(radius, distance(v, center) + fabs(oracle_radius(&p)));
         }

@@ -124,9 +124,9 @@ static verdict_bound of_shape(const frame *f, const oracle_primitive *p, const o
     case ORACLE_TRIANGLE:
     case ORACLE_QUAD: break;
     }
-    const vec3_f32 parts[2][3] = {{p->v[0], p->v[1], p->v[p->shape == ORACLE_QUAD ? 3 : 2]},
-                                  {p->v[2], p->v[3], p->v[1]}};
-    return of_triangle(f, parts[p->shape == ORACLE_QUAD ? answer->part : 0], answer, size, factor);
+    vec3_f32 corners[3];
+    oracle_part(p, answer->part, corners);
+    return of_triangle(f, corners, answer, size, factor);
 }
 
 /* ---- intersections without rounding ---- */
@@ -162,7 +162,7 @@ static double part_of(vec3_f32 v, int axis) { return (double)(axis == 0 ? v.x : 
 static bool is_level(const oracle_primitive *p, int axis) {
     if (p->shape == ORACLE_PLANE)
         return is_plain(p->v[0]) && fabs(part_of(p->v[1], axis)) == 1 && length_f64(widen(p->v[1])) == 1;
-    const unsigned corners = p->shape == ORACLE_QUAD ? 4 : 3;
+    const unsigned corners = oracle_corners(p);
     for (unsigned k = 0; k < corners; ++k) {
         if (!is_plain(p->v[k]) || part_of(p->v[k], axis) != part_of(p->v[0], axis)) return false;
     }
@@ -191,7 +191,7 @@ static double largest_corner(const oracle_primitive *p) {
     if (p->shape == ORACLE_PLANE) return length_f64(widen(p->v[0]));
     if (p->shape == ORACLE_SPHERE) return length_f64(widen(p->v[0])) + (double)p->radius;
     double size = 0;
-    for (int k = 0; k < (p->shape == ORACLE_QUAD ? 4 : 3); ++k) size = fmax(size, length_f64(widen(p->v[k])));
+    for (unsigned k = 0; k < oracle_corners(p); ++k) size = fmax(size, length_f64(widen(p->v[k])));
     return size;
 }
 
@@ -229,11 +229,9 @@ static double twist_of(const oracle_primitive *quad) {
 /* The normal (not unit) and corners of the triangle, or of the quad's part that was hit. */
 static vec3_f64 normal_of(const oracle_primitive *p, const oracle_answer *answer, vec3_f64 *a, vec3_f64 *b,
                           vec3_f64 *c) {
-    bool quad = p->shape == ORACLE_QUAD, second = quad && answer->part;
-    *a = widen(p->v[second ? 2 : 0]), *b = widen(p->v[second ? 3 : 1]),
-    *c = widen(p->v[second ? 1
-                    : quad ? 3
-                           : 2]);
+    vec3_f32 v[3];
+    oracle_part(p, answer->part, v);
+    *a = widen(v[0]), *b = widen(v[1]), *c = widen(v[2]);
     return cross_f64(sub_f64(*b, *a), sub_f64(*c, *a));
 }
 
