@@ -18,44 +18,19 @@ static vec3_f64 at(const demo *d, double x, double y, double z) {
     return add_f64(d->shift, (vec3_f64){x, y, z});
 }
 
-/* A ball of triangles with normals. */
-enum { ROWS = 8, AROUND = 16, VERTICES = (ROWS + 1) * AROUND, TRIANGLES = 2 * (ROWS - 1) * AROUND };
-
-static void fill_ball(float *p, uint32_t *t) {
-    for (uint32_t i = 0; i < VERTICES; ++i, p += 3) {
-        double theta = 3.14159265358979 * (i / AROUND) / ROWS, phi = 6.28318530717959 * (i % AROUND) / AROUND;
-        p[0] = (float)(sin(theta) * cos(phi));
-        p[1] = (float)cos(theta);
-        p[2] = (float)(-sin(theta) * sin(phi));
-    }
-    for (uint32_t i = 0; i < ROWS * AROUND; ++i) {
-        uint32_t a = i, b = i / AROUND * AROUND + (i + 1) % AROUND, c = a + AROUND, d = b + AROUND;
-        /* At the poles one of each two triangles has no area; it is left out. */
-        if (i >= AROUND) t[0] = a, t[1] = c, t[2] = b, t += 3;
-        if (i < (ROWS - 1) * AROUND) t[0] = b, t[1] = c, t[2] = d, t += 3;
-    }
-}
-
-static void add_ball(demo *d, fathom_material shiny) {
-    float positions[3 * VERTICES];
-    uint32_t indices[3 * TRIANGLES];
-    fill_ball(positions, indices);
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
-    mesh.positions = mesh.normals = positions, mesh.vertex_count = mesh.normal_count = VERTICES;
-    mesh.indices = indices, mesh.triangle_count = TRIANGLES;
-    build_mesh(&d->s.b, mesh, build_material(&d->s.b, shiny));
-}
-
 static void place(demo *d, fathom_id group, vec3_f64 center, double a, double b, double c) {
     const affine_f64 map = {{{a, 0, 0.1, center.x}, {0, b, 0, center.y}, {-0.1, 0, c, center.z}}};
     build_place(&d->s.b, group, FATHOM_ROOT, &map);
 }
 
+/* A ball of triangles with normals, placed twice. */
 static void add_meshes(demo *d, fathom_material shiny) {
-    const fathom_id group = d->s.b.group = build_group(&d->s.b);
-    add_ball(d, shiny);
-    d->s.b.group = FATHOM_ROOT;
+    builder *b = &d->s.b;
+    const fathom_id group = build_group(b);
+    fathom_generate_options ball;
+    fathom_generate_options_default(&ball);
+    ball.triangles = 224, ball.material = build_material(b, shiny);
+    if (b->status == FATHOM_OK) b->status = fathom_scene_generate(b->scene, group, &ball);
     place(d, group, at(d, 2.1, 0.5, 1.6), 0.5, 0.5, 0.5);
     place(d, group, at(d, -0.9, 0.35, 2.2), 0.6, 0.35, 0.3);
 }
