@@ -54,15 +54,15 @@ static void put_ray(trace_rays *r, unsigned lane, const oracle_ray *ray) {
     r->t_near[lane] = ray->t_near, r->t_far[lane] = ray->t_far;
 }
 
-static ask_answer closest_of(const trace_block *block, const trace_fine *fine, unsigned lane) {
+ask_answer ask_closest_of(const trace_block *block, const trace_fine *fine, unsigned lane) {
     const trace_hits *h = &block->hits;
-    ask_answer a = {
-        .hit = {h->geometry[lane], h->primitive[lane], h->instance[lane], fine->t[lane], fine->t_low[lane]},
-        .u = fine->u[lane],
-        .v = fine->v[lane],
-        .normal = {h->ng_x[lane], h->ng_y[lane], h->ng_z[lane]}};
-    if (a.hit.geometry == FATHOM_NONE) a = (ask_answer){.hit = {.geometry = FATHOM_NONE}};
-    return a;
+    if (h->geometry[lane] == FATHOM_NONE) return (ask_answer){.hit = {.geometry = FATHOM_NONE}};
+    return (ask_answer){.hit = {h->geometry[lane], h->primitive[lane], h->instance[lane],
+                                fine ? fine->t[lane] : (double)block->rays.t_far[lane],
+                                fine ? fine->t_low[lane] : 0},
+                        .u = fine ? fine->u[lane] : (double)h->u[lane],
+                        .v = fine ? fine->v[lane] : (double)h->v[lane],
+                        .normal = {h->ng_x[lane], h->ng_y[lane], h->ng_z[lane]}};
 }
 
 static bool met_of(const trace_rays *rays, unsigned lane) { return rays->t_far[lane] == -INFINITY; }
@@ -71,19 +71,29 @@ ask_answer ask_answer_of(const ask_batch *batch, size_t ray) {
     size_t block = ray / LANES;
     unsigned lane = ray % LANES;
     ask_answer a = {.hit = {.geometry = FATHOM_NONE}};
-    if (call_of(batch, block)->closest) a = closest_of(&batch->closest[block], &batch->fine[block], lane);
+    if (call_of(batch, block)->closest) a = ask_closest_of(&batch->closest[block], &batch->fine[block], lane);
     a.met = call_of(batch, block)->any && met_of(&batch->any[block], lane);
     return a;
+}
+
+bool ask_same_primitive(const ask_answer *a, const ask_answer *b) {
+    const verdict_answer *h = &a->hit, *k = &b->hit;
+    if (h->geometry == FATHOM_NONE) return k->geometry == FATHOM_NONE;
+    return h->geometry == k->geometry && h->primitive == k->primitive && h->instance == k->instance;
 }
 
 static bool same_bits(double a, double b) { return memcmp(&a, &b, sizeof a) == 0; }
 
 bool ask_same(const ask_answer *a, const ask_answer *b, bool any) {
     if (any) return a->met == b->met;
-    const verdict_answer *h = &a->hit, *k = &b->hit;
-    return h->geometry == k->geometry && h->primitive == k->primitive && h->instance == k->instance &&
-           same_bits(h->t, k->t) && same_bits(h->t_low, k->t_low) && same_bits(a->u, b->u) &&
-           same_bits(a->v, b->v) && memcmp(&a->normal, &b->normal, sizeof a->normal) == 0;
+    return ask_same_primitive(a, b) && same_bits(a->hit.t, b->hit.t) &&
+           same_bits(a->hit.t_low, b->hit.t_low) && same_bits(a->u, b->u) && same_bits(a->v, b->v) &&
+           memcmp(&a->normal, &b->normal, sizeof a->normal) == 0;
+}
+
+bool ask_alike(const ask_answer *a, const ask_answer *b, bool any) {
+    if (any) return a->met == b->met;
+    return ask_same_primitive(a, b) && (a->hit.geometry == FATHOM_NONE || (float)a->hit.t == (float)b->hit.t);
 }
 
 static bool is_stopped(const ask_batch *batch) { return batch->stopped && batch->stopped(); }
@@ -197,7 +207,7 @@ static void ask_part(other_ways *o, size_t block, unsigned w, unsigned begin, un
     if (call->any) trace_any(o->tracer, &any, end - begin, ways[w].coherence);
     for (unsigned i = begin; i < end; ++i) {
         size_t ray = block * LANES + lane_at(&ways[w], i, lanes);
-        ask_answer first = ask_answer_of(batch, ray), now = closest_of(&closest, &fine, i - begin);
+        ask_answer first = ask_answer_of(batch, ray), now = ask_closest_of(&closest, &fine, i - begin);
         now.met = met_of(&any, i - begin);
         if (call->closest && !ask_same(&first, &now, false)) keep(o, ray, w, false, &now);
         if (call->any && !ask_same(&first, &now, true)) keep(o, ray, w, true, &now);
@@ -281,7 +291,7 @@ ask_answer ask_block_again(const trace_tracer *tracer, const ask_block *block) {
     trace_closest_fine(tracer, &closest, &fine, block->lanes, block->coherence);
     trace_any(tracer, &any, block->lanes, block->coherence);
     trace_thread_end(state);
-    ask_answer a = closest_of(&closest, &fine, block->lane);
+    ask_answer a = ask_closest_of(&closest, &fine, block->lane);
     a.met = met_of(&any, block->lane);
     return a;
 }

@@ -44,6 +44,8 @@ unsigned ask_lanes(const ask_batch *batch, size_t block);
  * summed over threads. */
 uint64_t ask_all(const trace_tracer *tracer, ask_batch *batch, unsigned threads);
 ask_answer ask_answer_of(const ask_batch *batch, size_t ray);
+/* The answer of a call for closest hits; fine: NULL if the call gave no finer numbers. */
+ask_answer ask_closest_of(const trace_block *block, const trace_fine *fine, unsigned lane);
 
 /* A result from another way of calling, or from an earlier render. */
 typedef struct ask_other {
@@ -79,4 +81,9 @@ typedef struct ask_block {
 /* The call that traced this ray in `way`. For ASK_GIVEN and similar values: its own block, unchanged. */
 ask_block ask_block_of(const ask_batch *batch, size_t ray, unsigned way, bool any);
 ask_answer ask_block_again(const trace_tracer *tracer, const ask_block *block);
+/* True if both hit the same primitive of the same instance, or nothing. */
+bool ask_same_primitive(const ask_answer *a, const ask_answer *b);
+/* True if all bits are the same. */
 bool ask_same(const ask_answer *a, const ask_answer *b, bool any);
+/* True if the primitives are the same, and t as a float: renders and files of --failures hold no more. */
+bool ask_alike(const ask_answer *a, const ask_answer *b, bool any);

@@ -99,17 +99,11 @@ static void check_search(const comparison *c, compare_worker *w, const oracle_ra
     ++w->sampled, w->differ += !same;
 }
 
-/* Compares the render's result with the repeated call. The render has t as a float. */
+/* Compares the render's result with the repeated call. */
 static void judge_given(const comparison *c, compare_worker *w, size_t ray, bool any) {
-    ask_answer first = ask_answer_of(&c->batch, ray);
-    const ask_answer *given = &c->given[ray];
-    bool same = any ? first.met == given->met
-                    : first.hit.geometry == given->hit.geometry &&
-                          first.hit.primitive == given->hit.primitive &&
-                          first.hit.instance == given->hit.instance;
-    if (!any && same && given->hit.geometry != FATHOM_NONE) same = (float)first.hit.t == (float)given->hit.t;
-    ask_other other = {ray, ASK_GIVEN, any, *given};
-    if (!same) compare_judge_other(c, w, &other);
+    const ask_answer first = ask_answer_of(&c->batch, ray);
+    const ask_other other = {ray, ASK_GIVEN, any, c->given[ray]};
+    if (!ask_alike(&first, &other.answer, any)) compare_judge_other(c, w, &other);
 }
 
 static void judge_blocks(void *user, size_t begin, size_t end, unsigned index) {

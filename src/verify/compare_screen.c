@@ -13,11 +13,9 @@
 #define SCREEN_ENOUGH 100
 
 static bool agree(const ask_answer *a, const ask_answer *b, double size) {
-    const verdict_answer *h = &a->hit, *k = &b->hit;
-    bool same = a->met == b->met && h->geometry == k->geometry;
-    if (!same || h->geometry == FATHOM_NONE) return same;
-    same = h->primitive == k->primitive && h->instance == k->instance;
-    return same && fabs(h->t - k->t) <= SCREEN_ULPS * error_ulp(fmax(k->t, size));
+    if (a->met != b->met || !ask_same_primitive(a, b)) return false;
+    return a->hit.geometry == FATHOM_NONE ||
+           fabs(a->hit.t - b->hit.t) <= SCREEN_ULPS * error_ulp(fmax(b->hit.t, size));
 }
 
 /* The world's radius in units of the ray's t. */

@@ -40,16 +40,6 @@ static size_t keep_rays(recorded *r, bool any, const void *rays, size_t count, t
     return first;
 }
 
-static ask_answer answer_of(const trace_block *block, unsigned lane) {
-    const trace_hits *h = &block->hits;
-    if (h->geometry[lane] == FATHOM_NONE) return (ask_answer){.hit = {.geometry = FATHOM_NONE}};
-    return (ask_answer){
-        .hit = {h->geometry[lane], h->primitive[lane], h->instance[lane], (double)block->rays.t_far[lane], 0},
-        .u = (double)h->u[lane],
-        .v = (double)h->v[lane],
-        .normal = {h->ng_x[lane], h->ng_y[lane], h->ng_z[lane]}};
-}
-
 static void closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                     trace_coherence coherence) {
     recorded *r = of(tracer)->to;
@@ -57,7 +47,7 @@ static void closest(const trace_tracer *tracer, trace_block *blocks, trace_fine 
     size_t first = keep_rays(r, false, blocks, count, coherence);
     trace_closest(of(tracer)->real, blocks, count, coherence);
     for (size_t i = 0; first != SIZE_MAX && i < count; ++i)
-        r->answers.items[first * LANES + i] = answer_of(&blocks[i / LANES], i % LANES);
+        r->answers.items[first * LANES + i] = ask_closest_of(&blocks[i / LANES], NULL, i % LANES);
 }
 
 static void any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {
@@ -99,7 +89,7 @@ static void keep_repaired(recorded *r, bool any, size_t ray, const ask_answer *a
 static bool retry_closest(const trace_tracer *tracer, trace_block *block, unsigned lane, unsigned round) {
     const trace_tracer *real = of(tracer)->real;
     if (!real->retry->closest(real->self, block, lane, round)) return false;
-    const ask_answer answer = answer_of(block, lane);
+    const ask_answer answer = ask_closest_of(block, NULL, lane);
     keep_repaired(of(tracer)->to, false, place_of(of(tracer)->to, false, block, lane), &answer);
     return true;
 }

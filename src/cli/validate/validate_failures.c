@@ -183,14 +183,6 @@ static void print_given(const ray_line *line, bool again) {
     printf(", by %s%s", line->way, again ? "" : ": no longer");
 }
 
-static bool same_answer(const ray_line *line, const ask_answer *answer) {
-    const verdict_answer *a = &line->given.hit, *b = &answer->hit;
-    if (line->any) return line->given.met == answer->met;
-    if (a->geometry == FATHOM_NONE || b->geometry == FATHOM_NONE) return a->geometry == b->geometry;
-    return a->geometry == b->geometry && a->primitive == b->primitive && a->instance == b->instance &&
-           (float)a->t == (float)b->t;
-}
-
 static fathom_status replay_one(fathom_context *context, replay *r, const ray_line *line) {
     const ask_block block = block_of(line);
     const oracle_ray *ray = &block.rays[block.lane];
@@ -201,7 +193,7 @@ static fathom_status replay_one(fathom_context *context, replay *r, const ray_li
     bool judged = compare_judge(&r->subject, ray, &answer, line->any, &room, &report, &errors);
     search_result_free(&room);
     if (!judged) return fail_memory(context, 1);
-    const bool again = line->has_block && same_answer(line, &answer);
+    const bool again = line->has_block && ask_alike(&line->given, &answer, line->any);
     ++r->rays, r->given += again;
     r->wrong += report.verdict == VERDICT_WRONG;
     if (r->settings->common.quiet) return FATHOM_OK;
