@@ -3,6 +3,7 @@
 #include "scene/scene.h"
 #include "verify/extremes/case.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static vec3_f64 scattered_center(unsigned i) {
@@ -124,7 +125,7 @@ const char *builtin_name(unsigned index) {
     return index < sizeof scenes / sizeof *scenes ? scenes[index].name : NULL;
 }
 
-fathom_status builtin_create(fathom_context *context, unsigned index, fathom_scene **out) {
+static fathom_status create(fathom_context *context, unsigned index, fathom_scene **out) {
     judged_scene c;
     memset(&c, 0, sizeof c);
     build_open(context, &c.b);
@@ -136,4 +137,14 @@ fathom_status builtin_create(fathom_context *context, unsigned index, fathom_sce
     if (*out) c.b.scene = NULL;
     judged_close(&c);
     return status;
+}
+
+fathom_status builtin_create(fathom_context *context, const char *name, fathom_scene **out) {
+    char known[256] = "";
+    for (unsigned i = 0; builtin_name(i); ++i) {
+        if (strcmp(name, builtin_name(i)) == 0) return create(context, i, out);
+        const size_t length = strlen(known);
+        snprintf(known + length, sizeof known - length, "%s%s", i ? ", " : "", builtin_name(i));
+    }
+    return fail_file(context, FATHOM_BAD_INPUT, name, "expected a file, or a built-in scene: %s", known);
 }

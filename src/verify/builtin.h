@@ -6,5 +6,6 @@
 /* "spheres" …; NULL past the last. */
 const char *builtin_name(unsigned index);
 
-/* Makes the scene, complete and checked; release with fathom_scene_destroy(). */
-fathom_status builtin_create(fathom_context *context, unsigned index, fathom_scene **out);
+/* Makes the scene, complete and checked; release with fathom_scene_destroy(). FATHOM_BAD_INPUT when there is
+ * none of this name. */
+fathom_status builtin_create(fathom_context *context, const char *name, fathom_scene **out);

@@ -25,19 +25,13 @@ static void sort_by_tracer(validate_runs *runs) {
     }
 }
 
-static uint64_t count_all(const validate_results *results, verdict v) {
+/* others: also count the results that depend on the way of calling. */
+static uint64_t count_all(const validate_results *results, verdict v, bool others) {
     uint64_t sum = validate_extremes_total(&results->extremes, v);
     for (size_t i = 0; i < results->runs.count; ++i) {
         const compare_family all = validate_sum(&results->runs.items[i]);
-        sum += all.counts[v] + all.any_counts[v];
+        sum += all.counts[v] + all.any_counts[v] + (others ? all.other_counts[v] : 0);
     }
-    return sum;
-}
-
-static uint64_t count_other(const validate_results *results, verdict v) {
-    uint64_t sum = 0;
-    for (size_t i = 0; i < results->runs.count; ++i)
-        sum += validate_sum(&results->runs.items[i]).other_counts[v];
     return sum;
 }
 
@@ -65,7 +59,7 @@ static void print(const validate_settings *settings, const validate_results *res
     uint64_t found = count_findings(&results->runs);
     printf("\n%llu wrong, ", (unsigned long long)wrong);
     if (found) printf("%llu statistics out of bounds, ", (unsigned long long)found);
-    printf("%llu tracer leaks, %.1f s\n", (unsigned long long)count_all(results, VERDICT_LEAK),
+    printf("%llu tracer leaks, %.1f s\n", (unsigned long long)count_all(results, VERDICT_LEAK, false),
            clock_seconds() - results->start);
 }
 
@@ -74,8 +68,7 @@ static fathom_status write_results(fathom_context *context, const validate_setti
     fathom_status status = FATHOM_OK;
     sort_by_tracer(&results->runs);
     if (!check_tracers(&results->runs)) return fail_memory(context, sizeof(statistics_finding));
-    *wrong = count_all(results, VERDICT_WRONG) + count_other(results, VERDICT_WRONG) +
-             validate_shading_wrong(&results->shading);
+    *wrong = count_all(results, VERDICT_WRONG, true) + validate_shading_wrong(&results->shading);
     if (!settings->common.quiet) print(settings, results, *wrong);
     if (settings->json || settings->report) status = validate_write_json(context, results, settings);
     if (status == FATHOM_OK && settings->failures)

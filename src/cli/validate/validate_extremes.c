@@ -100,22 +100,15 @@ static bool is_last_of_case(const extremes_rows *rows, size_t i) {
     return strcmp(a->group, b->group) != 0 || a->parameter != b->parameter;
 }
 
-static unsigned group_of(const char *name) {
-    unsigned g = 0;
-    while (g + 1 < extremes_groups() && strcmp(extremes_name(g), name) != 0) ++g;
-    return g;
-}
-
-static void print_group(const char *name) {
+static void print_group(const extremes_row *row) {
     char title[96];
-    const char *meaning = extremes_meaning(group_of(name));
-    snprintf(title, sizeof title, *meaning ? "%s: %s" : "%s", name, meaning);
+    snprintf(title, sizeof title, "%s%s%s", row->group, *row->meaning ? ": " : "", row->meaning);
     print_heading(title);
 }
 
 /* Prints the parameter; in words if the number is only an index in a list. */
 static void print_parameter(const extremes_row *row) {
-    if (*extremes_meaning(group_of(row->group)))
+    if (*row->meaning)
         printf("%-*g", NAME_WIDTH, row->parameter);
     else
         printf("%-*.*s", NAME_WIDTH, NAME_WIDTH, row->words);
@@ -127,7 +120,7 @@ static void print_cases(const extremes_rows *rows, bool verbose) {
     extremes_row sum = {.rays = 0};
     for (size_t i = 0; i < rows->count; ++i) {
         const extremes_row *row = &rows->items[i];
-        if (strcmp(group, row->group) != 0) print_group(row->group);
+        if (strcmp(group, row->group) != 0) print_group(row);
         group = row->group;
         add_row(&sum, row);
         if (verbose) {

@@ -14,19 +14,6 @@
 /* More than one thread even on one processor: an error of parallel builds could appear in any build. */
 #define BUILD_THREADS 4
 
-static fathom_status open_scene(fathom_context *context, const char *name, fathom_scene **out) {
-    for (unsigned i = 0; builtin_name(i); ++i) {
-        if (strcmp(name, builtin_name(i)) == 0) return builtin_create(context, i, out);
-    }
-    if (strpbrk(name, "./")) return fathom_scene_read(context, name, out);
-    char known[256] = "";
-    for (unsigned i = 0; builtin_name(i); ++i) {
-        const size_t length = strlen(known);
-        snprintf(known + length, sizeof known - length, "%s%s", i ? ", " : "", builtin_name(i));
-    }
-    return fail_file(context, FATHOM_BAD_INPUT, name, "expected a file, or a built-in scene: %s", known);
-}
-
 static fathom_status open_extreme(fathom_context *context, const char *name, judged_scene *out) {
     char group[64];
     double number;
@@ -40,7 +27,8 @@ fathom_status validate_stage_open(fathom_context *context, const char *name, jud
     size_t prefix = strlen(VALIDATE_EXTREME);
     if (strncmp(name, VALIDATE_EXTREME, prefix) == 0) return open_extreme(context, name + prefix, out);
     fathom_scene *scene;
-    fathom_status status = open_scene(context, name, &scene);
+    const bool is_file = strpbrk(name, "./");
+    fathom_status status = (is_file ? fathom_scene_read : builtin_create)(context, name, &scene);
     return status == FATHOM_OK ? judged_open(context, scene, out) : status;
 }
 
@@ -92,12 +80,6 @@ static void *build_again(void *user) {
     return NULL;
 }
 
-static unsigned decoy_scene(void) {
-    unsigned k = 0;
-    while (builtin_name(k) && strcmp(builtin_name(k), "masks") != 0) ++k;
-    return k;
-}
-
 fathom_status validate_decoys_begin(fathom_context *context, const char *text, validate_decoys **out) {
     validate_decoys *d = *out = calloc(1, sizeof *d);
     if (!d) return fail_memory(context, sizeof *d);
@@ -105,7 +87,7 @@ fathom_status validate_decoys_begin(fathom_context *context, const char *text, v
     /* Decoys need a second thread to build at the same time. */
     if (threads_granted(1) == 0) return FATHOM_OK;
     fathom_status status = fathom_context_create(&d->context);
-    if (status == FATHOM_OK) status = builtin_create(context, decoy_scene(), &d->scene);
+    if (status == FATHOM_OK) status = builtin_create(context, "masks", &d->scene);
     if (status == FATHOM_OK) status = world_create(d->scene, &d->world);
     return status == FATHOM_OK ? decoy(context, d, &d->tracers[0]) : status;
 }

@@ -64,7 +64,6 @@ static const group groups[] = {
 
 unsigned extremes_groups(void) { return sizeof groups / sizeof *groups; }
 const char *extremes_name(unsigned g) { return groups[g].name; }
-const char *extremes_meaning(unsigned g) { return groups[g].meaning; }
 unsigned extremes_cases(unsigned g) { return groups[g].count; }
 
 /* ---- cases of rays ---- */
@@ -149,7 +148,7 @@ fathom_status extremes_run(fathom_context *context, unsigned g, unsigned index, 
     judged_scene c;
     fathom_status status = case_open(context, groups[g].make, groups[g].shape, parameter, &c);
     for (size_t i = 0; i < o->spec_count && status == FATHOM_OK; ++i) {
-        extremes_row row = {.group = groups[g].name, .parameter = parameter};
+        extremes_row row = {.group = groups[g].name, .meaning = groups[g].meaning, .parameter = parameter};
         memcpy(row.words, c.words, sizeof row.words);
         status = ask_tracer(&c, o, o->specs[i], &row, rows);
     }

@@ -9,6 +9,7 @@
 /* One case with one tracer. */
 typedef struct extremes_row {
     const char *group, *spec; /* borrowed; spec from the options */
+    const char *meaning;      /* of the parameter; "": index in a list */
     double parameter;
     char words[EXTREMES_WORDS]; /* description of the case for the user */
     uint64_t rays, counts[VERDICT_COUNT];
@@ -44,7 +45,6 @@ typedef struct extremes_options {
 /* Groups in the order of the table, and their cases. */
 unsigned extremes_groups(void);
 const char *extremes_name(unsigned group);
-const char *extremes_meaning(unsigned group); /* of the parameter; "": index in a list */
 unsigned extremes_cases(unsigned group);
 
 /* Appends a row for each tracer that supports the scene; plug-ins support only triangles. FATHOM_INTERRUPTED
