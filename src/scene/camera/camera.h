@@ -27,11 +27,10 @@ fathom_status scene_choose_camera(fathom_scene *scene, const char *path);
 fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, bool *empty,
                               fathom_framing *out);
 
-/* Sets *foot to the point below the centre of the scene's bounds, at the height of the scene's lowest point
- * along the unit vector `up`, and *radius to the radius of the bounds. The scene must have no cycle. *empty:
- * nothing in the scene has bounds, and the results are 0. */
-fathom_status scene_stand_all(const fathom_scene *scene, vec3_f64 up, bool *empty, vec3_f64 *foot,
-                              double *radius);
+/* Sets out->foot to the point below the centre of the scene's bounds, at the height of the scene's lowest
+ * point along the unit vector `up`, and out->radius to the radius of the bounds. The scene must have no
+ * cycle. *empty: nothing in the scene has bounds, and nothing else is set. */
+fathom_status scene_stand_all(const fathom_scene *scene, vec3_f64 up, bool *empty, fathom_framing *out);
 
 /* The axes of the automatic camera, which looks at the front of the scene from slightly right and above. */
 frame_f64 scene_default_view(fathom_up up);

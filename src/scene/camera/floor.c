@@ -190,16 +190,17 @@ fathom_status scene_add_floor(fathom_scene *scene) {
     const vec3_f64 up = scene_way_up(scene), back = load_f64(scene->camera.z);
     stand s = {.up = up, .towards = normalize_f64(madd_f64(back, -dot_f64(back, up), up))};
     s.across = cross_f64(up, s.towards);
+    fathom_framing found = {.radius = 0};
     bool empty = false;
     fathom_status status = FATHOM_OK;
     if (scene_framing_asked(scene) && scene->asked->framing->radius > 0)
-        s.foot = load_f64(scene->asked->framing->foot), s.radius = scene->asked->framing->radius;
+        found = *scene->asked->framing;
     else
-        status = scene_stand_all(scene, up, &empty, &s.foot, &s.radius);
-    if (status != FATHOM_OK || empty || !(s.radius > 0)) return status;
-    store_f64(scene->framing.foot, s.foot);
-    scene->framing.radius = s.radius;
-    s.foot = madd_f64(s.foot, -gap * s.radius, up);
+        status = scene_stand_all(scene, up, &empty, &found);
+    if (status != FATHOM_OK || empty || !(found.radius > 0)) return status;
+    store_f64(scene->framing.foot, load_f64(found.foot));
+    scene->framing.radius = s.radius = found.radius;
+    s.foot = madd_f64(load_f64(found.foot), -gap * s.radius, up);
     s.origin = length_f64(s.foot) <= near_world * s.radius ? (vec3_f64){0, 0, 0} : s.foot;
     status = add_grey(scene, &s.material);
     if (status != FATHOM_OK) return status;

@@ -11,13 +11,12 @@
 #include "scene/camera/camera.h"
 
 #include "scene/camera/extent.h"
-#include "scene/camera/framing_times.h"
 #include "scene/graph.h"
 #include "scene/motion/motion.h"
 
 #include <stdlib.h>
 
-enum { SIDES = EXTENT_SIDES };
+enum { SIDES = EXTENT_SIDES, TIMES_MOST = 128, EVEN_TIMES = 17 };
 
 /* The maximum number of vertices read in one pass, at about 4 ns each, and of groups entered. Beyond these,
  * boxes are used. */
@@ -42,7 +41,7 @@ typedef struct walk {
     const scene_graph *graph;
     const scene_bounds *of_group;
     ARRAY(step) stack;
-    const double *times; /* at which everything must be in view; the first is the shutter's opening */
+    double times[TIMES_MOST]; /* at which everything must be in view; the first is the shutter's opening */
     uint32_t time_count, time;
     uint64_t vertices; /* that may still be read */
     uint32_t places;   /* groups that may still be entered */
@@ -51,6 +50,42 @@ typedef struct walk {
     extent_boxes *boxes; /* one for each mesh, or for each of its keys */
     size_t *first_boxes; /* index of the first one of each mesh */
 } walk;
+
+/* ---- times ---- */
+
+/* Adds the times of keys while the shutter is open, each once. */
+static void add_keys(const double shutter[2], const double *keys, uint32_t count, walk *w) {
+    for (uint32_t k = 0; k < count; ++k) {
+        bool known = !(keys[k] > shutter[0] && keys[k] < shutter[1]);
+        for (uint32_t i = 0; i < w->time_count && !known; ++i) known = w->times[i] == keys[k];
+        if (!known && w->time_count < TIMES_MOST) w->times[w->time_count++] = keys[k];
+    }
+}
+
+/* If nothing moves: only the time when the shutter opens. Otherwise also uniform times while it is open,
+ * because objects may rotate between two keys, and the times of keys, as many as fit. */
+static void choose_times(walk *w) {
+    const fathom_scene *scene = w->scene;
+    const double *shutter = scene->camera.shutter;
+    w->times[0] = shutter[0], w->time_count = 1;
+    bool moves = false;
+    for (size_t i = 0; i < scene->instances.count; ++i) {
+        const fathom_instance *instance = &scene->instances.items[i];
+        if (!motion_is_moving(instance, shutter)) continue;
+        moves = true;
+        add_keys(shutter, instance->key_times, instance->key_count, w);
+    }
+    for (size_t i = 0; i < scene->meshes.count && shutter[1] > shutter[0]; ++i) {
+        const fathom_mesh *mesh = &scene->meshes.items[i];
+        moves |= mesh->key_count > 1;
+        add_keys(shutter, mesh->key_times, mesh->key_count, w);
+    }
+    if (w->time_count > TIMES_MOST - EVEN_TIMES) w->time_count = TIMES_MOST - EVEN_TIMES;
+    for (int i = 1; i < EVEN_TIMES && moves; ++i)
+        w->times[w->time_count++] = shutter[0] + (shutter[1] - shutter[0]) * i / (EVEN_TIMES - 1);
+}
+
+/* ---- shapes ---- */
 
 static directions through(const directions *d, const affine_f64 *map) {
     const vec3_f64 moved = {map->m[0][3], map->m[1][3], map->m[2][3]};
@@ -61,8 +96,6 @@ static directions through(const directions *d, const affine_f64 *map) {
     }
     return out;
 }
-
-/* ---- shapes ---- */
 
 static void add_ball(walk *w, const directions *d, vec3_f64 center, double radius) {
     for (int i = 0; i < SIDES; ++i) {
@@ -342,8 +375,9 @@ static void release(walk *w) {
 }
 
 /* Calls `look` for the whole scene, unless nothing in it has bounds. */
-static fathom_status look_at_all(const fathom_scene *scene, bool (*look)(walk *w, void *user), void *user,
-                                 bool *empty) {
+static fathom_status look_at_all(const fathom_scene *scene, const frame_f64 *axes,
+                                 bool (*look)(walk *w, const frame_f64 *axes, fathom_framing *out),
+                                 bool *empty, fathom_framing *out) {
     scene_graph graph;
     scene_bounds *of_group;
     *empty = true;
@@ -352,16 +386,15 @@ static fathom_status look_at_all(const fathom_scene *scene, bool (*look)(walk *w
     status = graph_bounds(scene, &graph, scene_framed_bounds, NULL, NULL, &of_group);
     if (status == FATHOM_OK && !bounds_is_empty(&of_group[FATHOM_ROOT])) {
         *empty = false;
-        framing_times times;
-        framing_choose_times(scene, &times);
         walk w = {.scene = scene,
                   .graph = &graph,
                   .of_group = of_group,
-                  .times = times.items,
-                  .time_count = times.count,
                   .threads = fathom_context_threads(scene->context)};
-        if (!prepare_boxes(&w) || !look(&w, user))
+        choose_times(&w);
+        if (!prepare_boxes(&w) || !look(&w, axes, out))
             status = fail_memory(scene->context, sizeof *w.stack.items);
+        else if (!finite_f64(load_f64(out->eye)))
+            status = fail_place(scene, &of_group[FATHOM_ROOT]);
         release(&w);
     }
     free(of_group);
@@ -369,47 +402,21 @@ static fathom_status look_at_all(const fathom_scene *scene, bool (*look)(walk *w
     return status;
 }
 
-typedef struct eye_search {
-    const frame_f64 *axes;
-    scene_bounds box;
-    fathom_framing *out;
-} eye_search;
-
-static bool search_eye(walk *w, void *user) {
-    eye_search *s = user;
-    s->box = w->of_group[FATHOM_ROOT];
-    return find_eye(w, s->axes, s->out);
-}
-
 fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, bool *empty,
                               fathom_framing *out) {
-    eye_search s = {.axes = axes, .out = out};
-    fathom_status status = look_at_all(scene, search_eye, &s, empty);
-    if (status != FATHOM_OK || *empty) return status;
-    return finite_f64(load_f64(out->eye)) ? FATHOM_OK : fail_place(scene, &s.box);
+    return look_at_all(scene, axes, find_eye, empty, out);
 }
 
-typedef struct foot_search {
-    vec3_f64 up, foot;
-    double radius;
-} foot_search;
-
 /* With slopes of 0, sides 2 and 3 are the directions of the axis y and against it. */
-static bool search_foot(walk *w, void *user) {
-    foot_search *s = user;
+static bool find_foot(walk *w, const frame_f64 *axes, fathom_framing *out) {
     const scene_bounds *box = &w->of_group[FATHOM_ROOT];
     const vec3_f64 middle_of_box = bounds_center(box);
-    const frame_f64 axes = {.y = s->up};
-    if (!measure(w, &axes, middle_of_box, (double[2]){0, 0})) return false;
-    s->foot = madd_f64(middle_of_box, -w->reach[3], s->up);
-    s->radius = bounds_radius(box);
+    if (!measure(w, axes, middle_of_box, (double[2]){0, 0})) return false;
+    store_f64(out->foot, madd_f64(middle_of_box, -w->reach[3], axes->y));
+    out->radius = bounds_radius(box);
     return true;
 }
 
-fathom_status scene_stand_all(const fathom_scene *scene, vec3_f64 up, bool *empty, vec3_f64 *foot,
-                              double *radius) {
-    foot_search s = {.up = up};
-    fathom_status status = look_at_all(scene, search_foot, &s, empty);
-    *foot = s.foot, *radius = s.radius;
-    return status;
+fathom_status scene_stand_all(const fathom_scene *scene, vec3_f64 up, bool *empty, fathom_framing *out) {
+    return look_at_all(scene, &(frame_f64){.y = up}, find_foot, empty, out);
 }
