@@ -11,12 +11,8 @@ const char *converge_metric_name(converge_metric metric) {
 }
 
 const char *converge_pattern_name(fathom_pattern pattern) {
-    switch (pattern) {
-    case FATHOM_PATTERN_GRID: return "grid";
-    case FATHOM_PATTERN_STRATIFIED: return "stratified";
-    case FATHOM_PATTERN_SOBOL: return "sobol";
-    }
-    return "";
+    static const char *const names[CONVERGE_PATTERNS] = {"grid", "stratified", "sobol"};
+    return names[pattern];
 }
 
 /* ---- images and their errors ---- */
@@ -277,8 +273,8 @@ static double interpolate(const place *places, size_t count, bool by_error, doub
     return (double)NAN;
 }
 
-static size_t equal_rows(const converge_result *result, converge_metric metric, bool by_error,
-                         converge_row out[CONVERGE_ROWS]) {
+size_t converge_equal(const converge_result *result, converge_metric metric, bool by_error,
+                      converge_row out[CONVERGE_ROWS]) {
     place places[CONVERGE_PATTERNS][CONVERGE_STEPS_MAX];
     size_t counts[CONVERGE_PATTERNS];
     double low = 0, high = INFINITY; /* the range that all patterns cover */
@@ -300,14 +296,4 @@ static size_t equal_rows(const converge_result *result, converge_metric metric, 
             out[row].values[p] = interpolate(places[p], counts[p], by_error, out[row].at);
     }
     return CONVERGE_ROWS;
-}
-
-size_t converge_equal_time(const converge_result *result, converge_metric metric,
-                           converge_row out[CONVERGE_ROWS]) {
-    return equal_rows(result, metric, false, out);
-}
-
-size_t converge_equal_error(const converge_result *result, converge_metric metric,
-                            converge_row out[CONVERGE_ROWS]) {
-    return equal_rows(result, metric, true, out);
 }

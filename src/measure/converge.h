@@ -94,15 +94,13 @@ void converge_free(converge_result *result);
 void converge_summarise(converge_result *result);
 
 #define CONVERGE_ROWS 5
-/* The error of each pattern after the same time, or its time for the same error. Interpolated between the
- * points that count, along straight lines in log-log; NAN outside them. */
+/* The error of each pattern after the same time, or (by_error) its time for the same error. Interpolated
+ * between the points that count, along straight lines in log-log; NAN outside them. */
 typedef struct converge_row {
     double at; /* seconds of processor time, or an error */
     double values[CONVERGE_PATTERNS];
 } converge_row;
 /* Rows in the range where all patterns have values, at equal distances on a logarithmic scale. Returns 0 or
  * CONVERGE_ROWS. */
-size_t converge_equal_time(const converge_result *result, converge_metric metric,
-                           converge_row out[CONVERGE_ROWS]);
-size_t converge_equal_error(const converge_result *result, converge_metric metric,
-                            converge_row out[CONVERGE_ROWS]);
+size_t converge_equal(const converge_result *result, converge_metric metric, bool by_error,
+                      converge_row out[CONVERGE_ROWS]);

@@ -51,7 +51,7 @@ UNIT_TEST(equal_time) {
     converge_result r;
     converge_row rows[CONVERGE_ROWS];
     make_runs(&r, 0);
-    assert_int_equal(converge_equal_time(&r, CONVERGE_FLIP, rows), CONVERGE_ROWS);
+    assert_int_equal(converge_equal(&r, CONVERGE_FLIP, false, rows), CONVERGE_ROWS);
     /* The slowest begins at 2 seconds, and the fastest ends at 256. */
     assert_near(rows[0].at, 2 * pow(128, 0.1), 1e-12);
     assert_near(rows[4].at, 2 * pow(128, 0.9), 1e-12);
@@ -59,7 +59,7 @@ UNIT_TEST(equal_time) {
         for (unsigned p = 0; p < CONVERGE_PATTERNS; ++p)
             assert_near(rows[i].values[p], pow(rows[i].at / seconds[p], -0.6), 1e-13);
     }
-    assert_int_equal(converge_equal_error(&r, CONVERGE_FLIP, rows), CONVERGE_ROWS);
+    assert_int_equal(converge_equal(&r, CONVERGE_FLIP, true, rows), CONVERGE_ROWS);
     assert_true(rows[0].at > rows[1].at);
     for (int i = 0; i < CONVERGE_ROWS; ++i) {
         for (unsigned p = 0; p < CONVERGE_PATTERNS; ++p)
@@ -83,8 +83,8 @@ UNIT_TEST(below_the_reference) {
     converge_row rows[CONVERGE_ROWS];
     make_runs(&r, 2);
     assert_true(isnan(r.curves[0].slopes[CONVERGE_RMSE][BENCH_CPU].slope.mean));
-    assert_int_equal(converge_equal_time(&r, CONVERGE_RMSE, rows), 0);
-    assert_int_equal(converge_equal_error(&r, CONVERGE_RMSE, rows), 0);
+    assert_int_equal(converge_equal(&r, CONVERGE_RMSE, false, rows), 0);
+    assert_int_equal(converge_equal(&r, CONVERGE_RMSE, true, rows), 0);
     converge_free(&r);
 }
 

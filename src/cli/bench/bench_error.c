@@ -94,9 +94,9 @@ static void add_tables(json_t *root, const converge_result *result) {
     converge_row rows[CONVERGE_ROWS];
     for (int m = 0; m < CONVERGE_METRICS; ++m) {
         const char *name = converge_metric_name((converge_metric)m);
-        size_t count = converge_equal_time(result, (converge_metric)m, rows);
+        size_t count = converge_equal(result, (converge_metric)m, false, rows);
         json_add(time, JSON(name, pack_rows(rows, count, "cpuSeconds")));
-        count = converge_equal_error(result, (converge_metric)m, rows);
+        count = converge_equal(result, (converge_metric)m, true, rows);
         json_add(error, JSON(name, pack_rows(rows, count, "error")));
     }
     json_add(root, JSON("equalTime", time), JSON("equalError", error));
