@@ -2,9 +2,9 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "base/pool.h"
 #include "base/threads.h"
 #include "job/preview.h"
-#include "job/watch.h"
 #include "material/textured.h"
 
 #include <stdlib.h>
@@ -294,8 +294,7 @@ fathom_status job_run(fathom_context *context, const render_plan *plan, const jo
     if (!j.options->share || !j.options->share->sums) j.sinks[j.sink_count++] = unit_film_sink(film);
     if (j.options->saving) j.sinks[j.sink_count++] = checkpoint_sink(j.options->saving);
     continue_before(&j);
-    static const watch_calls calls = {run, report};
-    watch_run(&calls, &j);
+    job_watch(run, report, &j);
     if (j.options->saving) {
         checkpoint_end(j.options->saving, j.interrupted && j.files == FATHOM_OK,
                        fraction_done(&j, clock_seconds()), atomic_load(&j.rays_done));
@@ -303,4 +302,14 @@ fathom_status job_run(fathom_context *context, const render_plan *plan, const jo
     j.result.finished = j.interrupted ? fraction_done(&j, clock_seconds()) : 1;
     *out = j.result;
     return job_status(context, &j);
+}
+
+void job_watch(void (*work)(void *user), void (*tick)(void *user), void *user) {
+    pool_task task = {.run = work, .user = user};
+    if (pool_run(&task)) {
+        while (!pool_wait(&task, 0.1)) tick(user);
+    } else {
+        work(user);
+    }
+    tick(user);
 }

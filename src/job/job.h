@@ -71,3 +71,8 @@ typedef struct job_options {
  * came before each pixel had a sample. */
 fathom_status job_run(fathom_context *context, const render_plan *plan, const job_options *options,
                       fathom_film *film, job_result *out);
+
+/* Runs work() on a separate thread, and returns when it has ended. Meanwhile calls tick() on the calling
+ * thread about ten times a second, and once more at the end. If no thread can be created, the calling thread
+ * does the work. */
+void job_watch(void (*work)(void *user), void (*tick)(void *user), void *user);

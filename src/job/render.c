@@ -9,7 +9,6 @@
 #include "job/lacks.h"
 #include "job/part/part.h"
 #include "job/ranks/ranks.h"
-#include "job/watch.h"
 #include "light/environment.h"
 #include "scene/scene.h"
 
@@ -102,7 +101,6 @@ static void build_tracer(void *user) {
 }
 
 static fathom_status run_build(build *b) {
-    static const watch_calls calls = {build_tracer, report_build};
     const world *w = b->world;
     const fathom_settings *settings = b->settings;
     fathom_status status = scene_rest_files(w->scene, w->meshes.items, w->meshes.count);
@@ -114,7 +112,7 @@ static fathom_status run_build(build *b) {
                                  .expected_rays = plan_expected_rays(w->scene, settings),
                                  .progress = b->progress ? on_build : NULL,
                                  .user = b};
-    watch_run(&calls, b);
+    job_watch(build_tracer, report_build, b);
     return end_build(b);
 }
 
@@ -180,9 +178,8 @@ static fathom_status find_brightest(fathom_context *context, const render_plan *
 }
 
 static fathom_status make_plan(build *b) {
-    static const watch_calls calls = {build_plan, report_build};
     atomic_store(&b->fraction, 1);
-    watch_run(&calls, b);
+    job_watch(build_plan, report_build, b);
     b->film->stats.build_seconds = clock_seconds() - b->began;
     fathom_status status = end_build(b);
     if (status == FATHOM_OK) status = find_brightest(b->context, b->plan, b->film);
