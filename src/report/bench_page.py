@@ -1,7 +1,7 @@
 """The pages of `fathom bench`: one function for each kind of results."""
 
 from figure import Plot, side_by_side
-from html_page import Section, absent, code, count, facts, group, num, number, page, paragraph, table, text, whole, words
+from html_page import Section, absent, code, count, facts, group, machine_facts, num, number, page, paragraph, table, whole, words
 from results import at, spread_of_quartiles, tracers_of
 
 SETS = {
@@ -18,18 +18,6 @@ METRICS = {
 }
 # A fitted slope with a larger half interval is drawn without it, because the interval would fill the plot.
 HALF_DRAWN = 0.5
-
-
-def head(results):
-    machine = results.get("machine", {})
-    named = [("Fathom", "fathom"), ("Commit", "commit"), ("Date", "date")]
-    of_machine = [("Processor", "cpu"), ("Processors", "processors"), ("Load at the start", "load"), ("Embree", "embree"),
-                  ("Instruction set", "isa"), ("Compiler", "compiler"), ("Flags", "flags")]
-    pairs = [(name, text(results.get(key) or "")) for name, key in named]
-    for name, key in of_machine:
-        value = machine.get(key)
-        pairs.append((name, number(value) if isinstance(value, (int, float)) else text(value or "")))
-    return facts(pairs)
 
 
 def listing(caption, columns, items):
@@ -315,4 +303,4 @@ BENCHES = {
 
 def page_of(results):
     title, sections = BENCHES[results["bench"]]
-    return page(title, head(results), sections(results))
+    return page(title, facts(machine_facts(results)), sections(results))

@@ -127,6 +127,15 @@ def facts(pairs):
     return f"<dl>\n{items}</dl>\n"
 
 
+def machine_facts(results):
+    """Pairs about the program and the machine that the results are of."""
+    machine = results.get("machine", {})
+    named = {"Fathom": results.get("fathom"), "Commit": results.get("commit"), "Date": results.get("date"), "Processor": machine.get("cpu"),
+             "Processors": machine.get("processors"), "Threads": machine.get("threads"), "Load at the start": machine.get("load"),
+             "Embree": machine.get("embree"), "Kernels": machine.get("kernels"), "Compiler": machine.get("compiler"), "Flags": machine.get("flags")}
+    return [(name, number(value) if isinstance(value, (int, float)) else text(value or "")) for name, value in named.items()]
+
+
 class Section:
     def __init__(self, name, heading, markup):
         self.name, self.heading, self.markup = name, heading, markup

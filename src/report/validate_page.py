@@ -3,7 +3,7 @@
 import math
 
 from figure import Plot, side_by_side
-from html_page import Cell, Section, absent, code, count, details, exact, facts, group, num, number, page, paragraph, passed, table, text, whole, words
+from html_page import Cell, Section, absent, code, count, details, exact, facts, group, machine_facts, num, number, page, paragraph, passed, table, text, whole, words
 from results import Spread, at, case_verdicts, families_of, rays_of, tracers_of, verdicts_of
 
 MEANINGS = {
@@ -58,18 +58,12 @@ def verdict(results):
 
 
 def head(results):
-    runs, machine = results.get("runs", []), results.get("machine", {})
+    runs = results.get("runs", [])
     scenes = dict.fromkeys(run.get("scene", "") for run in runs)
     pairs = [
         ("Scenes", ", ".join(map(text, scenes))),
         ("Tracers", ", ".join(f"<code>{text(s)}</code>" for s in tracers_of(runs))),
-        ("Fathom", text(results.get("fathom", ""))),
-        ("Commit", text(results.get("commit") or "")),
-        ("Processor", text(machine.get("cpu", ""))),
-        ("Threads", count(machine["threads"]) if machine.get("threads") else ""),
-        ("Embree", text(machine.get("embree", ""))),
-        ("Compiler", text(machine.get("compiler", ""))),
-        ("Date", text(results.get("date", ""))),
+        *machine_facts(results),
         ("Rays", f"{count(results.get('raysPerFamily', 0))} of each family, scene and tracer; seed {count(results.get('seed', 0))}"),
         ("Exit code", "0 when nothing is wrong, 1 otherwise. Leaks are faults that a tracer is known for; they are counted and are not wrong."),
     ]
@@ -173,7 +167,7 @@ def leaks_section(results):
         all_leaks = sum(verdicts_of(r, "leak") for r in own)
         if all_leaks:
             counts = [sum(at(f, "verdicts", "leak", missing=0) for f in families_of(own) if f.get("family") == n) for n in leaking]
-            rows.append([code(spec), words(own[0].get("isa", "")), *(whole(c, "leak") for c in counts), whole(all_leaks), num(100 * all_leaks / rays_of(own))])
+            rows.append([code(spec), words(own[0].get("isa") or ""), *(whole(c, "leak") for c in counts), whole(all_leaks), num(100 * all_leaks / rays_of(own))])
     about = paragraph("Surfaces that a tracer missed at an edge or a vertex, where they continue on the other side. Which rays leak depends on the "
                       "instructions that the tracer was built for.")
     return Section("leaks", "Tracer leaks", about + table("Leaks by tracer and family of rays, all scenes",
