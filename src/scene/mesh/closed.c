@@ -14,22 +14,15 @@
 
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define GRAIN ((size_t)1 << 15)
 
-/* Equal floats have equal bits, except for the two zeros; adding +0 makes them equal. */
-static inline uint32_t bits_of(float f) {
-    uint32_t bits;
-    f += 0.0f;
-    memcpy(&bits, &f, sizeof bits);
-    return bits;
-}
-
-static boundary_pair of_position(const float p[3]) {
-    uint32_t h = boundary_mixed(bits_of(p[0]) + 0x9e3779b9u);
-    h = boundary_mixed((h ^ bits_of(p[1])) * 0x01000193u + 0x7f4a7c15u);
-    h = boundary_mixed((h ^ bits_of(p[2])) * 0x01000193u + 0x3c6ef372u);
+static boundary_pair of_position(const fathom_mesh *mesh, size_t v) {
+    uint32_t bits[3];
+    closed_position_bits(mesh, v, bits);
+    uint32_t h = boundary_mixed(bits[0] + 0x9e3779b9u);
+    h = boundary_mixed((h ^ bits[1]) * 0x01000193u + 0x7f4a7c15u);
+    h = boundary_mixed((h ^ bits[2]) * 0x01000193u + 0x3c6ef372u);
     return (boundary_pair){h, boundary_mixed(h + 0x7f4a7c15u)};
 }
 
@@ -41,7 +34,7 @@ typedef struct sum {
 
 static void set_pairs(void *user, size_t begin, size_t end) {
     const sum *s = user;
-    for (size_t i = begin; i < end; ++i) s->pairs[i] = of_position(mesh_vertex(s->mesh, i));
+    for (size_t i = begin; i < end; ++i) s->pairs[i] = of_position(s->mesh, i);
 }
 
 static void add_by_position(void *user, size_t begin, size_t end) {

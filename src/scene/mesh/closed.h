@@ -3,6 +3,8 @@
 
 #include "scene/world/world.h"
 
+#include <string.h>
+
 typedef enum closed_how {
     CLOSED_NOT,
     CLOSED_ALONE,   /* every edge is used by the same number of triangles in both directions */
@@ -12,6 +14,14 @@ typedef enum closed_how {
 /* Sets closed[i] for each geometry i of the world. Vertices at equal positions count as one. False when out
  * of memory. */
 bool closed_find(const world *w, closed_how *closed);
+
+/* Bits of a vertex that are equal if the positions are. Adding +0 makes both zeros equal. */
+static inline void closed_position_bits(const fathom_mesh *mesh, size_t v, uint32_t out[3]) {
+    float p[3];
+    memcpy(p, mesh_vertex(mesh, v), sizeof p);
+    for (int c = 0; c < 3; ++c) p[c] += 0.0f;
+    memcpy(out, p, sizeof p);
+}
 
 /* ---- pieces.c: the connected pieces of a mesh; triangles that share a vertex are connected ---- */
 

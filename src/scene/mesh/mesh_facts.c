@@ -40,9 +40,7 @@ static float larger(float a, float b) { return a > b ? a : b; }
 
 /* ---- numbers ---- */
 
-static const float *item(const look *l, size_t i) {
-    return (const float *)(const void *)((const char *)l->values + l->stride * i);
-}
+static const float *item(const look *l, size_t i) { return mesh_row(l->values, l->stride, i); }
 
 /* A float is not finite if all bits of its exponent are set. Without the sign, adding one to the lowest bit
  * of the exponent then carries into the top bit. This is integer arithmetic, so the loop vectorises. */

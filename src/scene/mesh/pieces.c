@@ -51,24 +51,16 @@ static void join_triangles(void *user, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i, t += 3) join(s->parent, t[0], t[1]), join(s->parent, t[0], t[2]);
 }
 
-/* Bits that are equal if the positions are. Adding +0 makes both zeros equal. */
-static void position_bits(const fathom_mesh *mesh, uint32_t v, uint32_t out[3]) {
-    float p[3];
-    memcpy(p, mesh_vertex(mesh, v), sizeof p);
-    for (int c = 0; c < 3; ++c) p[c] += 0.0f;
-    memcpy(out, p, sizeof p);
-}
-
 /* The first vertex inserted at the position of v; this may be v. */
 static uint32_t first_at(const search *s, uint32_t v) {
     uint32_t key[3], other[3];
-    position_bits(s->mesh, v, key);
+    closed_position_bits(s->mesh, v, key);
     size_t k = boundary_mixed(key[0] ^ boundary_mixed(key[1] ^ boundary_mixed(key[2])));
     for (;; ++k) {
         shared *place = &s->table[k & s->mask];
         uint32_t there = FATHOM_NONE;
         if (atomic_compare_exchange_strong(place, &there, v)) return v;
-        position_bits(s->mesh, there, other);
+        closed_position_bits(s->mesh, there, other);
         if (memcmp(key, other, sizeof key) == 0) return there;
     }
 }
