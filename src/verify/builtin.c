@@ -10,25 +10,22 @@ static vec3_f64 scattered_center(unsigned i) {
     return vec_f64(case_scattered(i, 0, -2, 2), case_scattered(i, 1, -2, 2), case_scattered(i, 2, -2, 2));
 }
 
-static void add_spheres(judged_scene *c, fathom_id group) {
+static void add_spheres(judged_scene *c) {
     for (unsigned i = 0; i < 24; ++i)
-        case_sphere(c, group, scattered_center(i), 0.5 * pow(10, case_scattered(i, 3, -3, 0.3)));
+        build_sphere(&c->b, scattered_center(i), 0.5 * pow(10, case_scattered(i, 3, -3, 0.3)), 0);
 }
 
-static void add_quads(judged_scene *c, fathom_id group) {
+static void add_quads(judged_scene *c) {
     for (unsigned i = 0; i < 24; ++i) {
         double angle = case_scattered(i, 3, 0, 6.28), size = case_scattered(i, 4, 0.1, 1);
-        case_quad(c, group, scattered_center(i), vec_f64(size * cos(angle), size * sin(angle), 0),
-                  vec_f64(-0.3 * sin(angle), 0.3 * cos(angle), size));
+        build_quad(&c->b, scattered_center(i), vec_f64(size * cos(angle), size * sin(angle), 0),
+                   vec_f64(-0.3 * sin(angle), 0.3 * cos(angle), size), 0);
     }
 }
 
-static void add_ball(judged_scene *c, fathom_id group) {
-    case_ball_of(c, group, vec_f64(0, 0, 0), 1, 19, 40);
-}
+static void add_ball(judged_scene *c) { case_ball_of(c, vec_f64(0, 0, 0), 1, 19, 40); }
 
-static void add_planes(judged_scene *c, fathom_id group) {
-    (void)group; /* planes can only be in the root group */
+static void add_planes(judged_scene *c) {
     build_plane(&c->b, vec_f64(-0.7, 0, 0), vec_f64(0, 1, 0), 0);
     build_plane(&c->b, vec_f64(0, -1.4, 0), vec_f64(0.6, 0.8, 0), 0);
     build_plane(&c->b, vec_f64(0, 0, -0.7 * 3), vec_f64(0.3, -0.2, 2), 0);
@@ -36,7 +33,7 @@ static void add_planes(judged_scene *c, fathom_id group) {
 
 /* A box on multiples of 1/16 with sides that are powers of two: intersections with rays along an axis are
  * exact. */
-static void add_box(judged_scene *c, fathom_id group, vec3_f64 low, vec3_f64 size) {
+static void add_box(judged_scene *c, vec3_f64 low, vec3_f64 size) {
     static const uint32_t sides[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                        2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
     uint32_t *indices = case_memory(c, sizeof sides);
@@ -46,76 +43,77 @@ static void add_box(judged_scene *c, fathom_id group, vec3_f64 low, vec3_f64 siz
     for (unsigned k = 0; k < 8; ++k)
         corner[k] =
             vec_f64(low.x + (k & 1 ? size.x : 0), low.y + (k & 2 ? size.y : 0), low.z + (k & 4 ? size.z : 0));
-    case_mesh(c, group, vec_f64(0, 0, 0), corner, 8, indices, 12);
+    case_mesh(c, vec_f64(0, 0, 0), corner, 8, indices, 12);
 }
 
-static void add_boxes(judged_scene *c, fathom_id group) {
-    add_box(c, group, vec_f64(-1, -1, -1), vec_f64(2, 2, 2));
-    add_box(c, group, vec_f64(1, -1, -1), vec_f64(0.5, 1, 2)); /* touches the first */
-    add_box(c, group, vec_f64(-3, 0, -0.5), vec_f64(1, 4, 1));
-    add_box(c, group, vec_f64(-0.25, 1.5, 0), vec_f64(0.5, 0.5, 0.5));
+static void add_boxes(judged_scene *c) {
+    add_box(c, vec_f64(-1, -1, -1), vec_f64(2, 2, 2));
+    add_box(c, vec_f64(1, -1, -1), vec_f64(0.5, 1, 2)); /* touches the first */
+    add_box(c, vec_f64(-3, 0, -0.5), vec_f64(1, 4, 1));
+    add_box(c, vec_f64(-0.25, 1.5, 0), vec_f64(0.5, 0.5, 0.5));
 }
 
 /* Similar, with quads and planes. */
-static void add_squares(judged_scene *c, fathom_id group) {
-    case_quad(c, group, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 1, 0));
-    case_quad(c, group, vec_f64(2, 0, 0.5), vec_f64(0, 1, 0), vec_f64(0, 0, 0.5));
-    case_quad(c, group, vec_f64(0, 1.5, 1), vec_f64(0, 0, 0.25), vec_f64(2, 0, 0));
+static void add_squares(judged_scene *c) {
+    build_quad(&c->b, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 1, 0), 0);
+    build_quad(&c->b, vec_f64(2, 0, 0.5), vec_f64(0, 1, 0), vec_f64(0, 0, 0.5), 0);
+    build_quad(&c->b, vec_f64(0, 1.5, 1), vec_f64(0, 0, 0.25), vec_f64(2, 0, 0), 0);
     build_plane(&c->b, vec_f64(0, -1.5, 0), vec_f64(0, 1, 0), 0);
     build_plane(&c->b, vec_f64(3, 0, 0), vec_f64(-1, 0, 0), 0);
 }
 
 /* More than 2^16 vertices and 2^18 triangles. */
-static void add_fine(judged_scene *c, fathom_id group) {
-    case_ball_of(c, group, vec_f64(0, 0, 0), 1, 366, 366);
-}
+static void add_fine(judged_scene *c) { case_ball_of(c, vec_f64(0, 0, 0), 1, 366, 366); }
 
 /* Shapes that cast no shadow, around and between shapes that do. */
-static void add_masks(judged_scene *c, fathom_id group) {
+static void add_masks(judged_scene *c) {
     c->b.flags = FATHOM_CASTS_NO_SHADOW;
-    case_ball_of(c, group, vec_f64(0, 0, 0), 1.4, 9, 16);
-    add_box(c, group, vec_f64(2, -1, -1), vec_f64(1, 2, 2));
+    case_ball_of(c, vec_f64(0, 0, 0), 1.4, 9, 16);
+    add_box(c, vec_f64(2, -1, -1), vec_f64(1, 2, 2));
     c->b.flags = 0;
-    case_ball_of(c, group, vec_f64(0, 0, 0), 1, 9, 16);
-    add_box(c, group, vec_f64(4, -1, -1), vec_f64(1, 2, 2));
+    case_ball_of(c, vec_f64(0, 0, 0), 1, 9, 16);
+    add_box(c, vec_f64(4, -1, -1), vec_f64(1, 2, 2));
 }
 
-static void add_masked_shapes(judged_scene *c, fathom_id parent) {
+static void add_masked_shapes(judged_scene *c) {
     static const affine_f64 mirrored = {{{-0.8, 0.1, 0, 6}, {0, 0.7, 0, 0.3}, {0.2, 0, 1.1, 0}}};
-    fathom_id group = build_group(&c->b);
+    const fathom_id group = build_group(&c->b);
     for (unsigned i = 0; i < 2; ++i) {
         c->b.flags = i ? 0 : FATHOM_CASTS_NO_SHADOW;
         for (unsigned k = i; k < 8; k += 2) {
-            case_sphere(c, group, scattered_center(k), 0.4);
-            case_sphere(c, parent, scattered_center(k + 20), 0.3);
-            case_quad(c, k % 4 < 2 ? group : parent, scattered_center(k + 40), vec_f64(0.5, 0.1, 0),
-                      vec_f64(0, 0.2, 0.6));
+            c->b.group = group;
+            build_sphere(&c->b, scattered_center(k), 0.4, 0);
+            c->b.group = FATHOM_ROOT;
+            build_sphere(&c->b, scattered_center(k + 20), 0.3, 0);
+            c->b.group = k % 4 < 2 ? group : FATHOM_ROOT;
+            build_quad(&c->b, scattered_center(k + 40), vec_f64(0.5, 0.1, 0), vec_f64(0, 0.2, 0.6), 0);
         }
-        case_ball_of(c, i ? group : parent, vec_f64(0.3, 0, 2.5 * i), 0.7, 9, 16);
+        c->b.group = i ? group : FATHOM_ROOT;
+        case_ball_of(c, vec_f64(0.3, 0, 2.5 * i), 0.7, 9, 16);
         build_plane(&c->b, vec_f64(0, -3.0 - i, 0), vec_f64(0, 1, 0), 0);
         build_plane(&c->b, vec_f64(0, 0, -5.0 + i), vec_f64(0.1, 0, 1), 0);
     }
     c->b.flags = 0;
-    build_place(&c->b, group, parent, &mirrored);
+    build_place(&c->b, group, FATHOM_ROOT, &mirrored);
 }
 
 /* All bounded shapes, rotated, scaled, sheared and mirrored. */
-static void add_instances(judged_scene *c, fathom_id parent) {
+static void add_instances(judged_scene *c) {
     static const affine_f64 maps[5] = {{{{0.5, 0, 0, 3}, {0, 1.5, 0, 0}, {0, 0, 0.2, 0.5}}},
                                        {{{-1, 0, 0, -3}, {0, 1, 0, 0.3}, {0, 0, 1, 0}}},
                                        {{{0.6, -0.8, 0, 0}, {0.8, 0.6, 0.1, 4}, {0, 0.2, 0.7, 0}}},
                                        {{{1, 0.3, 0, 0}, {0, 1, 0, -4}, {0.1, 0, -1.1, 0.4}}},
                                        {{{100, 0, 0, 20}, {0, 0, -100, 30}, {0, 100, 0, 400}}}};
-    fathom_id group = build_group(&c->b);
-    add_spheres(c, group);
-    add_quads(c, group);
-    add_ball(c, group);
-    for (unsigned i = 0; i < 5; ++i) build_place(&c->b, group, parent, &maps[i]);
+    const fathom_id group = c->b.group = build_group(&c->b);
+    add_spheres(c);
+    add_quads(c);
+    add_ball(c);
+    for (unsigned i = 0; i < 5; ++i) build_place(&c->b, group, FATHOM_ROOT, &maps[i]);
 }
 
 static const struct {
     const char *name;
-    void (*add)(judged_scene *c, fathom_id group);
+    void (*add)(judged_scene *c);
 } scenes[] = {{"spheres", add_spheres}, {"quads", add_quads},         {"triangles", add_ball},
               {"planes", add_planes},   {"instances", add_instances}, {"boxes", add_boxes},
               {"squares", add_squares}, {"masks", add_masks},         {"masked-shapes", add_masked_shapes},
@@ -129,7 +127,7 @@ static fathom_status create(fathom_context *context, unsigned index, fathom_scen
     judged_scene c;
     memset(&c, 0, sizeof c);
     build_open(context, &c.b);
-    if (c.b.status == FATHOM_OK) scenes[index].add(&c, FATHOM_ROOT);
+    if (c.b.status == FATHOM_OK) scenes[index].add(&c);
     build_point_light(&c.b, vec_f64(3, 6, 4), vec_f64(1, 1, 1), 0);
     build_finish(&c.b);
     fathom_status status = c.b.status;

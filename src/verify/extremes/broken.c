@@ -25,7 +25,7 @@ static void put_lines(judged_scene *c, double p, double q) {
 static void put_collinear(judged_scene *c) { put_lines(c, 1, 3); }
 static void put_points(judged_scene *c) { put_lines(c, 0, 0); }
 static void put_doubled_corners(judged_scene *c) { put_lines(c, 2, 2); }
-static void put_twice(judged_scene *c) { case_ball(c, FATHOM_ROOT, vec_f64(0, 0, 0), 0.6); }
+static void put_twice(judged_scene *c) { case_ball(c, vec_f64(0, 0, 0), 0.6); }
 
 static void put_whole(judged_scene *c) {
     vec3_f64 corners[3 * BROKEN];
@@ -106,12 +106,12 @@ static const struct {
 void broken_make(judged_scene *c, double kind) {
     size_t k = (size_t)kind - 1;
     case_say(c, "%s", kinds[k].words);
-    case_ball(c, FATHOM_ROOT, vec_f64(0, 0, 0), 0.6);
+    case_ball(c, vec_f64(0, 0, 0), 0.6);
     if (kinds[k].put) {
         kinds[k].put(c);
     } else {
-        case_spheres(c, FATHOM_ROOT, vec_f64(0, 0, 0), 1);
-        case_quads(c, FATHOM_ROOT, vec_f64(0, 0, 0), 1);
+        case_spheres(c, vec_f64(0, 0, 0), 1);
+        case_quads(c, vec_f64(0, 0, 0), 1);
     }
     c->patch = kinds[k].patch, c->number[0] = (double)kinds[k].to;
 }

@@ -75,18 +75,8 @@ static vec3_f64 scattered_point(unsigned i, vec3_f64 at, double radius) {
                                case_scattered(i, 2, -radius, radius)));
 }
 
-void case_sphere(judged_scene *c, fathom_id group, vec3_f64 center, double radius) {
-    c->b.group = group;
-    build_sphere(&c->b, center, radius, 0);
-}
-
-void case_quad(judged_scene *c, fathom_id group, vec3_f64 center, vec3_f64 u, vec3_f64 v) {
-    c->b.group = group;
-    build_quad(&c->b, center, u, v, 0);
-}
-
-void case_mesh(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64 *positions,
-               uint32_t vertices, const uint32_t *indices, uint32_t triangles) {
+void case_mesh(judged_scene *c, vec3_f64 origin, const vec3_f64 *positions, uint32_t vertices,
+               const uint32_t *indices, uint32_t triangles) {
     float *floats = case_memory(c, vertices * 3 * sizeof *floats);
     if (!floats) return;
     for (uint32_t i = 0; i < vertices; ++i) store_f32(floats + 3 * (size_t)i, narrow(positions[i]));
@@ -95,7 +85,6 @@ void case_mesh(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64
     mesh.positions = floats, mesh.vertex_count = vertices;
     mesh.indices = indices, mesh.triangle_count = triangles;
     store_f64(mesh.origin, origin);
-    c->b.group = group;
     build_mesh(&c->b, mesh, 0);
 }
 
@@ -103,21 +92,21 @@ void case_triangles(judged_scene *c, vec3_f64 origin, const vec3_f64 *corners, u
     uint32_t *indices = case_memory(c, triangles * 3 * sizeof *indices);
     if (!indices) return;
     for (uint32_t i = 0; i < 3 * triangles; ++i) indices[i] = i;
-    case_mesh(c, FATHOM_ROOT, origin, corners, 3 * triangles, indices, triangles);
+    case_mesh(c, origin, corners, 3 * triangles, indices, triangles);
 }
 
-void case_spheres(judged_scene *c, fathom_id group, vec3_f64 at, double radius) {
+void case_spheres(judged_scene *c, vec3_f64 at, double radius) {
     for (unsigned i = 0; i < 12; ++i)
-        case_sphere(c, group, scattered_point(i, at, radius),
-                    radius * pow(10, case_scattered(i, 3, -2, -0.5)));
+        build_sphere(&c->b, scattered_point(i, at, radius), radius * pow(10, case_scattered(i, 3, -2, -0.5)),
+                     0);
 }
 
-void case_quads(judged_scene *c, fathom_id group, vec3_f64 at, double radius) {
+void case_quads(judged_scene *c, vec3_f64 at, double radius) {
     for (unsigned i = 0; i < 12; ++i) {
         double angle = case_scattered(i, 3, 0, 6.28), size = radius * pow(10, case_scattered(i, 4, -2, -0.3));
         vec3_f64 u = scale_f64(size, vec_f64(cos(angle), sin(angle), 0));
-        case_quad(c, group, scattered_point(i + 40, at, radius), u,
-                  scale_f64(size, vec_f64(-0.3 * sin(angle), 0.3 * cos(angle), 0.8)));
+        build_quad(&c->b, scattered_point(i + 40, at, radius), u,
+                   scale_f64(size, vec_f64(-0.3 * sin(angle), 0.3 * cos(angle), 0.8)), 0);
     }
 }
 
@@ -133,8 +122,7 @@ static uint32_t *add_triangle(uint32_t *at, uint32_t x, uint32_t y, uint32_t z) 
     return at + 3;
 }
 
-void case_ball_of(judged_scene *c, fathom_id group, vec3_f64 at, double radius, unsigned rings,
-                  unsigned around) {
+void case_ball_of(judged_scene *c, vec3_f64 at, double radius, unsigned rings, unsigned around) {
     const uint32_t top = rings * around, bottom = top + 1, last = top - around;
     vec3_f64 *positions = case_memory(c, (bottom + 1) * sizeof *positions);
     uint32_t *indices = case_memory(c, 6 * (size_t)top * sizeof *indices), *next = indices;
@@ -152,18 +140,16 @@ void case_ball_of(judged_scene *c, fathom_id group, vec3_f64 at, double radius, 
             next = add_triangle(next, k + j, k + around + j, k + around + i);
         }
     }
-    case_mesh(c, group, at, positions, bottom + 1, indices, (uint32_t)(next - indices) / 3);
+    case_mesh(c, at, positions, bottom + 1, indices, (uint32_t)(next - indices) / 3);
 }
 
-void case_ball(judged_scene *c, fathom_id group, vec3_f64 at, double radius) {
-    case_ball_of(c, group, at, radius, 7, 12);
-}
+void case_ball(judged_scene *c, vec3_f64 at, double radius) { case_ball_of(c, at, radius, 7, 12); }
 
 void case_shapes(judged_scene *c, double radius) {
     const vec3_f64 middle = {0, 0, 0};
     switch (c->shape) {
-    case CASE_SPHERES: case_spheres(c, FATHOM_ROOT, middle, radius); break;
-    case CASE_QUADS: case_quads(c, FATHOM_ROOT, middle, radius); break;
-    default: case_ball(c, FATHOM_ROOT, middle, radius);
+    case CASE_SPHERES: case_spheres(c, middle, radius); break;
+    case CASE_QUADS: case_quads(c, middle, radius); break;
+    default: case_ball(c, middle, radius);
     }
 }

@@ -33,22 +33,19 @@ fathom_status case_open(fathom_context *context, void (*make)(judged_scene *c, d
 void *case_memory(judged_scene *c, size_t bytes);
 void case_say(judged_scene *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* ---- shapes: each call does nothing after a failure ---- */
+/* ---- shapes, in the group of the builder: each call does nothing after a failure ---- */
 
-void case_sphere(judged_scene *c, fathom_id group, vec3_f64 center, double radius);
-void case_quad(judged_scene *c, fathom_id group, vec3_f64 center, vec3_f64 u, vec3_f64 v);
 /* Copies the positions. */
-void case_mesh(judged_scene *c, fathom_id group, vec3_f64 origin, const vec3_f64 *positions,
-               uint32_t vertices, const uint32_t *indices, uint32_t triangles);
+void case_mesh(judged_scene *c, vec3_f64 origin, const vec3_f64 *positions, uint32_t vertices,
+               const uint32_t *indices, uint32_t triangles);
 /* Triangle k has the corners 3 k, 3 k + 1, 3 k + 2. */
 void case_triangles(judged_scene *c, vec3_f64 origin, const vec3_f64 *corners, uint32_t triangles);
 /* Scattered in a ball, with sizes from a hundredth of the radius. */
-void case_spheres(judged_scene *c, fathom_id group, vec3_f64 at, double radius);
-void case_quads(judged_scene *c, fathom_id group, vec3_f64 at, double radius);
+void case_spheres(judged_scene *c, vec3_f64 at, double radius);
+void case_quads(judged_scene *c, vec3_f64 at, double radius);
 /* A closed bumpy mesh with coordinates relative to `at`. */
-void case_ball(judged_scene *c, fathom_id group, vec3_f64 at, double radius);
-void case_ball_of(judged_scene *c, fathom_id group, vec3_f64 at, double radius, unsigned rings,
-                  unsigned around);
+void case_ball(judged_scene *c, vec3_f64 at, double radius);
+void case_ball_of(judged_scene *c, vec3_f64 at, double radius, unsigned rings, unsigned around);
 /* The shapes of the group: spheres or quads as above, or a closed mesh. */
 enum { CASE_SPHERES, CASE_QUADS, CASE_TRIANGLES, CASE_PLANES };
 void case_shapes(judged_scene *c, double radius);

@@ -27,7 +27,7 @@ void sliver_make(judged_scene *c, double aspect) {
         alone[3 * i + 2] = madd_f64(b, length_f64(sub_f64(b, a)) / aspect, side);
         indices[3 * i] = i, indices[3 * i + 1] = i + 1, indices[3 * i + 2] = i + 2;
     }
-    case_mesh(c, FATHOM_ROOT, middle, strip, STRIP + 2, indices, STRIP);
+    case_mesh(c, middle, strip, STRIP + 2, indices, STRIP);
     case_triangles(c, middle, alone, STRIP);
 }
 
@@ -89,12 +89,11 @@ void tangent_make(judged_scene *c, double off) {
     c->maker = off > 0 ? tangent_ray : touching_ray;
     if (off > 0) {
         case_say(c, "rays past the rims of spheres by %g of the radius, inside and outside", off);
-        case_spheres(c, FATHOM_ROOT, middle, 1);
+        case_spheres(c, middle, 1);
         return;
     }
     case_say(c, "rays that touch spheres in one point exactly");
-    for (int k = 0; k < 8; ++k)
-        case_sphere(c, FATHOM_ROOT, vec_f64(8 * k, 4 * (k % 3), k), ldexp(1, k % 4 - 2));
+    for (int k = 0; k < 8; ++k) build_sphere(&c->b, vec_f64(8 * k, 4 * (k % 3), k), ldexp(1, k % 4 - 2), 0);
 }
 
 /* ---- one sphere seen from near and far: radius divided by distance ---- */
@@ -125,7 +124,7 @@ static rays_draft outer_ray(const void *user, rays_random *r) {
 /* Adds a unit sphere; number[0]: distance to its surface. */
 static void near_unit(judged_scene *c, const char *side, double ratio, rays_maker maker) {
     case_say(c, "a sphere from %s, its radius %g times the distance to its surface", side, ratio);
-    case_sphere(c, FATHOM_ROOT, unit_center, 1);
+    build_sphere(&c->b, unit_center, 1, 0);
     c->number[0] = 1 / ratio;
     c->maker = maker;
 }
@@ -160,7 +159,7 @@ static void push_away(judged_scene *c) {
 
 void ratio_surface(judged_scene *c, double ratio) {
     case_say(c, "rays from the surface of a sphere, its radius %g times its distance from the origin", ratio);
-    case_sphere(c, FATHOM_ROOT, vec_f64(0, 0, 0), ratio);
+    build_sphere(&c->b, vec_f64(0, 0, 0), ratio, 0);
     c->patch = push_away;
     c->maker = surface_ray;
 }
@@ -182,9 +181,9 @@ static rays_draft part_ray(const void *user, rays_random *r) {
 /* The part floats above the planet; its centre is two of its own radii above the ground. */
 static void put_part(judged_scene *c, double size) {
     vec3_f64 up = vec_f64(0.48, 0.6, 0.64), at = scale_f64(earth + 2 * size, up);
-    case_sphere(c, FATHOM_ROOT, vec_f64(0, 0, 0), earth);
-    case_ball(c, FATHOM_ROOT, at, size);
-    case_sphere(c, FATHOM_ROOT, madd_f64(at, 2.5 * size, vec_f64(0.8, 0, -0.6)), size);
+    build_sphere(&c->b, vec_f64(0, 0, 0), earth, 0);
+    case_ball(c, at, size);
+    build_sphere(&c->b, madd_f64(at, 2.5 * size, vec_f64(0.8, 0, -0.6)), size, 0);
     const fathom_camera camera = build_view(madd_f64(at, 8 * size, vec_f64(0.64, 0.48, 0.6)), at, 0.7);
     build_camera(&c->b, &camera);
     c->number[0] = size, c->number[1] = at.x, c->number[2] = at.y, c->number[3] = at.z;

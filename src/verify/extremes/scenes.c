@@ -12,9 +12,9 @@ void scale_make(judged_scene *c, double scale) {
 }
 
 static void put_mixture(judged_scene *c, vec3_f64 at) {
-    case_spheres(c, FATHOM_ROOT, at, 1);
-    case_quads(c, FATHOM_ROOT, at, 1);
-    case_ball(c, FATHOM_ROOT, at, 0.6);
+    case_spheres(c, at, 1);
+    case_quads(c, at, 1);
+    case_ball(c, at, 0.6);
 }
 
 static vec3_f64 place_at(double offset) { return scale_f64(offset, vec_f64(0.48, -0.6, 0.64)); }
@@ -71,9 +71,9 @@ void copies_make(judged_scene *c, double count) {
     const vec3_f64 at = {0.1, 0.2, -0.1}, triangle[3] = {{-1, -0.7, 0.1}, {1.1, -0.4, -0.3}, {0.2, 1.3, 0.2}};
     case_say(c, "one %s %u times", words[c->shape], n);
     thin_out(c, count);
-    for (uint32_t i = 0; i < n && c->shape == CASE_SPHERES; ++i) case_sphere(c, FATHOM_ROOT, at, 0.7);
+    for (uint32_t i = 0; i < n && c->shape == CASE_SPHERES; ++i) build_sphere(&c->b, at, 0.7, 0);
     for (uint32_t i = 0; i < n && c->shape == CASE_QUADS; ++i)
-        case_quad(c, FATHOM_ROOT, at, vec_f64(0.9, 0.1, 0.2), vec_f64(-0.2, 1, 0.3));
+        build_quad(&c->b, at, vec_f64(0.9, 0.1, 0.2), vec_f64(-0.2, 1, 0.3), 0);
     if (c->shape != CASE_TRIANGLES) return;
     vec3_f64 *corners = case_memory(c, n * 3 * sizeof *corners);
     for (size_t i = 0; corners && i < 3 * (size_t)n; ++i) corners[i] = triangle[i % 3];
@@ -96,7 +96,7 @@ static void put_layer(judged_scene *c, double count, vec3_f64 x, vec3_f64 y) {
         double size = case_scattered(i, 4, 0.02, 0.5);
         vec3_f64 at =
             add_f64(scale_f64(case_scattered(i, 2, -1, 1), x), scale_f64(case_scattered(i, 3, -1, 1), y));
-        case_quad(c, FATHOM_ROOT, at, scale_f64(size, x), scale_f64(size / 2, y));
+        build_quad(&c->b, at, scale_f64(size, x), scale_f64(size / 2, y), 0);
     }
 }
 
@@ -113,10 +113,11 @@ void overlap_tilted(judged_scene *c, double count) {
 /* ---- nested groups: scaled up and down, stretched and mirrored ---- */
 
 static fathom_id put_things(judged_scene *c, double size) {
-    fathom_id group = build_group(&c->b);
-    case_ball(c, group, vec_f64(0, 0, 0), 0.6 * size);
-    case_spheres(c, group, vec_f64(0, 0, 0), size);
-    case_quads(c, group, vec_f64(0, 0, 0), size);
+    const fathom_id group = c->b.group = build_group(&c->b);
+    case_ball(c, vec_f64(0, 0, 0), 0.6 * size);
+    case_spheres(c, vec_f64(0, 0, 0), size);
+    case_quads(c, vec_f64(0, 0, 0), size);
+    c->b.group = FATHOM_ROOT;
     return group;
 }
 
@@ -193,25 +194,25 @@ static void put_far_triangles(judged_scene *c, double at) {
 void beyond_triangles(judged_scene *c, double at) {
     case_say(c, "among good triangles: some with a corner %g away", at);
     c->thin = 8; /* the oracle's integers are slow with such exponents */
-    case_ball(c, FATHOM_ROOT, middle, 0.3);
+    case_ball(c, middle, 0.3);
     put_far_triangles(c, at);
 }
 
 void beyond_quads(judged_scene *c, double at) {
     case_say(c, "among good quads: some with sides of %g", at);
     c->thin = 4;
-    case_quads(c, FATHOM_ROOT, middle, 1);
+    case_quads(c, middle, 1);
     for (unsigned i = 0; i < 6; ++i) {
         vec3_f64 u =
             vec_f64(case_scattered(i, 0, -1, 1), case_scattered(i, 1, -1, 1), case_scattered(i, 2, -1, 1));
         vec3_f64 v = cross_f64(u, vec_f64(0.3, 1, -0.2));
-        case_quad(c, FATHOM_ROOT, scale_f64(3, u), scale_f64(at, u), scale_f64(at, v));
+        build_quad(&c->b, scale_f64(3, u), scale_f64(at, u), scale_f64(at, v), 0);
     }
 }
 
 void beyond_spheres(judged_scene *c, double at) {
     case_say(c, "among good spheres: one of radius %g around all, and one as far away", at);
-    case_spheres(c, FATHOM_ROOT, middle, 1);
-    case_sphere(c, FATHOM_ROOT, middle, at);
-    case_sphere(c, FATHOM_ROOT, vec_f64(0.6 * at, -1.2 * at, 0), 0.5 * at);
+    case_spheres(c, middle, 1);
+    build_sphere(&c->b, middle, at, 0);
+    build_sphere(&c->b, vec_f64(0.6 * at, -1.2 * at, 0), 0.5 * at, 0);
 }
