@@ -82,35 +82,26 @@ static bool add_cloud(world *w, const fathom_mesh *mesh, fathom_id object) {
     return true;
 }
 
-static bool push_mesh(world *w, fathom_id object, const fathom_mesh *mesh, const mesh_facts *facts,
-                      const world_geometry *geometry) {
-    if (!array_push(&w->meshes, *mesh) || !array_push(&w->mesh_facts, *facts) ||
+bool world_add_mesh(world *w, fathom_id object, const fathom_mesh *from, const mesh_facts *facts) {
+    fathom_mesh mesh = *from;
+    mesh_facts known = *facts;
+    world_geometry geometry = {.kind = WORLD_MESH,
+                               .first = (uint32_t)w->meshes.count,
+                               .count = mesh.triangle_count,
+                               .flags = mesh.flags,
+                               .smooth = mesh.normals != NULL,
+                               .instance = FATHOM_NONE,
+                               .material = FATHOM_NONE};
+    if (mesh.key_count && !world_add_vertex_motion(w, &geometry, &mesh, &known)) return false;
+    if (!array_push(&w->meshes, mesh) || !array_push(&w->mesh_facts, known) ||
         !array_push(&w->mesh_objects, object))
         return false;
-    return mesh->point_radius > 0 ? add_cloud(w, mesh, object) : array_push(&w->geometries, *geometry);
+    return mesh.point_radius > 0 ? add_cloud(w, &mesh, object) : array_push(&w->geometries, geometry);
 }
 
-static world_geometry geometry_of(const world *w, const fathom_mesh *mesh) {
-    return (world_geometry){.kind = WORLD_MESH,
-                            .first = (uint32_t)w->meshes.count,
-                            .count = mesh->triangle_count,
-                            .flags = mesh->flags,
-                            .smooth = mesh->normals != NULL,
-                            .instance = FATHOM_NONE,
-                            .material = FATHOM_NONE};
-}
-
-bool world_add_mesh(world *w, fathom_id object, const fathom_mesh *mesh, const mesh_facts *facts) {
-    const world_geometry geometry = geometry_of(w, mesh);
-    return push_mesh(w, object, mesh, facts, &geometry);
-}
-
-static bool add_mesh(world *w, uint32_t index, fathom_id object) {
-    fathom_mesh made = w->scene->meshes.items[index];
-    mesh_facts facts = w->scene->mesh_facts.items[index];
-    world_geometry geometry = geometry_of(w, &made);
-    if (made.key_count && !world_add_vertex_motion(w, &geometry, &made, &facts)) return false;
-    return push_mesh(w, object, &made, &facts, &geometry);
+bool world_add_lone_mesh(world *w, fathom_id object) {
+    const uint32_t index = w->scene->objects.items[object].index;
+    return world_add_mesh(w, object, &w->scene->meshes.items[index], &w->scene->mesh_facts.items[index]);
 }
 
 static bool same_point(const double p[3], vec3_f64 q) { return p[0] == q.x && p[1] == q.y && p[2] == q.z; }
@@ -131,7 +122,7 @@ static bool add_kind(world *w, const scene_graph *graph, uint32_t group, scene_k
         case SCENE_QUAD: added = add_quad(w, &scene->quads.items[object.index], id, first, origin); break;
         case SCENE_MESH:
             if (same_point(scene->meshes.items[object.index].origin, origin))
-                added = add_mesh(w, object.index, id);
+                added = world_add_lone_mesh(w, id);
             break;
         case SCENE_PLANE: break;
         }
@@ -145,10 +136,6 @@ bool world_add_geometries(world *w, const scene_graph *graph, uint32_t group, ve
     return add_kind(w, graph, group, SCENE_SPHERE, first, origin) &&
            add_kind(w, graph, group, SCENE_QUAD, first, origin) &&
            add_kind(w, graph, group, SCENE_MESH, first, origin);
-}
-
-bool world_add_lone_mesh(world *w, fathom_id object) {
-    return add_mesh(w, w->scene->objects.items[object].index, object);
 }
 
 /* ---- the whole world ---- */
