@@ -37,12 +37,6 @@ fathom_status fathom_scene_create(fathom_context *context, fathom_scene **out) {
 void fathom_scene_destroy(fathom_scene *scene) {
     if (!scene) return;
     for (size_t i = 0; i < scene->blobs.count; ++i) scene->blobs.items[i].release(scene->blobs.items[i].data);
-    for (size_t i = 0; i < scene->materials.count; ++i) free(scene->materials.items[i].name);
-    for (size_t i = 0; i < scene->groups.count; ++i) free(scene->groups.items[i]);
-    for (size_t i = 0; i < scene->cameras.count; ++i) {
-        free(scene->cameras.items[i].name);
-        free(scene->cameras.items[i].own_name);
-    }
     array_free(&scene->blobs);
     array_free(&scene->materials);
     array_free(&scene->lights);
@@ -131,10 +125,12 @@ fathom_status scene_allocate_items(fathom_scene *scene, size_t count, size_t byt
     return scene_allocate(scene, all, out);
 }
 
-/* A NULL text stays NULL. */
-static fathom_status copy_text(fathom_context *context, const char *text, char **out) {
-    *out = text ? strdup(text) : NULL;
-    return text && !*out ? fail_memory(context, strlen(text)) : FATHOM_OK;
+fathom_status scene_own_text(fathom_scene *scene, const char **text) {
+    if (!*text) return FATHOM_OK;
+    const size_t length = strlen(*text);
+    char *copy = strdup(*text);
+    *text = copy;
+    return copy ? scene_adopt(scene, copy, free) : fail_memory(scene->context, length);
 }
 
 static fathom_status check_color(fathom_context *context, const char *what, const float rgb[3]) {
@@ -179,22 +175,19 @@ static fathom_status take_numbers(fathom_scene *scene, fathom_material *material
 fathom_status fathom_scene_add_material_sized(fathom_scene *scene, const char *name,
                                               const fathom_material *material, size_t size, fathom_id *out) {
     if (!scene) return FATHOM_BAD_USAGE;
-    scene_named_material entry = {.name = NULL};
+    scene_named_material entry = {.name = name};
     fathom_status status = SIZED_ITEM(scene->context, fathom_material, material, size, &entry.value);
     if (status == FATHOM_OK) status = scene_check_material(scene->context, &entry.value);
     if (status == FATHOM_OK) status = check_textures(scene, &entry.value);
     if (status == FATHOM_OK) status = take_numbers(scene, &entry.value);
-    if (status == FATHOM_OK) status = copy_text(scene->context, name, &entry.name);
+    if (status == FATHOM_OK) status = scene_own_text(scene, &entry.name);
     if (status != FATHOM_OK) return status;
     /* Path tracing alone would read them. */
     if (entry.value.model == FATHOM_MODEL_CLASSIC) entry.value.opacity = 1, entry.value.opacity_cutoff = 0;
     entry.classic = entry.value;
     if (entry.value.model == FATHOM_MODEL_METALLIC_ROUGHNESS)
         metallic_to_classic(&entry.value, &entry.classic);
-    if (!array_push(&scene->materials, entry)) {
-        free(entry.name);
-        return fail_memory(scene->context, sizeof entry);
-    }
+    if (!array_push(&scene->materials, entry)) return fail_memory(scene->context, sizeof entry);
     scene->has_maps |= material_has_maps(&entry.value);
     scene->uses_uvs |= scene->has_maps || material_is_directed(&entry.value);
     if (out) *out = (fathom_id)(scene->materials.count - 1);
@@ -278,14 +271,6 @@ static fathom_status check_light(fathom_context *context, const fathom_light *li
     return FATHOM_OK;
 }
 
-/* Replaces the text, which may be NULL, by a copy that belongs to the scene. */
-static fathom_status own_text(fathom_scene *scene, const char **text) {
-    char *copy;
-    fathom_status status = copy_text(scene->context, *text, &copy);
-    *text = copy;
-    return status == FATHOM_OK && copy ? scene_adopt(scene, copy, free) : status;
-}
-
 /* A light that is added replaces what fathom_scene_complete() made. */
 static void drop_made_lights(fathom_scene *scene) {
     if (scene->made.lights) scene->lights.count = 0;
@@ -304,8 +289,8 @@ static fathom_status add_environment(fathom_scene *scene, const fathom_light *li
         return fail_field(context, FATHOM_BAD_INPUT, "rotation", "expected a finite number");
     if (!finite_f64(load_f64(light->up)) || length_f64(load_f64(light->up)) == 0)
         return fail_field(context, FATHOM_BAD_INPUT, "up", "expected a finite vector that is not zero");
-    fathom_status status = own_text(scene, &entry.file);
-    if (status == FATHOM_OK) status = own_text(scene, &entry.name);
+    fathom_status status = scene_own_text(scene, &entry.file);
+    if (status == FATHOM_OK) status = scene_own_text(scene, &entry.name);
     if (status != FATHOM_OK) return status;
     drop_made_lights(scene);
     if (!array_push(&scene->environments, entry)) return fail_memory(context, sizeof entry);
@@ -326,7 +311,7 @@ fathom_status fathom_scene_add_light_sized(fathom_scene *scene, const fathom_lig
     if (status != FATHOM_OK) return status;
     if (item.type == FATHOM_LIGHT_ENVIRONMENT) return add_environment(scene, &item, out);
     status = check_light(context, &item);
-    if (status == FATHOM_OK) status = own_text(scene, &item.name);
+    if (status == FATHOM_OK) status = scene_own_text(scene, &item.name);
     if (status != FATHOM_OK) return status;
     drop_made_lights(scene);
     if (!array_push(&scene->lights, item)) return fail_memory(context, sizeof item);
@@ -336,13 +321,9 @@ fathom_status fathom_scene_add_light_sized(fathom_scene *scene, const fathom_lig
 
 fathom_status fathom_scene_add_group(fathom_scene *scene, const char *name, fathom_id *out) {
     if (!scene) return FATHOM_BAD_USAGE;
-    char *copy;
-    fathom_status status = copy_text(scene->context, name, &copy);
+    fathom_status status = scene_own_text(scene, &name);
     if (status != FATHOM_OK) return status;
-    if (!array_push(&scene->groups, copy)) {
-        free(copy);
-        return fail_memory(scene->context, sizeof copy);
-    }
+    if (!array_push(&scene->groups, name)) return fail_memory(scene->context, sizeof name);
     if (out) *out = (fathom_id)(scene->groups.count - 1);
     return FATHOM_OK;
 }
@@ -405,7 +386,7 @@ fathom_status fathom_scene_add_instance_sized(fathom_scene *scene, const fathom_
     if (status == FATHOM_OK && item.key_count) status = check_motion(scene->context, &item);
     if (status == FATHOM_OK && item.key_count)
         status = motion_copy_keys(scene, item.key_count, 12, &item.key_times, &item.key_transforms);
-    if (status == FATHOM_OK) status = own_text(scene, &item.name);
+    if (status == FATHOM_OK) status = scene_own_text(scene, &item.name);
     if (status != FATHOM_OK) return status;
     if (item.key_count) memcpy(item.transform, item.key_transforms, sizeof item.transform);
     if (!array_push(&scene->instances, item)) return fail_memory(scene->context, sizeof item);
@@ -438,9 +419,8 @@ fathom_status fathom_scene_set_ambient(fathom_scene *scene, const float rgb[3]) 
 fathom_status fathom_scene_set_name(fathom_scene *scene, const char *name) {
     if (!scene) return FATHOM_BAD_USAGE;
     if (!name) return fail_null(scene->context, "name");
-    char *copy;
-    fathom_status status = copy_text(scene->context, name, &copy);
-    if (status != FATHOM_OK) return status;
+    char *copy = strdup(name);
+    if (!copy) return fail_memory(scene->context, strlen(name));
     free(scene->name);
     scene->name = copy;
     return FATHOM_OK;

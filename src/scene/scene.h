@@ -29,8 +29,8 @@ typedef struct scene_blob {
 
 /* A camera that a node of the file holds. */
 typedef struct scene_camera {
-    char *name;     /* of the node; NULL when it has none */
-    char *own_name; /* of the camera, which several nodes may hold; NULL when it has none */
+    const char *name;     /* of the node; NULL when it has none */
+    const char *own_name; /* of the camera, which several nodes may hold; NULL when it has none */
     bool orthographic;
 } scene_camera;
 
@@ -53,7 +53,7 @@ typedef struct scene_origin {
 typedef struct scene_named_material {
     fathom_material value;
     fathom_material classic; /* for the classic integrator; equal to `value` if that is classic */
-    char *name;              /* NULL when it has none */
+    const char *name;        /* NULL when it has none */
 } scene_named_material;
 
 #define LIGHT_GROUPS 32 /* at most, "rest" included */
@@ -80,7 +80,7 @@ struct fathom_scene {
     ARRAY(fathom_light) lights;       /* all but environments */
     ARRAY(fathom_light) environments; /* the scene owns their file names */
     ARRAY(fathom_texture) textures;   /* the scene owns their texts and bytes */
-    ARRAY(char *) groups;             /* names, NULL for none; group 0 is the root */
+    ARRAY(const char *) groups;       /* names, NULL for none; group 0 is the root */
     ARRAY(scene_object) objects;
     ARRAY(fathom_sphere) spheres;
     ARRAY(fathom_quad) quads;
@@ -131,6 +131,9 @@ fathom_status scene_adopt(fathom_scene *scene, void *data, void (*release)(void 
 /* The same for data that owns a mapped file. */
 fathom_status scene_adopt_file(fathom_scene *scene, void *data, void (*release)(void *data),
                                const file_map *map);
+
+/* Replaces the text, which may be NULL, by a copy that the scene owns. */
+fathom_status scene_own_text(fathom_scene *scene, const char **text);
 
 /* Allocates memory that the scene owns. 16 bytes past its end are readable, as Embree requires of a vertex
  * buffer. */

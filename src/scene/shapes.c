@@ -52,10 +52,8 @@ fathom_status fathom_scene_name_object(fathom_scene *scene, fathom_id object, co
     if (!name) return fail_null(scene->context, "name");
     if (object >= scene->objects.count)
         return fail(scene->context, FATHOM_BAD_USAGE, "there is no object %u", object);
-    char *copy = strdup(name);
-    if (!copy) return fail_memory(scene->context, strlen(name));
-    fathom_status status = scene_adopt(scene, copy, free);
-    if (status == FATHOM_OK) scene->objects.items[object].name = copy;
+    fathom_status status = scene_own_text(scene, &name);
+    if (status == FATHOM_OK) scene->objects.items[object].name = name;
     return status;
 }
 

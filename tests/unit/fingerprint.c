@@ -202,8 +202,8 @@ UNIT_TEST(the_config_of_named_color_spaces) {
 
 /* The ids of Cryptomatte depend on them. */
 UNIT_TEST(names_of_parts) {
-    SEES(scene->materials.items[1].name[0], 'n');
-    SEES(scene->groups.items[1][0], 'h');
+    SEES(scene->materials.items[1].name, "n");
+    SEES(scene->groups.items[1], "h");
     SEES(scene->objects.items[0].name, "ball");
 }
 

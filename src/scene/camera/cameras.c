@@ -4,20 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool copy_text(const char *text, char **out) {
-    *out = text ? strdup(text) : NULL;
-    return *out || !text;
-}
-
 fathom_status scene_note_camera(fathom_scene *scene, const char *name, const char *own_name,
                                 bool orthographic) {
-    scene_camera camera = {.orthographic = orthographic};
-    if (copy_text(name, &camera.name) && copy_text(own_name, &camera.own_name) &&
-        array_push(&scene->cameras, camera))
-        return FATHOM_OK;
-    free(camera.name);
-    free(camera.own_name);
-    return fail_memory(scene->context, sizeof camera);
+    scene_camera camera = {name, own_name, orthographic};
+    fathom_status status = scene_own_text(scene, &camera.name);
+    if (status == FATHOM_OK) status = scene_own_text(scene, &camera.own_name);
+    if (status != FATHOM_OK) return status;
+    return array_push(&scene->cameras, camera) ? FATHOM_OK : fail_memory(scene->context, sizeof camera);
 }
 
 /* ---- as text ---- */
