@@ -114,7 +114,7 @@ kill -TERM $child
 end 5
 said out.txt 'correct.so: 0 answers wrong in 0 rays judged'
 
-refused 2 '--families: expected names of families' validate --families edges
+refused 2 '--families: expected names from camera,uniform,' validate --families edges
 refused 2 '--rays: expected a whole number from 1' validate --rays 0
 refused 2 'unexpected argument "b.json"' validate a.json b.json
 refused 2 'xyzzy' validate --tracer xyzzy

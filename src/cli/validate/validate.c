@@ -184,26 +184,18 @@ static fathom_status prepare_and_validate(fathom_context *context, void *user) {
     return (settings->replay ? replay : validate)(context, settings);
 }
 
+/* Words separated by commas. */
 static bool take_families(const args_option *option, const char *value, void *field, args_problem *problem) {
     (void)option;
-    unsigned families = 0;
-    for (const char *word = value;; ++word) {
-        size_t length = strcspn(word, ",");
-        int found = -1;
-        for (int f = 0; f < RAYS_FAMILIES; ++f) {
-            const char *name = rays_family_name((rays_family)f);
-            if (strlen(name) == length && strncmp(name, word, length) == 0) found = f;
-        }
-        if (found < 0)
-            return args_wrong(
-                problem, "expected names of families as fathom help validate lists them, found \"%.60s\"",
-                value);
-        families |= 1u << found;
-        word += length;
-        if (!*word) break;
+    char words[256] = "";
+    for (int f = 0; f < RAYS_FAMILIES; ++f) {
+        const size_t length = strlen(words);
+        snprintf(words + length, sizeof words - length, "%s%s", f ? "|" : "",
+                 rays_family_name((rays_family)f));
     }
-    *(unsigned *)field = families;
-    return true;
+    const fathom_parameter p = {.type = FATHOM_PARAMETER_WORDS, .words = words, .high = usual.families};
+    return take_parameter(&p, value, field, problem) &&
+           (*(unsigned *)field || args_wrong(problem, "expected a family of rays, found none"));
 }
 
 static const args_option options[] = {
