@@ -100,14 +100,15 @@ bool command_parse(const command *c, int argc, char **argv, void *settings, fath
     return false;
 }
 
-fathom_status command_context(unsigned threads, fathom_context **out) {
+fathom_status command_context(const command_common *common, fathom_context **out) {
     fathom_status status = fathom_context_create(out);
     if (status != FATHOM_OK) {
         log_line(LOG_ERROR, "out of memory");
         return status;
     }
     json_memory_watch();
-    fathom_context_set_threads(*out, threads);
+    fathom_context_set_threads(*out, common->threads);
+    fathom_context_allow_outside(*out, common->allow_outside);
     fathom_context_on_warning(*out, warnings_say, NULL);
     return FATHOM_OK;
 }
@@ -122,11 +123,10 @@ fathom_status command_run(const command *c, int argc, char **argv) {
     warning_list said = {.count = 0};
     memcpy(settings, c->defaults, c->size);
     if (!command_parse(c, argc, argv, settings, &status)) return status;
-    status = command_context(common->threads, &context);
+    status = command_context(common, &context);
     if (status != FATHOM_OK) return status;
     /* Some commands render a scene many times, each time with the same warnings. */
     fathom_context_on_warning(context, warnings_say_once, &said);
-    fathom_context_allow_outside(context, common->allow_outside);
     interrupt_install();
     status = c->body(context, settings);
     fathom_context_destroy(context);

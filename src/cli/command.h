@@ -122,5 +122,5 @@ typedef struct command_common {
     ARGS_ROW("allow-outside", 0, NULL, take_true, offsetof(command_common, allow_outside), 0, 0,             \
              "allow files outside the folder of SCENE")
 
-/* Creates a context whose warnings go to stderr. Prints the error if memory runs out. */
-fathom_status command_context(unsigned threads, fathom_context **out);
+/* Creates a context with these options, whose warnings go to stderr. Prints the error if memory runs out. */
+fathom_status command_context(const command_common *common, fathom_context **out);

@@ -61,7 +61,7 @@ static fathom_status run(int argc, char **argv) {
         status = say_usage(&command_merge, problem.text);
         fine = false;
     }
-    if (fine) status = command_context(options.common.threads, &context);
+    if (fine) status = command_context(&options.common, &context);
     if (fine && status == FATHOM_OK) {
         options.write.command = provenance_command();
         interrupt_install();

@@ -1,4 +1,4 @@
-#include "cli/render/sequence.h"
+#include "cli/render/task.h"
 
 #include "base/clock.h"
 

@@ -1,8 +1,8 @@
-#include "cli/render/sequence.h"
-
+/* The frames of an animation, one image each. */
 #include "cli/interrupt.h"
 #include "cli/render/brightness.h"
 #include "cli/render/progress.h"
+#include "cli/render/task.h"
 
 #include "base/clock.h"
 
@@ -16,8 +16,7 @@ static void tell_nobody(void *user, const char *text) { (void)user, (void)text; 
 
 /* Gives the task of a trial run a context. False: out of memory. */
 static bool trial_open(task *s) {
-    if (command_context(s->options.common.threads, &s->context) != FATHOM_OK) return false;
-    fathom_context_allow_outside(s->context, s->options.common.allow_outside);
+    if (command_context(&s->options.common, &s->context) != FATHOM_OK) return false;
     fathom_context_on_warning(s->context, tell_nobody, NULL);
     return true;
 }

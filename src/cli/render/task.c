@@ -301,9 +301,8 @@ static void tell_kept(const render_options *options) {
 }
 
 fathom_status task_run(task *s) {
-    fathom_status status = command_context(s->options.common.threads, &s->context);
+    fathom_status status = command_context(&s->options.common, &s->context);
     if (status != FATHOM_OK) return status;
-    fathom_context_allow_outside(s->context, s->options.common.allow_outside);
     s->options.write.command = provenance_command();
     interrupt_install();
     interrupt_install_save();

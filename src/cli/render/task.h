@@ -30,3 +30,5 @@ fathom_status task_read(task *s);
 fathom_status task_read_framed(task *s);
 /* Runs the task and destroys all but the options, the framing and `exposed`. */
 fathom_status task_run(task *s);
+/* Renders all frames that the options request, one image each. */
+fathom_status sequence_run(task *all);
